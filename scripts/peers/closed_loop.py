@@ -16,8 +16,8 @@ os.environ.pop("LD_PRELOAD", None)  # what it named is loaded here, and is not f
 import crocoddyl  # noqa: E402
 import numpy as np  # noqa: E402
 
-from conddp_tool import (BINARIES, NATIVE, ROOT, Untranslatable, expanded,  # noqa: E402
-                         is_loaded, output_of, robot_settings, settings)
+from conddp_tool import (BINARIES, ROOT, Untranslatable, expanded, output_of,  # noqa: E402
+                         parsed, robot_settings, settings)
 from crocoddyl_problem import Translation  # noqa: E402
 from machine import processor  # noqa: E402
 
@@ -173,20 +173,14 @@ def table(rows):
 def arguments():
     parser = argparse.ArgumentParser(prog="scripts/peers/closed_loop", description=(
         "Times the ticks of conddp mpc and of a loop over Crocoddyl, and prints a table in Markdown."))
-    parser.add_argument("--robots", default=os.environ.get("CONDDP_ROBOTS_DIR", ""),
-                        help="folder with talos_reduced.urdf (by default CONDDP_ROBOTS_DIR)")
     parser.add_argument("--case", action="append", choices=list(CASES), help="only these cases")
     parser.add_argument("--repeat", type=int, default=5,
                         help="runs of each loop; of a tick's times the shortest counts")
-    parser.add_argument("--native", action="store_true",
-                        help="Crocoddyl and Pinocchio compiled for this machine")
-    return parser.parse_args()
+    return parsed(parser, "talos_reduced.urdf")
 
 
 def main():
     wanted = arguments()
-    if wanted.native and not is_loaded(NATIVE / "libcrocoddyl_native.so"):
-        sys.exit("scripts/peers/closed_loop: --native: build/peers/native/libcrocoddyl_native.so is not loaded")
     rows, notes = [], []
     for name in wanted.case or CASES:
         print(f"{name} ...", file=sys.stderr)

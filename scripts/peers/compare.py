@@ -9,7 +9,7 @@ os.environ.pop("LD_PRELOAD", None)  # what it named is loaded here, and is not f
 
 import kernels  # noqa: E402
 import solvers  # noqa: E402
-from conddp_tool import (NATIVE, PEERS, ROOT, Untranslatable, is_loaded,  # noqa: E402
+from conddp_tool import (NATIVE, PEERS, ROOT, Untranslatable, parsed,  # noqa: E402
                          robot_settings)
 from machine import processor  # noqa: E402
 from table import equality_table, kernel_table, solver_table  # noqa: E402
@@ -34,22 +34,15 @@ def arguments():
     parser = argparse.ArgumentParser(prog="scripts/peers/compare", description=(
         "Solves the same problems with conddp, Crocoddyl and Aligator, one thread each, and "
         "prints tables in Markdown."))
-    parser.add_argument("--robots", default=os.environ.get("CONDDP_ROBOTS_DIR", ""),
-                        help="folder with hyq.urdf, talos_reduced.urdf, panda.urdf "
-                             "(by default CONDDP_ROBOTS_DIR)")
     parser.add_argument("--case", action="append", choices=list(CASES), help="only these cases")
     parser.add_argument("--file", action="append", default=[], help="a problem file besides")
     parser.add_argument("--repeat", type=int, default=21, help="timed runs of each solver")
     parser.add_argument("--no-kernels", action="store_true", help="solvers alone")
-    parser.add_argument("--native", action="store_true",
-                        help="Crocoddyl and Pinocchio compiled for this machine")
-    return parser.parse_args()
+    return parsed(parser, "hyq.urdf, talos_reduced.urdf, panda.urdf")
 
 
 def main():
     wanted = arguments()
-    if wanted.native and not is_loaded(NATIVE / "libcrocoddyl_native.so"):
-        sys.exit("scripts/peers/compare: --native: build/peers/native/libcrocoddyl_native.so is not loaded")
     cases = {name: CASES[name] for name in wanted.case or ([] if wanted.file else CASES)}
     for file in wanted.file:
         cases[os.path.basename(file)] = (os.path.abspath(file), (), ())

@@ -3,6 +3,7 @@
 import json
 import os
 import subprocess
+import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -19,6 +20,20 @@ def is_loaded(library):
     """Whether a peer is compiled for this machine: its library is in this process."""
     with open("/proc/self/maps", encoding="utf-8") as lines:
         return any(line.rstrip().endswith(str(library)) for line in lines)
+
+
+def parsed(parser, robots):
+    """Arguments of a comparison with Crocoddyl: those of the parser, where robots are, and how the peers
+    were built. Ends the script where natively built ones are wanted and are not loaded."""
+    parser.add_argument("--robots", default=os.environ.get("CONDDP_ROBOTS_DIR", ""),
+                        help=f"folder with {robots} (by default CONDDP_ROBOTS_DIR)")
+    parser.add_argument("--native", action="store_true",
+                        help="Crocoddyl and Pinocchio compiled for this machine")
+    wanted = parser.parse_args()
+    library = NATIVE / "libcrocoddyl_native.so"
+    if wanted.native and not is_loaded(library):
+        sys.exit(f"{parser.prog}: --native: {library.relative_to(ROOT)} is not loaded")
+    return wanted
 
 
 def output_of(command):

@@ -45,7 +45,7 @@ struct ClosedLoopOptions {
   std::function<void(int tick, std::vector<double>& x)> distort;
   /// Asked before each tick; true ends the loop.
   std::function<bool()> interrupted;
-  /// Gets to see the controller after each tick; null: nobody looks.
+  /// Gets to see the controller after each tick; null: none.
   std::function<void(const Mpc&)> observe;
 
   /// Whether the plant has a motion of its own, whose contact forces are not those of the model.

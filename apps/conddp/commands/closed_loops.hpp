@@ -28,7 +28,7 @@ Verbosity verbosity_of(const MpcArguments& arguments);
 std::filesystem::path output_folder(const MpcArguments& arguments, const ProblemSpec& spec);
 
 /// Simulates a loop until its end or a signal. `observe` gets to see the controller after each
-/// tick; null: nobody looks.
+/// tick; null: none.
 ClosedLoopResult simulate_task(const MpcArguments& arguments, LoopTask& task,
                                std::function<void(const Mpc&)> observe = nullptr);
 

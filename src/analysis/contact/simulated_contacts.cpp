@@ -8,7 +8,7 @@ namespace conddp {
 namespace {
 
 /// Residual up to which a step that did not converge is taken all the same, as a share of the
-/// weight's impulse: no motion shows it.
+/// weight's impulse.
 constexpr double kGoodEnough = 1e-4;
 /// Gap up to which a candidate is near, m: what feet are lifted by and more.
 constexpr double kNear = 0.2;

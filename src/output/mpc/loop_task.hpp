@@ -29,7 +29,7 @@ std::unique_ptr<LoopTask> rebuild_loop(const OrderedJson& document, const std::s
 /// is not the model.
 InputFiles input_files(const LoopTask& task);
 
-/// Simulates the loop. `observe` gets to see the controller after each tick; null: nobody looks.
+/// Simulates the loop. `observe` gets to see the controller after each tick; null: none.
 ClosedLoopResult run_loop(const LoopTask& task, std::function<void(const Mpc&)> observe = nullptr);
 
 }  // namespace conddp

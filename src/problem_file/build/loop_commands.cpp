@@ -1,6 +1,5 @@
 #include "problem_file/build/loop_commands.hpp"
 
-#include <algorithm>
 #include <limits>
 #include <stdexcept>
 
@@ -55,10 +54,7 @@ std::shared_ptr<const ShootingProblem> with_commands(const ProblemSpec& spec,
 std::uint32_t bits_of(const ContactNames& held, const std::vector<ContactSpec>& contacts) {
   std::uint32_t bits = 0;
   for (std::size_t i = 0; i < contacts.size(); ++i)
-    if (held.all || std::any_of(held.names.begin(), held.names.end(), [&](const Name& name) {
-          return name.value == contacts[i].name.value;
-        }))
-      bits |= std::uint32_t{1} << i;
+    if (held.has(contacts[i].name.value)) bits |= std::uint32_t{1} << i;
   return bits;
 }
 

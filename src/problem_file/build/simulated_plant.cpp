@@ -94,8 +94,7 @@ void check_standing(const ProblemSpec& spec, const BuiltProblem& built, Diagnost
   const auto& instants = mechanics.look(x.data());
   for (std::size_t i = 0; i < spec.contacts.size(); ++i) {
     const std::string& name = spec.contacts[i].name.value;
-    const bool stands = standing.all || std::any_of(standing.names.begin(), standing.names.end(),
-                                                    [&](const Name& n) { return n.value == name; });
+    const bool stands = standing.has(name);
     double gap = std::numeric_limits<double>::infinity();
     for (std::size_t c = 0; c < instants.size(); ++c)
       if (candidates.contact_of[c] == static_cast<int>(i)) gap = std::min(gap, instants[c].gap);

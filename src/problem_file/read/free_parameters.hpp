@@ -19,7 +19,7 @@ std::optional<FreeParameter> read_free_parameter(const Name& name, const YamlRea
 /// Writes free parameters into a document as what they are: states that stay as they are and are
 /// chosen at the beginning. Each becomes a state of every system, with the rate 0 or itself as next
 /// value, starts in the initial state, and is a coordinate of the first phase, which chooses.
-/// Reports what has no room for that.
+/// Reports what excludes free parameters.
 void place_free_parameters(const std::vector<FreeParameter>& parameters, YamlNode& root,
                            Diagnostics& out);
 

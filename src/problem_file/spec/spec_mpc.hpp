@@ -74,7 +74,7 @@ struct MpcSpec {
   MpcPlantSpec plant;
   std::vector<DisturbanceSpec> disturbances;
   std::optional<NoiseSpec> noise;
-  std::vector<GaitCommand> commands;  ///< which nobody knows of before their times
+  std::vector<GaitCommand> commands;  ///< unknown to the controller before their times
   std::optional<RetimeSpec> retime;
   std::optional<FallbackSpec> fallback;
   std::vector<ConstraintSpec> stop_when;  ///< of states: the loop ends where one does not hold

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <optional>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -37,6 +39,10 @@ struct ContactNames {
   std::vector<Name> names;
 
   bool any() const { return all || !names.empty(); }
+  bool has(std::string_view name) const {
+    return all || std::any_of(names.begin(), names.end(),
+                              [name](const Name& own) { return own.value == name; });
+  }
 };
 
 /// A placement in the world, or the parts of one that were given.
