@@ -62,22 +62,15 @@ struct InteriorPointAnswer {
   }
 };
 
-/// How MUMPS orders its systems. All but `automatic` leave them as they are first, without
-/// permuting large entries to the diagonal: for horizons, whose systems are bands, and singular
-/// where a bound rests.
-enum class PivotOrder {
-  automatic,
-  minimum_fill,
-  nested_dissection  ///< merges small fronts: for nodes of few variables and rows
-};
-
 /// What a solve is told besides the program.
 struct InteriorPointSettings {
   int max_iterations = 1000;
   /// Of Ipopt's scaled optimality error, and of its parts without scaling.
   double tolerance = 1e-8;
   double dual_tolerance = 1e-6, violation_tolerance = 1e-9, complementarity_tolerance = 1e-6;
-  PivotOrder order = PivotOrder::automatic;
+  /// MUMPS orders systems by minimum fill and as they are, without permuting large entries to the
+  /// diagonal first: for horizons, whose systems are bands, and singular where a bound rests.
+  bool minimum_fill = false;
   /// Ipopt's own options, which go before what is above.
   IpoptOptions options;
   /// The multipliers and the barrier of an earlier solve to go on from, if there is one.

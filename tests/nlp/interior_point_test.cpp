@@ -94,14 +94,12 @@ TEST(InteriorPoint, FindsAPublishedOptimumInSilence) {
   EXPECT_GT(answer.point.lower[0], 0.5);
 }
 
-TEST(InteriorPoint, FindsTheSamePointWhateverTheOrderOfItsSystems) {
+TEST(InteriorPoint, FindsTheSamePointWithSystemsOrderedByMinimumFill) {
   HockSchittkowski71 program;
   const InteriorPointAnswer answer = minimise(program, kStart, {}, go_on);
-  for (const PivotOrder order : {PivotOrder::minimum_fill, PivotOrder::nested_dissection}) {
-    const InteriorPointAnswer ordered = minimise(program, kStart, {.order = order}, go_on);
-    EXPECT_EQ(ordered.end, End::solved);
-    EXPECT_LE((ordered.point.y - answer.point.y).lpNorm<Eigen::Infinity>(), 1e-12);
-  }
+  const InteriorPointAnswer ordered = minimise(program, kStart, {.minimum_fill = true}, go_on);
+  EXPECT_EQ(ordered.end, End::solved);
+  EXPECT_LE((ordered.point.y - answer.point.y).lpNorm<Eigen::Infinity>(), 1e-12);
 }
 
 TEST(InteriorPoint, ReadsNoFileOfTheWorkingFolder) {

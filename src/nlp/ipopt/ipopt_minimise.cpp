@@ -15,8 +15,8 @@
 #include <IpTNLPAdapter.hpp>
 
 #include "base/stopwatch.hpp"
+#include "nlp/ipopt/one_blas_thread.hpp"
 #include "nlp/ipopt/registered_options.hpp"
-#include "nlp/ipopt/repeatable_algebra.hpp"
 
 namespace conddp {
 namespace {
@@ -221,18 +221,15 @@ constexpr std::array kMeanings = {
             "there are more equations than variables"},
 };
 
-/// ICNTL(7) of MUMPS: approximate minimum fill, and the nested dissection of SCOTCH.
-constexpr int kAmf = 2, kScotch = 3;
+/// Approximate minimum fill, and no permutation by the size of entries.
+constexpr std::array<std::pair<const char*, int>, 2> kMinimumFill = {
+    {{"mumps_pivot_order", 2}, {"mumps_permuting_scaling", 0}}};
 
 constexpr double kSmallestWarmBarrier = 1e-13;
 
 /// An Ipopt without MUMPS does not know these options.
-void set_order(Ipopt::OptionsList& list, PivotOrder order) {
-  if (order == PivotOrder::automatic) return;
-  const std::pair<const char*, int> options[] = {
-      {"mumps_pivot_order", order == PivotOrder::minimum_fill ? kAmf : kScotch},
-      {"mumps_permuting_scaling", 0}};
-  for (const auto& [name, value] : options)
+void set_minimum_fill(Ipopt::OptionsList& list) {
+  for (const auto& [name, value] : kMinimumFill)
     if (!check_registered_option(name, value)) list.SetIntegerValue(name, value);
 }
 
@@ -254,7 +251,7 @@ void set_options(Ipopt::OptionsList& list, const InteriorPointSettings& settings
   list.SetNumericValue("constr_viol_tol", settings.violation_tolerance);
   list.SetNumericValue("compl_inf_tol", settings.complementarity_tolerance);
   list.SetNumericValue("acceptable_constr_viol_tol", settings.dual_tolerance);
-  set_order(list, settings.order);
+  if (settings.minimum_fill) set_minimum_fill(list);
   for (const auto& [name, value] : settings.options) set_option(list, name, value);
   if (settings.warm != nullptr) set_warm_start(list, settings);
 }
@@ -266,7 +263,7 @@ InteriorPointAnswer ipopt_minimise(
     const std::function<bool(const InteriorPointIterate&)>& on_iterate) {
   static std::mutex one_at_a_time;
   const std::lock_guard lock(one_at_a_time);
-  const RepeatableAlgebra repeatable;
+  const OneBlasThread one_thread;
   const SmartPtr<Ipopt::IpoptApplication> application = new Ipopt::IpoptApplication(false, false);
   set_options(*application->Options(), settings);
   // An empty name: otherwise a file ipopt.opt in the working folder would be read.

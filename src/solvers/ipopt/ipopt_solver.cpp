@@ -25,8 +25,6 @@ constexpr double kWarmBarrier = 1e-9;
 constexpr int kDearDirections = 30;
 /// Rows of the log that are reserved at most before the first iteration.
 constexpr int kReservedRows = 10000;
-/// Variables and rows of a node up to which nested dissection was faster on the example problems.
-constexpr int kSmallNode = 12;
 
 double seconds_since(std::chrono::steady_clock::time_point began) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
@@ -131,21 +129,12 @@ void IpoptSolver::reset() {
   crossed_over_ = false;
 }
 
-/// Minimum fill leaves fronts of a column or two where nodes are small, and MUMPS spends its time
-/// on their bookkeeping.
-PivotOrder IpoptSolver::pivot_order() const {
-  if (transcription_->has_pairs()) return PivotOrder::automatic;
-  const int size = transcription_->variables() + transcription_->rows();
-  return size <= kSmallNode * problem_.knots() ? PivotOrder::nested_dissection
-                                               : PivotOrder::minimum_fill;
-}
-
 InteriorPointSettings IpoptSolver::default_settings() const {
   return {.max_iterations = options_.max_iterations,
           .dual_tolerance = options_.tolerances.stationarity,
           .violation_tolerance = std::min(options_.tolerances.gap, options_.tolerances.constraint),
           .complementarity_tolerance = options_.tolerances.complementarity,
-          .order = pivot_order(),
+          .minimum_fill = !transcription_->has_pairs(),
           .options = options_.ipopt};
 }
 

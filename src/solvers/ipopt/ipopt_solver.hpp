@@ -39,7 +39,6 @@ class IpoptSolver {
   void reset();
   Trajectory start_from(const Trajectory& guess);
   InteriorPointAnswer run_ipopt(Eigen::VectorXd y, InteriorPointSettings settings);
-  PivotOrder pivot_order() const;
   InteriorPointSettings default_settings() const;
   void make_transcription(PairRelaxation relaxation);
 
