@@ -117,12 +117,12 @@ class Conddp:
             timed = self.run(repeat, 1e-12, row.iterations)
             # Our log looks at the derivatives of an iterate first; peers end with its rollout.
             logged = median(run["log"][row.iterations]["time"] for run in timed["runs"])
-            row.to_tolerance = logged - timed["acts"]["differentiate"]
+            row.to_tolerance = logged - timed["evaluator"]["differentiate"]
         whole = self.run(repeat, 1e-6)
         row.whole = median(run["total"] for run in whole["runs"])
         row.whole_iterations, row.converged = whole["iterations"], whole["status"] == "converged"
         row.iteration = row.whole / row.whole_iterations
-        row.parts = tuple(whole["acts"][part] for part in ("differentiate", "sweep", "rollout"))
+        row.parts = tuple(whole["evaluator"][part] for part in ("differentiate", "sweep", "rollout"))
         return row
 
 

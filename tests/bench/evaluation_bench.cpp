@@ -68,7 +68,7 @@ void count_knots(benchmark::State& state, int knots) {
 
 /// Times act(evaluator, case) over all running knots.
 template <class F>
-void add_act(const Case& c, const char* name, F act) {
+void add_benchmark(const Case& c, const char* name, F act) {
   benchmark::RegisterBenchmark((c.name + "/" + name).c_str(), [&c, act](benchmark::State& state) {
     Evaluator evaluator(c.problem());
     auto run = act(evaluator, c);
@@ -106,28 +106,28 @@ void add_part(const Case& c, const char* name, F work) {
 }
 
 void add_case(const Case& c) {
-  add_act(c, "evaluate", [](Evaluator& evaluator, const Case& at) {
+  add_benchmark(c, "evaluate", [](Evaluator& evaluator, const Case& at) {
     return [&evaluator, &at, out = Evaluation(at.problem())]() mutable {
       evaluator.evaluate(at.iterate.trajectory, out);
     };
   });
-  add_act(c, "differentiate", [](Evaluator& evaluator, const Case& at) {
+  add_benchmark(c, "differentiate", [](Evaluator& evaluator, const Case& at) {
     return [&evaluator, &at, out = Linearization(at.problem())]() mutable {
       evaluator.differentiate(at.iterate.trajectory, out);
     };
   });
-  add_act(c, "lagrangian_hessian", [](Evaluator& evaluator, const Case& at) {
+  add_benchmark(c, "lagrangian_hessian", [](Evaluator& evaluator, const Case& at) {
     return [&evaluator, &at, out = Linearization(at.problem())]() mutable {
       evaluator.lagrangian_hessian(at.iterate.trajectory, at.iterate.costates, out);
     };
   });
-  add_act(c, "lagrangian_hessian_by_dual_numbers", [](Evaluator& evaluator, const Case& at) {
+  add_benchmark(c, "lagrangian_hessian_by_dual_numbers", [](Evaluator& evaluator, const Case& at) {
     evaluator.reserve_lagrangian_hessian(false);
     return [&evaluator, &at, out = Linearization(at.problem())]() mutable {
       evaluator.lagrangian_hessian(at.iterate.trajectory, at.iterate.costates, out);
     };
   });
-  add_act(c, "roll_out", [](Evaluator& evaluator, const Case& at) {
+  add_benchmark(c, "roll_out", [](Evaluator& evaluator, const Case& at) {
     std::vector<double> steps(kLaneWidth, 1.0);
     for (int l = 1; l < kLaneWidth; ++l) steps[l] = steps[l - 1] / 2;
     Evaluation evaluation(at.problem());
@@ -138,7 +138,7 @@ void add_case(const Case& c) {
                              {.contract_gaps = true, .clamp_controls = true}, out);
         };
   });
-  add_act(c, "roll_out_alone", [](Evaluator& evaluator, const Case& at) {
+  add_benchmark(c, "roll_out_alone", [](Evaluator& evaluator, const Case& at) {
     Evaluation evaluation(at.problem());
     evaluator.evaluate(at.iterate.trajectory, evaluation);
     return [&evaluator, &at, gap = evaluation.gap, out = SingleRollout(at.problem())]() mutable {

@@ -26,7 +26,7 @@ namespace {
 using Json = nlohmann::json;
 
 /// Least calls of which a median is taken.
-constexpr int kActRepeat = 50;
+constexpr int kEvaluatorRepeat = 50;
 
 struct Arguments {
   std::string file, solver;
@@ -72,10 +72,10 @@ double median_time(int repeat, F act) {
   return *middle;
 }
 
-/// What the evaluator of an iteration take at an answer, each once: derivatives, the sweep of a DDP
+/// Times of the parts of an iteration at an answer: derivatives, the sweep of a DDP
 /// solver (with box-constrained stages where controls have bounds), a rollout of its full step.
-Json acts_at(const ShootingProblem& problem, const SolverOptions& options,
-             const SolveResult& answer, int repeat) {
+Json evaluator_times(const ShootingProblem& problem, const SolverOptions& options,
+                     const SolveResult& answer, int repeat) {
   Evaluator evaluator(problem, options.threads);
   Linearization linearization(problem);
   evaluator.differentiate(answer.trajectory, linearization);
@@ -133,9 +133,10 @@ int run(const Arguments& arguments) {
       {"guess", json_of(guess)},
       {"answer", json_of(last.trajectory)},
       {"runs", runs},
-      {"evaluator", arguments.repeat > 1 ? acts_at(problem, spec->solver.options, last,
-                                                   std::max(arguments.repeat, kActRepeat))
-                                         : Json()}};
+      {"evaluator", arguments.repeat > 1
+                        ? evaluator_times(problem, spec->solver.options, last,
+                                          std::max(arguments.repeat, kEvaluatorRepeat))
+                        : Json()}};
   std::cout << out.dump() << '\n';
   return 0;
 }
