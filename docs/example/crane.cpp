@@ -1,4 +1,4 @@
-// Model predictive control of a crane: a cart moves a load that hangs from it over a point. System
+// Repeated solves of a crane: a cart moves a load that hangs from it over a point. System
 // and residual are of this program. After the first solve nothing is allocated any more.
 //
 // usage: crane [SOLVES]     10 by default

@@ -22,13 +22,18 @@ bool is_active(const ConstraintTerm& term, int node, int ndx, const double* para
   return parameters[term.active()] != 0 && (node > 0 || term.depends_on_control(ndx));
 }
 
-const Phase& end_of(const WindowContext& context, bool reaches_end) {
-  const bool own = reaches_end || context.open_end == nullptr;
+/// Whether nothing counts at a node.
+bool is_free(const Phase& node) {
+  return node.model->costs().empty() && node.model->constraints().empty();
+}
+
+const Phase& end_of(const WindowContext& context, bool has_terminal) {
+  const bool own = has_terminal || context.open_end == nullptr;
   return own ? context.line.problem().terminal() : *context.open_end;
 }
 
-KnotNumbers end_numbers(const WindowContext& context, bool reaches_end) {
-  if (reaches_end || context.open_end == nullptr)
+KnotNumbers end_numbers(const WindowContext& context, bool has_terminal) {
+  if (has_terminal || context.open_end == nullptr)
     return context.line.numbers(context.line.problem().knots());
   const Phase& end = *context.open_end;
   return {end.dt[0], end.cost_scale[0], end.parameters.data()};
@@ -55,19 +60,23 @@ bool same_rows(const ConstraintTerm& term, const double* own, const double* othe
   return true;
 }
 
-/// Whether two nodes have the same constraints, as far as solvers are built for them.
-bool same_constraints(const KnotModel& model, const KnotView& own, int node,
-                      const KnotNumbers& other) {
+/// Whether a weight counts in both places or in neither.
+bool same_zero(const KnotView& own, const KnotNumbers& other, int weight) {
+  return (own.cost_scale * own.parameters[weight] == 0) ==
+         (other.cost_scale * other.parameters[weight] == 0);
+}
+
+/// Whether two nodes have the same constraints and costs, as far as solvers are built for them.
+bool same_terms(const KnotModel& model, const KnotView& own, int node, const KnotNumbers& other) {
   for (const ConstraintTerm& term : model.constraints()) {
     const bool active = own.parameters[term.active()] != 0;
     if (active != is_active(term, node, model.ndx(), other.parameters)) return false;
     if (active && !same_rows(term, own.parameters, other.parameters)) return false;
-    if (active && term.softness == Softness::l1 &&
-        own.cost_scale * own.parameters[term.weight()] !=
-            other.cost_scale * other.parameters[term.weight()])
+    if (active && term.softness != Softness::hard && !same_zero(own, other, term.weight()))
       return false;
   }
-  return true;
+  return std::ranges::all_of(
+      model.costs(), [&](const CostTerm& cost) { return same_zero(own, other, cost.weight); });
 }
 
 ShootingProblem problem_of(const WindowContext& context, const WindowCut& cut) {
@@ -88,7 +97,7 @@ ShootingProblem problem_of(const WindowContext& context, const WindowCut& cut) {
     to.parameters.insert(to.parameters.end(), parameters.begin(), parameters.end());
   }
   return ShootingProblem(whole.initial_state(), std::move(phases),
-                         end_of(context, cut.reaches_end));
+                         end_of(context, cut.has_terminal));
 }
 
 SolverOptions with_multipliers(SolverOptions options,
@@ -121,8 +130,9 @@ void cut_window(const WindowContext& context, double begin, WindowCut& cut) {
   const TimeLine& line = context.line;
   cut.begin = begin;
   cut.end = begin + context.horizon;
-  cut.reaches_end = !is_before(cut.end, line.end());
-  if (cut.reaches_end && !line.is_held()) cut.end = line.end();
+  const bool beyond = !is_before(cut.end, line.end());
+  if (beyond && !line.is_held()) cut.end = line.end();
+  cut.has_terminal = beyond && !(line.is_held() && is_free(line.problem().terminal()));
   line.cut(cut.begin, cut.end, cut.knots);
 }
 
@@ -141,16 +151,16 @@ Window::Window(const WindowContext& context, const WindowCut& cut)
 bool Window::fits(const WindowContext& context, const WindowCut& cut) const {
   const ShootingProblem& whole = context.line.problem();
   const int N = problem_.knots();
-  const Phase& end = end_of(context, cut.reaches_end);
+  const Phase& end = end_of(context, cut.has_terminal);
   if (static_cast<int>(cut.knots.size()) != N || problem_.terminal().model != end.model ||
-      !same_constraints(*end.model, problem_.knot(N), N, end_numbers(context, cut.reaches_end)))
+      !same_terms(*end.model, problem_.knot(N), N, end_numbers(context, cut.has_terminal)))
     return false;
   for (int i = 0; i < N; ++i) {
     const KnotView& own = problem_.knot(i);
     const TimedKnot& part = cut.knots[i];
     if (own.model != whole.knot(part.knot).model ||
         problem_.phases()[own.phase].instant != whole.takes_no_time(part.knot) ||
-        !same_constraints(*own.model, own, i, numbers_of(context.line, part)))
+        !same_terms(*own.model, own, i, numbers_of(context.line, part)))
       return false;
   }
   return true;
@@ -165,7 +175,7 @@ void Window::load(const WindowContext& context, const WindowCut& cut) {
     numbers_[i].parameters = parameters_[i].data();
   }
   times_[N] = cut.end;
-  numbers_[N] = end_numbers(context, cut.reaches_end);
+  numbers_[N] = end_numbers(context, cut.has_terminal);
   problem_.set_numbers(numbers_);
 }
 

@@ -14,7 +14,9 @@ namespace conddp {
 struct WindowCut {
   double begin = 0, end = 0;  ///< s
   std::vector<TimedKnot> knots;
-  bool reaches_end = false;  ///< of the time line, whose terminal costs and constraints count then
+  /// Whether the time line's terminal costs and constraints count: where the window reaches its
+  /// end, and, where the line goes on beyond that, only if it has some.
+  bool has_terminal = false;
 };
 
 /// Problems of windows: how they are made from a time line.

@@ -192,6 +192,28 @@ TEST_F(MpcCommand, PrintsWhatIsFoundAsJson) {
   EXPECT_TRUE(found("[20, 30]").at("survived").is_null());
 }
 
+TEST_F(MpcCommand, VerifyDeniesASearchThatFoundSomethingElse) {
+  const std::string key = "mpc.disturbances.0.jump.omega";
+  const ProcessResult found = run({"--largest", key + "=[0, 1]", "--json"}, "out");
+  const auto verdict = [&](const char* entry, const nlohmann::json& claim) {
+    auto document = nlohmann::json::parse(found.out);
+    if (entry != nullptr) document["largest"][entry] = claim;
+    folder_.write("out/mpc.json", document.dump());
+    return run_conddp({"verify", "out/mpc.json"}, {.folder = folder_.path()}).exit_code;
+  };
+  EXPECT_EQ(verdict(nullptr, {}), 0);
+  EXPECT_NE(verdict("survived", 0.5), 0);
+  EXPECT_NE(verdict("high", 0.5), 0);
+  EXPECT_NE(verdict("key", "mpc.tick"), 0);
+  EXPECT_NE(verdict("other", 1), 0);
+}
+
+TEST_F(MpcCommand, MakesTheFolderOfAReport) {
+  const ProcessResult result = run({"--report", "pages/new/loop.html"}, "out");
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_FALSE(file("pages/new/loop.html").empty());
+}
+
 TEST_F(MpcCommand, LooksForAParameterThatThePlantHas) {
   std::string changed = kBalance;
   changed.replace(changed.find("system.pole_mass: 0.25"), 22, "system.pole_mass: =pm");

@@ -43,6 +43,17 @@ TEST(Solve, TheCertificateOfAnInfeasibleAnswerHolds) {
   EXPECT_NE(r.out.find("certificate   consistency check passed"), std::string::npos) << r.out;
 }
 
+// Torques that cost nothing: which of them hold a biped on two feet is not determined.
+TEST(Solve, EndsWithOneWhereOptimalityAloneIsInDoubt) {
+  const TemporaryFolder folder;
+  const ProcessResult result =
+      run_conddp({"solve", source("problems/biped_squat.yaml"), "-o", folder.path() / "out",
+                  "--set", "costs.effort.weight=0"});
+  EXPECT_EQ(result.exit_code, 1) << result.err;
+  EXPECT_NE(result.err.find("whether it is optimal cannot be told"), std::string::npos);
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "out/solution.json"));
+}
+
 TEST(Solve, EndsWhereTheCostHasSettledIfAsked) {
   const TemporaryFolder folder;
   const ProcessResult r =

@@ -33,28 +33,36 @@ message("${output}")
 expect_in("${output}" "converged after")
 expect_in("${output}" "largest torque 6.000 Nm")
 
-# Ten solves of one solver. The program is asked for one and for ten: that is as often as it allocates.
+# A program is asked for few and for many solves: that is as often as it allocates.
+run("building the counter" ${CXX} -std=c++20 -O2 -shared -fPIC -o ${WORK_DIR}/count_allocations.so
+  ${CMAKE_CURRENT_LIST_DIR}/count_allocations.cpp)
+function(expect_same_allocations example few many)
+  foreach(solves IN ITEMS ${few} ${many})
+    execute_process(
+      COMMAND ${CMAKE_COMMAND} -E env LD_PRELOAD=${WORK_DIR}/count_allocations.so
+        ${WORK_DIR}/example/${example} ${solves}
+      RESULT_VARIABLE failed OUTPUT_QUIET ERROR_VARIABLE errors)
+    # The environment is that of `cmake -E env`, too, whose count comes after.
+    if(failed OR NOT errors MATCHES "^allocations: ([0-9]+)")
+      message(FATAL_ERROR "counting the allocations of ${example} failed (${failed}): ${errors}")
+    endif()
+    list(APPEND allocations ${CMAKE_MATCH_1})
+  endforeach()
+  list(GET allocations 0 of_few)
+  list(GET allocations 1 of_many)
+  if(NOT of_few GREATER 100 OR NOT of_many EQUAL of_few)
+    message(FATAL_ERROR "${example}: ${few} solves allocate ${of_few} times, ${many} solves ${of_many} times")
+  endif()
+endfunction()
+
 run("running the loop of solves" ${WORK_DIR}/example/crane)
 message("${output}")
 expect_in("${output}" "solve 9:")
-run("building the counter" ${CXX} -std=c++20 -O2 -shared -fPIC -o ${WORK_DIR}/count_allocations.so
-  ${CMAKE_CURRENT_LIST_DIR}/count_allocations.cpp)
-foreach(solves IN ITEMS 1 10)
-  execute_process(
-    COMMAND ${CMAKE_COMMAND} -E env LD_PRELOAD=${WORK_DIR}/count_allocations.so
-      ${WORK_DIR}/example/crane ${solves}
-    RESULT_VARIABLE failed OUTPUT_QUIET ERROR_VARIABLE errors)
-  # The environment is that of `cmake -E env`, too, whose count comes after.
-  if(failed OR NOT errors MATCHES "^allocations: ([0-9]+)")
-    message(FATAL_ERROR "counting the allocations of ${solves} solves failed (${failed}): ${errors}")
-  endif()
-  list(APPEND allocations ${CMAKE_MATCH_1})
-endforeach()
-list(GET allocations 0 of_one)
-list(GET allocations 1 of_ten)
-if(NOT of_one GREATER 100 OR NOT of_ten EQUAL of_one)
-  message(FATAL_ERROR "one solve allocates ${of_one} times, ten solves ${of_ten} times")
-endif()
+expect_same_allocations(crane 1 10)
+run("running the closed loop" ${WORK_DIR}/example/balance)
+message("${output}")
+expect_in("${output}" "ends 0.00")
+expect_same_allocations(balance 5 200)
 
 # The tool finds the examples that were installed with it, from an empty folder.
 run("installing the tool" ${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${prefix}/tool

@@ -99,6 +99,82 @@ TEST(MpcFile, WindowsThatEndWithARegulatorCostTheOptimum) {
   EXPECT_GT(without.run().cost, .71);
 }
 
+// Beyond the end of the phases, where the last knot goes on, too.
+TEST(MpcFile, ARegulatorEndsWindowsHoweverShortThePhasesAre) {
+  const LoadedLoop loop(replaced(kRegulated, "knots: 300", "knots: 2") +
+                        "mpc: {horizon: 0.3, tick: 0.1, duration: 20, iterations: tolerances, "
+                        "terminal: {lqr: [0, 0]}}\n");
+  ASSERT_TRUE(loop.mpc) << loop.all();
+  EXPECT_NEAR(loop.run().cost, .7027180807405, 1e-9);
+}
+
+/// What a loop costs in which a speed has to stay low: `phases`, and `terms` behind the costs.
+double cost_of_way(const std::string& phases, const std::string& terms, const char* solver) {
+  const LoadedLoop loop(fmt::format(R"(conddp: 1
+system: {{type: double_integrator}}
+initial_state: {{values: {{"q/0": 0}}}}
+integrator: rk4
+phases:
+{}costs:
+  state:
+    residual: state
+    columns: ["q/0", "v/0"]
+    reference: {{times: [0, 1.6, 1.7, 10], values: [[0, 0], [0, 0], [6, 0], [6, 0]]}}
+    weights: {{"q/0": 10, "v/0": 0.1}}
+  effort: {{residual: control, weight: 0.1}}
+{}
+solver: {{name: {}}}
+mpc: {{horizon: 0.5, tick: 0.04, duration: 3, iterations: 1}}
+)",
+                                    phases, terms, solver));
+  EXPECT_TRUE(loop.mpc) << loop.all();
+  return loop.mpc ? loop.run().cost : -1;
+}
+
+constexpr const char* kBarrier =
+    "  wall: {residual: state, columns: [\"v/0\"], weight: 1.0e+3,\n"
+    "         activation: {kind: quadratic_barrier, lower: -0.5, upper: 0.5}}";
+
+// Windows of a phase begin in the phase before it, where nothing moves: their solver is the one
+// that was built there.
+TEST(MpcFile, WindowsHaveTheWeightsOfTheirKnots) {
+  const auto cost = [](const char* weight) {
+    return cost_of_way(
+        fmt::format("  - {{name: before, knots: 10, dt: 0.1, weights: {{wall: {}}}}}\n"
+                    "  - {{name: way, knots: 30, dt: 0.1}}\n",
+                    weight),
+        kBarrier, "box_fddp");
+  };
+  EXPECT_EQ(cost("1.0e-3"), cost("1.0e+3"));
+}
+
+// Knots of one model are cut where windows begin and end. Windows over knots of a model each are
+// built anew.
+TEST(MpcFile, WindowsHaveTheSharesOfTheirKnots) {
+  std::string apart;
+  for (int k = 0; k < 40; ++k) apart += fmt::format("  - {{name: p{}, knots: 1, dt: 0.1}}\n", k);
+  const std::string soft =
+      "constraints:\n  wall: {bounds: state, lower: {\"v/0\": -0.5}, upper: {\"v/0\": 0.5}, "
+      "weight: 3, soft: ";
+  const struct {
+    std::string terms;
+    const char* solver;
+  } cases[] = {{kBarrier, "box_fddp"}, {soft + "l1}", "altro"}, {soft + "l2}", "altro"}};
+  for (const auto& [terms, solver] : cases)
+    EXPECT_NEAR(cost_of_way("  - {name: way, knots: 40, dt: 0.1}\n", terms, solver),
+                cost_of_way(apart, terms, solver), 1e-9)
+        << terms;
+}
+
+TEST(MpcFile, AFallbackAppliesNoMoreThanControlsMay) {
+  const LoadedLoop loop(
+      pendulum_with("mpc: {horizon: 0.5, tick: 0.1, duration: 1, fallback: {after: 1, to: {values: "
+                    "{theta: 1}}}}"));
+  ASSERT_TRUE(loop.mpc) << loop.all();
+  EXPECT_EQ(loop.mpc->controller.fallback->u[0], 3);
+  EXPECT_EQ(loop.warnings(), 1) << loop.all();
+}
+
 TEST(MpcFile, WindowsKeepTheTerminalCostsOfTheFile) {
   const std::string mpc = "mpc: {horizon: 0.3, tick: 0.1, duration: 0.5, terminal: ";
   const LoadedLoop none(pendulum_with(mpc + "none}")), keep(pendulum_with(mpc + "keep}"));

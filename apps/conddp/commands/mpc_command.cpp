@@ -58,6 +58,8 @@ int simulate_file(const MpcArguments& arguments) {
   if (!task) return kExitBadInput;
   const auto folder = output_folder(arguments, *task->spec);
   create_folder(folder);  // before the work, so that none is in vain
+  if (!arguments.report.empty())
+    create_folder(std::filesystem::absolute(arguments.report).parent_path());
   const InterruptGuard guard;
   PlanRecorder recorder(*task);
   const auto record = [&recorder](const Mpc& mpc) { recorder.record(mpc); };

@@ -203,6 +203,13 @@ int checked_exit_code(const SolutionCertificate& certificate, const ProblemSpec&
                 "--derivatives' compares them");
     return std::max<int>(kExitNotConverged, exit_code(status));
   }
+  if (certificate.checks.doubts_optimality_alone()) {
+    print_error("the certificate of the answer " + certificate_line(certificate),
+                "the motion is what the solution says, but whether it is optimal cannot be told: a "
+                "problem is ill-conditioned where controls or states cost next to nothing; give "
+                "them a cost");
+    return std::max<int>(kExitNotConverged, exit_code(status));
+  }
   print_error("the certificate of the answer " + certificate_line(certificate),
               "this is a defect of conddp; please report it with the command and its files");
   return kExitDefect;

@@ -376,7 +376,8 @@ class Judge {
 
   /// The check of the status, which holds where nothing is wrong.
   void judge_status(std::string wrong) {
-    add({"status", wrong.empty(), Check::kNone, Check::kNone, Check::kNone, "", std::move(wrong)});
+    add({kStatusCheck, wrong.empty(), Check::kNone, Check::kNone, Check::kNone, "",
+         std::move(wrong)});
   }
 
   void check_converged() {
@@ -457,6 +458,12 @@ bool Certificate::holds() const { return failures() == 0; }
 int Certificate::failures() const {
   return static_cast<int>(
       std::count_if(checks.begin(), checks.end(), [](const Check& c) { return !c.holds; }));
+}
+
+bool Certificate::doubts_optimality_alone() const {
+  return !holds() && std::ranges::all_of(checks, [](const Check& c) {
+    return c.holds || c.name == kStatusCheck || c.name == kFeedforwardCheck;
+  });
 }
 
 bool Certificate::computable() const {

@@ -31,6 +31,9 @@ struct Certificate {
 
   bool holds() const;
   int failures() const;
+  /// Whether all that fails is what an ill-conditioned problem blurs: that the answer is optimal,
+  /// and that its feedforward solves the equation of a sweep. What the motion is and costs holds.
+  bool doubts_optimality_alone() const;
   /// Whether all figures that were checked are finite. Where numbers left the finite ones on the
   /// way to them, a check that fails says nothing of whoever made the claim.
   bool computable() const;

@@ -18,4 +18,8 @@ struct Check {
   std::string message;       ///< what does not hold, empty where the figures say it
 };
 
+/// Names of checks of an answer that say that it is optimal.
+inline constexpr const char* kStatusCheck = "status";
+inline constexpr const char* kFeedforwardCheck = "feedforward";
+
 }  // namespace conddp

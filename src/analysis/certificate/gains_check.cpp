@@ -206,7 +206,7 @@ std::vector<Check> check_gains(const ShootingProblem& problem, const SolutionCla
     if (!(exact.feedback.value > found.feedback.value)) found = exact;
   }
   return {check_of("feedback", problem, found.feedback),
-          check_of("feedforward", problem, found.feedforward)};
+          check_of(kFeedforwardCheck, problem, found.feedforward)};
 }
 
 }  // namespace conddp

@@ -28,6 +28,12 @@ void check_terminal(const Phase& phase) {
     throw std::invalid_argument("the terminal phase is one node without dynamics");
 }
 
+/// What the multipliers of a constraint cannot exceed at a node.
+double limit_at(const KnotView& view, const ConstraintTerm& term) {
+  return term.softness == Softness::l1 ? view.cost_scale * view.parameters[term.weight()]
+                                       : std::numeric_limits<double>::infinity();
+}
+
 /// A constraint with the bounds and the limit that it has at a node.
 NodeConstraint at_node(const KnotView& view, const ConstraintTerm& term, int node, int row) {
   NodeConstraint constraint{node, &term, row, nullptr, nullptr};
@@ -35,8 +41,7 @@ NodeConstraint at_node(const KnotView& view, const ConstraintTerm& term, int nod
     constraint.lower = view.parameters + term.lower();
     constraint.upper = view.parameters + term.upper();
   }
-  if (term.softness == Softness::l1)
-    constraint.limit = view.cost_scale * view.parameters[term.weight()];
+  constraint.limit = limit_at(view, term);
   return constraint;
 }
 
@@ -173,6 +178,8 @@ void ShootingProblem::set_numbers(std::span<const KnotNumbers> nodes) {
   TimeSum sum;
   for (int k = 0; k < knots(); ++k)
     times_[k + 1] = sum.add(phases_[views_[k].phase].instant ? 0 : nodes[k].dt);
+  for (auto* constraints : {&constraints_, &soft_constraints_})
+    for (NodeConstraint& c : *constraints) c.limit = limit_at(views_[c.node], *c.term);
 }
 
 Trajectory ShootingProblem::create_trajectory() const {

@@ -76,7 +76,7 @@ class ShootingProblem {
   void set_initial_state(std::span<const double> x);
   /// Replaces the numbers of all nodes, N + 1 of them, for the next of several solves: never during
   /// one, and without allocation. The structure has to stay: which constraints are switched off,
-  /// the limits of soft ones, and which knots take no time.
+  /// which weights are zero, and which knots take no time.
   void set_numbers(std::span<const KnotNumbers> nodes);
 
   /// Number N of running knots; knot(N) is the terminal node.

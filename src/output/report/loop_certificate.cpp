@@ -244,6 +244,7 @@ class LoopJudge {
       if (!kBeside.contains(key)) compare(key, member_of(document_, key), value);
     compare_keys("document", document_, found);
     compare_problem(member_of(document_, "problem"), member_of(found, "problem"));
+    if (document_.contains(kSearched)) judge_search(document_[std::string(kSearched)]);
   }
 
   /// Whether an object has entries that are of no document.
@@ -253,6 +254,26 @@ class LoopJudge {
       if (!found.contains(key) && key != kSearched)
         unknown += (unknown.empty() ? "'" : ", '") + key + '\'';
     state(name, unknown.empty(), fmt::format("has {}, which conddp does not write", unknown));
+  }
+
+  /// What a search claims has to be of the loop that is written beside it; other loops are not
+  /// simulated.
+  void judge_search(const OrderedJson& search) {
+    static const std::set<std::string> kKeys = {"key", "low", "high", "survived"};
+    std::set<std::string> keys;
+    if (search.is_object())
+      for (const auto& [key, value] : search.items()) keys.insert(key);
+    if (keys != kKeys || !search["key"].is_string())
+      throw MalformedSolution{"'largest' has to have 'key', 'low', 'high' and 'survived'"};
+    const double low = figure_of(search["low"]), high = figure_of(search["high"]);
+    const bool any = !search["survived"].is_null();
+    const double shown = any ? figure_of(search["survived"]) : low;
+    state("largest/survived", low <= shown && shown <= high,
+          fmt::format("{} does not lie between {} and {}", shown, low, high));
+    const OrderedJson& overrides = solution_list(member_of(document_, "problem"), "overrides");
+    const std::string setting = fmt::format("{}={}", search["key"].get<std::string>(), shown);
+    state("largest/key", !overrides.empty() && overrides.back() == setting,
+          fmt::format("the loop was not simulated with '{}'", setting));
   }
 
   /// Name and files of the problem. What is in them is compared where they are read.

@@ -204,8 +204,11 @@ std::optional<HeldState> held_state(const StateSpec& state, const Place& place,
   if (!x) return std::nullopt;
   int last = problem.knots() - 1;
   while (problem.takes_no_time(last)) --last;
-  const System& system = problem.knot(last).model->system();
+  const KnotModel& model = *problem.knot(last).model;
+  const System& system = model.system();
   HeldState held{*x, quasi_static_control(system, x->data()), {}};
+  for (int i = 0; i < static_cast<int>(held.u.size()); ++i)
+    held.u[i] = std::clamp(held.u[i], model.control_lower()[i], model.control_upper()[i]);
   constexpr double kNearlyAtRest = 1e-3;
   if (const double rate = largest_rate(system, *x, held.u); !(rate <= kNearlyAtRest))
     out.warning(

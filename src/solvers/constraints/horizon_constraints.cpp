@@ -16,6 +16,7 @@ namespace {
 /// own P, whose slope changes all along.
 constexpr double kExact = 1e-9;
 constexpr double kConeShare = 0.02;
+constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
@@ -63,6 +64,7 @@ HorizonConstraints::HorizonConstraints(const ShootingProblem& problem)
   reserve();
   find_runs();
   read_bounds();
+  read_weights();
 }
 
 void HorizonConstraints::reserve() {
@@ -125,42 +127,53 @@ void HorizonConstraints::read_bounds() {
   }
 }
 
+/// Constraints come first among the rows, in their order.
+void HorizonConstraints::read_limits() {
+  for (std::size_t i = 0; i < problem_.constraints().size(); ++i)
+    rows_[i].limit = problem_.constraints()[i].limit;
+}
+
+void HorizonConstraints::read_weights() {
+  for (const Rows& c : rows_) {
+    if (!c.cost) continue;
+    const KnotView& knot = problem_.knot(c.node);
+    const double weight = knot.cost_scale * knot.parameters[c.weight];
+    for (int r = 0; r < c.count; ++r)
+      penalty_[c.row + r] = c.factors == nullptr ? weight : weight * c.factors[r];
+  }
+}
+
 void HorizonConstraints::reset() {
   settled_ = false;
   read_bounds();
+  read_limits();
+  read_weights();
 }
 
 /// Of constraints that are soft by the square of their distance.
 void HorizonConstraints::add_soft_costs() {
-  for (const NodeConstraint& c : problem_.soft_constraints()) {
-    if (c.term->softness != Softness::l2) continue;
-    const KnotView& knot = problem_.knot(c.node);
-    add_cost(c.node, c.row, c.term->rows, c.lower, c.upper,
-             knot.cost_scale * knot.parameters[c.term->weight()]);
-  }
+  for (const NodeConstraint& c : problem_.soft_constraints())
+    if (c.term->softness == Softness::l2)
+      add_cost({c.node, c.row, c.term->rows, c.lower, c.upper, kUnlimited, true, c.term->weight()});
 }
 
 void HorizonConstraints::add_barriers(int node) {
-  const KnotView& knot = problem_.knot(node);
-  for (const CostTerm& cost : knot.model->costs()) {
+  for (const CostTerm& cost : problem_.knot(node).model->costs()) {
     if (!cost.is_barrier()) continue;
     const Activation& barrier = cost.activation;
-    const double weight = knot.cost_scale * knot.parameters[cost.weight];
-    const int first = problem_.constraint_offset(node) + cost.row;
-    const int rows = cost.residual->size();
-    add_cost(node, first, rows, barrier.lower.data(), barrier.upper.data(), weight);
-    for (std::size_t r = 0; r < barrier.weights.size(); ++r)
-      penalty_[first + r] *= barrier.weights[r];
+    add_cost({node, problem_.constraint_offset(node) + cost.row, cost.residual->size(),
+              barrier.lower.data(), barrier.upper.data(), kUnlimited, true, cost.weight,
+              barrier.weights.empty() ? nullptr : barrier.weights.data()});
   }
 }
 
 /// A term whose penalty stays. Where the duration of a knot is free its costs are no such terms.
-void HorizonConstraints::add_cost(int node, int row, int count, const double* lower,
-                                  const double* upper, double weight) {
-  const auto& duration = problem_.knot(node).model->free_duration();
-  if (weight == 0 || (duration && duration->scales_cost)) return;
-  penalty_.segment(row, count).setConstant(weight);
-  rows_.push_back({node, row, count, lower, upper, std::numeric_limits<double>::infinity(), true});
+void HorizonConstraints::add_cost(const Rows& cost) {
+  const KnotView& knot = problem_.knot(cost.node);
+  const auto& duration = knot.model->free_duration();
+  if (knot.cost_scale * knot.parameters[cost.weight] == 0 || (duration && duration->scales_cost))
+    return;
+  rows_.push_back(cost);
 }
 
 void HorizonConstraints::start(const Linearization& linearization,

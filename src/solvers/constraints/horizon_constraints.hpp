@@ -63,8 +63,10 @@ class HorizonConstraints {
     int node, row, count;
     const double* lower;  ///< null of a cone
     const double* upper;
-    double limit;  ///< of multipliers
-    bool cost;     ///< whose penalty stays
+    double limit;                     ///< of multipliers
+    bool cost;                        ///< whose penalty stays during a solve
+    int weight = 0;                   ///< of a cost: its number among the node's parameters
+    const double* factors = nullptr;  ///< of a cost: by row, null where they are 1
   };
   /// Rows one after the other, whatever their terms and nodes: thousands of terms have one row
   /// each.
@@ -83,10 +85,11 @@ class HorizonConstraints {
   void reserve();
   void add_soft_costs();
   void add_barriers(int node);
-  void add_cost(int node, int row, int count, const double* lower, const double* upper,
-                double weight);
+  void add_cost(const Rows& cost);
   void find_runs();
   void read_bounds();
+  void read_limits();
+  void read_weights();
   void read_augmentation(const Augmentation& augmentation);
   template <class S>
   S outside_rows(int row, const S& s) const;
