@@ -3,7 +3,8 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
-#include <random>
+
+#include "base/uniform_numbers.hpp"
 
 namespace conddp {
 
@@ -11,15 +12,14 @@ namespace conddp {
 /// library.
 class NormalNumbers {
  public:
-  explicit NormalNumbers(std::uint64_t seed) : engine_(seed) {}
+  explicit NormalNumbers(std::uint64_t seed) : uniform_(seed) {}
   double next() {
-    const double radius = std::sqrt(-2 * std::log(1 - uniform()));
-    return radius * std::cos(2 * std::numbers::pi * uniform());
+    const double radius = std::sqrt(-2 * std::log(1 - uniform_.next()));
+    return radius * std::cos(2 * std::numbers::pi * uniform_.next());
   }
 
  private:
-  double uniform() { return static_cast<double>(engine_() >> 11) * 0x1p-53; }
-  std::mt19937_64 engine_;
+  UniformNumbers uniform_;
 };
 
 }  // namespace conddp

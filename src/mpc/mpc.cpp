@@ -6,6 +6,7 @@
 
 #include "base/stopwatch.hpp"
 #include "solvers/common/feasible.hpp"
+#include "solvers/ddp/family.hpp"
 
 namespace conddp {
 namespace {
@@ -23,6 +24,8 @@ void check_rates(const MpcOptions& options) {
   require(options.delay >= 0 && options.delay <= options.tick,
           "the delay has to lie between 0 and the tick");
   require(!options.iterations || *options.iterations > 0, "a tick needs an iteration at least");
+  require(!options.iterations || find_ddp_member(options.solver) != nullptr,
+          "the solver has no real-time iteration: it solves windows to the tolerances");
   require(!options.feedback_rate || is_positive(*options.feedback_rate),
           "the rate of the feedback has to be positive");
   require(options.fallback_after > 0, "the fallback follows one failed tick at least");

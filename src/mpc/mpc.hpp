@@ -53,7 +53,8 @@ struct MpcOptions {
   /// What controls once so many ticks in a row have failed; none: the former plan for ever.
   std::optional<HeldState> fallback;
   int fallback_after = 3;
-  std::string solver = "box_fddp";  ///< of the DDP family
+  /// Of the DDP family, or `ipopt`, which solves to the tolerances and allocates: a slow reference.
+  std::string solver = "box_fddp";
   SolverOptions solver_options;
   /// None: phases begin at their times.
   std::optional<Retiming> retiming;

@@ -25,7 +25,7 @@ struct WindowContext {
   double horizon;  ///< s
   /// The last node of windows that end before the time line does; null: that of the time line.
   const Phase* open_end;
-  std::string_view solver;  ///< of the DDP family
+  std::string_view solver;
   const SolverOptions& options;
 };
 

@@ -57,6 +57,17 @@ TEST_F(LoopBatch, TellsWhichLoopsLastHoweverTheRunWent) {
       << status.out;
 }
 
+// Where ticks are solved to tolerances, every solver drives the same loop.
+TEST_F(LoopBatch, ComparesSolversWithIpopt) {
+  const std::string batch = planned("solvers",
+                                    "command: mpc\nsolvers: [box_fddp, ipopt]\nvary: {i: {key: "
+                                    "mpc.iterations, values: [tolerances]}}\n");
+  EXPECT_EQ(run(batch).exit_code, 0);
+  const std::string table = collected(batch);
+  for (const char* words : {",box_fddp,finished,1,1.5,1.0,0.0,", ",ipopt,finished,1,1.5,1.0,0.0,"})
+    EXPECT_NE(table.find(words), std::string::npos) << table;
+}
+
 TEST_F(LoopBatch, ShowsALoopBySimulatingItAgain) {
   const std::string batch = planned("shown", kPushes);
   run(batch);

@@ -296,11 +296,5 @@ TEST_F(MpcCommand, ReportsRangesThatAreNone) {
   EXPECT_FALSE(std::filesystem::exists(folder_.path() / "out/largest.csv"));
 }
 
-TEST_F(MpcCommand, OffersTheSolversOfWindowsAlone) {
-  const std::string help = run_conddp({"mpc", "--help"}, {.folder = folder_.path()}).out;
-  EXPECT_NE(help.find("box_fddp"), std::string::npos) << help;
-  EXPECT_EQ(help.find("ipopt"), std::string::npos) << help;
-}
-
 }  // namespace
 }  // namespace conddp

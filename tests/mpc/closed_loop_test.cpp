@@ -475,6 +475,7 @@ TEST(Mpc, SaysWhichOptionsItCannotTake) {
   refused({.horizon = 0});
   refused({.horizon = 0.1, .tick = 0.2});
   refused({.iterations = 0});
+  refused({.iterations = 1, .solver = "ipopt"});
   refused({.tick = 0.1, .delay = 0.2});
   refused({.feedback_rate = 0.0});
   refused({.fallback = HeldState{{0, 0}, Eigen::VectorXd::Zero(1), Eigen::MatrixXd::Zero(1, 4)}});

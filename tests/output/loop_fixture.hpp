@@ -68,8 +68,9 @@ struct SimulatedLoop {
     if (!late.empty())
       task->mpc.controller.is_late = [late](int tick) { return late.contains(tick); };
     result = run_loop(*task);
+    if (late.empty()) return;
     task->mpc.controller.is_late = nullptr;
-    if (!late.empty()) task->mpc.controller.clock = [] { return 0.0; };
+    task->mpc.controller.clock = [] { return 0.0; };
   }
   LoopRun run() const { return {*task, result, {}}; }
 

@@ -185,6 +185,71 @@ TEST(MpcFile, WindowsKeepTheTerminalCostsOfTheFile) {
   EXPECT_NE(none.run().last_state, keep.run().last_state);
 }
 
+// The gains that act between ticks are those of the optimum, too. The state jumps, and answers of
+// both solvers differ from the plans before.
+TEST(MpcFile, IpoptDrivesTheLoopThatAnySolverDrivesToItsTolerances) {
+  const auto run = [](const std::string& more) {
+    const LoadedLoop loop(
+        replaced(kPendulum, "box_ddp", more + ", tolerances: {stationarity: 1.0e-10}") +
+        "mpc: {horizon: 0.5, tick: 0.1, duration: 2, delay: 0.02, feedback: {rate: 100}, terminal: "
+        "keep, plant: {set: {system.mass: 1.1}}, disturbances: [{at: 0.55, jump: {omega: 1}}]" +
+        (more == "ipopt" ? "}\n" : ", iterations: tolerances}\n"));
+    EXPECT_TRUE(loop.mpc) << loop.all();
+    return loop.run();
+  };
+  const ClosedLoopResult slow = run("ipopt"), fast = run("box_fddp");
+  ASSERT_EQ(slow.steps.size(), fast.steps.size());
+  for (std::size_t k = 0; k < slow.steps.size(); ++k) {
+    EXPECT_NEAR(slow.steps[k].x[0], fast.steps[k].x[0], 1e-6) << k;
+    EXPECT_NEAR(slow.steps[k].x[1], fast.steps[k].x[1], 1e-6) << k;
+  }
+  for (const TickRecord& tick : slow.ticks)
+    EXPECT_EQ(tick.outcome, TickOutcome::planned) << tick.tick << to_string(tick.status);
+}
+
+TEST(MpcFile, IpoptHasNoRealTimeIteration) {
+  const LoadedLoop loop(replaced(kPendulum, "box_ddp", "ipopt") +
+                        "mpc: {horizon: 0.5, tick: 0.1, duration: 1, iterations: 3}\n");
+  EXPECT_FALSE(loop.mpc);
+  ASSERT_TRUE(loop.error());
+  EXPECT_EQ(loop.error()->path, "mpc.iterations") << loop.all();
+}
+
+/// The ticks of a pendulum's loop by what became of them.
+std::vector<TickRecord> ticks_with(const std::string& disturbances) {
+  const LoadedLoop loop(pendulum_with(
+      "mpc: {horizon: 0.5, tick: 0.05, duration: 3, terminal: keep, fallback: {after: "
+      "2, to: {values: {theta: 0.1}}}, disturbances: [" +
+      disturbances + "]}"));
+  EXPECT_TRUE(loop.mpc) << loop.all();
+  return loop.mpc ? loop.run().ticks : std::vector<TickRecord>();
+}
+
+TEST(MpcFile, AnswersThatComeTooLateLeadToTheFallbackAndBack) {
+  for (const TickRecord& tick : ticks_with("{late: 1, at: 1, duration: 0.2}")) {
+    const bool late = tick.tick >= 20 && tick.tick < 24;
+    EXPECT_EQ(tick.outcome, late ? TickOutcome::late : TickOutcome::planned) << tick.tick;
+    EXPECT_EQ(tick.fallback, tick.tick >= 21 && tick.tick < 24) << tick.tick;
+  }
+}
+
+TEST(MpcFile, AShareOfTheAnswersComesTooLateByItsSeed) {
+  const auto late_of = [](const std::string& disturbance) {
+    std::vector<int> late;
+    for (const TickRecord& tick : ticks_with(disturbance))
+      if (tick.outcome == TickOutcome::late) late.push_back(tick.tick);
+    return late;
+  };
+  const std::vector<int> few = late_of("{late: 0.2, seed: 7}"),
+                         many = late_of("{late: 0.5, seed: 7}");
+  EXPECT_GT(few.size(), 4u);  // of 60
+  EXPECT_LT(few.size(), 20u);
+  EXPECT_GT(many.size(), few.size());
+  EXPECT_TRUE(std::includes(many.begin(), many.end(), few.begin(), few.end()));
+  EXPECT_NE(late_of("{late: 0.2, seed: 8}"), few);
+  EXPECT_TRUE(late_of("{late: 0}").empty());
+}
+
 // From the first tick on every answer comes too late. The regulator brings the pendulum upright all
 // the same; quasi-static controls let it fall.
 TEST(MpcFile, AFallbackMayHaveTheGainsOfARegulator) {
@@ -585,6 +650,10 @@ TEST(MpcFile, TerminalCostsAtTheEndOfAWayAreWarnedOf) {
   ASSERT_TRUE(keep.mpc) << keep.all();
   EXPECT_NE(keep.all().find("draws every window to the end of the gait's way"), std::string::npos)
       << keep.all();
+  const auto& said = keep.diagnostics.list();
+  EXPECT_TRUE(std::any_of(said.begin(), said.end(), [](const Diagnostic& d) {
+    return d.severity == Severity::kWarning && d.path == "mpc.terminal";
+  })) << keep.all();
   EXPECT_EQ(trot("duration: 0.1, terminal: none").warnings(), 0);
   EXPECT_EQ(trot("duration: 0.1, terminal: keep", {"mpc.horizon=9"}).warnings(), 0);
 }
@@ -595,6 +664,34 @@ TEST(MpcFile, CommandsComeBeforeTheGaitHasEnded) {
   ASSERT_TRUE(late.error());
   EXPECT_EQ(late.error()->path, "mpc.commands.0") << late.all();
   EXPECT_NE(late.all().find("the gait has ended by then"), std::string::npos) << late.all();
+}
+
+// Four cycles of 0.48 s whose touch-downs may be early are more than the 1.5 s of the loop.
+TEST(MpcFile, RetimingComesToCommandsAfterTheLoopsDuration) {
+  const auto loop = [](const std::string& more) {
+    return trot(
+        "duration: 1.5, plant: {contacts: simulated, dt: 0.002}, commands: [{at: 1.6, turn: "
+        "1}]" +
+        more);
+  };
+  const LoadedLoop late = loop(""), early = loop(", retime: {early: 0.06}");
+  EXPECT_TRUE(early.mpc) << early.all();
+  ASSERT_TRUE(late.error());
+  EXPECT_EQ(late.error()->path, "mpc.commands.0.at");
+  EXPECT_NE(late.all().find("the loop has ended by then: it lasts 1.5 s"), std::string::npos);
+}
+
+TEST(MpcFile, KnownCommandsComeBeforeTheCyclesThatTheLoopRepeats) {
+  const auto at = [](const char* time) {
+    return trot("duration: 1, repeat: gait",
+                {fmt::format("gait.commands=[{{at: {}, turn: 1}}]", time)});
+  };
+  EXPECT_TRUE(at("1").mpc) << at("1").all();
+  const LoadedLoop late = at("50");
+  EXPECT_FALSE(late.mpc);
+  ASSERT_TRUE(late.error());
+  EXPECT_NE(late.all().find("the gait has ended by then: in the loop it lasts"), std::string::npos)
+      << late.all();
 }
 
 TEST(MpcFile, AKindOfContactsThatIsNoneIsOneError) {

@@ -8,8 +8,6 @@
 #include "commands/commands.hpp"
 #include "commands/largest_search.hpp"
 #include "output/report/loop_report.hpp"
-#include "solvers/ddp/family.hpp"
-#include "solvers/strategies/registry.hpp"
 #include "summary/report_file.hpp"
 #include "terminal/exit_codes.hpp"
 #include "terminal/interrupt.hpp"
@@ -82,17 +80,6 @@ int run(const MpcArguments& arguments) {
   return search_largest(arguments);
 }
 
-/// Which file, and by which solver of windows.
-std::vector<Argument> loop_arguments(MpcArguments& arguments) {
-  std::vector<Argument> all = problem_arguments(arguments);
-  for (Argument& argument : all) {
-    if (argument.names.front() != "--solver") continue;
-    argument.choices = {std::string(kAutoSolver)};
-    for (const DdpMember& member : ddp_family()) argument.choices.emplace_back(member.name);
-  }
-  return all;
-}
-
 }  // namespace
 
 Command mpc_command() {
@@ -105,7 +92,7 @@ Command mpc_command() {
               "each trial. Exit status 1 where the loop ended before its duration; with --largest "
               "where LOW is not survived.",
           .arguments = joined(
-              loop_arguments(*a),
+              problem_arguments(*a),
               {{.names = {"-o", "--output"},
                 .value = "FOLDER",
                 .description = "Folder for the outputs; out/<problem name> if nothing is said",

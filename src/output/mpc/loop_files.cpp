@@ -66,6 +66,17 @@ OrderedJson last_state_json(const LoopRun& run) {
   return json;
 }
 
+/// What the controller was told on the way: the gait that commands lead stands in the configuration
+/// as phases.
+OrderedJson commands_json(const MpcSpec& mpc) {
+  OrderedJson list = OrderedJson::array();
+  for (const GaitCommand& command : mpc.commands)
+    list.push_back({{"at", command.at.value},
+                    {"velocity", {command.x, command.y, 0}},
+                    {"turn", command.turn}});
+  return list;
+}
+
 OrderedJson dropped_json(const BuiltProblem& built) {
   OrderedJson names = OrderedJson::array();
   for (const DroppedConstraint& constraint : built.dropped) names.push_back(constraint.name);
@@ -150,6 +161,7 @@ OrderedJson loop_json(const LoopRun& run) {
           {"tool", tool_json()},
           {"solver", run.task.mpc.controller.solver},
           {"clock", run.task.mpc.controller.clock ? "wall" : "simulated"},
+          {"commands", commands_json(*run.task.spec->mpc)},
           {"end", to_string(result.end)},
           {"end_time_s", result.end_time},
           {"ticks", result.ticks.size()},

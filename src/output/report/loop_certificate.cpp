@@ -104,10 +104,13 @@ class LoopJudge {
     return OrderedJson::diff(tool, tool_json()).empty();
   }
 
-  /// Solves that are not measured are never late.
+  /// Solves that are not measured are late by the file's disturbances alone.
   void judge_clock() {
     const std::string clock = solution_text(document_, "clock");
-    state("clock", clock == "wall" || (clock == "simulated" && late_.empty()),
+    const auto& is_late = task_.mpc.controller.is_late;
+    const bool by_the_file =
+        std::all_of(late_.begin(), late_.end(), [&](int tick) { return is_late && is_late(tick); });
+    state("clock", clock == "wall" || (clock == "simulated" && by_the_file),
           clock == "simulated" ? "ticks are late, though the clock is simulated"
                                : fmt::format("'{}' is neither 'simulated' nor 'wall'", clock));
   }
@@ -208,7 +211,8 @@ class LoopJudge {
   void judge_loop() {
     MpcOptions controller = task_.mpc.controller;
     controller.clock = nullptr;
-    controller.is_late = [this](int tick) { return late_.contains(tick); };
+    if (solution_text(document_, "clock") == "wall")
+      controller.is_late = [this](int tick) { return late_.contains(tick); };
     ClosedLoopOptions loop = task_.mpc.loop;
     if (solution_text(document_, "end") == to_string(LoopEnd::interrupted))
       loop.interrupted = [left = ticks_]() mutable { return left-- <= 0; };

@@ -7,8 +7,10 @@
 
 #include <fmt/format.h>
 
+#include "problem_file/build/late_ticks.hpp"
 #include "problem_file/build/loop_commands.hpp"
 #include "problem_file/build/simulated_plant.hpp"
+#include "problem_file/build/tangent_numbers.hpp"
 #include "problem_file/plant/quasi_static.hpp"
 #include "problem_file/read/read_problem.hpp"
 #include "problem_file/read/read_sections.hpp"
@@ -134,10 +136,13 @@ void check_whole_knots(const ProblemSpec& spec, const ShootingProblem& problem, 
 }
 
 void check_disturbances(const MpcSpec& mpc, Diagnostics& out) {
-  for (const DisturbanceSpec& disturbance : mpc.disturbances)
-    if (!is_before(disturbance.at.value, mpc.duration.value))
-      out.error(disturbance.at.place,
+  const auto check = [&](const Located<double>& at) {
+    if (!is_before(at.value, mpc.duration.value))
+      out.error(at.place,
                 fmt::format("the loop has ended by then: it lasts {:g} s", mpc.duration.value));
+  };
+  for (const DisturbanceSpec& disturbance : mpc.disturbances) check(disturbance.at);
+  for (const LateSpec& late : mpc.late) check(late.at);
 }
 
 void check_times(const ProblemSpec& spec, const ShootingProblem& problem, Diagnostics& out) {
@@ -159,28 +164,18 @@ void check_times(const ProblemSpec& spec, const ShootingProblem& problem, Diagno
   check_whole_knots(spec, problem, out);
 }
 
-/// The first solver of the DDP family that supports the problem.
+/// The first solver that supports the problem. One that has no real-time iteration cannot have a
+/// number of them.
 std::string solver_of(const ProblemSpec& spec, const ShootingProblem& problem, Diagnostics& out) {
   const auto solvers = usable_solvers(spec, problem, out);
-  for (const SolverInfo* solver : solvers)
-    for (const DdpMember& member : ddp_family())
-      if (member.name == solver->name) return std::string(solver->name);
-  std::vector<std::string> names;
-  for (const DdpMember& member : ddp_family()) names.emplace_back(member.name);
-  if (!solvers.empty())
-    out.error(spec.solver.name.place,
-              fmt::format("{} cannot solve the windows of a closed loop", solvers.front()->name),
-              "take a solver of the DDP family", names);
-  return {};
-}
-
-/// Numbers for the tangent coordinates of a state with its memory.
-std::vector<double> tangent_of(const ComponentsSpec& components, const BuiltProblem& built,
-                               Diagnostics& out) {
-  auto numbers = resolve(components, tangent_names(*built.plant.system), 0.0, out);
-  std::vector<double> tangent = numbers ? *std::move(numbers) : std::vector<double>();
-  tangent.resize(built.problem->ndx(), 0.0);
-  return tangent;
+  if (solvers.empty()) return {};
+  const std::string name(solvers.front()->name);
+  if (spec.mpc->iterations && find_ddp_member(name) == nullptr)
+    out.error(
+        spec.mpc->iterations_place,
+        fmt::format("{} has no real-time iteration: it solves each window to the tolerances", name),
+        "write 'iterations: tolerances', or leave the key out");
+  return name;
 }
 
 /// The largest acceleration (or rate, of a system without velocities) in a state; 0 of systems that
@@ -240,8 +235,9 @@ std::optional<BuiltProblem> with_regulator(const TerminalLqrSpec& lqr, const Pro
 /// The last node of windows that end before the phases do.
 std::optional<Phase> window_end(const ProblemSpec& spec, const BuiltProblem& built,
                                 Diagnostics& out) {
-  if (spec.mpc->window_end == WindowEnd::kTerminal) return built.problem->terminal();
-  if (spec.mpc->window_end == WindowEnd::kNothing || !spec.mpc->terminal_lqr) return std::nullopt;
+  const WindowEnd end = spec.mpc->window_end.value;
+  if (end == WindowEnd::kTerminal) return built.problem->terminal();
+  if (end == WindowEnd::kNothing || !spec.mpc->terminal_lqr) return std::nullopt;
   const auto problem = with_regulator(*spec.mpc->terminal_lqr, spec, built, out);
   return problem ? std::optional(problem->problem->terminal()) : std::nullopt;
 }
@@ -249,14 +245,14 @@ std::optional<Phase> window_end(const ProblemSpec& spec, const BuiltProblem& bui
 /// Windows that end on the way of a gait with costs that draw to the end of the way.
 void warn_of_way_ends(const ProblemSpec& spec, const ShootingProblem& problem, Diagnostics& out) {
   const MpcSpec& mpc = *spec.mpc;
-  if (mpc.window_end != WindowEnd::kTerminal || !has_gait(spec) ||
+  if (mpc.window_end.value != WindowEnd::kTerminal || !has_gait(spec) ||
       !is_before(mpc.horizon.value, problem.times().back()))
     return;
   for (const CostSpec& cost : spec.terminal_costs)
     if (cost.reference && !cost.reference->values.empty() && cost.reference->values.front().state &&
         cost.reference->values.front().state->displaced)
       return out.warning(
-          mpc.place,
+          mpc.window_end.place,
           fmt::format("'terminal: keep' draws every window to the end of the gait's way, where "
                       "the terminal cost '{}' has its reference",
                       cost.name.value),
@@ -455,10 +451,10 @@ void set_disturbances(const MpcSpec& mpc, const BuiltProblem& built, ClosedLoopO
                       Diagnostics& out) {
   for (const DisturbanceSpec& disturbance : mpc.disturbances)
     if (disturbance.jump)
-      loop.jumps.push_back({disturbance.at.value, tangent_of(*disturbance.jump, built, out)});
+      loop.jumps.push_back({disturbance.at.value, tangent_numbers(disturbance.jump, built, out)});
   std::stable_sort(loop.jumps.begin(), loop.jumps.end(),
                    [](const Jump& a, const Jump& b) { return a.at < b.at; });
-  if (mpc.noise) loop.noise = {tangent_of(mpc.noise->sigma, built, out), mpc.noise->seed};
+  if (mpc.noise) loop.noise = {tangent_numbers(mpc.noise->sigma, built, out), mpc.noise->seed};
 }
 
 /// Tries whether the plant can be integrated as it says.
@@ -561,6 +557,7 @@ std::optional<BuiltMpc> build_mpc(const ProblemSpec& spec, const BuiltProblem& b
   result.controller.terminal = window_end(spec, built, out);
   warn_of_way_ends(spec, *built.problem, out);
   set_disturbances(mpc, built, result.loop, out);
+  result.controller.is_late = late_ticks(mpc);
   result.controller.retiming = build_retiming(spec, built, out);
   result.loop.commands = build_commands(spec, built, out);
   if (!mpc.stop_when.empty()) result.loop.stop = stop_condition(spec, built, out);

@@ -1,5 +1,6 @@
 #include "problem_file/build/loop_commands.hpp"
 
+#include <algorithm>
 #include <limits>
 #include <stdexcept>
 
@@ -92,6 +93,26 @@ void check_retiming(const MpcSpec& mpc, const std::vector<std::uint32_t>& held,
               "take a tick at least, or 0");
 }
 
+/// A command that the loop comes to no more. Its time is that of the phases, of which a loop whose
+/// touch-downs are early gets through more than it lasts.
+bool comes_too_late(const GaitCommand& command, const MpcSpec& mpc, double phases_end,
+                    Diagnostics& out) {
+  const double end = mpc.retime ? std::max(mpc.duration.value, phases_end) : mpc.duration.value;
+  if (is_before(command.at.value, end)) return false;
+  out.error(command.at.place, fmt::format("the loop has ended by then: it lasts {:g} s", end));
+  return true;
+}
+
+/// Commands of the gait itself that come after all cycles that the loop repeats.
+void check_known_commands(const ProblemSpec& spec, double phases_end, Diagnostics& out) {
+  for (const GaitCommand& command : spec.gait_commands)
+    if (!is_before(command.at.value, phases_end))
+      return out.error(
+          command.at.place,
+          fmt::format("the gait has ended by then: in the loop it lasts {:g} s", phases_end),
+          "take an earlier time, or leave the command out");
+}
+
 }  // namespace
 
 bool has_gait(const ProblemSpec& spec) { return spec.phases.front().name.place.path == "gait"; }
@@ -108,6 +129,8 @@ std::vector<LoopCommand> build_commands(const ProblemSpec& spec, const BuiltProb
                                         Diagnostics& out) {
   std::vector<LoopCommand> result;
   const std::vector<GaitCommand>& commands = spec.mpc->commands;
+  const double phases_end = built.problem->times().back();
+  check_known_commands(spec, phases_end, out);
   if (commands.empty()) return result;
   if (!has_gait(spec)) {
     out.error(commands.front().place, "the file has no gait that commands could lead",
@@ -115,11 +138,7 @@ std::vector<LoopCommand> build_commands(const ProblemSpec& spec, const BuiltProb
     return result;
   }
   for (std::size_t i = 0; i < commands.size(); ++i) {
-    if (!is_before(commands[i].at.value, spec.mpc->duration.value)) {
-      out.error(commands[i].at.place, fmt::format("the loop has ended by then: it lasts {:g} s",
-                                                  spec.mpc->duration.value));
-      return result;
-    }
+    if (comes_too_late(commands[i], *spec.mpc, phases_end, out)) return result;
     auto problem = with_commands(spec, built, i, out);
     if (problem == nullptr) return result;
     result.push_back({commands[i].at.value, std::move(problem)});

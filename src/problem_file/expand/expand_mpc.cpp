@@ -29,6 +29,13 @@ OrderedJson expand_disturbance(const DisturbanceSpec& disturbance) {
   return json;
 }
 
+OrderedJson expand_late(const LateSpec& late) {
+  OrderedJson json = {{"late", late.share}, {"at", late.at.value}};
+  if (late.duration) json["duration"] = *late.duration;
+  json["seed"] = late.seed;
+  return json;
+}
+
 OrderedJson expand_disturbances(const MpcSpec& mpc) {
   OrderedJson json = OrderedJson::array();
   for (const DisturbanceSpec& disturbance : mpc.disturbances)
@@ -37,12 +44,13 @@ OrderedJson expand_disturbances(const MpcSpec& mpc) {
     json.push_back({{"noise", "state"},
                     {"sigma", expand_components(mpc.noise->sigma)},
                     {"seed", mpc.noise->seed}});
+  for (const LateSpec& late : mpc.late) json.push_back(expand_late(late));
   return json;
 }
 
 OrderedJson expand_window_end(const MpcSpec& mpc) {
   if (mpc.terminal_lqr) return {{"lqr", expand_terminal_lqr(*mpc.terminal_lqr)}};
-  return word_of(kWindowEndWords, mpc.window_end);
+  return word_of(kWindowEndWords, mpc.window_end.value);
 }
 
 OrderedJson expand_fallback(const FallbackSpec& fallback) {

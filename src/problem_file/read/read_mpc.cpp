@@ -11,6 +11,7 @@ namespace conddp {
 namespace {
 
 constexpr int kMostIterations = 1'000'000;
+const NumberRange kShare{0, 1, false, false, "a number from 0 to 1"};
 
 /// A number above 0 and its place.
 std::optional<Located<double>> read_positive(const YamlReader& reader) {
@@ -122,13 +123,24 @@ NoiseSpec read_noise(YamlMap& map) {
   return noise;
 }
 
+/// Which answers come too late.
+LateSpec read_late(YamlMap& map) {
+  LateSpec late;
+  if (const auto r = map.find("late")) late.share = r->number(kShare).value_or(1);
+  if (const auto r = map.find("at")) late.at = {r->number(kNotNegative).value_or(0), r->place()};
+  if (const auto r = map.find("duration")) late.duration = r->number(kPositive);
+  if (const auto r = map.find("seed"))
+    late.seed = static_cast<std::uint64_t>(r->integer(0, kLargestSeed).value_or(1));
+  return late;
+}
+
 void read_push(YamlMap& map, DisturbanceSpec& disturbance) {
   disturbance.push.emplace();
   if (map.valid() && map.reader().node().find("force") == nullptr &&
       map.reader().node().find("torque") == nullptr)
     map.reader().error(
-        "a disturbance is a jump, a push or noise: this one has no 'jump', 'force', "
-        "'torque' or 'noise'",
+        "a disturbance is a jump, a push, noise or lateness: this one has no 'jump', 'force', "
+        "'torque', 'noise' or 'late'",
         "write '{at: 1, jump: {omega: 0.5}}' or '{at: 1, frame: tool, force: [0, "
         "10, 0], duration: 0.1}'");
   if (const auto r = map.require("frame")) disturbance.push->frame = r->name().value_or(Name{});
@@ -155,6 +167,10 @@ void read_disturbance(const YamlReader& reader, MpcSpec& mpc) {
     mpc.noise = read_noise(map);
     return;
   }
+  if (reader.node().find("late") != nullptr) {
+    mpc.late.push_back(read_late(map));
+    return;
+  }
   DisturbanceSpec disturbance{.place = reader.place()};
   if (const auto r = map.require("at"))
     disturbance.at = {r->number(kNotNegative).value_or(0), r->place()};
@@ -166,13 +182,15 @@ void read_disturbance(const YamlReader& reader, MpcSpec& mpc) {
 }
 
 void read_window_end(const YamlReader& reader, MpcSpec& mpc) {
+  mpc.window_end.place = reader.place();
   if (!reader.is_map()) {
-    mpc.window_end = reader.choice(kWindowEndWords, "end of windows").value_or(mpc.window_end);
+    mpc.window_end.value =
+        reader.choice(kWindowEndWords, "end of windows").value_or(mpc.window_end.value);
     return;
   }
   YamlMap map(reader);
   if (const auto lqr = map.require("lqr")) mpc.terminal_lqr = read_terminal_lqr(*lqr);
-  mpc.window_end = WindowEnd::kRegulator;
+  mpc.window_end.value = WindowEnd::kRegulator;
 }
 
 /// A state, or `{lqr: STATE}`.
@@ -225,14 +243,19 @@ RetimeSpec read_retime(const YamlReader& reader) {
 
 }  // namespace
 
-MpcSpec read_mpc(const YamlReader& reader, const std::filesystem::path& folder) {
+MpcSpec read_mpc(const YamlReader& reader, const std::filesystem::path& folder,
+                 const Name& solver) {
   MpcSpec mpc{.place = reader.place()};
+  if (solver.value == "ipopt") mpc.iterations.reset();
   YamlMap map(reader, "write '{horizon: 1, tick: 0.02, duration: 5}'");
   if (!map.valid()) return mpc;
   require_duration(map, "horizon", mpc.horizon);
   require_duration(map, "tick", mpc.tick);
   require_duration(map, "duration", mpc.duration);
-  if (const auto r = map.find("iterations")) mpc.iterations = read_iterations(*r);
+  if (const auto r = map.find("iterations")) {
+    mpc.iterations = read_iterations(*r);
+    mpc.iterations_place = r->place();
+  }
   if (const auto r = map.find("repeat"))
     mpc.repeat = {r->choice(kRepeatWords, "continuation of the phases").value_or(mpc.repeat.value),
                   r->place()};

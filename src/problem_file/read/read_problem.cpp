@@ -230,7 +230,7 @@ ProblemSpec read_document(const YamlReader& reader, const std::filesystem::path&
   if (const auto r = map.find("initial_guess")) spec.guess = read_guess(*r, folder);
   map.read("perturbation", spec.perturbation, read_perturbation);
   map.read("solver", spec.solver, read_solver);
-  if (const auto r = map.find("mpc")) spec.mpc = read_mpc(*r, folder);
+  if (const auto r = map.find("mpc")) spec.mpc = read_mpc(*r, folder, spec.solver.name);
   if (gait) spec.gait_commands = gait->commands;
   if (gait && !reader.diagnostics().has_errors()) add_gait(*gait, spec, reader.diagnostics());
   if (spec.mesh) cut_steps(*spec.mesh, spec.phases, reader.diagnostics());

@@ -99,6 +99,8 @@ GuessSpec read_guess(const YamlReader& reader, const std::filesystem::path& fold
 SolverSpec read_solver(const YamlReader& reader);
 
 // read_mpc.cpp
-MpcSpec read_mpc(const YamlReader& reader, const std::filesystem::path& folder);
+/// `solver`: the name that the file gives; ipopt, which has no real-time iteration, solves windows
+/// to the tolerances unless the section says otherwise.
+MpcSpec read_mpc(const YamlReader& reader, const std::filesystem::path& folder, const Name& solver);
 
 }  // namespace conddp

@@ -35,6 +35,14 @@ struct NoiseSpec {
   std::uint64_t seed = 1;
 };
 
+/// Answers of ticks that come too late, whatever the clock says.
+struct LateSpec {
+  double share = 1;                ///< of the ticks, drawn at random
+  Located<double> at{0, {}};       ///< from when on, s
+  std::optional<double> duration;  ///< s; none: to the end of the loop
+  std::uint64_t seed = 1;
+};
+
 /// What moves in place of the model.
 struct MpcPlantSpec {
   std::vector<Setting> settings;  ///< of the problem file
@@ -65,8 +73,9 @@ struct MpcSpec {
   Place place;
   Located<double> horizon, tick, duration;  ///< s
   std::optional<int> iterations = 1;        ///< of a tick; none: to the solver's tolerances
+  Place iterations_place;                   ///< none where the file has no such key
   Located<AfterTheEnd> repeat{AfterTheEnd::kHold, {}};
-  WindowEnd window_end = WindowEnd::kNothing;
+  Located<WindowEnd> window_end{WindowEnd::kNothing, {}};
   std::optional<TerminalLqrSpec> terminal_lqr;   ///< of windows that end with a regulator
   Located<double> delay;                         ///< s
   bool predict = true;                           ///< the state for the end of the delay
@@ -74,6 +83,7 @@ struct MpcSpec {
   MpcPlantSpec plant;
   std::vector<DisturbanceSpec> disturbances;
   std::optional<NoiseSpec> noise;
+  std::vector<LateSpec> late;
   std::vector<GaitCommand> commands;  ///< unknown to the controller before their times
   std::optional<RetimeSpec> retime;
   std::optional<FallbackSpec> fallback;

@@ -1,5 +1,8 @@
 #include "solvers/ddp/family.hpp"
 
+#include <algorithm>
+#include <iterator>
+
 namespace conddp {
 namespace {
 
@@ -67,5 +70,11 @@ constexpr DdpMember kFamily[] = {
 }  // namespace
 
 std::span<const DdpMember> ddp_family() { return kFamily; }
+
+const DdpMember* find_ddp_member(std::string_view name) {
+  const auto found = std::find_if(std::begin(kFamily), std::end(kFamily),
+                                  [name](const DdpMember& member) { return member.name == name; });
+  return found == std::end(kFamily) ? nullptr : found;
+}
 
 }  // namespace conddp

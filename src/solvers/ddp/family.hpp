@@ -17,5 +17,7 @@ struct DdpMember {
 /// All of them, in the order in which documents list them. What a member supports follows from its
 /// recipe; a row more is a solver more.
 std::span<const DdpMember> ddp_family();
+/// The one of this name, or null.
+const DdpMember* find_ddp_member(std::string_view name);
 
 }  // namespace conddp

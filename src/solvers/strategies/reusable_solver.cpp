@@ -1,6 +1,5 @@
 #include "solvers/strategies/reusable_solver.hpp"
 
-#include <algorithm>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -13,26 +12,33 @@ namespace conddp {
 
 ReusableSolver::ReusableSolver(const ShootingProblem& problem, std::string_view solver,
                                const SolverOptions& options) {
-  const auto family = ddp_family();
-  const auto member = std::find_if(family.begin(), family.end(),
-                                   [&](const DdpMember& known) { return known.name == solver; });
-  if (member == family.end())
-    throw std::invalid_argument(fmt::format("no solver of the DDP family is named '{}'", solver));
+  const SolverInfo* info = find_solver(solver);
+  if (info == nullptr) throw std::invalid_argument(fmt::format("unknown solver '{}'", solver));
   if (options.restarts.count > 0 || options.homotopy)
     throw std::invalid_argument("a solver that is used again has no restarts and no homotopy");
-  const SolverInfo& info = *find_solver(solver);
-  check_options(info, problem, options);
+  check_options(*info, problem, options);
   SolverOptions own = options;
-  if (info.constraints != ConstraintSupport::all) own.multipliers = nullptr;
-  solver_ = std::make_unique<DdpSolver>(problem, member->recipe, own);
-  solver_->reserve_exact_hessians();
+  if (info->constraints != ConstraintSupport::all) own.multipliers = nullptr;
+  if (const DdpMember* member = find_ddp_member(solver)) {
+    solver_ = std::make_unique<DdpSolver>(problem, member->recipe, own);
+    solver_->reserve_exact_hessians();
+  } else {
+    anew_ = [info, &problem, own](const Trajectory& guess) {
+      return info->run(problem, own, guess);
+    };
+  }
 }
 
 ReusableSolver::~ReusableSolver() = default;
 
-const SolveResult& ReusableSolver::solve(const Trajectory& guess) { return solver_->solve(guess); }
+const SolveResult& ReusableSolver::solve(const Trajectory& guess) {
+  if (solver_) return solver_->solve(guess);
+  answer_ = anew_(guess);
+  return *answer_;
+}
 
 const SolveResult& ReusableSolver::iterate(const Trajectory& guess) {
+  if (!solver_) throw std::logic_error("the solver has no real-time iteration");
   return solver_->solve(guess, LastIterate::evaluated);
 }
 

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <functional>
 #include <memory>
+#include <optional>
 #include <string_view>
 
 #include "solvers/strategies/registry.hpp"
@@ -11,12 +13,12 @@ class DdpSolver;
 
 /// A solver whose memory outlives a solve, for one problem that is solved again and again from
 /// other initial states (ShootingProblem::set_initial_state) and guesses, as in model predictive
-/// control. From the second solve on nothing is allocated, but for messages of solves that fail.
+/// control. From the second solve on a solver of the DDP family allocates nothing, but for messages
+/// of solves that fail; `ipopt` begins anew each time.
 class ReusableSolver {
  public:
-  /// The problem must outlive this object. Throws std::invalid_argument where no solver of the DDP
-  /// family has this name, it does not support the problem or the options, or these ask for
-  /// restarts or a homotopy.
+  /// The problem must outlive this object. Throws std::invalid_argument where no solver has this
+  /// name, it does not support the problem or the options, or these ask for restarts or a homotopy.
   ReusableSolver(const ShootingProblem& problem, std::string_view solver,
                  const SolverOptions& options);
   ~ReusableSolver();
@@ -29,11 +31,14 @@ class ReusableSolver {
   const SolveResult& solve(const Trajectory& guess);
   /// A real-time iteration: the same, but where the iterations are used up the last iterate is not
   /// linearised. The gains are then those of the sweep that led to it, the stationarity is that of
-  /// the iterate before, and co-states and gradients stay zero.
+  /// the iterate before, and co-states and gradients stay zero. Of `ipopt`, which has none, it is a
+  /// std::logic_error.
   const SolveResult& iterate(const Trajectory& guess);
 
  private:
-  std::unique_ptr<DdpSolver> solver_;
+  std::unique_ptr<DdpSolver> solver_;  ///< null of a solver that begins anew
+  std::function<SolveResult(const Trajectory&)> anew_;
+  std::optional<SolveResult> answer_;  ///< of such a solver
 };
 
 }  // namespace conddp

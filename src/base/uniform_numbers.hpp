@@ -1,0 +1,19 @@
+#pragma once
+
+#include <cstdint>
+#include <random>
+
+namespace conddp {
+
+/// Uniform numbers from [0, 1) of 53 bits, so that a seed gives the same ones with every standard
+/// library.
+class UniformNumbers {
+ public:
+  explicit UniformNumbers(std::uint64_t seed) : engine_(seed) {}
+  double next() { return static_cast<double>(engine_() >> 11) * 0x1p-53; }
+
+ private:
+  std::mt19937_64 engine_;
+};
+
+}  // namespace conddp
