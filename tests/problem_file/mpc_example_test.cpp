@@ -46,6 +46,34 @@ TEST(MpcExample, CarFollowsItsPathAmongDiscs) {
   EXPECT_NEAR(car.result.last_state[1], 3 * std::sin(0.2 * 18), 0.3);
 }
 
+TEST(MpcExample, CartpoleSwingsUpInWindowsThatAreShorterThanTheSwing) {
+  const ExampleLoop cartpole("cartpole_balance");
+  ASSERT_TRUE(cartpole.mpc) << cartpole.said;
+  EXPECT_EQ(cartpole.result.end, LoopEnd::finished);
+  EXPECT_EQ(cartpole.failed(), 0);
+  EXPECT_NEAR(cartpole.result.last_state[0], 0, 0.05);
+  EXPECT_NEAR(cartpole.result.last_state[1], M_PI, 0.05);
+  const ExampleLoop without("cartpole_balance", {"mpc.terminal=none"});
+  EXPECT_GT(without.result.cost, 2 * cartpole.result.cost);
+}
+
+TEST(MpcExample, HopperHopsOverAStepThatItDoesNotKnow) {
+  const ExampleLoop hopper("hopper_hops");
+  ASSERT_TRUE(hopper.mpc) << hopper.said;
+  EXPECT_EQ(hopper.result.end, LoopEnd::finished);
+  EXPECT_EQ(hopper.failed(), 0);
+  EXPECT_NEAR(hopper.result.last_state[0], 1.8, 0.2);
+  EXPECT_NEAR(hopper.result.last_state[2], 0, 0.2);  // pitch
+  int hops = 0;
+  double before = 0;
+  for (const PlantStep& step : hopper.result.steps) {
+    const double rate = step.x[6];  // of the base's height
+    hops += before > 1e-3 && rate <= 1e-3;
+    before = rate;
+  }
+  EXPECT_GE(hops, 10);
+}
+
 TEST(MpcExample, QuadrotorArrivesThroughGusts) {
   const ExampleLoop quadrotor("quadrotor_gusts");
   ASSERT_TRUE(quadrotor.mpc) << quadrotor.said;
