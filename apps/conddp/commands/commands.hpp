@@ -13,6 +13,7 @@ Command contacts_command();
 Command bench_command();
 Command batch_command();
 Command mpc_command();
+Command margins_command();
 Command compare_command();
 Command regress_command();
 Command inspect_command();

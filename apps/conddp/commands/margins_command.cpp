@@ -1,0 +1,111 @@
+#include <fmt/format.h>
+
+#include "arguments/problem_arguments.hpp"
+#include "arguments/shared_arguments.hpp"
+#include "base/json/json_text.hpp"
+#include "commands/commands.hpp"
+#include "problem_file/build/build_problem.hpp"
+#include "problem_file/build/homotopy.hpp"
+#include "problem_file/build/tangent_numbers.hpp"
+#include "problem_file/values/read_values.hpp"
+#include "problem_file/yaml/yaml_source.hpp"
+#include "summary/margin_report.hpp"
+#include "terminal/exit_codes.hpp"
+#include "terminal/messages.hpp"
+#include "terminal/streams.hpp"
+
+namespace conddp {
+namespace {
+
+struct MarginArguments : ProblemArguments {
+  std::string initial, process, measurement;  ///< standard deviations, as YAML
+  bool json = false;
+};
+
+/// The standard deviations of an option; zero without it.
+Eigen::VectorXd sigmas_of(const char* option, const std::string& text, const BuiltProblem& built,
+                          Diagnostics& out) {
+  std::optional<ComponentsSpec> components;
+  if (!text.empty()) {
+    const auto node = parse_yaml(text, out.add_source(option, text), out, 0, true);
+    if (node) components = read_components(YamlReader(*node, option, out), kNotNegative);
+  }
+  const std::vector<double> sigma = tangent_numbers(components, built, out);
+  return Eigen::Map<const Eigen::VectorXd>(sigma.data(), static_cast<Eigen::Index>(sigma.size()));
+}
+
+StateNoise noise_of(const MarginArguments& arguments, const BuiltProblem& built, Diagnostics& out) {
+  StateNoise noise{sigmas_of("--initial", arguments.initial, built, out),
+                   sigmas_of("--process", arguments.process, built, out),
+                   sigmas_of("--measurement", arguments.measurement, built, out)};
+  if (!out.has_errors() && noise.initial.isZero(0) && noise.process.isZero(0) &&
+      noise.measurement.isZero(0))
+    out.error({}, "there is no noise: nothing but 'sigma' of 0",
+              "give --initial, --process or --measurement, for example --process 0.01");
+  return noise;
+}
+
+/// The answer of the file's solver. Nothing with an error where it has no gains.
+std::optional<SolveResult> solve_for_gains(const ProblemSpec& spec, const BuiltProblem& built,
+                                           Diagnostics& out) {
+  const auto candidates = usable_solvers(spec, *built.problem, out);
+  if (candidates.empty()) return std::nullopt;
+  SolverOptions options = spec.solver.options;
+  options.multipliers = built.multipliers;
+  options.homotopy = homotopy_path(built);
+  const SolverInfo* used = nullptr;
+  SolveResult result = solve(*built.problem, candidates, options, built.guess, used);
+  if (result.feedback_regularization) return result;
+  out.error({}, fmt::format("the answer of {} has no gains: {}", used->name, result.message));
+  return std::nullopt;
+}
+
+int print_margins(const MarginArguments& arguments) {
+  Diagnostics diagnostics;
+  const auto spec = read_problem_of(arguments, diagnostics);
+  const auto built = spec ? build_problem(*spec, {.drop = arguments.drop}, diagnostics)
+                          : std::optional<BuiltProblem>();
+  const StateNoise noise = built ? noise_of(arguments, *built, diagnostics) : StateNoise();
+  const auto result = diagnostics.has_errors() ? std::optional<SolveResult>()
+                                               : solve_for_gains(*spec, *built, diagnostics);
+  if (result && !is_success(result->status))
+    diagnostics.warning({}, fmt::format("the plan is no solution: {}", result->message));
+  print_messages(diagnostics, Verbosity::kNormal);
+  if (!result) return kExitBadInput;
+  const OrderedJson margins = margins_json(
+      constraint_margins(*built->problem, result->trajectory, result->feedback.K, noise), noise,
+      *spec, *built, result->trajectory);
+  print_result(arguments.json ? json_text(margins) : margins_text(margins));
+  return is_success(result->status) ? kExitConverged : kExitNotConverged;
+}
+
+Argument sigma_argument(const char* name, std::string& target, std::string description) {
+  return {
+      .names = {name}, .value = "SIGMA", .description = std::move(description), .target = &target};
+}
+
+}  // namespace
+
+Command margins_command() {
+  const auto a = std::make_shared<MarginArguments>();
+  return {
+      .name = "conddp margins",
+      .description = "Solve a problem and tell how much noise its plan withstands",
+      .details =
+          "Carries covariances of the state through the gains of the plan, to first order, and "
+          "prints how many standard deviations each bound on controls and each constraint is "
+          "away at least, where, and how likely it is violated there. SIGMA is a standard "
+          "deviation for all components of the state, a list, or a mapping of names: '{theta: "
+          "0.01, \"v*\": 0.1}'. Exit status 1 where the solver did not converge.",
+      .arguments = joined(
+          problem_arguments(*a),
+          {sigma_argument("--initial", a->initial, "Of the state at the start"),
+           sigma_argument("--process", a->process,
+                          "Of what each knot that takes time adds to the state"),
+           sigma_argument("--measurement", a->measurement,
+                          "Of what is added to the state that the gains get in each knot"),
+           flag({"--json"}, a->json, "Print all nodes as JSON on stdout (conddp schema margins)")}),
+      .run = [a] { return print_margins(*a); }};
+}
+
+}  // namespace conddp

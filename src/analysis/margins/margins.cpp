@@ -1,0 +1,134 @@
+#include "analysis/margins/margins.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <tuple>
+
+namespace conddp {
+namespace {
+
+/// Quantities that noise moves by less, relative to what the coordinates of the state would one by
+/// one, are constant but for rounding: the gains hold them.
+constexpr double kConstant = 1e-9;
+
+/// Goes from node to node.
+class MarginCollector {
+ public:
+  MarginCollector(const ShootingProblem& problem, const Trajectory& trajectory,
+                  const std::vector<Eigen::MatrixXd>& gains, const StateNoise& noise)
+      : problem_(problem),
+        trajectory_(trajectory),
+        gains_(gains),
+        measurement_(noise.measurement),
+        linear_(problem) {
+    Evaluator(problem).differentiate(trajectory, linear_);
+    covariance_ = propagate_covariance(problem, linear_, gains, noise);
+  }
+
+  std::vector<MarginCurve> collect() {
+    for (int k = first_timed_knot(problem_); k < problem_.knots(); ++k)
+      if (!problem_.takes_no_time(k)) add_control_bounds(k);
+    for (const NodeConstraint& constraint : problem_.constraints())
+      if (constraint.node >= first_timed_knot(problem_)) add_constraint(constraint);
+    std::stable_sort(curves_.begin(), curves_.end(), [](const auto& a, const auto& b) {
+      return a.smallest().steps() < b.smallest().steps();
+    });
+    return std::move(curves_);
+  }
+
+ private:
+  using Row = Eigen::RowVectorXd;
+
+  /// The standard deviation at a node of a quantity with this gradient by (δx, δu).
+  double sigma_of(int k, const Row& gradient) const {
+    const int n = problem_.ndx();
+    const Row spread = covariance_[k].diagonal().cwiseMax(0).cwiseSqrt().transpose();
+    Row by_state = gradient.head(n), by_gains = Row::Zero(n);
+    if (k < problem_.knots()) by_gains = gradient.tail(gradient.size() - n) * gains_[k];
+    const double reach = (by_state.cwiseAbs() + by_gains.cwiseAbs()).dot(spread);
+    by_state += by_gains;
+    double variance = by_state.dot(by_state * covariance_[k]);
+    if (k < problem_.knots() && !problem_.takes_no_time(k))
+      variance += by_gains.cwiseProduct(measurement_.transpose()).squaredNorm();
+    const double sigma = std::sqrt(std::max(variance, 0.0));
+    return sigma > kConstant * reach ? sigma : 0;
+  }
+
+  void add(const std::string& name, int row, bool upper, const Margin& margin) {
+    if (!(margin.sigma > 0) || !std::isfinite(margin.distance)) return;
+    const auto [place, is_new] = place_.try_emplace({name, row, upper}, curves_.size());
+    if (is_new) curves_.push_back({name, row, upper, {}});
+    curves_[place->second].nodes.push_back(margin);
+  }
+
+  /// Both sides of lower ≤ value ≤ upper. Of an equality neither.
+  void add_interval(const std::string& name, int row, int k, double value, double lower,
+                    double upper, const Row& gradient) {
+    if (lower == upper) return;
+    const double sigma = sigma_of(k, gradient);
+    add(name, row, true, {k, upper - value, sigma});
+    add(name, row, false, {k, value - lower, sigma});
+  }
+
+  void add_control_bounds(int k) {
+    const KnotModel& model = *problem_.knot(k).model;
+    for (int i = 0; i < model.nu(); ++i) {
+      Row gradient = Row::Zero(model.nz());
+      gradient[model.ndx() + i] = 1;
+      add_interval(model.system().control_columns()[i].name, -1, k, trajectory_.u(k)[i],
+                   model.control_lower()[i], model.control_upper()[i], gradient);
+    }
+  }
+
+  void add_constraint(const NodeConstraint& constraint) {
+    const ConstraintTerm& term = *constraint.term;
+    const int k = constraint.node;
+    const int first = constraint.row - problem_.constraint_offset(k);
+    const Eigen::MatrixXd C = linear_.knots[k].C.middleRows(first, term.rows);
+    const Eigen::VectorXd g = linear_.constraint.segment(constraint.row, term.rows);
+    if (term.is_cone()) return add_cone(term.name, k, g, C);
+    if (!term.has_bounds()) return;
+    for (int i = 0; i < term.rows; ++i)
+      add_interval(term.name, term.rows == 1 ? -1 : i, k, g[i], constraint.lower[i],
+                   constraint.upper[i], C.row(i));
+  }
+
+  /// ‖v‖ ≤ t with g = (v, t). On the axis of a cone the norm has no slope.
+  void add_cone(const std::string& name, int k, const Eigen::VectorXd& g,
+                const Eigen::MatrixXd& C) {
+    const Eigen::Index last = g.size() - 1;
+    const double norm = g.head(last).norm();
+    Row gradient = -C.row(last);
+    if (norm > 0) gradient += (g.head(last) / norm).transpose() * C.topRows(last);
+    add(name, -1, true, {k, g[last] - norm, sigma_of(k, gradient)});
+  }
+
+  const ShootingProblem& problem_;
+  const Trajectory& trajectory_;
+  const std::vector<Eigen::MatrixXd>& gains_;
+  const Eigen::VectorXd& measurement_;
+  Linearization linear_;
+  std::vector<Eigen::MatrixXd> covariance_;
+  std::map<std::tuple<std::string, int, bool>, std::size_t> place_;
+  std::vector<MarginCurve> curves_;
+};
+
+}  // namespace
+
+double Margin::probability() const { return std::erfc(steps() / std::numbers::sqrt2) / 2; }
+
+const Margin& MarginCurve::smallest() const {
+  return *std::min_element(nodes.begin(), nodes.end(),
+                           [](const Margin& a, const Margin& b) { return a.steps() < b.steps(); });
+}
+
+std::vector<MarginCurve> constraint_margins(const ShootingProblem& problem,
+                                            const Trajectory& trajectory,
+                                            const std::vector<Eigen::MatrixXd>& gains,
+                                            const StateNoise& noise) {
+  return MarginCollector(problem, trajectory, gains, noise).collect();
+}
+
+}  // namespace conddp

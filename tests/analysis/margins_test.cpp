@@ -1,0 +1,172 @@
+// Margins of bounds under noise: against formulas by hand, and against what random runs of the same
+// linear closed loop do.
+#include "analysis/margins/margins.hpp"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "base/normal_numbers.hpp"
+#include "ocp/residuals/residuals.hpp"
+#include "solvers/strategies/registry.hpp"
+#include "support/constrained_problems.hpp"
+#include "systems/closed_forms/catalogue.hpp"
+
+namespace conddp {
+namespace {
+
+/// x⁺ = 0.9 x + 0.5 u, three knots, −2 ≤ u ≤ 1.
+ShootingProblem scalar_problem() {
+  const auto one = [](double value) { return Eigen::MatrixXd::Constant(1, 1, value); };
+  return testing::tracking_problem(linear_system(one(0.9), one(0.5), Eigen::VectorXd::Zero(1)),
+                                   Integrator::discrete, 3, 0.1, {1}, {{0}, {1}, {1}, {1}}, -2, 1);
+}
+
+std::vector<Eigen::MatrixXd> scalar_gains() { return {3, Eigen::MatrixXd::Constant(1, 1, -0.8)}; }
+
+StateNoise noise(double initial, double process, double measurement, int n) {
+  return {Eigen::VectorXd::Constant(n, initial), Eigen::VectorXd::Constant(n, process),
+          Eigen::VectorXd::Constant(n, measurement)};
+}
+
+// (0.9 − 0.5·0.8)² P + (0.5·0.8)² N + W, from P = 0.04 on.
+TEST(Margins, CovarianceFollowsItsRecursion) {
+  const ShootingProblem problem = scalar_problem();
+  Linearization linear(problem);
+  Evaluator(problem).differentiate(problem.create_trajectory(), linear);
+  const auto P = propagate_covariance(problem, linear, scalar_gains(), noise(0.2, 0.1, 0.3, 1));
+  ASSERT_EQ(P.size(), 4u);
+  double expected = 0.04;
+  for (const Eigen::MatrixXd& covariance : P) {
+    EXPECT_NEAR(covariance(0, 0), expected, 1e-15);
+    expected = 0.25 * expected + 0.16 * 0.09 + 0.01;
+  }
+}
+
+// u = −0.8 (δx + n) has the standard deviation 0.8 √(0.04 + 0.09) at the first knot.
+TEST(Margins, OfAControlCountTheStateAndItsMeasurement) {
+  const ShootingProblem problem = scalar_problem();
+  Trajectory trajectory = problem.create_trajectory();
+  trajectory.u(0)[0] = 0.25;
+  const auto curves =
+      constraint_margins(problem, trajectory, scalar_gains(), noise(0.2, 0, 0.3, 1));
+  ASSERT_EQ(curves.size(), 2u);
+  EXPECT_TRUE(curves[0].upper);
+  const Margin& first = curves[0].nodes.front();
+  EXPECT_EQ(first.knot, 0);
+  EXPECT_NEAR(first.distance, 0.75, 1e-15);
+  EXPECT_NEAR(first.sigma, 0.8 * std::sqrt(0.13), 1e-15);
+  EXPECT_NEAR(first.steps(), 0.75 / (0.8 * std::sqrt(0.13)), 1e-14);
+  EXPECT_EQ(&curves[0].smallest(), &first);
+  EXPECT_NEAR(curves[1].nodes.front().distance, 2.25, 1e-15);
+}
+
+TEST(Margins, ProbabilitiesAreThoseOfTheNormalLaw) {
+  // Abramowitz and Stegun, table 26.1.
+  const auto of = [](double steps) { return Margin{.distance = steps, .sigma = 1}.probability(); };
+  EXPECT_NEAR(of(0), 0.5, 1e-15);
+  EXPECT_NEAR(of(1), 0.158655253931457, 1e-15);
+  EXPECT_NEAR(of(-1), 0.841344746068543, 1e-15);
+  EXPECT_NEAR(of(3), 0.001349898031630, 1e-15);
+}
+
+TEST(Margins, AControlWithoutGainsHasNone) {
+  const ShootingProblem problem = scalar_problem();
+  const std::vector<Eigen::MatrixXd> held(3, Eigen::MatrixXd::Zero(1, 1));
+  EXPECT_TRUE(
+      constraint_margins(problem, problem.create_trajectory(), held, noise(1, 1, 1, 1)).empty());
+}
+
+/// A double integrator that is brought to rest with bounds on its control and speed.
+ShootingProblem braked() {
+  const ShootingProblem free =
+      testing::tracking_problem(double_integrator(1), Integrator::rk4, 20, 0.1, {1, 0},
+                                {{0, 0}, {1, 1}, {0.1}, {1, 1}}, -3, 3);
+  return testing::with_constraints(free, {{.name = "speed",
+                                           .residual = coordinate_residual(free.manifold(), {1}),
+                                           .reference = {0},
+                                           .lower = {-0.9},
+                                           .upper = {0.9},
+                                           .first = 1,
+                                           .last = 20}});
+}
+
+/// Random runs of δx⁺ = A δx + B K (δx + n) + w, node by node.
+class RandomRuns {
+ public:
+  RandomRuns(const Linearization& linear, const std::vector<Eigen::MatrixXd>& gains,
+             const StateNoise& sigmas, int runs)
+      : linear_(linear), gains_(gains), sigmas_(sigmas), runs_(runs), numbers_(5) {}
+
+  /// visit(node, δx, δu); δu is empty at the last one.
+  template <class Visit>
+  void run(Visit visit) {
+    const Eigen::Index n = sigmas_.initial.size();
+    for (int i = 0; i < runs_; ++i) {
+      Eigen::VectorXd dx = drawn(sigmas_.initial);
+      for (std::size_t k = 0; k < gains_.size(); ++k) {
+        const Eigen::VectorXd du = gains_[k] * (dx + drawn(sigmas_.measurement));
+        visit(static_cast<int>(k), dx, du);
+        const Eigen::MatrixXd F = linear_.knots[k].dense_jacobian();
+        dx = F.leftCols(n) * dx + F.rightCols(du.size()) * du + drawn(sigmas_.process);
+      }
+      visit(static_cast<int>(gains_.size()), dx, Eigen::VectorXd());
+    }
+  }
+
+ private:
+  Eigen::VectorXd drawn(const Eigen::VectorXd& sigma) {
+    Eigen::VectorXd v(sigma.size());
+    for (Eigen::Index i = 0; i < v.size(); ++i) v[i] = sigma[i] * numbers_.next();
+    return v;
+  }
+
+  const Linearization& linear_;
+  const std::vector<Eigen::MatrixXd>& gains_;
+  const StateNoise& sigmas_;
+  int runs_;
+  NormalNumbers numbers_;
+};
+
+// Variances of n samples have a standard deviation of √(2/n) of themselves, frequencies of
+// √(p (1 − p)/n): three of them are allowed.
+TEST(Margins, AreThoseOfRandomRunsOfTheLinearClosedLoop) {
+  constexpr int kRuns = 20'000;
+  const ShootingProblem problem = braked();
+  const SolveResult plan =
+      solve(problem, "altro", testing::tight_options(), problem.create_trajectory());
+  ASSERT_EQ(plan.status, SolveStatus::converged) << plan.message;
+  const StateNoise sigmas = noise(0.05, 0.02, 0.03, 2);
+  Linearization linear(problem);
+  Evaluator(problem).differentiate(plan.trajectory, linear);
+  const auto P = propagate_covariance(problem, linear, plan.feedback.K, sigmas);
+  std::vector<Eigen::MatrixXd> sums(21, Eigen::MatrixXd::Zero(2, 2));
+  std::vector<int> too_fast(21, 0), too_strong(20, 0);
+  RandomRuns(linear, plan.feedback.K, sigmas, kRuns)
+      .run([&](int k, const Eigen::VectorXd& dx, const Eigen::VectorXd& du) {
+        sums[k] += dx * dx.transpose();
+        too_fast[k] += plan.trajectory.x(k)[1] + dx[1] < -0.9;
+        if (k < 20) too_strong[k] += plan.trajectory.u(k)[0] + du[0] < -3;
+      });
+  for (int k = 0; k <= 20; ++k)
+    for (int i = 0; i < 2; ++i)
+      EXPECT_NEAR(sums[k](i, i) / kRuns, P[k](i, i), 3 * std::sqrt(2.0 / kRuns) * P[k](i, i))
+          << k << ' ' << i;
+  int compared = 0;
+  for (const MarginCurve& curve :
+       constraint_margins(problem, plan.trajectory, plan.feedback.K, sigmas)) {
+    if (curve.upper) continue;
+    const std::vector<int>& count = curve.name == "speed" ? too_fast : too_strong;
+    for (const Margin& node : curve.nodes) {
+      const double p = node.probability();
+      EXPECT_NEAR(static_cast<double>(count[node.knot]) / kRuns, p,
+                  3 * std::sqrt(p * (1 - p) / kRuns) + 1e-12)
+          << curve.name << ' ' << node.knot;
+      ++compared;
+    }
+  }
+  EXPECT_GE(compared, 35);
+}
+
+}  // namespace
+}  // namespace conddp
