@@ -31,7 +31,7 @@ void expect_same(const SolveResult& a, const SolveResult& b) {
 }
 
 TEST(ReusableSolver, AnswersAsASolverOfItsOwnWould) {
-  for (const char* name : {"ddp", "box_fddp", "altro", "proxddp"}) {
+  for (const char* name : {"ddp", "box_fddp", "altro", "proxddp", "ipopt"}) {
     ShootingProblem problem = testing::cartpole_swing_up();
     ReusableSolver solver(problem, name, {});
     Trajectory guess = testing::constant_controls(problem, 0.01);
@@ -116,7 +116,9 @@ TEST(ReusableSolver, BeginsWithMultipliersWhereItsSolverHasAny) {
 
 TEST(ReusableSolver, RejectsWhatItCannotDo) {
   const ShootingProblem problem = testing::cartpole_swing_up(3);
-  EXPECT_THROW(ReusableSolver(problem, "ipopt", {}), std::invalid_argument);
+  EXPECT_THROW(ReusableSolver(problem, "newton", {}), std::invalid_argument);
+  EXPECT_THROW(ReusableSolver(problem, "ipopt", {}).iterate(problem.create_trajectory()),
+               std::logic_error);
   EXPECT_THROW(ReusableSolver(problem, "ddp", {}), std::invalid_argument);
   EXPECT_THROW(ReusableSolver(problem, "box_ddp", {.restarts = {.count = 2}}),
                std::invalid_argument);
