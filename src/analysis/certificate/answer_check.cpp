@@ -53,9 +53,11 @@ AnswerCheck check_answer(const ShootingProblem& problem, const Trajectory& traje
     check.constraint = std::max(check.constraint, violation.value);
   if (!multipliers_known) return check;
   const auto derivatives = node_derivatives(problem, trajectory, linearization.gap);
+  // Those above have terms of multipliers, if there are any.
+  const auto hessians = problem.constraint_rows() == 0 ? hessians_of(linearization)
+                                                       : gauss_newton_hessians(problem, trajectory);
   const RiccatiPolicy policy =
-      riccati_policy(problem, trajectory, derivatives, gauss_newton_hessians(problem, trajectory),
-                     bound_tolerance);
+      riccati_policy(problem, trajectory, derivatives, hessians, bound_tolerance);
   const ProjectedGradient gradient =
       project(problem, trajectory,
               adjoint_pass(problem, derivatives, constraint_multipliers, policy.K).control,

@@ -8,6 +8,7 @@
 #include "analysis/certificate/feasibility.hpp"
 #include "analysis/certificate/node_hessians.hpp"
 #include "analysis/certificate/place_text.hpp"
+#include "analysis/certificate/small_products.hpp"
 
 namespace conddp {
 namespace {
@@ -84,87 +85,184 @@ std::vector<NodeNoise> noise_of(const SweepModel& here, const SweepModel& there,
   return noise;
 }
 
-Deviation compare(const ShootingProblem& problem, const SolutionClaims& claims,
-                  const SweepModel& model, const MatrixXd& gap,
-                  const std::vector<NodeNoise>& noise) {
-  const int N = problem.knots(), ndx = problem.ndx();
-  // A proximal term is a cost of the model; the other kind is in the gains alone.
-  const bool in_model = claims.gain_regularization_kind == RegularizationKind::proximal;
-  const double model_weight = in_model ? claims.gain_regularization : 0;
-  MatrixXd V = model.hessians[N];
-  V.diagonal().array() += model_weight;
-  VectorXd v = model.derivatives[N].cost;
-  // What rounding may have made of V and v, carried along the policy as they are.
-  MatrixXd V_error = noise[N].hessian.rowwise().sum().asDiagonal();
-  MatrixXd v_error = noise[N].cost.cwiseAbs2().asDiagonal();  // squared, as a covariance is
-  Deviation out;
-  for (int k = N - 1; k >= 0; --k) {
-    const MatrixXd &J = model.derivatives[k].step, &hessian = model.hessians[k];
-    const VectorXd& cost = model.derivatives[k].cost;
-    const int nu = problem.nu(k);
-    const MatrixXd& K = claims.gains[k];
-    const VectorXd& d = claims.feedforward[k];
-    const auto J_u = J.rightCols(nu);
-    const MatrixXd closed_loop = J.leftCols(ndx) + J_u * K;
-    const VectorXd move = gap.col(k) + J_u * d;
-    MatrixXd Q = hessian + J.transpose() * V * J;
-    Q.diagonal().array() += model_weight;
-    const VectorXd q = cost + J.transpose() * (v + V * gap.col(k));
-    const auto Qux = Q.bottomLeftCorner(nu, ndx);
-    const auto unregularised = Q.bottomRightCorner(nu, nu);
-    MatrixXd Quu = unregularised;
-    Quu.diagonal().array() += claims.gain_regularization - model_weight;
-    const MatrixXd left = Quu * K + Qux;
-    const VectorXd step_left = Quu * d + q.tail(nu);
+/// A sweep along the gains of the answer, node by node from the end.
+class ClaimedSweep {
+ public:
+  ClaimedSweep(const ShootingProblem& problem, const SolutionClaims& claims,
+               const SweepModel& model, const MatrixXd& gap)
+      : V(model.hessians.back()),
+        v(model.derivatives.back().cost),
+        claims_(claims),
+        model_(model),
+        gap_(gap),
+        ndx_(problem.ndx()) {
+    // A proximal term is a cost of the model; the other kind is in the gains alone.
+    if (claims.gain_regularization_kind == RegularizationKind::proximal)
+      weight_ = claims.gain_regularization;
+    V.diagonal().array() += weight_;
+  }
 
-    const MatrixXd J_size = J.cwiseAbs(), V_size = V.cwiseAbs(), &J_off = noise[k].step;
-    const VectorXd next_size = v.cwiseAbs() + V_size * gap.col(k).cwiseAbs();
-    const MatrixXd V_moved = J_off.transpose() * V_size * (J_size + J_off);
-    const MatrixXd Q_off =
-        kGainRounding * (J_size.transpose() * V_size * J_size + hessian.cwiseAbs()) + V_moved +
-        V_moved.transpose() + noise[k].hessian;
-    const VectorXd q_off = kGainRounding * (cost.cwiseAbs() + J_size.transpose() * next_size) +
-                           J_off.transpose() * next_size + noise[k].cost;
-    const MatrixXd carried = V_error * closed_loop;
-    if (nu > 0) {
-      const double K_largest = std::max(1.0, K.cwiseAbs().maxCoeff());
-      const double d_largest = d.lpNorm<Eigen::Infinity>();
-      const double step =
-          std::max(kLeastMove * (1 + claims.trajectory.u(k).lpNorm<Eigen::Infinity>()), d_largest);
-      const MatrixXd terms = Quu.cwiseAbs() * K.cwiseAbs() + Qux.cwiseAbs();
-      const MatrixXd J_carried = J_u.transpose() * carried;
-      const VectorXd step_carried =
-          (J_u.transpose() * v_error * J_u).diagonal().cwiseMax(0).cwiseSqrt() +
-          (J_u.transpose() * V_error * move).cwiseAbs();
-      const std::vector<bool> held = held_controls(problem, claims, k);
-      for (int i = 0; i < nu; ++i) {
-        if (held[i]) continue;
-        const double rounding = Q_off.row(ndx + i).maxCoeff();
-        const double tolerance =
-            kGainTolerance * std::max(terms.row(i).maxCoeff(), kGainTolerance * Quu(i, i)) +
-            rounding * K_largest + J_carried.row(i).cwiseAbs().maxCoeff();
-        out.feedback.meet(left.row(i).lpNorm<Eigen::Infinity>() / tolerance, tolerance, k, i);
-        const double step_tolerance = kGainTolerance * Quu.row(i).lpNorm<1>() * step +
-                                      q_off[ndx + i] + rounding * d_largest + step_carried[i];
-        out.feedforward.meet(std::abs(step_left[i]) / step_tolerance, step_tolerance, k, i);
-      }
-    }
-    v = (q.head(ndx) + K.transpose() * (unregularised * d + q.tail(nu)) + Qux.transpose() * d)
-            .eval();
-    V = (Q.topLeftCorner(ndx, ndx) + K.transpose() * unregularised * K + K.transpose() * Qux +
-         Qux.transpose() * K)
-            .eval();
+  /// The equations of a node's stage, where V and v are those of the node behind it.
+  void enter(int k) {
+    const MatrixXd &J = model_.derivatives[k].step, &K = claims_.gains[k];
+    multiply(V, J, VJ_);
+    transposed_ = J.transpose();
+    multiply(transposed_, VJ_, Q);
+    Q += model_.hessians[k];
+    Q.diagonal().array() += weight_;
+    next_.noalias() = V * gap_.col(k);
+    next_ += v;
+    q = model_.derivatives[k].cost;
+    q.noalias() += J.transpose() * next_;
+    const Eigen::Index nu = K.rows();
+    Quu = Q.bottomRightCorner(nu, nu);
+    Quu.diagonal().array() += claims_.gain_regularization - weight_;
+    multiply(Quu, K, left);
+    left += Q.bottomLeftCorner(nu, ndx_);
+    step_left = q.tail(nu);
+    step_left.noalias() += Quu * claims_.feedforward[k];
+  }
+
+  /// Makes V and v those of the node that was entered.
+  void leave(int k) {
+    const MatrixXd& K = claims_.gains[k];
+    const VectorXd& d = claims_.feedforward[k];
+    const Eigen::Index nu = K.rows();
+    const auto Qux = Q.bottomLeftCorner(nu, ndx_);
+    const auto unregularised = Q.bottomRightCorner(nu, nu);
+    v = q.head(ndx_);
+    v.noalias() += K.transpose() * (unregularised * d + q.tail(nu));
+    v.noalias() += Qux.transpose() * d;
+    multiply(unregularised, K, QuuK_);
+    QuuK_ += Qux;
+    transposed_ = K.transpose();
+    multiply(transposed_, QuuK_, along_);
+    transposed_ = Qux.transpose();
+    multiply(transposed_, K, across_);
+    V = Q.topLeftCorner(ndx_, ndx_) + along_ + across_;
     V = (0.5 * (V + V.transpose())).eval();
-    const MatrixXd K_size = K.cwiseAbs();
-    const MatrixXd V_off = Q_off.topLeftCorner(ndx, ndx) +
-                           K_size.transpose() * Q_off.bottomRightCorner(nu, nu) * K_size;
-    const VectorXd v_off = q_off.head(ndx) + K_size.transpose() * q_off.tail(nu);
-    v_error = (closed_loop.transpose() * v_error * closed_loop).eval();
-    v_error.diagonal() +=
-        ((closed_loop.transpose() * V_error * move).cwiseAbs() + v_off).cwiseAbs2();
-    V_error = closed_loop.transpose() * carried;
+  }
+
+  MatrixXd V;       ///< Hessian of the cost to go, ndx x ndx
+  VectorXd v;       ///< its gradient
+  MatrixXd Q, Quu;  ///< of the stage, nz x nz; nu x nu with the regularisation of the gains
+  VectorXd q;
+  MatrixXd left;       ///< Quu K + Qux
+  VectorXd step_left;  ///< Quu k + qu
+
+ private:
+  const SolutionClaims& claims_;
+  const SweepModel& model_;
+  const MatrixXd& gap_;
+  const Eigen::Index ndx_;
+  double weight_ = 0;  ///< of a proximal term
+  MatrixXd VJ_, transposed_, QuuK_, along_, across_;
+  VectorXd next_;
+};
+
+/// What rounding may have made of a sweep, carried along the gains as they are.
+class CarriedRounding {
+ public:
+  CarriedRounding(const SolutionClaims& claims, const SweepModel& model, const MatrixXd& gap,
+                  std::vector<NodeNoise> noise)
+      : claims_(claims), model_(model), gap_(gap), noise_(std::move(noise)) {
+    V_error_ = noise_.back().hessian.rowwise().sum().asDiagonal();
+    v_error_ = noise_.back().cost.cwiseAbs2().asDiagonal();
+  }
+
+  /// At the node that the sweep has entered.
+  void enter(int k, const ClaimedSweep& sweep) {
+    const MatrixXd &J = model_.derivatives[k].step, &K = claims_.gains[k];
+    const VectorXd& d = claims_.feedforward[k];
+    const auto J_u = J.rightCols(K.rows());
+    closed_loop_ = J.leftCols(J.rows()) + J_u * K;
+    move_ = gap_.col(k) + J_u * d;
+    const MatrixXd J_size = J.cwiseAbs(), V_size = sweep.V.cwiseAbs(), &J_off = noise_[k].step;
+    const VectorXd next_size = sweep.v.cwiseAbs() + V_size * gap_.col(k).cwiseAbs();
+    const MatrixXd V_moved = J_off.transpose() * V_size * (J_size + J_off);
+    Q_off_ =
+        kGainRounding * (J_size.transpose() * V_size * J_size + model_.hessians[k].cwiseAbs()) +
+        V_moved + V_moved.transpose() + noise_[k].hessian;
+    q_off_ =
+        kGainRounding * (model_.derivatives[k].cost.cwiseAbs() + J_size.transpose() * next_size) +
+        J_off.transpose() * next_size + noise_[k].cost;
+    carried_ = V_error_ * closed_loop_;
+    if (K.rows() == 0) return;
+    const double K_largest = std::max(1.0, K.cwiseAbs().maxCoeff());
+    const double d_largest = d.lpNorm<Eigen::Infinity>();
+    const VectorXd rounding = Q_off_.bottomRows(K.rows()).rowwise().maxCoeff();
+    feedback = rounding * K_largest + (J_u.transpose() * carried_).cwiseAbs().rowwise().maxCoeff();
+    feedforward = q_off_.tail(K.rows()) + rounding * d_largest +
+                  (J_u.transpose() * v_error_ * J_u).diagonal().cwiseMax(0).cwiseSqrt() +
+                  (J_u.transpose() * V_error_ * move_).cwiseAbs();
+  }
+
+  /// Goes on to the node that was entered.
+  void leave(int k) {
+    const MatrixXd K_size = claims_.gains[k].cwiseAbs();
+    const Eigen::Index ndx = closed_loop_.rows(), nu = K_size.rows();
+    const MatrixXd V_off = Q_off_.topLeftCorner(ndx, ndx) +
+                           K_size.transpose() * Q_off_.bottomRightCorner(nu, nu) * K_size;
+    const VectorXd v_off = q_off_.head(ndx) + K_size.transpose() * q_off_.tail(nu);
+    v_error_ = (closed_loop_.transpose() * v_error_ * closed_loop_).eval();
+    v_error_.diagonal() +=
+        ((closed_loop_.transpose() * V_error_ * move_).cwiseAbs() + v_off).cwiseAbs2();
+    V_error_ = closed_loop_.transpose() * carried_;
     // A diagonal that no rounding of the entries exceeds in any direction (Gershgorin).
-    V_error.diagonal() += V_off.rowwise().sum();
+    V_error_.diagonal() += V_off.rowwise().sum();
+  }
+
+  /// Of the equations of each control, nu.
+  VectorXd feedback, feedforward;
+
+ private:
+  const SolutionClaims& claims_;
+  const SweepModel& model_;
+  const MatrixXd& gap_;
+  std::vector<NodeNoise> noise_;
+  MatrixXd V_error_, v_error_;  ///< of V; of v squared, as a covariance is
+  MatrixXd closed_loop_, Q_off_, carried_;
+  VectorXd move_, q_off_;
+};
+
+/// Compares what is left of a node's equations with what may be.
+void meet_equations(const ShootingProblem& problem, const SolutionClaims& claims,
+                    const ClaimedSweep& sweep, const CarriedRounding* rounding, int k,
+                    Deviation& out) {
+  const int nu = problem.nu(k), ndx = problem.ndx();
+  if (nu == 0) return;
+  const VectorXd& d = claims.feedforward[k];
+  const double step = std::max(kLeastMove * (1 + claims.trajectory.u(k).lpNorm<Eigen::Infinity>()),
+                               d.lpNorm<Eigen::Infinity>());
+  MatrixXd terms;
+  multiply(sweep.Quu.cwiseAbs(), claims.gains[k].cwiseAbs(), terms);
+  terms += sweep.Q.bottomLeftCorner(nu, ndx).cwiseAbs();
+  const std::vector<bool> held = held_controls(problem, claims, k);
+  for (int i = 0; i < nu; ++i) {
+    if (held[i]) continue;
+    double tolerance =
+        kGainTolerance * std::max(terms.row(i).maxCoeff(), kGainTolerance * sweep.Quu(i, i));
+    double step_tolerance = kGainTolerance * sweep.Quu.row(i).lpNorm<1>() * step;
+    if (rounding != nullptr) {
+      tolerance += rounding->feedback[i];
+      step_tolerance += rounding->feedforward[i];
+    }
+    out.feedback.meet(sweep.left.row(i).lpNorm<Eigen::Infinity>() / tolerance, tolerance, k, i);
+    out.feedforward.meet(std::abs(sweep.step_left[i]) / step_tolerance, step_tolerance, k, i);
+  }
+}
+
+/// `rounding`, if given, adds to what the equations may be off by.
+Deviation compare(const ShootingProblem& problem, const SolutionClaims& claims,
+                  const SweepModel& model, const MatrixXd& gap, CarriedRounding* rounding) {
+  ClaimedSweep sweep(problem, claims, model, gap);
+  Deviation out;
+  for (int k = problem.knots() - 1; k >= 0; --k) {
+    sweep.enter(k);
+    if (rounding != nullptr) rounding->enter(k, sweep);
+    meet_equations(problem, claims, sweep, rounding, k, out);
+    sweep.leave(k);
+    if (rounding != nullptr) rounding->leave(k);
   }
   return out;
 }
@@ -189,11 +287,18 @@ std::vector<Check> check_gains(const ShootingProblem& problem, const SolutionCla
   if (claims.gain_regularization_kind == RegularizationKind::state &&
       claims.gain_regularization > 0)
     return {};
+  // What rounding may be off is carried along only where the equations do not hold without it.
   const auto deviation = [&](const auto& hessians_at) {
     const SweepModel model{derivatives, hessians_at(claims.trajectory)};
-    if (displaced == nullptr) return compare(problem, claims, model, gap, no_noise(model));
-    const SweepModel there{displaced->derivatives, hessians_at(displaced->trajectory)};
-    return compare(problem, claims, model, gap, noise_of(model, there, displaced->margin));
+    const Deviation plain = compare(problem, claims, model, gap, nullptr);
+    if (plain.feedback.value <= 1 && plain.feedforward.value <= 1) return plain;
+    const auto noise = [&] {
+      if (displaced == nullptr) return no_noise(model);
+      const SweepModel there{displaced->derivatives, hessians_at(displaced->trajectory)};
+      return noise_of(model, there, displaced->margin);
+    };
+    CarriedRounding rounding(claims, model, gap, noise());
+    return compare(problem, claims, model, gap, &rounding);
   };
   Deviation found = deviation([&](const Trajectory& trajectory) {
     return &trajectory == &claims.trajectory ? hessians

@@ -27,4 +27,16 @@ LagrangianGradient lagrangian_gradient(const ShootingProblem& problem,
                                        const Eigen::MatrixXd& costates,
                                        const Eigen::VectorXd& multipliers);
 
+/// What one node's terms of the Lagrangian are by its z: ∂/∂z [s ℓ_k + λᵀ (f_k ⊕ …) + ν_kᵀ g_k],
+/// and the sum of the absolute values of each entry's terms.
+struct NodeGradient {
+  Eigen::VectorXd value, size;
+};
+
+/// `multipliers` are those of all constraints, `next` is λ of the next node: none at the terminal
+/// one.
+NodeGradient node_gradient(const ShootingProblem& problem, const NodeDerivatives& derivatives,
+                           int node, const Eigen::VectorXd& multipliers,
+                           const Eigen::Ref<const Eigen::VectorXd>& next);
+
 }  // namespace conddp

@@ -3,16 +3,12 @@
 #include "ocp/evaluation/evaluator.hpp"
 
 namespace conddp {
-namespace {
-
 std::vector<Eigen::MatrixXd> hessians_of(const Linearization& model) {
   std::vector<Eigen::MatrixXd> list;
   list.reserve(model.knots.size());
   for (const KnotLinearization& knot : model.knots) list.push_back(knot.hessian());
   return list;
 }
-
-}  // namespace
 
 std::vector<Eigen::MatrixXd> gauss_newton_hessians(const ShootingProblem& problem,
                                                    const Trajectory& trajectory) {

@@ -4,9 +4,13 @@
 
 #include <Eigen/Core>
 
+#include "ocp/evaluation/linearization.hpp"
 #include "ocp/problem/problem.hpp"
 
 namespace conddp {
+
+/// The Hessians (nz x nz) of a model, node by node.
+std::vector<Eigen::MatrixXd> hessians_of(const Linearization& model);
 
 /// The Gauss-Newton Hessians (nz x nz) of all nodes at a trajectory, without terms of multipliers.
 std::vector<Eigen::MatrixXd> gauss_newton_hessians(const ShootingProblem& problem,

@@ -5,8 +5,12 @@
 #include <limits>
 #include <optional>
 #include <random>
+#include <utility>
 
 #include <Eigen/Cholesky>
+
+#include "analysis/certificate/lagrangian_gradient.hpp"
+#include "analysis/certificate/small_products.hpp"
 
 namespace conddp {
 namespace {
@@ -41,33 +45,56 @@ std::optional<Eigen::LLT<MatrixXd>> factored(const MatrixXd& block) {
   return factors;
 }
 
-/// The stage's minimum over the free controls, none where the stage is not `convex`. `value` is the
-/// Hessian of the cost to go and becomes that of this node.
-void riccati_step(const MatrixXd& hessian, const MatrixXd& jacobian, const std::vector<int>& free,
-                  MatrixXd& value, MatrixXd& K, MatrixXd& inverse, bool& convex) {
-  const Eigen::Index ndx = value.rows(), nu = hessian.rows() - ndx;
-  const Eigen::Index count = static_cast<Eigen::Index>(free.size());
-  const MatrixXd Q = hessian + jacobian.transpose() * value * jacobian;
-  const auto Qzu = Q.rightCols(nu);
-  const auto Quu = Qzu.bottomRows(nu);
-  K = MatrixXd::Zero(nu, ndx);
-  inverse = MatrixXd::Zero(nu, nu);
-  if (count > 0) {
-    const MatrixXd block = Quu(free, free);
-    if (const auto factors = factored(block)) {
-      const MatrixXd block_inverse = factors->solve(MatrixXd::Identity(count, count));
-      const MatrixXd Qux = Qzu.topRows(ndx).transpose()(free, Eigen::all);
-      const MatrixXd feedback = -factors->solve(Qux);
-      inverse(free, free) = block_inverse;
-      K(free, Eigen::all) = feedback;
-    } else {
-      convex = false;
-    }
+/// Goes from node to node, from the end.
+class RiccatiStep {
+ public:
+  /// `value` is the Hessian of the last node.
+  explicit RiccatiStep(MatrixXd value) : value_(std::move(value)) {}
+
+  /// The stage's minimum over the free controls; false where the stage is not convex.
+  bool run(const MatrixXd& hessian, const MatrixXd& jacobian, const std::vector<int>& free,
+           MatrixXd& K, MatrixXd& inverse) {
+    multiply(value_, jacobian, moved_);
+    transposed_ = jacobian.transpose();
+    multiply(transposed_, moved_, Q_);
+    Q_ += hessian;
+    const Eigen::Index ndx = value_.rows(), nu = hessian.rows() - ndx;
+    K = MatrixXd::Zero(nu, ndx);
+    inverse = MatrixXd::Zero(nu, nu);
+    const bool convex = minimize(free, K, inverse);
+    propagate(K);
+    return convex;
   }
-  value = Q.topLeftCorner(ndx, ndx) + K.transpose() * Quu * K + Qzu.topRows(ndx) * K +
-          (Qzu.topRows(ndx) * K).transpose();
-  value = (0.5 * (value + value.transpose())).eval();
-}
+
+ private:
+  bool minimize(const std::vector<int>& free, MatrixXd& K, MatrixXd& inverse) const {
+    if (free.empty()) return true;
+    const Eigen::Index nu = K.rows(), count = static_cast<Eigen::Index>(free.size());
+    const MatrixXd block = Q_.bottomRightCorner(nu, nu)(free, free);
+    const auto factors = factored(block);
+    if (!factors) return false;
+    const MatrixXd Qux = Q_.topRightCorner(K.cols(), nu).transpose()(free, Eigen::all);
+    const MatrixXd block_inverse = factors->solve(MatrixXd::Identity(count, count));
+    const MatrixXd feedback = -factors->solve(Qux);
+    inverse(free, free) = block_inverse;
+    K(free, Eigen::all) = feedback;
+    return true;
+  }
+
+  /// Makes `value_` the Hessian of this node's cost to go.
+  void propagate(const MatrixXd& K) {
+    const Eigen::Index nu = K.rows(), ndx = K.cols();
+    multiply(Q_.bottomRightCorner(nu, nu), K, moved_);
+    transposed_ = K.transpose();
+    multiply(transposed_, moved_, along_);
+    multiply(Q_.topRightCorner(ndx, nu), K, across_);
+    value_ = Q_.topLeftCorner(ndx, ndx) + along_ + across_ + across_.transpose();
+    value_ = (0.5 * (value_ + value_.transpose())).eval();
+  }
+
+  MatrixXd value_;
+  MatrixXd Q_, moved_, transposed_, along_, across_;
+};
 
 }  // namespace
 
@@ -80,16 +107,10 @@ AdjointPass adjoint_pass(const ShootingProblem& problem,
   VectorXd error = VectorXd::Zero(ndx);
   for (int k = N; k >= 0; --k) {
     const NodeDerivatives& d = derivatives[k];
-    const auto nu = multipliers.segment(problem.constraint_offset(k), d.constraint.rows());
-    VectorXd gradient = d.cost + d.constraint.transpose() * nu;
-    VectorXd size = d.cost.cwiseAbs() + d.constraint.cwiseAbs().transpose() * nu.cwiseAbs();
-    VectorXd moved = VectorXd::Zero(d.cost.size());
-    if (k < N) {
-      gradient += d.step.transpose() * pass.costates.col(k + 1);
-      size += d.step.cwiseAbs().transpose() * pass.costates.col(k + 1).cwiseAbs();
-      moved = d.step.transpose() * error;
-    }
-    moved += kAdjointRounding * size.cwiseProduct(signs(engine, size.size()));
+    const auto [gradient, size] =
+        node_gradient(problem, d, k, multipliers, k < N ? pass.costates.col(k + 1) : VectorXd());
+    VectorXd moved = kAdjointRounding * size.cwiseProduct(signs(engine, size.size()));
+    if (k < N) moved.noalias() += d.step.transpose() * error;
     pass.costates.col(k) = gradient.head(ndx);
     error = moved.head(ndx);
     if (k == N) continue;
@@ -117,15 +138,15 @@ RiccatiPolicy riccati_policy(const ShootingProblem& problem, const Trajectory& t
                              const std::vector<MatrixXd>& hessians, double bound_tolerance) {
   const int N = problem.knots();
   RiccatiPolicy policy{std::vector<MatrixXd>(N), std::vector<MatrixXd>(N)};
-  MatrixXd value = hessians[N];
+  RiccatiStep step(hessians[N]);
   for (int k = N - 1; k >= 0; --k) {
     std::vector<int> free;
     for (int i = 0; i < problem.nu(k); ++i) {
       const ControlAtBounds control(*problem.knot(k).model, i, trajectory.u(k)[i], bound_tolerance);
       if (!control.lower && !control.upper) free.push_back(i);
     }
-    riccati_step(hessians[k], derivatives[k].step, free, value, policy.K[k], policy.inverse[k],
-                 policy.convex);
+    policy.convex &=
+        step.run(hessians[k], derivatives[k].step, free, policy.K[k], policy.inverse[k]);
   }
   return policy;
 }

@@ -1,0 +1,88 @@
+#include "analysis/certificate/small_products.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+#include "spatial/lane.hpp"
+
+namespace conddp {
+namespace {
+
+using Eigen::Index;
+
+/// Calls f with the first of each of the blocks of `size` that cover `count`. The last one overlaps
+/// the one before it: what is written twice is the same.
+template <int size, class F>
+void cover(Index count, F f) {
+  for (Index first = 0; first + size <= count; first += size) f(first);
+  if (count % size != 0) f(count - size);
+}
+
+/// Some rows of a matrix in columns.
+template <int rows>
+struct Rows {
+  // An alias by `using` loses an attribute that depends on a parameter of the template.
+  typedef double Vector __attribute__((vector_size(8 * rows)));  // NOLINT(modernize-use-using)
+  static Vector load(const double* from) {
+    Vector v;
+    std::memcpy(&v, from, sizeof v);
+    return v;
+  }
+  static void store(Vector v, double* to) { std::memcpy(to, &v, sizeof v); }
+};
+template <>
+struct Rows<1> {
+  static double load(const double* from) { return *from; }
+  static void store(double v, double* to) { *to = v; }
+};
+
+struct Product {
+  const double* a;
+  const double* b;
+  double* out;
+  Index a_stride, b_stride, out_stride, terms;
+
+  template <int rows, int columns>
+  void block(Index row, Index column) const {
+    decltype(Rows<rows>::load(a)) sums[columns] = {};
+    const double* left = a + row;
+    const double* right = b + column * b_stride;
+    for (Index k = 0; k < terms; ++k, left += a_stride, ++right) {
+      const auto entries = Rows<rows>::load(left);
+      for (int j = 0; j < columns; ++j) sums[j] += entries * right[j * b_stride];
+    }
+    for (int j = 0; j < columns; ++j)
+      Rows<rows>::store(sums[j], out + row + (column + j) * out_stride);
+  }
+
+  template <int rows, int columns>
+  void blocks(Index height, Index width) const {
+    cover<columns>(width, [&](Index column) {
+      cover<rows>(height, [&](Index row) { block<rows, columns>(row, column); });
+    });
+  }
+
+  /// With the largest blocks that are not wider than the product.
+  template <int rows, int columns>
+  void run(Index height, Index width) const {
+    if constexpr (columns > 1)
+      if (width < columns) return run<rows, columns / 2>(height, width);
+    if constexpr (rows > 1)
+      if (height < rows) return run<rows / 2, columns>(height, width);
+    blocks<rows, columns>(height, width);
+  }
+};
+
+}  // namespace
+
+void multiply(const Eigen::Ref<const Eigen::MatrixXd>& a,
+              const Eigen::Ref<const Eigen::MatrixXd>& b, Eigen::MatrixXd& out) {
+  constexpr int kColumns = 8;
+  out.resize(a.rows(), b.cols());
+  if (out.size() == 0) return;
+  const Product product{a.data(),        b.data(),          out.data(), a.outerStride(),
+                        b.outerStride(), out.outerStride(), a.cols()};
+  product.run<kLaneWidth, kColumns>(out.rows(), out.cols());
+}
+
+}  // namespace conddp
