@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "robot/frames.hpp"
 #include "systems/multibody/multibody.hpp"
 
 namespace conddp {
@@ -54,7 +55,7 @@ class Watch {
       for (std::size_t c = 0; c < contacts.size(); ++c)
         if (!problem_.takes_no_time(k) && !held_before(k, contacts[c].name))
           stance(k, contacts[c].name);
-      const auto& held = look(*system, trajectory_.x(k).data(), k);
+      const auto& held = look(*system, k);
       for (std::size_t c = 0; c < contacts.size(); ++c) forces(k, *system, contacts[c], held[c]);
     }
     report();
@@ -94,10 +95,10 @@ class Watch {
       const int c = index_of(system, name);
       if (c < 0 || (k > first && problem_.takes_no_time(k))) break;
       if (k == first) {
-        start = look(*system, trajectory_.x(k).data(), k)[c].world;
         drift.contact = system->contacts().contacts()[c];
+        start = pose(*system, drift.contact, k);
       }
-      const SE3<double> now = look(*system, trajectory_.x(k + 1).data(), k)[c].world;
+      const SE3<double> now = pose(*system, system->contacts().contacts()[c], k + 1);
       drift.last = k + 1;
       drift.dt = std::max(drift.dt, times_[k + 1] - times_[k]);
       if (const double way = moved(drift.contact, start, now); way > drift.value) {
@@ -110,13 +111,24 @@ class Watch {
     if (drift.value > worst.value) worst = drift;
   }
 
-  /// The contacts of knot k's system at a state, with the knot's controls.
-  const std::vector<ContactData<double>>& look(const MultibodySystem& system, const double* x,
-                                               int k) {
+  /// The pose of a contact's frame in the world at a node, for which no dynamics are needed.
+  SE3<double> pose(const MultibodySystem& system, const Contact& contact, int node) {
+    MultibodySystem::Data<double>& data = data_of(system);
+    system.update_kinematics(trajectory_.x(node).data(), data);
+    return frame_placement(system.robot(), data.robot, contact.frame);
+  }
+
+  /// The contacts of knot k's system at its state and controls.
+  const std::vector<ContactData<double>>& look(const MultibodySystem& system, int k) {
+    MultibodySystem::Data<double>& data = data_of(system);
+    system.evaluate(trajectory_.x(k).data(), trajectory_.u(k).data(), data);
+    return data.contacts.contacts;
+  }
+
+  MultibodySystem::Data<double>& data_of(const MultibodySystem& system) {
     auto& data = memory_[&system];
     if (!data) data = system.create_data(double{});
-    system.evaluate(x, trajectory_.u(k).data(), *data);
-    return static_cast<const MultibodySystem::Data<double>&>(*data).contacts.contacts;
+    return static_cast<MultibodySystem::Data<double>&>(*data);
   }
 
   /// A small share of the weight, or of the momentum at 1 m/s.
