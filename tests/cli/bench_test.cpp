@@ -137,6 +137,24 @@ TEST(Bench, InstancesFollowFromTheirSeeds) {
   EXPECT_EQ(third, (Json{three[4], three[5]}));
 }
 
+/// A report without what the clock says.
+Json without_times(Json report) {
+  for (Json& run : report["runs"]) run.erase("time_s");
+  report["profiles"].erase("time");
+  return report;
+}
+
+TEST(Bench, AnswersDoNotDependOnHowManySolvesRunAtOnce) {
+  const auto with = [&](const char* jobs) {
+    return without_times(bench({"--solvers", "box_ddp,ipopt", "--perturb", "initial_state=0.1",
+                                "--perturb", "guess=0.1", "--instances", "6", "-j", jobs}));
+  };
+  const Json alone = with("1");
+  ASSERT_EQ(alone["runs"].size(), 12u);
+  EXPECT_EQ(with("2"), alone);
+  EXPECT_EQ(with("5"), alone);
+}
+
 TEST(Bench, TheWholeWayOfAHomotopyCounts) {
   const std::string weaker = "solver.homotopy=[{key: constraints.torque.upper, from: 12, to: 3}]";
   const Words one = {"--solvers", "box_ddp"};

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <chrono>
 #include <deque>
+#include <mutex>
 
 #include <fmt/format.h>
 
@@ -13,6 +14,7 @@
 #include "base/text/spelling.hpp"
 #include "commands/bench_problems.hpp"
 #include "commands/commands.hpp"
+#include "commands/parallel_tasks.hpp"
 #include "output/bench/benchmark_report.hpp"
 #include "output/bench/gnuplot.hpp"
 #include "problem_file/build/homotopy.hpp"
@@ -37,6 +39,7 @@ struct BenchArguments {
   std::string folder;
   std::optional<int> repeat;  ///< where it is given, however long a solve takes
   int threads = 0;
+  int jobs = 1;
   int instances = 1;
   std::uint64_t seed = 1;
   double max_time = 0;
@@ -136,7 +139,8 @@ class Bench {
         std::deque<BenchProblem>& problems)
       : arguments_(arguments),
         solvers_(std::move(solvers)),
-        progress_(count_runs(problems)),
+        tasks_(make_tasks(problems)),
+        progress_(count_runs()),
         status_(message_format() == MessageFormat::kText && terminal_of(2).redraws) {
     BenchmarkRequest& request = report_.request;
     for (const SolverInfo* solver : solvers_) request.solvers.emplace_back(solver->name);
@@ -151,12 +155,16 @@ class Bench {
       request.tolerances[name] = value;
   }
 
-  /// False after a signal.
-  bool run(BenchProblem& problem) {
-    if (arguments_.perturbations.empty()) return run(problem, std::nullopt);
-    for (int i = 0; i < arguments_.instances; ++i)
-      if (!run(problem, arguments_.seed + i)) return false;
-    return true;
+  /// Runs every solver on every instance, several at once where that is asked for. Entries have
+  /// the same order however many are.
+  void run() {
+    std::vector<std::optional<BenchmarkEntry>> entries(tasks_.size());
+    run_tasks(static_cast<int>(tasks_.size()), arguments_.jobs, [&](int i) {
+      entries[i] = run(tasks_[i]);
+      return InterruptGuard::signal() == 0;
+    });
+    for (auto& entry : entries)
+      if (entry) report_.entries.push_back(*std::move(entry));
   }
 
   /// Whether every solver kept its word.
@@ -170,34 +178,51 @@ class Bench {
   }
 
  private:
-  /// The solves there will be, without repetitions and refusals.
-  int count_runs(std::deque<BenchProblem>& problems) const {
-    int runs = 0;
+  /// A solver on an instance.
+  struct Task {
+    BenchProblem* problem;
+    const BuiltProblem* built;
+    const SolverInfo* solver;
+    std::optional<std::uint64_t> seed;
+  };
+
+  /// All there are, instance by instance.
+  std::vector<Task> make_tasks(std::deque<BenchProblem>& problems) const {
+    const bool perturbed = !arguments_.perturbations.empty();
+    std::vector<Task> tasks;
     for (BenchProblem& problem : problems)
-      for (const SolverInfo* solver : solvers_)
-        runs += !unsupported(*solver, *problem.fitting(*solver, arguments_.drop).problem);
-    return runs * (arguments_.perturbations.empty() ? 1 : arguments_.instances);
+      for (int i = 0; i < (perturbed ? arguments_.instances : 1); ++i)
+        for (const SolverInfo* solver : solvers_)
+          tasks.push_back({&problem, &problem.fitting(*solver, arguments_.drop), solver,
+                           perturbed ? std::optional(arguments_.seed + i) : std::nullopt});
+    return tasks;
   }
 
-  bool run(BenchProblem& problem, std::optional<std::uint64_t> seed) {
-    const Perturbation perturbation = perturbation_of(problem, seed);
-    for (const SolverInfo* solver : solvers_) {
-      const BuiltProblem& built = problem.fitting(*solver, arguments_.drop);
-      status_.show(fmt::format("{}, {}{}, {}", progress_.text(), problem.spec.name.value,
-                               seed ? fmt::format(" seed {}", *seed) : "", solver->name));
-      if (!perturbation.any()) {
-        add(problem, built, *built.problem, built.guess, *solver, seed, homotopy_path(built));
-      } else {
-        const ShootingProblem instance =
-            perturb_initial_state(*built.problem, perturbation.initial_state, perturbation.seed);
-        const Trajectory guess = guess_of_instance(instance, built.guess, perturbation);
-        add(problem, built, instance, guess, *solver, seed,
-            perturb_initial_state(homotopy_path(built), perturbation.initial_state,
-                                  perturbation.seed));
-      }
-      if (InterruptGuard::signal() != 0) return false;
-    }
-    return true;
+  /// The solves there will be, without repetitions and refusals.
+  int count_runs() const {
+    return static_cast<int>(std::count_if(tasks_.begin(), tasks_.end(), [](const Task& task) {
+      return !unsupported(*task.solver, *task.built->problem);
+    }));
+  }
+
+  /// Nothing after a signal.
+  std::optional<BenchmarkEntry> run(const Task& task) {
+    show(task);
+    const BuiltProblem& built = *task.built;
+    const Perturbation perturbation = perturbation_of(*task.problem, task.seed);
+    if (!perturbation.any()) return run(task, *built.problem, built.guess, homotopy_path(built));
+    const ShootingProblem instance =
+        perturb_initial_state(*built.problem, perturbation.initial_state, perturbation.seed);
+    return run(
+        task, instance, guess_of_instance(instance, built.guess, perturbation),
+        perturb_initial_state(homotopy_path(built), perturbation.initial_state, perturbation.seed));
+  }
+
+  void show(const Task& task) {
+    const std::lock_guard lock(mutex_);
+    status_.show(fmt::format("{}, {}{}, {}", progress_.text(), task.problem->spec.name.value,
+                             task.seed ? fmt::format(" seed {}", *task.seed) : "",
+                             task.solver->name));
   }
 
   /// That of the file, but for what was asked for.
@@ -211,23 +236,25 @@ class Bench {
     return perturbation;
   }
 
-  void add(BenchProblem& problem, const BuiltProblem& built, const ShootingProblem& instance,
-           const Trajectory& guess, const SolverInfo& solver, std::optional<std::uint64_t> seed,
-           ProblemPath homotopy) {
+  std::optional<BenchmarkEntry> run(const Task& task, const ShootingProblem& instance,
+                                    const Trajectory& guess, ProblemPath homotopy) {
+    BenchProblem& problem = *task.problem;
+    const BuiltProblem& built = *task.built;
     SolverOptions options = problem.spec.solver.options;
     options.homotopy = std::move(homotopy);
     options.interrupted = [this] {
+      const std::lock_guard lock(mutex_);
       status_.refresh();
       return InterruptGuard::signal() != 0;
     };
-    if (solver.constraints == ConstraintSupport::all) options.multipliers = built.multipliers;
+    if (task.solver->constraints == ConstraintSupport::all) options.multipliers = built.multipliers;
     BenchmarkEntry entry{.problem = problem.spec.name.value,
                          .file = problem.spec.file.string(),
                          .sha256 = problem.spec.sha256,
                          .problem_sha256 = problem.sha256(),
                          .knots = instance.knots(),
                          .states = instance.ndx(),
-                         .seed = seed,
+                         .seed = task.seed,
                          .initial_state = instance.initial_state(),
                          .options = changed_options(options)};
     for (int k = 0; k < instance.knots(); ++k)
@@ -237,14 +264,17 @@ class Bench {
     Trajectory answer = guess;
     Repetition repetition{.count = report_.request.repeat};
     if (!arguments_.repeat) repetition.longest_s = kLongSolve;
-    entry.run = run_benchmark(instance, guess, solver, options, repetition, &answer);
-    if (InterruptGuard::signal() != 0) return;
-    if (!entry.run.times.empty()) progress_.count();
+    entry.run = run_benchmark(instance, guess, *task.solver, options, repetition, &answer);
+    if (InterruptGuard::signal() != 0) return std::nullopt;
+    if (!entry.run.times.empty()) {
+      const std::lock_guard lock(mutex_);
+      progress_.count();
+    }
     for (const DroppedConstraint& constraint : built.dropped)
       if (!entry.run.times.empty())
         entry.left_out.push_back({constraint.name, violation(constraint, instance, answer)});
     entry.command = command_of(entry, built);
-    report_.entries.push_back(std::move(entry));
+    return entry;
   }
 
   /// The command line that solves an entry alone. A limit in seconds belongs to it only where it
@@ -288,7 +318,9 @@ class Bench {
 
   const BenchArguments& arguments_;
   std::vector<const SolverInfo*> solvers_;
+  const std::vector<Task> tasks_;
   BenchmarkReport report_;
+  std::mutex mutex_;  ///< of progress and status
   Progress progress_;
   StatusLine status_;
 };
@@ -325,8 +357,7 @@ int bench(BenchArguments arguments) {
   const InterruptGuard guard;
   if (!arguments.folder.empty()) create_folder(arguments.folder);
   Bench bench(arguments, std::move(solvers), *problems);
-  for (BenchProblem& problem : *problems)
-    if (!bench.run(problem)) break;
+  bench.run();
   const bool kept_word = bench.finish();
   if (InterruptGuard::signal() != 0) return kExitSignalBase + InterruptGuard::signal();
   return kept_word ? kExitConverged : kExitNotConverged;
@@ -341,11 +372,12 @@ Command bench_command() {
       .description = "Compare solvers on problems: time, iterations, answers",
       .details =
           "Every solver gets the same problem, guess and options, and its answer is measured by "
-          "the "
-          "same check. One solve at a time; times are medians after a warm-up. Without a file: the "
-          "problems in the folder 'problems', else those installed with conddp, each solve within "
-          "10 s. Solves that fail and unsupported problems stay in the table; the exit status "
-          "is 1 where the check does not confirm an answer that a solver called converged.",
+          "the same check. One solve at a time unless --jobs says otherwise; times are medians "
+          "after a warm-up. Without a file: the problems in the folder 'problems', else those "
+          "installed with conddp, each solve within 10 s. Solves that fail and unsupported "
+          "problems "
+          "stay in the table; the exit status is 1 where the check does not confirm an answer that "
+          "a solver called converged.",
       .arguments =
           {{.names = {"FILE"},
             .value = "FILE.yaml",
@@ -367,6 +399,13 @@ Command bench_command() {
             .fallback = std::to_string(kRepeat),
             .target = &a->repeat},
            threads_argument(a->threads, "Threads of each solve instead of the file's"),
+           {.names = {"-j", "--jobs"},
+            .value = "N",
+            .description = "Solves at once: for many instances. All answers are the same, and each "
+                           "time includes what the solves beside it take",
+            .numbers = WholeNumbers{1, 1024},
+            .fallback = std::to_string(a->jobs),
+            .target = &a->jobs},
            {.names = {"--tolerance"},
             .value = "NAME=NUMBER",
             .description = "Tolerance instead of the files': stationarity, gap or constraint",
