@@ -214,7 +214,11 @@ TEST(FreeParameters, HaveTheirPlaceInErrors) {
       {"terminal:\n", "constraints: {box: {bounds: state, lower: -2, upper: 2}}\nterminal:\n",
        "10:43: error: free parameters are states, and these bounds are on all of them"},
       {"terminal:\n", "constraints: {box: {bounds: state, upper: {'*': 2}}}\nterminal:\n",
-       "10:43: error: free parameters are states, and these bounds are on all of them"}};
+       "10:43: error: free parameters are states, and these bounds are on all of them"},
+      {"terminal:\n", "constraints: {box: {bounds: state, upper: {'p*': 2, x: 3}}}\nterminal:\n",
+       "10:44: error: free parameters are states, and 'p*' is on 'p', too"},
+      {"residual: expression, rows: [p]", "residual: state, columns: [x, '*p']",
+       "error: free parameters are states, and '*p' is on 'p', too"}};
   for (const Case& c : cases) {
     const Loaded loaded(replaced(kDrift, c.from, c.to));
     EXPECT_FALSE(loaded.built) << c.to;

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "problem_file/spec/components.hpp"
 #include "problem_file/yaml/key_path.hpp"
 
 namespace conddp {
@@ -177,41 +178,69 @@ bool is_on(const YamlNode::Entry& entry, std::string_view key, std::string_view 
   return entry.key == key && entry.value.text == what;
 }
 
-/// Bounds on the state have to be given by name. Bounds of other forms are reported by their
-/// reader.
-void check_bounds(const YamlNode& node, const std::string& before, Diagnostics& out) {
-  for (const YamlNode::Entry& bound : node.entries) {
-    const bool is_bound = bound.key == "lower" || bound.key == "upper";
-    const YamlNode::Kind kind = bound.value.kind;
-    const bool by_name = kind == YamlNode::Kind::kMap && bound.value.find("*") == nullptr;
-    if (is_bound && !by_name && kind != YamlNode::Kind::kNull)
-      out.error({bound.value.mark, before + bound.key},
-                "free parameters are states, and these bounds are on all of them",
-                "bound states by name: '" + bound.key + ": {x: -2}'");
-  }
-}
+/// Looks where free parameters, which are states, would be among the states that something is on.
+class StatePatterns {
+ public:
+  StatePatterns(const std::vector<FreeParameter>& parameters, Diagnostics& out)
+      : parameters_(parameters), out_(out) {}
 
-/// Whether a residual names none of its columns, or all of them by '*'.
-bool is_on_all_columns(const YamlNode& residual) {
-  const YamlNode* columns = residual.find("columns");
-  const auto is_all = [](const YamlNode& node) { return node.text == "*"; };
-  return columns == nullptr || is_all(*columns) || std::ranges::any_of(columns->items, is_all);
-}
-
-/// Where a residual or bounds are on the whole state, free parameters would be part of it.
-void check_whole_states(const YamlNode& node, const std::string& path, Diagnostics& out) {
-  const std::string before = path.empty() ? "" : path + ".";
-  for (std::size_t i = 0; i < node.items.size(); ++i)
-    check_whole_states(node.items[i], before + std::to_string(i), out);
-  for (const YamlNode::Entry& entry : node.entries) {
-    if (is_on(entry, "bounds", "state")) check_bounds(node, before, out);
-    if (is_on(entry, "residual", "state") && is_on_all_columns(node))
-      out.error({entry.value.mark, before + entry.key},
-                "free parameters are states, and this is on all of them",
-                "name those that it is on: 'columns: [x, v]'");
-    check_whole_states(entry.value, before + entry.key, out);
+  void check(const YamlNode& node, const std::string& path) {
+    const std::string before = path.empty() ? "" : path + ".";
+    for (std::size_t i = 0; i < node.items.size(); ++i)
+      check(node.items[i], before + std::to_string(i));
+    for (const YamlNode::Entry& entry : node.entries) {
+      if (is_on(entry, "bounds", "state")) check_bounds(node, before);
+      if (is_on(entry, "residual", "state")) check_columns(node, entry, before);
+      check(entry.value, before + entry.key);
+    }
   }
-}
+
+ private:
+  /// Bounds on the state have to be given by name. Bounds of other forms are reported by their
+  /// reader.
+  void check_bounds(const YamlNode& node, const std::string& before) {
+    for (const YamlNode::Entry& bound : node.entries) {
+      if (bound.key != "lower" && bound.key != "upper") continue;
+      const YamlNode::Kind kind = bound.value.kind;
+      const bool by_name = kind == YamlNode::Kind::kMap && bound.value.find("*") == nullptr;
+      if (!by_name && kind != YamlNode::Kind::kNull)
+        out_.error({bound.value.mark, before + bound.key},
+                   "free parameters are states, and these bounds are on all of them",
+                   "bound states by name: '" + bound.key + ": {x: -2}'");
+      else
+        for (const YamlNode::Entry& name : bound.value.entries)
+          check_pattern(name.key, {name.mark, before + bound.key + '.' + name.key});
+    }
+  }
+
+  /// A residual that names none of its columns, or all of them by '*', is on all of them.
+  void check_columns(const YamlNode& node, const YamlNode::Entry& residual,
+                     const std::string& before) {
+    const YamlNode* columns = node.find("columns");
+    const auto is_all = [](const YamlNode& name) { return name.text == "*"; };
+    if (columns == nullptr || is_all(*columns) || std::ranges::any_of(columns->items, is_all))
+      return out_.error({residual.value.mark, before + residual.key},
+                        "free parameters are states, and this is on all of them",
+                        "name those that it is on: 'columns: [x, v]'");
+    check_pattern(columns->text, {columns->mark, before + "columns"});
+    for (const YamlNode& name : columns->items)
+      check_pattern(name.text, {name.mark, before + "columns"});
+  }
+
+  /// A parameter that is meant has its own name.
+  void check_pattern(const std::string& pattern, const Place& place) {
+    if (!is_pattern(pattern)) return;
+    for (const FreeParameter& parameter : parameters_)
+      if (fits(pattern, parameter.name.value))
+        out_.error(place,
+                   fmt::format("free parameters are states, and '{}' is on '{}', too", pattern,
+                               parameter.name.value),
+                   "name the states that it is on");
+  }
+
+  const std::vector<FreeParameter>& parameters_;
+  Diagnostics& out_;
+};
 
 /// No control moves a free parameter, so there is no regulator of a state that contains one.
 void check_terminal_lqr(YamlNode& root, Diagnostics& out) {
@@ -250,7 +279,7 @@ void place_free_parameters(const std::vector<FreeParameter>& parameters, YamlNod
   for (const FreeParameter& parameter : parameters)
     if (!FreeParameterPlacer(parameter, root, out).place()) return;
   if (parameters.empty()) return;
-  check_whole_states(root, "", out);
+  StatePatterns(parameters, out).check(root, "");
   check_terminal_lqr(root, out);
 }
 
