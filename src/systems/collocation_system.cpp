@@ -127,7 +127,8 @@ CollocationSystem::Later<S>::Later(const CollocationSystem& system,
                                    std::unique_ptr<SystemData<S>> inside_data)
     : inside(std::move(inside_data)),
       x(system.nx(), S(0.0)),
-      X(system.ndx() * (system.ndx() + system.nu() + 1), S(0.0)) {}
+      X(system.ndx() * (system.ndx() + system.nu() + 1), S(0.0)),
+      u(system.actuators(), S(0.0)) {}
 
 template <class S>
 void CollocationSystem::stage(int i, const S* x, const S* w, const S& h, const SystemData<S>& data,

@@ -5,7 +5,7 @@
 namespace conddp {
 
 /// Rules whose last stage is the end of a step: stage i stands at x_i = x + h Σ_j a_ij k_j with the
-/// slopes k_j = f(x_j, u), u held.
+/// slopes k_j = f(x_j, u), u held or linear in time.
 /// - Lobatto IIIA, whose first stage is the beginning of the step: of two stages the trapezoidal
 ///   rule (order 2), of three Hermite and Simpson's (order 4), whose middle stage lies on the cubic
 ///   through both ends;
@@ -28,6 +28,8 @@ class CollocationSystem : public System {
   const std::shared_ptr<const System>& inside() const { return inside_; }
   const CollocationSystem* as_collocation() const override { return this; }
   const MultibodySystem* robot_inside() const override { return inside_->robot_inside(); }
+  std::vector<std::string> failed_functions() const override { return inside_->failed_functions(); }
+  bool has_claimed_hessian() const override { return inside_->has_claimed_hessian(); }
   CollocationRule rule() const { return rule_; }
   /// Stages whose slopes are controls: 1 to later_stages(), the last one the end of the step.
   int later_stages() const;
@@ -52,6 +54,7 @@ class CollocationSystem : public System {
     Later(const CollocationSystem& system, std::unique_ptr<SystemData<S>> inside);
     std::unique_ptr<SystemData<S>> inside;  ///< of the system inside at a stage
     AlignedVector<S> x, X;                  ///< a stage and its derivative, with that by h
+    AlignedVector<S> u;                     ///< the controls there, where they are linear
   };
 
 #define CONDDP_OVERRIDE(S)                                                         \

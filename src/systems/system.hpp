@@ -82,6 +82,11 @@ class System {
   /// that cannot be computed there, all rows count as independent.
   virtual ContactRank contact_rank(const double* /*x*/) const { return {}; }
 
+  /// The compiled functions behind it that have reported failure since they were loaded, by name.
+  virtual std::vector<std::string> failed_functions() const { return {}; }
+  /// Whether second derivatives rest on what such a function claims them to be.
+  virtual bool has_claimed_hessian() const { return false; }
+
   /// The system itself as what it is; null where it is something else.
   virtual const MultibodySystem* as_multibody() const { return nullptr; }
   virtual const SteppingSystem* as_stepping() const { return nullptr; }

@@ -168,6 +168,28 @@ TEST(LibraryKnotFunction, JacobiansGetTheOutputsThatTheyRead) {
   EXPECT_EQ(J(1, 2), 1);
 }
 
+/// Where a step that is as long as the coordinate passes over periods.
+TEST(LibraryKnotFunction, SecondDerivativesByDifferencesAreThoseOfTheStepThatAShorterOneConfirms) {
+  const auto function = function_of("wave", {});
+  const auto workspace = function->create_workspace();
+  for (const double x : {0.3, 9424.78, 1e5 + 0.7, 1e6 + 0.3}) {
+    const double z[] = {x, 1, 2}, weights[] = {0.5, 3};
+    Eigen::Matrix3d H;
+    function->second_derivatives(z, weights, *workspace, H.data());
+    EXPECT_NEAR(H(0, 0), 3 * std::sin(x), 1e-4) << x;
+    H(0, 0) = 0;
+    EXPECT_LT(H.cwiseAbs().maxCoeff(), 1e-6) << x;
+  }
+}
+
+TEST(SlopeInterval, OfAShorterStepConfirmsThatOfALongerOneButForRounding) {
+  EXPECT_TRUE(confirms_slope(1, 1 + 1e-7, 0));
+  EXPECT_FALSE(confirms_slope(1, 1 + 1e-5, 0));
+  EXPECT_TRUE(confirms_slope(0, 1e-9, 1e6));
+  EXPECT_FALSE(confirms_slope(0, 1e-7, 1e6));
+  EXPECT_FALSE(confirms_slope(1, std::nan(""), 1));
+}
+
 TEST(SlopeInterval, ConfirmsWhatLiesInItAndReplacesWhatDoesNot) {
   const SlopeInterval kink = between_slopes(2, -1);
   EXPECT_EQ(confirmed_slope(-1, kink, 0), -1);

@@ -84,4 +84,20 @@ std::vector<ConstraintViolation> soft_violations(const ShootingProblem& problem,
   return list;
 }
 
+std::vector<std::string> failed_functions(const ShootingProblem& problem) {
+  std::vector<std::string> names;
+  const auto add = [&names](const auto& of) {
+    for (std::string& name : of.failed_functions())
+      if (std::ranges::find(names, name) == names.end()) names.push_back(std::move(name));
+  };
+  const auto add_model = [&](const KnotModel& model) {
+    add(model.system());
+    for (const CostTerm& cost : model.costs()) add(*cost.residual);
+    for (const ConstraintTerm& constraint : model.constraints()) add(*constraint.residual);
+  };
+  for (const Phase& phase : problem.phases()) add_model(*phase.model);
+  add_model(*problem.terminal().model);
+  return names;
+}
+
 }  // namespace conddp

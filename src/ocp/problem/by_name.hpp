@@ -11,6 +11,9 @@ namespace conddp {
 /// What a node's constraint is called: its name, with the prefix "terminal/" at the terminal node.
 std::string constraint_name(const ShootingProblem& problem, const NodeConstraint& constraint);
 
+/// The compiled functions of systems and residuals that have reported failure so far, each once.
+std::vector<std::string> failed_functions(const ShootingProblem& problem);
+
 /// The cost of each named term at each node (N + 1 numbers), in the order of first appearance;
 /// names of the terminal node get the prefix "terminal/".
 std::vector<std::pair<std::string, std::vector<double>>> costs_by_node(

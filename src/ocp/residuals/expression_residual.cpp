@@ -48,6 +48,17 @@ class Operands {
       most = std::max(most, operand.residual->reads());
     return most;
   }
+  bool have_claimed_hessian() const {
+    return std::ranges::any_of(operands_, [](const ExpressionOperand& operand) {
+      return operand.residual->has_claimed_hessian();
+    });
+  }
+  std::vector<std::string> failed_functions() const {
+    std::vector<std::string> all;
+    for (const ExpressionOperand& operand : operands_)
+      for (std::string& name : operand.residual->failed_functions()) all.push_back(std::move(name));
+    return all;
+  }
   /// Writes the rows and, behind them if asked for, the derivatives into numbers().
   template <class S>
   void evaluate(const ResidualInput<S>& in, bool derivatives, S* numbers) const {
@@ -124,6 +135,10 @@ class ExpressionResidual : public ResidualBase<ExpressionResidual> {
   }
 
   Reads reads() const override { return operands_.reads(); }
+  std::vector<std::string> failed_functions() const override {
+    return operands_.failed_functions();
+  }
+  bool has_claimed_hessian() const override { return operands_.have_claimed_hessian(); }
 
   template <class S>
   void evaluate_as(const ResidualInput<S>& in, S* r) const {

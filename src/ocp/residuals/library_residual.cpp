@@ -77,6 +77,10 @@ class LibraryResidual : public ResidualBase<LibraryResidual> {
   }
 
   Reads reads() const override { return Reads::kinematics; }
+  std::vector<std::string> failed_functions() const override {
+    return function_->failed_functions();
+  }
+  bool has_claimed_hessian() const override { return function_->has_hessian(); }
 
   template <class S>
   void evaluate_as(const ResidualInput<S>& in, S* r) const {

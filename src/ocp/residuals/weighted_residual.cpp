@@ -126,6 +126,10 @@ class WeightedResidual : public ResidualBase<WeightedResidual> {
         groups_(std::move(groups)) {}
 
   Reads reads() const override { return residual_->reads(); }
+  std::vector<std::string> failed_functions() const override {
+    return residual_->failed_functions();
+  }
+  bool has_claimed_hessian() const override { return residual_->has_claimed_hessian(); }
 
   template <class S>
   void evaluate_as(const ResidualInput<S>& in, S* r) const {

@@ -8,8 +8,8 @@
 
 namespace conddp {
 
-/// What a residual sees of a knot: state, control (null at a node without one), its own
-/// parameters (references), and the system's data, evaluated (and, for `differentiate`,
+/// What a residual sees of a knot: state, control at its beginning (null at a node without one),
+/// its own parameters (references), and the system's data, evaluated (and, for `differentiate`,
 /// differentiated) at (x, u); its scratch members may be written.
 template <class S>
 struct ResidualInput {
@@ -17,6 +17,9 @@ struct ResidualInput {
   const S* u;
   const S* parameters;
   SystemData<S>& system;
+  /// The knot's own control vector where controls are linear: it begins with the control at the
+  /// knot's end. Null where u is that vector.
+  const S* end = nullptr;
 };
 
 /// Rows of a residual that depend on the same variables: indices into z = (tangent at x, u),
@@ -56,6 +59,9 @@ class Residual {
   const std::vector<RowBlock>& blocks() const { return blocks_; }
   /// Of what it is a linear image, null if of nothing: costs form their Hessians from that.
   virtual const LinearImage* linear_image() const { return nullptr; }
+  /// As System::failed_functions and System::has_claimed_hessian.
+  virtual std::vector<std::string> failed_functions() const { return {}; }
+  virtual bool has_claimed_hessian() const { return false; }
   /// Numbers in the packed Jacobian: the blocks one after the other, each by columns.
   int jacobian_size() const {
     int n = 0;

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "ocp/problem/by_name.hpp"
 #include "solvers/strategies/homotopy.hpp"
 #include "solvers/strategies/option_check.hpp"
 #include "solvers/strategies/registry.hpp"
@@ -36,6 +37,18 @@ void name_divergence(SolveResult& result) {
   result.status = SolveStatus::diverged;
 }
 
+bool may_go_on(SolveStatus status) {
+  return !is_success(status) && status != SolveStatus::max_iterations && !stopped(status);
+}
+
+/// Compiled functions that report failure give numbers that are not finite, which is all that
+/// solvers see of that.
+void name_failed_functions(const ShootingProblem& problem, SolveResult& result) {
+  if (!may_go_on(result.status)) return;
+  for (const std::string& name : failed_functions(problem))
+    result.message += fmt::format("; the compiled function '{}' reported failure", name);
+}
+
 SolveResult run(const ShootingProblem& problem, const SolverInfo& solver, SolverOptions options,
                 const Trajectory& guess) {
   check_options(solver, problem, options);
@@ -47,11 +60,8 @@ SolveResult run(const ShootingProblem& problem, const SolverInfo& solver, Solver
         return solver.run(problem, own, start);
       });
   name_divergence(result);
+  name_failed_functions(problem, result);
   return result;
-}
-
-bool may_go_on(SolveStatus status) {
-  return !is_success(status) && status != SolveStatus::max_iterations && !stopped(status);
 }
 
 /// By the first solver that converges.

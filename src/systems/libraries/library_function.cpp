@@ -108,8 +108,10 @@ bool LibraryFunction::run(Workspace& workspace) const {
   for (std::size_t i = 0; i < outputs_.size(); ++i)
     workspace.results_[i] =
         workspace.outputs_[i] < 0 ? nullptr : workspace.numbers_.data() + workspace.outputs_[i];
-  return call_(workspace.arguments_.data(), workspace.results_.data(), workspace.iw_.data(),
-               workspace.w_.data(), workspace.memory_) == 0;
+  const int code = call_(workspace.arguments_.data(), workspace.results_.data(),
+                         workspace.iw_.data(), workspace.w_.data(), workspace.memory_);
+  if (code != 0) failed_.store(true, std::memory_order_relaxed);
+  return code == 0;
 }
 
 LibraryFunction::Workspace::Workspace(const LibraryFunction& function,

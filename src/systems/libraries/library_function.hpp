@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <optional>
 #include <string>
@@ -64,6 +65,8 @@ class LibraryFunction {
   const std::vector<Port>& outputs() const { return outputs_; }
   /// Computes the wanted outputs of the workspace's inputs. False where the function fails.
   bool run(Workspace& workspace) const;
+  /// Whether a run has failed so far.
+  bool has_failed() const { return failed_.load(std::memory_order_relaxed); }
 
  private:
   using Call = int (*)(const double**, double**, long long*, double*, int);
@@ -81,6 +84,7 @@ class LibraryFunction {
   void (*decref_)();
   long long sizes_[4] = {};  ///< of arg, res, iw and w
   std::vector<Port> inputs_, outputs_;
+  mutable std::atomic<bool> failed_ = false;
 };
 
 /// The index of the port with this name.

@@ -17,6 +17,7 @@ constexpr const char* kMakeAll =
 
 /// Of differences that confirm a Jacobian: so many, each a small part of the one before.
 constexpr int kSteps = 3;
+constexpr double kShorter = 32;
 
 /// The number of a scalar in one of its lanes, and the derivative beside it.
 double value_in(double a, int) { return a; }
@@ -70,6 +71,8 @@ struct LibraryKnotFunction::Workspace {
         J(function.rows() * function.columns()),
         dJ(J.size()),
         other(J.size()),
+        dJ_of_shorter_step(J.size()),
+        settled(J.size()),
         confirmed(J.size()),
         H(function.columns() * function.columns()) {
     if (function.hessian_)
@@ -101,7 +104,9 @@ struct LibraryKnotFunction::Workspace {
   std::vector<double> beside, ahead, behind;  ///< values, and slopes to the two sides
   std::vector<MeasuredSlope> measured;        ///< of a column: by row, then by step
   std::vector<double> confirmed_at;           ///< the z of the confirmed Jacobian
-  std::vector<double> J, dJ, other, confirmed, H;
+  std::vector<double> J, dJ, other, dJ_of_shorter_step;
+  std::vector<bool> settled;  ///< entries of which a shorter step says the same
+  std::vector<double> confirmed, H;
 };
 
 void LibraryKnotFunction::WorkspaceDeleter::operator()(Workspace* workspace) const {
@@ -295,6 +300,13 @@ std::shared_ptr<const LibraryKnotFunction> LibraryKnotFunction::make(
 
 LibraryKnotFunction::~LibraryKnotFunction() = default;
 
+std::vector<std::string> LibraryKnotFunction::failed_functions() const {
+  std::vector<std::string> names;
+  for (const LibraryFunction* function : {values_.get(), jacobian_.get(), hessian_.get()})
+    if (function != nullptr && function->has_failed()) names.push_back(function->name());
+  return names;
+}
+
 LibraryKnotFunction::OwnedWorkspace LibraryKnotFunction::create_workspace() const {
   return OwnedWorkspace(new Workspace(*this));
 }
@@ -355,25 +367,49 @@ void LibraryKnotFunction::hessian_at(const double* z, const double* weights, Wor
   for (int i = 0; i < port.stored(); ++i) H[port.column_of[i] * n + port.row_of[i]] = output[i];
 }
 
-/// Central ones, with the step that balances their error and rounding.
+/// Central differences with the longest step that a shorter one confirms, entry by entry: the first
+/// one balances error and rounding of functions that change as slowly as a coordinate is large.
 void LibraryKnotFunction::jacobian_by_differences(const double* z, const double* direction,
                                                   Workspace& workspace, double* dJ) const {
-  const int n = columns();
-  double largest = 0, scale = 1;
+  const int n = columns(), entries = rows_ * n;
+  double largest = 0, scale = 0;
   for (int i = 0; i < n; ++i) {
     largest = std::max(largest, std::abs(direction[i]));
     if (direction[i] != 0) scale = std::max(scale, std::abs(z[i]));
   }
-  std::fill_n(dJ, rows_ * n, 0.0);
+  std::fill_n(dJ, entries, 0.0);
   if (largest == 0) return;
-  const double h = std::cbrt(std::numeric_limits<double>::epsilon()) * scale / largest;
-  const auto jacobian = [&](double step, std::vector<double>& J) {
-    for (int i = 0; i < n; ++i) workspace.moved[i] = z[i] + step * direction[i];
+  double h = difference_step(scale) / largest;
+  differentiate_centrally(z, direction, h, workspace, dJ);
+  std::vector<double>& shorter = workspace.dJ_of_shorter_step;
+  std::fill(workspace.settled.begin(), workspace.settled.end(), false);
+  bool all = false;
+  for (int step = 1; step < kSteps && !all; ++step) {
+    h /= kShorter;
+    differentiate_centrally(z, direction, h, workspace, shorter.data());
+    all = true;
+    for (int i = 0; i < entries; ++i) {
+      if (workspace.settled[i]) continue;
+      workspace.settled[i] = confirms_slope(shorter[i], dJ[i], std::abs(workspace.J[i]) / h);
+      if (workspace.settled[i] || !std::isfinite(shorter[i])) continue;
+      dJ[i] = shorter[i];
+      all = false;
+    }
+  }
+}
+
+/// The Jacobian ahead is left in the workspace.
+void LibraryKnotFunction::differentiate_centrally(const double* z, const double* direction,
+                                                  double step, Workspace& workspace,
+                                                  double* dJ) const {
+  const int n = columns();
+  const auto jacobian = [&](double moved, std::vector<double>& J) {
+    for (int i = 0; i < n; ++i) workspace.moved[i] = z[i] + moved * direction[i];
     jacobian_at(workspace.moved.data(), workspace, J.data());
   };
-  jacobian(h, workspace.J);
-  jacobian(-h, workspace.other);
-  for (int i = 0; i < rows_ * n; ++i) dJ[i] = (workspace.J[i] - workspace.other[i]) / (2 * h);
+  jacobian(-step, workspace.other);
+  jacobian(step, workspace.J);
+  for (int i = 0; i < rows_ * n; ++i) dJ[i] = (workspace.J[i] - workspace.other[i]) / (2 * step);
 }
 
 /// Row by row of the Jacobian, from the Hessian of each.
@@ -460,7 +496,8 @@ void LibraryKnotFunction::confirm_column(const double* z, int column, double lar
                                          Workspace& workspace) const {
   constexpr double kLoss = 1e-4, kFloor = 1e-3;
   double h = difference_step(z[column]);
-  for (int step = 0; step < kSteps; ++step, h /= 32) measure_column(z, column, h, step, workspace);
+  for (int step = 0; step < kSteps; ++step, h /= kShorter)
+    measure_column(z, column, h, step, workspace);
   for (int row = 0; row < rows_; ++row) {
     const auto& [interval, noise] =
         best_measured({workspace.measured.data() + row * kSteps, kSteps});

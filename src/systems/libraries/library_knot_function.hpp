@@ -50,6 +50,8 @@ class LibraryKnotFunction {
   bool reads_time() const { return reads_time_; }
   bool reads_control() const { return reads_control_; }
   bool has_hessian() const { return hessian_ != nullptr; }
+  /// The names of the library's functions of which a run has failed so far.
+  std::vector<std::string> failed_functions() const;
   /// Of z = (x, u, t), t where the time is read: what it is evaluated at and differentiated by.
   int columns() const { return sizes_.states + sizes_.controls + (reads_time_ ? 1 : 0); }
   /// Of each row the columns on which it depends, ascending.
@@ -103,6 +105,8 @@ class LibraryKnotFunction {
                       double* dJ) const;
   void jacobian_by_differences(const double* z, const double* direction, Workspace& workspace,
                                double* dJ) const;
+  void differentiate_centrally(const double* z, const double* direction, double step,
+                               Workspace& workspace, double* dJ) const;
   void hessian_at(const double* z, const double* weights, Workspace& workspace, double* H) const;
 
   std::unique_ptr<LibraryFunction> values_, jacobian_, hessian_;

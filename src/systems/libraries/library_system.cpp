@@ -63,6 +63,11 @@ class LibrarySystem : public SystemBase<LibrarySystem> {
   template <class S>
   void update_kinematics_as(const S*, Data<S>&) const {}
 
+  std::vector<std::string> failed_functions() const override {
+    return function_->failed_functions();
+  }
+  bool has_claimed_hessian() const override { return function_->has_hessian(); }
+
   std::unique_ptr<SecondDerivatives> second_derivatives(SystemData<Lane>&,
                                                         SystemData<Dual<Lane>>&) const override;
 

@@ -29,6 +29,12 @@ double difference_step(double coordinate) {
   return std::cbrt(std::numeric_limits<double>::epsilon()) * std::max(1.0, std::abs(coordinate));
 }
 
+bool confirms_slope(double of_shorter, double of_longer, double value_per_step) {
+  constexpr double kPart = 1e-6, kRounding = 16 * std::numeric_limits<double>::epsilon();
+  const double size = std::max(std::abs(of_shorter), std::abs(of_longer));
+  return std::abs(of_shorter - of_longer) <= kPart * size + kRounding * value_per_step;
+}
+
 const MeasuredSlope& best_measured(std::span<const MeasuredSlope> steps) {
   std::size_t best = 0;
   for (std::size_t i = 1; i < steps.size(); ++i)

@@ -22,6 +22,10 @@ SlopeInterval at_edge(double slope, double slope_of_quarter);
 /// as a coordinate is large.
 double difference_step(double coordinate);
 
+/// Whether the slope of a shorter step confirms that of a longer one: they agree but for a small
+/// part and for the rounding of values of this size over the shorter step.
+bool confirms_slope(double of_shorter, double of_longer, double value_per_step);
+
 /// The interval that one step of differences gives.
 struct MeasuredSlope {
   SlopeInterval interval;
