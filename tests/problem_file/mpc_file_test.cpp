@@ -166,6 +166,13 @@ TEST(MpcFile, WindowsHaveTheSharesOfTheirKnots) {
         << terms;
 }
 
+TEST(MpcFile, SaysThatNoGridIsRefined) {
+  const LoadedLoop loop(
+      pendulum_with("mesh: {error: 1.0e-4}\nmpc: {horizon: 0.5, tick: 0.1, duration: 0.2}"));
+  EXPECT_TRUE(loop.mpc) << loop.all();
+  EXPECT_EQ(loop.warnings(), 1) << loop.all();
+}
+
 TEST(MpcFile, AFallbackAppliesNoMoreThanControlsMay) {
   const LoadedLoop loop(
       pendulum_with("mpc: {horizon: 0.5, tick: 0.1, duration: 1, fallback: {after: 1, to: {values: "

@@ -39,6 +39,8 @@ void check_problem(const ProblemSpec& spec, Diagnostics& out) {
   if (spec.integrator && collocates(spec.integrator->value))
     out.error(spec.integrator->place, "a closed loop has no collocation",
               "accepted: semi_implicit_euler, explicit_euler, rk2, rk3, rk4, discrete");
+  if (spec.mesh)
+    out.warning(spec.mesh->place, "a closed loop keeps the grid of its phases: 'mesh' refines none");
   const SolverOptions& options = spec.solver.options;
   if (std::isfinite(options.max_time_s))
     out.error(spec.solver.place,
