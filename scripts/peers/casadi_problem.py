@@ -61,6 +61,8 @@ class Program:
         self.states, self.controls = columns(file, overrides)
         if len(problem["phases"]) != 1 or problem["running_costs"] != "rate":
             raise Untranslatable("several phases")
+        if problem["controls"] != "constant":
+            raise Untranslatable("linear controls")
         phase, = problem["phases"]
         self.knots, self.dt = phase["knots"], phase["dt"]
         self.z, self.rows = [], []

@@ -21,7 +21,7 @@ void check(Integrator integrator, const System& system) {
 }  // namespace
 
 Simulation::Stepper::Stepper(const KnotModel& like, Integrator integrator)
-    : model(like.shared_system(), integrator, like.has_previous_control()),
+    : model(like.shared_system(), integrator, like.control_memory()),
       work(std::make_unique<KnotWorkspace<double>>(model)),
       x(model.nx(), 0.0),
       u(model.nu(), 0.0) {}

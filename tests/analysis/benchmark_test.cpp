@@ -132,8 +132,8 @@ TEST(RandomInstance, MovesTheInitialStateOnItsManifoldBySeed) {
 }
 
 TEST(RandomInstance, LeavesRememberedControlsAlone) {
-  auto model = std::make_shared<KnotModel>(pendulum({}), Integrator::rk4, true);
-  auto end = std::make_shared<KnotModel>(pendulum({}), Integrator::none, true);
+  auto model = std::make_shared<KnotModel>(pendulum({}), Integrator::rk4, ControlMemory::previous);
+  auto end = std::make_shared<KnotModel>(pendulum({}), Integrator::none, ControlMemory::previous);
   const ShootingProblem problem({0.1, 0.2, 0.7}, {{"all", model, {0.1}, {0.1}, {}}},
                                 {"end", end, {0}, {1}, {}});
   const ShootingProblem instance = perturb_initial_state(problem, 0.5, 3);

@@ -200,7 +200,7 @@ TEST(DerivativeCheck, EverySystemPassesWithEveryIntegratorAndPreviousControl) {
       for (const bool memory : {false, true}) {
         const bool impulse = integrator == Integrator::impulse;
         if (memory && impulse) continue;
-        auto model = std::make_shared<KnotModel>(system, integrator, memory);
+        auto model = std::make_shared<KnotModel>(system, integrator, memory_of(memory));
         model->add_cost("state", state_residual(model->manifold()), {});
         if (memory) model->add_cost("rate", control_rate_residual(*system), {});
         RandomNumbers random(5);
@@ -208,10 +208,11 @@ TEST(DerivativeCheck, EverySystemPassesWithEveryIntegratorAndPreviousControl) {
         Phase phase{
             .name = "only", .model = model, .dt = {impulse ? 0 : 0.05}, .cost_scale = {0.05}};
         phase.parameters = c.parameters;
-        Phase terminal{.name = "terminal",
-                       .model = std::make_shared<KnotModel>(system, Integrator::none, memory),
-                       .dt = {0.0},
-                       .cost_scale = {1.0}};
+        Phase terminal{
+            .name = "terminal",
+            .model = std::make_shared<KnotModel>(system, Integrator::none, memory_of(memory)),
+            .dt = {0.0},
+            .cost_scale = {1.0}};
         const ShootingProblem problem(c.x, {phase}, terminal);
         for (const DerivativeComparison& d :
              check_derivatives(problem, problem.create_trajectory()))

@@ -337,8 +337,9 @@ TEST(Replay, OfACollocationSolvesForTheSlopesOfItsSteps) {
 
 TEST(Replay, RemembersTheControlsThatItHasUsed) {
   const auto system = block_system();
-  auto model = std::make_shared<KnotModel>(system, Integrator::semi_implicit_euler, true);
-  auto end = std::make_shared<KnotModel>(system, Integrator::none, true);
+  auto model =
+      std::make_shared<KnotModel>(system, Integrator::semi_implicit_euler, ControlMemory::previous);
+  auto end = std::make_shared<KnotModel>(system, Integrator::none, ControlMemory::previous);
   std::vector<Phase> phases;
   phases.push_back({"all", model, {0.1, 0.1, 0.1}, {1, 1, 1}, {}});
   std::vector<double> start(9, 0.0);

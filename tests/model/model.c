@@ -88,6 +88,24 @@ int hess_swing(ARGUMENTS) {
   return 0;
 }
 
+/* The swing with a Hessian that lacks an entry. */
+static const Port bent_in[] = {{"x", pair}, {"u", scalar}, {"p", pair}};
+static const Port bent_out[] = {{"rate", pair}};
+DESCRIBE(bent)
+int bent(ARGUMENTS) { return swing(arg, res, iw, w, mem); }
+static const Port jac_bent_in[] = {{"x", pair}, {"u", scalar}, {"p", pair}};
+static const Port jac_bent_out[] = {{"jac_rate_x", jac_swing_x_pattern}, {"jac_rate_u", second_row}};
+DESCRIBE(jac_bent)
+int jac_bent(ARGUMENTS) { return jac_swing(arg, res, iw, w, mem); }
+static const Port hess_bent_in[] = {{"x", pair}, {"u", scalar}, {"p", pair}, {"lam", pair}};
+static const Port hess_bent_out[] = {{"hess", hess_swing_pattern}};
+DESCRIBE(hess_bent)
+int hess_bent(ARGUMENTS) {
+  hess_swing(arg, res, iw, w, mem);
+  res[0][1] = res[0][2] = 0;
+  return 0;
+}
+
 /* In a wind: rate (speed, torque - sin(angle) + 0.3*sin(2*t)). */
 static const Port wind_in[] = {{"t", scalar}, {"u", scalar}, {"x", pair}};
 static const Port wind_out[] = {{"rate", pair}};

@@ -54,7 +54,8 @@ TEST(CycleResidual, GradientsAreThoseOfDualNumbers) {
   RandomNumbers random(42);
   for (const bool floating : {false, true}) {
     const Cycle cycle = cycle_of(floating, random);
-    auto model = std::make_shared<KnotModel>(cycle.system, Integrator::semi_implicit_euler, false,
+    auto model = std::make_shared<KnotModel>(cycle.system, Integrator::semi_implicit_euler,
+                                             ControlMemory::none,
                                              static_cast<int>(cycle.start.coordinates.size()));
     model->add_cost("cycle", cycle_residual(cycle.system->manifold(), cycle.start, cycle.offset),
                     {});

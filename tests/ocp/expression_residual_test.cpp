@@ -68,7 +68,7 @@ TEST(ExpressionResiduals, GradientsAreThoseOfDualNumbers) {
   for (const auto& [name, system] : systems_with_names())
     for (const bool memory : {false, true}) {
       const Integrator integrator = integrators_of(*system).front();
-      const auto model = std::make_shared<KnotModel>(system, integrator, memory);
+      const auto model = std::make_shared<KnotModel>(system, integrator, memory_of(memory));
       model->add_cost(
           "rows",
           expression_residual(*model, {.names = knot_names(*system), .rows = rows_of(*system)}),

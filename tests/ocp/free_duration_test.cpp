@@ -8,7 +8,7 @@ namespace {
 
 /// A pendulum with costs on its state and control, and numbers that states hold.
 std::shared_ptr<KnotModel> held_pendulum(Integrator integrator, int held) {
-  auto model = std::make_shared<KnotModel>(pendulum({}), integrator, false, held);
+  auto model = std::make_shared<KnotModel>(pendulum({}), integrator, ControlMemory::none, held);
   model->add_cost("state", state_residual(model->manifold()), {});
   model->add_cost("control", control_residual(model->ndx(), model->nu()), {});
   return model;
@@ -71,7 +71,7 @@ TEST(FreeDuration, DerivativesAreThoseOfDualNumbers) {
 TEST(FreeDuration, OfATrajectoryAreTheTimesThatItsStatesSay) {
   const auto model = held_pendulum(Integrator::rk4, 1);
   model->set_free_duration({.choice = 0, .written = 0.4});
-  auto end = std::make_shared<KnotModel>(pendulum({}), Integrator::none, false, 1);
+  auto end = std::make_shared<KnotModel>(pendulum({}), Integrator::none, ControlMemory::none, 1);
   std::vector<double> parameters(2 * model->parameter_count(), 0.0);
   std::vector<Phase> phases;
   phases.push_back({.name = "swing",

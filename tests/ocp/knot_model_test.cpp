@@ -1,5 +1,7 @@
 #include "ocp/knot/knot_model.hpp"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "ocp/evaluation/evaluator.hpp"
@@ -26,7 +28,9 @@ void add_state_and_control_costs(KnotModel& model) {
   model.add_cost("norm", state_residual(model.manifold()),
                  {.kind = ActivationKind::smooth_l2, .epsilon = 0.3});
   if (model.nu() == 0) return;
-  model.add_cost("control", control_residual(model.ndx(), model.nu()),
+  // Linear controls at the beginning of a knot are in the state.
+  const int before = model.has_linear_controls() ? model.remembered_controls() : 0;
+  model.add_cost("control", control_residual(model.ndx() - before, model.nu()),
                  {.kind = ActivationKind::smooth_l1, .epsilon = 0.5});
 }
 
@@ -35,14 +39,18 @@ std::vector<KnotCase> all_cases() {
   RandomNumbers random(11);
   for (const auto& [name, system] : test_systems())
     for (const Integrator integrator : integrators_of(*system))
-      for (const bool memory : {false, true}) {
-        if (memory && integrator == Integrator::impulse) continue;
+      for (const ControlMemory memory :
+           {ControlMemory::none, ControlMemory::previous, ControlMemory::linear}) {
+        if (memory != ControlMemory::none && integrator == Integrator::impulse) continue;
+        if (memory == ControlMemory::linear && !follows_controls(integrator)) continue;
         auto model = std::make_shared<KnotModel>(system, integrator, memory);
         add_state_and_control_costs(*model);
-        if (memory) model->add_cost("rate", control_rate_residual(*system), {});
-        cases.push_back(make_case(
-            name + "/" + std::to_string(static_cast<int>(integrator)) + (memory ? "/memory" : ""),
-            model, random));
+        if (memory == ControlMemory::previous)
+          model->add_cost("rate", control_rate_residual(*system), {});
+        constexpr const char* kNames[] = {"", "/previous", "/linear"};
+        cases.push_back(make_case(name + "/" + std::to_string(static_cast<int>(integrator)) +
+                                      kNames[static_cast<int>(memory)],
+                                  model, random));
       }
   return cases;
 }
@@ -306,6 +314,39 @@ TEST(Evaluator, ALaneThatDivergesNamesItsKnotAndLeavesTheOthersAlone) {
   SingleRollout alone(problem);
   evaluator.roll_out(problem.create_trajectory(), Eigen::MatrixXd(), feedback, 1.0, {}, alone);
   EXPECT_EQ(alone.first_bad_knot, 2);
+}
+
+/// With linear controls, too, of which the second half of a step goes on where the first ends.
+TEST(KnotModel, ExplicitRulesHaveTheirOrderWithLinearControls) {
+  for (const Integrator rule : {Integrator::rk2, Integrator::rk3, Integrator::rk4}) {
+    const KnotModel model(cartpole({}), rule, ControlMemory::linear);
+    KnotWorkspace<double> work(model);
+    const auto end_after = [&](int steps) {
+      std::vector<double> x = {0.1, 2, 0.3, -1, 3};  // and the control at the beginning
+      const double h = 0.4 / steps;
+      for (int k = 0; k < steps; ++k) {
+        const double u = 3 - 20 * h * (k + 1);
+        model.evaluate(KnotInput<double>{x.data(), &u, nullptr, h, 1.0}, work);
+        x.assign(work.next().begin(), work.next().end());
+      }
+      EXPECT_NEAR(x[4], -5, 1e-12);
+      return x;
+    };
+    const std::vector<double> exact = end_after(4000);
+    const auto error = [&](int steps) {
+      const std::vector<double> x = end_after(steps);
+      double largest = 0;
+      for (int i = 0; i < 4; ++i) largest = std::max(largest, std::abs(x[i] - exact[i]));
+      return largest;
+    };
+    EXPECT_NEAR(std::log2(error(20) / error(40)), info_of(rule).order, 0.2);
+  }
+}
+
+TEST(KnotModel, LinearControlsNeedStagesInAStep) {
+  for (const Integrator rule : {Integrator::semi_implicit_euler, Integrator::explicit_euler})
+    EXPECT_THROW(KnotModel(pendulum({}), rule, ControlMemory::linear), std::invalid_argument);
+  EXPECT_NO_THROW(KnotModel(pendulum({}), Integrator::none, ControlMemory::linear));
 }
 
 }  // namespace

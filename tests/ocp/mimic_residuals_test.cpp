@@ -34,9 +34,10 @@ TEST(MimicResiduals, GradientsAndDynamicsAreThoseOfDualNumbers) {
   for (const auto& [name, robot] : mimic_robots()) {
     const auto system = system_of(robot);
     for (const bool memory : {false, true}) {
-      const KnotModel shape(system, Integrator::semi_implicit_euler, memory);
+      const KnotModel shape(system, Integrator::semi_implicit_euler, memory_of(memory));
       for (const auto& [residual_name, residual] : named_residuals(system, shape)) {
-        auto model = std::make_shared<KnotModel>(system, Integrator::semi_implicit_euler, memory);
+        auto model =
+            std::make_shared<KnotModel>(system, Integrator::semi_implicit_euler, memory_of(memory));
         model->add_cost("cost", residual, {});
         const KnotCase c = make_case(residual_name, model, random);
         KnotWorkspace<double> work(*model);

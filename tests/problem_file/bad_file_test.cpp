@@ -206,7 +206,7 @@ INSTANTIATE_TEST_SUITE_P(
                 "initial_guess: {states: {keyframes: [{knot: §11, state: [0, 0]}]}}\nsolver:",
                 "nodes are numbered from 0 to 10"},
         Mistake{"PreviousControl", "{theta: 0.1}}", "{theta: 0.1}, previous_control: §1}",
-                "'previous_control' serves 'control_rate' only"},
+                "'previous_control' serves 'control_rate', 'previous' and linear controls only"},
         Mistake{"StateTwice", "{values: {theta: 0.1}}", "{values: {theta: 0.1}, §state: [0, 0]}",
                 "'values' and 'state' exclude each other"},
         Mistake{"LongState", "{values: {theta: 0.1}}", "§{state: [0, 0, 0]}",

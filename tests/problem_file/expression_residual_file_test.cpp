@@ -229,5 +229,68 @@ solver: {name: ipopt}
   EXPECT_NEAR(result.cost, 2 * std::sqrt(0.5), 1e-6);
 }
 
+/// The change of the control in words is that of 'control_rate'.
+TEST(ExpressionRows, NameTheControlOfTheKnotBefore) {
+  const std::string rate = replaced(
+      replaced(kRows, "own: {residual: expression, rows: [energy - drag(v), \"[x*t, u]\"]}",
+               "own: {residual: control_rate, weight: 3}\n  push: {residual: state}"),
+      "{values: {x: 1}}", "{values: {x: 1}, previous_control: 0.7}");
+  const Loaded a(rate), b(replaced(rate, "residual: control_rate",
+                                   "residual: expression, rows: [\"u - previous[u]\"]"));
+  ASSERT_TRUE(a.built && b.built) << a.all() << b.all();
+  EXPECT_EQ(b.built->state_columns.back().name, "previous/u");
+  const auto solved = [](const Loaded& loaded) {
+    return solve(*loaded.built->problem, "box_fddp", {}, loaded.built->guess);
+  };
+  const SolveResult known = solved(a), result = solved(b);
+  ASSERT_EQ(result.status, SolveStatus::converged) << result.message;
+  EXPECT_NEAR(result.cost, known.cost, 1e-10 * known.cost);
+  for (int k = 0; k < known.trajectory.knots(); ++k)
+    EXPECT_NEAR(result.trajectory.u(k)[0], known.trajectory.u(k)[0], 1e-6);
+  for (const DerivativeComparison& c : check_derivatives(*b.built->problem, result.trajectory))
+    EXPECT_LT(c.error, 1e-9);
+}
+
+TEST(ExpressionRows, BoundTheChangeOfTheControlAndCostTheLastOne) {
+  const std::string text = replaced(
+      replaced(kRows, "own: {residual: expression, rows: [energy - drag(v), \"[x*t, u]\"]}",
+               "push: {residual: state, weight: 9}"),
+      "box_fddp",
+      "altro}\nterminal: {costs: {last: {residual: expression, rows: [\"previous[u]\"], "
+      "reference: [2], weight: 50}}}\nconstraints: {slow: {residual: expression, rows: "
+      "[\"u - previous[u]\"], lower: [-0.3], upper: [0.3]}");
+  const Loaded loaded(text);
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const SolveResult result = solve(*loaded.built->problem, "altro", {}, loaded.built->guess);
+  ASSERT_EQ(result.status, SolveStatus::converged) << result.message;
+  double before = 0;
+  for (int k = 0; k < result.trajectory.knots(); ++k) {
+    const double u = result.trajectory.u(k)[0];
+    EXPECT_LE(std::abs(u - before), 0.3 + 1e-6);
+    before = u;
+  }
+  EXPECT_NEAR(before, 1.2, 1e-5) << "as near to 2 as four steps lead";
+}
+
+TEST(ExpressionRows, NameThePreviousControlsOfRobotsByTheirJoints) {
+  const std::string text = replaced(
+      kTip, "solver:", "  change: {residual: expression, rows: [\"previous[slider]\"]}\nsolver:");
+  const Loaded loaded(text);
+  ASSERT_TRUE(loaded.built) << loaded.all();
+}
+
+TEST(ExpressionRows, SayWherePreviousControlsCannotBe) {
+  const std::string rate =
+      replaced(kRows, "[energy - drag(v), \"[x*t, u]\"]", "[\"u - previous[u]\"]");
+  const auto error = [&](std::string_view from, std::string_view to) {
+    return Loaded(replaced(rate, from, to)).first_error();
+  };
+  EXPECT_EQ(error("previous[u]", "previous[w]"), "13:52: unknown part 'w' of a vector of 1");
+  EXPECT_EQ(error("[{knots: 4", "[{choose: x}, {knots: 4"),
+            "10:19: 'previous' and the choice of the initial state exclude each other");
+  EXPECT_EQ(error("knots: 4, dt: 0.1}", "knots: 4, dt: 0.1}, {jump: {v: -v}}, {knots: 2, dt: 0.1}"),
+            "10:31: a jump interrupts the controls: 'previous' cannot pass it");
+}
+
 }  // namespace
 }  // namespace conddp

@@ -262,5 +262,46 @@ TEST(LibraryFiles, ThatAreNoLibrariesOrNotThereHaveTheirPlace) {
   EXPECT_NE(loaded.all().find("cc -O2 -shared -fPIC"), std::string::npos) << loaded.all();
 }
 
+/// The worst Hessian of a problem beside its guess; −1: none was compared.
+double worst_hessian(const Loaded& loaded) {
+  EXPECT_TRUE(loaded.built) << loaded.all();
+  double worst = -1;
+  for (const DerivativeComparison& c :
+       check_derivatives(*loaded.built->problem, loaded.built->guess))
+    if (c.kind == DerivativeKind::hessian) worst = std::max(worst, c.error);
+  return worst;
+}
+
+TEST(LibraryFiles, HaveTheirHessiansCompared) {
+  EXPECT_EQ(worst_hessian(load_with_code(kSwing)), 0) << "as differences confirm";
+  EXPECT_GT(worst_hessian(load_with_code(replaced(kSwing, "swing", "bent"))), 1e-2);
+  EXPECT_EQ(worst_hessian(Loaded(kSwingInWords)), -1) << "what is not claimed is not compared";
+  const std::string residual =
+      kSwingInWords + fmt::format(
+                          "constraints: {{own: {{residual: library, library: {}, function: "
+                          "bent, parameters: {{inertia: 2, weight: 5}}}}}}\n",
+                          kModel);
+  EXPECT_GT(worst_hessian(load_with_code(residual)), 1e-2);
+}
+
+TEST(LibraryFiles, AreNamedWhereTheyReportFailure) {
+  const std::string bare = replaced(kSwing, "  parameters: {inertia: 2, weight: 5}\n", "");
+  for (const char* solver : {"box_fddp", "ipopt"}) {
+    const Loaded torn = load_with_code(replaced(bare, "swing", "torn"));
+    ASSERT_TRUE(torn.built) << torn.all();
+    const SolveResult result = answer_of(torn, solver, {});
+    EXPECT_EQ(result.status, SolveStatus::diverged) << solver;
+    EXPECT_NE(result.message.find("; the compiled function 'torn' reported failure"),
+              std::string::npos)
+        << solver << ": " << result.message;
+  }
+  const Loaded stuck = load_with_code(replaced(bare, "swing", "stuck"));
+  ASSERT_TRUE(stuck.built) << stuck.all();
+  const std::string message = answer_of(stuck, "box_fddp", {}).message;
+  EXPECT_NE(message.find("the compiled function 'jac_stuck' reported failure"), std::string::npos)
+      << message;
+  EXPECT_EQ(message.find("'stuck'"), std::string::npos) << message;
+}
+
 }  // namespace
 }  // namespace conddp

@@ -25,7 +25,8 @@ ShootingProblem choosing(const LinearQuadratic& lq, double reach, const Link& li
   std::vector<Column> names;
   for (int i = 0; i < n; ++i) all[i] = i, names.push_back({std::to_string(i), ""});
   const auto first = initial_choice(lq.problem->knot(0).model->system(), all, names);
-  auto choice = std::make_shared<KnotModel>(first, Integrator::explicit_euler, true);
+  auto choice =
+      std::make_shared<KnotModel>(first, Integrator::explicit_euler, ControlMemory::previous);
   choice->set_control_bounds(std::vector<double>(n, -reach), std::vector<double>(n, reach));
   std::vector<Phase> phases{{.name = "start",
                              .model = choice,
@@ -36,7 +37,7 @@ ShootingProblem choosing(const LinearQuadratic& lq, double reach, const Link& li
   // `scaled` weights have the knot's dt in them.
   const auto make = [&](const KnotModel& of, Integrator rule, const Eigen::VectorXd& reference,
                         const Eigen::VectorXd& Q, const Eigen::VectorXd& R) {
-    auto model = std::make_shared<KnotModel>(of.shared_system(), rule, false, n);
+    auto model = std::make_shared<KnotModel>(of.shared_system(), rule, ControlMemory::none, n);
     Phase phase{.name = "knot", .dt = {0.25}, .cost_scale = {1.0}};
     if (rule == Integrator::none) phase.dt = {0.0};
     phase.parameters = plain(reference);

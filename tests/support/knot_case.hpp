@@ -172,6 +172,11 @@ inline std::vector<Integrator> integrators_of(const System& system) {
           Integrator::rk3, Integrator::rk4};
 }
 
+/// Whether states end with the control of the knot before.
+inline ControlMemory memory_of(bool previous) {
+  return previous ? ControlMemory::previous : ControlMemory::none;
+}
+
 /// Knots of the case one after another, from its state, and a terminal node without costs.
 inline ShootingProblem problem_of(const KnotCase& c, int count) {
   Phase phase{
@@ -179,7 +184,7 @@ inline ShootingProblem problem_of(const KnotCase& c, int count) {
   for (int k = 0; k < count; ++k)
     phase.parameters.insert(phase.parameters.end(), c.parameters.begin(), c.parameters.end());
   auto end = std::make_shared<KnotModel>(c.model->shared_system(), Integrator::none,
-                                         c.model->has_previous_control());
+                                         c.model->control_memory());
   return {c.x, {phase}, Phase{"terminal", end, {0.0}, {1.0}, {}}};
 }
 

@@ -33,9 +33,11 @@ std::string what(DerivativeKind kind) {
     case DerivativeKind::constraint:
       return "constraint";
     case DerivativeKind::gradient:
+      return "cost gradient";
+    case DerivativeKind::hessian:
       break;
   }
-  return "cost gradient";
+  return "Hessian";
 }
 
 std::string number_text(const OrderedJson& value) {
@@ -82,6 +84,7 @@ OrderedJson derivatives_json(const std::vector<DerivativeComparison>& comparison
         phase.instant ? phase.model->system().control_columns() : built.control_columns;
     for (const Column& control : controls) columns.push_back(control.name);
     const bool within = c.error <= kDerivativeTolerance;
+    const bool second = c.kind == DerivativeKind::hessian;
     holds = holds && within;
     list.push_back({{"phase", phase.name},
                     {"derivative", what(c.kind)},
@@ -91,7 +94,7 @@ OrderedJson derivatives_json(const std::vector<DerivativeComparison>& comparison
                     {"entries", c.entries},
                     {"holds", within},
                     {"worst",
-                     {{"row", row},
+                     {{"row", second ? columns[c.row] : row},
                       {"column", columns[c.column]},
                       {"knot", c.knot},
                       {"displaced", c.displaced},

@@ -10,6 +10,19 @@ const ofImplicitSteps = {a: 'Accelerations', contact: 'Contact variables', stop:
                          friction: 'Dry friction of joints'};
 const isOfImplicitSteps = name => name.includes('/') && name.slice(0, name.indexOf('/')) in ofImplicitSteps;
 
+/// Linear controls are columns of the state at the nodes; those of u are at the ends of knots.
+const endOf = 'end/';
+const isLinear = (curves, name) => curves.u.names.includes(endOf + name);
+
+/// The limits of a column at the times of its values.
+function limitsOf(curves, key, name, c) {
+  const {lower, upper} = curves.u;
+  if (!lower) return null;
+  if (key === 'u') return [lower[c], upper[c]];
+  const end = curves.u.names.indexOf(endOf + name);
+  return end < 0 ? null : [[null, ...lower[end]], [null, ...upper[end]]];
+}
+
 /// Which plot a column belongs to: "q/hip" to joint positions, "base/vx" to the base's velocity, ...
 function groupOf(name) {
   const slash = name.indexOf('/');
@@ -29,26 +42,27 @@ function groupOf(name) {
 const unitOf = ({units}, c) => (units[c] === '1' ? '' : units[c] ?? '');
 
 /// Plots of the columns that are wanted.
-function addColumns(collection, key, {steps, limits, wanted = () => true}) {
+function addColumns(collection, key, {steps, limits, controls = limits, wanted = () => true}) {
   const groups = new Map();
   for (const {curves} of collection.solutions)
     curves[key].names.forEach((name, c) => {
-      if (!wanted(name)) return;
+      if (!wanted(name, curves)) return;
       const unit = unitOf(curves[key], c);
       const id = `${groupOf(name)}|${unit}`;
       if (!groups.has(id)) groups.set(id, {title: groupOf(name), unit});
     });
   for (const {title, unit} of groups.values())
     collection.overTime({
-      title: key === 'u' && title.startsWith('States') ? 'Controls' : title,
+      title: controls && title.startsWith('States') ? 'Controls' : title,
       unit,
       hint: limits ? 'Shaded: beyond the limits. Thick: at a limit.' : null,
       of: ({curves}) => {
-        const {names, values, lower, upper} = curves[key];
+        const {names, values} = curves[key];
         return names.map((name, c) => ({name, c})).filter(({name, c}) =>
-            wanted(name) && groupOf(name) === title && unitOf(curves[key], c) === unit).map(({name, c}) => {
+            wanted(name, curves) && groupOf(name) === title && unitOf(curves[key], c) === unit).map(({name, c}) => {
           const line = {name: name.replace(/^(q|v|u|base)\//, ''), values: values[c], steps};
-          if (limits && lower) Object.assign(line, limitOf(values[c], lower[c], upper[c]));
+          const bounds = limits ? limitsOf(curves, key, name, c) : null;
+          if (bounds) Object.assign(line, limitOf(values[c], ...bounds));
           return line;
         });
       },
@@ -92,9 +106,13 @@ function addForces(collection) {
 export function makePlots(holder, solutions, player, loop) {
   const collection = new Collection(holder, solutions, player);
   collection.heading('Motion');
-  addColumns(collection, 'x', {steps: false, limits: false});
+  addColumns(collection, 'x',
+      {steps: false, limits: false, wanted: (name, curves) => !isLinear(curves, name)});
   collection.heading('Controls');
-  addColumns(collection, 'u', {steps: true, limits: true, wanted: name => !isOfImplicitSteps(name)});
+  addColumns(collection, 'x',
+      {steps: false, limits: true, wanted: (name, curves) => isLinear(curves, name)});
+  addColumns(collection, 'u', {steps: true, limits: true,
+      wanted: name => !isOfImplicitSteps(name) && !name.startsWith(endOf)});
   if (loop) {
     addTicks(collection, loop);
     return collection.plots;
@@ -102,7 +120,8 @@ export function makePlots(holder, solutions, player, loop) {
   addForces(collection);
   if (solutions.some(({curves}) => curves.u.names.some(isOfImplicitSteps))) {
     collection.heading('Variables of implicit steps');
-    addColumns(collection, 'u', {steps: true, limits: false, wanted: isOfImplicitSteps});
+    addColumns(collection, 'u',
+        {steps: true, limits: false, controls: true, wanted: isOfImplicitSteps});
   }
   collection.heading('Costs');
   collection.overTime({

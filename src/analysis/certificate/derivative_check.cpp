@@ -7,6 +7,8 @@
 #include <random>
 
 #include "ocp/knot/knot_batch.hpp"
+#include "ocp/problem/augmentation.hpp"
+#include "systems/libraries/slope_interval.hpp"
 
 namespace conddp {
 namespace {
@@ -55,14 +57,13 @@ class DualKnot {
   Eigen::VectorXd residual(const CostTerm& term) {
     const System& system = model_.system();
     const auto data = system.create_data(D{});
-    if (model_.integrator() == Integrator::none)
-      system.update_kinematics(batch_.x.data(), *data);
+    const KnotInput<D> in = batch_.input();
+    if (model_.has_control())
+      system.evaluate(in.x, model_.first_control(in), *data);
     else
-      system.evaluate(batch_.x.data(), batch_.u.data(), *data);
+      system.update_kinematics(in.x, *data);
     AlignedVector<D> r(term.residual->size());
-    term.residual->evaluate(
-        {batch_.x.data(), batch_.u.data(), batch_.parameters.data() + term.parameters, *data},
-        r.data());
+    term.residual->evaluate(model_.residual_input(term.parameters, in, *data), r.data());
     return derivatives(r.data(), term.residual->size());
   }
 
@@ -102,9 +103,8 @@ Eigen::MatrixXd residual_jacobian(const KnotModel& model, const CostTerm& term,
                                   const KnotBatch<Lane>& batch, SystemData<Lane>& data) {
   const Residual& residual = *term.residual;
   AlignedVector<Lane> r(residual.size()), packed(residual.jacobian_size());
-  residual.differentiate(
-      {batch.x.data(), batch.u.data(), batch.parameters.data() + term.parameters, data}, r.data(),
-      packed.data());
+  residual.differentiate(model.residual_input(term.parameters, batch.input(), data), r.data(),
+                         packed.data());
   Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(residual.size(), model.nz());
   const Lane* entry = packed.data();
   int row = 0;
@@ -126,10 +126,11 @@ KnotDerivatives analytic_derivatives(const KnotView& knot, const Trajectory& tra
   for (int i = 0; i < model.parameter_count(); ++i) batch.parameters[i] = Lane(knot.parameters[i]);
   const bool terminal = model.integrator() == Integrator::none;
   const auto data = system.create_data(Lane{});
-  if (terminal)
-    system.update_kinematics(batch.x.data(), *data);
+  const KnotInput<Lane> in = batch.input();
+  if (model.has_control())
+    system.differentiate(in.x, model.first_control(in), *data);
   else
-    system.differentiate(batch.x.data(), batch.u.data(), *data);
+    system.update_kinematics(in.x, *data);
   KnotDerivatives out;
   out.dynamics = terminal ? Eigen::MatrixXd(0, model.nz()) : linearization.dense_jacobian();
   for (const CostTerm& term : model.costs())
@@ -209,6 +210,19 @@ Trajectory displaced_trajectory(const ShootingProblem& problem, const Trajectory
   return result;
 }
 
+/// Whether second derivatives are those that a compiled function claims; such functions are of flat
+/// states.
+bool claims_hessians(const ShootingProblem& problem) {
+  const auto claims = [](const KnotModel& model) {
+    const auto own = [](const auto& term) { return term.residual->has_claimed_hessian(); };
+    return model.system().has_claimed_hessian() || std::ranges::any_of(model.costs(), own) ||
+           std::ranges::any_of(model.constraints(), own);
+  };
+  return claims(*problem.terminal().model) ||
+         std::ranges::any_of(problem.phases(),
+                             [&](const Phase& phase) { return claims(*phase.model); });
+}
+
 /// Whether a knot has values at all.
 bool is_finite_at(const ShootingProblem& problem, const Evaluation& values, int k) {
   const KnotModel& model = *problem.knot(k).model;
@@ -218,9 +232,115 @@ bool is_finite_at(const ShootingProblem& problem, const Evaluation& values, int 
          (k == problem.knots() || values.gap.col(k).allFinite());
 }
 
+/// The Hessians of a Lagrangian with random multipliers at all nodes, as solvers get them and by
+/// differences. The state space is flat.
+class LagrangianHessians {
+ public:
+  LagrangianHessians(const ShootingProblem& problem, Evaluator& evaluator, unsigned seed)
+      : problem_(problem),
+        evaluator_(evaluator),
+        model_(problem),
+        multipliers_(problem),
+        costates_(problem.ndx(), problem.knots() + 1) {
+    std::mt19937_64 engine(seed);
+    const auto random = [&] { return 2 * static_cast<double>(engine() >> 11) * 0x1p-53 - 1; };
+    for (double& costate : costates_.reshaped()) costate = random();
+    for (double& multiplier : multipliers_.multiplier) multiplier = random();
+  }
+
+  std::vector<Eigen::MatrixXd> analytic(const Trajectory& at) {
+    gradients(at);
+    evaluator_.lagrangian_hessian(at, costates_, model_, &multipliers_);
+    std::vector<Eigen::MatrixXd> hessians;
+    for (const KnotLinearization& knot : model_.knots) hessians.push_back(knot.hessian());
+    return hessians;
+  }
+
+  /// What differences do not contradict is as it is claimed.
+  std::vector<Eigen::MatrixXd> by_differences(const Trajectory& at,
+                                              std::vector<Eigen::MatrixXd> claimed) {
+    Eigen::Index columns = 0;
+    for (const Eigen::MatrixXd& H : claimed) columns = std::max(columns, H.cols());
+    for (Eigen::Index c = 0; c < columns; ++c) {
+      const auto longer = column(at, static_cast<int>(c), 1),
+                 shorter = column(at, static_cast<int>(c), 1.0 / 32);
+      for (std::size_t k = 0; k < claimed.size(); ++k)
+        if (c < claimed[k].cols()) confirm(longer[k], shorter[k], claimed[k].col(c));
+    }
+    return claimed;
+  }
+
+ private:
+  /// A column of a Hessian by differences, and the size of the gradient by the step.
+  struct Column {
+    Eigen::VectorXd slope, noise;
+  };
+
+  std::vector<Eigen::VectorXd> gradients(const Trajectory& at) {
+    evaluator_.differentiate(at, model_, &multipliers_);
+    std::vector<Eigen::VectorXd> list;
+    for (int k = 0; k <= problem_.knots(); ++k) {
+      list.push_back(model_.knots[k].gradient);
+      if (k < problem_.knots())
+        list.back() += model_.knots[k].dense_jacobian().transpose() * costates_.col(k + 1);
+    }
+    return list;
+  }
+
+  /// The coordinate of z at a node; null where the node has fewer.
+  double* coordinate(Trajectory& at, int k, int c) const {
+    if (c < problem_.ndx()) return at.x(k).data() + c;
+    const int control = c - problem_.ndx();
+    return k < problem_.knots() && control < at.nu(k) ? at.u(k).data() + control : nullptr;
+  }
+
+  std::vector<Column> column(const Trajectory& at, int c, double share) {
+    Trajectory ahead = at, behind = at;
+    std::vector<double> steps;
+    for (int k = 0; k <= problem_.knots(); ++k) {
+      double *a = coordinate(ahead, k, c), *b = coordinate(behind, k, c);
+      if (a != nullptr) {
+        const double h = share * difference_step(*a);
+        *a += h;
+        *b -= h;
+      }
+      steps.push_back(a != nullptr ? *a - *b : 1);  // as rounded
+    }
+    const auto after = gradients(ahead), before = gradients(behind);
+    std::vector<Column> columns;
+    for (std::size_t k = 0; k < steps.size(); ++k)
+      columns.push_back({(after[k] - before[k]) / steps[k], after[k].cwiseAbs() / steps[k]});
+    return columns;
+  }
+
+  static void confirm(const Column& longer, const Column& shorter,
+                      Eigen::Ref<Eigen::VectorXd> claimed) {
+    constexpr double kLoss = 1e-4, kFloor = 1e-3;
+    constexpr double kNoise = 32 * std::numeric_limits<double>::epsilon();
+    const double largest = std::max(1.0, claimed.allFinite() ? claimed.cwiseAbs().maxCoeff() : 0.0);
+    for (Eigen::Index r = 0; r < claimed.size(); ++r) {
+      const bool settled = confirms_slope(shorter.slope[r], longer.slope[r], shorter.noise[r]);
+      const double slope = settled ? longer.slope[r] : shorter.slope[r];
+      const double noise = kNoise * (settled ? longer.noise[r] : shorter.noise[r]);
+      const double slack = kLoss * std::max(std::abs(slope), kFloor * largest) + noise;
+      if (!(std::abs(claimed[r] - slope) <= slack)) claimed[r] = slope;
+    }
+  }
+
+  const ShootingProblem& problem_;
+  Evaluator& evaluator_;
+  Linearization model_;
+  Augmentation multipliers_;
+  Eigen::MatrixXd costates_;
+};
+
 /// The worst entries by phase, kind and term.
 class Comparisons {
  public:
+  void add_hessian(int phase, int k, const Eigen::MatrixXd& analytic,
+                   const Eigen::MatrixXd& reference) {
+    compare(analytic, reference, 1, k, true, entry(phase, DerivativeKind::hessian, -1));
+  }
   /// Of one knot. The terminal node has no dynamics.
   void add(const KnotView& knot, int phase, int k, bool displaced, const KnotDerivatives& analytic,
            const KnotDerivatives& reference) {
@@ -273,12 +393,19 @@ std::vector<DerivativeComparison> check_derivatives(const ShootingProblem& probl
   Linearization linearization(problem);
   Evaluation values(problem);
   Comparisons comparisons;
+  const bool hessians = claims_hessians(problem);
   for (const bool displaced : {false, true}) {
     if (displaced && options.displacement == 0) break;
     const Trajectory at =
         displaced ? displaced_trajectory(problem, trajectory, options) : trajectory;
     evaluator.evaluate(at, values);
     evaluator.differentiate(at, linearization);
+    std::vector<Eigen::MatrixXd> claimed, measured;
+    if (displaced && hessians) {
+      LagrangianHessians lagrangian(problem, evaluator, options.seed);
+      claimed = lagrangian.analytic(at);
+      measured = lagrangian.by_differences(at, claimed);
+    }
     int first = 0;
     const int phases = static_cast<int>(problem.phases().size());
     for (int p = 0; p <= phases; ++p) {
@@ -289,6 +416,7 @@ std::vector<DerivativeComparison> check_derivatives(const ShootingProblem& probl
         comparisons.add(knot, p, k, displaced,
                         analytic_derivatives(knot, at, k, linearization.knots[k]),
                         reference_derivatives(knot, at, k));
+        if (!claimed.empty()) comparisons.add_hessian(p, k, claimed[k], measured[k]);
       }
       first += n;
     }

@@ -13,10 +13,11 @@ enum class DerivativeKind {
   residual,    ///< ∂r/∂z of one cost's residual
   constraint,  ///< ∂g/∂z of one constraint
   gradient,    ///< ∇_z of a knot's cost, one row
+  hessian      ///< ∇²_z of a knot's Lagrangian with random multipliers
 };
 
 /// A derivative of a phase, compared with the reference: the entry that is furthest off.
-/// z = (tangent at x, u).
+/// z = (tangent at x, u); the rows of a Hessian are z, too.
 struct DerivativeComparison {
   DerivativeKind kind = DerivativeKind::dynamics;
   int phase = 0;            ///< index; the number of phases stands for the terminal node
@@ -28,7 +29,7 @@ struct DerivativeComparison {
   int knot = 0;             ///< where that is
   bool displaced = false;   ///< whether it is beside the trajectory
   double analytic = 0;      ///< what solvers get
-  double reference = 0;     ///< by dual numbers
+  double reference = 0;     ///< by dual numbers; of a Hessian by differences
   double error = 0;         ///< relative, see check_derivatives
 };
 
@@ -47,10 +48,13 @@ struct DerivativeCheckOptions {
 
 /// Compares all first derivatives that solvers use with derivatives by dual numbers through
 /// evaluation alone, which share no formula with them. Those of compiled functions rest on
-/// differences of their values (LibraryKnotFunction::evaluate). An error is relative to the larger
-/// of the two numbers, but at least to a thousandth of the largest entry of its matrix (and of 1;
-/// of the weights, for gradients), below which lies rounding. It is infinite where one of the two
-/// is not finite. A point beside the trajectory at which a knot has no finite values is left out.
+/// differences of their values (LibraryKnotFunction::evaluate). Where such a function claims second
+/// derivatives, Hessians are compared, too, with central differences of gradients, which lose up to
+/// 10⁻⁴ of an entry; beside the trajectory alone, because costs may bend where nothing is random.
+/// An error is relative to the larger of the two numbers, but at least to a thousandth of the
+/// largest entry of its matrix (and of 1; of the weights, for gradients), below which lies
+/// rounding. It is infinite where one of the two is not finite. A point beside the trajectory at
+/// which a knot has no finite values is left out.
 std::vector<DerivativeComparison> check_derivatives(const ShootingProblem& problem,
                                                     const Trajectory& trajectory,
                                                     const DerivativeCheckOptions& options = {});

@@ -89,32 +89,44 @@ class LimitWatch {
   std::map<std::string, Entry> excess_;
 };
 
+/// The controls of a step, which are the same at its ends unless they are linear.
+struct StepControl {
+  const double *begin, *end;
+};
+
 /// A step of a collocation, whose slopes follow from the state and the actuators.
 class CollocationStep {
  public:
-  CollocationStep(const std::shared_ptr<const CollocationSystem>& system, Integrator integrator)
-      : model_(system, integrator), actuators_(system->actuators()), w_(model_.nu(), 0.0) {
-    model_.add_constraint(make_constraint("collocation", collocation_residual(system, model_.ndx()),
-                                          ConstraintKind::bounds));
+  CollocationStep(const std::shared_ptr<const CollocationSystem>& system, Integrator integrator,
+                  bool linear)
+      : model_(system, integrator, linear ? ControlMemory::linear : ControlMemory::none),
+        actuators_(system->actuators()),
+        x_(model_.nx(), 0.0),
+        w_(model_.nu(), 0.0) {
+    model_.add_constraint(make_constraint(
+        "collocation", collocation_residual(system, model_.ndx(), std::nullopt, linear),
+        ConstraintKind::bounds));
     parameters_.assign(model_.parameter_count(), 0.0);
     work_ = std::make_unique<KnotWorkspace<double>>(model_);
   }
 
   /// The next state, by Newton's method from the slopes of the step before; NaN where it fails.
-  std::vector<double> go(const double* x, const double* u, double h) {
+  std::vector<double> go(const double* x, const StepControl& u, double h) {
     const int unknown = model_.constraint_rows();
     const ConstraintTerm& term = model_.constraints().front();
-    std::copy_n(u, actuators_, w_.begin());
+    std::copy_n(x, model_.system().nx(), x_.begin());
+    std::copy_n(u.begin, model_.remembered_controls(), x_.begin() + model_.system().nx());
+    std::copy_n(u.end, actuators_, w_.begin());
     parameters_[term.parameters] = h;
     parameters_[term.active()] = 1;
     Eigen::MatrixXd by_slopes(unknown, unknown);
     Eigen::Map<Eigen::VectorXd> slopes(w_.data() + actuators_, unknown);
     for (int i = 0; i < kIterations; ++i) {
-      model_.differentiate(KnotInput<double>{x, w_.data(), parameters_.data(), h, 1.0}, *work_,
-                           false);
+      model_.differentiate(KnotInput<double>{x_.data(), w_.data(), parameters_.data(), h, 1.0},
+                           *work_, false);
       const Eigen::Map<const Eigen::VectorXd> off(work_->constraint.data(), unknown);
       if (off.lpNorm<Eigen::Infinity>() <= kRounding * (1 + h * slopes.lpNorm<Eigen::Infinity>()))
-        return {work_->next().begin(), work_->next().end()};
+        return {work_->next().begin(), work_->next().begin() + model_.system().nx()};
       by_slopes.setZero();
       const auto& pattern = model_.constraint_pattern();
       const int first = model_.ndx() + actuators_;
@@ -124,7 +136,7 @@ class CollocationStep {
       slopes -= by_slopes.partialPivLu().solve(off);
     }
     slopes.setZero();
-    return std::vector<double>(model_.nx(), std::numeric_limits<double>::quiet_NaN());
+    return std::vector<double>(model_.system().nx(), std::numeric_limits<double>::quiet_NaN());
   }
 
  private:
@@ -133,7 +145,7 @@ class CollocationStep {
 
   KnotModel model_;
   int actuators_;
-  std::vector<double> w_, parameters_;
+  std::vector<double> x_, w_, parameters_;
   std::unique_ptr<KnotWorkspace<double>> work_;
 };
 
@@ -151,13 +163,13 @@ class Stepper {
     return *data_;
   }
   /// A step of dt from where it was looked at, in place.
-  void go(const double* u, double dt, double* x) {
+  void go(const StepControl& u, double dt, double* x) {
     if (implicit_) {
       const std::vector<double> next = implicit_->go(x, u, dt);
       std::copy(next.begin(), next.end(), x);
       return;
     }
-    integrate(system_, integrator_, x, u, dt, *data_, *work_);
+    integrate(system_, integrator_, x, u.begin, dt, *data_, *work_, linear_ ? u.end : nullptr);
     std::copy(work_->next.begin(), work_->next.end(), x);
   }
 
@@ -165,17 +177,19 @@ class Stepper {
   Stepper(const KnotModel& model, const CollocationSystem* collocation)
       : system_(collocation ? *collocation->inside() : model.system()),
         integrator_(model.integrator()),
+        linear_(model.has_linear_controls()),
         data_(system_.create_data(double{})) {
     if (collocation)
       implicit_.emplace(
-          std::shared_ptr<const CollocationSystem>(model.shared_system(), collocation),
-          integrator_);
+          std::shared_ptr<const CollocationSystem>(model.shared_system(), collocation), integrator_,
+          linear_);
     else
-      work_.emplace(system_, integrator_);
+      work_.emplace(system_, integrator_, false, linear_);
   }
 
   const System& system_;
   Integrator integrator_;
+  bool linear_;
   std::unique_ptr<SystemData<double>> data_;
   std::optional<IntegratorWorkspace<double>> work_;
   std::optional<CollocationStep> implicit_;
@@ -239,15 +253,19 @@ class Player {
     if (!memory) memory = std::make_unique<Stepper>(*view.model);
     const System& system = memory->system();
     const Eigen::VectorXd u = control(k, feedback, x, result);
+    const int remembered = view.model->remembered_controls();
+    Eigen::VectorXd from = view.model->has_linear_controls() ? x.tail(remembered) : u, to = from;
     const bool choice = problem_.phases()[view.phase].instant;
     const int steps = view.dt > 0 && !choice ? substeps_ : 1;
     const double dt = view.model->step(view.dt, x.data()) / steps;
     for (int s = 0; s < steps; ++s) {
-      const SystemData<double>& data = memory->look(x.data(), u.data());
+      const SystemData<double>& data = memory->look(x.data(), from.data());
       if (watch != nullptr && !choice)
         watch->look(system, data, x.data(), k, times_[k] + s * dt, s == 0);
-      memory->go(u.data(), dt, x.data());
-      if (view.model->has_previous_control()) x.tail(system.nu()) = u.head(system.nu());
+      to += (u.head(to.size()) - to) / (steps - s);  // at last u itself
+      memory->go({from.data(), to.data()}, dt, x.data());
+      x.tail(remembered) = to.head(remembered);
+      from = to;
     }
   }
 

@@ -13,7 +13,7 @@ ShootingProblem perturb_initial_state(const ShootingProblem& problem, double siz
     return {problem.initial_state(), problem.phases(), problem.terminal()};
   std::mt19937_64 engine(seed);
   const KnotModel& model = *problem.knot(0).model;
-  const int memory = model.has_previous_control() ? model.system().actuators() : 0;
+  const int memory = model.remembered_controls();
   std::vector<double> dx(problem.ndx(), 0.0);
   for (int i = 0; i < problem.ndx() - memory; ++i)
     dx[i] = size * (static_cast<double>(engine() >> 11) * 0x1p-52 - 1);

@@ -37,8 +37,8 @@ std::shared_ptr<ShootingProblem> lone_knot(const EquilibriumGuess& guess) {
              .dt = {phase.dt[guess.knot]},
              .cost_scale = {phase.cost_scale[guess.knot]},
              .parameters = {first, first + model.parameter_count()}};
-  auto end = std::make_shared<KnotModel>(model.shared_system(), Integrator::none,
-                                         model.has_previous_control());
+  auto end =
+      std::make_shared<KnotModel>(model.shared_system(), Integrator::none, model.control_memory());
   return std::make_shared<ShootingProblem>(
       guess.x, std::vector{std::move(knot)},
       Phase{.name = "end", .model = std::move(end), .dt = {0.0}, .cost_scale = {1.0}});

@@ -11,9 +11,9 @@ namespace {
 
 /// Sections of a file that have no part in its robots or system.
 constexpr std::string_view kBesidesThePlant[] = {
-    "name", "description", "initial_state", "phases",       "running_costs", "costs",
-    "gait", "constraints", "terminal",      "perturbation", "initial_guess", "solver",
-    "mpc"};
+    "name",          "description", "initial_state", "phases",   "running_costs",
+    "costs",         "gait",        "constraints",   "terminal", "perturbation",
+    "initial_guess", "solver",      "mpc",           "controls"};
 
 bool leaves_the_plant(const Setting& setting) {
   return std::find(std::begin(kBesidesThePlant), std::end(kBesidesThePlant),

@@ -8,8 +8,8 @@ namespace {
 class CollocationResidual : public ResidualBase<CollocationResidual> {
  public:
   CollocationResidual(std::shared_ptr<const CollocationSystem> system, int ndx,
-                      const std::optional<FreeDuration>& duration)
-      : ResidualBase(structure(*system, ndx, duration), 1, true),
+                      const std::optional<FreeDuration>& duration, bool linear)
+      : ResidualBase(structure(*system, ndx, duration, linear), 1, true),
         system_(std::move(system)),
         duration_(duration) {}
 
@@ -19,8 +19,8 @@ class CollocationResidual : public ResidualBase<CollocationResidual> {
     const S h = step(in);
     const int n = system_->rows();
     for (int i = 1; i <= system_->later_stages(); ++i, r += n) {
-      system_->stage(i, in.x, in.u, h, in.system, later.x.data());
-      system_->inside()->evaluate(later.x.data(), in.u, *later.inside);
+      system_->stage(i, in.x, own(in), h, in.system, later.x.data());
+      system_->inside()->evaluate(later.x.data(), controls(i, in, later), *later.inside);
       write_values(i, in, h, *later.inside, r);
     }
   }
@@ -31,10 +31,10 @@ class CollocationResidual : public ResidualBase<CollocationResidual> {
     const S h = step(in);
     const int n = system_->rows(), ndx = system_->ndx();
     for (int i = 1; i <= system_->later_stages(); ++i, r += n) {
-      system_->stage(i, in.x, in.u, h, in.system, later.x.data());
-      system_->differentiate_stage(i, in.x, in.u, h, in.system, duration_.has_value(),
+      system_->stage(i, in.x, own(in), h, in.system, later.x.data());
+      system_->differentiate_stage(i, in.x, own(in), h, in.system, duration_.has_value(),
                                    later.X.data());
-      system_->inside()->differentiate(later.x.data(), in.u, *later.inside);
+      system_->inside()->differentiate(later.x.data(), controls(i, in, later), *later.inside);
       write_values(i, in, h, *later.inside, r);
       jacobian = differentiate_state(later, 0, ndx, h, jacobian);
       if (duration_) {
@@ -44,18 +44,18 @@ class CollocationResidual : public ResidualBase<CollocationResidual> {
         for (int row = 0; row < n; ++row)
           column[row] = share * (column[row] + excess(i, in, *later.inside, row));
       }
-      S* by_control = jacobian;
-      jacobian = differentiate_state(later, ndx, system_->nu(), h, jacobian);
-      for (int c = 0; c < system_->actuators() * n; ++c) by_control[c] -= h * later.inside->fu[c];
-      for (int row = 0; row < n; ++row) by_control[(system_->slopes(i) + row) * n + row] += h;
+      jacobian = differentiate_controls(i, in, h, jacobian);
     }
   }
 
  private:
   static std::vector<RowBlock> structure(const CollocationSystem& system, int ndx,
-                                         const std::optional<FreeDuration>& duration) {
+                                         const std::optional<FreeDuration>& duration, bool linear) {
     std::vector<int> columns = column_range(0, system.ndx());
     if (duration) columns.push_back(system.ndx() + duration->choice);
+    if (linear)
+      for (const int c : column_range(ndx - system.actuators(), system.actuators()))
+        columns.push_back(c);
     for (const int c : column_range(ndx, system.nu())) columns.push_back(c);
     return std::vector<RowBlock>(system.later_stages(), {system.rows(), columns});
   }
@@ -63,6 +63,40 @@ class CollocationResidual : public ResidualBase<CollocationResidual> {
   template <class S>
   static CollocationSystem::Later<S>& later_of(const ResidualInput<S>& in) {
     return static_cast<CollocationSystem::Later<S>&>(*in.system.later);
+  }
+
+  /// The knot's own control vector, which has the slopes.
+  template <class S>
+  static const S* own(const ResidualInput<S>& in) {
+    return in.end != nullptr ? in.end : in.u;
+  }
+  /// The controls at a stage.
+  template <class S>
+  const S* controls(int stage, const ResidualInput<S>& in,
+                    CollocationSystem::Later<S>& later) const {
+    if (in.end == nullptr) return in.u;
+    const S passed(system_->time(stage));
+    for (int c = 0; c < system_->actuators(); ++c)
+      later.u[c] = in.u[c] + passed * (in.end[c] - in.u[c]);
+    return later.u.data();
+  }
+
+  /// The columns of the controls at the beginning of a step, at its end where these are others, and
+  /// of the slopes; returns the end of what it wrote.
+  template <class S>
+  S* differentiate_controls(int stage, const ResidualInput<S>& in, const S& h, S* out) const {
+    const auto& later = later_of(in);
+    const int n = system_->rows(), ndx = system_->ndx(), actuators = system_->actuators();
+    const int count = actuators * n;
+    const double passed = in.end != nullptr ? system_->time(stage) : 0;
+    S* next = differentiate_state(later, ndx, actuators, h, out);
+    for (int c = 0; c < count; ++c) out[c] -= S(1 - passed) * h * later.inside->fu[c];
+    if (in.end != nullptr)
+      for (int c = 0; c < count; ++c) *next++ = S(-passed) * h * later.inside->fu[c];
+    S* own_slopes = next + (system_->slopes(stage) - actuators) * n;
+    next = differentiate_state(later, ndx + actuators, system_->nu() - actuators, h, next);
+    for (int row = 0; row < n; ++row) own_slopes[row * n + row] += h;
+    return next;
   }
 
   template <class S>
@@ -74,7 +108,7 @@ class CollocationResidual : public ResidualBase<CollocationResidual> {
   /// k_i − f(x_i, u).
   template <class S>
   S excess(int stage, const ResidualInput<S>& in, const SystemData<S>& there, int row) const {
-    return in.u[system_->slopes(stage) + row] - there.f[row];
+    return own(in)[system_->slopes(stage) + row] - there.f[row];
   }
   template <class S>
   void write_values(int stage, const ResidualInput<S>& in, const S& h, const SystemData<S>& there,
@@ -105,8 +139,8 @@ class CollocationResidual : public ResidualBase<CollocationResidual> {
 
 std::shared_ptr<const Residual> collocation_residual(
     std::shared_ptr<const CollocationSystem> system, int ndx,
-    const std::optional<FreeDuration>& duration) {
-  return std::make_shared<CollocationResidual>(std::move(system), ndx, duration);
+    const std::optional<FreeDuration>& duration, bool linear) {
+  return std::make_shared<CollocationResidual>(std::move(system), ndx, duration, linear);
 }
 
 }  // namespace conddp

@@ -1,6 +1,7 @@
 #include "ocp/knot/integrator.hpp"
 
 #include <algorithm>
+#include <numeric>
 
 namespace conddp {
 
@@ -38,17 +39,26 @@ void state_rate(const System& system, const S* x, const SystemData<S>& data, S* 
   }
 }
 
-/// R = ∂rate/∂z given X = ∂x/∂z, of which a column by dt may follow.
+/// R = ∂rate/∂z given X = ∂x/∂z, of which a column by dt may follow. `passed`: how much of the step
+/// has passed, the share that the controls at its end have where they are linear.
 template <class S>
-void state_rate_derivative(const System& system, const SystemData<S>& data, int columns,
-                           const AlignedVector<S>& X, AlignedVector<S>& R) {
-  const int n = system.ndx(), nz = n + system.nu(), rows = system.rows(), top = n - rows;
-  for (int c = 0; c < columns; ++c) {
+void state_rate_derivative(const System& system, const SystemData<S>& data, double passed,
+                           const IntegratorWorkspace<S>& work, const AlignedVector<S>& X,
+                           AlignedVector<S>& R) {
+  const int n = system.ndx(), nu = system.nu(), rows = system.rows(), top = n - rows;
+  const bool linear = work.variables > n + nu;
+  for (int c = 0; c < work.columns; ++c) {
     const S* xc = &X[c * n];
     S* r = &R[c * n];
-    const bool of_control = c >= n && c < nz;
     for (int i = 0; i < top; ++i) r[i] = xc[top + i];
-    for (int i = 0; i < rows; ++i) r[top + i] = of_control ? data.fu[(c - n) * rows + i] : S(0.0);
+    if (c < n || c >= work.variables) {
+      std::fill_n(r + top, rows, S(0.0));
+    } else {
+      const bool of_end = c >= n + nu;
+      std::copy_n(&data.fu[(c - n - (of_end ? nu : 0)) * rows], rows, r + top);
+      if (linear)
+        for (int i = 0; i < rows; ++i) r[top + i] *= S(of_end ? passed : 1 - passed);
+    }
     for (int k = 0; k < n; ++k)
       for (int i = 0; i < rows; ++i) r[top + i] += data.fx[k * rows + i] * xc[k];
   }
@@ -62,7 +72,7 @@ void add_scaled(const S& factor, const AlignedVector<S>& in, AlignedVector<S>& o
 
 /// Displacement (and its derivative) at which stage i, or the end of the step, stands.
 template <class S>
-void accumulate(const double* row, int count, const S& dt, bool derivatives, int nz,
+void accumulate(const double* row, int count, const S& dt, bool derivatives,
                 IntegratorWorkspace<S>& work, AlignedVector<S>& theta, AlignedVector<S>& Theta) {
   std::fill(theta.begin(), theta.end(), S(0.0));
   if (derivatives) std::fill(Theta.begin(), Theta.end(), S(0.0));
@@ -72,8 +82,8 @@ void accumulate(const double* row, int count, const S& dt, bool derivatives, int
     add_scaled(factor, work.stages[j].k, theta);
     if (!derivatives) continue;
     add_scaled(factor, work.stages[j].K, Theta);
-    if (work.columns == nz) continue;
-    S* by_step = &Theta[nz * theta.size()];
+    if (work.columns == work.variables) continue;
+    S* by_step = &Theta[work.variables * theta.size()];
     for (std::size_t i = 0; i < theta.size(); ++i) by_step[i] += S(row[j]) * work.stages[j].k[i];
   }
 }
@@ -145,15 +155,31 @@ void evaluate_system(const System& system, const S* x, const S* u, bool derivati
     system.evaluate(x, u, data);
 }
 
-/// Stage s, whose displacement is known. `data` has the system at the first one.
+/// The controls of a step that stands at (x, u): constant, or linear where `end` is not null.
 template <class S>
-void run_stage(const System& system, int s, const S* x, const S* u, bool derivatives,
-               SystemData<S>& data, IntegratorWorkspace<S>& work) {
+struct StepControls {
+  const S *u, *end;
+
+  /// When `passed` of the step has passed, in `at` where they are linear.
+  const S* when(double passed, int nu, AlignedVector<S>& at) const {
+    if (end == nullptr) return u;
+    for (int i = 0; i < nu; ++i) at[i] = u[i] + S(passed) * (end[i] - u[i]);
+    return at.data();
+  }
+};
+
+/// Stage s, whose displacement is known and which stands where `passed` of the step has passed.
+/// `data` has the system at the first one.
+template <class S>
+void run_stage(const System& system, int s, double passed, const StepControls<S>& controls,
+               const S* x, bool derivatives, SystemData<S>& data, IntegratorWorkspace<S>& work) {
   const StateManifold& manifold = system.manifold();
   auto& stage = work.stages[s];
   const bool displaced = s > 0, turned = displaced && !manifold.curved().empty();
   manifold.integrate(x, stage.theta.data(), stage.x.data());
-  if (displaced) evaluate_system(system, stage.x.data(), u, derivatives, data);
+  if (displaced)
+    evaluate_system(system, stage.x.data(), controls.when(passed, system.nu(), work.controls),
+                    derivatives, data);
   state_rate(system, stage.x.data(), data, stage.rate.data());
   stage.k = stage.rate;
   if (turned) {
@@ -163,22 +189,23 @@ void run_stage(const System& system, int s, const S* x, const S* u, bool derivat
   if (!derivatives) return;
   displaced_state_derivative(manifold, work.columns, stage.theta, stage.Theta, work,
                              stage.X.data());
-  state_rate_derivative(system, data, work.columns, stage.X, stage.K);
+  state_rate_derivative(system, data, passed, work, stage.X, stage.K);
   if (turned) pull_back_derivative(manifold, work.columns, stage, work);
 }
 
 template <class S>
-void runge_kutta(const System& system, const RungeKuttaRule& rule, const S* x, const S* u,
-                 const S& dt, bool derivatives, SystemData<S>& data, IntegratorWorkspace<S>& work) {
+void runge_kutta(const System& system, const RungeKuttaRule& rule, const S* x,
+                 const StepControls<S>& controls, const S& dt, bool derivatives,
+                 SystemData<S>& data, IntegratorWorkspace<S>& work) {
   const StateManifold& manifold = system.manifold();
-  const int nz = system.ndx() + system.nu();
   for (int s = 0; s < rule.stages; ++s) {
     auto& stage = work.stages[s];
-    accumulate(rule.a[s], s, dt, derivatives, nz, work, stage.theta, stage.Theta);
-    run_stage(system, s, x, u, derivatives, data, work);
+    accumulate(rule.a[s], s, dt, derivatives, work, stage.theta, stage.Theta);
+    const double passed = std::accumulate(rule.a[s], rule.a[s] + s, 0.0);
+    run_stage(system, s, passed, controls, x, derivatives, data, work);
   }
   auto& last = work.stages.back();
-  accumulate(rule.b, rule.stages, dt, derivatives, nz, work, last.theta, last.Theta);
+  accumulate(rule.b, rule.stages, dt, derivatives, work, last.theta, last.Theta);
   manifold.integrate(x, last.theta.data(), work.next.data());
   if (derivatives)
     displaced_state_derivative(manifold, work.columns, last.theta, last.Theta, work, work.F.data());
@@ -232,10 +259,15 @@ void collocate(const System& system, const S* x, const S* w, const S& dt, bool d
 
 template <class S>
 IntegratorWorkspace<S>::IntegratorWorkspace(const System& system, Integrator integrator,
-                                            bool by_step)
+                                            bool by_step, bool linear)
     : next(system.nx(), S(0.0)),
-      columns(system.ndx() + system.nu() + (by_step ? 1 : 0)),
+      variables(system.ndx() + system.nu()),
       tangent(system.ndx(), S(0.0)) {
+  if (linear && info_of(integrator).kind == StepKind::runge_kutta) {
+    variables += system.nu();
+    controls.assign(system.nu(), S(0.0));
+  }
+  columns = variables + (by_step ? 1 : 0);
   if (integrator == Integrator::none) return;
   const int n = system.ndx();
   const std::size_t blocks = kBlock * system.manifold().curved().size();
@@ -265,7 +297,7 @@ IntegratorWorkspace<S>::IntegratorWorkspace(const System& system, Integrator int
 
 template <class S>
 void integrate(const System& system, Integrator integrator, const S* x, const S* u, const S& dt,
-               SystemData<S>& data, IntegratorWorkspace<S>& work) {
+               SystemData<S>& data, IntegratorWorkspace<S>& work, const S* end) {
   switch (info_of(integrator).kind) {
     case StepKind::none:
       break;
@@ -279,17 +311,18 @@ void integrate(const System& system, Integrator integrator, const S* x, const S*
       semi_implicit_euler(system, x, dt, data, work);
       break;
     case StepKind::collocation:
-      collocate(system, x, u, dt, false, data, work);
+      collocate(system, x, end ? end : u, dt, false, data, work);
       break;
     case StepKind::runge_kutta:
-      runge_kutta(system, info_of(integrator).rule, x, u, dt, false, data, work);
+      runge_kutta(system, info_of(integrator).rule, x, {u, end}, dt, false, data, work);
       break;
   }
 }
 
 template <class S>
 void integrate_derivatives(const System& system, Integrator integrator, const S* x, const S* u,
-                           const S& dt, SystemData<S>& data, IntegratorWorkspace<S>& work) {
+                           const S& dt, SystemData<S>& data, IntegratorWorkspace<S>& work,
+                           const S* end) {
   const int n = system.ndx();
   switch (info_of(integrator).kind) {
     case StepKind::none:
@@ -310,10 +343,10 @@ void integrate_derivatives(const System& system, Integrator integrator, const S*
       differentiate_semi_implicit(system, dt, data, work);
       break;
     case StepKind::collocation:
-      collocate(system, x, u, dt, true, data, work);
+      collocate(system, x, end ? end : u, dt, true, data, work);
       break;
     case StepKind::runge_kutta:
-      runge_kutta(system, info_of(integrator).rule, x, u, dt, true, data, work);
+      runge_kutta(system, info_of(integrator).rule, x, {u, end}, dt, true, data, work);
       break;
   }
 }
@@ -321,9 +354,9 @@ void integrate_derivatives(const System& system, Integrator integrator, const S*
 #define CONDDP_INSTANTIATE(S)                                                                      \
   template struct IntegratorWorkspace<S>;                                                          \
   template void integrate(const System&, Integrator, const S*, const S*, const S&, SystemData<S>&, \
-                          IntegratorWorkspace<S>&);                                                \
+                          IntegratorWorkspace<S>&, const S*);                                      \
   template void integrate_derivatives(const System&, Integrator, const S*, const S*, const S&,     \
-                                      SystemData<S>&, IntegratorWorkspace<S>&);
+                                      SystemData<S>&, IntegratorWorkspace<S>&, const S*);
 CONDDP_FOR_EACH_SCALAR(CONDDP_INSTANTIATE)
 #undef CONDDP_INSTANTIATE
 

@@ -7,8 +7,7 @@
 
 namespace conddp {
 
-/// How a knot's state is carried to the next one, controls constant over the knot; a row of
-/// kIntegrators each.
+/// How a knot's state is carried to the next one; a row of kIntegrators each.
 enum class Integrator {
   none,
   impulse,
@@ -129,6 +128,13 @@ constexpr const IntegratorInfo& info_of(Integrator integrator) {
 constexpr bool is_structured(Integrator integrator) {
   const StepKind kind = info_of(integrator).kind;
   return kind == StepKind::semi_implicit || kind == StepKind::impulse;
+}
+
+/// Whether a rule sees how controls change during a step: it has stages after the beginning.
+constexpr bool follows_controls(Integrator integrator) {
+  const IntegratorInfo& info = info_of(integrator);
+  return info.kind == StepKind::collocation ||
+         (info.kind == StepKind::runge_kutta && info.rule.stages > 1);
 }
 
 /// Whether the enumeration and the table have the same order.

@@ -39,26 +39,43 @@ void KnotModel::append_augmented_state(const KnotInput<S>& in, KnotWorkspace<S>&
                                        bool derivatives) const {
   const IntegratorWorkspace<S>& base = work.integrator_;
   std::copy(base.next.begin(), base.next.end(), work.next_.begin());
-  const S* kept = held_ ? in.x + system_->nx() : in.u;
-  for (int i = 0; i < augmented_; ++i) work.next_[system_->nx() + i] = kept[i];
+  S* next = work.next_.data() + system_->nx();
+  next = std::copy_n(in.x + system_->nx(), carried_, next);
+  std::copy_n(in.u, remembered_controls(), next);
   if (derivatives) differentiate_memory(in.dt, work);
 }
 
-/// F with the rows and columns of the memory: of the next state nothing depends on it but a memory
-/// that is held.
+/// F with the rows and columns of the memory. Of the next state only what is remembered depends on
+/// what is handed on.
 template <class S>
 void KnotModel::differentiate_memory(const S& dt, KnotWorkspace<S>& work) const {
   const int n = system_->ndx(), rows = ndx();
   const int base_rows = is_structured(integrator_) ? system_->nv() : n;
-  const auto fill = [&](int column, int base_column) {
-    S* out = &work.F_[column * rows];
+  for (int c = 0; c < nz(); ++c) {
+    const int base_column = integrated_column(c);
+    if (base_column < 0) continue;
+    S* out = &work.F_[c * rows];
     fill_column(system_->manifold(), work.integrator_, dt, base_column, base_rows, out);
     std::fill_n(out + n, augmented_, S(0.0));
-  };
-  for (int c = 0; c < n; ++c) fill(c, c);
-  for (int c = rows; c < nz(); ++c) fill(c, c - augmented_);
-  const int kept = held_ ? n : rows;  // the first column of what is remembered
-  for (int i = 0; i < augmented_; ++i) work.F_[(kept + i) * rows + n + i] = S(1.0);
+  }
+  for (int i = 0; i < carried_; ++i) work.F_[(n + i) * rows + n + i] = S(1.0);
+  for (int i = 0; i < remembered_controls(); ++i)
+    work.F_[(rows + i) * rows + n + carried_ + i] = S(1.0);
+}
+
+/// The column of the integrator's Jacobian that belongs to a column of z; −1 where the system's
+/// next state does not depend on it.
+int KnotModel::integrated_column(int column) const {
+  const int n = system_->ndx();
+  if (column < n) return column;
+  if (column < ndx()) {  // the memory
+    const int control = column - n - carried_;
+    return has_linear_controls() && control >= 0 ? n + control : -1;
+  }
+  const int control = column - ndx();
+  if (!has_linear_controls()) return n + control;
+  if (info_of(integrator_).kind == StepKind::runge_kutta) return n + system_->nu() + control;
+  return control < remembered_controls() ? -1 : n + control;  // the end counts through the slopes
 }
 
 /// What a knot is given, with the time step and the costs' scale of its free duration.
@@ -79,7 +96,7 @@ void KnotModel::append_duration(const KnotInput<S>& given, KnotWorkspace<S>& wor
   const int n = system_->ndx(), rows = ndx(), column = n + duration_->choice;
   const int base_rows = is_structured(integrator_) ? system_->nv() : n;
   const int top = n - base_rows;
-  const S* by_step = &base.F[(n + nu()) * base_rows];
+  const S* by_step = &base.F[base.variables * base_rows];
   S* out = &work.F_[column * rows];
   for (int i = 0; i < base_rows; ++i) out[top + i] = by_step[i];
   // q⁺ = q ⊕ dt v⁺

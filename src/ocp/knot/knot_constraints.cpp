@@ -45,7 +45,7 @@ template <class S>
 void KnotModel::evaluate_constraints(const KnotInput<S>& in, KnotWorkspace<S>& work) const {
   work.augmentation = S(0.0);
   for (const ConstraintTerm& term : constraints_) {
-    const ResidualInput<S> input{in.x, in.u, in.parameters + term.parameters, *work.system_};
+    const ResidualInput<S> input = residual_input(term.parameters, in, *work.system_);
     term.residual->evaluate(input, work.residual_.data());
     S* g = work.constraint.data() + term.row;
     form_value(term, work.residual_.data(), g);
@@ -86,7 +86,7 @@ void KnotModel::differentiate_constraints(const KnotInput<S>& in, KnotWorkspace<
   S* curvature = hessian ? work.curvature_.data() : nullptr;
   for (std::size_t t = 0; t < constraints_.size(); ++t) {
     const ConstraintTerm& term = constraints_[t];
-    const ResidualInput<S> input{in.x, in.u, in.parameters + term.parameters, *work.system_};
+    const ResidualInput<S> input = residual_input(term.parameters, in, *work.system_);
     term.residual->differentiate(input, work.residual_.data(), work.residual_jacobian_.data());
     S* g = work.constraint.data() + term.row;
     const S norm = form_value(term, work.residual_.data(), g);

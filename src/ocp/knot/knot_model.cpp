@@ -35,31 +35,39 @@ void check_columns(const std::string& what, const RowBlock& block, int nz) {
                                   ", and a knot has " + std::to_string(nz));
 }
 
-void check_augmented_state(const System& system, bool previous_control, int carried_choices) {
-  if (system.kind() == SystemKind::impulse && previous_control)
+void check_augmented_state(const System& system, Integrator integrator, ControlMemory memory,
+                           int carried_choices) {
+  if (memory == ControlMemory::none) return;
+  if (system.kind() == SystemKind::impulse)
     throw std::invalid_argument("an impulse has no control to remember");
-  if (previous_control && carried_choices > 0)
+  const bool linear = memory == ControlMemory::linear;
+  if (linear && integrator != Integrator::none && !follows_controls(integrator))
+    throw std::invalid_argument("linear controls need an integrator with stages in its steps");
+  if (!linear && carried_choices > 0)
     throw std::invalid_argument("augmented states carry the previous control or choices, not both");
 }
 
 }  // namespace
 
 KnotModel::KnotModel(std::shared_ptr<const System> system, Integrator integrator,
-                     bool previous_control, int carried_choices)
-    : system_(std::move(system)), manifold_(system_->manifold()), integrator_(integrator) {
+                     ControlMemory memory, int carried_choices)
+    : system_(std::move(system)),
+      manifold_(system_->manifold()),
+      integrator_(integrator),
+      memory_(memory),
+      carried_(carried_choices),
+      augmented_(carried_choices + remembered_controls()) {
   check_integrator(*system_, integrator);
   if (system_->kind() == SystemKind::discrete && !manifold_.curved().empty())
     throw std::invalid_argument("a discrete system needs a flat state space");
-  check_augmented_state(*system_, previous_control, carried_choices);
-  held_ = carried_choices > 0;
-  augmented_ = held_ ? carried_choices : previous_control ? system_->actuators() : 0;
+  check_augmented_state(*system_, integrator, memory, carried_choices);
   if (augmented_ > 0) manifold_.append(StateManifold::Part::flat, augmented_);
   lower_.assign(nu(), -std::numeric_limits<double>::infinity());
   upper_.assign(nu(), std::numeric_limits<double>::infinity());
 }
 
 void KnotModel::check_fit(const std::string& what, const Residual& residual) const {
-  if (residual.needs_control() && nu() == 0)
+  if (residual.needs_control() && !has_control())
     throw std::invalid_argument(what + " needs a control, which this node has not");
   for (const RowBlock& block : residual.blocks()) check_columns(what, block, nz());
 }
@@ -145,7 +153,7 @@ void KnotModel::set_control_bounds(std::vector<double> lower, std::vector<double
 }
 
 void KnotModel::set_free_duration(const FreeDuration& duration) {
-  if (!held_ || duration.choice < 0 || duration.choice >= augmented_)
+  if (duration.choice < 0 || duration.choice >= carried_)
     throw std::invalid_argument("a free duration needs its place in a held memory");
   if (info_of(integrator_).order == 0)
     throw std::invalid_argument("what knows no time step has no free duration");
@@ -168,7 +176,7 @@ void KnotModel::evaluate_costs(const KnotInput<S>& in, KnotWorkspace<S>& work) c
   work.cost = S(0.0);
   for (std::size_t t = 0; t < costs_.size(); ++t) {
     const CostTerm& term = costs_[t];
-    const ResidualInput<S> input{in.x, in.u, in.parameters + term.parameters, *work.system_};
+    const ResidualInput<S> input = residual_input(term.parameters, in, *work.system_);
     S* r = term.is_barrier() ? work.constraint.data() + term.row : work.residual_.data();
     term.residual->evaluate(input, r);
     const S scale = in.cost_scale * in.parameters[term.weight];
@@ -271,7 +279,7 @@ inline bool KnotModel::find_slopes(std::size_t t, const KnotInput<S>& in, KnotWo
       barrier ? RowsOfCost<S>{work.constraint.data() + term.row,
                               work.constraint_jacobian.data() + term.jacobian}
               : RowsOfCost<S>{work.residual_.data(), work.residual_jacobian_.data()};
-  differentiate_residual<S>(term, {in.x, in.u, in.parameters + term.parameters, *work.system_}, to);
+  differentiate_residual<S>(term, residual_input(term.parameters, in, *work.system_), to);
   slopes = {.scale = in.cost_scale * in.parameters[term.weight],
             .gradient = work.activation_gradient_.data(),
             .diagonal = work.activation_diagonal_.data(),
@@ -296,7 +304,7 @@ void KnotModel::differentiate_cost(std::size_t t, const KnotInput<S>& in, KnotWo
   S W[36];
   const Residual* inner = term.residual.get();
   if (const LinearImage* image = term.residual->linear_image()) {
-    const ResidualInput<S> input{in.x, in.u, in.parameters + term.parameters, *work.system_};
+    const ResidualInput<S> input = residual_input(term.parameters, in, *work.system_);
     inner = image->of.get();
     inner->differentiate(input, work.residual_.data(), work.residual_jacobian_.data());
     slopes.jacobian = work.residual_jacobian_.data();
@@ -352,16 +360,16 @@ void KnotModel::add_rank_one(const S& factor, const int* pair, KnotWorkspace<S>&
 template <class S>
 void KnotModel::evaluate(const KnotInput<S>& given, KnotWorkspace<S>& work) const {
   const KnotInput<S> in = at_its_duration(given);
-  if (integrator_ == Integrator::none) {
+  const S* u = first_control(in);
+  if (has_control())
+    system_->evaluate(in.x, u, *work.system_);
+  else
     system_->update_kinematics(in.x, *work.system_);
-    evaluate_costs(in, work);
-    evaluate_constraints(in, work);
-    return;
-  }
-  system_->evaluate(in.x, in.u, *work.system_);
   evaluate_costs(in, work);
   evaluate_constraints(in, work);
-  integrate(*system_, integrator_, in.x, in.u, in.dt, *work.system_, work.integrator_);
+  if (integrator_ == Integrator::none) return;
+  integrate(*system_, integrator_, in.x, u, in.dt, *work.system_, work.integrator_,
+            end_control(in));
   if (augmented_ > 0) append_augmented_state(in, work, false);
 }
 
@@ -369,16 +377,16 @@ template <class S>
 void KnotModel::differentiate(const KnotInput<S>& given, KnotWorkspace<S>& work,
                               bool hessian) const {
   const KnotInput<S> in = at_its_duration(given);
-  if (integrator_ == Integrator::none) {
+  const S* u = first_control(in);
+  if (has_control())
+    system_->differentiate(in.x, u, *work.system_);
+  else
     system_->update_kinematics(in.x, *work.system_);
-    differentiate_costs(in, work, hessian);
-    differentiate_constraints(in, work, hessian);
-    return;
-  }
-  system_->differentiate(in.x, in.u, *work.system_);
   differentiate_costs(in, work, hessian);
   differentiate_constraints(in, work, hessian);
-  integrate_derivatives(*system_, integrator_, in.x, in.u, in.dt, *work.system_, work.integrator_);
+  if (integrator_ == Integrator::none) return;
+  integrate_derivatives(*system_, integrator_, in.x, u, in.dt, *work.system_, work.integrator_,
+                        end_control(in));
   if (augmented_ > 0) append_augmented_state(in, work, true);
   if (duration_) append_duration(given, work);
 }
@@ -394,7 +402,8 @@ KnotWorkspace<S>::KnotWorkspace(const KnotModel& model)
       constraint_jacobian(model.constraint_pattern().size(), S(0.0)),
       augmented_(model.nx() > model.system().nx()),
       system_(model.system().create_data(S{})),
-      integrator_(model.system(), model.integrator(), model.free_duration().has_value()),
+      integrator_(model.system(), model.integrator(), model.free_duration().has_value(),
+                  model.has_linear_controls()),
       term_gradient_(model.nz(), S(0.0)) {
   if (augmented_) {
     next_.assign(model.nx(), S(0.0));

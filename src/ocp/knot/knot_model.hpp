@@ -51,6 +51,14 @@ struct FreeDuration {
   bool scales_cost = true;  ///< running costs are rates
 };
 
+/// What states remember of controls, and so what the controls are during a knot.
+enum class ControlMemory {
+  none,
+  previous,  ///< states end with the control of the knot before, for residuals on its change
+  linear  ///< states end with the control at the knot's beginning, from which it goes straight to
+          ///< the knot's own control at the end of the knot
+};
+
 template <class S>
 class KnotWorkspace;
 template <class S>
@@ -59,13 +67,17 @@ struct CostSlopes;
 /// The structure that knots share: a system, an integrator, costs, constraints and control bounds.
 /// Immutable once a problem holds it. The knots differ in KnotInput alone.
 ///
-/// The state is the system's, followed by the previous control where `previous_control` is set (for
-/// residuals on the control rate), or by numbers that the knot hands on as they are
-/// (`carried_choices`). z = (tangent at x, u) has nz = ndx + nu entries.
+/// The state is the system's, followed by numbers that the knot hands on as they are
+/// (`carried_choices`), and by a control where one is remembered. z = (tangent at x, u) has
+/// nz = ndx + nu entries.
+///
+/// Where controls are linear, residuals see the control at the knot's beginning, whose columns are
+/// those of the memory: they are made with ndx minus the number of remembered controls. A node
+/// without dynamics has a control then, too.
 class KnotModel {
  public:
   KnotModel(std::shared_ptr<const System> system, Integrator integrator,
-            bool previous_control = false, int carried_choices = 0);
+            ControlMemory memory = ControlMemory::none, int carried_choices = 0);
 
   /// Adds a cost whose residual depends on columns of z alone; returns the index at which its
   /// parameters (reference, then weight) start.
@@ -87,7 +99,12 @@ class KnotModel {
   const std::shared_ptr<const System>& shared_system() const { return system_; }
   const StateManifold& manifold() const { return manifold_; }
   Integrator integrator() const { return integrator_; }
-  bool has_previous_control() const { return augmented_ > 0 && !held_; }
+  ControlMemory control_memory() const { return memory_; }
+  bool has_linear_controls() const { return memory_ == ControlMemory::linear; }
+  /// Numbers of a control at the end of the state.
+  int remembered_controls() const {
+    return memory_ == ControlMemory::none ? 0 : system_->actuators();
+  }
   const std::vector<CostTerm>& costs() const { return costs_; }
   const std::vector<ConstraintTerm>& constraints() const { return constraints_; }
   /// Rows of all constraints of a knot, and of barriers: what begins to cost somewhere on the way
@@ -103,6 +120,8 @@ class KnotModel {
   int ndx() const { return manifold_.ndx(); }
   int nu() const { return integrator_ == Integrator::none ? 0 : system_->nu(); }
   int nz() const { return ndx() + nu(); }
+  /// Whether residuals see a control here.
+  bool has_control() const { return integrator_ != Integrator::none || has_linear_controls(); }
   int parameter_count() const { return parameter_count_; }
   /// Whether the dynamics Jacobian has semi-implicit Euler's structure: F holds the nv rows of the
   /// next velocity alone and the rows of the next configuration follow from it.
@@ -114,6 +133,18 @@ class KnotModel {
   /// fill, which have no curvature inside their bounds.
   const std::vector<std::pair<int, int>>& hessian_pattern() const { return pattern_; }
   int lasting_entries() const { return lasting_entries_; }
+
+  /// The control at a knot's beginning, at which the system is evaluated.
+  template <class S>
+  const S* first_control(const KnotInput<S>& in) const {
+    return has_linear_controls() ? in.x + manifold_.nx() - remembered_controls() : in.u;
+  }
+  /// What a residual sees whose parameters start there, with the system's data at the beginning.
+  template <class S>
+  ResidualInput<S> residual_input(int parameters, const KnotInput<S>& in,
+                                  SystemData<S>& data) const {
+    return {in.x, first_control(in), in.parameters + parameters, data, end_control(in)};
+  }
 
   /// Next state, cost and constraint values into the workspace.
   template <class S>
@@ -138,11 +169,17 @@ class KnotModel {
   KnotInput<S> at_its_duration(const KnotInput<S>& given) const;
   template <class S>
   void append_duration(const KnotInput<S>& given, KnotWorkspace<S>& work) const;
+  /// The control at a knot's end where it is another one than at the beginning, else null.
+  template <class S>
+  const S* end_control(const KnotInput<S>& in) const {
+    return has_linear_controls() ? in.u : nullptr;
+  }
   template <class S>
   void append_augmented_state(const KnotInput<S>& in, KnotWorkspace<S>& work,
                               bool derivatives) const;
   template <class S>
   void differentiate_memory(const S& dt, KnotWorkspace<S>& work) const;
+  int integrated_column(int column) const;
   template <class S>
   void evaluate_costs(const KnotInput<S>& in, KnotWorkspace<S>& work) const;
   template <class S>
@@ -188,8 +225,9 @@ class KnotModel {
   std::shared_ptr<const System> system_;
   StateManifold manifold_;
   Integrator integrator_;
-  int augmented_ = 0;
-  bool held_ = false;  ///< the memory stays what it is
+  ControlMemory memory_;
+  int carried_;    ///< numbers that are handed on
+  int augmented_;  ///< these and the remembered controls
   std::optional<FreeDuration> duration_;
   int parameter_count_ = 0;
   std::vector<CostTerm> costs_;
@@ -236,7 +274,7 @@ class KnotWorkspace {
   bool augmented_;
   std::unique_ptr<SystemData<S>> system_;
   IntegratorWorkspace<S> integrator_;
-  AlignedVector<S> next_, F_;  ///< with the control memory appended
+  AlignedVector<S> next_, F_;  ///< with what states are augmented by
   AlignedVector<S> residual_, activation_gradient_, activation_diagonal_;
   AlignedVector<S> residual_jacobian_, weighted_jacobian_;
   AlignedVector<S> term_gradient_;

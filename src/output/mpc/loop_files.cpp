@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include <fmt/format.h>
 
@@ -108,7 +109,10 @@ OrderedJson problem_json(const LoopRun& run) {
 double tabulated_time(double time) { return std::round(time * 1e9) / 1e9; }
 
 std::string closed_loop_header(const LoopTask& task) {
-  return "t [s],phase" + column_headers(task.built, task.built.problem->nx());
+  TableColumns all;
+  all.states.resize(task.built.problem->nx());
+  std::iota(all.states.begin(), all.states.end(), 0);
+  return "t [s],phase" + column_headers(task.built, all);
 }
 
 std::string closed_loop_csv(const LoopRun& run) {

@@ -476,16 +476,19 @@ class Reader {
     if (!has_finite_values()) return;
     Check check{
         .name = "derivatives of compiled code", .found = 0, .tolerance = kDerivativeTolerance};
+    bool second = false;  // whether the worst one is a second derivative
     for (const DerivativeComparison& worst : check_derivatives(problem_, claims_->trajectory)) {
       if (worst.error <= check.found) continue;
       check.found = worst.error;
+      second = worst.kind == DerivativeKind::hessian;
       check.place = place_text(problem_, worst.knot, "");
     }
     check.holds = check.found <= kDerivativeTolerance;
     if (check.holds)
       check.place.clear();
     else
-      check.message = std::isfinite(check.found)
+      check.message = second ? "its Hessian is not what differences of its Jacobian give"
+                      : std::isfinite(check.found)
                           ? "they are not what differences of its values give"
                           : "the function fails, or gives no finite numbers, there or beside it";
     add(std::move(check));

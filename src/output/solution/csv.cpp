@@ -32,20 +32,35 @@ void append_contacts(const ContactForces& forces, int knot, bool written, std::s
     }
 }
 
-void append_state(const Trajectory& trajectory, int knot, int states, std::string& text) {
-  for (int i = 0; i < states; ++i) {
+void append_state(const Trajectory& trajectory, int knot, const std::vector<int>& states,
+                  std::string& text) {
+  for (const int i : states) {
     text += ',';
     append_cell(trajectory.x(knot)[i], text);
   }
 }
 
 /// Empty cells where there is no control.
-void append_control(const Trajectory& trajectory, int knot, std::size_t columns, bool written,
-                    std::string& text) {
-  for (std::size_t i = 0; i < columns; ++i) {
+void append_control(const Trajectory& trajectory, int knot, std::size_t first, std::size_t end,
+                    bool written, std::string& text) {
+  for (std::size_t i = first; i < end; ++i) {
     text += ',';
     if (written) append_cell(trajectory.u(knot)[i], text);
   }
+}
+
+/// Where the first state is chosen, states carry the choice along, which is left out. Linear
+/// controls are shown at the nodes, as states.
+TableColumns columns_of(const BuiltProblem& built) {
+  const ShootingProblem& problem = *built.problem;
+  const KnotModel& end = *problem.terminal().model;
+  const bool chosen = problem.phases().front().instant;
+  const int own = built.plant.system->nx(), nx = problem.nx();
+  TableColumns columns;
+  for (int i = 0; i < nx; ++i)
+    if (i < own || i >= nx - end.remembered_controls() || !chosen) columns.states.push_back(i);
+  columns.first_control = end.has_linear_controls() ? end.remembered_controls() : 0;
+  return columns;
 }
 
 }  // namespace
@@ -53,11 +68,11 @@ void append_control(const Trajectory& trajectory, int knot, std::size_t columns,
 std::string trajectory_csv(const BuiltProblem& built, const Trajectory& trajectory,
                            const ContactForces& forces) {
   const ShootingProblem& problem = *built.problem;
-  // Where the first state is chosen the motion begins with the choice, which the states then
-  // carry along.
+  // Where the first state is chosen the motion begins with the choice.
   const int first = problem.phases().front().instant ? 1 : 0;
-  const int states = first > 0 ? built.plant.system->nx() : trajectory.nx();
-  std::string text = "t [s],phase" + column_headers(built, states) + contact_headers(forces) + '\n';
+  const TableColumns columns = columns_of(built);
+  std::string text =
+      "t [s],phase" + column_headers(built, columns) + contact_headers(forces) + '\n';
   const std::vector<double> times = problem.times(trajectory);
   double written = -std::numeric_limits<double>::infinity();
   for (int k = first; k <= problem.knots(); ++k) {
@@ -68,8 +83,9 @@ std::string trajectory_csv(const BuiltProblem& built, const Trajectory& trajecto
     append_cell(written, text);
     text += ',' + csv_cell(phase.name);
     const bool controlled = !last && !problem.takes_no_time(k);
-    append_state(trajectory, k, states, text);
-    append_control(trajectory, k, built.control_columns.size(), controlled, text);
+    append_state(trajectory, k, columns.states, text);
+    append_control(trajectory, k, columns.first_control, built.control_columns.size(), controlled,
+                   text);
     append_contacts(forces, k, controlled, text);
     text += '\n';
   }

@@ -26,15 +26,16 @@ std::string with_unit(std::string name, std::string_view unit) {
   return fmt::format("{} [{}]", name, unit);
 }
 
-std::string column_headers(const BuiltProblem& built, int states) {
+std::string column_headers(const BuiltProblem& built, const TableColumns& columns) {
   std::string text;
   std::set<std::string> used;
-  for (int i = 0; i < states; ++i) {
+  for (const int i : columns.states) {
     const Column& column = built.state_columns[i];
     used.insert(column.name);
     text += ',' + with_unit(csv_cell(column.name), column.unit);
   }
-  for (const Column& column : built.control_columns) {
+  for (std::size_t i = columns.first_control; i < built.control_columns.size(); ++i) {
+    const Column& column = built.control_columns[i];
     const std::string name = (used.contains(column.name) ? "u/" : "") + column.name;
     text += ',' + with_unit(csv_cell(name), column.unit);
   }

@@ -2,6 +2,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "problem_file/build/build.hpp"
 
@@ -16,8 +17,13 @@ std::string csv_cell(std::string text);
 /// "name [unit]", or the name alone of what has no unit.
 std::string with_unit(std::string name, std::string_view unit);
 
-/// Headers of the first `states` columns of the state and of the controls, a comma before each.
-/// Controls with the name of a state have a prefix.
-std::string column_headers(const BuiltProblem& built, int states);
+/// Columns of a trajectory in a table.
+struct TableColumns {
+  std::vector<int> states;  ///< into the state
+  int first_control = 0;    ///< and all that follow
+};
+
+/// Headers of columns, a comma before each. Controls with the name of a state have a prefix.
+std::string column_headers(const BuiltProblem& built, const TableColumns& columns);
 
 }  // namespace conddp

@@ -11,6 +11,8 @@
 #include "ocp/problem/by_name.hpp"
 #include "ocp/problem/contradiction.hpp"
 #include "problem_file/build/initial_choice.hpp"
+#include "problem_file/build/linear_controls.hpp"
+#include "problem_file/data/data_table.hpp"
 #include "problem_file/data/dual_guess_reader.hpp"
 #include "problem_file/mesh/mesh.hpp"
 #include "problem_file/plant/memory_need.hpp"
@@ -34,7 +36,8 @@ std::string accepted_integrators(bool second_order) {
 
 std::optional<Integrator> choose_integrator(const ProblemSpec& spec, const System& system,
                                             Diagnostics& out) {
-  if (!spec.integrator) return default_integrator(system.kind());
+  if (!spec.integrator)
+    return spec.has_linear_controls() ? Integrator::rk4 : default_integrator(system.kind());
   const Integrator integrator = spec.integrator->value;
   const auto fail = [&](const char* message, const std::string& hint) {
     out.error(spec.integrator->place, message, hint);
@@ -49,6 +52,9 @@ std::optional<Integrator> choose_integrator(const ProblemSpec& spec, const Syste
   if (integrator == Integrator::semi_implicit_euler && system.kind() != SystemKind::second_order)
     return fail("semi-implicit Euler needs positions and velocities, which this system has not",
                 accepted_integrators(false));
+  if (spec.has_linear_controls() && !follows_controls(integrator))
+    return fail("linear controls need an integrator with stages after the beginning of its steps",
+                "accepted: rk2, rk3, rk4, trapezoidal, hermite_simpson, radau3, radau5");
   return integrator;
 }
 
@@ -195,29 +201,41 @@ void report_contradiction(const ProblemSpec& spec, const ShootingProblem& proble
 void check_impulses(const ProblemSpec& spec, bool memory, Diagnostics& out) {
   for (const PhaseSpec& phase : spec.phases)
     if (memory && (phase.restitution || phase.jump))
-      out.error(phase.name.place, fmt::format("{} interrupts the controls: 'control_rate' cannot "
-                                              "pass it",
-                                              phase.jump ? "a jump" : "an impulse"));
+      out.error(phase.name.place,
+                fmt::format("{} interrupts the controls: '{}' cannot pass it",
+                            phase.jump ? "a jump" : "an impulse", spec.use_of_previous_control()));
 }
 
-/// The control before the first knot, with which augmented states end.
-std::vector<double> previous_control(const ProblemSpec& spec, const Plant& plant, bool memory,
-                                     Diagnostics& out) {
+/// The control before the first knot, or the first of linear ones, with which augmented states end.
+std::vector<double> previous_control(const ProblemSpec& spec, const Plant& plant,
+                                     ControlMemory memory, Diagnostics& out) {
   const auto& given = spec.initial_state.previous_control;
-  if (given && !memory) out.error(given->place, "'previous_control' serves 'control_rate' only");
+  if (given && memory == ControlMemory::none)
+    out.error(given->place,
+              "'previous_control' serves 'control_rate', 'previous' and linear controls only");
   if (!given) return std::vector<double>(plant.actuated().nu(), 0.0);
   return resolve(*given, control_names(plant.actuated()), 0.0, out).value_or(std::vector<double>{});
 }
 
-void name_columns(bool memory, const InitialChoice* remembered, BuiltProblem& built) {
+void name_columns(ControlMemory memory, const InitialChoice* choice, BuiltProblem& built) {
   built.state_columns = built.plant.system->state_columns();
   built.control_columns = built.plant.system->control_columns();
-  if (remembered != nullptr)
-    for (const Column& chosen : remembered->system->control_columns())
-      built.state_columns.push_back({"start/" + chosen.name, chosen.unit});
-  if (!memory) return;
+  for (int i = 0; choice != nullptr && i < choice->carried(); ++i) {
+    const Column& chosen = choice->system->control_columns()[i];
+    built.state_columns.push_back({"start/" + chosen.name, chosen.unit});
+  }
+  if (memory == ControlMemory::none) return;
+  const bool linear = memory == ControlMemory::linear;
   for (const Column& control : built.plant.actuated().control_columns())
-    built.state_columns.push_back({"previous/" + control.name, control.unit});
+    built.state_columns.push_back({(linear ? "" : "previous/") + control.name, control.unit});
+  for (int i = 0; linear && i < built.plant.actuated().nu(); ++i)
+    built.control_columns[i].name = std::string(kEndOfKnot) + built.control_columns[i].name;
+}
+
+ControlMemory control_memory(const ProblemSpec& spec) {
+  if (spec.has_linear_controls()) return ControlMemory::linear;
+  return spec.first_use(&ResidualNeeds::previous_control) != nullptr ? ControlMemory::previous
+                                                                     : ControlMemory::none;
 }
 
 /// Builds the problem of a plant step by step. A step returns false where those after it would have
@@ -229,7 +247,7 @@ class ProblemBuilder {
       : spec_(spec),
         options_(options),
         out_(out),
-        remembers_control_(spec.first_use(&ResidualNeeds::previous_control) != nullptr),
+        memory_(control_memory(spec)),
         built_{.plant = std::move(plant)},
         states_(built_.plant, out) {}
 
@@ -243,11 +261,15 @@ class ProblemBuilder {
  private:
   const InitialChoice* choice() const { return choice_ ? &*choice_ : nullptr; }
   /// Entries by which augmented states carry what was chosen at the start.
-  int held() const { return choice_ && choice_->remembered ? choice_->system->nu() : 0; }
+  int held() const { return choice_ ? choice_->carried() : 0; }
   /// Tangent coordinates of the knot models, augmented states included.
   int ndx() const {
     const System& system = *built_.plant.system;
-    return system.ndx() + (remembers_control_ ? system.actuators() : held());
+    return system.ndx() + held() + (memory_ != ControlMemory::none ? system.actuators() : 0);
+  }
+  /// Those that residuals know: to them linear controls at a knot's beginning are its controls.
+  int ndx_of_residuals() const {
+    return ndx() - (memory_ == ControlMemory::linear ? built_.plant.system->actuators() : 0);
   }
 
   /// The initial state, given or chosen, and how it is integrated.
@@ -255,10 +277,11 @@ class ProblemBuilder {
     const auto integrator = choose_integrator(spec_, *built_.plant.system, out_);
     const auto initial = states_.build(spec_.initial_state);
     if (initial) states_.set_initial(*initial);
-    previous_control_ = previous_control(spec_, built_.plant, remembers_control_, out_);
-    if (!integrator || !initial) return false;
+    previous_control_ = previous_control(spec_, built_.plant, memory_, out_);
+    const bool fits = check_linear_controls(spec_, *built_.plant.system, out_);
+    if (!integrator || !initial || !fits) return false;
     integrator_ = *integrator;
-    auto start = build_initial_choice(spec_, built_.plant, *initial, remembers_control_, out_);
+    auto start = build_initial_choice(spec_, built_.plant, *initial, memory_, out_);
     choice_ = std::move(start.choice);
     if (choice_)
       built_.plant.start = ChosenStart{choice_->state, choice_->coordinates};
@@ -283,7 +306,7 @@ class ProblemBuilder {
     const int errors = out_.error_count();
     check_mesh(spec_, *built_.plant.system, out_);
     check_memory(spec_, ndx(), built_.plant.system->nu(), out_);
-    check_impulses(spec_, remembers_control_, out_);
+    check_impulses(spec_, memory_ == ControlMemory::previous, out_);
     times_ = node_times(spec_, out_);
     if (out_.error_count() > errors) return false;  // what follows would fill the memory
     if (built_.plant.multibody()) check_shapes(spec_, built_.plant, out_);
@@ -293,7 +316,7 @@ class ProblemBuilder {
 
   bool set_problem() {
     const Plant& plant = built_.plant;
-    const CostContext context{spec_, plant, *contacts_, states_, ndx(), times_};
+    const CostContext context{spec_, plant, *contacts_, states_, ndx_of_residuals(), times_};
     const std::vector<BuiltCost> costs = build_costs(spec_.costs, context, out_);
     const std::vector<BuiltCost> terminal_costs = build_costs(spec_.terminal_costs, context, out_);
     std::vector<BuiltConstraint> constraints = build_constraints(spec_.constraints, context, out_);
@@ -302,14 +325,13 @@ class ProblemBuilder {
     const std::vector<BuiltConstraint> dropped = take_dropped(options_.drop, constraints);
     const std::vector<BuiltConstraint> dropped_at_end = take_dropped(options_.drop, at_end);
     const PhaseBounds bounds = collect_bounds(spec_, options_, built_, out_);
-    PhaseContext phase_context{
-        spec_,  *contacts_,       plant.system,        integrator_, remembers_control_,
-        times_, plant.stepping(), plant.collocation(), choice()};
+    PhaseContext phase_context{spec_,  *contacts_,       plant.system,        integrator_, memory_,
+                               times_, plant.stepping(), plant.collocation(), choice()};
     std::vector<Phase> phases = build_phases(phase_context, {costs, constraints}, bounds, out_);
     if (out_.has_errors()) return false;
     if (spec_.terminal_lqr)
-      built_.terminal_lqr =
-          build_terminal_lqr({spec_, plant, states_, phases, remembers_control_, held() > 0}, out_);
+      built_.terminal_lqr = build_terminal_lqr(
+          {spec_, plant, states_, phases, memory_ == ControlMemory::previous, held() > 0}, out_);
     Phase terminal = build_terminal(phase_context, {costs, constraints}, {terminal_costs, at_end},
                                     built_.terminal_lqr.get(), out_);
     if (out_.has_errors()) return false;
@@ -324,15 +346,16 @@ class ProblemBuilder {
     built_.problem =
         std::make_shared<ShootingProblem>(std::move(start), std::move(phases), std::move(terminal));
     report_contradiction(spec_, *built_.problem, out_);
-    name_columns(remembers_control_, held() > 0 ? choice() : nullptr, built_);
+    name_columns(memory_, choice(), built_);
     return true;
   }
 
   /// The state of the first node with what it remembers.
   std::vector<double> initial_state() const {
     std::vector<double> x = states_.initial();
-    if (remembers_control_) x.insert(x.end(), previous_control_.begin(), previous_control_.end());
     x.resize(x.size() + held(), 0.0);
+    if (memory_ != ControlMemory::none)
+      x.insert(x.end(), previous_control_.begin(), previous_control_.end());
     return x;
   }
 
@@ -362,7 +385,7 @@ class ProblemBuilder {
   const ProblemSpec& spec_;
   const BuildOptions& options_;
   Diagnostics& out_;
-  const bool remembers_control_;  ///< states end with the control of the knot before
+  const ControlMemory memory_;
   BuiltProblem built_;
   StateBuilder states_;
   Integrator integrator_{};

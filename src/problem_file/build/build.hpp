@@ -31,6 +31,8 @@ struct BuiltProblem {
   Plant plant;
   std::shared_ptr<const ShootingProblem> problem;
   std::vector<Column> state_columns;  ///< augmented states included
+  /// Linear controls, at the nodes, are among the states; here are those at the ends of knots,
+  /// named with kEndOfKnot before.
   std::vector<Column> control_columns;
   Trajectory guess;
   GuessUsed guess_used;

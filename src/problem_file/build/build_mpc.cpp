@@ -41,6 +41,9 @@ void check_problem(const ProblemSpec& spec, Diagnostics& out) {
               "accepted: semi_implicit_euler, explicit_euler, rk2, rk3, rk4, discrete");
   if (spec.mesh)
     out.warning(spec.mesh->place, "a closed loop keeps the grid of its phases: 'mesh' refines none");
+  if (spec.has_linear_controls())
+    out.error(spec.controls.place, "a closed loop applies constant controls, and these are linear",
+              "write 'controls: constant'");
   const SolverOptions& options = spec.solver.options;
   if (std::isfinite(options.max_time_s))
     out.error(spec.solver.place,

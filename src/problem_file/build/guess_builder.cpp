@@ -8,6 +8,7 @@
 
 #include "base/normal_numbers.hpp"
 #include "problem_file/build/contact_guess.hpp"
+#include "problem_file/data/data_table.hpp"
 #include "problem_file/plant/collocation_builder.hpp"
 #include "problem_file/plant/quasi_static.hpp"
 #include "problem_file/terms/terminal_lqr.hpp"
@@ -59,6 +60,22 @@ class GuessBuilder {
   const System& guessed() const {
     return plant_.collocation() ? plant_.actuated() : *plant_.system;
   }
+  /// A control to be guessed, of which the first numbers may be all, and the node at which it is.
+  struct ControlAt {
+    Eigen::Map<Eigen::VectorXd> u;
+    int knot, node;
+  };
+  std::vector<ControlAt> controls(Trajectory& trajectory) const {
+    std::vector<ControlAt> list;
+    const bool linear = spec_.has_linear_controls();
+    if (linear && chooses()) {
+      auto choice = trajectory.u(0);
+      const int count = plant_.actuated().nu();
+      list.push_back({{choice.data() + choice.size() - count, count}, 1, 1});
+    }
+    for (const int k : controlled_knots()) list.push_back({trajectory.u(k), k, linear ? k + 1 : k});
+    return list;
+  }
   /// The knots whose controls are guessed: all that have some, but for the choice of the start.
   std::vector<int> controlled_knots() const {
     std::vector<int> knots;
@@ -73,7 +90,7 @@ class GuessBuilder {
     const KnotModel& model = *problem_.knot(0).model;
     Eigen::VectorXd off(manifold.ndx());
     manifold.difference(trajectory.x(0).data(), trajectory.x(1).data(), off.data());
-    Eigen::VectorXd asked(problem_.nu(0));
+    Eigen::VectorXd asked = trajectory.u(0);  // the first of linear controls, which is there
     for (std::size_t i = 0; i < plant_.start->coordinates.size(); ++i)
       asked[i] = off[plant_.start->coordinates[i]];
     for (std::size_t p = 0; p < problem_.phases().size(); ++p)
@@ -90,11 +107,17 @@ class GuessBuilder {
     return count;
   }
 
-  /// Augmented states carry the choice of the start, or the control before.
+  /// Augmented states carry the choice of the start, and the control before.
   void carry_memory(Trajectory& trajectory) const {
-    const int memory = problem_.nx() - plant_.system->nx();
-    for (int k = 1; memory > 0 && k <= problem_.knots(); ++k)
-      trajectory.x(k).tail(memory) = trajectory.u(chooses() ? 0 : k - 1).head(memory);
+    const int own = plant_.system->nx();
+    const int controls = problem_.terminal().model->remembered_controls();
+    const int carried = problem_.nx() - own - controls;
+    for (int k = 1; k <= problem_.knots(); ++k) {
+      trajectory.x(k).segment(own, carried) = trajectory.u(0).head(carried);
+      const auto before = trajectory.u(k - 1);
+      trajectory.x(k).tail(controls) =
+          k == 1 && chooses() ? before.tail(controls) : before.head(controls);
+    }
   }
 
   void fill_states(Trajectory& trajectory) {
@@ -234,15 +257,16 @@ class GuessBuilder {
     used_.controls = "those that hold the guessed states against gravity";
     const System* former = nullptr;
     Eigen::VectorXd state, control;
-    for (const int k : controlled_knots()) {
-      const System& system = plant_.collocation() ? guessed() : problem_.knot(k).model->system();
+    for (ControlAt& at : controls(trajectory)) {
+      const System& system =
+          plant_.collocation() ? guessed() : problem_.knot(at.knot).model->system();
       // Most guesses rest in one state.
-      if (&system != former || state != trajectory.x(k)) {
+      if (&system != former || state != trajectory.x(at.node)) {
         former = &system;
-        state = trajectory.x(k);
+        state = trajectory.x(at.node);
         control = quasi_static_control(system, state.data());
       }
-      trajectory.u(k).head(system.nu()) = control;
+      at.u.head(system.nu()) = control;
     }
     keep_bounds(trajectory);
   }
@@ -251,9 +275,8 @@ class GuessBuilder {
     const auto values = resolve(*guess().constant, control_names(plant_.actuated()), 0.0, out_);
     if (!values) return;
     used_.controls = "constant";
-    for (const int k : controlled_knots())
-      trajectory.u(k).head(values->size()) =
-          Eigen::Map<const Eigen::VectorXd>(values->data(), values->size());
+    for (ControlAt& at : controls(trajectory))
+      at.u.head(values->size()) = Eigen::Map<const Eigen::VectorXd>(values->data(), values->size());
   }
 
   void fill_from_file(Trajectory& trajectory) {
@@ -262,9 +285,10 @@ class GuessBuilder {
     const auto series = from_file(file, false, StateManifold::flat(columns));
     if (!series) return;
     used_.controls = describe(file, series);
-    for (const int k : controlled_knots()) {
-      const std::vector<double>& u = series->hold(time(k));
-      trajectory.u(k).head(columns) = Eigen::Map<const Eigen::VectorXd>(u.data(), columns);
+    for (ControlAt& at : controls(trajectory)) {
+      const std::vector<double> u = spec_.has_linear_controls() ? series->interpolate(time(at.node))
+                                                                : series->hold(time(at.node));
+      at.u.head(columns) = Eigen::Map<const Eigen::VectorXd>(u.data(), columns);
     }
   }
 
@@ -274,9 +298,9 @@ class GuessBuilder {
         fmt::format(", plus {} times normal random numbers of seed {}", random.scale, random.seed);
     NormalNumbers normal(random.seed);
     const int actuators = plant_.actuated().nu();
-    for (const int k : controlled_knots())
-      for (int i = 0; i < std::min(problem_.nu(k), actuators); ++i)
-        trajectory.u(k)[i] += random.scale * normal.next();
+    for (ControlAt& at : controls(trajectory))
+      for (int i = 0; i < std::min(static_cast<int>(at.u.size()), actuators); ++i)
+        at.u[i] += random.scale * normal.next();
   }
 
   void hold_by_contacts(Trajectory& trajectory) {
@@ -378,7 +402,7 @@ class GuessBuilder {
   }
   static bool follows_from_others(const std::string& column) {
     return column.starts_with("previous/") || column.starts_with("start/") ||
-           column.starts_with("slope_");
+           column.starts_with("slope_") || column.starts_with(kEndOfKnot);
   }
 
   static std::string name_list(const std::vector<std::string>& names) {

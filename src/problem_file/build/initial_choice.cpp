@@ -86,41 +86,54 @@ bool add_coordinates(const PhaseSpec& phase, const ComponentNames& names, Initia
   return true;
 }
 
+/// The first of linear controls. Their bounds are those of the knots.
+void add_first_controls(const System& actuated, InitialChoice& choice,
+                        std::vector<Column>& controls) {
+  choice.first_controls = actuated.nu();
+  controls.insert(controls.end(), actuated.control_columns().begin(),
+                  actuated.control_columns().end());
+  choice.lower.resize(controls.size(), -kUnlimited);
+  choice.upper.resize(controls.size(), kUnlimited);
+}
+
 /// The choice of the first phase, if it can be.
-std::optional<InitialChoice> make_choice(const ProblemSpec& spec, const System& system,
+std::optional<InitialChoice> make_choice(const ProblemSpec& spec, const Plant& plant,
                                          const std::vector<double>& state, bool cycle,
                                          Diagnostics& out) {
   const PhaseSpec& phase = spec.phases.front();
+  const System& system = *plant.system;
   InitialChoice choice{.system = nullptr, .state = state};
   std::vector<Column> controls;
   if (!add_coordinates(phase, tangent_names(system), choice, controls, out)) return std::nullopt;
   add_durations(spec, choice, controls);
+  const bool durations = controls.size() > choice.coordinates.size();
+  if (spec.has_linear_controls()) add_first_controls(plant.actuated(), choice, controls);
   if (controls.empty()) {
     out.error(phase.knots.place, "no component of the state is chosen",
               "write 'choose: all', or their names");
     return std::nullopt;
   }
-  const bool durations = controls.size() > choice.coordinates.size();
   choice.system = initial_choice(system, choice.coordinates, controls);
-  choice.remembered = cycle || durations;
+  choice.remembered = cycle || durations || spec.has_linear_controls();
   return choice;
 }
 
 }  // namespace
 
 BuiltInitialChoice build_initial_choice(const ProblemSpec& spec, const Plant& plant,
-                                        const std::vector<double>& state, bool previous_control,
+                                        const std::vector<double>& state, ControlMemory memory,
                                         Diagnostics& out) {
   const CostSpec* cycle = spec.first_use(&ResidualNeeds::chosen_start);
   const PhaseSpec& phase = spec.phases.front();
   if (!check_free_durations(spec, *plant.system, out)) return {.valid = false, .choice = {}};
   if (!phase.choice) return {.valid = check_given_start(cycle, out), .choice = {}};
-  if (previous_control) {
+  if (memory == ControlMemory::previous) {
     out.error(phase.knots.place,
-              "'control_rate' and the choice of the initial state exclude each other");
+              fmt::format("'{}' and the choice of the initial state exclude each other",
+                          spec.use_of_previous_control()));
     return {.valid = false, .choice = {}};
   }
-  auto choice = make_choice(spec, *plant.system, state, cycle != nullptr, out);
+  auto choice = make_choice(spec, plant, state, cycle != nullptr, out);
   const bool valid = choice.has_value();
   return {.valid = valid, .choice = std::move(choice)};
 }

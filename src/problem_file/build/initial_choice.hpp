@@ -18,6 +18,10 @@ struct InitialChoice {
   std::vector<double> lower, upper;                    ///< of the displacement, then of durations
   bool remembered = false;                             ///< all later nodes know what was chosen
   std::vector<std::optional<FreeDuration>> durations;  ///< by phase
+  int first_controls = 0;  ///< where controls are linear, these at the start: the last choices
+
+  /// Numbers that all later nodes hand on.
+  int carried() const { return remembered ? system->nu() - first_controls : 0; }
 };
 
 struct BuiltInitialChoice {
@@ -25,10 +29,9 @@ struct BuiltInitialChoice {
   std::optional<InitialChoice> choice;  ///< nothing where the initial state is given
 };
 
-/// From the first phase; what does not fit is reported. `previous_control`: the states end with the
-/// previous control already.
+/// From the first phase; what does not fit is reported. `memory`: what states remember of controls.
 BuiltInitialChoice build_initial_choice(const ProblemSpec& spec, const Plant& plant,
-                                        const std::vector<double>& state, bool previous_control,
+                                        const std::vector<double>& state, ControlMemory memory,
                                         Diagnostics& out);
 
 }  // namespace conddp

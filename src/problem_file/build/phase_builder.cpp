@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "problem_file/build/linear_controls.hpp"
 #include "problem_file/plant/collocation_builder.hpp"
 #include "problem_file/plant/stepping_builder.hpp"
 #include "problem_file/spec/named_phases.hpp"
@@ -90,7 +91,36 @@ void restrict_to(const std::vector<Located<int>>& knots, const char* hint, std::
     if (!chosen[k]) row[k] = 0;
 }
 
-/// A cost's weight at each running knot, 0 where it is off; of a constraint 1 where it is on.
+/// What running costs are multiplied by at each knot.
+std::vector<double> all_cost_scales(const ProblemSpec& spec) {
+  std::vector<double> scales;
+  for (const PhaseSpec& phase : spec.phases) {
+    const std::vector<double> own = cost_scales(phase, spec);
+    scales.insert(scales.end(), own.begin(), own.end());
+  }
+  return scales;
+}
+
+/// Whether a function counts at both ends of the knots in which it is on: with linear controls,
+/// all but constraints on the state alone and what is at chosen knots. Steps of free durations
+/// scale costs knot by knot: there a cost cannot count beyond its phase.
+bool is_at_both_ends(const PhaseContext& context, const BuiltCost& cost, bool weighted,
+                     Diagnostics& out) {
+  const ProblemSpec& spec = context.spec;
+  if (!context.linear() || cost.spec->knots) return false;
+  const bool scaled =
+      spec.first_free_duration() != nullptr && spec.running_costs == RunningCosts::kRate;
+  if (!needs_control(cost)) return weighted && !scaled;
+  if (weighted && scaled)
+    out.error(cost.spec->name.place,
+              "running costs on linear controls and free durations exclude each other",
+              "give the cost a state whose rate it is, and put the state's last value below "
+              "'terminal'");
+  return true;
+}
+
+/// A cost's weight at each node, 0 where it is off; of a constraint 1 where it is on, or the share
+/// that is on with linear controls. At the last node: of what goes on until then, and counts there.
 std::vector<double> schedule(const PhaseContext& context, const BuiltCost& cost, bool weighted,
                              Diagnostics& out) {
   const ProblemSpec& spec = context.spec;
@@ -107,6 +137,9 @@ std::vector<double> schedule(const PhaseContext& context, const BuiltCost& cost,
                 weighted ? "costs on the last node stand under 'terminal'"
                          : "constraints on the last node stand under 'terminal'",
                 row, out);
+  if (is_at_both_ends(context, cost, weighted, out))
+    return trapezoidal_weights(row, all_cost_scales(spec));
+  row.push_back(0);
   return row;
 }
 
@@ -144,11 +177,17 @@ std::shared_ptr<const Residual> residual_in(const BuiltCost& cost, const PhaseCo
       *context.contacts.find(phase, cost.contact.contact));
 }
 
-/// The knot that chooses the initial state.
-Phase choice_phase(const PhaseSpec& given, const InitialChoice& choice) {
-  auto model =
-      std::make_shared<KnotModel>(choice.system, Integrator::explicit_euler, choice.remembered);
-  model->set_control_bounds(choice.lower, choice.upper);
+/// The knot that chooses the initial state, and the first of linear controls within bounds.
+Phase choice_phase(const PhaseSpec& given, const InitialChoice& choice,
+                   const std::vector<double>& control_lower,
+                   const std::vector<double>& control_upper) {
+  auto model = std::make_shared<KnotModel>(
+      choice.system, Integrator::explicit_euler,
+      choice.remembered ? ControlMemory::previous : ControlMemory::none);
+  std::vector<double> lower = choice.lower, upper = choice.upper;
+  std::copy_n(control_lower.begin(), choice.first_controls, lower.end() - choice.first_controls);
+  std::copy_n(control_upper.begin(), choice.first_controls, upper.end() - choice.first_controls);
+  model->set_control_bounds(std::move(lower), std::move(upper));
   return {.name = given.name.value,
           .model = std::move(model),
           .dt = {1.0},
@@ -191,6 +230,13 @@ void bound_phases(const std::vector<bool>& named, const std::vector<double>& low
   }
 }
 
+/// Writes the numbers of a constraint of which a share is on at a node.
+void write_constraint(const BuiltConstraint& constraint, const ConstraintTerm& term, double time,
+                      double share, double* parameters) {
+  write_parameters(constraint, term, time, share != 0, parameters);
+  if (term.softness != Softness::hard && share != 0) parameters[term.weight()] *= share;
+}
+
 /// Builds phases; those of one structure share their model.
 class PhaseBuilder {
  public:
@@ -206,7 +252,8 @@ class PhaseBuilder {
   /// The phase of this number, whose first knot is `first`.
   Phase build(std::size_t p, int first) {
     const PhaseSpec& given = context_.spec.phases[p];
-    if (given.choice) return choice_phase(given, *context_.start);
+    if (given.choice)
+      return choice_phase(given, *context_.start, bounds_.lower.back(), bounds_.upper.back());
     const Terms terms{active_in(weights_, first, given.knots.value),
                       active_in(switches_, first, given.knots.value)};
     Phase phase{.name = given.name.value, .model = shared_model(p, terms)};
@@ -243,7 +290,7 @@ class PhaseBuilder {
   std::shared_ptr<const KnotModel> make_model(std::size_t p, const Terms& terms) const {
     const PhaseSpec& phase = context_.spec.phases[p];
     auto model = std::make_shared<KnotModel>(context_.contacts.system(p), integrator_of(phase),
-                                             context_.previous_control, context_.carried_choices());
+                                             context_.memory, context_.carried_choices());
     for (const int c : terms.costs) {
       const BuiltCost& cost = contents_.costs[c];
       model->add_cost(cost.spec->name.value, residual_in(cost, context_, p), cost.activation);
@@ -269,8 +316,8 @@ class PhaseBuilder {
     }
     for (std::size_t i = 0; i < terms.constraints.size(); ++i) {
       const int c = terms.constraints[i];
-      write_parameters(contents_.constraints[c], model.constraints()[i], time,
-                       switches_[c][knot] != 0, parameters);
+      write_constraint(contents_.constraints[c], model.constraints()[i], time, switches_[c][knot],
+                       parameters);
     }
     if (context_.stepping)
       write_stepping_parameters(model, dt, context_.spec.stepping->regularization, parameters);
@@ -285,8 +332,10 @@ class PhaseBuilder {
 };
 
 /// Whether what a function is on exists at the last node: one that needs a control is reported.
-bool is_without_control(const BuiltCost& function, Diagnostics& out) {
-  if (function.contact.contact >= 0 || !function.residual.residual->needs_control()) return true;
+bool is_without_control(const BuiltCost& function, const PhaseContext& context, Diagnostics& out) {
+  if (function.contact.contact >= 0 || context.linear() ||
+      !function.residual.residual->needs_control())
+    return true;
   out.error(function.spec->residual.place,
             "this residual needs a control, and there is none at the terminal node");
   return false;
@@ -309,30 +358,43 @@ bool is_held_at_the_end(const BuiltCost& function, const PhaseContext& context, 
 }
 
 bool fits_the_end(const BuiltCost& function, const PhaseContext& context, Diagnostics& out) {
-  return is_held_at_the_end(function, context, out) && is_without_control(function, out);
+  return is_held_at_the_end(function, context, out) && is_without_control(function, context, out);
 }
 
-/// The costs of the last node: its own, and those on swings that end there.
-std::vector<const BuiltCost*> costs_at_the_end(const PhaseContext& context,
-                                               const std::vector<BuiltCost>& running,
-                                               const std::vector<BuiltCost>& terminal,
-                                               Diagnostics& out) {
-  std::vector<const BuiltCost*> costs;
+/// What stands at the last node, with its weight there: of a constraint the share that is on.
+template <class Term>
+using TermsAtTheEnd = std::vector<std::pair<const Term*, double>>;
+
+/// The costs of the last node: its own, those on swings that end there, and with linear controls
+/// those of the last knot.
+TermsAtTheEnd<BuiltCost> costs_at_the_end(const PhaseContext& context,
+                                          const std::vector<BuiltCost>& running,
+                                          const std::vector<BuiltCost>& terminal,
+                                          Diagnostics& out) {
+  TermsAtTheEnd<BuiltCost> costs;
   for (const BuiltCost& cost : terminal)
-    if (fits_the_end(cost, context, out)) costs.push_back(&cost);
-  for (const BuiltCost& cost : running)
-    if (touches_down_at_the_end(cost, context, out)) costs.push_back(&cost);
+    if (fits_the_end(cost, context, out)) costs.emplace_back(&cost, cost.spec->weight);
+  for (const BuiltCost& cost : running) {
+    if (touches_down_at_the_end(cost, context, out))
+      costs.emplace_back(&cost, cost.spec->weight);
+    else if (const double weight = schedule(context, cost, true, out).back(); weight != 0)
+      costs.emplace_back(&cost, weight);
+  }
   return costs;
 }
 
-std::vector<const BuiltConstraint*> constraints_at_the_end(
-    const PhaseContext& context, const std::vector<BuiltConstraint>& running,
-    const std::vector<BuiltConstraint>& terminal, Diagnostics& out) {
-  std::vector<const BuiltConstraint*> constraints;
+TermsAtTheEnd<BuiltConstraint> constraints_at_the_end(const PhaseContext& context,
+                                                      const std::vector<BuiltConstraint>& running,
+                                                      const std::vector<BuiltConstraint>& terminal,
+                                                      Diagnostics& out) {
+  TermsAtTheEnd<BuiltConstraint> constraints;
   for (const BuiltConstraint& constraint : terminal)
-    if (fits_the_end(constraint.function, context, out)) constraints.push_back(&constraint);
-  for (const BuiltConstraint& constraint : running)
-    if (constraint.at_last_node) constraints.push_back(&constraint);
+    if (fits_the_end(constraint.function, context, out)) constraints.emplace_back(&constraint, 1);
+  for (const BuiltConstraint& constraint : running) {
+    const double share =
+        constraint.at_last_node ? 1 : schedule(context, constraint.function, false, out).back();
+    if (share != 0) constraints.emplace_back(&constraint, share);
+  }
   return constraints;
 }
 
@@ -416,25 +478,24 @@ std::vector<Phase> build_phases(const PhaseContext& context, const KnotContents&
 
 Phase build_terminal(const PhaseContext& context, const KnotContents& running,
                      const KnotContents& terminal, const TerminalLqr* lqr, Diagnostics& out) {
-  auto model = std::make_shared<KnotModel>(context.system, Integrator::none,
-                                           context.previous_control, context.carried_choices());
+  auto model = std::make_shared<KnotModel>(context.system, Integrator::none, context.memory,
+                                           context.carried_choices());
   const std::size_t node = context.contacts.terminal();
-  const std::vector<const BuiltCost*> costs =
-      costs_at_the_end(context, running.costs, terminal.costs, out);
-  const std::vector<const BuiltConstraint*> constraints =
+  const auto costs = costs_at_the_end(context, running.costs, terminal.costs, out);
+  const auto constraints =
       constraints_at_the_end(context, running.constraints, terminal.constraints, out);
-  for (const BuiltCost* cost : costs)
+  for (const auto& [cost, weight] : costs)
     model->add_cost(cost->spec->name.value, residual_in(*cost, context, node), cost->activation);
-  for (const BuiltConstraint* constraint : constraints)
+  for (const auto& [constraint, share] : constraints)
     model->add_constraint(make_term(*constraint, residual_in(constraint->function, context, node)));
   Phase phase{.name = "terminal", .dt = {0.0}, .cost_scale = {1.0}};
   phase.parameters.resize(model->parameter_count());
   for (std::size_t i = 0; i < costs.size(); ++i)
-    write_parameters(*costs[i], model->costs()[i], context.times.back(), costs[i]->spec->weight,
+    write_parameters(*costs[i].first, model->costs()[i], context.times.back(), costs[i].second,
                      phase.parameters.data());
   for (std::size_t i = 0; i < constraints.size(); ++i)
-    write_parameters(*constraints[i], model->constraints()[i], context.times.back(), true,
-                     phase.parameters.data());
+    write_constraint(*constraints[i].first, model->constraints()[i], context.times.back(),
+                     constraints[i].second, phase.parameters.data());
   if (lqr) add_terminal_lqr(*lqr, *model, phase.parameters);
   phase.model = std::move(model);
   return phase;

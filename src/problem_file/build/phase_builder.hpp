@@ -26,7 +26,7 @@ struct PhaseContext {
   const ContactPlan& contacts;
   std::shared_ptr<const System> system;  ///< of the last node
   Integrator integrator;
-  bool previous_control;
+  ControlMemory memory;
   const std::vector<double>& times;  ///< of all nodes, s
   /// Where steps are contact-implicit: adds what they have to obey.
   std::shared_ptr<const SteppingSystem> stepping;
@@ -37,7 +37,8 @@ struct PhaseContext {
   std::optional<FreeDuration> free_duration(std::size_t phase) const {
     return start ? start->durations[phase] : std::nullopt;
   }
-  int carried_choices() const { return start && start->remembered ? start->system->nu() : 0; }
+  int carried_choices() const { return start ? start->carried() : 0; }
+  bool linear() const { return memory == ControlMemory::linear; }
 };
 
 /// What stands in the knots of a problem. Vectors that are left out are empty.

@@ -3,18 +3,24 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/text/diagnostic.hpp"
 
 namespace conddp {
 
+/// What stands before the names of linear controls in solutions where they are those at the ends of
+/// knots. Those at the nodes are the last columns of the state.
+inline constexpr std::string_view kEndOfKnot = "end/";
+
 /// Named columns over time.
 struct DataTable {
   std::string file;
   std::vector<double> times;         ///< s, not decreasing: states jump between rows at one time
   std::vector<std::string> columns;  ///< without the time
-  /// How many of them, from the first, are the state of a solution; absent: a CSV file.
+  /// How many of them, from the first, are the state of a solution, linear controls not among them;
+  /// absent: a CSV file.
   std::optional<std::size_t> state_columns;
   std::vector<std::vector<std::optional<double>>> rows;  ///< one a time; empty cells are allowed
 

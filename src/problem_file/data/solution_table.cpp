@@ -86,6 +86,12 @@ class TrajectoryReader {
   const Json &t_, &x_, &u_;
 };
 
+/// How many linear controls the states of a solution end with.
+std::size_t linear_controls(const std::vector<std::string>& u_names) {
+  return std::ranges::count_if(
+      u_names, [](const std::string& name) { return name.starts_with(kEndOfKnot); });
+}
+
 DataTable read_trajectory(const Json& solution) {
   const Json& trajectory = solution_member(solution, "trajectory");
   const Json& columns = solution_member(trajectory, "columns");
@@ -93,7 +99,7 @@ DataTable read_trajectory(const Json& solution) {
   const auto u_names = read_names(solution_member(columns, "u"), "trajectory.columns.u");
   DataTable table;
   table.columns = x_names;
-  table.state_columns = x_names.size();
+  table.state_columns = x_names.size() - std::min(x_names.size(), linear_controls(u_names));
   table.columns.insert(table.columns.end(), u_names.begin(), u_names.end());
   TrajectoryReader(trajectory).read(x_names.size(), u_names.size(), table);
   return table;

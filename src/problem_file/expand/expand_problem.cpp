@@ -91,7 +91,7 @@ OrderedJson expand_phases(const ProblemSpec& spec) {
 
 OrderedJson expand_initial_state(const ProblemSpec& spec, const KnotModel& model) {
   OrderedJson json = expand_state(spec.initial_state);
-  if (model.has_previous_control() && !spec.initial_state.previous_control)
+  if (model.control_memory() == ControlMemory::previous && !spec.initial_state.previous_control)
     json["previous_control"] = 0.0;
   return json;
 }
@@ -193,6 +193,7 @@ OrderedJson expand_problem(const ProblemSpec& spec, const BuiltProblem& built) {
   expand_plant(spec, json);
   json["initial_state"] = expand_initial_state(spec, model);
   json["integrator"] = word_of(kIntegratorWords, integrator_of(*built.problem));
+  json["controls"] = word_of(kControlCourseWords, spec.controls.value);
   json["running_costs"] = word_of(kRunningCostsWords, spec.running_costs);
   if (!spec.contacts.empty()) json["contacts"] = expand_contacts(spec.contacts);
   if (!spec.system) json["collision"] = expand_collision(spec.collision);

@@ -91,6 +91,19 @@ std::optional<int> MeshRefinement::next(const ShootingProblem& problem, const So
   return factor_;
 }
 
+namespace {
+
+/// Moves the end of a linear control to where the control is when `passed` of a knot has passed.
+void end_on_line(const ShootingProblem& problem, const Trajectory& trajectory, int knot,
+                 double passed, Eigen::Map<Eigen::VectorXd> u) {
+  if (problem.phases()[problem.knot(knot).phase].instant) return;
+  const int n = problem.terminal().model->remembered_controls();
+  const auto begin = trajectory.x(knot).tail(n);
+  u.head(n) = begin + std::min(passed, 1.0) * (trajectory.u(knot).head(n) - begin);
+}
+
+}  // namespace
+
 Trajectory on_grid(const ShootingProblem& from, const Trajectory& trajectory,
                    const ShootingProblem& to) {
   Trajectory result = to.create_trajectory();
@@ -103,6 +116,9 @@ Trajectory on_grid(const ShootingProblem& from, const Trajectory& trajectory,
       between(from.manifold(), trajectory.x(first_from + k).data(),
               trajectory.x(first_from + k + 1).data(), at - k, result.x(first_to + j).data());
       result.u(first_to + j) = trajectory.u(first_from + k);
+      if (from.terminal().model->has_linear_controls())
+        end_on_line(from, trajectory, first_from + k,
+                    static_cast<double>(j + 1) * coarse / fine - k, result.u(first_to + j));
     }
     first_from += coarse;
     first_to += fine;

@@ -59,9 +59,10 @@ bool collocate(const ProblemSpec& spec, Plant& plant, Diagnostics& out) {
 
 void add_collocation_terms(const std::shared_ptr<const CollocationSystem>& system,
                            KnotModel& model) {
-  model.add_constraint(
-      make_constraint(kName, collocation_residual(system, model.ndx(), model.free_duration()),
-                      ConstraintKind::bounds));
+  model.add_constraint(make_constraint(
+      kName,
+      collocation_residual(system, model.ndx(), model.free_duration(), model.has_linear_controls()),
+      ConstraintKind::bounds));
 }
 
 void write_collocation_parameters(const KnotModel& model, double dt, double* parameters) {
@@ -77,6 +78,7 @@ void guess_slopes(const CollocationSystem& system, const ShootingProblem& proble
   const auto data = inside.create_data(double{});
   const int n = system.ndx(), rows = system.rows(), top = n - rows;
   const int stages = system.later_stages();
+  Eigen::VectorXd u(system.actuators());  // at a stage
   // ẋ, of which the last rows are the slopes.
   const auto rate = [&](const Eigen::VectorXd& x, const double* w) {
     inside.evaluate(x.data(), w, *data);
@@ -88,9 +90,12 @@ void guess_slopes(const CollocationSystem& system, const ShootingProblem& proble
     const KnotView& knot = problem.knot(k);
     if (problem.phases()[knot.phase].instant) continue;
     auto w = trajectory.u(k);
+    const bool linear = knot.model->has_linear_controls();
+    const double* first =
+        linear ? trajectory.x(k).data() + problem.nx() - system.actuators() : w.data();
     const double h = knot.model->step(knot.dt, trajectory.x(k).data());
     const Eigen::VectorXd x = trajectory.x(k).head(n), next = trajectory.x(k + 1).head(n);
-    Eigen::VectorXd begin = rate(x, w.data());
+    Eigen::VectorXd begin = rate(x, first);
     const Eigen::VectorXd end = rate(next, w.data());
     if (!begin.allFinite()) begin = (next - x) / h;  // rules of Radau do without it
     w.segment(system.slopes(stages), rows) = end.tail(rows);
@@ -98,7 +103,8 @@ void guess_slopes(const CollocationSystem& system, const ShootingProblem& proble
       const double c = system.time(i), past = c * c * (3 - 2 * c);
       const Eigen::VectorXd between =
           (1 - past) * x + past * next + h * c * (1 - c) * ((1 - c) * begin - c * end);
-      w.segment(system.slopes(i), rows) = rate(between, w.data()).tail(rows);
+      for (int j = 0; j < system.actuators(); ++j) u[j] = first[j] + c * (w[j] - first[j]);
+      w.segment(system.slopes(i), rows) = rate(between, u.data()).tail(rows);
     }
   }
 }

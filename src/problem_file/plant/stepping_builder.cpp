@@ -71,8 +71,8 @@ void check_terms(const ProblemSpec& spec, Diagnostics& out) {
                                               "found",
                                               kRegularization));
   if (const CostSpec* rate = spec.first_use(&ResidualNeeds::previous_control))
-    out.error(rate->residual.place,
-              fmt::format("contact-implicit problems do not support '{}'", rate->residual.value));
+    out.error(rate->residual.place, fmt::format("contact-implicit problems do not support '{}'",
+                                                spec.use_of_previous_control()));
   for (const ConstraintSpec* constraint : spec.all_constraints())
     if (const Name& name = constraint->function.name;
         name.value == kEquations || name.value == kPairs)

@@ -106,6 +106,9 @@ void read_motion(YamlMap& map, ProblemSpec& spec) {
   if (const auto r = map.find("integrator"))
     if (const auto integrator = r->choice(kIntegratorWords, "integrator"))
       spec.integrator = {*integrator, r->place()};
+  if (const auto r = map.find("controls"))
+    if (const auto course = r->choice(kControlCourseWords, "course of the controls"))
+      spec.controls = {*course, r->place()};
   map.choice("running_costs", spec.running_costs, kRunningCostsWords, "kind of running costs");
 }
 

@@ -16,13 +16,14 @@ struct Combinable {
   std::vector<std::string> names{"constant"};
   std::vector<LinearCombination::Term> terms{{}};
 
-  explicit Combinable(const System& system) {
+  /// `controls`: how many of the controls, the first ones.
+  Combinable(const System& system, int controls) {
     for (const auto& segment : system.manifold().segments())
       for (int i = 0; segment.part == StateManifold::Part::flat && i < segment.n; ++i) {
         names.push_back(system.state_columns()[segment.x + i].name);
         terms.push_back({0, false, segment.x + i, segment.dx + i});
       }
-    for (int i = 0; i < system.nu(); ++i) {
+    for (int i = 0; i < controls; ++i) {
       const std::string& name = system.control_columns()[i].name;
       const bool taken = std::find(names.begin(), names.end(), name) != names.end();
       names.push_back((taken ? "u/" : "") + name);
@@ -54,7 +55,9 @@ bool add_term(const Combinable& combinable, const Name& name, double factor, Lin
 
 std::optional<std::vector<LinearCombination>> find_combinations(
     const std::vector<NamedNumbers>& given, const ResidualContext& context) {
-  const Combinable combinable(*context.plant.system);
+  const System& system = *context.plant.system;
+  const bool linear = context.spec.has_linear_controls();
+  const Combinable combinable(system, linear ? system.actuators() : system.nu());
   std::vector<LinearCombination> rows;
   bool good = true;
   for (const NamedNumbers& factors : given) {

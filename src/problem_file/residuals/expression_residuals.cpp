@@ -60,12 +60,29 @@ const ExpressionSystemSpec* own_system(const ProblemSpec& spec) {
              : nullptr;
 }
 
+/// The control of the knot before, which stands behind the system's state: `previous[force]`,
+/// `previous[knee]` of a column u/knee.
+KnotName previous_control(const Plant& plant) {
+  KnotName name{.name = std::string(kPreviousControl), .unit = "", .numbers = {}, .parts = {}};
+  for (const Column& column : plant.actuated().control_columns()) {
+    const int index = static_cast<int>(name.numbers.size());
+    name.parts.push_back({column.name.substr(column.name.find('/') + 1), index});
+    name.numbers.push_back({false, plant.system->nx() + index});
+  }
+  return name;
+}
+
 /// What a residual's expressions may name.
 ExpressionResidualText text_of(const ExpressionRowsSpec& rows,
                                std::vector<ExpressionOperand> operands,
                                const ResidualContext& context) {
-  ExpressionResidualText text{.names = knot_names(*context.plant.system),
-                              .operands = std::move(operands)};
+  // Slopes of collocation are no controls at a knot's beginning.
+  const bool linear = context.spec.has_linear_controls();
+  ExpressionResidualText text{
+      .names = knot_names(linear ? context.plant.actuated() : *context.plant.system),
+      .operands = std::move(operands)};
+  if (context.cost.names_previous_control && !linear)
+    text.names.push_back(previous_control(context.plant));
   add_names(context.spec.names, text.parameters, text.tables);
   if (const ExpressionSystemSpec* own = own_system(context.spec)) {
     add_names(own->own, text.parameters, text.tables);

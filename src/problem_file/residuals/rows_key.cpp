@@ -1,8 +1,11 @@
 #include "problem_file/residuals/rows_key.hpp"
 
+#include <algorithm>
+
 #include "problem_file/spec/expression_source.hpp"
 #include "problem_file/values/expand_values.hpp"
 #include "problem_file/values/read_values.hpp"
+#include "systems/expressions/lexer.hpp"
 
 namespace conddp {
 namespace {
@@ -46,6 +49,19 @@ ExpressionRowsSpec read_texts(const YamlReader& reader) {
   return rows;
 }
 
+/// Whether a text names the previous control: `previous[force]`. What is no expression is reported
+/// where it is parsed.
+bool names_previous_control(const ExpressionText& text) {
+  try {
+    ExpressionLexer lexer(text.text);
+    while (lexer.next().kind != ExpressionToken::Kind::kEnd)
+      if (lexer.take().is(kPreviousControl) && lexer.next().is("[")) return true;
+  } catch (const ExpressionError&) {
+    return false;
+  }
+  return false;
+}
+
 OrderedJson expand_factors(const std::vector<NamedNumbers>& rows) {
   OrderedJson json = OrderedJson::array();
   for (const NamedNumbers& row : rows) json.push_back(expand_numbers(row));
@@ -87,10 +103,11 @@ const ResidualKey& rows_key() {
       })"),
       {.required = true},
       [](const YamlReader& reader, CostSpec& cost) {
-        if (in_expressions(cost))
-          cost.keys.set(key::expression_rows, read_texts(reader));
-        else
-          cost.keys.set(key::combination_rows, read_factors(reader));
+        if (!in_expressions(cost))
+          return cost.keys.set(key::combination_rows, read_factors(reader));
+        ExpressionRowsSpec texts = read_texts(reader);
+        cost.names_previous_control = std::ranges::any_of(texts.texts, names_previous_control);
+        cost.keys.set(key::expression_rows, std::move(texts));
       },
       [](const CostSpec& cost, const KeyContext&) {
         return in_expressions(cost) ? expand_texts(cost.keys.value(key::expression_rows))

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string_view>
 #include <vector>
 
 #include "problem_file/spec/residual_definition.hpp"
@@ -14,6 +15,9 @@ inline const Key<std::vector<NamedNumbers>> combination_rows{"rows"};
 inline const Key<ExpressionRowsSpec> expression_rows{"rows"};
 
 }  // namespace key
+
+/// The name under which expressions know the control of the knot before, by its components.
+inline constexpr std::string_view kPreviousControl = "previous";
 
 /// The rows of a combination, in factors, or of a residual in expressions.
 const ResidualKey& rows_key();

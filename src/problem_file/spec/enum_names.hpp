@@ -31,6 +31,8 @@ inline constexpr IntegratorWords kIntegratorWords;
 /// Of the integrators that files can ask for.
 inline constexpr auto& kIntegratorWords = detail::kIntegratorWords.words;
 
+inline constexpr Choice<ControlCourse> kControlCourseWords[] = {
+    {"constant", ControlCourse::kConstant}, {"linear", ControlCourse::kLinear}};
 inline constexpr Choice<RunningCosts> kRunningCostsWords[] = {{"rate", RunningCosts::kRate},
                                                               {"sum", RunningCosts::kSum}};
 

@@ -26,12 +26,21 @@ std::vector<const ConstraintSpec*> ProblemSpec::all_constraints() const {
 }
 
 const CostSpec* ProblemSpec::first_use(bool ResidualNeeds::*need) const {
+  const auto has_need = [need](const CostSpec& cost) {
+    return cost.definition->needs.*need ||
+           (need == &ResidualNeeds::previous_control && cost.names_previous_control);
+  };
   for (const CostSpec* cost : all_costs())
-    if (cost->definition->needs.*need) return cost;
+    if (has_need(*cost)) return cost;
   for (const ConstraintSpec* constraint : all_constraints())
-    if (!constraint->bounded && constraint->function.definition->needs.*need)
-      return &constraint->function;
+    if (!constraint->bounded && has_need(constraint->function)) return &constraint->function;
   return nullptr;
+}
+
+std::string_view ProblemSpec::use_of_previous_control() const {
+  const CostSpec* use = first_use(&ResidualNeeds::previous_control);
+  if (use == nullptr) return "";
+  return use->names_previous_control ? "previous" : use->definition->name;
 }
 
 bool ProblemSpec::has_jumps() const {

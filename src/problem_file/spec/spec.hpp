@@ -62,6 +62,12 @@ struct PhaseSpec {
   NamedNumbers weights;
 };
 
+/// What controls are between knots.
+enum class ControlCourse {
+  kConstant,  ///< what they are at the knot's beginning
+  kLinear,    ///< they go straight to what they are at the next knot's beginning
+};
+
 enum class RunningCosts {
   kRate,  ///< multiplied by dt
   kSum,   ///< added up as they are
@@ -121,6 +127,7 @@ struct ProblemSpec {
   Vector3<double> gravity{0, 0, -9.81};  ///< m/s²
   StateSpec initial_state;
   std::optional<Located<Integrator>> integrator;  ///< absent: the system's usual one
+  Located<ControlCourse> controls{ControlCourse::kConstant, {}};
   RunningCosts running_costs = RunningCosts::kRate;
   std::vector<ContactSpec> contacts;
   CollisionSpec collision;
@@ -144,6 +151,7 @@ struct ProblemSpec {
   const ContactNames& last_contacts() const {
     return terminal_contacts ? *terminal_contacts : phases.back().contacts;
   }
+  bool has_linear_controls() const { return controls.value == ControlCourse::kLinear; }
   /// Null if all durations are fixed.
   const PhaseSpec* first_free_duration() const;
   /// Those at running knots, then those at the last node.
@@ -160,6 +168,8 @@ struct ProblemSpec {
   /// The first cost or constraint, at running knots or the last node, whose residual needs this;
   /// null if there is none.
   const CostSpec* first_use(bool ResidualNeeds::*need) const;
+  /// What first needs the previous control, by its name in the file; empty: nothing.
+  std::string_view use_of_previous_control() const;
 };
 
 }  // namespace conddp

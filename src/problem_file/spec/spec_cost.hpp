@@ -49,7 +49,8 @@ struct CostSpec {
   Name name;
   Name residual;
   const ResidualDefinition* definition = nullptr;
-  KeyValues keys;  ///< of the residual
+  KeyValues keys;                       ///< of the residual
+  bool names_previous_control = false;  ///< in its expressions
   double weight = 1;
   ActivationSpec activation;
   std::optional<ComponentsSpec> weights;  ///< of the components, besides `weight`

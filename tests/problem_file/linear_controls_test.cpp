@@ -1,0 +1,310 @@
+// Controls that are linear between knots.
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "analysis/certificate/derivative_check.hpp"
+#include "analysis/certificate/replay.hpp"
+#include "ocp/evaluation/evaluator.hpp"
+#include "problem_file/mesh/mesh.hpp"
+#include "problem_text.hpp"
+#include "solvers/strategies/registry.hpp"
+#include "support/temporary_folder.hpp"
+
+namespace conddp {
+namespace {
+
+/// A mass moves one metre from rest to rest with the least energy ∫u², which a state counts: rk4
+/// integrates that of linear controls exactly, and the optimum u = 6 − 12 t is linear.
+const std::string kLeastEnergy = R"(conddp: 1
+system:
+  states: {x: m, v: m/s, energy: "1"}
+  controls: {force: N}
+  rate: {x: v, v: force, energy: force^2}
+initial_state: {values: {x: 0}}
+integrator: rk4
+controls: linear
+phases:
+  - {name: start, choose: none}
+  - {name: move, knots: 4, duration: 1}
+terminal:
+  costs:
+    energy: {residual: expression, rows: [energy], activation: linear}
+  constraints:
+    there: {residual: state, columns: [x, v], reference: {values: {x: 1}}}
+solver: {name: ipopt}
+)";
+
+/// A pendulum with bounds that hold it back, and costs on state and control.
+const std::string kSwing = R"(conddp: 1
+system: {type: pendulum}
+initial_state: {values: {theta: 0.4}}
+integrator: rk4
+controls: linear
+phases:
+  - {name: start, choose: none}
+  - {name: first, knots: 8, dt: 0.05}
+  - {name: second, knots: 6, dt: 0.1}
+costs:
+  effort: {residual: control, weight: 0.1}
+  way: {residual: state, weight: 0.2, phases: first}
+constraints:
+  torque: {bounds: control, lower: -2, upper: 3}
+terminal:
+  costs:
+    goal: {residual: state, reference: {values: {theta: 1}}, weight: 20}
+solver: {name: ipopt}
+)";
+
+/// The swing with steps of half the length.
+std::string halved(const std::string& swing) {
+  return replaced(replaced(swing, "knots: 8, dt: 0.05", "knots: 16, dt: 0.025"),
+                  "knots: 6, dt: 0.1", "knots: 12, dt: 0.05");
+}
+
+SolveResult solved(const Loaded& loaded, const std::string& solver) {
+  EXPECT_TRUE(loaded.built) << loaded.all();
+  SolverOptions options = loaded.spec->solver.options;
+  options.max_iterations = 500;
+  return solve(*loaded.built->problem, solver, options, loaded.built->guess);
+}
+
+/// The control at each node from the first that follows the choice on.
+std::vector<double> nodal_controls(const Trajectory& trajectory) {
+  std::vector<double> controls;
+  for (int k = 1; k <= trajectory.knots(); ++k)
+    controls.push_back(trajectory.x(k)[trajectory.nx() - 1]);
+  return controls;
+}
+
+TEST(LinearControls, GiveTheExactOptimumWhereThatIsLinear) {
+  for (const char* integrator : {"rk4", "hermite_simpson", "radau5"}) {
+    const Loaded loaded(replaced(kLeastEnergy, "rk4", integrator));
+    const SolveResult result = solved(loaded, "ipopt");
+    ASSERT_EQ(result.status, SolveStatus::converged) << result.message;
+    EXPECT_NEAR(result.cost, 12, 1e-8) << integrator;
+    const std::vector<double> u = nodal_controls(result.trajectory);
+    for (int k = 0; k <= 4; ++k) EXPECT_NEAR(u[k], 6 - 3 * k, 1e-6) << integrator;
+  }
+}
+
+TEST(LinearControls, ConvergeWithTheSquareOfTheStep) {
+  // The optimum of ∫u² + x² from x = 1 of x' = u is tanh 1.
+  const std::string text = R"(conddp: 1
+system: {states: {x: m}, controls: {u: m/s}, rate: {x: u}}
+initial_state: {values: {x: 1}}
+controls: linear
+phases:
+  - {name: start, choose: none}
+  - {name: move, knots: 10, duration: 1}
+costs:
+  both: {residual: expression, rows: [x, u], weight: 2}
+solver: {name: ilqr}
+)";
+  const auto error = [&](const std::string& knots) {
+    const SolveResult result =
+        solved(Loaded(replaced(text, "knots: 10", "knots: " + knots)), "ilqr");
+    EXPECT_EQ(result.status, SolveStatus::converged) << result.message;
+    return std::abs(result.cost - std::tanh(1));
+  };
+  EXPECT_NEAR(std::log2(error("10") / error("20")), 2, 0.1);
+  EXPECT_NEAR(std::log2(error("20") / error("40")), 2, 0.1);
+}
+
+TEST(LinearControls, HaveOneOptimumForAllSolvers) {
+  const Loaded loaded(kSwing);
+  const SolveResult known = solved(loaded, "ipopt");
+  ASSERT_EQ(known.status, SolveStatus::converged) << known.message;
+  for (const char* solver : {"box_ddp", "box_fddp", "altro", "proxddp"}) {
+    const SolveResult result = solved(loaded, solver);
+    EXPECT_EQ(result.status, SolveStatus::converged) << solver << ": " << result.message;
+    EXPECT_NEAR(result.cost, known.cost, 1e-6 * known.cost) << solver;
+  }
+  const Loaded unbounded(
+      replaced(kSwing, "constraints:\n  torque: {bounds: control, lower: -2, upper: 3}\n", ""));
+  const double least = solved(unbounded, "ipopt").cost;
+  EXPECT_LT(least, known.cost * (1 - 1e-4));
+  for (const char* solver : {"ilqr", "ddp", "fddp"})
+    EXPECT_NEAR(solved(unbounded, solver).cost, least, 1e-6 * least) << solver;
+}
+
+TEST(LinearControls, KeepTheirBoundsEverywhere) {
+  const Loaded loaded(kSwing);
+  const SolveResult result = solved(loaded, "box_ddp");
+  ASSERT_EQ(result.status, SolveStatus::converged) << result.message;
+  const std::vector<double> u = nodal_controls(result.trajectory);
+  EXPECT_EQ(*std::max_element(u.begin(), u.end()), 3);
+  EXPECT_GE(*std::min_element(u.begin(), u.end()), -2);
+}
+
+TEST(LinearControls, HaveTheDerivativesOfDualNumbers) {
+  const std::string curved = replaced(
+      kSwing, "constraints:\n",
+      "constraints:\n  power: {residual: expression, rows: [\"torque*omega\"], upper: [4]}\n");
+  for (const std::string& text : {kLeastEnergy, kSwing, curved}) {
+    const Loaded loaded(text);
+    ASSERT_TRUE(loaded.built) << loaded.all();
+    Trajectory point = loaded.built->guess;
+    for (int k = 0; k <= point.knots(); ++k) {
+      for (int i = 0; i < point.nx(); ++i) point.x(k)[i] += std::sin(1 + 2 * k + 5 * i);
+      if (k < point.knots())
+        for (int i = 0; i < point.nu(k); ++i) point.u(k)[i] += std::cos(3 * k + i);
+    }
+    for (const DerivativeComparison& c : check_derivatives(*loaded.built->problem, point))
+      EXPECT_LT(c.error, 1e-8) << c.phase << " " << c.row << " " << c.column << text;
+  }
+}
+
+TEST(LinearControls, ArePassedOnBesideFreeDurations) {
+  // Time-optimal with a limited force: linear controls approach 2 from above.
+  const std::string text =
+      replaced(replaced(kLeastEnergy, "duration: 1}",
+                        "duration: 2, free_duration: {lower: 0.5, upper: 5}}"),
+               "  costs:\n    energy: {residual: expression, rows: [energy], activation: linear}\n",
+               "") +
+      "costs: {time: {residual: combination, rows: {constant: 1}, weight: 2}}\n"
+      "constraints: {force: {bounds: control, lower: -1, upper: 1}}\n";
+  const auto duration = [&](const std::string& knots) {
+    const Loaded loaded(replaced(text, "knots: 4", "knots: " + knots));
+    const SolveResult result = solved(loaded, "ipopt");
+    EXPECT_EQ(result.status, SolveStatus::converged) << result.message;
+    const std::vector<double> u = nodal_controls(result.trajectory);
+    EXPECT_NEAR(u.front(), 1, 1e-6);
+    EXPECT_NEAR(u.back(), -1, 1e-6);
+    return loaded.built->problem->times(result.trajectory).back();
+  };
+  // With n knots the force is −1 or 1 but on the one in the middle, where it goes from 1 to −1.
+  // Of a ramp of the length T/n, T²/4 (1 − 1/(3 n²)) = 1.
+  for (const int n : {5, 15})
+    EXPECT_NEAR(duration(std::to_string(n)), 2 / std::sqrt(1 - 1 / (3.0 * n * n)), 1e-5) << n;
+}
+
+/// By finer steps along the same lines, which are off by the error of the rule alone.
+TEST(LinearControls, AreReplayedAsTheyAre) {
+  for (const char* integrator : {"rk4", "hermite_simpson"}) {
+    const auto error = [&](const std::string& text) {
+      const Loaded loaded(replaced(text, "rk4", integrator));
+      const SolveResult result = solved(loaded, "ipopt");
+      EXPECT_EQ(result.status, SolveStatus::converged) << result.message;
+      return replay_error(*loaded.built->problem, result.trajectory, 10);
+    };
+    const double ratio = error(kSwing) / error(halved(kSwing));
+    EXPECT_GT(ratio, 10) << integrator;
+    EXPECT_LT(ratio, 26) << integrator;
+  }
+}
+
+TEST(LinearControls, BeginAsTheFileSaysWhereItGivesTheFirst) {
+  const std::string text =
+      replaced(replaced(kSwing, "  - {name: start, choose: none}\n", ""), "{values: {theta: 0.4}}",
+               "{values: {theta: 0.4}, previous_control: 0.5}");
+  const Loaded loaded(text);
+  const SolveResult result = solved(loaded, "box_ddp");
+  ASSERT_EQ(result.status, SolveStatus::converged) << result.message;
+  EXPECT_EQ(result.trajectory.x(0)[2], 0.5);
+  EXPECT_LT(result.trajectory.x(1)[2], -1) << "where it would rather have begun";
+}
+
+TEST(LinearControls, CountTheirCostsByTheTrapezoidalRule) {
+  const Loaded loaded(kSwing);
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const ShootingProblem& problem = *loaded.built->problem;
+  Trajectory t = loaded.built->guess;
+  const int last = t.knots();
+  for (int k = 1; k <= last; ++k) {
+    t.x(k) << 0.1 * k, 0, k;
+    t.u(k - 1)[0] = k;
+  }
+  Evaluation values(problem);
+  Evaluator(problem).evaluate(t, values);
+  double expected = 0.5 * 20 * ((0.1 * last - 1) * (0.1 * last - 1));
+  const std::vector<double>& times = problem.times();
+  const auto effort = [](int k) { return 0.5 * 0.1 * k * k; };
+  const auto way = [](int k) { return 0.5 * 0.2 * 0.01 * k * k; };
+  for (int k = 1; k < last; ++k) {
+    const double half = 0.5 * (times[k + 1] - times[k]);
+    expected += half * (effort(k) + effort(k + 1));
+    if (k <= 8) expected += half * (way(k) + way(k + 1));
+  }
+  EXPECT_NEAR(values.cost.sum(), expected, 1e-12 * expected);
+}
+
+TEST(LinearControls, AreRefinedAlongTheirLines) {
+  const Loaded coarse(kSwing), fine(halved(kSwing));
+  ASSERT_TRUE(coarse.built && fine.built);
+  const SolveResult result = solved(coarse, "box_ddp");
+  const Trajectory finer = on_grid(*coarse.built->problem, result.trajectory, *fine.built->problem);
+  const std::vector<double> u = nodal_controls(result.trajectory), v = nodal_controls(finer);
+  for (std::size_t k = 0; k + 1 < u.size(); ++k) {
+    EXPECT_NEAR(v[2 * k], u[k], 1e-14);
+    EXPECT_NEAR(v[2 * k + 1], 0.5 * (u[k] + u[k + 1]), 1e-14);
+  }
+  for (int k = 1; k < finer.knots(); ++k) EXPECT_NEAR(finer.u(k)[0], v[k], 1e-14) << k;
+}
+
+/// A former solution, by its own columns: those at the nodes are taken.
+TEST(LinearControls, BeginWithThoseOfAFormerSolution) {
+  const TemporaryFolder folder;
+  const std::string file =
+      folder.write("start.json", R"({"format": "conddp.solution/1", "trajectory": {
+    "columns": {"x": ["theta", "omega", "torque"], "u": ["end/torque"]},
+    "t": [0, 0, 0.4, 1],
+    "x": [[0, 0, 0], [0, 0, 1], [0.2, 0.1, 2], [0.4, 0.1, -1]],
+    "u": [[1], [2], [-1]]}})");
+  const std::string guess = "initial_guess: {file: " + file + "}\n";
+  const Loaded linear(kSwing + guess);
+  ASSERT_TRUE(linear.built) << linear.all();
+  const Trajectory& t = linear.built->guess;
+  EXPECT_DOUBLE_EQ(t.u(0)[0], 1);
+  EXPECT_NEAR(t.x(5)[2], 1.5, 1e-12);
+  EXPECT_NEAR(t.u(4)[0], 1.5, 1e-12);
+  EXPECT_NEAR(t.u(t.knots() - 1)[0], -1, 1e-12);
+  const Loaded constant(replaced(replaced(kSwing, "controls: linear\n", ""),
+                                 "  - {name: start, choose: none}\n", "") +
+                        guess);
+  ASSERT_TRUE(constant.built) << constant.all();
+  EXPECT_DOUBLE_EQ(constant.built->guess.u(3)[0], 1) << "held from the node before";
+}
+
+TEST(LinearControls, AreNamedAtTheNodesAndAtTheEndsOfKnots) {
+  const Loaded loaded(replaced(kSwing, "rk4", "trapezoidal"));
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  std::string names;
+  for (const auto* columns : {&loaded.built->state_columns, &loaded.built->control_columns})
+    for (const Column& column : *columns) names += column.name + " ";
+  EXPECT_EQ(names, "theta omega torque end/torque slope_end/omega ");
+}
+
+TEST(LinearControls, SayWhatExcludesThem) {
+  struct Case {
+    std::string from, to, message;
+  };
+  const Case cases[] = {
+      {"rk4", "explicit_euler",
+       "4:13: linear controls need an integrator with stages after the beginning of its steps"},
+      {"  - {name: start, choose: none}\n", "",
+       "5:11: the first of linear controls is chosen in a first phase without time, and there is "
+       "none"},
+      {"{values: {theta: 0.4}}", "{values: {theta: 0.4}, previous_control: 1}",
+       "3:57: the first of linear controls is chosen in the first phase, and given here"},
+      {"upper: 3}", "upper: 3, phases: first}",
+       "14:3: bounds on linear controls hold in all phases"},
+      {"{residual: control,", "{residual: control_rate,",
+       "11:22: 'control_rate' needs controls that are constant between knots"},
+      {"terminal:\n", "terminal:\n  lqr: {about: {values: {theta: 0}}}\n",
+       "16:8: 'lqr' does not support linear controls"},
+      {"dt: 0.1}", "dt: 0.1, free_duration: {}}",
+       "11:3: running costs on linear controls and free durations exclude each other"},
+  };
+  for (const Case& c : cases)
+    EXPECT_EQ(Loaded(replaced(kSwing, c.from, c.to)).first_error(), c.message);
+  const Loaded discrete(
+      "conddp: 1\nsystem: {states: [x], controls: [u], next: {x: x + u}}\ninitial_state: {}\n"
+      "controls: linear\nphases: [{choose: none}, {knots: 3, dt: 1}]\n");
+  EXPECT_EQ(discrete.first_error(),
+            "4:11: a system that gives the next state itself has no controls between its knots");
+}
+
+}  // namespace
+}  // namespace conddp
