@@ -1,3 +1,4 @@
+#include "problem_file/yaml/key_path.hpp"
 #include "problem_text.hpp"
 #include "solvers/common/options.hpp"
 
@@ -57,6 +58,91 @@ TEST(Override, AnErrorQuotesTheSettingThatItIsIn) {
   const Loaded loaded(std::string(kPendulum), {"solver.max_iterations=7", "solver.nmae=3"});
   EXPECT_NE(loaded.all().find("\n  solver.nmae=3\n         ^\n"), std::string::npos)
       << loaded.all();
+}
+
+TEST(Override, NamesMayHaveDots) {
+  const Loaded loaded(
+      replaced(replaced(kPendulum, "name: first", "name: first.half"), "  effort: {",
+               "  effort.less: {residual: control}\n  effort: {"),
+      {"phases.first.half.knots=2", "costs.effort.less.weight=3", "costs.effort.weight=2"});
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  EXPECT_EQ(loaded.spec->phases[0].knots.value, 2);
+  EXPECT_EQ(loaded.spec->costs[0].weight, 3);
+  EXPECT_EQ(loaded.spec->costs[1].weight, 2);
+}
+
+TEST(Override, OfNamesWithDotsTheLongestCounts) {
+  Diagnostics out;
+  auto root = parse_setting("x={a: {b: {c: 1}}, a.b: {c: 2}}", out)->value;
+  const auto at = [&](const char* key) {
+    return find_node(root, {key, {}}, Missing::kCreate, out);
+  };
+  EXPECT_EQ(at("a.b.c")->text, "2");
+  EXPECT_EQ(at("a.b"), find_present(root, "a.b"));
+  EXPECT_EQ(find_present(root, "a.b.c")->text, "2");
+  EXPECT_EQ(find_present(root, "a.c"), nullptr);
+  EXPECT_TRUE(out.list().empty());
+}
+
+TEST(Override, AHomotopyReachesNamesWithDots) {
+  const std::string text = replaced(kPendulum, "  effort: {residual: control, weight: 0.5}",
+                                    "  effort.all: {residual: control, weight: 0.5}");
+  const Loaded loaded(replaced(text, "{name: box_ddp}",
+                               "{name: box_ddp, homotopy: [{key: costs.effort.all.weight, "
+                               "from: 2, to: 0.5}]}"));
+  EXPECT_TRUE(loaded.built) << loaded.all();
+}
+
+TEST(Override, CreatesNoDefinitionThatNothingNames) {
+  const std::string scaled = replaced(kPendulum, "name: test", "parameters: {goal: 1}");
+  struct Case {
+    std::string text, setting, message, hint;
+  };
+  const Case cases[] = {
+      {scaled, "parameters.gaol=3",
+       "the file has no 'parameters.gaol': there is no 'gaol' in 'parameters'",
+       "did you mean 'goal'?"},
+      {std::string(kPendulum), "parameters.goal=3",
+       "the file has no 'parameters.goal': there is no 'goal' in 'parameters'",
+       "a path changes what the file defines"},
+      {scaled, "tables.f={x: [0, 1], y: [0, 1]}",
+       "the file has no 'tables.f': there is no 'f' in 'tables'",
+       "a path changes what the file defines"},
+      {replaced(kPendulum, "{type: pendulum}",
+                "{states: {theta: rad, omega: rad/s}, controls: {torque: Nm}, parameters: {m: 1}, "
+                "rate: {theta: omega, omega: torque/m}}"),
+       "system.parameters.b=3",
+       "the file has no 'system.parameters.b': there is no 'b' in 'system.parameters'",
+       "did you mean 'm'?"},
+      {std::string(kCartpole), "robot.configurations.upp={joints: {hinge: 2}}",
+       "the file has no 'robot.configurations.upp': there is no 'upp' in 'robot.configurations'",
+       "did you mean 'up'?"}};
+  for (const Case& c : cases) {
+    const Loaded loaded(c.text, {c.setting});
+    ASSERT_TRUE(loaded.error()) << c.setting;
+    EXPECT_EQ(loaded.error()->message, c.message);
+    EXPECT_EQ(loaded.error()->hint, c.hint);
+    EXPECT_EQ(loaded.error()->file, "--set");
+    EXPECT_EQ(loaded.error()->column,
+              static_cast<int>(c.setting.rfind('.', c.setting.find('='))) + 2);
+  }
+}
+
+TEST(Override, AHomotopyCreatesNoParameter) {
+  const Loaded loaded(
+      replaced(replaced(kPendulum, "name: test", "parameters: {goal: 1}"), "{name: box_ddp}",
+               "{name: box_ddp, homotopy: [{key: parameters.gaol, from: 2, to: 1}]}"));
+  ASSERT_TRUE(loaded.error());
+  EXPECT_EQ(loaded.error()->hint, "did you mean 'goal'?");
+}
+
+TEST(Override, CreatesCostsAndWholeSections) {
+  const Loaded loaded(std::string(kPendulum),
+                      {"costs.more={residual: control}", "parameters={goal: 2}",
+                       "parameters.goal=3", "terminal.costs.goal.weight==goal"});
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  EXPECT_EQ(loaded.spec->costs.size(), 2u);
+  EXPECT_EQ(loaded.spec->names.parameters[0].second.numbers, std::vector<double>{3});
 }
 
 struct BadSetting {

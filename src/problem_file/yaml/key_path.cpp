@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <initializer_list>
 #include <optional>
 #include <vector>
 
@@ -30,6 +31,41 @@ std::vector<std::string> names_at(const YamlNode& node) {
   return names;
 }
 
+/// Where the first step of `path` ends at a node: behind the longest name there that it begins
+/// with, which may have dots, else before its first dot.
+std::size_t step_length(const YamlNode& node, std::string_view path) {
+  std::size_t length = 0;
+  for (const std::string& name : names_at(node))
+    if (name.size() > length && path.starts_with(name) &&
+        (name.size() == path.size() || path[name.size()] == '.'))
+      length = name.size();
+  return length > 0 ? length : first_step(path).size();
+}
+
+using Steps = std::vector<std::string>;
+
+/// Whether the mapping at the end of some steps has definitions by free names, of which a further
+/// one would change nothing: the rest of the file does not name it.
+bool has_definitions(const Steps& steps) {
+  const auto is_one_of = [](const std::string& word, std::initializer_list<std::string_view> all) {
+    return std::find(all.begin(), all.end(), word) != all.end();
+  };
+  if (steps.empty()) return false;
+  const std::string &section = steps.front(), &key = steps.back();
+  const auto is_in = [&](std::string_view one, std::string_view several) {
+    return (steps.size() == 2 && section == one) || (steps.size() == 3 && section == several);
+  };
+  if (steps.size() == 1) return is_one_of(key, {"parameters", "tables"});
+  return (is_in("system", "systems") && is_one_of(key, {"parameters", "tables", "let"})) ||
+         (is_in("robot", "robots") && key == "configurations");
+}
+
+std::string joined(const Steps& steps) {
+  std::string path;
+  for (const std::string& step : steps) path += (path.empty() ? "" : ".") + step;
+  return path;
+}
+
 /// A walk along a key path.
 class Walk {
  public:
@@ -42,9 +78,10 @@ class Walk {
       return fail(0, 0, fmt::format("the key path is deeper than {} levels", kMaxLevels));
     YamlNode* node = &root;
     for (std::size_t start = 0; node != nullptr && start <= key.size();) {
-      const std::size_t end = std::min(key.find('.', start), key.size());
+      const std::size_t end = start + step_length(*node, std::string_view(key).substr(start));
       if (start == end) return fail(start, end, "a name in the key path is empty");
       node = descend(*node, start, end);
+      before_.push_back(key.substr(start, end - start));
       start = end + 1;
     }
     return node;
@@ -72,11 +109,24 @@ class Walk {
       node = {.kind = YamlNode::Kind::kMap, .mark = mark};
     if (YamlNode* part = find_part(node, step)) return part;
     const bool creates = missing_ == Missing::kCreate || (start > 0 && end == key_.value.size());
+    if (node.kind == YamlNode::Kind::kMap && creates && has_definitions(before_))
+      return report_definition(node, step, start, end);
     if (node.kind == YamlNode::Kind::kMap && creates) {
       node.entries.push_back({step, mark, {.mark = mark}});
       return &node.entries.back().value;
     }
     return report(node, step, start, end);
+  }
+
+  YamlNode* report_definition(const YamlNode& map, const std::string& step, std::size_t start,
+                              std::size_t end) {
+    const std::vector<std::string> names = names_at(map);
+    return fail(start, end,
+                fmt::format("the file has no '{}': there is no '{}' in '{}'",
+                            key_.value.substr(0, end), step, joined(before_)),
+                names.empty() ? "a path changes what the file defines"
+                              : name_hint(step, names, "names there"),
+                names);
   }
 
   YamlNode* report(const YamlNode& node, const std::string& step, std::size_t start,
@@ -105,6 +155,7 @@ class Walk {
   const Name& key_;
   const Missing missing_;
   Diagnostics& out_;
+  Steps before_;
 };
 
 YamlNode* find_entry(YamlNode& map, std::string_view key) {
@@ -141,6 +192,16 @@ YamlNode* find_part(YamlNode& node, std::string_view step) {
 
 YamlNode* find_node(YamlNode& root, const Name& key, Missing missing, Diagnostics& out) {
   return Walk(key, missing, out).from(root);
+}
+
+YamlNode* find_present(YamlNode& root, std::string_view key) {
+  YamlNode* node = &root;
+  while (node != nullptr && !key.empty()) {
+    const std::size_t length = step_length(*node, key);
+    node = find_part(*node, key.substr(0, length));
+    key.remove_prefix(std::min(length + 1, key.size()));
+  }
+  return node;
 }
 
 std::string_view first_step(std::string_view key) { return key.substr(0, key.find('.')); }

@@ -15,9 +15,14 @@ enum class Missing {
 };
 
 /// The node of a document to which a key path such as `phases.reach.dt` leads. Steps have dots
-/// between them: the keys of mappings; in lists an index from 0, or the `name` of an entry. Null
-/// with an error where it leads nowhere.
+/// between them: the keys of mappings; in lists an index from 0, or the `name` of an entry. A name
+/// that the document has may itself have dots; of several the longest counts. Null with an error
+/// where it leads nowhere, and where it would create a definition by a free name (a parameter, a
+/// table, a named configuration): nothing would depend on that.
 YamlNode* find_node(YamlNode& root, const Name& key, Missing missing, Diagnostics& out);
+
+/// The node of a document to which a key path leads; null where the document has none.
+YamlNode* find_present(YamlNode& root, std::string_view key);
 
 /// The part of a mapping or list to which one step leads; null where there is none.
 YamlNode* find_part(YamlNode& node, std::string_view step);
