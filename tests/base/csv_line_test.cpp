@@ -1,5 +1,7 @@
 #include "base/text/csv_line.hpp"
 
+#include <string>
+
 #include <gtest/gtest.h>
 
 namespace conddp {
@@ -21,6 +23,28 @@ TEST(CsvLine, EmptyCellsCountAndBeginBehindTheirComma) {
   EXPECT_EQ(cells[1].byte, 2);
   EXPECT_EQ(cells[2].byte, 5);
   EXPECT_EQ(split_csv_line("").size(), 1u);
+}
+
+std::vector<std::string> texts(std::string_view line) {
+  std::vector<std::string> texts;
+  for (const CsvCell& cell : split_csv_line(line)) texts.push_back(cell.text);
+  return texts;
+}
+
+using Texts = std::vector<std::string>;
+
+TEST(CsvLine, TextsInQuotesMayHaveCommasSpacesAndQuotes) {
+  EXPECT_EQ(texts(R"(1,"[0.3, 0.4]" , "say ""no"", twice","",x)"),
+            (Texts{"1", "[0.3, 0.4]", "say \"no\", twice", "", "x"}));
+  EXPECT_EQ(texts("\" a \"\r"), Texts{" a "});
+  EXPECT_EQ(split_csv_line(R"(1, "a,b",c)")[1].byte, 3);
+  EXPECT_EQ(split_csv_line(R"(1, "a,b",c)")[2].byte, 9);
+}
+
+TEST(CsvLine, QuotesThatEncloseNoCellArePartOfItsText) {
+  EXPECT_EQ(texts(R"(3" pipe,"open, b)"), (Texts{"3\" pipe", "\"open", "b"}));
+  EXPECT_EQ(texts(R"("a" b,"c")"), (Texts{"\"a\" b", "c"}));
+  EXPECT_EQ(texts("\"\"\""), Texts{"\"\"\""});
 }
 
 }  // namespace
