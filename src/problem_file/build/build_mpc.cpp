@@ -40,7 +40,8 @@ void check_problem(const ProblemSpec& spec, Diagnostics& out) {
     out.error(spec.integrator->place, "a closed loop has no collocation",
               "accepted: semi_implicit_euler, explicit_euler, rk2, rk3, rk4, discrete");
   if (spec.mesh)
-    out.warning(spec.mesh->place, "a closed loop keeps the grid of its phases: 'mesh' refines none");
+    out.warning(spec.mesh->place,
+                "a closed loop keeps the grid of its phases: 'mesh' refines none");
   if (spec.has_linear_controls())
     out.error(spec.controls.place, "a closed loop applies constant controls, and these are linear",
               "write 'controls: constant'");
