@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <chrono>
 #include <deque>
 #include <mutex>
 
@@ -13,6 +12,7 @@
 #include "base/text/shell_words.hpp"
 #include "base/text/spelling.hpp"
 #include "commands/bench_problems.hpp"
+#include "commands/bench_progress.hpp"
 #include "commands/commands.hpp"
 #include "commands/parallel_tasks.hpp"
 #include "output/bench/benchmark_report.hpp"
@@ -100,38 +100,6 @@ OrderedJson changed_options(const SolverOptions& options) {
   }
   return json;
 }
-
-/// "40 s", "3 min"
-std::string about(double seconds) {
-  return seconds < 90 ? fmt::format("{:.0f} s", seconds) : fmt::format("{:.0f} min", seconds / 60);
-}
-
-/// "2.5 solves/s", "12 solves/min"
-std::string rate(double per_second) {
-  return per_second >= 1 ? fmt::format("{:.1f} solves/s", per_second)
-                         : fmt::format("{:.1f} solves/min", 60 * per_second);
-}
-
-/// How much of a benchmark is done, how fast, and when the rest will be, if that takes as long on
-/// average. Refusals take no time and do not count.
-class Progress {
- public:
-  explicit Progress(int runs) : runs_(runs) {}
-  void count() { ++done_; }
-  std::string text() const {
-    const std::string place = fmt::format("{} of {}", std::min(done_ + 1, runs_), runs_);
-    if (done_ == 0) return place;
-    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start_;
-    return fmt::format("{}, about {} left, {}", place,
-                       about(elapsed.count() / done_ * (runs_ - done_)),
-                       rate(done_ / elapsed.count()));
-  }
-
- private:
-  const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-  const int runs_;
-  int done_ = 0;
-};
 
 class Bench {
  public:
@@ -321,7 +289,7 @@ class Bench {
   const std::vector<Task> tasks_;
   BenchmarkReport report_;
   std::mutex mutex_;  ///< of progress and status
-  Progress progress_;
+  BenchProgress progress_;
   StatusLine status_;
 };
 
