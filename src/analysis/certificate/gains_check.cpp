@@ -47,7 +47,7 @@ std::vector<bool> held_controls(const ShootingProblem& problem, const SolutionCl
 /// What the sweep of the certificate is made from.
 struct SweepModel {
   const std::vector<NodeDerivatives>& derivatives;
-  std::vector<MatrixXd> hessians;
+  const std::vector<MatrixXd>& hessians;
 };
 
 /// How far the entries of one node's model may be off.
@@ -288,26 +288,27 @@ std::vector<Check> check_gains(const ShootingProblem& problem, const SolutionCla
       claims.gain_regularization > 0)
     return {};
   // What rounding may be off is carried along only where the equations do not hold without it.
-  const auto deviation = [&](const auto& hessians_at) {
-    const SweepModel model{derivatives, hessians_at(claims.trajectory)};
+  // `hessians_at` gives those at the displaced trajectory.
+  const auto deviation = [&](const std::vector<MatrixXd>& hessians_here, const auto& hessians_at) {
+    const SweepModel model{derivatives, hessians_here};
     const Deviation plain = compare(problem, claims, model, gap, nullptr);
     if (plain.feedback.value <= 1 && plain.feedforward.value <= 1) return plain;
     const auto noise = [&] {
       if (displaced == nullptr) return no_noise(model);
-      const SweepModel there{displaced->derivatives, hessians_at(displaced->trajectory)};
-      return noise_of(model, there, displaced->margin);
+      const std::vector<MatrixXd> hessians_there = hessians_at(displaced->trajectory);
+      return noise_of(model, {displaced->derivatives, hessians_there}, displaced->margin);
     };
     CarriedRounding rounding(claims, model, gap, noise());
     return compare(problem, claims, model, gap, &rounding);
   };
-  Deviation found = deviation([&](const Trajectory& trajectory) {
-    return &trajectory == &claims.trajectory ? hessians
-                                             : gauss_newton_hessians(problem, trajectory);
+  Deviation found = deviation(hessians, [&](const Trajectory& trajectory) {
+    return gauss_newton_hessians(problem, trajectory);
   });
   if (!(found.feedback.value <= 1)) {
-    const Deviation exact = deviation([&](const Trajectory& trajectory) {
+    const auto exact_at = [&](const Trajectory& trajectory) {
       return exact_hessians(problem, trajectory, claims.costates);
-    });
+    };
+    const Deviation exact = deviation(exact_at(claims.trajectory), exact_at);
     if (!(exact.feedback.value > found.feedback.value)) found = exact;
   }
   return {check_of("feedback", problem, found.feedback),
