@@ -33,7 +33,10 @@ ProblemPath perturb_initial_state(ProblemPath homotopy, double size, std::uint64
 
 Trajectory guess_of_instance(const ShootingProblem& instance, const Trajectory& guess,
                              const Perturbation& perturbation) {
-  Trajectory start = perturb_guess(instance, guess, perturbation.guess, perturbation.seed);
+  // To move by nothing would round, and draw numbers in vain.
+  Trajectory start = perturbation.guess == 0
+                         ? guess
+                         : perturb_guess(instance, guess, perturbation.guess, perturbation.seed);
   start.x(0) = Eigen::Map<const Eigen::VectorXd>(instance.initial_state().data(), instance.nx());
   return start;
 }
