@@ -110,6 +110,27 @@ void expect_gradient(const RandomCase& c, const ExpressionGraph& graph, NodeId o
     EXPECT_NEAR(gradient[i], slope_by_complex_step(c, i), 1e-11 * scale) << c.text;
 }
 
+/// The derivative of an expression by x0, or the one of that, where all inputs are 0.
+double derivative_at_zero(const std::string& text, int order) {
+  ExpressionGraph graph;
+  NodeId node = parse_good(text, graph);
+  for (int i = 0; i < order; ++i) {
+    const InputMotions motions = identity_motions(graph);
+    node = differentiate_forward(graph, {&node, 1}, motions).at(0).value;
+  }
+  const ExpressionProgram program(graph, {&node, 1}, kInputs, 1);
+  return run_program(program, std::vector<double>(kInputs, 0.0))[program.output(0)];
+}
+
+TEST(ExpressionDerivatives, PowersHaveTheirDerivativesAtZero) {
+  for (const char* text :
+       {"x0^1.5", "x0^2.5", "x0^1.7", "x0^2", "pow(x0, 3.5)", "sqrt(x0)^3", "sqrt(x0)^5"})
+    EXPECT_EQ(derivative_at_zero(text, 1), 0) << text;
+  EXPECT_EQ(derivative_at_zero("sqrt(x0)^2", 1), 1);
+  for (const char* text : {"x0^2.5", "x0^2.7", "x0^3", "sqrt(x0)^5"})
+    EXPECT_EQ(derivative_at_zero(text, 2), 0) << text;
+}
+
 TEST(ExpressionDerivatives, FirstDerivativesOfRandomExpressionsAreThoseOfComplexSteps) {
   int backward = 0;
   for (int seed = 0; seed < kRandomCases; ++seed) {

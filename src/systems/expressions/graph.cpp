@@ -183,11 +183,17 @@ NodeId ExpressionGraph::power(NodeId a, NodeId b) {
   const auto exponent = constant_of(b);
   if (!exponent || constant_of(a) || std::abs(*exponent) > kLargest)
     return fold({Operation::kPower, a, b});
-  const double twice = 2 * std::abs(*exponent);
-  if (twice != std::floor(twice)) return fold({Operation::kPower, a, b});
-  const int halves = static_cast<int>(twice);
-  NodeId result = integer_power(a, halves / 2);
-  if (halves % 2 == 1) result = multiply(result, function(Operation::kSqrt, a));
+  const double size = std::abs(*exponent);
+  // Other halves of odd numbers are no products with a root: its derivative at 0 is infinite, that
+  // of the power is not.
+  const bool is_root = size == 0.5, is_integer = size == std::floor(size);
+  if (is_integer && size > 1 && nodes_[a].operation == Operation::kSqrt) {
+    const NodeId radicand = nodes_[a].a;
+    return power(radicand, constant(*exponent / 2));
+  }
+  if (!is_root && !is_integer) return fold({Operation::kPower, a, b});
+  const NodeId result =
+      is_root ? function(Operation::kSqrt, a) : integer_power(a, static_cast<int>(size));
   return *exponent < 0 ? inverse(result) : result;
 }
 

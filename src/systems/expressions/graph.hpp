@@ -84,7 +84,7 @@ class ExpressionGraph {
   NodeId divide(NodeId a, NodeId b);
   NodeId negate(NodeId a);
   NodeId inverse(NodeId a);
-  /// a to the power b: products for integers up to 64 and for halves of odd ones.
+  /// a to the power b: products for integers up to 64, a root for halves.
   NodeId power(NodeId a, NodeId b);
   /// A function of one argument, kSqrt to kLog.
   NodeId function(Operation operation, NodeId a);
