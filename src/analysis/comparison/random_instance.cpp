@@ -3,6 +3,7 @@
 #include <random>
 
 #include "solvers/common/guess.hpp"
+#include "systems/clock.hpp"
 
 namespace conddp {
 
@@ -17,6 +18,8 @@ ShootingProblem perturb_initial_state(const ShootingProblem& problem, double siz
   std::vector<double> dx(problem.ndx(), 0.0);
   for (int i = 0; i < problem.ndx() - memory; ++i)
     dx[i] = size * (static_cast<double>(engine() >> 11) * 0x1p-52 - 1);
+  // The time begins when it does.
+  for (const int i : clock_coordinates(model.system())) dx[i] = 0;
   std::vector<double> x0 = problem.initial_state();
   problem.manifold().integrate(x0.data(), dx.data(), x0.data());
   return {std::move(x0), problem.phases(), problem.terminal()};

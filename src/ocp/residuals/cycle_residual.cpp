@@ -9,12 +9,14 @@ namespace {
 /// x ⊖ ((x₀ ⊕ S m) + offset), part by part of the state.
 class CycleResidual : public ResidualBase<CycleResidual> {
  public:
-  CycleResidual(const StateManifold& manifold, const ChosenStart& start, std::vector<double> offset)
-      : ResidualBase(structure(manifold, start), 0, false),
+  CycleResidual(const StateManifold& manifold, const ChosenStart& start, std::vector<double> offset,
+                const std::vector<int>& left_out)
+      : ResidualBase(structure(manifold, start, left_out), 0, false),
         manifold_(manifold),
         start_(start.state),
         offset_(std::move(offset)),
-        memory_(memory_of(manifold, start)) {
+        memory_(memory_of(manifold, start)),
+        has_row_(rows_of(manifold, left_out)) {
     for (const auto& segment : manifold.curved()) {
       StateManifold& part = parts_.emplace_back();
       part.append(segment.part);
@@ -29,14 +31,17 @@ class CycleResidual : public ResidualBase<CycleResidual> {
       if (segment.part == StateManifold::Part::flat) {
         for (int i = 0; i < segment.n; ++i) {
           const int x = segment.x + i, m = memory_[segment.dx + i];
-          r[segment.dx + i] = in.x[x] - S(start_[x] + offset_[x]);
-          if (m >= 0) r[segment.dx + i] -= in.x[manifold_.nx() + m];
+          if (!has_row_[segment.dx + i]) continue;
+          *r = in.x[x] - S(start_[x] + offset_[x]);
+          if (m >= 0) *r -= in.x[manifold_.nx() + m];
+          ++r;
         }
         continue;
       }
       S moved[kMost], target[kMost + 1];
       place(segment, parts_[curved], in.x, moved, target);
-      parts_[curved++].difference(target, in.x + segment.x, r + segment.dx);
+      parts_[curved++].difference(target, in.x + segment.x, r);
+      r += segment.n;
     }
   }
 
@@ -45,9 +50,14 @@ class CycleResidual : public ResidualBase<CycleResidual> {
     evaluate_as(in, r);
     std::size_t curved = 0;
     for (const auto& segment : manifold_.segments()) {
-      jacobian = segment.part == StateManifold::Part::flat
-                     ? write_flat(segment, jacobian)
-                     : write_curved(segment, parts_[curved++], in, r + segment.dx, jacobian);
+      if (segment.part == StateManifold::Part::flat) {
+        jacobian = write_flat(segment, jacobian);
+        r += std::count(has_row_.begin() + segment.dx, has_row_.begin() + segment.dx + segment.n,
+                        true);
+      } else {
+        jacobian = write_curved(segment, parts_[curved++], in, r, jacobian);
+        r += segment.n;
+      }
     }
   }
 
@@ -55,6 +65,7 @@ class CycleResidual : public ResidualBase<CycleResidual> {
   template <class S>
   S* write_flat(const StateManifold::Segment& segment, S* jacobian) const {
     for (int i = 0; i < segment.n; ++i) {
+      if (!has_row_[segment.dx + i]) continue;
       *jacobian++ = S(1.0);
       if (memory_[segment.dx + i] >= 0) *jacobian++ = S(-1.0);
     }
@@ -116,8 +127,16 @@ class CycleResidual : public ResidualBase<CycleResidual> {
       memory[start.coordinates[i]] = static_cast<int>(i);
     return memory;
   }
-  static std::vector<RowBlock> structure(const StateManifold& manifold, const ChosenStart& start) {
+  static std::vector<bool> rows_of(const StateManifold& manifold,
+                                   const std::vector<int>& left_out) {
+    std::vector<bool> has_row(manifold.ndx(), true);
+    for (const int i : left_out) has_row[i] = false;
+    return has_row;
+  }
+  static std::vector<RowBlock> structure(const StateManifold& manifold, const ChosenStart& start,
+                                         const std::vector<int>& left_out) {
     const std::vector<int> memory = memory_of(manifold, start);
+    const std::vector<bool> has_row = rows_of(manifold, left_out);
     std::vector<RowBlock> blocks;
     const auto add = [&](int first, int n) {
       RowBlock block{n, column_range(first, n)};
@@ -132,7 +151,8 @@ class CycleResidual : public ResidualBase<CycleResidual> {
         add(segment.dx, segment.n);
         continue;
       }
-      for (int i = 0; i < segment.n; ++i) add(segment.dx + i, 1);
+      for (int i = 0; i < segment.n; ++i)
+        if (has_row[segment.dx + i]) add(segment.dx + i, 1);
     }
     return blocks;
   }
@@ -140,15 +160,16 @@ class CycleResidual : public ResidualBase<CycleResidual> {
   StateManifold manifold_;
   std::vector<double> start_, offset_;
   std::vector<int> memory_;
+  std::vector<bool> has_row_;         ///< by tangent coordinate
   std::vector<StateManifold> parts_;  ///< the curved segments, one by one
 };
 
 }  // namespace
 
 std::shared_ptr<const Residual> cycle_residual(const StateManifold& manifold,
-                                               const ChosenStart& start,
-                                               std::vector<double> offset) {
-  return std::make_shared<CycleResidual>(manifold, start, std::move(offset));
+                                               const ChosenStart& start, std::vector<double> offset,
+                                               const std::vector<int>& left_out) {
+  return std::make_shared<CycleResidual>(manifold, start, std::move(offset), left_out);
 }
 
 }  // namespace conddp

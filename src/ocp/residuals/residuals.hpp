@@ -19,7 +19,9 @@ namespace conddp {
 /// x ⊖ reference, all ndx rows. Parameter: a state (nx of the manifold).
 std::shared_ptr<const Residual> state_residual(const StateManifold& manifold);
 /// Chosen coordinates, of flat parts and of the positions of poses: x[i] − reference, one row per
-/// index into the state. Used for joint positions and velocities. Parameter: one number per index.
+/// index into the state. Used for joint positions and velocities. The four indices of a rotation,
+/// in their order, choose it as a whole: three rows, log(reference⁻¹ q). Parameter: one number per
+/// index.
 std::shared_ptr<const Residual> coordinate_residual(const StateManifold& manifold,
                                                     std::vector<int> state_indices);
 /// u − reference. Parameter: nu numbers.
@@ -35,10 +37,11 @@ struct ChosenStart {
 };
 /// x ⊖ ((x₀ ⊕ S m) + offset), all ndx rows of the system's state: how far the state is from the
 /// first one. The offset is added to the numbers of the state, positions of poses among them; it is
-/// zero for quaternions. Needs a model whose states carry m. No parameters.
+/// zero for quaternions. Tangent coordinates of flat parts that are left out have no row. Needs a
+/// model whose states carry m. No parameters.
 std::shared_ptr<const Residual> cycle_residual(const StateManifold& manifold,
-                                               const ChosenStart& start,
-                                               std::vector<double> offset);
+                                               const ChosenStart& start, std::vector<double> offset,
+                                               const std::vector<int>& left_out = {});
 /// A row of a linear combination: the sum of factors times numbers of the state's flat parts and of
 /// the control, and a constant.
 struct LinearCombination {

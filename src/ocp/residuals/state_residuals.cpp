@@ -58,59 +58,102 @@ class StateResidual : public ResidualBase<StateResidual> {
 
 class CoordinateResidual : public ResidualBase<CoordinateResidual> {
  public:
-  CoordinateResidual(const StateManifold& manifold, std::vector<int> indices)
-      : ResidualBase(structure(manifold, indices), static_cast<int>(indices.size()), false),
-        indices_(std::move(indices)) {
-    for (const int index : indices_) {
-      const StateManifold::Segment& home = home_of(manifold, index);
-      poses_.push_back(home.part == StateManifold::Part::flat ? -1 : home.x);
-    }
+  CoordinateResidual(const StateManifold& manifold, const std::vector<int>& indices)
+      : ResidualBase(structure(pieces_of(manifold, indices)), static_cast<int>(indices.size()),
+                     false),
+        pieces_(pieces_of(manifold, indices)) {
+    rotation_.append(StateManifold::Part::so3);
   }
 
   Reads reads() const override { return Reads::kinematics; }
   template <class S>
   void evaluate_as(const ResidualInput<S>& in, S* r) const {
-    for (std::size_t i = 0; i < indices_.size(); ++i) r[i] = in.x[indices_[i]] - in.parameters[i];
+    const S* reference = in.parameters;
+    for (const Piece& piece : pieces_) {
+      if (piece.is_rotation) {
+        rotation_.difference(reference, in.x + piece.index, r);
+        r += 3;
+        reference += 4;
+      } else {
+        *r++ = in.x[piece.index] - *reference++;
+      }
+    }
   }
   template <class S>
   void differentiate_as(const ResidualInput<S>& in, S* r, S* jacobian) const {
     evaluate_as(in, r);
-    for (std::size_t i = 0; i < indices_.size(); ++i) {
-      if (poses_[i] < 0) {
+    for (const Piece& piece : pieces_) {
+      if (piece.is_rotation) {
+        const Matrix3<S> J = inverse_right_jacobian_so3(Vector3<S>{r[0], r[1], r[2]});
+        for (int c = 0; c < 3; ++c)
+          for (int i = 0; i < 3; ++i) *jacobian++ = J(i, c);
+        r += 3;
+        continue;
+      }
+      ++r;
+      if (piece.pose < 0) {
         *jacobian++ = S(1.0);
         continue;
       }
       // The tangent is in the body's axes: p ⊕ δ = p + R δ to first order.
-      const S* q = in.x + poses_[i] + 3;
+      const S* q = in.x + piece.pose + 3;
       const Matrix3<S> R = rotation_matrix(Quaternion<S>{q[0], q[1], q[2], q[3]});
-      for (int c = 0; c < 3; ++c) *jacobian++ = R(indices_[i] - poses_[i], c);
+      for (int c = 0; c < 3; ++c) *jacobian++ = R(piece.index - piece.pose, c);
     }
   }
 
  private:
-  /// The part of the state in which a coordinate lies.
+  /// A coordinate, which has a row, or a rotation, which has three.
+  struct Piece {
+    int index;      ///< into the state, of a rotation that of its first number
+    int tangent;    ///< the first of the tangent coordinates on which it depends
+    int pose = -1;  ///< where the pose starts whose position it is
+    bool is_rotation = false;
+  };
+
+  /// The part of the state in which a number lies.
   static const StateManifold::Segment& home_of(const StateManifold& manifold, int index) {
     for (const auto& segment : manifold.segments()) {
-      const bool flat = segment.part == StateManifold::Part::flat;
-      if (!flat && segment.part != StateManifold::Part::se3) continue;
-      if (index >= segment.x && index < segment.x + (flat ? segment.n : 3)) return segment;
+      const int size = segment.part == StateManifold::Part::flat ? segment.n : segment.n + 1;
+      if (index >= segment.x && index < segment.x + size) return segment;
     }
     throw std::invalid_argument("not a coordinate of the state");
   }
-  static std::vector<RowBlock> structure(const StateManifold& manifold,
-                                         const std::vector<int>& indices) {
+  static std::vector<Piece> pieces_of(const StateManifold& manifold,
+                                      const std::vector<int>& indices) {
+    using Part = StateManifold::Part;
+    std::vector<Piece> pieces;
+    for (std::size_t i = 0; i < indices.size(); ++i) {
+      const StateManifold::Segment& home = home_of(manifold, indices[i]);
+      const int inside = indices[i] - home.x, position = home.part == Part::se3 ? 3 : 0;
+      if (home.part == Part::flat) {
+        pieces.push_back({indices[i], home.dx + inside});
+      } else if (inside < position) {
+        pieces.push_back({indices[i], home.dx, home.x});
+      } else {
+        for (std::size_t j = 0; j < 4; ++j)
+          if (i + j >= indices.size() || indices[i + j] != home.x + position + static_cast<int>(j))
+            throw std::invalid_argument("a part of a rotation is not a coordinate of the state");
+        pieces.push_back({indices[i], home.dx + position, -1, true});
+        i += 3;
+      }
+    }
+    return pieces;
+  }
+  static std::vector<RowBlock> structure(const std::vector<Piece>& pieces) {
     std::vector<RowBlock> blocks;
-    for (const int index : indices) {
-      const StateManifold::Segment& home = home_of(manifold, index);
-      if (home.part == StateManifold::Part::flat)
-        blocks.push_back({1, {home.dx + index - home.x}, true});
+    for (const Piece& piece : pieces) {
+      if (piece.is_rotation)
+        blocks.push_back({3, column_range(piece.tangent, 3)});
+      else if (piece.pose >= 0)
+        blocks.push_back({1, column_range(piece.tangent, 3)});
       else
-        blocks.push_back({1, column_range(home.dx, 3)});
+        blocks.push_back({1, {piece.tangent}, true});
     }
     return blocks;
   }
-  std::vector<int> indices_;
-  std::vector<int> poses_;  ///< where the pose starts whose position it is, −1 of flat coordinates
+  std::vector<Piece> pieces_;
+  StateManifold rotation_;
 };
 
 std::vector<RowBlock> diagonal_blocks(int first_column, int count) {
@@ -206,7 +249,7 @@ std::shared_ptr<const Residual> state_residual(const StateManifold& manifold) {
 }
 std::shared_ptr<const Residual> coordinate_residual(const StateManifold& manifold,
                                                     std::vector<int> state_indices) {
-  return std::make_shared<CoordinateResidual>(manifold, std::move(state_indices));
+  return std::make_shared<CoordinateResidual>(manifold, state_indices);
 }
 std::shared_ptr<const Residual> control_residual(int ndx, int nu) {
   return std::make_shared<ControlResidual>(ndx, nu);

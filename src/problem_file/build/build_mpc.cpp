@@ -18,6 +18,7 @@
 #include "problem_file/terms/term_residual.hpp"
 #include "problem_file/terms/terminal_lqr.hpp"
 #include "solvers/ddp/family.hpp"
+#include "systems/clock.hpp"
 
 namespace conddp {
 namespace {
@@ -184,14 +185,17 @@ std::string solver_of(const ProblemSpec& spec, const ShootingProblem& problem, D
   return name;
 }
 
-/// The largest acceleration (or rate, of a system without velocities) in a state; 0 of systems that
-/// give the next state themselves.
+/// The largest acceleration (or rate, of a system without velocities) in a state, that of the clock
+/// apart; 0 of systems that give the next state themselves.
 double largest_rate(const System& system, const std::vector<double>& x, const Eigen::VectorXd& u) {
   if (system.kind() != SystemKind::second_order && system.kind() != SystemKind::first_order)
     return 0;
   const auto data = system.create_data(double{});
   system.evaluate(x.data(), u.data(), *data);
-  return Eigen::Map<const Eigen::VectorXd>(data->f.data(), system.rows()).cwiseAbs().maxCoeff();
+  Eigen::VectorXd rates = Eigen::Map<const Eigen::VectorXd>(data->f.data(), system.rows());
+  for (const int i : clock_coordinates(system))
+    if (i < rates.size()) rates[i] = 0;
+  return rates.cwiseAbs().maxCoeff();
 }
 
 /// A system at rest in a state, held by the controls that balance it.

@@ -8,6 +8,7 @@
 #include "base/text/spelling.hpp"
 #include "problem_file/plant/joint_values.hpp"
 #include "problem_file/plant/planar_motion.hpp"
+#include "systems/clock.hpp"
 
 namespace conddp {
 namespace {
@@ -60,13 +61,14 @@ PlantPart StateBuilder::whole() const {
 std::optional<std::vector<double>> StateBuilder::build(const StateSpec& spec) const {
   const System& system = *plant_.system;
   const int errors = out_.error_count();
-  if (spec.state && static_cast<int>(spec.state->size()) != system.nx()) {
+  std::vector<double> x = usual_state();
+  if (spec.state && !apply_list(*spec.state, x)) {
+    const ComponentNames names = state_names(system).listed();
     out_.error(spec.place,
-               fmt::format("the state has {} numbers, not {}", system.nx(), spec.state->size()),
-               list_of(state_names(system)));
+               fmt::format("the state has {} numbers, not {}", names.size(), spec.state->size()),
+               list_of(names));
     return std::nullopt;
   }
-  std::vector<double> x = spec.state.value_or(usual_state());
   apply_columns(spec.values, x);
   if (plant_.multibody()) {
     apply(spec, whole(), x);
@@ -76,6 +78,17 @@ std::optional<std::vector<double>> StateBuilder::build(const StateSpec& spec) co
   }
   if (out_.error_count() > errors) return std::nullopt;
   return checked(std::move(x), spec.place);
+}
+
+bool StateBuilder::apply_list(const std::vector<double>& list, std::vector<double>& x) const {
+  if (list.size() == x.size()) {
+    x = list;
+    return true;
+  }
+  const std::vector<int> states = states_without_clock(*plant_.system);
+  if (list.size() != states.size()) return false;
+  for (std::size_t i = 0; i < list.size(); ++i) x[states[i]] = list[i];
+  return true;
 }
 
 std::vector<double> StateBuilder::usual_state() const {

@@ -4,6 +4,7 @@
 #include "problem_file/read/named_words.hpp"
 #include "problem_file/read/read_sections.hpp"
 #include "problem_file/spec/enum_names.hpp"
+#include "systems/clock.hpp"
 #include "systems/expressions/scope.hpp"
 
 namespace conddp {

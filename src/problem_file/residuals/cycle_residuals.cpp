@@ -1,6 +1,7 @@
 #include "problem_file/residuals/cost_residual.hpp"
 #include "problem_file/residuals/key_kinds.hpp"
 #include "problem_file/residuals/residual_table.hpp"
+#include "systems/clock.hpp"
 
 namespace conddp {
 namespace {
@@ -32,8 +33,9 @@ std::optional<CostResidual> make_cycle(const ResidualContext& context) {
   if (!offset) return std::nullopt;
   const System& system = *context.plant.system;
   CostResidual result;
-  result.residual = cycle_residual(system.manifold(), *context.plant.start, *offset);
-  result.rows = tangent_names(system);
+  result.residual =
+      cycle_residual(system.manifold(), *context.plant.start, *offset, clock_coordinates(system));
+  result.rows = tangent_names(system).listed();
   return result;
 }
 

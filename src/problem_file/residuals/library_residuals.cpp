@@ -11,6 +11,7 @@
 #include "problem_file/residuals/residual_table.hpp"
 #include "problem_file/values/expand_values.hpp"
 #include "problem_file/values/read_values.hpp"
+#include "systems/clock.hpp"
 
 namespace conddp {
 namespace {

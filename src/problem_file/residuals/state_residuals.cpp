@@ -7,18 +7,39 @@
 #include "problem_file/residuals/key_kinds.hpp"
 #include "problem_file/residuals/reference_form.hpp"
 #include "problem_file/residuals/residual_table.hpp"
+#include "systems/clock.hpp"
 
 namespace conddp {
 namespace {
 
-/// Whether a state index is a coordinate on its own: in a flat part, or of the position of a pose.
-bool is_coordinate(const StateManifold& manifold, int index) {
+/// What can be chosen of a state: a coordinate, or a rotation as a whole.
+struct StatePart {
+  std::string name;
+  std::vector<int> indices;  ///< into the state, of a rotation those of its quaternion
+  int tangent;               ///< its first tangent coordinate
+  bool listed = true;        ///< whether a name with a * may mean it
+
+  bool is_rotation() const { return indices.size() > 1; }
+};
+
+/// "q" of the quaternion q/x, q/y, q/z, q/w; others have no name as a whole.
+std::string name_of_rotation(const std::string& first_column) {
+  return first_column.ends_with("/x") ? first_column.substr(0, first_column.size() - 2) : "";
+}
+
+std::vector<StatePart> parts_of_state(const System& system) {
   using Part = StateManifold::Part;
-  for (const auto& segment : manifold.segments()) {
-    const int count = segment.part == Part::flat ? segment.n : segment.part == Part::se3 ? 3 : 0;
-    if (index >= segment.x && index < segment.x + count) return true;
+  const ComponentNames all = state_names(system);
+  std::vector<StatePart> parts;
+  for (const auto& segment : system.manifold().segments()) {
+    const int flat = segment.part == Part::flat ? segment.n : segment.part == Part::se3 ? 3 : 0;
+    for (int i = segment.x; i < segment.x + flat; ++i)
+      parts.push_back({all.names[i], {i}, segment.dx + i - segment.x, all.is_listed(i)});
+    if (segment.part == Part::flat) continue;
+    const int q = segment.x + flat;
+    parts.push_back({name_of_rotation(all.names[q]), {q, q + 1, q + 2, q + 3}, segment.dx + flat});
   }
-  return false;
+  return parts;
 }
 
 /// Position and velocity limits of a robot in the order of tangent vectors.
@@ -36,53 +57,57 @@ void set_state_limits(const MultibodySystem& system, CostResidual& result) {
   }
 }
 
-/// Of the columns that can be chosen those that a name means, several where it has a `*`; none is
-/// reported.
-std::vector<std::string> find_columns(const std::vector<std::string>& all,
-                                      const std::vector<std::string>& free, const Name& name,
-                                      Diagnostics& out) {
-  std::vector<std::string> found;
-  std::copy_if(free.begin(), free.end(), std::back_inserter(found),
-               [&](const std::string& column) { return fits(name.value, column); });
+/// Whether a name means what can be chosen: a rotation by its own name, or by one that fits all of
+/// its columns.
+bool is_meant_by(const std::string& name, const StatePart& part,
+                 const std::vector<std::string>& columns) {
+  if (!part.listed) return name == part.name;
+  return name == part.name || std::all_of(part.indices.begin(), part.indices.end(),
+                                          [&](int i) { return fits(name, columns[i]); });
+}
+
+/// The parts that a name means, several where it has a `*`; none is reported.
+std::vector<const StatePart*> find_parts(const std::vector<std::string>& columns,
+                                         const std::vector<StatePart>& parts, const Name& name,
+                                         Diagnostics& out) {
+  std::vector<const StatePart*> found;
+  std::vector<std::string> names;
+  for (const StatePart& part : parts) {
+    if (is_meant_by(name.value, part, columns)) found.push_back(&part);
+    if (!part.name.empty()) names.push_back(part.name);
+  }
   if (!found.empty()) return found;
-  const bool rotation = std::any_of(
-      all.begin(), all.end(), [&](const std::string& column) { return fits(name.value, column); });
+  const bool part_of_rotation =
+      std::any_of(columns.begin(), columns.end(),
+                  [&](const std::string& column) { return fits(name.value, column); });
   out.error(name.place,
-            rotation
+            part_of_rotation
                 ? fmt::format("'{}' is part of a rotation and cannot be chosen alone", name.value)
                 : fmt::format("the state has no column '{}'", name.value),
-            name_hint(name.value, free, "columns that can be chosen"));
+            name_hint(name.value, names, "columns that can be chosen"));
   return found;
 }
 
-/// The columns of the state that are coordinates on their own.
-std::vector<std::string> free_columns(const System& system) {
-  const std::vector<std::string> all = state_names(system).names;
-  std::vector<std::string> free;
-  for (int i = 0; i < system.nx(); ++i)
-    if (is_coordinate(system.manifold(), i)) free.push_back(all[i]);
-  return free;
-}
-
-std::optional<CostResidual> make_of_columns(const std::vector<Name>& names, const System& system,
-                                            Diagnostics& out) {
+/// The residual of chosen parts of the state.
+CostResidual residual_of_parts(const std::vector<const StatePart*>& chosen, const char* what,
+                               const System& system) {
+  const std::vector<std::string> columns = state_names(system).names;
+  const std::vector<std::string> tangent = tangent_names(system).names;
   CostResidual result;
-  const ComponentNames all = state_names(system);
-  const std::vector<std::string> free = free_columns(system);
-  for (const Name& name : names) {
-    const auto found = find_columns(all.names, free, name, out);
-    if (found.empty()) return std::nullopt;
-    for (const std::string& column : found) {
-      if (std::find(result.columns.begin(), result.columns.end(), column) != result.columns.end())
-        continue;
-      result.columns.push_back(column);
-      const auto at = std::find(all.names.begin(), all.names.end(), column);
-      result.indices.push_back(static_cast<int>(at - all.names.begin()));
-    }
+  std::vector<std::string> rows;
+  for (const StatePart* part : chosen) {
+    for (const int i : part->indices) result.columns.push_back(columns[i]);
+    result.indices.insert(result.indices.end(), part->indices.begin(), part->indices.end());
+    for (int row = 0; row < (part->is_rotation() ? 3 : 1); ++row)
+      rows.push_back(tangent[part->tangent + row]);
+    if (part->is_rotation())
+      result.parameters.append(StateManifold::Part::so3);
+    else
+      result.parameters.append(StateManifold::Part::flat, 1);
   }
-  result.rows = result.references = {"chosen columns", result.columns};
+  result.rows = {what, std::move(rows)};
+  result.references = {what, result.columns};
   result.residual = coordinate_residual(system.manifold(), result.indices);
-  result.parameters = StateManifold::flat(static_cast<int>(result.indices.size()));
   result.in_state = [indices = result.indices](const std::vector<double>& x) {
     std::vector<double> values;
     for (const int i : indices) values.push_back(x[i]);
@@ -91,10 +116,34 @@ std::optional<CostResidual> make_of_columns(const std::vector<Name>& names, cons
   return result;
 }
 
+std::optional<CostResidual> make_of_columns(const std::vector<Name>& names, const System& system,
+                                            Diagnostics& out) {
+  const std::vector<std::string> columns = state_names(system).names;
+  const std::vector<StatePart> parts = parts_of_state(system);
+  std::vector<const StatePart*> chosen;
+  for (const Name& name : names) {
+    const auto found = find_parts(columns, parts, name, out);
+    if (found.empty()) return std::nullopt;
+    for (const StatePart* part : found)
+      if (std::find(chosen.begin(), chosen.end(), part) == chosen.end()) chosen.push_back(part);
+  }
+  return residual_of_parts(chosen, "chosen columns", system);
+}
+
+/// The state of a system that depends on the time, of which the clock is no part.
+CostResidual make_without_clock(const System& system) {
+  const std::vector<StatePart> parts = parts_of_state(system);
+  std::vector<const StatePart*> chosen;
+  for (const StatePart& part : parts)
+    if (part.listed) chosen.push_back(&part);
+  return residual_of_parts(chosen, "columns of the state", system);
+}
+
 std::optional<CostResidual> make_state(const ResidualContext& context) {
   const System& system = *context.plant.system;
   if (const auto* columns = context.cost.keys.find(key::columns))
     return make_of_columns(*columns, system, context.out);
+  if (!clock_coordinates(system).empty()) return make_without_clock(system);
   CostResidual result;
   result.residual = state_residual(system.manifold());
   result.rows = tangent_names(system);

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "base/text/spelling.hpp"
+#include "systems/clock.hpp"
 
 namespace conddp {
 namespace {
@@ -20,16 +21,18 @@ std::vector<std::string> column_names(const std::vector<Column>& columns) {
 std::optional<std::vector<double>> resolve_list(const ComponentsSpec& spec,
                                                 const ComponentNames& names, double fallback,
                                                 Diagnostics& out) {
-  const std::size_t n = names.names.size();
-  if (spec.list.size() != n) {
+  const int n = names.listed().size();
+  if (static_cast<int>(spec.list.size()) != n) {
     out.error(spec.place,
               fmt::format("{} numbers are expected here, one for each of the {}; this list has {}",
                           n, names.what, spec.list.size()),
               list_of(names));
     return std::nullopt;
   }
-  std::vector<double> values;
-  for (const std::optional<double>& value : spec.list) values.push_back(value.value_or(fallback));
+  std::vector<double> values(names.names.size(), fallback);
+  auto value = spec.list.begin();
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (names.is_listed(i)) values[i] = (value++)->value_or(fallback);
   return values;
 }
 
@@ -53,7 +56,7 @@ class BestFits {
     bool found = false;
     for (std::size_t i = 0; i < values_.size(); ++i) {
       const std::size_t quality = std::max(fit(name, names_.names[i]), fit(name, names_.second[i]));
-      if (quality == 0) continue;
+      if (quality == 0 || (is_pattern(name) && !names_.is_listed(i))) continue;
       found = true;
       if (quality < best_[i]) continue;
       best_[i] = quality;
@@ -84,10 +87,21 @@ ComponentNames::ComponentNames(std::string what_they_are, std::vector<std::strin
     second.push_back(name.starts_with("q/") || name.starts_with("u/") ? name.substr(2) : "");
 }
 
+ComponentNames ComponentNames::listed() const {
+  std::vector<std::string> some;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if (is_listed(i)) some.push_back(names[i]);
+  return {what, std::move(some)};
+}
+
 std::optional<std::vector<double>> resolve(const ComponentsSpec& spec, const ComponentNames& names,
                                            double fallback, Diagnostics& out) {
-  if (spec.form == ComponentsSpec::Form::kScalar)
-    return std::vector<double>(names.names.size(), spec.scalar.value_or(fallback));
+  if (spec.form == ComponentsSpec::Form::kScalar) {
+    std::vector<double> values(names.names.size(), fallback);
+    for (std::size_t i = 0; i < values.size(); ++i)
+      if (names.is_listed(i)) values[i] = spec.scalar.value_or(fallback);
+    return values;
+  }
   if (spec.form == ComponentsSpec::Form::kList) return resolve_list(spec, names, fallback, out);
   bool known = true;
   BestFits fits(names, fallback);
@@ -119,13 +133,17 @@ bool fits(const std::string& pattern, const std::string& name) { return fit(patt
 bool is_pattern(const std::string& name) { return name.find('*') != std::string::npos; }
 
 std::string list_of(const ComponentNames& names) {
+  const ComponentNames listed = names.listed();
   std::string list;
-  for (const std::string& name : names.names) list += (list.empty() ? "" : ", ") + name;
+  for (const std::string& name : listed.names) list += (list.empty() ? "" : ", ") + name;
   return names.what + ": " + list;
 }
 
 ComponentNames state_names(const System& system) {
-  return {"columns of the state", column_names(system.state_columns())};
+  ComponentNames names("columns of the state", column_names(system.state_columns()));
+  names.by_name_only.assign(names.names.size(), true);
+  for (const int i : states_without_clock(system)) names.by_name_only[i] = false;
+  return names;
 }
 
 ComponentNames control_names(const System& system) {
@@ -144,7 +162,10 @@ ComponentNames tangent_names(const System& system) {
     for (int i = flat; i < flat + 3; ++i)
       names[segment.dx + i] = rotation_name(columns[segment.x + i].name);
   }
-  return {"components of the state", std::move(names)};
+  ComponentNames result("components of the state", std::move(names));
+  result.by_name_only.assign(system.ndx(), false);
+  for (const int i : clock_coordinates(system)) result.by_name_only[i] = true;
+  return result;
 }
 
 }  // namespace conddp

@@ -14,10 +14,16 @@ struct ComponentNames {
   std::string what;                 ///< in messages: "joints", "columns of the state"
   std::vector<std::string> names;   ///< full names
   std::vector<std::string> second;  ///< other names accepted, empty where there is none
+  /// Components that only their own names mean: one number for all, lists and names with `*` leave
+  /// them out. Empty where there are none.
+  std::vector<bool> by_name_only = {};
 
   ComponentNames() = default;
   ComponentNames(std::string what_they_are, std::vector<std::string> full_names);
   int size() const { return static_cast<int>(names.size()); }
+  bool is_listed(std::size_t i) const { return by_name_only.empty() || !by_name_only[i]; }
+  /// Those that lists have.
+  ComponentNames listed() const;
 };
 
 /// One number a component; components without one get `fallback`. A wrong length or an unknown name
@@ -40,10 +46,12 @@ bool is_pattern(const std::string& name);
 /// "joints: a, b, c", for hints.
 std::string list_of(const ComponentNames& names);
 
+/// The clock of a system that depends on the time is meant by its own name only.
 ComponentNames state_names(const System& system);
 ComponentNames control_names(const System& system);
 /// Components of tangent vectors at a state: flat columns keep their names, a pose has x, y, z and
-/// rx, ry, rz (rotation vector) instead of its quaternion.
+/// rx, ry, rz (rotation vector) instead of its quaternion. As in state_names, the clock is meant by
+/// its own name only.
 ComponentNames tangent_names(const System& system);
 
 }  // namespace conddp

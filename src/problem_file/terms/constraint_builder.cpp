@@ -123,10 +123,11 @@ std::optional<BoundedCoordinates> bounded_coordinates(const ConstraintSpec& spec
   const auto wanted = [&](int i) {
     return flat[i] >= 0 && has_coordinate(spec.bounded->value, i, system.nv());
   };
-  if (!narrow(spec, state.rows, wanted, lower, upper, out)) return std::nullopt;
+  const ComponentNames names = tangent_names(system);
+  if (!narrow(spec, names, wanted, lower, upper, out)) return std::nullopt;
   BoundedCoordinates bounded;
   for (int i = 0; i < system.ndx(); ++i)
-    if (wanted(i)) bounded.add(flat[i], state.rows.names[i], lower[i], upper[i]);
+    if (wanted(i)) bounded.add(flat[i], names.names[i], lower[i], upper[i]);
   if (!bounded.names.empty()) return bounded;
   out.error(spec.bounded->place, "no coordinate of the state is bounded here",
             spec.from_urdf ? "the URDF limits none of them: give 'lower' and 'upper'"

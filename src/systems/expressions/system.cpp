@@ -6,6 +6,7 @@
 
 #include "base/text/spelling.hpp"
 #include "base/text/utf8.hpp"
+#include "systems/clock.hpp"
 #include "systems/expressions/compiled_system.hpp"
 #include "systems/expressions/derivatives.hpp"
 
@@ -273,13 +274,13 @@ class SystemReader {
     const int nx = parts_.manifold.nx(), nv = parts_.manifold.ndx() / 2;
     const int at = second_order() ? nx - nv : nx;
     auto& columns = parts_.state_columns;
-    columns.insert(columns.begin() + at, {"t", "s"});
+    columns.insert(columns.begin() + at, {kClock, "s"});
     StateManifold manifold;
     for (const ExpressionState& state : text_.states) manifold.append(manifold_of(state.kind));
     manifold.append(StateManifold::Part::flat, 1);
     parts_.outputs.push_back(parts_.graph.constant(second_order() ? 0 : 1));
     if (second_order()) {
-      columns.push_back({"t_rate", "s/s"});
+      columns.push_back({kClockRate, "s/s"});
       manifold.append(StateManifold::Part::flat, nv + 1);
     }
     parts_.manifold = manifold;

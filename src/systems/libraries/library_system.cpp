@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "systems/clock.hpp"
+
 namespace conddp {
 namespace {
 
@@ -169,15 +171,6 @@ std::vector<double> usual_library_state(const System& system) {
   for (int i = 0; i < system.nx(); ++i)
     if (system.state_columns()[i].name == kClockRate) state[i] = 1;
   return state;
-}
-
-std::vector<int> states_without_clock(const System& system) {
-  std::vector<int> states;
-  for (int i = 0; i < system.nx(); ++i) {
-    const std::string& name = system.state_columns()[i].name;
-    if (name != kClock && name != kClockRate) states.push_back(i);
-  }
-  return states;
 }
 
 }  // namespace conddp

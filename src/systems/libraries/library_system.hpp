@@ -8,10 +8,6 @@
 
 namespace conddp {
 
-/// The name of the clock, a state (s), and of its velocity in second-order systems.
-inline constexpr const char* kClock = "t";
-inline constexpr const char* kClockRate = "t_rate";
-
 /// What a compiled function is the rate, acceleration or next state of: columns of numbers.
 struct LibrarySystemColumns {
   SystemKind kind = SystemKind::first_order;
@@ -30,8 +26,5 @@ std::shared_ptr<const System> make_library_system(
 
 /// A state of it to begin from: zero, with a clock that goes.
 std::vector<double> usual_library_state(const System& system);
-
-/// Where the numbers of a state are that a compiled function reads as x: all but the clock's.
-std::vector<int> states_without_clock(const System& system);
 
 }  // namespace conddp
