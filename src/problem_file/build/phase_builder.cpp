@@ -22,14 +22,25 @@ bool needs_control(const BuiltCost& cost) {
   return cost.spec->definition->needs.control || cost.residual.residual->needs_control();
 }
 
+/// Whether a cost names a phase, or one of its knots.
+bool names_phase(const CostSpec& cost, std::size_t p, const ProblemSpec& spec) {
+  if (cost.phases || !cost.knots) return cost.phases.has_value();
+  int first = 0;
+  for (std::size_t i = 0; i < p; ++i) first += spec.phases[i].knots.value;
+  const int end = first + spec.phases[p].knots.value;
+  return std::any_of(cost.knots->begin(), cost.knots->end(), [&](const Located<int>& knot) {
+    return knot.value >= first && knot.value < end;
+  });
+}
+
 /// Whether a cost that is to be on in a phase can be. Costs on a contact are on while it is held,
-/// and impulses have only the costs that name them.
+/// and phases that take no time have only the costs that name them or their knots.
 bool is_on(const BuiltCost& cost, std::size_t p, const PhaseContext& context, Diagnostics& out) {
   const CostSpec& c = *cost.spec;
   const PhaseSpec& phase = context.spec.phases[p];
   if (cost.contact.contact >= 0 && !context.contacts.find(p, cost.contact.contact)) return false;
   if (!phase.takes_no_time()) return true;
-  if (!c.phases) return false;
+  if (!names_phase(c, p, context.spec)) return false;
   if (phase.choice) {
     out.error(c.name.place, fmt::format("'{}' is not a place for costs and constraints: it chooses "
                                         "the state of the knot after it",
@@ -424,6 +435,9 @@ std::optional<PhaseBounds> build_control_bounds(const ControlBoundsSpec& constra
                                                 Diagnostics& out) {
   const ComponentNames names = control_names(plant.actuated());
   const int errors = out.error_count();
+  if (names.names.empty())
+    out.error(constraint.name.place, "the system has no control that could have bounds",
+              "write 'bounds: state', or give the system controls");
   std::vector<double> lower(names.names.size(), -kUnlimited), upper(names.names.size(), kUnlimited);
   if (constraint.from_urdf) {
     lower = plant.actuated().control_lower();

@@ -55,7 +55,7 @@ void read_softness(YamlMap& map, ConstraintSpec& constraint) {
 void read_hard_control_bounds(YamlMap& map, const Name& name, ProblemSpec& spec) {
   ControlBoundsSpec bounds{.name = name};
   read_bounds(map, name, bounds);
-  if (const auto p = map.find("phases")) bounds.phases = p->name_or_names();
+  if (const auto p = map.find("phases")) bounds.phases = read_phase_names(*p);
   spec.control_bounds.push_back(std::move(bounds));
 }
 
@@ -78,7 +78,7 @@ void read_bounded(YamlMap& map, const Name& name, ProblemSpec& spec) {
   constraint.bounded = {*bounded, r->place()};
   read_softness(map, constraint);
   read_bounds(map, name, constraint);
-  if (const auto p = map.find("phases")) constraint.function.phases = p->name_or_names();
+  if (const auto p = map.find("phases")) constraint.function.phases = read_phase_names(*p);
   spec.constraints.push_back(std::move(constraint));
 }
 

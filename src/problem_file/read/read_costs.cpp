@@ -11,7 +11,10 @@ namespace {
 
 std::vector<Located<int>> read_knots(const YamlReader& reader) {
   std::vector<Located<int>> knots;
-  if (const auto items = reader.items())
+  const auto items = reader.items();
+  if (items && items->empty())
+    reader.error("an empty list names no knot", "leave the key out for all knots");
+  if (items)
     for (const YamlReader& item : *items)
       if (const auto knot = item.integer(0, 1'000'000)) {
         for (const Located<int>& former : knots)
@@ -71,11 +74,18 @@ void read_origin(YamlMap& map, const std::filesystem::path& folder, CostSpec& co
 
 /// At which knots a cost or constraint holds.
 void read_where(YamlMap& map, CostSpec& cost) {
-  if (const auto r = map.find("phases")) cost.phases = r->name_or_names();
+  if (const auto r = map.find("phases")) cost.phases = read_phase_names(*r);
   if (const auto r = map.find("knots")) cost.knots = read_knots(*r);
 }
 
 }  // namespace
+
+std::optional<std::vector<Name>> read_phase_names(const YamlReader& reader) {
+  auto names = reader.name_or_names();
+  if (names && names->empty())
+    reader.error("an empty list names no phase", "leave the key out for all phases");
+  return names;
+}
 
 bool read_residual(YamlMap& map, const std::filesystem::path& folder, TermPlace place,
                    CostSpec& cost) {

@@ -68,10 +68,15 @@ std::vector<PhaseSpec> read_phases(const YamlReader& reader);
 MeshSpec read_mesh(const YamlReader& reader);
 /// Cuts each step of the phases that take time; more knots than the mesh allows are an error.
 void cut_steps(const MeshSpec& mesh, std::vector<PhaseSpec>& phases, Diagnostics& out);
+/// Of a file that collocates, lowers the tolerance of constraints, which the equations of steps
+/// are, so far that the error of the mesh is that of its steps.
+void tighten_for_mesh(const MeshSpec& mesh, ProblemSpec& spec);
 
 // read_costs.cpp
 std::vector<CostSpec> read_costs(const YamlReader& reader, const std::filesystem::path& folder,
                                  bool terminal);
+/// A name or names of phases, at least one.
+std::optional<std::vector<Name>> read_phase_names(const YamlReader& reader);
 /// The keys that say what a cost or constraint is on, and where: all but weights and activation.
 /// False where the residual is not known.
 bool read_residual(YamlMap& map, const std::filesystem::path& folder, TermPlace place,

@@ -3,6 +3,22 @@
 #include <fmt/format.h>
 
 namespace conddp {
+namespace {
+
+/// Whether the system has the control that a residual needs; else that is reported.
+bool has_its_control(const CostSpec& cost, const CostResidual& made, const Plant& plant,
+                     Diagnostics& out) {
+  const bool lacks_actuator = cost.definition->needs.control && plant.actuated().nu() == 0;
+  const bool lacks_control = made.residual->needs_control() && plant.system->nu() == 0;
+  if (!lacks_actuator && !lacks_control) return true;
+  out.error(cost.residual.place,
+            fmt::format("the residual '{}' needs a control, and the system has none",
+                        cost.definition->name),
+            "use residuals of the state, or give the system controls");
+  return false;
+}
+
+}  // namespace
 
 std::optional<CostResidual> make_cost_residual(const CostSpec& cost, const ProblemSpec& spec,
                                                const Plant& plant, int ndx, Diagnostics& out) {
@@ -16,7 +32,9 @@ std::optional<CostResidual> make_cost_residual(const CostSpec& cost, const Probl
   }
   if (definition.make == nullptr) return std::nullopt;
   const std::vector<Contact> none;
-  return definition.make({cost, spec, plant, none, ndx, out});
+  auto made = definition.make({cost, spec, plant, none, ndx, out});
+  if (made && !has_its_control(cost, *made, plant, out)) return std::nullopt;
+  return made;
 }
 
 std::vector<ContactCost> make_contact_costs(const CostSpec& cost, const ProblemSpec& spec,
@@ -35,7 +53,7 @@ std::vector<ContactCost> make_contact_costs(const CostSpec& cost, const ProblemS
     one->contact = contact;
     one->prototype.residual =
         one->make(plant.multibody()->with_contacts({plan.contacts()[contact]}), 0);
-    costs.push_back(std::move(*one));
+    if (has_its_control(cost, one->prototype, plant, out)) costs.push_back(std::move(*one));
   }
   return costs;
 }
