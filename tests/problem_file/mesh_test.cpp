@@ -86,6 +86,36 @@ TEST(Mesh, EndsAtItsLimits) {
   EXPECT_EQ(rounds_of("rounds: 20, knots: 75").back().knots, 70);
 }
 
+TEST(Mesh, EndsWhereTheErrorGrowsOnTwoGridsInARow) {
+  MeshRefinement mesh(*Loaded(std::string(kOscillator)).spec);
+  std::optional<int> factor = 1;
+  for (double wrong = 1; factor; wrong *= 2) {
+    const Loaded loaded(with_factor(*factor));
+    ASSERT_TRUE(loaded.built) << loaded.all();
+    SolveResult answer = answer_of(loaded);
+    answer.trajectory.x(loaded.built->problem->knots())[0] += wrong;
+    factor = mesh.next(*loaded.built->problem, answer);
+  }
+  EXPECT_FALSE(mesh.reached());
+  ASSERT_EQ(mesh.rounds().size(), 3u);
+  EXPECT_EQ(mesh.rounds()[2].factor, 4) << "growth says nothing of the order";
+}
+
+TEST(Mesh, StepsThatCollocateHaveAToleranceThatAddsUpToLessThanTheError) {
+  const auto tolerance = [](const std::string& text) {
+    const Loaded loaded(text);
+    EXPECT_TRUE(loaded.spec) << loaded.all();
+    return loaded.spec->solver.options.tolerances.constraint;
+  };
+  const double usual = SolverOptions().tolerances.constraint;
+  EXPECT_EQ(tolerance(std::string(kOscillator)), usual);
+  const std::string collocating =
+      replaced(replaced(kOscillator, "rk2", "trapezoidal"), "box_fddp", "altro");
+  EXPECT_DOUBLE_EQ(tolerance(replaced(collocating, "1.0e-4", "1.0e-6, factor: 2")), 1e-7 / 20);
+  EXPECT_DOUBLE_EQ(tolerance(replaced(collocating, "1.0e-4", "1.0e-12")), 1e-11);
+  EXPECT_EQ(tolerance(replaced(collocating, "mesh: {error: 1.0e-4}\n", "")), usual);
+}
+
 TEST(Mesh, AnswerOfOneGridIsTheGuessOfTheNext) {
   const Loaded coarse{std::string(kOscillator)}, fine(with_factor(2));
   const SolveResult answer = answer_of(coarse);

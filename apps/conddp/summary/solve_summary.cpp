@@ -37,8 +37,11 @@ std::string mesh_line(const Solution& s) {
     text += fmt::format("{}{}: {:.1e}", text.empty() ? "" : ", ", round.knots, round.error);
   if (text.empty()) return text;
   const bool reached = s.mesh.back().error <= s.spec.mesh->error;
-  return fmt::format("  mesh          error at knots {}{}\n", text,
-                     reached ? "" : fmt::format("; more than {:.1e}", s.spec.mesh->error));
+  const std::size_t rounds = s.mesh.size();
+  const bool grew = rounds > 1 && s.mesh[rounds - 1].error >= s.mesh[rounds - 2].error;
+  return fmt::format("  mesh          error at knots {}{}{}\n", text,
+                     reached ? "" : fmt::format("; more than {:.1e}", s.spec.mesh->error),
+                     !reached && grew ? ", and no longer smaller on finer grids" : "");
 }
 
 std::string restart_lines(const RestartRecord& restarts) {

@@ -57,13 +57,22 @@ bool MeshRefinement::reached() const {
          rounds_.back().error <= mesh_.error;
 }
 
-/// By the order that the last two grids have shown.
+bool MeshRefinement::grew(std::size_t round) const {
+  return round > 0 && round < rounds_.size() && rounds_[round].error >= rounds_[round - 1].error;
+}
+
+bool MeshRefinement::keeps_growing() const {
+  const std::size_t last = rounds_.size() - 1;
+  return !rounds_.empty() && grew(last) && grew(last - 1);
+}
+
+/// By the order that the last two grids have shown. A coarse grid can be better than the next one
+/// by chance.
 double MeshRefinement::growth() const {
   const MeshRound& last = rounds_.back();
   if (rounds_.size() < 2 || !std::isfinite(last.error)) return kFirstGrowth;
   const MeshRound& before = rounds_[rounds_.size() - 2];
-  if (!(last.error < before.error)) return kMostGrowth;
-  if (!std::isfinite(before.error)) return kFirstGrowth;
+  if (!(last.error < before.error) || !std::isfinite(before.error)) return kFirstGrowth;
   const double order = std::log(before.error / last.error) /
                        std::log(static_cast<double>(last.factor) / before.factor);
   const double wanted = std::pow(kMargin * last.error / mesh_.error, 1 / order);
@@ -78,7 +87,7 @@ std::optional<int> MeshRefinement::next(const ShootingProblem& problem, const So
                      .iterations = result.iterations,
                      .cost = result.cost});
   const bool last = static_cast<int>(rounds_.size()) >= mesh_.rounds;
-  if (!is_success(result.status) || reached() || last) return std::nullopt;
+  if (!is_success(result.status) || reached() || last || keeps_growing()) return std::nullopt;
   int instants = 0;
   for (const Phase& phase : problem.phases())
     if (phase.instant || phase.dt.front() == 0) instants += phase.knots();

@@ -26,7 +26,8 @@ class MeshRefinement {
   explicit MeshRefinement(const ProblemSpec& spec);
 
   /// Judges an answer on the present grid. The factor of the next one; nothing where this is the
-  /// last: it is fine enough, the solve has failed, or a finer one is beyond the limits.
+  /// last: it is fine enough, the solve has failed, a finer one is beyond the limits, or the error
+  /// has grown on two grids in a row.
   std::optional<int> next(const ShootingProblem& problem, const SolveResult& result);
   const std::vector<MeshRound>& rounds() const { return rounds_; }
   /// Whether the last grid is fine enough.
@@ -34,6 +35,9 @@ class MeshRefinement {
 
  private:
   double growth() const;
+  /// Whether the error of a round is no less than that of the one before.
+  bool grew(std::size_t round) const;
+  bool keeps_growing() const;
 
   MeshSpec mesh_;
   int factor_;

@@ -1,5 +1,8 @@
+#include <algorithm>
+
 #include <fmt/format.h>
 
+#include "ocp/knot/integrator_table.hpp"
 #include "problem_file/read/read_sections.hpp"
 
 namespace conddp {
@@ -31,6 +34,15 @@ void cut_steps(const MeshSpec& mesh, std::vector<PhaseSpec>& phases, Diagnostics
     phase.knots.value *= mesh.factor;
     phase.dt /= mesh.factor;
   }
+}
+
+void tighten_for_mesh(const MeshSpec& mesh, ProblemSpec& spec) {
+  if (!spec.integrator || !info_of(spec.integrator->value).collocation) return;
+  // What the steps violate adds up over the knots; below this, rounding is left.
+  constexpr double kShare = 0.1, kLeast = 1e-11;
+  double& tolerance = spec.solver.options.tolerances.constraint;
+  const double wanted = kShare * mesh.error / std::max(1, spec.knots());
+  tolerance = std::min(tolerance, std::max(wanted, kLeast));
 }
 
 }  // namespace conddp

@@ -236,7 +236,10 @@ ProblemSpec read_document(const YamlReader& reader, const std::filesystem::path&
   if (const auto r = map.find("mpc")) spec.mpc = read_mpc(*r, folder, spec.solver.name);
   if (gait) spec.gait_commands = gait->commands;
   if (gait && !reader.diagnostics().has_errors()) add_gait(*gait, spec, reader.diagnostics());
-  if (spec.mesh) cut_steps(*spec.mesh, spec.phases, reader.diagnostics());
+  if (spec.mesh) {
+    cut_steps(*spec.mesh, spec.phases, reader.diagnostics());
+    tighten_for_mesh(*spec.mesh, spec);
+  }
   return spec;
 }
 
