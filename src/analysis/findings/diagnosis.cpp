@@ -59,20 +59,32 @@ bool interior_point(const SolveResult& r) {
 
 std::string at(int knot) { return knot < 0 ? std::string() : fmt::format(" at knot {}", knot); }
 
-Diagnosis growth(const SolveResult& r) {
-  const bool start = r.log.size() <= 1;
-  return {
-      DiagnosisPattern::growth,
-      fmt::format("the {}{} {}", r.failed_quantity, at(r.failed_knot),
-                  r.status == SolveStatus::diverged
-                      ? (start ? "is not finite along the first guess" : "stopped being finite")
-                      : "leaves the finite numbers in every longer step"),
-      r.failed_knot, r.failed_quantity,
-      std::string(start ? "another first guess (small controls, quasi_static, states near what is "
-                          "possible), "
-                        : "") +
-          "a smaller dt or an integrator of higher order, smaller gains kp and kd of contacts; "
-          "look for tiny masses and inertias ('conddp inspect')"};
+/// What helps where numbers stop being finite: a robot is stiff, equations have poles and kinks.
+std::string remedy_of_growth(const ShootingProblem& problem, bool start) {
+  const bool is_robot = problem.knot(0).model->system().robot_inside() != nullptr;
+  const std::string guess =
+      !start     ? ""
+      : is_robot ? "another first guess (small controls, quasi_static, states near what is "
+                   "possible), "
+                 : "another first guess or initial state, away from where roots, norms, logarithms "
+                   "and quotients have no derivative; ";
+  if (is_robot)
+    return guess +
+           "a smaller dt or an integrator of higher order, smaller gains kp and kd of contacts; "
+           "look for tiny masses and inertias ('conddp inspect')";
+  return guess +
+         "smooth_norm and smooth_abs in the place of norm and abs; bounds on the states where "
+         "expressions are not finite; a smaller dt or an integrator of higher order";
+}
+
+Diagnosis growth(const ShootingProblem& problem, const SolveResult& r) {
+  const bool start = r.iterations == 0;
+  return {DiagnosisPattern::growth,
+          fmt::format("the {}{} {}", r.failed_quantity, at(r.failed_knot),
+                      r.status == SolveStatus::diverged
+                          ? (start ? "is not finite along the first guess" : "stopped being finite")
+                          : "leaves the finite numbers in every longer step"),
+          r.failed_knot, r.failed_quantity, remedy_of_growth(problem, start)};
 }
 
 Diagnosis indefinite(const SolveResult& r) {
@@ -314,8 +326,9 @@ bool gaps_stay_open(const SolveResult& result, const Window& w, double tolerance
 }
 
 /// What the log alone says of a solve that did not converge.
-Diagnosis of_log(const SolveResult& result, const SolverOptions& options) {
-  if (lost(result)) return growth(result);
+Diagnosis of_log(const ShootingProblem& problem, const SolveResult& result,
+                 const SolverOptions& options) {
+  if (lost(result)) return growth(problem, result);
   if (result.status == SolveStatus::infeasible) return infeasible(result.log.back());
   if (interior_point(result)) return of_interior_point(result, options);
   if (result.status == SolveStatus::regularization_limit) return indefinite(result);
@@ -325,7 +338,7 @@ Diagnosis of_log(const SolveResult& result, const SolverOptions& options) {
   if (auto diagnosis = of_standstill(w, options)) return *std::move(diagnosis);
   if (result.status != SolveStatus::line_search_failed)
     return unfinished(result, options, w.last());
-  return result.failed_knot >= 0 ? growth(result) : no_descent(result, options, w.last());
+  return result.failed_knot >= 0 ? growth(problem, result) : no_descent(result, options, w.last());
 }
 
 bool is_stuck(DiagnosisPattern pattern) {
@@ -377,7 +390,7 @@ Diagnosis diagnose(const ShootingProblem& problem, const SolveResult& result,
                             : "the cost settled by tolerances.cost_decrease",
                         result.iterations),
             -1, "", ""};
-  Diagnosis d = of_log(result, options);
+  Diagnosis d = of_log(problem, result, options);
   if (result.status != SolveStatus::interrupted)
     if (const auto lack = missing_torque(problem)) return too_weak(std::move(d), *lack);
   if (!is_stuck(d.pattern) || d.knot < 0 || d.knot >= problem.knots()) return d;

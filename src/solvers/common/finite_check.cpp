@@ -15,8 +15,8 @@ std::string_view non_finite_quantity(const Linearization& linearization, int nod
       {"cost", std::isfinite(linearization.cost[node])},
       {"constraint", std::isfinite(linearization.augmentation[node])},
       {"next state", !has_next || all_finite(linearization.gap.col(node))},
+      {"dynamics Jacobian", all_finite(knot.F)},  // before what may be made with it
       {"cost gradient", all_finite(knot.gradient)},
-      {"dynamics Jacobian", all_finite(knot.F)},
       {"Hessian", all_finite(knot.hessian())}};
   const auto* found =
       std::find_if(std::begin(finite), std::end(finite), [](const auto& q) { return !q.second; });

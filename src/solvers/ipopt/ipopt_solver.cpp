@@ -352,9 +352,7 @@ void IpoptSolver::write_result() {
   if (const auto where = find_non_finite(newton_.linearization())) {
     result_.failed_knot = where->knot;
     result_.failed_quantity = where->quantity;
-    Evaluation evaluation(problem_);
-    evaluator_.evaluate(result_.trajectory, evaluation);
-    result_.constraint_values = evaluation.constraint;
+    write_values();
     return;
   }
   result_.feedback_regularization = gain_regularization_;
@@ -377,6 +375,25 @@ void IpoptSolver::write_result() {
         newton_.adjoint().gradient().segment(bounds_.offset(k), problem_.nu(k)));
   result_.constraint_values = newton_.linearization().constraint;
   result_.constraint_multipliers = newton_.multipliers();
+}
+
+/// What the answer's values alone give, where its derivatives are not finite.
+void IpoptSolver::write_values() {
+  result_.trajectory = newton_.trajectory();
+  Evaluation values(problem_);
+  evaluator_.evaluate(result_.trajectory, values);
+  const Extremum violation =
+      largest_violation(problem_, bounds_, result_.trajectory, values.constraint);
+  result_.constraint_values = values.constraint;
+  result_.cost = values.cost.sum() + linear_soft_cost(problem_, values.constraint);
+  result_.residuals = {.gap = values.gap.size() == 0 ? 0 : values.gap.cwiseAbs().maxCoeff(),
+                       .constraint = violation.value,
+                       .constraint_knot = violation.knot};
+  answer_row_.cost = answer_row_.merit = result_.cost;
+  answer_row_.stationarity = result_.residuals.stationarity;
+  answer_row_.gap = result_.residuals.gap;
+  answer_row_.constraint = violation.value;
+  answer_row_.constraint_knot = violation.knot;
 }
 
 bool IpoptSolver::under_tolerances(const KktNorms& norms) const {

@@ -100,6 +100,7 @@ class IpoptSolver {
   void note_newton_step();
   void consider(bool preferred = false);
   void write_result();
+  void write_values();
   IterationRecord* row_of_answer();
   void log_answer();
   void set_status(const InteriorPointAnswer& answer);
