@@ -175,6 +175,8 @@ TEST(FreeParameters, HaveTheirPlaceInErrors) {
     std::string from, to, message;
   };
   const Case cases[] = {
+      {"lower: -2, upper: 3", "lower: 4, upper: 3",
+       "4:6: error: the lower bound 4 lies above the upper bound 3"},
       {"start: 0.1", "start: 4", "4:6: error: the start 4 does not lie between -2 and 3"},
       {"lower: -2, ", "", "lacks the key 'lower'"},
       {"free: true", "free: false", "error: "},

@@ -313,5 +313,33 @@ TEST(Guess, AccelerationsOfFoundContactsAreThoseOfTheGuessedStates) {
   }
 }
 
+TEST(GuessToEqualities, LeadsToTheStateThatTerminalConstraintsAskFor) {
+  const std::string text = R"(conddp: 1
+system: {states: [x, v], controls: [u], rate: {x: v, v: u}}
+initial_state: {values: {x: 1}}
+phases: [{name: only, knots: 4, duration: 1}]
+costs: {u: {residual: control}}
+terminal: {constraints: {end: CONSTRAINT}}
+initial_guess: {states: interpolate}
+)";
+  const std::pair<const char*, std::vector<double>> cases[] = {
+      {"{residual: state, reference: [3, 2]}", {3, 2}},
+      {"{residual: state, columns: v, reference: 4}", {1, 4}},
+      {"{residual: state, equals: {x: 5}}", {5, 0}},
+      {"{residual: state, columns: x, reference: 1, equals: 2}", {3, 0}}};
+  for (const auto& [constraint, end] : cases) {
+    const Loaded loaded(replaced(text, "CONSTRAINT", constraint));
+    ASSERT_TRUE(loaded.built) << loaded.all();
+    for (int i = 0; i < 2; ++i) {
+      const double begin = i == 0 ? 1 : 0;
+      EXPECT_DOUBLE_EQ(loaded.built->guess.x(4)[i], end[i]) << constraint;
+      EXPECT_DOUBLE_EQ(loaded.built->guess.x(2)[i], 0.5 * (begin + end[i])) << constraint;
+    }
+  }
+  const Loaded bounded(replaced(text, "CONSTRAINT", "{residual: state, lower: 1}"));
+  EXPECT_NE(bounded.first_error().find("needs a terminal cost or equality"), std::string::npos)
+      << bounded.all();
+}
+
 }  // namespace
 }  // namespace conddp

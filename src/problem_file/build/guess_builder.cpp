@@ -11,6 +11,7 @@
 #include "problem_file/data/data_table.hpp"
 #include "problem_file/plant/collocation_builder.hpp"
 #include "problem_file/plant/quasi_static.hpp"
+#include "problem_file/terms/constraint_builder.hpp"
 #include "problem_file/terms/terminal_lqr.hpp"
 
 namespace conddp {
@@ -145,7 +146,8 @@ class GuessBuilder {
     }
   }
 
-  /// From the initial state to the one that the terminal costs want.
+  /// From the initial state to the one that the terminal costs want, and rather to the one that
+  /// equalities at the last node ask for.
   std::optional<TimeSeries> towards_target() {
     const std::vector<double>& times = problem_.times();
     std::vector<double> target = states_.initial();
@@ -157,33 +159,50 @@ class GuessBuilder {
     }
     for (const CostSpec& cost : spec_.terminal_costs) {
       if (!cost.definition->of_positions) continue;
-      if (!set_target(cost, target)) return std::nullopt;
-      found = true;
+      const auto known = set_target(cost, {}, target);
+      if (!known) return std::nullopt;
+      found |= *known;
     }
-    if (!found) {
-      out_.error(
-          guess().states_place,
-          "to interpolate, the guess needs a terminal cost on the state or on joint positions",
-          "give one, or use keyframes");
+    bool constrained = false;
+    for (const ConstraintSpec& constraint : spec_.terminal_constraints) {
+      if (!constraint.function.definition->of_positions) continue;
+      if (!is_zero(constraint) && !constraint.equals) continue;
+      const auto known = set_target(constraint.function, constraint.equals, target);
+      if (!known) return std::nullopt;
+      constrained |= *known;
+    }
+    if (!found && !constrained) {
+      out_.error(guess().states_place,
+                 "to interpolate, the guess needs a terminal cost or equality on the state or on "
+                 "joint positions",
+                 "give one, or use keyframes");
       return std::nullopt;
     }
-    used_.states = "from the initial state straight to the target of the terminal costs";
+    used_.states = fmt::format("from the initial state straight to the target of the terminal {}",
+                               constrained ? "constraints" : "costs");
     TimeSeries series(plant_.system->manifold(), states_.initial());
     series.append(times.back(), std::move(target));
     return series;
   }
 
-  /// Writes the last reference of a cost on positions into the entries of the state that it is on.
-  bool set_target(const CostSpec& cost, std::vector<double>& target) const {
+  /// Writes the last reference of a residual on positions, and what its rows are to equal, into the
+  /// entries of the state that it is on. False where nothing is written: rows of rotations that
+  /// equal something give no state.
+  std::optional<bool> set_target(const CostSpec& cost, const std::optional<ComponentsSpec>& equals,
+                                 std::vector<double>& target) const {
     const std::vector<double>& times = problem_.times();
     const auto residual = make_cost_residual(cost, spec_, plant_, problem_.ndx(), out_);
-    if (!residual) return false;
+    if (!residual) return std::nullopt;
     const auto reference = build_reference(cost, *residual, plant_, states_, times, out_);
-    if (!reference) return false;
+    const auto above = resolve(equals, residual->rows, std::nan(""), out_);
+    if (!reference || !above) return std::nullopt;
     const std::vector<double> value = reference->interpolate(times.back());
-    if (residual->indices.empty()) target = value;
-    for (std::size_t i = 0; i < residual->indices.size(); ++i)
-      target[residual->indices[i]] = value[i];
+    if (equals && above->size() != value.size()) return false;
+    for (std::size_t i = 0; i < value.size(); ++i) {
+      const double entry = equals ? value[i] + (*above)[i] : value[i];
+      const std::size_t index = residual->indices.empty() ? i : residual->indices[i];
+      if (!std::isnan(entry)) target[index] = entry;
+    }
     return true;
   }
 

@@ -268,6 +268,11 @@ std::optional<FreeParameter> read_free_parameter(const Name& name, const YamlRea
   map.number("start", parameter.start);
   map.finish();
   if (reader.diagnostics().error_count() > errors) return std::nullopt;
+  if (parameter.lower > parameter.upper) {
+    reader.error(fmt::format("the lower bound {} lies above the upper bound {}", parameter.lower,
+                             parameter.upper));
+    return std::nullopt;
+  }
   if (parameter.lower <= parameter.start && parameter.start <= parameter.upper) return parameter;
   reader.error(fmt::format("the start {} does not lie between {} and {}", parameter.start,
                            parameter.lower, parameter.upper));

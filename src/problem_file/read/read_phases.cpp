@@ -56,7 +56,9 @@ void read_choice(YamlMap& map, const YamlReader& choose, PhaseSpec& phase) {
 void read_jump(YamlMap& map, const YamlReader& jump, PhaseSpec& phase) {
   phase.knots = {1, jump.place()};
   phase.jump = JumpSpec{.place = jump.place(), .states = {}};
-  if (const auto entries = jump.named_entries("write '{v: -0.8*v}'"))
+  const auto entries = jump.named_entries("write '{v: -0.8*v}'");
+  if (entries && entries->empty()) jump.error("no state jumps here", "write '{v: -0.8*v}'");
+  if (entries)
     for (const auto& [name, value] : *entries)
       if (auto text = read_expression(value)) phase.jump->states.emplace_back(name, *text);
   for (const char* key :
