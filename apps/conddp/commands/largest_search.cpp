@@ -55,23 +55,9 @@ Setting setting_of(const std::string& key, double value, Diagnostics& out) {
   return {{key, {{source, 1, 1}, key}}, std::move(node), text};
 }
 
-/// Calls `visit` with each step of a key path, until it returns false.
-template <class Visit>
-void for_each_step(std::string_view key, Visit visit) {
-  while (!key.empty()) {
-    const std::string_view step = first_step(key);
-    if (!visit(step)) return;
-    key.remove_prefix(std::min(step.size() + 1, key.size()));
-  }
-}
-
 /// Whether a key of a problem file is a number there, or a formula of parameters.
 bool is_number_of_file(YamlNode root, std::string_view key) {
-  YamlNode* node = &root;
-  for_each_step(key, [&](std::string_view step) {
-    node = find_part(*node, step);
-    return node != nullptr;
-  });
+  const YamlNode* node = find_present(root, key);
   return node != nullptr && node->kind == YamlNode::Kind::kScalar && !node->quoted &&
          (node->text.starts_with('=') || parse_number(node->text).value.has_value());
 }
@@ -95,12 +81,14 @@ const OrderedJson* part_of(const OrderedJson& json, std::string_view step) {
 
 /// Whether a key is a number of a problem with every default.
 bool is_number_of_expanded(const OrderedJson& problem, std::string_view key) {
-  const OrderedJson* part = &problem;
-  for_each_step(key, [&](std::string_view step) {
-    part = part_of(*part, step);
-    return part != nullptr;
-  });
-  return part != nullptr && part->is_number();
+  if (key.empty()) return problem.is_number();
+  for (std::size_t end = key.size();
+       end != std::string_view::npos && end > 0;) {  // names have dots
+    if (const OrderedJson* part = part_of(problem, key.substr(0, end)))
+      return is_number_of_expanded(*part, key.substr(std::min(end + 1, key.size())));
+    end = key.rfind('.', end - 1);
+  }
+  return false;
 }
 
 /// A problem file of which the loops of many values are built.
