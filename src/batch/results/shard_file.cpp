@@ -14,7 +14,7 @@
 
 #include "base/files/atomic_file.hpp"
 #include "base/files/check_sum.hpp"
-#include "base/files/sha256.hpp"
+#include "base/files/line_sum.hpp"
 #include "base/files/sync_to_disk.hpp"
 #include "base/files/write_all.hpp"
 #include "base/json/number_block.hpp"
@@ -25,17 +25,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kFolder = "shards";
-constexpr std::size_t kSumDigits = 8;
 
 /// How long results wait at most before they go to the disk.
 constexpr std::chrono::seconds kSyncInterval{5};
-
-std::string line_sum(std::string_view text) { return sha256(text).substr(0, kSumDigits); }
-
-/// `{"sum":"01234567",` before what stands on the line of a result behind its first brace.
-std::string summed_line(const std::string& line) {
-  return fmt::format(R"({{"sum":"{}",{})", line_sum(line), std::string_view(line).substr(1)) + '\n';
-}
 
 /// A line that says how many bytes of the pack are on the disk.
 constexpr std::string_view kMark = R"({"synced":)";
@@ -44,17 +36,6 @@ std::size_t marked_bytes(std::string_view line) {
   std::size_t bytes = 0;
   std::from_chars(line.data() + kMark.size(), line.data() + line.size(), bytes);
   return bytes;
-}
-
-/// The line of a result without its sum; empty where that does not fit.
-std::string checked_line(std::string_view line) {
-  constexpr std::string_view kStart = R"({"sum":")", kEnd = R"(",)";
-  if (!line.starts_with(kStart) || line.size() < kStart.size() + kSumDigits + kEnd.size())
-    return {};
-  const std::string_view sum = line.substr(kStart.size(), kSumDigits);
-  std::string rest = "{";
-  rest += line.substr(kStart.size() + kSumDigits + kEnd.size());
-  return line_sum(rest) == sum ? rest : std::string();
 }
 
 std::string read_whole(const fs::path& file) {
@@ -109,7 +90,7 @@ Lines read_lines(const fs::path& file) {
   for (std::size_t start = 0; start < text.size();) {
     const std::size_t end = text.find('\n', start);
     if (end == std::string::npos) break;
-    const std::string line = checked_line(std::string_view(text).substr(start, end - start));
+    const std::string line = without_sum(std::string_view(text).substr(start, end - start));
     if (!line.empty()) take_line(line, start, end + 1, lines);
     start = end + 1;
   }
@@ -169,7 +150,8 @@ void ShardFile::append(ItemResult result, std::string_view solution) {
   result.solution_sum = check_sum(solution);
   if (!write_all(pack_descriptor_, solution)) fail(pack_, "written");
   pack_size_ += solution.size();
-  if (!write_all(results_descriptor_, summed_line(result_line(result)))) fail(results_, "written");
+  if (!write_all(results_descriptor_, with_sum(result_line(result)) + '\n'))
+    fail(results_, "written");
   is_synced_ = false;
   if (Clock::now() - last_sync_ >= kSyncInterval) sync();
 }
@@ -178,7 +160,7 @@ void ShardFile::sync() {
   if (is_synced_) return;
   if (::fdatasync(pack_descriptor_) != 0) fail(pack_, "written");
   if (::fdatasync(results_descriptor_) != 0) fail(results_, "written");
-  if (!write_all(results_descriptor_, summed_line(mark_line(pack_size_))))
+  if (!write_all(results_descriptor_, with_sum(mark_line(pack_size_)) + '\n'))
     fail(results_, "written");
   is_synced_ = true;
   last_sync_ = Clock::now();
