@@ -2,6 +2,7 @@
 #include "analysis/findings/findings.hpp"
 
 #include <cmath>
+#include <set>
 
 #include <gtest/gtest.h>
 
@@ -194,6 +195,39 @@ TEST(BetweenKnots, AConstraintIsLookedAtOnTheStraightWay) {
   // What is as far off at a knot is no news.
   motion.x(1) << 0, 0.02, 0, 0, 0, 0;
   EXPECT_TRUE(found_in_motion(problem, motion, FindingKind::between_knots).empty());
+}
+
+/// The window at some knots alone.
+ShootingProblem gate_at(const std::set<int>& gates, int knots) {
+  const auto system = block_system();
+  auto running = std::make_shared<KnotModel>(system, Integrator::semi_implicit_euler);
+  running->add_constraint(make_constraint("gate", coordinate_residual(running->manifold(), {0, 1}),
+                                          ConstraintKind::bounds));
+  Phase phase{.name = "all", .model = running};
+  for (int k = 0; k < knots; ++k) {
+    phase.dt.push_back(0.1);
+    phase.cost_scale.push_back(1);
+    const double active = gates.contains(k) ? 1 : 0;
+    for (const double number : {0.0, 0.0, -0.1, -0.1, 0.2, 0.2, active})
+      phase.parameters.push_back(number);
+  }
+  std::vector<Phase> phases;
+  phases.push_back(std::move(phase));
+  return ShootingProblem(std::vector<double>(6, 0.0), std::move(phases),
+                         {.name = "end",
+                          .model = std::make_shared<KnotModel>(system, Integrator::none),
+                          .dt = {0},
+                          .cost_scale = {1}});
+}
+
+TEST(BetweenKnots, AGateIsNotLookedAtBehindTheLastKnotThatHasIt) {
+  for (const std::set<int>& gates : {std::set{2}, std::set{1, 2}, std::set{4}}) {
+    const ShootingProblem problem = gate_at(gates, 5);
+    Trajectory motion = problem.create_trajectory();
+    motion.x(*gates.rbegin() + 1)[0] = 3;
+    EXPECT_TRUE(found_in_motion(problem, motion, FindingKind::between_knots).empty())
+        << *gates.rbegin();
+  }
 }
 
 TEST(BetweenKnots, TheWorstRowIsNamed) {

@@ -34,6 +34,11 @@ struct Corruption {
 
 const std::vector<Corruption>& corruptions() {
   static const std::vector<Corruption> list = {
+      {"the unit of time", "units of t",
+       [](OrderedJson& d) {
+         d["trajectory"]["units"]["t"] = "ms";
+         return true;
+       }},
       {"a control", "gap",
        [](OrderedJson& d) {
          add_to(knot(d["trajectory"]["u"])[0], 1e-6);

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 #include <span>
+#include <string_view>
 #include <utility>
 
 #include <Eigen/Dense>
@@ -211,14 +213,30 @@ class Search {
 
   /// Inequalities of the state along the straight way from one node to the next.
   void between() {
-    const std::vector<const NodeConstraint*> watched = state_inequalities();
-    const std::map<std::string, double> at_knots = violations_at_nodes(watched);
+    const std::vector<const NodeConstraint*> all = state_inequalities();
+    const std::map<std::string, double> at_knots = violations_at_nodes(all);
+    const std::vector<const NodeConstraint*> watched = those_that_go_on(all);
     for (std::size_t first = 0, last = 0; first < watched.size(); first = last) {
       const int k = watched[first]->node;
       while (last < watched.size() && watched[last]->node == k) ++last;
       if (k < problem_.knots() && !problem_.takes_no_time(k))
         look_along(k, std::span(watched).subspan(first, last - first), at_knots);
     }
+  }
+
+  /// Those that hold at the next node as well. At the last one only what is said of it holds, so
+  /// what held at the node before, too, goes on till there.
+  std::vector<const NodeConstraint*> those_that_go_on(
+      const std::vector<const NodeConstraint*>& constraints) const {
+    std::set<std::pair<std::string_view, int>> places;
+    for (const NodeConstraint* c : constraints) places.emplace(c->term->name, c->node);
+    std::vector<const NodeConstraint*> list;
+    for (const NodeConstraint* c : constraints) {
+      const int other = c->node + (c->node + 1 == problem_.knots() ? -1 : 1);
+      if (places.contains({c->term->name, c->node + 1}) || places.contains({c->term->name, other}))
+        list.push_back(c);
+    }
+    return list;
   }
 
   bool is_state_inequality(const NodeConstraint& c) const {

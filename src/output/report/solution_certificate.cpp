@@ -103,6 +103,7 @@ class Reader {
     statement("knots", at(document_, {"problem", "knots"}), problem_.knots());
     columns("x", built_.state_columns);
     columns("u", built_.control_columns);
+    statement("units of t", at(document_, {"trajectory", "units", "t"}), "s");
     phases();
     sizes();
     if (!fits_) return;
