@@ -60,15 +60,14 @@ StopCheck::StopCheck(const std::optional<StopCondition>& condition) : condition_
   std::copy(condition->parameters.begin(), condition->parameters.end(), batch_->parameters.begin());
 }
 
-bool StopCheck::is_met(const double* x) const {
-  if (!batch_) return false;
+const ConstraintTerm* StopCheck::first_met(const double* x) const {
+  if (!batch_) return nullptr;
   const KnotModel& model = *condition_->model;
   std::copy_n(x, model.nx(), batch_->x.begin());
   model.evaluate(batch_->input(), batch_->work);
-  return std::any_of(model.constraints().begin(), model.constraints().end(),
-                     [&](const ConstraintTerm& term) {
-                       return violation(term, *batch_, condition_->parameters.data()) > 0;
-                     });
+  for (const ConstraintTerm& term : model.constraints())
+    if (violation(term, *batch_, condition_->parameters.data()) > 0) return &term;
+  return nullptr;
 }
 
 }  // namespace conddp

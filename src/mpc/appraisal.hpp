@@ -45,7 +45,10 @@ class StopCheck {
  public:
   /// Throws std::invalid_argument where the parameters are not the model's.
   explicit StopCheck(const std::optional<StopCondition>& condition);
-  bool is_met(const double* x) const;
+  bool is_met(const double* x) const { return first_met(x) != nullptr; }
+  /// The constraint that a state violates, the first of several; null where the condition is not
+  /// met.
+  const ConstraintTerm* first_met(const double* x) const;
 
  private:
   const std::optional<StopCondition>& condition_;

@@ -48,7 +48,8 @@ TEST_F(LoopBatch, TellsWhichLoopsLastHoweverTheRunWent) {
     std::getline(lines, line);
     EXPECT_NE(line.find(words), std::string::npos) << line;
   }
-  EXPECT_NE(line.find(",a condition of stop_when does not hold"), std::string::npos) << line;
+  EXPECT_NE(line.find(",the condition 'fallen' of stop_when does not hold"), std::string::npos)
+      << line;
   EXPECT_FALSE(std::filesystem::exists(one + "/dataset.h5"));
   const ProcessResult status = run_conddp({"batch", "status", one});
   EXPECT_EQ(status.exit_code, 1);
