@@ -79,6 +79,57 @@ bool python(const std::string& script, const std::vector<std::string>& arguments
 }
 const bool kHasHdf5 = std::system("/usr/bin/python3 -c 'import h5py' 2> /dev/null") == 0;
 
+constexpr const char* kPointRobot = R"(<robot name="point">
+  <link name="base"><inertial><origin xyz="0 0 0"/><mass value="1"/>
+    <inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <link name="body"><inertial><origin xyz="0 0 0"/><mass value="1"/>
+    <inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <joint name="turn" type="continuous"><parent link="base"/><child link="body"/>
+    <axis xyz="0 1 0"/></joint>
+</robot>
+)";
+
+TEST_F(Batch, TheDataSetHasListsSolversFilesMultipliersAndNamesOfTangents) {
+  if (!kHasHdf5) GTEST_SKIP() << "h5py is not there";
+  folder_.write("point.urdf", kPointRobot);
+  folder_.write("swing.yaml", R"(conddp: 1
+robot: {urdf: point.urdf, base: floating, actuation: {joints: [turn]}}
+gravity: [0, 0, 0]
+initial_state: {}
+phases: [{name: only, knots: 10, dt: 0.05}]
+costs: {effort: {residual: control}, rest: {residual: state, weight: 0.1}}
+constraints: {gate: {residual: state, columns: v/turn, lower: -1, upper: 1, knots: [3, 5]}}
+solver: {name: altro}
+)");
+  const std::string run = folder_.path() / "lists";
+  const ProcessResult r =
+      run_conddp({"batch", "run",
+                  plan("vary:\n  start: {key: initial_state.base.position, values: [[0, 0, 1], "
+                       "[0.1, 0, 2]]}\n  word: {key: integrator, values: [semi_implicit_euler]}\n"),
+                  "-o", run});
+  EXPECT_EQ(r.exit_code, 0) << r.err << r.out;
+  const std::string script = folder_.write("lists.py", R"(
+import sys, h5py, numpy
+shape = h5py.File(sys.argv[1])["shape_1"]
+names = lambda array, key: [text.decode() for text in shape[array].attrs[key]]
+assert names("parameters", "names") == ["start.0", "start.1", "start.2", "word"]
+assert names("parameters", "keys")[1] == "initial_state.base.position.1"
+assert shape["parameters"][1, :3].tolist() == [0.1, 0, 2], shape["parameters"][:]
+assert numpy.isnan(shape["parameters"][:, 3]).all()
+assert list(shape["solver"]) == [b"altro"] * 2, list(shape["solver"])
+assert list(shape["problem"]) == [b"../swing.yaml"] * 2, list(shape["problem"])
+tangents = ["base/x", "base/y", "base/z", "base/rx", "base/ry", "base/rz", "q/turn"]
+assert names("costates", "columns")[:7] == tangents, names("costates", "columns")
+assert names("K", "tangents") == names("costates", "columns")
+assert len(names("K", "tangents")) == shape["K"].shape[3] == 14
+gate = shape["multiplier_gate"][:]
+assert gate.shape == (2, 11, 1), gate.shape
+assert numpy.isfinite(gate[:, [3, 5]]).all() and numpy.isnan(gate[:, [0, 1, 2, 4, 6, 10]]).all()
+)");
+  const std::string log = folder_.path() / "log";
+  EXPECT_TRUE(python(script, {run + "/dataset.h5"}, log)) << read_file(log);
+}
+
 // The plan of the repository, thinned to eight steps.
 TEST_F(Batch, StepsOfAQuadrupedBecomeADataSetWhoseItemsVerify) {
   if (!kHasHdf5) GTEST_SKIP() << "h5py is not there";
@@ -103,6 +154,10 @@ for (length, height, turn), angle in zip(shape["parameters"], yaw):
 for foot in ("LF", "RF", "LH", "RH"):
     force = shape["force_" + foot][:]
     assert force.shape == (8, shape["u"].shape[1], 3), force.shape
+    attributes = shape["force_" + foot].attrs
+    assert list(attributes["columns"]) == [b"fx", b"fy", b"fz"]
+    assert list(attributes["units"]) == [b"N"] * 3
+    assert list(attributes["units_at_impulses"]) == [b"Ns"] * 3
     assert numpy.isnan(force).any() and numpy.nanmax(force[:, :, 2]) > 50  # steps, and stands
 )");
   const std::string log = folder_.path() / "log";

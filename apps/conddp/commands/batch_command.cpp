@@ -221,7 +221,7 @@ void write_tables(const fs::path& run, const Manifest& manifest) {
   files.add(run / "times.csv", times_csv(manifest, results));
   files.commit();
   if (manifest.command == BatchCommand::kMpc) return;  // no solutions are kept
-  const DatasetCount count = write_dataset(manifest, results, run / "dataset.h5");
+  const DatasetCount count = write_dataset(run, manifest, results);
   if (count.unreadable == 0) return;
   Diagnostics diagnostics;
   diagnostics.warning(

@@ -4,11 +4,15 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <optional>
+#include <set>
 #include <span>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "batch/results/hdf5_file.hpp"
+#include "batch/results/item_files.hpp"
 
 namespace conddp {
 namespace {
@@ -16,7 +20,7 @@ namespace {
 using Shape = std::vector<std::size_t>;
 using Names = std::vector<std::string>;
 
-constexpr std::size_t kLongestStatus = 24;
+constexpr std::size_t kLongestStatus = 24, kLongestSolver = 32;
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 /// Puts nested lists into an array of a shape; what is short of it stays as it is.
@@ -39,6 +43,72 @@ struct ArrayOfItems {
   OrderedJson::json_pointer place;
 };
 
+/// What was varied, as numbers: a column for each key, or one for each number of its lists.
+class Parameters {
+ public:
+  explicit Parameters(const Manifest& manifest) : widths_(manifest.columns.size(), 0) {
+    for (const ManifestItem& item : manifest.items)
+      for (std::size_t c = 0; c < widths_.size(); ++c)
+        if (const OrderedJson value = OrderedJson::parse(item.values[c]); is_list_of_numbers(value))
+          widths_[c] = std::max(widths_[c], value.size());
+    for (std::size_t c = 0; c < widths_.size(); ++c) add(manifest.columns[c], widths_[c]);
+  }
+
+  const Names& names() const { return names_; }
+  const Names& keys() const { return keys_; }
+
+  /// NaN for what is no number, and behind the end of a list.
+  std::vector<double> of(const ManifestItem& item) const {
+    std::vector<double> numbers(names_.size(), kNone);
+    double* out = numbers.data();
+    for (std::size_t c = 0; c < widths_.size(); ++c) {
+      const OrderedJson value = OrderedJson::parse(item.values[c]);
+      if (is_list_of_numbers(value))
+        fill(value, std::span(&widths_[c], 1), out);
+      else
+        fill(value, {}, out);
+      out += std::max<std::size_t>(1, widths_[c]);
+    }
+    return numbers;
+  }
+
+ private:
+  static bool is_list_of_numbers(const OrderedJson& value) {
+    return value.is_array() && std::all_of(value.begin(), value.end(),
+                                           [](const OrderedJson& v) { return v.is_number(); });
+  }
+
+  void add(const ManifestColumn& column, std::size_t width) {
+    if (width == 0) {
+      names_.push_back(column.name);
+      keys_.push_back(column.key);
+    }
+    for (std::size_t i = 0; i < width; ++i) {
+      names_.push_back(fmt::format("{}.{}", column.name, i));
+      keys_.push_back(fmt::format("{}.{}", column.key, i));
+    }
+  }
+
+  std::vector<std::size_t> widths_;  ///< of the longest list; 0: no lists
+  Names names_, keys_;
+};
+
+/// The constraints of a solution, and how many rows each has at a node, at most.
+std::vector<std::pair<std::string, std::size_t>> constraint_rows(const OrderedJson& solution) {
+  std::vector<std::pair<std::string, std::size_t>> found;
+  const OrderedJson& multipliers = solution.at("multipliers");
+  if (!multipliers.contains("constraints")) return found;
+  std::map<std::string, std::map<std::size_t, std::size_t>> rows;  // by name and node
+  for (const OrderedJson& entry : multipliers.at("constraints")) {
+    const std::string name = entry.at("name");
+    if (!rows.contains(name)) found.emplace_back(name, 0);
+    rows[name][entry.at("node").get<std::size_t>()] += entry.at("multiplier").size();
+  }
+  for (auto& [name, most] : found)
+    for (const auto& [node, count] : rows[name]) most = std::max(most, count);
+  return found;
+}
+
 /// The columns of a list of rows: as many as the longest one has.
 std::size_t widest(const OrderedJson& rows) {
   std::size_t width = 0;
@@ -49,42 +119,45 @@ std::size_t widest(const OrderedJson& rows) {
 /// Problems of one shape.
 class ShapeGroup {
  public:
+  /// `tangents`: names of the tangent vectors of states; empty where they are not known.
   ShapeGroup(Hdf5File& file, const std::string& name, const Manifest& manifest,
-             const OrderedJson& solution)
-      : file_(file), group_(file.add_group(name)) {
+             const Parameters& parameters, const OrderedJson& solution, const Names& tangents)
+      : file_(file), group_(file.add_group(name)), manifest_(manifest), parameters_(parameters) {
     const OrderedJson& trajectory = solution.at("trajectory");
     const std::size_t nodes = trajectory.at("x").size(), knots = trajectory.at("u").size();
     const Names x = trajectory.at("columns").at("x"), u = trajectory.at("columns").at("u");
     const OrderedJson& units = trajectory.at("units");
-    id_ = file.add_texts(group_, "id", 16);
-    status_ = file.add_texts(group_, "status", kLongestStatus);
-    item_ = file.add_array(group_, "item", {});
-    add_parameters(manifest.columns);
+    add_item_arrays();
     add("cost", "/cost", {}, {}, {});
     add("t", "/trajectory/t", {nodes}, {}, {"s"});
     add("x", "/trajectory/x", {nodes, x.size()}, x, units.at("x"));
     add("u", "/trajectory/u", {knots, u.size()}, u, units.at("u"));
     for (const auto& [contact, rows] : trajectory.at("contact_forces").items())
-      add("force_" + contact, "/trajectory/contact_forces/" + escaped(contact),
-          {knots, widest(rows)}, {}, {"N"});
+      add_force(contact, knots, widest(rows));
     const OrderedJson& costates = solution.at("multipliers").at("costates");
-    const std::size_t tangents = widest(costates);
+    const std::size_t width = widest(costates);
+    const Names columns = tangents.size() == width ? tangents : Names();
     add("k", "/gains/k", {knots, u.size()}, u, units.at("u"));
-    add("K", "/gains/K", {knots, u.size(), tangents}, u, {});
-    add("costates", "/multipliers/costates", {nodes, tangents}, {}, {});
+    if (const auto K = add("K", "/gains/K", {knots, u.size(), width}, u, {}))
+      file_.annotate(*K, "tangents", columns);
+    add("costates", "/multipliers/costates", {nodes, width}, columns, {});
     for (const char* bound : {"control_lower", "control_upper"})
       if (solution.at("multipliers").contains(bound))
         add(bound, std::string("/multipliers/") + bound, {knots, u.size()}, u, {});
+    for (const auto& [constraint, rows] : constraint_rows(solution))
+      multipliers_.push_back(
+          {constraint,
+           file_.add_array(group_, array_name("multiplier_" + constraint), {nodes, rows}), nodes,
+           rows});
   }
 
   void append(std::size_t number, const ManifestItem& item, const OrderedJson& solution) {
     file_.append(id_, item.id);
     file_.append(status_, solution.at("status").get<std::string>());
+    file_.append(solver_, solution.at("solver").get<std::string>());
+    file_.append(problem_, manifest_.problems[item.problem].file);
     file_.append(item_, std::vector<double>{static_cast<double>(number)});
-    std::vector<double> parameters(item.values.size(), kNone);
-    for (std::size_t i = 0; i < parameters.size(); ++i)
-      fill(OrderedJson::parse(item.values[i]), {}, &parameters[i]);
-    if (!parameters.empty()) file_.append(parameters_, parameters);
+    if (!parameters_.names().empty()) file_.append(parameter_array_, parameters_.of(item));
     for (const ArrayOfItems& array : arrays_) {
       std::size_t count = 1;
       for (const std::size_t size : array.shape) count *= size;
@@ -92,9 +165,31 @@ class ShapeGroup {
       if (solution.contains(array.place)) fill(solution.at(array.place), array.shape, row.data());
       file_.append(array.handle, row);
     }
+    for (const Multipliers& array : multipliers_)
+      file_.append(array.handle, multipliers_of(array, solution));
   }
 
  private:
+  /// Multipliers of a constraint by node and row.
+  struct Multipliers {
+    std::string constraint;
+    Hdf5File::Handle handle;
+    std::size_t nodes, rows;
+  };
+
+  static std::vector<double> multipliers_of(const Multipliers& array, const OrderedJson& solution) {
+    std::vector<double> numbers(array.nodes * array.rows, kNone);
+    std::vector<std::size_t> filled(array.nodes, 0);
+    for (const OrderedJson& entry : solution.at("multipliers").at("constraints")) {
+      if (entry.at("name") != array.constraint) continue;
+      const OrderedJson& rows = entry.at("multiplier");
+      const auto node = entry.at("node").get<std::size_t>();
+      fill(rows, std::vector{rows.size()}, &numbers[node * array.rows + filled[node]]);
+      filled[node] += rows.size();
+    }
+    return numbers;
+  }
+
   /// A name within a JSON pointer.
   static std::string escaped(const std::string& name) {
     std::string text;
@@ -103,33 +198,61 @@ class ShapeGroup {
     return text;
   }
 
-  void add_parameters(const std::vector<ManifestColumn>& columns) {
-    if (columns.empty()) return;
-    parameters_ = file_.add_array(group_, "parameters", {columns.size()});
-    Names names, keys;
-    for (const ManifestColumn& column : columns) {
-      names.push_back(column.name);
-      keys.push_back(column.key);
-    }
-    file_.annotate(parameters_, "names", names);
-    file_.annotate(parameters_, "keys", keys);
+  /// A name of an array that no other has. '/' would lead into groups.
+  std::string array_name(std::string name) {
+    std::replace(name.begin(), name.end(), '/', '_');
+    while (!names_.insert(name).second) name += '_';
+    return name;
   }
 
-  void add(const std::string& name, const std::string& place, const Shape& shape,
-           const Names& columns, const Names& units) {
-    if (std::find(shape.begin(), shape.end(), 0u) != shape.end()) return;
-    std::string valid = name;  // '/' leads into groups
-    std::replace(valid.begin(), valid.end(), '/', '_');
-    const Hdf5File::Handle handle = file_.add_array(group_, valid, shape);
+  void add_item_arrays() {
+    std::size_t longest = 1;
+    for (const ManifestProblem& problem : manifest_.problems)
+      longest = std::max(longest, problem.file.size());
+    id_ = file_.add_texts(group_, "id", 16);
+    status_ = file_.add_texts(group_, "status", kLongestStatus);
+    solver_ = file_.add_texts(group_, "solver", kLongestSolver);
+    problem_ = file_.add_texts(group_, "problem", longest);
+    item_ = file_.add_array(group_, "item", {});
+    if (parameters_.names().empty()) return;
+    parameter_array_ = file_.add_array(group_, "parameters", {parameters_.names().size()});
+    file_.annotate(parameter_array_, "names", parameters_.names());
+    file_.annotate(parameter_array_, "keys", parameters_.keys());
+  }
+
+  /// Three numbers, or six with the torque.
+  void add_force(const std::string& contact, std::size_t knots, std::size_t width) {
+    Names columns = {"fx", "fy", "fz", "tx", "ty", "tz"};
+    Names units = {"N", "N", "N", "Nm", "Nm", "Nm"}, impulses;
+    columns.resize(std::min(width, columns.size()));
+    units.resize(columns.size());
+    for (const std::string& unit : units) impulses.push_back(unit + "s");
+    if (const auto force = add("force_" + contact, "/trajectory/contact_forces/" + escaped(contact),
+                               {knots, width}, columns, units))
+      file_.annotate(*force, "units_at_impulses", impulses);
+  }
+
+  /// An array of numbers of the solution; nothing where it would be empty.
+  std::optional<Hdf5File::Handle> add(const std::string& name, const std::string& place,
+                                      const Shape& shape, const Names& columns,
+                                      const Names& units) {
+    if (std::find(shape.begin(), shape.end(), 0u) != shape.end()) return std::nullopt;
+    const Hdf5File::Handle handle = file_.add_array(group_, array_name(name), shape);
     file_.annotate(handle, "columns", columns);
     file_.annotate(handle, "units", units);
     arrays_.push_back({handle, shape, OrderedJson::json_pointer(place)});
+    return handle;
   }
 
   Hdf5File& file_;
   const Hdf5File::Handle group_;
-  Hdf5File::Handle id_ = -1, status_ = -1, item_ = -1, parameters_ = -1;
+  const Manifest& manifest_;
+  const Parameters& parameters_;
+  Hdf5File::Handle id_ = -1, status_ = -1, solver_ = -1, problem_ = -1, item_ = -1;
+  Hdf5File::Handle parameter_array_ = -1;
+  std::set<std::string> names_;
   std::vector<ArrayOfItems> arrays_;
+  std::vector<Multipliers> multipliers_;
 };
 
 /// What problems of one shape have in common.
@@ -140,13 +263,25 @@ std::string shape_key(const OrderedJson& solution) {
   for (const auto& [contact, rows] : trajectory.at("contact_forces").items())
     key += fmt::format(" {} {}", contact, widest(rows));
   for (const auto& [name, unused] : solution.at("multipliers").items()) key += " " + name;
+  for (const auto& [name, rows] : constraint_rows(solution))
+    key += fmt::format(" {} {}", name, rows);
   return key;
+}
+
+/// Names of the tangent vectors of an item's states; none where its files have changed.
+Names tangent_names_of(const std::filesystem::path& run, const Manifest& manifest,
+                       const ManifestItem& item) {
+  Diagnostics unused;
+  const auto shown = load_item(run, manifest, item, nullptr, unused);
+  return shown ? tangent_columns(shown->built) : Names();
 }
 
 }  // namespace
 
-DatasetCount write_dataset(const Manifest& manifest, const StoredResults& results,
-                           const std::filesystem::path& file) {
+DatasetCount write_dataset(const std::filesystem::path& run, const Manifest& manifest,
+                           const StoredResults& results) {
+  const std::filesystem::path file = run / "dataset.h5";
+  const Parameters parameters(manifest);
   std::unique_ptr<Hdf5File> data;
   std::map<std::string, std::unique_ptr<ShapeGroup>> groups;
   DatasetCount count;
@@ -164,7 +299,8 @@ DatasetCount write_dataset(const Manifest& manifest, const StoredResults& result
     auto& group = groups[shape_key(solution)];
     if (!group)
       group = std::make_unique<ShapeGroup>(*data, fmt::format("shape_{}", groups.size()), manifest,
-                                           solution);
+                                           parameters, solution,
+                                           tangent_names_of(run, manifest, manifest.items[i]));
     group->append(i + 1, manifest.items[i], solution);
     ++count.solutions;
   }
