@@ -125,11 +125,16 @@ TEST_F(ArrayVariables, OfEveryQueueSystemSayTheIndex) {
   }
 }
 
-TEST_F(ArrayVariables, ThatAreNoNumbersSayNothing) {
+TEST_F(ArrayVariables, ThatAreNoNumbersSayNoIndexUnlessAnotherOneDoes) {
   for (const char* value : {"", "x", "-1", "1x", "99999999999"}) {
     setenv("PBS_ARRAY_INDEX", value, 1);
-    EXPECT_FALSE(array_index()) << value;
+    ASSERT_TRUE(array_index()) << value;
+    EXPECT_FALSE(array_index()->index) << value;
+    EXPECT_EQ(array_index()->variable, "PBS_ARRAY_INDEX");
+    EXPECT_EQ(array_index()->text, value);
   }
+  setenv("AWS_BATCH_JOB_ARRAY_INDEX", "2", 1);
+  EXPECT_EQ(array_index()->index, 2);
 }
 
 TEST(Program, GetsItsInputAndGivesBothStreamsAndItsStatus) {

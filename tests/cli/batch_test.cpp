@@ -387,6 +387,27 @@ TEST_F(Batch, AChangedProblemOrAnotherBuildIsNotMixedIn) {
   EXPECT_EQ(run(folder, {"--any-build"}).exit_code, 0);
 }
 
+TEST_F(Batch, SaysWhatIsWrongWithAPlanOnStdinAShardOrATime) {
+  const std::string folder = planned("words");
+  const ProcessResult stdin_plan = run_conddp({"batch", "run", "-"});
+  EXPECT_EQ(stdin_plan.exit_code, 2);
+  EXPECT_NE(stdin_plan.err.find("a plan is a file"), std::string::npos) << stdin_plan.err;
+  const ProcessResult index =
+      run(folder, {"--shard", "auto/2"}, {.environment = {"SLURM_ARRAY_TASK_ID=abc"}});
+  EXPECT_EQ(index.exit_code, 2);
+  EXPECT_NE(index.err.find("SLURM_ARRAY_TASK_ID is 'abc', which is no index"), std::string::npos)
+      << index.err;
+  for (const char* time : {"0", "-5", "1h30", "30m1h", "h", "1e12", "2d"}) {
+    const ProcessResult r = run(folder, {std::string("--budget=") + time});
+    EXPECT_EQ(r.exit_code, 2) << time;
+    EXPECT_NE(r.err.find("such as 90s, 55m or 1h30m"), std::string::npos) << r.err;
+  }
+  const ProcessResult r = run(folder, {"--budget", "1h30m5s", "-j", "2"});
+  EXPECT_EQ(r.exit_code, 0) << r.err;
+  EXPECT_NE(r.err.find("limits the time of an item"), std::string::npos) << r.err;
+  EXPECT_EQ(run(folder).err, "");
+}
+
 TEST_F(Batch, AFolderWithResultsOfAnotherPlanIsLeftAlone) {
   const std::string folder = planned("other");
   EXPECT_EQ(run(folder).exit_code, 0);

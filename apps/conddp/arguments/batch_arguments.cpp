@@ -16,6 +16,8 @@ ArgumentCheck parsed_by(Parse parse, const std::string& expected) {
 
 constexpr const char* kAutoShard = "auto";
 constexpr double kLongestTime = 1e9;  // s
+constexpr const char* kDurationWords =
+    "a time above 0 and of at most 1e9 seconds, such as 90s, 55m or 1h30m";
 
 }  // namespace
 
@@ -31,14 +33,26 @@ std::optional<ShardWords> parse_shard(const std::string& text) {
   return ShardWords{*index - 1, count};
 }
 
-std::optional<double> parse_duration(std::string text) {
-  double unit = 1;
-  if (text.ends_with('h')) unit = 3600;
-  if (text.ends_with('m')) unit = 60;
-  if (text.ends_with('h') || text.ends_with('m') || text.ends_with('s')) text.pop_back();
-  const auto number = parse_number(text).value;
-  if (!number || *number <= 0 || *number * unit > kLongestTime) return std::nullopt;
-  return *number * unit;
+std::optional<double> parse_duration(std::string_view text) {
+  static constexpr std::pair<char, double> kUnits[] = {{'h', 3600}, {'m', 60}, {'s', 1}};
+  double seconds = 0;
+  const auto add = [&](std::string_view words, double unit) {
+    const auto number = parse_number(words).value;
+    if (number && *number >= 0) seconds += *number * unit;
+    return number && *number >= 0;
+  };
+  if (parse_number(text).value) {
+    if (!add(text, 1)) return std::nullopt;
+    text = {};
+  }
+  for (const auto& [letter, unit] : kUnits) {
+    const std::size_t at = text.find(letter);
+    if (at == std::string_view::npos) continue;
+    if (!add(text.substr(0, at), unit)) return std::nullopt;
+    text.remove_prefix(at + 1);
+  }
+  if (!text.empty() || seconds <= 0 || seconds > kLongestTime) return std::nullopt;
+  return seconds;
 }
 
 namespace {
@@ -73,6 +87,8 @@ std::string misplaced_option(const BatchArguments& arguments) {
 }  // namespace
 
 std::string misuse(const BatchArguments& arguments) {
+  if (arguments.path == "-")
+    return "a plan is a file, since its paths are seen from its folder: it is not read from stdin";
   const bool retries = arguments.action == "retry", shows = arguments.action == "show";
   if (retries && arguments.word != kRetryFailed && arguments.word != kRetryTimeout)
     return "say what to solve again: 'failed' or 'timeout'";
@@ -144,8 +160,8 @@ std::vector<Argument> batch_arguments(BatchArguments& arguments) {
        .target = &arguments.shard},
       {.names = {"--budget"},
        .value = "TIME",
-       .description = "run, retry: begin no item after this time: 90s, 55m, 2h",
-       .check = parsed_by(parse_duration, "a time such as 90s, 55m or 2h"),
+       .description = "run, retry: begin no item after this time: 90s, 55m, 1h30m",
+       .check = parsed_by(parse_duration, kDurationWords),
        .target = &arguments.budget},
       {.names = {"--shards"},
        .value = "N",
@@ -159,7 +175,7 @@ std::vector<Argument> batch_arguments(BatchArguments& arguments) {
       {.names = {"--time"},
        .value = "TIME",
        .description = "submit: time limit of an element",
-       .check = parsed_by(parse_duration, "a time such as 90s, 55m or 2h"),
+       .check = parsed_by(parse_duration, kDurationWords),
        .target = &arguments.time},
       flag({"--dry-run"}, arguments.dry_run, "submit: print what would be submitted"),
       flag({"--any-build"}, arguments.any_build,

@@ -43,7 +43,7 @@ struct ShardWords {
 /// Nothing where it is no share.
 std::optional<ShardWords> parse_shard(const std::string& text);
 
-/// "90", "90s", "55m", "2h" in seconds; nothing where it is no time.
-std::optional<double> parse_duration(std::string text);
+/// "90", "90s", "55m", "1h30m" in seconds; nothing where it is no time above zero.
+std::optional<double> parse_duration(std::string_view text);
 
 }  // namespace conddp

@@ -122,7 +122,12 @@ std::optional<Shard> shard_of(const BatchArguments& arguments, const Manifest& m
               "the variables looked for are " + array_index_variables());
     return std::nullopt;
   }
-  shard.index = array->index;
+  if (!array->index) {
+    out.error({}, fmt::format("{} is '{}', which is no index", array->variable, array->text),
+              "a whole number from 0 is expected there; --shard I/N says it instead");
+    return std::nullopt;
+  }
+  shard.index = *array->index;
   if (shard.index < shard.count) return shard;
   out.error({},
             fmt::format("{} is {}, and there are {} shards, counted from 0", array->variable,
@@ -248,6 +253,7 @@ int run_plan_or_folder(const BatchArguments& arguments) {
     diagnostics.error({}, "a run stays in its folder: -o is for a plan");
   const auto options = options_of(arguments, *manifest, diagnostics);
   if (!options || diagnostics.has_errors()) return give_up(diagnostics);
+  if (options->budget_s > 0) warn_without_time_limit(*manifest, run, diagnostics);
   print_messages(diagnostics, Verbosity::kNormal);
   const BatchProgress progress = run_items(run, *manifest, *options);
   print_result(summary(progress, *manifest));

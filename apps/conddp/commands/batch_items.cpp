@@ -166,6 +166,7 @@ int show_item(const BatchArguments& arguments) {
       arguments.folder.empty() ? folder_of_item(run, item->id) : fs::path(arguments.folder);
   const auto written = write_shown(run, *manifest, *item, stored, folder, diagnostics);
   if (!written) return report_errors(diagnostics);
+  print_messages(diagnostics, Verbosity::kNormal);
   std::string text = fmt::format("{}: {}\n", item->id, written->status);
   for (const fs::path& file : written->files) text += file.string() + '\n';
   print_result(text);

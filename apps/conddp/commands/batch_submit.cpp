@@ -183,6 +183,8 @@ int submit_batch(const BatchArguments& arguments) {
     print_error(misfit->message, misfit->hint);
     return kExitBadInput;
   }
+  warn_without_time_limit(*manifest, arguments.path, diagnostics);
+  print_messages(diagnostics, Verbosity::kNormal);
   return arguments.dry_run ? print_scripts(job) : hand_over(job);
 }
 

@@ -56,6 +56,7 @@ int check_file(const CheckArguments& arguments) {
     diagnostics.error({{}, "terminal"},
                       "--terminal checks 'terminal: {lqr: STATE}', which the file has not",
                       "write it, or give --set terminal.lqr=STATE");
+  if (arguments.expand && built) warn_of_lost_gait(*spec, diagnostics);
   print_messages(diagnostics, verbosity);
   if (candidates.empty() || diagnostics.has_errors()) return kExitBadInput;
   if (!arguments.expand) return print_summary(arguments, *spec, *built, candidates);

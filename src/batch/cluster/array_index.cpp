@@ -16,10 +16,15 @@ constexpr const char* kVariables[] = {"SLURM_ARRAY_TASK_ID", "JOB_COMPLETION_IND
 }  // namespace
 
 std::optional<ArrayIndex> array_index() {
-  for (const char* variable : kVariables)
-    if (const char* value = std::getenv(variable))
-      if (const auto index = parse_count(value)) return ArrayIndex{variable, *index};
-  return std::nullopt;
+  std::optional<ArrayIndex> wrong;
+  for (const char* variable : kVariables) {
+    const char* value = std::getenv(variable);
+    if (value == nullptr) continue;
+    const ArrayIndex found{variable, value, parse_count(value)};
+    if (found.index) return found;
+    if (!wrong) wrong = found;
+  }
+  return wrong;
 }
 
 std::string array_index_variables() { return fmt::format("{}", fmt::join(kVariables, ", ")); }

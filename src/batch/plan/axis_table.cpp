@@ -9,6 +9,7 @@
 #include "base/text/csv_line.hpp"
 #include "base/text/spelling.hpp"
 #include "base/text/strict_number.hpp"
+#include "problem_file/yaml/yaml_source.hpp"
 
 namespace conddp {
 namespace {
@@ -20,8 +21,9 @@ class TableReader {
       : text_(text), out_(out), source_(out.add_source(std::move(name), text)) {}
 
   std::vector<std::vector<YamlNode>> read(const std::vector<Name>& columns) {
-    for (const CsvCell& cell : next_line()) names_.emplace_back(cell.text);
-    if (!choose(columns)) return {};
+    const std::vector<CsvCell> header = next_line();
+    for (const CsvCell& cell : header) names_.push_back(cell.text);
+    if (!choose(columns, header)) return {};
     std::vector<std::vector<YamlNode>> rows;
     while (start_ < text_.size()) {
       const std::vector<CsvCell> cells = next_line();
@@ -35,13 +37,19 @@ class TableReader {
   }
 
  private:
-  /// Finds the columns asked for; one that is not there is reported.
-  bool choose(const std::vector<Name>& columns) {
+  /// Finds the columns asked for; one that is not there, or twice, is reported.
+  bool choose(const std::vector<Name>& columns, const std::vector<CsvCell>& header) {
     for (const Name& column : columns) {
       const auto found = std::find(names_.begin(), names_.end(), column.value);
       if (found == names_.end()) {
         out_.error(column.place, fmt::format("the table has no column '{}'", column.value),
                    name_hint(column.value, names_, "columns"), names_);
+        return false;
+      }
+      if (const auto again = std::find(found + 1, names_.end(), column.value);
+          again != names_.end()) {
+        fail(header[static_cast<std::size_t>(again - names_.begin())].byte,
+             fmt::format("two columns have the name '{}'", column.value));
         return false;
       }
       chosen_.push_back(static_cast<std::size_t>(found - names_.begin()));
@@ -62,12 +70,46 @@ class TableReader {
         fail(cells[c].byte, fmt::format("the cell of the column '{}' is empty", names_[c]));
         return std::nullopt;
       }
-      row.push_back({.kind = YamlNode::Kind::kScalar,
-                     .mark = mark(cells[c].byte),
-                     .text = std::string(cells[c].text),
-                     .quoted = !parse_number(cells[c].text).value});
+      auto value = read_cell(cells[c], c);
+      if (!value) return std::nullopt;
+      row.push_back(*std::move(value));
     }
     return row;
+  }
+
+  /// A number, list or mapping, else a text; nothing, with an error, where a list is none.
+  std::optional<YamlNode> read_cell(const CsvCell& cell, std::size_t column) {
+    if (!cell.text.starts_with('[') && !cell.text.starts_with('{'))
+      return YamlNode{.kind = YamlNode::Kind::kScalar,
+                      .mark = mark(cell.byte),
+                      .text = cell.text,
+                      .quoted = !is_plain(cell.text)};
+    Diagnostics own;
+    auto list = parse_yaml(cell.text, own.add_source({}, cell.text), own);
+    if (list)
+      move_to(mark(cell.byte), *list);
+    else
+      fail(cell.byte,
+           fmt::format("in the column '{}': {}", names_[column], own.list().front().message));
+    return list;
+  }
+
+  /// Whether YAML reads a text as it is, without quotes: a number, or a word.
+  static bool is_plain(const std::string& text) {
+    constexpr std::string_view kLetters =
+        "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./-";
+    return parse_number(text).value || (text != "null" && text[0] != '-' &&
+                                        text.find_first_not_of(kLetters) == std::string::npos);
+  }
+
+  /// Gives all parts of a value one place: a cell's quotes may have hidden where each one is.
+  static void move_to(const Mark& mark, YamlNode& node) {
+    node.mark = mark;
+    for (YamlNode& item : node.items) move_to(mark, item);
+    for (YamlNode::Entry& entry : node.entries) {
+      entry.mark = mark;
+      move_to(mark, entry.value);
+    }
   }
 
   std::vector<CsvCell> next_line() {

@@ -105,10 +105,12 @@ class PlanReader {
     }
   }
 
-  /// A file, or those that a pattern means.
+  /// A file, or those that a pattern means that is not itself the name of one.
   void add_problems(const Name& name) {
     const fs::path path = plan_.file.parent_path() / name.value;
-    if (path.filename().string().find_first_of("*?[") == std::string::npos)
+    std::error_code error;
+    if (path.filename().string().find_first_of("*?[") == std::string::npos ||
+        fs::is_regular_file(path, error))
       return add_problem(path, name.place);
     const std::vector<fs::path> found = matching_files(path);
     if (found.empty()) out_.error(name.place, fmt::format("no file is like '{}'", path.string()));

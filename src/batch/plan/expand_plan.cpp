@@ -46,7 +46,7 @@ class Expansion {
       if (!family) continue;
       families_.push_back(family);
       manifest.problems.push_back({relative_path(std::filesystem::absolute(problem.value), run_),
-                                   batch_identity(family->base())});
+                                   batch_identity(*family, plan_.command)});
     }
     if (out_.has_errors()) return std::nullopt;
     manifest.items.resize(static_cast<std::size_t>(plan_.items()));
@@ -164,6 +164,13 @@ class Expansion {
                               words.empty() ? "" : " with " + words));
   }
 
+  /// The files of two items, where they are not one.
+  std::string files_of(const Parts& a, const Parts& b) const {
+    if (a.problem == b.problem) return {};
+    return fmt::format(": '{}' and '{}'", plan_.problems[a.problem].value.string(),
+                       plan_.problems[b.problem].value.string());
+  }
+
   bool all_differ(const std::vector<ManifestItem>& items) {
     std::unordered_map<std::string, std::size_t> first;
     for (std::size_t i = 0; i < items.size(); ++i) {
@@ -174,8 +181,8 @@ class Expansion {
       for (std::size_t axis = 0; axis < a.rows.size(); ++axis)
         if (a.rows[axis] != b.rows[axis])
           place = {plan_.axes[axis].rows[b.rows[axis]][0].mark, plan_.axes[axis].name.place.path};
-      out_.error(place, fmt::format("items {} and {} are the same problem with the same settings",
-                                    other->second + 1, i + 1));
+      out_.error(place, fmt::format("items {} and {} are the same problem with the same settings{}",
+                                    other->second + 1, i + 1, files_of(a, b)));
       return false;
     }
     return true;

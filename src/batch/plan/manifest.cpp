@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "base/files/line_sum.hpp"
 #include "base/files/sha256.hpp"
 #include "conddp_version.hpp"
 #include "problem_file/expand/expand_problem.hpp"
@@ -27,6 +28,19 @@ std::string hashes_of(const InputFiles& files) {
   for (const InputFile& file : files.robots) hashes += file.sha256 + '\n';
   for (const InputFile& file : files.data) hashes += file.sha256 + '\n';
   return hashes;
+}
+
+/// What makes up the loop of a file besides the problem of its controller: cycles of a gait for all
+/// its time, commands, which have no place among these phases, and files of the plant. Nothing
+/// where the file alone makes no loop.
+std::string loop_text(const ProblemFamily& family) {
+  Diagnostics unused = family.texts();
+  const auto task = family.build_loop({}, unused);
+  if (!task) return {};
+  std::string text = dump(expand_problem(*task->spec, task->built)) + '\n';
+  for (const GaitCommand& command : task->spec->mpc->commands)
+    text += fmt::format("{} {} {} {}\n", command.at.value, command.x, command.y, command.turn);
+  return text + hashes_of(input_files(*task));
 }
 
 /// The head of a manifest; nothing where its numbers contradict each other. Throws what
@@ -70,9 +84,12 @@ OrderedJson build_json() {
           {"lane_width", kLaneWidth}};
 }
 
-std::string batch_identity(const ProblemInstance& base) {
-  return sha256(dump(expand_problem(*base.spec, base.built)) + '\n' +
-                hashes_of(input_files(base.built)));
+std::string batch_identity(const ProblemFamily& family, BatchCommand command) {
+  const ProblemInstance& base = family.base();
+  std::string all =
+      dump(expand_problem(*base.spec, base.built)) + '\n' + hashes_of(input_files(base.built));
+  if (command == BatchCommand::kMpc) all += loop_text(family);
+  return sha256(all);
 }
 
 std::string item_id(const std::string& identity, const std::vector<Setting>& settings,
@@ -133,6 +150,12 @@ std::optional<ManifestItem> parse_manifest_line(std::string_view line) {
 
 namespace {
 
+/// An item from a line of a file. One without a check sum is of a former version, or written by
+/// hand.
+std::optional<ManifestItem> parse_stored_line(const std::string& line) {
+  return parse_manifest_line(has_sum(line) ? without_sum(line) : line);
+}
+
 bool is_item_of(const Manifest& manifest, const ManifestItem& item) {
   return item.problem >= 0 && item.problem < static_cast<int>(manifest.problems.size()) &&
          item.values.size() == manifest.columns.size();
@@ -169,7 +192,7 @@ std::optional<Manifest> load_manifest(const std::filesystem::path& run, bool wit
   int number = 1;
   for (ManifestItem& item : manifest->items) {
     ++number;
-    auto parsed = std::getline(stream, line) ? parse_manifest_line(line) : std::nullopt;
+    auto parsed = std::getline(stream, line) ? parse_stored_line(line) : std::nullopt;
     if (!parsed || !is_item_of(*manifest, *parsed))
       return fail(number, "the manifest is damaged: this line is no item of it",
                   "make the plan again");

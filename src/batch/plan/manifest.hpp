@@ -56,8 +56,9 @@ struct Manifest {
 /// lanes.
 OrderedJson build_json();
 
-/// A hash of a file's own problem with every default, and of the files that it reads.
-std::string batch_identity(const ProblemInstance& base);
+/// A hash of a file's own problem with every default, and of the files that it reads; of closed
+/// loops also of the commands of its gait and of the files of its plant.
+std::string batch_identity(const ProblemFamily& family, BatchCommand command);
 
 /// The name of an item: the same for the same problem file, settings and files that it reads,
 /// however they are written and in whatever order.

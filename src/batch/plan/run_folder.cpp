@@ -1,10 +1,14 @@
 #include "batch/plan/run_folder.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <fstream>
 
 #include <fmt/format.h>
 
 #include "base/files/atomic_file.hpp"
+#include "base/files/line_sum.hpp"
+#include "problem_file/read/read_problem.hpp"
 
 namespace conddp {
 namespace {
@@ -15,7 +19,7 @@ constexpr const char* kPlanFile = "plan.yaml";
 
 std::string manifest_text(const Manifest& manifest) {
   std::string text = manifest_head(manifest) + '\n';
-  for (const ManifestItem& item : manifest.items) text += manifest_line(item) + '\n';
+  for (const ManifestItem& item : manifest.items) text += with_sum(manifest_line(item)) + '\n';
   return text;
 }
 
@@ -75,7 +79,7 @@ bool is_as_planned(const Manifest& manifest, int problem, const fs::path& run, D
   const fs::path file = problem_of_run(manifest, problem, run);
   const auto family = ProblemFamily::load(file, {}, out);
   if (!family) return false;
-  if (batch_identity(family->base()) == manifest.problems[problem].identity) return true;
+  if (batch_identity(*family, manifest.command) == manifest.problems[problem].identity) return true;
   out.error({},
             fmt::format("'{}', or a file that it reads, has changed since the plan was made",
                         file.string()),
@@ -93,6 +97,35 @@ bool fits_run_folder(const Manifest& manifest, const fs::path& run, bool any_bui
   for (std::size_t i = 0; i < manifest.problems.size() && !out.has_errors(); ++i)
     is_as_planned(manifest, static_cast<int>(i), run, out);
   return !out.has_errors();
+}
+
+namespace {
+
+/// Whether the file of a problem, with the settings of its first item, limits the time of a solve.
+bool file_limits_time(const Manifest& manifest, int problem, const fs::path& run) {
+  Diagnostics unused;
+  const auto item = std::find_if(manifest.items.begin(), manifest.items.end(),
+                                 [=](const ManifestItem& i) { return i.problem == problem; });
+  if (item == manifest.items.end()) return true;
+  const auto spec = read_problem(problem_of_run(manifest, problem, run), item->settings, unused);
+  return !spec || std::isfinite(spec->solver.options.max_time_s);
+}
+
+}  // namespace
+
+void warn_without_time_limit(const Manifest& manifest, const fs::path& run, Diagnostics& out) {
+  if (manifest.limits.max_time_s > 0) return;
+  const bool solves = manifest.command == BatchCommand::kSolve;  // the clock of loops is simulated
+  for (std::size_t i = 0; i < manifest.problems.size(); ++i) {
+    const int problem = static_cast<int>(i);
+    if (solves && file_limits_time(manifest, problem, run)) continue;
+    return out.warning(
+        {},
+        fmt::format("neither the plan nor '{}' limits the time of an item: one that does not end "
+                    "holds up its worker for ever",
+                    problem_of_run(manifest, problem, run).string()),
+        "write 'limits: {max_time_s: 600}' into the plan");
+  }
 }
 
 fs::path problem_of_run(const Manifest& manifest, int problem, const fs::path& run) {

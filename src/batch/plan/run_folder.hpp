@@ -24,6 +24,10 @@ bool is_as_planned(const Manifest& manifest, int problem, const std::filesystem:
 bool fits_run_folder(const Manifest& manifest, const std::filesystem::path& run, bool any_build,
                      Diagnostics& out);
 
+/// Warns where an item may take for ever: the plan has no limit of time, nor has a problem file.
+void warn_without_time_limit(const Manifest& manifest, const std::filesystem::path& run,
+                             Diagnostics& out);
+
 /// A problem file of a run, as seen from here.
 std::filesystem::path problem_of_run(const Manifest& manifest, int problem,
                                      const std::filesystem::path& run);

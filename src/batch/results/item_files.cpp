@@ -71,6 +71,7 @@ std::optional<WrittenLoop> write_loop_item(const std::filesystem::path& run,
   auto spec = read_problem(file, item.settings, out);
   const auto task = spec ? build_loop(*std::move(spec), {}, out) : nullptr;
   if (!task || !is_item(item, manifest, input_files(*task), out)) return std::nullopt;
+  warn_of_lost_gait(*task->spec, out);
   const ClosedLoopResult result = run_loop(*task);
   create_folder(folder);
   WrittenLoop written{.end = result.end, .paths = {folder / "problem.yaml"}};

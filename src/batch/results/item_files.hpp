@@ -33,7 +33,8 @@ struct WrittenLoop {
 
 /// Builds the closed loop of an item again, simulates it without a limit of time, and writes
 /// problem.yaml (every default, paths as seen from there) and the files of the loop into a folder,
-/// all or none. Nothing with errors where the item's files have changed since the plan was made.
+/// all or none. Warns of what problem.yaml cannot say. Nothing with errors where the item's files
+/// have changed since the plan was made.
 std::optional<WrittenLoop> write_loop_item(const std::filesystem::path& run,
                                            const Manifest& manifest, const ManifestItem& item,
                                            const std::filesystem::path& folder, Diagnostics& out);

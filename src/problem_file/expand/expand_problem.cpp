@@ -224,6 +224,16 @@ OrderedJson expand_problem(const ProblemSpec& spec, const BuiltProblem& built) {
   return json;
 }
 
+void warn_of_lost_gait(const ProblemSpec& spec, Diagnostics& out) {
+  if (!spec.mpc) return;
+  const char* hint = "the loop of the file itself has it: an expanded file has phases, and no gait";
+  if (spec.mpc->repeat.value == AfterTheEnd::kGait)
+    out.warning(spec.mpc->repeat.place,
+                "'repeat: gait' becomes 'repeat: hold' in the expanded file", hint);
+  if (!spec.mpc->commands.empty())
+    out.warning(spec.mpc->commands.front().place, "the expanded file has no 'mpc.commands'", hint);
+}
+
 std::string expanded_text(const ProblemSpec& spec, const BuiltProblem& built) {
   return modeline(spec.text) + '\n' + yaml_text(expand_problem(spec, built));
 }

@@ -17,6 +17,10 @@ OrderedJson expand_problem(const ProblemSpec& spec, const BuiltProblem& built);
 /// file in problems/.
 std::string expanded_text(const ProblemSpec& spec, const BuiltProblem& built);
 
+/// Warns of what the closed loop of a file has of its gait and an expanded file cannot say, because
+/// phases stand there in place of the gait: commands, and further cycles.
+void warn_of_lost_gait(const ProblemSpec& spec, Diagnostics& out);
+
 /// The values of all solver options by their dotted names as nested objects; null: infinite.
 OrderedJson expand_options(const SolverOptions& options);
 

@@ -142,7 +142,7 @@ std::optional<std::vector<Name>> YamlReader::names() const {
     if (!value) return std::nullopt;
     if (!known.insert(value->value).second) {
       item.error(fmt::format("'{}' stands twice in the list", value->value));
-      return std::nullopt;
+      continue;
     }
     values.push_back(*value);
   }
