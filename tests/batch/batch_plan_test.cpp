@@ -1,6 +1,7 @@
 // Plans: which items they have, and where they are wrong.
 #include "batch/plan/batch_plan.hpp"
 
+#include <fstream>
 #include <set>
 #include <sstream>
 
@@ -16,6 +17,11 @@ namespace conddp {
 namespace {
 
 using Strings = std::vector<std::string>;
+
+std::string text_of(const std::filesystem::path& file) {
+  std::ifstream stream(file);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
 
 Strings settings(const PlannedBatch& batch, std::size_t item) {
   return batch.manifest->items.at(item).settings;
@@ -359,6 +365,39 @@ TEST(Manifest, WhoseHeadContradictsItselfIsDamaged) {
   }
 }
 
+TEST(Manifest, WhoseLinesWereEditedIsDamaged) {
+  const PlannedBatch batch("vary: {w: {key: costs.effort.weight, values: [1, 2]}}\n");
+  const auto run = batch.folder.path() / "run";
+  Diagnostics out;
+  write_run_folder(*batch.plan, *batch.manifest, run, out);
+  EXPECT_TRUE(load_manifest(run, true, out)) << format_diagnostics(out, false);
+  std::string text = text_of(run / kManifestFile);
+  const std::string weight = "costs.effort.weight=2";
+  text.replace(text.find(weight), weight.size(), "costs.effort.weight=3");
+  batch.folder.write("run/manifest.jsonl", text);
+  EXPECT_FALSE(load_manifest(run, true, out));
+  EXPECT_EQ(out.list().front().line, 3);
+}
+
+TEST(RunFolder, WarnsWhereNothingLimitsTheTimeOfAnItem) {
+  const auto warnings = [](const std::string& plan, const std::string& problem) {
+    const PlannedBatch batch(plan, problem);
+    EXPECT_TRUE(batch.manifest) << batch.error();
+    Diagnostics out;
+    write_run_folder(*batch.plan, *batch.manifest, batch.folder.path() / "run", out);
+    warn_without_time_limit(*batch.manifest, batch.folder.path() / "run", out);
+    return out.list().size();
+  };
+  const std::string loop = std::string(kSwing) + "mpc: {horizon: 1, tick: 0.1, duration: 1}\n";
+  std::string limited = kSwing;
+  limited.replace(limited.find("{name: ilqr}"), 12, "{name: ilqr, max_time_s: 5}");
+  EXPECT_EQ(warnings("", kSwing), 1u);
+  EXPECT_EQ(warnings("limits: {max_time_s: 5}\n", kSwing), 0u);
+  EXPECT_EQ(warnings("vary: {t: {key: solver.max_time_s, values: [1, 2]}}\n", kSwing), 0u);
+  EXPECT_EQ(warnings("", limited), 0u);
+  EXPECT_EQ(warnings("command: mpc\n", loop), 1u);
+}
+
 TEST(Neighbours, DescendantsFollowTheirParents) {
   const PlannedBatch batch(R"(vary:
   w: {key: costs.effort.weight, linspace: [1, 2, 40]}
@@ -376,7 +415,130 @@ TEST(BatchPlan, ACellThatDoesNotFitIsReportedInItsTable) {
   batch.plan_again();
   EXPECT_EQ(
       batch.error(),
-      "goals.csv:3:2: a number that is not negative is expected here, not a quoted text ('x')");
+      "goals.csv:3:2: a number that is not negative is expected here, and 'x' is not a number");
+}
+
+TEST(BatchPlan, CellsMayBeListsInQuotesWordsAndTexts) {
+  PlannedBatch batch(R"(vary:
+  rows: {file: rows.csv, columns: {start: initial_state, rule: integrator, note: description}}
+)");
+  batch.folder.write("rows.csv",
+                     "item,start,message,rule,note\n"
+                     "1,\"{state: [0.1, 0.2]}\",\"a \"\"word\"\", two\",rk4,\"a: b, c\"\n"
+                     "2,\"{state: [0.3, 0]}\",,rk3,plain\n");
+  batch.plan_again();
+  ASSERT_TRUE(batch.manifest) << batch.error();
+  EXPECT_EQ(settings(batch, 0), (Strings{"initial_state={state: [0.1, 0.2]}", "integrator=rk4",
+                                         "description=\"a: b, c\""}));
+  EXPECT_EQ(settings(batch, 1).back(), "description=plain");
+}
+
+TEST(BatchPlan, ReadsItsOwnResultsAsATable) {
+  PlannedBatch first(
+      "vary: {s: {key: initial_state, values: [{state: [0.1, 0]}, {state: [1, 2]}]}}\n");
+  ASSERT_TRUE(first.manifest) << first.error();
+  std::string table = results_csv(*first.manifest, {});
+  EXPECT_NE(table.find("\"{\"\"state\"\":[0.1,0.0]}\""), std::string::npos) << table;
+  PlannedBatch second("vary: {r: {file: results.csv, columns: {s: initial_state}}}\n");
+  second.folder.write("results.csv", table);
+  second.plan_again();
+  ASSERT_TRUE(second.manifest) << second.error();
+  EXPECT_EQ(second.manifest->items[1].values, first.manifest->items[1].values);
+}
+
+TEST(BatchPlan, ErrorsOfATableStandInIt) {
+  struct Case {
+    const char *table, *error;
+  };
+  const Case cases[] = {
+      {"w,other,w\n1,2,3\n", "goals.csv:1:9: two columns have the name 'w'"},
+      {"other,w\n1,\"[1, 2\"\n", "goals.csv:2:3: in the column 'w': this '[' is never closed"},
+      {"other,w\n1,\"1, 2\n", "goals.csv:2:1: this line has 3 cells, the header has 2"}};
+  for (const Case& c : cases) {
+    PlannedBatch batch("vary: {t: {file: goals.csv, columns: {w: costs.effort.weight}}}\n");
+    batch.folder.write("goals.csv", c.table);
+    batch.plan_again();
+    EXPECT_EQ(batch.error(), c.error);
+  }
+}
+
+TEST(BatchPlan, AMisspeltParameterIsReportedInThePlan) {
+  const PlannedBatch batch("vary: {g: {key: parameters.gaol, linspace: [0.5, 1.5, 3]}}\n",
+                           "parameters: {goal: 1}\n" + std::string(kSwing));
+  EXPECT_EQ(
+      batch.error(),
+      "plan.yaml:3:28: the file has no 'parameters.gaol': there is no 'gaol' in 'parameters'");
+}
+
+TEST(BatchPlan, EqualProblemsAreNamed) {
+  const std::string swing = "name: swing\n" + std::string(kSwing);
+  PlannedBatch batch("", swing);
+  batch.folder.write("again.yaml", swing);
+  batch.file =
+      batch.folder.write("plan.yaml", "conddp_batch: 1\nproblems: [swing.yaml, again.yaml]\n");
+  batch.plan_again();
+  EXPECT_NE(batch.error().find("items 1 and 2 are the same problem with the same settings: '"),
+            std::string::npos)
+      << batch.error();
+  for (const char* name : {"/swing.yaml' and '", "/again.yaml'"})
+    EXPECT_NE(batch.error().find(name), std::string::npos) << batch.error();
+}
+
+TEST(BatchPlan, AFileWhoseNameLooksLikeAPatternIsThatFile) {
+  PlannedBatch batch("");
+  batch.folder.write("swing[1].yaml", kSwing);
+  batch.file = batch.folder.write("plan.yaml", "conddp_batch: 1\nproblem: \"swing[1].yaml\"\n");
+  batch.plan_again();
+  ASSERT_TRUE(batch.manifest) << batch.error();
+  EXPECT_EQ(batch.manifest->problems.size(), 1u);
+}
+
+TEST(BatchPlan, UnknownSolversAreReportedBesideTwins) {
+  const PlannedBatch batch("solvers: [foo, auto, auto]\n");
+  const std::string all = format_diagnostics(batch.diagnostics, false);
+  EXPECT_NE(all.find("unknown solver 'foo'"), std::string::npos) << all;
+  EXPECT_NE(all.find("'auto' stands twice in the list"), std::string::npos) << all;
+}
+
+/// The identity of a loop in a folder, as a batch sees it.
+std::string identity_of(const std::filesystem::path& file) {
+  Diagnostics out;
+  const auto family = ProblemFamily::load(file, {}, out);
+  EXPECT_TRUE(family) << format_diagnostics(out, false);
+  return family ? batch_identity(*family, BatchCommand::kMpc) : std::string();
+}
+
+TEST(BatchPlan, TheIdentityOfALoopHasItsCommandsAndCycles) {
+  const TemporaryFolder folder;
+  std::string text = text_of(CONDDP_SOURCE_DIR "/problems/mpc/quadruped_commands.yaml");
+  const std::string robots = "../robots", velocity = "{at: 4, velocity: [0, 0.15, 0]}";
+  text.replace(text.find(robots), robots.size(), CONDDP_SOURCE_DIR "/problems/robots");
+  const std::string first = identity_of(folder.write("a.yaml", text));
+  EXPECT_EQ(identity_of(folder.write("a.yaml", "# a comment\n" + text)), first);
+  std::string changed = text;
+  changed.replace(changed.find(velocity), velocity.size(), "{at: 4, velocity: [0, 0.16, 0]}");
+  EXPECT_NE(identity_of(folder.write("a.yaml", changed)), first);
+  const std::string repeat = "repeat: gait";
+  changed = text;
+  changed.replace(changed.find(repeat), repeat.size(), "repeat: hold");
+  EXPECT_NE(identity_of(folder.write("a.yaml", changed)), first);
+}
+
+TEST(BatchPlan, TheIdentityOfALoopHasTheFilesOfItsPlant) {
+  const TemporaryFolder folder;
+  const std::string robot = text_of(CONDDP_SOURCE_DIR "/problems/robots/cartpole.urdf");
+  folder.write("model.urdf", robot);
+  folder.write("plant.urdf", robot);
+  const auto file = folder.write("a.yaml", R"(conddp: 1
+robot: {urdf: model.urdf, actuation: {joints: [slider]}}
+initial_state: {}
+phases: [{name: only, knots: 5, dt: 0.1}]
+costs: {effort: {residual: control}}
+mpc: {horizon: 0.5, tick: 0.1, duration: 0.5, plant: {set: {robot.urdf: plant.urdf}}}
+)");
+  const std::string first = identity_of(file);
+  folder.write("plant.urdf", robot + "<!-- heavier -->\n");
+  EXPECT_NE(identity_of(file), first);
 }
 
 TEST(BatchPlan, SaysWhichItemCannotBeBuilt) {
