@@ -100,6 +100,22 @@ TEST_F(AllowCode, AWrongJacobianOfAFastWaveIsFound) {
   EXPECT_NE(verified.out.find("derivatives of compiled code"), std::string::npos) << verified.out;
 }
 
+TEST_F(AllowCode, AWrongHessianIsFound) {
+  std::string text = problem_of("bent", "[0.5, 0]", "[1, 0]");
+  text.insert(text.find("function:"), "parameters: {inertia: 2, weight: 5}, ");
+  const std::string wrong = folder_.write("wrong.yaml", text);
+  const ProcessResult check = run_conddp({"check", "--derivatives", "--allow-code", wrong});
+  EXPECT_EQ(check.exit_code, 1) << check.out << check.err;
+  EXPECT_NE(check.out.find(", Hessian: worst"), std::string::npos) << check.out;
+  run_conddp({"solve", wrong, "--allow-code", "-o", output()});
+  const ProcessResult verified =
+      run_conddp({"verify", output() + "/solution.json", "--allow-code"});
+  EXPECT_EQ(verified.exit_code, 1) << verified.err;
+  EXPECT_NE(verified.out.find("its Hessian is not what differences of its Jacobian give"),
+            std::string::npos)
+      << verified.out;
+}
+
 TEST_F(AllowCode, RightJacobiansHoldAtLargeNumbersKinksAndEdges) {
   struct Case {
     const char *function, *state, *goal, *dt = "0.05";

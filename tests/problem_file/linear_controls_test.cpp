@@ -1,6 +1,8 @@
 // Controls that are linear between knots.
 #include <algorithm>
 #include <cmath>
+#include <fstream>
+#include <iterator>
 
 #include <gtest/gtest.h>
 
@@ -299,6 +301,11 @@ TEST(LinearControls, SayWhatExcludesThem) {
   };
   for (const Case& c : cases)
     EXPECT_EQ(Loaded(replaced(kSwing, c.from, c.to)).first_error(), c.message);
+  std::ifstream hopper(kProblems / "hopper_cycle.yaml");
+  const std::string text(std::istreambuf_iterator<char>(hopper), {});
+  const Loaded touching(replaced(text, "phases:", "controls: linear\nphases:"));
+  EXPECT_NE(touching.all().find("linear controls do not support contacts"), std::string::npos)
+      << touching.all();
   const Loaded discrete(
       "conddp: 1\nsystem: {states: [x], controls: [u], next: {x: x + u}}\ninitial_state: {}\n"
       "controls: linear\nphases: [{choose: none}, {knots: 3, dt: 1}]\n");

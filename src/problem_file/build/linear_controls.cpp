@@ -10,11 +10,11 @@ namespace {
 /// Where controls or the forces that they cause would jump.
 void check_continuity(const ProblemSpec& spec, Diagnostics& out) {
   for (const PhaseSpec& phase : spec.phases)
-    if (phase.jump || phase.contacts.any())
-      out.error(phase.name.place,
-                phase.jump ? "a jump interrupts the controls: linear ones cannot pass it"
-                           : "linear controls do not support contacts",
-                "write 'controls: constant'");
+    if (phase.jump || (phase.contacts.any() && !phase.choice))
+      return out.error(phase.name.place,
+                       phase.jump ? "a jump interrupts the controls: linear ones cannot pass it"
+                                  : "linear controls do not support contacts",
+                       "write 'controls: constant'");
 }
 
 /// A control goes on from one phase to the next.
