@@ -31,4 +31,14 @@ std::shared_ptr<const System> initial_choice(const System& of, const std::vector
   return std::make_shared<InitialChoice>(of, coordinates, controls);
 }
 
+std::vector<int> chosen_coordinates(const System& choice) {
+  const auto data = choice.create_data(double{});
+  const std::vector<double> x = choice.manifold().neutral(), u(choice.nu(), 1.0);
+  choice.evaluate(x.data(), u.data(), *data);
+  std::vector<int> chosen;
+  for (int i = 0; i < choice.ndx(); ++i)
+    if (data->f[i] != 0) chosen.push_back(i);
+  return chosen;
+}
+
 }  // namespace conddp

@@ -15,4 +15,7 @@ namespace conddp {
 std::shared_ptr<const System> initial_choice(const System& of, const std::vector<int>& coordinates,
                                              const std::vector<Column>& controls);
 
+/// The coordinates that such a knot chooses.
+std::vector<int> chosen_coordinates(const System& choice);
+
 }  // namespace conddp

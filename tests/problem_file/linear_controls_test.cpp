@@ -8,6 +8,7 @@
 
 #include "analysis/certificate/derivative_check.hpp"
 #include "analysis/certificate/replay.hpp"
+#include "analysis/comparison/random_instance.hpp"
 #include "ocp/evaluation/evaluator.hpp"
 #include "problem_file/mesh/mesh.hpp"
 #include "problem_text.hpp"
@@ -284,7 +285,9 @@ TEST(LinearControls, SayWhatExcludesThem) {
   };
   const Case cases[] = {
       {"rk4", "explicit_euler",
-       "4:13: linear controls need an integrator with stages after the beginning of its steps"},
+       "4:13: linear controls need an integrator that sees how they change during a step"},
+      {"rk4", "rk2",
+       "4:13: linear controls need an integrator that sees how they change during a step"},
       {"  - {name: start, choose: none}\n", "",
        "5:11: the first of linear controls is chosen in a first phase without time, and there is "
        "none"},
@@ -311,6 +314,51 @@ TEST(LinearControls, SayWhatExcludesThem) {
       "controls: linear\nphases: [{choose: none}, {knots: 3, dt: 1}]\n");
   EXPECT_EQ(discrete.first_error(),
             "4:11: a system that gives the next state itself has no controls between its knots");
+}
+
+TEST(LinearControls, BeginWithinTheirBounds) {
+  const auto begun = [](const char* with) {
+    return Loaded(replaced(replaced(kSwing, "  - {name: start, choose: none}\n", ""),
+                           "{values: {theta: 0.4}}",
+                           fmt::format("{{values: {{theta: 0.4}}, previous_control: {}}}", with)))
+        .first_error();
+  };
+  EXPECT_EQ(begun("3"), "");
+  EXPECT_EQ(begun("8"), "3:57: linear controls begin with 8 here, and may be -2 to 3");
+}
+
+// What is chosen at the start is the control: the state is given, and moves.
+TEST(LinearControls, InstancesHaveOtherInitialStates) {
+  const Loaded loaded(kSwing);
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const std::vector<double> from = loaded.built->problem->initial_state(),
+                            to = perturb_initial_state(*loaded.built->problem, 0.1, 1)
+                                     .initial_state();
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_NE(from[i], to[i]);
+    EXPECT_NEAR(from[i], to[i], 0.1);
+  }
+  EXPECT_EQ(from[2], to[2]);
+  const Loaded chosen(replaced(kSwing, "choose: none", "choose: theta"));
+  ASSERT_TRUE(chosen.built) << chosen.all();
+  const std::vector<double> own = chosen.built->problem->initial_state(),
+                            moved = perturb_initial_state(*chosen.built->problem, 0.1, 1)
+                                        .initial_state();
+  EXPECT_EQ(own[0], moved[0]);
+  EXPECT_NE(own[1], moved[1]);
+}
+
+// Slopes of collocation are further controls, which accelerations do not depend on.
+TEST(LinearControls, AccelerationsKnowThemBesideCollocation) {
+  std::ifstream arm(kProblems / "arm_reach.yaml");
+  std::string text(std::istreambuf_iterator<char>(arm), {});
+  text =
+      replaced(text, "phases:\n", "controls: linear\nphases:\n  - {name: start, choose: none}\n");
+  text = replaced(text, "costs:\n",
+                  "costs:\n  acceleration: {residual: joint_acceleration, weight: 1.0e-5}\n");
+  const Loaded loaded(text, {"integrator=hermite_simpson"});
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  EXPECT_NO_THROW(Evaluator(*loaded.built->problem));
 }
 
 }  // namespace

@@ -1,27 +1,31 @@
 #include "analysis/comparison/random_instance.hpp"
 
+#include <algorithm>
 #include <random>
 
 #include "solvers/common/guess.hpp"
 #include "systems/clock.hpp"
+#include "systems/initial_choice.hpp"
 
 namespace conddp {
 
 ShootingProblem perturb_initial_state(const ShootingProblem& problem, double size,
                                       std::uint64_t seed) {
-  // A first state that is chosen stays what it is chosen from. To move by nothing would round.
-  if (size == 0 || problem.phases().front().instant)
-    return {problem.initial_state(), problem.phases(), problem.terminal()};
   std::mt19937_64 engine(seed);
   const KnotModel& model = *problem.knot(0).model;
-  const int memory = model.remembered_controls();
+  const bool is_choice = problem.phases().front().instant;
+  const int own = is_choice ? model.system().ndx() : problem.ndx() - model.remembered_controls();
   std::vector<double> dx(problem.ndx(), 0.0);
-  for (int i = 0; i < problem.ndx() - memory; ++i)
-    dx[i] = size * (static_cast<double>(engine() >> 11) * 0x1p-52 - 1);
+  for (int i = 0; i < own; ++i) dx[i] = size * (static_cast<double>(engine() >> 11) * 0x1p-52 - 1);
+  // What is chosen stays what it is chosen from.
+  if (is_choice)
+    for (const int i : chosen_coordinates(model.system())) dx[i] = 0;
   // The time begins when it does.
   for (const int i : clock_coordinates(model.system())) dx[i] = 0;
   std::vector<double> x0 = problem.initial_state();
-  problem.manifold().integrate(x0.data(), dx.data(), x0.data());
+  const bool moves = std::ranges::any_of(dx, [](double entry) { return entry != 0; });
+  if (moves)  // to move by nothing would round
+    problem.manifold().integrate(x0.data(), dx.data(), x0.data());
   return {std::move(x0), problem.phases(), problem.terminal()};
 }
 

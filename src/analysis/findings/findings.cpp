@@ -240,7 +240,11 @@ class Search {
   }
 
   bool is_state_inequality(const NodeConstraint& c) const {
-    if (!c.term->has_bounds() || c.is_soft() || c.term->depends_on_control(problem_.ndx()))
+    // Linear controls are the last columns of a node's state.
+    const KnotModel& end = *problem_.terminal().model;
+    const int controls = end.has_linear_controls() ? end.remembered_controls() : 0;
+    if (!c.term->has_bounds() || c.is_soft() ||
+        c.term->depends_on_control(problem_.ndx() - controls))
       return false;
     for (int i = 0; i < c.term->rows; ++i)
       if (c.lower[i] < c.upper[i]) return true;

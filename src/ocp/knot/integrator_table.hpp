@@ -130,11 +130,12 @@ constexpr bool is_structured(Integrator integrator) {
   return kind == StepKind::semi_implicit || kind == StepKind::impulse;
 }
 
-/// Whether a rule sees how controls change during a step: it has stages after the beginning.
+/// Whether a rule sees how controls change during a step. The midpoint rule sees their mean alone,
+/// about which they could alternate unseen.
 constexpr bool follows_controls(Integrator integrator) {
   const IntegratorInfo& info = info_of(integrator);
   return info.kind == StepKind::collocation ||
-         (info.kind == StepKind::runge_kutta && info.rule.stages > 1);
+         (info.kind == StepKind::runge_kutta && info.rule.stages > 2);
 }
 
 /// Whether the enumeration and the table have the same order.

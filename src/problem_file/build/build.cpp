@@ -53,8 +53,8 @@ std::optional<Integrator> choose_integrator(const ProblemSpec& spec, const Syste
     return fail("semi-implicit Euler needs positions and velocities, which this system has not",
                 accepted_integrators(false));
   if (spec.has_linear_controls() && !follows_controls(integrator))
-    return fail("linear controls need an integrator with stages after the beginning of its steps",
-                "accepted: rk2, rk3, rk4, trapezoidal, hermite_simpson, radau3, radau5");
+    return fail("linear controls need an integrator that sees how they change during a step",
+                "accepted: rk3, rk4, trapezoidal, hermite_simpson, radau3, radau5");
   return integrator;
 }
 
@@ -272,6 +272,18 @@ class ProblemBuilder {
     return ndx() - (memory_ == ControlMemory::linear ? built_.plant.system->actuators() : 0);
   }
 
+  /// Where linear controls begin with a given one, it is that of the first node.
+  void check_first_control(const PhaseBounds& bounds) {
+    const auto& given = spec_.initial_state.previous_control;
+    if (memory_ != ControlMemory::linear || !given) return;
+    const std::vector<double>&lower = bounds.lower.front(), &upper = bounds.upper.front();
+    for (std::size_t i = 0; i < previous_control_.size() && i < lower.size(); ++i)
+      if (!(previous_control_[i] >= lower[i] && previous_control_[i] <= upper[i]))
+        out_.error(given->place,
+                   fmt::format("linear controls begin with {:g} here, and may be {:g} to {:g}",
+                               previous_control_[i], lower[i], upper[i]));
+  }
+
   /// The initial state, given or chosen, and how it is integrated.
   bool set_start() {
     const auto integrator = choose_integrator(spec_, *built_.plant.system, out_);
@@ -325,6 +337,7 @@ class ProblemBuilder {
     const std::vector<BuiltConstraint> dropped = take_dropped(options_.drop, constraints);
     const std::vector<BuiltConstraint> dropped_at_end = take_dropped(options_.drop, at_end);
     const PhaseBounds bounds = collect_bounds(spec_, options_, built_, out_);
+    check_first_control(bounds);
     PhaseContext phase_context{spec_,  *contacts_,       plant.system,        integrator_, memory_,
                                times_, plant.stepping(), plant.collocation(), choice()};
     std::vector<Phase> phases = build_phases(phase_context, {costs, constraints}, bounds, out_);

@@ -110,7 +110,8 @@ std::optional<InitialChoice> make_choice(const ProblemSpec& spec, const Plant& p
   if (spec.has_linear_controls()) add_first_controls(plant.actuated(), choice, controls);
   if (controls.empty()) {
     out.error(phase.knots.place, "no component of the state is chosen",
-              "write 'choose: all', or their names");
+              "leave the phase out, or write 'choose: all' or names; 'choose: none' serves free "
+              "durations, free parameters and linear controls");
     return std::nullopt;
   }
   choice.system = initial_choice(system, choice.coordinates, controls);

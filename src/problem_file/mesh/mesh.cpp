@@ -102,13 +102,14 @@ std::optional<int> MeshRefinement::next(const ShootingProblem& problem, const So
 
 namespace {
 
-/// Moves the end of a linear control to where the control is when `passed` of a knot has passed.
-void end_on_line(const ShootingProblem& problem, const Trajectory& trajectory, int knot,
-                 double passed, Eigen::Map<Eigen::VectorXd> u) {
-  if (problem.phases()[problem.knot(knot).phase].instant) return;
-  const int n = problem.terminal().model->remembered_controls();
-  const auto begin = trajectory.x(knot).tail(n);
-  u.head(n) = begin + std::min(passed, 1.0) * (trajectory.u(knot).head(n) - begin);
+/// Linear controls end where the next node begins.
+void join_controls(const ShootingProblem& problem, Trajectory& trajectory) {
+  const KnotModel& end = *problem.terminal().model;
+  if (!end.has_linear_controls()) return;
+  const int n = end.remembered_controls();
+  for (int k = 0; k < problem.knots(); ++k)
+    if (!problem.phases()[problem.knot(k).phase].instant)
+      trajectory.u(k).head(n) = trajectory.x(k + 1).tail(n);
 }
 
 }  // namespace
@@ -125,14 +126,12 @@ Trajectory on_grid(const ShootingProblem& from, const Trajectory& trajectory,
       between(from.manifold(), trajectory.x(first_from + k).data(),
               trajectory.x(first_from + k + 1).data(), at - k, result.x(first_to + j).data());
       result.u(first_to + j) = trajectory.u(first_from + k);
-      if (from.terminal().model->has_linear_controls())
-        end_on_line(from, trajectory, first_from + k,
-                    static_cast<double>(j + 1) * coarse / fine - k, result.u(first_to + j));
     }
     first_from += coarse;
     first_to += fine;
   }
   result.x(to.knots()) = trajectory.x(from.knots());
+  join_controls(to, result);
   return result;
 }
 

@@ -43,6 +43,9 @@ std::optional<ExpressionOperand> make_operand(const CostSpec& operand,
     return fail(fmt::format("the residual '{}' needs a robot; this is a closed-form system",
                             definition.name),
                 "expressions name the columns of the system themselves");
+  if (operand.names_previous_control)
+    return fail("a residual that another one names has no 'previous'",
+                "write 'previous[...]' into the rows that name it");
   auto made = definition.make(
       {operand, context.spec, context.plant, context.contacts, context.ndx, context.out});
   if (!made) return std::nullopt;
@@ -81,7 +84,10 @@ ExpressionResidualText text_of(const ExpressionRowsSpec& rows,
   ExpressionResidualText text{
       .names = knot_names(linear ? context.plant.actuated() : *context.plant.system),
       .operands = std::move(operands)};
-  if (context.cost.names_previous_control && !linear)
+  const bool is_operand = std::ranges::any_of(text.operands, [](const ExpressionOperand& operand) {
+    return operand.name == kPreviousControl;
+  });
+  if (context.cost.names_previous_control && !linear && !is_operand)
     text.names.push_back(previous_control(context.plant));
   add_names(context.spec.names, text.parameters, text.tables);
   if (const ExpressionSystemSpec* own = own_system(context.spec)) {

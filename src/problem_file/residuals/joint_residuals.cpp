@@ -110,7 +110,10 @@ std::optional<CostResidual> make_acceleration(const ResidualContext& context) {
   if (!joints) return std::nullopt;
   CostResidual result = named_by(*joints, system.robot());
   for (const int joint : *joints) result.indices.push_back(*system.velocity_row(joint));
-  result.residual = acceleration_residual(*context.plant.system, context.ndx, result.indices);
+  // Slopes of collocation are no controls at the beginning of a knot with linear ones.
+  const System& system_there =
+      context.spec.has_linear_controls() ? context.plant.actuated() : *context.plant.system;
+  result.residual = acceleration_residual(system_there, context.ndx, result.indices);
   // States are at rest as far as they say.
   result.in_state = [n = joints->size()](const std::vector<double>&) {
     return std::vector<double>(n, 0.0);
