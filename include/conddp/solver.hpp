@@ -17,7 +17,7 @@
 // (SolverInfo::concurrent).
 //
 // In a loop, as in model predictive control, a ReusableSolver keeps its memory. From the second
-// solve on it allocates nothing, but for messages of solves that fail:
+// solve on it allocates nothing, but for messages of solves that fail and by "ipopt":
 //
 //   ReusableSolver solver(problem, "box_fddp", options);
 //   for (;;) {

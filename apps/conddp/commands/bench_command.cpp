@@ -232,7 +232,12 @@ class Bench {
     Trajectory answer = guess;
     Repetition repetition{.count = report_.request.repeat};
     if (!arguments_.repeat) repetition.longest_s = kLongSolve;
-    entry.run = run_benchmark(instance, guess, *task.solver, options, repetition, &answer);
+    {
+      // The time of a solver that cannot run beside itself does not pass while it waits.
+      std::unique_lock alone(alone_, std::defer_lock);
+      if (!task.solver->concurrent) alone.lock();
+      entry.run = run_benchmark(instance, guess, *task.solver, options, repetition, &answer);
+    }
     if (InterruptGuard::signal() != 0) return std::nullopt;
     if (!entry.run.times.empty()) {
       const std::lock_guard lock(mutex_);
@@ -289,6 +294,7 @@ class Bench {
   const std::vector<Task> tasks_;
   BenchmarkReport report_;
   std::mutex mutex_;  ///< of progress and status
+  std::mutex alone_;  ///< of solvers that run one at a time
   BenchProgress progress_;
   StatusLine status_;
 };

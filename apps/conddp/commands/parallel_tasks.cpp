@@ -4,6 +4,7 @@
 #include <atomic>
 #include <exception>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -24,7 +25,11 @@ void run_tasks(int count, int threads, const std::function<bool(int)>& task) {
     }
   };
   std::vector<std::jthread> others;
-  for (int i = 1; i < std::min(threads, count); ++i) others.emplace_back(work);
+  try {
+    for (int i = 1; i < std::min(threads, count); ++i) others.emplace_back(work);
+  } catch (const std::system_error&) {
+    // Where there can be no more threads, those that there are do the work.
+  }
   work();
   others.clear();
   if (thrown) std::rethrow_exception(thrown);

@@ -12,6 +12,9 @@ namespace {
 /// Quantities that noise moves by less, relative to what the coordinates of the state would one by
 /// one, are constant but for rounding: the gains hold them.
 constexpr double kConstant = 1e-9;
+/// The plan holds a quantity at a bound from which it is no further than this, if noise moves it by
+/// no more than this share of what it moves it elsewhere.
+constexpr double kAtBound = 1e-6, kHeld = 1e-4;
 
 /// Goes from node to node.
 class MarginCollector {
@@ -32,6 +35,7 @@ class MarginCollector {
       if (!problem_.takes_no_time(k)) add_control_bounds(k);
     for (const NodeConstraint& constraint : problem_.constraints())
       if (constraint.node >= first_timed_knot(problem_)) add_constraint(constraint);
+    leave_out_held();
     std::stable_sort(curves_.begin(), curves_.end(), [](const auto& a, const auto& b) {
       return a.smallest().steps() < b.smallest().steps();
     });
@@ -40,6 +44,22 @@ class MarginCollector {
 
  private:
   using Row = Eigen::RowVectorXd;
+
+  /// Where the plan holds a quantity at a bound, solvers leave it a trace of its gains, or none.
+  void leave_out_held() {
+    std::map<std::pair<std::string, int>, double> largest;  // of both sides
+    for (const MarginCurve& curve : curves_)
+      for (const Margin& margin : curve.nodes) {
+        double& sigma = largest[{curve.name, curve.row}];
+        sigma = std::max(sigma, margin.sigma);
+      }
+    for (MarginCurve& curve : curves_)
+      std::erase_if(curve.nodes, [&](const Margin& margin) {
+        return margin.sigma < kHeld * largest[{curve.name, curve.row}] &&
+               std::abs(margin.distance) <= kAtBound;
+      });
+    std::erase_if(curves_, [](const MarginCurve& curve) { return curve.nodes.empty(); });
+  }
 
   /// The standard deviation at a node of a quantity with this gradient by (δx, δu).
   double sigma_of(int k, const Row& gradient) const {
@@ -60,7 +80,11 @@ class MarginCollector {
     if (!(margin.sigma > 0) || !std::isfinite(margin.distance)) return;
     const auto [place, is_new] = place_.try_emplace({name, row, upper}, curves_.size());
     if (is_new) curves_.push_back({name, row, upper, {}});
-    curves_[place->second].nodes.push_back(margin);
+    std::vector<Margin>& nodes = curves_[place->second].nodes;
+    if (nodes.empty() || nodes.back().knot != margin.knot)
+      nodes.push_back(margin);
+    else if (margin.steps() < nodes.back().steps())
+      nodes.back() = margin;  // of several contacts
   }
 
   /// Both sides of lower ≤ value ≤ upper. Of an equality neither.

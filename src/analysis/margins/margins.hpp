@@ -33,8 +33,9 @@ struct MarginCurve {
 
 /// Margins of all bounds on controls and of all constraints but equalities and pairs that are
 /// complementary, at a trajectory whose controls follow the gains under noise, to first order
-/// (propagate_covariance). Those with the smallest margins come first. Nodes at which noise does
-/// not move a quantity are left out: a control at its bound whose gains are zero.
+/// (propagate_covariance). Those with the smallest margins come first. Where several contacts
+/// have a constraint, a node counts the smallest margin. Nodes at which noise does not move a
+/// quantity are left out, and those at which the plan holds it at its bound.
 std::vector<MarginCurve> constraint_margins(const ShootingProblem& problem,
                                             const Trajectory& trajectory,
                                             const std::vector<Eigen::MatrixXd>& gains,

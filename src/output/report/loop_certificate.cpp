@@ -111,8 +111,9 @@ class LoopJudge {
     const bool by_the_file =
         std::all_of(late_.begin(), late_.end(), [&](int tick) { return is_late && is_late(tick); });
     state("clock", clock == "wall" || (clock == "simulated" && by_the_file),
-          clock == "simulated" ? "ticks are late, though the clock is simulated"
-                               : fmt::format("'{}' is neither 'simulated' nor 'wall'", clock));
+          clock == "simulated"
+              ? "ticks are late that no disturbance makes late, though the clock is simulated"
+              : fmt::format("'{}' is neither 'simulated' nor 'wall'", clock));
   }
 
   void add(Check check) { certificate_.checks.checks.push_back(std::move(check)); }
@@ -212,7 +213,9 @@ class LoopJudge {
     MpcOptions controller = task_.mpc.controller;
     controller.clock = nullptr;
     if (solution_text(document_, "clock") == "wall")
-      controller.is_late = [this](int tick) { return late_.contains(tick); };
+      controller.is_late = [this, by_the_file = controller.is_late](int tick) {
+        return late_.contains(tick) || (by_the_file && by_the_file(tick));
+      };
     ClosedLoopOptions loop = task_.mpc.loop;
     if (solution_text(document_, "end") == to_string(LoopEnd::interrupted))
       loop.interrupted = [left = ticks_]() mutable { return left-- <= 0; };

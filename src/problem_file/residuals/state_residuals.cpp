@@ -57,13 +57,12 @@ void set_state_limits(const MultibodySystem& system, CostResidual& result) {
   }
 }
 
-/// Whether a name means what can be chosen: a rotation by its own name, or by one that fits all of
-/// its columns.
+/// Whether a name means what can be chosen: a rotation by its own name alone, "q" or "q/*".
 bool is_meant_by(const std::string& name, const StatePart& part,
                  const std::vector<std::string>& columns) {
-  if (!part.listed) return name == part.name;
-  return name == part.name || std::all_of(part.indices.begin(), part.indices.end(),
-                                          [&](int i) { return fits(name, columns[i]); });
+  if (part.is_rotation())
+    return !part.name.empty() && (name == part.name || name == part.name + "/*");
+  return part.listed ? fits(name, columns[part.indices.front()]) : name == part.name;
 }
 
 /// The parts that a name means, several where it has a `*`; none is reported.
