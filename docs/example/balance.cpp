@@ -42,7 +42,7 @@ std::shared_ptr<const ShootingProblem> upright_problem() {
   const auto moving = std::make_shared<KnotModel>(pendulum, Integrator::rk4);
   moving->add_cost("state", coordinate_residual(pendulum->manifold(), {0, 1}), {});
   moving->add_cost("torque", control_residual(moving->ndx(), moving->nu()), {});
-  moving->set_control_bounds({-4}, {4});
+  moving->set_control_bounds({-8}, {8});
   const auto end = std::make_shared<KnotModel>(pendulum, Integrator::none);
 
   // One knot is enough: the loop repeats it for ever (MpcOptions::hold). Of each cost its

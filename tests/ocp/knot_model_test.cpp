@@ -318,7 +318,7 @@ TEST(Evaluator, ALaneThatDivergesNamesItsKnotAndLeavesTheOthersAlone) {
 
 /// With linear controls, too, of which the second half of a step goes on where the first ends.
 TEST(KnotModel, ExplicitRulesHaveTheirOrderWithLinearControls) {
-  for (const Integrator rule : {Integrator::rk2, Integrator::rk3, Integrator::rk4}) {
+  for (const Integrator rule : {Integrator::rk3, Integrator::rk4}) {
     const KnotModel model(cartpole({}), rule, ControlMemory::linear);
     KnotWorkspace<double> work(model);
     const auto end_after = [&](int steps) {

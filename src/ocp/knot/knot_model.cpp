@@ -42,7 +42,7 @@ void check_augmented_state(const System& system, Integrator integrator, ControlM
     throw std::invalid_argument("an impulse has no control to remember");
   const bool linear = memory == ControlMemory::linear;
   if (linear && integrator != Integrator::none && !follows_controls(integrator))
-    throw std::invalid_argument("linear controls need an integrator with stages in its steps");
+    throw std::invalid_argument("linear controls need an integrator that sees how they change");
   if (!linear && carried_choices > 0)
     throw std::invalid_argument("augmented states carry the previous control or choices, not both");
 }

@@ -45,7 +45,8 @@ std::size_t step_length(const YamlNode& node, std::string_view path) {
 using Steps = std::vector<std::string>;
 
 /// Whether the mapping at the end of some steps has definitions by free names, of which a further
-/// one would change nothing: the rest of the file does not name it.
+/// one would change nothing: the rest of the file does not name it. (Other settings may name a
+/// further configuration of a robot.)
 bool has_definitions(const Steps& steps) {
   const auto is_one_of = [](const std::string& word, std::initializer_list<std::string_view> all) {
     return std::find(all.begin(), all.end(), word) != all.end();
@@ -56,8 +57,7 @@ bool has_definitions(const Steps& steps) {
     return (steps.size() == 2 && section == one) || (steps.size() == 3 && section == several);
   };
   if (steps.size() == 1) return is_one_of(key, {"parameters", "tables"});
-  return (is_in("system", "systems") && is_one_of(key, {"parameters", "tables", "let"})) ||
-         (is_in("robot", "robots") && key == "configurations");
+  return is_in("system", "systems") && is_one_of(key, {"parameters", "tables", "let"});
 }
 
 std::string joined(const Steps& steps) {
