@@ -1,5 +1,5 @@
 // A loop of one's own around conddp::Mpc: a motor brings a pendulum upright and holds it there. The
-// real pendulum is heavier than the model's. After `reserve` nothing is allocated any more.
+// real pendulum is heavier than the model's. Once windows have been used nothing is allocated any more.
 //
 // usage: balance [TICKS]     200 by default
 #include <array>
@@ -40,7 +40,8 @@ constexpr double kTick = 0.02;  // s
 std::shared_ptr<const ShootingProblem> upright_problem() {
   const auto pendulum = std::make_shared<const Pendulum>(/*mass*/ 1);
   const auto moving = std::make_shared<KnotModel>(pendulum, Integrator::rk4);
-  moving->add_cost("state", coordinate_residual(pendulum->manifold(), {0, 1}), {});
+  moving->add_cost("angle", coordinate_residual(pendulum->manifold(), {0}), {});
+  moving->add_cost("speed", coordinate_residual(pendulum->manifold(), {1}), {});
   moving->add_cost("torque", control_residual(moving->ndx(), moving->nu()), {});
   moving->set_control_bounds({-8}, {8});
   const auto end = std::make_shared<KnotModel>(pendulum, Integrator::none);
@@ -51,7 +52,7 @@ std::shared_ptr<const ShootingProblem> upright_problem() {
                       .model = moving,
                       .dt = {0.05},
                       .cost_scale = {0.05},
-                      .parameters = {M_PI, 0, 10, /**/ 0, 0.1}};
+                      .parameters = {M_PI, 10, /**/ 0, 0.1, /**/ 0, 0.1}};
   const Phase nothing{.name = "end", .model = end, .dt = {0}, .cost_scale = {1}};
   return std::make_shared<const ShootingProblem>(
       ShootingProblem({M_PI - 1, 0}, {upright}, nothing));

@@ -62,7 +62,7 @@ expect_same_allocations(crane 1 10)
 run("running the closed loop" ${WORK_DIR}/example/balance)
 message("${output}")
 expect_in("${output}" "ends 0.00")
-expect_same_allocations(balance 5 200)
+expect_same_allocations(balance 20 150)
 
 # The tool finds the examples that were installed with it, from an empty folder.
 run("installing the tool" ${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${prefix}/tool
