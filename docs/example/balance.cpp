@@ -1,5 +1,6 @@
 // A loop of one's own around conddp::Mpc: a motor brings a pendulum upright and holds it there. The
-// real pendulum is heavier than the model's. Once windows have been used nothing is allocated any more.
+// real pendulum is heavier than the model's. Once its windows have been used the loop allocates
+// nothing any more.
 //
 // usage: balance [TICKS]     200 by default
 #include <array>
