@@ -225,5 +225,18 @@ TEST(CertificateOfBounds, MultipliersHaveTheirSign) {
   EXPECT_NE(found.find("[signs of multipliers]"), std::string::npos) << found;
 }
 
+TEST(Certificate, DoubtsOptimalityAloneWhereTheAnswerIsFeasibleAndNothingElseFails) {
+  Certificate certificate;
+  EXPECT_FALSE(certificate.doubts_optimality_alone());
+  certificate.checks = {{.name = kStatusCheck, .holds = false}, {.name = "gap"}};
+  EXPECT_FALSE(certificate.doubts_optimality_alone());
+  certificate.optimality_in_doubt = true;
+  EXPECT_TRUE(certificate.doubts_optimality_alone());
+  certificate.checks.push_back({.name = kFeedforwardCheck, .holds = false});
+  EXPECT_TRUE(certificate.doubts_optimality_alone());
+  certificate.checks[1].holds = false;
+  EXPECT_FALSE(certificate.doubts_optimality_alone());
+}
+
 }  // namespace
 }  // namespace conddp

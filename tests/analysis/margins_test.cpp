@@ -70,6 +70,23 @@ TEST(Margins, ProbabilitiesAreThoseOfTheNormalLaw) {
   EXPECT_NEAR(of(3), 0.001349898031630, 1e-15);
 }
 
+// Solvers leave a control that they hold a trace of its gains.
+TEST(Margins, LeaveOutWhereThePlanHoldsAQuantityAtItsBound) {
+  const ShootingProblem problem = scalar_problem();
+  std::vector<Eigen::MatrixXd> gains = scalar_gains();
+  gains[0](0, 0) = -1e-9;
+  const auto first_knot_of_upper = [&](double u) {
+    Trajectory trajectory = problem.create_trajectory();
+    trajectory.u(0)[0] = u;
+    for (const MarginCurve& curve :
+         constraint_margins(problem, trajectory, gains, noise(0.2, 0.1, 0, 1)))
+      if (curve.upper) return curve.nodes.front().knot;
+    return -1;
+  };
+  EXPECT_EQ(first_knot_of_upper(1), 1);
+  EXPECT_EQ(first_knot_of_upper(1 - 1e-3), 0);
+}
+
 TEST(Margins, AControlWithoutGainsHasNone) {
   const ShootingProblem problem = scalar_problem();
   const std::vector<Eigen::MatrixXd> held(3, Eigen::MatrixXd::Zero(1, 1));

@@ -383,19 +383,22 @@ class Judge {
   void check_converged() {
     const auto& t = claims_.tolerances;
     std::string above;
+    bool feasible = true;
     const auto need = [&](const char* what, double found, double limit) {
-      if (found <= limit) return;
+      if (found <= limit) return true;
       above += fmt::format("{}{} is {:.2g}, tolerance {:.2g}", above.empty() ? "" : "; ", what,
                            found, limit);
+      return false;
     };
     need("stationarity", found_stationarity_, t.stationarity + stationarity_rounding_);
     need(("the reduced gradient" + own_place_).c_str(), own_stationarity_,
          kPolicyMargin * t.stationarity);
-    need("gap", gap_.value, t.gap + state_rounding());
-    need("constraint violation", found_constraint_, t.constraint);
+    feasible &= need("gap", gap_.value, t.gap + state_rounding());
+    feasible &= need("constraint violation", found_constraint_, t.constraint);
     need("complementarity", found_complementarity_, t.complementarity);
     need("the co-states' relative distance from those along other gains, and from those without",
          costate_error_, kCostateMargin * t.stationarity);
+    certificate_.optimality_in_doubt = feasible && !above.empty();
     judge_status(above.empty() ? "" : "'converged', but " + above);
   }
 
@@ -461,8 +464,9 @@ int Certificate::failures() const {
 }
 
 bool Certificate::doubts_optimality_alone() const {
-  return !holds() && std::ranges::all_of(checks, [](const Check& c) {
-    return c.holds || c.name == kStatusCheck || c.name == kFeedforwardCheck;
+  return !holds() && std::ranges::all_of(checks, [this](const Check& c) {
+    return c.holds || c.name == kFeedforwardCheck ||
+           (c.name == kStatusCheck && optimality_in_doubt);
   });
 }
 

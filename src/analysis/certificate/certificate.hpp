@@ -28,6 +28,8 @@ struct Optimality {
 struct Certificate {
   std::vector<Check> checks;
   Optimality optimality;
+  /// Whether the answer claims to have converged, is feasible, and is not found to be optimal.
+  bool optimality_in_doubt = false;
 
   bool holds() const;
   int failures() const;

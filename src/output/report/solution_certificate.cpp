@@ -113,6 +113,7 @@ class Reader {
     certificate_.optimality = numbers.optimality;
     certificate_.checks.insert(certificate_.checks.end(), numbers.checks.begin(),
                                numbers.checks.end());
+    certificate_.optimality_in_doubt = numbers.optimality_in_doubt;
     evaluate_constraints();
     if (spec_.runs_code()) derivatives_of_code();
     if (document_.contains("mesh")) error_of_grid();
