@@ -224,19 +224,19 @@ void HorizonConstraints::shift(const std::vector<Eigen::VectorXd>& z,
 int HorizonConstraints::revise(const std::vector<Eigen::VectorXd>& z, double allowed,
                                Linearization& linearization, std::optional<int>& last) {
   shift(z, linearization, shifted_);
-  return find_error() <= allowed ? 0 : revise(linearization, last);
+  find_error();
+  return error_ <= allowed ? 0 : revise(linearization, last);
 }
 
-/// found_ ← P(s) at shifted_. Returns Σ ρ |P(s) − model|². Notes which terms of bounds are off, and
-/// the nodes of these and of cones.
-double HorizonConstraints::find_error() {
+/// found_ ← P(s) at shifted_, error_ ← Σ ρ |P(s) − model|². Notes which terms of bounds are off,
+/// and the nodes of these and of cones.
+void HorizonConstraints::find_error() {
   allowed_ = kExact * outside_.lpNorm<Eigen::Infinity>();
   std::fill(off_.begin(), off_.end(), false);
   for (Node& node : nodes_) node.off = node.cones;
-  double sum = 0;
-  for (const Run& run : bounds_) sum += find_bounds_error(run);
-  for (const int i : cones_) sum += find_cone_error(i);
-  return sum;
+  error_ = 0;
+  for (const Run& run : bounds_) error_ += find_bounds_error(run);
+  for (const int i : cones_) error_ += find_cone_error(i);
 }
 
 double HorizonConstraints::find_bounds_error(const Run& run) {

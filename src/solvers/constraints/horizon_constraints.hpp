@@ -43,6 +43,8 @@ class HorizonConstraints {
   /// `last` ← the last node at which one did, if any.
   int revise(const std::vector<Eigen::VectorXd>& z, double allowed, Linearization& linearization,
              std::optional<int>& last);
+  /// Σ ρ |error of P|² that the last revise() met.
+  double model_error() const { return error_; }
   /// That the last revise() changed nothing: keeps where it found the rows for the next iterate. An
   /// iterate is off the linear model by what is small beside its step, but may be large beside
   /// |P| = |ν|/ρ, and then says less of the rows that will be active.
@@ -100,7 +102,7 @@ class HorizonConstraints {
   bool revise_bounds(const Rows& c, KnotLinearization& knot, Node& node);
   bool revise_cone(const Rows& c, int index, KnotLinearization& knot, Node& node);
   void keep(const KnotLinearization& knot, Node& node);
-  double find_error();
+  void find_error();
   double find_bounds_error(const Run& run);
   template <class S>
   double find_rows_error(int row, const S& found);
@@ -131,6 +133,7 @@ class HorizonConstraints {
   Eigen::MatrixXd new_slope_;                ///< scratch
   Eigen::VectorXd new_outside_, weight_, difference_;
   double allowed_ = 0;  ///< what the model of P may be off
+  double error_ = 0;
 };
 
 }  // namespace conddp

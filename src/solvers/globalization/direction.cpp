@@ -10,7 +10,9 @@ namespace conddp {
 namespace {
 
 /// Revisions of constraint rows that may go by without fewer changes than ever before.
-constexpr int kPatience = 4;
+constexpr int kPatience = 2;
+/// What the error of the constraints' model may grow to, in the least that it has been.
+constexpr double kErrorGrowth = 100;
 /// What the constraints' model may be off at a step, in the norm of the Hessian H: the squared
 /// distance of the step from the model's minimum, as a share of dᵀHd.
 constexpr double kModelError = 1e-6;
@@ -124,6 +126,7 @@ int Direction::sweep(const Model& model, bool hold) {
 /// Revises the active set and sweeps, in turn, until nothing changes. False where it does not end.
 bool Direction::settle(const Model& model) {
   int fewest = std::numeric_limits<int>::max(), since = 0;
+  double least_error = std::numeric_limits<double>::infinity();
   for (int i = 0; i < horizon_sweeps_; ++i) {
     const int changes = revise(model);
     within_bounds_ = changes == 0;
@@ -133,7 +136,11 @@ bool Direction::settle(const Model& model) {
     }
     since = changes < fewest ? 0 : since + 1;
     fewest = std::min(fewest, changes);
-    if (model.augmented && since > kPatience) return false;
+    if (model.augmented) {
+      const double error = constraints_->model_error();
+      if (since > kPatience || error > kErrorGrowth * least_error) return false;
+      least_error = std::min(least_error, error);
+    }
     if (sweep(model, true) >= 0) return false;
   }
   return false;
