@@ -73,7 +73,7 @@ class Translation:
         for name, spec in self.constraints.items():
             require(spec.get("bounds") == "control",
                     f"constraint '{name}', which does not bound the controls")
-            if phase["name"] not in spec["phases"]:
+            if phase["name"] not in spec.get("phases", [phase["name"]]):
                 continue
             if spec.get("from") == "urdf":
                 limit = self.robot.model.upperEffortLimit[-len(names):]

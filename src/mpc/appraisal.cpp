@@ -24,6 +24,8 @@ Appraisal::Appraisal(const TimeLine& line, bool other_forces)
     auto& batch = batches_[problem.knot(k).model];
     if (!batch) batch = std::make_unique<KnotBatch<double>>(*problem.knot(k).model);
   }
+  auto& end = batches_[problem.terminal().model.get()];
+  if (!end) end = std::make_unique<KnotBatch<double>>(*problem.terminal().model);
 }
 
 bool Appraisal::counts(const Residual& residual) const {
@@ -35,21 +37,36 @@ StepFigures Appraisal::of_step(double time, double length, const double* u, cons
   const KnotModel& model = *line_.problem().knot(k).model;
   const KnotNumbers numbers = line_.numbers(k);
   KnotBatch<double>& batch = *batches_.at(&model);
-  std::copy_n(numbers.parameters, model.parameter_count(), batch.parameters.begin());
   std::copy_n(x, model.nx(), batch.x.begin());
   std::copy_n(u, model.nu(), batch.u.begin());
   batch.dt = numbers.dt;
   const double share = std::abs(length - numbers.dt) < kSameTime ? 1 : length / numbers.dt;
   batch.cost_scale = numbers.cost_scale * share;
+  return figures(model, numbers.parameters);
+}
+
+StepFigures Appraisal::of_end(const double* x) const {
+  const ShootingProblem& problem = line_.problem();
+  const KnotModel& model = *problem.terminal().model;
+  const KnotNumbers numbers = line_.numbers(problem.knots());
+  KnotBatch<double>& batch = *batches_.at(&model);
+  std::copy_n(x, model.nx(), batch.x.begin());
+  batch.cost_scale = numbers.cost_scale;
+  return figures(model, numbers.parameters);
+}
+
+/// At what the model's batch has been set to.
+StepFigures Appraisal::figures(const KnotModel& model, const double* parameters) const {
+  KnotBatch<double>& batch = *batches_.at(&model);
+  std::copy_n(parameters, model.parameter_count(), batch.parameters.begin());
   for (const CostTerm& term : model.costs())
     if (!counts(*term.residual)) batch.parameters[term.weight] = 0;
   model.evaluate(batch.input(), batch.work);
-  StepFigures figures{.cost = batch.work.cost};
+  StepFigures found{.cost = batch.work.cost};
   for (const ConstraintTerm& term : model.constraints())
-    if (numbers.parameters[term.active()] != 0 && term.softness == Softness::hard &&
-        counts(*term.residual))
-      figures.violation = std::max(figures.violation, violation(term, batch, numbers.parameters));
-  return figures;
+    if (parameters[term.active()] != 0 && term.softness == Softness::hard && counts(*term.residual))
+      found.violation = std::max(found.violation, violation(term, batch, parameters));
+  return found;
 }
 
 StopCheck::StopCheck(const std::optional<StopCondition>& condition) : condition_(condition) {

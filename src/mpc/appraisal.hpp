@@ -10,9 +10,9 @@
 
 namespace conddp {
 
-/// What a time line says of a step of the plant.
+/// What a time line says of a step of the plant, or of its last node.
 struct StepFigures {
-  double cost = 0;       ///< the running cost's share
+  double cost = 0;       ///< the running cost's share; the terminal cost
   double violation = 0;  ///< largest one of a hard constraint
 };
 
@@ -24,9 +24,12 @@ class Appraisal {
   Appraisal(const TimeLine& line, bool other_forces);
   /// Of a step from a time (s) with a length (s), by its control and the state at its begin.
   StepFigures of_step(double time, double length, const double* u, const double* x) const;
+  /// Of the time line's last node.
+  StepFigures of_end(const double* x) const;
 
  private:
   bool counts(const Residual& residual) const;
+  StepFigures figures(const KnotModel& model, const double* parameters) const;
 
   const TimeLine& line_;
   bool other_forces_;

@@ -47,6 +47,9 @@ class Plant {
     return true;
   }
 
+  /// What the last node says of where the plant is.
+  void appraise_end() { count(appraisal_.of_end(x.data())); }
+
   /// The contacts that are closed in front of a time.
   std::uint32_t closed_contacts(double time) const {
     return motions_.at(time - 2 * kSameTime).closed_contacts();
@@ -79,12 +82,15 @@ class Plant {
     const auto begin = [this](double time, double length, const double* u) {
       if (!goes_on(time)) return false;
       result_.steps.push_back({time, length, x, {u, u + law_.u.size()}, mpc_.line_time(time)});
-      const StepFigures figures = appraisal_.of_step(mpc_.line_time(time), length, u, x.data());
-      result_.cost += figures.cost;
-      result_.violation = std::max(result_.violation, figures.violation);
+      count(appraisal_.of_step(mpc_.line_time(time), length, u, x.data()));
       return true;
     };
     return simulate(motions_.at(from), from, to, law_, held_, x.data(), begin) && goes_on(to);
+  }
+
+  void count(const StepFigures& figures) {
+    result_.cost += figures.cost;
+    result_.violation = std::max(result_.violation, figures.violation);
   }
 
   bool goes_on(double time) {
@@ -188,6 +194,8 @@ ClosedLoopResult run_closed_loop(Mpc& mpc, const ClosedLoopOptions& options) {
   }
   // A delay may lead the last plan beyond the end of the time line: the one before goes on.
   if (result.end == LoopEnd::finished) plant.advance(mpc.time(), end);
+  if (result.end == LoopEnd::finished && !line.is_held() && !is_before(end, line.end()))
+    plant.appraise_end();
   result.last_state = plant.x;
   return result;
 }

@@ -160,7 +160,7 @@ Mpc::Mpc(std::shared_ptr<const ShootingProblem> problem, const Trajectory& guess
       state_(line_.problem().initial_state()),
       predicted_(state_),
       control_(largest_control(line_.problem())) {
-  control_of(guess_, 0, state_.data(), false, scratch_, in_force_.first);
+  planned_control(guess_, 0, in_force_.first);
   before_.first = in_force_.first;
 }
 
@@ -232,8 +232,25 @@ void Mpc::follow(const Policy& policy, double time, const double* x, Eigen::Vect
   if (policy.held)
     control_of(*options_.fallback, *line_.problem().knot(line_.at(line_time(time)).knot).model, x,
                scratch_, u);
+  else if (gains)
+    control_of(*policy.plan, line_time(time), planned_state(*policy.plan, line_time(time)), x,
+               scratch_, u);
   else
-    control_of(*policy.plan, line_time(time), x, gains, scratch_, u);
+    planned_control(*policy.plan, line_time(time), u);
+}
+
+/// Inside a knot where the model is by then, and not on the straight way to the next node, from
+/// which gains would steer a motion that goes as planned.
+const double* Mpc::planned_state(const Plan& plan, double time) {
+  const int k = plan.knot_at(time);
+  const double begin = plan.times[k];
+  if (!is_before(begin, time) || !is_before(time, plan.times[k + 1])) {
+    plan.state_at(time, false, scratch_.tangent.data(), scratch_.x.data());
+  } else {
+    std::copy_n(plan.trajectory.x(k).data(), scratch_.x.size(), scratch_.x.begin());
+    model_.step(begin, time - begin, plan.trajectory.u(k).data(), scratch_.x.data());
+  }
+  return scratch_.x.data();
 }
 
 const Eigen::VectorXd& Mpc::control(double time, const double* x) {

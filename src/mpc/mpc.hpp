@@ -144,6 +144,7 @@ class Mpc {
   const Policy& policy_at(double time) const;
   bool holds_first(const Policy& policy, double time) const;
   void follow(const Policy& policy, double time, const double* x, Eigen::VectorXd& u);
+  const double* planned_state(const Plan& plan, double time);
   void predict(double from, double to, std::vector<double>& x);
   void solve_from(const std::vector<double>& x);
   bool measure(std::span<const double> x);

@@ -63,17 +63,20 @@ void Plan::state_at(double time, bool before, double* tangent, double* x) const 
   std::copy_n(trajectory.u(k).data(), memory, x + problem->nx() - memory);
 }
 
-void control_of(const Plan& plan, double time, const double* x, bool gains, PolicyScratch& scratch,
-                Eigen::VectorXd& u) {
+void planned_control(const Plan& plan, double time, Eigen::VectorXd& u) {
   const int k = plan.knot_at(time);
   u = plan.trajectory.u(k);
-  if (gains) {
-    plan.state_at(time, false, scratch.tangent.data(), scratch.x.data());
-    plan.problem->manifold().difference(scratch.x.data(), x, scratch.tangent.data());
-    // Gains answer the control before the knot; inside of it that is no longer known.
-    if (is_before(plan.times[k], time)) forget(*plan.problem->knot(k).model, scratch.tangent);
-    add_feedback(plan.feedback.K[k], scratch.tangent, u);
-  }
+  clip(*plan.problem->knot(k).model, u);
+}
+
+void control_of(const Plan& plan, double time, const double* planned, const double* x,
+                PolicyScratch& scratch, Eigen::VectorXd& u) {
+  const int k = plan.knot_at(time);
+  u = plan.trajectory.u(k);
+  plan.problem->manifold().difference(planned, x, scratch.tangent.data());
+  // Gains answer the control before the knot; inside of it that is no longer known.
+  if (is_before(plan.times[k], time)) forget(*plan.problem->knot(k).model, scratch.tangent);
+  add_feedback(plan.feedback.K[k], scratch.tangent, u);
   clip(*plan.problem->knot(k).model, u);
 }
 

@@ -22,8 +22,8 @@ struct Plan {
 
   /// The knot that takes time and contains a time, or is nearest to it.
   int knot_at(double time) const;
-  /// Writes the state at a time. At an instant (impulse) the one after it or, with `before`, the
-  /// one before it. `tangent` is scratch of ndx numbers.
+  /// Writes the state at a time, between nodes on the straight way. At an instant (impulse) the one
+  /// after it or, with `before`, the one before it. `tangent` is scratch of ndx numbers.
   void state_at(double time, bool before, double* tangent, double* x) const;
 };
 
@@ -42,11 +42,12 @@ struct PolicyScratch {
   std::vector<double> x, tangent;
 };
 
-/// The control of a plan at a time and a state, u_k + K_k (x ⊖ x̄) within its bounds, where x̄ is
-/// the plan's state at the time; without `gains` u_k. A remembered control counts where a knot
-/// begins.
-void control_of(const Plan& plan, double time, const double* x, bool gains, PolicyScratch& scratch,
-                Eigen::VectorXd& u);
+/// The control of a plan at a time, within its bounds: u_k.
+void planned_control(const Plan& plan, double time, Eigen::VectorXd& u);
+/// The same with gains, u_k + K_k (x ⊖ x̄) at a state, where x̄ is the one that the plan has at the
+/// time. A remembered control counts where a knot begins.
+void control_of(const Plan& plan, double time, const double* planned, const double* x,
+                PolicyScratch& scratch, Eigen::VectorXd& u);
 /// The control that holds a state, within the bounds of the model.
 void control_of(const HeldState& held, const KnotModel& model, const double* x,
                 PolicyScratch& scratch, Eigen::VectorXd& u);

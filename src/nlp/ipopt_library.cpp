@@ -3,6 +3,8 @@
 #include <filesystem>
 #include <string>
 
+#include <fmt/format.h>
+
 #include "base/shared_library.hpp"
 
 namespace conddp {
@@ -13,16 +15,25 @@ namespace {
 std::string module_of_this_program() {
   std::error_code error;
   const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error);
-  return (program.parent_path() / CONDDP_MODULES_FROM_TOOL / CONDDP_IPOPT_MODULE).string();
+  const auto module = program.parent_path() / CONDDP_MODULES_FROM_TOOL / CONDDP_IPOPT_MODULE;
+  return module.lexically_normal().string();
+}
+
+SharedLibrary load() {
+  const std::string own = module_of_this_program();
+  try {
+    // A RUNPATH would do for the first, too, but the linker would look there for every other
+    // library of every program. Programs that use the installed package have one.
+    return SharedLibrary("the solver 'ipopt'", {own.c_str(), CONDDP_IPOPT_MODULE});
+  } catch (const LibraryError& error) {
+    throw LibraryError(fmt::format("{}; it is expected as '{}'", error.what(), own));
+  }
 }
 
 }  // namespace
 
 const IpoptLibrary& ipopt_library() {
-  // A RUNPATH would do for the first, too, but the linker would look there for every other library
-  // of every program. Programs that use the installed package have one.
-  static const SharedLibrary library("the solver 'ipopt'",
-                                     {module_of_this_program().c_str(), CONDDP_IPOPT_MODULE});
+  static const SharedLibrary library = load();
   static const auto* const functions =
       static_cast<const IpoptLibrary*>(library.symbol("conddp_ipopt_library"));
   return *functions;

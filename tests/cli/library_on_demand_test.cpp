@@ -1,5 +1,6 @@
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 
 #include <gtest/gtest.h>
 
@@ -41,6 +42,26 @@ TEST_F(LibraryOnDemand, ASolveByIpoptWithoutItsLibrarySaysSoAndWritesNothing) {
   EXPECT_EQ(errors().find("conddp: error: the solver 'ipopt' cannot be loaded: conddp-ipopt-"), 0u)
       << errors();
   EXPECT_TRUE(std::filesystem::is_empty(output()));
+}
+
+TEST_F(LibraryOnDemand, WhereOtherSolversHaveFailedTheirAnswerStaysWithoutTheLibraryOfIpopt) {
+  const std::string file = output() + ".yaml";
+  std::ofstream(file) << R"(conddp: 1
+name: contradiction
+system: {states: [x], controls: [u], rate: {x: u}}
+initial_state: {values: {x: 0}}
+phases: [{knots: 5, dt: 0.1}]
+costs: {effort: {residual: control}}
+terminal:
+  constraints:
+    here: {residual: state, equals: 1}
+    there: {residual: state, equals: 2}
+solver: {name: auto}
+)";
+  EXPECT_EQ(run("solve " + file + " -o " + output()), 1) << errors();
+  const std::string solution = read_file(output() + "/solution.json");
+  EXPECT_NE(solution.find("the solver 'ipopt' cannot be loaded: "), std::string::npos);
+  EXPECT_NE(solution.find("; it is expected as '"), std::string::npos);
 }
 
 }  // namespace

@@ -51,6 +51,7 @@ TEST(ClosedLoop, FollowsItsFirstPlanWhereHorizonsShrinkToTheEnd) {
     const ClosedLoopResult loop = run_closed_loop(mpc, {.duration = end});
     ASSERT_EQ(static_cast<int>(loop.steps.size()), problem->knots());
     EXPECT_LT(distance(loop, plan.trajectory), 1e-6);
+    EXPECT_NEAR(loop.cost, plan.cost, 1e-6 * std::abs(plan.cost));  // the last node's cost as well
     for (const TickRecord& tick : loop.ticks) EXPECT_EQ(tick.outcome, TickOutcome::planned);
   }
 }
@@ -272,6 +273,28 @@ TEST(ClosedLoop, ComesCloserByGainsBetweenTicks) {
     return run_closed_loop(mpc, options).cost;
   };
   EXPECT_LT(cost(100), cost(std::nullopt));
+}
+
+// Between two nodes a plan is where the model is, and not on the straight way.
+TEST(ClosedLoop, IsNotSteeredByGainsBetweenTicksWhereItGoesAsPlanned) {
+  const auto problem = shared(testing::cartpole_swing_up(6));
+  const double dt = problem->knot(0).dt, end = problem->times().back();
+  const Trajectory guess = testing::constant_controls(*problem, 0.1);
+  const SolveResult plan = solve(*problem, "box_fddp", testing::tight_options(), guess);
+  Mpc mpc(problem, guess,
+          {.horizon = end,
+           .tick = end,
+           .iterations = std::nullopt,
+           .hold = false,
+           .feedback_rate = 4 / dt,
+           .solver_options = testing::tight_options()});
+  const ClosedLoopResult loop = run_closed_loop(mpc, {.duration = end, .step = {.dt = dt / 4}});
+  ASSERT_EQ(static_cast<int>(loop.steps.size()), 4 * problem->knots());
+  double most = 0;
+  for (std::size_t i = 0; i < loop.steps.size(); ++i)
+    most = std::max(most,
+                    std::abs(loop.steps[i].u[0] - plan.trajectory.u(static_cast<int>(i / 4))[0]));
+  EXPECT_LT(most, 1e-2);
 }
 
 TEST(ClosedLoop, KeepsTheBoundsDuringTheFirstDelay) {

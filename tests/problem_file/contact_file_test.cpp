@@ -30,6 +30,19 @@ costs:
 initial_guess: {controls: quasi_static}
 )";
 
+TEST(ContactFile, ASoleWhoseFrameDoesNotPointOutOfTheGroundIsWarnedOf) {
+  const auto with = [](const std::string& keys) {
+    return warnings(replaced(kStepping, "{frame: rh_foot}",
+                             "{frame: rh_foot, type: surface, size: [0.1, 0.1]" + keys + "}"));
+  };
+  EXPECT_EQ(with(", axes: local"), "");
+  // Hip and knee turn it.
+  EXPECT_NE(with("").find("7:15: the z axis of the sole 'rh_foot' is 43° "), std::string::npos)
+      << with("");
+  EXPECT_NE(with(", axes: local, normal: [0.5, 0, 0.866]").find(" is 30° off the normal"),
+            std::string::npos);
+}
+
 TEST(ContactFile, MistakesAreSaidWithTheirPlace) {
   struct Said {
     const char *from, *to, *says;
@@ -46,6 +59,9 @@ TEST(ContactFile, MistakesAreSaidWithTheirPlace) {
        "4:3: the tangent of a planar contact must not be along its normal"},
       {"LF: {frame", "a/b: {frame", "4:3: 'a/b' cannot be the name of a contact"},
       {"contacts: [LF, LH, RH]", "contacts: [LF, LH, FH]", "14:58: unknown contact 'FH'"},
+      {"contacts:\n  LF: {frame: lf_foot}\n  RF: {frame: rf_foot}\n  LH: {frame: lh_foot}\n"
+       "  RH: {frame: rh_foot}\n",
+       "", "8:12: the phase 'stand' holds all contacts, and the file has none"},
       {"knots: 5, dt: 0.02, contacts: all}\ncosts", "impulse: all, restitution: 2}\ncosts",
        "15:45: a number from 0 to 1 is expected here"},
       {"contacts: [LF, LH, RH]}", "contacts: all}\n  - {impulse: all}",

@@ -1,4 +1,5 @@
 // Costs and constraints at knots of phases that take no time, and lists that name nothing.
+#include "problem_file/expand/expand_problem.hpp"
 #include "problem_text.hpp"
 #include "solvers/strategies/registry.hpp"
 
@@ -28,6 +29,16 @@ TEST(InstantKnots, AConstraintAtTheKnotOfAJumpHolds) {
   EXPECT_GT(by_phase, 1);
   EXPECT_NEAR(cost_with_gate("knots: [10]"), by_phase, 1e-9 * by_phase);
   EXPECT_NEAR(cost_with_gate("phases: j, knots: [10]"), by_phase, 1e-9 * by_phase);
+}
+
+TEST(InstantKnots, AnExpansionSaysTheSame) {
+  const Loaded loaded(replaced(kJumpOfABall, "WHERE", "knots: [10]"));
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const OrderedJson expanded = expand_problem(*loaded.spec, *loaded.built);
+  const Loaded again(expanded.dump());
+  ASSERT_TRUE(again.built) << again.all() << expanded;
+  EXPECT_EQ(expand_problem(*again.spec, *again.built), expanded);
+  EXPECT_EQ(again.built->problem->constraints()[0].node, 10);
 }
 
 TEST(InstantKnots, OthersThanTheNamedOnesStayWithoutTheConstraint) {

@@ -62,6 +62,47 @@ TEST(AutoSolver, GoesOnToTheNextWhereOneDoesNotConverge) {
   EXPECT_EQ(used, &first);
 }
 
+/// A solver that does not get there within the default limit.
+SolverInfo endless(double stationarity) {
+  return {.name = "endless",
+          .control_bounds = BoundSupport::exact,
+          .constraints = ConstraintSupport::all,
+          .run = [stationarity](const ShootingProblem& problem, const SolverOptions&,
+                                const Trajectory& guess) {
+            SolveResult result(problem);
+            result.status = SolveStatus::max_iterations;
+            result.iterations = 1000;
+            result.residuals.stationarity = stationarity;
+            result.trajectory = guess;
+            return result;
+          }};
+}
+
+TEST(AutoSolver, TheDefaultLimitOfIterationsEndsOneSolverAlone) {
+  const ShootingProblem problem = testing::unicycle_parking(0.6);
+  const Trajectory guess = testing::constant_controls(problem, 0.01);
+  const SolverInfo first = endless(1), *box = find_solver("box_ddp");
+  const SolverInfo* used = nullptr;
+  const std::vector<const SolverInfo*> both{&first, box};
+  EXPECT_EQ(solve(problem, both, {}, guess, used).status, SolveStatus::converged);
+  EXPECT_EQ(used, box);
+  EXPECT_EQ(solve(problem, both, {.max_iterations = 999}, guess, used).status,
+            SolveStatus::max_iterations);
+  EXPECT_EQ(used, &first);
+}
+
+TEST(AutoSolver, HasTheSecondAnswerWhereTheFirstOneDiverged) {
+  const ShootingProblem problem = testing::unicycle_parking(0.6);
+  const SolverInfo far = endless(1e20), near = endless(1);
+  const SolverInfo* used = nullptr;
+  const std::vector<const SolverInfo*> both{&far, &near};
+  const SolveResult result = solve(problem, both, {}, problem.create_trajectory(), used);
+  EXPECT_EQ(used, &near);
+  EXPECT_EQ(result.residuals.stationarity, 1);
+  EXPECT_TRUE(result.message.starts_with("endless ended as diverged after 1000 iterations; "))
+      << result.message;
+}
+
 TEST(AutoSolver, HasTheFirstAnswerWhereNoneConverges) {
   const testing::LinearQuadratic lq(1, 4, {3, 2}, 8, -1, 1);
   // A goal that bounded controls do not reach.

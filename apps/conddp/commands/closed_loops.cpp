@@ -64,9 +64,10 @@ std::string loop_summary(const LoopRun& run, const std::vector<std::filesystem::
   const ClosedLoopResult& result = run.result;
   const auto failed =
       static_cast<std::ptrdiff_t>(result.ticks.size()) - count_of(result, TickOutcome::planned);
-  std::string text =
-      fmt::format("{}: {} at {:g} s of {:g} s\n", run.task.spec->name.value, to_string(result.end),
-                  result.end_time, run.task.mpc.loop.duration);
+  const std::string reason = reason_of_end(run.task, result);
+  std::string text = fmt::format("{}: {} at {:g} s of {:g} s{}{}\n", run.task.spec->name.value,
+                                 to_string(result.end), result.end_time, run.task.mpc.loop.duration,
+                                 reason.empty() ? "" : ": ", reason);
   text += fmt::format("{:<12} {} of {:g} s by {}, {} failed\n", "ticks", result.ticks.size(),
                       run.task.mpc.controller.tick, run.task.mpc.controller.solver, failed);
   text += fmt::format("{:<12} {:.8g}\n{:<12} {:.2g}\n", "cost", result.cost, "violation",

@@ -107,6 +107,11 @@ void check_format(const Json& document, std::span<const DocumentKind> kinds) {
         fmt::format("it has format {}, and this version reads format {}", version, kVersion)};
 }
 
+bool is_object(std::string_view text) {
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  return first != text.npos && text[first] == '{';
+}
+
 /// Reads a document of one of several kinds.
 std::optional<Json> parse_kinds(const std::string& text, const std::string& name,
                                 std::span<const DocumentKind> kinds, Keys keys, Diagnostics& out) {
@@ -117,7 +122,10 @@ std::optional<Json> parse_kinds(const std::string& text, const std::string& name
     return document;
   } catch (const Json::parse_error& e) {
     out.error({mark_at(text, e.byte > 0 ? e.byte - 1 : 0, source, out), {}},
-              "not valid JSON: " + reason(e));
+              "not valid JSON: " + reason(e),
+              is_object(text)
+                  ? ""
+                  : fmt::format("a {} is expected, which begins with '{{'", words_of(kinds)));
   } catch (const MalformedSolution& e) {
     out.error({{source, 0, 0}, {}},
               fmt::format("the {} cannot be used: {}", words_of(kinds), e.what()));

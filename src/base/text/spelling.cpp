@@ -56,11 +56,25 @@ std::string first_names(const std::vector<std::string>& names) {
   return text;
 }
 
+/// Those that end in the name behind a separator, as a robot's names do behind its prefix.
+std::vector<std::string> prefixed_names(std::string_view name,
+                                        const std::vector<std::string>& candidates) {
+  std::vector<std::string> found;
+  for (const std::string& candidate : candidates) {
+    if (candidate.size() <= name.size() || !candidate.ends_with(name)) continue;
+    const char before = candidate[candidate.size() - name.size() - 1];
+    if (before == '/' || before == '_') found.push_back(candidate);
+  }
+  if (found.size() > 3) found.resize(3);
+  return found;
+}
+
 }  // namespace
 
 std::string name_hint(std::string_view name, const std::vector<std::string>& candidates,
                       std::string_view what) {
-  const std::vector<std::string> near = similar_names(name, candidates);
+  std::vector<std::string> near = prefixed_names(name, candidates);
+  if (near.empty()) near = similar_names(name, candidates);
   if (!near.empty()) {
     std::string hint = "did you mean '" + near[0] + "'";
     for (std::size_t i = 1; i < near.size(); ++i) hint += " or '" + near[i] + "'";

@@ -5,35 +5,11 @@
 
 #include <fmt/format.h>
 
-#include "mpc/appraisal.hpp"
 #include "output/mpc/loop_files.hpp"
 #include "solvers/common/status.hpp"
 
 namespace conddp {
 namespace {
-
-/// That a condition of stop_when does not hold in a state, by its name.
-std::string broken_condition(const LoopTask& task, const double* x) {
-  const StopCheck check(task.mpc.loop.stop);
-  const ConstraintTerm* broken = check.first_met(x);
-  return fmt::format("the condition '{}' of stop_when does not hold",
-                     broken != nullptr ? broken->name : "");
-}
-
-/// Why a loop ended before its duration; empty where it did not.
-std::string reason_of(const LoopTask& task, const ClosedLoopResult& result) {
-  switch (result.end) {
-    case LoopEnd::finished:
-      break;
-    case LoopEnd::stopped:
-      return broken_condition(task, result.last_state.data());
-    case LoopEnd::diverged:
-      return "the plant's state is not finite";
-    case LoopEnd::interrupted:
-      return "the limit of time is reached";
-  }
-  return {};
-}
 
 std::string_view status_of(LoopEnd end) {
   return end == LoopEnd::interrupted ? to_string(SolveStatus::time_limit) : to_string(end);
@@ -57,7 +33,7 @@ OrderedJson answer_of(const LoopTask& task, const ClosedLoopResult& result) {
           {"fallback", share_of(result.ticks, falls_back)},
           {"cost", finite_or_null(result.cost)},
           {"violation", finite_or_null(result.violation)},
-          {"message", reason_of(task, result)}};
+          {"message", reason_of_end(task, result)}};
 }
 
 }  // namespace

@@ -167,6 +167,7 @@ OrderedJson loop_json(const LoopRun& run) {
           {"clock", run.task.mpc.controller.clock ? "wall" : "simulated"},
           {"commands", commands_json(*run.task.spec->mpc)},
           {"end", to_string(result.end)},
+          {"message", reason_of_end(run.task, result)},
           {"end_time_s", result.end_time},
           {"ticks", result.ticks.size()},
           {"outcomes", outcomes_json(result.ticks)},

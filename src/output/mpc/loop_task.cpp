@@ -2,10 +2,22 @@
 
 #include <fmt/format.h>
 
+#include "mpc/appraisal.hpp"
 #include "output/solution/solved_problem.hpp"
 #include "problem_file/build/build_problem.hpp"
 
 namespace conddp {
+namespace {
+
+/// That a condition of stop_when does not hold in a state, by its name.
+std::string broken_condition(const LoopTask& task, const double* x) {
+  const StopCheck check(task.mpc.loop.stop);
+  const ConstraintTerm* broken = check.first_met(x);
+  return fmt::format("the condition '{}' of stop_when does not hold",
+                     broken != nullptr ? broken->name : "");
+}
+
+}  // namespace
 
 std::unique_ptr<LoopTask> build_loop(ProblemSpec spec, const BuildOptions& options,
                                      Diagnostics& out) {
@@ -47,6 +59,20 @@ InputFiles input_files(const LoopTask& task) {
   InputFiles files = input_files(task.built);
   files.data.insert(files.data.end(), task.mpc.plant_files.begin(), task.mpc.plant_files.end());
   return files;
+}
+
+std::string reason_of_end(const LoopTask& task, const ClosedLoopResult& result) {
+  switch (result.end) {
+    case LoopEnd::finished:
+      break;
+    case LoopEnd::stopped:
+      return broken_condition(task, result.last_state.data());
+    case LoopEnd::diverged:
+      return "the plant's state is not finite";
+    case LoopEnd::interrupted:
+      return "a signal or the limit of time ended it";
+  }
+  return {};
 }
 
 ClosedLoopResult run_loop(const LoopTask& task, std::function<void(const Mpc&)> observe) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "base/json/ordered_json.hpp"
@@ -28,6 +29,9 @@ std::unique_ptr<LoopTask> rebuild_loop(const OrderedJson& document, const std::s
 /// The files that a loop is made of: robots of the problem; its data, and what a plant reads that
 /// is not the model.
 InputFiles input_files(const LoopTask& task);
+
+/// Why a loop ended before its duration, in a sentence; empty where it did not.
+std::string reason_of_end(const LoopTask& task, const ClosedLoopResult& result);
 
 /// Simulates the loop. `observe` gets to see the controller after each tick; null: none.
 ClosedLoopResult run_loop(const LoopTask& task, std::function<void(const Mpc&)> observe = nullptr);

@@ -87,6 +87,9 @@ class RowByRow {
       result_.goes_on_after_end |= ended(i);
     }
     result_.end = end(last);
+    if (result_.end == LoopEnd::finished && !line_.is_held() &&
+        !is_before(task_.mpc.loop.duration, line_.end()))
+      count(appraisal_.of_end(rows_.x[last].data()));
     return std::move(result_);
   }
 
@@ -164,8 +167,12 @@ class RowByRow {
     take_commands(time);
     const StepFigures figures =
         appraisal_.of_step(time, length, rows_.u[row].data(), rows_.x[row].data());
-    result_.cost += figures.cost;
     result_.cost_rounding += std::abs(figures.cost) * kLengthError / length;
+    count(figures);
+  }
+
+  void count(const StepFigures& figures) {
+    result_.cost += figures.cost;
     result_.violation = std::max(result_.violation, figures.violation);
   }
 

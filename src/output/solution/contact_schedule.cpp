@@ -17,6 +17,8 @@ namespace {
 /// First penalty of solvers that keep constraints: the guess nearly satisfies them, and a small one
 /// would first give that away.
 constexpr double kPenalty = 100;
+/// How far a contact that is held may be off its surface, m, where the motion is no further off.
+constexpr double kHeldWithin = 1e-3;
 
 class Writer {
  public:
@@ -60,6 +62,13 @@ class Writer {
     Vector3<double> normal;
     bool guided;
     std::string name;
+  };
+
+  /// Where a candidate is held at a surface.
+  struct Held {
+    std::vector<std::string> phases;
+    std::vector<int> ends;     ///< nodes at which stretches end
+    double off = kHeldWithin;  ///< m
   };
 
   const CandidateSpec& candidate(std::size_t c) const { return spec_.candidates[c]; }
@@ -265,7 +274,22 @@ class Writer {
     list.push_back(std::move(entry));
     renamed_[base].push_back(own);
     note_open(stretch, ahead, own);
+    note_held(stretch, own, first, k);
     return k;
+  }
+
+  /// Closed candidates of a phase, which lasts from one step to another.
+  void note_held(const ContactStretch& stretch, const std::string& phase, int first, int end) {
+    for (std::size_t c = 0; c < stretch.closed.size(); ++c) {
+      if (!stretch.closed[c]) continue;
+      const int surface = *surfaces_.touched(c, stretch.first, stretch.first + stretch.steps);
+      Held& held = held_[{c, surface}];
+      held.phases.push_back(phase);
+      for (int k = first; k <= end; ++k)
+        held.off = std::max(held.off, std::abs(surfaces_.gap(c, k)));
+      if (!held.ends.empty() && held.ends.back() == first) held.ends.pop_back();
+      held.ends.push_back(end);
+    }
   }
 
   /// Which surfaces open candidates stay off in a phase.
@@ -315,11 +339,7 @@ class Writer {
     for (auto& [key, term] : terms.items()) {
       if (term.contains("phases")) term["phases"] = renamed(term["phases"]);
       if (term.contains("knots"))
-        for (auto& knot : term["knots"]) {
-          const int k = knot.get<int>();
-          knot = k + std::count_if(impulses_.begin(), impulses_.end(),
-                                   [&](int first) { return first + motion_.first_knot <= k; });
-        }
+        for (auto& knot : term["knots"]) knot = number_of(knot.get<int>());
     }
   }
 
@@ -334,12 +354,44 @@ class Writer {
       constraints["contact_height_" + candidate(c).name.value + suffix(c, surface)] = {
           {"residual", "distance"}, {"pairs", pairs}, {"lower", -kGrazing}, {"phases", phases}};
     }
+    for (const auto& [on, held] : held_) hold(on.first, on.second, held, constraints);
     for (const auto& [phase, landing] : landings_)
       constraints["contact_" + phase] = {
           {"residual", "distance"}, {"pairs", landing}, {"equals", 0}, {"phases", {phase}}};
     stops(constraints);
     for (const auto& [joint, limit] : spec_.stepping->joint_friction)
       notes_.push_back(fmt::format("dry friction of '{}' is left out", joint.value));
+  }
+
+  /// Contacts are held by their accelerations, and a step that begins or ends fast would leave the
+  /// surface. What follows a stretch is where it ended.
+  void hold(std::size_t c, int surface, const Held& held, OrderedJson& constraints) {
+    const std::string name = "contact_held_" + candidate(c).name.value + suffix(c, surface);
+    OrderedJson pairs = OrderedJson::array();
+    pairs.push_back(pair(c, surface));
+    OrderedJson distance = {{"residual", "distance"}, {"pairs", pairs}};
+    distance["lower"] = -held.off;
+    distance["upper"] = held.off;
+    OrderedJson& during = constraints[name] = distance;
+    during["phases"] = held.phases;
+    OrderedJson knots = OrderedJson::array();
+    for (const int end : held.ends) {
+      if (end == static_cast<int>(motion_.h.size()))
+        json_["terminal"]["constraints"][name] = distance;
+      else
+        knots.push_back(number_of(end + motion_.first_knot));
+    }
+    if (knots.empty()) return;
+    OrderedJson& after = constraints[name + "_until"] = distance;
+    after["knots"] = knots;
+  }
+
+  /// The number that a knot of the former file has in the new one.
+  int number_of(int knot) const {
+    return knot +
+           static_cast<int>(std::count_if(impulses_.begin(), impulses_.end(), [&](int first) {
+             return first + motion_.first_knot <= knot;
+           }));
   }
 
   /// By column, where joints have such a stop.
@@ -406,8 +458,9 @@ class Writer {
   std::map<std::string, std::vector<std::string>> renamed_;
   /// Of candidates and surfaces that they stay off.
   std::map<std::pair<std::size_t, int>, OrderedJson> open_phases_;
-  std::map<std::string, OrderedJson> landings_;  ///< pairs that touch at each impulse
-  std::vector<int> impulses_;                    ///< steps before which they are
+  std::map<std::pair<std::size_t, int>, Held> held_;  ///< by candidate and surface
+  std::map<std::string, OrderedJson> landings_;       ///< pairs that touch at each impulse
+  std::vector<int> impulses_;                         ///< steps before which they are
 };
 
 }  // namespace

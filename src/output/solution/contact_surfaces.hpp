@@ -28,6 +28,8 @@ class ContactSurfaces {
   const Vector3<double>& normal(std::size_t candidate, int node) const {
     return looks_[candidate][node].normal;
   }
+  /// How far the candidate is from what it may touch at a node, m.
+  double gap(std::size_t candidate, int node) const { return looks_[candidate][node].gap; }
   /// Whether the middle of the candidate's sphere moves along the surface between these nodes,
   /// faster than `speed` (m/s) in one of the steps.
   bool travels(std::size_t candidate, int first, int last, double speed) const;

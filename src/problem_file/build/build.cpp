@@ -24,6 +24,9 @@
 namespace conddp {
 namespace {
 
+/// Longer steps of robots are warned of, s.
+constexpr double kLongestStep = 1;
+
 /// "accepted: rk4, …": what integrates systems with a rate, or with accelerations, too.
 std::string accepted_integrators(bool second_order) {
   std::vector<std::string_view> names;
@@ -313,6 +316,17 @@ class ProblemBuilder {
     if (built_.plant.stepping()) warn_of_overlaps(spec_, built_.plant, states_.initial(), out_);
   }
 
+  /// Of a robot whose steps are so long that they are milliseconds.
+  void warn_of_steps() const {
+    if (!built_.plant.multibody() || built_.plant.collocation()) return;
+    for (const PhaseSpec& phase : spec_.phases)
+      if (!phase.takes_no_time() && phase.dt > kLongestStep)
+        return out_.warning(
+            phase.name.place,
+            fmt::format("a time step of the phase '{}' lasts {:g} s", phase.name.value, phase.dt),
+            "times are in s: 20 ms are 'dt: 0.02'");
+  }
+
   /// When the nodes are, and what touches the world in each.
   bool set_nodes() {
     const int errors = out_.error_count();
@@ -322,6 +336,7 @@ class ProblemBuilder {
     times_ = node_times(spec_, out_);
     if (out_.error_count() > errors) return false;  // what follows would fill the memory
     if (built_.plant.multibody()) check_shapes(spec_, built_.plant, out_);
+    warn_of_steps();
     contacts_ = ContactPlan::build(spec_, built_.plant, states_.initial(), integrator_, out_);
     return contacts_ && out_.error_count() == errors;
   }

@@ -17,7 +17,8 @@ void check_terms_of_free_durations(const ProblemSpec& spec, Diagnostics& out) {
   for (const ConstraintSpec* constraint : spec.all_constraints())
     if (constraint->softness != Softness::hard)
       out.error(constraint->function.name.place,
-                "soft constraints and free durations exclude each other");
+                "soft constraints and free durations exclude each other",
+                "write a soft constraint as a cost with 'activation: {kind: quadratic_barrier}'");
 }
 
 /// What a free duration cannot go together with, at the place that says so.
@@ -131,7 +132,8 @@ BuiltInitialChoice build_initial_choice(const ProblemSpec& spec, const Plant& pl
   if (memory == ControlMemory::previous) {
     out.error(phase.knots.place,
               fmt::format("'{}' and the choice of the initial state exclude each other",
-                          spec.use_of_previous_control()));
+                          spec.use_of_previous_control()),
+              "let the control be a state, and its rate the control");
     return {.valid = false, .choice = {}};
   }
   auto choice = make_choice(spec, plant, state, cycle != nullptr, out);

@@ -97,9 +97,13 @@ void check_retiming(const MpcSpec& mpc, const std::vector<std::uint32_t>& held,
 /// touch-downs are early gets through more than it lasts.
 bool comes_too_late(const GaitCommand& command, const MpcSpec& mpc, double phases_end,
                     Diagnostics& out) {
-  const double end = mpc.retime ? std::max(mpc.duration.value, phases_end) : mpc.duration.value;
+  const bool earlier = mpc.retime && mpc.retime->early.value > 0;
+  const double end = earlier ? std::max(mpc.duration.value, phases_end) : mpc.duration.value;
   if (is_before(command.at.value, end)) return false;
-  out.error(command.at.place, fmt::format("the loop has ended by then: it lasts {:g} s", end));
+  out.error(command.at.place,
+            end > mpc.duration.value
+                ? fmt::format("the phases of the loop have ended by then: they last {:g} s", end)
+                : fmt::format("the loop has ended by then: it lasts {:g} s", end));
   return true;
 }
 

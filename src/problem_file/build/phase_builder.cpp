@@ -409,17 +409,33 @@ TermsAtTheEnd<BuiltConstraint> constraints_at_the_end(const PhaseContext& contex
   return constraints;
 }
 
-void report_violation(const std::string& name, double violation,
+/// The row of a constraint that is furthest outside its bounds; none of cones and pairs.
+std::optional<int> worst_row(const ConstraintTerm& term, const double* values, const double* lower,
+                             const double* upper) {
+  if (!term.has_bounds() || term.has_pairs()) return std::nullopt;
+  const auto outside = [&](int i) {
+    return std::abs(outside_bounds(values[i], lower[i], upper[i]));
+  };
+  int worst = 0;
+  for (int i = 1; i < term.rows; ++i)
+    if (outside(i) > outside(worst)) worst = i;
+  return worst;
+}
+
+void report_violation(const std::string& name, std::optional<int> row, double violation,
                       const std::vector<BuiltConstraint>& constraints, Diagnostics& out) {
   const auto violated =
       std::find_if(constraints.begin(), constraints.end(), [&](const BuiltConstraint& constraint) {
         return constraint.spec->function.name.value == name;
       });
   if (violated == constraints.end()) return;
-  out.error(
-      violated->spec->function.name.place,
-      fmt::format("the initial state violates the constraint '{}' by {:.3g}", name, violation),
-      "no control can change that: move the initial state, or leave knot 0 out");
+  const std::vector<std::string>& rows = violated->function.residual.rows.names;
+  const bool named = row && rows.size() > 1 && *row < static_cast<int>(rows.size());
+  out.error(violated->spec->function.name.place,
+            fmt::format("the initial state violates the constraint '{}' by {:.3g}{}", name,
+                        violation, named ? fmt::format(" ('{}')", rows[*row]) : ""),
+            "no control can change that: move the initial state, or name the constraint's 'phases' "
+            "or 'knots' without knot 0");
 }
 
 }  // namespace
@@ -534,7 +550,10 @@ void settle_initial_state(const std::vector<double>& initial_state,
     const double* lower = phase.parameters.data() + term.lower();
     const double violation =
         distance_to_set(term, work.constraint.data() + term.row, lower, lower + term.rows);
-    if (violation > tolerance) report_violation(term.name, violation, constraints, out);
+    if (violation > tolerance)
+      report_violation(term.name,
+                       worst_row(term, work.constraint.data() + term.row, lower, lower + term.rows),
+                       violation, constraints, out);
   }
 }
 

@@ -19,7 +19,8 @@ bool is_excluded(std::string_view key, const CostSpec& cost) {
 
 /// Where a cost or constraint holds.
 void expand_place(const CostSpec& cost, const ProblemSpec& spec, OrderedJson& json) {
-  json["phases"] = expand_phase_names(cost.phases, spec);
+  // Knots that stand alone may belong to phases that take no time, which must not be named then.
+  if (cost.phases || !cost.knots) json["phases"] = expand_phase_names(cost.phases, spec);
   if (!cost.knots) return;
   OrderedJson knots = OrderedJson::array();
   for (const Located<int>& knot : *cost.knots) knots.push_back(knot.value);

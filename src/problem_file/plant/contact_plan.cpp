@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <complex>
 #include <map>
+#include <numbers>
 #include <tuple>
 
 #include <fmt/format.h>
@@ -12,6 +13,9 @@
 
 namespace conddp {
 namespace {
+
+/// How far the z axis of a sole may be off its contact's normal, rad.
+constexpr double kLevelSole = 0.15;
 
 std::optional<Contact> make_contact(const ContactSpec& spec, const Plant& plant,
                                     const std::vector<double>& initial, Diagnostics& out) {
@@ -55,6 +59,26 @@ void warn_of_instability(const ContactSpec& contact, int index, const ContactPla
         contact.kp == 0 ? fmt::format("kd up to {:.3g} is stable with this step", 2 / phase.dt)
                         : "lower kp and kd, or take smaller steps");
   }
+}
+
+/// Wrench cones and centres of pressure are about the z axis of the sole's frame, whatever the
+/// normal: warns where they are apart in the initial state.
+void warn_of_sole(const ContactSpec& spec, const Contact& contact, const Plant& plant,
+                  const std::vector<double>& initial, Diagnostics& out) {
+  if (spec.kind != ContactKind::surface || !spec.half_size) return;
+  Vector3<double> normal = contact.normal;
+  if (contact.axes == FrameAxes::world_aligned) {
+    const auto sole = placement_in_state(*plant.multibody(), initial, contact.frame);
+    normal = transpose(sole.R) * normal;
+  }
+  const double angle = std::acos(std::clamp(normal.z, -1.0, 1.0));
+  if (angle <= kLevelSole) return;
+  out.warning(spec.frame.place,
+              fmt::format("the z axis of the sole '{}' is {:.0f}° off the normal of its contact "
+                          "in the initial state: wrench cones and centres of pressure are about "
+                          "that axis",
+                          spec.frame.value, angle * 180 / std::numbers::pi),
+              "take a frame whose z axis points out of the ground, or another 'normal'");
 }
 
 /// Whether the file says where kp draws a contact to.
@@ -180,8 +204,14 @@ std::optional<ContactPlan> ContactPlan::build(const ProblemSpec& spec, const Pla
   for (const ContactSpec& contact : spec.contacts)
     if (auto made = make_contact(contact, plant, initial, out))
       plan.contacts_.push_back(std::move(*made));
-  for (const PhaseSpec& phase : spec.phases)
+  for (const PhaseSpec& phase : spec.phases) {
+    if (phase.contacts.all && spec.contacts.empty())
+      out.error(
+          phase.name.place,
+          fmt::format("the phase '{}' holds all contacts, and the file has none", phase.name.value),
+          "name them: 'contacts: {LF: {frame: lf_foot}, ...}' at the top of the file");
     plan.held_.push_back(contacts_named(phase.contacts, spec, out));
+  }
   plan.held_.push_back(contacts_named(spec.last_contacts(), spec, out));
   if (out.error_count() > errors) return std::nullopt;
 
@@ -189,6 +219,7 @@ std::optional<ContactPlan> ContactPlan::build(const ProblemSpec& spec, const Pla
     const ContactSpec& contact = spec.contacts[c];
     plan.places_.push_back(places_of(contact, plan.contacts_[c], spec, plant, initial));
     warn_of_return(contact, static_cast<int>(c), plan, spec, out);
+    warn_of_sole(contact, plan.contacts_[c], plant, initial, out);
   }
   if (!plan.set_systems(spec, plant, initial, out)) return std::nullopt;
   for (std::size_t c = 0; c < spec.contacts.size(); ++c)

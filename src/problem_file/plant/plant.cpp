@@ -78,7 +78,7 @@ std::optional<int> find_joint(const RobotModel& robot, const Name& name, const s
   else if (const auto frame = robot.find_frame(full);
            frame && robot.frames[*frame].kind == FrameKind::joint)
     out.error(name.place, fmt::format("the joint '{}' does not move: it is fixed or locked", full),
-              name_hint(full, joint_names(robot), "joints"));
+              "leave it out here; 'locked_joints' says where a locked one is held");
   else
     out.error(name.place, fmt::format("the robot has no joint '{}'", full),
               name_hint(full, joint_names(robot), "joints"));

@@ -92,7 +92,9 @@ FreeDurationSpec read_free_duration(const YamlReader& reader, double written) {
   YamlMap map(reader, "write '{lower: 0.5, upper: 2}', in s");
   map.number("lower", free.lower, kPositive);
   map.number("upper", free.upper, kPositive);
-  if (map.valid() && written > 0 && !(free.lower <= written && written <= free.upper))
+  if (free.lower > free.upper)
+    reader.error(fmt::format("'lower' is {:.6g}, above 'upper', {:.6g}", free.lower, free.upper));
+  else if (map.valid() && written > 0 && !(free.lower <= written && written <= free.upper))
     reader.error(
         fmt::format("the phase lasts {:.6g} s as it is written, which does not lie between "
                     "{:.6g} and {:.6g}",

@@ -45,7 +45,8 @@ std::vector<ContactCost> make_contact_costs(const CostSpec& cost, const ProblemS
   const std::vector<int> chosen = contacts_named(names, spec, out);
   if (chosen.empty() && names.all)
     out.error(cost.residual.place,
-              fmt::format("the cost '{}' is on contacts, and the file has none", cost.name.value));
+              fmt::format("'{}' is on contacts, and the file has none", cost.name.value),
+              "name them: 'contacts: {LF: {frame: lf_foot}, ...}' at the top of the file");
   const ResidualContext context{cost, spec, plant, plan.contacts(), ndx, out};
   for (const int contact : chosen) {
     auto one = cost.definition->make_of_contact(context, contact);

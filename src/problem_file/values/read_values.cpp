@@ -1,7 +1,9 @@
 #include "problem_file/values/read_values.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include <fmt/format.h>
 
@@ -111,6 +113,17 @@ std::optional<Quaternion<double>> read_quaternion(const YamlReader& reader) {
   return std::nullopt;
 }
 
+/// Of angles beyond a turn.
+void warn_of_degrees(const std::vector<double>& angles, const YamlReader& reader) {
+  const double largest = std::abs(*std::max_element(
+      angles.begin(), angles.end(), [](double a, double b) { return std::abs(a) < std::abs(b); }));
+  if (largest > 2 * std::numbers::pi)
+    reader.diagnostics().warning(reader.place(),
+                                 fmt::format("an angle of {:.6g} rad is more than a turn", largest),
+                                 fmt::format("angles are in rad: {0:.6g}° is {1:.4g} rad", largest,
+                                             largest * std::numbers::pi / 180));
+}
+
 }  // namespace
 
 std::optional<Quaternion<double>> read_orientation(YamlMap& map) {
@@ -118,8 +131,10 @@ std::optional<Quaternion<double>> read_orientation(YamlMap& map) {
   std::optional<Quaternion<double>> result;
   if (const auto reader = map.find("orientation")) result = read_quaternion(*reader);
   if (const auto reader = map.find("rpy"))
-    if (const auto n = reader->numbers(3, "[roll, pitch, yaw] in rad"))
+    if (const auto n = reader->numbers(3, "[roll, pitch, yaw] in rad")) {
+      warn_of_degrees(*n, *reader);
       result = quaternion(rotation_rpy((*n)[0], (*n)[1], (*n)[2]));
+    }
   if (!result) return std::nullopt;
   const double scale = unit_scale(norm(*result));
   return Quaternion<double>{scale * result->x, scale * result->y, scale * result->z,

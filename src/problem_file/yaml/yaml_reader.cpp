@@ -35,12 +35,22 @@ bool YamlReader::is_number() const {
   return is_scalar() && !node_->quoted && parse_number(node_->text).value;
 }
 
+/// Where a text that is no number may be meant as an expression.
+static std::string formula_hint(const std::string& text) {
+  const bool formula = text.find_first_of("*/^(") != text.npos || text.find("pi") != text.npos;
+  return formula && !text.starts_with('=')
+             ? fmt::format("in a problem file a value that begins with '=' is an expression: '={}'",
+                           text)
+             : "";
+}
+
 std::optional<double> YamlReader::number(const NumberRange& range) const {
   if (!is_scalar()) return expected(range.words), std::nullopt;
   if (node_->quoted) return expected(range.words, "leave the quotes out"), std::nullopt;
   const ParsedNumber parsed = parse_number(node_->text);
   if (!parsed.value) {
-    error(fmt::format("{} is expected here, and {}", range.words, parsed.defect));
+    error(fmt::format("{} is expected here, and {}", range.words, parsed.defect),
+          formula_hint(node_->text));
     return std::nullopt;
   }
   if (!range.contains(*parsed.value)) return expected(range.words), std::nullopt;

@@ -188,14 +188,29 @@ void report(const YAML::Exception& e, const Mark& mark, Diagnostics& out) {
     return out.error({mark, {}}, std::string(kNoAliases), std::string(kWriteOut));
   const std::string_view line = mark.line > 0 ? out.line(mark.source, mark.line) : "";
   const bool tab = line.substr(0, line.find_first_not_of(" \t")).find('\t') != line.npos;
-  out.error({mark, {}}, fmt::format("not valid YAML: {}", in_words(e.msg)),
-            tab ? "the line begins with a tab: YAML is indented by spaces" : "");
+  std::string hint;
+  if (tab)
+    hint = "the line begins with a tab: YAML is indented by spaces";
+  else if (e.msg == "end of map flow not found" && line.find('[') != line.npos)
+    hint = "inside { } an expression with brackets needs quotes: \"q[knee] - 1\"";
+  out.error({mark, {}}, fmt::format("not valid YAML: {}", in_words(e.msg)), hint);
+}
+
+bool is_xml(std::string_view text) {
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  return first != text.npos && text[first] == '<';
 }
 
 }  // namespace
 
 std::optional<YamlNode> parse_yaml(const std::string& text, int source, Diagnostics& out, int shift,
                                    bool allow_null) {
+  if (!allow_null && is_xml(text)) {
+    out.error({{source, 1, 1}, {}}, "this is XML, not YAML",
+              "a problem file names a robot as 'robot: {urdf: FILE}'; 'conddp inspect FILE' shows "
+              "it");
+    return std::nullopt;
+  }
   TreeBuilder builder(text, source, shift, out);
   try {
     std::istringstream stream(text);

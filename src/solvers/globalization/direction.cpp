@@ -10,7 +10,7 @@ namespace conddp {
 namespace {
 
 /// Revisions of constraint rows that may go by without fewer changes than ever before.
-constexpr int kPatience = 2;
+constexpr int kPatience = 4;
 /// What the error of the constraints' model may grow to, in the least that it has been.
 constexpr double kErrorGrowth = 100;
 /// What the constraints' model may be off at a step, in the norm of the Hessian H: the squared
@@ -138,7 +138,8 @@ bool Direction::settle(const Model& model) {
     fewest = std::min(fewest, changes);
     if (model.augmented) {
       const double error = constraints_->model_error();
-      if (since > kPatience || error > kErrorGrowth * least_error) return false;
+      const bool grows = !model_true_ && error > kErrorGrowth * least_error;
+      if (since > kPatience || grows) return false;
       least_error = std::min(least_error, error);
     }
     if (sweep(model, true) >= 0) return false;

@@ -1,10 +1,12 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <optional>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
+#include "base/shared_library.hpp"
 #include "ocp/problem/by_name.hpp"
 #include "solvers/strategies/homotopy.hpp"
 #include "solvers/strategies/option_check.hpp"
@@ -41,6 +43,11 @@ bool may_go_on(SolveStatus status) {
   return !is_success(status) && status != SolveStatus::max_iterations && !stopped(status);
 }
 
+/// Whether there is a limit of iterations that the user has set.
+bool limits_iterations(const SolverOptions& options) {
+  return options.max_iterations < SolverOptions().max_iterations;
+}
+
 /// Compiled functions that report failure give numbers that are not finite, which is all that
 /// solvers see of that.
 void name_failed_functions(const ShootingProblem& problem, SolveResult& result) {
@@ -64,7 +71,21 @@ SolveResult run(const ShootingProblem& problem, const SolverInfo& solver, Solver
   return result;
 }
 
-/// By the first solver that converges.
+/// Nothing, with a word in the answer that there is, where the solver's library is missing.
+std::optional<SolveResult> run_if_loaded(const ShootingProblem& problem, const SolverInfo& solver,
+                                         const SolverOptions& options, const Trajectory& guess,
+                                         std::optional<SolveResult>& so_far) {
+  try {
+    return run(problem, solver, options, guess);
+  } catch (const LibraryError& error) {
+    if (!so_far) throw;
+    so_far->message += fmt::format("; {}", error.what());
+    return std::nullopt;
+  }
+}
+
+/// By the first solver that converges; else the first one's answer, or that of the next one where
+/// it has diverged. The default limit of iterations ends a solver, a lower one of the user all.
 SolveResult run_first(const ShootingProblem& problem, SolverList candidates,
                       const SolverOptions& options, const Trajectory& guess,
                       const SolverInfo*& used) {
@@ -75,21 +96,29 @@ SolveResult run_first(const ShootingProblem& problem, SolverList candidates,
     SolverOptions own = options;
     const std::chrono::duration<double> gone = std::chrono::steady_clock::now() - began;
     if (first) own.max_time_s = std::max(1e-3, options.max_time_s - gone.count());
-    SolveResult result = run(problem, *solver, own, guess);
+    std::optional<SolveResult> answer = run_if_loaded(problem, *solver, own, guess, first);
+    if (!answer) continue;
+    SolveResult& result = *answer;
     const SolveStatus status = result.status;
     if (is_success(status) || !first) used = solver;
     if (is_success(status)) {
       result.message = before + result.message;
-      return result;
+      return std::move(result);
     }
     const std::string ended = fmt::format("{} ended as {} after {} iterations", solver->name,
                                           to_string(status), result.iterations);
     before += ended + "; ";
-    if (!first)
+    if (!first) {
       first = std::move(result);
-    else
+    } else if (is_far(first->residuals) && !is_far(result.residuals)) {
+      result.message = before + result.message;
+      first = std::move(result);
+      used = solver;
+    } else {
       first->message += "; " + ended;
-    if (!may_go_on(status)) break;
+    }
+    if (stopped(status) || (status == SolveStatus::max_iterations && limits_iterations(options)))
+      break;
   }
   return std::move(*first);
 }
