@@ -11,6 +11,7 @@ class InitialChoice : public ClosedFormSystem<InitialChoice> {
       : ClosedFormSystem(SystemKind::first_order, of.manifold(), static_cast<int>(controls.size())),
         coordinates_(std::move(coordinates)) {
     state_columns_ = of.state_columns();
+    for (int i = 0; i < nx(); ++i) at_rest_.push_back(!of.has_state(i));
     control_columns_ = std::move(controls);
   }
 

@@ -65,6 +65,9 @@ class System {
   }
   const std::vector<Column>& state_columns() const { return state_columns_; }
   const std::vector<Column>& control_columns() const { return control_columns_; }
+  /// Whether the system has this number of the state. Others are states of other phases, at rest
+  /// here: they stay as they are, and nothing depends on them.
+  bool has_state(int column) const { return at_rest_.empty() || !at_rest_[column]; }
   /// Limits that the system's own description states (URDF effort limits); infinite if none.
   const std::vector<double>& control_lower() const { return control_lower_; }
   const std::vector<double>& control_upper() const { return control_upper_; }
@@ -114,6 +117,7 @@ class System {
   int nu_;
   std::vector<Column> state_columns_;
   std::vector<Column> control_columns_;
+  std::vector<bool> at_rest_;  ///< by column of the state; empty: none is
   std::vector<double> control_lower_;
   std::vector<double> control_upper_;
 };

@@ -220,5 +220,17 @@ TEST(SolutionComparison, ANumberThatIsNotFiniteAgreesWithNoOther) {
             "trajectory v/elbow at knot 1 (t = 0.1 s)");
 }
 
+TEST(SolutionComparison, AControlThatAPhaseLacksIsTheSameInBoth) {
+  Json two = solution();
+  two["trajectory"]["columns"]["u"] = {"u/elbow", "u/wrist"};
+  two["trajectory"]["u"] = {{3.0, nullptr}};
+  EXPECT_EQ(first(two, two), "");
+  Json other = two;
+  other["trajectory"]["u"] = {{3.0, 1.0}};
+  EXPECT_EQ(first(two, other), "trajectory u/wrist at knot 0 (t = 0 s)");
+  two["trajectory"]["u"] = {{nullptr, nullptr}};
+  EXPECT_EQ(first(two, two), "trajectory u/elbow at knot 0 (t = 0 s)") << "no number at all";
+}
+
 }  // namespace
 }  // namespace conddp

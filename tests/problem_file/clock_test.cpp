@@ -1,9 +1,8 @@
 // The clock of systems that depend on the time, which is a part of the state by its name only.
-#include "systems/clock.hpp"
-
 #include "analysis/comparison/random_instance.hpp"
 #include "problem_text.hpp"
 #include "solvers/strategies/registry.hpp"
+#include "systems/own_states.hpp"
 
 namespace conddp {
 namespace {
@@ -125,7 +124,7 @@ TEST(Clock, AStateOfItsRatesNameAloneIsAnOrdinaryOne) {
       replaced(replaced(kFirstOrder, "[x]", "[x, t_rate]"), "u + 0.001*t", "u, t_rate: u"));
   ASSERT_TRUE(loaded.built) << loaded.all();
   EXPECT_EQ(rows_named(loaded, "end"), 2);
-  EXPECT_TRUE(clock_coordinates(*loaded.built->plant.system).empty());
+  EXPECT_TRUE(other_coordinates(*loaded.built->plant.system).empty());
 }
 
 constexpr std::string_view kTurn = R"(conddp: 1

@@ -9,14 +9,16 @@ namespace {
 
 using Names = std::vector<std::string>;
 
-/// Names of a residual's rows.
-Names residual_rows(const CostTerm& term, bool terminal, const ProblemSpec& spec,
+/// Names of a residual's rows in a phase, or at the last node, whose number is that of the phases.
+Names residual_rows(const CostTerm& term, std::size_t phase, const ProblemSpec& spec,
                     const BuiltProblem& built) {
+  const bool terminal = phase == spec.phases.size();
   for (const CostSpec& cost : terminal ? spec.terminal_costs : spec.costs) {
     if (cost.name.value != term.name) continue;
     if (cost.matrix) break;  // its rows are of all of the residual's
     Diagnostics out;
-    if (const auto made = make_cost_residual(cost, spec, built.plant, built.problem->ndx(), out))
+    const Plant plant = built.plant.in_phase(phase);
+    if (const auto made = make_cost_residual(cost, spec, plant, built.problem->ndx(), out))
       return made->rows.names;
   }
   Names names;
@@ -50,14 +52,14 @@ struct ComparedRow {
   std::string cost, constraint;
 };
 
-ComparedRow row_of(const DerivativeComparison& c, const KnotModel& model, bool terminal,
-                   const ProblemSpec& spec, const BuiltProblem& built) {
+ComparedRow row_of(const DerivativeComparison& c, const KnotModel& model, const ProblemSpec& spec,
+                   const BuiltProblem& built) {
   ComparedRow row;
   if (c.kind == DerivativeKind::dynamics) row.row = tangent_columns(built)[c.row];
   if (c.kind == DerivativeKind::residual) {
     const CostTerm& term = model.costs()[c.term];
     row.cost = term.name;
-    row.row = residual_rows(term, terminal, spec, built)[c.row];
+    row.row = residual_rows(term, c.phase, spec, built)[c.row];
   }
   if (c.kind == DerivativeKind::constraint) {
     row.constraint = model.constraints()[c.term].name;
@@ -78,10 +80,10 @@ OrderedJson derivatives_json(const std::vector<DerivativeComparison>& comparison
   for (const DerivativeComparison& c : comparisons) {
     const bool terminal = c.phase == phases;
     const Phase& phase = terminal ? problem.terminal() : problem.phases()[c.phase];
-    const auto [row, cost, constraint] = row_of(c, *phase.model, terminal, spec, built);
+    const auto [row, cost, constraint] = row_of(c, *phase.model, spec, built);
     Names columns = tangent;
-    const auto& controls =
-        phase.instant ? phase.model->system().control_columns() : built.control_columns;
+    const bool own = phase.instant || !built.plant.variants.empty();
+    const auto& controls = own ? phase.model->system().control_columns() : built.control_columns;
     for (const Column& control : controls) columns.push_back(control.name);
     const bool within = c.error <= kDerivativeTolerance;
     const bool second = c.kind == DerivativeKind::hessian;

@@ -4,8 +4,8 @@
 #include <random>
 
 #include "solvers/common/guess.hpp"
-#include "systems/clock.hpp"
 #include "systems/initial_choice.hpp"
+#include "systems/own_states.hpp"
 
 namespace conddp {
 
@@ -20,8 +20,8 @@ ShootingProblem perturb_initial_state(const ShootingProblem& problem, double siz
   // What is chosen stays what it is chosen from.
   if (is_choice)
     for (const int i : chosen_coordinates(model.system())) dx[i] = 0;
-  // The time begins when it does.
-  for (const int i : clock_coordinates(model.system())) dx[i] = 0;
+  // The time begins when it does, and what does not move yet rests where it is.
+  for (const int i : other_coordinates(model.system())) dx[i] = 0;
   std::vector<double> x0 = problem.initial_state();
   const bool moves = std::ranges::any_of(dx, [](double entry) { return entry != 0; });
   if (moves)  // to move by nothing would round

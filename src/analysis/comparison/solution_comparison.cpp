@@ -212,7 +212,8 @@ class Comparison {
         c += 3;
         continue;
       }
-      if (!is_slack(golden.names[c])) column(golden.names[c], golden.rows, actual.rows, c);
+      if (!is_slack(golden.names[c]))
+        column(golden.names[c], golden.rows, actual.rows, c, kind == std::string_view("u"));
     }
   }
 
@@ -244,11 +245,21 @@ class Comparison {
     }
   };
 
-  void column(const std::string& name, const Matrix& a, const Matrix& b, std::size_t c) {
+  /// Whether a knot lacks a control of other phases in both: the other numbers are there.
+  static bool both_lack(const std::vector<double>& a, const std::vector<double>& b, std::size_t c) {
+    const auto has_numbers = [](const std::vector<double>& row) {
+      return std::any_of(row.begin(), row.end(),
+                         [](double number) { return std::isfinite(number); });
+    };
+    return std::isnan(a[c]) && std::isnan(b[c]) && has_numbers(a) && has_numbers(b);
+  }
+
+  void column(const std::string& name, const Matrix& a, const Matrix& b, std::size_t c,
+              bool of_control) {
     double largest = 0;
     Worst worst;
     for (std::size_t k = 0; k < a.size(); ++k) {
-      if (a[k].empty()) continue;
+      if (a[k].empty() || (of_control && both_lack(a[k], b[k], c))) continue;
       if (std::isfinite(a[k][c])) largest = std::max(largest, std::abs(a[k][c]));
       worst.take(k, std::abs(a[k][c] - b[k][c]));
     }

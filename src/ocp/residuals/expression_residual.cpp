@@ -369,10 +369,12 @@ class ResidualReader {
   int time_ = -1;  ///< its input, if it has one
 };
 
-/// Adds columns to names: alone, or as an element of a group.
-void add_columns(const std::vector<Column>& columns, bool of_control,
-                 std::vector<KnotName>& names) {
+/// Adds columns of a system to names: alone, or as an element of a group.
+void add_columns(const System& system, bool of_control, std::vector<KnotName>& names) {
+  const std::vector<Column>& columns =
+      of_control ? system.control_columns() : system.state_columns();
   for (std::size_t i = 0; i < columns.size(); ++i) {
+    if (!of_control && !system.has_state(static_cast<int>(i))) continue;
     const std::string& column = columns[i].name;
     const KnotName::Number number{of_control, static_cast<int>(i)};
     const std::size_t slash = column.find('/');
@@ -423,8 +425,8 @@ void add_vectors(KnotName& name) {
 
 std::vector<KnotName> knot_names(const System& system) {
   std::vector<KnotName> names;
-  add_columns(system.state_columns(), false, names);
-  add_columns(system.control_columns(), true, names);
+  add_columns(system, false, names);
+  add_columns(system, true, names);
   for (KnotName& name : names) add_vectors(name);
   return names;
 }

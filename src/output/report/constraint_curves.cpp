@@ -19,13 +19,14 @@ struct Named {
 
   int first() const { return at.front().node; }
   int nodes() const { return at.back().node - first() + 1; }
-  /// Whether their values can be drawn row by row over time.
-  bool has_rows() const {
+  /// Whether their values can be drawn row by row over time. In phases of other systems
+  /// (`variants`) another residual is one of other states and controls.
+  bool has_rows(bool variants) const {
     const ConstraintTerm& term = *at.front().term;
     if (!term.has_bounds()) return false;
     for (std::size_t i = 1; i < at.size(); ++i)
       if (at[i].node == at[i - 1].node || at[i].term->rows != term.rows ||
-          at[i].term->kind != term.kind)
+          at[i].term->kind != term.kind || (variants && at[i].term->residual != term.residual))
         return false;
     return true;
   }
@@ -124,7 +125,7 @@ void append_curves(const ProblemSpec& spec, const BuiltProblem& built,
       double& value = violation[c.node - named.first()];
       value = std::fmax(value, distance_to_set(*c.term, g.data() + c.row, c.lower, c.upper));
     }
-    const bool rows = named.has_rows();
+    const bool rows = named.has_rows(!built.plant.variants.empty());
     list.push_back(
         {{"name", named.name + (left_out ? " (left out)" : "")},
          {"left_out", left_out},

@@ -8,6 +8,7 @@
 
 #include "base/json/solution_members.hpp"
 #include "ocp/problem/by_name.hpp"
+#include "ocp/problem/control_columns.hpp"
 #include "output/report/constraint_curves.hpp"
 #include "output/report/motion_scene.hpp"
 #include "output/solution/found_contacts.hpp"
@@ -47,18 +48,18 @@ bool is_choice(const ShootingProblem& problem, int k) {
 
 /// Control bounds per column and knot, null where there is none.
 OrderedJson bounds_json(const ShootingProblem& problem, std::size_t columns, bool upper) {
-  OrderedJson lists = OrderedJson::array();
-  for (std::size_t c = 0; c < columns; ++c) {
-    OrderedJson list = OrderedJson::array();
-    for (int k = 0; k < problem.knots(); ++k) {
-      const KnotModel& model = *problem.knot(k).model;
-      const auto& bounds = upper ? model.control_upper() : model.control_lower();
-      list.push_back(c < bounds.size() && !is_choice(problem, k) ? eight_digits(bounds[c])
-                                                                 : OrderedJson(nullptr));
-    }
-    lists.push_back(std::move(list));
+  const ControlColumns controls(problem);
+  OrderedJson rows = OrderedJson::array();
+  for (int k = 0; k < problem.knots(); ++k) {
+    const KnotModel& model = *problem.knot(k).model;
+    const auto& bounds = upper ? model.control_upper() : model.control_lower();
+    OrderedJson& row = rows.emplace_back(OrderedJson::array());
+    if (is_choice(problem, k)) continue;
+    for (const double bound :
+         controls.row(k, Eigen::Map<const Eigen::VectorXd>(bounds.data(), model.nu())))
+      row.push_back(eight_digits(bound));
   }
-  return lists;
+  return by_columns(rows, columns);
 }
 
 /// Largest absolute number in nested lists.

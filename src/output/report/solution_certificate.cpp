@@ -13,6 +13,7 @@
 #include "base/json/solution_members.hpp"
 #include "ocp/evaluation/evaluator.hpp"
 #include "ocp/problem/by_name.hpp"
+#include "ocp/problem/control_columns.hpp"
 #include "output/solution/contact_forces.hpp"
 #include "output/solution/finding_report.hpp"
 #include "output/solution/solution_json.hpp"
@@ -52,7 +53,11 @@ Eigen::VectorXd vector(const Json& list, const char* what) {
 class Reader {
  public:
   Reader(const Json& document, const ProblemSpec& spec, const BuiltProblem& built)
-      : document_(document), spec_(spec), built_(built), problem_(*built.problem) {}
+      : document_(document),
+        spec_(spec),
+        built_(built),
+        problem_(*built.problem),
+        controls_(problem_) {}
 
   SolutionCertificate judge(bool with_replay) {
     const auto began = std::chrono::steady_clock::now();
@@ -210,13 +215,18 @@ class Reader {
       expect([&] { return fmt::format("{}[{}]", name, k); }, entries_of(list[k]), columns(k));
   }
 
+  /// How many numbers the file has for the controls of a knot.
+  int table_controls(int k) const {
+    return controls_.are_some(k) ? controls_.count() : problem_.nu(k);
+  }
+
   /// The gains of a knot, as lists or as a block.
   void gain_sizes(const Json& K, int k) {
     const std::string name = fmt::format("gains.K[{}]", k);
     const auto block = NumberBlock::of(K);
     if (!block || !block->is_table())
-      return rows(name, K, problem_.nu(k), [&](int) { return problem_.ndx(); });
-    size(name, K, problem_.nu(k));
+      return rows(name, K, table_controls(k), [&](int) { return problem_.ndx(); });
+    size(name, K, table_controls(k));
     expect([&] { return name + "[0]"; }, block->columns(), problem_.ndx());
   }
 
@@ -224,7 +234,7 @@ class Reader {
     const int N = problem_.knots();
     const auto nx = [&](int) { return problem_.nx(); };
     const auto ndx = [&](int) { return problem_.ndx(); };
-    const auto nu = [&](int k) { return problem_.nu(k); };
+    const auto nu = [&](int k) { return table_controls(k); };
     size("trajectory.t", at(document_, {"trajectory", "t"}), N + 1);
     rows("trajectory.x", at(document_, {"trajectory", "x"}), N + 1, nx);
     rows("trajectory.u", at(document_, {"trajectory", "u"}), N, nu);
@@ -273,7 +283,7 @@ class Reader {
     for (int k = 0; k <= N; ++k) {
       c.times.push_back(number(trajectory["t"][k], "trajectory.t"));
       c.trajectory.x(k) = vector(trajectory["x"][k], "trajectory.x");
-      if (k < N) c.trajectory.u(k) = vector(trajectory["u"][k], "trajectory.u");
+      if (k < N) c.trajectory.u(k) = controls_.own(k, vector(trajectory["u"][k], "trajectory.u"));
     }
   }
   void read_figures() {
@@ -301,7 +311,8 @@ class Reader {
     }
     const auto read_controls = [&](const char* key, std::vector<Eigen::VectorXd>& list) {
       if (!multipliers.contains(key)) return;
-      for (int k = 0; k < problem_.knots(); ++k) list[k] = vector(multipliers[key][k], key);
+      for (int k = 0; k < problem_.knots(); ++k)
+        list[k] = controls_.own(k, vector(multipliers[key][k], key));
     };
     read_controls("control_lower", c.lower_multipliers);
     read_controls("control_upper", c.upper_multipliers);
@@ -316,10 +327,11 @@ class Reader {
     const auto block = NumberBlock::of(K);
     Eigen::VectorXd row(problem_.ndx());
     for (int i = 0; i < problem_.nu(k); ++i) {
+      const int at = controls_.are_some(k) ? controls_.columns_of(k)[i] : i;
       if (block)
-        block->copy_row(static_cast<std::size_t>(i), row.data());
+        block->copy_row(static_cast<std::size_t>(at), row.data());
       else
-        row = vector(K[i], "gains.K");
+        row = vector(K[at], "gains.K");
       gains.row(i) = row;
     }
     return gains;
@@ -329,7 +341,7 @@ class Reader {
     const Json& gains = at(document_, {"gains"});
     for (int k = 0; k < problem_.knots(); ++k) {
       c.gains[k] = gains_of_knot(gains["K"][k], k);
-      c.feedforward[k] = vector(gains["k"][k], "gains.k");
+      c.feedforward[k] = controls_.own(k, vector(gains["k"][k], "gains.k"));
     }
     c.gain_regularization = number(at(gains, {"regularization"}), "gains");
     c.gain_regularization_kind = spec_.solver.options.regularization.kind;
@@ -681,6 +693,7 @@ class Reader {
   const ProblemSpec& spec_;
   const BuiltProblem& built_;
   const ShootingProblem& problem_;
+  const ControlColumns controls_;
   std::optional<SolutionClaims> claims_;
   Certificate certificate_;
   std::string grid_warning_;

@@ -37,10 +37,12 @@ std::vector<std::string> residual_row_names(const ProblemSpec& spec, const Built
   const auto complete = [&] { return static_cast<int>(names.size()) == residual.size(); };
   if (complete()) return names;
   Diagnostics ignored;  // the problem has been built
-  if (const auto made =
-          make_cost_residual(constraint.function, spec, built.plant, built.problem->ndx(), ignored))
-    names = made->rows.names;
-  if (complete()) return names;
+  for (const Plant& plant : built.plant.all_variants()) {
+    const auto made =
+        make_cost_residual(constraint.function, spec, plant, built.problem->ndx(), ignored);
+    if (made) names = made->rows.names;
+    if (complete()) return names;
+  }
   names.clear();
   for (int i = 0; i < residual.size(); ++i) names.push_back(std::to_string(i + 1));
   return names;

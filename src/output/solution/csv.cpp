@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "ocp/problem/control_columns.hpp"
 #include "output/solution/csv_cells.hpp"
 #include "output/solution/log_columns.hpp"
 
@@ -41,11 +42,11 @@ void append_state(const Trajectory& trajectory, int knot, const std::vector<int>
 }
 
 /// Empty cells where there is no control.
-void append_control(const Trajectory& trajectory, int knot, std::size_t first, std::size_t end,
-                    bool written, std::string& text) {
+void append_control(const Eigen::VectorXd& row, std::size_t first, std::size_t end,
+                    std::string& text) {
   for (std::size_t i = first; i < end; ++i) {
     text += ',';
-    if (written) append_cell(trajectory.u(knot)[i], text);
+    if (static_cast<Eigen::Index>(i) < row.size()) append_cell(row[i], text);
   }
 }
 
@@ -71,6 +72,7 @@ std::string trajectory_csv(const BuiltProblem& built, const Trajectory& trajecto
   // Where the first state is chosen the motion begins with the choice.
   const int first = problem.phases().front().instant ? 1 : 0;
   const TableColumns columns = columns_of(built);
+  const ControlColumns controls(problem);
   std::string text =
       "t [s],phase" + column_headers(built, columns) + contact_headers(forces) + '\n';
   const std::vector<double> times = problem.times(trajectory);
@@ -84,8 +86,8 @@ std::string trajectory_csv(const BuiltProblem& built, const Trajectory& trajecto
     text += ',' + csv_cell(phase.name);
     const bool controlled = !last && !problem.takes_no_time(k);
     append_state(trajectory, k, columns.states, text);
-    append_control(trajectory, k, columns.first_control, built.control_columns.size(), controlled,
-                   text);
+    const Eigen::VectorXd row = controlled ? controls.row(k, trajectory.u(k)) : Eigen::VectorXd();
+    append_control(row, columns.first_control, built.control_columns.size(), text);
     append_contacts(forces, k, controlled, text);
     text += '\n';
   }

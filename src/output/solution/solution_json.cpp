@@ -8,6 +8,7 @@
 
 #include "base/json/number_block.hpp"
 #include "conddp_version.hpp"
+#include "ocp/problem/control_columns.hpp"
 #include "output/solution/finding_report.hpp"
 #include "output/solution/input_files.hpp"
 #include "output/solution/log_columns.hpp"
@@ -100,9 +101,11 @@ OrderedJson contact_forces_json(const Solution& s) {
 OrderedJson trajectory_json(const Solution& s, NumberForm form) {
   const ShootingProblem& problem = *s.built.problem;
   const Trajectory& trajectory = s.result.trajectory;
+  const ControlColumns controls(problem);
   OrderedJson x = OrderedJson::array(), u = OrderedJson::array();
   for (int k = 0; k <= problem.knots(); ++k) x.push_back(numbers(trajectory.x(k), form));
-  for (int k = 0; k < problem.knots(); ++k) u.push_back(numbers(trajectory.u(k), form));
+  for (int k = 0; k < problem.knots(); ++k)
+    u.push_back(numbers(controls.row(k, trajectory.u(k)), form));
   OrderedJson phases = OrderedJson::array();
   int first = 0;
   for (const Phase& phase : problem.phases()) {
@@ -135,11 +138,14 @@ OrderedJson table(const Eigen::MatrixXd& matrix, NumberForm form) {
   return rows;
 }
 
-OrderedJson gains_json(const SolveResult& result, NumberForm form) {
+OrderedJson gains_json(const ShootingProblem& problem, const SolveResult& result, NumberForm form) {
+  const ControlColumns controls(problem);
   OrderedJson k = OrderedJson::array(), K = OrderedJson::array();
-  for (const Eigen::VectorXd& feedforward : result.feedback.k)
-    k.push_back(numbers(feedforward, form));
-  for (const Eigen::MatrixXd& feedback : result.feedback.K) K.push_back(table(feedback, form));
+  for (std::size_t i = 0; i < result.feedback.k.size(); ++i) {
+    const int knot = static_cast<int>(i);
+    k.push_back(numbers(controls.row(knot, result.feedback.k[i]), form));
+    K.push_back(table(controls.rows(knot, result.feedback.K[i]), form));
+  }
   OrderedJson gains = {{"regularization", nullptr}, {"k", std::move(k)}, {"K", std::move(K)}};
   if (result.feedback_regularization) gains["regularization"] = *result.feedback_regularization;
   return gains;
@@ -149,6 +155,7 @@ OrderedJson gains_json(const SolveResult& result, NumberForm form) {
 OrderedJson bound_multipliers(const Solution& s, const ControlBounds& bounds, bool upper,
                               NumberForm form) {
   const ShootingProblem& problem = *s.built.problem;
+  const ControlColumns controls(problem);
   OrderedJson rows = OrderedJson::array();
   for (int k = 0; k < problem.knots(); ++k) {
     Eigen::VectorXd row(problem.nu(k));
@@ -158,7 +165,7 @@ OrderedJson bound_multipliers(const Solution& s, const ControlBounds& bounds, bo
       const bool at_bound = upper ? bounds.at_upper(k, i, u) : bounds.at_lower(k, i, u);
       row[i] = at_bound ? std::max(0.0, gradient) : 0.0;
     }
-    rows.push_back(numbers(row, form));
+    rows.push_back(numbers(controls.row(k, row), form));
   }
   return rows;
 }
@@ -219,7 +226,8 @@ OrderedJson log_json(const std::vector<IterationRecord>& log) {
 }
 
 /// The numbers that are null, by key, and why: JSON has no numbers that are not finite.
-OrderedJson nulls_json(const OrderedJson& json, const SolveResult& result) {
+OrderedJson nulls_json(const OrderedJson& json, const Solution& s) {
+  const SolveResult& result = s.result;
   const std::string ended =
       fmt::format("the solve ended as '{}': {}", to_string(result.status), result.message);
   OrderedJson list = OrderedJson::array();
@@ -229,6 +237,9 @@ OrderedJson nulls_json(const OrderedJson& json, const SolveResult& result) {
       list.push_back({{"key", key}, {"count", count}, {"reason", reason}});
   };
   const std::string unknown = "not finite, or not evaluated because " + ended;
+  const std::string of_controls =
+      (s.built.plant.variants.empty() ? "" : "a control that the system of the phase lacks, or ") +
+      unknown;
   add("problem.options.max_time_s", json["problem"]["options"]["max_time_s"], "without limit");
   add("cost", json["cost"], unknown);
   add("cost_by_name", json["cost_by_name"], unknown);
@@ -244,14 +255,14 @@ OrderedJson nulls_json(const OrderedJson& json, const SolveResult& result) {
     add("homotopy", json["homotopy"], "of a problem without an iterate");
   if (!json.contains("trajectory")) return list;
   add("trajectory.x", json["trajectory"]["x"], unknown);
-  add("trajectory.u", json["trajectory"]["u"], unknown);
+  add("trajectory.u", json["trajectory"]["u"], of_controls);
   add("trajectory.contact_forces", json["trajectory"]["contact_forces"],
       "the contact is not held at that knot");
   add("gains.regularization", json["gains"]["regularization"],
       "no sweep succeeded at the trajectory, the gains are zero: " + ended);
-  add("gains.k", json["gains"]["k"], unknown);
-  add("gains.K", json["gains"]["K"], unknown);
-  add("multipliers", json["multipliers"], unknown);
+  add("gains.k", json["gains"]["k"], of_controls);
+  add("gains.K", json["gains"]["K"], of_controls);
+  add("multipliers", json["multipliers"], of_controls);
   add("log", json["log"], "not finite, or without meaning in its row");
   return list;
 }
@@ -355,7 +366,7 @@ OrderedJson tool_json() {
 
 OrderedJson solution_head(const Solution& s) {
   OrderedJson json = head(s);
-  json["nulls"] = nulls_json(json, s.result);
+  json["nulls"] = nulls_json(json, s);
   return json;
 }
 
@@ -377,10 +388,10 @@ OrderedJson diagnosis_json(const Diagnosis& diagnosis) {
 OrderedJson solution_json(const Solution& s, NumberForm form) {
   OrderedJson json = head(s);
   json["trajectory"] = trajectory_json(s, form);
-  json["gains"] = gains_json(s.result, form);
+  json["gains"] = gains_json(*s.built.problem, s.result, form);
   json["multipliers"] = multipliers_json(s, form);
   json["log"] = log_json(s.result.log);
-  json["nulls"] = nulls_json(json, s.result);
+  json["nulls"] = nulls_json(json, s);
   return json;
 }
 

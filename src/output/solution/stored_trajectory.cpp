@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "base/json/solution_members.hpp"
+#include "ocp/problem/control_columns.hpp"
 
 namespace conddp {
 namespace {
@@ -25,7 +26,8 @@ Trajectory stored_trajectory(const OrderedJson& document, const ShootingProblem&
       static_cast<int>(u.size()) != problem.knots())
     throw MalformedSolution{"it has another number of knots than its problem"};
   for (int k = 0; k <= problem.knots(); ++k) copy(x[k], trajectory.x(k));
-  for (int k = 0; k < problem.knots(); ++k) copy(u[k], trajectory.u(k));
+  const ControlColumns columns(problem);
+  for (int k = 0; k < problem.knots(); ++k) copy(columns.own_entries(k, u[k]), trajectory.u(k));
   return trajectory;
 }
 

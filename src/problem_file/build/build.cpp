@@ -217,12 +217,13 @@ std::vector<double> previous_control(const ProblemSpec& spec, const Plant& plant
     out.error(given->place,
               "'previous_control' serves 'control_rate', 'previous' and linear controls only");
   if (!given) return std::vector<double>(plant.actuated().nu(), 0.0);
-  return resolve(*given, control_names(plant.actuated()), 0.0, out).value_or(std::vector<double>{});
+  return resolve(*given, control_names(plant), 0.0, out).value_or(std::vector<double>{});
 }
 
 void name_columns(ControlMemory memory, const InitialChoice* choice, BuiltProblem& built) {
   built.state_columns = built.plant.system->state_columns();
-  built.control_columns = built.plant.system->control_columns();
+  built.control_columns =
+      built.plant.variants.empty() ? built.plant.system->control_columns() : built.plant.controls;
   for (int i = 0; choice != nullptr && i < choice->carried(); ++i) {
     const Column& chosen = choice->system->control_columns()[i];
     built.state_columns.push_back({"start/" + chosen.name, chosen.unit});
@@ -343,20 +344,23 @@ class ProblemBuilder {
 
   bool set_problem() {
     const Plant& plant = built_.plant;
-    const CostContext context{spec_, plant, *contacts_, states_, ndx_of_residuals(), times_};
+    CostContext context{spec_, plant, *contacts_, states_, ndx_of_residuals(), times_};
     const std::vector<BuiltCost> costs = build_costs(spec_.costs, context, out_);
-    const std::vector<BuiltCost> terminal_costs = build_costs(spec_.terminal_costs, context, out_);
     std::vector<BuiltConstraint> constraints = build_constraints(spec_.constraints, context, out_);
+    context.last_node = true;
+    const std::vector<BuiltCost> terminal_costs = build_costs(spec_.terminal_costs, context, out_);
     std::vector<BuiltConstraint> at_end =
         build_constraints(spec_.terminal_constraints, context, out_);
     const std::vector<BuiltConstraint> dropped = take_dropped(options_.drop, constraints);
     const std::vector<BuiltConstraint> dropped_at_end = take_dropped(options_.drop, at_end);
     const PhaseBounds bounds = collect_bounds(spec_, options_, built_, out_);
     check_first_control(bounds);
-    PhaseContext phase_context{spec_,  *contacts_,       plant.system,        integrator_, memory_,
-                               times_, plant.stepping(), plant.collocation(), choice()};
+    PhaseContext phase_context{
+        spec_,   plant,  *contacts_,       plant.at_last_node().system, integrator_,
+        memory_, times_, plant.stepping(), plant.collocation(),         choice()};
     std::vector<Phase> phases = build_phases(phase_context, {costs, constraints}, bounds, out_);
     if (out_.has_errors()) return false;
+    if (spec_.terminal_lqr && !check_lqr()) return false;
     if (spec_.terminal_lqr)
       built_.terminal_lqr = build_terminal_lqr(
           {spec_, plant, states_, phases, memory_ == ControlMemory::previous, held() > 0}, out_);
@@ -376,6 +380,15 @@ class ProblemBuilder {
     report_contradiction(spec_, *built_.problem, out_);
     name_columns(memory_, choice(), built_);
     return true;
+  }
+
+  /// No control moves a state at rest, so there is no regulator of states that some phases lack.
+  bool check_lqr() {
+    if (built_.plant.variants.empty()) return true;
+    out_.error(spec_.terminal_lqr->place,
+               "'lqr' does not support phases with different states or controls",
+               "write a terminal cost on the state");
+    return false;
   }
 
   /// The state of the first node with what it remembers.

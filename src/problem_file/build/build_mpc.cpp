@@ -18,7 +18,7 @@
 #include "problem_file/terms/term_residual.hpp"
 #include "problem_file/terms/terminal_lqr.hpp"
 #include "solvers/ddp/family.hpp"
-#include "systems/clock.hpp"
+#include "systems/own_states.hpp"
 
 namespace conddp {
 namespace {
@@ -193,7 +193,7 @@ double largest_rate(const System& system, const std::vector<double>& x, const Ei
   const auto data = system.create_data(double{});
   system.evaluate(x.data(), u.data(), *data);
   Eigen::VectorXd rates = Eigen::Map<const Eigen::VectorXd>(data->f.data(), system.rows());
-  for (const int i : clock_coordinates(system))
+  for (const int i : other_coordinates(system))
     if (i < rates.size()) rates[i] = 0;
   return rates.cwiseAbs().maxCoeff();
 }
@@ -553,6 +553,9 @@ std::optional<BuiltMpc> build_mpc(const ProblemSpec& spec, const BuiltProblem& b
   const int errors = out.error_count();
   check_problem(spec, out);
   check_times(spec, *built.problem, out);
+  if (!built.plant.variants.empty())
+    out.error(mpc.place, "closed loops do not support phases with different states or controls",
+              "give all 'systems' the same ones");
   BuiltMpc result{.controller = controller_of(mpc, spec.solver)};
   result.loop.duration = mpc.duration.value;
   if (mpc.plant.integrator) result.loop.step.integrator = mpc.plant.integrator->value;

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "base/normal_numbers.hpp"
+#include "ocp/problem/control_columns.hpp"
 #include "problem_file/build/contact_guess.hpp"
 #include "problem_file/data/data_table.hpp"
 #include "problem_file/plant/collocation_builder.hpp"
@@ -39,6 +40,7 @@ class GuessBuilder {
         plant_(context.plant),
         states_(context.states),
         problem_(context.problem),
+        columns_(context.problem),
         used_(used),
         out_(out) {}
 
@@ -135,8 +137,9 @@ class GuessBuilder {
         series = through_keyframes();
         break;
       case States::kFile:
-        series = from_file(*guess().states_file, true, manifold);
-        used_.states = describe(*guess().states_file, series);
+        series = from_file(*guess().states_file, true, file_columns(*guess().states_file, true),
+                           manifold);
+        if (series) used_.states = describe(*guess().states_file, {*series});
         break;
     }
     if (!series) return;
@@ -191,9 +194,10 @@ class GuessBuilder {
   std::optional<bool> set_target(const CostSpec& cost, const std::optional<ComponentsSpec>& equals,
                                  std::vector<double>& target) const {
     const std::vector<double>& times = problem_.times();
-    const auto residual = make_cost_residual(cost, spec_, plant_, problem_.ndx(), out_);
+    const Plant plant = plant_.at_last_node();
+    const auto residual = make_cost_residual(cost, spec_, plant, problem_.ndx(), out_);
     if (!residual) return std::nullopt;
-    const auto reference = build_reference(cost, *residual, plant_, states_, times, out_);
+    const auto reference = build_reference(cost, *residual, plant, states_, times, out_);
     const auto above = resolve(equals, residual->rows, std::nan(""), out_);
     if (!reference || !above) return std::nullopt;
     const std::vector<double> value = reference->interpolate(times.back());
@@ -291,24 +295,54 @@ class GuessBuilder {
   }
 
   void fill_constant(Trajectory& trajectory) {
-    const auto values = resolve(*guess().constant, control_names(plant_.actuated()), 0.0, out_);
+    const auto values = resolve(*guess().constant, names_of_controls(), 0.0, out_);
     if (!values) return;
     used_.controls = "constant";
-    for (ControlAt& at : controls(trajectory))
-      at.u.head(values->size()) = Eigen::Map<const Eigen::VectorXd>(values->data(), values->size());
+    for (ControlAt& at : controls(trajectory)) set_control(*values, at);
+  }
+
+  /// Values of all controls of the problem at a knot, which has some of them or all.
+  void set_control(const std::vector<double>& values, ControlAt& at) const {
+    const Eigen::Map<const Eigen::VectorXd> all(values.data(), values.size());
+    if (columns_.are_some(at.knot))
+      at.u = columns_.own(at.knot, all);
+    else
+      at.u.head(all.size()) = all;
   }
 
   void fill_from_file(Trajectory& trajectory) {
     const DataFileSpec& file = *guess().controls_file;
-    const int columns = guessed().nu();
-    const auto series = from_file(file, false, StateManifold::flat(columns));
+    const auto series = control_series(file);
     if (!series) return;
-    used_.controls = describe(file, series);
+    used_.controls = describe(file, *series);
     for (ControlAt& at : controls(trajectory)) {
-      const std::vector<double> u = spec_.has_linear_controls() ? series->interpolate(time(at.node))
-                                                                : series->hold(time(at.node));
-      at.u.head(columns) = Eigen::Map<const Eigen::VectorXd>(u.data(), columns);
+      std::vector<double> values;
+      for (const TimeSeries& part : *series) {
+        const std::vector<double> u = spec_.has_linear_controls() ? part.interpolate(time(at.node))
+                                                                  : part.hold(time(at.node));
+        values.insert(values.end(), u.begin(), u.end());
+      }
+      set_control(values, at);
     }
+  }
+
+  /// All controls of a file; where phases have different ones each by itself, as rows of other
+  /// phases leave it out.
+  std::optional<std::vector<TimeSeries>> control_series(const DataFileSpec& file) {
+    const std::vector<std::string> columns = file_columns(file, false);
+    std::vector<std::vector<std::string>> groups{columns};
+    if (!plant_.variants.empty()) {
+      groups.clear();
+      for (const std::string& column : columns) groups.push_back({column});
+    }
+    std::vector<TimeSeries> series;
+    for (const std::vector<std::string>& group : groups) {
+      auto part =
+          from_file(file, false, group, StateManifold::flat(static_cast<int>(group.size())));
+      if (!part) return std::nullopt;
+      series.push_back(*std::move(part));
+    }
+    return series;
   }
 
   void add_noise(const GuessSpec::Random& random, Trajectory& trajectory) {
@@ -316,7 +350,7 @@ class GuessBuilder {
     used_.controls +=
         fmt::format(", plus {} times normal random numbers of seed {}", random.scale, random.seed);
     NormalNumbers normal(random.seed);
-    const int actuators = plant_.actuated().nu();
+    const int actuators = static_cast<int>(plant_.all_controls().size());
     for (ControlAt& at : controls(trajectory))
       for (int i = 0; i < std::min(static_cast<int>(at.u.size()), actuators); ++i)
         at.u[i] += random.scale * normal.next();
@@ -334,10 +368,11 @@ class GuessBuilder {
   }
 
   std::optional<TimeSeries> from_file(const DataFileSpec& file, bool states,
+                                      const std::vector<std::string>& columns,
                                       const StateManifold& manifold) {
     const std::optional<DataTable>& table = load(file);
     if (!table || (file.columns.empty() && !fits(file, *table, states))) return std::nullopt;
-    return series_of(file, *table, file_columns(file, states), manifold, out_);
+    return series_of(file, *table, columns, manifold, out_);
   }
 
   /// Each file once, for states and controls.
@@ -387,8 +422,7 @@ class GuessBuilder {
     const auto middle = table.columns.begin() + static_cast<std::ptrdiff_t>(*table.state_columns);
     const std::vector<std::string> found = states ? std::vector(table.columns.begin(), middle)
                                                   : std::vector(middle, table.columns.end());
-    const std::vector<std::string> wanted =
-        (states ? state_names(*plant_.system) : control_names(guessed())).names;
+    const std::vector<std::string> wanted = columns_of_problem(states);
     const std::vector<std::string> missing = without(wanted, found), extra = without(found, wanted);
     if (missing.empty() && extra.empty()) return true;
     out_.error(
@@ -437,6 +471,7 @@ class GuessBuilder {
   void keep_bounds(Trajectory& trajectory) {
     int knots = 0, control = -1;
     double worst = 0;
+    const System* worst_system = nullptr;
     for (const int k : controlled_knots()) {
       const KnotModel& model = *problem_.knot(k).model;
       bool cut = false;
@@ -448,12 +483,13 @@ class GuessBuilder {
         cut = true;
         if (std::abs(kept - asked) <= worst) continue;
         worst = std::abs(kept - asked);
+        worst_system = &model.system();
         control = i;
       }
       knots += cut;
     }
     if (knots == 0) return;
-    const Column& column = plant_.system->control_columns()[control];
+    const Column& column = worst_system->control_columns()[control];
     used_.controls += fmt::format(", clamped to their limits in {} knots", knots);
     out_.warning(guess().controls_place,
                  fmt::format("to hold the guessed states the controls would have to leave their "
@@ -461,10 +497,22 @@ class GuessBuilder {
                              knots, problem_.knots(), column.name, worst, column.unit));
   }
 
+  /// The columns of the states, or of the controls that are guessed.
+  std::vector<std::string> columns_of_problem(bool states) const {
+    if (states) return state_names(*plant_.system).names;
+    if (plant_.variants.empty()) return control_names(guessed()).names;
+    return names_of_controls().names;
+  }
+  /// All controls that drive the problem's systems.
+  ComponentNames names_of_controls() const {
+    std::vector<std::string> names;
+    for (const Column& control : plant_.all_controls()) names.push_back(control.name);
+    return {"controls", std::move(names)};
+  }
+
   std::vector<std::string> file_columns(const DataFileSpec& file, bool states) {
-    if (file.columns.empty())
-      return (states ? state_names(*plant_.system) : control_names(guessed())).names;
-    const std::size_t count = states ? plant_.system->nx() : guessed().nu();
+    if (file.columns.empty()) return columns_of_problem(states);
+    const std::size_t count = columns_of_problem(states).size();
     std::vector<std::string> columns;
     for (const Name& name : file.columns) columns.push_back(name.value);
     if (columns.size() != count)
@@ -474,11 +522,12 @@ class GuessBuilder {
     return columns;
   }
 
-  std::string describe(const DataFileSpec& file, const std::optional<TimeSeries>& series) const {
-    if (!series) return {};
+  std::string describe(const DataFileSpec& file, const std::vector<TimeSeries>& series) const {
     std::string text = fmt::format("from {}", file.file.value);
-    if (series->last_time() + 1e-9 < time(problem_.knots() - 1))
-      text += fmt::format(", its last values held after t = {} s", series->last_time());
+    double last = 0;
+    for (const TimeSeries& part : series) last = std::max(last, part.last_time());
+    if (last + 1e-9 < time(problem_.knots() - 1))
+      text += fmt::format(", its last values held after t = {} s", last);
     return text;
   }
 
@@ -486,6 +535,7 @@ class GuessBuilder {
   const Plant& plant_;
   const StateBuilder& states_;
   const ShootingProblem& problem_;
+  const ControlColumns columns_;
   GuessUsed& used_;
   Diagnostics& out_;
   std::map<std::filesystem::path, std::optional<DataTable>> tables_;

@@ -22,17 +22,6 @@ bool needs_control(const BuiltCost& cost) {
   return cost.spec->definition->needs.control || cost.residual.residual->needs_control();
 }
 
-/// Whether a cost names a phase, or one of its knots.
-bool names_phase(const CostSpec& cost, std::size_t p, const ProblemSpec& spec) {
-  if (cost.phases || !cost.knots) return cost.phases.has_value();
-  int first = 0;
-  for (std::size_t i = 0; i < p; ++i) first += spec.phases[i].knots.value;
-  const int end = first + spec.phases[p].knots.value;
-  return std::any_of(cost.knots->begin(), cost.knots->end(), [&](const Located<int>& knot) {
-    return knot.value >= first && knot.value < end;
-  });
-}
-
 /// Whether a cost that is to be on in a phase can be. Costs on a contact are on while it is held,
 /// and phases that take no time have only the costs that name them or their knots.
 bool is_on(const BuiltCost& cost, std::size_t p, const PhaseContext& context, Diagnostics& out) {
@@ -58,7 +47,7 @@ bool is_on(const BuiltCost& cost, std::size_t p, const PhaseContext& context, Di
 std::vector<bool> phases_of(const BuiltCost& cost, const PhaseContext& context, Diagnostics& out) {
   std::vector<bool> in_phase = phases_named(cost.spec->phases, context.spec, out);
   for (std::size_t p = 0; p < in_phase.size(); ++p)
-    in_phase[p] = in_phase[p] && is_on(cost, p, context, out);
+    in_phase[p] = in_phase[p] && cost.is_at(p, context.plant) && is_on(cost, p, context, out);
   return in_phase;
 }
 
@@ -402,8 +391,9 @@ TermsAtTheEnd<BuiltConstraint> constraints_at_the_end(const PhaseContext& contex
   for (const BuiltConstraint& constraint : terminal)
     if (fits_the_end(constraint.function, context, out)) constraints.emplace_back(&constraint, 1);
   for (const BuiltConstraint& constraint : running) {
-    const double share =
-        constraint.at_last_node ? 1 : schedule(context, constraint.function, false, out).back();
+    const bool goes_on = constraint.at_last_node &&
+                         constraint.function.is_at(context.spec.phases.size(), context.plant);
+    const double share = goes_on ? 1 : schedule(context, constraint.function, false, out).back();
     if (share != 0) constraints.emplace_back(&constraint, share);
   }
   return constraints;
@@ -441,20 +431,30 @@ void report_violation(const std::string& name, std::optional<int> row, double vi
 }  // namespace
 
 PhaseBounds unbounded(const ProblemSpec& spec, const Plant& plant) {
-  const std::vector<double> none(plant.system->nu(), kUnlimited);
-  std::vector<double> below(none.size(), -kUnlimited);
-  return {std::vector(spec.phases.size(), below), std::vector(spec.phases.size(), none)};
+  PhaseBounds bounds;
+  for (std::size_t p = 0; p < spec.phases.size(); ++p) {
+    const int nu = plant.variants.empty() ? plant.system->nu() : plant.system_in(p)->nu();
+    bounds.lower.emplace_back(nu, -kUnlimited);
+    bounds.upper.emplace_back(nu, kUnlimited);
+  }
+  return bounds;
 }
 
-std::optional<PhaseBounds> build_control_bounds(const ControlBoundsSpec& constraint,
-                                                const ProblemSpec& spec, const Plant& plant,
-                                                Diagnostics& out) {
-  const ComponentNames names = control_names(plant.actuated());
+namespace {
+
+/// What a constraint says of the controls of a plant.
+struct ControlInterval {
+  ComponentNames names;
+  std::vector<double> lower, upper;
+};
+
+std::optional<ControlInterval> interval_of(const ControlBoundsSpec& constraint, const Plant& plant,
+                                           Diagnostics& out) {
   const int errors = out.error_count();
-  if (names.names.empty())
-    out.error(constraint.name.place, "the system has no control that could have bounds",
-              "write 'bounds: state', or give the system controls");
-  std::vector<double> lower(names.names.size(), -kUnlimited), upper(names.names.size(), kUnlimited);
+  ControlInterval interval{control_names(plant), {}, {}};
+  auto& [names, lower, upper] = interval;
+  lower.assign(names.names.size(), -kUnlimited);
+  upper.assign(names.names.size(), kUnlimited);
   if (constraint.from_urdf) {
     lower = plant.actuated().control_lower();
     upper = plant.actuated().control_upper();
@@ -467,12 +467,41 @@ std::optional<PhaseBounds> build_control_bounds(const ControlBoundsSpec& constra
   const auto smaller = [](double a, double b) { return std::min(a, b); };
   narrow(constraint.lower, names, -kUnlimited, larger, lower, out);
   narrow(constraint.upper, names, kUnlimited, smaller, upper, out);
-  const std::vector<bool> named = phases_named(constraint.phases, spec, out);
   if (out.error_count() > errors) return std::nullopt;
-  if (constraint.from_urdf) warn_of_unbounded(constraint, names.names, lower, upper, out);
+  return interval;
+}
+
+/// Those of some phases that have the controls of a variant.
+std::vector<bool> phases_of_variant(std::size_t variant, std::vector<bool> phases,
+                                    const ProblemSpec& spec, const Plant& plant) {
+  if (plant.variants.empty()) return phases;
+  for (std::size_t p = 0; p < phases.size(); ++p)
+    if (spec.phases[p].takes_no_time() || plant.variant_at[p] != variant) phases[p] = false;
+  return phases;
+}
+
+}  // namespace
+
+std::optional<PhaseBounds> build_control_bounds(const ControlBoundsSpec& constraint,
+                                                const ProblemSpec& spec, const Plant& plant,
+                                                Diagnostics& out) {
+  const int errors = out.error_count();
+  if (plant.all_controls().empty())
+    out.error(constraint.name.place, "the system has no control that could have bounds",
+              "write 'bounds: state', or give the system controls");
+  const std::vector<bool> named = phases_named(constraint.phases, spec, out);
   PhaseBounds bounds = unbounded(spec, plant);
-  bound_phases(named, lower, upper, bounds);
-  return bounds;
+  const std::vector<Plant> variants = plant.all_variants();
+  for (std::size_t v = 0; v < variants.size(); ++v) {
+    const std::vector<bool> own = phases_of_variant(v, named, spec, plant);
+    if (variants.size() > 1 && std::ranges::find(own, true) == own.end()) continue;
+    const auto interval = interval_of(constraint, variants[v], out);
+    if (!interval || out.error_count() > errors) return std::nullopt;
+    if (constraint.from_urdf)
+      warn_of_unbounded(constraint, interval->names.names, interval->lower, interval->upper, out);
+    bound_phases(own, interval->lower, interval->upper, bounds);
+  }
+  return out.error_count() > errors ? std::nullopt : std::optional(std::move(bounds));
 }
 
 void intersect(const PhaseBounds& other, const Name& name, const Plant& plant, PhaseBounds& bounds,
@@ -484,10 +513,11 @@ void intersect(const PhaseBounds& other, const Name& name, const Plant& plant, P
       lower = std::max(lower, other.lower[p][i]);
       upper = std::min(upper, other.upper[p][i]);
       if (lower <= upper) continue;
+      const System& system = plant.variants.empty() ? *plant.system : *plant.system_in(p);
       return out.error(
           name.place, fmt::format("no value of '{}' satisfies the bounds: the lower one is {}, the "
                                   "upper one {}",
-                                  plant.system->control_columns()[i].name, lower, upper));
+                                  system.control_columns()[i].name, lower, upper));
     }
 }
 

@@ -11,7 +11,8 @@ struct PhaseBounds {
   std::vector<std::vector<double>> lower, upper;
 };
 
-/// The bounds of one constraint; phases that it does not name have none.
+/// The bounds of one constraint; phases that it does not name have none, and phases without one of
+/// its controls those on the others.
 std::optional<PhaseBounds> build_control_bounds(const ControlBoundsSpec& constraint,
                                                 const ProblemSpec& spec, const Plant& plant,
                                                 Diagnostics& out);
@@ -23,6 +24,7 @@ void intersect(const PhaseBounds& other, const Name& name, const Plant& plant, P
 /// How knot models are made from a problem's costs.
 struct PhaseContext {
   const ProblemSpec& spec;
+  const Plant& plant;
   const ContactPlan& contacts;
   std::shared_ptr<const System> system;  ///< of the last node
   Integrator integrator;

@@ -9,6 +9,7 @@
 
 #include "base/json/json_document.hpp"
 #include "base/json/solution_members.hpp"
+#include "ocp/problem/control_columns.hpp"
 
 namespace conddp {
 namespace {
@@ -60,14 +61,15 @@ std::string list_names(const std::vector<std::string>& names) {
 /// The gradient of the Lagrangian by the controls of a knot, as multipliers of bounds have it;
 /// nothing where these do not fit.
 std::optional<Eigen::VectorXd> control_gradient(const Json& multipliers, int knot,
-                                                const ShootingProblem& problem) {
+                                                const ShootingProblem& problem,
+                                                const ControlColumns& columns) {
   Eigen::VectorXd gradient = Eigen::VectorXd::Zero(problem.nu(knot));
   if (!multipliers.contains("control_lower") || !multipliers.contains("control_upper"))
     return gradient;
   for (const bool upper : {false, true}) {
     const Json& list = solution_list(multipliers, upper ? "control_upper" : "control_lower");
     if (static_cast<int>(list.size()) != problem.knots()) return std::nullopt;
-    const auto row = numbers(list[knot], problem.nu(knot));
+    const auto row = numbers(columns.own_entries(knot, list[knot]), problem.nu(knot));
     if (!row) return std::nullopt;
     gradient += upper ? -*row : *row;
   }
@@ -79,6 +81,7 @@ bool take_dynamics(const Json& multipliers, const ShootingProblem& problem, Dual
   const int N = problem.knots();
   const Json& costates = solution_list(multipliers, "costates");
   if (static_cast<int>(costates.size()) != N + 1) return false;
+  const ControlColumns columns(problem);
   Eigen::MatrixXd lambda(problem.ndx(), N + 1);
   std::vector<Eigen::VectorXd> gradient;
   for (int k = 0; k <= N; ++k) {
@@ -86,7 +89,7 @@ bool take_dynamics(const Json& multipliers, const ShootingProblem& problem, Dual
     if (!column) return false;
     lambda.col(k) = *column;
     if (k == N) break;
-    auto row = control_gradient(multipliers, k, problem);
+    auto row = control_gradient(multipliers, k, problem, columns);
     if (!row) return false;
     gradient.push_back(*std::move(row));
   }

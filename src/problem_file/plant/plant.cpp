@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include "base/text/spelling.hpp"
-#include "problem_file/spec/components.hpp"
 #include "robot/frames.hpp"
 #include "robot/kinematics.hpp"
 
@@ -15,6 +14,14 @@ const PlantPart& part_of(const Plant& plant, int joint) {
   return *std::find_if(plant.parts.begin(), plant.parts.end(), [&](const PlantPart& p) {
     return joint >= p.first_joint && joint < p.first_joint + p.joint_count;
   });
+}
+
+ComponentNames control_names(const Plant& plant) {
+  ComponentNames names = control_names(plant.actuated());
+  for (const Column& control : plant.controls)
+    if (std::ranges::find(names.names, control.name) == names.names.end())
+      names.elsewhere.push_back(control.name);
+  return names;
 }
 
 bool is_independent(const RobotModel& robot, int joint) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "ocp/residuals/residuals.hpp"
+#include "problem_file/spec/components.hpp"
 #include "problem_file/spec/spec.hpp"
 #include "systems/collocation_system.hpp"
 #include "systems/contact/stepping_system.hpp"
@@ -21,6 +22,12 @@ struct PlantPart {
   std::string sha256 = {};  ///< of the URDF file
 };
 
+/// One of the systems of phases that have different states or controls.
+struct SystemVariant {
+  std::string name;  ///< of the first system with these
+  std::shared_ptr<const System> system;
+};
+
 /// What moves: a closed-form system, or robots as one multibody system.
 struct Plant {
   std::shared_ptr<const System> system;
@@ -28,12 +35,37 @@ struct Plant {
   /// What states have where nothing else is said; empty: the neutral state.
   std::vector<double> usual_state;
   std::optional<ChosenStart> start;  ///< where the first state is chosen
-  /// Of each phase, where they differ: with the same states, and the same controls or none.
+  /// Of each phase, where they differ. All have the same columns of the state.
   std::vector<std::shared_ptr<const System>> systems = {};
+  /// Where phases have different states or controls: which there are, which of them has the state
+  /// at the beginning of each phase and at the last node, and all controls. Else empty.
+  std::vector<SystemVariant> variants = {};
+  std::vector<std::size_t> variant_at = {};
+  std::vector<Column> controls = {};
+  std::string name = {};  ///< that of the system, of a plant that variant() gave
 
   const std::shared_ptr<const System>& system_in(std::size_t phase) const {
     return systems.empty() ? system : systems[phase];
   }
+  /// The plant with a variant as its system, which lacks the others' states and controls.
+  Plant variant(std::size_t index) const {
+    Plant plant = *this;
+    plant.system = variants[index].system;
+    plant.name = variants[index].name;
+    return plant;
+  }
+  /// All of them; of a plant without variants itself.
+  std::vector<Plant> all_variants() const {
+    std::vector<Plant> plants;
+    for (std::size_t i = 0; i < variants.size(); ++i) plants.push_back(variant(i));
+    if (plants.empty()) plants.push_back(*this);
+    return plants;
+  }
+  /// The plant as it is in a phase, or at the last node, whose number is that of the phases.
+  Plant in_phase(std::size_t phase) const {
+    return variants.empty() ? *this : variant(variant_at[phase]);
+  }
+  Plant at_last_node() const { return variants.empty() ? *this : variant(variant_at.back()); }
 
   /// The robot in the system, or the system as what it is: where steps are contact-implicit, or
   /// where the integrator collocates. Null if it is none of that; they share the system.
@@ -46,12 +78,19 @@ struct Plant {
   }
 
   const RobotModel& robot() const { return system->robot_inside()->robot(); }
+  /// All controls of a problem.
+  const std::vector<Column>& all_controls() const {
+    return variants.empty() ? actuated().control_columns() : controls;
+  }
   /// The system whose controls are the actuators alone.
   const System& actuated() const {
     if (const auto* collocation = system->as_collocation()) return *collocation->inside();
     return system->as_stepping() ? *system->robot_inside() : *system;
   }
 };
+
+/// The controls of the plant's actuators; of a variant's, other phases have the others.
+ComponentNames control_names(const Plant& plant);
 
 /// Whether a joint has a coordinate of its own: not a floating base, not a mimic joint.
 bool is_independent(const RobotModel& robot, int joint);

@@ -8,7 +8,7 @@
 #include "base/text/spelling.hpp"
 #include "problem_file/plant/joint_values.hpp"
 #include "problem_file/plant/planar_motion.hpp"
-#include "systems/clock.hpp"
+#include "systems/own_states.hpp"
 
 namespace conddp {
 namespace {
@@ -85,7 +85,7 @@ bool StateBuilder::apply_list(const std::vector<double>& list, std::vector<doubl
     x = list;
     return true;
   }
-  const std::vector<int> states = states_without_clock(*plant_.system);
+  const std::vector<int> states = own_states(*plant_.system);
   if (list.size() != states.size()) return false;
   for (std::size_t i = 0; i < list.size(); ++i) x[states[i]] = list[i];
   return true;

@@ -4,8 +4,9 @@
 
 namespace conddp {
 
-/// Sets plant.systems where phases have systems of their own, or jumps lie between them. False, and
-/// reported, where these differ in their states or controls, or a jump is wrong.
+/// Sets plant.systems, and what the plant says of variants, where phases have systems of their own,
+/// or jumps lie between them. False, and reported, where systems do not fit each other, or a jump
+/// is wrong.
 bool add_systems_of_phases(const ProblemSpec& spec, Plant& plant, Diagnostics& out);
 
 }  // namespace conddp

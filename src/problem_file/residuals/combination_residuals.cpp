@@ -20,6 +20,7 @@ struct Combinable {
   Combinable(const System& system, int controls) {
     for (const auto& segment : system.manifold().segments())
       for (int i = 0; segment.part == StateManifold::Part::flat && i < segment.n; ++i) {
+        if (!system.has_state(segment.x + i)) continue;
         names.push_back(system.state_columns()[segment.x + i].name);
         terms.push_back({0, false, segment.x + i, segment.dx + i});
       }

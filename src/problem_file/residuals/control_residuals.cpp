@@ -9,7 +9,7 @@ std::optional<CostResidual> make_control(const ResidualContext& context) {
   const System& actuated = context.plant.actuated();
   CostResidual result;
   result.residual = control_residual(context.ndx, actuated.nu());
-  result.rows = result.references = control_names(actuated);
+  result.rows = result.references = control_names(context.plant);
   result.parameters = StateManifold::flat(actuated.nu());
   result.lower = actuated.control_lower();
   result.upper = actuated.control_upper();
@@ -20,7 +20,7 @@ std::optional<CostResidual> make_control(const ResidualContext& context) {
 std::optional<CostResidual> make_control_rate(const ResidualContext& context) {
   CostResidual result;
   result.residual = control_rate_residual(context.plant.actuated());
-  result.rows = control_names(context.plant.actuated());
+  result.rows = control_names(context.plant);
   return result;
 }
 

@@ -1,7 +1,9 @@
+#include <algorithm>
+
 #include "problem_file/residuals/cost_residual.hpp"
 #include "problem_file/residuals/key_kinds.hpp"
 #include "problem_file/residuals/residual_table.hpp"
-#include "systems/clock.hpp"
+#include "systems/own_states.hpp"
 
 namespace conddp {
 namespace {
@@ -28,14 +30,28 @@ std::optional<std::vector<double>> cycle_offset(const ResidualContext& context) 
   return offset;
 }
 
+/// What does not come back: the clock, and what is at rest at the end or at the beginning.
+std::vector<int> coordinates_apart(const Plant& plant) {
+  std::vector<int> apart = other_coordinates(*plant.system);
+  if (!plant.variants.empty())
+    for (const int i : other_coordinates(*plant.variants[plant.variant_at.front()].system))
+      if (std::ranges::find(apart, i) == apart.end()) apart.push_back(i);
+  std::ranges::sort(apart);
+  return apart;
+}
+
 std::optional<CostResidual> make_cycle(const ResidualContext& context) {
   const auto offset = cycle_offset(context);
   if (!offset) return std::nullopt;
   const System& system = *context.plant.system;
   CostResidual result;
-  result.residual =
-      cycle_residual(system.manifold(), *context.plant.start, *offset, clock_coordinates(system));
-  result.rows = tangent_names(system).listed();
+  const std::vector<int> apart = coordinates_apart(context.plant);
+  result.residual = cycle_residual(system.manifold(), *context.plant.start, *offset, apart);
+  std::vector<std::string> rows;
+  const std::vector<std::string> names = tangent_names(system).names;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if (std::ranges::find(apart, static_cast<int>(i)) == apart.end()) rows.push_back(names[i]);
+  result.rows = {"components of the state", std::move(rows)};
   return result;
 }
 

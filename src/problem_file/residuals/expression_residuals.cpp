@@ -99,11 +99,25 @@ ExpressionResidualText text_of(const ExpressionRowsSpec& rows,
   return text;
 }
 
+/// What is wrong in a text, with the system whose names it may have where there are several.
+ExpressionMessage with_system(ExpressionMessage message, const Plant& plant) {
+  if (plant.name.empty()) return message;
+  message.hint += fmt::format(
+      "{}this is on a phase of the system '{}': names of others need 'phases' that have them",
+      message.hint.empty() ? "" : "; ", plant.name);
+  return message;
+}
+
 void report(const ModelMessage& message, Severity severity, const ExpressionRowsSpec& rows,
             const ResidualContext& context) {
   using Part = ModelMessage::Part;
-  if (message.part == Part::kRow && message.in_text)
-    return report_expression(rows.texts[message.index], message.message, severity, context.out);
+  if (message.part == Part::kRow && message.in_text) {
+    const bool is_error = severity == Severity::kError;
+    return report_expression(
+        rows.texts[message.index],
+        is_error ? with_system(message.message, context.plant) : message.message, severity,
+        context.out);
+  }
   // The system has reported what its definitions warn of.
   if (severity != Severity::kError) return;
   // A robot's names may be those of the file.

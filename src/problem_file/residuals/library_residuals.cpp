@@ -12,6 +12,7 @@
 #include "problem_file/values/expand_values.hpp"
 #include "problem_file/values/read_values.hpp"
 #include "systems/clock.hpp"
+#include "systems/own_states.hpp"
 
 namespace conddp {
 namespace {
@@ -26,7 +27,7 @@ LibraryInputs inputs_of(const ResidualContext& context) {
   const auto& columns = system.state_columns();
   const auto clock = std::find_if(columns.begin(), columns.end(),
                                   [](const Column& column) { return column.name == kClock; });
-  return {.states = states_without_clock(system),
+  return {.states = own_states(system),
           .clock = clock != columns.end() ? static_cast<int>(clock - columns.begin()) : -1,
           .ndx = context.ndx};
 }

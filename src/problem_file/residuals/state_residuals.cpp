@@ -7,7 +7,7 @@
 #include "problem_file/residuals/key_kinds.hpp"
 #include "problem_file/residuals/reference_form.hpp"
 #include "problem_file/residuals/residual_table.hpp"
-#include "systems/clock.hpp"
+#include "systems/own_states.hpp"
 
 namespace conddp {
 namespace {
@@ -18,6 +18,7 @@ struct StatePart {
   std::vector<int> indices;  ///< into the state, of a rotation those of its quaternion
   int tangent;               ///< its first tangent coordinate
   bool listed = true;        ///< whether a name with a * may mean it
+  bool at_rest = false;      ///< whether other phases alone have it
 
   bool is_rotation() const { return indices.size() > 1; }
 };
@@ -34,10 +35,15 @@ std::vector<StatePart> parts_of_state(const System& system) {
   for (const auto& segment : system.manifold().segments()) {
     const int flat = segment.part == Part::flat ? segment.n : segment.part == Part::se3 ? 3 : 0;
     for (int i = segment.x; i < segment.x + flat; ++i)
-      parts.push_back({all.names[i], {i}, segment.dx + i - segment.x, all.is_listed(i)});
+      parts.push_back(
+          {all.names[i], {i}, segment.dx + i - segment.x, all.is_listed(i), !system.has_state(i)});
     if (segment.part == Part::flat) continue;
     const int q = segment.x + flat;
-    parts.push_back({name_of_rotation(all.names[q]), {q, q + 1, q + 2, q + 3}, segment.dx + flat});
+    parts.push_back({name_of_rotation(all.names[q]),
+                     {q, q + 1, q + 2, q + 3},
+                     segment.dx + flat,
+                     all.is_listed(q),
+                     !system.has_state(q)});
   }
   return parts;
 }
@@ -68,12 +74,18 @@ bool is_meant_by(const std::string& name, const StatePart& part,
 /// The parts that a name means, several where it has a `*`; none is reported.
 std::vector<const StatePart*> find_parts(const std::vector<std::string>& columns,
                                          const std::vector<StatePart>& parts, const Name& name,
-                                         Diagnostics& out) {
+                                         const Plant& plant, Diagnostics& out) {
   std::vector<const StatePart*> found;
   std::vector<std::string> names;
   for (const StatePart& part : parts) {
-    if (is_meant_by(name.value, part, columns)) found.push_back(&part);
-    if (!part.name.empty()) names.push_back(part.name);
+    const bool is_meant = is_meant_by(name.value, part, columns);
+    if (is_meant && part.at_rest) {
+      out.error(name.place, fmt::format("the system '{}' has no state '{}'", plant.name, part.name),
+                "name the 'phases' whose systems have it");
+      return {};
+    }
+    if (is_meant) found.push_back(&part);
+    if (!part.name.empty() && !part.at_rest) names.push_back(part.name);
   }
   if (!found.empty()) return found;
   const bool part_of_rotation =
@@ -115,13 +127,14 @@ CostResidual residual_of_parts(const std::vector<const StatePart*>& chosen, cons
   return result;
 }
 
-std::optional<CostResidual> make_of_columns(const std::vector<Name>& names, const System& system,
+std::optional<CostResidual> make_of_columns(const std::vector<Name>& names, const Plant& plant,
                                             Diagnostics& out) {
+  const System& system = *plant.system;
   const std::vector<std::string> columns = state_names(system).names;
   const std::vector<StatePart> parts = parts_of_state(system);
   std::vector<const StatePart*> chosen;
   for (const Name& name : names) {
-    const auto found = find_parts(columns, parts, name, out);
+    const auto found = find_parts(columns, parts, name, plant, out);
     if (found.empty()) return std::nullopt;
     for (const StatePart* part : found)
       if (std::find(chosen.begin(), chosen.end(), part) == chosen.end()) chosen.push_back(part);
@@ -129,20 +142,27 @@ std::optional<CostResidual> make_of_columns(const std::vector<Name>& names, cons
   return residual_of_parts(chosen, "chosen columns", system);
 }
 
-/// The state of a system that depends on the time, of which the clock is no part.
-CostResidual make_without_clock(const System& system) {
+/// The state of which the clock and what is at rest are no part.
+CostResidual make_of_own(const System& system) {
   const std::vector<StatePart> parts = parts_of_state(system);
+  const ComponentNames columns = state_names(system), tangent = tangent_names(system);
   std::vector<const StatePart*> chosen;
   for (const StatePart& part : parts)
     if (part.listed) chosen.push_back(&part);
-  return residual_of_parts(chosen, "columns of the state", system);
+  CostResidual result = residual_of_parts(chosen, "columns of the state", system);
+  for (int i = 0; i < columns.size(); ++i)
+    if (!system.has_state(i)) result.references.elsewhere.push_back(columns.names[i]);
+  for (const StatePart& part : parts)
+    for (int row = 0; part.at_rest && row < (part.is_rotation() ? 3 : 1); ++row)
+      result.rows.elsewhere.push_back(tangent.names[part.tangent + row]);
+  return result;
 }
 
 std::optional<CostResidual> make_state(const ResidualContext& context) {
   const System& system = *context.plant.system;
   if (const auto* columns = context.cost.keys.find(key::columns))
-    return make_of_columns(*columns, system, context.out);
-  if (!clock_coordinates(system).empty()) return make_without_clock(system);
+    return make_of_columns(*columns, context.plant, context.out);
+  if (!other_coordinates(system).empty()) return make_of_own(system);
   CostResidual result;
   result.residual = state_residual(system.manifold());
   result.rows = tangent_names(system);

@@ -1,5 +1,6 @@
 #include "problem_file/spec/components.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include <fnmatch.h>
@@ -7,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "base/text/spelling.hpp"
-#include "systems/clock.hpp"
+#include "systems/own_states.hpp"
 
 namespace conddp {
 namespace {
@@ -72,6 +73,12 @@ class BestFits {
   std::vector<std::size_t> best_;  ///< how well the name fits that gave each of the values
 };
 
+/// Whether a name means components that other phases have.
+bool is_elsewhere(const std::string& name, const ComponentNames& names) {
+  return std::any_of(names.elsewhere.begin(), names.elsewhere.end(),
+                     [&](const std::string& other) { return fits(name, other); });
+}
+
 /// A rotation's component is called like the one of its quaternion, with r in the place of q.
 std::string rotation_name(std::string name) {
   const std::size_t q = name.rfind('q');  // ".../qx"
@@ -106,7 +113,7 @@ std::optional<std::vector<double>> resolve(const ComponentsSpec& spec, const Com
   bool known = true;
   BestFits fits(names, fallback);
   for (const auto& [name, value] : spec.map) {
-    if (fits.set(name.value, value.value_or(fallback))) continue;
+    if (fits.set(name.value, value.value_or(fallback)) || is_elsewhere(name.value, names)) continue;
     report_unknown(name, names, out);
     known = false;
   }
@@ -142,7 +149,7 @@ std::string list_of(const ComponentNames& names) {
 ComponentNames state_names(const System& system) {
   ComponentNames names("columns of the state", column_names(system.state_columns()));
   names.by_name_only.assign(names.names.size(), true);
-  for (const int i : states_without_clock(system)) names.by_name_only[i] = false;
+  for (const int i : own_states(system)) names.by_name_only[i] = false;
   return names;
 }
 
@@ -164,7 +171,7 @@ ComponentNames tangent_names(const System& system) {
   }
   ComponentNames result("components of the state", std::move(names));
   result.by_name_only.assign(system.ndx(), false);
-  for (const int i : clock_coordinates(system)) result.by_name_only[i] = true;
+  for (const int i : other_coordinates(system)) result.by_name_only[i] = true;
   return result;
 }
 

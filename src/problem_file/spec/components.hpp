@@ -17,6 +17,8 @@ struct ComponentNames {
   /// Components that only their own names mean: one number for all, lists and names with `*` leave
   /// them out. Empty where there are none.
   std::vector<bool> by_name_only = {};
+  /// Names of components that other phases have: what is given for them counts there alone.
+  std::vector<std::string> elsewhere = {};
 
   ComponentNames() = default;
   ComponentNames(std::string what_they_are, std::vector<std::string> full_names);
@@ -46,12 +48,13 @@ bool is_pattern(const std::string& name);
 /// "joints: a, b, c", for hints.
 std::string list_of(const ComponentNames& names);
 
-/// The clock of a system that depends on the time is meant by its own name only.
+/// The clock of a system that depends on the time and states at rest are meant by their own names
+/// only.
 ComponentNames state_names(const System& system);
 ComponentNames control_names(const System& system);
 /// Components of tangent vectors at a state: flat columns keep their names, a pose has x, y, z and
-/// rx, ry, rz (rotation vector) instead of its quaternion. As in state_names, the clock is meant by
-/// its own name only.
+/// rx, ry, rz (rotation vector) instead of its quaternion. As in state_names, the clock and states
+/// at rest are meant by their own names only.
 ComponentNames tangent_names(const System& system);
 
 }  // namespace conddp

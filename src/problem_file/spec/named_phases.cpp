@@ -82,6 +82,26 @@ std::vector<bool> phases_named(const std::optional<std::vector<Name>>& names,
   return phases_named(names, spec);
 }
 
+bool names_phase(const CostSpec& function, std::size_t phase, const ProblemSpec& spec) {
+  if (function.phases || !function.knots) return function.phases.has_value();
+  int first = 0;
+  for (std::size_t i = 0; i < phase; ++i) first += spec.phases[i].knots.value;
+  const int end = first + spec.phases[phase].knots.value;
+  return std::any_of(function.knots->begin(), function.knots->end(), [&](const Located<int>& knot) {
+    return knot.value >= first && knot.value < end;
+  });
+}
+
+std::vector<bool> possible_phases(const CostSpec& function, const ProblemSpec& spec) {
+  std::vector<bool> possible = phases_named(function.phases, spec);
+  for (std::size_t p = 0; p < possible.size(); ++p) {
+    const PhaseSpec& phase = spec.phases[p];
+    const bool by_default = !phase.takes_no_time() && !function.knots;
+    if (phase.choice || (!by_default && !names_phase(function, p, spec))) possible[p] = false;
+  }
+  return possible;
+}
+
 void check_phases(const ProblemSpec& spec, Diagnostics& out) {
   check_weights(spec, out);
   for (const CostSpec& cost : spec.costs) check_knots(cost, spec, out);

@@ -50,15 +50,15 @@ void widen(double scale, std::vector<double>& lower, std::vector<double>& upper)
   }
 }
 
-/// Bounds on the control that are soft, and so no bounds to a solver.
+/// Bounds on the control of a plant that are soft, and so no bounds to a solver.
 std::optional<BuiltConstraint> build_soft_control_bounds(const ConstraintSpec& spec,
                                                          const CostContext& context,
-                                                         Diagnostics& out) {
-  if (spec.from_urdf && !context.plant.multibody()) {
+                                                         const Plant& plant, Diagnostics& out) {
+  if (spec.from_urdf && !plant.multibody()) {
     out.error(spec.from_place, "a closed-form system has no URDF", "give 'lower' and 'upper'");
     return std::nullopt;
   }
-  auto control = make_cost_residual(spec.function, context.spec, context.plant, context.ndx, out);
+  auto control = make_cost_residual(spec.function, context.spec, plant, context.ndx, out);
   if (!control) return std::nullopt;
   const std::size_t n = control->rows.names.size();
   BuiltConstraint built{.spec = &spec};
@@ -121,28 +121,24 @@ std::optional<BoundedCoordinates> bounded_coordinates(const ConstraintSpec& spec
   }
   const std::vector<int> flat = flat_indices(system.manifold());
   const auto wanted = [&](int i) {
-    return flat[i] >= 0 && has_coordinate(spec.bounded->value, i, system.nv());
+    return flat[i] >= 0 && system.has_state(flat[i]) &&
+           has_coordinate(spec.bounded->value, i, system.nv());
   };
   const ComponentNames names = tangent_names(system);
   if (!narrow(spec, names, wanted, lower, upper, out)) return std::nullopt;
   BoundedCoordinates bounded;
   for (int i = 0; i < system.ndx(); ++i)
     if (wanted(i)) bounded.add(flat[i], names.names[i], lower[i], upper[i]);
-  if (!bounded.names.empty()) return bounded;
-  out.error(spec.bounded->place, "no coordinate of the state is bounded here",
-            spec.from_urdf ? "the URDF limits none of them: give 'lower' and 'upper'"
-                           : "rotations and floating bases have no coordinates to bound; name "
-                             "others");
-  return std::nullopt;
+  return bounded;
 }
 
-/// Bounds on those coordinates of the state that have one.
+/// Bounds on those coordinates of a plant's state that have one; there may be none.
 std::optional<BuiltConstraint> build_state_bounds(const ConstraintSpec& spec,
-                                                  const CostContext& context, Diagnostics& out) {
-  const System& system = *context.plant.system;
-  if (!check_bounded(spec, context.plant, out)) return std::nullopt;
-  const auto state =
-      make_cost_residual(spec.function, context.spec, context.plant, context.ndx, out);
+                                                  const CostContext& context, const Plant& plant,
+                                                  Diagnostics& out) {
+  const System& system = *plant.system;
+  if (!check_bounded(spec, plant, out)) return std::nullopt;
+  const auto state = make_cost_residual(spec.function, context.spec, plant, context.ndx, out);
   if (!state) return std::nullopt;
   auto bounded = bounded_coordinates(spec, *state, system, out);
   if (!bounded) return std::nullopt;
@@ -292,11 +288,23 @@ bool is_zero(const ConstraintSpec& c) {
 
 namespace {
 
-std::optional<BuiltConstraint> build_bounds(const ConstraintSpec& spec, const CostContext& context,
-                                            Diagnostics& out) {
+/// Bounds on the state or control, once for each variant of the plant that has some of them.
+void add_bounds(const ConstraintSpec& spec, const CostContext& context,
+                std::vector<BuiltConstraint>& list, Diagnostics& out) {
   const auto build = spec.bounded->value == BoundedQuantity::kControl ? build_soft_control_bounds
                                                                       : build_state_bounds;
-  return build(spec, context, out);
+  const std::size_t count = list.size();
+  for (const PlantOfCost& own : plants_of(spec.function, context)) {
+    auto built = build(spec, context, own.plant, out);
+    if (!built) return;
+    built->function.variant = own.variant;
+    if (!built->lower.empty()) list.push_back(std::move(*built));
+  }
+  if (list.size() > count) return;
+  out.error(spec.bounded->place, "no coordinate of the state is bounded here",
+            spec.from_urdf ? "the URDF limits none of them: give 'lower' and 'upper'"
+                           : "rotations and floating bases have no coordinates to bound; name "
+                             "others");
 }
 
 /// The constraints of one residual: several on contacts, or from centers.
@@ -320,10 +328,10 @@ std::vector<BuiltConstraint> build_constraints(const std::vector<ConstraintSpec>
                                                const CostContext& context, Diagnostics& out) {
   std::vector<BuiltConstraint> list;
   for (const ConstraintSpec& spec : specs) {
-    if (!spec.bounded)
+    if (spec.bounded)
+      add_bounds(spec, context, list, out);
+    else
       add_constraints(spec, context, list, out);
-    else if (auto built = build_bounds(spec, context, out))
-      list.push_back(std::move(*built));
   }
   return list;
 }

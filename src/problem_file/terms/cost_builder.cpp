@@ -7,6 +7,7 @@
 
 #include "ocp/residuals/weighted_residual.hpp"
 #include "problem_file/residuals/residual_table.hpp"
+#include "problem_file/spec/named_phases.hpp"
 #include "problem_file/terms/swing_reference.hpp"
 #include "problem_file/terms/weight_matrix.hpp"
 
@@ -97,6 +98,20 @@ bool apply_matrix(const CostSpec& spec, CostResidual& residual, ContactCost& con
   return true;
 }
 
+/// Which variants have the states of the phases in which a function can be on.
+std::vector<bool> variants_of(const CostSpec& function, const CostContext& context) {
+  const Plant& plant = context.plant;
+  std::vector<bool> on(plant.variants.size(), false);
+  if (context.last_node) {
+    on[plant.variant_at.back()] = true;
+    return on;
+  }
+  const std::vector<bool> possible = possible_phases(function, context.spec);
+  for (std::size_t p = 0; p < possible.size(); ++p)
+    if (possible[p]) on[plant.variant_at[p]] = true;
+  return on;
+}
+
 void add_cost(const CostSpec& spec, CostResidual residual, ContactCost contact,
               const CostContext& context, std::vector<BuiltCost>& costs, Diagnostics& out) {
   auto activation = build_activation(spec, residual, contact, out);
@@ -111,7 +126,35 @@ void add_cost(const CostSpec& spec, CostResidual residual, ContactCost contact,
                    std::move(*reference)});
 }
 
+/// On each variant of the plant where it can be on, up to the first where it cannot be built.
+void add_variants(const CostSpec& spec, const CostContext& context, std::vector<BuiltCost>& costs,
+                  Diagnostics& out) {
+  const int errors = out.error_count();
+  for (const PlantOfCost& own : plants_of(spec, context)) {
+    auto residual = make_cost_residual(spec, context.spec, own.plant, context.ndx, out);
+    const std::size_t count = costs.size();
+    if (residual) add_cost(spec, std::move(*residual), {}, context, costs, out);
+    if (costs.size() > count) costs.back().variant = own.variant;
+    if (out.error_count() > errors) return;
+  }
+}
+
 }  // namespace
+
+std::vector<PlantOfCost> plants_of(const CostSpec& function, const CostContext& context) {
+  const Plant& plant = context.plant;
+  if (plant.variants.empty()) return {{{}, plant}};
+  std::vector<PlantOfCost> plants;
+  const std::vector<bool> on = variants_of(function, context);
+  const bool chosen = context.last_node || function.phases || function.knots;
+  for (std::size_t v = 0; v < on.size(); ++v) {
+    const bool lacks_control =
+        function.definition->needs.control && plant.variants[v].system->nu() == 0;
+    if (on[v] && (chosen || !lacks_control || plant.controls.empty()))
+      plants.push_back({v, plant.variant(v)});
+  }
+  return plants;
+}
 
 std::vector<BuiltCost> build_costs(const std::vector<CostSpec>& specs, const CostContext& context,
                                    Diagnostics& out) {
@@ -125,8 +168,7 @@ std::vector<BuiltCost> build_costs(const std::vector<CostSpec>& specs, const Cos
       }
       continue;
     }
-    if (auto residual = make_cost_residual(spec, context.spec, context.plant, context.ndx, out))
-      add_cost(spec, std::move(*residual), {}, context, costs, out);
+    add_variants(spec, context, costs, out);
   }
   return costs;
 }

@@ -13,6 +13,14 @@ struct BuiltCost {
   ContactCost contact;  ///< of costs on contacts: `residual` is its prototype
   Activation activation;
   TimeSeries reference;
+  /// Which variant of the plant it is of; nothing where the plant has none.
+  std::optional<std::size_t> variant = {};
+
+  /// Whether it is of the states and controls that there are in a phase, or at the last node, whose
+  /// number is that of the phases.
+  bool is_at(std::size_t phase, const Plant& plant) const {
+    return !variant || plant.variant_at[phase] == *variant;
+  }
 };
 
 /// What building costs needs to know of the problem.
@@ -23,9 +31,21 @@ struct CostContext {
   const StateBuilder& states;
   int ndx;                           ///< of the knot models, augmented states included
   const std::vector<double>& times;  ///< of the nodes
+  bool last_node = false;            ///< whether they stand there, not on running knots
 };
 
-/// Costs that cannot be built are reported and left out.
+/// One of the plants on which a cost or constraint is built.
+struct PlantOfCost {
+  std::optional<std::size_t> variant;
+  Plant plant;
+};
+/// The plants of the phases in which a cost or constraint can be on; the whole plant where it has
+/// no variants. Where the file does not name phases, those without any control are left out of what
+/// needs one.
+std::vector<PlantOfCost> plants_of(const CostSpec& function, const CostContext& context);
+
+/// A cost is built once for each variant of the plant on which it is. Costs that cannot be built
+/// are reported and left out.
 std::vector<BuiltCost> build_costs(const std::vector<CostSpec>& specs, const CostContext& context,
                                    Diagnostics& out);
 

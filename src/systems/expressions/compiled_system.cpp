@@ -23,6 +23,7 @@ class ExpressionSystem : public SystemBase<ExpressionSystem> {
           return SystemExpressions{graph, outputs, sources};
         }) {
     state_columns_ = std::move(parts.state_columns);
+    at_rest_ = std::move(parts.at_rest);
     control_columns_ = std::move(parts.control_columns);
     for (const auto& entry : functions_.jacobian()) {
       const bool of_control = entry.column >= ndx();

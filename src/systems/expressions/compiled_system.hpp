@@ -13,6 +13,7 @@ struct ExpressionSystemParts {
   SystemKind kind = SystemKind::first_order;
   StateManifold manifold;
   std::vector<Column> state_columns, control_columns;
+  std::vector<bool> at_rest;  ///< by column of the state; empty: none is
   ExpressionGraph graph;
   std::vector<NodeId> outputs;  ///< the rows of the system
   /// Where the inputs of the graph come from: numbers of (x, u), each number of x exactly once.

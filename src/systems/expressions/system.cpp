@@ -166,7 +166,8 @@ class SystemReader {
         break;
     }
     parts_.manifold.append(manifold_of(state.kind));
-    texts_.add(Part::kState, index, state.name, std::move(value));
+    states_.push_back(value.nodes);
+    if (!state.hidden) texts_.add(Part::kState, index, state.name, std::move(value));
     return tangent_size(state.kind);
   }
 
@@ -221,19 +222,41 @@ class SystemReader {
       if (values[*of]) check_type(index, text_.states[*of].kind, wanted_[*of], *values[*of]);
     }
     for (std::size_t i = 0; i < wanted_.size(); ++i)
-      if (!given[i])
+      if (!given[i] && !text_.states[i].hidden)
         texts_.report(second_order() ? Part::kVelocity : Part::kState, static_cast<int>(i),
                       fmt::format("the {} of '{}' is missing", equation_name(), wanted_[i]));
+    set_at_rest(given);
     set_outputs(values);
+  }
+
+  /// The states that nothing moves.
+  void set_at_rest(const std::vector<bool>& given) {
+    for (std::size_t i = 0; i < given.size(); ++i)
+      if (text_.states[i].hidden && !given[i]) at_rest_.push_back(i);
+    if (at_rest_.empty()) return;
+    for (std::size_t i = 0; i < given.size(); ++i)
+      parts_.at_rest.insert(parts_.at_rest.end(), manifold_of(text_.states[i].kind).nx(),
+                            text_.states[i].hidden && !given[i]);
+  }
+
+  /// The rows of a state at rest: itself as the next value, or the rate 0.
+  std::vector<NodeId> resting(std::size_t state) {
+    if (text_.kind == SystemKind::discrete) return states_[state];
+    return std::vector(tangent_size(text_.states[state].kind), parts_.graph.constant(0));
   }
 
   /// What the equations give, and the clock if they depend on the time.
   void set_outputs(const std::vector<std::optional<ExpressionValue>>& values) {
-    for (const std::optional<ExpressionValue>& value : values)
-      if (value)
-        parts_.outputs.insert(parts_.outputs.end(), value->nodes.begin(), value->nodes.end());
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      std::vector<NodeId> nodes;
+      if (values[i])
+        nodes = values[i]->nodes;
+      else if (std::ranges::find(at_rest_, i) != at_rest_.end())
+        nodes = resting(i);
+      parts_.outputs.insert(parts_.outputs.end(), nodes.begin(), nodes.end());
+    }
     const std::vector<NodeId> below = nodes_below(parts_.graph, parts_.outputs);
-    if (time_ >= 0 && std::binary_search(below.begin(), below.end(), time_))
+    if (time_ >= 0 && (text_.clock || std::binary_search(below.begin(), below.end(), time_)))
       clock_ = static_cast<int>(parts_.sources.size());
   }
 
@@ -275,6 +298,7 @@ class SystemReader {
     const int at = second_order() ? nx - nv : nx;
     auto& columns = parts_.state_columns;
     columns.insert(columns.begin() + at, {kClock, "s"});
+    if (!parts_.at_rest.empty()) parts_.at_rest.push_back(false);
     StateManifold manifold;
     for (const ExpressionState& state : text_.states) manifold.append(manifold_of(state.kind));
     manifold.append(StateManifold::Part::flat, 1);
@@ -294,7 +318,9 @@ class SystemReader {
   ParsedExpressionSystem& out_;
   ExpressionSystemParts parts_;
   ModelTextReader texts_;
-  std::vector<std::string> wanted_;  ///< what equations give rates of, a name for each state
+  std::vector<std::vector<NodeId>> states_;  ///< the inputs that stand for each
+  std::vector<std::string> wanted_;   ///< what equations give rates of, a name for each state
+  std::vector<std::size_t> at_rest_;  ///< states
   NodeId time_ = -1;
   int clock_ = -1;
 };

@@ -19,6 +19,9 @@ struct ExpressionState {
   std::string name;
   std::string unit = "1";
   Kind kind = Kind::kNumber;
+  /// No expression knows its name, and without an equation it rests: a state of other phases. Not
+  /// of second-order systems.
+  bool hidden = false;
 };
 
 /// A system in words: first order (rates of the states), second order (accelerations, states are
@@ -39,6 +42,8 @@ struct ExpressionSystemText {
   /// The rate, acceleration or next value of each state, by its name (of a second-order system by
   /// that of the velocity), in any order.
   std::vector<NamedExpression> equations;
+  /// Whether the state has the clock although nothing depends on the time.
+  bool clock = false;
 };
 
 /// A system, or why there is none.
@@ -50,7 +55,8 @@ struct ParsedExpressionSystem {
   std::vector<ModelMessage> warnings;
 };
 
-/// Makes a system of expressions. Where these depend on the time, the state gets the clock `t` (s):
+/// Makes a system of expressions. Where these depend on the time or the text asks for it, the state
+/// gets the clock `t` (s):
 /// behind the states, of a second-order system behind the positions, with the velocity `t_rate`
 /// (s/s) behind the velocities, which has to be 1 at the beginning.
 ParsedExpressionSystem make_expression_system(const ExpressionSystemText& text);

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "systems/clock.hpp"
+#include "systems/own_states.hpp"
 
 namespace conddp {
 namespace {
@@ -22,7 +23,7 @@ class LibrarySystem : public SystemBase<LibrarySystem> {
                           columns.velocities.end());
     if (function_->reads_time() && second_order) state_columns_.push_back(clock_rate);
     control_columns_ = columns.controls;
-    sources_ = states_without_clock(*this);
+    sources_ = own_states(*this);
     for (int i = 0; i < nu(); ++i) sources_.push_back(nx() + i);
     if (!function_->reads_time()) return;
     clock_ = static_cast<int>(columns.states.size());
