@@ -2,6 +2,7 @@
 
 #include "ocp/evaluation/evaluator.hpp"
 #include "ocp/problem/by_name.hpp"
+#include "problem_file/expand/expand_problem.hpp"
 #include "problem_file/plant/memory_need.hpp"
 #include "problem_text.hpp"
 #include "solvers/strategies/registry.hpp"
@@ -85,6 +86,23 @@ TEST(Constraints, BoundsOnTheStateHoldAtAllNodesButTheFirst) {
   ASSERT_EQ(here.size(), 6u);
   EXPECT_EQ(here.front().node, 4);
   EXPECT_EQ(here.back().node, 9);
+}
+
+TEST(Constraints, NullIsNoBoundWhateverIsBounded) {
+  const Loaded loaded(
+      with("  speed: {bounds: velocity, lower: null, upper: 5}\n"
+           "  spin: {residual: state, columns: omega, lower: -4, upper: null}\n"
+           "  push: {bounds: control, lower: null, upper: 7}\n"));
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const auto speed = named(*loaded.built->problem, "speed");
+  EXPECT_EQ(speed[0].lower[0], -kUnlimited);
+  EXPECT_EQ(speed[0].upper[0], 5);
+  const auto spin = named(*loaded.built->problem, "spin");
+  EXPECT_EQ(spin[0].lower[0], -4);
+  EXPECT_EQ(spin[0].upper[0], kUnlimited);
+  const OrderedJson expanded = expand_problem(*loaded.spec, *loaded.built);
+  EXPECT_TRUE(expanded["constraints"]["speed"]["lower"].is_null());
+  EXPECT_TRUE(Loaded(expanded.dump()).built);
 }
 
 TEST(Constraints, LimitsOfTheUrdfBoundTheCoordinatesThatHaveThem) {

@@ -27,8 +27,8 @@ void read_limits_of_urdf(YamlMap& map, Spec& spec) {
 template <class Spec>
 void read_bounds(YamlMap& map, const Name& name, Spec& spec) {
   read_limits_of_urdf(map, spec);
-  if (const auto r = map.find("lower")) spec.lower = read_components(*r);
-  if (const auto r = map.find("upper")) spec.upper = read_components(*r);
+  if (const auto r = map.find("lower")) spec.lower = read_component_bounds(*r);
+  if (const auto r = map.find("upper")) spec.upper = read_component_bounds(*r);
   if (!map.find("from") && !map.find("lower") && !map.find("upper"))
     map.reader().error(
         fmt::format("the bounds '{}' need 'lower', 'upper' or 'from: urdf'", name.value));
@@ -115,8 +115,10 @@ void read_interval(YamlMap& map, ConstraintSpec& constraint) {
   const ResidualDefinition& definition = *constraint.function.definition;
   if (const auto r = find_in_set(map, "equals", definition))
     constraint.equals = read_components(*r);
-  if (const auto r = find_in_set(map, "lower", definition)) constraint.lower = read_components(*r);
-  if (const auto r = find_in_set(map, "upper", definition)) constraint.upper = read_components(*r);
+  if (const auto r = find_in_set(map, "lower", definition))
+    constraint.lower = read_component_bounds(*r);
+  if (const auto r = find_in_set(map, "upper", definition))
+    constraint.upper = read_component_bounds(*r);
 }
 
 /// Bounds on the norm of the residual.

@@ -42,8 +42,8 @@ ComponentsSpec read_coordinates(const YamlReader& reader) {
 void read_choice(YamlMap& map, const YamlReader& choose, PhaseSpec& phase) {
   phase.knots = {1, choose.place()};
   ChoiceSpec choice{.coordinates = read_coordinates(choose), .lower = {}, .upper = {}};
-  if (const auto r = map.find("lower")) choice.lower = read_components(*r);
-  if (const auto r = map.find("upper")) choice.upper = read_components(*r);
+  if (const auto r = map.find("lower")) choice.lower = read_component_bounds(*r);
+  if (const auto r = map.find("upper")) choice.upper = read_component_bounds(*r);
   for (const char* key : {"knots", "dt", "duration", "free_duration", "refine", "contacts",
                           "restitution", "weights", "system"})
     if (const auto r = map.find(key))

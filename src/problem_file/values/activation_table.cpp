@@ -61,17 +61,17 @@ std::span<const ActivationDefinition> activation_table() {
                                      }};
   static const ActivationKey lower = {
       "lower",
-      "Lower bounds of a barrier, in the residual's units",
-      defined_schema("components"),
+      "Lower bounds of a barrier, in the residual's units; null: none",
+      defined_schema("limits"),
       kOfBarriers,
-      [](const YamlReader& reader, ActivationSpec& a) { a.lower = read_components(reader); },
+      [](const YamlReader& reader, ActivationSpec& a) { a.lower = read_component_bounds(reader); },
       [](const ActivationSpec& a) { return expand_bounds(a.lower); }};
   static const ActivationKey upper = {
       "upper",
-      "Upper bounds of a barrier, in the residual's units",
-      defined_schema("components"),
+      "Upper bounds of a barrier, in the residual's units; null: none",
+      defined_schema("limits"),
       kOfBarriers,
-      [](const YamlReader& reader, ActivationSpec& a) { a.upper = read_components(reader); },
+      [](const YamlReader& reader, ActivationSpec& a) { a.upper = read_component_bounds(reader); },
       [](const ActivationSpec& a) { return expand_bounds(a.upper); }};
   static const ActivationKey epsilon = {
       "epsilon",

@@ -24,7 +24,7 @@ OrderedJson expand_numbers(const NamedNumbers& numbers) {
 }
 
 OrderedJson expand_components(const ComponentsSpec& spec) {
-  if (spec.form == ComponentsSpec::Form::kScalar) return OrderedJson(*spec.scalar);
+  if (spec.form == ComponentsSpec::Form::kScalar) return number_or_null(spec.scalar);
   if (spec.form == ComponentsSpec::Form::kList) {
     OrderedJson list = OrderedJson::array();
     for (const auto& value : spec.list) list.push_back(number_or_null(value));

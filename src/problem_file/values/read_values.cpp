@@ -74,6 +74,11 @@ std::optional<ComponentsSpec> read_components(const YamlReader& reader, const Nu
   return spec;
 }
 
+std::optional<ComponentsSpec> read_component_bounds(const YamlReader& reader) {
+  if (reader.is_null()) return ComponentsSpec{.place = reader.place()};
+  return read_components(reader);
+}
+
 std::optional<MatrixSpec> read_symmetric_matrix(const YamlReader& reader) {
   constexpr std::string_view kHint = "write '[[2, 1], [1, 3]]' or '{x: {x: 2, v: 1}, v: {v: 3}}'";
   MatrixSpec matrix{.place = reader.place()};

@@ -14,6 +14,8 @@ void read_vector3(YamlMap& map, std::string_view key, std::string_view what,
 NamedNumbers read_named_numbers(const YamlReader& reader, const NumberRange& range = kAnyNumber);
 std::optional<ComponentsSpec> read_components(const YamlReader& reader,
                                               const NumberRange& range = kAnyNumber);
+/// The same of bounds, where null stands for none.
+std::optional<ComponentsSpec> read_component_bounds(const YamlReader& reader);
 /// Rows of numbers, or numbers by the names of their row and column.
 std::optional<MatrixSpec> read_symmetric_matrix(const YamlReader& reader);
 /// Factor that gives a vector of this length the length 1; 1 within rounding, so that what was
