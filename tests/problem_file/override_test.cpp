@@ -113,7 +113,12 @@ TEST(Override, CreatesNoDefinitionThatNothingNames) {
                 "rate: {theta: omega, omega: torque/m}}"),
        "system.parameters.b=3",
        "the file has no 'system.parameters.b': there is no 'b' in 'system.parameters'",
-       "did you mean 'm'?"}};
+       "did you mean 'm'?"},
+      {replaced(
+           replaced(kPendulum, "system: {type: pendulum}", "systems: {swing: {type: pendulum}}"),
+           "{name: first,", "{name: first, system: swing,"),
+       "systems.swng={type: pendulum}",
+       "the file has no 'systems.swng': there is no 'swng' in 'systems'", "did you mean 'swing'?"}};
   for (const Case& c : cases) {
     const Loaded loaded(c.text, {c.setting});
     ASSERT_TRUE(loaded.error()) << c.setting;

@@ -56,7 +56,7 @@ bool has_definitions(const Steps& steps) {
   const auto is_in = [&](std::string_view one, std::string_view several) {
     return (steps.size() == 2 && section == one) || (steps.size() == 3 && section == several);
   };
-  if (steps.size() == 1) return is_one_of(key, {"parameters", "tables"});
+  if (steps.size() == 1) return is_one_of(key, {"parameters", "tables", "systems"});
   return is_in("system", "systems") && is_one_of(key, {"parameters", "tables", "let"});
 }
 

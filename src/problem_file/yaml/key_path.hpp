@@ -18,7 +18,7 @@ enum class Missing {
 /// between them: the keys of mappings; in lists an index from 0, or the `name` of an entry. A name
 /// that the document has may itself have dots; of several the longest counts. Null with an error
 /// where it leads nowhere, and where it would create a definition by a free name (a parameter, a
-/// table, a named configuration): nothing would depend on that.
+/// table, a system): nothing would depend on that.
 YamlNode* find_node(YamlNode& root, const Name& key, Missing missing, Diagnostics& out);
 
 /// The node of a document to which a key path leads; null where the document has none.
