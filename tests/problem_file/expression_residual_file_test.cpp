@@ -159,6 +159,21 @@ solver: {name: altro}
   EXPECT_EQ(r, 5 * x[2 + slider] + x[1 - slider]);
 }
 
+TEST(ExpressionRows, SayHowJointsAreNamed) {
+  for (const char* row : {"slider", "q/slider"}) {
+    const Loaded loaded(fmt::format(R"(conddp: 1
+robot: {{urdf: robots/cartpole.urdf, actuation: {{joints: [slider]}}}}
+initial_state: {{joints: {{hinge: 0.5}}}}
+phases: [{{knots: 10, dt: 0.05}}]
+costs: {{own: {{residual: expression, rows: "{}"}}}}
+)",
+                                    row));
+    ASSERT_NE(loaded.error(), nullptr);
+    EXPECT_EQ(loaded.error()->message, "unknown name 'slider'");
+    EXPECT_EQ(loaded.error()->hint, "write 'q[slider]' or 'v[slider]' or 'u[slider]'");
+  }
+}
+
 constexpr std::string_view kTip = R"(conddp: 1
 robot: {urdf: robots/cartpole.urdf, actuation: {joints: [slider]}}
 initial_state: {joints: {hinge: 0.5}}

@@ -330,8 +330,12 @@ class Parser {
     if (find_expression_function(token.text) || scope_.find_table(token.text))
       fail(token.offset,
            fmt::format("'{}' is a function: its arguments follow in parentheses", token.text));
+    const std::vector<std::string> wholes = scope_.names_with_part(token.text);
+    std::string hint;
+    for (const std::string& whole : wholes)
+      hint += fmt::format("{}'{}[{}]'", hint.empty() ? "write " : " or ", whole, token.text);
     fail(token.offset, fmt::format("unknown name '{}'", token.text),
-         name_hint(token.text, scope_.value_names(), "names"));
+         wholes.empty() ? name_hint(token.text, scope_.value_names(), "names") : hint);
   }
 
   struct Argument {

@@ -70,6 +70,14 @@ std::vector<std::string> ExpressionScope::value_names() const {
   return names;
 }
 
+std::vector<std::string> ExpressionScope::names_with_part(std::string_view part) const {
+  std::vector<std::string> names;
+  for (const auto& [name, value] : values_)
+    if (std::ranges::find(value.parts, part, &ExpressionValue::Part::name) != value.parts.end())
+      names.push_back(name);
+  return names;
+}
+
 std::vector<std::string> ExpressionScope::function_names() const {
   std::vector<std::string> names;
   for (const auto& [name, table] : tables_) names.push_back(name);

@@ -30,6 +30,8 @@ class ExpressionScope {
   const Table* find_table(std::string_view name) const;
   /// Of values and constants; of functions and tables: for suggestions.
   std::vector<std::string> value_names() const;
+  /// Of vectors that have a part of this name.
+  std::vector<std::string> names_with_part(std::string_view part) const;
   std::vector<std::string> function_names() const;
 
  private:
