@@ -46,7 +46,7 @@ TEST(Diagnosis, NamesAreDistinct) {
   std::set<std::string_view> names;
   for (int i = 0; i <= static_cast<int>(DiagnosisPattern::unfinished); ++i)
     names.insert(to_string(static_cast<DiagnosisPattern>(i)));
-  EXPECT_EQ(names.size(), 13u);
+  EXPECT_EQ(names.size(), 14u);
 }
 
 TEST(Diagnosis, GapsThatStayOpenComeBeforeEverythingElse) {
@@ -164,6 +164,31 @@ TEST(Diagnosis, ALargerToleranceIsAdvisedOfTheResidualThatIsMissed) {
   EXPECT_EQ(gradient.quantity, "stationarity");
   EXPECT_NE(gradient.remedy.find("solver.tolerances.stationarity"), std::string::npos);
   EXPECT_EQ(gradient.remedy.find("complementarity"), std::string::npos) << gradient.remedy;
+}
+
+/// A point mass whose push costs r, within a limit.
+ShootingProblem push(double r, double limit = testing::kFree) {
+  return testing::tracking_problem(double_integrator(1), Integrator::rk4, 9, 0.1, {0, 0},
+                                   {.goal = {1, 0}, .q = {1, 1}, .r = {r}, .qf = {1, 1}}, -limit,
+                                   limit);
+}
+
+TEST(Diagnosis, AControlThatNothingHoldsBackIsNamedWhereTheCostGoesOnFalling) {
+  const auto falling = [](const ShootingProblem& problem, double last) {
+    return diagnosis_of(
+        12, [&](int i, IterationRecord& r) { r.cost = i < 6 ? -10.0 * i : -50 - last * (i - 5); },
+        SolveStatus::max_iterations, problem);
+  };
+  const Diagnosis found = falling(push(0), 10);
+  EXPECT_EQ(found.pattern, DiagnosisPattern::free_control);
+  EXPECT_EQ(found.knot, 0);
+  EXPECT_TRUE(found.message.ends_with("; the cost goes on falling, to -110, and the control '" +
+                                      found.quantity +
+                                      "' has neither a cost nor a bound in the phase 'all'"))
+      << found.message;
+  EXPECT_NE(falling(push(0), 1).pattern, DiagnosisPattern::free_control) << "it settles";
+  EXPECT_NE(falling(push(1), 10).pattern, DiagnosisPattern::free_control) << "a cost";
+  EXPECT_NE(falling(push(0, 3), 10).pattern, DiagnosisPattern::free_control) << "a bound";
 }
 
 /// The hopper in its plane on contacts of its foot.

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/findings/free_control.hpp"
 #include "analysis/findings/holding_torques.hpp"
 
 namespace conddp {
@@ -79,8 +80,9 @@ std::string remedy_of_growth(const ShootingProblem& problem, bool start) {
 
 Diagnosis growth(const ShootingProblem& problem, const SolveResult& r) {
   const bool start = r.iterations == 0;
+  const std::string quantity = r.failed_quantity.empty() ? "motion" : r.failed_quantity;
   return {DiagnosisPattern::growth,
-          fmt::format("the {}{} {}", r.failed_quantity, at(r.failed_knot),
+          fmt::format("the {}{} {}", quantity, at(r.failed_knot),
                       r.status == SolveStatus::diverged
                           ? (start ? "is not finite along the first guess" : "stopped being finite")
                           : "leaves the finite numbers in every longer step"),
@@ -281,6 +283,25 @@ Diagnosis too_weak(Diagnosis log, const MissingTorque& lack) {
           std::move(remedy)};
 }
 
+/// Whether the cost falls in the second half of a log at least half as far as in the first.
+bool cost_goes_on_falling(const std::vector<IterationRecord>& log) {
+  const int last = static_cast<int>(log.size()) - 1;
+  if (last < kFewest) return false;
+  const double first = log.front().cost, middle = log[last / 2].cost, end = log[last].cost;
+  return middle < first && middle - end >= 0.5 * (first - middle);
+}
+
+/// A cost that pulls on a control without end, whatever the log looks like.
+Diagnosis unbounded(Diagnosis log, double cost, const FreeControl& control) {
+  log.message += fmt::format(
+      "; the cost goes on falling, to {:.3g}, and the control '{}' has neither a cost nor a bound "
+      "in the phase '{}'",
+      cost, control.name, control.phase);
+  return {DiagnosisPattern::free_control, std::move(log.message), control.knot, control.name,
+          "a cost on it ('{residual: control}') or bounds ('{bounds: control, lower: -1, upper: "
+          "1}')"};
+}
+
 bool lost(const SolveResult& r) {
   if (r.status == SolveStatus::diverged || r.log.empty()) return true;
   const IterationRecord& last = r.log.back();
@@ -364,6 +385,8 @@ std::string_view to_string(DiagnosisPattern pattern) {
       return "redundant_contacts";
     case DiagnosisPattern::no_static_equilibrium:
       return "no_static_equilibrium";
+    case DiagnosisPattern::free_control:
+      return "free_control";
     case DiagnosisPattern::open_gaps:
       return "open_gaps";
     case DiagnosisPattern::slow_feasibility:
@@ -393,6 +416,9 @@ Diagnosis diagnose(const ShootingProblem& problem, const SolveResult& result,
   Diagnosis d = of_log(problem, result, options);
   if (result.status != SolveStatus::interrupted)
     if (const auto lack = missing_torque(problem)) return too_weak(std::move(d), *lack);
+  if (cost_goes_on_falling(result.log))
+    if (const auto control = free_control(problem))
+      return unbounded(std::move(d), result.log.back().cost, *control);
   if (!is_stuck(d.pattern) || d.knot < 0 || d.knot >= problem.knots()) return d;
   const ContactRank contacts =
       problem.knot(d.knot).model->system().contact_rank(result.trajectory.x(d.knot).data());

@@ -25,6 +25,8 @@ enum class DiagnosisPattern {
   redundant_contacts,
   /// The initial state lacks static equilibrium for want of torque (missing_torque()).
   no_static_equilibrium,
+  /// The cost goes on falling, and nothing holds a control back (free_control()).
+  free_control,
   /// The gaps of the dynamics do not close.
   open_gaps,
   /// Constraints are approached slowly although full steps are taken.
@@ -52,9 +54,10 @@ struct Diagnosis {
 };
 
 /// Reads it off the log, the status and the options; the rows at the end count, ten at most. Where
-/// the problem itself has a reason (contacts that depend on each other, a robot too weak to stand)
-/// the pattern is that reason, and the message says what the log looks like all the same. A remedy
-/// names options with values that they accept, and residuals that are above tolerance.
+/// the problem itself has a reason (contacts that depend on each other, a robot too weak to stand,
+/// a control that nothing holds back) the pattern is that reason, and the message says what the log
+/// looks like all the same. A remedy names options with values that they accept, and residuals that
+/// are above tolerance.
 Diagnosis diagnose(const ShootingProblem& problem, const SolveResult& result,
                    const SolverOptions& options);
 
