@@ -97,6 +97,60 @@ TEST(Efforts, BeyondTheirLimitAreFoundWhereTheyAreMost) {
   EXPECT_TRUE(tells(found[0], "1.25 N beyond its limit of -4")) << found[0].message;
 }
 
+/// Knots of 0.1 s of the block with controls that are linear between nodes.
+ShootingProblem linear_pushes(int knots) {
+  const auto system = block_system();
+  Phase phase{.name = "push",
+              .model = std::make_shared<KnotModel>(system, Integrator::rk4, ControlMemory::linear),
+              .dt = std::vector<double>(knots, 0.1),
+              .cost_scale = std::vector<double>(knots, 0.1),
+              .parameters = {}};
+  Phase end{.name = "end",
+            .model = std::make_shared<KnotModel>(system, Integrator::none, ControlMemory::linear),
+            .dt = {0},
+            .cost_scale = {1},
+            .parameters = {}};
+  std::vector<Phase> phases;
+  phases.push_back(std::move(phase));
+  return ShootingProblem(std::vector<double>(9, 0.0), std::move(phases), std::move(end));
+}
+
+/// A motion whose push along x goes straight from node to node.
+Trajectory pushed(const ShootingProblem& problem, const std::vector<double>& pushes) {
+  Trajectory motion = problem.create_trajectory();
+  for (int k = 0; k <= problem.knots(); ++k) {
+    motion.x(k)[6] = pushes[k];
+    if (k > 0) motion.u(k - 1)[0] = pushes[k];
+  }
+  return motion;
+}
+
+TEST(Efforts, ThatAreLinearStayAtALimitBetweenNodesThatAreBothAtIt) {
+  const ShootingProblem problem = linear_pushes(5);
+  const auto once =
+      found_in_motion(problem, pushed(problem, {4, 4, 3, 4, 2, -4}), FindingKind::effort_limit);
+  ASSERT_EQ(once.size(), 1u);
+  EXPECT_NEAR(once[0].value, 0.1, 1e-12) << "the first knot alone";
+  EXPECT_EQ(once[0].knot, 0);
+  EXPECT_TRUE(
+      found_in_motion(problem, pushed(problem, {0, 4, 3, 4, -4, 2}), FindingKind::effort_limit)
+          .empty())
+      << "the limit is touched and crossed to the other one";
+}
+
+TEST(Efforts, ThatAreLinearAreBeyondTheirLimitAtTheFirstAndTheLastNodeToo) {
+  const ShootingProblem problem = linear_pushes(3);
+  for (const int node : {0, 3}) {
+    std::vector<double> pushes = {1, 1, 1, 1};
+    pushes[node] = -5;
+    const auto found = found_in_motion(problem, pushed(problem, pushes), FindingKind::effort_limit);
+    ASSERT_EQ(found.size(), 1u) << node;
+    EXPECT_NEAR(found[0].value, 1, 1e-12) << node;
+    EXPECT_EQ(found[0].knot, node);
+    EXPECT_NEAR(found[0].time, 0.1 * node, 1e-12);
+  }
+}
+
 /// The positions along x and y between −0.1 and 0.2 at all knots, and at the end if asked for.
 ShootingProblem within_a_window(int knots, bool also_at_the_end) {
   const auto system = block_system();

@@ -26,6 +26,11 @@ constexpr double kSlack = 1e-6;
 constexpr double kBetween = 1e-4;
 constexpr int kPartsOfAStep = 4;
 
+/// Whether a control is at its limit or beyond. A limit of 0 or infinity is none.
+bool is_at(double control, double limit) {
+  return limit != 0 && std::isfinite(limit) && std::abs(control) >= (1 - kSlack) * std::abs(limit);
+}
+
 class Search {
  public:
   Search(const ShootingProblem& problem, const Trajectory& trajectory, const FindingNames& names)
@@ -56,10 +61,10 @@ class Search {
     double limit = 0, beyond = 0, seconds = 0, all = 0;
     int knot = -1;
 
-    /// A step of some length with a control of some size.
-    void meet(double size, double limit_here, double length, int k) {
-      const double off = size - std::abs(limit_here);
-      if (off < -kSlack * std::abs(limit_here)) return;
+    /// A control, and how long it stays as it is.
+    void meet(double control, double limit_here, double length, int k) {
+      if (!is_at(control, limit_here)) return;
+      const double off = std::abs(control) - std::abs(limit_here);
       seconds += length;
       if (knot >= 0 && !(off > beyond)) return;
       knot = k;
@@ -131,19 +136,31 @@ class Search {
     const MultibodySystem* robot = problem_.knot(k).model->system().robot_inside();
     if (robot == nullptr || problem_.takes_no_time(k)) return;
     const Actuation& actuation = robot->actuation();
+    const double step = times_[k + 1] - times_[k];
     for (int i = 0; i < actuation.nu; ++i) {
-      const double u = trajectory_.u(k)[i], step = times_[k + 1] - times_[k];
-      const double limit = u > 0 ? actuation.upper[i] : actuation.lower[i];
       Effort& effort = efforts_[actuation.columns[i].name];
       effort.all += step;
       effort.unit = actuation.columns[i].unit;
-      if (limit != 0 && std::isfinite(limit)) effort.meet(std::abs(u), limit, step, k);
+      const auto limit = [&](double u) { return u > 0 ? actuation.upper[i] : actuation.lower[i]; };
+      const double begin = control_at_beginning(k, i), end = trajectory_.u(k)[i];
+      // Linear controls stay at a limit where both ends of the knot are at it.
+      const bool stays =
+          begin == end || (is_at(begin, limit(begin)) && begin * end > 0 && is_at(end, limit(end)));
+      effort.meet(begin, limit(begin), stays ? step : 0, k);
+      if (begin != end) effort.meet(end, limit(end), 0, k + 1);
     }
   }
 
+  /// Linear controls at the beginning of a knot are the last part of its state.
+  double control_at_beginning(int k, int control) const {
+    const KnotModel& model = *problem_.knot(k).model;
+    if (!model.has_linear_controls()) return trajectory_.u(k)[control];
+    return trajectory_.x(k).tail(model.remembered_controls())[control];
+  }
+
   void report(const std::string& name, const Effort& effort) {
-    if (effort.knot < 0) return;
     const bool beyond = effort.beyond > kSlack * std::max(1.0, std::abs(effort.limit));
+    if (effort.knot < 0 || (!beyond && effort.seconds == 0)) return;
     Finding& f = add(FindingKind::effort_limit, name, beyond ? effort.beyond : effort.seconds,
                      beyond ? effort.unit : "s", effort.knot);
     if (beyond) {
