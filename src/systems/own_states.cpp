@@ -1,23 +1,15 @@
 #include "systems/own_states.hpp"
 
-#include <algorithm>
-
-#include "systems/clock.hpp"
-
 namespace conddp {
-
 namespace {
 
-/// Which columns of the state are the system's own: neither its clock, nor at rest.
+/// Which columns of the state are the system's own: neither by_name_only, nor at rest.
 std::vector<bool> own_columns(const System& system) {
   const std::vector<Column>& columns = system.state_columns();
-  const bool has_clock = std::any_of(columns.begin(), columns.end(),
-                                     [](const Column& column) { return column.name == kClock; });
+  const int named = static_cast<int>(columns.size());
   std::vector<bool> own;
-  for (int i = 0; i < system.nx(); ++i) {
-    const std::string& name = columns[i].name;
-    own.push_back(system.has_state(i) && !(has_clock && (name == kClock || name == kClockRate)));
-  }
+  for (int i = 0; i < system.nx(); ++i)
+    own.push_back(i >= named || (system.has_state(i) && !columns[i].by_name_only));
   return own;
 }
 

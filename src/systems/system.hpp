@@ -42,6 +42,8 @@ class CollocationSystem;
 struct Column {
   std::string name;
   std::string unit;
+  /// Of a clock or a parameter: what is said of all columns is not said of it.
+  bool by_name_only = false;
 };
 
 /// A dynamical system with controls: immutable, shared by all knots; what changes lives in

@@ -116,6 +116,43 @@ TEST(Residuals, PlacementErrorIsTheTwistThatTurnsTheReferenceIntoTheFrame) {
   for (int i = 0; i < 6; ++i) EXPECT_NEAR(r[i], -twist[i], 1e-12);
 }
 
+TEST(Residuals, StateWithoutSomeCoordinatesHasTheRowsOfTheOthers) {
+  StateManifold manifold = StateManifold::flat(2);
+  manifold.append(StateManifold::Part::se3);
+  manifold.append(StateManifold::Part::flat, 4);
+  const std::vector<int> left_out = {0, 10, 12}, rows_left_out = {0, 9, 11};
+  EXPECT_EQ(without_coordinates(manifold, left_out).nx(), manifold.nx() - 3);
+  const auto whole = state_residual(manifold), some = state_residual(manifold, left_out);
+  ASSERT_EQ(some->size(), manifold.ndx() - 3);
+  RandomNumbers random(24);
+  const std::vector<double> x = random_manifold_state(manifold, random, 1),
+                            reference = random_manifold_state(manifold, random, 1);
+  std::vector<double> references;
+  for (int i = 0; i < manifold.nx(); ++i)
+    if (!std::binary_search(left_out.begin(), left_out.end(), i))
+      references.push_back(reference[i]);
+  ASSERT_EQ(some->parameter_count(), static_cast<int>(references.size()));
+  const auto system = robots().front();
+  const auto data = system->create_data(double{});
+  std::vector<double> r(whole->size()), J(whole->jacobian_size());
+  std::vector<double> r_some(some->size()), J_some(some->jacobian_size());
+  whole->differentiate(ResidualInput<double>{x.data(), nullptr, reference.data(), *data}, r.data(),
+                       J.data());
+  some->differentiate(ResidualInput<double>{x.data(), nullptr, references.data(), *data},
+                      r_some.data(), J_some.data());
+  std::vector<double> r_of_others;
+  for (int i = 0; i < manifold.ndx(); ++i)
+    if (!std::binary_search(rows_left_out.begin(), rows_left_out.end(), i))
+      r_of_others.push_back(r[i]);
+  EXPECT_EQ(r_some, r_of_others);
+  std::vector<int> columns;
+  for (const RowBlock& block : some->blocks())
+    columns.insert(columns.end(), block.columns.begin(), block.columns.end());
+  EXPECT_EQ(columns, (std::vector<int>{1, 2, 3, 4, 5, 6, 7, 8, 10}));
+  // One entry of each flat coordinate and 36 of the pose, in the same order.
+  EXPECT_EQ(J_some, std::vector<double>(J.begin() + 1, J.end() - 2));
+}
+
 TEST(Activations, HessiansAreTheDerivativesOfTheirGradients) {
   using D = Dual<Lane>;
   RandomNumbers random(29);

@@ -16,8 +16,13 @@ namespace conddp {
 /// provided by each knot (that many numbers).
 /// Frames are indices into the robot's frames.
 
-/// x ⊖ reference, all ndx rows. Parameter: a state (nx of the manifold).
-std::shared_ptr<const Residual> state_residual(const StateManifold& manifold);
+/// x ⊖ reference, all ndx rows. Parameter: a state (nx of the manifold). Coordinates
+/// `left_out` (ascending indices into the state, of rotations and poses all) have neither a row
+/// nor a number of the reference.
+std::shared_ptr<const Residual> state_residual(const StateManifold& manifold,
+                                               const std::vector<int>& left_out = {});
+/// The space of these references.
+StateManifold without_coordinates(const StateManifold& manifold, const std::vector<int>& left_out);
 /// Chosen coordinates, of flat parts and of the positions of poses: x[i] − reference, one row per
 /// index into the state. Used for joint positions and velocities. The four indices of a rotation,
 /// in their order, choose it as a whole: three rows, log(reference⁻¹ q). Parameter: one number per

@@ -6,20 +6,64 @@
 namespace conddp {
 namespace {
 
+/// Coordinates of a state that follow each other.
+struct StateRun {
+  StateManifold manifold;
+  int x, dx;  ///< the first, in the state and in tangent vectors
+};
+
+/// The state without some coordinates.
+std::vector<StateRun> runs_of(const StateManifold& manifold, const std::vector<int>& left_out) {
+  std::vector<StateRun> runs;
+  bool open = false;
+  const auto append = [&](StateManifold::Part part, int x, int dx) {
+    if (std::binary_search(left_out.begin(), left_out.end(), x)) {
+      open = false;
+      return;
+    }
+    if (!open) runs.push_back({{}, x, dx});
+    open = true;
+    runs.back().manifold.append(part, 1);
+  };
+  for (const auto& segment : manifold.segments()) {
+    if (segment.part != StateManifold::Part::flat) {
+      append(segment.part, segment.x, segment.dx);
+      continue;
+    }
+    for (int i = 0; i < segment.n; ++i)
+      append(segment.part, segment.x + i, segment.dx + i);
+  }
+  return runs;
+}
+
 class StateResidual : public ResidualBase<StateResidual> {
  public:
-  explicit StateResidual(const StateManifold& manifold)
-      : ResidualBase(structure(manifold), manifold.nx(), false), manifold_(manifold) {}
+  explicit StateResidual(const std::vector<StateRun>& runs)
+      : ResidualBase(structure(runs), count_numbers(runs), false), runs_(runs) {}
 
   Reads reads() const override { return Reads::kinematics; }
   template <class S>
   void evaluate_as(const ResidualInput<S>& in, S* r) const {
-    manifold_.difference(in.parameters, in.x, r);
+    const S* reference = in.parameters;
+    for (const StateRun& run : runs_) {
+      run.manifold.difference(reference, in.x + run.x, r);
+      reference += run.manifold.nx();
+      r += run.manifold.ndx();
+    }
   }
   template <class S>
   void differentiate_as(const ResidualInput<S>& in, S* r, S* jacobian) const {
     evaluate_as(in, r);
-    for (const auto& segment : manifold_.segments()) {
+    for (const StateRun& run : runs_) {
+      jacobian = differentiate_run(run.manifold, r, jacobian);
+      r += run.manifold.ndx();
+    }
+  }
+
+ private:
+  template <class S>
+  static S* differentiate_run(const StateManifold& manifold, const S* r, S* jacobian) {
+    for (const auto& segment : manifold.segments()) {
       if (segment.part == StateManifold::Part::flat) {
         for (int i = 0; i < segment.n; ++i) *jacobian++ = S(1.0);
         continue;
@@ -32,9 +76,8 @@ class StateResidual : public ResidualBase<StateResidual> {
               : write_block<6>(inverse_right_jacobian_se3(Motion<S>{first, {d[3], d[4], d[5]}}),
                                jacobian);
     }
+    return jacobian;
   }
-
- private:
   /// n x n, by columns.
   template <int n, class Matrix, class S>
   static S* write_block(const Matrix& block, S* jacobian) {
@@ -43,17 +86,24 @@ class StateResidual : public ResidualBase<StateResidual> {
     return jacobian;
   }
 
-  static std::vector<RowBlock> structure(const StateManifold& manifold) {
+  static std::vector<RowBlock> structure(const std::vector<StateRun>& runs) {
     std::vector<RowBlock> blocks;
-    for (const auto& segment : manifold.segments()) {
-      if (segment.part == StateManifold::Part::flat)
-        for (int i = 0; i < segment.n; ++i) blocks.push_back({1, {segment.dx + i}, true});
-      else
-        blocks.push_back({segment.n, column_range(segment.dx, segment.n)});
-    }
+    for (const StateRun& run : runs)
+      for (const auto& segment : run.manifold.segments()) {
+        const int first = run.dx + segment.dx;
+        if (segment.part == StateManifold::Part::flat)
+          for (int i = 0; i < segment.n; ++i) blocks.push_back({1, {first + i}, true});
+        else
+          blocks.push_back({segment.n, column_range(first, segment.n)});
+      }
     return blocks;
   }
-  StateManifold manifold_;
+  static int count_numbers(const std::vector<StateRun>& runs) {
+    int numbers = 0;
+    for (const StateRun& run : runs) numbers += run.manifold.nx();
+    return numbers;
+  }
+  std::vector<StateRun> runs_;
 };
 
 class CoordinateResidual : public ResidualBase<CoordinateResidual> {
@@ -244,8 +294,14 @@ class AccelerationResidual : public ResidualBase<AccelerationResidual> {
 
 }  // namespace
 
-std::shared_ptr<const Residual> state_residual(const StateManifold& manifold) {
-  return std::make_shared<StateResidual>(manifold);
+std::shared_ptr<const Residual> state_residual(const StateManifold& manifold,
+                                               const std::vector<int>& left_out) {
+  return std::make_shared<StateResidual>(runs_of(manifold, left_out));
+}
+StateManifold without_coordinates(const StateManifold& manifold, const std::vector<int>& left_out) {
+  StateManifold rest;
+  for (const StateRun& run : runs_of(manifold, left_out)) rest.append(run.manifold);
+  return rest;
 }
 std::shared_ptr<const Residual> coordinate_residual(const StateManifold& manifold,
                                                     std::vector<int> state_indices) {

@@ -185,8 +185,8 @@ std::string solver_of(const ProblemSpec& spec, const ShootingProblem& problem, D
   return name;
 }
 
-/// The largest acceleration (or rate, of a system without velocities) in a state, that of the clock
-/// apart; 0 of systems that give the next state themselves.
+/// The largest acceleration (or rate, of a system without velocities) in a state, those of clock
+/// and parameters apart; 0 of systems that give the next state themselves.
 double largest_rate(const System& system, const std::vector<double>& x, const Eigen::VectorXd& u) {
   if (system.kind() != SystemKind::second_order && system.kind() != SystemKind::first_order)
     return 0;

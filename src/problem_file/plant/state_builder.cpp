@@ -120,7 +120,7 @@ bool StateBuilder::check_limits(std::string_view subject, const std::vector<doub
 std::optional<std::vector<double>> StateBuilder::named(const Name& name) const {
   if (name.value == "initial" && !initial_.empty()) return initial_;
   const int errors = out_.error_count();
-  std::vector<double> x = plant_.system->manifold().neutral();
+  std::vector<double> x = usual_state();
   if (plant_.multibody()) {
     apply_configuration(name, whole(), x);
   } else {

@@ -44,7 +44,7 @@ class StateBuilder {
   void apply_displacement(const DisplacementSpec& displaced, const PlantPart& part,
                           std::vector<double>& x) const;
   void apply_configuration(const Name& name, const PlantPart& part, std::vector<double>& x) const;
-  /// A list of the whole state, or of all but the clock; false where it is neither.
+  /// A list of the whole state, or of all but a clock and parameters; false where it is neither.
   bool apply_list(const std::vector<double>& list, std::vector<double>& x) const;
   void apply_columns(const NamedNumbers& values, std::vector<double>& x) const;
   /// What a state is where nothing is said.

@@ -48,18 +48,23 @@ std::vector<StatePart> parts_of_state(const System& system) {
   return parts;
 }
 
-/// Position and velocity limits of a robot in the order of tangent vectors.
+/// Position and velocity limits of a robot in the order of tangent vectors, of what is listed.
 void set_state_limits(const MultibodySystem& system, CostResidual& result) {
-  result.lower.assign(system.ndx(), -kUnlimited);
-  result.upper.assign(system.ndx(), kUnlimited);
+  std::vector<double> lower(system.ndx(), -kUnlimited), upper(system.ndx(), kUnlimited);
   for (int joint = 0; joint < system.robot().joint_count(); ++joint) {
     if (!is_independent(system.robot(), joint)) continue;
     const MultibodySystem::JointLimits limits = system.limits(joint);
     const int row = *system.velocity_row(joint);
-    result.lower[row] = limits.lower;
-    result.upper[row] = limits.upper;
-    result.lower[system.nv() + row] = -limits.max_velocity;
-    result.upper[system.nv() + row] = limits.max_velocity;
+    lower[row] = limits.lower;
+    upper[row] = limits.upper;
+    lower[system.nv() + row] = -limits.max_velocity;
+    upper[system.nv() + row] = limits.max_velocity;
+  }
+  const ComponentNames names = tangent_names(system);
+  for (int i = 0; i < system.ndx(); ++i) {
+    if (!names.is_listed(i)) continue;
+    result.lower.push_back(lower[i]);
+    result.upper.push_back(upper[i]);
   }
 }
 
@@ -100,8 +105,8 @@ std::vector<const StatePart*> find_parts(const std::vector<std::string>& columns
 }
 
 /// The residual of chosen parts of the state.
-CostResidual residual_of_parts(const std::vector<const StatePart*>& chosen, const char* what,
-                               const System& system) {
+CostResidual residual_of_parts(const std::vector<const StatePart*>& chosen, const System& system) {
+  const char* what = "chosen columns";
   const std::vector<std::string> columns = state_names(system).names;
   const std::vector<std::string> tangent = tangent_names(system).names;
   CostResidual result;
@@ -139,37 +144,40 @@ std::optional<CostResidual> make_of_columns(const std::vector<Name>& names, cons
     for (const StatePart* part : found)
       if (std::find(chosen.begin(), chosen.end(), part) == chosen.end()) chosen.push_back(part);
   }
-  return residual_of_parts(chosen, "chosen columns", system);
+  return residual_of_parts(chosen, system);
 }
 
-/// The state of which the clock and what is at rest are no part.
-CostResidual make_of_own(const System& system) {
-  const std::vector<StatePart> parts = parts_of_state(system);
+/// What rests in this system, and is a state of another phase's.
+void name_elsewhere(const System& system, CostResidual& result) {
   const ComponentNames columns = state_names(system), tangent = tangent_names(system);
-  std::vector<const StatePart*> chosen;
-  for (const StatePart& part : parts)
-    if (part.listed) chosen.push_back(&part);
-  CostResidual result = residual_of_parts(chosen, "columns of the state", system);
   for (int i = 0; i < columns.size(); ++i)
     if (!system.has_state(i)) result.references.elsewhere.push_back(columns.names[i]);
-  for (const StatePart& part : parts)
+  for (const StatePart& part : parts_of_state(system))
     for (int row = 0; part.at_rest && row < (part.is_rotation() ? 3 : 1); ++row)
       result.rows.elsewhere.push_back(tangent.names[part.tangent + row]);
-  return result;
 }
 
 std::optional<CostResidual> make_state(const ResidualContext& context) {
   const System& system = *context.plant.system;
   if (const auto* columns = context.cost.keys.find(key::columns))
     return make_of_columns(*columns, context.plant, context.out);
-  if (!other_coordinates(system).empty()) return make_of_own(system);
+  const std::vector<int> listed = own_states(system);
+  std::vector<int> left_out;
+  for (int i = 0; i < system.nx(); ++i)
+    if (!std::binary_search(listed.begin(), listed.end(), i)) left_out.push_back(i);
   CostResidual result;
-  result.residual = state_residual(system.manifold());
-  result.rows = tangent_names(system);
-  result.references = state_names(system);
-  result.parameters = system.manifold();
+  result.residual = state_residual(system.manifold(), left_out);
+  result.rows = tangent_names(system).listed();
+  result.references = state_names(system).listed();
+  result.parameters = without_coordinates(system.manifold(), left_out);
+  name_elsewhere(system, result);
   result.columns = result.references.names;
-  result.in_state = [](const std::vector<double>& x) { return x; };
+  if (!left_out.empty()) result.indices = listed;
+  result.in_state = [listed](const std::vector<double>& x) {
+    std::vector<double> values;
+    for (const int i : listed) values.push_back(x[i]);
+    return values;
+  };
   if (context.plant.multibody()) set_state_limits(*context.plant.multibody(), result);
   return result;
 }

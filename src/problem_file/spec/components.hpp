@@ -48,13 +48,13 @@ bool is_pattern(const std::string& name);
 /// "joints: a, b, c", for hints.
 std::string list_of(const ComponentNames& names);
 
-/// The clock of a system that depends on the time and states at rest are meant by their own names
-/// only.
+/// The clock of a system that depends on the time, parameters and states at rest are meant by their
+/// own names only.
 ComponentNames state_names(const System& system);
 ComponentNames control_names(const System& system);
 /// Components of tangent vectors at a state: flat columns keep their names, a pose has x, y, z and
-/// rx, ry, rz (rotation vector) instead of its quaternion. As in state_names, the clock and states
-/// at rest are meant by their own names only.
+/// rx, ry, rz (rotation vector) instead of its quaternion. As in state_names, clock, parameters and
+/// states at rest are meant by their own names only.
 ComponentNames tangent_names(const System& system);
 
 }  // namespace conddp

@@ -114,9 +114,14 @@ std::optional<BoundedCoordinates> bounded_coordinates(const ConstraintSpec& spec
                                                       const CostResidual& state,
                                                       const System& system, Diagnostics& out) {
   std::vector<double> lower(system.ndx(), -kUnlimited), upper(system.ndx(), kUnlimited);
+  const ComponentNames names = tangent_names(system);
   if (spec.from_urdf) {
-    lower = state.lower;
-    upper = state.upper;
+    for (int i = 0, row = 0; i < system.ndx(); ++i) {
+      if (!names.is_listed(i)) continue;
+      lower[i] = state.lower[row];
+      upper[i] = state.upper[row];
+      ++row;
+    }
     widen(spec.scale, lower, upper);
   }
   const std::vector<int> flat = flat_indices(system.manifold());
@@ -124,7 +129,6 @@ std::optional<BoundedCoordinates> bounded_coordinates(const ConstraintSpec& spec
     return flat[i] >= 0 && system.has_state(flat[i]) &&
            has_coordinate(spec.bounded->value, i, system.nv());
   };
-  const ComponentNames names = tangent_names(system);
   if (!narrow(spec, names, wanted, lower, upper, out)) return std::nullopt;
   BoundedCoordinates bounded;
   for (int i = 0; i < system.ndx(); ++i)

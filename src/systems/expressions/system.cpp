@@ -297,14 +297,14 @@ class SystemReader {
     const int nx = parts_.manifold.nx(), nv = parts_.manifold.ndx() / 2;
     const int at = second_order() ? nx - nv : nx;
     auto& columns = parts_.state_columns;
-    columns.insert(columns.begin() + at, {kClock, "s"});
+    columns.insert(columns.begin() + at, {kClock, "s", true});
     if (!parts_.at_rest.empty()) parts_.at_rest.push_back(false);
     StateManifold manifold;
     for (const ExpressionState& state : text_.states) manifold.append(manifold_of(state.kind));
     manifold.append(StateManifold::Part::flat, 1);
     parts_.outputs.push_back(parts_.graph.constant(second_order() ? 0 : 1));
     if (second_order()) {
-      columns.push_back({kClockRate, "s/s"});
+      columns.push_back({kClockRate, "s/s", true});
       manifold.append(StateManifold::Part::flat, nv + 1);
     }
     parts_.manifold = manifold;

@@ -15,7 +15,7 @@ class LibrarySystem : public SystemBase<LibrarySystem> {
       : SystemBase(columns.kind, StateManifold::flat(count_states(columns, *function)),
                    static_cast<int>(columns.controls.size())),
         function_(std::move(function)) {
-    const Column clock{kClock, "s"}, clock_rate{kClockRate, "s/s"};
+    const Column clock{kClock, "s", true}, clock_rate{kClockRate, "s/s", true};
     state_columns_ = columns.states;
     if (function_->reads_time()) state_columns_.push_back(clock);
     const bool second_order = kind() == SystemKind::second_order;
