@@ -1,6 +1,7 @@
 #include "robot/dynamics.hpp"
 
 #include "robot/body_forces.hpp"
+#include "robot/loads.hpp"
 #include "robot/wrenches.hpp"
 
 namespace conddp {
@@ -311,6 +312,7 @@ void inverse_dynamics_derivatives(const RobotModel& model, const S* v, RobotData
     data.force[joint.parent] += data.force[i];
   }
   subtract_external_wrench_derivatives(model, data);
+  put_load_columns(model, data);
 }
 
 template <class S>
@@ -328,6 +330,7 @@ void gravity_torques(const RobotModel& model, const RobotData<S>& data, S* out, 
     out[joint.v] = -dot(data.column[i].linear, g);
     if (out_q != nullptr) put_weight_slopes(model, i, data, weight, out_q);
   }
+  if (out_q != nullptr) put_load_weights(model, data, out_q);
 }
 
 template <class S>

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "robot/loads.hpp"
+
 namespace conddp {
 namespace {
 
@@ -210,6 +212,18 @@ Vector3<S> center_of_mass(const RobotModel& model, const RobotData<S>& data) {
   return (S(1.0) / mass) * moment;
 }
 
+namespace {
+
+/// First moment of mass of a load's unit about the centre of mass, in world axes.
+template <class S>
+Vector3<S> first_moment(const RobotModel& model, const RobotData<S>& data, const Load& load,
+                        const Inertia<S>& unit) {
+  const SE3<S> root = data.root_pose(model, load.body);
+  return root.R * unit.moment + unit.mass * (root.p - center_of_mass(model, data));
+}
+
+}  // namespace
+
 template <class S>
 void center_of_mass_jacobian(const RobotModel& model, const RobotData<S>& data, S* jacobian) {
   S mass(0.0);
@@ -233,6 +247,10 @@ void center_of_mass_jacobian(const RobotModel& model, const RobotData<S>& data, 
       put((data.composite[i] * e).linear);
     }
   }
+  for_each_load(model, data, [&](const Load& load, const Inertia<S>& unit) {
+    const Vector3<S> change = inverse * first_moment(model, data, load, unit);
+    for (int k = 0; k < 3; ++k) jacobian[3 * model.joints[load.parameter].v + k] += change[k];
+  });
 }
 
 template <class S>
@@ -298,6 +316,12 @@ void centroidal_momentum_derivatives(const RobotModel& model, RobotData<S>& data
       put(data.composite[i] * e, cross(e, data.momentum[i]));
     }
   }
+  for_each_load(model, data, [&](const Load& load, const Inertia<S>& unit) {
+    const SE3<S> root = data.root_pose(model, load.body);
+    Force<S> change = act(SE3<S>{root.R, root.p - com}, unit * data.v[load.body]);
+    change.angular += cross(linear, inverse * first_moment(model, data, load, unit));
+    for (int k = 0; k < 6; ++k) wrt_q[6 * model.joints[load.parameter].v + k] += change[k];
+  });
 }
 
 #define CONDDP_INSTANTIATE(S)                                                                     \

@@ -1,6 +1,7 @@
 #include "robot/inverse_dynamics_gradient.hpp"
 
 #include "robot/body_forces.hpp"
+#include "robot/loads.hpp"
 
 namespace conddp {
 
@@ -94,6 +95,7 @@ void inverse_dynamics_gradient(const RobotModel& model, const S* v, const S* w, 
     out.wrt_v[joint.v] = rate_of;
     out.wrt_a[joint.v] = a;
   }
+  add_load_gradients(model, data, out.virtual_velocity, out.wrt_q.data());
 }
 
 #define CONDDP_INSTANTIATE(S)                                                                   \

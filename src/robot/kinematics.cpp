@@ -1,5 +1,7 @@
 #include "robot/kinematics.hpp"
 
+#include "robot/loads.hpp"
+
 namespace conddp {
 namespace {
 
@@ -97,17 +99,10 @@ void update_derivative_columns(const RobotModel& model, RobotData<S>& data) {
 template <class S>
 void update_composite_inertias(const RobotModel& model, RobotData<S>& data) {
   for (int i = 0; i < model.joint_count(); ++i) {
-    const Joint& joint = model.joints[i];
-    if (joint.type == JointType::floating) {
-      const Inertia<double>& y = joint.inertia;
-      const Symmetric3<double>& j = y.rotational;
-      data.body[i] = {
-          S(y.mass), y.moment.cast<S>(), {S(j.xx), S(j.xy), S(j.xz), S(j.yy), S(j.yz), S(j.zz)}};
-    } else {
-      data.body[i] = act(data.placement[i], joint.inertia);
-    }
+    data.body[i] = inertia_in_root(model, data, i, model.joints[i].inertia);
     data.composite[i] = data.body[i];
   }
+  add_loads(model, data);
   for (int i = model.joint_count() - 1; i >= 0; --i) {
     const Joint& joint = model.joints[i];
     if (joint.parent >= 0) data.composite[joint.parent] += data.composite[i];

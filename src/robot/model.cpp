@@ -53,6 +53,12 @@ void RobotModel::finalize() {
   subtree_end = subtree_ends(parent_dof);
 }
 
+int RobotModel::add_parameter(const std::string& parameter_name) {
+  joints.push_back({.name = parameter_name, .type = JointType::parameter, .rotor_inertia = 1});
+  finalize();
+  return joint_count() - 1;
+}
+
 std::optional<int> RobotModel::find_joint(std::string_view joint_name) const {
   for (int i = 0; i < joint_count(); ++i)
     if (joints[i].name == joint_name) return i;

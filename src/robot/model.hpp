@@ -15,7 +15,10 @@ inline constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 /// Revolute and prismatic joints have one coordinate (rad or m) about or along +z of the joint's
 /// frame; a floating joint hangs on the world, has q = (position, quaternion x y z w) in the world
 /// and v = (linear, angular) in its own frame.
-enum class JointType { revolute, prismatic, floating };
+///
+/// A parameter is a number on which inertias depend (Load). It rests: to the kernels it is a slider
+/// at the world's origin, with the rotor inertia 1 and no mass, on which nothing acts.
+enum class JointType { revolute, prismatic, floating, parameter };
 
 /// A joint together with the body that it moves: body i hangs on joint i.
 struct Joint {
@@ -55,6 +58,13 @@ struct ExternalWrench {
   Force<double> wrench = Force<double>::zero();
 };
 
+/// What a body carries besides its own inertia: `unit` times the position of a parameter.
+struct Load {
+  int parameter = 0;                               ///< joint of that type
+  int body = 0;                                    ///< joint whose body carries it
+  Inertia<double> unit = Inertia<double>::zero();  ///< in that joint's frame
+};
+
 /// A joint that follows another one: q = multiplier·q_leader + offset.
 struct Mimic {
   int joint = 0;
@@ -75,6 +85,7 @@ class RobotModel {
   std::vector<Frame> frames;
   std::vector<ExternalWrench> wrenches;
   std::vector<Mimic> mimics;  ///< enforced ones only
+  std::vector<Load> loads;
   Vector3<double> gravity{0, 0, -9.81};
   int nq = 0;
   int nv = 0;
@@ -91,11 +102,14 @@ class RobotModel {
   /// std::logic_error where the order of joints is not depth first or a floating joint does not
   /// hang on the world.
   void finalize();
+  /// Appends a parameter behind all joints, and finalizes. Returns its joint.
+  int add_parameter(const std::string& parameter_name);
 
   int joint_count() const { return static_cast<int>(joints.size()); }
   std::optional<int> find_joint(std::string_view joint_name) const;
   /// A link's frame wins over a joint's of the same name.
   std::optional<int> find_frame(std::string_view frame_name) const;
+  /// Without loads.
   double total_mass() const;
   /// Zero angles, unit quaternions.
   std::vector<double> neutral_configuration() const;

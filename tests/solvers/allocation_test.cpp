@@ -171,11 +171,12 @@ TEST(Allocation, NoneWhereStepsAreImplicit) {
 }
 
 /// An arm whose tip stays on a plane, with costs of its contact's force and of a frame's position.
-ShootingProblem arm_on_a_plane() {
-  const auto robot = std::make_shared<RobotModel>(random_robot(5, {.joints = 5, .wrenches = 0}));
+ShootingProblem arm_on_a_plane(bool loaded) {
+  const RobotModel plain = random_robot(5, {.joints = 5, .wrenches = 0});
+  const auto robot = std::make_shared<RobotModel>(loaded ? loaded_robot(plain, 6) : plain);
   int tip = 0;
   for (int i = 0; i < static_cast<int>(robot->frames.size()); ++i)
-    if (robot->frames[i].joint == robot->joint_count() - 1) tip = i;
+    if (robot->frames[i].joint == plain.joint_count() - 1) tip = i;
   const auto system = std::make_shared<MultibodySystem>(
       robot, Actuation::full(*robot), PassiveForces{},
       std::vector<Contact>{
@@ -207,18 +208,20 @@ ShootingProblem arm_on_a_plane() {
 }
 
 TEST(Allocation, NoneWithExactHessiansOfARobotByParts) {
-  const ShootingProblem problem = arm_on_a_plane();
-  ASSERT_TRUE(known_by_parts(*problem.knot(0).model));
-  for (const char* solver : {"ddp", "fddp", "altro", "proxddp"}) {
-    SolverOptions options;
-    options.tolerances.stationarity = 1e-300;
-    options.max_iterations = 30;
-    options.hessian = HessianChoice::exact;
-    Trajectory guess = testing::constant_controls(problem, 0);
-    ASSERT_EQ(Evaluator(problem).simulate(guess), -1);
-    const Count count = count_allocations(problem, *find_solver(solver), guess, options);
-    EXPECT_GE(count.iterations, 3) << solver;
-    EXPECT_EQ(count.allocations, 0) << solver;
+  for (const bool loaded : {false, true}) {
+    const ShootingProblem problem = arm_on_a_plane(loaded);
+    ASSERT_TRUE(known_by_parts(*problem.knot(0).model));
+    for (const char* solver : {"ddp", "fddp", "altro", "proxddp"}) {
+      SolverOptions options;
+      options.tolerances.stationarity = 1e-300;
+      options.max_iterations = 30;
+      options.hessian = HessianChoice::exact;
+      Trajectory guess = testing::constant_controls(problem, 0);
+      ASSERT_EQ(Evaluator(problem).simulate(guess), -1);
+      const Count count = count_allocations(problem, *find_solver(solver), guess, options);
+      EXPECT_GE(count.iterations, 3) << solver;
+      EXPECT_EQ(count.allocations, 0) << solver;
+    }
   }
 }
 

@@ -98,6 +98,28 @@ RobotModel humanoid_like_robot(std::uint64_t seed) {
   return model;
 }
 
+RobotModel loaded_robot(RobotModel model, std::uint64_t seed) {
+  RandomNumbers random(seed);
+  const int last = model.joint_count() - 1;
+  const int first_parameter = model.add_parameter("load");
+  const int second_parameter = model.add_parameter("other");
+  const auto add = [&](int parameter, int body) {
+    const Inertia<double> y = random_inertia(random);
+    const Symmetric3<double>& j = y.rotational;
+    constexpr double kShare = 0.05;
+    const Inertia<double> unit{
+        kShare * y.mass,
+        kShare * y.moment,
+        {kShare * j.xx, kShare * j.xy, kShare * j.xz, kShare * j.yy, kShare * j.yz, kShare * j.zz}};
+    model.loads.push_back({parameter, body, unit});
+    for (int i = 0; i < 3; ++i) model.joints[body].inertia += unit;
+  };
+  add(first_parameter, 0);
+  add(second_parameter, last / 2);
+  add(first_parameter, last);
+  return model;
+}
+
 const std::vector<TestModel>& random_robots() {
   static const std::vector<TestModel> models = [] {
     std::vector<TestModel> m;
@@ -122,6 +144,12 @@ const std::vector<TestModel>& random_robots() {
     RobotModel tilted = random_robot(14, {.joints = 6, .floating = true});
     tilted.gravity = {1.5, -3.0, -8.0};
     add("tilted_gravity", std::move(tilted));
+    add("loaded_tree", loaded_robot(random_robot(15, {.joints = 8, .branching = 0.4}), 16));
+    add("loaded_floating_tree",
+        loaded_robot(random_robot(17, {.joints = 9, .floating = true, .branching = 0.4}), 18));
+    add("loaded_trees",
+        combine({loaded_robot(random_robot(19, {.joints = 4, .floating = true}), 20),
+                 loaded_robot(random_robot(21, {.joints = 3}), 22)}));
     return m;
   }();
   return models;
@@ -146,6 +174,8 @@ RobotState random_state(const RobotModel& model, RandomNumbers& random) {
     state.a[i] = random.uniform(-5, 5);
     state.tau[i] = random.uniform(-20, 20);
   }
+  for (const Joint& joint : model.joints)
+    if (joint.type == JointType::parameter) state.v[joint.v] = 0;
   return state;
 }
 

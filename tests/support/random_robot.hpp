@@ -26,13 +26,17 @@ RobotModel random_robot(std::uint64_t seed, const RandomRobotOptions& options);
 /// degrees of freedom.
 RobotModel humanoid_like_robot(std::uint64_t seed);
 
+/// The same robot with loads on its first and last body and another one in between, two of them of
+/// one parameter. At parameters from −3 all inertias are those of bodies.
+RobotModel loaded_robot(RobotModel model, std::uint64_t seed);
+
 struct TestModel {
   std::string name;
   RobotModel model;
 };
 
 /// Robots on which properties of the kernels are tested: chains and trees, bolted down and
-/// floating, with and without rotors and wrenches, two trees in one model.
+/// floating, with and without rotors, wrenches and loads, two trees in one model.
 const std::vector<TestModel>& random_robots();
 
 struct RobotState {
@@ -40,6 +44,7 @@ struct RobotState {
 };
 
 /// Any pose of the base, angles in ±3 rad, velocities in ±2, accelerations in ±5, forces in ±20.
+/// Parameters in ±3 rest.
 RobotState random_state(const RobotModel& model, RandomNumbers& random);
 
 }  // namespace conddp

@@ -40,6 +40,8 @@ std::string_view type_name(const Joint& joint) {
       return std::isfinite(joint.lower) || std::isfinite(joint.upper) ? "revolute" : "continuous";
     case JointType::prismatic:
       return "prismatic";
+    case JointType::parameter:
+      return "parameter";
     case JointType::floating:
       break;
   }

@@ -57,18 +57,11 @@ OrderedJson contact_json(const ContactSpec& contact, const Frame& frame) {
   return json;
 }
 
-/// The poses of the world and of all bodies. Returns mass times position, summed over the bodies.
-Vector3<double> append_bodies(const RobotModel& robot, const RobotData<double>& data,
-                              OrderedJson& poses) {
-  Vector3<double> moment = Vector3<double>::zero();
+/// The poses of the world and of all bodies.
+void append_bodies(const RobotModel& robot, const RobotData<double>& data, OrderedJson& poses) {
   append(poses, SE3<double>::identity());
-  for (int j = 0; j < robot.joint_count(); ++j) {
-    const SE3<double> body = data.root_pose(robot, j) * data.placement[j];
-    const Inertia<double>& inertia = robot.joints[j].inertia;
-    moment = moment + inertia.mass * body.p + body.R * inertia.moment;
-    append(poses, body);
-  }
-  return moment;
+  for (int j = 0; j < robot.joint_count(); ++j)
+    append(poses, data.root_pose(robot, j) * data.placement[j]);
 }
 
 }  // namespace
@@ -97,7 +90,9 @@ OrderedJson motion_scene(const ProblemSpec& spec, const BuiltProblem& built,
     const std::vector<double> q =
         system.expand_configuration({trajectory.x(k).data(), trajectory.x(k).data() + system.nq()});
     update_placements(robot, q.data(), data);
-    append(com, (1 / robot.total_mass()) * append_bodies(robot, data, poses));
+    update_composite_inertias(robot, data);
+    append(com, center_of_mass(robot, data));
+    append_bodies(robot, data, poses);
     for (const auto& [name, frame] : watched)
       append(paths[name], frame_placement(robot, data, frame).p);
     for (std::size_t i = 0; i < spec.contacts.size(); ++i) {

@@ -25,7 +25,8 @@ ComponentNames control_names(const Plant& plant) {
 }
 
 bool is_independent(const RobotModel& robot, int joint) {
-  if (robot.joints[joint].type == JointType::floating) return false;
+  const JointType type = robot.joints[joint].type;
+  if (type == JointType::floating || type == JointType::parameter) return false;
   return std::none_of(robot.mimics.begin(), robot.mimics.end(),
                       [&](const Mimic& mimic) { return mimic.joint == joint; });
 }
@@ -79,6 +80,9 @@ std::optional<int> find_joint(const RobotModel& robot, const Name& name, const s
   if (joint && is_independent(robot, *joint)) return joint;
   if (joint && robot.joints[*joint].type == JointType::floating)
     out.error(name.place, fmt::format("'{}' is the floating base, not a joint", full));
+  else if (joint && robot.joints[*joint].type == JointType::parameter)
+    out.error(name.place, fmt::format("'{}' is a parameter, not a joint", full),
+              name_hint(full, joint_names(robot), "joints"));
   else if (joint)
     out.error(name.place, fmt::format("the joint '{}' follows another one", full),
               "name the joint that it mimics, or write 'mimic: ignore'");

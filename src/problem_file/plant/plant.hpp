@@ -18,7 +18,7 @@ struct PlantPart {
   const RobotSpec* spec;
   std::string prefix;  ///< of its joints' and frames' names: "arm/", or empty
   int first_joint = 0;
-  int joint_count = 0;
+  int joint_count = 0;      ///< parameters do not count: they stand behind all parts
   std::string sha256 = {};  ///< of the URDF file
 };
 
@@ -92,7 +92,8 @@ struct Plant {
 /// The controls of the plant's actuators; of a variant's, other phases have the others.
 ComponentNames control_names(const Plant& plant);
 
-/// Whether a joint has a coordinate of its own: not a floating base, not a mimic joint.
+/// Whether a joint has a coordinate of its own: not a floating base, not a mimic joint, not a
+/// parameter.
 bool is_independent(const RobotModel& robot, int joint);
 
 /// The robot to which a joint belongs.

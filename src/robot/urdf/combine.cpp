@@ -52,6 +52,10 @@ void append(RobotModel tree, RobotModel& all) {
   append_changed(tree.frames, all.frames, [&](Frame& frame) { shift(frame.joint); });
   append_changed(tree.wrenches, all.wrenches,
                  [&](ExternalWrench& wrench) { wrench.frame += frames; });
+  append_changed(tree.loads, all.loads, [&](Load& load) {
+    shift(load.parameter);
+    shift(load.body);
+  });
   append_changed(tree.mimics, all.mimics, [&](Mimic& mimic) {
     shift(mimic.joint);
     shift(mimic.leader);

@@ -30,6 +30,16 @@ void add_floating_names(const Joint& joint, std::vector<Column>& q, std::vector<
   for (const char* axis : {"wx", "wy", "wz"}) v.push_back({joint.name + "/" + axis, "rad/s"});
 }
 
+/// Loads are masses.
+void add_parameter_names(const RobotModel& robot, int joint, std::vector<Column>& q,
+                         std::vector<Column>& v) {
+  const bool is_mass = std::any_of(robot.loads.begin(), robot.loads.end(),
+                                   [&](const Load& load) { return load.parameter == joint; });
+  const std::string& name = robot.joints[joint].name;
+  q.push_back({name, is_mass ? "kg" : "1", true});
+  v.push_back({name + "_rate", is_mass ? "kg/s" : "1/s", true});
+}
+
 std::vector<Column> state_names(const RobotModel& robot, const MimicMap& mimics) {
   std::vector<Column> q, v;
   for (int i = 0; i < robot.joint_count(); ++i) {
@@ -37,6 +47,10 @@ std::vector<Column> state_names(const RobotModel& robot, const MimicMap& mimics)
     const Joint& joint = robot.joints[i];
     if (joint.type == JointType::floating) {
       add_floating_names(joint, q, v);
+      continue;
+    }
+    if (joint.type == JointType::parameter) {
+      add_parameter_names(robot, i, q, v);
       continue;
     }
     const bool turns = joint.type == JointType::revolute;
@@ -51,6 +65,13 @@ const Mimic* find_mimic(const RobotModel& model, int joint) {
   for (const Mimic& mimic : model.mimics)
     if (mimic.joint == joint) return &mimic;
   return nullptr;
+}
+
+/// Whether a joint can be driven on its own.
+bool has_motor(const RobotModel& model, int joint) {
+  const JointType type = model.joints[joint].type;
+  return type != JointType::floating && type != JointType::parameter &&
+         find_mimic(model, joint) == nullptr;
 }
 
 /// Appends a control that acts as one joint's generalised force.
@@ -92,8 +113,7 @@ void add_thruster(const RobotModel& model, const Thruster& thruster, Actuation& 
 Actuation Actuation::full(const RobotModel& model) {
   Actuation actuation;
   for (int i = 0; i < model.joint_count(); ++i)
-    if (model.joints[i].type != JointType::floating && find_mimic(model, i) == nullptr)
-      add_joint(model, i, actuation);
+    if (has_motor(model, i)) add_joint(model, i, actuation);
   return actuation;
 }
 

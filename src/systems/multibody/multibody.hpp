@@ -53,7 +53,8 @@ struct PassiveForces {
 
 /// Rigid-body dynamics of a RobotModel: x = (q, v), a = M⁻¹ (B u + passive − bias).
 /// Columns are named base/x .. base/qw, q/<joint>, then base/vx .. base/wz, v/<joint>; u/<joint>
-/// or u/<thruster>.
+/// or u/<thruster>. A parameter of the robot is a column of its own name, and beside it its rate,
+/// <name>_rate; both are by_name_only.
 ///
 /// Where joints mimic others, x holds the independent joints alone. With v_full = G v the dynamics
 /// are Gᵀ M G a = Gᵀ (B u + passive − bias); damping and friction of mimic joints act too.
