@@ -5,7 +5,10 @@ namespace conddp {
 namespace {
 
 OrderedJson expand_payload(const PayloadSpec& payload) {
-  OrderedJson json = {{"mass", payload.mass}, {"com", expand_vector(payload.com)}};
+  const auto& parameter = payload.mass_parameter;
+  OrderedJson json = {
+      {"mass", parameter ? OrderedJson(parameter->value) : OrderedJson(payload.mass)},
+      {"com", expand_vector(payload.com)}};
   if (const auto& I = payload.inertia)
     json["inertia"] = {{"ixx", I->xx}, {"iyy", I->yy}, {"izz", I->zz},
                        {"ixy", I->xy}, {"ixz", I->xz}, {"iyz", I->yz}};
@@ -48,6 +51,7 @@ OrderedJson expand_robot(const RobotSpec& robot) {
     configurations[name.value] = expand_state(state);
   json["configurations"] = std::move(configurations);
   json["locked_joints"] = expand_numbers(robot.locked_joints);
+  json["parameters"] = expand_numbers(robot.parameters);
   OrderedJson payloads = OrderedJson::object();
   for (const PayloadSpec& payload : robot.payloads)
     payloads[payload.link.value] = expand_payload(payload);

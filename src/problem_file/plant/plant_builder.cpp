@@ -66,18 +66,25 @@ std::shared_ptr<RobotModel> load_robots(const ProblemSpec& spec, Plant& plant, D
   return std::make_shared<RobotModel>(combine(std::move(trees)));
 }
 
-std::shared_ptr<const System> make_multibody(const std::shared_ptr<RobotModel>& model,
-                                             const std::vector<PlantPart>& parts,
-                                             Diagnostics& out) {
-  add_external_wrenches(parts, *model, out);
-  const auto actuation = make_actuation(parts, *model, out);
-  const auto passive = make_passive_forces(parts, *model, out);
-  if (!actuation || !passive) return nullptr;
+/// Makes the system of a plant that has its parts. Without an error it is not null afterwards.
+void make_multibody(const std::shared_ptr<RobotModel>& model, Plant& plant, Diagnostics& out) {
+  add_external_wrenches(plant.parts, *model, out);
+  const int errors = out.error_count();
+  const std::vector<double> starts = add_parameters(plant.parts, *model, out);
+  if (out.error_count() > errors) return;
+  const auto actuation = make_actuation(plant.parts, *model, out);
+  const auto passive = make_passive_forces(plant.parts, *model, out);
+  if (!actuation || !passive) return;
   try {
-    return std::make_shared<MultibodySystem>(model, *actuation, *passive);
+    const auto system = std::make_shared<MultibodySystem>(model, *actuation, *passive);
+    plant.system = system;
+    if (starts.empty()) return;
+    plant.usual_state = system->manifold().neutral();
+    const int first = model->joint_count() - static_cast<int>(starts.size());
+    for (std::size_t i = 0; i < starts.size(); ++i)
+      plant.usual_state[*system->position_index(first + static_cast<int>(i))] = starts[i];
   } catch (const std::invalid_argument& e) {  // chains of mimic joints that cannot be resolved
-    out.error(parts.front().spec->place, e.what());
-    return nullptr;
+    out.error(plant.parts.front().spec->place, e.what());
   }
 }
 
@@ -88,7 +95,7 @@ std::optional<Plant> build_plant(const ProblemSpec& spec, Diagnostics& out) {
   Plant plant;
   const auto model = load_robots(spec, plant, out);
   if (!model) return std::nullopt;
-  plant.system = make_multibody(model, plant.parts, out);
+  make_multibody(model, plant, out);
   if (!plant.system || !check_mimic_limits(plant, out)) return std::nullopt;
   if (spec.stepping)
     plant.system = build_stepping(spec, plant, out);

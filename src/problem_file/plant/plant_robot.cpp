@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "base/files/sha256.hpp"
+#include "systems/expressions/scope.hpp"
 
 namespace conddp {
 namespace {
@@ -14,6 +15,7 @@ UrdfOptions urdf_options(const RobotSpec& spec, const std::string& prefix,
   UrdfOptions options;
   options.base = spec.base;
   for (const auto& [name, value] : spec.locked_joints) options.locked_joints[name.value] = value;
+  // A mass that is a parameter is none of the URDF's: it becomes a load.
   for (const PayloadSpec& payload : spec.payloads)
     options.payloads.push_back({payload.link.value, payload.mass, payload.com, payload.inertia});
   for (const auto& [name, value] : spec.rotor_inertia) options.rotor_inertia[name.value] = value;
@@ -98,6 +100,78 @@ void add_external_wrenches(const std::vector<PlantPart>& parts, RobotModel& mode
     for (const WrenchSpec& wrench : part.spec->external_wrenches)
       if (const auto frame = find_frame(model, wrench.frame, part.prefix, out))
         model.wrenches.push_back({*frame, wrench.wrench});
+}
+
+namespace {
+
+/// Adds parameters and loads to a model.
+class ParameterBuilder {
+ public:
+  ParameterBuilder(RobotModel& model, Diagnostics& out) : model_(model), out_(out) {}
+
+  void add(const PlantPart& part) {
+    for (const auto& [name, start] : part.spec->parameters) add_parameter(name, start);
+    for (const PayloadSpec& payload : part.spec->payloads)
+      if (payload.mass_parameter) add_load(payload, part.prefix);
+  }
+  const std::vector<double>& starts() const { return starts_; }
+
+ private:
+  void add_parameter(const Name& name, double start) {
+    const auto known = model_.find_joint(name.value);
+    if (known && model_.joints[*known].type == JointType::parameter) {
+      if (starts_[*known - first_] != start)
+        out_.error(name.place, fmt::format("another robot starts the parameter '{}' at {}",
+                                           name.value, starts_[*known - first_]));
+      return;
+    }
+    if (!is_name_of_column(name)) return;
+    model_.add_parameter(name.value);
+    starts_.push_back(start);
+  }
+
+  /// Whether a state can have a column of that name beside those of the joints.
+  bool is_name_of_column(const Name& name) const {
+    const int errors = out_.error_count();
+    if (std::string defect = ExpressionScope().defect_of(name.value); !defect.empty())
+      out_.error(name.place, std::move(defect));
+    else if (std::ranges::find(kTaken, name.value) != std::end(kTaken) ||
+             model_.find_joint(name.value) || model_.find_frame(name.value))
+      out_.error(name.place, fmt::format("the robot has a name '{}' already", name.value),
+                 "parameters have names that joints, links and columns of the state do not have");
+    return out_.error_count() == errors;
+  }
+
+  void add_load(const PayloadSpec& payload, const std::string& prefix) {
+    const Name& name = *payload.mass_parameter;
+    const auto parameter = model_.find_joint(name.value);
+    const auto link = model_.find_frame(prefix + payload.link.value);
+    if (!parameter || !link) return;  // that has been reported
+    if (const double start = starts_[*parameter - first_]; start < 0)
+      out_.error(name.place, fmt::format("the mass '{}' starts at {} kg", name.value, start),
+                 "masses are not negative");
+    const Frame& frame = model_.frames[*link];
+    if (frame.joint < 0) return;
+    const Inertia<double> unit = inertia_about_origin(1.0, payload.com, Symmetric3<double>::zero());
+    model_.loads.push_back({*parameter, frame.joint, act(frame.placement, unit)});
+  }
+
+  /// Names and groups of columns, and what expressions have besides.
+  static constexpr std::string_view kTaken[] = {"q", "v", "u", "t", "base", "previous"};
+
+  RobotModel& model_;
+  Diagnostics& out_;
+  const int first_ = model_.joint_count();
+  std::vector<double> starts_;
+};
+
+}  // namespace
+
+std::vector<double> add_parameters(const std::vector<PlantPart>& parts, RobotModel& model,
+                                   Diagnostics& out) {
+  ParameterBuilder builder(model, out);
+  for (const PlantPart& part : parts) builder.add(part);
+  return builder.starts();
 }
 
 namespace {

@@ -12,6 +12,11 @@ std::optional<RobotModel> load_robot(const RobotSpec& spec, const std::string& p
                                      Diagnostics& out);
 void add_external_wrenches(const std::vector<PlantPart>& parts, RobotModel& model,
                            Diagnostics& out);
+/// Adds the parameters of robots and the loads that they are of, and reports names that mean
+/// something else. Robots that name the same parameter share it. Their starts are in the order of
+/// the model's parameters.
+std::vector<double> add_parameters(const std::vector<PlantPart>& parts, RobotModel& model,
+                                   Diagnostics& out);
 std::optional<Actuation> make_actuation(const std::vector<PlantPart>& parts,
                                         const RobotModel& model, Diagnostics& out);
 /// Clears the damping and friction of robots that do not ask for them.

@@ -82,6 +82,11 @@ void check_terms(const ProblemSpec& spec, Diagnostics& out) {
 }
 
 void check_frozen_keys(const ProblemSpec& spec, Diagnostics& out) {
+  for (const RobotSpec& robot : spec.robots)
+    for (const auto& parameter : robot.parameters)
+      out.error(parameter.first.place,
+                "contact-implicit problems do not support parameters of robots",
+                "write a number as the mass of the payload");
   for (const PhaseSpec& phase : spec.phases)
     if (phase.restitution || phase.contacts.any())
       out.error(phase.name.place, "contacts of a contact-implicit problem are not named by phases",

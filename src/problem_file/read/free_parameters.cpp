@@ -1,6 +1,7 @@
 #include "problem_file/read/free_parameters.hpp"
 
 #include <algorithm>
+#include <iterator>
 
 #include <fmt/format.h>
 
@@ -33,11 +34,15 @@ class FreeParameterPlacer {
 
   /// False where there is no system that could have it.
   bool place() {
+    if (add_to_robots()) {
+      add_to_choice("*");
+      return true;
+    }
     if (!add_to_systems()) return false;
     add_to_initial_state();
     add_to_keyframes();
     check_jumps();
-    add_to_choice();
+    add_to_choice("all");
     return true;
   }
 
@@ -65,6 +70,50 @@ class FreeParameterPlacer {
     return found != map.entries.end() ? &*found : nullptr;
   }
 
+  /// A robot's node and its path.
+  using Robot = std::pair<YamlNode*, std::string>;
+
+  std::vector<Robot> robots() const {
+    std::vector<Robot> all;
+    if (YamlNode* robot = find_part(root_, "robot")) all.emplace_back(robot, "robot");
+    if (YamlNode* named = find_part(root_, "robots"))
+      for (YamlNode::Entry& entry : named->entries)
+        all.emplace_back(&entry.value, "robots." + entry.key);
+    return all;
+  }
+
+  /// States of robots start where their parameters do. False where there is no robot.
+  bool add_to_robots() const {
+    const std::vector<Robot> all = robots();
+    if (all.empty()) return false;
+    std::vector<Robot> carriers;
+    std::ranges::copy_if(all, std::back_inserter(carriers),
+                         [&](const Robot& robot) { return carries(*robot.first); });
+    if (!carriers.empty() && parameter_.lower < 0)
+      fail(fmt::format("the mass '{}' may be {} kg", name(), parameter_.lower),
+           "the lower bound of a mass is at least 0");
+    if (carriers.empty()) carriers = {all.front()};
+    for (const auto& [robot, path] : carriers) add_to_robot(*robot, path);
+    return true;
+  }
+
+  /// Whether the parameter is the mass of one of the robot's payloads.
+  bool carries(YamlNode& robot) const {
+    const YamlNode* payloads = find_part(robot, "payloads");
+    return payloads != nullptr && std::ranges::any_of(payloads->entries, [&](const auto& payload) {
+             const YamlNode* mass = payload.value.find("mass");
+             return mass != nullptr && mass->text == name();
+           });
+  }
+
+  /// What is no mapping is left to its reader.
+  void add_to_robot(YamlNode& robot, const std::string& path) const {
+    if (robot.kind != YamlNode::Kind::kMap) return;
+    YamlNode& parameters = map_part(robot, "parameters");
+    if (parameters.kind == YamlNode::Kind::kMap)
+      add(parameters, parameter_.start, path + ".parameters");
+  }
+
   bool add_to_systems() const {
     bool all = false;
     if (YamlNode* system = find_part(root_, "system")) all = add_to_system(*system, "system");
@@ -74,10 +123,10 @@ class FreeParameterPlacer {
         all &= add_to_system(entry.value, "systems." + entry.key);
     }
     if (!all)
-      fail(fmt::format("'{}' is free, and free parameters are those of equations of first order "
-                       "or of differences",
+      fail(fmt::format("'{}' is free, and free parameters are those of robots and of equations of "
+                       "first order or of differences",
                        name()),
-           "they need 'system: {states, controls, rate}' or '{states, controls, next}'");
+           "they need 'robot', 'system: {states, controls, rate}' or '{states, controls, next}'");
     return all;
   }
 
@@ -133,7 +182,8 @@ class FreeParameterPlacer {
     }
   }
 
-  void add_to_choice() const {
+  /// `all`: how a list names all that 'all' means.
+  void add_to_choice(const char* all) const {
     YamlNode* phases = find_part(root_, "phases");
     YamlNode* first = phases != nullptr && !phases->items.empty() ? &phases->items[0] : nullptr;
     YamlNode* choose = first != nullptr ? find_part(*first, "choose") : nullptr;
@@ -141,23 +191,22 @@ class FreeParameterPlacer {
       return fail(
           fmt::format("'{}' is chosen in a first phase without time, and there is none", name()),
           "write '- {choose: none}' as the first of the phases");
-    add_coordinate(*choose);
+    add_coordinate(*choose, all);
     bound(*first, "lower", parameter_.lower - parameter_.start);
     bound(*first, "upper", parameter_.upper - parameter_.start);
   }
 
-  /// `all` has it already.
-  void add_coordinate(YamlNode& choose) const {
+  /// Where systems have it as a state, 'all' has it already.
+  void add_coordinate(YamlNode& choose, const char* all) const {
     const YamlNode own = scalar_node(name(), mark());
     const auto is_own = [&](const YamlNode& node) { return node.text == name(); };
     if (is_own(choose) || std::ranges::any_of(choose.items, is_own)) return;
-    if (choose.kind == YamlNode::Kind::kSequence) {
-      choose.items.push_back(own);
-    } else if (choose.text != "all") {
-      std::vector<YamlNode> names{own};
-      if (choose.text != "none") names.insert(names.begin(), choose);
-      choose = {.kind = YamlNode::Kind::kSequence, .mark = choose.mark, .items = std::move(names)};
-    }
+    if (choose.kind == YamlNode::Kind::kSequence) return choose.items.push_back(own);
+    if (choose.text == "all") choose.text = all;
+    if (choose.text == "all") return;
+    std::vector<YamlNode> names{own};
+    if (choose.text != "none") names.insert(names.begin(), choose);
+    choose = {.kind = YamlNode::Kind::kSequence, .mark = choose.mark, .items = std::move(names)};
   }
 
   /// How far it may move from where it starts.
@@ -178,7 +227,8 @@ bool is_on(const YamlNode::Entry& entry, std::string_view key, std::string_view 
   return entry.key == key && entry.value.text == what;
 }
 
-/// Looks where free parameters, which are states, would be among the states that something is on.
+/// Looks where free parameters, which are states of systems, would be among the states that
+/// something is on. Those of robots are by_name_only.
 class StatePatterns {
  public:
   StatePatterns(const std::vector<FreeParameter>& parameters, Diagnostics& out)
@@ -279,12 +329,19 @@ std::optional<FreeParameter> read_free_parameter(const Name& name, const YamlRea
   return std::nullopt;
 }
 
+bool is_mass_of_payload(std::string_view path) {
+  const bool of_robot = path.starts_with("robot.payloads.") ||
+                        (path.starts_with("robots.") && path.find(".payloads.") != path.npos);
+  return of_robot && path.ends_with(".mass");
+}
+
 void place_free_parameters(const std::vector<FreeParameter>& parameters, YamlNode& root,
                            Diagnostics& out) {
   for (const FreeParameter& parameter : parameters)
     if (!FreeParameterPlacer(parameter, root, out).place()) return;
   if (parameters.empty()) return;
-  StatePatterns(parameters, out).check(root, "");
+  const bool of_robots = find_part(root, "robot") || find_part(root, "robots");
+  if (!of_robots) StatePatterns(parameters, out).check(root, "");
   check_terminal_lqr(root, out);
 }
 

@@ -16,10 +16,14 @@ struct FreeParameter {
 /// with an error.
 std::optional<FreeParameter> read_free_parameter(const Name& name, const YamlReader& reader);
 
+/// Whether a path of a document leads to the mass of a payload.
+bool is_mass_of_payload(std::string_view path);
+
 /// Writes free parameters into a document as what they are: states that stay as they are and are
 /// chosen at the beginning. Each becomes a state of every system, with the rate 0 or itself as next
-/// value, starts in the initial state, and is a coordinate of the first phase, which chooses.
-/// Reports what excludes free parameters.
+/// value, and starts in the initial state; or a parameter of every robot of which a payload has its
+/// name as mass, of the first one where none has. It is a coordinate of the first phase, which
+/// chooses. Reports what excludes free parameters.
 void place_free_parameters(const std::vector<FreeParameter>& parameters, YamlNode& root,
                            Diagnostics& out);
 

@@ -87,7 +87,19 @@ class ParameterPlacer {
     scope_.add(name, std::move(value));
   }
 
+  /// Whether a formula is a free parameter alone, and what stands there may be one.
+  bool is_free_mass(const std::string& formula, const std::string& path) const {
+    return is_mass_of_payload(path) && std::ranges::any_of(free_, [&](const FreeParameter& free) {
+             return free.name.value == formula;
+           });
+  }
+
   void put_value(YamlNode& node, const std::string& path) {
+    const std::size_t first = std::min(node.text.find_first_not_of(' ', 1), node.text.size());
+    if (const std::string name = node.text.substr(first); is_free_mass(name, path)) {
+      node = {.kind = YamlNode::Kind::kScalar, .mark = node.mark, .text = name};
+      return;
+    }
     const ExpressionText text{node.text, {node.mark, path}, node.quoted};
     ParsedExpression parsed = parse_expression(node.text.substr(1), scope_, graph_);
     if (!parsed.value) {
@@ -100,7 +112,8 @@ class ParameterPlacer {
     for (const NodeId id : value.nodes)
       if (!graph_.constant_of(id))
         return out_.error(text.place, "this depends on a free parameter, which the solver chooses",
-                          "expressions have free parameters: equations, and rows of residuals");
+                          "expressions have free parameters: equations, and rows of residuals; of "
+                          "robots the masses of payloads, as 'mass: =load'");
     if (value.is_number()) {
       node = number_node(*graph_.constant_of(value.nodes[0]), node.mark);
       return;

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "problem_file/read/read_sections.hpp"
@@ -19,10 +21,24 @@ std::optional<Symmetric3<double>> read_inertia(const YamlReader& reader) {
   return Symmetric3<double>{xx, xy, xz, yy, yz, zz};
 }
 
-PayloadSpec read_payload(const Name& link, const YamlReader& reader) {
+/// A number, or the name of one of the robot's parameters.
+void read_mass(const YamlReader& reader, const NamedNumbers& parameters, PayloadSpec& payload) {
+  const std::string& text = reader.node().text;
+  const bool is_parameter =
+      reader.is_scalar() && std::ranges::any_of(parameters, [&](const auto& parameter) {
+        return parameter.first.value == text;
+      });
+  if (is_parameter)
+    payload.mass_parameter = Name{text, reader.place()};
+  else
+    payload.mass = reader.number(kPositive).value_or(0);
+}
+
+PayloadSpec read_payload(const Name& link, const YamlReader& reader,
+                         const NamedNumbers& parameters) {
   PayloadSpec payload{.link = link};
   YamlMap map(reader);
-  if (const auto r = map.require("mass")) payload.mass = r->number(kPositive).value_or(0);
+  if (const auto r = map.require("mass")) read_mass(*r, parameters, payload);
   read_vector3(map, "com", "[x, y, z] in m", payload.com);
   map.read("inertia", payload.inertia, read_inertia);
   return payload;
@@ -83,8 +99,9 @@ void read_body(YamlMap& map, const std::filesystem::path& folder, RobotSpec& rob
 /// What changes the URDF's masses and what acts on the robot.
 void read_loads(YamlMap& map, RobotSpec& robot) {
   if (const auto r = map.find("locked_joints")) robot.locked_joints = read_named_numbers(*r);
+  if (const auto r = map.find("parameters")) robot.parameters = read_named_numbers(*r);
   for_each_entry(map, "payloads", [&](const Name& name, const YamlReader& value) {
-    robot.payloads.push_back(read_payload(name, value));
+    robot.payloads.push_back(read_payload(name, value, robot.parameters));
   });
   for_each_item(map, "external_wrenches", [&](const YamlReader& item) {
     robot.external_wrenches.push_back(read_wrench(item));

@@ -17,6 +17,7 @@ namespace conddp {
 struct PayloadSpec {
   Name link;
   double mass = 0;                                ///< kg
+  std::optional<Name> mass_parameter;             ///< of the robot, in the place of a number
   Vector3<double> com = Vector3<double>::zero();  ///< m, in the link's frame
   std::optional<Symmetric3<double>> inertia;      ///< kg m² about the centre of mass
 };
@@ -58,6 +59,7 @@ struct RobotSpec {
   std::optional<PoseSpec> placement;
   std::vector<std::pair<Name, StateSpec>> configurations;
   NamedNumbers locked_joints;  ///< rad or m
+  NamedNumbers parameters;     ///< states that rest, and where they start
   std::vector<PayloadSpec> payloads;
   std::vector<WrenchSpec> external_wrenches;
   NamedNumbers rotor_inertia;  ///< kg m² or kg
