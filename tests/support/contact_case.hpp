@@ -28,6 +28,7 @@ inline std::vector<ContactCase> contact_cases() {
   }
   for (const TestRobot& robot : five_robots())
     robots.push_back({"our_" + robot.name, *load(robot)});
+  robots.push_back({"loaded_mimic", loaded_robot(mimic_robots().front().model, 23)});
   RandomNumbers random(17);
   std::vector<ContactCase> cases;
   for (const TestModel& r : robots) {
