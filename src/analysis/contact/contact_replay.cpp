@@ -129,7 +129,7 @@ ContactReplay replay_contacts(const ContactMotion& motion,
   replay.controls = player.run(1, false, false);
   replay.controls_fine = player.run(substeps, false, false);
   const bool has_gains =
-      static_cast<int>(gains.size()) == motion.steps() &&
+      static_cast<int>(gains.size()) == motion.first_knot + motion.steps() &&
       std::any_of(gains.begin(), gains.end(), [](const auto& K) { return !K.isZero(0); });
   if (has_gains) replay.feedback_fine = player.run(substeps, false, true);
   return replay;

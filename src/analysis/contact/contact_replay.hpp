@@ -23,7 +23,8 @@ struct ContactReplay {
   std::optional<ReplayRun> feedback_fine;  ///< with gains, where the answer has some
 };
 
-/// Gains are of all controls of a step, of which the actuators' rows count: K, nu x ndx a step.
+/// Gains are of all knots of the problem and all controls of a step, of which the actuators' rows
+/// count: K, nu x ndx a knot.
 ContactReplay replay_contacts(const ContactMotion& motion,
                               const std::vector<Eigen::MatrixXd>& gains, int substeps = 10);
 
