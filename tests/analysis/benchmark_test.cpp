@@ -4,6 +4,7 @@
 
 #include "analysis/comparison/performance_profile.hpp"
 #include "analysis/comparison/random_instance.hpp"
+#include "support/constrained_problems.hpp"
 #include "support/small_problems.hpp"
 
 namespace conddp {
@@ -69,6 +70,96 @@ TEST(Benchmark, RefusalsAndFailuresHaveTheirStatus) {
   EXPECT_EQ(failed.status, "max_iterations");
   EXPECT_FALSE(failed.solved);
   EXPECT_GT(failed.check.stationarity, 1e-6);
+}
+
+/// What a solver that only pretends to solve says of two steps x⁺ = x + u from 0 with ½ ‖u‖², which
+/// have to end at 0 at most.
+struct Pretended {
+  double push = 0;    ///< first control: the stationarity
+  double jump = 0;    ///< gap of the first step
+  double beyond = 0;  ///< violation at the end, reached by a control that is undone by no cost
+  SolveStatus status = SolveStatus::converged;
+  std::vector<SolveTimes> times = {{}};  ///< of one solve after the other, the last one for ever
+};
+
+BenchmarkRun run_of(const Pretended& pretended, int repeat = 0) {
+  const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(1, 1);
+  const ShootingProblem free = testing::tracking_problem(
+      linear_system(one, one, Eigen::VectorXd::Constant(1, pretended.beyond / 2)),
+      Integrator::discrete, 2, 1, {0}, {{0}, {0}, {1}, {0}});
+  const ShootingProblem problem =
+      testing::with_constraints(free, {{.name = "end",
+                                        .residual = state_residual(free.manifold()),
+                                        .reference = {0},
+                                        .lower = {-testing::kFree},
+                                        .upper = {0},
+                                        .first = 2,
+                                        .last = 2}});
+  std::size_t calls = 0;
+  const SolverInfo solver{
+      .name = "pretender",
+      .constraints = ConstraintSupport::all,
+      .run = [&](const ShootingProblem& of, const SolverOptions&, const Trajectory&) {
+        SolveResult result(of);
+        const double drift = pretended.beyond / 2;
+        result.trajectory.u(0)[0] = pretended.push;
+        result.trajectory.u(1)[0] = -pretended.push;
+        result.trajectory.x(1)[0] = drift + pretended.push - pretended.jump;
+        result.trajectory.x(2)[0] = 2 * drift - pretended.jump;
+        result.status = pretended.status;
+        result.residuals = {.stationarity = 1, .gap = 2, .constraint = 3};
+        result.iterations = 2;
+        for (const int sweeps : {5, 0, 3}) result.log.push_back({.sweeps = sweeps});
+        result.times = pretended.times[std::min(calls++, pretended.times.size() - 1)];
+        return result;
+      }};
+  Trajectory answer = problem.create_trajectory();
+  const BenchmarkRun run =
+      run_benchmark(problem, problem.create_trajectory(), solver, {}, {.count = repeat}, &answer);
+  EXPECT_EQ(answer.u(0)[0], pretended.push);
+  EXPECT_EQ(run.sweeps, 4) << "at least one an iteration";
+  EXPECT_EQ(run.iterations, 2);
+  EXPECT_EQ(run.claimed.gap, 2);
+  return run;
+}
+
+// Ten times the tolerance is left to a check that goes along another policy.
+TEST(Benchmark, AnAnswerIsSolvedWhereTheCheckConfirmsAllOfIt) {
+  EXPECT_TRUE(run_of({}).solved);
+  for (double Pretended::*residual : {&Pretended::push, &Pretended::jump, &Pretended::beyond}) {
+    const double tolerance = residual == &Pretended::jump ? 1e-9 : 1e-6;
+    Pretended good, bad;
+    good.*residual = 9 * tolerance;
+    bad.*residual = 11 * tolerance;
+    EXPECT_TRUE(run_of(good).solved) << tolerance;
+    const BenchmarkRun run = run_of(bad);
+    EXPECT_FALSE(run.solved) << tolerance;
+    EXPECT_FALSE(run.kept_word());
+    EXPECT_NE(run.message.find("called converged, but the check finds"), std::string::npos);
+    bad.status = SolveStatus::max_iterations;
+    EXPECT_TRUE(run_of(bad).kept_word());
+  }
+  EXPECT_FALSE(run_of({.status = SolveStatus::cost_settled}).solved);
+}
+
+TEST(Benchmark, TimesAreThoseOfTheSolvesBehindTheFirstAndTheirMediansPartByPart) {
+  Pretended pretended;
+  pretended.times = {{.total = 9, .evaluate = 9, .differentiate = 9, .sweep = 9, .rollout = 9},
+                     {.total = 1, .evaluate = 2, .differentiate = 6, .sweep = 7, .rollout = 3},
+                     {.total = 5, .evaluate = 4, .differentiate = 5, .sweep = 2, .rollout = 2},
+                     {.total = 2, .evaluate = 3, .differentiate = 4, .sweep = 1, .rollout = 1}};
+  const BenchmarkRun run = run_of(pretended, 3);
+  EXPECT_EQ(run.times, (std::vector<double>{1, 5, 2}));
+  EXPECT_EQ(run.median.total, 2);
+  EXPECT_EQ(run.median.evaluate, 3);
+  EXPECT_EQ(run.median.differentiate, 5);
+  EXPECT_EQ(run.median.sweep, 2);
+  EXPECT_EQ(run.median.rollout, 2);
+  EXPECT_EQ(run.spread(), 2);
+  for (const SolveStatus status : {SolveStatus::time_limit, SolveStatus::interrupted}) {
+    pretended.status = status;
+    EXPECT_EQ(run_of(pretended, 3).times, std::vector<double>{9}) << "is not repeated";
+  }
 }
 
 TEST(Benchmark, MedianOfAnEvenNumberIsTheMeanOfTheMiddleTwo) {

@@ -176,6 +176,56 @@ TEST(CertificateOfConstraints, ConvergedNeedsTheComplementarityThatIsFound) {
   EXPECT_EQ(failures(certify(problem, claims)), "[status]");
 }
 
+// Only an answer that has diverged may leave figures open, and its gradient is not looked at where
+// rounding leaves nothing of it.
+TEST(Certificate, FiguresAreOpenWhereTheAnswerHasDivergedAlone) {
+  const ShootingProblem problem = one_step({0}, ConstraintKind::bounds, {1, 1});
+  const SolutionClaims good = claims_of(problem, vector({1}), vector({-1}), 0.5);
+  const std::pair<double SolutionClaims::*, std::string> figures[] = {
+      {&SolutionClaims::cost, "[cost]"},
+      {&SolutionClaims::gap, "[gap]"},
+      {&SolutionClaims::constraint, "[constraint violation]"},
+      {&SolutionClaims::complementarity, "[complementarity]"},
+      {&SolutionClaims::stationarity, "[stationarity]"}};
+  for (const auto& [figure, name] : figures) {
+    SolutionClaims claims = good;
+    claims.converged = false;
+    claims.*figure = SolutionClaims::kOpen;
+    claims.status = "max_iterations";
+    if (name == "[cost]") claims.stationarity = claims.tolerances.stationarity;  // no convergence
+    const std::string found = failures(certify(problem, claims));
+    EXPECT_NE(found.find(name), std::string::npos) << found;
+    claims.status = "diverged";
+    EXPECT_EQ(failures(certify(problem, claims)).find(name), std::string::npos) << name;
+  }
+  SolutionClaims wild = good;
+  wild.converged = false;
+  wild.status = "diverged";
+  for (const double stationarity : {1e15, 1e17}) {
+    wild.stationarity = stationarity;
+    EXPECT_EQ(failures(certify(problem, wild)), stationarity < 1e16 ? "[stationarity]" : "");
+  }
+}
+
+TEST(Certificate, TimesAndTheInitialStateAreComparedEntryByEntry) {
+  const ShootingProblem problem = one_step({0, 0}, ConstraintKind::bounds, {1, 1, 1, 1});
+  const SolutionClaims good = claims_of(problem, vector({1, 1}), vector({-1, -1}), 1);
+  EXPECT_EQ(failures(certify(problem, good)), "");
+  for (const int node : {0, 1}) {
+    SolutionClaims claims = good;
+    claims.times[node] += 1e-11;
+    EXPECT_EQ(failures(certify(problem, claims)), "[times]") << node;
+    claims.times[node] = good.times[node] + 1e-13;
+    EXPECT_EQ(failures(certify(problem, claims)), "") << node;
+  }
+  for (const int entry : {0, 1}) {
+    SolutionClaims claims = good;
+    claims.trajectory.x(0)[entry] = 1e-6;
+    const std::string found = failures(certify(problem, claims));
+    EXPECT_NE(found.find("[initial state]"), std::string::npos) << found;
+  }
+}
+
 /// x⁺ = x + (u, 0): no control says what the second co-state is.
 TEST(CertificateOfCostates, ConvergedNeedsThoseOfOtherGains) {
   const auto system = linear_system(Eigen::MatrixXd::Identity(2, 2), Eigen::Vector2d(1, 0),

@@ -110,6 +110,57 @@ TEST(ContactCertificate, StopsAndDryFriction) {
   EXPECT_NE(failures(motion).find("[contact friction]"), std::string::npos) << failures(motion);
 }
 
+// Of a plant of 1 kg: figures at their tolerances hold, and no larger ones.
+TEST(ContactCertificate, FiguresHoldUpToTheirTolerance) {
+  const ContactMotion motion = thrown_block();
+  const SolverOptions::Tolerances tight{.gap = 0, .constraint = 0},
+      loose{.gap = 1e-6, .constraint = 2e-5};
+  const double weight = impulse_scale(motion.plant, 1), slack = 2e-5;
+  const struct {
+    WorstFigure ContactMeasures::*figure;
+    const char* name;
+    double tight, loose;
+  } figures[] = {
+      {&ContactMeasures::stepping, "contact stepping", 1e-8, (slack + 1e-6 / 0.01) / weight},
+      {&ContactMeasures::complementarity, "contact complementarity", 1e-6, slack},
+      {&ContactMeasures::penetration, "contact penetration", 1e-6, slack},
+      {&ContactMeasures::signs, "contact pull", 1e-6, slack},
+      {&ContactMeasures::friction, "contact friction", 1e-6, slack},
+      {&ContactMeasures::cone, "contact friction cone", 1e-6, slack},
+      {&ContactMeasures::dissipation, "contact dissipation", 2e-6, 2 * slack},
+      {&ContactMeasures::distant, "force at a distance", 1e-4, 1e-4}};
+  for (const auto& [figure, name, least, more] : figures)
+    for (const bool is_loose : {false, true}) {
+      const double tolerance = is_loose ? more : least;
+      const auto judged = [&](double value) {
+        ContactMeasures measures;
+        (measures.*figure).meet(value, 7, "ball");
+        for (const Check& check : contact_checks(motion, measures, is_loose ? loose : tight,
+                                                 [](int knot, const std::string&what) {
+                                                   return what + " at " + std::to_string(knot);
+                                                 })) {
+          if (check.name != name) {
+            EXPECT_TRUE(check.holds) << check.name;
+            continue;
+          }
+          EXPECT_EQ(check.found, value);
+          EXPECT_NEAR(check.tolerance, tolerance, 1e-12 * tolerance) << name;
+          EXPECT_EQ(check.place, check.holds ? "" : "ball at 7");
+          return check.holds;
+        }
+        ADD_FAILURE() << "there is no check " << name;
+        return false;
+      };
+      EXPECT_TRUE(judged(tolerance * (1 - 1e-12))) << name;
+      EXPECT_FALSE(judged(tolerance * (1 + 1e-12))) << name;
+    }
+  // To the bit where the tolerance is a number that is written down.
+  ContactMeasures exact;
+  exact.distant.meet(1e-4, 7, "ball");
+  exact.penetration.meet(1e-6, 7, "ball");
+  for (const Check& check : contact_checks(motion, exact, tight, {})) EXPECT_TRUE(check.holds);
+}
+
 TEST(ContactCertificate, NumbersThatAreMissingFail) {
   ContactMotion motion = thrown_block();
   motion.forces[3].contact(0, 0) = std::numeric_limits<double>::quiet_NaN();

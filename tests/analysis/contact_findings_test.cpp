@@ -129,6 +129,11 @@ TEST(Impulses, HaveADemandAndAPullInNewtonSeconds) {
   ASSERT_EQ(pull.size(), 1u);
   EXPECT_NEAR(pull[0].value, 3, 1e-9);
   EXPECT_EQ(pull[0].unit, "Ns");
+  // A thousandth of the momentum of 4 kg at 1 m/s.
+  motion.x(0) << 0, 0, 0, 0, 0, 0.0021;
+  EXPECT_EQ(found_in_contacts(problem, motion, FindingKind::pull).size(), 1u);
+  motion.x(0) << 0, 0, 0, 0, 0, 0.0019;
+  EXPECT_TRUE(found_in_contacts(problem, motion, FindingKind::pull).empty());
 }
 
 /// The drift of a block that is held from the first knot on.
@@ -156,6 +161,10 @@ TEST(Drift, IsTheLongestWayFromWhereTheStanceBegan) {
   ASSERT_EQ(stiff.size(), 1u);
   EXPECT_TRUE(mentions(stiff[0], "smaller dt")) << stiff[0].remedy;
   EXPECT_TRUE(drift_of({.name = "grip"}, {{0, 0, 0}, {0, 0.0009, 0}}).empty());
+  // There and back beyond the start: from knot to knot it is further.
+  const auto back = drift_of({.name = "grip"}, {{0, 0, 0}, {0, 0.005, 0}, {0, -0.004, 0}});
+  ASSERT_EQ(back.size(), 1u);
+  EXPECT_NEAR(back[0].value, 0.005, 1e-12);
 }
 
 TEST(Drift, CountsAlongTheDirectionsThatAreHeld) {
@@ -219,6 +228,12 @@ TEST(RedundantContacts, AreTheRowsBeyondTheIndependentOnes) {
   EXPECT_EQ(found[0].value, 1);
   EXPECT_EQ(found[0].knot, 2);
   EXPECT_TRUE(mentions(found[0], "of all 4 rows 3 are independent")) << found[0].message;
+  const ShootingProblem from_the_start = block_problem({block_phase(
+      block_system({{.name = "grip"}, {.name = "rest", .kind = ContactKind::normal}}), 2)});
+  const auto first = found_in_contacts(from_the_start, from_the_start.create_trajectory(),
+                                       FindingKind::redundant_contacts);
+  ASSERT_EQ(first.size(), 1u);
+  EXPECT_EQ(first[0].knot, 0);
 }
 
 }  // namespace

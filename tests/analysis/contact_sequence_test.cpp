@@ -1,5 +1,6 @@
 #include "analysis/contact/contact_sequence.hpp"
 
+#include "support/block_on_slides.hpp"
 #include "support/thrown_block.hpp"
 
 namespace conddp {
@@ -61,6 +62,91 @@ TEST(ContactSequence, ShortInterruptionsAreLeftOut) {
   EXPECT_EQ(contact_sequence(motion, {.shortest = 1}).size(), 4u);
   motion.forces[middle + 1].contact(0, 1) = 0;
   EXPECT_EQ(contact_sequence(motion).size(), 4u);
+}
+
+/// A block of 2 kg on slides (4 kg in all) with a ball below it and another 0.3 m above that. Of
+/// each step: the height at its beginning, the speeds along x and y at its end, the ball's force.
+struct SlideStep {
+  double height, along_x, along_y, force;
+};
+ContactMotion slide_steps(const std::vector<SlideStep>& steps) {
+  ContactMotion motion;
+  motion.plant.robot = testing::block_on_slides();
+  const int frame = *motion.plant.robot->find_frame("block");
+  for (const double height : {0.0, 0.3})
+    motion.plant.contacts.candidates.push_back(
+        {.name = "ball",
+         .sphere = {.frame = frame, .center = {0, 0, height}, .radius = 0.1},
+         .against = ContactHalfSpace{},
+         .friction = 0.5});
+  motion.v.emplace_back(Eigen::Vector3d::Zero());
+  for (const SlideStep& step : steps) {
+    motion.h.push_back(0.1);
+    motion.q.emplace_back(Eigen::Vector3d(0, 0, 0.1 + step.height));
+    motion.v.emplace_back(Eigen::Vector3d(step.along_x, step.along_y, 5));
+    motion.forces.emplace_back(motion.plant.contacts);
+    motion.forces.back().contact(0, 0) = step.force;
+  }
+  motion.q.push_back(motion.q.back());
+  return motion;
+}
+
+/// "0-2: closed sliding landing; 2-3: open".
+std::string story(const std::vector<ContactStretch>& sequence) {
+  std::string text;
+  for (const ContactStretch& s : sequence) {
+    text += (text.empty() ? "" : "; ") + std::to_string(s.first) + "-" +
+            std::to_string(s.first + s.steps) + (s.closed[0] ? ": closed" : ": open");
+    if (s.slides[0]) text += " sliding";
+    if (s.landing[0]) text += " landing";
+    EXPECT_EQ(s.lands(), s.landing[0]);
+    EXPECT_FALSE(s.closed[1] || s.slides[1] || s.landing[1]);
+  }
+  return text;
+}
+
+// A force counts from a ten-thousandth of the weight on, a contact from 10 µm, a slip from 1 cm/s.
+TEST(ContactSequence, CountsForcesGapsAndSlipsFromTheirThresholdsOn) {
+  const double weight = 4 * 9.81;
+  const SlideStep stands = {0, 0, 0, 10};
+  EXPECT_EQ(story(contact_sequence(slide_steps({stands, stands, stands}))), "0-3: closed");
+  for (const auto& [height, force, expected] : {std::tuple{0.9e-5, 1.1e-4 * weight, "0-2: closed"},
+                                                {1.1e-5, 10.0, "0-2: open"},
+                                                {0.0, 0.9e-4 * weight, "0-2: open"}}) {
+    const SlideStep step = {height, 0, 0, force};
+    EXPECT_EQ(story(contact_sequence(slide_steps({step, step}))), expected) << height;
+  }
+  EXPECT_EQ(story(contact_sequence(slide_steps({stands, {0, 0.011, 0, 10}}))),
+            "0-2: closed sliding");
+  EXPECT_EQ(story(contact_sequence(slide_steps({stands, {0, 0, -0.011, 10}}))),
+            "0-2: closed sliding");
+  EXPECT_EQ(story(contact_sequence(slide_steps({stands, {0, 0.009, 0, 10}}))), "0-2: closed");
+  // Speed in the air is no slip.
+  EXPECT_EQ(story(contact_sequence(slide_steps({{1, 3, 0, 0}, {1, 3, 0, 0}, stands, stands}))),
+            "0-2: open; 2-4: closed landing");
+}
+
+TEST(ContactSequence, LeavesOutRunsThatAreShorterThanAskedFor) {
+  const SlideStep stands = {0, 0, 0, 10}, flies = {1, 0, 0, 0}, hovers = {0, 0, 0, 0};
+  const auto told = [](const std::vector<SlideStep>& steps, int shortest) {
+    return story(contact_sequence(slide_steps(steps), {.shortest = shortest}));
+  };
+  // One step without a force, where it touches all the same.
+  const std::vector<SlideStep> rest = {stands, stands, hovers, stands, stands};
+  EXPECT_EQ(told(rest, 2), "0-5: closed");
+  EXPECT_EQ(told(rest, 1), "0-2: closed; 2-3: open; 3-5: closed landing");
+  // A flight of one step is one.
+  EXPECT_EQ(told({stands, stands, flies, stands, stands}, 2),
+            "0-2: closed; 2-3: open; 3-5: closed landing");
+  // A contact of one step is none; at either end it may go on outside of the motion.
+  const std::vector<SlideStep> touch = {flies, flies, stands, flies, flies};
+  EXPECT_EQ(told(touch, 2), "0-5: open");
+  EXPECT_EQ(told(touch, 1), "0-2: open; 2-3: closed landing; 3-5: open");
+  EXPECT_EQ(told({stands, flies, flies, stands}, 2), "0-1: closed; 1-3: open; 3-4: closed landing");
+  const auto pushed = contact_sequence(slide_steps(touch));
+  EXPECT_EQ(pushed[0].pushes[0].steps, 1);
+  EXPECT_EQ(pushed[0].pushes[0].largest, 10);
+  EXPECT_EQ(pushed[0].pushes[1].steps, 0);
 }
 
 }  // namespace

@@ -431,6 +431,23 @@ TEST(ContactSimulator, StepsTakeFewIterationsToTheLastDigits) {
   }
 }
 
+/// A disc whose heading turns by a third of a right angle within a step: Newton's method needs the
+/// slope of its direction.
+TEST(ContactSimulator, HeadingsThatTurnFarTakeFewIterationsToo) {
+  const ContactPlant plant = puck(FrictionModel::cone);
+  ContactSimulator simulator(plant);
+  StepStart start = at_rest(plant, 0.05);
+  start.v << 1, 0.2, 0;
+  start.applied << 0, 20, 0;
+  for (int k = 0; k < 10; ++k) {
+    const ContactStep step = advance(simulator, plant, start);
+    EXPECT_LE(step.iterations, 6) << k;
+    EXPECT_LT(step.residual, 1e-12) << k;
+    const Eigen::Vector2d force = step.forces.contact.col(0).tail<2>(), slip = step.v.head<2>();
+    EXPECT_LT((force.normalized() + slip.normalized()).norm(), 1e-9) << k;
+  }
+}
+
 /// Newton's method with the contacts as they are at the solution begins at it.
 TEST(ContactSimulator, AStepNearItsOwnSolutionIsThatSolution) {
   ContactPlant plant = crate(0.5, FrictionModel::cone);

@@ -1,5 +1,8 @@
 #include "analysis/certificate/derivative_check.hpp"
 
+#include <set>
+#include <type_traits>
+
 #include <gtest/gtest.h>
 
 #include "support/knot_case.hpp"
@@ -220,6 +223,299 @@ TEST(DerivativeCheck, EverySystemPassesWithEveryIntegratorAndPreviousControl) {
                                    << static_cast<int>(integrator) << ": d " << d.row << " / d "
                                    << d.column << " is " << d.analytic << ", not " << d.reference;
       }
+}
+
+/// r = x₀² of a flat state, with a derivative that is half as large where `half`.
+class SquareResidual : public ResidualBase<SquareResidual> {
+ public:
+  explicit SquareResidual(bool half) : ResidualBase({{1, {0}}}, 0, false), half_(half) {}
+  template <class S>
+  void evaluate_as(const ResidualInput<S>& in, S* r) const {
+    r[0] = in.x[0] * in.x[0];
+  }
+  template <class S>
+  void differentiate_as(const ResidualInput<S>& in, S* r, S* jacobian) const {
+    evaluate_as(in, r);
+    jacobian[0] = in.x[0] * (half_ ? 1.0 : 2.0);
+  }
+
+ private:
+  bool half_;
+};
+
+/// Two phases of three and five knots and the end, with the mistake in one of these three.
+std::vector<DerivativeComparison> check_places(int mistake) {
+  const auto system = pendulum({});
+  const auto model_of = [&](int place, Integrator integrator) {
+    auto model = std::make_shared<KnotModel>(system, integrator);
+    model->add_cost("square", std::make_shared<SquareResidual>(place == mistake), {});
+    return model;
+  };
+  const auto phase_of = [&](int place, int knots) {
+    Phase phase{.name = "phase",
+                .model = model_of(place, place < 2 ? Integrator::rk4 : Integrator::none)};
+    phase.dt.assign(knots, place < 2 ? 0.1 : 0.0);
+    phase.cost_scale.assign(knots, 1.0);
+    phase.parameters.assign(knots, 1.0);
+    return phase;
+  };
+  const ShootingProblem problem({0.7, 0.2}, {phase_of(0, 3), phase_of(1, 5)}, phase_of(2, 1));
+  return check_derivatives(problem, problem.create_trajectory());
+}
+
+TEST(DerivativeCheck, EveryPhaseAndTheEndAreComparedAtTheirOwnKnots) {
+  const std::vector<std::vector<int>> knots = {{0, 1, 2}, {3, 5, 7}, {8}};
+  for (const int mistake : {-1, 0, 1, 2}) {
+    const auto all = check_places(mistake);
+    ASSERT_EQ(all.size(), 8u);  // the end has no dynamics
+    std::set<std::pair<int, DerivativeKind>> wrong;
+    for (const DerivativeComparison& c : all) {
+      EXPECT_EQ(c.knots, knots[c.phase]) << mistake;
+      EXPECT_GE(c.knot, c.knots.front());
+      EXPECT_LE(c.knot, c.knots.back());
+      if (c.error > 0.1)
+        wrong.emplace(c.phase, c.kind);
+      else
+        EXPECT_LT(c.error, 1e-12) << mistake;
+    }
+    const std::set<std::pair<int, DerivativeKind>> expected = {{mistake, DerivativeKind::residual},
+                                                               {mistake, DerivativeKind::gradient}};
+    EXPECT_EQ(wrong, mistake < 0 ? decltype(wrong){} : expected) << mistake;
+  }
+}
+
+// A thousandth of the largest entry is what smaller ones are compared with; of gradients what
+// residuals and derivatives of one would make of the weights.
+TEST(DerivativeCheck, ErrorsAreRelativeToTheLargerNumberAndToAThousandthOfTheLargestOne) {
+  auto model = std::make_shared<KnotModel>(pendulum({}), Integrator::rk4);
+  model->add_cost("square", std::make_shared<SquareResidual>(true), {});
+  for (const auto& [x, error] : {std::pair{4.0, 0.5}, {1e-5, 1e-5 / 1e-3}}) {
+    Phase phase{.name = "only", .model = model, .dt = {0.1}, .cost_scale = {0.1}};
+    phase.parameters = {3};
+    const ShootingProblem problem(
+        {x, 0}, {phase},
+        {.name = "end",
+         .model = std::make_shared<KnotModel>(model->shared_system(), Integrator::none),
+         .dt = {0.0},
+         .cost_scale = {1.0}});
+    const auto all = check_derivatives(problem, problem.create_trajectory(), {.displacement = 0});
+    const DerivativeComparison& c = find(all, DerivativeKind::residual);
+    EXPECT_NEAR(c.error, error, 1e-12) << x;
+    EXPECT_NEAR(c.analytic, x, 1e-12);
+    EXPECT_NEAR(c.reference, 2 * x, 1e-12);
+    EXPECT_EQ(c.entries, 2 + 1);  // by the state and the control
+    if (x < 1) continue;
+    const DerivativeComparison& gradient = find(all, DerivativeKind::gradient);
+    EXPECT_NEAR(gradient.analytic, 0.3 * x * x * x, 1e-12);
+    EXPECT_NEAR(gradient.reference, 0.6 * x * x * x, 1e-12);
+  }
+}
+
+/// r = √x₀ of a flat state.
+class RootResidual : public ResidualBase<RootResidual> {
+ public:
+  RootResidual() : ResidualBase({{1, {0}}}, 0, false) {}
+  template <class S>
+  void evaluate_as(const ResidualInput<S>& in, S* r) const {
+    r[0] = sqrt(in.x[0]);
+  }
+  template <class S>
+  void differentiate_as(const ResidualInput<S>& in, S* r, S* jacobian) const {
+    evaluate_as(in, r);
+    jacobian[0] = S(0.5) / sqrt(in.x[0]);
+  }
+};
+
+// At 0.02 ± 0.1 there is a root at some of the knots.
+TEST(DerivativeCheck, PointsBesideTheTrajectoryWithoutFiniteValuesAreLeftOut) {
+  for (const bool constraint : {false, true}) {
+    auto model = std::make_shared<KnotModel>(pendulum({}), Integrator::rk4);
+    const auto root = std::make_shared<RootResidual>();
+    if (constraint)
+      model->add_constraint(make_constraint("root", root, ConstraintKind::bounds));
+    else
+      model->add_cost("root", root, {});
+    ShootingProblem problem = one_phase(model, 30);
+    problem.set_initial_state(std::vector<double>{0.02, 0});
+    const auto all =
+        check_derivatives(problem, problem.create_trajectory(), {.knots_per_phase = 30});
+    const DerivativeComparison& c =
+        find(all, constraint ? DerivativeKind::constraint : DerivativeKind::residual);
+    EXPECT_LT(c.error, 1e-10);
+    EXPECT_GT(c.entries, 30 * 3 + 5 * 3);
+    EXPECT_LT(c.entries, 2 * 30 * 3 - 5 * 3);
+    EXPECT_EQ(c.knots.size(), 30u);
+  }
+}
+
+/// r = x₀², whose second derivative is claimed to be `claim`.
+class ClaimedSquare : public ResidualBase<ClaimedSquare> {
+ public:
+  explicit ClaimedSquare(double claim) : ResidualBase({{1, {0}}}, 0, false), claim_(claim) {}
+  bool has_claimed_hessian() const override { return true; }
+  template <class S>
+  void evaluate_as(const ResidualInput<S>& in, S* r) const {
+    r[0] = in.x[0] * in.x[0];
+  }
+  template <class S>
+  void differentiate_as(const ResidualInput<S>& in, S* r, S* jacobian) const {
+    evaluate_as(in, r);
+    jacobian[0] = in.x[0] * 2.0;
+    if constexpr (std::is_same_v<S, Dual<Lane>>) jacobian[0].d = in.x[0].d * Lane(claim_);
+  }
+
+ private:
+  double claim_;
+};
+
+/// x⁺ = (x₀ + 0.1 u₀², x₁ + u₁), whose second derivative is claimed to be `claim`.
+class ClaimedSystem : public SystemBase<ClaimedSystem> {
+ public:
+  explicit ClaimedSystem(double claim)
+      : SystemBase(SystemKind::discrete, StateManifold::flat(2), 2), claim_(claim) {}
+  template <class S>
+  struct Data : SystemData<S> {
+    explicit Data(const ClaimedSystem&) {}
+  };
+  bool has_claimed_hessian() const override { return true; }
+  template <class S>
+  void evaluate_as(const S* x, const S* u, Data<S>& data) const {
+    data.f[0] = x[0] + u[0] * u[0] * 0.1;
+    data.f[1] = x[1] + u[1];
+  }
+  template <class S>
+  void differentiate_as(const S* x, const S* u, Data<S>& data) const {
+    evaluate_as(x, u, data);
+    for (int i = 0; i < 4; ++i) {
+      data.fx[i] = S(i % 3 == 0 ? 1.0 : 0.0);
+      data.fu[i] = S(i == 3 ? 1.0 : 0.0);
+    }
+    data.fu[0] = u[0] * 0.2;
+    if constexpr (std::is_same_v<S, Dual<Lane>>) data.fu[0].d = u[0].d * Lane(claim_);
+  }
+  template <class S>
+  void update_kinematics_as(const S*, Data<S>&) const {}
+
+ private:
+  double claim_;
+};
+
+/// The claims of a system, of costs and constraints along the way, and of those at the end.
+struct Claims {
+  double system = 0.2, cost = 2, constraint = 2, end_cost = 2, end_constraint = 2;
+};
+
+/// A trajectory whose numbers all differ from 0.
+std::vector<DerivativeComparison> check_claims(const Claims& claims) {
+  const auto system = std::make_shared<ClaimedSystem>(claims.system);
+  const auto phase_of = [&](Integrator integrator, int knots, double cost, double constraint) {
+    auto model = std::make_shared<KnotModel>(system, integrator);
+    model->add_cost("cost", std::make_shared<ClaimedSquare>(cost), {});
+    model->add_constraint(make_constraint("constraint", std::make_shared<ClaimedSquare>(constraint),
+                                          ConstraintKind::bounds));
+    Phase phase{.name = "phase", .model = model};
+    for (int k = 0; k < knots; ++k) {
+      phase.dt.push_back(0.1);
+      phase.cost_scale.push_back(1);
+      for (const double number : {1.0, -9.0, 9.0, 1.0}) phase.parameters.push_back(number);
+    }
+    return phase;
+  };
+  const ShootingProblem problem(
+      {0.5, 0.3}, {phase_of(Integrator::discrete, 4, claims.cost, claims.constraint)},
+      phase_of(Integrator::none, 1, claims.end_cost, claims.end_constraint));
+  Trajectory trajectory = problem.create_trajectory();
+  for (int k = 0; k < 4; ++k) trajectory.u(k) << 0.8, -0.4;
+  return check_derivatives(problem, trajectory);
+}
+
+std::vector<DerivativeComparison> hessians_of(const std::vector<DerivativeComparison>& all) {
+  std::vector<DerivativeComparison> hessians;
+  for (const DerivativeComparison& c : all)
+    if (c.kind == DerivativeKind::hessian)
+      hessians.push_back(c);
+    else
+      EXPECT_LT(c.error, 1e-12);
+  return hessians;
+}
+
+TEST(DerivativeCheck, SecondDerivativesThatAreRightAreRight) {
+  const auto all = hessians_of(check_claims({}));
+  ASSERT_EQ(all.size(), 2u);
+  EXPECT_EQ(all[0].knots, (std::vector{0, 1, 3}));
+  EXPECT_EQ(all[0].entries, 3 * 16);
+  EXPECT_EQ(all[1].knots, (std::vector{4}));
+  EXPECT_EQ(all[1].entries, 4);
+  for (int phase = 0; phase < 2; ++phase) {
+    EXPECT_EQ(all[phase].error, 0) << phase;
+    EXPECT_EQ(all[phase].phase, phase);
+    EXPECT_EQ(all[phase].term, -1) << "of the whole Lagrangian";
+  }
+}
+
+// Multipliers are random: what they multiply shows in the ratio of the claim to the differences.
+TEST(DerivativeCheck, AWrongSecondDerivativeIsNamedWhereItIs) {
+  struct Case {
+    Claims claims;
+    int phase, place;
+    double ratio;  ///< 0: that of a sum
+  };
+  for (const Case& c : {Case{{.system = 0.25}, 0, 2, 1.25},
+                        {{.cost = 3}, 0, 0, 0},
+                        {{.constraint = 3}, 0, 0, 0},
+                        {{.end_cost = 3}, 1, 0, 0},
+                        {{.end_constraint = 3}, 1, 0, 0}}) {
+    const auto all = hessians_of(check_claims(c.claims));
+    ASSERT_EQ(all.size(), 2u);
+    const DerivativeComparison &wrong = all[c.phase], &right = all[1 - c.phase];
+    EXPECT_EQ(right.error, 0);
+    EXPECT_GT(wrong.error, 1e-3);
+    EXPECT_TRUE(wrong.displaced);
+    EXPECT_EQ(wrong.row, c.place);
+    EXPECT_EQ(wrong.column, c.place);
+    if (c.ratio > 0) {
+      EXPECT_NEAR(wrong.analytic, c.ratio * wrong.reference, 1e-6);
+    }
+  }
+  // A cost of half the square: 6 x² and 7 x², beside a multiplier times 2.
+  const DerivativeComparison end = hessians_of(check_claims({.end_cost = 3}))[1];
+  EXPECT_GT(end.analytic - end.reference, 0.16 - 1e-6);  // (0.5 ± 0.1)²
+  EXPECT_LT(end.analytic - end.reference, 0.36 + 1e-6);
+  const DerivativeComparison row = hessians_of(check_claims({.end_constraint = 3}))[1];
+  EXPECT_LT(std::abs(row.analytic - row.reference), 1 + 1e-6) << "multipliers are within ±1";
+}
+
+// Wherever one function makes a claim all Hessians are compared, else none.
+TEST(DerivativeCheck, HessiansAreComparedWhereAnyFunctionClaimsOne) {
+  const auto plain = linear_system(Eigen::Matrix2d::Identity(), Eigen::Matrix2d::Identity(),
+                                   Eigen::Vector2d::Zero());
+  const auto claiming = std::make_shared<ClaimedSystem>(0.2);
+  enum class Claimant { kNone, kSystem, kCost, kConstraint, kEndCost, kEndConstraint };
+  for (const Claimant who : {Claimant::kNone, Claimant::kSystem, Claimant::kCost,
+                             Claimant::kConstraint, Claimant::kEndCost, Claimant::kEndConstraint}) {
+    const auto phase_of = [&](Integrator integrator, Claimant cost, Claimant constraint) {
+      std::shared_ptr<const System> system = plain;
+      if (who == Claimant::kSystem && integrator != Integrator::none) system = claiming;
+      const auto residual_of = [&](bool claims) -> std::shared_ptr<const Residual> {
+        if (claims) return std::make_shared<ClaimedSquare>(2);
+        return std::make_shared<SquareResidual>(false);
+      };
+      auto model = std::make_shared<KnotModel>(system, integrator);
+      model->add_cost("cost", residual_of(who == cost), {});
+      model->add_constraint(
+          make_constraint("row", residual_of(who == constraint), ConstraintKind::bounds));
+      return Phase{.name = "phase",
+                   .model = model,
+                   .dt = {0.1},
+                   .cost_scale = {1},
+                   .parameters = {1, -9, 9, 1}};
+    };
+    const ShootingProblem problem(
+        {0.5, 0.3}, {phase_of(Integrator::discrete, Claimant::kCost, Claimant::kConstraint)},
+        phase_of(Integrator::none, Claimant::kEndCost, Claimant::kEndConstraint));
+    const auto all = check_derivatives(problem, problem.create_trajectory());
+    EXPECT_EQ(hessians_of(all).size(), who == Claimant::kNone ? 0u : 2u) << static_cast<int>(who);
+  }
 }
 
 }  // namespace

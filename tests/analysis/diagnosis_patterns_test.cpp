@@ -92,6 +92,21 @@ TEST(DiagnosisPatterns, APlateauHasAMedianStepOfAQuarter) {
   EXPECT_EQ(steps(0.26).pattern, DiagnosisPattern::unfinished);
 }
 
+// Short steps that gain something, or that have nothing left to gain.
+TEST(DiagnosisPatterns, APlateauIsAboveItsToleranceAndStandsStill) {
+  const auto from_to = [](double first, double last) {
+    return diagnosis_of_log(6, [=](int i, IterationRecord& r) {
+      r.step = 0.1;
+      r.stationarity = i == 0 ? first : last;
+    });
+  };
+  EXPECT_EQ(from_to(1, 0.51).pattern, DiagnosisPattern::plateau);
+  EXPECT_EQ(from_to(1, 0.49).pattern, DiagnosisPattern::unfinished);
+  const double tolerance = SolverOptions{}.tolerances.stationarity;
+  EXPECT_EQ(from_to(tolerance, 1.01 * tolerance).pattern, DiagnosisPattern::plateau);
+  EXPECT_EQ(from_to(tolerance, 0.99 * tolerance).pattern, DiagnosisPattern::unfinished);
+}
+
 TEST(DiagnosisPatterns, ARegularisedPlateauIsRegularisedInEveryStep) {
   const auto regularised = [](int without) {
     return diagnosis_of_log(

@@ -417,5 +417,59 @@ TEST(Efforts, LeaveOutWhatTakesNoTime) {
   EXPECT_EQ(found[0].knot, 0);
 }
 
+/// Five knots of a mass on a line, whose second one alone has narrow bounds on a row: what is
+/// looked at on the way to the third one, where it is at 4, is beyond them by 2. `instant`: that
+/// knot takes no time.
+std::vector<Finding> between_narrow_and_wide(const std::shared_ptr<const Residual>& row,
+                                             Softness softness, double lower,
+                                             ControlMemory memory = ControlMemory::none,
+                                             bool instant = false) {
+  const auto system = double_integrator(1);
+  auto model = std::make_shared<KnotModel>(system, Integrator::rk4, memory);
+  model->add_constraint(make_constraint("row", row, ConstraintKind::bounds, 1, softness));
+  std::vector<Phase> phases;
+  for (int k = 0; k < 5; ++k) {
+    Phase phase{.name = "knot", .model = model, .dt = {0.1}, .cost_scale = {1}};
+    phase.parameters = {k == 1 ? lower : -9, k == 1 ? 1.0 : 9.0, 1};
+    if (softness != Softness::hard) phase.parameters.push_back(1);
+    phase.instant = instant && k == 1;
+    phases.push_back(std::move(phase));
+  }
+  const ShootingProblem problem(
+      std::vector<double>(model->nx(), 0.0), std::move(phases),
+      {.name = "end",
+       .model = std::make_shared<KnotModel>(system, Integrator::none, memory),
+       .dt = {0},
+       .cost_scale = {1}});
+  Trajectory motion = problem.create_trajectory();
+  for (int k = 2; k <= 5; ++k) motion.x(k).setConstant(4);
+  for (int k = 0; k < 5; ++k) motion.u(k).setConstant(4);
+  return found_in_motion(problem, motion, FindingKind::between_knots);
+}
+
+TEST(BetweenKnots, OnlyHardInequalitiesOfTheStateAreLookedAt) {
+  using Term = LinearCombination::Term;
+  const auto row_of = [](std::vector<Term> terms) {
+    return combination_residual(2, {{.terms = std::move(terms)}});
+  };
+  const Term place{1, false, 0, 0}, push{0, true, 0, 0};
+  const auto found = between_narrow_and_wide(row_of({place}), Softness::hard, -1);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_NEAR(found[0].value, 2, 1e-12);
+  EXPECT_EQ(found[0].knot, 1);
+  EXPECT_TRUE(between_narrow_and_wide(row_of({place}), Softness::l1, -1).empty());
+  EXPECT_TRUE(between_narrow_and_wide(row_of({place, push}), Softness::hard, -1).empty());
+  EXPECT_TRUE(between_narrow_and_wide(row_of({place}), Softness::hard, 1).empty()) << "equality";
+  EXPECT_TRUE(
+      between_narrow_and_wide(row_of({place}), Softness::hard, -1, ControlMemory::none, true)
+          .empty())
+      << "a jump has no way";
+  // Linear controls are numbers of the state, and are judged at the nodes alone.
+  const ControlMemory linear = ControlMemory::linear;
+  EXPECT_EQ(between_narrow_and_wide(row_of({place}), Softness::hard, -1, linear).size(), 1u);
+  EXPECT_TRUE(
+      between_narrow_and_wide(row_of({{1, true, 0, 0}}), Softness::hard, -1, linear).empty());
+}
+
 }  // namespace
 }  // namespace conddp

@@ -140,6 +140,152 @@ TEST(GainsOfASweep, MayBeOffByWhatTheModelChangesOnADisplacedTrajectory) {
   EXPECT_NE(at.failures(claims, &displaced).find("[feedback]"), std::string::npos);
 }
 
+/// Knots of one state and one control in numbers. Steps are x + u, and of each knot gains of −0.5
+/// and a feedforward of −1.5 solve equations with Q_uu = 2, Q_ux = 1 and q_u = 3.
+struct NumberSweep {
+  explicit NumberSweep(int knots)
+      : lq(1, 1, {1}, knots, -testing::kFree, testing::kFree),
+        claims(*lq.problem),
+        gap(Eigen::MatrixXd::Zero(1, knots)) {
+    for (int k = 0; k <= knots; ++k) {
+      const int nz = k < knots ? 2 : 1;
+      derivatives.push_back({Eigen::VectorXd::Zero(nz), Eigen::MatrixXd(0, nz),
+                             Eigen::MatrixXd::Ones(k < knots ? 1 : 0, nz)});
+      hessians.push_back(Eigen::MatrixXd::Zero(nz, nz));
+    }
+    claims.gains.assign(knots, Eigen::MatrixXd::Constant(1, 1, -0.5));
+    claims.feedforward.assign(knots, Eigen::VectorXd::Constant(1, -1.5));
+    claims.gain_regularization = 0;
+  }
+  void set_hessian(int k, double xx, double ux, double uu) { hessians[k] << xx, ux, ux, uu; }
+  std::string failures() const {
+    std::string names;
+    for (const Check& check : check_gains(*lq.problem, claims, derivatives, hessians, gap))
+      if (!check.holds) names += "[" + check.name + "]";
+    return names;
+  }
+  /// Where the equation of the first knot's gains, or of its feedforward, is off by so much.
+  std::string with_gains_off(double off) {
+    claims.gains[0](0, 0) = -0.5 + off / 2;
+    const std::string found = failures();
+    claims.gains[0](0, 0) = -0.5;
+    return found;
+  }
+  std::string with_feedforward_off(double off) {
+    claims.feedforward[0][0] = -1.5 + off / 2;
+    const std::string found = failures();
+    claims.feedforward[0][0] = -1.5;
+    return found;
+  }
+
+  LinearQuadratic lq;
+  SolutionClaims claims;
+  Eigen::MatrixXd gap;
+  std::vector<NodeDerivatives> derivatives;
+  std::vector<Eigen::MatrixXd> hessians;
+};
+
+// Terms of 10¹² that cancel leave 10⁻¹⁴ of both of them: 0.02.
+TEST(GainsOfASweep, MayBeOffByTheRoundingOfTermsThatCancel) {
+  constexpr double kHuge = 1e12;
+  NumberSweep sweep(1);
+  sweep.hessians[1] << kHuge;
+  sweep.set_hessian(0, -kHuge + 5, -kHuge + 1, -kHuge + 2);
+  sweep.derivatives[0].cost << 0, 3;
+  EXPECT_EQ(sweep.failures(), "");
+  for (const double sign : {1.0, -1.0}) {
+    EXPECT_EQ(sweep.with_gains_off(0.016 * sign), "");
+    EXPECT_NE(sweep.with_gains_off(0.024 * sign).find("[feedback]"), std::string::npos);
+    // Of the feedforward's equation as many times that as there is feedforward.
+    EXPECT_EQ(sweep.with_feedforward_off(0.024 * sign), "");
+    EXPECT_EQ(sweep.with_feedforward_off(0.036 * sign), "[feedforward]");
+  }
+}
+
+TEST(GainsOfASweep, MayHaveFeedforwardOffByTheRoundingOfGradientsThatCancel) {
+  constexpr double kHuge = 1e12;
+  for (const bool of_gap : {false, true}) {
+    NumberSweep sweep(1);
+    sweep.hessians[1] << 1;
+    sweep.set_hessian(0, 1, 0, 1);
+    sweep.derivatives[0].cost << 0, -kHuge + 3;
+    if (of_gap)
+      sweep.gap << kHuge;
+    else
+      sweep.derivatives[1].cost << kHuge;
+    EXPECT_EQ(sweep.failures(), "") << of_gap;
+    EXPECT_EQ(sweep.with_feedforward_off(0.016), "") << of_gap;
+    EXPECT_EQ(sweep.with_feedforward_off(0.024), "[feedforward]") << of_gap;
+    EXPECT_NE(sweep.with_gains_off(1e-4).find("[feedback]"), std::string::npos) << of_gap;
+  }
+}
+
+// Of the value behind it 0.02 (1 + 0.5²) = 0.025, times the closed loop 0.5, or the move −1.5.
+TEST(GainsOfASweep, MayBeOffByTheRoundingOfTheValueBehind) {
+  constexpr double kHuge = 1e12;
+  NumberSweep sweep(2);
+  sweep.hessians[2] << kHuge;
+  sweep.set_hessian(1, -kHuge + 5, -kHuge + 1, -kHuge + 2);
+  sweep.claims.feedforward[1] << 0;
+  // Its value is 5 + 0.25 · 2 − 2 · 0.5 = 4.5.
+  sweep.set_hessian(0, 1, -3.5, -2.5);
+  sweep.derivatives[0].cost << 0, 3;
+  EXPECT_EQ(sweep.failures(), "");
+  EXPECT_EQ(sweep.with_gains_off(0.0115), "");
+  EXPECT_NE(sweep.with_gains_off(0.0135).find("[feedback]"), std::string::npos);
+  EXPECT_EQ(sweep.with_feedforward_off(0.035), "");
+  EXPECT_EQ(sweep.with_feedforward_off(0.041), "[feedforward]");
+}
+
+// Of the slope behind it 0.02 (1 + 0.5) = 0.03.
+TEST(GainsOfASweep, MayHaveFeedforwardOffByTheRoundingOfTheSlopeBehind) {
+  constexpr double kHuge = 1e12;
+  NumberSweep sweep(2);
+  sweep.hessians[2] << 1;
+  sweep.set_hessian(1, 4, 0, 1);  // its value is 5 + 0.25 · 2 − 2 · 0.5 = 4.5
+  sweep.derivatives[2].cost << kHuge;
+  sweep.derivatives[1].cost << -kHuge, -kHuge + 3;
+  // Its slope is 0 − 1.5 · 1 − 0.5 (3 − 1.5 · 2) = −1.5.
+  sweep.set_hessian(0, 1, -3.5, -2.5);
+  sweep.derivatives[0].cost << 0, 4.5;
+  EXPECT_EQ(sweep.failures(), "");
+  EXPECT_EQ(sweep.with_feedforward_off(0.027), "");
+  EXPECT_EQ(sweep.with_feedforward_off(0.033), "[feedforward]");
+}
+
+// A displaced model with other derivatives, with the Hessians of the problem itself: its entries
+// may be off by the margin times the change.
+TEST(GainsOfASweep, MayBeOffByTheChangesOfEachDerivative) {
+  constexpr double kMargin = 10, kChange = 1e-4;
+  NumberSweep sweep(1);
+  const Trajectory t = sweep.lq.problem->create_trajectory();
+  sweep.hessians = gauss_newton_hessians(*sweep.lq.problem, t);
+  const double V = sweep.hessians[1](0, 0), Quu = V + sweep.hessians[0](1, 1);
+  const auto failures_with = [&](const DisplacedModel& displaced, double gains_off,
+                                 double feedforward_off) {
+    sweep.claims.gains[0](0, 0) = (-V + gains_off) / Quu;
+    sweep.claims.feedforward[0][0] = feedforward_off / Quu;
+    std::string names;
+    for (const Check& check : check_gains(*sweep.lq.problem, sweep.claims, sweep.derivatives,
+                                          sweep.hessians, sweep.gap, &displaced))
+      if (!check.holds) names += "[" + check.name + "]";
+    return names;
+  };
+  DisplacedModel by_cost{t, sweep.derivatives, kMargin};
+  by_cost.derivatives[0].cost[1] -= kChange;
+  EXPECT_EQ(failures_with(by_cost, 0, 0.9 * kMargin * kChange), "");
+  EXPECT_EQ(failures_with(by_cost, 0, 1.1 * kMargin * kChange), "[feedforward]");
+  // J_uᵀ V J_x changes by V times the change of either, J_uᵀ V J_u by twice that of J_u.
+  DisplacedModel by_state{t, sweep.derivatives, kMargin}, by_control = by_state;
+  by_state.derivatives[0].step(0, 0) += kChange;
+  by_control.derivatives[0].step(0, 1) -= kChange;
+  const double once = kMargin * kChange * V;
+  EXPECT_EQ(failures_with(by_state, 0.9 * once, 0), "");
+  EXPECT_NE(failures_with(by_state, 1.1 * once, 0).find("[feedback]"), std::string::npos);
+  EXPECT_EQ(failures_with(by_control, 1.9 * once, 0), "");
+  EXPECT_NE(failures_with(by_control, 2.1 * once, 0).find("[feedback]"), std::string::npos);
+}
+
 TEST(GainsOfASweep, AreNotComparedWhereTheAnswerDoesNotSayHowTheyWereFound) {
   const OpenTrajectory at(3);
   const TextbookSweep sweep(at.lq, at.t, at.gap);

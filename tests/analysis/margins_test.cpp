@@ -94,6 +94,73 @@ TEST(Margins, AControlWithoutGainsHasNone) {
       constraint_margins(problem, problem.create_trajectory(), held, noise(1, 1, 1, 1)).empty());
 }
 
+/// The curve of this name, row and side.
+const MarginCurve& curve_of(const std::vector<MarginCurve>& curves, const std::string& name,
+                            int row, bool upper) {
+  for (const MarginCurve& curve : curves)
+    if (curve.name == name && curve.row == row && curve.upper == upper) return curve;
+  throw std::logic_error("there is no such curve: " + name);
+}
+
+// At x = 1 and u = 0. A row a x + b u has the variance (a + b K)² P + (b K)² N.
+TEST(Margins, OfRowsConesAndConstraintsOfOneNameAreThoseOfTheirGradients) {
+  const ShootingProblem free = scalar_problem();
+  using Term = LinearCombination::Term;
+  const Term state{1, false, 0, 0}, twice{2, false, 0, 0}, half{0.5, false, 0, 0},
+      control{-1, true, 0, 0};
+  const auto below = [&](double upper) {
+    return testing::Added{.name = "below",
+                          .residual = coordinate_residual(free.manifold(), {0}),
+                          .reference = {0},
+                          .lower = {-9},
+                          .upper = {upper},
+                          .first = 2,
+                          .last = 2};
+  };
+  const ShootingProblem problem = testing::with_constraints(
+      free, {{.name = "rows",
+              .residual = combination_residual(
+                  1, {{.terms = {state}}, {.terms = {twice, control}, .constant = 0.25}}),
+              .lower = {-3, -4},
+              .upper = {5, 6},
+              .first = 1,
+              .last = 1},
+             {.name = "cone",
+              .residual = combination_residual(
+                  1, {{.terms = {state}, .constant = 0.3}, {.terms = {half}, .constant = 2}}),
+              .kind = ConstraintKind::second_order_cone,
+              .first = 2,
+              .last = 3},
+             below(2),
+             below(1.5),
+             below(1.75)});
+  const auto curves = constraint_margins(problem, problem.create_trajectory(), scalar_gains(),
+                                         noise(0.2, 0.1, 0.3, 1));
+  double P[4] = {0.04};
+  for (int k = 0; k < 3; ++k) P[k + 1] = 0.25 * P[k] + 0.16 * 0.09 + 0.01;
+  const auto expect_margin = [&](const Margin& margin, int knot, double distance, double sigma) {
+    EXPECT_EQ(margin.knot, knot);
+    EXPECT_NEAR(margin.distance, distance, 1e-14);
+    EXPECT_NEAR(margin.sigma, sigma, 1e-14);
+  };
+  const double second = std::sqrt(2.8 * 2.8 * P[1] + 0.64 * 0.09);
+  expect_margin(curve_of(curves, "rows", 0, true).nodes.at(0), 1, 4, std::sqrt(P[1]));
+  expect_margin(curve_of(curves, "rows", 0, false).nodes.at(0), 1, 4, std::sqrt(P[1]));
+  expect_margin(curve_of(curves, "rows", 1, true).nodes.at(0), 1, 3.75, second);
+  expect_margin(curve_of(curves, "rows", 1, false).nodes.at(0), 1, 6.25, second);
+  const auto& cone = curve_of(curves, "cone", -1, true).nodes;
+  ASSERT_EQ(cone.size(), 2u);
+  for (int i = 0; i < 2; ++i) expect_margin(cone[i], 2 + i, 1.2, 0.5 * std::sqrt(P[2 + i]));
+  // Of several at one node the one that is the fewest standard deviations away.
+  const auto& closest = curve_of(curves, "below", -1, true).nodes;
+  ASSERT_EQ(closest.size(), 1u);
+  expect_margin(closest[0], 2, 0.5, std::sqrt(P[2]));
+  expect_margin(curve_of(curves, "below", -1, false).nodes.at(0), 2, 10, std::sqrt(P[2]));
+  ASSERT_EQ(curves.size(), 9u);  // with both bounds on the control
+  for (std::size_t i = 1; i < curves.size(); ++i)
+    EXPECT_LE(curves[i - 1].smallest().steps(), curves[i].smallest().steps());
+}
+
 /// A double integrator that is brought to rest with bounds on its control and speed.
 ShootingProblem braked() {
   const ShootingProblem free =

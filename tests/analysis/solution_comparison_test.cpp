@@ -232,5 +232,63 @@ TEST(SolutionComparison, AControlThatAPhaseLacksIsTheSameInBoth) {
   EXPECT_EQ(first(two, two), "trajectory u/elbow at knot 0 (t = 0 s)") << "no number at all";
 }
 
+// Columns of a body: its place, a rotation that begins at the second one, and a joint behind it.
+TEST(SolutionComparison, RotationsAreWhereFourNamesInARowSaySo) {
+  const auto with = [](std::vector<std::string> names, int column, double change) {
+    Json j = solution();
+    j["trajectory"]["columns"]["x"] = std::move(names);
+    j["trajectory"]["x"] = {{1.0, 0.0, 0.0, 0.6, 0.8, 2.0}, {1.5, 0.0, 0.6, 0.0, 0.8, 3.0}};
+    double& number = j["trajectory"]["x"][1][column].get_ref<double&>();
+    number += change;
+    return j;
+  };
+  const auto told = [&](const std::vector<std::string>& names, int column) {
+    return first(with(names, column, 0), with(names, column, 0.01));
+  };
+  const std::vector<std::string> body = {"a/x", "a/qx", "a/qy", "a/qz", "a/qw", "q/b"};
+  const std::vector<std::string> numbers = {"q/a", "a/qx", "a/qy", "a/qz", "q/b", "q/c"};
+  for (const int column : {0, 5}) {
+    EXPECT_EQ(told(body, column), "trajectory " + body[column] + " at knot 1 (t = 0.1 s)");
+  }
+  for (const int column : {1, 2, 3, 4})
+    EXPECT_EQ(told(body, column), "trajectory a/rotation at knot 1 (t = 0.1 s)") << column;
+  for (int column = 0; column < 6; ++column)
+    EXPECT_EQ(told(numbers, column), "trajectory " + numbers[column] + " at knot 1 (t = 0.1 s)");
+}
+
+TEST(SolutionComparison, DifferencesAreFoundAtEveryNode) {
+  Json good = solution();
+  good["trajectory"]["t"] = {0.0, 0.1, 0.2};
+  good["trajectory"]["x"].push_back({0.0, 0.0, 0.6, 0.8, 1.0});
+  good["trajectory"]["u"].push_back({3.0});
+  for (int node = 0; node < 3; ++node) {
+    const std::string place = " at knot " + std::to_string(node) + " (t = " +
+                              (node == 0   ? "0"
+                               : node == 1 ? "0.1"
+                                           : "0.2") +
+                              " s)";
+    Json turned = good, moved = good, pushed = good;
+    turned["trajectory"]["x"][node][0] = 0.01;
+    EXPECT_EQ(first(good, turned), "trajectory base/rotation" + place);
+    moved["trajectory"]["x"][node][4] = 1.5;
+    EXPECT_EQ(first(good, moved), "trajectory v/elbow" + place);
+    if (node == 2) continue;
+    pushed["trajectory"]["u"][node][0] = 3.5;
+    EXPECT_EQ(first(good, pushed), "trajectory u/elbow" + place);
+  }
+}
+
+// Where the first two nodes are at one time the first controls are the choice of the first state.
+TEST(SolutionComparison, TheChoiceOfTheFirstStateIsLeftOut) {
+  const auto with = [](double second, double choice) {
+    Json j = solution();
+    j["trajectory"]["t"] = {0.0, second};
+    j["trajectory"]["u"][0][0] = choice;
+    return j;
+  };
+  EXPECT_EQ(first(with(0, 3), with(0, 4)), "");
+  EXPECT_EQ(first(with(0.1, 3), with(0.1, 4)), "trajectory u/elbow at knot 0 (t = 0 s)");
+}
+
 }  // namespace
 }  // namespace conddp

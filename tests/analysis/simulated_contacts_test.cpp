@@ -1,0 +1,97 @@
+// The contacts of a closed loop's plant beside a simulator that has all candidates all the time.
+#include "analysis/contact/simulated_contacts.hpp"
+
+#include <cmath>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "support/contact_plants.hpp"
+
+namespace conddp {
+namespace {
+
+/// The block with its corners as contacts 3, 0, 5 and 1, and the state that its plant moves:
+/// (q, v, push).
+struct LoopBlock {
+  LoopBlock() : contacts(block, 0.01, {3, 0, 5, 1}, 1), all(block) {}
+
+  /// Moves the state, and checks the step against the simulator of all candidates.
+  std::uint32_t step(double length, double push) {
+    const StepStart start{Eigen::Map<const Eigen::VectorXd>(x.data(), 3),
+                          Eigen::Map<const Eigen::VectorXd>(x.data() + 3, 3),
+                          Eigen::Vector3d(push, 0, 0), length};
+    const ContactStep expected = all.step(start);
+    contacts.step(0, length, &push, x.data());
+    std::uint32_t closed = 0;
+    for (int c = 0; c < 4; ++c)
+      if (expected.forces.contact(0, c) > 0) closed |= 1u << bits[c];
+    EXPECT_EQ(contacts.closed_contacts(), closed);
+    for (int i = 0; i < 3; ++i) {
+      EXPECT_NEAR(x[i], expected.q[i], 1e-10) << i;
+      EXPECT_NEAR(x[3 + i], expected.v[i], 1e-10) << i;
+    }
+    EXPECT_EQ(x[6], push);
+    return closed;
+  }
+
+  static constexpr int bits[] = {3, 0, 5, 1};
+  ContactPlant block = block_on_slope(0.5);
+  SimulatedContacts contacts;
+  ContactSimulator all;
+  std::vector<double> x = {0, 0.5, 0, 0, 0, 0, 0};
+};
+
+// From 0.3 m above the ground, where no corner is near, into it within one step.
+TEST(SimulatedContacts, StepsAreThoseOfAllCandidates) {
+  LoopBlock block;
+  block.x = {0.1, 0.8, 0.1, 1, -4, 0.5, 0};
+  std::set<std::uint32_t> seen = {block.step(0.02, 0.5)};
+  EXPECT_EQ(*seen.begin(), 0u);
+  seen.insert(block.step(0.1, 0.5));
+  EXPECT_EQ(seen.size(), 2u) << "it has landed";
+  for (int k = 0; k < 120; ++k) seen.insert(block.step(0.01, k < 60 ? 3 : -2));
+  EXPECT_TRUE(seen.contains(1u << 3 | 1u << 0)) << "it stands";
+}
+
+TEST(SimulatedContacts, ATiltedBlockLandsOnOneCornerBeforeTheOther) {
+  for (const double tilt : {0.1, -0.1}) {
+    LoopBlock block;
+    block.x = {0, 0.62, tilt, 0, 0, 0, 0};
+    std::set<std::uint32_t> seen;
+    for (int k = 0; k < 60; ++k) seen.insert(block.step(0.01, 0));
+    EXPECT_GE(seen.size(), 3u);
+    EXPECT_EQ(*seen.begin(), 0u);
+    EXPECT_TRUE(seen.contains(1u << 3 | 1u << 0));
+  }
+}
+
+TEST(SimulatedContacts, StandOnWhatIsClosedAlone) {
+  LoopBlock block;
+  EXPECT_EQ(block.step(0.01, 1), 1u << 3 | 1u << 0);
+  block.x[1] = 0.55;  // near, but in the air
+  block.x[4] = 0;
+  EXPECT_EQ(block.step(0.01, 1), 0u);
+}
+
+// A step whose numbers are not finite leaves nothing of the state.
+TEST(SimulatedContacts, AStepThatFailsMakesAllOfTheStateNotANumber) {
+  LoopBlock block;
+  block.step(0.01, 1);
+  block.x[5] = std::nan("");
+  const double push = 2;
+  block.contacts.step(0, 0.01, &push, block.x.data());
+  for (const double number : block.x) EXPECT_TRUE(std::isnan(number));
+  EXPECT_EQ(block.contacts.closed_contacts(), 0u);
+}
+
+TEST(SimulatedContacts, MayStepUntilTheirTimeStepIsOver) {
+  LoopBlock block;
+  EXPECT_EQ(block.contacts.next_stop(0.25), 0.26);
+  const std::vector<double> before = block.x;
+  block.contacts.pass_instants(0.25, block.x.data());
+  EXPECT_EQ(block.x, before);
+}
+
+}  // namespace
+}  // namespace conddp
