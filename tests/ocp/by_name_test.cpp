@@ -100,5 +100,47 @@ TEST(ViolationsByName, AreTheWorstOfAllNodes) {
   for (const ConstraintViolation& v : none) EXPECT_EQ(v.node, -1) << v.name;
 }
 
+/// A row of zeros of a function that has failed.
+class FailedResidual : public ResidualBase<FailedResidual> {
+ public:
+  explicit FailedResidual(std::string name)
+      : ResidualBase({{1, {0}}}, 0, false), name_(std::move(name)) {}
+  std::vector<std::string> failed_functions() const override { return {name_, "shared"}; }
+  template <class S>
+  void evaluate_as(const ResidualInput<S>&, S* r) const {
+    r[0] = S(0.0);
+  }
+  template <class S>
+  void differentiate_as(const ResidualInput<S>&, S* r, S* jacobian) const {
+    r[0] = jacobian[0] = S(0.0);
+  }
+
+ private:
+  std::string name_;
+};
+
+TEST(FailedFunctions, AreThoseOfAllTermsOfAllPhasesAndTheEndEachOnce) {
+  const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(1, 1);
+  const auto system = linear_system(one, one, Eigen::VectorXd::Zero(1));
+  const auto phase_of = [&](Integrator integrator, const std::string& name) {
+    auto model = std::make_shared<KnotModel>(system, integrator);
+    model->add_cost("cost", std::make_shared<FailedResidual>(name + " cost"), {});
+    model->add_constraint(make_constraint("row", std::make_shared<FailedResidual>(name + " row"),
+                                          ConstraintKind::bounds));
+    return Phase{.name = name,
+                 .model = model,
+                 .dt = {1},
+                 .cost_scale = {1},
+                 .parameters = std::vector<double>(model->parameter_count(), 0.0)};
+  };
+  const ShootingProblem problem(
+      {0}, {phase_of(Integrator::discrete, "first"), phase_of(Integrator::discrete, "second")},
+      phase_of(Integrator::none, "end"));
+  EXPECT_EQ(failed_functions(problem),
+            (std::vector<std::string>{"first cost", "shared", "first row", "second cost",
+                                      "second row", "end cost", "end row"}));
+  EXPECT_TRUE(failed_functions(two_knots()).empty());
+}
+
 }  // namespace
 }  // namespace conddp

@@ -188,6 +188,66 @@ TEST_P(CollocationOfARule, HasTheDerivativesOfDifferencesWithLinearControls) {
 INSTANTIATE_TEST_SUITE_P(Rules, CollocationOfARule, ::testing::ValuesIn(kRules),
                          [](const auto& rule) { return std::string(info_of(rule.param).name); });
 
+// A step of h of a phase that lasts 1.5 times as long as written is one of 1.5 h.
+TEST(Collocation, OfAFreeDurationIsThatOfTheLongerStepAndHasItsSlope) {
+  constexpr double kStep = 0.07, kDifference = 1e-6;
+  for (const CollocationRule rule : kRules)
+    for (const ControlMemory memory : {ControlMemory::none, ControlMemory::linear}) {
+      const auto system = std::make_shared<CollocationSystem>(cartpole({}), rule);
+      const auto model_of = [&](int choices, const std::optional<FreeDuration>& duration) {
+        auto model = std::make_shared<KnotModel>(system, info_of(rule).integrator, memory, choices);
+        model->add_constraint(make_constraint(
+            "collocation",
+            collocation_residual(system, model->ndx(), duration, memory == ControlMemory::linear),
+            ConstraintKind::bounds));
+        return model;
+      };
+      const auto plain = model_of(0, std::nullopt),
+                 free = model_of(2, FreeDuration{.choice = 1, .written = 2});
+      RandomNumbers random(4);
+      const std::vector<double> w = random.numbers(plain->nu(), 2);
+      std::vector<double> x = random.numbers(plain->nx(), 1), longer = x;
+      longer.insert(longer.begin() + 4, {0.4, 3.0});
+      const auto differentiated = [&](const KnotModel& model, const std::vector<double>& at,
+                                      double h) {
+        std::vector<double> parameters(model.parameter_count(), 0.0);
+        parameters.front() = h;
+        parameters.back() = 1;
+        auto work = std::make_unique<KnotWorkspace<double>>(model);
+        const KnotInput<double> in{at.data(), w.data(), parameters.data(), h, 1};
+        model.evaluate(in, *work);
+        const AlignedVector<double> evaluated = work->constraint;
+        model.differentiate(in, *work, false);
+        for (std::size_t i = 0; i < evaluated.size(); ++i)
+          EXPECT_NEAR(evaluated[i], work->constraint[i], 1e-15) << i;
+        return work;
+      };
+      const auto own = differentiated(*free, longer, kStep);
+      const auto expected = differentiated(*plain, x, 1.5 * kStep);
+      Eigen::MatrixXd C = Eigen::MatrixXd::Zero(free->constraint_rows(), free->nz()),
+                      D = Eigen::MatrixXd::Zero(free->constraint_rows(), plain->nz());
+      for (std::size_t e = 0; e < free->constraint_pattern().size(); ++e)
+        C(free->constraint_pattern()[e].first, free->constraint_pattern()[e].second) =
+            own->constraint_jacobian[e];
+      for (std::size_t e = 0; e < plain->constraint_pattern().size(); ++e)
+        D(plain->constraint_pattern()[e].first, plain->constraint_pattern()[e].second) =
+            expected->constraint_jacobian[e];
+      for (int row = 0; row < free->constraint_rows(); ++row)
+        EXPECT_NEAR(own->constraint[row], expected->constraint[row], 1e-13) << row;
+      EXPECT_LT((C.leftCols(4) - D.leftCols(4)).norm(), 1e-13);
+      EXPECT_TRUE(C.col(4).isZero(0));
+      EXPECT_LT((C.rightCols(free->nz() - 6) - D.rightCols(plain->nz() - 4)).norm(), 1e-13);
+      longer[5] = 3 + kDifference;
+      const auto after = differentiated(*free, longer, kStep);
+      longer[5] = 3 - kDifference;
+      const auto before = differentiated(*free, longer, kStep);
+      for (int row = 0; row < free->constraint_rows(); ++row)
+        EXPECT_NEAR(C(row, 5),
+                    (after->constraint[row] - before->constraint[row]) / (2 * kDifference), 1e-7)
+            << row;
+    }
+}
+
 /// A pendulum in honey: its speed follows the torque within a thousandth of a second.
 TEST(Collocation, CarriesAStiffSystemAtStepsOfWhichRungeKuttaDiverges) {
   const auto stiff = pendulum({.inertia = 1, .damping = 1000});

@@ -389,5 +389,59 @@ TEST(Constraints, ASwitchLeavesThemOutAndRolloutsCountTheRest) {
   EXPECT_NE(evaluation.augmentation.sum(), 0);
 }
 
+/// Cost, gradient and Hessian of one constraint on a state of two numbers, soft by its square with
+/// the weight 3 at a cost scale of 0.1.
+struct SquareCost {
+  SquareCost(ConstraintKind kind, std::vector<double> numbers, const std::vector<double>& x) {
+    KnotModel model(double_integrator(1), Integrator::none);
+    model.add_constraint(
+        make_constraint("soft", state_residual(model.manifold()), kind, 1, Softness::l2));
+    KnotWorkspace<double> work(model);
+    const KnotInput<double> in{x.data(), nullptr, numbers.data(), 0, 0.1};
+    model.evaluate(in, work);
+    evaluated = work.cost;
+    model.differentiate(in, work, true);
+    cost = work.cost;
+    gradient = Eigen::Map<const Eigen::Vector2d>(work.gradient.data());
+    for (std::size_t e = 0; e < model.hessian_pattern().size(); ++e) {
+      const auto& [row, column] = model.hessian_pattern()[e];
+      hessian(row, column) = hessian(column, row) = work.hessian[e];
+    }
+    EXPECT_EQ(work.augmentation, 0);
+  }
+
+  void expect(double value, const Eigen::Vector2d& slope, const Eigen::Matrix2d& curvature) const {
+    EXPECT_NEAR(evaluated, value, 1e-15);
+    EXPECT_NEAR(cost, value, 1e-15);
+    EXPECT_LT((gradient - slope).norm(), 1e-15);
+    EXPECT_LT((hessian - curvature).norm(), 1e-15);
+  }
+
+  double evaluated, cost;
+  Eigen::Vector2d gradient;
+  Eigen::Matrix2d hessian = Eigen::Matrix2d::Zero();
+};
+
+// References, lower and upper bounds, switch and weight.
+TEST(SoftBySquare, RowsCostHalfTheirWeightTimesTheSquareOfTheirDistance) {
+  const auto of = [](double active, const std::vector<double>& x) {
+    return SquareCost(ConstraintKind::bounds, {0.5, 0, -1, -2, 1, 0.5, active, 3}, x);
+  };
+  // Both rows are outside: 2.5 − 0.5 is 1 above, −2.25 is 0.25 below.
+  of(1, {2.5, -2.25})
+      .expect(0.5 * 0.3 * (1 + 0.0625), {0.3, 0.3 * -0.25}, 0.3 * Eigen::Matrix2d::Identity());
+  of(1, {2.5, 0}).expect(0.5 * 0.3, {0.3, 0}, Eigen::Vector2d(0.3, 0).asDiagonal());
+  of(1, {0.5, 0}).expect(0, {0, 0}, Eigen::Matrix2d::Zero());
+  of(0, {2.5, -2.25}).expect(0, {0, 0}, Eigen::Matrix2d::Zero());
+}
+
+// ‖3‖ ≤ 1: the nearest point of the cone is (2, 2).
+TEST(SoftBySquare, ConesCostHalfTheirWeightTimesTheSquareOfTheirDistance) {
+  const SquareCost outside(ConstraintKind::second_order_cone, {0, 0, 1, 3}, {3, 1});
+  outside.expect(0.5 * 0.3 * 2, {0.3, -0.3}, Eigen::Matrix2d{{0.15, -0.15}, {-0.15, 0.15}});
+  const SquareCost inside(ConstraintKind::second_order_cone, {0, 0, 1, 3}, {1, 3});
+  inside.expect(0, {0, 0}, Eigen::Matrix2d::Zero());
+}
+
 }  // namespace
 }  // namespace conddp

@@ -1,4 +1,6 @@
 // The residual that compares a state with a first one that was chosen.
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 #include "support/knot_case.hpp"
@@ -68,6 +70,96 @@ TEST(CycleResidual, GradientsAreThoseOfDualNumbers) {
     for (int d = 0; d < model->nz(); ++d)
       EXPECT_NEAR(work.gradient[d], directional_derivative(c, d).cost, 1e-10 * scale)
           << (floating ? "floating" : "fixed") << " direction " << d;
+  }
+}
+
+/// Values of a cycle's rows at a random state, and their Jacobian beside them.
+Eigen::MatrixXd values_and_jacobian(const Cycle& cycle, const std::vector<int>& left_out) {
+  RandomNumbers random(44);
+  KnotModel model(cycle.system, Integrator::none, ControlMemory::none,
+                  static_cast<int>(cycle.start.coordinates.size()));
+  model.add_constraint(make_constraint(
+      "cycle", cycle_residual(cycle.system->manifold(), cycle.start, cycle.offset, left_out),
+      ConstraintKind::bounds));
+  const std::vector<double> x = random_manifold_state(model.manifold(), random, 1);
+  std::vector<double> parameters(model.parameter_count(), 0.0);
+  parameters.back() = 1;
+  KnotWorkspace<double> work(model);
+  model.differentiate(KnotInput<double>{x.data(), nullptr, parameters.data(), 0, 1}, work, false);
+  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(model.constraint_rows(), 1 + model.ndx());
+  for (int i = 0; i < rows.rows(); ++i) rows(i, 0) = work.constraint[i];
+  for (std::size_t e = 0; e < model.constraint_pattern().size(); ++e)
+    rows(model.constraint_pattern()[e].first, 1 + model.constraint_pattern()[e].second) =
+        work.constraint_jacobian[e];
+  return rows;
+}
+
+TEST(CycleResidual, HasTheRowsOfAllCoordinatesButThoseThatAreLeftOut) {
+  RandomNumbers random(43);
+  for (const bool floating : {false, true}) {
+    const Cycle cycle = cycle_of(floating, random);
+    const std::vector<int> left_out =
+        floating ? std::vector{7, 11, 19} : std::vector{0, 3, 7};  // with and without a memory
+    const Eigen::MatrixXd all = values_and_jacobian(cycle, {}),
+                          some = values_and_jacobian(cycle, left_out);
+    ASSERT_EQ(some.rows(), all.rows() - 3);
+    int row = 0;
+    for (int i = 0; i < all.rows(); ++i) {
+      if (std::ranges::find(left_out, i) != left_out.end()) continue;
+      EXPECT_LT((some.row(row++) - all.row(i)).norm(), 1e-14) << i;
+      EXPECT_GT(all.row(i).tail(all.cols() - 1).norm(), 0.1) << i;
+    }
+  }
+}
+
+// Numbers before, between and behind a pose and a rotation, of which some were chosen.
+TEST(CycleResidual, HasItsDerivativesWhereverCurvedPartsOfTheStateAre) {
+  using Part = StateManifold::Part;
+  using D = Dual<Lane>;
+  StateManifold manifold = StateManifold::flat(2);
+  manifold.append(Part::se3);
+  manifold.append(Part::flat, 1);
+  manifold.append(Part::so3);
+  manifold.append(Part::flat, 2);
+  RandomNumbers random(45);
+  const int nx = manifold.nx(), ndx = manifold.ndx();
+  ChosenStart start{random_manifold_state(manifold, random, 1), {0, 3, 5, 8, 9, 11}};
+  std::vector<double> offset(nx, 0.0);
+  offset[1] = 0.3;
+  offset[3] = -0.4;
+  const int rows = ndx - 1, choices = static_cast<int>(start.coordinates.size());
+  const auto residual = cycle_residual(manifold, start, offset, {1});
+  ASSERT_EQ(residual->size(), rows);
+  std::vector<double> x = random_manifold_state(manifold, random, 1);
+  const std::vector<double> chosen = random.numbers(choices, 0.7);
+  x.insert(x.end(), chosen.begin(), chosen.end());
+  const auto system = pendulum({});
+  const auto data = system->create_data(double{});
+  std::vector<double> r(rows), packed(residual->jacobian_size());
+  residual->differentiate(ResidualInput<double>{x.data(), nullptr, nullptr, *data}, r.data(),
+                          packed.data());
+  Eigen::MatrixXd J = Eigen::MatrixXd::Zero(rows, ndx + choices);
+  const double* entry = packed.data();
+  int first = 0;
+  for (const RowBlock& block : residual->blocks()) {
+    for (const int column : block.columns)
+      for (int i = 0; i < block.rows; ++i) J(first + i, column) = *entry++;
+    first += block.rows;
+  }
+  const auto dual_data = system->create_data(D{});
+  for (int c = 0; c < ndx + choices; ++c) {
+    AlignedVector<D> moved(x.begin(), x.end()), step(ndx, D(0.0)), out(rows);
+    if (c < ndx) {
+      step[c].d = Lane(1.0);
+      manifold.integrate(moved.data(), step.data(), moved.data());
+    } else {
+      moved[nx + c - ndx].d = Lane(1.0);
+    }
+    residual->evaluate(ResidualInput<D>{moved.data(), nullptr, nullptr, *dual_data}, out.data());
+    for (int i = 0; i < rows; ++i) {
+      EXPECT_NEAR(out[i].v[0], r[i], 1e-13) << i;
+      EXPECT_NEAR(out[i].d[0], J(i, c), 1e-12) << i << " by " << c;
+    }
   }
 }
 

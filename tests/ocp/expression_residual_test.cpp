@@ -282,5 +282,40 @@ TEST(ExpressionResiduals, WrongTextsHaveAPlace) {
   EXPECT_EQ(warned.warnings[0].index, 1);
 }
 
+// (x − 0.5)(θ + 1) + (v − 0.1)² and y (ω + 0.2), where the factors are rows of other residuals with
+// references of their own.
+TEST(ExpressionResiduals, NameRowsOfOtherResidualsWithTheirOwnReferences) {
+  const auto system = unicycle();
+  KnotModel model(system, Integrator::rk4);
+  const auto residual = expression_residual(
+      model,
+      {.names = knot_names(*system),
+       .operands =
+           {{"place", coordinate_residual(model.manifold(), {0, 2}), {0.5, -1}, {"x", "turn"}},
+            {"push", control_residual(3, 2), {0.1, -0.2}, {"ahead", "around"}}},
+       .rows = {"place[x]*place[turn] + push[ahead]^2", "y*push[around]"}});
+  EXPECT_TRUE(residual->needs_control());
+  EXPECT_EQ(residual->parameter_count(), 2);
+  EXPECT_FALSE(residual->has_claimed_hessian());
+  EXPECT_TRUE(residual->failed_functions().empty());
+  model.add_constraint(make_constraint("rows", residual, ConstraintKind::bounds));
+  const std::vector<double> x = {2, 3, 0.25}, u = {0.7, -1.2};
+  const std::vector<double> parameters = {10, 20, 0, 0, 0, 0, 1};
+  KnotWorkspace<double> work(model);
+  const KnotInput<double> in{x.data(), u.data(), parameters.data(), 0.1, 1};
+  model.evaluate(in, work);
+  EXPECT_NEAR(work.constraint[0], 1.5 * 1.25 + 0.36 - 10, 1e-14);
+  EXPECT_NEAR(work.constraint[1], 3 * -1.0 - 20, 1e-14);
+  model.differentiate(in, work, false);
+  EXPECT_NEAR(work.constraint[0], 1.5 * 1.25 + 0.36 - 10, 1e-14);
+  EXPECT_NEAR(work.constraint[1], 3 * -1.0 - 20, 1e-14);
+  Eigen::MatrixXd C = Eigen::MatrixXd::Zero(2, 5);
+  for (std::size_t e = 0; e < model.constraint_pattern().size(); ++e)
+    C(model.constraint_pattern()[e].first, model.constraint_pattern()[e].second) =
+        work.constraint_jacobian[e];
+  const Eigen::MatrixXd expected{{1.25, 0, 1.5, 1.2, 0}, {0, -1, 0, 0, 3}};
+  EXPECT_LT((C - expected).norm(), 1e-14) << C;
+}
+
 }  // namespace
 }  // namespace conddp

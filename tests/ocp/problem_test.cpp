@@ -181,6 +181,11 @@ TEST(Contradiction, IsNoneBetweenBoundsThatMeetOrOfOtherCoordinatesOrNodes) {
   for (const double r : {0.0, 0.1, 0.3, 0.7, 1.1})  // but for rounding
     mass.hold("meets", {1 - r, -kNone}, {3, 0.1 - r}, true, {r, r});
   mass.hold("elsewhere", {-kNone, 5}, {-4, kNone}, false);
+  // Sums of coordinates are no bounds on either of them.
+  mass.end->add_constraint(make_constraint(
+      "sum", combination_residual(2, {{.terms = {{1, false, 0, 0}, {1, false, 1, 1}}}}),
+      ConstraintKind::bounds));
+  mass.of_end.insert(mass.of_end.end(), {5, 6, 1});
   EXPECT_FALSE(mass.find());
   EXPECT_FALSE(HeldMass{}.find());
 }

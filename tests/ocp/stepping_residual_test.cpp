@@ -204,6 +204,56 @@ TEST(SteppingResidual, EquationsOfMotionAreThoseOfInverseDynamics) {
   }
 }
 
+// What the forces of a step take from its equations of motion: Jᵀf along the normal and both signs
+// of each tangent, of stops towards the middle, of dry friction as it acts.
+TEST(SteppingResidual, EquationsOfMotionHaveTheForcesOfContactsStopsAndDryFriction) {
+  for (const bool planar : {false, true})
+    for (const FrictionModel friction : {FrictionModel::polyhedron, FrictionModel::cone}) {
+      const auto system = stepping_robot(planar, SteppingScheme::backward_euler, friction);
+      const Point p = random_point(*system, 8);
+      Point idle = p;
+      const SteppingLayout& w = system->layout();
+      const RobotModel& model = system->multibody().robot();
+      std::vector<double> q(w.nv);
+      for (int i = 0; i < w.nv; ++i)
+        q[i] = p.x[i] + kStep * (p.x[w.nv + i] + kStep * p.w[w.acceleration + i]);
+      RobotData<double> data(model);
+      update_placements(model, q.data(), data);
+      std::vector<double> pushed(w.nv, 0.0);
+      const auto take = [&](int entry) {
+        idle.w[entry] = 0;
+        return p.w[entry];
+      };
+      for (std::size_t c = 0; c < w.candidates.size(); ++c) {
+        const SteppingLayout::Candidate& at = w.candidates[c];
+        double force[3] = {take(at.force), 0, 0};
+        for (int i = 0; i < at.friction.count; i += 2) {
+          const double forth = take(at.friction.force[i]), back = take(at.friction.force[i + 1]);
+          force[1 + i / 2] = forth - back;
+        }
+        for (int i = 0; at.cone.present && i < 2; ++i) force[1 + i] = take(at.cone.force[i]);
+        const CandidateGeometry geometry(model, system->contacts().candidates[c],
+                                         system->contacts().plane);
+        auto rows = geometry.create_rows<double>();
+        geometry.evaluate(data, rows);
+        const int k = static_cast<int>(geometry.columns().size());
+        for (std::size_t e = 0; e < rows.rows.size(); ++e)
+          pushed[geometry.columns()[e % k]] += force[e / k] * rows.rows[e];
+      }
+      for (const SteppingLayout::Stop& stop : w.stops)
+        pushed[model.joints[stop.joint].v] += (stop.upper ? -1 : 1) * take(stop.force);
+      for (std::size_t i = 0; i < w.frictions.size(); ++i) {
+        const double forth = take(w.frictions[i].force[0]), back = take(w.frictions[i].force[1]);
+        pushed[model.joints[system->contacts().frictions[i].joint].v] += forth - back;
+      }
+      const auto residual = stepping_residual(system, system->ndx());
+      const std::vector<double> with = values(*system, *residual, p),
+                                without = values(*system, *residual, idle);
+      for (int i = 0; i < w.nv; ++i)
+        EXPECT_NEAR(with[i], without[i] - pushed[i], 1e-11) << planar << ' ' << i;
+    }
+}
+
 // Rows behind the equations of motion against their definition, at the end of the step.
 TEST(SteppingResidual, RowsOfContactsAreThoseOfTheirGeometryAtTheEndOfTheStep) {
   for (const FrictionModel friction : {FrictionModel::polyhedron, FrictionModel::cone}) {
