@@ -256,6 +256,23 @@ TEST(AugmentedLagrangian, FirstPenaltiesOfSoftOnesFitTheirLimits) {
   EXPECT_FALSE(constraints.may_relax());
 }
 
+// Rows between −1 and 1, and between −4 and 2, whose multipliers are at most 2.
+TEST(AugmentedLagrangian, FirstPenaltiesOfSoftOnesFitTheFurthestBoundOfAllTheirRows) {
+  const LinearQuadratic lq(1, 2, {3, 2}, 1, -1, 1);
+  Added soft = affine_rows(Eigen::MatrixXd::Ones(2, 2), *lq.problem, 2, 2, -1, 1);
+  soft.lower = {-1, -4};
+  soft.upper = {1, 2};
+  soft.softness = Softness::l1;
+  soft.weight = 2;
+  const ShootingProblem problem = with_constraints(*lq.problem, {soft});
+  for (const auto& [first, second, furthest] :
+       {std::tuple{0.5, 1.0, 5.0}, {7.0, -1.0, 8.0}, {-7.0, -1.0, 8.0}, {0.0, -9.0, 11.0}}) {
+    AugmentedLagrangian constraints(problem, schedule_options(), kAlways);
+    EXPECT_TRUE(constraints.fit_soft(Eigen::Vector2d(first, second)));
+    EXPECT_NEAR(constraints.augmentation().penalty[0], 2 / (10 * furthest), 1e-15) << furthest;
+  }
+}
+
 TEST(AugmentedLagrangian, MultipliersAreTakenOrMovedWhilePenaltiesStay) {
   const NamedRows rows;
   AugmentedLagrangian constraints(*rows.problem, schedule_options(), kAlways);

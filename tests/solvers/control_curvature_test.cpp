@@ -48,6 +48,26 @@ TEST(ControlCurvature, IsThatOfTheCostsWithoutPenalties) {
               1, 1e-6);
 }
 
+// With one knot there is no other one whose curvature could stand for it.
+TEST(ControlCurvature, OfOneKnotIsThatOfItsOwnCosts) {
+  const ShootingProblem free = tracking_problem(pendulum({}), Integrator::rk4, 1, 0.06, {0, 0},
+                                                {{1, 0}, {1, 1}, {1e-3}, {1, 1}});
+  const ShootingProblem problem = with_constraints(free, {{.name = "limit",
+                                                           .residual = control_residual(2, 1),
+                                                           .reference = {0},
+                                                           .lower = {-kFree},
+                                                           .upper = {-1},
+                                                           .first = 0,
+                                                           .last = 0}});
+  const AugmentedLagrangian constraints(problem, first_penalty(10), MultiplierSchedule::always);
+  Linearization linearization(problem);
+  Evaluator(problem).differentiate(problem.create_trajectory(), linearization,
+                                   &constraints.augmentation());
+  ControlCurvature curvature(problem);
+  EXPECT_NEAR(curvature.least(linearization, &constraints.augmentation()) / kCurvature, 1, 1e-6);
+  EXPECT_NEAR(curvature.least(linearization, nullptr), 10 + kCurvature, 1e-9);
+}
+
 TEST(AugmentedLagrangian, StartsWithPenaltiesThatAreNotFarStifferThanTheCosts) {
   Linearized stiff(10), soft(0.1);
   EXPECT_TRUE(stiff.constraints.fit_to_costs(stiff.linearization));

@@ -101,5 +101,41 @@ TEST(EqualitySearch, TakesTheTrialThatLowersTheMeritMore) {
   EXPECT_FALSE(iterate.merit_of(rolled) < iterate.merit_of(trajectory));
 }
 
+// Nothing lowers a merit of −10⁹: all steps down to the smallest one are tried.
+TEST(EqualitySearch, TriesAllStepsDownToTheSmallestOne) {
+  const ShootingProblem problem = goal_problem();
+  EqualityIterate iterate(problem);
+  MeritModel merit = iterate.merit;
+  merit.cost = -1e9;
+  for (const auto& [first, least, trials] :
+       {std::tuple{1.0, 0.25, 3}, {1.0, 0.3, 2}, {0.5, 0.25, 2}, {1.0, 1.0, 1}}) {
+    SolverOptions options;
+    options.line_search.min_step = least;
+    EqualitySearch search(problem, options.line_search);
+    Trajectory trajectory = iterate.trajectory;
+    const LineSearchResult found = search.run(iterate.evaluator, merit, iterate.linearization,
+                                              iterate.step, iterate.feedback, first, trajectory);
+    EXPECT_FALSE(found.accepted);
+    EXPECT_EQ(found.trials, trials) << first << ' ' << least;
+    EXPECT_EQ(trajectory.u(0), iterate.trajectory.u(0));
+  }
+}
+
+// The augmentation is part of the merit where multipliers are found by updates, and of none where
+// the sweep finds them.
+TEST(EqualitySearch, TheMeritOfItsSolverHasNoAugmentation) {
+  const ShootingProblem free = testing::pendulum_swing_up();
+  const ShootingProblem problem =
+      testing::with_constraints(free, {testing::goal_constraint(free, {M_PI, 0})});
+  const auto start = [&](const char* solver) {
+    return solve(problem, solver, {.max_iterations = 1}, problem.create_trajectory()).log.at(0);
+  };
+  const IterationRecord by_sweep = start("intro"), by_updates = start("altro");
+  EXPECT_DOUBLE_EQ(by_sweep.merit, by_sweep.cost);
+  EXPECT_DOUBLE_EQ(by_sweep.constraint, M_PI);
+  EXPECT_NEAR(by_updates.merit, by_updates.cost + 0.5 * by_updates.constraint_penalty * M_PI * M_PI,
+              1e-9 * by_updates.merit);
+}
+
 }  // namespace
 }  // namespace conddp

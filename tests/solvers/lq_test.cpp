@@ -52,6 +52,20 @@ TEST(LinearQuadratic, EverySolverTakesOneFullStepToTheDenseOptimumWithRiccatisGa
   }
 }
 
+// More controls than a lane has numbers: their stages are factored part by part.
+TEST(LinearQuadratic, ManyControlsHaveRiccatisGainsToo) {
+  const LinearQuadratic lq(3, 4, {9, 17}, 2, -1e4, 1e4);
+  const Trajectory optimum = lq.dense_optimum();
+  const auto gains = lq.riccati_gains();
+  for (const char* name : {"box_ddp", "box_fddp", "altro"}) {
+    const SolveResult result = solve(*lq.problem, name, {}, testing::random_guess(*lq.problem, 8));
+    EXPECT_EQ(result.status, SolveStatus::converged) << name;
+    EXPECT_LE(distance(result.trajectory, optimum), 1e-8) << name;
+    for (int k = 0; k < lq.N(); ++k)
+      EXPECT_LE((result.feedback.K[k] - gains[k]).lpNorm<Eigen::Infinity>(), 1e-8) << name;
+  }
+}
+
 TEST(LinearQuadratic, CostatesAreTheDenseMultipliers) {
   const LinearQuadratic lq(5, 4, {2, 3}, 6, -kFree, kFree);
   Eigen::MatrixXd multipliers;

@@ -56,6 +56,9 @@ TEST(Pairs, GiveUpOneOfTheirWishesWithEveryRelaxation) {
     EXPECT_NEAR(result.cost, 0.5 * (1 + 0.25 + 1 + 4), 1e-5) << static_cast<int>(way);
     EXPECT_LE(result.residuals.stationarity, 1e-5);
     EXPECT_LE(result.residuals.constraint, 1e-6);
+    // The relaxation that was asked for finds it, from the first epsilon on.
+    EXPECT_EQ(result.log.back().fallbacks, 0);
+    EXPECT_EQ(result.log.at(1).relaxation, options.complementarity.initial);
   }
 }
 

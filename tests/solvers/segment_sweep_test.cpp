@@ -53,6 +53,24 @@ TEST(SegmentSweep, StepOfALinearQuadraticProblemIsThatOfTheDenseSystem) {
   }
 }
 
+// From the second sweep on the values at the ends of segments are those of this cost.
+TEST(SegmentSweep, StagesAreThoseOfTheSweepFromEndToStart) {
+  for (unsigned seed = 1; seed <= 4; ++seed) {
+    const LinearQuadratic lq(seed, 3, {3, 1, 2}, 4, -testing::kFree, testing::kFree, 1);
+    const Trajectory guess = testing::random_guess(*lq.problem, 100 + seed);
+    SegmentedIterate whole(*lq.problem, guess, {}), parts(*lq.problem, guess, {.count = 4});
+    for (SegmentedIterate* iterate : {&whole, &parts}) {
+      ASSERT_TRUE(iterate->begin());
+      iterate->sweep();
+      iterate->sweep();
+    }
+    for (int k = 0; k < lq.N(); ++k) {
+      ASSERT_EQ(parts.Quu(k).rows(), whole.Quu(k).rows()) << k;
+      EXPECT_LT((parts.Quu(k) - whole.Quu(k)).norm(), 1e-8 * whole.Quu(k).norm()) << k;
+    }
+  }
+}
+
 TEST(SegmentSweep, StepsAreThoseOfTheSweepFromEndToStart) {
   // Open gaps on SE(3), an impulse, bounds that are active, unstable motions.
   const struct {

@@ -93,6 +93,18 @@ TEST(SolveRecord, EndsWithStatusAndMessageAndSaysFalseForTheStepInWhichItEnds) {
   EXPECT_EQ(at.record.result.message, "no way");
 }
 
+TEST(SolveRecord, GradientsHaveTheSizesOfTheControlsOfEachKnot) {
+  const ShootingProblem problem = landing();
+  const SolverOptions options;
+  SolveRecord record(problem, options, false);
+  for (int solve = 0; solve < 2; ++solve) {
+    record.begin();
+    const std::vector<Eigen::VectorXd>& gradient = record.control_gradient();
+    ASSERT_EQ(static_cast<int>(gradient.size()), problem.knots());
+    for (int k = 0; k < problem.knots(); ++k) EXPECT_EQ(gradient[k].size(), problem.nu(k)) << k;
+  }
+}
+
 TEST(SolveRecord, GoesOnUntilItsLimits) {
   constexpr double kNever = std::numeric_limits<double>::infinity();
   const struct {

@@ -209,6 +209,14 @@ TEST(Status, DivergedWhereIterationsEndFarBeyondRounding) {
   }
   const SolverOptions out_of_time{.max_iterations = 2, .interrupted = [] { return true; }};
   EXPECT_EQ(solve(huge, "box_fddp", out_of_time, guess).status, SolveStatus::interrupted);
+  SolverOptions later{.max_iterations = 9};
+  int rows = 0;
+  later.on_iteration = [&rows](const IterationRecord&) { ++rows; };
+  later.interrupted = [&rows] { return rows > 2; };
+  const SolveResult interrupted = solve(huge, "box_fddp", later, guess);
+  EXPECT_EQ(interrupted.iterations, 2);
+  EXPECT_GT(interrupted.residuals.stationarity, 1e16);
+  EXPECT_EQ(interrupted.status, SolveStatus::interrupted) << "whatever its iterate is like";
 }
 
 TEST(Status, RegularizationLimitNamesTheKnot) {

@@ -36,6 +36,8 @@ class SegmentedIterate {
     gaps_.set(linearization_, true);
   }
 
+  const Eigen::MatrixXd& Quu(int k) const { return sweep_.Quu(k); }
+
   /// Finds the active set of each stage, from end to start. False where one has no minimum.
   bool begin() { return run(false) < 0; }
   /// A sweep with that set around another cost, after which values at the ends of segments are
