@@ -1,7 +1,9 @@
 #include <algorithm>
+#include <tuple>
 
 #include <gtest/gtest.h>
 
+#include "solvers/riccati/active_set.hpp"
 #include "solvers/strategies/registry.hpp"
 #include "support/linear_quadratic.hpp"
 
@@ -18,6 +20,24 @@ int iterations(const LinearQuadratic& lq, const char* solver, int horizon_sweeps
   }
   EXPECT_GT(result.log.back().clamped_controls, 0);
   return result.iterations;
+}
+
+TEST(ActiveSet, CountsWhatChangesWhereSidesAreAssumed) {
+  const LinearQuadratic lq(1, 4, {3}, 2, -0.4, 0.3);
+  ActiveSet set(*lq.problem);
+  set.begin_sweep(true);
+  EXPECT_EQ(set.changes(), 0);
+  set.assume_sides(1, Eigen::Vector3d(-0.5, 0, 2));
+  EXPECT_EQ(set.changes(), 2);
+  set.assume_sides(1, Eigen::Vector3d(-1, 0, -1));
+  EXPECT_EQ(set.changes(), 3) << "the third one goes to its other bound";
+  for (const auto& [knot, entry, held] :
+       {std::tuple{0, 0, false}, {1, 0, true}, {1, 1, false}, {1, 2, true}})
+    EXPECT_EQ(set.holds(knot, entry), held) << knot << ' ' << entry;
+  EXPECT_EQ(set.clamped_controls(), 2);
+  set.begin_sweep(true);
+  EXPECT_EQ(set.changes(), 0);
+  EXPECT_EQ(set.clamped_controls(), 2);
 }
 
 // A stage alone cannot see which bounds a step meets at later knots; the horizon's active set can,

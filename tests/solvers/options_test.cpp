@@ -61,6 +61,16 @@ TEST(OptionTable, ReadsAndWritesEveryOption) {
   }
 }
 
+TEST(OptionTable, AChoiceBeyondThoseThatThereAreIsNamed) {
+  for (const int number : {-1, 3}) {
+    SolverOptions options;
+    options.hessian = static_cast<HessianChoice>(number);
+    const auto messages = options.validate();
+    ASSERT_FALSE(messages.empty()) << number;
+    EXPECT_EQ(messages[0], "hessian must be one of automatic, gauss_newton, exact") << number;
+  }
+}
+
 TEST(OptionTable, WholeNumbersAreRequiredWhereTheyAreMeant) {
   SolverOptions options;
   const OptionInfo* info = find_option("max_iterations");

@@ -140,6 +140,20 @@ TEST(Restarts, TellOptimaApartByCostAndTrajectory) {
   }
 }
 
+// Also at the first one, which some problems choose.
+TEST(Restarts, TellOptimaApartThatDifferAtOneNode) {
+  const ShootingProblem problem = double_integrator_move();
+  for (int node = 0; node <= problem.knots(); ++node) {
+    int start = 0;
+    const SolveResult result = run(problem, with_restarts(0, 1), 1, [&](const Trajectory&) {
+      Trajectory end = ramp(problem, 1);
+      if (start++ == 1) end.x(node)[0] += 0.5;
+      return ends_at(problem, end, 1);
+    });
+    EXPECT_EQ(result.restarts->basins.size(), 2u) << node;
+  }
+}
+
 TEST(Restarts, MakeNoFurtherStartsWhereTimeIsUpOrASignalCame) {
   const ShootingProblem problem = double_integrator_move();
   const auto all = [&](const Trajectory& t) { return ends_at(problem, t, 1); };

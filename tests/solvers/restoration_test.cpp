@@ -173,6 +173,24 @@ TEST(ViolationSlope, IsNotThatOfTheCost) {
   EXPECT_NEAR(share(kDear), cheap, 1e-6 * cheap);
 }
 
+/// Each control is as large as the largest one could be, also if that is the first or the last one.
+TEST(ViolationSlope, FreeControlsCanGoAsFarAsTheLargestOneIs) {
+  const ShootingProblem free =
+      testing::tracking_problem(double_integrator(1), Integrator::rk4, 3, kStep, {0, 0},
+                                {{1, 0}, {1, 1}, {0.1}, {1, 1}}, -testing::kFree, testing::kFree);
+  const ShootingProblem problem = with_constraints(free, {testing::goal_constraint(free, {3, 4})});
+  const ControlBounds bounds(problem);
+  ViolationSlope slope(problem, bounds);
+  EXPECT_EQ(slope.violation(Eigen::Vector2d(-3, -4)), 5);
+  const Eigen::Vector3d gradient(1, -2, 0.5);
+  for (int largest = 0; largest < 3; ++largest) {
+    Trajectory trajectory = testing::constant_controls(problem, 0.1);
+    EXPECT_DOUBLE_EQ(slope.share(gradient, trajectory), 3.5 * 1 / 25) << "at least 1";
+    trajectory.u(largest)[0] = -6;
+    EXPECT_DOUBLE_EQ(slope.share(gradient, trajectory), 3.5 * 6 / 25) << largest;
+  }
+}
+
 /// A solve that gives up at once, and after the restoration is the solver's own.
 TEST(SolveWithRestoration, GoesOnFromWhatWasRestored) {
   const auto cases = testing::published_cases();

@@ -46,6 +46,69 @@ TEST(ReusableSolver, AnswersAsASolverOfItsOwnWould) {
   }
 }
 
+/// A mass that is sent to 1, with a wall and a speed that cost, a band that has to hold, and bounds
+/// on its control.
+struct MassNumbers {
+  double wall, wall_weight, speed, speed_weight, band;
+};
+ShootingProblem mass_between(const MassNumbers& numbers) {
+  const ShootingProblem free =
+      testing::tracking_problem(double_integrator(1), Integrator::rk4, 20, 0.1, {0, 0},
+                                {{1, 0}, {1, 0.1}, {0.01}, {10, 10}}, -5, 5);
+  const auto place = coordinate_residual(free.manifold(), {0}),
+             speed = coordinate_residual(free.manifold(), {1});
+  const double none = testing::kFree;
+  return testing::with_constraints(free, {{.name = "wall",
+                                           .residual = place,
+                                           .reference = {0},
+                                           .lower = {-none},
+                                           .upper = {numbers.wall},
+                                           .first = 1,
+                                           .last = 20,
+                                           .softness = Softness::l1,
+                                           .weight = numbers.wall_weight},
+                                          {.name = "speed",
+                                           .residual = speed,
+                                           .reference = {0},
+                                           .lower = {-numbers.speed},
+                                           .upper = {numbers.speed},
+                                           .first = 1,
+                                           .last = 20,
+                                           .softness = Softness::l2,
+                                           .weight = numbers.speed_weight},
+                                          {.name = "band",
+                                           .residual = place,
+                                           .reference = {0},
+                                           .lower = {numbers.band},
+                                           .upper = {none},
+                                           .first = 8,
+                                           .last = 20}});
+}
+
+// Bounds and weights are read anew where a problem's numbers have changed.
+TEST(ReusableSolver, SolvesOtherNumbersAsASolverOfTheirsWould) {
+  const MassNumbers many[] = {{0.9, 0.05, 0.6, 40, 0.3},
+                              {0.5, 3, 0.6, 40, 0.3},
+                              {0.9, 0.05, 0.4, 5, 0.3},
+                              {0.7, 0.3, 0.9, 90, 0.6}};
+  for (const char* name : {"altro", "proxddp", "ipopt"}) {
+    ShootingProblem problem = mass_between(many[0]);
+    ReusableSolver solver(problem, name, {});
+    const Trajectory guess = testing::constant_controls(problem, 0.5);
+    for (const MassNumbers& numbers : many) {
+      SCOPED_TRACE(name + std::string(" ") + std::to_string(numbers.wall));
+      const ShootingProblem own = mass_between(numbers);
+      std::vector<KnotNumbers> nodes;
+      for (int k = 0; k <= own.knots(); ++k)
+        nodes.push_back({own.knot(k).dt, own.knot(k).cost_scale, own.knot(k).parameters});
+      problem.set_numbers(nodes);
+      const SolveResult fresh = solve(own, name, {}, guess);
+      EXPECT_EQ(fresh.status, SolveStatus::converged) << fresh.message;
+      expect_same(solver.solve(guess), fresh);
+    }
+  }
+}
+
 TEST(ReusableSolver, ForgetsASolveThatFailed) {
   ShootingProblem problem = testing::cartpole_swing_up();
   ReusableSolver solver(problem, "ddp", {});

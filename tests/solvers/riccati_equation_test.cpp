@@ -155,6 +155,19 @@ TEST(RiccatiEquation, AStableModeThatNoControlMovesIsNoFault) {
   EXPECT_NEAR(got.regulator->P(0, 0), 1 / (1 - 0.81), 1e-12);
 }
 
+// No control moves it, and rounding could make it last for ever.
+TEST(RiccatiEquation, AModeLastsThatDecaysByRoundingAlone) {
+  const auto with_decay = [](double decay) {
+    return solve_regulator(without_cross_term(Matrix{{1 - decay, 0}, {0, 1.2}}, Matrix{{0}, {1}},
+                                              Matrix::Identity(2, 2), Matrix::Identity(1, 1)));
+  };
+  const RegulatorResult lasting = with_decay(1e-8);
+  EXPECT_EQ(lasting.fault, RegulatorFault::not_stabilizable);
+  ASSERT_TRUE(lasting.mode);
+  EXPECT_NEAR(lasting.mode->share[0], 1, 1e-12);
+  EXPECT_TRUE(with_decay(1e-3).regulator);
+}
+
 TEST(RiccatiEquation, ALastingModeThatCostsNothingIsNamed) {
   Matrix Q = Matrix::Zero(2, 2);
   Q(1, 1) = 1;
