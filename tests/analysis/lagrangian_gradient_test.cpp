@@ -5,6 +5,7 @@
 #include "analysis/certificate/certificate.hpp"
 #include "analysis/certificate/replay.hpp"
 #include "solvers/strategies/registry.hpp"
+#include "support/constrained_problems.hpp"
 #include "support/small_problems.hpp"
 
 namespace conddp {
@@ -88,6 +89,36 @@ TEST(LagrangianGradient, IsTheDerivativeOfTheLagrangian) {
         EXPECT_NEAR(gradient.control[k][i], expected, 1e-6 * (1 + std::abs(expected)));
       }
     }
+  }
+}
+
+/// Rounding of an entry is relative to what was added up for it, whatever cancels.
+TEST(LagrangianGradient, SizesAreSumsOfWhatEachTermIsAlone) {
+  const ShootingProblem free = testing::cartpole_swing_up();
+  const ShootingProblem problem = testing::with_constraints(
+      free, {testing::goal_constraint(free, std::vector<double>(free.nx(), 0.0))});
+  std::srand(2);
+  Trajectory t = problem.create_trajectory();
+  for (int k = 0; k < problem.knots(); ++k) {
+    t.x(k).setRandom();
+    t.u(k).setRandom();
+  }
+  const int N = problem.knots(), ndx = problem.ndx();
+  const Eigen::MatrixXd costates = Eigen::MatrixXd::Random(ndx, N + 1);
+  const Eigen::VectorXd multipliers = Eigen::VectorXd::Random(problem.constraint_rows());
+  const auto derivatives = node_derivatives(problem, t, Eigen::MatrixXd::Zero(ndx, N));
+  const LagrangianGradient gradient =
+      lagrangian_gradient(problem, derivatives, costates, multipliers);
+  for (int k = 0; k <= N; ++k) {
+    const NodeDerivatives& node = derivatives[k];
+    Eigen::VectorXd expected = node.cost.cwiseAbs();
+    if (k < N) expected += node.step.cwiseAbs().transpose() * costates.col(k + 1).cwiseAbs();
+    if (k == N) expected += node.constraint.cwiseAbs().transpose() * multipliers.cwiseAbs();
+    const Eigen::VectorXd of_state = expected.head(ndx) + costates.col(k).cwiseAbs();
+    EXPECT_LT((gradient.state_size.col(k) - of_state).norm(), 1e-12 * of_state.norm()) << k;
+    if (k == N) continue;
+    const Eigen::VectorXd of_control = expected.tail(problem.nu(k));
+    EXPECT_LT((gradient.control_size[k] - of_control).norm(), 1e-12 * of_control.norm()) << k;
   }
 }
 
