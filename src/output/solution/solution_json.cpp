@@ -237,9 +237,10 @@ OrderedJson nulls_json(const OrderedJson& json, const Solution& s) {
       list.push_back({{"key", key}, {"count", count}, {"reason", reason}});
   };
   const std::string unknown = "not finite, or not evaluated because " + ended;
-  const std::string of_controls =
-      (s.built.plant.variants.empty() ? "" : "a control that the system of the phase lacks, or ") +
-      unknown;
+  const std::string lacks = "a control that the system of the phase lacks";
+  const std::string of_controls = s.built.plant.variants.empty() ? unknown
+                                  : is_success(result.status)    ? lacks
+                                                                 : lacks + ", or " + unknown;
   add("problem.options.max_time_s", json["problem"]["options"]["max_time_s"], "without limit");
   add("cost", json["cost"], unknown);
   add("cost_by_name", json["cost_by_name"], unknown);
