@@ -10,6 +10,7 @@
 #include "systems/contact_rank.hpp"
 #include "systems/second_derivatives.hpp"
 #include "systems/state_manifold.hpp"
+#include "systems/table_reading.hpp"
 
 namespace conddp {
 
@@ -86,6 +87,11 @@ class System {
   /// How many rows of the contacts that it holds are independent in a state of nx numbers; where
   /// that cannot be computed there, all rows count as independent.
   virtual ContactRank contact_rank(const double* /*x*/) const { return {}; }
+
+  /// Where its equations read tables at a knot.
+  virtual std::vector<TableReading> table_readings(const double* /*x*/, const double* /*u*/) const {
+    return {};
+  }
 
   /// The compiled functions behind it that have reported failure since they were loaded, by name.
   virtual std::vector<std::string> failed_functions() const { return {}; }

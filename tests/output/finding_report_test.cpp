@@ -23,6 +23,13 @@ class Findings : public testing::Test {
     built_ = build_problem(*spec_, {}, out);
     ASSERT_TRUE(built_) << format_diagnostics(out, false);
   }
+  void load_text(const std::string& text) {
+    Diagnostics out;
+    spec_ = read_problem_text(text, "text.yaml", {}, out);
+    ASSERT_TRUE(spec_) << format_diagnostics(out, false);
+    built_ = build_problem(*spec_, {}, out);
+    ASSERT_TRUE(built_) << format_diagnostics(out, false);
+  }
   SolveResult solved() const {
     return solve(*built_->problem, spec_->solver.name.value, spec_->solver.options, built_->guess);
   }
@@ -40,6 +47,40 @@ class Findings : public testing::Test {
   std::optional<ProblemSpec> spec_;
   std::optional<BuiltProblem> built_;
 };
+
+// A drag of speeds up to 3, of which the rates read the table and, in the second phase, a cost too.
+TEST_F(Findings, TablesThatAreReadBeyondTheirPointsAreNamedWithTheirKnots) {
+  load_text(R"(conddp: 1
+tables:
+  d: {points: [0, 1, 3], values: [0, 1, 2]}
+  e: {points: [-1, 0], values: [2, 3]}
+system: {states: {x: m}, controls: {u: m/s}, rate: {x: u - d(x)}}
+initial_state: {values: {x: 1}}
+phases: [{name: first, knots: 4, dt: 0.1}, {name: second, knots: 2, dt: 0.1}]
+costs:
+  effort: {residual: control}
+  late: {residual: expression, rows: e(u) + x, phases: second}
+  unused: {residual: expression, rows: e(9 + x), weight: 0}
+solver: {name: ddp}
+)");
+  Trajectory motion = built_->problem->create_trajectory();
+  const double states[] = {1, 3, 3.5, 4.43, 3.1, 2, 7};
+  for (int k = 0; k <= 6; ++k) motion.x(k)[0] = states[k];
+  for (int k = 0; k < 6; ++k) motion.u(k)[0] = k == 5 ? -1.5 : -0.5;
+  motion.u(0)[0] = 5;
+  const auto found = of(FindingKind::table_range, motion);
+  ASSERT_EQ(found.size(), 2u);
+  EXPECT_EQ(found[0].subject, "d");
+  EXPECT_EQ(found[0].knot, 3);
+  EXPECT_NEAR(found[0].value, 1.43, 1e-12);
+  EXPECT_EQ(found[0].message,
+            "the table 'd' is read at 4.43, beyond its last point 3, at knots 2 to 4");
+  EXPECT_EQ(found[1].message,
+            "the table 'e' is read at -1.5, beyond its first point -1, at knot 5");
+  for (int k = 0; k <= 6; ++k) motion.x(k)[0] = 2;
+  motion.u(5)[0] = -1;
+  EXPECT_TRUE(of(FindingKind::table_range, motion).empty());
+}
 
 // Feet touch down with some speed, of which the default kd of 20 leaves a part for many steps.
 TEST_F(Findings, TheAdvisedKdCuresTheDriftOfFeet) {

@@ -22,6 +22,8 @@ std::string_view to_string(FindingKind kind) {
       return "constraint_row";
     case FindingKind::between_knots:
       return "between_knots";
+    case FindingKind::table_range:
+      return "table_range";
     case FindingKind::last_knot:
       return "last_knot";
     case FindingKind::thrusters:

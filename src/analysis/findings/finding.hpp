@@ -18,6 +18,7 @@ enum class FindingKind {
   redundant_contacts,  ///< contacts depend on each other: rows beyond the independent ones
   constraint_row,      ///< the row of a constraint that is violated most, in its unit
   between_knots,       ///< a constraint holds at knots but not between them, in its unit
+  table_range,         ///< a table is read beyond its points, by how much in its argument's unit
   last_knot,           ///< a quantity jumps in the last step, in its unit
   thrusters,           ///< directions about which thrusters cannot turn a body
 };
@@ -28,7 +29,7 @@ std::string_view to_string(FindingKind kind);
 /// What is worth knowing about a motion although its problem may not ask for it.
 struct Finding {
   FindingKind kind = FindingKind::position_limit;
-  std::string subject;  ///< the joint, control, contact, constraint or body
+  std::string subject;  ///< the joint, control, contact, constraint, table or body
   double value = 0;     ///< how much, in `unit`
   std::string unit;
   int knot = -1;        ///< where it is worst, −1: nowhere in particular

@@ -6,6 +6,7 @@
 #include <set>
 #include <span>
 #include <string_view>
+#include <tuple>
 #include <utility>
 
 #include <Eigen/Dense>
@@ -47,6 +48,7 @@ class Search {
     find_in_contacts(problem_, trajectory_, names_, list_);
     rows();
     between();
+    tables();
     last_knot();
     thrusters();
     std::stable_sort(list_.begin(), list_.end(), [](const Finding& a, const Finding& b) {
@@ -322,6 +324,54 @@ class Search {
     return {most, high - low};
   }
 
+  /// Tables that are read beyond their points: where most, and in which knots.
+  void tables() {
+    for (int k = 0; k <= problem_.knots(); ++k) {
+      const KnotView& knot = problem_.knot(k);
+      const double* x = trajectory_.x(k).data();
+      const double* u = k < problem_.knots() ? trajectory_.u(k).data() : nullptr;
+      if (u != nullptr) read_beyond(knot.model->system().table_readings(x, u), k);
+      for (const CostTerm& cost : knot.model->costs())
+        if (knot.parameters[cost.weight] != 0)
+          read_beyond(cost.residual->table_readings(x, u, knot.parameters + cost.parameters), k);
+      for (const ConstraintTerm& term : knot.model->constraints())
+        if (knot.parameters[term.active()] != 0)
+          read_beyond(term.residual->table_readings(x, u, knot.parameters + term.parameters), k);
+    }
+    for (const auto& [end, range] : ranges_) report_range(range);
+  }
+
+  /// The use of a table beyond one of its ends.
+  struct BeyondEnd {
+    TableReading worst;
+    int knot = 0, first = 0, last = 0;  ///< the worst, and the first and the last one
+  };
+
+  void read_beyond(const std::vector<TableReading>& readings, int k) {
+    for (const TableReading& reading : readings) {
+      if (!(reading.beyond() > kSlack * (reading.last - reading.first))) continue;
+      const bool high = reading.at > reading.last;
+      const auto key = std::tuple(reading.table, high ? reading.last : reading.first, high);
+      auto& range = ranges_.try_emplace(key, BeyondEnd{reading, k, k, k}).first->second;
+      range.last = k;
+      if (reading.beyond() <= range.worst.beyond()) continue;
+      range.worst = reading;
+      range.knot = k;
+    }
+  }
+
+  void report_range(const BeyondEnd& range) {
+    const TableReading& worst = range.worst;
+    const bool high = worst.at > worst.last;
+    Finding& f = add(FindingKind::table_range, worst.table, worst.beyond(), "", range.knot);
+    f.message = fmt::format(
+        "the table '{}' is read at {:.4g}, beyond its {} point {:.4g}, {}", worst.table, worst.at,
+        high ? "last" : "first", high ? worst.last : worst.first,
+        range.first == range.last ? fmt::format("at knot {}", range.first)
+                                  : fmt::format("at knots {} to {}", range.first, range.last));
+    f.remedy = "more points, or a bound on what it depends on: beyond its points it is linear";
+  }
+
   int first_of_last_phase() const {
     int first = problem_.knots() - 1;
     const auto phase = problem_.knot(first).phase;
@@ -405,6 +455,8 @@ class Search {
   NodeEvaluation nodes_;
   const KnotWorkspace<double>* evaluated_ = nullptr;  ///< of the last node
   std::map<std::string, Effort> efforts_;
+  /// By table, point at the end, and whether that is the last one.
+  std::map<std::tuple<std::string, double, bool>, BeyondEnd> ranges_;
   std::vector<Finding> list_;
 };
 

@@ -1,6 +1,7 @@
 #include "ocp/residuals/expression_residual.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include <fmt/format.h>
@@ -8,6 +9,7 @@
 #include "ocp/residuals/row_blocks.hpp"
 #include "ocp/residuals/stack_numbers.hpp"
 #include "systems/expressions/differentiable.hpp"
+#include "systems/expressions/table_arguments.hpp"
 #include "systems/expressions/tangent_motions.hpp"
 
 namespace conddp {
@@ -110,14 +112,15 @@ int count(const std::vector<KnotInputSource>& sources, KnotInputSource::Kind kin
 class ExpressionResidual : public ResidualBase<ExpressionResidual> {
  public:
   ExpressionResidual(DifferentiableExpressions functions, std::vector<KnotInputSource> sources,
-                     Operands operands, int first_operand)
+                     Operands operands, int first_operand, TableArguments tables)
       : ResidualBase(
             structure(functions, operands, first_operand),
             count(sources, KnotInputSource::Kind::kParameter),
             count(sources, KnotInputSource::Kind::kControl) > 0 || operands.need_control()),
         functions_(std::move(functions)),
         sources_(std::move(sources)),
-        operands_(std::move(operands)) {
+        operands_(std::move(operands)),
+        tables_(std::move(tables)) {
     const std::vector<PackedRow> packed = packed_rows(*this);
     for (const auto& entry : functions_.jacobian()) {
       const PackedRow& row = packed[entry.row];
@@ -139,6 +142,20 @@ class ExpressionResidual : public ResidualBase<ExpressionResidual> {
     return operands_.failed_functions();
   }
   bool has_claimed_hessian() const override { return operands_.have_claimed_hessian(); }
+
+  std::vector<TableReading> table_readings(const double* x, const double* u,
+                                           const double* parameters) const override {
+    // Rows of operands, which are evaluated elsewhere, are not known.
+    return tables_.readings([&](int i) {
+      const auto source = std::ranges::find(sources_, i, &KnotInputSource::input);
+      const double* numbers = source == sources_.end()                            ? nullptr
+                              : source->kind == KnotInputSource::Kind::kState     ? x
+                              : source->kind == KnotInputSource::Kind::kControl   ? u
+                              : source->kind == KnotInputSource::Kind::kParameter ? parameters
+                                                                                  : nullptr;
+      return numbers == nullptr ? std::nan("") : numbers[source->index];
+    });
+  }
 
   template <class S>
   void evaluate_as(const ResidualInput<S>& in, S* r) const {
@@ -198,6 +215,7 @@ class ExpressionResidual : public ResidualBase<ExpressionResidual> {
   DifferentiableExpressions functions_;
   std::vector<KnotInputSource> sources_;
   Operands operands_;
+  TableArguments tables_;
   std::vector<Product> products_;
 };
 
@@ -341,8 +359,11 @@ class ResidualReader {
     drop_unused();
     out_.reads_time = std::any_of(sources_.begin(), sources_.end(),
                                   [&](const KnotInputSource& s) { return s.input == time_; });
-    out_.residual = std::make_shared<ExpressionResidual>(std::move(functions), sources_,
-                                                         std::move(operands), first_operand);
+    std::vector<std::string> tables;
+    for (const auto& [name, table] : text_.tables) tables.push_back(name);
+    out_.residual = std::make_shared<ExpressionResidual>(
+        std::move(functions), sources_, std::move(operands), first_operand,
+        TableArguments(graph_, outputs_, inputs, tables));
   }
 
   /// Inputs that neither values nor derivatives read. A quaternion is read as a whole, because its

@@ -59,6 +59,11 @@ class Residual {
   const std::vector<RowBlock>& blocks() const { return blocks_; }
   /// Of what it is a linear image, null if of nothing: costs form their Hessians from that.
   virtual const LinearImage* linear_image() const { return nullptr; }
+  /// Where its rows read tables at a node; u is null at one without a control.
+  virtual std::vector<TableReading> table_readings(const double* /*x*/, const double* /*u*/,
+                                                   const double* /*parameters*/) const {
+    return {};
+  }
   /// As System::failed_functions and System::has_claimed_hessian.
   virtual std::vector<std::string> failed_functions() const { return {}; }
   virtual bool has_claimed_hessian() const { return false; }

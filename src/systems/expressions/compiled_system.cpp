@@ -4,6 +4,7 @@
 
 #include "systems/expressions/differentiable.hpp"
 #include "systems/expressions/system_hessian.hpp"
+#include "systems/expressions/table_arguments.hpp"
 #include "systems/expressions/tangent_motions.hpp"
 
 namespace conddp {
@@ -16,6 +17,7 @@ class ExpressionSystem : public SystemBase<ExpressionSystem> {
       : SystemBase(parts.kind, std::move(parts.manifold),
                    static_cast<int>(parts.control_columns.size())),
         sources_(std::move(parts.sources)),
+        tables_(parts.graph, parts.outputs, inputs(), parts.tables),
         functions_(parts.graph, parts.outputs, inputs(),
                    input_motions(parts.graph, manifold(), sources_)),
         hessian_([graph = std::move(parts.graph), outputs = std::move(parts.outputs),
@@ -59,6 +61,11 @@ class ExpressionSystem : public SystemBase<ExpressionSystem> {
   template <class S>
   void update_kinematics_as(const S*, Data<S>&) const {}
 
+  std::vector<TableReading> table_readings(const double* x, const double* u) const override {
+    return tables_.readings(
+        [&](int i) { return sources_[i] < nx() ? x[sources_[i]] : u[sources_[i] - nx()]; });
+  }
+
   std::unique_ptr<SecondDerivatives> second_derivatives(SystemData<Lane>&,
                                                         SystemData<Dual<Lane>>&) const override {
     return hessian_.derivatives(*this);
@@ -85,6 +92,7 @@ class ExpressionSystem : public SystemBase<ExpressionSystem> {
   }
 
   std::vector<int> sources_;
+  TableArguments tables_;
   DifferentiableExpressions functions_;
   std::vector<Entry> entries_;  ///< all others stay zero
   SystemHessian hessian_;

@@ -15,7 +15,8 @@ struct ExpressionSystemParts {
   std::vector<Column> state_columns, control_columns;
   std::vector<bool> at_rest;  ///< by column of the state; empty: none is
   ExpressionGraph graph;
-  std::vector<NodeId> outputs;  ///< the rows of the system
+  std::vector<std::string> tables;  ///< the names of the graph's
+  std::vector<NodeId> outputs;      ///< the rows of the system
   /// Where the inputs of the graph come from: numbers of (x, u), each number of x exactly once.
   std::vector<int> sources;
 };

@@ -103,6 +103,7 @@ class SystemReader {
     }
     texts_.add_parameters(text_.parameters);
     texts_.add_tables(text_.tables);
+    for (const auto& [name, table] : text_.tables) parts_.tables.push_back(name);
     return columns;
   }
 
