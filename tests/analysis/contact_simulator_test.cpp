@@ -431,8 +431,7 @@ TEST(ContactSimulator, StepsTakeFewIterationsToTheLastDigits) {
   }
 }
 
-/// A disc whose heading turns by a third of a right angle within a step: Newton's method needs the
-/// slope of its direction.
+/// A disc whose heading turns by a third of a right angle within a step.
 TEST(ContactSimulator, HeadingsThatTurnFarTakeFewIterationsToo) {
   const ContactPlant plant = puck(FrictionModel::cone);
   ContactSimulator simulator(plant);
