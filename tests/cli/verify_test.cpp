@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdlib>
 #include <functional>
 
@@ -175,6 +176,30 @@ TEST_F(Verify, RememberWhatTheCommandLineChanged) {
   std::filesystem::remove(folder_.path() / "out/solution.json");
   const ProcessResult r = run({"verify", "two/solution.json"});
   EXPECT_EQ(r.exit_code, 0) << r.out << r.err;
+  const std::string head = r.out.substr(0, r.out.find('\n'));
+  EXPECT_TRUE(head.ends_with(" checks), with settings")) << head;
+  EXPECT_NE(r.out.find("\n  setting costs.effort.weight=0.05\n"), std::string::npos) << r.out;
+  EXPECT_NE(r.out.find("\n  dropped force\n"), std::string::npos) << r.out;
+  const Json json = Json::parse(run({"verify", "two/solution.json", "--json"}).out)["settings"];
+  EXPECT_EQ(json["dropped_constraints"], Json::array({"force"}));
+  EXPECT_NE(
+      std::find(json["overrides"].begin(), json["overrides"].end(), "costs.effort.weight=0.05"),
+      json["overrides"].end())
+      << json;
+}
+
+TEST_F(Verify, TolerancesThatAcceptWhatTheDefaultsDoNotAreSaid) {
+  std::string loose = problem_;
+  const std::string last = "max_iterations: 300}";
+  loose.replace(loose.find(last), last.size(), "tolerances: {constraint: 10}}");
+  folder_.write("cartpole.yaml", loose);
+  EXPECT_EQ(run({"solve", "cartpole.yaml", "-o", "loose"}).exit_code, 0);
+  const ProcessResult r = run({"verify", "loose/solution.json"});
+  EXPECT_EQ(r.exit_code, 0) << r.out << r.err;
+  EXPECT_NE(r.out.find("\n  tolerances beyond the defaults: constraint 10 (default "),
+            std::string::npos)
+      << r.out;
+  EXPECT_EQ(r.out.find("with settings"), std::string::npos) << r.out;
 }
 
 TEST_F(Verify, AnUnconvergedAnswerHoldsTo) {

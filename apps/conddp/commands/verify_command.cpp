@@ -9,6 +9,7 @@
 #include "base/json/json_text.hpp"
 #include "base/json/solution_members.hpp"
 #include "commands/commands.hpp"
+#include "output/report/answer_settings.hpp"
 #include "output/report/certificate_report.hpp"
 #include "output/report/contact_report.hpp"
 #include "output/report/loop_certificate.hpp"
@@ -33,18 +34,27 @@ void print_lines(const char* word, const std::vector<std::string>& lines) {
   for (const std::string& line : lines) print_result(fmt::format("  {}{}\n", word, line));
 }
 
-int print(const VerifyArguments& arguments, const ProblemSpec& spec,
+/// The verdict, how the problem differs from its file, and the checks.
+void print_verdict(const ProblemSpec& spec, const std::string& verdict,
+                   const AnswerSettings& settings, const Certificate& checks) {
+  print_result(fmt::format("{}: {}{}\n", spec.name.value, verdict,
+                           settings.changed() ? ", with settings" : ""));
+  print_lines("", settings_lines(settings));
+  print_result(certificate_table(checks));
+}
+
+int print(const VerifyArguments& arguments, const ProblemSpec& spec, const AnswerSettings& settings,
           const SolutionCertificate& certificate) {
   if (arguments.json) {
     print_result(json_text(OrderedJson{{"format", "conddp.verify/1"},
                                        {"solution", arguments.solution},
                                        {"problem", spec.file.string()},
                                        {"name", spec.name.value},
+                                       {"settings", settings_json(settings)},
                                        {"findings", findings_json(certificate.findings)},
                                        {"certificate", certificate_json(certificate)}}));
   } else if (!arguments.quiet) {
-    print_result(fmt::format("{}: {}\n", spec.name.value, certificate_line(certificate)));
-    print_result(certificate_table(certificate.checks));
+    print_verdict(spec, certificate_line(certificate), settings, certificate.checks);
     if (!std::isnan(certificate.checks.optimality.stationarity))
       print_result(fmt::format("  {}\n", optimality_line(certificate)));
     if (certificate.contacts)
@@ -61,20 +71,21 @@ int verify_solution(const VerifyArguments& arguments, const OrderedJson& documen
   const auto problem = rebuild_problem(document, arguments.solution, arguments.problem, out);
   if (!problem) return kExitBadInput;
   const auto& [spec, built] = *problem;
-  return print(arguments, *spec, certify_solution(document, *spec, built, true));
+  return print(arguments, *spec, answer_settings(document, *spec, built),
+               certify_solution(document, *spec, built, true));
 }
 
-int print(const VerifyArguments& arguments, const LoopTask& task,
+int print(const VerifyArguments& arguments, const LoopTask& task, const AnswerSettings& settings,
           const LoopCertificate& certificate) {
   if (arguments.json) {
     print_result(json_text(OrderedJson{{"format", "conddp.verify/1"},
                                        {"solution", arguments.solution},
                                        {"problem", task.spec->file.string()},
                                        {"name", task.spec->name.value},
+                                       {"settings", settings_json(settings)},
                                        {"certificate", certificate_json(certificate)}}));
   } else if (!arguments.quiet) {
-    print_result(fmt::format("{}: {}\n", task.spec->name.value, certificate_line(certificate)));
-    print_result(certificate_table(certificate.checks));
+    print_verdict(*task.spec, certificate_line(certificate), settings, certificate.checks);
     for (const std::string& file : certificate.missing)
       print_result(fmt::format("  not checked: there is no {}\n", file));
   }
@@ -85,7 +96,8 @@ int verify_loop(const VerifyArguments& arguments, const OrderedJson& document, D
   const auto task = rebuild_loop(document, arguments.solution, arguments.problem, out);
   if (!task) return kExitBadInput;
   const auto folder = std::filesystem::path(arguments.solution).parent_path();
-  return print(arguments, *task, certify_loop(document, folder, *task));
+  return print(arguments, *task, answer_settings(document, *task->spec, task->built),
+               certify_loop(document, folder, *task));
 }
 
 /// What is kept of a solution.

@@ -174,10 +174,14 @@ std::string certificate_table(const Certificate& certificate) {
 
 std::string optimality_line(const SolutionCertificate& certificate) {
   const Optimality& o = certificate.checks.optimality;
-  return fmt::format(
+  std::string text = fmt::format(
       "stationarity {:.1e} along own gains, which decides; reduced gradient {:.1e} (rounding "
-      "{:.0e}); a Newton step would gain {:.1e}",
-      o.stationarity, o.reduced_gradient, o.reduced_rounding, o.expected_decrease);
+      "{:.0e})",
+      o.stationarity, o.reduced_gradient, o.reduced_rounding);
+  // A stage without curvature has no Newton step.
+  if (std::isfinite(o.expected_decrease))
+    text += fmt::format("; a Newton step would gain {:.1e}", o.expected_decrease);
+  return text;
 }
 
 std::string replay_line(const SolutionCertificate& certificate) {

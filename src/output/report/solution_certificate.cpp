@@ -14,6 +14,7 @@
 #include "ocp/evaluation/evaluator.hpp"
 #include "ocp/problem/by_name.hpp"
 #include "ocp/problem/control_columns.hpp"
+#include "output/report/configuration_check.hpp"
 #include "output/solution/contact_forces.hpp"
 #include "output/solution/finding_report.hpp"
 #include "output/solution/solution_json.hpp"

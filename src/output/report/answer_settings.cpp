@@ -1,0 +1,69 @@
+#include "output/report/answer_settings.hpp"
+
+#include <fmt/format.h>
+
+#include "base/json/solution_members.hpp"
+#include "solvers/common/option_table.hpp"
+
+namespace conddp {
+namespace {
+
+constexpr std::string_view kTolerances = "tolerances.";
+
+std::vector<std::string> overrides_of(const OrderedJson& document) {
+  std::vector<std::string> list;
+  for (const OrderedJson& setting :
+       solution_list(solution_member(document, "problem"), "overrides")) {
+    if (!setting.is_string()) throw MalformedSolution{"'overrides' has an entry that is not text"};
+    list.push_back(setting.get<std::string>());
+  }
+  return list;
+}
+
+std::vector<std::pair<std::string, double>> loose_tolerances(const SolverOptions& options) {
+  std::vector<std::pair<std::string, double>> list;
+  for (const OptionInfo& info : option_table()) {
+    if (!info.name.starts_with(kTolerances)) continue;
+    const double value = std::get<double>(info.get(options));
+    if (value > std::get<double>(info.default_value()))
+      list.emplace_back(info.name.substr(kTolerances.size()), value);
+  }
+  return list;
+}
+
+double default_tolerance(const std::string& name) {
+  return std::get<double>(find_option(std::string(kTolerances) + name)->default_value());
+}
+
+}  // namespace
+
+AnswerSettings answer_settings(const OrderedJson& document, const ProblemSpec& spec,
+                               const BuiltProblem& built) {
+  AnswerSettings settings{.overrides = overrides_of(document),
+                          .loose_tolerances = loose_tolerances(spec.solver.options)};
+  for (const DroppedConstraint& constraint : built.dropped)
+    settings.dropped.push_back(constraint.name);
+  return settings;
+}
+
+std::vector<std::string> settings_lines(const AnswerSettings& settings) {
+  std::vector<std::string> lines;
+  for (const std::string& setting : settings.overrides) lines.push_back("setting " + setting);
+  for (const std::string& name : settings.dropped) lines.push_back("dropped " + name);
+  std::string loose;
+  for (const auto& [name, value] : settings.loose_tolerances)
+    loose += fmt::format("{}{} {:g} (default {:g})", loose.empty() ? "" : ", ", name, value,
+                         default_tolerance(name));
+  if (!loose.empty()) lines.push_back("tolerances beyond the defaults: " + loose);
+  return lines;
+}
+
+OrderedJson settings_json(const AnswerSettings& settings) {
+  OrderedJson loose = OrderedJson::object();
+  for (const auto& [name, value] : settings.loose_tolerances) loose[name] = value;
+  return {{"overrides", settings.overrides},
+          {"dropped_constraints", settings.dropped},
+          {"loose_tolerances", std::move(loose)}};
+}
+
+}  // namespace conddp
