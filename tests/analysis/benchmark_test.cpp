@@ -14,7 +14,7 @@ BenchmarkRun run(const char* solver, const SolverOptions& options = {}, int repe
   const ShootingProblem problem = testing::pendulum_swing_up(3);
   Trajectory guess = problem.create_trajectory();
   for (int k = 0; k < problem.knots(); ++k) guess.u(k).setConstant(0.1);
-  return run_benchmark(problem, guess, *find_solver(solver), options, {.count = repeat});
+  return run_benchmark(problem, guess, solver, options, {.count = repeat});
 }
 
 TEST(Benchmark, MeasuresASolve) {
@@ -30,6 +30,14 @@ TEST(Benchmark, MeasuresASolve) {
   EXPECT_GE(measured.spread(), 0);
 }
 
+TEST(Benchmark, TheChoiceByTheProblemIsMeasuredLikeASolver) {
+  const BenchmarkRun measured = run("auto"), chosen = run("box_fddp");
+  EXPECT_EQ(measured.solver, "auto");
+  EXPECT_TRUE(measured.solved);
+  EXPECT_EQ(measured.check.cost, chosen.check.cost);
+  EXPECT_EQ(run("no_solver").status, "refused");
+}
+
 TEST(Benchmark, WithoutRepetitionTheOneSolveIsTimed) {
   EXPECT_EQ(run("box_ddp", {}, 0).times.size(), 1u);
 }
@@ -37,7 +45,7 @@ TEST(Benchmark, WithoutRepetitionTheOneSolveIsTimed) {
 TEST(Benchmark, ALongSolveIsNotRepeated) {
   const ShootingProblem problem = testing::pendulum_swing_up(3);
   const auto times = [&](double longest_s) {
-    return run_benchmark(problem, problem.create_trajectory(), *find_solver("box_ddp"), {},
+    return run_benchmark(problem, problem.create_trajectory(), "box_ddp", {},
                          {.count = 3, .longest_s = longest_s})
         .times.size();
   };

@@ -96,6 +96,17 @@ TEST(Bench, DropsConstraintsOnlyForSolversThatRefuseThem) {
   }
 }
 
+TEST(Bench, TheChoiceByTheProblemIsASolverThatIsNamed) {
+  const Json report = bench({"--solvers", "auto,box_fddp"});
+  ASSERT_EQ(report["runs"].size(), 2u);
+  const Json &chosen = run_of(report, "auto"), &same = run_of(report, "box_fddp");
+  EXPECT_EQ(chosen["status"], "converged");
+  EXPECT_TRUE(chosen["solved"].get<bool>());
+  EXPECT_EQ(chosen["cost"], same["cost"]);
+  EXPECT_EQ(chosen["iterations"], same["iterations"]);
+  EXPECT_NE(chosen["command"].get<std::string>().find(" --solver auto"), std::string::npos);
+}
+
 TEST(Bench, FailuresStayInTheTable) {
   const Json report = bench({"--solvers", "box_ddp,box_fddp", "--set", "solver.max_iterations=2"});
   ASSERT_EQ(report["runs"].size(), 2u);

@@ -77,6 +77,16 @@ TEST(BenchmarkReport, CostsAreComparedWithTheBestKnownWhereThatIsThere) {
   }
 }
 
+TEST(BenchmarkReport, RoundingAroundAnOptimumOfZeroIsNoExcess) {
+  BenchmarkReport r{.request = {.solvers = {"a", "b", "c"}}};
+  r.entries = {entry("zero", "a", 1.7e-29, 0.1), entry("zero", "b", 9.9e-31, 0.2),
+               entry("zero", "c", 6.1e-14, 0.2), entry("zero", "d", 1e-6, 0.2)};
+  compare_costs(r);
+  for (int i = 0; i < 3; ++i) EXPECT_LT(r.entries[i].cost_excess, 1e-9) << i;
+  EXPECT_EQ(r.entries[1].cost_excess, 0);
+  EXPECT_NEAR(r.entries[3].cost_excess, 1e-3, 1e-12) << "relative to a cost of 1e-3";
+}
+
 TEST(BenchmarkReport, CountsAnswersByHowNearTheyAreToTheBest) {
   BenchmarkReport r{.request = {.solvers = {"a", "b"}}};
   r.entries = {entry("1", "a", 2, 1),       entry("1", "b", 2 * (1 + 5e-7), 1),

@@ -55,6 +55,21 @@ constexpr double kExampleTimeLimit = 10;
 
 constexpr const char* kGuess = "guess";
 
+/// The choice by the problem as a solver of its own: among those that it tries are some that take
+/// any problem.
+const SolverInfo& auto_solver() {
+  static const SolverInfo info{.name = kAutoSolver,
+                               .control_bounds = BoundSupport::exact,
+                               .constraints = ConstraintSupport::all,
+                               .complementarity = true,
+                               .concurrent = false};
+  return info;
+}
+
+const SolverInfo* find_bench_solver(std::string_view name) {
+  return name == kAutoSolver ? &auto_solver() : find_solver(name);
+}
+
 void check_repeated(const std::vector<const SolverInfo*>& chosen, Diagnostics& out) {
   for (std::size_t i = 0; i < chosen.size(); ++i)
     if (std::find(chosen.begin(), chosen.begin() + i, chosen[i]) != chosen.begin() + i)
@@ -63,7 +78,7 @@ void check_repeated(const std::vector<const SolverInfo*>& chosen, Diagnostics& o
 
 std::vector<const SolverInfo*> choose_solvers(const std::string& list, Diagnostics& out) {
   std::vector<const SolverInfo*> chosen;
-  std::vector<std::string> names;
+  std::vector<std::string> names{std::string(kAutoSolver)};
   for (const SolverInfo& info : solvers()) names.emplace_back(info.name);
   for (std::size_t start = 0; start <= list.size();) {
     const std::size_t end = std::min(list.find(',', start), list.size());
@@ -71,7 +86,7 @@ std::vector<const SolverInfo*> choose_solvers(const std::string& list, Diagnosti
     start = end + 1;
     if (name == kAll) {
       for (const SolverInfo& info : solvers()) chosen.push_back(&info);
-    } else if (const SolverInfo* info = find_solver(name)) {
+    } else if (const SolverInfo* info = find_bench_solver(name)) {
       chosen.push_back(info);
     } else {
       out.error({}, fmt::format("--solvers: unknown solver '{}'", name),
@@ -236,7 +251,7 @@ class Bench {
       // The time of a solver that cannot run beside itself does not pass while it waits.
       std::unique_lock alone(alone_, std::defer_lock);
       if (!task.solver->concurrent) alone.lock();
-      entry.run = run_benchmark(instance, guess, *task.solver, options, repetition, &answer);
+      entry.run = run_benchmark(instance, guess, task.solver->name, options, repetition, &answer);
     }
     if (InterruptGuard::signal() != 0) return std::nullopt;
     if (!entry.run.times.empty()) {
@@ -359,7 +374,8 @@ Command bench_command() {
             .target = &a->inputs},
            {.names = {"--solvers"},
             .value = "NAMES",
-            .description = "The solvers: names with commas between, or all",
+            .description =
+                "The solvers: names with commas between, auto among them, or all (without auto)",
             .fallback = a->solvers,
             .target = &a->solvers},
            drop_argument(a->drop,

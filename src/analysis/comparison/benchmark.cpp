@@ -83,9 +83,9 @@ bool is_repeatable(const SolveResult& result, const Repetition& repetition) {
 }  // namespace
 
 BenchmarkRun run_benchmark(const ShootingProblem& problem, const Trajectory& guess,
-                           const SolverInfo& solver, const SolverOptions& options,
+                           std::string_view solver, const SolverOptions& options,
                            const Repetition& repetition, Trajectory* answer) {
-  BenchmarkRun run{.solver = std::string(solver.name)};
+  BenchmarkRun run{.solver = std::string(solver)};
   int repeat = repetition.count;
   std::vector<SolveTimes> times;
   try {

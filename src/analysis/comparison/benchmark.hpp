@@ -2,6 +2,7 @@
 
 #include <limits>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "analysis/certificate/answer_check.hpp"
@@ -40,12 +41,12 @@ struct Repetition {
 /// is doubted: stationarity along another policy is another number.
 inline constexpr double kCheckFactor = 10;
 
-/// Solves once to warm up, then as often as is asked for against the clock, one after the other. A
-/// solve that ended for want of time, or is not to be repeated, counts itself. A refusal, of the
-/// problem or of an option, is a run with that status. `answer`, if wanted, receives the trajectory
-/// that was found.
+/// Solves by the solver of this name, `auto` included, once to warm up, then as often as is asked
+/// for against the clock, one after the other. A solve that ended for want of time, or is not to be
+/// repeated, counts itself. A refusal, of the problem or of an option, is a run with that status.
+/// `answer`, if wanted, receives the trajectory that was found.
 BenchmarkRun run_benchmark(const ShootingProblem& problem, const Trajectory& guess,
-                           const SolverInfo& solver, const SolverOptions& options,
+                           std::string_view solver, const SolverOptions& options,
                            const Repetition& repetition, Trajectory* answer = nullptr);
 
 /// The middle of some numbers (of two, their mean); not-a-number of none.

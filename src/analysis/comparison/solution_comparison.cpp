@@ -132,7 +132,7 @@ class Comparison {
 
   double cost_tolerance() const {
     const double size = std::isfinite(golden_.cost) ? std::abs(golden_.cost) : 1;
-    return tolerances_.cost_relative * std::max(1e-3, size);
+    return tolerances_.cost_relative * std::max(kSmallestCostSize, size);
   }
 
   void number(const std::string& quantity, double golden, double actual, double tolerance) {

@@ -42,6 +42,10 @@ struct Difference {
   std::string message;   ///< both values and the tolerance
 };
 
+/// Differences of costs are relative to costs of this size at least: an optimum may be zero, and an
+/// answer is not worse for the rounding that is left of it.
+inline constexpr double kSmallestCostSize = 1e-3;
+
 /// Compares two solutions (documents of the shape of solution.json) by meaning: status, cost and
 /// costs by name, residuals, time grid, then every column of the trajectory; quaternions by angle.
 /// Numbers of iterations are not compared. Empty if they agree. A document with a comparison_defect

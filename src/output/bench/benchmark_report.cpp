@@ -6,6 +6,8 @@
 #include <map>
 #include <tuple>
 
+#include "analysis/comparison/solution_comparison.hpp"
+
 namespace conddp {
 namespace {
 
@@ -42,8 +44,7 @@ void compare_costs(BenchmarkReport& report) {
     const Group& group = group_of(entry);
     if (!entry.best_known && group.answers < 2) continue;
     const double best = entry.best_known.value_or(group.lowest);
-    const double above = entry.run.check.cost - best;
-    entry.cost_excess = above == 0 ? 0 : above / std::max(std::abs(best), 1e-300);
+    entry.cost_excess = (entry.run.check.cost - best) / std::max(std::abs(best), kSmallestCostSize);
   }
 }
 

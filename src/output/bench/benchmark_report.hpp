@@ -35,10 +35,10 @@ struct BenchmarkEntry {
   /// The least cost known of just this problem, from before; absent: none is known, or the instance
   /// has another initial state or lacks a constraint.
   std::optional<double> best_known;
-  /// (cost − best) / |best|, where best is `best_known`, else the least cost that was found for the
-  /// same initial state with the same constraints, by all solvers and from all guesses;
-  /// not-a-number where this one did not solve it, or there is nothing to compare with. Negative:
-  /// better than what was known.
+  /// (cost − best) / max(|best|, kSmallestCostSize), where best is `best_known`, else the least
+  /// cost that was found for the same initial state with the same constraints, by all solvers and
+  /// from all guesses; not-a-number where this one did not solve it, or there is nothing to compare
+  /// with. Negative: better than what was known.
   double cost_excess = std::numeric_limits<double>::quiet_NaN();
 };
 
