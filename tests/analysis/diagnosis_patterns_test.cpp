@@ -14,15 +14,17 @@ namespace {
 struct Ending {
   SolveStatus status = SolveStatus::max_iterations;
   int failed_knot = -1;
+  std::string_view failed_quantity = {};
 };
 
 /// Of a log that stands still at full steps, changed row by row.
 Diagnosis diagnosis_of_log(int rows, const std::function<void(int, IterationRecord&)>& change,
-                           const Ending& ending = {}) {
-  const ShootingProblem problem = testing::pendulum_swing_up();
+                           const Ending& ending = {},
+                           const ShootingProblem& problem = testing::pendulum_swing_up()) {
   SolveResult result(problem);
   result.status = ending.status;
   result.failed_knot = ending.failed_knot;
+  result.failed_quantity = ending.failed_quantity;
   for (int i = 0; i < rows; ++i) {
     IterationRecord row;
     row.iteration = i;
@@ -138,6 +140,66 @@ TEST(DiagnosisPatterns, SlowFeasibilityHalvesLessThanOnceAStep) {
   EXPECT_EQ(falling(0.51).pattern, DiagnosisPattern::slow_feasibility);
   EXPECT_EQ(falling(0.51).knot, 3);
   EXPECT_EQ(falling(0.49).pattern, DiagnosisPattern::unfinished);
+}
+
+/// A cost without curvature on the last angle.
+ShootingProblem with_linear_cost() {
+  const ShootingProblem pendulum = testing::pendulum_swing_up();
+  const std::shared_ptr<const System>& system = pendulum.phases()[0].model->shared_system();
+  auto model = std::make_shared<KnotModel>(system, Integrator::none);
+  model->add_cost("angle", coordinate_residual(system->manifold(), {0}),
+                  {.kind = ActivationKind::linear});
+  return {pendulum.initial_state(),
+          pendulum.phases(),
+          {.name = "end", .model = model, .dt = {0}, .cost_scale = {1}, .parameters = {0, -1}}};
+}
+
+TEST(DiagnosisPatterns, ALinearCostThatFallsWhileTheViolationStaysOutrunsThePenalty) {
+  const auto away = [](double violation, double slope, const ShootingProblem& problem) {
+    return diagnosis_of_log(
+        12,
+        [=](int i, IterationRecord& r) {
+          r.cost = slope * i;
+          r.constraint = violation;
+        },
+        {}, problem);
+  };
+  const ShootingProblem linear = with_linear_cost();
+  const Diagnosis d = away(0.5, -10, linear);
+  EXPECT_EQ(d.pattern, DiagnosisPattern::outrun_penalty);
+  EXPECT_EQ(d.knot, 3);
+  EXPECT_NE(d.message.find("cost -110, violation 5.0e-01 at knot 3"), std::string::npos)
+      << d.message;
+  EXPECT_NE(d.remedy.find("--solver ipopt"), std::string::npos) << d.remedy;
+  EXPECT_EQ(away(0.5, 10, linear).pattern, DiagnosisPattern::slow_feasibility);
+  EXPECT_EQ(away(1e-5, -10, linear).pattern, DiagnosisPattern::slow_feasibility);
+  EXPECT_EQ(away(0.5, -10, testing::pendulum_swing_up()).pattern,
+            DiagnosisPattern::slow_feasibility);
+}
+
+TEST(DiagnosisPatterns, AViolationFarAboveItsToleranceIsNoRounding) {
+  const auto ended = [](double violation, const ShootingProblem& problem) {
+    return diagnosis_of_log(
+               3, [=](int, IterationRecord& r) { r.constraint = violation; },
+               {.status = SolveStatus::line_search_failed, .failed_quantity = kRoundedCost},
+               problem)
+        .pattern;
+  };
+  const ShootingProblem squares = testing::pendulum_swing_up();
+  EXPECT_EQ(ended(1e-5, squares), DiagnosisPattern::rounding_floor);
+  EXPECT_EQ(ended(0.57, squares), DiagnosisPattern::no_descent);
+  EXPECT_EQ(ended(0.57, with_linear_cost()), DiagnosisPattern::outrun_penalty);
+}
+
+TEST(DiagnosisPatterns, WhereALinearCostDrewAwayInfeasibilityIsDoubted) {
+  const auto remedy = [](const ShootingProblem& problem) {
+    return diagnosis_of_log(
+               3, [](int, IterationRecord& r) { r.constraint = 0.5; },
+               {.status = SolveStatus::infeasible}, problem)
+        .remedy;
+  };
+  EXPECT_NE(remedy(with_linear_cost()).find("--solver ipopt"), std::string::npos);
+  EXPECT_EQ(remedy(testing::pendulum_swing_up()).find("--solver ipopt"), std::string::npos);
 }
 
 TEST(DiagnosisPatterns, ASearchThatFailsAtOnceLeavesGapsOpenOrHasNoDescent) {

@@ -9,6 +9,7 @@
 
 #include "analysis/findings/free_control.hpp"
 #include "analysis/findings/holding_torques.hpp"
+#include "solvers/iterate/hessian_switch.hpp"
 
 namespace conddp {
 namespace {
@@ -18,6 +19,8 @@ constexpr int kWindow = 10;
 constexpr int kFewest = 4;
 /// What falls by less than this factor over the window has stalled.
 constexpr double kStandstill = 0.5;
+/// A violation of more than so many tolerances is no rounding.
+constexpr double kFarOff = 1e3;
 
 /// The end of a log: the rows of the last steps, and the row before them.
 class Window {
@@ -98,15 +101,18 @@ Diagnosis indefinite(const SolveResult& r) {
           "solver.regularization.max"};
 }
 
-Diagnosis infeasible(const IterationRecord& last) {
+/// `drawn`: a linear cost may have led the penalties' minima far away.
+Diagnosis infeasible(const IterationRecord& last, bool drawn) {
   return {
       DiagnosisPattern::infeasible,
       fmt::format("the constraints cannot all be satisfied: violation {:.1e}{}, and no small "
                   "change of the controls lowers it",
                   last.constraint, at(last.constraint_knot)),
       last.constraint_knot, "constraint violation",
-      "wider bounds, more time for the motion, or without a constraint (--drop) to see what the "
-      "others ask for; a minimum of the violation can also be a local one: another first guess"};
+      std::string("wider bounds, more time for the motion, or without a constraint (--drop) to see "
+                  "what the others ask for; a minimum of the violation can also be a local one: "
+                  "another first guess") +
+          (drawn ? ", or --solver ipopt, which a linear cost does not draw away" : "")};
 }
 
 /// A residual above its tolerance.
@@ -168,6 +174,17 @@ Diagnosis open_gaps(const Window& w) {
       w.last().gap_knot, "gap",
       "states of the first guess that the controls can follow; more knots where the motion is "
       "fast; wider bounds on the control"};
+}
+
+Diagnosis outrun_penalty(const Window& w) {
+  return {DiagnosisPattern::outrun_penalty,
+          fmt::format("a linear cost gains more than the penalties of violated constraints cost: "
+                      "cost {:.3g}, violation {:.1e}{} after {:.1e} {} steps before",
+                      w.last().cost, w.last().constraint, at(w.last().constraint_knot),
+                      w.first().constraint, w.steps()),
+          w.last().constraint_knot, "constraint violation",
+          "--solver ipopt, which has no penalties; bounds on the states and durations by which the "
+          "cost falls"};
 }
 
 Diagnosis slow_feasibility(const Window& w) {
@@ -340,6 +357,19 @@ Diagnosis of_interior_point(const SolveResult& result, const SolverOptions& opti
                : unfinished(result, options, result.log.back());
 }
 
+/// Whether costs without curvature lead further away than the penalties of constraints let them
+/// come back.
+bool outruns_penalty(const ShootingProblem& problem, const Window& w, double tolerance) {
+  return w.last().constraint > kFarOff * tolerance &&
+         w.stands_still(&IterationRecord::constraint) && w.last().cost <= w.first().cost &&
+         has_linear_costs(problem);
+}
+
+bool is_rounding_floor(const SolveResult& result, double tolerance) {
+  return result.failed_quantity == kRoundedCost &&
+         result.residuals.constraint <= kFarOff * tolerance;
+}
+
 bool gaps_stay_open(const SolveResult& result, const Window& w, double tolerance) {
   if (!(w.last().gap > tolerance)) return false;
   if (result.status == SolveStatus::line_search_failed && result.failed_knot < 0) return true;
@@ -350,11 +380,14 @@ bool gaps_stay_open(const SolveResult& result, const Window& w, double tolerance
 Diagnosis of_log(const ShootingProblem& problem, const SolveResult& result,
                  const SolverOptions& options) {
   if (lost(result)) return growth(problem, result);
-  if (result.status == SolveStatus::infeasible) return infeasible(result.log.back());
+  if (result.status == SolveStatus::infeasible)
+    return infeasible(result.log.back(), !interior_point(result) && has_linear_costs(problem));
   if (interior_point(result)) return of_interior_point(result, options);
   if (result.status == SolveStatus::regularization_limit) return indefinite(result);
   const Window w(result.log);
-  if (result.failed_quantity == kRoundedCost) return rounding_floor(result, options.tolerances);
+  if (outruns_penalty(problem, w, options.tolerances.constraint)) return outrun_penalty(w);
+  if (is_rounding_floor(result, options.tolerances.constraint))
+    return rounding_floor(result, options.tolerances);
   if (gaps_stay_open(result, w, options.tolerances.gap)) return open_gaps(w);
   if (auto diagnosis = of_standstill(w, options)) return *std::move(diagnosis);
   if (result.status != SolveStatus::line_search_failed)
@@ -389,6 +422,8 @@ std::string_view to_string(DiagnosisPattern pattern) {
       return "free_control";
     case DiagnosisPattern::open_gaps:
       return "open_gaps";
+    case DiagnosisPattern::outrun_penalty:
+      return "outrun_penalty";
     case DiagnosisPattern::slow_feasibility:
       return "slow_feasibility";
     case DiagnosisPattern::alternating_active_set:

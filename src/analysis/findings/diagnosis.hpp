@@ -29,6 +29,8 @@ enum class DiagnosisPattern {
   free_control,
   /// The gaps of the dynamics do not close.
   open_gaps,
+  /// A cost that is linear in its residual falls by more than the penalties of constraints rise.
+  outrun_penalty,
   /// Constraints are approached slowly although full steps are taken.
   slow_feasibility,
   /// Controls keep coming to their bounds and leaving them.

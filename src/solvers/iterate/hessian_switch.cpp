@@ -29,13 +29,13 @@ bool has_linear_costs(const Phase& phase) {
   });
 }
 
+}  // namespace
+
 bool has_linear_costs(const ShootingProblem& problem) {
   return has_linear_costs(problem.terminal()) ||
          std::any_of(problem.phases().begin(), problem.phases().end(),
                      [](const Phase& phase) { return has_linear_costs(phase); });
 }
-
-}  // namespace
 
 HessianUse hessian_use(HessianUse use, const SolverOptions& options,
                        const ShootingProblem& problem) {

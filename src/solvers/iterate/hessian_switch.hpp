@@ -16,6 +16,9 @@ enum class HessianUse {
   exact_alone  ///< with open gaps, too, and never the Gauss-Newton ones
 };
 
+/// Whether a cost is linear in its residual.
+bool has_linear_costs(const ShootingProblem& problem);
+
 /// What a solver with this use does with a problem as the options ask. Costs that are linear in
 /// their residuals have no Gauss-Newton Hessian: what curvature there is comes from the dynamics
 /// and residuals, so the exact one stands alone there.
