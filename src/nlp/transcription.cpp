@@ -39,6 +39,7 @@ Transcription::Transcription(const ShootingProblem& problem, Evaluator& evaluato
       slope_(std::max(1, problem.constraint_rows())) {
   if (!options.gauss_newton) evaluator.reserve_lagrangian_hessian();
   add_variables();
+  find_given_columns();
   add_rows();
   index_hessian();
   y_ = Eigen::VectorXd::Constant(variables(), std::numeric_limits<double>::quiet_NaN());

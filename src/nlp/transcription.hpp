@@ -30,6 +30,8 @@ namespace conddp {
 /// which it may be missed at the price of its limit. Slacks follow all other variables.
 ///
 /// Constraints at node 0 that do not depend on the control are no rows: nothing can change them.
+/// Nor are those at node 1 that depend on what a choice of the initial state leaves as it is given:
+/// an interior point would look for an interior between a value and the bound that it is at.
 class Transcription : public NonlinearProgram {
  public:
   struct Options {
@@ -88,6 +90,8 @@ class Transcription : public NonlinearProgram {
   /// The multipliers that mean the same with the present states as centres.
   void recenter_multipliers(double* rows);
 
+  /// Whether a node has constraints that are no rows.
+  bool has_given_constraints(int node) const { return node < given_nodes_; }
   /// Costs, gaps (as f ⊖ x⁺, not in charts) and constraint values at the present point.
   const Evaluation& evaluation();
 
@@ -116,6 +120,8 @@ class Transcription : public NonlinearProgram {
   void add_rows();
   void add_constraint(const NodeConstraint& constraint);
   void add_bounds(const NodeConstraint& constraint);
+  void find_given_columns();
+  bool is_given(int node, const std::vector<bool>& columns) const;
   std::vector<int> columns_of(int node, int first, int count) const;
   void add_row(const NodeConstraint& constraint, int first, int count, double lower, double upper,
                double radius = 0);
@@ -178,6 +184,8 @@ class Transcription : public NonlinearProgram {
   std::vector<int> base_;               ///< variable of column 0 of z, node by node
   std::vector<std::vector<Row>> rows_;  ///< by node
   std::vector<int> gap_row_;            ///< first one of each knot
+  std::vector<bool> given_;             ///< of node 1: columns that no control moves; or empty
+  int given_nodes_ = 1;                 ///< the first ones, with constraints that are no rows
   /// Of each knot, (row, column) of ∂f/∂z in the order of the gap rows' entries.
   std::vector<std::vector<std::pair<int, int>>> gap_entries_;
   std::vector<std::vector<int>> kinematic_rows_;  ///< of each knot, among its gap rows

@@ -6,6 +6,7 @@
 
 #include "nlp/transcription.hpp"
 #include "systems/contact/stepping_system.hpp"
+#include "systems/initial_choice.hpp"
 
 namespace conddp {
 namespace {
@@ -39,7 +40,26 @@ void Transcription::add_variables() {
   }
 }
 
-/// Columns of z on which `count` constraint rows of a node depend, without x_0.
+/// A choice of the initial state moves some of its coordinates and what states carry along.
+void Transcription::find_given_columns() {
+  const KnotModel& model = *problem_.knot(0).model;
+  if (!problem_.phases().front().instant || model.integrator() != Integrator::explicit_euler)
+    return;
+  given_.assign(problem_.ndx(), false);
+  std::fill_n(given_.begin(), model.system().ndx(), true);
+  for (const int column : chosen_coordinates(model.system())) given_[column] = false;
+}
+
+/// Whether nothing can change what depends on these columns of a node.
+bool Transcription::is_given(int node, const std::vector<bool>& columns) const {
+  if (node != 1 || given_.empty()) return false;
+  for (int c = 0; c < static_cast<int>(columns.size()); ++c)
+    if (columns[c] && (c >= problem_.ndx() || !given_[c])) return false;
+  return true;
+}
+
+/// Columns of z on which `count` constraint rows of a node depend, without x_0; none where nothing
+/// can change them.
 std::vector<int> Transcription::columns_of(int k, int first, int count) const {
   const KnotModel& model = *problem_.knot(k).model;
   const int offset = first - problem_.constraint_offset(k);
@@ -48,6 +68,7 @@ std::vector<int> Transcription::columns_of(int k, int first, int count) const {
     if (row >= offset && row < offset + count) depends[column] = true;
   close_over_segments(problem_.manifold(), depends);
   std::vector<int> columns;
+  if (is_given(k, depends)) return columns;
   for (int c = first_column(k); c < model.nz(); ++c)
     if (depends[c]) columns.push_back(c);
   return columns;
@@ -57,7 +78,10 @@ void Transcription::add_row(const NodeConstraint& constraint, int first, int cou
                             double upper, double radius) {
   const int k = constraint.node, index = static_cast<int>(row_lower_.size());
   Row row{&constraint, first, count, columns_of(k, first, count), index, radius};
-  if (row.columns.empty()) return;
+  if (row.columns.empty()) {
+    given_nodes_ = std::max(given_nodes_, k + 1);
+    return;
+  }
   for (const int c : row.columns) jacobian_.add(index, base_[k] + c);
   row_lower_.conservativeResize(index + 1);
   row_upper_.conservativeResize(index + 1);

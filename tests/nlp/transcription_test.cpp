@@ -2,6 +2,7 @@
 
 #include "support/constrained_problems.hpp"
 #include "support/nlp_derivatives.hpp"
+#include "systems/initial_choice.hpp"
 
 namespace conddp {
 namespace {
@@ -286,6 +287,55 @@ TEST(Transcription, ConstraintsOnTheGivenStateAloneAreNoRows) {
   Evaluator acts_of_all(all), acts_of_later(later);
   EXPECT_EQ(Transcription(all, acts_of_all, {}).rows(),
             Transcription(later, acts_of_later, {}).rows());
+}
+
+/// The cart-pole whose first angle is chosen, with the cart's place (0) or the angle (1) bounded
+/// from a node on.
+ShootingProblem chosen_angle(int coordinate, int first) {
+  const ShootingProblem given = testing::cartpole_swing_up(3);
+  const System& system = given.knot(0).model->system();
+  std::vector<Phase> phases{
+      {.name = "start",
+       .model = std::make_shared<KnotModel>(initial_choice(system, {1}, {{"angle", "rad"}}),
+                                            Integrator::explicit_euler),
+       .dt = {1.0},
+       .cost_scale = {1.0},
+       .parameters = {},
+       .instant = true}};
+  phases.insert(phases.end(), given.phases().begin(), given.phases().end());
+  const ShootingProblem free(given.initial_state(), std::move(phases), given.terminal());
+  return testing::with_constraints(free,
+                                   {{.name = "track",
+                                     .residual = coordinate_residual(free.manifold(), {coordinate}),
+                                     .reference = {0},
+                                     .lower = {0},
+                                     .upper = {1},
+                                     .first = first,
+                                     .last = 100}});
+}
+
+TEST(Transcription, ConstraintsOnWhatAChoiceLeavesGivenAreNoRows) {
+  const auto rows = [](int coordinate, int first) {
+    const ShootingProblem problem = chosen_angle(coordinate, first);
+    Evaluator evaluator(problem);
+    return Transcription(problem, evaluator, {}).rows();
+  };
+  EXPECT_EQ(rows(0, 1), rows(0, 2)) << "the cart's place is given";
+  EXPECT_EQ(rows(1, 1), rows(1, 2) + 1) << "the angle is chosen";
+}
+
+TEST(Transcription, KnowsTheNodesOfConstraintsThatNothingCanChange) {
+  const auto given = [](const ShootingProblem& problem) {
+    Evaluator evaluator(problem);
+    const Transcription program(problem, evaluator, {});
+    EXPECT_TRUE(program.has_given_constraints(0));
+    EXPECT_FALSE(program.has_given_constraints(2));
+    return program.has_given_constraints(1);
+  };
+  EXPECT_FALSE(given(testing::cartpole_swing_up(3)));
+  EXPECT_TRUE(given(chosen_angle(0, 1)));
+  EXPECT_FALSE(given(chosen_angle(0, 2)));
+  EXPECT_FALSE(given(chosen_angle(1, 1)));
 }
 
 }  // namespace

@@ -432,10 +432,11 @@ bool IpoptSolver::iterations_used_up(const InteriorPointAnswer& answer) const {
          (answer.is_good() && row_.iteration >= options_.max_iterations);
 }
 
-/// Constraints on the given state alone are no rows of the program.
+/// Constraints on what is given of the first state are no rows of the program.
 bool IpoptSolver::start_violates_constraint() const {
   return result_.residuals.constraint > options_.tolerances.constraint &&
-         result_.residuals.constraint_knot == 0;
+         result_.residuals.constraint_knot >= 0 &&
+         transcription_->has_given_constraints(result_.residuals.constraint_knot);
 }
 
 std::string IpoptSolver::residual_text() const {
