@@ -1,3 +1,5 @@
+#include <stdexcept>
+
 #include <fmt/format.h>
 
 #include "arguments/problem_arguments.hpp"
@@ -60,6 +62,19 @@ std::optional<SolveResult> solve_for_gains(const ProblemSpec& spec, const BuiltP
   return std::nullopt;
 }
 
+/// Nothing with an error where the noise is too large for numbers.
+std::optional<std::vector<MarginCurve>> margins_of(const ShootingProblem& problem,
+                                                   const SolveResult& result,
+                                                   const StateNoise& noise, Diagnostics& out) {
+  try {
+    return constraint_margins(problem, result.trajectory, result.feedback.K, noise);
+  } catch (const std::overflow_error& error) {
+    out.error({}, fmt::format("{}: the noise is too large", error.what()),
+              "standard deviations are squared, and carried through the gains of the plan");
+    return std::nullopt;
+  }
+}
+
 int print_margins(const MarginArguments& arguments) {
   Diagnostics diagnostics;
   const auto spec = read_problem_of(arguments, diagnostics);
@@ -70,11 +85,11 @@ int print_margins(const MarginArguments& arguments) {
                                                : solve_for_gains(*spec, *built, diagnostics);
   if (result && !is_success(result->status))
     diagnostics.warning({}, fmt::format("the plan is no solution: {}", result->message));
+  const auto curves = result ? margins_of(*built->problem, *result, noise, diagnostics)
+                             : std::optional<std::vector<MarginCurve>>();
   print_messages(diagnostics, Verbosity::kNormal);
-  if (!result) return kExitBadInput;
-  const OrderedJson margins = margins_json(
-      constraint_margins(*built->problem, result->trajectory, result->feedback.K, noise), noise,
-      *spec, *built, result->trajectory);
+  if (!curves) return kExitBadInput;
+  const OrderedJson margins = margins_json(*curves, noise, *spec, *built, result->trajectory);
   print_result(arguments.json ? json_text(margins) : margins_text(margins));
   return is_success(result->status) ? kExitConverged : kExitNotConverged;
 }

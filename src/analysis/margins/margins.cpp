@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <stdexcept>
 #include <tuple>
 
 namespace conddp {
@@ -28,6 +29,10 @@ class MarginCollector {
         linear_(problem) {
     Evaluator(problem).differentiate(trajectory, linear_);
     covariance_ = propagate_covariance(problem, linear_, gains, noise);
+    const auto is_finite = [](const Eigen::MatrixXd& P) { return P.allFinite(); };
+    if (!std::all_of(covariance_.begin(), covariance_.end(), is_finite) ||
+        !std::isfinite(measurement_.squaredNorm()))
+      throw std::overflow_error("the covariances of the states are not finite");
   }
 
   std::vector<MarginCurve> collect() {

@@ -35,7 +35,8 @@ struct MarginCurve {
 /// complementary, at a trajectory whose controls follow the gains under noise, to first order
 /// (propagate_covariance). Those with the smallest margins come first. Where several contacts
 /// have a constraint, a node counts the smallest margin. Nodes at which noise does not move a
-/// quantity are left out, and those at which the plan holds it at its bound.
+/// quantity are left out, and those at which the plan holds it at its bound. Throws
+/// std::overflow_error where a covariance is not finite.
 std::vector<MarginCurve> constraint_margins(const ShootingProblem& problem,
                                             const Trajectory& trajectory,
                                             const std::vector<Eigen::MatrixXd>& gains,
