@@ -286,6 +286,11 @@ DatasetCount write_dataset(const std::filesystem::path& run, const Manifest& man
   std::map<std::string, std::unique_ptr<ShapeGroup>> groups;
   DatasetCount count;
   bool is_complete = true;
+  const auto kept =
+      std::count_if(manifest.items.begin(), manifest.items.end(), [&](const ManifestItem& item) {
+        const auto stored = results.find(item.id);
+        return stored != results.end() && stored->second.result.solution_bytes > 0;
+      });
   for (std::size_t i = 0; i < manifest.items.size(); ++i) {
     const auto stored = results.find(manifest.items[i].id);
     is_complete = is_complete && stored != results.end();
@@ -295,7 +300,7 @@ DatasetCount write_dataset(const std::filesystem::path& run, const Manifest& man
       ++count.unreadable;
       continue;
     }
-    if (!data) data = std::make_unique<Hdf5File>(file);
+    if (!data) data = std::make_unique<Hdf5File>(file, static_cast<std::size_t>(kept));
     auto& group = groups[shape_key(solution)];
     if (!group)
       group = std::make_unique<ShapeGroup>(*data, fmt::format("shape_{}", groups.size()), manifest,

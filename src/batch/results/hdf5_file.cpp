@@ -23,6 +23,7 @@ namespace {
 
 /// Numbers or bytes in a chunk, about.
 constexpr std::size_t kChunk = 1 << 16;
+constexpr std::size_t kMostRowsInChunk = 1024;
 
 /// HDF5's library. It is loaded by the first data set that is written: it takes tens of other
 /// libraries along, for which no other command should wait.
@@ -90,8 +91,8 @@ hid_t text_type(std::size_t length) {
 
 }  // namespace
 
-Hdf5File::Hdf5File(const std::filesystem::path& file)
-    : file_(file), temporary_(file.string() + ".partial") {
+Hdf5File::Hdf5File(const std::filesystem::path& file, std::size_t most_rows)
+    : file_(file), temporary_(file.string() + ".partial"), most_rows_(most_rows) {
   hdf5().H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // errors are ours to report
   handle_ = checked(hdf5().H5Fcreate(temporary_.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT));
 }
@@ -130,7 +131,8 @@ Hdf5File::Handle Hdf5File::add(Handle group, const std::string& name, Handle typ
     chunk.push_back(size);
     row *= size;
   }
-  chunk[0] = std::clamp<std::size_t>(8 * kChunk / std::max<std::size_t>(1, row), 1, 1024);
+  chunk[0] = std::clamp<std::size_t>(8 * kChunk / std::max<std::size_t>(1, row), 1,
+                                     std::clamp<std::size_t>(most_rows_, 1, kMostRowsInChunk));
   const hid_t space =
       hdf5().H5Screate_simple(static_cast<int>(extent.size()), extent.data(), most.data());
   const hid_t properties = hdf5().H5Pcreate(hdf5().variable("H5P_CLS_DATASET_CREATE_ID_g"));

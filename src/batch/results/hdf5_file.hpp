@@ -12,7 +12,8 @@ namespace conddp {
 /// Everything throws OutputError where the file cannot be written.
 class Hdf5File {
  public:
-  explicit Hdf5File(const std::filesystem::path& file);
+  /// `most_rows`: no array gets more rows, so that none takes space for more at once.
+  Hdf5File(const std::filesystem::path& file, std::size_t most_rows);
   /// Removes what was not committed.
   ~Hdf5File();
   Hdf5File(const Hdf5File&) = delete;
@@ -41,6 +42,7 @@ class Hdf5File {
   void append(Handle array, const void* row);
 
   const std::filesystem::path file_, temporary_;
+  const std::size_t most_rows_;
   Handle handle_ = -1;
   std::vector<Handle> groups_, arrays_;
   bool committed_ = false;
