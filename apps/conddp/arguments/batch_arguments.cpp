@@ -128,7 +128,7 @@ std::vector<Argument> batch_arguments(BatchArguments& arguments) {
        .target = &arguments.path},
       {.names = {"WORD"},
        .value = "WORD",
-       .description = "retry: failed or timeout; show: the id of an item",
+       .description = "retry: failed or timeout; show: the id of an item, or its first digits",
        .target = &arguments.word},
       {.names = {"-o", "--output"},
        .value = "FOLDER",

@@ -219,6 +219,16 @@ int plan_batch(const BatchArguments& arguments) {
   return arguments.pilot > 0 ? run_pilot(run, *manifest, arguments) : kExitConverged;
 }
 
+/// Why a run has no data set; empty where it has one.
+std::string why_no_dataset(const fs::path& run, const Manifest& manifest) {
+  std::error_code error;
+  if (fs::exists(run / "dataset.h5", error)) return {};
+  if (manifest.command == BatchCommand::kMpc) return "closed loops have no solutions";
+  return manifest.keep == KeptSolutions::kNone
+             ? "the plan keeps no solutions ('keep: {solutions: none}')"
+             : "no item has a solution that is kept";
+}
+
 void write_tables(const fs::path& run, const Manifest& manifest) {
   const auto results = load_results(run);
   AtomicFiles files;
@@ -294,6 +304,8 @@ int collect_results(const BatchArguments& arguments) {
   print_result(fmt::format("{} of {} in '{}'\n", status.items - status.unfinished,
                            counted(status.items, "item"),
                            (fs::path(arguments.path) / "results.csv").string()));
+  if (const std::string why = why_no_dataset(arguments.path, *manifest); !why.empty())
+    print_result(fmt::format("no dataset.h5: {}\n", why));
   return kExitConverged;
 }
 

@@ -146,6 +146,22 @@ class ShownItems {
   ItemLinks links_;
 };
 
+/// The item with an id that begins with a word; null, with an error, where it is not one.
+const ManifestItem* find_item(const Manifest& manifest, const fs::path& run,
+                              const std::string& word) {
+  const auto begins = [&](const ManifestItem& item) { return item.id.starts_with(word); };
+  const auto& items = manifest.items;
+  const auto count = std::count_if(items.begin(), items.end(), begins);
+  if (count == 1) return &*std::find_if(items.begin(), items.end(), begins);
+  if (count == 0)
+    print_error(fmt::format("'{}' has no item '{}'", run.string(), word),
+                "the ids are in its results.csv and manifest.jsonl");
+  else
+    print_error(fmt::format("the ids of {} items begin with '{}'", count, word),
+                "write more of its digits");
+  return nullptr;
+}
+
 }  // namespace
 
 int show_item(const BatchArguments& arguments) {
@@ -153,13 +169,8 @@ int show_item(const BatchArguments& arguments) {
   Diagnostics diagnostics;
   const auto manifest = load_manifest(run, true, diagnostics);
   if (!manifest) return report_errors(diagnostics);
-  const auto item = std::find_if(manifest->items.begin(), manifest->items.end(),
-                                 [&](const auto& i) { return i.id == arguments.word; });
-  if (item == manifest->items.end()) {
-    print_error(fmt::format("'{}' has no item '{}'", run.string(), arguments.word),
-                "the ids are in its results.csv and manifest.jsonl");
-    return kExitBadInput;
-  }
+  const ManifestItem* item = find_item(*manifest, run, arguments.word);
+  if (item == nullptr) return kExitBadInput;
   const auto results = load_results(run);
   const StoredResult* stored = stored_result(results, item->id);
   const fs::path folder =
