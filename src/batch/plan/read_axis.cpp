@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <random>
@@ -15,6 +16,13 @@ namespace {
 
 constexpr const char* kKinds =
     "write one of 'linspace', 'values', 'file', 'perturb', 'uniform', 'normal' and 'sobol'";
+
+/// What of an instance can be perturbed.
+struct PerturbedPart {
+  const char *word, *key;
+};
+constexpr PerturbedPart kPerturbed[] = {{"initial_state", "perturbation.initial_state"},
+                                        {"guess", "perturbation.guess"}};
 
 YamlNode number_node(double value, const Mark& mark) {
   return {.kind = YamlNode::Kind::kScalar, .mark = mark, .text = fmt::format("{}", value)};
@@ -135,7 +143,8 @@ class AxisReader {
     if (const auto names = keys.names())
       for (const Name& key : *names) axis_.columns.push_back({key.value, key});
     const auto rows = reader.items("write '[[0.1, 1], [0.2, 2]]'");
-    if (!rows || axis_.columns.empty()) return;
+    // Where a key has been reported, nothing is known of the length of rows.
+    if (!rows || axis_.columns.empty() || axis_.columns.size() != keys.node().items.size()) return;
     if (rows->empty()) reader.error("there is no row of values");
     for (const YamlReader& row : *rows) add_row(row);
   }
@@ -154,8 +163,10 @@ class AxisReader {
   /// The columns of a table, each of which becomes one of the axis with its key.
   std::vector<Name> read_columns(const YamlReader& reader) {
     std::vector<Name> columns;
-    const auto entries = reader.named_entries("write '{gx: initial_state.values.x}'");
+    constexpr const char* kForm = "write '{gx: initial_state.values.x}'";
+    const auto entries = reader.named_entries(kForm);
     if (!entries) return columns;
+    if (entries->empty()) reader.error("there is no column", kForm);
     for (const auto& [column, key] : *entries)
       if (const auto path = key.name()) {
         columns.push_back(column);
@@ -182,34 +193,87 @@ class AxisReader {
     return r ? r->integer(1, kMostItems).value_or(0) : 0;
   }
 
+  /// One of the parts of an instance that are perturbed, or a list of them.
+  static std::vector<std::size_t> read_perturbed(const YamlReader& reader) {
+    const std::vector<YamlReader> items = reader.is_sequence()
+                                              ? reader.items().value_or(std::vector<YamlReader>{})
+                                              : std::vector<YamlReader>{reader};
+    std::vector<std::size_t> parts;
+    for (const YamlReader& item : items) {
+      const auto part = item.choose({kPerturbed[0].word, kPerturbed[1].word}, "perturbation");
+      if (!part) return {};
+      if (std::find(parts.begin(), parts.end(), *part) != parts.end())
+        item.error(fmt::format("'{}' stands twice in the list", kPerturbed[*part].word));
+      parts.push_back(*part);
+    }
+    if (items.empty()) reader.error("the list is empty", "write '[initial_state, guess]'");
+    return parts;
+  }
+
   void read_perturb(const YamlReader& reader) {
-    const auto what = reader.choose({"initial_state", "guess"}, "perturbation");
+    const std::vector<std::size_t> parts = read_perturbed(reader);
     const auto spread = map_.require("spread");
     const auto size = spread ? spread->number(kPositive) : std::nullopt;
     const long long draws = count();
     const std::uint64_t first = seed(1);
-    if (!what || !size) return;
-    const char* keys[] = {"perturbation.initial_state", "perturbation.guess"};
+    if (parts.empty() || !size) return;
     const Place place = reader.place();
-    axis_.columns = {{axis_.name.value + ".spread", {keys[*what], place}},
-                     {axis_.name.value, {"perturbation.seed", place}}};
-    for (long long i = 0; i < draws; ++i)
-      axis_.rows.push_back(
-          {spread->node(), number_node(static_cast<double>(first + i), place.mark)});
+    const std::string& name = axis_.name.value;
+    for (const std::size_t part : parts)
+      axis_.columns.push_back({name + '.' + (parts.size() == 1 ? "spread" : kPerturbed[part].word),
+                               {kPerturbed[part].key, place}});
+    axis_.columns.push_back({name, {"perturbation.seed", place}});
+    for (long long i = 0; i < draws; ++i) {
+      std::vector<YamlNode>& row = axis_.rows.emplace_back(parts.size(), spread->node());
+      row.push_back(number_node(static_cast<double>(first + i), place.mark));
+    }
   }
 
-  /// Draws of one key from a distribution with two parameters.
-  void read_random(const YamlReader& reader, const std::optional<std::vector<double>>& parameters,
-                   const std::function<double(const std::vector<double>&)>& draw) {
+  /// A key with the two numbers of its distribution.
+  struct RandomKey {
+    std::vector<double> parameters;
+    Mark mark;
+  };
+  /// Reads two numbers; nothing with an error where they are none of a distribution.
+  using ReadParameters = std::optional<std::vector<double>> (*)(const YamlReader&);
+
+  /// The keys of a mapping, each with its numbers; none where one of them is wrong.
+  std::vector<RandomKey> read_joint(const YamlReader& reader, ReadParameters parameters_of) {
+    const auto entries = reader.named_entries("write '{costs.effort.weight: [0.1, 1]}'");
+    if (!entries) return {};
+    if (entries->empty()) reader.error("there is no key");
+    std::vector<RandomKey> keys;
+    for (const auto& [key, numbers] : *entries) {
+      axis_.columns.push_back({key.value, key});
+      if (auto parameters = parameters_of(numbers))
+        keys.push_back({*std::move(parameters), numbers.node().mark});
+    }
+    return keys.size() == entries->size() ? std::move(keys) : std::vector<RandomKey>{};
+  }
+
+  /// The key of the axis with its numbers.
+  std::vector<RandomKey> read_single(const YamlReader& reader, ReadParameters parameters_of) {
     read_key();
+    auto parameters = parameters_of(reader);
+    if (!parameters) return {};
+    return {{*std::move(parameters), reader.node().mark}};
+  }
+
+  /// Independent draws of one key, or of several together.
+  void read_random(const YamlReader& reader, ReadParameters parameters_of,
+                   const std::function<double(const std::vector<double>&)>& draw) {
+    const std::vector<RandomKey> keys =
+        reader.is_map() ? read_joint(reader, parameters_of) : read_single(reader, parameters_of);
     const long long draws = count();
-    if (!parameters) return;
-    for (long long i = 0; i < draws; ++i) add_number(draw(*parameters), reader.node().mark);
+    for (long long i = 0; i < draws && !keys.empty(); ++i) {
+      std::vector<YamlNode>& row = axis_.rows.emplace_back();
+      for (const RandomKey& key : keys) row.push_back(number_node(draw(key.parameters), key.mark));
+    }
   }
 
   void read_uniform(const YamlReader& reader) {
     std::mt19937_64 engine(seed(1));
-    read_random(reader, range_of(reader), [&](const std::vector<double>& bounds) {
+    read_random(reader, range_of, [&](const std::vector<double>& bounds) {
       const double share = static_cast<double>(engine() >> 11) * 0x1p-53;
       return between(bounds[0], bounds[1], share);
     });
@@ -217,31 +281,25 @@ class AxisReader {
 
   void read_normal(const YamlReader& reader) {
     NormalNumbers normal(seed(1));
-    read_random(reader, normal_of(reader),
+    read_random(reader, normal_of,
                 [&](const std::vector<double>& p) { return p[0] + p[1] * normal.next(); });
   }
 
   void read_sobol(const YamlReader& reader) {
-    const auto entries = reader.named_entries("write '{costs.effort.weight: [0.1, 1]}'");
+    const std::vector<RandomKey> keys = read_joint(reader, range_of);
     const long long draws = count();
     const std::uint64_t shift = seed(1);
-    if (!entries) return;
-    if (entries->empty()) return reader.error("there is no key");
-    if (entries->size() > static_cast<std::size_t>(kSobolDimensions))
+    if (keys.size() > static_cast<std::size_t>(kSobolDimensions))
       return reader.error(fmt::format("there are more than {} keys", kSobolDimensions));
-    std::vector<std::vector<double>> bounds;
-    for (const auto& [key, range] : *entries) {
-      axis_.columns.push_back({key.value, key});
-      if (const auto ends = range_of(range)) bounds.push_back(*ends);
-    }
-    if (bounds.size() != entries->size()) return;
-    SobolSequence sequence(static_cast<int>(bounds.size()), shift);
+    if (keys.empty()) return;
+    SobolSequence sequence(static_cast<int>(keys.size()), shift);
     for (long long i = 0; i < draws; ++i) {
       const std::vector<double> point = sequence.next();
       std::vector<YamlNode>& row = axis_.rows.emplace_back();
-      for (std::size_t c = 0; c < bounds.size(); ++c)
-        row.push_back(number_node(between(bounds[c][0], bounds[c][1], point[c]),
-                                  (*entries)[c].second.node().mark));
+      for (std::size_t c = 0; c < keys.size(); ++c) {
+        const auto& bounds = keys[c].parameters;
+        row.push_back(number_node(between(bounds[0], bounds[1], point[c]), keys[c].mark));
+      }
     }
   }
 
