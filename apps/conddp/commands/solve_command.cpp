@@ -150,7 +150,9 @@ bool prepare(const SolveArguments& arguments, Task& task, Diagnostics& out) {
   auto spec = read_problem_of(arguments, out);
   if (!spec) return false;
   task.spec = std::make_unique<ProblemSpec>(*std::move(spec));
-  if (!arguments.warm_start.empty()) set_warm_start(arguments.warm_start, *task.spec, out);
+  if (const std::string& file = arguments.warm_start; !file.empty())
+    set_warm_start(file, {{out.add_source("--warm-start", file), 1, 1}, "initial_guess"},
+                   *task.spec);
   task.built = build_problem(*task.spec, {.drop = arguments.drop}, out);
   if (!task.built) return false;
   task.candidates = usable_solvers(*task.spec, *task.built->problem, out);

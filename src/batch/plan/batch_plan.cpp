@@ -113,7 +113,11 @@ class PlanReader {
         fs::is_regular_file(path, error))
       return add_problem(path, name.place);
     const std::vector<fs::path> found = matching_files(path);
-    if (found.empty()) out_.error(name.place, fmt::format("no file is like '{}'", path.string()));
+    if (found.empty())
+      out_.error(name.place, fmt::format("no file is like '{}'", path.string()),
+                 path.parent_path().string().find_first_of("*?[") == std::string::npos
+                     ? ""
+                     : "'*', '?' and '[...]' stand for files in the last part of a path alone");
     for (const fs::path& file : found) add_problem(file, name.place);
   }
 
@@ -188,59 +192,31 @@ class PlanReader {
     }
     const fs::path file = plan_.file.parent_path() / *word;
     std::error_code error;
-    if (fs::is_regular_file(file, error))
+    if (fs::is_regular_file(file, error)) {
+      plan_.warm_start = WarmStart::kFile;
       plan_.start_file = {file, reader.place()};
-    else
+    } else {
       reader.error(fmt::format("'{}' is no warm start, and there is no such file", *word),
                    fmt::format("write '{}', '{}', or a solution.json from which all items start",
                                kOwnStart, kNeighbourStart));
+    }
   }
 
-  /// No two axes set one key, or a part of what another one sets; names of columns differ.
+  /// Names of columns differ. Which keys are the same is known with the problems.
   void check_columns() {
     std::vector<const AxisColumn*> columns;
     for (const Axis& axis : plan_.axes)
       for (const AxisColumn& column : axis.columns) {
-        for (const AxisColumn* other : columns) check_pair(column, *other);
-        check_against_plan(column);
+        for (const AxisColumn* other : columns)
+          if (column.name == other->name && column.key.value != other->key.value)
+            out_.error(column.key.place,
+                       fmt::format("two columns of the results have the name '{}'", column.name));
         if (is_column_of_results(column.name, plan_.command, plan_.warm_start))
           out_.error(column.name == axis.name.value ? axis.name.place : column.key.place,
                      fmt::format("'{}' is a column of results.csv already", column.name),
                      "choose another name");
         columns.push_back(&column);
       }
-  }
-
-  /// No axis sets what another key of the plan sets for all items.
-  void check_against_plan(const AxisColumn& column) {
-    const std::string& key = column.key.value;
-    if (!plan_.solvers.empty() && key.starts_with("solver.name"))
-      out_.error(column.key.place, "'solver.name' is varied by 'solvers'");
-    if (plan_.max_time && overlap(key, "solver.max_time_s"))
-      out_.error(
-          column.key.place,
-          fmt::format("'{}' is varied, and 'limits.max_time_s' sets the time of all items", key),
-          "leave one of them out");
-    if (plan_.start_file && overlap(key, "initial_guess"))
-      out_.error(
-          column.key.place,
-          fmt::format("'{}' is varied, and by 'warm_start' all items start from a file", key),
-          "leave one of them out");
-  }
-
-  /// Whether two keys are one, or one of them is a part of the other.
-  static bool overlap(const std::string& a, const std::string& b) {
-    return a == b || a.starts_with(b + '.') || b.starts_with(a + '.');
-  }
-
-  void check_pair(const AxisColumn& column, const AxisColumn& other) {
-    const std::string &a = column.key.value, &b = other.key.value;
-    if (overlap(a, b))
-      out_.error(column.key.place, fmt::format("'{}' is varied twice", a),
-                 a == b ? "" : fmt::format("'{}' is varied, too", b));
-    else if (column.name == other.name)
-      out_.error(column.key.place,
-                 fmt::format("two columns of the results have the name '{}'", column.name));
   }
 
   YamlMap map_;
@@ -257,7 +233,7 @@ bool is_column_of_results(std::string_view name, BatchCommand command, WarmStart
   if (is_one_of(kColumnsOfItems)) return true;
   if (command == BatchCommand::kMpc) return name == "survived" || is_one_of(kLoopColumns);
   return is_one_of(kColumnsOfSolves) || name.starts_with("violation/") ||
-         (warm_start == WarmStart::kNeighbour && name == "start");
+         (warm_start != WarmStart::kNone && name == "start");
 }
 
 long long BatchPlan::items() const {
@@ -278,6 +254,11 @@ std::optional<BatchPlan> load_batch_plan(const fs::path& file, Diagnostics& out)
   plan.text = *text;
   const auto root = parse_yaml(*text, out.add_source(file.string(), *text), out);
   if (!root) return std::nullopt;
+  if (root->find("conddp") != nullptr && root->find("conddp_batch") == nullptr) {
+    out.error({root->mark, {}}, "this is a problem file, not a plan of a batch",
+              "'conddp solve' takes it; a plan has 'conddp_batch: 1' and names it under 'problem'");
+    return std::nullopt;
+  }
   PlanReader(YamlReader(*root, {}, out), plan).read();
   if (out.has_errors()) return std::nullopt;
   return plan;

@@ -20,8 +20,9 @@ enum class KeptSolutions { kAll, kConverged, kNone };
 /// What is done with an item: it is solved, or its closed loop is simulated.
 enum class BatchCommand { kSolve, kMpc };
 
-/// From where solves start: each from its own guess, or from the answer of a neighbour.
-enum class WarmStart { kNone, kNeighbour };
+/// From where solves start: each from its own guess, from the answer of a neighbour, or all from a
+/// file.
+enum class WarmStart { kNone, kNeighbour, kFile };
 
 /// What an item may use.
 struct BatchLimits {
@@ -43,7 +44,7 @@ struct BatchPlan {
   std::optional<Located<double>> max_time;  ///< limits.max_time_s with its place
   KeptSolutions keep = KeptSolutions::kConverged;
   WarmStart warm_start = WarmStart::kNone;
-  std::optional<Located<std::filesystem::path>> start_file;  ///< a solution from which all start
+  std::optional<Located<std::filesystem::path>> start_file;  ///< of WarmStart::kFile
 
   /// Problems times rows of all axes times solvers.
   long long items() const;

@@ -1,14 +1,21 @@
 #include "batch/plan/expand_plan.hpp"
 
 #include <algorithm>
+#include <cctype>
+#include <limits>
+#include <map>
+#include <set>
 #include <unordered_map>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 #include <tbb/parallel_for.h>
 
+#include "base/json/json_document.hpp"
 #include "base/json/relative_paths.hpp"
 #include "base/text/strict_number.hpp"
 #include "batch/plan/neighbours.hpp"
+#include "batch/plan/varied_keys.hpp"
 #include "problem_file/yaml/canonical_definition.hpp"
 
 namespace conddp {
@@ -23,6 +30,62 @@ std::string value_json(const YamlNode& value) {
   if (value.kind != YamlNode::Kind::kScalar || !number) return canonical_value(value);
   return fmt::format("{}", *number);
 }
+
+/// Collects the warnings of items. Those that differ in numbers alone count as one.
+class ItemWarnings {
+ public:
+  /// What has been told already.
+  void leave_out(const std::vector<Diagnostic>& list) {
+    for (const Diagnostic& d : list) known_.try_emplace(without_numbers(d.message), kTold);
+  }
+
+  /// Those of an item, in order behind the first `before` diagnostics of its list.
+  void add(std::size_t item, const Diagnostics& texts, std::size_t before) {
+    std::set<std::size_t> own;
+    for (std::size_t i = before; i < texts.list().size(); ++i) {
+      const Diagnostic& d = texts.list()[i];
+      if (d.severity != Severity::kWarning) continue;
+      const std::size_t number =
+          known_.try_emplace(without_numbers(d.message), warnings_.size()).first->second;
+      if (number == kTold || !own.insert(number).second) continue;
+      if (number == warnings_.size()) warnings_.push_back({d, item});
+      ++warnings_[number].count;
+    }
+  }
+
+  /// Reports each with the first item that has it, and with the number of the others.
+  void report(Diagnostics& out) {
+    for (Warning& warning : warnings_) {
+      Diagnostic& d = warning.text;
+      d.source = -1;  // its text may be known to that item alone
+      d.message += fmt::format(" (item {}", warning.first + 1);
+      if (warning.count > 1) d.message += fmt::format(" and {} more", warning.count - 1);
+      d.message += ')';
+      out.add(std::move(d));
+    }
+  }
+
+ private:
+  static constexpr std::size_t kTold = std::numeric_limits<std::size_t>::max();
+  struct Warning {
+    Diagnostic text;
+    std::size_t first;      ///< item that has it
+    std::size_t count = 0;  ///< of items that have it
+  };
+
+  static std::string without_numbers(const std::string& message) {
+    std::string text;
+    for (const char c : message) {
+      const bool is_digit = std::isdigit(static_cast<unsigned char>(c)) != 0;
+      if (text.ends_with('0') && (is_digit || c == '.')) continue;
+      text += is_digit ? '0' : c;
+    }
+    return text;
+  }
+
+  std::vector<Warning> warnings_;
+  std::unordered_map<std::string, std::size_t> known_;  ///< indices, or kTold
+};
 
 /// Counts through all items in their order.
 class Expansion {
@@ -41,24 +104,44 @@ class Expansion {
     for (const Axis& axis : plan_.axes)
       for (const AxisColumn& column : axis.columns)
         manifest.columns.push_back({column.name, column.key.value});
+    const Diagnostics texts = out_;
     for (const auto& problem : plan_.problems) {
-      const auto family = ProblemFamily::load(problem.value, problem.place, out_);
+      // Each with texts of its own, as in a worker: an item has no part in the data of others.
+      Diagnostics own = texts;
+      const auto family = ProblemFamily::load(problem.value, problem.place, own);
+      adopt(own, texts.list().size());
       if (!family) continue;
       families_.push_back(family);
       manifest.problems.push_back({relative_path(std::filesystem::absolute(problem.value), run_),
                                    batch_identity(*family, plan_.command)});
     }
+    for (const auto& family : families_)
+      if (!out_.has_errors()) check_varied_keys(plan_, *family, out_);
+    if (plan_.start_file) manifest.start = start();
     if (out_.has_errors()) return std::nullopt;
+    warnings_.leave_out(out_.list());
     manifest.items.resize(static_cast<std::size_t>(plan_.items()));
     for (std::size_t first = 0; first < manifest.items.size(); first += kAtOnce)
       if (!build(first, std::min(first + kAtOnce, manifest.items.size()), manifest))
         return std::nullopt;
     if (!all_differ(manifest.items)) return std::nullopt;
-    if (plan_.warm_start == WarmStart::kNeighbour) find_parents(manifest);
+    if (plan_.warm_start == WarmStart::kNeighbour) find_parents(manifest, shapes_);
+    for (const auto& [path, sha256] : files_)
+      manifest.files.push_back({relative_path(path, run_), sha256});
+    warnings_.report(out_);
     return manifest;
   }
 
  private:
+  /// Takes over what was reported behind the first diagnostics, with texts that may be others.
+  void adopt(const Diagnostics& own, std::size_t before) {
+    for (std::size_t i = before; i < own.list().size(); ++i) {
+      Diagnostic d = own.list()[i];
+      d.source = -1;
+      out_.add(std::move(d));
+    }
+  }
+
   /// What makes up an item.
   struct Parts {
     int problem = 0;
@@ -94,7 +177,6 @@ class Expansion {
       for (std::size_t c = 0; c < plan_.axes[a].columns.size(); ++c)
         list.push_back(
             make_setting(plan_.axes[a].columns[c].key, plan_.axes[a].rows[parts.rows[a]][c]));
-    if (plan_.start_file) list.push_back(start_setting(parts.problem));
     if (!plan_.solvers.empty()) {
       const Name& solver = plan_.solvers[parts.solver];
       list.push_back(
@@ -103,62 +185,102 @@ class Expansion {
     return list;
   }
 
-  /// That a problem starts from the file of the plan, seen from its own folder.
-  Setting start_setting(int problem) const {
-    const std::filesystem::path folder =
-        std::filesystem::absolute(plan_.problems[problem].value).parent_path();
-    const OrderedJson file =
-        relative_path(std::filesystem::absolute(plan_.start_file->value), folder);
-    Diagnostics unused;
-    return *parse_setting("initial_guess={file: " + file.dump() + "}", unused);
+  /// The solution from which all items start; nothing with an error where it is none.
+  std::optional<ManifestStart> start() {
+    const std::filesystem::path& file = plan_.start_file->value;
+    constexpr std::string_view kKeys[] = {"iterations"};
+    ManifestStart start;
+    if (file.extension() == ".json") {
+      const auto document =
+          load_document(file, kSolutionDocument, kKeys, plan_.start_file->place, out_);
+      if (!document) return std::nullopt;
+      if (const auto found = document->find("iterations");
+          found != document->end() && found->is_number_integer())
+        start.iterations = found->get<int>();
+    }
+    start.file = {relative_path(std::filesystem::absolute(file), run_),
+                  hash_of_file(file).value_or("")};
+    return start;
   }
 
-  /// The files that an item reads; nothing with errors where it cannot be built.
-  std::optional<InputFiles> try_item(int problem, const std::vector<Setting>& list,
-                                     Diagnostics& out) const {
+  /// What was found out about an item.
+  struct Tried {
+    InputFiles files;
+    std::string shape;  ///< of the problem that is solved
+  };
+
+  /// Nothing with errors where it cannot be built.
+  std::optional<Tried> try_item(int problem, const std::vector<Setting>& list,
+                                Diagnostics& out) const {
     const ProblemFamily& family = *families_[problem];
     if (plan_.command == BatchCommand::kMpc) {
       const auto loop = family.build_loop(list, out);
-      return loop ? std::optional(input_files(*loop)) : std::nullopt;
+      return loop ? std::optional(Tried{input_files(*loop), {}}) : std::nullopt;
     }
     const auto instance = family.build(list, out);
     if (!instance || usable_solvers(*instance->spec, *instance->built.problem, out).empty())
       return std::nullopt;
-    return input_files(instance->built);
+    if (plan_.start_file && !family.build(list, out, &*plan_.start_file)) return std::nullopt;
+    return Tried{input_files(instance->built), shape_of(*instance->built.problem)};
   }
 
   bool build(std::size_t first, std::size_t last, Manifest& manifest) {
-    std::vector<Diagnostics> errors(last - first);
+    std::vector<Diagnostics> texts(last - first);
+    std::vector<Tried> tried(last - first);
     tbb::parallel_for(first, last, [&](std::size_t i) {
-      Diagnostics own = out_;
       const Parts p = parts(i);
+      Diagnostics own = families_[p.problem]->texts();
+      const std::size_t before = own.list().size();
       const std::vector<Setting> list = settings(p);
-      const auto files = try_item(p.problem, list, own);
-      if (!files) {
-        errors[i - first] = std::move(own);
-        return;
-      }
+      auto result = try_item(p.problem, list, own);
+      if (own.list().size() > before) texts[i - first] = std::move(own);
+      if (!result) return;
       ManifestItem& item = manifest.items[i];
-      item = {.id = item_id(manifest.problems[p.problem].identity, list, *files),
-              .problem = p.problem};
+      item = {.id = item_id(manifest, p.problem, list, result->files), .problem = p.problem};
       for (const Setting& setting : list) item.settings.push_back(setting.text);
       for (std::size_t a = 0; a < plan_.axes.size(); ++a)
         for (const YamlNode& value : plan_.axes[a].rows[p.rows[a]])
           item.values.push_back(value_json(value));
+      tried[i - first] = *std::move(result);
     });
-    for (std::size_t i = first; i < last; ++i)
-      if (errors[i - first].has_errors()) {
-        report(i, errors[i - first]);
+    for (std::size_t i = first; i < last; ++i) {
+      if (texts[i - first].has_errors()) {
+        report(i, texts[i - first]);
         return false;
       }
+      warnings_.add(i, texts[i - first], known(i));
+      remember(manifest.items[i].problem, tried[i - first]);
+    }
     return true;
+  }
+
+  /// How much was reported before an item was built.
+  std::size_t known(std::size_t item) const {
+    return families_[parts(item).problem]->texts().list().size();
+  }
+
+  /// Keeps what later items and the manifest need to know of an item.
+  void remember(int problem, const Tried& item) {
+    shapes_.push_back(
+        numbers_.try_emplace(item.shape, static_cast<int>(numbers_.size())).first->second);
+    const InputFiles base = input_files(families_[problem]->base().built);
+    for (const auto* list : {&item.files.robots, &item.files.data})
+      for (const InputFile& file : *list)
+        if (!has(base, file.file))
+          files_.try_emplace(std::filesystem::absolute(file.file).string(), file.sha256);
+  }
+
+  static bool has(const InputFiles& files, const std::string& name) {
+    const auto is_named = [&](const InputFile& file) { return file.file == name; };
+    return std::any_of(files.robots.begin(), files.robots.end(), is_named) ||
+           std::any_of(files.data.begin(), files.data.end(), is_named);
   }
 
   void report(std::size_t item, const Diagnostics& own) {
     const Parts p = parts(item);
     std::string words;
     for (const Setting& setting : settings(p)) words += (words.empty() ? "" : ", ") + setting.text;
-    out_ = own;
+    adopt(own, known(item));
     out_.note({}, fmt::format("this is item {} of {}, of '{}'{}", item + 1, plan_.items(),
                               plan_.problems[p.problem].value.string(),
                               words.empty() ? "" : " with " + words));
@@ -192,6 +314,10 @@ class Expansion {
   const std::filesystem::path run_;
   Diagnostics& out_;
   std::vector<std::shared_ptr<const ProblemFamily>> families_;
+  ItemWarnings warnings_;
+  std::unordered_map<std::string, int> numbers_;  ///< of shapes
+  std::vector<int> shapes_;                       ///< of the items
+  std::map<std::string, std::string> files_;      ///< that settings name, with their hashes
 };
 
 }  // namespace

@@ -2,11 +2,15 @@
 
 #include <algorithm>
 #include <fstream>
+#include <limits>
+#include <span>
+#include <string_view>
 
 #include <fmt/format.h>
 
 #include "base/files/line_sum.hpp"
 #include "base/files/sha256.hpp"
+#include "base/files/text_file.hpp"
 #include "conddp_version.hpp"
 #include "problem_file/expand/expand_problem.hpp"
 #include "problem_file/yaml/canonical_definition.hpp"
@@ -17,6 +21,8 @@ namespace {
 
 constexpr const char* kCommandNames[] = {"solve", "mpc"};
 constexpr const char* kKeptNames[] = {"all", "converged", "none"};
+constexpr const char* kWarmStartNames[] = {"none", "neighbour", "file"};
+constexpr std::string_view kSolverSetting = "solver.name=";
 constexpr std::size_t kIdDigits = 16;
 
 std::string dump(const OrderedJson& json) {
@@ -43,6 +49,18 @@ std::string loop_text(const ProblemFamily& family) {
   return text + hashes_of(input_files(*task));
 }
 
+/// The index of a word, of the last one for another word.
+std::size_t index_of(const std::string& word, std::span<const char* const> words) {
+  const auto found = std::find(words.begin(), words.end(), word);
+  return std::min(words.size() - 1, static_cast<std::size_t>(found - words.begin()));
+}
+
+ManifestFile file_of(const OrderedJson& json) { return {json.at("file"), json.at("sha256")}; }
+
+OrderedJson json_of(const ManifestFile& file) {
+  return {{"file", file.file}, {"sha256", file.sha256}};
+}
+
 /// The head of a manifest; nothing where its numbers contradict each other. Throws what
 /// nlohmann::json throws where it is none.
 std::optional<Manifest> parse_head(const std::string& line) {
@@ -55,11 +73,14 @@ std::optional<Manifest> parse_head(const std::string& line) {
     manifest.columns.push_back({column.at("name"), column.at("key")});
   const OrderedJson& limits = json.at("limits");
   manifest.limits = {limits.at("max_time_s"), limits.at("max_memory_mb"), limits.at("retries")};
-  const auto kept =
-      std::find(std::begin(kKeptNames), std::end(kKeptNames), json.at("keep").get<std::string>());
-  manifest.keep = static_cast<KeptSolutions>(std::min<std::ptrdiff_t>(2, kept - kKeptNames));
+  manifest.keep =
+      static_cast<KeptSolutions>(index_of(json.at("keep").get<std::string>(), kKeptNames));
   manifest.warm_start =
-      json.at("warm_start") == "neighbour" ? WarmStart::kNeighbour : WarmStart::kNone;
+      static_cast<WarmStart>(index_of(json.at("warm_start").get<std::string>(), kWarmStartNames));
+  if (manifest.warm_start == WarmStart::kFile)
+    manifest.start =
+        ManifestStart{file_of(json.at("start")), json.at("start").at("iterations").get<int>()};
+  for (const OrderedJson& file : json.at("files")) manifest.files.push_back(file_of(file));
   manifest.solvers = json.at("solvers");
   manifest.shards = json.at("shards");
   manifest.build = json.at("build");
@@ -92,23 +113,42 @@ std::string batch_identity(const ProblemFamily& family, BatchCommand command) {
   return sha256(all);
 }
 
-std::string item_id(const std::string& identity, const std::vector<Setting>& settings,
+std::optional<std::string> hash_of_file(const std::filesystem::path& file) {
+  const TextFile bytes = read_text_file(file, std::numeric_limits<std::size_t>::max() - 1);
+  return bytes.defect.empty() ? std::optional(sha256(bytes.text)) : std::nullopt;
+}
+
+std::string item_id(const Manifest& manifest, int problem, const std::vector<Setting>& settings,
                     const InputFiles& files) {
   std::vector<std::string> lines;
   for (const Setting& setting : settings)
     lines.push_back(setting.key.value + '=' + canonical_value(setting.value) + '\n');
   std::sort(lines.begin(), lines.end());
-  std::string all = identity + '\n';
+  std::string all = manifest.problems[problem].identity + '\n';
+  if (manifest.start) all += manifest.start->file.sha256 + '\n';
   for (const std::string& line : lines) all += line;
   return sha256(all + hashes_of(files)).substr(0, kIdDigits);
 }
 
+std::string solver_of(const ManifestItem& item) {
+  for (const std::string& setting : item.settings)
+    if (setting.starts_with(kSolverSetting)) return setting.substr(kSolverSetting.size());
+  return {};
+}
+
 std::string manifest_head(const Manifest& manifest) {
-  OrderedJson problems = OrderedJson::array(), columns = OrderedJson::array();
+  OrderedJson problems = OrderedJson::array(), columns = OrderedJson::array(),
+              files = OrderedJson::array();
   for (const ManifestProblem& problem : manifest.problems)
     problems.push_back({{"file", problem.file}, {"identity", problem.identity}});
   for (const ManifestColumn& column : manifest.columns)
     columns.push_back({{"name", column.name}, {"key", column.key}});
+  for (const ManifestFile& file : manifest.files) files.push_back(json_of(file));
+  OrderedJson start;
+  if (manifest.start) {
+    start = json_of(manifest.start->file);
+    start["iterations"] = manifest.start->iterations;
+  }
   return dump({{"format", kManifestFormat},
                {"name", manifest.name},
                {"command", kCommandNames[static_cast<int>(manifest.command)]},
@@ -120,7 +160,9 @@ std::string manifest_head(const Manifest& manifest) {
                  {"max_memory_mb", manifest.limits.max_memory_mb},
                  {"retries", manifest.limits.retries}}},
                {"keep", kKeptNames[static_cast<int>(manifest.keep)]},
-               {"warm_start", manifest.warm_start == WarmStart::kNeighbour ? "neighbour" : "none"},
+               {"warm_start", kWarmStartNames[static_cast<int>(manifest.warm_start)]},
+               {"start", std::move(start)},
+               {"files", std::move(files)},
                {"solvers", manifest.solvers},
                {"shards", manifest.shards},
                {"build", manifest.build}});

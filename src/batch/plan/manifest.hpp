@@ -14,12 +14,24 @@ namespace conddp {
 
 /// The name and the format of the list of items in the folder of a run.
 inline constexpr const char* kManifestFile = "manifest.jsonl";
-inline constexpr std::string_view kManifestFormat = "conddp.batch_manifest/3";
+inline constexpr std::string_view kManifestFormat = "conddp.batch_manifest/4";
 
 /// A problem file of a run.
 struct ManifestProblem {
   std::string file;      ///< seen from the folder of the run
   std::string identity;  ///< batch_identity() when the plan was made
+};
+
+/// A file that items read besides what the problem files read by themselves.
+struct ManifestFile {
+  std::string file;    ///< seen from the folder of the run
+  std::string sha256;  ///< of its bytes when the plan was made
+};
+
+/// The solution from which all items of a plan start.
+struct ManifestStart {
+  ManifestFile file;
+  int iterations = -1;  ///< that it took; −1: unknown
 };
 
 /// What was varied.
@@ -46,6 +58,8 @@ struct Manifest {
   BatchLimits limits;
   KeptSolutions keep = KeptSolutions::kConverged;
   WarmStart warm_start = WarmStart::kNone;
+  std::optional<ManifestStart> start;  ///< of WarmStart::kFile
+  std::vector<ManifestFile> files;     ///< that settings of items name
   int solvers = 1;    ///< items that differ in nothing but the solver follow one another
   int shards = 1;     ///< into how many processes divide the items that are not told otherwise
   OrderedJson build;  ///< build_json() of the tool that made the plan
@@ -60,10 +74,16 @@ OrderedJson build_json();
 /// loops also of the commands of its gait and of the files of its plant.
 std::string batch_identity(const ProblemFamily& family, BatchCommand command);
 
-/// The name of an item: the same for the same problem file, settings and files that it reads,
-/// however they are written and in whatever order.
-std::string item_id(const std::string& identity, const std::vector<Setting>& settings,
+/// The SHA-256 of a file's bytes; nothing where it cannot be read.
+std::optional<std::string> hash_of_file(const std::filesystem::path& file);
+
+/// The name of an item: the same for the same problem file, settings, and files that it reads or
+/// starts from, however they are written and in whatever order.
+std::string item_id(const Manifest& manifest, int problem, const std::vector<Setting>& settings,
                     const InputFiles& files);
+
+/// The solver that an item is set to by the plan, or nothing.
+std::string solver_of(const ManifestItem& item);
 
 /// One line of a manifest, without its end: the head, or an item.
 std::string manifest_head(const Manifest& manifest);

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <limits>
-#include <unordered_map>
+#include <map>
 #include <unordered_set>
+#include <utility>
 
 #include "base/text/strict_number.hpp"
 
@@ -68,11 +69,11 @@ std::size_t block_of(const Manifest& manifest, std::size_t item) {
   return (problem * blocks + row / kNeighbourBlock) * solvers + solver;
 }
 
-void find_parents(Manifest& manifest) {
+void find_parents(Manifest& manifest, const std::vector<int>& shapes) {
   const Points points(manifest);
-  std::unordered_map<std::size_t, std::vector<std::size_t>> blocks;
+  std::map<std::pair<std::size_t, int>, std::vector<std::size_t>> blocks;  // of one shape each
   for (std::size_t i = 0; i < manifest.items.size(); ++i) {
-    std::vector<std::size_t>& before = blocks[block_of(manifest, i)];
+    std::vector<std::size_t>& before = blocks[{block_of(manifest, i), shapes[i]}];
     const auto nearest = std::min_element(before.begin(), before.end(), [&](auto a, auto b) {
       return points.squared_distance(i, a) < points.squared_distance(i, b);
     });

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
 #include "problem_file/build/build_problem.hpp"
+#include "problem_file/data/warm_start.hpp"
 #include "problem_file/plant/plant_builder.hpp"
 #include "problem_file/yaml/key_path.hpp"
 
@@ -32,6 +35,13 @@ std::optional<ProblemInstance> build_instance(std::optional<ProblemSpec> spec, c
 
 }  // namespace
 
+std::string shape_of(const ShootingProblem& problem) {
+  std::string shape =
+      fmt::format("{} {} {}", problem.nx(), problem.ndx(), problem.constraint_rows());
+  for (int k = 0; k < problem.knots(); ++k) shape += fmt::format(" {}", problem.nu(k));
+  return shape;
+}
+
 std::shared_ptr<const ProblemFamily> ProblemFamily::load(const std::filesystem::path& file,
                                                          const Place& place, Diagnostics& out) {
   auto document = load_problem(file, place, out);
@@ -56,9 +66,12 @@ const Plant* ProblemFamily::plant_with(const std::vector<Setting>& settings) con
   return shares ? &*plant_ : nullptr;
 }
 
-std::optional<ProblemInstance> ProblemFamily::build(const std::vector<Setting>& settings,
-                                                    Diagnostics& out) const {
-  return build_instance(read_problem(document_, settings, out), plant_with(settings), out);
+std::optional<ProblemInstance> ProblemFamily::build(
+    const std::vector<Setting>& settings, Diagnostics& out,
+    const Located<std::filesystem::path>* start) const {
+  auto spec = read_problem(document_, settings, out);
+  if (spec && start != nullptr) set_warm_start(start->value, start->place, *spec);
+  return build_instance(std::move(spec), plant_with(settings), out);
 }
 
 std::unique_ptr<LoopTask> ProblemFamily::build_loop(const std::vector<Setting>& settings,

@@ -77,8 +77,15 @@ void write_run_folder(const BatchPlan& plan, const Manifest& manifest, const fs:
 
 bool is_as_planned(const Manifest& manifest, int problem, const fs::path& run, Diagnostics& out) {
   const fs::path file = problem_of_run(manifest, problem, run);
-  const auto family = ProblemFamily::load(file, {}, out);
-  if (!family) return false;
+  Diagnostics own;  // the warnings have been told with the plan
+  const auto family = ProblemFamily::load(file, {}, own);
+  if (!family) {
+    for (Diagnostic d : own.list()) {
+      d.source = -1;  // of texts that are known here alone
+      out.add(std::move(d));
+    }
+    return false;
+  }
   if (batch_identity(*family, manifest.command) == manifest.problems[problem].identity) return true;
   out.error({},
             fmt::format("'{}', or a file that it reads, has changed since the plan was made",
@@ -86,6 +93,24 @@ bool is_as_planned(const Manifest& manifest, int problem, const fs::path& run, D
             "make the plan again, in another folder");
   return false;
 }
+
+namespace {
+
+/// Reports the first of the files that items read which is not what it was.
+void check_files(const Manifest& manifest, const fs::path& run, Diagnostics& out) {
+  std::vector<ManifestFile> files = manifest.files;
+  if (manifest.start) files.push_back(manifest.start->file);
+  for (const ManifestFile& file : files) {
+    const fs::path path = file_of_run(file, run);
+    if (hash_of_file(path) == file.sha256) continue;
+    return out.error(
+        {},
+        fmt::format("'{}', which items read, has changed since the plan was made", path.string()),
+        "make the plan again, in another folder");
+  }
+}
+
+}  // namespace
 
 bool fits_run_folder(const Manifest& manifest, const fs::path& run, bool any_build,
                      Diagnostics& out) {
@@ -96,6 +121,7 @@ bool fits_run_folder(const Manifest& manifest, const fs::path& run, bool any_bui
               "answers may differ in their last digits; --any-build mixes them");
   for (std::size_t i = 0; i < manifest.problems.size() && !out.has_errors(); ++i)
     is_as_planned(manifest, static_cast<int>(i), run, out);
+  if (!out.has_errors()) check_files(manifest, run, out);
   return !out.has_errors();
 }
 
@@ -126,6 +152,10 @@ void warn_without_time_limit(const Manifest& manifest, const fs::path& run, Diag
                     problem_of_run(manifest, problem, run).string()),
         "write 'limits: {max_time_s: 600}' into the plan");
   }
+}
+
+fs::path file_of_run(const ManifestFile& file, const fs::path& run) {
+  return (run / file.file).lexically_normal();
 }
 
 fs::path problem_of_run(const Manifest& manifest, int problem, const fs::path& run) {

@@ -20,13 +20,17 @@ bool is_as_planned(const Manifest& manifest, int problem, const std::filesystem:
                    Diagnostics& out);
 
 /// Whether the problems of a run are what they were when its plan was made, with the files that
-/// they read, and this build is the one that made it or `any_build` is true. Else reports why not.
+/// they and its items read, and this build is the one that made it or `any_build` is true. Else
+/// reports why not.
 bool fits_run_folder(const Manifest& manifest, const std::filesystem::path& run, bool any_build,
                      Diagnostics& out);
 
 /// Warns where an item may take for ever: the plan has no limit of time, nor has a problem file.
 void warn_without_time_limit(const Manifest& manifest, const std::filesystem::path& run,
                              Diagnostics& out);
+
+/// A file of a run, as seen from here.
+std::filesystem::path file_of_run(const ManifestFile& file, const std::filesystem::path& run);
 
 /// A problem file of a run, as seen from here.
 std::filesystem::path problem_of_run(const Manifest& manifest, int problem,

@@ -14,17 +14,9 @@ namespace {
 constexpr std::size_t kMostRows = 20'000, kMostTrajectories = 60, kMostNumbers = 150'000;
 /// Nodes of a trajectory that are drawn.
 constexpr std::size_t kMostNodes = 100;
-constexpr std::string_view kSolverSetting = "solver.name=";
 
 std::size_t step_of(std::size_t count, std::size_t most) {
   return std::max<std::size_t>(1, (count + most - 1) / most);
-}
-
-/// The solver that an item is set to, or nothing.
-std::string solver_of(const ManifestItem& item) {
-  for (const std::string& setting : item.settings)
-    if (setting.starts_with(kSolverSetting)) return setting.substr(kSolverSetting.size());
-  return {};
 }
 
 /// Reads what is known of items.

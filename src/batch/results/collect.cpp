@@ -127,7 +127,7 @@ std::vector<std::string> results_header(const Manifest& manifest,
     header.insert(header.end(), std::begin(kLoopColumns), std::end(kLoopColumns));
     return header;
   }
-  if (manifest.warm_start == WarmStart::kNeighbour) header.emplace_back("start");
+  if (manifest.warm_start != WarmStart::kNone) header.emplace_back("start");
   for (const char* name : {"cost", "iterations"}) header.emplace_back(name);
   for (const char* name : kResiduals) header.emplace_back(name);
   for (const std::string& name : constraints) header.push_back(cell("violation/" + name));
@@ -163,16 +163,17 @@ std::string results_csv(const Manifest& manifest, const StoredResults& results) 
   add_row(header, text);
   for (std::size_t i = 0; i < manifest.items.size(); ++i) {
     std::vector<std::string> row = item_cells(manifest, i);
+    const std::string planned_solver = cell(solver_of(manifest.items[i]));
     if (const StoredResult* stored = find_result(results, manifest.items[i])) {
       const ItemResult& result = stored->result;
-      row.insert(row.end(),
-                 {cell_of(result.answer, "solver"), result.status, result.success ? "1" : "0"});
-      if (manifest.warm_start == WarmStart::kNeighbour)
-        row.push_back(cell_of(result.answer, "start"));
+      const std::string solver = cell_of(result.answer, "solver");
+      row.insert(row.end(), {solver.empty() ? planned_solver : solver, result.status,
+                             result.success ? "1" : "0"});
+      if (manifest.warm_start != WarmStart::kNone) row.push_back(cell_of(result.answer, "start"));
       for (std::string& value : cells_of(manifest, result.answer, constraints))
         row.push_back(std::move(value));
     } else {
-      row.insert(row.end(), {"", kUnfinished});
+      row.insert(row.end(), {planned_solver, kUnfinished});
       row.resize(header.size());
     }
     add_row(row, text);

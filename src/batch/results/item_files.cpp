@@ -23,7 +23,7 @@ bool is_item(const ManifestItem& item, const Manifest& manifest, const InputFile
   std::vector<Setting> settings;
   for (const std::string& text : item.settings)
     if (auto setting = parse_setting(text, out)) settings.push_back(*std::move(setting));
-  if (item_id(manifest.problems[item.problem].identity, settings, inputs) == item.id) return true;
+  if (item_id(manifest, item.problem, settings, inputs) == item.id) return true;
   out.error({},
             fmt::format("a file that item {} reads has changed since the plan was made", item.id),
             "make the plan again, in another folder");

@@ -47,8 +47,7 @@ SolvedItem simulate_item(const ManifestItem& item, const Manifest& manifest,
   Diagnostics diagnostics = family.texts();
   const std::vector<Setting> settings = settings_of(item, diagnostics);
   const auto task = family.build_loop(settings, diagnostics);
-  if (!task ||
-      item_id(manifest.problems[item.problem].identity, settings, input_files(*task)) != item.id)
+  if (!task || item_id(manifest, item.problem, settings, input_files(*task)) != item.id)
     return {not_built(item, diagnostics), {}, {}};
   const double built = seconds(), limit = manifest.limits.max_time_s;
   task->mpc.controller.solver_options.threads = 1;

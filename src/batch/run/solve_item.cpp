@@ -1,6 +1,7 @@
 #include "batch/run/solve_item.hpp"
 
 #include <chrono>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -40,6 +41,31 @@ void name_neighbour(const std::string& id, const SolverInfo& solver, OrderedJson
   guess["seed"] = nullptr;
 }
 
+/// The problem with the plan's file as its guess; nothing with an error where that is not what it
+/// was, or there is none.
+std::optional<ProblemInstance> build_from_file(const Manifest& manifest,
+                                               const ProblemFamily& family,
+                                               const std::vector<Setting>& settings,
+                                               const ItemStart& start, Diagnostics& out) {
+  if (!start.file) return std::nullopt;
+  const Located<std::filesystem::path> file{*start.file, {{}, "warm_start"}};
+  auto instance = family.build(settings, out, &file);
+  if (!instance) return std::nullopt;
+  for (const InputFile& input : instance->built.data_files)
+    if (input.sha256 == manifest.start->file.sha256) return instance;
+  out.error(file.place,
+            fmt::format("'{}' has changed since the plan was made", file.value.string()));
+  return std::nullopt;
+}
+
+/// What solve_from() needs to know of an instance whose guess is a file.
+NeighbourAnswer answer_of_file(const ProblemInstance& instance, const ManifestStart& start) {
+  return {.trajectory = instance.built.guess,
+          .multipliers = instance.built.multipliers,
+          .cold_iterations =
+              start.iterations >= 0 ? start.iterations : std::numeric_limits<int>::max()};
+}
+
 bool is_kept(const ItemResult& result, KeptSolutions keep) {
   return keep == KeptSolutions::kAll || (keep == KeptSolutions::kConverged && result.success);
 }
@@ -67,7 +93,7 @@ ItemResult not_built(const ManifestItem& item, const Diagnostics& diagnostics) {
 }
 
 SolvedItem solve_item(const ManifestItem& item, const Manifest& manifest,
-                      const ProblemFamily& family, const NeighbourAnswer* from) {
+                      const ProblemFamily& family, const ItemStart& start) {
   const auto began = std::chrono::steady_clock::now();
   const auto seconds = [&] {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
@@ -75,24 +101,30 @@ SolvedItem solve_item(const ManifestItem& item, const Manifest& manifest,
   Diagnostics diagnostics = family.texts();
   const std::vector<Setting> settings = settings_of(item, diagnostics);
   const auto instance = family.build(settings, diagnostics);
-  if (!instance || item_id(manifest.problems[item.problem].identity, settings,
-                           input_files(instance->built)) != item.id)
+  if (!instance ||
+      item_id(manifest, item.problem, settings, input_files(instance->built)) != item.id)
     return {not_built(item, diagnostics), {}, {}};
+  const auto from_file = build_from_file(manifest, family, settings, start, diagnostics);
+  if (diagnostics.has_errors()) return {not_built(item, diagnostics), {}, {}};
   const auto candidates = usable_solvers(*instance->spec, *instance->built.problem, diagnostics);
   if (candidates.empty()) return {not_built(item, diagnostics), {}, {}};
   const double built = seconds();
 
   const SolverInfo* solver = nullptr;
+  const auto file_answer =
+      from_file ? std::optional(answer_of_file(*from_file, *manifest.start)) : std::nullopt;
+  const NeighbourAnswer* from = file_answer ? &*file_answer : start.neighbour;
   const StartedSolve started =
       solve_from(from, *instance, candidates, options_of(*instance), solver);
+  const bool is_warm = started.start == StartKind::kWarm;
+  const ProblemInstance& used = is_warm && from_file ? *from_file : *instance;
   const SolveResult& result = started.result;
   const double solved = seconds();
-  OrderedJson document = solution_json(
-      {*instance->spec, instance->built, *solver, result, item.settings}, NumberForm::kBlocks);
-  if (started.start == StartKind::kWarm) name_neighbour(item.parent, *solver, document);
+  OrderedJson document =
+      solution_json({*used.spec, used.built, *solver, result, item.settings}, NumberForm::kBlocks);
+  if (is_warm && !from_file) name_neighbour(item.parent, *solver, document);
   const double written = seconds();
-  const SolutionCertificate certificate =
-      certify_solution(document, *instance->spec, instance->built, false);
+  const SolutionCertificate certificate = certify_solution(document, *used.spec, used.built, false);
   const double certified = seconds();
   SolvedItem out{{.id = item.id,
                   .status = std::string(to_string(result.status)),
@@ -100,7 +132,7 @@ SolvedItem solve_item(const ManifestItem& item, const Manifest& manifest,
                   .answer = answer_of(document, certificate)},
                  {},
                  {}};
-  if (manifest.warm_start == WarmStart::kNeighbour) {
+  if (manifest.warm_start != WarmStart::kNone) {
     out.result.answer["iterations"] = result.iterations + started.dropped_iterations;
     out.result.answer["start"] = to_string(started.start);
     if (out.result.success) out.answer = answer_for_neighbours(started, solver, from);

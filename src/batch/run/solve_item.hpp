@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
 
@@ -22,9 +23,14 @@ std::vector<Setting> settings_of(const ManifestItem& item, Diagnostics& out);
 /// The result of an item that cannot be built any more, in the words of the first error.
 ItemResult not_built(const ManifestItem& item, const Diagnostics& diagnostics);
 
-/// Builds, solves and certifies one item, with one thread. `from`: an answer to start from, or
-/// null.
+/// From where an item starts, where that is not its own guess.
+struct ItemStart {
+  const NeighbourAnswer* neighbour = nullptr;
+  std::optional<std::filesystem::path> file;  ///< the plan's, as seen from here
+};
+
+/// Builds, solves and certifies one item, with one thread.
 SolvedItem solve_item(const ManifestItem& item, const Manifest& manifest,
-                      const ProblemFamily& family, const NeighbourAnswer* from);
+                      const ProblemFamily& family, const ItemStart& start);
 
 }  // namespace conddp

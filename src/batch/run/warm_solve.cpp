@@ -1,7 +1,6 @@
 #include "batch/run/warm_solve.hpp"
 
 #include <algorithm>
-#include <array>
 
 namespace conddp {
 namespace {
@@ -9,18 +8,6 @@ namespace {
 /// A warm start gets no fewer iterations than these.
 constexpr int kLeastTrial = 10;
 constexpr double kLeastTime = 1e-3;  // s
-
-bool same_shape(const Trajectory& a, const Trajectory& b) {
-  if (a.knots() != b.knots() || a.x(0).size() != b.x(0).size()) return false;
-  for (int k = 0; k < a.knots(); ++k)
-    if (a.nu(k) != b.nu(k)) return false;
-  return true;
-}
-
-bool fits(const NeighbourAnswer& from, const ShootingProblem& problem, const Trajectory& own) {
-  return same_shape(from.trajectory, own) &&
-         from.multipliers->constraints.size() == problem.constraint_rows();
-}
 
 /// A neighbour's states and controls, behind the problem's own first state.
 Trajectory guess_from(const NeighbourAnswer& from, const Trajectory& own) {
@@ -53,16 +40,16 @@ StartedSolve solve_from(const NeighbourAnswer* from, const ProblemInstance& inst
                         const SolverOptions& options, const SolverInfo*& solver) {
   const ShootingProblem& problem = *instance.built.problem;
   const Trajectory& own = instance.built.guess;
-  if (from == nullptr || !fits(*from, problem, own))
-    return {solve(problem, candidates, options, own, solver)};
+  if (from == nullptr) return {solve(problem, candidates, options, own, solver)};
   SolverOptions trial = options;
   trial.homotopy = nullptr;
   trial.restarts = {};
   trial.multipliers = from->multipliers;
   trial.max_iterations =
       std::min(options.max_iterations, std::max(kLeastTrial, from->cold_iterations));
-  SolveResult warm =
-      solve(problem, std::array{from->solver}, trial, guess_from(*from, own), solver);
+  const std::vector<const SolverInfo*> found(1, from->solver);
+  SolveResult warm = solve(problem, from->solver != nullptr ? found : candidates, trial,
+                           guess_from(*from, own), solver);
   if (is_success(warm.status)) return {std::move(warm), StartKind::kWarm};
   SolverOptions rest = options;
   rest.max_time_s = std::max(kLeastTime, options.max_time_s - warm.times.total);

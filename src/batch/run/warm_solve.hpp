@@ -8,11 +8,11 @@
 
 namespace conddp {
 
-/// What an item leaves to those that start from it.
+/// From what a problem of the same shape starts: what an item leaves to those that start from it.
 struct NeighbourAnswer {
   Trajectory trajectory;
-  std::shared_ptr<const DualGuess> multipliers;
-  const SolverInfo* solver = nullptr;  ///< that found it
+  std::shared_ptr<const DualGuess> multipliers;  ///< null: unknown
+  const SolverInfo* solver = nullptr;            ///< that found it; null: unknown
   /// Iterations of a cold start: of this item, or of the one that it goes back to.
   int cold_iterations = 0;
 };
@@ -20,8 +20,8 @@ struct NeighbourAnswer {
 /// From which start an answer came.
 enum class StartKind {
   kOwn,      ///< the problem's own guess
-  kWarm,     ///< a neighbour's answer
-  kDropped,  ///< its own guess, after a neighbour's answer that led nowhere
+  kWarm,     ///< a neighbour's answer, or a file
+  kDropped,  ///< its own guess, after a start from these that misled
 };
 std::string_view to_string(StartKind kind);
 
@@ -36,10 +36,10 @@ struct StartedSolve {
 NeighbourAnswer answer_for_neighbours(const StartedSolve& solved, const SolverInfo* solver,
                                       const NeighbourAnswer* from);
 
-/// Solves from a neighbour's states, controls and multipliers, as far as the problem has the same
-/// shape. A start that has not converged after as many iterations as a cold one took misleads: it
-/// is dropped, and the problem is solved from its own guess in the time that is left. `from` null:
-/// from its own guess at once.
+/// Solves from states, controls and multipliers for a problem of the same shape. A start that has
+/// not converged after as many iterations as a cold one took misleads: it is dropped, and the
+/// problem is solved from its own guess in the time that is left. `from` null: from its own guess
+/// at once.
 StartedSolve solve_from(const NeighbourAnswer* from, const ProblemInstance& instance,
                         const std::vector<const SolverInfo*>& candidates,
                         const SolverOptions& options, const SolverInfo*& solver);

@@ -63,7 +63,9 @@ void limit_memory(int megabytes) {
 class Worker {
  public:
   Worker(std::filesystem::path run, Manifest manifest)
-      : run_(std::move(run)), manifest_(std::move(manifest)) {}
+      : run_(std::move(run)), manifest_(std::move(manifest)) {
+    if (manifest_.start) start_file_ = file_of_run(manifest_.start->file, run_);
+  }
 
   SolvedItem solve(const ManifestItem& item) {
     const NeighbourAnswer* from = parent_of(item);
@@ -74,7 +76,7 @@ class Worker {
       family = ProblemFamily::load(problem_of_run(manifest_, item.problem, run_), {}, diagnostics);
     if (!family) return failed(item, kUnsolvable, "its problem file cannot be read any more");
     if (manifest_.command == BatchCommand::kMpc) return simulate_item(item, manifest_, *family);
-    SolvedItem solved = solve_item(item, manifest_, *family, from);
+    SolvedItem solved = solve_item(item, manifest_, *family, {from, start_file_});
     if (manifest_.warm_start == WarmStart::kNeighbour) remember(item.id, solved.answer);
     return solved;
   }
@@ -113,6 +115,7 @@ class Worker {
 
   const std::filesystem::path run_;
   const Manifest manifest_;
+  std::optional<std::filesystem::path> start_file_;  ///< of the plan
   std::map<int, std::shared_ptr<const ProblemFamily>> families_;
   std::list<Answered> answered_;  ///< the latest last
 };

@@ -2,8 +2,7 @@
 
 namespace conddp {
 
-void set_warm_start(const std::string& file, ProblemSpec& spec, Diagnostics& out) {
-  const Place place{{out.add_source("--warm-start", file), 1, 1}, "initial_guess"};
+void set_warm_start(const std::filesystem::path& file, const Place& place, ProblemSpec& spec) {
   std::error_code error;
   std::filesystem::path path = std::filesystem::absolute(file, error);
   if (error) path = file;  // reading it will say what is wrong

@@ -250,6 +250,11 @@ std::optional<ProblemDocument> parse_problem(std::string text, const std::filesy
   const int source = out.add_source(file.string(), text);
   std::optional<YamlNode> root = parse_yaml(text, source, out);
   if (!root) return std::nullopt;
+  if (root->find("conddp_batch") != nullptr && root->find("conddp") == nullptr) {
+    out.error({root->mark, {}}, "this is a plan of a batch, not a problem file",
+              "'conddp batch run' takes it");
+    return std::nullopt;
+  }
   return ProblemDocument{file, std::move(text), {}, *std::move(root)};
 }
 
