@@ -101,6 +101,25 @@ TEST(EqualitySearch, TakesTheTrialThatLowersTheMeritMore) {
   EXPECT_FALSE(iterate.merit_of(rolled) < iterate.merit_of(trajectory));
 }
 
+// Where no rollout stays finite.
+TEST(EqualitySearch, TakesTheStraightStepWhereRolloutsAreLost) {
+  const ShootingProblem problem = goal_problem();
+  EqualityIterate iterate(problem);
+  Feedback wild = iterate.feedback;
+  wild.k[0].setConstant(1e300);
+  Trajectory trajectory = iterate.trajectory;
+  const LineSearchResult found = iterate.search.run(
+      iterate.evaluator, iterate.merit, iterate.linearization, iterate.step, wild, 1, trajectory);
+  ASSERT_TRUE(found.accepted);
+  for (int k = 0; k <= problem.knots(); ++k) {
+    const Eigen::VectorXd dx = iterate.trajectory.x(k) + found.step * iterate.step.dx(k);
+    EXPECT_LT((trajectory.x(k) - dx).norm(), 1e-12 * (1 + dx.norm())) << k;
+    if (k == problem.knots()) continue;
+    const Eigen::VectorXd u = iterate.trajectory.u(k) + found.step * iterate.step.du(k);
+    EXPECT_LT((trajectory.u(k) - u).norm(), 1e-12 * (1 + u.norm())) << k;
+  }
+}
+
 // Nothing lowers a merit of −10⁹: all steps down to the smallest one are tried.
 TEST(EqualitySearch, TriesAllStepsDownToTheSmallestOne) {
   const ShootingProblem problem = goal_problem();
