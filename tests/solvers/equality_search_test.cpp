@@ -120,6 +120,30 @@ TEST(EqualitySearch, TakesTheStraightStepWhereRolloutsAreLost) {
   }
 }
 
+// Shorter steps are lost later.
+TEST(EqualitySearch, TellsWhereTheLongestStepIsLost) {
+  const ShootingProblem problem = goal_problem();
+  EqualityIterate iterate(problem);
+  Trajectory trajectory = iterate.trajectory;
+  trajectory.u(problem.knots() - 1).setConstant(1e300);  // straight steps are lost too
+  Feedback wild = iterate.feedback;
+  LaneRollout lanes(problem);
+  double steps[kLaneWidth];
+  for (int lane = 0; lane < kLaneWidth; ++lane) steps[lane] = std::ldexp(1.0, -lane);
+  for (double push = 1; push < 1e170; push *= 2) {
+    wild.k[0].setConstant(push);
+    iterate.evaluator.roll_out(trajectory, iterate.linearization.gap, wild, steps,
+                               {.contract_gaps = true}, lanes);
+    if (lanes.first_bad_knot[0] == 0) break;
+  }
+  ASSERT_EQ(lanes.first_bad_knot[0], 0);
+  ASSERT_GT(lanes.first_bad_knot[1], 0);
+  const LineSearchResult found = iterate.search.run(
+      iterate.evaluator, iterate.merit, iterate.linearization, iterate.step, wild, 1, trajectory);
+  EXPECT_FALSE(found.accepted);
+  EXPECT_EQ(found.first_bad_knot, 0);
+}
+
 // Nothing lowers a merit of −10⁹: all steps down to the smallest one are tried.
 TEST(EqualitySearch, TriesAllStepsDownToTheSmallestOne) {
   const ShootingProblem problem = goal_problem();
