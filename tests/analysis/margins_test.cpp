@@ -3,6 +3,7 @@
 #include "analysis/margins/margins.hpp"
 
 #include <cmath>
+#include <stdexcept>
 
 #include <gtest/gtest.h>
 
@@ -85,6 +86,15 @@ TEST(Margins, LeaveOutWhereThePlanHoldsAQuantityAtItsBound) {
   };
   EXPECT_EQ(first_knot_of_upper(1), 1);
   EXPECT_EQ(first_knot_of_upper(1 - 1e-3), 0);
+}
+
+TEST(Margins, NoiseWhoseSquareIsNotFiniteIsAnError) {
+  const ShootingProblem problem = scalar_problem();
+  const Trajectory trajectory = problem.create_trajectory();
+  for (const StateNoise& large :
+       {noise(1e155, 0, 0, 1), noise(0, 1e155, 0, 1), noise(0, 0, 1e155, 1)})
+    EXPECT_THROW(constraint_margins(problem, trajectory, scalar_gains(), large),
+                 std::overflow_error);
 }
 
 TEST(Margins, AControlWithoutGainsHasNone) {

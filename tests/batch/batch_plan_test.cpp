@@ -1,7 +1,10 @@
 // Plans: which items they have, and where they are wrong.
 #include "batch/plan/batch_plan.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <fstream>
+#include <iterator>
 #include <set>
 #include <sstream>
 
@@ -257,6 +260,28 @@ INSTANTIATE_TEST_SUITE_P(
         BadPlan{"vary: {a: {key: initial_guess.states, values: [x, y]}}\nwarm_start: goals.csv\n",
                 "plan.yaml:3:17: 'initial_guess.states' is varied, and by 'warm_start' all items "
                 "start from a file"},
+        BadPlan{"vary: {a: {key: phases.second.dt, values: [0.1]}, b: {key: phases.1.dt, values: "
+                "[0.2]}}\n",
+                "plan.yaml:3:60: 'phases.1.dt' is varied twice"},
+        BadPlan{"vary: {a: {keys: [phases.0.dt, phases.first.dt], values: [[0.1, 0.2]]}}\n",
+                "plan.yaml:3:32: 'phases.first.dt' is varied twice"},
+        BadPlan{"vary: {a: {key: phases.1, values: [{name: x, knots: 2, dt: 0.1}]}, b: {key: "
+                "phases.second.dt, values: [0.2]}}\n",
+                "plan.yaml:3:77: 'phases.second.dt' is varied twice"},
+        BadPlan{"vary: {a: {key: phases.0.integrator.x, values: [1]}, b: {key: "
+                "phases.first.integrator, values: [1]}}\n",
+                "plan.yaml:3:63: 'phases.first.integrator' is varied twice"},
+        BadPlan{"vary: {s: {key: solver, values: [{name: ddp}]}}\nsolvers: [ilqr]\n",
+                "plan.yaml:3:17: 'solver' is varied, and 'solvers' says which solvers items have"},
+        BadPlan{"vary: {a: {perturb: guess, spread: 1, count: 2}, b: {perturb: initial_state, "
+                "spread: 1, count: 2}}\n",
+                "plan.yaml:3:63: 'perturbation.seed' is varied twice"},
+        BadPlan{"vary: {a: {perturb: [guess, guess], spread: 1, count: 2}}\n",
+                "plan.yaml:3:29: 'guess' stands twice in the list"},
+        BadPlan{"vary: {t: {file: goals.csv, columns: {}}}\n",
+                "plan.yaml:3:38: there is no column"},
+        BadPlan{"vary: {a: {normal: {costs.effort.weight: [1, -0.1]}, count: 3}}\n",
+                "plan.yaml:3:42: the standard deviation is negative"},
         BadPlan{"problems: [x.yaml]\n",
                 "plan.yaml:3:1: 'problem' and 'problems' exclude each other"}));
 
@@ -646,12 +671,198 @@ TEST(Neighbours, WithoutWarmStartsEveryItemIsABlock) {
   EXPECT_EQ(items_of_shard(*batch.manifest, {1, 2}), std::vector<std::size_t>{1});
 }
 
+TEST(Neighbours, ParentsHaveTheSameShape) {
+  const PlannedBatch batch(R"(vary:
+  knots: {key: phases.first.knots, values: [4, 5]}
+  w: {key: costs.effort.weight, values: [1, 2, 3]}
+warm_start: neighbour
+)");
+  ASSERT_TRUE(batch.manifest) << batch.error();
+  EXPECT_EQ(parents(*batch.manifest), (std::vector<int>{0, 1, 2, 0, 4, 5}));
+}
+
+TEST(BatchPlan, KeysThatDifferOnlyInOneOfTheProblemsAreReported) {
+  PlannedBatch batch("");
+  std::string other = kSwing;
+  other.replace(other.find("{name: second"), 13, "{name: third");
+  batch.folder.write("other.yaml", other);
+  batch.file = batch.folder.write("plan.yaml", R"(conddp_batch: 1
+problems: [swing.yaml, other.yaml]
+vary: {a: {key: phases.1.dt, values: [0.1]}, b: {key: phases.third.dt, values: [0.2]}}
+)");
+  batch.plan_again();
+  EXPECT_EQ(batch.error(), "plan.yaml:3:55: 'phases.third.dt' is varied twice");
+}
+
+const std::string kMoving =
+    std::string(kSwing).replace(std::string(kSwing).find("{name: ilqr}"), 12,
+                                "{name: ilqr, homotopy: [{key: costs.effort.weight, from: 5, "
+                                "to: 0.5}]}");
+
+TEST(BatchPlan, ANumberThatAHomotopyMovesIsVariedAtItsEnd) {
+  const PlannedBatch batch("vary: {w: {key: costs.effort.weight, values: [0.5, 0.7]}}\n", kMoving);
+  EXPECT_EQ(batch.error().find("plan.yaml:3:17: 'costs.effort.weight' is varied, and the homotopy"),
+            0u)
+      << batch.error();
+  EXPECT_EQ(batch.diagnostics.list().back().hint, "vary 'solver.homotopy.0.to' instead");
+  const PlannedBatch ends("vary: {w: {key: solver.homotopy.0.to, values: [0.5, 0.7]}}\n", kMoving),
+      none(
+          "vary: {w: {key: costs.effort.weight, values: [0.5, 0.7]}, h: {key: solver.homotopy, "
+          "values: [[]]}}\n",
+          kMoving);
+  EXPECT_TRUE(ends.manifest) << ends.error();
+  EXPECT_TRUE(none.manifest) << none.error();
+}
+
+TEST(BatchPlan, WarningsOfItemsAreToldOnceWithTheFirstThatHasThem) {
+  const PlannedBatch batch("vary: {w: {key: solver.homotopy.0.to, values: [0.5, 0.7, 0.8]}}\n",
+                           kMoving);
+  ASSERT_TRUE(batch.manifest) << batch.error();
+  std::vector<std::string> warnings;
+  for (const Diagnostic& d : batch.diagnostics.list())
+    if (d.severity == Severity::kWarning) warnings.push_back(d.message);
+  EXPECT_EQ(warnings,
+            Strings{"0.5 does not count: a homotopy takes this number to 0.7 (item 2 and 1 more)"});
+}
+
+TEST(BatchPlan, WarningsOfTheProblemItselfAreNotRepeated) {
+  std::string moving = kMoving;
+  moving.replace(moving.find("to: 0.5"), 7, "to: 0.6");
+  const PlannedBatch batch("vary: {t: {key: initial_state.values.theta, values: [0.1, 0.2]}}\n",
+                           moving);
+  ASSERT_TRUE(batch.manifest) << batch.error();
+  const auto& list = batch.diagnostics.list();
+  EXPECT_EQ(std::count_if(list.begin(), list.end(),
+                          [](const Diagnostic& d) { return d.severity == Severity::kWarning; }),
+            1)
+      << format_diagnostics(batch.diagnostics, false);
+}
+
+TEST(BatchPlan, DrawsSeveralKeysTogether) {
+  const PlannedBatch batch(R"(vary:
+  n: {normal: {costs.effort.weight: [5, 0.1], initial_state.values.theta: [0, 1]}, count: 3}
+  u: {uniform: {phases.0.dt: [0.1, 0.2], phases.1.dt: [0.01, 0.02]}, count: 2, seed: 4}
+)");
+  ASSERT_TRUE(batch.manifest) << batch.error();
+  ASSERT_EQ(batch.manifest->items.size(), 6u);
+  EXPECT_EQ(batch.manifest->columns[1].name, "initial_state.values.theta");
+  std::set<double> steps;  // from the mean, in standard deviations
+  for (const ManifestItem& item : batch.manifest->items) {
+    steps.insert((std::stod(item.values[0]) - 5) / 0.1);
+    steps.insert(std::stod(item.values[1]));
+    const double dt = std::stod(item.values[3]);
+    EXPECT_TRUE(dt >= 0.01 && dt < 0.02) << dt;
+  }
+  EXPECT_EQ(steps.size(), 6u);  // no draw serves both keys
+  EXPECT_GT(std::abs(*std::next(steps.begin()) - *steps.begin()), 1e-6);
+}
+
+TEST(BatchPlan, PerturbsTheInitialStateAndTheGuessAtOnce) {
+  const PlannedBatch batch(
+      "vary: {s: {perturb: [initial_state, guess], spread: 0.1, count: 2, seed: 7}}\n");
+  ASSERT_TRUE(batch.manifest) << batch.error();
+  EXPECT_EQ(settings(batch, 1), (Strings{"perturbation.initial_state=0.1", "perturbation.guess=0.1",
+                                         "perturbation.seed=8"}));
+  Strings names;
+  for (const ManifestColumn& column : batch.manifest->columns) names.push_back(column.name);
+  EXPECT_EQ(names, (Strings{"s.initial_state", "s.guess", "s"}));
+}
+
+TEST(BatchPlan, AProblemFileIsNoPlanAndAPlanNoProblemFile) {
+  PlannedBatch batch("");
+  Diagnostics out;
+  EXPECT_FALSE(load_batch_plan(batch.folder.path() / "swing.yaml", out));
+  ASSERT_EQ(out.list().size(), 1u) << format_diagnostics(out, false);
+  EXPECT_EQ(out.list()[0].message, "this is a problem file, not a plan of a batch");
+  batch.file = batch.folder.write("of_plans.yaml", "conddp_batch: 1\nproblem: plan.yaml\n");
+  batch.plan_again();
+  EXPECT_EQ(batch.error(), "plan.yaml:1:1: this is a plan of a batch, not a problem file");
+  EXPECT_EQ(batch.diagnostics.error_count(), 1);
+}
+
+TEST(BatchPlan, AKeyThatStandsTwiceIsOneError) {
+  const PlannedBatch batch("vary: {a: {keys: [phases.0.dt, phases.0.dt], values: [[1, 2]]}}\n");
+  EXPECT_EQ(batch.error(), "plan.yaml:3:32: 'phases.0.dt' stands twice in the list");
+  EXPECT_EQ(batch.diagnostics.error_count(), 1);
+}
+
+TEST(BatchPlan, ItemsWithoutAnAnswerHaveTheSolverOfThePlan) {
+  const PlannedBatch batch("solvers: [ilqr, ddp]\n");
+  ASSERT_TRUE(batch.manifest) << batch.error();
+  StoredResults results;
+  const ManifestItem& crashed = batch.manifest->items[0];
+  results[crashed.id] = {.result = {.id = crashed.id,
+                                    .status = "crashed",
+                                    .answer = {{"message", "signal 6"}},
+                                    .times = OrderedJson::object()}};
+  const std::string table = results_csv(*batch.manifest, results);
+  EXPECT_NE(table.find(",ilqr,crashed,0,"), std::string::npos) << table;
+  EXPECT_NE(table.find(",ddp,unfinished,"), std::string::npos) << table;
+}
+
 TEST(BatchPlan, MayLetAllItemsStartFromAFile) {
   PlannedBatch missing("warm_start: nowhere.json\n");
   EXPECT_FALSE(missing.manifest);
   EXPECT_NE(missing.error().find("'nowhere.json' is no warm start, and there is no such file"),
             std::string::npos)
       << missing.error();
+  PlannedBatch wrong("warm_start: former.json\n");
+  wrong.folder.write("former.json", "{\"format\": \"conddp.bench/1\"}");
+  wrong.plan_again();
+  EXPECT_FALSE(wrong.manifest);
+}
+
+TEST(BatchPlan, WhatIsWrongWithTheFileOfAWarmStartStandsThere) {
+  PlannedBatch batch("warm_start: former.csv\n");
+  batch.folder.write("former.csv", "t,other\n0,1\n1,2\n");
+  batch.plan_again();
+  ASSERT_FALSE(batch.diagnostics.list().empty());
+  EXPECT_EQ(batch.error().find("plan.yaml:3:13: "), 0u) << batch.error();
+}
+
+constexpr const char* kGuess = "t,theta,omega,torque\n0,0.1,0,0\n0.7,1,0,0\n";
+
+// A worker knows one problem at a time.
+TEST(BatchPlan, DataOfOtherProblemsHaveNoPartInTheIdsOfItems) {
+  PlannedBatch batch("");
+  batch.folder.write("a.csv", kGuess);
+  batch.folder.write("guided.yaml", std::string(kSwing) + "initial_guess: {file: a.csv}\n");
+  batch.file = batch.folder.write("plan.yaml", R"(conddp_batch: 1
+problems: [guided.yaml, swing.yaml]
+vary: {g: {key: initial_guess, values: [{states: interpolate}, {file: a.csv}]}}
+)");
+  batch.plan_again();
+  ASSERT_TRUE(batch.manifest) << batch.error();
+  for (const ManifestItem& item : batch.manifest->items) {
+    Diagnostics out;
+    const auto family = ProblemFamily::load(batch.plan->problems[item.problem].value, {}, out);
+    Diagnostics texts = family->texts();
+    const std::vector<Setting> list{*parse_setting(item.settings.at(0), texts)};
+    const auto instance = family->build(list, texts);
+    ASSERT_TRUE(instance) << format_diagnostics(texts, false);
+    EXPECT_EQ(item_id(*batch.manifest, item.problem, list, input_files(instance->built)), item.id);
+  }
+}
+
+TEST(RunFolder, FilesThatItemsReadMustNotChange) {
+  PlannedBatch batch("vary: {g: {key: initial_guess, values: [{file: a.csv}, {file: b.csv}]}}\n");
+  const std::string table = kGuess;
+  batch.folder.write("a.csv", table);
+  batch.folder.write("b.csv", table + "\n");
+  batch.plan_again();
+  ASSERT_TRUE(batch.manifest) << batch.error();
+  const std::filesystem::path run = batch.folder.path() / "run";
+  write_run_folder(*batch.plan, *batch.manifest, run, batch.diagnostics);
+  Diagnostics same;
+  auto manifest = load_manifest(run, true, same);
+  ASSERT_TRUE(manifest && fits_run_folder(*manifest, run, false, same))
+      << format_diagnostics(same, false);
+  batch.folder.write("b.csv", table + "\n\n");
+  Diagnostics changed;
+  EXPECT_FALSE(fits_run_folder(*manifest, run, false, changed));
+  EXPECT_NE(changed.list()[0].message.find("b.csv', which items read, has changed"),
+            std::string::npos)
+      << changed.list()[0].message;
 }
 
 }  // namespace

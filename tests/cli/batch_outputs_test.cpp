@@ -70,6 +70,54 @@ TEST_F(Batch, ShowWritesAProblemAndASolutionThatVerify) {
   EXPECT_NE(wrong.err.find("has no item '0123456789abcdef'"), std::string::npos) << wrong.err;
 }
 
+TEST_F(Batch, ShowTakesTheFirstDigitsOfAnId) {
+  const std::string folder = planned("show");
+  const Words all = ids(folder);
+  const auto shared = [&](const std::string& begin) {
+    return std::count_if(all.begin(), all.end(),
+                         [&](const std::string& id) { return id.starts_with(begin); });
+  };
+  std::string begin = all[17].substr(0, 1);
+  while (shared(begin) > 1) begin = all[17].substr(0, begin.size() + 1);
+  const ProcessResult r = run_conddp({"batch", "show", folder, begin});
+  EXPECT_EQ(r.exit_code, 0) << r.err;
+  EXPECT_EQ(r.out.find(all[17] + ": unfinished\n"), 0u) << r.out;
+  // Of 30 items at least two have the same first digit.
+  for (const std::string& id : all)
+    if (shared(id.substr(0, 1)) > 1) {
+      const ProcessResult several = run_conddp({"batch", "show", folder, id.substr(0, 1)});
+      EXPECT_EQ(several.exit_code, 2);
+      EXPECT_NE(several.err.find("items begin with '" + id.substr(0, 1) + "'"), std::string::npos)
+          << several.err;
+      return;
+    }
+  FAIL() << "all ids differ in their first digit";
+}
+
+TEST_F(Batch, CollectSaysWhyThereIsNoDataSet) {
+  const std::string rest = "vary: {w: {key: costs.effort.weight, values: [1, 2]}}\n";
+  const std::string none = planned("none", rest + "keep: {solutions: none}\n");
+  EXPECT_EQ(run(none).exit_code, 0);
+  EXPECT_NE(
+      run_conddp({"batch", "collect", none}).out.find("no dataset.h5: the plan keeps no solutions"),
+      std::string::npos);
+  const std::string unfinished = planned("unfinished", rest);
+  EXPECT_NE(run_conddp({"batch", "collect", unfinished})
+                .out.find("no dataset.h5: no item has a solution that is kept"),
+            std::string::npos);
+  EXPECT_EQ(run(unfinished).exit_code, 0);
+  EXPECT_EQ(run_conddp({"batch", "collect", unfinished}).out.find("no dataset.h5"),
+            std::string::npos);
+}
+
+TEST_F(Batch, ASmallDataSetIsASmallFile) {
+  const std::string folder =
+      planned("small", "vary: {w: {key: costs.effort.weight, values: [1, 2]}}\n");
+  EXPECT_EQ(run(folder).exit_code, 0);
+  collected(folder);
+  EXPECT_LT(std::filesystem::file_size(folder + "/dataset.h5"), 100'000u);
+}
+
 /// Runs a script of Python. False where that fails; what it printed is in `log`.
 bool python(const std::string& script, const std::vector<std::string>& arguments,
             const std::string& log) {

@@ -1,7 +1,9 @@
 // conddp batch as a process: whatever happens to it, results are those of the undisturbed run.
 #include <algorithm>
 #include <csignal>
+#include <fstream>
 #include <random>
+#include <sstream>
 
 #include "batch_fixture.hpp"
 
@@ -354,7 +356,101 @@ TEST_F(Batch, AllItemsMayStartFromOneSolution) {
   EXPECT_EQ(run(cold).exit_code, 0);
   // The first one has its answer already.
   EXPECT_NE(collected(folder), collected(cold));
-  EXPECT_NE(collected(folder).find(",box_ddp,converged,1,"), std::string::npos);
+  EXPECT_NE(collected(folder).find(",box_ddp,converged,1,warm,"), std::string::npos)
+      << collected(folder);
+}
+
+/// A column of a results.csv without quotes in front of it.
+std::vector<std::string> column(const std::string& table, const std::string& name) {
+  std::istringstream lines(table);
+  std::vector<std::string> cells;
+  std::size_t number = 0;
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    std::vector<std::string> row;
+    for (std::string word; std::getline(words, word, ',');) row.push_back(word);
+    if (cells.empty()) number = std::find(row.begin(), row.end(), name) - row.begin();
+    cells.push_back(row.at(number));
+  }
+  cells.erase(cells.begin());
+  return cells;
+}
+
+constexpr const char* kLimited = R"(conddp: 1
+system: {type: double_integrator}
+initial_state: {state: [0, 0]}
+integrator: rk4
+phases: [{name: move, knots: 20, dt: 0.1}]
+costs:
+  effort: {residual: control, weight: 0.1}
+  state: {residual: state, reference: [1, 0]}
+constraints:
+  speed: {bounds: velocity, lower: -0.6, upper: 0.6}
+terminal:
+  constraints:
+    goal: {residual: state, reference: [1, 0]}
+solver: {name: altro}
+)";
+
+TEST_F(Batch, AStartFromAFileHasItsMultipliersLikeThatOfSolve) {
+  folder_.write("swing.yaml", kLimited);
+  const std::string former = folder_.path() / "former", again = folder_.path() / "again";
+  ASSERT_EQ(run_conddp({"solve", folder_.path() / "swing.yaml", "-o", former}).exit_code, 0);
+  ASSERT_EQ(run_conddp({"solve", folder_.path() / "swing.yaml", "--warm-start",
+                        former + "/solution.json", "-o", again})
+                .exit_code,
+            0);
+  const std::string folder = planned("from_file", "warm_start: former/solution.json\n");
+  EXPECT_EQ(run(folder).exit_code, 0);
+  const auto solved = nlohmann::json::parse(read_file(again + "/solution.json"));
+  EXPECT_EQ(column(collected(folder), "iterations"), Words{solved["iterations"].dump()});
+  EXPECT_EQ(column(collected(folder), "start"), Words{"warm"});
+  const std::string shown = folder_.path() / "item";
+  EXPECT_EQ(
+      run_conddp({"batch", "show", folder, ids(folder)[0].substr(0, 4), "-o", shown}).exit_code, 0);
+  const auto item = nlohmann::json::parse(read_file(shown + "/solution.json"));
+  EXPECT_EQ(item["initial_guess_used"]["multipliers"], solved["initial_guess_used"]["multipliers"]);
+  EXPECT_EQ(run_conddp({"verify", shown + "/solution.json"}).exit_code, 0);
+
+  std::ofstream(former + "/solution.json", std::ios::app) << '\n';
+  const ProcessResult r = run(folder);
+  EXPECT_EQ(r.exit_code, 2);
+  EXPECT_NE(r.err.find("solution.json', which items read, has changed"), std::string::npos)
+      << r.err;
+}
+
+constexpr const char* kBalance = R"(conddp: 1
+system: {type: cartpole}
+initial_state: {values: {theta: 3}}
+integrator: rk4
+phases: [{name: balance, knots: 20, dt: 0.05}]
+costs:
+  state:
+    residual: state
+    reference: {values: {theta: 3.141592653589793}}
+    weights: {x: 1, theta: 10, "*": 0.1}
+  effort: {residual: control, weight: 0.1}
+constraints:
+  force: {bounds: control, lower: -10, upper: 5}
+terminal:
+  costs:
+    upright: {residual: state, reference: {values: {theta: 3.141592653589793}}, weight: 20}
+solver: {name: box_fddp}
+)";
+
+// A pendulum that swings through below is no start for one that stands nearly upright.
+TEST_F(Batch, AStartFromAFileThatMisleadsIsDropped) {
+  folder_.write("swing.yaml", kBalance);
+  ASSERT_EQ(run_conddp({"solve", folder_.path() / "swing.yaml", "--set",
+                        "initial_state.values.theta=2.2", "-o", folder_.path() / "former"})
+                .exit_code,
+            0);
+  const std::string warm = planned("warm", "warm_start: former/solution.json\n"),
+                    cold = planned("cold", "");
+  EXPECT_EQ(run(warm).exit_code, 0);
+  EXPECT_EQ(run(cold).exit_code, 0);
+  EXPECT_EQ(column(collected(warm), "start"), Words{"dropped"});
+  EXPECT_EQ(column(collected(warm), "cost"), column(collected(cold), "cost"));
 }
 
 TEST_F(Batch, APilotSolvesAFewAndEstimatesTheRest) {
