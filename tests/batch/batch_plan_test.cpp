@@ -786,6 +786,14 @@ TEST(BatchPlan, AKeyThatStandsTwiceIsOneError) {
   EXPECT_EQ(batch.diagnostics.error_count(), 1);
 }
 
+TEST(BatchPlan, APatternInAFolderIsExplained) {
+  PlannedBatch batch("");
+  batch.file = batch.folder.write("plan.yaml", "conddp_batch: 1\nproblem: \"d?/x.yaml\"\n");
+  batch.plan_again();
+  EXPECT_EQ(batch.diagnostics.list().front().hint,
+            "'*', '?' and '[...]' stand for files in the last part of a path alone");
+}
+
 TEST(BatchPlan, ItemsWithoutAnAnswerHaveTheSolverOfThePlan) {
   const PlannedBatch batch("solvers: [ilqr, ddp]\n");
   ASSERT_TRUE(batch.manifest) << batch.error();

@@ -108,17 +108,21 @@ class PlanReader {
   /// A file, or those that a pattern means that is not itself the name of one.
   void add_problems(const Name& name) {
     const fs::path path = plan_.file.parent_path() / name.value;
+    const bool names = is_pattern(path.filename());
+    const bool folders = is_pattern(fs::path(name.value).parent_path());
     std::error_code error;
-    if (path.filename().string().find_first_of("*?[") == std::string::npos ||
-        fs::is_regular_file(path, error))
+    if (fs::is_regular_file(path, error) || (!names && !folders))
       return add_problem(path, name.place);
-    const std::vector<fs::path> found = matching_files(path);
+    const std::vector<fs::path> found = names ? matching_files(path) : std::vector<fs::path>();
     if (found.empty())
-      out_.error(name.place, fmt::format("no file is like '{}'", path.string()),
-                 path.parent_path().string().find_first_of("*?[") == std::string::npos
-                     ? ""
-                     : "'*', '?' and '[...]' stand for files in the last part of a path alone");
+      out_.error(
+          name.place, fmt::format("no file is like '{}'", path.string()),
+          folders ? "'*', '?' and '[...]' stand for files in the last part of a path alone" : "");
     for (const fs::path& file : found) add_problem(file, name.place);
+  }
+
+  static bool is_pattern(const fs::path& path) {
+    return path.string().find_first_of("*?[") != std::string::npos;
   }
 
   void add_problem(const fs::path& file, const Place& place) {
