@@ -122,8 +122,8 @@ BenchmarkRun run_of(const Pretended& pretended, int repeat = 0) {
         return result;
       }};
   Trajectory answer = problem.create_trajectory();
-  const BenchmarkRun run =
-      run_benchmark(problem, problem.create_trajectory(), solver, {}, {.count = repeat}, &answer);
+  const BenchmarkRun run = run_benchmark(problem, problem.create_trajectory(), solver.name,
+                                         std::array{&solver}, {}, {.count = repeat}, &answer);
   EXPECT_EQ(answer.u(0)[0], pretended.push);
   EXPECT_EQ(run.sweeps, 4) << "at least one an iteration";
   EXPECT_EQ(run.iterations, 2);

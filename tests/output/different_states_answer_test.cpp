@@ -97,7 +97,7 @@ TEST(DifferentStatesAnswer, IsReadAsItWasWritten) {
 BuiltProblem started_from(const std::string& solution) {
   Diagnostics out;
   auto spec = read_problem_text(kPhases, "text.yaml", {}, out);
-  set_warm_start(solution, *spec, out);
+  set_warm_start(solution, {{out.add_source("start", solution), 1, 1}, "initial_guess"}, *spec);
   auto built = build_problem(*spec, {}, out);
   EXPECT_TRUE(built) << format_diagnostics(out, false);
   return *std::move(built);

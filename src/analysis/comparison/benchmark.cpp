@@ -1,6 +1,7 @@
 #include "analysis/comparison/benchmark.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 
@@ -83,13 +84,14 @@ bool is_repeatable(const SolveResult& result, const Repetition& repetition) {
 }  // namespace
 
 BenchmarkRun run_benchmark(const ShootingProblem& problem, const Trajectory& guess,
-                           std::string_view solver, const SolverOptions& options,
+                           std::string_view name, SolverList solvers, const SolverOptions& options,
                            const Repetition& repetition, Trajectory* answer) {
-  BenchmarkRun run{.solver = std::string(solver)};
+  BenchmarkRun run{.solver = std::string(name)};
+  const SolverInfo* used = nullptr;
   int repeat = repetition.count;
   std::vector<SolveTimes> times;
   try {
-    const SolveResult result = solve(problem, solver, options, guess);
+    const SolveResult result = solve(problem, solvers, options, guess, used);
     describe(result, problem, options, run);
     if (answer != nullptr) *answer = result.trajectory;
     if (!is_repeatable(result, repetition)) repeat = 0;
@@ -99,10 +101,25 @@ BenchmarkRun run_benchmark(const ShootingProblem& problem, const Trajectory& gue
     run.message = refusal.what();
     return run;
   }
-  for (int i = 0; i < repeat; ++i) times.push_back(solve(problem, solver, options, guess).times);
+  for (int i = 0; i < repeat; ++i)
+    times.push_back(solve(problem, solvers, options, guess, used).times);
   run.median = medians(times);
   for (const SolveTimes& time : times) run.times.push_back(time.total);
   return run;
+}
+
+BenchmarkRun run_benchmark(const ShootingProblem& problem, const Trajectory& guess,
+                           std::string_view solver, const SolverOptions& options,
+                           const Repetition& repetition, Trajectory* answer) {
+  if (solver == kAutoSolver)
+    return run_benchmark(problem, guess, solver, auto_solvers(problem, options), options,
+                         repetition, answer);
+  const SolverInfo* info = find_solver(solver);
+  if (info == nullptr)
+    return {.solver = std::string(solver),
+            .status = "refused",
+            .message = fmt::format("unknown solver '{}'", solver)};
+  return run_benchmark(problem, guess, solver, std::array{info}, options, repetition, answer);
 }
 
 }  // namespace conddp

@@ -41,10 +41,15 @@ struct Repetition {
 /// is doubted: stationarity along another policy is another number.
 inline constexpr double kCheckFactor = 10;
 
-/// Solves by the solver of this name, `auto` included, once to warm up, then as often as is asked
-/// for against the clock, one after the other. A solve that ended for want of time, or is not to be
-/// repeated, counts itself. A refusal, of the problem or of an option, is a run with that status.
-/// `answer`, if wanted, receives the trajectory that was found.
+/// Solves by the first of some solvers that converges, once to warm up, then as often as is asked
+/// for against the clock, one after the other; `name` is what the run calls them. A solve that
+/// ended for want of time, or is not to be repeated, counts itself. A refusal, of the problem or of
+/// an option, is a run with that status. `answer`, if wanted, receives the trajectory that was
+/// found.
+BenchmarkRun run_benchmark(const ShootingProblem& problem, const Trajectory& guess,
+                           std::string_view name, SolverList solvers, const SolverOptions& options,
+                           const Repetition& repetition, Trajectory* answer = nullptr);
+/// The same by the solver of a name, `auto` included.
 BenchmarkRun run_benchmark(const ShootingProblem& problem, const Trajectory& guess,
                            std::string_view solver, const SolverOptions& options,
                            const Repetition& repetition, Trajectory* answer = nullptr);

@@ -30,8 +30,7 @@ std::vector<StateRun> runs_of(const StateManifold& manifold, const std::vector<i
       append(segment.part, segment.x, segment.dx);
       continue;
     }
-    for (int i = 0; i < segment.n; ++i)
-      append(segment.part, segment.x + i, segment.dx + i);
+    for (int i = 0; i < segment.n; ++i) append(segment.part, segment.x + i, segment.dx + i);
   }
   return runs;
 }
