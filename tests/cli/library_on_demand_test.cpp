@@ -47,15 +47,13 @@ TEST_F(LibraryOnDemand, ASolveByIpoptWithoutItsLibrarySaysSoAndWritesNothing) {
 TEST_F(LibraryOnDemand, WhereOtherSolversHaveFailedTheirAnswerStaysWithoutTheLibraryOfIpopt) {
   const std::string file = output() + ".yaml";
   std::ofstream(file) << R"(conddp: 1
-name: contradiction
+name: far
 system: {states: [x], controls: [u], rate: {x: u}}
 initial_state: {values: {x: 0}}
 phases: [{knots: 5, dt: 0.1}]
 costs: {effort: {residual: control}}
-terminal:
-  constraints:
-    here: {residual: state, equals: 1}
-    there: {residual: state, equals: 2}
+constraints: {force: {bounds: control, lower: -1, upper: 1}}
+terminal: {constraints: {there: {residual: state, equals: 5}}}
 solver: {name: auto}
 )";
   EXPECT_EQ(run("solve " + file + " -o " + output()), 1) << errors();
