@@ -64,8 +64,19 @@ TEST_F(MpcCommand, EndsWithStatus1WhereAConditionEndsTheLoop) {
   EXPECT_EQ(result.exit_code, 1) << result.err;
   const auto document = nlohmann::json::parse(result.out);
   EXPECT_EQ(document["end"], "stopped");
+  EXPECT_EQ(document["message"], "the condition 'fallen' of stop_when does not hold");
   EXPECT_LT(document["end_time_s"], 1.5);
   EXPECT_EQ(result.out, file("out/mpc.json"));
+}
+
+TEST_F(MpcCommand, LeavesCommandsThatVerifyFindsInItsFile) {
+  const ProcessResult loop = run_conddp(
+      {"mpc", "quadruped_commands", "-o", "out", "--set", "mpc.duration=0.1", "--set",
+       "mpc.disturbances=[]", "--set", "mpc.commands=[{at: 0, velocity: [0.3, 0, 0], turn: 0.1}]"},
+      {.folder = folder_.path()});
+  ASSERT_EQ(loop.exit_code, 0) << loop.err;
+  const ProcessResult good = run_conddp({"verify", "out/mpc.json"}, {.folder = folder_.path()});
+  EXPECT_EQ(good.exit_code, 0) << good.out << good.err;
 }
 
 TEST_F(MpcCommand, SaysWhichConstraintsAreLeftOut) {

@@ -141,6 +141,16 @@ TEST(ContactSchedule, OfAnAnswerBuildsAndKeepsItsCosts) {
   EXPECT_EQ(schedule.problem["initial_guess"]["states"]["file"], "solution.json");
   EXPECT_EQ(schedule.problem["contacts"]["front_normal"]["type"], "normal");
   EXPECT_EQ(schedule.problem["phases"][0]["contacts"].size(), 2u);
+  // Their accelerations alone would let them leave the surface.
+  for (const char* section : {"constraints", "terminal"}) {
+    const OrderedJson& terms = section == std::string("terminal")
+                                   ? schedule.problem["terminal"]["constraints"]
+                                   : schedule.problem["constraints"];
+    ASSERT_TRUE(terms.contains("contact_held_front")) << section;
+    EXPECT_EQ(terms["contact_held_front"]["residual"], "distance");
+    EXPECT_EQ(terms["contact_held_front"]["lower"], -1e-3);
+    EXPECT_EQ(terms["contact_held_front"]["upper"], 1e-3);
+  }
   EXPECT_TRUE(schedule.problem["costs"].contains("effort"));
   EXPECT_FALSE(schedule.problem.contains("contact_candidates"));
   EXPECT_FALSE(schedule.notes.empty()) << "a sliding contact has no friction there";

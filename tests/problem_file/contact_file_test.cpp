@@ -30,6 +30,16 @@ costs:
 initial_guess: {controls: quasi_static}
 )";
 
+TEST(ContactFile, DegreesAndMillisecondsAreWarnedOf) {
+  EXPECT_NE(
+      warnings(replaced(kStepping, "[0, 0, 0.57]", "[0, 0, 0.57], rpy: [0, 0, 90]"))
+          .find("an angle of 90 rad is more than a turn (angles are in rad: 90° is 1.571 rad)"),
+      std::string::npos);
+  EXPECT_NE(warnings(replaced(kStepping, "knots: 10, dt: 0.02", "knots: 10, dt: 20"))
+                .find("a time step of the phase 'lift' lasts 20 s (times are in s: "),
+            std::string::npos);
+}
+
 TEST(ContactFile, ASoleWhoseFrameDoesNotPointOutOfTheGroundIsWarnedOf) {
   const auto with = [](const std::string& keys) {
     return warnings(replaced(kStepping, "{frame: rh_foot}",

@@ -39,7 +39,8 @@ void name_divergence(SolveResult& result) {
   result.status = SolveStatus::diverged;
 }
 
-bool may_go_on(SolveStatus status) {
+/// Whether a solver gave up, and no limit ended it.
+bool gave_up(SolveStatus status) {
   return !is_success(status) && status != SolveStatus::max_iterations && !stopped(status);
 }
 
@@ -51,7 +52,7 @@ bool limits_iterations(const SolverOptions& options) {
 /// Compiled functions that report failure give numbers that are not finite, which is all that
 /// solvers see of that.
 void name_failed_functions(const ShootingProblem& problem, SolveResult& result) {
-  if (!may_go_on(result.status)) return;
+  if (!gave_up(result.status)) return;
   for (const std::string& name : failed_functions(problem))
     result.message += fmt::format("; the compiled function '{}' reported failure", name);
 }
