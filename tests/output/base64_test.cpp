@@ -1,4 +1,4 @@
-#include "output/report/base64.hpp"
+#include "output/scene/base64.hpp"
 
 #include <gtest/gtest.h>
 

@@ -6,8 +6,8 @@
 
 #include "output/report/certificate_report.hpp"
 #include "output/report/contact_report.hpp"
-#include "output/solution/contact_schedule.hpp"
-#include "output/solution/softened_constraint.hpp"
+#include "output/schedule/contact_schedule.hpp"
+#include "output/schedule/softened_constraint.hpp"
 #include "support/solved_example.hpp"
 
 namespace conddp {

@@ -1,5 +1,5 @@
 // What points may touch, as obstacles of a problem file, at poses that are set by hand.
-#include "output/solution/contact_surfaces.hpp"
+#include "output/schedule/contact_surfaces.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "output/solution/found_contacts.hpp"
+#include "output/scene/found_contacts.hpp"
 
 #include "problem_file/build/build_problem.hpp"
 #include "report_fixture.hpp"

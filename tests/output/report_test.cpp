@@ -1,5 +1,5 @@
 #include "base/json/solution_members.hpp"
-#include "output/report/motion_scene.hpp"
+#include "output/scene/motion_scene.hpp"
 #include "report_fixture.hpp"
 
 namespace conddp {

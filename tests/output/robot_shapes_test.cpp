@@ -1,4 +1,4 @@
-#include "output/report/robot_shapes.hpp"
+#include "output/scene/robot_shapes.hpp"
 
 #include <map>
 

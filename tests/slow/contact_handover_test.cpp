@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "output/solution/contact_schedule.hpp"
+#include "output/schedule/contact_schedule.hpp"
 #include "problem_file/build/build_problem.hpp"
 #include "problem_file/yaml/yaml_text.hpp"
 #include "support/solved_example.hpp"

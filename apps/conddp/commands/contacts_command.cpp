@@ -6,7 +6,7 @@
 #include "base/json/solution_members.hpp"
 #include "commands/commands.hpp"
 #include "output/report/contact_report.hpp"
-#include "output/solution/contact_schedule.hpp"
+#include "output/schedule/contact_schedule.hpp"
 #include "output/solution/solved_problem.hpp"
 #include "problem_file/yaml/yaml_text.hpp"
 #include "solvers/strategies/registry.hpp"

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "base/json/json_text.hpp"
-#include "output/report/motion_scene.hpp"
+#include "output/scene/motion_scene.hpp"
 
 namespace conddp {
 namespace {

@@ -10,8 +10,8 @@
 #include "ocp/problem/by_name.hpp"
 #include "ocp/problem/control_columns.hpp"
 #include "output/report/constraint_curves.hpp"
-#include "output/report/motion_scene.hpp"
-#include "output/solution/found_contacts.hpp"
+#include "output/scene/found_contacts.hpp"
+#include "output/scene/motion_scene.hpp"
 #include "output/solution/stored_trajectory.hpp"
 
 namespace conddp {

@@ -1,11 +1,11 @@
-#include "output/report/motion_scene.hpp"
+#include "output/scene/motion_scene.hpp"
 
 #include <map>
 
-#include "output/report/closed_form_scene.hpp"
-#include "output/report/robot_shapes.hpp"
-#include "output/report/scene_obstacles.hpp"
-#include "output/solution/scene_numbers.hpp"
+#include "output/scene/closed_form_scene.hpp"
+#include "output/scene/robot_shapes.hpp"
+#include "output/scene/scene_numbers.hpp"
+#include "output/scene/scene_obstacles.hpp"
 #include "robot/frames.hpp"
 #include "robot/kinematics.hpp"
 

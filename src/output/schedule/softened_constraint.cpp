@@ -1,4 +1,4 @@
-#include "output/solution/softened_constraint.hpp"
+#include "output/schedule/softened_constraint.hpp"
 
 #include <fmt/format.h>
 

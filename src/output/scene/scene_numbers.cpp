@@ -1,4 +1,4 @@
-#include "output/solution/scene_numbers.hpp"
+#include "output/scene/scene_numbers.hpp"
 
 #include <cmath>
 

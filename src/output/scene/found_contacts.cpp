@@ -1,7 +1,7 @@
-#include "output/solution/found_contacts.hpp"
+#include "output/scene/found_contacts.hpp"
 
 #include "analysis/contact/contact_sequence.hpp"
-#include "output/solution/scene_numbers.hpp"
+#include "output/scene/scene_numbers.hpp"
 
 namespace conddp {
 namespace {

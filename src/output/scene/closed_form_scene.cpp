@@ -1,4 +1,4 @@
-#include "output/report/closed_form_scene.hpp"
+#include "output/scene/closed_form_scene.hpp"
 
 #include <array>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "output/report/scene_obstacles.hpp"
+#include "output/scene/scene_obstacles.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "output/report/robot_shapes.hpp"
+#include "output/scene/robot_shapes.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,8 +9,8 @@
 #include <fmt/format.h>
 
 #include "base/files/text_file.hpp"
-#include "output/report/base64.hpp"
-#include "output/solution/scene_numbers.hpp"
+#include "output/scene/base64.hpp"
+#include "output/scene/scene_numbers.hpp"
 #include "robot/urdf/urdf_visuals.hpp"
 
 namespace conddp {

@@ -1,4 +1,4 @@
-#include "output/solution/contact_surfaces.hpp"
+#include "output/schedule/contact_surfaces.hpp"
 
 #include <algorithm>
 #include <cmath>

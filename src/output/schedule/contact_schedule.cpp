@@ -1,4 +1,4 @@
-#include "output/solution/contact_schedule.hpp"
+#include "output/schedule/contact_schedule.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 
 #include "base/json/relative_paths.hpp"
-#include "output/solution/contact_surfaces.hpp"
-#include "output/solution/softened_constraint.hpp"
+#include "output/schedule/contact_surfaces.hpp"
+#include "output/schedule/softened_constraint.hpp"
 #include "problem_file/expand/expand_problem.hpp"
 
 namespace conddp {
