@@ -1,0 +1,75 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "nlp/dense_front.hpp"
+#include "nlp/symmetric_factorization.hpp"
+
+namespace conddp {
+
+/// The unknowns of a sparse symmetric system in groups, each of which is coupled with itself and
+/// its neighbours alone: a block tridiagonal matrix. Groups are the levels of a breadth-first
+/// search (George, Liu: Computer Solution of Large Sparse Positive Definite Systems, 1981). For a
+/// horizon these follow its knots, whatever the order of the unknowns.
+struct Chain {
+  std::vector<std::vector<int>> groups;
+  std::vector<bool> goes_on;  ///< by group: whether the next one is coupled with it
+
+  Chain() = default;
+  /// Of a matrix with these entries in one of its triangles, or in both.
+  Chain(int size, int entries, const int* rows, const int* columns);
+
+  /// How many unknowns are in the front of a group: its own and those of the next that is coupled.
+  int front_size(std::size_t group) const;
+};
+
+/// L D Lᵀ of a matrix that is a chain of groups, by a dense front that passes along it: it holds a
+/// group and the next one, eliminates the first as far as pivots are large enough, and hands on the
+/// rest. The matrix is scaled before, by powers of 2, so that the largest entry of each row is near
+/// 1 (Ruiz: A scaling algorithm to equilibrate both rows and columns norms in matrices, 2001).
+/// Nothing is allocated between factorizations, unless more pivots wait than ever before.
+class ChainFactorization final : public SymmetricFactorization {
+ public:
+  static std::unique_ptr<SymmetricFactorization> make();
+
+  void analyse(int size, int entries, const int* rows, const int* columns) override;
+  Outcome factorize(const double* values, double pivot_tolerance) override;
+  void solve(double* b) const override;
+  int negative_eigenvalues() const override { return negative_; }
+
+ private:
+  /// An entry of the matrix: which, and its place in the front of its group.
+  struct Entry {
+    int index, row, column;
+  };
+  /// What a front has eliminated: `pivots` columns of L, each `size` long, and D.
+  struct Factor {
+    int size, pivots;
+    std::size_t columns, pivot, names;  ///< where they begin in columns_, diagonal_, names_
+  };
+
+  void place_entries();
+  void find_scale(const double* values);
+  void hand_on(const DenseFront& from, DenseFront& to, std::size_t group);
+  void keep(const DenseFront& front);
+  void divide(const Factor& factor) const;
+
+  int size_ = 0;
+  Chain chain_;
+  std::vector<int> rows_, columns_of_;       ///< by entry
+  std::vector<std::vector<Entry>> entries_;  ///< by group
+  Eigen::VectorXd scale_, largest_;          ///< by unknown
+  DenseFront fronts_[2];
+
+  std::vector<Factor> factors_;
+  std::vector<double> columns_;
+  std::vector<DenseFront::Pivot> diagonal_;
+  std::vector<int> names_;
+  int negative_ = 0;
+  mutable Eigen::VectorXd local_;
+};
+
+}  // namespace conddp
