@@ -9,6 +9,7 @@
 
 #include "nlp/ipopt_options.hpp"
 #include "nlp/nonlinear_program.hpp"
+#include "nlp/symmetric_factorization.hpp"
 
 namespace conddp {
 
@@ -71,6 +72,9 @@ struct InteriorPointSettings {
   /// MUMPS orders systems by minimum fill and as they are, without permuting large entries to the
   /// diagonal first: for horizons, whose systems are bands, and singular where a bound rests.
   bool minimum_fill = false;
+  /// Solves Ipopt's linear systems, unless its options name a linear solver or are of MUMPS, or
+  /// this Ipopt has no place for one of ours. Without it MUMPS does.
+  MakeFactorization make_factorization = nullptr;
   /// Ipopt's own options, which go before what is above.
   IpoptOptions options;
   /// The multipliers and the barrier of an earlier solve to go on from, if there is one.

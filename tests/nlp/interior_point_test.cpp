@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "nlp/chain_factorization.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace conddp {
@@ -100,6 +101,37 @@ TEST(InteriorPoint, FindsTheSamePointWithSystemsOrderedByMinimumFill) {
   const InteriorPointAnswer ordered = minimise(program, kStart, {.minimum_fill = true}, go_on);
   EXPECT_EQ(ordered.end, End::solved);
   EXPECT_LE((ordered.point.y - answer.point.y).lpNorm<Eigen::Infinity>(), 1e-12);
+}
+
+int factorizations_made = 0;
+
+std::unique_ptr<SymmetricFactorization> make_counted() {
+  ++factorizations_made;
+  return ChainFactorization::make();
+}
+
+TEST(InteriorPoint, FindsTheSamePointWithAFactorizationOfOurs) {
+  HockSchittkowski71 program;
+  const InteriorPointAnswer answer = minimise(program, kStart, {}, go_on);
+  factorizations_made = 0;
+  const InteriorPointSettings ours = {.make_factorization = make_counted};
+  const InteriorPointAnswer same = minimise(program, kStart, ours, go_on);
+  EXPECT_EQ(same.end, End::solved);
+  EXPECT_EQ(factorizations_made, 1);
+  EXPECT_LE((same.point.y - answer.point.y).lpNorm<Eigen::Infinity>(), 1e-12);
+  EXPECT_LE((same.point.rows - answer.point.rows).lpNorm<Eigen::Infinity>(), 1e-9);
+}
+
+TEST(InteriorPoint, LeavesLinearSystemsToTheSolverThatAnOptionNames) {
+  HockSchittkowski71 program;
+  factorizations_made = 0;
+  for (const auto& [name, value] :
+       IpoptOptions{{"linear_solver", "mumps"}, {"mumps_pivtol", 1e-5}}) {
+    const InteriorPointSettings settings = {.make_factorization = make_counted,
+                                            .options = {{name, value}}};
+    EXPECT_EQ(minimise(program, kStart, settings, go_on).end, End::solved) << name;
+  }
+  EXPECT_EQ(factorizations_made, 0);
 }
 
 TEST(InteriorPoint, ReadsNoFileOfTheWorkingFolder) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <mutex>
 #include <new>
+#include <optional>
 #include <stdexcept>
 
 #include <IpCompoundVector.hpp>
@@ -16,6 +17,7 @@
 
 #include "base/stopwatch.hpp"
 #include "nlp/ipopt/one_blas_thread.hpp"
+#include "nlp/ipopt/own_linear_solver.hpp"
 #include "nlp/ipopt/registered_options.hpp"
 
 namespace conddp {
@@ -225,12 +227,33 @@ constexpr std::array kMeanings = {
 constexpr std::array<std::pair<const char*, int>, 2> kMinimumFill = {
     {{"mumps_pivot_order", 2}, {"mumps_permuting_scaling", 0}}};
 
+/// Of a pivot to the largest entry of its column, at first and where steps are not accurate enough.
+constexpr double kPivotTolerance = 1e-6, kLargestPivotTolerance = 0.1;
+
 constexpr double kSmallestWarmBarrier = 1e-13;
 
 /// An Ipopt without MUMPS does not know these options.
 void set_minimum_fill(Ipopt::OptionsList& list) {
   for (const auto& [name, value] : kMinimumFill)
     if (!check_registered_option(name, value)) list.SetIntegerValue(name, value);
+}
+
+/// Whether an option says how linear systems are to be solved.
+bool is_of_linear_solver(const std::string& name) {
+  return name == "linear_solver" || name == "linear_system_scaling" || name.starts_with("mumps_");
+}
+
+bool wants_own_linear_solver(const InteriorPointSettings& settings) {
+  return settings.make_factorization != nullptr && OwnLinearSolver::is_possible() &&
+         std::none_of(settings.options.begin(), settings.options.end(),
+                      [](const auto& option) { return is_of_linear_solver(option.first); });
+}
+
+void set_own_linear_solver(Ipopt::OptionsList& list) {
+  list.SetStringValue("linear_solver", OwnLinearSolver::name());
+  list.SetStringValue("linear_system_scaling", "none");
+  list.SetNumericValue(OwnLinearSolver::pivot_tolerance(), kPivotTolerance);
+  list.SetNumericValue(OwnLinearSolver::largest_pivot_tolerance(), kLargestPivotTolerance);
 }
 
 void set_warm_start(Ipopt::OptionsList& list, const InteriorPointSettings& settings) {
@@ -264,8 +287,13 @@ InteriorPointAnswer ipopt_minimise(
   static std::mutex one_at_a_time;
   const std::lock_guard lock(one_at_a_time);
   const OneBlasThread one_thread;
+  std::optional<OwnLinearSolver> own_linear_solver;
   const SmartPtr<Ipopt::IpoptApplication> application = new Ipopt::IpoptApplication(false, false);
   set_options(*application->Options(), settings);
+  if (wants_own_linear_solver(settings)) {
+    own_linear_solver.emplace(settings.make_factorization);
+    set_own_linear_solver(*application->Options());
+  }
   // An empty name: otherwise a file ipopt.opt in the working folder would be read.
   if (application->Initialize("") != Ipopt::Solve_Succeeded)
     throw std::invalid_argument("Ipopt does not accept its options");

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "nlp/chain_factorization.hpp"
 #include "ocp/problem/soft_constraint.hpp"
 #include "solvers/common/feasible.hpp"
 #include "solvers/common/finite_check.hpp"
@@ -135,6 +136,7 @@ InteriorPointSettings IpoptSolver::default_settings() const {
           .violation_tolerance = std::min(options_.tolerances.gap, options_.tolerances.constraint),
           .complementarity_tolerance = options_.tolerances.complementarity,
           .minimum_fill = !transcription_->has_pairs(),
+          .make_factorization = ChainFactorization::make,
           .options = options_.ipopt};
 }
 
