@@ -9,8 +9,9 @@
 namespace conddp {
 namespace {
 
-/// Of a matrix whose largest entries are near 1: what rounding leaves of a pivot that is zero.
-constexpr double kZero = 1e-16;
+/// A smaller pivot is zero, of a matrix whose largest entries are near 1. What rounding leaves of a
+/// zero may be larger: steps through it are not accurate, and Ipopt looks at that.
+constexpr double kZero = 1e-20;
 /// Of the products in a determinant: what rounding leaves of one that is zero.
 constexpr double kZeroDeterminant = 1e-14;
 

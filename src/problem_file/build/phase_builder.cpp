@@ -27,7 +27,7 @@ bool needs_control(const BuiltCost& cost) {
 bool is_on(const BuiltCost& cost, std::size_t p, const PhaseContext& context, Diagnostics& out) {
   const CostSpec& c = *cost.spec;
   const PhaseSpec& phase = context.spec.phases[p];
-  if (cost.contact.contact >= 0 && !context.contacts.find(p, cost.contact.contact)) return false;
+  if (!context.contacts.find(p, cost.contact.contacts)) return false;
   if (!phase.takes_no_time()) return true;
   if (!names_phase(c, p, context.spec)) return false;
   if (phase.choice) {
@@ -169,12 +169,12 @@ bool touches_down_at_the_end(const BuiltCost& cost, const PhaseContext& context,
 /// A cost's residual in the system of a phase, or at the last node.
 std::shared_ptr<const Residual> residual_in(const BuiltCost& cost, const PhaseContext& context,
                                             std::size_t phase) {
-  if (cost.contact.contact < 0) return cost.residual.residual;
+  if (!cost.contact.make) return cost.residual.residual;
   if (phase == context.contacts.terminal())
-    return cost.contact.make(std::static_pointer_cast<const MultibodySystem>(context.system), 0);
+    return cost.contact.make(std::static_pointer_cast<const MultibodySystem>(context.system), {0});
   return cost.contact.make(
       std::static_pointer_cast<const MultibodySystem>(context.contacts.system(phase)),
-      *context.contacts.find(phase, cost.contact.contact));
+      *context.contacts.find(phase, cost.contact.contacts));
 }
 
 /// The knot that chooses the initial state, and the first of linear controls within bounds.
@@ -333,8 +333,7 @@ class PhaseBuilder {
 
 /// Whether what a function is on exists at the last node: one that needs a control is reported.
 bool is_without_control(const BuiltCost& function, const PhaseContext& context, Diagnostics& out) {
-  if (function.contact.contact >= 0 || context.linear() ||
-      !function.residual.residual->needs_control())
+  if (function.contact.make || context.linear() || !function.residual.residual->needs_control())
     return true;
   out.error(function.spec->residual.place,
             "this residual needs a control, and there is none at the terminal node");
@@ -344,16 +343,16 @@ bool is_without_control(const BuiltCost& function, const PhaseContext& context, 
 /// Whether the last node holds the contact of a residual; one that is named and not held is an
 /// error.
 bool is_held_at_the_end(const BuiltCost& function, const PhaseContext& context, Diagnostics& out) {
-  const int contact = function.contact.contact;
   const std::size_t node = context.contacts.terminal();
-  if (contact < 0 || context.contacts.find(node, contact)) return true;
+  if (context.contacts.find(node, function.contact.contacts)) return true;
   const bool none = context.contacts.held(node).empty();
   if (none || !function.spec->keys.value(key::contacts).all)
-    out.error(function.spec->residual.place,
-              none ? "the last node holds no contact"
-                   : fmt::format("the last node does not hold the contact '{}'",
-                                 context.spec.contacts[contact].name.value),
-              "write 'terminal: {contacts: [...]}'");
+    out.error(
+        function.spec->residual.place,
+        none ? "the last node holds no contact"
+             : fmt::format("the last node does not hold the contact '{}'",
+                           context.spec.contacts[function.contact.contacts.front()].name.value),
+        "write 'terminal: {contacts: [...]}'");
   return false;
 }
 

@@ -262,4 +262,15 @@ std::optional<int> ContactPlan::find(std::size_t phase, int contact) const {
   return static_cast<int>(found - held.begin());
 }
 
+std::optional<std::vector<int>> ContactPlan::find(std::size_t phase,
+                                                  const std::vector<int>& contacts) const {
+  std::vector<int> indices;
+  for (const int contact : contacts) {
+    const auto index = find(phase, contact);
+    if (!index) return std::nullopt;
+    indices.push_back(*index);
+  }
+  return indices;
+}
+
 }  // namespace conddp

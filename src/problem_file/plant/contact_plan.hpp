@@ -27,6 +27,8 @@ class ContactPlan {
   const std::vector<int>& held(std::size_t phase) const { return held_[phase]; }
   /// Where a contact stands in the phase's system, nullopt if the phase does not hold it.
   std::optional<int> find(std::size_t phase, int contact) const;
+  /// The same of several, nullopt if the phase does not hold all of them.
+  std::optional<std::vector<int>> find(std::size_t phase, const std::vector<int>& contacts) const;
   /// The system of a phase: the plant's own there where nothing is held. Phases with the same
   /// contacts share it.
   const std::shared_ptr<const System>& system(std::size_t phase) const { return systems_[phase]; }

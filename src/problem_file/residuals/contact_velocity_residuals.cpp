@@ -16,7 +16,8 @@ std::optional<ContactCost> make_contact_velocity(const ResidualContext& context,
   ContactCost result;
   result.prototype.rows = {"components of the velocity",
                            {names.begin(), names.begin() + contact.rows()}};
-  result.make = [contact](const std::shared_ptr<const MultibodySystem>& system, int) {
+  result.make = [contact](const std::shared_ptr<const MultibodySystem>& system,
+                          const std::vector<int>&) {
     return contact_velocity_residual(system, contact);
   };
   return result;

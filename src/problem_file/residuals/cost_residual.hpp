@@ -36,14 +36,15 @@ struct CostResidual {
   std::vector<std::string> columns;  ///< of trajectories, that hold it; empty: there are none
 };
 
-/// The residual of one contact. It depends on the system in which the contact is held, so that each
-/// phase makes its own.
+/// The residual of one contact, or of several. It depends on the system in which these are held, so
+/// that each phase makes its own.
 struct ContactCost {
-  int contact = -1;  ///< into the file's contacts
+  std::vector<int> contacts;  ///< into the file's contacts
+  /// In a system that holds all of them, each at its index there.
   std::function<std::shared_ptr<const Residual>(const std::shared_ptr<const MultibodySystem>&,
-                                                int index)>
+                                                const std::vector<int>& indices)>
       make;
-  CostResidual prototype;            ///< of a system that holds this contact alone
+  CostResidual prototype;            ///< of a system that holds these contacts alone
   std::vector<double> lower, upper;  ///< bounds that a cone brings along
 };
 

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "ocp/residuals/expression_residual.hpp"
+#include "problem_file/plant/contact_plan.hpp"
 #include "problem_file/residuals/cost_residual.hpp"
 #include "problem_file/residuals/reference_form.hpp"
 #include "problem_file/residuals/residual_keys.hpp"
@@ -27,6 +28,9 @@ std::vector<CostSpec> read_operands(const YamlReader& reader) {
   return operands;
 }
 
+constexpr const char* kSupported =
+    "frames, center of mass, momentum, distances, forces and velocities of contacts";
+
 /// A residual whose rows, measured from zero, expressions name.
 std::optional<ExpressionOperand> make_operand(const CostSpec& operand,
                                               const ResidualContext& context) {
@@ -36,9 +40,9 @@ std::optional<ExpressionOperand> make_operand(const CostSpec& operand,
     context.out.error(operand.residual.place, std::move(message), std::move(hint));
     return std::nullopt;
   };
-  if (definition.of_contacts() || needs.force || needs.previous_control || needs.chosen_start)
+  if (definition.of_contacts() || needs.previous_control || needs.chosen_start)
     return fail(fmt::format("expressions do not support the residual '{}'", definition.name),
-                "of a state and a control alone: frames, centre of mass, momentum, distances");
+                kSupported);
   if (needs.robot && !context.plant.multibody())
     return fail(fmt::format("the residual '{}' needs a robot; this is a closed-form system",
                             definition.name),
@@ -146,20 +150,20 @@ std::vector<std::string> row_names(const ExpressionRowsSpec& rows, const std::ve
   return names;
 }
 
-std::optional<CostResidual> make_expression(const ResidualContext& context) {
-  const ExpressionRowsSpec rows = context.cost.keys.value(key::expression_rows);
-  std::vector<ExpressionOperand> operands;
-  for (const CostSpec& operand : context.cost.keys.value(kOperands)) {
-    auto made = make_operand(operand, context);
-    if (!made) return std::nullopt;
-    operands.push_back(*std::move(made));
-  }
+/// The states of knot models, augmented ones included.
+StateManifold knot_manifold(const ResidualContext& context) {
   const System& system = *context.plant.system;
   StateManifold manifold = system.manifold();
   if (context.ndx > system.ndx())
     manifold.append(StateManifold::Part::flat, context.ndx - system.ndx());
-  const auto parsed =
-      make_expression_residual(manifold, text_of(rows, std::move(operands), context));
+  return manifold;
+}
+
+/// The residual that a text is, or nothing, which is reported.
+std::optional<CostResidual> make_rows(const ExpressionRowsSpec& rows,
+                                      const ExpressionResidualText& text,
+                                      const ResidualContext& context) {
+  const auto parsed = make_expression_residual(knot_manifold(context), text);
   for (const ModelMessage& message : parsed.errors)
     report(message, Severity::kError, rows, context);
   for (const ModelMessage& message : parsed.warnings)
@@ -176,6 +180,126 @@ std::optional<CostResidual> make_expression(const ResidualContext& context) {
   result.rows = result.references = {"rows", row_names(rows, parsed.rows)};
   result.parameters = StateManifold::flat(parsed.residual->size());
   result.reads_time = parsed.reads_time;
+  return result;
+}
+
+std::optional<CostResidual> make_expression(const ResidualContext& context) {
+  const ExpressionRowsSpec rows = context.cost.keys.value(key::expression_rows);
+  std::vector<ExpressionOperand> operands;
+  for (const CostSpec& operand : context.cost.keys.value(kOperands)) {
+    auto made = make_operand(operand, context);
+    if (!made) return std::nullopt;
+    operands.push_back(*std::move(made));
+  }
+  return make_rows(rows, text_of(rows, std::move(operands), context), context);
+}
+
+bool reads_contacts(const CostSpec& cost) {
+  return std::ranges::any_of(cost.keys.value(kOperands), [](const CostSpec& operand) {
+    return operand.definition->of_contacts();
+  });
+}
+
+/// The residual of the one contact that an operand names.
+std::optional<ContactCost> make_contact_operand(const CostSpec& operand,
+                                                const ResidualContext& context) {
+  const ResidualDefinition& definition = *operand.definition;
+  if (definition.is_cone) {
+    context.out.error(operand.residual.place,
+                      fmt::format("expressions do not support the residual '{}'", definition.name),
+                      kSupported);
+    return std::nullopt;
+  }
+  const ContactNames names = operand.keys.value(key::contacts);
+  std::vector<int> chosen = contacts_named(names, context.spec, context.out);
+  if (chosen.empty() && !names.all) return std::nullopt;
+  if (chosen.size() != 1) {
+    context.out.error(
+        operand.name.place,
+        fmt::format("'{}' has to be of one contact, not of {}", operand.name.value, chosen.size()),
+        "write 'contacts: [NAME]', and other names for other contacts");
+    return std::nullopt;
+  }
+  auto made = definition.make_of_contact(
+      {operand, context.spec, context.plant, context.contacts, context.ndx, context.out},
+      chosen.front());
+  if (made) made->contacts = std::move(chosen);
+  return made;
+}
+
+/// The operands of an expression that reads contacts: those of contacts are made in each system.
+class ContactOperands {
+ public:
+  /// False where one cannot be made, which is reported.
+  bool read(const ResidualContext& context) {
+    for (const CostSpec& operand : context.cost.keys.value(kOperands)) {
+      if (!operand.definition->of_contacts()) {
+        auto made = make_operand(operand, context);
+        if (!made) return false;
+        all_.push_back(*std::move(made));
+        continue;
+      }
+      auto made = make_contact_operand(operand, context);
+      if (!made) return false;
+      add(operand.name.value, *std::move(made));
+    }
+    return true;
+  }
+
+  const std::vector<int>& contacts() const { return contacts_; }
+
+  /// In a system that holds the contacts, each at its index there.
+  std::vector<ExpressionOperand> in(const std::shared_ptr<const MultibodySystem>& system,
+                                    const std::vector<int>& indices) const {
+    std::vector<ExpressionOperand> operands = all_;
+    for (const Made& made : made_)
+      operands[made.operand].residual = made.cost.make(system, {indices[made.contact]});
+    return operands;
+  }
+
+ private:
+  struct Made {
+    std::size_t operand, contact;  ///< into all_ and contacts_
+    ContactCost cost;
+  };
+
+  void add(const std::string& name, ContactCost cost) {
+    const auto known = std::ranges::find(contacts_, cost.contacts.front());
+    const auto contact = static_cast<std::size_t>(known - contacts_.begin());
+    if (known == contacts_.end()) contacts_.push_back(cost.contacts.front());
+    all_.push_back({name, nullptr, cost.prototype.parameters.neutral(), cost.prototype.rows.names});
+    made_.push_back({all_.size() - 1, contact, std::move(cost)});
+  }
+
+  std::vector<ExpressionOperand> all_;
+  std::vector<Made> made_;
+  std::vector<int> contacts_;
+};
+
+std::optional<ContactCost> make_expression_on_contacts(const ResidualContext& context) {
+  const ExpressionRowsSpec rows = context.cost.keys.value(key::expression_rows);
+  ContactOperands operands;
+  if (!operands.read(context)) return std::nullopt;
+  std::vector<Contact> held;
+  std::vector<int> indices;
+  for (const int contact : operands.contacts()) {
+    indices.push_back(static_cast<int>(held.size()));
+    held.push_back(context.contacts[contact]);
+  }
+  const auto system = context.plant.multibody()->with_contacts(held);
+  ExpressionResidualText text = text_of(rows, operands.in(system, indices), context);
+  auto made = make_rows(rows, text, context);
+  if (!made) return std::nullopt;
+  ContactCost result;
+  result.contacts = operands.contacts();
+  result.prototype = *std::move(made);
+  result.make = [operands, text, manifold = knot_manifold(context)](
+                    const std::shared_ptr<const MultibodySystem>& in_system,
+                    const std::vector<int>& at) {
+    ExpressionResidualText own = text;
+    own.operands = operands.in(in_system, at);
+    return make_expression_residual(manifold, own).residual;
+  };
   return result;
 }
 
@@ -207,7 +331,9 @@ std::span<const ResidualDefinition> expression_residuals() {
        .keys = {&operands, &rows_key()},
        .reference = &kRowsReference,
        .is_point = [](const CostSpec&) { return true; },
-       .make = make_expression}};
+       .make = make_expression,
+       .reads_contacts = reads_contacts,
+       .make_on_contacts = make_expression_on_contacts}};
   return all;
 }
 

@@ -32,8 +32,9 @@ ContactCost in_cone(const LinearCone& cone, int ndx) {
   ContactCost result;
   result.lower = cone.lower;
   result.upper = cone.upper;
-  result.make = [ndx, cone](const std::shared_ptr<const MultibodySystem>& system, int index) {
-    return contact_cone_residual(system, index, ndx, cone);
+  result.make = [ndx, cone](const std::shared_ptr<const MultibodySystem>& system,
+                            const std::vector<int>& indices) {
+    return contact_cone_residual(system, indices.front(), ndx, cone);
   };
   name_rows(result.prototype, result.lower.size());
   return result;
@@ -46,8 +47,8 @@ std::optional<ContactCost> make_force(const ResidualContext& context, int contac
   result.prototype.rows = result.prototype.references = {"components of the force", names};
   result.prototype.parameters = StateManifold::flat(static_cast<int>(rows));
   result.make = [ndx = context.ndx](const std::shared_ptr<const MultibodySystem>& system,
-                                    int index) {
-    return contact_force_residual(system, index, ndx);
+                                    const std::vector<int>& indices) {
+    return contact_force_residual(system, indices.front(), ndx);
   };
   return result;
 }
@@ -72,8 +73,9 @@ std::optional<ContactCost> make_friction_cone(const ResidualContext& context, in
   result.lower = {-kUnlimited, limits.min_normal};
   result.upper = {0, limits.max_normal};
   result.make = [ndx = context.ndx, friction = limits.friction, n = on.normal](
-                    const std::shared_ptr<const MultibodySystem>& system, int index) {
-    return friction_cone_residual(system, index, ndx, friction, n);
+                    const std::shared_ptr<const MultibodySystem>& system,
+                    const std::vector<int>& indices) {
+    return friction_cone_residual(system, indices.front(), ndx, friction, n);
   };
   name_rows(result.prototype, result.lower.size());
   return result;

@@ -109,6 +109,11 @@ struct ResidualDefinition {
   std::optional<ContactCost> (*make_of_contact)(const ResidualContext& context,
                                                 int contact) = nullptr;
 
+  /// Whether the rows of a cost read residuals of contacts; null: they never do.
+  bool (*reads_contacts)(const CostSpec& cost) = nullptr;
+  /// Instead of `make`, of a cost whose rows do: on all these contacts at once.
+  std::optional<ContactCost> (*make_on_contacts)(const ResidualContext& context) = nullptr;
+
   bool of_contacts() const { return make_of_contact != nullptr; }
   bool at_last_node() const { return !needs.control && !needs.force; }
   bool has(std::string_view key) const;

@@ -165,12 +165,11 @@ void set_force_rows(const Eigen::MatrixXd& A, const CostContext& context, BuiltC
   LinearCone rows;
   rows.A = A;
   function.contact.make = [ndx = context.ndx, rows](
-                              const std::shared_ptr<const MultibodySystem>& system, int index) {
-    return contact_cone_residual(system, index, ndx, rows);
+                              const std::shared_ptr<const MultibodySystem>& system,
+                              const std::vector<int>& indices) {
+    return contact_cone_residual(system, indices.front(), ndx, rows);
   };
-  const auto& contact = context.contacts.contacts()[function.contact.contact];
-  function.residual.residual =
-      function.contact.make(context.plant.multibody()->with_contacts({contact}), 0);
+  function.residual.residual = make_prototype(function.contact, context.contacts, context.plant);
   function.residual.parameters = StateManifold::flat(0);
   function.reference = TimeSeries(function.residual.parameters, {});
 }
@@ -179,7 +178,7 @@ void set_force_rows(const Eigen::MatrixXd& A, const CostContext& context, BuiltC
 /// the limits of the normal force where it has any.
 void add_friction_cone(const ConstraintSpec& spec, const CostContext& context, BuiltCost function,
                        std::vector<BuiltConstraint>& list, Diagnostics& out) {
-  const ContactSpec& contact = context.spec.contacts[function.contact.contact];
+  const ContactSpec& contact = context.spec.contacts[function.contact.contacts.front()];
   if (contact.axes != FrameAxes::world_aligned) {
     if (!spec.function.definition->is_cone)  // a cone has said so
       out.error(spec.function.residual.place,
@@ -316,7 +315,7 @@ void add_constraints(const ConstraintSpec& spec, const CostContext& context,
                      std::vector<BuiltConstraint>& list, Diagnostics& out) {
   for (BuiltCost& function : build_costs({function_of(spec)}, context, out)) {
     function.spec = &spec.function;
-    if (function.contact.contact >= 0 && spec.function.keys.value(key::cone)) {
+    if (function.contact.make && spec.function.keys.value(key::cone)) {
       add_friction_cone(spec, context, std::move(function), list, out);
       continue;
     }

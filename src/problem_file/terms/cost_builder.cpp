@@ -92,8 +92,9 @@ bool apply_matrix(const CostSpec& spec, CostResidual& residual, ContactCost& con
   if (!matrix) return false;
   residual.residual = weighted_residual(residual.residual, *matrix);
   if (!contact.make) return true;
-  contact.make = [make = std::move(contact.make), W = *matrix](const auto& system, int index) {
-    return weighted_residual(make(system, index), W);
+  contact.make = [make = std::move(contact.make), W = *matrix](const auto& system,
+                                                               const auto& indices) {
+    return weighted_residual(make(system, indices), W);
   };
   return true;
 }
@@ -160,7 +161,12 @@ std::vector<BuiltCost> build_costs(const std::vector<CostSpec>& specs, const Cos
                                    Diagnostics& out) {
   std::vector<BuiltCost> costs;
   for (const CostSpec& spec : specs) {
-    if (spec.definition->of_contacts() && context.plant.multibody()) {
+    if (is_on_contacts(spec) && context.plant.multibody()) {
+      if (context.last_node && !spec.definition->of_contacts()) {
+        out.error(spec.residual.place, "at the last node expressions do not support contacts",
+                  "give the rows to a running cost or constraint, with 'knots' or 'phases'");
+        continue;
+      }
       for (ContactCost& contact : make_contact_costs(spec, context.spec, context.contacts,
                                                      context.plant, context.ndx, out)) {
         CostResidual prototype = contact.prototype;

@@ -1,5 +1,7 @@
 #include "problem_file/terms/term_residual.hpp"
 
+#include <numeric>
+
 #include <fmt/format.h>
 
 namespace conddp {
@@ -37,24 +39,45 @@ std::optional<CostResidual> make_cost_residual(const CostSpec& cost, const Probl
   return made;
 }
 
+bool is_on_contacts(const CostSpec& cost) {
+  const ResidualDefinition& definition = *cost.definition;
+  return definition.of_contacts() ||
+         (definition.reads_contacts != nullptr && definition.reads_contacts(cost));
+}
+
+std::shared_ptr<const Residual> make_prototype(const ContactCost& cost, const ContactPlan& plan,
+                                               const Plant& plant) {
+  std::vector<Contact> held;
+  for (const int contact : cost.contacts) held.push_back(plan.contacts()[contact]);
+  std::vector<int> indices(held.size());
+  std::iota(indices.begin(), indices.end(), 0);
+  return cost.make(plant.multibody()->with_contacts(held), indices);
+}
+
 std::vector<ContactCost> make_contact_costs(const CostSpec& cost, const ProblemSpec& spec,
                                             const ContactPlan& plan, const Plant& plant, int ndx,
                                             Diagnostics& out) {
   std::vector<ContactCost> costs;
+  const ResidualContext context{cost, spec, plant, plan.contacts(), ndx, out};
+  const auto add = [&](std::optional<ContactCost> one) {
+    if (!one) return;
+    one->prototype.residual = make_prototype(*one, plan, plant);
+    if (has_its_control(cost, one->prototype, plant, out)) costs.push_back(std::move(*one));
+  };
+  if (!cost.definition->of_contacts()) {
+    add(cost.definition->make_on_contacts(context));
+    return costs;
+  }
   const ContactNames names = cost.keys.value(key::contacts);
   const std::vector<int> chosen = contacts_named(names, spec, out);
   if (chosen.empty() && names.all)
     out.error(cost.residual.place,
               fmt::format("'{}' is on contacts, and the file has none", cost.name.value),
               "name them: 'contacts: {LF: {frame: lf_foot}, ...}' at the top of the file");
-  const ResidualContext context{cost, spec, plant, plan.contacts(), ndx, out};
   for (const int contact : chosen) {
     auto one = cost.definition->make_of_contact(context, contact);
-    if (!one) continue;
-    one->contact = contact;
-    one->prototype.residual =
-        one->make(plant.multibody()->with_contacts({plan.contacts()[contact]}), 0);
-    if (has_its_control(cost, one->prototype, plant, out)) costs.push_back(std::move(*one));
+    if (one) one->contacts = {contact};
+    add(std::move(one));
   }
   return costs;
 }
