@@ -103,11 +103,9 @@ class Measure {
       out_.work_contacts += work;
       const int tangents = tangent_count(plant_.contacts, candidate);
       if (tangents == 0) continue;
-      Eigen::Vector3d speed;
-      for (int r = 0; r < 3; ++r)
-        speed[r] =
-            Eigen::Map<const Eigen::VectorXd>(at.rows.data() + r * v.size(), v.size()).dot(v);
-      friction(force.tail<2>(), speed.tail<2>(), candidate.friction * force[0],
+      const Eigen::Map<const Eigen::MatrixXd> rows(at.rows.data(), v.size(), 3);
+      const Eigen::Vector2d slip = rows.rightCols<2>().transpose() * v;
+      friction(force.tail<2>(), slip, candidate.friction * force[0],
                plant_.contacts.friction == FrictionModel::polyhedron, candidate.name);
     }
   }
