@@ -165,6 +165,39 @@ TEST(CertificateOfConstraints, MultipliersOfSoftConesStayWithinTheirLimit) {
   EXPECT_EQ(found(0.7), "[signs of multipliers]");
 }
 
+/// A step of two numbers that ends within hard rows and beyond soft ones.
+TEST(CertificateOfConstraints, SoftOnesCostTheDistanceOfTheirOwnRows) {
+  for (const Softness softness : {Softness::l1, Softness::l2}) {
+    const auto system =
+        linear_system(Eigen::Matrix2d::Identity(), Eigen::Matrix2d::Identity(), vector({0, 0}));
+    auto end = std::make_shared<KnotModel>(system, Integrator::none);
+    const auto state = state_residual(end->manifold());
+    end->add_constraint(make_constraint("hard", state, ConstraintKind::bounds));
+    end->add_constraint(make_constraint("soft", state, ConstraintKind::bounds, 1, softness));
+    std::vector<Phase> phases;
+    phases.push_back({.name = "go",
+                      .model = std::make_shared<KnotModel>(system, Integrator::discrete),
+                      .dt = {1},
+                      .cost_scale = {1}});
+    const ShootingProblem problem({0, 0}, std::move(phases),
+                                  {.name = "end",
+                                   .model = end,
+                                   .dt = {0},
+                                   .cost_scale = {1},
+                                   .parameters = {0, 0, -9, -9, 9, 9, 1,  //
+                                                  0, 0, -9, -9, 2, 1, 1, 3}});
+    // 1 and 3 beyond the upper bounds, with a weight of 3.
+    SolutionClaims claims = claims_of(problem, vector({3, 4}), vector({0, 0}), 0);
+    claims.multipliers = Eigen::VectorXd::Zero(problem.constraint_rows());
+    claims.cost = softness == Softness::l1 ? 3 * (1 + 3) : 0.5 * 3 * (1 + 9);
+    claims.cost_by_name = {{"terminal/soft", claims.cost}};
+    const std::string found = failures(certify(problem, claims));
+    EXPECT_EQ(found.find("[cost"), std::string::npos) << found;
+    claims.cost_by_name[0].first = "soft";
+    EXPECT_NE(failures(certify(problem, claims)).find("[cost terminal/soft]"), std::string::npos);
+  }
+}
+
 /// A multiplier of 10¹² may be 10² off by rounding, so figures agree that differ by far more than
 /// the tolerance of what converged.
 TEST(CertificateOfConstraints, ConvergedNeedsTheComplementarityThatIsFound) {
