@@ -125,6 +125,8 @@ TEST(DerivativeCheck, RightDerivativesAreRight) {
     EXPECT_EQ(c.knots, (std::vector{0, 2, 4}));
   }
   EXPECT_EQ(find(all, DerivativeKind::dynamics).entries, 2 * 3 * 2 * 3);
+  EXPECT_EQ(find(all, DerivativeKind::dynamics).term, -1);
+  EXPECT_EQ(find(all, DerivativeKind::gradient).term, -1) << "of all costs";
 }
 
 TEST(DerivativeCheck, AWrongJacobianOfAResidualIsNamed) {
@@ -311,6 +313,53 @@ TEST(DerivativeCheck, ErrorsAreRelativeToTheLargerNumberAndToAThousandthOfTheLar
   }
 }
 
+// Of weights 3 and 2 over 0.1 s: a thousandth of 0.5; of none a thousandth of 1.
+TEST(DerivativeCheck, ErrorsOfGradientsAreRelativeToAThousandthOfAllWeights) {
+  auto model = std::make_shared<KnotModel>(pendulum({}), Integrator::rk4);
+  for (const char* name : {"one", "other"})
+    model->add_cost(name, std::make_shared<SquareResidual>(true), {});
+  const auto gradient_with = [&](double one, double other) {
+    Phase phase{.name = "only", .model = model, .dt = {0.1}, .cost_scale = {0.1}};
+    phase.parameters = {one, other};
+    const ShootingProblem problem(
+        {0.02, 0}, {phase},
+        {.name = "end",
+         .model = std::make_shared<KnotModel>(model->shared_system(), Integrator::none),
+         .dt = {0.0},
+         .cost_scale = {1.0}});
+    return find(check_derivatives(problem, problem.create_trajectory(), {.displacement = 0}),
+                DerivativeKind::gradient);
+  };
+  const DerivativeComparison both = gradient_with(3, 2);
+  EXPECT_NEAR(both.reference, 0.5 * 2 * 8e-6, 1e-15);
+  EXPECT_NEAR(both.analytic, 0.5 * 8e-6, 1e-15);
+  EXPECT_NEAR(both.error, 8e-6 / 1e-3, 1e-12);
+  EXPECT_EQ(gradient_with(0, 0).error, 0);
+}
+
+/// A pendulum whose acceleration has the root of its angle.
+class RootPendulum : public SystemBase<RootPendulum> {
+ public:
+  RootPendulum() : SystemBase(SystemKind::second_order, StateManifold::flat(2), 1) {}
+  template <class S>
+  struct Data : SystemData<S> {
+    explicit Data(const RootPendulum&) {}
+  };
+  template <class S>
+  void evaluate_as(const S* x, const S* u, Data<S>& data) const {
+    data.f[0] = u[0] + sqrt(x[0]);
+  }
+  template <class S>
+  void differentiate_as(const S* x, const S* u, Data<S>& data) const {
+    evaluate_as(x, u, data);
+    data.fx[0] = S(0.5) / sqrt(x[0]);
+    data.fx[1] = S(0.0);
+    data.fu[0] = S(1.0);
+  }
+  template <class S>
+  void update_kinematics_as(const S*, Data<S>&) const {}
+};
+
 /// r = √x₀ of a flat state.
 class RootResidual : public ResidualBase<RootResidual> {
  public:
@@ -346,6 +395,19 @@ TEST(DerivativeCheck, PointsBesideTheTrajectoryWithoutFiniteValuesAreLeftOut) {
     EXPECT_LT(c.entries, 2 * 30 * 3 - 5 * 3);
     EXPECT_EQ(c.knots.size(), 30u);
   }
+}
+
+// So are those from which no finite state follows.
+TEST(DerivativeCheck, PointsBesideTheTrajectoryWithoutANextStateAreLeftOut) {
+  const auto model = std::make_shared<KnotModel>(std::make_shared<RootPendulum>(),
+                                                 Integrator::semi_implicit_euler);
+  ShootingProblem problem = one_phase(model, 30);
+  problem.set_initial_state(std::vector<double>{0.02, 0});
+  const auto all = check_derivatives(problem, problem.create_trajectory(), {.knots_per_phase = 30});
+  const DerivativeComparison& c = find(all, DerivativeKind::dynamics);
+  EXPECT_LT(c.error, 1e-10);
+  EXPECT_GT(c.entries, 30 * 6 + 5 * 6);
+  EXPECT_LT(c.entries, 2 * 30 * 6 - 5 * 6);
 }
 
 /// r = x₀², whose second derivative is claimed to be `claim`.
@@ -516,6 +578,16 @@ TEST(DerivativeCheck, HessiansAreComparedWhereAnyFunctionClaimsOne) {
     const auto all = check_derivatives(problem, problem.create_trajectory());
     EXPECT_EQ(hessians_of(all).size(), who == Claimant::kNone ? 0u : 2u) << static_cast<int>(who);
   }
+}
+
+// A ten-thousandth of a second derivative is what differences may lose.
+TEST(DerivativeCheck, SecondDerivativesAreComparedToATenThousandth) {
+  for (const double share : {-0.9e-4, 0.9e-4})
+    for (const auto& c : hessians_of(check_claims({.system = 0.2 * (1 + share)})))
+      EXPECT_EQ(c.error, 0) << share;
+  for (const double share : {-1.2e-4, 1.2e-4})
+    EXPECT_NEAR(hessians_of(check_claims({.system = 0.2 * (1 + share)}))[0].error, 1.2e-4, 1e-6)
+        << share;
 }
 
 }  // namespace
