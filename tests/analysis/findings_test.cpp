@@ -471,5 +471,152 @@ TEST(BetweenKnots, OnlyHardInequalitiesOfTheStateAreLookedAt) {
       between_narrow_and_wide(row_of({{1, true, 0, 0}}), Softness::hard, -1, linear).empty());
 }
 
+// A millionth of the limit, 4e-6 N, is rounding.
+TEST(Efforts, ByRoundingBeyondTheirLimitAreAtIt) {
+  const ShootingProblem problem = block_problem({block_phase(block_system(), 2)});
+  Trajectory motion = problem.create_trajectory();
+  for (const double off : {3.9e-6, 4.1e-6}) {
+    motion.u(1)[0] = -4 - off;
+    const auto found = found_in_motion(problem, motion, FindingKind::effort_limit);
+    ASSERT_EQ(found.size(), 1u);
+    EXPECT_EQ(found[0].unit, off < 4e-6 ? "s" : "N");
+  }
+  motion.u(1)[0] = -4 + 3.9e-6;
+  EXPECT_EQ(found_in_motion(problem, motion, FindingKind::effort_limit).size(), 1u);
+  motion.u(1)[0] = -4 + 4.1e-6;
+  EXPECT_TRUE(found_in_motion(problem, motion, FindingKind::effort_limit).empty());
+}
+
+// The centre of mass is off the origin in all directions: forces through it turn nothing.
+TEST(Thrusters, ThroughTheCentreOfMassTurnABodyAboutNoAxis) {
+  const std::string urdf =
+      R"(<robot name="ship"><link name="hull"><inertial><origin xyz="0.1 0.2 0.3"/>)"
+      R"(<mass value="2"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>)"
+      R"(</link><link name="jet"/><joint name="to_jet" type="fixed"><parent link="hull"/>)"
+      R"(<child link="jet"/><origin xyz="0.1 0.2 0.3"/></joint>)";
+  const std::string arm =
+      R"(<link name="arm"><inertial><mass value="1"/>)"
+      R"(<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>)"
+      R"(<joint name="elbow" type="revolute"><parent link="hull"/><child link="arm"/>)"
+      R"(<axis xyz="0 1 0"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>)";
+  for (const bool with_arm : {false, true}) {
+    const auto robot = std::make_shared<const RobotModel>(
+        parse_urdf(urdf + (with_arm ? arm : "") + "</robot>", "ship.urdf",
+                   {.base = UrdfOptions::Base::floating})
+            .model.value());
+    std::vector<Thruster> jets;
+    for (const Vector3<double>& direction :
+         {Vector3<double>{1, 0, 0}, Vector3<double>{0, 1, 0}, Vector3<double>{0, 0, 1}})
+      jets.push_back({.name = "jet" + std::to_string(jets.size()),
+                      .frame = *robot->find_frame("jet"),
+                      .direction = direction});
+    const auto system = std::make_shared<MultibodySystem>(
+        robot, Actuation::thrusters(*robot, jets, {}), PassiveForces{}, std::vector<Contact>{});
+    std::vector<double> start(system->nx(), 0.0);
+    start[6] = 1;
+    const std::vector<double> ones(system->ndx(), 1.0);
+    const ShootingProblem problem =
+        testing::tracking_problem(system, Integrator::semi_implicit_euler, 2, 0.1, start,
+                                  {.goal = start, .q = ones, .r = {1, 1, 1}, .qf = ones});
+    const auto found =
+        found_in_motion(problem, problem.create_trajectory(), FindingKind::thrusters);
+    ASSERT_EQ(found.size(), with_arm ? 0u : 1u) << "an arm may turn it";
+    if (with_arm) continue;
+    EXPECT_EQ(found[0].value, 3);
+    EXPECT_TRUE(tells(found[0], "about its axes x, y, z")) << found[0].message;
+  }
+}
+
+/// A residual that reads a table from −1 to 3 at the first state.
+class TableResidual : public ResidualBase<TableResidual> {
+ public:
+  explicit TableResidual(std::string table)
+      : ResidualBase({{1, {0}}}, 0, false), table_(std::move(table)) {}
+  template <class S>
+  void evaluate_as(const ResidualInput<S>& in, S* r) const {
+    r[0] = in.x[0];
+  }
+  template <class S>
+  void differentiate_as(const ResidualInput<S>& in, S* r, S* jacobian) const {
+    evaluate_as(in, r);
+    jacobian[0] = S(1.0);
+  }
+  std::vector<TableReading> table_readings(const double* x, const double* /*u*/,
+                                           const double* /*parameters*/) const override {
+    return {{table_, x[0], -1, 3}};
+  }
+
+ private:
+  std::string table_;
+};
+
+/// Six knots of a mass with tables in a cost and in a constraint, which count at some nodes alone.
+struct TablesOnTheWay {
+  std::set<int> cost_at = {0, 1, 2, 3, 4, 5, 6}, constraint_at = {};
+
+  std::vector<Finding> found(const std::vector<double>& places) const {
+    const auto system = double_integrator(1);
+    const auto phase_of = [&](int first, int knots, Integrator integrator) {
+      auto model = std::make_shared<KnotModel>(system, integrator);
+      model->add_cost("cost", std::make_shared<TableResidual>("drag"), {});
+      model->add_constraint(
+          make_constraint("row", std::make_shared<TableResidual>("floor"), ConstraintKind::bounds));
+      Phase phase{.name = "phase", .model = model};
+      for (int k = first; k < first + knots; ++k) {
+        phase.dt.push_back(integrator == Integrator::none ? 0 : 0.1);
+        phase.cost_scale.push_back(1);
+        for (const double number : {cost_at.contains(k) ? 2.0 : 0.0, -testing::kFree,
+                                    testing::kFree, constraint_at.contains(k) ? 1.0 : 0.0})
+          phase.parameters.push_back(number);
+      }
+      return phase;
+    };
+    std::vector<Phase> phases;
+    phases.push_back(phase_of(0, 6, Integrator::rk4));
+    const ShootingProblem problem({0, 0}, std::move(phases), phase_of(6, 1, Integrator::none));
+    Trajectory motion = problem.create_trajectory();
+    for (int k = 0; k <= 6; ++k) motion.x(k)[0] = places[k];
+    return found_in_motion(problem, motion, FindingKind::table_range);
+  }
+};
+
+TEST(Tables, AreReadBeyondEitherEndWhereTheFindingSays) {
+  const auto found = TablesOnTheWay{}.found({0, 3.5, -1.25, 4, 3.75, 0, 0});
+  ASSERT_EQ(found.size(), 2u);
+  EXPECT_EQ(found[0].subject, "drag");
+  EXPECT_NEAR(found[0].value, 1, 1e-15);
+  EXPECT_EQ(found[0].knot, 3);
+  EXPECT_NEAR(found[0].time, 0.3, 1e-12);
+  EXPECT_TRUE(tells(found[0], "is read at 4, beyond its last point 3, at knots 1 to 4"))
+      << found[0].message;
+  EXPECT_NEAR(found[1].value, 0.25, 1e-15);
+  EXPECT_EQ(found[1].knot, 2);
+  EXPECT_TRUE(tells(found[1], "is read at -1.25, beyond its first point -1, at knot 2"))
+      << found[1].message;
+  // Of equally far readings the first one is told; a millionth of the table's range is rounding.
+  const auto twice = TablesOnTheWay{}.found({3.5, 0, 0, 0, 0, 0, 3.5});
+  ASSERT_EQ(twice.size(), 1u);
+  EXPECT_EQ(twice[0].knot, 0);
+  EXPECT_TRUE(tells(twice[0], "at knots 0 to 6")) << twice[0].message;
+  EXPECT_TRUE(TablesOnTheWay{}.found({0, 3 + 3.9e-6, -1 - 3.9e-6, 3, -1, 0, 0}).empty());
+  EXPECT_EQ(TablesOnTheWay{}.found({0, 3 + 4.1e-6, -1 - 4.1e-6, 3, -1, 0, 0}).size(), 2u);
+}
+
+TEST(Tables, CountWhereTheirCostOrConstraintDoes) {
+  const TablesOnTheWay some{.cost_at = {1, 6}, .constraint_at = {2, 6}};
+  const auto subjects = [&](int node) {
+    std::vector<double> places(7, 0.0);
+    places[node] = 5;
+    std::string names;
+    for (const Finding& f : some.found(places)) names += f.subject + " ";
+    return names;
+  };
+  EXPECT_EQ(subjects(0), "");
+  EXPECT_EQ(subjects(1), "drag ");
+  EXPECT_EQ(subjects(2), "floor ");
+  EXPECT_EQ(subjects(3), "");
+  EXPECT_EQ(subjects(6), "drag floor ");
+}
+
 }  // namespace
 }  // namespace conddp
