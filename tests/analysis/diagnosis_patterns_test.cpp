@@ -229,5 +229,153 @@ TEST(DiagnosisPatterns, AnUnfinishedSolveNamesItsFirstResidualAboveTolerance) {
   EXPECT_EQ(with_gap(0.5).knot, 5);
 }
 
+// Halves and tolerances that are met exactly are progress.
+TEST(DiagnosisPatterns, LimitsThemselvesAreProgress) {
+  const double tolerance = SolverOptions{}.tolerances.stationarity;
+  EXPECT_EQ(diagnosis_of_log(11,
+                             [](int i, IterationRecord& r) {
+                               r.stationarity = std::pow(0.1, i);
+                               r.gap = i == 10 ? 0.5 : 1;
+                             })
+                .pattern,
+            DiagnosisPattern::unfinished);
+  EXPECT_EQ(diagnosis_of_log(6,
+                             [](int i, IterationRecord& r) {
+                               r.stationarity = std::pow(0.1, i);
+                               r.constraint = std::ldexp(1.0, -i);
+                             })
+                .pattern,
+            DiagnosisPattern::unfinished);
+  EXPECT_EQ(diagnosis_of_log(6,
+                             [=](int, IterationRecord& r) {
+                               r.step = 0.1;
+                               r.stationarity = tolerance;
+                             })
+                .pattern,
+            DiagnosisPattern::unfinished);
+}
+
+// A thousand tolerances of the violation may be rounding; no cost that rises outruns a penalty.
+TEST(DiagnosisPatterns, AThousandTolerancesAreStillNotFarOff) {
+  const double limit = 1e3 * SolverOptions{}.tolerances.constraint;
+  const auto ended = [&](double violation, std::string_view failed) {
+    return diagnosis_of_log(
+               12, [=](int, IterationRecord& r) { r.constraint = violation; },
+               {.status = SolveStatus::line_search_failed, .failed_quantity = failed},
+               with_linear_cost())
+        .pattern;
+  };
+  EXPECT_EQ(ended(limit, kRoundedCost), DiagnosisPattern::rounding_floor);
+  EXPECT_EQ(ended(1.1 * limit, kRoundedCost), DiagnosisPattern::outrun_penalty);
+  EXPECT_EQ(ended(limit, ""), DiagnosisPattern::slow_feasibility);
+  EXPECT_EQ(ended(1.1 * limit, ""), DiagnosisPattern::outrun_penalty) << "a cost that stays";
+}
+
+TEST(DiagnosisPatterns, RegularisationAtItsLowerEndIsLoweredThere) {
+  const double least = SolverOptions{}.regularization.min;
+  const auto remedy = [](double regularization) {
+    const Diagnosis d =
+        diagnosis_of_log(11, [=](int, IterationRecord& r) { r.regularization = regularization; });
+    return d.pattern == DiagnosisPattern::plateau ? d.remedy : "";
+  };
+  EXPECT_EQ(remedy(least), "a smaller solver.regularization.min");
+  EXPECT_NE(remedy(2 * least).find("solver.regularization.factor"), std::string::npos);
+  EXPECT_EQ(remedy(0.5 * least), "") << "less than that is none";
+}
+
+// Steps at the threshold itself lower the regularisation already.
+TEST(DiagnosisPatterns, AThresholdForStepsIsAdvisedWhereTheyDoNotReachIt) {
+  const SolverOptions::Regularization defaults;
+  const auto remedy = [](double step) {
+    return diagnosis_of_log(11,
+                            [=](int, IterationRecord& r) {
+                              r.regularization = 10;
+                              r.step = step;
+                            })
+        .remedy;
+  };
+  EXPECT_EQ(remedy(defaults.decrease_step).find("decrease_step"), std::string::npos);
+  EXPECT_EQ(remedy(0).find("decrease_step"), std::string::npos);
+  EXPECT_NE(remedy(0.2).find("{decrease_step: 0.18, increase_step: "), std::string::npos)
+      << remedy(0.2);
+}
+
+TEST(DiagnosisPatterns, ACostGoesOnFallingWhereItsSecondHalfIsHalfOfTheFirst) {
+  const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(1, 1);
+  const ShootingProblem free =
+      testing::tracking_problem(linear_system(one, one, Eigen::VectorXd::Zero(1)),
+                                Integrator::discrete, 3, 1, {0}, {{0}, {1}, {0}, {1}});
+  const auto falls = [&](int rows, double half, double end) {
+    return diagnosis_of_log(
+               rows,
+               [=](int i, IterationRecord& r) {
+                 r.cost = i == rows - 1 ? end : i >= (rows - 1) / 2 ? half : 0;
+               },
+               {}, free)
+               .pattern == DiagnosisPattern::free_control;
+  };
+  EXPECT_TRUE(falls(5, -2, -3));
+  EXPECT_FALSE(falls(5, -2, -2.9));
+  EXPECT_FALSE(falls(4, -2, -9)) << "too few rows";
+  EXPECT_FALSE(falls(5, 0, -3)) << "nothing fell at first";
+  EXPECT_FALSE(falls(5, 1, -3)) << "it rose at first";
+}
+
+TEST(DiagnosisPatterns, ResidualsAtTheirTolerancesAreNotMissed) {
+  const SolverOptions::Tolerances t;
+  const auto at = [&](double gap, double stationarity, double constraint) {
+    return diagnosis_of_log(3, [=](int, IterationRecord& r) {
+      r.gap = gap;
+      r.stationarity = stationarity;
+      r.constraint = constraint;
+      r.gap_knot = 0;
+    });
+  };
+  EXPECT_NE(at(t.gap, t.stationarity, t.constraint).message.find("all residuals are under"),
+            std::string::npos);
+  const Diagnosis all = at(1.5 * t.gap, 1.5 * t.stationarity, 1.5 * t.constraint);
+  EXPECT_TRUE(all.message.ends_with(
+      "gap 1.5e-09 at knot 0, stationarity 1.5e-06 at knot 7, constraint violation 1.5e-06"))
+      << all.message;
+  EXPECT_EQ(all.quantity, "gap");
+}
+
+TEST(DiagnosisPatterns, RoundingOfStationarityIsOneOfTheCostsElseOfMultipliers) {
+  const SolverOptions::Tolerances t;
+  const auto remedy = [&](double stationarity, double constraint) {
+    return diagnosis_of_log(
+               3,
+               [=](int, IterationRecord& r) {
+                 r.stationarity = stationarity;
+                 r.constraint = constraint;
+               },
+               {.status = SolveStatus::line_search_failed, .failed_quantity = kRoundedCost})
+        .remedy;
+  };
+  EXPECT_EQ(remedy(0, 0), "smaller weights of costs that stay large");
+  EXPECT_TRUE(remedy(2 * t.stationarity, 0).ends_with("smaller weights of costs that stay large"));
+  EXPECT_TRUE(remedy(0, 2 * t.constraint).ends_with("in which their multipliers are smaller"));
+  const std::string both = remedy(2 * t.stationarity, 2 * t.constraint);
+  EXPECT_TRUE(both.starts_with(
+      "a larger solver.tolerances.stationarity, solver.tolerances.constraint (the answer"))
+      << both;
+  EXPECT_TRUE(both.ends_with("smaller weights of costs that stay large")) << both;
+}
+
+TEST(DiagnosisPatterns, WithoutDescentAdviceFitsTheMethodAndItsGaps) {
+  const auto remedy = [](double gap, double barrier) {
+    return diagnosis_of_log(3,
+                            [=](int, IterationRecord& r) {
+                              r.gap = gap;
+                              r.barrier = barrier;
+                            },
+                            {.status = SolveStatus::line_search_failed})
+        .remedy;
+  };
+  EXPECT_NE(remedy(0, 0).find("a smaller solver.line_search.min_step"), std::string::npos);
+  EXPECT_NE(remedy(1e-12, 0).find("a first guess with smaller gaps"), std::string::npos);
+  EXPECT_NE(remedy(0, 1e-9).find("mu_strategy"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace conddp

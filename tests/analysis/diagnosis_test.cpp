@@ -224,6 +224,19 @@ TEST(Diagnosis, RedundantContactsAreNamedAndNoGuessIsBlamed) {
   EXPECT_EQ(twice.remedy.find("first guess"), std::string::npos) << twice.remedy;
   const Diagnosis once = open(standing(1));
   EXPECT_EQ(once.pattern, DiagnosisPattern::open_gaps) << once.message;
+  // Contacts are those of knots: neither of the end, nor of no knot in particular.
+  for (const int knot : {0, 9, -1}) {
+    const Diagnosis elsewhere = diagnosis_of(
+        12,
+        [=](int, IterationRecord& r) {
+          r.gap = 1;
+          r.gap_knot = knot;
+        },
+        SolveStatus::line_search_failed, standing(2));
+    EXPECT_EQ(elsewhere.pattern,
+              knot == 0 ? DiagnosisPattern::redundant_contacts : DiagnosisPattern::open_gaps)
+        << knot;
+  }
 }
 
 TEST(Diagnosis, OnlyTheLastRowsCount) {
