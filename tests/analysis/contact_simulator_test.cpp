@@ -527,5 +527,35 @@ TEST(ContactSimulator, SweepsOfStopsFrictionAndCandidatesOfEveryKindAgreeWithPiv
   }
 }
 
+/// One iteration solves what is linear: a mass that stays where it is.
+TEST(ContactSimulator, TakesTheIterationsThatItMay) {
+  const ContactPlant plant = puck(FrictionModel::polyhedron);
+  ContactSimulator simulator(plant, {.max_iterations = 1});
+  const StepStart start = at_rest(plant, 0.01);
+  const ContactStep step = simulator.step(start);
+  EXPECT_EQ(step.status, StepStatus::solved);
+  EXPECT_EQ(step.iterations, 1);
+  EXPECT_NEAR(step.forces.contact(0, 0), 2 * kGravity, 1e-9);
+  ContactSimulator none(plant, {.max_iterations = 0});
+  EXPECT_EQ(none.step(start).status, StepStatus::unsolved);
+}
+
+/// Two contacts under one mass: the least forces that bear it are alike, and pivoting finds others.
+TEST(ContactSimulator, AStepInItsModeSharesALoadEqually) {
+  ContactPlant plant = puck(FrictionModel::polyhedron);
+  plant.contacts.candidates[0].friction = 0;
+  plant.contacts.candidates.push_back(plant.contacts.candidates[0]);
+  ContactSimulator simulator(plant, {.max_iterations = 1});
+  const StepStart start = at_rest(plant, 0.01);
+  const ContactStep alone = simulator.step(start);
+  ASSERT_EQ(alone.status, StepStatus::solved);
+  EXPECT_GT(std::abs(alone.forces.contact(0, 0) - alone.forces.contact(0, 1)), 1);
+  ContactStep near = alone;
+  near.forces.contact.row(0).setConstant(1);
+  const ContactStep shared = simulator.step(start, near);
+  EXPECT_EQ(shared.status, StepStatus::solved);
+  for (int c = 0; c < 2; ++c) EXPECT_NEAR(shared.forces.contact(0, c), kGravity, 1e-9);
+}
+
 }  // namespace
 }  // namespace conddp

@@ -3,6 +3,7 @@
 #include "analysis/margins/margins.hpp"
 
 #include <cmath>
+#include <set>
 #include <stdexcept>
 
 #include <gtest/gtest.h>
@@ -86,6 +87,105 @@ TEST(Margins, LeaveOutWhereThePlanHoldsAQuantityAtItsBound) {
   };
   EXPECT_EQ(first_knot_of_upper(1), 1);
   EXPECT_EQ(first_knot_of_upper(1 - 1e-3), 0);
+}
+
+// A ten-thousandth of what noise moves it elsewhere, a millionth from the bound.
+TEST(Margins, AQuantityIsHeldNearItsBoundByLittleGains) {
+  const ShootingProblem problem = scalar_problem();
+  for (const bool upper : {true, false}) {
+    const auto is_held = [&](double share, double distance) {
+      std::vector<Eigen::MatrixXd> gains = scalar_gains();
+      gains[0](0, 0) = -0.8 * share;
+      Trajectory trajectory = problem.create_trajectory();
+      trajectory.u(0)[0] = upper ? 1 - distance : -2 + distance;
+      for (const MarginCurve& curve :
+           constraint_margins(problem, trajectory, gains, noise(0.2, 0, 0, 1)))
+        if (curve.upper == upper) return curve.nodes.front().knot != 0;
+      return false;
+    };
+    // The second knot's deviation is 0.9 of the first one's.
+    EXPECT_TRUE(is_held(0.8e-4, 0.9e-6)) << upper;
+    EXPECT_TRUE(is_held(0.8e-4, -0.9e-6)) << upper;
+    EXPECT_FALSE(is_held(0.8e-4, 1.1e-6)) << upper;
+    EXPECT_FALSE(is_held(0.8e-4, -1.1e-6)) << upper;
+    EXPECT_FALSE(is_held(1.1e-4, 0.9e-6)) << upper;
+  }
+}
+
+/// The scalar problem whose first knots take no time.
+ShootingProblem with_instants(const std::set<int>& instants) {
+  const ShootingProblem whole = scalar_problem();
+  std::vector<Phase> phases;
+  for (int k = 0; k < whole.knots(); ++k) {
+    Phase phase = whole.phases()[0];
+    phase.dt.resize(1);
+    phase.cost_scale.resize(1);
+    phase.parameters.resize(phase.model->parameter_count());
+    phase.instant = instants.contains(k);
+    phases.push_back(std::move(phase));
+  }
+  return {whole.initial_state(), std::move(phases), whole.terminal()};
+}
+
+// Noise begins where time does, and neither disturbs nor mismeasures what takes none.
+TEST(Margins, BeginWithTimeAndPassInstantsWithoutNoise) {
+  const StateNoise all = noise(0.2, 0.1, 0.3, 1);
+  const auto covariances = [&](const std::set<int>& instants) {
+    const ShootingProblem problem = with_instants(instants);
+    Linearization linear(problem);
+    Evaluator(problem).differentiate(problem.create_trajectory(), linear);
+    std::vector<double> list;
+    for (const Eigen::MatrixXd& P : propagate_covariance(problem, linear, scalar_gains(), all))
+      list.push_back(P(0, 0));
+    return list;
+  };
+  constexpr double kAdded = 0.16 * 0.09 + 0.01;
+  const auto expect_near = [](const std::vector<double>& found,
+                              const std::vector<double>& expected) {
+    ASSERT_EQ(found.size(), expected.size());
+    for (std::size_t k = 0; k < found.size(); ++k) EXPECT_NEAR(found[k], expected[k], 1e-15) << k;
+  };
+  const double second = 0.25 * 0.04 + kAdded;
+  expect_near(covariances({0}), {0, 0.04, second, 0.25 * second + kAdded});
+  expect_near(covariances({0, 1}), {0, 0, 0.04, second});
+  expect_near(covariances({1}), {0.04, second, 0.25 * second, 0.25 * 0.25 * second + kAdded});
+  const auto knots = [&](const std::set<int>& instants) {
+    const ShootingProblem problem = with_instants(instants);
+    const auto curves =
+        constraint_margins(problem, problem.create_trajectory(), scalar_gains(), all);
+    std::vector<int> list;
+    for (const Margin& margin : curves.at(0).nodes) list.push_back(margin.knot);
+    return list;
+  };
+  EXPECT_EQ(knots({}), (std::vector{0, 1, 2}));
+  EXPECT_EQ(knots({0}), (std::vector{1, 2}));
+  EXPECT_EQ(knots({1}), (std::vector{0, 2}));
+}
+
+// A row at an instant before time begins has no margin, one there has that of the state alone.
+TEST(Margins, OfRowsAtInstantsAreThoseOfTheStateAlone) {
+  for (const int instant : {0, 1}) {
+    const ShootingProblem free = with_instants({instant});
+    using Term = LinearCombination::Term;
+    const ShootingProblem problem = testing::with_constraints(
+        free, {{.name = "push",
+                .residual = combination_residual(1, {{.terms = {Term{1, true, 0, 0}}}}),
+                .lower = {-4},
+                .upper = {5},
+                .first = 0,
+                .last = 2}});
+    const auto curves = constraint_margins(problem, problem.create_trajectory(), scalar_gains(),
+                                           noise(0.2, 0, 0.3, 1));
+    std::vector<std::pair<int, double>> margins;
+    for (const MarginCurve& curve : curves)
+      if (curve.name == "push" && curve.upper)
+        for (const Margin& margin : curve.nodes) margins.emplace_back(margin.knot, margin.sigma);
+    ASSERT_EQ(margins.size(), instant == 0 ? 2u : 3u);
+    EXPECT_EQ(margins.front().first, instant == 0 ? 1 : 0);
+    EXPECT_NEAR(margins.front().second, 0.8 * std::sqrt(0.04 + 0.09), 1e-15);
+    if (instant == 0) continue;
+    EXPECT_NEAR(margins[1].second, 0.8 * std::sqrt(0.25 * 0.04 + 0.16 * 0.09), 1e-15);
+  }
 }
 
 TEST(Margins, NoiseWhoseSquareIsNotFiniteIsAnError) {

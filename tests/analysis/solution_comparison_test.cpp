@@ -290,5 +290,51 @@ TEST(SolutionComparison, TheChoiceOfTheFirstStateIsLeftOut) {
   EXPECT_EQ(first(with(0.1, 3), with(0.1, 4)), "trajectory u/elbow at knot 0 (t = 0 s)");
 }
 
+TEST(SolutionComparison, ARotationMayBeTheLastColumns) {
+  const auto with = [](double sign) {
+    Json j = solution();
+    j["trajectory"]["columns"]["x"] = {"q/a", "a/qx", "a/qy", "a/qz", "a/qw"};
+    j["trajectory"]["x"] = {{2.0, 0.0, 0.0, 0.0, 1.0}, {1.0, 0.0, 0.0, sign * 0.6, sign * 0.8}};
+    return j;
+  };
+  EXPECT_EQ(first(with(1), with(-1)), "");
+}
+
+TEST(SolutionComparison, NumbersThatAreMissingInBothDocumentsAreNoDifferenceOfCostsAndResiduals) {
+  const auto without = [](auto remove) {
+    Json j = solution();
+    remove(j);
+    return j;
+  };
+  for (const Json& none : {without([](Json& j) { j["cost"] = nullptr; }),
+                           without([](Json& j) { j["cost_by_name"]["state"] = nullptr; }),
+                           without([](Json& j) { j["residuals"]["gap"] = nullptr; })})
+    EXPECT_EQ(first(none, none), "") << none;
+  const Json no_cost = without([](Json& j) { j["cost"] = nullptr; });
+  EXPECT_EQ(first(no_cost, solution()), "cost");
+}
+
+TEST(SolutionComparison, TablesOfAnotherShapeAreToldByWhatIsOther) {
+  const auto message = [](auto change) {
+    Json other = solution();
+    change(other);
+    const auto differences = compare_solutions(solution(), other);
+    return differences.size() == 1 ? differences[0].message : "";
+  };
+  EXPECT_EQ(message([](Json& j) { j["trajectory"]["u"][0] = Json::array(); }),
+            "knot 0 has 0 numbers of u instead of 1");
+  EXPECT_EQ(message([](Json& j) { j["trajectory"]["columns"]["u"][0] = "u/knee"; }),
+            "the columns of u have other names");
+  EXPECT_EQ(message([](Json& j) {
+              j["trajectory"]["t"].push_back(0.2);
+              j["trajectory"]["x"].push_back(j["trajectory"]["x"][1]);
+              j["trajectory"]["u"].push_back({3.0});
+            }),
+            "3 nodes instead of 2");
+  EXPECT_EQ(message([](Json& j) { j["trajectory"]["t"][1] = 0.25; }),
+            "node 1 at t = 0.25 s instead of 0.1 s");
+  EXPECT_EQ(message([](Json& j) { j["cost_by_name"]["more"] = 0; }), "is new");
+}
+
 }  // namespace
 }  // namespace conddp

@@ -5,6 +5,7 @@
 
 #include "analysis/contact/contact_motion.hpp"
 #include "ocp/residuals/stepping_residual.hpp"
+#include "support/block_on_slides.hpp"
 #include "support/stepping_robot.hpp"
 
 namespace conddp {
@@ -70,6 +71,30 @@ TEST(SteppingEquations, AreThoseOfTheSolver) {
                        rows.data());
     EXPECT_GT(impulse.cwiseAbs().maxCoeff(), 0.01);
     EXPECT_LT((kStep * rows.head(n) - impulse).cwiseAbs().maxCoeff(), 1e-11);
+  }
+}
+
+/// Of the block on slides, masses of 4, 3 and 2 kg: M (v⁺ − v) + h (damping of the mean velocity +
+/// weight − applied), and the whole of it at the end by the other scheme.
+TEST(SteppingEquations, OfMidpointsHaveTheMeanOfBothResistances) {
+  ContactPlant plant{.robot = testing::block_on_slides()};
+  plant.damping = {2, 3, 5};
+  const Eigen::Vector3d mass(4, 3, 2), damping(2, 3, 5), weight(0, 0, 2 * 9.81);
+  const StepStart start{.q = Eigen::Vector3d(0.1, 0.2, 0.3),
+                        .v = Eigen::Vector3d(1, -2, 3),
+                        .applied = Eigen::Vector3d(0.5, 7, -4),
+                        .h = kStep};
+  const Eigen::Vector3d v(2, 0.5, -1);
+  for (const SteppingScheme scheme :
+       {SteppingScheme::backward_euler, SteppingScheme::variational_midpoint}) {
+    plant.contacts.scheme = scheme;
+    const Eigen::Vector3d resisted =
+        scheme == SteppingScheme::backward_euler ? v : Eigen::Vector3d(0.5 * (v + start.v));
+    const Eigen::Vector3d expected =
+        mass.cwiseProduct(v - start.v) +
+        kStep * (damping.cwiseProduct(resisted) + weight - start.applied);
+    const Eigen::VectorXd found = stepping_residual(plant, start, v, StepForces(plant.contacts));
+    EXPECT_LT((found - expected).norm(), 1e-12) << static_cast<int>(scheme);
   }
 }
 
