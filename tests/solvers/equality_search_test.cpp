@@ -80,6 +80,69 @@ TEST(EqualitySearch, TheMeritsSlopeIsItsDerivativeAlongTheStep) {
               iterate.merit.merit_slope(), 1e-3 * std::abs(iterate.merit.merit_slope()));
 }
 
+/// Rows of two knots and of the end, of which those in the middle are free.
+TEST(EqualitySearch, InfeasibilityIsTheSumOfGapsAndOfRowsThatAreNotFree) {
+  const ShootingProblem free = testing::pendulum_swing_up();
+  const int N = free.knots();
+  const auto at = [&](int node, double value) {
+    testing::Added added = testing::goal_constraint(free, {value, value});
+    added.name = "row" + std::to_string(node);
+    added.first = added.last = node;
+    return added;
+  };
+  testing::Added open = at(3, 0);
+  open.lower = {-testing::kFree, -testing::kFree};
+  open.upper = {testing::kFree, testing::kFree};
+  const ShootingProblem problem =
+      testing::with_constraints(free, {at(1, 0), open, at(5, 0), at(N, 0)});
+  EqualitySearch search(problem, {});
+  Eigen::MatrixXd gap = Eigen::MatrixXd::Zero(2, N);
+  Eigen::VectorXd values = Eigen::VectorXd::Zero(problem.constraint_rows());
+  gap(0, 0) = -2;
+  gap(1, N - 1) = 3;
+  EXPECT_EQ(search.infeasibility(gap, values), 5);
+  for (const NodeConstraint& c : problem.constraints())
+    for (int r = 0; r < 2; ++r) {
+      values[c.row + r] = c.lower[r] - 7;
+      if (c.node == 3) values[c.row + r] = 11;
+      EXPECT_EQ(search.infeasibility(gap, values), c.node == 3 ? 5 : 12) << c.node << ' ' << r;
+      values[c.row + r] = 0;
+    }
+}
+
+// Nocedal and Wright's equation 18.36 in numbers, with 0.7 of the penalty for the step.
+TEST(EqualitySearch, ThePenaltyPaysForTheModelsStepAndFallsByHalfAtMost) {
+  const ShootingProblem problem = goal_problem();
+  EqualityIterate iterate(problem);
+  const Eigen::VectorXd& off = iterate.linearization.constraint;  // bounds are zero
+  const Eigen::VectorXd &nu = iterate.lagrangian.multipliers(),
+                        &rho = iterate.lagrangian.augmentation().penalty;
+  const double slope = iterate.step.slope() + nu.dot(off);
+  const double penalized = rho.dot(off.cwiseAbs2());
+  EXPECT_GT(std::abs(nu.dot(off)), 1e-3);
+  EXPECT_GT(penalized, 1e-3);
+  const auto measured = [&](double curvature, double former, double gap_norm) {
+    MeritModel merit{.cost = iterate.merit.cost, .gap_norm = gap_norm, .penalty = former};
+    iterate.search.measure(iterate.linearization, iterate.trajectory,
+                           iterate.lagrangian.augmentation(), nu, iterate.step, curvature, merit);
+    EXPECT_NEAR(merit.slope, slope, 1e-12 * std::abs(slope));
+    double states = 0;
+    for (int k = 1; k <= problem.knots(); ++k)
+      states += iterate.trajectory.x(k).lpNorm<Eigen::Infinity>();
+    EXPECT_NEAR(merit.rounding,
+                std::numeric_limits<double>::epsilon() *
+                    (iterate.linearization.cost.lpNorm<1>() + merit.penalty * states),
+                1e-12 * merit.rounding);
+    return merit.penalty;
+  };
+  const double curvature = 1e4 + penalized - 2 * slope;  // slope + ½ (· − penalized) is 5000
+  EXPECT_NEAR(measured(curvature, 0, 2), 5e3 / (0.7 * 2), 1e-8);
+  EXPECT_NEAR(measured(curvature, 9e3, 2), 4.5e3, 1e-12);
+  EXPECT_NEAR(measured(curvature, 9e3, 0), 4.5e3, 1e-12) << "nothing is left to pay for";
+  // Negative curvature is no income.
+  EXPECT_NEAR(measured(penalized - 1e9, 0, 2), std::max(0.0, slope / 1.4), 1e-9);
+}
+
 TEST(EqualitySearch, TakesTheTrialThatLowersTheMeritMore) {
   const ShootingProblem problem = goal_problem();
   EqualityIterate iterate(problem);
