@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "analysis/certificate/node_hessians.hpp"
+#include "analysis/certificate/place_text.hpp"
 #include "analysis/certificate/reduced_gradient.hpp"
 #include "support/constrained_problems.hpp"
 #include "support/linear_quadratic.hpp"
@@ -284,6 +285,53 @@ TEST(GainsOfASweep, MayBeOffByTheChangesOfEachDerivative) {
   EXPECT_NE(failures_with(by_state, 1.1 * once, 0).find("[feedback]"), std::string::npos);
   EXPECT_EQ(failures_with(by_control, 1.9 * once, 0), "");
   EXPECT_NE(failures_with(by_control, 2.1 * once, 0).find("[feedback]"), std::string::npos);
+}
+
+// With Q_uu = 1 and nothing else: a millionth of its rounding, and of it times the least move.
+TEST(GainsOfASweep, AreWithinATolerance) {
+  NumberSweep sweep(1);
+  sweep.set_hessian(0, 0, 0, 1);
+  sweep.claims.gains[0].setZero();
+  sweep.claims.feedforward[0].setZero();
+  const double feedback = 1e-6 * (1e-6 * 1.0), feedforward = 1e-6 * 1.0 * 1e-3;
+  for (const double share : {1.0, -1.0, 1.02}) {
+    sweep.set_hessian(0, 0, share * feedback, 1);
+    EXPECT_EQ(sweep.failures(), share > 1 ? "[feedback]" : "") << share;
+    sweep.set_hessian(0, 0, 0, 1);
+    sweep.derivatives[0].cost[1] = share * feedforward;
+    EXPECT_EQ(sweep.failures(), share > 1 ? "[feedforward]" : "") << share;
+    sweep.derivatives[0].cost[1] = 0;
+  }
+  // A control of 4 and a feedforward of 0.01 make larger moves.
+  sweep.claims.trajectory.u(0)[0] = 4;
+  sweep.derivatives[0].cost[1] = 4.9 * feedforward;
+  EXPECT_EQ(sweep.failures(), "");
+  sweep.derivatives[0].cost[1] = 5.1 * feedforward;
+  EXPECT_EQ(sweep.failures(), "[feedforward]");
+  sweep.claims.feedforward[0][0] = 0.01;
+  sweep.derivatives[0].cost[1] = -0.01 + 9.9 * feedforward;
+  EXPECT_EQ(sweep.failures(), "");
+  sweep.derivatives[0].cost[1] = -0.01 - 10.1 * feedforward;
+  EXPECT_EQ(sweep.failures(), "[feedforward]");
+}
+
+TEST(GainsOfASweep, ThatDoNotHoldAreToldWithTheirKnotAndControl) {
+  for (const int k : {0, 1}) {
+    NumberSweep sweep(2);
+    for (int knot = 0; knot < 2; ++knot) sweep.set_hessian(knot, 0, 0, 1);
+    for (Eigen::MatrixXd& K : sweep.claims.gains) K.setZero();
+    for (Eigen::VectorXd& d : sweep.claims.feedforward) d.setZero();
+    sweep.derivatives[k].cost[1] = 3;
+    const auto checks =
+        check_gains(*sweep.lq.problem, sweep.claims, sweep.derivatives, sweep.hessians, sweep.gap);
+    ASSERT_EQ(checks.size(), 2u);
+    EXPECT_TRUE(checks[0].holds);
+    EXPECT_FALSE(checks[1].holds);
+    EXPECT_EQ(checks[1].place,
+              place_text(*sweep.lq.problem, k, control_name(*sweep.lq.problem, k, 0)));
+    EXPECT_NE(checks[1].message.find("is off by 3, tolerance 1e-09"), std::string::npos)
+        << checks[1].message;
+  }
 }
 
 TEST(GainsOfASweep, AreNotComparedWhereTheAnswerDoesNotSayHowTheyWereFound) {
