@@ -217,6 +217,17 @@ for foot in ("LF", "RF", "LH", "RH"):
   }
 }
 
+TEST_F(Batch, ADataSetThatTheDiskHasNoRoomForIsAnErrorWithItsReason) {
+  const std::string folder = planned("full");
+  EXPECT_EQ(run(folder).exit_code, 0);
+  const ProcessResult r = run_conddp({"batch", "collect", folder}, {.limit_file_size = 16384});
+  EXPECT_EQ(r.exit_code, 2);
+  EXPECT_EQ(r.err,
+            "conddp: error: '" + folder + "/dataset.h5' cannot be written: File too large\n");
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+    EXPECT_FALSE(entry.path().filename().string().starts_with("dataset")) << entry;
+}
+
 TEST_F(Batch, WithoutTheLibraryOfHdf5TablesAreWrittenAndWhatIsMissingIsSaid) {
   const std::string folder = planned("without");
   EXPECT_EQ(run(folder).exit_code, 0);

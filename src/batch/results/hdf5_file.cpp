@@ -31,12 +31,16 @@ class Hdf5Library {
   const SharedLibrary library_{"HDF5, which writes dataset.h5,", {CONDDP_HDF5_LIBRARY}};
 
  public:
+  /// What the library would do when the process ends is done by close(). A file that a full disk
+  /// leaves half written stays open, and to end it once more would be a crash.
   Hdf5Library() {
+    H5dont_atexit();
     if (H5open() < 0) throw OutputError("the library of HDF5 cannot be started");
   }
 
 #define CONDDP_HDF5_FUNCTION(name) \
   decltype(&::name) const name = reinterpret_cast<decltype(&::name)>(library_.symbol(#name))
+  CONDDP_HDF5_FUNCTION(H5dont_atexit);
   CONDDP_HDF5_FUNCTION(H5open);
   CONDDP_HDF5_FUNCTION(H5Aclose);
   CONDDP_HDF5_FUNCTION(H5Acreate2);
@@ -94,6 +98,7 @@ hid_t text_type(std::size_t length) {
 Hdf5File::Hdf5File(const std::filesystem::path& file, std::size_t most_rows)
     : file_(file), temporary_(file.string() + ".partial"), most_rows_(most_rows) {
   hdf5().H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // errors are ours to report
+  errno = 0;
   handle_ = checked(hdf5().H5Fcreate(temporary_.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT));
 }
 
@@ -107,11 +112,13 @@ Hdf5File::~Hdf5File() {
 }
 
 Hdf5File::Handle Hdf5File::checked(Handle value) const {
-  if (value < 0) throw OutputError(fmt::format("'{}' cannot be written", file_.string()));
-  return value;
+  if (value >= 0) return value;
+  const std::string reason = errno == 0 ? "" : fmt::format(": {}", std::strerror(errno));
+  throw OutputError(fmt::format("'{}' cannot be written{}", file_.string(), reason));
 }
 
 Hdf5File::Handle Hdf5File::add_group(const std::string& name) {
+  errno = 0;
   const hid_t properties = hdf5().H5Pcreate(hdf5().variable("H5P_CLS_GROUP_CREATE_ID_g"));
   hdf5().H5Pset_obj_track_times(properties, false);
   const hid_t group =
@@ -123,6 +130,7 @@ Hdf5File::Handle Hdf5File::add_group(const std::string& name) {
 
 Hdf5File::Handle Hdf5File::add(Handle group, const std::string& name, Handle type,
                                const std::vector<std::size_t>& shape) {
+  errno = 0;
   std::vector<hsize_t> extent{0}, most{H5S_UNLIMITED}, chunk{1};
   std::size_t row = hdf5().H5Tget_size(type);
   for (const std::size_t size : shape) {
@@ -160,6 +168,7 @@ Hdf5File::Handle Hdf5File::add_texts(Handle group, const std::string& name, std:
 }
 
 void Hdf5File::append(Handle array, const void* row) {
+  errno = 0;
   const hid_t before = checked(hdf5().H5Dget_space(array));
   std::vector<hsize_t> extent(static_cast<std::size_t>(hdf5().H5Sget_simple_extent_ndims(before)));
   hdf5().H5Sget_simple_extent_dims(before, extent.data(), nullptr);
@@ -200,6 +209,7 @@ void Hdf5File::annotate(Handle object, const std::string& name,
   for (const std::string& text : texts) all += text + std::string(length - text.size(), '\0');
   const hid_t type = text_type(length);
   const hsize_t count = texts.size();
+  errno = 0;
   const hid_t space = hdf5().H5Screate_simple(1, &count, nullptr);
   const hid_t attribute =
       checked(hdf5().H5Acreate2(object, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT));
@@ -224,6 +234,7 @@ void Hdf5File::commit() {
 }
 
 void Hdf5File::close() {
+  errno = 0;
   for (const Handle array : arrays_) checked(hdf5().H5Dclose(array));
   arrays_.clear();
   for (const Handle group : groups_) checked(hdf5().H5Gclose(group));
