@@ -294,6 +294,26 @@ TEST(MpcFile, RegulatorsThatAreNoneHaveTheirPlaces) {
   EXPECT_NE(set.all().find("a fallback has no terminal set"), std::string::npos) << set.all();
 }
 
+TEST(MpcFile, WindowsThatEndInASetHaveASolverThatSupportsIt) {
+  const std::string mpc =
+      "mpc: {horizon: 0.5, tick: 0.1, duration: 1, terminal: {lqr: {about: {values: {theta: 0}}, "
+      "set: true}}}";
+  const std::string state = "costs.state={residual: state}";
+  const LoadedLoop named(pendulum_with(mpc), {state});
+  EXPECT_FALSE(named.mpc);
+  ASSERT_TRUE(named.error());
+  EXPECT_EQ(named.error()->path, "mpc.terminal.lqr.set") << named.all();
+  EXPECT_TRUE(named.error()->message.starts_with(
+      "box_ddp does not support the constraint 'lqr' (terminal node); supported by altro"))
+      << named.all();
+  const LoadedLoop chosen(replaced(pendulum_with(mpc), "box_ddp", "auto"), {state});
+  ASSERT_TRUE(chosen.mpc) << chosen.all();
+  EXPECT_EQ(chosen.mpc->controller.solver, "altro");
+  const ClosedLoopResult result = chosen.run();
+  EXPECT_EQ(result.end, LoopEnd::finished);
+  for (const TickRecord& tick : result.ticks) EXPECT_EQ(tick.outcome, TickOutcome::planned);
+}
+
 /// A cart-pole whose control may change by 2 N in a second.
 std::string limited_rate(const std::string& mpc) {
   return R"(conddp: 1

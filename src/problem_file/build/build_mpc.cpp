@@ -18,6 +18,7 @@
 #include "problem_file/terms/term_residual.hpp"
 #include "problem_file/terms/terminal_lqr.hpp"
 #include "solvers/ddp/family.hpp"
+#include "solvers/strategies/registry.hpp"
 #include "systems/own_states.hpp"
 
 namespace conddp {
@@ -171,12 +172,33 @@ void check_times(const ProblemSpec& spec, const ShootingProblem& problem, Diagno
   check_whole_knots(spec, problem, out);
 }
 
-/// The first solver that supports the problem. One that has no real-time iteration cannot have a
-/// number of them.
-std::string solver_of(const ProblemSpec& spec, const ShootingProblem& problem, Diagnostics& out) {
+/// The first one of `solvers` that supports windows with this last node, too; where `auto` is to
+/// choose, of those that it tries for such windows. Null if there is none, which is reported.
+const SolverInfo* solver_of_windows(const std::vector<const SolverInfo*>& solvers,
+                                    const ProblemSpec& spec, const ShootingProblem& problem,
+                                    const Phase& end, Diagnostics& out) {
+  const ShootingProblem windows(problem.initial_state(), problem.phases(), end);
+  const auto reason = unsupported(*solvers.front(), windows);
+  if (!reason) return solvers.front();
+  if (find_solver(spec.solver.name.value) == nullptr)
+    for (const SolverInfo* solver : auto_solvers(windows, spec.solver.options))
+      if (!unsupported(*solver, problem)) return solver;
+  const bool has_set = spec.mpc->terminal_lqr && spec.mpc->terminal_lqr->set;
+  out.error(has_set ? spec.mpc->terminal_lqr->set_place : spec.mpc->window_end.place, *reason,
+            "choose one of them with --solver, or leave 'set' out");
+  return nullptr;
+}
+
+/// The first solver that supports the problem and its windows, whose last node is `end` if they
+/// have another one. One that has no real-time iteration cannot have a number of them.
+std::string solver_of(const ProblemSpec& spec, const ShootingProblem& problem,
+                      const std::optional<Phase>& end, Diagnostics& out) {
   const auto solvers = usable_solvers(spec, problem, out);
   if (solvers.empty()) return {};
-  const std::string name(solvers.front()->name);
+  const SolverInfo* solver =
+      end ? solver_of_windows(solvers, spec, problem, *end, out) : solvers.front();
+  if (solver == nullptr) return {};
+  const std::string name(solver->name);
   if (spec.mpc->iterations && find_ddp_member(name) == nullptr)
     out.error(
         spec.mpc->iterations_place,
@@ -562,12 +584,12 @@ std::optional<BuiltMpc> build_mpc(const ProblemSpec& spec, const BuiltProblem& b
   if (mpc.plant.dt) result.loop.step.dt = mpc.plant.dt->value;
   if (out.error_count() > errors) return std::nullopt;
   check_plant(mpc, built, result.loop.step, out);
-  result.controller.solver = solver_of(spec, *built.problem, out);
+  result.controller.terminal = window_end(spec, built, out);
+  result.controller.solver = solver_of(spec, *built.problem, result.controller.terminal, out);
   if (mpc.fallback) {
     result.controller.fallback = fallback_of(*mpc.fallback, spec, built, out);
     result.controller.fallback_after = mpc.fallback->after;
   }
-  result.controller.terminal = window_end(spec, built, out);
   warn_of_way_ends(spec, *built.problem, out);
   set_disturbances(mpc, built, result.loop, out);
   result.controller.is_late = late_ticks(mpc);
