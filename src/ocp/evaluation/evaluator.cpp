@@ -12,6 +12,7 @@
 #include "ocp/evaluation/checkpoint.hpp"
 #include "ocp/evaluation/lane_transfer.hpp"
 #include "ocp/evaluation/rollout.hpp"
+#include "ocp/evaluation/usable_threads.hpp"
 #include "ocp/knot/knot_batch.hpp"
 #include "ocp/knot/knot_second_derivatives.hpp"
 #include "ocp/knot/transposed_dynamics.hpp"
@@ -72,7 +73,7 @@ struct Evaluator::Impl {
   };
 
   Impl(const ShootingProblem& p, int thread_count)
-      : problem(p), threads(std::max(1, thread_count)), arena(std::max(1, thread_count)) {
+      : problem(p), threads(usable_threads(thread_count)), arena(threads) {
     std::map<const KnotModel*, std::vector<int>> knots_of;
     for (int k = 0; k <= p.knots(); ++k) {
       const KnotModel* model = p.knot(k).model;

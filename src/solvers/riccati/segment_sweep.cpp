@@ -5,11 +5,13 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
+#include "ocp/evaluation/usable_threads.hpp"
+
 namespace conddp {
 
 /// Threads that sweep segments.
 struct SegmentSweep::Team {
-  explicit Team(int count) : threads(std::max(1, count)), arena(threads) {}
+  explicit Team(int count) : threads(std::max(1, count)), arena(usable_threads(count)) {}
 
   /// Calls act(0) … act(count − 1), side by side where there are threads.
   template <class F>
@@ -21,7 +23,7 @@ struct SegmentSweep::Team {
     arena.execute([&] { tbb::parallel_for(0, count, act, tbb::simple_partitioner()); });
   }
 
-  int threads;
+  int threads;  ///< that share the work, of which the arena may have fewer
   tbb::task_arena arena;
 };
 
