@@ -326,6 +326,16 @@ TEST_F(Batch, SubmitTakesTheLimitOfTheDefaultPartition) {
   EXPECT_EQ(r.exit_code, 0) << r.err;
   EXPECT_EQ(r.out, "job 77: 2 shards; job 77 collects\n");
   EXPECT_NE(submit("50h").err.find("this partition ends jobs after 2880 min"), std::string::npos);
+  EXPECT_NE(submit("10").err.find("'10' has no unit: write 10m or 10s"), std::string::npos);
+  for (const char* none : {"1:2:3:4", "0:00:00", "infinite", "1-"})
+    EXPECT_NE(submit(none).err.find("such as 10m, 1h30m or 1:30:00"), std::string::npos) << none;
+  for (const char* time : {"90m", "1:30:00", "90:00"}) {
+    std::filesystem::remove_all(folder + "/slurm");
+    EXPECT_EQ(submit(time).exit_code, 0) << time;
+    EXPECT_NE(read_file(folder + "/slurm/array.sh").find("#SBATCH --time=1:30:00\n"),
+              std::string::npos)
+        << time;
+  }
 }
 
 TEST_F(Batch, SubmitNamesTheJobThatIsQueuedWhereTheSecondOneIsRefused) {
@@ -498,6 +508,9 @@ TEST_F(Batch, SaysWhatIsWrongWithAPlanOnStdinAShardOrATime) {
     EXPECT_EQ(r.exit_code, 2) << time;
     EXPECT_NE(r.err.find("such as 90s, 55m or 1h30m"), std::string::npos) << r.err;
   }
+  const ProcessResult bare = run(folder, {"--budget", "55"});
+  EXPECT_EQ(bare.exit_code, 2);
+  EXPECT_NE(bare.err.find("'55' has no unit: write 55m or 55s"), std::string::npos) << bare.err;
   const ProcessResult r = run(folder, {"--budget", "1h30m5s", "-j", "2"});
   EXPECT_EQ(r.exit_code, 0) << r.err;
   EXPECT_NE(r.err.find("limits the time of an item"), std::string::npos) << r.err;

@@ -3,21 +3,30 @@
 #include <fmt/format.h>
 
 #include "base/text/strict_number.hpp"
+#include "batch/cluster/slurm_job.hpp"
 
 namespace conddp {
 namespace {
 
-template <class Parse>
-ArgumentCheck parsed_by(Parse parse, const std::string& expected) {
-  return [=](const std::string& text) {
-    return parse(text) ? std::string() : fmt::format("'{}' is not {}", text, expected);
-  };
+std::string shard_defect(const std::string& text) {
+  if (parse_shard(text)) return {};
+  return fmt::format("'{}' is not a share such as 2/7, auto/7 or auto", text);
 }
 
 constexpr const char* kAutoShard = "auto";
 constexpr double kLongestTime = 1e9;  // s
-constexpr const char* kDurationWords =
-    "a time above 0 and of at most 1e9 seconds, such as 90s, 55m or 1h30m";
+
+/// Numbers alone are no times: they would be seconds here and minutes for Slurm.
+ArgumentCheck time_check(std::optional<double> (*parse)(std::string_view), std::string examples) {
+  return [=](const std::string& text) -> std::string {
+    if (parse(text)) return {};
+    const auto number = parse_number(text).value;
+    if (number && *number > 0 && *number <= kLongestTime)
+      return fmt::format("'{0}' has no unit: write {0}m or {0}s for minutes or seconds", text);
+    return fmt::format("'{}' is not a time above 0 and of at most 1e9 seconds, such as {}", text,
+                       examples);
+  };
+}
 
 }  // namespace
 
@@ -41,10 +50,6 @@ std::optional<double> parse_duration(std::string_view text) {
     if (number && *number >= 0) seconds += *number * unit;
     return number && *number >= 0;
   };
-  if (parse_number(text).value) {
-    if (!add(text, 1)) return std::nullopt;
-    text = {};
-  }
   for (const auto& [letter, unit] : kUnits) {
     const std::size_t at = text.find(letter);
     if (at == std::string_view::npos) continue;
@@ -53,6 +58,12 @@ std::optional<double> parse_duration(std::string_view text) {
   }
   if (!text.empty() || seconds <= 0 || seconds > kLongestTime) return std::nullopt;
   return seconds;
+}
+
+std::optional<double> parse_time_limit(std::string_view text) {
+  if (text.find_first_of(":-") == std::string_view::npos) return parse_duration(text);
+  const auto seconds = parse_slurm_time(text);
+  return seconds && *seconds > 0 && *seconds <= kLongestTime ? seconds : std::nullopt;
 }
 
 namespace {
@@ -156,12 +167,12 @@ std::vector<Argument> batch_arguments(BatchArguments& arguments) {
        .value = "I/N",
        .description = "run, retry: solve one share of the items, such as 2/7; auto/7 or auto takes "
                       "I from the array of jobs to which this process belongs",
-       .check = parsed_by(parse_shard, "a share such as 2/7, auto/7 or auto"),
+       .check = shard_defect,
        .target = &arguments.shard},
       {.names = {"--budget"},
        .value = "TIME",
        .description = "run, retry: begin no item after this time: 90s, 55m, 1h30m",
-       .check = parsed_by(parse_duration, kDurationWords),
+       .check = time_check(parse_duration, "90s, 55m or 1h30m"),
        .target = &arguments.budget},
       {.names = {"--shards"},
        .value = "N",
@@ -174,8 +185,9 @@ std::vector<Argument> batch_arguments(BatchArguments& arguments) {
        .target = &arguments.partition},
       {.names = {"--time"},
        .value = "TIME",
-       .description = "submit: time limit of an element",
-       .check = parsed_by(parse_duration, kDurationWords),
+       .description =
+           "submit: time limit of an element: 10m, 1h30m, or as Slurm writes it, 1:30:00",
+       .check = time_check(parse_time_limit, "10m, 1h30m or 1:30:00"),
        .target = &arguments.time},
       flag({"--dry-run"}, arguments.dry_run, "submit: print what would be submitted"),
       flag({"--any-build"}, arguments.any_build,

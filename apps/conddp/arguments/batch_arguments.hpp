@@ -43,7 +43,10 @@ struct ShardWords {
 /// Nothing where it is no share.
 std::optional<ShardWords> parse_shard(const std::string& text);
 
-/// "90", "90s", "55m", "1h30m" in seconds; nothing where it is no time above zero.
+/// "90s", "55m", "1h30m" in seconds; nothing where it is no time above zero, or lacks its unit.
 std::optional<double> parse_duration(std::string_view text);
+
+/// The same, or a time as Slurm writes it, with colons or days: "1:30:00", "90:00", "1-12".
+std::optional<double> parse_time_limit(std::string_view text);
 
 }  // namespace conddp

@@ -90,7 +90,7 @@ std::optional<Misfit> choose_shards(const BatchArguments& arguments, const Slurm
 std::optional<Misfit> choose_time(const BatchArguments& arguments, const SlurmLimits& limits,
                                   const std::optional<double>& seconds, SlurmJob& job) {
   if (!arguments.time.empty())
-    job.time_s = parse_duration(arguments.time);
+    job.time_s = parse_time_limit(arguments.time);
   else if (seconds)
     job.time_s = std::max(kLeastTime, kTimeMargin * *seconds / (job.shards * job.cpus));
   if (!job.time_s || !limits.longest_s || *job.time_s <= *limits.longest_s) return std::nullopt;
