@@ -22,7 +22,7 @@ class Plant {
       : mpc_(mpc),
         options_(options),
         result_(result),
-        law_{mpc, {}},
+        law_{mpc, options.plant.empty() ? nullptr : options.plant.front().problem.get(), {}},
         motions_(options.plant, options.step, mpc.time_line()),
         appraisal_(mpc.time_line(), options.finds_contacts()),
         stop_(options.stop) {
@@ -60,9 +60,12 @@ class Plant {
  private:
   struct Law {
     Mpc& mpc;
+    const ShootingProblem* actuators;  ///< whose bounds the plant has; null: those of the model
     Eigen::VectorXd u;
     const double* control(double time, const double* state) {
       u = mpc.control(time, state);
+      const int k = mpc.time_line().at(mpc.line_time(time)).knot;
+      if (actuators != nullptr) clip_control(*actuators->knot(k).model, u);
       return u.data();
     }
     double next_change(double time) const { return mpc.next_change(time); }

@@ -5,11 +5,6 @@
 namespace conddp {
 namespace {
 
-void clip(const KnotModel& model, Eigen::VectorXd& u) {
-  for (int i = 0; i < model.nu(); ++i)
-    u[i] = std::max(model.control_lower()[i], std::min(model.control_upper()[i], u[i]));
-}
-
 /// How many numbers at the end of a state are the control that was applied last.
 int remembered(const KnotModel& model) { return model.ndx() - model.system().ndx(); }
 
@@ -25,6 +20,11 @@ void forget(const KnotModel& model, std::vector<double>& tangent) {
 }
 
 }  // namespace
+
+void clip_control(const KnotModel& model, Eigen::VectorXd& u) {
+  for (int i = 0; i < model.nu(); ++i)
+    u[i] = std::max(model.control_lower()[i], std::min(model.control_upper()[i], u[i]));
+}
 
 Plan::Plan(const ShootingProblem& p)
     : problem(&p),
@@ -66,7 +66,7 @@ void Plan::state_at(double time, bool before, double* tangent, double* x) const 
 void planned_control(const Plan& plan, double time, Eigen::VectorXd& u) {
   const int k = plan.knot_at(time);
   u = plan.trajectory.u(k);
-  clip(*plan.problem->knot(k).model, u);
+  clip_control(*plan.problem->knot(k).model, u);
 }
 
 void control_of(const Plan& plan, double time, const double* planned, const double* x,
@@ -77,7 +77,7 @@ void control_of(const Plan& plan, double time, const double* planned, const doub
   // Gains answer the control before the knot; inside of it that is no longer known.
   if (is_before(plan.times[k], time)) forget(*plan.problem->knot(k).model, scratch.tangent);
   add_feedback(plan.feedback.K[k], scratch.tangent, u);
-  clip(*plan.problem->knot(k).model, u);
+  clip_control(*plan.problem->knot(k).model, u);
 }
 
 void control_of(const HeldState& held, const KnotModel& model, const double* x,
@@ -86,7 +86,7 @@ void control_of(const HeldState& held, const KnotModel& model, const double* x,
   model.manifold().difference(held.x.data(), x, scratch.tangent.data());
   forget(model, scratch.tangent);
   add_feedback(held.K, scratch.tangent, u);
-  clip(model, u);
+  clip_control(model, u);
 }
 
 }  // namespace conddp

@@ -42,6 +42,9 @@ struct PolicyScratch {
   std::vector<double> x, tangent;
 };
 
+/// Moves a control to the nearest one within the bounds of a model.
+void clip_control(const KnotModel& model, Eigen::VectorXd& u);
+
 /// The control of a plan at a time, within its bounds: u_k.
 void planned_control(const Plan& plan, double time, Eigen::VectorXd& u);
 /// The same with gains, u_k + K_k (x ⊖ x̄) at a state, where x̄ is the one that the plan has at the

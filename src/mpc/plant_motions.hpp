@@ -9,11 +9,11 @@
 namespace conddp {
 
 /// From a time on the plant moves as this problem's systems do, phase by phase, or in a way of its
-/// own.
+/// own. Its actuators give no more than the problem's bounds on the control allow.
 struct PlantPeriod {
   double from = 0;  ///< s
   std::shared_ptr<const ShootingProblem> problem = nullptr;
-  std::shared_ptr<PlantMotion> motion = nullptr;  ///< in place of the problem
+  std::shared_ptr<PlantMotion> motion = nullptr;  ///< in place of the problem's systems
 };
 
 /// How a plant moves, period by period.

@@ -478,6 +478,35 @@ mpc:
   fallback: {after: 2, to: {configuration: ready}}
 )";
 
+// The controller takes the motor for stronger than it is.
+TEST(MpcFile, APlantHasMotorLimitsOfItsOwn) {
+  const std::string mpc =
+      "mpc: {horizon: 0.5, tick: 0.1, duration: 1, terminal: keep, plant: {set: ";
+  const auto largest = [&](const std::string& set) {
+    const LoadedLoop loop(pendulum_with(mpc + set + "}}"));
+    EXPECT_TRUE(loop.mpc) << loop.all();
+    double most = 0;
+    for (const PlantStep& step : loop.run().steps) most = std::max(most, std::abs(step.u[0]));
+    return most;
+  };
+  EXPECT_GT(largest("{system.mass: 1}"), 1);
+  EXPECT_EQ(largest("{constraints.torque.upper: 0.5, constraints.torque.lower: -0.5}"), 0.5);
+  EXPECT_EQ(largest("{constraints.weak: {bounds: control, lower: -0.25, upper: 0.25}}"), 0.25);
+  const LoadedLoop unknown(pendulum_with(mpc + "{constraints.torqe.upper: 0.5}}}"));
+  EXPECT_FALSE(unknown.mpc);
+}
+
+TEST(MpcFile, AnActuatorIsAllThatAPlantHasOfConstraints) {
+  const LoadedLoop loop(
+      replaced(pendulum_with("mpc: {horizon: 0.5, tick: 0.1, duration: 1, plant: {set: "
+                             "{constraints.rate.upper: 9}}}"),
+               "constraints:\n",
+               "constraints:\n  rate: {residual: state, columns: omega, upper: 8}\n"),
+      {"solver.name=altro"});
+  ASSERT_TRUE(loop.error());
+  EXPECT_EQ(loop.error()->message, "of constraints, a plant has hard bounds on the control alone");
+}
+
 TEST(MpcFile, PushesAFrameForAsLongAsItSays) {
   const LoadedLoop loop(kArm);
   ASSERT_TRUE(loop.mpc) << loop.all();

@@ -333,7 +333,27 @@ class PlantBuilder {
       changed = *std::move(read);
       changed.mpc = spec_.mpc;  // with its places in the texts that the loop's diagnostics have
     }
-    return report(of_plant_, read.has_value());
+    return report(of_plant_, read.has_value()) && check_constraints(changed);
+  }
+
+  /// Of the constraints a plant has the limits of its actuators alone.
+  bool check_constraints(const ProblemSpec& changed) {
+    const int errors = out_.error_count();
+    constexpr std::string_view kSection = "constraints.";
+    for (const Setting& setting : mpc_.plant.settings) {
+      const std::string& key = setting.key.value;
+      const auto is_inside = [&](const ControlBoundsSpec& bounds) {
+        const std::string own = std::string(kSection) + bounds.name.value;
+        return key == own || key.starts_with(own + '.');
+      };
+      if (key.starts_with(kSection) &&
+          std::none_of(changed.control_bounds.begin(), changed.control_bounds.end(), is_inside))
+        out_.error(setting.key.place,
+                   "of constraints, a plant has hard bounds on the control alone",
+                   "name an entry with 'bounds: control', or write one: "
+                   "'constraints.motors: {bounds: control, lower: -1, upper: 1}'");
+    }
+    return out_.error_count() == errors;
   }
 
   /// The setting at whose key something is, or the plant.
@@ -407,7 +427,7 @@ class PlantBuilder {
     if (!report(own, built.has_value())) return false;
     if (!same_columns(*built) || built->problem->times() != built_.problem->times()) {
       out_.error(mpc_.plant.place, "the plant has other states, controls or times than the model",
-                 "change numbers alone: masses, lengths, gravity");
+                 "change numbers alone: masses, lengths, gravity, bounds on the control");
       return false;
     }
     if (to_.plant_specs.empty()) list_files(*built);

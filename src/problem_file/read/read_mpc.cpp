@@ -38,11 +38,14 @@ std::optional<Located<double>> read_feedback(const YamlReader& reader) {
   return rate ? read_positive(*rate) : std::nullopt;
 }
 
-/// Whether a key is of what moves, not of what is wanted of it.
-bool is_of_dynamics(const std::string& key, bool friction) {
-  constexpr std::string_view kParts[] = {"system",     "systems", "robot",   "robots",
-                                         "parameters", "tables",  "gravity", "contacts"};
+/// Whether a key is of what moves, not of what is wanted of it. Of constraints, which are bounds on
+/// the control is known where the plant is built.
+bool is_of_plant(const std::string& key, bool friction) {
+  constexpr std::string_view kParts[] = {"system",  "systems",    "robot",
+                                         "robots",  "parameters", "tables",
+                                         "gravity", "contacts",   "constraints"};
   const std::string_view part = first_step(key);
+  if (part == "constraints" && key == part) return false;
   if (part == "contacts" && (key == part || (!friction && key.ends_with(".friction"))))
     return false;
   return std::find(std::begin(kParts), std::end(kParts), part) != std::end(kParts);
@@ -60,11 +63,12 @@ void report_nested_setting(const Name& key, const YamlReader& value) {
 }
 
 void read_plant_setting(const Name& key, const YamlReader& value, MpcPlantSpec& plant) {
-  if (!is_of_dynamics(key.value, plant.simulated_contacts.has_value()))
-    value.diagnostics().error(key.place, "the plant differs from the model in its dynamics alone",
-                              "accepted: keys below system, systems, robot, robots, parameters, "
-                              "tables, gravity and contacts; friction of contacts only where they "
-                              "are simulated");
+  if (!is_of_plant(key.value, plant.simulated_contacts.has_value()))
+    value.diagnostics().error(
+        key.place, "the plant differs from the model in its dynamics and its actuators alone",
+        "accepted: keys below system, systems, robot, robots, parameters, tables, gravity and "
+        "contacts; friction of contacts only where they are simulated; bounds on the control below "
+        "constraints");
   else if (value.is_map() && first_step(key.value) == key.value)
     report_nested_setting(key, value);
   else
