@@ -51,9 +51,7 @@ class Plant {
   void appraise_end() { count(appraisal_.of_end(x.data())); }
 
   /// The contacts that are closed in front of a time.
-  std::uint32_t closed_contacts(double time) const {
-    return motions_.at(time - 2 * kSameTime).closed_contacts();
-  }
+  std::uint32_t closed_contacts(double time) const { return motion_before(time).closed_contacts(); }
 
   std::vector<double> x;
 
@@ -98,14 +96,18 @@ class Plant {
 
   bool goes_on(double time) {
     result_.end_time = time;
-    if (!is_finite(x))
+    if (!is_finite(x)) {
       result_.end = LoopEnd::diverged;
-    else if (stop_.is_met(x.data()))
-      result_.end = LoopEnd::stopped;
-    else
-      return true;
+      result_.failure = motion_before(time).failure();
+      return false;
+    }
+    if (!stop_.is_met(x.data())) return true;
+    result_.end = LoopEnd::stopped;
     return false;
   }
+
+  /// What moved the plant in front of a time.
+  const PlantMotion& motion_before(double time) const { return motions_.at(time - 2 * kSameTime); }
 
   Mpc& mpc_;
   const ClosedLoopOptions& options_;

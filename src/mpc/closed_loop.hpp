@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -73,6 +74,7 @@ struct PlantStep {
 struct ClosedLoopResult {
   LoopEnd end = LoopEnd::finished;
   double end_time = 0;  ///< s
+  std::string failure;  ///< PlantMotion::failure() of the last step, where that ended the loop
   std::vector<PlantStep> steps;
   std::vector<double> last_state;  ///< after the last step
   std::vector<TickRecord> ticks;

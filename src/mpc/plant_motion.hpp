@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string_view>
 
 namespace conddp {
 
@@ -18,6 +19,9 @@ class PlantMotion {
   /// The contacts that are closed after the last step, one bit each in the order of the file; of a
   /// plant that does not find them itself none.
   virtual std::uint32_t closed_contacts() const { return 0; }
+  /// Why the last step could not be made, which left a state that is not finite; empty where it
+  /// could.
+  virtual std::string_view failure() const { return {}; }
 };
 
 }  // namespace conddp

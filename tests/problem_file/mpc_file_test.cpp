@@ -632,6 +632,16 @@ TEST(MpcFile, FallsToAGroundThatIsLower) {
   EXPECT_LT(result.last_state[2], 0.5);
 }
 
+TEST(MpcFile, ALoopWhoseSimulatorFindsNoStepSaysSo) {
+  const LoadedLoop loop = trot(
+      "duration: 0.14, plant: {contacts: simulated, dt: 0.002, ground: [{half_space: {point: [0, "
+      "0, 0.3], normal: [0, 0, 1]}}]}");
+  ASSERT_TRUE(loop.mpc) << loop.all();
+  const ClosedLoopResult result = loop.run();
+  EXPECT_EQ(result.end, LoopEnd::diverged);
+  EXPECT_EQ(result.failure, "the simulator of contacts found no solution of the step");
+}
+
 TEST(MpcFile, SimulatedContactsHaveAStepAndAnIntegratorOfTheirOwn) {
   const LoadedLoop loop =
       trot("duration: 0.1, plant: {contacts: simulated, integrator: semi_implicit_euler}");

@@ -58,6 +58,10 @@ ContactStep SimulatedContacts::step(const StepStart& start) {
   }
 }
 
+std::string_view SimulatedContacts::failure() const {
+  return failed_ ? "the simulator of contacts found no solution of the step" : "";
+}
+
 void SimulatedContacts::step(double /*time*/, double length, const double* u, double* x) {
   const int nq = plant_.nq(), nv = plant_.nv();
   const std::vector<double> applied = plant_.applied(u);
@@ -65,7 +69,8 @@ void SimulatedContacts::step(double /*time*/, double length, const double* u, do
       step({Eigen::Map<const Eigen::VectorXd>(x, nq), Eigen::Map<const Eigen::VectorXd>(x + nq, nv),
             Eigen::Map<const Eigen::VectorXd>(applied.data(), nv), length});
   closed_ = 0;
-  if (taken.status != StepStatus::solved && !(taken.residual <= kGoodEnough)) {
+  failed_ = taken.status != StepStatus::solved && !(taken.residual <= kGoodEnough);
+  if (failed_) {
     std::fill_n(x, nq + nv + remembered_, std::numeric_limits<double>::quiet_NaN());
     return;
   }

@@ -27,6 +27,7 @@ class SimulatedContacts final : public PlantMotion {
   /// A step that leaves the finite numbers makes all of x not a number.
   void step(double time, double length, const double* u, double* x) override;
   std::uint32_t closed_contacts() const override { return closed_; }
+  std::string_view failure() const override;
 
  private:
   void use(std::vector<std::size_t> candidates);
@@ -41,6 +42,7 @@ class SimulatedContacts final : public PlantMotion {
   std::vector<std::size_t> near_;  ///< candidates that the simulator has, in order
   std::optional<ContactSimulator> simulator_;
   std::uint32_t closed_ = 0;
+  bool failed_ = false;
 };
 
 }  // namespace conddp

@@ -68,7 +68,9 @@ std::string reason_of_end(const LoopTask& task, const ClosedLoopResult& result) 
     case LoopEnd::stopped:
       return broken_condition(task, result.last_state.data());
     case LoopEnd::diverged:
-      return "the plant's state is not finite";
+      return result.failure.empty()
+                 ? "the plant's state is not finite"
+                 : fmt::format("{} at {:g} s", result.failure, result.steps.back().time);
     case LoopEnd::interrupted:
       return "a signal or the limit of time ended it";
   }
