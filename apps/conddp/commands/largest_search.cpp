@@ -193,10 +193,8 @@ class Search {
     if (!task) family_.blame(value, own);
     if (task && task->spec->mpc->stop_when.empty())
       own.error(task->spec->mpc->place,
-                "a loop without 'stop_when' lasts whatever happens: --largest would find the whole "
-                "range",
-                "say when it has failed: 'stop_when: {fallen: {residual: state, columns: theta, "
-                "lower: 2, upper: 4}}'");
+                fmt::format("{}: --largest would find the whole range", kNothingStopsALoop),
+                kHowToStopALoop);
     if (own.has_errors()) return fail(std::move(own));
     if (!first) return true;
     folder_ = output_folder(arguments_, *task->spec);

@@ -215,7 +215,10 @@ class Expansion {
     const ProblemFamily& family = *families_[problem];
     if (plan_.command == BatchCommand::kMpc) {
       const auto loop = family.build_loop(list, out);
-      return loop ? std::optional(Tried{input_files(*loop), {}}) : std::nullopt;
+      if (!loop) return std::nullopt;
+      if (loop->spec->mpc->stop_when.empty())
+        out.warning(loop->spec->mpc->place, kNothingStopsALoop, kHowToStopALoop);
+      return Tried{input_files(*loop), {}};
     }
     const auto instance = family.build(list, out);
     if (!instance || usable_solvers(*instance->spec, *instance->built.problem, out).empty())

@@ -15,6 +15,7 @@
 #include "problem_file/read/read_problem.hpp"
 #include "problem_file/read/read_sections.hpp"
 #include "problem_file/spec/phase_grid.hpp"
+#include "problem_file/terms/constraint_builder.hpp"
 #include "problem_file/terms/term_residual.hpp"
 #include "problem_file/terms/terminal_lqr.hpp"
 #include "solvers/ddp/family.hpp"
@@ -220,6 +221,23 @@ double largest_rate(const System& system, const std::vector<double>& x, const Ei
   return rates.cwiseAbs().maxCoeff();
 }
 
+/// What moves on with a velocity of its own is not held.
+void check_rest(const std::vector<double>& x, const Place& place, const BuiltProblem& built,
+                Diagnostics& out) {
+  const System& system = *built.plant.system;
+  if (system.kind() != SystemKind::second_order) return;
+  const std::vector<int> others = other_coordinates(system);
+  for (int i = 0; i < system.nv(); ++i) {
+    const int column = system.nq() + i;
+    const bool is_other = std::find(others.begin(), others.end(), system.nv() + i) != others.end();
+    if (x[column] == 0 || is_other) continue;
+    return out.error(place,
+                     fmt::format("the state of the fallback is not at rest: '{}' is {:g}",
+                                 built.state_columns[column].name, x[column]),
+                     "leave velocities out: they are 0 then");
+  }
+}
+
 /// A system at rest in a state, held by the controls that balance it.
 std::optional<HeldState> held_state(const StateSpec& state, const Place& place,
                                     const BuiltProblem& built, Diagnostics& out) {
@@ -229,6 +247,7 @@ std::optional<HeldState> held_state(const StateSpec& state, const Place& place,
   states.set_initial({problem.initial_state().begin(), problem.initial_state().begin() + own});
   const auto x = states.build(state);
   if (!x) return std::nullopt;
+  check_rest(*x, place, built, out);
   int last = problem.knots() - 1;
   while (problem.takes_no_time(last)) --last;
   const KnotModel& model = *problem.knot(last).model;
@@ -477,9 +496,19 @@ bool changes_with_time(const ConstraintSpec& condition, const ProblemSpec& spec,
   return residual && residual->reads_time;
 }
 
+/// A condition that would hold where its residual is exactly zero, which no state keeps to.
+void check_condition(const ConstraintSpec& condition, Diagnostics& out) {
+  if (is_zero(condition) && !condition.function.definition->of_contacts())
+    out.error(condition.function.name.place,
+              fmt::format("the condition '{}' does not say between which numbers the loop goes on",
+                          condition.function.name.value),
+              "give 'lower' or 'upper', or of the norm 'at_least' or 'at_most'");
+}
+
 /// Conditions that end the loop, as the last node of a problem that has no other constraints.
 std::optional<StopCondition> stop_condition(const ProblemSpec& spec, const BuiltProblem& built,
                                             Diagnostics& out) {
+  for (const ConstraintSpec& condition : spec.mpc->stop_when) check_condition(condition, out);
   for (const ConstraintSpec& condition : spec.mpc->stop_when)
     if (changes_with_time(condition, spec, built, out))
       out.error(condition.function.name.place,
