@@ -220,6 +220,8 @@ INSTANTIATE_TEST_SUITE_P(
                 "plan.yaml:3:61: 'costs.effort' is varied twice"},
         BadPlan{"vary: {a: {key: costs.effort.weight, values: [1, 2, 1.0]}}\n",
                 "plan.yaml:3:53: items 1 and 3 are the same problem with the same settings"},
+        BadPlan{"vary: {a: {key: costs.effort.weight, values: [3, =1+2]}}\n",
+                "plan.yaml:3:50: items 1 and 2 are the same problem with the same settings"},
         BadPlan{"vary: {p: {keys: [costs.effort.weight, phases.0.dt], values: [[1, 2], [3]]}}\n",
                 "plan.yaml:3:71: this row has 1 values, and there are 2 keys"},
         BadPlan{"vary: {t: {file: goals.csv, columns: {angel: costs.effort.weight}}}\n",
@@ -300,6 +302,20 @@ TEST(BatchPlan, GridsOfWholeNumbersAreWhole) {
   for (int i = 0; i < 50; ++i) EXPECT_EQ(batch.manifest->items[i].values[0], std::to_string(i + 1));
 }
 
+TEST(BatchPlan, ValuesAreTheNumbersOfTheirFormulasAndKeepTheirKinds) {
+  const PlannedBatch batch(R"(vary:
+  phase: {key: phases.0, values: [{name: "5", knots: 5, dt: =0.2/2}]}
+  w: {key: costs.effort.weight, values: [=1/2, 2.0]}
+  mpc: {key: mpc, values: [{horizon: 1, tick: 0.5, duration: 1, predict: false}]}
+solvers: [ilqr]
+)");
+  ASSERT_TRUE(batch.manifest) << batch.error();
+  EXPECT_EQ(batch.manifest->items[0].values,
+            (Strings{R"({"name":"5","knots":5,"dt":0.1})", "0.5",
+                     R"({"horizon":1,"tick":0.5,"duration":1,"predict":false})"}));
+  EXPECT_EQ(batch.manifest->items[1].values[1], "2");
+}
+
 TEST(BatchPlan, ClosedLoopsAreBuiltWithTheirSettings) {
   const std::string loop = std::string(kSwing) + "mpc: {horizon: 1, tick: 0.1, duration: 1}\n";
   const PlannedBatch batch(
@@ -307,6 +323,9 @@ TEST(BatchPlan, ClosedLoopsAreBuiltWithTheirSettings) {
       loop);
   ASSERT_TRUE(batch.manifest) << batch.error();
   EXPECT_EQ(batch.manifest->command, BatchCommand::kMpc);
+  ASSERT_EQ(batch.diagnostics.list().size(), 1u);
+  EXPECT_EQ(batch.diagnostics.list()[0].message,
+            "a loop without 'stop_when' lasts whatever happens (item 1 and 1 more)");
   // The limit is the worker's, not the solver's.
   EXPECT_EQ(batch.manifest->items[1].settings, (std::vector<std::string>{"mpc.delay=0.1"}));
   const PlannedBatch late("command: mpc\nvary: {d: {key: mpc.delay, values: [0, 0.2]}}\n", loop);

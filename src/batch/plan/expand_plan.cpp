@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <set>
@@ -16,7 +17,7 @@
 #include "base/text/strict_number.hpp"
 #include "batch/plan/neighbours.hpp"
 #include "batch/plan/varied_keys.hpp"
-#include "problem_file/yaml/canonical_definition.hpp"
+#include "problem_file/read/settled_settings.hpp"
 
 namespace conddp {
 namespace {
@@ -24,11 +25,38 @@ namespace {
 /// Items that are built before errors among them are looked for.
 constexpr std::size_t kAtOnce = 1024;
 
-/// A value as JSON. Whole numbers have no decimal point.
-std::string value_json(const YamlNode& value) {
+/// A number, whole ones without a decimal point; a word of YAML's; else a text.
+OrderedJson scalar_json(const YamlNode& value) {
+  constexpr double kMostWhole = 1e15;
   const auto number = value.quoted ? std::nullopt : parse_number(value.text).value;
-  if (value.kind != YamlNode::Kind::kScalar || !number) return canonical_value(value);
-  return fmt::format("{}", *number);
+  if (number && std::abs(*number) < kMostWhole && std::round(*number) == *number)
+    return static_cast<long long>(*number);
+  if (number && std::isfinite(*number)) return *number;
+  if (!value.quoted && (value.text == "true" || value.text == "false")) return value.text == "true";
+  return value.text;
+}
+
+/// A value of the plan as tables of results and data sets have it.
+OrderedJson value_json(const YamlNode& value) {
+  OrderedJson json;
+  switch (value.kind) {
+    case YamlNode::Kind::kNull:
+      break;
+    case YamlNode::Kind::kScalar:
+      return scalar_json(value);
+    case YamlNode::Kind::kSequence:
+      json = OrderedJson::array();
+      for (const YamlNode& item : value.items) json.push_back(value_json(item));
+      break;
+    case YamlNode::Kind::kMap:
+      json = OrderedJson::object();
+      for (const YamlNode::Entry& entry : value.entries) json[entry.key] = value_json(entry.value);
+  }
+  return json;
+}
+
+std::string value_text(const YamlNode& value) {
+  return value_json(value).dump(-1, ' ', false, OrderedJson::error_handler_t::replace);
 }
 
 /// Collects the warnings of items. Those that differ in numbers alone count as one.
@@ -124,7 +152,7 @@ class Expansion {
     for (std::size_t first = 0; first < manifest.items.size(); first += kAtOnce)
       if (!build(first, std::min(first + kAtOnce, manifest.items.size()), manifest))
         return std::nullopt;
-    if (!all_differ(manifest.items)) return std::nullopt;
+    if (!all_differ()) return std::nullopt;
     if (plan_.warm_start == WarmStart::kNeighbour) find_parents(manifest, shapes_);
     for (const auto& [path, sha256] : files_)
       manifest.files.push_back({relative_path(path, run_), sha256});
@@ -206,7 +234,8 @@ class Expansion {
   /// What was found out about an item.
   struct Tried {
     InputFiles files;
-    std::string shape;  ///< of the problem that is solved
+    std::string shape;         ///< of the problem that is solved
+    std::string settled = {};  ///< its id with the numbers of its formulas
   };
 
   /// Nothing with errors where it cannot be built.
@@ -241,9 +270,13 @@ class Expansion {
       ManifestItem& item = manifest.items[i];
       item = {.id = item_id(manifest, p.problem, list, result->files), .problem = p.problem};
       for (const Setting& setting : list) item.settings.push_back(setting.text);
-      for (std::size_t a = 0; a < plan_.axes.size(); ++a)
-        for (const YamlNode& value : plan_.axes[a].rows[p.rows[a]])
-          item.values.push_back(value_json(value));
+      const auto settled = settled_settings(families_[p.problem]->document(), list);
+      result->settled = item_id(manifest, p.problem, settled, result->files);
+      // Behind the values of the axes there is the solver, if the plan names some.
+      auto value = settled.end() - (plan_.solvers.empty() ? 0 : 1) -
+                   static_cast<std::ptrdiff_t>(manifest.columns.size());
+      for (std::size_t c = 0; c < manifest.columns.size(); ++c)
+        item.values.push_back(value_text((value++)->value));
       tried[i - first] = *std::move(result);
     });
     for (std::size_t i = first; i < last; ++i) {
@@ -264,6 +297,7 @@ class Expansion {
 
   /// Keeps what later items and the manifest need to know of an item.
   void remember(int problem, const Tried& item) {
+    settled_.push_back(item.settled);
     shapes_.push_back(
         numbers_.try_emplace(item.shape, static_cast<int>(numbers_.size())).first->second);
     const InputFiles base = input_files(families_[problem]->base().built);
@@ -296,10 +330,10 @@ class Expansion {
                        plan_.problems[b.problem].value.string());
   }
 
-  bool all_differ(const std::vector<ManifestItem>& items) {
+  bool all_differ() {
     std::unordered_map<std::string, std::size_t> first;
-    for (std::size_t i = 0; i < items.size(); ++i) {
-      const auto [other, fresh] = first.try_emplace(items[i].id, i);
+    for (std::size_t i = 0; i < settled_.size(); ++i) {
+      const auto [other, fresh] = first.try_emplace(settled_[i], i);
       if (fresh) continue;
       const Parts a = parts(other->second), b = parts(i);
       Place place = plan_.problems[b.problem].place;
@@ -320,6 +354,7 @@ class Expansion {
   ItemWarnings warnings_;
   std::unordered_map<std::string, int> numbers_;  ///< of shapes
   std::vector<int> shapes_;                       ///< of the items
+  std::vector<std::string> settled_;              ///< Tried::settled of the items
   std::map<std::string, std::string> files_;      ///< that settings name, with their hashes
 };
 
