@@ -342,6 +342,9 @@ TEST_F(Batch, AReportHasCountsAndLeadsToTheFilesOfItemsThatStandOut) {
   EXPECT_EQ(batch["lists"][0]["items"][0]["id"], ids(folder)[4]);
   // The slowest, the least and the greatest cost; the slowest may be one of the others.
   EXPECT_GE(data["solutions"].size(), 2u);
+  const std::string elsewhere = folder_.path() / "pages/of/report.html";
+  EXPECT_EQ(run_conddp({"batch", "report", folder, "-o", elsewhere}).exit_code, 0);
+  EXPECT_TRUE(std::filesystem::exists(elsewhere));
   EXPECT_LE(data["solutions"].size(), 3u);
   for (const auto& list : batch["lists"])
     for (const auto& item : list["items"]) {

@@ -338,6 +338,22 @@ TEST_F(Batch, SubmitTakesTheLimitOfTheDefaultPartition) {
   }
 }
 
+TEST_F(Batch, SubmitTakesTheShardsOfThePlan) {
+  const std::string folder = folder_.path() / "shards";
+  ASSERT_EQ(run_conddp({"batch", "plan", plan(), "-o", folder, "--shards", "5"}).exit_code, 0);
+  const ProcessResult r = run_conddp({"batch", "submit", folder}, stub_cluster(folder_));
+  EXPECT_EQ(r.out, "job 77: 5 shards; job 77 collects\n") << r.err;
+}
+
+TEST_F(Batch, StatusOfAPlanSaysWhereItsRunIs) {
+  const std::string file = plan();
+  const ProcessResult r = run_conddp({"batch", "status", file});
+  EXPECT_EQ(r.exit_code, 2);
+  EXPECT_EQ(r.err.find("conddp: error: '" + file + "' is a file, not the folder of a run\n"), 0u)
+      << r.err;
+  EXPECT_NE(r.err.find("in out/ and the plan's name"), std::string::npos) << r.err;
+}
+
 TEST_F(Batch, SubmitNamesTheJobThatIsQueuedWhereTheSecondOneIsRefused) {
   const ProcessResult r = run_conddp({"batch", "submit", planned("submit"), "--shards", "2"},
                                      stub_cluster(folder_, "afterany"));

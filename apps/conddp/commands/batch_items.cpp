@@ -193,6 +193,7 @@ int report_batch(const BatchArguments& arguments) {
   const auto results = load_results(run);
   const std::vector<StandOut> lists = items_that_stand_out(*manifest, results, kMostInList);
   const fs::path page = arguments.folder.empty() ? run / "report.html" : fs::path(arguments.folder);
+  create_folder(fs::absolute(page).parent_path());
   ShownItems shown(run, *manifest, results);
   // A page of closed loops has no motion: 'show' simulates them one by one.
   if (manifest->command == BatchCommand::kSolve) shown.write(lists, page, diagnostics);

@@ -69,14 +69,15 @@ std::optional<double> seconds_left(const BatchStatus& status) {
   return status.solve_s / static_cast<double>(done) * static_cast<double>(status.unfinished);
 }
 
-std::optional<Misfit> choose_shards(const BatchArguments& arguments, const SlurmLimits& limits,
+/// `wanted`: how many there shall be; 0: as many as the time of the items asks for.
+std::optional<Misfit> choose_shards(int wanted, const SlurmLimits& limits,
                                     const std::optional<double>& seconds, SlurmJob& job) {
-  if (arguments.shards > limits.most_shards())
+  if (wanted > limits.most_shards())
     return Misfit{
         fmt::format("this cluster takes arrays of at most {} elements", limits.most_shards()),
         "ask for fewer with --shards"};
-  if (arguments.shards > 0) {
-    job.shards = arguments.shards;
+  if (wanted > 0) {
+    job.shards = wanted;
   } else if (seconds) {
     job.shards = shards_for(*seconds, job.cpus, limits);
   } else {
@@ -177,7 +178,9 @@ int submit_batch(const BatchArguments& arguments) {
                .cpus = std::max(1, arguments.jobs),
                .partition = arguments.partition,
                .any_build = arguments.any_build};
-  auto misfit = choose_shards(arguments, limits, seconds, job);
+  const int planned = manifest->shards > 1 ? manifest->shards : 0;
+  auto misfit =
+      choose_shards(arguments.shards > 0 ? arguments.shards : planned, limits, seconds, job);
   if (!misfit) misfit = choose_time(arguments, limits, seconds, job);
   if (misfit) {
     print_error(misfit->message, misfit->hint);

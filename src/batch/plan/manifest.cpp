@@ -218,6 +218,11 @@ std::optional<Manifest> load_manifest(const std::filesystem::path& run, bool wit
              .hint = std::move(hint)});
     return std::nullopt;
   };
+  if (std::error_code error; std::filesystem::is_regular_file(run, error)) {
+    out.error({}, fmt::format("'{}' is a file, not the folder of a run", run.string()),
+              "the run of a plan is in the folder that -o named, or in out/ and the plan's name");
+    return std::nullopt;
+  }
   if (!std::getline(stream, line))
     return fail(0, fmt::format("'{}' is not the folder of a batch", run.string()),
                 "'conddp batch plan PLAN.yaml -o FOLDER' makes one");
