@@ -61,6 +61,31 @@ TEST_F(MpcCommand, WritesTheSameBytesOnEachRunAndForAnyNumberOfThreads) {
   EXPECT_EQ(file("a/mpc.json"), file("b/mpc.json"));
 }
 
+TEST_F(MpcCommand, CheckBuildsTheLoop) {
+  const auto check = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"check", "balance.yaml"});
+    return run_conddp(more, {.folder = folder_.path()});
+  };
+  const ProcessResult fine = check({});
+  EXPECT_EQ(fine.exit_code, 0) << fine.err;
+  EXPECT_NE(
+      fine.out.find("  closed loop     2 s, ticks of 0.02 s with a horizon of 1 s, by box_fddp\n"),
+      std::string::npos)
+      << fine.out;
+  const ProcessResult json = check({"--json"});
+  EXPECT_TRUE(fits_schema("check", json.out)) << json.out;
+  EXPECT_EQ(nlohmann::json::parse(json.out)["mpc"]["tick_s"], 0.02);
+  const ProcessResult wrong = check({"--set", "mpc.tick=2"});
+  EXPECT_EQ(wrong.exit_code, 2);
+  EXPECT_EQ(wrong.out, "");
+  EXPECT_NE(wrong.err.find("a tick of 2 s is longer than the horizon of 1 s"), std::string::npos)
+      << wrong.err;
+  // What is said of the problem is said once.
+  const ProcessResult once = check({"--set", "mesh={error: 1e-6}"});
+  EXPECT_EQ(once.err.find("refines none"), once.err.rfind("refines none")) << once.err;
+  EXPECT_NE(once.err.find("refines none"), std::string::npos) << once.err;
+}
+
 TEST_F(MpcCommand, EndsWithStatus1WhereAConditionEndsTheLoop) {
   const ProcessResult result = run({"--set", "mpc.disturbances.0.jump.omega=20", "--json"}, "out");
   EXPECT_EQ(result.exit_code, 1) << result.err;

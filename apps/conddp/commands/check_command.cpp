@@ -1,7 +1,11 @@
+#include <algorithm>
+#include <memory>
+
 #include "arguments/problem_arguments.hpp"
 #include "arguments/shared_arguments.hpp"
 #include "base/json/json_text.hpp"
 #include "commands/commands.hpp"
+#include "output/mpc/loop_task.hpp"
 #include "problem_file/build/build_problem.hpp"
 #include "problem_file/expand/expand_problem.hpp"
 #include "solvers/strategies/registry.hpp"
@@ -31,9 +35,28 @@ std::string full_text(const OrderedJson& summary) {
   return text;
 }
 
+/// Builds the closed loop of a file that has one. What is wrong with it alone is reported: of its
+/// problem all has been said.
+std::unique_ptr<LoopTask> loop_of(const CheckArguments& arguments, const ProblemSpec& spec,
+                                  Diagnostics& out) {
+  if (!spec.mpc) return nullptr;
+  Diagnostics own = out;
+  auto task = build_loop(spec, {.drop = arguments.drop}, own);
+  const std::vector<Diagnostic> said = out.list();
+  for (const Diagnostic& d : own.list()) {
+    const auto is_same = [&d](const Diagnostic& other) {
+      return d.message == other.message && d.line == other.line && d.column == other.column;
+    };
+    if (std::none_of(said.begin(), said.end(), is_same)) out.add(d);
+  }
+  return task;
+}
+
 int print_summary(const CheckArguments& arguments, const ProblemSpec& spec,
-                  const BuiltProblem& built, const std::vector<const SolverInfo*>& candidates) {
-  OrderedJson summary = check_summary(spec, built, candidates);
+                  const BuiltProblem& built, const std::vector<const SolverInfo*>& candidates,
+                  const LoopTask* loop) {
+  OrderedJson summary =
+      check_summary(spec, built, candidates, loop == nullptr ? nullptr : &loop->mpc);
   if (arguments.derivatives)
     summary["derivatives"] =
         derivatives_json(check_derivatives(*built.problem, built.guess), spec, built);
@@ -56,10 +79,11 @@ int check_file(const CheckArguments& arguments) {
     diagnostics.error({{}, "terminal"},
                       "--terminal checks 'terminal: {lqr: STATE}', which the file has not",
                       "write it, or give --set terminal.lqr=STATE");
+  const auto loop = candidates.empty() ? nullptr : loop_of(arguments, *spec, diagnostics);
   if (arguments.expand && built) warn_of_lost_gait(*spec, diagnostics);
   print_messages(diagnostics, verbosity);
   if (candidates.empty() || diagnostics.has_errors()) return kExitBadInput;
-  if (!arguments.expand) return print_summary(arguments, *spec, *built, candidates);
+  if (!arguments.expand) return print_summary(arguments, *spec, *built, candidates, loop.get());
   print_result(arguments.json ? json_text(expand_problem(*spec, *built))
                               : expanded_text(*spec, *built));
   return kExitConverged;

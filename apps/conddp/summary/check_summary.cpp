@@ -390,10 +390,26 @@ std::string solver_lines(const OrderedJson& s) {
   return text;
 }
 
+OrderedJson loop_json(const BuiltMpc* loop) {
+  if (loop == nullptr) return nullptr;
+  const MpcOptions& controller = loop->controller;
+  return {{"duration_s", loop->loop.duration},
+          {"tick_s", controller.tick},
+          {"horizon_s", controller.horizon},
+          {"solver", controller.solver}};
+}
+
+std::string loop_line(const OrderedJson& loop) {
+  if (loop.is_null()) return {};
+  return fmt::format("  {:<16}{:g} s, ticks of {:g} s with a horizon of {:g} s, by {}\n",
+                     "closed loop", loop["duration_s"].get<double>(), loop["tick_s"].get<double>(),
+                     loop["horizon_s"].get<double>(), text_of(loop["solver"]));
+}
+
 }  // namespace
 
 OrderedJson check_summary(const ProblemSpec& spec, const BuiltProblem& built,
-                          const std::vector<const SolverInfo*>& candidates) {
+                          const std::vector<const SolverInfo*>& candidates, const BuiltMpc* loop) {
   const ShootingProblem& problem = *built.problem;
   const SolverInfo& solver = *candidates.front();
   OrderedJson then = OrderedJson::array();
@@ -438,7 +454,8 @@ OrderedJson check_summary(const ProblemSpec& spec, const BuiltProblem& built,
             {"then", std::move(then)},
             {"homotopy", std::move(homotopy)},
             {"restarts", spec.solver.options.restarts.count}}},
-          {"initial_guess", std::move(guess)}};
+          {"initial_guess", std::move(guess)},
+          {"mpc", loop_json(loop)}};
 }
 
 std::string check_text(const OrderedJson& s) {
@@ -461,6 +478,7 @@ std::string check_text(const OrderedJson& s) {
   text +=
       fmt::format("  {:<16}states: {}; controls: {}\n", "first guess",
                   text_of(s["initial_guess"]["states"]), text_of(s["initial_guess"]["controls"]));
+  text += loop_line(s["mpc"]);
   return text;
 }
 
