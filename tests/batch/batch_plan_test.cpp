@@ -599,6 +599,25 @@ TEST(BatchPlan, SaysWhichItemCannotBeBuilt) {
       << note.message;
 }
 
+TEST(BatchPlan, SaysHowAPlanChoosesASolverThatSupportsItsProblem) {
+  const PlannedBatch batch(
+      "solvers: [ilqr]\n",
+      std::string(kSwing) + "constraints: {torque: {bounds: control, lower: -1, upper: 1}}\n");
+  EXPECT_NE(batch.error().find("ilqr does not support the control bounds"), std::string::npos);
+  const Diagnostic& error = batch.diagnostics.list().front();
+  EXPECT_EQ(error.hint, "choose one of them under 'solvers'; 'auto' does so by the problem");
+}
+
+TEST(BatchPlan, AnEmptyTableHasNoColumns) {
+  PlannedBatch batch("vary: {t: {file: goals.csv, columns: {angle: costs.effort.weight}}}\n");
+  batch.folder.write("goals.csv", "");
+  batch.plan_again();
+  EXPECT_EQ(batch.error(),
+            "goals.csv:1:1: the table is empty: the names of its columns are expected in its first "
+            "line");
+  EXPECT_EQ(batch.diagnostics.list().front().hint, "");
+}
+
 TEST(BatchPlan, SettingsOfTheRobotLoadItAgain) {
   PlannedBatch batch("");
   batch.folder.write("arm.yaml", "conddp: 1\nrobot: {urdf: " CONDDP_SOURCE_DIR

@@ -478,6 +478,17 @@ mpc:
   fallback: {after: 2, to: {configuration: ready}}
 )";
 
+// Keys of 'set' have dots: what follows it is one of them.
+TEST(MpcFile, APathSetsWhatThePlantDoesNotSetYet) {
+  for (const char* plant : {"", "plant: {dt: 0.01}", "plant: {set: {system.length: 0.9}}"}) {
+    const LoadedLoop loop(
+        pendulum_with(std::string("mpc: {horizon: 0.5, tick: 0.1, duration: 1, ") + plant + "}"),
+        {"mpc.plant.set.system.mass=1.5"});
+    ASSERT_TRUE(loop.mpc) << loop.all();
+    EXPECT_EQ(loop.spec->mpc->plant.settings.back().key.value, "system.mass");
+  }
+}
+
 // The controller takes the motor for stronger than it is.
 TEST(MpcFile, APlantHasMotorLimitsOfItsOwn) {
   const std::string mpc =

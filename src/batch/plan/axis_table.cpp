@@ -23,6 +23,10 @@ class TableReader {
   std::vector<std::vector<YamlNode>> read(const std::vector<Name>& columns) {
     const std::vector<CsvCell> header = next_line();
     for (const CsvCell& cell : header) names_.push_back(cell.text);
+    if (names_ == std::vector<std::string>{""}) {
+      fail(0, "the table is empty: the names of its columns are expected in its first line");
+      return {};
+    }
     if (!choose(columns, header)) return {};
     std::vector<std::vector<YamlNode>> rows;
     while (start_ < text_.size()) {

@@ -166,6 +166,9 @@ class Expansion {
     for (std::size_t i = before; i < own.list().size(); ++i) {
       Diagnostic d = own.list()[i];
       d.source = -1;
+      // A plan has neither --solver nor --drop.
+      if (d.hint.starts_with("choose one of them with --solver"))
+        d.hint = "choose one of them under 'solvers'; 'auto' does so by the problem";
       out_.add(std::move(d));
     }
   }

@@ -545,7 +545,10 @@ void check_plant(const MpcSpec& mpc, const BuiltProblem& built, const StepRule& 
     const TimeLine line(built.problem, mpc.repeat.value != AfterTheEnd::kNone);
     const Simulation simulation(line, rule);
   } catch (const std::invalid_argument& reason) {
-    out.error(mpc.plant.integrator ? mpc.plant.integrator->place : mpc.place, reason.what());
+    const bool discrete = built.plant.system->kind() == SystemKind::discrete;
+    out.error(mpc.plant.integrator ? mpc.plant.integrator->place : mpc.place, reason.what(),
+              discrete ? "leave the key out: the system gives the next state itself"
+                       : "take explicit_euler, rk2, rk3 or rk4");
   }
 }
 

@@ -38,28 +38,28 @@ std::optional<Located<double>> read_feedback(const YamlReader& reader) {
   return rate ? read_positive(*rate) : std::nullopt;
 }
 
+/// Parts of a file in which a plant may differ.
+constexpr std::string_view kPlantParts[] = {"system",  "systems",     "robot",
+                                            "robots",  "parameters",  "tables",
+                                            "gravity", "constraints", "contacts"};
+
 /// Whether a key is of what moves, not of what is wanted of it. Of constraints, which are bounds on
 /// the control is known where the plant is built.
 bool is_of_plant(const std::string& key, bool friction) {
-  constexpr std::string_view kParts[] = {"system",  "systems",    "robot",
-                                         "robots",  "parameters", "tables",
-                                         "gravity", "contacts",   "constraints"};
   const std::string_view part = first_step(key);
   if (part == "constraints" && key == part) return false;
   if (part == "contacts" && (key == part || (!friction && key.ends_with(".friction"))))
     return false;
-  return std::find(std::begin(kParts), std::end(kParts), part) != std::end(kParts);
+  return std::find(std::begin(kPlantParts), std::end(kPlantParts), part) != std::end(kPlantParts);
 }
 
-/// A key without dots with keys below it: 'system: {pole_mass: 0.3}', also by --set of
-/// 'mpc.plant.set.system.pole_mass'.
+/// A key without dots with keys below it: 'system: {pole_mass: 0.3}'.
 void report_nested_setting(const Name& key, const YamlReader& value) {
   const std::vector<YamlNode::Entry>& below = value.node().entries;
-  value.diagnostics().error(
-      key.place, "keys of 'set' are paths with dots, which replace what they lead to",
-      fmt::format("write '{}.{}' as one key; for --set, let a parameter be its value, as in "
-                  "'system.pole_mass: =pm', and set that",
-                  key.value, below.empty() ? "..." : below.front().key));
+  value.diagnostics().error(key.place,
+                            "keys of 'set' are paths with dots, which replace what they lead to",
+                            fmt::format("write '{}.{}' as one key", key.value,
+                                        below.empty() ? "..." : below.front().key));
 }
 
 void read_plant_setting(const Name& key, const YamlReader& value, MpcPlantSpec& plant) {
@@ -101,9 +101,19 @@ void read_plant_contacts(YamlMap& map, MpcPlantSpec& plant) {
   read_ground(map, simulated.has_value(), plant);
 }
 
+/// Parts of the file that stand in the plant itself, not below its key `set`. They are asked for
+/// only where they stand, so that they are not listed among the accepted keys.
+void report_parts(YamlMap& map) {
+  for (const std::string_view part : kPlantParts)
+    if (part != "contacts" && map.valid() && map.reader().node().find(part) != nullptr)
+      map.find(part)->error("what differs in the plant stands below 'set', by its path",
+                            fmt::format("write 'set: {{{}.KEY: VALUE}}'", part));
+}
+
 MpcPlantSpec read_mpc_plant(const YamlReader& reader) {
   MpcPlantSpec plant{.place = reader.place()};
   YamlMap map(reader, "write '{dt: 0.001}'");
+  report_parts(map);
   read_plant_contacts(map, plant);
   for_each_entry(map, "set", [&](const Name& key, const YamlReader& value) {
     read_plant_setting(key, value, plant);
@@ -218,8 +228,22 @@ FallbackSpec read_fallback(const YamlReader& reader) {
   return fallback;
 }
 
+/// Whether a reader has conditions by their names; otherwise that is reported.
+bool has_names(const YamlReader& reader) {
+  constexpr const char* kForm = "write '{fallen: {residual: state, columns: theta, upper: 4}}'";
+  if (!reader.is_map()) {
+    reader.expected("a mapping from names to conditions", kForm);
+    return false;
+  }
+  const YamlNode* residual = reader.node().find("residual");
+  if (residual == nullptr || residual->kind != YamlNode::Kind::kScalar) return true;
+  reader.error("the conditions of 'stop_when' have names", kForm);
+  return false;
+}
+
 std::vector<ConstraintSpec> read_conditions(const YamlReader& reader,
                                             const std::filesystem::path& folder) {
+  if (!has_names(reader)) return {};
   ProblemSpec of_states;
   read_constraints(reader, folder, true, of_states);
   for (const ConstraintSpec& condition : of_states.terminal_constraints)

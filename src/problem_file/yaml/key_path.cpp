@@ -78,7 +78,7 @@ class Walk {
       return fail(0, 0, fmt::format("the key path is deeper than {} levels", kMaxLevels));
     YamlNode* node = &root;
     for (std::size_t start = 0; node != nullptr && start <= key.size();) {
-      const std::size_t end = start + step_length(*node, std::string_view(key).substr(start));
+      const std::size_t end = step_end(*node, start);
       if (start == end) return fail(start, end, "a name in the key path is empty");
       node = descend(*node, start, end);
       before_.push_back(key.substr(start, end - start));
@@ -88,6 +88,16 @@ class Walk {
   }
 
  private:
+  /// Where the step that begins there ends. Keys below `mpc.plant.set` are paths themselves: of one
+  /// that the file lacks, all that follows is the key.
+  std::size_t step_end(YamlNode& node, std::size_t start) const {
+    const std::string_view rest = std::string_view(key_.value).substr(start);
+    const std::size_t length = step_length(node, rest);
+    const bool is_path = before_ == Steps{"mpc", "plant", "set"};
+    const bool is_new = is_path && find_part(node, rest.substr(0, length)) == nullptr;
+    return start + (is_new ? rest.size() : length);
+  }
+
   YamlNode* fail(std::size_t start, std::size_t end, std::string message, std::string hint = {},
                  std::vector<std::string> accepted = {}) {
     out_.error(place_of(start, end), std::move(message), std::move(hint), std::move(accepted));
