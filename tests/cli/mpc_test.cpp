@@ -246,6 +246,16 @@ TEST_F(MpcCommand, VerifyDeniesASearchThatFoundSomethingElse) {
   EXPECT_NE(verdict("other", 1), 0);
 }
 
+TEST_F(MpcCommand, ALoopThatNeedsMoreMemoryThanThereIsDoesNotBegin) {
+  const ProcessResult result =
+      run_conddp({"mpc", source("problems/mpc/biped_stepping.yaml"), "-o", "out"},
+                 {.folder = folder_.path(), .limits = {.memory_bytes = 800'000'000}});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_NE(result.err.find("structures of windows, with up to 41 knots, need about"),
+            std::string::npos)
+      << result.err;
+}
+
 TEST_F(MpcCommand, MakesTheFolderOfAReport) {
   const ProcessResult result = run({"--report", "pages/new/loop.html"}, "out");
   EXPECT_EQ(result.exit_code, 0) << result.err;

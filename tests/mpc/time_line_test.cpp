@@ -7,6 +7,7 @@
 
 #include "loop_cases.hpp"
 #include "mpc/plan.hpp"
+#include "mpc/window_count.hpp"
 
 namespace conddp {
 namespace {
@@ -98,6 +99,19 @@ TEST(TimeLine, IsNotMadeOfAFreeInitialState) {
   EXPECT_THROW(
       TimeLine(shared(ShootingProblem(whole.initial_state(), phases, whole.terminal())), true),
       std::invalid_argument);
+}
+
+// Windows of 1 s out of 2 s in knots of 0.05 s: whole ones, or with a cut one at each end.
+TEST(WindowCount, CountsEachStructureOnce) {
+  const auto count = [](double tick, bool hold) {
+    return count_windows(testing::balanced_cartpole(),
+                         {.horizon = 1, .tick = tick, .hold = hold, .solver = "box_fddp"}, 4);
+  };
+  EXPECT_EQ(count(0.05, true).structures, 2);  // of the phases, and of what is held behind them
+  EXPECT_EQ(count(0.05, true).knots, 20);
+  EXPECT_EQ(count(0.02, true).knots, 21);
+  // In front of the last second the same ones, then each with its own length.
+  EXPECT_EQ(count(0.05, false).structures, 1 + 20);
 }
 
 TEST(Plan, IsAFunctionOfTimeOnTheManifold) {

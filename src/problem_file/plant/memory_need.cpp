@@ -11,17 +11,6 @@
 namespace conddp {
 namespace {
 
-/// Bytes that a process can have at most.
-double memory_there() {
-  double bytes = std::numeric_limits<double>::infinity();
-  const long pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGESIZE);
-  if (pages > 0 && page > 0) bytes = static_cast<double>(pages) * static_cast<double>(page);
-  rlimit limit{};
-  if (getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY)
-    bytes = std::min(bytes, static_cast<double>(limit.rlim_cur));
-  return bytes;
-}
-
 /// Rows of the residual of a constraint that is no norm, at most.
 double rows_of(const ConstraintSpec& constraint, const ProblemSpec& spec, int ndx, int nu) {
   constexpr double kPoseRows = 6, kConeRows = 17;
@@ -63,6 +52,18 @@ double memory_need(double knots, int ndx, int nu, std::size_t costs,
   return knots * numbers * sizeof(double);
 }
 
+double memory_there() {
+  double bytes = std::numeric_limits<double>::infinity();
+  const long pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGESIZE);
+  if (pages > 0 && page > 0) bytes = static_cast<double>(pages) * static_cast<double>(page);
+  for (const auto resource : {RLIMIT_AS, RLIMIT_DATA}) {
+    rlimit limit{};
+    if (getrlimit(resource, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY)
+      bytes = std::min(bytes, static_cast<double>(limit.rlim_cur));
+  }
+  return bytes;
+}
+
 void check_memory(const ProblemSpec& spec, int ndx, int nu, Diagnostics& out) {
   double knots = 0;
   const PhaseSpec* longest = &spec.phases.front();
@@ -74,7 +75,6 @@ void check_memory(const ProblemSpec& spec, int ndx, int nu, Diagnostics& out) {
       memory_need(knots, ndx, nu, spec.costs.size(), count_constraints(spec, ndx, nu));
   const double there = memory_there();
   if (need <= there) return;
-  constexpr double kGiB = 1 << 30;
   out.error(longest->knots.place,
             fmt::format("{:.0f} knots with {} numbers in the state and {} controls need about "
                         "{:.3g} GiB of memory, and there are {:.3g}",

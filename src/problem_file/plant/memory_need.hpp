@@ -17,6 +17,10 @@ ConstraintCount count_constraints(const ProblemSpec& spec, int ndx, int nu);
 double memory_need(double knots, int ndx, int nu, std::size_t costs,
                    const ConstraintCount& constraints = {});
 
+/// Bytes that this process can have at most: those of the machine, or of its limits.
+double memory_there();
+inline constexpr double kGiB = 1 << 30;
+
 /// Reports an error at the phases if the problem does not fit into this machine's memory, or into
 /// what the process may use of it.
 void check_memory(const ProblemSpec& spec, int ndx, int nu, Diagnostics& out);
