@@ -11,6 +11,7 @@
 #include "problem_file/read/homotopy_numbers.hpp"
 #include "problem_file/read/parameter_values.hpp"
 #include "problem_file/read/read_sections.hpp"
+#include "problem_file/read/similar_names.hpp"
 #include "problem_file/spec/enum_names.hpp"
 #include "problem_file/yaml/canonical_definition.hpp"
 #include "problem_file/yaml/yaml_source.hpp"
@@ -268,9 +269,11 @@ std::optional<ProblemDocument> load_problem(const std::filesystem::path& file, c
   return document;
 }
 
-std::optional<ProblemSpec> read_problem(const ProblemDocument& document,
-                                        const std::vector<Setting>& settings, Diagnostics& out,
-                                        double homotopy_share) {
+namespace {
+
+std::optional<ProblemSpec> read_with_settings(const ProblemDocument& document,
+                                              const std::vector<Setting>& settings,
+                                              Diagnostics& out, double homotopy_share) {
   YamlNode root = document.root;
   for (const Setting& setting : settings) apply_setting(root, setting, out);
   if (!out.has_errors()) place_homotopy(root, homotopy_share, out);
@@ -283,6 +286,17 @@ std::optional<ProblemSpec> read_problem(const ProblemDocument& document,
   spec.sha256 = document.sha256.empty() ? sha256(document.text) : document.sha256;
   spec.definition = canonical_definition(root);
   for (const Setting& setting : settings) spec.settings.push_back(setting.text);
+  return spec;
+}
+
+}  // namespace
+
+std::optional<ProblemSpec> read_problem(const ProblemDocument& document,
+                                        const std::vector<Setting>& settings, Diagnostics& out,
+                                        double homotopy_share) {
+  const Diagnostics before = settings.empty() ? Diagnostics() : out;
+  auto spec = read_with_settings(document, settings, out, homotopy_share);
+  if (!spec && !settings.empty()) out = with_similar_names(out, before, document.root, settings);
   return spec;
 }
 
