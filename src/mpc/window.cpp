@@ -159,7 +159,7 @@ bool Window::fits(const WindowContext& context, const WindowCut& cut) const {
     const KnotView& own = problem_.knot(i);
     const TimedKnot& part = cut.knots[i];
     if (own.model != whole.knot(part.knot).model ||
-        problem_.phases()[own.phase].instant != whole.takes_no_time(part.knot) ||
+        problem_.takes_no_time(i) != whole.takes_no_time(part.knot) ||
         !same_terms(*own.model, own, i, numbers_of(context.line, part)))
       return false;
   }

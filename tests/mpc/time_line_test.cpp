@@ -7,6 +7,7 @@
 
 #include "loop_cases.hpp"
 #include "mpc/plan.hpp"
+#include "mpc/window.hpp"
 #include "mpc/window_count.hpp"
 
 namespace conddp {
@@ -99,6 +100,20 @@ TEST(TimeLine, IsNotMadeOfAFreeInitialState) {
   EXPECT_THROW(
       TimeLine(shared(ShootingProblem(whole.initial_state(), phases, whole.terminal())), true),
       std::invalid_argument);
+}
+
+// With and without an impulse inside, and cut in the middle of knots.
+TEST(Window, FitsWhatItIsMadeOf) {
+  const SolverOptions options;
+  for (const auto& problem : {testing::balanced_cartpole(), shared(testing::landing())}) {
+    const TimeLine line(problem, true);
+    const WindowContext context{line, 0.3, nullptr, "box_fddp", options};
+    for (const double begin : {0.0, 0.05, 0.095, 0.3}) {
+      WindowCut part;
+      cut_window(context, begin, part);
+      EXPECT_TRUE(Window(context, part).fits(context, part)) << problem->nx() << ' ' << begin;
+    }
+  }
 }
 
 // Windows of 1 s out of 2 s in knots of 0.05 s: whole ones, or with a cut one at each end.
