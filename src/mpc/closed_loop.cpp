@@ -80,13 +80,23 @@ class Plant {
   }
 
   bool run(double from, double to) {
-    const auto begin = [this](double time, double length, const double* u) {
+    PlantMotion& motion = motions_.at(from);
+    const std::size_t first = result_.steps.size();
+    const auto end_step = [&] {
+      const std::span<const double> forces = motion.contact_forces();
+      if (result_.steps.size() > first)
+        result_.steps.back().contact_forces.assign(forces.begin(), forces.end());
+    };
+    const auto begin = [&](double time, double length, const double* u) {
+      end_step();
       if (!goes_on(time)) return false;
       result_.steps.push_back({time, length, x, {u, u + law_.u.size()}, mpc_.line_time(time)});
       count(appraisal_.of_step(mpc_.line_time(time), length, u, x.data()));
       return true;
     };
-    return simulate(motions_.at(from), from, to, law_, held_, x.data(), begin) && goes_on(to);
+    if (!simulate(motion, from, to, law_, held_, x.data(), begin)) return false;
+    end_step();
+    return goes_on(to);
   }
 
   void count(const StepFigures& figures) {

@@ -68,7 +68,8 @@ struct PlantStep {
   double time;    ///< s
   double length;  ///< s
   std::vector<double> x, u;
-  double line_time;  ///< s, on the controller's time line (Mpc::line_time)
+  double line_time;                         ///< s, on the controller's time line (Mpc::line_time)
+  std::vector<double> contact_forces = {};  ///< PlantMotion::contact_forces
 };
 
 struct ClosedLoopResult {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string_view>
 
 namespace conddp {
@@ -22,6 +23,10 @@ class PlantMotion {
   /// Why the last step could not be made, which left a state that is not finite; empty where it
   /// could.
   virtual std::string_view failure() const { return {}; }
+  /// The forces of all contacts on the robot during the last step, N, in the order of the file:
+  /// three numbers each in the axes of the world, not numbers where the contact was open. Of a
+  /// plant that does not find its contacts itself none.
+  virtual std::span<const double> contact_forces() const { return {}; }
 };
 
 }  // namespace conddp

@@ -74,6 +74,20 @@ TEST(SimulatedContacts, StandOnWhatIsClosedAlone) {
   EXPECT_EQ(block.step(0.01, 1), 0u);
 }
 
+TEST(SimulatedContacts, HaveTheForcesThatCarryWhatStands) {
+  LoopBlock block;
+  block.step(0.01, 1);
+  const std::span<const double> forces = block.contacts.contact_forces();
+  ASSERT_EQ(forces.size(), 18u);                    // contacts 0 to 5
+  EXPECT_NEAR(forces[2] + forces[11], 9.81, 1e-6);  // upwards: 1 kg
+  EXPECT_NEAR(forces[0] + forces[9], -1, 1e-6);     // against the push, in which it does not slip
+  for (const int open : {1, 2, 4, 5}) EXPECT_TRUE(std::isnan(forces[3 * open])) << open;
+  block.x[1] = 0.55;
+  block.x[4] = 0;
+  block.step(0.01, 1);
+  for (const double number : block.contacts.contact_forces()) EXPECT_TRUE(std::isnan(number));
+}
+
 // A step whose numbers are not finite leaves nothing of the state.
 TEST(SimulatedContacts, AStepThatFailsMakesAllOfTheStateNotANumber) {
   LoopBlock block;

@@ -1,8 +1,11 @@
 // What the page of a closed loop is made from.
 #include "output/report/loop_report.hpp"
 
+#include <sstream>
+
 #include <fmt/format.h>
 
+#include "base/files/text_file.hpp"
 #include "loop_fixture.hpp"
 
 namespace conddp {
@@ -34,6 +37,58 @@ TEST(LoopReport, HasTheMotionOfThePlant) {
   EXPECT_EQ(curves["phases"].size(), 1u);
   const OrderedJson& scene = loop.plant()["scene"];
   EXPECT_EQ(scene["poses"].size(), 7 * scene["bodies"].size() * curves["t"].size());
+}
+
+/// The trot of the example problems in a short loop with this plant.
+ReportedLoop trotting(const std::string& plant) {
+  return ReportedLoop(
+      read_text_file(std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/quadruped_trot.yaml",
+                     1 << 20)
+          .text,
+      {"mpc={horizon: 0.4, tick: 0.02, duration: 0.3, repeat: gait, plant: " + plant + "}"});
+}
+
+/// The sum of the vertical forces at a row; contacts that are open are counted.
+double carried(const OrderedJson& forces, std::size_t row, int& open) {
+  double sum = 0;
+  open = 0;
+  for (const auto& [name, rows] : forces.items())
+    if (rows[row].is_null())
+      ++open;
+    else
+      sum += rows[row][2].get<double>();
+  return sum;
+}
+
+// 50 kg rise on four feet, and after 0.16 s on two of them.
+TEST(LoopReport, HasTheContactForcesOfThePlant) {
+  for (const char* plant : {"{dt: 0.002}", "{contacts: simulated, dt: 0.002}"}) {
+    SCOPED_TRACE(plant);
+    const ReportedLoop loop = trotting(plant);
+    const OrderedJson& curves = loop.plant()["curves"];
+    const OrderedJson& forces = curves["contact_forces"];
+    ASSERT_EQ(forces.size(), 4u);
+    for (const auto& [name, rows] : forces.items())
+      ASSERT_EQ(rows.size(), loop.result.steps.size()) << name;
+    int open = 0;
+    EXPECT_NEAR(carried(forces, 40, open), 50 * 9.81, 75);
+    EXPECT_EQ(open, 0);
+    carried(forces, 120, open);
+    EXPECT_EQ(open, 2);
+    EXPECT_TRUE(forces["RF"][120].is_null());
+  }
+}
+
+TEST(LoopReport, HasTheContactForcesOfItsTables) {
+  const ReportedLoop loop = trotting("{contacts: simulated, dt: 0.002}");
+  const std::string table = closed_loop_csv(loop.run());
+  const std::string header = table.substr(0, table.find('\n'));
+  EXPECT_TRUE(header.ends_with(",contact/RH/fx [N],contact/RH/fy [N],contact/RH/fz [N]")) << header;
+  std::istringstream lines(table);
+  std::string line;
+  for (int i = 0; i <= 41; ++i) std::getline(lines, line);
+  const double last_cell = std::stod(line.substr(line.rfind(',') + 1));
+  EXPECT_NEAR(last_cell, loop.plant()["curves"]["contact_forces"]["RH"][40][2].get<double>(), 1e-4);
 }
 
 TEST(LoopReport, HasThePlanOfEachTickUpToItsHorizon) {

@@ -46,6 +46,7 @@ test('a closed loop has its plant, the plan of each tick, events and times of ti
 
   const titles = await page.evaluate(() => window.conddp.plots.map(plot => plot.title));
   assert.ok(titles.includes('Time of a tick') && titles.includes('Joint positions'), titles.join());
+  assert.ok(titles.includes('Normal force') && titles.includes('Share of the friction cone'), titles.join());
   await page.locator('#theme').click();
   assert.deepEqual(ours(complaints), []);
   assert.deepEqual(requests, []);
@@ -74,5 +75,31 @@ mpc:
   assert.equal(await page.locator('.events').count(), 2);
   assert.equal(await page.locator('#view canvas').count(), 0);
   assert.deepEqual(ours(complaints), []);
+  await context.close();
+});
+
+test('a closed loop on simulated contacts has the forces of its feet, in the view and over time', async () => {
+  const file = loop(join(source, 'problems/quadruped_trot.yaml'), 'simulated', '--set',
+      'mpc={horizon: 0.4, tick: 0.02, duration: 0.4, repeat: gait, plant: {contacts: simulated, dt: 0.002}}');
+  const {page, context, complaints, requests} = await open(file);
+  const feet = time => page.evaluate(at => {
+    const {viewer, player} = window.conddp;
+    player.seek(at);
+    return viewer.robot.contacts.map(({name, force}) => ({name, visible: force.visible, up: force.userData.shaft.scale.z}));
+  }, time);
+  const standing = await feet(0.1), trotting = await feet(0.3);
+  assert.deepEqual(standing.map(foot => foot.visible), [true, true, true, true]);
+  assert.ok(standing.every(foot => foot.up > 1e-3), JSON.stringify(standing));
+  assert.equal(trotting.filter(foot => foot.visible).length, 2, JSON.stringify(trotting));
+  // The feet lift the robot of 50 kg.
+  const carried = await page.evaluate(() => {
+    const {solutions} = window.conddp, k = solutions[0].curves.t.findIndex(t => t >= 0.1);
+    return solutions[0].contacts.reduce((sum, {forces}) => sum + forces[k][2], 0);
+  });
+  assert.ok(carried > 50 * 9.81 && carried < 1.3 * 50 * 9.81, String(carried));
+  await page.locator('button', {hasText: /^Forces$/}).click();
+  assert.equal(await page.evaluate(() => window.conddp.viewer.robot.forces.visible), false);
+  assert.deepEqual(ours(complaints), []);
+  assert.deepEqual(requests, []);
   await context.close();
 });

@@ -114,6 +114,7 @@ export function makePlots(holder, solutions, player, loop) {
   addColumns(collection, 'u', {steps: true, limits: true,
       wanted: name => !isOfImplicitSteps(name) && !name.startsWith(endOf)});
   if (loop) {
+    addForces(collection);
     addTicks(collection, loop);
     return collection.plots;
   }

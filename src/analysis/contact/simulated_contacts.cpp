@@ -28,7 +28,8 @@ SimulatedContacts::SimulatedContacts(const ContactPlant& plant, double dt,
       dt_(dt),
       contact_of_(std::move(contact_of)),
       remembered_(remembered),
-      mechanics_(plant_) {}
+      mechanics_(plant_),
+      forces_(3 * (1 + *std::ranges::max_element(contact_of_))) {}
 
 void SimulatedContacts::use(std::vector<std::size_t> candidates) {
   if (simulator_ && candidates == near_) return;
@@ -69,6 +70,7 @@ void SimulatedContacts::step(double /*time*/, double length, const double* u, do
       step({Eigen::Map<const Eigen::VectorXd>(x, nq), Eigen::Map<const Eigen::VectorXd>(x + nq, nv),
             Eigen::Map<const Eigen::VectorXd>(applied.data(), nv), length});
   closed_ = 0;
+  std::ranges::fill(forces_, std::numeric_limits<double>::quiet_NaN());
   failed_ = taken.status != StepStatus::solved && !(taken.residual <= kGoodEnough);
   if (failed_) {
     std::fill_n(x, nq + nv + remembered_, std::numeric_limits<double>::quiet_NaN());
@@ -77,8 +79,25 @@ void SimulatedContacts::step(double /*time*/, double length, const double* u, do
   std::copy_n(taken.q.data(), nq, x);
   std::copy_n(taken.v.data(), nv, x + nq);
   std::copy_n(u, remembered_, x + nq + nv);
-  for (std::size_t c = 0; c < near_.size(); ++c)
-    if (taken.forces.contact(0, c) > 0) closed_ |= std::uint32_t{1} << contact_of_[near_[c]];
+  find_contacts(taken);
+}
+
+/// Which contacts a step has closed, and the sum of the forces of each one's candidates.
+void SimulatedContacts::find_contacts(const ContactStep& taken) {
+  const auto& instants = mechanics_.look(taken.q.data());
+  for (std::size_t i = 0; i < near_.size(); ++i) {
+    if (!(taken.forces.contact(0, i) > 0)) continue;
+    const std::size_t candidate = near_[i];
+    const int contact = contact_of_[candidate];
+    double* sum = forces_.data() + 3 * contact;
+    if ((closed_ >> contact & 1) == 0) std::fill_n(sum, 3, 0.0);
+    closed_ |= std::uint32_t{1} << contact;
+    const int directions =
+        1 + tangent_count(plant_.contacts, plant_.contacts.candidates[candidate]);
+    for (int d = 0; d < directions; ++d)
+      for (int axis = 0; axis < 3; ++axis)
+        sum[axis] += taken.forces.contact(d, i) * instants[candidate].directions[d][axis];
+  }
 }
 
 }  // namespace conddp

@@ -17,8 +17,9 @@ namespace conddp {
 /// ends, it is taken again with that one too, so that it is a step of all candidates.
 class SimulatedContacts final : public PlantMotion {
  public:
-  /// `dt`: the longest step, s; `contact_of`: the bit of each candidate in closed_contacts();
-  /// `remembered`: how many numbers at the end of a state are the control that was applied last.
+  /// `dt`: the longest step, s; `contact_of`: the contact of each candidate, from 0 on, which is
+  /// its bit in closed_contacts(); `remembered`: how many numbers at the end of a state are the
+  /// control that was applied last.
   SimulatedContacts(const ContactPlant& plant, double dt, std::vector<int> contact_of,
                     int remembered);
 
@@ -28,11 +29,13 @@ class SimulatedContacts final : public PlantMotion {
   void step(double time, double length, const double* u, double* x) override;
   std::uint32_t closed_contacts() const override { return closed_; }
   std::string_view failure() const override;
+  std::span<const double> contact_forces() const override { return forces_; }
 
  private:
   void use(std::vector<std::size_t> candidates);
   std::vector<std::size_t> near(const double* q, const std::vector<std::size_t>& more, double gap);
   ContactStep step(const StepStart& start);
+  void find_contacts(const ContactStep& taken);
 
   ContactPlant plant_;
   double dt_;
@@ -43,6 +46,7 @@ class SimulatedContacts final : public PlantMotion {
   std::optional<ContactSimulator> simulator_;
   std::uint32_t closed_ = 0;
   bool failed_ = false;
+  std::vector<double> forces_;  ///< three numbers a contact
 };
 
 }  // namespace conddp

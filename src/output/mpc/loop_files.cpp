@@ -8,6 +8,8 @@
 
 #include "base/files/atomic_file.hpp"
 #include "base/json/json_text.hpp"
+#include "output/mpc/plant_forces.hpp"
+#include "output/solution/csv.hpp"
 #include "output/solution/csv_cells.hpp"
 #include "output/solution/solution_json.hpp"
 #include "problem_file/expand/expand_problem.hpp"
@@ -112,23 +114,30 @@ std::string closed_loop_header(const LoopTask& task) {
   TableColumns all;
   all.states.resize(task.built.problem->nx());
   std::iota(all.states.begin(), all.states.end(), 0);
-  return "t [s],phase" + column_headers(task.built, all);
+  return "t [s],phase" + column_headers(task.built, all) +
+         contact_headers(no_plant_forces(task, 0));
 }
 
 std::string closed_loop_csv(const LoopRun& run) {
   const TimeLine line(run.task.built.problem, run.task.mpc.controller.hold);
   std::string text = closed_loop_header(run.task) + '\n';
-  for (const PlantStep& step : run.result.steps) {
+  const ContactForces forces = plant_forces(run.task, run.result);
+  const int rows = static_cast<int>(run.result.steps.size());
+  for (int row = 0; row < rows; ++row) {
+    const PlantStep& step = run.result.steps[row];
     append_time(step.time, text);
     text += ',' + phase_at(run, line, step.line_time);
     append_numbers(step.x, text);
     append_numbers(step.u, text);
+    append_contact_cells(forces, row, true, text);
     text += '\n';
   }
   append_time(run.result.end_time, text);
   text += ',' + phase_at(run, line, line_time_of_end(run.result));
   append_numbers(run.result.last_state, text);
-  return text + std::string(run.task.built.control_columns.size(), ',') + '\n';
+  text += std::string(run.task.built.control_columns.size(), ',');
+  append_contact_cells(forces, rows, false, text);
+  return text + '\n';
 }
 
 std::string ticks_csv(const LoopRun& run) {

@@ -31,8 +31,9 @@ double tabulated_time(double time);
 /// The first line of closed_loop.csv, without its end.
 std::string closed_loop_header(const LoopTask& task);
 
-/// closed_loop.csv: t, phase, states and controls of the plant, one row a step and one for the last
-/// state, which has no controls.
+/// closed_loop.csv: t, phase, states, controls and contact forces of the plant, one row a step and
+/// one for the last state, which has no controls and forces. Cells of contacts that are open are
+/// empty.
 std::string closed_loop_csv(const LoopRun& run);
 
 /// ticks.csv: one row a tick. Cells of what is not finite, or of solves that were none, are empty.

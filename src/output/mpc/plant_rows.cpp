@@ -52,15 +52,17 @@ void check_states(const PlantRows& rows) {
 PlantRows read_plant_rows(const std::string& text, const LoopTask& task) {
   constexpr std::size_t kBefore = 2;  // time and phase
   const std::size_t nx = task.built.state_columns.size(), nu = task.built.control_columns.size();
+  const std::string header = closed_loop_header(task);
+  const std::size_t columns = split_csv_line(header).size();
   std::string_view rest = text;
-  if (next_line(rest) != closed_loop_header(task))
+  if (next_line(rest) != header)
     throw MalformedSolution{"line 1: the columns are not those of the problem"};
   PlantRows rows;
   for (int line = 2; !rest.empty(); ++line) {
     const std::vector<CsvCell> cells = split_csv_line(next_line(rest));
-    if (cells.size() != kBefore + nx + nu)
+    if (cells.size() != columns)
       throw MalformedSolution{
-          fmt::format("line {}: {} cells in place of {}", line, cells.size(), kBefore + nx + nu)};
+          fmt::format("line {}: {} cells in place of {}", line, cells.size(), columns)};
     rows.times.push_back(number_of(cells[0], line));
     if (rows.times.size() > 1 && !(rows.times.back() > rows.times[rows.times.size() - 2]))
       throw MalformedSolution{fmt::format("line {}: the time does not increase", line)};

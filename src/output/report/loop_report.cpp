@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "base/json/json_text.hpp"
+#include "output/mpc/plant_forces.hpp"
 #include "output/scene/motion_scene.hpp"
 
 namespace conddp {
@@ -30,6 +31,7 @@ struct PlantRow {
   double time;
   const std::vector<double>* x;
   const std::vector<double>* u;  ///< null: the last one
+  int step;                      ///< that begins there
 };
 
 std::vector<PlantRow> rows_of(const ClosedLoopResult& result) {
@@ -37,9 +39,9 @@ std::vector<PlantRow> rows_of(const ClosedLoopResult& result) {
   std::vector<PlantRow> rows;
   for (const int i : thinned(count, kMostRows))
     if (i + 1 < count)
-      rows.push_back({result.steps[i].time, &result.steps[i].x, &result.steps[i].u});
+      rows.push_back({result.steps[i].time, &result.steps[i].x, &result.steps[i].u, i});
     else
-      rows.push_back({result.end_time, &result.last_state, nullptr});
+      rows.push_back({result.end_time, &result.last_state, nullptr, i});
   return rows;
 }
 
@@ -65,6 +67,25 @@ OrderedJson values_by_column(const std::vector<Column>& columns,
     lists.push_back(std::move(list));
   }
   return {{"names", names}, {"units", units}, {"values", lists}};
+}
+
+/// The force of each contact by rows, in the axes of the world; null where it is open.
+OrderedJson forces_of_rows(const LoopRun& run, const std::vector<PlantRow>& rows) {
+  OrderedJson json = OrderedJson::object();
+  for (const auto& contact : plant_forces(run.task, run.result).contacts) {
+    OrderedJson list = OrderedJson::array();
+    for (const PlantRow& row : rows) {
+      if (row.u == nullptr) continue;
+      const auto& wrench = contact.wrench[row.step];
+      OrderedJson force = nullptr;
+      if (wrench)
+        force = {eight_digits((*wrench)[0]), eight_digits((*wrench)[1]),
+                 eight_digits((*wrench)[2])};
+      list.push_back(std::move(force));
+    }
+    json[contact.name] = std::move(list);
+  }
+  return json;
 }
 
 /// Which phase lasts over which rows.
@@ -119,7 +140,8 @@ OrderedJson plant_json(const LoopRun& run) {
            {{"t", t},
             {"phases", phases_of_rows(task, rows)},
             {"x", values_by_column(task.built.state_columns, x)},
-            {"u", values_by_column(task.built.control_columns, u)}}},
+            {"u", values_by_column(task.built.control_columns, u)},
+            {"contact_forces", forces_of_rows(run, rows)}}},
           {"scene", std::move(scene)}};
 }
 

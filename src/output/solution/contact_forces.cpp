@@ -1,12 +1,8 @@
 #include "output/solution/contact_forces.hpp"
 
-#include <map>
-#include <memory>
-
 #include "systems/multibody/multibody.hpp"
 
 namespace conddp {
-
 namespace {
 
 void set_wrench(const std::string& name, int knot, const Force<double>& f, ContactForces& forces) {
@@ -16,26 +12,37 @@ void set_wrench(const std::string& name, int knot, const Force<double>& f, Conta
 
 }  // namespace
 
-ContactForces contact_forces(const ProblemSpec& spec, const ShootingProblem& problem,
-                             const Trajectory& trajectory) {
+ContactForces no_contact_forces(const ProblemSpec& spec, int rows) {
   ContactForces forces;
   for (const ContactSpec& named : spec.contacts) {
     auto& contact = forces.contacts.emplace_back();
     contact.name = named.name.value;
     contact.torque = named.kind == ContactKind::surface;
-    contact.wrench.resize(problem.knots());
+    contact.wrench.resize(rows);
   }
-  std::map<const System*, std::unique_ptr<SystemData<double>>> memory;
-  for (int k = 0; k < problem.knots() && !forces.contacts.empty(); ++k) {
-    const auto* system = problem.knot(k).model->system().as_multibody();
-    if (system == nullptr || system->contacts().empty()) continue;
-    auto& data = memory[system];
-    if (!data) data = system->create_data(double{});
-    system->evaluate(trajectory.x(k).data(), trajectory.u(k).data(), *data);
-    const auto& held = static_cast<const MultibodySystem::Data<double>&>(*data).contacts.contacts;
-    for (int i = 0; i < system->contacts().count(); ++i)
-      set_wrench(system->contacts().contacts()[i].name, k, contact_force_in_world(held[i]), forces);
-  }
+  return forces;
+}
+
+void ContactForceWriter::write(const System& system, const double* x, const double* u, int row,
+                               ContactForces& to) {
+  const MultibodySystem* robot = system.as_multibody();
+  if (robot == nullptr || robot->contacts().empty()) return;
+  auto& data = memory_[robot];
+  if (!data) data = robot->create_data(double{});
+  robot->evaluate(x, u, *data);
+  const auto& held = static_cast<const MultibodySystem::Data<double>&>(*data).contacts.contacts;
+  for (int i = 0; i < robot->contacts().count(); ++i)
+    set_wrench(robot->contacts().contacts()[i].name, row, contact_force_in_world(held[i]), to);
+}
+
+ContactForces contact_forces(const ProblemSpec& spec, const ShootingProblem& problem,
+                             const Trajectory& trajectory) {
+  ContactForces forces = no_contact_forces(spec, problem.knots());
+  if (forces.contacts.empty()) return forces;
+  ContactForceWriter writer;
+  for (int k = 0; k < problem.knots(); ++k)
+    writer.write(problem.knot(k).model->system(), trajectory.x(k).data(), trajectory.u(k).data(), k,
+                 forces);
   return forces;
 }
 

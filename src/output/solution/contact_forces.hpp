@@ -1,6 +1,8 @@
 #pragma once
 
 #include <array>
+#include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -24,5 +26,18 @@ struct ContactForces {
 
 ContactForces contact_forces(const ProblemSpec& spec, const ShootingProblem& problem,
                              const Trajectory& trajectory);
+
+/// The contacts of a file with so many rows of forces that there are not.
+ContactForces no_contact_forces(const ProblemSpec& spec, int rows);
+
+/// Evaluates the forces that a system's contacts have, row by row.
+class ContactForceWriter {
+ public:
+  /// Writes a row: the forces of the contacts that a system holds, in a state with a control.
+  void write(const System& system, const double* x, const double* u, int row, ContactForces& to);
+
+ private:
+  std::map<const System*, std::unique_ptr<SystemData<double>>> memory_;
+};
 
 }  // namespace conddp

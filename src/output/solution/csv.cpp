@@ -16,23 +16,6 @@ namespace {
 constexpr std::array<const char*, 6> kWrench = {"fx", "fy", "fz", "tx", "ty", "tz"};
 constexpr int kForceParts = 3, kWrenchParts = 6;
 
-std::string contact_headers(const ContactForces& forces) {
-  std::string text;
-  for (const auto& contact : forces.contacts)
-    for (int i = 0; i < (contact.torque ? kWrenchParts : kForceParts); ++i)
-      text += ',' + with_unit(csv_cell("contact/" + contact.name + '/' + kWrench[i]),
-                              i < kForceParts ? "N" : "Nm");
-  return text;
-}
-
-void append_contacts(const ContactForces& forces, int knot, bool written, std::string& text) {
-  for (const auto& contact : forces.contacts)
-    for (int i = 0; i < (contact.torque ? kWrenchParts : kForceParts); ++i) {
-      text += ',';
-      if (written && contact.wrench[knot]) append_cell((*contact.wrench[knot])[i], text);
-    }
-}
-
 void append_state(const Trajectory& trajectory, int knot, const std::vector<int>& states,
                   std::string& text) {
   for (const int i : states) {
@@ -66,6 +49,23 @@ TableColumns columns_of(const BuiltProblem& built) {
 
 }  // namespace
 
+std::string contact_headers(const ContactForces& forces) {
+  std::string text;
+  for (const auto& contact : forces.contacts)
+    for (int i = 0; i < (contact.torque ? kWrenchParts : kForceParts); ++i)
+      text += ',' + with_unit(csv_cell("contact/" + contact.name + '/' + kWrench[i]),
+                              i < kForceParts ? "N" : "Nm");
+  return text;
+}
+
+void append_contact_cells(const ContactForces& forces, int row, bool written, std::string& text) {
+  for (const auto& contact : forces.contacts)
+    for (int i = 0; i < (contact.torque ? kWrenchParts : kForceParts); ++i) {
+      text += ',';
+      if (written && contact.wrench[row]) append_cell((*contact.wrench[row])[i], text);
+    }
+}
+
 std::string trajectory_csv(const BuiltProblem& built, const Trajectory& trajectory,
                            const ContactForces& forces) {
   const ShootingProblem& problem = *built.problem;
@@ -88,7 +88,7 @@ std::string trajectory_csv(const BuiltProblem& built, const Trajectory& trajecto
     append_state(trajectory, k, columns.states, text);
     const Eigen::VectorXd row = controlled ? controls.row(k, trajectory.u(k)) : Eigen::VectorXd();
     append_control(row, columns.first_control, built.control_columns.size(), text);
-    append_contacts(forces, k, controlled, text);
+    append_contact_cells(forces, k, controlled, text);
     text += '\n';
   }
   return text;

@@ -8,6 +8,13 @@
 
 namespace conddp {
 
+/// Headers of the columns of contact forces (contact/<name>/fx ...), a comma before each.
+std::string contact_headers(const ContactForces& forces);
+
+/// Appends the cells of a row of contact forces, a comma before each: empty ones for contacts that
+/// are not held, and for all where none are to be written.
+void append_contact_cells(const ContactForces& forces, int row, bool written, std::string& text);
+
 /// trajectory.csv: t, phase, states, controls, contact forces (contact/<name>/fx ... in world
 /// axes); one row a node, units in square brackets behind the names. Cells of what a node has not
 /// are empty: controls and forces of the last node and of impulses, forces of contacts that are not
