@@ -200,7 +200,7 @@ ClosedLoopResult run_closed_loop(Mpc& mpc, const ClosedLoopOptions& options) {
     // By the time of the line that the commands lead: what it has behind it stays as it was.
     for (; command != options.commands.end() && !is_before(mpc.line_time(from), command->at);
          ++command)
-      mpc.take_numbers(command->numbers);
+      mpc.take_numbers(command->numbers, command->terminal_path);
     mpc.prepare();
     mpc.feedback(sensor.measure(mpc.last_tick().tick, plant.x));
     result.ticks.push_back(mpc.last_tick());

@@ -13,12 +13,13 @@
 
 namespace conddp {
 
-/// What is wanted from a time on: the numbers of a problem (Mpc::take_numbers). The first tick that
-/// measures no earlier learns of it. The time is that of the controller's time line, with which
-/// re-timing moves it.
+/// What is wanted from a time on: the numbers of a problem, and the path of the node at which
+/// windows end (Mpc::take_numbers). The first tick that measures no earlier learns of it. The time
+/// is that of the controller's time line, with which re-timing moves it.
 struct LoopCommand {
   double at = 0;  ///< s
   std::shared_ptr<const ShootingProblem> numbers;
+  std::shared_ptr<const StatePath> terminal_path = nullptr;
 };
 
 /// A displacement of the plant's state at a time.

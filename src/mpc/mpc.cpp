@@ -90,12 +90,13 @@ Phase empty_end(const ShootingProblem& problem) {
 
 /// What counts at the last node of windows that end before the time line does; none: what counts
 /// at its own end, with the numbers that it has by then.
-std::optional<Phase> open_end(const std::optional<Phase>& wanted, const ShootingProblem& problem) {
-  if (!wanted) return empty_end(problem);
-  const Phase& own = problem.terminal();
-  const bool same = wanted->model == own.model && wanted->parameters == own.parameters &&
-                    wanted->cost_scale == own.cost_scale;
-  return same ? std::nullopt : wanted;
+std::optional<OpenEnd> open_end(const MpcOptions& options, const ShootingProblem& problem) {
+  if (!options.terminal) return OpenEnd(empty_end(problem), nullptr);
+  const Phase &wanted = *options.terminal, &own = problem.terminal();
+  const bool same = wanted.model == own.model && wanted.parameters == own.parameters &&
+                    wanted.cost_scale == own.cost_scale;
+  if (same && options.terminal_path == nullptr) return std::nullopt;
+  return OpenEnd(wanted, options.terminal_path);
 }
 
 Plan plan_of_guess(const ShootingProblem& problem, const Trajectory& guess) {
@@ -151,7 +152,8 @@ Mpc::Mpc(std::shared_ptr<const ShootingProblem> problem, const Trajectory& guess
     : options_(checked(options, *problem)),
       tick_options_(tick_options(options_)),
       line_(std::move(problem), options.hold),
-      open_end_(open_end(options.terminal, line_.problem())),
+      open_end_(open_end(options_, line_.problem())),
+      held_(options_.fallback),
       model_(line_, {}),
       scratch_(line_.problem()),
       guess_(plan_of_guess(line_.problem(), guess)),
@@ -167,7 +169,7 @@ Mpc::Mpc(std::shared_ptr<const ShootingProblem> problem, const Trajectory& guess
 Mpc::~Mpc() = default;
 
 WindowContext Mpc::context() const {
-  return {line_, options_.horizon, open_end_ ? &*open_end_ : nullptr, options_.solver,
+  return {line_, options_.horizon, open_end_ ? &open_end_->phase() : nullptr, options_.solver,
           tick_options_};
 }
 
@@ -187,6 +189,12 @@ void Mpc::reserve(double until) {
 
 bool Mpc::goes_on() const {
   return line_.is_held() || is_before(line_time(plan_begin()), line_.end());
+void Mpc::take_numbers(std::shared_ptr<const ShootingProblem> source,
+                       std::shared_ptr<const StatePath> terminal_path) {
+  line_.take_numbers(std::move(source));
+  if (open_end_) open_end_->follow(std::move(terminal_path));
+}
+
 }
 
 /// When the next phase after a time begins that holds a contact which the one before it does not,
@@ -230,8 +238,7 @@ bool Mpc::holds_first(const Policy& policy, double time) const {
 void Mpc::follow(const Policy& policy, double time, const double* x, Eigen::VectorXd& u) {
   const bool gains = options_.feedback_rate || std::abs(time - policy.begin) < kSameTime;
   if (policy.held)
-    control_of(*options_.fallback, *line_.problem().knot(line_.at(line_time(time)).knot).model, x,
-               scratch_, u);
+    control_of(*held_, *line_.problem().knot(line_.at(line_time(time)).knot).model, x, scratch_, u);
   else if (gains)
     control_of(*policy.plan, line_time(time), planned_state(*policy.plan, line_time(time)), x,
                scratch_, u);
@@ -313,6 +320,7 @@ void Mpc::prepare() {
   if (cut_.knots.empty()) throw std::logic_error("the time line has ended");
   window_ = &window_of(cut_);
   window_->load(context(), cut_);
+  if (open_end_) open_end_->move_to(cut_.end);
   predicted_ = state_;
   predict(in_force_.begin, plan_begin(), predicted_);
   if (options_.iterations) solve_from(predicted_);
@@ -380,7 +388,8 @@ void Mpc::decide() {
     in_force_.plan = &window_->keep(*answer_, before_.plan);
     in_force_.held = false;
     failures_ = 0;
-  } else if (++failures_ >= options_.fallback_after && options_.fallback) {
+  } else if (++failures_ >= options_.fallback_after && held_) {
+    if (!in_force_.held && held_->settle) held_->settle(state_.data(), held_->x);
     in_force_.held = true;
   }
   if (answer_ != nullptr) {

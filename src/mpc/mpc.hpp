@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "mpc/open_end.hpp"
 #include "mpc/simulation.hpp"
 #include "mpc/window.hpp"
 
@@ -52,6 +53,9 @@ struct MpcOptions {
   std::optional<Phase> terminal;
   /// What controls once so many ticks in a row have failed; none: the former plan for ever.
   std::optional<HeldState> fallback;
+  /// Where references of `terminal` that are states are when windows end, by the time line; null:
+  /// they stay.
+  std::shared_ptr<const StatePath> terminal_path;
   int fallback_after = 3;
   /// Of the DDP family, or `ipopt`, which solves to the tolerances and allocates: a slow reference.
   std::string solver = "box_fddp";
@@ -98,10 +102,10 @@ class Mpc {
   /// Whether the time line goes on after the begin of the next plan.
   bool goes_on() const;
   /// From the next tick on references, weights and bounds are those of a problem of the same
-  /// structure (TimeLine::take_numbers). The plan in force stays.
-  void take_numbers(std::shared_ptr<const ShootingProblem> source) {
-    line_.take_numbers(std::move(source));
-  }
+  /// structure (TimeLine::take_numbers), and `terminal` moves on another path; null: on the one
+  /// before. The plan in force stays.
+  void take_numbers(std::shared_ptr<const ShootingProblem> source,
+                    std::shared_ptr<const StatePath> terminal_path = nullptr);
   /// The contacts that are closed before the next tick, one bit each. With `retiming` the next
   /// touch-down of the time line comes at once where all of its contacts are closed, and waits
   /// where it is due and one of them is not.
@@ -156,7 +160,8 @@ class Mpc {
   MpcOptions options_;
   SolverOptions tick_options_;
   TimeLine line_;
-  std::optional<Phase> open_end_;  ///< none: that of the time line
+  std::optional<OpenEnd> open_end_;  ///< none: that of the time line
+  std::optional<HeldState> held_;    ///< the fallback, where it is now
   Simulation model_;
   PolicyScratch scratch_;
   Plan guess_;

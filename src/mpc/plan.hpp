@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "mpc/time_line.hpp"
@@ -33,6 +34,8 @@ struct HeldState {
   std::vector<double> x;  ///< x̄
   Eigen::VectorXd u;
   Eigen::MatrixXd K;  ///< nu x ndx
+  /// Moves x̄ near a state, from which it is held from then on; null: x̄ stays.
+  std::function<void(const double* x, std::vector<double>& held)> settle = nullptr;
 };
 
 /// Scratch of control laws.

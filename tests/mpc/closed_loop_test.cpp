@@ -169,6 +169,35 @@ TEST(ClosedLoop, LetsACommandMoveWhatWindowsKeepOfTheEnd) {
   EXPECT_NE(last_state(0, {}), last_state(0.5, {}));
 }
 
+/// The states of a cart-pole's loop whose windows end about a path from one place on, which a
+/// command at 1 s leads on from the one where it is by then.
+std::vector<PlantStep> steps_along_path(double place) {
+  const auto problem = shared(testing::tracking_problem(
+      cartpole({}), Integrator::rk4, 160, 0.05, {place + 0.3, M_PI - 0.3, 0, 0},
+      {{place, M_PI, 0, 0}, {1e-6, 10, 0.1, 0.1}, {0.1}, {10, 100, 10, 10}}, -10, 10));
+  Trajectory guess = problem->create_trajectory();
+  for (int k = 0; k <= problem->knots(); ++k) guess.x(k) << place + 0.3, M_PI - 0.3, 0, 0;
+  const auto path = [place](double to) {
+    return std::make_shared<StatePath>(
+        StatePath{{0, 1, 2}, {{place, M_PI, 0, 0}, {place, M_PI, 0, 0}, {to, M_PI, 0, 0}}});
+  };
+  MpcOptions options =
+      with_terminal(*problem, {.horizon = 0.5, .tick = 0.05, .feedback_rate = 100});
+  options.terminal_path = path(place - 1);
+  Mpc mpc(problem, guess, options);
+  return run_closed_loop(mpc, {.duration = 6, .commands = {{1, problem, path(place + 1)}}}).steps;
+}
+
+TEST(ClosedLoop, FollowsThePathOfTheNodeAtWhichWindowsEnd) {
+  const std::vector<PlantStep> here = steps_along_path(0), there = steps_along_path(5);
+  EXPECT_NEAR(here.back().x[0], 1, 0.1);
+  ASSERT_EQ(here.size(), there.size());
+  for (std::size_t k = 0; k < here.size(); ++k) {
+    EXPECT_NEAR(there[k].x[0] - 5, here[k].x[0], 1e-6) << k;
+    for (int i = 1; i < 4; ++i) EXPECT_NEAR(there[k].x[i], here[k].x[i], 1e-6) << k;
+  }
+}
+
 /// A plant that moves as a problem does and whose contact is closed all the time.
 class ClosedContact final : public PlantMotion {
  public:

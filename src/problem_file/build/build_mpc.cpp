@@ -10,16 +10,17 @@
 #include "mpc/window_count.hpp"
 #include "problem_file/build/late_ticks.hpp"
 #include "problem_file/build/loop_commands.hpp"
+#include "problem_file/build/loop_regulators.hpp"
 #include "problem_file/build/simulated_plant.hpp"
 #include "problem_file/build/tangent_numbers.hpp"
 #include "problem_file/plant/memory_need.hpp"
+#include "problem_file/plant/planar_motion.hpp"
 #include "problem_file/plant/quasi_static.hpp"
 #include "problem_file/read/read_problem.hpp"
 #include "problem_file/read/read_sections.hpp"
 #include "problem_file/spec/phase_grid.hpp"
 #include "problem_file/terms/constraint_builder.hpp"
 #include "problem_file/terms/term_residual.hpp"
-#include "problem_file/terms/terminal_lqr.hpp"
 #include "solvers/ddp/family.hpp"
 #include "solvers/strategies/registry.hpp"
 #include "systems/own_states.hpp"
@@ -269,30 +270,19 @@ std::optional<HeldState> held_state(const StateSpec& state, const Place& place,
   return held;
 }
 
-/// The problem with a regulator's cost-to-go alone at its last node. What is wrong with the
-/// regulator is reported.
-std::optional<BuiltProblem> with_regulator(const TerminalLqrSpec& lqr, const ProblemSpec& spec,
-                                           const BuiltProblem& built, Diagnostics& out) {
-  ProblemSpec alone = spec;
-  alone.terminal_costs.clear();
-  alone.terminal_constraints.clear();
-  alone.terminal_lqr = lqr;
-  alone.guess = {};
-  Diagnostics own = out;  // what is said of the rest has been said
-  auto problem = build_without_homotopy(alone, {.plant = &built.plant}, own);
-  if (!own.has_errors()) return problem;
-  out = own;
-  return std::nullopt;
-}
-
-/// The last node of windows that end before the phases do.
-std::optional<Phase> window_end(const ProblemSpec& spec, const BuiltProblem& built,
-                                Diagnostics& out) {
+/// Lets windows that end before the phases do end as the file says. The state of a regulator that
+/// moves with the gait, where the way begins; empty: there is none.
+std::vector<double> set_window_end(const ProblemSpec& spec, const BuiltProblem& built,
+                                   MpcOptions& controller, Diagnostics& out) {
   const WindowEnd end = spec.mpc->window_end.value;
-  if (end == WindowEnd::kTerminal) return built.problem->terminal();
-  if (end == WindowEnd::kNothing || !spec.mpc->terminal_lqr) return std::nullopt;
-  const auto problem = with_regulator(*spec.mpc->terminal_lqr, spec, built, out);
-  return problem ? std::optional(problem->problem->terminal()) : std::nullopt;
+  if (end == WindowEnd::kTerminal) controller.terminal = built.problem->terminal();
+  if (end != WindowEnd::kRegulator) return {};
+  auto regulator = build_loop_regulator(*spec.mpc->terminal_lqr, spec, built, out);
+  if (!regulator) return {};
+  controller.terminal = std::move(regulator->end);
+  controller.terminal_path =
+      path_along(spec.gait_way, built.problem->times(), regulator->start, built.plant);
+  return std::move(regulator->start);
 }
 
 /// Windows that end on the way of a gait with costs that draw to the end of the way.
@@ -316,10 +306,15 @@ void warn_of_way_ends(const ProblemSpec& spec, const ShootingProblem& problem, D
 std::optional<HeldState> fallback_of(const FallbackSpec& fallback, const ProblemSpec& spec,
                                      const BuiltProblem& built, Diagnostics& out) {
   if (!fallback.by_lqr) return held_state(fallback.to, fallback.place, built, out);
-  const auto problem = with_regulator(*fallback.by_lqr, spec, built, out);
-  if (!problem) return std::nullopt;
-  const TerminalIngredients& about = problem->terminal_lqr->ingredients;
-  return HeldState{about.x, about.u, -about.K};
+  const auto regulator = build_loop_regulator(*fallback.by_lqr, spec, built, out);
+  if (!regulator) return std::nullopt;
+  const TerminalIngredients& about = regulator->ingredients;
+  HeldState held{about.x, about.u, -about.K};
+  if (!regulator->start.empty())
+    held.settle = [&plant = built.plant](const double* x, std::vector<double>& to) {
+      bring_base(plant, plant.parts.front(), {x, x + to.size()}, to);
+    };
+  return held;
 }
 
 /// Changes of the plant over time, each a problem of its own.
@@ -658,7 +653,7 @@ std::optional<BuiltMpc> build_mpc(const ProblemSpec& spec, const BuiltProblem& b
   if (mpc.plant.dt) result.loop.step.dt = mpc.plant.dt->value;
   if (out.error_count() > errors) return std::nullopt;
   check_plant(mpc, built, result.loop.step, out);
-  result.controller.terminal = window_end(spec, built, out);
+  const std::vector<double> led = set_window_end(spec, built, result.controller, out);
   result.controller.solver = solver_of(spec, *built.problem, result.controller.terminal, out);
   if (mpc.fallback) {
     result.controller.fallback = fallback_of(*mpc.fallback, spec, built, out);
@@ -668,7 +663,7 @@ std::optional<BuiltMpc> build_mpc(const ProblemSpec& spec, const BuiltProblem& b
   set_disturbances(mpc, built, result.loop, out);
   result.controller.is_late = late_ticks(mpc);
   result.controller.retiming = build_retiming(spec, built, out);
-  result.loop.commands = build_commands(spec, built, out);
+  result.loop.commands = build_commands(spec, built, led, out);
   if (!mpc.stop_when.empty()) result.loop.stop = stop_condition(spec, built, out);
   if (out.error_count() > errors) return std::nullopt;
   check_memory_of_windows(spec, built, result, out);

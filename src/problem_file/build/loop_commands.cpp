@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "problem_file/build/loop_regulators.hpp"
 #include "problem_file/read/read_problem.hpp"
 
 namespace conddp {
@@ -30,10 +31,10 @@ std::string setting_of(const ProblemSpec& spec, std::size_t last) {
   return "gait.commands=[" + list + "]";
 }
 
-/// The problem with the commands up to one of them; null where it cannot be, which is reported.
-std::shared_ptr<const ShootingProblem> with_commands(const ProblemSpec& spec,
-                                                     const BuiltProblem& built, std::size_t last,
-                                                     Diagnostics& out) {
+/// The loop with the commands up to one of them; nothing where it cannot be, which is reported.
+std::optional<LoopCommand> with_commands(const ProblemSpec& spec, const BuiltProblem& built,
+                                         const std::vector<double>& led_state, std::size_t last,
+                                         Diagnostics& out) {
   std::vector<std::string> settings = spec.settings;
   settings.push_back(setting_of(spec, last));
   BuildOptions options{.plant = &built.plant};
@@ -42,14 +43,17 @@ std::shared_ptr<const ShootingProblem> with_commands(const ProblemSpec& spec,
   auto led = read_problem_text(spec.text, spec.file, settings, own);
   if (led) led->guess = {};
   const auto problem = led ? build_without_homotopy(*led, options, own) : std::nullopt;
-  if (problem && !own.has_errors()) return problem->problem;
+  if (problem && !own.has_errors())
+    return LoopCommand{
+        spec.mpc->commands[last].at.value, problem->problem,
+        path_along(led->gait_way, problem->problem->times(), led_state, built.plant)};
   for (const Diagnostic& fault : own.list())
     if (fault.severity == Severity::kError) {
       out.error(spec.mpc->commands[last].place,
                 fmt::format("the gait cannot follow the command: {}", fault.message), fault.hint);
       break;
     }
-  return nullptr;
+  return std::nullopt;
 }
 
 std::uint32_t bits_of(const ContactNames& held, const std::vector<ContactSpec>& contacts) {
@@ -119,7 +123,7 @@ void check_known_commands(const ProblemSpec& spec, double phases_end, Diagnostic
 
 }  // namespace
 
-bool has_gait(const ProblemSpec& spec) { return spec.phases.front().name.place.path == "gait"; }
+bool has_gait(const ProblemSpec& spec) { return !spec.gait_way.empty(); }
 
 int count_touch_downs(const ProblemSpec& spec) {
   int count = 0;
@@ -130,7 +134,7 @@ int count_touch_downs(const ProblemSpec& spec) {
 }
 
 std::vector<LoopCommand> build_commands(const ProblemSpec& spec, const BuiltProblem& built,
-                                        Diagnostics& out) {
+                                        const std::vector<double>& led, Diagnostics& out) {
   std::vector<LoopCommand> result;
   const std::vector<GaitCommand>& commands = spec.mpc->commands;
   const double phases_end = built.problem->times().back();
@@ -143,9 +147,9 @@ std::vector<LoopCommand> build_commands(const ProblemSpec& spec, const BuiltProb
   }
   for (std::size_t i = 0; i < commands.size(); ++i) {
     if (comes_too_late(commands[i], *spec.mpc, phases_end, out)) return result;
-    auto problem = with_commands(spec, built, i, out);
-    if (problem == nullptr) return result;
-    result.push_back({commands[i].at.value, std::move(problem)});
+    auto command = with_commands(spec, built, led, i, out);
+    if (!command) return result;
+    result.push_back(*std::move(command));
   }
   return result;
 }

@@ -6,10 +6,11 @@
 namespace conddp {
 
 /// The commands of a closed loop (mpc.commands). From the time of each one on the footholds and
-/// references are those of a gait that is led by the commands up to it. What cannot follow them is
-/// reported.
+/// references are those of a gait that is led by the commands up to it, and so is the path of a
+/// regulator whose state is `led` where the way begins (empty: there is none). What cannot follow
+/// them is reported.
 std::vector<LoopCommand> build_commands(const ProblemSpec& spec, const BuiltProblem& built,
-                                        Diagnostics& out);
+                                        const std::vector<double>& led, Diagnostics& out);
 
 /// Whether the phases of a file are those of a gait.
 bool has_gait(const ProblemSpec& spec);

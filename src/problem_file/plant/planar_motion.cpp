@@ -52,6 +52,15 @@ SE3<double> plane_of(const PlantPart& part) {
   return plane;
 }
 
+/// The horizontal direction in a plane, in its own axes; nothing where all of it is level.
+std::optional<Point> level_direction(const SE3<double>& plane) {
+  constexpr double kLevel = 1e-6;
+  const Vector3<double> up = transpose_times(plane.R, Vector3<double>{0, 0, 1});
+  const double slope = std::hypot(up.x, up.y);
+  if (slope < kLevel) return std::nullopt;
+  return Point{up.y / slope, -up.x / slope};
+}
+
 }  // namespace
 
 PlanarMotion along_arc(const PlanarMotion& step, double time) {
@@ -94,6 +103,21 @@ bool displace_base(const Plant& plant, const PlantPart& part, const PlanarMotion
   const Quaternion<double> result = turn * Quaternion<double>{q[0], q[1], q[2], q[3]};
   q[0] = result.x, q[1] = result.y, q[2] = result.z, q[3] = result.w;
   return true;
+}
+
+void bring_base(const Plant& plant, const PlantPart& part, const std::vector<double>& to,
+                std::vector<double>& x) {
+  if (is_fixed(plant, part)) return;
+  const Stand from = stand_of(plant, part, x), goal = stand_of(plant, part, to);
+  Point way{goal.position.x - from.position.x, goal.position.y - from.position.y};
+  double turn = goal.heading - from.heading;
+  if (const auto level = level_direction(plane_of(part))) {
+    const double along = level->x * way.x + level->y * way.y;
+    way = {along * level->x, along * level->y};
+    turn = 0;
+  }
+  way = turned(-from.heading, way);
+  displace_base(plant, part, {way.x, way.y, turn}, x);
 }
 
 std::optional<Vector3<double>> displaced_point(const Plant& plant, const PlantPart& part,

@@ -16,6 +16,12 @@ PlanarMotion followed_by(const PlanarMotion& first, const PlanarMotion& then);
 bool displace_base(const Plant& plant, const PlantPart& part, const PlanarMotion& motion,
                    std::vector<double>& x);
 
+/// Displaces the base of a robot in a state, at its height, to where it stands in another one, and
+/// turns it to the heading there; nothing if its base is fixed. A planar base whose plane is not
+/// level keeps its pitch.
+void bring_base(const Plant& plant, const PlantPart& part, const std::vector<double>& to,
+                std::vector<double>& x);
+
 /// Where a point of the world comes to that moves with the base of a robot in a state, as
 /// displace_base moves it; nullopt if its base is fixed.
 std::optional<Vector3<double>> displaced_point(const Plant& plant, const PlantPart& part,

@@ -37,6 +37,7 @@ class GaitSchedule {
     if (out_.error_count() > errors) return;
     make_phases();
     make_way();
+    for (const auto& [knot, share] : way()) spec_.gait_way.push_back({node(knot), motion(share)});
     if (swings()) make_costs();
     for (CostSpec& cost : spec_.costs) lead(cost, false);
     for (CostSpec& cost : spec_.terminal_costs) lead(cost, true);
@@ -360,20 +361,20 @@ class GaitSchedule {
     ReferenceSpec& reference = *cost.reference;
     const ReferenceValueSpec value = reference.values.front();
     if (terminal) {
-      reference.values = {displaced(value, 1.0)};
+      reference.values = {displaced(value, motion(1.0))};
       return;
     }
     reference.values.clear();
-    const auto points = way();
-    for (const auto& [knot, share] : points) {
-      reference.values.push_back(displaced(value, share));
-      if (points.size() > 1) reference.knots.push_back({node(knot), value.place});
+    const std::vector<WayPoint>& points = spec_.gait_way;
+    for (const auto& [node, motion] : points) {
+      reference.values.push_back(displaced(value, motion));
+      if (points.size() > 1) reference.knots.push_back({node, value.place});
     }
   }
 
-  /// The value of a reference after a share of the way.
-  ReferenceValueSpec displaced(ReferenceValueSpec value, double share) const {
-    value.state->displaced = {.place = value.state->displaced->place, .motion = motion(share)};
+  /// The value of a reference after a motion.
+  static ReferenceValueSpec displaced(ReferenceValueSpec value, const PlanarMotion& motion) {
+    value.state->displaced = {.place = value.state->displaced->place, .motion = motion};
     return value;
   }
 

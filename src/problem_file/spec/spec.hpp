@@ -136,6 +136,8 @@ struct ProblemSpec {
   std::optional<MeshSpec> mesh;          ///< its factor is part of the phases
   std::vector<PhaseSpec> phases;
   std::vector<GaitCommand> gait_commands;  ///< of the gait that made the phases
+  /// The way of that gait's base, on which it moves evenly from point to point; empty: no gait.
+  std::vector<WayPoint> gait_way;
   std::vector<CostSpec> costs;
   std::vector<ControlBoundsSpec> control_bounds;
   std::vector<ConstraintSpec> constraints;        ///< all others on running knots

@@ -21,6 +21,12 @@ struct GaitCommand {
   double turn = 0;      ///< rad/s
 };
 
+/// Where the base of a gait is at a node of its phases, as seen from where it begins.
+struct WayPoint {
+  int node;
+  PlanarMotion motion;
+};
+
 /// Cycles in which feet lift and touch down one after the other, from which phases and swings
 /// follow.
 struct GaitSpec {

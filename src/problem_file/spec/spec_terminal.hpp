@@ -13,6 +13,7 @@ struct TerminalLqrSpec {
   /// The equilibrium: a configuration or "initial", or a state.
   std::optional<Name> name;
   StateSpec state;
+  PlanarMotion moved;  ///< of its base, by the way of a gait with which a closed loop moves it
   double weight = 1;
   bool set = false;
   Place set_place;

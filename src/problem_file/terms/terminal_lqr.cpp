@@ -8,6 +8,7 @@
 
 #include "ocp/residuals/residuals.hpp"
 #include "ocp/residuals/weighted_residual.hpp"
+#include "problem_file/plant/planar_motion.hpp"
 #include "problem_file/plant/quasi_static.hpp"
 
 namespace conddp {
@@ -21,8 +22,10 @@ class TerminalLqrBuilder {
 
   std::shared_ptr<const TerminalLqr> build() {
     if (!is_supported() || !is_free_name()) return nullptr;
-    const auto x = equilibrium_of(spec_, context_.states);
+    auto x = equilibrium_of(spec_, context_.states);
     if (!x) return nullptr;
+    if (!context_.plant.parts.empty())
+      displace_base(context_.plant, context_.plant.parts.front(), spec_.moved, *x);
     TerminalResult found = find_terminal_ingredients(guess(*x), tangent_names_of_model());
     if (!found.ingredients) return fail(place(), found.fault, found.hint);
     auto lqr = std::make_shared<TerminalLqr>(
