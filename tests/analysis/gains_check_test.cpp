@@ -72,10 +72,15 @@ struct OpenTrajectory {
   std::string failures(const SolutionClaims& claims,
                        const DisplacedModel* displaced = nullptr) const {
     std::string names;
-    for (const Check& check :
-         check_gains(*lq.problem, claims, derivatives, hessians(), gap, displaced))
+    for (const Check& check : checks(*lq.problem, claims, displaced))
       if (!check.holds) names += "[" + check.name + "]";
     return names;
+  }
+
+  std::vector<Check> checks(const ShootingProblem& problem, const SolutionClaims& claims,
+                            const DisplacedModel* displaced = nullptr) const {
+    return check_gains(problem, claims, derivatives, hessians(), gap,
+                       riccati_policy(*lq.problem, t, derivatives, hessians()), displaced);
   }
 
   std::vector<Eigen::MatrixXd> hessians() const { return gauss_newton_hessians(*lq.problem, t); }
@@ -125,6 +130,34 @@ TEST(GainsOfASweep, AreComparedEntryByEntry) {
     }
 }
 
+TEST(GainsOfThePolicy, AreThoseOfTheTextbookWithoutRegularization) {
+  for (unsigned seed = 1; seed <= 6; ++seed) {
+    const OpenTrajectory at(seed);
+    const TextbookSweep sweep(at.lq, at.t, at.gap);
+    const RiccatiPolicy policy =
+        riccati_policy(*at.lq.problem, at.t, at.derivatives, at.hessians());
+    SolutionClaims claims = at.claims(sweep, 0, kProximal);
+    const auto are_those = [&](const RiccatiPolicy& own) {
+      return are_gains_of_policy(*at.lq.problem, claims, at.derivatives, at.gap, own);
+    };
+    EXPECT_TRUE(are_those(policy)) << seed;
+    RiccatiPolicy without_minimum = policy;
+    without_minimum.convex = false;
+    EXPECT_FALSE(are_those(without_minimum));
+    claims.gain_regularization = 1e-9;
+    EXPECT_FALSE(are_those(policy));
+    claims.gain_regularization = 0;
+    for (int k = 0; k < at.lq.N(); ++k) {
+      claims.feedforward[k][0] += 1e-4 * (1 + sweep.k[k].norm());
+      EXPECT_FALSE(are_those(policy)) << k;
+      claims.feedforward[k] = sweep.k[k];
+      claims.gains[k](0, 1) += 1e-4 * sweep.K[k].norm();
+      EXPECT_FALSE(are_those(policy)) << k;
+      claims.gains[k] = sweep.K[k];
+    }
+  }
+}
+
 TEST(GainsOfASweep, MayBeOffByWhatTheModelChangesOnADisplacedTrajectory) {
   const OpenTrajectory at(2);
   OpenTrajectory moved(2);
@@ -161,9 +194,13 @@ struct NumberSweep {
   void set_hessian(int k, double xx, double ux, double uu) { hessians[k] << xx, ux, ux, uu; }
   std::string failures() const {
     std::string names;
-    for (const Check& check : check_gains(*lq.problem, claims, derivatives, hessians, gap))
+    for (const Check& check :
+         check_gains(*lq.problem, claims, derivatives, hessians, gap, policy()))
       if (!check.holds) names += "[" + check.name + "]";
     return names;
+  }
+  RiccatiPolicy policy() const {
+    return riccati_policy(*lq.problem, claims.trajectory, derivatives, hessians);
   }
   /// Where the equation of the first knot's gains, or of its feedforward, is off by so much.
   std::string with_gains_off(double off) {
@@ -268,7 +305,7 @@ TEST(GainsOfASweep, MayBeOffByTheChangesOfEachDerivative) {
     sweep.claims.feedforward[0][0] = feedforward_off / Quu;
     std::string names;
     for (const Check& check : check_gains(*sweep.lq.problem, sweep.claims, sweep.derivatives,
-                                          sweep.hessians, sweep.gap, &displaced))
+                                          sweep.hessians, sweep.gap, sweep.policy(), &displaced))
       if (!check.holds) names += "[" + check.name + "]";
     return names;
   };
@@ -338,9 +375,7 @@ TEST(GainsOfASweep, AreNotComparedWhereTheAnswerDoesNotSayHowTheyWereFound) {
   const OpenTrajectory at(3);
   const TextbookSweep sweep(at.lq, at.t, at.gap);
   const auto count = [&](double mu, RegularizationKind kind) {
-    return check_gains(*at.lq.problem, at.claims(sweep, mu, kind), at.derivatives, at.hessians(),
-                       at.gap)
-        .size();
+    return at.checks(*at.lq.problem, at.claims(sweep, mu, kind)).size();
   };
   EXPECT_EQ(count(0, kProximal), 2u);
   EXPECT_EQ(count(SolutionClaims::kOpen, kProximal), 0u);
@@ -348,9 +383,7 @@ TEST(GainsOfASweep, AreNotComparedWhereTheAnswerDoesNotSayHowTheyWereFound) {
   EXPECT_EQ(count(0, RegularizationKind::state), 2u);
   const ShootingProblem constrained = testing::with_constraints(
       *at.lq.problem, {testing::goal_constraint(*at.lq.problem, {0, 0, 0})});
-  EXPECT_TRUE(
-      check_gains(constrained, SolutionClaims(constrained), at.derivatives, at.hessians(), at.gap)
-          .empty());
+  EXPECT_TRUE(at.checks(constrained, SolutionClaims(constrained)).empty());
 }
 
 TEST(GainsOfASweep, OfControlsThatEndAtABoundMayBeZero) {
@@ -371,12 +404,14 @@ TEST(GainsOfASweep, OfControlsThatEndAtABoundMayBeZero) {
       claims.gain_regularization = 0;
       const auto derivatives = node_derivatives(*bounded.problem, t, gap);
       const auto hessians = gauss_newton_hessians(*bounded.problem, t);
-      for (const Check& check : check_gains(*bounded.problem, claims, derivatives, hessians, gap))
-        EXPECT_EQ(check.holds, step == 0.25) << check.name;
+      const RiccatiPolicy policy = riccati_policy(*bounded.problem, t, derivatives, hessians);
+      const auto checks = [&] {
+        return check_gains(*bounded.problem, claims, derivatives, hessians, gap, policy);
+      };
+      for (const Check& check : checks()) EXPECT_EQ(check.holds, step == 0.25) << check.name;
       claims.gains = sweep.K;
       claims.feedforward = sweep.k;
-      for (const Check& check : check_gains(*bounded.problem, claims, derivatives, hessians, gap))
-        EXPECT_TRUE(check.holds) << check.name;
+      for (const Check& check : checks()) EXPECT_TRUE(check.holds) << check.name;
     }
 }
 

@@ -94,9 +94,11 @@ TEST(GainsCheck, ABoundThatDoesNotPushMayHoldOrNot) {
   claims.gain_regularization = 0;
   const auto feedback_holds = [&](double gain) {
     claims.gains[0].setConstant(gain);
+    const auto derivatives = derivatives_of(problem, claims.trajectory);
+    const auto hessians = gauss_newton_hessians(problem, claims.trajectory);
     const auto checks =
-        check_gains(problem, claims, derivatives_of(problem, claims.trajectory),
-                    gauss_newton_hessians(problem, claims.trajectory), Eigen::MatrixXd::Zero(1, 1));
+        check_gains(problem, claims, derivatives, hessians, Eigen::MatrixXd::Zero(1, 1),
+                    riccati_policy(problem, claims.trajectory, derivatives, hessians));
     EXPECT_EQ(checks.size(), 2u);
     return checks.at(0).holds;
   };

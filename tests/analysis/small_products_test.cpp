@@ -32,5 +32,21 @@ TEST(SmallProducts, TakeBlocksOfMatrices) {
   EXPECT_LE((product - a.block(3, 2, 9, 7) * b.block(1, 4, 7, 5)).cwiseAbs().maxCoeff(), 1e-14);
 }
 
+TEST(SmallProducts, AddTransposedProductsAndTheSizesOfTheirTerms) {
+  std::srand(3);
+  for (const int rows : {0, 1, 3, 8, 9, 14, 37})
+    for (const int columns : {0, 1, 7, 8, 21}) {
+      const MatrixXd A = MatrixXd::Random(rows, columns);
+      const Eigen::VectorXd x = Eigen::VectorXd::Random(rows);
+      const Eigen::VectorXd first = Eigen::VectorXd::Random(columns);
+      Eigen::VectorXd value = first, size = 2 * first;
+      add_transposed_product(A, x.data(), value, size);
+      const Eigen::VectorXd expected = first + A.transpose() * x;
+      const Eigen::VectorXd sizes = 2 * first + A.cwiseAbs().transpose() * x.cwiseAbs();
+      EXPECT_LE((value - expected).norm(), 1e-14) << rows << " x " << columns;
+      EXPECT_LE((size - sizes).norm(), 1e-13) << rows << " x " << columns;
+    }
+}
+
 }  // namespace
 }  // namespace conddp

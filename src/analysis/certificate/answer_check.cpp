@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "analysis/certificate/node_hessians.hpp"
+#include "analysis/certificate/node_models.hpp"
 #include "analysis/certificate/reduced_gradient.hpp"
 #include "ocp/evaluation/evaluator.hpp"
 #include "ocp/problem/by_name.hpp"
@@ -52,15 +52,16 @@ AnswerCheck check_answer(const ShootingProblem& problem, const Trajectory& traje
   for (const ConstraintViolation& violation : violations_by_name(problem, linearization.constraint))
     check.constraint = std::max(check.constraint, violation.value);
   if (!multipliers_known) return check;
-  const auto derivatives = node_derivatives(problem, trajectory, linearization.gap);
-  // Those above have terms of multipliers, if there are any.
-  const auto hessians = problem.constraint_rows() == 0 ? hessians_of(linearization)
-                                                       : gauss_newton_hessians(problem, trajectory);
+  // What is linearized above has terms of multipliers, if there are any.
+  const NodeModels models =
+      problem.constraint_rows() == 0
+          ? confirmed_models(problem, trajectory, linearization.gap, linearization)
+          : node_models(problem, trajectory, linearization.gap);
   const RiccatiPolicy policy =
-      riccati_policy(problem, trajectory, derivatives, hessians, bound_tolerance);
+      riccati_policy(problem, trajectory, models.derivatives, models.hessians, bound_tolerance);
   const ProjectedGradient gradient =
       project(problem, trajectory,
-              adjoint_pass(problem, derivatives, constraint_multipliers, policy.K).control,
+              adjoint_pass(problem, models.derivatives, constraint_multipliers, policy.K).control,
               bound_tolerance);
   check.stationarity = gradient.stationarity;
   check.complementarity = gradient.product;

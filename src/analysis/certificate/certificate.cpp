@@ -13,7 +13,7 @@
 #include "analysis/certificate/gains_check.hpp"
 #include "analysis/certificate/infeasibility.hpp"
 #include "analysis/certificate/lagrangian_gradient.hpp"
-#include "analysis/certificate/node_hessians.hpp"
+#include "analysis/certificate/node_models.hpp"
 #include "analysis/certificate/place_text.hpp"
 #include "analysis/certificate/reduced_gradient.hpp"
 #include "ocp/problem/node_evaluation.hpp"
@@ -92,7 +92,7 @@ class Judge {
           std::max(noise.stationarity, kMargin * largest_change(a.control[k], b.control[k]));
     noise.state = kMargin * largest_change(a.state, b.state);
     noise.constraint = kMargin * largest_change(here.values_, there.values_);
-    noise.displaced = {std::move(moved.trajectory), std::move(there.derivatives_), kMargin};
+    noise.displaced = {std::move(moved.trajectory), std::move(there.models_.derivatives), kMargin};
     return noise;
   }
 
@@ -196,7 +196,7 @@ class Judge {
       largest_state_ =
           std::max({largest_state_, x.lpNorm<Eigen::Infinity>(), size / problem_.nx()});
     }
-    derivatives_ = node_derivatives(problem_, claims_.trajectory, gaps_);
+    models_ = node_models(problem_, claims_.trajectory, gaps_);
   }
 
   void add_costs(const KnotView& view, const KnotWorkspace<double>& work,
@@ -272,7 +272,8 @@ class Judge {
 
   /// At the answer's own co-states.
   LagrangianGradient gradient() const {
-    return lagrangian_gradient(problem_, derivatives_, claims_.costates, claims_.multipliers);
+    return lagrangian_gradient(problem_, models_.derivatives, claims_.costates,
+                               claims_.multipliers);
   }
 
   void check_gradient() {
@@ -297,19 +298,18 @@ class Judge {
                : place_text(problem_, stationarity.knot,
                             control_name(problem_, stationarity.knot, stationarity.entry)));
     check_costates(found);
-    const auto hessians = gauss_newton_hessians(problem_, claims_.trajectory);
-    measure_optimality(hessians);
-    for (Check& check : check_gains(problem_, claims_, derivatives_, hessians, gaps_,
-                                    noise_.displaced ? &*noise_.displaced : nullptr))
+    const RiccatiPolicy policy =
+        riccati_policy(problem_, claims_.trajectory, models_.derivatives, models_.hessians);
+    measure_optimality(policy);
+    for (Check& check : check_gains(problem_, claims_, models_.derivatives, models_.hessians, gaps_,
+                                    policy, noise_.displaced ? &*noise_.displaced : nullptr))
       add(std::move(check));
   }
 
   /// Stationarity without the answer's co-states and gains.
-  void measure_optimality(const std::vector<Eigen::MatrixXd>& hessians) {
-    const RiccatiPolicy policy =
-        riccati_policy(problem_, claims_.trajectory, derivatives_, hessians);
+  void measure_optimality(const RiccatiPolicy& policy) {
     const auto pass = [&](const std::vector<Eigen::MatrixXd>& gains) {
-      return adjoint_pass(problem_, derivatives_, claims_.multipliers, gains);
+      return adjoint_pass(problem_, models_.derivatives, claims_.multipliers, gains);
     };
     const auto norm = [&](const AdjointPass& found) {
       return project(problem_, claims_.trajectory, found.control);
@@ -417,7 +417,8 @@ class Judge {
 
   /// Infeasible is what leaves no control a way, on a motion that follows from the controls.
   void check_least_violation() {
-    const double share = attainable_share(problem_, claims_.trajectory, derivatives_, values_);
+    const double share =
+        attainable_share(problem_, claims_.trajectory, models_.derivatives, values_);
     const bool closed = gap_.value <= claims_.tolerances.gap + state_rounding();
     add({"least violation", closed && share <= kLeastViolationShare, Check::kNone, share,
          kLeastViolationShare, "",
@@ -445,7 +446,7 @@ class Judge {
   double cost_ = 0, cost_size_ = 0;
   Eigen::MatrixXd gaps_;
   Eigen::VectorXd values_;  ///< of the constraints
-  std::vector<NodeDerivatives> derivatives_;
+  NodeModels models_;
   Worst gap_;
   double largest_state_ = 0, own_stationarity_ = 0;
   double costate_error_ = 0;

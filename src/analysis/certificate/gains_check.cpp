@@ -85,8 +85,28 @@ std::vector<NodeNoise> noise_of(const SweepModel& here, const SweepModel& there,
   return noise;
 }
 
+/// The stage of a knot, and what the answer's gains leave of its equations.
+struct SweepStage {
+  MatrixXd Q, Quu;  ///< nz x nz; nu x nu with the regularisation of the gains
+  VectorXd q;
+  MatrixXd left;       ///< Quu K + Qux
+  VectorXd step_left;  ///< Quu k + qu
+
+  /// From Q and q; `regularization` is what the gains have of it besides that in Q.
+  void put_in(const SolutionClaims& claims, int k, double regularization) {
+    const MatrixXd& K = claims.gains[k];
+    const Eigen::Index nu = K.rows();
+    Quu = Q.bottomRightCorner(nu, nu);
+    Quu.diagonal().array() += regularization;
+    multiply(Quu, K, left);
+    left += Q.bottomLeftCorner(nu, K.cols());
+    step_left = q.tail(nu);
+    step_left.noalias() += Quu * claims.feedforward[k];
+  }
+};
+
 /// A sweep along the gains of the answer, node by node from the end.
-class ClaimedSweep {
+class ClaimedSweep : public SweepStage {
  public:
   ClaimedSweep(const ShootingProblem& problem, const SolutionClaims& claims,
                const SweepModel& model, const MatrixXd& gap)
@@ -104,7 +124,7 @@ class ClaimedSweep {
 
   /// The equations of a node's stage, where V and v are those of the node behind it.
   void enter(int k) {
-    const MatrixXd &J = model_.derivatives[k].step, &K = claims_.gains[k];
+    const MatrixXd& J = model_.derivatives[k].step;
     multiply(V, J, VJ_);
     transposed_ = J.transpose();
     multiply(transposed_, VJ_, Q);
@@ -114,13 +134,7 @@ class ClaimedSweep {
     next_ += v;
     q = model_.derivatives[k].cost;
     q.noalias() += J.transpose() * next_;
-    const Eigen::Index nu = K.rows();
-    Quu = Q.bottomRightCorner(nu, nu);
-    Quu.diagonal().array() += claims_.gain_regularization - weight_;
-    multiply(Quu, K, left);
-    left += Q.bottomLeftCorner(nu, ndx_);
-    step_left = q.tail(nu);
-    step_left.noalias() += Quu * claims_.feedforward[k];
+    put_in(claims_, k, claims_.gain_regularization - weight_);
   }
 
   /// Makes V and v those of the node that was entered.
@@ -143,12 +157,8 @@ class ClaimedSweep {
     V = (0.5 * (V + V.transpose())).eval();
   }
 
-  MatrixXd V;       ///< Hessian of the cost to go, ndx x ndx
-  VectorXd v;       ///< its gradient
-  MatrixXd Q, Quu;  ///< of the stage, nz x nz; nu x nu with the regularisation of the gains
-  VectorXd q;
-  MatrixXd left;       ///< Quu K + Qux
-  VectorXd step_left;  ///< Quu k + qu
+  MatrixXd V;  ///< Hessian of the cost to go, ndx x ndx
+  VectorXd v;  ///< its gradient
 
  private:
   const SolutionClaims& claims_;
@@ -158,6 +168,41 @@ class ClaimedSweep {
   double weight_ = 0;  ///< of a proximal term
   MatrixXd VJ_, transposed_, QuuK_, along_, across_;
   VectorXd next_;
+};
+
+/// A sweep along the certificate's own policy, whose matrices are known.
+class OwnSweep : public SweepStage {
+ public:
+  OwnSweep(const SolutionClaims& claims, const RiccatiPolicy& policy,
+           const std::vector<NodeDerivatives>& derivatives, const MatrixXd& gap)
+      : claims_(claims),
+        policy_(policy),
+        derivatives_(derivatives),
+        gap_(gap),
+        v_(derivatives.back().cost) {}
+
+  void enter(int k) {
+    const NodeDerivatives& d = derivatives_[k];
+    v_.noalias() += policy_.value[k + 1] * gap_.col(k);
+    Q = policy_.Q[k];
+    q = d.cost;
+    q.noalias() += d.step.transpose() * v_;
+    put_in(claims_, k, 0);
+  }
+
+  /// With the feedforward of the policy, that leaves nothing of the controls that it moves.
+  void leave(int k) {
+    const MatrixXd& K = policy_.K[k];
+    v_ = q.head(K.cols());
+    v_.noalias() += K.transpose() * q.tail(K.rows());
+  }
+
+ private:
+  const SolutionClaims& claims_;
+  const RiccatiPolicy& policy_;
+  const std::vector<NodeDerivatives>& derivatives_;
+  const MatrixXd& gap_;
+  VectorXd v_;  ///< gradient of the cost to go
 };
 
 /// What rounding may have made of a sweep, carried along the gains as they are.
@@ -227,7 +272,7 @@ class CarriedRounding {
 
 /// Compares what is left of a node's equations with what may be.
 void meet_equations(const ShootingProblem& problem, const SolutionClaims& claims,
-                    const ClaimedSweep& sweep, const CarriedRounding* rounding, int k,
+                    const SweepStage& sweep, const CarriedRounding* rounding, int k,
                     Deviation& out) {
   const int nu = problem.nu(k), ndx = problem.ndx();
   if (nu == 0) return;
@@ -267,6 +312,10 @@ Deviation compare(const ShootingProblem& problem, const SolutionClaims& claims,
   return out;
 }
 
+bool holds(const Deviation& deviation) {
+  return deviation.feedback.value <= 1 && deviation.feedforward.value <= 1;
+}
+
 Check check_of(const char* name, const ShootingProblem& problem, const Worst& worst) {
   Check check{name, worst.value <= 1};
   if (check.holds) return check;
@@ -279,20 +328,40 @@ Check check_of(const char* name, const ShootingProblem& problem, const Worst& wo
 
 }  // namespace
 
+bool are_gains_of_policy(const ShootingProblem& problem, const SolutionClaims& claims,
+                         const std::vector<NodeDerivatives>& derivatives, const MatrixXd& gap,
+                         const RiccatiPolicy& policy) {
+  if (claims.gain_regularization != 0 || !policy.convex) return false;
+  OwnSweep sweep(claims, policy, derivatives, gap);
+  Deviation found;
+  for (int k = problem.knots() - 1; k >= 0; --k) {
+    sweep.enter(k);
+    meet_equations(problem, claims, sweep, nullptr, k, found);
+    if (!holds(found)) return false;
+    sweep.leave(k);
+  }
+  return true;
+}
+
 std::vector<Check> check_gains(const ShootingProblem& problem, const SolutionClaims& claims,
                                const std::vector<NodeDerivatives>& derivatives,
                                const std::vector<MatrixXd>& hessians, const MatrixXd& gap,
-                               const DisplacedModel* displaced) {
+                               const RiccatiPolicy& policy, const DisplacedModel* displaced) {
   if (!problem.constraints().empty() || !std::isfinite(claims.gain_regularization)) return {};
   if (claims.gain_regularization_kind == RegularizationKind::state &&
       claims.gain_regularization > 0)
     return {};
+  const auto checks_of = [&](const Deviation& found) {
+    return std::vector<Check>{check_of("feedback", problem, found.feedback),
+                              check_of(kFeedforwardCheck, problem, found.feedforward)};
+  };
+  if (are_gains_of_policy(problem, claims, derivatives, gap, policy)) return checks_of({});
   // What rounding may be off is carried along only where the equations do not hold without it.
   // `hessians_at` gives those at the displaced trajectory.
   const auto deviation = [&](const std::vector<MatrixXd>& hessians_here, const auto& hessians_at) {
     const SweepModel model{derivatives, hessians_here};
     const Deviation plain = compare(problem, claims, model, gap, nullptr);
-    if (plain.feedback.value <= 1 && plain.feedforward.value <= 1) return plain;
+    if (holds(plain)) return plain;
     const auto noise = [&] {
       if (displaced == nullptr) return no_noise(model);
       const std::vector<MatrixXd> hessians_there = hessians_at(displaced->trajectory);
@@ -311,8 +380,7 @@ std::vector<Check> check_gains(const ShootingProblem& problem, const SolutionCla
     const Deviation exact = deviation(exact_at(claims.trajectory), exact_at);
     if (!(exact.feedback.value > found.feedback.value)) found = exact;
   }
-  return {check_of("feedback", problem, found.feedback),
-          check_of(kFeedforwardCheck, problem, found.feedforward)};
+  return checks_of(found);
 }
 
 }  // namespace conddp

@@ -33,10 +33,9 @@ struct NodeGradient {
   Eigen::VectorXd value, size;
 };
 
-/// `multipliers` are those of all constraints, `next` is λ of the next node: none at the terminal
-/// one.
-NodeGradient node_gradient(const ShootingProblem& problem, const NodeDerivatives& derivatives,
-                           int node, const Eigen::VectorXd& multipliers,
-                           const Eigen::Ref<const Eigen::VectorXd>& next);
+/// `multipliers` are those of all constraints, `next` is λ of the next node, ndx numbers: null at
+/// the terminal one.
+void node_gradient(const ShootingProblem& problem, const NodeDerivatives& derivatives, int node,
+                   const Eigen::VectorXd& multipliers, const double* next, NodeGradient& out);
 
 }  // namespace conddp

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 
+#include "analysis/certificate/moving_nodes.hpp"
 #include "ocp/problem/problem.hpp"
 
 namespace conddp {
@@ -17,11 +18,13 @@ struct NodeDerivatives {
   Eigen::MatrixXd step;
 };
 
-/// The derivatives of all nodes at a trajectory with these gaps (ndx x N), by dual numbers through
-/// the evaluation of costs, constraints and dynamics: no formula of a derivative that solvers use
-/// has a part in them.
+/// The derivatives of all nodes at a trajectory with these gaps (ndx x N), by dual numbers, column
+/// by column (MovingNodes).
 std::vector<NodeDerivatives> node_derivatives(const ShootingProblem& problem,
                                               const Trajectory& trajectory,
                                               const Eigen::MatrixXd& gap);
+
+/// Those of one node.
+NodeDerivatives derivatives_of_node(const ShootingProblem& problem, int node, MovingNodes& moving);
 
 }  // namespace conddp

@@ -3,13 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
 #include <random>
-#include <utility>
-
-#include <Eigen/Cholesky>
 
 #include "analysis/certificate/lagrangian_gradient.hpp"
+#include "analysis/certificate/small_cholesky.hpp"
 #include "analysis/certificate/small_products.hpp"
 
 namespace conddp {
@@ -18,11 +15,9 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// +1 or −1 for each entry.
-VectorXd signs(std::mt19937_64& engine, Eigen::Index count) {
-  VectorXd list(count);
-  for (double& entry : list) entry = (engine() >> 63) != 0 ? 1 : -1;
-  return list;
+/// A number, or minus that number.
+double with_random_sign(std::mt19937_64& engine, double number) {
+  return (engine() >> 63) != 0 ? number : -number;
 }
 
 /// Which bounds a control stands at, or is beyond.
@@ -35,65 +30,53 @@ struct ControlAtBounds {
   bool lower, upper;
 };
 
-/// None where it is not positive definite to rounding.
-std::optional<Eigen::LLT<MatrixXd>> factored(const MatrixXd& block) {
-  constexpr double kLeastPivot = 1e-14;
-  const Eigen::LLT<MatrixXd> factors(block);
-  if (factors.info() != Eigen::Success) return std::nullopt;
-  const double least = factors.matrixLLT().diagonal().cwiseAbs2().minCoeff();
-  if (!(least > kLeastPivot * block.diagonal().maxCoeff())) return std::nullopt;
-  return factors;
-}
-
-/// Goes from node to node, from the end.
+/// The stages of a policy, from the end: each from the value behind it.
 class RiccatiStep {
  public:
-  /// `value` is the Hessian of the last node.
-  explicit RiccatiStep(MatrixXd value) : value_(std::move(value)) {}
-
-  /// The stage's minimum over the free controls; false where the stage is not convex.
-  bool run(const MatrixXd& hessian, const MatrixXd& jacobian, const std::vector<int>& free,
-           MatrixXd& K, MatrixXd& inverse) {
-    multiply(value_, jacobian, moved_);
+  /// Q of a stage.
+  void form(const MatrixXd& value, const MatrixXd& hessian, const MatrixXd& jacobian, MatrixXd& Q) {
+    multiply(value, jacobian, moved_);
     transposed_ = jacobian.transpose();
-    multiply(transposed_, moved_, Q_);
-    Q_ += hessian;
-    const Eigen::Index ndx = value_.rows(), nu = hessian.rows() - ndx;
-    K = MatrixXd::Zero(nu, ndx);
-    inverse = MatrixXd::Zero(nu, nu);
-    const bool convex = minimize(free, K, inverse);
-    propagate(K);
-    return convex;
+    multiply(transposed_, moved_, Q);
+    Q += hessian;
   }
 
- private:
-  bool minimize(const std::vector<int>& free, MatrixXd& K, MatrixXd& inverse) const {
+  /// The minimum over the free controls; false where the stage is not convex, and K is zero.
+  bool minimize(const MatrixXd& Q, const std::vector<int>& free, MatrixXd& K, MatrixXd& inverse) {
+    K.setZero();
+    inverse.setZero();
+    const Index nu = K.rows(), ndx = K.cols(), count = static_cast<Index>(free.size());
     if (free.empty()) return true;
-    const Eigen::Index nu = K.rows(), count = static_cast<Eigen::Index>(free.size());
-    const MatrixXd block = Q_.bottomRightCorner(nu, nu)(free, free);
-    const auto factors = factored(block);
-    if (!factors) return false;
-    const MatrixXd Qux = Q_.topRightCorner(K.cols(), nu).transpose()(free, Eigen::all);
-    const MatrixXd block_inverse = factors->solve(MatrixXd::Identity(count, count));
-    const MatrixXd feedback = -factors->solve(Qux);
-    inverse(free, free) = block_inverse;
-    K(free, Eigen::all) = feedback;
+    block_ = Q.bottomRightCorner(nu, nu)(free, free);
+    if (!factors_.factorize(block_, kLeastPivot)) return false;
+    rows_.resize(count, ndx + count);
+    rows_.leftCols(ndx) = Q.bottomLeftCorner(nu, ndx)(free, Eigen::all);
+    rows_.rightCols(count).setIdentity();
+    factors_.solve(rows_);
+    K(free, Eigen::all) = -rows_.leftCols(ndx);
+    inverse(free, free) = rows_.rightCols(count);
     return true;
   }
 
-  /// Makes `value_` the Hessian of this node's cost to go.
-  void propagate(const MatrixXd& K) {
-    const Eigen::Index nu = K.rows(), ndx = K.cols();
-    multiply(Q_.bottomRightCorner(nu, nu), K, moved_);
+  /// The Hessian of the cost to go along K: Q_xx + Kᵀ Q_uu K + Kᵀ Q_ux + Q_xu K.
+  void propagate(const MatrixXd& Q, const MatrixXd& K, MatrixXd& value) {
+    const Index nu = K.rows(), ndx = K.cols();
+    multiply(Q.bottomRightCorner(nu, nu), K, moved_);
+    moved_ += 2 * Q.bottomLeftCorner(nu, ndx);
     transposed_ = K.transpose();
     multiply(transposed_, moved_, along_);
-    multiply(Q_.topRightCorner(ndx, nu), K, across_);
-    value_ = Q_.topLeftCorner(ndx, ndx) + along_ + across_ + across_.transpose();
-    value_ = (0.5 * (value_ + value_.transpose())).eval();
+    along_ += Q.topLeftCorner(ndx, ndx);
+    value = 0.5 * (along_ + along_.transpose());
   }
 
-  MatrixXd value_;
-  MatrixXd Q_, moved_, transposed_, along_, across_;
+ private:
+  using Index = Eigen::Index;
+  /// Of a block that is positive definite to rounding, relative to its diagonal.
+  static constexpr double kLeastPivot = 1e-14;
+
+  SmallCholesky factors_;
+  SmallCholesky::Rows rows_;
+  MatrixXd block_, moved_, transposed_, along_;
 };
 
 }  // namespace
@@ -104,23 +87,25 @@ AdjointPass adjoint_pass(const ShootingProblem& problem,
   const int N = problem.knots(), ndx = problem.ndx();
   AdjointPass pass{MatrixXd(ndx, N + 1), std::vector<VectorXd>(N), 0};
   std::mt19937_64 engine(3);
-  VectorXd error = VectorXd::Zero(ndx);
+  VectorXd error = VectorXd::Zero(ndx), moved;
+  NodeGradient node;
   for (int k = N; k >= 0; --k) {
     const NodeDerivatives& d = derivatives[k];
-    const auto [gradient, size] =
-        node_gradient(problem, d, k, multipliers, k < N ? pass.costates.col(k + 1) : VectorXd());
-    VectorXd moved = kAdjointRounding * size.cwiseProduct(signs(engine, size.size()));
+    node_gradient(problem, d, k, multipliers, k < N ? pass.costates.col(k + 1).data() : nullptr,
+                  node);
+    moved = kAdjointRounding * node.size;
+    for (double& entry : moved) entry = with_random_sign(engine, entry);
     if (k < N) moved.noalias() += d.step.transpose() * error;
-    pass.costates.col(k) = gradient.head(ndx);
+    pass.costates.col(k) = node.value.head(ndx);
     error = moved.head(ndx);
     if (k == N) continue;
-    pass.control[k] = gradient.tail(problem.nu(k));
-    const VectorXd change = moved.tail(problem.nu(k));
+    pass.control[k] = node.value.tail(problem.nu(k));
+    const auto change = moved.tail(problem.nu(k));
     if (change.size() > 0)
       pass.rounding = std::max(pass.rounding, change.lpNorm<Eigen::Infinity>());
     if (gains.empty()) continue;
-    pass.costates.col(k) += gains[k].transpose() * pass.control[k];
-    error += gains[k].transpose() * change;
+    pass.costates.col(k).noalias() += gains[k].transpose() * pass.control[k];
+    error.noalias() += gains[k].transpose() * change;
   }
   return pass;
 }
@@ -133,20 +118,31 @@ double RiccatiPolicy::decrease(const std::vector<VectorXd>& gradient) const {
   return sum;
 }
 
+RiccatiPolicy::RiccatiPolicy(const ShootingProblem& problem)
+    : K(problem.knots()), inverse(K), Q(K), value(problem.knots() + 1) {
+  for (int k = 0; k < problem.knots(); ++k) {
+    K[k].resize(problem.nu(k), problem.ndx());
+    inverse[k].resize(problem.nu(k), problem.nu(k));
+  }
+}
+
 RiccatiPolicy riccati_policy(const ShootingProblem& problem, const Trajectory& trajectory,
                              const std::vector<NodeDerivatives>& derivatives,
                              const std::vector<MatrixXd>& hessians, double bound_tolerance) {
   const int N = problem.knots();
-  RiccatiPolicy policy{std::vector<MatrixXd>(N), std::vector<MatrixXd>(N)};
-  RiccatiStep step(hessians[N]);
+  RiccatiPolicy policy(problem);
+  policy.value[N] = hessians[N];
+  RiccatiStep step;
+  std::vector<int> free;
   for (int k = N - 1; k >= 0; --k) {
-    std::vector<int> free;
+    free.clear();
     for (int i = 0; i < problem.nu(k); ++i) {
       const ControlAtBounds control(*problem.knot(k).model, i, trajectory.u(k)[i], bound_tolerance);
       if (!control.lower && !control.upper) free.push_back(i);
     }
-    policy.convex &=
-        step.run(hessians[k], derivatives[k].step, free, policy.K[k], policy.inverse[k]);
+    step.form(policy.value[k + 1], hessians[k], derivatives[k].step, policy.Q[k]);
+    policy.convex &= step.minimize(policy.Q[k], free, policy.K[k], policy.inverse[k]);
+    step.propagate(policy.Q[k], policy.K[k], policy.value[k]);
   }
   return policy;
 }

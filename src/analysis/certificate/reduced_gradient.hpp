@@ -36,10 +36,15 @@ inline constexpr double kBoundRounding = 1e-14;
 
 /// A plain Riccati recursion: what it gives depends on problem and trajectory alone.
 struct RiccatiPolicy {
+  /// That of a problem's knots, with numbers that are not set.
+  explicit RiccatiPolicy(const ShootingProblem& problem);
+
   std::vector<Eigen::MatrixXd> K;  ///< nu x ndx, one a knot
   /// Q_uu⁻¹ of the controls that K moves, zero in the rows and columns of the others: in v of
   /// δu = v + K δx the model's Hessian consists of the blocks Q_uu.
   std::vector<Eigen::MatrixXd> inverse;
+  std::vector<Eigen::MatrixXd> Q;      ///< nz x nz, of the stage of each knot
+  std::vector<Eigen::MatrixXd> value;  ///< ndx x ndx, one a node: Hessian of the cost to go
   /// Whether all stages have a minimum; the controls of others are left alone.
   bool convex = true;
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "spatial/lane.hpp"
+#include "spatial/lane_part.hpp"
 
 namespace conddp {
 namespace {
@@ -73,6 +73,14 @@ struct Product {
   }
 };
 
+/// Adds the sum of all lanes of each of the first `count` numbers to a number.
+void add_totals(Lane (&sums)[kLaneWidth], int count, double* to) {
+  transpose_lanes(sums);
+  Lane total = load_some(to, count);
+  for (const Lane& lane : sums) total += lane;
+  store_some(to, total, count);
+}
+
 }  // namespace
 
 void multiply(const Eigen::Ref<const Eigen::MatrixXd>& a,
@@ -83,6 +91,28 @@ void multiply(const Eigen::Ref<const Eigen::MatrixXd>& a,
   const Product product{a.data(),        b.data(),          out.data(), a.outerStride(),
                         b.outerStride(), out.outerStride(), a.cols()};
   product.run<kLaneWidth, kColumns>(out.rows(), out.cols());
+}
+
+void add_transposed_product(const Eigen::MatrixXd& A, const double* x, Eigen::VectorXd& value,
+                            Eigen::VectorXd& size) {
+  const int rows = static_cast<int>(A.rows()), columns = static_cast<int>(A.cols());
+  if (rows == 0) return;
+  for (int first = 0; first < columns; first += kLaneWidth) {
+    const int count = std::min(kLaneWidth, columns - first);
+    Lane sums[kLaneWidth], sizes[kLaneWidth];
+    for (int j = 0; j < kLaneWidth; ++j) {
+      sums[j] = sizes[j] = Lane(0.0);
+      if (j >= count) continue;
+      const double* column = A.col(first + j).data();
+      for (int i = 0; i < rows; i += kLaneWidth) {
+        const Lane term = load_some(column + i, rows - i) * load_some(x + i, rows - i);
+        sums[j] += term;
+        sizes[j] += abs(term);
+      }
+    }
+    add_totals(sums, count, value.data() + first);
+    add_totals(sizes, count, size.data() + first);
+  }
 }
 
 }  // namespace conddp

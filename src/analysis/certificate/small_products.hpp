@@ -9,4 +9,9 @@ namespace conddp {
 void multiply(const Eigen::Ref<const Eigen::MatrixXd>& a,
               const Eigen::Ref<const Eigen::MatrixXd>& b, Eigen::MatrixXd& out);
 
+/// value += Aᵀ x, and size += |A|ᵀ |x|, what the terms of each sum add up to without their signs.
+/// `x` has a number for each row of A.
+void add_transposed_product(const Eigen::MatrixXd& A, const double* x, Eigen::VectorXd& value,
+                            Eigen::VectorXd& size);
+
 }  // namespace conddp

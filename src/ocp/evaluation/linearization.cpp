@@ -79,9 +79,19 @@ void KnotLinearization::apply_transpose(const Eigen::Ref<const Eigen::VectorXd>&
 }
 
 Eigen::MatrixXd KnotLinearization::dense_jacobian() const {
-  const int nz = static_cast<int>(gradient.size());
-  Eigen::MatrixXd jacobian(ndx, nz);
-  for (int c = 0; c < nz; ++c) apply(Eigen::VectorXd::Unit(nz, c), jacobian.col(c));
+  if (!semi_implicit) return F;
+  const Eigen::Index nv = F.rows();
+  Eigen::MatrixXd jacobian(ndx, F.cols());
+  jacobian.bottomRows(nv) = F;
+  jacobian.topRows(nv) = dt * F;
+  jacobian.topLeftCorner(nv, nv).diagonal().array() += 1;
+  for (std::size_t s = 0; s < curved.size(); ++s) {
+    const int at = curved[s].dx, n = curved[s].n;
+    auto rows = jacobian.middleRows(at, n);
+    rows.noalias() = H[s].topLeftCorner(n, n) * F.middleRows(at, n);
+    rows *= dt;
+    rows.middleCols(at, n) += A[s].topLeftCorner(n, n);
+  }
   return jacobian;
 }
 
@@ -96,8 +106,12 @@ Linearization::Linearization(const ShootingProblem& problem)
     KnotLinearization& knot = knots[k];
     knot.ndx = model.ndx();
     knot.gradient = Eigen::VectorXd::Zero(model.nz());
+    // A copy costs less than what the pattern says.
     knot.hessian =
-        KnotHessian(model.nz(), std::span(model.hessian_pattern()).first(model.lasting_entries()));
+        k > 0 && problem.knot(k - 1).model == &model
+            ? knots[k - 1].hessian
+            : KnotHessian(model.nz(),
+                          std::span(model.hessian_pattern()).first(model.lasting_entries()));
     knot.F = Eigen::MatrixXd::Zero(model.jacobian_rows(), model.nz());
     knot.C = Eigen::MatrixXd::Zero(model.constraint_rows(), model.nz());
     knot.dt = problem.knot(k).dt;

@@ -1,0 +1,113 @@
+#include "analysis/certificate/node_models.hpp"
+
+#include <functional>
+
+#include <gtest/gtest.h>
+
+#include "analysis/certificate/node_hessians.hpp"
+#include "ocp/evaluation/evaluator.hpp"
+#include "support/constrained_problems.hpp"
+#include "support/small_problems.hpp"
+
+namespace conddp {
+namespace {
+
+ShootingProblem cartpole_with_goal() {
+  const ShootingProblem free = testing::cartpole_swing_up();
+  return testing::with_constraints(
+      free, {testing::goal_constraint(free, std::vector<double>(free.nx(), 0.0))});
+}
+
+/// A trajectory beside the constant one, whose gaps are open.
+struct Point {
+  explicit Point(const ShootingProblem& of) : problem(of), t(of.create_trajectory()) {
+    std::srand(5);
+    for (int k = 0; k <= problem.knots(); ++k) {
+      const Eigen::VectorXd move = 0.3 * Eigen::VectorXd::Random(problem.ndx());
+      problem.manifold().integrate(t.x(k).data(), move.data(), t.x(k).data());
+      if (k < problem.knots()) t.u(k).setRandom();
+    }
+    Evaluator(problem).differentiate(t, analytic);
+  }
+
+  NodeModels models() const { return confirmed_models(problem, t, analytic.gap, analytic); }
+
+  const ShootingProblem& problem;
+  Trajectory t;
+  Linearization analytic{problem};
+};
+
+double difference(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
+  return a.size() == 0 ? 0 : (a - b).cwiseAbs().maxCoeff() / std::max(1.0, a.cwiseAbs().maxCoeff());
+}
+
+void expect_derivatives_of_dual_numbers(const Point& at, const NodeModels& models) {
+  const auto reference = node_derivatives(at.problem, at.t, at.analytic.gap);
+  ASSERT_EQ(models.derivatives.size(), reference.size());
+  for (std::size_t k = 0; k < reference.size(); ++k) {
+    EXPECT_LT(difference(reference[k].cost, models.derivatives[k].cost), 1e-12) << k;
+    EXPECT_LT(difference(reference[k].constraint, models.derivatives[k].constraint), 1e-12) << k;
+    EXPECT_LT(difference(reference[k].step, models.derivatives[k].step), 1e-12) << k;
+  }
+}
+
+/// On flat and curved spaces, with open gaps and with constraints.
+TEST(NodeModels, KeepAnalyticDerivativesThatAgreeWithDualNumbers) {
+  const ShootingProblem problems[] = {
+      testing::cartpole_swing_up(), cartpole_with_goal(), testing::quadrotor_move(),
+      testing::cartpole_swing_up(testing::kFree, Integrator::semi_implicit_euler)};
+  for (const ShootingProblem& problem : problems) {
+    const Point at(problem);
+    const NodeModels models = node_models(problem, at.t, at.analytic.gap);
+    EXPECT_EQ(models.by_dual_numbers, 0);
+    expect_derivatives_of_dual_numbers(at, models);
+    const auto hessians = gauss_newton_hessians(problem, at.t);
+    for (std::size_t k = 0; k < hessians.size(); ++k)
+      EXPECT_EQ(models.hessians[k], hessians[k]) << k;
+  }
+}
+
+/// Every entry of every matrix, by as little as 10⁻¹⁰ of the largest one beside it.
+TEST(NodeModels, HaveDerivativesOfDualNumbersWhereAnAnalyticOneIsWrong) {
+  const ShootingProblem problem = cartpole_with_goal();
+  const int N = problem.knots(), k = 3;
+  const std::function<Eigen::Map<Eigen::VectorXd>(Linearization&)> parts[] = {
+      [&](Linearization& l) {
+        return Eigen::Map<Eigen::VectorXd>(l.knots[k].F.data(), l.knots[k].F.size());
+      },
+      [&](Linearization& l) {
+        return Eigen::Map<Eigen::VectorXd>(l.knots[k].gradient.data(), l.knots[k].gradient.size());
+      },
+      [&](Linearization& l) {
+        return Eigen::Map<Eigen::VectorXd>(l.knots[N].gradient.data(), l.knots[N].gradient.size());
+      },
+      [&](Linearization& l) {
+        return Eigen::Map<Eigen::VectorXd>(l.knots[N].C.data(), l.knots[N].C.size());
+      }};
+  for (const auto& part : parts) {
+    Point at(problem);
+    const Eigen::VectorXd right = part(at.analytic);
+    ASSERT_GT(right.size(), 0);
+    for (Eigen::Index i = 0; i < right.size(); ++i) {
+      part(at.analytic)[i] += 1e-10 * std::max(1.0, right.cwiseAbs().maxCoeff());
+      EXPECT_EQ(at.models().by_dual_numbers, 1) << i;
+      part(at.analytic)[i] = right[i];
+    }
+    part(at.analytic)[0] = std::numeric_limits<double>::quiet_NaN();
+    const NodeModels models = at.models();
+    EXPECT_EQ(models.by_dual_numbers, 1);
+    expect_derivatives_of_dual_numbers(at, models);
+  }
+}
+
+/// Two entries that cancel along the direction of ones do not along a random one.
+TEST(NodeModels, FindErrorsThatCancelInASum) {
+  const ShootingProblem problem = testing::cartpole_swing_up();
+  Point at(problem);
+  at.analytic.knots[0].F(1, 0) += 1e-6;
+  at.analytic.knots[0].F(1, 1) -= 1e-6;
+  EXPECT_EQ(at.models().by_dual_numbers, 1);
+}
+
+}  // namespace
+}  // namespace conddp
