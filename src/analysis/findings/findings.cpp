@@ -43,6 +43,7 @@ class Search {
 
   std::vector<Finding> run() {
     for (int k = 0; k <= problem_.knots(); ++k) joints(k);
+    tell_of_joints();
     for (int k = 0; k < problem_.knots(); ++k) efforts(k);
     for (auto& [name, effort] : efforts_) report(name, effort);
     find_in_contacts(problem_, trajectory_, names_, list_);
@@ -125,13 +126,25 @@ class Search {
   struct Limited {
     FindingKind kind;
     const char *what, *bounds, *unit;
+    double limit = 0;
   };
-  void beyond_limit(const Limited& of, const std::string& joint, double limit, double off, int k) {
-    Finding* f = worst(of.kind, joint, off, of.unit, k);
+  void beyond_limit(Limited of, const std::string& joint, double limit, double off, int k) {
+    const Finding* f = worst(of.kind, joint, off, of.unit, k);
     if (f == nullptr) return;
-    f->message = fmt::format("the {} of '{}' is beyond its limit of {:.4g} {} by {:.3g}", of.what,
-                             joint, limit, of.unit, off);
-    f->remedy = fmt::format("constraints: {{NAME: {{bounds: {}, from: urdf}}}}", of.bounds);
+    of.limit = limit;
+    limited_.resize(list_.size());
+    limited_[f - list_.data()] = of;
+  }
+
+  /// The messages, once the worst cases are known. There are no other findings yet.
+  void tell_of_joints() {
+    for (std::size_t i = 0; i < list_.size(); ++i) {
+      Finding& f = list_[i];
+      const Limited& of = limited_[i];
+      f.message = fmt::format("the {} of '{}' is beyond its limit of {:.4g} {} by {:.3g}", of.what,
+                              f.subject, of.limit, of.unit, f.value);
+      f.remedy = fmt::format("constraints: {{NAME: {{bounds: {}, from: urdf}}}}", of.bounds);
+    }
   }
 
   void efforts(int k) {
@@ -458,6 +471,7 @@ class Search {
   /// By table, point at the end, and whether that is the last one.
   std::map<std::tuple<std::string, double, bool>, BeyondEnd> ranges_;
   std::vector<Finding> list_;
+  std::vector<Limited> limited_;  ///< of findings of joints, which come first in the list
 };
 
 }  // namespace
