@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "base/json/json_object.hpp"
 #include "base/json/number_block.hpp"
 #include "conddp_version.hpp"
 #include "ocp/problem/control_columns.hpp"
@@ -32,16 +33,18 @@ OrderedJson numbers(const Vector& values, NumberForm form) {
 
 OrderedJson problem_json(const Solution& s) {
   const InputFiles files = input_files(s.built);
-  return {{"name", s.spec.name.value},
-          {"file", s.spec.file.string()},
-          {"sha256", s.spec.sha256},
-          {"robots", files_json(files.robots)},
-          {"data_files", files_json(files.data)},
-          {"overrides", s.overrides},
-          {"knots", s.built.problem->knots()},
-          {"duration_s", s.built.problem->times(s.result.trajectory).back()},
-          {"options", expand_options(s.spec.solver.options)},
-          {"configuration", expand_problem(s.spec, s.built)}};
+  OrderedJson json = json_object(10);
+  json["name"] = s.spec.name.value;
+  json["file"] = s.spec.file.string();
+  json["sha256"] = s.spec.sha256;
+  json["robots"] = files_json(files.robots);
+  json["data_files"] = files_json(files.data);
+  json["overrides"] = s.overrides;
+  json["knots"] = s.built.problem->knots();
+  json["duration_s"] = s.built.problem->times(s.result.trajectory).back();
+  json["options"] = expand_options(s.spec.solver.options);
+  json["configuration"] = expand_problem(s.spec, s.built);
+  return json;
 }
 
 OrderedJson residuals_json(const Residuals& r) {
@@ -146,8 +149,11 @@ OrderedJson gains_json(const ShootingProblem& problem, const SolveResult& result
     k.push_back(numbers(controls.row(knot, result.feedback.k[i]), form));
     K.push_back(table(controls.rows(knot, result.feedback.K[i]), form));
   }
-  OrderedJson gains = {{"regularization", nullptr}, {"k", std::move(k)}, {"K", std::move(K)}};
+  OrderedJson gains = json_object(3);
+  gains["regularization"] = nullptr;
   if (result.feedback_regularization) gains["regularization"] = *result.feedback_regularization;
+  gains["k"] = std::move(k);
+  gains["K"] = std::move(K);
   return gains;
 }
 
@@ -196,8 +202,9 @@ OrderedJson constraint_multipliers(const Solution& s, NumberForm form) {
 }
 
 OrderedJson multipliers_json(const Solution& s, NumberForm form) {
-  OrderedJson multipliers = {{"costates", matrix_json(s.result.costates, form)},
-                             {"state_gradient", matrix_json(s.result.state_gradient, form)}};
+  OrderedJson multipliers = json_object(5);
+  multipliers["costates"] = matrix_json(s.result.costates, form);
+  multipliers["state_gradient"] = matrix_json(s.result.state_gradient, form);
   if (s.built.problem->has_control_bounds() &&
       static_cast<int>(s.result.control_gradient.size()) == s.built.problem->knots()) {
     const ControlBounds bounds(*s.built.problem);
@@ -210,15 +217,18 @@ OrderedJson multipliers_json(const Solution& s, NumberForm form) {
 }
 
 OrderedJson log_json(const std::vector<IterationRecord>& log) {
+  std::vector<std::string> names;
+  for (const LogColumn& column : log_columns()) names.push_back(log_key(column));
   OrderedJson rows = OrderedJson::array();
   for (const IterationRecord& record : log) {
-    OrderedJson row = OrderedJson::object();
-    for (const LogColumn& column : log_columns()) {
-      const std::string name = log_key(column);
-      if (column.integer)
-        row[name] = static_cast<long long>(column.get(record));
-      else
-        row[name] = finite_or_null(column.get(record));
+    // Entries go behind each other: a key would be looked for among those before it.
+    OrderedJson row = json_object(names.size());
+    auto& entries = row.get_ref<OrderedJson::object_t&>();
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      const LogColumn& column = log_columns()[i];
+      const double value = column.get(record);
+      entries.emplace_back(names[i], column.integer ? OrderedJson(static_cast<long long>(value))
+                                                    : finite_or_null(value));
     }
     rows.push_back(std::move(row));
   }
@@ -289,6 +299,9 @@ OrderedJson restarts_json(const RestartRecord& restarts) {
           {"optima", std::move(optima)}};
 }
 
+/// Of a solution.json with its certificate there are 26.
+constexpr std::size_t kMostMembers = 32;
+
 OrderedJson head(const Solution& s) {
   const SolveResult& r = s.result;
   const Answer& answer = s.answer;
@@ -297,28 +310,28 @@ OrderedJson head(const Solution& s) {
   OrderedJson dropped = OrderedJson::array();
   for (const auto& [name, value] : answer.dropped)
     dropped.push_back({{"name", name}, {"violation", finite_or_null(value)}});
-  OrderedJson json = {{"format", kSolutionFormat},
-                      {"problem", problem_json(s)},
-                      {"tool", tool_json()},
-                      {"solver", s.solver.name},
-                      {"status", to_string(r.status)},
-                      {"message", r.message},
-                      {"cost", finite_or_null(r.cost)},
-                      {"cost_by_name", std::move(costs)},
-                      {"iterations", r.iterations},
-                      {"residuals", residuals_json(r.residuals)},
-                      {"time_s",
-                       {{"total", r.times.total},
-                        {"evaluate", r.times.evaluate},
-                        {"differentiate", r.times.differentiate},
-                        {"sweep", r.times.sweep},
-                        {"rollout", r.times.rollout}}},
-                      {"initial_guess_used", guess_json(s)},
-                      {"diagnosis", diagnosis_json(answer.diagnosis)},
-                      {"findings", findings_json(answer.findings)},
-                      {"constraints", violations_json(answer.violations)},
-                      {"soft_constraints", violations_json(answer.soft_violations)},
-                      {"dropped_constraints", std::move(dropped)}};
+  OrderedJson json = json_object(kMostMembers);
+  json["format"] = kSolutionFormat;
+  json["problem"] = problem_json(s);
+  json["tool"] = tool_json();
+  json["solver"] = s.solver.name;
+  json["status"] = to_string(r.status);
+  json["message"] = r.message;
+  json["cost"] = finite_or_null(r.cost);
+  json["cost_by_name"] = std::move(costs);
+  json["iterations"] = r.iterations;
+  json["residuals"] = residuals_json(r.residuals);
+  json["time_s"] = {{"total", r.times.total},
+                    {"evaluate", r.times.evaluate},
+                    {"differentiate", r.times.differentiate},
+                    {"sweep", r.times.sweep},
+                    {"rollout", r.times.rollout}};
+  json["initial_guess_used"] = guess_json(s);
+  json["diagnosis"] = diagnosis_json(answer.diagnosis);
+  json["findings"] = findings_json(answer.findings);
+  json["constraints"] = violations_json(answer.violations);
+  json["soft_constraints"] = violations_json(answer.soft_violations);
+  json["dropped_constraints"] = std::move(dropped);
   if (!r.homotopy.empty()) json["homotopy"] = homotopy_json(r.homotopy);
   if (r.restarts) json["restarts"] = restarts_json(*r.restarts);
   if (!s.mesh.empty()) json["mesh"] = mesh_json(s);

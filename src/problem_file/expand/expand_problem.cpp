@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/json/json_object.hpp"
 #include "problem_file/build/homotopy.hpp"
 #include "problem_file/expand/expand_sections.hpp"
 #include "problem_file/spec/enum_names.hpp"
@@ -185,8 +186,11 @@ OrderedJson expand_options(const SolverOptions& options) {
 }
 
 OrderedJson expand_problem(const ProblemSpec& spec, const BuiltProblem& built) {
+  constexpr std::size_t kMostSections = 28;
   const KnotModel& model = *built.problem->terminal().model;
-  OrderedJson json = {{"conddp", kProblemFormat}, {"name", spec.name.value}};
+  OrderedJson json = json_object(kMostSections);
+  json["conddp"] = kProblemFormat;
+  json["name"] = spec.name.value;
   if (!spec.description.empty()) json["description"] = spec.description;
   json["parameters"] = expand_parameters(spec.names.parameters);
   json["tables"] = expand_tables(spec.names.tables);

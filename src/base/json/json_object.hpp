@@ -1,0 +1,18 @@
+#pragma once
+
+#include <cstddef>
+#include <utility>
+
+#include "base/json/ordered_json.hpp"
+
+namespace conddp {
+
+/// An empty object with room for so many entries. One whose room is used up copies all that it
+/// holds into its next one: of a large document more than once.
+inline OrderedJson json_object(std::size_t entries) {
+  OrderedJson::object_t object;
+  object.reserve(entries);
+  return OrderedJson(std::move(object));
+}
+
+}  // namespace conddp
