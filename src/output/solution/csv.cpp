@@ -9,6 +9,7 @@
 #include "ocp/problem/control_columns.hpp"
 #include "output/solution/csv_cells.hpp"
 #include "output/solution/log_columns.hpp"
+#include "problem_file/data/data_table.hpp"
 
 namespace conddp {
 namespace {
@@ -81,7 +82,8 @@ std::string trajectory_csv(const BuiltProblem& built, const Trajectory& trajecto
     const bool last = k == problem.knots();
     const Phase& phase = last ? problem.terminal() : problem.phases()[problem.knot(k).phase];
     // Readers of such files want times that increase, and an impulse takes none.
-    written = std::max(times[k], std::nextafter(written, std::numeric_limits<double>::infinity()));
+    written = std::max({times[k], written + kLeastTimeStep,
+                        std::nextafter(written, std::numeric_limits<double>::infinity())});
     append_cell(written, text);
     text += ',' + csv_cell(phase.name);
     const bool controlled = !last && !problem.takes_no_time(k);

@@ -8,6 +8,8 @@
 #include <fmt/compile.h>
 #include <fmt/format.h>
 
+#include "problem_file/data/data_table.hpp"
+
 namespace conddp {
 
 void append_cell(double value, std::string& text) {
@@ -32,12 +34,14 @@ std::string column_headers(const BuiltProblem& built, const TableColumns& column
   for (const int i : columns.states) {
     const Column& column = built.state_columns[i];
     used.insert(column.name);
-    text += ',' + with_unit(csv_cell(column.name), column.unit);
+    const std::string_view prefix = is_time_or_phase(column.name) ? kStatePrefix : "";
+    text += ',' + with_unit(csv_cell(std::string(prefix) + column.name), column.unit);
   }
   for (std::size_t i = columns.first_control; i < built.control_columns.size(); ++i) {
     const Column& column = built.control_columns[i];
-    const std::string name = (used.contains(column.name) ? "u/" : "") + column.name;
-    text += ',' + with_unit(csv_cell(name), column.unit);
+    const bool taken = used.contains(column.name) || is_time_or_phase(column.name);
+    const std::string_view prefix = taken ? kControlPrefix : "";
+    text += ',' + with_unit(csv_cell(std::string(prefix) + column.name), column.unit);
   }
   return text;
 }

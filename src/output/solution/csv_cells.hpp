@@ -23,7 +23,8 @@ struct TableColumns {
   int first_control = 0;    ///< and all that follow
 };
 
-/// Headers of columns, a comma before each. Controls with the name of a state have a prefix.
+/// Headers of columns, a comma before each. Names that another column has get a prefix
+/// (kStatePrefix, kControlPrefix).
 std::string column_headers(const BuiltProblem& built, const TableColumns& columns);
 
 }  // namespace conddp

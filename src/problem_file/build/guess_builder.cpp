@@ -14,6 +14,7 @@
 #include "problem_file/plant/quasi_static.hpp"
 #include "problem_file/terms/constraint_builder.hpp"
 #include "problem_file/terms/terminal_lqr.hpp"
+#include "systems/clock.hpp"
 
 namespace conddp {
 namespace {
@@ -381,9 +382,23 @@ class GuessBuilder {
     std::optional<DataTable>& table = entry->second;
     if (!fresh) return table;
     table = load_data_table(file.path, file.file.place, out_);
+    if (table && !table->state_columns) add_clock(*table);
     if (table && table->state_columns && !take_durations(*table))
       warn_of_duration(file, table->times.back());
     return table;
+  }
+
+  /// A CSV file with the other states needs no column of the clock, which goes with the time.
+  void add_clock(DataTable& table) const {
+    const std::vector<Column>& states = plant_.system->state_columns();
+    for (std::size_t i = 0; i < states.size(); ++i) {
+      const bool rate = states[i].name == kClockRate;
+      if (!states[i].by_name_only || !(rate || states[i].name == kClock)) continue;
+      if (table.find(states[i].name)) continue;
+      table.columns.push_back(states[i].name);
+      for (std::size_t row = 0; row < table.rows.size(); ++row)
+        table.rows[row].push_back(states_.initial()[i] + (rate ? 0 : table.times[row]));
+    }
   }
 
   /// A former solution with as many nodes at different times tells how long phases lasted whose

@@ -14,6 +14,18 @@ namespace conddp {
 /// knots. Those at the nodes are the last columns of the state.
 inline constexpr std::string_view kEndOfKnot = "end/";
 
+/// What stands before the names of states and controls in CSV files where the name is that of
+/// another column: the time's, the phase's, or, of a control, a state's.
+inline constexpr std::string_view kStatePrefix = "state/";
+inline constexpr std::string_view kControlPrefix = "u/";
+
+/// Times of a CSV file, which have to increase, differ by at least this, s: a normal number in
+/// every floating-point format, and far below any step.
+inline constexpr double kLeastTimeStep = 1e-30;
+
+/// Whether a column of this name in a CSV file over time is not a state or a control.
+bool is_time_or_phase(std::string_view column);
+
 /// Named columns over time.
 struct DataTable {
   std::string file;
@@ -24,6 +36,7 @@ struct DataTable {
   std::optional<std::size_t> state_columns;
   std::vector<std::vector<std::optional<double>>> rows;  ///< one a time; empty cells are allowed
 
+  /// The column of this name; of a time's or phase's name also one with a prefix.
   std::optional<std::size_t> find(const std::string& column) const;
 };
 

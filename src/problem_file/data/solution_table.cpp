@@ -122,10 +122,16 @@ std::optional<DataTable> parse_solution(const std::string& text, const std::stri
   return std::nullopt;
 }
 
+bool is_time_or_phase(std::string_view column) {
+  return column == "t" || column == "time" || column == "phase";
+}
+
 std::optional<std::size_t> DataTable::find(const std::string& column) const {
   const auto found = std::find(columns.begin(), columns.end(), column);
-  if (found == columns.end()) return std::nullopt;
-  return static_cast<std::size_t>(found - columns.begin());
+  if (found != columns.end()) return static_cast<std::size_t>(found - columns.begin());
+  if (!is_time_or_phase(column)) return std::nullopt;
+  const auto as_state = find(std::string(kStatePrefix) + column);
+  return as_state ? as_state : find(std::string(kControlPrefix) + column);
 }
 
 namespace {

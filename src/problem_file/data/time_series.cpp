@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
+
+#include "problem_file/data/data_table.hpp"
 
 namespace conddp {
 
@@ -47,9 +48,10 @@ void TimeSeries::make_cubic() {
 }
 
 std::optional<std::size_t> TimeSeries::value_at_jump(double time, int earlier) const {
-  // Relative alone: steps may be short. At zero there is no rounding, and writers of tables whose
-  // times have to increase take the next number.
-  const double tolerance = 1e-9 * std::abs(time) + std::numeric_limits<double>::min();
+  // Relative alone: steps may be short. At zero there is no rounding, and each of several values
+  // in a table whose times have to increase is the least step later.
+  constexpr double kMostSteps = 1e6;
+  const double tolerance = 1e-9 * std::abs(time) + kMostSteps * kLeastTimeStep;
   const auto first = std::lower_bound(times_.begin(), times_.end(), time - tolerance);
   const auto end = std::upper_bound(first, times_.end(), time + tolerance);
   const auto count = end - first;
