@@ -280,6 +280,11 @@ TEST(ExpressionParser, LimitsSizeAndDepth) {
         << repeated;
   }
 
+  // A name in a vector, which is a name of the next one, would double each time.
+  std::string vector = "[x";
+  for (std::size_t i = 0; i < kMostVectorNumbers / 5; ++i) vector += ", long";
+  EXPECT_EQ(fixture.parse(vector + "]").error.message, "a vector has at most 1000 numbers");
+
   // Long sums are not deep.
   std::string sum = "x";
   while (sum.size() < kMostExpressionBytes - 10) sum += " + x*y";

@@ -282,6 +282,10 @@ class Parser {
   ExpressionValue primary() {
     const Token token = lexer_.take();
     const Level level(depth_, token);
+    if (graph_.size() > kMostOperations)
+      fail(token.offset,
+           fmt::format("the expressions have more than {} operations", kMostOperations),
+           "these are too many to be evaluated in every iteration");
     if (token.kind == Token::Kind::kNumber) return number(graph_.constant(token.number));
     if (token.kind == Token::Kind::kEnd)
       fail(token.offset, "the expression ends where a number, a name or '(' is expected");
@@ -316,6 +320,8 @@ class Parser {
       if (value.kind == Kind::kCondition)
         fail(offset, "a vector is made of numbers and vectors, and this is a condition");
       nodes.insert(nodes.end(), value.nodes.begin(), value.nodes.end());
+      if (nodes.size() > kMostVectorNumbers)
+        fail(offset, fmt::format("a vector has at most {} numbers", kMostVectorNumbers));
       if (!lexer_.next().is(",")) break;
       lexer_.take();
     }

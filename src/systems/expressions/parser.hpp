@@ -12,6 +12,10 @@ namespace conddp {
 /// Limits of one expression.
 inline constexpr std::size_t kMostExpressionBytes = 20000;
 inline constexpr int kMostExpressionNesting = 100;
+/// Of a vector: what a name is in another one, and so on, would double many times.
+inline constexpr std::size_t kMostVectorNumbers = 1000;
+/// Of the graph that expressions share, beyond which no further operand is read.
+inline constexpr int kMostOperations = 1'000'000;
 
 /// An expression read from text.
 struct ParsedExpression {
