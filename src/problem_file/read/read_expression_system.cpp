@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "base/text/spelling.hpp"
 #include "problem_file/read/named_words.hpp"
 #include "problem_file/read/read_sections.hpp"
 #include "problem_file/spec/expression_source.hpp"
@@ -64,6 +65,15 @@ class ExpressionSystemReader {
                                    : "'positions' and 'velocities' have accelerations");
   }
 
+  /// Warns of a unit that looks like a kind of state.
+  void check_unit(const Name& name, const std::string& unit) {
+    const bool meant = unit.find("quat") != unit.npos || unit == "SO3" || unit == "SE3" ||
+                       !similar_names(unit, {std::string(kUnitQuaternion)}).empty();
+    if (meant || unit == "rotation" || unit == "orientation")
+      out_.warning(name.place, fmt::format("'{}' is taken for the unit of a number", unit),
+                   "a rotation is 'unit_quaternion', a position with a rotation 'pose'");
+  }
+
   static ExpressionState::Kind kind_of(std::string_view word) {
     if (word == kUnitQuaternion) return ExpressionState::Kind::kUnitQuaternion;
     return word == kPose ? ExpressionState::Kind::kPose : ExpressionState::Kind::kNumber;
@@ -75,7 +85,9 @@ class ExpressionSystemReader {
     for (const auto& [name, word] : read_named_words(*reader)) {
       ExpressionState state{.name = name.value, .unit = word};
       state.kind = kind_of(word);
-      if (state.kind != ExpressionState::Kind::kNumber) {
+      if (state.kind == ExpressionState::Kind::kNumber) {
+        check_unit(name, word);
+      } else {
         state.unit = "1";
         if (system_.text.kind == SystemKind::discrete)
           out_.error(name.place, "the states of difference equations are numbers");

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 
 #include <fmt/format.h>
@@ -108,6 +109,12 @@ std::optional<std::size_t> type_by_keys(const YamlNode& node) {
   constexpr std::size_t kExpressions = std::size(kSystemTypes) - 2;
   if (node.find("rate") || node.find("acceleration") || node.find("next")) return kExpressions;
   if (node.find("library")) return kExpressions + 1;
+  // Of equations with a misspelt key, the messages name that key.
+  constexpr const char* kOfEquations[] = {"states",    "positions", "controls", "velocities",
+                                          "state",     "control",   "rates",    "dynamics",
+                                          "equations", "ode",       "rhs",      "xdot"};
+  const auto has = [&](const char* key) { return node.find(key) != nullptr; };
+  if (!has("type") && std::ranges::any_of(kOfEquations, has)) return kExpressions;
   return std::nullopt;
 }
 

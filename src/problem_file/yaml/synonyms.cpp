@@ -40,7 +40,14 @@ const std::vector<Synonyms>& synonyms() {
       {"tolerances", {"tol", "eps", "precision"}},
       {"soft", {"slack", "relaxed", "penalty"}},
       {"keyframes", {"waypoints", "way_points", "via_points"}},
-      {"actuation", {"actuators", "motors"}}};
+      {"actuation", {"actuators", "motors"}},
+      {"rate",
+       {"dynamics", "ode", "rhs", "f", "xdot", "x_dot", "derivative", "derivatives", "equations"}},
+      {"states", {"x", "variables"}},
+      {"controls", {"u", "inputs", "input"}},
+      {"acceleration", {"acc", "qdd"}},
+      {"next", {"step", "map", "update", "x_next"}},
+      {"let", {"definitions", "define", "where", "with"}}};
   return table;
 }
 

@@ -280,10 +280,21 @@ void YamlMap::finish() {
   }
 }
 
+/// Of a number under the name of a column or a joint that stands where the keys for such names are.
+std::string YamlMap::hint_by_name(const YamlNode::Entry& entry) const {
+  if (!YamlReader(entry.value, "", reader_.diagnostics()).is_number()) return "";
+  std::string hint;
+  for (const std::string_view key : {"values", "joints"})
+    if (std::find(known_.begin(), known_.end(), key) != known_.end())
+      hint += fmt::format("{}'{}: {{{}: {}}}'", hint.empty() ? "write " : " or ", key, entry.key,
+                          entry.value.text);
+  return hint.empty() ? "" : hint + "; ";
+}
+
 void YamlMap::report_unknown(const YamlNode::Entry& entry) const {
   const std::string path = reader_.place().path;
   std::string hint = meaning_question(entry.key, known_);
-  if (hint.empty()) hint = "accepted: " + list_of(known_);
+  if (hint.empty()) hint = hint_by_name(entry) + "accepted: " + list_of(known_);
   reader_.diagnostics().error({entry.mark, path.empty() ? entry.key : path + "." + entry.key},
                               path.empty()
                                   ? fmt::format("unknown key '{}'", entry.key)

@@ -132,6 +132,7 @@ class YamlMap {
   void ignore_others() { finished_ = true; }
 
  private:
+  std::string hint_by_name(const YamlNode::Entry& entry) const;
   void report_unknown(const YamlNode::Entry& entry) const;
 
   YamlReader reader_;
