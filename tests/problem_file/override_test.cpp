@@ -113,7 +113,7 @@ TEST(Override, CreatesNoDefinitionThatNothingNames) {
                 "rate: {theta: omega, omega: torque/m}}"),
        "system.parameters.b=3",
        "the file has no 'system.parameters.b': there is no 'b' in 'system.parameters'",
-       "did you mean 'm'?"},
+       "names there: m"},
       {replaced(
            replaced(kPendulum, "system: {type: pendulum}", "systems: {swing: {type: pendulum}}"),
            "{name: first,", "{name: first, system: swing,"),

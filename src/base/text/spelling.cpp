@@ -35,7 +35,9 @@ std::vector<std::string> similar_names(std::string_view name,
   for (const std::string& candidate : candidates) {
     if (candidate.size() > kLongest) continue;
     const int distance = edit_distance(name, candidate);
-    if (distance <= reach) found.emplace_back(distance, candidate);
+    // What shares no letter is no misspelling.
+    const int letters = static_cast<int>(std::max(name.size(), candidate.size()));
+    if (distance <= reach && distance < letters) found.emplace_back(distance, candidate);
   }
   std::sort(found.begin(), found.end());
   if (found.size() > 3) found.resize(3);

@@ -26,6 +26,8 @@ class ParameterPlacer {
     ExpressionNamesSpec names;
     const YamlReader reader(parameters, "parameters", out_);
     if (!reader.named_entries("write '{mass: 2, goal: [1, 0]}'")) return names;
+    for (const YamlNode::Entry& entry : parameters.entries)
+      scope_.explain(entry.key, "it is given further below; parameters use those before them");
     for (YamlNode::Entry& entry : parameters.entries) {
       const std::string path = "parameters." + entry.key;
       const int errors = out_.error_count();

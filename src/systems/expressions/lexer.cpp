@@ -13,10 +13,6 @@ namespace {
 
 bool is_space(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
-bool is_name_part(char c) {
-  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || is_digit(c);
-}
-
 constexpr std::array<std::string_view, 17> kSymbols = {
     "<=", ">=", "<", ">", "+", "-", "*", "/", "^", "(", ")", "[", "]", ",", ".", "{", "}"};
 
@@ -67,6 +63,10 @@ int find_exponent(std::string_view text, int at) {
 }
 
 }  // namespace
+
+bool is_name_part(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || is_digit(c);
+}
 
 ExpressionToken ExpressionLexer::take() {
   const ExpressionToken token = next_;

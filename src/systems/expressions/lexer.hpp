@@ -34,6 +34,9 @@ struct ExpressionToken {
   }
 };
 
+/// Whether a character may be in a name of expressions: a letter, a digit or '_'.
+bool is_name_part(char c);
+
 /// Cuts an expression into numbers, names and symbols, one ahead. Throws ExpressionError at what
 /// is none of these.
 class ExpressionLexer {

@@ -40,6 +40,9 @@ void ModelTextReader::add_tables(const NamedTables& tables) {
 }
 
 void ModelTextReader::add_definitions(const std::vector<NamedExpression>& definitions) {
+  for (const NamedExpression& definition : definitions)
+    scope_.explain(definition.name,
+                   "it is defined further below; definitions use those before them");
   for (std::size_t i = 0; i < definitions.size() && good(); ++i) {
     const int index = static_cast<int>(i);
     const bool named = check_name(Part::kDefinition, index, definitions[i].name);

@@ -6,6 +6,7 @@
 
 #include "base/text/spelling.hpp"
 #include "base/text/utf8.hpp"
+#include "systems/expressions/foreign_words.hpp"
 #include "systems/expressions/functions.hpp"
 
 namespace conddp {
@@ -19,7 +20,7 @@ class Parser {
  public:
   Parser(std::string_view text, const ExpressionScope& scope, ExpressionGraph& graph,
          std::vector<ExpressionMessage>& warnings)
-      : lexer_(text), scope_(scope), graph_(graph), warnings_(warnings) {}
+      : text_(text), lexer_(text), scope_(scope), graph_(graph), warnings_(warnings) {}
 
   ExpressionValue whole() {
     if (lexer_.next().kind == Token::Kind::kEnd) fail(0, "the expression is empty");
@@ -336,12 +337,18 @@ class Parser {
     if (find_expression_function(token.text) || scope_.find_table(token.text))
       fail(token.offset,
            fmt::format("'{}' is a function: its arguments follow in parentheses", token.text));
-    const std::vector<std::string> wholes = scope_.names_with_part(token.text);
+    fail(token.offset, fmt::format("unknown name '{}'", token.text), hint_of_name(token));
+  }
+
+  /// What may be meant by a name that is not in the scope.
+  std::string hint_of_name(const Token& token) const {
+    if (std::string hint = scope_.explanation_of(token.text); !hint.empty()) return hint;
+    const std::string_view part = scope_.part_at(text_.substr(token.offset));
     std::string hint;
-    for (const std::string& whole : wholes)
-      hint += fmt::format("{}'{}[{}]'", hint.empty() ? "write " : " or ", whole, token.text);
-    fail(token.offset, fmt::format("unknown name '{}'", token.text),
-         wholes.empty() ? name_hint(token.text, scope_.value_names(), "names") : hint);
+    for (const std::string& whole : scope_.names_with_part(part))
+      hint += fmt::format("{}'{}[{}]'", hint.empty() ? "write " : " or ", whole, part);
+    if (hint.empty()) hint = foreign_name_hint(token.text);
+    return hint.empty() ? name_hint(token.text, scope_.value_names(), "names") : hint;
   }
 
   struct Argument {
@@ -464,6 +471,7 @@ class Parser {
                                arguments.back().value.nodes[0]));
   }
 
+  std::string_view text_;
   ExpressionLexer lexer_;
   const ExpressionScope& scope_;
   ExpressionGraph& graph_;

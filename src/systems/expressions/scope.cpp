@@ -7,6 +7,7 @@
 
 #include "base/text/utf8.hpp"
 #include "systems/expressions/functions.hpp"
+#include "systems/expressions/lexer.hpp"
 
 namespace conddp {
 namespace {
@@ -22,11 +23,8 @@ auto find_in(Pairs& pairs, std::string_view name) {
 }  // namespace
 
 bool is_expression_name(std::string_view text) {
-  const auto is_letter = [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
-  };
-  const auto is_part = [&](char c) { return is_letter(c) || (c >= '0' && c <= '9'); };
-  return !text.empty() && is_letter(text[0]) && std::all_of(text.begin(), text.end(), is_part);
+  const bool digit = !text.empty() && text[0] >= '0' && text[0] <= '9';
+  return !text.empty() && !digit && std::all_of(text.begin(), text.end(), is_name_part);
 }
 
 std::string ExpressionScope::defect_of(std::string_view name) const {
@@ -50,6 +48,15 @@ void ExpressionScope::add(std::string name, ExpressionValue value) {
 
 void ExpressionScope::add_table(std::string name, int table, int arguments) {
   tables_.emplace_back(std::move(name), Table{table, arguments});
+}
+
+void ExpressionScope::explain(std::string name, std::string why) {
+  explanations_.emplace_back(std::move(name), std::move(why));
+}
+
+std::string ExpressionScope::explanation_of(std::string_view name) const {
+  const auto found = find_in(explanations_, name);
+  return found == explanations_.end() ? "" : found->second;
 }
 
 const ExpressionValue* ExpressionScope::find(std::string_view name) const {
@@ -76,6 +83,17 @@ std::vector<std::string> ExpressionScope::names_with_part(std::string_view part)
     if (std::ranges::find(value.parts, part, &ExpressionValue::Part::name) != value.parts.end())
       names.push_back(name);
   return names;
+}
+
+std::string_view ExpressionScope::part_at(std::string_view text) const {
+  std::size_t longest = 0;
+  for (const auto& [name, value] : values_)
+    for (const ExpressionValue::Part& part : value.parts) {
+      const std::size_t size = part.name.size();
+      if (size <= longest || !text.starts_with(part.name)) continue;
+      if (size == text.size() || !is_name_part(text[size])) longest = size;
+    }
+  return text.substr(0, longest);
 }
 
 std::vector<std::string> ExpressionScope::function_names() const {

@@ -20,6 +20,9 @@ class ExpressionScope {
   void add(std::string name, ExpressionValue value);
   /// A table of the graph, called like a function.
   void add_table(std::string name, int table, int arguments);
+  /// Says why a name cannot be used, for the hint where an expression has it all the same; it may
+  /// be added later.
+  void explain(std::string name, std::string why);
 
   struct Table {
     int index;
@@ -32,11 +35,16 @@ class ExpressionScope {
   std::vector<std::string> value_names() const;
   /// Of vectors that have a part of this name.
   std::vector<std::string> names_with_part(std::string_view part) const;
+  /// The longest part of a vector that a text begins with; empty if it begins with none.
+  std::string_view part_at(std::string_view text) const;
+  /// What explain() said of a name; empty if nothing.
+  std::string explanation_of(std::string_view name) const;
   std::vector<std::string> function_names() const;
 
  private:
   std::vector<std::pair<std::string, ExpressionValue>> values_;
   std::vector<std::pair<std::string, Table>> tables_;
+  std::vector<std::pair<std::string, std::string>> explanations_;
 };
 
 /// Whether a text can be a name in expressions: letters, digits and '_', no digit at first.

@@ -99,7 +99,10 @@ class SystemReader {
       time_ = parts_.graph.input(static_cast<int>(parts_.sources.size()));
       ExpressionValue value = ExpressionValue::number(time_);
       value.unit = "s";
-      texts_.scope().add("t", std::move(value));
+      texts_.scope().add(kClock, std::move(value));
+    } else {
+      texts_.scope().explain(
+          kClock, "difference equations have no time; a state can count: 'next: {n: n + 1}'");
     }
     texts_.add_parameters(text_.parameters);
     texts_.add_tables(text_.tables);
