@@ -311,6 +311,15 @@ TEST(BadFile, ErrorsOfBuildingAreReportedTogether) {
   EXPECT_EQ(Loaded(text).diagnostics.error_count(), 3) << Loaded(text).all();
 }
 
+TEST(BadFile, AnErrorIsReportedOnce) {
+  const std::string still = replaced(
+      kPendulum,
+      "terminal:", "  still: {residual: state, columns: [theta], equals: {z: 1}}\nterminal:");
+  EXPECT_EQ(Loaded(still).diagnostics.list().size(), 1u);
+  const std::string contacts = replaced(kPendulum, "dt: 0.05", "dt: 0.05, contacts: [foot]");
+  EXPECT_EQ(Loaded(contacts).diagnostics.list().size(), 1u);
+}
+
 TEST(BadFile, AcceptedWordsAreData) {
   const Loaded loaded(replaced(kPendulum, "rk4", "euler"));
   ASSERT_TRUE(loaded.error());

@@ -212,6 +212,8 @@ std::optional<ContactPlan> ContactPlan::build(const ProblemSpec& spec, const Pla
           "name them: 'contacts: {LF: {frame: lf_foot}, ...}' at the top of the file");
     plan.held_.push_back(contacts_named(phase.contacts, spec, out));
   }
+  // Those of the last node may be those of the last phase.
+  if (out.error_count() > errors) return std::nullopt;
   plan.held_.push_back(contacts_named(spec.last_contacts(), spec, out));
   if (out.error_count() > errors) return std::nullopt;
 

@@ -77,7 +77,7 @@ std::optional<std::vector<double>> StateBuilder::build(const StateSpec& spec) co
                "write 'values: {column: number}' or 'state: [numbers]'");
   }
   if (out_.error_count() > errors) return std::nullopt;
-  return checked(std::move(x), spec.place);
+  return checked(std::move(x), spec.values.empty() ? spec.place : spec.values.back().first.place);
 }
 
 bool StateBuilder::apply_list(const std::vector<double>& list, std::vector<double>& x) const {

@@ -36,7 +36,7 @@ class ExpressionSystemReader {
     read_names();
     read_expressions("let", system_.text.definitions, definitions_);
     read_expressions(equations, system_.text.equations, equations_);
-    if (out_.error_count() > errors) return;
+    if (out_.error_count() > errors || file_.names.incomplete) return;
     system_.parsed = make_expression_system(system_.text);
     for (const auto& message : system_.parsed.errors) report(message, Severity::kError);
     for (const auto& message : system_.parsed.warnings) report(message, Severity::kWarning);

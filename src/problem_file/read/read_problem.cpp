@@ -223,7 +223,9 @@ ProblemSpec read_document(const YamlReader& reader, const std::filesystem::path&
   if (const auto r = map.find("name")) read_name(*r, spec.name);
   map.text("description", spec.description);
   map.find("parameters");  // which have been read
+  const int errors = reader.diagnostics().error_count();
   if (const auto r = map.find("tables")) spec.names.tables = read_tables(*r, folder);
+  spec.names.incomplete = reader.diagnostics().error_count() > errors;
   read_plant(map, folder, spec);
   read_gravity(map, spec);
   read_motion(map, spec);

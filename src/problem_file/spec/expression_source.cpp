@@ -105,13 +105,33 @@ Place place_in_expression(const ExpressionText& expression, int offset,
   return {walk.behind_last(), whole.path};
 }
 
+namespace {
+
+/// Whether a message is about the end of a text without quotes behind which the source has a comma:
+/// there YAML takes the next entry to begin.
+bool is_cut_at_comma(const ExpressionText& expression, int offset, const Diagnostics& sources) {
+  const std::string& text = expression.text;
+  if (expression.quoted || offset < static_cast<int>(text.size())) return false;
+  const Mark& mark = expression.place.mark;
+  if (mark.source < 0 || mark.line <= 0) return false;
+  SourceWalk walk(sources, mark);
+  for (const char c : text)
+    if (!is_blank(c) && walk.next() != c) return false;
+  return walk.next() == ',';
+}
+
+}  // namespace
+
 void report_expression(const ExpressionText& expression, const ExpressionMessage& message,
                        Severity severity, Diagnostics& out) {
   const Place place = place_in_expression(expression, message.offset, out);
+  std::string hint = message.hint;
+  if (hint.empty() && is_cut_at_comma(expression, message.offset, out))
+    hint = "inside { } or [ ] of YAML an expression with a comma needs quotes";
   if (severity == Severity::kError)
-    out.error(place, message.message, message.hint);
+    out.error(place, message.message, std::move(hint));
   else
-    out.warning(place, message.message, message.hint);
+    out.warning(place, message.message, std::move(hint));
 }
 
 }  // namespace conddp

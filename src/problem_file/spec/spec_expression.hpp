@@ -36,6 +36,8 @@ struct ExpressionNamesSpec {
   NamedParameters parameters;
   std::vector<Place> parameter_places;
   std::vector<TableSpec> tables;
+  /// Whether some could not be read, so that expressions would stumble over what is missing.
+  bool incomplete = false;
 };
 
 /// Adds them to those of a text.

@@ -233,6 +233,7 @@ CostSpec function_of(const ConstraintSpec& spec) {
 /// Rows that equal numbers; those for which the file gives none are free.
 bool set_equal(BuiltConstraint& built, const ComponentNames& rows, Diagnostics& out) {
   const auto below = resolve(*built.spec->equals, rows, -kUnlimited, out);
+  if (!below) return false;  // what is wrong is said once
   const auto above = resolve(*built.spec->equals, rows, kUnlimited, out);
   if (!below || !above) return false;
   built.lower = *below;

@@ -37,16 +37,25 @@ bool YamlReader::is_number() const {
 
 /// Where a text that is no number may be meant as an expression.
 static std::string formula_hint(const std::string& text) {
-  const bool formula = text.find_first_of("*/^(") != text.npos || text.find("pi") != text.npos;
+  const bool formula = text.find_first_of("+*/^(") != text.npos || text.find("pi") != text.npos;
   return formula && !text.starts_with('=')
              ? fmt::format("in a problem file a value that begins with '=' is an expression: '={}'",
                            text)
              : "";
 }
 
+/// Where a number is expected, of a text in quotes.
+static std::string hint_without_quotes(const std::string& text) {
+  if (parse_number(text).value) return "leave the quotes out";
+  std::string with_point = text;
+  std::replace(with_point.begin(), with_point.end(), ',', '.');
+  return parse_number(with_point).value ? "the decimal sign is a point: " + with_point
+                                        : formula_hint(text);
+}
+
 std::optional<double> YamlReader::number(const NumberRange& range) const {
   if (!is_scalar()) return expected(range.words), std::nullopt;
-  if (node_->quoted) return expected(range.words, "leave the quotes out"), std::nullopt;
+  if (node_->quoted) return expected(range.words, hint_without_quotes(node_->text)), std::nullopt;
   const ParsedNumber parsed = parse_number(node_->text);
   if (!parsed.value) {
     error(fmt::format("{} is expected here, and {}", range.words, parsed.defect),
@@ -87,7 +96,7 @@ std::string list_of(const std::vector<std::string>& words) {
 std::optional<long long> YamlReader::integer(long long lower, long long upper) const {
   const std::string what = whole_number(lower, upper);
   if (!is_scalar()) return expected(what), std::nullopt;
-  if (node_->quoted) return expected(what, "leave the quotes out"), std::nullopt;
+  if (node_->quoted) return expected(what, hint_without_quotes(node_->text)), std::nullopt;
   if (const ParsedNumber parsed = parse_number(node_->text); !parsed.value) {
     error(fmt::format("{} is expected here, and {}", what, parsed.defect));
     return std::nullopt;

@@ -40,11 +40,19 @@ class Parser {
     if (token.is(","))
       fail(token.offset, "unexpected ','", "vectors are written in brackets: [a, b]");
     fail(token.offset, fmt::format("expected an operator instead of '{}'", token.text),
-         token.is("{") || token.is("}") ? "" : "a product is written with '*'");
+         hint_of_operator(token));
+  }
+  /// What may be meant by what stands in the place of an operator.
+  static std::string hint_of_operator(const Token& token) {
+    if (token.is("{") || token.is("}")) return "";
+    if (const auto hint = foreign_operator_hint(token.text); !hint.empty())
+      return std::string(hint);
+    if (token.kind == Token::Kind::kNumber && token.text[0] == '.')
+      return fmt::format("a number of a vector v is written v[{}]", token.text.substr(1));
+    return "a product is written with '*'";
   }
   [[noreturn]] static void fail_at_end(const Token& end, const Token& opened) {
-    fail(end.offset, fmt::format("the '{}' is not closed", opened.text),
-         "inside { } or [ ] of YAML an expression with a comma needs quotes");
+    fail(end.offset, fmt::format("the '{}' is not closed", opened.text));
   }
 
   /// Guards against nesting that would exhaust the stack.
@@ -361,8 +369,10 @@ class Parser {
     if (scope_.find(name.text) || find_expression_constant(name.text))
       fail(name.offset, fmt::format("'{}' is not a function", name.text),
            "a product is written with '*'");
+    const std::string_view foreign = foreign_function_hint(name.text);
     fail(name.offset, fmt::format("unknown function '{}'", name.text),
-         name_hint(name.text, scope_.function_names(), "functions"));
+         foreign.empty() ? name_hint(name.text, scope_.function_names(), "functions")
+                         : std::string(foreign));
   }
 
   /// Those between parentheses.
