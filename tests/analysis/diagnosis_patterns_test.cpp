@@ -55,6 +55,17 @@ TEST(DiagnosisPatterns, ANumberThatIsNotFiniteIsGrowth) {
   }
 }
 
+TEST(DiagnosisPatterns, IteratesThatGrowWhileTheirNumbersAreFiniteHaveNoPoles) {
+  SolveResult result(testing::pendulum_swing_up());
+  result.status = SolveStatus::diverged;
+  result.iterations = 5;
+  result.cost = -3e8;
+  const Diagnosis d = diagnose(testing::pendulum_swing_up(), result, {});
+  EXPECT_EQ(d.pattern, DiagnosisPattern::growth);
+  EXPECT_EQ(d.message, "the iterates grow without bound");
+  EXPECT_EQ(d.remedy.find("smooth"), std::string::npos) << d.remedy;
+}
+
 TEST(DiagnosisPatterns, HalfOfItsValueInTheWindowIsProgress) {
   const auto gap_to = [](double last) {
     return diagnosis_of_log(11, [=](int i, IterationRecord& r) {

@@ -43,6 +43,20 @@ TEST(NotFinite, AdviceIsThatForEquations) {
   }
 }
 
+TEST(NotFinite, ACostIsNamed) {
+  const Loaded loaded(R"(conddp: 1
+system: {states: [x], controls: [u], rate: {x: u}}
+initial_state: {values: {x: 0}}
+phases: [{knots: 5, dt: 0.1}]
+costs: {effort: {residual: control}, bad: {residual: expression, rows: log(x)}}
+)");
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const Diagnosis d = diagnose(*loaded.built->problem, answer_at_kink(loaded, "box_fddp"),
+                               loaded.spec->solver.options);
+  EXPECT_NE(d.message.find("cost"), std::string::npos) << d.message;
+  EXPECT_NE(d.message.find("('bad')"), std::string::npos) << d.message;
+}
+
 TEST(NotFinite, TheDynamicsAreNamedBeforeTheCostsThatDependOnThem) {
   const Loaded loaded(R"(conddp: 1
 system: {states: [x, y], controls: [a], rate: {x: sqrt(y)*cos(a), y: sqrt(y)*sin(a)}}

@@ -9,6 +9,7 @@
 
 #include "analysis/findings/free_control.hpp"
 #include "analysis/findings/holding_torques.hpp"
+#include "ocp/problem/by_name.hpp"
 #include "solvers/iterate/hessian_switch.hpp"
 
 namespace conddp {
@@ -81,9 +82,29 @@ std::string remedy_of_growth(const ShootingProblem& problem, bool start) {
          "expressions are not finite; a smaller dt or an integrator of higher order";
 }
 
+/// "cost ('reach')" where one of the costs of the knot is not finite along the answer, else the
+/// quantity alone.
+std::string with_name(const ShootingProblem& problem, const SolveResult& r) {
+  if (!r.failed_quantity.starts_with("cost") || r.failed_knot < 0) return r.failed_quantity;
+  for (const auto& [name, costs] : costs_by_node(problem, r.trajectory))
+    if (!std::isfinite(costs[r.failed_knot]))
+      return fmt::format("{} ('{}')", r.failed_quantity, name);
+  return r.failed_quantity;
+}
+
+/// Of iterates that run away while their numbers are finite.
+Diagnosis unbounded_iterates() {
+  return {DiagnosisPattern::growth, "the iterates grow without bound", -1, "",
+          "bounds on controls and states: a cost that is linear or negative may have no least "
+          "value; another first guess"};
+}
+
 Diagnosis growth(const ShootingProblem& problem, const SolveResult& r) {
+  if (r.iterations > 0 && r.status == SolveStatus::diverged && r.failed_quantity.empty() &&
+      std::isfinite(r.cost))
+    return unbounded_iterates();
   const bool start = r.iterations == 0;
-  const std::string quantity = r.failed_quantity.empty() ? "motion" : r.failed_quantity;
+  const std::string quantity = r.failed_quantity.empty() ? "motion" : with_name(problem, r);
   return {DiagnosisPattern::growth,
           fmt::format("the {}{} {}", quantity, at(r.failed_knot),
                       r.status == SolveStatus::diverged
