@@ -104,6 +104,8 @@ TEST(ExpressionRows, ErrorsPointIntoTheExpression) {
 TEST(ExpressionRows, WarnOfWhatIsNotSmoothOnce) {
   EXPECT_EQ(
       warnings(replaced(replaced(kRows, "[energy - drag(v)", "[abs(x)"), "m*v^2", "m*abs(v)*v")),
+      "6:12: nothing uses 'drag' ()\n"
+      "7:9: nothing uses 'energy' ()\n"
       "7:35: 'abs' has a kink at 0; smooth_abs has none ()\n"
       "13:38: 'abs' has a kink at 0; smooth_abs has none ()\n");
 }

@@ -206,6 +206,7 @@ TEST(ExpressionSystemFiles, ReferenceNamesEveryFunctionAndConstant) {
 
 TEST(ExpressionSystemFiles, WarnOfWhatIsNotSmooth) {
   EXPECT_EQ(warnings(replaced(kDrivenMass, "(u + spring)/m", "u - abs(v)*v")),
+            "6:9: nothing uses 'spring' ()\n"
             "9:12: 'abs' has a kink at 0; smooth_abs has none ()\n");
 }
 

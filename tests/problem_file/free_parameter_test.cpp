@@ -228,5 +228,42 @@ TEST(FreeParameters, HaveTheirPlaceInErrors) {
   }
 }
 
+/// Names that nothing uses, in a file that is well formed all the same.
+constexpr std::string_view kUnused = R"(conddp: 1
+name: spare
+parameters:
+  c: 1
+  m: {free: true, lower: 0, upper: 1}
+tables: {drag: {points: [0, 1, 2], values: [0, 1, 4]}}
+systems:
+  a: {states: [x], controls: [u], let: {spare: x, used: x}, rate: {x: u + used}}
+  b: {states: [x], controls: [u], rate: {x: 2*u}}
+initial_state: {values: {x: 1}}
+phases: [{choose: none}, {system: a, knots: 4, dt: 0.1}]
+costs:
+  effort: {residual: expression, of: {z: {residual: control}, w: {residual: control}}, rows: z}
+)";
+
+TEST(UnusedNames, AreWarnedOf) {
+  EXPECT_EQ(warnings(std::string(kUnused)),
+            "5:3: 'm' is free, and occurs in no equation, residual or payload ()\n"
+            "9:3: no phase has the system 'b' ()\n"
+            "6:10: nothing uses 'drag' ()\n"
+            "8:41: nothing uses 'spare' ()\n"
+            "13:63: nothing uses 'w' ()\n");
+}
+
+TEST(UnusedNames, AreNotThoseOfFormulasAndMasses) {
+  EXPECT_EQ(warnings(std::string(kDrift)), "");
+  EXPECT_EQ(warnings(R"(conddp: 1
+parameters: {load: {free: true, lower: 0, upper: 5}}
+robot: {urdf: robots/arm7.urdf, payloads: {link_7: {mass: =load, com: [0, 0, 0.1]}}}
+initial_state: {joints: {joint_2: 0.4}}
+phases: [{choose: none}, {knots: 4, dt: 0.02}]
+costs: {effort: {residual: control}}
+)"),
+            "");
+}
+
 }  // namespace
 }  // namespace conddp

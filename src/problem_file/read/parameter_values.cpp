@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "problem_file/read/free_parameters.hpp"
+#include "problem_file/read/unused_names.hpp"
 #include "problem_file/spec/expression_source.hpp"
 #include "problem_file/yaml/key_path.hpp"
 #include "systems/expressions/parser.hpp"
@@ -135,6 +136,7 @@ class ParameterPlacer {
 }  // namespace
 
 ExpressionNamesSpec place_parameters(YamlNode& root, Diagnostics& out) {
+  warn_of_unused_names(root, out);
   ParameterPlacer placer(out);
   ExpressionNamesSpec names;
   if (YamlNode* parameters = find_part(root, "parameters")) names = placer.read(*parameters);
