@@ -51,6 +51,17 @@ TEST(ExpressionRows, NameWhatTheSystemNamesAndTheTimeOfTheKnot) {
   EXPECT_NEAR(rows_at(loaded, 3)[1], 0.5 * 0.3, 1e-15);
 }
 
+TEST(ExpressionRows, OneRowOfAnotherResidualIsANumberWithAPart) {
+  const auto rows = [](const std::string& row) {
+    return rows_at(
+        Loaded(replaced(kRows, "rows: [energy - drag(v), \"[x*t, u]\"]",
+                        "of: {z: {residual: state, columns: [v]}}, rows: \"" + row + "\"")),
+        0);
+  };
+  for (const char* row : {"2*z", "2*z[0]", "2*z[v]", "2*z.v"})
+    EXPECT_EQ(rows(row), (std::vector<double>{3})) << row;
+}
+
 TEST(ExpressionRows, MayBeOneTextAListOrNames) {
   const auto with = [](const std::string& rows) {
     return replaced(kRows, "[energy - drag(v), \"[x*t, u]\"]", rows);

@@ -290,6 +290,7 @@ class ResidualReader {
         value.parts.push_back({name, value.size()});
         value.nodes.push_back(input(KnotInputSource::Kind::kOperand, row++));
       }
+      // One row is a number, which may be called by its part all the same.
       if (value.size() == 1) value.kind = ExpressionValue::Kind::kNumber;
       texts_.add(Part::kOperand, static_cast<int>(i), operand.name, std::move(value));
     }

@@ -257,7 +257,7 @@ class Parser {
   }
 
   ExpressionValue part_of(const ExpressionValue& value, const Token& token) const {
-    if (value.kind != Kind::kVector)
+    if (value.kind != Kind::kVector && value.parts.empty())
       fail(token.offset, fmt::format("a {} has no parts", value.type()));
     if (token.text.empty()) fail(token.offset, "expected an index or the name of a part");
     const std::vector<ExpressionValue::Part> parts = value.named_parts();
