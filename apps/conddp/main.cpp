@@ -63,16 +63,18 @@ constexpr std::string_view kWithoutProblems[] = {"compare", "inspect",    "list"
 
 /// Fills `tool`, to which some subcommands refer. `allows_code`: whether --allow-code is given.
 void declare(Command& tool, bool& allows_code) {
-  tool = {.name = "conddp",
-          .description = "Batch trajectory optimisation of robots under constraints",
-          .arguments = {{.names = {"--version"},
-                         .description = "Print the version and how it was built",
-                         .target = EndingFlag::kVersion}},
-          .commands = {solve_command(), check_command(), verify_command(), contacts_command(),
-                       bench_command(), batch_command(), mpc_command(), margins_command(),
-                       compare_command(), regress_command(), inspect_command(), report_command(),
-                       list_command(), schema_command(), completion_command(tool),
-                       man_command(tool), help_command(tool)}};
+  tool = {
+      .name = "conddp",
+      .description =
+          "Trajectory optimizer for robots: whole-body optimal control with DDP solvers and Ipopt",
+      .arguments = {{.names = {"--version"},
+                     .description = "Print the version and how it was built",
+                     .target = EndingFlag::kVersion}},
+      .commands = {solve_command(), check_command(), verify_command(), contacts_command(),
+                   bench_command(), batch_command(), mpc_command(), margins_command(),
+                   compare_command(), regress_command(), inspect_command(), report_command(),
+                   list_command(), schema_command(), completion_command(tool), man_command(tool),
+                   help_command(tool)}};
   std::vector<std::string> names;
   for (const Command& command : tool.commands) names.push_back(command.short_name());
   add_common_options(tool);

@@ -187,14 +187,14 @@ void Mpc::reserve(double until) {
   }
 }
 
-bool Mpc::goes_on() const {
-  return line_.is_held() || is_before(line_time(plan_begin()), line_.end());
-}
-
 void Mpc::take_numbers(std::shared_ptr<const ShootingProblem> source,
                        std::shared_ptr<const StatePath> terminal_path) {
   line_.take_numbers(std::move(source));
   if (open_end_) open_end_->follow(std::move(terminal_path));
+}
+
+bool Mpc::goes_on() const {
+  return line_.is_held() || is_before(line_time(plan_begin()), line_.end());
 }
 
 /// When the next phase after a time begins that holds a contact which the one before it does not,

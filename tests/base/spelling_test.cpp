@@ -38,6 +38,18 @@ TEST(NearNames, AreWithinAThirdOfTheLetters) {
             (Names{"abcdefghijklmno"}));
 }
 
+TEST(NearNames, ShareALetter) {
+  EXPECT_EQ(similar_names("e", {"a", "V", "t"}), Names{});
+  EXPECT_EQ(similar_names("T", {"a", "V", "t"}), Names{"t"});
+  EXPECT_EQ(similar_names("x", {"x1", "y", "ab"}), Names{"x1"});
+}
+
+TEST(Counted, HasAPluralButOfOne) {
+  EXPECT_EQ(counted(0, "row"), "0 rows");
+  EXPECT_EQ(counted(1, "row"), "1 row");
+  EXPECT_EQ(counted(2, "row"), "2 rows");
+}
+
 TEST(NearNames, TheNearestThreeComeFirst) {
   EXPECT_EQ(similar_names("abcdef", {"abcd", "abcdxx", "abcde", "abcdf", "abcdefg"}),
             (Names{"abcde", "abcdefg", "abcdf"}));

@@ -135,8 +135,8 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"UnknownColumn", "theta: 1}", "§tehta: 1}", "the state has no column 'tehta'",
                 "did you mean 'theta'?"},
         Mistake{"ShortState", "{values: {theta: 1}}", "§[1]",
-                "2 numbers are expected here, one for each of the columns of the state; this list "
-                "has 1",
+                "a list of 2 numbers, one for each of the columns of the state, is expected here; "
+                "this one has 1",
                 "theta, omega"},
         Mistake{"NumberForState", "{values: {theta: 1}}", "§1", "one number is not a state"},
         Mistake{"NameForState", "{values: {theta: 1}}", "§upright", "unknown state 'upright'"},
@@ -150,7 +150,7 @@ INSTANTIATE_TEST_SUITE_P(
                 "activation: §{kind: quadratic_barrier, lower: 2, upper: 1}",
                 "for 'torque' the lower bound 2 lies above the upper bound 1"},
         Mistake{"Weights", "weight: 0.5", "weights: §[1, 2]",
-                "1 numbers are expected here, one for each of the controls"},
+                "a list of 1 number, one for each of the controls, is expected here"},
         Mistake{"WeightsName", "weight: 0.5", "weights: {§torqe: 1}",
                 "'torqe' fits none of the controls", "did you mean 'torque'?"},
         Mistake{"NegativeWeights", "weight: 0.5", "weights: [§-1]",

@@ -76,7 +76,7 @@ TEST(Clock, IsNoPartOfListsOfTheState) {
   ASSERT_TRUE(loaded.built) << loaded.all();
   EXPECT_EQ(loaded.built->problem->initial_state(), (std::vector<double>{1, 0}));
   const Loaded wrong(replaced(kFirstOrder, "{values: {x: 1}}", "{state: [1, 2, 3]}"));
-  EXPECT_NE(wrong.first_error().find("the state has 1 numbers, not 3"), std::string::npos)
+  EXPECT_NE(wrong.first_error().find("the state has 1 number, not 3"), std::string::npos)
       << wrong.all();
 }
 

@@ -277,7 +277,7 @@ TEST(Constraints, WhatCannotBeSaidIsRefused) {
       {with("  a: {residual: state, columns: theta, at_least: 1, centers: []}\n"),
        "there is no center"},
       {with("  a: {residual: state, columns: theta, at_least: 1, centers: [[9], [1, 2]]}\n"),
-       "a center has 1 numbers here, not 2"},
+       "a center has 1 number here, not 2"},
       {with("  a: {residual: state, columns: theta, at_least: 1, centers: [{from: [1], to: [2, 3], "
             "count: 3}]}\n"),
        "as many as 'from' has"},

@@ -258,11 +258,11 @@ TEST(Baumgarte, WarnsOfStepsThatDoNotCarryItAndSaysWhy) {
   EXPECT_EQ(warnings(with("kd: 99")), "");
   EXPECT_EQ(warnings(with("kp: 2000, kd: 50")), "");
   EXPECT_EQ(warnings(with("kd: 101")),
-            "4:35: the contact 'LF' is stabilised more stiffly (kp 0 1/s², kd 101 1/s) than the "
+            "4:35: the contact 'LF' is stabilized more stiffly (kp 0 1/s², kd 101 1/s) than the "
             "time step 0.02 s of phase 'stand' carries: errors grow (kd up to 100 is stable with "
             "this step)\n");
   EXPECT_EQ(warnings(with("kp: 6000, kd: 50")),
-            "4:35: the contact 'LF' is stabilised more stiffly (kp 6000 1/s², kd 50 1/s) than the "
+            "4:35: the contact 'LF' is stabilized more stiffly (kp 6000 1/s², kd 50 1/s) than the "
             "time step 0.02 s of phase 'stand' carries: errors grow (lower kp and kd, or take "
             "smaller steps)\n");
   // A phase that does not hold the contact does not matter.
@@ -271,7 +271,7 @@ TEST(Baumgarte, WarnsOfStepsThatDoNotCarryItAndSaysWhy) {
                               "knots: 5, dt: 0.02, contacts: all}\ncosts",
                               "knots: 5, dt: 0.01, contacts: all}\ncosts"))
                 .substr(0, 40),
-            "4:35: the contact 'LF' is stabilised mor");
+            "4:35: the contact 'LF' is stabilized mor");
   EXPECT_EQ(warnings(replaced(
                 replaced(replaced(with("kd: 150"), "knots: 5, dt: 0.02, contacts: all}\n  - ",
                                   "knots: 5, dt: 0.01, contacts: all}\n  - "),

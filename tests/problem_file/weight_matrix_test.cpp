@@ -101,7 +101,7 @@ TEST(WeightMatrix, MistakesAreNamedWithTheirPlaces) {
   EXPECT_EQ(error("[[1, 0, 0], [0, 1, 0], [0, 0, 1]]"),
             "15:82: the matrix has 3 rows, and the residual 'state' has 2");
   EXPECT_EQ(error("[[1, 0], [0, 1, 0]]"), "15:91: row 2 of the matrix has 3 numbers, not 2");
-  EXPECT_EQ(error("[[1], [0]]"), "15:88: row 2 of the matrix has 1 numbers, not 2");
+  EXPECT_EQ(error("[[1], [0]]"), "15:88: row 2 of the matrix has 1 number, not 2");
   EXPECT_EQ(error("[[1, 0.5], [0.25, 1]]"),
             "15:93: the matrix is not symmetric: row 2 has 0.25 in column 1, and row 1 has 0.5 in "
             "column 2");

@@ -110,7 +110,7 @@ test('the stages of a solver are marked, its counts drawn and its diagnosis is i
                    [...new Set(log.map(row => row.outer))].slice(1));
   const [newton] = marks.filter(m => m.text === 'Newton');
   assert.equal(newton.at, log.find(row => row.newton > 0).iteration);
-  const penalties = await plot(page, 'Regularisation and penalties');
+  const penalties = await plot(page, 'Regularization and penalties');
   assert.deepEqual(penalties.lines.find(l => l.name === 'penalty of constraints').values,
                    log.map(row => (row.constraint_penalty > 0 ? row.constraint_penalty : null)));
   const active = await plot(page, 'Active set');

@@ -129,7 +129,7 @@ TEST(UrdfAxes, OfAnotherLengthAreNormalisedWithAWarning) {
                                joint_element("j", "continuous", "a", "b", "<axis xyz=\"0 3 0\"/>")),
                  "f");
   ASSERT_TRUE(result.model);
-  EXPECT_EQ(problem_with(result, "has length 3 and is normalised"), "j");
+  EXPECT_EQ(problem_with(result, "has length 3 and is normalized"), "j");
 }
 
 TEST(UrdfLimits, AContinuousJointHasNoneOnItsAngle) {

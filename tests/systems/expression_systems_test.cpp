@@ -253,7 +253,7 @@ TEST(ExpressionSystems, WrongTextsHaveAPlace) {
          t.kind = SystemKind::second_order;
          t.velocities = {{"w", "1"}};
        },
-       Part::kWhole, 0, false, 0, "there are 2 positions and 1 velocities"}};
+       Part::kWhole, 0, false, 0, "there are 2 positions and 1 velocity"}};
   for (const WrongText& c : cases) {
     const ModelMessage got = message_of(c.change);
     EXPECT_EQ(got.message.message, c.message);

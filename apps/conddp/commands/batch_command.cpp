@@ -10,6 +10,7 @@
 #include "arguments/batch_arguments.hpp"
 #include "base/code_permission.hpp"
 #include "base/files/atomic_file.hpp"
+#include "base/text/spelling.hpp"
 #include "batch/cluster/array_index.hpp"
 #include "batch/plan/expand_plan.hpp"
 #include "batch/plan/neighbours.hpp"
@@ -56,11 +57,6 @@ void handle_signals() {
 int give_up(const Diagnostics& diagnostics) {
   print_messages(diagnostics, Verbosity::kVerbose);
   return kExitBadInput;
-}
-
-/// "1 item", "2 items".
-std::string counted(std::size_t count, std::string_view what) {
-  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
 }
 
 std::string time_words(double seconds) {

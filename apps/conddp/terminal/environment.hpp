@@ -9,9 +9,9 @@ struct EnvironmentInfo {
   const char* name;
   std::string_view meaning;
 };
-inline constexpr EnvironmentInfo kNoColor{"NO_COLOR", "if not empty, nothing is coloured"};
+inline constexpr EnvironmentInfo kNoColor{"NO_COLOR", "if not empty, nothing is colored"};
 inline constexpr EnvironmentInfo kTerm{
-    "TERM", "if 'dumb' or empty, nothing is coloured and no progress is shown"};
+    "TERM", "if 'dumb' or empty, nothing is colored and no progress is shown"};
 /// Read by processor_check.cpp, before anything else runs.
 inline constexpr EnvironmentInfo kInstructions{
     "CONDDP_INSTRUCTIONS",

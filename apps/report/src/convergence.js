@@ -54,9 +54,9 @@ export function addConvergence(collection) {
     of: columns(['stationarity', 'stationarity', true], ['gap', 'gap', true],
                 ['violation', 'constraint', true], ['complementarity', 'complementarity', true])});
   collection.overIterations({title: 'Step length', of: columns(['step', 'step'])});
-  collection.overIterations({title: 'Regularisation and penalties', log: true,
+  collection.overIterations({title: 'Regularization and penalties', log: true,
     hint: 'Logarithmic; zero is left out.',
-    of: columns(['regularisation', 'regularization', true], ['penalty of gaps', 'penalty', true],
+    of: columns(['regularization', 'regularization', true], ['penalty of gaps', 'penalty', true],
                 ['penalty of constraints', 'constraint_penalty', true])});
   collection.overIterations({title: 'Decrease of the merit', log: true,
     hint: 'Logarithmic; what is not a decrease is left out.',

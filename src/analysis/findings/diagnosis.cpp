@@ -115,7 +115,7 @@ Diagnosis growth(const ShootingProblem& problem, const SolveResult& r) {
 
 Diagnosis indefinite(const SolveResult& r) {
   return {DiagnosisPattern::indefinite,
-          fmt::format("{} stays indefinite{} with the largest regularisation", r.failed_quantity,
+          fmt::format("{} stays indefinite{} with the largest regularization", r.failed_quantity,
                       at(r.failed_knot)),
           r.failed_knot, r.failed_quantity,
           "a cost on every control of that knot; solver.regularization.kind: control; a larger "
@@ -251,7 +251,7 @@ Diagnosis plateau(const Window& w, bool regularised, const SolverOptions& option
   std::string message = fmt::format(
       "stationarity stalled: {:.1e}{} after {:.1e} {} steps before, with {}", w.last().stationarity,
       at(w.last().stationarity_knot), w.first().stationarity, w.steps(),
-      regularised ? fmt::format("regularisation {:.1e}", w.last().regularization)
+      regularised ? fmt::format("regularization {:.1e}", w.last().regularization)
                   : fmt::format("steps of {:.2g}", w.median_step()));
   return {DiagnosisPattern::plateau, std::move(message), w.last().stationarity_knot, "stationarity",
           regularised ? less_regularisation(w, options)

@@ -458,7 +458,7 @@ class Search {
     f.message = fmt::format(
         "the thrusters cannot turn the body of '{}' about {}", body,
         axes.empty() ? fmt::format("{} of 3 directions", 3 - rank) : "its axes " + axes);
-    f.remedy = "thrusters off the centre of mass in other directions, or with a torque_ratio";
+    f.remedy = "thrusters off the center of mass in other directions, or with a torque_ratio";
   }
 
   const ShootingProblem& problem_;

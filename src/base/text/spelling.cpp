@@ -26,6 +26,10 @@ int edit_distance(std::string_view a, std::string_view b) {
   return row[b.size()];
 }
 
+std::string counted(std::size_t count, std::string_view what) {
+  return std::to_string(count) + ' ' + std::string(what) + (count == 1 ? "" : "s");
+}
+
 std::vector<std::string> similar_names(std::string_view name,
                                        const std::vector<std::string>& candidates) {
   constexpr std::size_t kLongest = 128;  // the distance is quadratic in the length

@@ -10,6 +10,9 @@ namespace conddp {
 /// case taken as equal.
 int edit_distance(std::string_view a, std::string_view b);
 
+/// "1 item", "2 items".
+std::string counted(std::size_t count, std::string_view what);
+
 /// The candidates that a misspelt name may have meant: at most three, the nearest first.
 std::vector<std::string> similar_names(std::string_view name,
                                        const std::vector<std::string>& candidates);

@@ -216,7 +216,7 @@ constexpr std::array kMeanings = {
     Meaning{Ipopt::Restoration_Failed, End::no_step,
             "the restoration phase finds no better feasible point"},
     Meaning{Ipopt::Error_In_Step_Computation, End::no_factorization,
-            "the step cannot be computed, whatever the regularisation"},
+            "the step cannot be computed, whatever the regularization"},
     Meaning{Ipopt::Diverging_Iterates, End::diverging, "iterates grow beyond all bounds"},
     Meaning{Ipopt::Invalid_Number_Detected, End::not_finite, "a value or derivative is not finite"},
     Meaning{Ipopt::Not_Enough_Degrees_Of_Freedom, End::infeasible,

@@ -31,9 +31,9 @@ bool check_free_durations(const ProblemSpec& spec, const System& system, Diagnos
     out.error(place, "durations are chosen in a first phase without time, and there is none",
               "write '- {choose: none}' as the first of the phases");
   if (spec.stepping)
-    out.error(place, "steps that find their contacts have no free duration");
+    out.error(place, "contact-implicit problems do not support free durations");
   else if (system.kind() == SystemKind::discrete)
-    out.error(place, "a system that gives the next state itself knows no time");
+    out.error(place, "difference equations have no time, so durations are not free");
   check_terms_of_free_durations(spec, out);
   return out.error_count() == errors;
 }

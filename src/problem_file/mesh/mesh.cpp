@@ -139,7 +139,7 @@ void check_mesh(const ProblemSpec& spec, const System& system, Diagnostics& out)
   if (!spec.mesh) return;
   const Place& place = spec.mesh->place;
   if (spec.stepping)
-    out.error(place, "the grid of steps that find their contacts cannot be refined by their error",
+    out.error(place, "the grid of a contact-implicit problem cannot be refined by its error",
               "choose 'knots' yourself");
   else if (system.kind() == SystemKind::discrete)
     out.error(place, "a system that gives the next state itself has no finer grid");

@@ -16,7 +16,7 @@ void check_smoothness(const ProblemSpec& spec, Diagnostics& out) {
   for (const PhaseSpec& phase : spec.phases)
     if (phase.contacts.any())
       out.error(phase.name.place,
-                phase.restitution ? "collocation knows no impulses"
+                phase.restitution ? "collocation does not support impulses"
                                   : "collocation is for systems without contacts",
                 kOthers);
   for (const PhaseSpec& phase : spec.phases)

@@ -53,7 +53,7 @@ void warn_of_instability(const ContactSpec& contact, int index, const ContactPla
       continue;
     return out.warning(
         contact.baumgarte_place,
-        fmt::format("the contact '{}' is stabilised more stiffly (kp {} 1/s², kd {} 1/s) than "
+        fmt::format("the contact '{}' is stabilized more stiffly (kp {} 1/s², kd {} 1/s) than "
                     "the time step {} s of phase '{}' carries: errors grow",
                     contact.name.value, contact.kp, contact.kd, phase.dt, phase.name.value),
         contact.kp == 0 ? fmt::format("kd up to {:.3g} is stable with this step", 2 / phase.dt)
@@ -75,7 +75,7 @@ void warn_of_sole(const ContactSpec& spec, const Contact& contact, const Plant& 
   if (angle <= kLevelSole) return;
   out.warning(spec.frame.place,
               fmt::format("the z axis of the sole '{}' is {:.0f}° off the normal of its contact "
-                          "in the initial state: wrench cones and centres of pressure are about "
+                          "in the initial state: wrench cones and centers of pressure are about "
                           "that axis",
                           spec.frame.value, angle * 180 / std::numbers::pi),
               "take a frame whose z axis points out of the ground, or another 'normal'");

@@ -65,7 +65,8 @@ std::optional<std::vector<double>> StateBuilder::build(const StateSpec& spec) co
   if (spec.state && !apply_list(*spec.state, x)) {
     const ComponentNames names = state_names(system).listed();
     out_.error(spec.place,
-               fmt::format("the state has {} numbers, not {}", names.size(), spec.state->size()),
+               fmt::format("the state has {}, not {}", counted(names.size(), "number"),
+                           spec.state->size()),
                list_of(names));
     return std::nullopt;
   }

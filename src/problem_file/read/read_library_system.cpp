@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "base/text/spelling.hpp"
 #include "problem_file/data/library_file.hpp"
 #include "problem_file/read/named_words.hpp"
 #include "problem_file/read/read_sections.hpp"
@@ -60,7 +61,10 @@ class LibrarySystemReader {
     const std::size_t velocities = system_.columns.velocities.size();
     if (positions != velocities && map_.valid())
       map_.reader().diagnostics().error(
-          place, fmt::format("there are {} velocities and {} positions", velocities, positions),
+          place,
+          fmt::format("there are {} and {}",
+                      velocities == 1 ? "1 velocity" : fmt::format("{} velocities", velocities),
+                      counted(positions, "position")),
           "each position has a velocity, in the same order");
   }
 

@@ -80,7 +80,7 @@ void read_ground(YamlMap& map, bool known, MpcPlantSpec& plant) {
   const auto r = map.find("ground");
   if (!r) return;
   if (known && !plant.simulated_contacts)
-    r->error("contacts of the phases know no ground", "write 'contacts: simulated' beside it");
+    r->error("contacts of the phases have no ground", "write 'contacts: simulated' beside it");
   plant.ground.clear();
   const auto items = r->items();
   if (!items) return;

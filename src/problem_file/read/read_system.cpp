@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "base/text/spelling.hpp"
 #include "problem_file/read/read_sections.hpp"
 #include "problem_file/spec/system_fields.hpp"
 
@@ -34,8 +35,8 @@ std::optional<Eigen::MatrixXd> read_matrix(const YamlReader& reader) {
     if (!row) return std::nullopt;
     if (i == 0) matrix.resize(rows->size(), row->size());
     if (row->size() != matrix.cols()) {
-      reader_of_row.error(
-          fmt::format("this row has {} numbers, the first one has {}", row->size(), matrix.cols()));
+      reader_of_row.error(fmt::format("this row has {}, the first one has {}",
+                                      counted(row->size(), "number"), matrix.cols()));
       return std::nullopt;
     }
     matrix.row(i) = *row;

@@ -164,7 +164,7 @@ std::span<const ResidualDefinition> force_residuals() {
        .set_activation = set_barrier_of_cone,
        .make_of_contact = make_friction_cone},
       {.name = "wrench_cone",
-       .description = "the same of a sole's force and torque: friction, centre of pressure, yaw "
+       .description = "the same of a sole's force and torque: friction, center of pressure, yaw "
                       "torque",
        .unit = "N and Nm",
        .needs = {.robot = true, .force = true},
@@ -173,7 +173,7 @@ std::span<const ResidualDefinition> force_residuals() {
        .set_activation = set_barrier_of_cone,
        .make_of_contact = make_wrench_cone},
       {.name = "center_of_pressure",
-       .description = "the same of a sole's centre of pressure alone",
+       .description = "the same of a sole's center of pressure alone",
        .unit = "Nm",
        .synonyms = {"cop", "zmp"},
        .needs = {.robot = true, .force = true},

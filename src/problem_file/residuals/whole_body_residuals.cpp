@@ -52,7 +52,7 @@ std::optional<CostResidual> make_momentum(const ResidualContext& context) {
 std::span<const ResidualDefinition> whole_body_residuals() {
   static const ResidualDefinition all[] = {
       {.name = "com_position",
-       .description = "centre of mass minus a point of the world",
+       .description = "center of mass minus a point of the world",
        .unit = "m",
        .synonyms = {"com", "center_of_mass"},
        .needs = {.robot = true},
@@ -66,7 +66,7 @@ std::span<const ResidualDefinition> whole_body_residuals() {
        .needs = {.robot = true, .control = true},
        .make = make_control_gravity},
       {.name = "centroidal_momentum",
-       .description = "momentum about the centre of mass minus a reference",
+       .description = "momentum about the center of mass minus a reference",
        .unit = "kg m/s and kg m²/s",
        .synonyms = {"momentum", "angular_momentum"},
        .needs = {.robot = true},

@@ -25,8 +25,8 @@ std::optional<std::vector<double>> resolve_list(const ComponentsSpec& spec,
   const int n = names.listed().size();
   if (static_cast<int>(spec.list.size()) != n) {
     out.error(spec.place,
-              fmt::format("{} numbers are expected here, one for each of the {}; this list has {}",
-                          n, names.what, spec.list.size()),
+              fmt::format("a list of {}, one for each of the {}, is expected here; this one has {}",
+                          counted(n, "number"), names.what, spec.list.size()),
               list_of(names));
     return std::nullopt;
   }

@@ -43,7 +43,7 @@ void for_each_field([[maybe_unused]] P& p, [[maybe_unused]] Field&& field) {
   using Parameters = std::remove_const_t<P>;
   if constexpr (std::is_same_v<Parameters, PendulumParameters>) {
     field("mass", "Mass, kg", p.mass, kPositive);
-    field("length", "From pivot to centre of mass, m", p.length, kPositive);
+    field("length", "From pivot to center of mass, m", p.length, kPositive);
     field("inertia", "About the pivot, kg m²", p.inertia, kPositive);
     field("damping", "Viscous friction of the pivot, Nm s/rad", p.damping, kNotNegative);
     field("gravity", "Gravity, m/s²", p.gravity, kAnyNumber);
@@ -57,9 +57,9 @@ void for_each_field([[maybe_unused]] P& p, [[maybe_unused]] Field&& field) {
     field("length2", "Length of the second link, m", p.length2, kPositive);
     field("mass1", "Mass of the first link, kg", p.mass1, kPositive);
     field("mass2", "Mass of the second link, kg", p.mass2, kPositive);
-    field("inertia1", "Inertia of the first link about its centre of mass, kg m²", p.inertia1,
+    field("inertia1", "Inertia of the first link about its center of mass, kg m²", p.inertia1,
           kPositive);
-    field("inertia2", "Inertia of the second link about its centre of mass, kg m²", p.inertia2,
+    field("inertia2", "Inertia of the second link about its center of mass, kg m²", p.inertia2,
           kPositive);
     field("friction", "Viscous friction of both joints, Nm s/rad", p.friction, kNotNegative);
     field("gravity", "Gravity, m/s²", p.gravity, kAnyNumber);
@@ -67,15 +67,15 @@ void for_each_field([[maybe_unused]] P& p, [[maybe_unused]] Field&& field) {
     field("wheelbase", "Distance of the axles, m", p.wheelbase, kPositive);
   } else if constexpr (std::is_same_v<Parameters, PlanarQuadrotorParameters>) {
     field("mass", "Mass, kg", p.mass, kPositive);
-    field("inertia", "Inertia about the centre of mass, kg m²", p.inertia, kPositive);
-    field("arm", "Distance of a rotor from the centre of mass, m", p.arm, kPositive);
+    field("inertia", "Inertia about the center of mass, kg m²", p.inertia, kPositive);
+    field("arm", "Distance of a rotor from the center of mass, m", p.arm, kPositive);
     field("gravity", "Gravity, m/s²", p.gravity, kAnyNumber);
   } else if constexpr (std::is_same_v<Parameters, QuadrotorParameters>) {
     field("mass", "Mass, kg", p.mass, kPositive);
     field("jx", "Inertia about x, kg m²", p.jx, kPositive);
     field("jy", "Inertia about y, kg m²", p.jy, kPositive);
     field("jz", "Inertia about z, kg m²", p.jz, kPositive);
-    field("arm", "Distance of a rotor from the centre of mass, m", p.arm, kPositive);
+    field("arm", "Distance of a rotor from the center of mass, m", p.arm, kPositive);
     field("torque_ratio", "Torque of a rotor for each unit of thrust, Nm per N", p.torque_ratio,
           kPositive);
     field("gravity", "Gravity, m/s²", p.gravity, kAnyNumber);

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "base/text/spelling.hpp"
+
 namespace conddp {
 namespace {
 
@@ -213,8 +215,9 @@ void add_centers(const BuiltConstraint& constraint, std::vector<BuiltConstraint>
   const CostResidual& residual = constraint.function.residual;
   for (const Located<std::vector<double>>& center : constraint.spec->centers) {
     if (static_cast<int>(center.value.size()) != residual.parameters.nx())
-      return out.error(center.place, fmt::format("a center has {} numbers here, not {}",
-                                                 residual.parameters.nx(), center.value.size()));
+      return out.error(center.place, fmt::format("a center has {} here, not {}",
+                                                 counted(residual.parameters.nx(), "number"),
+                                                 center.value.size()));
     list.push_back(constraint);
     list.back().function.reference = TimeSeries(residual.parameters, center.value);
   }
@@ -235,7 +238,7 @@ bool set_equal(BuiltConstraint& built, const ComponentNames& rows, Diagnostics& 
   const auto below = resolve(*built.spec->equals, rows, -kUnlimited, out);
   if (!below) return false;  // what is wrong is said once
   const auto above = resolve(*built.spec->equals, rows, kUnlimited, out);
-  if (!below || !above) return false;
+  if (!above) return false;
   built.lower = *below;
   built.upper = *above;
   return true;

@@ -39,8 +39,8 @@ class MatrixResolver {
     const int n = names_.size();
     if (static_cast<int>(spec_.rows.size()) != n)
       return fail(spec_.place,
-                  fmt::format("the matrix has {} rows, and the residual '{}' has {}",
-                              spec_.rows.size(), residual_, n),
+                  fmt::format("the matrix has {}, and the residual '{}' has {}",
+                              counted(spec_.rows.size(), "row"), residual_, n),
                   list_of(names_));
     const bool lower = is_lower_triangle();
     for (int i = 0; i < n; ++i)
@@ -56,8 +56,8 @@ class MatrixResolver {
     const Located<std::vector<double>>& row = spec_.rows[i];
     if (static_cast<int>(row.value.size()) != count)
       return fail(row.place,
-                  fmt::format("row {} of the matrix has {} numbers, not {}", i + 1,
-                              row.value.size(), count),
+                  fmt::format("row {} of the matrix has {}, not {}", i + 1,
+                              counted(row.value.size(), "number"), count),
                   "the matrix is square; of the triangle up to the diagonal row i has i numbers");
     for (int j = 0; j < count; ++j) {
       matrix_(i, j) = row.value[j];

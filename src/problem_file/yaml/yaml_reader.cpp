@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "base/text/spelling.hpp"
 #include "base/text/strict_number.hpp"
 
 namespace conddp {
@@ -142,10 +143,10 @@ std::optional<std::vector<double>> YamlReader::numbers() const {
 std::optional<std::vector<double>> YamlReader::numbers(std::size_t count,
                                                        std::string_view what) const {
   if (!is_sequence())
-    return expected(fmt::format("a list of {} numbers, {},", count, what)), std::nullopt;
+    return expected(fmt::format("a list of {}, {},", counted(count, "number"), what)), std::nullopt;
   if (node_->items.size() != count) {
-    error(fmt::format("a list of {} numbers, {}, is expected here; this one has {}", count, what,
-                      node_->items.size()));
+    error(fmt::format("a list of {}, {}, is expected here; this one has {}",
+                      counted(count, "number"), what, node_->items.size()));
     return std::nullopt;
   }
   return numbers();

@@ -282,7 +282,7 @@ class Builder {
           "its inertia is not physically valid: the largest principal moment exceeds the sum of "
           "the others by {:.3g} %",
           100 * defect.triangle);
-      hint = "check the units and that it is taken about the centre of mass";
+      hint = "check the units and that it is taken about the center of mass";
     } else {
       return;
     }

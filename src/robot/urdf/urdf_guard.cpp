@@ -139,7 +139,7 @@ void check_unknown_attribute(const XmlOutline& outline, int index, const Element
   std::vector<std::string> known;
   for (const AttributeRule& a : rule.attributes) known.emplace_back(a.name);
   if (element.tag == "origin")
-    report.error_at(index, name, unknown + ", which URDF 1.0 does not know",
+    report.error_at(index, name, unknown + ", which URDF 1.0 does not have",
                     "write xyz (m) and rpy (rad)");
   else if (!similar_names(attribute, known).empty())
     report.warning_at(index, name, unknown + ", which is ignored",

@@ -54,7 +54,7 @@ void check_axis(const urdf::Joint& joint, UrdfReport& report) {
                  "write e.g. <axis xyz=\"0 0 1\"/>");
   else if (std::abs(norm - 1) > 1e-3)
     report.warning(at_joint(joint.name, "axis"),
-                   fmt::format("its axis has length {:.6g} and is normalised", norm));
+                   fmt::format("its axis has length {:.6g} and is normalized", norm));
 }
 
 /// How messages speak of a limit: what it is of, its unit, what a joint cannot do if it is 0, and a
@@ -173,7 +173,7 @@ void check_payload_numbers(const UrdfOptions::Payload& payload, UrdfReport& repo
   };
   if (!std::isfinite(payload.mass) || payload.mass < 0)
     fail(fmt::format("mass {} kg is not a finite number of at least 0", payload.mass));
-  if (!std::isfinite(squared_norm(payload.com))) fail("centre of mass is not finite");
+  if (!std::isfinite(squared_norm(payload.com))) fail("center of mass is not finite");
   if (!payload.inertia) return;
   const std::string defect = payload_inertia_defect(*payload.inertia, payload.mass);
   if (!defect.empty()) fail(defect);

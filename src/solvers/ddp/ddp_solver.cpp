@@ -354,7 +354,7 @@ void DdpSolver::name_contradiction() {
   const double off = globalization_.contradiction();
   if (!(off > options_.tolerances.constraint)) return;
   record_.end(SolveStatus::infeasible,
-              fmt::format("the linearised equality constraints contradict each other by {:.1e}: {}",
+              fmt::format("the linearized equality constraints contradict each other by {:.1e}: {}",
                           off, record_.residual_text()));
 }
 

@@ -360,7 +360,7 @@ bool Globalization::sweep() {
       record_.result.failed_quantity = "Q_uu";
       return record_.end(SolveStatus::regularization_limit,
                          fmt::format("Q_uu at knot {} is not positive definite with the largest "
-                                     "regularisation {:.1e}: {}",
+                                     "regularization {:.1e}: {}",
                                      bad_knot, regularization_.value(), record_.residual_text()));
     }
     if (!record_.budget_left()) return false;
@@ -449,7 +449,7 @@ bool Globalization::end_without_step(bool descends) {
     }
   }
   return record_.end(SolveStatus::line_search_failed,
-                     fmt::format("{} with regularisation up to {:.1e}: {}", cause,
+                     fmt::format("{} with regularization up to {:.1e}: {}", cause,
                                  regularization_.value(), record_.residual_text()));
 }
 

@@ -42,8 +42,10 @@ class SystemReader {
     }
     if (!second_order() || text_.velocities.size() == text_.states.size()) return true;
     texts_.report(Part::kWhole, 0,
-                  fmt::format("there are {} positions and {} velocities", text_.states.size(),
-                              text_.velocities.size()));
+                  fmt::format("there are {} and {}", counted(text_.states.size(), "position"),
+                              text_.velocities.size() == 1
+                                  ? "1 velocity"
+                                  : fmt::format("{} velocities", text_.velocities.size())));
     return false;
   }
 
