@@ -327,6 +327,12 @@ TEST(LastKnot, AJumpIsThreeTimesWhatItIsBefore) {
             0u);
 }
 
+TEST(LastKnot, AJumpOfLessThanAThousandthOfTheLimitOfAControlIsNone) {
+  constexpr double kEffort = 4;  // N, of the block along x
+  EXPECT_EQ(last_push({0, 0, 0, 0, 0, 1.001e-3 * kEffort}).size(), 1u);
+  EXPECT_EQ(last_push({0, 0, 0, 0, 0, 0.999e-3 * kEffort}).size(), 0u);
+}
+
 TEST(LastKnot, IsComparedWithItsOwnPhaseOfSixKnots) {
   EXPECT_EQ(last_push({0, 0, 0, 0, 0, 1}).size(), 1u);
   EXPECT_EQ(last_push({0, 0, 0, 0, 1}).size(), 0u);

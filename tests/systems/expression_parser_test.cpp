@@ -217,6 +217,11 @@ TEST(ExpressionParser, WarnsOfWhatIsNotSmooth) {
   EXPECT_EQ(warnings,
             (std::vector<std::pair<int, std::string>>{{4, "'abs'"}, {20, "'if' "}, {13, "'min'"}}));
   EXPECT_TRUE(fixture.parse("smooth_abs(x, 1) + norm(position)").warnings.empty());
+  const ParsedExpression width = fixture.parse("smooth_abs(x, y)");
+  ASSERT_EQ(width.warnings.size(), 1u);
+  EXPECT_EQ(width.warnings[0].offset, 14);
+  EXPECT_EQ(width.warnings[0].message,
+            "the argument 'width' of 'smooth_abs' is not constant: it has to stay above 0");
 }
 
 /// Lines of the file of malformed expressions: the text, the column from 1 on, the message.

@@ -396,19 +396,33 @@ class Search {
   void last_knot() {
     constexpr int kFewestKnots = 6;
     constexpr double kFactor = 3, kShare = 0.2;
+    constexpr double kUnseen = 1e-3;  // of the limit of a control
     const int N = problem_.knots(), first = first_of_last_phase();
     const System& system = problem_.knot(N - 1).model->system();
     if (N - first < kFewestKnots || problem_.takes_no_time(N - 1)) return;
     for (int i = 0; i < system.actuators(); ++i) {
       const auto [most, range] = changes(i, first, N - 1);
       const double jump = std::abs(trajectory_.u(N - 1)[i] - trajectory_.u(N - 2)[i]);
-      if (jump <= kFactor * most || jump <= kShare * range || jump <= kSlack) continue;
+      if (jump <= kFactor * most || jump <= kShare * range) continue;
+      if (jump <= std::max(kSlack, kUnseen * limit_of(i))) continue;
       const Column& column = system.control_columns()[i];
       Finding& f = add(FindingKind::last_knot, column.name, jump, column.unit, N - 1);
       f.message = fmt::format("{} jumps by {:.3g} {} at the last knot, by {:.3g} at most before",
                               column.name, jump, column.unit, most);
       f.remedy = "smaller weights of terminal costs, a cost 'control_rate', or more time";
     }
+  }
+
+  /// The largest limit of a control at the last knot, of its system or of the file; 0 where it has
+  /// none.
+  double limit_of(int control) const {
+    const KnotModel& model = *problem_.knot(problem_.knots() - 1).model;
+    double largest = 0;
+    for (const double limit :
+         {model.system().control_lower()[control], model.system().control_upper()[control],
+          model.control_lower()[control], model.control_upper()[control]})
+      if (std::isfinite(limit)) largest = std::max(largest, std::abs(limit));
+    return largest;
   }
 
   /// Bodies that nothing but thrusters drives, and about which axes those cannot turn them.

@@ -456,6 +456,30 @@ class Parser {
                                              given.value.type())));
   }
 
+  /// Constant quaternions are of unit length, and widths that are not constant may become 0.
+  void check_numbers(const ExpressionFunction::Argument& wanted, const Token& name,
+                     const Argument& given) {
+    if (wanted.kind == ArgumentKind::kAboveZero && !graph_.constant_of(given.value.nodes[0]))
+      warnings_.push_back({given.offset,
+                           fmt::format("the argument '{}' of '{}' is not constant: it has to stay "
+                                       "above 0",
+                                       wanted.name, name.text),
+                           ""});
+    if (wanted.kind != ArgumentKind::kQuaternion) return;
+    double square = 0;
+    for (const NodeId node : given.value.nodes) {
+      const auto number = graph_.constant_of(node);
+      if (!number) return;
+      square += *number * *number;
+    }
+    constexpr double kTolerance = 1e-6;
+    if (std::abs(square - 1) > kTolerance)
+      fail(given.offset,
+           fmt::format("the quaternion '{}' of '{}' has length {:.6g}, not 1", wanted.name,
+                       name.text, std::sqrt(square)),
+           "the order is x, y, z, w");
+  }
+
   ExpressionValue apply(const ExpressionFunction& function, const Token& name,
                         const std::vector<Argument>& arguments) {
     check_count(name, function.arguments.size(), arguments.size());
@@ -463,6 +487,7 @@ class Parser {
     for (std::size_t i = 0; i < arguments.size(); ++i) {
       const ExpressionFunction::Argument& wanted = function.arguments[i];
       if (!fits(wanted.kind, arguments, i)) fail_at_argument(wanted, name, arguments, i);
+      check_numbers(wanted, name, arguments[i]);
       values.push_back(plain(arguments[i].value));
     }
     if (!function.kink.empty())
