@@ -314,10 +314,6 @@ TEST(ExpressionRows, SayWherePreviousControlsCannotBe) {
     return Loaded(replaced(rate, from, to)).first_error();
   };
   EXPECT_EQ(error("previous[u]", "previous[w]"), "13:52: unknown part 'w' of a vector of 1");
-  EXPECT_EQ(error("[{knots: 4", "[{choose: x}, {knots: 4"),
-            "10:19: 'previous' and the choice of the initial state exclude each other");
-  EXPECT_EQ(error("knots: 4, dt: 0.1}", "knots: 4, dt: 0.1}, {jump: {v: -v}}, {knots: 2, dt: 0.1}"),
-            "10:31: a jump interrupts the controls: 'previous' cannot pass it");
   EXPECT_NE(error("rows: [\"u - previous[u]\"]",
                   "of: {inner: {residual: expression, rows: [\"previous[u]\"]}}, rows: [inner]")
                 .find("a residual that another one names has no 'previous'"),

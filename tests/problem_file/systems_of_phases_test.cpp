@@ -158,8 +158,6 @@ TEST(SystemsOfPhases, MistakesAreFoundWhereTheyStand) {
        "8:44: a jump takes no time: it has no 'knots'"},
       {kJump, "terminal:", "  early: {residual: control, phases: [leap]}\nterminal:",
        "12:21: the residual 'control' needs a control, and the jump 'leap' has none"},
-      {kJump, "terminal:", "  smooth: {residual: control_rate}\nterminal:",
-       "8:12: a jump interrupts the controls: 'control_rate' cannot pass it"},
       {kCartpole, "knots: 5, dt: 0.1}]", "jump: {slider: 0}}, {knots: 5, dt: 0.1}]",
        "8:29: jumps are for systems, not for robots"},
   };

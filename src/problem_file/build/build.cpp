@@ -200,15 +200,6 @@ void report_contradiction(const ProblemSpec& spec, const ShootingProblem& proble
                         found->first, other, node, found->lower, found->upper));
 }
 
-/// Controls in augmented states cannot pass an impulse or a jump.
-void check_impulses(const ProblemSpec& spec, bool memory, Diagnostics& out) {
-  for (const PhaseSpec& phase : spec.phases)
-    if (memory && (phase.restitution || phase.jump))
-      out.error(phase.name.place,
-                fmt::format("{} interrupts the controls: '{}' cannot pass it",
-                            phase.jump ? "a jump" : "an impulse", spec.use_of_previous_control()));
-}
-
 /// The control before the first knot, or the first of linear ones, with which augmented states end.
 std::vector<double> previous_control(const ProblemSpec& spec, const Plant& plant,
                                      ControlMemory memory, Diagnostics& out) {
@@ -333,7 +324,6 @@ class ProblemBuilder {
     const int errors = out_.error_count();
     check_mesh(spec_, *built_.plant.system, out_);
     check_memory(spec_, ndx(), built_.plant.system->nu(), out_);
-    check_impulses(spec_, memory_ == ControlMemory::previous, out_);
     times_ = node_times(spec_, out_);
     if (out_.error_count() > errors) return false;  // what follows would fill the memory
     if (built_.plant.multibody()) check_shapes(spec_, built_.plant, out_);

@@ -119,8 +119,12 @@ class GuessBuilder {
     for (int k = 1; k <= problem_.knots(); ++k) {
       trajectory.x(k).segment(own, carried) = trajectory.u(0).head(carried);
       const auto before = trajectory.u(k - 1);
-      trajectory.x(k).tail(controls) =
-          k == 1 && chooses() ? before.tail(controls) : before.head(controls);
+      if (problem_.knot(k - 1).model->remembered_controls() == 0)  // which hands it on
+        trajectory.x(k).tail(controls) = trajectory.x(k - 1).tail(controls);
+      else if (k == 1 && chooses())
+        trajectory.x(k).tail(controls) = before.tail(controls);
+      else
+        trajectory.x(k).tail(controls) = before.head(controls);
     }
   }
 

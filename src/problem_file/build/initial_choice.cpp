@@ -13,12 +13,16 @@ namespace {
 void check_terms_of_free_durations(const ProblemSpec& spec, Diagnostics& out) {
   for (const CostSpec* cost : spec.all_costs())
     if (cost->keys.find(key::swing) != nullptr)
-      out.error(cost->name.place, "a swing is a motion over time, and durations are free");
+      out.error(cost->name.place, "swings do not support free durations",
+                "write where the foot is at some knots: '{residual: frame_position, knots: [10], "
+                "...}' as constraints or costs");
   for (const ConstraintSpec* constraint : spec.all_constraints())
     if (constraint->softness != Softness::hard)
-      out.error(constraint->function.name.place,
-                "soft constraints and free durations exclude each other",
-                "write a soft constraint as a cost with 'activation: {kind: quadratic_barrier}'");
+      out.error(constraint->function.name.place, "soft constraints do not support free durations",
+                constraint->softness == Softness::l2
+                    ? "write it as a cost with 'activation: {kind: quadratic_barrier, ...}'"
+                    : "write it as a cost on 'residual: expression' with 'activation: linear' and "
+                      "rows: smooth_max(violation, 0, width)");
 }
 
 /// What a free duration cannot go together with, at the place that says so.
@@ -55,11 +59,13 @@ void add_durations(const ProblemSpec& spec, InitialChoice& choice, std::vector<C
 /// Whether the file can do with a given initial state; else that is reported.
 bool check_given_start(const CostSpec* cycle, Diagnostics& out) {
   if (cycle == nullptr) return true;
-  out.error(cycle->residual.place,
-            fmt::format("the residual '{}' measures from a first state that is chosen, and it is "
-                        "given",
-                        cycle->residual.value),
-            "write '- {choose: all}' as the first of the phases");
+  out.error(
+      cycle->residual.place,
+      fmt::format("the residual '{}' measures from a first state that is chosen, and it is "
+                  "given",
+                  cycle->residual.value),
+      "write '- {choose: all}' as the first of the phases; 'conddp check --expand' writes out "
+      "those of a gait");
   return false;
 }
 
@@ -129,15 +135,15 @@ BuiltInitialChoice build_initial_choice(const ProblemSpec& spec, const Plant& pl
   const PhaseSpec& phase = spec.phases.front();
   if (!check_free_durations(spec, *plant.system, out)) return {.valid = false, .choice = {}};
   if (!phase.choice) return {.valid = check_given_start(cycle, out), .choice = {}};
-  if (memory == ControlMemory::previous) {
-    out.error(phase.knots.place,
-              fmt::format("'{}' and the choice of the initial state exclude each other",
-                          spec.use_of_previous_control()),
-              "let the control be a state, and its rate the control");
-    return {.valid = false, .choice = {}};
-  }
   auto choice = make_choice(spec, plant, state, cycle != nullptr, out);
-  const bool valid = choice.has_value();
+  bool valid = choice.has_value();
+  if (valid && choice->remembered && memory == ControlMemory::previous) {
+    out.error(phase.knots.place,
+              fmt::format("'{}' does not support {}", spec.use_of_previous_control(),
+                          cycle != nullptr ? "periodic motions" : "free durations"),
+              "let the control be a state, and its rate the control");
+    valid = false;
+  }
   return {.valid = valid, .choice = std::move(choice)};
 }
 

@@ -178,12 +178,13 @@ std::shared_ptr<const Residual> residual_in(const BuiltCost& cost, const PhaseCo
 }
 
 /// The knot that chooses the initial state, and the first of linear controls within bounds.
-Phase choice_phase(const PhaseSpec& given, const InitialChoice& choice,
+/// `handed_on`: of what is not chosen, behind the system's state.
+Phase choice_phase(const PhaseSpec& given, const InitialChoice& choice, int handed_on,
                    const std::vector<double>& control_lower,
                    const std::vector<double>& control_upper) {
   auto model = std::make_shared<KnotModel>(
       choice.system, Integrator::explicit_euler,
-      choice.remembered ? ControlMemory::previous : ControlMemory::none);
+      choice.remembered ? ControlMemory::previous : ControlMemory::none, handed_on);
   std::vector<double> lower = choice.lower, upper = choice.upper;
   std::copy_n(control_lower.begin(), choice.first_controls, lower.end() - choice.first_controls);
   std::copy_n(control_upper.begin(), choice.first_controls, upper.end() - choice.first_controls);
@@ -253,7 +254,8 @@ class PhaseBuilder {
   Phase build(std::size_t p, int first) {
     const PhaseSpec& given = context_.spec.phases[p];
     if (given.choice)
-      return choice_phase(given, *context_.start, bounds_.lower.back(), bounds_.upper.back());
+      return choice_phase(given, *context_.start, context_.handed_on(), bounds_.lower.back(),
+                          bounds_.upper.back());
     const Terms terms{active_in(weights_, first, given.knots.value),
                       active_in(switches_, first, given.knots.value)};
     Phase phase{.name = given.name.value, .model = shared_model(p, terms)};
@@ -289,8 +291,10 @@ class PhaseBuilder {
 
   std::shared_ptr<const KnotModel> make_model(std::size_t p, const Terms& terms) const {
     const PhaseSpec& phase = context_.spec.phases[p];
+    const int handed_on = phase.takes_no_time() ? context_.handed_on() : 0;
     auto model = std::make_shared<KnotModel>(context_.contacts.system(p), integrator_of(phase),
-                                             context_.memory, context_.carried_choices());
+                                             handed_on > 0 ? ControlMemory::none : context_.memory,
+                                             context_.carried_choices() + handed_on);
     for (const int c : terms.costs) {
       const BuiltCost& cost = contents_.costs[c];
       model->add_cost(cost.spec->name.value, residual_in(cost, context_, p), cost.activation);

@@ -41,6 +41,8 @@ struct PhaseContext {
   }
   int carried_choices() const { return start ? start->carried() : 0; }
   bool linear() const { return memory == ControlMemory::linear; }
+  /// Numbers of the previous control, which knots without time hand on as they are.
+  int handed_on() const { return memory == ControlMemory::previous ? plant.actuated().nu() : 0; }
 };
 
 /// What stands in the knots of a problem. Vectors that are left out are empty.

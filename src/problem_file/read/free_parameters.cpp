@@ -190,7 +190,8 @@ class FreeParameterPlacer {
     if (choose == nullptr)
       return fail(
           fmt::format("'{}' is chosen in a first phase without time, and there is none", name()),
-          "write '- {choose: none}' as the first of the phases");
+          "write '- {choose: none}' as the first of the phases; 'conddp check --expand' writes out "
+          "those of a gait");
     add_coordinate(*choose, all);
     bound(*first, "lower", parameter_.lower - parameter_.start);
     bound(*first, "upper", parameter_.upper - parameter_.start);
