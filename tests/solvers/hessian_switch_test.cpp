@@ -65,6 +65,42 @@ TEST(HessianSwitch, ExactHessiansStayWhereTheirRateLeadsToTheEnd) {
   EXPECT_TRUE(solve.choice.exact_wanted());
 }
 
+// An exact Hessian of 12 states and 4 controls costs as much as 17 iterations: ten Gauss-Newton
+// iterations are watched, and as many exact ones as cost a thousand.
+TEST(HessianSwitch, WindowsAreTenIterationsAndWhatAThousandBuy) {
+  Watched solve;
+  EXPECT_EQ(solve.until_change(1), 10);
+  EXPECT_EQ(solve.until_change(1), 1000 / 17);
+}
+
+// With d decades an iteration 6 − 10 d are left, where four exact ones last as long as 4 · 17.
+TEST(HessianSwitch, GaussNewtonIsSlowWhereTheEndIsFurtherThanFourExactIterations) {
+  constexpr double kDecades = 6.0 / (10 + 4 * 17);
+  Watched slow, quick;
+  EXPECT_EQ(slow.until_change(std::pow(10, -0.99 * kDecades)), 10);
+  EXPECT_EQ(quick.until_change(std::pow(10, -1.01 * kDecades), 30), 30);
+  EXPECT_FALSE(quick.choice.exact_wanted());
+}
+
+TEST(HessianSwitch, GaussNewtonIsNotSlowWhileTheCostFallsByATenth) {
+  for (const double cost : {0.905, 0.915}) {  // 1 is 1.1 times 0.909
+    Watched solve;
+    solve.row.cost = cost;
+    solve.until_change(1, 10);
+    EXPECT_EQ(solve.choice.exact_wanted(), cost > 0.91) << cost;
+  }
+}
+
+// Of six decades half, within a window.
+TEST(HessianSwitch, ExactHessiansAreSlowWhereMoreIsLeftThanTheyTook) {
+  for (const double decades : {2.95, 3.05}) {
+    Watched solve;
+    ASSERT_EQ(solve.until_change(1), 10);
+    solve.until_change(std::pow(10, -decades / 58), 58);
+    EXPECT_EQ(solve.choice.exact_wanted(), decades > 3) << decades;
+  }
+}
+
 TEST(HessianSwitch, WhereRoundingAsksForExactHessiansTheyStay) {
   Watched solve;
   EXPECT_TRUE(solve.choice.turn());
