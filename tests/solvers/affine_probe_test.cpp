@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "support/conic_problems.hpp"
+#include "support/expression_systems.hpp"
 
 namespace conddp::testing {
 namespace {
@@ -49,6 +50,20 @@ TEST(AffineProbe, DoesNotHoldForDynamicsThatAreCurvedInOneNumber) {
   // All but the two positions of a cart follow its turning alone.
   const ShootingProblem parking = unicycle_parking();
   EXPECT_FALSE(is_affine(parking, random_guess(parking, 1)));
+}
+
+// A control whose square moves one of two states.
+TEST(AffineProbe, DoesNotHoldWhicheverStateIsCurved) {
+  for (const bool first : {true, false}) {
+    const auto system = expression_system(
+        {.kind = SystemKind::first_order,
+         .states = {{"x"}, {"y"}},
+         .controls = {{"u", "1"}},
+         .equations = {{"x", first ? "u^2 - x" : "u - x"}, {"y", first ? "u - y" : "u^2 - y"}}});
+    const ShootingProblem problem =
+        tracking_problem(system, Integrator::rk4, 3, 0.1, {0, 0}, {{1, 1}, {1, 1}, {1}, {1, 1}});
+    EXPECT_FALSE(is_affine(problem, random_guess(problem, 1))) << first;
+  }
 }
 
 TEST(AffineProbe, DoesNotHoldWhereANumberIsMissing) {

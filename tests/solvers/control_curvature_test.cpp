@@ -11,16 +11,21 @@
 namespace conddp::testing {
 namespace {
 
+/// A limit of −1 on the control of a pendulum, from the first knot to this one.
+Added limit_until(int last) {
+  return {.name = "limit",
+          .residual = control_residual(2, 1),
+          .reference = {0},
+          .lower = {-kFree},
+          .upper = {-1},
+          .first = 0,
+          .last = last};
+}
+
 /// Weight 1e-3 and steps of 0.06 s, with a limit on the control that all knots violate.
 constexpr double kCurvature = 6e-5;
 ShootingProblem limited_pendulum() {
-  return with_constraints(pendulum_swing_up(), {{.name = "limit",
-                                                 .residual = control_residual(2, 1),
-                                                 .reference = {0},
-                                                 .lower = {-kFree},
-                                                 .upper = {-1},
-                                                 .first = 0,
-                                                 .last = 49}});
+  return with_constraints(pendulum_swing_up(), {limit_until(49)});
 }
 
 SolverOptions first_penalty(double penalty) {
@@ -52,13 +57,7 @@ TEST(ControlCurvature, IsThatOfTheCostsWithoutPenalties) {
 TEST(ControlCurvature, OfOneKnotIsThatOfItsOwnCosts) {
   const ShootingProblem free = tracking_problem(pendulum({}), Integrator::rk4, 1, 0.06, {0, 0},
                                                 {{1, 0}, {1, 1}, {1e-3}, {1, 1}});
-  const ShootingProblem problem = with_constraints(free, {{.name = "limit",
-                                                           .residual = control_residual(2, 1),
-                                                           .reference = {0},
-                                                           .lower = {-kFree},
-                                                           .upper = {-1},
-                                                           .first = 0,
-                                                           .last = 0}});
+  const ShootingProblem problem = with_constraints(free, {limit_until(0)});
   const AugmentedLagrangian constraints(problem, first_penalty(10), MultiplierSchedule::always);
   Linearization linearization(problem);
   Evaluator(problem).differentiate(problem.create_trajectory(), linearization,
@@ -66,6 +65,29 @@ TEST(ControlCurvature, OfOneKnotIsThatOfItsOwnCosts) {
   ControlCurvature curvature(problem);
   EXPECT_NEAR(curvature.least(linearization, &constraints.augmentation()) / kCurvature, 1, 1e-6);
   EXPECT_NEAR(curvature.least(linearization, nullptr), 10 + kCurvature, 1e-9);
+}
+
+// Three knots of which the last one has the least curvature. Its row is far inside by its own
+// shift, where those of the others are outside: nothing is to be taken out of it.
+TEST(ControlCurvature, TakesOutWhatTheRowsOfTheirOwnKnotAdd) {
+  const auto system = pendulum({});
+  std::vector<Phase> phases;
+  for (const double weight : {3e-3, 2e-3, 1e-3})
+    phases.push_back(tracking_phase(system, Integrator::rk4, 1, 0.06,
+                                    {.goal = {1, 0}, .q = {1, 1}, .r = {weight}}, -kFree, kFree));
+  const ShootingProblem free({0, 0}, std::move(phases),
+                             terminal_phase(system, {.goal = {1, 0}, .qf = {1, 1}}));
+  const ShootingProblem problem = with_constraints(free, {limit_until(2)});
+  for (const double shift : {-5.0, 0.0}) {
+    Augmentation augmentation(problem);
+    augmentation.penalty.setConstant(10);
+    augmentation.shift[2] = shift;
+    Linearization linearization(problem);
+    Evaluator(problem).differentiate(problem.create_trajectory(), linearization, &augmentation);
+    EXPECT_NEAR(linearization.knots[2].hessian()(2, 2), kCurvature + (shift == 0 ? 10 : 0), 1e-9);
+    EXPECT_NEAR(ControlCurvature(problem).least(linearization, &augmentation) / kCurvature, 1, 1e-6)
+        << shift;
+  }
 }
 
 TEST(AugmentedLagrangian, StartsWithPenaltiesThatAreNotFarStifferThanTheCosts) {

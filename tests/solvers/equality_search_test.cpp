@@ -207,6 +207,27 @@ TEST(EqualitySearch, TellsWhereTheLongestStepIsLost) {
   EXPECT_EQ(found.first_bad_knot, 0);
 }
 
+// Uphill from −10⁹, which the merit's rounding hides: the first step passes, and no other one.
+TEST(EqualitySearch, TheFirstStepAlonePassesWhereRoundingHidesWhatItChanges) {
+  const ShootingProblem problem = goal_problem();
+  EqualityIterate iterate(problem);
+  MeritModel merit = iterate.merit;
+  const auto run = [&](double first_step, Trajectory& trajectory) {
+    return iterate.search.run(iterate.evaluator, merit, iterate.linearization, iterate.step,
+                              iterate.feedback, first_step, trajectory);
+  };
+  merit.cost = -1e9;
+  merit.rounding = 1e10;
+  for (const double first_step : {1.0, 0.25}) {
+    Trajectory trajectory = iterate.trajectory;
+    const LineSearchResult found = run(first_step, trajectory);
+    EXPECT_TRUE(found.accepted);
+    EXPECT_TRUE(found.by_rounding);
+    EXPECT_EQ(found.step, first_step);
+    EXPECT_EQ(found.trials, 1);
+  }
+}
+
 // Nothing lowers a merit of −10⁹: all steps down to the smallest one are tried.
 TEST(EqualitySearch, TriesAllStepsDownToTheSmallestOne) {
   const ShootingProblem problem = goal_problem();

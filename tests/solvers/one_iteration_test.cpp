@@ -156,6 +156,11 @@ TEST(OneIteration, DdpIsTheRecursionWithExactHessiansAndTheSearchAlongItsRollout
     EXPECT_NEAR(result.log[1].actual_decrease, gained, 1e-11 * at.cost);
     EXPECT_NEAR(result.cost, at.cost - gained, 1e-11 * at.cost);
     expect_equal(result.trajectory, expected);
+    // Steps down to a fifth ask for no regularisation of the next sweep, shorter ones do.
+    const SolveResult next = solve(problem, "ddp", {.max_iterations = 2}, guess);
+    if (next.log.size() == 3 && next.log[2].sweeps == 1) {
+      EXPECT_EQ(next.log[2].regularization > 0, alpha <= 0.2) << alpha;
+    }
   }
   EXPECT_GE(full, 3);
   EXPECT_GE(shorter, 3);

@@ -80,6 +80,45 @@ TEST(OpenGapSearch, TheDecreaseIsThatOfTheMerit) {
     }
 }
 
+// Rollouts that reach 0.6 of the model's decrease have no rival; of others the better one of both
+// trials is taken.
+TEST(OpenGapSearch, TakesTheBetterOneOfRolloutAndLinearStep) {
+  int straight = 0;
+  for (unsigned seed = 1; seed <= 40; ++seed) {
+    const ShootingProblem problem = testing::cartpole_swing_up();
+    Step step(problem, testing::random_guess(problem, seed, 0.1 * (1 + seed % 10)));
+    const Trajectory from = step.trajectory;
+    const LineSearchResult found = step.run();
+    if (!found.accepted) continue;
+    const MeritModel& merit = step.merit;
+    const double alpha = found.step;
+    SingleRollout rollout(problem);
+    step.evaluator.roll_out(from, step.linearization.gap, step.direction.feedback(), alpha,
+                            {.contract_gaps = true}, rollout);
+    const double rolled =
+        rollout.first_bad_knot >= 0
+            ? -testing::kFree
+            : merit.value() - rollout.cost - merit.penalty * (1 - alpha) * merit.gap_norm;
+    const double curvature = std::max(step.direction.curvature(step.linearization), 0.0);
+    double expected = rolled;
+    if (!(rolled >= 0.6 * (-alpha * merit.merit_slope() - 0.5 * alpha * alpha * curvature))) {
+      Trajectory linear = from;
+      for (int k = 0; k <= problem.knots(); ++k) {
+        linear.x(k) += alpha * step.direction.step().dx(k);
+        if (k < problem.knots()) linear.u(k) += alpha * step.direction.step().du(k);
+      }
+      Evaluation evaluation(problem);
+      step.evaluator.evaluate(linear, evaluation);
+      const double direct =
+          merit.value() - evaluation.cost.sum() - merit.penalty * evaluation.gap.lpNorm<1>();
+      straight += direct > rolled;
+      expected = std::max(rolled, direct);
+    }
+    EXPECT_NEAR(found.actual_decrease, expected, 1e-9 * merit.value()) << seed;
+  }
+  EXPECT_GE(straight, 1);
+}
+
 // Linear dynamics: the rollout is the step of the linear model, and needs no rival.
 TEST(OpenGapSearch, TheStepToTheMinimumOfAQuadraticProblemIsOneTrial) {
   Eigen::MatrixXd A(2, 2), B(2, 1);
