@@ -64,19 +64,21 @@ TEST(ContactSequence, ShortInterruptionsAreLeftOut) {
   EXPECT_EQ(contact_sequence(motion).size(), 4u);
 }
 
-/// A block of 2 kg on slides (4 kg in all) with a ball below it and another 0.3 m above that. Of
-/// each step: the height at its beginning, the speeds along x and y at its end, the ball's force.
+/// A block of 2 kg on slides (4 kg in all) with a ball below it, and another one 0.2 m above the
+/// ground that goes along x alone. Of each step: the height of the first ball at its beginning, the
+/// speeds along x and y at its end, that ball's force.
 struct SlideStep {
   double height, along_x, along_y, force;
 };
 ContactMotion slide_steps(const std::vector<SlideStep>& steps) {
   ContactMotion motion;
   motion.plant.robot = testing::block_on_slides();
-  const int frame = *motion.plant.robot->find_frame("block");
-  for (const double height : {0.0, 0.3})
+  for (const auto& [link, height] : {std::pair{"block", 0.0}, {"cart_x", 0.3}})
     motion.plant.contacts.candidates.push_back(
         {.name = "ball",
-         .sphere = {.frame = frame, .center = {0, 0, height}, .radius = 0.1},
+         .sphere = {.frame = *motion.plant.robot->find_frame(link),
+                    .center = {0, 0, height},
+                    .radius = 0.1},
          .against = ContactHalfSpace{},
          .friction = 0.5});
   motion.v.emplace_back(Eigen::Vector3d::Zero());

@@ -557,5 +557,39 @@ TEST(ContactSimulator, AStepInItsModeSharesALoadEqually) {
   for (int c = 0; c < 2; ++c) EXPECT_NEAR(shared.forces.contact(0, c), kGravity, 1e-9);
 }
 
+/// Three feet bear what they have to, and copies of them share that: which of them bears how much
+/// is open, how the puck turns, slides and meets a stop is not.
+TEST(ContactSimulator, CopiesOfFeetUnderATurningPuckChangeNothing) {
+  ContactPlant plant = contact_plant("puck", {});
+  plant.contacts.plane.reset();
+  plant.contacts.friction = FrictionModel::cone;
+  const auto joint = [&](const char* name) { return plant.robot->find_joint(name).value(); };
+  plant.contacts.stops = {{joint("base_x"), -1, 0.015}, {joint("base_y"), -1, 1}};
+  plant.contacts.frictions = {{joint("base_y"), 0.1}};
+  for (const char* foot : {"foot_1", "foot_2", "foot_3"})
+    plant.contacts.candidates.push_back(on_ground(plant, foot, 0.3));
+  ContactPlant copied = plant;
+  copied.contacts.candidates.insert(copied.contacts.candidates.end(),
+                                    plant.contacts.candidates.begin(),
+                                    plant.contacts.candidates.end());
+  ContactSimulator simulator(plant), with_copies(copied);
+  StepStart start = at_rest(plant, 0.02);
+  start.q[velocity_index(plant, "base_z")] = 0.02;
+  start.v[velocity_index(plant, "base_x")] = 0.5;
+  start.v[velocity_index(plant, "base_y")] = 0.2;
+  start.v[velocity_index(plant, "base_yaw")] = 2;
+  int stopped = 0;
+  for (int k = 0; k < 4; ++k) {
+    const StepStart before = start;
+    const ContactStep once = advance(simulator, plant, start);
+    const ContactStep more = with_copies.step(before);
+    EXPECT_EQ(more.status, StepStatus::solved) << k;
+    EXPECT_LT((more.v - once.v).norm(), 1e-8) << k;
+    EXPECT_NEAR(more.forces.contact.row(0).sum(), once.forces.contact.row(0).sum(), 1e-6) << k;
+    stopped += once.forces.stop_upper[0] > 0;
+  }
+  EXPECT_GT(stopped, 0);
+}
+
 }  // namespace
 }  // namespace conddp

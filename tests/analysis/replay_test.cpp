@@ -8,6 +8,7 @@
 
 #include "ocp/knot/collocation_residual.hpp"
 #include "support/block_on_slides.hpp"
+#include "support/expression_systems.hpp"
 #include "systems/collocation_system.hpp"
 
 namespace conddp {
@@ -259,6 +260,34 @@ TEST(Replay, PassesJumpsOfStates) {
   EXPECT_EQ(found.controls.knot, 3);
 }
 
+/// Three knots of 0.1 s of a system, in steps of a rule of collocation.
+ShootingProblem in_steps_of(const std::shared_ptr<const System>& inside, CollocationRule rule,
+                            std::vector<double> start) {
+  const auto system = std::make_shared<CollocationSystem>(inside, rule);
+  const auto* integrator =
+      std::find_if(std::begin(kIntegrators), std::end(kIntegrators),
+                   [&](const IntegratorInfo& info) { return info.collocation == rule; });
+  auto model = std::make_shared<KnotModel>(system, integrator->integrator);
+  model->add_constraint(make_constraint("collocation", collocation_residual(system, model->ndx()),
+                                        ConstraintKind::bounds));
+  Phase phase{.name = "all", .model = model, .dt = {0.1, 0.1, 0.1}, .cost_scale = {1, 1, 1}};
+  const ConstraintTerm& term = model->constraints().front();
+  for (int k = 0; k < 3; ++k) {
+    std::vector<double> one(model->parameter_count(), 0.0);
+    one[term.parameters] = 0.1;
+    one[term.active()] = 1;
+    phase.parameters.insert(phase.parameters.end(), one.begin(), one.end());
+  }
+  std::vector<Phase> phases;
+  phases.push_back(std::move(phase));
+  return {std::move(start),
+          std::move(phases),
+          {.name = "end",
+           .model = std::make_shared<KnotModel>(system, Integrator::none),
+           .dt = {0},
+           .cost_scale = {1}}};
+}
+
 /// A cart with a pole, pushed, in steps of a rule of collocation and, as they should be, in very
 /// small ones of Runge and Kutta's.
 struct PushedCart {
@@ -266,7 +295,8 @@ struct PushedCart {
   Trajectory motion;
 
   explicit PushedCart(CollocationRule rule)
-      : problem(in_steps_of(rule)), motion(problem.create_trajectory()) {
+      : problem(in_steps_of(cartpole({}), rule, {0.1, 2, 0.3, -1})),
+        motion(problem.create_trajectory()) {
     const auto inside = cartpole({});
     const auto data = inside->create_data(double{});
     IntegratorWorkspace<double> work(*inside, Integrator::rk4);
@@ -292,33 +322,6 @@ struct PushedCart {
     EXPECT_NEAR(found.feedback.deviation, found.controls.deviation, 1e-12);
     return found.controls.deviation;
   }
-
- private:
-  static ShootingProblem in_steps_of(CollocationRule rule) {
-    const auto system = std::make_shared<CollocationSystem>(cartpole({}), rule);
-    const auto* integrator =
-        std::find_if(std::begin(kIntegrators), std::end(kIntegrators),
-                     [&](const IntegratorInfo& info) { return info.collocation == rule; });
-    auto model = std::make_shared<KnotModel>(system, integrator->integrator);
-    model->add_constraint(make_constraint("collocation", collocation_residual(system, model->ndx()),
-                                          ConstraintKind::bounds));
-    Phase phase{.name = "all", .model = model, .dt = {0.1, 0.1, 0.1}, .cost_scale = {1, 1, 1}};
-    const ConstraintTerm& term = model->constraints().front();
-    for (int k = 0; k < 3; ++k) {
-      std::vector<double> one(model->parameter_count(), 0.0);
-      one[term.parameters] = 0.1;
-      one[term.active()] = 1;
-      phase.parameters.insert(phase.parameters.end(), one.begin(), one.end());
-    }
-    std::vector<Phase> phases;
-    phases.push_back(std::move(phase));
-    return {{0.1, 2, 0.3, -1},
-            std::move(phases),
-            {.name = "end",
-             .model = std::make_shared<KnotModel>(system, Integrator::none),
-             .dt = {0},
-             .cost_scale = {1}}};
-  }
 };
 
 // The slopes of the plan are all zero: the replay finds those of its steps itself.
@@ -333,6 +336,23 @@ TEST(Replay, OfACollocationSolvesForTheSlopesOfItsSteps) {
   const PushedCart radau3(CollocationRule::radau3), radau5(CollocationRule::radau5);
   EXPECT_NEAR(std::log2(radau3.deviation(4) / radau3.deviation(8)), 3, 0.3);
   EXPECT_NEAR(std::log2(radau5.deviation(2) / radau5.deviation(4)), 5, 0.5);
+}
+
+// Slopes of 10⁹ are found to their own rounding.
+TEST(Replay, OfACollocationFindsLargeSlopes) {
+  const auto fast =
+      expression_system({.kind = SystemKind::first_order,
+                         .states = {{"x"}, {"y"}},
+                         .controls = {{"u", "1"}},
+                         .equations = {{"x", "-0.3*x + 7.7*y + u"}, {"y", "-1.1*x - 0.7*y"}}});
+  for (const CollocationRule rule : {CollocationRule::trapezoidal, CollocationRule::radau5}) {
+    const ShootingProblem problem = in_steps_of(fast, rule, {1.1e9, -0.7e9});
+    const std::vector<Eigen::MatrixXd> none(3, Eigen::MatrixXd::Zero(problem.nu(0), problem.ndx()));
+    const Replay found = replay(problem, problem.create_trajectory(), none, 3);
+    EXPECT_EQ(found.impossible, "");
+    EXPECT_EQ(found.controls.lost_at, -1);
+    EXPECT_GT(found.controls.deviation, 1e8);
+  }
 }
 
 TEST(Replay, RemembersTheControlsThatItHasUsed) {
