@@ -131,6 +131,8 @@ std::string_view to_string(TickOutcome outcome) {
   switch (outcome) {
     case TickOutcome::planned:
       return "planned";
+    case TickOutcome::improved:
+      return "improved";
     case TickOutcome::not_finite:
       return "not_finite";
     case TickOutcome::late:
@@ -318,9 +320,9 @@ void Mpc::prepare() {
   const double began = now();
   cut_window(context(), line_time(plan_begin()), cut_);
   if (cut_.knots.empty()) throw std::logic_error("the time line has ended");
+  if (open_end_) open_end_->move_to(cut_.end);
   window_ = &window_of(cut_);
   window_->load(context(), cut_);
-  if (open_end_) open_end_->move_to(cut_.end);
   predicted_ = state_;
   predict(in_force_.begin, plan_begin(), predicted_);
   if (options_.iterations) solve_from(predicted_);
@@ -346,6 +348,7 @@ const Eigen::VectorXd& Mpc::feedback(std::span<const double> x) {
   const bool measured = measure(x);
   if (measured && !options_.iterations) solve_from(state_);
   record_.outcome = measured ? outcome() : TickOutcome::not_finite;
+  if (improves(record_.outcome)) record_.outcome = TickOutcome::improved;
   decide();
   ++tick_;
   window_ = nullptr;
@@ -380,12 +383,28 @@ TickOutcome Mpc::outcome() const {
   return feasible ? TickOutcome::planned : TickOutcome::no_step;
 }
 
+/// Whether an answer that misses its tolerances is better than the former plan all the same. The
+/// fallback, once in force, waits for one that does not.
+bool Mpc::improves(TickOutcome outcome) const {
+  const bool misses = outcome == TickOutcome::infeasible ||
+                      outcome == TickOutcome::out_of_iterations || outcome == TickOutcome::no_step;
+  return misses && !in_force_.held &&
+         window_->is_improved_by(*answer_, *in_force_.plan,
+                                 options_.solver_options.tolerances.constraint);
+}
+
 /// Puts the answer in force, or leaves what is.
 void Mpc::decide() {
   before_ = in_force_;
   in_force_.begin = plan_begin();
-  if (record_.outcome == TickOutcome::planned) {
-    in_force_.plan = &window_->keep(*answer_, before_.plan);
+  const bool planned = record_.outcome == TickOutcome::planned;
+  if (planned || record_.outcome == TickOutcome::improved) {
+    Plan& kept = window_->keep(*answer_, before_.plan);
+    // Multipliers of constraints that cannot hold grow without end: the next solve begins anew.
+    if (!planned) kept.multipliers.setZero();
+    in_force_.plan = &kept;
+  }
+  if (planned) {
     in_force_.held = false;
     failures_ = 0;
   } else if (++failures_ >= options_.fallback_after && held_) {

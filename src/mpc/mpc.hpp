@@ -15,9 +15,11 @@
 
 namespace conddp {
 
-/// What became of a tick. Every value but `planned` leaves the former plan in force.
+/// What became of a tick. Every value but `planned` is a failure; all of these but `improved` leave
+/// the former plan in force.
 enum class TickOutcome {
   planned,            ///< a new plan is in force
+  improved,           ///< so is one that misses its tolerances: it is better than the former one
   not_finite,         ///< the measured state has a number that is not finite
   late,               ///< the answer came too late
   infeasible,         ///< the solver found no way to satisfy the constraints
@@ -51,11 +53,11 @@ struct MpcOptions {
   /// The last node of windows that end before the time line does; none: nothing counts there. The
   /// problem's own gets the numbers of take_numbers(), too.
   std::optional<Phase> terminal;
-  /// What controls once so many ticks in a row have failed; none: the former plan for ever.
-  std::optional<HeldState> fallback;
   /// Where references of `terminal` that are states are when windows end, by the time line; null:
   /// they stay.
   std::shared_ptr<const StatePath> terminal_path;
+  /// What controls once so many ticks in a row have failed; none: the former plan for ever.
+  std::optional<HeldState> fallback;
   int fallback_after = 3;
   /// Of the DDP family, or `ipopt`, which solves to the tolerances and allocates: a slow reference.
   std::string solver = "box_fddp";
@@ -155,6 +157,7 @@ class Mpc {
   double now() const { return options_.clock ? options_.clock() : 0; }
   bool is_late() const;
   TickOutcome outcome() const;
+  bool improves(TickOutcome outcome) const;
   void decide();
 
   MpcOptions options_;

@@ -218,6 +218,19 @@ const SolveResult& Window::solve(std::string_view solver, const SolverOptions& o
   return *other_;
 }
 
+bool Window::is_improved_by(const SolveResult& answer, const Plan& plan, double tolerance) {
+  Trajectory former = guess_;
+  std::vector<double> tangent(problem_.ndx());
+  plan.state_at(times_[0], false, tangent.data(), former.x(0).data());
+  Feedback gains(problem_);
+  for (int k = 0; k < problem_.knots(); ++k)
+    if (const int from = plan.knot_at(times_[k]); plan.trajectory.nu(from) == problem_.nu(k))
+      gains.K[k] = plan.feedback.K[from];
+  if (!trial_) trial_ = std::make_unique<PlanTrial>(problem_);
+  return is_better(trial_->follow(answer.trajectory, answer.feedback),
+                   trial_->follow(former, gains), tolerance);
+}
+
 Plan& Window::keep(const SolveResult& answer, const Plan* used) {
   Plan& plan = plans_[&plans_[0] == used ? 1 : 0];
   plan.times = times_;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "mpc/plan.hpp"
+#include "mpc/plan_trial.hpp"
 #include "solvers/strategies/reusable_solver.hpp"
 
 namespace conddp {
@@ -61,6 +62,9 @@ class Window {
   const SolveResult& iterate() { return solver_.iterate(guess_); }
   /// The same with other options, by a solver that is not used again.
   const SolveResult& solve(std::string_view solver, const SolverOptions& options);
+  /// Whether the answer of the last solve, which began with this plan, is better than to go on with
+  /// the plan (PlanTrial). Allocates.
+  bool is_improved_by(const SolveResult& answer, const Plan& plan, double tolerance);
   /// Keeps the answer of the last solve in a plan that is not this one.
   Plan& keep(const SolveResult& answer, const Plan* used);
 
@@ -77,6 +81,7 @@ class Window {
   std::optional<SolveResult> other_;  ///< of a solve with other options
   Trajectory guess_;
   std::vector<Plan> plans_;
+  std::unique_ptr<PlanTrial> trial_;  ///< from the first comparison on
 };
 
 }  // namespace conddp

@@ -435,11 +435,12 @@ TEST(ClosedLoop, HasItsFirstPlanBeforeItBegins) {
     EXPECT_EQ(tick.outcome, tick.tick == 0 ? TickOutcome::planned : TickOutcome::late) << tick.tick;
 }
 
-TEST(ClosedLoop, RecoversFromATickWhoseConstraintsCannotHold) {
+/// A mass that is to stop at 0, with 0.6 m/s at most.
+std::shared_ptr<const ShootingProblem> slow_mass() {
   const ShootingProblem free =
       testing::tracking_problem(double_integrator(1), Integrator::rk4, 20, 0.1, {1, 0},
                                 {{0, 0}, {1, 1}, {0.1}, {1, 1}}, -3, 3);
-  const auto problem = shared(
+  return shared(
       testing::with_constraints(free, {{.name = "speed",
                                         .residual = coordinate_residual(free.manifold(), {1}),
                                         .reference = {0},
@@ -447,12 +448,20 @@ TEST(ClosedLoop, RecoversFromATickWhoseConstraintsCannotHold) {
                                         .upper = {0.6},
                                         .first = 0,
                                         .last = 20}}));
-  Mpc mpc(problem, problem->create_trajectory(),
-          with_terminal(*problem, {.horizon = 1,
-                                   .tick = 0.1,
-                                   .iterations = std::nullopt,
-                                   .solver = "altro",
-                                   .solver_options = {.max_iterations = 100}}));
+}
+
+/// Of a loop that solves each window to the tolerances.
+MpcOptions to_tolerances(const ShootingProblem& problem, double horizon) {
+  return with_terminal(problem, {.horizon = horizon,
+                                 .tick = 0.1,
+                                 .iterations = std::nullopt,
+                                 .solver = "altro",
+                                 .solver_options = {.max_iterations = 100}});
+}
+
+TEST(ClosedLoop, RecoversFromATickWhoseConstraintsCannotHold) {
+  const auto problem = slow_mass();
+  Mpc mpc(problem, problem->create_trajectory(), to_tolerances(*problem, 1));
   ClosedLoopOptions options{.duration = 4};
   options.distort = [](int tick, std::vector<double>& x) {
     if (tick == 5) x[1] = 20;
@@ -464,6 +473,70 @@ TEST(ClosedLoop, RecoversFromATickWhoseConstraintsCannotHold) {
   for (std::size_t k = 10; k < result.steps.size(); ++k)
     EXPECT_LT(std::abs(result.steps[k].x[1]), 0.6 + 1e-5) << k;
   EXPECT_NEAR(result.last_state[0], 0, 0.05);
+}
+
+/// A mass that is to be 5 m away at the end of each window of 1 s, by 3 m/s² at most.
+std::shared_ptr<const ShootingProblem> far_goal() {
+  const ShootingProblem free =
+      testing::tracking_problem(double_integrator(1), Integrator::rk4, 80, 0.1, {0, 0},
+                                {{5, 0}, {0.1, 1}, {0.1}, {1, 1}}, -3, 3);
+  return shared(
+      testing::with_constraints(free, {{.name = "goal",
+                                        .residual = coordinate_residual(free.manifold(), {0}),
+                                        .reference = {5},
+                                        .lower = {0},
+                                        .upper = {0},
+                                        .first = 80,
+                                        .last = 80}}));
+}
+
+TEST(ClosedLoop, TakesAPlanThatMissesAGoalByLessThanTheFormerOne) {
+  const auto problem = far_goal();
+  const auto run = [&](bool late) {
+    MpcOptions options = to_tolerances(*problem, 1);
+    if (late) options.is_late = [](int) { return true; };
+    Mpc mpc(problem, problem->create_trajectory(), options);
+    return run_closed_loop(mpc, {.duration = 6});
+  };
+  const ClosedLoopResult result = run(false), kept = run(true);
+  EXPECT_EQ(result.ticks.front().outcome, TickOutcome::improved);
+  EXPECT_EQ(result.ticks.front().plan_age, 0);
+  EXPECT_EQ(result.ticks.back().outcome, TickOutcome::planned);
+  EXPECT_NEAR(result.last_state[0], 5, 0.05);
+  EXPECT_EQ(kept.last_state[0], 0) << "the guess stays in force";
+}
+
+TEST(ClosedLoop, PlansThatAreImprovedAreFailuresThatLeadToTheFallback) {
+  const auto problem = far_goal();
+  MpcOptions options = to_tolerances(*problem, 1);
+  options.fallback = HeldState{{0, 0}, Eigen::VectorXd::Zero(1), Eigen::MatrixXd::Zero(1, 2)};
+  options.fallback_after = 2;
+  Mpc mpc(problem, problem->create_trajectory(), options);
+  const ClosedLoopResult result = run_closed_loop(mpc, {.duration = 0.4});
+  ASSERT_EQ(result.ticks.size(), 4u);
+  EXPECT_EQ(result.ticks[0].outcome, TickOutcome::improved);
+  EXPECT_FALSE(result.ticks[0].fallback);
+  for (int tick = 1; tick < 4; ++tick) EXPECT_TRUE(result.ticks[tick].fallback) << tick;
+  for (int tick = 2; tick < 4; ++tick)
+    EXPECT_NE(result.ticks[tick].outcome, TickOutcome::improved) << "nothing is in force";
+}
+
+TEST(ClosedLoop, AFallbackSettlesWhereTheStateIsWhenItComesIntoForce) {
+  Trouble trouble;
+  std::vector<double> seen;
+  trouble.options.is_late = [](int tick) { return tick >= 40; };
+  Eigen::MatrixXd K(1, 4);
+  K << 0.5, -20, 1, -4;
+  trouble.options.fallback = HeldState{{0, M_PI, 0, 0},
+                                       Eigen::VectorXd::Zero(1),
+                                       Eigen::MatrixXd::Zero(1, 4),
+                                       [&](const double* x, std::vector<double>& held) {
+                                         seen.assign(x, x + 4);
+                                         held[0] = x[0];
+                                       }};
+  trouble.options.fallback_after = 1;
+  const ClosedLoopResult result = trouble.run();
+  EXPECT_EQ(seen, result.steps[40].x);
 }
 
 TEST(ClosedLoop, StopsWhereAConditionIsMet) {

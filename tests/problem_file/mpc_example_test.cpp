@@ -57,6 +57,22 @@ TEST(MpcExample, CartpoleSwingsUpInWindowsThatAreShorterThanTheSwing) {
   EXPECT_GT(without.result.cost, 2 * cartpole.result.cost);
 }
 
+// 5 m are too far for a window of 0.9 s. The first plan misses them by less than the guess does,
+// and from where it leads the next ones are feasible.
+TEST(MpcExample, CartpoleComesToAGoalThatItsFirstWindowsDoNotReach) {
+  const ExampleLoop cartpole(
+      "cartpole_balance",
+      {"solver.name=altro", "mpc.iterations=tolerances", "mpc.terminal=keep", "mpc.duration=5",
+       "terminal.constraints.far={residual: state, columns: x, lower: 5, upper: 5}",
+       "mpc.disturbances=[]", "mpc.fallback.after=1000"});
+  ASSERT_TRUE(cartpole.mpc) << cartpole.said;
+  EXPECT_EQ(cartpole.result.ticks.front().outcome, TickOutcome::improved);
+  EXPECT_LT(cartpole.failed(), 20);
+  EXPECT_EQ(cartpole.result.ticks.back().outcome, TickOutcome::planned);
+  EXPECT_NEAR(cartpole.result.last_state[0], 5, 0.1);
+  EXPECT_NEAR(cartpole.result.last_state[1], M_PI, 0.05);
+}
+
 TEST(MpcExample, HopperHopsOverAStepThatItDoesNotKnow) {
   const ExampleLoop hopper("hopper_hops");
   ASSERT_TRUE(hopper.mpc) << hopper.said;

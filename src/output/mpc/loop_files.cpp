@@ -17,10 +17,10 @@
 namespace conddp {
 namespace {
 
-constexpr TickOutcome kOutcomes[] = {TickOutcome::planned,  TickOutcome::not_finite,
-                                     TickOutcome::late,     TickOutcome::infeasible,
-                                     TickOutcome::diverged, TickOutcome::out_of_iterations,
-                                     TickOutcome::no_step};
+constexpr TickOutcome kOutcomes[] = {TickOutcome::planned,           TickOutcome::improved,
+                                     TickOutcome::not_finite,        TickOutcome::late,
+                                     TickOutcome::infeasible,        TickOutcome::diverged,
+                                     TickOutcome::out_of_iterations, TickOutcome::no_step};
 
 void append_time(double time, std::string& text) { append_cell(tabulated_time(time), text); }
 
