@@ -66,7 +66,7 @@ def own_loop(case, loop):
     columns = [name.split(" [")[0] for name in rows[0]]
     numbers = [[float(cell or "nan") for key, cell in row.items() if key != "phase"] for row in rows]
     columns.remove("phase")
-    states = [i for i, name in enumerate(columns) if i > 0 and not name.startswith("u/")]
+    states = [i for i, name in enumerate(columns) if i > 0 and not name.startswith(("u/", "contact/"))]
     controls = [name for name in columns if name.startswith("u/")]
     return [columns[i] for i in states], controls, np.array(numbers)[:, states]
 
