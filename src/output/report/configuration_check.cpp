@@ -8,8 +8,9 @@ namespace conddp {
 
 Check configuration_check(const OrderedJson& claimed, const ProblemSpec& spec,
                           const BuiltProblem& built) {
-  OrderedJson actual = expand_problem(spec, built), answer = claimed;
-  if (answer == actual) return {"configuration", true};
+  OrderedJson actual = expand_problem(spec, built);
+  if (claimed == actual) return {"configuration", true};
+  OrderedJson answer = claimed;
   for (OrderedJson* json : {&answer, &actual}) {
     if (json->is_object()) json->erase("initial_guess");
     // The file's text is what counts: numbers there and here are rounded alike.

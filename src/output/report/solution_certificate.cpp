@@ -384,7 +384,8 @@ class Reader {
   }
 
   Eigen::VectorXd constraint_values() const {
-    if (problem_.constraint_rows() == 0) return {};
+    // Barriers have rows of which nothing is said here.
+    if (problem_.constraints().empty() && problem_.soft_constraints().empty()) return {};
     Evaluation evaluation(problem_);
     Evaluator(problem_).evaluate(claims_->trajectory, evaluation);
     return evaluation.constraint;
