@@ -52,7 +52,7 @@ bool TermComposer::can(const ResidualDefinition& residual, bool terminal) const 
   if (residual.has("joints") && body_.joints.empty()) return false;
   if (residual.needs.shapes && body_.shapes.empty()) return false;
   if (residual.needs.chosen_start) return grid_.choice;
-  if (residual.needs.previous_control) return !grid_.choice && !grid_.impulse && !body_.stepping;
+  if (residual.needs.previous_control) return !grid_.choice && !body_.stepping;
   if (residual.name == kExpression) return !names_in_expressions(body_).empty();
   if (residual.has("rows") && body_.columns.empty()) return false;
   if (!residual.of_contacts()) return true;
