@@ -301,8 +301,11 @@ void IpoptSolver::record() {
   if (options_.on_iteration) options_.on_iteration(row_);
 }
 
+/// Its gains are those of a sweep at the iterate before. Where only controls are bounded they are
+/// no sweep's at all: active controls are stiff penalties in them.
 void IpoptSolver::note_newton_step() {
-  gain_regularization_ = 0;
+  gain_regularization_.reset();
+  if (!problem_.constraints().empty()) gain_regularization_ = 0;
   ++row_.newton;
   ++row_.iteration;
   record();
