@@ -48,9 +48,35 @@ TEST(AttainableShare, OfAStepIsThatByHand) {
   EXPECT_NEAR(share(step_to({3, 4}, 1), {0, 0}, {-3, -4}), (0.6 + 0.8) / 5, 1e-14);
   // At their bounds there is none left.
   EXPECT_EQ(share(step_to({3, 4}, 1), {1, 1}, {-2, -3}), 0);
-  // Without bounds a control can go by its largest size, at least 1.
-  EXPECT_NEAR(share(step_to({3, 4}, kInfinity), {0, 0}, {-3, -4}), (0.6 + 0.8) / 5, 1e-14);
-  EXPECT_NEAR(share(step_to({3, 4}, kInfinity), {0, 2}, {-3, -2}), 2 * (3 + 2) / 13.0, 1e-14);
+  // Without bounds a control can go by its largest size, at least 1, where that is far.
+  EXPECT_NEAR(share(step_to({3, 4}, kInfinity), {0, 5}, {-3, 1}), 5 * (3 + 1) / 10.0, 1e-14);
+}
+
+/// The same step x⁺ = x + diag(gains) u without bounds, from the origin to (3, 4).
+double share_of_free_step(const Eigen::Vector2d& gains) {
+  const auto system = linear_system(Eigen::Matrix2d::Identity(),
+                                    Eigen::Matrix2d(gains.asDiagonal()), Eigen::Vector2d::Zero());
+  auto running = std::make_shared<KnotModel>(system, Integrator::discrete);
+  auto end = std::make_shared<KnotModel>(system, Integrator::none);
+  end->add_constraint(
+      make_constraint("end", state_residual(end->manifold()), ConstraintKind::bounds));
+  std::vector<Phase> phases;
+  phases.push_back({.name = "go", .model = running, .dt = {1}, .cost_scale = {1}});
+  const ShootingProblem problem({0, 0}, std::move(phases),
+                                {.name = "end",
+                                 .model = end,
+                                 .dt = {0},
+                                 .cost_scale = {1},
+                                 .parameters = {3, 4, 0, 0, 0, 0, 1}});
+  return share(problem, {0, 0}, {-3, -4});
+}
+
+TEST(AttainableShare, OfFreeControlsDoesNotDependOnTheirUnit) {
+  for (const double unit : {1e-9, 1e-3, 1.0})
+    EXPECT_NEAR(share_of_free_step({unit, unit}), std::max(1.0, unit * 7 / 25), 1e-12) << unit;
+  // p = (3 u, 8 u) along which the best step leaves a part of the distance.
+  EXPECT_NEAR(share_of_free_step({1e-6, 2e-6}), 73.0 * 73 / ((9 + 256) * 25), 1e-10);
+  EXPECT_EQ(share_of_free_step({0, 0}), 0);
 }
 
 TEST(AttainableShare, OfAConeIsAlongItsDistance) {

@@ -94,6 +94,22 @@ TEST(LeastViolation, IsZeroWhereTheConstraintsCanBeSatisfied) {
   }
 }
 
+/// 20 t at rest that have to be 100 m further after 10 s: forces of 24 kN, from none.
+TEST(LeastViolation, IsNotSeenWhereFreeControlsHaveFarToGo) {
+  constexpr double kMass = 20000;
+  Eigen::Matrix2d A;
+  A << 1, kStep, 0, 1;
+  const ShootingProblem free = testing::tracking_problem(
+      linear_system(A, Eigen::Vector2d(0, kStep / kMass), Eigen::Vector2d::Zero()),
+      Integrator::discrete, 100, 1, {0, 0}, {{0, 0}, {0, 0}, {1}, {0, 0}});
+  const ShootingProblem problem =
+      with_constraints(free, {testing::goal_constraint(free, {100, 0})});
+  for (const char* solver : {"altro", "proxddp"}) {
+    const SolveResult result = solve(problem, solver, {}, problem.create_trajectory());
+    EXPECT_NE(result.status, SolveStatus::infeasible) << solver << ": " << result.message;
+  }
+}
+
 TEST(LeastViolation, IsFoundAtOnceWhereNothingIsViolated) {
   const ShootingProblem free = mass();
   const ShootingProblem problem = with_constraints(free, {testing::goal_constraint(free, {0, 0})});

@@ -14,7 +14,9 @@ namespace conddp {
 /// by an adjoint pass in which states follow from the controls; s_i is how far a control can go,
 /// downhill, to its bound, and without a bound its largest size anywhere, at least 1. Below 1 no
 /// such move satisfies the linearised constraints: distances from convex sets lie above their
-/// tangents. `values` are those of all constraint rows.
+/// tangents. Controls without a bound may go further: the share is at least what the best step
+/// along their steepest descent p takes of ‖d‖², (pᵀp)² / (‖J p‖² ‖d‖²), J the Jacobian of the rows
+/// that are outside. `values` are those of all constraint rows.
 double attainable_share(const ShootingProblem& problem, const Trajectory& trajectory,
                         const std::vector<NodeDerivatives>& derivatives,
                         const Eigen::VectorXd& values);

@@ -11,6 +11,8 @@ namespace {
 
 /// Multipliers per distance: the difference that they make to the cost's gradient keeps its digits.
 constexpr double kWeight = 1e10;
+/// Of how far a state goes: changes of the constraints' values below it are rounding.
+constexpr double kRounding = 1e-12;
 
 /// The largest size of a control anywhere, at least 1.
 double largest_control(const Trajectory& trajectory) {
@@ -19,6 +21,11 @@ double largest_control(const Trajectory& trajectory) {
     if (trajectory.u(k).size() > 0)
       largest = std::max(largest, trajectory.u(k).lpNorm<Eigen::Infinity>());
   return largest;
+}
+
+/// How far a control can go against a slope.
+double way_down(const ControlBounds& bounds, int k, Eigen::Index i, double u, double slope) {
+  return slope > 0 ? u - bounds.lower(k)[i] : bounds.upper(k)[i] - u;
 }
 
 }  // namespace
@@ -30,6 +37,9 @@ ViolationSlope::ViolationSlope(const ShootingProblem& problem, const ControlBoun
       lagrangian_(problem),
       linearization_(problem),
       no_feedback_(problem),
+      descent_(problem),
+      closed_(problem),
+      rollout_(problem, bounds),
       adjoint_(problem, bounds) {}
 
 double ViolationSlope::violation(const Eigen::VectorXd& values) {
@@ -49,21 +59,56 @@ double ViolationSlope::share(Evaluator& evaluator, const Trajectory& trajectory,
   // it cancels what is asked for.
   const Eigen::VectorXd of_cost = gradient(Eigen::VectorXd::Zero(distances_.size()));
   const Eigen::VectorXd with_distances = gradient(kWeight * distances_);
-  return share((with_distances - of_cost) / kWeight, trajectory);
+  const Eigen::VectorXd slope = (with_distances - of_cost) / kWeight;
+  return std::max(share(slope, trajectory), free_share(slope, trajectory));
 }
 
 double ViolationSlope::share(const Eigen::VectorXd& gradient, const Trajectory& trajectory) const {
   const double most = largest_control(trajectory);
   double sum = 0;
-  for (int k = 0; k < bounds_.knots(); ++k) {
-    const auto lower = bounds_.lower(k), upper = bounds_.upper(k);
-    for (Eigen::Index i = 0; i < lower.size(); ++i) {
-      const double slope = gradient[bounds_.offset(k) + i], u = trajectory.u(k)[i];
-      const double way = slope > 0 ? u - lower[i] : upper[i] - u;
+  for (int k = 0; k < bounds_.knots(); ++k)
+    for (Eigen::Index i = 0; i < trajectory.u(k).size(); ++i) {
+      const double slope = gradient[bounds_.offset(k) + i];
+      const double way = way_down(bounds_, k, i, trajectory.u(k)[i], slope);
       sum += std::abs(slope) * (std::isfinite(way) ? std::max(way, 0.0) : most);
     }
-  }
   return sum / distances_.squaredNorm();
+}
+
+/// What the best step along the steepest descent of the controls without a bound on their way takes
+/// of ‖d‖². `gradient` is that of ½‖d‖², and the linearisation the one that it is of.
+double ViolationSlope::free_share(const Eigen::VectorXd& gradient, const Trajectory& trajectory) {
+  double squared = 0;
+  for (int k = 0; k < bounds_.knots(); ++k)
+    for (Eigen::Index i = 0; i < trajectory.u(k).size(); ++i) {
+      const double slope = gradient[bounds_.offset(k) + i];
+      const bool free = !std::isfinite(way_down(bounds_, k, i, trajectory.u(k)[i], slope));
+      descent_.k[k][i] = free ? -slope : 0;
+      squared += free ? slope * slope : 0;
+    }
+  if (squared == 0) return 0;
+  for (Eigen::VectorXd& k : descent_.k) k /= std::sqrt(squared);
+  rollout_.run(linearization_, trajectory, closed_, descent_, false);
+  const double change = squared_change();
+  return change > 0 ? squared / (change * distances_.squaredNorm()) : 0;
+}
+
+/// ‖J p‖² of the step p that is rolled out; 0 where it is nothing but rounding.
+double ViolationSlope::squared_change() const {
+  double sum = 0, far = 0;
+  for (const NodeConstraint& c : problem_.constraints()) {
+    if (c.is_soft()) continue;
+    const auto distance = distances_.segment(c.row, c.term->rows);
+    if ((distance.array() == 0).all()) continue;
+    const auto C = linearization_.knots[c.node].C.middleRows(
+        c.row - problem_.constraint_offset(c.node), c.term->rows);
+    const Eigen::VectorXd y = C * rollout_.z(c.node);
+    sum += c.term->is_cone() ? y.squaredNorm()
+                             : (distance.array() != 0).select(y, 0).matrix().squaredNorm();
+    far =
+        std::max(far, C.lpNorm<Eigen::Infinity>() * rollout_.dx(c.node).lpNorm<Eigen::Infinity>());
+  }
+  return sum > kRounding * kRounding * far * far ? sum : 0;
 }
 
 }  // namespace conddp

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "solvers/riccati/adjoint.hpp"
+#include "solvers/riccati/linear_rollout.hpp"
 
 namespace conddp {
 
@@ -14,6 +15,10 @@ namespace conddp {
 /// that it has anywhere, at least 1. Distances from convex sets lie above their tangents: below 1
 /// the linearised constraints cannot be satisfied by any such move, and where dynamics and
 /// constraints are affine and controls bounded that is a proof.
+///
+/// A control without a bound may go further than it has gone so far. So the share is at least that
+/// of ‖d‖² which the best step along the steepest descent p of such controls takes, whatever their
+/// unit: (pᵀp)² / (‖J p‖² ‖d‖²) with J the Jacobian of the rows outside of their sets.
 class ViolationSlope {
  public:
   ViolationSlope(const ShootingProblem& problem, const ControlBounds& bounds);
@@ -23,16 +28,21 @@ class ViolationSlope {
   const Eigen::VectorXd& distances() const { return distances_; }
   /// The share, at a trajectory whose violation was asked for last.
   double share(Evaluator& evaluator, const Trajectory& trajectory, const Gaps& gaps);
-  /// The same of another gradient than that of ½‖d‖².
+  /// The sum above, of another gradient than that of ½‖d‖².
   double share(const Eigen::VectorXd& gradient, const Trajectory& trajectory) const;
 
  private:
+  double free_share(const Eigen::VectorXd& gradient, const Trajectory& trajectory);
+  double squared_change() const;
+
   const ShootingProblem& problem_;
   const ControlBounds& bounds_;
   Eigen::VectorXd distances_;
   Augmentation lagrangian_;
   Linearization linearization_;
-  Feedback no_feedback_;
+  Feedback no_feedback_, descent_;
+  Gaps closed_;
+  LinearRollout rollout_;
   Adjoint adjoint_;
 };
 

@@ -47,6 +47,16 @@ void name_undecided(SolveResult& result) {
       "whether a violation near this one is the least has not been decided: " + result.message;
 }
 
+/// The first penalty of the solve that goes on from a restoration. Controls without bounds may have
+/// to become large: under a smaller penalty than the one that got them there they fall back.
+double penalty_after(const ShootingProblem& problem, const SolverOptions& options,
+                     const SolveResult& stalled, const SolveResult& restored) {
+  const double usual = next_first_penalty(options, stalled);
+  if (problem.has_control_bounds()) return usual;
+  return std::max(usual, std::min(restored.log.back().constraint_penalty,
+                                  options.augmented_lagrangian.max_penalty));
+}
+
 /// Whether the controls alone lead to a motion that is not much worse. Where they do states follow
 /// from them in every step, and the violation only falls.
 bool can_simulate(const ShootingProblem& problem, const Trajectory& start) {
@@ -94,7 +104,6 @@ SolveResult solve_with_restoration(
   std::string note;
   const int most = can_restore(problem) ? kMostRestorations : 0;
   for (int i = 1; i <= most && got_stuck(result, options) && solves.iterations_left() > 0; ++i) {
-    const double penalty = next_first_penalty(options, result);
     note += fmt::format("stalled at iteration {}, restoration of feasibility; ",
                         options.max_iterations - solves.iterations_left());
     const auto mark = [i](IterationRecord& row) { row.restoration = i; };
@@ -103,6 +112,7 @@ SolveResult solve_with_restoration(
       note += restored.message + "; ";
       break;
     }
+    const double penalty = penalty_after(problem, options, result, restored);
     result = std::move(restored);
     solves.add(result);
     if (result.status != SolveStatus::converged) {
