@@ -308,6 +308,36 @@ TEST(CertificateOfBounds, MultipliersHaveTheirSign) {
   EXPECT_NE(found.find("[signs of multipliers]"), std::string::npos) << found;
 }
 
+/// Claims of a step u under ½ ε (u − 1)² + ½ ε (x + u)², whose optimum is ½.
+std::string failures_of_gain(double u, double epsilon) {
+  const auto system = linear_system(Eigen::MatrixXd::Identity(1, 1),
+                                    Eigen::MatrixXd::Identity(1, 1), Eigen::VectorXd::Zero(1));
+  auto running = std::make_shared<KnotModel>(system, Integrator::discrete);
+  running->add_cost("effort", control_residual(1, 1), {});
+  auto end = std::make_shared<KnotModel>(system, Integrator::none);
+  end->add_cost("rest", state_residual(end->manifold()), {});
+  std::vector<Phase> phases;
+  phases.push_back(
+      {.name = "go", .model = running, .dt = {1}, .cost_scale = {1}, .parameters = {1, epsilon}});
+  const ShootingProblem problem(
+      {0}, std::move(phases),
+      {.name = "end", .model = end, .dt = {0}, .cost_scale = {1}, .parameters = {0, epsilon}});
+  const double effort = 0.5 * epsilon * (u - 1) * (u - 1), rest = 0.5 * epsilon * u * u;
+  SolutionClaims claims = claims_of(problem, vector({u}), vector({epsilon * u}), effort + rest);
+  claims.multipliers.resize(0);
+  claims.cost_by_name = {{"effort", effort}, {"terminal/rest", rest}};
+  claims.stationarity = std::abs(epsilon * (2 * u - 1));
+  return failures(certify(problem, claims));
+}
+
+// A Newton step gains ε (u − ½)² of ε (¼ + (u − ½)²).
+TEST(Certificate, AnOptimumLeavesNoMoreThanAHundredthOfTheCostToGain) {
+  EXPECT_EQ(failures_of_gain(0.549, 1e-6), "");
+  EXPECT_EQ(failures_of_gain(0.552, 1e-6), "[status]");
+  EXPECT_EQ(failures_of_gain(0.99, 1e-7), "[status]");
+  EXPECT_EQ(failures_of_gain(0.99, 1e-15), "") << "next to no cost";
+}
+
 TEST(Certificate, DoubtsOptimalityAloneWhereTheAnswerIsFeasibleAndNothingElseFails) {
   Certificate certificate;
   EXPECT_FALSE(certificate.doubts_optimality_alone());

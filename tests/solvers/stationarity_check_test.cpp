@@ -134,6 +134,43 @@ TEST(StationarityCheck, WithConstraintsTheMultipliersCountAlongTheGainsOfTheCost
   EXPECT_NEAR(at.check.goal(), 5e-8, 1e-16);
 }
 
+/// Weights of 1e-7 leave derivatives of the cost that a tolerance of 1e-6 does not see.
+TEST(StationarityCheck, WithConstraintsTheGoalFollowsTheCostsLargestDerivative) {
+  const auto small = [] {
+    const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(1, 1);
+    return tracking_problem(linear_system(one, one, Eigen::VectorXd::Zero(1)), Integrator::discrete,
+                            1, 1, {1}, {{0}, {0}, {1e-7}, {0}, false});
+  };
+  Checked at(with_constraints(small(), {goal_constraint(small(), {3})}), true);
+  at.iterate.trajectory.u(0)[0] = 2;  // the cost's derivative is 2e-7
+  at.evaluator.simulate(at.iterate.trajectory);
+  at.evaluator.differentiate(at.iterate.trajectory, at.iterate.linearization);
+  const auto confirm = [&](double off) {
+    at.check.reset();
+    at.iterate.linearization.knots[0].gradient << 0, off;
+    at.iterate.linearization.knots[1].gradient << 0;
+    at.iterate.adjoint.compute(at.iterate.linearization, at.iterate.trajectory, at.iterate.gaps,
+                               Feedback(at.problem));
+    Eigen::VectorXd multipliers = Eigen::VectorXd::Zero(at.problem.constraint_rows());
+    multipliers[multipliers.size() - 1] = -2e-7 + off;
+    return at.check.confirm(at.iterate, &multipliers);
+  };
+  EXPECT_TRUE(confirm(1.9e-9));
+  EXPECT_FALSE(confirm(4e-9));
+  EXPECT_NEAR(at.check.goal(), 0.5 * 2e-9, 1e-15);
+}
+
+TEST(StationarityCheck, AGainOfMoreThanAHundredthOfTheCostAsksForASmallerGradient) {
+  HiddenByGains at(4e-7, 2);
+  EXPECT_TRUE(at.check.confirm_gain(at.iterate, 0.01));
+  EXPECT_EQ(at.check.goal(), 1e-6);
+  EXPECT_FALSE(at.check.confirm_gain(at.iterate, 0.16));
+  EXPECT_NEAR(at.check.goal(), 0.5 * 4e-7 / 4, 1e-20);
+  EXPECT_FALSE(at.check.confirm_gain(at.iterate, 1e12));
+  EXPECT_DOUBLE_EQ(at.check.goal(), 1e-11);
+  EXPECT_TRUE(at.check.confirm_gain(at.iterate, 1e12)) << "that is the least goal";
+}
+
 // 1 at no multiplier would ask for 2e-13; the least is 1e-5 of the tolerance, and then it counts.
 TEST(StationarityCheck, TheGoalIsNoLessThanAShareOfTheTolerance) {
   ConstrainedEnd at;

@@ -209,7 +209,8 @@ int checked_exit_code(const SolutionCertificate& certificate, const ProblemSpec&
     print_error("the certificate of the answer " + certificate_line(certificate),
                 "the motion is what the solution says, but whether it is optimal cannot be told: a "
                 "problem is ill-conditioned where controls or states cost next to nothing; give "
-                "them a cost");
+                "them a cost, larger weights to all costs, or a smaller "
+                "solver.tolerances.stationarity");
     return std::max<int>(kExitNotConverged, exit_code(status));
   }
   print_error("the certificate of the answer " + certificate_line(certificate),

@@ -398,6 +398,10 @@ class Judge {
     need("complementarity", found_complementarity_, t.complementarity);
     need("the co-states' relative distance from those along other gains, and from those without",
          costate_error_, kCostateMargin * t.stationarity);
+    if (problem_.constraints().empty() && std::isfinite(certificate_.optimality.expected_decrease))
+      need("the share of the cost that a Newton step would gain",
+           certificate_.optimality.expected_decrease / std::max(std::abs(cost_), kLeastCost),
+           kMostGain);
     certificate_.optimality_in_doubt = feasible && !above.empty();
     judge_status(above.empty() ? "" : "'converged', but " + above);
   }
@@ -437,6 +441,8 @@ class Judge {
   /// Of co-states along different policies, relative to the largest: what is left of the gradient
   /// reaches them times gains that sum up over the horizon.
   static constexpr double kCostateMargin = 1000;
+  /// Of the cost, what may be left to gain; costs below the least one count as none.
+  static constexpr double kMostGain = 0.01, kLeastCost = 1e-12;
 
   const ShootingProblem& problem_;
   const SolutionClaims& claims_;

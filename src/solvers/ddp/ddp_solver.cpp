@@ -21,6 +21,8 @@ namespace {
 /// The straight steps of an equality search close gaps no earlier than the solve ends. There exact
 /// second derivatives wait until the gaps are this small.
 constexpr double kNearlyClosed = 1e-3;
+/// Costs below count as none.
+constexpr double kLeastCost = 1e-12;
 
 /// With the Hessians that the options ask for, where the recipe leaves that open.
 DdpRecipe resolved(DdpRecipe recipe, const SolverOptions& options, const ShootingProblem& problem) {
@@ -205,13 +207,25 @@ bool DdpSolver::converged() const {
   return outer_->solved(record_.row, options_.tolerances, check_.goal());
 }
 
-/// Ends the solve, where the stationarity holds along other gains, too.
+/// Ends the solve, where the stationarity holds along other gains, too, and next to nothing is left
+/// to gain.
 bool DdpSolver::confirm() {
   if (!recipe_.least_violation && !globalization_.keeps_equalities() &&
-      !check_.confirm(iterate_, outer_->multipliers()))
+      !(check_.confirm(iterate_, outer_->multipliers()) &&
+        (constrained_ || check_.confirm_gain(iterate_, share_left()))))
     return false;
   record_.end(SolveStatus::converged, record_.residual_text());
   return true;
+}
+
+/// Of the cost, what a Newton step would gain. A full step of Newton's method that gained little
+/// leaves less.
+double DdpSolver::share_left() {
+  const IterationRecord& row = record_.row;
+  const double cost = std::max(std::abs(row.cost), kLeastCost);
+  const bool by_newton = row.iteration > 0 && row.step == 1 && row.regularization == 0;
+  if (by_newton && row.actual_decrease <= StationarityCheck::kMostGain * cost) return 0;
+  return globalization_.newton_gain() / cost;
 }
 
 /// Ends the solve, where the iterate is feasible and the caller asked for no more of the cost.
@@ -233,7 +247,8 @@ bool DdpSolver::polish() {
   measure();
   record_.result.log.back() = record_.row;  // along the gains of the last sweep, as the answer is
   by_newton_ = record_.row.stationarity <= options_.tolerances.stationarity &&
-               record_.row.complementarity <= options_.tolerances.complementarity;
+               record_.row.complementarity <= options_.tolerances.complementarity &&
+               check_.confirm(iterate_, outer_->multipliers());
   if (by_newton_) record_.end(SolveStatus::converged, record_.residual_text());
   return by_newton_;
 }

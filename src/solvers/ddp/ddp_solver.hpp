@@ -56,6 +56,7 @@ class DdpSolver {
   void measure();
   bool converged() const;
   bool confirm();
+  double share_left();
   bool cost_settled();
   bool polish();
   bool next_minimization();

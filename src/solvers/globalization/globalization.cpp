@@ -401,6 +401,12 @@ bool Globalization::found_affine() {
   return affine_probe_->holds(iterate_.evaluator, iterate_.trajectory, iterate_.linearization);
 }
 
+double Globalization::newton_gain() {
+  const Stopwatch watch(record_.result.times.sweep);
+  if (sweep_backward(0) >= 0) return 0;
+  return std::max(0.0, -0.5 * direction_.step().slope());
+}
+
 std::optional<double> Globalization::find_gains() {
   const Stopwatch watch(record_.result.times.sweep);
   direction_.stay_at_iterate();

@@ -1,6 +1,7 @@
 #include "solvers/iterate/stationarity_check.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace conddp {
 namespace {
@@ -12,6 +13,8 @@ constexpr double kMostAmplified = kGoalMargin / kLeastGoal;
 /// How far co-states may be from those along the other gains, relative to the largest of them, in
 /// tolerances of the stationarity: gains that sum up over the horizon carry it there.
 constexpr double kCostateTolerance = 500;
+/// Where there are constraints the share of the cost's largest derivative that may be left.
+constexpr double kShareOfCost = 0.01;
 
 double distance(const Eigen::MatrixXd& costates, const Eigen::MatrixXd& others) {
   return (costates - others).lpNorm<Eigen::Infinity>() /
@@ -32,14 +35,23 @@ StationarityCheck::StationarityCheck(const ShootingProblem& problem, const Contr
 }
 
 bool StationarityCheck::confirm(const Iterate& iterate, const Eigen::VectorXd* multipliers) {
-  const double tolerance = options_.tolerances.stationarity;
   agreed_ = false;
-  if (goal_ <= kLeastGoal * tolerance) return true;
+  if (goal_ <= kLeastGoal * options_.tolerances.stationarity) return true;
   const Apart apart = compare(iterate, multipliers);
   const double excess = std::max(apart.stationarity, apart.costates);
   agreed_ = !(excess > 1);
-  if (agreed_) return true;
-  goal_ = std::max(kGoalMargin * iterate.stationarity().value / excess, kLeastGoal * tolerance);
+  return agreed_ || ask_for_less(iterate, excess);
+}
+
+bool StationarityCheck::confirm_gain(const Iterate& iterate, double share) {
+  if (goal_ <= kLeastGoal * options_.tolerances.stationarity || !(share > kMostGain)) return true;
+  return ask_for_less(iterate, std::sqrt(share / kMostGain));
+}
+
+/// A stationarity that is smaller by that factor. Returns false.
+bool StationarityCheck::ask_for_less(const Iterate& iterate, double excess) {
+  goal_ = std::max(kGoalMargin * iterate.stationarity().value / excess,
+                   kLeastGoal * options_.tolerances.stationarity);
   return false;
 }
 
@@ -60,8 +72,11 @@ StationarityCheck::Apart StationarityCheck::compare(const Iterate& iterate,
                                     options_.regularization, *multipliers)
              : reduced_stationarity(iterate, iterate.stationarity().value);
   if (!found) return {};
-  return {*found / tolerance, distance(iterate.adjoint.costates(), other().costates()) /
-                                  (kCostateTolerance * tolerance)};
+  double most = tolerance;
+  if (plain_ && plain_->cost_gradient() > 0)
+    most = std::min(most, kShareOfCost * plain_->cost_gradient());
+  return {*found / most, distance(iterate.adjoint.costates(), other().costates()) /
+                             (kCostateTolerance * tolerance)};
 }
 
 /// ‖∇_u L‖∞ without gains, the gradient of the cost as a function of the controls alone. None where

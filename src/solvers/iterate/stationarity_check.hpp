@@ -9,12 +9,16 @@ namespace conddp {
 
 /// Whether a stationarity under tolerance is so along other gains than those of the last sweep,
 /// too, with nearly the same co-states: along the gains of the costs alone where constraints have
-/// stiff ones, else along none, where that is well conditioned. If it is not, the solve goes on to
-/// a goal that should be enough.
+/// stiff ones, else along none, where that is well conditioned. And whether it is small beside the
+/// cost: with constraints beside its largest derivative, without them by what is left to gain. If
+/// it is not, the solve goes on to a goal that should be enough.
 class StationarityCheck {
  public:
   StationarityCheck(const ShootingProblem& problem, const ControlBounds& bounds,
                     const SolverOptions& options, bool constrained);
+
+  /// The share of the cost that may be left to gain.
+  static constexpr double kMostGain = 0.01;
 
   /// At the start of a solve: the goal is the tolerance.
   void reset() {
@@ -27,6 +31,9 @@ class StationarityCheck {
   /// solver has them. False, with a smaller goal, where it is not stationary along the other gains,
   /// or its co-states are not those along them.
   bool confirm(const Iterate& iterate, const Eigen::VectorXd* multipliers);
+  /// Looks at the share of the cost that a Newton step would gain. False, with a smaller goal,
+  /// where it is large: the gain falls as the square of the stationarity.
+  bool confirm_gain(const Iterate& iterate, double share);
   /// The co-states along the other gains, where the iterate is stationary along them, too, but its
   /// own co-states are apart from them. Null where they are not, or where `confirm` has just said
   /// so. They stand until the next look.
@@ -38,6 +45,7 @@ class StationarityCheck {
   struct Apart {
     double stationarity = 0, costates = 0;
   };
+  bool ask_for_less(const Iterate& iterate, double excess);
   Apart compare(const Iterate& iterate, const Eigen::VectorXd* multipliers);
   const Adjoint& other() const;
   std::optional<double> reduced_stationarity(const Iterate& iterate, double stationarity);

@@ -1,23 +1,30 @@
 #include "solvers/riccati/plain_adjoint.hpp"
 
+#include <algorithm>
+
 #include "solvers/riccati/regularization.hpp"
 
 namespace conddp {
 
 PlainAdjoint::PlainAdjoint(const ShootingProblem& problem, const ControlBounds& bounds)
-    : bounds_(bounds),
+    : problem_(problem),
+      bounds_(bounds),
       lagrangian_(problem),
       linearization_(problem),
       sweep_(problem, bounds, {}),
       stages_(unconstrained_stage(problem)),
       feedback_(problem),
-      adjoint_(problem, bounds) {}
+      adjoint_(problem, bounds) {
+  for (const KnotLinearization& knot : linearization_.knots)
+    cost_gradients_.push_back(knot.gradient);
+}
 
 std::optional<double> PlainAdjoint::stationarity(
     Evaluator& evaluator, const Trajectory& trajectory, const Gaps& gaps,
     const SolverOptions::Regularization& regularization, const Eigen::VectorXd& multipliers) {
   lagrangian_.multiplier = multipliers;
   evaluator.differentiate(trajectory, linearization_, &lagrangian_);
+  cost_gradient_ = largest_cost_gradient();
   SolverOptions::Regularization from_zero = regularization;
   from_zero.initial = 0;
   RegularizationSchedule schedule(from_zero);
@@ -27,6 +34,23 @@ std::optional<double> PlainAdjoint::stationarity(
   }
   adjoint_.compute(linearization_, trajectory, gaps, feedback_);
   return bounds_.projected_norm(adjoint_.gradient(), trajectory).value;
+}
+
+/// What hard constraints add to the gradients is none of the cost's.
+double PlainAdjoint::largest_cost_gradient() {
+  for (std::size_t k = 0; k < cost_gradients_.size(); ++k)
+    cost_gradients_[k] = linearization_.knots[k].gradient;
+  for (const NodeConstraint& c : problem_.constraints()) {
+    if (c.is_soft()) continue;
+    const auto C = linearization_.knots[c.node].C.middleRows(
+        c.row - problem_.constraint_offset(c.node), c.term->rows);
+    cost_gradients_[c.node].noalias() -=
+        C.transpose() * lagrangian_.multiplier.segment(c.row, c.term->rows);
+  }
+  double largest = 0;
+  for (const Eigen::VectorXd& gradient : cost_gradients_)
+    largest = std::max(largest, gradient.lpNorm<Eigen::Infinity>());
+  return largest;
 }
 
 }  // namespace conddp

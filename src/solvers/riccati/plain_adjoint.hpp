@@ -23,10 +23,15 @@ class PlainAdjoint {
                                      const SolverOptions::Regularization& regularization,
                                      const Eigen::VectorXd& multipliers);
 
+  /// The largest derivative of the cost by a state or control, at the last `stationarity`.
+  double cost_gradient() const { return cost_gradient_; }
   /// Of the last `stationarity` that was found.
   const Adjoint& adjoint() const { return adjoint_; }
 
  private:
+  double largest_cost_gradient();
+
+  const ShootingProblem& problem_;
   const ControlBounds& bounds_;
   Augmentation lagrangian_;
   Linearization linearization_;
@@ -34,6 +39,8 @@ class PlainAdjoint {
   std::unique_ptr<StageSolver> stages_;
   Feedback feedback_;
   Adjoint adjoint_;
+  std::vector<Eigen::VectorXd> cost_gradients_;  ///< nz of each node
+  double cost_gradient_ = 0;
 };
 
 }  // namespace conddp
