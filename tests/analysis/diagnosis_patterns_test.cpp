@@ -202,6 +202,52 @@ TEST(DiagnosisPatterns, AViolationFarAboveItsToleranceIsNoRounding) {
   EXPECT_EQ(ended(0.57, with_linear_cost()), DiagnosisPattern::outrun_penalty);
 }
 
+TEST(DiagnosisPatterns, ARestorationThatEndsFarFromFeasibleLeavesFeasibilityUndecided) {
+  const auto ended = [](SolveStatus status, double violation, int restoration) {
+    return diagnosis_of_log(6,
+                            [=](int, IterationRecord& r) {
+                              r.constraint = violation;
+                              r.restoration = restoration;
+                            },
+                            {.status = status});
+  };
+  const Diagnosis d = ended(SolveStatus::line_search_failed, 0.5, 1);
+  EXPECT_EQ(d.pattern, DiagnosisPattern::undecided);
+  EXPECT_NE(d.message.find("under 5.0e-01 at knot 3"), std::string::npos) << d.message;
+  EXPECT_NE(d.remedy.find("solver.restarts: {count: 20, spread: 1}"), std::string::npos);
+  EXPECT_NE(ended(SolveStatus::line_search_failed, 0.5, 0).pattern, DiagnosisPattern::undecided);
+  EXPECT_NE(ended(SolveStatus::line_search_failed, 9e-4, 1).pattern, DiagnosisPattern::undecided);
+  EXPECT_NE(ended(SolveStatus::max_iterations, 0.5, 1).pattern, DiagnosisPattern::undecided);
+}
+
+TEST(DiagnosisPatterns, AnInteriorPointMethodWhoseViolationStandsIsNotAdvisedToGoOn) {
+  const auto ended = [](int rows, double factor) {
+    return diagnosis_of_log(rows, [=](int i, IterationRecord& r) {
+      r.barrier = 1e-3;
+      r.constraint = i < rows / 2 ? 9 : i < rows - 1 ? 1 : factor;
+    });
+  };
+  const Diagnosis d = ended(40, 0.6);
+  EXPECT_EQ(d.pattern, DiagnosisPattern::undecided);
+  EXPECT_NE(d.message.find("stalled: 6.0e-01 at knot 3 after 1.0e+00 19 iterations before"),
+            std::string::npos)
+      << d.message;
+  EXPECT_EQ(d.remedy.find("more iterations"), std::string::npos);
+  EXPECT_EQ(ended(40, 0.4).pattern, DiagnosisPattern::unfinished);
+  EXPECT_EQ(ended(39, 0.6).pattern, DiagnosisPattern::unfinished);
+}
+
+TEST(DiagnosisPatterns, AViolationOfControlsWithoutBoundsAsksForALargerPenalty) {
+  const auto remedy = [](double limit) {
+    return diagnosis_of_log(
+               3, [](int, IterationRecord& r) { r.constraint = 0.5; },
+               {.status = SolveStatus::infeasible}, testing::pendulum_swing_up(limit))
+        .remedy;
+  };
+  EXPECT_NE(remedy(testing::kFree).find("initial_penalty"), std::string::npos);
+  EXPECT_EQ(remedy(3).find("initial_penalty"), std::string::npos);
+}
+
 TEST(DiagnosisPatterns, WhereALinearCostDrewAwayInfeasibilityIsDoubted) {
   const auto remedy = [](const ShootingProblem& problem) {
     return diagnosis_of_log(

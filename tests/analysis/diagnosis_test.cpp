@@ -46,7 +46,7 @@ TEST(Diagnosis, NamesAreDistinct) {
   std::set<std::string_view> names;
   for (int i = 0; i <= static_cast<int>(DiagnosisPattern::unfinished); ++i)
     names.insert(to_string(static_cast<DiagnosisPattern>(i)));
-  EXPECT_EQ(names.size(), 15u);
+  EXPECT_EQ(names.size(), 16u);
 }
 
 TEST(Diagnosis, GapsThatStayOpenComeBeforeEverythingElse) {
@@ -90,14 +90,14 @@ TEST(Diagnosis, AFewRowsShowNoPattern) {
   EXPECT_EQ(d.knot, 7);
 }
 
-TEST(Diagnosis, InfeasibleProblemsAreNotAskedForLargerPenalties) {
+TEST(Diagnosis, InfeasibleProblemsAreNotAskedForLargerPenaltiesWhereControlsHaveBounds) {
   const Diagnosis d = diagnosis_of(
       8,
       [](int, IterationRecord& r) {
         r.constraint = 2;
         r.constraint_knot = 4;
       },
-      SolveStatus::infeasible);
+      SolveStatus::infeasible, testing::pendulum_swing_up(3));
   EXPECT_EQ(d.pattern, DiagnosisPattern::infeasible);
   EXPECT_EQ(d.knot, 4);
   EXPECT_EQ(d.remedy.find("penalty"), std::string::npos) << d.remedy;

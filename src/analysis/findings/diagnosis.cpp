@@ -22,6 +22,8 @@ constexpr int kFewest = 4;
 constexpr double kStandstill = 0.5;
 /// A violation of more than so many tolerances is no rounding.
 constexpr double kFarOff = 1e3;
+/// Rows of an interior-point method's log, over the second half of which it is judged.
+constexpr std::size_t kLongLog = 40;
 
 /// The end of a log: the rows of the last steps, and the row before them.
 class Window {
@@ -122,18 +124,58 @@ Diagnosis indefinite(const SolveResult& r) {
           "solver.regularization.max"};
 }
 
+/// Whether a control may become as large as it likes.
+bool has_free_controls(const ShootingProblem& problem) {
+  return std::ranges::any_of(problem.phases(), [](const Phase& phase) {
+    const KnotModel& model = *phase.model;
+    for (int i = 0; i < model.nu(); ++i)
+      if (!std::isfinite(model.control_lower()[i]) && !std::isfinite(model.control_upper()[i]))
+        return true;
+    return false;
+  });
+}
+
+/// Of a violation that stays, whether or not it is seen that nothing nearby has less.
+std::string remedy_of_violation(const ShootingProblem& problem) {
+  std::string remedy =
+      "wider bounds, more time for the motion, or without a constraint (--drop) to see what the "
+      "others ask for; a minimum of the violation can also be a local one: another first guess, or "
+      "many of them (solver.restarts: {count: 20, spread: 1})";
+  if (has_free_controls(problem))
+    remedy +=
+        "; where controls without bounds have to become large, a larger "
+        "solver.augmented_lagrangian.initial_penalty";
+  return remedy;
+}
+
 /// `drawn`: a linear cost may have led the penalties' minima far away.
-Diagnosis infeasible(const IterationRecord& last, bool drawn) {
-  return {
-      DiagnosisPattern::infeasible,
-      fmt::format("the constraints cannot all be satisfied: violation {:.1e}{}, and no small "
-                  "change of the controls lowers it",
-                  last.constraint, at(last.constraint_knot)),
-      last.constraint_knot, "constraint violation",
-      std::string("wider bounds, more time for the motion, or without a constraint (--drop) to see "
-                  "what the others ask for; a minimum of the violation can also be a local one: "
-                  "another first guess") +
-          (drawn ? ", or --solver ipopt, which a linear cost does not draw away" : "")};
+Diagnosis infeasible(const ShootingProblem& problem, const IterationRecord& last, bool drawn) {
+  return {DiagnosisPattern::infeasible,
+          fmt::format("no small change of the controls from here lowers the violation, {:.1e}{}",
+                      last.constraint, at(last.constraint_knot)),
+          last.constraint_knot, "constraint violation",
+          remedy_of_violation(problem) +
+              (drawn ? "; --solver ipopt, which a linear cost does not draw away" : "")};
+}
+
+/// After a restoration that came neither under the violation nor to a least one.
+Diagnosis undecided(const ShootingProblem& problem, const IterationRecord& last) {
+  return {DiagnosisPattern::undecided,
+          fmt::format("a restoration of feasibility did not get the violation under {:.1e}{}; "
+                      "whether the constraints can be satisfied has not been decided",
+                      last.constraint, at(last.constraint_knot)),
+          last.constraint_knot, "constraint violation", remedy_of_violation(problem)};
+}
+
+/// Of an interior-point method that goes on without getting nearer.
+Diagnosis stalled_violation(const ShootingProblem& problem, const IterationRecord& middle,
+                            const IterationRecord& last) {
+  return {DiagnosisPattern::undecided,
+          fmt::format("the violation stalled: {:.1e}{} after {:.1e} {} iterations before; whether "
+                      "the constraints can be satisfied has not been decided",
+                      last.constraint, at(last.constraint_knot), middle.constraint,
+                      last.iteration - middle.iteration),
+          last.constraint_knot, "constraint violation", remedy_of_violation(problem)};
 }
 
 /// A residual above its tolerance.
@@ -371,11 +413,24 @@ std::optional<Diagnosis> of_standstill(const Window& w, const SolverOptions& opt
   return plateau(w, always, options);
 }
 
-Diagnosis of_interior_point(const SolveResult& result, const SolverOptions& options) {
-  const bool stuck = result.status == SolveStatus::line_search_failed ||
-                     result.status == SolveStatus::regularization_limit;
-  return stuck ? no_descent(result, options, result.log.back())
-               : unfinished(result, options, result.log.back());
+bool is_stuck(SolveStatus status) {
+  return status == SolveStatus::line_search_failed || status == SolveStatus::regularization_limit;
+}
+
+Diagnosis of_interior_point(const ShootingProblem& problem, const SolveResult& result,
+                            const SolverOptions& options) {
+  const IterationRecord &middle = result.log[result.log.size() / 2], &last = result.log.back();
+  if (is_stuck(result.status)) return no_descent(result, options, last);
+  const bool stalled = result.log.size() >= kLongLog &&
+                       last.constraint > kFarOff * options.tolerances.constraint &&
+                       last.constraint > kStandstill * middle.constraint;
+  return stalled ? stalled_violation(problem, middle, last) : unfinished(result, options, last);
+}
+
+/// Whether a restoration of feasibility was the last that was tried, far from feasible.
+bool ends_restoring(const SolveResult& result, double tolerance) {
+  const IterationRecord& last = result.log.back();
+  return is_stuck(result.status) && last.restoration > 0 && last.constraint > kFarOff * tolerance;
 }
 
 /// Whether costs without curvature lead further away than the penalties of constraints let them
@@ -402,8 +457,11 @@ Diagnosis of_log(const ShootingProblem& problem, const SolveResult& result,
                  const SolverOptions& options) {
   if (lost(result)) return growth(problem, result);
   if (result.status == SolveStatus::infeasible)
-    return infeasible(result.log.back(), !interior_point(result) && has_linear_costs(problem));
-  if (interior_point(result)) return of_interior_point(result, options);
+    return infeasible(problem, result.log.back(),
+                      !interior_point(result) && has_linear_costs(problem));
+  if (ends_restoring(result, options.tolerances.constraint))
+    return undecided(problem, result.log.back());
+  if (interior_point(result)) return of_interior_point(problem, result, options);
   if (result.status == SolveStatus::regularization_limit) return indefinite(result);
   const Window w(result.log);
   if (outruns_penalty(problem, w, options.tolerances.constraint)) return outrun_penalty(w);
@@ -416,7 +474,7 @@ Diagnosis of_log(const ShootingProblem& problem, const SolveResult& result,
   return result.failed_knot >= 0 ? growth(problem, result) : no_descent(result, options, w.last());
 }
 
-bool is_stuck(DiagnosisPattern pattern) {
+bool is_stuck_at_knot(DiagnosisPattern pattern) {
   return pattern == DiagnosisPattern::open_gaps || pattern == DiagnosisPattern::plateau ||
          pattern == DiagnosisPattern::no_descent;
 }
@@ -433,6 +491,8 @@ std::string_view to_string(DiagnosisPattern pattern) {
       return "indefinite";
     case DiagnosisPattern::infeasible:
       return "infeasible";
+    case DiagnosisPattern::undecided:
+      return "undecided";
     case DiagnosisPattern::rounding_floor:
       return "rounding_floor";
     case DiagnosisPattern::redundant_contacts:
@@ -475,7 +535,7 @@ Diagnosis diagnose(const ShootingProblem& problem, const SolveResult& result,
   if (cost_goes_on_falling(result.log))
     if (const auto control = free_control(problem))
       return unbounded(std::move(d), result.log.back().cost, *control);
-  if (!is_stuck(d.pattern) || d.knot < 0 || d.knot >= problem.knots()) return d;
+  if (!is_stuck_at_knot(d.pattern) || d.knot < 0 || d.knot >= problem.knots()) return d;
   const ContactRank contacts =
       problem.knot(d.knot).model->system().contact_rank(result.trajectory.x(d.knot).data());
   return contacts.redundant.empty() ? d : redundant(std::move(d), contacts);

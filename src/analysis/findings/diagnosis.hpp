@@ -19,6 +19,8 @@ enum class DiagnosisPattern {
   indefinite,
   /// No way was found to lower the violation of the constraints any further.
   infeasible,
+  /// A violation stays, and it is not known whether the constraints can be satisfied.
+  undecided,
   /// Further decrease is smaller than the rounding of the cost.
   rounding_floor,
   /// The contacts of the knot at which the solve stalls depend on each other.
