@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "solvers/strategies/registry.hpp"
@@ -119,6 +121,63 @@ TEST(AutoSolver, HasTheFirstAnswerWhereNoneConverges) {
   EXPECT_EQ(result.cost, altro.cost);
   EXPECT_NE(result.message.find("; proxddp ended as infeasible after "), std::string::npos)
       << result.message;
+}
+
+TEST(AutoSolver, HasALaterAnswerThatIsALeastViolation) {
+  const testing::LinearQuadratic lq(1, 4, {3, 2}, 8, -1, 1);
+  const ShootingProblem problem = testing::with_constraints(
+      *lq.problem, {testing::goal_constraint(*lq.problem, {100, 100, 100, 100})});
+  const SolverInfo first = failing();
+  const SolverInfo* used = nullptr;
+  const std::vector<const SolverInfo*> both{&first, find_solver("altro")};
+  const SolveResult result = solve(problem, both, {}, problem.create_trajectory(), used);
+  EXPECT_EQ(result.status, SolveStatus::infeasible);
+  EXPECT_EQ(used, both[1]);
+  EXPECT_TRUE(result.message.starts_with("failing ended as line_search_failed after "))
+      << result.message;
+}
+
+/// A solver of Ipopt's name whose violation falls in the iterations before `last` alone.
+SolverInfo standing_after(int last) {
+  return {.name = "ipopt",
+          .control_bounds = BoundSupport::exact,
+          .constraints = ConstraintSupport::all,
+          .run = [last](const ShootingProblem& problem, const SolverOptions& options,
+                        const Trajectory& guess) {
+            SolveResult result(problem);
+            IterationRecord row;
+            for (row.iteration = 0; row.iteration < 500; ++row.iteration) {
+              row.constraint = std::max(1.0, std::pow(2.0, last - row.iteration));
+              if (options.on_iteration) options.on_iteration(row);
+              if (!options.interrupted || !options.interrupted()) continue;
+              result.status = SolveStatus::interrupted;
+              break;
+            }
+            if (row.iteration == 500) result.status = SolveStatus::max_iterations;
+            result.iterations = row.iteration;
+            result.trajectory = guess;
+            return result;
+          }};
+}
+
+TEST(AutoSolver, EndsIpoptWhereItsViolationStands) {
+  const ShootingProblem problem = testing::unicycle_parking(0.6);
+  const Trajectory guess = problem.create_trajectory();
+  const SolverInfo first = failing(), stands = standing_after(40);
+  const SolverInfo* used = nullptr;
+  const std::vector<const SolverInfo*> both{&first, &stands}, alone{&stands};
+  int rows = 0;
+  SolverOptions options;
+  options.on_iteration = [&](const IterationRecord&) { ++rows; };
+  const SolveResult result = solve(problem, both, options, guess, used);
+  EXPECT_EQ(result.status, SolveStatus::line_search_failed);
+  EXPECT_NE(result.message.find("; ipopt ended as line_search_failed after 140 iterations"),
+            std::string::npos)
+      << result.message;
+  EXPECT_EQ(rows, 141);
+  EXPECT_EQ(solve(problem, alone, {}, guess, used).iterations, 500) << "who asks for it gets it";
+  options.interrupted = [&] { return true; };
+  EXPECT_EQ(solve(problem, alone, options, guess, used).status, SolveStatus::interrupted);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <limits>
 #include <optional>
 #include <stdexcept>
 
@@ -85,8 +86,61 @@ std::optional<SolveResult> run_if_loaded(const ShootingProblem& problem, const S
   }
 }
 
-/// By the first solver that converges; else the first one's answer, or that of the next one where
-/// it has diverged. The default limit of iterations ends a solver, a lower one of the user all.
+/// Ends a solve whose violation has not fallen for a while, by the callbacks of its options. They
+/// stay the caller's for whom it goes on.
+class Impatience {
+ public:
+  explicit Impatience(const SolverOptions& options) : options_(options) {}
+
+  SolverOptions options() {
+    SolverOptions own = options_;
+    own.on_iteration = [this](const IterationRecord& row) { look(row); };
+    own.interrupted = [this] {
+      return is_over() || (options_.interrupted && options_.interrupted());
+    };
+    return own;
+  }
+  bool is_over() const { return last_ - since_ >= kPatience; }
+  /// An end by impatience is the solver's own.
+  void name_end(SolveResult& result) const {
+    if (result.status != SolveStatus::interrupted || !is_over()) return;
+    if (options_.interrupted && options_.interrupted()) return;
+    result.status = SolveStatus::line_search_failed;
+    result.message = fmt::format("the violation has not fallen for {} iterations: {}", kPatience,
+                                 result.message);
+  }
+
+ private:
+  /// Iterations, and what counts as less.
+  static constexpr int kPatience = 100;
+  static constexpr double kLess = 0.9;
+
+  void look(const IterationRecord& row) {
+    const double violation = std::max(row.gap, row.constraint);
+    last_ = row.iteration;
+    if (violation < kLess * least_ || violation <= options_.tolerances.constraint) {
+      least_ = violation;
+      since_ = last_;
+    }
+    if (options_.on_iteration) options_.on_iteration(row);
+  }
+
+  const SolverOptions& options_;
+  double least_ = std::numeric_limits<double>::infinity();
+  int last_ = 0, since_ = 0;
+};
+
+/// Ipopt's restoration of feasibility goes on for thousands of iterations where there is no way.
+bool may_go_on_in_vain(const SolverInfo& solver) { return solver.name == "ipopt"; }
+
+/// Whether a later answer says more than the first one: that it is near, or a least violation.
+bool says_more(const SolveResult& later, const SolveResult& first) {
+  return (is_far(first.residuals) && !is_far(later.residuals)) ||
+         (later.status == SolveStatus::infeasible && first.status != SolveStatus::infeasible);
+}
+
+/// By the first solver that converges; else the first one's answer, or that of a later one where it
+/// says more. The default limit of iterations ends a solver, a lower one of the user all.
 SolveResult run_first(const ShootingProblem& problem, SolverList candidates,
                       const SolverOptions& options, const Trajectory& guess,
                       const SolverInfo*& used) {
@@ -97,9 +151,13 @@ SolveResult run_first(const ShootingProblem& problem, SolverList candidates,
     SolverOptions own = options;
     const std::chrono::duration<double> gone = std::chrono::steady_clock::now() - began;
     if (first) own.max_time_s = std::max(1e-3, options.max_time_s - gone.count());
-    std::optional<SolveResult> answer = run_if_loaded(problem, *solver, own, guess, first);
+    Impatience impatience(own);
+    std::optional<SolveResult> answer = run_if_loaded(
+        problem, *solver, first && may_go_on_in_vain(*solver) ? impatience.options() : own, guess,
+        first);
     if (!answer) continue;
     SolveResult& result = *answer;
+    impatience.name_end(result);
     const SolveStatus status = result.status;
     if (is_success(status) || !first) used = solver;
     if (is_success(status)) {
@@ -111,7 +169,7 @@ SolveResult run_first(const ShootingProblem& problem, SolverList candidates,
     before += ended + "; ";
     if (!first) {
       first = std::move(result);
-    } else if (is_far(first->residuals) && !is_far(result.residuals)) {
+    } else if (says_more(result, *first)) {
       result.message = before + result.message;
       first = std::move(result);
       used = solver;
