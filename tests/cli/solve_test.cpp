@@ -269,11 +269,22 @@ TEST(Solve, OutputFoldersThatCannotBeMadeAreNamed) {
   EXPECT_NE(r.err.find("cannot be made"), std::string::npos) << r.err;
 }
 
-// Files of so many knots take seconds.
+// Certificate and files of so many knots take most of a second.
+TEST(Solve, AnInterruptedAnswerOfALongHorizonIsWritten) {
+  const TemporaryFolder folder;
+  const ProcessResult r =
+      run_conddp({"solve", kPendulum, "--set", "phases.0.knots=40000", "-v", "-o", folder.path()},
+                 {.signal = SIGINT, .signal_after = "\n    0 "});
+  EXPECT_EQ(r.exit_code, 128 + SIGINT) << r.err;
+  EXPECT_EQ(r.err.find("there was no time"), std::string::npos) << r.err;
+  EXPECT_EQ(folder.files(), kOutputs);
+}
+
+// Those of so many take far longer than the five seconds that a signal leaves.
 TEST(Solve, AnInterruptedAnswerThatTakesLongToWriteIsLeftOut) {
   const TemporaryFolder folder;
   const ProcessResult r =
-      run_conddp({"solve", kPendulum, "--set", "phases.0.knots=300000", "-v", "-o", folder.path()},
+      run_conddp({"solve", kPendulum, "--set", "phases.0.knots=1200000", "-v", "-o", folder.path()},
                  {.signal = SIGTERM, .signal_after = "\n    0 "});
   EXPECT_EQ(r.exit_code, 128 + SIGTERM) << r.err;
   EXPECT_NE(r.err.find("conddp: interrupted; there was no time to write an answer\n"),

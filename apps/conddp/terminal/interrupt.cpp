@@ -13,8 +13,8 @@ namespace {
 
 volatile std::sig_atomic_t g_signal = 0;
 
-/// What a signal leaves for the end of an iteration, the certificate and the files, µs.
-constexpr int kGrace = 200'000;
+/// What a signal leaves for the end of an iteration, the certificate and the files, s.
+constexpr int kGrace = 5;
 
 void install(int number, void (*handler)(int)) {
   struct sigaction action {};
@@ -35,7 +35,7 @@ extern "C" void remember_signal(int number) {
   g_signal = number;
   install(SIGALRM, give_up);
   itimerval grace{};
-  grace.it_value.tv_usec = kGrace;
+  grace.it_value.tv_sec = kGrace;
   setitimer(ITIMER_REAL, &grace, nullptr);
 }
 

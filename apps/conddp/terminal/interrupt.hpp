@@ -3,9 +3,9 @@
 namespace conddp {
 
 /// While it lives, SIGINT and SIGTERM are remembered instead of ending the process: what is under
-/// way is ended and its answer written, also after the guard's end. Where that takes longer than a
-/// fifth of a second, the process ends without; files that were to be replaced are then as they
-/// were. A second signal of the same kind ends it at once.
+/// way is ended and its answer written, also after the guard's end. Where that takes longer than
+/// five seconds, the process ends without; files that were to be replaced are then as they were. A
+/// second signal of the same kind ends it at once.
 class InterruptGuard {
  public:
   InterruptGuard();
