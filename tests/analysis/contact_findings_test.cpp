@@ -93,6 +93,18 @@ TEST(Pull, IsTheForceAgainstTheNormal) {
   EXPECT_NEAR(found[0].time, 0.1, 1e-12);
 }
 
+TEST(Friction, ThatConesOfTheFileHoldIsNotAdvisedAgain) {
+  const ShootingProblem problem = block_problem({block_phase(block_system({{.name = "grip"}}), 1)});
+  Trajectory motion = problem.create_trajectory();
+  hold(motion, 0, 5, 0, 1);
+  for (const bool cones : {false, true}) {
+    const auto found = found_in_contacts(problem, motion, FindingKind::friction_demand,
+                                         {.friction = {{"grip", 0.9}}, .within_cones = cones});
+    ASSERT_EQ(found.size(), 1u);
+    EXPECT_EQ(found[0].remedy, cones ? "" : "a constraint or cost 'friction_cone' on it");
+  }
+}
+
 // A thousandth of the weight of all three bodies, 4 kg, is 0.039 N.
 TEST(Pull, OfAThousandthOfTheWeightSaysNothing) {
   const ShootingProblem problem = block_problem({block_phase(block_system({{.name = "grip"}}), 1)});

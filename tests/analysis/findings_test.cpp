@@ -56,6 +56,23 @@ TEST(LimitsOfJoints, AreBeyondMostWhereTheFindingSays) {
   EXPECT_NEAR(velocities[0].time, 0.4, 1e-12);
 }
 
+TEST(LimitsOfJoints, ThatTheFileBoundsAreNotAdvisedAgain) {
+  const ShootingProblem problem = block_problem({block_phase(block_system(), 2)});
+  Trajectory motion = problem.create_trajectory();
+  motion.x(1)[0] = 0.75;
+  motion.x(1)[3] = 1.75;
+  const auto remedies = [&](const FindingNames& names) {
+    return std::pair(
+        found_in_motion(problem, motion, FindingKind::position_limit, names).at(0).remedy,
+        found_in_motion(problem, motion, FindingKind::velocity_limit, names).at(0).remedy);
+  };
+  const auto [position, velocity] = remedies({});
+  EXPECT_NE(position.find("bounds: configuration, from: urdf"), std::string::npos) << position;
+  EXPECT_NE(velocity.find("bounds: velocity, from: urdf"), std::string::npos) << velocity;
+  EXPECT_EQ(remedies({.bounded = {"configuration"}}), std::pair(std::string(), velocity));
+  EXPECT_EQ(remedies({.bounded = {"velocity"}}), std::pair(position, std::string()));
+}
+
 TEST(LimitsOfJoints, AreNamedOnTheSideThatIsBroken) {
   const ShootingProblem problem = block_problem({block_phase(block_system(), 2)});
   Trajectory motion = problem.create_trajectory();
@@ -238,6 +255,7 @@ TEST(BetweenKnots, AConstraintIsLookedAtOnTheStraightWay) {
   EXPECT_EQ(found[0].subject, "pillar");
   EXPECT_NEAR(found[0].value, 0.5 - 0.5 * std::sqrt(0.5), 1e-9);
   EXPECT_EQ(found[0].knot, 0);
+  EXPECT_TRUE(tells(found[0], "more knots")) << found[0].remedy;
   // A quarter of the way from (0, 0.6) to (0.1, −1.8) is at (0.025, 0).
   motion.x(3) << 0.1, -1.8, 0, 0, 0, 0;
   found = found_in_motion(problem, motion, FindingKind::between_knots);
@@ -246,6 +264,7 @@ TEST(BetweenKnots, AConstraintIsLookedAtOnTheStraightWay) {
   EXPECT_EQ(found[0].knot, 2);
   EXPECT_NEAR(found[0].time, 0.2, 1e-12);
   EXPECT_TRUE(tells(found[0], "between knots 2 and 3")) << found[0].message;
+  EXPECT_TRUE(tells(found[0], "jumps through")) << "more knots would lead through the pillar";
   // What is as far off at a knot is no news.
   motion.x(1) << 0, 0.02, 0, 0, 0, 0;
   EXPECT_TRUE(found_in_motion(problem, motion, FindingKind::between_knots).empty());

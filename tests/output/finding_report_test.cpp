@@ -102,6 +102,19 @@ TEST_F(Findings, TheAdvisedKdCuresTheDriftOfFeet) {
   EXPECT_TRUE(left.empty()) << left.front().message;
 }
 
+TEST_F(Findings, LimitsThatTheFileBoundsAreNotAdvisedAgain) {
+  const auto remedy = [&](const std::vector<std::string>& settings) {
+    load("arm_reach", settings);
+    Trajectory motion = built_->guess;
+    const Joint& elbow = built_->plant.robot().joints[3];
+    motion.x(4)[built_->problem->nx() / 2 + joint(elbow.name)] = elbow.max_velocity + 0.5;
+    return of(FindingKind::velocity_limit, motion).at(0).remedy;
+  };
+  EXPECT_EQ(remedy({}), "constraints: {NAME: {bounds: velocity, from: urdf}}");
+  EXPECT_EQ(remedy({"constraints.v={bounds: velocity, from: urdf}"}), "");
+  EXPECT_NE(remedy({"constraints.v={bounds: configuration, from: urdf}"}), "");
+}
+
 TEST_F(Findings, LimitsOfTheUrdfAreWatchedUnasked) {
   load("arm_reach");
   Trajectory motion = built_->guess;

@@ -184,7 +184,8 @@ class Watch {
     for (const auto& [name, pull] : pulls_) {
       Finding f{FindingKind::pull, name, pull.value, pull.impulse ? "Ns" : "N"};
       f.message = fmt::format("the contact '{}' pulls with {:.3g} {}", name, f.value, f.unit);
-      f.remedy = "a constraint or cost 'friction_cone' on it, or 'min_normal_force'";
+      if (!names_.within_cones)
+        f.remedy = "a constraint or cost 'friction_cone' on it, or 'min_normal_force'";
       add(std::move(f), pull.knot);
     }
   }
@@ -196,11 +197,17 @@ class Watch {
     f.message = fmt::format("the contact '{}' needs a coefficient of friction of {:.3g}", name,
                             demand.value);
     if (has) f.message += fmt::format(", {:.3g} {}", *has, beyond ? "is what it has" : "are there");
-    if (beyond) {
-      f.remedy = "a constraint or cost 'friction_cone' on it";
-      if (demand.impulse) f.remedy += ", a touch-down with less speed along the ground";
-    }
+    if (beyond) f.remedy = remedy_of_demand(demand.impulse);
     add(std::move(f), demand.knot);
+  }
+
+  /// Cones that the file has are violated.
+  std::string remedy_of_demand(bool impulse) const {
+    std::string remedy = names_.within_cones ? "" : "a constraint or cost 'friction_cone' on it";
+    if (impulse)
+      remedy +=
+          std::string(remedy.empty() ? "" : ", ") + "a touch-down with less speed along the ground";
+    return remedy;
   }
 
   /// A contact that comes to be held with the velocity v moves on by v h (1 − r)/r, r = kd h, since

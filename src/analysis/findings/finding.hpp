@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -44,6 +45,10 @@ struct FindingNames {
   /// What the rows of a constraint are about, by its name, with the prefix "terminal/" at the
   /// terminal node: pairs of shapes.
   std::map<std::string, std::vector<std::string>> rows;
+  /// Quantities that the URDF's limits bound throughout: "configuration", "velocity", "control".
+  std::set<std::string> bounded;
+  /// Whether constraints hold the forces of all contacts within their friction cones.
+  bool within_cones = false;
 };
 
 }  // namespace conddp

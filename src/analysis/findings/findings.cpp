@@ -143,7 +143,9 @@ class Search {
       const Limited& of = limited_[i];
       f.message = fmt::format("the {} of '{}' is beyond its limit of {:.4g} {} by {:.3g}", of.what,
                               f.subject, of.limit, of.unit, f.value);
-      f.remedy = fmt::format("constraints: {{NAME: {{bounds: {}, from: urdf}}}}", of.bounds);
+      // Where the file has these bounds they are violated, and a limit of 0 lets nothing move.
+      if (of.limit != 0 && !names_.bounded.contains(of.bounds))
+        f.remedy = fmt::format("constraints: {{NAME: {{bounds: {}, from: urdf}}}}", of.bounds);
     }
   }
 
@@ -181,7 +183,8 @@ class Search {
     if (beyond) {
       f.message = fmt::format("{} is {:.3g} {} beyond its limit of {:.3g}", name, effort.beyond,
                               effort.unit, effort.limit);
-      f.remedy = "constraints: {NAME: {bounds: control, from: urdf}}";
+      if (!names_.bounded.contains("control"))
+        f.remedy = "constraints: {NAME: {bounds: control, from: urdf}}";
     } else {
       f.message = fmt::format("{} is at its limit of {:.3g} {} for {:.3g} s of {:.3g} s", name,
                               effort.limit, effort.unit, effort.seconds, effort.all);
@@ -307,7 +310,19 @@ class Search {
     f->message =
         fmt::format("'{}' is violated by {:.3g}{} between knots {} and {}, by {:.1e} at knots",
                     c.term->name, off, offender(c, values), c.node, c.node + 1, usual);
-    f->remedy = "more knots, or wider distances";
+    f->remedy = jumps_through(c, off)
+                    ? "another first guess, or many of them (solver.restarts): the motion jumps "
+                      "through what it should go around"
+                    : "more knots, or wider distances";
+  }
+
+  /// Whether a row is violated so far that the way from knot to knot leads through: by a good part
+  /// of its bound, which of a distance from a centre is the radius of what is there.
+  static bool jumps_through(const NodeConstraint& c, double off) {
+    constexpr double kDeep = 0.3;
+    for (int i = 0; i < c.term->rows; ++i)
+      if (c.lower[i] > 0 && std::isinf(c.upper[i]) && off > kDeep * c.lower[i]) return true;
+    return false;
   }
 
   /// " m by forearm - table", where rows have names.

@@ -17,8 +17,31 @@ bool is_of_shapes(const ConstraintSpec& constraint) {
   return !constraint.bounded && constraint.function.definition->needs.shapes;
 }
 
+/// Whether a constraint is not limited to some phases or knots.
+bool holds_throughout(const ConstraintSpec& c) { return !c.function.phases && !c.function.knots; }
+
+/// What the file asks for by itself, so that findings need not advise it.
+void note_constraints(const ProblemSpec& spec, FindingNames& names) {
+  for (const ControlBoundsSpec& c : spec.control_bounds)
+    if (c.from_urdf && !c.phases) names.bounded.insert("control");
+  for (const ConstraintSpec& c : spec.constraints) {
+    if (!holds_throughout(c)) continue;
+    if (c.bounded && c.from_urdf) {
+      const bool state = c.bounded->value == BoundedQuantity::kState;
+      if (state || c.bounded->value == BoundedQuantity::kConfiguration)
+        names.bounded.insert("configuration");
+      if (state || c.bounded->value == BoundedQuantity::kVelocity) names.bounded.insert("velocity");
+      if (c.bounded->value == BoundedQuantity::kControl) names.bounded.insert("control");
+    }
+    if (!c.bounded && c.function.definition->name == "friction_cone" &&
+        !c.function.keys.has("contacts"))
+      names.within_cones = true;
+  }
+}
+
 FindingNames names_of(const ProblemSpec& spec, const BuiltProblem& built) {
   FindingNames names;
+  note_constraints(spec, names);
   for (const ContactSpec& contact : spec.contacts)
     names.friction[contact.name.value] = contact.friction;
   Diagnostics found_when_built;
