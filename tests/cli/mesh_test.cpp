@@ -53,6 +53,18 @@ INSTANTIATE_TEST_SUITE_P(
                       MeshCase{"driven_growth", "only", -0.256996962561, 1e-5, 2e-5}),
     [](const auto& tested) { return std::string(tested.param.problem); });
 
+TEST(MeshLimits, StepsOfFirstOrderAreAdvisedAHigherOne) {
+  const TemporaryFolder folder;
+  const auto solve = [&](const std::string& integrator) {
+    return run_conddp({"solve", source("problems/collection/scalar_regulator.yaml"), "--set",
+                       "integrator=" + integrator, "--set", "phases.only.knots=5", "--set",
+                       "mesh={error: 1.0e-9, rounds: 2}", "-o", folder.path()})
+        .out;
+  };
+  EXPECT_NE(solve("explicit_euler").find("; try an integrator of higher order"), std::string::npos);
+  EXPECT_EQ(solve("rk2").find("; try an integrator of higher order"), std::string::npos);
+}
+
 TEST(MeshLimits, AGridThatIsTooCoarseIsNoSuccess) {
   const TemporaryFolder folder;
   const ProcessResult result =

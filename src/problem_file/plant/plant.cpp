@@ -73,6 +73,13 @@ std::optional<int> find_frame(const RobotModel& robot, const Name& name, const s
   return frame;
 }
 
+/// Whether a frame is that of a planar joint, which moves as three joints of its name.
+bool moves_as_three(const RobotModel& robot, const Frame& frame) {
+  const auto last = robot.find_joint(frame.name + "_yaw");
+  return last && frame.joint == *last && robot.find_joint(frame.name + "_x") &&
+         robot.find_joint(frame.name + "_y");
+}
+
 std::optional<int> find_joint(const RobotModel& robot, const Name& name, const std::string& prefix,
                               Diagnostics& out) {
   const std::string full = prefix + name.value;
@@ -86,6 +93,10 @@ std::optional<int> find_joint(const RobotModel& robot, const Name& name, const s
   else if (joint)
     out.error(name.place, fmt::format("the joint '{}' follows another one", full),
               "name the joint that it mimics, or write 'mimic: ignore'");
+  else if (const auto planar = robot.find_frame(full);
+           planar && moves_as_three(robot, robot.frames[*planar]))
+    out.error(name.place, fmt::format("the planar joint '{}' moves as three joints", full),
+              fmt::format("name '{0}_x', '{0}_y' and '{0}_yaw'", name.value));
   else if (const auto frame = robot.find_frame(full);
            frame && robot.frames[*frame].kind == FrameKind::joint)
     out.error(name.place, fmt::format("the joint '{}' does not move: it is fixed or locked", full),
