@@ -284,7 +284,7 @@ TEST(Solve, AnInterruptedAnswerOfALongHorizonIsWritten) {
 TEST(Solve, AnInterruptedAnswerThatTakesLongToWriteIsLeftOut) {
   const TemporaryFolder folder;
   const ProcessResult r =
-      run_conddp({"solve", kPendulum, "--set", "phases.0.knots=1200000", "-v", "-o", folder.path()},
+      run_conddp({"solve", kPendulum, "--set", "phases.0.knots=1000000", "-v", "-o", folder.path()},
                  {.signal = SIGTERM, .signal_after = "\n    0 "});
   EXPECT_EQ(r.exit_code, 128 + SIGTERM) << r.err;
   EXPECT_NE(r.err.find("conddp: interrupted; there was no time to write an answer\n"),
