@@ -359,9 +359,8 @@ TEST(GainsOfASweep, ThatDoNotHoldAreToldWithTheirKnotAndControl) {
     for (Eigen::MatrixXd& K : sweep.claims.gains) K.setZero();
     for (Eigen::VectorXd& d : sweep.claims.feedforward) d.setZero();
     sweep.derivatives[k].cost[1] = 3;
-    const auto checks =
-        check_gains(*sweep.lq.problem, sweep.claims, sweep.derivatives, sweep.hessians, sweep.gap,
-                    sweep.policy());
+    const auto checks = check_gains(*sweep.lq.problem, sweep.claims, sweep.derivatives,
+                                    sweep.hessians, sweep.gap, sweep.policy());
     ASSERT_EQ(checks.size(), 2u);
     EXPECT_TRUE(checks[0].holds);
     EXPECT_FALSE(checks[1].holds);

@@ -8,18 +8,7 @@
 namespace conddp {
 namespace {
 
-constexpr std::string_view kShared = R"(conddp: 1
-robot: {urdf: robots/quadruped.urdf, base: floating}
-contacts:
-  LF: {frame: lf_foot}
-  RF: {frame: rf_foot}
-  LH: {frame: lh_foot}
-  RH: {frame: rh_foot}
-initial_state:
-  base: {position: [0, 0, 0.57]}
-  joints: {LF_HFE: 0.75, LF_KFE: -1.5, RF_HFE: 0.75, RF_KFE: -1.5,
-           LH_HFE: -0.75, LH_KFE: 1.5, RH_HFE: -0.75, RH_KFE: 1.5}
-phases:
+const std::string kShared = kStandingQuadruped + R"(phases:
   - {name: stand, knots: 2, dt: 0.02, contacts: all}
   - {name: lift, knots: 2, dt: 0.02, contacts: [LH, RH, LF]}
   - {name: pair, knots: 2, dt: 0.02, contacts: [RF, LH]}
@@ -43,7 +32,7 @@ const CostTerm* shared_cost(const KnotView& view) {
 }
 
 TEST(ContactExpressions, CountWhereAllContactsThatTheyReadAreHeld) {
-  const Loaded loaded{std::string(kShared)};
+  const Loaded loaded(kShared);
   ASSERT_TRUE(loaded.built) << loaded.all();
   const ShootingProblem& problem = *loaded.built->problem;
   const auto is_on = [&](int k) {
@@ -84,7 +73,7 @@ AtKnot at_knot(const Loaded& loaded, int k) {
 }
 
 TEST(ContactExpressions, ReadTheForcesOfTheirContactsInEverySystem) {
-  const Loaded loaded{std::string(kShared)};
+  const Loaded loaded(kShared);
   ASSERT_TRUE(loaded.built) << loaded.all();
   // All four are held first, then RF and LH.
   for (const auto& [knot, front, hind] : {std::tuple{0, 1, 2}, {4, 0, 1}}) {
@@ -97,7 +86,7 @@ TEST(ContactExpressions, ReadTheForcesOfTheirContactsInEverySystem) {
 }
 
 TEST(ContactExpressions, HaveTheDerivativesOfTheirDifferences) {
-  const Loaded loaded{std::string(kShared)};
+  const Loaded loaded(kShared);
   ASSERT_TRUE(loaded.built) << loaded.all();
   for (const DerivativeComparison& derivative :
        check_derivatives(*loaded.built->problem, loaded.built->guess, {.knots_per_phase = 2}))

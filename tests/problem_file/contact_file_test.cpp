@@ -9,18 +9,7 @@
 namespace conddp {
 namespace {
 
-constexpr std::string_view kStepping = R"(conddp: 1
-robot: {urdf: robots/quadruped.urdf, base: floating}
-contacts:
-  LF: {frame: lf_foot}
-  RF: {frame: rf_foot}
-  LH: {frame: lh_foot}
-  RH: {frame: rh_foot}
-initial_state:
-  base: {position: [0, 0, 0.57]}
-  joints: {LF_HFE: 0.75, LF_KFE: -1.5, RF_HFE: 0.75, RF_KFE: -1.5,
-           LH_HFE: -0.75, LH_KFE: 1.5, RH_HFE: -0.75, RH_KFE: 1.5}
-phases:
+const std::string kStepping = kStandingQuadruped + R"(phases:
   - {name: stand, knots: 5, dt: 0.02, contacts: all}
   - {name: lift, knots: 10, dt: 0.02, contacts: [LF, LH, RH]}
   - {name: rest, knots: 5, dt: 0.02, contacts: all}
@@ -128,7 +117,7 @@ CostAt cost_at(const ShootingProblem& problem, int k, const std::string& name) {
 }
 
 TEST(Swing, LeadsFromTheStanceOverAnArchToTheTouchDown) {
-  const Loaded loaded{std::string(kStepping)};
+  const Loaded loaded(kStepping);
   ASSERT_TRUE(loaded.built) << loaded.all();
   const ShootingProblem& problem = *loaded.built->problem;
   const int frame = *loaded.built->plant.robot().find_frame("rf_foot");

@@ -44,6 +44,20 @@ initial_state: {configuration: up}
 phases: [{name: only, knots: 5, dt: 0.1}]
 )";
 
+/// The beginning of problems of a quadruped that stands on four feet.
+inline const std::string kStandingQuadruped = R"(conddp: 1
+robot: {urdf: robots/quadruped.urdf, base: floating}
+contacts:
+  LF: {frame: lf_foot}
+  RF: {frame: rf_foot}
+  LH: {frame: lh_foot}
+  RH: {frame: rh_foot}
+initial_state:
+  base: {position: [0, 0, 0.57]}
+  joints: {LF_HFE: 0.75, LF_KFE: -1.5, RF_HFE: 0.75, RF_KFE: -1.5,
+           LH_HFE: -0.75, LH_KFE: 1.5, RH_HFE: -0.75, RH_KFE: 1.5}
+)";
+
 /// The text with the first occurrence of `from` replaced, which must be there.
 inline std::string replaced(std::string_view text, std::string_view from, std::string_view to) {
   std::string result(text);
