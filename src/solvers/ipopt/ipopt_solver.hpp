@@ -88,6 +88,7 @@ class IpoptSolver {
   void sweep_at_answer();
 
   bool alternation_pays() const;
+  bool rows_are_few() const;
   bool knows_multipliers() const;
   bool newton_is_enough(const Trajectory& start);
   bool note(const InteriorPointIterate& iterate);
