@@ -22,7 +22,7 @@ class Plant {
       : mpc_(mpc),
         options_(options),
         result_(result),
-        law_{mpc, options.plant.empty() ? nullptr : options.plant.front().problem.get(), {}},
+        law_{mpc, options.plant, {}},
         motions_(options.plant, options.step, mpc.time_line()),
         appraisal_(mpc.time_line(), options.finds_contacts()),
         stop_(options.stop) {
@@ -58,12 +58,15 @@ class Plant {
  private:
   struct Law {
     Mpc& mpc;
-    const ShootingProblem* actuators;  ///< whose bounds the plant has; null: those of the model
+    std::span<const PlantPeriod> periods;
     Eigen::VectorXd u;
     const double* control(double time, const double* state) {
       u = mpc.control(time, state);
-      const int k = mpc.time_line().at(mpc.line_time(time)).knot;
-      if (actuators != nullptr) clip_control(*actuators->knot(k).model, u);
+      // The model's own bounds have been met.
+      if (const PlantPeriod* now = period_at(periods, time); now != nullptr && now->problem) {
+        const int k = mpc.time_line().at(mpc.line_time(time)).knot;
+        clip_control(*now->problem->knot(k).model, u);
+      }
       return u.data();
     }
     double next_change(double time) const { return mpc.next_change(time); }

@@ -5,6 +5,13 @@
 
 namespace conddp {
 
+const PlantPeriod* period_at(std::span<const PlantPeriod> periods, double time) {
+  const PlantPeriod* current = nullptr;
+  for (const PlantPeriod& period : periods)
+    if (current == nullptr || !is_before(time, period.from)) current = &period;
+  return current;
+}
+
 PlantMotions::PlantMotions(std::span<const PlantPeriod> periods, const StepRule& step,
                            const TimeLine& model) {
   if (periods.empty()) add(0, std::make_shared<Simulation>(model, step));

@@ -16,6 +16,9 @@ struct PlantPeriod {
   std::shared_ptr<PlantMotion> motion = nullptr;  ///< in place of the problem's systems
 };
 
+/// The period in which a time lies, of periods in order; null: there are none.
+const PlantPeriod* period_at(std::span<const PlantPeriod> periods, double time);
+
 /// How a plant moves, period by period.
 class PlantMotions {
  public:

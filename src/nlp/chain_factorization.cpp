@@ -12,9 +12,9 @@ constexpr int kScalingPasses = 2;
 /// A search is repeated from its far end while that makes the chain longer, at most this often.
 constexpr int kSearches = 8;
 
-/// The neighbours of each unknown, without itself.
+/// The neighbors of each unknown, without itself.
 struct Graph {
-  std::vector<int> first, neighbours;
+  std::vector<int> first, neighbors;
 
   Graph(int size, int entries, const int* rows, const int* columns)
       : first(static_cast<std::size_t>(size) + 1, 0) {
@@ -24,10 +24,10 @@ struct Graph {
       ++first[static_cast<std::size_t>(columns[e]) + 1];
     }
     for (std::size_t i = 1; i < first.size(); ++i) first[i] += first[i - 1];
-    neighbours.resize(static_cast<std::size_t>(first.back()));
+    neighbors.resize(static_cast<std::size_t>(first.back()));
     std::vector<int> next(first.begin(), first.end() - 1);
     const auto add = [&](int from, int to) {
-      neighbours[static_cast<std::size_t>(next[static_cast<std::size_t>(from)]++)] = to;
+      neighbors[static_cast<std::size_t>(next[static_cast<std::size_t>(from)]++)] = to;
     };
     for (int e = 0; e < entries; ++e) {
       if (rows[e] == columns[e]) continue;
@@ -38,13 +38,13 @@ struct Graph {
 
   std::span<const int> of(int unknown) const {
     const auto i = static_cast<std::size_t>(unknown);
-    return {neighbours.data() + first[i], static_cast<std::size_t>(first[i + 1] - first[i])};
+    return {neighbors.data() + first[i], static_cast<std::size_t>(first[i + 1] - first[i])};
   }
 };
 
 using Levels = std::vector<std::vector<int>>;
 
-/// The levels of a search from an unknown: itself, its neighbours, theirs, ... `seen` is -1 for
+/// The levels of a search from an unknown: itself, its neighbors, theirs, ... `seen` is -1 for
 /// unknowns that no search has met, and becomes `mark` for those of this one.
 Levels search(const Graph& graph, int start, std::vector<int>& seen, int mark) {
   Levels levels = {{start}};
@@ -52,11 +52,11 @@ Levels search(const Graph& graph, int start, std::vector<int>& seen, int mark) {
   while (true) {
     std::vector<int> next;
     for (const int unknown : levels.back())
-      for (const int neighbour : graph.of(unknown)) {
-        int& met = seen[static_cast<std::size_t>(neighbour)];
+      for (const int neighbor : graph.of(unknown)) {
+        int& met = seen[static_cast<std::size_t>(neighbor)];
         if (met == mark) continue;
         met = mark;
-        next.push_back(neighbour);
+        next.push_back(neighbor);
       }
     if (next.empty()) return levels;
     levels.push_back(std::move(next));

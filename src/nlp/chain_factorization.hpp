@@ -11,7 +11,7 @@
 namespace conddp {
 
 /// The unknowns of a sparse symmetric system in groups, each of which is coupled with itself and
-/// its neighbours alone: a block tridiagonal matrix. Groups are the levels of a breadth-first
+/// its neighbors alone: a block tridiagonal matrix. Groups are the levels of a breadth-first
 /// search (George, Liu: Computer Solution of Large Sparse Positive Definite Systems, 1981). For a
 /// horizon these follow its knots, whatever the order of the unknowns.
 struct Chain {
@@ -30,7 +30,7 @@ struct Chain {
 /// group and the next one, eliminates the first as far as pivots are large enough, and hands on the
 /// rest. The matrix is scaled before, by powers of 2, so that the largest entry of each row is near
 /// 1 (Ruiz: A scaling algorithm to equilibrate both rows and columns norms in matrices, 2001).
-/// Nothing is allocated between factorizations, unless more pivots wait than ever before.
+/// Factorizations of one structure share their memory.
 class ChainFactorization final : public SymmetricFactorization {
  public:
   static std::unique_ptr<SymmetricFactorization> make();

@@ -591,6 +591,25 @@ TEST(ClosedLoop, HasAPlantThatIsNotTheModel) {
   EXPECT_NE(heavier.last_state, model.last_state);
 }
 
+TEST(ClosedLoop, ClipsControlsAtTheBoundsOfThePeriodThatThePlantIsIn) {
+  Trouble trouble;
+  const auto with_bounds = [](double most) {
+    return shared(testing::tracking_problem(
+        cartpole({}), Integrator::rk4, 40, 0.05, {0.3, M_PI - 0.3, 0, 0},
+        {{0, M_PI, 0, 0}, {1, 10, 0.1, 0.1}, {0.1}, {10, 100, 10, 10}}, -most, most));
+  };
+  constexpr double kChange = 0.5;
+  trouble.loop.plant = {{0, with_bounds(3)}, {kChange, with_bounds(0.2)}};
+  const auto result = trouble.run();
+  double before = 0, after = 0;
+  for (const PlantStep& step : result.steps) {
+    double& largest = step.time < kChange - 1e-9 ? before : after;
+    largest = std::max(largest, std::abs(step.u[0]));
+  }
+  EXPECT_EQ(before, 3);
+  EXPECT_EQ(after, 0.2);
+}
+
 TEST(Mpc, SaysWhichOptionsItCannotTake) {
   const auto problem = testing::balanced_cartpole();
   const Trajectory guess = problem->create_trajectory();

@@ -87,7 +87,7 @@ std::vector<NodeNoise> noise_of(const SweepModel& here, const SweepModel& there,
 
 /// The stage of a knot, and what the answer's gains leave of its equations.
 struct SweepStage {
-  MatrixXd Q, Quu;  ///< nz x nz; nu x nu with the regularisation of the gains
+  MatrixXd Q, Quu;  ///< nz x nz; nu x nu with the regularization of the gains
   VectorXd q;
   MatrixXd left;       ///< Quu K + Qux
   VectorXd step_left;  ///< Quu k + qu

@@ -7,10 +7,8 @@ namespace {
 
 /// The problem whose systems move the plant at a time.
 const ShootingProblem& moving_problem(const LoopTask& task, double time) {
-  const ShootingProblem* problem = task.built.problem.get();
-  for (const PlantPeriod& period : task.mpc.loop.plant)
-    if (period.problem != nullptr && !is_before(time, period.from)) problem = period.problem.get();
-  return *problem;
+  const PlantPeriod* period = period_at(task.mpc.loop.plant, time);
+  return period != nullptr && period->problem ? *period->problem : *task.built.problem;
 }
 
 void copy_forces(const std::vector<double>& found, int row, ContactForces& to) {

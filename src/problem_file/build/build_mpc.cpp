@@ -505,12 +505,13 @@ void check_condition(const ConstraintSpec& condition, Diagnostics& out) {
 /// Conditions that end the loop, as the last node of a problem that has no other constraints.
 std::optional<StopCondition> stop_condition(const ProblemSpec& spec, const BuiltProblem& built,
                                             Diagnostics& out) {
-  for (const ConstraintSpec& condition : spec.mpc->stop_when) check_condition(condition, out);
-  for (const ConstraintSpec& condition : spec.mpc->stop_when)
+  for (const ConstraintSpec& condition : spec.mpc->stop_when) {
+    check_condition(condition, out);
     if (changes_with_time(condition, spec, built, out))
       out.error(condition.function.name.place,
                 "a condition that ends the loop does not change with time",
                 "give it one reference, and rows without 't'");
+  }
   ProblemSpec alone = spec;
   alone.constraints.clear();
   alone.terminal_costs.clear();
@@ -552,7 +553,7 @@ void check_plant(const MpcSpec& mpc, const BuiltProblem& built, const StepRule& 
 /// Every structure of windows has a solver of its own while the loop lasts.
 void check_memory_of_windows(const ProblemSpec& spec, const BuiltProblem& built,
                              const BuiltMpc& loop, Diagnostics& out) {
-  // A solver that is kept has room for exact Hessians and retries, and a window for two plans; of
+  // A solver that is kept can take exact Hessians and retries, and a window holds two plans; of
   // legged robots all that was seen to take 1.4 to 3.5 times as much as one solve.
   constexpr double kOfASolve = 3;
   const WindowCount count = count_windows(built.problem, loop.controller, loop.loop.duration);

@@ -76,7 +76,7 @@ double ViolationSlope::share(const Eigen::VectorXd& gradient, const Trajectory& 
 }
 
 /// What the best step along the steepest descent of the controls without a bound on their way takes
-/// of ‖d‖². `gradient` is that of ½‖d‖², and the linearisation the one that it is of.
+/// of ‖d‖². `gradient` is that of ½‖d‖², and the linearization the one that it is of.
 double ViolationSlope::free_share(const Eigen::VectorXd& gradient, const Trajectory& trajectory) {
   double squared = 0;
   for (int k = 0; k < bounds_.knots(); ++k)

@@ -36,7 +36,7 @@ class Globalization {
   void begin_minimization();
   /// One step. False, with the status in the record, where there is none or the solve ends.
   bool step();
-  /// What a full step without regularisation would gain of the cost in the quadratic model; 0 where
+  /// What a full step without regularization would gain of the cost in the quadratic model; 0 where
   /// that has no minimum.
   double newton_gain();
   /// The gains of the iterate itself, without regularisation if possible, and that; none where no

@@ -1,4 +1,4 @@
-#include "problem_file/read/unused_names.hpp"
+#include "problem_file/document/unused_names.hpp"
 
 #include <set>
 #include <string>

@@ -1,4 +1,4 @@
-#include "problem_file/read/free_parameters.hpp"
+#include "problem_file/document/free_parameters.hpp"
 
 #include <algorithm>
 #include <iterator>

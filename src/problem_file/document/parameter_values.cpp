@@ -1,9 +1,9 @@
-#include "problem_file/read/parameter_values.hpp"
+#include "problem_file/document/parameter_values.hpp"
 
 #include <fmt/format.h>
 
-#include "problem_file/read/free_parameters.hpp"
-#include "problem_file/read/unused_names.hpp"
+#include "problem_file/document/free_parameters.hpp"
+#include "problem_file/document/unused_names.hpp"
 #include "problem_file/spec/expression_source.hpp"
 #include "problem_file/yaml/key_path.hpp"
 #include "systems/expressions/parser.hpp"
