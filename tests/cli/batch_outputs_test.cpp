@@ -153,17 +153,20 @@ solver: {name: altro}
   const ProcessResult r =
       run_conddp({"batch", "run",
                   plan("vary:\n  start: {key: initial_state.base.position, values: [[0, 0, 1], "
-                       "[0.1, 0, 2]]}\n  word: {key: integrator, values: [semi_implicit_euler]}\n"),
+                       "[0.1, 0, 2]]}\n  word: {key: integrator, values: [semi_implicit_euler]}\n"
+                       "  rest: {key: costs.rest, values: [{residual: state, weight: 0.1}]}\n"),
                   "-o", run});
   EXPECT_EQ(r.exit_code, 0) << r.err << r.out;
   const std::string script = folder_.write("lists.py", R"(
 import sys, h5py, numpy
 shape = h5py.File(sys.argv[1])["shape_1"]
 names = lambda array, key: [text.decode() for text in shape[array].attrs[key]]
-assert names("parameters", "names") == ["start.0", "start.1", "start.2", "word"]
+assert names("parameters", "names") == ["start.0", "start.1", "start.2", "word", "rest.weight"]
 assert names("parameters", "keys")[1] == "initial_state.base.position.1"
 assert shape["parameters"][1, :3].tolist() == [0.1, 0, 2], shape["parameters"][:]
 assert numpy.isnan(shape["parameters"][:, 3]).all()
+assert shape["parameters"][:, 4].tolist() == [0.1, 0.1], shape["parameters"][:]
+assert names("parameters", "keys")[4] == "costs.rest.weight"
 assert list(shape["solver"]) == [b"altro"] * 2, list(shape["solver"])
 assert list(shape["problem"]) == [b"../swing.yaml"] * 2, list(shape["problem"])
 tangents = ["base/x", "base/y", "base/z", "base/rx", "base/ry", "base/rz", "q/turn"]
@@ -173,6 +176,62 @@ assert len(names("K", "tangents")) == shape["K"].shape[3] == 14
 gate = shape["multiplier_gate"][:]
 assert gate.shape == (2, 11, 1), gate.shape
 assert numpy.isfinite(gate[:, [3, 5]]).all() and numpy.isnan(gate[:, [0, 1, 2, 4, 6, 10]]).all()
+)");
+  const std::string log = folder_.path() / "log";
+  EXPECT_TRUE(python(script, {run + "/dataset.h5"}, log)) << read_file(log);
+}
+
+TEST_F(Batch, TheDataSetHasTheNamesOfThousandsOfParameters) {
+  if (!kHasHdf5) GTEST_SKIP() << "h5py is not there";
+  constexpr int kPoints = 3000;
+  std::string points = "[0", values = "[0.5";
+  for (int i = 1; i < kPoints; ++i) {
+    points += "," + std::to_string(i);
+    values += ",0.5";
+  }
+  const std::string run = folder_.path() / "long";
+  folder_.write("swing.yaml",
+                kBatchSwing + std::string("tables: {w: {points: [0, 1], values: [1, 1]}}\n"));
+  const std::string rest = "vary: {table: {key: tables.w, values: [{points: " + points +
+                           "], values: " + values + "]}]}}\n";
+  const ProcessResult r = run_conddp({"batch", "run", plan(rest), "-o", run});
+  EXPECT_EQ(r.exit_code, 0) << r.err << r.out;
+  const std::string script = folder_.write("long.py", R"(
+import sys, h5py
+parameters = h5py.File(sys.argv[1])["shape_1"]["parameters"]
+names = list(parameters.attrs["names"])
+assert len(names) == 6000 and names[3001] == b"table.values.1", names[3001]
+assert parameters[0, 2999] == 2999 and parameters[0, 3001] == 0.5
+)");
+  const std::string log = folder_.path() / "log";
+  EXPECT_TRUE(python(script, {run + "/dataset.h5"}, log)) << read_file(log);
+}
+
+TEST_F(Batch, ControlsOfTheDataSetAreNoneOfWhatTheFirstKnotChooses) {
+  if (!kHasHdf5) GTEST_SKIP() << "h5py is not there";
+  folder_.write("swing.yaml", R"(conddp: 1
+system: {type: pendulum}
+initial_state: {}
+phases:
+  - {name: start, choose: all, lower: -1, upper: 1}
+  - {name: go, knots: 10, duration: 1, free_duration: {lower: 0.5, upper: 2}}
+costs:
+  effort: {residual: control}
+  rest: {residual: state, reference: {values: {theta: 0.5}}}
+constraints: {torque: {bounds: control, lower: -2, upper: 2}}
+solver: {name: altro}
+)");
+  const std::string run = folder_.path() / "chosen";
+  const ProcessResult r = run_conddp({"batch", "run", plan(""), "-o", run});
+  EXPECT_EQ(r.exit_code, 0) << r.err << r.out;
+  const std::string script = folder_.write("chosen.py", R"(
+import sys, h5py, numpy
+shape = h5py.File(sys.argv[1])["shape_1"]
+for name in ("u", "k", "K", "control_lower", "control_upper"):
+    array = shape[name][0]
+    assert len(array) == 11, (name, array.shape)
+    assert numpy.isnan(array[0]).all() and numpy.isfinite(array[1:]).all(), (name, array)
+assert shape["t"][0, 1] == 0 and shape["x"][0, 1, 0] > 0.01, shape["x"][0]
 )");
   const std::string log = folder_.path() / "log";
   EXPECT_TRUE(python(script, {run + "/dataset.h5"}, log)) << read_file(log);

@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "batch/plan/value_leaves.hpp"
 #include "batch/results/hdf5_file.hpp"
 #include "batch/results/item_files.hpp"
 
@@ -36,60 +37,74 @@ void fill(const OrderedJson& json, std::span<const std::size_t> shape, double* o
     fill(json[i], shape.subspan(1), out + i * stride);
 }
 
+/// What the first index of an item's array counts.
+enum class Rows { kOther, kControls };
+
 /// An array of a group, and where a solution has its row.
 struct ArrayOfItems {
   Hdf5File::Handle handle = -1;
   Shape shape;
   OrderedJson::json_pointer place;
+  Rows rows = Rows::kOther;
 };
 
-/// What was varied, as numbers: a column for each key, or one for each number of its lists.
+/// Whether the first knot has no control: it takes no time, and its numbers say what the solver
+/// chooses.
+bool begins_with_choice(const OrderedJson& solution) {
+  const OrderedJson& trajectory = solution.at("trajectory");
+  const OrderedJson& t = trajectory.at("t");
+  return trajectory.at("phases").at(0).at("knots") == 1 && t.at(1) == t.at(0);
+}
+
+/// What was varied, as numbers: a column for each key, or for each number in its lists and
+/// mappings.
 class Parameters {
  public:
-  explicit Parameters(const Manifest& manifest) : widths_(manifest.columns.size(), 0) {
+  explicit Parameters(const Manifest& manifest) : columns_(manifest.columns.size()) {
     for (const ManifestItem& item : manifest.items)
-      for (std::size_t c = 0; c < widths_.size(); ++c)
-        if (const OrderedJson value = OrderedJson::parse(item.values[c]); is_list_of_numbers(value))
-          widths_[c] = std::max(widths_[c], value.size());
-    for (std::size_t c = 0; c < widths_.size(); ++c) add(manifest.columns[c], widths_[c]);
+      for (std::size_t c = 0; c < columns_.size(); ++c)
+        for (const ValueLeaf& leaf : leaves_of(item.values[c]))
+          if (leaf.value.is_number()) columns_[c].add(leaf.path);
+    for (std::size_t c = 0; c < columns_.size(); ++c) {
+      if (columns_[c].paths.empty()) columns_[c].add("");  // texts alone
+      columns_[c].first = names_.size();
+      for (const std::string& path : columns_[c].paths) {
+        names_.push_back(behind(manifest.columns[c].name, path));
+        keys_.push_back(behind(manifest.columns[c].key, path));
+      }
+    }
   }
 
   const Names& names() const { return names_; }
   const Names& keys() const { return keys_; }
 
-  /// NaN for what is no number, and behind the end of a list.
+  /// NaN for what is no number, and for what the item's values do not have.
   std::vector<double> of(const ManifestItem& item) const {
     std::vector<double> numbers(names_.size(), kNone);
-    double* out = numbers.data();
-    for (std::size_t c = 0; c < widths_.size(); ++c) {
-      const OrderedJson value = OrderedJson::parse(item.values[c]);
-      if (is_list_of_numbers(value))
-        fill(value, std::span(&widths_[c], 1), out);
-      else
-        fill(value, {}, out);
-      out += std::max<std::size_t>(1, widths_[c]);
-    }
+    for (std::size_t c = 0; c < columns_.size(); ++c)
+      for (const ValueLeaf& leaf : leaves_of(item.values[c]))
+        if (leaf.value.is_number())
+          numbers[columns_[c].first + columns_[c].indices.at(leaf.path)] = leaf.value.get<double>();
     return numbers;
   }
 
  private:
-  static bool is_list_of_numbers(const OrderedJson& value) {
-    return value.is_array() && std::all_of(value.begin(), value.end(),
-                                           [](const OrderedJson& v) { return v.is_number(); });
+  /// The numbers of one key, in the order in which items have them.
+  struct Column {
+    std::size_t first = 0;  ///< of all names
+    Names paths;
+    std::map<std::string, std::size_t> indices;  ///< of the paths
+
+    void add(const std::string& path) {
+      if (indices.try_emplace(path, paths.size()).second) paths.push_back(path);
+    }
+  };
+
+  static std::string behind(const std::string& name, const std::string& path) {
+    return path.empty() ? name : name + '.' + path;
   }
 
-  void add(const ManifestColumn& column, std::size_t width) {
-    if (width == 0) {
-      names_.push_back(column.name);
-      keys_.push_back(column.key);
-    }
-    for (std::size_t i = 0; i < width; ++i) {
-      names_.push_back(fmt::format("{}.{}", column.name, i));
-      keys_.push_back(fmt::format("{}.{}", column.key, i));
-    }
-  }
-
-  std::vector<std::size_t> widths_;  ///< of the longest list; 0: no lists
+  std::vector<Column> columns_;
   Names names_, keys_;
 };
 
@@ -131,19 +146,19 @@ class ShapeGroup {
     add("cost", "/cost", {}, {}, {});
     add("t", "/trajectory/t", {nodes}, {}, {"s"});
     add("x", "/trajectory/x", {nodes, x.size()}, x, units.at("x"));
-    add("u", "/trajectory/u", {knots, u.size()}, u, units.at("u"));
+    add("u", "/trajectory/u", {knots, u.size()}, u, units.at("u"), Rows::kControls);
     for (const auto& [contact, rows] : trajectory.at("contact_forces").items())
       add_force(contact, knots, widest(rows));
     const OrderedJson& costates = solution.at("multipliers").at("costates");
     const std::size_t width = widest(costates);
     const Names columns = tangents.size() == width ? tangents : Names();
-    add("k", "/gains/k", {knots, u.size()}, u, units.at("u"));
-    if (const auto K = add("K", "/gains/K", {knots, u.size(), width}, u, {}))
+    add("k", "/gains/k", {knots, u.size()}, u, units.at("u"), Rows::kControls);
+    if (const auto K = add("K", "/gains/K", {knots, u.size(), width}, u, {}, Rows::kControls))
       file_.annotate(*K, "tangents", columns);
     add("costates", "/multipliers/costates", {nodes, width}, columns, {});
     for (const char* bound : {"control_lower", "control_upper"})
       if (solution.at("multipliers").contains(bound))
-        add(bound, std::string("/multipliers/") + bound, {knots, u.size()}, u, {});
+        add(bound, std::string("/multipliers/") + bound, {knots, u.size()}, u, {}, Rows::kControls);
     for (const auto& [constraint, rows] : constraint_rows(solution))
       multipliers_.push_back(
           {constraint,
@@ -163,6 +178,8 @@ class ShapeGroup {
       for (const std::size_t size : array.shape) count *= size;
       std::vector<double> row(count, kNone);
       if (solution.contains(array.place)) fill(solution.at(array.place), array.shape, row.data());
+      if (array.rows == Rows::kControls && begins_with_choice(solution))
+        std::fill_n(row.begin(), count / array.shape[0], kNone);
       file_.append(array.handle, row);
     }
     for (const Multipliers& array : multipliers_)
@@ -234,13 +251,13 @@ class ShapeGroup {
 
   /// An array of numbers of the solution; nothing where it would be empty.
   std::optional<Hdf5File::Handle> add(const std::string& name, const std::string& place,
-                                      const Shape& shape, const Names& columns,
-                                      const Names& units) {
+                                      const Shape& shape, const Names& columns, const Names& units,
+                                      Rows rows = Rows::kOther) {
     if (std::find(shape.begin(), shape.end(), 0u) != shape.end()) return std::nullopt;
     const Hdf5File::Handle handle = file_.add_array(group_, array_name(name), shape);
     file_.annotate(handle, "columns", columns);
     file_.annotate(handle, "units", units);
-    arrays_.push_back({handle, shape, OrderedJson::json_pointer(place)});
+    arrays_.push_back({handle, shape, OrderedJson::json_pointer(place), rows});
     return handle;
   }
 

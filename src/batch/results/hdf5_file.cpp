@@ -61,6 +61,7 @@ class Hdf5Library {
   CONDDP_HDF5_FUNCTION(H5Pcreate);
   CONDDP_HDF5_FUNCTION(H5Pset_chunk);
   CONDDP_HDF5_FUNCTION(H5Pset_fill_time);
+  CONDDP_HDF5_FUNCTION(H5Pset_libver_bounds);
   CONDDP_HDF5_FUNCTION(H5Pset_obj_track_times);
   CONDDP_HDF5_FUNCTION(H5Sclose);
   CONDDP_HDF5_FUNCTION(H5Screate_simple);
@@ -99,7 +100,15 @@ Hdf5File::Hdf5File(const std::filesystem::path& file, std::size_t most_rows)
     : file_(file), temporary_(file.string() + ".partial"), most_rows_(most_rows) {
   hdf5().H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // errors are ours to report
   errno = 0;
-  handle_ = checked(hdf5().H5Fcreate(temporary_.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT));
+  // Attributes may be longer than 64 kB from the format of HDF5 1.8 on.
+  const hid_t creation = hdf5().H5Pcreate(hdf5().variable("H5P_CLS_FILE_CREATE_ID_g")),
+              access = hdf5().H5Pcreate(hdf5().variable("H5P_CLS_FILE_ACCESS_ID_g"));
+  hdf5().H5Pset_obj_track_times(creation, false);
+  hdf5().H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V18);
+  const hid_t created = hdf5().H5Fcreate(temporary_.c_str(), H5F_ACC_TRUNC, creation, access);
+  hdf5().H5Pclose(access);
+  hdf5().H5Pclose(creation);
+  handle_ = checked(created);
 }
 
 Hdf5File::~Hdf5File() {
