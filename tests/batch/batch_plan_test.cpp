@@ -247,9 +247,9 @@ INSTANTIATE_TEST_SUITE_P(
         BadPlan{"keep: {solutions: some}\n", "plan.yaml:3:19: unknown answer 'some'"},
         BadPlan{"vary: {cost: {key: costs.effort.weight, values: [1, 2]}}\n",
                 "plan.yaml:3:8: 'cost' is a column of results.csv already"},
-        BadPlan{
-            "vary: {start: {key: costs.effort.weight, values: [1, 2]}}\nwarm_start: neighbour\n",
-            "plan.yaml:3:8: 'start' is a column of results.csv already"},
+        BadPlan{"vary: {warm_start: {key: costs.effort.weight, values: [1, 2]}}\nwarm_start: "
+                "neighbour\n",
+                "plan.yaml:3:8: 'warm_start' is a column of results.csv already"},
         BadPlan{"vary: {a: {key: costs.effort.weight, uniform: [2, 1], count: 3}}\n",
                 "plan.yaml:3:47: the lower end lies above the upper one"},
         BadPlan{"vary: {a: {sobol: {costs.effort.weight: [2, 1]}, count: 3}}\n",
@@ -347,7 +347,7 @@ TEST(BatchPlan, NoAxisMayHaveTheNameOfAColumnOfResults) {
       EXPECT_TRUE(is_column_of_results(name, batch.manifest->command, batch.manifest->warm_start))
           << name;
   }
-  EXPECT_FALSE(is_column_of_results("start", BatchCommand::kSolve, WarmStart::kNone));
+  EXPECT_FALSE(is_column_of_results("warm_start", BatchCommand::kSolve, WarmStart::kNone));
   EXPECT_FALSE(is_column_of_results("w", BatchCommand::kSolve, WarmStart::kNeighbour));
   EXPECT_FALSE(is_column_of_results("iterations", BatchCommand::kMpc, WarmStart::kNone));
 }
@@ -721,6 +721,17 @@ warm_start: neighbour
 
 TEST(BatchPlan, KeysThatDifferOnlyInOneOfTheProblemsAreReported) {
   PlannedBatch batch("");
+TEST(Neighbours, NumbersInListsAndMappingsHaveTheirDistances) {
+  const PlannedBatch batch(R"(vary:
+  weights: {key: costs.effort.weights, values: [[1], [9], [2], [8], [1.1]]}
+  initial: {key: initial_state.values, values: [{theta: 0.1}, {theta: 1, omega: 1}, {theta: 0.2}]}
+warm_start: neighbour
+)");
+  ASSERT_TRUE(batch.manifest) << batch.error();
+  EXPECT_EQ(parents(*batch.manifest),
+            (std::vector<int>{0, 1, 1, 1, 2, 4, 1, 2, 7, 4, 5, 10, 1, 2, 3}));
+}
+
   std::string other = kSwing;
   other.replace(other.find("{name: second"), 13, "{name: third");
   batch.folder.write("other.yaml", other);

@@ -430,7 +430,7 @@ TEST_F(Batch, AStartFromAFileHasItsMultipliersLikeThatOfSolve) {
   EXPECT_EQ(run(folder).exit_code, 0);
   const auto solved = nlohmann::json::parse(read_file(again + "/solution.json"));
   EXPECT_EQ(column(collected(folder), "iterations"), Words{solved["iterations"].dump()});
-  EXPECT_EQ(column(collected(folder), "start"), Words{"warm"});
+  EXPECT_EQ(column(collected(folder), "warm_start"), Words{"warm"});
   const std::string shown = folder_.path() / "item";
   EXPECT_EQ(
       run_conddp({"batch", "show", folder, ids(folder)[0].substr(0, 4), "-o", shown}).exit_code, 0);
@@ -475,7 +475,7 @@ TEST_F(Batch, AStartFromAFileThatMisleadsIsDropped) {
                     cold = planned("cold", "");
   EXPECT_EQ(run(warm).exit_code, 0);
   EXPECT_EQ(run(cold).exit_code, 0);
-  EXPECT_EQ(column(collected(warm), "start"), Words{"dropped"});
+  EXPECT_EQ(column(collected(warm), "warm_start"), Words{"dropped"});
   EXPECT_EQ(column(collected(warm), "cost"), column(collected(cold), "cost"));
 }
 

@@ -237,7 +237,7 @@ bool is_column_of_results(std::string_view name, BatchCommand command, WarmStart
   if (is_one_of(kColumnsOfItems)) return true;
   if (command == BatchCommand::kMpc) return name == "survived" || is_one_of(kLoopColumns);
   return is_one_of(kColumnsOfSolves) || name.starts_with("violation/") ||
-         (warm_start != WarmStart::kNone && name == "start");
+         (warm_start != WarmStart::kNone && name == "warm_start");
 }
 
 long long BatchPlan::items() const {

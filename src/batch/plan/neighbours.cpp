@@ -3,39 +3,46 @@
 #include <algorithm>
 #include <limits>
 #include <map>
+#include <string>
 #include <unordered_set>
 #include <utility>
 
-#include "base/text/strict_number.hpp"
+#include "batch/plan/value_leaves.hpp"
 
 namespace conddp {
 namespace {
 
-/// Varied values as points, column by column in [0, 1].
+/// Varied values as points, number by number in [0, 1].
 class Points {
  public:
-  explicit Points(const Manifest& manifest) : manifest_(manifest) {
-    const std::size_t columns = manifest.columns.size();
-    numbers_.resize(manifest.items.size() * columns);
-    std::vector<Range> ranges(columns);
+  explicit Points(const Manifest& manifest) : parts_(manifest.items.size()) {
+    std::map<std::string, std::size_t> known;  // parts by their column and place in it
+    std::vector<Range> ranges;
     for (std::size_t i = 0; i < manifest.items.size(); ++i)
-      for (std::size_t c = 0; c < columns; ++c) {
-        const auto number = parse_number(manifest.items[i].values[c]).value;
-        numbers_[i * columns + c] = number.value_or(std::numeric_limits<double>::quiet_NaN());
-        if (number) ranges[c].take(*number);
-      }
+      for (std::size_t c = 0; c < manifest.columns.size(); ++c)
+        for (const ValueLeaf& leaf : leaves_of(manifest.items[i].values[c])) {
+          const std::size_t part =
+              known.try_emplace(std::to_string(c) + '.' + leaf.path, known.size()).first->second;
+          ranges.resize(known.size());
+          parts_[i].push_back(part_of(part, leaf.value));
+          if (leaf.value.is_number()) ranges[part].take(parts_[i].back().number);
+        }
     for (const Range& range : ranges) scales_.push_back(range.scale());
+    for (auto& parts : parts_)
+      std::sort(parts.begin(), parts.end(),
+                [](const Part& a, const Part& b) { return a.index < b.index; });
   }
 
   double squared_distance(std::size_t a, std::size_t b) const {
-    const std::size_t columns = scales_.size();
     double sum = 0;
-    for (std::size_t c = 0; c < columns; ++c) {
-      const double change = scales_[c] * (numbers_[a * columns + c] - numbers_[b * columns + c]);
-      // What is no number leaves NaN.
-      sum += change == change ? change * change : differs(a, b, c);
+    auto other = parts_[b].begin();
+    const auto end = parts_[b].end();
+    for (const Part& part : parts_[a]) {
+      for (; other != end && other->index < part.index; ++other) ++sum;
+      const bool both = other != end && other->index == part.index;
+      sum += both ? squared_distance(part, *other++) : 1;
     }
-    return sum;
+    return sum + static_cast<double>(end - other);
   }
 
  private:
@@ -47,14 +54,26 @@ class Points {
     }
     double scale() const { return upper > lower ? 1 / (upper - lower) : 0; }
   };
+  /// A number or another word of an item.
+  struct Part {
+    std::size_t index = 0;
+    double number = 0;
+    std::string word = {};  ///< empty: it is a number
+  };
 
-  double differs(std::size_t a, std::size_t b, std::size_t column) const {
-    return manifest_.items[a].values[column] == manifest_.items[b].values[column] ? 0 : 1;
+  static Part part_of(std::size_t index, const OrderedJson& value) {
+    if (value.is_number()) return {index, value.get<double>()};
+    return {index, 0, value.dump(-1, ' ', false, OrderedJson::error_handler_t::replace)};
   }
 
-  const Manifest& manifest_;
-  std::vector<double> numbers_;  ///< of the items, row by row; NaN for what is no number
-  std::vector<double> scales_;   ///< of the columns
+  double squared_distance(const Part& a, const Part& b) const {
+    if (a.word != b.word) return 1;
+    const double change = scales_[a.index] * (a.number - b.number);
+    return change * change;
+  }
+
+  std::vector<std::vector<Part>> parts_;  ///< of the items
+  std::vector<double> scales_;            ///< of the parts
 };
 
 }  // namespace

@@ -9,9 +9,10 @@ inline constexpr int kNeighbourBlock = 32;
 
 /// Names the parent of each item of a plan with warm starts: of the items before it in its block
 /// whose problems have the same shape, the one whose varied values are nearest. Distances of
-/// numbers are relative to their range over the whole plan; values of other kinds are the same or
-/// one apart. The first of equal distance counts. Items of a block have one problem file and one
-/// solver. `shapes`: a number for each item, the same where shape_of() is.
+/// numbers, also of those in lists and mappings, are relative to their range over the whole plan;
+/// values of other kinds are the same or one apart. The first of equal distance counts. Items of a
+/// block have one problem file and one solver. `shapes`: a number for each item, the same where
+/// shape_of() is.
 void find_parents(Manifest& manifest, const std::vector<int>& shapes);
 
 /// Items with all that start from them, or from one that does. Both are numbers in their order.

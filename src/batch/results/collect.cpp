@@ -127,7 +127,7 @@ std::vector<std::string> results_header(const Manifest& manifest,
     header.insert(header.end(), std::begin(kLoopColumns), std::end(kLoopColumns));
     return header;
   }
-  if (manifest.warm_start != WarmStart::kNone) header.emplace_back("start");
+  if (manifest.warm_start != WarmStart::kNone) header.emplace_back("warm_start");
   for (const char* name : {"cost", "iterations"}) header.emplace_back(name);
   for (const char* name : kResiduals) header.emplace_back(name);
   for (const std::string& name : constraints) header.push_back(cell("violation/" + name));
@@ -169,7 +169,8 @@ std::string results_csv(const Manifest& manifest, const StoredResults& results) 
       const std::string solver = cell_of(result.answer, "solver");
       row.insert(row.end(), {solver.empty() ? planned_solver : solver, result.status,
                              result.success ? "1" : "0"});
-      if (manifest.warm_start != WarmStart::kNone) row.push_back(cell_of(result.answer, "start"));
+      if (manifest.warm_start != WarmStart::kNone)
+        row.push_back(cell_of(result.answer, "warm_start"));
       for (std::string& value : cells_of(manifest, result.answer, constraints))
         row.push_back(std::move(value));
     } else {

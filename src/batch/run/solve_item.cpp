@@ -134,8 +134,8 @@ SolvedItem solve_item(const ManifestItem& item, const Manifest& manifest,
                  {}};
   if (manifest.warm_start != WarmStart::kNone) {
     out.result.answer["iterations"] = result.iterations + started.dropped_iterations;
-    out.result.answer["start"] = to_string(started.start);
-    if (out.result.success) out.answer = answer_for_neighbours(started, solver, from);
+    out.result.answer["warm_start"] = to_string(started.start);
+    if (out.result.success) out.answer = answer_for_neighbours(started, of_first, from);
   }
   if (is_kept(out.result, manifest.keep)) {
     add_certificate(certificate_json(certificate), document);

@@ -1,12 +1,14 @@
 #include "batch/run/warm_solve.hpp"
 
 #include <algorithm>
+#include <limits>
 
 namespace conddp {
 namespace {
 
-/// A warm start gets no fewer iterations than these.
-constexpr int kLeastTrial = 10;
+/// A warm start gets so many times the iterations of a cold one, and no fewer than these. Many a
+/// start that converges takes somewhat more than the cold start of another item.
+constexpr int kTrialFactor = 2, kLeastTrial = 10;
 constexpr double kLeastTime = 1e-3;  // s
 
 /// A neighbour's states and controls, behind the problem's own first state.
@@ -14,6 +16,12 @@ Trajectory guess_from(const NeighbourAnswer& from, const Trajectory& own) {
   Trajectory guess = from.trajectory;
   guess.x(0) = own.x(0);
   return guess;
+}
+
+int most_iterations(const NeighbourAnswer& from) {
+  constexpr int kUnlimited = std::numeric_limits<int>::max();
+  if (from.cold_iterations > kUnlimited / kTrialFactor) return kUnlimited;
+  return std::max(kLeastTrial, kTrialFactor * from.cold_iterations);
 }
 
 }  // namespace
@@ -45,8 +53,7 @@ StartedSolve solve_from(const NeighbourAnswer* from, const ProblemInstance& inst
   trial.homotopy = nullptr;
   trial.restarts = {};
   trial.multipliers = from->multipliers;
-  trial.max_iterations =
-      std::min(options.max_iterations, std::max(kLeastTrial, from->cold_iterations));
+  trial.max_iterations = std::min(options.max_iterations, most_iterations(*from));
   const std::vector<const SolverInfo*> found(1, from->solver);
   SolveResult warm = solve(problem, from->solver != nullptr ? found : candidates, trial,
                            guess_from(*from, own), solver);

@@ -37,7 +37,7 @@ NeighbourAnswer answer_for_neighbours(const StartedSolve& solved, const SolverIn
                                       const NeighbourAnswer* from);
 
 /// Solves from states, controls and multipliers for a problem of the same shape. A start that has
-/// not converged after as many iterations as a cold one took misleads: it is dropped, and the
+/// not converged after twice the iterations that a cold one took misleads: it is dropped, and the
 /// problem is solved from its own guess in the time that is left. `from` null: from its own guess
 /// at once.
 StartedSolve solve_from(const NeighbourAnswer* from, const ProblemInstance& instance,
