@@ -449,6 +449,46 @@ constexpr const char* kBalance = R"(conddp: 1
 system: {type: cartpole}
 initial_state: {values: {theta: 3}}
 integrator: rk4
+// On the grid of the file a replay of the controls ends elsewhere.
+constexpr const char* kMeshed = R"(conddp: 1
+system: {type: pendulum}
+initial_state: {values: {theta: 0.1}}
+integrator: explicit_euler
+phases: [{name: swing, knots: 4, duration: 1}]
+costs: {effort: {residual: control, weight: 0.5}}
+terminal:
+  costs: {goal: {residual: state, reference: {values: {theta: 1}}, weight: 10}}
+solver: {name: fddp}
+mesh: {error: 0.02}
+)";
+
+TEST_F(Batch, RefinesGridsAsSolveDoes) {
+  folder_.write("swing.yaml", kMeshed);
+  const std::string former = folder_.path() / "former";
+  ASSERT_EQ(run_conddp({"solve", folder_.path() / "swing.yaml", "-o", former}).exit_code, 0);
+  const auto solved = nlohmann::json::parse(read_file(former + "/solution.json"));
+  ASSERT_GT(solved["mesh"]["rounds"].size(), 1u);
+
+  const std::string folder =
+      planned("refined", "vary: {e: {key: mesh.error, values: [0.02, 1]}}\n");
+  EXPECT_EQ(run(folder).exit_code, 0);
+  EXPECT_EQ(column(collected(folder), "cost")[0], solved["cost"].dump());
+  const std::string shown = folder_.path() / "item";
+  EXPECT_EQ(run_conddp({"batch", "show", folder, ids(folder)[0], "-o", shown}).exit_code, 0);
+  const auto item = nlohmann::json::parse(read_file(shown + "/solution.json"));
+  EXPECT_EQ(item["mesh"]["rounds"].size(), solved["mesh"]["rounds"].size());
+  EXPECT_EQ(item["trajectory"]["x"], solved["trajectory"]["x"]);
+  EXPECT_EQ(run_conddp({"verify", shown + "/solution.json"}).exit_code, 0);
+
+  const std::string coarse =
+      planned("coarse", "vary: {k: {key: mesh.knots, values: [8]}}\nwarm_start: neighbour\n");
+  EXPECT_EQ(run(coarse).exit_code, 1);
+  const std::string results = collected(coarse);
+  EXPECT_EQ(column(results, "solved"), Words{"0"});
+  EXPECT_NE(results.find("the last grid of 8 knots has an error of "), std::string::npos)
+      << results;
+}
+
 phases: [{name: balance, knots: 20, dt: 0.05}]
 costs:
   state:

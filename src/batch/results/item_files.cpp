@@ -45,15 +45,22 @@ std::optional<ShownItem> load_item(const std::filesystem::path& run, const Manif
                                    Diagnostics& out) {
   if (!is_as_planned(manifest, item.problem, run, out)) return std::nullopt;
   ShownItem shown{.file = problem_of_run(manifest, item.problem, run)};
-  auto spec = read_problem(shown.file, item.settings, out);
+  const bool has_solution = stored != nullptr && stored->result.solution_bytes > 0;
+  if (has_solution) shown.document = load_document(*stored);
+  // The answer of a file with `mesh` is one of a finer grid.
+  const bool is_refined = shown.document.contains("mesh");
+  auto spec = read_problem(
+      shown.file,
+      is_refined ? shown.document.at("problem").at("overrides").get<std::vector<std::string>>()
+                 : item.settings,
+      out);
   if (!spec) return std::nullopt;
   shown.spec = std::make_unique<const ProblemSpec>(*std::move(spec));
   auto built = build_problem(*shown.spec, {}, out);
   if (!built) return std::nullopt;
   shown.built = *std::move(built);
   if (!is_item(item, manifest, input_files(shown.built), out)) return std::nullopt;
-  if (stored == nullptr || stored->result.solution_bytes == 0) return shown;
-  shown.document = load_document(*stored);
+  if (!has_solution) return shown;
   if (shown.document.is_null()) {
     out.error({}, fmt::format("the solution of {} is damaged", item.id),
               "'conddp batch retry RUN failed' solves it again");

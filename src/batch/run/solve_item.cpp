@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/json/number_block.hpp"
+#include "batch/run/refined_solve.hpp"
 #include "output/report/certificate_report.hpp"
 #include "output/report/solution_certificate.hpp"
 #include "output/solution/solution_json.hpp"
@@ -116,12 +117,30 @@ SolvedItem solve_item(const ManifestItem& item, const Manifest& manifest,
   const NeighbourAnswer* from = file_answer ? &*file_answer : start.neighbour;
   const StartedSolve started =
       solve_from(from, *instance, candidates, options_of(*instance), solver);
+  const SolverInfo* const of_first = solver;
   const bool is_warm = started.start == StartKind::kWarm;
-  const ProblemInstance& used = is_warm && from_file ? *from_file : *instance;
-  const SolveResult& result = started.result;
+  const ProblemInstance& first = is_warm && from_file ? *from_file : *instance;
+  std::optional<RefinedSolve> refined;
+  if (first.spec->mesh) {
+    SolverOptions rest = options_of(first);
+    rest.max_time_s -= seconds() - built;
+    const auto build = [&](const Setting& grid) {
+      std::vector<Setting> finer = settings;
+      finer.push_back(grid);
+      return &first == &*instance ? family.build(finer, diagnostics)
+                                  : build_from_file(manifest, family, finer, start, diagnostics);
+    };
+    refined = refine(first, started.result, candidates, rest, build, solver);
+  }
+  const ProblemInstance& used = refined && refined->instance ? *refined->instance : first;
+  const SolveResult& result = refined ? refined->result : started.result;
   const double solved = seconds();
-  OrderedJson document =
-      solution_json({*used.spec, used.built, *solver, result, item.settings}, NumberForm::kBlocks);
+  Solution solution{*used.spec, used.built, *solver, result, item.settings};
+  if (refined) {
+    solution.overrides.push_back(refined->setting);
+    solution.mesh = refined->rounds;
+  }
+  OrderedJson document = solution_json(solution, NumberForm::kBlocks);
   if (is_warm && !from_file) name_neighbour(item.parent, *solver, document);
   const double written = seconds();
   const SolutionCertificate certificate = certify_solution(document, *used.spec, used.built, false);
@@ -132,6 +151,10 @@ SolvedItem solve_item(const ManifestItem& item, const Manifest& manifest,
                   .answer = answer_of(document, certificate)},
                  {},
                  {}};
+  if (const std::string coarse = refined ? too_coarse(*refined, *used.spec) : ""; !coarse.empty()) {
+    out.result.success = false;
+    out.result.answer["message"] = coarse + "; " + result.message;
+  }
   if (manifest.warm_start != WarmStart::kNone) {
     out.result.answer["iterations"] = result.iterations + started.dropped_iterations;
     out.result.answer["warm_start"] = to_string(started.start);
