@@ -259,6 +259,8 @@ INSTANTIATE_TEST_SUITE_P(
         BadPlan{"vary: {a: {key: solver.max_time_s, values: [1, 2]}}\nlimits: {max_time_s: 3}\n",
                 "plan.yaml:3:17: 'solver.max_time_s' is varied, and 'limits.max_time_s' sets the "
                 "time of all items"},
+        BadPlan{"vary: {a: {key: mpc.delay, values: [0, 0.1]}}\n",
+                "plan.yaml:3:17: 'mpc.delay' is varied, and solves have nothing of closed loops"},
         BadPlan{"vary: {a: {key: initial_guess.states, values: [x, y]}}\nwarm_start: goals.csv\n",
                 "plan.yaml:3:17: 'initial_guess.states' is varied, and by 'warm_start' all items "
                 "start from a file"},
@@ -303,16 +305,17 @@ TEST(BatchPlan, GridsOfWholeNumbersAreWhole) {
 }
 
 TEST(BatchPlan, ValuesAreTheNumbersOfTheirFormulasAndKeepTheirKinds) {
-  const PlannedBatch batch(R"(vary:
+  const PlannedBatch batch(R"(command: mpc
+vary:
   phase: {key: phases.0, values: [{name: "5", knots: 5, dt: =0.2/2}]}
   w: {key: costs.effort.weight, values: [=1/2, 2.0]}
-  mpc: {key: mpc, values: [{horizon: 1, tick: 0.5, duration: 1, predict: false}]}
+  mpc: {key: mpc, values: [{horizon: 0.4, tick: 0.1, duration: 0.5, predict: false}]}
 solvers: [ilqr]
 )");
   ASSERT_TRUE(batch.manifest) << batch.error();
   EXPECT_EQ(batch.manifest->items[0].values,
             (Strings{R"({"name":"5","knots":5,"dt":0.1})", "0.5",
-                     R"({"horizon":1,"tick":0.5,"duration":1,"predict":false})"}));
+                     R"({"horizon":0.4,"tick":0.1,"duration":0.5,"predict":false})"}));
   EXPECT_EQ(batch.manifest->items[1].values[1], "2");
 }
 
@@ -349,6 +352,8 @@ TEST(BatchPlan, NoAxisMayHaveTheNameOfAColumnOfResults) {
   }
   EXPECT_FALSE(is_column_of_results("warm_start", BatchCommand::kSolve, WarmStart::kNone));
   EXPECT_FALSE(is_column_of_results("w", BatchCommand::kSolve, WarmStart::kNeighbour));
+  // The name that the pages give to an axis of initial states.
+  EXPECT_FALSE(is_column_of_results("start", BatchCommand::kSolve, WarmStart::kNeighbour));
   EXPECT_FALSE(is_column_of_results("iterations", BatchCommand::kMpc, WarmStart::kNone));
 }
 
@@ -460,6 +465,20 @@ TEST(BatchPlan, ACellThatDoesNotFitIsReportedInItsTable) {
   EXPECT_EQ(
       batch.error(),
       "goals.csv:3:2: a number that is not negative is expected here, and 'x' is not a number");
+}
+
+TEST(BatchPlan, TheRowOfATableIsNamedWhereAnErrorStandsElsewhere) {
+  std::string text = kSwing;
+  text.replace(text.find("weight: 0.5"), 11, "weight: =w");
+  PlannedBatch batch("vary: {t: {file: goals.csv, columns: {w: parameters.w}}}\n",
+                     text + "parameters: {w: 1}\n");
+  batch.folder.write("goals.csv", "angle,w\n1,0.5\n2,-1\n");
+  batch.plan_again();
+  EXPECT_EQ(batch.error().substr(0, 11), "swing.yaml:") << batch.error();
+  const Diagnostic& last = batch.diagnostics.list().back();
+  EXPECT_EQ(last.severity, Severity::kNote);
+  EXPECT_EQ(std::filesystem::path(last.file).filename(), "goals.csv");
+  EXPECT_EQ(last.line, 3);
 }
 
 TEST(BatchPlan, CellsMayBeListsInQuotesWordsAndTexts) {
@@ -702,6 +721,17 @@ warm_start: neighbour
   EXPECT_EQ(parents(*batch.manifest), (std::vector<int>{0, 1, 2, 1, 4, 5}));
 }
 
+TEST(Neighbours, NumbersInListsAndMappingsHaveTheirDistances) {
+  const PlannedBatch batch(R"(vary:
+  weights: {key: costs.effort.weights, values: [[1], [9], [2], [8], [1.1]]}
+  initial: {key: initial_state.values, values: [{theta: 0.1}, {theta: 1, omega: 1}, {theta: 0.2}]}
+warm_start: neighbour
+)");
+  ASSERT_TRUE(batch.manifest) << batch.error();
+  EXPECT_EQ(parents(*batch.manifest),
+            (std::vector<int>{0, 1, 1, 1, 2, 4, 1, 2, 7, 4, 5, 10, 1, 2, 3}));
+}
+
 TEST(Neighbours, WithoutWarmStartsEveryItemIsABlock) {
   const PlannedBatch batch("vary: {w: {key: costs.effort.weight, values: [1, 2, 3]}}\n");
   ASSERT_TRUE(batch.manifest) << batch.error();
@@ -721,17 +751,6 @@ warm_start: neighbour
 
 TEST(BatchPlan, KeysThatDifferOnlyInOneOfTheProblemsAreReported) {
   PlannedBatch batch("");
-TEST(Neighbours, NumbersInListsAndMappingsHaveTheirDistances) {
-  const PlannedBatch batch(R"(vary:
-  weights: {key: costs.effort.weights, values: [[1], [9], [2], [8], [1.1]]}
-  initial: {key: initial_state.values, values: [{theta: 0.1}, {theta: 1, omega: 1}, {theta: 0.2}]}
-warm_start: neighbour
-)");
-  ASSERT_TRUE(batch.manifest) << batch.error();
-  EXPECT_EQ(parents(*batch.manifest),
-            (std::vector<int>{0, 1, 1, 1, 2, 4, 1, 2, 7, 4, 5, 10, 1, 2, 3}));
-}
-
   std::string other = kSwing;
   other.replace(other.find("{name: second"), 13, "{name: third");
   batch.folder.write("other.yaml", other);

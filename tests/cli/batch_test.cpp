@@ -93,6 +93,10 @@ TEST_F(Batch, ItemsThatCrashHangOrTakeTooMuchMemoryAreRecordedAndTheRestGoesOn) 
         << results.substr(row, 200);
     const ProcessResult again = run_conddp({"batch", "retry", folder, "failed"});
     EXPECT_EQ(again.exit_code, 0) << again.err << again.out;
+    EXPECT_NE(again.out.find("results.csv' is older than these results: 'conddp batch collect'"),
+              std::string::npos)
+        << again.out;
+    EXPECT_EQ(run(folder).out.find("older"), std::string::npos);
     EXPECT_EQ(run_conddp({"batch", "status", folder}).exit_code, 0);
   }
 }
@@ -445,10 +449,6 @@ TEST_F(Batch, AStartFromAFileHasItsMultipliersLikeThatOfSolve) {
       << r.err;
 }
 
-constexpr const char* kBalance = R"(conddp: 1
-system: {type: cartpole}
-initial_state: {values: {theta: 3}}
-integrator: rk4
 // On the grid of the file a replay of the controls ends elsewhere.
 constexpr const char* kMeshed = R"(conddp: 1
 system: {type: pendulum}
@@ -489,6 +489,10 @@ TEST_F(Batch, RefinesGridsAsSolveDoes) {
       << results;
 }
 
+constexpr const char* kBalance = R"(conddp: 1
+system: {type: cartpole}
+initial_state: {values: {theta: 3}}
+integrator: rk4
 phases: [{name: balance, knots: 20, dt: 0.05}]
 costs:
   state:
@@ -547,6 +551,12 @@ TEST_F(Batch, AChangedProblemOrAnotherBuildIsNotMixedIn) {
   EXPECT_EQ(other.exit_code, 2);
   EXPECT_NE(other.err.find("another build of conddp"), std::string::npos) << other.err;
   EXPECT_EQ(run(folder, {"--any-build"}).exit_code, 0);
+  std::filesystem::remove(folder_.path() / "swing.yaml");
+  const ProcessResult lost = run(folder, {"--any-build"});
+  EXPECT_EQ(lost.exit_code, 2);
+  EXPECT_NE(lost.err.find("a run has the paths of its problems relative to its folder"),
+            std::string::npos)
+      << lost.err;
 }
 
 TEST_F(Batch, SaysWhatIsWrongWithAPlanOnStdinAShardOrATime) {

@@ -175,6 +175,8 @@ INSTANTIATE_TEST_SUITE_P(
                     BadSetting{"phases.2.dt=1", 8,
                                "'2' is neither a name nor an index in a list of 2"},
                     BadSetting{"phases.frist.dt=1", 8, "'frist' is neither a name nor an index"},
+                    BadSetting{"gravity.2=-1.6", 9,
+                               "the file has no list 'gravity', of which '2' would be an index"},
                     BadSetting{"name.x=1", 6, "leads into a word"},
                     BadSetting{"costs.effort.weight=&a 1", 21, "anchors"},
                     BadSetting{"costs.effort.weight=", 21, "is expected here, not nothing"}));

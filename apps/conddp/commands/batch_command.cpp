@@ -154,6 +154,14 @@ std::string summary(const BatchProgress& p, const Manifest& manifest) {
   return text + '\n';
 }
 
+/// That tables of a run are older than its results; empty where they are not, or there are none.
+std::string stale_tables(const fs::path& run, const BatchProgress& p) {
+  std::error_code error;
+  if (p.done == 0 || !fs::exists(run / "results.csv", error)) return {};
+  return fmt::format("'{}' is older than these results: 'conddp batch collect' writes it again\n",
+                     (run / "results.csv").string());
+}
+
 /// Solves a few items, spread over all, and says what the others will take.
 int run_pilot(const fs::path& run, const Manifest& manifest, const BatchArguments& arguments) {
   Diagnostics diagnostics;
@@ -262,7 +270,7 @@ int run_plan_or_folder(const BatchArguments& arguments) {
   if (options->budget_s > 0) warn_without_time_limit(*manifest, run, diagnostics);
   print_messages(diagnostics, Verbosity::kNormal);
   const BatchProgress progress = run_items(run, *manifest, *options);
-  print_result(summary(progress, *manifest));
+  print_result(summary(progress, *manifest) + (is_folder ? stale_tables(run, progress) : ""));
   if (!is_folder) write_tables(run, *manifest);
   return exit_code(progress);
 }
@@ -318,8 +326,12 @@ int retry_items(const BatchArguments& arguments) {
   // What started without the answer of one of them starts from it now.
   options->only = with_descendants(*manifest, failed_items(*manifest, load_results(run), kind));
   options->again = true;
+  if (options->only->empty()) {
+    print_result("there is nothing to solve again\n");
+    return kExitConverged;
+  }
   const BatchProgress progress = run_items(run, *manifest, *options);
-  print_result(summary(progress, *manifest));
+  print_result(summary(progress, *manifest) + stale_tables(run, progress));
   return exit_code(progress);
 }
 

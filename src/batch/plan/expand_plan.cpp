@@ -316,14 +316,24 @@ class Expansion {
            std::any_of(files.data.begin(), files.data.end(), is_named);
   }
 
+  /// Where the values of an item stand that are in a table, if any are.
+  Place row_of_table(const Parts& parts) const {
+    for (std::size_t a = 0; a < plan_.axes.size(); ++a) {
+      const Axis& axis = plan_.axes[a];
+      const Mark& mark = axis.rows[parts.rows[a]].front().mark;
+      if (mark.source != axis.name.place.mark.source) return {mark, axis.name.place.path};
+    }
+    return {};
+  }
+
   void report(std::size_t item, const Diagnostics& own) {
     const Parts p = parts(item);
     std::string words;
     for (const Setting& setting : settings(p)) words += (words.empty() ? "" : ", ") + setting.text;
     adopt(own, known(item));
-    out_.note({}, fmt::format("this is item {} of {}, of '{}'{}", item + 1, plan_.items(),
-                              plan_.problems[p.problem].value.string(),
-                              words.empty() ? "" : " with " + words));
+    out_.note(row_of_table(p), fmt::format("this is item {} of {}, of '{}'{}", item + 1,
+                                           plan_.items(), plan_.problems[p.problem].value.string(),
+                                           words.empty() ? "" : " with " + words));
   }
 
   /// The files of two items, where they are not one.

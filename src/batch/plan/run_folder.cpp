@@ -80,8 +80,12 @@ bool is_as_planned(const Manifest& manifest, int problem, const fs::path& run, D
   Diagnostics own;  // the warnings have been told with the plan
   const auto family = ProblemFamily::load(file, {}, own);
   if (!family) {
+    std::error_code error;
+    const bool is_lost = !fs::exists(file, error);
     for (Diagnostic d : own.list()) {
       d.source = -1;  // of texts that are known here alone
+      if (is_lost && d.hint.empty())
+        d.hint = "a run has the paths of its problems relative to its folder: move them together";
       out.add(std::move(d));
     }
     return false;

@@ -91,6 +91,11 @@ class KeyCheck {
           "'limits.max_time_s' sets the time of all items");
     check(plan_.start_file.has_value(), "initial_guess",
           "by 'warm_start' all items start from a file");
+    if (plan_.command == BatchCommand::kSolve && first_step(varied.key.value) == "mpc")
+      out_.error(
+          varied.key.place,
+          fmt::format("'{}' is varied, and solves have nothing of closed loops", varied.key.value),
+          "write 'command: mpc': items are closed loops then");
   }
 
   /// The numbers that a homotopy moves are what it says at its end.

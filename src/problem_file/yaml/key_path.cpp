@@ -115,8 +115,10 @@ class Walk {
   YamlNode* descend(YamlNode& node, std::size_t start, std::size_t end) {
     const std::string step = key_.value.substr(start, end - start);
     const Mark mark = place_of(start, end).mark;
-    if (node.kind == YamlNode::Kind::kNull && missing_ == Missing::kCreate)
+    if (node.kind == YamlNode::Kind::kNull && missing_ == Missing::kCreate) {
+      if (is_index(step)) return report_missing_list(step, start, end);
       node = {.kind = YamlNode::Kind::kMap, .mark = mark};
+    }
     if (YamlNode* part = find_part(node, step)) return part;
     const bool creates = missing_ == Missing::kCreate || (start > 0 && end == key_.value.size());
     if (node.kind == YamlNode::Kind::kMap && creates && has_definitions(before_))
@@ -126,6 +128,17 @@ class Walk {
       return &node.entries.back().value;
     }
     return report(node, step, start, end);
+  }
+
+  static bool is_index(const std::string& step) {
+    return step.find_first_not_of("0123456789") == std::string::npos;
+  }
+
+  YamlNode* report_missing_list(const std::string& step, std::size_t start, std::size_t end) {
+    return fail(start, end,
+                fmt::format("the file has no list '{}', of which '{}' would be an index",
+                            joined(before_), step),
+                fmt::format("set '{}' as a whole, or write it into the file", joined(before_)));
   }
 
   YamlNode* report_definition(const YamlNode& map, const std::string& step, std::size_t start,
