@@ -512,7 +512,7 @@ solver: {name: box_fddp}
 TEST_F(Batch, AStartFromAFileThatMisleadsIsDropped) {
   folder_.write("swing.yaml", kBalance);
   ASSERT_EQ(run_conddp({"solve", folder_.path() / "swing.yaml", "--set",
-                        "initial_state.values.theta=2.2", "-o", folder_.path() / "former"})
+                        "initial_state.values.theta=2.4", "-o", folder_.path() / "former"})
                 .exit_code,
             0);
   const std::string warm = planned("warm", "warm_start: former/solution.json\n"),
