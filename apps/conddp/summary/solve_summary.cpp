@@ -4,6 +4,7 @@
 
 #include "base/text/utf8.hpp"
 #include "ocp/knot/integrator_table.hpp"
+#include "ocp/problem/cost_scale.hpp"
 #include "output/report/certificate_report.hpp"
 #include "output/report/contact_report.hpp"
 #include "output/solution/finding_report.hpp"
@@ -93,6 +94,8 @@ std::string answer_lines(const Solution& s) {
 std::string finding_text(const Solution& s) {
   const Diagnosis& diagnosis = s.answer.diagnosis;
   std::string text;
+  if (const double scale = cost_scale(*s.built.problem); scale != 1)
+    text += fmt::format("  cost scale    solved with costs times {:.4g}\n", scale);
   if (!is_success(s.result.status)) text += fmt::format("  diagnosis     {}\n", diagnosis.message);
   if (!diagnosis.remedy.empty()) text += fmt::format("  try           {}\n", diagnosis.remedy);
   const char* heading = "findings";

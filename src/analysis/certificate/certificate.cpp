@@ -16,6 +16,7 @@
 #include "analysis/certificate/node_models.hpp"
 #include "analysis/certificate/place_text.hpp"
 #include "analysis/certificate/reduced_gradient.hpp"
+#include "ocp/problem/cost_scale.hpp"
 #include "ocp/problem/node_evaluation.hpp"
 #include "ocp/problem/soft_constraint.hpp"
 #include "ocp/terms/soft_limit.hpp"
@@ -56,8 +57,11 @@ double largest_change(const Eigen::Ref<const Eigen::MatrixXd>& a,
 
 class Judge {
  public:
-  Judge(const ShootingProblem& problem, const SolutionClaims& claims, Noise noise = {})
-      : problem_(problem), claims_(claims), noise_(std::move(noise)) {}
+  /// Of a problem whose costs, as those of the claims, are `scale` times as large as in the file;
+  /// figures are in the unit of the file.
+  Judge(const ShootingProblem& problem, const SolutionClaims& claims, double scale,
+        Noise noise = {})
+      : problem_(problem), claims_(claims), scale_(scale), noise_(std::move(noise)) {}
 
   /// Moves all states and controls by 10⁻¹³ of themselves.
   static void displace(Trajectory& trajectory) {
@@ -79,7 +83,7 @@ class Judge {
     constexpr double kMargin = 100;
     SolutionClaims moved = claims;
     displace(moved.trajectory);
-    Judge here(problem, claims), there(problem, moved);
+    Judge here(problem, claims, 1), there(problem, moved, 1);
     here.evaluate();
     there.evaluate();
     const LagrangianGradient a = here.gradient(), b = there.gradient();
@@ -106,6 +110,10 @@ class Judge {
     check_bounds();
     check_gradient();
     check_status();
+    for (double Optimality::*number :
+         {&Optimality::stationarity, &Optimality::rounding, &Optimality::reduced_gradient,
+          &Optimality::reduced_rounding, &Optimality::expected_decrease})
+      certificate_.optimality.*number /= scale_;
     return std::move(certificate_);
   }
 
@@ -137,6 +145,15 @@ class Judge {
   void figure(std::string name, double claimed, const Worst& found, double tolerance) {
     figure(std::move(name), claimed, found.value, tolerance,
            found.knot < 0 ? "" : place_text(problem_, found.knot, tangent(found.entry)));
+  }
+
+  /// Of one in the unit of the costs.
+  void cost_figure(std::string name, double claimed, double found, double tolerance,
+                   std::string place = {}) {
+    figure(std::move(name), claimed, found, tolerance, std::move(place));
+    Check& check = certificate_.checks.back();
+    for (double Check::*number : {&Check::claimed, &Check::found, &Check::tolerance})
+      check.*number /= scale_;
   }
 
   void check_times() {
@@ -224,19 +241,20 @@ class Judge {
 
   void check_costs() {
     const double tolerance = kRounding * std::max(1e-6, cost_size_) + noise_.cost;
-    figure("cost", claims_.cost, cost_, tolerance);
+    cost_figure("cost", claims_.cost, cost_, tolerance);
     std::map<std::string, double> claimed(claims_.cost_by_name.begin(), claims_.cost_by_name.end());
     for (const auto& [name, found] : costs_) {
       const auto claim = claimed.find(name);
       if (claim == claimed.end()) {
-        add({"cost " + name, false, Check::kNone, found, Check::kNone, "", "is not in the answer"});
+        add({"cost " + name, false, Check::kNone, found / scale_, Check::kNone, "",
+             "is not in the answer"});
         continue;
       }
-      figure("cost " + name, claim->second, found, tolerance);
+      cost_figure("cost " + name, claim->second, found, tolerance);
       claimed.erase(claim);
     }
     for (const auto& [name, value] : claimed)
-      add({"cost " + name, false, value, Check::kNone, Check::kNone, "",
+      add({"cost " + name, false, value / scale_, Check::kNone, Check::kNone, "",
            "the problem has no such cost"});
   }
 
@@ -261,7 +279,7 @@ class Judge {
            at(product));
     found_complementarity_ = product.value;
     if (negative.knot >= 0)
-      add({"signs of multipliers", false, Check::kNone, negative.value, 0, at(negative),
+      add({"signs of multipliers", false, Check::kNone, negative.value / scale_, 0, at(negative),
            "a multiplier has the wrong sign"});
   }
 
@@ -292,11 +310,11 @@ class Judge {
       }
     stationarity_rounding_ += noise_.stationarity;
     found_stationarity_ = stationarity.value;
-    figure("stationarity", claims_.stationarity, stationarity.value, stationarity_rounding_,
-           stationarity.knot < 0
-               ? ""
-               : place_text(problem_, stationarity.knot,
-                            control_name(problem_, stationarity.knot, stationarity.entry)));
+    cost_figure("stationarity", claims_.stationarity, stationarity.value, stationarity_rounding_,
+                stationarity.knot < 0
+                    ? ""
+                    : place_text(problem_, stationarity.knot,
+                                 control_name(problem_, stationarity.knot, stationarity.entry)));
     check_costates(found);
     const RiccatiPolicy policy =
         riccati_policy(problem_, claims_.trajectory, models_.derivatives, models_.hessians);
@@ -348,8 +366,8 @@ class Judge {
       return;
     }
     const int k = std::max(excess.knot, 0), i = std::max(excess.entry, 0);
-    add({"co-states", false, claimed(i, k), found.state(i, k), excess.size,
-         place_text(problem_, k, tangent(i)), ""});
+    add({"co-states", false, claimed(i, k) / scale_, found.state(i, k) / scale_,
+         excess.size / scale_, place_text(problem_, k, tangent(i)), ""});
   }
 
   /// Whether all residuals that the answer claims are under their tolerances.
@@ -403,7 +421,8 @@ class Judge {
            certificate_.optimality.expected_decrease / std::max(std::abs(cost_), kLeastCost),
            kMostGain);
     certificate_.optimality_in_doubt = feasible && !above.empty();
-    judge_status(above.empty() ? "" : "'converged', but " + above);
+    const std::string costs = scale_ == 1 ? "" : fmt::format("with costs times {:.3g}, ", scale_);
+    judge_status(above.empty() ? "" : "'converged', but " + costs + above);
   }
 
   /// A cost that has settled is one of a motion that satisfies dynamics and constraints.
@@ -441,11 +460,13 @@ class Judge {
   /// Of co-states along different policies, relative to the largest: what is left of the gradient
   /// reaches them times gains that sum up over the horizon.
   static constexpr double kCostateMargin = 1000;
-  /// Of the cost, what may be left to gain; costs below the least one count as none.
-  static constexpr double kMostGain = 0.01, kLeastCost = 1e-12;
+  /// Of the cost, what may be left to gain, ten times as much as solvers leave; costs below the
+  /// least one count as none.
+  static constexpr double kMostGain = 1e-3, kLeastCost = 1e-12;
 
   const ShootingProblem& problem_;
   const SolutionClaims& claims_;
+  const double scale_;
   const Noise noise_;
   Certificate certificate_;
   std::vector<std::pair<std::string, double>> costs_;
@@ -460,6 +481,27 @@ class Judge {
   double found_constraint_ = 0, found_complementarity_ = 0;
   double found_stationarity_ = 0, stationarity_rounding_ = 0;
 };
+
+/// The claims on the problem with costs so many times as large.
+SolutionClaims scaled(const SolutionClaims& claims, double scale) {
+  SolutionClaims own = claims;
+  for (double SolutionClaims::*number :
+       {&SolutionClaims::cost, &SolutionClaims::stationarity, &SolutionClaims::gain_regularization})
+    own.*number *= scale;
+  for (auto& [name, cost] : own.cost_by_name) cost *= scale;
+  own.costates *= scale;
+  own.state_gradient *= scale;
+  own.multipliers *= scale;
+  for (auto* list : {&own.lower_multipliers, &own.upper_multipliers})
+    for (Eigen::VectorXd& multipliers : *list) multipliers *= scale;
+  return own;
+}
+
+Certificate judge(const ShootingProblem& problem, const SolutionClaims& claims, double scale) {
+  Certificate certificate = Judge(problem, claims, scale).run();
+  if (certificate.holds()) return certificate;
+  return Judge(problem, claims, scale, Judge::measure_noise(problem, claims)).run();
+}
 
 }  // namespace
 
@@ -484,9 +526,9 @@ bool Certificate::computable() const {
 }
 
 Certificate certify(const ShootingProblem& problem, const SolutionClaims& claims) {
-  Certificate certificate = Judge(problem, claims).run();
-  if (certificate.holds()) return certificate;
-  return Judge(problem, claims, Judge::measure_noise(problem, claims)).run();
+  const double scale = cost_scale(problem);
+  if (scale == 1) return judge(problem, claims, 1);
+  return judge(scale_costs(problem, scale), scaled(claims, scale), scale);
 }
 
 }  // namespace conddp

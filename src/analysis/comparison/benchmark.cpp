@@ -7,12 +7,15 @@
 
 #include <fmt/format.h>
 
+#include "ocp/problem/cost_scale.hpp"
+
 namespace conddp {
 namespace {
 
-bool agrees(const AnswerCheck& check, const SolverOptions& options) {
+/// Tolerances are those of the scaled costs.
+bool agrees(const AnswerCheck& check, const SolverOptions& options, double scale) {
   const auto& tolerance = options.tolerances;
-  return check.stationarity <= kCheckFactor * tolerance.stationarity &&
+  return scale * check.stationarity <= kCheckFactor * tolerance.stationarity &&
          check.gap <= kCheckFactor * tolerance.gap &&
          check.constraint <= kCheckFactor * tolerance.constraint;
 }
@@ -54,7 +57,8 @@ void describe(const SolveResult& result, const ShootingProblem& problem,
   run.claimed = result.residuals;
   run.check = check_answer(problem, result.trajectory, options.tolerances.constraint,
                            result.constraint_multipliers);
-  run.solved = result.status == SolveStatus::converged && agrees(run.check, options);
+  run.solved =
+      result.status == SolveStatus::converged && agrees(run.check, options, cost_scale(problem));
   if (!run.kept_word()) run.message = contradiction(run.check);
 }
 

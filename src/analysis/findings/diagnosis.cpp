@@ -10,6 +10,7 @@
 #include "analysis/findings/free_control.hpp"
 #include "analysis/findings/holding_torques.hpp"
 #include "ocp/problem/by_name.hpp"
+#include "ocp/problem/cost_scale.hpp"
 #include "solvers/iterate/hessian_switch.hpp"
 
 namespace conddp {
@@ -529,7 +530,9 @@ Diagnosis diagnose(const ShootingProblem& problem, const SolveResult& result,
                             : "the cost settled by tolerances.cost_decrease",
                         result.iterations),
             -1, "", ""};
-  Diagnosis d = of_log(problem, result, options);
+  SolverOptions own = options;  // in the unit of the costs, as the log
+  own.tolerances.stationarity /= cost_scale(problem);
+  Diagnosis d = of_log(problem, result, own);
   if (result.status != SolveStatus::interrupted)
     if (const auto lack = missing_torque(problem)) return too_weak(std::move(d), *lack);
   if (cost_goes_on_falling(result.log))

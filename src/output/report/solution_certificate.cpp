@@ -14,6 +14,7 @@
 #include "ocp/evaluation/evaluator.hpp"
 #include "ocp/problem/by_name.hpp"
 #include "ocp/problem/control_columns.hpp"
+#include "ocp/problem/cost_scale.hpp"
 #include "output/report/configuration_check.hpp"
 #include "output/solution/contact_forces.hpp"
 #include "output/solution/finding_report.hpp"
@@ -107,6 +108,8 @@ class Reader {
     statement("options", with_present_names(at(document_, {"problem", "options"})),
               expand_options(spec_.solver.options));
     statement("knots", at(document_, {"problem", "knots"}), problem_.knots());
+    if (document_.contains("cost_scale"))
+      statement("cost scale", document_.at("cost_scale"), cost_scale(problem_));
     columns("x", built_.state_columns);
     columns("u", built_.control_columns);
     statement("units of t", at(document_, {"trajectory", "units", "t"}), "s");

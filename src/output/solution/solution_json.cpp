@@ -10,6 +10,7 @@
 #include "base/json/number_block.hpp"
 #include "conddp_version.hpp"
 #include "ocp/problem/control_columns.hpp"
+#include "ocp/problem/cost_scale.hpp"
 #include "output/solution/finding_report.hpp"
 #include "output/solution/input_files.hpp"
 #include "output/solution/log_columns.hpp"
@@ -299,7 +300,7 @@ OrderedJson restarts_json(const RestartRecord& restarts) {
           {"optima", std::move(optima)}};
 }
 
-/// Of a solution.json with its certificate there are 26.
+/// Of a solution.json with its certificate there are 27.
 constexpr std::size_t kMostMembers = 32;
 
 OrderedJson head(const Solution& s) {
@@ -319,6 +320,7 @@ OrderedJson head(const Solution& s) {
   json["message"] = r.message;
   json["cost"] = finite_or_null(r.cost);
   json["cost_by_name"] = std::move(costs);
+  if (const double scale = cost_scale(*s.built.problem); scale != 1) json["cost_scale"] = scale;
   json["iterations"] = r.iterations;
   json["residuals"] = residuals_json(r.residuals);
   json["time_s"] = {{"total", r.times.total},

@@ -18,7 +18,7 @@ class StationarityCheck {
                     const SolverOptions& options, bool constrained);
 
   /// The share of the cost that may be left to gain.
-  static constexpr double kMostGain = 0.01;
+  static constexpr double kMostGain = 1e-4;
 
   /// At the start of a solve: the goal is the tolerance.
   void reset() {

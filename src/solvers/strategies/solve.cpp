@@ -14,6 +14,7 @@
 #include "solvers/strategies/registry.hpp"
 #include "solvers/strategies/restarts.hpp"
 #include "solvers/strategies/restoration.hpp"
+#include "solvers/strategies/scaled_solve.hpp"
 
 namespace conddp {
 namespace {
@@ -64,11 +65,15 @@ SolveResult run(const ShootingProblem& problem, const SolverInfo& solver, Solver
   options.restarts = {};
   options.homotopy = nullptr;
   if (solver.constraints != ConstraintSupport::all) options.multipliers = nullptr;
-  SolveResult result = solve_with_restoration(
-      problem, options, guess, [&](const SolverOptions& own, const Trajectory& start) {
-        return solver.run(problem, own, start);
+  SolveResult result =
+      solve_scaled(problem, options, [&](const ShootingProblem& scaled, const SolverOptions& mine) {
+        SolveResult answer = solve_with_restoration(
+            scaled, mine, guess, [&](const SolverOptions& own, const Trajectory& start) {
+              return solver.run(scaled, own, start);
+            });
+        name_divergence(answer);
+        return answer;
       });
-  name_divergence(result);
   name_failed_functions(problem, result);
   return result;
 }
