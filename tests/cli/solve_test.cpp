@@ -83,10 +83,56 @@ TEST(Solve, AFileThatNamesNoSolverIsSolved) {
   const ProcessResult check = run_conddp({"check", file});
   EXPECT_NE(check.out.find("solver          altro ("), std::string::npos) << check.out;
   EXPECT_NE(check.out.find("where that does not converge: proxddp, ipopt"), std::string::npos);
-  EXPECT_EQ(run_conddp({"solve", file, "-o", folder.path() / "out"}).exit_code, 0);
+  const ProcessResult solve = run_conddp({"solve", "-v", file, "-o", folder.path() / "out"});
+  EXPECT_EQ(solve.exit_code, 0);
+  const std::string why =
+      "altro, since there are constraints besides bounds on the control; then proxddp, ipopt";
+  EXPECT_NE(solve.out.find("auto          " + why), std::string::npos) << solve.out;
+  EXPECT_NE(solve.err.find("auto: " + why), std::string::npos) << solve.err;
   const Json solution = Json::parse(read_file(folder.path() / "out/solution.json"));
   EXPECT_EQ(solution["solver"], "altro");
   EXPECT_EQ(run_conddp({"verify", folder.path() / "out/solution.json"}).exit_code, 0);
+}
+
+TEST(Solve, AutoStartsFromOtherGuessesWhereAllItsSolversFail) {
+  const TemporaryFolder folder;
+  const ProcessResult r =
+      run_conddp({"solve", source("tests/golden/hard/arm_at_limits.yaml"), "-o", folder.path()});
+  EXPECT_EQ(r.exit_code, 0) << r.out << r.err;
+  EXPECT_NE(r.out.find("  restarts      "), std::string::npos) << r.out;
+  const Json solution = Json::parse(read_file(folder.path() / "solution.json"));
+  EXPECT_EQ(solution["solver"], "altro");
+  EXPECT_EQ(solution["restarts"]["converged"], 1);
+  EXPECT_GE(solution["restarts"]["answer"], 1);
+  const std::string message = solution["message"];
+  EXPECT_NE(message.find("ipopt ended as "), std::string::npos) << message;
+  EXPECT_NE(message.find("; altro from restart "), std::string::npos) << message;
+  EXPECT_EQ(run_conddp({"verify", folder.path() / "solution.json"}).exit_code, 0);
+}
+
+TEST(Solve, HasTheSameMotionInAnotherUnitOfCost) {
+  const TemporaryFolder folder;
+  const auto run = [&](const char* name, std::vector<std::string> settings) {
+    std::vector<std::string> arguments{"solve", source("problems/cartpole_goal.yaml"), "-o",
+                                       folder.path() / name};
+    for (std::string& setting : settings) {
+      arguments.emplace_back("--set");
+      arguments.push_back(std::move(setting));
+    }
+    EXPECT_EQ(run_conddp(arguments).exit_code, 0);
+    EXPECT_EQ(run_conddp({"verify", folder.path() / name / "solution.json"}).exit_code, 0);
+    return Json::parse(read_file(folder.path() / name / "solution.json"));
+  };
+  const Json usual = run("usual", {}),
+             small = run("small", {"costs.effort.weight=1e-10", "costs.state.weight=1e-11",
+                                   "terminal.costs.state.weight=1e-7"});
+  EXPECT_FALSE(usual.contains("cost_scale"));
+  EXPECT_GT(small["cost_scale"].get<double>(), 1e6);
+  EXPECT_NEAR(1e9 * small["cost"].get<double>(), usual["cost"].get<double>(), 1e-6);
+  Json forged = small;
+  forged["cost_scale"] = 1;
+  std::ofstream(folder.path() / "forged.json") << forged.dump();
+  EXPECT_EQ(run_conddp({"verify", folder.path() / "forged.json"}).exit_code, 1);
 }
 
 TEST(Solve, TheDefaultFolderIsNamedAfterTheProblem) {

@@ -1,3 +1,4 @@
+#include <array>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -135,6 +136,95 @@ TEST(AutoSolver, HasALaterAnswerThatIsALeastViolation) {
   EXPECT_EQ(used, both[1]);
   EXPECT_TRUE(result.message.starts_with("failing ended as line_search_failed after "))
       << result.message;
+}
+
+TEST(AutoSolver, GoesOnWhereAnAnswerRaisesDoubts) {
+  const ShootingProblem problem = testing::unicycle_parking(0.6);
+  const Trajectory guess = testing::constant_controls(problem, 0.01);
+  const SolverInfo *first = find_solver("box_fddp"), *second = find_solver("box_ddp"), *used;
+  const std::vector<const SolverInfo*> both{first, second};
+  int asked = 0, least = 2;
+  const Doubt doubt = [&](const ShootingProblem& of, const SolveResult& answer) {
+    EXPECT_EQ(&of, &problem);
+    EXPECT_EQ(answer.status, SolveStatus::converged);
+    return ++asked < least ? "it is doubted" : "";
+  };
+  const SolveResult sure = solve(problem, both, {}, guess, used, doubt);
+  EXPECT_EQ(sure.status, SolveStatus::converged);
+  EXPECT_EQ(used, second);
+  EXPECT_NE(sure.message.find("box_fddp converged after "), std::string::npos) << sure.message;
+  EXPECT_NE(sure.message.find(" iterations, but it is doubted; "), std::string::npos);
+  least = 100;
+  const SolveResult doubted = solve(problem, both, {}, guess, used, doubt);
+  EXPECT_EQ(doubted.status, SolveStatus::converged);
+  EXPECT_EQ(used, first);
+  EXPECT_EQ(doubted.restarts, std::nullopt);
+  asked = 0;
+  solve(problem, std::array{first}, {}, guess, used, doubt);
+  EXPECT_EQ(asked, 0) << "of a solver that was named";
+}
+
+/// A solver that converges when it is called for the nth time.
+SolverInfo converging_at(int n, std::vector<Trajectory>& guesses) {
+  return {.name = "lucky",
+          .control_bounds = BoundSupport::exact,
+          .constraints = ConstraintSupport::all,
+          .run = [n, &guesses](const ShootingProblem& problem, const SolverOptions& options,
+                               const Trajectory& guess) {
+            guesses.push_back(guess);
+            SolveResult result = failing().run(problem, options, guess);
+            if (static_cast<int>(guesses.size()) == n) result.status = SolveStatus::converged;
+            return result;
+          }};
+}
+
+TEST(AutoSolver, StartsFromOtherGuessesWhereAllSolversFail) {
+  const ShootingProblem problem = testing::unicycle_parking(0.6);
+  const Trajectory guess = testing::constant_controls(problem, 0.01);
+  std::vector<Trajectory> guesses, again;
+  const SolverInfo lucky = converging_at(4, guesses), other = failing(), *used = nullptr;
+  const std::vector<const SolverInfo*> both{&lucky, &other};
+  const SolveResult result = solve(problem, both, {}, guess, used);
+  EXPECT_EQ(result.status, SolveStatus::converged);
+  EXPECT_EQ(used, &lucky);
+  ASSERT_TRUE(result.restarts);
+  EXPECT_EQ(result.restarts->starts, 4);
+  EXPECT_EQ(result.restarts->converged, 1);
+  EXPECT_EQ(result.restarts->answer, 3);
+  ASSERT_EQ(result.restarts->basins.size(), 1u);
+  EXPECT_NE(result.message.find("lucky from restart 3 of at most 20"), std::string::npos)
+      << result.message;
+  ASSERT_EQ(guesses.size(), 4u);
+  EXPECT_EQ(guesses[0].u(0), guess.u(0));
+  EXPECT_GT((guesses[1].u(0) - guess.u(0)).norm(), 0.1);
+  EXPECT_NE(guesses[2].u(0), guesses[1].u(0));
+  const SolverInfo same = converging_at(4, again);
+  const std::vector<const SolverInfo*> repeated{&same, &other};
+  solve(problem, repeated, {}, guess, used);
+  ASSERT_EQ(again.size(), 4u);
+  EXPECT_EQ(again[3].x(1), guesses[3].x(1)) << "by the seed";
+}
+
+TEST(AutoSolver, HasSoManyStartsAndIterationsAndNoMore) {
+  const ShootingProblem problem = testing::unicycle_parking(0.6);
+  const Trajectory guess = problem.create_trajectory();
+  std::vector<Trajectory> guesses;
+  const SolverInfo never = converging_at(0, guesses), other = failing(), *used = nullptr;
+  const std::vector<const SolverInfo*> both{&never, &other}, alone{&never};
+  const SolveResult result = solve(problem, both, {}, guess, used);
+  EXPECT_EQ(result.status, SolveStatus::line_search_failed);
+  ASSERT_TRUE(result.restarts);
+  EXPECT_EQ(result.restarts->starts, 21);
+  EXPECT_EQ(result.restarts->converged, 0);
+  EXPECT_EQ(result.restarts->answer, 0);
+  EXPECT_EQ(result.trajectory.u(0), guess.u(0));
+  EXPECT_EQ(guesses.size(), 21u);
+  // Restarts of seven iterations each share the limit.
+  EXPECT_EQ(solve(problem, both, {.max_iterations = 20}, guess, used).restarts->starts, 4);
+  SolverOptions stopped;
+  stopped.interrupted = [] { return true; };
+  EXPECT_FALSE(solve(problem, both, stopped, guess, used).restarts);
+  EXPECT_FALSE(solve(problem, alone, {}, guess, used).restarts) << "a solver that was named";
 }
 
 /// A solver of Ipopt's name whose violation falls in the iterations before `last` alone.

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/certificate/certificate_doubt.hpp"
 #include "arguments/problem_arguments.hpp"
 #include "arguments/shared_arguments.hpp"
 #include "base/files/atomic_file.hpp"
@@ -19,6 +20,7 @@
 #include "problem_file/data/warm_start.hpp"
 #include "problem_file/mesh/mesh.hpp"
 #include "problem_file/read/read_problem.hpp"
+#include "solvers/strategies/registry.hpp"
 #include "summary/report_file.hpp"
 #include "summary/solve_summary.hpp"
 #include "terminal/exit_codes.hpp"
@@ -92,7 +94,7 @@ bool leaves_time(const ProblemSpec& spec, double finishing, Diagnostics& out) {
 
 /// Progress is a line of a terminal that is redrawn, or a table where notes are wanted as well;
 /// there is none among messages for machines.
-SolveResult solve_showing_progress(const BuiltProblem& built, bool first_grid,
+SolveResult solve_showing_progress(const BuiltProblem& built, bool first_grid, bool certified,
                                    const std::vector<const SolverInfo*>& candidates,
                                    SolverOptions options, Verbosity verbosity,
                                    const SolverInfo*& solver) {
@@ -117,7 +119,8 @@ SolveResult solve_showing_progress(const BuiltProblem& built, bool first_grid,
   } else {
     options.restarts.count = 0;
   }
-  return solve(*built.problem, candidates, options, built.guess, solver);
+  return solve(*built.problem, candidates, options, built.guess, solver,
+               certified ? certificate_doubt(options) : nullptr);
 }
 
 Verbosity verbosity_of(const SolveArguments& arguments) {
@@ -159,6 +162,13 @@ bool prepare(const SolveArguments& arguments, Task& task, Diagnostics& out) {
   if (task.candidates.empty()) return false;
   task.finishing = finishing_time(*task.built->problem, !arguments.no_verify);
   return leaves_time(*task.spec, task.finishing, out);
+}
+
+/// Notes which solver begins, where the file leaves that to `auto`.
+void note_auto(const Task& task, Diagnostics& out) {
+  const auto& name = task.spec->solver.name;
+  if (name.value == kAutoSolver)
+    out.note(name.place, "auto: " + describe_auto(*task.built->problem, task.candidates));
 }
 
 /// Writes the files of an answer; returns their paths.
@@ -257,8 +267,9 @@ std::optional<SolveResult> solve_on_grids(const SolveArguments& arguments, TimeP
     const std::chrono::duration<double> gone = std::chrono::steady_clock::now() - began;
     options.max_time_s = std::max(1e-3, options.max_time_s - gone.count() - task.finishing);
     const bool first_grid = !mesh || mesh->rounds().empty();
-    SolveResult result = solve_showing_progress(*task.built, first_grid, task.candidates, options,
-                                                verbosity_of(arguments), solver);
+    SolveResult result =
+        solve_showing_progress(*task.built, first_grid, !arguments.no_verify, task.candidates,
+                               options, verbosity_of(arguments), solver);
     const auto factor = mesh ? mesh->next(*task.built->problem, result) : std::nullopt;
     if (mesh) grids = mesh->rounds();
     if (!factor) return result;
@@ -272,6 +283,7 @@ int solve_file(const SolveArguments& arguments) {
   Diagnostics diagnostics;
   Task task;
   const bool ready = prepare(arguments, task, diagnostics);
+  if (ready && arguments.verbose) note_auto(task, diagnostics);
   print_messages(diagnostics, verbosity);
   if (!ready || (arguments.report && !reports_can_be_made())) return kExitBadInput;
   create_folder(output_folder(arguments, *task.spec));  // before the work, so that none is in vain

@@ -8,6 +8,7 @@
 #include "output/report/certificate_report.hpp"
 #include "output/report/contact_report.hpp"
 #include "output/solution/finding_report.hpp"
+#include "solvers/strategies/registry.hpp"
 
 namespace conddp {
 namespace {
@@ -55,6 +56,15 @@ std::string mesh_line(const Solution& s) {
                      reached ? "" : mesh_remedy(s));
 }
 
+/// Which solvers `auto` tries, where the file leaves the choice to it.
+std::string auto_line(const Solution& s) {
+  if (s.spec.solver.name.value != kAutoSolver) return {};
+  const ShootingProblem& problem = *s.built.problem;
+  const auto list = auto_solvers(problem, s.spec.solver.options);
+  if (list.empty()) return {};
+  return fmt::format("  auto          {}\n", describe_auto(problem, list));
+}
+
 std::string restart_lines(const RestartRecord& restarts) {
   std::string text = fmt::format(
       "  restarts      {} starts, {} converged, to {} optima; the answer is that of start {}\n",
@@ -84,6 +94,8 @@ std::string answer_lines(const Solution& s) {
                       r.residuals.stationarity, r.residuals.gap, r.residuals.constraint);
   text += violation_lines(s.answer.violations, "violated");
   text += violation_lines(s.answer.soft_violations, "soft, off");
+  if (const double scale = cost_scale(*s.built.problem); scale != 1)
+    text += fmt::format("  cost scale    solved with costs times {:.4g}\n", scale);
   text += homotopy_line(r.homotopy);
   text += mesh_line(s);
   if (r.restarts) text += restart_lines(*r.restarts);
@@ -94,8 +106,6 @@ std::string answer_lines(const Solution& s) {
 std::string finding_text(const Solution& s) {
   const Diagnosis& diagnosis = s.answer.diagnosis;
   std::string text;
-  if (const double scale = cost_scale(*s.built.problem); scale != 1)
-    text += fmt::format("  cost scale    solved with costs times {:.4g}\n", scale);
   if (!is_success(s.result.status)) text += fmt::format("  diagnosis     {}\n", diagnosis.message);
   if (!diagnosis.remedy.empty()) text += fmt::format("  try           {}\n", diagnosis.remedy);
   const char* heading = "findings";
@@ -143,7 +153,7 @@ std::string summary_text(const Solution& s, const SolutionCertificate* certifica
   if (!is_success(r.status) && !r.message.empty()) text += fmt::format("  {}\n", r.message);
   text += answer_lines(s) + finding_text(s);
   if (certificate != nullptr) text += certificate_lines(*certificate);
-  text += start_lines(s);
+  text += auto_line(s) + start_lines(s);
   if (notes > 0)
     text += fmt::format("  notes         {} on what the robot's file has and conddp ignores: -v\n",
                         notes);

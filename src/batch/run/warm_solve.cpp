@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "analysis/certificate/certificate_doubt.hpp"
+
 namespace conddp {
 namespace {
 
@@ -48,7 +50,8 @@ StartedSolve solve_from(const NeighbourAnswer* from, const ProblemInstance& inst
                         const SolverOptions& options, const SolverInfo*& solver) {
   const ShootingProblem& problem = *instance.built.problem;
   const Trajectory& own = instance.built.guess;
-  if (from == nullptr) return {solve(problem, candidates, options, own, solver)};
+  if (from == nullptr)
+    return {solve(problem, candidates, options, own, solver, certificate_doubt(options))};
   SolverOptions trial = options;
   trial.homotopy = nullptr;
   trial.restarts = {};
@@ -60,7 +63,8 @@ StartedSolve solve_from(const NeighbourAnswer* from, const ProblemInstance& inst
   if (is_success(warm.status)) return {std::move(warm), StartKind::kWarm};
   SolverOptions rest = options;
   rest.max_time_s = std::max(kLeastTime, options.max_time_s - warm.times.total);
-  return {solve(problem, candidates, rest, own, solver), StartKind::kDropped, warm.iterations};
+  return {solve(problem, candidates, rest, own, solver, certificate_doubt(rest)),
+          StartKind::kDropped, warm.iterations};
 }
 
 }  // namespace conddp

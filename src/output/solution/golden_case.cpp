@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/certificate/certificate_doubt.hpp"
 #include "base/json/json_document.hpp"
 #include "output/solution/solution_json.hpp"
 #include "problem_file/build/build_problem.hpp"
@@ -112,7 +113,8 @@ std::optional<GoldenOutcome> solve_golden(const GoldenCase& golden, const Golden
   const SolverInfo* solver = nullptr;
   SolverOptions own = spec->solver.options;
   own.homotopy = homotopy_path(*built);
-  const SolveResult result = solve(*built->problem, candidates, own, built->guess, solver);
+  const SolveResult result =
+      solve(*built->problem, candidates, own, built->guess, solver, certificate_doubt(own));
   // Through text: comparison and golden files know no order of keys.
   const OrderedJson document = solution_json({*spec, *built, *solver, result, settings});
   return GoldenOutcome{Json::parse(document.dump()), result.times.total};

@@ -208,4 +208,18 @@ std::vector<const SolverInfo*> auto_solvers(const ShootingProblem& problem,
   return list;
 }
 
+std::string describe_auto(const ShootingProblem& problem, SolverList list) {
+  const auto& constraints = problem.constraints();
+  const bool pairs =
+      std::ranges::any_of(constraints, [](const NodeConstraint& c) { return c.term->has_pairs(); });
+  std::string text =
+      fmt::format("{}, since there are {}", list.front()->name,
+                  pairs                 ? "complementary pairs"
+                  : constraints.empty() ? "no constraints besides bounds on the control"
+                                        : "constraints besides bounds on the control");
+  for (std::size_t i = 1; i < list.size(); ++i)
+    text += fmt::format("{}{}", i == 1 ? "; then " : ", ", list[i]->name);
+  return text;
+}
+
 }  // namespace conddp

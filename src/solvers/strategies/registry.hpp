@@ -65,6 +65,9 @@ std::vector<const SolverInfo*> auto_solvers(const ShootingProblem& problem,
                                             const SolverOptions& options);
 
 using SolverList = std::span<const SolverInfo* const>;
+/// Which of them `auto` begins with, why, and which ones follow: "altro, since there are
+/// constraints besides bounds on the control; then proxddp, ipopt".
+std::string describe_auto(const ShootingProblem& problem, SolverList list);
 
 /// Solves a problem from a guess, along a homotopy and with restarts where the options ask for
 /// them. Throws std::invalid_argument where the options are not valid, the solver refuses the
@@ -72,11 +75,17 @@ using SolverList = std::span<const SolverInfo* const>;
 /// is a status.
 SolveResult solve(const ShootingProblem& problem, const SolverInfo& solver,
                   const SolverOptions& options, const Trajectory& guess);
-/// By the first of these that converges, all within one time limit; else the answer of the first.
-/// After an end by a limit or a signal no other follows. `used` ← whose answer it is; multipliers
-/// to start from go to those that take some. Throws std::invalid_argument where there is none.
+/// What speaks against an answer that converged, empty if nothing does. May be called by several
+/// threads.
+using Doubt = std::function<std::string(const ShootingProblem&, const SolveResult&)>;
+/// By the first of these whose answer converges and, of several, raises no doubt, all within one
+/// time limit; null: there are none. Where all of several fail, by the first of them from up to 20
+/// other guesses, without a homotopy; else the answer of the first. After an end by a limit or a
+/// signal no other follows. `used` ← whose answer it is; multipliers to start from go to those that
+/// take some. Throws std::invalid_argument where there is none.
 SolveResult solve(const ShootingProblem& problem, SolverList candidates,
-                  const SolverOptions& options, const Trajectory& guess, const SolverInfo*& used);
+                  const SolverOptions& options, const Trajectory& guess, const SolverInfo*& used,
+                  const Doubt& doubt = nullptr);
 /// The same by name, `auto` included; an unknown name is a std::invalid_argument.
 SolveResult solve(const ShootingProblem& problem, std::string_view solver,
                   const SolverOptions& options, const Trajectory& guess);

@@ -8,7 +8,10 @@
 #include <mutex>
 #include <thread>
 
+#include <fmt/format.h>
+
 #include "solvers/common/guess.hpp"
+#include "solvers/strategies/joined_solves.hpp"
 
 namespace conddp {
 namespace {
@@ -18,6 +21,11 @@ constexpr double kEqualCost = 1e-6;
 /// Trajectories that differ by less than this share of how far they lead are equal: where a cost is
 /// flat to kEqualCost, states are known to about its square root.
 constexpr double kEqualStates = 1e-2;
+/// Restarts after a failure: how many at most, and how far their guesses are apart. Reaches near
+/// the limits of an arm's joints take up to 9 (docs/measurements/hard_cases.md); a tenth of this
+/// spread stays with the same least violation.
+constexpr int kMostRestarts = 20;
+constexpr double kFarSpread = 1;
 
 bool equal_costs(double a, double b) {
   return std::abs(a - b) <= kEqualCost * std::max(std::abs(a), std::abs(b));
@@ -41,11 +49,11 @@ bool equal_trajectories(const ShootingProblem& problem, const Trajectory& a, con
 }
 
 /// The guess of a start, 0: unchanged.
-Trajectory start_of(const ShootingProblem& problem, const SolverOptions& options,
+Trajectory start_of(const ShootingProblem& problem, const SolverOptions::Restarts& restarts,
                     const Trajectory& guess, int start) {
   if (start == 0) return guess;
-  const auto seed = static_cast<std::uint64_t>(options.restarts.seed) * 1000003 + start;
-  return perturb_guess(problem, guess, options.restarts.spread, seed);
+  const auto seed = static_cast<std::uint64_t>(restarts.seed) * 1000003 + start;
+  return perturb_guess(problem, guess, restarts.spread, seed);
 }
 
 struct Outcome {
@@ -196,7 +204,8 @@ class Restarts {
       if (!(mine.max_time_s > 0) || interrupted()) return {};
     }
     Outcome outcome;
-    outcome.result = solve_(start_of(problem_, options_, guess_, start), mine, outcome.used);
+    outcome.result =
+        solve_(start_of(problem_, options_.restarts, guess_, start), mine, outcome.used);
     return outcome;
   }
 
@@ -218,6 +227,35 @@ SolveResult solve_restarts(const ShootingProblem& problem, const SolverOptions& 
                            const Trajectory& guess, int threads, const Solve& solve,
                            const SolverInfo*& used) {
   return Restarts(problem, options, guess, solve).run(threads, used);
+}
+
+SolveResult solve_from_elsewhere(const ShootingProblem& problem, const SolverOptions& options,
+                                 const Trajectory& guess, SolveResult failed, const Solve& solve,
+                                 const SolverInfo*& used) {
+  const SolverOptions::Restarts far{.seed = options.restarts.seed, .spread = kFarSpread};
+  JoinedSolves solves(options);
+  RestartRecord record{.starts = 1};
+  for (int start = 1; start <= kMostRestarts && solves.iterations_left() > 0; ++start) {
+    if (!(options.max_time_s > solves.seconds()) || (options.interrupted && options.interrupted()))
+      break;
+    const SolverInfo* by = nullptr;
+    SolveResult result = solve(start_of(problem, far, guess, start), solves.next(), by);
+    solves.add(result);
+    ++record.starts;
+    if (!is_success(result.status)) continue;
+    used = by;
+    record.converged = 1;
+    record.answer = start;
+    record.basins.push_back({.cost = result.cost, .starts = 1, .first = start});
+    result.message = fmt::format("{}; {} from restart {} of at most {}: {}", failed.message,
+                                 by->name, start, kMostRestarts, result.message);
+    result.times.total = failed.times.total + solves.seconds();
+    result.restarts = std::move(record);
+    return result;
+  }
+  failed.times.total += solves.seconds();
+  if (record.starts > 1) failed.restarts = std::move(record);
+  return failed;
 }
 
 }  // namespace conddp

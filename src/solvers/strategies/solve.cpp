@@ -138,16 +138,23 @@ class Impatience {
 /// Ipopt's restoration of feasibility goes on for thousands of iterations where there is no way.
 bool may_go_on_in_vain(const SolverInfo& solver) { return solver.name == "ipopt"; }
 
-/// Whether a later answer says more than the first one: that it is near, or a least violation.
+/// Whether a later answer says more than the first one: that it is one, near, or a least violation.
 bool says_more(const SolveResult& later, const SolveResult& first) {
+  if (is_success(first.status) || is_success(later.status)) return !is_success(first.status);
   return (is_far(first.residuals) && !is_far(later.residuals)) ||
          (later.status == SolveStatus::infeasible && first.status != SolveStatus::infeasible);
 }
 
-/// By the first solver that converges; else the first one's answer, or that of a later one where it
-/// says more. The default limit of iterations ends a solver, a lower one of the user all.
+/// Whether a limit or a signal ended a solve, after which no other one follows. The default limit
+/// of iterations ends a solver, a lower one of the user all.
+bool ends_all(SolveStatus status, const SolverOptions& options) {
+  return stopped(status) || (status == SolveStatus::max_iterations && limits_iterations(options));
+}
+
+/// By the first solver that converges to an answer without doubts; else the first answer that
+/// converged; else the first one's, or that of a later one where it says more.
 SolveResult run_first(const ShootingProblem& problem, SolverList candidates,
-                      const SolverOptions& options, const Trajectory& guess,
+                      const SolverOptions& options, const Trajectory& guess, const Doubt& doubt,
                       const SolverInfo*& used) {
   const auto began = std::chrono::steady_clock::now();
   std::optional<SolveResult> first;
@@ -164,40 +171,69 @@ SolveResult run_first(const ShootingProblem& problem, SolverList candidates,
     SolveResult& result = *answer;
     impatience.name_end(result);
     const SolveStatus status = result.status;
-    if (is_success(status) || !first) used = solver;
+    std::string doubts;
     if (is_success(status)) {
-      result.message = before + result.message;
-      return std::move(result);
+      if (candidates.size() > 1 && doubt) doubts = doubt(problem, result);
+      if (doubts.empty()) {
+        used = solver;
+        result.message = before + result.message;
+        return std::move(result);
+      }
     }
-    const std::string ended = fmt::format("{} ended as {} after {} iterations", solver->name,
-                                          to_string(status), result.iterations);
-    before += ended + "; ";
-    if (!first) {
-      first = std::move(result);
-    } else if (says_more(result, *first)) {
+    const std::string ended = is_success(status)
+                                  ? fmt::format("{} converged after {} iterations, but {}",
+                                                solver->name, result.iterations, doubts)
+                                  : fmt::format("{} ended as {} after {} iterations", solver->name,
+                                                to_string(status), result.iterations);
+    if (!first || says_more(result, *first)) {
       result.message = before + result.message;
       first = std::move(result);
       used = solver;
     } else {
       first->message += "; " + ended;
     }
-    if (stopped(status) || (status == SolveStatus::max_iterations && limits_iterations(options)))
-      break;
+    before += ended + "; ";
+    if (ends_all(status, options)) break;
   }
   return std::move(*first);
+}
+
+/// By these solvers, and where all of several fail by the first of them from other guesses.
+SolveResult solve_or_restart(const ShootingProblem& problem, SolverList candidates,
+                             const SolverOptions& options, const Trajectory& guess,
+                             const Doubt& doubt, const SolverInfo*& used) {
+  const auto began = std::chrono::steady_clock::now();
+  SolveResult result = run_first(problem, candidates, options, guess, doubt, used);
+  if (candidates.size() < 2 || is_success(result.status) || ends_all(result.status, options))
+    return result;
+  SolverOptions own = options;
+  own.max_time_s -= std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  const Solve by_first = [&](const Trajectory& start, const SolverOptions& mine,
+                             const SolverInfo*& by) {
+    return run_first(problem, candidates.first(1), mine, start, doubt, by);
+  };
+  return solve_from_elsewhere(problem, own, guess, std::move(result), by_first, used);
 }
 
 }  // namespace
 
 SolveResult solve(const ShootingProblem& problem, SolverList candidates,
-                  const SolverOptions& options, const Trajectory& guess, const SolverInfo*& used) {
+                  const SolverOptions& options, const Trajectory& guess, const SolverInfo*& used,
+                  const Doubt& doubt) {
   if (candidates.empty())
     throw std::invalid_argument("no solver supports this problem with these options");
-  const Solve once = [&](const Trajectory& start, const SolverOptions& own, const SolverInfo*& by) {
-    return own.homotopy ? solve_homotopy(problem, candidates, own, start, run_first, by)
-                        : run_first(problem, candidates, own, start, by);
+  const SolveByFirst by_first = [&](const ShootingProblem& of, SolverList list,
+                                    const SolverOptions& own, const Trajectory& start,
+                                    const SolverInfo*& by) {
+    return run_first(of, list, own, start, doubt, by);
   };
-  if (options.restarts.count <= 0) return once(guess, options, used);
+  const Solve once = [&](const Trajectory& start, const SolverOptions& own, const SolverInfo*& by) {
+    return own.homotopy ? solve_homotopy(problem, candidates, own, start, by_first, by)
+                        : by_first(problem, candidates, own, start, by);
+  };
+  if (options.restarts.count <= 0)
+    return options.homotopy ? once(guess, options, used)
+                            : solve_or_restart(problem, candidates, options, guess, doubt, used);
   const bool concurrent = std::all_of(candidates.begin(), candidates.end(),
                                       [](const SolverInfo* info) { return info->concurrent; });
   return solve_restarts(problem, options, guess, concurrent ? options.threads : 1, once, used);

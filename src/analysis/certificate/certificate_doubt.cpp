@@ -1,0 +1,65 @@
+#include "analysis/certificate/certificate_doubt.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "analysis/certificate/certificate.hpp"
+#include "ocp/problem/by_name.hpp"
+#include "solvers/common/control_bounds.hpp"
+
+namespace conddp {
+namespace {
+
+/// Multipliers of the control bounds: of controls at a bound what it takes from the gradient.
+void claim_bounds(const ShootingProblem& problem, const SolveResult& result,
+                  SolutionClaims& claims) {
+  const ControlBounds bounds(problem);
+  for (int k = 0; k < problem.knots(); ++k)
+    for (int i = 0; i < problem.nu(k); ++i) {
+      const double u = result.trajectory.u(k)[i], gradient = result.control_gradient[k][i];
+      if (bounds.at_lower(k, i, u)) claims.lower_multipliers[k][i] = std::max(0.0, gradient);
+      if (bounds.at_upper(k, i, u)) claims.upper_multipliers[k][i] = std::max(0.0, -gradient);
+    }
+}
+
+SolutionClaims claims_of(const ShootingProblem& problem, const SolveResult& result,
+                         const SolverOptions::Tolerances& tolerances, RegularizationKind kind) {
+  SolutionClaims claims(problem);
+  claims.trajectory = result.trajectory;
+  claims.times = problem.times(result.trajectory);
+  claims.converged = result.status == SolveStatus::converged;
+  claims.status = to_string(result.status);
+  claims.cost = result.cost;
+  claims.cost_by_name = cost_by_name(problem, result.trajectory);
+  claims.stationarity = result.residuals.stationarity;
+  claims.gap = result.residuals.gap;
+  claims.constraint = result.residuals.constraint;
+  claims.complementarity = result.residuals.complementarity;
+  claims.tolerances = tolerances;
+  claims.costates = result.costates;
+  claims.state_gradient = result.state_gradient;
+  claim_bounds(problem, result, claims);
+  claims.multipliers = result.constraint_multipliers;
+  claims.gains = result.feedback.K;
+  claims.feedforward = result.feedback.k;
+  if (result.feedback_regularization) claims.gain_regularization = *result.feedback_regularization;
+  claims.gain_regularization_kind = kind;
+  return claims;
+}
+
+}  // namespace
+
+Doubt certificate_doubt(const SolverOptions& options) {
+  return [tolerances = options.tolerances, kind = options.regularization.kind](
+             const ShootingProblem& problem, const SolveResult& result) {
+    const Certificate certificate = certify(problem, claims_of(problem, result, tolerances, kind));
+    const auto wrong =
+        std::ranges::find_if(certificate.checks, [](const Check& c) { return !c.holds; });
+    if (wrong == certificate.checks.end()) return std::string();
+    return fmt::format("its certificate fails ({}{}{})", wrong->name,
+                       wrong->message.empty() ? "" : ": ", wrong->message);
+  };
+}
+
+}  // namespace conddp
