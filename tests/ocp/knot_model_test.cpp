@@ -135,6 +135,28 @@ TEST(Evaluator, ResultsAreTheSameBitsWithOneAndTwoThreads) {
   }
 }
 
+TEST(KnotModel, BarriersAreBehindOtherCostsInThePatternWhicheverCameFirst) {
+  const auto system = test_systems().front().second;
+  const auto add_cost = [](KnotModel& model) {
+    model.add_cost("state", state_residual(model.manifold()), {});
+  };
+  const auto add_barrier = [](KnotModel& model) {
+    model.add_cost("effort", control_residual(model.ndx(), model.nu()),
+                   {.kind = ActivationKind::quadratic_barrier,
+                    .lower = std::vector<double>(model.nu(), -100),
+                    .upper = std::vector<double>(model.nu(), 100)});
+  };
+  KnotModel barrier_last(system, integrators_of(*system).front()), barrier_first = barrier_last;
+  add_cost(barrier_last);
+  add_barrier(barrier_last);
+  add_barrier(barrier_first);
+  add_cost(barrier_first);
+  EXPECT_GT(static_cast<int>(barrier_last.hessian_pattern().size()),
+            barrier_last.lasting_entries());
+  EXPECT_EQ(barrier_first.hessian_pattern(), barrier_last.hessian_pattern());
+  EXPECT_EQ(barrier_first.lasting_entries(), barrier_last.lasting_entries());
+}
+
 TEST(Evaluator, NothingIsLeftOfTheHessianBefore) {
   bool barriers_rested = false, barriers_worked = false;
   RandomNumbers random(12);

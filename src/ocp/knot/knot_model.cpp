@@ -96,7 +96,10 @@ namespace {
 class PatternIndex {
  public:
   PatternIndex(int size, std::vector<std::pair<int, int>>& pattern)
-      : size_(size), entry_at_(size * size, -1), pattern_(pattern) {}
+      : size_(size), entry_at_(size * size, -1), pattern_(pattern) {
+    for (std::size_t i = 0; i < pattern.size(); ++i)
+      entry_at_[pattern[i].second * size + pattern[i].first] = static_cast<int>(i);
+  }
 
   /// The entries of the pairs of columns of each block.
   std::vector<int> entries(const std::vector<RowBlock>& blocks) {
@@ -127,12 +130,17 @@ class PatternIndex {
 
 void KnotModel::index_hessian() {
   const int n = nz();
-  pattern_.clear();
+  std::size_t first = pattern_index_.size(), first_constraint = constraint_pattern_index_.size();
+  if (static_cast<std::size_t>(lasting_entries_) < pattern_.size()) {
+    // What may come to last has its place before what does not.
+    pattern_.clear();
+    first = first_constraint = 0;
+  }
   PatternIndex index(n, pattern_);
   pattern_index_.resize(costs_.size());
   constraint_pattern_index_.resize(constraints_.size());
   for (const bool rests : {false, true}) {
-    for (std::size_t t = 0; t < costs_.size(); ++t) {
+    for (std::size_t t = first; t < costs_.size(); ++t) {
       if (costs_[t].is_barrier() != rests) continue;  // inside its bounds a barrier is nothing
       std::vector<RowBlock> blocks = costs_[t].residual->blocks();
       if (costs_[t].activation.kind == ActivationKind::smooth_l2)
@@ -141,7 +149,7 @@ void KnotModel::index_hessian() {
     }
     if (!rests) lasting_entries_ = static_cast<int>(pattern_.size());
   }
-  for (std::size_t t = 0; t < constraints_.size(); ++t)
+  for (std::size_t t = first_constraint; t < constraints_.size(); ++t)
     constraint_pattern_index_[t] = index.entries(constraints_[t].blocks);
 }
 
