@@ -1,4 +1,5 @@
 #include "problem_file/yaml/key_path.hpp"
+#include "problem_file/yaml/yaml_source.hpp"
 #include "problem_text.hpp"
 #include "solvers/common/options.hpp"
 
@@ -52,6 +53,22 @@ TEST(Override, ASettingOfAValueFromElsewhereIsReadBackFromItsText) {
   ASSERT_TRUE(again);
   EXPECT_EQ(make_setting(again->key, again->value).text, made.text);
   EXPECT_TRUE(out.list().empty());
+}
+
+TEST(Override, ANumberIsReadAsYamlReadsIt) {
+  for (const std::string text :
+       {"1", "-0.5", "+2", ".5", "-.5", "1e-3", "1.5E+3", "2023-01-02", "1-2", "..1", "1.", "-e"}) {
+    Diagnostics out;
+    const auto setting = parse_setting("k\u00e4y=" + text, out);
+    ASSERT_TRUE(setting) << text;
+    const auto value = parse_yaml(text, setting->value.mark.source, out, 5, true);
+    ASSERT_TRUE(value) << text;
+    EXPECT_EQ(setting->value.kind, value->kind) << text;
+    EXPECT_EQ(setting->value.text, value->text) << text;
+    EXPECT_EQ(setting->value.quoted, value->quoted) << text;
+    EXPECT_EQ(setting->value.mark.line, value->mark.line) << text;
+    EXPECT_EQ(setting->value.mark.column, value->mark.column) << text;
+  }
 }
 
 TEST(Override, AnErrorQuotesTheSettingThatItIsIn) {

@@ -1,5 +1,6 @@
 #include "problem_file/yaml/setting.hpp"
 
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
@@ -43,6 +44,24 @@ std::string flow_text(const YamlNode& node) {
   return text;
 }
 
+/// Whether a text is a scalar of YAML that begins as a number does, and nothing else.
+bool is_plain_number(std::string_view text) {
+  const std::size_t first = text.find_first_not_of("+-.");
+  return first <= 2 && text[first] >= '0' && text[first] <= '9' &&
+         text.find_first_not_of("+-.0123456789eE") == std::string_view::npos;
+}
+
+/// The value of a setting, behind so many characters of its text.
+std::optional<YamlNode> parse_value(const std::string& value, int source, int shift,
+                                    Diagnostics& out) {
+  // Batches have millions of numbers, and a parser of YAML takes long to begin.
+  if (is_plain_number(value))
+    return YamlNode{.kind = YamlNode::Kind::kScalar,
+                    .mark = {source, 1, out.character_column(source, 1, shift)},
+                    .text = value};
+  return parse_yaml(value, source, out, shift, true);
+}
+
 }  // namespace
 
 std::optional<Setting> parse_setting(const std::string& text, Diagnostics& out) {
@@ -58,7 +77,7 @@ std::optional<Setting> parse_setting(const std::string& text, Diagnostics& out) 
               "write --set key.path=value, for example --set solver.max_iterations=50");
     return std::nullopt;
   }
-  auto value = parse_yaml(text.substr(equals + 1), source, out, static_cast<int>(equals) + 1, true);
+  auto value = parse_value(text.substr(equals + 1), source, static_cast<int>(equals) + 1, out);
   if (!value) return std::nullopt;
   const std::string key = text.substr(0, equals);
   return Setting{{key, {{source, 1, 1}, key}}, *std::move(value), text};
