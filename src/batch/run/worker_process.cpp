@@ -24,6 +24,13 @@ void do_not_block(int descriptor) {
   ::fcntl(descriptor, F_SETFL, ::fcntl(descriptor, F_GETFL) | O_NONBLOCK);
 }
 
+/// Lets a pipe hold whole answers, so that a worker need not wait until they are read. Where the
+/// system does not allow that, it waits.
+void widen(int descriptor) {
+  constexpr int kBytes = 1 << 20;
+  ::fcntl(descriptor, F_SETPIPE_SZ, kBytes);
+}
+
 }  // namespace
 
 WorkerProcess::WorkerProcess(const std::vector<std::string>& command) {
@@ -42,6 +49,7 @@ WorkerProcess::WorkerProcess(const std::vector<std::string>& command) {
   output_ = answers.release_read_end();
   do_not_block(input_);
   do_not_block(output_);
+  widen(output_);
   if (error == 0) return;
   process_ = -1;
   throw OutputError(fmt::format("no worker can be started: {}", std::strerror(error)));
