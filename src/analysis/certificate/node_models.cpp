@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <map>
 #include <random>
+#include <utility>
 
-#include "analysis/certificate/node_hessians.hpp"
 #include "ocp/evaluation/evaluator.hpp"
 #include "spatial/aligned.hpp"
 #include "spatial/lane.hpp"
@@ -19,6 +19,17 @@ using Eigen::VectorXd;
 /// the largest ones of its matrix.
 constexpr double kOwnAgreement = 1e-12, kLargestAgreement = 1e-13;
 
+/// column ← block · column, in each of some columns.
+template <int n>
+void turn_columns(const double* block, double* first, Eigen::Index stride, Eigen::Index columns) {
+  const Eigen::Map<const Eigen::Matrix<double, n, n, Eigen::RowMajor>> turn(block);
+  for (Eigen::Index c = 0; c < columns; ++c) {
+    Eigen::Map<Eigen::Matrix<double, n, 1>> column(first + c * stride);
+    const Eigen::Matrix<double, n, 1> turned = turn * column;
+    column = turned;
+  }
+}
+
 /// Moves the rows of the next state's tangent vector from f to f ⊕ (−gap).
 void transport(const StateManifold& manifold, const Eigen::Ref<const VectorXd>& gap,
                MatrixXd& step) {
@@ -27,18 +38,15 @@ void transport(const StateManifold& manifold, const Eigen::Ref<const VectorXd>& 
   AlignedVector<double> wrt_x(curved.size() * StateManifold::kBlockSize), wrt_dx(wrt_x.size());
   const VectorXd back = -gap;
   manifold.integrate_jacobians(back.data(), wrt_x.data(), wrt_dx.data());
-  using Block = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  for (std::size_t s = 0; s < curved.size(); ++s) {
-    const Eigen::Map<const Block> block(&wrt_x[s * StateManifold::kBlockSize], curved[s].n,
-                                        curved[s].n);
-    step.middleRows(curved[s].dx, curved[s].n) =
-        (block * step.middleRows(curved[s].dx, curved[s].n)).eval();
-  }
+  for (std::size_t s = 0; s < curved.size(); ++s)
+    (curved[s].n == 6 ? turn_columns<6> : turn_columns<3>)(&wrt_x[s * StateManifold::kBlockSize],
+                                                           step.data() + curved[s].dx, step.rows(),
+                                                           step.cols());
 }
 
 NodeDerivatives from_linearization(const ShootingProblem& problem, int node, const MatrixXd& gap,
-                                   const KnotLinearization& knot) {
-  NodeDerivatives out{knot.gradient, knot.C, {}};
+                                   KnotLinearization& knot) {
+  NodeDerivatives out{std::move(knot.gradient), std::move(knot.C), {}};
   if (node == problem.knots()) return out;
   out.step = knot.dense_jacobian();
   transport(problem.knot(node).model->manifold(), gap.col(node), out.step);
@@ -161,14 +169,19 @@ NodeModels node_models(const ShootingProblem& problem, const Trajectory& traject
                        const MatrixXd& gap) {
   Linearization analytic(problem);
   Evaluator(problem).differentiate(trajectory, analytic);
-  return confirmed_models(problem, trajectory, gap, analytic);
+  return confirmed_models(problem, trajectory, gap, std::move(analytic));
 }
 
 NodeModels confirmed_models(const ShootingProblem& problem, const Trajectory& trajectory,
-                            const MatrixXd& gap, const Linearization& analytic) {
-  NodeModels models{{}, hessians_of(analytic)};
-  for (int k = 0; k <= problem.knots(); ++k)
-    models.derivatives.push_back(from_linearization(problem, k, gap, analytic.knots[k]));
+                            const MatrixXd& gap, Linearization analytic) {
+  NodeModels models;
+  models.derivatives.reserve(analytic.knots.size());
+  models.hessians.reserve(analytic.knots.size());
+  for (int k = 0; k <= problem.knots(); ++k) {
+    KnotLinearization& knot = analytic.knots[k];
+    models.derivatives.push_back(from_linearization(problem, k, gap, knot));
+    models.hessians.push_back(std::move(knot.hessian.change()));
+  }
   MovingNodes moving(problem, trajectory, gap);
   Confirmation confirmation(problem, moving);
   std::vector<int> denied;

@@ -26,6 +26,6 @@ NodeModels node_models(const ShootingProblem& problem, const Trajectory& traject
 
 /// The same from the analytic derivatives of all nodes there, without terms of multipliers.
 NodeModels confirmed_models(const ShootingProblem& problem, const Trajectory& trajectory,
-                            const Eigen::MatrixXd& gap, const Linearization& analytic);
+                            const Eigen::MatrixXd& gap, Linearization analytic);
 
 }  // namespace conddp

@@ -33,6 +33,17 @@ void add_pulled(const StateBlock& A, const double* lq, double* out) {
   Part<n>(out).noalias() += A.topLeftCorner<n, n>().transpose() * ConstPart<n>(lq);
 }
 
+/// The rows of a curved segment of ∂q⁺/∂z, from those of F.
+template <int n>
+void step_rows(const StateBlock& H, double dt, const double* F, Eigen::Index stride, double* out,
+               Eigen::Index out_stride, Eigen::Index columns) {
+  for (Eigen::Index c = 0; c < columns; ++c) {
+    Part<n> column(out + c * out_stride);
+    column.noalias() = H.topLeftCorner<n, n>() * ConstPart<n>(F + c * stride);
+    column *= dt;
+  }
+}
+
 }  // namespace
 
 void KnotLinearization::apply(const Eigen::Ref<const Eigen::VectorXd>& z,
@@ -87,10 +98,9 @@ Eigen::MatrixXd KnotLinearization::dense_jacobian() const {
   jacobian.topLeftCorner(nv, nv).diagonal().array() += 1;
   for (std::size_t s = 0; s < curved.size(); ++s) {
     const int at = curved[s].dx, n = curved[s].n;
-    auto rows = jacobian.middleRows(at, n);
-    rows.noalias() = H[s].topLeftCorner(n, n) * F.middleRows(at, n);
-    rows *= dt;
-    rows.middleCols(at, n) += A[s].topLeftCorner(n, n);
+    (n == 6 ? step_rows<6> : step_rows<3>)(H[s], dt, F.data() + at, nv, jacobian.data() + at, ndx,
+                                           F.cols());
+    jacobian.block(at, at, n, n) += A[s].topLeftCorner(n, n);
   }
   return jacobian;
 }
