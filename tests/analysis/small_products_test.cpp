@@ -32,6 +32,18 @@ TEST(SmallProducts, TakeBlocksOfMatrices) {
   EXPECT_LE((product - a.block(3, 2, 9, 7) * b.block(1, 4, 7, 5)).cwiseAbs().maxCoeff(), 1e-14);
 }
 
+TEST(SmallProducts, HalfOfASymmetricOneGivesTheOtherHalf) {
+  std::srand(4);
+  MatrixXd product;
+  for (const int size : {0, 1, 2, 3, 7, 8, 9, 14, 21, 37, 48}) {
+    const MatrixXd a = MatrixXd::Random(size, 6), b = a.transpose();
+    multiply_lower(a, b, product);
+    mirror_lower_triangle(product);
+    EXPECT_EQ(product, product.transpose());
+    EXPECT_LE((product - a * b).norm(), 1e-13) << size;
+  }
+}
+
 TEST(SmallProducts, AddTransposedProductsAndTheSizesOfTheirTerms) {
   std::srand(3);
   for (const int rows : {0, 1, 3, 8, 9, 14, 37})

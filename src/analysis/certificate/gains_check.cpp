@@ -28,20 +28,15 @@ struct Deviation {
   Worst feedback, feedforward;
 };
 
-/// Controls that the answer's sweep held.
-std::vector<bool> held_controls(const ShootingProblem& problem, const SolutionClaims& claims,
-                                int k) {
+/// Whether the answer's sweep held a control of a knot.
+bool is_held(const ShootingProblem& problem, const SolutionClaims& claims, int k, int control) {
   const KnotModel& model = *problem.knot(k).model;
-  std::vector<bool> held(problem.nu(k));
-  for (int i = 0; i < problem.nu(k); ++i) {
-    const double u = claims.trajectory.u(k)[i] + claims.feedforward[k][i];
-    const auto at = [&](double bound) {
-      return std::isfinite(bound) && std::abs(u - bound) <= 1e-12 * std::max(1.0, std::abs(bound));
-    };
-    held[i] = (at(model.control_lower()[i]) || at(model.control_upper()[i])) &&
-              claims.gains[k].row(i).isZero(0);
-  }
-  return held;
+  const double u = claims.trajectory.u(k)[control] + claims.feedforward[k][control];
+  const auto at = [u](double bound) {
+    return std::isfinite(bound) && std::abs(u - bound) <= 1e-12 * std::max(1.0, std::abs(bound));
+  };
+  return (at(model.control_lower()[control]) || at(model.control_upper()[control])) &&
+         claims.gains[k].row(control).isZero(0);
 }
 
 /// What the sweep of the certificate is made from.
@@ -86,10 +81,12 @@ std::vector<NodeNoise> noise_of(const SweepModel& here, const SweepModel& there,
 }
 
 /// The stage of a knot, and what the answer's gains leave of its equations.
-struct SweepStage {
+class SweepStage {
+ public:
   MatrixXd Q, Quu;  ///< nz x nz; nu x nu with the regularization of the gains
   VectorXd q;
   MatrixXd left;       ///< Quu K + Qux
+  MatrixXd left_size;  ///< the sizes of its terms: |Quu| |K| + |Qux|
   VectorXd step_left;  ///< Quu k + qu
 
   /// From Q and q; `regularization` is what the gains have of it besides that in Q.
@@ -102,7 +99,14 @@ struct SweepStage {
     left += Q.bottomLeftCorner(nu, K.cols());
     step_left = q.tail(nu);
     step_left.noalias() += Quu * claims.feedforward[k];
+    Quu_size_ = Quu.cwiseAbs();
+    K_size_ = K.cwiseAbs();
+    multiply(Quu_size_, K_size_, left_size);
+    left_size += Q.bottomLeftCorner(nu, K.cols()).cwiseAbs();
   }
+
+ private:
+  MatrixXd Quu_size_, K_size_;
 };
 
 /// A sweep along the gains of the answer, node by node from the end.
@@ -274,19 +278,15 @@ class CarriedRounding {
 void meet_equations(const ShootingProblem& problem, const SolutionClaims& claims,
                     const SweepStage& sweep, const CarriedRounding* rounding, int k,
                     Deviation& out) {
-  const int nu = problem.nu(k), ndx = problem.ndx();
+  const int nu = problem.nu(k);
   if (nu == 0) return;
   const VectorXd& d = claims.feedforward[k];
   const double step = std::max(kLeastMove * (1 + claims.trajectory.u(k).lpNorm<Eigen::Infinity>()),
                                d.lpNorm<Eigen::Infinity>());
-  MatrixXd terms;
-  multiply(sweep.Quu.cwiseAbs(), claims.gains[k].cwiseAbs(), terms);
-  terms += sweep.Q.bottomLeftCorner(nu, ndx).cwiseAbs();
-  const std::vector<bool> held = held_controls(problem, claims, k);
   for (int i = 0; i < nu; ++i) {
-    if (held[i]) continue;
-    double tolerance =
-        kGainTolerance * std::max(terms.row(i).maxCoeff(), kGainTolerance * sweep.Quu(i, i));
+    if (is_held(problem, claims, k, i)) continue;
+    double tolerance = kGainTolerance * std::max(sweep.left_size.row(i).maxCoeff(),
+                                                 kGainTolerance * sweep.Quu(i, i));
     double step_tolerance = kGainTolerance * sweep.Quu.row(i).lpNorm<1>() * step;
     if (rounding != nullptr) {
       tolerance += rounding->feedback[i];

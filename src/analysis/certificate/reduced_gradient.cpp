@@ -30,15 +30,87 @@ struct ControlAtBounds {
   bool lower, upper;
 };
 
+/// Which rows of the Jacobian of a step follow from others. After q⁺ = q + h v⁺ those of q do:
+/// row i is h times another one, plus 1 in column i.
+class StepRows {
+ public:
+  using Index = Eigen::Index;
+  struct Kept {
+    Index row;
+    Index follower;  ///< the row that follows from it, or −1
+  };
+
+  void find(const KnotModel& model, double h, const MatrixXd& jacobian) {
+    h_ = h;
+    kept_.clear();
+    followers_.clear();
+    const Index nv = model.semi_implicit() ? model.jacobian_rows() : 0;
+    for (Index i = 0; i < nv; ++i)
+      if (is_flat(model.manifold(), i) && follows(i, nv + i, jacobian))
+        followers_.push_back(i);
+      else
+        kept_.push_back({i, -1});
+    auto follower = followers_.begin();
+    for (Index i = nv; i < jacobian.rows(); ++i)
+      kept_.push_back({i, follower != followers_.end() && *follower == i - nv ? *follower++ : -1});
+  }
+
+  double h() const { return h_; }
+  /// Both in ascending order.
+  const std::vector<Kept>& kept() const { return kept_; }
+  const std::vector<Index>& followers() const { return followers_; }
+
+ private:
+  static bool is_flat(const StateManifold& manifold, Index row) {
+    return std::ranges::none_of(manifold.curved(), [row](const StateManifold::Segment& s) {
+      return row >= s.dx && row < s.dx + s.n;
+    });
+  }
+  bool follows(Index row, Index from, const MatrixXd& jacobian) const {
+    constexpr double kRounding = 1e-14;
+    for (Index c = 0; c < jacobian.cols(); ++c) {
+      const double entry = h_ * jacobian(from, c) + (c == row ? 1 : 0);
+      if (!(std::abs(jacobian(row, c) - entry) <= kRounding * std::max(1.0, std::abs(entry))))
+        return false;
+    }
+    return true;
+  }
+
+  double h_ = 0;
+  std::vector<Kept> kept_;
+  std::vector<Index> followers_;
+};
+
 /// The stages of a policy, from the end: each from the value behind it.
 class RiccatiStep {
  public:
-  /// Q of a stage.
-  void form(const MatrixXd& value, const MatrixXd& hessian, const MatrixXd& jacobian, MatrixXd& Q) {
-    multiply(value, jacobian, moved_);
-    transposed_ = jacobian.transpose();
-    multiply(transposed_, moved_, Q);
+  /// Q of a stage, Hessian + Jᵀ V J, with J = S R + E: R are the rows of J that `rows` keeps, and E
+  /// has the ones of those that follow from them.
+  void form(const MatrixXd& value, const MatrixXd& hessian, const MatrixXd& jacobian,
+            const StepRows& rows, MatrixXd& Q) {
+    const Index ndx = jacobian.rows(), nz = jacobian.cols();
+    const auto count = static_cast<Index>(rows.kept().size());
+    kept_.resize(count, nz);
+    weight_.resize(ndx, count);
+    pulled_.resize(count, nz);
+    for (Index r = 0; r < count; ++r) {
+      const auto& [row, follower] = rows.kept()[r];
+      kept_.row(r) = jacobian.row(row);
+      weight_.col(r) = value.col(row);
+      if (follower >= 0) weight_.col(r) += rows.h() * value.col(follower);
+    }
+    multiply(weight_, kept_, moved_);
+    for (const Index i : rows.followers()) moved_.col(i) += value.col(i);
+    for (Index r = 0; r < count; ++r) {
+      const auto& [row, follower] = rows.kept()[r];
+      pulled_.row(r) = moved_.row(row);
+      if (follower >= 0) pulled_.row(r) += rows.h() * moved_.row(follower);
+    }
+    transposed_ = kept_.transpose();
+    multiply_lower(transposed_, pulled_, Q);
+    for (const Index i : rows.followers()) Q.row(i).head(i + 1) += moved_.row(i).head(i + 1);
     Q += hessian;
+    mirror_lower_triangle(Q);
   }
 
   /// The minimum over the free controls; false where the stage is not convex, and K is zero.
@@ -61,10 +133,10 @@ class RiccatiStep {
   /// The Hessian of the cost to go along K: Q_xx + Kᵀ Q_uu K + Kᵀ Q_ux + Q_xu K.
   void propagate(const MatrixXd& Q, const MatrixXd& K, MatrixXd& value) {
     const Index nu = K.rows(), ndx = K.cols();
-    multiply(Q.bottomRightCorner(nu, nu), K, moved_);
-    moved_ += 2 * Q.bottomLeftCorner(nu, ndx);
-    transposed_ = K.transpose();
-    multiply(transposed_, moved_, along_);
+    multiply(Q.bottomRightCorner(nu, nu), K, controls_moved_);
+    controls_moved_ += 2 * Q.bottomLeftCorner(nu, ndx);
+    transposed_gains_ = K.transpose();
+    multiply(transposed_gains_, controls_moved_, along_);
     along_ += Q.topLeftCorner(ndx, ndx);
     value = 0.5 * (along_ + along_.transpose());
   }
@@ -76,7 +148,9 @@ class RiccatiStep {
 
   SmallCholesky factors_;
   SmallCholesky::Rows rows_;
-  MatrixXd block_, moved_, transposed_, along_;
+  MatrixXd kept_, weight_, moved_, pulled_, transposed_;  // of form()
+  MatrixXd block_;                                        // of minimize()
+  MatrixXd controls_moved_, transposed_gains_, along_;    // of propagate()
 };
 
 }  // namespace
@@ -133,6 +207,7 @@ RiccatiPolicy riccati_policy(const ShootingProblem& problem, const Trajectory& t
   RiccatiPolicy policy(problem);
   policy.value[N] = hessians[N];
   RiccatiStep step;
+  StepRows rows;
   std::vector<int> free;
   for (int k = N - 1; k >= 0; --k) {
     free.clear();
@@ -140,7 +215,8 @@ RiccatiPolicy riccati_policy(const ShootingProblem& problem, const Trajectory& t
       const ControlAtBounds control(*problem.knot(k).model, i, trajectory.u(k)[i], bound_tolerance);
       if (!control.lower && !control.upper) free.push_back(i);
     }
-    step.form(policy.value[k + 1], hessians[k], derivatives[k].step, policy.Q[k]);
+    rows.find(*problem.knot(k).model, problem.knot(k).dt, derivatives[k].step);
+    step.form(policy.value[k + 1], hessians[k], derivatives[k].step, rows, policy.Q[k]);
     policy.convex &= step.minimize(policy.Q[k], free, policy.K[k], policy.inverse[k]);
     step.propagate(policy.Q[k], policy.K[k], policy.value[k]);
   }

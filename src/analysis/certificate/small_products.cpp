@@ -41,6 +41,7 @@ struct Product {
   const double* b;
   double* out;
   Index a_stride, b_stride, out_stride, terms;
+  bool lower;  ///< whether blocks above the diagonal are left out
 
   template <int rows, int columns>
   void block(Index row, Index column) const {
@@ -58,7 +59,9 @@ struct Product {
   template <int rows, int columns>
   void blocks(Index height, Index width) const {
     cover<columns>(width, [&](Index column) {
-      cover<rows>(height, [&](Index row) { block<rows, columns>(row, column); });
+      cover<rows>(height, [&](Index row) {
+        if (!lower || row + rows > column) block<rows, columns>(row, column);
+      });
     });
   }
 
@@ -81,16 +84,31 @@ void add_totals(Lane (&sums)[kLaneWidth], int count, double* to) {
   store_some(to, total, count);
 }
 
-}  // namespace
-
-void multiply(const Eigen::Ref<const Eigen::MatrixXd>& a,
-              const Eigen::Ref<const Eigen::MatrixXd>& b, Eigen::MatrixXd& out) {
+void form_product(const Eigen::Ref<const Eigen::MatrixXd>& a,
+                  const Eigen::Ref<const Eigen::MatrixXd>& b, bool lower, Eigen::MatrixXd& out) {
   constexpr int kColumns = 8;
   out.resize(a.rows(), b.cols());
   if (out.size() == 0) return;
   const Product product{a.data(),        b.data(),          out.data(), a.outerStride(),
-                        b.outerStride(), out.outerStride(), a.cols()};
+                        b.outerStride(), out.outerStride(), a.cols(),   lower};
   product.run<kLaneWidth, kColumns>(out.rows(), out.cols());
+}
+
+}  // namespace
+
+void multiply(const Eigen::Ref<const Eigen::MatrixXd>& a,
+              const Eigen::Ref<const Eigen::MatrixXd>& b, Eigen::MatrixXd& out) {
+  form_product(a, b, false, out);
+}
+
+void multiply_lower(const Eigen::Ref<const Eigen::MatrixXd>& a,
+                    const Eigen::Ref<const Eigen::MatrixXd>& b, Eigen::MatrixXd& out) {
+  form_product(a, b, true, out);
+}
+
+void mirror_lower_triangle(Eigen::MatrixXd& matrix) {
+  for (Index column = 1; column < matrix.cols(); ++column)
+    for (Index row = 0; row < column; ++row) matrix(row, column) = matrix(column, row);
 }
 
 void add_transposed_product(const Eigen::MatrixXd& A, const double* x, Eigen::VectorXd& value,
