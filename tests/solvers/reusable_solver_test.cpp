@@ -85,6 +85,13 @@ ShootingProblem mass_between(const MassNumbers& numbers) {
                                            .last = 20}});
 }
 
+void take_numbers(const ShootingProblem& from, ShootingProblem& to) {
+  std::vector<KnotNumbers> nodes;
+  for (int k = 0; k <= from.knots(); ++k)
+    nodes.push_back({from.knot(k).dt, from.knot(k).cost_scale, from.knot(k).parameters});
+  to.set_numbers(nodes);
+}
+
 // Bounds and weights are read anew where a problem's numbers have changed.
 TEST(ReusableSolver, SolvesOtherNumbersAsASolverOfTheirsWould) {
   const MassNumbers many[] = {{0.9, 0.05, 0.6, 40, 0.3},
@@ -98,14 +105,29 @@ TEST(ReusableSolver, SolvesOtherNumbersAsASolverOfTheirsWould) {
     for (const MassNumbers& numbers : many) {
       SCOPED_TRACE(name + std::string(" ") + std::to_string(numbers.wall));
       const ShootingProblem own = mass_between(numbers);
-      std::vector<KnotNumbers> nodes;
-      for (int k = 0; k <= own.knots(); ++k)
-        nodes.push_back({own.knot(k).dt, own.knot(k).cost_scale, own.knot(k).parameters});
-      problem.set_numbers(nodes);
+      take_numbers(own, problem);
       const SolveResult fresh = solve(own, name, {}, guess);
       EXPECT_EQ(fresh.status, SolveStatus::converged) << fresh.message;
       expect_same(solver.solve(guess), fresh);
     }
+  }
+}
+
+/// A pendulum that is to stand, with steps of this length.
+ShootingProblem pendulum_of(double dt) {
+  return testing::tracking_problem(pendulum({}), Integrator::semi_implicit_euler, 12, dt, {0.4, 0},
+                                   {{0, 0}, {1, 0.1}, {0.01}, {10, 1}}, -8, 8);
+}
+
+TEST(ReusableSolver, TakesStepsOfOtherLengths) {
+  ShootingProblem problem = pendulum_of(0.05);
+  ReusableSolver solver(problem, "box_fddp", {});
+  const Trajectory guess = testing::constant_controls(problem, 0.1);
+  for (const double dt : {0.05, 0.02, 0.08}) {
+    SCOPED_TRACE(dt);
+    const ShootingProblem own = pendulum_of(dt);
+    take_numbers(own, problem);
+    expect_same(solver.solve(guess), solve(own, "box_fddp", {}, guess));
   }
 }
 

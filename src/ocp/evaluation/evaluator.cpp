@@ -186,6 +186,8 @@ struct Evaluator::Impl {
                              group.count);
     scatter_lanes(work.F().data(), static_cast<int>(work.F().size()),
                   place([](KnotLinearization& knot) { return knot.F.data(); }), group.count);
+    for (int l = 0; l < group.count; ++l)
+      out.knots[group.knots[l]].dt = problem.knot(group.knots[l]).dt;
     const KnotLinearization& first = out.knots[group.knots[0]];
     const auto store_blocks = [&](const AlignedVector<Lane>& blocks, auto member) {
       for (std::size_t s = 0; s < (first.*member).size(); ++s) {
