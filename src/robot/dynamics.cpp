@@ -84,6 +84,44 @@ void put_mass_row(const RobotModel& model, int i, RobotData<S>& data) {
   }
 }
 
+/// Entries of a row of the factors that are found side by side.
+constexpr int kRowWidth = 6;
+
+/// D_i L_ij of a row in the columns of so many degrees of freedom that carry i, and D_i where j is
+/// i, into L_ji, above the diagonal: there the rows of a factor lie side by side. The rows behind i
+/// are known.
+template <int kCount, class S>
+void put_scaled_row(const RobotModel& model, int i, const int* columns, RobotData<S>& data) {
+  const int n = model.nv;
+  S* row = data.L.data() + i * n;
+  S sum[kCount];
+  for (int c = 0; c < kCount; ++c) sum[c] = data.M[columns[c] * n + i];
+  for (int k = i + 1; k < model.subtree_end[i]; ++k) {
+    const S* scaled = data.L.data() + k * n;
+    for (int c = 0; c < kCount; ++c) sum[c] -= row[k] * scaled[columns[c]];
+  }
+  for (int c = 0; c < kCount; ++c) row[columns[c]] = sum[c];
+}
+
+template <class S>
+void put_scaled_row(const RobotModel& model, int i, const int* columns, int count,
+                    RobotData<S>& data) {
+  switch (count) {
+    case 1:
+      return put_scaled_row<1>(model, i, columns, data);
+    case 2:
+      return put_scaled_row<2>(model, i, columns, data);
+    case 3:
+      return put_scaled_row<3>(model, i, columns, data);
+    case 4:
+      return put_scaled_row<4>(model, i, columns, data);
+    case 5:
+      return put_scaled_row<5>(model, i, columns, data);
+    default:
+      return put_scaled_row<kRowWidth>(model, i, columns, data);
+  }
+}
+
 /// 2B m of a subtree, which depends on the angular part w of m alone, from its momentum and the
 /// rate of its inertia.
 template <class S>
@@ -245,25 +283,19 @@ void mass_matrix(const RobotModel& model, RobotData<S>& data) {
 template <class S>
 void factorize_mass_matrix(const RobotModel& model, RobotData<S>& data) {
   const int n = model.nv;
-  const std::vector<int>& end = model.subtree_end;
-  // Column by column from the last; subtrees are contiguous, so that no list need be followed.
-  for (int j = n - 1; j >= 0; --j) {
-    const S* M = data.M.data() + j * n;
-    S* L = data.L.data() + j * n;
-    for (int i = end[j] - 1; i > j; --i) {
-      const S* below = data.L.data() + i * n;
-      S scaled = M[i];  // D_i L_ij
-      for (int k = i + 1; k < end[i]; ++k) scaled -= below[k] * L[k];
-      L[i] = scaled;
+  // Row by row from the last, each along its way to the root. Subtrees are contiguous.
+  for (int i = n - 1; i >= 0; --i) {
+    int columns[kRowWidth], count = 0;
+    for (int j = i; j >= 0; j = model.parent_dof[j]) {
+      columns[count++] = j;
+      if (count < kRowWidth && model.parent_dof[j] >= 0) continue;
+      put_scaled_row(model, i, columns, count, data);
+      count = 0;
     }
-    S pivot = M[j];
-    for (int i = j + 1; i < end[j]; ++i) {
-      const S scaled = L[i];
-      L[i] = scaled * data.D_inverse[i];
-      pivot -= scaled * L[i];
-    }
-    L[j] = pivot;
-    data.D_inverse[j] = S(1.0) / pivot;
+    S* scaled = data.L.data() + i * n;
+    const S inverse = data.D_inverse[i] = S(1.0) / scaled[i];
+    for (int j = model.parent_dof[i]; j >= 0; j = model.parent_dof[j])
+      data.L[j * n + i] = scaled[j] * inverse;
   }
 }
 

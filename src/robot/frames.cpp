@@ -35,6 +35,22 @@ void store(const Motion<S>& m, S* column) {
   for (int i = 0; i < 6; ++i) column[i] = m[i];
 }
 
+/// The columns of a floating base in the Jacobian of a frame with this placement, in its axes: unit
+/// motions, which need no products but those of a lever.
+template <class S>
+void store_base_columns(const SE3<S>& m, S* columns) {
+  for (int k = 0; k < 3; ++k) {
+    const int low = k == 0 ? 1 : 0, high = k == 2 ? 1 : 2;
+    S *linear = columns + 6 * k, *angular = columns + 6 * (k + 3);
+    for (int i = 0; i < 3; ++i) {
+      const S lever = m.R(high, i) * m.p[low] - m.R(low, i) * m.p[high];
+      linear[i] = angular[3 + i] = m.R(k, i);
+      linear[3 + i] = S(0.0);
+      angular[i] = k == 1 ? -lever : lever;
+    }
+  }
+}
+
 /// What turns the axes of a frame, placed in the root frame, into those of the world; the
 /// identity where they are not asked for.
 template <class S>
@@ -98,11 +114,18 @@ void frame_jacobian(const RobotModel& model, const RobotData<S>& data, int frame
                     S* jacobian) {
   const int joint = model.frames[frame].joint;
   const SE3<S> m = placement_in_root(model, data, frame);
-  const Matrix3<S> r = world_rotation(model, data, joint, m, axes);
   S* column = jacobian + 6 * support_size(model, joint);
+  if (axes == FrameAxes::local) {
+    for (int j = joint; j >= 0; j = model.joints[j].parent)
+      if (model.joints[j].type == JointType::floating)
+        store_base_columns(m, column -= 36);
+      else
+        store(act_inverse(m, data.axis[j]), column -= 6);
+    return;
+  }
+  const Matrix3<S> r = world_rotation(model, data, joint, m, axes);
   for_each_axis(model, data, joint, [&](const Motion<S>& axis, int) {
-    const Motion<S> local = act_inverse(m, axis);
-    store(axes == FrameAxes::local ? local : rotate(r, local), column -= 6);
+    store(rotate(r, act_inverse(m, axis)), column -= 6);
   });
 }
 

@@ -365,13 +365,21 @@ void KnotModel::add_rank_one(const S& factor, const int* pair, KnotWorkspace<S>&
       work.hessian[*pair++] += factor * work.term_gradient_[row] * work.term_gradient_[column];
 }
 
+namespace {
+
+bool has_residuals(const KnotModel& model) {
+  return !model.costs().empty() || !model.constraints().empty();
+}
+
+}  // namespace
+
 template <class S>
 void KnotModel::evaluate(const KnotInput<S>& given, KnotWorkspace<S>& work) const {
   const KnotInput<S> in = at_its_duration(given);
   const S* u = first_control(in);
   if (has_control())
     system_->evaluate(in.x, u, *work.system_);
-  else
+  else if (has_residuals(*this))
     system_->update_kinematics(in.x, *work.system_);
   evaluate_costs(in, work);
   evaluate_constraints(in, work);
@@ -388,7 +396,7 @@ void KnotModel::differentiate(const KnotInput<S>& given, KnotWorkspace<S>& work,
   const S* u = first_control(in);
   if (has_control())
     system_->differentiate(in.x, u, *work.system_);
-  else
+  else if (has_residuals(*this))
     system_->update_kinematics(in.x, *work.system_);
   differentiate_costs(in, work, hessian);
   differentiate_constraints(in, work, hessian);

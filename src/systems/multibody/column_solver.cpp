@@ -50,10 +50,16 @@ struct Sums {
 /// w ← G⁻¹ w with the factors of G.
 template <int kCount, class S>
 void solve_side_by_side(int m, const S* factors, S* w) {
-  for (int i = 1; i < m; ++i) {
-    Sums<kCount, S> sum(w + i * kCount);
-    for (int k = 0; k < i; ++k) sum.subtract(factors[k * m + i], w + k * kCount);
-    sum.store(w + i * kCount);
+  if constexpr (kCount == 1) {
+    // Side by side there are only rows, which have no sum that waits for another one.
+    for (int k = 0; k < m; ++k)
+      for (int i = k + 1; i < m; ++i) w[i] -= factors[k * m + i] * w[k];
+  } else {
+    for (int i = 1; i < m; ++i) {
+      Sums<kCount, S> sum(w + i * kCount);
+      for (int k = 0; k < i; ++k) sum.subtract(factors[k * m + i], w + k * kCount);
+      sum.store(w + i * kCount);
+    }
   }
   for (int k = m - 1; k >= 0; --k) {
     Sums<kCount, S> sum(w + k * kCount);
@@ -237,19 +243,24 @@ void ColumnSolver::prepare_contacts(const MassFactors<S>& factors, ContactSet::D
   form_G(contacts);
 }
 
-/// The lower triangle of G from response and scaled.
+/// The rows of G up to the end of each contact's block on the diagonal, from response and scaled.
 template <class S>
 void ColumnSolver::form_G(ContactSet::Data<S>& contacts) const {
-  for (std::size_t contact = 0; contact < contact_columns_.size(); ++contact)
-    for (int r = contact_offsets_[contact]; r < contact_offsets_[contact + 1]; ++r) {
+  for (std::size_t contact = 0; contact < contact_columns_.size(); ++contact) {
+    const int end = contact_offsets_[contact + 1];
+    for (int r = contact_offsets_[contact]; r < end; ++r) {
       const S* response = contacts.response.data() + r * n_;
-      for (int column = 0; column <= r; ++column) {
-        const S* scaled = contacts.scaled.data() + column * n_;
-        S sum(0.0);
-        for (const int row : contact_columns_[contact]) sum += response[row] * scaled[row];
-        contacts.G[column * m_ + r] = sum;
-      }
+      for_each_run(end, [&](auto width, int first) {
+        constexpr int kCount = decltype(width)::value;
+        const S* scaled = contacts.scaled.data() + first * n_;
+        S sum[kCount];
+        for (int c = 0; c < kCount; ++c) sum[c] = S(0.0);
+        for (const int row : contact_columns_[contact])
+          for (int c = 0; c < kCount; ++c) sum[c] += response[row] * scaled[c * n_ + row];
+        for (int c = 0; c < kCount; ++c) contacts.G[(first + c) * m_ + r] = sum[c];
+      });
     }
+  }
 }
 
 template <class S>
