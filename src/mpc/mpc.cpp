@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "base/stopwatch.hpp"
+#include "ocp/evaluation/evaluation_memory.hpp"
 #include "solvers/common/feasible.hpp"
 #include "solvers/ddp/family.hpp"
 
@@ -159,6 +160,7 @@ Mpc::Mpc(std::shared_ptr<const ShootingProblem> problem, const Trajectory& guess
       model_(line_, {}),
       scratch_(line_.problem()),
       guess_(plan_of_guess(line_.problem(), guess)),
+      memory_(std::make_shared<EvaluationMemory>(tick_options_.threads)),
       in_force_{.plan = &guess_},
       before_(in_force_),
       state_(line_.problem().initial_state()),
@@ -171,14 +173,22 @@ Mpc::Mpc(std::shared_ptr<const ShootingProblem> problem, const Trajectory& guess
 Mpc::~Mpc() = default;
 
 WindowContext Mpc::context() const {
-  return {line_, options_.horizon, open_end_ ? &open_end_->phase() : nullptr, options_.solver,
-          tick_options_};
+  return {line_,           options_.horizon, open_end_ ? &open_end_->phase() : nullptr,
+          options_.solver, tick_options_,    memory_};
 }
 
+/// Most often the one that was used last, or the one that was made after it.
 Window& Mpc::window_of(const WindowCut& cut) {
-  for (const auto& window : windows_)
-    if (window->fits(context(), cut)) return *window;
-  return *windows_.emplace_back(std::make_unique<Window>(context(), cut));
+  const WindowContext own = context();
+  const std::size_t count = windows_.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t at = (used_ + i) % count;
+    if (!windows_[at]->fits(own, cut)) continue;
+    used_ = at;
+    return *windows_[at];
+  }
+  used_ = count;
+  return *windows_.emplace_back(std::make_unique<Window>(own, cut));
 }
 
 void Mpc::reserve(double until) {
@@ -321,7 +331,9 @@ void Mpc::prepare() {
   cut_window(context(), line_time(plan_begin()), cut_);
   if (cut_.knots.empty()) throw std::logic_error("the time line has ended");
   if (open_end_) open_end_->move_to(cut_.end);
+  Window* const former = windows_.empty() ? nullptr : windows_[used_].get();
   window_ = &window_of(cut_);
+  if (former != nullptr && former != window_) window_->exchange_memory(*former);
   window_->load(context(), cut_);
   predicted_ = state_;
   predict(in_force_.begin, plan_begin(), predicted_);
@@ -399,7 +411,9 @@ void Mpc::decide() {
   in_force_.begin = plan_begin();
   const bool planned = record_.outcome == TickOutcome::planned;
   if (planned || record_.outcome == TickOutcome::improved) {
-    Plan& kept = window_->keep(*answer_, before_.plan);
+    Plan& kept = window_->keep(*answer_, before_.plan, older_plan_);
+    older_plan_ = last_plan_;
+    last_plan_ = &kept;
     // Multipliers of constraints that cannot hold grow without end: the next solve begins anew.
     if (!planned) kept.multipliers.setZero();
     in_force_.plan = &kept;

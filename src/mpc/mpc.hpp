@@ -168,11 +168,15 @@ class Mpc {
   Simulation model_;
   PolicyScratch scratch_;
   Plan guess_;
+  std::shared_ptr<EvaluationMemory> memory_;  ///< of all windows' solvers
   std::vector<std::unique_ptr<Window>> windows_;
+  std::size_t used_ = 0;  ///< the one of these that window_of() gave last
   WindowCut cut_;
   Window* window_ = nullptr;             ///< of the tick under way
   const SolveResult* answer_ = nullptr;  ///< of its solve
   Policy in_force_, before_;
+  Plan* last_plan_ = nullptr;   ///< that came into force
+  Plan* older_plan_ = nullptr;  ///< and the one before it, which no policy has by the next tick
   int tick_ = 0;
   int failures_ = 0;               ///< in a row
   double prepared_in_ = 0;         ///< by the clock, s

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "solvers/linalg/exchange.hpp"
 #include "solvers/strategies/registry.hpp"
 
 namespace conddp {
@@ -142,7 +144,8 @@ Window::Window(const WindowContext& context, const WindowCut& cut)
       numbers_(problem_.knots() + 1),
       parameters_(problem_.knots() + 1),
       multipliers_(no_multipliers(problem_)),
-      solver_(problem_, context.solver, with_multipliers(context.options, multipliers_)),
+      solver_(problem_, context.solver, with_multipliers(context.options, multipliers_),
+              context.memory),
       guess_(problem_.create_trajectory()),
       plans_(kPlans, Plan(problem_)) {
   load(context, cut);
@@ -231,11 +234,15 @@ bool Window::is_improved_by(const SolveResult& answer, const Plan& plan, double 
                    trial_->follow(former, gains), tolerance);
 }
 
-Plan& Window::keep(const SolveResult& answer, const Plan* used) {
+Plan& Window::keep(const SolveResult& answer, const Plan* used, Plan* spare) {
   Plan& plan = plans_[&plans_[0] == used ? 1 : 0];
+  if (spare != nullptr && spare != &plan) exchange(plan.feedback.K, spare->feedback.K);
   plan.times = times_;
   plan.trajectory = answer.trajectory;
-  plan.feedback = answer.feedback;
+  if (other_ && &answer == &*other_)
+    std::swap(plan.feedback, other_->feedback);
+  else
+    solver_.take_feedback(plan.feedback);
   plan.multipliers = answer.constraint_multipliers;
   return plan;
 }

@@ -28,6 +28,8 @@ struct WindowContext {
   const Phase* open_end;
   std::string_view solver;
   const SolverOptions& options;
+  /// That their solvers share: one of them solves at a time.
+  std::shared_ptr<EvaluationMemory> memory;
 };
 
 /// Cuts [begin, begin + horizon); without hold at most until the end of the time line.
@@ -51,6 +53,8 @@ class Window {
 
   const ShootingProblem& problem() const { return problem_; }
   const std::vector<double>& times() const { return times_; }
+  /// Solves in the memory of the window that solved last, as far as it fits.
+  void exchange_memory(Window& last) { solver_.exchange_memory(last.solver_); }
   void set_initial_state(const double* x) {
     problem_.set_initial_state({x, static_cast<std::size_t>(problem_.nx())});
   }
@@ -65,8 +69,10 @@ class Window {
   /// Whether the answer of the last solve, which began with this plan, is better than to go on with
   /// the plan (PlanTrial). Allocates.
   bool is_improved_by(const SolveResult& answer, const Plan& plan, double tolerance);
-  /// Keeps the answer of the last solve in a plan that is not this one.
-  Plan& keep(const SolveResult& answer, const Plan* used);
+  /// Keeps the answer of the last solve, which loses its gains, in a plan that is not this one.
+  /// `spare`, if any, is a plan whose gains nobody needs any more: the next solve gets their
+  /// memory, which caches hold.
+  Plan& keep(const SolveResult& answer, const Plan* used, Plan* spare);
 
  private:
   void guess_node(int node, const Plan& plan, PolicyScratch& scratch);

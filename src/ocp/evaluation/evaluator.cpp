@@ -4,17 +4,16 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <utility>
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include "ocp/evaluation/checkpoint.hpp"
+#include "ocp/evaluation/evaluation_memory.hpp"
 #include "ocp/evaluation/lane_transfer.hpp"
 #include "ocp/evaluation/rollout.hpp"
-#include "ocp/evaluation/usable_threads.hpp"
-#include "ocp/knot/knot_batch.hpp"
-#include "ocp/knot/knot_second_derivatives.hpp"
 #include "ocp/knot/transposed_dynamics.hpp"
 
 namespace conddp {
@@ -24,6 +23,11 @@ Feedback::Feedback(const ShootingProblem& problem) {
     k.push_back(Eigen::VectorXd::Zero(problem.nu(i)));
     K.push_back(Eigen::MatrixXd::Zero(problem.nu(i), problem.ndx()));
   }
+}
+
+void Feedback::set_zero() {
+  for (Eigen::VectorXd& of_knot : k) of_knot.setZero();
+  for (Eigen::MatrixXd& of_knot : K) of_knot.setZero();
 }
 
 Evaluation::Evaluation(const ShootingProblem& problem)
@@ -55,9 +59,16 @@ void pass_checkpoint_at(int knot) {
   if ((knot + 1) % kKnotsBetweenCheckpoints == 0) pass_checkpoint();
 }
 
+const std::shared_ptr<const KnotModel>& model_of(const ShootingProblem& problem, int k) {
+  return k < problem.knots() ? problem.phases()[problem.knot(k).phase].model
+                             : problem.terminal().model;
+}
+
+using OfModel = EvaluationMemory::OfModel;
+
 /// Up to kLaneWidth knots of one model, one per lane.
 struct Group {
-  int model;  ///< index into the distinct models
+  OfModel* of_model;
   int count;
   int knots[kLaneWidth];
 };
@@ -72,25 +83,17 @@ struct Evaluator::Impl {
     SingleRollout rollout;
   };
 
-  Impl(const ShootingProblem& p, int thread_count)
-      : problem(p), threads(usable_threads(thread_count)), arena(threads) {
-    std::map<const KnotModel*, std::vector<int>> knots_of;
+  Impl(const ShootingProblem& p, std::shared_ptr<EvaluationMemory> shared)
+      : problem(p), memory(std::move(shared)), threads(memory->threads()), arena(threads) {
+    std::map<OfModel*, std::vector<int>> knots_of;
     for (int k = 0; k <= p.knots(); ++k) {
-      const KnotModel* model = p.knot(k).model;
-      std::vector<int>& knots = knots_of[model];
-      if (knots.empty()) models.push_back(model);
+      OfModel& model = memory->of(model_of(p, k));
+      std::vector<int>& knots = knots_of[&model];
+      if (knots.empty()) models.push_back(&model);
       knots.push_back(k);
+      by_knot.push_back(&model);
     }
-    model_of_knot.resize(p.knots() + 1);
-    for (int i = 0; i < static_cast<int>(models.size()); ++i) add_model(i, knots_of[models[i]]);
-    lanes.resize(threads);
-    for (auto& of_thread : lanes)
-      for (const KnotModel* model : models)
-        of_thread.push_back(std::make_unique<KnotBatch<Lane>>(*model));
-    duals.resize(threads);
-    seconds.resize(threads);
-    for (const KnotModel* model : models)
-      singles.push_back(std::make_unique<KnotBatch<double>>(*model));
+    for (OfModel* model : models) add_groups(*model, knots_of[model]);
   }
 
   /// Calls act(group, thread) for every group, in parallel where there are threads.
@@ -115,7 +118,7 @@ struct Evaluator::Impl {
   template <class S>
   void load(const Group& group, const Trajectory& t, const Augmentation* augmentation,
             KnotBatch<S>& batch) const {
-    const KnotModel& model = *models[group.model];
+    const KnotModel& model = *group.of_model->model;
     const bool running = model.integrator() != Integrator::none;
     const double* from[kLaneWidth];
     const auto gather = [&](int n, AlignedVector<S>& to, auto place) {
@@ -148,7 +151,7 @@ struct Evaluator::Impl {
   /// Costs, gaps and constraint values, into an Evaluation or a Linearization.
   template <class Out>
   void store_values(const Group& group, KnotBatch<Lane>& batch, Out& out) const {
-    const KnotModel& model = *models[group.model];
+    const KnotModel& model = *group.of_model->model;
     double *gap[kLaneWidth], *constraint[kLaneWidth];
     const bool running = model.integrator() != Integrator::none;
     for (int l = 0; l < group.count; ++l) {
@@ -167,23 +170,23 @@ struct Evaluator::Impl {
 
   void store_derivatives(const Group& group, const KnotBatch<Lane>& batch,
                          Linearization& out) const {
-    const KnotModel& model = *models[group.model];
+    const KnotModel& model = *group.of_model->model;
     const KnotWorkspace<Lane>& work = batch.work;
     double* to[kLaneWidth];
-    const auto place = [&](auto of_knot) -> double* const* {
-      for (int l = 0; l < group.count; ++l) to[l] = of_knot(out.knots[group.knots[l]]);
+    const auto place = [&](auto of_node) -> double* const* {
+      for (int l = 0; l < group.count; ++l) to[l] = of_node(out.knots[group.knots[l]]);
       return to;
     };
     scatter_lanes(work.gradient.data(), model.nz(),
                   place([](KnotLinearization& knot) { return knot.gradient.data(); }), group.count);
     const HessianFill fill = work.rest_is_zero() ? HessianFill::lasting : HessianFill::pattern;
-    (fill == HessianFill::lasting ? lasting_hessians : hessians)[group.model](
+    const OfModel& places = *group.of_model;
+    (fill == HessianFill::lasting ? places.lasting_hessian : places.hessian)(
         work.hessian.data(),
         place([fill](KnotLinearization& knot) { return knot.hessian.change(fill).data(); }),
         group.count);
-    constraints[group.model](work.constraint_jacobian.data(),
-                             place([](KnotLinearization& knot) { return knot.C.data(); }),
-                             group.count);
+    places.constraint(work.constraint_jacobian.data(),
+                      place([](KnotLinearization& knot) { return knot.C.data(); }), group.count);
     scatter_lanes(work.F().data(), static_cast<int>(work.F().size()),
                   place([](KnotLinearization& knot) { return knot.F.data(); }), group.count);
     for (int l = 0; l < group.count; ++l)
@@ -203,23 +206,14 @@ struct Evaluator::Impl {
     store_blocks(work.step_blocks(), &KnotLinearization::H);
   }
 
-  /// What is needed of a model, and its knots in groups.
-  void add_model(int index, const std::vector<int>& knots) {
-    const KnotModel& model = *models[index];
-    const auto& pattern = model.hessian_pattern();
-    hessians.push_back(LaneScatter::symmetric(pattern, model.nz()));
-    lasting_hessians.push_back(LaneScatter::symmetric(
-        {pattern.begin(), pattern.begin() + model.lasting_entries()}, model.nz()));
-    constraints.push_back(
-        LaneScatter::matrix(model.constraint_pattern(), model.constraint_rows(), model.nz()));
+  void add_groups(OfModel& model, const std::vector<int>& knots) {
     for (std::size_t first = 0; first < knots.size(); first += kLaneWidth) {
       Group& group = groups.emplace_back();
-      group.model = index;
+      group.of_model = &model;
       group.count = static_cast<int>(std::min<std::size_t>(kLaneWidth, knots.size() - first));
       for (int l = 0; l < kLaneWidth; ++l)
         group.knots[l] = knots[first + std::min(l, group.count - 1)];
     }
-    for (const int k : knots) model_of_knot[k] = index;
   }
 
   /// What dual numbers do not move.
@@ -244,7 +238,7 @@ struct Evaluator::Impl {
   void differentiate_gradients(const Group& group, const Trajectory& trajectory,
                                const Eigen::MatrixXd& costates, const Augmentation* augmentation,
                                KnotBatch<Dual<Lane>>& batch, Linearization& out) const {
-    const KnotModel& model = *models[group.model];
+    const KnotModel& model = *group.of_model->model;
     const int nz = model.nz();
     hold_constants(batch);
     const bool running = model.integrator() != Integrator::none;
@@ -293,30 +287,27 @@ struct Evaluator::Impl {
   }
 
   const ShootingProblem& problem;
+  std::shared_ptr<EvaluationMemory> memory;
   int threads;
   tbb::task_arena arena;
-  std::vector<const KnotModel*> models;
-  std::vector<LaneScatter> hessians, lasting_hessians, constraints;  ///< by model
+  std::vector<OfModel*> models;   ///< each once
+  std::vector<OfModel*> by_knot;  ///< N + 1
   std::vector<Group> groups;
-  std::vector<int> model_of_knot;
-  std::vector<std::vector<std::unique_ptr<KnotBatch<Lane>>>> lanes;        ///< thread, model
-  std::vector<std::vector<std::unique_ptr<KnotBatch<Dual<Lane>>>>> duals;  ///< made when needed
-  /// As duals; null where a model has none.
-  std::vector<std::vector<std::unique_ptr<KnotSecondDerivatives>>> seconds;
-  std::vector<std::unique_ptr<KnotBatch<double>>> singles;  ///< of rollouts, by model
-  std::optional<Simulation> simulation;                     ///< made when needed
+  std::optional<Simulation> simulation;  ///< made when needed
 };
 
 Evaluator::Evaluator(const ShootingProblem& problem, int threads)
-    : problem_(problem), impl_(std::make_unique<Impl>(problem, threads)) {}
+    : Evaluator(problem, std::make_shared<EvaluationMemory>(threads)) {}
+Evaluator::Evaluator(const ShootingProblem& problem, std::shared_ptr<EvaluationMemory> memory)
+    : problem_(problem), impl_(std::make_unique<Impl>(problem, std::move(memory))) {}
 Evaluator::~Evaluator() = default;
 
 void Evaluator::evaluate(const Trajectory& trajectory, Evaluation& out,
                          const Augmentation* augmentation) {
   impl_->for_each_group([&](const Group& group, int thread) {
-    KnotBatch<Lane>& batch = *impl_->lanes[thread][group.model];
+    KnotBatch<Lane>& batch = *group.of_model->lanes[thread];
     impl_->load(group, trajectory, augmentation, batch);
-    impl_->models[group.model]->evaluate(batch.input(), batch.work);
+    group.of_model->model->evaluate(batch.input(), batch.work);
     impl_->store_values(group, batch, out);
   });
 }
@@ -324,38 +315,28 @@ void Evaluator::evaluate(const Trajectory& trajectory, Evaluation& out,
 void Evaluator::differentiate(const Trajectory& trajectory, Linearization& out,
                               const Augmentation* augmentation) {
   impl_->for_each_group([&](const Group& group, int thread) {
-    KnotBatch<Lane>& batch = *impl_->lanes[thread][group.model];
+    KnotBatch<Lane>& batch = *group.of_model->lanes[thread];
     impl_->load(group, trajectory, augmentation, batch);
-    impl_->models[group.model]->differentiate(batch.input(), batch.work, true);
+    group.of_model->model->differentiate(batch.input(), batch.work, true);
     impl_->store_values(group, batch, out);
     impl_->store_derivatives(group, batch, out);
   });
 }
 
 void Evaluator::reserve_lagrangian_hessian(bool by_parts) {
-  for (int t = 0; t < impl_->threads; ++t) {
-    auto& of_thread = impl_->seconds[t];
-    if (!of_thread.empty()) continue;
-    for (std::size_t m = 0; m < impl_->models.size(); ++m) {
-      const KnotModel& model = *impl_->models[m];
-      impl_->duals[t].push_back(std::make_unique<KnotBatch<Dual<Lane>>>(model));
-      of_thread.push_back(
-          by_parts ? KnotSecondDerivatives::make(model, *impl_->lanes[t][m], *impl_->duals[t][m])
-                   : nullptr);
-    }
-  }
+  for (OfModel* model : impl_->models) model->reserve_second_derivatives(by_parts);
 }
 
 void Evaluator::lagrangian_hessian(const Trajectory& trajectory, const Eigen::MatrixXd& costates,
                                    Linearization& out, const Augmentation* augmentation) {
   reserve_lagrangian_hessian();
   impl_->for_each_group([&](const Group& group, int thread) {
-    KnotSecondDerivatives* parts = impl_->seconds[thread][group.model].get();
+    KnotSecondDerivatives* parts = group.of_model->seconds[thread].get();
     if (parts == nullptr)
       return impl_->differentiate_gradients(group, trajectory, costates, augmentation,
-                                            *impl_->duals[thread][group.model], out);
-    const KnotModel& model = *impl_->models[group.model];
-    KnotBatch<Lane>& batch = *impl_->lanes[thread][group.model];
+                                            *group.of_model->duals[thread], out);
+    const KnotModel& model = *group.of_model->model;
+    KnotBatch<Lane>& batch = *group.of_model->lanes[thread];
     impl_->load(group, trajectory, augmentation, batch);
     if (model.integrator() != Integrator::none) {
       const double* from[kLaneWidth];
@@ -379,7 +360,7 @@ void Evaluator::roll_out(const Trajectory& reference, const Eigen::MatrixXd& gap
     out.first_bad_knot[l] = -1;
   }
   const auto batch_of = [&](int k) -> KnotBatch<Lane>& {
-    return *impl_->lanes[0][impl_->model_of_knot[k]];
+    return *impl_->by_knot[k]->lanes.front();
   };
   conddp::roll_out(problem_, reference, gap, feedback, alpha, options, batch_of, out.x.data(),
                    out.u.data(), out.cost, [&](int k, Lane check) {
@@ -399,9 +380,7 @@ void Evaluator::roll_out(const Trajectory& reference, const Eigen::MatrixXd& gap
                          const Feedback& feedback, double step_length,
                          const RolloutOptions& options, SingleRollout& out) {
   out.first_bad_knot = -1;
-  const auto batch_of = [&](int k) -> KnotBatch<double>& {
-    return *impl_->singles[impl_->model_of_knot[k]];
-  };
+  const auto batch_of = [&](int k) -> KnotBatch<double>& { return impl_->by_knot[k]->single; };
   conddp::roll_out(problem_, reference, gap, feedback, step_length, options, batch_of,
                    out.trajectory.x(0).data(),
                    problem_.knots() > 0 ? out.trajectory.u(0).data() : nullptr, out.cost,

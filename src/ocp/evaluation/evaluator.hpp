@@ -13,6 +13,8 @@ struct Feedback {
   explicit Feedback(const ShootingProblem& problem);
   std::vector<Eigen::VectorXd> k;  ///< nu
   std::vector<Eigen::MatrixXd> K;  ///< nu x ndx
+
+  void set_zero();
 };
 
 /// Result of evaluating a trajectory knot by knot.
@@ -45,12 +47,17 @@ struct SingleRollout {
   int first_bad_knot = -1;  ///< as in LaneRollout
 };
 
-/// The few functions through which solvers evaluate a problem. Owns all workspaces: after
-/// construction (and reserve_lagrangian_hessian, for that one) none of them allocates. Knots of one
+class EvaluationMemory;
+
+/// The few functions through which solvers evaluate a problem. After construction (and
+/// reserve_lagrangian_hessian, for that one) none of them allocates. Knots of one
 /// structure share lanes, from whichever phases. Results do not depend on the number of threads.
 class Evaluator {
  public:
   explicit Evaluator(const ShootingProblem& problem, int threads = 1);
+  /// With workspaces and threads that it shares with evaluators of other problems, of which none
+  /// is in use at the same time.
+  Evaluator(const ShootingProblem& problem, std::shared_ptr<EvaluationMemory> memory);
   ~Evaluator();
   Evaluator(const Evaluator&) = delete;
   Evaluator& operator=(const Evaluator&) = delete;

@@ -1,5 +1,7 @@
 #include "ocp/evaluation/linearization.hpp"
 
+#include <utility>
+
 #include "ocp/evaluation/matrix_vector.hpp"
 
 namespace conddp {
@@ -130,6 +132,19 @@ Linearization::Linearization(const ShootingProblem& problem)
     knot.curved = model.manifold().curved();
     knot.A.resize(knot.curved.size());
     knot.H.resize(knot.curved.size());
+  }
+}
+
+void Linearization::exchange(const ShootingProblem& own, Linearization& other,
+                             const ShootingProblem& others) {
+  std::size_t next = 0;
+  for (std::size_t k = 0; k < knots.size(); ++k) {
+    std::size_t at = next;
+    const KnotModel* model = own.knot(static_cast<int>(k)).model;
+    while (at < other.knots.size() && others.knot(static_cast<int>(at)).model != model) ++at;
+    if (at == other.knots.size()) continue;
+    std::swap(knots[k], other.knots[at]);
+    next = at + 1;
   }
 }
 

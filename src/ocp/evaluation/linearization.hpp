@@ -45,6 +45,10 @@ struct Linearization {
   Eigen::VectorXd augmentation;          ///< N + 1: what constraints add to it
   Eigen::VectorXd constraint;            ///< g, all constraint rows of the problem
 
+  /// Exchanges the memory of knots with that of another problem's, in order, where their models are
+  /// the same. What is in it is undefined until the next differentiation.
+  void exchange(const ShootingProblem& own, Linearization& other, const ShootingProblem& others);
+
   double total_cost() const { return cost.sum(); }
   double max_gap() const { return gap.size() == 0 ? 0.0 : gap.cwiseAbs().maxCoeff(); }
 };

@@ -21,13 +21,18 @@ SolveRecord::SolveRecord(const ShootingProblem& problem, const SolverOptions& op
       problem_(problem),
       options_(options),
       constrained_(constrained),
-      blank_(problem) {}
+      blank_(problem) {
+  blank_.feedback.k.clear();
+  blank_.feedback.K.clear();
+}
 
 void SolveRecord::begin() {
   began_ = std::chrono::steady_clock::now();
   row = IterationRecord();
   if (!result.control_gradient.empty()) gradient_ = std::move(result.control_gradient);
+  Feedback feedback = std::move(result.feedback);
   result = blank_;
+  result.feedback = std::move(feedback);
   result.log.reserve(std::min(options_.max_iterations, kReservedRows) + 1);
   result.message.reserve(kReservedMessage);
   result.start.reserve(kReservedMessage);
@@ -88,6 +93,7 @@ std::vector<Eigen::VectorXd>& SolveRecord::control_gradient() {
 }
 
 SolveResult& SolveRecord::finished() {
+  if (!result.feedback_regularization) result.feedback.set_zero();
   result.iterations = row.iteration;
   result.times.total = elapsed();
   return result;

@@ -56,7 +56,7 @@ class SolveRecord {
   const ShootingProblem& problem_;
   const SolverOptions& options_;
   bool constrained_;
-  const SolveResult blank_;
+  SolveResult blank_;                      ///< without gains, which are many numbers
   std::vector<Eigen::VectorXd> gradient_;  ///< memory of control_gradient() between two solves
   fmt::memory_buffer text_;
   std::chrono::steady_clock::time_point began_;

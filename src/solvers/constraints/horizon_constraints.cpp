@@ -8,6 +8,7 @@
 #include "ocp/problem/soft_constraint.hpp"
 #include "ocp/terms/soft_limit.hpp"
 #include "solvers/constraints/row_lanes.hpp"
+#include "solvers/linalg/exchange.hpp"
 
 namespace conddp {
 namespace {
@@ -442,6 +443,11 @@ bool HorizonConstraints::restore(Linearization& linearization) {
     changed = true;
   }
   return changed;
+}
+
+void HorizonConstraints::exchange_memory(HorizonConstraints& other) {
+  for (std::size_t k = 0; k < std::min(nodes_.size(), other.nodes_.size()); ++k)
+    exchange(nodes_[k].hessian, other.nodes_[k].hessian);
 }
 
 }  // namespace conddp

@@ -58,6 +58,8 @@ class HorizonConstraints {
   double slope_beyond_model(double alpha);
   /// Gives the linearisation back its own gradients and Hessians. Returns whether they had changed.
   bool restore(Linearization& linearization);
+  /// Exchanges the memory of Hessians with another problem's, before both start again.
+  void exchange_memory(HorizonConstraints& other);
 
  private:
   /// Rows of one term.

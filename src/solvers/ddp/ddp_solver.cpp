@@ -3,17 +3,20 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "base/stopwatch.hpp"
 #include "ocp/evaluation/checkpoint.hpp"
+#include "ocp/evaluation/evaluation_memory.hpp"
 #include "solvers/common/feasible.hpp"
 #include "solvers/common/finite_check.hpp"
 #include "solvers/common/guess.hpp"
 #include "solvers/common/settled_cost.hpp"
 #include "solvers/constraints/augmented_strategy.hpp"
 #include "solvers/constraints/least_violation.hpp"
+#include "solvers/linalg/exchange.hpp"
 
 namespace conddp {
 namespace {
@@ -41,13 +44,14 @@ std::unique_ptr<OuterStrategy> make_outer(const ShootingProblem& problem,
 }  // namespace
 
 DdpSolver::DdpSolver(const ShootingProblem& problem, const DdpRecipe& recipe,
-                     const SolverOptions& options)
+                     const SolverOptions& options, std::shared_ptr<EvaluationMemory> memory)
     : problem_(problem),
       recipe_(resolved(recipe, options, problem)),
       options_(options),
       constrained_(recipe.constraints && !problem.constraints().empty()),
       bounds_(problem),
-      evaluator_(problem, options.threads),
+      evaluator_(problem,
+                 memory ? std::move(memory) : std::make_shared<EvaluationMemory>(options.threads)),
       record_(problem, options_, constrained_),
       iterate_(problem, bounds_, evaluator_, recipe_, options_, record_),
       outer_(make_outer(problem, bounds_, recipe_, options_, constrained_)),
@@ -58,6 +62,12 @@ DdpSolver::DdpSolver(const ShootingProblem& problem, const DdpRecipe& recipe,
   if (constrained_ && recipe.newton) polish_.emplace(problem, evaluator_, options_);
   if (globalization_.keeps_equalities())
     iterate_.exact_below = std::max(iterate_.exact_below, kNearlyClosed);
+}
+
+void DdpSolver::exchange_memory(DdpSolver& other) {
+  iterate_.linearization.exchange(problem_, other.iterate_.linearization, other.problem_);
+  globalization_.exchange_memory(other.globalization_);
+  exchange(record_.result.feedback.K, other.record_.result.feedback.K);
 }
 
 const SolveResult& DdpSolver::solve(const Trajectory& guess, LastIterate last) {
@@ -72,7 +82,7 @@ const SolveResult& DdpSolver::solve(const Trajectory& guess, LastIterate last) {
   outer_->start(options_.multipliers.get());
   if (start(guess)) {
     iterate();
-    evaluated_ ? evaluate_answer() : finish();
+    evaluated_ ? end_evaluated() : finish();
   }
   return record_.finished();
 }
@@ -133,36 +143,42 @@ void DdpSolver::iterate() {
 bool DdpSolver::run_iteration() { return linearize() && !ends() && goes_on() && step(); }
 
 /// Ends a solve whose iterations are used up before the last iterate is linearised, where that is
-/// wanted. An iterate at which something is not finite is left to the linearisation.
+/// wanted. What a rollout has led to has been seen; an iterate at which something is not finite is
+/// left to the linearisation.
 bool DdpSolver::ends_by_last_step() {
   if (!last_step_ || constrained_ || iterate_.linearized ||
       record_.row.iteration < options_.max_iterations)
     return false;
-  {
+  IterationRecord& row = record_.row;
+  if (const LineSearchResult& found = globalization_.found(); found.rollout_cost) {
+    row.cost = *found.rollout_cost;
+    row.gap *= 1 - found.step;
+  } else {
     const Stopwatch watch(record_.result.times.evaluate);
     evaluator_.evaluate(iterate_.trajectory, answer_);
+    if (!std::isfinite(answer_.cost.sum()) || !all_finite(answer_.gap)) return false;
+    Eigen::Index entry = 0, knot = 0;
+    row.cost = answer_.cost.sum();
+    row.gap = answer_.gap.cwiseAbs().maxCoeff(&entry, &knot);
+    row.gap_knot = static_cast<int>(knot);
   }
-  if (!std::isfinite(answer_.cost.sum()) || !all_finite(answer_.gap)) return false;
+  if (!(row.gap > 0)) row.gap_knot = -1;
   evaluated_ = true;
   return true;
 }
 
-/// Cost and residuals of an iterate that is evaluated alone, with the policy that led to it.
-void DdpSolver::evaluate_answer() {
+/// Cost and residuals of an iterate that was not linearised, with the policy that led to it.
+void DdpSolver::end_evaluated() {
   SolveResult& result = record_.result;
   IterationRecord& row = record_.row;
-  row.cost = result.cost = answer_.cost.sum();
-  Eigen::Index entry = 0, knot = 0;
-  row.gap = answer_.gap.cwiseAbs().maxCoeff(&entry, &knot);
-  row.gap_knot = row.gap > 0 ? static_cast<int>(knot) : -1;
+  result.cost = row.cost;
   outer_->measure(iterate_, row);
   record_.log_row();
   record_.end(SolveStatus::max_iterations, "ended after {} iterations: {}", row.iteration,
               record_.residual_text());
   result.trajectory = iterate_.trajectory;
-  result.constraint_values = answer_.constraint;
   write_residuals();
-  result.feedback = globalization_.feedback();
+  globalization_.take_feedback(result.feedback);
   result.feedback_regularization = row.regularization;
 }
 
@@ -390,7 +406,7 @@ void DdpSolver::find_gains() {
                             outer_->augmentation());
     result.feedback_regularization = globalization_.find_gains();
   }
-  if (result.feedback_regularization) result.feedback = globalization_.feedback();
+  if (result.feedback_regularization) globalization_.take_feedback(result.feedback);
 }
 
 }  // namespace conddp

@@ -29,15 +29,23 @@ enum class LastIterate { linearized, evaluated };
 /// which the first of them allocates, or reserve_exact_hessians().
 class DdpSolver {
  public:
-  DdpSolver(const ShootingProblem& problem, const DdpRecipe& recipe, const SolverOptions& options);
+  /// `memory` is shared with solvers that never solve at the same time; null: one of its own.
+  DdpSolver(const ShootingProblem& problem, const DdpRecipe& recipe, const SolverOptions& options,
+            std::shared_ptr<EvaluationMemory> memory = nullptr);
 
   /// For a solver that is used again: no later solve has to allocate, whenever it turns to exact
   /// Hessians.
   void reserve_exact_hessians() { iterate_.hessian.reserve(); }
 
+  /// Goes on in what memory of another solver fits, which gets this one's in return: caches hold
+  /// the memory of a solver that has just been used. Between solves; answers lose their gains.
+  void exchange_memory(DdpSolver& other);
+
   /// The answer stays until the next solve begins. From the second solve on nothing else is
   /// allocated, but for messages of solves that fail.
   const SolveResult& solve(const Trajectory& guess, LastIterate last = LastIterate::linearized);
+  /// Moves the gains of the answer out; `to` has their shape.
+  void take_feedback(Feedback& to) { std::swap(record_.result.feedback, to); }
   /// Moves the answer out of the solver.
   SolveResult take() { return std::move(record_.result); }
 
@@ -47,7 +55,7 @@ class DdpSolver {
   void iterate();
   bool run_iteration();
   bool ends_by_last_step();
-  void evaluate_answer();
+  void end_evaluated();
   void write_residuals();
   void fit_outer();
   bool ends();

@@ -4,6 +4,7 @@
 #include <limits>
 #include <utility>
 
+#include "solvers/linalg/exchange.hpp"
 #include "solvers/riccati/box_stage.hpp"
 
 namespace conddp {
@@ -230,6 +231,12 @@ void Direction::forget_steps() {
   corrected_ = false;
 }
 
+void Direction::exchange_memory(Direction& other) {
+  sweep_.exchange_memory(other.sweep_);
+  exchange(feedback_.K, other.feedback_.K);
+  if (constraints_ && other.constraints_) constraints_->exchange_memory(*other.constraints_);
+}
+
 void Direction::reset() {
   forget_steps();
   sweep_.use_segments(true);
@@ -237,8 +244,7 @@ void Direction::reset() {
   sweeps_ = 0;
   if (constraints_) constraints_->reset();
   active_set_known_ = model_true_ = false;
-  for (Eigen::VectorXd& k : feedback_.k) k.setZero();
-  for (Eigen::MatrixXd& K : feedback_.K) K.setZero();
+  feedback_.set_zero();
 }
 
 }  // namespace conddp

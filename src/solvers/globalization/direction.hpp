@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "solvers/constraints/horizon_constraints.hpp"
@@ -29,6 +30,8 @@ class Direction {
 
   /// Forgets the active set and the gains of the solve before.
   void reset();
+  /// Exchanges the memory of sweeps with another problem's, before both begin a solve.
+  void exchange_memory(Direction& other);
   /// From here to the next reset() gains are those of the iterate itself: sweeps go from end to
   /// start, and costs are modelled at the iterate alone.
   void stay_at_iterate() {
@@ -56,6 +59,8 @@ class Direction {
   /// Sweeps begun since reset(), of the whole horizon or of its beginning.
   int sweeps() const { return sweeps_; }
   const Feedback& feedback() const { return feedback_; }
+  /// Moves the gains out; `to` has their shape.
+  void take_feedback(Feedback& to) { std::swap(feedback_, to); }
   const ActiveSet& active_set() const { return stages_->active_set(); }
   /// The stages that keep equality constraints, null where the recipe has none.
   NullSpaceStage* null_space() { return null_space_; }

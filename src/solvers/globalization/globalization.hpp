@@ -30,6 +30,8 @@ class Globalization {
 
   /// At the start of a solve.
   void reset();
+  /// Exchanges memory with another problem's, before both begin a solve.
+  void exchange_memory(Globalization& other) { direction_.exchange_memory(other.direction_); }
   /// The merit of the linearised iterate, into the row of the log.
   void measure();
   /// At the start of a minimisation of another function, at the same iterate.
@@ -44,6 +46,10 @@ class Globalization {
   std::optional<double> find_gains();
 
   const Feedback& feedback() const { return direction_.feedback(); }
+  /// What the last step was found by.
+  const LineSearchResult& found() const { return search_; }
+  /// Moves the gains out; `to` has their shape.
+  void take_feedback(Feedback& to) { direction_.take_feedback(to); }
   const MeritModel& merit() const { return merit_; }
   /// Whether rounding hides the merit's decrease, and the stationarity does not fall either.
   bool at_rounding_floor() const { return at_rounding_floor_; }

@@ -71,7 +71,8 @@ bool LineSearch::try_alone(Evaluator& evaluator, const Ray& ray, double step,
             .expected_decrease = expected,
             .actual_decrease = actual,
             .trials = 1,
-            .by_rounding = hidden};
+            .by_rounding = hidden,
+            .rollout_cost = trial_.cost};
   return true;
 }
 
@@ -101,6 +102,7 @@ bool LineSearch::accepts_lane(const Ray& ray, int lane, double step, bool first,
   const bool hidden = ray.merit.hidden(expected);
   if (!hidden && half_is_better(lane, step / 2, actual, ray.merit)) return false;
   result.accept(step, expected, actual, hidden);
+  result.rollout_cost = lanes_.cost[lane];
   lanes_.extract(lane, trial_.trajectory);
   return true;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 
 #include "ocp/evaluation/evaluator.hpp"
 #include "solvers/common/options.hpp"
@@ -18,6 +19,9 @@ struct LineSearchResult {
   int trials = 0;
   bool by_rounding = false;  ///< the decrease is too small for the merit to tell
   int first_bad_knot = -1;   ///< where the first trial with a non-finite result lost it
+  /// Of an accepted rollout: its cost with the augmentation. It leaves 1 − step of the gaps, or
+  /// none where gaps are closed.
+  std::optional<double> rollout_cost;
 
   /// That the last trial is accepted.
   void accept(double length, double expected, double actual, bool hidden) {

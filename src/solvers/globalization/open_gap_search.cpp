@@ -47,19 +47,21 @@ LineSearchResult OpenGapSearch::run(Evaluator& evaluator, const MeritModel& meri
     }
     if (!(expected > 0 && best_decrease_ >= options_.armijo * expected)) continue;
     result.accept(step, expected, best_decrease_, false);
+    result.rollout_cost = best_rollout_cost_;
     std::swap(trajectory, best_);
     return result;
   }
   return result;
 }
 
-/// Keeps a trial where it is the best of its step length.
-void OpenGapSearch::consider(double cost, double gap_norm, const MeritModel& merit,
+/// Keeps a trial where it is the best of its step length. Returns whether it is.
+bool OpenGapSearch::consider(double cost, double gap_norm, const MeritModel& merit,
                              Trajectory& trial) {
   const double decrease = merit.value() - (cost + merit.penalty * gap_norm);
-  if (!std::isfinite(decrease) || decrease <= best_decrease_) return;
+  if (!std::isfinite(decrease) || decrease <= best_decrease_) return false;
   best_decrease_ = decrease;
   std::swap(best_, trial);
+  return true;
 }
 
 void OpenGapSearch::try_rollout(Evaluator& evaluator, const MeritModel& merit,
@@ -71,7 +73,8 @@ void OpenGapSearch::try_rollout(Evaluator& evaluator, const MeritModel& merit,
       {.contract_gaps = true, .clamp_controls = clamp_controls_, .augmentation = augmentation},
       rollout_);
   if (rollout_.first_bad_knot >= 0) return;
-  consider(rollout_.cost, (1 - step) * merit.gap_norm, merit, rollout_.trajectory);
+  if (consider(rollout_.cost, (1 - step) * merit.gap_norm, merit, rollout_.trajectory))
+    best_rollout_cost_ = rollout_.cost;
 }
 
 void OpenGapSearch::try_linear(Evaluator& evaluator, const MeritModel& merit,
@@ -87,8 +90,9 @@ void OpenGapSearch::try_linear(Evaluator& evaluator, const MeritModel& merit,
   }
   bounds_.clamp(trial_);
   evaluator.evaluate(trial_, evaluation_, augmentation);
-  consider(evaluation_.cost.sum() + evaluation_.augmentation.sum(), evaluation_.gap.lpNorm<1>(),
-           merit, trial_);
+  if (consider(evaluation_.cost.sum() + evaluation_.augmentation.sum(), evaluation_.gap.lpNorm<1>(),
+               merit, trial_))
+    best_rollout_cost_.reset();
 }
 
 }  // namespace conddp

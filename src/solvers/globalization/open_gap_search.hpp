@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "ocp/evaluation/evaluator.hpp"
 #include "solvers/common/options.hpp"
 #include "solvers/globalization/direction.hpp"
@@ -34,7 +36,7 @@ class OpenGapSearch {
                        const Augmentation* augmentation, Trajectory& trajectory);
 
  private:
-  void consider(double cost, double gap_norm, const MeritModel& merit, Trajectory& trial);
+  bool consider(double cost, double gap_norm, const MeritModel& merit, Trajectory& trial);
   void try_rollout(Evaluator& evaluator, const MeritModel& merit,
                    const Linearization& linearization, const Direction& direction,
                    const Augmentation* augmentation, double step, const Trajectory& from);
@@ -47,6 +49,7 @@ class OpenGapSearch {
   bool clamp_controls_;
   double curvature_ = 0;      ///< of the step that was weighed last
   double best_decrease_ = 0;  ///< of the merit, by the trials of the present step length
+  std::optional<double> best_rollout_cost_;  ///< none where the best of them was no rollout
   Trajectory best_, trial_;
   SingleRollout rollout_;
   Evaluation evaluation_;

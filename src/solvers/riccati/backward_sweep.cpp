@@ -1,6 +1,9 @@
 #include "solvers/riccati/backward_sweep.hpp"
 
+#include <algorithm>
+
 #include "ocp/evaluation/checkpoint.hpp"
+#include "solvers/linalg/exchange.hpp"
 
 namespace conddp {
 
@@ -61,6 +64,12 @@ int BackwardSweep::run(const Linearization& linearization, const Trajectory& tra
   const int bad_knot = sweep_from(from.value_or(N - 1), horizon, regularization, stages, feedback);
   if (segments_ && bad_knot < 0) segments_->start_from(values_);
   return bad_knot;
+}
+
+void BackwardSweep::exchange_memory(BackwardSweep& other) {
+  for (std::size_t k = 0; k < std::min(values_.size(), other.values_.size()); ++k)
+    exchange(values_[k].Vxx, other.values_[k].Vxx);
+  exchange(Quu_, other.Quu_);
 }
 
 bool BackwardSweep::goes_by_segments(bool hold, const SweepRegularization& regularization) const {

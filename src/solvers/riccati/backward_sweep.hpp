@@ -39,6 +39,9 @@ class BackwardSweep {
   /// Q_uu of a knot, without regularisation.
   const Eigen::MatrixXd& Quu(int k) const { return Quu_[k]; }
 
+  /// Exchanges the memory of values with another problem's, before both are swept again.
+  void exchange_memory(BackwardSweep& other);
+
   /// Whether sweeps may go by segments, where there are several.
   void use_segments(bool use) { use_segments_ = use; }
 

@@ -1,6 +1,7 @@
 #include "solvers/strategies/reusable_solver.hpp"
 
 #include <stdexcept>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -11,7 +12,8 @@
 namespace conddp {
 
 ReusableSolver::ReusableSolver(const ShootingProblem& problem, std::string_view solver,
-                               const SolverOptions& options) {
+                               const SolverOptions& options,
+                               std::shared_ptr<EvaluationMemory> memory) {
   const SolverInfo* info = find_solver(solver);
   if (info == nullptr) throw std::invalid_argument(fmt::format("unknown solver '{}'", solver));
   if (options.restarts.count > 0 || options.homotopy)
@@ -20,7 +22,7 @@ ReusableSolver::ReusableSolver(const ShootingProblem& problem, std::string_view 
   SolverOptions own = options;
   if (info->constraints != ConstraintSupport::all) own.multipliers = nullptr;
   if (const DdpMember* member = find_ddp_member(solver)) {
-    solver_ = std::make_unique<DdpSolver>(problem, member->recipe, own);
+    solver_ = std::make_unique<DdpSolver>(problem, member->recipe, own, std::move(memory));
     solver_->reserve_exact_hessians();
   } else {
     anew_ = [info, &problem, own](const Trajectory& guess) {
@@ -40,6 +42,17 @@ const SolveResult& ReusableSolver::solve(const Trajectory& guess) {
 const SolveResult& ReusableSolver::iterate(const Trajectory& guess) {
   if (!solver_) throw std::logic_error("the solver has no real-time iteration");
   return solver_->solve(guess, LastIterate::evaluated);
+}
+
+void ReusableSolver::take_feedback(Feedback& to) {
+  if (solver_)
+    solver_->take_feedback(to);
+  else
+    std::swap(answer_->feedback, to);
+}
+
+void ReusableSolver::exchange_memory(ReusableSolver& other) {
+  if (solver_ && other.solver_) solver_->exchange_memory(*other.solver_);
 }
 
 }  // namespace conddp
