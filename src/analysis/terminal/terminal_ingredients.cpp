@@ -19,7 +19,7 @@ namespace {
 constexpr double kLargestDrift = 1e-6;
 /// How far the linear map may leave the tangent space of contacts, by its own size.
 constexpr double kLargestLeak = 1e-5;
-/// Singular values of contact Jacobians below this share of the largest are none.
+/// Singular values of Jacobians below this share of the largest are rounding.
 constexpr double kSmallestSingularValue = 1e-8;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -128,9 +128,13 @@ class IngredientsFinder {
     const Eigen::VectorXd gap = linear_.gap.col(0).head(n);
     Eigen::VectorXd next = u;
     Eigen::MatrixXd free = B;  // columns of controls at their bounds are zero
+    // Controls that work against each other through contacts move nothing but by rounding.
+    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> moved;
+    moved.setThreshold(kSmallestSingularValue);
     for (int pass = 0; pass <= m; ++pass) {
       const Eigen::VectorXd rest = gap + (B - free) * (next - u);
-      const Eigen::VectorXd step = -free.completeOrthogonalDecomposition().solve(rest);
+      moved.compute(free);
+      const Eigen::VectorXd step = -moved.solve(rest);
       bool within = true;
       for (int i = 0; i < m; ++i) {
         if (free.col(i).isZero(0)) continue;
