@@ -71,11 +71,16 @@ std::optional<Located<double>> feedback_period(const MpcSpec& mpc) {
   return Located<double>{1 / mpc.feedback_rate->value, mpc.feedback_rate->place};
 }
 
-/// The length of the last knot that takes time, which repeats itself, s.
-double repeated_step(const ShootingProblem& problem) {
+/// The last knot that takes time, which repeats itself.
+int repeated_knot(const ShootingProblem& problem) {
   int last = problem.knots() - 1;
   while (last > 0 && problem.takes_no_time(last)) --last;
-  return problem.knot(last).dt;
+  return last;
+}
+
+/// Its length, s.
+double repeated_step(const ShootingProblem& problem) {
+  return problem.knot(repeated_knot(problem)).dt;
 }
 
 /// More knots in a window than memory holds.
@@ -176,6 +181,27 @@ void check_times(const ProblemSpec& spec, const ShootingProblem& problem, Diagno
   check_whole_knots(spec, problem, out);
 }
 
+/// Constraints on the state alone are switched off in the first knot, whose state is given: where
+/// that is the knot that repeats itself, no window would have them.
+void check_held_constraints(const ProblemSpec& spec, const ShootingProblem& problem,
+                            Diagnostics& out) {
+  if (spec.mpc->repeat.value == AfterTheEnd::kNone || repeated_knot(problem) > 0) return;
+  const KnotView& knot = problem.knot(0);
+  for (const ConstraintTerm& term : knot.model->constraints()) {
+    if (knot.parameters[term.active()] != 0 || term.depends_on_control(problem.ndx())) continue;
+    const auto named = std::ranges::find_if(spec.constraints, [&](const ConstraintSpec& c) {
+      return c.function.name.value == term.name;
+    });
+    if (named != spec.constraints.end())
+      out.error(
+          named->function.name.place,
+          fmt::format("the constraint '{}' counts in no knot that repeats itself: the only one "
+                      "is the first, whose state is given",
+                      term.name),
+          "give the phases two knots at least");
+  }
+}
+
 /// The first one of `solvers` that supports windows with this last node, too; where `auto` is to
 /// choose, of those that it tries for such windows. Null if there is none, which is reported.
 const SolverInfo* solver_of_windows(const std::vector<const SolverInfo*>& solvers,
@@ -251,9 +277,7 @@ std::optional<HeldState> held_state(const StateSpec& state, const Place& place,
   const auto x = states.build(state);
   if (!x) return std::nullopt;
   check_rest(*x, place, built, out);
-  int last = problem.knots() - 1;
-  while (problem.takes_no_time(last)) --last;
-  const KnotModel& model = *problem.knot(last).model;
+  const KnotModel& model = *problem.knot(repeated_knot(problem)).model;
   const System& system = model.system();
   HeldState held{*x, quasi_static_control(system, x->data()), {}};
   for (int i = 0; i < static_cast<int>(held.u.size()); ++i)
@@ -645,6 +669,7 @@ std::optional<BuiltMpc> build_mpc(const ProblemSpec& spec, const BuiltProblem& b
   const int errors = out.error_count();
   check_problem(spec, out);
   check_times(spec, *built.problem, out);
+  check_held_constraints(spec, *built.problem, out);
   if (!built.plant.variants.empty())
     out.error(mpc.place, "closed loops do not support phases with different states or controls",
               "give all 'systems' the same ones");
