@@ -113,10 +113,16 @@ bool is_finite(std::span<const double> x) {
   return std::all_of(x.begin(), x.end(), [](double value) { return std::isfinite(value); });
 }
 
-/// Options of a tick's solve.
+/// Options of a tick's solve, which begins with the multipliers of the former plan: with those,
+/// high penalties make no problem stiff. Low ones would let go of constraints: a few iterations
+/// leave no time to raise them, and multipliers would swing from tick to tick.
 SolverOptions tick_options(const MpcOptions& options) {
+  constexpr double kSteeper = 1e3;
   SolverOptions own = options.solver_options;
   if (options.iterations) own.max_iterations = *options.iterations;
+  auto& lagrangian = own.augmented_lagrangian;
+  lagrangian.initial_penalty =
+      std::min(kSteeper * lagrangian.initial_penalty, lagrangian.max_penalty);
   return own;
 }
 

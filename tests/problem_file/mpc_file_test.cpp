@@ -131,6 +131,48 @@ mpc: {{horizon: 0.5, tick: 0.04, duration: 3, iterations: 1}}
   return loop.mpc ? loop.run().cost : -1;
 }
 
+/// A mass that comes to rest faster than a bound on its velocity allows.
+constexpr const char* kSpeedLimit = R"(conddp: 1
+system: {type: double_integrator}
+initial_state: {values: {q/0: 1}}
+phases: [{name: move, knots: 20, dt: 0.05}]
+costs:
+  state: {residual: state}
+  effort: {residual: control, weight: 0.1}
+constraints:
+  force: {bounds: control, lower: -5, upper: 5}
+  speed: {residual: state, columns: v/0, lower: -0.5, upper: 0.5}
+terminal: {costs: {end: {residual: state, weight: 10}}}
+mpc: {horizon: 1, tick: 0.02, duration: 4, terminal: keep, feedback: {rate: 200}}
+)";
+
+// A tick has no time to raise penalties, and multipliers of one must not throw the next one off.
+TEST(MpcFile, AFewIterationsATickDoAlmostAsWellAsAllOfThem) {
+  for (const char* solver : {"altro", "proxddp"}) {
+    const std::string by = std::string("solver.name=") + solver;
+    const LoadedLoop whole(kSpeedLimit, {by, "mpc.iterations=tolerances"});
+    const ClosedLoopResult best = whole.run();
+    for (const int iterations : {1, 2, 3, 5}) {
+      SCOPED_TRACE(fmt::format("{}, {}", solver, iterations));
+      const LoadedLoop few(kSpeedLimit, {by, fmt::format("mpc.iterations={}", iterations)});
+      const ClosedLoopResult result = few.run();
+      EXPECT_NEAR(result.cost, best.cost, 1e-3 * best.cost);
+      EXPECT_LT(result.violation, 2e-3);
+    }
+  }
+}
+
+// The only knot is that of the initial state, at which no control can change the velocity.
+TEST(MpcFile, AConstraintThatNoWindowWouldHaveIsAnError) {
+  const LoadedLoop loop(kSpeedLimit, {"phases.move.knots=1"});
+  ASSERT_TRUE(loop.error());
+  EXPECT_EQ(loop.error()->message,
+            "the constraint 'speed' counts in no knot that repeats itself: the only one is the "
+            "first, whose state is given");
+  EXPECT_EQ(loop.error()->line, 10);
+  EXPECT_TRUE(LoadedLoop(kSpeedLimit, {"phases.move.knots=2"}).mpc);
+}
+
 constexpr const char* kBarrier =
     "  wall: {residual: state, columns: [\"v/0\"], weight: 1.0e+3,\n"
     "         activation: {kind: quadratic_barrier, lower: -0.5, upper: 0.5}}";
