@@ -8,6 +8,7 @@
 #include "ocp/evaluation/evaluation_memory.hpp"
 #include "solvers/common/feasible.hpp"
 #include "solvers/ddp/family.hpp"
+#include "solvers/strategies/restoration.hpp"
 
 namespace conddp {
 namespace {
@@ -321,12 +322,15 @@ void Mpc::predict(double from, double to, std::vector<double>& x) {
 void Mpc::solve_from(const std::vector<double>& x) {
   window_->set_initial_state(x.data());
   window_->guess_from(*in_force_.plan, scratch_);
-  if (!options_.iterations)
-    answer_ = &window_->solve();
-  else if (in_force_.plan == &guess_)
-    answer_ = &window_->solve(options_.solver, options_.solver_options);
-  else
+  const bool first = in_force_.plan == &guess_;
+  if (options_.iterations && !first)
     answer_ = &window_->iterate();
+  else if (!first)
+    answer_ = &window_->solve();
+  // A first plan has no former one in its place, and a solver alone only suspects that no plan is
+  // feasible: these solves restore feasibility.
+  if (first || (!options_.iterations && got_stuck(*answer_, options_.solver_options)))
+    answer_ = &window_->solve(options_.solver, options_.solver_options);
 }
 
 void Mpc::prepare() {

@@ -88,8 +88,8 @@ struct TickRecord {
 };
 
 /// Model predictive control of a problem. Tick j measures at j·tick; its plan begins at
-/// j·tick + delay. After `reserve`, ticks that are solved allocate nothing but for messages of
-/// solves that fail, and to compare their answers with the former plan.
+/// j·tick + delay. After `reserve`, ticks that are solved allocate nothing but for solves that
+/// fail: their messages, restorations of feasibility, and comparisons with the former plan.
 class Mpc {
  public:
   /// A guess of the problem's shape. Throws std::invalid_argument where options are out of range or

@@ -61,10 +61,11 @@ class Window {
   /// Starts the next solve with what a plan says at the times of the nodes: states, controls, and
   /// multipliers of knots of the same model; from its initial state.
   void guess_from(const Plan& plan, PolicyScratch& scratch);
+  /// To the tolerances, without restorations of feasibility.
   const SolveResult& solve();
   /// By as many iterations as the options allow, with the gains of the last sweep.
   const SolveResult& iterate() { return solver_.iterate(guess_); }
-  /// The same with other options, by a solver that is not used again.
+  /// With restorations of feasibility and these options, by a solver that is not used again.
   const SolveResult& solve(std::string_view solver, const SolverOptions& options);
   /// Whether the answer of the last solve, which began with this plan, is better than to go on with
   /// the plan (PlanTrial). Allocates.

@@ -24,21 +24,6 @@ bool can_restore(const ShootingProblem& problem) {
                       [](const NodeConstraint& c) { return c.term->has_pairs(); });
 }
 
-/// Whether the solve ended for no other reason than that it found no way on, at a point that
-/// violates a constraint.
-bool got_stuck(const SolveResult& result, const SolverOptions& options) {
-  switch (result.status) {
-    case SolveStatus::infeasible:
-      return true;
-    case SolveStatus::line_search_failed:
-    case SolveStatus::regularization_limit:
-    case SolveStatus::diverged:
-      return result.residuals.constraint > options.tolerances.constraint;
-    default:
-      return false;
-  }
-}
-
 /// Of a solve after which no restoration of feasibility decides whether its violation is the least.
 void name_undecided(SolveResult& result) {
   if (result.status != SolveStatus::infeasible) return;
@@ -75,6 +60,19 @@ bool can_simulate(const ShootingProblem& problem, const Trajectory& start) {
 }
 
 }  // namespace
+
+bool got_stuck(const SolveResult& result, const SolverOptions& options) {
+  switch (result.status) {
+    case SolveStatus::infeasible:
+      return true;
+    case SolveStatus::line_search_failed:
+    case SolveStatus::regularization_limit:
+    case SolveStatus::diverged:
+      return result.residuals.constraint > options.tolerances.constraint;
+    default:
+      return false;
+  }
+}
 
 SolveResult restore_feasibility(const ShootingProblem& problem, const SolverOptions& options,
                                 const Trajectory& start) {

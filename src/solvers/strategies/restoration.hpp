@@ -7,6 +7,10 @@
 
 namespace conddp {
 
+/// Whether a solve ended for no other reason than that it found no way on, at a point that violates
+/// a constraint: restorations of feasibility may find one.
+bool got_stuck(const SolveResult& result, const SolverOptions& options);
+
 /// A trajectory near `start` that satisfies the hard constraints better, or violates them least: a
 /// minimum of cost + ½ρ Σ‖d‖², with d the distances from their sets, for a ρ that grows; from the
 /// controls alone unless the motion that they give is far worse than the states. The status is
