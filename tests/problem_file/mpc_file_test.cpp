@@ -584,6 +584,18 @@ TEST(MpcFile, PushesAFrameForAsLongAsItSays) {
   EXPECT_EQ(result.end, LoopEnd::finished);
 }
 
+// A push at the pole's tip leaves the cart-pole no equilibrium: the regulator is the model's.
+TEST(MpcFile, ARegulatorOfTheFileIsNotThatOfAPlantThatIsPushed) {
+  const LoadedLoop loop(
+      text_of("cartpole_swingup"),
+      {"terminal={lqr: {joints: {hinge: 3.141592653589793}}}",
+       "mpc={horizon: 0.5, tick: 0.03, duration: 1, terminal: keep, plant: {set: {gravity: [0.1, "
+       "0, "
+       "-9.81]}}, disturbances: [{at: 0.3, frame: tip, force: [1, 0, 0], duration: 0.1}]}"});
+  ASSERT_TRUE(loop.mpc) << loop.all();
+  EXPECT_EQ(loop.mpc->loop.plant.size(), 3u);
+}
+
 TEST(MpcFile, HoldsTheStateOfItsFallbackByQuasiStaticControls) {
   LoadedLoop loop(kArm, {"mpc.disturbances=[]"});
   ASSERT_TRUE(loop.mpc) << loop.all();

@@ -458,6 +458,7 @@ class PlantBuilder {
   bool add(double time, std::shared_ptr<ProblemSpec> spec, bool pushed) {
     if (out_.has_errors()) return false;
     spec->guess = {};
+    spec->terminal_lqr.reset();  // what moves the plant need not hold its equilibrium
     Diagnostics own = of_plant_;
     auto built = build_without_homotopy(*spec, {}, own);
     if (pushed && own.has_errors()) {
