@@ -528,6 +528,17 @@ mpc:
   fallback: {after: 2, to: {configuration: ready}}
 )";
 
+TEST(MpcFile, ASettingOfThePlantIsToBlameForWhatIsWrongAboveItsKey) {
+  const std::string text = replaced(kArm, "plant: {dt: 0.005}",
+                                    "plant:\n    set:\n      robot.payloads.link_7.mass: 1\n"
+                                    "      robot.payloads.nowhere.mass: 1");
+  const LoadedLoop loop(text);
+  ASSERT_TRUE(loop.error());
+  const auto above =
+      text.begin() + static_cast<std::ptrdiff_t>(text.find("robot.payloads.nowhere"));
+  EXPECT_EQ(loop.error()->line, 1 + std::count(text.begin(), above, '\n')) << loop.error()->message;
+}
+
 // Keys of 'set' have dots: what follows it is one of them.
 TEST(MpcFile, APathSetsWhatThePlantDoesNotSetYet) {
   for (const char* plant : {"", "plant: {dt: 0.01}", "plant: {set: {system.length: 0.9}}"}) {

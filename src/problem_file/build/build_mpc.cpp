@@ -396,11 +396,13 @@ class PlantBuilder {
     return out_.error_count() == errors;
   }
 
-  /// The setting at whose key something is, or the plant.
+  /// The setting at whose key something is, or that leads below it; else the plant.
   const Place& place_of(const Diagnostic& fault) const {
     const std::string path = fault.path + '.';
     for (const Setting& setting : mpc_.plant.settings)
       if (path.starts_with(setting.key.value + '.')) return setting.key.place;
+    for (const Setting& setting : mpc_.plant.settings)
+      if ((setting.key.value + '.').starts_with(path)) return setting.key.place;
     return mpc_.plant.settings.size() == 1 ? mpc_.plant.settings[0].key.place : mpc_.plant.place;
   }
 
