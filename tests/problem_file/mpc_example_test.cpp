@@ -4,6 +4,7 @@
 
 #include "problem_file/build/build_mpc.hpp"
 #include "problem_text.hpp"
+#include "support/robots.hpp"
 
 namespace conddp {
 namespace {
@@ -150,6 +151,62 @@ TEST(MpcExample, QuadrupedGoesWhereItIsToldInShortWindowsThatEndWithARegulator) 
   EXPECT_LT(std::hypot(x[0] - told[0], x[1] - told[1]), 0.1);
   EXPECT_NEAR(std::atan2(x[5], x[6]), std::atan2(told[5], told[6]), 0.05);
   EXPECT_GT(told[5], 0.3);
+}
+
+/// The loop of the quadruped with another robot, in windows of 0.6 s and with higher swings.
+/// `feet`: LF, RF, LH, RH; `push`: N, in 0.1 s as much as 0.2 m/s of its mass.
+std::vector<std::string> loop_of_another(const std::filesystem::path& urdf, double height,
+                                         const std::string& joints, const char* const (&feet)[4],
+                                         const std::string& trunk, double push) {
+  std::vector<std::string> settings = {
+      "robot.urdf=" + urdf.string(),
+      fmt::format(
+          "robot.configurations={{standing: {{base: {{position: [0, 0, {}]}}, joints: {{{}}}}}}}",
+          height, joints),
+      "gait.step.height=0.1",
+      "mpc.horizon=0.6",
+      fmt::format(
+          "mpc.disturbances=[{{at: 1.5, frame: {0}, force: [0, {1}, 0], duration: 0.1}}, {{at: "
+          "3.5, frame: {0}, force: [-{1}, 0, 0], duration: 0.1}}, {{noise: state, sigma: 1.0e-4}}]",
+          trunk, push),
+      fmt::format(
+          "mpc.stop_when={{fallen: {{residual: frame_position, frame: {}, lower: {{z: {}}}}}}}",
+          trunk, 0.7 * height)};
+  const char* const names[] = {"LF", "RF", "LH", "RH"};
+  for (int i = 0; i < 4; ++i)
+    settings.push_back(fmt::format("contacts.{}.frame={}", names[i], feet[i]));
+  return settings;
+}
+
+// HyQ and ANYmal trot as they are told, are pushed, and step onto 2 cm that they do not know of.
+TEST(MpcExample, QuadrupedsOfOthersGoWhereTheyAreTold) {
+  const auto hyq = foreign_robot_folder() / "hyq.urdf",
+             anymal = foreign_robot_folder() / "anymal_b.urdf";
+  if (!std::filesystem::exists(hyq) || !std::filesystem::exists(anymal))
+    GTEST_SKIP() << kNoForeignRobots;
+  const std::vector<std::string> loops[] = {
+      loop_of_another(hyq, 0.5775,
+                      "lf_haa_joint: -0.2, lf_hfe_joint: 0.75, lf_kfe_joint: -1.5, "
+                      "rf_haa_joint: -0.2, rf_hfe_joint: 0.75, rf_kfe_joint: -1.5, "
+                      "lh_haa_joint: -0.2, lh_hfe_joint: -0.75, lh_kfe_joint: 1.5, "
+                      "rh_haa_joint: -0.2, rh_hfe_joint: -0.75, rh_kfe_joint: 1.5",
+                      {"lf_foot", "rf_foot", "lh_foot", "rh_foot"}, "trunk", 174),
+      loop_of_another(
+          anymal, 0.4792,
+          "LF_HAA: -0.1, LF_HFE: 0.7, LF_KFE: -1, RF_HAA: 0.1, RF_HFE: 0.7, RF_KFE: -1, "
+          "LH_HAA: -0.1, LH_HFE: -0.7, LH_KFE: 1, RH_HAA: 0.1, RH_HFE: -0.7, RH_KFE: 1",
+          {"LF_FOOT", "RF_FOOT", "LH_FOOT", "RH_FOOT"}, "base", 61)};
+  for (const auto& settings : loops) {
+    SCOPED_TRACE(settings[0]);
+    const ExampleLoop loop("quadruped_commands", settings);
+    ASSERT_TRUE(loop.mpc) << loop.said;
+    EXPECT_EQ(loop.result.end, LoopEnd::finished);
+    EXPECT_EQ(loop.failed(), 0);
+    const std::vector<double>& x = loop.result.last_state;
+    EXPECT_GT(x[0], 0.8);
+    EXPECT_GT(x[1], 0.2);
+    EXPECT_GT(2 * std::atan2(x[5], x[6]), 0.3);  // yaw
+  }
 }
 
 }  // namespace
