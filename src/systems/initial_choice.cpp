@@ -7,9 +7,12 @@ namespace {
 
 class InitialChoice : public ClosedFormSystem<InitialChoice> {
  public:
-  InitialChoice(const System& of, std::vector<int> coordinates, std::vector<Column> controls)
+  InitialChoice(const System& of, const std::vector<int>& coordinates, std::vector<Column> controls,
+                std::vector<std::pair<int, int>> moved)
       : ClosedFormSystem(SystemKind::first_order, of.manifold(), static_cast<int>(controls.size())),
-        coordinates_(std::move(coordinates)) {
+        moved_(std::move(moved)) {
+    for (std::size_t i = 0; i < coordinates.size(); ++i)
+      moved_.emplace_back(coordinates[i], static_cast<int>(i));
     state_columns_ = of.state_columns();
     for (int i = 0; i < nx(); ++i) at_rest_.push_back(!of.has_state(i));
     control_columns_ = std::move(controls);
@@ -18,18 +21,19 @@ class InitialChoice : public ClosedFormSystem<InitialChoice> {
   template <class S>
   void rate(const S*, const S* u, S* f) const {
     for (int i = 0; i < ndx(); ++i) f[i] = S(0.0);
-    for (std::size_t i = 0; i < coordinates_.size(); ++i) f[coordinates_[i]] = u[i];
+    for (const auto& [coordinate, control] : moved_) f[coordinate] = u[control];
   }
 
  private:
-  std::vector<int> coordinates_;
+  std::vector<std::pair<int, int>> moved_;  ///< coordinates, each by a control
 };
 
 }  // namespace
 
 std::shared_ptr<const System> initial_choice(const System& of, const std::vector<int>& coordinates,
-                                             const std::vector<Column>& controls) {
-  return std::make_shared<InitialChoice>(of, coordinates, controls);
+                                             const std::vector<Column>& controls,
+                                             const std::vector<std::pair<int, int>>& moved) {
+  return std::make_shared<InitialChoice>(of, coordinates, controls, moved);
 }
 
 std::vector<int> chosen_coordinates(const System& choice) {

@@ -90,7 +90,7 @@ TEST(ViolationsByName, AreTheWorstOfAllNodes) {
   EXPECT_EQ(hard[1].name, "terminal/box");
   EXPECT_NEAR(hard[1].value, 0.25, 1e-15);
   EXPECT_EQ(hard[1].node, 2);
-  const auto soft = soft_violations(problem, values);
+  const auto soft = soft_violations(problem, walk(problem), values);
   ASSERT_EQ(soft.size(), 2u);
   EXPECT_EQ(soft[0].name, "soft");
   EXPECT_NEAR(soft[0].value, 0.5, 1e-15);

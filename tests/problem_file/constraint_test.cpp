@@ -351,7 +351,7 @@ TEST(SoftConstraints, AreCostsOrHaveLimits) {
   }
   EXPECT_NEAR(near, expected, 1e-7);
   EXPECT_DOUBLE_EQ(fast, 0.1 * 3 * (8 - 5));
-  const auto misses = soft_violations(problem, evaluation.constraint);
+  const auto misses = soft_violations(problem, t, evaluation.constraint);
   ASSERT_EQ(misses.size(), 4u) << "two at running knots, two at the last node";
   EXPECT_EQ(misses[0].name, "speed");
   EXPECT_DOUBLE_EQ(misses[0].value, 3);

@@ -101,9 +101,6 @@ TEST(ExpressionRows, ErrorsPointIntoTheExpression) {
       {"control}", "control, rows: [x]}", "12:37: the residual 'control' has no 'rows'"},
       {"solver:", "terminal: {costs: {end: {residual: expression, rows: [x, u]}}}\nsolver:",
        "14:36: this residual needs a control, and there is none at the terminal node"},
-      {"[{knots: 4, dt: 0.1}]",
-       "[{choose: none}, {knots: 4, duration: 1, free_duration: {lower: 0.5, upper: 2}}]",
-       "13:19: where durations are free, the time 't' of a knot is not given"},
   };
   for (const WrongFile& c : cases) {
     const Loaded loaded(replaced(kRows, c.from, c.to));

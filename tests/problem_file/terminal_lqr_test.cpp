@@ -567,7 +567,7 @@ costs: {state: {residual: state}, effort: {residual: control, weight: 0.1}}
 terminal: {lqr: initial}
 )")
           .first_error(),
-      "6:17: 'lqr' does not support augmented states that carry what was chosen at the start");
+      "6:17: 'lqr' does not support integrals, nor states that carry what was chosen at the start");
   EXPECT_EQ(Loaded(R"(conddp: 1
 system: {type: double_integrator, dimension: 1}
 initial_state: {}

@@ -201,7 +201,7 @@ class Judge {
     for (int k = 0; k <= N; ++k) {
       const auto x = claims_.trajectory.x(k);
       const KnotWorkspace<double>& work = nodes.at(k, claims_.trajectory);
-      add_costs(problem_.knot(k), work, k == N ? "terminal/" : "");
+      add_costs(k, work, k == N ? "terminal/" : "");
       std::copy(work.constraint.begin(), work.constraint.end(),
                 values_.data() + problem_.constraint_offset(k));
       if (k == N) break;
@@ -216,14 +216,16 @@ class Judge {
     models_ = node_models(problem_, claims_.trajectory, gaps_);
   }
 
-  void add_costs(const KnotView& view, const KnotWorkspace<double>& work,
-                 const std::string& prefix) {
+  void add_costs(int k, const KnotWorkspace<double>& work, const std::string& prefix) {
+    const KnotView& view = problem_.knot(k);
     for (std::size_t t = 0; t < view.model->costs().size(); ++t)
       add_cost(prefix + view.model->costs()[t].name, work.term_costs[t]);
     for (const ConstraintTerm& term : view.model->constraints())
       if (term.softness != Softness::hard)
-        add_cost(prefix + term.name, soft_cost(term, work.constraint.data() + term.row,
-                                               view.parameters, view.cost_scale));
+        add_cost(prefix + term.name,
+                 soft_cost(term, work.constraint.data() + term.row, view.parameters,
+                           view.model->soft_scale(term, view.cost_scale,
+                                                  claims_.trajectory.x(k).data())));
   }
 
   void add_cost(const std::string& name, double cost) {

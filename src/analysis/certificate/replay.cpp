@@ -264,10 +264,16 @@ class Player {
         watch->look(system, data, x.data(), k, times_[k] + s * dt, s == 0);
       to += (u.head(to.size()) - to) / (steps - s);  // at last u itself
       memory->go({from.data(), to.data()}, dt, x.data());
-      x.tail(remembered) = to.head(remembered);
+      view.model->remember(to.data(), x.data());
       from = to;
     }
+    // Integrals are those of the plan: the steps of the replay have their own.
+    for (const IntegralTerm& integral : view.model->integrals())
+      x[system_size(*view.model) + integral.number] =
+          trajectory_.x(k + 1)[system_size(*view.model) + integral.number];
   }
+
+  static int system_size(const KnotModel& model) { return model.system().nx(); }
 
   void compare(int k, const Eigen::VectorXd& x, ReplayRun& result) {
     Eigen::VectorXd off(problem_.ndx());

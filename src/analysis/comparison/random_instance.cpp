@@ -14,8 +14,7 @@ ShootingProblem perturb_initial_state(const ShootingProblem& problem, double siz
   std::mt19937_64 engine(seed);
   const KnotModel& model = *problem.knot(0).model;
   const bool is_choice = problem.phases().front().instant;
-  const int own = is_choice ? model.system().ndx()
-                            : problem.ndx() - problem.terminal().model->remembered_controls();
+  const int own = model.system().ndx();
   std::vector<double> dx(problem.ndx(), 0.0);
   for (int i = 0; i < own; ++i) dx[i] = size * (static_cast<double>(engine() >> 11) * 0x1p-52 - 1);
   // What is chosen stays what it is chosen from.

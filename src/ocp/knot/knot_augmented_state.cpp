@@ -39,14 +39,46 @@ void KnotModel::append_augmented_state(const KnotInput<S>& in, KnotWorkspace<S>&
                                        bool derivatives) const {
   const IntegratorWorkspace<S>& base = work.integrator_;
   std::copy(base.next.begin(), base.next.end(), work.next_.begin());
-  S* next = work.next_.data() + system_->nx();
-  next = std::copy_n(in.x + system_->nx(), carried_, next);
-  std::copy_n(in.u, remembered_controls(), next);
-  if (derivatives) differentiate_memory(in.dt, work);
+  std::copy_n(in.x + system_->nx(), augmented_, work.next_.data() + system_->nx());
+  remember(in.u, work.next_.data());
+  for (std::size_t i = 0; i < integrals_.size(); ++i)
+    work.next_[system_->nx() + integrals_[i].number] += in.dt * work.integral_rates_[i];
+  if (!derivatives) return;
+  differentiate_memory(in.dt, work);
+  differentiate_integrals(in.dt, work);
 }
 
-/// F with the rows and columns of the memory. Of the next state only what is remembered depends on
-/// what is handed on.
+/// Rates of integrals, before the system's data are those of later stages of the integrator.
+template <class S>
+void KnotModel::evaluate_integrals(const KnotInput<S>& in, KnotWorkspace<S>& work,
+                                   bool derivatives) const {
+  for (std::size_t i = 0; i < integrals_.size(); ++i) {
+    const IntegralTerm& term = integrals_[i];
+    const ResidualInput<S> input = residual_input(term.parameters, in, *work.system_);
+    S* rate = work.integral_rates_.data() + i;
+    if (derivatives)
+      term.residual->differentiate(input, rate, work.integral_jacobians_.data() + term.jacobian);
+    else
+      term.residual->evaluate(input, rate);
+  }
+}
+
+/// Rows of integrals in F, which may depend on whatever there is.
+template <class S>
+void KnotModel::differentiate_integrals(const S& dt, KnotWorkspace<S>& work) const {
+  const int rows = ndx();
+  for (const IntegralTerm& term : integrals_) {
+    const S* derivative = work.integral_jacobians_.data() + term.jacobian;
+    const int row = system_->ndx() + term.number;
+    for (int column = 0; column < nz(); ++column)
+      work.F_[column * rows + row] = S(column == row ? 1.0 : 0.0);
+    for (const int column : term.residual->blocks().front().columns)
+      work.F_[column * rows + row] += dt * *derivative++;
+  }
+}
+
+/// F with the rows and columns of the memory. Of the next state only what is remembered or chosen
+/// depends on controls besides the system's.
 template <class S>
 void KnotModel::differentiate_memory(const S& dt, KnotWorkspace<S>& work) const {
   const int n = system_->ndx(), rows = ndx();
@@ -61,6 +93,9 @@ void KnotModel::differentiate_memory(const S& dt, KnotWorkspace<S>& work) const 
   for (int i = 0; i < carried_; ++i) work.F_[(n + i) * rows + n + i] = S(1.0);
   for (int i = 0; i < remembered_controls(); ++i)
     work.F_[(rows + i) * rows + n + carried_ + i] = S(1.0);
+  const int behind = rows - handed_on_.count;
+  const int from = handed_on_.chosen ? rows + nu() - handed_on_.count : behind;
+  for (int i = 0; i < handed_on_.count; ++i) work.F_[(from + i) * rows + behind + i] = S(1.0);
 }
 
 /// The column of the integrator's Jacobian that belongs to a column of z; −1 where the system's
@@ -84,7 +119,7 @@ KnotInput<S> KnotModel::at_its_duration(const KnotInput<S>& given) const {
   KnotInput<S> in = given;
   if (!duration_) return in;
   in.dt = step(given.dt, given.x);
-  if (duration_->scales_cost) in.cost_scale = given.cost_scale * duration_share(given.x);
+  if (scales_costs()) in.cost_scale = given.cost_scale * duration_share(given.x);
   return in;
 }
 
@@ -105,14 +140,20 @@ void KnotModel::append_duration(const KnotInput<S>& given, KnotWorkspace<S>& wor
   if (top > 0) turn_steps(system_->manifold(), base.step_blocks.data(), out);
   const S share = given.dt * S(1 / duration_->written);
   for (int i = 0; i < n; ++i) out[i] *= share;
-  if (duration_->scales_cost)
-    work.gradient[column] += work.cost / given.x[system_->nx() + duration_->choice];
+  for (std::size_t i = 0; i < integrals_.size(); ++i)
+    out[n + integrals_[i].number] += share * work.integral_rates_[i];
+  if (!scales_costs()) return;
+  S grows = work.cost;
+  for (std::size_t t = 0; t < costs_.size(); ++t)
+    if (costs_[t].is_moment) grows -= work.term_costs[t];
+  work.gradient[column] += grows / given.x[system_->nx() + duration_->choice];
 }
 
-#define CONDDP_INSTANTIATE(S)                                                                   \
-  template void KnotModel::append_augmented_state(const KnotInput<S>&, KnotWorkspace<S>&, bool) \
-      const;                                                                                    \
-  template KnotInput<S> KnotModel::at_its_duration(const KnotInput<S>&) const;                  \
+#define CONDDP_INSTANTIATE(S)                                                                      \
+  template void KnotModel::append_augmented_state(const KnotInput<S>&, KnotWorkspace<S>&, bool)    \
+      const;                                                                                       \
+  template void KnotModel::evaluate_integrals(const KnotInput<S>&, KnotWorkspace<S>&, bool) const; \
+  template KnotInput<S> KnotModel::at_its_duration(const KnotInput<S>&) const;                     \
   template void KnotModel::append_duration(const KnotInput<S>&, KnotWorkspace<S>&) const;
 CONDDP_FOR_EACH_SCALAR(CONDDP_INSTANTIATE)
 #undef CONDDP_INSTANTIATE

@@ -53,6 +53,13 @@ void KnotModel::evaluate_constraints(const KnotInput<S>& in, KnotWorkspace<S>& w
   }
 }
 
+/// What the multipliers of a constraint that is soft by its distance cannot exceed.
+template <class S>
+S KnotModel::limit_of(const ConstraintTerm& term, const KnotInput<S>& in) const {
+  const S limit = in.cost_scale * in.parameters[term.weight()];
+  return term.by_duration && scales_costs() ? limit / duration_share(in.x) : limit;
+}
+
 template <class S>
 bool KnotModel::add_penalty(const ConstraintTerm& term, const KnotInput<S>& in,
                             KnotWorkspace<S>& work, S* curvature) const {
@@ -71,7 +78,7 @@ bool KnotModel::add_penalty(const ConstraintTerm& term, const KnotInput<S>& in,
     return false;
   }
   const RowSet<S> set{in.parameters + term.lower(), in.parameters + term.upper(),
-                      term.softness == Softness::l1 ? in.cost_scale * in.parameters[term.weight()]
+                      term.softness == Softness::l1 ? limit_of(term, in)
                                                     : S(std::numeric_limits<double>::infinity())};
   const S value = augment<S>(term, set, given, work.constraint.data() + term.row,
                              {work.shifted_.data(), work.weight_.data(), curvature});

@@ -36,31 +36,32 @@ void check_columns(const std::string& what, const RowBlock& block, int nz) {
 }
 
 void check_augmented_state(const System& system, Integrator integrator, ControlMemory memory,
-                           int carried_choices) {
+                           const HandedOn& handed_on) {
+  if (handed_on.chosen && handed_on.count > system.nu())
+    throw std::invalid_argument("a knot chooses the control that it hands on by its own controls");
   if (memory == ControlMemory::none) return;
   if (system.kind() == SystemKind::impulse)
     throw std::invalid_argument("an impulse has no control to remember");
   const bool linear = memory == ControlMemory::linear;
   if (linear && integrator != Integrator::none && !follows_controls(integrator))
     throw std::invalid_argument("linear controls need an integrator that sees how they change");
-  if (!linear && carried_choices > 0)
-    throw std::invalid_argument("augmented states carry the previous control or choices, not both");
 }
 
 }  // namespace
 
 KnotModel::KnotModel(std::shared_ptr<const System> system, Integrator integrator,
-                     ControlMemory memory, int carried_choices)
+                     ControlMemory memory, int carried_choices, HandedOn handed_on)
     : system_(std::move(system)),
       manifold_(system_->manifold()),
       integrator_(integrator),
       memory_(memory),
       carried_(carried_choices),
-      augmented_(carried_choices + remembered_controls()) {
+      handed_on_(handed_on),
+      augmented_(carried_choices + remembered_controls() + handed_on.count) {
   check_integrator(*system_, integrator);
   if (system_->kind() == SystemKind::discrete && !manifold_.curved().empty())
     throw std::invalid_argument("a discrete system needs a flat state space");
-  check_augmented_state(*system_, integrator, memory, carried_choices);
+  check_augmented_state(*system_, integrator, memory, handed_on);
   if (augmented_ > 0) manifold_.append(StateManifold::Part::flat, augmented_);
   lower_.assign(nu(), -std::numeric_limits<double>::infinity());
   upper_.assign(nu(), std::numeric_limits<double>::infinity());
@@ -73,7 +74,7 @@ void KnotModel::check_fit(const std::string& what, const Residual& residual) con
 }
 
 int KnotModel::add_cost(std::string name, std::shared_ptr<const Residual> residual,
-                        Activation activation) {
+                        Activation activation, bool is_moment) {
   check_fit("cost " + name, *residual);
   CostTerm& term = costs_.emplace_back();
   term.name = std::move(name);
@@ -82,12 +83,26 @@ int KnotModel::add_cost(std::string name, std::shared_ptr<const Residual> residu
   parameter_count_ = term.weight + 1;
   term.residual = std::move(residual);
   term.activation = std::move(activation);
+  term.is_moment = is_moment;
   if (term.is_barrier()) {
     term.row = constraint_rows_;
     term.jacobian = add_rows(term.residual->blocks());
   }
   index_hessian();
   return term.parameters;
+}
+
+int KnotModel::add_integral(std::string name, std::shared_ptr<const Residual> residual,
+                            int number) {
+  check_fit("integral " + name, *residual);
+  if (residual->size() != 1 || number < 0 || number >= carried_)
+    throw std::invalid_argument("integral " + name + ": one row, of one of the carried numbers");
+  const IntegralTerm* last = integrals_.empty() ? nullptr : &integrals_.back();
+  const int jacobian = last ? last->jacobian + last->residual->jacobian_size() : 0;
+  const int parameters = parameter_count_;
+  parameter_count_ += residual->parameter_count();
+  integrals_.push_back({std::move(name), std::move(residual), parameters, number, jacobian});
+  return parameters;
 }
 
 namespace {
@@ -187,7 +202,7 @@ void KnotModel::evaluate_costs(const KnotInput<S>& in, KnotWorkspace<S>& work) c
     const ResidualInput<S> input = residual_input(term.parameters, in, *work.system_);
     S* r = term.is_barrier() ? work.constraint.data() + term.row : work.residual_.data();
     term.residual->evaluate(input, r);
-    const S scale = in.cost_scale * in.parameters[term.weight];
+    const S scale = scale_of(term, in);
     work.term_costs[t] = scale * term.activation.value(r, term.residual->size());
     work.cost += work.term_costs[t];
   }
@@ -288,7 +303,7 @@ inline bool KnotModel::find_slopes(std::size_t t, const KnotInput<S>& in, KnotWo
                               work.constraint_jacobian.data() + term.jacobian}
               : RowsOfCost<S>{work.residual_.data(), work.residual_jacobian_.data()};
   differentiate_residual<S>(term, residual_input(term.parameters, in, *work.system_), to);
-  slopes = {.scale = in.cost_scale * in.parameters[term.weight],
+  slopes = {.scale = scale_of(term, in),
             .gradient = work.activation_gradient_.data(),
             .diagonal = work.activation_diagonal_.data(),
             .jacobian = to.jacobian};
@@ -383,6 +398,7 @@ void KnotModel::evaluate(const KnotInput<S>& given, KnotWorkspace<S>& work) cons
     system_->update_kinematics(in.x, *work.system_);
   evaluate_costs(in, work);
   evaluate_constraints(in, work);
+  evaluate_integrals(in, work, false);
   if (integrator_ == Integrator::none) return;
   integrate(*system_, integrator_, in.x, u, in.dt, *work.system_, work.integrator_,
             end_control(in));
@@ -400,6 +416,7 @@ void KnotModel::differentiate(const KnotInput<S>& given, KnotWorkspace<S>& work,
     system_->update_kinematics(in.x, *work.system_);
   differentiate_costs(in, work, hessian);
   differentiate_constraints(in, work, hessian);
+  evaluate_integrals(in, work, true);
   if (integrator_ == Integrator::none) return;
   integrate_derivatives(*system_, integrator_, in.x, u, in.dt, *work.system_, work.integrator_,
                         end_control(in));
@@ -425,6 +442,10 @@ KnotWorkspace<S>::KnotWorkspace(const KnotModel& model)
     next_.assign(model.nx(), S(0.0));
     F_.assign(model.jacobian_rows() * model.nz(), S(0.0));
   }
+  int derivatives = 0;
+  for (const IntegralTerm& term : model.integrals()) derivatives += term.residual->jacobian_size();
+  integral_rates_.assign(model.integrals().size(), S(0.0));
+  integral_jacobians_.assign(derivatives, S(0.0));
   int rows = 0, entries = 0;
   const auto make_room = [&](const Residual& residual) {
     rows = std::max(rows, residual.size());

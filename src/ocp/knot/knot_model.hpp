@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <string>
@@ -19,13 +20,23 @@ struct CostTerm {
   std::string name;
   std::shared_ptr<const Residual> residual;
   Activation activation;
-  int parameters = 0;  ///< where the residual's parameters start in the knot's parameters
-  int weight = 0;      ///< where the weight stands in the knot's parameters
+  int parameters = 0;      ///< where the residual's parameters start in the knot's parameters
+  int weight = 0;          ///< where the weight stands in the knot's parameters
+  bool is_moment = false;  ///< of an instant: does not grow with a free duration of its knot
   /// Of a barrier: where its rows stand among those of constraints, and their derivative in
   /// constraint_pattern().
   int row = 0, jacobian = 0;
 
   bool is_barrier() const { return activation.kind == ActivationKind::quadratic_barrier; }
+};
+
+/// A number behind the system's state that grows by the time step times a residual of one row.
+struct IntegralTerm {
+  std::string name;
+  std::shared_ptr<const Residual> residual;
+  int parameters = 0;  ///< where the residual's parameters start in the knot's parameters
+  int number = 0;      ///< which of the carried numbers
+  int jacobian = 0;    ///< where its derivatives start among those of all integrals
 };
 
 /// A knot's data in scalar S: views into the caller's storage.
@@ -51,6 +62,13 @@ struct FreeDuration {
   bool scales_cost = true;  ///< running costs are rates
 };
 
+/// Numbers of the previous control at the end of the state of a knot that takes no time, which
+/// hands them on: as they are, or where it chooses them the last of its own controls.
+struct HandedOn {
+  int count = 0;
+  bool chosen = false;
+};
+
 /// What states remember of controls, and so what the controls are during a knot.
 enum class ControlMemory {
   none,
@@ -67,9 +85,9 @@ struct CostSlopes;
 /// The structure that knots share: a system, an integrator, costs, constraints and control bounds.
 /// Immutable once a problem holds it. The knots differ in KnotInput alone.
 ///
-/// The state is the system's, followed by numbers that the knot hands on as they are
-/// (`carried_choices`), and by a control where one is remembered. z = (tangent at x, u) has
-/// nz = ndx + nu entries.
+/// The state is the system's, followed by numbers that the knot hands on as they are, unless they
+/// are integrals (`carried_choices`), by a control where one is remembered, and by a previous
+/// control that is handed on. z = (tangent at x, u) has nz = ndx + nu entries.
 ///
 /// Where controls are linear, residuals see the control at the knot's beginning, whose columns are
 /// those of the memory: they are made with ndx minus the number of remembered controls. A node
@@ -77,18 +95,42 @@ struct CostSlopes;
 class KnotModel {
  public:
   KnotModel(std::shared_ptr<const System> system, Integrator integrator,
-            ControlMemory memory = ControlMemory::none, int carried_choices = 0);
+            ControlMemory memory = ControlMemory::none, int carried_choices = 0,
+            HandedOn handed_on = {});
 
   /// Adds a cost whose residual depends on columns of z alone; returns the index at which its
-  /// parameters (reference, then weight) start.
-  int add_cost(std::string name, std::shared_ptr<const Residual> residual, Activation activation);
+  /// parameters (reference, then weight) start. `is_moment`: CostTerm.
+  int add_cost(std::string name, std::shared_ptr<const Residual> residual, Activation activation,
+               bool is_moment = false);
   /// Adds a constraint; returns the index at which its parameters start (ConstraintTerm).
   int add_constraint(ConstraintTerm term);
+  /// Makes a carried number an integral; returns the index at which the residual's parameters
+  /// start.
+  int add_integral(std::string name, std::shared_ptr<const Residual> residual, int number);
   /// Elementwise bounds on the control; infinite where there is none.
   void set_control_bounds(std::vector<double> lower, std::vector<double> upper);
-  /// Needs carried choices, and a system that knows time. Soft constraints have to be none.
+  /// Needs carried choices, and a system that knows time. Where it scales costs, constraints that
+  /// are soft by their distance have to be `by_duration` (ConstraintTerm).
   void set_free_duration(const FreeDuration& duration);
   const std::optional<FreeDuration>& free_duration() const { return duration_; }
+  bool scales_costs() const { return duration_ && duration_->scales_cost; }
+  /// Free duration by the written one at a state; 1 where the duration is not free.
+  template <class S>
+  S duration_share(const S* x) const {
+    return duration_ ? x[system_->nx() + duration_->choice] * S(1 / duration_->written) : S(1.0);
+  }
+  /// What the cost of a soft constraint is multiplied by at a state, from the given cost scale.
+  template <class S>
+  S soft_scale(const ConstraintTerm& term, const S& cost_scale, const S* x) const {
+    return scales_costs() && !term.by_duration ? cost_scale * duration_share(x) : cost_scale;
+  }
+  /// Writes what states remember of a control into one that was handed on.
+  template <class S>
+  void remember(const S* u, S* x) const {
+    std::copy_n(u, remembered_controls(), x + system_->nx() + carried_);
+    if (handed_on_.chosen)
+      std::copy_n(u + nu() - handed_on_.count, handed_on_.count, x + nx() - handed_on_.count);
+  }
   /// The time step at a state, from the given one.
   template <class S>
   S step(const S& dt, const S* x) const {
@@ -101,11 +143,13 @@ class KnotModel {
   Integrator integrator() const { return integrator_; }
   ControlMemory control_memory() const { return memory_; }
   bool has_linear_controls() const { return memory_ == ControlMemory::linear; }
-  /// Numbers of a control at the end of the state.
+  const HandedOn& handed_on() const { return handed_on_; }
+  /// Numbers of a control that the state remembers, behind carried choices.
   int remembered_controls() const {
     return memory_ == ControlMemory::none ? 0 : system_->actuators();
   }
   const std::vector<CostTerm>& costs() const { return costs_; }
+  const std::vector<IntegralTerm>& integrals() const { return integrals_; }
   const std::vector<ConstraintTerm>& constraints() const { return constraints_; }
   /// Rows of all constraints of a knot, and of barriers: what begins to cost somewhere on the way
   /// of a step has a value and a derivative on both sides.
@@ -160,10 +204,11 @@ class KnotModel {
   friend class KnotWorkspace;
   friend class KnotSecondDerivatives;
 
-  /// Free duration by the written one.
+  /// What a cost is multiplied by, with the scale at its duration.
   template <class S>
-  S duration_share(const S* x) const {
-    return x[system_->nx() + duration_->choice] * S(1 / duration_->written);
+  S scale_of(const CostTerm& term, const KnotInput<S>& in) const {
+    const S scale = in.cost_scale * in.parameters[term.weight];
+    return term.is_moment && scales_costs() ? scale / duration_share(in.x) : scale;
   }
   template <class S>
   KnotInput<S> at_its_duration(const KnotInput<S>& given) const;
@@ -180,6 +225,10 @@ class KnotModel {
   template <class S>
   void differentiate_memory(const S& dt, KnotWorkspace<S>& work) const;
   int integrated_column(int column) const;
+  template <class S>
+  void evaluate_integrals(const KnotInput<S>& in, KnotWorkspace<S>& work, bool derivatives) const;
+  template <class S>
+  void differentiate_integrals(const S& dt, KnotWorkspace<S>& work) const;
   template <class S>
   void evaluate_costs(const KnotInput<S>& in, KnotWorkspace<S>& work) const;
   template <class S>
@@ -202,6 +251,8 @@ class KnotModel {
   template <class S>
   void differentiate_constraints(const KnotInput<S>& in, KnotWorkspace<S>& work,
                                  bool hessian) const;
+  template <class S>
+  S limit_of(const ConstraintTerm& term, const KnotInput<S>& in) const;
   template <class S>
   void add_augmentation(std::size_t constraint, const S* jacobian, bool hessian,
                         KnotWorkspace<S>& work) const;
@@ -226,11 +277,13 @@ class KnotModel {
   StateManifold manifold_;
   Integrator integrator_;
   ControlMemory memory_;
-  int carried_;    ///< numbers that are handed on
+  int carried_;  ///< choices and integrals
+  HandedOn handed_on_;
   int augmented_;  ///< these and the remembered controls
   std::optional<FreeDuration> duration_;
   int parameter_count_ = 0;
   std::vector<CostTerm> costs_;
+  std::vector<IntegralTerm> integrals_;
   std::vector<double> lower_, upper_;
   std::vector<std::pair<int, int>> pattern_;
   int lasting_entries_ = 0;
@@ -275,6 +328,7 @@ class KnotWorkspace {
   std::unique_ptr<SystemData<S>> system_;
   IntegratorWorkspace<S> integrator_;
   AlignedVector<S> next_, F_;  ///< with what states are augmented by
+  AlignedVector<S> integral_rates_, integral_jacobians_;
   AlignedVector<S> residual_, activation_gradient_, activation_diagonal_;
   AlignedVector<S> residual_jacobian_, weighted_jacobian_;
   AlignedVector<S> term_gradient_;

@@ -10,18 +10,21 @@
 namespace conddp {
 namespace {
 
-void add_violation(const std::string& name, const Eigen::VectorXd& values, const NodeConstraint& c,
+void add_violation(const std::string& name, const NodeConstraint& c, double distance,
                    std::vector<ConstraintViolation>& list) {
   auto entry = std::find_if(list.begin(), list.end(),
                             [&](const ConstraintViolation& v) { return v.name == name; });
   if (entry == list.end()) entry = list.insert(entry, {name, 0, -1});
-  const double distance = distance_to_set(*c.term, values.data() + c.row, c.lower, c.upper);
   if (distance <= entry->value) return;
   entry->value = distance;
   entry->node = c.node;
 }
 
 using CostTable = std::vector<std::pair<std::string, std::vector<double>>>;
+
+double distance(const NodeConstraint& c, const Eigen::VectorXd& values) {
+  return distance_to_set(*c.term, values.data() + c.row, c.lower, c.upper);
+}
 
 /// The row of a name, of zeros at first.
 std::vector<double>& find_or_add(const std::string& name, int nodes, CostTable& costs) {
@@ -53,7 +56,8 @@ std::vector<std::pair<std::string, std::vector<double>>> costs_by_node(
     for (const ConstraintTerm& term : view.model->constraints())
       if (term.softness != Softness::hard)
         cost_of(prefix + term.name)[k] +=
-            soft_cost(term, work.constraint.data() + term.row, view.parameters, view.cost_scale);
+            soft_cost(term, work.constraint.data() + term.row, view.parameters,
+                      view.model->soft_scale(term, view.cost_scale, trajectory.x(k).data()));
   }
   return costs;
 }
@@ -71,16 +75,22 @@ std::vector<ConstraintViolation> violations_by_name(const ShootingProblem& probl
   std::vector<ConstraintViolation> list;
   for (const NodeConstraint& c : problem.constraints()) {
     if (c.is_soft()) continue;
-    add_violation(constraint_name(problem, c), values, c, list);
+    add_violation(constraint_name(problem, c), c, distance(c, values), list);
   }
   return list;
 }
 
 std::vector<ConstraintViolation> soft_violations(const ShootingProblem& problem,
+                                                 const Trajectory& trajectory,
                                                  const Eigen::VectorXd& values) {
   std::vector<ConstraintViolation> list;
-  for (const NodeConstraint& c : problem.soft_constraints())
-    add_violation(constraint_name(problem, c), values, c, list);
+  for (const NodeConstraint& c : problem.soft_constraints()) {
+    const double share =
+        c.term->by_duration
+            ? problem.knot(c.node).model->duration_share(trajectory.x(c.node).data())
+            : 1;
+    add_violation(constraint_name(problem, c), c, distance(c, values) / share, list);
+  }
   return list;
 }
 

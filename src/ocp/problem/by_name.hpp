@@ -35,8 +35,9 @@ struct ConstraintViolation {
 std::vector<ConstraintViolation> violations_by_name(const ShootingProblem& problem,
                                                     const Eigen::VectorXd& values);
 
-/// The same of soft constraints, which are not among those.
+/// The same of soft constraints, which are not among those, at a trajectory and the values there.
 std::vector<ConstraintViolation> soft_violations(const ShootingProblem& problem,
+                                                 const Trajectory& trajectory,
                                                  const Eigen::VectorXd& values);
 
 }  // namespace conddp

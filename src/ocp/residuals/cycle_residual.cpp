@@ -10,13 +10,15 @@ namespace {
 class CycleResidual : public ResidualBase<CycleResidual> {
  public:
   CycleResidual(const StateManifold& manifold, const ChosenStart& start, std::vector<double> offset,
-                const std::vector<int>& left_out)
-      : ResidualBase(structure(manifold, start, left_out), 0, false),
+                const std::vector<int>& left_out, int last, int ndx)
+      : ResidualBase(structure(manifold, start, left_out, last, ndx), 0, false),
         manifold_(manifold),
         start_(start.state),
         offset_(std::move(offset)),
         memory_(memory_of(manifold, start)),
-        has_row_(rows_of(manifold, left_out)) {
+        has_row_(rows_of(manifold, left_out)),
+        last_(last),
+        end_(manifold.nx() + ndx - manifold.ndx()) {
     for (const auto& segment : manifold.curved()) {
       StateManifold& part = parts_.emplace_back();
       part.append(segment.part);
@@ -43,6 +45,7 @@ class CycleResidual : public ResidualBase<CycleResidual> {
       parts_[curved++].difference(target, in.x + segment.x, r);
       r += segment.n;
     }
+    for (int i = end_ - last_; i < end_; ++i) *r++ = in.x[i] - in.x[i - last_];
   }
 
   template <class S>
@@ -58,6 +61,10 @@ class CycleResidual : public ResidualBase<CycleResidual> {
         jacobian = write_curved(segment, parts_[curved++], in, r, jacobian);
         r += segment.n;
       }
+    }
+    for (int i = 0; i < last_; ++i) {
+      *jacobian++ = S(-1.0);
+      *jacobian++ = S(1.0);
     }
   }
 
@@ -124,7 +131,7 @@ class CycleResidual : public ResidualBase<CycleResidual> {
   static std::vector<int> memory_of(const StateManifold& manifold, const ChosenStart& start) {
     std::vector<int> memory(manifold.ndx(), -1);
     for (std::size_t i = 0; i < start.coordinates.size(); ++i)
-      memory[start.coordinates[i]] = static_cast<int>(i);
+      memory[start.coordinates[i]] = start.before + static_cast<int>(i);
     return memory;
   }
   static std::vector<bool> rows_of(const StateManifold& manifold,
@@ -134,7 +141,7 @@ class CycleResidual : public ResidualBase<CycleResidual> {
     return has_row;
   }
   static std::vector<RowBlock> structure(const StateManifold& manifold, const ChosenStart& start,
-                                         const std::vector<int>& left_out) {
+                                         const std::vector<int>& left_out, int last, int ndx) {
     const std::vector<int> memory = memory_of(manifold, start);
     const std::vector<bool> has_row = rows_of(manifold, left_out);
     std::vector<RowBlock> blocks;
@@ -154,6 +161,7 @@ class CycleResidual : public ResidualBase<CycleResidual> {
       for (int i = 0; i < segment.n; ++i)
         if (has_row[segment.dx + i]) add(segment.dx + i, 1);
     }
+    for (int i = ndx - last; i < ndx; ++i) blocks.push_back({1, {i - last, i}, true});
     return blocks;
   }
 
@@ -161,6 +169,7 @@ class CycleResidual : public ResidualBase<CycleResidual> {
   std::vector<double> start_, offset_;
   std::vector<int> memory_;
   std::vector<bool> has_row_;         ///< by tangent coordinate
+  int last_, end_;                    ///< so many numbers at the end of states
   std::vector<StateManifold> parts_;  ///< the curved segments, one by one
 };
 
@@ -168,8 +177,9 @@ class CycleResidual : public ResidualBase<CycleResidual> {
 
 std::shared_ptr<const Residual> cycle_residual(const StateManifold& manifold,
                                                const ChosenStart& start, std::vector<double> offset,
-                                               const std::vector<int>& left_out) {
-  return std::make_shared<CycleResidual>(manifold, start, std::move(offset), left_out);
+                                               const std::vector<int>& left_out, int last,
+                                               int ndx) {
+  return std::make_shared<CycleResidual>(manifold, start, std::move(offset), left_out, last, ndx);
 }
 
 }  // namespace conddp

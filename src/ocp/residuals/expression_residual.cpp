@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numeric>
 
 #include <fmt/format.h>
@@ -112,10 +113,9 @@ int count(const std::vector<KnotInputSource>& sources, KnotInputSource::Kind kin
 class ExpressionResidual : public ResidualBase<ExpressionResidual> {
  public:
   ExpressionResidual(DifferentiableExpressions functions, std::vector<KnotInputSource> sources,
-                     Operands operands, int first_operand, TableArguments tables)
+                     int parameters, Operands operands, int first_operand, TableArguments tables)
       : ResidualBase(
-            structure(functions, operands, first_operand),
-            count(sources, KnotInputSource::Kind::kParameter),
+            structure(functions, operands, first_operand), parameters,
             count(sources, KnotInputSource::Kind::kControl) > 0 || operands.need_control()),
         functions_(std::move(functions)),
         sources_(std::move(sources)),
@@ -271,14 +271,49 @@ class ResidualReader {
       texts_.scope().add(name.name, value_of(name));
     }
     add_operands();
-    if (texts_.scope().find("t") == nullptr) {
-      time_ = static_cast<int>(sources_.size());
-      ExpressionValue time = ExpressionValue::number(input(KnotInputSource::Kind::kParameter, -1));
-      time.unit = "s";
-      texts_.scope().add("t", std::move(time));
-    }
+    add_times();
     texts_.add_parameters(text_.parameters);
     texts_.add_tables(text_.tables);
+  }
+
+  /// A number of the times, which stand behind the references.
+  NodeId time_number(int index) {
+    return input(KnotInputSource::Kind::kParameter, kFirstTime - index);
+  }
+
+  /// A time, of which this number does not depend on free durations; each of these counts so often.
+  void add_time(const char* name, int number, const std::function<NodeId(int)>& share) {
+    const auto has_name = [&](const auto& list) {
+      return std::ranges::any_of(list, [&](const auto& entry) { return name_of(entry) == name; });
+    };
+    // What a file calls so is what it says; `t` is no name that it could give.
+    const bool is_t = number == 0;
+    if (texts_.scope().find(name) != nullptr ||
+        (!is_t &&
+         (has_name(text_.parameters) || has_name(text_.definitions) || has_name(text_.tables))))
+      return;
+    NodeId sum = time_number(number);
+    for (std::size_t i = 0; i < text_.durations.size(); ++i) {
+      const NodeId duration = input(KnotInputSource::Kind::kState, text_.durations[i]);
+      sum = graph_.add(sum, graph_.multiply(share(static_cast<int>(i)), duration));
+    }
+    ExpressionValue time = ExpressionValue::number(sum);
+    time.unit = "s";
+    texts_.scope().add(name, std::move(time));
+  }
+  template <class Entry>
+  static const std::string& name_of(const Entry& entry) {
+    if constexpr (requires { entry.name; })
+      return entry.name;
+    else
+      return entry.first;
+  }
+
+  void add_times() {
+    const int durations = static_cast<int>(text_.durations.size());
+    add_time("t", 0, [&](int i) { return time_number(kTimes + i); });
+    add_time("phase_time", 1, [&](int i) { return time_number(kTimes + durations + i); });
+    add_time("final_time", 2, [&](int) { return graph_.constant(1); });
   }
 
   void add_operands() {
@@ -323,12 +358,14 @@ class ResidualReader {
     });
   }
 
-  /// Parameters are the references and, behind them, the time.
+  /// Parameters are the references and, behind them, the times.
   void subtract_references() {
     const int rows = static_cast<int>(outputs_.size());
     for (int i = 0; i < rows; ++i)
       outputs_[i] = graph_.subtract(outputs_[i], input(KnotInputSource::Kind::kParameter, i));
-    if (time_ >= 0) sources_[time_].index = rows;
+    for (KnotInputSource& source : sources_)
+      if (source.kind == KnotInputSource::Kind::kParameter && source.index <= kFirstTime)
+        source.index = rows + kFirstTime - source.index;
   }
 
   void make() {
@@ -358,13 +395,16 @@ class ResidualReader {
           fmt::format("the expressions need more than {} intermediate results", kMostStackNumbers),
           "rows can be residuals of their own");
     drop_unused();
-    out_.reads_time = std::any_of(sources_.begin(), sources_.end(),
-                                  [&](const KnotInputSource& s) { return s.input == time_; });
+    const int rows = static_cast<int>(outputs_.size());
+    out_.reads_time = std::ranges::any_of(sources_, [&](const KnotInputSource& s) {
+      return s.kind == KnotInputSource::Kind::kParameter && s.index >= rows;
+    });
+    const int times = kTimes + 2 * static_cast<int>(text_.durations.size());
     std::vector<std::string> tables;
     for (const auto& [name, table] : text_.tables) tables.push_back(name);
     out_.residual = std::make_shared<ExpressionResidual>(
-        std::move(functions), sources_, std::move(operands), first_operand,
-        TableArguments(graph_, outputs_, inputs, tables));
+        std::move(functions), sources_, rows + (out_.reads_time ? times : 0), std::move(operands),
+        first_operand, TableArguments(graph_, outputs_, inputs, tables));
   }
 
   /// Inputs that neither values nor derivatives read. A quaternion is read as a whole, because its
@@ -388,7 +428,8 @@ class ResidualReader {
   ModelTextReader texts_;
   std::vector<KnotInputSource> sources_;
   std::vector<NodeId> outputs_;
-  int time_ = -1;  ///< its input, if it has one
+  static constexpr int kTimes = 3;       ///< t, of the phase and of the last node
+  static constexpr int kFirstTime = -1;  ///< index of the first until references are counted
 };
 
 /// Adds columns of a system to names: alone, or as an element of a group.
@@ -400,6 +441,7 @@ void add_columns(const System& system, bool of_control, std::vector<KnotName>& n
     const std::string& column = columns[i].name;
     const KnotName::Number number{of_control, static_cast<int>(i)};
     const std::size_t slash = column.find('/');
+    if (slash != std::string::npos && columns[i].by_name_only) continue;  // durations
     if (slash == std::string::npos) {
       names.push_back({column, columns[i].unit, {number}, {}});
       continue;

@@ -35,8 +35,9 @@ struct ExpressionOperand {
 };
 
 /// A residual in words: rows minus their references. Names in expressions: those of the knot,
-/// operands, parameters, definitions in their order, tables, and the time `t` (s) unless the knot
-/// has a column of that name.
+/// operands, parameters, definitions in their order, tables, and where these have no such names the
+/// time `t`, that since the beginning of the phase, `phase_time`, and that of the last node,
+/// `final_time` (s).
 struct ExpressionResidualText {
   std::vector<KnotName> names;
   std::vector<ExpressionOperand> operands;
@@ -45,6 +46,8 @@ struct ExpressionResidualText {
   std::vector<NamedExpression> definitions;
   std::vector<std::string> rows;  ///< a vector gives several
   bool constants = false;         ///< whether a row may depend on nothing that moves
+  /// Where states hold the durations of phases that are free, s: times grow with them.
+  std::vector<int> durations;
 };
 
 /// A residual, or why there is none.
@@ -57,9 +60,10 @@ struct ParsedExpressionResidual {
 };
 
 /// Makes a residual of expressions of a knot whose model has this manifold. Parameters: the
-/// reference of each row and, where expressions depend on `t`, the time of the knot (s), whose
-/// derivative by a free duration is not part of the residual. It needs a control where expressions
-/// or operands depend on one.
+/// reference of each row and, where expressions depend on times, what `t`, `phase_time` and
+/// `final_time` are without the free durations (s), how often each of these counts in `t`, and how
+/// often in `phase_time`; in `final_time` each counts once. It needs a control where expressions or
+/// operands depend on one.
 ParsedExpressionResidual make_expression_residual(const StateManifold& manifold,
                                                   const ExpressionResidualText& text);
 

@@ -32,21 +32,25 @@ std::shared_ptr<const Residual> coordinate_residual(const StateManifold& manifol
 /// u − reference. Parameter: nu numbers.
 std::shared_ptr<const Residual> control_residual(int ndx, int nu);
 /// (u − previous u) per step: the difference, in control units. Needs a model whose
-/// states end with the previous control. No parameters.
-std::shared_ptr<const Residual> control_rate_residual(const System& system);
+/// states end with the previous control, behind so many carried choices. No parameters.
+std::shared_ptr<const Residual> control_rate_residual(const System& system, int carried = 0);
 /// A first state that a knot without time has chosen, x₀ ⊕ S m: the state x₀ from which it did, the
-/// tangent coordinates that it could move, and m at the end of the states of all later nodes.
+/// tangent coordinates that it could move, and m in the states of all later nodes, behind so many
+/// numbers that follow the system's.
 struct ChosenStart {
   std::vector<double> state;
   std::vector<int> coordinates;
+  int before = 0;
 };
 /// x ⊖ ((x₀ ⊕ S m) + offset), all ndx rows of the system's state: how far the state is from the
 /// first one. The offset is added to the numbers of the state, positions of poses among them; it is
-/// zero for quaternions. Tangent coordinates of flat parts that are left out have no row. Needs a
-/// model whose states carry m. No parameters.
+/// zero for quaternions. Tangent coordinates of flat parts that are left out have no row. `last`
+/// rows more: the numbers at the end of states minus those before them, which were chosen. Needs a
+/// model whose states carry m and, with `ndx` tangent coordinates, these. No parameters.
 std::shared_ptr<const Residual> cycle_residual(const StateManifold& manifold,
                                                const ChosenStart& start, std::vector<double> offset,
-                                               const std::vector<int>& left_out = {});
+                                               const std::vector<int>& left_out = {}, int last = 0,
+                                               int ndx = 0);
 /// A row of a linear combination: the sum of factors times numbers of the state's flat parts and of
 /// the control, and a constant.
 struct LinearCombination {

@@ -229,9 +229,9 @@ class ControlResidual : public ResidualBase<ControlResidual> {
 
 class ControlRateResidual : public ResidualBase<ControlRateResidual> {
  public:
-  ControlRateResidual(const StateManifold& system_manifold, int nu)
-      : ResidualBase(structure(system_manifold.ndx(), nu), 0, true),
-        previous_(system_manifold.nx()) {}
+  ControlRateResidual(const StateManifold& system_manifold, int nu, int carried)
+      : ResidualBase(structure(system_manifold.ndx() + carried, nu), 0, true),
+        previous_(system_manifold.nx() + carried) {}
 
   Reads reads() const override { return Reads::kinematics; }
   template <class S>
@@ -309,8 +309,8 @@ std::shared_ptr<const Residual> coordinate_residual(const StateManifold& manifol
 std::shared_ptr<const Residual> control_residual(int ndx, int nu) {
   return std::make_shared<ControlResidual>(ndx, nu);
 }
-std::shared_ptr<const Residual> control_rate_residual(const System& system) {
-  return std::make_shared<ControlRateResidual>(system.manifold(), system.nu());
+std::shared_ptr<const Residual> control_rate_residual(const System& system, int carried) {
+  return std::make_shared<ControlRateResidual>(system.manifold(), system.nu(), carried);
 }
 std::shared_ptr<const Residual> acceleration_residual(const System& system, int ndx,
                                                       std::vector<int> velocity_indices) {

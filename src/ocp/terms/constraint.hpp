@@ -37,6 +37,9 @@ struct ConstraintTerm {
   ConstraintKind kind = ConstraintKind::bounds;
   double slope = 1;  ///< of a cone
   Softness softness = Softness::hard;
+  /// Whether its rows, of an l1-soft one, are multiplied by the share of a free duration: then its
+  /// weight is that of the duration which is written.
+  bool by_duration = false;
   std::vector<RowBlock> blocks;  ///< the structure of ∂g/∂z
   int rows = 0;
   int row = 0;         ///< its first row among the constraint rows of the knot

@@ -417,7 +417,7 @@ class Reader {
     }
     for (Check& check : worst) add(std::move(check));
     violations("constraints", violations_by_name(problem_, values));
-    violations("soft_constraints", soft_violations(problem_, values));
+    violations("soft_constraints", soft_violations(problem_, claims_->trajectory, values));
   }
 
   void violations(const char* key, const std::vector<ConstraintViolation>& found) {

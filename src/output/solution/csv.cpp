@@ -40,7 +40,7 @@ TableColumns columns_of(const BuiltProblem& built) {
   const ShootingProblem& problem = *built.problem;
   const KnotModel& end = *problem.terminal().model;
   const bool chosen = problem.phases().front().instant;
-  const int own = built.plant.system->nx(), nx = problem.nx();
+  const int own = built.plant.system->nx() + built.integrals, nx = problem.nx();
   TableColumns columns;
   for (int i = 0; i < nx; ++i)
     if (i < own || i >= nx - end.remembered_controls() || !chosen) columns.states.push_back(i);

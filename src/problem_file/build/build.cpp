@@ -20,6 +20,7 @@
 #include "problem_file/plant/shape_pairs.hpp"
 #include "problem_file/plant/stepping_builder.hpp"
 #include "problem_file/spec/phase_grid.hpp"
+#include "systems/clock.hpp"
 
 namespace conddp {
 namespace {
@@ -174,12 +175,13 @@ void keep_dropped(const PhaseContext& context, const std::vector<double>& start,
       return chosen;
     };
     const std::vector<BuiltConstraint> knots = only(running), end = only(terminal);
-    auto phases = build_phases(context, {{}, knots}, unbounded(context.spec, built.plant), out);
+    auto phases = build_phases(context, {{}, knots, {}}, unbounded(context.spec, built.plant), out);
     if (phases.empty()) return;
-    built.dropped.push_back({name, std::nullopt,
-                             std::make_shared<ShootingProblem>(
-                                 start, std::move(phases),
-                                 build_terminal(context, {{}, knots}, {{}, end}, nullptr, out))});
+    built.dropped.push_back(
+        {name, std::nullopt,
+         std::make_shared<ShootingProblem>(
+             start, std::move(phases),
+             build_terminal(context, {{}, knots, {}}, {{}, end, {}}, nullptr, out))});
   }
 }
 
@@ -211,8 +213,12 @@ std::vector<double> previous_control(const ProblemSpec& spec, const Plant& plant
   return resolve(*given, control_names(plant), 0.0, out).value_or(std::vector<double>{});
 }
 
-void name_columns(ControlMemory memory, const InitialChoice* choice, BuiltProblem& built) {
+void name_columns(const ProblemSpec& spec, ControlMemory memory, const InitialChoice* choice,
+                  BuiltProblem& built) {
   built.state_columns = built.plant.system->state_columns();
+  built.integrals = static_cast<int>(spec.integrals.size());
+  for (const CostSpec& integral : spec.integrals)
+    built.state_columns.push_back({integral.name.value, "1"});
   built.control_columns =
       built.plant.variants.empty() ? built.plant.system->control_columns() : built.plant.controls;
   for (int i = 0; choice != nullptr && i < choice->carried(); ++i) {
@@ -255,8 +261,10 @@ class ProblemBuilder {
 
  private:
   const InitialChoice* choice() const { return choice_ ? &*choice_ : nullptr; }
-  /// Entries by which augmented states carry what was chosen at the start.
-  int held() const { return choice_ ? choice_->carried() : 0; }
+  /// Entries by which augmented states carry integrals and what was chosen at the start.
+  int held() const {
+    return static_cast<int>(spec_.integrals.size()) + (choice_ ? choice_->carried() : 0);
+  }
   /// Tangent coordinates of the knot models, augmented states included.
   int ndx() const {
     const System& system = *built_.plant.system;
@@ -291,7 +299,8 @@ class ProblemBuilder {
     auto start = build_initial_choice(spec_, built_.plant, *initial, memory_, out_);
     choice_ = std::move(start.choice);
     if (choice_)
-      built_.plant.start = ChosenStart{choice_->state, choice_->coordinates};
+      built_.plant.start = ChosenStart{choice_->state, choice_->coordinates,
+                                       static_cast<int>(spec_.integrals.size())};
     else if (start.valid)
       warn_of_initial_state();
     return start.valid;
@@ -332,10 +341,44 @@ class ProblemBuilder {
     return contacts_ && out_.error_count() == errors;
   }
 
+  /// The integrals, whose names have to be free.
+  std::vector<BuiltCost> build_integrals(const CostContext& context) const {
+    std::vector<BuiltCost> integrals = build_costs(spec_.integrals, context, out_);
+    for (const BuiltCost& integral : integrals)
+      if (const int rows = integral.residual.residual->size(); rows != 1)
+        out_.error(integral.spec->name.place,
+                   fmt::format("an integral has one row, and '{}' has {}",
+                               integral.spec->name.value, rows));
+    for (const CostSpec& integral : spec_.integrals)
+      if (is_taken(integral.name.value))
+        out_.error(integral.name.place,
+                   fmt::format("the name '{}' of an integral is taken", integral.name.value));
+    return integrals;
+  }
+
+  bool is_taken(const std::string& name) const {
+    const auto of_column = [&](const Column& column) {
+      return column.name == name || column.name.starts_with(name + "/");
+    };
+    const auto of_parameter = [&](const auto& parameter) { return parameter.first == name; };
+    return std::ranges::any_of(built_.plant.system->state_columns(), of_column) ||
+           std::ranges::any_of(built_.plant.all_controls(), of_column) ||
+           std::ranges::any_of(spec_.names.parameters, of_parameter);
+  }
+
+  /// What the clock of the system shows at first, s; 0 where it has none.
+  double clock_start() const {
+    const std::vector<Column>& columns = built_.plant.system->state_columns();
+    for (std::size_t i = 0; i < columns.size(); ++i)
+      if (columns[i].name == kClock && columns[i].by_name_only) return states_.initial()[i];
+    return 0;
+  }
+
   bool set_problem() {
     const Plant& plant = built_.plant;
     CostContext context{spec_, plant, *contacts_, states_, ndx_of_residuals(), times_};
     const std::vector<BuiltCost> costs = build_costs(spec_.costs, context, out_);
+    const std::vector<BuiltCost> integrals = build_integrals(context);
     std::vector<BuiltConstraint> constraints = build_constraints(spec_.constraints, context, out_);
     context.last_node = true;
     const std::vector<BuiltCost> terminal_costs = build_costs(spec_.terminal_costs, context, out_);
@@ -345,17 +388,19 @@ class ProblemBuilder {
     const std::vector<BuiltConstraint> dropped_at_end = take_dropped(options_.drop, at_end);
     const PhaseBounds bounds = collect_bounds(spec_, options_, built_, out_);
     check_first_control(bounds);
+    const std::vector<NodeTime> nodes = conddp::node_times(spec_, times_, clock_start());
     PhaseContext phase_context{
-        spec_,   plant,  *contacts_,       plant.at_last_node().system, integrator_,
-        memory_, times_, plant.stepping(), plant.collocation(),         choice()};
-    std::vector<Phase> phases = build_phases(phase_context, {costs, constraints}, bounds, out_);
+        spec_,   plant, *contacts_,       plant.at_last_node().system, integrator_,
+        memory_, nodes, plant.stepping(), plant.collocation(),         choice()};
+    std::vector<Phase> phases =
+        build_phases(phase_context, {costs, constraints, integrals}, bounds, out_);
     if (out_.has_errors()) return false;
     if (spec_.terminal_lqr && !check_lqr()) return false;
     if (spec_.terminal_lqr)
       built_.terminal_lqr = build_terminal_lqr(
           {spec_, plant, states_, phases, memory_ == ControlMemory::previous, held() > 0}, out_);
-    Phase terminal = build_terminal(phase_context, {costs, constraints}, {terminal_costs, at_end},
-                                    built_.terminal_lqr.get(), out_);
+    Phase terminal = build_terminal(phase_context, {costs, constraints, {}},
+                                    {terminal_costs, at_end, {}}, built_.terminal_lqr.get(), out_);
     if (out_.has_errors()) return false;
 
     std::vector<double> start = initial_state();
@@ -368,7 +413,7 @@ class ProblemBuilder {
     built_.problem =
         std::make_shared<ShootingProblem>(std::move(start), std::move(phases), std::move(terminal));
     report_contradiction(spec_, *built_.problem, out_);
-    name_columns(memory_, choice(), built_);
+    name_columns(spec_, memory_, choice(), built_);
     return true;
   }
 
@@ -564,7 +609,7 @@ double largest_violation(const ShootingProblem& problem, const Trajectory& traje
   Evaluation evaluation(problem);
   Evaluator(problem).evaluate(trajectory, evaluation);
   for (const auto& list : {violations_by_name(problem, evaluation.constraint),
-                           soft_violations(problem, evaluation.constraint)})
+                           soft_violations(problem, trajectory, evaluation.constraint)})
     for (const ConstraintViolation& part : list) largest = std::max(largest, part.value);
   return largest;
 }

@@ -31,6 +31,7 @@ struct BuiltProblem {
   Plant plant;
   std::shared_ptr<const ShootingProblem> problem;
   std::vector<Column> state_columns;  ///< augmented states included
+  int integrals = 0;                  ///< so many of them, behind those of the system
   /// Linear controls, at the nodes, are among the states; here are those at the ends of knots,
   /// named with kEndOfKnot before.
   std::vector<Column> control_columns;

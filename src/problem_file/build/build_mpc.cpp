@@ -36,6 +36,9 @@ void check_problem(const ProblemSpec& spec, Diagnostics& out) {
   if (const PhaseSpec* phase = spec.first_free_duration())
     out.error(phase->free_duration->place, "phases of a closed loop have fixed durations",
               "leave the key out");
+  if (!spec.integrals.empty())
+    out.error(spec.integrals.front().name.place, "a closed loop has no integrals",
+              "give the system a state whose rate it is");
   if (spec.stepping)
     out.error(spec.stepping->place, "a closed loop has no contact-implicit steps",
               "give the phases 'contacts' instead");
@@ -517,7 +520,7 @@ bool changes_with_time(const ConstraintSpec& condition, const ProblemSpec& spec,
   if (condition.bounded || function.definition->of_contacts()) return false;
   Diagnostics own = out;  // what is wrong with it is said where it is built
   const auto residual = make_cost_residual(function, spec, built.plant, built.problem->ndx(), own);
-  return residual && residual->reads_time;
+  return residual && residual->time != TimeParameters::kNone;
 }
 
 /// A condition that would hold where its residual is exactly zero, which no state keeps to.

@@ -95,14 +95,30 @@ class GuessBuilder {
     Eigen::VectorXd off(manifold.ndx());
     manifold.difference(trajectory.x(0).data(), trajectory.x(1).data(), off.data());
     Eigen::VectorXd asked = trajectory.u(0);  // the first of linear controls, which is there
+    if (const HandedOn& previous = model.handed_on(); previous.chosen)
+      asked.tail(previous.count) = trajectory.x(0).tail(previous.count);
     for (std::size_t i = 0; i < plant_.start->coordinates.size(); ++i)
       asked[i] = off[plant_.start->coordinates[i]];
     for (std::size_t p = 0; p < problem_.phases().size(); ++p)
       if (const auto& free = problem_.phases()[p].model->free_duration())
-        asked[free->choice] = durations_.empty() ? free->written : durations_[p];
+        asked[free->choice - integrals()] = durations_.empty() ? free->written : durations_[p];
     for (int i = 0; i < problem_.nu(0); ++i)
       trajectory.u(0)[i] = std::clamp(asked[i], model.control_lower()[i], model.control_upper()[i]);
+    set_duration_states(trajectory);
   }
+  /// States that are durations are those that were chosen.
+  void set_duration_states(Trajectory& trajectory) const {
+    const std::vector<Column>& states = plant_.system->state_columns();
+    const std::vector<Column>& choices = problem_.knot(0).model->system().control_columns();
+    for (std::size_t i = 0; i < states.size(); ++i) {
+      const auto choice = std::ranges::find(choices, states[i].name, &Column::name);
+      if (!states[i].by_name_only || choice == choices.end()) continue;
+      for (int k = 1; k <= problem_.knots(); ++k)
+        trajectory.x(k)[i] = trajectory.u(0)[choice - choices.begin()];
+    }
+  }
+  /// Numbers of the state that stand before what was chosen.
+  int integrals() const { return static_cast<int>(spec_.integrals.size()); }
   double time(int k) const { return problem_.times()[k]; }
   /// How many nodes come after node k at its time.
   int later_nodes_at_time(int k) const {
@@ -113,18 +129,13 @@ class GuessBuilder {
 
   /// Augmented states carry the choice of the start, and the control before.
   void carry_memory(Trajectory& trajectory) const {
-    const int own = plant_.system->nx();
+    const int own = plant_.system->nx() + integrals();
     const int controls = problem_.terminal().model->remembered_controls();
     const int carried = problem_.nx() - own - controls;
     for (int k = 1; k <= problem_.knots(); ++k) {
       trajectory.x(k).segment(own, carried) = trajectory.u(0).head(carried);
-      const auto before = trajectory.u(k - 1);
-      if (problem_.knot(k - 1).model->remembered_controls() == 0)  // which hands it on
-        trajectory.x(k).tail(controls) = trajectory.x(k - 1).tail(controls);
-      else if (k == 1 && chooses())
-        trajectory.x(k).tail(controls) = before.tail(controls);
-      else
-        trajectory.x(k).tail(controls) = before.head(controls);
+      trajectory.x(k).tail(controls) = trajectory.x(k - 1).tail(controls);
+      problem_.knot(k - 1).model->remember(trajectory.u(k - 1).data(), trajectory.x(k).data());
     }
   }
 

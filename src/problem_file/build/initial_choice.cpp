@@ -10,21 +10,6 @@
 namespace conddp {
 namespace {
 
-void check_terms_of_free_durations(const ProblemSpec& spec, Diagnostics& out) {
-  for (const CostSpec* cost : spec.all_costs())
-    if (cost->keys.find(key::swing) != nullptr)
-      out.error(cost->name.place, "swings do not support free durations",
-                "write where the foot is at some knots: '{residual: frame_position, knots: [10], "
-                "...}' as constraints or costs");
-  for (const ConstraintSpec* constraint : spec.all_constraints())
-    if (constraint->softness != Softness::hard)
-      out.error(constraint->function.name.place, "soft constraints do not support free durations",
-                constraint->softness == Softness::l2
-                    ? "write it as a cost with 'activation: {kind: quadratic_barrier, ...}'"
-                    : "write it as a cost on 'residual: expression' with 'activation: linear' and "
-                      "rows: smooth_max(violation, 0, width)");
-}
-
 /// What a free duration cannot go together with, at the place that says so.
 bool check_free_durations(const ProblemSpec& spec, const System& system, Diagnostics& out) {
   const PhaseSpec* free = spec.first_free_duration();
@@ -38,7 +23,6 @@ bool check_free_durations(const ProblemSpec& spec, const System& system, Diagnos
     out.error(place, "contact-implicit problems do not support free durations");
   else if (system.kind() == SystemKind::discrete)
     out.error(place, "difference equations have no time, so durations are not free");
-  check_terms_of_free_durations(spec, out);
   return out.error_count() == errors;
 }
 
@@ -52,7 +36,7 @@ void add_durations(const ProblemSpec& spec, InitialChoice& choice, std::vector<C
             .scales_cost = spec.running_costs == RunningCosts::kRate};
     choice.lower.push_back(phase.free_duration->lower);
     choice.upper.push_back(phase.free_duration->upper);
-    controls.push_back({"duration/" + phase.name.value, "s"});
+    controls.push_back({std::string(kDurationColumn) + phase.name.value, "s"});
   }
 }
 
@@ -103,10 +87,34 @@ void add_first_controls(const System& actuated, InitialChoice& choice,
   choice.upper.resize(controls.size(), kUnlimited);
 }
 
+/// The coordinates of a state that are durations, each with the control that chooses it.
+std::vector<std::pair<int, int>> durations_in_state(const System& system,
+                                                    const std::vector<Column>& controls) {
+  std::vector<std::pair<int, int>> list;
+  const std::vector<std::string> names = tangent_names(system).names;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (!names[i].starts_with(kDurationColumn)) continue;
+    const auto control = std::ranges::find(controls, names[i], &Column::name);
+    if (control != controls.end())
+      list.emplace_back(static_cast<int>(i), static_cast<int>(control - controls.begin()));
+  }
+  return list;
+}
+
+/// The control before the first one, as a motion that comes back has it at its end.
+void add_previous_controls(const System& actuated, InitialChoice& choice,
+                           std::vector<Column>& controls) {
+  choice.previous_controls = actuated.nu();
+  for (const Column& control : actuated.control_columns())
+    controls.push_back({"previous/" + control.name, control.unit});
+  choice.lower.resize(controls.size(), -kUnlimited);
+  choice.upper.resize(controls.size(), kUnlimited);
+}
+
 /// The choice of the first phase, if it can be.
 std::optional<InitialChoice> make_choice(const ProblemSpec& spec, const Plant& plant,
-                                         const std::vector<double>& state, bool cycle,
-                                         Diagnostics& out) {
+                                         const std::vector<double>& state, ControlMemory memory,
+                                         bool cycle, Diagnostics& out) {
   const PhaseSpec& phase = spec.phases.front();
   const System& system = *plant.system;
   InitialChoice choice{.system = nullptr, .state = state};
@@ -115,13 +123,16 @@ std::optional<InitialChoice> make_choice(const ProblemSpec& spec, const Plant& p
   add_durations(spec, choice, controls);
   const bool durations = controls.size() > choice.coordinates.size();
   if (spec.has_linear_controls()) add_first_controls(plant.actuated(), choice, controls);
+  if (cycle && memory == ControlMemory::previous)
+    add_previous_controls(plant.actuated(), choice, controls);
   if (controls.empty()) {
     out.error(phase.knots.place, "no component of the state is chosen",
               "leave the phase out, or write 'choose: all' or names; 'choose: none' serves free "
               "durations, free parameters and linear controls");
     return std::nullopt;
   }
-  choice.system = initial_choice(system, choice.coordinates, controls);
+  choice.system =
+      initial_choice(system, choice.coordinates, controls, durations_in_state(system, controls));
   choice.remembered = cycle || durations || spec.has_linear_controls();
   return choice;
 }
@@ -132,18 +143,10 @@ BuiltInitialChoice build_initial_choice(const ProblemSpec& spec, const Plant& pl
                                         const std::vector<double>& state, ControlMemory memory,
                                         Diagnostics& out) {
   const CostSpec* cycle = spec.first_use(&ResidualNeeds::chosen_start);
-  const PhaseSpec& phase = spec.phases.front();
   if (!check_free_durations(spec, *plant.system, out)) return {.valid = false, .choice = {}};
-  if (!phase.choice) return {.valid = check_given_start(cycle, out), .choice = {}};
-  auto choice = make_choice(spec, plant, state, cycle != nullptr, out);
-  bool valid = choice.has_value();
-  if (valid && choice->remembered && memory == ControlMemory::previous) {
-    out.error(phase.knots.place,
-              fmt::format("'{}' does not support {}", spec.use_of_previous_control(),
-                          cycle != nullptr ? "periodic motions" : "free durations"),
-              "let the control be a state, and its rate the control");
-    valid = false;
-  }
+  if (!spec.phases.front().choice) return {.valid = check_given_start(cycle, out), .choice = {}};
+  auto choice = make_choice(spec, plant, state, memory, cycle != nullptr, out);
+  const bool valid = choice.has_value();
   return {.valid = valid, .choice = std::move(choice)};
 }
 

@@ -19,6 +19,9 @@ struct InitialChoice {
   bool remembered = false;                             ///< all later nodes know what was chosen
   std::vector<std::optional<FreeDuration>> durations;  ///< by phase
   int first_controls = 0;  ///< where controls are linear, these at the start: the last choices
+  /// Of a periodic motion whose knots remember the control before, that before the first one: the
+  /// last choices.
+  int previous_controls = 0;
 
   /// Numbers that all later nodes hand on.
   int carried() const { return remembered ? system->nu() - first_controls : 0; }

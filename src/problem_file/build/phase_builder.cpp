@@ -104,14 +104,14 @@ std::vector<double> all_cost_scales(const ProblemSpec& spec) {
 /// Whether a function counts at both ends of the knots in which it is on: with linear controls,
 /// all but constraints on the state alone and what is at chosen knots. Steps of free durations
 /// scale costs knot by knot: there a cost cannot count beyond its phase.
-bool is_at_both_ends(const PhaseContext& context, const BuiltCost& cost, bool weighted,
+bool is_at_both_ends(const PhaseContext& context, const BuiltCost& cost, bool costs, bool weighted,
                      Diagnostics& out) {
   const ProblemSpec& spec = context.spec;
   if (!context.linear() || cost.spec->knots) return false;
   const bool scaled =
       spec.first_free_duration() != nullptr && spec.running_costs == RunningCosts::kRate;
   if (!needs_control(cost)) return weighted && !scaled;
-  if (weighted && scaled)
+  if (costs && scaled)
     out.error(cost.spec->name.place,
               "running costs on linear controls and free durations exclude each other",
               "give the cost a state whose rate it is, and put the state's last value below "
@@ -119,10 +119,18 @@ bool is_at_both_ends(const PhaseContext& context, const BuiltCost& cost, bool we
   return true;
 }
 
+/// Whether a function is a cost, or a constraint that holds or that costs.
+enum class Role { kCost, kHard, kSoft };
+
+Role role_of(const BuiltConstraint& constraint) {
+  return constraint.spec->softness == Softness::hard ? Role::kHard : Role::kSoft;
+}
+
 /// A cost's weight at each node, 0 where it is off; of a constraint 1 where it is on, or the share
 /// that is on with linear controls. At the last node: of what goes on until then, and counts there.
-std::vector<double> schedule(const PhaseContext& context, const BuiltCost& cost, bool weighted,
+std::vector<double> schedule(const PhaseContext& context, const BuiltCost& cost, Role role,
                              Diagnostics& out) {
+  const bool weighted = role == Role::kCost;
   const ProblemSpec& spec = context.spec;
   const CostSpec& c = *cost.spec;
   const std::vector<bool> in_phase = phases_of(cost, context, out);
@@ -137,7 +145,7 @@ std::vector<double> schedule(const PhaseContext& context, const BuiltCost& cost,
                 weighted ? "costs on the last node stand under 'terminal'"
                          : "constraints on the last node stand under 'terminal'",
                 row, out);
-  if (is_at_both_ends(context, cost, weighted, out))
+  if (is_at_both_ends(context, cost, role != Role::kHard, weighted, out))
     return trapezoidal_weights(row, all_cost_scales(spec));
   row.push_back(0);
   return row;
@@ -179,12 +187,12 @@ std::shared_ptr<const Residual> residual_in(const BuiltCost& cost, const PhaseCo
 
 /// The knot that chooses the initial state, and the first of linear controls within bounds.
 /// `handed_on`: of what is not chosen, behind the system's state.
-Phase choice_phase(const PhaseSpec& given, const InitialChoice& choice, int handed_on,
-                   const std::vector<double>& control_lower,
+Phase choice_phase(const PhaseSpec& given, const InitialChoice& choice, int integrals,
+                   const HandedOn& handed_on, const std::vector<double>& control_lower,
                    const std::vector<double>& control_upper) {
   auto model = std::make_shared<KnotModel>(
       choice.system, Integrator::explicit_euler,
-      choice.remembered ? ControlMemory::previous : ControlMemory::none, handed_on);
+      choice.remembered ? ControlMemory::previous : ControlMemory::none, integrals, handed_on);
   std::vector<double> lower = choice.lower, upper = choice.upper;
   std::copy_n(control_lower.begin(), choice.first_controls, lower.end() - choice.first_controls);
   std::copy_n(control_upper.begin(), choice.first_controls, upper.end() - choice.first_controls);
@@ -232,8 +240,8 @@ void bound_phases(const std::vector<bool>& named, const std::vector<double>& low
 }
 
 /// Writes the numbers of a constraint of which a share is on at a node.
-void write_constraint(const BuiltConstraint& constraint, const ConstraintTerm& term, double time,
-                      double share, double* parameters) {
+void write_constraint(const BuiltConstraint& constraint, const ConstraintTerm& term,
+                      const NodeTime& time, double share, double* parameters) {
   write_parameters(constraint, term, time, share != 0, parameters);
   if (term.softness != Softness::hard && share != 0) parameters[term.weight()] *= share;
 }
@@ -245,19 +253,23 @@ class PhaseBuilder {
                Diagnostics& out)
       : context_(context), contents_(contents), bounds_(bounds) {
     for (const BuiltCost& cost : contents.costs)
-      weights_.push_back(schedule(context, cost, true, out));
+      weights_.push_back(schedule(context, cost, Role::kCost, out));
     for (const BuiltConstraint& constraint : contents.constraints)
-      switches_.push_back(schedule(context, constraint.function, false, out));
+      switches_.push_back(schedule(context, constraint.function, role_of(constraint), out));
+    for (const BuiltCost& integral : contents.integrals)
+      grows_.push_back(phases_of(integral, context, out));
   }
 
   /// The phase of this number, whose first knot is `first`.
   Phase build(std::size_t p, int first) {
     const PhaseSpec& given = context_.spec.phases[p];
     if (given.choice)
-      return choice_phase(given, *context_.start, context_.handed_on(), bounds_.lower.back(),
-                          bounds_.upper.back());
+      return choice_phase(given, *context_.start, context_.integrals(), context_.handed_on(),
+                          bounds_.lower.back(), bounds_.upper.back());
     const Terms terms{active_in(weights_, first, given.knots.value),
-                      active_in(switches_, first, given.knots.value)};
+                      active_in(switches_, first, given.knots.value),
+                      context_.cost_duration(p) ? touch_downs(p) : std::vector<int>{},
+                      integrals_in(p)};
     Phase phase{.name = given.name.value, .model = shared_model(p, terms)};
     phase.dt = phase_steps(given);
     phase.cost_scale = cost_scales(given, context_.spec);
@@ -272,14 +284,41 @@ class PhaseBuilder {
   /// What is on somewhere in a phase, as indices into the contents.
   struct Terms {
     std::vector<int> costs, constraints;
+    /// Of the costs, where costs grow with a free duration: those on swings that end at the first
+    /// knot, which are of that moment.
+    std::vector<int> moments;
+    std::vector<int> integrals;
   };
-  using Structure = std::tuple<std::vector<int>, std::vector<int>, std::vector<double>,
-                               std::vector<double>, const System*, int>;
+  using Structure =
+      std::tuple<std::vector<int>, std::vector<int>, std::vector<int>, std::vector<int>,
+                 std::vector<double>, std::vector<double>, const System*, int>;
+
+  /// The integrals that grow in a phase.
+  std::vector<int> integrals_in(std::size_t p) const {
+    std::vector<int> integrals;
+    for (std::size_t i = 0; i < grows_.size(); ++i)
+      if (grows_[i][p]) integrals.push_back(static_cast<int>(i));
+    return integrals;
+  }
+
+  /// The swings that end where a phase begins.
+  std::vector<int> touch_downs(std::size_t p) const {
+    std::vector<int> costs;
+    for (std::size_t c = 0; c < contents_.costs.size(); ++c) {
+      const CostSpec& cost = *contents_.costs[c].spec;
+      Diagnostics said;  // where it was scheduled
+      if (cost.keys.find(key::swing) != nullptr &&
+          !phases_named(cost.phases, context_.spec, said)[p])
+        costs.push_back(static_cast<int>(c));
+    }
+    return costs;
+  }
 
   std::shared_ptr<const KnotModel> shared_model(std::size_t p, const Terms& terms) {
     const std::optional<FreeDuration> duration = context_.free_duration(p);
-    auto& model = models_[{terms.costs, terms.constraints, bounds_.lower[p], bounds_.upper[p],
-                           context_.contacts.system(p).get(), duration ? duration->choice : -1}];
+    auto& model = models_[{terms.costs, terms.constraints, terms.moments, terms.integrals,
+                           bounds_.lower[p], bounds_.upper[p], context_.contacts.system(p).get(),
+                           duration ? duration->choice : -1}];
     if (!model) model = make_model(p, terms);
     return model;
   }
@@ -291,17 +330,25 @@ class PhaseBuilder {
 
   std::shared_ptr<const KnotModel> make_model(std::size_t p, const Terms& terms) const {
     const PhaseSpec& phase = context_.spec.phases[p];
-    const int handed_on = phase.takes_no_time() ? context_.handed_on() : 0;
-    auto model = std::make_shared<KnotModel>(context_.contacts.system(p), integrator_of(phase),
-                                             handed_on > 0 ? ControlMemory::none : context_.memory,
-                                             context_.carried_choices() + handed_on);
+    const HandedOn handed_on{phase.takes_no_time() ? context_.handed_on().count : 0};
+    auto model =
+        std::make_shared<KnotModel>(context_.contacts.system(p), integrator_of(phase),
+                                    handed_on.count > 0 ? ControlMemory::none : context_.memory,
+                                    context_.carried_numbers(), handed_on);
     for (const int c : terms.costs) {
       const BuiltCost& cost = contents_.costs[c];
-      model->add_cost(cost.spec->name.value, residual_in(cost, context_, p), cost.activation);
+      model->add_cost(cost.spec->name.value, residual_in(cost, context_, p), cost.activation,
+                      std::ranges::find(terms.moments, c) != terms.moments.end());
     }
     for (const int c : terms.constraints) {
       const BuiltConstraint& constraint = contents_.constraints[c];
-      model->add_constraint(make_term(constraint, residual_in(constraint.function, context_, p)));
+      model->add_constraint(make_term(constraint, residual_in(constraint.function, context_, p),
+                                      context_.cost_duration(p)));
+    }
+    for (const int i : terms.integrals) {
+      const BuiltCost& integral = contents_.integrals[i];
+      model->add_integral(integral.spec->name.value, residual_in(integral, context_, p),
+                          number_of(integral));
     }
     if (context_.stepping) add_stepping_terms(context_.stepping, *model);
     if (!phase.takes_no_time()) model->set_control_bounds(bounds_.lower[p], bounds_.upper[p]);
@@ -313,7 +360,7 @@ class PhaseBuilder {
   /// The parameters of a knot that takes dt.
   void write_knot(const KnotModel& model, const Terms& terms, int knot, double dt,
                   double* parameters) const {
-    const double time = context_.times[knot];
+    const NodeTime& time = context_.times[knot];
     for (std::size_t i = 0; i < terms.costs.size(); ++i) {
       const int c = terms.costs[i];
       write_parameters(contents_.costs[c], model.costs()[i], time, weights_[c][knot], parameters);
@@ -323,15 +370,26 @@ class PhaseBuilder {
       write_constraint(contents_.constraints[c], model.constraints()[i], time, switches_[c][knot],
                        parameters);
     }
+    for (std::size_t i = 0; i < terms.integrals.size(); ++i) {
+      const std::vector<double> own =
+          residual_parameters(contents_.integrals[terms.integrals[i]], time);
+      std::copy(own.begin(), own.end(), parameters + model.integrals()[i].parameters);
+    }
     if (context_.stepping)
       write_stepping_parameters(model, dt, context_.spec.stepping->regularization, parameters);
     if (context_.collocation) write_collocation_parameters(model, dt, parameters);
+  }
+
+  /// Which of the carried numbers an integral is.
+  int number_of(const BuiltCost& integral) const {
+    return static_cast<int>(integral.spec - context_.spec.integrals.data());
   }
 
   const PhaseContext& context_;
   const KnotContents& contents_;
   const PhaseBounds& bounds_;
   std::vector<std::vector<double>> weights_, switches_;  ///< of costs and constraints, by knot
+  std::vector<std::vector<bool>> grows_;                 ///< integrals, by phase
   std::map<Structure, std::shared_ptr<const KnotModel>> models_;
 };
 
@@ -380,7 +438,7 @@ TermsAtTheEnd<BuiltCost> costs_at_the_end(const PhaseContext& context,
   for (const BuiltCost& cost : running) {
     if (touches_down_at_the_end(cost, context, out))
       costs.emplace_back(&cost, cost.spec->weight);
-    else if (const double weight = schedule(context, cost, true, out).back(); weight != 0)
+    else if (const double weight = schedule(context, cost, Role::kCost, out).back(); weight != 0)
       costs.emplace_back(&cost, weight);
   }
   return costs;
@@ -396,7 +454,8 @@ TermsAtTheEnd<BuiltConstraint> constraints_at_the_end(const PhaseContext& contex
   for (const BuiltConstraint& constraint : running) {
     const bool goes_on = constraint.at_last_node &&
                          constraint.function.is_at(context.spec.phases.size(), context.plant);
-    const double share = goes_on ? 1 : schedule(context, constraint.function, false, out).back();
+    const double share =
+        goes_on ? 1 : schedule(context, constraint.function, role_of(constraint), out).back();
     if (share != 0) constraints.emplace_back(&constraint, share);
   }
   return constraints;
@@ -542,7 +601,7 @@ std::vector<Phase> build_phases(const PhaseContext& context, const KnotContents&
 Phase build_terminal(const PhaseContext& context, const KnotContents& running,
                      const KnotContents& terminal, const TerminalLqr* lqr, Diagnostics& out) {
   auto model = std::make_shared<KnotModel>(context.system, Integrator::none, context.memory,
-                                           context.carried_choices());
+                                           context.carried_numbers());
   const std::size_t node = context.contacts.terminal();
   const auto costs = costs_at_the_end(context, running.costs, terminal.costs, out);
   const auto constraints =

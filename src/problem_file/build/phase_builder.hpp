@@ -29,26 +29,41 @@ struct PhaseContext {
   std::shared_ptr<const System> system;  ///< of the last node
   Integrator integrator;
   ControlMemory memory;
-  const std::vector<double>& times;  ///< of all nodes, s
+  const std::vector<NodeTime>& times;  ///< of all nodes
   /// Where steps are contact-implicit: adds what they have to obey.
   std::shared_ptr<const SteppingSystem> stepping;
   /// Where the integrator collocates: adds what the slopes of its stages have to obey.
   std::shared_ptr<const CollocationSystem> collocation;
   const InitialChoice* start = nullptr;  ///< how the initial state is chosen, null: it is given
 
+  int integrals() const { return static_cast<int>(spec.integrals.size()); }
+  /// Where states hold it: behind the integrals, as other choices.
   std::optional<FreeDuration> free_duration(std::size_t phase) const {
-    return start ? start->durations[phase] : std::nullopt;
+    std::optional<FreeDuration> free = start ? start->durations[phase] : std::nullopt;
+    if (free) free->choice += integrals();
+    return free;
   }
-  int carried_choices() const { return start ? start->carried() : 0; }
+  /// Of a phase whose costs grow with its free duration, where states hold that.
+  std::optional<DurationColumn> cost_duration(std::size_t phase) const {
+    const std::optional<FreeDuration> free = free_duration(phase);
+    if (!free || !free->scales_cost) return std::nullopt;
+    return DurationColumn{system->nx() + free->choice, system->ndx() + free->choice, free->written};
+  }
+  /// Integrals, and what was chosen.
+  int carried_numbers() const { return integrals() + (start ? start->carried() : 0); }
   bool linear() const { return memory == ControlMemory::linear; }
   /// Numbers of the previous control, which knots without time hand on as they are.
-  int handed_on() const { return memory == ControlMemory::previous ? plant.actuated().nu() : 0; }
+  HandedOn handed_on() const {
+    return {memory == ControlMemory::previous ? plant.actuated().nu() : 0,
+            start != nullptr && start->previous_controls > 0};
+  }
 };
 
 /// What stands in the knots of a problem. Vectors that are left out are empty.
 struct KnotContents {
   const std::vector<BuiltCost>& costs;
   const std::vector<BuiltConstraint>& constraints;
+  const std::vector<BuiltCost>& integrals;
 };
 
 /// The phases of a problem. Phases with the same costs, constraints and bounds share one KnotModel;

@@ -6,6 +6,7 @@
 #include "base/json/json_object.hpp"
 #include "problem_file/build/homotopy.hpp"
 #include "problem_file/expand/expand_sections.hpp"
+#include "problem_file/residuals/residual_keys.hpp"
 #include "problem_file/spec/enum_names.hpp"
 #include "problem_file/yaml/yaml_text.hpp"
 #include "solvers/common/option_table.hpp"
@@ -212,6 +213,11 @@ OrderedJson expand_problem(const ProblemSpec& spec, const BuiltProblem& built) {
                     {"rounds", spec.mesh->rounds},
                     {"knots", spec.mesh->most_knots}};
   json["costs"] = expand_costs(spec.costs, spec, built.plant, false);
+  for (const CostSpec& integral : spec.integrals) {
+    OrderedJson& entry = json["integrals"][integral.name.value];
+    entry = expand_residual_keys(integral, {spec, built.plant, {}});
+    entry["phases"] = expand_phase_names(integral.phases, spec);
+  }
   json["constraints"] = expand_constraints(spec, built.plant);
   json["terminal"] = expand_terminal(spec, built.plant);
   json["initial_guess"] = expand_guess(spec.guess);

@@ -18,6 +18,7 @@ OrderedJson expand_matrix(const Eigen::MatrixXd& matrix) {
 void expand(const DoubleIntegratorSpec& p, OrderedJson& json) { json["dimension"] = p.dimension; }
 
 void expand(const LinearSpec& p, OrderedJson& json) {
+  json["gives"] = word_of(kLinearAnswerWords, p.gives);
   json["A"] = expand_matrix(p.A);
   json["B"] = expand_matrix(p.B);
   json["c"] = std::vector<double>(p.c.begin(), p.c.end());

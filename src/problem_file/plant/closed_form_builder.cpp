@@ -45,7 +45,7 @@ std::shared_ptr<const System> make_system(const SystemSpec& system, const Proble
   return std::visit(
       Overloaded{
           [](const DoubleIntegratorSpec& p) -> Result { return double_integrator(p.dimension); },
-          [](const LinearSpec& p) -> Result { return linear_system(p.A, p.B, p.c); },
+          [](const LinearSpec& p) -> Result { return linear_system(p.A, p.B, p.c, p.gives); },
           [](const PendulumParameters& p) -> Result { return pendulum(p); },
           [](const CartpoleParameters& p) -> Result { return cartpole(p); },
           [](const AcrobotParameters& p) -> Result { return acrobot(p); },

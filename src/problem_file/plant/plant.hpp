@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "ocp/residuals/residuals.hpp"
@@ -88,6 +89,10 @@ struct Plant {
     return system->as_stepping() ? *system->robot_inside() : *system;
   }
 };
+
+/// How states are called that are a free duration, and controls that choose it, before the name of
+/// the phase.
+inline constexpr std::string_view kDurationColumn = "duration/";
 
 /// The controls of the plant's actuators; of a variant's, other phases have the others.
 ComponentNames control_names(const Plant& plant);

@@ -7,6 +7,8 @@
 #include "base/text/spelling.hpp"
 #include "problem_file/plant/united_systems.hpp"
 #include "problem_file/spec/expression_source.hpp"
+#include "problem_file/spec/phase_grid.hpp"
+#include "systems/clock.hpp"
 
 namespace conddp {
 namespace {
@@ -49,7 +51,7 @@ class JumpBuilder {
   }
 
   /// As a system without controls, of which most states stay. Expressions are of the states that
-  /// there are before.
+  /// there are before, without free durations.
   ExpressionSystemText text() {
     ExpressionSystemText text{.kind = SystemKind::discrete};
     add_names(spec_.names, text.parameters, text.tables);
@@ -57,7 +59,7 @@ class JumpBuilder {
       text.equations.push_back({name.value, expression.text});
     for (int i = 0; i < before_.nx(); ++i) {
       const Column& column = before_.state_columns()[i];
-      const bool hidden = !before_.has_state(i);
+      const bool hidden = !before_.has_state(i) || column.name.starts_with(kDurationColumn);
       text.states.push_back({.name = column.name, .unit = column.unit, .hidden = hidden});
       if (!hidden && !jumps(column.name)) text.equations.push_back({column.name, column.name});
     }
@@ -90,6 +92,67 @@ class JumpBuilder {
   const System& before_;
   Diagnostics& out_;
 };
+
+/// Whether equations of a file depend on the time of the phase or on the final time.
+bool reads_phase_times(const ProblemSpec& spec) {
+  const auto reads = [](const SystemSpec& system) {
+    const auto* equations = std::get_if<ExpressionSystemSpec>(&system.parameters);
+    return equations != nullptr && equations->parsed.reads_phase_times;
+  };
+  return (spec.system && reads(*spec.system)) ||
+         std::ranges::any_of(spec.systems, [&](const auto& named) { return reads(named.system); });
+}
+
+/// What equations of a phase name of the time.
+SystemTimes times_of(std::size_t phase, const ProblemSpec& spec) {
+  SystemTimes times;
+  for (const auto& [name, value] : spec.initial_state.values)
+    if (name.value == kClock) times.begin = times.final = value;
+  for (std::size_t p = 0; p < spec.phases.size(); ++p) {
+    const PhaseSpec& other = spec.phases[p];
+    if (other.takes_no_time()) continue;
+    if (other.free_duration) {
+      times.durations.push_back(std::string(kDurationColumn) + other.name.value);
+      times.before.push_back(p < phase);
+      continue;
+    }
+    const double duration = phase_duration(other);
+    times.final += duration;
+    if (p < phase) times.begin += duration;
+  }
+  return times;
+}
+
+/// A system of equations with the times of a phase; null, and reported, where it is none: its text
+/// is not that of a file.
+std::shared_ptr<const System> with_times(ExpressionSystemText text, std::size_t phase,
+                                         const ProblemSpec& spec, const Place& place, Plant& plant,
+                                         Diagnostics& out) {
+  text.times = times_of(phase, spec);
+  ParsedExpressionSystem parsed = make_expression_system(text);
+  for (const ModelMessage& message : parsed.errors)
+    out.error(place, message.message.message, message.message.hint);
+  plant.usual_state = std::move(parsed.usual_state);
+  return parsed.system;
+}
+
+/// Of a file with one system: the same in all phases but for what it names of the time.
+bool add_times_of_phases(const ProblemSpec& spec, Plant& plant,
+                         std::vector<std::shared_ptr<const System>>& at_nodes, Diagnostics& out) {
+  const ExpressionSystemText& text = std::get<ExpressionSystemSpec>(spec.system->parameters).text;
+  if (plant.collocation()) {
+    out.error(spec.integrator->place,
+              "collocation does not support equations with the time of the phase or the final time",
+              "write them in 't', or take another integrator");
+    return false;
+  }
+  for (std::size_t p = 0; p < at_nodes.size(); ++p) {
+    at_nodes[p] = with_times(text, p, spec, spec.system->place, plant, out);
+    if (at_nodes[p] == nullptr) return false;
+  }
+  plant.system = at_nodes.back();
+  return true;
+}
 
 /// The system whose states there are at the beginning of each phase, and at the last node: a jump
 /// has those of the phase before it.
@@ -147,15 +210,25 @@ bool add_variants(const ProblemSpec& spec, const std::vector<UsedSystem>& system
 }  // namespace
 
 bool add_systems_of_phases(const ProblemSpec& spec, Plant& plant, Diagnostics& out) {
-  if (spec.systems.empty() && !spec.has_jumps()) return true;
+  const bool times = reads_phase_times(spec);
+  if (spec.systems.empty() && !spec.has_jumps() && !times) return true;
   std::vector<std::shared_ptr<const System>> at_nodes(spec.phases.size() + 1, plant.system);
+  if (times && spec.systems.empty() && !add_times_of_phases(spec, plant, at_nodes, out))
+    return false;
   if (!spec.systems.empty()) {
-    const std::vector<UsedSystem> systems = unite_systems(spec, out);
+    std::vector<UsedSystem> systems = unite_systems(spec, out);
     if (systems.empty()) return false;
+    for (UsedSystem& used : systems)
+      if (times && used.text)
+        used.system = with_times(*used.text, 0, spec, used.named->name.place, plant, out);
     const std::vector<std::size_t> numbers = systems_at_nodes(spec, systems);
     if (!add_variants(spec, systems, numbers, plant, out)) return false;
-    for (std::size_t node = 0; node < at_nodes.size(); ++node)
-      at_nodes[node] = systems[numbers[node]].system;
+    for (std::size_t node = 0; node < at_nodes.size(); ++node) {
+      const UsedSystem& used = systems[numbers[node]];
+      at_nodes[node] = times && used.text
+                           ? with_times(*used.text, node, spec, used.named->name.place, plant, out)
+                           : used.system;
+    }
     plant.system = systems.front().system;
     // States that were added begin at zero, and an added clock too.
     if (static_cast<int>(plant.usual_state.size()) != plant.system->nx()) plant.usual_state.clear();

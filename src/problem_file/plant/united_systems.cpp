@@ -32,6 +32,8 @@ Systems named_systems(const ProblemSpec& spec, Diagnostics& out) {
     auto system = make_system(named->system, spec, out);
     if (!system) return {};
     used.push_back({&*named, std::move(system)});
+    if (const auto* own = std::get_if<ExpressionSystemSpec>(&named->system.parameters))
+      used.back().text = own->text;
   }
   return used;
 }
@@ -145,7 +147,7 @@ class StateUnion {
     const bool of_text =
         std::ranges::any_of(extensible_text(used)->states,
                             [](const ExpressionState& state) { return state.name == kClock; });
-    return columns.back().name == kClock && !of_text;
+    return std::ranges::find(columns, kClock, &Column::name) != columns.end() && !of_text;
   }
 
   bool extend(UsedSystem& used, bool clock) const {
@@ -159,6 +161,7 @@ class StateUnion {
     for (const ModelMessage& message : parsed.errors)
       out_.error(used.named->name.place, message.message.message, message.message.hint);
     used.system = parsed.system;
+    used.text = std::move(text);
     return used.system != nullptr;
   }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,8 @@ namespace conddp {
 struct UsedSystem {
   const NamedSystemSpec* named;
   std::shared_ptr<const System> system;
+  /// Of equations, with the states of all systems.
+  std::optional<ExpressionSystemText> text = {};
 };
 
 /// The systems that phases name, in the order of the phases, all with the same columns of the

@@ -102,6 +102,44 @@ bool read_residual(YamlMap& map, const std::filesystem::path& folder, TermPlace 
   return true;
 }
 
+namespace {
+
+YamlNode text_node(std::string text, const Mark& mark) {
+  return {.kind = YamlNode::Kind::kScalar, .mark = mark, .text = std::move(text)};
+}
+
+CostSpec read_integral(const Name& name, const YamlReader& reader,
+                       const std::filesystem::path& folder) {
+  YamlNode node = reader.node();
+  if (reader.is_scalar()) {
+    node = {.kind = YamlNode::Kind::kMap, .mark = reader.node().mark};
+    node.entries.push_back({"rows", node.mark, reader.node()});
+  }
+  if (node.kind == YamlNode::Kind::kMap && node.find("residual") == nullptr)
+    node.entries.push_back({"residual", node.mark, text_node("expression", node.mark)});
+  CostSpec integral{.name = name};
+  YamlMap map(YamlReader(node, reader.place().path, reader.diagnostics()),
+              "write an expression, as 'energy: u*v'");
+  if (!map.valid() || !read_residual(map, folder, {}, integral)) return integral;
+  if (integral.knots)
+    map.reader().error("an integral grows at all knots of its phases", "leave 'knots' out");
+  if (integral.reference || integral.residual.value != "expression")
+    map.reader().error("an integral is an expression, without a reference",
+                       "write it as 'rows', and other residuals below 'of'");
+  return integral;
+}
+
+}  // namespace
+
+std::vector<CostSpec> read_integrals(const YamlReader& reader,
+                                     const std::filesystem::path& folder) {
+  std::vector<CostSpec> integrals;
+  if (const auto entries = reader.named_entries("write '{energy: u*v}'"))
+    for (const auto& [name, value] : *entries)
+      integrals.push_back(read_integral(name, value, folder));
+  return integrals;
+}
+
 std::vector<CostSpec> read_costs(const YamlReader& reader, const std::filesystem::path& folder,
                                  bool terminal) {
   std::vector<CostSpec> costs;

@@ -209,6 +209,7 @@ void read_terminal(const YamlReader& reader, const std::filesystem::path& folder
 /// What a solution is to be like.
 void read_terms(YamlMap& map, const std::filesystem::path& folder, ProblemSpec& spec) {
   if (const auto r = map.find("costs")) spec.costs = read_costs(*r, folder, false);
+  if (const auto r = map.find("integrals")) spec.integrals = read_integrals(*r, folder);
   if (const auto r = map.find("constraints")) read_constraints(*r, folder, false, spec);
   if (const auto r = map.find("terminal")) read_terminal(*r, folder, spec);
 }

@@ -75,6 +75,8 @@ void tighten_for_mesh(const MeshSpec& mesh, ProblemSpec& spec);
 // read_costs.cpp
 std::vector<CostSpec> read_costs(const YamlReader& reader, const std::filesystem::path& folder,
                                  bool terminal);
+/// Each an expression, or its residual with `rows`, which may leave `residual` out.
+std::vector<CostSpec> read_integrals(const YamlReader& reader, const std::filesystem::path& folder);
 /// A name or names of phases, at least one.
 std::optional<std::vector<Name>> read_phase_names(const YamlReader& reader);
 /// The keys that say what a cost or constraint is on, and where: all but weights and activation.

@@ -5,6 +5,7 @@
 
 #include "base/text/spelling.hpp"
 #include "problem_file/read/read_sections.hpp"
+#include "problem_file/spec/enum_names.hpp"
 #include "problem_file/spec/system_fields.hpp"
 
 namespace conddp {
@@ -59,6 +60,7 @@ bool check_sizes(const YamlReader& A, const Eigen::MatrixXd& a, const YamlReader
 }
 
 void read(YamlMap& map, const FileContext&, LinearSpec& p) {
+  map.choice("gives", p.gives, kLinearAnswerWords, "answer of a linear system");
   const auto A = map.require("A");
   const auto B = map.require("B");
   const auto c = map.find("c");

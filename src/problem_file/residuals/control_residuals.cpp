@@ -19,7 +19,8 @@ std::optional<CostResidual> make_control(const ResidualContext& context) {
 
 std::optional<CostResidual> make_control_rate(const ResidualContext& context) {
   CostResidual result;
-  result.residual = control_rate_residual(context.plant.actuated());
+  const System& actuated = context.plant.actuated();
+  result.residual = control_rate_residual(actuated, context.ndx - actuated.ndx() - actuated.nu());
   result.rows = control_names(context.plant);
   return result;
 }

@@ -21,12 +21,19 @@ struct ResidualContext {
   Diagnostics& out;
 };
 
+/// What of the time of its node a residual takes as parameters, behind its reference.
+enum class TimeParameters {
+  kNone,
+  kTime,  ///< t, s
+  kAll    ///< those of NodeTime
+};
+
 /// A cost's residual on a given plant and what the rest of the cost has to know about it.
 struct CostResidual {
   std::shared_ptr<const Residual> residual;
-  ComponentNames rows;        ///< what weights and bounds are named by
-  StateManifold parameters;   ///< where references live
-  bool reads_time = false;    ///< the time of the knot is a parameter, too, behind the reference
+  ComponentNames rows;       ///< what weights and bounds are named by
+  StateManifold parameters;  ///< where references live
+  TimeParameters time = TimeParameters::kNone;
   ComponentNames references;  ///< what a reference given in numbers is named by
   std::vector<int> indices;   ///< into state or velocity, of residuals on chosen coordinates
   int frame = -1;

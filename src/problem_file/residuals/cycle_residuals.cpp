@@ -46,11 +46,17 @@ std::optional<CostResidual> make_cycle(const ResidualContext& context) {
   const System& system = *context.plant.system;
   CostResidual result;
   const std::vector<int> apart = coordinates_apart(context.plant);
-  result.residual = cycle_residual(system.manifold(), *context.plant.start, *offset, apart);
   std::vector<std::string> rows;
   const std::vector<std::string> names = tangent_names(system).names;
   for (std::size_t i = 0; i < names.size(); ++i)
     if (std::ranges::find(apart, static_cast<int>(i)) == apart.end()) rows.push_back(names[i]);
+  const bool remembers = !context.spec.has_linear_controls() &&
+                         context.spec.first_use(&ResidualNeeds::previous_control) != nullptr;
+  if (remembers)
+    for (const std::string& control : control_names(context.plant).names)
+      rows.push_back("previous/" + control);
+  result.residual = cycle_residual(system.manifold(), *context.plant.start, *offset, apart,
+                                   remembers ? context.plant.actuated().nu() : 0, context.ndx);
   result.rows = {"components of the state", std::move(rows)};
   return result;
 }

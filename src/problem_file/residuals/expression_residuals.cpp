@@ -53,7 +53,7 @@ std::optional<ExpressionOperand> make_operand(const CostSpec& operand,
   auto made = definition.make(
       {operand, context.spec, context.plant, context.contacts, context.ndx, context.out});
   if (!made) return std::nullopt;
-  if (made->reads_time)
+  if (made->time != TimeParameters::kNone)
     return fail("a residual that another one names has no time 't'",
                 "write 't' into the rows that name it");
   return ExpressionOperand{operand.name.value, std::move(made->residual),
@@ -69,14 +69,29 @@ const ExpressionSystemSpec* own_system(const ProblemSpec& spec) {
 
 /// The control of the knot before, which stands behind the system's state: `previous[force]`,
 /// `previous[knee]` of a column u/knee.
-KnotName previous_control(const Plant& plant) {
+KnotName previous_control(const ResidualContext& context) {
+  const Plant& plant = context.plant;
+  const int last = plant.system->nx() + context.ndx - plant.system->ndx();
+  const int first = last - plant.actuated().nu();
   KnotName name{.name = std::string(kPreviousControl), .unit = "", .numbers = {}, .parts = {}};
   for (const Column& column : plant.actuated().control_columns()) {
     const int index = static_cast<int>(name.numbers.size());
     name.parts.push_back({column.name.substr(column.name.find('/') + 1), index});
-    name.numbers.push_back({false, plant.system->nx() + index});
+    name.numbers.push_back({false, first + index});
   }
   return name;
+}
+
+/// Where states hold the free durations, in the order of the phases: behind the coordinates that
+/// were chosen.
+std::vector<int> free_durations(const ResidualContext& context) {
+  std::vector<int> durations;
+  if (!context.plant.start) return durations;
+  const ChosenStart& start = *context.plant.start;
+  int next = context.plant.system->nx() + start.before + static_cast<int>(start.coordinates.size());
+  for (const PhaseSpec& phase : context.spec.phases)
+    if (phase.free_duration) durations.push_back(next++);
+  return durations;
 }
 
 /// What a residual's expressions may name.
@@ -88,11 +103,16 @@ ExpressionResidualText text_of(const ExpressionRowsSpec& rows,
   ExpressionResidualText text{
       .names = knot_names(linear ? context.plant.actuated() : *context.plant.system),
       .operands = std::move(operands)};
+  for (std::size_t i = 0; i < context.spec.integrals.size(); ++i)
+    text.names.push_back({context.spec.integrals[i].name.value,
+                          "1",
+                          {{false, context.plant.system->nx() + static_cast<int>(i)}},
+                          {}});
   const bool is_operand = std::ranges::any_of(text.operands, [](const ExpressionOperand& operand) {
     return operand.name == kPreviousControl;
   });
   if (context.cost.names_previous_control && !linear && !is_operand)
-    text.names.push_back(previous_control(context.plant));
+    text.names.push_back(previous_control(context));
   add_names(context.spec.names, text.parameters, text.tables);
   if (const ExpressionSystemSpec* own = own_system(context.spec)) {
     add_names(own->own, text.parameters, text.tables);
@@ -100,6 +120,7 @@ ExpressionResidualText text_of(const ExpressionRowsSpec& rows,
   }
   for (const ExpressionText& row : rows.texts) text.rows.push_back(row.text);
   text.constants = context.spec.first_free_duration() != nullptr;
+  text.durations = free_durations(context);
   return text;
 }
 
@@ -169,17 +190,11 @@ std::optional<CostResidual> make_rows(const ExpressionRowsSpec& rows,
   for (const ModelMessage& message : parsed.warnings)
     report(message, Severity::kWarning, rows, context);
   if (!parsed.residual) return std::nullopt;
-  if (parsed.reads_time && context.spec.first_free_duration() != nullptr) {
-    context.out.error(context.cost.residual.place,
-                      "where durations are free, the time 't' of a knot is not given",
-                      "give the system a state that counts the time: its rate is 1");
-    return std::nullopt;
-  }
   CostResidual result;
   result.residual = parsed.residual;
   result.rows = result.references = {"rows", row_names(rows, parsed.rows)};
   result.parameters = StateManifold::flat(parsed.residual->size());
-  result.reads_time = parsed.reads_time;
+  if (parsed.reads_time) result.time = TimeParameters::kAll;
   return result;
 }
 

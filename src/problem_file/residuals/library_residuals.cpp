@@ -66,8 +66,8 @@ std::optional<CostResidual> make_library(const ResidualContext& context) {
   if (!result.residual)
     return fail("the Jacobian of the function is too large for a residual",
                 "make several functions of it, each a residual of its own");
-  result.reads_time = function->reads_time() && inputs.clock < 0;
-  if (result.reads_time && context.spec.first_free_duration() != nullptr)
+  if (function->reads_time() && inputs.clock < 0) result.time = TimeParameters::kTime;
+  if (result.time != TimeParameters::kNone && context.spec.first_free_duration() != nullptr)
     return fail("where durations are free, the time 't' of a knot is not given",
                 "give the system a state that counts the time: its rate is 1");
   std::vector<std::string> rows;

@@ -42,6 +42,10 @@ inline constexpr Choice<SystemKind> kLibraryAnswerWords[] = {
     {"acceleration", SystemKind::second_order},
     {"next", SystemKind::discrete}};
 
+/// What the matrices of a linear system give.
+inline constexpr Choice<SystemKind> kLinearAnswerWords[] = {{"next", SystemKind::discrete},
+                                                            {"rate", SystemKind::first_order}};
+
 inline constexpr Choice<UrdfOptions::Base> kBaseWords[] = {
     {"fixed", UrdfOptions::Base::fixed},
     {"floating", UrdfOptions::Base::floating},

@@ -18,7 +18,9 @@ std::vector<const Term*> in_one_list(const std::vector<Term>& running,
 }  // namespace
 
 std::vector<const CostSpec*> ProblemSpec::all_costs() const {
-  return in_one_list(costs, terminal_costs);
+  std::vector<const CostSpec*> all = in_one_list(costs, integrals);
+  for (const CostSpec& cost : terminal_costs) all.push_back(&cost);
+  return all;
 }
 
 std::vector<const ConstraintSpec*> ProblemSpec::all_constraints() const {

@@ -139,6 +139,7 @@ struct ProblemSpec {
   /// The way of that gait's base, on which it moves evenly from point to point; empty: no gait.
   std::vector<WayPoint> gait_way;
   std::vector<CostSpec> costs;
+  std::vector<CostSpec> integrals;  ///< numbers of the state that grow with their one row
   std::vector<ControlBoundsSpec> control_bounds;
   std::vector<ConstraintSpec> constraints;        ///< all others on running knots
   std::optional<ContactNames> terminal_contacts;  ///< absent: those of the last phase
@@ -156,7 +157,7 @@ struct ProblemSpec {
   bool has_linear_controls() const { return controls.value == ControlCourse::kLinear; }
   /// Null if all durations are fixed.
   const PhaseSpec* first_free_duration() const;
-  /// Those at running knots, then those at the last node.
+  /// Those at running knots, integrals, and those at the last node.
   std::vector<const CostSpec*> all_costs() const;
   std::vector<const ConstraintSpec*> all_constraints() const;
   bool has_jumps() const;
@@ -167,8 +168,8 @@ struct ProblemSpec {
     for (const PhaseSpec& phase : phases) n += phase.knots.value;
     return n;
   }
-  /// The first cost or constraint, at running knots or the last node, whose residual needs this;
-  /// null if there is none.
+  /// The first cost, integral or constraint, at running knots or the last node, whose residual
+  /// needs this; null if there is none.
   const CostSpec* first_use(bool ResidualNeeds::*need) const;
   /// What first needs the previous control, by its name in the file; empty: nothing.
   std::string_view use_of_previous_control() const;

@@ -73,6 +73,7 @@ struct DoubleIntegratorSpec {
   int dimension = 1;
 };
 struct LinearSpec {
+  SystemKind gives = SystemKind::discrete;  ///< or of first order
   Eigen::MatrixXd A, B;
   Eigen::VectorXd c;
 };

@@ -16,7 +16,9 @@ struct SystemType {
 /// Those of the alternatives of SystemSpec::parameters, in their order.
 inline constexpr SystemType kSystemTypes[] = {
     {"double_integrator", "a = u; state (q/0, ..., v/0, ...), controls u/0, ..."},
-    {"linear", "x⁺ = A x + B u + c, one step a knot; state (x/0, ...), controls u/0, ..."},
+    {"linear",
+     "A x + B u + c is the next state or, with gives: rate, the rate of the state; state (x/0, "
+     "...), controls u/0, ..."},
     {"pendulum", "State (theta, omega), theta = 0 hanging; control torque"},
     {"cartpole", "State (x, theta, vx, omega), theta = 0 hanging; control force on the cart"},
     {"acrobot",

@@ -343,18 +343,41 @@ std::vector<BuiltConstraint> build_constraints(const std::vector<ConstraintSpec>
   return list;
 }
 
-ConstraintTerm make_term(const BuiltConstraint& constraint,
-                         std::shared_ptr<const Residual> residual) {
-  return make_constraint(constraint.spec->function.name.value, std::move(residual), constraint.kind,
-                         constraint.slope, constraint.spec->softness);
+namespace {
+
+RowsByDuration rows_by_duration(const BuiltConstraint& constraint) {
+  const int rows =
+      constraint.kind == ConstraintKind::norm ? 1 : constraint.function.residual.residual->size();
+  return conddp::rows_by_duration(constraint.kind, rows, constraint.lower, constraint.upper);
 }
 
-void write_parameters(const BuiltConstraint& constraint, const ConstraintTerm& term, double time,
-                      bool active, double* parameters) {
+}  // namespace
+
+ConstraintTerm make_term(const BuiltConstraint& constraint,
+                         std::shared_ptr<const Residual> residual,
+                         const std::optional<DurationColumn>& duration) {
+  ConstraintTerm term =
+      make_constraint(constraint.spec->function.name.value, std::move(residual), constraint.kind,
+                      constraint.slope, constraint.spec->softness);
+  if (!duration || term.softness != Softness::l1) return term;
+  const RowsByDuration rows = rows_by_duration(constraint);
+  return rows.rows.empty() ? term : by_duration(term, rows, *duration);
+}
+
+void write_parameters(const BuiltConstraint& constraint, const ConstraintTerm& term,
+                      const NodeTime& time, bool active, double* parameters) {
   const std::vector<double> own = residual_parameters(constraint.function, time);
-  std::copy(own.begin(), own.end(), parameters + term.parameters);
-  std::copy(constraint.lower.begin(), constraint.lower.end(), parameters + term.lower());
-  std::copy(constraint.upper.begin(), constraint.upper.end(), parameters + term.upper());
+  double* to = std::copy(own.begin(), own.end(), parameters + term.parameters);
+  const std::vector<double>*lower = &constraint.lower, *upper = &constraint.upper;
+  RowsByDuration rows;
+  if (term.by_duration) {
+    rows = rows_by_duration(constraint);
+    std::copy(rows.offsets.begin(), rows.offsets.end(), to);
+    lower = &rows.lower;
+    upper = &rows.upper;
+  }
+  std::copy(lower->begin(), lower->end(), parameters + term.lower());
+  std::copy(upper->begin(), upper->end(), parameters + term.upper());
   parameters[term.active()] = active ? 1 : 0;
   if (term.softness != Softness::hard) parameters[term.weight()] = constraint.spec->weight;
 }

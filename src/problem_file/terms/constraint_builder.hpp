@@ -1,5 +1,6 @@
 #pragma once
 
+#include "ocp/residuals/residual_by_duration.hpp"
 #include "problem_file/terms/cost_builder.hpp"
 
 namespace conddp {
@@ -24,12 +25,14 @@ std::vector<BuiltConstraint> build_constraints(const std::vector<ConstraintSpec>
 /// Multiplies bounds of controls by a factor.
 void scale_efforts(double scale, std::vector<double>& lower, std::vector<double>& upper);
 
-/// The term for a knot model, with this residual.
+/// The term for a knot model, with this residual. `duration`: where costs of the knot grow with a
+/// free duration, that.
 ConstraintTerm make_term(const BuiltConstraint& constraint,
-                         std::shared_ptr<const Residual> residual);
+                         std::shared_ptr<const Residual> residual,
+                         const std::optional<DurationColumn>& duration = {});
 
-/// Writes the numbers of a constraint at a time into the parameters of a knot.
-void write_parameters(const BuiltConstraint& constraint, const ConstraintTerm& term, double time,
-                      bool active, double* parameters);
+/// Writes the numbers of a constraint at a node into the parameters of a knot.
+void write_parameters(const BuiltConstraint& constraint, const ConstraintTerm& term,
+                      const NodeTime& time, bool active, double* parameters);
 
 }  // namespace conddp

@@ -179,14 +179,15 @@ std::vector<BuiltCost> build_costs(const std::vector<CostSpec>& specs, const Cos
   return costs;
 }
 
-std::vector<double> residual_parameters(const BuiltCost& cost, double time) {
-  std::vector<double> parameters = reference_at(*cost.spec, cost.reference, time);
-  if (cost.residual.reads_time) parameters.push_back(time);
+std::vector<double> residual_parameters(const BuiltCost& cost, const NodeTime& time) {
+  std::vector<double> parameters = reference_at(*cost.spec, cost.reference, time.written);
+  if (cost.residual.time == TimeParameters::kTime) parameters.push_back(time.written);
+  if (cost.residual.time == TimeParameters::kAll) time.append_to(parameters);
   return parameters;
 }
 
-void write_parameters(const BuiltCost& cost, const CostTerm& term, double time, double weight,
-                      double* parameters) {
+void write_parameters(const BuiltCost& cost, const CostTerm& term, const NodeTime& time,
+                      double weight, double* parameters) {
   const std::vector<double> own = residual_parameters(cost, time);
   std::copy(own.begin(), own.end(), parameters + term.parameters);
   parameters[term.weight] = weight;

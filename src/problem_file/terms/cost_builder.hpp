@@ -1,6 +1,7 @@
 #pragma once
 
 #include "ocp/problem/problem.hpp"
+#include "problem_file/spec/node_time.hpp"
 #include "problem_file/terms/reference_builder.hpp"
 #include "problem_file/terms/term_residual.hpp"
 
@@ -49,12 +50,11 @@ std::vector<PlantOfCost> plants_of(const CostSpec& function, const CostContext& 
 std::vector<BuiltCost> build_costs(const std::vector<CostSpec>& specs, const CostContext& context,
                                    Diagnostics& out);
 
-/// What its residual takes as parameters at a time (s): the reference and, where it reads it, the
-/// time.
-std::vector<double> residual_parameters(const BuiltCost& cost, double time);
+/// What its residual takes as parameters at a node: the reference and, where it reads it, the time.
+std::vector<double> residual_parameters(const BuiltCost& cost, const NodeTime& time);
 
-/// Writes a cost's parameters (reference, weight) at a time into those of a knot.
-void write_parameters(const BuiltCost& cost, const CostTerm& term, double time, double weight,
-                      double* parameters);
+/// Writes a cost's parameters (reference, weight) at a node into those of a knot.
+void write_parameters(const BuiltCost& cost, const CostTerm& term, const NodeTime& time,
+                      double weight, double* parameters);
 
 }  // namespace conddp

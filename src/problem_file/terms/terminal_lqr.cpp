@@ -50,7 +50,7 @@ class TerminalLqrBuilder {
            "contact-implicit steps and collocation have no linear map of state and control alone");
     else if (context_.carried_choices)
       fail(spec_.place,
-           "'lqr' does not support augmented states that carry what was chosen at the start",
+           "'lqr' does not support integrals, nor states that carry what was chosen at the start",
            "fix the durations, or give the terminal cost by 'matrix'");
     return !implicit && !context_.carried_choices;
   }

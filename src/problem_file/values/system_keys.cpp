@@ -1,5 +1,6 @@
 #include "problem_file/values/system_keys.hpp"
 
+#include "problem_file/spec/enum_names.hpp"
 #include "problem_file/spec/system_fields.hpp"
 #include "problem_file/values/value_schema.hpp"
 
@@ -14,10 +15,15 @@ Keys keys_of(const DoubleIntegratorSpec& p) {
            {{"type", "integer"}, {"minimum", 1}, {"maximum", 1000}, {"default", p.dimension}}}};
 }
 
-Keys keys_of(const LinearSpec& /*has no defaults*/) {
+Keys keys_of(const LinearSpec& p) {
   const OrderedJson row = {{"type", "array"}, {"items", {{"type", "number"}}}};
   const OrderedJson matrix = {{"type", "array"}, {"items", row}};
-  return {{"A", "Square matrix by rows", matrix, true},
+  OrderedJson gives = {{"enum", OrderedJson::array()},
+                       {"default", word_of(kLinearAnswerWords, p.gives)}};
+  for (const auto& choice : kLinearAnswerWords) gives["enum"].push_back(choice.word);
+  return {{"gives", "Whether A x + B u + c is the next state, or the rate of the state in time",
+           std::move(gives)},
+          {"A", "Square matrix by rows", matrix, true},
           {"B", "As many rows as A", matrix, true},
           {"c", "One number a row of A; zero by default", row}};
 }

@@ -58,8 +58,9 @@ class DoubleIntegrator : public CatalogueSystem<DoubleIntegrator> {
 
 class LinearSystem : public CatalogueSystem<LinearSystem> {
  public:
-  LinearSystem(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, const Eigen::VectorXd& c)
-      : CatalogueSystem(SystemKind::discrete, StateManifold::flat(static_cast<int>(A.rows())),
+  LinearSystem(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, const Eigen::VectorXd& c,
+               SystemKind kind)
+      : CatalogueSystem(kind, StateManifold::flat(static_cast<int>(A.rows())),
                         static_cast<int>(B.cols())),
         A_(A),
         B_(B),
@@ -295,8 +296,8 @@ std::shared_ptr<const System> double_integrator(int dimension) {
   return std::make_shared<DoubleIntegrator>(dimension);
 }
 std::shared_ptr<const System> linear_system(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B,
-                                            const Eigen::VectorXd& c) {
-  return std::make_shared<LinearSystem>(A, B, c);
+                                            const Eigen::VectorXd& c, SystemKind kind) {
+  return std::make_shared<LinearSystem>(A, B, c, kind);
 }
 std::shared_ptr<const System> pendulum(const PendulumParameters& p) {
   return std::make_shared<Pendulum>(p);

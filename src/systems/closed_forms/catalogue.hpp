@@ -14,9 +14,10 @@ namespace conddp {
 /// `dimension` independent double integrators: a = u. x = (positions, velocities).
 std::shared_ptr<const System> double_integrator(int dimension);
 
-/// x⁺ = A x + B u + c, discrete.
+/// A x + B u + c: x⁺, or as a first-order system ẋ.
 std::shared_ptr<const System> linear_system(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B,
-                                            const Eigen::VectorXd& c);
+                                            const Eigen::VectorXd& c,
+                                            SystemKind kind = SystemKind::discrete);
 
 struct PendulumParameters {
   double mass = 1, length = 0.5, inertia = 0.25, damping = 0.1, gravity = 9.81;

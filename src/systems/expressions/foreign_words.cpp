@@ -14,10 +14,8 @@ struct ForeignWord {
 constexpr std::string_view kSteps =
     "there is no rounding and no remainder; smooth_step(a, width) is a step";
 constexpr std::string_view kChoice = "write if(condition, a, b)";
-constexpr std::string_view kPhaseTime =
-    "only the time 't' has a name; a state with the rate 1 that a jump sets to 0 is a phase's time";
-constexpr std::string_view kFinalTime =
-    "only the time 't' has a name; with fixed durations the final time is a parameter of the file";
+constexpr std::string_view kPhaseTime = "the time of the phase is 'phase_time'";
+constexpr std::string_view kFinalTime = "the time of the last node is 'final_time'";
 constexpr std::string_view kLimit = "write smooth_min(smooth_max(a, lower, width), upper, width)";
 
 constexpr ForeignWord kNames[] = {{"e", "the exponential function is exp(a)"},
@@ -27,11 +25,9 @@ constexpr ForeignWord kNames[] = {{"e", "the exponential function is exp(a)"},
                                   {"false", "conditions are comparisons: a < b"},
                                   {"inf", "expressions have finite numbers"},
                                   {"t_phase", kPhaseTime},
-                                  {"phase_time", kPhaseTime},
                                   {"tf", kFinalTime},
                                   {"t_f", kFinalTime},
-                                  {"t_final", kFinalTime},
-                                  {"final_time", kFinalTime}};
+                                  {"t_final", kFinalTime}};
 
 constexpr ForeignWord kFunctions[] = {{"ln", "write log(a), the natural logarithm"},
                                       {"log2", "write log(a)/log(2)"},

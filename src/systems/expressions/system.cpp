@@ -31,7 +31,7 @@ class SystemReader {
     parts_.state_columns = add_names();
     if (texts_.good()) texts_.add_definitions(text_.definitions);
     if (texts_.good()) read_equations();
-    if (texts_.good()) finish();
+    if (texts_.good() && !out_.reads_phase_times) finish();
   }
 
  private:
@@ -55,11 +55,14 @@ class SystemReader {
     if (is_too_large())
       return texts_.report(Part::kWhole, 0, "the expressions of the system are too large");
     out_.usual_state = parts_.manifold.neutral();
-    if (clock_ >= 0 && second_order()) out_.usual_state.back() = 1;
+    if (clock_ >= 0 && second_order()) out_.usual_state[parts_.manifold.nx() - 1 - durations()] = 1;
     out_.system = compile_system(std::move(parts_));
   }
 
   bool second_order() const { return text_.kind == SystemKind::second_order; }
+  int durations() const {
+    return text_.times ? static_cast<int>(text_.times->durations.size()) : 0;
+  }
 
   bool is_too_large() {
     InputMotions motions;  // of everything by itself, as of a flat state
@@ -102,14 +105,55 @@ class SystemReader {
       ExpressionValue value = ExpressionValue::number(time_);
       value.unit = "s";
       texts_.scope().add(kClock, std::move(value));
+      add_phase_times();
     } else {
-      texts_.scope().explain(
-          kClock, "difference equations have no time; a state can count: 'next: {n: n + 1}'");
+      for (const char* name : {kClock, kPhaseTime, kFinalTime})
+        texts_.scope().explain(
+            name, "difference equations have no time; a state can count: 'next: {n: n + 1}'");
     }
     texts_.add_parameters(text_.parameters);
     texts_.add_tables(text_.tables);
     for (const auto& [name, table] : text_.tables) parts_.tables.push_back(name);
     return columns;
+  }
+
+  static constexpr const char *kPhaseTime = "phase_time", *kFinalTime = "final_time";
+
+  /// Whether the text calls something else so.
+  bool has_name(std::string_view name) {
+    const auto in = [&](const auto& list, const auto& name_of) {
+      return std::ranges::find(list, name, name_of) != list.end();
+    };
+    const auto first = [](const auto& entry) -> const std::string& { return entry.first; };
+    return texts_.scope().find(name) != nullptr || in(text_.parameters, first) ||
+           in(text_.tables, first) || in(text_.definitions, &NamedExpression::name);
+  }
+
+  /// Free durations are inputs behind the time. Where no times are given, two inputs stand for
+  /// them, by which it is seen whether equations depend on them.
+  void add_phase_times() {
+    ExpressionGraph& graph = parts_.graph;
+    const int next = static_cast<int>(parts_.sources.size()) + 1;
+    const auto add = [&](const char* name, NodeId node) {
+      if (has_name(name)) return;
+      ExpressionValue value = ExpressionValue::number(node);
+      value.unit = "s";
+      texts_.scope().add(name, std::move(value));
+    };
+    if (!text_.times) {
+      stand_ins_ = {graph.input(next), graph.input(next + 1)};
+      add(kPhaseTime, stand_ins_[0]);
+      add(kFinalTime, stand_ins_[1]);
+      return;
+    }
+    NodeId begin = graph.constant(text_.times->begin), final = graph.constant(text_.times->final);
+    for (int i = 0; i < durations(); ++i) {
+      const NodeId duration = graph.input(next + i);
+      if (text_.times->before[i]) begin = graph.add(begin, duration);
+      final = graph.add(final, duration);
+    }
+    add(kPhaseTime, graph.subtract(time_, begin));
+    add(kFinalTime, final);
   }
 
   /// Size of a state's tangent, which is that of its rate.
@@ -262,7 +306,11 @@ class SystemReader {
       parts_.outputs.insert(parts_.outputs.end(), nodes.begin(), nodes.end());
     }
     const std::vector<NodeId> below = nodes_below(parts_.graph, parts_.outputs);
-    if (time_ >= 0 && (text_.clock || std::binary_search(below.begin(), below.end(), time_)))
+    const auto depends_on = [&](NodeId id) {
+      return std::binary_search(below.begin(), below.end(), id);
+    };
+    out_.reads_phase_times = std::ranges::any_of(stand_ins_, depends_on);
+    if (time_ >= 0 && (text_.clock || text_.times || depends_on(time_)))
       clock_ = static_cast<int>(parts_.sources.size());
   }
 
@@ -298,26 +346,34 @@ class SystemReader {
                                    wanted, value.type()));
   }
 
-  /// The state gets the time, and the input that stands for it is read from there.
+  /// The state gets the time and free durations, and the inputs that stand for them are read from
+  /// there.
   void add_clock() {
     const int nx = parts_.manifold.nx(), nv = parts_.manifold.ndx() / 2;
-    const int at = second_order() ? nx - nv : nx;
+    const int at = second_order() ? nx - nv : nx, added = 1 + durations();
     auto& columns = parts_.state_columns;
-    columns.insert(columns.begin() + at, {kClock, "s", true});
-    if (!parts_.at_rest.empty()) parts_.at_rest.push_back(false);
+    std::vector<Column> times{{kClock, "s", true}}, rates{{kClockRate, "s/s", true}};
+    for (int i = 0; i < durations(); ++i) {
+      const std::string& name = text_.times->durations[i];
+      times.push_back({name, "s", true});
+      rates.push_back({name + "_rate", "s/s", true});
+    }
+    columns.insert(columns.begin() + at, times.begin(), times.end());
+    if (!parts_.at_rest.empty()) parts_.at_rest.insert(parts_.at_rest.end(), added, false);
     StateManifold manifold;
     for (const ExpressionState& state : text_.states) manifold.append(manifold_of(state.kind));
-    manifold.append(StateManifold::Part::flat, 1);
-    parts_.outputs.push_back(parts_.graph.constant(second_order() ? 0 : 1));
+    manifold.append(StateManifold::Part::flat, added);
+    for (int i = 0; i < added; ++i)
+      parts_.outputs.push_back(parts_.graph.constant(second_order() || i > 0 ? 0 : 1));
     if (second_order()) {
-      columns.push_back({kClockRate, "s/s", true});
-      manifold.append(StateManifold::Part::flat, nv + 1);
+      columns.insert(columns.end(), rates.begin(), rates.end());
+      manifold.append(StateManifold::Part::flat, nv + added);
     }
     parts_.manifold = manifold;
-    const int added = second_order() ? 2 : 1;
-    for (int& source : parts_.sources) source += source >= nx ? added : source >= at ? 1 : 0;
-    parts_.sources.push_back(at);
-    if (second_order()) parts_.sources.push_back(nx + 1);
+    for (int& source : parts_.sources)
+      source += source >= nx && second_order() ? 2 * added : source >= at ? added : 0;
+    for (int i = 0; i < added; ++i) parts_.sources.push_back(at + i);
+    for (int i = 0; second_order() && i < added; ++i) parts_.sources.push_back(nx + added + i);
   }
 
   const ExpressionSystemText& text_;
@@ -328,6 +384,7 @@ class SystemReader {
   std::vector<std::string> wanted_;   ///< what equations give rates of, a name for each state
   std::vector<std::size_t> at_rest_;  ///< states
   NodeId time_ = -1;
+  std::vector<NodeId> stand_ins_;  ///< for phase time and final time, where they are not given
   int clock_ = -1;
 };
 
@@ -336,6 +393,14 @@ class SystemReader {
 ParsedExpressionSystem make_expression_system(const ExpressionSystemText& text) {
   ParsedExpressionSystem parsed;
   SystemReader(text, parsed).read();
+  if (!parsed.reads_phase_times) return parsed;
+  // Once more without the inputs that stand for times, as of a phase that begins with the motion.
+  ExpressionSystemText whole = text;
+  whole.times.emplace();
+  ParsedExpressionSystem of_phase = make_expression_system(whole);
+  parsed.system = std::move(of_phase.system);
+  parsed.usual_state = std::move(of_phase.usual_state);
+  if (parsed.errors.empty()) parsed.errors = std::move(of_phase.errors);
   return parsed;
 }
 
