@@ -42,7 +42,7 @@ constexpr ComposedCase kComposedCases[] = {
   effort: {residual: control, weight: 0.3}
 constraints:
   slow: {residual: expression, rows: [v], upper: 0.55, soft: l1, weight: 1.5}
-  between: {residual: expression, rows: {x: x, v: v}, lower: {x: 0.1}, upper: {x: 0.7, v: 0.9},
+  between: {residual: expression, rows: {x: x, v: v}, lower: {x: -0.1}, upper: {x: 0.7, v: 0.9},
             soft: l1, weight: 0.4}
 terminal: {constraints: {there: {residual: expression, rows: [x - 1, v]}}})"},
     {"soft norm and cone", "", R"(costs:
@@ -82,8 +82,10 @@ costs:
   smooth: {residual: control_rate, weight: 0.5}
   slow: {residual: expression, rows: work*v, weight: 0.1}
 terminal:
-  costs: {push: {residual: expression, rows: [push - 0.3], weight: 2}}
-  constraints: {there: {residual: expression, rows: [x - 1, v]}, battery: {residual: expression, rows: work, upper: 0.4}})"}};
+  costs:
+    push: {residual: expression, rows: [push - 0.3], weight: 2}
+    battery: {residual: expression, rows: work, activation: linear}
+  constraints: {there: {residual: expression, rows: [x - 1, v]}})"}};
 
 std::string composed_text(const ComposedCase& c, std::string_view duration) {
   std::string text = replaced(kComposedMotion, "PREVIOUS", c.previous);
