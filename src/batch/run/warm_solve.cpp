@@ -5,6 +5,8 @@
 
 #include "analysis/certificate/certificate_doubt.hpp"
 
+#include "analysis/certificate/certificate_doubt.hpp"
+
 namespace conddp {
 namespace {
 
