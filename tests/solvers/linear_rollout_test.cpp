@@ -2,6 +2,7 @@
 #include "solvers/riccati/linear_rollout.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include <gtest/gtest.h>
 
@@ -87,6 +88,40 @@ TEST(LinearRollout, RespondsToGapsWithTheGainsAlone) {
   EXPECT_GT(z.norm(), 0.1);
   for (int k = 0; k < at.problem.knots(); ++k)
     EXPECT_LT((at.rollout.du(k) - at.feedback.K[k] * at.rollout.dx(k)).norm(), 1e-12) << k;
+}
+
+// Of Hessians that costs fill in a few places, and of full ones of several lanes.
+TEST(LinearRollout, HasTheCurvatureOfAllEntriesOfTheHessians) {
+  const ShootingProblem problem = quadrotor_move();
+  const ControlBounds bounds(problem);
+  const Trajectory trajectory = constant_controls(problem, 1.2);
+  Linearization linearization(problem);
+  Evaluator(problem).differentiate(trajectory, linearization);
+  ASSERT_EQ(linearization.knots[0].hessian.fill(), HessianFill::lasting);
+  RandomNumbers random(5);
+  Feedback feedback(problem);
+  for (int k = 0; k < problem.knots(); ++k) {
+    for (double& number : feedback.k[k]) number = random.uniform(-0.1, 0.1);
+    for (double& number : feedback.K[k].reshaped()) number = random.uniform(-0.01, 0.01);
+  }
+  Gaps gaps(problem);
+  gaps.set(linearization, false);
+  LinearRollout rollout(problem, bounds);
+  rollout.run(linearization, trajectory, gaps, feedback, false);
+  for (const bool full : {false, true}) {
+    double wanted = 0;
+    for (std::size_t k = 0; k < linearization.knots.size(); ++k) {
+      KnotHessian& hessian = linearization.knots[k].hessian;
+      if (full) {
+        Eigen::MatrixXd& H = hessian.change();
+        for (double& number : H.reshaped()) number = random.uniform(0, 1);
+        H = (H + H.transpose()).eval();
+      }
+      const Eigen::VectorXd& z = rollout.z()[k];
+      wanted += z.dot(hessian() * z);
+    }
+    EXPECT_NEAR(rollout.curvature(linearization), wanted, 1e-11 * std::abs(wanted)) << full;
+  }
 }
 
 }  // namespace

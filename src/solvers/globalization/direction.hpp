@@ -79,7 +79,7 @@ class Direction {
   void trust_model() { model_true_ = true; }
   bool trusts_model() const { return model_true_; }
   /// dᵀ Hessian d of the step.
-  double curvature(const Linearization& linearization) {
+  double curvature(const Linearization& linearization) const {
     return linear_rollout_.curvature(linearization);
   }
 

@@ -1,20 +1,49 @@
 #include "solvers/riccati/linear_rollout.hpp"
 
-#include <algorithm>
+#include <array>
 
 #include "ocp/evaluation/matrix_vector.hpp"
+#include "spatial/lane_part.hpp"
 
 namespace conddp {
+namespace {
+
+/// How often entries of the lower triangle count in a quadratic form, from kLaneWidth places above
+/// the diagonal on: not at all above it, once on it, twice below it.
+constexpr std::array<double, 2 * kLaneWidth> kCounts = [] {
+  std::array<double, 2 * kLaneWidth> counts{};
+  for (int i = kLaneWidth; i < 2 * kLaneWidth; ++i) counts[i] = i == kLaneWidth ? 1 : 2;
+  return counts;
+}();
+
+/// zᵀ H z, from those entries that can be other than zero.
+double quadratic_form(const KnotHessian& hessian, const Eigen::VectorXd& z) {
+  const Eigen::MatrixXd& H = hessian();
+  const int n = static_cast<int>(H.rows());
+  Lane sum(0.0);
+  const auto add = [&](int row, int column) {
+    const int above = column - row;
+    const Lane count = above < 0 ? Lane(2.0) : load_lane(kCounts.data() + kLaneWidth - above);
+    const Lane h = load_some(H.col(column).data() + row, n - row);
+    sum += h * (count * Lane(z[column]) * load_some(z.data() + row, n - row));
+  };
+  if (hessian.fill() == HessianFill::lasting) {
+    for (const auto [row, column] : hessian.lasting_lanes()) add(row, column);
+  } else {
+    for (int column = 0; column < n; ++column)
+      for (int row = column / kLaneWidth * kLaneWidth; row < n; row += kLaneWidth) add(row, column);
+  }
+  double total = 0;
+  for (int l = 0; l < kLaneWidth; ++l) total += sum[l];
+  return total;
+}
+
+}  // namespace
 
 LinearRollout::LinearRollout(const ShootingProblem& problem, const ControlBounds& bounds)
     : bounds_(bounds), ndx_(problem.ndx()) {
-  int largest = ndx_;
-  for (int k = 0; k <= problem.knots(); ++k) {
-    const int nz = ndx_ + (k < problem.knots() ? problem.nu(k) : 0);
-    z_.push_back(Eigen::VectorXd::Zero(nz));
-    largest = std::max(largest, nz);
-  }
-  product_.resize(largest);
+  for (int k = 0; k <= problem.knots(); ++k)
+    z_.push_back(Eigen::VectorXd::Zero(ndx_ + (k < problem.knots() ? problem.nu(k) : 0)));
 }
 
 void LinearRollout::run(const Linearization& linearization, const Trajectory& trajectory,
@@ -65,13 +94,10 @@ void LinearRollout::apply(const StateManifold& manifold, Trajectory& trajectory)
   }
 }
 
-double LinearRollout::curvature(const Linearization& linearization) {
+double LinearRollout::curvature(const Linearization& linearization) const {
   double sum = 0;
-  for (std::size_t k = 0; k < z_.size(); ++k) {
-    auto product = product_.head(z_[k].size());
-    multiply(linearization.knots[k].hessian(), z_[k].data(), product.data());
-    sum += z_[k].dot(product);
-  }
+  for (std::size_t k = 0; k < z_.size(); ++k)
+    sum += quadratic_form(linearization.knots[k].hessian, z_[k]);
   return sum;
 }
 

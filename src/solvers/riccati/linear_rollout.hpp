@@ -37,7 +37,7 @@ class LinearRollout {
   /// ∇J·d: exact derivative of the cost along the rollout at α = 0.
   double slope() const { return slope_; }
   /// dᵀ Hessian d.
-  double curvature(const Linearization& linearization);
+  double curvature(const Linearization& linearization) const;
   /// Shows every knot's step to the active set for revision (ActiveSet::revise);
   /// returns how many entries changed. `last` ← the last knot at which one did, if any.
   int revise(ActiveSet& active_set, std::optional<int>& last) const;
@@ -47,7 +47,6 @@ class LinearRollout {
   int ndx_;
   std::vector<Eigen::VectorXd> z_;  ///< (δx, δu) of every node
   double slope_ = 0;
-  Eigen::VectorXd product_;
 };
 
 }  // namespace conddp
