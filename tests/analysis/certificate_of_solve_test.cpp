@@ -21,7 +21,7 @@ SolutionClaims claims_of_answer(const ShootingProblem& problem, const SolveResul
   claims.converged = result.status == SolveStatus::converged;
   claims.status = to_string(result.status);
   claims.cost = result.cost;
-  claims.cost_by_name = cost_by_name(problem, result.trajectory);
+  claims.cost_by_name = cost_by_name(problem, NodeValues(problem, result.trajectory));
   claims.stationarity = result.residuals.stationarity;
   claims.gap = result.residuals.gap;
   claims.constraint = result.residuals.constraint;

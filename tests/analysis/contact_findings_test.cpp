@@ -20,7 +20,7 @@ constexpr double kBlockWeight = 2 * 9.81;
 std::vector<Finding> found_in_contacts(const ShootingProblem& problem, const Trajectory& motion,
                                        FindingKind kind, const FindingNames& names = {}) {
   std::vector<Finding> all, found;
-  find_in_contacts(problem, motion, names, all);
+  find_in_contacts(problem, motion, NodeValues(problem, motion), names, all);
   for (const Finding& f : all)
     if (f.kind == kind) found.push_back(f);
   return found;

@@ -169,7 +169,9 @@ TEST_F(HyqTrot, HasCrocoddylsOptimalCost) {
         diagnostics_);
     ASSERT_TRUE(built);
     double guessed = 0;
-    for (const auto& [name, value] : cost_by_name(*built->problem, built->guess)) guessed += value;
+    for (const auto& [name, value] :
+         cost_by_name(*built->problem, NodeValues(*built->problem, built->guess)))
+      guessed += value;
     EXPECT_NEAR(guessed, reference_["initial_guess"]["cost"].get<double>(), 1e-8 * guessed);
     const SolveResult result = solve(*built->problem, solver, spec_->solver.options, built->guess);
     EXPECT_EQ(result.status, SolveStatus::converged) << solver;

@@ -55,7 +55,7 @@ using Costs = std::vector<std::pair<std::string, std::vector<double>>>;
 
 TEST(CostsByNode, AreThoseOfEachTermAtEachNode) {
   const ShootingProblem problem = two_knots();
-  const Costs found = costs_by_node(problem, walk(problem));
+  const Costs found = costs_by_node(problem, NodeValues(problem, walk(problem)));
   const Costs expected = {{"effort", {2, 2 * 0.5, 0}},
                           {"place", {1.5, 2 * 1.5, 0}},
                           {"soft", {0, 2 * 2 * 2, 0}},
@@ -72,7 +72,7 @@ TEST(CostsByNode, AreThoseOfEachTermAtEachNode) {
 
 TEST(CostByName, IsTheSumOverTheNodes) {
   const ShootingProblem problem = two_knots();
-  const auto found = cost_by_name(problem, walk(problem));
+  const auto found = cost_by_name(problem, NodeValues(problem, walk(problem)));
   ASSERT_EQ(found.size(), 5u);
   EXPECT_EQ(found[1].first, "place");
   EXPECT_NEAR(found[1].second, 4.5, 1e-14);

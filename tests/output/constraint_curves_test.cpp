@@ -41,7 +41,8 @@ TEST_F(Report, ConstraintsThatShareANameShowTheSmallestMargin) {
   const OrderedJson cone = named(constraint_curves(*spec_, *built_, result_->trajectory), "cone");
   EXPECT_EQ(cone["margin"], true);
   ASSERT_EQ(cone["rows"].size(), 1u);
-  const ContactForces forces = contact_forces(*spec_, *built_->problem, result_->trajectory);
+  const ContactForces forces =
+      contact_forces(*spec_, *built_->problem, NodeValues(*built_->problem, result_->trajectory));
   for (const int k : {0, 30}) {
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < 4; ++i) {

@@ -35,7 +35,8 @@ class Findings : public testing::Test {
   }
   std::vector<Finding> of(FindingKind kind, const Trajectory& trajectory) const {
     std::vector<Finding> list;
-    for (Finding& f : findings_of(*spec_, *built_, trajectory))
+    for (Finding& f :
+         findings_of(*spec_, *built_, trajectory, NodeValues(*built_->problem, trajectory)))
       if (f.kind == kind) list.push_back(std::move(f));
     return list;
   }
@@ -214,7 +215,7 @@ TEST_F(Findings, NothingIsSaidOfMotionsThatAreNotFinite) {
   load("arm_reach");
   Trajectory motion = built_->guess;
   motion.x(3)[0] = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_TRUE(findings_of(*spec_, *built_, motion).empty());
+  EXPECT_TRUE(findings_of(*spec_, *built_, motion, NodeValues(*built_->problem, motion)).empty());
 }
 
 TEST(FindingLines, OfOneKindTheWorstThreeAreShown) {

@@ -345,7 +345,7 @@ TEST(SoftConstraints, AreCostsOrHaveLimits) {
   const double effort = 0;
   EXPECT_NEAR(evaluation.cost[2], effort + expected, 1e-7);
   double near = 0, fast = 0;
-  for (const auto& [name, value] : cost_by_name(problem, t)) {
+  for (const auto& [name, value] : cost_by_name(problem, NodeValues(problem, t))) {
     if (name == "near") near = value;
     if (name == "speed") fast = value;
   }

@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 #include <random>
+#include <span>
 #include <utility>
 
 #include <fmt/format.h>
@@ -17,9 +18,7 @@
 #include "analysis/certificate/place_text.hpp"
 #include "analysis/certificate/reduced_gradient.hpp"
 #include "ocp/problem/cost_scale.hpp"
-#include "ocp/problem/node_evaluation.hpp"
 #include "ocp/problem/soft_constraint.hpp"
-#include "ocp/terms/soft_limit.hpp"
 #include "solvers/common/status.hpp"
 
 namespace conddp {
@@ -58,10 +57,14 @@ double largest_change(const Eigen::Ref<const Eigen::MatrixXd>& a,
 class Judge {
  public:
   /// Of a problem whose costs, as those of the claims, are `scale` times as large as in the file;
-  /// figures are in the unit of the file.
-  Judge(const ShootingProblem& problem, const SolutionClaims& claims, double scale,
-        Noise noise = {})
-      : problem_(problem), claims_(claims), scale_(scale), noise_(std::move(noise)) {}
+  /// figures are in the unit of the file. `nodes` are those of the trajectory that is claimed.
+  Judge(const ShootingProblem& problem, const SolutionClaims& claims, const NodeValues& nodes,
+        double scale, Noise noise = {})
+      : problem_(problem),
+        claims_(claims),
+        nodes_(nodes),
+        scale_(scale),
+        noise_(std::move(noise)) {}
 
   /// Moves all states and controls by 10⁻¹³ of themselves.
   static void displace(Trajectory& trajectory) {
@@ -79,11 +82,13 @@ class Judge {
 
   /// What changes when all states and controls move so little that only rounding shows. What an
   /// evaluation of thousands of operations leaves is more than one rounding of its arguments.
-  static Noise measure_noise(const ShootingProblem& problem, const SolutionClaims& claims) {
+  static Noise measure_noise(const ShootingProblem& problem, const SolutionClaims& claims,
+                             const NodeValues& nodes) {
     constexpr double kMargin = 100;
     SolutionClaims moved = claims;
     displace(moved.trajectory);
-    Judge here(problem, claims, 1), there(problem, moved, 1);
+    const NodeValues moved_nodes(problem, moved.trajectory);
+    Judge here(problem, claims, nodes, 1), there(problem, moved, moved_nodes, 1);
     here.evaluate();
     there.evaluate();
     const LagrangianGradient a = here.gradient(), b = there.gradient();
@@ -95,7 +100,7 @@ class Judge {
       noise.stationarity =
           std::max(noise.stationarity, kMargin * largest_change(a.control[k], b.control[k]));
     noise.state = kMargin * largest_change(a.state, b.state);
-    noise.constraint = kMargin * largest_change(here.values_, there.values_);
+    noise.constraint = kMargin * largest_change(nodes.constraint(), moved_nodes.constraint());
     noise.displaced = {std::move(moved.trajectory), std::move(there.models_.derivatives), kMargin};
     return noise;
   }
@@ -196,19 +201,14 @@ class Judge {
   void evaluate() {
     const int N = problem_.knots(), ndx = problem_.ndx();
     gaps_.resize(ndx, N);
-    values_.resize(problem_.constraint_rows());
-    NodeEvaluation nodes(problem_);
     for (int k = 0; k <= N; ++k) {
-      const auto x = claims_.trajectory.x(k);
-      const KnotWorkspace<double>& work = nodes.at(k, claims_.trajectory);
-      add_costs(k, work, k == N ? "terminal/" : "");
-      std::copy(work.constraint.begin(), work.constraint.end(),
-                values_.data() + problem_.constraint_offset(k));
+      add_costs(k, k == N ? "terminal/" : "");
       if (k == N) break;
-      problem_.manifold().difference(claims_.trajectory.x(k + 1).data(), work.next().data(),
+      const auto x = claims_.trajectory.x(k);
+      const auto next = nodes_.next().col(k);
+      problem_.manifold().difference(claims_.trajectory.x(k + 1).data(), next.data(),
                                      gaps_.col(k).data());
-      const double size =
-          Eigen::Map<const Eigen::VectorXd>(work.next().data(), problem_.nx()).cwiseAbs().sum();
+      const double size = next.cwiseAbs().sum();
       for (int i = 0; i < ndx; ++i) gap_.meet(std::abs(gaps_(i, k)), size, k, i);
       largest_state_ =
           std::max({largest_state_, x.lpNorm<Eigen::Infinity>(), size / problem_.nx()});
@@ -216,16 +216,16 @@ class Judge {
     models_ = node_models(problem_, claims_.trajectory, gaps_);
   }
 
-  void add_costs(int k, const KnotWorkspace<double>& work, const std::string& prefix) {
-    const KnotView& view = problem_.knot(k);
+  void add_costs(int node, const std::string& prefix) {
+    const KnotView& view = problem_.knot(node);
+    const std::span<const double> costs = nodes_.term_costs(node);
+    const std::span<const double> soft_costs = nodes_.soft_costs(node);
     for (std::size_t t = 0; t < view.model->costs().size(); ++t)
-      add_cost(prefix + view.model->costs()[t].name, work.term_costs[t]);
-    for (const ConstraintTerm& term : view.model->constraints())
-      if (term.softness != Softness::hard)
-        add_cost(prefix + term.name,
-                 soft_cost(term, work.constraint.data() + term.row, view.parameters,
-                           view.model->soft_scale(term, view.cost_scale,
-                                                  claims_.trajectory.x(k).data())));
+      add_cost(prefix + view.model->costs()[t].name, costs[t]);
+    const std::vector<ConstraintTerm>& constraints = view.model->constraints();
+    for (std::size_t t = 0; t < constraints.size(); ++t)
+      if (constraints[t].softness != Softness::hard)
+        add_cost(prefix + constraints[t].name, soft_costs[t]);
   }
 
   void add_cost(const std::string& name, double cost) {
@@ -261,7 +261,8 @@ class Judge {
   }
 
   void check_bounds() {
-    const auto [violation, product, negative] = measure_feasibility(problem_, claims_, values_);
+    const auto [violation, product, negative] =
+        measure_feasibility(problem_, claims_, nodes_.constraint());
     const auto at = [&](const Worst& w) {
       if (w.knot < 0) return std::string();
       return place_text(
@@ -443,7 +444,7 @@ class Judge {
   /// Infeasible is what leaves no control a way, on a motion that follows from the controls.
   void check_least_violation() {
     const double share =
-        attainable_share(problem_, claims_.trajectory, models_.derivatives, values_);
+        attainable_share(problem_, claims_.trajectory, models_.derivatives, nodes_.constraint());
     const bool closed = gap_.value <= claims_.tolerances.gap + state_rounding();
     add({"least violation", closed && share <= kLeastViolationShare, Check::kNone, share,
          kLeastViolationShare, "",
@@ -468,13 +469,13 @@ class Judge {
 
   const ShootingProblem& problem_;
   const SolutionClaims& claims_;
+  const NodeValues& nodes_;
   const double scale_;
   const Noise noise_;
   Certificate certificate_;
   std::vector<std::pair<std::string, double>> costs_;
   double cost_ = 0, cost_size_ = 0;
   Eigen::MatrixXd gaps_;
-  Eigen::VectorXd values_;  ///< of the constraints
   NodeModels models_;
   Worst gap_;
   double largest_state_ = 0, own_stationarity_ = 0;
@@ -499,10 +500,11 @@ SolutionClaims scaled(const SolutionClaims& claims, double scale) {
   return own;
 }
 
-Certificate judge(const ShootingProblem& problem, const SolutionClaims& claims, double scale) {
-  Certificate certificate = Judge(problem, claims, scale).run();
+Certificate judge(const ShootingProblem& problem, const SolutionClaims& claims,
+                  const NodeValues& values, double scale) {
+  Certificate certificate = Judge(problem, claims, values, scale).run();
   if (certificate.holds()) return certificate;
-  return Judge(problem, claims, scale, Judge::measure_noise(problem, claims)).run();
+  return Judge(problem, claims, values, scale, Judge::measure_noise(problem, claims, values)).run();
 }
 
 }  // namespace
@@ -528,9 +530,15 @@ bool Certificate::computable() const {
 }
 
 Certificate certify(const ShootingProblem& problem, const SolutionClaims& claims) {
+  return certify(problem, claims, NodeValues(problem, claims.trajectory));
+}
+
+Certificate certify(const ShootingProblem& problem, const SolutionClaims& claims,
+                    const NodeValues& values) {
   const double scale = cost_scale(problem);
-  if (scale == 1) return judge(problem, claims, 1);
-  return judge(scale_costs(problem, scale), scaled(claims, scale), scale);
+  if (scale == 1) return judge(problem, claims, values, 1);
+  const ShootingProblem own = scale_costs(problem, scale);
+  return judge(own, scaled(claims, scale), NodeValues(own, claims.trajectory), scale);
 }
 
 }  // namespace conddp

@@ -4,6 +4,7 @@
 
 #include "analysis/certificate/check.hpp"
 #include "analysis/certificate/solution_claims.hpp"
+#include "ocp/problem/node_values.hpp"
 
 namespace conddp {
 
@@ -46,5 +47,8 @@ struct Certificate {
 /// (lagrangian_gradient). Nothing of the solvers has a part in it. docs/verification.md has the
 /// formulas and tolerances.
 Certificate certify(const ShootingProblem& problem, const SolutionClaims& claims);
+/// The same with the values of the nodes at the trajectory that is claimed.
+Certificate certify(const ShootingProblem& problem, const SolutionClaims& claims,
+                    const NodeValues& values);
 
 }  // namespace conddp

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <memory>
 #include <optional>
+#include <span>
 
 #include <fmt/format.h>
 
@@ -38,10 +39,11 @@ double moved(const Contact& contact, const SE3<double>& from, const SE3<double>&
 
 class Watch {
  public:
-  Watch(const ShootingProblem& problem, const Trajectory& trajectory, const FindingNames& names,
-        std::vector<Finding>& list)
+  Watch(const ShootingProblem& problem, const Trajectory& trajectory, const NodeValues& values,
+        const FindingNames& names, std::vector<Finding>& list)
       : problem_(problem),
         trajectory_(trajectory),
+        values_(values),
         names_(names),
         list_(list),
         times_(problem.times(trajectory)) {}
@@ -55,7 +57,7 @@ class Watch {
       for (std::size_t c = 0; c < contacts.size(); ++c)
         if (!problem_.takes_no_time(k) && !held_before(k, contacts[c].name))
           stance(k, contacts[c].name);
-      const auto& held = look(*system, k);
+      const std::span<const HeldContact> held = values_.contacts(k);
       for (std::size_t c = 0; c < contacts.size(); ++c) forces(k, *system, contacts[c], held[c]);
     }
     report();
@@ -111,18 +113,15 @@ class Watch {
     if (drift.value > worst.value) worst = drift;
   }
 
-  /// The pose of a contact's frame in the world at a node, for which no dynamics are needed.
+  /// The pose of a contact's frame in the world at a node: that of the knot, where the contact is
+  /// held there.
   SE3<double> pose(const MultibodySystem& system, const Contact& contact, int node) {
+    if (node < problem_.knots())
+      if (const int c = index_of(robot_at(problem_, node), contact.name); c >= 0)
+        return values_.contacts(node)[c].world;
     MultibodySystem::Data<double>& data = data_of(system);
     system.update_kinematics(trajectory_.x(node).data(), data);
     return frame_placement(system.robot(), data.robot, contact.frame);
-  }
-
-  /// The contacts of knot k's system at its state and controls.
-  const std::vector<ContactData<double>>& look(const MultibodySystem& system, int k) {
-    MultibodySystem::Data<double>& data = data_of(system);
-    system.evaluate(trajectory_.x(k).data(), trajectory_.u(k).data(), data);
-    return data.contacts.contacts;
   }
 
   MultibodySystem::Data<double>& data_of(const MultibodySystem& system) {
@@ -139,9 +138,8 @@ class Watch {
     return kLight * mass * (impulse || gravity == 0 ? 1 : gravity);
   }
 
-  void forces(int k, const MultibodySystem& system, const Contact& contact,
-              const ContactData<double>& at) {
-    const Vector3<double> force = contact_force_in_world(at).linear;
+  void forces(int k, const MultibodySystem& system, const Contact& contact, const HeldContact& at) {
+    const Vector3<double> force = at.force.linear;
     const Vector3<double> normal =
         contact.axes == FrameAxes::local ? at.world.R * contact.normal : contact.normal;
     const double up = dot(force, normal);
@@ -255,6 +253,7 @@ class Watch {
 
   const ShootingProblem& problem_;
   const Trajectory& trajectory_;
+  const NodeValues& values_;
   const FindingNames& names_;
   std::vector<Finding>& list_;
   const std::vector<double> times_;
@@ -266,8 +265,9 @@ class Watch {
 }  // namespace
 
 void find_in_contacts(const ShootingProblem& problem, const Trajectory& trajectory,
-                      const FindingNames& names, std::vector<Finding>& list) {
-  Watch(problem, trajectory, names, list).run();
+                      const NodeValues& values, const FindingNames& names,
+                      std::vector<Finding>& list) {
+  Watch(problem, trajectory, values, names, list).run();
 }
 
 }  // namespace conddp

@@ -89,7 +89,7 @@ std::string remedy_of_growth(const ShootingProblem& problem, bool start) {
 /// quantity alone.
 std::string with_name(const ShootingProblem& problem, const SolveResult& r) {
   if (!r.failed_quantity.starts_with("cost") || r.failed_knot < 0) return r.failed_quantity;
-  for (const auto& [name, costs] : costs_by_node(problem, r.trajectory))
+  for (const auto& [name, costs] : costs_by_node(problem, NodeValues(problem, r.trajectory)))
     if (!std::isfinite(costs[r.failed_knot]))
       return fmt::format("{} ('{}')", r.failed_quantity, name);
   return r.failed_quantity;

@@ -34,9 +34,11 @@ bool is_at(double control, double limit) {
 
 class Search {
  public:
-  Search(const ShootingProblem& problem, const Trajectory& trajectory, const FindingNames& names)
+  Search(const ShootingProblem& problem, const Trajectory& trajectory, const NodeValues& values,
+         const FindingNames& names)
       : problem_(problem),
         trajectory_(trajectory),
+        values_(values),
         names_(names),
         times_(problem.times(trajectory)),
         nodes_(problem) {}
@@ -46,7 +48,7 @@ class Search {
     tell_of_joints();
     for (int k = 0; k < problem_.knots(); ++k) efforts(k);
     for (auto& [name, effort] : efforts_) report(name, effort);
-    find_in_contacts(problem_, trajectory_, names_, list_);
+    find_in_contacts(problem_, trajectory_, values_, names_, list_);
     rows();
     between();
     tables();
@@ -492,6 +494,7 @@ class Search {
 
   const ShootingProblem& problem_;
   const Trajectory& trajectory_;
+  const NodeValues& values_;
   const FindingNames& names_;
   const std::vector<double> times_;
   NodeEvaluation nodes_;
@@ -506,11 +509,11 @@ class Search {
 }  // namespace
 
 std::vector<Finding> find_in_motion(const ShootingProblem& problem, const Trajectory& trajectory,
-                                    const FindingNames& names) {
+                                    const NodeValues& values, const FindingNames& names) {
   for (int k = 0; k <= problem.knots(); ++k)
     if (!trajectory.x(k).allFinite() || (k < problem.knots() && !trajectory.u(k).allFinite()))
       return {};
-  return Search(problem, trajectory, names).run();
+  return Search(problem, trajectory, values, names).run();
 }
 
 }  // namespace conddp

@@ -3,13 +3,14 @@
 #include <vector>
 
 #include "analysis/findings/finding.hpp"
+#include "ocp/problem/node_values.hpp"
 #include "ocp/problem/problem.hpp"
 
 namespace conddp {
 
-/// Everything that stands out along a trajectory, kind after kind, of each kind the worst first.
-/// Evaluated by scalar code; empty where the trajectory is not finite.
+/// Everything that stands out along a trajectory with these values, kind after kind, of each kind
+/// the worst first. Evaluated by scalar code; empty where the trajectory is not finite.
 std::vector<Finding> find_in_motion(const ShootingProblem& problem, const Trajectory& trajectory,
-                                    const FindingNames& names);
+                                    const NodeValues& values, const FindingNames& names);
 
 }  // namespace conddp

@@ -96,7 +96,8 @@ std::vector<std::filesystem::path> write_item(const ShownItem& item,
       {folder / "problem.yaml", problem_yaml(*item.spec, item.built, item.file, folder)}};
   if (!item.document.is_null()) {
     const Trajectory trajectory = stored_trajectory(item.document, *item.built.problem);
-    const ContactForces forces = contact_forces(*item.spec, *item.built.problem, trajectory);
+    const ContactForces forces = contact_forces(*item.spec, *item.built.problem,
+                                                NodeValues(*item.built.problem, trajectory));
     texts.emplace_back(folder / "solution.json", json_text(item.document));
     texts.emplace_back(folder / "trajectory.csv", trajectory_csv(item.built, trajectory, forces));
     texts.emplace_back(folder / "iterations.csv", iterations_csv(item.document.at("log")));

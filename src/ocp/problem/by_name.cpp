@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <numeric>
+#include <span>
 
-#include "ocp/problem/node_evaluation.hpp"
 #include "ocp/problem/soft_constraint.hpp"
-#include "ocp/terms/soft_limit.hpp"
 
 namespace conddp {
 namespace {
@@ -41,32 +40,31 @@ std::string constraint_name(const ShootingProblem& problem, const NodeConstraint
 }
 
 std::vector<std::pair<std::string, std::vector<double>>> costs_by_node(
-    const ShootingProblem& problem, const Trajectory& trajectory) {
+    const ShootingProblem& problem, const NodeValues& values) {
   CostTable costs;
   const auto cost_of = [&](const std::string& name) -> std::vector<double>& {
     return find_or_add(name, problem.knots() + 1, costs);
   };
-  NodeEvaluation nodes(problem);
   for (int k = 0; k <= problem.knots(); ++k) {
     const KnotView& view = problem.knot(k);
-    const KnotWorkspace<double>& work = nodes.at(k, trajectory);
+    const std::span<const double> term_costs = values.term_costs(k);
+    const std::span<const double> soft_costs = values.soft_costs(k);
     const std::string prefix = k == problem.knots() ? "terminal/" : "";
     for (std::size_t t = 0; t < view.model->costs().size(); ++t)
-      cost_of(prefix + view.model->costs()[t].name)[k] += work.term_costs[t];
-    for (const ConstraintTerm& term : view.model->constraints())
-      if (term.softness != Softness::hard)
-        cost_of(prefix + term.name)[k] +=
-            soft_cost(term, work.constraint.data() + term.row, view.parameters,
-                      view.model->soft_scale(term, view.cost_scale, trajectory.x(k).data()));
+      cost_of(prefix + view.model->costs()[t].name)[k] += term_costs[t];
+    const std::vector<ConstraintTerm>& constraints = view.model->constraints();
+    for (std::size_t t = 0; t < constraints.size(); ++t)
+      if (constraints[t].softness != Softness::hard)
+        cost_of(prefix + constraints[t].name)[k] += soft_costs[t];
   }
   return costs;
 }
 
 std::vector<std::pair<std::string, double>> cost_by_name(const ShootingProblem& problem,
-                                                         const Trajectory& trajectory) {
+                                                         const NodeValues& values) {
   std::vector<std::pair<std::string, double>> sums;
-  for (const auto& [name, values] : costs_by_node(problem, trajectory))
-    sums.emplace_back(name, std::accumulate(values.begin(), values.end(), 0.0));
+  for (const auto& [name, costs] : costs_by_node(problem, values))
+    sums.emplace_back(name, std::accumulate(costs.begin(), costs.end(), 0.0));
   return sums;
 }
 

@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "ocp/problem/node_values.hpp"
 #include "ocp/problem/problem.hpp"
 
 namespace conddp {
@@ -17,12 +18,12 @@ std::vector<std::string> failed_functions(const ShootingProblem& problem);
 /// The cost of each named term at each node (N + 1 numbers), in the order of first appearance;
 /// names of the terminal node get the prefix "terminal/".
 std::vector<std::pair<std::string, std::vector<double>>> costs_by_node(
-    const ShootingProblem& problem, const Trajectory& trajectory);
+    const ShootingProblem& problem, const NodeValues& values);
 
 /// The cost of each named term summed over the knots, in the order of first appearance; names of
 /// the terminal node get the prefix "terminal/".
 std::vector<std::pair<std::string, double>> cost_by_name(const ShootingProblem& problem,
-                                                         const Trajectory& trajectory);
+                                                         const NodeValues& values);
 
 /// How far a named constraint is from holding, at the node where that is most.
 struct ConstraintViolation {

@@ -130,7 +130,7 @@ OrderedJson head_json(const OrderedJson& document) {
 
 OrderedJson costs_json(const ShootingProblem& problem, const Trajectory& trajectory) {
   OrderedJson costs = OrderedJson::object();
-  for (const auto& [name, values] : costs_by_node(problem, trajectory)) {
+  for (const auto& [name, values] : costs_by_node(problem, NodeValues(problem, trajectory))) {
     costs[name] = OrderedJson::array();
     for (const double value : values) costs[name].push_back(eight_digits(value));
   }

@@ -11,7 +11,6 @@
 #include "analysis/certificate/place_text.hpp"
 #include "base/json/number_block.hpp"
 #include "base/json/solution_members.hpp"
-#include "ocp/evaluation/evaluator.hpp"
 #include "ocp/problem/by_name.hpp"
 #include "ocp/problem/control_columns.hpp"
 #include "ocp/problem/cost_scale.hpp"
@@ -69,7 +68,7 @@ class Reader {
     if (with_replay && claims_)
       result.replay = replay(problem_, claims_->trajectory, claims_->gains);
     result.contacts = judge_contacts(with_replay);
-    if (claims_) result.findings = findings_of(spec_, built_, claims_->trajectory);
+    if (claims_) result.findings = findings_of(spec_, built_, claims_->trajectory, *values_);
     findings(result.findings);
     nulls();
     former_certificate();
@@ -118,7 +117,8 @@ class Reader {
     if (!fits_) return;
     claims_.emplace(problem_);
     read_claims();
-    const Certificate numbers = certify(problem_, *claims_);
+    values_.emplace(problem_, claims_->trajectory);
+    const Certificate numbers = certify(problem_, *claims_, *values_);
     certificate_.optimality = numbers.optimality;
     certificate_.checks.insert(certificate_.checks.end(), numbers.checks.begin(),
                                numbers.checks.end());
@@ -386,20 +386,12 @@ class Reader {
            is_near(claimed.get<double>(), here, kValueTolerance);
   }
 
-  Eigen::VectorXd constraint_values() const {
-    // Barriers have rows of which nothing is said here.
-    if (problem_.constraints().empty() && problem_.soft_constraints().empty()) return {};
-    Evaluation evaluation(problem_);
-    Evaluator(problem_).evaluate(claims_->trajectory, evaluation);
-    return evaluation.constraint;
-  }
-
   /// Durations, and all that is said of constraints: their values row by row, and where which one
   /// is violated most.
   void evaluate_constraints() {
     const double duration = number(at(document_, {"problem", "duration_s"}), "duration_s");
     compare_number("duration", duration, problem_.times(claims_->trajectory).back(), 1e-12);
-    const Eigen::VectorXd values = constraint_values();
+    const Eigen::VectorXd& values = values_->constraint();
     std::vector<Check> worst;  // by name
     for (std::size_t i = 0; i < problem_.constraints().size(); ++i) {
       const NodeConstraint& c = problem_.constraints()[i];
@@ -438,11 +430,9 @@ class Reader {
     if (claimed == found.node || std::isnan(violation)) return;
     const double tolerance = kValueTolerance * std::max(1.0, std::abs(found.value));
     if (claimed == -1 && found.value <= tolerance) return;
-    Evaluation evaluation(problem_);
-    Evaluator(problem_).evaluate(claims_->trajectory, evaluation);
     const auto is_as_large = [&](const NodeConstraint& c) {
       return claimed == c.node && named(c) == found.name &&
-             distance_to_set(*c.term, evaluation.constraint.data() + c.row, c.lower, c.upper) >=
+             distance_to_set(*c.term, values_->constraint().data() + c.row, c.lower, c.upper) >=
                  found.value - tolerance;
     };
     if (std::ranges::any_of(problem_.constraints(), is_as_large) ||
@@ -482,17 +472,10 @@ class Reader {
       grid_warning_ = fmt::format("grid error {:.1e}, more than {:.1e}", found, spec_.mesh->error);
   }
 
-  bool has_finite_values() const {
-    Evaluation evaluation(problem_);
-    Evaluator(problem_).evaluate(claims_->trajectory, evaluation);
-    return evaluation.gap.allFinite() && evaluation.cost.allFinite() &&
-           evaluation.constraint.allFinite();
-  }
-
   /// Compiled code brings derivatives of its own, on which the gradient of the Lagrangian rests. An
   /// answer without values has none to compare.
   void derivatives_of_code() {
-    if (!has_finite_values()) return;
+    if (!values_->all_finite()) return;
     Check check{
         .name = "derivatives of compiled code", .found = 0, .tolerance = kDerivativeTolerance};
     bool second = false;  // whether the worst one is a second derivative
@@ -535,7 +518,7 @@ class Reader {
   }
 
   void forces() {
-    const ContactForces found = contact_forces(spec_, problem_, claims_->trajectory);
+    const ContactForces found = contact_forces(spec_, problem_, *values_);
     const Json& claimed = at(document_, {"trajectory", "contact_forces"});
     size("contact_forces", claimed, found.contacts);
     for (const auto& contact : found.contacts)
@@ -700,6 +683,7 @@ class Reader {
   const ShootingProblem& problem_;
   const ControlColumns controls_;
   std::optional<SolutionClaims> claims_;
+  std::optional<NodeValues> values_;  ///< at the trajectory of the claims
   Certificate certificate_;
   std::string grid_warning_;
   bool fits_ = true;

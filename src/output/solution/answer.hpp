@@ -16,7 +16,8 @@ namespace conddp {
 /// What follows from the result of a solve by the names of its problem's file, computed once for
 /// all outputs. The certificate does not read it: it computes its own.
 struct Answer {
-  Answer(const ProblemSpec& spec, const BuiltProblem& built, const SolveResult& result);
+  Answer(const ProblemSpec& spec, const BuiltProblem& built, const SolveResult& result)
+      : Answer(spec, built, result, NodeValues(*built.problem, result.trajectory)) {}
 
   std::vector<std::pair<std::string, double>> costs;  ///< cost_by_name()
   std::vector<ConstraintViolation> violations;        ///< violations_by_name()
@@ -25,6 +26,10 @@ struct Answer {
   Diagnosis diagnosis;
   std::vector<Finding> findings;
   ContactForces forces;
+
+ private:
+  Answer(const ProblemSpec& spec, const BuiltProblem& built, const SolveResult& result,
+         const NodeValues& values);
 };
 
 }  // namespace conddp

@@ -1,5 +1,7 @@
 #include "output/solution/contact_forces.hpp"
 
+#include <span>
+
 #include "systems/multibody/multibody.hpp"
 
 namespace conddp {
@@ -36,13 +38,15 @@ void ContactForceWriter::write(const System& system, const double* x, const doub
 }
 
 ContactForces contact_forces(const ProblemSpec& spec, const ShootingProblem& problem,
-                             const Trajectory& trajectory) {
+                             const NodeValues& values) {
   ContactForces forces = no_contact_forces(spec, problem.knots());
-  if (forces.contacts.empty()) return forces;
-  ContactForceWriter writer;
-  for (int k = 0; k < problem.knots(); ++k)
-    writer.write(problem.knot(k).model->system(), trajectory.x(k).data(), trajectory.u(k).data(), k,
-                 forces);
+  for (int k = 0; k < problem.knots(); ++k) {
+    const std::span<const HeldContact> held = values.contacts(k);
+    if (held.empty()) continue;
+    const ContactSet& contacts = problem.knot(k).model->system().as_multibody()->contacts();
+    for (std::size_t i = 0; i < held.size(); ++i)
+      set_wrench(contacts.contacts()[i].name, k, held[i].force, forces);
+  }
   return forces;
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "ocp/problem/node_values.hpp"
 #include "ocp/problem/problem.hpp"
 #include "problem_file/spec/spec.hpp"
 
@@ -25,7 +26,7 @@ struct ContactForces {
 };
 
 ContactForces contact_forces(const ProblemSpec& spec, const ShootingProblem& problem,
-                             const Trajectory& trajectory);
+                             const NodeValues& values);
 
 /// The contacts of a file with so many rows of forces that there are not.
 ContactForces no_contact_forces(const ProblemSpec& spec, int rows);

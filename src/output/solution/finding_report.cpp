@@ -59,8 +59,8 @@ FindingNames names_of(const ProblemSpec& spec, const BuiltProblem& built) {
 }  // namespace
 
 std::vector<Finding> findings_of(const ProblemSpec& spec, const BuiltProblem& built,
-                                 const Trajectory& trajectory) {
-  return find_in_motion(*built.problem, trajectory, names_of(spec, built));
+                                 const Trajectory& trajectory, const NodeValues& values) {
+  return find_in_motion(*built.problem, trajectory, values, names_of(spec, built));
 }
 
 OrderedJson findings_json(const std::vector<Finding>& findings) {

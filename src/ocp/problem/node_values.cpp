@@ -1,0 +1,72 @@
+#include "ocp/problem/node_values.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+
+#include "ocp/problem/node_evaluation.hpp"
+#include "ocp/terms/soft_limit.hpp"
+#include "systems/multibody/multibody.hpp"
+
+namespace conddp {
+namespace {
+
+/// Evaluates the contacts of systems at a state and a control of a knot: steps may have evaluated
+/// the system at others.
+class ContactEvaluation {
+ public:
+  std::vector<HeldContact> at(const MultibodySystem& robot, const double* x, const double* u) {
+    auto& data = data_[&robot];
+    if (!data) data = robot.create_data(double{});
+    robot.evaluate(x, u, *data);
+    const auto& found = static_cast<const MultibodySystem::Data<double>&>(*data).contacts.contacts;
+    std::vector<HeldContact> held;
+    held.reserve(found.size());
+    for (const ContactData<double>& contact : found)
+      held.push_back({contact.world, contact_force_in_world(contact)});
+    return held;
+  }
+
+ private:
+  std::map<const MultibodySystem*, std::unique_ptr<SystemData<double>>> data_;
+};
+
+}  // namespace
+
+NodeValues::NodeValues(const ShootingProblem& problem, const Trajectory& trajectory)
+    : first_cost_(1, 0),
+      first_soft_(1, 0),
+      constraint_(problem.constraint_rows()),
+      next_(problem.nx(), problem.knots()),
+      contacts_(problem.knots()) {
+  NodeEvaluation nodes(problem);
+  ContactEvaluation contacts;
+  for (int k = 0; k <= problem.knots(); ++k) {
+    const KnotWorkspace<double>& work = nodes.at(k, trajectory);
+    term_costs_.insert(term_costs_.end(), work.term_costs.begin(), work.term_costs.end());
+    first_cost_.push_back(term_costs_.size());
+    const KnotView& view = problem.knot(k);
+    for (const ConstraintTerm& term : view.model->constraints())
+      soft_costs_.push_back(
+          term.softness == Softness::hard
+              ? 0
+              : soft_cost(term, work.constraint.data() + term.row, view.parameters,
+                          view.model->soft_scale(term, view.cost_scale, trajectory.x(k).data())));
+    first_soft_.push_back(soft_costs_.size());
+    std::copy(work.constraint.begin(), work.constraint.end(),
+              constraint_.data() + problem.constraint_offset(k));
+    if (k == problem.knots()) break;
+    std::copy_n(work.next().begin(), problem.nx(), next_.col(k).data());
+    const MultibodySystem* robot = view.model->system().as_multibody();
+    if (robot == nullptr || robot->contacts().empty()) continue;
+    contacts_[k] = contacts.at(*robot, trajectory.x(k).data(), trajectory.u(k).data());
+  }
+}
+
+bool NodeValues::all_finite() const {
+  return constraint_.allFinite() && next_.allFinite() &&
+         std::ranges::all_of(term_costs_, [](double cost) { return std::isfinite(cost); });
+}
+
+}  // namespace conddp
