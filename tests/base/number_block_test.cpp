@@ -42,6 +42,9 @@ TEST(NumberBlock, SaysHowManyEntriesAndColumnsItHas) {
   std::vector<double> row(3);
   block->copy_row(1, row.data());
   EXPECT_EQ(row, (std::vector<double>{4, 5, 6}));
+  EXPECT_EQ(block->count_nan(), 0u);
+  const OrderedJson some = number_block(std::vector<double>{1, kInfinite, kNone});
+  EXPECT_EQ(NumberBlock::of(some)->count_nan(), 2u);
 }
 
 TEST(NumberBlock, BytesThatAreNoBlockOrNoDocumentAreNeither) {

@@ -42,7 +42,20 @@ TEST(NumberForms, ABlockWithAWrongNumberOrShapeIsNoticed) {
   const OrderedJson blocks = document_of(example, NumberForm::kBlocks);
   const std::vector<double> wrong(7, 0.3);
   OrderedJson changed = blocks;
+  changed["trajectory"]["u"] = with_lists(changed["trajectory"]["u"]);
+  EXPECT_TRUE(example.judge(changed).checks.holds());
   changed["trajectory"]["u"][3] = number_block(wrong);
+  EXPECT_FALSE(example.judge(changed).checks.holds());
+  changed = blocks;
+  const auto controls = NumberBlock::of(blocks["trajectory"]["u"]);
+  ASSERT_TRUE(controls && controls->is_table());
+  std::vector<double> numbers(controls->size() * controls->columns());
+  controls->copy(numbers.data());
+  numbers[10] += 1e-3;
+  changed["trajectory"]["u"] = number_block(controls->size(), controls->columns(), numbers);
+  EXPECT_FALSE(example.judge(changed).checks.holds());
+  changed["trajectory"]["u"] =
+      number_block(controls->columns(), controls->size(), numbers);  // rows and columns swapped
   EXPECT_FALSE(example.judge(changed).checks.holds());
   changed = blocks;
   changed["gains"]["K"][3] = number_block(1, 7, wrong);

@@ -17,11 +17,10 @@ OrderedJson make_block(const Head& head, std::span<const double> numbers) {
   std::vector<std::uint8_t> bytes(sizeof(Head) + numbers.size_bytes());
   std::memcpy(bytes.data(), head.data(), sizeof(Head));
   std::uint8_t* out = bytes.data() + sizeof(Head);
-  for (const double number : numbers) {
-    const double known = std::isfinite(number) ? number : std::numeric_limits<double>::quiet_NaN();
-    std::memcpy(out, &known, sizeof known);
-    out += sizeof known;
-  }
+  if (!numbers.empty()) std::memcpy(out, numbers.data(), numbers.size_bytes());
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  for (std::size_t i = 0; i < numbers.size(); ++i)
+    if (!std::isfinite(numbers[i])) std::memcpy(out + i * sizeof kNone, &kNone, sizeof kNone);
   return OrderedJson::binary(std::move(bytes));
 }
 
@@ -64,14 +63,22 @@ std::optional<NumberBlock> NumberBlock::of(const OrderedJson& value) {
   found.rows_ = head[0];
   found.columns_ = head[1];
   found.numbers_ = bytes.data() + sizeof head;
-  const std::size_t count = found.is_table() ? found.rows_ * found.columns_ : found.columns_;
-  if ((bytes.size() - sizeof head) / sizeof(double) != count) return std::nullopt;
+  if ((bytes.size() - sizeof head) / sizeof(double) != found.count()) return std::nullopt;
   return found;
 }
 
+std::size_t NumberBlock::count_nan() const {
+  std::size_t nan = 0;
+  for (std::size_t i = 0; i < count(); ++i) {
+    double number = 0;
+    std::memcpy(&number, numbers_ + i * sizeof number, sizeof number);
+    nan += std::isnan(number);
+  }
+  return nan;
+}
+
 void NumberBlock::copy(double* out) const {
-  const std::size_t count = is_table() ? rows_ * columns_ : columns_;
-  if (count > 0) std::memcpy(out, numbers_, count * sizeof(double));
+  if (count() > 0) std::memcpy(out, numbers_, count() * sizeof(double));
 }
 
 void NumberBlock::copy_row(std::size_t row, double* out) const {

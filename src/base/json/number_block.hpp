@@ -29,6 +29,8 @@ class NumberBlock {
   bool is_table() const { return rows_ != kList; }
   /// Columns of a table.
   std::size_t columns() const { return columns_; }
+  /// How many of all numbers are not numbers.
+  std::size_t count_nan() const;
   /// All numbers, row by row; `out` has as many.
   void copy(double* out) const;
   /// A row of a table; `out` has as many numbers as there are columns.
@@ -36,6 +38,8 @@ class NumberBlock {
 
  private:
   static constexpr std::size_t kList = 0xffffffff;
+  std::size_t count() const { return is_table() ? rows_ * columns_ : columns_; }
+
   std::size_t rows_ = kList, columns_ = 0;
   const std::uint8_t* numbers_ = nullptr;
   friend OrderedJson number_block(std::span<const double> list);

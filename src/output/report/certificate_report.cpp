@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "base/json/json_object.hpp"
 #include "base/text/diagnostic.hpp"
 #include "base/text/utf8.hpp"
 #include "output/report/contact_report.hpp"
@@ -94,7 +95,9 @@ OrderedJson replay_json(const SolutionCertificate& certificate) {
 namespace {
 
 OrderedJson check_json(const Check& check) {
-  OrderedJson row = {{"name", check.name}, {"holds", check.holds}};
+  OrderedJson row = json_object(7);
+  row["name"] = check.name;
+  row["holds"] = check.holds;
   if (!std::isnan(check.claimed)) row["claimed"] = finite_or_null(check.claimed);
   if (!std::isnan(check.found)) row["found"] = finite_or_null(check.found);
   if (has_figures(check)) row["tolerance"] = finite_or_null(check.tolerance);
@@ -112,9 +115,10 @@ OrderedJson checks_json(const Certificate& certificate) {
 }
 
 OrderedJson certificate_json(const SolutionCertificate& certificate) {
-  OrderedJson json = {{"holds", certificate.checks.holds()},
-                      {"checks", checks_json(certificate.checks)},
-                      {"time_s", certificate.time_s}};
+  OrderedJson json = json_object(8);
+  json["holds"] = certificate.checks.holds();
+  json["checks"] = checks_json(certificate.checks);
+  json["time_s"] = certificate.time_s;
   json["optimality"] = optimality_json(certificate.checks.optimality);
   if (certificate.contacts)
     json["contacts"] = contact_certificate_json(*certificate.contacts, certificate.tangent_names);

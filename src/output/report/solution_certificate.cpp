@@ -50,6 +50,33 @@ Eigen::VectorXd vector(const Json& list, const char* what) {
   return v;
 }
 
+/// Rows of numbers: a block, or a list of lists and of blocks.
+class NumberTable {
+ public:
+  /// `list` is a list or a block, and outlives this.
+  NumberTable(const Json& list, const char* what) : list_(list), what_(what) {
+    if (const auto block = NumberBlock::of(list); block && block->is_table()) block_ = block;
+  }
+
+  void copy_row(int row, Eigen::Ref<Eigen::VectorXd> out) const {
+    if (block_)
+      block_->copy_row(static_cast<std::size_t>(row), out.data());
+    else
+      out = vector(list_[row], what_);
+  }
+  Eigen::VectorXd row(int row) const {
+    if (!block_) return vector(list_[row], what_);
+    Eigen::VectorXd numbers(block_->columns());
+    copy_row(row, numbers);
+    return numbers;
+  }
+
+ private:
+  const Json& list_;
+  const char* what_;
+  std::optional<NumberBlock> block_;
+};
+
 /// Collects what does not fit, and the claims of a document that fits.
 class Reader {
  public:
@@ -215,23 +242,16 @@ class Reader {
   template <class Columns>
   void rows(const std::string& name, const Json& list, int count, Columns columns) {
     size(name, list, count);
-    for (int k = 0; k < std::min<int>(count, static_cast<int>(list.size())); ++k)
-      expect([&] { return fmt::format("{}[{}]", name, k); }, entries_of(list[k]), columns(k));
+    const auto block = NumberBlock::of(list);
+    const bool is_table = block && block->is_table();
+    for (int k = 0; k < std::min(count, static_cast<int>(*entries_of(list))); ++k)
+      expect([&] { return fmt::format("{}[{}]", name, k); },
+             is_table ? block->columns() : entries_of(list[k]), columns(k));
   }
 
   /// How many numbers the file has for the controls of a knot.
   int table_controls(int k) const {
     return controls_.are_some(k) ? controls_.count() : problem_.nu(k);
-  }
-
-  /// The gains of a knot, as lists or as a block.
-  void gain_sizes(const Json& K, int k) {
-    const std::string name = fmt::format("gains.K[{}]", k);
-    const auto block = NumberBlock::of(K);
-    if (!block || !block->is_table())
-      return rows(name, K, table_controls(k), [&](int) { return problem_.ndx(); });
-    size(name, K, table_controls(k));
-    expect([&] { return name + "[0]"; }, block->columns(), problem_.ndx());
   }
 
   void sizes() {
@@ -251,7 +271,7 @@ class Reader {
     check_constraint_list(multipliers);
     const Json& K = at(document_, {"gains", "K"});
     rows("gains.K", K, N, nu);
-    for (int k = 0; fits_ && k < N; ++k) gain_sizes(K[k], k);
+    for (int k = 0; fits_ && k < N; ++k) rows(fmt::format("gains.K[{}]", k), K[k], nu(k), ndx);
     rows("gains.k", at(document_, {"gains", "k"}), N, nu);
     if (fits_) add({"shapes", true, Check::kNone, Check::kNone, Check::kNone, "", ""});
   }
@@ -284,11 +304,20 @@ class Reader {
     SolutionClaims& c = *claims_;
     const int N = problem_.knots();
     const Json& trajectory = at(document_, {"trajectory"});
+    const Json& times = trajectory["t"];
+    const NumberTable x(trajectory["x"], "trajectory.x"), u(trajectory["u"], "trajectory.u");
     for (int k = 0; k <= N; ++k) {
-      c.times.push_back(number(trajectory["t"][k], "trajectory.t"));
-      c.trajectory.x(k) = vector(trajectory["x"][k], "trajectory.x");
-      if (k < N) c.trajectory.u(k) = controls_.own(k, vector(trajectory["u"][k], "trajectory.u"));
+      c.times.push_back(number(times[k], "trajectory.t"));
+      x.copy_row(k, c.trajectory.x(k));
+      if (k < N) copy_controls(u, k, c.trajectory.u(k));
     }
+  }
+  /// A knot's own controls from the row of a table.
+  void copy_controls(const NumberTable& table, int k, Eigen::Ref<Eigen::VectorXd> out) const {
+    if (controls_.are_some(k))
+      out = controls_.own(k, table.row(k));
+    else
+      table.copy_row(k, out);
   }
   void read_figures() {
     SolutionClaims& c = *claims_;
@@ -308,15 +337,16 @@ class Reader {
   void read_multipliers() {
     SolutionClaims& c = *claims_;
     const Json& multipliers = document_["multipliers"];
+    const NumberTable costates(multipliers["costates"], "multipliers.costates"),
+        state_gradient(multipliers["state_gradient"], "multipliers.state_gradient");
     for (int k = 0; k <= problem_.knots(); ++k) {
-      c.costates.col(k) = vector(multipliers["costates"][k], "multipliers.costates");
-      c.state_gradient.col(k) =
-          vector(multipliers["state_gradient"][k], "multipliers.state_gradient");
+      costates.copy_row(k, c.costates.col(k));
+      state_gradient.copy_row(k, c.state_gradient.col(k));
     }
     const auto read_controls = [&](const char* key, std::vector<Eigen::VectorXd>& list) {
       if (!multipliers.contains(key)) return;
-      for (int k = 0; k < problem_.knots(); ++k)
-        list[k] = controls_.own(k, vector(multipliers[key][k], key));
+      const NumberTable table(multipliers.at(key), key);
+      for (int k = 0; k < problem_.knots(); ++k) copy_controls(table, k, list[k]);
     };
     read_controls("control_lower", c.lower_multipliers);
     read_controls("control_upper", c.upper_multipliers);
@@ -343,9 +373,11 @@ class Reader {
   void read_gains() {
     SolutionClaims& c = *claims_;
     const Json& gains = at(document_, {"gains"});
+    const Json& K = gains["K"];
+    const NumberTable feedforward(gains["k"], "gains.k");
     for (int k = 0; k < problem_.knots(); ++k) {
-      c.gains[k] = gains_of_knot(gains["K"][k], k);
-      c.feedforward[k] = controls_.own(k, vector(gains["k"][k], "gains.k"));
+      c.gains[k] = gains_of_knot(K[k], k);
+      copy_controls(feedforward, k, c.feedforward[k]);
     }
     c.gain_regularization = number(at(gains, {"regularization"}), "gains");
     c.gain_regularization_kind = spec_.solver.options.regularization.kind;
@@ -530,20 +562,26 @@ class Reader {
     Check check{"force of " + contact.name};
     const int width = contact.torque ? 6 : 3;
     double worst = -1;
+    const Json missing = "missing";
     for (int k = 0; k < problem_.knots() && check.holds; ++k) {
-      const Json row = k < static_cast<int>(rows.size()) ? rows[k] : Json("missing");
+      const Json& row = k < static_cast<int>(rows.size()) ? rows[k] : missing;
       const auto& wrench = contact.wrench[k];
       check.message = defect_of_force(row, wrench.has_value(), width);
       check.holds = check.message.empty();
-      for (int i = 0; wrench && check.holds && i < width; ++i)
-        compare_force(number(row[i], "contact_forces"), (*wrench)[i], worst, check);
+      if (wrench && check.holds) {
+        const Eigen::VectorXd claimed = vector(row, "contact_forces");
+        for (int i = 0; check.holds && i < width; ++i)
+          compare_force(claimed[i], (*wrench)[i], worst, check);
+      }
       if (!check.holds) check.place = place_text(problem_, k, "");
     }
     return check;
   }
   static const char* defect_of_force(const Json& row, bool held, int width) {
     if (!held) return row.is_null() ? "" : "the contact is not held here";
-    const bool fits = row.is_array() && static_cast<int>(row.size()) == width;
+    const auto block = NumberBlock::of(row);
+    const bool is_list = row.is_array() || (block && !block->is_table());
+    const bool fits = is_list && static_cast<int>(*entries_of(row)) == width;
     return fits ? "" : "a force should stand here";
   }
   /// Where this figure is worse than those before, or wrong, the check is its.

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "base/json/json_object.hpp"
 #include "problem_file/terms/term_residual.hpp"
 
 namespace conddp {
@@ -66,11 +67,12 @@ std::vector<Finding> findings_of(const ProblemSpec& spec, const BuiltProblem& bu
 OrderedJson findings_json(const std::vector<Finding>& findings) {
   OrderedJson list = OrderedJson::array();
   for (const Finding& f : findings) {
-    OrderedJson entry = {{"kind", to_string(f.kind)},
-                         {"subject", f.subject},
-                         {"value", f.value},
-                         {"unit", f.unit},
-                         {"message", f.message}};
+    OrderedJson entry = json_object(8);
+    entry["kind"] = to_string(f.kind);
+    entry["subject"] = f.subject;
+    entry["value"] = f.value;
+    entry["unit"] = f.unit;
+    entry["message"] = f.message;
     if (f.knot >= 0) {
       entry["knot"] = f.knot;
       entry["time_s"] = f.time;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <vector>
 
 #include <fmt/format.h>
@@ -21,16 +22,55 @@
 namespace conddp {
 namespace {
 
-template <class Vector>
-OrderedJson numbers(const Vector& values, NumberForm form) {
-  if (form == NumberForm::kBlocks) {
-    const Eigen::VectorXd list = values;
-    return number_block({list.data(), static_cast<std::size_t>(list.size())});
-  }
+OrderedJson numbers(std::span<const double> values, NumberForm form) {
+  if (form == NumberForm::kBlocks) return number_block(values);
   OrderedJson array = OrderedJson::array();
-  for (Eigen::Index i = 0; i < values.size(); ++i) array.push_back(finite_or_null(values[i]));
+  for (const double value : values) array.push_back(finite_or_null(value));
   return array;
 }
+OrderedJson numbers(const Eigen::Ref<const Eigen::VectorXd>& values, NumberForm form) {
+  return numbers(std::span(values.data(), static_cast<std::size_t>(values.size())), form);
+}
+
+/// Rows of numbers, one behind the other.
+class NumberRows {
+ public:
+  void add(const Eigen::Ref<const Eigen::VectorXd>& row) {
+    numbers_.insert(numbers_.end(), row.data(), row.data() + row.size());
+    ends_.push_back(numbers_.size());
+  }
+  /// The row of a table of all controls, with the numbers of a knot's own ones.
+  void add_controls(const ControlColumns& controls, int knot,
+                    const Eigen::Ref<const Eigen::VectorXd>& own) {
+    if (controls.are_some(knot))
+      add(controls.row(knot, own));
+    else
+      add(own);
+  }
+
+  /// A list of lists; of blocks, one for all rows where these have one length.
+  OrderedJson json(NumberForm form) const {
+    if (form == NumberForm::kBlocks && have_one_length())
+      return number_block(ends_.size(), ends_.empty() ? 0 : ends_.front(), numbers_);
+    OrderedJson rows = OrderedJson::array();
+    std::size_t begin = 0;
+    for (const std::size_t end : ends_) {
+      rows.push_back(numbers(std::span(numbers_).subspan(begin, end - begin), form));
+      begin = end;
+    }
+    return rows;
+  }
+
+ private:
+  bool have_one_length() const {
+    for (std::size_t i = 0; i < ends_.size(); ++i)
+      if (ends_[i] != (i + 1) * ends_.front()) return false;
+    return true;
+  }
+
+  std::vector<double> numbers_;
+  std::vector<std::size_t> ends_;
+};
 
 OrderedJson problem_json(const Solution& s) {
   const InputFiles files = input_files(s.built);
@@ -84,19 +124,13 @@ OrderedJson columns_json(const std::vector<Column>& columns, std::string Column:
   return array;
 }
 
-OrderedJson contact_forces_json(const Solution& s) {
-  OrderedJson json = OrderedJson::object();
+OrderedJson contact_forces_json(const Solution& s, NumberForm form) {
+  OrderedJson json = json_object(s.answer.forces.contacts.size());
   for (const auto& contact : s.answer.forces.contacts) {
     OrderedJson rows = OrderedJson::array();
-    for (const auto& wrench : contact.wrench) {
-      OrderedJson row = nullptr;
-      if (wrench) {
-        row = OrderedJson::array();
-        for (int i = 0; i < (contact.torque ? 6 : 3); ++i)
-          row.push_back(finite_or_null((*wrench)[i]));
-      }
-      rows.push_back(std::move(row));
-    }
+    for (const auto& wrench : contact.wrench)
+      rows.push_back(wrench ? numbers(std::span(*wrench).first(contact.torque ? 6 : 3), form)
+                            : OrderedJson(nullptr));
     json[contact.name] = std::move(rows);
   }
   return json;
@@ -106,54 +140,50 @@ OrderedJson trajectory_json(const Solution& s, NumberForm form) {
   const ShootingProblem& problem = *s.built.problem;
   const Trajectory& trajectory = s.result.trajectory;
   const ControlColumns controls(problem);
-  OrderedJson x = OrderedJson::array(), u = OrderedJson::array();
-  for (int k = 0; k <= problem.knots(); ++k) x.push_back(numbers(trajectory.x(k), form));
-  for (int k = 0; k < problem.knots(); ++k)
-    u.push_back(numbers(controls.row(k, trajectory.u(k)), form));
+  NumberRows x, u;
+  for (int k = 0; k <= problem.knots(); ++k) x.add(trajectory.x(k));
+  for (int k = 0; k < problem.knots(); ++k) u.add_controls(controls, k, trajectory.u(k));
   OrderedJson phases = OrderedJson::array();
   int first = 0;
   for (const Phase& phase : problem.phases()) {
     phases.push_back({{"name", phase.name}, {"first_knot", first}, {"knots", phase.knots()}});
     first += phase.knots();
   }
-  return {{"columns",
-           {{"x", columns_json(s.built.state_columns, &Column::name)},
-            {"u", columns_json(s.built.control_columns, &Column::name)}}},
-          {"units",
-           {{"t", "s"},
-            {"x", columns_json(s.built.state_columns, &Column::unit)},
-            {"u", columns_json(s.built.control_columns, &Column::unit)}}},
-          {"phases", std::move(phases)},
-          {"t", problem.times(trajectory)},
-          {"x", std::move(x)},
-          {"u", std::move(u)},
-          {"contact_forces", contact_forces_json(s)}};
+  OrderedJson json = json_object(7);
+  json["columns"] = {{"x", columns_json(s.built.state_columns, &Column::name)},
+                     {"u", columns_json(s.built.control_columns, &Column::name)}};
+  json["units"] = {{"t", "s"},
+                   {"x", columns_json(s.built.state_columns, &Column::unit)},
+                   {"u", columns_json(s.built.control_columns, &Column::unit)}};
+  json["phases"] = std::move(phases);
+  json["t"] = problem.times(trajectory);
+  json["x"] = x.json(form);
+  json["u"] = u.json(form);
+  json["contact_forces"] = contact_forces_json(s, form);
+  return json;
 }
 
 OrderedJson table(const Eigen::MatrixXd& matrix, NumberForm form) {
-  if (form == NumberForm::kBlocks) {
-    const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> rows = matrix;
-    return number_block(static_cast<std::size_t>(rows.rows()),
-                        static_cast<std::size_t>(rows.cols()),
-                        {rows.data(), static_cast<std::size_t>(rows.size())});
-  }
-  OrderedJson rows = OrderedJson::array();
-  for (Eigen::Index i = 0; i < matrix.rows(); ++i) rows.push_back(numbers(matrix.row(i), form));
-  return rows;
+  const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> by_rows = matrix;
+  NumberRows rows;
+  for (Eigen::Index i = 0; i < by_rows.rows(); ++i) rows.add(by_rows.row(i).transpose());
+  return rows.json(form);
 }
 
 OrderedJson gains_json(const ShootingProblem& problem, const SolveResult& result, NumberForm form) {
   const ControlColumns controls(problem);
-  OrderedJson k = OrderedJson::array(), K = OrderedJson::array();
+  NumberRows k;
+  OrderedJson K = OrderedJson::array();
   for (std::size_t i = 0; i < result.feedback.k.size(); ++i) {
     const int knot = static_cast<int>(i);
-    k.push_back(numbers(controls.row(knot, result.feedback.k[i]), form));
-    K.push_back(table(controls.rows(knot, result.feedback.K[i]), form));
+    k.add_controls(controls, knot, result.feedback.k[i]);
+    K.push_back(controls.are_some(knot) ? table(controls.rows(knot, result.feedback.K[i]), form)
+                                        : table(result.feedback.K[i], form));
   }
   OrderedJson gains = json_object(3);
   gains["regularization"] = nullptr;
   if (result.feedback_regularization) gains["regularization"] = *result.feedback_regularization;
-  gains["k"] = std::move(k);
+  gains["k"] = k.json(form);
   gains["K"] = std::move(K);
   return gains;
 }
@@ -163,24 +193,25 @@ OrderedJson bound_multipliers(const Solution& s, const ControlBounds& bounds, bo
                               NumberForm form) {
   const ShootingProblem& problem = *s.built.problem;
   const ControlColumns controls(problem);
-  OrderedJson rows = OrderedJson::array();
+  NumberRows rows;
+  Eigen::VectorXd row;
   for (int k = 0; k < problem.knots(); ++k) {
-    Eigen::VectorXd row(problem.nu(k));
+    row.resize(problem.nu(k));
     for (int i = 0; i < problem.nu(k); ++i) {
       const double gradient = (upper ? -1 : 1) * s.result.control_gradient[k][i];
       const double u = s.result.trajectory.u(k)[i];
       const bool at_bound = upper ? bounds.at_upper(k, i, u) : bounds.at_lower(k, i, u);
       row[i] = at_bound ? std::max(0.0, gradient) : 0.0;
     }
-    rows.push_back(numbers(controls.row(k, row), form));
+    rows.add_controls(controls, k, row);
   }
-  return rows;
+  return rows.json(form);
 }
 
 OrderedJson matrix_json(const Eigen::MatrixXd& columns, NumberForm form) {
-  OrderedJson rows = OrderedJson::array();
-  for (Eigen::Index k = 0; k < columns.cols(); ++k) rows.push_back(numbers(columns.col(k), form));
-  return rows;
+  NumberRows rows;
+  for (Eigen::Index k = 0; k < columns.cols(); ++k) rows.add(columns.col(k));
+  return rows.json(form);
 }
 
 OrderedJson violations_json(const std::vector<ConstraintViolation>& violations) {
@@ -342,19 +373,8 @@ OrderedJson head(const Solution& s) {
 
 }  // namespace
 
-namespace {
-
-int count_nulls(const NumberBlock& block) {
-  std::vector<double> numbers(block.size() * (block.is_table() ? block.columns() : 1));
-  block.copy(numbers.data());
-  return static_cast<int>(
-      std::count_if(numbers.begin(), numbers.end(), [](double x) { return std::isnan(x); }));
-}
-
-}  // namespace
-
 int count_nulls(const OrderedJson& value) {
-  if (const auto block = NumberBlock::of(value)) return count_nulls(*block);
+  if (const auto block = NumberBlock::of(value)) return static_cast<int>(block->count_nan());
   if (!value.is_structured()) return value.is_null() ? 1 : 0;
   int count = 0;
   for (const OrderedJson& part : value) count += count_nulls(part);

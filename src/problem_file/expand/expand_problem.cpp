@@ -125,8 +125,10 @@ Integrator integrator_of(const ShootingProblem& problem) {
 }
 
 OrderedJson expand_solver(const SolverSpec& solver) {
-  OrderedJson json = {{"name", solver.name.value}};
-  json.update(expand_options(solver.options));
+  const OrderedJson options = expand_options(solver.options);
+  OrderedJson json = json_object(options.size() + 2);  // with the homotopy
+  json["name"] = solver.name.value;
+  json.update(options);
   return json;
 }
 
@@ -168,7 +170,7 @@ std::string modeline(const std::string& text) {
 }  // namespace
 
 OrderedJson expand_options(const SolverOptions& options) {
-  OrderedJson json = OrderedJson::object();
+  OrderedJson json = json_object(option_table().size());
   for (const OptionInfo& info : option_table()) {
     OrderedJson value;
     std::visit([&](const auto& v) { value = v; }, info.get(options));
