@@ -56,7 +56,8 @@ TEST(ScaledCosts, AreSoManyTimesAsLargeAndTheRestStays) {
   const ShootingProblem problem = weighted(3, 5, {1, 2}, 0.7), twice = scale_costs(problem, 2);
   Trajectory trajectory = problem.create_trajectory();
   trajectory.u(0)[0] = 1;
-  const auto costs = cost_by_name(problem, trajectory), scaled = cost_by_name(twice, trajectory);
+  const auto costs = cost_by_name(problem, NodeValues(problem, trajectory));
+  const auto scaled = cost_by_name(twice, NodeValues(twice, trajectory));
   ASSERT_EQ(costs.size(), 3u);
   for (std::size_t i = 0; i < costs.size(); ++i) {
     EXPECT_GT(costs[i].second, 0);

@@ -180,7 +180,7 @@ TEST(ComposedStates, KnotsTakeThePreviousControlBehindTheDurations) {
     EXPECT_EQ(t.x(k)[2], 2.5);
     EXPECT_EQ(t.x(k)[3], k - 1);
   }
-  EXPECT_DOUBLE_EQ(cost_by_name(problem, t)[2].second,
+  EXPECT_DOUBLE_EQ(cost_by_name(problem, NodeValues(problem, t))[2].second,
                    1.5 * ((1 - 0.4) * (1 - 0.4) * 2.5 / 6 + 5 * 2.5 / 6 + 8 * 0.7 / 8));
 }
 
@@ -486,13 +486,13 @@ TEST(ComposedStates, TheCostOfATouchDownDoesNotGrowWithTheDuration) {
   Trajectory t = loaded.built->guess;
   const int own = loaded.built->plant.system->nx(), duration = problem.nu(0) - 1;
   const auto touch_down = [&] {
-    for (const auto& [name, values] : costs_by_node(problem, t))
+    for (const auto& [name, values] : costs_by_node(problem, NodeValues(problem, t)))
       if (name == "swing_foot") return std::pair(values[46], values[45]);
     return std::pair(0.0, 0.0);
   };
   const auto [moment, before] = touch_down();
   EXPECT_GT(moment, 0) << "the foot is not 0.3 m further on";
-  const auto cost = [&] { return cost_by_name(problem, t)[1].second; };
+  const auto cost = [&] { return cost_by_name(problem, NodeValues(problem, t))[1].second; };
   const double effort = cost();
   for (int k = 1; k <= t.knots(); ++k) t.x(k)[own + duration] *= 2;
   EXPECT_DOUBLE_EQ(touch_down().first, moment);
@@ -502,7 +502,8 @@ TEST(ComposedStates, TheCostOfATouchDownDoesNotGrowWithTheDuration) {
     EXPECT_LT(c.error, 1e-6) << "knot " << c.knot << ", row " << c.row << ", column " << c.column;
   const Loaded fixed(given);
   ASSERT_TRUE(fixed.built) << fixed.all();
-  for (const auto& [name, values] : costs_by_node(*fixed.built->problem, fixed.built->guess))
+  for (const auto& [name, values] :
+       costs_by_node(*fixed.built->problem, NodeValues(*fixed.built->problem, fixed.built->guess)))
     if (name == "swing_foot") {
       EXPECT_NEAR(values[46], moment, 1e-9 * moment);
     }

@@ -6,6 +6,7 @@
 
 #include "analysis/certificate/certificate.hpp"
 #include "ocp/problem/by_name.hpp"
+#include "ocp/problem/node_values.hpp"
 #include "solvers/common/control_bounds.hpp"
 
 namespace conddp {
@@ -23,15 +24,17 @@ void claim_bounds(const ShootingProblem& problem, const SolveResult& result,
     }
 }
 
+/// `values` are those of the trajectory of the result.
 SolutionClaims claims_of(const ShootingProblem& problem, const SolveResult& result,
-                         const SolverOptions::Tolerances& tolerances, RegularizationKind kind) {
+                         const NodeValues& values, const SolverOptions::Tolerances& tolerances,
+                         RegularizationKind kind) {
   SolutionClaims claims(problem);
   claims.trajectory = result.trajectory;
   claims.times = problem.times(result.trajectory);
   claims.converged = result.status == SolveStatus::converged;
   claims.status = to_string(result.status);
   claims.cost = result.cost;
-  claims.cost_by_name = cost_by_name(problem, result.trajectory);
+  claims.cost_by_name = cost_by_name(problem, values);
   claims.stationarity = result.residuals.stationarity;
   claims.gap = result.residuals.gap;
   claims.constraint = result.residuals.constraint;
@@ -53,7 +56,9 @@ SolutionClaims claims_of(const ShootingProblem& problem, const SolveResult& resu
 Doubt certificate_doubt(const SolverOptions& options) {
   return [tolerances = options.tolerances, kind = options.regularization.kind](
              const ShootingProblem& problem, const SolveResult& result) {
-    const Certificate certificate = certify(problem, claims_of(problem, result, tolerances, kind));
+    const NodeValues values(problem, result.trajectory);
+    const Certificate certificate =
+        certify(problem, claims_of(problem, result, values, tolerances, kind), values);
     const auto wrong =
         std::ranges::find_if(certificate.checks, [](const Check& c) { return !c.holds; });
     if (wrong == certificate.checks.end()) return std::string();
