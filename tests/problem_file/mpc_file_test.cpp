@@ -550,6 +550,29 @@ TEST(MpcFile, APathSetsWhatThePlantDoesNotSetYet) {
   }
 }
 
+TEST(MpcFile, PartsOfAPlantAreSetByMappingsOrByPaths) {
+  for (const char* plant :
+       {"{system: {mass: 1.5, length: 0.9}}", "{set: {system: {mass: 1.5, length: 0.9}}}",
+        "{set: {system.mass: 1.5, system.length: 0.9}}"}) {
+    const LoadedLoop loop(pendulum_with(
+        std::string("mpc: {horizon: 0.5, tick: 0.1, duration: 1, plant: ") + plant + "}"));
+    ASSERT_TRUE(loop.mpc) << loop.all();
+    const auto& settings = loop.spec->mpc->plant.settings;
+    ASSERT_EQ(settings.size(), 2u);
+    EXPECT_EQ(settings[0].key.value, "system.mass");
+    EXPECT_EQ(settings[1].key.value, "system.length");
+  }
+}
+
+TEST(MpcFile, AConditionWithoutANameIsNamedByItsResidual) {
+  const LoadedLoop loop(
+      pendulum_with("mpc: {horizon: 0.5, tick: 0.1, duration: 1, stop_when: {residual: state, "
+                    "columns: theta, upper: 3}}"));
+  ASSERT_TRUE(loop.mpc) << loop.all();
+  ASSERT_EQ(loop.spec->mpc->stop_when.size(), 1u);
+  EXPECT_EQ(loop.spec->mpc->stop_when[0].function.name.value, "state");
+}
+
 // The controller takes the motor for stronger than it is.
 TEST(MpcFile, APlantHasMotorLimitsOfItsOwn) {
   const std::string mpc =

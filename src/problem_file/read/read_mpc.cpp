@@ -53,15 +53,6 @@ bool is_of_plant(const std::string& key, bool friction) {
   return std::find(std::begin(kPlantParts), std::end(kPlantParts), part) != std::end(kPlantParts);
 }
 
-/// A key without dots with keys below it: 'system: {pole_mass: 0.3}'.
-void report_nested_setting(const Name& key, const YamlReader& value) {
-  const std::vector<YamlNode::Entry>& below = value.node().entries;
-  value.diagnostics().error(key.place,
-                            "keys of 'set' are paths with dots, which replace what they lead to",
-                            fmt::format("write '{}.{}' as one key", key.value,
-                                        below.empty() ? "..." : below.front().key));
-}
-
 void read_plant_setting(const Name& key, const YamlReader& value, MpcPlantSpec& plant) {
   if (!is_of_plant(key.value, plant.simulated_contacts.has_value()))
     value.diagnostics().error(
@@ -69,10 +60,16 @@ void read_plant_setting(const Name& key, const YamlReader& value, MpcPlantSpec& 
         "accepted: keys below system, systems, robot, robots, parameters, tables, gravity and "
         "contacts; friction of contacts only where they are simulated; bounds on the control below "
         "constraints");
-  else if (value.is_map() && first_step(key.value) == key.value)
-    report_nested_setting(key, value);
   else
     plant.settings.push_back(make_setting(key, value.node()));
+}
+
+/// The numbers and words below a part of the plant: `robot: {urdf: heavy.urdf}` sets `robot.urdf`.
+void read_plant_part(const Name& part, const YamlReader& value, MpcPlantSpec& plant) {
+  if (!value.is_map()) return read_plant_setting(part, value, plant);
+  if (const auto entries = value.named_entries())
+    for (const auto& [key, below] : *entries)
+      read_plant_part({part.value + '.' + key.value, key.place}, below, plant);
 }
 
 /// `known`: the kind of contacts is.
@@ -101,22 +98,28 @@ void read_plant_contacts(YamlMap& map, MpcPlantSpec& plant) {
   read_ground(map, simulated.has_value(), plant);
 }
 
-/// Parts of the file that stand in the plant itself, not below its key `set`. They are asked for
-/// only where they stand, so that they are not listed among the accepted keys.
-void report_parts(YamlMap& map) {
-  for (const std::string_view part : kPlantParts)
-    if (part != "contacts" && map.valid() && map.reader().node().find(part) != nullptr)
-      map.find(part)->error("what differs in the plant stands below 'set', by its path",
-                            fmt::format("write 'set: {{{}.KEY: VALUE}}'", part));
+/// Parts of the file that stand in the plant itself, not below its key `set`.
+void read_plant_parts(YamlMap& map, MpcPlantSpec& plant) {
+  for (const char* part : {"system", "robot"})
+    if (const auto r = map.find(part)) {
+      if (r->is_map())
+        read_plant_part({part, r->place()}, *r, plant);
+      else
+        r->expected("a mapping of what differs in the plant");
+    }
 }
 
 MpcPlantSpec read_mpc_plant(const YamlReader& reader) {
   MpcPlantSpec plant{.place = reader.place()};
   YamlMap map(reader, "write '{dt: 0.001}'");
-  report_parts(map);
+  read_plant_parts(map, plant);
   read_plant_contacts(map, plant);
   for_each_entry(map, "set", [&](const Name& key, const YamlReader& value) {
-    read_plant_setting(key, value, plant);
+    // Below a path with dots a mapping replaces what was there.
+    if (first_step(key.value) == key.value)
+      read_plant_part(key, value, plant);
+    else
+      read_plant_setting(key, value, plant);
   });
   if (const auto r = map.find("integrator"))
     if (const auto integrator = r->choice(kIntegratorWords, "integrator"))
@@ -228,22 +231,20 @@ FallbackSpec read_fallback(const YamlReader& reader) {
   return fallback;
 }
 
-/// Whether a reader has conditions by their names; otherwise that is reported.
-bool has_names(const YamlReader& reader) {
-  constexpr const char* kForm = "write '{fallen: {residual: state, columns: theta, upper: 4}}'";
-  if (!reader.is_map()) {
-    reader.expected("a mapping from names to conditions", kForm);
-    return false;
-  }
-  const YamlNode* residual = reader.node().find("residual");
-  if (residual == nullptr || residual->kind != YamlNode::Kind::kScalar) return true;
-  reader.error("the conditions of 'stop_when' have names", kForm);
-  return false;
-}
-
+/// Constraints by their names, or one without: its residual is its name.
 std::vector<ConstraintSpec> read_conditions(const YamlReader& reader,
                                             const std::filesystem::path& folder) {
-  if (!has_names(reader)) return {};
+  if (!reader.is_map()) {
+    reader.expected("a mapping from names to conditions",
+                    "write '{fallen: {residual: state, columns: theta, upper: 4}}'");
+    return {};
+  }
+  const YamlNode* residual = reader.node().find("residual");
+  if (residual != nullptr && residual->kind == YamlNode::Kind::kScalar) {
+    YamlNode named{.kind = YamlNode::Kind::kMap, .mark = reader.node().mark};
+    named.entries.push_back({residual->text, residual->mark, reader.node()});
+    return read_conditions(YamlReader(named, reader.place().path, reader.diagnostics()), folder);
+  }
   ProblemSpec of_states;
   read_constraints(reader, folder, true, of_states);
   for (const ConstraintSpec& condition : of_states.terminal_constraints)
