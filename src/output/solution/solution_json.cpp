@@ -165,6 +165,10 @@ OrderedJson trajectory_json(const Solution& s, NumberForm form) {
 
 OrderedJson table(const Eigen::MatrixXd& matrix, NumberForm form) {
   const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> by_rows = matrix;
+  if (form == NumberForm::kBlocks)
+    return number_block(static_cast<std::size_t>(by_rows.rows()),
+                        static_cast<std::size_t>(by_rows.cols()),
+                        {by_rows.data(), static_cast<std::size_t>(by_rows.size())});
   NumberRows rows;
   for (Eigen::Index i = 0; i < by_rows.rows(); ++i) rows.add(by_rows.row(i).transpose());
   return rows.json(form);
