@@ -143,8 +143,10 @@ TEST(ComposedStates, TheBestDurationIsTheBestOfThoseThatAreGiven) {
           continue;
         }
         EXPECT_NEAR(other.cost, best.cost, 1e-6 * best.cost);
-        const auto own = cost_by_name(*free.built->problem, best.trajectory);
-        const auto given = cost_by_name(*fixed.built->problem, other.trajectory);
+        const auto own =
+            cost_by_name(*free.built->problem, NodeValues(*free.built->problem, best.trajectory));
+        const auto given = cost_by_name(*fixed.built->problem,
+                                        NodeValues(*fixed.built->problem, other.trajectory));
         ASSERT_EQ(own.size(), given.size());
         double sum = 0;
         for (std::size_t i = 0; i < own.size(); ++i) {

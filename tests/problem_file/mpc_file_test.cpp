@@ -755,6 +755,9 @@ TEST(MpcFile, SimulatedContactsHaveAStepAndAnIntegratorOfTheirOwn) {
   EXPECT_FALSE(loop.mpc);
   EXPECT_NE(loop.all().find("simulated contacts need the step of the plant"), std::string::npos);
   EXPECT_NE(loop.all().find("have an integrator of their own"), std::string::npos) << loop.all();
+  const LoadedLoop stepped =
+      trot("duration: 0.1, plant: {contacts: simulated, integrator: rk4, dt: 0.002}");
+  EXPECT_TRUE(stepped.mpc) << stepped.all();
 }
 
 TEST(MpcFile, SimulatedContactsOfAPlantWithOtherNumbersSpeakOfTheLoop) {
