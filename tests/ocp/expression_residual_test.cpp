@@ -183,12 +183,13 @@ TEST(ExpressionResiduals, ConstantRowsAreAllowedWhereTimeCosts) {
 TEST(ExpressionResiduals, TimeIsAParameterUnlessItIsAColumn) {
   const auto system = unicycle();
   const KnotModel model(system, Integrator::rk4);
-  ExpressionResidualText text{.names = knot_names(*system), .rows = {"x - sin(t)"}};
+  ExpressionResidualText text{.names = knot_names(*system),
+                              .rows = {"x - sin(t) + 10*phase_time + 100*final_time"}};
   const auto residual = expression_residual(model, text);
-  EXPECT_EQ(residual->parameter_count(), 2);
+  EXPECT_EQ(residual->parameter_count(), 4);
   EXPECT_TRUE(make_expression_residual(model.manifold(), text).reads_time);
-  EXPECT_NEAR(values_of(*residual, *system, {2, 0, 0}, {0, 0}, {0.25, 0.5})[0],
-              1.75 - std::sin(0.5), 1e-15);
+  EXPECT_NEAR(values_of(*residual, *system, {2, 0, 0}, {0, 0}, {0.25, 0.5, 0.125, 2})[0],
+              1.75 - std::sin(0.5) + 1.25 + 200, 1e-13);
   text.rows = {"x"};
   EXPECT_EQ(expression_residual(model, text)->parameter_count(), 1);
   EXPECT_FALSE(make_expression_residual(model.manifold(), text).reads_time);

@@ -66,6 +66,9 @@ class Judge {
         scale_(scale),
         noise_(std::move(noise)) {}
 
+  /// Of what moves of 10⁻¹³ change, which rounding may change as well.
+  static constexpr double kRoundingMargin = 100;
+
   /// Moves all states and controls by 10⁻¹³ of themselves.
   static void displace(Trajectory& trajectory) {
     constexpr double kMove = 1e-13;
@@ -84,7 +87,7 @@ class Judge {
   /// evaluation of thousands of operations leaves is more than one rounding of its arguments.
   static Noise measure_noise(const ShootingProblem& problem, const SolutionClaims& claims,
                              const NodeValues& nodes) {
-    constexpr double kMargin = 100;
+    constexpr double kMargin = kRoundingMargin;
     SolutionClaims moved = claims;
     displace(moved.trajectory);
     const NodeValues moved_nodes(problem, moved.trajectory);
@@ -539,6 +542,17 @@ Certificate certify(const ShootingProblem& problem, const SolutionClaims& claims
   if (scale == 1) return judge(problem, claims, values, 1);
   const ShootingProblem own = scale_costs(problem, scale);
   return judge(own, scaled(claims, scale), NodeValues(own, claims.trajectory), scale);
+}
+
+double constraint_rounding(const ShootingProblem& problem, const Trajectory& trajectory,
+                           const NodeValues& values) {
+  Trajectory moved = trajectory;
+  Judge::displace(moved);
+  const Eigen::ArrayXd size = values.constraint().array().abs().max(1);
+  const Eigen::ArrayXd change =
+      (values.constraint() - NodeValues(problem, moved).constraint()).array().abs() / size;
+  return Judge::kRoundingMargin *
+         largest_change(change.matrix(), Eigen::VectorXd::Zero(change.size()));
 }
 
 }  // namespace conddp

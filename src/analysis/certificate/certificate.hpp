@@ -51,4 +51,10 @@ Certificate certify(const ShootingProblem& problem, const SolutionClaims& claims
 Certificate certify(const ShootingProblem& problem, const SolutionClaims& claims,
                     const NodeValues& values);
 
+/// What rounding can change in the values of constraint rows at a trajectory, relative to them or
+/// to 1: from all states and controls moved so little that only rounding shows. `values` are those
+/// at the trajectory.
+double constraint_rounding(const ShootingProblem& problem, const Trajectory& trajectory,
+                           const NodeValues& values);
+
 }  // namespace conddp

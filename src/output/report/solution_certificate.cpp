@@ -424,24 +424,35 @@ class Reader {
     const double duration = number(at(document_, {"problem", "duration_s"}), "duration_s");
     compare_number("duration", duration, problem_.times(claims_->trajectory).back(), 1e-12);
     const Eigen::VectorXd& values = values_->constraint();
-    std::vector<Check> worst;  // by name
+    std::vector<Check> checks = compare_values(values);
+    if (!std::ranges::all_of(checks, &Check::holds)) {
+      value_tolerance_ =
+          std::max(kValueTolerance, constraint_rounding(problem_, claims_->trajectory, *values_));
+      checks = compare_values(values);
+    }
+    for (Check& check : checks) add(std::move(check));
+    violations("constraints", violations_by_name(problem_, values));
+    violations("soft_constraints", soft_violations(problem_, claims_->trajectory, values));
+  }
+
+  /// Of each constraint by name, the first row that differs or the last one.
+  std::vector<Check> compare_values(const Eigen::VectorXd& values) {
+    std::vector<Check> checks;
     for (std::size_t i = 0; i < problem_.constraints().size(); ++i) {
       const NodeConstraint& c = problem_.constraints()[i];
       const Json& list = at(at(document_, {"multipliers", "constraints"})[i], {"value"});
       const std::string name = "values of " + named(c);
       size(name, list, c.term->rows);
       const Eigen::VectorXd claimed = vector(list, "value");
-      auto check = std::find_if(worst.begin(), worst.end(),
+      auto check = std::find_if(checks.begin(), checks.end(),
                                 [&](const Check& known) { return known.name == name; });
-      if (check == worst.end()) check = worst.insert(worst.end(), Check{name});
+      if (check == checks.end()) check = checks.insert(checks.end(), Check{name});
       for (int row = 0; row < std::min<int>(c.term->rows, static_cast<int>(claimed.size())); ++row)
         if (check->holds)
-          *check = compared(name, claimed[row], values[c.row + row], kValueTolerance,
+          *check = compared(name, claimed[row], values[c.row + row], value_tolerance_,
                             place_text(problem_, c.node, ""));
     }
-    for (Check& check : worst) add(std::move(check));
-    violations("constraints", violations_by_name(problem_, values));
-    violations("soft_constraints", soft_violations(problem_, claims_->trajectory, values));
+    return checks;
   }
 
   void violations(const char* key, const std::vector<ConstraintViolation>& found) {
@@ -451,7 +462,7 @@ class Reader {
     for (std::size_t i = 0; i < std::min(list.size(), found.size()); ++i) {
       if (!statement(key, at(list[i], {"name"}), found[i].name)) continue;
       const double claimed = number(at(list[i], {"violation"}), "violation");
-      compare_number("violation of " + found[i].name, claimed, found[i].value, kValueTolerance);
+      compare_number("violation of " + found[i].name, claimed, found[i].value, value_tolerance_);
       compare_place(key, at(list[i], {"node"}), found[i], claimed);
     }
   }
@@ -460,7 +471,7 @@ class Reader {
   void compare_place(const char* key, const Json& claimed, const ConstraintViolation& found,
                      double violation) {
     if (claimed == found.node || std::isnan(violation)) return;
-    const double tolerance = kValueTolerance * std::max(1.0, std::abs(found.value));
+    const double tolerance = value_tolerance_ * std::max(1.0, std::abs(found.value));
     if (claimed == -1 && found.value <= tolerance) return;
     const auto is_as_large = [&](const NodeConstraint& c) {
       return claimed == c.node && named(c) == found.name &&
@@ -715,6 +726,8 @@ class Reader {
   static constexpr double kForceTolerance = 1e-9;
   static constexpr double kGridTolerance = 1e-9;
 
+  /// Of values of constraints: larger where rounding asks for it.
+  double value_tolerance_ = kValueTolerance;
   const Json& document_;
   const ProblemSpec& spec_;
   const BuiltProblem& built_;
