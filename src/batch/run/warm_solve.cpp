@@ -5,8 +5,6 @@
 
 #include "analysis/certificate/certificate_doubt.hpp"
 
-#include "analysis/certificate/certificate_doubt.hpp"
-
 namespace conddp {
 namespace {
 
