@@ -10,7 +10,7 @@ set(CONDDP_ocp_FOLDERS terms residuals knot problem evaluation)
 set(CONDDP_nlp_FOLDERS . ipopt)
 set(CONDDP_solvers_FOLDERS
   common linalg riccati iterate constraints globalization ddp ipopt strategies)
-set(CONDDP_analysis_FOLDERS certificate contact findings comparison terminal margins)
+set(CONDDP_analysis_FOLDERS derivatives certificate contact findings comparison terminal margins)
 set(CONDDP_problem_file_FOLDERS yaml spec document data plant values residuals read mesh terms build expand)
 set(CONDDP_output_FOLDERS solution schedule scene mpc report bench)
 set(CONDDP_batch_FOLDERS plan results run cluster)

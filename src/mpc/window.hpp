@@ -71,8 +71,8 @@ class Window {
   /// the plan (PlanTrial). Allocates.
   bool is_improved_by(const SolveResult& answer, const Plan& plan, double tolerance);
   /// Keeps the answer of the last solve, which loses its gains, in a plan that is not this one.
-  /// `spare`, if any, is a plan whose gains nobody needs any more: the next solve gets their
-  /// memory, which caches hold.
+  /// The next solve gets the memory of the gains of `spare`, if any, which caches hold: a plan that
+  /// no policy follows.
   Plan& keep(const SolveResult& answer, const Plan* used, Plan* spare);
 
  private:

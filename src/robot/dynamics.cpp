@@ -84,7 +84,7 @@ void put_mass_row(const RobotModel& model, int i, RobotData<S>& data) {
   }
 }
 
-/// Entries of a row of the factors that are found side by side.
+/// Entries of a row of the factors that are computed together.
 constexpr int kRowWidth = 6;
 
 /// D_i L_ij of a row in the columns of so many degrees of freedom that carry i, and D_i where j is

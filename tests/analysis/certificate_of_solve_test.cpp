@@ -4,44 +4,13 @@
 #include <gtest/gtest.h>
 
 #include "analysis/certificate/certificate.hpp"
+#include "analysis/certificate/certificate_doubt.hpp"
 #include "analysis/certificate/place_text.hpp"
-#include "ocp/problem/by_name.hpp"
-#include "solvers/common/control_bounds.hpp"
 #include "solvers/strategies/registry.hpp"
 #include "support/small_problems.hpp"
 
 namespace conddp {
 namespace {
-
-/// What an answer states, as outputs do.
-SolutionClaims claims_of_answer(const ShootingProblem& problem, const SolveResult& result) {
-  SolutionClaims claims(problem);
-  claims.trajectory = result.trajectory;
-  claims.times = problem.times(result.trajectory);
-  claims.converged = result.status == SolveStatus::converged;
-  claims.status = to_string(result.status);
-  claims.cost = result.cost;
-  claims.cost_by_name = cost_by_name(problem, NodeValues(problem, result.trajectory));
-  claims.stationarity = result.residuals.stationarity;
-  claims.gap = result.residuals.gap;
-  claims.constraint = result.residuals.constraint;
-  claims.complementarity = result.residuals.complementarity;
-  claims.costates = result.costates;
-  claims.state_gradient = result.state_gradient;
-  claims.multipliers = result.constraint_multipliers;
-  const ControlBounds bounds(problem);
-  for (int k = 0; k < problem.knots(); ++k) {
-    for (int i = 0; i < problem.nu(k); ++i) {
-      const double u = result.trajectory.u(k)[i], g = result.control_gradient[k][i];
-      if (bounds.at_lower(k, i, u)) claims.lower_multipliers[k][i] = std::max(0.0, g);
-      if (bounds.at_upper(k, i, u)) claims.upper_multipliers[k][i] = std::max(0.0, -g);
-    }
-  }
-  claims.gains = result.feedback.K;
-  claims.feedforward = result.feedback.k;
-  if (result.feedback_regularization) claims.gain_regularization = *result.feedback_regularization;
-  return claims;
-}
 
 std::string failed_checks(const ShootingProblem& problem, const SolutionClaims& claims) {
   std::string names;
@@ -54,7 +23,7 @@ struct Answer {
   explicit Answer(ShootingProblem of, const char* solver = "box_fddp")
       : problem(std::move(of)),
         result(solve(problem, solver, {}, problem.create_trajectory())),
-        claims(claims_of_answer(problem, result)) {}
+        claims(claims_of(problem, result, NodeValues(problem, result.trajectory), {})) {}
   ShootingProblem problem;
   SolveResult result;
   SolutionClaims claims;

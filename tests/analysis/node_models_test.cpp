@@ -1,10 +1,10 @@
-#include "analysis/certificate/node_models.hpp"
+#include "analysis/derivatives/node_models.hpp"
 
 #include <functional>
 
 #include <gtest/gtest.h>
 
-#include "analysis/certificate/node_hessians.hpp"
+#include "analysis/derivatives/node_hessians.hpp"
 #include "ocp/evaluation/evaluator.hpp"
 #include "support/constrained_problems.hpp"
 #include "support/small_problems.hpp"

@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "analysis/certificate/gains_check.hpp"
-#include "analysis/certificate/node_hessians.hpp"
 #include "analysis/certificate/solution_claims.hpp"
+#include "analysis/derivatives/node_hessians.hpp"
 #include "support/small_problems.hpp"
 
 namespace conddp {

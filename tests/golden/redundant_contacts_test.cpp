@@ -3,7 +3,7 @@
 // soles allow, and next to it they are 12.
 #include <gtest/gtest.h>
 
-#include "analysis/certificate/derivative_check.hpp"
+#include "analysis/derivatives/derivative_check.hpp"
 #include "output/solution/finding_report.hpp"
 #include "support/transcribed_problem.hpp"
 

@@ -4,8 +4,8 @@
 #include <sstream>
 
 #include "analysis/certificate/certificate.hpp"
-#include "analysis/certificate/derivative_check.hpp"
 #include "analysis/certificate/replay.hpp"
+#include "analysis/derivatives/derivative_check.hpp"
 #include "nlp/transcription.hpp"
 #include "ocp/evaluation/evaluator.hpp"
 #include "problem_file/plant/collocation_builder.hpp"

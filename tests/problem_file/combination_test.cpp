@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "analysis/certificate/derivative_check.hpp"
+#include "analysis/derivatives/derivative_check.hpp"
 #include "ocp/evaluation/evaluator.hpp"
 #include "problem_text.hpp"
 #include "solvers/strategies/registry.hpp"

@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "analysis/certificate/derivative_check.hpp"
 #include "analysis/certificate/replay.hpp"
+#include "analysis/derivatives/derivative_check.hpp"
 #include "ocp/evaluation/evaluator.hpp"
 #include "ocp/problem/by_name.hpp"
 #include "problem_text.hpp"
@@ -459,14 +459,7 @@ solver: {name: altro, tolerances: {stationarity: 1.0e-8}}
 /// The hop of a hopper with its swing, whose phases last as long as the solver likes: the cost of
 /// the touch-down is of a moment.
 TEST(ComposedStates, SwingsGoWithFreeDurations) {
-  std::stringstream file;
-  file << std::ifstream(kProblems / "hopper_cycle.yaml").rdbuf();
-  std::string text = file.str();
-  const std::string bounds = ", free_duration: {lower: 0.1, upper: 0.4}}";
-  text = replaced(text, "knots: 20, dt: 0.01, contacts: all}",
-                  "knots: 20, dt: 0.01, contacts: all" + bounds);
-  text = replaced(text, "knots: 25, dt: 0.01}", "knots: 25, dt: 0.01" + bounds);
-  const Loaded loaded(text);
+  const Loaded loaded(hopper_with_free_durations());
   ASSERT_TRUE(loaded.built) << loaded.all();
   for (const DerivativeComparison& c :
        check_derivatives(*loaded.built->problem, loaded.built->guess))

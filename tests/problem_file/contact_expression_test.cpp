@@ -1,7 +1,7 @@
 // Expressions that read forces and velocities of contacts.
 #include <gtest/gtest.h>
 
-#include "analysis/certificate/derivative_check.hpp"
+#include "analysis/derivatives/derivative_check.hpp"
 #include "ocp/residuals/system_columns.hpp"
 #include "problem_text.hpp"
 

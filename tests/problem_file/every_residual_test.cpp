@@ -3,7 +3,7 @@
 // the cost that usually accompanies it.
 #include <gtest/gtest.h>
 
-#include "analysis/certificate/derivative_check.hpp"
+#include "analysis/derivatives/derivative_check.hpp"
 #include "problem_file/residuals/residual_table.hpp"
 #include "problem_text.hpp"
 #include "solvers/strategies/registry.hpp"

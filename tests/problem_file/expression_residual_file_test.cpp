@@ -1,7 +1,7 @@
 // Residuals of expressions in problem files.
 #include <gtest/gtest.h>
 
-#include "analysis/certificate/derivative_check.hpp"
+#include "analysis/derivatives/derivative_check.hpp"
 #include "problem_text.hpp"
 #include "solvers/strategies/registry.hpp"
 

@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "analysis/certificate/derivative_check.hpp"
 #include "analysis/certificate/replay.hpp"
+#include "analysis/derivatives/derivative_check.hpp"
 #include "ocp/evaluation/evaluator.hpp"
 #include "problem_text.hpp"
 #include "solvers/strategies/registry.hpp"
@@ -195,15 +195,8 @@ TEST(FreeDuration, IsTheBestOne) {
 /// A hopper whose hop is periodic, with contacts, flight and an impact, chooses its first state and
 /// how long it pushes, flies and catches itself.
 TEST(FreeDuration, OfAHopperWithContactsAndAnImpact) {
-  std::stringstream file;
-  file << std::ifstream(kProblems / "hopper_cycle.yaml").rdbuf();
-  std::string text = file.str();
-  const std::string bounds = ", free_duration: {lower: 0.1, upper: 0.4}}";
-  text = replaced(text, "knots: 20, dt: 0.01, contacts: all}",
-                  "knots: 20, dt: 0.01, contacts: all" + bounds);
-  text = replaced(text, "knots: 25, dt: 0.01}", "knots: 25, dt: 0.01" + bounds);
-  text = replaced(
-      text,
+  const std::string text = replaced(
+      hopper_with_free_durations(),
       "phases: flight, weight: 100,\n               swing: {height: 0.08, step: [0.3, 0, 0]}}",
       "phases: flight, weight: 0.1, reference: [0, 0, 0.1]}");
   const Loaded loaded(text);

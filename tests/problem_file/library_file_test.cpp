@@ -1,7 +1,7 @@
 // Compiled functions in problem files, beside the same ones in words.
 #include <fstream>
 
-#include "analysis/certificate/derivative_check.hpp"
+#include "analysis/derivatives/derivative_check.hpp"
 #include "base/code_permission.hpp"
 #include "base/files/sha256.hpp"
 #include "problem_file/build/problem_identity.hpp"

@@ -6,9 +6,9 @@
 
 #include <gtest/gtest.h>
 
-#include "analysis/certificate/derivative_check.hpp"
 #include "analysis/certificate/replay.hpp"
 #include "analysis/comparison/random_instance.hpp"
+#include "analysis/derivatives/derivative_check.hpp"
 #include "ocp/evaluation/evaluator.hpp"
 #include "problem_file/mesh/mesh.hpp"
 #include "problem_text.hpp"

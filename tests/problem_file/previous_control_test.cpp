@@ -1,7 +1,7 @@
 // The previous control beside what takes no time: a free initial state, jumps and impulses.
 #include <fstream>
 
-#include "analysis/certificate/derivative_check.hpp"
+#include "analysis/derivatives/derivative_check.hpp"
 #include "problem_text.hpp"
 #include "solvers/strategies/registry.hpp"
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <fstream>
+#include <sstream>
 #include <string>
 #include <string_view>
 
@@ -102,6 +104,16 @@ inline std::string warnings(const std::string& text) {
     if (d.severity == Severity::kWarning)
       lines += fmt::format("{}:{}: {} ({})\n", d.line, d.column, d.message, d.hint);
   return lines;
+}
+
+/// hopper_cycle with free durations of its push and its flight.
+inline std::string hopper_with_free_durations() {
+  std::stringstream file;
+  file << std::ifstream(kProblems / "hopper_cycle.yaml").rdbuf();
+  const std::string bounds = ", free_duration: {lower: 0.1, upper: 0.4}}";
+  const std::string push = replaced(file.str(), "knots: 20, dt: 0.01, contacts: all}",
+                                    "knots: 20, dt: 0.01, contacts: all" + bounds);
+  return replaced(push, "knots: 25, dt: 0.01}", "knots: 25, dt: 0.01" + bounds);
 }
 
 }  // namespace conddp

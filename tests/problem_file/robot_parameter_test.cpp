@@ -1,7 +1,7 @@
 // Masses of payloads that the solver chooses.
 #include <cmath>
 
-#include "analysis/certificate/derivative_check.hpp"
+#include "analysis/derivatives/derivative_check.hpp"
 #include "ocp/evaluation/evaluator.hpp"
 #include "problem_file/expand/expand_problem.hpp"
 #include "problem_text.hpp"

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "analysis/certificate/derivative_check.hpp"
+#include "analysis/derivatives/derivative_check.hpp"
 #include "base/json/ordered_json.hpp"
 #include "problem_file/build/build.hpp"
 

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "analysis/certificate/node_models.hpp"
 #include "analysis/certificate/reduced_gradient.hpp"
+#include "analysis/derivatives/node_models.hpp"
 #include "ocp/evaluation/evaluator.hpp"
 #include "ocp/problem/by_name.hpp"
 #include "ocp/problem/soft_constraint.hpp"

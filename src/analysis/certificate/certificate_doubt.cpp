@@ -6,7 +6,6 @@
 
 #include "analysis/certificate/certificate.hpp"
 #include "ocp/problem/by_name.hpp"
-#include "ocp/problem/node_values.hpp"
 #include "solvers/common/control_bounds.hpp"
 
 namespace conddp {
@@ -24,10 +23,10 @@ void claim_bounds(const ShootingProblem& problem, const SolveResult& result,
     }
 }
 
-/// `values` are those of the trajectory of the result.
+}  // namespace
+
 SolutionClaims claims_of(const ShootingProblem& problem, const SolveResult& result,
-                         const NodeValues& values, const SolverOptions::Tolerances& tolerances,
-                         RegularizationKind kind) {
+                         const NodeValues& values, const SolverOptions& options) {
   SolutionClaims claims(problem);
   claims.trajectory = result.trajectory;
   claims.times = problem.times(result.trajectory);
@@ -39,7 +38,7 @@ SolutionClaims claims_of(const ShootingProblem& problem, const SolveResult& resu
   claims.gap = result.residuals.gap;
   claims.constraint = result.residuals.constraint;
   claims.complementarity = result.residuals.complementarity;
-  claims.tolerances = tolerances;
+  claims.tolerances = options.tolerances;
   claims.costates = result.costates;
   claims.state_gradient = result.state_gradient;
   claim_bounds(problem, result, claims);
@@ -47,18 +46,15 @@ SolutionClaims claims_of(const ShootingProblem& problem, const SolveResult& resu
   claims.gains = result.feedback.K;
   claims.feedforward = result.feedback.k;
   if (result.feedback_regularization) claims.gain_regularization = *result.feedback_regularization;
-  claims.gain_regularization_kind = kind;
+  claims.gain_regularization_kind = options.regularization.kind;
   return claims;
 }
 
-}  // namespace
-
 Doubt certificate_doubt(const SolverOptions& options) {
-  return [tolerances = options.tolerances, kind = options.regularization.kind](
-             const ShootingProblem& problem, const SolveResult& result) {
+  return [options](const ShootingProblem& problem, const SolveResult& result) {
     const NodeValues values(problem, result.trajectory);
     const Certificate certificate =
-        certify(problem, claims_of(problem, result, values, tolerances, kind), values);
+        certify(problem, claims_of(problem, result, values, options), values);
     const auto wrong =
         std::ranges::find_if(certificate.checks, [](const Check& c) { return !c.holds; });
     if (wrong == certificate.checks.end()) return std::string();

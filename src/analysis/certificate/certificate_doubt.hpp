@@ -1,8 +1,15 @@
 #pragma once
 
+#include "analysis/certificate/solution_claims.hpp"
+#include "ocp/problem/node_values.hpp"
 #include "solvers/strategies/registry.hpp"
 
 namespace conddp {
+
+/// What an answer claims, as outputs state it. `values` are those of its trajectory, `options`
+/// those of the solve.
+SolutionClaims claims_of(const ShootingProblem& problem, const SolveResult& result,
+                         const NodeValues& values, const SolverOptions& options);
 
 /// What the certificate of an answer denies that was solved with these options.
 Doubt certificate_doubt(const SolverOptions& options);

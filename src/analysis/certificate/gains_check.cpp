@@ -6,9 +6,9 @@
 #include <fmt/format.h>
 
 #include "analysis/certificate/feasibility.hpp"
-#include "analysis/certificate/node_hessians.hpp"
 #include "analysis/certificate/place_text.hpp"
 #include "analysis/certificate/small_products.hpp"
+#include "analysis/derivatives/node_hessians.hpp"
 
 namespace conddp {
 namespace {

@@ -3,9 +3,9 @@
 #include <vector>
 
 #include "analysis/certificate/check.hpp"
-#include "analysis/certificate/node_derivatives.hpp"
 #include "analysis/certificate/reduced_gradient.hpp"
 #include "analysis/certificate/solution_claims.hpp"
+#include "analysis/derivatives/node_derivatives.hpp"
 
 namespace conddp {
 

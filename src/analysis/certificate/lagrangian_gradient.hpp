@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-#include "analysis/certificate/node_derivatives.hpp"
+#include "analysis/derivatives/node_derivatives.hpp"
 
 namespace conddp {
 

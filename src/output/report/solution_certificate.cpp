@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "analysis/certificate/derivative_check.hpp"
 #include "analysis/certificate/place_text.hpp"
+#include "analysis/derivatives/derivative_check.hpp"
 #include "base/json/number_block.hpp"
 #include "base/json/solution_members.hpp"
 #include "ocp/problem/by_name.hpp"

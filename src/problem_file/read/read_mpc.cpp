@@ -98,7 +98,8 @@ void read_plant_contacts(YamlMap& map, MpcPlantSpec& plant) {
   read_ground(map, simulated.has_value(), plant);
 }
 
-/// Parts of the file that stand in the plant itself, not below its key `set`.
+/// Parts of the file that stand in the plant itself, not below its key `set`. Others are asked for
+/// only where they stand, so that they are not listed among the accepted keys.
 void read_plant_parts(YamlMap& map, MpcPlantSpec& plant) {
   for (const char* part : {"system", "robot"})
     if (const auto r = map.find(part)) {
@@ -107,6 +108,11 @@ void read_plant_parts(YamlMap& map, MpcPlantSpec& plant) {
       else
         r->expected("a mapping of what differs in the plant");
     }
+  for (const std::string_view part : kPlantParts)
+    if (part != "system" && part != "robot" && part != "contacts" && map.valid() &&
+        map.reader().node().find(part) != nullptr)
+      map.find(part)->error("what differs in the plant stands below 'set', by its path",
+                            fmt::format("write 'set: {{{}.KEY: VALUE}}'", part));
 }
 
 MpcPlantSpec read_mpc_plant(const YamlReader& reader) {

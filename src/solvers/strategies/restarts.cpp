@@ -21,9 +21,8 @@ constexpr double kEqualCost = 1e-6;
 /// Trajectories that differ by less than this share of how far they lead are equal: where a cost is
 /// flat to kEqualCost, states are known to about its square root.
 constexpr double kEqualStates = 1e-2;
-/// Restarts after a failure: how many at most, and how far their guesses are apart. Reaches near
-/// the limits of an arm's joints take up to 9 (docs/measurements/hard_cases.md); a tenth of this
-/// spread stays with the same least violation.
+/// Restarts after a failure: how many at most, and how far their guesses are apart: near guesses
+/// lead to the same least violation (docs/measurements/hard_cases.md).
 constexpr int kMostRestarts = 20;
 constexpr double kFarSpread = 1;
 

@@ -1,4 +1,4 @@
-#include "analysis/certificate/node_hessians.hpp"
+#include "analysis/derivatives/node_hessians.hpp"
 
 #include "ocp/evaluation/evaluator.hpp"
 

@@ -1,4 +1,4 @@
-#include "analysis/certificate/node_models.hpp"
+#include "analysis/derivatives/node_models.hpp"
 
 #include <algorithm>
 #include <map>

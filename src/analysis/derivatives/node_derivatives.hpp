@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-#include "analysis/certificate/moving_nodes.hpp"
+#include "analysis/derivatives/moving_nodes.hpp"
 #include "ocp/problem/problem.hpp"
 
 namespace conddp {

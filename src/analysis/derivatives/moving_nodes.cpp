@@ -1,4 +1,4 @@
-#include "analysis/certificate/moving_nodes.hpp"
+#include "analysis/derivatives/moving_nodes.hpp"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "analysis/certificate/derivative_check.hpp"
+#include "analysis/derivatives/derivative_check.hpp"
 
 #include <algorithm>
 #include <cmath>

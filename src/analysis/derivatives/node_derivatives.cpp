@@ -1,4 +1,4 @@
-#include "analysis/certificate/node_derivatives.hpp"
+#include "analysis/derivatives/node_derivatives.hpp"
 
 #include <algorithm>
 
