@@ -26,6 +26,7 @@ TEST_P(NumberForms, SayTheSameAndAreJudgedAlike) {
   const OrderedJson lists = document_of(example, NumberForm::kLists);
   const OrderedJson blocks = document_of(example, NumberForm::kBlocks);
   EXPECT_TRUE(with_lists(blocks) == lists);
+  EXPECT_EQ(json_text(blocks), json_text(lists));
   EXPECT_TRUE(with_lists(unpacked_document(packed_document(blocks))) == lists);
   const OrderedJson certificate = judged(example, lists);
   EXPECT_TRUE(certificate["holds"].get<bool>()) << certificate.dump(1);

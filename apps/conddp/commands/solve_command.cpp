@@ -10,6 +10,7 @@
 #include "arguments/problem_arguments.hpp"
 #include "arguments/shared_arguments.hpp"
 #include "base/files/atomic_file.hpp"
+#include "base/json/number_block.hpp"
 #include "commands/commands.hpp"
 #include "output/report/certificate_report.hpp"
 #include "output/report/solution_certificate.hpp"
@@ -177,7 +178,7 @@ std::vector<std::string> write_files(const SolveArguments& arguments, const Solu
   std::string page;
   if (arguments.report)
     page = report_text(report_data({{.label = std::string(solution.solver.name),
-                                     .document = document,
+                                     .document = with_lists(document),
                                      .spec = &solution.spec,
                                      .built = &solution.built}}));
   const auto folder = output_folder(arguments, solution.spec);
@@ -300,7 +301,7 @@ int solve_file(const SolveArguments& arguments) {
   Solution solution{spec, built, *solver, *result, overrides(arguments), std::move(grids)};
   if (!solution.mesh.empty())
     solution.overrides.push_back(setting_of_grid(solution.mesh.back().factor));
-  OrderedJson document = solution_json(solution);
+  OrderedJson document = solution_json(solution, NumberForm::kBlocks);
   std::optional<SolutionCertificate> certificate;
   if (!arguments.no_verify) {
     certificate = certify_solution(document, spec, built, false);

@@ -7,6 +7,8 @@
 #include <string_view>
 #include <utility>
 
+#include "base/json/number_block.hpp"
+
 namespace conddp {
 namespace {
 
@@ -105,6 +107,32 @@ void append_string(const std::string& string, BadBytes bad, std::string& text) {
     text += OrderedJson(string).dump(-1, ' ', false, bad);
 }
 
+/// A list of some numbers of a block.
+void append_numbers(const NumberBlock& block, std::size_t first, std::size_t count,
+                    std::string& text) {
+  text += '[';
+  for (std::size_t i = first; i < first + count; ++i) {
+    if (i > first) text += ',';
+    append_number(block.number(i), text);
+  }
+  text += ']';
+}
+
+/// What stands before, between and behind the rows of a table.
+struct TableMarks {
+  std::string before, between, behind;
+};
+
+void append_block(const NumberBlock& block, const TableMarks& marks, std::string& text) {
+  if (!block.is_table()) return append_numbers(block, 0, block.size(), text);
+  text += marks.before;
+  for (std::size_t row = 0; row < block.size(); ++row) {
+    if (row > 0) text += marks.between;
+    append_numbers(block, row * block.columns(), block.columns(), text);
+  }
+  text += marks.behind;
+}
+
 /// On one line, without blanks.
 void append_compact(const OrderedJson& value, BadBytes bad, std::string& text) {
   using Type = OrderedJson::value_t;
@@ -121,7 +149,10 @@ void append_compact(const OrderedJson& value, BadBytes bad, std::string& text) {
     case Type::object:
       break;
     default:
-      text += value.dump();
+      if (const auto block = NumberBlock::of(value))
+        append_block(*block, {"[", ",", "]"}, text);
+      else
+        text += value.dump();
       return;
   }
   const bool object = value.is_object();
@@ -140,7 +171,7 @@ void append_compact(const OrderedJson& value, BadBytes bad, std::string& text) {
 
 bool is_flat(const OrderedJson& value) {
   return std::none_of(value.begin(), value.end(),
-                      [](const OrderedJson& part) { return part.is_structured(); });
+                      [](const OrderedJson& part) { return entries_of(part) || part.is_object(); });
 }
 
 /// Objects inside a list are rows of a table.
@@ -151,6 +182,10 @@ bool stays_on_one_line(const OrderedJson& value, bool in_list) {
 
 void write(const OrderedJson& value, int indent, bool in_list, std::string& text) {
   constexpr BadBytes kBad = BadBytes::strict;
+  if (const auto block = NumberBlock::of(value); block && block->size() > 0) {
+    const std::string line = '\n' + std::string(indent, ' ');
+    return append_block(*block, {'[' + line + "  ", ',' + line + "  ", line + ']'}, text);
+  }
   if (stays_on_one_line(value, in_list)) return append_compact(value, kBad, text);
   text += value.is_array() ? "[\n" : "{\n";
   bool first = true;

@@ -69,11 +69,7 @@ std::optional<NumberBlock> NumberBlock::of(const OrderedJson& value) {
 
 std::size_t NumberBlock::count_nan() const {
   std::size_t nan = 0;
-  for (std::size_t i = 0; i < count(); ++i) {
-    double number = 0;
-    std::memcpy(&number, numbers_ + i * sizeof number, sizeof number);
-    nan += std::isnan(number);
-  }
+  for (std::size_t i = 0; i < count(); ++i) nan += std::isnan(number(i));
   return nan;
 }
 

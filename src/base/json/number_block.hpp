@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <optional>
 #include <span>
 #include <string>
@@ -13,8 +14,8 @@ namespace conddp {
 
 /// A list of numbers, or a table of them row by row, as one value of a document: their bytes. A
 /// document with blocks is made, read and stored many times faster than one with lists. JSON has no
-/// blocks: with_lists() turns them into lists. What is not finite is NaN in a block, null in a
-/// list.
+/// blocks: with_lists() turns them into lists, and JSON texts have lists in their place. What is
+/// not finite is NaN in a block, null in a list.
 OrderedJson number_block(std::span<const double> list);
 OrderedJson number_block(std::size_t rows, std::size_t columns, std::span<const double> table);
 
@@ -29,6 +30,12 @@ class NumberBlock {
   bool is_table() const { return rows_ != kList; }
   /// Columns of a table.
   std::size_t columns() const { return columns_; }
+  /// One of all numbers, row by row.
+  double number(std::size_t i) const {
+    double value = 0;
+    std::memcpy(&value, numbers_ + i * sizeof value, sizeof value);
+    return value;
+  }
   /// How many of all numbers are not numbers.
   std::size_t count_nan() const;
   /// All numbers, row by row; `out` has as many.
