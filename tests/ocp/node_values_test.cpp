@@ -36,6 +36,10 @@ TEST(NodeValues, AreWhatEachNodeWrites) {
     const Trajectory t = moved(problem);
     const NodeValues values(problem, t);
     EXPECT_TRUE(values.all_finite());
+    EXPECT_TRUE(values.are_at(moved(problem)));
+    Trajectory other = t;
+    other.u(5)[2] += 1e-15;
+    EXPECT_FALSE(values.are_at(other));
     NodeEvaluation nodes(problem);
     for (int k = 0; k <= problem.knots(); ++k) {
       const KnotWorkspace<double>& work = nodes.at(k, t);

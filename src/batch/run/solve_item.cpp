@@ -143,7 +143,8 @@ SolvedItem solve_item(const ManifestItem& item, const Manifest& manifest,
   OrderedJson document = solution_json(solution, NumberForm::kBlocks);
   if (is_warm && !from_file) name_neighbour(item.parent, *solver, document);
   const double written = seconds();
-  const SolutionCertificate certificate = certify_solution(document, *used.spec, used.built, false);
+  const SolutionCertificate certificate =
+      certify_solution(document, *used.spec, used.built, false, &solution.answer.values);
   const double certified = seconds();
   SolvedItem out{{.id = item.id,
                   .status = std::string(to_string(result.status)),

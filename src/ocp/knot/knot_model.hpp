@@ -318,6 +318,9 @@ class KnotWorkspace {
   AlignedVector<S> constraint_jacobian;  ///< in the order of constraint_pattern()
   /// Whether all of `hessian` behind the lasting entries is zero.
   bool rest_is_zero() const { return rest_is_zero_; }
+  /// What the system wrote last: at the knot's state and control, unless the integrator looks at
+  /// others as well.
+  const SystemData<S>& system() const { return *system_; }
 
  private:
   friend class KnotModel;

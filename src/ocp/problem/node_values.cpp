@@ -12,30 +12,35 @@
 namespace conddp {
 namespace {
 
-/// Evaluates the contacts of systems at a state and a control of a knot: steps may have evaluated
-/// the system at others.
+/// Evaluates the contacts of systems at a state and a control of a knot, where its step has
+/// evaluated the system at others.
 class ContactEvaluation {
  public:
-  std::vector<HeldContact> at(const MultibodySystem& robot, const double* x, const double* u) {
+  const SystemData<double>& at(const MultibodySystem& robot, const double* x, const double* u) {
     auto& data = data_[&robot];
     if (!data) data = robot.create_data(double{});
     robot.evaluate(x, u, *data);
-    const auto& found = static_cast<const MultibodySystem::Data<double>&>(*data).contacts.contacts;
-    std::vector<HeldContact> held;
-    held.reserve(found.size());
-    for (const ContactData<double>& contact : found)
-      held.push_back({contact.world, contact_force_in_world(contact)});
-    return held;
+    return *data;
   }
 
  private:
   std::map<const MultibodySystem*, std::unique_ptr<SystemData<double>>> data_;
 };
 
+std::vector<HeldContact> held_contacts(const SystemData<double>& data) {
+  const auto& found = static_cast<const MultibodySystem::Data<double>&>(data).contacts.contacts;
+  std::vector<HeldContact> held;
+  held.reserve(found.size());
+  for (const ContactData<double>& contact : found)
+    held.push_back({contact.world, contact_force_in_world(contact)});
+  return held;
+}
+
 }  // namespace
 
 NodeValues::NodeValues(const ShootingProblem& problem, const Trajectory& trajectory)
-    : first_cost_(1, 0),
+    : trajectory_(trajectory),
+      first_cost_(1, 0),
       first_soft_(1, 0),
       constraint_(problem.constraint_rows()),
       next_(problem.nx(), problem.knots()),
@@ -60,7 +65,10 @@ NodeValues::NodeValues(const ShootingProblem& problem, const Trajectory& traject
     std::copy_n(work.next().begin(), problem.nx(), next_.col(k).data());
     const MultibodySystem* robot = view.model->system().as_multibody();
     if (robot == nullptr || robot->contacts().empty()) continue;
-    contacts_[k] = contacts.at(*robot, trajectory.x(k).data(), trajectory.u(k).data());
+    contacts_[k] =
+        held_contacts(is_structured(view.model->integrator())
+                          ? work.system()
+                          : contacts.at(*robot, trajectory.x(k).data(), trajectory.u(k).data()));
   }
 }
 

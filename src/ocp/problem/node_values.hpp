@@ -22,6 +22,8 @@ class NodeValues {
  public:
   NodeValues(const ShootingProblem& problem, const Trajectory& trajectory);
 
+  /// Whether the values are those at a trajectory of the same problem.
+  bool are_at(const Trajectory& trajectory) const { return trajectory == trajectory_; }
   /// The scaled cost of each term of a node's model.
   std::span<const double> term_costs(int node) const {
     return std::span(term_costs_)
@@ -42,6 +44,7 @@ class NodeValues {
   bool all_finite() const;
 
  private:
+  Trajectory trajectory_;
   std::vector<double> term_costs_;
   std::vector<std::size_t> first_cost_;  ///< of each node, and the end
   std::vector<double> soft_costs_;

@@ -28,6 +28,9 @@ class Trajectory {
   Eigen::Map<Eigen::VectorXd> u(int k) { return {u_.data() + offset_[k], nu(k)}; }
   Eigen::Map<const Eigen::VectorXd> u(int k) const { return {u_.data() + offset_[k], nu(k)}; }
 
+  /// Of the same shape, with the same numbers: NaN is not the same as NaN.
+  bool operator==(const Trajectory& other) const = default;
+
  private:
   int nx_ = 0;
   std::vector<int> offset_{0};

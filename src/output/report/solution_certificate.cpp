@@ -80,12 +80,15 @@ class NumberTable {
 /// Collects what does not fit, and the claims of a document that fits.
 class Reader {
  public:
-  Reader(const Json& document, const ProblemSpec& spec, const BuiltProblem& built)
+  Reader(const Json& document, const ProblemSpec& spec, const BuiltProblem& built,
+         const NodeValues* written)
       : document_(document),
         spec_(spec),
         built_(built),
         problem_(*built.problem),
-        controls_(problem_) {}
+        controls_(problem_),
+        is_written_here_(written != nullptr),
+        values_(written) {}
 
   SolutionCertificate judge(bool with_replay) {
     const auto began = std::chrono::steady_clock::now();
@@ -128,7 +131,9 @@ class Reader {
   }
 
   void compare() {
-    add(configuration_check(at(document_, {"problem", "configuration"}), spec_, built_));
+    const Json& configuration = at(document_, {"problem", "configuration"});
+    add(is_written_here_ ? Check{"configuration", true}
+                         : configuration_check(configuration, spec_, built_));
     statement("name", at(document_, {"problem", "name"}), spec_.name.value);
     statement("solver", at(document_, {"solver"}), solver_name());
     statement("options", with_present_names(at(document_, {"problem", "options"})),
@@ -144,7 +149,8 @@ class Reader {
     if (!fits_) return;
     claims_.emplace(problem_);
     read_claims();
-    values_.emplace(problem_, claims_->trajectory);
+    if (values_ == nullptr || !values_->are_at(claims_->trajectory))
+      values_ = &own_values_.emplace(problem_, claims_->trajectory);
     const Certificate numbers = certify(problem_, *claims_, *values_);
     certificate_.optimality = numbers.optimality;
     certificate_.checks.insert(certificate_.checks.end(), numbers.checks.begin(),
@@ -733,8 +739,10 @@ class Reader {
   const BuiltProblem& built_;
   const ShootingProblem& problem_;
   const ControlColumns controls_;
+  const bool is_written_here_;
   std::optional<SolutionClaims> claims_;
-  std::optional<NodeValues> values_;  ///< at the trajectory of the claims
+  const NodeValues* values_;  ///< at the trajectory of the claims, once they are read
+  std::optional<NodeValues> own_values_;
   Certificate certificate_;
   std::string grid_warning_;
   bool fits_ = true;
@@ -743,8 +751,9 @@ class Reader {
 }  // namespace
 
 SolutionCertificate certify_solution(const OrderedJson& document, const ProblemSpec& spec,
-                                     const BuiltProblem& built, bool with_replay) {
-  return Reader(document, spec, built).judge(with_replay);
+                                     const BuiltProblem& built, bool with_replay,
+                                     const NodeValues* written) {
+  return Reader(document, spec, built, written).judge(with_replay);
 }
 
 }  // namespace conddp

@@ -23,8 +23,12 @@ struct SolutionCertificate {
 /// Judges the document of a solution against its problem: configuration, shapes and names,
 /// options, dropped constraints, contact forces and the log, and everything that certify() and
 /// contact_checks() judge; if asked for, plays it back on a finer grid, too. Where shapes do not
-/// fit, nothing else is compared. Throws MalformedSolution where the document lacks keys.
+/// fit, nothing else is compared. Throws MalformedSolution where the document lacks keys. `written`
+/// belongs to a document that this process has just written from the same spec and built problem:
+/// its configuration is theirs, and nodes are not evaluated again where the document has the
+/// trajectory of these values.
 SolutionCertificate certify_solution(const OrderedJson& document, const ProblemSpec& spec,
-                                     const BuiltProblem& built, bool with_replay);
+                                     const BuiltProblem& built, bool with_replay,
+                                     const NodeValues* written = nullptr);
 
 }  // namespace conddp

@@ -4,9 +4,9 @@
 
 namespace conddp {
 
-Answer::Answer(const ProblemSpec& spec, const BuiltProblem& built, const SolveResult& result,
-               const NodeValues& values)
-    : costs(cost_by_name(*built.problem, values)),
+Answer::Answer(const ProblemSpec& spec, const BuiltProblem& built, const SolveResult& result)
+    : values(*built.problem, result.trajectory),
+      costs(cost_by_name(*built.problem, values)),
       violations(violations_by_name(*built.problem, result.constraint_values)),
       soft_violations(
           conddp::soft_violations(*built.problem, result.trajectory, result.constraint_values)),

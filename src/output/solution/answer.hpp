@@ -14,11 +14,11 @@
 namespace conddp {
 
 /// What follows from the result of a solve by the names of its problem's file, computed once for
-/// all outputs. The certificate does not read it: it computes its own.
+/// all outputs. The certificate reads none of it but the values of the nodes, and computes its own.
 struct Answer {
-  Answer(const ProblemSpec& spec, const BuiltProblem& built, const SolveResult& result)
-      : Answer(spec, built, result, NodeValues(*built.problem, result.trajectory)) {}
+  Answer(const ProblemSpec& spec, const BuiltProblem& built, const SolveResult& result);
 
+  NodeValues values;                                  ///< at the trajectory
   std::vector<std::pair<std::string, double>> costs;  ///< cost_by_name()
   std::vector<ConstraintViolation> violations;        ///< violations_by_name()
   std::vector<ConstraintViolation> soft_violations;
@@ -26,10 +26,6 @@ struct Answer {
   Diagnosis diagnosis;
   std::vector<Finding> findings;
   ContactForces forces;
-
- private:
-  Answer(const ProblemSpec& spec, const BuiltProblem& built, const SolveResult& result,
-         const NodeValues& values);
 };
 
 }  // namespace conddp
