@@ -122,12 +122,14 @@ void AtomicFiles::add(const std::filesystem::path& name, const std::string& cont
   Descriptor descriptor(::dup(lock));
   if (descriptor.get() < 0) fail(file, errno);
   if (!write_all(descriptor.get(), contents)) fail(file, errno);
-  // Pipes and the like cannot be flushed to a disk, which is no defect.
-  if (::fsync(descriptor.get()) != 0 && errno != EINVAL && errno != ENOTSUP) fail(file, errno);
   if (!descriptor.close()) fail(file, errno);
 }
 
 void AtomicFiles::commit() {
+  // All at the end: a disk takes several files in little more time than one. Pipes and the like
+  // cannot be flushed to it, which is no defect.
+  for (const Pending& p : pending_)
+    if (::fsync(p.lock) != 0 && errno != EINVAL && errno != ENOTSUP) fail(p.file, errno);
   for (Pending& p : pending_) {
     const std::filesystem::path former = temporary_name(p.file, "former");
     if (::link(p.file.c_str(), former.c_str()) == 0) p.former = former;
