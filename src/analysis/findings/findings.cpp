@@ -155,11 +155,11 @@ class Search {
     const MultibodySystem* robot = problem_.knot(k).model->system().robot_inside();
     if (robot == nullptr || problem_.takes_no_time(k)) return;
     const Actuation& actuation = robot->actuation();
+    if (robot != efforts_of_) find_efforts(*robot);
     const double step = times_[k + 1] - times_[k];
     for (int i = 0; i < actuation.nu; ++i) {
-      Effort& effort = efforts_[actuation.columns[i].name];
+      Effort& effort = *effort_[i];
       effort.all += step;
-      effort.unit = actuation.columns[i].unit;
       const auto limit = [&](double u) { return u > 0 ? actuation.upper[i] : actuation.lower[i]; };
       const double begin = control_at_beginning(k, i), end = trajectory_.u(k)[i];
       // Linear controls stay at a limit where both ends of the knot are at it.
@@ -167,6 +167,16 @@ class Search {
           begin == end || (is_at(begin, limit(begin)) && begin * end > 0 && is_at(end, limit(end)));
       effort.meet(begin, limit(begin), stays ? step : 0, k);
       if (begin != end) effort.meet(end, limit(end), 0, k + 1);
+    }
+  }
+
+  /// Looks up those of a robot's actuators: phases with other contacts have other systems.
+  void find_efforts(const MultibodySystem& robot) {
+    efforts_of_ = &robot;
+    effort_.clear();
+    for (const Column& column : robot.actuation().columns) {
+      effort_.push_back(&efforts_[column.name]);
+      effort_.back()->unit = column.unit;
     }
   }
 
@@ -500,6 +510,8 @@ class Search {
   NodeEvaluation nodes_;
   const KnotWorkspace<double>* evaluated_ = nullptr;  ///< of the last node
   std::map<std::string, Effort> efforts_;
+  const MultibodySystem* efforts_of_ = nullptr;
+  std::vector<Effort*> effort_;  ///< of the actuators of that robot
   /// By table, point at the end, and whether that is the last one.
   std::map<std::tuple<std::string, double, bool>, BeyondEnd> ranges_;
   std::vector<Finding> list_;
