@@ -6,6 +6,7 @@
 #include "problem_file/document/unused_names.hpp"
 #include "problem_file/spec/expression_source.hpp"
 #include "problem_file/yaml/key_path.hpp"
+#include "problem_file/yaml/path_step.hpp"
 #include "systems/expressions/parser.hpp"
 
 namespace conddp {
@@ -32,7 +33,7 @@ class ParameterPlacer {
     for (YamlNode::Entry& entry : parameters.entries) {
       const std::string path = "parameters." + entry.key;
       const int errors = out_.error_count();
-      replace(entry.value, path);
+      place_values(entry.value, path);
       const YamlReader value(entry.value, path, out_);
       const Place place{entry.mark, path};
       if (std::string defect = scope_.defect_of(entry.key); !defect.empty())
@@ -60,16 +61,24 @@ class ParameterPlacer {
   const std::vector<FreeParameter>& free() const { return free_; }
 
   /// Puts values in the place of what begins with '=', here and below.
-  void replace(YamlNode& node, const std::string& path) {
-    if (is_formula(node)) return put_value(node, path);
-    const std::string before = path.empty() ? "" : path + ".";
-    for (std::size_t i = 0; i < node.items.size(); ++i)
-      replace(node.items[i], before + std::to_string(i));
-    for (YamlNode::Entry& entry : node.entries)
-      if (!path.empty() || !is_for_people(entry.key)) replace(entry.value, before + entry.key);
-  }
+  void place_values(YamlNode& node, std::string path) { replace(node, path); }
 
  private:
+  /// `path` is as before when this returns.
+  void replace(YamlNode& node, std::string& path) {
+    if (is_formula(node)) return put_value(node, path);
+    const bool is_root = path.empty();
+    for (std::size_t i = 0; i < node.items.size(); ++i) {
+      const PathStep step(path, i);
+      replace(node.items[i], path);
+    }
+    for (YamlNode::Entry& entry : node.entries) {
+      if (is_root && is_for_people(entry.key)) continue;
+      const PathStep step(path, entry.key);
+      replace(entry.value, path);
+    }
+  }
+
   static bool is_for_people(std::string_view key) { return key == "name" || key == "description"; }
 
   static std::optional<ParameterValue> read_value(const YamlReader& reader) {
@@ -140,7 +149,7 @@ ExpressionNamesSpec place_parameters(YamlNode& root, Diagnostics& out) {
   ParameterPlacer placer(out);
   ExpressionNamesSpec names;
   if (YamlNode* parameters = find_part(root, "parameters")) names = placer.read(*parameters);
-  if (!out.has_errors()) placer.replace(root, "");
+  if (!out.has_errors()) placer.place_values(root, "");
   if (!out.has_errors()) place_free_parameters(placer.free(), root, out);
   return names;
 }

@@ -1,11 +1,13 @@
 #include "problem_file/document/unused_names.hpp"
 
+#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
 
 #include <fmt/format.h>
 
+#include "problem_file/yaml/path_step.hpp"
 #include "systems/expressions/lexer.hpp"
 
 namespace conddp {
@@ -47,18 +49,24 @@ class UsedWords {
 
 class UnusedNames {
  public:
-  UnusedNames(const YamlNode& root, Diagnostics& out) : used_(root), out_(out) {
+  UnusedNames(const YamlNode& root, Diagnostics& out) : root_(root), out_(out) {
     for (const YamlNode::Entry& entry : root.entries) {
       if (entry.key == "parameters") look_at_free(entry.value);
       if (entry.key == "systems") look_at_systems(entry.value, root.find("phases"));
     }
-    look_at(root, "");
+    look_at(root);
   }
 
  private:
+  /// Most documents define no names, and need no list of their words.
+  bool is_used(const std::string& name) {
+    if (!used_) used_.emplace(root_);
+    return used_->has(name);
+  }
+
   void look_at_free(const YamlNode& parameters) {
     for (const YamlNode::Entry& entry : parameters.entries)
-      if (entry.value.kind == YamlNode::Kind::kMap && !used_.has(entry.key))
+      if (entry.value.kind == YamlNode::Kind::kMap && !is_used(entry.key))
         out_.warning(
             {entry.mark, "parameters." + entry.key},
             fmt::format("'{}' is free, and occurs in no equation, residual or payload", entry.key));
@@ -76,25 +84,29 @@ class UnusedNames {
   }
 
   /// Tables, definitions and named residuals, here and below.
-  void look_at(const YamlNode& node, const std::string& path) {
-    for (std::size_t i = 0; i < node.items.size(); ++i)
-      look_at(node.items[i], fmt::format("{}.{}", path, i));
+  void look_at(const YamlNode& node) {
+    for (std::size_t i = 0; i < node.items.size(); ++i) {
+      const PathStep step(path_, i);
+      look_at(node.items[i]);
+    }
     for (const YamlNode::Entry& entry : node.entries) {
-      const std::string below = path.empty() ? entry.key : path + "." + entry.key;
+      const PathStep step(path_, entry.key);
       if (entry.key == "tables" || entry.key == "let" || entry.key == "of")
-        look_at_definitions(entry.value, below);
-      look_at(entry.value, below);
+        look_at_definitions(entry.value);
+      look_at(entry.value);
     }
   }
 
-  void look_at_definitions(const YamlNode& definitions, const std::string& path) {
+  void look_at_definitions(const YamlNode& definitions) {
     for (const YamlNode::Entry& entry : definitions.entries)
-      if (!used_.has(entry.key))
-        out_.warning({entry.mark, path + "." + entry.key},
+      if (!is_used(entry.key))
+        out_.warning({entry.mark, path_ + "." + entry.key},
                      fmt::format("nothing uses '{}'", entry.key));
   }
 
-  UsedWords used_;
+  const YamlNode& root_;
+  std::optional<UsedWords> used_;
+  std::string path_;  ///< of the node that is looked at
   Diagnostics& out_;
 };
 
