@@ -122,8 +122,8 @@ class Worker {
 
 bool answer(int descriptor, const SolvedItem& solved) {
   const std::string result = result_line(solved.result);
-  return write_all(descriptor, frame_line({result.size(), solved.solution.size()})) &&
-         write_all(descriptor, result) && write_all(descriptor, solved.solution);
+  return write_all(descriptor, frame_line({result.size(), solved.solution.size()}) + result) &&
+         write_all(descriptor, solved.solution);
 }
 
 }  // namespace
