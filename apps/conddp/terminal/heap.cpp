@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <cstdlib>
+#include <new>
 
 #include <malloc.h>
 #include <sys/mman.h>
@@ -38,3 +39,24 @@ void prepare_heap() {
 }
 
 }  // namespace conddp
+
+// The C library cuts aligned blocks out of larger ones, which takes longer than plain blocks and
+// leaves splinters of the heap behind. Here they lie in plain blocks, the pointer to which stands
+// before what is handed out: that is at least 16 bytes into the block, as alignments that are asked
+// for are multiples of 32 and plain blocks are aligned to 16.
+
+void* operator new(std::size_t size, std::align_val_t alignment) {
+  const auto step = static_cast<std::size_t>(alignment);
+  void* const block = ::operator new(size + step);
+  const auto place = (reinterpret_cast<std::uintptr_t>(block) + step) & ~(step - 1);
+  reinterpret_cast<void**>(place)[-1] = block;
+  return reinterpret_cast<void*>(place);
+}
+
+void operator delete(void* place, std::align_val_t) noexcept {
+  if (place != nullptr) ::operator delete(static_cast<void**>(place)[-1]);
+}
+
+void operator delete(void* place, std::size_t, std::align_val_t alignment) noexcept {
+  ::operator delete(place, alignment);
+}
