@@ -63,10 +63,9 @@ TEST(NumberForms, ABlockWithAWrongNumberOrShapeIsNoticed) {
   EXPECT_FALSE(example.judge(changed).checks.holds());
 }
 
-TEST(NumberForms, ValuesOfTheWriterServeTheTrajectoryOfTheDocumentAlone) {
+TEST(NumberForms, TheAnswerOfTheWriterServesTheTrajectoryOfTheDocumentAlone) {
   const SolvedExample example("hopper_jump");
-  const ShootingProblem& problem = *example.built.problem;
-  const auto certificate_with = [&](const OrderedJson& document, const NodeValues& written) {
+  const auto certificate_with = [&](const OrderedJson& document, const Answer& written) {
     OrderedJson certificate =
         certificate_json(certify_solution(document, example.spec, example.built, false, &written));
     certificate.erase("time_s");
@@ -75,10 +74,10 @@ TEST(NumberForms, ValuesOfTheWriterServeTheTrajectoryOfTheDocumentAlone) {
   const OrderedJson blocks = document_of(example, NumberForm::kBlocks);
   const OrderedJson certificate = judged(example, blocks);
   EXPECT_TRUE(certificate["holds"].get<bool>());
-  Trajectory other = example.result->trajectory;
-  other.u(3)[0] += 1;
-  EXPECT_EQ(certificate_with(blocks, NodeValues(problem, example.result->trajectory)), certificate);
-  EXPECT_EQ(certificate_with(blocks, NodeValues(problem, other)), certificate);
+  SolveResult other = *example.result;
+  other.trajectory.u(3)[0] += 1;
+  for (const SolveResult& result : {*example.result, other})
+    EXPECT_EQ(certificate_with(blocks, Answer(example.spec, example.built, result)), certificate);
 }
 
 }  // namespace

@@ -304,7 +304,7 @@ int solve_file(const SolveArguments& arguments) {
   OrderedJson document = solution_json(solution, NumberForm::kBlocks);
   std::optional<SolutionCertificate> certificate;
   if (!arguments.no_verify) {
-    certificate = certify_solution(document, spec, built, false, &solution.answer.values);
+    certificate = certify_solution(document, spec, built, false, &solution.answer);
     add_certificate(certificate_json(*certificate), document);
   }
   print_answer(arguments, solution, certificate ? &*certificate : nullptr,

@@ -144,7 +144,7 @@ SolvedItem solve_item(const ManifestItem& item, const Manifest& manifest,
   if (is_warm && !from_file) name_neighbour(item.parent, *solver, document);
   const double written = seconds();
   const SolutionCertificate certificate =
-      certify_solution(document, *used.spec, used.built, false, &solution.answer.values);
+      certify_solution(document, *used.spec, used.built, false, &solution.answer);
   const double certified = seconds();
   SolvedItem out{{.id = item.id,
                   .status = std::string(to_string(result.status)),

@@ -81,14 +81,13 @@ class NumberTable {
 class Reader {
  public:
   Reader(const Json& document, const ProblemSpec& spec, const BuiltProblem& built,
-         const NodeValues* written)
+         const Answer* written)
       : document_(document),
         spec_(spec),
         built_(built),
         problem_(*built.problem),
         controls_(problem_),
-        is_written_here_(written != nullptr),
-        values_(written) {}
+        written_(written) {}
 
   SolutionCertificate judge(bool with_replay) {
     const auto began = std::chrono::steady_clock::now();
@@ -98,7 +97,9 @@ class Reader {
     if (with_replay && claims_)
       result.replay = replay(problem_, claims_->trajectory, claims_->gains);
     result.contacts = judge_contacts(with_replay);
-    if (claims_) result.findings = findings_of(spec_, built_, claims_->trajectory, *values_);
+    if (claims_)
+      result.findings = own_values_ ? findings_of(spec_, built_, claims_->trajectory, *values_)
+                                    : written_->findings;
     findings(result.findings);
     nulls();
     former_certificate();
@@ -132,8 +133,8 @@ class Reader {
 
   void compare() {
     const Json& configuration = at(document_, {"problem", "configuration"});
-    add(is_written_here_ ? Check{"configuration", true}
-                         : configuration_check(configuration, spec_, built_));
+    add(written_ ? Check{"configuration", true}
+                 : configuration_check(configuration, spec_, built_));
     statement("name", at(document_, {"problem", "name"}), spec_.name.value);
     statement("solver", at(document_, {"solver"}), solver_name());
     statement("options", with_present_names(at(document_, {"problem", "options"})),
@@ -149,8 +150,8 @@ class Reader {
     if (!fits_) return;
     claims_.emplace(problem_);
     read_claims();
-    if (values_ == nullptr || !values_->are_at(claims_->trajectory))
-      values_ = &own_values_.emplace(problem_, claims_->trajectory);
+    const bool is_answer = written_ != nullptr && written_->values.are_at(claims_->trajectory);
+    values_ = is_answer ? &written_->values : &own_values_.emplace(problem_, claims_->trajectory);
     const Certificate numbers = certify(problem_, *claims_, *values_);
     certificate_.optimality = numbers.optimality;
     certificate_.checks.insert(certificate_.checks.end(), numbers.checks.begin(),
@@ -739,10 +740,10 @@ class Reader {
   const BuiltProblem& built_;
   const ShootingProblem& problem_;
   const ControlColumns controls_;
-  const bool is_written_here_;
+  const Answer* const written_;  ///< null of a document that comes from elsewhere
   std::optional<SolutionClaims> claims_;
-  const NodeValues* values_;  ///< at the trajectory of the claims, once they are read
-  std::optional<NodeValues> own_values_;
+  const NodeValues* values_ = nullptr;    ///< at the trajectory of the claims, once they are read
+  std::optional<NodeValues> own_values_;  ///< unless they are those of what was written
   Certificate certificate_;
   std::string grid_warning_;
   bool fits_ = true;
@@ -752,7 +753,7 @@ class Reader {
 
 SolutionCertificate certify_solution(const OrderedJson& document, const ProblemSpec& spec,
                                      const BuiltProblem& built, bool with_replay,
-                                     const NodeValues* written) {
+                                     const Answer* written) {
   return Reader(document, spec, built, written).judge(with_replay);
 }
 

@@ -4,6 +4,7 @@
 #include "analysis/contact/contact_certificate.hpp"
 #include "analysis/findings/findings.hpp"
 #include "base/json/ordered_json.hpp"
+#include "output/solution/answer.hpp"
 #include "problem_file/build/build.hpp"
 
 namespace conddp {
@@ -23,12 +24,12 @@ struct SolutionCertificate {
 /// Judges the document of a solution against its problem: configuration, shapes and names,
 /// options, dropped constraints, contact forces and the log, and everything that certify() and
 /// contact_checks() judge; if asked for, plays it back on a finer grid, too. Where shapes do not
-/// fit, nothing else is compared. Throws MalformedSolution where the document lacks keys. `written`
-/// belongs to a document that this process has just written from the same spec and built problem:
-/// its configuration is theirs, and nodes are not evaluated again where the document has the
-/// trajectory of these values.
+/// fit, nothing else is compared. Throws MalformedSolution where the document lacks keys.
+/// `written`: the answer of which this process has just written the document, from the same spec
+/// and built problem. The document's configuration is theirs then, and where it has the trajectory
+/// of the answer, nodes are not evaluated again and findings not looked for again.
 SolutionCertificate certify_solution(const OrderedJson& document, const ProblemSpec& spec,
                                      const BuiltProblem& built, bool with_replay,
-                                     const NodeValues* written = nullptr);
+                                     const Answer* written = nullptr);
 
 }  // namespace conddp

@@ -14,7 +14,8 @@
 namespace conddp {
 
 /// What follows from the result of a solve by the names of its problem's file, computed once for
-/// all outputs. The certificate reads none of it but the values of the nodes, and computes its own.
+/// all outputs. The certificate in the same process takes the values of the nodes and the findings
+/// in them from here, if its trajectory is the same; everything else it computes itself.
 struct Answer {
   Answer(const ProblemSpec& spec, const BuiltProblem& built, const SolveResult& result);
 
