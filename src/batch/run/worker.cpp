@@ -122,8 +122,9 @@ class Worker {
 
 bool answer(int descriptor, const SolvedItem& solved) {
   const std::string result = result_line(solved.result);
-  return write_all(descriptor, frame_line({result.size(), solved.solution.size()}) + result) &&
-         write_all(descriptor, solved.solution);
+  // In one piece, so that the process that reads wakes up once.
+  return write_all(descriptor,
+                   frame_line({result.size(), solved.solution.size()}) + result + solved.solution);
 }
 
 }  // namespace

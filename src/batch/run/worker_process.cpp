@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstring>
+#include <utility>
 
 #include <fcntl.h>
 #include <spawn.h>
@@ -86,6 +87,7 @@ void WorkerProcess::write_some() {
 }
 
 bool WorkerProcess::read_some() {
+  unread_.erase(0, std::exchange(taken_, 0));
   char buffer[1 << 16];
   for (;;) {
     const ssize_t length = ::read(output_, buffer, sizeof buffer);
@@ -99,14 +101,15 @@ bool WorkerProcess::read_some() {
 }
 
 std::optional<WorkerProcess::Answer> WorkerProcess::take_answer() {
-  const std::size_t end = unread_.find('\n');
-  if (end == std::string::npos || unanswered_.empty()) return std::nullopt;
-  const AnswerFrame frame = parse_frame(std::string_view(unread_).substr(0, end));
+  const std::string_view left = std::string_view(unread_).substr(taken_);
+  const std::size_t end = left.find('\n');
+  if (end == left.npos || unanswered_.empty()) return std::nullopt;
+  const AnswerFrame frame = parse_frame(left.substr(0, end));
   const std::size_t first = end + 1;
-  if (unread_.size() < first + frame.result + frame.solution) return std::nullopt;
-  Answer answer{unread_.substr(first, frame.result),
-                unread_.substr(first + frame.result, frame.solution)};
-  unread_.erase(0, first + frame.result + frame.solution);
+  if (left.size() < first + frame.result + frame.solution) return std::nullopt;
+  const Answer answer{left.substr(first, frame.result),
+                      left.substr(first + frame.result, frame.solution)};
+  taken_ += first + frame.result + frame.solution;
   unanswered_.pop_front();
   since_ = Clock::now();
   return answer;

@@ -4,6 +4,7 @@
 #include <deque>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <sys/types.h>
@@ -23,9 +24,9 @@ class WorkerProcess {
     std::size_t item = 0;
     bool again = false;  ///< solved for those that start from it alone: its result is known
   };
-  /// An answer as it came through the pipe.
+  /// An answer as it came through the pipe, until the next read_some().
   struct Answer {
-    std::string result, solution;
+    std::string_view result, solution;
   };
 
   /// Starts a command whose standard input and output become the pipes. Throws OutputError where no
@@ -66,6 +67,7 @@ class WorkerProcess {
   pid_t process_ = -1;
   int input_ = -1, output_ = -1;
   std::string unsent_, unread_;
+  std::size_t taken_ = 0;  ///< bytes at the beginning of unread_
   std::deque<Request> unanswered_;
   std::vector<std::size_t> sent_;
   Clock::time_point since_;
