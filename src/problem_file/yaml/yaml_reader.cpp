@@ -219,9 +219,10 @@ std::optional<YamlReader> YamlMap::find(std::string_view key) {
   if (!valid_) return std::nullopt;
   const YamlNode* value = reader_.node().find(key);
   if (value == nullptr) return std::nullopt;
-  const std::string path = reader_.place().path;
-  return YamlReader(*value, path.empty() ? std::string(key) : fmt::format("{}.{}", path, key),
-                    reader_.diagnostics());
+  std::string path = reader_.place().path;
+  if (!path.empty()) path += '.';
+  path += key;
+  return YamlReader(*value, std::move(path), reader_.diagnostics());
 }
 
 std::optional<YamlReader> YamlMap::require(std::string_view key) {
