@@ -93,22 +93,26 @@ class RiccatiStep {
     kept_.resize(count, nz);
     weight_.resize(ndx, count);
     pulled_.resize(count, nz);
+    for (Index c = 0; c < nz; ++c)
+      for (Index r = 0; r < count; ++r) kept_(r, c) = jacobian(rows.kept()[r].row, c);
     for (Index r = 0; r < count; ++r) {
       const auto& [row, follower] = rows.kept()[r];
-      kept_.row(r) = jacobian.row(row);
       weight_.col(r) = value.col(row);
       if (follower >= 0) weight_.col(r) += rows.h() * value.col(follower);
     }
     multiply(weight_, kept_, moved_);
     for (const Index i : rows.followers()) moved_.col(i) += value.col(i);
-    for (Index r = 0; r < count; ++r) {
-      const auto& [row, follower] = rows.kept()[r];
-      pulled_.row(r) = moved_.row(row);
-      if (follower >= 0) pulled_.row(r) += rows.h() * moved_.row(follower);
-    }
+    for (Index c = 0; c < nz; ++c)
+      for (Index r = 0; r < count; ++r) {
+        const auto& [row, follower] = rows.kept()[r];
+        pulled_(r, c) = moved_(row, c);
+        if (follower >= 0) pulled_(r, c) += rows.h() * moved_(follower, c);
+      }
     transposed_ = kept_.transpose();
     multiply_lower(transposed_, pulled_, Q);
-    for (const Index i : rows.followers()) Q.row(i).head(i + 1) += moved_.row(i).head(i + 1);
+    for (Index c = 0; c < nz; ++c)
+      for (const Index i : rows.followers())
+        if (i >= c) Q(i, c) += moved_(i, c);
     Q += hessian;
     mirror_lower_triangle(Q);
   }
