@@ -164,16 +164,17 @@ TEST(AutoSolver, GoesOnWhereAnAnswerRaisesDoubts) {
   EXPECT_EQ(asked, 0) << "of a solver that was named";
 }
 
-/// A solver that converges when it is called for the nth time.
-SolverInfo converging_at(int n, std::vector<Trajectory>& guesses) {
+/// A solver that converges when it is called for the nth time, or so many times more.
+SolverInfo converging_at(int n, std::vector<Trajectory>& guesses, int more = 0) {
   return {.name = "lucky",
           .control_bounds = BoundSupport::exact,
           .constraints = ConstraintSupport::all,
-          .run = [n, &guesses](const ShootingProblem& problem, const SolverOptions& options,
-                               const Trajectory& guess) {
+          .run = [n, more, &guesses](const ShootingProblem& problem, const SolverOptions& options,
+                                     const Trajectory& guess) {
             guesses.push_back(guess);
             SolveResult result = failing().run(problem, options, guess);
-            if (static_cast<int>(guesses.size()) == n) result.status = SolveStatus::converged;
+            const int calls = static_cast<int>(guesses.size());
+            if (calls >= n && calls <= n + more) result.status = SolveStatus::converged;
             return result;
           }};
 }
@@ -203,6 +204,27 @@ TEST(AutoSolver, StartsFromOtherGuessesWhereAllSolversFail) {
   solve(problem, repeated, {}, guess, used);
   ASSERT_EQ(again.size(), 4u);
   EXPECT_EQ(again[3].x(1), guesses[3].x(1)) << "by the seed";
+}
+
+TEST(AutoSolver, StartsAgainWhereTheAnswerOfARestartRaisesDoubts) {
+  const ShootingProblem problem = testing::unicycle_parking(0.6);
+  const Trajectory guess = testing::constant_controls(problem, 0.01);
+  for (const bool are_all_doubted : {false, true}) {
+    std::vector<Trajectory> guesses;
+    const SolverInfo lucky = converging_at(3, guesses, 100), other = failing(), *used = nullptr;
+    const std::vector<const SolverInfo*> both{&lucky, &other};
+    int asked = 0;
+    const Doubt doubt = [&](const ShootingProblem&, const SolveResult&) {
+      return ++asked < 3 || are_all_doubted ? "it is doubted" : "";
+    };
+    const SolveResult result = solve(problem, both, {}, guess, used, doubt);
+    EXPECT_EQ(result.status, SolveStatus::converged);
+    EXPECT_EQ(used, &lucky);
+    ASSERT_TRUE(result.restarts);
+    EXPECT_EQ(result.restarts->answer, are_all_doubted ? 2 : 4) << "the first where none is better";
+    EXPECT_EQ(result.restarts->starts, are_all_doubted ? 21 : 5);
+    EXPECT_EQ(result.restarts->converged, 1);
+  }
 }
 
 TEST(AutoSolver, HasSoManyStartsAndIterationsAndNoMore) {

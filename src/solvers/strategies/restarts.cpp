@@ -6,6 +6,7 @@
 #include <exception>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <thread>
 
 #include <fmt/format.h>
@@ -230,10 +231,11 @@ SolveResult solve_restarts(const ShootingProblem& problem, const SolverOptions& 
 
 SolveResult solve_from_elsewhere(const ShootingProblem& problem, const SolverOptions& options,
                                  const Trajectory& guess, SolveResult failed, const Solve& solve,
-                                 const SolverInfo*& used) {
+                                 const Doubt& doubt, const SolverInfo*& used) {
   const SolverOptions::Restarts far{.seed = options.restarts.seed, .spread = kFarSpread};
   JoinedSolves solves(options);
   RestartRecord record{.starts = 1};
+  std::optional<SolveResult> found;
   for (int start = 1; start <= kMostRestarts && solves.iterations_left() > 0; ++start) {
     if (!(options.max_time_s > solves.seconds()) || (options.interrupted && options.interrupted()))
       break;
@@ -242,19 +244,22 @@ SolveResult solve_from_elsewhere(const ShootingProblem& problem, const SolverOpt
     solves.add(result);
     ++record.starts;
     if (!is_success(result.status)) continue;
+    const std::string doubts = doubt ? doubt(problem, result) : "";
+    if (!doubts.empty() && found) continue;
     used = by;
     record.converged = 1;
     record.answer = start;
-    record.basins.push_back({.cost = result.cost, .starts = 1, .first = start});
+    record.basins = {{.cost = result.cost, .starts = 1, .first = start}};
     result.message = fmt::format("{}; {} from restart {} of at most {}: {}", failed.message,
                                  by->name, start, kMostRestarts, result.message);
-    result.times.total = failed.times.total + solves.seconds();
-    result.restarts = std::move(record);
-    return result;
+    found = std::move(result);
+    if (doubts.empty()) break;
   }
-  failed.times.total += solves.seconds();
-  if (record.starts > 1) failed.restarts = std::move(record);
-  return failed;
+  const double before = failed.times.total;
+  SolveResult answer = found ? *std::move(found) : std::move(failed);
+  answer.times.total = before + solves.seconds();
+  if (record.starts > 1) answer.restarts = std::move(record);
+  return answer;
 }
 
 }  // namespace conddp

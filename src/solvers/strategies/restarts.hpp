@@ -20,11 +20,12 @@ SolveResult solve_restarts(const ShootingProblem& problem, const SolverOptions& 
                            const SolverInfo*& used);
 
 /// Of a problem that could not be solved from the guess: solves from up to 20 random perturbations
-/// of it with a standard deviation of 1, one after the other until one converges. They share the
-/// limits of iterations and time, and `options.restarts.seed`. Where none converges the answer is
-/// `failed`; in either case it has the record of its restarts.
+/// of it with a standard deviation of 1, one after the other until one converges to an answer
+/// without doubts. They share the limits of iterations and time, and `options.restarts.seed`. Where
+/// none does, the answer is the first that converged, or else `failed`; in each case it has the
+/// record of its restarts.
 SolveResult solve_from_elsewhere(const ShootingProblem& problem, const SolverOptions& options,
                                  const Trajectory& guess, SolveResult failed, const Solve& solve,
-                                 const SolverInfo*& used);
+                                 const Doubt& doubt, const SolverInfo*& used);
 
 }  // namespace conddp

@@ -210,9 +210,9 @@ SolveResult solve_or_restart(const ShootingProblem& problem, SolverList candidat
   own.max_time_s -= std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   const Solve by_first = [&](const Trajectory& start, const SolverOptions& mine,
                              const SolverInfo*& by) {
-    return run_first(problem, candidates.first(1), mine, start, doubt, by);
+    return run_first(problem, candidates.first(1), mine, start, nullptr, by);
   };
-  return solve_from_elsewhere(problem, own, guess, std::move(result), by_first, used);
+  return solve_from_elsewhere(problem, own, guess, std::move(result), by_first, doubt, used);
 }
 
 }  // namespace
