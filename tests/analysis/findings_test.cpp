@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "support/block_on_slides.hpp"
@@ -309,13 +310,27 @@ TEST(BetweenKnots, TheWorstRowIsNamed) {
   FindingNames names;
   names.rows["window"] = {"left - right", "front - back"};
   Trajectory motion = problem.create_trajectory();
-  motion.x(3)[0] = 0.8;  // the end has no window: three quarters of the way are at 0.6
+  for (const double end : {-0.3, -0.8}) {
+    motion.x(3)[1] = end;
+    const auto found = found_in_motion(problem, motion, FindingKind::between_knots, names);
+    ASSERT_EQ(found.size(), 1u);
+    EXPECT_NEAR(found[0].value, -0.1 - end, 1e-9);
+    EXPECT_EQ(found[0].knot, 3);
+    EXPECT_TRUE(tells(found[0], fmt::format("{:.3g} m by front - back at the last node, where it "
+                                            "does not hold",
+                                            -0.1 - end)))
+        << found[0].message;
+    EXPECT_TRUE(tells(found[0], "the same under 'terminal")) << found[0].remedy;
+  }
+  motion.x(3)[1] = -0.1;
+  EXPECT_TRUE(found_in_motion(problem, motion, FindingKind::between_knots, names).empty());
+}
+
+TEST(BetweenKnots, WhatHoldsAtTheLastNodeIsNotFoundThere) {
+  const ShootingProblem problem = within_a_window(3, true);
+  Trajectory motion = problem.create_trajectory();
   motion.x(3)[1] = -0.8;
-  const auto found = found_in_motion(problem, motion, FindingKind::between_knots, names);
-  ASSERT_EQ(found.size(), 1u);
-  EXPECT_NEAR(found[0].value, 0.5, 1e-9);
-  EXPECT_EQ(found[0].knot, 2);
-  EXPECT_TRUE(tells(found[0], "0.5 m by front - back")) << found[0].message;
+  EXPECT_TRUE(found_in_motion(problem, motion, FindingKind::between_knots).empty());
 }
 
 /// What is found of a push along x in the last of some knots.

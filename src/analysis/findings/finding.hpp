@@ -18,10 +18,10 @@ enum class FindingKind {
   pull,                ///< a contact pulls, N (Ns at an impulse)
   redundant_contacts,  ///< contacts depend on each other: rows beyond the independent ones
   constraint_row,      ///< the row of a constraint that is violated most, in its unit
-  between_knots,       ///< a constraint holds at knots but not between them, in its unit
-  table_range,         ///< a table is read beyond its points, by how much in its argument's unit
-  last_knot,           ///< a quantity jumps in the last step, in its unit
-  thrusters,           ///< directions about which thrusters cannot turn a body
+  between_knots,  ///< a constraint holds at knots, but not between them or at the end, in its unit
+  table_range,    ///< a table is read beyond its points, by how much in its argument's unit
+  last_knot,      ///< a quantity jumps in the last step, in its unit
+  thrusters,      ///< directions about which thrusters cannot turn a body
 };
 
 /// The word in outputs: "position_limit", ...

@@ -310,6 +310,22 @@ class Search {
       evaluate(k, x);
       for (const NodeConstraint* c : constraints) look_between(*c, at_knots);
     }
+    if (k + 1 < problem_.knots()) return;
+    evaluate(k, trajectory_.x(k + 1));
+    for (const NodeConstraint* c : constraints) look_at_end(*c, at_knots);
+  }
+
+  /// At the last node constraints of running knots do not hold by themselves.
+  void look_at_end(const NodeConstraint& c, const std::map<std::string, double>& at_knots) {
+    const Eigen::VectorXd values = values_of(c);
+    const double off = distance_to_set(*c.term, values.data(), c.lower, c.upper);
+    if (off <= at_knots.at(c.term->name) + kBetween) return;
+    Finding* f = worst(FindingKind::between_knots, c.term->name, off, "", problem_.knots());
+    if (f == nullptr) return;
+    f->message =
+        fmt::format("'{}' is violated by {:.3g}{} at the last node, where it does not hold",
+                    c.term->name, off, offender(c, values));
+    f->remedy = "the same under 'terminal: {constraints: ...}'";
   }
 
   void look_between(const NodeConstraint& c, const std::map<std::string, double>& at_knots) {
