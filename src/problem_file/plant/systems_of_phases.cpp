@@ -9,6 +9,7 @@
 #include "problem_file/spec/expression_source.hpp"
 #include "problem_file/spec/phase_grid.hpp"
 #include "systems/clock.hpp"
+#include "systems/expressions/scope.hpp"
 
 namespace conddp {
 namespace {
@@ -25,6 +26,14 @@ class JumpBuilder {
       out_.error(phase_.jump->place, "jumps need states that are numbers, without rotations");
       return nullptr;
     }
+    for (int i = 0; i < before_.nx(); ++i) {
+      const std::string& name = before_.state_columns()[i].name;
+      if (is_hidden(i) || is_expression_name(name)) continue;
+      out_.error(phase_.jump->place,
+                 fmt::format("jumps need states with names of expressions, and '{}' is none", name),
+                 "write the system as equations: 'states: {x: m, v: m/s}'");
+      return nullptr;
+    }
     if (!check_names()) return nullptr;
     const ParsedExpressionSystem parsed = make_expression_system(text());
     for (const ModelMessage& message : parsed.errors) report(message, Severity::kError);
@@ -36,6 +45,12 @@ class JumpBuilder {
   bool jumps(const std::string& state) const {
     return std::ranges::any_of(phase_.jump->states,
                                [&](const auto& entry) { return entry.first.value == state; });
+  }
+
+  /// Whether expressions do not have the state.
+  bool is_hidden(int state) const {
+    return !before_.has_state(state) ||
+           before_.state_columns()[state].name.starts_with(kDurationColumn);
   }
 
   bool check_names() {
@@ -59,7 +74,7 @@ class JumpBuilder {
       text.equations.push_back({name.value, expression.text});
     for (int i = 0; i < before_.nx(); ++i) {
       const Column& column = before_.state_columns()[i];
-      const bool hidden = !before_.has_state(i) || column.name.starts_with(kDurationColumn);
+      const bool hidden = is_hidden(i);
       text.states.push_back({.name = column.name, .unit = column.unit, .hidden = hidden});
       if (!hidden && !jumps(column.name)) text.equations.push_back({column.name, column.name});
     }
