@@ -19,6 +19,8 @@ class TimeSeries {
   void append(double time, std::vector<double> value);
   bool empty() const { return times_.empty(); }
   double last_time() const { return times_.back(); }
+  /// Of the values, ascending.
+  const std::vector<double>& times() const { return times_; }
 
   /// Makes interpolate() a natural cubic spline through the values: on flat parts that with
   /// continuous second derivatives and none at the ends; on curved parts the same bends are added

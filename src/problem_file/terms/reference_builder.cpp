@@ -213,6 +213,18 @@ std::optional<TimeSeries> reference_from_values(const ReferenceBuilder& builder,
   return series;
 }
 
+/// Warns of a course of which hardly anything lies within the motion, as of times in ms.
+void check_times(const TimeSeries& series, const CostSpec& cost, double end, Diagnostics& out) {
+  const std::vector<double>& times = series.times();
+  const auto within = std::ranges::count_if(times, [&](double t) { return t <= end; });
+  if (within > 1 || times.size() - within < 2) return;
+  out.warning(cost.reference->place,
+              fmt::format("of the {} times of this reference {} within the motion, which ends at "
+                          "{:.6g} s: the next one is {:.6g} s",
+                          times.size(), within == 1 ? "one lies" : "none lies", end, times[within]),
+              "times are in s");
+}
+
 }  // namespace
 
 std::optional<TimeSeries> build_reference(const CostSpec& cost, const CostResidual& residual,
@@ -224,8 +236,11 @@ std::optional<TimeSeries> build_reference(const CostSpec& cost, const CostResidu
     if (!value) return std::nullopt;
     return TimeSeries(residual.parameters, *value);
   }
-  if (cost.reference->file) return reference_from_file(cost, residual, out);
-  return reference_from_values(builder, *cost.reference, residual.parameters, times, out);
+  auto series = cost.reference->file ? reference_from_file(cost, residual, out)
+                                     : reference_from_values(builder, *cost.reference,
+                                                             residual.parameters, times, out);
+  if (series) check_times(*series, cost, times.back(), out);
+  return series;
 }
 
 std::vector<double> reference_at(const CostSpec& cost, const TimeSeries& reference, double time) {
