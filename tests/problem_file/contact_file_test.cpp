@@ -42,6 +42,25 @@ TEST(ContactFile, ASoleWhoseFrameDoesNotPointOutOfTheGroundIsWarnedOf) {
             std::string::npos);
 }
 
+TEST(ContactFile, WhatStandsOnContactsThatNoPhaseHoldsIsWarnedOf) {
+  const auto with = [](const std::string& term) {
+    return warnings(replaced(kStepping, "costs:\n", "costs:\n  own: " + term + "\n"));
+  };
+  const std::string nowhere =
+      "'own' counts nowhere: where it could, its contacts are not held (phases hold contacts by "
+      "their key, 'contacts: all')\n";
+  EXPECT_EQ(with("{residual: friction_cone}"), "");
+  EXPECT_EQ(with("{residual: friction_cone, contacts: [RF]}"), "");
+  EXPECT_EQ(with("{residual: friction_cone, phases: lift}"), "");
+  EXPECT_EQ(with("{residual: friction_cone, contacts: [RF], phases: lift}"), "17:19: " + nowhere);
+  EXPECT_EQ(with("{residual: friction_cone, contacts: [RF], knots: [5]}"), "17:19: " + nowhere);
+  const std::string both =
+      "{residual: expression, rows: a.fz - b.fz, phases: lift, of: {a: "
+      "{residual: contact_force, contacts: [LF]}, b: {residual: "
+      "contact_force, contacts: [RF]}}}";
+  EXPECT_EQ(with(both), "17:19: " + nowhere);
+}
+
 TEST(ContactFile, MistakesAreSaidWithTheirPlace) {
   struct Said {
     const char *from, *to, *says;

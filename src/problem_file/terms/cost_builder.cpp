@@ -127,6 +127,22 @@ void add_cost(const CostSpec& spec, CostResidual residual, ContactCost contact,
                    std::move(*reference)});
 }
 
+/// Whether the contacts of one of these are held at a node where it can be on.
+bool is_ever_held(const CostSpec& spec, const std::vector<ContactCost>& costs,
+                  const CostContext& context) {
+  const ContactPlan& plan = context.contacts;
+  const auto is_held = [&](std::size_t phase) {
+    return std::ranges::any_of(costs, [&](const ContactCost& cost) {
+      return plan.find(phase, cost.contacts).has_value();
+    });
+  };
+  if (context.last_node) return is_held(plan.terminal());
+  const std::vector<bool> possible = possible_phases(spec, context.spec);
+  for (std::size_t p = 0; p < possible.size(); ++p)
+    if (possible[p] && is_held(p)) return true;
+  return false;
+}
+
 /// On each variant of the plant where it can be on, up to the first where it cannot be built.
 void add_variants(const CostSpec& spec, const CostContext& context, std::vector<BuiltCost>& costs,
                   Diagnostics& out) {
@@ -167,8 +183,14 @@ std::vector<BuiltCost> build_costs(const std::vector<CostSpec>& specs, const Cos
                   "give the rows to a running cost or constraint, with 'knots' or 'phases'");
         continue;
       }
-      for (ContactCost& contact : make_contact_costs(spec, context.spec, context.contacts,
-                                                     context.plant, context.ndx, out)) {
+      std::vector<ContactCost> contacts =
+          make_contact_costs(spec, context.spec, context.contacts, context.plant, context.ndx, out);
+      if (!contacts.empty() && !is_ever_held(spec, contacts, context))
+        out.warning(spec.residual.place,
+                    fmt::format("'{}' counts nowhere: where it could, its contacts are not held",
+                                spec.name.value),
+                    "phases hold contacts by their key, 'contacts: all'");
+      for (ContactCost& contact : contacts) {
         CostResidual prototype = contact.prototype;
         add_cost(spec, std::move(prototype), std::move(contact), context, costs, out);
       }
