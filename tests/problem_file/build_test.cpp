@@ -132,6 +132,36 @@ TEST(Build, WarnsOfKeyframesAfterTheEnd) {
   EXPECT_EQ(warnings(at("5")), "9:45: the motion ends at 0.5 s, before this keyframe ()\n");
 }
 
+TEST(Build, WarnsOfReferencesOfWhichNothingLiesWithinTheMotion) {
+  const auto at = [](const char* times, const char* values) {
+    return warnings(
+        fmt::format("{}costs: {{c: {{residual: joint_velocity, reference: {{times: {}, "
+                    "values: {}}}}}}}\n",
+                    kCartpole, times, values));
+  };
+  EXPECT_EQ(at("[0, 0.5]", "[0, 1]"), "");
+  EXPECT_EQ(at("[0, 0.2, 10]", "[0, 1, 2]"), "");
+  EXPECT_EQ(at("[0, 10]", "[0, 1]"), "") << "the beginning of a longer way";
+  EXPECT_EQ(at("[0, 100, 500]", "[0, 1, 2]"),
+            "9:50: of the 3 times of this reference one lies within the motion, which ends at 0.5 "
+            "s: the next one is 100 s (times are in s)\n");
+  EXPECT_EQ(at("[10, 20]", "[0, 1]"),
+            "9:50: of the 2 times of this reference none lies within the motion, which ends at 0.5 "
+            "s: the next one is 10 s (times are in s)\n");
+}
+
+TEST(Build, WarnsOfASeedThatDrawsNothing) {
+  const auto with = [](const char* perturbation) {
+    return warnings(std::string(kCartpole) + "perturbation: " + perturbation + "\n");
+  };
+  EXPECT_EQ(with("{initial_state: 0.1, seed: 2}"), "");
+  EXPECT_EQ(with("{guess: 0.1, seed: 2}"), "");
+  EXPECT_EQ(with("{initial_state: 0, guess: 0, seed: 1}"), "") << "as expanded";
+  EXPECT_EQ(with("{seed: 2}"),
+            "9:22: the seed has no effect, as nothing is perturbed "
+            "(write 'perturbation: {initial_state: 0.1, seed: 2}')\n");
+}
+
 TEST(Build, PhasesOfOneStructureShareTheirModel) {
   const Loaded same{std::string(kPendulum)};
   ASSERT_TRUE(same.built);

@@ -87,8 +87,13 @@ Perturbation read_perturbation(const YamlReader& reader) {
   if (const auto r = map.find("initial_state"))
     perturbation.initial_state = r->number(kSpread).value_or(0);
   if (const auto r = map.find("guess")) perturbation.guess = r->number(kSpread).value_or(0);
-  if (const auto r = map.find("seed"))
-    perturbation.seed = static_cast<std::uint64_t>(r->integer(0, kLargestSeed).value_or(1));
+  const auto seed = map.find("seed");
+  if (seed)
+    perturbation.seed = static_cast<std::uint64_t>(seed->integer(0, kLargestSeed).value_or(1));
+  // An expanded file has a seed in any case.
+  if (!perturbation.any() && perturbation.seed != Perturbation{}.seed)
+    reader.diagnostics().warning(seed->place(), "the seed has no effect, as nothing is perturbed",
+                                 "write 'perturbation: {initial_state: 0.1, seed: 2}'");
   return perturbation;
 }
 
@@ -206,12 +211,46 @@ void read_terminal(const YamlReader& reader, const std::filesystem::path& folder
     read_constraints(*constraints, folder, true, spec);
 }
 
+/// What outputs put before the names of the last node.
+constexpr std::string_view kOfLastNode = "terminal/";
+
+/// Outputs sum up by names: two terms of one name would be one number.
+void check_running_name(const Name& name, Diagnostics& out) {
+  if (name.value.starts_with(kOfLastNode))
+    out.error(name.place,
+              fmt::format("in outputs '{}...' is what stands under 'terminal'", kOfLastNode),
+              "give it another name");
+}
+
+/// The same of soft constraints, which outputs list among the costs.
+void check_soft_names(const std::vector<ConstraintSpec>& constraints,
+                      const std::vector<CostSpec>& costs, Diagnostics& out) {
+  for (const ConstraintSpec& constraint : constraints) {
+    const Name& name = constraint.function.name;
+    if (constraint.softness != Softness::hard &&
+        std::ranges::any_of(costs, [&](const CostSpec& c) { return c.name.value == name.value; }))
+      out.error(name.place,
+                fmt::format("a cost has the name '{}', too, and soft constraints count as costs",
+                            name.value),
+                "give one of them another name");
+  }
+}
+
+void check_names(const ProblemSpec& spec, Diagnostics& out) {
+  for (const CostSpec& cost : spec.costs) check_running_name(cost.name, out);
+  for (const ControlBoundsSpec& bounds : spec.control_bounds) check_running_name(bounds.name, out);
+  for (const ConstraintSpec& c : spec.constraints) check_running_name(c.function.name, out);
+  check_soft_names(spec.constraints, spec.costs, out);
+  check_soft_names(spec.terminal_constraints, spec.terminal_costs, out);
+}
+
 /// What a solution is to be like.
 void read_terms(YamlMap& map, const std::filesystem::path& folder, ProblemSpec& spec) {
   if (const auto r = map.find("costs")) spec.costs = read_costs(*r, folder, false);
   if (const auto r = map.find("integrals")) spec.integrals = read_integrals(*r, folder);
   if (const auto r = map.find("constraints")) read_constraints(*r, folder, false, spec);
   if (const auto r = map.find("terminal")) read_terminal(*r, folder, spec);
+  check_names(spec, map.reader().diagnostics());
 }
 
 ProblemSpec read_document(const YamlReader& reader, const std::filesystem::path& file,
