@@ -135,6 +135,32 @@ TEST(Solve, HasTheSameMotionInAnotherUnitOfCost) {
   EXPECT_EQ(run_conddp({"verify", folder.path() / "forged.json"}).exit_code, 1);
 }
 
+TEST(Solve, SaysHowLongPhasesLastThatAreFree) {
+  const TemporaryFolder folder;
+  // Rest to rest in the least time: 2 s, with a number of the state that grows beside it.
+  const std::string file = folder.write("quick.yaml", R"(conddp: 1
+system: {states: [x, v], controls: [u], rate: {x: v, v: u}}
+initial_state: {}
+phases:
+  - {choose: none}
+  - {name: push, knots: 10, duration: 0.8, free_duration: {lower: 0.1, upper: 5}}
+  - {name: pull, knots: 10, duration: 0.8, free_duration: {lower: 0.1, upper: 5}}
+integrals: {effort: u^2}
+costs: {time: {residual: expression, rows: 1, activation: linear}}
+constraints: {force: {bounds: control, lower: -1, upper: 1}}
+terminal: {constraints: {there: {residual: state, columns: [x, v], reference: [1, 0]}}}
+)");
+  const ProcessResult r = run_conddp({"solve", file, "-o", folder.path() / "out"});
+  EXPECT_EQ(r.exit_code, 0) << r.err;
+  const std::size_t line = r.out.find("  durations     push ");
+  ASSERT_NE(line, std::string::npos) << r.out;
+  double push = 0, pull = 0;
+  ASSERT_EQ(
+      std::sscanf(r.out.c_str() + line, "  durations     push %lf s, pull %lf s", &push, &pull), 2);
+  EXPECT_NEAR(push, 1, 1e-6);
+  EXPECT_NEAR(pull, 1, 1e-6);
+}
+
 TEST(Solve, TheDefaultFolderIsNamedAfterTheProblem) {
   const TemporaryFolder folder;
   const ProcessResult r = run_conddp({"solve", kPendulum, "--quiet"}, {.folder = folder.path()});

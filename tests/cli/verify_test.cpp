@@ -193,7 +193,12 @@ TEST_F(Verify, TolerancesThatAcceptWhatTheDefaultsDoNotAreSaid) {
   const std::string last = "max_iterations: 300}";
   loose.replace(loose.find(last), last.size(), "tolerances: {constraint: 10}}");
   folder_.write("cartpole.yaml", loose);
-  EXPECT_EQ(run({"solve", "cartpole.yaml", "-o", "loose"}).exit_code, 0);
+  const ProcessResult solved = run({"solve", "cartpole.yaml", "-o", "loose"});
+  EXPECT_EQ(solved.exit_code, 0);
+  EXPECT_NE(
+      solved.out.find(" checks)\n                tolerances beyond the defaults: constraint 10"),
+      std::string::npos)
+      << solved.out;
   const ProcessResult r = run({"verify", "loose/solution.json"});
   EXPECT_EQ(r.exit_code, 0) << r.out << r.err;
   EXPECT_NE(r.out.find("\n  tolerances beyond the defaults: constraint 10 (default "),

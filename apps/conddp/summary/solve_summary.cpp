@@ -5,6 +5,7 @@
 #include "base/text/utf8.hpp"
 #include "ocp/knot/integrator_table.hpp"
 #include "ocp/problem/cost_scale.hpp"
+#include "output/report/answer_settings.hpp"
 #include "output/report/certificate_report.hpp"
 #include "output/report/contact_report.hpp"
 #include "output/solution/finding_report.hpp"
@@ -16,10 +17,15 @@ namespace {
 /// How long phases last whose duration was chosen.
 std::string durations_line(const Solution& s) {
   std::string text;
-  for (const Phase& phase : s.built.problem->phases())
-    if (const auto& free = phase.model->free_duration())
+  const std::vector<double> times = s.built.problem->times(s.result.trajectory);
+  int first = 0;
+  for (const Phase& phase : s.built.problem->phases()) {
+    const int next = first + phase.knots();
+    if (phase.model->free_duration())
       text += fmt::format("{}{} {:.9g} s", text.empty() ? "" : ", ", phase.name,
-                          s.result.trajectory.u(0)[free->choice]);
+                          times[next] - times[first]);
+    first = next;
+  }
   return text.empty() ? text : fmt::format("  durations     {}\n", text);
 }
 
@@ -116,8 +122,11 @@ std::string finding_text(const Solution& s) {
   return text;
 }
 
-std::string certificate_lines(const SolutionCertificate& certificate) {
+std::string certificate_lines(const SolutionCertificate& certificate,
+                              const SolverOptions& options) {
   std::string text = fmt::format("  certificate   {}\n", certificate_line(certificate));
+  if (const std::string loose = loose_tolerances_line(options); !loose.empty())
+    text += fmt::format("                {}\n", loose);
   if (certificate.contacts)
     text += fmt::format("  contacts      {}\n", contact_summary(*certificate.contacts));
   return text;
@@ -152,7 +161,7 @@ std::string summary_text(const Solution& s, const SolutionCertificate* certifica
                                  s.solver.name, r.iterations, r.times.total);
   if (!is_success(r.status) && !r.message.empty()) text += fmt::format("  {}\n", r.message);
   text += answer_lines(s) + finding_text(s);
-  if (certificate != nullptr) text += certificate_lines(*certificate);
+  if (certificate != nullptr) text += certificate_lines(*certificate, s.spec.solver.options);
   text += auto_line(s) + start_lines(s);
   if (notes > 0)
     text += fmt::format("  notes         {} on what the robot's file has and conddp ignores: -v\n",

@@ -1,5 +1,7 @@
 #include "output/report/answer_settings.hpp"
 
+#include <utility>
+
 #include <fmt/format.h>
 
 #include "base/json/solution_members.hpp"
@@ -20,6 +22,7 @@ std::vector<std::string> overrides_of(const OrderedJson& document) {
   return list;
 }
 
+/// Names and values of tolerances that are larger than the defaults.
 std::vector<std::pair<std::string, double>> loose_tolerances(const SolverOptions& options) {
   std::vector<std::pair<std::string, double>> list;
   for (const OptionInfo& info : option_table()) {
@@ -37,10 +40,18 @@ double default_tolerance(const std::string& name) {
 
 }  // namespace
 
+std::string loose_tolerances_line(const SolverOptions& options) {
+  std::string line;
+  for (const auto& [name, value] : loose_tolerances(options))
+    line += fmt::format("{} {} {:g} (default {:g})",
+                        line.empty() ? "tolerances beyond the defaults:" : ",", name, value,
+                        default_tolerance(name));
+  return line;
+}
+
 AnswerSettings answer_settings(const OrderedJson& document, const ProblemSpec& spec,
                                const BuiltProblem& built) {
-  AnswerSettings settings{.overrides = overrides_of(document),
-                          .loose_tolerances = loose_tolerances(spec.solver.options)};
+  AnswerSettings settings{.overrides = overrides_of(document), .options = spec.solver.options};
   for (const DroppedConstraint& constraint : built.dropped)
     settings.dropped.push_back(constraint.name);
   return settings;
@@ -50,17 +61,14 @@ std::vector<std::string> settings_lines(const AnswerSettings& settings) {
   std::vector<std::string> lines;
   for (const std::string& setting : settings.overrides) lines.push_back("setting " + setting);
   for (const std::string& name : settings.dropped) lines.push_back("dropped " + name);
-  std::string loose;
-  for (const auto& [name, value] : settings.loose_tolerances)
-    loose += fmt::format("{}{} {:g} (default {:g})", loose.empty() ? "" : ", ", name, value,
-                         default_tolerance(name));
-  if (!loose.empty()) lines.push_back("tolerances beyond the defaults: " + loose);
+  if (std::string loose = loose_tolerances_line(settings.options); !loose.empty())
+    lines.push_back(std::move(loose));
   return lines;
 }
 
 OrderedJson settings_json(const AnswerSettings& settings) {
   OrderedJson loose = OrderedJson::object();
-  for (const auto& [name, value] : settings.loose_tolerances) loose[name] = value;
+  for (const auto& [name, value] : loose_tolerances(settings.options)) loose[name] = value;
   return {{"overrides", settings.overrides},
           {"dropped_constraints", settings.dropped},
           {"loose_tolerances", std::move(loose)}};
