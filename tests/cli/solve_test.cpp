@@ -137,7 +137,7 @@ TEST(Solve, HasTheSameMotionInAnotherUnitOfCost) {
 
 TEST(Solve, SaysHowLongPhasesLastThatAreFree) {
   const TemporaryFolder folder;
-  // Rest to rest in the least time: 2 s, with a number of the state that grows beside it.
+  // Rest to rest in the least time, 4 s, with a number of the state that grows beside it.
   const std::string file = folder.write("quick.yaml", R"(conddp: 1
 system: {states: [x, v], controls: [u], rate: {x: v, v: u}}
 initial_state: {}
@@ -147,8 +147,10 @@ phases:
   - {name: pull, knots: 10, duration: 0.8, free_duration: {lower: 0.1, upper: 5}}
 integrals: {effort: u^2}
 costs: {time: {residual: expression, rows: 1, activation: linear}}
-constraints: {force: {bounds: control, lower: -1, upper: 1}}
-terminal: {constraints: {there: {residual: state, columns: [x, v], reference: [1, 0]}}}
+constraints:
+  forth: {bounds: control, lower: 0, upper: 1, phases: push}
+  back: {bounds: control, lower: -1, upper: 0, phases: pull}
+terminal: {constraints: {there: {residual: state, columns: [x, v], reference: [4, 0]}}}
 )");
   const ProcessResult r = run_conddp({"solve", file, "-o", folder.path() / "out"});
   EXPECT_EQ(r.exit_code, 0) << r.err;
@@ -157,8 +159,8 @@ terminal: {constraints: {there: {residual: state, columns: [x, v], reference: [1
   double push = 0, pull = 0;
   ASSERT_EQ(
       std::sscanf(r.out.c_str() + line, "  durations     push %lf s, pull %lf s", &push, &pull), 2);
-  EXPECT_NEAR(push, 1, 1e-6);
-  EXPECT_NEAR(pull, 1, 1e-6);
+  EXPECT_NEAR(push, 2, 1e-6);
+  EXPECT_NEAR(pull, 2, 1e-6);
 }
 
 TEST(Solve, TheDefaultFolderIsNamedAfterTheProblem) {
