@@ -122,6 +122,8 @@ TEST(AutoSolver, HasTheFirstAnswerWhereNoneConverges) {
   EXPECT_EQ(result.cost, altro.cost);
   EXPECT_NE(result.message.find("; proxddp ended as infeasible after "), std::string::npos)
       << result.message;
+  ASSERT_TRUE(result.restarts);
+  EXPECT_EQ(result.restarts->starts, 5) << "all of them end at the same violation";
 }
 
 TEST(AutoSolver, HasALaterAnswerThatIsALeastViolation) {

@@ -232,6 +232,40 @@ INSTANTIATE_TEST_SUITE_P(Solvers, RestartedSolver,
                          ::testing::Values("box_ddp", "box_fddp", "altro", "proxddp", "ipopt",
                                            "auto"));
 
+TEST(Elsewhere, EndsWhereAllStartsEndAtTheSameLeastViolation) {
+  const ShootingProblem problem = double_integrator_move();
+  // A status and the violation of each start, the last one of all others.
+  using Ends = std::vector<std::pair<SolveStatus, double>>;
+  const auto starts_of = [&](const Ends& ends) {
+    std::size_t solves = 0;
+    const auto next = [&](const Trajectory& start) {
+      const auto [status, violation] = ends[std::min(solves++, ends.size() - 1)];
+      SolveResult result = ends_at(problem, start, 0, status);
+      result.residuals.constraint = violation;
+      return result;
+    };
+    const Solve solve = [&](const Trajectory& start, const SolverOptions&, const SolverInfo*& by) {
+      by = find_solver("altro");
+      return next(start);
+    };
+    const Trajectory guess = problem.create_trajectory();
+    const SolverInfo* used = nullptr;
+    const SolveResult result =
+        solve_from_elsewhere(problem, {}, guess, next(guess), solve, nullptr, used);
+    EXPECT_EQ(result.status, ends[0].first);
+    EXPECT_EQ(result.message.find("the violation is the same from 5 starts") != std::string::npos,
+              result.restarts->starts == 5)
+        << result.message;
+    return result.restarts->starts;
+  };
+  constexpr auto kLeast = SolveStatus::infeasible, kStuck = SolveStatus::line_search_failed;
+  EXPECT_EQ(starts_of({{kLeast, 0.5}}), 5);
+  EXPECT_EQ(starts_of({{kLeast, 0.5}, {kLeast, 0.5 + 1e-8}, {kLeast, 0.5}}), 5);
+  EXPECT_EQ(starts_of({{kLeast, 0.5}, {kLeast, 0.501}, {kLeast, 0.5}}), 21) << "local ones";
+  EXPECT_EQ(starts_of({{kLeast, 0.5}, {kLeast, 0.5}, {kStuck, 0.5}, {kLeast, 0.5}}), 21);
+  EXPECT_EQ(starts_of({{kStuck, 0.5}, {kLeast, 0.5}}), 21);
+}
+
 // Each start goes the whole way of a homotopy.
 TEST(Restarts, OfAHomotopy) {
   const SwingUp up;

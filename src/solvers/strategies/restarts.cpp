@@ -26,9 +26,20 @@ constexpr double kEqualStates = 1e-2;
 /// lead to the same least violation (docs/measurements/hard_cases.md).
 constexpr int kMostRestarts = 20;
 constexpr double kFarSpread = 1;
+/// Where so many starts, the guess among them, and no other ones end at the same least violation,
+/// it is that of the constraints and not of where a search began.
+constexpr int kAlike = 5;
+constexpr double kEqualViolation = 1e-6;
 
 bool equal_costs(double a, double b) {
   return std::abs(a - b) <= kEqualCost * std::max(std::abs(a), std::abs(b));
+}
+
+/// Whether two answers are least violations of one size.
+bool equal_violations(const SolveResult& a, const SolveResult& b) {
+  return a.status == SolveStatus::infeasible && b.status == SolveStatus::infeasible &&
+         std::abs(a.residuals.constraint - b.residuals.constraint) <=
+             kEqualViolation * a.residuals.constraint;
 }
 
 /// The largest entry of x_k ⊖ y_k over all nodes; y of one node alone is its state throughout.
@@ -236,13 +247,17 @@ SolveResult solve_from_elsewhere(const ShootingProblem& problem, const SolverOpt
   JoinedSolves solves(options);
   RestartRecord record{.starts = 1};
   std::optional<SolveResult> found;
+  int alike = 1;
   for (int start = 1; start <= kMostRestarts && solves.iterations_left() > 0; ++start) {
     if (!(options.max_time_s > solves.seconds()) || (options.interrupted && options.interrupted()))
       break;
     const SolverInfo* by = nullptr;
     SolveResult result = solve(start_of(problem, far, guess, start), solves.next(), by);
     solves.add(result);
-    ++record.starts;
+    if (alike == record.starts++ && equal_violations(failed, result) && ++alike == kAlike) {
+      failed.message += fmt::format("; the violation is the same from {} starts", alike);
+      break;
+    }
     if (!is_success(result.status)) continue;
     const std::string doubts = doubt ? doubt(problem, result) : "";
     if (!doubts.empty() && found) continue;

@@ -21,9 +21,10 @@ SolveResult solve_restarts(const ShootingProblem& problem, const SolverOptions& 
 
 /// Of a problem that could not be solved from the guess: solves from up to 20 random perturbations
 /// of it with a standard deviation of 1, one after the other until one converges to an answer
-/// without doubts. They share the limits of iterations and time, and `options.restarts.seed`. Where
-/// none does, the answer is the first that converged, or else `failed`; in each case it has the
-/// record of its restarts.
+/// without doubts, or until the guess and four of them, and no others, have ended at the same least
+/// violation. They share the limits of iterations and time, and `options.restarts.seed`. Where none
+/// converges without doubts, the answer is the first that converged, or else `failed`; in each case
+/// it has the record of its restarts.
 SolveResult solve_from_elsewhere(const ShootingProblem& problem, const SolverOptions& options,
                                  const Trajectory& guess, SolveResult failed, const Solve& solve,
                                  const Doubt& doubt, const SolverInfo*& used);
