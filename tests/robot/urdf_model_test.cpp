@@ -352,6 +352,26 @@ TEST(UrdfMimic, AFollowerThatIsLockedFollowsNobody) {
   EXPECT_TRUE(built(three_joints("<mimic joint=\"i\"/>", ""), options).mimics.empty());
 }
 
+TEST(UrdfMimic, FollowersOfALockedJointAreLockedWhereItHasThem) {
+  const std::string follower = "<mimic joint=\"i\" multiplier=\"2\" offset=\"0.5\"/>",
+                    next = "<mimic joint=\"j\" multiplier=\"-3\" offset=\"1\"/>";
+  UrdfOptions all, none;
+  all.locked_joints = {{"i", 0.2}};
+  all.enforce_mimic = true;
+  none.locked_joints = {{"i", 0.2}, {"j", 0.9}, {"k", -1.7}};
+  const RobotModel model = built(three_joints(follower, next), all);
+  EXPECT_EQ(model.joint_count(), 0);
+  expect_equal(simple_frame_placement(model, {}, "d"),
+               simple_frame_placement(built(three_joints("", ""), none), {}, "d"));
+  // Who is locked by themselves stays there; without `enforce` nobody follows.
+  all.locked_joints["j"] = 0;
+  none.locked_joints = {{"i", 0.2}, {"j", 0}, {"k", 1}};
+  expect_equal(simple_frame_placement(built(three_joints(follower, next), all), {}, "d"),
+               simple_frame_placement(built(three_joints("", ""), none), {}, "d"));
+  all.enforce_mimic = false;
+  EXPECT_EQ(built(three_joints(follower, next), all).joint_count(), 1);
+}
+
 TEST(UrdfNotes, TellWhatTheModelLeavesOut) {
   const UrdfResult result =
       parse_urdf(robot_element(link_element("a") + link_element("b") +

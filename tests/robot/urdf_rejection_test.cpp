@@ -206,15 +206,13 @@ std::vector<Rejection> rejections() {
        with([](UrdfOptions& o) { o.rotor_inertia["i"] = 1; })},
       {"rotor_negative", one_joint(""), "j", "rotor inertia -1", 4,
        with([](UrdfOptions& o) { o.rotor_inertia["j"] = -1; })},
-      {"leader_locked",
+      {"leader_fixed",
        robot_element(link_element("a") + link_element("b") + link_element("c") +
-                     joint_element("j", "continuous", "a", "b") +
+                     joint_element("j", "fixed", "a", "b") +
                      joint_element("k", "continuous", "b", "c",
                                    "<mimic joint=\"j\" multiplier=\"2\" offset=\"1\"/>")),
-       "k", "follow joint 'j', which has no coordinate", 0, with([](UrdfOptions& o) {
-         o.enforce_mimic = true;
-         o.locked_joints["j"] = 0.5;
-       })},
+       "k", "follow joint 'j', which has no coordinate", 0,
+       with([](UrdfOptions& o) { o.enforce_mimic = true; })},
   };
 }
 
@@ -267,17 +265,16 @@ TEST(UrdfHints, SuggestNamesForMisspeltOnes) {
             std::string::npos);
 }
 
-TEST(UrdfHints, AMimicOfALockedJointTellsTheValueToLockItAt) {
+TEST(UrdfHints, AMimicOfAFixedJointTellsTheValueToLockItAt) {
   UrdfOptions options;
   options.enforce_mimic = true;
-  options.locked_joints["j"] = 0.5;
   const UrdfResult result =
       parse_urdf(robot_element(link_element("a") + link_element("b") + link_element("c") +
-                               joint_element("j", "continuous", "a", "b") +
+                               joint_element("j", "fixed", "a", "b") +
                                joint_element("k", "continuous", "b", "c",
                                              "<mimic joint=\"j\" multiplier=\"2\" offset=\"1\"/>")),
                  "f", options);
-  EXPECT_NE(joined_hints(result).find("lock it too, at 2"), std::string::npos);
+  EXPECT_NE(joined_hints(result).find("lock it, at 1"), std::string::npos);
 }
 
 TEST(UrdfFile, MustBeARegularFileOfModestSize) {

@@ -300,10 +300,11 @@ class Builder {
   }
 
   /// Goes from a joint to whom it follows, and so on to one that does not follow. `mimic` ← how the
-  /// first one follows the last. Cycles have been excluded.
+  /// first one follows the last. Cycles have been excluded, and followers of locked joints are
+  /// locked.
   const urdf::Joint& find_leader(const urdf::Joint& follower, Mimic& mimic) const {
     const urdf::Joint* leader = &follower;
-    while (leader->mimic && !locked(*leader)) {
+    while (leader->mimic) {
       mimic.offset += mimic.multiplier * leader->mimic->offset;
       mimic.multiplier *= leader->mimic->multiplier;
       leader = tree_.joints_.at(leader->mimic->joint_name).get();
@@ -319,10 +320,9 @@ class Builder {
       const urdf::Joint& leader = find_leader(*follower, mimic);
       const auto index = model_.find_joint(leader.name);
       if (!index || model_.joints[*index].type == JointType::floating) {
-        const double value = locked(leader) ? options_.locked_joints.at(leader.name) : 0;
         report_.error(at_joint(model_.joints[i].name, "mimic"),
                       "it is to follow joint '" + leader.name + "', which has no coordinate",
-                      fmt::format("lock it too, at {}", mimic.multiplier * value + mimic.offset));
+                      fmt::format("lock it, at {}", mimic.offset));
         continue;
       }
       mimic.leader = *index;

@@ -226,6 +226,22 @@ urdf::ModelInterfaceSharedPtr checked_tree(const XmlOutline& outline, std::strin
   return tree;
 }
 
+/// The options, with all joints locked that follow a locked one: they stay where it has them.
+/// Cycles have been excluded.
+UrdfOptions with_locked_followers(const urdf::ModelInterface& tree, UrdfOptions options) {
+  for (std::size_t known = 0; known != options.locked_joints.size();) {
+    known = options.locked_joints.size();
+    for (const auto& [name, joint] : tree.joints_) {
+      if (!joint->mimic || options.locked_joints.contains(name)) continue;
+      const auto leader = options.locked_joints.find(joint->mimic->joint_name);
+      if (leader != options.locked_joints.end())
+        options.locked_joints[name] =
+            joint->mimic->multiplier * leader->second + joint->mimic->offset;
+    }
+  }
+  return options;
+}
+
 void parse(std::string_view xml, const UrdfOptions& options, UrdfResult& result) {
   const XmlOutline outline = scan_xml(xml);
   UrdfReport report(outline, result);
@@ -239,7 +255,8 @@ void parse(std::string_view xml, const UrdfOptions& options, UrdfResult& result)
   }
   const urdf::ModelInterfaceSharedPtr tree = checked_tree(outline, xml, options, report);
   if (report.has_errors()) return;
-  RobotModel model = build_model(*tree, options, report);
+  RobotModel model = build_model(
+      *tree, options.enforce_mimic ? with_locked_followers(*tree, options) : options, report);
   if (!report.has_errors()) RegularityReport(model, options.prefix, report).check();
   if (!report.has_errors()) result.model = std::move(model);
 }
