@@ -379,6 +379,13 @@ TEST(RunFolder, IsDividedOtherwiseButTakesNoOtherPlanOrBuild) {
   manifest = *batch.manifest;
   manifest.items.pop_back();
   EXPECT_NE(written(manifest).find("has results of another plan"), std::string::npos);
+  // Without results a plan may be edited, and no other one comes in its place.
+  std::filesystem::remove(run / "shards");
+  EXPECT_EQ(written(manifest), "");
+  manifest.name = "other";
+  EXPECT_NE(written(manifest).find("is the run of another plan, '" + batch.manifest->name + "'"),
+            std::string::npos)
+      << written(manifest);
 }
 
 TEST(RunFolder, LeavesAPlanOfTheUserAlone) {

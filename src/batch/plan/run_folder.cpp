@@ -49,9 +49,9 @@ void write_run_folder(const BatchPlan& plan, const Manifest& manifest, const fs:
   const std::string text = manifest_text(manifest);
   if (has_text(run / kManifestFile, text)) return;
   std::error_code error;
+  Diagnostics unused;
+  const auto former = load_manifest(run, true, unused);
   if (fs::exists(run / "shards", error)) {
-    Diagnostics unused;
-    const auto former = load_manifest(run, true, unused);
     if (!former || plan_text(*former) != plan_text(manifest))
       return out.error({}, fmt::format("'{}' has results of another plan", run.string()),
                        "choose another folder with -o, or remove that one");
@@ -64,6 +64,11 @@ void write_run_folder(const BatchPlan& plan, const Manifest& manifest, const fs:
           "choose another folder with -o; 'conddp batch run RUN --any-build' mixes "
           "them");
   }
+  // A plan that has been edited keeps its name.
+  if (former && former->name != manifest.name)
+    return out.error(
+        {}, fmt::format("'{}' is the run of another plan, '{}'", run.string(), former->name),
+        "choose another folder with -o, or remove that one");
   if (!fs::exists(run / kManifestFile, error) && fs::exists(run / kPlanFile, error) &&
       !has_text(run / kPlanFile, plan.text))
     return out.error({}, fmt::format("'{}' has a plan.yaml that is not this plan", run.string()),
