@@ -251,20 +251,22 @@ TEST(AutoSolver, HasSoManyStartsAndIterationsAndNoMore) {
   EXPECT_FALSE(solve(problem, alone, {}, guess, used).restarts) << "a solver that was named";
 }
 
-/// A solver of Ipopt's name whose violation falls in the iterations before `last` alone.
-SolverInfo standing_after(int last) {
+/// A solver of Ipopt's name whose violation falls in the first 40 iterations alone, from 1 to this.
+SolverInfo standing_at(double violation) {
   return {.name = "ipopt",
           .control_bounds = BoundSupport::exact,
           .constraints = ConstraintSupport::all,
-          .run = [last](const ShootingProblem& problem, const SolverOptions& options,
-                        const Trajectory& guess) {
+          .run = [violation](const ShootingProblem& problem, const SolverOptions& options,
+                             const Trajectory& guess) {
             SolveResult result(problem);
             IterationRecord row;
             for (row.iteration = 0; row.iteration < 500; ++row.iteration) {
-              row.constraint = std::max(1.0, std::pow(2.0, last - row.iteration));
+              row.constraint = std::pow(violation, std::min(1.0, row.iteration / 40.0));
               if (options.on_iteration) options.on_iteration(row);
               if (!options.interrupted || !options.interrupted()) continue;
               result.status = SolveStatus::interrupted;
+              row.constraint = 0;  // of the answer, which is another iterate
+              options.on_iteration(row);
               break;
             }
             if (row.iteration == 500) result.status = SolveStatus::max_iterations;
@@ -277,7 +279,7 @@ SolverInfo standing_after(int last) {
 TEST(AutoSolver, EndsIpoptWhereItsViolationStands) {
   const ShootingProblem problem = testing::unicycle_parking(0.6);
   const Trajectory guess = problem.create_trajectory();
-  const SolverInfo first = failing(), stands = standing_after(40);
+  const SolverInfo first = failing(), stands = standing_at(0.01);
   const SolverInfo* used = nullptr;
   const std::vector<const SolverInfo*> both{&first, &stands}, alone{&stands};
   int rows = 0;
@@ -288,10 +290,21 @@ TEST(AutoSolver, EndsIpoptWhereItsViolationStands) {
   EXPECT_NE(result.message.find("; ipopt ended as line_search_failed after 140 iterations"),
             std::string::npos)
       << result.message;
-  EXPECT_EQ(rows, 141);
+  EXPECT_EQ(rows, 142);
   EXPECT_EQ(solve(problem, alone, {}, guess, used).iterations, 500) << "who asks for it gets it";
   options.interrupted = [&] { return true; };
   EXPECT_EQ(solve(problem, alone, options, guess, used).status, SolveStatus::interrupted);
+}
+
+TEST(AutoSolver, LetsIpoptGoOnThatIsNearlyFeasible) {
+  const ShootingProblem problem = testing::unicycle_parking(0.6);
+  const SolverInfo first = failing(), near = standing_at(1e-5);
+  const SolverInfo* used = nullptr;
+  const std::vector<const SolverInfo*> both{&first, &near};
+  const SolveResult result = solve(problem, both, {}, problem.create_trajectory(), used);
+  EXPECT_NE(result.message.find("; ipopt ended as max_iterations after 500 iterations"),
+            std::string::npos)
+      << result.message;
 }
 
 }  // namespace

@@ -92,7 +92,8 @@ std::optional<SolveResult> run_if_loaded(const ShootingProblem& problem, const S
 }
 
 /// Ends a solve whose violation has not fallen for a while, by the callbacks of its options. They
-/// stay the caller's for whom it goes on.
+/// stay the caller's for whom it goes on. Iterates that were nearly feasible once are watched no
+/// longer: from there they lower the cost, by way of others with a larger violation.
 class Impatience {
  public:
   explicit Impatience(const SolverOptions& options) : options_(options) {}
@@ -105,7 +106,7 @@ class Impatience {
     };
     return own;
   }
-  bool is_over() const { return last_ - since_ >= kPatience; }
+  bool is_over() const { return last_ - since_ >= kPatience && least_ > kNear * first_; }
   /// An end by impatience is the solver's own.
   void name_end(SolveResult& result) const {
     if (result.status != SolveStatus::interrupted || !is_over()) return;
@@ -116,22 +117,27 @@ class Impatience {
   }
 
  private:
-  /// Iterations, and what counts as less.
+  /// Iterations, what counts as less, and as nearly feasible beside the first violation.
   static constexpr int kPatience = 100;
-  static constexpr double kLess = 0.9;
+  static constexpr double kLess = 0.9, kNear = 1e-4;
 
   void look(const IterationRecord& row) {
+    // Rows behind the end are those of the answer, which may be another iterate.
+    if (!is_over()) count(row);
+    if (options_.on_iteration) options_.on_iteration(row);
+  }
+  void count(const IterationRecord& row) {
     const double violation = std::max(row.gap, row.constraint);
+    if (row.iteration == 0) first_ = violation;
     last_ = row.iteration;
     if (violation < kLess * least_ || violation <= options_.tolerances.constraint) {
       least_ = violation;
       since_ = last_;
     }
-    if (options_.on_iteration) options_.on_iteration(row);
   }
 
   const SolverOptions& options_;
-  double least_ = std::numeric_limits<double>::infinity();
+  double first_ = 0, least_ = std::numeric_limits<double>::infinity();
   int last_ = 0, since_ = 0;
 };
 
