@@ -9,6 +9,7 @@
 
 #include "analysis/findings/free_control.hpp"
 #include "analysis/findings/holding_torques.hpp"
+#include "analysis/findings/long_step.hpp"
 #include "ocp/problem/by_name.hpp"
 #include "ocp/problem/cost_scale.hpp"
 #include "solvers/iterate/hessian_switch.hpp"
@@ -364,6 +365,41 @@ Diagnosis too_weak(Diagnosis log, const MissingTorque& lack) {
           std::move(remedy)};
 }
 
+/// An explicit rule that leaves the equations: no solver has their motion to work on.
+Diagnosis unstable_steps(Diagnosis log, const ShootingProblem& problem, const LongStep& step) {
+  const std::string rule(info_of(problem.knot(step.knot).model->integrator()).name);
+  log.message += fmt::format(
+      "; the steps of {} are too long: at knot {} a motion that decays at {:.3g} 1/s is multiplied "
+      "by {:.3g} in a step",
+      rule, step.knot, step.rate, step.growth);
+  return {DiagnosisPattern::unstable_steps, std::move(log.message), step.knot, "time step",
+          fmt::format("steps of at most {:.2g} s there, by more knots, or 'integrator: radau3'; {}",
+                      step.longest, log.remedy)};
+}
+
+/// How much larger one state may become than another one until units are worth a word.
+constexpr double kSizes = 1e4;
+
+/// Advice where states have very different sizes: one step length, one regularization and one
+/// tolerance serve all of them.
+std::string remedy_of_sizes(const ShootingProblem& problem, const Trajectory& trajectory) {
+  const System& system = problem.terminal().model->system();
+  if (system.robot_inside() != nullptr) return "";
+  const std::vector<Column>& columns = system.state_columns();
+  Eigen::VectorXd largest = Eigen::VectorXd::Zero(columns.size());
+  for (int k = 0; k <= problem.knots(); ++k)
+    largest = largest.cwiseMax(trajectory.x(k).head(largest.size()).cwiseAbs());
+  if (!largest.allFinite()) return "";
+  Eigen::Index most = 0;
+  const double top = largest.maxCoeff(&most);
+  double least = top;
+  for (const double size : largest)
+    if (size > 0) least = std::min(least, size);
+  if (!(top > kSizes && top > kSizes * least)) return "";
+  return fmt::format("; units in which all states have similar sizes: '{}' reaches {:.2g} {}",
+                     columns[most].name, top, columns[most].unit);
+}
+
 /// Whether the cost falls in the second half of a log at least half as far as in the first.
 bool cost_goes_on_falling(const std::vector<IterationRecord>& log) {
   const int last = static_cast<int>(log.size()) - 1;
@@ -502,6 +538,8 @@ std::string_view to_string(DiagnosisPattern pattern) {
       return "no_static_equilibrium";
     case DiagnosisPattern::free_control:
       return "free_control";
+    case DiagnosisPattern::unstable_steps:
+      return "unstable_steps";
     case DiagnosisPattern::open_gaps:
       return "open_gaps";
     case DiagnosisPattern::outrun_penalty:
@@ -538,6 +576,9 @@ Diagnosis diagnose(const ShootingProblem& problem, const SolveResult& result,
   if (cost_goes_on_falling(result.log))
     if (const auto control = free_control(problem))
       return unbounded(std::move(d), result.log.back().cost, *control);
+  if (const auto step = long_step(problem, result.trajectory))
+    return unstable_steps(std::move(d), problem, *step);
+  d.remedy += remedy_of_sizes(problem, result.trajectory);
   if (!is_stuck_at_knot(d.pattern) || d.knot < 0 || d.knot >= problem.knots()) return d;
   const ContactRank contacts =
       problem.knot(d.knot).model->system().contact_rank(result.trajectory.x(d.knot).data());

@@ -29,6 +29,8 @@ enum class DiagnosisPattern {
   no_static_equilibrium,
   /// The cost goes on falling, and nothing holds a control back (free_control()).
   free_control,
+  /// Steps of an explicit integrator let grow what decays (long_step()).
+  unstable_steps,
   /// The gaps of the dynamics do not close.
   open_gaps,
   /// A cost that is linear in its residual falls by more than the penalties of constraints rise.
@@ -59,9 +61,9 @@ struct Diagnosis {
 
 /// Reads it off the log, the status and the options; the rows at the end count, ten at most. Where
 /// the problem itself has a reason (contacts that depend on each other, a robot too weak to stand,
-/// a control that nothing holds back) the pattern is that reason, and the message says what the log
-/// looks like all the same. A remedy names options with values that they accept, and residuals that
-/// are above tolerance.
+/// a control that nothing holds back, steps that are too long) the pattern is that reason, and the
+/// message says what the log looks like all the same. A remedy names options with values that they
+/// accept, and residuals that are above tolerance.
 Diagnosis diagnose(const ShootingProblem& problem, const SolveResult& result,
                    const SolverOptions& options);
 
