@@ -6,6 +6,7 @@
 
 #include "base/stopwatch.hpp"
 #include "ocp/evaluation/evaluation_memory.hpp"
+#include "ocp/problem/cost_scale.hpp"
 #include "solvers/common/feasible.hpp"
 #include "solvers/ddp/family.hpp"
 #include "solvers/strategies/restoration.hpp"
@@ -101,6 +102,11 @@ std::optional<OpenEnd> open_end(const MpcOptions& options, const ShootingProblem
   return OpenEnd(wanted, options.terminal_path);
 }
 
+std::optional<SwingStarts> swing_starts(const MpcOptions& options, const TimeLine& line) {
+  if (!options.swings) return std::nullopt;
+  return SwingStarts(*options.swings, line);
+}
+
 Plan plan_of_guess(const ShootingProblem& problem, const Trajectory& guess) {
   Plan plan(problem);
   require(guess.knots() == problem.knots() && guess.nx() == problem.nx(),
@@ -162,7 +168,9 @@ Mpc::Mpc(std::shared_ptr<const ShootingProblem> problem, const Trajectory& guess
     : options_(checked(options, *problem)),
       tick_options_(tick_options(options_)),
       line_(std::move(problem), options.hold),
+      swings_(swing_starts(options_, line_)),
       open_end_(open_end(options_, line_.problem())),
+      cost_scale_(cost_scale(line_.problem())),
       held_(options_.fallback),
       model_(line_, {}),
       scratch_(line_.problem()),
@@ -180,8 +188,14 @@ Mpc::Mpc(std::shared_ptr<const ShootingProblem> problem, const Trajectory& guess
 Mpc::~Mpc() = default;
 
 WindowContext Mpc::context() const {
-  return {line_,           options_.horizon, open_end_ ? &open_end_->phase() : nullptr,
-          options_.solver, tick_options_,    memory_};
+  return {.line = line_,
+          .horizon = options_.horizon,
+          .open_end = open_end_ ? &open_end_->phase() : nullptr,
+          .solver = options_.solver,
+          .options = tick_options_,
+          .cost_scale = cost_scale_,
+          .memory = memory_,
+          .swings = swings_ ? &*swings_ : nullptr};
 }
 
 /// Most often the one that was used last, or the one that was made after it.
@@ -344,9 +358,10 @@ void Mpc::prepare() {
   Window* const former = windows_.empty() ? nullptr : windows_[used_].get();
   window_ = &window_of(cut_);
   if (former != nullptr && former != window_) window_->exchange_memory(*former);
-  window_->load(context(), cut_);
   predicted_ = state_;
   predict(in_force_.begin, plan_begin(), predicted_);
+  if (swings_) swings_->see(line_, line_time(plan_begin()), predicted_.data());
+  window_->load(context(), cut_);
   if (options_.iterations) solve_from(predicted_);
   prepared_in_ = now() - began;
 }
@@ -439,8 +454,8 @@ void Mpc::decide() {
     record_.solved = true;
     record_.status = answer_->status;
     record_.iterations = answer_->iterations;
-    record_.cost = answer_->cost;
-    record_.stationarity = answer_->residuals.stationarity;
+    record_.cost = answer_->cost / cost_scale_;
+    record_.stationarity = answer_->residuals.stationarity / cost_scale_;
     record_.gap = answer_->residuals.gap;
     record_.violation = answer_->residuals.constraint;
   }

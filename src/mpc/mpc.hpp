@@ -62,6 +62,8 @@ struct MpcOptions {
   /// Of the DDP family, or `ipopt`, which solves to the tolerances and allocates: a slow reference.
   std::string solver = "box_fddp";
   SolverOptions solver_options;
+  /// Swings that begin where the feet are; none: all at their footholds.
+  std::optional<FootSwings> swings;
   /// None: phases begin at their times.
   std::optional<Retiming> retiming;
   /// Whether the answer of a tick comes too late; null: never.
@@ -163,7 +165,9 @@ class Mpc {
   MpcOptions options_;
   SolverOptions tick_options_;
   TimeLine line_;
+  std::optional<SwingStarts> swings_;
   std::optional<OpenEnd> open_end_;  ///< none: that of the time line
+  double cost_scale_;                ///< of windows, whose costs are of the usual size
   std::optional<HeldState> held_;    ///< the fallback, where it is now
   Simulation model_;
   PolicyScratch scratch_;

@@ -11,12 +11,13 @@ namespace conddp {
 namespace {
 
 /// A knot of the time line, or the share of it that lies in a window.
-KnotNumbers numbers_of(const TimeLine& line, const TimedKnot& part) {
-  const KnotNumbers whole = line.numbers(part.knot);
+KnotNumbers numbers_of(const WindowContext& context, const TimedKnot& part) {
+  KnotNumbers numbers = context.line.numbers(part.knot);
+  numbers.cost_scale *= context.cost_scale;
   const double length = part.end - part.begin;
-  if (line.problem().takes_no_time(part.knot) || std::abs(length - whole.dt) < kSameTime)
-    return whole;
-  return {length, whole.cost_scale * (length / whole.dt), whole.parameters};
+  if (context.line.problem().takes_no_time(part.knot) || std::abs(length - numbers.dt) < kSameTime)
+    return numbers;
+  return {length, numbers.cost_scale * (length / numbers.dt), numbers.parameters};
 }
 
 /// Whether a constraint counts in a window at its node `node` with the time line's numbers.
@@ -35,10 +36,12 @@ const Phase& end_of(const WindowContext& context, bool has_terminal) {
 }
 
 KnotNumbers end_numbers(const WindowContext& context, bool has_terminal) {
-  if (has_terminal || context.open_end == nullptr)
-    return context.line.numbers(context.line.problem().knots());
-  const Phase& end = *context.open_end;
-  return {end.dt[0], end.cost_scale[0], end.parameters.data()};
+  const Phase* end = has_terminal ? nullptr : context.open_end;
+  KnotNumbers numbers = end == nullptr
+                            ? context.line.numbers(context.line.problem().knots())
+                            : KnotNumbers{end->dt[0], end->cost_scale[0], end->parameters.data()};
+  numbers.cost_scale *= context.cost_scale;
+  return numbers;
 }
 
 /// Writes the parameters of a node of a window.
@@ -91,7 +94,7 @@ ShootingProblem problem_of(const WindowContext& context, const WindowCut& cut) {
     if (phases.empty() || phases.back().name != phase.name || phases.back().model != phase.model ||
         phases.back().instant != phase.instant)
       phases.push_back({.name = phase.name, .model = phase.model, .instant = phase.instant});
-    const KnotNumbers numbers = numbers_of(context.line, part);
+    const KnotNumbers numbers = numbers_of(context, part);
     write_parameters(*phase.model, i, numbers.parameters, parameters);
     Phase& to = phases.back();
     to.dt.push_back(numbers.dt);
@@ -163,7 +166,7 @@ bool Window::fits(const WindowContext& context, const WindowCut& cut) const {
     const TimedKnot& part = cut.knots[i];
     if (own.model != whole.knot(part.knot).model ||
         problem_.takes_no_time(i) != whole.takes_no_time(part.knot) ||
-        !same_terms(*own.model, own, i, numbers_of(context.line, part)))
+        !same_terms(*own.model, own, i, numbers_of(context, part)))
       return false;
   }
   return true;
@@ -173,8 +176,10 @@ void Window::load(const WindowContext& context, const WindowCut& cut) {
   const int N = problem_.knots();
   for (int i = 0; i < N; ++i) {
     times_[i] = cut.knots[i].begin;
-    numbers_[i] = numbers_of(context.line, cut.knots[i]);
+    numbers_[i] = numbers_of(context, cut.knots[i]);
     write_parameters(*problem_.knot(i).model, i, numbers_[i].parameters, parameters_[i]);
+    if (context.swings != nullptr)
+      context.swings->displace(cut.knots[i].knot, parameters_[i].data());
     numbers_[i].parameters = parameters_[i].data();
   }
   times_[N] = cut.end;

@@ -7,6 +7,7 @@
 
 #include "mpc/plan.hpp"
 #include "mpc/plan_trial.hpp"
+#include "mpc/swing_starts.hpp"
 #include "solvers/strategies/reusable_solver.hpp"
 
 namespace conddp {
@@ -28,8 +29,10 @@ struct WindowContext {
   const Phase* open_end;
   std::string_view solver;
   const SolverOptions& options;
+  double cost_scale;  ///< what all costs are multiplied by (conddp::cost_scale)
   /// That their solvers share: one of them solves at a time.
   std::shared_ptr<EvaluationMemory> memory;
+  const SwingStarts* swings = nullptr;  ///< null: swings begin at their footholds
 };
 
 /// Cuts [begin, begin + horizon); without hold at most until the end of the time line.

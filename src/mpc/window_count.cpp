@@ -25,8 +25,8 @@ Structure structure_of(const WindowCut& cut, const ShootingProblem& problem) {
 WindowCount count_windows(std::shared_ptr<const ShootingProblem> problem, const MpcOptions& options,
                           double duration) {
   const TimeLine line(std::move(problem), options.hold);
-  const WindowContext context{line,           options.horizon,        nullptr,
-                              options.solver, options.solver_options, nullptr};
+  const WindowContext context{
+      line, options.horizon, nullptr, options.solver, options.solver_options, 1, nullptr};
   std::set<Structure> structures;
   WindowCount count;
   WindowCut cut;

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "loop_cases.hpp"
+#include "ocp/problem/cost_scale.hpp"
 
 namespace conddp {
 namespace {
@@ -457,6 +458,38 @@ MpcOptions to_tolerances(const ShootingProblem& problem, double horizon) {
                                  .iterations = std::nullopt,
                                  .solver = "altro",
                                  .solver_options = {.max_iterations = 100}});
+}
+
+// The scale is a power of two: far from the usual size, loops differ in no digit.
+TEST(ClosedLoop, IsTheSameWhateverTheUnitOfItsCosts) {
+  const auto run = [](const ShootingProblem& usual, MpcOptions options, double unit) {
+    const auto problem = shared(scale_costs(usual, unit));
+    Mpc mpc(problem, problem->create_trajectory(), with_terminal(*problem, std::move(options)));
+    return run_closed_loop(mpc, {.duration = 2});
+  };
+  const auto mass = slow_mass(), cartpole = testing::balanced_cartpole();
+  const struct {
+    const ShootingProblem& problem;
+    MpcOptions options;
+  } cases[] = {{*mass, to_tolerances(*mass, 1)},
+               {*mass, {.horizon = 1, .tick = 0.1, .iterations = 3, .solver = "altro"}},
+               {*cartpole, {.horizon = 1, .tick = 0.05}}};
+  for (const auto& [problem, options] : cases) {
+    SCOPED_TRACE(options.solver);
+    const ClosedLoopResult usual = run(problem, options, 1);
+    for (const auto& [unit, farther] :
+         {std::pair(std::exp2(-40), std::exp2(-60)), {std::exp2(30), std::exp2(50)}}) {
+      const ClosedLoopResult other = run(problem, options, unit),
+                             again = run(problem, options, farther);
+      EXPECT_EQ(again.last_state, other.last_state) << unit;
+      EXPECT_EQ(again.cost / farther, other.cost / unit) << unit;
+      EXPECT_EQ(again.ticks[3].cost / farther, other.ticks[3].cost / unit) << unit;
+      EXPECT_EQ(again.ticks[3].stationarity / farther, other.ticks[3].stationarity / unit);
+      EXPECT_NEAR(other.cost / unit, usual.cost, 1e-3 * usual.cost);
+      EXPECT_NEAR(other.ticks[3].cost / unit, usual.ticks[3].cost, 1e-3 * usual.ticks[3].cost);
+      for (const TickRecord& tick : other.ticks) EXPECT_EQ(tick.outcome, TickOutcome::planned);
+    }
+  }
 }
 
 TEST(ClosedLoop, RecoversFromATickWhoseConstraintsCannotHold) {
