@@ -120,6 +120,25 @@ TEST(DiagnosisPatterns, APlateauIsAboveItsToleranceAndStandsStill) {
   EXPECT_EQ(from_to(tolerance, 0.99 * tolerance).pattern, DiagnosisPattern::unfinished);
 }
 
+TEST(DiagnosisPatterns, FarFromFeasibleTheViolationIsTheMatter) {
+  const double tolerance = SolverOptions{}.tolerances.constraint;
+  const auto ends_at = [](int rows, double step, double first, double last) {
+    return diagnosis_of_log(rows, [=](int i, IterationRecord& r) {
+      r.step = i % 2 == 0 ? step : 0.9 * step;
+      r.constraint = i == rows - 1 ? last : first;
+    });
+  };
+  const auto stalled = [&](double violation) { return ends_at(11, 0.1, violation, violation); };
+  EXPECT_EQ(stalled(1001 * tolerance).pattern, DiagnosisPattern::undecided);
+  EXPECT_NE(stalled(1).message.find("the violation stalled: 1.0e+00"), std::string::npos)
+      << stalled(1).message;
+  EXPECT_EQ(stalled(999 * tolerance).pattern, DiagnosisPattern::plateau);
+  EXPECT_EQ(ends_at(11, 0.1, 1, 0.49).pattern, DiagnosisPattern::plateau) << "it falls";
+  // Of a solve that went on with long steps.
+  EXPECT_EQ(ends_at(300, 0.9, 1, 1).pattern, DiagnosisPattern::undecided);
+  EXPECT_EQ(ends_at(11, 0.9, 1, 1).pattern, DiagnosisPattern::unfinished) << "too early to say";
+}
+
 TEST(DiagnosisPatterns, ARegularisedPlateauIsRegularisedInEveryStep) {
   const auto regularised = [](int without) {
     return diagnosis_of_log(

@@ -169,7 +169,7 @@ Diagnosis undecided(const ShootingProblem& problem, const IterationRecord& last)
           last.constraint_knot, "constraint violation", remedy_of_violation(problem)};
 }
 
-/// Of an interior-point method that goes on without getting nearer.
+/// Of iterations that go on without getting nearer.
 Diagnosis stalled_violation(const ShootingProblem& problem, const IterationRecord& middle,
                             const IterationRecord& last) {
   return {DiagnosisPattern::undecided,
@@ -470,11 +470,14 @@ bool ends_restoring(const SolveResult& result, double tolerance) {
   return is_stuck(result.status) && last.restoration > 0 && last.constraint > kFarOff * tolerance;
 }
 
+bool violation_stands_still(const Window& w, double tolerance) {
+  return w.last().constraint > kFarOff * tolerance && w.stands_still(&IterationRecord::constraint);
+}
+
 /// Whether costs without curvature lead further away than the penalties of constraints let them
 /// come back.
 bool outruns_penalty(const ShootingProblem& problem, const Window& w, double tolerance) {
-  return w.last().constraint > kFarOff * tolerance &&
-         w.stands_still(&IterationRecord::constraint) && w.last().cost <= w.first().cost &&
+  return violation_stands_still(w, tolerance) && w.last().cost <= w.first().cost &&
          has_linear_costs(problem);
 }
 
@@ -505,7 +508,13 @@ Diagnosis of_log(const ShootingProblem& problem, const SolveResult& result,
   if (is_rounding_floor(result, options.tolerances.constraint))
     return rounding_floor(result, options.tolerances);
   if (gaps_stay_open(result, w, options.tolerances.gap)) return open_gaps(w);
-  if (auto diagnosis = of_standstill(w, options)) return *std::move(diagnosis);
+  auto standstill = of_standstill(w, options);
+  // Far from feasible, neither regularization nor further iterations are the matter.
+  const bool is_vain =
+      standstill ? standstill->pattern == DiagnosisPattern::plateau : result.log.size() >= kLongLog;
+  if (is_vain && violation_stands_still(w, options.tolerances.constraint))
+    return stalled_violation(problem, w.first(), w.last());
+  if (standstill) return *std::move(standstill);
   if (result.status != SolveStatus::line_search_failed)
     return unfinished(result, options, w.last());
   return result.failed_knot >= 0 ? growth(problem, result) : no_descent(result, options, w.last());
