@@ -38,7 +38,8 @@ struct UrdfOptions {
   std::vector<Payload> payloads = {};
   /// Inertia of the motor's rotor reflected to the joint (kg m², or kg for a prismatic joint).
   std::map<std::string, double> rotor_inertia = {};
-  /// Whether mimic joints follow their leader; otherwise they are independent, with a note.
+  /// Whether mimic joints follow their leader, and are locked with it; otherwise they are
+  /// independent, with a note.
   bool enforce_mimic = false;
   /// What becomes of a link's inertia that is not physically valid (a principal moment that is
   /// negative or exceeds the sum of the others). `as_given`: a warning, and an error only where the
