@@ -124,6 +124,17 @@ TEST_P(SoftByDistance, CostsWhatItsDistancesCost) {
   EXPECT_NEAR(result.log.back().cost, result.cost, 1e-10);
 }
 
+TEST_P(SoftByDistance, IsNoMatterWithoutAWeight) {
+  const LinearQuadratic lq(1, 4, {3, 2}, 8, -kBound, kBound);
+  const ShootingProblem problem = with_constraints(*lq.problem, soft_cuts(lq, Softness::l1, 0));
+  const SolveResult result = solve_soft(problem, GetParam());
+  EXPECT_EQ(result.status, SolveStatus::converged) << result.message;
+  EXPECT_EQ(result.constraint_multipliers.lpNorm<Eigen::Infinity>(), 0);
+  const SolveResult without = solve_soft(*lq.problem, GetParam());
+  EXPECT_NEAR(result.cost, without.cost, 1e-9 * without.cost);
+  EXPECT_GT(largest_miss(problem, result), 1e-2) << "nothing is missed, so nothing is tested";
+}
+
 // With this penalty values of 1e-4 would ask for the limit already, and nearly all rows lie beyond.
 TEST(SoftPenalty, BeginsWithAPenaltyWithinItsLimits) {
   const LinearQuadratic lq(1, 4, {3, 2}, 8, -kBound, kBound);

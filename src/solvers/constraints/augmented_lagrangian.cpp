@@ -90,7 +90,8 @@ bool AugmentedLagrangian::fit_soft(const Eigen::VectorXd& values) {
     for (const int i : group.constraints) {
       const NodeConstraint& c = problem_.constraints()[i];
       const double reach = kReach * size(c, values.segment(c.row, c.term->rows));
-      if (!(reach * group.first_penalty > c.limit)) continue;
+      // A limit of 0, of a weight of 0, is kept by any penalty.
+      if (c.limit == 0 || !(reach * group.first_penalty > c.limit)) continue;
       group.first_penalty = c.limit / reach;
       changed = true;
     }
