@@ -272,6 +272,13 @@ TEST_F(MpcCommand, LooksForAParameterThatThePlantHas) {
       << result.out;
 }
 
+TEST_F(MpcCommand, LooksForANumberOfTheModelThatIsAnotherInThePlant) {
+  const std::string key = "mpc.plant.set.system.cart_mass";
+  const ProcessResult result = run({"--largest", key + "=[0.9, 1.1]"}, "out");
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(result.out.find(key + " is survived up to 1.1, all of the range\n"), 0u) << result.out;
+}
+
 TEST_F(MpcCommand, ChecksKeyAndRangeBeforeTheFirstLoop) {
   struct Case {
     const char *argument, *message;
@@ -279,6 +286,7 @@ TEST_F(MpcCommand, ChecksKeyAndRangeBeforeTheFirstLoop) {
   for (const auto& [argument, message] :
        {Case{"parameters.foo=[0, 1]", "'parameters.foo' is no number of the file"},
         Case{"name=[0, 5]", "'name' is no number of the file"},
+        Case{"mpc.plant.set.system.weight=[0, 5]", "the plant cannot be built: unknown key"},
         Case{"mpc.delay=[0, 1]", "--largest:1:11: error: a delay of 1 s is longer than the tick"},
         Case{"mpc.disturbances.1.seed=[0, 5]", "--largest:1:25: error: "}}) {
     const ProcessResult result = run({"--largest", argument}, "out");

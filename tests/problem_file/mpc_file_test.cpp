@@ -639,6 +639,19 @@ TEST(MpcFile, HoldsTheStateOfItsFallbackByQuasiStaticControls) {
   EXPECT_TRUE(result.ticks.back().fallback);
 }
 
+TEST(MpcFile, AFallbackNamesItsState) {
+  const LoadedLoop stated(kArm);
+  for (const char* name : {"ready", "initial"}) {
+    const LoadedLoop loop(kArm, {std::string("mpc.fallback.to=") + name});
+    ASSERT_TRUE(loop.mpc) << loop.all();
+    EXPECT_EQ(loop.mpc->controller.fallback->x, stated.mpc->controller.fallback->x);
+    EXPECT_EQ(expand_problem(*loop.spec, *loop.built)["mpc"]["fallback"]["to"], name);
+  }
+  const LoadedLoop unknown(kArm, {"mpc.fallback.to=standing"});
+  ASSERT_TRUE(unknown.error());
+  EXPECT_NE(unknown.all().find("standing"), std::string::npos) << unknown.all();
+}
+
 TEST(MpcFile, StopsWhereAConditionDoesNotHold) {
   const LoadedLoop loop(pendulum_with(
       "mpc: {horizon: 0.5, tick: 0.05, duration: 5, stop_when: {up: {residual: state, columns: "
@@ -755,9 +768,11 @@ TEST(MpcFile, SimulatedContactsHaveAStepAndAnIntegratorOfTheirOwn) {
   EXPECT_FALSE(loop.mpc);
   EXPECT_NE(loop.all().find("simulated contacts need the step of the plant"), std::string::npos);
   EXPECT_NE(loop.all().find("have an integrator of their own"), std::string::npos) << loop.all();
-  const LoadedLoop stepped =
-      trot("duration: 0.1, plant: {contacts: simulated, integrator: rk4, dt: 0.002}");
+  const LoadedLoop stepped = trot(
+      "duration: 0.1, plant: {contacts: simulated, integrator: rk4, dt: 0.002}, disturbances: "
+      "[{at: 0.02, frame: trunk, force: [1, 0, 0], duration: 0.02}]");
   EXPECT_TRUE(stepped.mpc) << stepped.all();
+  EXPECT_EQ(stepped.warnings(), 1) << stepped.all();
 }
 
 TEST(MpcFile, SimulatedContactsOfAPlantWithOtherNumbersSpeakOfTheLoop) {
@@ -777,6 +792,33 @@ TEST(MpcFile, SimulatedContactsOfAPlantWithOtherNumbersSpeakOfTheLoop) {
   EXPECT_FALSE(without.mpc);
   ASSERT_EQ(without.diagnostics.error_count(), 1) << without.all();
   EXPECT_EQ(without.error()->message, "simulated contacts need the step of the plant");
+}
+
+TEST(MpcFile, SwingsMayBeginWhereFeetAreMeasured) {
+  const std::string plant = "duration: 0.3, plant: {contacts: simulated, dt: 0.002}";
+  EXPECT_FALSE(trot(plant).mpc->controller.swings);
+  const LoadedLoop loop = trot(plant + ", swings: measured");
+  ASSERT_TRUE(loop.mpc) << loop.all();
+  const FootSwings& swings = *loop.mpc->controller.swings;
+  EXPECT_EQ(swings.feet, 4);
+  EXPECT_EQ(swings.swings.size(), 16u);
+  std::vector<double> places(12);
+  const std::vector<double>& x = loop.built->problem->initial_state();
+  swings.find_feet(x.data(), places.data());
+  for (const FootSwing& swing : swings.swings) {
+    EXPECT_EQ(swing.nodes.size(), 13u);  // 0.24 s
+    // Nothing has moved before the first swings: they begin at the feet.
+    if (swing.nodes.front() >= 20) continue;
+    for (int c = 0; c < 3; ++c)
+      EXPECT_NEAR(
+          loop.built->problem->knot(swing.nodes.front()).parameters[swing.references.front() + c],
+          places[3 * swing.foot + c], 1e-12);
+  }
+  EXPECT_EQ(expand_problem(*loop.spec, *loop.built)["mpc"]["swings"], "measured");
+  EXPECT_EQ(loop.run().end, LoopEnd::finished);
+  const LoadedLoop none(
+      pendulum_with("mpc: {horizon: 0.5, tick: 0.1, duration: 1, swings: measured}"));
+  EXPECT_EQ(none.error()->message, "the file has no swings that could begin at the feet");
 }
 
 TEST(MpcFile, GroundThatIsFarAwayChangesNothing) {

@@ -11,6 +11,7 @@
 #include "problem_file/build/late_ticks.hpp"
 #include "problem_file/build/loop_commands.hpp"
 #include "problem_file/build/loop_regulators.hpp"
+#include "problem_file/build/loop_swings.hpp"
 #include "problem_file/build/simulated_plant.hpp"
 #include "problem_file/build/tangent_numbers.hpp"
 #include "problem_file/plant/memory_need.hpp"
@@ -271,13 +272,14 @@ void check_rest(const std::vector<double>& x, const Place& place, const BuiltPro
 }
 
 /// A system at rest in a state, held by the controls that balance it.
-std::optional<HeldState> held_state(const StateSpec& state, const Place& place,
-                                    const BuiltProblem& built, Diagnostics& out) {
+std::optional<HeldState> held_state(const FallbackSpec& fallback, const BuiltProblem& built,
+                                    Diagnostics& out) {
+  const Place& place = fallback.place;
   const ShootingProblem& problem = *built.problem;
   StateBuilder states(built.plant, out);
   const int own = built.plant.system->nx();
   states.set_initial({problem.initial_state().begin(), problem.initial_state().begin() + own});
-  const auto x = states.build(state);
+  const auto x = fallback.name ? states.named(*fallback.name) : states.build(fallback.to);
   if (!x) return std::nullopt;
   check_rest(*x, place, built, out);
   const KnotModel& model = *problem.knot(repeated_knot(problem)).model;
@@ -332,7 +334,7 @@ void warn_of_way_ends(const ProblemSpec& spec, const ShootingProblem& problem, D
 /// What controls where ticks have failed.
 std::optional<HeldState> fallback_of(const FallbackSpec& fallback, const ProblemSpec& spec,
                                      const BuiltProblem& built, Diagnostics& out) {
-  if (!fallback.by_lqr) return held_state(fallback.to, fallback.place, built, out);
+  if (!fallback.by_lqr) return held_state(fallback, built, out);
   const auto regulator = build_loop_regulator(*fallback.by_lqr, spec, built, out);
   if (!regulator) return std::nullopt;
   const TerminalIngredients& about = regulator->ingredients;
@@ -352,6 +354,10 @@ class PlantBuilder {
 
   void build() {
     const std::set<double> times = changes();
+    if (mpc_.plant.simulated_contacts && mpc_.plant.integrator)
+      out_.warning(mpc_.plant.integrator->place,
+                   "'integrator' has no effect: simulated contacts have an integrator of their own",
+                   "leave the key out");
     if (mpc_.plant.settings.empty() && times.size() == 1 && !mpc_.plant.simulated_contacts)
       return;  // the plant is the model
     ProblemSpec changed = spec_;
@@ -694,6 +700,7 @@ std::optional<BuiltMpc> build_mpc(const ProblemSpec& spec, const BuiltProblem& b
   warn_of_way_ends(spec, *built.problem, out);
   set_disturbances(mpc, built, result.loop, out);
   result.controller.is_late = late_ticks(mpc);
+  result.controller.swings = build_loop_swings(spec, built, out);
   result.controller.retiming = build_retiming(spec, built, out);
   result.loop.commands = build_commands(spec, built, led, out);
   if (!mpc.stop_when.empty()) result.loop.stop = stop_condition(spec, built, out);

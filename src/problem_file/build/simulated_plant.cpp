@@ -61,10 +61,6 @@ bool check(const ProblemSpec& spec, const BuiltProblem& built, Diagnostics& out)
   if (!plant.dt)
     out.error(*plant.simulated_contacts, "simulated contacts need the step of the plant",
               "write 'dt: 0.002' beside it");
-  if (plant.integrator)
-    out.warning(plant.integrator->place,
-                "'integrator' has no effect: simulated contacts have an integrator of their own",
-                "leave the key out");
   return out.error_count() == errors;
 }
 

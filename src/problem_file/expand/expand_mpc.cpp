@@ -53,10 +53,13 @@ OrderedJson expand_window_end(const MpcSpec& mpc) {
   return word_of(kWindowEndWords, mpc.window_end.value);
 }
 
+OrderedJson expand_held_state(const FallbackSpec& fallback) {
+  if (fallback.by_lqr) return {{"lqr", expand_terminal_lqr(*fallback.by_lqr)}};
+  return fallback.name ? OrderedJson(fallback.name->value) : expand_state(fallback.to);
+}
+
 OrderedJson expand_fallback(const FallbackSpec& fallback) {
-  return {{"after", fallback.after},
-          {"to", fallback.by_lqr ? OrderedJson{{"lqr", expand_terminal_lqr(*fallback.by_lqr)}}
-                                 : expand_state(fallback.to)}};
+  return {{"after", fallback.after}, {"to", expand_held_state(fallback)}};
 }
 
 }  // namespace
@@ -76,6 +79,7 @@ OrderedJson expand_mpc(const ProblemSpec& spec, const Plant& plant) {
   if (mpc.feedback_rate) json["feedback"]["rate"] = mpc.feedback_rate->value;
   json["plant"] = expand_mpc_plant(mpc.plant);
   json["disturbances"] = expand_disturbances(mpc);
+  json["swings"] = word_of(kSwingStartWords, mpc.measured_swings.has_value());
   if (mpc.retime)
     json["retime"] = {{"early", mpc.retime->early.value}, {"late", mpc.retime->late.value}};
   if (mpc.fallback) json["fallback"] = expand_fallback(*mpc.fallback);

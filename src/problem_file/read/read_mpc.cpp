@@ -216,8 +216,12 @@ void read_window_end(const YamlReader& reader, MpcSpec& mpc) {
   mpc.window_end.value = WindowEnd::kRegulator;
 }
 
-/// A state, or `{lqr: STATE}`.
+/// The name of a state, a state, or `{lqr: STATE}`.
 void read_held_state(const YamlReader& reader, FallbackSpec& fallback) {
+  if (reader.is_scalar()) {
+    fallback.name = reader.name();
+    return;
+  }
   if (!reader.is_map() || reader.node().find("lqr") == nullptr) {
     if (auto state = read_state(reader)) fallback.to = std::move(*state);
     return;
@@ -303,6 +307,9 @@ MpcSpec read_mpc(const YamlReader& reader, const std::filesystem::path& folder,
   map.read("plant", mpc.plant, read_mpc_plant);
   for_each_item(map, "disturbances", [&](const YamlReader& item) { read_disturbance(item, mpc); });
   mpc.commands = read_commands(map);
+  if (const auto r = map.find("swings"))
+    if (r->choice(kSwingStartWords, "begin of swings").value_or(false))
+      mpc.measured_swings = r->place();
   if (const auto r = map.find("retime")) mpc.retime = read_retime(*r);
   if (const auto r = map.find("fallback")) mpc.fallback = read_fallback(*r);
   if (const auto r = map.find("stop_when")) mpc.stop_when = read_conditions(*r, folder);

@@ -121,6 +121,10 @@ inline constexpr Choice<WindowEnd> kWindowEndWords[] = {
     {"none", WindowEnd::kNothing, "nothing counts there"},
     {"keep", WindowEnd::kTerminal, "the costs and constraints of `terminal` count there"}};
 
+inline constexpr Choice<bool> kSwingStartWords[] = {
+    {"planned", false, "at their footholds"},
+    {"measured", true, "where the feet are when they lift off"}};
+
 /// The first word of a value; empty if it has none.
 template <class E, std::size_t N>
 std::string word_of(const Choice<E> (&table)[N], E value) {

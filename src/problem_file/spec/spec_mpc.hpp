@@ -64,7 +64,8 @@ struct RetimeSpec {
 struct FallbackSpec {
   Place place;
   int after = 3;
-  StateSpec to;                           ///< which the controls hold
+  std::optional<Name> name;               ///< the state: a configuration or "initial"
+  StateSpec to;                           ///< the state otherwise, which the controls hold
   std::optional<TerminalLqrSpec> by_lqr;  ///< with the regulator's gains about its state instead
 };
 
@@ -84,7 +85,8 @@ struct MpcSpec {
   std::vector<DisturbanceSpec> disturbances;
   std::optional<NoiseSpec> noise;
   std::vector<LateSpec> late;
-  std::vector<GaitCommand> commands;  ///< unknown to the controller before their times
+  std::vector<GaitCommand> commands;     ///< unknown to the controller before their times
+  std::optional<Place> measured_swings;  ///< swings begin where the feet are
   std::optional<RetimeSpec> retime;
   std::optional<FallbackSpec> fallback;
   std::vector<ConstraintSpec> stop_when;  ///< of states: the loop ends where one does not hold
