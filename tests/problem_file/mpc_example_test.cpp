@@ -133,6 +133,21 @@ TEST(MpcExample, QuadrupedGoesWhereItIsTold) {
   EXPECT_GT(2 * std::atan2(x[5], x[6]), 0.3);  // yaw
 }
 
+TEST(MpcExample, QuadrupedCrossesItsStepWhereverItIs) {
+  const std::pair<double, double> steps[] = {{0.02, 0.75}, {0.02, 0.9}, {0.03, 0.75}, {0.03, 0.85}};
+  for (const auto& [height, place] : steps) {
+    SCOPED_TRACE(fmt::format("{} m at {} m", height, place));
+    const ExampleLoop quadruped(
+        "quadruped_commands",
+        {fmt::format("mpc.plant.ground=[ground, {{box: {{size: [0.4, 3, {}], placement: "
+                     "{{position: [{}, 0, 0]}}}}}}]",
+                     2 * height, place)});
+    ASSERT_TRUE(quadruped.mpc) << quadruped.said;
+    EXPECT_EQ(quadruped.result.end, LoopEnd::finished);
+    EXPECT_EQ(quadruped.failed(), 0);
+  }
+}
+
 // Windows of 0.3 s are too short but for the regulator at their end, which goes along. The base is
 // at the end where the way of the commands is.
 TEST(MpcExample, QuadrupedGoesWhereItIsToldInShortWindowsThatEndWithARegulator) {
