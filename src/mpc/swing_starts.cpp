@@ -25,7 +25,7 @@ SwingStarts::SwingStarts(FootSwings swings, const TimeLine& line)
       throw std::invalid_argument("a swing is not one of the problem's");
     const double begin = times[swing.nodes.front()], end = times[swing.nodes.back()];
     for (std::size_t k = 0; k < swing.nodes.size(); ++k) {
-      const double s = (times[swing.nodes[k]] - begin) / (end - begin);
+      const double s = end > begin ? (times[swing.nodes[k]] - begin) / (end - begin) : 1;
       references_[swing.nodes[k]].push_back({i, swing.references[k], 1 - s * s * (3 - 2 * s)});
     }
   }

@@ -45,6 +45,14 @@ void expect_shares(const std::vector<double>& found, const std::vector<double>& 
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(found[c], share * of[c], 1e-12) << c;
 }
 
+TEST(SwingStarts, OfOneNodeLeadToWhereTheFootIsToLand) {
+  TwoSwings foot;
+  foot.swings.swings = {{.nodes = {10}, .references = {kReference}}};
+  foot.starts = SwingStarts(foot.swings, foot.line);
+  foot.see(0.5, 10, {0.02, -0.01, 0.03});
+  expect_shares(foot.displacement(10), {0.02, -0.01, 0.03}, 0);
+}
+
 TEST(SwingStarts, LeadFromWhereTheFootLiftsOffToWhereItIsToLand) {
   TwoSwings foot;
   const std::vector<double> beside = {0.02, -0.01, 0.03};
