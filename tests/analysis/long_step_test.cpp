@@ -14,8 +14,8 @@ namespace {
 /// Two knots of x' = −rate x + u with this integrator, the second one `ratio` times as long.
 ShootingProblem decay(double rate, Integrator integrator, double dt, double ratio = 1) {
   const Eigen::MatrixXd A = Eigen::MatrixXd::Constant(1, 1, -rate);
-  const auto system =
-      linear_system(A, Eigen::MatrixXd::Ones(1, 1), Eigen::VectorXd::Zero(1), SystemKind::first_order);
+  const auto system = linear_system(A, Eigen::MatrixXd::Ones(1, 1), Eigen::VectorXd::Zero(1),
+                                    SystemKind::first_order);
   const auto model = std::make_shared<KnotModel>(system, integrator);
   return {{0.0},
           {{.name = "decay", .model = model, .dt = {dt, ratio * dt}, .cost_scale = {1, 1}}},
@@ -44,9 +44,7 @@ TEST(LongStep, DependsOnTheRule) {
   EXPECT_FALSE(step_of(decay(50, Integrator::rk4, 0.05)));
 }
 
-TEST(LongStep, LetsGrowWhatGrowsInTime) {
-  EXPECT_FALSE(step_of(decay(-50, Integrator::rk4, 0.1)));
-}
+TEST(LongStep, LetsGrowWhatGrowsInTime) { EXPECT_FALSE(step_of(decay(-50, Integrator::rk4, 0.1))); }
 
 TEST(LongStep, IsNoneWhereDerivativesAreNotFinite) {
   EXPECT_FALSE(step_of(decay(std::numeric_limits<double>::quiet_NaN(), Integrator::rk4, 0.1)));

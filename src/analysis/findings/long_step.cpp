@@ -47,7 +47,8 @@ std::optional<LongStep> long_step(const ShootingProblem& problem, const Trajecto
     for (const std::complex<double>& mode : modes) {
       const double growth = growth_of(h * mode, rule.order);
       if (h * mode.real() > -kLeastDecay || !(growth > worst.growth)) continue;
-      worst = {.knot = k, .rate = -mode.real(), .growth = growth, .longest = kStable / std::abs(mode)};
+      worst = {
+          .knot = k, .rate = -mode.real(), .growth = growth, .longest = kStable / std::abs(mode)};
     }
   }
   if (worst.rate == 0) return std::nullopt;

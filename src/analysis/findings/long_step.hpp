@@ -9,8 +9,8 @@ namespace conddp {
 /// A step of an explicit rule on which a motion grows that decays in time: it is too long.
 struct LongStep {
   int knot = 0;
-  double rate = 0;    ///< at which the motion decays there, 1/s
-  double growth = 0;  ///< what the step multiplies the motion by instead
+  double rate = 0;     ///< at which the motion decays there, 1/s
+  double growth = 0;   ///< what the step multiplies the motion by instead
   double longest = 0;  ///< s: steps up to about this are stable
 };
 
