@@ -420,6 +420,13 @@ void Transcription::write_bound_multipliers(int k, const Eigen::VectorXd& gradie
   }
 }
 
+Eigen::VectorXd Transcription::weights_of_states(double weight) const {
+  Eigen::VectorXd weights = Eigen::VectorXd::Ones(variables());
+  for (int k = 1; k <= problem_.knots(); ++k)
+    weights.segment(base_[k], problem_.ndx()).setConstant(weight);
+  return weights;
+}
+
 void Transcription::recenter_multipliers(double* rows) {
   spread(rows);
   for (int k = 0; k < problem_.knots(); ++k) {

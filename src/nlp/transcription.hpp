@@ -67,6 +67,8 @@ class Transcription : public NonlinearProgram {
   bool has_pairs() const { return !pairs_.empty(); }
   /// Whether a row of a constraint depends on a state and a control together, as contact forces do.
   bool has_mixed_rows() const;
+  /// For each variable 1, or where it is one of a state this weight.
+  Eigen::VectorXd weights_of_states(double weight) const;
 
   /// The trajectory at the present point.
   const Trajectory& trajectory() const { return trajectory_; }

@@ -260,6 +260,16 @@ TEST(Solve, IpoptEndsInTheMiddleWithWholeFilesAndACertificate) {
   EXPECT_EQ(run_conddp({"verify", folder.path() / "late/solution.json"}).exit_code, 0);
 }
 
+TEST(Solve, IpoptSeesTheCurvatureOfALongMotionWhoseCostIsAState) {
+  const TemporaryFolder folder;
+  const ProcessResult r =
+      run_conddp({"solve", source("problems/collection/hypersensitive.yaml"), "--solver", "ipopt",
+                  "--set", "solver.max_iterations=20", "-o", folder.path()});
+  EXPECT_EQ(r.exit_code, 0) << r.out << r.err;
+  const Json solution = Json::parse(read_file(folder.path() / "solution.json"));
+  EXPECT_NEAR(solution["cost"].get<double>(), 1.3308069, 1e-4);
+}
+
 TEST(Solve, AWarmStartFromItsOwnSolutionIsQuick) {
   const TemporaryFolder folder;
   run_conddp({"solve", kPendulum, "-o", folder.path()});

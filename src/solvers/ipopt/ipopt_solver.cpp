@@ -6,11 +6,13 @@
 #include <fmt/format.h>
 
 #include "nlp/chain_factorization.hpp"
+#include "nlp/first_multipliers.hpp"
 #include "ocp/problem/soft_constraint.hpp"
 #include "solvers/common/feasible.hpp"
 #include "solvers/common/finite_check.hpp"
 #include "solvers/common/guess.hpp"
 #include "solvers/common/settled_cost.hpp"
+#include "solvers/iterate/hessian_switch.hpp"
 
 namespace conddp {
 namespace {
@@ -22,6 +24,8 @@ using End = InteriorPointEnd;
 constexpr double kLargestAngle = 2;
 /// The barrier to begin with where all multipliers are known.
 constexpr double kWarmBarrier = 1e-9;
+/// Ipopt's own barrier to begin with, and how far it moves what it begins with from bounds.
+constexpr double kColdBarrier = 0.1, kColdPush = 1e-2;
 /// Directions of a knot from which on exact Hessians are dear.
 constexpr int kDearDirections = 30;
 /// Rows of the log that are reserved at most before the first iteration.
@@ -46,6 +50,15 @@ SolveStatus status_of(End end) {
   const auto* found = std::find_if(std::begin(kStatuses), std::end(kStatuses),
                                    [&](const auto& entry) { return entry.first == end; });
   return found == std::end(kStatuses) ? SolveStatus::line_search_failed : found->second;
+}
+
+/// Whether options are on what a start without multipliers begins with.
+bool is_told_how_to_begin(const IpoptOptions& options) {
+  return std::any_of(options.begin(), options.end(), [](const auto& option) {
+    const std::string& name = option.first;
+    return name == "mu_init" || name.starts_with("constr_mult_init") ||
+           name.starts_with("bound_") || name.starts_with("slack_bound_");
+  });
 }
 
 bool wants_limited_memory(const IpoptOptions& options) {
@@ -189,6 +202,29 @@ bool IpoptSolver::knows_multipliers() const {
          !transcription_->has_pairs();
 }
 
+/// The curvature of a linear cost is in the multipliers alone. Those with which Ipopt begins leave
+/// least of the Lagrangian's gradient, which over long motions are nearly none: its first steps go
+/// wherever the linearized cost falls. With these the equations of the co-states come first. Large
+/// ones, as of unstable motions, say nothing.
+void IpoptSolver::start_with_multipliers(const Eigen::VectorXd& y, InteriorPointSettings& settings,
+                                         PrimalDualPoint& first) {
+  constexpr double kStatesFirst = 10, kLargest = 1e3;
+  if (!has_linear_costs(problem_) || transcription_->has_pairs() ||
+      settings.make_factorization == nullptr || is_told_how_to_begin(settings.options))
+    return;
+  const auto rows =
+      first_multipliers(*transcription_, y, transcription_->weights_of_states(kStatesFirst),
+                        settings.make_factorization);
+  if (!rows || rows->lpNorm<Eigen::Infinity>() > kLargest) return;
+  first = {.y = y,
+           .rows = *rows,
+           .lower = Eigen::VectorXd::Ones(y.size()),
+           .upper = Eigen::VectorXd::Ones(y.size())};
+  settings.warm = &first;
+  settings.warm_barrier = kColdBarrier;
+  settings.warm_push = kColdPush;
+}
+
 /// Runs Ipopt, again from the last iterate wherever that has left the middle of its charts.
 InteriorPointAnswer IpoptSolver::run_ipopt(Eigen::VectorXd y, InteriorPointSettings settings) {
   InteriorPointAnswer answer;
@@ -202,6 +238,7 @@ InteriorPointAnswer IpoptSolver::run_ipopt(Eigen::VectorXd y, InteriorPointSetti
     settings.warm = &known;
     settings.warm_barrier = kWarmBarrier;
   }
+  if (settings.warm == nullptr) start_with_multipliers(y, settings, known);
   for (;;) {
     stop_ = Stop::none;
     const double began = elapsed();
@@ -219,6 +256,7 @@ InteriorPointAnswer IpoptSolver::run_ipopt(Eigen::VectorXd y, InteriorPointSetti
     y = best_ = transcription_->point_of(center);
     settings.warm = &answer.point;
     settings.warm_barrier = answer.barrier;
+    settings.warm_push = InteriorPointSettings().warm_push;
   }
 }
 

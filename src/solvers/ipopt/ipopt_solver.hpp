@@ -38,6 +38,8 @@ class IpoptSolver {
 
   void reset();
   Trajectory start_from(const Trajectory& guess);
+  void start_with_multipliers(const Eigen::VectorXd& y, InteriorPointSettings& settings,
+                              PrimalDualPoint& first);
   InteriorPointAnswer run_ipopt(Eigen::VectorXd y, InteriorPointSettings settings);
   InteriorPointSettings default_settings() const;
   void make_transcription(PairRelaxation relaxation);
