@@ -336,8 +336,8 @@ class ResidualReader {
     if (!value) return;
     if (value->kind == ExpressionValue::Kind::kCondition)
       return texts_.report_text(
-          Part::kRow, index,
-          "a row of a residual is a number or a vector, and this is a condition");
+          Part::kRow, index, "a row of a residual is a number or a vector, and this is a condition",
+          "write its left side, and the right one as bound: 'rows: x', 'upper: 1'");
     out_.rows.push_back(value->size());
     for (const NodeId node : value->nodes) {
       if (!text_.constants && !moves(node))

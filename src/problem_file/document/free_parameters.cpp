@@ -293,6 +293,11 @@ class StatePatterns {
   Diagnostics& out_;
 };
 
+bool is_of_payload(std::string_view path) {
+  return path.starts_with("robot.payloads.") ||
+         (path.starts_with("robots.") && path.find(".payloads.") != path.npos);
+}
+
 /// No control moves a free parameter, so there is no regulator of a state that contains one.
 void check_terminal_lqr(YamlNode& root, Diagnostics& out) {
   YamlNode* terminal = find_part(root, "terminal");
@@ -331,9 +336,18 @@ std::optional<FreeParameter> read_free_parameter(const Name& name, const YamlRea
 }
 
 bool is_mass_of_payload(std::string_view path) {
-  const bool of_robot = path.starts_with("robot.payloads.") ||
-                        (path.starts_with("robots.") && path.find(".payloads.") != path.npos);
-  return of_robot && path.ends_with(".mass");
+  return is_of_payload(path) && path.ends_with(".mass");
+}
+
+std::string hint_of_free_parameter(std::string_view path) {
+  if (is_mass_of_payload(path))
+    return "the mass of a payload is a parameter alone, as 'mass: =load': a factor belongs to its "
+           "bounds";
+  if (is_of_payload(path))
+    return "of a payload the mass alone can be free, as 'mass: =load'; a parameter that is a "
+           "number can be varied with --set and in batches";
+  return "expressions have free parameters: equations, and rows of residuals; of robots the masses "
+         "of payloads, as 'mass: =load'";
 }
 
 void place_free_parameters(const std::vector<FreeParameter>& parameters, YamlNode& root,

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "problem_file/yaml/yaml_reader.hpp"
@@ -18,6 +20,8 @@ std::optional<FreeParameter> read_free_parameter(const Name& name, const YamlRea
 
 /// Whether a path of a document leads to the mass of a payload.
 bool is_mass_of_payload(std::string_view path);
+/// What is accepted in the place of a formula of free parameters at a path.
+std::string hint_of_free_parameter(std::string_view path);
 
 /// Writes free parameters into a document as what they are: states that stay as they are and are
 /// chosen at the beginning. Each becomes a state of every system, with the rate 0 or itself as next

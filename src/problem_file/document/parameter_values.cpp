@@ -124,8 +124,7 @@ class ParameterPlacer {
     for (const NodeId id : value.nodes)
       if (!graph_.constant_of(id))
         return out_.error(text.place, "this depends on a free parameter, which the solver chooses",
-                          "expressions have free parameters: equations, and rows of residuals; of "
-                          "robots the masses of payloads, as 'mass: =load'");
+                          hint_of_free_parameter(path));
     if (value.is_number()) {
       node = number_node(*graph_.constant_of(value.nodes[0]), node.mark);
       return;

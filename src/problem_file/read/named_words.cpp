@@ -18,6 +18,12 @@ std::vector<std::pair<Name, std::string>> read_named_words(const YamlReader& rea
     if (value.is_null() || (value.is_scalar() && value.node().text.empty()))
       value.error(fmt::format("'{}' has no unit behind it", name.value),
                   "write the unit, or 1 where there is none");
+    else if (!value.is_scalar())
+      value.error(fmt::format("the unit of '{}' is one word", name.value),
+                  fmt::format("write '{}: 1', or its unit; bounds stand below 'constraints' "
+                              "('bounds: state' or 'bounds: control'), first values below "
+                              "'initial_state'",
+                              name.value));
     else if (auto word = value.text())
       words.emplace_back(name, std::move(*word));
   return words;

@@ -275,7 +275,9 @@ void reject(YamlMap& map, const YamlReader& where, std::string message, std::str
 
 void read_constraint(const Name& name, const YamlReader& reader,
                      const std::filesystem::path& folder, bool terminal, ProblemSpec& spec) {
-  YamlMap map(reader);
+  YamlMap map(reader,
+              "write '{residual: expression, rows: x - 1}' for an equation, beside 'lower' or "
+              "'upper' for an inequality");
   if (!map.valid()) return;
   const bool bounds = reader.node().find("bounds") != nullptr;
   if (bounds && terminal)

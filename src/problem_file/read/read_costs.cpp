@@ -54,7 +54,9 @@ void read_activation_of(YamlMap& map, CostSpec& cost) {
 CostSpec read_cost(const Name& name, const YamlReader& reader, const std::filesystem::path& folder,
                    bool terminal) {
   CostSpec cost{.name = name};
-  YamlMap map(reader);
+  YamlMap map(reader,
+              "write '{residual: control}', or of an expression to be minimized as it is "
+              "'{residual: expression, rows: u^2, activation: linear}'");
   if (!map.valid() || !read_residual(map, folder, {.last_node = terminal}, cost)) return cost;
   map.number("weight", cost.weight, kNotNegative);
   read_activation_of(map, cost);

@@ -32,7 +32,8 @@ Value read_whole_state(const YamlReader& reader, const CostSpec& cost) {
     const bool one = numbers && numbers->components->form == ComponentsSpec::Form::kScalar;
     if (one && cost.keys.find(key::columns) == nullptr)
       reader.error("one number is not a state",
-                   "a configuration's name, 'initial', a list, or '{values: {column: number}}'");
+                   "a configuration's name, 'initial', a list as [1], or '{values: {column: "
+                   "number}}'; beside 'columns' one number stands for each of them");
     return numbers;
   }
   ReferenceValueSpec value{.place = reader.place()};

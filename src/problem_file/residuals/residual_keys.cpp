@@ -21,6 +21,16 @@ const ResidualDefinition* choose_residual(const YamlReader& reader) {
   return index ? residual_table()[*index] : nullptr;
 }
 
+/// Which residuals have a key, and what others have instead.
+std::string owners_hint(const ResidualKey& key) {
+  std::string hint;
+  for (const ResidualDefinition* definition : residual_table())
+    if (std::ranges::find(definition->keys, &key) != definition->keys.end())
+      hint +=
+          fmt::format("{}{}", hint.empty() ? "residuals that have it: " : ", ", definition->name);
+  return key.traits.instead.empty() ? hint : fmt::format("{}; {}", hint, key.traits.instead);
+}
+
 /// A key of residuals, which only some of them have.
 void read_key(YamlMap& map, const ResidualKey& key, CostSpec& cost) {
   const auto& own = cost.definition->keys;
@@ -30,7 +40,8 @@ void read_key(YamlMap& map, const ResidualKey& key, CostSpec& cost) {
   if (!value) return;
   if (fits || !traits.required) key.read(*value, cost);
   if (!fits)
-    value->error(fmt::format("the residual '{}' has no '{}'", cost.residual.value, key.name));
+    value->error(fmt::format("the residual '{}' has no '{}'", cost.residual.value, key.name),
+                 owners_hint(key));
   if (!traits.excludes.empty()) map.exclusive({key.name, traits.excludes});
 }
 

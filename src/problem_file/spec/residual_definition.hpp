@@ -36,6 +36,7 @@ struct KeyTraits {
   bool of_constraints = true;  ///< whether constraints have it, too
   bool of_last_node = true;
   std::string_view excludes = {};  ///< a key that cannot stand beside it
+  std::string_view instead = {};   ///< of residuals without it: what selects or says the same
 };
 
 /// A key of costs and constraints that belongs to some residuals.

@@ -78,7 +78,9 @@ StateSpec read_state_keys(YamlMap& map) {
 }
 
 std::optional<StateSpec> read_state(const YamlReader& reader) {
-  YamlMap map(reader, "write '{joints: {knee: 0.5}}' or '{configuration: NAME}'");
+  YamlMap map(reader,
+              "write '{values: {x: 0.5}}', '{state: [0.5, 0]}', or of a robot '{joints: {knee: "
+              "0.5}}' or '{configuration: NAME}'");
   if (!map.valid()) return std::nullopt;
   return read_state_keys(map);
 }

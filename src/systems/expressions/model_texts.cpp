@@ -6,8 +6,8 @@ void ModelTextReader::report(Part part, int index, std::string message, std::str
   errors_.push_back({part, index, false, {0, std::move(message), std::move(hint)}});
 }
 
-void ModelTextReader::report_text(Part part, int index, std::string message) {
-  errors_.push_back({part, index, true, {0, std::move(message), ""}});
+void ModelTextReader::report_text(Part part, int index, std::string message, std::string hint) {
+  errors_.push_back({part, index, true, {0, std::move(message), std::move(hint)}});
 }
 
 bool ModelTextReader::check_name(Part part, int index, const std::string& name) {

@@ -64,7 +64,7 @@ class ModelTextReader {
   /// About a name, or the model as a whole.
   void report(Part part, int index, std::string message, std::string hint = {});
   /// About the text of an expression.
-  void report_text(Part part, int index, std::string message);
+  void report_text(Part part, int index, std::string message, std::string hint = {});
   /// Adds a name, or reports why it cannot be one.
   void add(Part part, int index, const std::string& name, ExpressionValue value);
   void add_parameters(const NamedParameters& parameters);
