@@ -420,10 +420,28 @@ void Transcription::write_bound_multipliers(int k, const Eigen::VectorXd& gradie
   }
 }
 
-Eigen::VectorXd Transcription::weights_of_states(double weight) const {
+Eigen::VectorXd Transcription::weights_of_cost_states(double weight) {
+  const Sparsity& structure = jacobian_structure();
+  Eigen::VectorXd slope(variables()), values(structure.size());
+  gradient(slope.data());
+  jacobian(values.data());
+  Eigen::VectorXi readers = Eigen::VectorXi::Zero(variables());
+  for (int e = 0; e < structure.size(); ++e)
+    if (values[e] != 0) ++readers[structure.columns[e]];
   Eigen::VectorXd weights = Eigen::VectorXd::Ones(variables());
-  for (int k = 1; k <= problem_.knots(); ++k)
-    weights.segment(base_[k], problem_.ndx()).setConstant(weight);
+  Eigen::VectorXd curvature(hessian_structure().size());
+  for (int i = 0; i < problem_.ndx(); ++i) {
+    bool adds_up = slope[base_[problem_.knots()] + i] != 0;
+    Eigen::VectorXd own_rows = Eigen::VectorXd::Zero(rows());
+    for (int k = 1; k <= problem_.knots(); ++k) {
+      adds_up = adds_up && readers[base_[k] + i] <= 2;
+      own_rows[gap_row_[k - 1] + i] = 1;
+    }
+    if (!adds_up) continue;
+    hessian(0, own_rows.data(), curvature.data());
+    if (curvature.cwiseAbs().maxCoeff() == 0) continue;
+    for (int k = 1; k <= problem_.knots(); ++k) weights[base_[k] + i] = weight;
+  }
   return weights;
 }
 

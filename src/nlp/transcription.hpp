@@ -67,8 +67,10 @@ class Transcription : public NonlinearProgram {
   bool has_pairs() const { return !pairs_.empty(); }
   /// Whether a row of a constraint depends on a state and a control together, as contact forces do.
   bool has_mixed_rows() const;
-  /// For each variable 1, or where it is one of a state this weight.
-  Eigen::VectorXd weights_of_states(double weight) const;
+  /// At the present point: for each variable 1, or this weight where it is one of a state that sums
+  /// up a cost: the costs read its end, its own equation alone reads it, and that one is curved.
+  /// The co-state of such a state is the same along the whole motion.
+  Eigen::VectorXd weights_of_cost_states(double weight);
 
   /// The trajectory at the present point.
   const Trajectory& trajectory() const { return trajectory_; }

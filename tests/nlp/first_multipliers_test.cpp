@@ -7,6 +7,7 @@
 #include "nlp/chain_factorization.hpp"
 #include "nlp/transcription.hpp"
 #include "support/constrained_problems.hpp"
+#include "support/expression_systems.hpp"
 #include "support/nlp_derivatives.hpp"
 
 namespace conddp {
@@ -14,7 +15,9 @@ namespace {
 
 using testing::jacobian_times;
 
-/// A program at its guess, with the multipliers by which states count so much.
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// A program at its guess.
 struct First {
   explicit First(const ShootingProblem& of)
       : problem(of), evaluator(of, 1), program(of, evaluator, {}) {
@@ -27,9 +30,11 @@ struct First {
     program.set_center(guess);
     y = program.point_of(guess);
   }
-  /// ∂L/∂y where all bounds of variables have multipliers of 1.
+  /// ∂L/∂y where all bounds of variables have multipliers of 1, by the multipliers with which some
+  /// variables count so much.
   Eigen::VectorXd slope(double weight) {
-    weights = program.weights_of_states(weight);
+    weights = Eigen::VectorXd::Ones(program.variables());
+    for (int i = 0; i < weights.size(); i += 3) weights[i] = weight;
     const auto found = first_multipliers(program, y, weights, ChainFactorization::make);
     EXPECT_TRUE(found);
     rows = found.value_or(Eigen::VectorXd::Zero(program.rows()));
@@ -64,22 +69,52 @@ TEST(FirstMultipliers, SolveTheEquationsOfWeightedLeastSquares) {
   }
 }
 
-TEST(FirstMultipliers, AreCostatesWhereStatesCountMost) {
-  const ShootingProblem problem = testing::cartpole_swing_up(20);
+/// Moves x by u, and adds up `rate` in c, whose end costs 3 times its value.
+ShootingProblem with_cost_state(const std::string& rate_of_x, const std::string& rate) {
+  const auto system = expression_system({.kind = SystemKind::first_order,
+                                         .states = expression_numbers({"x", "c"}),
+                                         .controls = expression_columns({"u"}),
+                                         .equations = {{"x", rate_of_x}, {"c", rate}}});
+  Phase phase = testing::tracking_phase(system, Integrator::rk4, 4, 0.1, {{0, 0}, {0, 0}, {0}, {}},
+                                        -kInfinity, kInfinity);
+  auto model = std::make_shared<KnotModel>(system, Integrator::none);
+  model->add_cost("end", coordinate_residual(system->manifold(), {1}),
+                  {.kind = ActivationKind::linear});
+  return {{1, 0},
+          {std::move(phase)},
+          {.name = "end", .model = model, .dt = {0}, .cost_scale = {1}, .parameters = {0, 3}}};
+}
+
+TEST(FirstMultipliers, TheCoStateOfACostIsTheSlopeOfItsEnd) {
+  const ShootingProblem problem = with_cost_state("u - x^3", "x^2 + u^2");
   First first(problem);
-  const auto of_states = [&](const Eigen::VectorXd& slope) {
-    const Eigen::ArrayXd is_state = (first.weights.array() > 1).cast<double>();
-    return (slope.array() * is_state).abs().maxCoeff();
-  };
-  const double least = of_states(first.slope(2));
-  EXPECT_LE(of_states(first.slope(1e10)), 1e-6 * least);
+  const Eigen::VectorXd weights = first.program.weights_of_cost_states(1e8);
+  EXPECT_EQ((weights.array() == 1e8).count(), problem.knots());
+  const auto rows = first_multipliers(first.program, first.y, weights, ChainFactorization::make);
+  ASSERT_TRUE(rows);
+  EXPECT_EQ((rows->array().abs() - 3)
+                .abs()
+                .cwiseMin(1)
+                .unaryExpr([](double far) { return far < 1e-6 ? 1 : 0; })
+                .sum(),
+            problem.knots());
+}
+
+TEST(FirstMultipliers, OfStatesThatOthersReadOrWhoseEquationIsStraightAreNotWeighted) {
+  const std::vector<std::pair<std::string, std::string>> rates = {{"u - c", "x^2 + u^2"},
+                                                                  {"u - x", "x + u"}};
+  for (const auto& [of_x, of_c] : rates) {
+    const ShootingProblem problem = with_cost_state(of_x, of_c);
+    First first(problem);
+    EXPECT_EQ(first.program.weights_of_cost_states(1e8).maxCoeff(), 1) << of_c;
+  }
 }
 
 TEST(FirstMultipliers, AreNoneWhereDerivativesAreNotFinite) {
   const ShootingProblem problem = testing::cartpole_swing_up(20);
   First first(problem);
   first.y[5] = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_FALSE(first_multipliers(first.program, first.y, first.program.weights_of_states(7),
+  EXPECT_FALSE(first_multipliers(first.program, first.y, Eigen::VectorXd::Ones(first.y.size()),
                                  ChainFactorization::make));
 }
 

@@ -160,8 +160,8 @@ TEST(Mimic, StateHasTheIndependentJointsAloneAndExpandsToTheRobots) {
     const std::vector<double> q =
         system->expand_configuration(system->reduce_configuration(state.q));
     const std::vector<double> v = system->expand_velocity(system->reduce_velocity(state.v));
-    for (int i = 0; i < model.nq; ++i) EXPECT_DOUBLE_EQ(q[i], state.q[i]) << name;
-    for (int i = 0; i < model.nv; ++i) EXPECT_DOUBLE_EQ(v[i], state.v[i]) << name;
+    for (int i = 0; i < model.nq; ++i) EXPECT_NEAR(q[i], state.q[i], 1e-14) << name;
+    for (int i = 0; i < model.nv; ++i) EXPECT_NEAR(v[i], state.v[i], 1e-14) << name;
     // Power is the same in both coordinates.
     const std::vector<double> reduced_v = system->reduce_velocity(state.v);
     const std::vector<double> force = system->reduce_force(state.tau);

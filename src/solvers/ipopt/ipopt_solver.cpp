@@ -202,19 +202,20 @@ bool IpoptSolver::knows_multipliers() const {
          !transcription_->has_pairs();
 }
 
-/// The curvature of a linear cost is in the multipliers alone. Those with which Ipopt begins leave
-/// least of the Lagrangian's gradient, which over long motions are nearly none: its first steps go
-/// wherever the linearized cost falls. With these the equations of the co-states come first. Large
-/// ones, as of unstable motions, say nothing.
+/// Where a state sums up a cost, the curvature of that cost is in the multipliers of its equation
+/// alone, which are known: the slope of the linear cost of its end. Those with which Ipopt begins
+/// leave least of the Lagrangian's gradient, and over long motions they are nearly none: its first
+/// steps go wherever the linearized cost falls. Large ones, as of unstable motions, say nothing.
 void IpoptSolver::start_with_multipliers(const Eigen::VectorXd& y, InteriorPointSettings& settings,
                                          PrimalDualPoint& first) {
-  constexpr double kStatesFirst = 10, kLargest = 1e3;
+  constexpr double kCostStatesFirst = 1e6, kLargest = 1e3;
   if (!has_linear_costs(problem_) || transcription_->has_pairs() ||
       settings.make_factorization == nullptr || is_told_how_to_begin(settings.options))
     return;
-  const auto rows =
-      first_multipliers(*transcription_, y, transcription_->weights_of_states(kStatesFirst),
-                        settings.make_factorization);
+  transcription_->set_point(y.data());
+  const Eigen::VectorXd weights = transcription_->weights_of_cost_states(kCostStatesFirst);
+  if (weights.maxCoeff() == 1) return;
+  const auto rows = first_multipliers(*transcription_, y, weights, settings.make_factorization);
   if (!rows || rows->lpNorm<Eigen::Infinity>() > kLargest) return;
   first = {.y = y,
            .rows = *rows,
