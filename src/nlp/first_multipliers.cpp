@@ -19,7 +19,6 @@ Eigen::VectorXd force_of_bounds(const Eigen::VectorXd& lower, const Eigen::Vecto
 /// With W the weights, λ and r = W ∇L solve [W⁻¹ −Aᵀ; A 0] (r, λ) = (∇f, 0): r is W ∇L, and what
 /// is left has no part A r along the rows.
 std::optional<Eigen::VectorXd> first_multipliers(NonlinearProgram& program,
-                                                 const Eigen::VectorXd& point,
                                                  const Eigen::VectorXd& weights,
                                                  MakeFactorization make_factorization) {
   constexpr double kPivotTolerance = 1e-6;
@@ -30,7 +29,6 @@ std::optional<Eigen::VectorXd> first_multipliers(NonlinearProgram& program,
   for (int e = 0; e < jacobian.size(); ++e)
     system.add(variables + jacobian.rows[e], jacobian.columns[e]);
   Eigen::VectorXd values(system.size()), b = Eigen::VectorXd::Zero(variables + rows);
-  program.set_point(point.data());
   program.gradient(b.data());
   program.jacobian(values.data() + variables + rows);
   if (!b.allFinite() || !values.tail(jacobian.size()).allFinite()) return std::nullopt;

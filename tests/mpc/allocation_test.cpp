@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdlib>
 
 #include <gtest/gtest.h>
@@ -38,6 +39,16 @@ TEST(TickAllocation, IsNoneAfterTheFirstTicks) {
           *problem, {.horizon = 1, .tick = tick, .feedback_rate = 100, .solver = solver});
       EXPECT_EQ(count(problem, options), 0) << solver << ' ' << tick;
     }
+}
+
+TEST(TickAllocation, IsNoneWithSwingsThatBeginWhereFeetAre) {
+  const auto problem = testing::balanced_cartpole();
+  MpcOptions options = testing::with_terminal(*problem, {.horizon = 1, .tick = 0.05});
+  options.swings = {
+      .feet = 1,
+      .swings = {{.nodes = {10, 11, 12, 13}, .references = {1, 1, 1, 1}}},
+      .find_feet = [](const double* x, double* places) { std::copy_n(x, 3, places); }};
+  EXPECT_EQ(count(problem, options), 0);
 }
 
 }  // namespace

@@ -29,13 +29,14 @@ struct First {
     }
     program.set_center(guess);
     y = program.point_of(guess);
+    program.set_point(y.data());
   }
   /// ∂L/∂y where all bounds of variables have multipliers of 1, by the multipliers with which some
   /// variables count so much.
   Eigen::VectorXd slope(double weight) {
     weights = Eigen::VectorXd::Ones(program.variables());
     for (int i = 0; i < weights.size(); i += 3) weights[i] = weight;
-    const auto found = first_multipliers(program, y, weights, ChainFactorization::make);
+    const auto found = first_multipliers(program, weights, ChainFactorization::make);
     EXPECT_TRUE(found);
     rows = found.value_or(Eigen::VectorXd::Zero(program.rows()));
     return testing::lagrangian_gradient(program, 1, rows) - force(program.lower(), program.upper());
@@ -90,7 +91,7 @@ TEST(FirstMultipliers, TheCoStateOfACostIsTheSlopeOfItsEnd) {
   First first(problem);
   const Eigen::VectorXd weights = first.program.weights_of_cost_states(1e8);
   EXPECT_EQ((weights.array() == 1e8).count(), problem.knots());
-  const auto rows = first_multipliers(first.program, first.y, weights, ChainFactorization::make);
+  const auto rows = first_multipliers(first.program, weights, ChainFactorization::make);
   ASSERT_TRUE(rows);
   EXPECT_EQ((rows->array().abs() - 3)
                 .abs()
@@ -114,7 +115,8 @@ TEST(FirstMultipliers, AreNoneWhereDerivativesAreNotFinite) {
   const ShootingProblem problem = testing::cartpole_swing_up(20);
   First first(problem);
   first.y[5] = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_FALSE(first_multipliers(first.program, first.y, Eigen::VectorXd::Ones(first.y.size()),
+  first.program.set_point(first.y.data());
+  EXPECT_FALSE(first_multipliers(first.program, Eigen::VectorXd::Ones(first.y.size()),
                                  ChainFactorization::make));
 }
 

@@ -215,7 +215,7 @@ void IpoptSolver::start_with_multipliers(const Eigen::VectorXd& y, InteriorPoint
   transcription_->set_point(y.data());
   const Eigen::VectorXd weights = transcription_->weights_of_cost_states(kCostStatesFirst);
   if (weights.maxCoeff() == 1) return;
-  const auto rows = first_multipliers(*transcription_, y, weights, settings.make_factorization);
+  const auto rows = first_multipliers(*transcription_, weights, settings.make_factorization);
   if (!rows || rows->lpNorm<Eigen::Infinity>() > kLargest) return;
   first = {.y = y,
            .rows = *rows,
