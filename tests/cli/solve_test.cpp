@@ -270,6 +270,23 @@ TEST(Solve, IpoptSeesTheCurvatureOfALongMotionWhoseCostIsAState) {
   EXPECT_NEAR(solution["cost"].get<double>(), 1.3308069, 1e-4);
 }
 
+/// Options on the first point or barrier bring Ipopt's own start, which is far from done here;
+/// others do not.
+TEST(Solve, IpoptBeginsWithItsOwnMultipliersWhereOptionsSayHowItBegins) {
+  const TemporaryFolder folder;
+  for (const std::string option : {"mu_init", "bound_push", "slack_bound_frac"}) {
+    const ProcessResult r =
+        run_conddp({"solve", source("problems/collection/hypersensitive.yaml"), "--solver", "ipopt",
+                    "--set", "solver.max_iterations=20", "--set",
+                    "solver.options={" + option + ": 0.1}", "-o", folder.path()});
+    EXPECT_EQ(r.exit_code, 1) << option << r.out << r.err;
+  }
+  const ProcessResult r = run_conddp({"solve", source("problems/collection/hypersensitive.yaml"),
+                                      "--solver", "ipopt", "--set", "solver.max_iterations=20",
+                                      "--set", "solver.options={max_soc: 3}", "-o", folder.path()});
+  EXPECT_EQ(r.exit_code, 0) << r.out << r.err;
+}
+
 TEST(Solve, AWarmStartFromItsOwnSolutionIsQuick) {
   const TemporaryFolder folder;
   run_conddp({"solve", kPendulum, "-o", folder.path()});

@@ -1,66 +1,10 @@
 #include "solvers/linalg/lane_copy.hpp"
 
 #include <algorithm>
-#include <utility>
 
-#include "spatial/lane_part.hpp"
+#include "solvers/linalg/lane_square.hpp"
 
 namespace conddp {
-namespace {
-
-inline void load_columns(Lane (&x)[kLaneWidth], const double* from, int stride) {
-#pragma GCC unroll 8
-  for (int c = 0; c < kLaneWidth; ++c) x[c] = load_lane(from + c * stride);
-}
-
-inline void load_columns(Lane (&x)[kLaneWidth], const double* from, int stride, int rows,
-                         int cols) {
-  const auto load = [&](auto load_column) {
-#pragma GCC unroll 8
-    for (int c = 0; c < kLaneWidth; ++c)
-      x[c] = c < cols ? load_column(from + c * stride) : Lane(0.0);
-  };
-  // One choice and one mask for all columns.
-  if (rows >= kLaneWidth)
-    load(load_lane);
-  else
-    load([rows](const double* column) { return load_part(column, rows); });
-}
-
-inline void store_columns(const Lane (&x)[kLaneWidth], double* to, int stride) {
-#pragma GCC unroll 8
-  for (int c = 0; c < kLaneWidth; ++c) store_lane(to + c * stride, x[c]);
-}
-
-inline void store_columns(const Lane (&x)[kLaneWidth], double* to, int stride, int rows, int cols) {
-  const auto store = [&](auto store_column) {
-#pragma GCC unroll 8
-    for (int c = 0; c < kLaneWidth; ++c)
-      if (c < cols) store_column(to + c * stride, x[c]);
-  };
-  if (rows >= kLaneWidth)
-    store(store_lane);
-  else
-    store([rows](double* column, Lane values) { store_part(column, values, rows); });
-}
-
-/// Mirrors a square of the diagonal in registers.
-template <int... kIndex>
-inline void mirror_square(Lane (&x)[kLaneWidth], std::integer_sequence<int, kIndex...>) {
-  Lane transposed[kLaneWidth];
-  std::copy(x, x + kLaneWidth, transposed);
-  transpose_lanes(transposed);
-  const LaneMask::Vector row{kIndex...};
-#pragma GCC unroll 8
-  for (int c = 1; c < kLaneWidth; ++c)
-    x[c] = select(LaneMask{row < static_cast<std::int64_t>(c)}, transposed[c], x[c]);
-}
-
-inline void mirror_square(Lane (&x)[kLaneWidth]) {
-  mirror_square(x, std::make_integer_sequence<int, kLaneWidth>());
-}
-
-}  // namespace
 
 void transpose(const double* from, int from_stride, int rows, int cols, double* to, int to_stride) {
   Lane x[kLaneWidth];
@@ -105,10 +49,7 @@ bool copy_symmetric(const LaneBlock& A, double* to, int to_stride) {
   Lane finite(0.0);  // a sum of zeros, unless a number is not finite
   const auto check = [&] {
     // One square does not wait for the other: the sum of its columns comes first.
-    Lane sum = x[0];
-#pragma GCC unroll 8
-    for (int c = 1; c < kLaneWidth; ++c) sum += x[c];
-    finite += sum * Lane(0.0);
+    finite += sum_of_columns(x) * Lane(0.0);
   };
   for (int col = 0; col < A.cols; col += kLaneWidth) {
     const int cols = A.cols - col;

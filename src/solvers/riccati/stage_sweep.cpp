@@ -5,6 +5,7 @@
 #include "solvers/common/finite_check.hpp"
 #include "solvers/linalg/lane_copy.hpp"
 #include "solvers/linalg/lane_gemm.hpp"
+#include "solvers/riccati/narrow_stage.hpp"
 
 namespace conddp {
 namespace {
@@ -96,6 +97,13 @@ bool StageSweep::solve(const StageProblem& stage, StageSolver& stages, Feedback&
 bool StageSweep::form_value(ValueFunction& value, const Eigen::VectorXd& k, bool true_gains) {
   const int nu = q_.nu(), ndx = q_.ndx();
   LaneMatrix& Q = q_.Qzz_lanes();
+  auto w = w_.head(nu);
+  if (nu > 0) {
+    w = q_.Qu();
+    w.noalias() += q_.Quu() * k;
+  }
+  if (const NarrowStage* narrow = narrow_stage(ndx, nu); narrow != nullptr && true_gains)
+    return narrow->form_value(q_, Kt_.block(), w.data(), k.data(), value);
   // V_xx in the lower triangle, where Q_xx is, and V_x where Q_x is.
   const LaneBlock Vxx = Q.block(ndx, 0, ndx), Vx{q_.Qz().data(), Q.stride(), ndx, 1};
   if (nu > 0) {
@@ -108,9 +116,6 @@ bool StageSweep::form_value(ValueFunction& value, const Eigen::VectorXd& k, bool
       multiply_lower(Store::add, Vxx, M_.block(), Factor::transposed(Kt_));
     }
     multiply_lower(Store::add, Vxx, Kt, {Q.col(ndx), Q.stride(), 1});
-    auto w = w_.head(nu);
-    w = q_.Qu();
-    w.noalias() += q_.Quu() * k;
     // The last whole lane reaches into Q_u, which is not needed any more.
     multiply(Store::add, Vx, Kt, {w.data(), 1, nu});
     multiply(Store::add, Vx, Qxu, {k.data(), 1, nu});

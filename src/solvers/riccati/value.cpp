@@ -6,6 +6,7 @@
 #include "solvers/linalg/lane_copy.hpp"
 #include "solvers/linalg/lane_gemm.hpp"
 #include "solvers/riccati/gap_transport.hpp"
+#include "solvers/riccati/narrow_stage.hpp"
 #include "spatial/lane_part.hpp"
 
 namespace conddp {
@@ -140,9 +141,6 @@ void transform_rows_of(const StateBlock& A, const StateBlock& H, Lane dt, int co
 
 }  // namespace
 
-ActionValue::ActionValue(int ndx, int max_nu)
-    : ndx_(ndx), nu_(max_nu), gradient_(ndx + max_nu, 1), hessian_(ndx + max_nu, ndx + max_nu) {}
-
 ValuePropagation::ValuePropagation(int ndx, int max_nu)
     : scratch_(ndx),
       pulled_(ndx + max_nu),
@@ -190,6 +188,9 @@ void ValuePropagation::propagate(const KnotLinearization& knot, const ValueFunct
   auto pulled = pulled_.head(nz);
   knot.apply_transpose(seen.Vx, pulled, scratch_);
   q.Qz() = knot.gradient + pulled;
+  if (!knot.semi_implicit)
+    if (const NarrowStage* narrow = narrow_stage(q.ndx(), q.nu()))
+      return narrow->pull(knot, seen.Vxx, q);
   Ft_.resize(nz, rows);
   FtP_.resize(nz, rows);
   transpose(knot.F.data(), rows, rows, nz, Ft_.data(), Ft_.stride());

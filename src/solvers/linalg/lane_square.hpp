@@ -1,0 +1,73 @@
+#pragma once
+
+#include <algorithm>
+#include <utility>
+
+#include "spatial/lane_part.hpp"
+
+namespace conddp {
+
+/// As many columns as a lane has numbers, in registers.
+using LaneSquare = Lane[kLaneWidth];
+
+inline void load_columns(LaneSquare& x, const double* from, int stride) {
+#pragma GCC unroll 8
+  for (int c = 0; c < kLaneWidth; ++c) x[c] = load_lane(from + c * stride);
+}
+
+/// Some rows and columns; the rest is zero.
+inline void load_columns(LaneSquare& x, const double* from, int stride, int rows, int cols) {
+  const auto load = [&](auto load_column) {
+#pragma GCC unroll 8
+    for (int c = 0; c < kLaneWidth; ++c)
+      x[c] = c < cols ? load_column(from + c * stride) : Lane(0.0);
+  };
+  // One choice and one mask for all columns.
+  if (rows >= kLaneWidth)
+    load(load_lane);
+  else
+    load([rows](const double* column) { return load_part(column, rows); });
+}
+
+inline void store_columns(const LaneSquare& x, double* to, int stride) {
+#pragma GCC unroll 8
+  for (int c = 0; c < kLaneWidth; ++c) store_lane(to + c * stride, x[c]);
+}
+
+inline void store_columns(const LaneSquare& x, double* to, int stride, int rows, int cols) {
+  const auto store = [&](auto store_column) {
+#pragma GCC unroll 8
+    for (int c = 0; c < kLaneWidth; ++c)
+      if (c < cols) store_column(to + c * stride, x[c]);
+  };
+  if (rows >= kLaneWidth)
+    store(store_lane);
+  else
+    store([rows](double* column, Lane values) { store_part(column, values, rows); });
+}
+
+template <int... kIndex>
+inline void mirror_square(LaneSquare& x, std::integer_sequence<int, kIndex...>) {
+  Lane transposed[kLaneWidth];
+  std::copy(x, x + kLaneWidth, transposed);
+  transpose_lanes(transposed);
+  const LaneMask::Vector row{kIndex...};
+#pragma GCC unroll 8
+  for (int c = 1; c < kLaneWidth; ++c)
+    x[c] = select(LaneMask{row < static_cast<std::int64_t>(c)}, transposed[c], x[c]);
+}
+
+/// Copies the lower triangle into the upper one.
+inline void mirror_square(LaneSquare& x) {
+  mirror_square(x, std::make_integer_sequence<int, kLaneWidth>());
+}
+
+/// Their sum: not finite where a number is not.
+inline Lane sum_of_columns(const LaneSquare& x) {
+  Lane sum = x[0];
+#pragma GCC unroll 8
+  for (int c = 1; c < kLaneWidth; ++c) sum += x[c];
+  return sum;
+}
+
+}  // namespace conddp
