@@ -202,6 +202,12 @@ TEST(DataProfile, IsTheShareForSoMuchEffort) {
 }
 
 // The bits of a quaternion would change by a step of nothing; then it would count as another state.
+TEST(Perturbations, AreAnyWhereOneOfTheirSpreadsIs) {
+  EXPECT_FALSE(Perturbation{}.any());
+  EXPECT_TRUE(Perturbation{.initial_state = 0.1}.any());
+  EXPECT_TRUE(Perturbation{.guess = 0.1}.any());
+}
+
 TEST(RandomInstance, LeavesTheInitialStateToTheBitWhereNothingIsAskedFor) {
   const ShootingProblem moved = perturb_initial_state(testing::quadrotor_move(), 0.3, 1);
   EXPECT_EQ(perturb_initial_state(moved, 0, 2).initial_state(), moved.initial_state());

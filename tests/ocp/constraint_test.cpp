@@ -4,6 +4,7 @@
 
 #include "ocp/evaluation/evaluator.hpp"
 #include "ocp/problem/soft_constraint.hpp"
+#include "ocp/residuals/expression_residual.hpp"
 #include "support/knot_case.hpp"
 #include "support/sizes.hpp"
 
@@ -433,6 +434,33 @@ TEST(SoftBySquare, RowsCostHalfTheirWeightTimesTheSquareOfTheirDistance) {
   of(1, {2.5, 0}).expect(0.5 * 0.3, {0.3, 0}, Eigen::Vector2d(0.3, 0).asDiagonal());
   of(1, {0.5, 0}).expect(0, {0, 0}, Eigen::Matrix2d::Zero());
   of(0, {2.5, -2.25}).expect(0, {0, 0}, Eigen::Matrix2d::Zero());
+}
+
+// Rows of different numbers, one after the other: each has its own weight and no shift.
+TEST(SoftBySquare, TermsOfAKnotLeaveNothingToEachOther) {
+  KnotModel model(double_integrator(2), Integrator::none);
+  std::vector<double> numbers;
+  const auto add = [&](const std::shared_ptr<const Residual>& residual, double weight) {
+    model.add_constraint(
+        make_constraint("soft", residual, ConstraintKind::bounds, 1, Softness::l2));
+    const int rows = residual->size();
+    numbers.resize(numbers.size() + residual->parameter_count() + rows,
+                   -std::numeric_limits<double>::infinity());
+    std::fill(numbers.end() - rows - residual->parameter_count(), numbers.end() - rows, 0.0);
+    numbers.resize(numbers.size() + rows, 1.0);
+    numbers.insert(numbers.end(), {1, weight});
+  };
+  add(state_residual(model.manifold()), 2);
+  const std::vector<KnotName> names = {{"first", "", {{false, 0}}, {}},
+                                       {"fourth", "", {{false, 3}}, {}}};
+  add(make_expression_residual(model.manifold(), {.names = names, .rows = {"first", "fourth"}})
+          .residual,
+      3);
+  add(state_residual(model.manifold()), 2);
+  KnotWorkspace<double> work(model);
+  const std::vector<double> x = {2, 3, -1, 1.5};
+  model.evaluate(KnotInput<double>{x.data(), nullptr, numbers.data(), 0, 1}, work);
+  EXPECT_NEAR(work.cost, 2 * 0.5 * 2 * (1 + 4 + 0.25) + 0.5 * 3 * (1 + 0.25), 1e-14);
 }
 
 // ‖3‖ ≤ 1: the nearest point of the cone is (2, 2).

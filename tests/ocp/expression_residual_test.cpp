@@ -190,6 +190,10 @@ TEST(ExpressionResiduals, TimeIsAParameterUnlessItIsAColumn) {
   EXPECT_TRUE(make_expression_residual(model.manifold(), text).reads_time);
   EXPECT_NEAR(values_of(*residual, *system, {2, 0, 0}, {0, 0}, {0.25, 0.5, 0.125, 2})[0],
               1.75 - std::sin(0.5) + 1.25 + 200, 1e-13);
+  // Other names of the file hide none of them.
+  text.parameters = {{"speed", 3.0}};
+  text.definitions = {{"double_speed", "2*speed"}};
+  EXPECT_EQ(expression_residual(model, text)->parameter_count(), 4);
   text.rows = {"x"};
   EXPECT_EQ(expression_residual(model, text)->parameter_count(), 1);
   EXPECT_FALSE(make_expression_residual(model.manifold(), text).reads_time);

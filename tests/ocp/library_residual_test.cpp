@@ -81,6 +81,14 @@ TEST(LibraryResidual, ReadsItsStatesAndControlWhereTheKnotHasThem) {
   expect_rows(Rows<Lane>(residual, {0.4, -0.6}), values, jacobian);
 }
 
+// (1.5 sin(its first state), u times its second one), of the first and the third number.
+TEST(LibraryResidual, DifferentiatesByTheFirstNumberOfTheKnotToo) {
+  const auto residual =
+      make_library_residual(compiled("reach", {1.5}), {.states = {0, 2}, .clock = -1, .ndx = 4});
+  expect_rows(Rows<double>(residual, {0, 0}), {1.5 * std::sin(0.3), 2.5 * 0.2},
+              {{1.5 * std::cos(0.3), 0, 0, 0, 0}, {0, 0, 2.5, 0, 0.2}});
+}
+
 TEST(LibraryResidual, ReadsTheTimeFromItsClockOrFromTheKnot) {
   const auto with_clock =
       make_library_residual(compiled("late"), {.states = {1, 3}, .clock = 2, .ndx = 4});

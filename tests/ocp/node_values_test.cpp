@@ -76,6 +76,10 @@ TEST(NodeValues, TellWhatIsNotFinite) {
   Trajectory t = moved(problem);
   t.u(4)[1] = std::numeric_limits<double>::infinity();
   EXPECT_FALSE(NodeValues(problem, t).all_finite());
+  // Its square is not finite at the last node, where there is no next state.
+  t = moved(problem);
+  t.x(problem.knots())[0] = 1e200;
+  EXPECT_FALSE(NodeValues(problem, t).all_finite());
 }
 
 }  // namespace

@@ -239,6 +239,19 @@ TEST_P(UrdfRejection, IsAnErrorThatNamesItsPlace) {
 INSTANTIATE_TEST_SUITE_P(Cases, UrdfRejection, testing::ValuesIn(rejections()),
                          [](const auto& test) { return std::string(test.param.name); });
 
+TEST(UrdfCharacters, ThatOtherEncodingsHaveComeWithAHintAndOthersDoNot) {
+  const auto first_problem = [](const std::string& xml) {
+    const UrdfResult result = parse_urdf(xml, "robot.urdf");
+    return result.problems.empty() ? UrdfProblem{} : result.problems.front();
+  };
+  const UrdfProblem latin = first_problem("<robot>\n<!-- \xE9 -->\n</robot>");
+  EXPECT_EQ(latin.column, 6);
+  EXPECT_NE(latin.hint.find("iconv"), std::string::npos);
+  const UrdfProblem control = first_problem("<robot>\n<!-- \x01\xC3\xA9 -->\n</robot>");
+  EXPECT_EQ(control.column, 6);
+  EXPECT_EQ(control.hint, "");
+}
+
 TEST(UrdfNames, OfTheRobotItselfBelongToNoLinkOrJoint) {
   const UrdfResult result =
       parse_urdf("<robot name=\"a,b\">" + link_element("base") + "</robot>", "robot.urdf");

@@ -31,6 +31,17 @@ TEST(AutoSolver, IsChosenByTheProblemAndTheOptions) {
   EXPECT_EQ(by_name.cost, altro.cost);
 }
 
+TEST(AutoSolver, SaysWhichSolversItTriesInWhichOrderAndWhy) {
+  const testing::LinearQuadratic lq(1, 4, {3, 2}, 8, -1, 1);
+  const ShootingProblem constrained = testing::with_constraints(*lq.problem, testing::cuts(lq));
+  EXPECT_EQ(describe_auto(*lq.problem, auto_solvers(*lq.problem, {})),
+            "box_fddp, since there are no constraints besides bounds on the control; then ipopt");
+  EXPECT_EQ(describe_auto(constrained, auto_solvers(constrained, {})),
+            "altro, since there are constraints besides bounds on the control; then proxddp, ipopt");
+  EXPECT_EQ(describe_auto(constrained, auto_solvers(constrained, {.segments = 2})),
+            "proxddp, since there are constraints besides bounds on the control");
+}
+
 /// A solver that gets nowhere.
 SolverInfo failing() {
   return {.name = "failing",
