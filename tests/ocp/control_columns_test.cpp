@@ -30,12 +30,12 @@ Phase pushed_by(const std::vector<std::string>& controls) {
 ShootingProblem pushed_in_turn(const std::vector<std::vector<std::string>>& turns) {
   std::vector<Phase> phases;
   for (const auto& controls : turns) phases.push_back(pushed_by(controls));
-  Phase end{.name = "end",
-            .model = std::make_shared<KnotModel>(phases.front().model->shared_system(),
-                                                 Integrator::none),
-            .dt = {0},
-            .cost_scale = {1},
-            .parameters = {}};
+  Phase end{
+      .name = "end",
+      .model = std::make_shared<KnotModel>(phases.front().model->shared_system(), Integrator::none),
+      .dt = {0},
+      .cost_scale = {1},
+      .parameters = {}};
   return {{0.0}, std::move(phases), std::move(end)};
 }
 

@@ -57,8 +57,8 @@ TEST(Integrals, DerivativesAreThoseOfDualNumbers) {
     const auto model = summing_pendulum(integrator);
     const KnotCase c = make_case("pendulum", model, random);
     KnotWorkspace<double> work(*model);
-    model->differentiate(
-        KnotInput<double>{c.x.data(), c.u.data(), c.parameters.data(), c.dt, c.dt}, work, false);
+    model->differentiate(KnotInput<double>{c.x.data(), c.u.data(), c.parameters.data(), c.dt, c.dt},
+                         work, false);
     const int ndx = model->ndx();
     ASSERT_EQ(model->jacobian_rows(), ndx);
     for (int d = 0; d < model->nz(); ++d) {

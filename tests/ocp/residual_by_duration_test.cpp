@@ -127,8 +127,8 @@ TEST_F(ByDuration, ANormIsFormedBeforeItGrows) {
 TEST_F(ByDuration, IsOfConstraintsThatAreSoftByTheirDistance) {
   const RowsByDuration rows = rows_by_duration(ConstraintKind::bounds, 1, {-1}, {1});
   for (const Softness softness : {Softness::hard, Softness::l2})
-    EXPECT_THROW(by_duration(make_constraint("c", control_residual(4, 1), ConstraintKind::bounds,
-                                             1, softness),
+    EXPECT_THROW(by_duration(make_constraint("c", control_residual(4, 1), ConstraintKind::bounds, 1,
+                                             softness),
                              rows, {.state = 3, .tangent = 3, .written = 1}),
                  std::invalid_argument);
   EXPECT_TRUE(term(control_residual(4, 1), ConstraintKind::bounds, rows).by_duration);

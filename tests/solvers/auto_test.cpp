@@ -36,8 +36,9 @@ TEST(AutoSolver, SaysWhichSolversItTriesInWhichOrderAndWhy) {
   const ShootingProblem constrained = testing::with_constraints(*lq.problem, testing::cuts(lq));
   EXPECT_EQ(describe_auto(*lq.problem, auto_solvers(*lq.problem, {})),
             "box_fddp, since there are no constraints besides bounds on the control; then ipopt");
-  EXPECT_EQ(describe_auto(constrained, auto_solvers(constrained, {})),
-            "altro, since there are constraints besides bounds on the control; then proxddp, ipopt");
+  EXPECT_EQ(
+      describe_auto(constrained, auto_solvers(constrained, {})),
+      "altro, since there are constraints besides bounds on the control; then proxddp, ipopt");
   EXPECT_EQ(describe_auto(constrained, auto_solvers(constrained, {.segments = 2})),
             "proxddp, since there are constraints besides bounds on the control");
 }
