@@ -269,6 +269,7 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"Base", "{configuration: up}", "{base: §{position: [0, 0, 1]}}",
                 "the robot's base is fixed"},
         Mistake{"LockedJoint", "actuation:", "locked_joints: {§hinj: 0}\n  actuation:", ""},
+        Mistake{"LockedPattern", "actuation:", "locked_joints: {§arm_*: 0}\n  actuation:", ""},
         Mistake{"Payload", "actuation:", "payloads: {§pol: {mass: 1}}\n  actuation:", ""},
         Mistake{"PayloadMass",
                 "actuation:", "payloads: {pole: {mass: §0}}\n  actuation:", "a positive number"},

@@ -372,6 +372,48 @@ TEST(UrdfMimic, FollowersOfALockedJointAreLockedWhereItHasThem) {
   EXPECT_EQ(built(three_joints(follower, next), all).joint_count(), 1);
 }
 
+TEST(UrdfPatterns, LockTheJointsThatTheyFitTheBestOneFirst) {
+  const std::string xml = three_joints("", "");  // i, j, k
+  const auto placed = [&](const std::map<std::string, double>& locked) {
+    UrdfOptions options;
+    options.locked_joints = locked;
+    const RobotModel model = built(xml, options);
+    EXPECT_EQ(model.joint_count(), 0);
+    return simple_frame_placement(model, {}, "d");
+  };
+  const auto expected = placed({{"i", 0.2}, {"j", -0.3}, {"k", -0.3}});
+  expect_equal(placed({{"*", -0.3}, {"i", 0.2}}), expected);
+  expect_equal(placed({{"*", -0.3}, {"i*", 0.2}}), expected);
+  expect_equal(placed({{"*k", -0.3}, {"*", 0.2}, {"j", -0.3}}), expected);
+  UrdfOptions one;
+  one.locked_joints = {{"k*", 0.1}};
+  EXPECT_EQ(joint_names(built(xml, one)), (std::vector<std::string>{"i", "j"}));
+}
+
+TEST(UrdfPatterns, LeaveFollowersToTheirLeaders) {
+  const std::string xml = three_joints("<mimic joint=\"i\" multiplier=\"2\" offset=\"0.5\"/>", "");
+  UrdfOptions options, by_name;
+  options.enforce_mimic = by_name.enforce_mimic = true;
+  options.locked_joints = {{"*", 0.2}};
+  by_name.locked_joints = {{"i", 0.2}, {"j", 0.9}, {"k", 0.2}};
+  expect_equal(simple_frame_placement(built(xml, options), {}, "d"),
+               simple_frame_placement(built(xml, by_name), {}, "d"));
+}
+
+TEST(UrdfPatterns, GiveRotorsToTheJointsThatAreNotLocked) {
+  const std::string xml = three_joints("", "");
+  UrdfOptions options, by_name;
+  options.locked_joints = by_name.locked_joints = {{"j", 0.1}};
+  options.rotor_inertia = {{"*", 0.3}, {"k", 0.7}};
+  by_name.rotor_inertia = {{"i", 0.3}, {"k", 0.7}};
+  const UrdfResult result = parse_urdf(xml, "robot.urdf", options);
+  ASSERT_TRUE(result.model);
+  for (const UrdfProblem& problem : result.problems)
+    EXPECT_EQ(problem.message.find("rotor"), std::string::npos) << problem.message;
+  EXPECT_EQ(simple_inertia_matrix(*result.model, {0.4, 0.3}),
+            simple_inertia_matrix(built(xml, by_name), {0.4, 0.3}));
+}
+
 TEST(UrdfNotes, TellWhatTheModelLeavesOut) {
   const UrdfResult result =
       parse_urdf(robot_element(link_element("a") + link_element("b") +

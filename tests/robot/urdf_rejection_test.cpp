@@ -213,6 +213,12 @@ std::vector<Rejection> rejections() {
                                    "<mimic joint=\"j\" multiplier=\"2\" offset=\"1\"/>")),
        "k", "follow joint 'j', which has no coordinate", 0,
        with([](UrdfOptions& o) { o.enforce_mimic = true; })},
+      {"locked_pattern_fits_none", one_joint(""), "finger_*", "fits none of the joints that move",
+       0, with([](UrdfOptions& o) { o.locked_joints["finger_*"] = 0; })},
+      {"locked_pattern_outside_limits",
+       one_joint(R"(<limit lower="1" upper="2" effort="1" velocity="1"/>)", "revolute"), "j",
+       "to be locked at 0, outside its limits 1 to 2", 0,
+       with([](UrdfOptions& o) { o.locked_joints["*"] = 0; })},
   };
 }
 

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "base/files/sha256.hpp"
+#include "base/text/name_pattern.hpp"
 #include "systems/expressions/scope.hpp"
 
 namespace conddp {
@@ -27,14 +28,20 @@ UrdfOptions urdf_options(const RobotSpec& spec, const std::string& prefix,
   return options;
 }
 
-/// Where the problem file names a link or joint that the URDF's reader complains about.
+/// Where the problem file names a link or joint that the URDF's reader complains about; of a joint
+/// that names with `*` fit, the best of them.
 Place place_of(const RobotSpec& spec, const std::string& element) {
+  const Name* best = nullptr;
+  std::size_t quality = 0;
   for (const NamedNumbers* numbers : {&spec.locked_joints, &spec.rotor_inertia})
     for (const auto& [name, value] : *numbers)
-      if (name.value == element) return name.place;
+      if (const std::size_t found = fit(name.value, element); found > quality) {
+        quality = found;
+        best = &name;
+      }
   for (const PayloadSpec& payload : spec.payloads)
     if (payload.link.value == element) return payload.link.place;
-  return spec.urdf.place;
+  return best != nullptr ? best->place : spec.urdf.place;
 }
 
 /// The joints that 'full' drives. A base has no motors: those that a planar one stands on are its

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include <fnmatch.h>
-
 #include <fmt/format.h>
 
 #include "base/text/spelling.hpp"
@@ -127,17 +125,6 @@ std::optional<std::vector<double>> resolve(const std::optional<ComponentsSpec>& 
   if (!spec) return std::vector<double>(names.names.size(), fallback);
   return resolve(*spec, names, fallback, out);
 }
-
-std::size_t fit(const std::string& pattern, const std::string& name) {
-  if (name.empty()) return 0;
-  if (pattern == name) return std::string::npos;
-  if (!is_pattern(pattern)) return 0;
-  return fnmatch(pattern.c_str(), name.c_str(), FNM_NOESCAPE) == 0 ? pattern.size() : 0;
-}
-
-bool fits(const std::string& pattern, const std::string& name) { return fit(pattern, name) > 0; }
-
-bool is_pattern(const std::string& name) { return name.find('*') != std::string::npos; }
 
 std::string list_of(const ComponentNames& names) {
   const ComponentNames listed = names.listed();

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "base/text/name_pattern.hpp"
 #include "problem_file/spec/spec_values.hpp"
 #include "systems/system.hpp"
 
@@ -37,13 +38,6 @@ std::optional<std::vector<double>> resolve(const ComponentsSpec& spec, const Com
 std::optional<std::vector<double>> resolve(const std::optional<ComponentsSpec>& spec,
                                            const ComponentNames& names, double fallback,
                                            Diagnostics& out);
-
-/// How well a name of the file, in which `*` stands for any letters, fits this one: 0 not at all,
-/// most the name itself, and a longer pattern better than a shorter one.
-std::size_t fit(const std::string& pattern, const std::string& name);
-bool fits(const std::string& pattern, const std::string& name);
-/// Whether a name of the file may mean several.
-bool is_pattern(const std::string& name);
 
 /// "joints: a, b, c", for hints.
 std::string list_of(const ComponentNames& names);

@@ -205,9 +205,9 @@ class RegularityReport {
   UrdfReport& report_;
 };
 
-/// Not to be used where the report has errors.
+/// Not to be used where the report has errors. In the options joints take the place of patterns.
 urdf::ModelInterfaceSharedPtr checked_tree(const XmlOutline& outline, std::string_view xml,
-                                           const UrdfOptions& options, UrdfReport& report) {
+                                           UrdfOptions& options, UrdfReport& report) {
   if (!check_urdf_elements(outline, report)) return nullptr;
   check_urdf_topology(outline, options, report);
   if (report.has_errors()) return nullptr;
@@ -221,6 +221,7 @@ urdf::ModelInterfaceSharedPtr checked_tree(const XmlOutline& outline, std::strin
     return nullptr;
   }
 
+  options = resolve_joint_patterns(*tree, std::move(options), report);
   check_urdf_physics(*tree, options, report);
   check_urdf_options(*tree, options, report);
   return tree;
@@ -242,7 +243,7 @@ UrdfOptions with_locked_followers(const urdf::ModelInterface& tree, UrdfOptions 
   return options;
 }
 
-void parse(std::string_view xml, const UrdfOptions& options, UrdfResult& result) {
+void parse(std::string_view xml, UrdfOptions options, UrdfResult& result) {
   const XmlOutline outline = scan_xml(xml);
   UrdfReport report(outline, result);
   if (outline.defect || outline.elements.empty()) {

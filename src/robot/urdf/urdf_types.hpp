@@ -26,7 +26,7 @@ struct UrdfOptions {
   /// a joint of such a name, an underscore is appended. A floating or planar joint of the file
   /// whose parent is the root (or rigid with it) is accepted with `fixed`.
   enum class Base { fixed, floating, planar } base = Base::fixed;
-  /// Joints merged like fixed ones at a value (rad or m).
+  /// Joints merged like fixed ones at a value (rad or m). Names may have `*` for any letters.
   std::map<std::string, double> locked_joints = {};
   /// A body carried rigidly by a link.
   struct Payload {
@@ -37,6 +37,7 @@ struct UrdfOptions {
   };
   std::vector<Payload> payloads = {};
   /// Inertia of the motor's rotor reflected to the joint (kg m², or kg for a prismatic joint).
+  /// Names may have `*`.
   std::map<std::string, double> rotor_inertia = {};
   /// Whether mimic joints follow their leader, and are locked with it; otherwise they are
   /// independent, with a note.

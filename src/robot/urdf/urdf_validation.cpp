@@ -1,10 +1,12 @@
 #include "robot/urdf/urdf_validation.hpp"
 
 #include <cmath>
+#include <map>
 
 #include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 
+#include "base/text/name_pattern.hpp"
 #include "base/text/spelling.hpp"
 
 namespace conddp {
@@ -199,6 +201,34 @@ void check_joint_options(const urdf::ModelInterface& tree, const UrdfOptions& op
       check_rotor(name, inertia, options.locked_joints.contains(name), report);
 }
 
+/// One number a joint, from numbers by name or pattern. `may_have`: whether a pattern counts for a
+/// joint that it fits.
+template <class MayHave>
+std::map<std::string, double> resolve_patterns(const urdf::ModelInterface& tree,
+                                               const std::map<std::string, double>& given,
+                                               MayHave may_have, UrdfReport& report) {
+  std::map<std::string, double> resolved;
+  for (const auto& [name, value] : given)
+    if (!is_pattern(name)) resolved.emplace(name, value);
+  const std::vector<std::string> joints = moving_joints(tree);
+  std::map<std::string, std::size_t> quality;
+  for (const auto& [pattern, value] : given) {
+    if (!is_pattern(pattern)) continue;
+    bool any = false;
+    for (const std::string& joint : joints) {
+      const std::size_t found = fit(pattern, joint);
+      any = any || found > 0;
+      if (found <= quality[joint] || given.contains(joint) || !may_have(joint)) continue;
+      quality[joint] = found;
+      resolved[joint] = value;
+    }
+    if (!any)
+      report.error(at_joint(pattern), "fits none of the joints that move",
+                   name_hint(pattern, joints, "joints"));
+  }
+  return resolved;
+}
+
 }  // namespace
 
 InertiaDefect inertia_defect(const Symmetric3<double>& central, double mass) {
@@ -212,6 +242,20 @@ InertiaDefect inertia_defect(const Symmetric3<double>& central, double mass) {
   if (largest <= kSquaredRadius * mass) return {};
   return {std::max(0.0, -moments[0] / largest),
           std::max(0.0, (moments[2] - moments[1] - moments[0]) / largest)};
+}
+
+UrdfOptions resolve_joint_patterns(const urdf::ModelInterface& tree, UrdfOptions options,
+                                   UrdfReport& report) {
+  const auto follows = [&](const std::string& joint) {
+    return options.enforce_mimic && tree.joints_.at(joint)->mimic != nullptr;
+  };
+  options.locked_joints = resolve_patterns(
+      tree, options.locked_joints, [&](const std::string& joint) { return !follows(joint); },
+      report);
+  options.rotor_inertia = resolve_patterns(
+      tree, options.rotor_inertia,
+      [&](const std::string& joint) { return !options.locked_joints.contains(joint); }, report);
+  return options;
 }
 
 void check_urdf_physics(const urdf::ModelInterface& tree, const UrdfOptions& options,
