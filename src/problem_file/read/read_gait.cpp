@@ -143,8 +143,7 @@ void read_feet(const YamlReader& reader, const std::vector<ContactSpec>& contact
 void read_starts(const YamlReader& reader, GaitSpec& gait) {
   static const NumberRange kShare{0, 1, false, true, "a share of the cycle from 0 to 1 (excluded)"};
   for (const auto& [role, start] : read_named_numbers(reader, kShare)) {
-    const auto foot = std::find_if(gait.feet.begin(), gait.feet.end(),
-                                   [&](const FootSpec& f) { return f.role == role.value; });
+    const auto foot = std::ranges::find(gait.feet, role.value, &FootSpec::role);
     if (foot != gait.feet.end()) {
       foot->start = start;
       continue;
