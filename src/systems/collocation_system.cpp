@@ -104,6 +104,7 @@ CollocationSystem::CollocationSystem(std::shared_ptr<const System> inside, Collo
   if (kind_ != SystemKind::second_order && kind_ != SystemKind::first_order)
     throw std::invalid_argument("collocation needs a system that gives slopes");
   state_columns_ = inside_->state_columns();
+  for (int i = 0; i < nx(); ++i) at_rest_.push_back(!inside_->has_state(i));
   control_columns_ = inside_->control_columns();
   control_lower_ = inside_->control_lower();
   control_upper_ = inside_->control_upper();

@@ -101,7 +101,7 @@ TEST_P(CollocationProblem, IsGuessedWithSlopesThatItsSolutionHas) {
   const SolveResult result = solve(loaded);
   Trajectory guess = result.trajectory;
   for (int k = 0; k < guess.knots(); ++k) guess.u(k).tail(guess.nu(k) - 1).setConstant(7);
-  guess_slopes(*loaded.built->plant.collocation(), *loaded.built->problem, guess);
+  guess_slopes(*loaded.built->problem, guess);
   for (int k = 0; k < guess.knots(); ++k)
     EXPECT_LE((guess.u(k) - result.trajectory.u(k)).lpNorm<Eigen::Infinity>(), 1e-7) << k;
 }

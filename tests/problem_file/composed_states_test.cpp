@@ -414,6 +414,64 @@ costs: {effort: {residual: control}}
   EXPECT_NEAR(t.x(4)[1], 6, 1e-12);
 }
 
+/// Each phase is collocated with its own times: derivatives are exact, and durations that are free
+/// have the optimum of those that are given.
+TEST(ComposedStates, EquationsThatNameTimesAreCollocated) {
+  for (const char* rule : {"trapezoidal", "hermite_simpson", "radau3", "radau5"})
+    for (const bool second_order : {false, true}) {
+      SCOPED_TRACE(std::string(rule) + (second_order ? ", second order" : ""));
+      const std::string integrator = std::string("integrator: ") + rule;
+      const Loaded free(replaced(
+          equations_with_times(second_order, "duration: 1, free_duration: {lower: 0.2, upper: 3}",
+                               "duration: 1.5, free_duration: {lower: 0.2, upper: 3}"),
+          "integrator: rk4", integrator));
+      ASSERT_TRUE(free.built) << free.all();
+      expect_exact_derivatives(free);
+      const SolveResult best = solve_composed(free, "altro");
+      ASSERT_EQ(best.status, SolveStatus::converged) << best.message;
+      const SolveResult by_ipopt = solve_composed(free, "ipopt");
+      ASSERT_EQ(by_ipopt.status, SolveStatus::converged) << by_ipopt.message;
+      EXPECT_NEAR(best.cost, by_ipopt.cost, 1e-6 * std::abs(best.cost));
+      const Eigen::VectorXd chosen = by_ipopt.trajectory.u(0);
+      const Loaded fixed(
+          replaced(equations_with_times(second_order, fmt::format("duration: {:.17g}", chosen[0]),
+                                        fmt::format("duration: {:.17g}", chosen[1])),
+                   "integrator: rk4", integrator));
+      ASSERT_TRUE(fixed.built) << fixed.all();
+      const SolveResult given = solve_composed(fixed, "ipopt");
+      ASSERT_EQ(given.status, SolveStatus::converged) << given.message;
+      EXPECT_NEAR(given.cost, by_ipopt.cost, 1e-7 * std::abs(given.cost));
+      const auto replayed =
+          replay(*free.built->problem, by_ipopt.trajectory, by_ipopt.feedback.K, 1);
+      EXPECT_LT(replayed.controls.deviation, 1e-6);
+    }
+}
+
+/// x' = s u with the time s of the phase: a control in a knot moves x by m h u, where m is s in the
+/// middle, and all rules are exact there. From 0 to 1 the least ½ Σ h u² is ½/Σ h m²: of the knots,
+/// h m² are 0.5/16, 0.5 · 9/16, 1/4 and 9/4, together 2.8125.
+TEST(ComposedStates, ATimeOfThePhaseThatBeginsAnewHasItsOptimumByAllRules) {
+  for (const char* rule : {"rk2", "rk4", "trapezoidal", "hermite_simpson", "radau3", "radau5"}) {
+    const Loaded loaded(replaced(R"(conddp: 1
+system: {states: [x], controls: [u], rate: {x: phase_time*u}}
+initial_state: {values: {x: 0}}
+integrator: RULE
+phases: [{name: one, knots: 2, duration: 1}, {name: two, knots: 2, duration: 2}]
+costs: {effort: {residual: control}}
+terminal: {constraints: {there: {residual: expression, rows: [x - 1]}}}
+solver: {name: altro, tolerances: {stationarity: 1.0e-10, constraint: 1.0e-10}}
+)",
+                                 "RULE", rule));
+    ASSERT_TRUE(loaded.built) << loaded.all();
+    for (const char* solver : {"altro", "ipopt"}) {
+      const SolveResult result = solve_composed(loaded, solver);
+      ASSERT_EQ(result.status, SolveStatus::converged) << rule << ": " << result.message;
+      EXPECT_NEAR(result.cost, 0.5 / 2.8125, 1e-8) << rule << ' ' << solver;
+      EXPECT_NEAR(result.trajectory.u(3)[0], 1.5 / 2.8125, 1e-6) << rule << ' ' << solver;
+    }
+  }
+}
+
 /// A motion that comes back, with costs on changes of the control, has no first knot: where it
 /// begins does not count.
 TEST(ComposedStates, PeriodicMotionsComeBackToThePreviousControl) {

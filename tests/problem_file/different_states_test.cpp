@@ -1,6 +1,7 @@
 // Phases whose systems have different states or controls.
 #include <gtest/gtest.h>
 
+#include "analysis/derivatives/derivative_check.hpp"
 #include "problem_file/expand/expand_problem.hpp"
 #include "problem_text.hpp"
 #include "solvers/strategies/registry.hpp"
@@ -99,6 +100,42 @@ TEST(DifferentStates, AJumpGivesAStateItsFirstValue) {
     EXPECT_NEAR(answer.x(5)[1], 0, 1e-11) << solver << ": before it begins";
     EXPECT_NEAR(answer.x(6)[1], 0.11, 1e-8) << solver;
   }
+}
+
+/// Rules of collocation are exact on these motions, too.
+TEST(DifferentStates, AreCollocatedToTheSameOptimum) {
+  for (const char* rule : {"trapezoidal", "hermite_simpson", "radau3", "radau5"})
+    for (const std::string_view text : {kHandover, kLeap}) {
+      SCOPED_TRACE(rule);
+      const Loaded loaded(
+          replaced(text, "initial_state", std::string("integrator: ") + rule + "\ninitial_state"));
+      ASSERT_TRUE(loaded.built) << loaded.all();
+      for (const DerivativeComparison& c :
+           check_derivatives(*loaded.built->problem, loaded.built->guess))
+        EXPECT_LE(c.error, kDerivativeTolerance) << c.knot << " " << c.row << " " << c.column;
+      for (const char* solver : {"altro", "proxddp", "intro", "ipopt"}) {
+        const SolveResult result = answer_of(loaded, solver);
+        ASSERT_EQ(result.status, SolveStatus::converged) << solver << ": " << result.message;
+        EXPECT_NEAR(result.cost, text == kLeap ? 1.29 : 0.665, 1e-8) << solver;
+        const int first = text == kLeap ? 6 : 0;  // of the acceleration
+        for (int k = 0; k < 5; ++k)
+          EXPECT_NEAR(result.trajectory.u(first + k)[0], -kLevers[k], 1e-6) << solver << k;
+      }
+    }
+}
+
+/// Slopes of states that rest are controls as well, so that all phases have the same columns of
+/// them. Guesses are of the actuators, and slopes follow.
+TEST(DifferentStates, HaveSlopesBesideTheControlsOfTheirPhases) {
+  const Loaded loaded(replaced(kHandover, "initial_state",
+                               "integrator: trapezoidal\ninitial_guess: {controls: {constant: {a: "
+                               "2, w: 3}}}\ninitial_state"));
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  EXPECT_EQ(names_of(loaded.built->control_columns),
+            (Names{"a", "slope_end/x", "slope_end/v", "w"}));
+  const Trajectory& guess = loaded.built->guess;
+  for (int k = 0; k < 5; ++k) EXPECT_EQ(guess.u(k), Eigen::Vector3d(2, 0.33, 2));
+  for (int k = 5; k < 9; ++k) EXPECT_EQ(guess.u(k), Eigen::Vector3d(3, 3, 0));
 }
 
 TEST(DifferentStates, WithoutAJumpAStateBeginsAtItsInitialValue) {

@@ -1,6 +1,7 @@
 // Phases with systems of their own, and jumps between them.
 #include <gtest/gtest.h>
 
+#include "analysis/certificate/replay.hpp"
 #include "problem_file/expand/expand_problem.hpp"
 #include "problem_text.hpp"
 #include "solvers/strategies/registry.hpp"
@@ -100,9 +101,44 @@ TEST(SystemsOfPhases, ClosedFormSystemsJumpToo) {
   EXPECT_EQ(result.trajectory.x(5)[1], -0.5 * result.trajectory.x(4)[1]);
 }
 
+constexpr const char* kCollocationRules[] = {"trapezoidal", "hermite_simpson", "radau3", "radau5"};
+
+std::string collocated(std::string_view text, const std::string& rule) {
+  return replaced(text, "initial_state", "integrator: " + rule + "\ninitial_state");
+}
+
+/// Rules of collocation are exact on these motions, too. A jump has no steps that they could make.
+TEST(SystemsOfPhases, AreCollocatedToTheSameOptimum) {
+  for (const char* rule : kCollocationRules)
+    for (const std::string_view text : {kTwoSystems, kJump}) {
+      SCOPED_TRACE(rule);
+      const Loaded loaded(collocated(text, rule));
+      ASSERT_TRUE(loaded.built) << loaded.all();
+      const ShootingProblem& problem = *loaded.built->problem;
+      for (const Phase& phase : problem.phases())
+        EXPECT_EQ(phase.model->constraints().empty(), phase.name == "leap") << phase.name;
+      for (const char* solver : {"altro", "proxddp", "intro", "ipopt"}) {
+        const SolveResult result = solved(loaded, solver);
+        ASSERT_EQ(result.status, SolveStatus::converged) << solver << result.message;
+        EXPECT_NEAR(result.cost, text == kJump ? 0.4 : 0.05, 1e-8) << solver;
+        EXPECT_NEAR(result.trajectory.x(5)[0], text == kJump ? 0.2 : 0.9, 1e-6) << solver;
+        EXPECT_LT(replay(problem, result.trajectory, result.feedback.K).controls.deviation, 1e-6);
+      }
+    }
+}
+
+TEST(SystemsOfPhases, PhasesOfOneSystemShareItsCollocation) {
+  const Loaded loaded(replaced(collocated(kTwoSystems, "radau3"), "costs:",
+                               "  - {name: third, system: weak, knots: 3, dt: 0.1}\ncosts:"));
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const auto& phases = loaded.built->problem->phases();
+  EXPECT_EQ(phases[0].model, phases[2].model);
+}
+
 TEST(SystemsOfPhases, ExpansionIsReadAsTheSame) {
-  for (const std::string_view text : {kTwoSystems, kJump}) {
-    const Loaded loaded{std::string(text)};
+  for (const std::string& text : {std::string(kTwoSystems), std::string(kJump),
+                                  collocated(kTwoSystems, "radau5"), collocated(kJump, "radau5")}) {
+    const Loaded loaded(text);
     ASSERT_TRUE(loaded.built) << loaded.all();
     const OrderedJson expanded = expand_problem(*loaded.spec, *loaded.built);
     const Loaded again(expanded.dump());
@@ -146,8 +182,6 @@ TEST(SystemsOfPhases, MistakesAreFoundWhereTheyStand) {
        "3:14: the name 'omega' is taken"},
       {kTwoSystems, "rate: {x: 3*u}", "next: {x: 3*u}",
        "5:3: 'strong' is of another kind than the first system"},
-      {kTwoSystems, "initial_state", "integrator: trapezoidal\ninitial_state",
-       "6:13: collocation does not support several systems"},
       {kTwoSystems, "systems:", "system: {type: pendulum}\nsystems:",
        "4:1: 'system' and 'systems' exclude each other"},
       {kJump, "knots: 5,", "knots: 5, system: weak,",

@@ -10,6 +10,7 @@
 #include "ocp/evaluation/evaluator.hpp"
 #include "ocp/problem/by_name.hpp"
 #include "ocp/problem/contradiction.hpp"
+#include "ocp/problem/control_columns.hpp"
 #include "problem_file/build/initial_choice.hpp"
 #include "problem_file/build/linear_controls.hpp"
 #include "problem_file/data/data_table.hpp"
@@ -219,8 +220,8 @@ void name_columns(const ProblemSpec& spec, ControlMemory memory, const InitialCh
   built.integrals = static_cast<int>(spec.integrals.size());
   for (const CostSpec& integral : spec.integrals)
     built.state_columns.push_back({integral.name.value, "1"});
-  built.control_columns =
-      built.plant.variants.empty() ? built.plant.system->control_columns() : built.plant.controls;
+  built.control_columns = built.plant.variants.empty() ? built.plant.system->control_columns()
+                                                       : ControlColumns(*built.problem).columns();
   for (int i = 0; choice != nullptr && i < choice->carried(); ++i) {
     const Column& chosen = choice->system->control_columns()[i];
     built.state_columns.push_back({"start/" + chosen.name, chosen.unit});
@@ -390,8 +391,8 @@ class ProblemBuilder {
     check_first_control(bounds);
     const std::vector<NodeTime> nodes = conddp::node_times(spec_, times_, clock_start());
     PhaseContext phase_context{
-        spec_,   plant, *contacts_,       plant.at_last_node().system, integrator_,
-        memory_, nodes, plant.stepping(), plant.collocation(),         choice()};
+        spec_,   plant, *contacts_,       plant.at_last_node().system,    integrator_,
+        memory_, nodes, plant.stepping(), plant.collocation() != nullptr, choice()};
     std::vector<Phase> phases =
         build_phases(phase_context, {costs, constraints, integrals}, bounds, out_);
     if (out_.has_errors()) return false;
@@ -407,7 +408,7 @@ class ProblemBuilder {
     settle_initial_state(start, constraints, spec_.solver.options.tolerances.constraint, phases,
                          out_);
     phase_context.stepping = nullptr;
-    phase_context.collocation = nullptr;
+    phase_context.collocates = false;
     keep_dropped(phase_context, start, dropped, dropped_at_end, built_, out_);
     if (out_.has_errors()) return false;
     built_.problem =

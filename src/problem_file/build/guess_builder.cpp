@@ -53,7 +53,7 @@ class GuessBuilder {
     if (out_.error_count() > errors) return std::nullopt;
     if (chooses()) choose_start(guess);
     carry_memory(guess);
-    if (plant_.collocation()) guess_slopes(*plant_.collocation(), problem_, guess);
+    guess_slopes(problem_, guess);
     return guess;
   }
 
@@ -61,8 +61,9 @@ class GuessBuilder {
   const GuessSpec& guess() const { return spec_.guess; }
   bool chooses() const { return problem_.phases().front().instant; }
   /// The system whose controls are guessed: slopes of collocation follow from them and the states.
-  const System& guessed() const {
-    return plant_.collocation() ? plant_.actuated() : *plant_.system;
+  static const System& guessed(const System& system) {
+    const auto* collocation = system.as_collocation();
+    return collocation ? *collocation->inside() : system;
   }
   /// A control to be guessed, of which the first numbers may be all, and the node at which it is.
   struct ControlAt {
@@ -297,8 +298,7 @@ class GuessBuilder {
     const System* former = nullptr;
     Eigen::VectorXd state, control;
     for (ControlAt& at : controls(trajectory)) {
-      const System& system =
-          plant_.collocation() ? guessed() : problem_.knot(at.knot).model->system();
+      const System& system = guessed(problem_.knot(at.knot).model->system());
       // Most guesses rest in one state.
       if (&system != former || state != trajectory.x(at.node)) {
         former = &system;
@@ -317,13 +317,20 @@ class GuessBuilder {
     for (ControlAt& at : controls(trajectory)) set_control(*values, at);
   }
 
-  /// Values of all controls of the problem at a knot, which has some of them or all.
+  /// Values of all controls that are guessed at a knot, which has some of them or all.
   void set_control(const std::vector<double>& values, ControlAt& at) const {
     const Eigen::Map<const Eigen::VectorXd> all(values.data(), values.size());
-    if (columns_.are_some(at.knot))
-      at.u = columns_.own(at.knot, all);
-    else
+    if (!columns_.are_some(at.knot)) {
       at.u.head(all.size()) = all;
+      return;
+    }
+    const std::vector<Column>& guessed = plant_.all_controls();
+    const std::span<const int> columns = columns_.columns_of(at.knot);
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      const std::string& name = columns_.columns()[columns[i]].name;
+      const auto found = std::ranges::find(guessed, name, &Column::name);
+      if (found != guessed.end()) at.u[i] = values[found - guessed.begin()];
+    }
   }
 
   void fill_from_file(Trajectory& trajectory) {
@@ -530,7 +537,7 @@ class GuessBuilder {
   /// The columns of the states, or of the controls that are guessed.
   std::vector<std::string> columns_of_problem(bool states) const {
     if (states) return state_names(*plant_.system).names;
-    if (plant_.variants.empty()) return control_names(guessed()).names;
+    if (plant_.variants.empty()) return control_names(guessed(*plant_.system)).names;
     return names_of_controls().names;
   }
   /// All controls that drive the problem's systems.

@@ -323,6 +323,11 @@ class PhaseBuilder {
     return model;
   }
 
+  /// Jumps do not.
+  bool collocates(const KnotModel& model) const {
+    return context_.collocates && model.system().as_collocation() != nullptr;
+  }
+
   Integrator integrator_of(const PhaseSpec& phase) const {
     if (phase.jump) return Integrator::discrete;
     return phase.restitution ? Integrator::impulse : context_.integrator;
@@ -353,7 +358,7 @@ class PhaseBuilder {
     if (context_.stepping) add_stepping_terms(context_.stepping, *model);
     if (!phase.takes_no_time()) model->set_control_bounds(bounds_.lower[p], bounds_.upper[p]);
     if (const auto duration = context_.free_duration(p)) model->set_free_duration(*duration);
-    if (context_.collocation) add_collocation_terms(context_.collocation, *model);
+    if (collocates(*model)) add_collocation_terms(*model);
     return model;
   }
 
@@ -377,7 +382,7 @@ class PhaseBuilder {
     }
     if (context_.stepping)
       write_stepping_parameters(model, dt, context_.spec.stepping->regularization, parameters);
-    if (context_.collocation) write_collocation_parameters(model, dt, parameters);
+    if (collocates(model)) write_collocation_parameters(model, dt, parameters);
   }
 
   /// Which of the carried numbers an integral is.

@@ -33,7 +33,7 @@ struct PhaseContext {
   /// Where steps are contact-implicit: adds what they have to obey.
   std::shared_ptr<const SteppingSystem> stepping;
   /// Where the integrator collocates: adds what the slopes of its stages have to obey.
-  std::shared_ptr<const CollocationSystem> collocation;
+  bool collocates;
   const InitialChoice* start = nullptr;  ///< how the initial state is chosen, null: it is given
 
   int integrals() const { return static_cast<int>(spec.integrals.size()); }

@@ -1,6 +1,7 @@
 #include "problem_file/plant/collocation_builder.hpp"
 
 #include <algorithm>
+#include <map>
 
 #include "ocp/knot/collocation_residual.hpp"
 
@@ -11,7 +12,7 @@ constexpr const char* kName = "collocation";
 constexpr const char* kOthers =
     "write another integrator: semi_implicit_euler, explicit_euler, rk2, rk3 or rk4";
 
-/// What moves without a slope, or with one that jumps.
+/// What forces of contacts move.
 void check_smoothness(const ProblemSpec& spec, Diagnostics& out) {
   for (const PhaseSpec& phase : spec.phases)
     if (phase.contacts.any())
@@ -19,10 +20,6 @@ void check_smoothness(const ProblemSpec& spec, Diagnostics& out) {
                 phase.restitution ? "collocation does not support impulses"
                                   : "collocation is for systems without contacts",
                 kOthers);
-  for (const PhaseSpec& phase : spec.phases)
-    if (phase.jump) out.error(phase.name.place, "collocation does not support jumps", kOthers);
-  if (!spec.systems.empty())
-    out.error(spec.integrator->place, "collocation does not support several systems", kOthers);
   if (spec.terminal_contacts && spec.terminal_contacts->any())
     out.error(spec.integrator->place,
               "collocation is for systems without contacts, and the last node holds some", kOthers);
@@ -34,6 +31,68 @@ void check_names(const ProblemSpec& spec, Diagnostics& out) {
       out.error(name.place, "'collocation' is the name of what the integrator's steps obey",
                 "give the constraint another name");
 }
+
+/// Systems that phases share stay shared.
+void collocate_systems(CollocationRule rule, Plant& plant) {
+  std::map<const System*, std::shared_ptr<const System>> made;
+  const auto wrap = [&](std::shared_ptr<const System>& system) {
+    if (system->kind() == SystemKind::discrete) return;  // a jump
+    std::shared_ptr<const System>& known = made[system.get()];
+    if (!known) known = std::make_shared<CollocationSystem>(system, rule);
+    system = known;
+  };
+  wrap(plant.system);
+  for (std::shared_ptr<const System>& system : plant.systems) wrap(system);
+  for (SystemVariant& variant : plant.variants) wrap(variant.system);
+}
+
+/// Finds the slopes of a system's steps.
+class SlopeGuess {
+ public:
+  explicit SlopeGuess(const CollocationSystem& system)
+      : system_(system),
+        inside_(*system.inside()),
+        data_(inside_.create_data(double{})),
+        u_(system.actuators()) {}
+
+  /// Those of knot k into the trajectory.
+  void write(int k, const ShootingProblem& problem, Trajectory& trajectory) {
+    const int n = system_.ndx(), rows = system_.rows(), stages = system_.later_stages();
+    const KnotView& knot = problem.knot(k);
+    auto w = trajectory.u(k);
+    const bool linear = knot.model->has_linear_controls();
+    const double* first =
+        linear ? trajectory.x(k).data() + problem.nx() - system_.actuators() : w.data();
+    const double h = knot.model->step(knot.dt, trajectory.x(k).data());
+    const Eigen::VectorXd x = trajectory.x(k).head(n), next = trajectory.x(k + 1).head(n);
+    Eigen::VectorXd begin = rate(x, first);
+    const Eigen::VectorXd end = rate(next, w.data());
+    if (!begin.allFinite()) begin = (next - x) / h;  // rules of Radau do without it
+    w.segment(system_.slopes(stages), rows) = end.tail(rows);
+    for (int i = 1; i < stages; ++i) {  // on the cubic through both ends
+      const double c = system_.time(i), past = c * c * (3 - 2 * c);
+      const Eigen::VectorXd between =
+          (1 - past) * x + past * next + h * c * (1 - c) * ((1 - c) * begin - c * end);
+      for (int j = 0; j < system_.actuators(); ++j) u_[j] = first[j] + c * (w[j] - first[j]);
+      w.segment(system_.slopes(i), rows) = rate(between, u_.data()).tail(rows);
+    }
+  }
+
+ private:
+  /// ẋ, of which the last rows are the slopes.
+  Eigen::VectorXd rate(const Eigen::VectorXd& x, const double* w) {
+    const int n = system_.ndx(), rows = system_.rows(), top = n - rows;
+    inside_.evaluate(x.data(), w, *data_);
+    Eigen::VectorXd k(n);
+    k << x.segment(top, top), Eigen::Map<const Eigen::VectorXd>(data_->f.data(), rows);
+    return k;
+  }
+
+  const CollocationSystem& system_;
+  const System& inside_;
+  std::unique_ptr<SystemData<double>> data_;
+  Eigen::VectorXd u_;  ///< at a stage
+};
 
 }  // namespace
 
@@ -53,12 +112,13 @@ bool collocate(const ProblemSpec& spec, Plant& plant, Diagnostics& out) {
               "collocation needs a state without rotations in space, and this one turns freely",
               kOthers);
   if (out.error_count() > errors) return false;
-  plant.system = std::make_shared<CollocationSystem>(plant.system, *rule);
+  collocate_systems(*rule, plant);
   return true;
 }
 
-void add_collocation_terms(const std::shared_ptr<const CollocationSystem>& system,
-                           KnotModel& model) {
+void add_collocation_terms(KnotModel& model) {
+  const std::shared_ptr<const CollocationSystem> system(model.shared_system(),
+                                                        model.system().as_collocation());
   model.add_constraint(make_constraint(
       kName,
       collocation_residual(system, model.ndx(), model.free_duration(), model.has_linear_controls()),
@@ -72,41 +132,11 @@ void write_collocation_parameters(const KnotModel& model, double dt, double* par
   parameters[term.active()] = 1;
 }
 
-void guess_slopes(const CollocationSystem& system, const ShootingProblem& problem,
-                  Trajectory& trajectory) {
-  const System& inside = *system.inside();
-  const auto data = inside.create_data(double{});
-  const int n = system.ndx(), rows = system.rows(), top = n - rows;
-  const int stages = system.later_stages();
-  Eigen::VectorXd u(system.actuators());  // at a stage
-  // ẋ, of which the last rows are the slopes.
-  const auto rate = [&](const Eigen::VectorXd& x, const double* w) {
-    inside.evaluate(x.data(), w, *data);
-    Eigen::VectorXd k(n);
-    k << x.segment(top, top), Eigen::Map<const Eigen::VectorXd>(data->f.data(), rows);
-    return k;
-  };
-  for (int k = 0; k < problem.knots(); ++k) {
-    const KnotView& knot = problem.knot(k);
-    if (problem.phases()[knot.phase].instant) continue;
-    auto w = trajectory.u(k);
-    const bool linear = knot.model->has_linear_controls();
-    const double* first =
-        linear ? trajectory.x(k).data() + problem.nx() - system.actuators() : w.data();
-    const double h = knot.model->step(knot.dt, trajectory.x(k).data());
-    const Eigen::VectorXd x = trajectory.x(k).head(n), next = trajectory.x(k + 1).head(n);
-    Eigen::VectorXd begin = rate(x, first);
-    const Eigen::VectorXd end = rate(next, w.data());
-    if (!begin.allFinite()) begin = (next - x) / h;  // rules of Radau do without it
-    w.segment(system.slopes(stages), rows) = end.tail(rows);
-    for (int i = 1; i < stages; ++i) {  // on the cubic through both ends
-      const double c = system.time(i), past = c * c * (3 - 2 * c);
-      const Eigen::VectorXd between =
-          (1 - past) * x + past * next + h * c * (1 - c) * ((1 - c) * begin - c * end);
-      for (int j = 0; j < system.actuators(); ++j) u[j] = first[j] + c * (w[j] - first[j]);
-      w.segment(system.slopes(i), rows) = rate(between, u.data()).tail(rows);
-    }
-  }
+void guess_slopes(const ShootingProblem& problem, Trajectory& trajectory) {
+  std::map<const CollocationSystem*, SlopeGuess> guesses;
+  for (int k = 0; k < problem.knots(); ++k)
+    if (const auto* system = problem.knot(k).model->system().as_collocation())
+      guesses.try_emplace(system, *system).first->second.write(k, problem, trajectory);
 }
 
 }  // namespace conddp

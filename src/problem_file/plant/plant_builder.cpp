@@ -40,12 +40,12 @@ bool check_mimic_limits(const Plant& plant, Diagnostics& out) {
 std::optional<Plant> build_system(const ProblemSpec& spec, Diagnostics& out) {
   Plant plant;
   plant.system = make_system(*spec.system, spec, out);
-  if (!plant.system || !collocate(spec, plant, out)) return std::nullopt;
+  if (!plant.system) return std::nullopt;
   if (const auto* text = std::get_if<ExpressionSystemSpec>(&spec.system->parameters))
     plant.usual_state = text->parsed.usual_state;
   else if (std::holds_alternative<LibrarySystemSpec>(spec.system->parameters))
     plant.usual_state = usual_library_state(*plant.system);
-  if (!add_systems_of_phases(spec, plant, out)) return std::nullopt;
+  if (!add_systems_of_phases(spec, plant, out) || !collocate(spec, plant, out)) return std::nullopt;
   return plant;
 }
 

@@ -155,12 +155,6 @@ std::shared_ptr<const System> with_times(ExpressionSystemText text, std::size_t 
 bool add_times_of_phases(const ProblemSpec& spec, Plant& plant,
                          std::vector<std::shared_ptr<const System>>& at_nodes, Diagnostics& out) {
   const ExpressionSystemText& text = std::get<ExpressionSystemSpec>(spec.system->parameters).text;
-  if (plant.collocation()) {
-    out.error(spec.integrator->place,
-              "collocation does not support equations with the time of the phase or the final time",
-              "write them in 't', or take another integrator");
-    return false;
-  }
   for (std::size_t p = 0; p < at_nodes.size(); ++p) {
     at_nodes[p] = with_times(text, p, spec, spec.system->place, plant, out);
     if (at_nodes[p] == nullptr) return false;

@@ -166,7 +166,7 @@ std::vector<PlantOfCost> plants_of(const CostSpec& function, const CostContext& 
   const bool chosen = context.last_node || function.phases || function.knots;
   for (std::size_t v = 0; v < on.size(); ++v) {
     const bool lacks_control =
-        function.definition->needs.control && plant.variants[v].system->nu() == 0;
+        function.definition->needs.control && plant.variants[v].system->actuators() == 0;
     if (on[v] && (chosen || !lacks_control || plant.controls.empty()))
       plants.push_back({v, plant.variant(v)});
   }
