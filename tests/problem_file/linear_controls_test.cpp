@@ -4,12 +4,14 @@
 #include <fstream>
 #include <iterator>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "analysis/certificate/replay.hpp"
 #include "analysis/comparison/random_instance.hpp"
 #include "analysis/derivatives/derivative_check.hpp"
 #include "ocp/evaluation/evaluator.hpp"
+#include "ocp/problem/by_name.hpp"
 #include "problem_file/mesh/mesh.hpp"
 #include "problem_text.hpp"
 #include "solvers/strategies/registry.hpp"
@@ -183,6 +185,178 @@ TEST(LinearControls, ArePassedOnBesideFreeDurations) {
     EXPECT_NEAR(duration(std::to_string(n)), 2 / std::sqrt(1 - 1 / (3.0 * n * n)), 1e-5) << n;
 }
 
+/// A mass that moves a metre in phases whose durations are free or given, and its TERMS.
+constexpr std::string_view kLinearPhases = R"(conddp: 1
+system: {states: {x: m, v: m/s}, controls: {u: N}, rate: {x: v, v: u - 0.2*v*v}}
+initial_state: {values: {x: 0, v: 0}}
+integrator: rk4
+controls: linear
+phases:
+  - {name: start, choose: none}
+  - {name: first, knots: 6, FIRST}
+  - {name: second, knots: 8, SECOND}
+costs:
+  time: {residual: expression, rows: 1 + 0.1*x, activation: linear, weight: 2}
+  effort: {residual: control, weight: 0.3}
+  early: {residual: expression, rows: [u - v], weight: 0.1, phases: first}
+TERMS
+terminal: {constraints: {there: {residual: expression, rows: [x - 1, v]}}}
+solver: {name: altro, tolerances: {stationarity: 1.0e-8}}
+)";
+
+constexpr std::string_view kChosenDuration = "duration: 1, free_duration: {lower: 0.3, upper: 4}";
+
+std::string linear_phases(std::string_view terms, std::string_view first, std::string_view second) {
+  return replaced(replaced(replaced(kLinearPhases, "TERMS", terms), "FIRST", first), "SECOND",
+                  second);
+}
+
+/// Trapezoids by hand, with the durations that were chosen.
+TEST(LinearControls, CostsAtTheEndsOfPhasesGrowWithTheirOwnDurations) {
+  constexpr std::string_view terms = R"(
+  lasting: {residual: expression, rows: u*x, activation: linear, weight: 0.7, phases: second}
+constraints:
+  gentle: {residual: expression, rows: [u], upper: [1.2], soft: l1, weight: 1.5, phases: first}
+  slow: {residual: expression, rows: [u - x], upper: [1], soft: l2, weight: 3})";
+  const auto chosen = [](bool free, std::string_view given) {
+    return free ? kChosenDuration : given;
+  };
+  for (const auto& [first, second] : {std::pair(true, true), {true, false}, {false, true}}) {
+    SCOPED_TRACE(fmt::format("{} {}", first, second));
+    const double durations[] = {first ? 2.5 : 1.3, second ? 1.2 : 0.7};
+    const Loaded loaded(linear_phases(terms.substr(1), chosen(first, "duration: 1.3"),
+                                      chosen(second, "duration: 0.7")));
+    ASSERT_TRUE(loaded.built) << loaded.all();
+    const ShootingProblem& problem = *loaded.built->problem;
+    Trajectory t = loaded.built->guess;
+    int number = 0;
+    if (first) t.u(0)[number++] = durations[0];
+    if (second) t.u(0)[number++] = durations[1];
+    t.u(0)[number] = 0.5;
+    for (int k = 1; k < t.knots(); ++k) t.u(k)[0] = 0.5 + 0.25 * k;
+    ASSERT_EQ(Evaluator(problem).simulate(t), -1);
+    double time = 0, effort = 0, early = 0, lasting = 0, gentle = 0, slow = 0;
+    for (int k = 1; k < t.knots(); ++k) {
+      const bool in_first = k <= 6;
+      const double half = 0.5 * (in_first ? durations[0] / 6 : durations[1] / 8);
+      for (const int node : {k, k + 1}) {
+        const double x = t.x(node)[0], v = t.x(node)[1], u = 0.5 + 0.25 * (node - 1);
+        time += half * 2 * (1 + 0.1 * x);
+        effort += half * 0.3 * 0.5 * u * u;
+        slow += half * 3 * 0.5 * std::pow(std::max(u - x - 1, 0.0), 2);
+        if (in_first) early += half * 0.1 * 0.5 * (u - v) * (u - v);
+        if (in_first) gentle += half * 1.5 * std::max(u - 1.2, 0.0);
+        if (!in_first) lasting += half * 0.7 * u * x;
+      }
+    }
+    const auto sums = cost_by_name(problem, NodeValues(problem, t));
+    const auto sum = [&](const std::string& name) {
+      double all = 0;
+      for (const auto& [own, cost] : sums)
+        if (own == name || own == "terminal/" + name) all += cost;
+      return all;
+    };
+    EXPECT_NEAR(sum("time"), time, 1e-12);
+    EXPECT_NEAR(sum("effort"), effort, 1e-12);
+    EXPECT_NEAR(sum("early"), early, 1e-12);
+    EXPECT_NEAR(sum("lasting"), lasting, 1e-12);
+    EXPECT_NEAR(sum("gentle"), gentle, 1e-12);
+    EXPECT_NEAR(sum("slow"), slow, 1e-12);
+    EXPECT_GT(gentle, 0);
+    for (const DerivativeComparison& c : check_derivatives(problem, t))
+      EXPECT_LT(c.error, kDerivativeTolerance) << c.knot << " " << c.row << " " << c.column;
+  }
+}
+
+/// From 0 to 1 by x' = u with costs per second that depend on u alone: u is constant, so that all
+/// is exact, and minimizes the cost per metre. Of 2 + ½ u² that is 2 at u = 2; of what costs ½ a
+/// unit beyond 1.5, too, u + ½ at u² = 2.5; with 3/2 of its square instead 4 u − 4.5 at u²
+/// = 2.6875.
+TEST(LinearControls, FreeDurationsHaveTheOptimumOfTheirCosts) {
+  struct Case {
+    const char* soft;
+    double speed, cost;
+  };
+  const Case cases[] = {{"", 2, 2},
+                        {"l1, weight: 0.5", std::sqrt(2.5), std::sqrt(2.5) + 0.5},
+                        {"l2, weight: 3", std::sqrt(2.6875), 4 * std::sqrt(2.6875) - 4.5}};
+  constexpr const char* free = "duration: 0.3, free_duration: {lower: 0.01, upper: 5}";
+  for (const Case& c : cases)
+    for (const auto& [first, second] :
+         {std::pair(free, "duration: 0.2"), {"duration: 0.2", free}}) {
+      const Loaded loaded(fmt::format(
+          R"(conddp: 1
+system: {{states: {{x: m}}, controls: {{u: m/s}}, rate: {{x: u}}}}
+initial_state: {{values: {{x: 0}}}}
+controls: linear
+phases: [{{choose: none}}, {{knots: 3, {}}}, {{knots: 2, {}}}]
+costs:
+  time: {{residual: combination, rows: {{constant: 1}}, weight: 4}}
+  effort: {{residual: control}}
+{}terminal: {{constraints: {{there: {{residual: expression, rows: [x - 1]}}}}}}
+solver: {{name: altro, tolerances: {{stationarity: 1.0e-9, constraint: 1.0e-9}}}}
+)",
+          first, second,
+          *c.soft ? fmt::format("constraints: {{limit: {{residual: control, upper: 1.5, "
+                                "soft: {}}}}}\n",
+                                c.soft)
+                  : ""));
+      ASSERT_TRUE(loaded.built) << loaded.all();
+      for (const char* solver : {"altro", "proxddp", "ipopt"}) {
+        SCOPED_TRACE(fmt::format("{} {} {}", c.soft, first, solver));
+        const SolveResult result = solved(loaded, solver);
+        ASSERT_EQ(result.status, SolveStatus::converged) << result.message;
+        EXPECT_NEAR(result.cost, c.cost, 1e-6);
+        for (const double u : nodal_controls(result.trajectory)) EXPECT_NEAR(u, c.speed, 1e-4);
+        EXPECT_NEAR(loaded.built->problem->times(result.trajectory).back(), 1 / c.speed, 1e-4);
+        EXPECT_LT(replay_error(*loaded.built->problem, result.trajectory, 10), 1e-6);
+      }
+    }
+}
+
+/// The best durations are those that cannot be improved upon by giving others, and with them the
+/// costs are those of the file that gives them.
+TEST(LinearControls, TheBestDurationsAreTheBestOfThoseThatAreGiven) {
+  constexpr const char* cases[] = {
+      "constraints: {push: {residual: expression, rows: [u], upper: [1.2], soft: l1, weight: 0.4}}",
+      "constraints: {push: {residual: expression, rows: [u - x], upper: [1.2], soft: l2, weight: "
+      "9}}",
+      "constraints: {cone: {residual: expression, rows: [u, 1.5 + x], cone: second_order, soft: "
+      "l1, "
+      "weight: 0.3, phases: first}}",
+      "  wall: {residual: expression, rows: [u - v], activation: {kind: quadratic_barrier, upper: "
+      "1}, "
+      "weight: 8}"};
+  for (const char* terms : cases)
+    for (const bool first : {true, false}) {
+      SCOPED_TRACE(fmt::format("{} {}", first, terms));
+      const auto with = [&](std::string_view own) {
+        return Loaded(first ? linear_phases(terms, own, "duration: 0.8")
+                            : linear_phases(terms, "duration: 0.8", own));
+      };
+      const Loaded free = with(kChosenDuration);
+      ASSERT_TRUE(free.built) << free.all();
+      const SolveResult best = solved(free, "ipopt");
+      ASSERT_EQ(best.status, SolveStatus::converged) << best.message;
+      for (const char* solver : {"altro", "proxddp"}) {
+        const SolveResult other = solved(free, solver);
+        ASSERT_EQ(other.status, SolveStatus::converged) << solver << other.message;
+        EXPECT_NEAR(other.cost, best.cost, 1e-6 * best.cost) << solver;
+      }
+      for (const double factor : {1.0, 0.95, 1.05}) {
+        const Loaded fixed =
+            with(fmt::format("duration: {:.17g}", best.trajectory.u(0)[0] * factor));
+        ASSERT_TRUE(fixed.built) << fixed.all();
+        const SolveResult given = solved(fixed, "ipopt");
+        ASSERT_EQ(given.status, SolveStatus::converged) << given.message;
+        if (factor != 1)
+          EXPECT_GT(given.cost, best.cost * (1 + 1e-6));
+        else
+          EXPECT_NEAR(given.cost, best.cost, 1e-6 * best.cost);
+      }
+    }
+}
+
 /// By finer steps along the same lines, which are off by the error of the rule alone.
 TEST(LinearControls, AreReplayedAsTheyAre) {
   for (const char* integrator : {"rk4", "hermite_simpson"}) {
@@ -299,8 +473,6 @@ TEST(LinearControls, SayWhatExcludesThem) {
        "11:22: 'control_rate' needs controls that are constant between knots"},
       {"terminal:\n", "terminal:\n  lqr: {about: {values: {theta: 0}}}\n",
        "16:8: 'lqr' does not support linear controls"},
-      {"dt: 0.1}", "dt: 0.1, free_duration: {}}",
-       "11:3: running costs on linear controls and free durations exclude each other"},
   };
   for (const Case& c : cases)
     EXPECT_EQ(Loaded(replaced(kSwing, c.from, c.to)).first_error(), c.message);

@@ -142,17 +142,26 @@ void KnotModel::append_duration(const KnotInput<S>& given, KnotWorkspace<S>& wor
   for (int i = 0; i < n; ++i) out[i] *= share;
   for (std::size_t i = 0; i < integrals_.size(); ++i)
     out[n + integrals_[i].number] += share * work.integral_rates_[i];
-  if (!scales_costs()) return;
-  S grows = work.cost;
-  for (std::size_t t = 0; t < costs_.size(); ++t)
-    if (costs_[t].is_moment) grows -= work.term_costs[t];
-  work.gradient[column] += grows / given.x[system_->nx() + duration_->choice];
+  if (scales_costs())
+    work.gradient[column] += work.cost / given.x[system_->nx() + duration_->choice];
+}
+
+template <class S>
+void KnotModel::add_growth(const CostGrowth& growth, const S& cost, const S* x,
+                           KnotWorkspace<S>& work) const {
+  const auto add = [&](const FreeDuration& duration, const S& part) {
+    work.gradient[system_->ndx() + duration.choice] += part / x[system_->nx() + duration.choice];
+  };
+  if (growth.is_moment && scales_costs()) add(*duration_, -cost);
+  if (growth.other) add(*growth.other, cost);
 }
 
 #define CONDDP_INSTANTIATE(S)                                                                      \
   template void KnotModel::append_augmented_state(const KnotInput<S>&, KnotWorkspace<S>&, bool)    \
       const;                                                                                       \
   template void KnotModel::evaluate_integrals(const KnotInput<S>&, KnotWorkspace<S>&, bool) const; \
+  template void KnotModel::add_growth(const CostGrowth&, const S&, const S*, KnotWorkspace<S>&)    \
+      const;                                                                                       \
   template KnotInput<S> KnotModel::at_its_duration(const KnotInput<S>&) const;                     \
   template void KnotModel::append_duration(const KnotInput<S>&, KnotWorkspace<S>&) const;
 CONDDP_FOR_EACH_SCALAR(CONDDP_INSTANTIATE)

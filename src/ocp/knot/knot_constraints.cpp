@@ -57,16 +57,19 @@ void KnotModel::evaluate_constraints(const KnotInput<S>& in, KnotWorkspace<S>& w
 template <class S>
 S KnotModel::limit_of(const ConstraintTerm& term, const KnotInput<S>& in) const {
   const S limit = in.cost_scale * in.parameters[term.weight()];
-  return term.by_duration && scales_costs() ? limit / duration_share(in.x) : limit;
+  const bool grows = !term.by_duration && !term.growth.is_moment;
+  return scales_costs() && !grows ? limit / duration_share(in.x) : limit;
 }
 
 template <class S>
-bool KnotModel::add_penalty(const ConstraintTerm& term, const KnotInput<S>& in,
-                            KnotWorkspace<S>& work, S* curvature) const {
+std::optional<S> KnotModel::add_penalty(const ConstraintTerm& term, const KnotInput<S>& in,
+                                        KnotWorkspace<S>& work, S* curvature) const {
   RowPenalty<S> given;
   if (term.softness == Softness::l2) {
     S* of_rows = work.soft_.data();
-    const S weight = in.cost_scale * in.parameters[term.weight()] * in.parameters[term.active()];
+    const S weight =
+        grown(in.cost_scale * in.parameters[term.weight()] * in.parameters[term.active()],
+              term.growth, in.x);
     for (int i = 0; i < term.rows; ++i) {
       of_rows[i] = weight;
       of_rows[term.rows + i] = S(0.0);
@@ -75,7 +78,7 @@ bool KnotModel::add_penalty(const ConstraintTerm& term, const KnotInput<S>& in,
   } else if (in.penalty != nullptr) {
     given = {in.penalty + term.row, in.shift + term.row, in.multiplier + term.row};
   } else {
-    return false;
+    return std::nullopt;
   }
   const RowSet<S> set{in.parameters + term.lower(), in.parameters + term.upper(),
                       term.softness == Softness::l1 ? limit_of(term, in)
@@ -83,7 +86,7 @@ bool KnotModel::add_penalty(const ConstraintTerm& term, const KnotInput<S>& in,
   const S value = augment<S>(term, set, given, work.constraint.data() + term.row,
                              {work.shifted_.data(), work.weight_.data(), curvature});
   (term.softness == Softness::l2 ? work.cost : work.augmentation) += value;
-  return true;
+  return value;
 }
 
 template <class S>
@@ -99,7 +102,9 @@ void KnotModel::differentiate_constraints(const KnotInput<S>& in, KnotWorkspace<
     const S norm = form_value(term, work.residual_.data(), g);
     S* jacobian = work.constraint_jacobian.data() + term.jacobian;
     form_jacobian(term, work.residual_.data(), norm, work.residual_jacobian_.data(), jacobian);
-    if (!add_penalty<S>(term, in, work, curvature)) continue;
+    const std::optional<S> value = add_penalty<S>(term, in, work, curvature);
+    if (!value) continue;
+    if (term.softness == Softness::l2) add_growth(term.growth, *value, in.x, work);
     if (all_inside<S>(term, work.weight_.data(), curvature)) continue;
     if (hessian) work.rest_is_zero_ = false;
     add_augmentation(t, jacobian, hessian, work);
@@ -139,8 +144,8 @@ void KnotModel::add_augmentation(std::size_t t, const S* jacobian, bool hessian,
   template void KnotModel::evaluate_constraints(const KnotInput<S>&, KnotWorkspace<S>&) const;     \
   template void KnotModel::differentiate_constraints(const KnotInput<S>&, KnotWorkspace<S>&, bool) \
       const;                                                                                       \
-  template bool KnotModel::add_penalty(const ConstraintTerm&, const KnotInput<S>&,                 \
-                                       KnotWorkspace<S>&, S*) const;
+  template std::optional<S> KnotModel::add_penalty(const ConstraintTerm&, const KnotInput<S>&,     \
+                                                   KnotWorkspace<S>&, S*) const;
 CONDDP_FOR_EACH_SCALAR(CONDDP_INSTANTIATE)
 #undef CONDDP_INSTANTIATE
 

@@ -74,8 +74,9 @@ void KnotModel::check_fit(const std::string& what, const Residual& residual) con
 }
 
 int KnotModel::add_cost(std::string name, std::shared_ptr<const Residual> residual,
-                        Activation activation, bool is_moment) {
+                        Activation activation, const CostGrowth& growth) {
   check_fit("cost " + name, *residual);
+  if (growth.other) check_duration(*growth.other);
   CostTerm& term = costs_.emplace_back();
   term.name = std::move(name);
   term.parameters = parameter_count_;
@@ -83,7 +84,7 @@ int KnotModel::add_cost(std::string name, std::shared_ptr<const Residual> residu
   parameter_count_ = term.weight + 1;
   term.residual = std::move(residual);
   term.activation = std::move(activation);
-  term.is_moment = is_moment;
+  term.growth = growth;
   if (term.is_barrier()) {
     term.row = constraint_rows_;
     term.jacobian = add_rows(term.residual->blocks());
@@ -175,9 +176,13 @@ void KnotModel::set_control_bounds(std::vector<double> lower, std::vector<double
   upper_ = std::move(upper);
 }
 
-void KnotModel::set_free_duration(const FreeDuration& duration) {
+void KnotModel::check_duration(const FreeDuration& duration) const {
   if (duration.choice < 0 || duration.choice >= carried_)
     throw std::invalid_argument("a free duration needs its place in a held memory");
+}
+
+void KnotModel::set_free_duration(const FreeDuration& duration) {
+  check_duration(duration);
   if (info_of(integrator_).order == 0)
     throw std::invalid_argument("what knows no time step has no free duration");
   duration_ = duration;
@@ -268,7 +273,10 @@ void KnotModel::differentiate_costs(const KnotInput<S>& in, KnotWorkspace<S>& wo
     if (!work.rest_is_zero_) std::fill(rest, work.hessian.end(), S(0.0));
     work.rest_is_zero_ = true;
   }
-  for (std::size_t t = 0; t < costs_.size(); ++t) differentiate_cost(t, in, work, hessian);
+  for (std::size_t t = 0; t < costs_.size(); ++t) {
+    differentiate_cost(t, in, work, hessian);
+    add_growth(costs_[t].growth, work.term_costs[t], in.x, work);
+  }
 }
 
 namespace {

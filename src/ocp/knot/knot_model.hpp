@@ -20,9 +20,9 @@ struct CostTerm {
   std::string name;
   std::shared_ptr<const Residual> residual;
   Activation activation;
-  int parameters = 0;      ///< where the residual's parameters start in the knot's parameters
-  int weight = 0;          ///< where the weight stands in the knot's parameters
-  bool is_moment = false;  ///< of an instant: does not grow with a free duration of its knot
+  int parameters = 0;  ///< where the residual's parameters start in the knot's parameters
+  int weight = 0;      ///< where the weight stands in the knot's parameters
+  CostGrowth growth = {};
   /// Of a barrier: where its rows stand among those of constraints, and their derivative in
   /// constraint_pattern().
   int row = 0, jacobian = 0;
@@ -52,14 +52,6 @@ struct KnotInput {
   const S* penalty = nullptr;
   const S* shift = nullptr;
   const S* multiplier = nullptr;
-};
-
-/// Where the duration of a phase is free: a number of the held memory is that duration, s, and the
-/// phase's steps are as given where it is the written one.
-struct FreeDuration {
-  int choice;               ///< which number
-  double written;           ///< s
-  bool scales_cost = true;  ///< running costs are rates
 };
 
 /// Numbers of the previous control at the end of the state of a knot that takes no time, which
@@ -99,9 +91,9 @@ class KnotModel {
             HandedOn handed_on = {});
 
   /// Adds a cost whose residual depends on columns of z alone; returns the index at which its
-  /// parameters (reference, then weight) start. `is_moment`: CostTerm.
+  /// parameters (reference, then weight) start.
   int add_cost(std::string name, std::shared_ptr<const Residual> residual, Activation activation,
-               bool is_moment = false);
+               const CostGrowth& growth = {});
   /// Adds a constraint; returns the index at which its parameters start (ConstraintTerm).
   int add_constraint(ConstraintTerm term);
   /// Makes a carried number an integral; returns the index at which the residual's parameters
@@ -117,12 +109,20 @@ class KnotModel {
   /// Free duration by the written one at a state; 1 where the duration is not free.
   template <class S>
   S duration_share(const S* x) const {
-    return duration_ ? x[system_->nx() + duration_->choice] * S(1 / duration_->written) : S(1.0);
+    return duration_ ? share_of(*duration_, x) : S(1.0);
   }
   /// What the cost of a soft constraint is multiplied by at a state, from the given cost scale.
   template <class S>
   S soft_scale(const ConstraintTerm& term, const S& cost_scale, const S* x) const {
-    return scales_costs() && !term.by_duration ? cost_scale * duration_share(x) : cost_scale;
+    if (term.by_duration) return cost_scale;
+    const S scale = scales_costs() ? cost_scale * duration_share(x) : cost_scale;
+    return grown(scale, term.growth, x);
+  }
+  /// What the rows of a constraint are multiplied by at a state.
+  template <class S>
+  S row_share(const ConstraintTerm& term, const S* x) const {
+    if (!term.by_duration) return S(1.0);
+    return term.growth.other ? share_of(*term.growth.other, x) : duration_share(x);
   }
   /// Writes what states remember of a control into one that was handed on.
   template <class S>
@@ -148,6 +148,8 @@ class KnotModel {
   int remembered_controls() const {
     return memory_ == ControlMemory::none ? 0 : system_->actuators();
   }
+  /// Numbers of the state between the system's and remembered controls: integrals and choices.
+  int carried_numbers() const { return carried_; }
   const std::vector<CostTerm>& costs() const { return costs_; }
   const std::vector<IntegralTerm>& integrals() const { return integrals_; }
   const std::vector<ConstraintTerm>& constraints() const { return constraints_; }
@@ -207,9 +209,22 @@ class KnotModel {
   /// What a cost is multiplied by, with the scale at its duration.
   template <class S>
   S scale_of(const CostTerm& term, const KnotInput<S>& in) const {
-    const S scale = in.cost_scale * in.parameters[term.weight];
-    return term.is_moment && scales_costs() ? scale / duration_share(in.x) : scale;
+    return grown(in.cost_scale * in.parameters[term.weight], term.growth, in.x);
   }
+  template <class S>
+  S share_of(const FreeDuration& duration, const S* x) const {
+    return x[system_->nx() + duration.choice] * S(1 / duration.written);
+  }
+  /// A scale that is multiplied by the knot's own duration, with the growth of a cost instead.
+  template <class S>
+  S grown(S scale, const CostGrowth& growth, const S* x) const {
+    if (growth.is_moment && scales_costs()) scale = scale / duration_share(x);
+    return growth.other ? scale * share_of(*growth.other, x) : scale;
+  }
+  /// Adds to the gradient how a cost grows otherwise than with the knot's own duration.
+  template <class S>
+  void add_growth(const CostGrowth& growth, const S& cost, const S* x,
+                  KnotWorkspace<S>& work) const;
   template <class S>
   KnotInput<S> at_its_duration(const KnotInput<S>& given) const;
   template <class S>
@@ -258,14 +273,16 @@ class KnotModel {
                         KnotWorkspace<S>& work) const;
 
   /// What a constraint whose value is known adds to cost or augmentation, its multipliers and, if
-  /// asked for, curvature. False where it adds nothing.
+  /// asked for, curvature. The value that it adds; nothing where it adds nothing.
   template <class S>
-  bool add_penalty(const ConstraintTerm& term, const KnotInput<S>& in, KnotWorkspace<S>& work,
-                   S* curvature) const;
+  std::optional<S> add_penalty(const ConstraintTerm& term, const KnotInput<S>& in,
+                               KnotWorkspace<S>& work, S* curvature) const;
 
   /// Throws std::invalid_argument where a residual needs a control or columns of z that knots of
   /// this model do not have, as one on the control rate does without a control memory.
   void check_fit(const std::string& what, const Residual& residual) const;
+  /// Throws std::invalid_argument where the number is none of the carried ones.
+  void check_duration(const FreeDuration& duration) const;
 
   /// Room for rows whose derivative has these blocks; returns where it begins in the pattern.
   int add_rows(const std::vector<RowBlock>& blocks);

@@ -164,7 +164,7 @@ void KnotSecondDerivatives::weigh_constraint(Term& term) {
   constraint.residual->evaluate(input, work.residual_.data());
   form_value(constraint, work.residual_.data(), work.constraint.data() + constraint.row);
   const Lane cost = work.cost, augmentation = work.augmentation;
-  const bool counts = model_.add_penalty<Lane>(constraint, in, work, nullptr);
+  const bool counts = model_.add_penalty<Lane>(constraint, in, work, nullptr).has_value();
   work.cost = cost;
   work.augmentation = augmentation;
   if (!counts) return;

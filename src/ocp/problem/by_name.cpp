@@ -84,9 +84,7 @@ std::vector<ConstraintViolation> soft_violations(const ShootingProblem& problem,
   std::vector<ConstraintViolation> list;
   for (const NodeConstraint& c : problem.soft_constraints()) {
     const double share =
-        c.term->by_duration
-            ? problem.knot(c.node).model->duration_share(trajectory.x(c.node).data())
-            : 1;
+        problem.knot(c.node).model->row_share(*c.term, trajectory.x(c.node).data());
     add_violation(constraint_name(problem, c), c, distance(c, values) / share, list);
   }
   return list;

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "ocp/terms/free_duration.hpp"
 #include "ocp/terms/residual.hpp"
 
 namespace conddp {
@@ -38,8 +39,10 @@ struct ConstraintTerm {
   double slope = 1;  ///< of a cone
   Softness softness = Softness::hard;
   /// Whether its rows, of an l1-soft one, are multiplied by the share of a free duration: then its
-  /// weight is that of the duration which is written.
+  /// weight is that of the duration which is written. It is that of the knot's phase, or `other` of
+  /// the growth.
   bool by_duration = false;
+  CostGrowth growth = {};        ///< of the cost of a soft one
   std::vector<RowBlock> blocks;  ///< the structure of ∂g/∂z
   int rows = 0;
   int row = 0;         ///< its first row among the constraint rows of the knot

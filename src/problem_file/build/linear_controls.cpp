@@ -75,15 +75,16 @@ bool check_linear_controls(const ProblemSpec& spec, const System& system, Diagno
   return out.error_count() == errors;
 }
 
-std::vector<double> trapezoidal_weights(const std::vector<double>& weights,
-                                        const std::vector<double>& scales) {
-  std::vector<double> nodes(weights.size() + 1, 0.0);
+NodeWeights trapezoidal_weights(const std::vector<double>& weights,
+                                const std::vector<double>& scales, const std::vector<bool>& apart) {
+  const std::vector<double> none(weights.size() + 1, 0.0);
+  NodeWeights at{none, none};
   for (std::size_t k = 0; k < weights.size(); ++k) {
-    nodes[k] += 0.5 * weights[k];
+    at.nodes[k] += 0.5 * weights[k];
     const double next = k + 1 < scales.size() ? scales[k + 1] : 1;
-    nodes[k + 1] += 0.5 * weights[k] * scales[k] / next;
+    (apart[k + 1] ? at.ends : at.nodes)[k + 1] += 0.5 * weights[k] * scales[k] / next;
   }
-  return nodes;
+  return at;
 }
 
 }  // namespace conddp

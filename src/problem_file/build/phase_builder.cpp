@@ -101,24 +101,6 @@ std::vector<double> all_cost_scales(const ProblemSpec& spec) {
   return scales;
 }
 
-/// Whether a function counts at both ends of the knots in which it is on: with linear controls,
-/// all but constraints on the state alone and what is at chosen knots. Steps of free durations
-/// scale costs knot by knot: there a cost cannot count beyond its phase.
-bool is_at_both_ends(const PhaseContext& context, const BuiltCost& cost, bool costs, bool weighted,
-                     Diagnostics& out) {
-  const ProblemSpec& spec = context.spec;
-  if (!context.linear() || cost.spec->knots) return false;
-  const bool scaled =
-      spec.first_free_duration() != nullptr && spec.running_costs == RunningCosts::kRate;
-  if (!needs_control(cost)) return weighted && !scaled;
-  if (costs && scaled)
-    out.error(cost.spec->name.place,
-              "running costs on linear controls and free durations exclude each other",
-              "give the cost a state whose rate it is, and put the state's last value below "
-              "'terminal'");
-  return true;
-}
-
 /// Whether a function is a cost, or a constraint that holds or that costs.
 enum class Role { kCost, kHard, kSoft };
 
@@ -126,10 +108,45 @@ Role role_of(const BuiltConstraint& constraint) {
   return constraint.spec->softness == Softness::hard ? Role::kHard : Role::kSoft;
 }
 
+/// Whether running costs are multiplied by durations that are free.
+bool grows_with_durations(const ProblemSpec& spec) {
+  return spec.first_free_duration() != nullptr && spec.running_costs == RunningCosts::kRate;
+}
+
+/// Whether a function counts at both ends of the knots in which it is on: with linear controls,
+/// all but constraints on the state alone and what is at chosen knots. Swings end at a moment that
+/// no duration multiplies.
+bool is_at_both_ends(const PhaseContext& context, const BuiltCost& cost, Role role) {
+  if (!context.linear() || cost.spec->knots) return false;
+  const bool swing = cost.spec->keys.find(key::swing) != nullptr;
+  if (swing && grows_with_durations(context.spec)) return false;
+  return needs_control(cost) || role == Role::kCost;
+}
+
+/// The nodes at which phases begin or end that take another share of a free duration than the one
+/// before: costs at the end of its last knot are multiplied by another one there.
+std::vector<bool> changes_of_duration(const PhaseContext& context) {
+  std::vector<bool> changes;
+  const std::size_t count = context.spec.phases.size();
+  for (std::size_t p = 0; p < count; ++p) {
+    const bool free = context.cost_duration(p) || (p > 0 && context.cost_duration(p - 1));
+    changes.push_back(free);
+    changes.resize(changes.size() + context.spec.phases[p].knots.value - 1, false);
+  }
+  changes.push_back(context.cost_duration(count - 1).has_value());
+  return changes;
+}
+
+/// The duration by which costs at the end of a phase's last knot are multiplied.
+CostGrowth growth_at_end(const PhaseContext& context, std::size_t phase) {
+  return {.is_moment = true,
+          .other = context.cost_duration(phase) ? context.free_duration(phase) : std::nullopt};
+}
+
 /// A cost's weight at each node, 0 where it is off; of a constraint 1 where it is on, or the share
 /// that is on with linear controls. At the last node: of what goes on until then, and counts there.
-std::vector<double> schedule(const PhaseContext& context, const BuiltCost& cost, Role role,
-                             Diagnostics& out) {
+NodeWeights schedule(const PhaseContext& context, const BuiltCost& cost, Role role,
+                     Diagnostics& out) {
   const bool weighted = role == Role::kCost;
   const ProblemSpec& spec = context.spec;
   const CostSpec& c = *cost.spec;
@@ -145,21 +162,31 @@ std::vector<double> schedule(const PhaseContext& context, const BuiltCost& cost,
                 weighted ? "costs on the last node stand under 'terminal'"
                          : "constraints on the last node stand under 'terminal'",
                 row, out);
-  if (is_at_both_ends(context, cost, role != Role::kHard, weighted, out))
-    return trapezoidal_weights(row, all_cost_scales(spec));
+  if (is_at_both_ends(context, cost, role))
+    return trapezoidal_weights(row, all_cost_scales(spec),
+                               role == Role::kHard ? std::vector<bool>(row.size() + 1, false)
+                                                   : changes_of_duration(context));
   row.push_back(0);
-  return row;
+  return {std::move(row)};
 }
 
 /// Those that are on somewhere in a run of knots.
-std::vector<int> active_in(const std::vector<std::vector<double>>& weights, int first, int count) {
+std::vector<int> active_in(const std::vector<NodeWeights>& weights, int first, int count) {
   std::vector<int> active;
   for (std::size_t c = 0; c < weights.size(); ++c) {
-    const auto begin = weights[c].begin() + first;
+    const auto begin = weights[c].nodes.begin() + first;
     if (std::any_of(begin, begin + count, [](double w) { return w != 0; }))
       active.push_back(static_cast<int>(c));
   }
   return active;
+}
+
+/// Those of which the end of the knot before a node counts there by itself.
+std::vector<int> ending_at(const std::vector<NodeWeights>& weights, int node) {
+  std::vector<int> ending;
+  for (std::size_t c = 0; c < weights.size(); ++c)
+    if (weights[c].end(node) != 0) ending.push_back(static_cast<int>(c));
+  return ending;
 }
 
 /// Whether a swing ends at the last node: it lasts until then, and the node holds the foot.
@@ -246,6 +273,14 @@ void write_constraint(const BuiltConstraint& constraint, const ConstraintTerm& t
   if (term.softness != Softness::hard && share != 0) parameters[term.weight()] *= share;
 }
 
+/// A soft constraint at the end of a phase's last knot.
+ConstraintTerm end_term(const BuiltConstraint& constraint, std::shared_ptr<const Residual> residual,
+                        const PhaseContext& context, std::size_t phase) {
+  ConstraintTerm term = make_term(constraint, std::move(residual), context.cost_duration(phase));
+  term.growth = growth_at_end(context, phase);
+  return term;
+}
+
 /// Builds phases; those of one structure share their model.
 class PhaseBuilder {
  public:
@@ -269,7 +304,9 @@ class PhaseBuilder {
     const Terms terms{active_in(weights_, first, given.knots.value),
                       active_in(switches_, first, given.knots.value),
                       context_.cost_duration(p) ? touch_downs(p) : std::vector<int>{},
-                      integrals_in(p)};
+                      integrals_in(p),
+                      ending_at(weights_, first),
+                      ending_at(switches_, first)};
     Phase phase{.name = given.name.value, .model = shared_model(p, terms)};
     phase.dt = phase_steps(given);
     phase.cost_scale = cost_scales(given, context_.spec);
@@ -288,10 +325,12 @@ class PhaseBuilder {
     /// knot, which are of that moment.
     std::vector<int> moments;
     std::vector<int> integrals;
+    /// Those at the end of the knot before the first one.
+    std::vector<int> cost_ends, constraint_ends;
   };
-  using Structure =
-      std::tuple<std::vector<int>, std::vector<int>, std::vector<int>, std::vector<int>,
-                 std::vector<double>, std::vector<double>, const System*, int>;
+  using Structure = std::tuple<std::vector<int>, std::vector<int>, std::vector<int>,
+                               std::vector<int>, std::vector<int>, std::vector<int>,
+                               std::vector<double>, std::vector<double>, const System*, int, int>;
 
   /// The integrals that grow in a phase.
   std::vector<int> integrals_in(std::size_t p) const {
@@ -316,9 +355,11 @@ class PhaseBuilder {
 
   std::shared_ptr<const KnotModel> shared_model(std::size_t p, const Terms& terms) {
     const std::optional<FreeDuration> duration = context_.free_duration(p);
+    const CostGrowth ends = growth_of_ends(p, terms);
     auto& model = models_[{terms.costs, terms.constraints, terms.moments, terms.integrals,
-                           bounds_.lower[p], bounds_.upper[p], context_.contacts.system(p).get(),
-                           duration ? duration->choice : -1}];
+                           terms.cost_ends, terms.constraint_ends, bounds_.lower[p],
+                           bounds_.upper[p], context_.contacts.system(p).get(),
+                           duration ? duration->choice : -1, ends.other ? ends.other->choice : -1}];
     if (!model) model = make_model(p, terms);
     return model;
   }
@@ -326,6 +367,12 @@ class PhaseBuilder {
   /// Jumps do not.
   bool collocates(const KnotModel& model) const {
     return context_.collocates && model.system().as_collocation() != nullptr;
+  }
+
+  /// What multiplies what is at the end of the phase before.
+  CostGrowth growth_of_ends(std::size_t p, const Terms& terms) const {
+    const bool none = terms.cost_ends.empty() && terms.constraint_ends.empty();
+    return none ? CostGrowth{} : growth_at_end(context_, p - 1);
   }
 
   Integrator integrator_of(const PhaseSpec& phase) const {
@@ -343,12 +390,22 @@ class PhaseBuilder {
     for (const int c : terms.costs) {
       const BuiltCost& cost = contents_.costs[c];
       model->add_cost(cost.spec->name.value, residual_in(cost, context_, p), cost.activation,
-                      std::ranges::find(terms.moments, c) != terms.moments.end());
+                      {.is_moment = std::ranges::find(terms.moments, c) != terms.moments.end()});
+    }
+    for (const int c : terms.cost_ends) {
+      const BuiltCost& cost = contents_.costs[c];
+      model->add_cost(cost.spec->name.value, residual_in(cost, context_, p), cost.activation,
+                      growth_of_ends(p, terms));
     }
     for (const int c : terms.constraints) {
       const BuiltConstraint& constraint = contents_.constraints[c];
       model->add_constraint(make_term(constraint, residual_in(constraint.function, context_, p),
                                       context_.cost_duration(p)));
+    }
+    for (const int c : terms.constraint_ends) {
+      const BuiltConstraint& constraint = contents_.constraints[c];
+      model->add_constraint(
+          end_term(constraint, residual_in(constraint.function, context_, p), context_, p - 1));
     }
     for (const int i : terms.integrals) {
       const BuiltCost& integral = contents_.integrals[i];
@@ -368,12 +425,23 @@ class PhaseBuilder {
     const NodeTime& time = context_.times[knot];
     for (std::size_t i = 0; i < terms.costs.size(); ++i) {
       const int c = terms.costs[i];
-      write_parameters(contents_.costs[c], model.costs()[i], time, weights_[c][knot], parameters);
+      write_parameters(contents_.costs[c], model.costs()[i], time, weights_[c].nodes[knot],
+                       parameters);
+    }
+    for (std::size_t i = 0; i < terms.cost_ends.size(); ++i) {
+      const int c = terms.cost_ends[i];
+      write_parameters(contents_.costs[c], model.costs()[terms.costs.size() + i], time,
+                       weights_[c].end(knot), parameters);
     }
     for (std::size_t i = 0; i < terms.constraints.size(); ++i) {
       const int c = terms.constraints[i];
-      write_constraint(contents_.constraints[c], model.constraints()[i], time, switches_[c][knot],
-                       parameters);
+      write_constraint(contents_.constraints[c], model.constraints()[i], time,
+                       switches_[c].nodes[knot], parameters);
+    }
+    for (std::size_t i = 0; i < terms.constraint_ends.size(); ++i) {
+      const int c = terms.constraint_ends[i];
+      write_constraint(contents_.constraints[c], model.constraints()[terms.constraints.size() + i],
+                       time, switches_[c].end(knot), parameters);
     }
     for (std::size_t i = 0; i < terms.integrals.size(); ++i) {
       const std::vector<double> own =
@@ -393,8 +461,8 @@ class PhaseBuilder {
   const PhaseContext& context_;
   const KnotContents& contents_;
   const PhaseBounds& bounds_;
-  std::vector<std::vector<double>> weights_, switches_;  ///< of costs and constraints, by knot
-  std::vector<std::vector<bool>> grows_;                 ///< integrals, by phase
+  std::vector<NodeWeights> weights_, switches_;  ///< of costs and constraints
+  std::vector<std::vector<bool>> grows_;         ///< integrals, by phase
   std::map<Structure, std::shared_ptr<const KnotModel>> models_;
 };
 
@@ -429,7 +497,21 @@ bool fits_the_end(const BuiltCost& function, const PhaseContext& context, Diagno
 
 /// What stands at the last node, with its weight there: of a constraint the share that is on.
 template <class Term>
-using TermsAtTheEnd = std::vector<std::pair<const Term*, double>>;
+struct TermAtTheEnd {
+  const Term* term;
+  double weight;
+  bool is_end = false;  ///< of the last knot, whose duration multiplies it
+};
+template <class Term>
+using TermsAtTheEnd = std::vector<TermAtTheEnd<Term>>;
+
+/// What running terms leave for the last node.
+template <class Term>
+void add_rest(const Term& term, const NodeWeights& weights, TermsAtTheEnd<Term>& terms) {
+  const int last = static_cast<int>(weights.nodes.size()) - 1;
+  if (const double own = weights.nodes[last]; own != 0) terms.push_back({&term, own});
+  if (const double end = weights.end(last); end != 0) terms.push_back({&term, end, true});
+}
 
 /// The costs of the last node: its own, those on swings that end there, and with linear controls
 /// those of the last knot.
@@ -439,12 +521,12 @@ TermsAtTheEnd<BuiltCost> costs_at_the_end(const PhaseContext& context,
                                           Diagnostics& out) {
   TermsAtTheEnd<BuiltCost> costs;
   for (const BuiltCost& cost : terminal)
-    if (fits_the_end(cost, context, out)) costs.emplace_back(&cost, cost.spec->weight);
+    if (fits_the_end(cost, context, out)) costs.push_back({&cost, cost.spec->weight});
   for (const BuiltCost& cost : running) {
     if (touches_down_at_the_end(cost, context, out))
-      costs.emplace_back(&cost, cost.spec->weight);
-    else if (const double weight = schedule(context, cost, Role::kCost, out).back(); weight != 0)
-      costs.emplace_back(&cost, weight);
+      costs.push_back({&cost, cost.spec->weight});
+    else
+      add_rest(cost, schedule(context, cost, Role::kCost, out), costs);
   }
   return costs;
 }
@@ -455,13 +537,14 @@ TermsAtTheEnd<BuiltConstraint> constraints_at_the_end(const PhaseContext& contex
                                                       Diagnostics& out) {
   TermsAtTheEnd<BuiltConstraint> constraints;
   for (const BuiltConstraint& constraint : terminal)
-    if (fits_the_end(constraint.function, context, out)) constraints.emplace_back(&constraint, 1);
+    if (fits_the_end(constraint.function, context, out)) constraints.push_back({&constraint, 1});
   for (const BuiltConstraint& constraint : running) {
-    const bool goes_on = constraint.at_last_node &&
-                         constraint.function.is_at(context.spec.phases.size(), context.plant);
-    const double share =
-        goes_on ? 1 : schedule(context, constraint.function, role_of(constraint), out).back();
-    if (share != 0) constraints.emplace_back(&constraint, share);
+    if (constraint.at_last_node &&
+        constraint.function.is_at(context.spec.phases.size(), context.plant))
+      constraints.push_back({&constraint, 1});
+    else
+      add_rest(constraint, schedule(context, constraint.function, role_of(constraint), out),
+               constraints);
   }
   return constraints;
 }
@@ -611,18 +694,22 @@ Phase build_terminal(const PhaseContext& context, const KnotContents& running,
   const auto costs = costs_at_the_end(context, running.costs, terminal.costs, out);
   const auto constraints =
       constraints_at_the_end(context, running.constraints, terminal.constraints, out);
-  for (const auto& [cost, weight] : costs)
-    model->add_cost(cost->spec->name.value, residual_in(*cost, context, node), cost->activation);
-  for (const auto& [constraint, share] : constraints)
-    model->add_constraint(make_term(*constraint, residual_in(constraint->function, context, node)));
+  for (const auto& [cost, weight, is_end] : costs)
+    model->add_cost(cost->spec->name.value, residual_in(*cost, context, node), cost->activation,
+                    is_end ? growth_at_end(context, node - 1) : CostGrowth{});
+  for (const auto& [constraint, share, is_end] : constraints) {
+    auto residual = residual_in(constraint->function, context, node);
+    model->add_constraint(is_end ? end_term(*constraint, std::move(residual), context, node - 1)
+                                 : make_term(*constraint, std::move(residual)));
+  }
   Phase phase{.name = "terminal", .dt = {0.0}, .cost_scale = {1.0}};
   phase.parameters.resize(model->parameter_count());
   for (std::size_t i = 0; i < costs.size(); ++i)
-    write_parameters(*costs[i].first, model->costs()[i], context.times.back(), costs[i].second,
+    write_parameters(*costs[i].term, model->costs()[i], context.times.back(), costs[i].weight,
                      phase.parameters.data());
   for (std::size_t i = 0; i < constraints.size(); ++i)
-    write_constraint(*constraints[i].first, model->constraints()[i], context.times.back(),
-                     constraints[i].second, phase.parameters.data());
+    write_constraint(*constraints[i].term, model->constraints()[i], context.times.back(),
+                     constraints[i].weight, phase.parameters.data());
   if (lqr) add_terminal_lqr(*lqr, *model, phase.parameters);
   phase.model = std::move(model);
   return phase;
