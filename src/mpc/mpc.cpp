@@ -86,7 +86,7 @@ Phase empty_end(const ShootingProblem& problem) {
   const KnotModel& last = *problem.terminal().model;
   return {.name = "window end",
           .model = std::make_shared<KnotModel>(last.shared_system(), Integrator::none,
-                                               last.control_memory()),
+                                               last.control_memory(), last.carried_numbers()),
           .dt = {0},
           .cost_scale = {1}};
 }

@@ -5,9 +5,6 @@
 namespace conddp {
 namespace {
 
-/// How many numbers at the end of a state are the control that was applied last.
-int remembered(const KnotModel& model) { return model.ndx() - model.system().ndx(); }
-
 /// u += K tangent.
 void add_feedback(const Eigen::MatrixXd& K, const std::vector<double>& tangent,
                   Eigen::VectorXd& u) {
@@ -16,7 +13,8 @@ void add_feedback(const Eigen::MatrixXd& K, const std::vector<double>& tangent,
 
 /// Makes no difference of the control that was applied last.
 void forget(const KnotModel& model, std::vector<double>& tangent) {
-  std::fill_n(tangent.end() - remembered(model), remembered(model), 0.0);
+  const int remembered = model.remembered_controls();
+  std::fill_n(tangent.end() - remembered, remembered, 0.0);
 }
 
 }  // namespace
@@ -59,7 +57,7 @@ void Plan::state_at(double time, bool before, double* tangent, double* x) const 
   for (int i = 0; i < problem->ndx(); ++i) tangent[i] *= share;
   manifold.integrate(trajectory.x(k).data(), tangent, x);
   // Inside a knot its own control is the one that was applied last.
-  const int memory = remembered(*problem->knot(k).model);
+  const int memory = problem->knot(k).model->remembered_controls();
   std::copy_n(trajectory.u(k).data(), memory, x + problem->nx() - memory);
 }
 

@@ -17,8 +17,8 @@ struct StepRule {
   std::optional<double> dt;              ///< longest step, s; absent: to the end of the knot
 };
 
-/// The dynamics of a time line, without its costs: step by step, through its instants. Allocates
-/// nothing after construction.
+/// The dynamics of a time line, without its costs: step by step, through its instants. Integrals
+/// grow by each step times their residual at its beginning. Allocates nothing after construction.
 class Simulation final : public PlantMotion {
  public:
   /// Throws std::invalid_argument where the integrator does not serve the systems.
@@ -32,11 +32,13 @@ class Simulation final : public PlantMotion {
  private:
   struct Stepper {
     Stepper(const KnotModel& like, Integrator integrator);
+    /// Takes the numbers of the integrals at a knot of the model that it is like.
+    void read_integrals(const KnotView& knot);
     KnotModel model;
     std::unique_ptr<KnotWorkspace<double>> work;
-    AlignedVector<double> x, u;
+    AlignedVector<double> x, u, parameters;
   };
-  void move(Stepper& stepper, double length, const double* u, double* x);
+  void move(int knot, double length, const double* u, double* x);
 
   const TimeLine& line_;
   StepRule rule_;

@@ -433,6 +433,95 @@ terminal: {lqr: initial}
   expect_cost_to_go(own, 1e-4, 1e-3);
 }
 
+/// A pendulum held beside the vertical by a torque, whose effort and turning integrals may count.
+std::string held_pendulum(std::string_view integrals, std::string_view terminal,
+                          std::string_view about = "{about: initial, set: true}") {
+  return fmt::format(R"(conddp: 1
+system: {{type: pendulum}}
+initial_state: {{values: {{theta: 0.5}}}}
+phases: [{{knots: 20, dt: 0.05}}]
+{}costs:
+  state: {{residual: state, reference: initial}}
+  effort: {{residual: control, weight: 0.01}}
+  rate: {{residual: control_rate, weight: 0.1}}
+constraints:
+  torque: {{bounds: control, lower: -9, upper: 9}}
+terminal: {{lqr: {}{}}}
+solver: {{name: altro, tolerances: {{stationarity: 1.0e-9}}}}
+)",
+                     integrals, about, terminal);
+}
+
+constexpr std::string_view kHeldIntegrals =
+    "integrals: {work: torque^2, turned: {rows: \"1 + omega*omega\"}}\n";
+
+TEST(TerminalLqr, IntegralsAreLeftOutOfTheRegulator) {
+  const Loaded plain(held_pendulum("", "")), counting(held_pendulum(kHeldIntegrals, ""));
+  ASSERT_TRUE(plain.built && counting.built) << plain.all() << counting.all();
+  const TerminalIngredients &a = lqr_of(plain).ingredients, &b = lqr_of(counting).ingredients;
+  const int own[] = {0, 1, 4};  // theta, omega and the previous torque, integrals between them
+  ASSERT_EQ(b.P.rows(), 5);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_NEAR(b.K(0, own[i]), a.K(0, i), 1e-10);
+    for (int j = 0; j < 3; ++j) EXPECT_NEAR(b.P(own[i], own[j]), a.P(i, j), 1e-10);
+  }
+  EXPECT_TRUE(b.P.middleCols(2, 2).isZero(0) && b.P.middleRows(2, 2).isZero(0));
+  EXPECT_TRUE(b.K.middleCols(2, 2).isZero(0));
+  EXPECT_NEAR(lqr_of(counting).set.level, lqr_of(plain).set.level, 1e-10);
+  EXPECT_EQ(b.x[2], 0);
+  EXPECT_LT(b.drift, 1e-9);
+  expect_cost_to_go(b, 1e-4, 1e-3);
+  ConditionOptions options;
+  options.level = 0.5 * lqr_of(counting).set.level;
+  const TerminalConditions at_a = check_terminal_conditions(a, options);
+  const TerminalConditions at_b = check_terminal_conditions(b, options);
+  ASSERT_EQ(at_a.conditions.size(), at_b.conditions.size());
+  for (std::size_t i = 0; i < at_a.conditions.size(); ++i)
+    EXPECT_EQ(at_a.conditions[i].holds, at_b.conditions[i].holds) << at_a.conditions[i].name;
+}
+
+/// From the vertical to where the regulator holds it. What the motion counts changes nothing until
+/// a budget that is below that does.
+TEST(TerminalLqr, BudgetsStandBesideTheRegulator) {
+  const auto solved = [](const Loaded& loaded) {
+    EXPECT_TRUE(loaded.built) << loaded.all();
+    return solve(*loaded.built->problem, *find_solver("altro"), loaded.spec->solver.options,
+                 loaded.built->guess);
+  };
+  const std::string about = "{about: {values: {theta: 0.5}}}";
+  const auto at_rest = [&](std::string_view integrals, std::string_view terminal) {
+    return Loaded(replaced(replaced(held_pendulum(integrals, terminal, about),
+                                    "initial_state: {values: {theta: 0.5}}", "initial_state: {}"),
+                           "reference: initial", "reference: {values: {theta: 0.5}}"));
+  };
+  const SolveResult plain = solved(at_rest("", "")), counting = solved(at_rest(kHeldIntegrals, ""));
+  ASSERT_EQ(counting.status, SolveStatus::converged) << counting.message;
+  EXPECT_NEAR(counting.cost, plain.cost, 1e-8 * plain.cost);
+  const double spent = counting.trajectory.x(20)[2];
+  double effort = 0;
+  for (int k = 0; k < 20; ++k) effort += 0.05 * std::pow(counting.trajectory.u(k)[0], 2);
+  EXPECT_NEAR(spent, effort, 1e-9);
+  const SolveResult saving = solved(at_rest(
+      kHeldIntegrals,
+      fmt::format(", constraints: {{budget: {{residual: expression, rows: [work], upper: {}}}}}",
+                  0.9 * spent)));
+  ASSERT_EQ(saving.status, SolveStatus::converged) << saving.message;
+  EXPECT_NEAR(saving.trajectory.x(20)[2], 0.9 * spent, 1e-5 * spent);
+  EXPECT_GT(saving.cost, counting.cost);
+}
+
+TEST(TerminalLqr, CostsAndSetsOnIntegralsAreNamed) {
+  const auto error = [](std::string_view terms) {
+    return Loaded(replaced(held_pendulum(kHeldIntegrals, ""), "constraints:\n", terms))
+        .first_error();
+  };
+  EXPECT_EQ(error("  spent: {residual: expression, rows: work*omega}\nconstraints:\n"),
+            "13:25: the running cost 'spent' depends on the integral 'work', which no regulator "
+            "leads anywhere");
+  EXPECT_EQ(error("constraints:\n  budget: {residual: expression, rows: [work], upper: 50}\n"),
+            "13:39: no terminal set is within 'budget', which states that cost nothing move");
+}
+
 /// A standing robot: the regulator lives on the tangent space of its contacts.
 void expect_stance(const Loaded& loaded, int directions) {
   ASSERT_TRUE(loaded.built) << loaded.all();
@@ -459,6 +548,16 @@ Loaded load_with(const std::filesystem::path& file, std::vector<std::string> set
 
 TEST(TerminalLqr, AQuadrupedInStanceIsRegulatedOnTheTangentSpaceOfItsContacts) {
   expect_stance(load_with(kProblems / "quadruped_stand.yaml", {"terminal.lqr=standing"}), 12);
+}
+
+TEST(TerminalLqr, AStandingQuadrupedHasIntegrals) {
+  const std::string integral = "integrals={work: {rows: \"u[LF_KFE]^2 + v[LF_HFE]*u[LF_HFE]\"}}";
+  const Loaded loaded =
+      load_with(kProblems / "quadruped_stand.yaml", {"terminal.lqr=standing", integral});
+  expect_stance(loaded, 12);
+  const TerminalIngredients& own = lqr_of(loaded).ingredients;
+  EXPECT_EQ(own.P.rows(), loaded.built->plant.system->ndx() + 1);
+  EXPECT_TRUE(own.P.rightCols(1).isZero(0));
 }
 
 TEST(TerminalLqr, RobotsOfOthersStandToo) {
@@ -558,16 +657,15 @@ TEST(TerminalLqr, AControlBeyondItsBoundsHoldsNothing) {
 }
 
 TEST(TerminalLqr, FreeDurationsAndStepsWithUnknownsAreNotSupported) {
-  EXPECT_EQ(
-      Loaded(R"(conddp: 1
+  EXPECT_EQ(Loaded(R"(conddp: 1
 system: {type: double_integrator, dimension: 1}
 initial_state: {}
 phases: [{name: start, choose: none}, {knots: 5, dt: 0.1, free_duration: {lower: 0.1, upper: 2}}]
 costs: {state: {residual: state}, effort: {residual: control, weight: 0.1}}
 terminal: {lqr: initial}
 )")
-          .first_error(),
-      "6:17: 'lqr' does not support integrals, nor states that carry what was chosen at the start");
+                .first_error(),
+            "6:17: 'lqr' does not support states that carry what was chosen at the start");
   EXPECT_EQ(Loaded(R"(conddp: 1
 system: {type: double_integrator, dimension: 1}
 initial_state: {}

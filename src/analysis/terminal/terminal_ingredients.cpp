@@ -37,8 +37,8 @@ std::shared_ptr<ShootingProblem> lone_knot(const EquilibriumGuess& guess) {
              .dt = {phase.dt[guess.knot]},
              .cost_scale = {phase.cost_scale[guess.knot]},
              .parameters = {first, first + model.parameter_count()}};
-  auto end =
-      std::make_shared<KnotModel>(model.shared_system(), Integrator::none, model.control_memory());
+  auto end = std::make_shared<KnotModel>(model.shared_system(), Integrator::none,
+                                         model.control_memory(), model.carried_numbers());
   return std::make_shared<ShootingProblem>(
       guess.x, std::vector{std::move(knot)},
       Phase{.name = "end", .model = std::move(end), .dt = {0.0}, .cost_scale = {1.0}});
@@ -60,15 +60,16 @@ Eigen::MatrixXd allowed_velocities(const MultibodySystem& system, const double* 
 
 /// The tangent vectors of the states that a knot can be in.
 Eigen::MatrixXd tangent_space(const KnotModel& model, const double* x) {
-  const int n = model.ndx();
+  const int n = model.ndx(), memory = model.remembered_controls();
   const MultibodySystem* system = model.system().as_multibody();
-  if (system == nullptr || system->contacts().empty()) return Eigen::MatrixXd::Identity(n, n);
-  const Eigen::MatrixXd N = allowed_velocities(*system, x);
-  const int nv = system->nv(), free = static_cast<int>(N.cols());
-  const int memory = n - 2 * nv;
-  Eigen::MatrixXd T = Eigen::MatrixXd::Zero(n, 2 * free + memory);
-  T.topLeftCorner(nv, free) = N;
-  T.block(nv, free, nv, free) = N;
+  const bool touches = system != nullptr && !system->contacts().empty();
+  const int own = model.system().ndx(), nv = own / 2;
+  const Eigen::MatrixXd N =
+      touches ? allowed_velocities(*system, x) : Eigen::MatrixXd::Identity(own, own);
+  const int free = static_cast<int>(N.cols());
+  Eigen::MatrixXd T = Eigen::MatrixXd::Zero(n, (touches ? 2 * free : free) + memory);
+  T.topLeftCorner(N.rows(), free) = N;
+  if (touches) T.block(nv, free, nv, free) = N;
   T.bottomRightCorner(memory, memory).setIdentity();
   return T;
 }
@@ -87,7 +88,7 @@ class IngredientsFinder {
   }
 
   TerminalResult find() {
-    if (has_control() && stays() && within_bounds() && linearize()) solve();
+    if (has_control() && costs_no_integral() && stays() && within_bounds() && linearize()) solve();
     return std::move(result_);
   }
 
@@ -99,6 +100,22 @@ class IngredientsFinder {
 
   bool has_control() {
     return model_.nu() > 0 || fail("the system has no control", "a regulator needs one");
+  }
+
+  /// Integrals go on growing at an equilibrium, and costs on them with them.
+  bool costs_no_integral() {
+    const int first = model_.system().ndx(), end = first + model_.carried_numbers();
+    for (const CostTerm& cost : model_.costs())
+      for (const RowBlock& block : cost.residual->blocks())
+        for (const int column : block.columns)
+          if (column >= first && column < end)
+            return fail(
+                fmt::format(
+                    "the running cost '{}' depends on the integral '{}', which no regulator "
+                    "leads anywhere",
+                    cost.name, names_[column]),
+                "leave the integral out of costs of the last phase that takes time");
+    return true;
   }
 
   /// Newton steps on the control between bounds, as long as they make the state more of an
@@ -151,10 +168,12 @@ class IngredientsFinder {
   /// Linearizes at a control; how fast the state leaves its place.
   double move_to(const Eigen::VectorXd& u) {
     trajectory_.u(0) = u;
-    if (const int actuators = model_.nx() - model_.system().nx(); actuators > 0)
+    if (const int actuators = model_.remembered_controls(); actuators > 0)
       for (int k : {0, 1}) trajectory_.x(k).tail(actuators) = u.head(actuators);
     evaluator_.differentiate(trajectory_, linear_);
-    drift_ = linear_.gap.col(0).cwiseAbs().maxCoeff(&fastest_) / problem_->knot(0).dt;
+    Eigen::VectorXd gap = linear_.gap.col(0);
+    gap.segment(model_.system().ndx(), model_.carried_numbers()).setZero();
+    drift_ = gap.cwiseAbs().maxCoeff(&fastest_) / problem_->knot(0).dt;
     return std::isfinite(drift_) ? drift_ : kInfinity;
   }
 
@@ -188,7 +207,8 @@ class IngredientsFinder {
   /// The knot's linear map and the exact Hessian of its cost on the tangent space.
   bool linearize() {
     const int n = model_.ndx(), m = model_.nu();
-    const Eigen::MatrixXd F = linear_.knots[0].dense_jacobian();
+    Eigen::MatrixXd F = linear_.knots[0].dense_jacobian();
+    F.middleRows(model_.system().ndx(), model_.carried_numbers()).setZero();
     T_ = tangent_space(model_, trajectory_.x(0).data());
     const Eigen::MatrixXd A = F.leftCols(n) * T_, B = F.rightCols(m);
     const auto across = [this](const Eigen::MatrixXd& M) {

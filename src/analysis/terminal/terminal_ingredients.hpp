@@ -16,6 +16,7 @@ namespace conddp {
 ///
 /// Held contacts leave a robot the states on their tangent space, J δq = 0 and J δv = 0. The
 /// regulator is one of the coordinates y of that space, x ⊖ x̄ = T y; P and K are zero across it.
+/// Integrals are across it, too: no cost depends on them, so that it does not count what they are.
 struct TerminalIngredients {
   std::shared_ptr<const ShootingProblem> knot;  ///< the knot alone, from x̄ on
   std::vector<double> x;                        ///< nx
@@ -23,10 +24,11 @@ struct TerminalIngredients {
   double drift = 0;          ///< largest entry of (f(x̄, ū) ⊖ x̄) / dt, which is rounding
   double cost = 0;           ///< of the knot at (x̄, ū)
   Eigen::VectorXd gradient;  ///< nz: of the knot's cost there
-  Eigen::MatrixXd tangent;   ///< T: ndx x m, orthonormal columns; the identity without contacts
-  RegulatorProblem linear;   ///< of y: the knot's linear map and its cost's exact Hessian
-  Regulator regulator;       ///< of y
-  Eigen::MatrixXd P, K;      ///< ndx x ndx, nu x ndx
+  Eigen::MatrixXd
+      tangent;  ///< T: ndx x m, orthonormal columns; columns of the identity without contacts
+  RegulatorProblem linear;  ///< of y: the knot's linear map and its cost's exact Hessian
+  Regulator regulator;      ///< of y
+  Eigen::MatrixXd P, K;     ///< ndx x ndx, nu x ndx
 };
 
 /// Ingredients, or why there are none, in words, with a hint.

@@ -42,19 +42,28 @@ class SetBuilder {
 
  private:
   /// How far the ellipsoid of level 1 moves linear functions, rows of the coordinates of the
-  /// tangent space, together; infinite where directions that cost nothing move them.
+  /// tangent space, together; infinite where directions that cost nothing move them, as those of
+  /// rows that are not finite do.
   double reach(const Eigen::MatrixXd& rows) const {
     constexpr double kSmallShare = 1e-8;  // √ε
+    if (!rows.allFinite()) return kUnbounded;
     if ((rows * ellipsoid_.free).norm() > kSmallShare * rows.norm()) return kUnbounded;
     const Eigen::MatrixXd moved = rows * ellipsoid_.axes;
     if (moved.size() == 0 || moved.rows() == 1) return moved.norm();
     return Eigen::JacobiSVD<Eigen::MatrixXd>(moved).singularValues()[0];
   }
 
-  /// Rows of z under the regulator, by the coordinates of the tangent space.
+  /// Rows of z under the regulator, by the coordinates of the tangent space. Integrals move rows
+  /// without end.
   Eigen::MatrixXd under_regulator(const Eigen::MatrixXd& C) const {
     const int n = static_cast<int>(given_.tangent.rows());
-    return C.leftCols(n) * given_.tangent - C.rightCols(C.cols() - n) * given_.regulator.K;
+    Eigen::MatrixXd rows =
+        C.leftCols(n) * given_.tangent - C.rightCols(C.cols() - n) * given_.regulator.K;
+    const KnotModel& model = *given_.knot->knot(0).model;
+    const int own = model.system().ndx(), integrals = model.carried_numbers();
+    for (Eigen::Index i = 0; i < rows.rows(); ++i)
+      if (!C.row(i).segment(own, integrals).isZero(0)) rows.row(i).setConstant(kUnbounded);
+    return rows;
   }
 
   /// Something that the ellipsoid of level 1 moves by `reach`, `distance` from where it may go.

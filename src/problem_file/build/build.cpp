@@ -398,8 +398,10 @@ class ProblemBuilder {
     if (out_.has_errors()) return false;
     if (spec_.terminal_lqr && !check_lqr()) return false;
     if (spec_.terminal_lqr)
-      built_.terminal_lqr = build_terminal_lqr(
-          {spec_, plant, states_, phases, memory_ == ControlMemory::previous, held() > 0}, out_);
+      built_.terminal_lqr =
+          build_terminal_lqr({spec_, plant, states_, phases, memory_ == ControlMemory::previous,
+                              choice_ && choice_->carried() > 0},
+                             out_);
     Phase terminal = build_terminal(phase_context, {costs, constraints, {}},
                                     {terminal_costs, at_end, {}}, built_.terminal_lqr.get(), out_);
     if (out_.has_errors()) return false;

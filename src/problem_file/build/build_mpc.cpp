@@ -37,9 +37,9 @@ void check_problem(const ProblemSpec& spec, Diagnostics& out) {
   if (const PhaseSpec* phase = spec.first_free_duration())
     out.error(phase->free_duration->place, "phases of a closed loop have fixed durations",
               "leave the key out");
-  if (!spec.integrals.empty())
-    out.error(spec.integrals.front().name.place, "a closed loop has no integrals",
-              "give the system a state whose rate it is");
+  if (!spec.integrals.empty() && spec.mpc->plant.simulated_contacts)
+    out.error(spec.integrals.front().name.place, "plants with simulated contacts have no integrals",
+              "leave 'contacts: simulated' out, or the integrals");
   if (spec.stepping)
     out.error(spec.stepping->place, "a closed loop has no contact-implicit steps",
               "give the phases 'contacts' instead");
@@ -272,8 +272,8 @@ void check_rest(const std::vector<double>& x, const Place& place, const BuiltPro
 }
 
 /// A system at rest in a state, held by the controls that balance it.
-std::optional<HeldState> held_state(const FallbackSpec& fallback, const BuiltProblem& built,
-                                    Diagnostics& out) {
+std::optional<HeldState> held_state(const FallbackSpec& fallback, const ProblemSpec& spec,
+                                    const BuiltProblem& built, Diagnostics& out) {
   const Place& place = fallback.place;
   const ShootingProblem& problem = *built.problem;
   StateBuilder states(built.plant, out);
@@ -295,7 +295,8 @@ std::optional<HeldState> held_state(const FallbackSpec& fallback, const BuiltPro
                     "that hold it best its largest {} is {:.3g}",
                     system.kind() == SystemKind::second_order ? "acceleration" : "rate", rate));
   held.K.setZero(held.u.size(), problem.ndx());
-  if (problem.nx() > own) held.x.insert(held.x.end(), held.u.begin(), held.u.end());
+  held.x.resize(own + spec.integrals.size(), 0.0);
+  if (model.remembered_controls() > 0) held.x.insert(held.x.end(), held.u.begin(), held.u.end());
   return held;
 }
 
@@ -334,7 +335,7 @@ void warn_of_way_ends(const ProblemSpec& spec, const ShootingProblem& problem, D
 /// What controls where ticks have failed.
 std::optional<HeldState> fallback_of(const FallbackSpec& fallback, const ProblemSpec& spec,
                                      const BuiltProblem& built, Diagnostics& out) {
-  if (!fallback.by_lqr) return held_state(fallback, built, out);
+  if (!fallback.by_lqr) return held_state(fallback, spec, built, out);
   const auto regulator = build_loop_regulator(*fallback.by_lqr, spec, built, out);
   if (!regulator) return std::nullopt;
   const TerminalIngredients& about = regulator->ingredients;

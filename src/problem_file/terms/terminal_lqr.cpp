@@ -49,8 +49,7 @@ class TerminalLqrBuilder {
       fail(spec_.place, "'lqr' does not support steps with unknowns of their own",
            "contact-implicit steps and collocation have no linear map of state and control alone");
     else if (context_.carried_choices)
-      fail(spec_.place,
-           "'lqr' does not support integrals, nor states that carry what was chosen at the start",
+      fail(spec_.place, "'lqr' does not support states that carry what was chosen at the start",
            "fix the durations, or give the terminal cost by 'matrix'");
     return !implicit && !context_.carried_choices;
   }
@@ -93,6 +92,7 @@ class TerminalLqrBuilder {
 
   std::vector<std::string> tangent_names_of_model() const {
     std::vector<std::string> names = tangent_names(*context_.plant.system).names;
+    for (const CostSpec& integral : context_.spec.integrals) names.push_back(integral.name.value);
     if (context_.previous_control)
       for (const Column& control : context_.plant.actuated().control_columns())
         names.push_back("previous/" + control.name);

@@ -27,7 +27,7 @@ struct TerminalLqrContext {
   const StateBuilder& states;
   const std::vector<Phase>& phases;
   bool previous_control;  ///< states end with the previous control
-  bool carried_choices;   ///< states end with what was chosen at the start
+  bool carried_choices;   ///< states hold what was chosen at the start
 };
 
 /// The equilibrium that the file names.
