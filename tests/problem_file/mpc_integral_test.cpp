@@ -151,34 +151,42 @@ solver: {name: altro, tolerances: {stationarity: 1.0e-9}}
   }
 }
 
-/// The loop without integrals, step by step, with what it would have counted. Windows are solved to
-/// tolerances: gaps of integrals are gaps, so that single iterations differ.
+/// The loop without integrals, step by step, with what it would have counted. Gaps of integrals are
+/// gaps: solvers get to the same plan on another way, and so to slightly other gains. Without
+/// feedback these do not count.
 TEST(MpcIntegral, WhatIsCountedAloneChangesNothing) {
-  const std::vector<std::string> base = {"mpc.duration=0.9", "mpc.iterations=tolerances",
-                                         "solver.tolerances.stationarity=1e-9",
+  struct Case {
+    bool feedback;
+    std::vector<std::string> settings;
+  };
+  const Case cases[] = {{false, {}},
+                        {true, {}},
+                        {false, {"mpc.terminal={lqr: {values: {theta: 3.141592653589793}}}"}},
+                        {false, {"mpc.disturbances=[{late: 0.5, seed: 3}]"}},
+                        {false,
+                         {"mpc.disturbances=[{late: 0.5, seed: 3}]",
+                          "mpc.fallback={after: 1, to: {values: {theta: 3.141592653589793}}}"}},
+                        {false, {"costs.smooth={residual: control_rate, weight: 0.01}"}}};
+  for (const Case& c : cases) {
+    SCOPED_TRACE(c.settings.empty() ? "" : c.settings.back());
+    std::vector<std::string> settings = {"mpc.duration=0.9", "mpc.iterations=tolerances",
+                                         "solver.tolerances.stationarity=1e-11",
                                          "mpc.disturbances=[{at: 0.5, jump: {omega: 0.3}}]"};
-  for (const std::vector<std::string>& more : std::vector<std::vector<std::string>>{
-           {},
-           {"mpc.terminal={lqr: {values: {theta: 3.141592653589793}}}"},
-           {"mpc.fallback={after: 1, to: {values: {theta: 3.141592653589793}}}",
-            "mpc.disturbances=[{late: 0.5, seed: 3}]"},
-           {"mpc.disturbances=[{late: 0.5, seed: 3}]"},
-           {"costs.smooth={residual: control_rate, weight: 0.01}"}}) {
-    SCOPED_TRACE(more.empty() ? "" : more.front());
-    std::vector<std::string> settings = base;
-    settings.insert(settings.end(), more.begin(), more.end());
-    const std::string text = problem_of("mpc/cartpole_balance");
+    settings.insert(settings.end(), c.settings.begin(), c.settings.end());
+    std::string text = problem_of("mpc/cartpole_balance");
+    if (!c.feedback) text = replaced(text, "  delay: 0.01\n  feedback: {rate: 200}\n", "");
     const CountingLoop plain(text, settings);
     settings.emplace_back("integrals={work: {rows: \"force^2 + omega\"}, way: x}");
     const CountingLoop counting(text, settings);
     ASSERT_TRUE(plain.mpc && counting.mpc) << plain.all() << counting.all();
     const ClosedLoopResult a = plain.run(), b = counting.run();
     ASSERT_EQ(a.steps.size(), b.steps.size());
-    EXPECT_NEAR(a.cost, b.cost, 1e-5 * a.cost);
+    const double tolerance = c.feedback ? 1e-3 : 1e-6;
+    EXPECT_NEAR(a.cost, b.cost, tolerance * a.cost);
     double work = 0, way = 0;
     for (std::size_t k = 0; k < a.steps.size(); ++k) {
       const PlantStep& own = b.steps[k];
-      for (int i = 0; i < 4; ++i) ASSERT_NEAR(own.x[i], a.steps[k].x[i], 1e-4) << k;
+      for (int i = 0; i < 4; ++i) ASSERT_NEAR(own.x[i], a.steps[k].x[i], tolerance) << k;
       ASSERT_NEAR(own.x[4], work, 1e-9 * (1 + work)) << k;
       ASSERT_NEAR(own.x[5], way, 1e-9) << k;
       work += own.length * (own.u[0] * own.u[0] + own.x[3]);
