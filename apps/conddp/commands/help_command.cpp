@@ -1,3 +1,5 @@
+#include <memory>
+
 #include "commands/commands.hpp"
 #include "help/help_text.hpp"
 #include "terminal/exit_codes.hpp"
