@@ -53,7 +53,7 @@ TEST_F(NarrowStages, AreThoseThatFitALane) {
 /// The same knot beside states that nothing moves and that move nothing is not narrow.
 TEST_F(NarrowStages, PullTheNextValueToTheSameBitsAsStagesOfAnySize) {
   for_each_size([&](int ndx, int nu) {
-    SCOPED_TRACE(testing::Message() << ndx << " states, " << nu << " controls");
+    SCOPED_TRACE(::testing::Message() << ndx << " states, " << nu << " controls");
     const KnotLinearization narrow = knot(ndx, nu);
     ValueFunction next(ndx);
     next.Vxx = symmetric(ndx);
@@ -87,7 +87,7 @@ TEST_F(NarrowStages, PullTheNextValueToTheSameBitsAsStagesOfAnySize) {
 
 TEST_F(NarrowStages, FormTheValueOfAPolicy) {
   for_each_size([&](int ndx, int nu) {
-    SCOPED_TRACE(testing::Message() << ndx << " states, " << nu << " controls");
+    SCOPED_TRACE(::testing::Message() << ndx << " states, " << nu << " controls");
     ActionValue q(ndx, nu);
     q.resize(nu);
     const Eigen::MatrixXd Qzz = symmetric(ndx + nu);
@@ -115,7 +115,7 @@ TEST_F(NarrowStages, FormTheValueOfAPolicy) {
 TEST_F(NarrowStages, SayWhatIsNotFinite) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for_each_size([&](int ndx, int nu) {
-    SCOPED_TRACE(testing::Message() << ndx << " states, " << nu << " controls");
+    SCOPED_TRACE(::testing::Message() << ndx << " states, " << nu << " controls");
     LaneMatrix Kt(ndx + 1, nu);
     const Eigen::VectorXd w = matrix(nu, 1), k = matrix(nu, 1);
     ValueFunction value(ndx);
