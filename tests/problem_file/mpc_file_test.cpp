@@ -2,35 +2,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "problem_file/build/build_mpc.hpp"
+#include "loaded_loop.hpp"
 #include "problem_file/build/loop_commands.hpp"
 #include "problem_file/expand/expand_problem.hpp"
-#include "problem_text.hpp"
 
 namespace conddp {
 namespace {
-
-/// A problem with a closed loop.
-struct LoadedLoop : Loaded {
-  explicit LoadedLoop(const std::string& text, const std::vector<std::string>& settings = {})
-      : Loaded(text, settings) {
-    if (built && spec->mpc) mpc = build_mpc(*spec, *built, diagnostics);
-  }
-  long warnings() const {
-    return std::count_if(diagnostics.list().begin(), diagnostics.list().end(),
-                         [](const auto& d) { return d.severity == Severity::kWarning; });
-  }
-  ClosedLoopResult run() const {
-    Mpc controller(built->problem, built->guess, mpc->controller);
-    return run_closed_loop(controller, mpc->loop);
-  }
-  std::optional<BuiltMpc> mpc;
-};
-
-std::string text_of(const std::string& name) {
-  Diagnostics out;
-  return load_problem(kProblems / (name + ".yaml"), {}, out)->text;
-}
 
 std::string pendulum_with(const std::string& mpc) { return std::string(kPendulum) + mpc + '\n'; }
 

@@ -1,36 +1,15 @@
 // Integrals in closed loops: what has run up in the plant is what a window begins with.
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "problem_file/build/build_mpc.hpp"
-#include "problem_text.hpp"
+#include "loaded_loop.hpp"
 #include "solvers/strategies/registry.hpp"
 
 namespace conddp {
 namespace {
-
-/// A file with a closed loop, and the loop.
-struct CountingLoop : Loaded {
-  explicit CountingLoop(const std::string& text, const std::vector<std::string>& settings = {})
-      : Loaded(text, settings) {
-    if (built && spec->mpc) mpc = build_mpc(*spec, *built, diagnostics);
-  }
-  ClosedLoopResult run() const {
-    Mpc controller(built->problem, built->guess, mpc->controller);
-    return run_closed_loop(controller, mpc->loop);
-  }
-  std::optional<BuiltMpc> mpc;
-};
-
-std::string problem_of(const std::string& name) {
-  std::ifstream file(kProblems / (name + ".yaml"));
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 /// From 0 towards 3 in a second by x' = gain u, with ∫u² at most 4: u is 2 from beginning to end
 /// where gain is 1, which costs ½ (2 − 3)² + ½ 0.1 · 4.
@@ -65,7 +44,7 @@ TEST(MpcIntegral, ABudgetIsThatOfTheWholeLoop) {
     for (const char* more :
          {"", ", feedback: {rate: 50}", ", plant: {dt: 0.02}", ", delay: 0.05"}) {
       SCOPED_TRACE(fmt::format("{} {}", budget, more));
-      const CountingLoop loop(budget_loop(budget, more));
+      const LoadedLoop loop(budget_loop(budget, more));
       ASSERT_TRUE(loop.mpc) << loop.all();
       const ClosedLoopResult result = loop.run();
       EXPECT_EQ(result.end, LoopEnd::finished);
@@ -77,7 +56,7 @@ TEST(MpcIntegral, ABudgetIsThatOfTheWholeLoop) {
 }
 
 TEST(MpcIntegral, ALoopStopsWhereABudgetIsSpent) {
-  const CountingLoop loop(budget_loop(
+  const LoadedLoop loop(budget_loop(
       kAtTheEnd, ", stop_when: {empty: {residual: expression, rows: [spent], upper: 1.9}}"));
   ASSERT_TRUE(loop.mpc) << loop.all();
   const ClosedLoopResult result = loop.run();
@@ -87,7 +66,7 @@ TEST(MpcIntegral, ALoopStopsWhereABudgetIsSpent) {
 
 /// A plant that a push moves on, so that the rest of the way is longer, spends the same in all.
 TEST(MpcIntegral, ABudgetIsKeptByAPlantThatIsNotTheModel) {
-  const CountingLoop loop(budget_loop(
+  const LoadedLoop loop(budget_loop(
       kAtTheEnd,
       ", plant: {set: {parameters.gain: 0.7}, dt: 0.01}, disturbances: [{at: 0.45, jump: "
       "{x: -0.5}}]"));
@@ -129,7 +108,7 @@ solver: {name: altro, tolerances: {stationarity: 1.0e-9}}
   };
   const Case cases[] = {
       {swing, {}, 0.05},
-      {problem_of("hopper_jump"), {"integrals={work: {rows: \"v[knee]^2 + 0.1*u[hip]\"}}"}, 0.01}};
+      {text_of("hopper_jump"), {"integrals={work: {rows: \"v[knee]^2 + 0.1*u[hip]\"}}"}, 0.01}};
   for (const Case& c : cases) {
     std::vector<std::string> settings = c.settings;
     settings.push_back(
@@ -137,7 +116,7 @@ solver: {name: altro, tolerances: {stationarity: 1.0e-9}}
                     "iterations: tolerances}}",
                     c.tick, 8 * c.tick));
     settings.emplace_back("solver.tolerances.stationarity=1e-9");
-    const CountingLoop loop(c.text, settings);
+    const LoadedLoop loop(c.text, settings);
     ASSERT_TRUE(loop.mpc) << loop.all();
     const SolveResult plan = solve(*loop.built->problem, loop.mpc->controller.solver,
                                    loop.spec->solver.options, loop.built->guess);
@@ -173,11 +152,11 @@ TEST(MpcIntegral, WhatIsCountedAloneChangesNothing) {
                                          "solver.tolerances.stationarity=1e-11",
                                          "mpc.disturbances=[{at: 0.5, jump: {omega: 0.3}}]"};
     settings.insert(settings.end(), c.settings.begin(), c.settings.end());
-    std::string text = problem_of("mpc/cartpole_balance");
+    std::string text = text_of("mpc/cartpole_balance");
     if (!c.feedback) text = replaced(text, "  delay: 0.01\n  feedback: {rate: 200}\n", "");
-    const CountingLoop plain(text, settings);
+    const LoadedLoop plain(text, settings);
     settings.emplace_back("integrals={work: {rows: \"force^2 + omega\"}, way: x}");
-    const CountingLoop counting(text, settings);
+    const LoadedLoop counting(text, settings);
     ASSERT_TRUE(plain.mpc && counting.mpc) << plain.all() << counting.all();
     const ClosedLoopResult a = plain.run(), b = counting.run();
     ASSERT_EQ(a.steps.size(), b.steps.size());
@@ -196,9 +175,8 @@ TEST(MpcIntegral, WhatIsCountedAloneChangesNothing) {
 }
 
 TEST(MpcIntegral, SimulatedContactsHaveNone) {
-  const CountingLoop loop(
-      problem_of("mpc/hopper_hops"),
-      {"robot.urdf=robots/hopper.urdf", "integrals={work: {rows: \"v[knee]^2\"}}"});
+  const LoadedLoop loop(text_of("mpc/hopper_hops"), {"robot.urdf=robots/hopper.urdf",
+                                                     "integrals={work: {rows: \"v[knee]^2\"}}"});
   EXPECT_FALSE(loop.mpc);
   EXPECT_NE(loop.all().find("plants with simulated contacts have no integrals"), std::string::npos)
       << loop.all();

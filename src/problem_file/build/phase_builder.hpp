@@ -32,7 +32,7 @@ struct PhaseContext {
   const std::vector<NodeTime>& times;  ///< of all nodes
   /// Where steps are contact-implicit: adds what they have to obey.
   std::shared_ptr<const SteppingSystem> stepping;
-  /// Where the integrator collocates: adds what the slopes of its stages have to obey.
+  /// Whether the integrator collocates, so that slopes of its stages have something to obey.
   bool collocates;
   const InitialChoice* start = nullptr;  ///< how the initial state is chosen, null: it is given
 
