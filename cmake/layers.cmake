@@ -9,7 +9,7 @@ set(CONDDP_systems_FOLDERS . multibody contact expressions libraries closed_form
 set(CONDDP_ocp_FOLDERS terms residuals knot problem evaluation)
 set(CONDDP_nlp_FOLDERS . ipopt)
 set(CONDDP_solvers_FOLDERS
-  common linalg riccati iterate constraints globalization ddp ipopt strategies)
+  common linalg stages riccati iterate constraints globalization ddp ipopt strategies)
 set(CONDDP_analysis_FOLDERS derivatives certificate contact findings comparison terminal margins)
 set(CONDDP_problem_file_FOLDERS yaml spec document data plant values residuals read mesh terms build expand)
 set(CONDDP_output_FOLDERS solution schedule scene mpc report bench)

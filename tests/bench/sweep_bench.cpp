@@ -5,7 +5,7 @@
 
 #include "solvers/linalg/lane_gemm.hpp"
 #include "solvers/riccati/backward_sweep.hpp"
-#include "solvers/riccati/box_stage.hpp"
+#include "solvers/stages/box_stage.hpp"
 #include "support/random_numbers.hpp"
 #include "systems/closed_form.hpp"
 

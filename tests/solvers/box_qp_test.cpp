@@ -1,4 +1,4 @@
-#include "solvers/riccati/box_qp.hpp"
+#include "solvers/stages/box_qp.hpp"
 
 #include <random>
 

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "solvers/riccati/active_set.hpp"
+#include "solvers/stages/active_set.hpp"
 #include "solvers/strategies/registry.hpp"
 #include "support/linear_quadratic.hpp"
 

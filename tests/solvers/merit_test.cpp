@@ -4,7 +4,7 @@
 
 #include "solvers/ddp/ddp_solver.hpp"
 #include "solvers/globalization/open_gap_search.hpp"
-#include "solvers/riccati/box_stage.hpp"
+#include "solvers/stages/box_stage.hpp"
 #include "solvers/strategies/registry.hpp"
 #include "support/small_problems.hpp"
 

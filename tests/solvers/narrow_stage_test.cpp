@@ -1,4 +1,4 @@
-#include "solvers/riccati/narrow_stage.hpp"
+#include "solvers/stages/narrow_stage.hpp"
 
 #include <limits>
 #include <random>
@@ -6,7 +6,7 @@
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
-#include "solvers/riccati/value.hpp"
+#include "solvers/stages/value.hpp"
 #include "spatial/lane.hpp"
 
 namespace conddp {

@@ -1,4 +1,4 @@
-#include "solvers/riccati/value.hpp"
+#include "solvers/stages/value.hpp"
 
 #include <random>
 
@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "solvers/linalg/cholesky.hpp"
-#include "solvers/riccati/gap_transport.hpp"
+#include "solvers/stages/gap_transport.hpp"
 
 namespace conddp {
 namespace {

@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "solvers/riccati/box_stage.hpp"
 #include "solvers/riccati/linear_rollout.hpp"
+#include "solvers/stages/box_stage.hpp"
 
 /// Sweeps by segments beside the one from end to start.
 namespace conddp::testing {

@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include "solvers/riccati/box_qp.hpp"
+#include "solvers/stages/box_qp.hpp"
 #include "systems/multibody/multibody.hpp"
 
 namespace conddp {

@@ -6,7 +6,7 @@
 #include <Eigen/Core>
 
 #include "ocp/terms/residual.hpp"
-#include "solvers/riccati/box_qp.hpp"
+#include "solvers/stages/box_qp.hpp"
 #include "systems/contact/stepping_system.hpp"
 
 namespace conddp {

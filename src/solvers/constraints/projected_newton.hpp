@@ -8,7 +8,7 @@
 #include "solvers/constraints/active_rows.hpp"
 #include "solvers/riccati/adjoint.hpp"
 #include "solvers/riccati/backward_sweep.hpp"
-#include "solvers/riccati/stage_solver.hpp"
+#include "solvers/stages/stage_solver.hpp"
 
 namespace conddp {
 

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "solvers/linalg/exchange.hpp"
-#include "solvers/riccati/box_stage.hpp"
+#include "solvers/stages/box_stage.hpp"
 
 namespace conddp {
 namespace {

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "ocp/evaluation/evaluator.hpp"
-#include "solvers/riccati/gap_transport.hpp"
 #include "solvers/riccati/linear_rollout.hpp"
+#include "solvers/stages/gap_transport.hpp"
 
 namespace conddp {
 

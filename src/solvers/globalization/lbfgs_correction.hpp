@@ -6,8 +6,8 @@
 
 #include "ocp/evaluation/evaluator.hpp"
 #include "solvers/common/control_bounds.hpp"
-#include "solvers/riccati/active_set.hpp"
 #include "solvers/riccati/backward_sweep.hpp"
+#include "solvers/stages/active_set.hpp"
 
 namespace conddp {
 

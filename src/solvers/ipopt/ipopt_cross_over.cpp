@@ -5,8 +5,8 @@
 #include "solvers/common/finite_check.hpp"
 #include "solvers/ipopt/ipopt_solver.hpp"
 #include "solvers/riccati/backward_sweep.hpp"
-#include "solvers/riccati/box_stage.hpp"
 #include "solvers/riccati/regularization.hpp"
+#include "solvers/stages/box_stage.hpp"
 
 namespace conddp {
 namespace {

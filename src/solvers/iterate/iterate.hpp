@@ -8,7 +8,7 @@
 #include "solvers/iterate/ddp_recipe.hpp"
 #include "solvers/iterate/hessian_switch.hpp"
 #include "solvers/riccati/adjoint.hpp"
-#include "solvers/riccati/gap_transport.hpp"
+#include "solvers/stages/gap_transport.hpp"
 
 namespace conddp {
 

@@ -7,7 +7,7 @@
 #include "ocp/evaluation/evaluator.hpp"
 #include "ocp/evaluation/linearization.hpp"
 #include "solvers/common/control_bounds.hpp"
-#include "solvers/riccati/gap_transport.hpp"
+#include "solvers/stages/gap_transport.hpp"
 
 namespace conddp {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "solvers/riccati/segment_sweep.hpp"
-#include "solvers/riccati/stage_sweep.hpp"
+#include "solvers/stages/stage_sweep.hpp"
 
 namespace conddp {
 

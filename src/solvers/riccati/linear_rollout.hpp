@@ -7,9 +7,9 @@
 
 #include "ocp/evaluation/evaluator.hpp"
 #include "solvers/common/control_bounds.hpp"
-#include "solvers/riccati/active_set.hpp"
 #include "solvers/riccati/backward_sweep.hpp"
-#include "solvers/riccati/gap_transport.hpp"
+#include "solvers/stages/active_set.hpp"
+#include "solvers/stages/gap_transport.hpp"
 
 namespace conddp {
 

@@ -6,7 +6,7 @@
 #include "solvers/linalg/lane_matrix.hpp"
 #include "solvers/linalg/row_elimination.hpp"
 #include "solvers/riccati/linear_rollout.hpp"
-#include "solvers/riccati/stage_solver.hpp"
+#include "solvers/stages/stage_solver.hpp"
 
 namespace conddp {
 

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "solvers/riccati/stage_sweep.hpp"
+#include "solvers/stages/stage_sweep.hpp"
 
 namespace conddp {
 

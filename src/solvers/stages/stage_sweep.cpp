@@ -1,11 +1,11 @@
-#include "solvers/riccati/stage_sweep.hpp"
+#include "solvers/stages/stage_sweep.hpp"
 
 #include <algorithm>
 
 #include "solvers/common/finite_check.hpp"
 #include "solvers/linalg/lane_copy.hpp"
 #include "solvers/linalg/lane_gemm.hpp"
-#include "solvers/riccati/narrow_stage.hpp"
+#include "solvers/stages/narrow_stage.hpp"
 
 namespace conddp {
 namespace {

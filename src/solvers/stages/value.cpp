@@ -1,12 +1,12 @@
-#include "solvers/riccati/value.hpp"
+#include "solvers/stages/value.hpp"
 
 #include <cstring>
 
 #include "solvers/linalg/curved_blocks.hpp"
 #include "solvers/linalg/lane_copy.hpp"
 #include "solvers/linalg/lane_gemm.hpp"
-#include "solvers/riccati/gap_transport.hpp"
-#include "solvers/riccati/narrow_stage.hpp"
+#include "solvers/stages/gap_transport.hpp"
+#include "solvers/stages/narrow_stage.hpp"
 #include "spatial/lane_part.hpp"
 
 namespace conddp {

@@ -1,4 +1,4 @@
-#include "solvers/riccati/stage_problem.hpp"
+#include "solvers/stages/stage_problem.hpp"
 
 #include <algorithm>
 

@@ -1,11 +1,11 @@
-#include "solvers/riccati/box_stage.hpp"
+#include "solvers/stages/box_stage.hpp"
 
 #include <algorithm>
 #include <vector>
 
 #include "solvers/linalg/cholesky.hpp"
-#include "solvers/riccati/box_qp.hpp"
-#include "solvers/riccati/stage_sweep.hpp"
+#include "solvers/stages/box_qp.hpp"
+#include "solvers/stages/stage_sweep.hpp"
 
 namespace conddp {
 namespace {

@@ -1,4 +1,4 @@
-#include "solvers/riccati/narrow_stage.hpp"
+#include "solvers/stages/narrow_stage.hpp"
 
 #include <array>
 #include <utility>

@@ -7,9 +7,9 @@
 #include "ocp/evaluation/linearization.hpp"
 #include "solvers/common/options.hpp"
 #include "solvers/linalg/lane_matrix.hpp"
-#include "solvers/riccati/active_set.hpp"
-#include "solvers/riccati/gap_transport.hpp"
-#include "solvers/riccati/stage_problem.hpp"
+#include "solvers/stages/active_set.hpp"
+#include "solvers/stages/gap_transport.hpp"
+#include "solvers/stages/stage_problem.hpp"
 
 namespace conddp {
 

@@ -2,8 +2,8 @@
 
 #include "ocp/evaluation/linearization.hpp"
 #include "solvers/linalg/lane_matrix.hpp"
-#include "solvers/riccati/action_value.hpp"
-#include "solvers/riccati/value_function.hpp"
+#include "solvers/stages/action_value.hpp"
+#include "solvers/stages/value_function.hpp"
 
 namespace conddp {
 

@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "solvers/riccati/stage_solver.hpp"
+#include "solvers/stages/stage_solver.hpp"
 
 namespace conddp {
 

@@ -1,4 +1,4 @@
-#include "solvers/riccati/stage_solver.hpp"
+#include "solvers/stages/stage_solver.hpp"
 
 namespace conddp {
 namespace {

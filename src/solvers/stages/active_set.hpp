@@ -6,8 +6,8 @@
 #include <Eigen/Core>
 
 #include "ocp/problem/problem.hpp"
-#include "solvers/riccati/box_qp.hpp"
-#include "solvers/riccati/stage_problem.hpp"
+#include "solvers/stages/box_qp.hpp"
+#include "solvers/stages/stage_problem.hpp"
 
 namespace conddp {
 

@@ -1,4 +1,4 @@
-#include "solvers/riccati/gap_transport.hpp"
+#include "solvers/stages/gap_transport.hpp"
 
 #include <limits>
 

@@ -4,9 +4,9 @@
 
 #include "ocp/evaluation/evaluator.hpp"
 #include "solvers/common/control_bounds.hpp"
-#include "solvers/riccati/gap_transport.hpp"
-#include "solvers/riccati/stage_solver.hpp"
-#include "solvers/riccati/value.hpp"
+#include "solvers/stages/gap_transport.hpp"
+#include "solvers/stages/stage_solver.hpp"
+#include "solvers/stages/value.hpp"
 
 namespace conddp {
 

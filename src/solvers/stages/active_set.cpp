@@ -1,4 +1,4 @@
-#include "solvers/riccati/active_set.hpp"
+#include "solvers/stages/active_set.hpp"
 
 #include <algorithm>
 

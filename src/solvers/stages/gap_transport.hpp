@@ -6,7 +6,7 @@
 
 #include "ocp/evaluation/linearization.hpp"
 #include "solvers/linalg/lane_matrix.hpp"
-#include "solvers/riccati/value_function.hpp"
+#include "solvers/stages/value_function.hpp"
 
 namespace conddp {
 
