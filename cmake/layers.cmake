@@ -5,13 +5,13 @@ set(CONDDP_LAYERS base spatial robot systems ocp nlp solvers mpc analysis proble
 # folder. scripts/check_layers reads all of these lists.
 set(CONDDP_base_FOLDERS . text files json)
 set(CONDDP_robot_FOLDERS . urdf)
-set(CONDDP_systems_FOLDERS . multibody contact expressions libraries closed_forms)
+set(CONDDP_systems_FOLDERS . multibody contact graphs expressions libraries closed_forms)
 set(CONDDP_ocp_FOLDERS terms residuals knot problem evaluation)
 set(CONDDP_nlp_FOLDERS . ipopt)
 set(CONDDP_solvers_FOLDERS
   common linalg stages riccati iterate constraints globalization ddp ipopt strategies)
 set(CONDDP_analysis_FOLDERS derivatives certificate contact findings comparison terminal margins)
-set(CONDDP_problem_file_FOLDERS yaml spec document data plant values residuals read mesh terms build expand)
+set(CONDDP_problem_file_FOLDERS yaml spec document data plant motion values residuals read mesh terms build expand)
 set(CONDDP_output_FOLDERS solution schedule scene mpc report bench)
 set(CONDDP_batch_FOLDERS plan results run cluster)
 

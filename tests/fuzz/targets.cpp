@@ -13,8 +13,8 @@
 #include "problem_file/read/read_problem.hpp"
 #include "robot/urdf/urdf.hpp"
 #include "robot/urdf/xml_outline.hpp"
-#include "systems/expressions/differentiable.hpp"
 #include "systems/expressions/parser.hpp"
+#include "systems/graphs/differentiable.hpp"
 
 namespace conddp {
 namespace {

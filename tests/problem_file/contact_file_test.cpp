@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "problem_file/plant/contact_plan.hpp"
+#include "problem_file/motion/contact_plan.hpp"
 #include "problem_text.hpp"
 
 namespace conddp {

@@ -3,7 +3,7 @@
 
 #include "analysis/terminal/terminal_conditions.hpp"
 #include "problem_file/expand/expand_problem.hpp"
-#include "problem_file/plant/quasi_static.hpp"
+#include "problem_file/motion/quasi_static.hpp"
 #include "schema_document.hpp"
 #include "solvers/strategies/registry.hpp"
 #include "support/robots.hpp"

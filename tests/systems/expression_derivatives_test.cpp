@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 
 #include "support/random_expression.hpp"
-#include "systems/expressions/derivatives.hpp"
-#include "systems/expressions/differentiable.hpp"
 #include "systems/expressions/parser.hpp"
+#include "systems/graphs/derivatives.hpp"
+#include "systems/graphs/differentiable.hpp"
 #include "systems/system.hpp"
 
 namespace conddp {

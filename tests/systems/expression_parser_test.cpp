@@ -7,7 +7,7 @@
 
 #include "systems/expressions/functions.hpp"
 #include "systems/expressions/parser.hpp"
-#include "systems/expressions/program.hpp"
+#include "systems/graphs/program.hpp"
 #include "systems/system.hpp"
 
 namespace conddp {

@@ -1,4 +1,4 @@
-#include "systems/expressions/spline_table.hpp"
+#include "systems/graphs/spline_table.hpp"
 
 #include <cmath>
 #include <stdexcept>

@@ -9,9 +9,9 @@
 
 #include "ocp/residuals/row_blocks.hpp"
 #include "ocp/residuals/stack_numbers.hpp"
-#include "systems/expressions/differentiable.hpp"
-#include "systems/expressions/table_arguments.hpp"
-#include "systems/expressions/tangent_motions.hpp"
+#include "systems/graphs/differentiable.hpp"
+#include "systems/graphs/table_arguments.hpp"
+#include "systems/graphs/tangent_motions.hpp"
 
 namespace conddp {
 namespace {

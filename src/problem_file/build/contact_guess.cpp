@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "ocp/residuals/stepping_residual.hpp"
-#include "problem_file/plant/holding_forces.hpp"
+#include "problem_file/motion/holding_forces.hpp"
 
 namespace conddp {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "problem_file/plant/planar_motion.hpp"
+#include "problem_file/motion/planar_motion.hpp"
 
 namespace conddp {
 namespace {

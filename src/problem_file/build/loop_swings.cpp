@@ -4,7 +4,7 @@
 #include <memory>
 #include <utility>
 
-#include "problem_file/plant/footholds.hpp"
+#include "problem_file/motion/footholds.hpp"
 #include "problem_file/spec/named_phases.hpp"
 #include "robot/frames.hpp"
 #include "robot/kinematics.hpp"

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "problem_file/plant/planar_motion.hpp"
+#include "problem_file/motion/planar_motion.hpp"
 #include "problem_file/read/read_sections.hpp"
 #include "problem_file/residuals/residual_table.hpp"
 

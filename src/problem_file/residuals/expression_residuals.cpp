@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include "ocp/residuals/expression_residual.hpp"
-#include "problem_file/plant/contact_plan.hpp"
+#include "problem_file/motion/contact_plan.hpp"
 #include "problem_file/residuals/cost_residual.hpp"
 #include "problem_file/residuals/reference_form.hpp"
 #include "problem_file/residuals/residual_keys.hpp"

@@ -2,7 +2,7 @@
 
 #include "problem_file/data/data_table.hpp"
 #include "problem_file/data/time_series.hpp"
-#include "problem_file/plant/state_builder.hpp"
+#include "problem_file/motion/state_builder.hpp"
 #include "problem_file/residuals/cost_residual.hpp"
 
 namespace conddp {

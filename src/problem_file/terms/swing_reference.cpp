@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "problem_file/plant/footholds.hpp"
+#include "problem_file/motion/footholds.hpp"
 #include "problem_file/spec/named_phases.hpp"
 
 namespace conddp {

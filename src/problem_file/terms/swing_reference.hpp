@@ -1,8 +1,8 @@
 #pragma once
 
 #include "problem_file/data/time_series.hpp"
-#include "problem_file/plant/contact_plan.hpp"
-#include "problem_file/plant/state_builder.hpp"
+#include "problem_file/motion/contact_plan.hpp"
+#include "problem_file/motion/state_builder.hpp"
 #include "problem_file/residuals/cost_residual.hpp"
 
 namespace conddp {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "problem_file/plant/contact_plan.hpp"
+#include "problem_file/motion/contact_plan.hpp"
 #include "problem_file/residuals/cost_residual.hpp"
 
 namespace conddp {

@@ -8,8 +8,8 @@
 
 #include "ocp/residuals/residuals.hpp"
 #include "ocp/residuals/weighted_residual.hpp"
-#include "problem_file/plant/planar_motion.hpp"
-#include "problem_file/plant/quasi_static.hpp"
+#include "problem_file/motion/planar_motion.hpp"
+#include "problem_file/motion/quasi_static.hpp"
 
 namespace conddp {
 namespace {

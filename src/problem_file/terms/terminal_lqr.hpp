@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "analysis/terminal/terminal_set.hpp"
-#include "problem_file/plant/state_builder.hpp"
+#include "problem_file/motion/state_builder.hpp"
 
 namespace conddp {
 

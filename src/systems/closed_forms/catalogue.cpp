@@ -3,8 +3,8 @@
 #include <stdexcept>
 
 #include "systems/closed_form.hpp"
-#include "systems/expressions/graph_number.hpp"
-#include "systems/expressions/system_hessian.hpp"
+#include "systems/graphs/graph_number.hpp"
+#include "systems/graphs/system_hessian.hpp"
 
 namespace conddp {
 namespace {

@@ -7,8 +7,8 @@
 #include "base/text/spelling.hpp"
 #include "base/text/utf8.hpp"
 #include "systems/clock.hpp"
-#include "systems/expressions/compiled_system.hpp"
-#include "systems/expressions/derivatives.hpp"
+#include "systems/graphs/compiled_system.hpp"
+#include "systems/graphs/derivatives.hpp"
 
 namespace conddp {
 namespace {

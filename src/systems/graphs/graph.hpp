@@ -7,7 +7,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "systems/expressions/spline_table.hpp"
+#include "systems/graphs/spline_table.hpp"
 
 namespace conddp {
 

@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "systems/expressions/graph.hpp"
+#include "systems/graphs/graph.hpp"
 
 namespace conddp {
 

@@ -1,4 +1,4 @@
-#include "problem_file/plant/state_builder.hpp"
+#include "problem_file/motion/state_builder.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 
 #include "base/text/spelling.hpp"
+#include "problem_file/motion/planar_motion.hpp"
 #include "problem_file/plant/joint_values.hpp"
-#include "problem_file/plant/planar_motion.hpp"
 #include "systems/own_states.hpp"
 
 namespace conddp {

@@ -2,7 +2,7 @@
 
 #include <span>
 
-#include "systems/expressions/derivatives.hpp"
+#include "systems/graphs/derivatives.hpp"
 #include "systems/state_manifold.hpp"
 
 namespace conddp {

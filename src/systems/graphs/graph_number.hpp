@@ -1,7 +1,7 @@
 #pragma once
 
 #include "spatial/scalar.hpp"
-#include "systems/expressions/graph.hpp"
+#include "systems/graphs/graph.hpp"
 
 namespace conddp {
 

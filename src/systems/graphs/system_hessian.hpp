@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "systems/expressions/program.hpp"
+#include "systems/graphs/program.hpp"
 #include "systems/system.hpp"
 
 namespace conddp {

@@ -3,7 +3,7 @@
 #include <memory>
 #include <vector>
 
-#include "systems/expressions/graph.hpp"
+#include "systems/graphs/graph.hpp"
 #include "systems/system.hpp"
 
 namespace conddp {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "systems/expressions/program.hpp"
+#include "systems/graphs/program.hpp"
 #include "systems/table_reading.hpp"
 
 namespace conddp {

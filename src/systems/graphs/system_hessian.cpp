@@ -1,9 +1,9 @@
-#include "systems/expressions/system_hessian.hpp"
+#include "systems/graphs/system_hessian.hpp"
 
 #include <algorithm>
 
-#include "systems/expressions/derivatives.hpp"
-#include "systems/expressions/tangent_motions.hpp"
+#include "systems/graphs/derivatives.hpp"
+#include "systems/graphs/tangent_motions.hpp"
 
 namespace conddp {
 namespace {

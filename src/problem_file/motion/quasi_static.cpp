@@ -1,4 +1,4 @@
-#include "problem_file/plant/quasi_static.hpp"
+#include "problem_file/motion/quasi_static.hpp"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "systems/expressions/tangent_motions.hpp"
+#include "systems/graphs/tangent_motions.hpp"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "systems/expressions/table_arguments.hpp"
+#include "systems/graphs/table_arguments.hpp"
 
 namespace conddp {
 

@@ -1,11 +1,11 @@
-#include "systems/expressions/compiled_system.hpp"
+#include "systems/graphs/compiled_system.hpp"
 
 #include <algorithm>
 
-#include "systems/expressions/differentiable.hpp"
-#include "systems/expressions/system_hessian.hpp"
-#include "systems/expressions/table_arguments.hpp"
-#include "systems/expressions/tangent_motions.hpp"
+#include "systems/graphs/differentiable.hpp"
+#include "systems/graphs/system_hessian.hpp"
+#include "systems/graphs/table_arguments.hpp"
+#include "systems/graphs/tangent_motions.hpp"
 
 namespace conddp {
 namespace {

@@ -1,4 +1,4 @@
-#include "systems/expressions/differentiable.hpp"
+#include "systems/graphs/differentiable.hpp"
 
 namespace conddp {
 namespace {

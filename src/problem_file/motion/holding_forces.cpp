@@ -1,4 +1,4 @@
-#include "problem_file/plant/holding_forces.hpp"
+#include "problem_file/motion/holding_forces.hpp"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "systems/expressions/derivatives.hpp"
+#include "systems/graphs/derivatives.hpp"
 
 #include <algorithm>
 #include <bit>

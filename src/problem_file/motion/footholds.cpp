@@ -1,10 +1,10 @@
-#include "problem_file/plant/footholds.hpp"
+#include "problem_file/motion/footholds.hpp"
 
 #include <algorithm>
 
 #include <fmt/format.h>
 
-#include "problem_file/plant/planar_motion.hpp"
+#include "problem_file/motion/planar_motion.hpp"
 #include "problem_file/spec/named_phases.hpp"
 
 namespace conddp {

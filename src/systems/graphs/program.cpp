@@ -1,4 +1,4 @@
-#include "systems/expressions/program.hpp"
+#include "systems/graphs/program.hpp"
 
 #include <algorithm>
 #include <limits>

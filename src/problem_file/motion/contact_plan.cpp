@@ -1,4 +1,4 @@
-#include "problem_file/plant/contact_plan.hpp"
+#include "problem_file/motion/contact_plan.hpp"
 
 #include <algorithm>
 #include <complex>
@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "base/text/spelling.hpp"
-#include "problem_file/plant/footholds.hpp"
+#include "problem_file/motion/footholds.hpp"
 
 namespace conddp {
 namespace {

@@ -1,4 +1,4 @@
-#include "problem_file/plant/planar_motion.hpp"
+#include "problem_file/motion/planar_motion.hpp"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "systems/expressions/graph.hpp"
+#include "systems/graphs/graph.hpp"
 
 #include <algorithm>
 #include <bit>

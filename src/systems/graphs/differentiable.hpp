@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "systems/expressions/derivatives.hpp"
-#include "systems/expressions/program.hpp"
+#include "systems/graphs/derivatives.hpp"
+#include "systems/graphs/program.hpp"
 
 namespace conddp {
 
