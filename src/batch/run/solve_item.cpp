@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <limits>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -71,6 +72,149 @@ bool is_kept(const ItemResult& result, KeptSolutions keep) {
   return keep == KeptSolutions::kAll || (keep == KeptSolutions::kConverged && result.success);
 }
 
+/// One item on its way from its settings to its result, with the seconds that each part ends at.
+class ItemRun {
+ public:
+  ItemRun(const ManifestItem& item, const Manifest& manifest, const ProblemFamily& family,
+          const ItemStart& start)
+      : item_(item),
+        manifest_(manifest),
+        family_(family),
+        start_(start),
+        diagnostics_(family.texts()) {}
+
+  SolvedItem run() {
+    if (!build()) return {not_built(item_, diagnostics_), {}, {}};
+    built_ = seconds();
+    solve();
+    refine_mesh();
+    solved_ = seconds();
+    return certify();
+  }
+
+ private:
+  double seconds() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count();
+  }
+  const ProblemInstance& first() const { return warm_ && from_file_ ? *from_file_ : *instance_; }
+  const ProblemInstance& used() const {
+    return refined_ && refined_->instance ? *refined_->instance : first();
+  }
+  const SolveResult& result() const { return refined_ ? refined_->result : started_->result; }
+
+  bool build();
+  void solve();
+  void refine_mesh();
+  OrderedJson document(const Solution& solution) const;
+  SolvedItem certify();
+  void note_start(SolvedItem& out) const;
+
+  const std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
+  const ManifestItem& item_;
+  const Manifest& manifest_;
+  const ProblemFamily& family_;
+  const ItemStart& start_;
+  Diagnostics diagnostics_;
+
+  std::vector<Setting> settings_;
+  std::optional<ProblemInstance> instance_;
+  std::optional<ProblemInstance> from_file_;  ///< with the plan's file as its guess
+  std::vector<const SolverInfo*> candidates_;
+
+  std::optional<NeighbourAnswer> file_answer_;
+  const NeighbourAnswer* from_ = nullptr;  ///< what the solve started from, or null
+  std::optional<StartedSolve> started_;
+  bool warm_ = false;
+  const SolverInfo* first_solver_ = nullptr;  ///< of the answer on the first grid
+  const SolverInfo* solver_ = nullptr;
+  std::optional<RefinedSolve> refined_;
+
+  double built_ = 0, solved_ = 0;
+};
+
+/// False where the item cannot be built any more: `diagnostics_` may say why.
+bool ItemRun::build() {
+  settings_ = settings_of(item_, diagnostics_);
+  instance_ = family_.build(settings_, diagnostics_);
+  if (!instance_ ||
+      item_id(manifest_, item_.problem, settings_, input_files(instance_->built)) != item_.id)
+    return false;
+  from_file_ = build_from_file(manifest_, family_, settings_, start_, diagnostics_);
+  if (diagnostics_.has_errors()) return false;
+  candidates_ = usable_solvers(*instance_->spec, *instance_->built.problem, diagnostics_);
+  return !candidates_.empty();
+}
+
+void ItemRun::solve() {
+  if (from_file_) file_answer_ = answer_of_file(*from_file_, *manifest_.start);
+  from_ = file_answer_ ? &*file_answer_ : start_.neighbour;
+  started_ = solve_from(from_, *instance_, candidates_, options_of(*instance_), solver_);
+  first_solver_ = solver_;
+  warm_ = started_->start == StartKind::kWarm;
+}
+
+/// On finer grids, where the file asks for them, in the time that is left.
+void ItemRun::refine_mesh() {
+  if (!first().spec->mesh) return;
+  SolverOptions rest = options_of(first());
+  rest.max_time_s -= seconds() - built_;
+  const auto build = [&](const Setting& grid) {
+    std::vector<Setting> finer = settings_;
+    finer.push_back(grid);
+    return &first() == &*instance_
+               ? family_.build(finer, diagnostics_)
+               : build_from_file(manifest_, family_, finer, start_, diagnostics_);
+  };
+  refined_ = refine(first(), started_->result, candidates_, rest, build, solver_);
+}
+
+OrderedJson ItemRun::document(const Solution& solution) const {
+  OrderedJson document = solution_json(solution, NumberForm::kBlocks);
+  if (warm_ && !from_file_) name_neighbour(item_.parent, *solver_, document);
+  return document;
+}
+
+SolvedItem ItemRun::certify() {
+  Solution solution{*used().spec, used().built, *solver_, result(), item_.settings};
+  if (refined_) {
+    solution.overrides.push_back(refined_->setting);
+    solution.mesh = refined_->rounds;
+  }
+  OrderedJson document = this->document(solution);
+  const double written = seconds();
+  const SolutionCertificate certificate =
+      certify_solution(document, *used().spec, used().built, false, &solution.answer);
+  const double certified = seconds();
+  SolvedItem out{{.id = item_.id,
+                  .status = std::string(to_string(result().status)),
+                  .success = is_success(result().status) && certificate.checks.holds(),
+                  .answer = answer_of(document, certificate)},
+                 {},
+                 {}};
+  if (const std::string coarse = refined_ ? too_coarse(*refined_, *used().spec) : "";
+      !coarse.empty()) {
+    out.result.success = false;
+    out.result.answer["message"] = coarse + "; " + result().message;
+  }
+  if (manifest_.warm_start != WarmStart::kNone) note_start(out);
+  if (is_kept(out.result, manifest_.keep)) {
+    add_certificate(certificate_json(certificate), document);
+    out.solution = packed_document(document);
+  }
+  out.result.times = {{"build", built_},
+                      {"solve", solved_ - built_},
+                      {"certificate", certified - written},
+                      {"all", seconds()}};
+  return out;
+}
+
+/// From where the solve started, and what starts from it.
+void ItemRun::note_start(SolvedItem& out) const {
+  out.result.answer["iterations"] = result().iterations + started_->dropped_iterations;
+  out.result.answer["warm_start"] = to_string(started_->start);
+  if (out.result.success) out.answer = answer_for_neighbours(*started_, first_solver_, from_);
+}
+
 }  // namespace
 
 std::vector<Setting> settings_of(const ManifestItem& item, Diagnostics& out) {
@@ -95,81 +239,7 @@ ItemResult not_built(const ManifestItem& item, const Diagnostics& diagnostics) {
 
 SolvedItem solve_item(const ManifestItem& item, const Manifest& manifest,
                       const ProblemFamily& family, const ItemStart& start) {
-  const auto began = std::chrono::steady_clock::now();
-  const auto seconds = [&] {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
-  };
-  Diagnostics diagnostics = family.texts();
-  const std::vector<Setting> settings = settings_of(item, diagnostics);
-  const auto instance = family.build(settings, diagnostics);
-  if (!instance ||
-      item_id(manifest, item.problem, settings, input_files(instance->built)) != item.id)
-    return {not_built(item, diagnostics), {}, {}};
-  const auto from_file = build_from_file(manifest, family, settings, start, diagnostics);
-  if (diagnostics.has_errors()) return {not_built(item, diagnostics), {}, {}};
-  const auto candidates = usable_solvers(*instance->spec, *instance->built.problem, diagnostics);
-  if (candidates.empty()) return {not_built(item, diagnostics), {}, {}};
-  const double built = seconds();
-
-  const SolverInfo* solver = nullptr;
-  const auto file_answer =
-      from_file ? std::optional(answer_of_file(*from_file, *manifest.start)) : std::nullopt;
-  const NeighbourAnswer* from = file_answer ? &*file_answer : start.neighbour;
-  const StartedSolve started =
-      solve_from(from, *instance, candidates, options_of(*instance), solver);
-  const SolverInfo* const of_first = solver;
-  const bool is_warm = started.start == StartKind::kWarm;
-  const ProblemInstance& first = is_warm && from_file ? *from_file : *instance;
-  std::optional<RefinedSolve> refined;
-  if (first.spec->mesh) {
-    SolverOptions rest = options_of(first);
-    rest.max_time_s -= seconds() - built;
-    const auto build = [&](const Setting& grid) {
-      std::vector<Setting> finer = settings;
-      finer.push_back(grid);
-      return &first == &*instance ? family.build(finer, diagnostics)
-                                  : build_from_file(manifest, family, finer, start, diagnostics);
-    };
-    refined = refine(first, started.result, candidates, rest, build, solver);
-  }
-  const ProblemInstance& used = refined && refined->instance ? *refined->instance : first;
-  const SolveResult& result = refined ? refined->result : started.result;
-  const double solved = seconds();
-  Solution solution{*used.spec, used.built, *solver, result, item.settings};
-  if (refined) {
-    solution.overrides.push_back(refined->setting);
-    solution.mesh = refined->rounds;
-  }
-  OrderedJson document = solution_json(solution, NumberForm::kBlocks);
-  if (is_warm && !from_file) name_neighbour(item.parent, *solver, document);
-  const double written = seconds();
-  const SolutionCertificate certificate =
-      certify_solution(document, *used.spec, used.built, false, &solution.answer);
-  const double certified = seconds();
-  SolvedItem out{{.id = item.id,
-                  .status = std::string(to_string(result.status)),
-                  .success = is_success(result.status) && certificate.checks.holds(),
-                  .answer = answer_of(document, certificate)},
-                 {},
-                 {}};
-  if (const std::string coarse = refined ? too_coarse(*refined, *used.spec) : ""; !coarse.empty()) {
-    out.result.success = false;
-    out.result.answer["message"] = coarse + "; " + result.message;
-  }
-  if (manifest.warm_start != WarmStart::kNone) {
-    out.result.answer["iterations"] = result.iterations + started.dropped_iterations;
-    out.result.answer["warm_start"] = to_string(started.start);
-    if (out.result.success) out.answer = answer_for_neighbours(started, of_first, from);
-  }
-  if (is_kept(out.result, manifest.keep)) {
-    add_certificate(certificate_json(certificate), document);
-    out.solution = packed_document(document);
-  }
-  out.result.times = {{"build", built},
-                      {"solve", solved - built},
-                      {"certificate", certified - written},
-                      {"all", seconds()}};
-  return out;
+  return ItemRun(item, manifest, family, start).run();
 }
 
 }  // namespace conddp
