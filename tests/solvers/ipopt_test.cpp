@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "solvers/ipopt/ipopt_solver.hpp"
 #include "solvers/strategies/registry.hpp"
 #include "support/constrained_problems.hpp"
 
@@ -236,6 +237,30 @@ TEST(Ipopt, RefusesOptionsThatAreNone) {
   options.ipopt = {{"hessian_approximation", "limited-memory"}};
   options.hessian = HessianChoice::exact;
   EXPECT_NE(message(options).find("hessian must be automatic"), std::string::npos);
+}
+
+// 20 knots of two states and a control and the state at the end are 62 directions, and 124 rows the
+// most that a chain takes: three constraints on both states of all knots, and four rows at the end.
+TEST(Ipopt, FactorizesAlongTheHorizonWhereRowsAreAtMostTwoForEachDirection) {
+  const ShootingProblem problem = mass();
+  ASSERT_EQ(problem.constraint_rows(), 0);
+  const auto state = [&](std::string name, int first, int last) {
+    return Added{.name = std::move(name),
+                 .residual = state_residual(problem.manifold()),
+                 .reference = {0, 0},
+                 .lower = {-9, -9},
+                 .upper = {9, 9},
+                 .first = first,
+                 .last = last};
+  };
+  std::vector<Added> list = {state("a", 0, 19), state("b", 0, 19), state("c", 0, 19),
+                             state("d", 20, 20), state("e", 20, 20)};
+  const ShootingProblem most = with_constraints(problem, list);
+  EXPECT_EQ(most.constraint_rows(), 124);
+  list.push_back(state("f", 20, 20));
+  const ShootingProblem more = with_constraints(problem, list);
+  EXPECT_TRUE(suits_chain_factorization(most));
+  EXPECT_FALSE(suits_chain_factorization(more));
 }
 
 }  // namespace

@@ -70,6 +70,12 @@ bool wants_limited_memory(const IpoptOptions& options) {
 
 }  // namespace
 
+bool suits_chain_factorization(const ShootingProblem& problem) {
+  int directions = problem.ndx();
+  for (int k = 0; k < problem.knots(); ++k) directions += problem.knot(k).model->nz();
+  return problem.constraint_rows() <= 2 * directions;
+}
+
 IpoptSolver::IpoptSolver(const ShootingProblem& problem, const SolverOptions& options)
     : problem_(problem),
       options_(options),
@@ -143,21 +149,14 @@ void IpoptSolver::reset() {
   crossed_over_ = false;
 }
 
-/// Whether constraints have at most twice as many rows as knots have directions. Each row adds
-/// unknowns to a group of the chain, which is dense there; a sparse solver passes over them.
-bool IpoptSolver::rows_are_few() const {
-  int directions = problem_.ndx();
-  for (int k = 0; k < problem_.knots(); ++k) directions += problem_.knot(k).model->nz();
-  return problem_.constraint_rows() <= 2 * directions;
-}
-
 InteriorPointSettings IpoptSolver::default_settings() const {
   return {.max_iterations = options_.max_iterations,
           .dual_tolerance = options_.tolerances.stationarity,
           .violation_tolerance = std::min(options_.tolerances.gap, options_.tolerances.constraint),
           .complementarity_tolerance = options_.tolerances.complementarity,
           .minimum_fill = !transcription_->has_pairs(),
-          .make_factorization = rows_are_few() ? ChainFactorization::make : nullptr,
+          .make_factorization =
+              suits_chain_factorization(problem_) ? ChainFactorization::make : nullptr,
           .options = options_.ipopt};
 }
 

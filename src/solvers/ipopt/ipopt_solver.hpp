@@ -18,6 +18,12 @@
 
 namespace conddp {
 
+/// Whether Ipopt's systems are factorized along the horizon (ChainFactorization) instead of by its
+/// own linear solver: where constraints have at most twice as many rows as knots have directions.
+/// Each row adds unknowns to a group of the chain, which is dense there; a sparse solver passes
+/// over them.
+bool suits_chain_factorization(const ShootingProblem& problem);
+
 /// Direct transcription: the whole problem as a sparse nonlinear program for Ipopt, whose answer a
 /// few steps of Newton's method on its active set take from the interior to the bounds.
 ///
@@ -90,7 +96,6 @@ class IpoptSolver {
   void sweep_at_answer();
 
   bool alternation_pays() const;
-  bool rows_are_few() const;
   bool knows_multipliers() const;
   bool newton_is_enough(const Trajectory& start);
   bool note(const InteriorPointIterate& iterate);
