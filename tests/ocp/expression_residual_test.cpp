@@ -208,6 +208,25 @@ TEST(ExpressionResiduals, TimeIsAParameterUnlessItIsAColumn) {
   EXPECT_EQ(read->blocks()[0].columns, (std::vector<int>{0, 1}));
 }
 
+// Rows of times alone: what each is without the durations, and s the share of each of these.
+TEST(ExpressionResiduals, TimesGrowWithTheFreeDurationsByTheirShares) {
+  const auto system = unicycle();
+  const KnotModel model(system, Integrator::rk4);
+  const auto residual = expression_residual(model, {.names = knot_names(*system),
+                                                    .rows = {"t", "phase_time", "final_time"},
+                                                    .durations = {2, 0}});
+  const std::vector<double> references = {0.5, 0.25, 0.125}, times = {1, 2, 4},
+                            t_shares = {0.75, 3}, phase_shares = {5, 7};
+  std::vector<double> parameters;
+  for (const auto& part : {references, times, t_shares, phase_shares})
+    parameters.insert(parameters.end(), part.begin(), part.end());
+  EXPECT_EQ(residual->parameter_count(), static_cast<int>(parameters.size()));
+  const double theta = 16, x = 11;
+  EXPECT_EQ(values_of(*residual, *system, {x, 1000, theta}, {0, 0}, parameters),
+            (std::vector<double>{1 + 0.75 * theta + 3 * x - 0.5, 2 + 5 * theta + 7 * x - 0.25,
+                                 4 + theta + x - 0.125}));
+}
+
 TEST(ExpressionResiduals, ManyRowsHaveRoomOnTheStack) {
   const auto system = cartpole({});
   const KnotModel model(system, Integrator::rk4);

@@ -1,6 +1,7 @@
 #include "ocp/residuals/weighted_residual.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include <gtest/gtest.h>
 
@@ -174,6 +175,14 @@ TEST(WeightedResidual, FactorsOfBadlyScaledMatricesAreExactInEveryEntry) {
   const Eigen::MatrixXd L = weight_factor(W);
   const Eigen::Matrix2d again = L * L.transpose();
   for (int i = 0; i < 4; ++i) EXPECT_NEAR(again(i), W(i), 1e-14 * std::abs(W(i)));
+}
+
+TEST(WeightedResidual, MatricesWithABadDiagonalHaveNoEigenvalueToJudgeThemBy) {
+  const double none = -std::numeric_limits<double>::infinity();
+  EXPECT_EQ(least_scaled_eigenvalue(Eigen::Matrix2d{{0, 1}, {1, 2}}), none);
+  EXPECT_EQ(least_scaled_eigenvalue(Eigen::Matrix2d{{-1, 0}, {0, 2}}), none);
+  EXPECT_EQ(least_scaled_eigenvalue(Eigen::Matrix2d{{0, 0}, {0, 4}}), 0);
+  EXPECT_NEAR(least_scaled_eigenvalue(Eigen::Matrix2d{{4, 1}, {1, 1}}), 0.5, 1e-15);
 }
 
 }  // namespace
