@@ -14,8 +14,7 @@
 //   write_solution(solution, solution_json(solution), "out", "");
 //
 // What is wrong with a file is a diagnostic with file, line, column and what would be accepted,
-// never an exception. The spec must outlive what is built from it. Of the files of one answer all
-// are written or, with an OutputError, none.
+// never an exception. Of the files of one answer all are written or, with an OutputError, none.
 #pragma once
 
 #include "base/files/atomic_file.hpp"

@@ -308,6 +308,25 @@ phases: [{knots: 2, dt: 0.1}]
   EXPECT_EQ(loaded.built->control_columns[7].name, "u/two/shoulder");
 }
 
+TEST(Build, WhatIsBuiltDoesNotNeedTheSpecificationAnyMore) {
+  Loaded loaded(kStandingQuadruped + R"(phases: [{knots: 3, dt: 0.02, contacts: all}]
+costs:
+  effort: {residual: control, weight: 0.1}
+  height: {residual: frame_position, frame: trunk, reference: [0, 0, 0.5], weight: 10}
+)");
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const auto cost = [&] {
+    const ShootingProblem& problem = *loaded.built->problem;
+    Evaluation evaluation(problem);
+    Evaluator(problem).evaluate(loaded.built->guess, evaluation);
+    return evaluation.cost.sum();
+  };
+  const double before = cost();
+  loaded.spec.reset();
+  EXPECT_EQ(cost(), before);
+  EXPECT_EQ(loaded.built->plant.parts.front().spec->urdf.value, "robots/quadruped.urdf");
+}
+
 TEST(Build, SeveralRobotsShareAProblem) {
   const Loaded loaded(R"(conddp: 1
 robots:

@@ -46,7 +46,7 @@ struct BuiltProblem {
 
 /// Builds the problem that a spec describes, at the end of its homotopy if it has one. Unknown
 /// names of frames, joints, phases, solvers and so on are reported with their places and similar
-/// names. The spec must outlive the result.
+/// names.
 std::optional<BuiltProblem> build_without_homotopy(const ProblemSpec& spec,
                                                    const BuildOptions& options, Diagnostics& out);
 

@@ -4,8 +4,7 @@
 
 namespace conddp {
 
-/// The problem that a spec describes with its homotopy, if it has one (build_without_homotopy). The
-/// spec must outlive the result.
+/// The problem that a spec describes with its homotopy, if it has one (build_without_homotopy).
 std::optional<BuiltProblem> build_problem(const ProblemSpec& spec, const BuildOptions& options,
                                           Diagnostics& out);
 

@@ -16,7 +16,7 @@ namespace conddp {
 
 /// One robot's share of the model.
 struct PlantPart {
-  const RobotSpec* spec;
+  std::shared_ptr<const RobotSpec> spec;
   std::string prefix;  ///< of its joints' and frames' names: "arm/", or empty
   int first_joint = 0;
   int joint_count = 0;      ///< parameters do not count: they stand behind all parts

@@ -58,7 +58,8 @@ std::shared_ptr<RobotModel> load_robots(const ProblemSpec& spec, Plant& plant, D
     std::string hash;
     auto tree = load_robot(robot, prefix, spec.gravity, hash, out);
     if (!tree) continue;
-    plant.parts.push_back({&robot, prefix, joints, tree->joint_count(), std::move(hash)});
+    plant.parts.push_back({std::make_shared<const RobotSpec>(robot), prefix, joints,
+                           tree->joint_count(), std::move(hash)});
     joints += tree->joint_count();
     trees.push_back(std::move(*tree));
   }

@@ -5,7 +5,7 @@
 namespace conddp {
 
 /// Loads the robots or makes the closed-form system. Notes of the URDF files (what is ignored) are
-/// reported as well. The spec must outlive the plant.
+/// reported as well.
 std::optional<Plant> build_plant(const ProblemSpec& spec, Diagnostics& out);
 
 }  // namespace conddp
