@@ -119,7 +119,11 @@ class PatternIndex {
 
   /// The entries of the pairs of columns of each block.
   std::vector<int> entries(const std::vector<RowBlock>& blocks) {
+    std::size_t pairs = 0;
+    for (const RowBlock& block : blocks)
+      pairs += block.columns.size() * (block.columns.size() + 1) / 2;
     std::vector<int> entries;
+    entries.reserve(pairs);
     for (const RowBlock& block : blocks)
       for (std::size_t a = 0; a < block.columns.size(); ++a)
         for (std::size_t b = 0; b <= a; ++b)
