@@ -256,7 +256,9 @@ void read_terms(YamlMap& map, const std::filesystem::path& folder, ProblemSpec& 
 ProblemSpec read_document(const YamlReader& reader, const std::filesystem::path& file,
                           ExpressionNamesSpec names) {
   const std::filesystem::path folder = file.parent_path();
-  ProblemSpec spec{.file = file, .name = {file.stem().string(), reader.place()}};
+  ProblemSpec spec;
+  spec.file = file;
+  spec.name = {file.stem().string(), reader.place()};
   spec.names = std::move(names);
   YamlMap map(reader);
   read_format(map);

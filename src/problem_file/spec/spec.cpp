@@ -59,6 +59,13 @@ bool ProblemSpec::runs_code() const {
                      [&](const NamedSystemSpec& named) { return compiled(named.system); });
 }
 
+ProblemSpec::ProblemSpec() = default;
+ProblemSpec::ProblemSpec(const ProblemSpec& other) = default;
+ProblemSpec::ProblemSpec(ProblemSpec&& other) noexcept = default;
+ProblemSpec& ProblemSpec::operator=(const ProblemSpec& other) = default;
+ProblemSpec& ProblemSpec::operator=(ProblemSpec&& other) noexcept = default;
+ProblemSpec::~ProblemSpec() = default;
+
 const PhaseSpec* ProblemSpec::first_free_duration() const {
   for (const PhaseSpec& phase : phases)
     if (phase.free_duration) return &phase;

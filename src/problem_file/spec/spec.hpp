@@ -113,6 +113,15 @@ inline constexpr int kProblemFormat = 1;
 
 /// A problem file, read and checked as far as it can be without its robots.
 struct ProblemSpec {
+  // Not inline: each of the many sources that have one would compile the copies of all that is in
+  // it.
+  ProblemSpec();
+  ProblemSpec(const ProblemSpec& other);
+  ProblemSpec(ProblemSpec&& other) noexcept;
+  ProblemSpec& operator=(const ProblemSpec& other);
+  ProblemSpec& operator=(ProblemSpec&& other) noexcept;
+  ~ProblemSpec();
+
   std::filesystem::path file;
   std::string text;                   ///< of the file, without a byte-order mark
   std::string sha256;                 ///< of the bytes that were read
