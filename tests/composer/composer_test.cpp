@@ -205,10 +205,11 @@ TEST(Composer, EveryProblemEndsWithAStatusAndACertificateOrAReason) {
 }
 
 /// Box problems in strongly coupled controls, co-states that a failed search has changed after the
-/// exact Hessians, a restoration of feasibility without a finite first point.
+/// exact Hessians, a restoration of feasibility without a finite first point, small gradients where
+/// most of the cost can still be gained.
 TEST(Composer, UnfinishedAnswersAreThoseOfTheirTrajectory) {
   Coverage coverage({});
-  for (const std::uint64_t seed : {60381, 63549, 64270}) {
+  for (const std::uint64_t seed : {60381, 63549, 64270, 810615}) {
     const ComposedProblem problem = compose_problem(seed);
     SCOPED_TRACE(fmt::format("seed {}:\n{}", seed, problem.text));
     EXPECT_FALSE(run(problem, coverage).refused);

@@ -8,6 +8,8 @@
 
 #include "solvers/common/feasible.hpp"
 #include "solvers/common/solve_result.hpp"
+#include "solvers/ddp/ddp_solver.hpp"
+#include "solvers/ddp/family.hpp"
 #include "solvers/strategies/registry.hpp"
 #include "support/constrained_problems.hpp"
 #include "support/sizes.hpp"
@@ -77,6 +79,25 @@ TEST(Status, MaxIterations) {
     EXPECT_NE(result.message.find("stationarity"), std::string::npos) << result.message;
     EXPECT_EQ(result.log.back().cost, result.cost);
   }
+}
+
+// x⁺ = x + u from 1 with weights of 1e-8: gradients are far below the tolerance at rest already,
+// where most of the cost can still be gained.
+TEST(Status, ASmallGradientDoesNotMakeASolveConvergedThatEndsWithMuchLeftToGain) {
+  const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(1, 1);
+  const ShootingProblem problem = testing::tracking_problem(
+      linear_system(one, one, Eigen::VectorXd::Zero(1)), Integrator::discrete, 5, 1, {1},
+      {{0}, {1e-8}, {1e-8}, {1e-8}, false});
+  for (const char* name : {"ilqr", "ilqr_clip", "ddp", "box_ddp", "fddp", "box_fddp"})
+    for (const int most : {0, 5}) {
+      SolverOptions options;
+      options.max_iterations = most;
+      DdpSolver solver(problem, find_ddp_member(name)->recipe, options);
+      const SolveResult result = solver.solve(constant_controls(problem, 0));
+      EXPECT_LT(result.residuals.stationarity, 1e-7) << name;
+      EXPECT_EQ(result.status, most == 0 ? SolveStatus::max_iterations : SolveStatus::converged)
+          << name << ": " << result.message;
+    }
 }
 
 TEST(Status, CostSettledEndsAFeasibleSolveOnceTheCostHardlyFalls) {

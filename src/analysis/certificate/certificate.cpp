@@ -383,10 +383,19 @@ class Judge {
            claims_.constraint <= t.constraint && claims_.complementarity <= t.complementarity;
   }
 
+  /// What a Newton step would gain, as a share of the cost, of problems without constraints.
+  std::optional<double> share_left() const {
+    const double gain = certificate_.optimality.expected_decrease;
+    if (!problem_.constraints().empty() || !std::isfinite(gain)) return std::nullopt;
+    return gain / std::max(std::abs(cost_), kLeastCost);
+  }
+
   /// Converged means that all residuals are under tolerance at once, those that the answer claims
-  /// and those found without its co-states.
+  /// and those found without its co-states, and that little is left to gain. Where much is left, an
+  /// answer with small residuals rightly calls itself something else.
   void check_status() {
-    if (claims_.converged != claims_convergence())
+    const bool much_is_left = !claims_.converged && share_left().value_or(0) > kMostGain;
+    if (claims_.converged != claims_convergence() && !much_is_left)
       return judge_status(
           claims_.converged
               ? "'converged', but a claimed residual is above its tolerance"
@@ -422,10 +431,8 @@ class Judge {
     need("complementarity", found_complementarity_, t.complementarity);
     need("the co-states' relative distance from those along other gains, and from those without",
          costate_error_, kCostateMargin * t.stationarity);
-    if (problem_.constraints().empty() && std::isfinite(certificate_.optimality.expected_decrease))
-      need("the share of the cost that a Newton step would gain",
-           certificate_.optimality.expected_decrease / std::max(std::abs(cost_), kLeastCost),
-           kMostGain);
+    if (const auto share = share_left())
+      need("the share of the cost that a Newton step would gain", *share, kMostGain);
     certificate_.optimality_in_doubt = feasible && !above.empty();
     const std::string costs = scale_ == 1 ? "" : fmt::format("with costs times {:.3g}, ", scale_);
     judge_status(above.empty() ? "" : "'converged', but " + costs + above);

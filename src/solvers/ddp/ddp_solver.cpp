@@ -26,6 +26,8 @@ namespace {
 constexpr double kNearlyClosed = 1e-3;
 /// Costs below count as none.
 constexpr double kLeastCost = 1e-12;
+/// The share of the cost that a Newton step may gain at an answer that ended before its goal.
+constexpr double kMostGainAtEnd = 10 * StationarityCheck::kMostGain;
 
 /// With the Hessians that the options ask for, where the recipe leaves that open.
 DdpRecipe resolved(DdpRecipe recipe, const SolverOptions& options, const ShootingProblem& problem) {
@@ -219,6 +221,11 @@ void DdpSolver::measure() {
   outer_->measure(iterate_, record_.row);
 }
 
+/// Whether an answer has a stationarity that other gains and a Newton step can confirm.
+bool DdpSolver::is_confirmable() const {
+  return !recipe_.least_violation && !globalization_.keeps_equalities();
+}
+
 bool DdpSolver::converged() const {
   return outer_->solved(record_.row, options_.tolerances, check_.goal());
 }
@@ -226,9 +233,8 @@ bool DdpSolver::converged() const {
 /// Ends the solve, where the stationarity holds along other gains, too, and next to nothing is left
 /// to gain.
 bool DdpSolver::confirm() {
-  if (!recipe_.least_violation && !globalization_.keeps_equalities() &&
-      !(check_.confirm(iterate_, outer_->multipliers()) &&
-        (constrained_ || check_.confirm_gain(iterate_, share_left()))))
+  if (is_confirmable() && !(check_.confirm(iterate_, outer_->multipliers()) &&
+                            (constrained_ || check_.confirm_gain(iterate_, share_left()))))
     return false;
   record_.end(SolveStatus::converged, record_.residual_text());
   return true;
@@ -361,13 +367,15 @@ void DdpSolver::end_log() {
   last.time_s = time;
 }
 
-/// The co-states of the last sweep may put an answer under tolerance that ended otherwise.
+/// The co-states of the last sweep may put an answer under tolerance that ended otherwise. It
+/// counts where little is left to gain: a loop that ended before its goal knew why it went on.
 void DdpSolver::confirm_status() {
   SolveResult& result = record_.result;
   const Residuals& r = result.residuals;
   const auto& tolerance = options_.tolerances;
   if (!(r.stationarity <= tolerance.stationarity) || !is_feasible(r, tolerance)) return;
   if (result.status == SolveStatus::converged) return;
+  if (is_confirmable() && !constrained_ && share_left() > kMostGainAtEnd) return;
   result.failed_knot = -1;
   result.failed_quantity.clear();
   record_.end(SolveStatus::converged,

@@ -63,6 +63,7 @@ class DdpSolver {
   bool linearize();
   void measure();
   bool converged() const;
+  bool is_confirmable() const;
   bool confirm();
   double share_left();
   bool cost_settled();
