@@ -112,7 +112,7 @@ void sweep(benchmark::State& state) {
 BENCHMARK(sweep)->DenseRange(0, 2);
 
 /// The same with two segments, or one, swept by that many threads.
-void sweep_by_legs(benchmark::State& state) {
+void sweep_by_segments(benchmark::State& state) {
   constexpr int kLong = 50;
   const Segments segments{static_cast<int>(state.range(1)), static_cast<int>(state.range(2))};
   const ShootingProblem problem = problem_of(kSizes[state.range(0)], kLong);
@@ -135,7 +135,7 @@ void sweep_by_legs(benchmark::State& state) {
   state.SetLabel(kSizes[state.range(0)].name);
   count_knots(state, kLong);
 }
-BENCHMARK(sweep_by_legs)
+BENCHMARK(sweep_by_segments)
     ->ArgNames({"", "segments", "threads"})
     ->ArgsProduct({{0, 1, 2}, {1}, {1}})
     ->ArgsProduct({{0, 1, 2}, {2}, {1, 2}})
