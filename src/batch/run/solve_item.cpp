@@ -105,7 +105,7 @@ class ItemRun {
   bool build();
   void solve();
   void refine_mesh();
-  OrderedJson document(const Solution& solution) const;
+  OrderedJson write(const Solution& solution) const;
   SolvedItem certify();
   void note_start(SolvedItem& out) const;
 
@@ -168,7 +168,7 @@ void ItemRun::refine_mesh() {
   refined_ = refine(first(), started_->result, candidates_, rest, build, solver_);
 }
 
-OrderedJson ItemRun::document(const Solution& solution) const {
+OrderedJson ItemRun::write(const Solution& solution) const {
   OrderedJson document = solution_json(solution, NumberForm::kBlocks);
   if (warm_ && !from_file_) name_neighbour(item_.parent, *solver_, document);
   return document;
@@ -180,7 +180,7 @@ SolvedItem ItemRun::certify() {
     solution.overrides.push_back(refined_->setting);
     solution.mesh = refined_->rounds;
   }
-  OrderedJson document = this->document(solution);
+  OrderedJson document = write(solution);
   const double written = seconds();
   const SolutionCertificate certificate =
       certify_solution(document, *used().spec, used().built, false, &solution.answer);
