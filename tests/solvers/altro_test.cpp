@@ -44,8 +44,9 @@ TEST(Altro, ReachesThePublishedOptimaExactly) {
 
 TEST(Altro, NewtonTakesAConvergedPenaltySolutionToRoundingInFewSteps) {
   for (const auto& [name, problem, control, cost] : testing::published_cases()) {
-    const SolveResult result =
-        solve(problem, "altro", altro_options(), testing::constant_controls(problem, control));
+    Trajectory guess = testing::constant_controls(problem, control);
+    ASSERT_EQ(Evaluator(problem).simulate(guess), -1);
+    const SolveResult result = solve(problem, "altro", altro_options(), guess);
     int steps = 0;
     for (const IterationRecord& row : result.log) {
       steps = std::max(steps, row.newton);

@@ -1,4 +1,7 @@
+#include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -6,6 +9,7 @@
 #include "solvers/globalization/open_gap_search.hpp"
 #include "solvers/stages/box_stage.hpp"
 #include "solvers/strategies/registry.hpp"
+#include "support/constrained_problems.hpp"
 #include "support/small_problems.hpp"
 
 namespace conddp {
@@ -281,6 +285,22 @@ TEST(Merit, TheWeightOfOpenGapsMakesTheDirectionDescend) {
     EXPECT_LE(merit.merit_slope(), -0.5 * curvature + 1e-9 * curvature) << seed;
   }
   EXPECT_GT(costly, 0) << "closing the gaps costs something";
+}
+
+TEST(Merit, NoStepOpensGapsFarWiderForALowerCost) {
+  const testing::PublishedCase cartpole = std::move(testing::published_cases()[2]);
+  constexpr double kClosed = 1e-9;
+  double before = std::numeric_limits<double>::infinity();
+  for (int iterations = 0; iterations <= 6; ++iterations) {
+    const SolveResult result =
+        solve(cartpole.problem, "altro", {.max_iterations = iterations},
+              testing::constant_controls(cartpole.problem, cartpole.control));
+    Evaluation evaluation(cartpole.problem);
+    Evaluator(cartpole.problem).evaluate(result.trajectory, evaluation);
+    const double gaps = evaluation.gap.lpNorm<1>();
+    EXPECT_LE(gaps, std::max(kClosed, 1.5 * before)) << iterations;
+    before = gaps;
+  }
 }
 
 TEST(Merit, EveryIterationLowersTheMeritAndTheLastClosesTheGaps) {

@@ -12,6 +12,9 @@ namespace {
 constexpr double kGapShare = 0.65;
 /// A rollout that reaches this share of the model's decrease needs no rival.
 constexpr double kConvincing = 0.6;
+/// How much larger than before the gaps of a linear step may be. Where the model's cost falls with
+/// its gaps, their weight is zero, and nothing else would keep them.
+constexpr double kMostGapGrowth = 1.5;
 
 }  // namespace
 
@@ -90,8 +93,9 @@ void OpenGapSearch::try_linear(Evaluator& evaluator, const MeritModel& merit,
   }
   bounds_.clamp(trial_);
   evaluator.evaluate(trial_, evaluation_, augmentation);
-  if (consider(evaluation_.cost.sum() + evaluation_.augmentation.sum(), evaluation_.gap.lpNorm<1>(),
-               merit, trial_))
+  const double gap_norm = evaluation_.gap.lpNorm<1>();
+  if (gap_norm > kMostGapGrowth * merit.gap_norm) return;
+  if (consider(evaluation_.cost.sum() + evaluation_.augmentation.sum(), gap_norm, merit, trial_))
     best_rollout_cost_.reset();
 }
 

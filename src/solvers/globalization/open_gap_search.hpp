@@ -20,7 +20,9 @@ namespace conddp {
 ///   the best one near an optimum, and takes curved dynamics as they are. Far from one it closes
 ///   gaps at any price;
 /// - the step of the linear model, x ⊕ α δx and u + α δu, in all knots at once: multiple shooting
-///   (Bock, Plitt 1984), in which no error of one knot travels through those behind it.
+///   (Bock, Plitt 1984), in which no error of one knot travels through those behind it. It counts
+///   where gaps are at most 1.5 times what they were: gaps that are opened for a lower cost have to
+///   be closed at a far higher one.
 class OpenGapSearch {
  public:
   OpenGapSearch(const ShootingProblem& problem, const ControlBounds& bounds,
