@@ -81,7 +81,7 @@ INSTANTIATE_TEST_SUITE_P(
                      {},
                      "[{key: constraints.pillars.at_least, from: 1, to: 4}]",
                      "altro",
-                     1.92079393}),
+                     1.96076975}),
     [](const auto& test) { return test.param.name; });
 
 TEST(HomotopyOfFriction, LeadsHyqOntoASlipperyFloor) {
