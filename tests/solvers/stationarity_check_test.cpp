@@ -168,7 +168,9 @@ TEST(StationarityCheck, AGainOfMoreThanATenThousandthOfTheCostAsksForASmallerGra
   EXPECT_NEAR(at.check.goal(), 0.5 * 4e-7 / 4, 1e-20);
   EXPECT_FALSE(at.check.confirm_gain(at.iterate, 1e12));
   EXPECT_DOUBLE_EQ(at.check.goal(), 1e-11);
-  EXPECT_TRUE(at.check.confirm_gain(at.iterate, 1e12)) << "that is the least goal";
+  EXPECT_FALSE(at.check.confirm_gain(at.iterate, 2e-3)) << "that is the least goal";
+  EXPECT_DOUBLE_EQ(at.check.goal(), 1e-11);
+  EXPECT_TRUE(at.check.confirm_gain(at.iterate, 1e-3));
 }
 
 // 1 at no multiplier would ask for 2e-13; the least is 1e-5 of the tolerance, and then it counts.

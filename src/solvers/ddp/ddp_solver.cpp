@@ -26,8 +26,6 @@ namespace {
 constexpr double kNearlyClosed = 1e-3;
 /// Costs below count as none.
 constexpr double kLeastCost = 1e-12;
-/// The share of the cost that a Newton step may gain at an answer that ended before its goal.
-constexpr double kMostGainAtEnd = 10 * StationarityCheck::kMostGain;
 
 /// With the Hessians that the options ask for, where the recipe leaves that open.
 DdpRecipe resolved(DdpRecipe recipe, const SolverOptions& options, const ShootingProblem& problem) {
@@ -375,7 +373,7 @@ void DdpSolver::confirm_status() {
   const auto& tolerance = options_.tolerances;
   if (!(r.stationarity <= tolerance.stationarity) || !is_feasible(r, tolerance)) return;
   if (result.status == SolveStatus::converged) return;
-  if (is_confirmable() && !constrained_ && share_left() > kMostGainAtEnd) return;
+  if (is_confirmable() && !constrained_ && share_left() > StationarityCheck::kMostGainAtEnd) return;
   result.failed_knot = -1;
   result.failed_quantity.clear();
   record_.end(SolveStatus::converged,

@@ -44,7 +44,8 @@ bool StationarityCheck::confirm(const Iterate& iterate, const Eigen::VectorXd* m
 }
 
 bool StationarityCheck::confirm_gain(const Iterate& iterate, double share) {
-  if (goal_ <= kLeastGoal * options_.tolerances.stationarity || !(share > kMostGain)) return true;
+  if (!(share > kMostGain)) return true;
+  if (goal_ <= kLeastGoal * options_.tolerances.stationarity) return !(share > kMostGainAtEnd);
   return ask_for_less(iterate, std::sqrt(share / kMostGain));
 }
 

@@ -17,8 +17,9 @@ class StationarityCheck {
   StationarityCheck(const ShootingProblem& problem, const ControlBounds& bounds,
                     const SolverOptions& options, bool constrained);
 
-  /// The share of the cost that may be left to gain.
-  static constexpr double kMostGain = 1e-4;
+  /// The share of the cost that may be left to gain; and where an answer ends before its goal, or
+  /// its goal can be no smaller.
+  static constexpr double kMostGain = 1e-4, kMostGainAtEnd = 10 * kMostGain;
 
   /// At the start of a solve: the goal is the tolerance.
   void reset() {
@@ -32,7 +33,8 @@ class StationarityCheck {
   /// or its co-states are not those along them.
   bool confirm(const Iterate& iterate, const Eigen::VectorXd* multipliers);
   /// Looks at the share of the cost that a Newton step would gain. False, with a smaller goal,
-  /// where it is large: the gain falls as the square of the stationarity.
+  /// where it is large: the gain falls as the square of the stationarity. Where that is at its
+  /// least goal, flat costs remain: the solve goes on while there is much to gain.
   bool confirm_gain(const Iterate& iterate, double share);
   /// The co-states along the other gains, where the iterate is stationary along them, too, but its
   /// own co-states are apart from them. Null where they are not, or where `confirm` has just said
