@@ -167,6 +167,26 @@ TEST(CertificateOfSolves, ADivergedAnswerMayLeaveFiguresOpenButNotGiveWrongOnes)
   EXPECT_NE(failed_checks(answer.problem, claims), "");
 }
 
+// x⁺ = x + u from 1, at rest: under a loose tolerance, with most of the cost left to gain.
+TEST(CertificateOfSolves, SmallResidualsWithMuchLeftToGainAreNotThoseOfAConvergedAnswer) {
+  const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(1, 1);
+  const ShootingProblem problem =
+      testing::tracking_problem(linear_system(one, one, Eigen::VectorXd::Zero(1)),
+                                Integrator::discrete, 5, 1, {1}, {{0}, {0.1}, {0.1}, {0.1}, false});
+  SolverOptions options;
+  options.tolerances.stationarity = 10;
+  options.max_iterations = 0;
+  const SolveResult result =
+      solve(problem, "box_fddp", options, testing::constant_controls(problem, 0));
+  ASSERT_EQ(result.status, SolveStatus::max_iterations) << result.message;
+  SolutionClaims claims =
+      claims_of(problem, result, NodeValues(problem, result.trajectory), options);
+  EXPECT_EQ(failed_checks(problem, claims), "");
+  claims.converged = true;
+  claims.status = "converged";
+  EXPECT_EQ(failed_checks(problem, claims), "[status]");
+}
+
 TEST(CertificateOfSolves, PlacesNameTheKnotItsPhaseAndWhatIsThere) {
   const Answer answer(testing::landing());
   SolutionClaims changed = answer.claims;

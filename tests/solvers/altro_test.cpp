@@ -43,21 +43,28 @@ TEST(Altro, ReachesThePublishedOptimaExactly) {
 }
 
 TEST(Altro, NewtonTakesAConvergedPenaltySolutionToRoundingInFewSteps) {
-  for (const auto& [name, problem, control, cost] : testing::published_cases()) {
-    Trajectory guess = testing::constant_controls(problem, control);
-    ASSERT_EQ(Evaluator(problem).simulate(guess), -1);
-    const SolveResult result = solve(problem, "altro", altro_options(), guess);
-    int steps = 0;
-    for (const IterationRecord& row : result.log) {
-      steps = std::max(steps, row.newton);
-      if (row.newton > 0) {
-        EXPECT_EQ(row.regularization, 0);
+  for (const bool closed : {false, true})
+    for (const auto& [name, problem, control, cost] : testing::published_cases()) {
+      SCOPED_TRACE(name + (closed ? ", simulated" : ""));
+      Trajectory guess = testing::constant_controls(problem, control);
+      if (closed) {
+        ASSERT_EQ(Evaluator(problem).simulate(guess), -1);
       }
+      const SolveResult result = solve(problem, "altro", altro_options(), guess);
+      int steps = 0;
+      for (const IterationRecord& row : result.log) {
+        steps = std::max(steps, row.newton);
+        if (row.newton > 0) {
+          EXPECT_EQ(row.regularization, 0);
+        }
+      }
+      EXPECT_GE(steps, 1);
+      EXPECT_LE(steps, 8);
+      // From the states of its guess, the pendulum is minimized to its tolerance before Newton's
+      // damped steps get there.
+      const bool by_minimization = !closed && name == "pendulum";
+      EXPECT_LE(result.residuals.constraint, by_minimization ? 1e-8 : 1e-10);
     }
-    EXPECT_GE(steps, 1) << name;
-    EXPECT_LE(steps, 8) << name;
-    EXPECT_LE(result.residuals.constraint, 1e-10) << name;
-  }
 }
 
 TEST(Altro, SolvesConvexProblemsAsAnIndependentMethodDoes) {
