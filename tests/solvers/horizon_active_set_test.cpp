@@ -40,6 +40,66 @@ TEST(ActiveSet, CountsWhatChangesWhereSidesAreAssumed) {
   EXPECT_EQ(set.clamped_controls(), 2);
 }
 
+TEST(ActiveSet, HoldsWhatAGradientPushesAgainstItsBounds) {
+  const LinearQuadratic lq(1, 4, {3}, 2, -0.4, 0.3);
+  const ControlBounds bounds(*lq.problem);
+  Trajectory trajectory = lq.problem->create_trajectory();
+  trajectory.u(0) << -0.4, -0.4, 0.3;
+  trajectory.u(1) << 0.3, 0.1, -0.4;
+  Eigen::VectorXd gradient(6);
+  gradient << 1, -1, -1, 1, 1, 0;
+  ActiveSet set(*lq.problem);
+  set.assume_sides(1, Eigen::Vector3d(1, 1, 1));
+  set.assume_pushed_out(bounds, gradient, trajectory);
+  for (const auto& [knot, entry, state] : {std::tuple{0, 0, BoundState::at_lower},
+                                           {0, 1, BoundState::free},
+                                           {0, 2, BoundState::at_upper},
+                                           {1, 0, BoundState::free},
+                                           {1, 1, BoundState::free},
+                                           {1, 2, BoundState::free}})
+    EXPECT_EQ(set.states(knot)[entry], state) << knot << ' ' << entry;
+}
+
+TEST(ActiveSet, HoldsControlsWhoseBoundsAreTheSame) {
+  const LinearQuadratic lq(1, 4, {3}, 2, 0.2, 0.2);
+  Trajectory trajectory = lq.problem->create_trajectory();
+  for (int k = 0; k < 2; ++k) trajectory.u(k).setConstant(0.2);
+  ActiveSet set(*lq.problem);
+  set.assume_pushed_out(ControlBounds(*lq.problem), Eigen::VectorXd::Zero(6), trajectory);
+  EXPECT_EQ(set.clamped_controls(), 6);
+}
+
+// Stages that each look at their own bounds would hold many controls of such a guess.
+TEST(HorizonActiveSet, AStepThatMeetsNoBoundTakesOneSweep) {
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    const LinearQuadratic free(seed, 4, {2, 3}, 12, -1e6, 1e6);
+    const SolveResult answer =
+        solve(*free.problem, "box_fddp", {}, free.problem->create_trajectory());
+    double largest = 0;
+    for (int k = 0; k < free.problem->knots(); ++k)
+      largest = std::max(largest, answer.trajectory.u(k).cwiseAbs().maxCoeff());
+    const LinearQuadratic lq(seed, 4, {2, 3}, 12, -1.01 * largest, 1.01 * largest);
+    for (const char* solver : {"box_ddp", "box_fddp"}) {
+      const SolveResult result = solve(*lq.problem, solver, {}, lq.problem->create_trajectory());
+      ASSERT_EQ(result.status, SolveStatus::converged);
+      EXPECT_EQ(result.log[1].sweeps, 1) << solver << ' ' << seed;
+    }
+  }
+}
+
+TEST(HorizonActiveSet, SweepsEndSoonWhereSetsAlternate) {
+  int most = 0;
+  for (unsigned seed = 0; seed < 40; ++seed) {
+    const LinearQuadratic lq(seed, 6, {4}, 20, -0.2, 0.2);
+    SolverOptions options;
+    options.box_qp.horizon_sweeps = 1000;
+    const SolveResult result =
+        solve(*lq.problem, "box_fddp", options, lq.problem->create_trajectory());
+    for (const IterationRecord& row : result.log) most = std::max(most, row.sweeps);
+  }
+  EXPECT_LT(most, 200) << "thousands, where nothing ends the search";
+}
+
 // A stage alone cannot see which bounds a step meets at later knots; the horizon's active set can,
 // and on a linear-quadratic problem its step is the answer wherever that set is found.
 TEST(HorizonActiveSet, MostBoxConstrainedLinearQuadraticProblemsTakeOneStep) {

@@ -10,7 +10,8 @@
 namespace conddp {
 namespace {
 
-/// Revisions of constraint rows that may go by without fewer changes than ever before.
+/// Revisions of an active set that may go by without fewer changes than ever before: sets can
+/// alternate, and stages that go by themselves are the better use of further sweeps.
 constexpr int kPatience = 4;
 /// What the error of the constraints' model may grow to, in the least that it has been.
 constexpr double kErrorGrowth = 100;
@@ -87,16 +88,19 @@ int Direction::search_along_horizon(const Model& model) {
   if (settle(model)) return -1;
   unsettled_ = model.augmented;
   if (minimize_true_model(model)) return -1;
-  active_set_known_ = false;
+  set_start_ = SetStart::by_stages;
   if (model.augmented) constraints_->restore(model.linearization);
   return search_by_stages(model);
 }
 
-/// With the active set that is known, or else with that which stages find.
+/// With the active set that the search begins with, or else with that which stages find. Far from
+/// an optimum stages hold many controls, each for a step that its next state will not take.
 int Direction::sweep_first(const Model& model) {
-  if (active_set_known_ && sweep(model, true) < 0) return -1;
-  const int bad_knot = sweep(model, false);
-  if (bad_knot < 0) active_set_known_ = true;
+  if (set_start_ == SetStart::from_guess)
+    stages_->active_set().assume_pushed_out(bounds_, model.adjoint.gradient(), model.trajectory);
+  const bool swept = set_start_ != SetStart::by_stages && sweep(model, true) < 0;
+  const int bad_knot = swept ? -1 : sweep(model, false);
+  if (bad_knot < 0) set_start_ = SetStart::as_before;
   return bad_knot;
 }
 
@@ -137,10 +141,10 @@ bool Direction::settle(const Model& model) {
     }
     since = changes < fewest ? 0 : since + 1;
     fewest = std::min(fewest, changes);
+    if (since > kPatience) return false;
     if (model.augmented) {
       const double error = constraints_->model_error();
-      const bool grows = !model_true_ && error > kErrorGrowth * least_error;
-      if (since > kPatience || grows) return false;
+      if (!model_true_ && error > kErrorGrowth * least_error) return false;
       least_error = std::min(least_error, error);
     }
     if (sweep(model, true) >= 0) return false;
@@ -243,7 +247,8 @@ void Direction::reset() {
   models_costs_ = true;
   sweeps_ = 0;
   if (constraints_) constraints_->reset();
-  active_set_known_ = model_true_ = false;
+  set_start_ = SetStart::from_guess;
+  model_true_ = false;
   feedback_.set_zero();
 }
 

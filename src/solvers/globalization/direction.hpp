@@ -93,6 +93,12 @@ class Direction {
     SweepRegularization regularization;
     bool augmented;  ///< rows of constraints are part of it
   };
+  /// The active set that a search along the horizon begins with.
+  enum class SetStart {
+    from_guess,  ///< controls that it has at bounds, where the gradient pushes them
+    as_before,   ///< what the last search ended with
+    by_stages,   ///< what stages find, knot by knot
+  };
   bool has_rows(const Augmentation* augmentation) const;
   int search(const Model& model);
   int search_along_horizon(const Model& model);
@@ -121,9 +127,9 @@ class Direction {
   bool corrected_ = false;
   bool models_costs_ = true;  ///< that begin at a bound, along the step
   int sweeps_ = 0;
+  SetStart set_start_ = SetStart::from_guess;
   std::optional<int> last_change_;  ///< knot, of the active set or the rows since the last sweep
   bool held_before_ = false;        ///< the last sweep held the active set
-  bool active_set_known_ = false;   ///< the stages hold one of the whole horizon
   bool within_bounds_ = false;
   bool model_true_ = false;
   bool unsettled_ = false;

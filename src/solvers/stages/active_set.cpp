@@ -70,6 +70,20 @@ void ActiveSet::assume_sides(int knot, const Eigen::Ref<const Eigen::VectorXd>& 
   }
 }
 
+void ActiveSet::assume_pushed_out(const ControlBounds& bounds, const Eigen::VectorXd& gradient,
+                                  const Trajectory& trajectory) {
+  for (int knot = 0; knot < static_cast<int>(knots_.size()); ++knot) {
+    const auto u = trajectory.u(knot);
+    for (int i = 0; i < u.size(); ++i) {
+      const double slope = gradient[bounds.offset(knot) + i];
+      const bool pushed = bounds.pushed_out(knot, i, u[i], slope);
+      BoundState& state = knots_[knot].states[i];
+      state = pushed ? state_of_side(-slope) : BoundState::free;
+      if (!(bounds.lower(knot)[i] < bounds.upper(knot)[i])) state = BoundState::at_lower;
+    }
+  }
+}
+
 void ActiveSet::release() {
   for (Knot& knot : knots_) std::fill(knot.states.begin(), knot.states.end(), BoundState::free);
 }

@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 
 #include "ocp/problem/problem.hpp"
+#include "solvers/common/control_bounds.hpp"
 #include "solvers/stages/box_qp.hpp"
 #include "solvers/stages/stage_problem.hpp"
 
@@ -37,6 +38,11 @@ class ActiveSet {
   /// Holds the controls of this knot at their lower bounds where `side` is negative, at their upper
   /// ones where it is positive; the others are free. After a sweep.
   void assume_sides(int knot, const Eigen::Ref<const Eigen::VectorXd>& side);
+  /// Holds the controls of a trajectory that stand at a bound which a descent along the gradient
+  /// (of all controls, one after the other) would cross, and those whose bounds are the same; the
+  /// others are free.
+  void assume_pushed_out(const ControlBounds& bounds, const Eigen::VectorXd& gradient,
+                         const Trajectory& trajectory);
   /// Lets all controls go.
   void release();
 
