@@ -187,6 +187,26 @@ TEST(CertificateOfSolves, SmallResidualsWithMuchLeftToGainAreNotThoseOfAConverge
   EXPECT_EQ(failed_checks(problem, claims), "[status]");
 }
 
+// Controls that do nothing and cost nothing: no solver can tell how far a minimum is.
+TEST(CertificateOfSolves, WhereTheGainCannotBeToldAnAnswerNeedNotCallItselfConverged) {
+  const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(1, 1), none = Eigen::MatrixXd::Zero(1, 1);
+  const ShootingProblem problem =
+      testing::tracking_problem(linear_system(one, none, Eigen::VectorXd::Zero(1)),
+                                Integrator::discrete, 5, 1, {1}, {{0}, {0.1}, {0}, {0.1}, false});
+  SolverOptions options;
+  options.max_iterations = 0;
+  const SolveResult result =
+      solve(problem, "box_fddp", options, testing::constant_controls(problem, 0));
+  ASSERT_NE(result.status, SolveStatus::diverged) << result.message;
+  SolutionClaims claims =
+      claims_of(problem, result, NodeValues(problem, result.trajectory), options);
+  for (const bool converged : {false, true}) {
+    claims.converged = converged;
+    claims.status = converged ? "converged" : "max_iterations";
+    EXPECT_EQ(failed_checks(problem, claims), "") << claims.status;
+  }
+}
+
 TEST(CertificateOfSolves, PlacesNameTheKnotItsPhaseAndWhatIsThere) {
   const Answer answer(testing::landing());
   SolutionClaims changed = answer.claims;

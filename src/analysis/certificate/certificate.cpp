@@ -390,12 +390,17 @@ class Judge {
     return gain / std::max(std::abs(cost_), kLeastCost);
   }
 
+  /// Also where the model has no minimum, so that what is left cannot be told.
+  bool much_may_be_left() const {
+    const std::optional<double> share = share_left();
+    return problem_.constraints().empty() && !(share && *share <= kMostGain);
+  }
+
   /// Converged means that all residuals are under tolerance at once, those that the answer claims
-  /// and those found without its co-states, and that little is left to gain. Where much is left, an
-  /// answer with small residuals rightly calls itself something else.
+  /// and those found without its co-states, and that little is left to gain. Where much may be
+  /// left, an answer with small residuals rightly calls itself something else.
   void check_status() {
-    const bool much_is_left = !claims_.converged && share_left().value_or(0) > kMostGain;
-    if (claims_.converged != claims_convergence() && !much_is_left)
+    if (claims_.converged != claims_convergence() && (claims_.converged || !much_may_be_left()))
       return judge_status(
           claims_.converged
               ? "'converged', but a claimed residual is above its tolerance"
