@@ -32,13 +32,15 @@ def arguments():
         "and prints a table in Markdown."))
     parser.add_argument("--case", action="append", choices=list(CASES), help="only these cases")
     parser.add_argument("--repeat", type=int, default=21, help="timed runs of each solver")
+    parser.add_argument("--optimization", default="3", choices="0123",
+                        help="the compiler's level for the peers' functions: lower for large ones")
     return parser.parse_args()
 
 
-def compile_solver(name, program):
+def compile_solver(name, program, level):
     """The derivatives as C, compiled for this machine."""
     options = {"print_time": False, "record_time": True, "error_on_fail": False, "jit": True,
-               "compiler": "shell", "jit_options": {"flags": ["-O3", "-march=native"]},
+               "compiler": "shell", "jit_options": {"flags": [f"-O{level}", "-march=native"]},
                name: PEERS[name]}
     if name == "fatrop":
         options |= {"structure_detection": "auto", "equality": program.equality}
@@ -51,8 +53,8 @@ def run(solver, program, guess):
     return answer, time.perf_counter() - begin
 
 
-def peer_row(name, program, guess, repeat):
-    solver = compile_solver(name, program)
+def peer_row(name, program, guess, repeat, level):
+    solver = compile_solver(name, program, level)
     answer, _ = run(solver, program, guess)
     stats = solver.stats()
     iterations, solved = stats["iter_count"], bool(stats["success"])
@@ -100,7 +102,7 @@ def main():
         check_program(program, found)
         guess = program.point(found["guess"])
         rows = [ours, *(our_row(file, solver, wanted.repeat)[1] for solver in OURS[1:])]
-        rows += [peer_row(peer, program, guess, wanted.repeat) for peer in PEERS]
+        rows += [peer_row(peer, program, guess, wanted.repeat, wanted.optimization) for peer in PEERS]
         lines += [line(name if row is ours else "", row, ours) for row in rows]
     print(f"{processor()}; CasADi {casadi.__version__}.\n")
     print("\n".join(lines))

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "nlp/chain_factorization.hpp"
+#include "nlp/inequality_elimination.hpp"
 #include "solvers/ipopt/ipopt_solver.hpp"
 #include "solvers/strategies/registry.hpp"
 #include "support/constrained_problems.hpp"
@@ -259,8 +261,10 @@ TEST(Ipopt, FactorizesAlongTheHorizonWhereRowsAreAtMostTwoForEachDirection) {
   EXPECT_EQ(most.constraint_rows(), 124);
   list.push_back(state("f", 20, 20));
   const ShootingProblem more = with_constraints(problem, list);
-  EXPECT_TRUE(suits_chain_factorization(most));
-  EXPECT_FALSE(suits_chain_factorization(more));
+  EXPECT_EQ(factorization_along_horizon(most), ChainFactorization::make);
+  EXPECT_EQ(factorization_along_horizon(more), InequalityElimination::make);
+  for (Added& added : list) added.upper = added.lower;
+  EXPECT_EQ(factorization_along_horizon(with_constraints(problem, list)), nullptr);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include "nlp/chain_factorization.hpp"
 #include "nlp/first_multipliers.hpp"
+#include "nlp/inequality_elimination.hpp"
 #include "ocp/problem/soft_constraint.hpp"
 #include "solvers/common/feasible.hpp"
 #include "solvers/common/finite_check.hpp"
@@ -70,10 +71,15 @@ bool wants_limited_memory(const IpoptOptions& options) {
 
 }  // namespace
 
-bool suits_chain_factorization(const ShootingProblem& problem) {
+MakeFactorization factorization_along_horizon(const ShootingProblem& problem) {
   int directions = problem.ndx();
   for (int k = 0; k < problem.knots(); ++k) directions += problem.knot(k).model->nz();
-  return problem.constraint_rows() <= 2 * directions;
+  if (problem.constraint_rows() <= 2 * directions) return ChainFactorization::make;
+  int equalities = 0;
+  for (const NodeConstraint& constraint : problem.constraints())
+    for (int i = 0; constraint.lower != nullptr && i < constraint.term->rows; ++i)
+      equalities += constraint.lower[i] == constraint.upper[i];
+  return equalities <= 2 * directions ? InequalityElimination::make : nullptr;
 }
 
 IpoptSolver::IpoptSolver(const ShootingProblem& problem, const SolverOptions& options)
@@ -155,8 +161,7 @@ InteriorPointSettings IpoptSolver::default_settings() const {
           .violation_tolerance = std::min(options_.tolerances.gap, options_.tolerances.constraint),
           .complementarity_tolerance = options_.tolerances.complementarity,
           .minimum_fill = !transcription_->has_pairs(),
-          .make_factorization =
-              suits_chain_factorization(problem_) ? ChainFactorization::make : nullptr,
+          .make_factorization = factorization_along_horizon(problem_),
           .options = options_.ipopt};
 }
 

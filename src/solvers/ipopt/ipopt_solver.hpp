@@ -18,11 +18,11 @@
 
 namespace conddp {
 
-/// Whether Ipopt's systems are factorized along the horizon (ChainFactorization) instead of by its
-/// own linear solver: where constraints have at most twice as many rows as knots have directions.
-/// Each row adds unknowns to a group of the chain, which is dense there; a sparse solver passes
-/// over them.
-bool suits_chain_factorization(const ShootingProblem& problem);
+/// How Ipopt's systems are factorized along the horizon: by a ChainFactorization where constraints
+/// have at most twice as many rows as knots have directions. Each row adds unknowns to a group of
+/// the chain, which is dense there; where there are more inequalities these are eliminated before
+/// (InequalityElimination). Null, for Ipopt's own linear solver, where there are more equalities.
+MakeFactorization factorization_along_horizon(const ShootingProblem& problem);
 
 /// Direct transcription: the whole problem as a sparse nonlinear program for Ipopt, whose answer a
 /// few steps of Newton's method on its active set take from the interior to the bounds.
