@@ -90,10 +90,8 @@ void InequalityElimination::place_entries(int entries, const int* rows, const in
       targets_.push_back({Target::column, -1});
     } else {
       const bool slack = rows[e] == pairs_[static_cast<std::size_t>(pair)].slack;
-      targets_.push_back({a != b  ? Target::coupling
-                          : slack ? Target::slack
-                                  : Target::multiplier,
-                          pair});
+      const auto diagonal = slack ? Target::slack : Target::multiplier;
+      targets_.push_back({a == b ? diagonal : Target::coupling, pair});
     }
   }
   columns_.clear();
@@ -138,7 +136,7 @@ SymmetricFactorization::Outcome InequalityElimination::factorize(const double* v
     else if (kind == Target::column)
       columns_[i].value = values[e];
     else
-      pairs_[i].inverse[kind == Target::slack ? 0 : kind == Target::coupling ? 1 : 2] += values[e];
+      pairs_[i].inverse[kind] += values[e];
   }
   negative_ = 0;
   std::size_t product = 0;

@@ -26,22 +26,23 @@ class InequalityElimination final : public SymmetricFactorization {
   void solve(double* b) const override;
   int negative_eigenvalues() const override { return negative_; }
 
+  /// How many unknowns the other factorization does not see.
   int eliminated() const { return 2 * static_cast<int>(pairs_.size()); }
 
  private:
   /// A slack and its multiplier; columns_[first, last) are the entries of the multiplier's row.
   struct Pair {
     int slack, multiplier, first, last;
-    double inverse[3] = {};  ///< of the two rows: entries of slack, coupling, multiplier
+    double inverse[3] = {};  ///< of the two rows: entries by Target::Kind
   };
   /// An entry of a multiplier's row: which, and its column among the unknowns that are left.
   struct Column {
     int entry, left;
     double value = 0;
   };
-  /// Where an entry goes: to the diagonal of a pair, to its coupling, or to the rest.
+  /// Where an entry goes: to one of the three of a pair, to a multiplier's row, or to the rest.
   struct Target {
-    enum Kind { slack, coupling, multiplier, column, rest } kind;
+    enum Kind { slack = 0, coupling = 1, multiplier = 2, column, rest } kind;
     int index;  ///< of the pair, or of the entry of the rest
   };
 

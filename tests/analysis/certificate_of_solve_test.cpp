@@ -167,43 +167,48 @@ TEST(CertificateOfSolves, ADivergedAnswerMayLeaveFiguresOpenButNotGiveWrongOnes)
   EXPECT_NE(failed_checks(answer.problem, claims), "");
 }
 
-// x⁺ = x + u from 1, at rest: under a loose tolerance, with most of the cost left to gain.
+/// x⁺ = x + B u from 1, where a solver without iterations leaves it.
+struct AtRest {
+  ShootingProblem problem;
+  SolveResult result;
+  SolutionClaims claims;
+
+  AtRest(double B, double control_weight, double stationarity)
+      : problem(testing::tracking_problem(
+            linear_system(Eigen::MatrixXd::Identity(1, 1), Eigen::MatrixXd::Constant(1, 1, B),
+                          Eigen::VectorXd::Zero(1)),
+            Integrator::discrete, 5, 1, {1}, {{0}, {0.1}, {control_weight}, {0.1}, false})),
+        result(solve(problem, "box_fddp", options(stationarity),
+                     testing::constant_controls(problem, 0))),
+        claims(claims_of(problem, result, NodeValues(problem, result.trajectory),
+                         options(stationarity))) {}
+
+  static SolverOptions options(double stationarity) {
+    SolverOptions options;
+    options.tolerances.stationarity = stationarity;
+    options.max_iterations = 0;
+    return options;
+  }
+};
+
+// Under a loose tolerance, with most of the cost left to gain.
 TEST(CertificateOfSolves, SmallResidualsWithMuchLeftToGainAreNotThoseOfAConvergedAnswer) {
-  const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(1, 1);
-  const ShootingProblem problem =
-      testing::tracking_problem(linear_system(one, one, Eigen::VectorXd::Zero(1)),
-                                Integrator::discrete, 5, 1, {1}, {{0}, {0.1}, {0.1}, {0.1}, false});
-  SolverOptions options;
-  options.tolerances.stationarity = 10;
-  options.max_iterations = 0;
-  const SolveResult result =
-      solve(problem, "box_fddp", options, testing::constant_controls(problem, 0));
-  ASSERT_EQ(result.status, SolveStatus::max_iterations) << result.message;
-  SolutionClaims claims =
-      claims_of(problem, result, NodeValues(problem, result.trajectory), options);
-  EXPECT_EQ(failed_checks(problem, claims), "");
-  claims.converged = true;
-  claims.status = "converged";
-  EXPECT_EQ(failed_checks(problem, claims), "[status]");
+  AtRest at(1, 0.1, 10);
+  ASSERT_EQ(at.result.status, SolveStatus::max_iterations) << at.result.message;
+  EXPECT_EQ(failed_checks(at.problem, at.claims), "");
+  at.claims.converged = true;
+  at.claims.status = "converged";
+  EXPECT_EQ(failed_checks(at.problem, at.claims), "[status]");
 }
 
 // Controls that do nothing and cost nothing: no solver can tell how far a minimum is.
 TEST(CertificateOfSolves, WhereTheGainCannotBeToldAnAnswerNeedNotCallItselfConverged) {
-  const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(1, 1), none = Eigen::MatrixXd::Zero(1, 1);
-  const ShootingProblem problem =
-      testing::tracking_problem(linear_system(one, none, Eigen::VectorXd::Zero(1)),
-                                Integrator::discrete, 5, 1, {1}, {{0}, {0.1}, {0}, {0.1}, false});
-  SolverOptions options;
-  options.max_iterations = 0;
-  const SolveResult result =
-      solve(problem, "box_fddp", options, testing::constant_controls(problem, 0));
-  ASSERT_NE(result.status, SolveStatus::diverged) << result.message;
-  SolutionClaims claims =
-      claims_of(problem, result, NodeValues(problem, result.trajectory), options);
+  AtRest at(0, 0, 1e-6);
+  ASSERT_NE(at.result.status, SolveStatus::diverged) << at.result.message;
   for (const bool converged : {false, true}) {
-    claims.converged = converged;
-    claims.status = converged ? "converged" : "max_iterations";
-    EXPECT_EQ(failed_checks(problem, claims), "") << claims.status;
+    at.claims.converged = converged;
+    at.claims.status = converged ? "converged" : "max_iterations";
+    EXPECT_EQ(failed_checks(at.problem, at.claims), "") << at.claims.status;
   }
 }
 

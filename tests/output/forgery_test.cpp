@@ -100,12 +100,12 @@ void expect_caught(const std::string& name, int count, double size, bool nulled)
     EXPECT_NE(optimality_failure(certificate).find("the reduced gradient"), std::string::npos)
         << name << " " << seed;
   }
-  // Where co-states can null ∇_u L the figures agree with each other; large ones leave it in the
-  // rounding of a document now and then.
+  // Where co-states can null ∇_u L the figures agree with each other. Elsewhere one in twenty may
+  // lie so near a kink of a cone that the document's last digits decide.
   if (nulled)
     EXPECT_EQ(disagreeing, 0) << name;
   else
-    EXPECT_GT(2 * disagreeing, count) << name;
+    EXPECT_GE(20 * disagreeing, 19 * count) << name;
 }
 
 TEST(Forgery, OfAPendulumIsCaught) {

@@ -243,7 +243,7 @@ TEST(Ipopt, RefusesOptionsThatAreNone) {
 
 // 20 knots of two states and a control and the state at the end are 62 directions, and 124 rows the
 // most that a chain takes: three constraints on both states of all knots, and four rows at the end.
-TEST(Ipopt, FactorizesAlongTheHorizonWhereRowsAreAtMostTwoForEachDirection) {
+TEST(Ipopt, FactorizesAlongTheHorizonByItsRowsForEachDirection) {
   const ShootingProblem problem = mass();
   ASSERT_EQ(problem.constraint_rows(), 0);
   const auto state = [&](std::string name, int first, int last) {
@@ -263,8 +263,24 @@ TEST(Ipopt, FactorizesAlongTheHorizonWhereRowsAreAtMostTwoForEachDirection) {
   const ShootingProblem more = with_constraints(problem, list);
   EXPECT_EQ(factorization_along_horizon(most), ChainFactorization::make);
   EXPECT_EQ(factorization_along_horizon(more), InequalityElimination::make);
-  for (Added& added : list) added.upper = added.lower;
-  EXPECT_EQ(factorization_along_horizon(with_constraints(problem, list)), nullptr);
+  std::vector<Added> equal = list;
+  for (Added& added : equal) added.upper = added.lower;
+  EXPECT_EQ(factorization_along_horizon(with_constraints(problem, equal)), nullptr);
+
+  // Limits on the speed, seven times over: some of them hold.
+  for (Added& added : list) {
+    added.lower = {-9, -0.1};
+    added.upper = {9, 0.1};
+  }
+  const ShootingProblem slow = with_constraints(problem, list);
+  SolverOptions options;
+  const SolveResult ours = solve(slow, "ipopt", options, slow.create_trajectory());
+  options.ipopt = {{"linear_solver", "mumps"}};
+  const SolveResult theirs = solve(slow, "ipopt", options, slow.create_trajectory());
+  ASSERT_EQ(ours.status, SolveStatus::converged) << ours.message;
+  EXPECT_EQ(ours.iterations, theirs.iterations);
+  EXPECT_NEAR(ours.cost, theirs.cost, 1e-10 * theirs.cost);
+  EXPECT_GT(ours.cost, 1.001 * solve(problem, "ipopt", {}, problem.create_trajectory()).cost);
 }
 
 }  // namespace
