@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "solvers/constraints/newton_polish.hpp"
+#include "solvers/iterate/hessian_switch.hpp"
 #include "solvers/strategies/registry.hpp"
 #include "support/constrained_problems.hpp"
 #include "support/dense_convex.hpp"
@@ -90,43 +91,93 @@ TEST(ProjectedNewton, StepsConvergeQuadratically) {
   EXPECT_LT((newton.multipliers() - at.sqp.rows(at.solution.multipliers)).norm(), 1e-8);
 }
 
-/// A linear system with quadratic costs that passes a disc: nothing but the rows has curvature that
-/// Gauss-Newton's Hessian would leave out.
-TEST(ProjectedNewton, StepsConvergeQuadraticallyOnCurvedRows) {
-  const ShootingProblem free = tracking_problem(
-      double_integrator(2), Integrator::semi_implicit_euler, 8, 0.25, {-1, 0.3, 0, 0},
-      {{1, -0.1, 0, 0}, {1, 1, 0.1, 0.1}, {0.1, 0.1}, {20, 20, 5, 5}});
-  const ShootingProblem problem =
-      with_constraints(free, {{.name = "disc",
-                               .residual = coordinate_residual(free.manifold(), {0, 1}),
-                               .kind = ConstraintKind::norm,
-                               .reference = {0, 0},
-                               .lower = {0.5},
-                               .upper = {kFree},
-                               .first = 1,
-                               .last = 8}});
-  SolverOptions tight;
-  tight.tolerances.stationarity = tight.tolerances.constraint = 1e-11;
-  const SolveResult solution = solve(problem, "altro", tight, constant_controls(problem, 0));
-  ASSERT_EQ(solution.status, SolveStatus::converged) << solution.message;
-  ASSERT_GT(solution.constraint_multipliers.cwiseAbs().maxCoeff(), 0.1);
+/// A linear system with quadratic costs that passes a disc with its first two coordinates: nothing
+/// but the rows has curvature that Gauss-Newton's Hessian would leave out.
+struct DiscCase {
+  explicit DiscCase(int dimension)
+      : problem(make(dimension)),
+        evaluator(problem),
+        solution(solve(problem, "altro", tight(), constant_controls(problem, 0))) {}
 
-  Trajectory start = solution.trajectory;
-  RandomNumbers random(5);
-  for (int k = 0; k < problem.knots(); ++k)
-    for (double& u : start.u(k)) u += 0.05 * random.uniform(-1, 1);
-  const auto error = [&](const Trajectory& t) {
-    return (controls_of(t) - controls_of(solution.trajectory)).lpNorm<Eigen::Infinity>();
-  };
-  Evaluator evaluator(problem);
-  ProjectedNewton newton(problem, evaluator);
-  newton.start(start, solution.constraint_multipliers,
-               Eigen::VectorXd::Constant(problem.constraint_rows(), 10), Feedback(problem));
+  static SolverOptions tight() {
+    SolverOptions options;
+    options.tolerances.stationarity = options.tolerances.constraint = 1e-11;
+    return options;
+  }
+  static ShootingProblem make(int n) {
+    const auto pair = [n](double x, double y, double vx, double vy) {
+      std::vector<double> state(2 * n, 0.0);
+      state[0] = x, state[1] = y, state[n] = vx, state[n + 1] = vy;
+      return state;
+    };
+    const auto weights = [n](double position, double velocity) {
+      std::vector<double> state(n, position);
+      state.resize(2 * n, velocity);
+      return state;
+    };
+    const ShootingProblem free = tracking_problem(
+        double_integrator(n), Integrator::semi_implicit_euler, 8, 0.25, pair(-1, 0.3, 0, 0),
+        {pair(1, -0.1, 0, 0), weights(1, 0.1), std::vector<double>(n, 0.1), weights(20, 5)});
+    return with_constraints(free, {{.name = "disc",
+                                    .residual = coordinate_residual(free.manifold(), {0, 1}),
+                                    .kind = ConstraintKind::norm,
+                                    .reference = {0, 0},
+                                    .lower = {0.5},
+                                    .upper = {kFree},
+                                    .first = 1,
+                                    .last = 8}});
+  }
+  /// At the solution's multipliers and controls that are off by so much.
+  void start(ProjectedNewton& newton, double off) const {
+    Trajectory from = solution.trajectory;
+    RandomNumbers random(5);
+    for (int k = 0; k < problem.knots(); ++k)
+      for (double& u : from.u(k)) u += off * random.uniform(-1, 1);
+    newton.start(from, solution.constraint_multipliers,
+                 Eigen::VectorXd::Constant(problem.constraint_rows(), 10), Feedback(problem));
+  }
+  double error(const ProjectedNewton& newton) const {
+    return (controls_of(newton.trajectory()) - controls_of(solution.trajectory))
+        .lpNorm<Eigen::Infinity>();
+  }
+
+  ShootingProblem problem;
+  Evaluator evaluator;
+  SolveResult solution;
+};
+
+TEST(ProjectedNewton, StepsConvergeQuadraticallyOnCurvedRows) {
+  DiscCase at(2);
+  ASSERT_EQ(at.solution.status, SolveStatus::converged) << at.solution.message;
+  ASSERT_GT(at.solution.constraint_multipliers.cwiseAbs().maxCoeff(), 0.1);
+  ProjectedNewton newton(at.problem, at.evaluator);
+  at.start(newton, 0.05);
   // Multipliers are known exactly: the error of the first step is of second order, too.
   for (const double largest : {2e-2, 1e-4, 1e-9}) {
     ASSERT_TRUE(newton.step(1e3)) << largest;
-    EXPECT_LT(error(newton.trajectory()), largest);
+    EXPECT_LT(at.error(newton), largest);
   }
+  EXPECT_EQ(newton.exact_hessians(), 3);
+}
+
+TEST(ProjectedNewton, ADearHessianIsKeptWhileEachStepGainsADecade) {
+  DiscCase at(10);
+  ASSERT_TRUE(exact_hessians_are_dear(at.problem));
+  ASSERT_EQ(at.solution.status, SolveStatus::converged) << at.solution.message;
+  ProjectedNewton newton(at.problem, at.evaluator);
+  at.start(newton, 0.05);
+  int expected = 0;
+  bool keeps = false;
+  while (newton.norms().largest() > 1e-9) {
+    const double was = newton.norms().largest();
+    ASSERT_TRUE(newton.step());
+    expected += !keeps;
+    EXPECT_EQ(newton.exact_hessians(), expected);
+    keeps = newton.step_length() == 1 && newton.norms().largest() <= 0.1 * was;
+    ASSERT_LT(expected, 4);
+  }
+  EXPECT_TRUE(keeps);
+  EXPECT_LT(at.error(newton), 1e-8);
 }
 
 TEST(ProjectedNewton, NormsAreThoseOfTheIterate) {

@@ -19,6 +19,9 @@ constexpr double kLeastCurvature = 1e-6;
 constexpr double kExactRows = 1e-9;
 /// How often a step revises the active rows before it is taken as it is.
 constexpr int kRevisions = 10;
+/// Share of the largest norm that a full step leaves at most if the next one is to keep its
+/// Hessian.
+constexpr double kKeptShare = 0.1;
 /// Shortest step that is tried.
 constexpr double kShortestStep = 0.125;
 
@@ -47,7 +50,8 @@ ProjectedNewton::ProjectedNewton(const ShootingProblem& problem, Evaluator& eval
       multipliers_before_(multipliers_),
       target_(multipliers_),
       penalty_(multipliers_),
-      scratch_(problem.ndx()) {
+      scratch_(problem.ndx()),
+      dear_(exact_hessians_are_dear(problem)) {
   evaluator.reserve_lagrangian_hessian();
   for (int k = 0; k <= problem.knots(); ++k) {
     gauss_newton_.push_back(linearization_.knots[k].hessian());
@@ -65,6 +69,8 @@ void ProjectedNewton::start(const Trajectory& trajectory, const Eigen::VectorXd&
   feedback_ = feedback;
   step_length_ = 0;
   curved_ = true;
+  keeps_ = false;
+  exact_hessians_ = 0;
   linearize();
 }
 
@@ -137,7 +143,7 @@ double ProjectedNewton::take_hessians() {
     gauss_newton_[k] = linearization_.knots[k].hessian();
     curvature = std::max(curvature, gauss_newton_[k].diagonal().maxCoeff());
   }
-  if (curved_) evaluate_exact_hessian();
+  if (curved_ && !keeps_) evaluate_exact_hessian();
   if (curvature < kLeastCurvature && curved_)
     for (const Eigen::MatrixXd& hessian : exact_)
       curvature = std::max(curvature, hessian.diagonal().cwiseAbs().maxCoeff());
@@ -145,6 +151,7 @@ double ProjectedNewton::take_hessians() {
 }
 
 void ProjectedNewton::evaluate_exact_hessian() {
+  ++exact_hessians_;
   lagrangian_.multiplier = multipliers_;
   evaluator_.lagrangian_hessian(trajectory_, adjoint_.costates(), linearization_, &lagrangian_);
   curved_ = false;
@@ -188,6 +195,17 @@ bool ProjectedNewton::sweep_with(const std::vector<Eigen::MatrixXd>& hessians, d
 bool ProjectedNewton::step(double growth) {
   const double was = norms_.largest();
   sweeps_ = 0;
+  bool stepped = try_step(growth * was);
+  if (!stepped && keeps_) {
+    keeps_ = false;
+    stepped = try_step(growth * was);
+  }
+  keeps_ = stepped && dear_ && step_length_ == 1 && norms_.largest() <= kKeptShare * was;
+  return stepped;
+}
+
+/// A step after which the largest norm is below the bound.
+bool ProjectedNewton::try_step(double bound) {
   before_ = trajectory_;
   if (!solve_quadratic()) {
     linearize();
@@ -197,7 +215,7 @@ bool ProjectedNewton::step(double growth) {
   for (step_length_ = 1; step_length_ >= kShortestStep; step_length_ /= 2) {
     move();
     linearize();
-    if (norms_.largest() < (1 - 0.1 * step_length_) * growth * was) return true;
+    if (norms_.largest() < (1 - 0.1 * step_length_) * bound) return true;
   }
   trajectory_ = before_;
   multipliers_ = multipliers_before_;

@@ -23,7 +23,8 @@ struct KktNorms {
 
 /// Newton's method on the optimality conditions of the whole trajectory: gaps, active constraints
 /// and the gradient of the Lagrangian, whose exact Hessian it uses. States and controls move
-/// together; the gaps are unknowns like the rest.
+/// together; the gaps are unknowns like the rest. Where exact Hessians are dear, steps keep the one
+/// they have while each lowers the largest norm to a tenth.
 ///
 /// Which constraints and control bounds are active is found anew at each iterate and revised by its
 /// step (ActiveRows), until the step is the solution of the quadratic problem with inequalities.
@@ -46,6 +47,8 @@ class ProjectedNewton {
 
   const KktNorms& norms() const { return norms_; }
   double step_length() const { return step_length_; }
+  /// How many exact Hessians were evaluated since start().
+  int exact_hessians() const { return exact_hessians_; }
   int active_rows() const { return rows_.count(); }
   /// Writes what is known of the iterate and the step to it into a row of the log.
   void describe(IterationRecord& row) const;
@@ -63,6 +66,7 @@ class ProjectedNewton {
  private:
   void linearize();
   void measure();
+  bool try_step(double bound);
   bool solve_quadratic();
   double take_hessians();
   void evaluate_exact_hessian();
@@ -92,6 +96,9 @@ class ProjectedNewton {
   KktNorms norms_;
   double step_length_ = 0;
   int sweeps_ = 0;      ///< of the last step
+  bool dear_;           ///< exact_hessians_are_dear()
+  bool keeps_ = false;  ///< the next step takes the exact Hessians of the last one
+  int exact_hessians_ = 0;
   bool curved_ = true;  ///< the exact Hessian is another one than Gauss-Newton's
 };
 

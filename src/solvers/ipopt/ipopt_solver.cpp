@@ -27,8 +27,6 @@ constexpr double kLargestAngle = 2;
 constexpr double kWarmBarrier = 1e-9;
 /// Ipopt's own barrier to begin with, and how far it moves what it begins with from bounds.
 constexpr double kColdBarrier = 0.1, kColdPush = 1e-2;
-/// Directions of a knot from which on exact Hessians are dear.
-constexpr int kDearDirections = 30;
 /// Rows of the log that are reserved at most before the first iteration.
 constexpr int kReservedRows = 10000;
 
@@ -165,17 +163,13 @@ InteriorPointSettings IpoptSolver::default_settings() const {
           .options = options_.ipopt};
 }
 
-/// Exact Hessians take a pass for each direction of a knot; cheap ones are taken throughout. So are
-/// those of constrained contact forces, whose curvature Gauss-Newton's would leave out: its steps
-/// lead far away.
+/// Exact Hessians are taken throughout where they are cheap. So are those of constrained contact
+/// forces, whose curvature Gauss-Newton's would leave out: its steps lead far away.
 bool IpoptSolver::alternation_pays() const {
   if (options_.hessian != HessianChoice::automatic || transcription_->has_pairs() ||
       transcription_->has_mixed_rows())
     return false;
-  int directions = 0;
-  for (int k = 0; k < problem_.knots(); ++k)
-    directions = std::max(directions, problem_.knot(k).model->nz());
-  return directions >= kDearDirections;
+  return exact_hessians_are_dear(problem_);
 }
 
 /// From multipliers near a solution Newton's method on the active set has nothing left for an

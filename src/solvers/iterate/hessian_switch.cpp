@@ -6,6 +6,8 @@
 namespace conddp {
 namespace {
 
+/// Directions of a knot from which on exact Hessians are dear.
+constexpr int kDearDirections = 30;
 /// Fewest iterations over which convergence is judged.
 constexpr int kWatchedIterations = 10;
 /// What an exact Hessian is taken to cost for each of its directions, in Gauss-Newton iterations:
@@ -35,6 +37,13 @@ bool has_linear_costs(const ShootingProblem& problem) {
   return has_linear_costs(problem.terminal()) ||
          std::any_of(problem.phases().begin(), problem.phases().end(),
                      [](const Phase& phase) { return has_linear_costs(phase); });
+}
+
+bool exact_hessians_are_dear(const ShootingProblem& problem) {
+  int directions = 0;
+  for (int k = 0; k < problem.knots(); ++k)
+    directions = std::max(directions, problem.knot(k).model->nz());
+  return directions >= kDearDirections;
 }
 
 HessianUse hessian_use(HessianUse use, const SolverOptions& options,

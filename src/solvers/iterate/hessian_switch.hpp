@@ -19,6 +19,10 @@ enum class HessianUse {
 /// Whether a cost is linear in its residual.
 bool has_linear_costs(const ShootingProblem& problem);
 
+/// Whether some knot has so many directions that exact Hessians, which take a pass for each, are
+/// dear beside all else of an iteration.
+bool exact_hessians_are_dear(const ShootingProblem& problem);
+
 /// What a solver with this use does with a problem as the options ask. Costs that are linear in
 /// their residuals have no Gauss-Newton Hessian: what curvature there is comes from the dynamics
 /// and residuals, so the exact one stands alone there.
