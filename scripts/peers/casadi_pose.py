@@ -40,7 +40,8 @@ def moved(pose, twist):
 
 
 def rate_of_twist(twist, rate):
-    """Derivative of a small twist m at which exp(m) moves with a rate: ad/(1 - exp(-ad)) as a series."""
+    """Derivative of a small twist m at which exp(m) moves with a rate: ad/(1 - exp(-ad)) as a series,
+    to 1e-10 below half a radian."""
 
     def ad(m):
         return casadi.vertcat(casadi.cross(twist[3:6], m[:3]) + casadi.cross(twist[:3], m[3:6]),
@@ -71,7 +72,7 @@ def between(origin, pose):
     t = casadi.dot(w, w)
     close = t < 0.01
     half = casadi.sqrt(casadi.if_else(close, 1, t)) / 2
-    near = 1 / 12 + t * (1 / 720 + t * (1 / 30240 + t * (1 / 1209600 + t / 47900160)))
-    factor = casadi.if_else(close, near, (1 - half / casadi.tan(half)) / (4 * half * half))
+    at_zero = 1 / 12 + t * (1 / 720 + t * (1 / 30240 + t * (1 / 1209600 + t / 47900160)))
+    factor = casadi.if_else(close, at_zero, (1 - half / casadi.tan(half)) / (4 * half * half))
     wp = casadi.cross(w, p)
     return casadi.vertcat(p - wp / 2 + factor * casadi.cross(w, wp), w)

@@ -127,12 +127,14 @@ struct DiscCase {
                                     .first = 1,
                                     .last = 8}});
   }
-  /// At the solution's multipliers and controls that are off by so much.
+  /// At the solution's multipliers, and states and controls that are off by so much.
   void start(ProjectedNewton& newton, double off) const {
     Trajectory from = solution.trajectory;
     RandomNumbers random(5);
-    for (int k = 0; k < problem.knots(); ++k)
+    for (int k = 0; k < problem.knots(); ++k) {
       for (double& u : from.u(k)) u += off * random.uniform(-1, 1);
+      for (double& x : from.x(k + 1)) x += off * random.uniform(-1, 1);
+    }
     newton.start(from, solution.constraint_multipliers,
                  Eigen::VectorXd::Constant(problem.constraint_rows(), 10), Feedback(problem));
   }
@@ -166,18 +168,24 @@ TEST(ProjectedNewton, ADearHessianIsKeptWhileEachStepGainsADecade) {
   ASSERT_EQ(at.solution.status, SolveStatus::converged) << at.solution.message;
   ProjectedNewton newton(at.problem, at.evaluator);
   at.start(newton, 0.05);
-  int expected = 0;
+  ASSERT_GT(at.solution.constraint_multipliers.cwiseAbs().maxCoeff(), 0.1);
+  int steps = 0, expected = 0;
   bool keeps = false;
-  while (newton.norms().largest() > 1e-9) {
+  while (newton.norms().largest() > 1e-11) {
     const double was = newton.norms().largest();
     ASSERT_TRUE(newton.step());
+    ++steps;
     expected += !keeps;
     EXPECT_EQ(newton.exact_hessians(), expected);
     keeps = newton.step_length() == 1 && newton.norms().largest() <= 0.1 * was;
     ASSERT_LT(expected, 4);
   }
   EXPECT_TRUE(keeps);
+  EXPECT_GT(steps, expected);
   EXPECT_LT(at.error(newton), 1e-8);
+  // Where no step is found with it, a new one is tried.
+  EXPECT_FALSE(newton.step(1e-30));
+  EXPECT_EQ(newton.exact_hessians(), expected + 1);
 }
 
 TEST(ProjectedNewton, NormsAreThoseOfTheIterate) {
