@@ -436,15 +436,25 @@ struct Verdict {
   bool in_doubt = false;
 };
 
+/// A motion of one unit, with a cost beside which small gradients are small.
+PlainAnswer moving() {
+  PlainAnswer answer;
+  answer.u[0][0] = answer.w[0][0] = 1;
+  for (const int k : {1, 2}) answer.x[k][0] = answer.g[k][0] = answer.c[k][0] = 1;
+  answer.g[0][0] = 10;
+  answer.costate[0][0] = -10;
+  return answer;
+}
+
 TEST(CertificateStatus, ConvergedMayBeOffByTheRoundingOfItsFigures) {
   EXPECT_EQ(Verdict(PlainAnswer()).wrong(), "");
-  PlainAnswer slope;
+  PlainAnswer slope = moving();
   slope.w[1][1] = 1e-6 + 0.5e-11;
   Verdict of_slope(slope);
   of_slope.claims->stationarity = 1e-6;
   EXPECT_EQ(of_slope.wrong(), "");
-  PlainAnswer open;
-  open.x[1][0] = open.x[2][0] = 1e-9 + 0.5e-11;
+  PlainAnswer open = moving();
+  open.x[1][1] = open.x[2][1] = 1e-9 + 0.5e-11;
   for (const int k : {1, 2}) open.g[k] = open.c[k] = open.x[k];
   Verdict of_gap(open);
   of_gap.claims->gap = 1e-9;
@@ -454,7 +464,7 @@ TEST(CertificateStatus, ConvergedMayBeOffByTheRoundingOfItsFigures) {
 // A co-state at the end that balances the gradient, but that no cost explains.
 TEST(CertificateStatus, ConvergedNeedsAReducedGradientUnderTenTolerances) {
   const auto with_gradient = [](double gradient) {
-    PlainAnswer answer;
+    PlainAnswer answer = moving();
     answer.w[1][1] = answer.costate[2][1] = gradient;
     Verdict verdict(answer);
     const std::string wrong = verdict.wrong();
@@ -465,10 +475,12 @@ TEST(CertificateStatus, ConvergedNeedsAReducedGradientUnderTenTolerances) {
   EXPECT_EQ(with_gradient(1.1e-5),
             "'converged', but the reduced gradient at knot 1 (phase 'second'), u/1 is 1.1e-05, "
             "tolerance 1e-05");
-  EXPECT_EQ(with_gradient(2),
-            "'converged', but the reduced gradient at knot 1 (phase 'second'), u/1 is 2, tolerance "
-            "1e-05; the co-states' relative distance from those along other gains, and from those "
-            "without is 2, tolerance 0.001");
+  EXPECT_EQ(
+      with_gradient(2),
+      "'converged', but the reduced gradient at knot 1 (phase 'second'), u/1 is 2, tolerance "
+      "1e-05; the co-states' relative distance from those along other gains, and from those "
+      "without is 0.2, tolerance 0.001; the share of the cost that a Newton step would gain or "
+      "repair is 0.067, tolerance 1e-05");
 }
 
 // States do not move on, and no gradient contains the co-state.

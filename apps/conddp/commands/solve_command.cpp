@@ -209,7 +209,8 @@ int checked_exit_code(const SolutionCertificate& certificate, const ProblemSpec&
                 "its numbers are so large that rounding or overflow eats what they should say");
     return std::max<int>(kExitNotConverged, exit_code(status));
   }
-  if (certificate.checks.holds()) return exit_code(status);
+  if (certificate.checks.holds())
+    return is_denied(certificate.checks.verdict()) ? kExitNotConverged : exit_code(status);
   if (spec.runs_code()) {
     print_error("the certificate of the answer " + certificate_line(certificate),
                 "compiled code must give finite values and their derivatives: 'conddp check "

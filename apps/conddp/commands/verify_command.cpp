@@ -63,7 +63,7 @@ int print(const VerifyArguments& arguments, const ProblemSpec& spec, const Answe
     if (certificate.replay) print_result(fmt::format("  replay {}\n", replay_line(certificate)));
     print_lines("warning ", certificate_warnings(certificate));
   }
-  return certificate.checks.holds() ? kExitConverged : kExitNotConverged;
+  return is_denied(certificate.checks.verdict()) ? kExitNotConverged : kExitConverged;
 }
 
 int verify_solution(const VerifyArguments& arguments, const OrderedJson& document,

@@ -16,6 +16,7 @@
 #include "analysis/certificate/lagrangian_gradient.hpp"
 #include "analysis/certificate/place_text.hpp"
 #include "analysis/certificate/reduced_gradient.hpp"
+#include "analysis/certificate/second_order.hpp"
 #include "analysis/derivatives/node_models.hpp"
 #include "ocp/problem/cost_scale.hpp"
 #include "ocp/problem/soft_constraint.hpp"
@@ -122,6 +123,11 @@ class Judge {
          {&Optimality::stationarity, &Optimality::rounding, &Optimality::reduced_gradient,
           &Optimality::reduced_rounding, &Optimality::expected_decrease})
       certificate_.optimality.*number /= scale_;
+    if (certificate_.second_order)
+      for (double SecondOrder::*number :
+           {&SecondOrder::gain, &SecondOrder::repair, &SecondOrder::slope, &SecondOrder::cost_size,
+            &SecondOrder::resolution, &SecondOrder::bend})
+        *certificate_.second_order.*number /= scale_;
     return std::move(certificate_);
   }
 
@@ -350,9 +356,24 @@ class Judge {
              std::max(1.0, found.costates.lpNorm<Eigen::Infinity>());
     };
     costate_error_ = std::fmin(distance(along), distance(plain));
+    if (claims_.converged) measure_curvature(along);
     if (gradient.knot >= 0)
       own_place_ = " at " + place_text(problem_, gradient.knot,
                                        control_name(problem_, gradient.knot, gradient.entry));
+  }
+
+  void measure_curvature(const AdjointPass& along) {
+    certificate_.second_order = second_order(
+        {problem_, claims_.trajectory, gaps_, models_.derivatives, models_.hessians,
+         nodes_.constraint(), claims_.multipliers, along.costates, along.control, cost_size_});
+    const SecondOrder& found = *certificate_.second_order;
+    if (found.curvature == Curvature::positive) return;
+    const std::string place = place_text(problem_, std::max(found.knot, 0), "");
+    certificate_.curvature =
+        found.curvature == Curvature::negative
+            ? fmt::format("a motion that begins at {} lowers the cost by about {:.2g}", place,
+                          -found.bend / scale_)
+            : fmt::format("rounding leaves no curvature at {}", place);
   }
 
   /// The co-states' own equation: what the answer says of ∇_x of the Lagrangian.
@@ -436,8 +457,9 @@ class Judge {
     need("complementarity", found_complementarity_, t.complementarity);
     need("the co-states' relative distance from those along other gains, and from those without",
          costate_error_, kCostateMargin * t.stationarity);
-    if (const auto share = share_left())
-      need("the share of the cost that a Newton step would gain", *share, kMostGain);
+    if (certificate_.second_order)
+      need("the share of the cost that a Newton step would gain or repair",
+           certificate_.second_order->share(), kMostLeft);
     certificate_.optimality_in_doubt = feasible && !above.empty();
     const std::string costs = scale_ == 1 ? "" : fmt::format("with costs times {:.3g}, ", scale_);
     judge_status(above.empty() ? "" : "'converged', but " + costs + above);
@@ -481,6 +503,8 @@ class Judge {
   /// Of the cost, what may be left to gain, ten times as much as solvers leave; costs below the
   /// least one count as none.
   static constexpr double kMostGain = 1e-3, kLeastCost = 1e-12;
+  /// The same of an answer that converged, by the model of second order.
+  static constexpr double kMostLeft = 1e-5;
 
   const ShootingProblem& problem_;
   const SolutionClaims& claims_;
@@ -529,6 +553,26 @@ bool Certificate::holds() const { return failures() == 0; }
 int Certificate::failures() const {
   return static_cast<int>(
       std::count_if(checks.begin(), checks.end(), [](const Check& c) { return !c.holds; }));
+}
+
+Verdict Certificate::verdict() const {
+  if (!holds()) return Verdict::contradicted;
+  if (!second_order) return Verdict::consistent;
+  switch (second_order->curvature) {
+    case Curvature::positive:
+      return Verdict::local_minimum;
+    case Curvature::negative:
+      return Verdict::not_a_minimum;
+    case Curvature::undecided:
+      break;
+  }
+  return Verdict::stationary;
+}
+
+std::string_view to_string(Verdict verdict) {
+  constexpr std::string_view kNames[] = {"contradicted", "consistent", "local_minimum",
+                                         "stationary", "not_a_minimum"};
+  return kNames[static_cast<int>(verdict)];
 }
 
 bool Certificate::doubts_optimality_alone() const {

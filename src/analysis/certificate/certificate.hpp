@@ -1,8 +1,12 @@
 #pragma once
 
+#include <optional>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "analysis/certificate/check.hpp"
+#include "analysis/certificate/second_order.hpp"
 #include "analysis/certificate/solution_claims.hpp"
 #include "ocp/problem/node_values.hpp"
 
@@ -25,15 +29,28 @@ struct Optimality {
   double expected_decrease = Check::kNone;
 };
 
+/// What a certificate says of an answer in a word.
+enum class Verdict {
+  contradicted,   ///< a statement of the answer does not hold
+  consistent,     ///< all hold, of an answer that did not converge
+  local_minimum,  ///< converged, with positive curvature in every direction
+  stationary,     ///< converged, with curvature that is zero to rounding in a direction
+  not_a_minimum   ///< converged, with negative curvature: a saddle or a maximum
+};
+
 /// The statements of an answer that were checked; it holds where all of them do.
 struct Certificate {
   std::vector<Check> checks;
   Optimality optimality;
+  /// Of an answer that claims to have converged, in the unit of the file.
+  std::optional<SecondOrder> second_order;
+  std::string curvature;  ///< where it is negative or undecided, and what that means
   /// Whether the answer claims to have converged, is feasible, and is not found to be optimal.
   bool optimality_in_doubt = false;
 
   bool holds() const;
   int failures() const;
+  Verdict verdict() const;
   /// Whether all that fails is what an ill-conditioned problem blurs: that the answer is optimal,
   /// and that its feedforward solves the equation of a sweep. What the motion is and costs holds.
   bool doubts_optimality_alone() const;
@@ -56,5 +73,12 @@ Certificate certify(const ShootingProblem& problem, const SolutionClaims& claims
 /// at the trajectory.
 double constraint_rounding(const ShootingProblem& problem, const Trajectory& trajectory,
                            const NodeValues& values);
+
+/// Whether an answer is none: contradicted, or no minimum.
+inline bool is_denied(Verdict verdict) {
+  return verdict == Verdict::contradicted || verdict == Verdict::not_a_minimum;
+}
+/// The word that documents have for a verdict: "local_minimum", ...
+std::string_view to_string(Verdict verdict);
 
 }  // namespace conddp

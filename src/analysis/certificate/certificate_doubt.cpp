@@ -11,6 +11,9 @@
 namespace conddp {
 namespace {
 
+/// Of the cost, what may be left where an answer needs no further solve.
+constexpr double kMostLeft = 1e-6;
+
 /// Multipliers of the control bounds: of controls at a bound what it takes from the gradient.
 void claim_bounds(const ShootingProblem& problem, const SolveResult& result,
                   SolutionClaims& claims) {
@@ -53,13 +56,22 @@ SolutionClaims claims_of(const ShootingProblem& problem, const SolveResult& resu
 Doubt certificate_doubt(const SolverOptions& options) {
   return [options](const ShootingProblem& problem, const SolveResult& result) {
     const NodeValues values(problem, result.trajectory);
-    const Certificate certificate =
-        certify(problem, claims_of(problem, result, values, options), values);
+    Certificate certificate = certify(problem, claims_of(problem, result, values, options), values);
+    Objection objection;
+    if (certificate.second_order) {
+      SecondOrder& model = *certificate.second_order;
+      objection.excess = model.share() / kMostLeft;
+      objection.descent = std::move(model.direction);
+      if (objection.excess > 1)
+        objection.text = fmt::format("a Newton step would gain {:.2g} of its cost", model.share());
+      if (!objection.descent.empty()) objection.text = "it is no minimum: " + certificate.curvature;
+    }
     const auto wrong =
         std::ranges::find_if(certificate.checks, [](const Check& c) { return !c.holds; });
-    if (wrong == certificate.checks.end()) return std::string();
-    return fmt::format("its certificate fails ({}{}{})", wrong->name,
-                       wrong->message.empty() ? "" : ": ", wrong->message);
+    if (wrong != certificate.checks.end())
+      objection.text = fmt::format("its certificate fails ({}{}{})", wrong->name,
+                                   wrong->message.empty() ? "" : ": ", wrong->message);
+    return objection;
   };
 }
 

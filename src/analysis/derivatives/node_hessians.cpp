@@ -19,11 +19,12 @@ std::vector<Eigen::MatrixXd> gauss_newton_hessians(const ShootingProblem& proble
 
 std::vector<Eigen::MatrixXd> exact_hessians(const ShootingProblem& problem,
                                             const Trajectory& trajectory,
-                                            const Eigen::MatrixXd& costates) {
+                                            const Eigen::MatrixXd& costates,
+                                            const Augmentation* augmentation) {
   Evaluator evaluator(problem);
   Linearization model(problem);
-  evaluator.differentiate(trajectory, model);
-  evaluator.lagrangian_hessian(trajectory, costates, model);
+  evaluator.differentiate(trajectory, model, augmentation);
+  evaluator.lagrangian_hessian(trajectory, costates, model, augmentation);
   return hessians_of(model);
 }
 

@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 
 #include "ocp/evaluation/linearization.hpp"
+#include "ocp/problem/augmentation.hpp"
 #include "ocp/problem/problem.hpp"
 
 namespace conddp {
@@ -16,9 +17,11 @@ std::vector<Eigen::MatrixXd> hessians_of(const Linearization& model);
 std::vector<Eigen::MatrixXd> gauss_newton_hessians(const ShootingProblem& problem,
                                                    const Trajectory& trajectory);
 
-/// The exact Hessians of cost + λᵀf with these co-states (ndx x (N + 1)).
+/// The exact Hessians of cost + λᵀf with these co-states (ndx x (N + 1)), and what an augmentation
+/// adds to the cost.
 std::vector<Eigen::MatrixXd> exact_hessians(const ShootingProblem& problem,
                                             const Trajectory& trajectory,
-                                            const Eigen::MatrixXd& costates);
+                                            const Eigen::MatrixXd& costates,
+                                            const Augmentation* augmentation = nullptr);
 
 }  // namespace conddp

@@ -30,7 +30,7 @@ OrderedJson answer_of(const OrderedJson& document, const SolutionCertificate& ce
   for (const char* key : {"solver", "message", "cost", "iterations", "residuals", "constraints"})
     answer[key] = document.at(key);
   answer["certificate"] = !certificate.checks.computable() ? "not_computable"
-                          : certificate.checks.holds()     ? "holds"
+                          : certificate.checks.holds()     ? to_string(certificate.checks.verdict())
                                                            : "fails";
   return answer;
 }
@@ -185,12 +185,13 @@ SolvedItem ItemRun::certify() {
   const SolutionCertificate certificate =
       certify_solution(document, *used().spec, used().built, false, &solution.answer);
   const double certified = seconds();
-  SolvedItem out{{.id = item_.id,
-                  .status = std::string(to_string(result().status)),
-                  .success = is_success(result().status) && certificate.checks.holds(),
-                  .answer = answer_of(document, certificate)},
-                 {},
-                 {}};
+  SolvedItem out{
+      {.id = item_.id,
+       .status = std::string(to_string(result().status)),
+       .success = is_success(result().status) && !is_denied(certificate.checks.verdict()),
+       .answer = answer_of(document, certificate)},
+      {},
+      {}};
   if (const std::string coarse = refined_ ? too_coarse(*refined_, *used().spec) : "";
       !coarse.empty()) {
     out.result.success = false;

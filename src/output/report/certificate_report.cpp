@@ -59,6 +59,17 @@ OrderedJson optimality_json(const Optimality& o) {
           {"expected_decrease", finite_or_null(o.expected_decrease)}};
 }
 
+OrderedJson second_order_json(const SecondOrder& found) {
+  return {{"least_curvature", finite_or_null(found.least)},
+          {"knot", found.knot},
+          {"bend", finite_or_null(found.bend)},
+          {"gain", finite_or_null(found.gain)},
+          {"repair", finite_or_null(found.repair)},
+          {"slope", finite_or_null(found.slope)},
+          {"cost_size", finite_or_null(found.cost_size)},
+          {"resolution", finite_or_null(found.resolution)}};
+}
+
 OrderedJson run_json(const SolutionCertificate& certificate, const ReplayRun& run) {
   OrderedJson json = {{"deviation", finite_or_null(run.deviation)},
                       {"relative", finite_or_null(run.relative)},
@@ -115,11 +126,14 @@ OrderedJson checks_json(const Certificate& certificate) {
 }
 
 OrderedJson certificate_json(const SolutionCertificate& certificate) {
-  OrderedJson json = json_object(8);
+  OrderedJson json = json_object(10);
   json["holds"] = certificate.checks.holds();
+  json["verdict"] = to_string(certificate.checks.verdict());
   json["checks"] = checks_json(certificate.checks);
   json["time_s"] = certificate.time_s;
   json["optimality"] = optimality_json(certificate.checks.optimality);
+  if (certificate.checks.second_order)
+    json["second_order"] = second_order_json(*certificate.checks.second_order);
   if (certificate.contacts)
     json["contacts"] = contact_certificate_json(*certificate.contacts, certificate.tangent_names);
   if (!certificate.replay) return json;
@@ -138,11 +152,27 @@ std::string failure_line(const Certificate& certificate) {
   return text;
 }
 
+std::string verdict_text(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::local_minimum:
+      return "certified local minimum";
+    case Verdict::stationary:
+      return "stationary";
+    case Verdict::not_a_minimum:
+      return "stationary, not a minimum";
+    case Verdict::consistent:
+    case Verdict::contradicted:
+      break;
+  }
+  return "consistency check passed";
+}
+
 std::string certificate_line(const SolutionCertificate& certificate) {
   if (!certificate.checks.holds()) return failure_line(certificate.checks);
-  return fmt::format("{} ({} checks)",
-                     certificate.converged ? "certified optimal" : "consistency check passed",
-                     certificate.checks.checks.size());
+  const Certificate& checks = certificate.checks;
+  std::string text = verdict_text(checks.verdict());
+  if (!checks.curvature.empty()) text += ": " + checks.curvature;
+  return fmt::format("{} ({} checks)", text, checks.checks.size());
 }
 
 namespace {

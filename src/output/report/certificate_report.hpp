@@ -16,8 +16,12 @@ OrderedJson checks_json(const Certificate& certificate);
 /// One line: the first check that does not hold, which there must be, and how many more.
 std::string failure_line(const Certificate& certificate);
 
-/// One line: "certified optimal (31 checks)" of an answer that converged, "consistency check passed
-/// (31 checks)" of any other, or the first check that does not hold.
+/// "certified local minimum", "stationary", ...; of an answer that did not converge "consistency
+/// check passed".
+std::string verdict_text(Verdict verdict);
+
+/// One line: "certified local minimum (31 checks)", another verdict with its reason, or the first
+/// check that does not hold.
 std::string certificate_line(const SolutionCertificate& certificate);
 
 /// A table of all checks: claimed, found, tolerance, place.

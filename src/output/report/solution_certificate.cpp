@@ -156,6 +156,8 @@ class Reader {
     certificate_.optimality = numbers.optimality;
     certificate_.checks.insert(certificate_.checks.end(), numbers.checks.begin(),
                                numbers.checks.end());
+    certificate_.second_order = numbers.second_order;
+    certificate_.curvature = numbers.curvature;
     certificate_.optimality_in_doubt = numbers.optimality_in_doubt;
     evaluate_constraints();
     if (spec_.runs_code()) derivatives_of_code();
@@ -686,7 +688,9 @@ class Reader {
     if (!document_.contains("certificate")) return;
     const Json& former = document_.at("certificate");
     statement("certificate", at(former, {"holds"}), certificate_.holds());
+    if (former.contains("verdict")) verdict(solution_text(former, "verdict"));
     if (former.contains("optimality")) optimality(former.at("optimality"));
+    if (former.contains("second_order")) second_order(former.at("second_order"));
     const Json& list = solution_list(former, "checks");
     // Checks that tell of the certificate itself come last.
     for (std::size_t i = 0; i < list.size(); ++i) {
@@ -708,6 +712,33 @@ class Reader {
     const double slack = std::isnan(check.tolerance) ? 0 : 2 * check.tolerance;
     return at(former, {"holds"}) == check.holds && agrees("claimed", check.claimed, rounding) &&
            agrees("found", check.found, slack);
+  }
+
+  /// Rounding may decide whether curvature is positive or zero, but not more.
+  void verdict(const std::string& told) {
+    const auto coarse = [](std::string_view word) {
+      return word == to_string(Verdict::stationary) ? to_string(Verdict::local_minimum) : word;
+    };
+    const std::string_view mine = to_string(certificate_.verdict());
+    if (coarse(told) != coarse(mine))
+      fail("certificate of verdict", fmt::format("'{}' in the answer, '{}' here", told, mine));
+  }
+
+  /// Figures in the unit of the cost.
+  void second_order(const Json& former) {
+    if (!certificate_.second_order)
+      return fail("certificate of second order", "the answer did not converge");
+    const SecondOrder& o = *certificate_.second_order;
+    const std::pair<const char*, double> figures[] = {
+        {"bend", o.bend},   {"gain", o.gain},           {"repair", o.repair},
+        {"slope", o.slope}, {"cost_size", o.cost_size}, {"resolution", o.resolution}};
+    for (const auto& [key, mine] : figures) {
+      const double told = number(at(former, {key}), key);
+      if (std::isnan(told) && !std::isfinite(mine)) continue;
+      if (std::abs(told - mine) <= 1e-3 * (std::abs(mine) + o.cost_size)) continue;
+      add({"certificate of second order", false, told, mine, Check::kNone, "",
+           fmt::format("'{}' is {:.3g} in the answer, {:.3g} here", key, told, mine)});
+    }
   }
 
   /// What rounding leaves alone of the former figures has to be found again.

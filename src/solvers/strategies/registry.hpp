@@ -75,12 +75,18 @@ std::string describe_auto(const ShootingProblem& problem, SolverList list);
 /// is a status.
 SolveResult solve(const ShootingProblem& problem, const SolverInfo& solver,
                   const SolverOptions& options, const Trajectory& guess);
-/// What speaks against an answer that converged, empty if nothing does. May be called by several
-/// threads.
-using Doubt = std::function<std::string(const ShootingProblem&, const SolveResult&)>;
-/// By the first of these whose answer converges and, of several, raises no doubt, all within one
-/// time limit; null: there are none. Where all of several fail, by the first of them from up to 20
-/// other guesses, without a homotopy; else the answer of the first. After an end by a limit or a
+/// What speaks against an answer that converged.
+struct Objection {
+  std::string text;   ///< empty: nothing
+  double excess = 0;  ///< how many times as much is left to gain as may be; 0: that is not it
+  /// At a saddle (δx, δu) of each node, along which the cost falls; else empty.
+  std::vector<Eigen::VectorXd> descent;
+};
+/// Finds an objection. May be called by several threads.
+using Doubt = std::function<Objection(const ShootingProblem&, const SolveResult&)>;
+/// By the first of these whose answer converges and raises no doubt (solve_answering), all within
+/// one time limit; null: there are none. Where all of several fail, by the first of them from up to
+/// 20 other guesses, without a homotopy; else the answer of the first. After an end by a limit or a
 /// signal no other follows. `used` ← whose answer it is; multipliers to start from go to those that
 /// take some. Throws std::invalid_argument where there is none.
 SolveResult solve(const ShootingProblem& problem, SolverList candidates,

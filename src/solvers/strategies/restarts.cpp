@@ -259,7 +259,7 @@ SolveResult solve_from_elsewhere(const ShootingProblem& problem, const SolverOpt
       break;
     }
     if (!is_success(result.status)) continue;
-    const std::string doubts = doubt ? doubt(problem, result) : "";
+    const std::string doubts = doubt ? doubt(problem, result).text : "";
     if (!doubts.empty() && found) continue;
     used = by;
     record.converged = 1;

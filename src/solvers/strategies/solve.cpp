@@ -9,6 +9,7 @@
 
 #include "base/shared_library.hpp"
 #include "ocp/problem/by_name.hpp"
+#include "solvers/strategies/answer_objections.hpp"
 #include "solvers/strategies/homotopy.hpp"
 #include "solvers/strategies/option_check.hpp"
 #include "solvers/strategies/registry.hpp"
@@ -60,19 +61,23 @@ void name_failed_functions(const ShootingProblem& problem, SolveResult& result) 
 }
 
 SolveResult run(const ShootingProblem& problem, const SolverInfo& solver, SolverOptions options,
-                const Trajectory& guess) {
+                const Trajectory& guess, const Doubt& doubt, Objection& objection) {
   check_options(solver, problem, options);
   options.restarts = {};
   options.homotopy = nullptr;
   if (solver.constraints != ConstraintSupport::all) options.multipliers = nullptr;
-  SolveResult result =
-      solve_scaled(problem, options, [&](const ShootingProblem& scaled, const SolverOptions& mine) {
-        SolveResult answer = solve_with_restoration(
-            scaled, mine, guess, [&](const SolverOptions& own, const Trajectory& start) {
-              return solver.run(scaled, own, start);
+  SolveResult result = solve_answering(
+      problem, options, guess, doubt, objection,
+      [&](const SolverOptions& asked, const Trajectory& from) {
+        return solve_scaled(
+            problem, asked, [&](const ShootingProblem& scaled, const SolverOptions& mine) {
+              SolveResult answer = solve_with_restoration(
+                  scaled, mine, from, [&](const SolverOptions& own, const Trajectory& start) {
+                    return solver.run(scaled, own, start);
+                  });
+              name_divergence(answer);
+              return answer;
             });
-        name_divergence(answer);
-        return answer;
       });
   name_failed_functions(problem, result);
   return result;
@@ -81,9 +86,10 @@ SolveResult run(const ShootingProblem& problem, const SolverInfo& solver, Solver
 /// Nothing, with a word in the answer that there is, where the solver's library is missing.
 std::optional<SolveResult> run_if_loaded(const ShootingProblem& problem, const SolverInfo& solver,
                                          const SolverOptions& options, const Trajectory& guess,
+                                         const Doubt& doubt, Objection& objection,
                                          std::optional<SolveResult>& so_far) {
   try {
-    return run(problem, solver, options, guess);
+    return run(problem, solver, options, guess, doubt, objection);
   } catch (const LibraryError& error) {
     if (!so_far) throw;
     so_far->message += fmt::format("; {}", error.what());
@@ -170,25 +176,22 @@ SolveResult run_first(const ShootingProblem& problem, SolverList candidates,
     const std::chrono::duration<double> gone = std::chrono::steady_clock::now() - began;
     if (first) own.max_time_s = std::max(1e-3, options.max_time_s - gone.count());
     Impatience impatience(own);
+    Objection objection;
     std::optional<SolveResult> answer = run_if_loaded(
         problem, *solver, first && may_go_on_in_vain(*solver) ? impatience.options() : own, guess,
-        first);
+        doubt, objection, first);
     if (!answer) continue;
     SolveResult& result = *answer;
     impatience.name_end(result);
     const SolveStatus status = result.status;
-    std::string doubts;
-    if (is_success(status)) {
-      if (candidates.size() > 1 && doubt) doubts = doubt(problem, result);
-      if (doubts.empty()) {
-        used = solver;
-        result.message = before + result.message;
-        return std::move(result);
-      }
+    if (is_success(status) && objection.text.empty()) {
+      used = solver;
+      result.message = before + result.message;
+      return std::move(result);
     }
     const std::string ended = is_success(status)
                                   ? fmt::format("{} converged after {} iterations, but {}",
-                                                solver->name, result.iterations, doubts)
+                                                solver->name, result.iterations, objection.text)
                                   : fmt::format("{} ended as {} after {} iterations", solver->name,
                                                 to_string(status), result.iterations);
     if (!first || says_more(result, *first)) {

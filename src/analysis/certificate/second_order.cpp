@@ -1,0 +1,785 @@
+#include "analysis/certificate/second_order.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <memory>
+#include <utility>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+
+#include "analysis/certificate/small_cholesky.hpp"
+#include "analysis/certificate/small_products.hpp"
+#include "analysis/derivatives/node_hessians.hpp"
+#include "ocp/evaluation/evaluator.hpp"
+
+namespace conddp {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// Multipliers are weak where moving by all ranges changes the cost by less than this share.
+constexpr double kWeak = 1e-8;
+/// Nearness of a value to its bound, relative to the terms of the value.
+constexpr double kNear = 1e-7;
+/// Dependence of rows of unit length.
+constexpr double kRank = 1e-11;
+/// Eigenvalues relative to the terms they come from: rounding lies between the two.
+constexpr double kPositive = 1e-13, kNegative = 1e-8;
+/// Of the cost, what negative curvature gains at least.
+constexpr double kLeastGain = 1e-6;
+/// Of the change of the costs by moves of all ranges, what is nothing: moves of 3·10⁻¹⁰ of them.
+constexpr double kResolution = 1e-19;
+/// What a slope counts beside a gain: it ends where the curvature does.
+constexpr double kSlopeShare = 1e-3;
+/// Searches for the inactive rows that Newton's step runs into.
+constexpr int kRounds = 4;
+
+/// A row aᵀz of a node, in ranges, that is held, may be held, or limits a step.
+struct Row {
+  enum class Role { held, weak, open };
+  VectorXd a;  ///< of unit length
+  Role role = Role::open;
+  double off = 0;      ///< of a held row, what z has to change of it
+  double pressed = 0;  ///< ν (g − bound) of a held row
+  /// Ways down and up that the bounds leave.
+  double down = std::numeric_limits<double>::infinity();
+  double up = std::numeric_limits<double>::infinity();
+
+  /// The share of a change that they allow.
+  double way(double change) const {
+    const double room = change > 0 ? up : down;
+    return change == 0 ? 1.0 : std::min(1.0, room / std::abs(change));
+  }
+};
+
+/// Ranges of motion: of each state over the trajectory, of each control over the knots of a model.
+class Ranges {
+ public:
+  Ranges(const ShootingProblem& problem, const Trajectory& trajectory)
+      : state(VectorXd::Zero(problem.ndx())) {
+    VectorXd off(problem.ndx());
+    for (int k = 0; k <= problem.knots(); ++k) {
+      problem.manifold().difference(trajectory.x(0).data(), trajectory.x(k).data(), off.data());
+      state = state.cwiseMax(off.cwiseAbs());
+      if (k == problem.knots()) break;
+      VectorXd& range = controls_[problem.knot(k).model];
+      if (range.size() == 0) range = VectorXd::Zero(problem.nu(k));
+      range = range.cwiseMax(trajectory.u(k).cwiseAbs());
+    }
+  }
+
+  VectorXd of_node(const ShootingProblem& problem, int k) const {
+    if (k == problem.knots()) return state;
+    VectorXd all(state.size() + problem.nu(k));
+    all << state, controls_.at(problem.knot(k).model);
+    return all;
+  }
+
+  VectorXd state;
+
+ private:
+  std::map<const KnotModel*, VectorXd> controls_;
+};
+
+/// A range of zero tells nothing of a scale.
+VectorXd units_of(const VectorXd& ranges) {
+  return ranges.unaryExpr([](double r) { return r > 0 ? r : 1.0; });
+}
+
+/// A node in units of the ranges.
+struct ScaledNode {
+  MatrixXd hessian, step;  ///< nz x nz; ndx x nz
+  VectorXd gradient, gap;
+  std::vector<Row> rows;
+  std::vector<Row::Role> controls;  ///< of each control, by its bounds
+};
+
+/// ‖v‖ − t of a cone's values, its derivative, and what its curvature adds for a multiplier of ‖v‖.
+struct ConeBoundary {
+  explicit ConeBoundary(const VectorXd& g)
+      : axis(g.head(g.size() - 1)), length(axis.norm()), value(length - g[g.size() - 1]) {}
+  VectorXd row(const MatrixXd& C) const {
+    return C.topRows(axis.size()).transpose() * (axis / length) - C.row(axis.size()).transpose();
+  }
+  MatrixXd curvature(const MatrixXd& C) const {
+    const MatrixXd J = C.topRows(axis.size());
+    const VectorXd along = J.transpose() * (axis / length);
+    return (J.transpose() * J - along * along.transpose()) / length;
+  }
+
+  VectorXd axis;
+  double length, value;
+};
+
+/// The nodes of a point, and which of their rows are active.
+class Model {
+ public:
+  explicit Model(const JudgedPoint& point)
+      : point_(point), ranges_(point.problem, point.trajectory) {
+    Augmentation lagrangian(point.problem);
+    lagrangian.multiplier = point.multipliers;
+    std::vector<MatrixXd> hessians =
+        exact_hessians(point.problem, point.trajectory, point.costates, &lagrangian);
+    units_ = units_of(ranges_.state);
+    const double change = change_over_ranges();
+    size_ = std::min(point.cost_size, change);
+    resolution_ = kResolution * change;
+    const int N = point.problem.knots();
+    nodes_.resize(N + 1);
+    for (int k = 0; k <= N; ++k) scale(k, std::move(hessians[k]));
+    for (const NodeConstraint& c : point.problem.constraints()) add(c);
+    for (int k = 0; k <= N; ++k) finish(k);
+  }
+
+  const std::vector<ScaledNode>& nodes() const { return nodes_; }
+  double cost_size() const { return size_; }
+  double resolution() const { return resolution_; }
+  VectorXd unit(int k) const { return units_of(ranges_.of_node(point_.problem, k)); }
+  /// Σ |∂L/∂u| times the ranges, without what bounds take.
+  double slope() const {
+    double sum = 0;
+    const int ndx = point_.problem.ndx();
+    for (int k = 0; k < point_.problem.knots(); ++k)
+      for (int i = 0; i < point_.problem.nu(k); ++i)
+        if (nodes_[k].controls[i] != Row::Role::held)
+          sum +=
+              std::abs(point_.control_gradient[k][i]) * ranges_.of_node(point_.problem, k)[ndx + i];
+    return sum;
+  }
+
+ private:
+  /// By how much the costs change where all states and controls move by their ranges.
+  double change_over_ranges() const {
+    const ShootingProblem& problem = point_.problem;
+    Trajectory moved = point_.trajectory;
+    for (int k = 0; k <= problem.knots(); ++k) {
+      const VectorXd range = ranges_.of_node(problem, k);
+      problem.manifold().integrate(moved.x(k).data(), range.data(), moved.x(k).data());
+      if (k < problem.knots()) moved.u(k) += range.tail(problem.nu(k));
+    }
+    Evaluator evaluator(problem);
+    Evaluation here(problem), there(problem);
+    evaluator.evaluate(point_.trajectory, here);
+    evaluator.evaluate(moved, there);
+    double sum = 0;
+    for (int k = 0; k <= problem.knots(); ++k)
+      if (const double change = std::abs(there.cost[k] - here.cost[k]); std::isfinite(change))
+        sum += change;
+    return sum;
+  }
+
+  void scale(int k, MatrixXd hessian) {
+    const VectorXd unit = this->unit(k);
+    ScaledNode& node = nodes_[k];
+    const NodeDerivatives& d = point_.derivatives[k];
+    node.hessian = unit.asDiagonal() * hessian * unit.asDiagonal();
+    VectorXd gradient = d.cost;
+    if (d.constraint.rows() > 0)
+      gradient +=
+          d.constraint.transpose() *
+          point_.multipliers.segment(point_.problem.constraint_offset(k), d.constraint.rows());
+    node.gradient = unit.cwiseProduct(gradient);
+    if (k == point_.problem.knots()) return;
+    node.step = units_.cwiseInverse().asDiagonal() * d.step * unit.asDiagonal();
+    node.gap = units_.cwiseInverse().cwiseProduct(point_.gap.col(k));
+    bound(k);
+  }
+
+  void bound(int k) {
+    const KnotModel& model = *point_.problem.knot(k).model;
+    const VectorXd unit = this->unit(k);
+    const int ndx = point_.problem.ndx();
+    for (int i = 0; i < point_.problem.nu(k); ++i) {
+      const double u = point_.trajectory.u(k)[i], range = unit[ndx + i];
+      const double slope = point_.control_gradient[k][i];
+      const double down = u - model.control_lower()[i], up = model.control_upper()[i] - u;
+      const double near = kNear * std::max(range, std::abs(u));
+      const bool at_lower = down <= near, at_upper = up <= near;
+      Row row{VectorXd::Unit(unit.size(), ndx + i)};
+      row.down = std::max(0.0, down) / range;
+      row.up = std::max(0.0, up) / range;
+      if ((at_lower && at_upper) || (at_lower && slope * range > kWeak * size_) ||
+          (at_upper && -slope * range > kWeak * size_))
+        row.role = Row::Role::held;
+      else if ((at_lower || at_upper) && std::abs(slope) * range <= kWeak * size_)
+        row.role = Row::Role::weak;
+      nodes_[k].controls.push_back(row.role);
+      if (std::isfinite(down) || std::isfinite(up)) nodes_[k].rows.push_back(std::move(row));
+    }
+  }
+
+  /// The Jacobian of a constraint in units of the ranges.
+  MatrixXd jacobian(const NodeConstraint& c) const {
+    return point_.derivatives[c.node].constraint.middleRows(
+               c.row - point_.problem.constraint_offset(c.node), c.term->rows) *
+           unit(c.node).asDiagonal();
+  }
+
+  void add(const NodeConstraint& c) {
+    if (c.term->softness == Softness::l2) return;
+    const MatrixXd C = jacobian(c);
+    const VectorXd g = point_.values.segment(c.row, c.term->rows),
+                   nu = point_.multipliers.segment(c.row, c.term->rows);
+    if (c.term->is_cone()) return add_cone(c, C, g, nu);
+    for (int i = 0; i < c.term->rows; ++i)
+      if (c.term->has_pairs())
+        add_of_pair(c, C.row(i), C.row(i ^ 1), g, nu, i);
+      else
+        add_bounded(c, C.row(i), g[i], nu[i], c.lower[i], c.upper[i]);
+  }
+
+  /// The smaller entry of a pair is held. Where both vanish, each is held that the cost presses
+  /// down; one that lowers the cost where it grows is let go, without its multiplier.
+  void add_of_pair(const NodeConstraint& c, const VectorXd& a, const VectorXd& of_other,
+                   const VectorXd& g, const VectorXd& nu, int i) {
+    const int other = i ^ 1;
+    const auto vanishes = [&](int j, const VectorXd& row) {
+      return std::abs(g[j]) <= kNear * row.lpNorm<1>();
+    };
+    const auto press = [&](int j, const VectorXd& row) {
+      return -nu[j] * row.lpNorm<Eigen::Infinity>() / (kWeak * size_);
+    };
+    const bool smaller = g[i] < g[other] || (g[i] == g[other] && i < other);
+    const bool both = vanishes(i, a) && vanishes(other, of_other);
+    const double mine = press(i, a), theirs = press(other, of_other);
+    const bool lifts = both && mine < -1 && (theirs >= -1 || !smaller);
+    Row row{a};
+    row.down = std::max(0.0, g[i]);
+    if (lifts) {
+      nodes_[c.node].gradient -= nu[i] * a;
+    } else if (smaller || (both && (mine > 1 || theirs < -1))) {
+      row.role = Row::Role::held;
+      row.off = -g[i];
+      row.pressed = nu[i] * g[i];
+      row.down = std::numeric_limits<double>::infinity();
+    } else if (both) {
+      row.role = Row::Role::weak;
+    }
+    nodes_[c.node].rows.push_back(std::move(row));
+  }
+
+  void add_bounded(const NodeConstraint& c, const VectorXd& a, double g, double nu, double lower,
+                   double upper) {
+    Row row{a};
+    const double terms = a.lpNorm<1>(), near = kNear * std::max(terms, std::abs(g));
+    const bool pushed = std::abs(nu) * a.lpNorm<Eigen::Infinity>() > kWeak * size_;
+    // A soft row outside of its bounds costs as much per distance wherever it is.
+    const bool paid = c.is_soft() && std::abs(nu) >= (1 - kNear) * c.limit;
+    const double bound = lower == upper || nu < 0 ? lower : upper;
+    if (!paid && (lower == upper || (pushed && std::isfinite(bound)))) {
+      row.role = Row::Role::held;
+      row.off = bound - g;
+      row.pressed = nu * (g - bound);
+    } else if (!paid && (g <= lower + near || g >= upper - near)) {
+      row.role = Row::Role::weak;
+    }
+    if (!c.is_soft() && lower != upper) {
+      row.down = std::max(0.0, g - lower);
+      row.up = std::max(0.0, upper - g);
+    }
+    nodes_[c.node].rows.push_back(std::move(row));
+  }
+
+  void add_cone(const NodeConstraint& c, const MatrixXd& C, const VectorXd& g, const VectorXd& nu) {
+    const ConeBoundary boundary(g);
+    const double push = nu.head(nu.size() - 1).norm(), size = g.lpNorm<1>();
+    const double terms = C.cwiseAbs().rowwise().sum().maxCoeff();
+    const bool pushed = nu.norm() * C.cwiseAbs().maxCoeff() > kWeak * size_;
+    const bool paid = c.is_soft() && nu.norm() >= (1 - kNear) * c.limit;
+    ScaledNode& node = nodes_[c.node];
+    if (boundary.length <= kNear * std::max(terms, size)) {
+      if (pushed && !paid)  // the apex
+        for (Index i = 0; i < C.rows(); ++i)
+          node.rows.push_back({C.row(i), Row::Role::held, -g[i], nu[i] * g[i]});
+      return;
+    }
+    if (push > 0) node.hessian += push * boundary.curvature(C);
+    Row row{boundary.row(C)};
+    if (pushed && !paid) {
+      row.role = Row::Role::held;
+      row.off = -boundary.value;
+      row.pressed = nu.dot(g);
+    } else if (!paid && std::abs(boundary.value) <= kNear * std::max(terms, size)) {
+      row.role = Row::Role::weak;
+    }
+    if (!c.is_soft()) row.up = std::max(0.0, -boundary.value);
+    node.rows.push_back(std::move(row));
+  }
+
+  /// Rows of unit length.
+  void finish(int k) {
+    for (Row& row : nodes_[k].rows) {
+      const double length = row.a.norm();
+      if (length == 0) {
+        row.role = Row::Role::open;
+        continue;
+      }
+      row.a /= length;
+      for (double Row::*number : {&Row::off, &Row::down, &Row::up}) row.*number /= length;
+    }
+  }
+
+  const JudgedPoint& point_;
+  Ranges ranges_;
+  VectorXd units_;
+  double size_ = 0, resolution_ = 0;
+  std::vector<ScaledNode> nodes_;
+};
+
+/// Rows G x = h on a state: G has orthonormal rows, h a column for each right-hand side.
+struct StateRows {
+  MatrixXd G, h;
+};
+
+/// Drops dependent rows.
+StateRows independent(MatrixXd A, MatrixXd rhs) {
+  for (Index i = 0; i < A.rows(); ++i)
+    if (const double length = A.row(i).norm(); length > 0) {
+      A.row(i) /= length;
+      rhs.row(i) /= length;
+    }
+  Eigen::ColPivHouseholderQR<MatrixXd> qr(A.transpose());
+  qr.setThreshold(kRank);
+  const Index rank = qr.rank();
+  const MatrixXd ordered = qr.colsPermutation().transpose() * rhs;
+  StateRows out;
+  out.G = (qr.householderQ() * MatrixXd::Identity(A.cols(), rank)).transpose();
+  out.h = qr.matrixR()
+              .topLeftCorner(rank, rank)
+              .triangularView<Eigen::Upper>()
+              .transpose()
+              .solve(ordered.topRows(rank));
+  return out;
+}
+
+/// How far a step goes before an inactive row ends it.
+double step_length(const std::vector<ScaledNode>& nodes, const std::vector<VectorXd>& step,
+                   double sign) {
+  double length = 1;
+  for (std::size_t k = 0; k < nodes.size(); ++k)
+    for (const Row& row : nodes[k].rows)
+      if (row.role != Row::Role::held)
+        length = std::min(length, row.way(sign * row.a.dot(step[k])));
+  return length;
+}
+
+/// A direction of negative curvature, whose largest entry is a range.
+struct Descent {
+  std::vector<VectorXd> z;
+  double bend = 0;    ///< ½ zᵀ H z
+  double length = 0;  ///< how far it goes, one way or the other, until a row ends it
+
+  double gain() const { return -bend * length * length; }
+  void measure(const std::vector<ScaledNode>& nodes) {
+    double largest = 0;
+    for (const VectorXd& at : z) largest = std::max(largest, at.lpNorm<Eigen::Infinity>());
+    for (std::size_t k = 0; k < z.size(); ++k) {
+      z[k] /= largest;
+      bend += 0.5 * z[k].dot(nodes[k].hessian * z[k]);
+    }
+    length = std::max(step_length(nodes, z, 1), step_length(nodes, z, -1));
+  }
+};
+
+/// How rounding of a Hessian is carried to the stages before.
+enum class Rounding {
+  entries,  ///< as independent changes of the diagonal: quick, and too large where motions diverge
+  matrix,   ///< as a matrix, through the closed loop
+};
+
+/// The recursion. Right-hand sides: with violations closed, and without.
+class Recursion {
+ public:
+  static constexpr Index kSides = 2;
+
+  /// Negative curvature counts where it gains more than `least_gain`.
+  Recursion(const std::vector<ScaledNode>& nodes, double least_gain, Rounding rounding)
+      : nodes_(nodes), least_gain_(least_gain), rounding_(rounding) {}
+
+  /// From the last node to the first. False where a stage has negative curvature.
+  bool run() {
+    const int N = static_cast<int>(nodes_.size()) - 1;
+    stages_.assign(N, {});
+    enter_terminal();
+    for (int k = N - 1; k >= 0; --k)
+      if (!enter(k)) return false;
+    return true;
+  }
+
+  /// The model's least values: with violations closed, and without.
+  Eigen::RowVector2d least_values() const { return constant_; }
+  /// Least eigenvalue of stages that rounding does not leave positive, relative to their terms, and
+  /// where; infinite where there are none.
+  double least() const { return least_; }
+  int least_knot() const { return least_knot_; }
+  /// ν (g − bound) of all rows that are held.
+  double pressed() const {
+    double sum = 0;
+    for (const ScaledNode& node : nodes_)
+      for (const Row& row : node.rows)
+        if (row.role == Row::Role::held) sum += row.pressed;
+    return sum;
+  }
+
+  /// Newton's step along the active rows, z of each node.
+  std::vector<VectorXd> step() const {
+    std::vector<VectorXd> list;
+    VectorXd x = VectorXd::Zero(nodes_.back().hessian.rows());
+    for (std::size_t k = 0; k < stages_.size(); ++k)
+      list.push_back(moved(k, x, stages_[k].K * x + stages_[k].k.col(1)));
+    list.push_back(x);
+    return list;
+  }
+
+  /// Along the negative curvature at which run() ended.
+  const Descent& descent() const { return found_; }
+
+ private:
+  struct Stage {
+    MatrixXd K, k;  ///< δu = K δx + k, a column of k for each right-hand side
+  };
+
+  /// From rest by controls at one knot, then along the gains of the later ones.
+  Descent direction(int knot, const VectorXd& start) const {
+    Descent out;
+    VectorXd x = VectorXd::Zero(nodes_.back().hessian.rows());
+    for (std::size_t k = 0; k < stages_.size(); ++k) {
+      VectorXd u = VectorXd::Zero(nodes_[k].controls.size());
+      if (static_cast<int>(k) == knot) u = start;
+      if (static_cast<int>(k) > knot) u = stages_[k].K * x;
+      out.z.push_back(moved(k, x, u));
+    }
+    out.z.push_back(x);
+    out.measure(nodes_);
+    return out;
+  }
+
+  VectorXd moved(std::size_t k, VectorXd& x, const VectorXd& u) const {
+    VectorXd z(x.size() + u.size());
+    z << x, u;
+    x = nodes_[k].step * z;
+    return z;
+  }
+
+  void enter_terminal() {
+    const ScaledNode& node = nodes_.back();
+    const Index n = node.hessian.rows();
+    P_ = node.hessian;
+    p_ = node.gradient.replicate(1, kSides);
+    size_ = row_sums(node.hessian);
+    if (rounding_ == Rounding::matrix) E_ = size_.asDiagonal();
+    constant_.setZero();
+    rows_ = {MatrixXd(0, n), MatrixXd(0, kSides)};
+    MatrixXd E, e;
+    gather(node, E, e);
+    if (E.rows() > 0) rows_ = independent(E, e);
+  }
+
+  /// Own rows of a node, and those that the next one's become.
+  void gather(const ScaledNode& node, MatrixXd& E, MatrixXd& e) const {
+    const Index nz = node.hessian.rows();
+    const bool terminal = node.step.rows() == 0;
+    Index count = terminal ? 0 : rows_.G.rows();
+    for (const Row& row : node.rows) count += row.role == Row::Role::held ? 1 : 0;
+    E.resize(count, nz);
+    e.setZero(count, kSides);
+    Index next = 0;
+    if (!terminal && rows_.G.rows() > 0) {
+      next = rows_.G.rows();
+      E.topRows(next) = rows_.G * node.step;
+      e.topRows(next) = rows_.h;
+      e.topRows(next).col(0) -= rows_.G * node.gap;
+    }
+    for (const Row& row : node.rows)
+      if (row.role == Row::Role::held) {
+        E.row(next) = row.a;
+        e(next++, 0) = row.off;
+      }
+  }
+
+  bool enter(int k) {
+    const ScaledNode& node = nodes_[k];
+    const Index n = p_.rows(), nu = static_cast<Index>(node.controls.size()), nz = n + nu;
+    multiply(P_, node.step, PF_);
+    transposed_ = node.step.transpose();
+    multiply_lower(transposed_, PF_, Q_);
+    Q_ += node.hessian;
+    mirror_lower_triangle(Q_);
+    const MatrixXd terms = terms_of_controls(node, nu);
+    MatrixXd q(nz, kSides);
+    MatrixXd ahead = p_;
+    ahead.col(0) += P_ * node.gap;
+    q = transposed_ * ahead;
+    q.colwise() += node.gradient;
+    constant_[0] += p_.col(0).dot(node.gap) + 0.5 * node.gap.dot(P_ * node.gap);
+    MatrixXd E, e;
+    gather(node, E, e);
+    return E.rows() == 0 ? minimize_free(k, q, terms, n, nu) : minimize(k, E, e, q, terms, n, nu);
+  }
+
+  /// Without active rows.
+  bool minimize_free(int k, const MatrixXd& q, const MatrixXd& terms, Index n, Index nu) {
+    rows_ = {MatrixXd(0, n), MatrixXd(0, kSides)};
+    return reduce(k, MatrixXd::Identity(nu, nu), MatrixXd::Zero(nu, n), MatrixXd::Zero(nu, kSides),
+                  q, terms, n, nu);
+  }
+
+  bool minimize(int k, const MatrixXd& E, const MatrixXd& e, const MatrixXd& q,
+                const MatrixXd& terms, Index n, Index nu) {
+    const Index m = E.rows();
+    VectorXd length = E.rowwise().norm().cwiseMax(std::numeric_limits<double>::min());
+    const MatrixXd Ex = length.cwiseInverse().asDiagonal() * E.leftCols(n);
+    const MatrixXd Eu = length.cwiseInverse().asDiagonal() * E.rightCols(nu);
+    const MatrixXd r = length.cwiseInverse().asDiagonal() * e;
+    Eigen::ColPivHouseholderQR<MatrixXd> qr(nu, m);
+    qr.setThreshold(kRank);
+    MatrixXd Z = MatrixXd::Identity(nu, nu), Ux = MatrixXd::Zero(nu, n),
+             U0 = MatrixXd::Zero(nu, kSides);
+    MatrixXd left_x = Ex, left_r = r;
+    // Pivots relative to rows of unit length: a control that moves no row is none.
+    Index rank = 0;
+    if (nu > 0) {
+      qr.compute(Eu.transpose());
+      const auto R = qr.matrixR();
+      while (rank < std::min(nu, m) && std::abs(R(rank, rank)) > kRank) ++rank;
+      const MatrixXd basis = qr.householderQ() * MatrixXd::Identity(nu, nu);
+      const MatrixXd px = qr.colsPermutation().transpose() * Ex,
+                     pr = qr.colsPermutation().transpose() * r;
+      const auto R1 = R.topLeftCorner(rank, rank).template triangularView<Eigen::Upper>();
+      const MatrixXd yx = R1.transpose().solve(px.topRows(rank)),
+                     yr = R1.transpose().solve(pr.topRows(rank));
+      Ux = -basis.leftCols(rank) * yx;
+      U0 = basis.leftCols(rank) * yr;
+      Z = basis.rightCols(nu - rank);
+      const MatrixXd R2 = R.topRightCorner(rank, m - rank);
+      left_x = px.bottomRows(m - rank) - R2.transpose() * yx;
+      left_r = pr.bottomRows(m - rank) - R2.transpose() * yr;
+    }
+    keep(left_x, left_r, n);
+    const MatrixXd Quu = Q_.bottomRightCorner(nu, nu);
+    for (Index c = 0; c < kSides; ++c)
+      constant_[c] += U0.col(c).dot(q.bottomRows(nu).col(c)) + 0.5 * U0.col(c).dot(Quu * U0.col(c));
+    return reduce(k, Z, Ux, U0, q, terms, n, nu);
+  }
+
+  /// Rows that no control of this node satisfies; what is rounding goes.
+  void keep(const MatrixXd& left_x, const MatrixXd& left_r, Index n) {
+    std::vector<Index> kept;
+    for (Index i = 0; i < left_x.rows(); ++i)
+      if (left_x.row(i).norm() > kRank) kept.push_back(i);
+    if (kept.empty())
+      rows_ = {MatrixXd(0, n), MatrixXd(0, kSides)};
+    else
+      rows_ = independent(left_x(kept, Eigen::all), left_r(kept, Eigen::all));
+  }
+
+  /// Minimizes over u = Ux x + U0 + Z w by w.
+  bool reduce(int k, const MatrixXd& Z, const MatrixXd& Ux, const MatrixXd& U0, const MatrixXd& q,
+              const MatrixXd& terms, Index n, Index nu) {
+    Stage& stage = stages_[k];
+    stage.K = Ux;
+    stage.k = U0;
+    if (Z.cols() > 0) {
+      const MatrixXd Quu = Q_.bottomRightCorner(nu, nu);
+      const MatrixXd Qwx = Z.transpose() * (Q_.bottomLeftCorner(nu, n) + Quu * Ux);
+      const MatrixXd qw = Z.transpose() * (q.bottomRows(nu) + Quu * U0);
+      const MatrixXd Qww = Z.transpose() * Quu * Z;
+      const VectorXd own = row_sums(Z.transpose() * terms * Z);
+      MatrixXd wx, w0;
+      if (!solve(k, Z, Qww, own, Qwx, qw, wx, w0)) return false;
+      stage.K += Z * wx;
+      stage.k += Z * w0;
+      for (Index c = 0; c < kSides; ++c) constant_[c] += 0.5 * qw.col(c).dot(w0.col(c));
+    }
+    propagate(nodes_[k], stage, n, nu);
+    return true;
+  }
+
+  /// The value along u = K x + k, as a sum without differences: what a stiff cost adds to the
+  /// Hessian cancels in the closed loop, not in large numbers.
+  void propagate(const ScaledNode& node, const Stage& stage, Index n, Index nu) {
+    closed_ = node.step.leftCols(n);
+    closed_.noalias() += node.step.rightCols(nu) * stage.K;
+    MatrixXd ahead = node.step.rightCols(nu) * stage.k;
+    ahead.col(0) += node.gap;
+    const MatrixXd pushed = p_ + P_ * ahead;
+    const MatrixXd& H = node.hessian;
+    const MatrixXd HK = H.bottomRightCorner(nu, nu) * stage.K + H.bottomLeftCorner(nu, n);
+    const MatrixXd along = node.gradient.replicate(1, kSides) + H.rightCols(nu) * stage.k;
+    p_ = closed_.transpose() * pushed + along.topRows(n) +
+         stage.K.transpose() * along.bottomRows(nu);
+    carry_rounding(H, stage, n, nu);
+    multiply(P_, closed_, PF_);
+    transposed_ = closed_.transpose();
+    multiply_lower(transposed_, PF_, P_);
+    P_ += H.topLeftCorner(n, n) + stage.K.transpose() * HK +
+          H.bottomLeftCorner(nu, n).transpose() * stage.K;
+    mirror_lower_triangle(P_);
+  }
+
+  static VectorXd row_sums(const MatrixXd& m) { return m.cwiseAbs().rowwise().sum(); }
+
+  /// Terms of the controls' block of Q, nu x nu: rounding is relative to them.
+  MatrixXd terms_of_controls(const ScaledNode& node, Index nu) const {
+    const auto Fu = node.step.rightCols(nu);
+    VectorXd own = row_sums(node.hessian.bottomRightCorner(nu, nu));
+    if (rounding_ == Rounding::entries)
+      return (own + Fu.cwiseAbs2().transpose() * size_).asDiagonal();
+    const MatrixXd size = Fu.cwiseAbs();
+    own += size.transpose() * (P_.cwiseAbs() * size.rowwise().sum());
+    MatrixXd terms = Fu.transpose() * (E_ * Fu);
+    terms.diagonal() += own;
+    return terms;
+  }
+
+  /// Terms of the value along the closed loop, from those of the next one, P_.
+  void carry_rounding(const MatrixXd& H, const Stage& stage, Index n, Index nu) {
+    const MatrixXd K = stage.K.cwiseAbs();
+    const VectorXd ones = VectorXd::Ones(n);
+    VectorXd own = H.topLeftCorner(n, n).cwiseAbs() * ones;
+    own += H.bottomLeftCorner(nu, n).cwiseAbs().transpose() * (K * ones);
+    own += K.transpose() * (H.bottomLeftCorner(nu, n).cwiseAbs() * ones +
+                            H.bottomRightCorner(nu, nu).cwiseAbs() * (K * ones));
+    if (rounding_ == Rounding::entries) {
+      size_ = closed_.cwiseAbs2().transpose() * size_ + own;
+      return;
+    }
+    const MatrixXd size = closed_.cwiseAbs();
+    own += size.transpose() * (P_.cwiseAbs() * (size * ones));
+    E_ = (closed_.transpose() * (E_ * closed_)).eval();
+    E_.diagonal() += own;
+  }
+
+  /// w = wx x + w0, least with Hessian Qww. False where that is negative along some w.
+  bool solve(int k, const MatrixXd& Z, const MatrixXd& Qww, const VectorXd& terms,
+             const MatrixXd& Qwx, const MatrixXd& qw, MatrixXd& wx, MatrixXd& w0) {
+    const VectorXd unit = terms.unaryExpr([](double t) { return t > 0 ? 1 / std::sqrt(t) : 1.0; });
+    const MatrixXd scaled = unit.asDiagonal() * Qww * unit.asDiagonal();
+    if (!scaled.allFinite()) {
+      least_ = -std::numeric_limits<double>::infinity();
+      least_knot_ = -1;
+      return false;
+    }
+    const double limit = kPositive * static_cast<double>(Qww.rows());
+    shifted_ = scaled;
+    shifted_.diagonal().array() -= limit;
+    if (factors_.factorize(shifted_, 0)) {
+      if (!factors_.factorize(scaled, 0)) return false;
+      rhs_.resize(Qww.rows(), Qwx.cols() + kSides);
+      rhs_ << -(unit.asDiagonal() * Qwx), -(unit.asDiagonal() * qw);
+      factors_.solve(rhs_);
+      wx = unit.asDiagonal() * rhs_.leftCols(Qwx.cols());
+      w0 = unit.asDiagonal() * rhs_.rightCols(kSides);
+      return true;
+    }
+    const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(scaled);
+    const VectorXd& values = eigen.eigenvalues();
+    if (values[0] < least_) {
+      least_ = values[0];
+      least_knot_ = k;
+    }
+    if (values[0] < -kNegative) {
+      found_ = direction(k, Z * (unit.asDiagonal() * eigen.eigenvectors().col(0)));
+      if (found_.gain() > least_gain_) return false;
+    }
+    const VectorXd inverse =
+        values.unaryExpr([limit](double v) { return v > limit ? 1 / v : 0.0; });
+    const MatrixXd V = unit.asDiagonal() * eigen.eigenvectors();
+    const MatrixXd solution = -V * inverse.asDiagonal() * V.transpose();
+    wx = solution * Qwx;
+    w0 = solution * qw;
+    return true;
+  }
+
+  const std::vector<ScaledNode>& nodes_;
+  const double least_gain_;
+  const Rounding rounding_;
+  std::vector<Stage> stages_;
+  MatrixXd P_, p_, PF_, Q_, transposed_, closed_;
+  VectorXd size_;  ///< of the terms of P, by rows
+  MatrixXd E_;     ///< rounding of P, relative to that of a number
+  StateRows rows_;
+  Eigen::RowVector2d constant_ = Eigen::RowVector2d::Zero();
+  double least_ = std::numeric_limits<double>::infinity();
+  int least_knot_ = -1;
+  SmallCholesky factors_;
+  SmallCholesky::Rows rhs_;
+  MatrixXd shifted_;
+  Descent found_;
+};
+
+/// How far a step goes, and holds the rows that end it.
+double limit_step(std::vector<ScaledNode>& nodes, const std::vector<VectorXd>& step) {
+  const double length = step_length(nodes, step, 1);
+  for (std::size_t k = 0; length < 1 && k < nodes.size(); ++k)
+    for (Row& row : nodes[k].rows)
+      if (row.role != Row::Role::held &&
+          row.way(row.a.dot(step[k])) <= std::min(1.0, 2 * length + kNear))
+        row.role = Row::Role::held;
+  return length;
+}
+
+/// What Newton's step promises, on the active rows and those it runs into.
+double attainable_gain(std::vector<ScaledNode> nodes, const Recursion& first) {
+  constexpr double kAny = std::numeric_limits<double>::infinity();
+  double best = 0;
+  const Recursion* found = &first;
+  std::vector<std::unique_ptr<Recursion>> kept;
+  for (int round = 0; round < kRounds; ++round) {
+    const double gain = -found->least_values()[1];
+    const double length = limit_step(nodes, found->step());
+    best = std::max(best, length * (2 - length) * gain);
+    if (length >= 1) break;
+    kept.push_back(std::make_unique<Recursion>(nodes, kAny, Rounding::entries));
+    if (!kept.back()->run()) break;
+    found = kept.back().get();
+  }
+  return best;
+}
+
+}  // namespace
+
+double SecondOrder::share() const {
+  const double left = std::max({gain, repair, kSlopeShare * slope});
+  if (left <= resolution) return 0;
+  return cost_size > 0 ? left / cost_size : std::numeric_limits<double>::infinity();
+}
+
+SecondOrder second_order(const JudgedPoint& point) {
+  const Model model(point);
+  SecondOrder out;
+  out.cost_size = model.cost_size();
+  out.resolution = model.resolution();
+  out.slope = model.slope();
+  const double least_gain = kLeastGain * out.cost_size + out.resolution;
+  Recursion quick(model.nodes(), least_gain, Rounding::entries);
+  Recursion thorough(model.nodes(), least_gain, Rounding::matrix);
+  bool bounded = quick.run();
+  const bool settled = !bounded || std::isinf(quick.least());
+  if (!settled) bounded = thorough.run();
+  const Recursion& recursion = settled ? quick : thorough;
+  out.least = recursion.least();
+  out.knot = recursion.least_knot();
+  if (bounded) {
+    if (std::isinf(out.least)) out.curvature = Curvature::positive;
+    out.gain = attainable_gain(model.nodes(), recursion);
+    const auto values = recursion.least_values();
+    out.repair = std::abs(values[0] - values[1] + recursion.pressed());
+    return out;
+  }
+  const Descent& descent = recursion.descent();
+  if (descent.z.empty()) return out;
+  out.curvature = Curvature::negative;
+  out.bend = descent.bend * descent.length * descent.length;
+  for (std::size_t k = 0; k < descent.z.size(); ++k)
+    out.direction.push_back(descent.length *
+                            descent.z[k].cwiseProduct(model.unit(static_cast<int>(k))));
+  return out;
+}
+
+}  // namespace conddp

@@ -1,0 +1,166 @@
+#include "solvers/strategies/answer_objections.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "solvers/common/control_bounds.hpp"
+#include "solvers/common/feasible.hpp"
+#include "solvers/strategies/joined_solves.hpp"
+
+namespace conddp {
+namespace {
+
+/// Solves that follow the first one.
+constexpr int kMostRounds = 6;
+/// The gain falls as the square of the stationarity; twice that is asked for.
+constexpr double kMargin = 0.5;
+/// What a further solve leaves of an excess at most, to be followed by another one.
+constexpr double kProgress = 0.5;
+/// Of the tolerances, what is asked for at least.
+constexpr double kLeastShare = 1e-6;
+/// Lengths of steps along a descent: shares of the ranges of motion, the largest first.
+constexpr int kLengths = 6;
+constexpr double kShorter = 0.25;
+
+SolverOptions::Tolerances tightened(SolverOptions::Tolerances t, double share) {
+  for (double* tolerance : {&t.stationarity, &t.gap, &t.constraint, &t.complementarity})
+    *tolerance *= share;
+  return t;
+}
+
+/// Options of a solve near an answer: from its multipliers, and with complementary pairs relaxed
+/// half as far, by decades, as from a guess: further ones lose the place.
+SolverOptions from_answer(const SolveResult& answer, SolverOptions options) {
+  options.multipliers = std::make_shared<const DualGuess>(
+      DualGuess{answer.constraint_multipliers, answer.costates, answer.control_gradient});
+  auto& pairs = options.complementarity;
+  pairs.initial = std::sqrt(pairs.initial * pairs.final);
+  return options;
+}
+
+/// The Lagrangian of a trajectory near an answer, with the answer's multipliers.
+class Lagrangian {
+ public:
+  Lagrangian(const ShootingProblem& problem, const SolveResult& answer)
+      : problem_(problem), answer_(answer), evaluator_(problem), values_(problem) {}
+
+  double at(const Trajectory& trajectory) {
+    evaluator_.evaluate(trajectory, values_);
+    double sum = values_.cost.sum() + answer_.constraint_multipliers.dot(values_.constraint);
+    for (int k = 0; k < problem_.knots(); ++k)
+      sum += answer_.costates.col(k + 1).dot(values_.gap.col(k));
+    return std::isfinite(sum) ? sum : std::numeric_limits<double>::infinity();
+  }
+
+ private:
+  const ShootingProblem& problem_;
+  const SolveResult& answer_;
+  Evaluator evaluator_;
+  Evaluation values_;
+};
+
+Trajectory moved(const ShootingProblem& problem, const Trajectory& from,
+                 const std::vector<Eigen::VectorXd>& direction, double length) {
+  Trajectory to = from;
+  const ControlBounds bounds(problem);
+  Eigen::VectorXd z;
+  for (int k = 0; k <= problem.knots(); ++k) {
+    z = length * direction[k];
+    problem.manifold().integrate(from.x(k).data(), z.data(), to.x(k).data());
+    if (k < problem.knots()) to.u(k) += z.tail(problem.nu(k));
+  }
+  bounds.clamp(to);
+  return to;
+}
+
+/// The lowest of a few points along a descent, one for each way; the lower one first, and the way
+/// of the direction where both are alike.
+std::array<Trajectory, 2> along_descent(const ShootingProblem& problem, const SolveResult& answer,
+                                        const std::vector<Eigen::VectorXd>& direction) {
+  constexpr double kAlike = 1e-3;
+  Lagrangian lagrangian(problem, answer);
+  const double here = lagrangian.at(answer.trajectory);
+  std::array<Trajectory, 2> best{answer.trajectory, answer.trajectory};
+  std::array<double, 2> lowest{here, here};
+  for (const int way : {0, 1}) {
+    double length = way == 0 ? 1 : -1;
+    for (int i = 0; i < kLengths; ++i, length *= kShorter) {
+      Trajectory trial = moved(problem, answer.trajectory, direction, length);
+      const double value = lagrangian.at(trial);
+      if (!(value < lowest[way])) continue;
+      lowest[way] = value;
+      best[way] = std::move(trial);
+    }
+  }
+  if (here - lowest[1] > (1 + kAlike) * (here - lowest[0])) std::swap(best[0], best[1]);
+  return best;
+}
+
+/// Whether an answer that ended otherwise is one by the tolerances of all.
+bool is_answer(const SolveResult& result, const SolverOptions& options) {
+  const Residuals& r = result.residuals;
+  return result.status == SolveStatus::converged ||
+         (result.status == SolveStatus::line_search_failed &&
+          r.stationarity <= options.tolerances.stationarity && is_feasible(r, options.tolerances));
+}
+
+/// Makes a further answer that of all.
+void take(SolveResult next, const Objection& objection, JoinedSolves& solves, SolveResult& result) {
+  solves.add(next);
+  next.status = SolveStatus::converged;
+  next.message = fmt::format("{}; the answer before: {}", next.message, objection.text);
+  result = std::move(next);
+}
+
+using SolveFrom = std::function<SolveResult(const SolverOptions&, const Trajectory&)>;
+
+/// Solves from beside a saddle. False where neither way leads to an answer that costs less.
+bool leave_saddle(const ShootingProblem& problem, const SolverOptions& options,
+                  JoinedSolves& solves, const Objection& objection, const SolveFrom& solve,
+                  SolveResult& result) {
+  for (const Trajectory& start : along_descent(problem, result, objection.descent)) {
+    SolveResult next = solve(from_answer(result, solves.next()), start);
+    if (!is_answer(next, options) || !(next.cost < result.cost)) continue;
+    take(std::move(next), objection, solves, result);
+    return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+SolveResult solve_answering(const ShootingProblem& problem, const SolverOptions& options,
+                            const Trajectory& guess, const Doubt& doubt, Objection& remaining,
+                            const SolveFrom& solve) {
+  remaining = {};
+  JoinedSolves solves(options);
+  SolveResult result = solve(solves.next(), guess);
+  if (!doubt || result.status != SolveStatus::converged) return result;
+  solves.add(result);
+  remaining = doubt(problem, result);
+  double share = 1;
+  for (int round = 0; round < kMostRounds && solves.iterations_left() > 0; ++round) {
+    const double before = remaining.excess;
+    if (!remaining.descent.empty()) {
+      if (!leave_saddle(problem, options, solves, remaining, solve, result)) break;
+      remaining = doubt(problem, result);
+      continue;
+    }
+    if (!(before > 1)) break;
+    share = std::max(kLeastShare, share * kMargin / std::sqrt(before));
+    SolverOptions own = from_answer(result, solves.next());
+    own.tolerances = tightened(options.tolerances, share);
+    SolveResult next = solve(own, result.trajectory);
+    if (!is_answer(next, options)) break;
+    take(std::move(next), remaining, solves, result);
+    remaining = doubt(problem, result);
+    if (!(remaining.excess < kProgress * before)) break;
+  }
+  return solves.answer(std::move(result));
+}
+
+}  // namespace conddp

@@ -1,0 +1,131 @@
+// Curvature and Newton's gain on the active constraints, beside points known by hand and dense
+// optima.
+#include "analysis/certificate/second_order.hpp"
+
+#include <gtest/gtest.h>
+
+#include "analysis/certificate/certificate.hpp"
+#include "analysis/certificate/certificate_doubt.hpp"
+#include "solvers/strategies/registry.hpp"
+#include "support/constrained_problems.hpp"
+#include "support/one_step.hpp"
+
+namespace conddp {
+namespace {
+
+using Eigen::VectorXd;
+
+/// What the certificate finds at an answer of a solver, which may have been moved.
+SecondOrder at_answer(const ShootingProblem& problem, const SolveResult& result) {
+  const NodeValues values(problem, result.trajectory);
+  const Certificate found = certify(problem, claims_of(problem, result, values, {}), values);
+  return found.second_order.value_or(SecondOrder());
+}
+
+/// Of a step u whose cost and constraint have this multiplier.
+SecondOrder at_step(const ShootingProblem& problem, const VectorXd& u, const VectorXd& costate,
+                    const VectorXd& multiplier, double cost) {
+  SolutionClaims claims = testing::claims_of(problem, u, costate, cost);
+  claims.multipliers = multiplier;
+  return *certify(problem, claims).second_order;
+}
+
+/// ½ ‖u − wish‖² with ‖u‖ ≥ 1, at u on the circle.
+SecondOrder on_the_circle(const Eigen::Vector2d& wish, const Eigen::Vector2d& u) {
+  const ShootingProblem problem =
+      testing::one_step({wish[0], wish[1]}, ConstraintKind::norm, {1, testing::kFree});
+  const double multiplier = (wish - u).dot(u);
+  return at_step(problem, u, multiplier * u, VectorXd::Constant(1, multiplier),
+                 0.5 * (u - wish).squaredNorm());
+}
+
+TEST(SecondOrder, TellsTheNearPointOfADiscFromTheFarOne) {
+  EXPECT_EQ(on_the_circle({0.5, 0}, {1, 0}).curvature, Curvature::positive);
+  const SecondOrder far = on_the_circle({0.5, 0}, {-1, 0});
+  EXPECT_EQ(far.curvature, Curvature::negative);
+  // The Hessian along the circle is 1 − 1.5, the range of the second control 0.
+  ASSERT_EQ(far.direction.size(), 2u);
+  EXPECT_NEAR(far.direction[0][2], 0, 1e-12);
+  EXPECT_NEAR(std::abs(far.direction[0][3]), 1, 1e-12);
+  EXPECT_NEAR(far.bend, -0.25, 1e-12);
+  // All points of the circle are as far from its centre.
+  EXPECT_EQ(on_the_circle({0, 0}, {1, 0}).curvature, Curvature::undecided);
+}
+
+TEST(SecondOrder, GainIsWhatADenseOptimumCostsLess) {
+  for (const unsigned seed : {1u, 2u, 3u}) {
+    const testing::LinearQuadratic lq(seed, 4, {2, 3}, 6, -testing::kFree, testing::kFree, 0.9);
+    SolveResult best = solve(*lq.problem, "ilqr", {}, lq.problem->create_trajectory());
+    const double optimum = lq.cost(lq.dense_optimum());
+    SolveResult moved = best;
+    for (int k = 0; k < lq.N(); ++k) moved.trajectory.u(k).array() += 0.1 * std::sin(1.0 + k);
+    Evaluator(*lq.problem).simulate(moved.trajectory);
+    const SecondOrder found = at_answer(*lq.problem, moved);
+    EXPECT_EQ(found.curvature, Curvature::positive);
+    EXPECT_NEAR(found.gain, lq.cost(moved.trajectory) - optimum, 1e-9 * optimum);
+    EXPECT_GT(found.share(), 1e-5);
+    EXPECT_LT(at_answer(*lq.problem, best).share(), 1e-9);
+  }
+}
+
+// One control reaches four states in four steps: rows pass through the stages that cannot hold
+// them.
+TEST(SecondOrder, GoalsArePassedBackToEarlierControls) {
+  const testing::LinearQuadratic lq(4, 4, {1}, 8, -testing::kFree, testing::kFree, 0.9);
+  const ShootingProblem problem = testing::with_constraints(
+      *lq.problem, {testing::goal_constraint(*lq.problem, {1, 0, -1, 0.5})});
+  SolveResult result =
+      solve(problem, "altro", testing::tight_options(), problem.create_trajectory());
+  ASSERT_EQ(result.status, SolveStatus::converged);
+  const SecondOrder found = at_answer(problem, result);
+  EXPECT_EQ(found.curvature, Curvature::positive);
+  EXPECT_LT(found.share(), 1e-8);
+  // A goal that is missed costs its multiplier, to first order.
+  const double miss = 1e-6;
+  Trajectory& at = result.trajectory;
+  for (int k = 0; k < problem.knots(); ++k) at.u(k).array() += miss;
+  Evaluator(problem).simulate(at);
+  const double cost = lq.cost(at);
+  const SolveResult again = solve(problem, "altro", testing::tight_options(), at);
+  const SecondOrder missed = at_answer(problem, result);
+  EXPECT_NEAR(missed.repair, std::abs(cost - again.cost), 1e-3 * std::abs(cost - again.cost));
+}
+
+TEST(SecondOrder, FiguresFollowTheUnitOfTheCost) {
+  for (const double unit : {0x1p-40, 1.0, 0x1p40}) {
+    const ShootingProblem problem =
+        testing::one_step({1}, ConstraintKind::bounds, {0.5, 0.5}, 0, unit);
+    const SecondOrder found =
+        at_step(problem, VectorXd::Constant(1, 0.5), VectorXd::Constant(1, 0.5 * unit),
+                VectorXd::Constant(1, 0.5 * unit), 0.125 * unit);
+    EXPECT_EQ(found.curvature, Curvature::positive);
+    EXPECT_NEAR(found.cost_size / unit, 0.125, 1e-12);
+    EXPECT_LT(found.share(), 1e-12);
+  }
+}
+
+// A goal smaller than the tolerance of constraints, at rest: nothing is left but to go there.
+TEST(SecondOrder, AGoalBelowItsToleranceIsNoAnswer) {
+  const ShootingProblem problem = testing::one_step({0}, ConstraintKind::bounds, {5e-7, 5e-7});
+  const VectorXd zero = VectorXd::Zero(1);
+  SolutionClaims claims = testing::claims_of(problem, zero, zero, 0);
+  claims.constraint = 5e-7;
+  const Certificate found = certify(problem, claims);
+  EXPECT_EQ(found.verdict(), Verdict::contradicted);
+  EXPECT_TRUE(found.optimality_in_doubt);
+  EXPECT_NEAR(found.second_order->repair, 0.5 * 5e-7 * 5e-7, 1e-20);
+}
+
+TEST(SecondOrder, OnlyConvergedAnswersAreJudged) {
+  const ShootingProblem problem = testing::pendulum_swing_up();
+  const SolveResult early =
+      solve(problem, "box_fddp", {.max_iterations = 1}, problem.create_trajectory());
+  ASSERT_EQ(early.status, SolveStatus::max_iterations);
+  const NodeValues values(problem, early.trajectory);
+  const Certificate found = certify(problem, claims_of(problem, early, values, {}), values);
+  EXPECT_FALSE(found.second_order);
+  EXPECT_EQ(found.verdict(), Verdict::consistent);
+}
+
+}  // namespace
+}  // namespace conddp
