@@ -95,7 +95,7 @@ bool leaves_time(const ProblemSpec& spec, double finishing, Diagnostics& out) {
 
 /// Progress is a line of a terminal that is redrawn, or a table where notes are wanted as well;
 /// there is none among messages for machines.
-SolveResult solve_showing_progress(const BuiltProblem& built, bool first_grid, bool certified,
+SolveResult solve_showing_progress(const BuiltProblem& built, bool first_grid, const Doubt& doubt,
                                    const std::vector<const SolverInfo*>& candidates,
                                    SolverOptions options, Verbosity verbosity,
                                    const SolverInfo*& solver) {
@@ -120,8 +120,7 @@ SolveResult solve_showing_progress(const BuiltProblem& built, bool first_grid, b
   } else {
     options.restarts.count = 0;
   }
-  return solve(*built.problem, candidates, options, built.guess, solver,
-               certified ? certificate_doubt(options) : nullptr);
+  return solve(*built.problem, candidates, options, built.guess, solver, doubt);
 }
 
 Verbosity verbosity_of(const SolveArguments& arguments) {
@@ -147,6 +146,8 @@ struct Task {
   std::optional<BuiltProblem> built;
   std::vector<const SolverInfo*> candidates;
   double finishing = 0;  ///< how long files and certificate take, s
+  /// Of the answers that the solve shows to the certificate.
+  std::shared_ptr<SecondOrderMemory> memory = std::make_shared<SecondOrderMemory>();
 };
 
 /// False where there is nothing to solve: the reason has been reported.
@@ -269,9 +270,9 @@ std::optional<SolveResult> solve_on_grids(const SolveArguments& arguments, TimeP
     const std::chrono::duration<double> gone = std::chrono::steady_clock::now() - began;
     options.max_time_s = std::max(1e-3, options.max_time_s - gone.count() - task.finishing);
     const bool first_grid = !mesh || mesh->rounds().empty();
-    SolveResult result =
-        solve_showing_progress(*task.built, first_grid, !arguments.no_verify, task.candidates,
-                               options, verbosity_of(arguments), solver);
+    const Doubt doubt = arguments.no_verify ? nullptr : certificate_doubt(options, task.memory);
+    SolveResult result = solve_showing_progress(*task.built, first_grid, doubt, task.candidates,
+                                                options, verbosity_of(arguments), solver);
     const auto factor = mesh ? mesh->next(*task.built->problem, result) : std::nullopt;
     if (mesh) grids = mesh->rounds();
     if (!factor) return result;
@@ -300,6 +301,7 @@ int solve_file(const SolveArguments& arguments) {
   const ProblemSpec& spec = *task.spec;
   const BuiltProblem& built = *task.built;
   Solution solution{spec, built, *solver, *result, overrides(arguments), std::move(grids)};
+  solution.answer.certified = task.memory;
   if (!solution.mesh.empty())
     solution.overrides.push_back(setting_of_grid(solution.mesh.back().factor));
   OrderedJson document = solution_json(solution, NumberForm::kBlocks);

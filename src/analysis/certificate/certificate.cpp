@@ -58,13 +58,15 @@ double largest_change(const Eigen::Ref<const Eigen::MatrixXd>& a,
 class Judge {
  public:
   /// Of a problem whose costs, as those of the claims, are `scale` times as large as in the file;
-  /// figures are in the unit of the file. `nodes` are those of the trajectory that is claimed.
+  /// figures are in the unit of the file. `nodes` are those of the trajectory that is claimed,
+  /// `known` its model of second order in the unit of the file, where that has been found before.
   Judge(const ShootingProblem& problem, const SolutionClaims& claims, const NodeValues& nodes,
-        double scale, Noise noise = {})
+        double scale, std::optional<SecondOrder> known = {}, Noise noise = {})
       : problem_(problem),
         claims_(claims),
         nodes_(nodes),
         scale_(scale),
+        known_(std::move(known)),
         noise_(std::move(noise)) {}
 
   /// Of what moves of 10⁻¹³ change, which rounding may change as well.
@@ -123,11 +125,6 @@ class Judge {
          {&Optimality::stationarity, &Optimality::rounding, &Optimality::reduced_gradient,
           &Optimality::reduced_rounding, &Optimality::expected_decrease})
       certificate_.optimality.*number /= scale_;
-    if (certificate_.second_order)
-      for (double SecondOrder::*number :
-           {&SecondOrder::gain, &SecondOrder::repair, &SecondOrder::slope, &SecondOrder::cost_size,
-            &SecondOrder::resolution, &SecondOrder::bend})
-        *certificate_.second_order.*number /= scale_;
     return std::move(certificate_);
   }
 
@@ -363,16 +360,28 @@ class Judge {
   }
 
   void measure_curvature(const AdjointPass& along) {
-    certificate_.second_order = second_order(
-        {problem_, claims_.trajectory, gaps_, models_.derivatives, models_.hessians,
-         nodes_.constraint(), claims_.multipliers, along.costates, along.control, cost_size_});
+    certificate_.second_order = known_;
+    if (!known_) {
+      const JudgedPoint point{problem_,
+                              claims_.trajectory,
+                              gaps_,
+                              models_.derivatives,
+                              models_.hessians,
+                              nodes_.constraint(),
+                              claims_.multipliers,
+                              along.costates,
+                              along.control,
+                              cost_size_};
+      certificate_.second_order = second_order(point);
+      certificate_.second_order->scale(1 / scale_);
+    }
     const SecondOrder& found = *certificate_.second_order;
     if (found.curvature == Curvature::positive) return;
     const std::string place = place_text(problem_, std::max(found.knot, 0), "");
     certificate_.curvature =
         found.curvature == Curvature::negative
             ? fmt::format("a motion that begins at {} lowers the cost by about {:.2g}", place,
-                          -found.bend / scale_)
+                          -found.bend)
             : fmt::format("rounding leaves no curvature at {}", place);
   }
 
@@ -510,6 +519,7 @@ class Judge {
   const SolutionClaims& claims_;
   const NodeValues& nodes_;
   const double scale_;
+  const std::optional<SecondOrder> known_;
   const Noise noise_;
   Certificate certificate_;
   std::vector<std::pair<std::string, double>> costs_;
@@ -540,13 +550,30 @@ SolutionClaims scaled(const SolutionClaims& claims, double scale) {
 }
 
 Certificate judge(const ShootingProblem& problem, const SolutionClaims& claims,
-                  const NodeValues& values, double scale) {
-  Certificate certificate = Judge(problem, claims, values, scale).run();
+                  const NodeValues& values, double scale, std::optional<SecondOrder> known) {
+  Certificate certificate = Judge(problem, claims, values, scale, std::move(known)).run();
   if (certificate.holds()) return certificate;
-  return Judge(problem, claims, values, scale, Judge::measure_noise(problem, claims, values)).run();
+  return Judge(problem, claims, values, scale, std::move(certificate.second_order),
+               Judge::measure_noise(problem, claims, values))
+      .run();
 }
 
 }  // namespace
+
+void SecondOrderMemory::keep(const SolutionClaims& claims, const SecondOrder& found) {
+  const std::lock_guard lock(guard_);
+  trajectory_ = claims.trajectory;
+  multipliers_ = claims.multipliers;
+  found_ = found;
+}
+
+std::optional<SecondOrder> SecondOrderMemory::of(const SolutionClaims& claims) const {
+  const std::lock_guard lock(guard_);
+  const bool same = found_ && trajectory_ == claims.trajectory &&
+                    multipliers_.size() == claims.multipliers.size() &&
+                    multipliers_ == claims.multipliers;
+  return same ? found_ : std::nullopt;
+}
 
 bool Certificate::holds() const { return failures() == 0; }
 
@@ -593,11 +620,14 @@ Certificate certify(const ShootingProblem& problem, const SolutionClaims& claims
 }
 
 Certificate certify(const ShootingProblem& problem, const SolutionClaims& claims,
-                    const NodeValues& values) {
+                    const NodeValues& values, const SecondOrderMemory* known) {
+  std::optional<SecondOrder> second_order;
+  if (known != nullptr) second_order = known->of(claims);
   const double scale = cost_scale(problem);
-  if (scale == 1) return judge(problem, claims, values, 1);
+  if (scale == 1) return judge(problem, claims, values, 1, std::move(second_order));
   const ShootingProblem own = scale_costs(problem, scale);
-  return judge(own, scaled(claims, scale), NodeValues(own, claims.trajectory), scale);
+  return judge(own, scaled(claims, scale), NodeValues(own, claims.trajectory), scale,
+               std::move(second_order));
 }
 
 double constraint_rounding(const ShootingProblem& problem, const Trajectory& trajectory,

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -59,14 +61,30 @@ struct Certificate {
   bool computable() const;
 };
 
+/// The model of second order of the answer that was judged last, for another certificate of the
+/// same numbers in the same process. May be used by several threads.
+class SecondOrderMemory {
+ public:
+  void keep(const SolutionClaims& claims, const SecondOrder& found);
+  /// None where the claims are others.
+  std::optional<SecondOrder> of(const SolutionClaims& claims) const;
+
+ private:
+  mutable std::mutex guard_;
+  Trajectory trajectory_;
+  Eigen::VectorXd multipliers_;
+  std::optional<SecondOrder> found_;
+};
+
 /// Judges an answer to a problem: evaluates every knot in scalar arithmetic, compares costs, gaps,
 /// bounds and multipliers with what is claimed, and the gradient of the Lagrangian by dual numbers
 /// (lagrangian_gradient). Nothing of the solvers has a part in it. docs/verification.md has the
 /// formulas and tolerances.
 Certificate certify(const ShootingProblem& problem, const SolutionClaims& claims);
-/// The same with the values of the nodes at the trajectory that is claimed.
+/// The same with the values of the nodes at the trajectory that is claimed, and with what is known
+/// of these numbers.
 Certificate certify(const ShootingProblem& problem, const SolutionClaims& claims,
-                    const NodeValues& values);
+                    const NodeValues& values, const SecondOrderMemory* known = nullptr);
 
 /// What rounding can change in the values of constraint rows at a trajectory, relative to them or
 /// to 1: from all states and controls moved so little that only rounding shows. `values` are those

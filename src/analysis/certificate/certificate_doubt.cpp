@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 
-#include "analysis/certificate/certificate.hpp"
 #include "ocp/problem/by_name.hpp"
 #include "solvers/common/control_bounds.hpp"
 
@@ -53,10 +52,12 @@ SolutionClaims claims_of(const ShootingProblem& problem, const SolveResult& resu
   return claims;
 }
 
-Doubt certificate_doubt(const SolverOptions& options) {
-  return [options](const ShootingProblem& problem, const SolveResult& result) {
+Doubt certificate_doubt(const SolverOptions& options, std::shared_ptr<SecondOrderMemory> memory) {
+  return [options, memory](const ShootingProblem& problem, const SolveResult& result) {
     const NodeValues values(problem, result.trajectory);
-    Certificate certificate = certify(problem, claims_of(problem, result, values, options), values);
+    const SolutionClaims claims = claims_of(problem, result, values, options);
+    Certificate certificate = certify(problem, claims, values, memory.get());
+    if (memory && certificate.second_order) memory->keep(claims, *certificate.second_order);
     Objection objection;
     if (certificate.second_order) {
       SecondOrder& model = *certificate.second_order;

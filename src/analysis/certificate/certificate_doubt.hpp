@@ -1,6 +1,8 @@
 #pragma once
 
-#include "analysis/certificate/solution_claims.hpp"
+#include <memory>
+
+#include "analysis/certificate/certificate.hpp"
 #include "ocp/problem/node_values.hpp"
 #include "solvers/strategies/registry.hpp"
 
@@ -11,7 +13,9 @@ namespace conddp {
 SolutionClaims claims_of(const ShootingProblem& problem, const SolveResult& result,
                          const NodeValues& values, const SolverOptions& options);
 
-/// What the certificate of an answer denies that was solved with these options.
-Doubt certificate_doubt(const SolverOptions& options);
+/// What the certificate of an answer denies that was solved with these options. `memory` keeps what
+/// it took longest to find.
+Doubt certificate_doubt(const SolverOptions& options,
+                        std::shared_ptr<SecondOrderMemory> memory = nullptr);
 
 }  // namespace conddp

@@ -750,6 +750,10 @@ double SecondOrder::share() const {
   return cost_size > 0 ? left / cost_size : std::numeric_limits<double>::infinity();
 }
 
+void SecondOrder::scale(double factor) {
+  for (double* figure : {&gain, &repair, &slope, &cost_size, &resolution, &bend}) *figure *= factor;
+}
+
 SecondOrder second_order(const JudgedPoint& point) {
   const Model model(point);
   SecondOrder out;

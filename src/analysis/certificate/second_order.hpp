@@ -46,6 +46,8 @@ struct SecondOrder {
 
   /// Largest share of the cost that is left to gain, to repair or to slide.
   double share() const;
+  /// Multiplies all figures in the unit of the costs.
+  void scale(double factor);
 };
 
 /// The point that is judged.

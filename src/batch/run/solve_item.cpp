@@ -176,6 +176,7 @@ OrderedJson ItemRun::write(const Solution& solution) const {
 
 SolvedItem ItemRun::certify() {
   Solution solution{*used().spec, used().built, *solver_, result(), item_.settings};
+  solution.answer.certified = started_->certified;
   if (refined_) {
     solution.overrides.push_back(refined_->setting);
     solution.mesh = refined_->rounds;

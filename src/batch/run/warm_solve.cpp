@@ -50,8 +50,11 @@ StartedSolve solve_from(const NeighbourAnswer* from, const ProblemInstance& inst
                         const SolverOptions& options, const SolverInfo*& solver) {
   const ShootingProblem& problem = *instance.built.problem;
   const Trajectory& own = instance.built.guess;
+  const auto memory = std::make_shared<SecondOrderMemory>();
   if (from == nullptr)
-    return {solve(problem, candidates, options, own, solver, certificate_doubt(options))};
+    return {.result = solve(problem, candidates, options, own, solver,
+                            certificate_doubt(options, memory)),
+            .certified = memory};
   SolverOptions trial = options;
   trial.homotopy = nullptr;
   trial.restarts = {};
@@ -63,8 +66,8 @@ StartedSolve solve_from(const NeighbourAnswer* from, const ProblemInstance& inst
   if (is_success(warm.status)) return {std::move(warm), StartKind::kWarm};
   SolverOptions rest = options;
   rest.max_time_s = std::max(kLeastTime, options.max_time_s - warm.times.total);
-  return {solve(problem, candidates, rest, own, solver, certificate_doubt(rest)),
-          StartKind::kDropped, warm.iterations};
+  return {solve(problem, candidates, rest, own, solver, certificate_doubt(rest, memory)),
+          StartKind::kDropped, warm.iterations, memory};
 }
 
 }  // namespace conddp

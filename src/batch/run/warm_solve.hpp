@@ -3,6 +3,7 @@
 #include <memory>
 #include <string_view>
 
+#include "analysis/certificate/certificate.hpp"
 #include "batch/plan/problem_family.hpp"
 #include "solvers/strategies/registry.hpp"
 
@@ -30,6 +31,8 @@ struct StartedSolve {
   SolveResult result;
   StartKind start = StartKind::kOwn;
   int dropped_iterations = 0;  ///< of a start that was dropped, besides those of the result
+  /// Of the answers that the solve showed to the certificate; null: none.
+  std::shared_ptr<const SecondOrderMemory> certified = nullptr;
 };
 
 /// The answer of a solve for its neighbours. `from`: the one that it started from, or null.

@@ -152,7 +152,8 @@ class Reader {
     read_claims();
     const bool is_answer = written_ != nullptr && written_->values.are_at(claims_->trajectory);
     values_ = is_answer ? &written_->values : &own_values_.emplace(problem_, claims_->trajectory);
-    const Certificate numbers = certify(problem_, *claims_, *values_);
+    const Certificate numbers =
+        certify(problem_, *claims_, *values_, written_ ? written_->certified.get() : nullptr);
     certificate_.optimality = numbers.optimality;
     certificate_.checks.insert(certificate_.checks.end(), numbers.checks.begin(),
                                numbers.checks.end());

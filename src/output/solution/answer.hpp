@@ -1,9 +1,11 @@
 #pragma once
 
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "analysis/certificate/certificate.hpp"
 #include "analysis/findings/diagnosis.hpp"
 #include "analysis/findings/findings.hpp"
 #include "ocp/problem/by_name.hpp"
@@ -15,7 +17,8 @@ namespace conddp {
 
 /// What follows from the result of a solve by the names of its problem's file, computed once for
 /// all outputs. The certificate in the same process takes the values of the nodes and the findings
-/// in them from here, if its trajectory is the same; everything else it computes itself.
+/// in them from here, if its trajectory is the same, and the model of second order from the one
+/// that judged the same numbers before; everything else it computes itself.
 struct Answer {
   Answer(const ProblemSpec& spec, const BuiltProblem& built, const SolveResult& result);
 
@@ -27,6 +30,8 @@ struct Answer {
   Diagnosis diagnosis;
   std::vector<Finding> findings;
   ContactForces forces;
+  /// What a certificate has found of the same numbers on the way; null: nothing.
+  std::shared_ptr<const SecondOrderMemory> certified;
 };
 
 }  // namespace conddp
