@@ -260,5 +260,24 @@ TEST(FreeDuration, IsReplayedInItsOwnTime) {
   EXPECT_LT(replayed.feedback.deviation, 1e-7);
 }
 
+TEST(FreeDuration, NothingConvergesWhereDerivativesAreInfinite) {
+  const Loaded loaded(
+      "conddp: 1\nsystem: {states: [x], controls: [u], rate: {x: u}}\n"
+      "initial_state: {values: {x: 1}}\n"
+      "phases: [{choose: none}, {knots: 10, dt: 0.1, free_duration: {lower: 0.1}}]\n"
+      "costs: {effort: {residual: control}}\n"
+      "terminal: {costs: {time: {residual: expression, rows: final_time, activation: linear}}}\n");
+  ASSERT_TRUE(loaded.spec) << loaded.all();
+  ProblemSpec spec = *loaded.spec;
+  spec.phases[1].free_duration->lower = 1e-310;
+  Diagnostics out;
+  const auto built = build_problem(spec, {}, out);
+  ASSERT_TRUE(built);
+  for (const char* solver : {"box_fddp", "altro"}) {
+    const SolveResult result = solve(*built->problem, solver, {}, built->guess);
+    EXPECT_TRUE(!is_success(result.status) || std::isfinite(result.cost)) << solver;
+  }
+}
+
 }  // namespace
 }  // namespace conddp

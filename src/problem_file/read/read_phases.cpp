@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <limits>
 #include <numeric>
 #include <string>
 #include <unordered_set>
@@ -88,7 +90,9 @@ RefineSpec read_refine(const YamlReader& reader, int knots) {
 /// By default a phase lasts between a tenth and ten times as long as the file says.
 FreeDurationSpec read_free_duration(const YamlReader& reader, double written) {
   constexpr double kMost = 10;
-  FreeDurationSpec free{reader.place(), written / kMost, written * kMost};
+  FreeDurationSpec free{reader.place(),
+                        std::max(written / kMost, std::numeric_limits<double>::min()),
+                        written * kMost};
   YamlMap map(reader, "write '{lower: 0.5, upper: 2}', in s");
   map.number("lower", free.lower, kPositive);
   map.number("upper", free.upper, kPositive);

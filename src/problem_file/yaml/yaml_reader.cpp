@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <limits>
 #include <unordered_set>
 
@@ -61,6 +62,11 @@ std::optional<double> YamlReader::number(const NumberRange& range) const {
   if (!parsed.value) {
     error(fmt::format("{} is expected here, and {}", range.words, parsed.defect),
           formula_hint(node_->text));
+    return std::nullopt;
+  }
+  if (std::fpclassify(*parsed.value) == FP_SUBNORMAL) {
+    error(fmt::format("{} is expected here, and '{}' is out of range", range.words, node_->text),
+          "0 and numbers from 2.3e-308 on are in it");
     return std::nullopt;
   }
   if (!range.contains(*parsed.value)) return expected(range.words), std::nullopt;

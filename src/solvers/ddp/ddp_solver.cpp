@@ -299,9 +299,12 @@ void DdpSolver::finish() {
   if (!iterate_.linearized)
     iterate_.differentiate(globalization_.feedback(), outer_->augmentation());
   SolveResult& result = record_.result;
+  const bool finite = !find_non_finite(iterate_.linearization);
+  // A derivative that is not finite can leave costs and co-states finite.
+  if (!finite && is_success(result.status)) iterate_.end_diverged();
   result.trajectory = iterate_.trajectory;
   result.constraint_values = iterate_.linearization.constraint;
-  if (find_non_finite(iterate_.linearization)) return;
+  if (!finite) return;
   result.cost = iterate_.linearization.total_cost() + outer_->soft_cost(iterate_);
   iterate_.describe(record_.row);
   outer_->measure(iterate_, record_.row);
