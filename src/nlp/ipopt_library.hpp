@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -28,6 +29,8 @@ struct IpoptLibrary {
   bool (*is_integer_option)(std::string_view name);
   std::optional<IpoptOptionFault> (*check_option)(
       std::string_view name, const std::variant<int, double, std::string>& value);
+  std::optional<std::size_t> (*first_unusable)(
+      const std::vector<std::pair<std::string, std::variant<int, double, std::string>>>& options);
 };
 
 /// Loaded by the first call. Throws LibraryError if it is missing.

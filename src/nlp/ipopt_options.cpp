@@ -12,4 +12,8 @@ std::optional<IpoptOptionFault> check_ipopt_option(std::string_view name, const 
   return ipopt_library().check_option(name, value);
 }
 
+std::optional<std::size_t> first_unusable_ipopt_option(const IpoptOptions& options) {
+  return ipopt_library().first_unusable(options);
+}
+
 }  // namespace conddp

@@ -35,4 +35,8 @@ bool is_integer_option(std::string_view name);
 
 std::optional<IpoptOptionFault> check_ipopt_option(std::string_view name, const IpoptValue& value);
 
+/// The first option, each of which passes check_ipopt_option(), that this Ipopt cannot use together
+/// with those before it: a linear solver that it was built without, a combination of methods.
+std::optional<std::size_t> first_unusable_ipopt_option(const IpoptOptions& options);
+
 }  // namespace conddp

@@ -1,5 +1,6 @@
 // The one symbol of the shared library that conddp loads for the solver `ipopt`.
 #include "nlp/ipopt/ipopt_minimise.hpp"
+#include "nlp/ipopt/option_trial.hpp"
 #include "nlp/ipopt/registered_options.hpp"
 #include "nlp/ipopt_library.hpp"
 
@@ -10,4 +11,5 @@ extern "C" const conddp::IpoptLibrary conddp_ipopt_library = {
     .option_names = conddp::registered_option_names,
     .is_integer_option = conddp::is_registered_integer,
     .check_option = conddp::check_registered_option,
+    .first_unusable = conddp::first_unusable_option,
 };

@@ -34,6 +34,8 @@ constexpr std::array kReserved = {
     Reserved{"file_print_level", "solution.json has the log"},
     Reserved{"option_file_name", "options stand in the problem file"},
     Reserved{"replace_bounds", "bounds are kept as they are"},
+    Reserved{"hsllib", "the linker finds the library, and files name none"},
+    Reserved{"pardisolib", "the linker finds the library, and files name none"},
     Reserved{"skip_finalize_solution_call", "the answer comes by it"},
     Reserved{"warm_start_init_point", "the solver sets it where it starts again"},
     Reserved{"warm_start_entire_iterate", "the solver sets it where it starts again"},

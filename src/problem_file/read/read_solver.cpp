@@ -44,16 +44,22 @@ std::optional<IpoptValue> read_ipopt_value(const std::string& name, const YamlRe
   return IpoptValue(*number);
 }
 
-/// The library knows names, types and ranges.
+std::string shown(const IpoptValue& value) {
+  return std::visit([](const auto& v) { return fmt::format("{}", v); }, value);
+}
+
+/// The library knows names, types and ranges, and what of them it was built with.
 void read_ipopt_options(const YamlReader& reader, IpoptOptions& options) {
   const auto entries = reader.named_entries();
   if (!entries) return;
+  std::vector<const YamlReader*> readers;
   for (const auto& [name, value] : *entries) {
     auto read = read_ipopt_value(name.value, value);
     if (!read) continue;
     const auto fault = check_ipopt_option(name.value, *read);
     if (!fault) {
       options.emplace_back(name.value, *std::move(read));
+      readers.push_back(&value);
     } else if (fault->kind == IpoptOptionFault::Kind::value) {
       value.error(fault->message);
     } else {
@@ -63,6 +69,12 @@ void read_ipopt_options(const YamlReader& reader, IpoptOptions& options) {
               ? name_hint(name.value, ipopt_option_names(), "options of Ipopt")
               : "");
     }
+  }
+  if (const auto unusable = first_unusable_ipopt_option(options)) {
+    const auto& [name, value] = options[*unusable];
+    readers[*unusable]->error(
+        fmt::format("this machine's Ipopt cannot use '{}' as '{}'", shown(value), name),
+        "it was built without it, or needs more than conddp tells it");
   }
 }
 
