@@ -350,6 +350,18 @@ int batch(const BatchArguments& arguments) {
   return collect_results(arguments);
 }
 
+int batch_of_sound_documents(const BatchArguments& arguments) {
+  try {
+    return batch(arguments);
+  } catch (const OrderedJson::exception&) {
+    print_error(
+        fmt::format("'{}' holds a document in which an entry is missing or has another type",
+                    arguments.path),
+        "make the plan again, in another folder");
+    return kExitBadInput;
+  }
+}
+
 }  // namespace
 
 int batch_worker(const char* run) {
@@ -365,7 +377,7 @@ Command batch_command() {
               "Solve many problems that differ in a few values, or simulate their closed loops",
           .details = kBatchDetails,
           .arguments = batch_arguments(*a),
-          .run = [a] { return batch(*a); }};
+          .run = [a] { return batch_of_sound_documents(*a); }};
 }
 
 }  // namespace conddp

@@ -85,8 +85,8 @@ std::optional<Manifest> parse_head(const std::string& line) {
   manifest.shards = json.at("shards");
   manifest.build = json.at("build");
   const auto items = json.at("items").get<long long>();
-  if (manifest.solvers < 1 || manifest.shards < 1 || manifest.problems.empty() || items < 0 ||
-      items > kMostItems ||
+  if (!manifest.build.is_object() || manifest.solvers < 1 || manifest.shards < 1 ||
+      manifest.problems.empty() || items < 0 || items > kMostItems ||
       items % (static_cast<long long>(manifest.solvers) *
                static_cast<long long>(manifest.problems.size())) !=
           0)

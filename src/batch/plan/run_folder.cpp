@@ -37,7 +37,10 @@ std::string plan_text(Manifest manifest) {
 }
 
 std::string build_words(const OrderedJson& build) {
-  const auto word = [&](const char* key) { return build.value(key, std::string("?")); };
+  const auto word = [&](const char* key) {
+    const auto found = build.find(key);
+    return found != build.end() && found->is_string() ? found->get<std::string>() : "?";
+  };
   return fmt::format("{}, revision {}, {}, {}", word("version"), word("revision"),
                      word("build_type"), word("instruction_set"));
 }

@@ -16,8 +16,29 @@ std::string result_line(const ItemResult& result) {
   return compact_json(json);
 }
 
+namespace {
+
+/// Throws OrderedJson::exception where an answer or the times of a line that another program wrote
+/// have members of other types.
+void check_types(const OrderedJson& json) {
+  using Object = const OrderedJson::object_t&;
+  for (const auto& [name, time] : json.at("times").get_ref<Object>())
+    [[maybe_unused]] const double seconds = time.get<double>();
+  const OrderedJson& answer = json.at("answer");
+  if (answer.is_null()) return;
+  for (const auto& [key, value] : answer.get_ref<Object>()) {
+    if (key == "residuals") static_cast<void>(value.get_ref<Object>());
+    if (key != "constraints") continue;
+    for (const OrderedJson& constraint : value.get_ref<const OrderedJson::array_t&>())
+      [[maybe_unused]] const std::string name = constraint.at("name");
+  }
+}
+
+}  // namespace
+
 ItemResult parse_result(std::string_view line) {
   const OrderedJson json = OrderedJson::parse(line);
+  check_types(json);
   return {.id = json.at("id"),
           .status = json.at("status"),
           .success = json.at("success"),
