@@ -1,10 +1,13 @@
 #include "base/files/atomic_file.hpp"
 
+#include <csignal>
 #include <fstream>
 
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <gtest/gtest.h>
 
@@ -42,6 +45,28 @@ TEST_F(AtomicFile, NothingStaysWithoutCommit) {
     files.add(folder_ / "a", "new");
   }
   EXPECT_EQ(read("a"), "former");
+  EXPECT_EQ(count(), 1);
+}
+
+TEST_F(AtomicFile, SignalsWaitUntilFilesAreWhole) {
+  for (const bool commits : {true, false}) {
+    const std::string name = commits ? "a" : "b";
+    const pid_t child = ::fork();
+    if (child == 0) {
+      AtomicFiles files;
+      files.add(folder_ / name, "whole");
+      ::kill(::getpid(), SIGTERM);
+      if (commits)
+        files.commit();
+      else
+        files.~AtomicFiles();
+      ::_exit(0);
+    }
+    int status = 0;
+    ASSERT_EQ(::waitpid(child, &status, 0), child);
+    EXPECT_TRUE(WIFSIGNALED(status)) << name;
+  }
+  EXPECT_EQ(read("a"), "whole");
   EXPECT_EQ(count(), 1);
 }
 

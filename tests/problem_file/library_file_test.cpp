@@ -7,6 +7,7 @@
 #include "problem_file/build/problem_identity.hpp"
 #include "problem_text.hpp"
 #include "solvers/strategies/registry.hpp"
+#include "support/temporary_folder.hpp"
 
 // The sanitizers bring a malloc of their own.
 #if !defined(__SANITIZE_ADDRESS__) && defined(__GLIBC__)
@@ -260,6 +261,20 @@ TEST(LibraryFiles, ThatAreNoLibrariesOrNotThereHaveTheirPlace) {
   EXPECT_FALSE(loaded.spec);
   EXPECT_NE(loaded.all().find("cannot be loaded"), std::string::npos) << loaded.all();
   EXPECT_NE(loaded.all().find("cc -O2 -shared -fPIC"), std::string::npos) << loaded.all();
+}
+
+TEST(LibraryFiles, ThatAreCutOffAreNotLoaded) {
+  std::ifstream stream(kModel, std::ios::binary);
+  const std::string whole{std::istreambuf_iterator<char>(stream), {}};
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder.path() / "part.so";
+  for (const double share : {0.01, 0.3}) {
+    std::ofstream(file, std::ios::binary)
+        << whole.substr(0, static_cast<std::size_t>(share * static_cast<double>(whole.size())));
+    const Loaded loaded = load_with_code(replaced(kSwing, kModel, file.string()));
+    EXPECT_FALSE(loaded.spec) << share;
+    EXPECT_NE(loaded.all().find("is cut off"), std::string::npos) << share << loaded.all();
+  }
 }
 
 /// The worst Hessian of a problem beside its guess; −1: none was compared.

@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "base/files/descriptor.hpp"
 #include "base/files/sync_to_disk.hpp"
 #include "base/files/write_all.hpp"
 
@@ -20,24 +21,6 @@ namespace {
 [[noreturn]] void fail(const std::filesystem::path& file, int error) {
   throw OutputError(fmt::format("'{}' cannot be written: {}", file.string(), std::strerror(error)));
 }
-
-/// An open file descriptor.
-class Descriptor {
- public:
-  explicit Descriptor(int number) : number_(number) {}
-  ~Descriptor() {
-    if (number_ >= 0) ::close(number_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  int get() const { return number_; }
-  int release() { return std::exchange(number_, -1); }
-  /// Some file systems report a full disk only here.
-  bool close() { return ::close(std::exchange(number_, -1)) == 0; }
-
- private:
-  int number_;
-};
 
 /// Where the contents of a file go: to what it links to. Nothing but a regular file is replaced: in
 /// the place of a device, pipe or socket there would be a regular file afterwards.
@@ -105,6 +88,15 @@ int create_locked(const std::filesystem::path& temporary, const std::filesystem:
 
 }  // namespace
 
+SignalHold::SignalHold() {
+  sigset_t ending;
+  sigemptyset(&ending);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) sigaddset(&ending, signal);
+  pthread_sigmask(SIG_BLOCK, &ending, &former_);
+}
+
+SignalHold::~SignalHold() { pthread_sigmask(SIG_SETMASK, &former_, nullptr); }
+
 AtomicFiles::~AtomicFiles() {
   for (const Pending& p : pending_) {
     ::unlink(p.temporary.c_str());
@@ -114,6 +106,7 @@ AtomicFiles::~AtomicFiles() {
 }
 
 void AtomicFiles::add(const std::filesystem::path& name, const std::string& contents) {
+  if (!hold_) hold_.emplace();
   const std::filesystem::path file = written_file(name);
   remove_leftovers(file);
   const std::filesystem::path temporary = temporary_name(file, "new");
@@ -150,6 +143,7 @@ void AtomicFiles::commit() {
     ::close(p.lock);
   }
   pending_.clear();
+  hold_.reset();
 }
 
 /// Takes back the renames of the files from `first` on.

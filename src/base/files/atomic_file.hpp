@@ -1,6 +1,8 @@
 #pragma once
 
+#include <csignal>
 #include <filesystem>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -14,12 +16,24 @@ class OutputError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// While it lives, signals that end the process wait, as far as they come to this thread.
+class SignalHold {
+ public:
+  SignalHold();
+  ~SignalHold();
+  SignalHold(const SignalHold&) = delete;
+  SignalHold& operator=(const SignalHold&) = delete;
+
+ private:
+  sigset_t former_;
+};
+
 /// Files that appear together and whole: each is written under a temporary name in its folder and
 /// flushed to the disk; only when all are there are they renamed, the first one added last. If
 /// anything goes wrong, files of the same names stay as they were and no temporary one is left.
-/// Only a process that is killed between two renames leaves some new and some former files, each
-/// of them whole; what it leaves under temporary names is removed by the next one that writes
-/// there.
+/// Signals that end the process wait from the first file to the last. Only one that is killed all
+/// the same, between two renames, leaves some new and some former files, each of them whole; what
+/// it leaves under temporary names is removed by the next one that writes there.
 class AtomicFiles {
  public:
   AtomicFiles() = default;
@@ -42,6 +56,7 @@ class AtomicFiles {
     std::filesystem::path former;  ///< second name of the file to be replaced, while renaming
   };
   void restore(std::size_t first);
+  std::optional<SignalHold> hold_;  ///< goes last: signals come when nothing is left
   std::vector<Pending> pending_;
 };
 

@@ -1,10 +1,14 @@
 #include "base/files/text_file.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <fstream>
+
+#include <fcntl.h>
 
 #include <fmt/format.h>
+
+#include "base/files/descriptor.hpp"
 
 namespace conddp {
 
@@ -29,21 +33,23 @@ TextFile read_text_file(const std::filesystem::path& file, std::size_t limit) {
     return TextFile{{}, fmt::format("'{}' {}", file.string(), what)};
   };
   if (const std::string defect = defect_of_path(file); !defect.empty()) return fail(defect);
-  std::error_code error;
-  errno = 0;
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream)
-    return fail(
-        fmt::format("cannot be opened: {}", errno != 0 ? std::strerror(errno) : "unknown cause"));
-  const std::uintmax_t size = std::filesystem::file_size(file, error);
-  const std::string too_large = fmt::format("is larger than {} MiB", limit >> 20);
-  if (!error && size > limit) return fail(too_large);
-  std::string text(static_cast<std::size_t>(error ? limit : size) + 1, '\0');
-  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (stream.bad()) return fail("cannot be read");
-  text.resize(static_cast<std::size_t>(stream.gcount()));
-  if (text.size() > limit) return fail(too_large);
-  return {std::move(text), {}};
+  // Some files of the kernel's are regular, and reading them waits for the next event.
+  const Descriptor descriptor(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+  if (descriptor.get() < 0) return fail(fmt::format("cannot be opened: {}", std::strerror(errno)));
+  std::string text;
+  for (std::size_t size = 0;;) {
+    if (size > limit) return fail(fmt::format("is larger than {} MiB", limit >> 20));
+    std::error_code error;
+    const std::uintmax_t whole = std::filesystem::file_size(file, error);
+    constexpr std::size_t kLeast = 1 << 16;
+    text.resize(std::max<std::size_t>(size + kLeast, error || whole > limit ? 0 : whole + 1));
+    const ssize_t count = ::read(descriptor.get(), text.data() + size, text.size() - size);
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) return fail(fmt::format("cannot be read: {}", std::strerror(errno)));
+    size += static_cast<std::size_t>(count);
+    text.resize(size);
+    if (count == 0) return {std::move(text), {}};
+  }
 }
 
 }  // namespace conddp

@@ -1,5 +1,11 @@
 #include "problem_file/data/library_file.hpp"
 
+#include <cstdint>
+#include <cstring>
+#include <string_view>
+
+#include <elf.h>
+
 #include <fmt/format.h>
 
 #include "base/code_permission.hpp"
@@ -8,6 +14,30 @@
 #include "base/files/text_file.hpp"
 
 namespace conddp {
+
+namespace {
+
+/// Whether a library ends before the segments of its header do. The linker maps them all the same,
+/// and the process dies of the first access to what is not there.
+bool is_cut_off(std::string_view bytes) {
+  Elf64_Ehdr header;
+  if (bytes.size() < sizeof(header) || !bytes.starts_with(ELFMAG)) return false;
+  std::memcpy(&header, bytes.data(), sizeof(header));
+  if (header.e_ident[EI_CLASS] != ELFCLASS64) return false;
+  const auto holds = [&](std::uint64_t begin, std::uint64_t size) {
+    return begin <= bytes.size() && size <= bytes.size() - begin;
+  };
+  for (int i = 0; i < header.e_phnum; ++i) {
+    const std::uint64_t at = header.e_phoff + static_cast<std::uint64_t>(i) * header.e_phentsize;
+    Elf64_Phdr segment;
+    if (!holds(at, sizeof(segment))) return true;
+    std::memcpy(&segment, bytes.data() + at, sizeof(segment));
+    if (segment.p_type == PT_LOAD && !holds(segment.p_offset, segment.p_filesz)) return true;
+  }
+  return false;
+}
+
+}  // namespace
 
 std::shared_ptr<const SharedLibrary> load_library_file(const std::filesystem::path& folder,
                                                        const Name& name, Diagnostics& out) {
@@ -22,6 +52,11 @@ std::shared_ptr<const SharedLibrary> load_library_file(const std::filesystem::pa
   const TextFile bytes = read_text_file(file, kMaxDataBytes);
   if (!bytes.defect.empty()) {
     out.error(name.place, bytes.defect, "the file is looked for beside the problem file");
+    return nullptr;
+  }
+  if (is_cut_off(bytes.text)) {
+    out.error(name.place, fmt::format("'{}' is cut off: its end is missing", file.string()),
+              "compile or copy it again");
     return nullptr;
   }
   // The linker searches its own folders for a name without any.
