@@ -252,7 +252,6 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"KnotTwice",
                 "phases:", "costs: {c: {residual: control, knots: [1, 2, §1]}}\nphases:",
                 "1 stands twice in the list"},
-        Mistake{"NoActuation", "{joints: [slider]}", "none", "3:3: nothing is actuated"},
         Mistake{"ActuationWord", "{joints: [slider]}", "§partial", "unknown actuation 'partial'"},
         Mistake{"Thruster", "{joints: [slider]}", "{thrusters: [{name: a, frame: §tip}]}",
                 "the thruster's frame 'tip' is not fixed to a floating base"},

@@ -105,6 +105,16 @@ TEST_F(GuessFromFile, ReadsCsvByColumnNames) {
   EXPECT_EQ(guess.u(9)[0], 2);
 }
 
+TEST_F(GuessFromFile, TakesSomeStatesByTheirNames) {
+  const std::string file = write("a.csv", "t,omega,theta\n0,1,7\n1,1,7\n");
+  const Loaded loaded(with_guess("{states: {file: " + file + ", columns: [omega]}}"));
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  EXPECT_EQ(loaded.built->guess.x(3), Eigen::Vector2d(0.1, 1)) << "theta is the initial one";
+  const Loaded unknown(with_guess("{states: {file: " + file + ", columns: [w]}}"));
+  EXPECT_FALSE(unknown.built);
+  EXPECT_NE(unknown.all().find("by their names: theta, omega"), std::string::npos) << unknown.all();
+}
+
 TEST_F(GuessFromFile, ReadsAFormerSolution) {
   const std::string file = write("s.json", R"({"format": "conddp.solution/1", "gains": [[[1]]],
     "trajectory": {"columns": {"x": ["theta", "omega"], "u": ["torque"]},

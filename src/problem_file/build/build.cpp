@@ -518,49 +518,53 @@ bool has_terminal_set(const ProblemSpec& spec) {
   return spec.terminal_lqr && spec.terminal_lqr->set;
 }
 
-/// The place of the first bounds on the control, or of the first other constraint; that of the
-/// solver where there is none.
-Place first_constraint(const ProblemSpec& spec, bool of_control) {
-  if (of_control && !spec.control_bounds.empty()) return spec.control_bounds.front().name.place;
-  const std::vector<const ConstraintSpec*> others = spec.all_constraints();
-  if (!of_control && !others.empty()) return others.front()->function.name.place;
-  if (!of_control && has_terminal_set(spec)) return spec.terminal_lqr->set_place;
+/// The place of the first bounds on the control, or of the first constraint with one of the names;
+/// that of the solver where there is none.
+Place first_constraint(const ProblemSpec& spec, const std::vector<std::string>& names) {
+  if (names.empty() && !spec.control_bounds.empty()) return spec.control_bounds.front().name.place;
+  for (const std::string& name : names)
+    for (const ConstraintSpec* constraint : spec.all_constraints())
+      if (constraint->function.name.value == name) return constraint->function.name.place;
+  if (!names.empty() && has_terminal_set(spec)) return spec.terminal_lqr->set_place;
   return spec.solver.name.place;
 }
 
 /// Where a file says what its solver does not support: at the solver's name, or, as it is not the
 /// file that names it, at what is not supported.
-Place unsupported_place(const ProblemSpec& spec, bool of_control) {
+Place unsupported_place(const ProblemSpec& spec, const std::vector<std::string>& names) {
   if (is_written(spec.solver.name.place)) return spec.solver.name.place;
   if (spec.stepping && is_written(spec.stepping->place)) return spec.stepping->place;
   if (spec.stepping && !spec.candidates.empty()) return spec.candidates.front().name.place;
-  return first_constraint(spec, of_control);
+  return first_constraint(spec, names);
 }
 
-/// Options that leave out all bounds on the control, or all other constraints.
-std::string drop_options(const ProblemSpec& spec, bool of_control) {
+/// Options that leave out the constraints with the names, or without names all bounds on the
+/// control.
+std::string drop_options(const ProblemSpec& spec, const std::vector<std::string>& names) {
   std::string options;
-  if (of_control) {
+  if (names.empty()) {
     for (const ControlBoundsSpec& bounds : spec.control_bounds)
       options += " --drop " + bounds.name.value;
     return options;
   }
   for (const ConstraintSpec* constraint : spec.all_constraints())
-    options += " --drop " + constraint->function.name.value;
+    if (std::ranges::find(names, constraint->function.name.value) != names.end())
+      options += " --drop " + constraint->function.name.value;
   if (has_terminal_set(spec)) options += " --set terminal.lqr.set=false";
   return options;
 }
 
-void report_unsupported(const ProblemSpec& spec, const std::string& reason, bool of_control,
-                        Diagnostics& out) {
-  const Place place = unsupported_place(spec, of_control);
+/// `names`: of the constraints that are not supported; none where bounds on the control are not.
+void report_unsupported(const ProblemSpec& spec, const std::string& reason,
+                        const std::vector<std::string>& names, Diagnostics& out) {
+  const Place place = unsupported_place(spec, names);
   if (spec.stepping) return out.error(place, reason, "write 'solver: {name: ipopt}'");
-  const std::string options = drop_options(spec, of_control);
+  const std::string options = drop_options(spec, names);
   out.error(place, reason,
             options.empty()
                 ? "choose one of them with --solver"
                 : fmt::format("choose one of them with --solver, or leave the {} out with{}",
-                              of_control ? "bounds" : "constraints", options));
+                              names.empty() ? "bounds" : "constraints", options));
 }
 
 /// The solver to speak of where `auto` has none: the first one that would take the problem with
@@ -574,7 +578,7 @@ const SolverInfo& nearest_solver(const ShootingProblem& problem) {
 std::vector<const SolverInfo*> supporting(const SolverInfo& solver, const ProblemSpec& spec,
                                           const ShootingProblem& problem, Diagnostics& out) {
   if (const auto reason = unsupported(solver, problem)) {
-    report_unsupported(spec, *reason, supports_constraints(solver, problem), out);
+    report_unsupported(spec, *reason, unsupported_constraints(solver, problem), out);
     return {};
   }
   const auto too_many = unsupported_segments(solver, problem, spec.solver.options.segments);

@@ -394,8 +394,11 @@ class GuessBuilder {
                                       const std::vector<std::string>& columns,
                                       const StateManifold& manifold) {
     const std::optional<DataTable>& table = load(file);
-    if (!table || (file.columns.empty() && !fits(file, *table, states))) return std::nullopt;
-    return series_of(file, *table, columns, manifold, out_);
+    if (!table || columns.empty() || (file.columns.empty() && !fits(file, *table, states)))
+      return std::nullopt;
+    return is_partial(file, states)
+               ? series_of(file, with_others(*table, file, states), columns, manifold, out_)
+               : series_of(file, *table, columns, manifold, out_);
   }
 
   /// Each file once, for states and controls.
@@ -549,20 +552,52 @@ class GuessBuilder {
 
   std::vector<std::string> file_columns(const DataFileSpec& file, bool states) {
     if (file.columns.empty()) return columns_of_problem(states);
-    const std::size_t count = columns_of_problem(states).size();
+    std::vector<std::string> wanted = columns_of_problem(states);
+    if (is_partial(file, states)) return wanted;
     std::vector<std::string> columns;
     for (const Name& name : file.columns) columns.push_back(name.value);
-    if (columns.size() != count)
-      out_.error(file.file.place,
-                 fmt::format("{} columns are needed, not {}", count, columns.size()));
-    columns.resize(count);
-    return columns;
+    if (columns.size() == wanted.size()) return columns;
+    out_.error(file.file.place,
+               fmt::format("{} columns are needed, not {}", wanted.size(), columns.size()),
+               fmt::format("or those of some {} by their names: {}", states ? "states" : "controls",
+                           name_list(wanted)));
+    return {};
+  }
+
+  /// Whether a file is to give some of the states, or controls, which it has under their names.
+  bool is_partial(const DataFileSpec& file, bool states) const {
+    const std::vector<std::string> wanted = columns_of_problem(states);
+    return !file.columns.empty() && file.columns.size() < wanted.size() &&
+           std::ranges::all_of(file.columns, [&](const Name& name) {
+             return std::ranges::find(wanted, name.value) != wanted.end();
+           });
+  }
+
+  /// A table with the columns that a file is to give; the other states are the initial ones, the
+  /// other controls zero.
+  DataTable with_others(const DataTable& table, const DataFileSpec& file, bool states) const {
+    DataTable all{.file = table.file, .times = table.times};
+    all.rows.resize(table.rows.size());
+    const std::vector<std::string> wanted = columns_of_problem(states);
+    for (std::size_t i = 0; i < wanted.size(); ++i) {
+      const bool given = std::ranges::any_of(
+          file.columns, [&](const Name& name) { return name.value == wanted[i]; });
+      const auto column = given ? table.find(wanted[i]) : std::nullopt;
+      if (given && !column) continue;  // whoever looks for it says so
+      all.columns.push_back(wanted[i]);
+      for (std::size_t row = 0; row < table.rows.size(); ++row)
+        all.rows[row].push_back(column   ? table.rows[row][*column]
+                                : states ? states_.initial()[i]
+                                         : 0.0);
+    }
+    return all;
   }
 
   std::string describe(const DataFileSpec& file, const std::vector<TimeSeries>& series) const {
     std::string text = fmt::format("from {}", file.file.value);
     double last = 0;
     for (const TimeSeries& part : series) last = std::max(last, part.last_time());
+    if (is_partial(file, &file == &*guess().states_file)) text += " as far as it names them";
     if (last + 1e-9 < time(problem_.knots() - 1))
       text += fmt::format(", its last values held after t = {} s", last);
     return text;

@@ -59,17 +59,20 @@ std::string actuation_hint(const std::vector<PlantPart>& parts, const RobotModel
   const auto any = [&](auto property) { return std::any_of(parts.begin(), parts.end(), property); };
   if (any([&](const PlantPart& part) { return !motor_joints(part, model).empty(); }))
     return "give 'actuation: full', joints or thrusters";
+  const auto floats = std::ranges::find(model.joints, JointType::floating, &Joint::type);
   const std::string none =
       any([](const PlantPart& part) { return !part.spec->locked_joints.empty(); })
           ? "all joints are locked or fixed: "
+      : floats != model.joints.end()
+          ? fmt::format("'{}' floats and no other joint moves: ", floats->name)
           : "no joint moves: ";
   if (any([](const PlantPart& p) { return p.spec->base == UrdfOptions::Base::planar; }))
     return none +
            "'full' leaves out those of the planar base, name them in 'actuation: {joints: "
            "[...]}'";
-  if (any([](const PlantPart& p) { return p.spec->base == UrdfOptions::Base::floating; }))
-    return none + "give 'actuation: {thrusters: [...]}'";
-  return none + "nothing is left to control";
+  if (floats != model.joints.end())
+    return none + "give 'actuation: {thrusters: [...]}', or 'actuation: none'";
+  return none + "nothing is left to control; 'actuation: none' says that it is so";
 }
 
 }  // namespace
@@ -237,7 +240,9 @@ std::optional<Actuation> make_actuation(const std::vector<PlantPart>& parts,
   Actuators actuators(model, out);
   for (const PlantPart& part : parts) actuators.add(part);
   if (out.error_count() > errors) return std::nullopt;
-  if (actuators.thrusters().empty() && actuators.joints().empty()) {
+  const bool meant =
+      std::ranges::none_of(parts, [](const PlantPart& part) { return part.spec->actuation.full; });
+  if (actuators.thrusters().empty() && actuators.joints().empty() && !meant) {
     out.error(parts.front().spec->place, "nothing is actuated", actuation_hint(parts, model));
     return std::nullopt;
   }

@@ -32,7 +32,11 @@ class ExpressionSystemReader {
       read_columns("velocities", system_.text.velocities, velocities_);
     else
       exclude("velocities", equations);
-    read_columns("controls", system_.text.controls, controls_);
+    if (map_.find("controls"))
+      read_columns("controls", system_.text.controls, controls_);
+    else if (map_.valid())
+      map_.reader().error("'system' lacks the key 'controls'",
+                          "where nothing is controlled, write 'controls: []'");
     read_names();
     read_expressions("let", system_.text.definitions, definitions_);
     read_expressions(equations, system_.text.equations, equations_);

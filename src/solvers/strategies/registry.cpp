@@ -161,8 +161,13 @@ const SolverInfo* find_solver(std::string_view name) {
   return nullptr;
 }
 
-bool supports_constraints(const SolverInfo& solver, const ShootingProblem& problem) {
-  return !unsupported_constraint(solver, problem);
+std::vector<std::string> unsupported_constraints(const SolverInfo& solver,
+                                                 const ShootingProblem& problem) {
+  std::vector<std::string> names;
+  for (const NodeConstraint& c : problem.constraints())
+    if (!supports(solver, c) && std::ranges::find(names, c.term->name) == names.end())
+      names.push_back(c.term->name);
+  return names;
 }
 
 std::optional<std::string> unsupported(const SolverInfo& solver, const ShootingProblem& problem) {

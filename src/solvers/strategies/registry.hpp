@@ -43,8 +43,10 @@ struct SolverInfo {
 std::span<const SolverInfo> solvers();
 /// The solver of this name, or null.
 const SolverInfo* find_solver(std::string_view name);
-/// Whether the solver keeps all constraints of the problem but bounds on the control.
-bool supports_constraints(const SolverInfo& solver, const ShootingProblem& problem);
+/// The names of the constraints, but bounds on the control, that the solver does not support, each
+/// once, in the order of the nodes.
+std::vector<std::string> unsupported_constraints(const SolverInfo& solver,
+                                                 const ShootingProblem& problem);
 /// Why the solver cannot take the problem: the constraint, and the solvers that can. Empty if it
 /// can.
 std::optional<std::string> unsupported(const SolverInfo& solver, const ShootingProblem& problem);
