@@ -41,6 +41,12 @@ TEST(CsvLine, TextsInQuotesMayHaveCommasSpacesAndQuotes) {
   EXPECT_EQ(split_csv_line(R"(1, "a,b",c)")[2].byte, 9);
 }
 
+TEST(CsvLine, SpreadsheetsComputeWhatBeginsAsAFormula) {
+  for (const char* text : {"=1+1", "@SUM(A1)", "-x", "+x"})
+    EXPECT_TRUE(begins_formula(text)) << text;
+  for (const char* text : {"", "x=1", "_=1", "1-2"}) EXPECT_FALSE(begins_formula(text)) << text;
+}
+
 TEST(CsvLine, QuotesThatEncloseNoCellArePartOfItsText) {
   EXPECT_EQ(texts(R"(3" pipe,"open, b)"), (Texts{"3\" pipe", "\"open", "b"}));
   EXPECT_EQ(texts(R"("a" b,"c")"), (Texts{"\"a\" b", "c"}));

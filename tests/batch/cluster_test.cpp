@@ -93,6 +93,15 @@ TEST(SlurmScript, HasOneElementAShardAndEndsInConddpItself) {
             "exec /opt/conddp batch collect '/data/it'\\''s'\n");
 }
 
+TEST(SlurmScript, HasNoLinesFromNames) {
+  EXPECT_EQ(unfit_for_scripts({.run = "/data/it's", .partition = "fast,slow"}), "");
+  for (const char* partition : {"fast\n#SBATCH --x", "fast slow", "fast\r"})
+    EXPECT_NE(unfit_for_scripts({.partition = partition}), "") << partition;
+  EXPECT_NE(unfit_for_scripts({.run = "/data/a\nEND\n"}), "");
+  EXPECT_EQ(slurm_array_script({.name = "a\r\n#SBATCH --x"}).find("\n#SBATCH --x"),
+            std::string::npos);
+}
+
 TEST(SlurmScript, WarnsShortElementsLater) {
   const auto script = [](double seconds) { return slurm_array_script({.time_s = seconds}); };
   EXPECT_NE(script(60).find("USR1@12\n"), std::string::npos);

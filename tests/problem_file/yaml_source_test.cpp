@@ -75,6 +75,17 @@ TEST(YamlSource, KeepsPlacesAndQuotes) {
   EXPECT_EQ(root->find("b")->find("c")->text, "true");
 }
 
+TEST(YamlSource, TakesTheSurrogatesOfJson) {
+  const std::string text = R"({"a": "\ud83d\ude00 \\ud83d", "b": &x 1})";
+  Diagnostics out;
+  const auto root = parse_yaml(R"({"a": "\ud83d\ude00 \\ud83d"})", out.add_source("t", text), out);
+  ASSERT_TRUE(root);
+  EXPECT_EQ(root->find("a")->text, "\xF0\x9F\x98\x80 \\ud83d");
+  EXPECT_FALSE(parse_yaml(text, out.add_source("t", text), out));
+  ASSERT_TRUE(out.has_errors());
+  EXPECT_EQ(out.list().back().column, static_cast<int>(text.find("&x")) + 1);
+}
+
 TEST(YamlSource, ManyKeysAreReadInReasonableTime) {
   std::string text = "{";
   for (int i = 0; i < 50000; ++i) text += "k" + std::to_string(i) + ": 1, ";

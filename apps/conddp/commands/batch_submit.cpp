@@ -178,6 +178,10 @@ int submit_batch(const BatchArguments& arguments) {
                .cpus = std::max(1, arguments.jobs),
                .partition = arguments.partition,
                .any_build = arguments.any_build};
+  if (const std::string unfit = unfit_for_scripts(job); !unfit.empty()) {
+    print_error(unfit);
+    return kExitBadInput;
+  }
   const int planned = manifest->shards > 1 ? manifest->shards : 0;
   auto misfit =
       choose_shards(arguments.shards > 0 ? arguments.shards : planned, limits, seconds, job);

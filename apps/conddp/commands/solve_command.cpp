@@ -10,6 +10,7 @@
 #include "arguments/problem_arguments.hpp"
 #include "arguments/shared_arguments.hpp"
 #include "base/files/atomic_file.hpp"
+#include "base/files/folder_name.hpp"
 #include "base/json/number_block.hpp"
 #include "commands/commands.hpp"
 #include "output/report/certificate_report.hpp"
@@ -340,6 +341,9 @@ bool can_be_solved(const std::vector<SolveArguments>& list) {
   std::set<std::string> folders;
   for (const SolveArguments& one : list) {
     Diagnostics diagnostics;
+    if (!names_folder(std::filesystem::path(one.folder).filename().string()))
+      diagnostics.error({}, fmt::format("the answer of '{}' has no folder", one.file),
+                        "its file's name names one; solve it alone, with --output");
     if (!folders.insert(one.folder).second)
       diagnostics.error({}, fmt::format("two problems would be written to '{}'", one.folder),
                         "solve them one by one, with --output");

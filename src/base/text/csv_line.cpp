@@ -54,4 +54,8 @@ std::vector<CsvCell> split_csv_line(std::string_view line) {
   }
 }
 
+bool begins_formula(std::string_view text) {
+  return !text.empty() && std::string_view("=+-@").find(text[0]) != std::string_view::npos;
+}
+
 }  // namespace conddp

@@ -20,4 +20,7 @@ std::vector<CsvCell> split_csv_line(std::string_view line);
 /// Without spaces, tabs and a carriage return around it.
 std::string_view trimmed_csv(std::string_view text);
 
+/// Whether spreadsheets take a cell that begins like this text for a formula and compute it.
+bool begins_formula(std::string_view text);
+
 }  // namespace conddp

@@ -35,10 +35,12 @@ std::string_view value_of(std::string_view text, std::string_view key) {
   return {};
 }
 
+bool is_control(char c) { return static_cast<unsigned char>(c) < ' ' || c == '\x7f'; }
+
 /// Letters, digits and a few others, as job names should be.
 std::string plain_name(std::string name) {
   for (char& c : name)
-    if (std::string_view("\"'\\ \t\n%").find(c) != std::string_view::npos) c = '_';
+    if (is_control(c) || std::string_view("\"'\\ %").find(c) != std::string_view::npos) c = '_';
   return name;
 }
 
@@ -136,6 +138,15 @@ std::optional<double> parse_partition_time(std::string_view text, bool chosen) {
 int shards_for(double seconds, int cpus, const SlurmLimits& limits) {
   const double wanted = std::ceil(seconds / (kElementSeconds * cpus));
   return static_cast<int>(std::clamp<double>(wanted, 1, limits.most_shards()));
+}
+
+std::string unfit_for_scripts(const SlurmJob& job) {
+  if (std::ranges::any_of(job.partition, [](char c) { return is_control(c) || c == ' '; }))
+    return "a partition's name has no spaces and no line ends";
+  const std::string run = job.run.string();
+  if (std::ranges::any_of(run, is_control))
+    return fmt::format("the path of the run, '{}', has line ends or control characters", run);
+  return {};
 }
 
 std::string slurm_array_script(const SlurmJob& job) {

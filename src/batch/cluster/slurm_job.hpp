@@ -53,6 +53,10 @@ inline constexpr double kElementSeconds = 600;
 /// `seconds`: of all items that are left, on one processor.
 int shards_for(double seconds, int cpus, const SlurmLimits& limits);
 
+/// Why no script can have the names of a job: a line end in a partition's name would begin another
+/// line of the script. Empty where all can.
+std::string unfit_for_scripts(const SlurmJob& job);
+
 /// The script of the array for sbatch. Before its time limit Slurm sends SIGUSR1, on which conddp
 /// ends the items under way and no others; an element may be requeued at any time.
 std::string slurm_array_script(const SlurmJob& job);

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "base/files/folder_name.hpp"
 #include "base/files/source_text.hpp"
 #include "base/text/spelling.hpp"
 #include "problem_file/yaml/yaml_source.hpp"
@@ -17,7 +18,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kLongestName = 200;
 /// More items are not counted.
 constexpr long long kUncounted = 1'000'000'000'000'000;
 constexpr Choice<KeptSolutions> kKeptWords[] = {{"all", KeptSolutions::kAll},
@@ -80,14 +80,13 @@ class PlanReader {
   void read_name() {
     plan_.name = {plan_.file.stem().string(), map_.reader().place()};
     const auto r = map_.find("name");
+    if (!r && !names_folder(plan_.name.value))
+      map_.reader().error(fmt::format("the plan has the name of its file, '{}', and {}",
+                                      plan_.name.value, kFolderNameRule),
+                          "write 'name: ...'");
     if (!r) return;
     plan_.name = r->name().value_or(plan_.name);
-    if (plan_.name.value.find_first_of("/\\") != std::string::npos || plan_.name.value[0] == '.' ||
-        plan_.name.value.size() > kLongestName)
-      r->error(
-          fmt::format("the name is also that of a folder: no '/', no '\\', no '.' in front, at "
-                      "most {} bytes",
-                      kLongestName));
+    if (!names_folder(plan_.name.value)) r->error(kFolderNameRule);
   }
 
   void read_problems() {

@@ -2,14 +2,16 @@
 
 #include <algorithm>
 
+#include "base/text/csv_line.hpp"
 #include "mpc/closed_loop.hpp"
 #include "solvers/common/status.hpp"
 
 namespace conddp {
 namespace {
 
-/// A cell of a CSV file, in quotes where it has to be.
-std::string cell(const std::string& text) {
+/// A text as a cell of a CSV file, which is no formula, in quotes where it has to be.
+std::string cell(std::string text) {
+  if (begins_formula(text)) text.insert(0, 1, '_');
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
   std::string quoted = "\"";
   for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
@@ -19,6 +21,7 @@ std::string cell(const std::string& text) {
 /// A number or text of a document; nothing for what is null or not there.
 std::string cell(const OrderedJson& json) {
   if (json.is_null()) return {};
+  if (json.is_number()) return json.dump();
   return json.is_string() ? cell(json.get<std::string>()) : cell(json.dump());
 }
 

@@ -8,6 +8,7 @@
 #include <fmt/compile.h>
 #include <fmt/format.h>
 
+#include "base/text/csv_line.hpp"
 #include "problem_file/data/data_table.hpp"
 
 namespace conddp {
@@ -20,7 +21,7 @@ std::string csv_cell(std::string text) {
   std::replace_if(
       text.begin(), text.end(),
       [](char c) { return c == ',' || c == '"' || static_cast<unsigned char>(c) < 0x20; }, '_');
-  return text;
+  return begins_formula(text) ? '_' + text : text;
 }
 
 std::string with_unit(std::string name, std::string_view unit) {

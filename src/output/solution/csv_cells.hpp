@@ -11,7 +11,7 @@ namespace conddp {
 /// Appends a number by shortest round trip; nothing where it is not finite.
 void append_cell(double value, std::string& text);
 
-/// A text as a cell, which holds no commas, quotes or line ends.
+/// A text as a cell, which holds no commas, quotes or line ends and begins no formula.
 std::string csv_cell(std::string text);
 
 /// "name [unit]", or the name alone of what has no unit.

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "base/files/folder_name.hpp"
 #include "base/files/sha256.hpp"
 #include "base/files/source_text.hpp"
 #include "base/text/spelling.hpp"
@@ -19,7 +20,6 @@
 namespace conddp {
 namespace {
 
-constexpr std::size_t kLongestName = 200;
 constexpr NumberRange kSpread{0, kLargestSpread, false, false, "a number from 0 to 1e6"};
 
 /// Robots by name.
@@ -99,10 +99,7 @@ Perturbation read_perturbation(const YamlReader& reader) {
 
 void read_name(const YamlReader& reader, Name& name) {
   name = reader.name().value_or(name);
-  if (name.value.find_first_of("/\\") != std::string::npos || name.value[0] == '.')
-    reader.error("the name is also that of a folder: no '/', no '\\', no '.' in front");
-  else if (name.value.size() > kLongestName)
-    reader.error(fmt::format("the name is also that of a folder: at most {} bytes", kLongestName));
+  if (!names_folder(name.value)) reader.error(kFolderNameRule);
 }
 
 /// Where the motion begins, and how it is integrated.
@@ -262,7 +259,12 @@ ProblemSpec read_document(const YamlReader& reader, const std::filesystem::path&
   spec.names = std::move(names);
   YamlMap map(reader);
   read_format(map);
-  if (const auto r = map.find("name")) read_name(*r, spec.name);
+  if (const auto r = map.find("name"))
+    read_name(*r, spec.name);
+  else if (!names_folder(spec.name.value))
+    reader.error(fmt::format("the problem has the name of its file, '{}', and {}", spec.name.value,
+                             kFolderNameRule),
+                 "write 'name: ...'");
   map.text("description", spec.description);
   map.find("parameters");  // which have been read
   const int errors = reader.diagnostics().error_count();

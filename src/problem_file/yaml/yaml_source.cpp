@@ -1,6 +1,7 @@
 #include "problem_file/yaml/yaml_source.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <set>
 #include <sstream>
 #include <utility>
@@ -25,18 +26,56 @@ struct Refused : std::exception {
   const char* what() const noexcept override { return "a reported error of the document"; }
 };
 
+/// A text for yaml-cpp, and where it is shorter than that of the file.
+struct EscapedText {
+  static constexpr int kShorter = 2;  ///< bytes
+  std::string text;
+  std::vector<std::size_t> shorter;  ///< behind these bytes
+};
+
+/// The surrogate at a place, from `first` on: "\\uD83D".
+std::optional<unsigned> surrogate_at(std::string_view text, std::size_t at, unsigned first) {
+  unsigned value = 0;
+  if (text.size() < at + 6 || text[at] != '\\' || text[at + 1] != 'u') return std::nullopt;
+  const char* end = text.data() + at + 6;
+  const auto [stop, error] = std::from_chars(end - 4, end, value, 16);
+  if (error != std::errc() || stop != end || value < first || value >= first + 0x400)
+    return std::nullopt;
+  return value - first;
+}
+
+/// JSON escapes a character beyond 16 bits by two surrogates, YAML by one number.
+EscapedText without_surrogates(const std::string& text) {
+  EscapedText result;
+  bool quoted = false;
+  for (std::size_t at = 0; at < text.size(); ++at) {
+    const auto high = quoted ? surrogate_at(text, at, 0xD800) : std::nullopt;
+    const auto low = high ? surrogate_at(text, at + 6, 0xDC00) : std::nullopt;
+    if (low) {
+      result.text += fmt::format("\\U{:08X}", 0x10000 + *high * 0x400 + *low);
+      result.shorter.push_back(result.text.size() - 1);
+      at += 11;
+      continue;
+    }
+    if (text[at] == '"') quoted = !quoted;
+    result.text += text[at];
+    if (quoted && text[at] == '\\' && at + 1 < text.size()) result.text += text[++at];
+  }
+  return result;
+}
+
 /// Builds the tree from yaml-cpp's events, so that aliases are refused before anything expands
 /// them and nesting before anything recurses into it.
 class TreeBuilder : public YAML::EventHandler {
  public:
-  TreeBuilder(std::string_view text, int source, int shift, Diagnostics& out)
-      : text_(text), source_(source), shift_(shift), out_(out) {}
+  TreeBuilder(const EscapedText& text, int source, int shift, Diagnostics& out)
+      : text_(text.text), shorter_(text.shorter), source_(source), shift_(shift), out_(out) {}
 
   YamlNode root;
 
   Mark mark_of(const YAML::Mark& mark) {
     if (mark.is_null()) return {source_, 0, 0};
-    return {source_, mark.line + 1, column_of(mark.line + 1, mark.column + shift_)};
+    return {source_, mark.line + 1, column_of(mark.line + 1, mark.column + shift_ + lost(mark))};
   }
   [[noreturn]] void refuse(const YAML::Mark& mark, std::string message, std::string hint) {
     out_.error({mark_of(mark), {}}, std::move(message), std::move(hint));
@@ -83,6 +122,12 @@ class TreeBuilder : public YAML::EventHandler {
   void OnMapEnd() override { close(); }
 
  private:
+  /// Bytes by which the line is shorter before a mark.
+  int lost(const YAML::Mark& mark) const {
+    const auto begin = std::ranges::lower_bound(shorter_, offset(mark) - mark.column);
+    const auto end = std::ranges::lower_bound(shorter_, offset(mark));
+    return EscapedText::kShorter * static_cast<int>(end - begin);
+  }
   /// Character of a byte (0-based) of a line. Marks mostly come in order, so counting goes on from
   /// the last one: a line may be as long as the file.
   int column_of(int line, int byte) {
@@ -159,6 +204,7 @@ class TreeBuilder : public YAML::EventHandler {
   }
 
   std::string_view text_;
+  const std::vector<std::size_t>& shorter_;
   int source_;
   int shift_;
   Diagnostics& out_;
@@ -211,9 +257,10 @@ std::optional<YamlNode> parse_yaml(const std::string& text, int source, Diagnost
               "it");
     return std::nullopt;
   }
-  TreeBuilder builder(text, source, shift, out);
+  const EscapedText escaped = without_surrogates(text);
+  TreeBuilder builder(escaped, source, shift, out);
   try {
-    std::istringstream stream(text);
+    std::istringstream stream(escaped.text);
     YAML::Parser parser(stream);
     const bool found = parser.HandleNextDocument(builder);
     if (builder.root.kind == YamlNode::Kind::kNull && allow_null)
@@ -224,7 +271,7 @@ std::optional<YamlNode> parse_yaml(const std::string& text, int source, Diagnost
     }
     YamlNode root = std::move(builder.root);
     // Only once: on some input the parser would report documents for ever.
-    TreeBuilder rest(text, source, shift, out);
+    TreeBuilder rest(escaped, source, shift, out);
     if (parser.HandleNextDocument(rest)) {
       out.error({rest.root.mark.line > 0 ? rest.root.mark : root.mark, {}},
                 "something follows the end of the document", "a problem file is one document");
