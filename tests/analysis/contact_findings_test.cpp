@@ -59,6 +59,24 @@ TEST(FrictionDemand, IsTheTangentialShareOfTheForce) {
   EXPECT_TRUE(found_in_contacts(problem, motion, FindingKind::pull).empty());
 }
 
+TEST(FrictionDemand, NamesTheFirstOfEqualContactsAndKnots) {
+  const ShootingProblem problem =
+      block_problem({block_phase(block_system({{.name = "left"}}), 2),
+                     block_phase(block_system({{.name = "right"}}), 1)});
+  Trajectory motion = problem.create_trajectory();
+  hold(motion, 0, 5, 0, 10);
+  hold(motion, 1, 5 + 1e-8, 0, 10);
+  hold(motion, 2, 5 + 2e-8, 0, 10);
+  auto found = found_in_contacts(problem, motion, FindingKind::friction_demand);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].subject, "left");
+  EXPECT_EQ(found[0].knot, 0);
+  hold(motion, 2, 5.1, 0, 10);
+  found = found_in_contacts(problem, motion, FindingKind::friction_demand);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].subject, "right");
+}
+
 TEST(FrictionDemand, OfAContactAlongItsNormalAloneIsNone) {
   const ShootingProblem problem = block_problem(
       {block_phase(block_system({{.name = "rest", .kind = ContactKind::normal}}), 2)});

@@ -9,6 +9,7 @@
 
 #include <Eigen/Dense>
 
+#include "base/exceeds.hpp"
 #include "ocp/knot/collocation_residual.hpp"
 #include "systems/contact/stepping_system.hpp"
 
@@ -56,7 +57,7 @@ class LimitWatch {
     if (!(excess > 0)) return;
     Entry& entry = excess_[quantity];
     if (instant_.at_knot) entry.at_knots = std::max(entry.at_knots, excess);
-    if (excess > entry.worst.excess)
+    if (exceeds(excess, entry.worst.excess))
       entry.worst = {quantity, unit, excess, instant_.knot, instant_.time, false};
   }
 

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "base/exceeds.hpp"
 #include "robot/frames.hpp"
 #include "systems/multibody/multibody.hpp"
 
@@ -103,14 +104,14 @@ class Watch {
       const SE3<double> now = pose(*system, system->contacts().contacts()[c], k + 1);
       drift.last = k + 1;
       drift.dt = std::max(drift.dt, times_[k + 1] - times_[k]);
-      if (const double way = moved(drift.contact, start, now); way > drift.value) {
+      if (const double way = moved(drift.contact, start, now); exceeds(way, drift.value)) {
         drift.value = way;
         drift.knot = k + 1;
       }
     }
     if (drift.value <= kDrift) return;
     Drift& worst = drifts_[name];
-    if (drift.value > worst.value) worst = drift;
+    if (exceeds(drift.value, worst.value)) worst = drift;
   }
 
   /// The pose of a contact's frame in the world at a node: that of the knot, where the contact is
@@ -151,7 +152,7 @@ class Watch {
   }
 
   static void meet(Worst& worst, double value, int k, bool impulse) {
-    if (value > worst.value) worst = {value, k, impulse};
+    if (exceeds(value, worst.value)) worst = {value, k, impulse};
   }
 
   void report() {
@@ -162,13 +163,13 @@ class Watch {
 
   void add_demands() {
     // The greatest demand says what the ground has to give, even where it can.
-    double greatest = 0;
-    for (const auto& [name, demand] : demands_) greatest = std::max(greatest, demand.value);
+    const Worst* greatest = nullptr;
+    for (const auto& [name, demand] : demands_)
+      if (exceeds(demand.value, greatest ? greatest->value : 0)) greatest = &demand;
     for (const auto& [name, demand] : demands_) {
       const std::optional<double> has = friction_of(name);
       const bool beyond = has && demand.value > *has * (1 + 1e-6);
-      if (beyond || (demand.value == greatest && greatest > 0))
-        add_demand(name, demand, has, beyond);
+      if (beyond || &demand == greatest) add_demand(name, demand, has, beyond);
     }
   }
 

@@ -10,6 +10,7 @@
 #include "analysis/findings/free_control.hpp"
 #include "analysis/findings/holding_torques.hpp"
 #include "analysis/findings/long_step.hpp"
+#include "base/exceeds.hpp"
 #include "ocp/problem/by_name.hpp"
 #include "ocp/problem/cost_scale.hpp"
 #include "solvers/iterate/hessian_switch.hpp"
@@ -390,8 +391,8 @@ std::string remedy_of_sizes(const ShootingProblem& problem, const Trajectory& tr
   for (int k = 0; k <= problem.knots(); ++k)
     largest = largest.cwiseMax(trajectory.x(k).head(largest.size()).cwiseAbs());
   if (!largest.allFinite()) return "";
-  Eigen::Index most = 0;
-  const double top = largest.maxCoeff(&most);
+  const int most = worst_of(largest);
+  const double top = largest[most];
   double least = top;
   for (const double size : largest)
     if (size > 0) least = std::min(least, size);

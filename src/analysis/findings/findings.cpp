@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "analysis/findings/contact_findings.hpp"
+#include "base/exceeds.hpp"
 #include "ocp/problem/by_name.hpp"
 #include "ocp/problem/node_evaluation.hpp"
 #include "systems/collocation_system.hpp"
@@ -31,6 +32,8 @@ constexpr int kPartsOfAStep = 4;
 bool is_at(double control, double limit) {
   return limit != 0 && std::isfinite(limit) && std::abs(control) >= (1 - kSlack) * std::abs(limit);
 }
+
+bool is_beyond(double off, double limit) { return off > kSlack * std::max(1.0, std::abs(limit)); }
 
 class Search {
  public:
@@ -54,9 +57,7 @@ class Search {
     tables();
     last_knot();
     thrusters();
-    std::stable_sort(list_.begin(), list_.end(), [](const Finding& a, const Finding& b) {
-      return a.kind != b.kind ? a.kind < b.kind : a.value > b.value;
-    });
+    sort();
     return std::move(list_);
   }
 
@@ -71,12 +72,23 @@ class Search {
       if (!is_at(control, limit_here)) return;
       const double off = std::abs(control) - std::abs(limit_here);
       seconds += length;
-      if (knot >= 0 && !(off > beyond)) return;
+      if (knot >= 0 && !(is_beyond(off, limit_here) && exceeds(off, beyond))) return;
       knot = k;
       limit = limit_here;
-      beyond = std::max(off, 0.0);
+      beyond = is_beyond(off, limit_here) ? off : 0;
     }
   };
+
+  /// By kind, the worst of each first.
+  void sort() {
+    std::stable_sort(list_.begin(), list_.end(),
+                     [](const Finding& a, const Finding& b) { return a.kind < b.kind; });
+    for (auto first = list_.begin(), next = first; first != list_.end(); first = next) {
+      next =
+          std::find_if(first, list_.end(), [&](const Finding& f) { return f.kind != first->kind; });
+      sort_worst_first(first, next, [](const Finding& f) { return f.value; });
+    }
+  }
 
   Finding& add(FindingKind kind, const std::string& subject, double value, std::string unit,
                int k) {
@@ -96,7 +108,7 @@ class Search {
     if (!(value > kSlack)) return nullptr;
     for (Finding& f : list_)
       if (f.kind == kind && f.subject == subject) {
-        if (value <= f.value) return nullptr;
+        if (!exceeds(value, f.value)) return nullptr;
         f.value = value;
         f.knot = k;
         f.time = times_[k];
@@ -188,7 +200,7 @@ class Search {
   }
 
   void report(const std::string& name, const Effort& effort) {
-    const bool beyond = effort.beyond > kSlack * std::max(1.0, std::abs(effort.limit));
+    const bool beyond = effort.beyond > 0;
     if (effort.knot < 0 || (!beyond && effort.seconds == 0)) return;
     Finding& f = add(FindingKind::effort_limit, name, beyond ? effort.beyond : effort.seconds,
                      beyond ? effort.unit : "s", effort.knot);
@@ -361,7 +373,8 @@ class Search {
     int row = 0;
     double most = 0;
     for (int i = 0; i < c.term->rows; ++i)
-      if (const double off = std::max(c.lower[i] - values[i], values[i] - c.upper[i]); off > most) {
+      if (const double off = std::max(c.lower[i] - values[i], values[i] - c.upper[i]);
+          exceeds(off, most)) {
         most = off;
         row = i;
       }
@@ -410,7 +423,7 @@ class Search {
       const auto key = std::tuple(reading.table, high ? reading.last : reading.first, high);
       auto& range = ranges_.try_emplace(key, BeyondEnd{reading, k, k, k}).first->second;
       range.last = k;
-      if (reading.beyond() <= range.worst.beyond()) continue;
+      if (!exceeds(reading.beyond(), range.worst.beyond())) continue;
       range.worst = reading;
       range.knot = k;
     }

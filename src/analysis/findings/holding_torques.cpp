@@ -5,6 +5,7 @@
 #include <limits>
 #include <vector>
 
+#include "base/exceeds.hpp"
 #include "solvers/stages/box_qp.hpp"
 #include "systems/multibody/multibody.hpp"
 
@@ -136,9 +137,9 @@ std::optional<MissingTorque> missing_torque(const ShootingProblem& problem) {
   const double moves = statics.acceleration(*held);
   if (!(moves > kRest) || statics.acceleration(*needed) > kCure * moves) return std::nullopt;
 
-  Eigen::Index worst = 0;
   const VectorXd lack = (lower - *needed).cwiseMax(*needed - upper);
-  if (!(lack.maxCoeff(&worst) > 0)) return std::nullopt;
+  const int worst = worst_of(lack);
+  if (!(lack[worst] > 0)) return std::nullopt;
   const double torque = (*needed)[worst];
   return MissingTorque{.joint = joints[worst].name.substr(joints[worst].name.find('/') + 1),
                        .unit = joints[worst].unit,

@@ -6,6 +6,8 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "base/exceeds.hpp"
+
 namespace conddp {
 namespace {
 
@@ -46,7 +48,7 @@ std::optional<LongStep> long_step(const ShootingProblem& problem, const Trajecto
     const Eigen::VectorXcd modes = modes_of(system, *data);
     for (const std::complex<double>& mode : modes) {
       const double growth = growth_of(h * mode, rule.order);
-      if (h * mode.real() > -kLeastDecay || !(growth > worst.growth)) continue;
+      if (h * mode.real() > -kLeastDecay || !exceeds(growth, worst.growth)) continue;
       worst = {
           .knot = k, .rate = -mode.real(), .growth = growth, .longest = kStable / std::abs(mode)};
     }

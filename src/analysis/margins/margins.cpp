@@ -7,6 +7,8 @@
 #include <stdexcept>
 #include <tuple>
 
+#include "base/exceeds.hpp"
+
 namespace conddp {
 namespace {
 
@@ -41,9 +43,8 @@ class MarginCollector {
     for (const NodeConstraint& constraint : problem_.constraints())
       if (constraint.node >= first_timed_knot(problem_)) add_constraint(constraint);
     leave_out_held();
-    std::stable_sort(curves_.begin(), curves_.end(), [](const auto& a, const auto& b) {
-      return a.smallest().steps() < b.smallest().steps();
-    });
+    sort_worst_first(curves_.begin(), curves_.end(),
+                     [](const MarginCurve& curve) { return -curve.smallest().steps(); });
     return std::move(curves_);
   }
 
@@ -149,8 +150,10 @@ class MarginCollector {
 double Margin::probability() const { return std::erfc(steps() / std::numbers::sqrt2) / 2; }
 
 const Margin& MarginCurve::smallest() const {
-  return *std::min_element(nodes.begin(), nodes.end(),
-                           [](const Margin& a, const Margin& b) { return a.steps() < b.steps(); });
+  const Margin* smallest = &nodes.front();
+  for (const Margin& margin : nodes)
+    if (exceeds(-margin.steps(), -smallest->steps())) smallest = &margin;
+  return *smallest;
 }
 
 std::vector<MarginCurve> constraint_margins(const ShootingProblem& problem,

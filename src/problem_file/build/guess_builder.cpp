@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "base/exceeds.hpp"
 #include "base/normal_numbers.hpp"
 #include "ocp/problem/control_columns.hpp"
 #include "problem_file/build/contact_guess.hpp"
@@ -521,7 +522,7 @@ class GuessBuilder {
         trajectory.u(k)[i] = kept;
         if (kept == asked) continue;
         cut = true;
-        if (std::abs(kept - asked) <= worst) continue;
+        if (!exceeds(std::abs(kept - asked), worst)) continue;
         worst = std::abs(kept - asked);
         worst_system = &model.system();
         control = i;

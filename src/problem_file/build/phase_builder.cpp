@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/exceeds.hpp"
 #include "problem_file/build/linear_controls.hpp"
 #include "problem_file/plant/collocation_builder.hpp"
 #include "problem_file/plant/stepping_builder.hpp"
@@ -553,13 +554,10 @@ TermsAtTheEnd<BuiltConstraint> constraints_at_the_end(const PhaseContext& contex
 std::optional<int> worst_row(const ConstraintTerm& term, const double* values, const double* lower,
                              const double* upper) {
   if (!term.has_bounds() || term.has_pairs()) return std::nullopt;
-  const auto outside = [&](int i) {
-    return std::abs(outside_bounds(values[i], lower[i], upper[i]));
-  };
-  int worst = 0;
-  for (int i = 1; i < term.rows; ++i)
-    if (outside(i) > outside(worst)) worst = i;
-  return worst;
+  std::vector<double> outside(term.rows);
+  for (int i = 0; i < term.rows; ++i)
+    outside[i] = std::abs(outside_bounds(values[i], lower[i], upper[i]));
+  return worst_of(outside);
 }
 
 void report_violation(const std::string& name, std::optional<int> row, double violation,
