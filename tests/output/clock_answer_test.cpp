@@ -1,6 +1,4 @@
 // Tables of trajectories whose states and controls have the names of the time and the phase.
-#include <filesystem>
-#include <fstream>
 #include <sstream>
 
 #include <fmt/format.h>
@@ -9,11 +7,10 @@
 #include "output/solution/csv.hpp"
 #include "problem_file/data/warm_start.hpp"
 #include "support/solved_example.hpp"
+#include "support/temporary_folder.hpp"
 
 namespace conddp {
 namespace {
-
-namespace fs = std::filesystem;
 
 const std::string kTail = R"(
 phases: [{jump: {x: 2*x}}, {knots: 6, dt: 0.25}]
@@ -45,14 +42,12 @@ std::string header_of(const std::string& table) { return table.substr(0, table.f
 /// The largest deviation of the guess that a problem has from a table of a motion.
 double deviation_of_guess(const std::string& text, const std::string& table,
                           const Trajectory& motion) {
-  const fs::path file =
-      fs::path(testing::TempDir()) / testing::UnitTest::GetInstance()->current_test_info()->name();
-  std::ofstream(file) << table;
+  const TemporaryFolder folder;
+  const std::string file = folder.write("table.csv", table);
   Diagnostics out;
   auto spec = read_problem_text(text, "text.yaml", {}, out);
   set_warm_start(file, {}, *spec);
   const auto built = build_problem(*spec, {}, out);
-  fs::remove(file);
   EXPECT_TRUE(built) << format_diagnostics(out, false);
   if (!built) return 1;
   double largest = 0;

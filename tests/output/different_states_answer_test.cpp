@@ -14,6 +14,7 @@
 #include "output/solution/stored_trajectory.hpp"
 #include "problem_file/data/warm_start.hpp"
 #include "support/solved_example.hpp"
+#include "support/temporary_folder.hpp"
 
 namespace conddp {
 namespace {
@@ -104,8 +105,7 @@ BuiltProblem started_from(const std::string& solution) {
 }
 
 TEST(DifferentStatesAnswer, IsAGuessWithMultipliers) {
-  const fs::path folder = fs::path(testing::TempDir()) / "different_states";
-  fs::create_directories(folder);
+  const TemporaryFolder folder;
   const fs::path json = folder / "solution.json", csv = folder / "trajectory.csv";
   std::ofstream(json) << answer().document.dump();
   const Trajectory& motion = answer().result->trajectory;

@@ -2,43 +2,41 @@
 
 #include <array>
 #include <cstdio>
-#include <filesystem>
 
+#include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 namespace conddp {
 namespace {
 
-/// A file for the time of a call.
-class TemporaryFile {
+/// A file in memory: a process that ends early leaves nothing behind.
+class MemoryFile {
  public:
-  explicit TemporaryFile(const std::string& contents) {
-    std::error_code error;
-    name_ = (std::filesystem::temp_directory_path(error) / "conddp_plot_XXXXXX").string();
-    const int descriptor = ::mkstemp(name_.data());
-    if (descriptor < 0) return;
-    FILE* file = ::fdopen(descriptor, "w");
-    written_ = std::fwrite(contents.data(), 1, contents.size(), file) == contents.size();
-    written_ = std::fclose(file) == 0 && written_;
+  explicit MemoryFile(const std::string& contents) : descriptor_(::memfd_create("script", 0)) {
+    const ssize_t size = static_cast<ssize_t>(contents.size());
+    written_ = descriptor_ >= 0 && ::write(descriptor_, contents.data(), contents.size()) == size;
   }
-  ~TemporaryFile() { std::remove(name_.c_str()); }
-  TemporaryFile(const TemporaryFile&) = delete;
-  TemporaryFile& operator=(const TemporaryFile&) = delete;
+  ~MemoryFile() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+  }
+  MemoryFile(const MemoryFile&) = delete;
+  MemoryFile& operator=(const MemoryFile&) = delete;
   bool written() const { return written_; }
-  const std::string& name() const { return name_; }
+  /// The path by which a child process opens it.
+  std::string name() const { return "/proc/self/fd/" + std::to_string(descriptor_); }
 
  private:
-  std::string name_;
+  int descriptor_;
   bool written_ = false;
 };
 
 }  // namespace
 
 GnuplotResult run_gnuplot(const std::string& script) {
-  const TemporaryFile file(script);
-  if (!file.written()) return {{}, "a temporary file for gnuplot cannot be written"};
-  FILE* pipe = ::popen(("gnuplot '" + file.name() + "' 2>/dev/null").c_str(), "r");
+  const MemoryFile file(script);
+  if (!file.written()) return {{}, "a file in memory for gnuplot cannot be written"};
+  FILE* pipe = ::popen(("gnuplot " + file.name() + " 2>/dev/null").c_str(), "r");
   if (pipe == nullptr) return {{}, "gnuplot cannot be started"};
   GnuplotResult result;
   std::array<char, 4096> buffer;
