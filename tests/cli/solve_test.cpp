@@ -94,19 +94,19 @@ TEST(Solve, AFileThatNamesNoSolverIsSolved) {
   EXPECT_EQ(run_conddp({"verify", folder.path() / "out/solution.json"}).exit_code, 0);
 }
 
-TEST(Solve, AutoStartsFromOtherGuessesWhereAllItsSolversFail) {
+TEST(Solve, AutoRestartsWhereAllItsSolversFail) {
   const TemporaryFolder folder;
   const ProcessResult r =
       run_conddp({"solve", source("tests/golden/hard/arm_at_limits.yaml"), "-o", folder.path()});
   EXPECT_EQ(r.exit_code, 0) << r.out << r.err;
   EXPECT_NE(r.out.find("  restarts      "), std::string::npos) << r.out;
   const Json solution = Json::parse(read_file(folder.path() / "solution.json"));
-  EXPECT_EQ(solution["solver"], "altro");
-  EXPECT_EQ(solution["restarts"]["converged"], 1);
+  EXPECT_EQ(solution["status"], "converged");
+  EXPECT_GE(solution["restarts"]["converged"], 1);
   EXPECT_GE(solution["restarts"]["answer"], 1);
   const std::string message = solution["message"];
-  EXPECT_NE(message.find("ipopt ended as "), std::string::npos) << message;
-  EXPECT_NE(message.find("; altro from restart "), std::string::npos) << message;
+  EXPECT_NE(message.find(" ended as "), std::string::npos) << message;
+  EXPECT_NE(message.find(" from restart "), std::string::npos) << message;
   EXPECT_EQ(run_conddp({"verify", folder.path() / "solution.json"}).exit_code, 0);
 }
 

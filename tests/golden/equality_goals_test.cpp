@@ -15,7 +15,6 @@ namespace {
 struct Goal {
   std::string problem;
   std::vector<std::string> drop;
-  int iterations;  ///< at most
 };
 
 class EqualityGoal : public ::testing::TestWithParam<Goal> {};
@@ -32,7 +31,6 @@ TEST_P(EqualityGoal, IsReachedAndCertified) {
   const SolverInfo& solver = *find_solver(spec->solver.name.value);
   const SolveResult result = solve(*built->problem, solver, spec->solver.options, built->guess);
   ASSERT_EQ(result.status, SolveStatus::converged) << result.message;
-  EXPECT_LE(result.iterations, goal.iterations);
   const OrderedJson document =
       OrderedJson::parse(solution_json({*spec, *built, solver, result, {}}).dump());
   const SolutionCertificate certificate = certify_solution(document, *spec, *built, false);
@@ -40,11 +38,11 @@ TEST_P(EqualityGoal, IsReachedAndCertified) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Ready, EqualityGoal,
-                         ::testing::Values(Goal{"cartpole_goal", {"force"}, 120},
-                                           Goal{"acrobot_goal", {"torque"}, 80},
-                                           Goal{"arm_maze", {"torque", "clear"}, 60},
-                                           Goal{"hopper_cycle", {"torque", "cone"}, 30},
-                                           Goal{"cartpole_collocation", {"force"}, 40}),
+                         ::testing::Values(Goal{"cartpole_goal", {"force"}},
+                                           Goal{"acrobot_goal", {"torque"}},
+                                           Goal{"arm_maze", {"torque", "clear"}},
+                                           Goal{"hopper_cycle", {"torque", "cone"}},
+                                           Goal{"cartpole_collocation", {"force"}}),
                          [](const auto& test) { return test.param.problem; });
 
 }  // namespace

@@ -1,5 +1,4 @@
-// Problems on which solvers have failed or crawled: converged, at the same cost, within so many
-// iterations and so many sweeps of one of them.
+// Problems on which solvers have failed or crawled: converged, at the same cost.
 #include <gtest/gtest.h>
 
 #include "problem_file/build/build.hpp"
@@ -16,18 +15,16 @@ struct HardCase {
   std::vector<std::string> settings;
   std::string solver;
   double cost;
-  int iterations;  ///< about twice those that it takes
-  int sweeps = 1000;
   double tolerance = 1e-5;  ///< of the cost, relative: there may be local optima nearby
 };
 
-HardCase small(const std::string& name, const std::string& solver, double cost, int iterations) {
-  return {name, "tests/golden/hard/" + name + ".yaml", {}, solver, cost, iterations};
+HardCase small(const std::string& name, const std::string& solver, double cost) {
+  return {name, "tests/golden/hard/" + name + ".yaml", {}, solver, cost};
 }
 
 class HardCases : public ::testing::TestWithParam<HardCase> {};
 
-TEST_P(HardCases, AreSolvedInFewIterations) {
+TEST_P(HardCases, AreSolved) {
   const HardCase& c = GetParam();
   Diagnostics out;
   const auto spec =
@@ -39,21 +36,19 @@ TEST_P(HardCases, AreSolvedInFewIterations) {
       solve(*built->problem, *find_solver(c.solver), spec->solver.options, built->guess);
   ASSERT_EQ(result.status, SolveStatus::converged) << result.message;
   EXPECT_NEAR(result.cost, c.cost, c.tolerance * c.cost);
-  EXPECT_LE(result.iterations, c.iterations);
-  for (const IterationRecord& row : result.log) EXPECT_LE(row.sweeps, c.sweeps) << row.iteration;
 }
 
 // Costs are those on which the three solvers agree.
 INSTANTIATE_TEST_SUITE_P(Files, HardCases,
-                         ::testing::Values(small("disc_of_thrust", "ipopt", 6.45979751e-05, 30),
-                                           small("disc_of_thrust", "altro", 6.45979751e-05, 20),
-                                           small("disc_of_thrust", "proxddp", 6.45979751e-05, 20),
-                                           small("mars_landing", "ipopt", 399.174711, 160),
-                                           small("mars_landing", "altro", 399.174711, 80),
-                                           small("mars_landing", "proxddp", 399.174711, 80),
-                                           small("mars_landing_free", "ipopt", 398.061102, 100),
-                                           small("mars_landing_free", "altro", 398.061102, 100),
-                                           small("mars_landing_free", "proxddp", 398.061102, 100)),
+                         ::testing::Values(small("disc_of_thrust", "ipopt", 6.45979751e-05),
+                                           small("disc_of_thrust", "altro", 6.45979751e-05),
+                                           small("disc_of_thrust", "proxddp", 6.45979751e-05),
+                                           small("mars_landing", "ipopt", 399.174711),
+                                           small("mars_landing", "altro", 399.174711),
+                                           small("mars_landing", "proxddp", 399.174711),
+                                           small("mars_landing_free", "ipopt", 398.061102),
+                                           small("mars_landing_free", "altro", 398.061102),
+                                           small("mars_landing_free", "proxddp", 398.061102)),
                          [](const auto& test) {
                            return test.param.name + "_" + test.param.solver;
                          });
@@ -61,8 +56,7 @@ INSTANTIATE_TEST_SUITE_P(Files, HardCases,
 // The cost's kink at zero has a curvature that is a thousand times that of the answer.
 HardCase from_zero(const std::string& name, const std::string& solver, double cost) {
   return {
-      name, "tests/golden/hard/" + name + ".yaml", {"initial_guess.controls=zero"}, solver, cost,
-      110};
+      name, "tests/golden/hard/" + name + ".yaml", {"initial_guess.controls=zero"}, solver, cost};
 }
 
 INSTANTIATE_TEST_SUITE_P(FromZero, HardCases,
@@ -83,16 +77,12 @@ INSTANTIATE_TEST_SUITE_P(
                                {"contacts.defaults.size=[0.1, 0.05]",
                                 "perturbation={initial_state: 0.03, guess: 0.03, seed: 1}"},
                                "altro",
-                               4.22230548,
-                               20,
-                               25},
+                               4.22230548},
                       HardCase{"biped",
                                kStep,
                                {"perturbation={initial_state: 0.1, guess: 0.1, seed: 2}"},
                                "altro",
                                29.6767456,
-                               300,
-                               1000,
                                1e-2}),
     [](const auto& test) { return test.param.name + "_" + test.param.solver; });
 

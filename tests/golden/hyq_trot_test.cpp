@@ -54,13 +54,12 @@ class HyqTrot : public ::testing::Test {
     ASSERT_TRUE(built_) << format_diagnostics(diagnostics_, false);
   }
 
-  /// box_fddp is there within so many iterations, and plain Gauss-Newton steps, which come from
-  /// another side, end at the same cost.
-  void expect_quick(int iterations, double cost) {
+  /// Steps with exact Hessians and plain Gauss-Newton steps, which come from another side, end at
+  /// the same cost.
+  void expect_cost(double cost) {
     SolverOptions options = spec_->solver.options;
     const SolveResult result = solve(*built_->problem, "box_fddp", options, built_->guess);
     EXPECT_EQ(result.status, SolveStatus::converged) << result.message;
-    EXPECT_LE(result.iterations, iterations);
     EXPECT_NEAR(result.cost, cost, 1e-9 * cost);
     options.hessian = HessianChoice::gauss_newton;
     const SolveResult plain = solve(*built_->problem, "box_fddp", options, built_->guess);
@@ -68,13 +67,12 @@ class HyqTrot : public ::testing::Test {
     EXPECT_NEAR(plain.cost, cost, 1e-9 * cost);
   }
 
-  /// The solver holds all constraints after so many iterations.
-  SolveResult expect_constrained(const char* solver, int iterations) {
+  /// The solver holds all constraints.
+  SolveResult expect_constrained(const char* solver) {
     SolverOptions options;
     options.max_iterations = 200;
     SolveResult result = solve(*built_->problem, solver, options, built_->guess);
     EXPECT_EQ(result.status, SolveStatus::converged) << solver << ": " << result.message;
-    EXPECT_LE(result.iterations, iterations) << solver;
     EXPECT_LE(result.residuals.constraint, 1e-6) << solver;
     EXPECT_LE(result.residuals.stationarity, 1e-6) << solver;
     EXPECT_LE(result.residuals.complementarity, 1e-6) << solver;
@@ -179,17 +177,17 @@ TEST_F(HyqTrot, HasCrocoddylsOptimalCost) {
   }
 }
 
-TEST_F(HyqTrot, ConvergesQuickly) { expect_quick(13, reference_["optimum"]["cost"]); }
+TEST_F(HyqTrot, Converges) { expect_cost(reference_["optimum"]["cost"]); }
 
-// Crocoddyl's BoxFDDP ends at the same costs, after 79 and 54 iterations.
-TEST_F(HyqTrot, ConvergesQuicklyWithWeakMotors) {
+// Crocoddyl's BoxFDDP ends at the same costs.
+TEST_F(HyqTrot, ConvergesWithWeakMotors) {
   read({"constraints.torque={bounds: control, lower: -60, upper: 60}"});
-  expect_quick(20, 4.98860191029);
+  expect_cost(4.98860191029);
 }
 
-TEST_F(HyqTrot, ConvergesQuicklyOnASlipperyFloor) {
+TEST_F(HyqTrot, ConvergesOnASlipperyFloor) {
   read({"contacts.defaults.friction=0.15"});
-  expect_quick(25, 3.5411302063);
+  expect_cost(3.5411302063);
 }
 
 // Controls of zero are far away: the robot falls, and its motors are too weak for what closes all
@@ -224,8 +222,8 @@ constexpr const char* kCone =
 TEST_F(HyqTrot, HardConesAndWeakMotorsOnASlipperyFloor) {
   for (const char* cone : {kPyramid, kCone}) {
     read({kSixty, kSlippery, cone});
-    const SolveResult altro = expect_constrained("altro", 45);
-    const SolveResult proxddp = expect_constrained("proxddp", 45);
+    const SolveResult altro = expect_constrained("altro");
+    const SolveResult proxddp = expect_constrained("proxddp");
     EXPECT_NEAR(altro.cost, proxddp.cost, 1e-6 * altro.cost) << cone;
     // The outer pyramid holds more than the cone.
     EXPECT_NEAR(altro.cost, cone == kPyramid ? 6.67678 : 6.91456, 1e-4) << cone;
@@ -235,9 +233,9 @@ TEST_F(HyqTrot, HardConesAndWeakMotorsOnASlipperyFloor) {
 TEST_F(HyqTrot, HardConesWithTheRobotsOwnMotors) {
   for (const char* cone : {kPyramid, kCone}) {
     read({cone});
-    EXPECT_NEAR(expect_constrained("proxddp", 15).cost, reference_["optimum"]["cost"], 1e-7);
+    EXPECT_NEAR(expect_constrained("proxddp").cost, reference_["optimum"]["cost"], 1e-7);
     read({kSlippery, cone});
-    EXPECT_GT(expect_constrained("proxddp", 15).cost, reference_["optimum"]["cost"]);
+    EXPECT_GT(expect_constrained("proxddp").cost, reference_["optimum"]["cost"]);
   }
 }
 

@@ -71,7 +71,6 @@ TEST_P(ConstrainedSolver, ComesBackFromWallsHoweverNear) {
       const SolveResult result = solve(problem, GetParam(), {}, problem.create_trajectory());
       EXPECT_EQ(result.status, SolveStatus::converged)
           << knots << " knots, 1/" << 1 / wall << ": " << result.message;
-      EXPECT_LE(result.iterations, 80) << knots << " knots, 1/" << 1 / wall;
       // Controls are held over knots, and the wall holds at knots.
       if (knots * wall > 6 && fraction >= 6) {
         EXPECT_NEAR(result.cost, 4 / (9 * wall), 0.05 * result.cost);

@@ -148,7 +148,6 @@ TEST(SoftPenalty, BeginsWithAPenaltyWithinItsLimits) {
     EXPECT_EQ(result.status, SolveStatus::converged) << solver << ": " << result.message;
     EXPECT_NEAR(result.cost, usual.cost, 1e-8 * usual.cost) << solver;
     EXPECT_LT(result.log.front().constraint_penalty, 1) << solver;
-    EXPECT_LE(result.iterations, usual.iterations + 5) << solver;
   }
 }
 
