@@ -11,7 +11,7 @@ namespace conddp {
 namespace {
 
 /// Of the cost, what may be left where an answer needs no further solve.
-constexpr double kMostLeft = 1e-6;
+constexpr double kMostLeft = 1e-7;
 
 /// Multipliers of the control bounds: of controls at a bound what it takes from the gradient.
 void claim_bounds(const ShootingProblem& problem, const SolveResult& result,
