@@ -20,7 +20,7 @@ std::vector<Finding> found_in_motion(const ShootingProblem& problem, const Traje
                                      FindingKind kind, const FindingNames& names = {}) {
   std::vector<Finding> found;
   for (const Finding& f :
-       find_in_motion(problem, trajectory, NodeValues(problem, trajectory), names))
+       find_in_motion(problem, trajectory, {}, NodeValues(problem, trajectory), names))
     if (f.kind == kind) found.push_back(f);
   return found;
 }
@@ -79,13 +79,13 @@ TEST(LimitsOfJoints, AreNamedOnTheSideThatIsBroken) {
   const ShootingProblem problem = block_problem({block_phase(block_system(), 2)});
   Trajectory motion = problem.create_trajectory();
   motion.x(1)[0] = -0.5 - 1e-7;  // rounding
-  EXPECT_TRUE(find_in_motion(problem, motion, NodeValues(problem, motion), {}).empty());
+  EXPECT_TRUE(find_in_motion(problem, motion, {}, NodeValues(problem, motion), {}).empty());
   motion.x(1)[0] = -0.75;
   const auto found = found_in_motion(problem, motion, FindingKind::position_limit);
   ASSERT_EQ(found.size(), 1u);
   EXPECT_TRUE(tells(found[0], "its limit of -0.5 m by 0.25")) << found[0].message;
   motion.x(1)[0] = std::nan("");
-  EXPECT_TRUE(find_in_motion(problem, motion, NodeValues(problem, motion), {}).empty());
+  EXPECT_TRUE(find_in_motion(problem, motion, {}, NodeValues(problem, motion), {}).empty());
 }
 
 TEST(Efforts, AreCountedAtTheirLimitInSeconds) {
@@ -438,9 +438,9 @@ TEST(Thrusters, CannotTurnABodyAboutAxesThroughItsCentreOfMass) {
 TEST(Findings, OfASystemWithoutARobotAreThoseOfItsControls) {
   const ShootingProblem problem = testing::pendulum_swing_up(3);
   Trajectory motion = problem.create_trajectory();
-  EXPECT_TRUE(find_in_motion(problem, motion, NodeValues(problem, motion), {}).empty());
+  EXPECT_TRUE(find_in_motion(problem, motion, {}, NodeValues(problem, motion), {}).empty());
   motion.u(problem.knots() - 1)[0] = 2;
-  const auto found = find_in_motion(problem, motion, NodeValues(problem, motion), {});
+  const auto found = find_in_motion(problem, motion, {}, NodeValues(problem, motion), {});
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].kind, FindingKind::last_knot);
   EXPECT_NEAR(found[0].value, 2, 1e-15);

@@ -39,9 +39,48 @@ TEST(LongStep, IsOneOnWhichAMotionGrowsThatDecays) {
 }
 
 TEST(LongStep, DependsOnTheRule) {
-  EXPECT_TRUE(step_of(decay(50, Integrator::explicit_euler, 0.07)));  // |1 − 3.5|
-  EXPECT_FALSE(step_of(decay(50, Integrator::explicit_euler, 0.05)));
+  EXPECT_TRUE(step_of(decay(50, Integrator::explicit_euler, 0.045)));  // |1 − 2.25|
+  EXPECT_FALSE(step_of(decay(50, Integrator::explicit_euler, 0.035)));
   EXPECT_FALSE(step_of(decay(50, Integrator::rk4, 0.05)));
+}
+
+/// Two knots of q'' = −stiffness q − damping v + u by semi-implicit Euler.
+ShootingProblem spring(double stiffness, double damping, double dt) {
+  Eigen::MatrixXd A(1, 2);
+  A << -stiffness, -damping;
+  const auto system = linear_system(A, Eigen::MatrixXd::Ones(1, 1), Eigen::VectorXd::Zero(1),
+                                    SystemKind::second_order);
+  const auto model = std::make_shared<KnotModel>(system, Integrator::semi_implicit_euler);
+  return {{0.0, 0.0},
+          {{.name = "swing", .model = model, .dt = {dt, dt}, .cost_scale = {1, 1}}},
+          {.name = "end",
+           .model = std::make_shared<KnotModel>(system, Integrator::none),
+           .dt = {0},
+           .cost_scale = {1}}};
+}
+
+// Semi-implicit Euler is stable where h² k < 4 − 2 h d.
+TEST(LongStep, OfSemiImplicitEulerAlternates) {
+  EXPECT_FALSE(step_of(spring(390, 0, 0.1)));
+  EXPECT_FALSE(step_of(spring(190, 10, 0.1)));
+  EXPECT_FALSE(step_of(spring(-1000, 0, 0.1)));  // falls over, as it does in time
+  EXPECT_FALSE(step_of(spring(0, 19, 0.1)));
+  const auto undamped = step_of(spring(410, 0, 0.1));
+  ASSERT_TRUE(undamped);
+  EXPECT_NEAR(undamped->rate, std::sqrt(410), 1e-9);
+  EXPECT_NEAR(undamped->longest, 0.05, 1e-12);
+  EXPECT_TRUE(step_of(spring(210, 10, 0.1)));
+  const auto damped = step_of(spring(0, 50, 0.1));
+  ASSERT_TRUE(damped);
+  EXPECT_NEAR(damped->growth, 4, 1e-9);  // |1 − 5|
+  EXPECT_NEAR(damped->longest, 0.025, 1e-12);
+}
+
+TEST(LongStep, NamesImplicitRule) {
+  const ShootingProblem problem = decay(50, Integrator::rk4, 0.1);
+  const auto found = long_step(problem, problem.create_trajectory());
+  ASSERT_TRUE(found);
+  EXPECT_NE(remedy_of(*found, problem).find("radau5"), std::string::npos);
 }
 
 TEST(LongStep, LetsGrowWhatGrowsInTime) { EXPECT_FALSE(step_of(decay(-50, Integrator::rk4, 0.1))); }

@@ -219,6 +219,13 @@ int checked_exit_code(const SolutionCertificate& certificate, const ProblemSpec&
                 "--derivatives' compares them");
     return std::max<int>(kExitNotConverged, exit_code(status));
   }
+  const auto stiff =
+      std::ranges::find(certificate.findings, FindingKind::unstable_steps, &Finding::kind);
+  if (certificate.checks.doubts_optimality_alone() && stiff != certificate.findings.end()) {
+    print_error("the certificate of the answer " + certificate_line(certificate),
+                stiff->message + "; try " + stiff->remedy);
+    return std::max<int>(kExitNotConverged, exit_code(status));
+  }
   if (certificate.checks.doubts_optimality_alone()) {
     print_error("the certificate of the answer " + certificate_line(certificate),
                 "the motion is what the solution says, but whether it is optimal cannot be told: a "

@@ -5,12 +5,12 @@
 #include <limits>
 #include <map>
 #include <memory>
-#include <optional>
+#include <utility>
 
 #include <Eigen/Dense>
 
+#include "analysis/certificate/replay_step.hpp"
 #include "base/exceeds.hpp"
-#include "ocp/knot/collocation_residual.hpp"
 #include "systems/contact/stepping_system.hpp"
 
 namespace conddp {
@@ -90,128 +90,16 @@ class LimitWatch {
   std::map<std::string, Entry> excess_;
 };
 
-/// The controls of a step, which are the same at its ends unless they are linear.
-struct StepControl {
-  const double *begin, *end;
-};
-
-/// A step of a collocation, whose slopes follow from the state and the actuators.
-class CollocationStep {
- public:
-  CollocationStep(const std::shared_ptr<const CollocationSystem>& system, Integrator integrator,
-                  bool linear)
-      : model_(system, integrator, linear ? ControlMemory::linear : ControlMemory::none),
-        actuators_(system->actuators()),
-        x_(model_.nx(), 0.0),
-        w_(model_.nu(), 0.0) {
-    model_.add_constraint(make_constraint(
-        "collocation", collocation_residual(system, model_.ndx(), std::nullopt, linear),
-        ConstraintKind::bounds));
-    parameters_.assign(model_.parameter_count(), 0.0);
-    work_ = std::make_unique<KnotWorkspace<double>>(model_);
-  }
-
-  /// The next state, by Newton's method from the slopes of the step before; NaN where it fails.
-  std::vector<double> go(const double* x, const StepControl& u, double h) {
-    const int unknown = model_.constraint_rows();
-    const ConstraintTerm& term = model_.constraints().front();
-    std::copy_n(x, model_.system().nx(), x_.begin());
-    std::copy_n(u.begin, model_.remembered_controls(), x_.begin() + model_.system().nx());
-    std::copy_n(u.end, actuators_, w_.begin());
-    parameters_[term.parameters] = h;
-    parameters_[term.active()] = 1;
-    Eigen::MatrixXd by_slopes(unknown, unknown);
-    Eigen::Map<Eigen::VectorXd> slopes(w_.data() + actuators_, unknown);
-    for (int i = 0; i < kIterations; ++i) {
-      model_.differentiate(KnotInput<double>{x_.data(), w_.data(), parameters_.data(), h, 1.0},
-                           *work_, false);
-      const Eigen::Map<const Eigen::VectorXd> off(work_->constraint.data(), unknown);
-      if (off.lpNorm<Eigen::Infinity>() <= kRounding * (1 + h * slopes.lpNorm<Eigen::Infinity>()))
-        return {work_->next().begin(), work_->next().begin() + model_.system().nx()};
-      by_slopes.setZero();
-      const auto& pattern = model_.constraint_pattern();
-      const int first = model_.ndx() + actuators_;
-      for (std::size_t e = 0; e < pattern.size(); ++e)
-        if (const auto& [row, column] = pattern[e]; column >= first)
-          by_slopes(row, column - first) = work_->constraint_jacobian[e];
-      slopes -= by_slopes.partialPivLu().solve(off);
-    }
-    slopes.setZero();
-    return std::vector<double>(model_.system().nx(), std::numeric_limits<double>::quiet_NaN());
-  }
-
- private:
-  static constexpr int kIterations = 30;
-  static constexpr double kRounding = 1e-13;
-
-  KnotModel model_;
-  int actuators_;
-  std::vector<double> x_, w_, parameters_;
-  std::unique_ptr<KnotWorkspace<double>> work_;
-};
-
-/// What moves the states of one knot model, and its memory in scalar arithmetic. Of a collocation
-/// the slopes of a plan belong to its whole steps, and those of parts are found anew.
-class Stepper {
- public:
-  explicit Stepper(const KnotModel& model) : Stepper(model, model.system().as_collocation()) {}
-
-  /// The system without slopes.
-  const System& system() const { return system_; }
-  /// Its data at (x, u), before a step from there.
-  const SystemData<double>& look(const double* x, const double* u) {
-    system_.evaluate(x, u, *data_);
-    return *data_;
-  }
-  /// A step of dt from where it was looked at, in place.
-  void go(const StepControl& u, double dt, double* x) {
-    if (implicit_) {
-      const std::vector<double> next = implicit_->go(x, u, dt);
-      std::copy(next.begin(), next.end(), x);
-      return;
-    }
-    integrate(system_, integrator_, x, u.begin, dt, *data_, *work_, linear_ ? u.end : nullptr);
-    std::copy(work_->next.begin(), work_->next.end(), x);
-  }
-
- private:
-  Stepper(const KnotModel& model, const CollocationSystem* collocation)
-      : system_(collocation ? *collocation->inside() : model.system()),
-        integrator_(model.integrator()),
-        linear_(model.has_linear_controls()),
-        data_(system_.create_data(double{})) {
-    if (collocation)
-      implicit_.emplace(
-          std::shared_ptr<const CollocationSystem>(model.shared_system(), collocation), integrator_,
-          linear_);
-    else
-      work_.emplace(system_, integrator_, false, linear_);
-  }
-
-  const System& system_;
-  Integrator integrator_;
-  bool linear_;
-  std::unique_ptr<SystemData<double>> data_;
-  std::optional<IntegratorWorkspace<double>> work_;
-  std::optional<CollocationStep> implicit_;
-};
-
 class Player {
  public:
   Player(const ShootingProblem& problem, const Trajectory& trajectory,
-         const std::vector<Eigen::MatrixXd>& gains, int substeps)
+         const std::vector<Eigen::MatrixXd>& gains, int substeps, Eigen::VectorXd scale)
       : problem_(problem),
         trajectory_(trajectory),
         gains_(gains),
         substeps_(substeps),
-        times_(problem.times(trajectory)) {
-    span_.setConstant(problem.ndx(), kSmallSpan);
-    Eigen::VectorXd off(problem.ndx());
-    for (int k = 0; k <= problem.knots(); ++k) {
-      problem.manifold().difference(trajectory.x(0).data(), trajectory.x(k).data(), off.data());
-      span_ = span_.cwiseMax(off.cwiseAbs());
-    }
-  }
+        times_(problem.times(trajectory)),
+        scale_(std::move(scale)) {}
 
   ReplayRun run(bool feedback, LimitWatch* watch) {
     ReplayRun result;
@@ -229,12 +117,9 @@ class Player {
   }
 
  private:
-  /// Of what hardly moves, a hundredth of a unit counts as its way.
-  static constexpr double kSmallSpan = 0.01;
-
   Eigen::VectorXd control(int k, bool feedback, const Eigen::VectorXd& x, ReplayRun& result) {
     Eigen::VectorXd u = trajectory_.u(k);
-    if (!feedback || u.size() == 0) return u;
+    if (!feedback || u.size() == 0 || gains_.empty()) return u;
     Eigen::VectorXd off(problem_.ndx());
     problem_.manifold().difference(trajectory_.x(k).data(), x.data(), off.data());
     u += gains_[k] * off;
@@ -251,7 +136,7 @@ class Player {
   void step(int k, bool feedback, Eigen::VectorXd& x, LimitWatch* watch, ReplayRun& result) {
     const KnotView& view = problem_.knot(k);
     auto& memory = memory_[view.model];
-    if (!memory) memory = std::make_unique<Stepper>(*view.model);
+    if (!memory) memory = std::make_unique<ReplayStep>(*view.model);
     const System& system = memory->system();
     const Eigen::VectorXd u = control(k, feedback, x, result);
     const int remembered = view.model->remembered_controls();
@@ -289,7 +174,7 @@ class Player {
     }
     result.final_state = worst;
     result.relative = std::max(result.relative,
-                               off.head(own).cwiseAbs().cwiseQuotient(span_.head(own)).maxCoeff());
+                               off.head(own).cwiseAbs().cwiseQuotient(scale_.head(own)).maxCoeff());
   }
 
   const ShootingProblem& problem_;
@@ -297,9 +182,21 @@ class Player {
   const std::vector<Eigen::MatrixXd>& gains_;
   const int substeps_;
   const std::vector<double> times_;
-  Eigen::VectorXd span_;
-  std::map<const KnotModel*, std::unique_ptr<Stepper>> memory_;
+  const Eigen::VectorXd scale_;  ///< by entry what counts as a deviation of 1
+  std::map<const KnotModel*, std::unique_ptr<ReplayStep>> memory_;
 };
+
+/// By entry how far a motion goes from its beginning. Of what hardly moves, a hundredth of a unit
+/// counts as its way.
+Eigen::VectorXd ways(const ShootingProblem& problem, const Trajectory& trajectory) {
+  constexpr double kSmallWay = 0.01;
+  Eigen::VectorXd way = Eigen::VectorXd::Constant(problem.ndx(), kSmallWay), off = way;
+  for (int k = 0; k <= problem.knots(); ++k) {
+    problem.manifold().difference(trajectory.x(0).data(), trajectory.x(k).data(), off.data());
+    way = way.cwiseMax(off.cwiseAbs());
+  }
+  return way;
+}
 
 /// But for the last state, from which nothing is replayed.
 bool is_finite(const Trajectory& trajectory) {
@@ -327,7 +224,7 @@ Replay replay(const ShootingProblem& problem, const Trajectory& trajectory,
   result.impossible = why_impossible(problem, trajectory);
   if (!result.impossible.empty()) return result;
   result.substeps = substeps;
-  Player player(problem, trajectory, gains, substeps);
+  Player player(problem, trajectory, gains, substeps, ways(problem, trajectory));
   LimitWatch watch;
   result.controls = player.run(false, nullptr);
   result.feedback = player.run(true, &watch);
@@ -337,8 +234,18 @@ Replay replay(const ShootingProblem& problem, const Trajectory& trajectory,
 
 double replay_error(const ShootingProblem& problem, const Trajectory& trajectory, int substeps) {
   if (!why_impossible(problem, trajectory).empty()) return std::numeric_limits<double>::infinity();
-  const ReplayRun run = Player(problem, trajectory, {}, substeps).run(false, nullptr);
+  const ReplayRun run =
+      Player(problem, trajectory, {}, substeps, ways(problem, trajectory)).run(false, nullptr);
   return run.lost_at < 0 ? run.deviation : std::numeric_limits<double>::infinity();
+}
+
+std::optional<double> replay_with_feedback(const ShootingProblem& problem,
+                                           const Trajectory& trajectory,
+                                           const std::vector<Eigen::MatrixXd>& gains, int substeps,
+                                           const Eigen::VectorXd& scale) {
+  if (!why_impossible(problem, trajectory).empty()) return std::nullopt;
+  const ReplayRun run = Player(problem, trajectory, gains, substeps, scale).run(true, nullptr);
+  return run.lost_at < 0 ? run.relative : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace conddp

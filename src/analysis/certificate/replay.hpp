@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -49,5 +50,13 @@ Replay replay(const ShootingProblem& problem, const Trajectory& trajectory,
 /// x_k over all nodes. Infinite where the motion leaves the finite numbers or there is no replay.
 double replay_error(const ShootingProblem& problem, const Trajectory& trajectory,
                     int substeps = 10);
+
+/// How far the motion with feedback leads from the planned states on a grid of dt / substeps: the
+/// largest entry over all nodes, each by its own entry of `scale`. Infinite where the motion leaves
+/// the finite numbers, nothing where there is no replay.
+std::optional<double> replay_with_feedback(const ShootingProblem& problem,
+                                           const Trajectory& trajectory,
+                                           const std::vector<Eigen::MatrixXd>& gains, int substeps,
+                                           const Eigen::VectorXd& scale);
 
 }  // namespace conddp

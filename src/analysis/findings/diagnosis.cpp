@@ -370,12 +370,11 @@ Diagnosis too_weak(Diagnosis log, const MissingTorque& lack) {
 Diagnosis unstable_steps(Diagnosis log, const ShootingProblem& problem, const LongStep& step) {
   const std::string rule(info_of(problem.knot(step.knot).model->integrator()).name);
   log.message += fmt::format(
-      "; the steps of {} are too long: at knot {} a motion that decays at {:.3g} 1/s is multiplied "
-      "by {:.3g} in a step",
+      "; the system is stiff for steps of {}: at knot {} a motion of the rate {:.3g} 1/s, which "
+      "does not grow in time, is multiplied by {:.3g} in a step",
       rule, step.knot, step.rate, step.growth);
   return {DiagnosisPattern::unstable_steps, std::move(log.message), step.knot, "time step",
-          fmt::format("steps of at most {:.2g} s there, by more knots, or 'integrator: radau3'; {}",
-                      step.longest, log.remedy)};
+          remedy_of(step, problem) + "; " + log.remedy};
 }
 
 /// How much larger one state may become than another one until units are worth a word.

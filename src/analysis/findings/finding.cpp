@@ -4,6 +4,10 @@ namespace conddp {
 
 std::string_view to_string(FindingKind kind) {
   switch (kind) {
+    case FindingKind::unstable_steps:
+      return "unstable_steps";
+    case FindingKind::coarse_grid:
+      return "coarse_grid";
     case FindingKind::position_limit:
       return "position_limit";
     case FindingKind::velocity_limit:

@@ -10,6 +10,8 @@ namespace conddp {
 
 /// What a finding is about, in the order in which findings stand.
 enum class FindingKind {
+  unstable_steps,      ///< steps let grow what decays or oscillates: by how much in a step
+  coarse_grid,         ///< the grid does not resolve the motion: error of its steps by the motion
   position_limit,      ///< a joint is beyond its limit, rad or m
   velocity_limit,      ///< likewise, rad/s or m/s
   effort_limit,        ///< a control is at its limit or beyond; s at it, or Nm and N beyond

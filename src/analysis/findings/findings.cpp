@@ -14,6 +14,7 @@
 
 #include "analysis/findings/contact_findings.hpp"
 #include "base/exceeds.hpp"
+#include "analysis/findings/grid_findings.hpp"
 #include "ocp/problem/by_name.hpp"
 #include "ocp/problem/node_evaluation.hpp"
 #include "systems/collocation_system.hpp"
@@ -37,10 +38,12 @@ bool is_beyond(double off, double limit) { return off > kSlack * std::max(1.0, s
 
 class Search {
  public:
-  Search(const ShootingProblem& problem, const Trajectory& trajectory, const NodeValues& values,
+  Search(const ShootingProblem& problem, const Trajectory& trajectory,
+         const std::vector<Eigen::MatrixXd>& gains, const NodeValues& values,
          const FindingNames& names)
       : problem_(problem),
         trajectory_(trajectory),
+        gains_(gains),
         values_(values),
         names_(names),
         times_(problem.times(trajectory)),
@@ -51,6 +54,7 @@ class Search {
     tell_of_joints();
     for (int k = 0; k < problem_.knots(); ++k) efforts(k);
     for (auto& [name, effort] : efforts_) report(name, effort);
+    find_in_grid(problem_, trajectory_, gains_, list_);
     find_in_contacts(problem_, trajectory_, values_, names_, list_);
     rows();
     between();
@@ -533,6 +537,7 @@ class Search {
 
   const ShootingProblem& problem_;
   const Trajectory& trajectory_;
+  const std::vector<Eigen::MatrixXd>& gains_;
   const NodeValues& values_;
   const FindingNames& names_;
   const std::vector<double> times_;
@@ -550,11 +555,12 @@ class Search {
 }  // namespace
 
 std::vector<Finding> find_in_motion(const ShootingProblem& problem, const Trajectory& trajectory,
+                                    const std::vector<Eigen::MatrixXd>& gains,
                                     const NodeValues& values, const FindingNames& names) {
   for (int k = 0; k <= problem.knots(); ++k)
     if (!trajectory.x(k).allFinite() || (k < problem.knots() && !trajectory.u(k).allFinite()))
       return {};
-  return Search(problem, trajectory, values, names).run();
+  return Search(problem, trajectory, gains, values, names).run();
 }
 
 }  // namespace conddp

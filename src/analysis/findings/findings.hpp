@@ -9,8 +9,10 @@
 namespace conddp {
 
 /// Everything that stands out along a trajectory with these values, kind after kind, of each kind
-/// the worst first. Evaluated by scalar code; empty where the trajectory is not finite.
+/// the worst first. Evaluated by scalar code; empty where the trajectory is not finite. `gains`: of
+/// feedback along it.
 std::vector<Finding> find_in_motion(const ShootingProblem& problem, const Trajectory& trajectory,
+                                    const std::vector<Eigen::MatrixXd>& gains,
                                     const NodeValues& values, const FindingNames& names);
 
 }  // namespace conddp

@@ -1,15 +1,20 @@
 #include "analysis/findings/long_step.hpp"
 
+#include <algorithm>
 #include <complex>
 #include <map>
 #include <memory>
 
 #include <Eigen/Eigenvalues>
+#include <fmt/format.h>
 
 #include "base/exceeds.hpp"
 
 namespace conddp {
 namespace {
+
+/// States of this many numbers together are linearized, which keeps the time far below a solve's.
+constexpr int kSampledNumbers = 1000;
 
 /// What a rule of this order, with as many stages, multiplies a motion x' = λ x by, z = h λ.
 double growth_of(std::complex<double> z, int order) {
@@ -18,43 +23,112 @@ double growth_of(std::complex<double> z, int order) {
   return std::abs(sum);
 }
 
-/// Eigenvalues of the linearized motion, whose data have been differentiated.
-Eigen::VectorXcd modes_of(const System& system, const SystemData<double>& data) {
+/// The linearized motion x' = A x of data that have been differentiated.
+Eigen::MatrixXd linear_motion(const System& system, const SystemData<double>& data) {
   const int n = system.ndx(), rows = system.rows();
   Eigen::MatrixXd A = Eigen::MatrixXd::Zero(n, n);
   A.topRightCorner(n - rows, n - rows).setIdentity();
   A.bottomRows(rows) = Eigen::Map<const Eigen::MatrixXd>(data.fx.data(), rows, n);
-  if (!A.allFinite()) return {};
-  return A.eigenvalues();
+  return A;
+}
+
+double row_sum(const Eigen::MatrixXd& A) { return A.cwiseAbs().rowwise().sum().maxCoeff(); }
+
+/// No eigenvalue is larger.
+double bound_of_eigenvalues(const Eigen::MatrixXd& A) {
+  return std::min(row_sum(A), row_sum(A.transpose()));
+}
+
+/// A motion that is multiplied by 1 but for rounding does not grow.
+constexpr double kGrows = 1 + 1e-6;
+
+/// The worst motion of an explicit rule: |R(h λ)| > 1 with Re h λ ≤ −1. That takes |h λ| ≥ √2, by
+/// Euler's rule, and more by others.
+LongStep explicit_step(const Eigen::MatrixXd& A, double h, int order) {
+  constexpr double kLeastSize = 1.4, kLeastDecay = 1, kStable = 2;
+  LongStep worst{.growth = kGrows};
+  if (bound_of_eigenvalues(A) * h < kLeastSize) return worst;
+  const Eigen::VectorXcd modes = A.eigenvalues();
+  for (const std::complex<double>& mode : modes) {
+    const double growth = growth_of(h * mode, order);
+    if (h * mode.real() > -kLeastDecay || !(growth > worst.growth)) continue;
+    const double rate = std::abs(mode);
+    worst = {.step = h, .rate = rate, .growth = growth, .longest = kStable / rate};
+  }
+  return worst;
+}
+
+/// The eigenvalue of a semi-implicit step that is farthest below −1, as a growth; else 1.
+double alternating_growth(const Eigen::MatrixXd& A, double h) {
+  const int n = static_cast<int>(A.rows()) / 2;
+  // −2 v = (h²/2 A_q + h A_v) v at the limit of stability, where q⁺ = −q and v⁺ = −v.
+  Eigen::MatrixXd limit = h / 2 * (h / 2 * A.bottomLeftCorner(n, n) + A.bottomRightCorner(n, n));
+  if (bound_of_eigenvalues(limit) < 1) return 1;
+  limit = limit * limit;
+  limit = limit * limit;
+  if (bound_of_eigenvalues(limit) < 1) return 1;
+  Eigen::MatrixXd G(2 * n, 2 * n);
+  G.bottomRows(n) = h * A.bottomRows(n);
+  G.bottomRightCorner(n, n).diagonal().array() += 1;
+  G.topRows(n) = h * G.bottomRows(n);
+  G.topLeftCorner(n, n).diagonal().array() += 1;
+  double growth = 1;
+  const Eigen::VectorXcd modes = G.eigenvalues();
+  for (const std::complex<double>& mode : modes)
+    if (mode.real() < -kGrows) growth = std::max(growth, std::abs(mode));
+  return growth;
+}
+
+LongStep semi_implicit_step(const Eigen::MatrixXd& A, double h) {
+  LongStep step{.growth = alternating_growth(A, h)};
+  if (!(step.growth > 1)) return step;
+  step.step = step.longest = h;
+  step.rate = A.eigenvalues().cwiseAbs().maxCoeff();
+  while (alternating_growth(A, step.longest) > 1) step.longest /= 2;
+  return step;
 }
 
 }  // namespace
 
 std::optional<LongStep> long_step(const ShootingProblem& problem, const Trajectory& trajectory) {
-  constexpr double kLeastGrowth = 2, kLeastDecay = 1, kStable = 2;
   std::map<const System*, std::unique_ptr<SystemData<double>>> memory;
-  LongStep worst{.growth = kLeastGrowth};
+  const int samples = std::max(1, kSampledNumbers / problem.ndx());
+  const int stride = (problem.knots() + samples - 1) / samples;
+  LongStep worst{.growth = kGrows};
+  int since = 0, phase = -1;
   for (int k = 0; k < problem.knots(); ++k) {
     const KnotModel& model = *problem.knot(k).model;
     const IntegratorInfo& rule = info_of(model.integrator());
-    if (rule.kind != StepKind::runge_kutta || problem.takes_no_time(k)) continue;
+    const bool is_explicit = rule.kind == StepKind::runge_kutta;
+    if (problem.takes_no_time(k) || (!is_explicit && rule.kind != StepKind::semi_implicit) ||
+        model.system().as_stepping() != nullptr)
+      continue;
+    // The first step of a phase, and others that are a stride apart.
+    since = problem.knot(k).phase == phase ? since + 1 : 0;
+    phase = problem.knot(k).phase;
+    if (since % stride != 0) continue;
     const System& system = model.system();
     auto& data = memory[&system];
     if (!data) data = system.create_data(double{});
     const double* x = trajectory.x(k).data();
     const KnotInput<double> in{x, trajectory.u(k).data(), nullptr, problem.knot(k).dt, 1};
     system.differentiate(x, model.first_control(in), *data);
+    const Eigen::MatrixXd A = linear_motion(system, *data);
+    if (!A.allFinite()) continue;
     const double h = model.step(in.dt, x);
-    const Eigen::VectorXcd modes = modes_of(system, *data);
-    for (const std::complex<double>& mode : modes) {
-      const double growth = growth_of(h * mode, rule.order);
-      if (h * mode.real() > -kLeastDecay || !exceeds(growth, worst.growth)) continue;
-      worst = {
-          .knot = k, .rate = -mode.real(), .growth = growth, .longest = kStable / std::abs(mode)};
-    }
+    LongStep step = is_explicit ? explicit_step(A, h, rule.order) : semi_implicit_step(A, h);
+    step.knot = k;
+    if (exceeds(step.growth, worst.growth)) worst = step;
   }
   if (worst.rate == 0) return std::nullopt;
   return worst;
+}
+
+std::string remedy_of(const LongStep& step, const ShootingProblem& problem) {
+  const bool flat = problem.manifold().curved().empty();
+  return fmt::format("{}steps of at most {:.2g} s there, by more knots",
+                     flat ? "'integrator: radau5', stable in steps of any length, or " : "",
+                     step.longest);
 }
 
 }  // namespace conddp

@@ -98,8 +98,9 @@ class Reader {
       result.replay = replay(problem_, claims_->trajectory, claims_->gains);
     result.contacts = judge_contacts(with_replay);
     if (claims_)
-      result.findings = own_values_ ? findings_of(spec_, built_, claims_->trajectory, *values_)
-                                    : written_->findings;
+      result.findings =
+          own_values_ ? findings_of(spec_, built_, claims_->trajectory, claims_->gains, *values_)
+                      : written_->findings;
     findings(result.findings);
     nulls();
     former_certificate();

@@ -11,7 +11,7 @@ Answer::Answer(const ProblemSpec& spec, const BuiltProblem& built, const SolveRe
       soft_violations(
           conddp::soft_violations(*built.problem, result.trajectory, result.constraint_values)),
       diagnosis(diagnose(*built.problem, result, spec.solver.options)),
-      findings(findings_of(spec, built, result.trajectory, values)),
+      findings(findings_of(spec, built, result.trajectory, result.feedback.K, values)),
       forces(contact_forces(spec, *built.problem, values)) {
   for (const DroppedConstraint& constraint : built.dropped)
     dropped.emplace_back(constraint.name, violation(constraint, *built.problem, result.trajectory));

@@ -60,8 +60,10 @@ FindingNames names_of(const ProblemSpec& spec, const BuiltProblem& built) {
 }  // namespace
 
 std::vector<Finding> findings_of(const ProblemSpec& spec, const BuiltProblem& built,
-                                 const Trajectory& trajectory, const NodeValues& values) {
-  return find_in_motion(*built.problem, trajectory, values, names_of(spec, built));
+                                 const Trajectory& trajectory,
+                                 const std::vector<Eigen::MatrixXd>& gains,
+                                 const NodeValues& values) {
+  return find_in_motion(*built.problem, trajectory, gains, values, names_of(spec, built));
 }
 
 OrderedJson findings_json(const std::vector<Finding>& findings) {

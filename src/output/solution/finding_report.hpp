@@ -8,7 +8,9 @@ namespace conddp {
 
 /// What stands out in a motion of a problem (find_in_motion), by the names of its file.
 std::vector<Finding> findings_of(const ProblemSpec& spec, const BuiltProblem& built,
-                                 const Trajectory& trajectory, const NodeValues& values);
+                                 const Trajectory& trajectory,
+                                 const std::vector<Eigen::MatrixXd>& gains,
+                                 const NodeValues& values);
 
 /// The list `findings` of solution.json.
 OrderedJson findings_json(const std::vector<Finding>& findings);

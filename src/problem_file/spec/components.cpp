@@ -7,6 +7,7 @@
 
 #include "base/text/spelling.hpp"
 #include "systems/own_states.hpp"
+#include "systems/tangent_columns.hpp"
 
 namespace conddp {
 namespace {
@@ -77,13 +78,6 @@ bool is_elsewhere(const std::string& name, const ComponentNames& names) {
                      [&](const std::string& other) { return fits(name, other); });
 }
 
-/// A rotation's component is called like the one of its quaternion, with r in the place of q.
-std::string rotation_name(std::string name) {
-  const std::size_t q = name.rfind('q');  // ".../qx"
-  if (q != std::string::npos) name[q] = 'r';
-  return name;
-}
-
 }  // namespace
 
 ComponentNames::ComponentNames(std::string what_they_are, std::vector<std::string> full_names)
@@ -145,18 +139,7 @@ ComponentNames control_names(const System& system) {
 }
 
 ComponentNames tangent_names(const System& system) {
-  std::vector<std::string> names(system.ndx());
-  const auto& columns = system.state_columns();
-  for (const auto& segment : system.manifold().segments()) {
-    using Part = StateManifold::Part;
-    // A flat segment has numbers alone, a pose three of them before its rotation.
-    const int flat = segment.part == Part::flat ? segment.n : segment.part == Part::se3 ? 3 : 0;
-    for (int i = 0; i < flat; ++i) names[segment.dx + i] = columns[segment.x + i].name;
-    if (segment.part == Part::flat) continue;
-    for (int i = flat; i < flat + 3; ++i)
-      names[segment.dx + i] = rotation_name(columns[segment.x + i].name);
-  }
-  ComponentNames result("components of the state", std::move(names));
+  ComponentNames result("components of the state", column_names(tangent_columns(system)));
   result.by_name_only.assign(system.ndx(), false);
   for (const int i : other_coordinates(system)) result.by_name_only[i] = true;
   return result;

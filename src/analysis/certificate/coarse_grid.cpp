@@ -1,0 +1,151 @@
+#include "analysis/certificate/coarse_grid.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+#include "analysis/certificate/replay.hpp"
+#include "analysis/certificate/replay_step.hpp"
+#include "systems/tangent_columns.hpp"
+
+namespace conddp {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// What one step leaves of the error of two halves of it: 2⁻ᵖ of it, for a rule of order p.
+double extrapolation(Integrator rule) { return 1 / (1 - std::pow(0.5, info_of(rule).order)); }
+
+/// The planned steps one after the other, in parts and in halves of these.
+class PlannedSteps {
+ public:
+  PlannedSteps(const ShootingProblem& problem, const Trajectory& trajectory,
+               std::optional<Integrator> rule, int parts)
+      : problem_(problem), trajectory_(trajectory), rule_(rule), parts_(parts) {}
+
+  bool has_error(int k) const {
+    const KnotModel& model = *problem_.knot(k).model;
+    return !problem_.takes_no_time(k) && info_of(model.integrator()).order > 0 &&
+           model.system().as_stepping() == nullptr;
+  }
+  Integrator rule(int k) const { return rule_.value_or(problem_.knot(k).model->integrator()); }
+
+  /// Estimated error of the step of a knot, as a tangent vector.
+  void error(int k, Eigen::VectorXd& out) {
+    const Eigen::VectorXd once = run(k, parts_), twice = run(k, 2 * parts_);
+    problem_.manifold().difference(once.data(), twice.data(), out.data());
+    out *= extrapolation(rule(k));
+  }
+
+ private:
+  Eigen::VectorXd run(int k, int steps) {
+    const KnotModel& model = *problem_.knot(k).model;
+    auto& stepper = steppers_[&model];
+    if (!stepper) stepper = std::make_unique<ReplayStep>(model, rule(k));
+    Eigen::VectorXd x = trajectory_.x(k), from = trajectory_.u(k);
+    if (model.has_linear_controls()) from = Eigen::VectorXd(x.tail(model.remembered_controls()));
+    Eigen::VectorXd to = from;
+    const double dt = model.step(problem_.knot(k).dt, x.data()) / steps;
+    for (int s = 0; s < steps; ++s) {
+      stepper->look(x.data(), from.data());
+      to += (trajectory_.u(k).head(to.size()) - to) / (steps - s);
+      stepper->go({from.data(), to.data()}, dt, x.data());
+      from = to;
+    }
+    return x;
+  }
+
+  const ShootingProblem& problem_;
+  const Trajectory& trajectory_;
+  const std::optional<Integrator> rule_;
+  const int parts_;
+  std::map<const KnotModel*, std::unique_ptr<ReplayStep>> steppers_;
+};
+
+const System& end_system(const ShootingProblem& problem) {
+  return problem.terminal().model->system();
+}
+
+}  // namespace
+
+Eigen::VectorXd motion_scale(const ShootingProblem& problem, const Trajectory& trajectory) {
+  /// Rounding of the largest number moves nothing, nor what moves so little beside all others.
+  constexpr double kRounding = 1e-9, kLittle = 1e-6;
+  const int own = end_system(problem).ndx();
+  Eigen::VectorXd way = Eigen::VectorXd::Zero(own), off(problem.ndx());
+  double largest = 0;
+  for (int k = 0; k <= problem.knots(); ++k) {
+    problem.manifold().difference(trajectory.x(0).data(), trajectory.x(k).data(), off.data());
+    way = way.cwiseMax(off.head(own).cwiseAbs());
+    largest =
+        std::max(largest, trajectory.x(k).head(end_system(problem).nx()).cwiseAbs().maxCoeff());
+  }
+  const std::vector<Column> columns = tangent_columns(end_system(problem));
+  std::map<std::string, double> farthest;
+  for (int i = 0; i < own; ++i) {
+    double& most = farthest[columns[i].unit];
+    most = std::max(most, way[i]);
+  }
+  for (int i = 0; i < own; ++i) {
+    const std::string& unit = columns[i].unit;
+    const bool comparable = unit != "1" && !unit.empty();
+    way[i] = std::max({way[i], (comparable ? 1 : kLittle) * farthest[unit], kRounding * largest});
+    if (way[i] == 0) way[i] = kInfinity;
+  }
+  return way;
+}
+
+std::optional<GridError> grid_error(const ShootingProblem& problem, const Trajectory& trajectory,
+                                    std::optional<Integrator> rule, int parts) try {
+  const Eigen::VectorXd scale = motion_scale(problem, trajectory);
+  PlannedSteps steps(problem, trajectory, rule, parts);
+  Eigen::VectorXd error(problem.ndx()), sum = Eigen::VectorXd::Zero(scale.size());
+  Eigen::VectorXd largest = sum, worst = sum;
+  std::vector<int> knot(scale.size(), -1);
+  for (int k = 0; k < problem.knots(); ++k) {
+    if (!steps.has_error(k)) continue;
+    steps.error(k, error);
+    const auto own = error.head(scale.size());
+    if (!own.allFinite()) {
+      if (info_of(steps.rule(k)).collocation) return std::nullopt;
+      Eigen::Index entry = 0;
+      while (std::isfinite(own[entry])) ++entry;
+      return GridError{kInfinity, kInfinity, scale[entry], static_cast<int>(entry), k};
+    }
+    sum += own;
+    largest = largest.cwiseMax(sum.cwiseAbs());
+    for (Eigen::Index i = 0; i < own.size(); ++i)
+      if (std::abs(own[i]) > worst[i]) {
+        worst[i] = std::abs(own[i]);
+        knot[i] = k;
+      }
+  }
+  GridError result;
+  if (scale.size() == 0) return result;
+  Eigen::Index entry = 0;
+  result.relative = largest.cwiseQuotient(scale).maxCoeff(&entry);
+  result.sum = largest[entry];
+  result.way = scale[entry];
+  result.entry = static_cast<int>(entry);
+  result.knot = knot[entry];
+  return result;
+} catch (const std::invalid_argument&) {  // no collocation on curved spaces
+  return std::nullopt;
+}
+
+std::optional<GridError> coarse_grid(const ShootingProblem& problem, const Trajectory& trajectory,
+                                     const std::vector<Eigen::MatrixXd>& gains) {
+  const auto error = grid_error(problem, trajectory);
+  if (!error || !(error->relative > kCoarse)) return std::nullopt;
+  const auto replayed =
+      replay_with_feedback(problem, trajectory, gains, 2, motion_scale(problem, trajectory));
+  const Integrator rule = problem.knot(error->knot).model->integrator();
+  if (!replayed || !(extrapolation(rule) * *replayed > kCoarse)) return std::nullopt;
+  return error;
+}
+
+}  // namespace conddp

@@ -1,0 +1,87 @@
+#include "analysis/findings/grid_findings.hpp"
+
+#include <string>
+
+#include <fmt/format.h>
+
+#include "analysis/certificate/coarse_grid.hpp"
+#include "analysis/findings/long_step.hpp"
+#include "systems/tangent_columns.hpp"
+
+namespace conddp {
+namespace {
+
+std::string_view rule_at(const ShootingProblem& problem, int knot) {
+  return info_of(problem.knot(knot).model->integrator()).name;
+}
+
+std::string percent(double share) {
+  constexpr double kMost = 10;
+  if (!(share < kMost)) return "over 1000 %";
+  return fmt::format("{} %", share < 0.1 ? fmt::format("{:.2g}", 100 * share)
+                                         : fmt::format("{:.0f}", 100 * share));
+}
+
+/// Other rules and shorter steps with their errors at this motion: the ones that resolve it, or all
+/// of them where none does.
+std::string remedy_of(const ShootingProblem& problem, const Trajectory& trajectory, int knot) {
+  constexpr int kParts = 4;
+  const Integrator own = problem.knot(knot).model->integrator();
+  std::string good, all;
+  const auto test = [&](std::optional<Integrator> rule, int parts, const std::string& name) {
+    if (rule == own) return;
+    const auto error = grid_error(problem, trajectory, rule, parts);
+    if (!error) return;
+    const std::string text = fmt::format("{} ({})", name, percent(error->relative));
+    if (error->relative <= kCoarse) good += (good.empty() ? "" : " or ") + text;
+    all += (all.empty() ? "" : ", ") + text;
+  };
+  for (const Integrator rule : {Integrator::rk4, Integrator::radau5})
+    test(rule, 1, fmt::format("'integrator: {}'", info_of(rule).name));
+  test(std::nullopt, kParts, fmt::format("steps of dt/{}", kParts));
+  if (good.empty()) return fmt::format("'mesh', or still shorter steps: {} are no cure", all);
+  return good + ", by the error at this motion";
+}
+
+Finding finding_of(FindingKind kind, const ShootingProblem& problem, const Trajectory& trajectory,
+                   int knot) {
+  Finding f;
+  f.kind = kind;
+  f.unit = "1";
+  f.knot = knot;
+  f.time = problem.times(trajectory)[knot];
+  return f;
+}
+
+}  // namespace
+
+void find_in_grid(const ShootingProblem& problem, const Trajectory& trajectory,
+                  const std::vector<Eigen::MatrixXd>& gains, std::vector<Finding>& list) {
+  if (const auto step = long_step(problem, trajectory)) {
+    Finding f = finding_of(FindingKind::unstable_steps, problem, trajectory, step->knot);
+    f.subject = rule_at(problem, step->knot);
+    f.value = step->growth;
+    f.message = fmt::format(
+        "the system is stiff for steps of {}: a motion of the rate {:.3g} 1/s, which does not grow "
+        "in time, is multiplied by {:.3g} in a step of {:.3g} s",
+        f.subject, step->rate, step->growth, step->step);
+    f.remedy = remedy_of(*step, problem);
+    list.push_back(std::move(f));
+  }
+  if (const auto error = coarse_grid(problem, trajectory, gains)) {
+    const Column column = tangent_columns(problem.terminal().model->system())[error->entry];
+    Finding f = finding_of(FindingKind::coarse_grid, problem, trajectory, error->knot);
+    f.subject = column.name;
+    f.value = error->relative;
+    f.message = fmt::format(
+        "the grid does not resolve the motion: the errors of steps of {} add up to {:.2g} {} in "
+        "{}, "
+        "{} of how far it goes",
+        rule_at(problem, error->knot), error->sum, column.unit, column.name,
+        percent(error->relative));
+    f.remedy = remedy_of(problem, trajectory, error->knot);
+    list.push_back(std::move(f));
+  }
+}
+
+}  // namespace conddp
