@@ -51,6 +51,19 @@ std::vector<std::string> schedule(const Loaded& loaded) {
 
 using Lines = std::vector<std::string>;
 
+TEST(Gait, TakesAnyFeetWhoseStartsAreSaid) {
+  const std::string gait =
+      "type: trot, period: 0.4, dt: 0.02, feet: {A: LF, B: RF, C: LH}, starts: {A: 0, B: 0.5, C: "
+      "0}";
+  const Loaded loaded(with_gait(gait));
+  ASSERT_TRUE(loaded.spec) << loaded.all();
+  EXPECT_EQ(schedule(loaded), (Lines{"10: RF", "10: LF LH", "10: LF RF LH"}));
+  const Loaded unsaid(with_gait(replaced(gait, ", C: 0}", "}")));
+  EXPECT_FALSE(unsaid.spec);
+  EXPECT_NE(unsaid.all().find("a trot of 3 feet is not known"), std::string::npos);
+  EXPECT_NE(unsaid.all().find("starts: {...}"), std::string::npos);
+}
+
 TEST(Gait, TrotLiftsDiagonalPairsInTurn) {
   const Loaded loaded(with_gait("type: trot, cycles: 2, period: 0.4, dt: 0.02"));
   ASSERT_TRUE(loaded.built) << loaded.all();

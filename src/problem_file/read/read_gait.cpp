@@ -117,11 +117,22 @@ double usual_start(const Name& role, std::span<const Role> roles, GaitType type,
   return 0;
 }
 
-void read_feet(const YamlReader& reader, const std::vector<ContactSpec>& contacts, GaitSpec& gait) {
+/// Whether the file says of each foot when its cycle starts.
+bool starts_all(const std::optional<YamlReader>& starts, const YamlReader& feet) {
+  return starts && std::ranges::all_of(feet.node().entries, [&](const YamlNode::Entry& foot) {
+           return starts->node().find(foot.key) != nullptr;
+         });
+}
+
+/// `starts`: of the cycles of feet, if the file has them. With those of all feet a gait is known
+/// whatever feet it has.
+void read_feet(const YamlReader& reader, const std::vector<ContactSpec>& contacts,
+               const std::optional<YamlReader>& starts, GaitSpec& gait) {
   const auto entries = reader.named_entries();
   if (!entries) return;
   const GaitType type = gait.type.value;
-  const auto sets = role_sets(type);
+  auto sets = role_sets(type);
+  if (!entries->empty() && starts_all(starts, reader)) sets.clear();
   const auto fitting = std::find_if(sets.begin(), sets.end(),
                                     [&](const auto& set) { return set.size() == entries->size(); });
   const std::span<const Role> roles = fitting == sets.end() ? std::span<const Role>() : *fitting;
@@ -135,7 +146,7 @@ void read_feet(const YamlReader& reader, const std::vector<ContactSpec>& contact
   if (!sets.empty() && roles.empty())
     reader.error(
         fmt::format("a {} of {} feet is not known", word_of(kGaitWords, type), entries->size()),
-        feet_hint(sets));
+        feet_hint(sets) + ", or say of each foot when its cycle starts: 'starts: {...}'");
   else if (entries->empty())
     reader.error("there is no foot");
 }
@@ -257,7 +268,7 @@ GaitSpec read_gait(const YamlReader& reader, const std::vector<ContactSpec>& con
   }
   gait.type = {*chosen, type->place()};
   if (const auto r = map.find("feet"))
-    read_feet(*r, contacts, gait);
+    read_feet(*r, contacts, map.find("starts"), gait);
   else
     find_feet(reader, contacts, gait);
   if (map.require("dt")) read_located(map, "dt", gait.dt, kPositive);
