@@ -251,6 +251,38 @@ TEST(Constraints, WhatContradictsIsFoundBeforeSolving) {
   }
 }
 
+std::string expression(const std::string& name, const std::string& rest) {
+  return "  " + name + ": {residual: expression, knots: [3], rows: " + rest + "}\n";
+}
+
+TEST(Constraints, ScaledRowsOfOneCoordinateContradict) {
+  const std::string cases[] = {
+      expression("a", "3*theta, upper: 2") + expression("b", "'-7*theta', upper: -5"),
+      expression("a", "['theta/3.6 - 1', '2*theta + 2'], lower: [-1, 3.8], upper: [-0.76, 4]")};
+  for (const std::string& rows : cases) {
+    const Loaded loaded(with(rows));
+    EXPECT_FALSE(loaded.built) << rows;
+    EXPECT_NE(loaded.all().find("contradict each other"), std::string::npos) << loaded.all();
+  }
+}
+
+TEST(Constraints, NoContradictionWhereValuesRemain) {
+  const std::string cases[] = {
+      expression("a", "3*theta, lower: -1, upper: 2") +
+          expression("b", "theta, lower: 0.66, upper: 1"),
+      expression("a", "2*theta - 2, equals: -1") + expression("b", "theta, equals: 0.5"),
+      expression("a", "cos(theta), lower: 0.9") + expression("b", "theta, upper: 0.2"),
+      expression("a", "1/(theta + 5), lower: 0.3") + expression("b", "theta, upper: 0.2"),
+      // The branches of a choice are parallel, and miss each other.
+      expression("a", "'if(theta < 1, theta, theta - 9)', upper: -5") +
+          expression("b", "theta, lower: 2"),
+      expression("a", "theta + omega, lower: 5") + expression("b", "theta, upper: 0.2")};
+  for (const std::string& rows : cases) {
+    const Loaded loaded(with(rows));
+    EXPECT_EQ(loaded.all().find("contradict each other"), std::string::npos) << loaded.all();
+  }
+}
+
 TEST(Constraints, CountWhereMemoryIsShort) {
   EXPECT_GT(memory_need(100, 4, 2, 1, {.constraints = 1, .rows = 2}), memory_need(100, 4, 2, 1));
   const Loaded loaded(replaced(with("  posts: {residual: state, columns: theta, at_least: 0.1,\n"

@@ -4,17 +4,44 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <utility>
 
 #include "ocp/problem/node_evaluation.hpp"
 
 namespace conddp {
 namespace {
 
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
 /// Where a coordinate may be, measured from the initial state and zero controls.
 struct Interval {
-  double lower = -std::numeric_limits<double>::infinity();
-  double upper = std::numeric_limits<double>::infinity();
+  double lower = -kInfinity, upper = kInfinity;
+  double rounding = 0;    ///< of both ends
   std::string name = {};  ///< of the constraint that narrowed it last, empty: bounds on the control
+};
+
+/// A row g = value + slope · z of one coordinate z, and its bounds.
+struct Row {
+  const std::string& name;
+  double value, slope, lower, upper;
+
+  Interval allowed() const {
+    const double first = (lower - value) / slope, second = (upper - value) / slope;
+    return {std::min(first, second), std::max(first, second), rounding(), name};
+  }
+  /// The values at an interval's ends, the smaller first.
+  std::pair<double, double> values(const Interval& z) const {
+    return std::minmax(value + slope * z.lower, value + slope * z.upper);
+  }
+
+ private:
+  /// Differences of rounded numbers: bounds that meet may miss each other by that.
+  double rounding() const {
+    double size = 1 + std::abs(value);
+    for (const double bound : {lower, upper})
+      if (std::isfinite(bound)) size += std::abs(bound);
+    return 1e-12 * size / std::abs(slope);
+  }
 };
 
 /// What is left of the coordinates of one node after another.
@@ -26,17 +53,23 @@ class Narrowing {
   std::optional<Contradiction> add(const NodeConstraint& c) {
     if (c.node != node_) begin(c.node);
     if (c.term->kind != ConstraintKind::bounds || c.is_soft()) return std::nullopt;
-    int row = 0;
+    int first = 0;
+    const double* slopes = slopes_->data() + c.term->jacobian;
     for (const RowBlock& block : c.term->blocks) {
-      if (block.rows == 1 && block.columns.size() == 1)
-        if (auto found = narrow(c, row, coordinates_[block.columns[0]])) return found;
-      row += block.rows;
+      const bool one = block.affine && block.columns.size() == 1;
+      for (int row = first; one && row < first + block.rows; ++row) {
+        const double value = (*values_)[c.term->row + row], slope = slopes[row - first];
+        const Row known{c.term->name, value, slope, c.lower[row], c.upper[row]};
+        if (auto found = narrow(known, coordinates_[block.columns[0]])) return found;
+      }
+      first += block.rows;
+      slopes += block.rows * block.columns.size();
     }
     return std::nullopt;
   }
 
  private:
-  /// Of the controls, and the constraints' values at the initial state.
+  /// Bounds on the controls, and the constraints' values at the initial state.
   void begin(int node) {
     node_ = node;
     const KnotModel& model = *problem_.knot(node).model;
@@ -44,21 +77,28 @@ class Narrowing {
     for (int i = 0; i < model.nu(); ++i)
       coordinates_[model.ndx() + i] = {model.control_lower()[i], model.control_upper()[i]};
     const std::vector<double> u(model.nu(), 0.0);
-    values_ = &nodes_.at(node, problem_.initial_state().data(), u.data()).constraint;
+    const double* x = problem_.initial_state().data();
+    // Slopes of affine rows belong to the model: they are the same at all of its nodes.
+    auto& slopes = slopes_of_[&model];
+    if (slopes.empty()) slopes = nodes_.derivatives_at(node, x, u.data()).constraint_jacobian;
+    slopes_ = &slopes;
+    values_ = &nodes_.at(node, x, u.data()).constraint;
   }
 
-  std::optional<Contradiction> narrow(const NodeConstraint& c, int row, Interval& known) const {
-    const double here = (*values_)[c.term->row + row];
-    const double lower = c.lower[row] - here, upper = c.upper[row] - here;
-    // Differences of rounded numbers: bounds that meet may miss each other by that.
-    const double slack =
-        1e-12 * (1 + std::abs(here) + (std::isfinite(lower) ? std::abs(lower) : 0));
-    if (lower > known.upper + slack || upper < known.lower - slack)
-      return Contradiction{c.term->name, known.name, c.node, std::max(lower, known.lower) + here,
-                           std::min(upper, known.upper) + here};
-    if (lower > known.lower || upper < known.upper) known.name = c.term->name;
-    known.lower = std::max(known.lower, lower);
-    known.upper = std::min(known.upper, upper);
+  std::optional<Contradiction> narrow(const Row& row, Interval& known) const {
+    const bool measures = std::isfinite(row.value) && std::isfinite(row.slope) && row.slope != 0;
+    if (!measures) return std::nullopt;
+    const Interval allowed = row.allowed();
+    const double rounding = allowed.rounding + known.rounding;
+    if (allowed.lower > known.upper + rounding || allowed.upper < known.lower - rounding) {
+      const auto [lower, upper] = row.values(known);
+      return Contradiction{row.name, known.name, node_, std::max(row.lower, lower),
+                           std::min(row.upper, upper)};
+    }
+    if (allowed.lower > known.lower || allowed.upper < known.upper) known.name = row.name;
+    known.lower = std::max(known.lower, allowed.lower);
+    known.upper = std::min(known.upper, allowed.upper);
+    known.rounding = std::max(known.rounding, allowed.rounding);
     return std::nullopt;
   }
 
@@ -66,7 +106,8 @@ class Narrowing {
   NodeEvaluation nodes_;
   int node_ = -1;
   std::map<int, Interval> coordinates_;
-  const AlignedVector<double>* values_ = nullptr;
+  std::map<const KnotModel*, AlignedVector<double>> slopes_of_;
+  const AlignedVector<double>*slopes_ = nullptr, *values_ = nullptr;
 };
 
 }  // namespace

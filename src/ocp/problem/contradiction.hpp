@@ -15,8 +15,9 @@ struct Contradiction {
   double lower, upper;  ///< of the coordinate, as the first constraint measures it
 };
 
-/// The first contradiction among bounds on single coordinates of states and controls: those rows of
-/// constraints that are a coordinate minus a reference. More distant ones are for solvers to find.
+/// The first contradiction among bounds on single coordinates of states and controls: rows that are
+/// affine in one coordinate, whose slope turns their bounds into the coordinate's. Other rows prove
+/// nothing here: solvers find what they contradict.
 std::optional<Contradiction> find_contradiction(const ShootingProblem& problem);
 
 }  // namespace conddp

@@ -2,12 +2,30 @@
 
 namespace conddp {
 
-const KnotWorkspace<double>& NodeEvaluation::at(int node, const double* x, const double* u) {
+KnotInput<double> NodeEvaluation::input(int node, const double* x, const double* u) const {
   const KnotView& view = problem_.knot(node);
-  auto& work = work_[view.model];
-  if (!work) work = std::make_unique<KnotWorkspace<double>>(*view.model);
-  view.model->evaluate(KnotInput<double>{x, u, view.parameters, view.dt, view.cost_scale}, *work);
+  return {x, u, view.parameters, view.dt, view.cost_scale};
+}
+
+KnotWorkspace<double>& NodeEvaluation::workspace(const KnotModel& model) {
+  auto& work = work_[&model];
+  if (!work) work = std::make_unique<KnotWorkspace<double>>(model);
   return *work;
+}
+
+const KnotWorkspace<double>& NodeEvaluation::at(int node, const double* x, const double* u) {
+  const KnotModel& model = *problem_.knot(node).model;
+  KnotWorkspace<double>& work = workspace(model);
+  model.evaluate(input(node, x, u), work);
+  return work;
+}
+
+const KnotWorkspace<double>& NodeEvaluation::derivatives_at(int node, const double* x,
+                                                            const double* u) {
+  const KnotModel& model = *problem_.knot(node).model;
+  KnotWorkspace<double>& work = workspace(model);
+  model.differentiate(input(node, x, u), work, false);
+  return work;
 }
 
 const KnotWorkspace<double>& NodeEvaluation::at(int node, const Trajectory& trajectory) {

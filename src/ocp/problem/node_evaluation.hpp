@@ -15,10 +15,15 @@ class NodeEvaluation {
   /// What a node writes at a state and a control (null at the terminal node). Stays until another
   /// node of the same model is evaluated.
   const KnotWorkspace<double>& at(int node, const double* x, const double* u);
-  /// The same at the node's state and control of a trajectory.
+  /// The same with derivatives, but for Hessians.
+  const KnotWorkspace<double>& derivatives_at(int node, const double* x, const double* u);
+  /// What a node writes at its state and control of a trajectory.
   const KnotWorkspace<double>& at(int node, const Trajectory& trajectory);
 
  private:
+  KnotInput<double> input(int node, const double* x, const double* u) const;
+  KnotWorkspace<double>& workspace(const KnotModel& model);
+
   const ShootingProblem& problem_;
   std::map<const KnotModel*, std::unique_ptr<KnotWorkspace<double>>> work_;
 };

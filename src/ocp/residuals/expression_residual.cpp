@@ -86,10 +86,13 @@ class Operands {
 };
 
 /// The rows of the expressions by the columns of z that they depend on, through operands too. The
-/// derivative by row i of the operands is that by the column `first_operand` + i.
+/// derivative by row i of the operands is that by the column `first_operand` + i. A row that
+/// chooses may jump between branches of one slope, so it is not affine.
 std::vector<RowBlock> structure(const DifferentiableExpressions& functions,
-                                const Operands& operands, int first_operand) {
-  std::vector<RowBlock> rows(functions.size(), RowBlock{1, {}, true});
+                                const std::vector<bool>& chooses, const Operands& operands,
+                                int first_operand) {
+  std::vector<RowBlock> rows;
+  for (const bool row_chooses : chooses) rows.push_back({1, {}, !row_chooses});
   for (const auto& entry : functions.jacobian()) {
     RowBlock& row = rows[entry.row];
     row.affine &= entry.constant;
@@ -112,10 +115,11 @@ int count(const std::vector<KnotInputSource>& sources, KnotInputSource::Kind kin
 
 class ExpressionResidual : public ResidualBase<ExpressionResidual> {
  public:
-  ExpressionResidual(DifferentiableExpressions functions, std::vector<KnotInputSource> sources,
-                     int parameters, Operands operands, int first_operand, TableArguments tables)
+  ExpressionResidual(DifferentiableExpressions functions, const std::vector<bool>& chooses,
+                     std::vector<KnotInputSource> sources, int parameters, Operands operands,
+                     int first_operand, TableArguments tables)
       : ResidualBase(
-            structure(functions, operands, first_operand), parameters,
+            structure(functions, chooses, operands, first_operand), parameters,
             count(sources, KnotInputSource::Kind::kControl) > 0 || operands.need_control()),
         functions_(std::move(functions)),
         sources_(std::move(sources)),
@@ -402,9 +406,11 @@ class ResidualReader {
     const int times = kTimes + 2 * static_cast<int>(text_.durations.size());
     std::vector<std::string> tables;
     for (const auto& [name, table] : text_.tables) tables.push_back(name);
+    std::vector<bool> chooses;
+    for (const NodeId& row : outputs_) chooses.push_back(has_choice(graph_, {&row, 1}));
     out_.residual = std::make_shared<ExpressionResidual>(
-        std::move(functions), sources_, rows + (out_.reads_time ? times : 0), std::move(operands),
-        first_operand, TableArguments(graph_, outputs_, inputs, tables));
+        std::move(functions), chooses, sources_, rows + (out_.reads_time ? times : 0),
+        std::move(operands), first_operand, TableArguments(graph_, outputs_, inputs, tables));
   }
 
   /// Inputs that neither values nor derivatives read. A quaternion is read as a whole, because its
