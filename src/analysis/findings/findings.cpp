@@ -13,8 +13,8 @@
 #include <fmt/format.h>
 
 #include "analysis/findings/contact_findings.hpp"
-#include "base/exceeds.hpp"
 #include "analysis/findings/grid_findings.hpp"
+#include "base/exceeds.hpp"
 #include "ocp/problem/by_name.hpp"
 #include "ocp/problem/node_evaluation.hpp"
 #include "systems/collocation_system.hpp"
