@@ -57,7 +57,7 @@ TEST(Gait, TakesAnyFeetWhoseStartsAreSaid) {
       "0}";
   const Loaded loaded(with_gait(gait));
   ASSERT_TRUE(loaded.spec) << loaded.all();
-  EXPECT_EQ(schedule(loaded), (Lines{"10: RF", "10: LF LH", "10: LF RF LH"}));
+  EXPECT_EQ(schedule(loaded), (Lines{"10: LF RF LH", "10: RF", "10: LF LH", "10: LF RF LH"}));
   const Loaded unsaid(with_gait(replaced(gait, ", C: 0}", "}")));
   EXPECT_FALSE(unsaid.spec);
   EXPECT_NE(unsaid.all().find("a trot of 3 feet is not known"), std::string::npos);
