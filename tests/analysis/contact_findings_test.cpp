@@ -121,6 +121,11 @@ TEST(Friction, ThatConesOfTheFileHoldIsNotAdvisedAgain) {
     ASSERT_EQ(found.size(), 1u);
     EXPECT_EQ(found[0].remedy, cones ? "" : "a constraint or cost 'friction_cone' on it");
   }
+  const auto weighed = found_in_contacts(problem, motion, FindingKind::friction_demand,
+                                         {.friction = {{"grip", 0.9}}, .cone_cost = "grip"});
+  ASSERT_EQ(weighed.size(), 1u);
+  EXPECT_EQ(weighed[0].remedy,
+            "a larger weight of the cost 'grip', or a constraint 'friction_cone'");
 }
 
 // A thousandth of the weight of all three bodies, 4 kg, is 0.039 N.

@@ -183,8 +183,7 @@ class Watch {
     for (const auto& [name, pull] : pulls_) {
       Finding f{FindingKind::pull, name, pull.value, pull.impulse ? "Ns" : "N"};
       f.message = fmt::format("the contact '{}' pulls with {:.3g} {}", name, f.value, f.unit);
-      if (!names_.within_cones)
-        f.remedy = "a constraint or cost 'friction_cone' on it, or 'min_normal_force'";
+      if (!names_.within_cones) f.remedy = cone_remedy() + ", or 'min_normal_force'";
       add(std::move(f), pull.knot);
     }
   }
@@ -200,9 +199,16 @@ class Watch {
     add(std::move(f), demand.knot);
   }
 
+  /// What the file does not ask for yet.
+  std::string cone_remedy() const {
+    if (names_.cone_cost.empty()) return "a constraint or cost 'friction_cone' on it";
+    return fmt::format("a larger weight of the cost '{}', or a constraint 'friction_cone'",
+                       names_.cone_cost);
+  }
+
   /// Cones that the file has are violated.
   std::string remedy_of_demand(bool impulse) const {
-    std::string remedy = names_.within_cones ? "" : "a constraint or cost 'friction_cone' on it";
+    std::string remedy = names_.within_cones ? "" : cone_remedy();
     if (impulse)
       remedy +=
           std::string(remedy.empty() ? "" : ", ") + "a touch-down with less speed along the ground";

@@ -51,6 +51,8 @@ struct FindingNames {
   std::set<std::string> bounded;
   /// Whether constraints hold the forces of all contacts within their friction cones.
   bool within_cones = false;
+  /// A cost that weighs them against their cones instead; empty where there is none.
+  std::string cone_cost = {};
 };
 
 }  // namespace conddp

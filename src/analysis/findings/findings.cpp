@@ -469,7 +469,9 @@ class Search {
       Finding& f = add(FindingKind::last_knot, column.name, jump, column.unit, N - 1);
       f.message = fmt::format("{} jumps by {:.3g} {} at the last knot, by {:.3g} at most before",
                               column.name, jump, column.unit, most);
-      f.remedy = "smaller weights of terminal costs, a cost 'control_rate', or more time";
+      f.remedy = problem_.terminal().model->costs().empty()
+                     ? "a cost 'control_rate', or more time"
+                     : "smaller weights of terminal costs, a cost 'control_rate', or more time";
     }
   }
 

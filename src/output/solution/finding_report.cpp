@@ -18,15 +18,20 @@ bool is_of_shapes(const ConstraintSpec& constraint) {
   return !constraint.bounded && constraint.function.definition->needs.shapes;
 }
 
-/// Whether a constraint is not limited to some phases or knots.
-bool holds_throughout(const ConstraintSpec& c) { return !c.function.phases && !c.function.knots; }
+/// Whether a cost or constraint is not limited to some phases or knots.
+bool holds_throughout(const CostSpec& c) { return !c.phases && !c.knots; }
+
+/// Whether it is one on the friction cones of all contacts.
+bool is_of_all_cones(const CostSpec& c) {
+  return c.definition->name == "friction_cone" && !c.keys.has("contacts");
+}
 
 /// What the file asks for by itself, so that findings need not advise it.
 void note_constraints(const ProblemSpec& spec, FindingNames& names) {
   for (const ControlBoundsSpec& c : spec.control_bounds)
     if (c.from_urdf && !c.phases) names.bounded.insert("control");
   for (const ConstraintSpec& c : spec.constraints) {
-    if (!holds_throughout(c)) continue;
+    if (!holds_throughout(c.function)) continue;
     if (c.bounded && c.from_urdf) {
       const bool state = c.bounded->value == BoundedQuantity::kState;
       if (state || c.bounded->value == BoundedQuantity::kConfiguration)
@@ -34,10 +39,10 @@ void note_constraints(const ProblemSpec& spec, FindingNames& names) {
       if (state || c.bounded->value == BoundedQuantity::kVelocity) names.bounded.insert("velocity");
       if (c.bounded->value == BoundedQuantity::kControl) names.bounded.insert("control");
     }
-    if (!c.bounded && c.function.definition->name == "friction_cone" &&
-        !c.function.keys.has("contacts"))
-      names.within_cones = true;
+    if (!c.bounded && is_of_all_cones(c.function)) names.within_cones = true;
   }
+  for (const CostSpec& c : spec.costs)
+    if (holds_throughout(c) && is_of_all_cones(c)) names.cone_cost = c.name.value;
 }
 
 FindingNames names_of(const ProblemSpec& spec, const BuiltProblem& built) {
