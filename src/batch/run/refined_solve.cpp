@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "analysis/certificate/certificate_doubt.hpp"
+
 namespace conddp {
 namespace {
 
@@ -37,7 +39,8 @@ RefinedSolve refine(const ProblemInstance& first, const SolveResult& result,
     finer->built.guess_used = first.built.guess_used;
     const std::chrono::duration<double> gone = std::chrono::steady_clock::now() - began;
     options.max_time_s = std::max(kLeastTime, most - gone.count());
-    refined.result = solve(*finer->built.problem, candidates, options, finer->built.guess, solver);
+    refined.result = solve(*finer->built.problem, candidates, options, finer->built.guess, solver,
+                           certificate_doubt(options));
     refined.instance = std::move(finer);
     grid = &*refined.instance;
   }
