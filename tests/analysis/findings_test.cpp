@@ -79,7 +79,8 @@ TEST(LimitsOfJoints, AreNamedOnTheSideThatIsBroken) {
   const ShootingProblem problem = block_problem({block_phase(block_system(), 2)});
   Trajectory motion = problem.create_trajectory();
   motion.x(1)[0] = -0.5 - 1e-7;  // rounding
-  EXPECT_TRUE(find_in_motion(problem, motion, {}, NodeValues(problem, motion), {}).empty());
+  for (const FindingKind kind : {FindingKind::position_limit, FindingKind::velocity_limit})
+    EXPECT_TRUE(found_in_motion(problem, motion, kind).empty());
   motion.x(1)[0] = -0.75;
   const auto found = found_in_motion(problem, motion, FindingKind::position_limit);
   ASSERT_EQ(found.size(), 1u);
@@ -303,6 +304,40 @@ TEST(BetweenKnots, AGateIsNotLookedAtBehindTheLastKnotThatHasIt) {
     EXPECT_TRUE(found_in_motion(problem, motion, FindingKind::between_knots).empty())
         << *gates.rbegin();
   }
+}
+
+/// A window throughout the first of two phases of so many knots each.
+ShootingProblem window_in_first_phase(int knots) {
+  const auto system = block_system();
+  auto bounded = std::make_shared<KnotModel>(system, Integrator::semi_implicit_euler);
+  bounded->add_constraint(make_constraint("window", coordinate_residual(bounded->manifold(), {0}),
+                                          ConstraintKind::bounds));
+  const auto free = std::make_shared<KnotModel>(system, Integrator::semi_implicit_euler);
+  const std::vector<double> dt(knots, 0.1), scale(knots, 1.0);
+  Phase first{.name = "first", .model = bounded, .dt = dt, .cost_scale = scale};
+  for (int k = 0; k < knots; ++k)
+    for (const double number : {0.0, -0.1, 0.2, 1.0}) first.parameters.push_back(number);
+  std::vector<Phase> phases;
+  phases.push_back(std::move(first));
+  phases.push_back({.name = "second", .model = free, .dt = dt, .cost_scale = scale});
+  return ShootingProblem(std::vector<double>(6, 0.0), std::move(phases),
+                         {.name = "end",
+                          .model = std::make_shared<KnotModel>(system, Integrator::none),
+                          .dt = {0},
+                          .cost_scale = {1}});
+}
+
+TEST(BetweenKnots, ViolationAtEndOfEveryPhaseIsFound) {
+  const ShootingProblem problem = window_in_first_phase(3);
+  Trajectory motion = problem.create_trajectory();
+  motion.x(4)[0] = 5;  // behind the phase
+  EXPECT_TRUE(found_in_motion(problem, motion, FindingKind::between_knots).empty());
+  motion.x(3)[0] = 0.7;
+  const auto found = found_in_motion(problem, motion, FindingKind::between_knots);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_NEAR(found[0].value, 0.5, 1e-9);
+  EXPECT_EQ(found[0].knot, 3);
+  EXPECT_TRUE(tells(found[0], "node 3, the end of the phase 'first'")) << found[0].message;
 }
 
 TEST(BetweenKnots, TheWorstRowIsNamed) {

@@ -287,19 +287,25 @@ class Search {
     }
   }
 
-  /// Those that hold at the next node as well. At the last one only what is said of it holds, so
-  /// what held at the node before, too, goes on till there.
+  /// Those that hold at the next node as well. Where a phase ends only what is said of that node
+  /// holds, so what held at the node before, too, goes on till there.
   std::vector<const NodeConstraint*> those_that_go_on(
-      const std::vector<const NodeConstraint*>& constraints) const {
-    std::set<std::pair<std::string_view, int>> places;
-    for (const NodeConstraint* c : constraints) places.emplace(c->term->name, c->node);
+      const std::vector<const NodeConstraint*>& constraints) {
+    for (const NodeConstraint* c : constraints) places_.emplace(c->term->name, c->node);
     std::vector<const NodeConstraint*> list;
     for (const NodeConstraint* c : constraints) {
-      const int other = c->node + (c->node + 1 == problem_.knots() ? -1 : 1);
-      if (places.contains({c->term->name, c->node + 1}) || places.contains({c->term->name, other}))
+      const int other = c->node + (ends_phase(c->node) ? -1 : 1);
+      if (places_.contains({c->term->name, c->node + 1}) ||
+          places_.contains({c->term->name, other}))
         list.push_back(c);
     }
     return list;
+  }
+
+  /// Whether the next node is the last one, or belongs to another phase.
+  bool ends_phase(int k) const {
+    return k + 1 == problem_.knots() ||
+           (k < problem_.knots() && problem_.knot(k + 1).phase != problem_.knot(k).phase);
   }
 
   bool is_state_inequality(const NodeConstraint& c) const {
@@ -326,22 +332,30 @@ class Search {
       evaluate(k, x);
       for (const NodeConstraint* c : constraints) look_between(*c, at_knots);
     }
-    if (k + 1 < problem_.knots()) return;
+    if (!ends_phase(k)) return;
     evaluate(k, trajectory_.x(k + 1));
     for (const NodeConstraint* c : constraints) look_at_end(*c, at_knots);
   }
 
-  /// At the last node constraints of running knots do not hold by themselves.
+  /// At the node that ends a phase its constraints do not hold by themselves.
   void look_at_end(const NodeConstraint& c, const std::map<std::string, double>& at_knots) {
     const Eigen::VectorXd values = values_of(c);
     const double off = distance_to_set(*c.term, values.data(), c.lower, c.upper);
     if (off <= at_knots.at(c.term->name) + kBetween) return;
-    Finding* f = worst(FindingKind::between_knots, c.term->name, off, "", problem_.knots());
+    const int end = c.node + 1;
+    if (places_.contains({c.term->name, end})) return;
+    Finding* f = worst(FindingKind::between_knots, c.term->name, off, "", end);
     if (f == nullptr) return;
+    const bool last = end == problem_.knots();
     f->message =
-        fmt::format("'{}' is violated by {:.3g}{} at the last node, where it does not hold",
-                    c.term->name, off, offender(c, values));
-    f->remedy = "the same under 'terminal: {constraints: ...}'";
+        fmt::format("'{}' is violated by {:.3g}{} at {}, where it does not hold", c.term->name, off,
+                    offender(c, values),
+                    last ? "the last node"
+                         : fmt::format("node {}, the end of the phase '{}'", end,
+                                       problem_.phases()[problem_.knot(c.node).phase].name));
+    f->remedy =
+        last ? "the same under 'terminal: {constraints: ...}'"
+             : fmt::format("the same once more, with 'knots: [{}]' and without 'phases'", end);
   }
 
   void look_between(const NodeConstraint& c, const std::map<std::string, double>& at_knots) {
@@ -544,7 +558,8 @@ class Search {
   const FindingNames& names_;
   const std::vector<double> times_;
   NodeEvaluation nodes_;
-  const KnotWorkspace<double>* evaluated_ = nullptr;  ///< of the last node
+  const KnotWorkspace<double>* evaluated_ = nullptr;   ///< of the last node
+  std::set<std::pair<std::string_view, int>> places_;  ///< of state inequalities: name and node
   std::map<std::string, Effort> efforts_;
   const MultibodySystem* efforts_of_ = nullptr;
   std::vector<Effort*> effort_;  ///< of the actuators of that robot
