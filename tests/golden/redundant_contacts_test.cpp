@@ -36,8 +36,9 @@ TEST(RedundantContacts, ABipedWithoutAnkleRollShiftsItsWeightWithEverySolver) {
          certify_solution(document, ready.spec, ready.built, false).checks.checks)
       EXPECT_TRUE(check.holds) << name << ": " << check.name << ' ' << check.message;
     bool named = false;
-    for (const Finding& f : findings_of(ready.spec, ready.built, result.trajectory,
-                                        NodeValues(*ready.built.problem, result.trajectory))) {
+    for (const Finding& f :
+         findings_of(ready.spec, ready.built, result.trajectory, result.feedback.K,
+                     NodeValues(*ready.built.problem, result.trajectory))) {
       EXPECT_NE(f.kind, FindingKind::drift) << name << ": " << f.message;
       named = named || f.kind == FindingKind::redundant_contacts;
     }

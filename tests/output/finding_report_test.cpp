@@ -35,11 +35,12 @@ class Findings : public testing::Test {
   }
   std::vector<Finding> of(FindingKind kind, const Trajectory& trajectory) const {
     std::vector<Finding> list;
-    for (Finding& f :
-         findings_of(*spec_, *built_, trajectory, NodeValues(*built_->problem, trajectory)))
+    for (Finding& f : findings_of(*spec_, *built_, trajectory, no_gains(),
+                                  NodeValues(*built_->problem, trajectory)))
       if (f.kind == kind) list.push_back(std::move(f));
     return list;
   }
+  std::vector<Eigen::MatrixXd> no_gains() const { return Feedback(*built_->problem).K; }
   int joint(const std::string& name) const {
     const int index = *built_->plant.robot().find_joint(name);
     return *built_->plant.multibody()->position_index(index);
@@ -215,7 +216,8 @@ TEST_F(Findings, NothingIsSaidOfMotionsThatAreNotFinite) {
   load("arm_reach");
   Trajectory motion = built_->guess;
   motion.x(3)[0] = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_TRUE(findings_of(*spec_, *built_, motion, NodeValues(*built_->problem, motion)).empty());
+  EXPECT_TRUE(findings_of(*spec_, *built_, motion, no_gains(), NodeValues(*built_->problem, motion))
+                  .empty());
 }
 
 TEST(FindingLines, OfOneKindTheWorstThreeAreShown) {
