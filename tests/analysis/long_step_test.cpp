@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "systems/closed_forms/catalogue.hpp"
+#include "support/expression_systems.hpp"
 
 namespace conddp {
 namespace {
@@ -46,10 +46,12 @@ TEST(LongStep, DependsOnTheRule) {
 
 /// Two knots of q'' = −stiffness q − damping v + u by semi-implicit Euler.
 ShootingProblem spring(double stiffness, double damping, double dt) {
-  Eigen::MatrixXd A(1, 2);
-  A << -stiffness, -damping;
-  const auto system = linear_system(A, Eigen::MatrixXd::Ones(1, 1), Eigen::VectorXd::Zero(1),
-                                    SystemKind::second_order);
+  const auto system = expression_system(
+      {.kind = SystemKind::second_order,
+       .states = expression_numbers({"q"}),
+       .velocities = expression_columns({"v"}),
+       .controls = expression_columns({"u"}),
+       .equations = {{"v", fmt::format("u - ({})*q - ({})*v", stiffness, damping)}}});
   const auto model = std::make_shared<KnotModel>(system, Integrator::semi_implicit_euler);
   return {{0.0, 0.0},
           {{.name = "swing", .model = model, .dt = {dt, dt}, .cost_scale = {1, 1}}},

@@ -371,7 +371,8 @@ class Judge {
                               claims_.multipliers,
                               along.costates,
                               along.control,
-                              cost_size_};
+                              cost_size_,
+                              kMostGain * kLeastCost};
       certificate_.second_order = second_order(point);
       certificate_.second_order->scale(1 / scale_);
     }

@@ -34,8 +34,10 @@ constexpr double kPositive = 1e-13, kNegative = 1e-8;
 constexpr double kLeastGain = 1e-6;
 /// Of the change of the costs by moves of all ranges, what is nothing: moves of 3·10⁻¹⁰ of them.
 constexpr double kResolution = 1e-19;
+/// Of the resolution, what a repair counts from: at rest all else is zero.
+constexpr double kRepair = 1e-5;
 /// What a slope counts beside a gain: it ends where the curvature does.
-constexpr double kSlopeShare = 1e-3;
+constexpr double kSlopeShare = 1e-4;
 /// Searches for the inactive rows that Newton's step runs into.
 constexpr int kRounds = 4;
 
@@ -128,7 +130,7 @@ class Model {
     units_ = units_of(ranges_.state);
     const double change = change_over_ranges();
     size_ = std::min(point.cost_size, change);
-    resolution_ = kResolution * change;
+    resolution_ = std::max(kResolution * change, point.negligible);
     const int N = point.problem.knots();
     nodes_.resize(N + 1);
     for (int k = 0; k <= N; ++k) scale(k, std::move(hessians[k]));
@@ -140,9 +142,10 @@ class Model {
   double cost_size() const { return size_; }
   double resolution() const { return resolution_; }
   VectorXd unit(int k) const { return units_of(ranges_.of_node(point_.problem, k)); }
-  /// Σ |∂L/∂u| times the ranges, without what bounds take.
+  /// Σ |∂L/∂u| times the ranges, without what bounds take; 0 where no multipliers are claimed.
   double slope() const {
     double sum = 0;
+    if (point_.problem.constraints().empty()) return 0;
     const int ndx = point_.problem.ndx();
     for (int k = 0; k < point_.problem.knots(); ++k)
       for (int i = 0; i < point_.problem.nu(k); ++i)
@@ -687,8 +690,8 @@ class Recursion {
       found_ = direction(k, Z * (unit.asDiagonal() * eigen.eigenvectors().col(0)));
       if (found_.gain() > least_gain_) return false;
     }
-    const VectorXd inverse =
-        values.unaryExpr([limit](double v) { return v > limit ? 1 / v : 0.0; });
+    // Beside curvature that rounding hides, no gain is told of what is nearly as flat.
+    const VectorXd inverse = values.unaryExpr([](double v) { return v > kNegative ? 1 / v : 0.0; });
     const MatrixXd V = unit.asDiagonal() * eigen.eigenvectors();
     const MatrixXd solution = -V * inverse.asDiagonal() * V.transpose();
     wx = solution * Qwx;
@@ -745,8 +748,10 @@ double attainable_gain(std::vector<ScaledNode> nodes, const Recursion& first) {
 }  // namespace
 
 double SecondOrder::share() const {
-  const double left = std::max({gain, repair, kSlopeShare * slope});
-  if (left <= resolution) return 0;
+  double left = std::max(gain, kSlopeShare * slope);
+  if (left <= resolution) left = 0;
+  if (repair > kRepair * resolution) left = std::max(left, repair);
+  if (left == 0) return 0;
   return cost_size > 0 ? left / cost_size : std::numeric_limits<double>::infinity();
 }
 

@@ -27,7 +27,7 @@ struct SecondOrder {
   double gain = 0;
   /// Size of the change of the cost that closing gaps and violations promises.
   double repair = 0;
-  /// Sum of |∂L/∂u| times the range of each control.
+  /// Sum of |∂L/∂u| times the range of each control; 0 without constraints.
   double slope = 0;
   /// What the costs amount to: the sum of their sizes, and no more than moves of all states and
   /// controls by their ranges change.
@@ -62,7 +62,8 @@ struct JudgedPoint {
   /// Co-states (ndx x (N + 1)) and ∂L/∂u of an adjoint pass with these multipliers.
   const Eigen::MatrixXd& costates;
   const std::vector<Eigen::VectorXd>& control_gradient;
-  double cost_size = 0;  ///< sum of the absolute values of all costs
+  double cost_size = 0;   ///< sum of the absolute values of all costs
+  double negligible = 0;  ///< of the costs, what counts as nothing
 };
 
 /// Riccati recursion on the null space of the active constraints (Laine, Tomlin 2019), from the

@@ -11,7 +11,6 @@ namespace conddp {
 /// What a finding is about, in the order in which findings stand.
 enum class FindingKind {
   unstable_steps,      ///< steps let grow what decays or oscillates: by how much in a step
-  coarse_grid,         ///< the grid does not resolve the motion: error of its steps by the motion
   position_limit,      ///< a joint is beyond its limit, rad or m
   velocity_limit,      ///< likewise, rad/s or m/s
   effort_limit,        ///< a control is at its limit or beyond; s at it, or Nm and N beyond
@@ -24,6 +23,7 @@ enum class FindingKind {
   table_range,    ///< a table is read beyond its points, by how much in its argument's unit
   last_knot,      ///< a quantity jumps in the last step, in its unit
   thrusters,      ///< directions about which thrusters cannot turn a body
+  coarse_grid,    ///< the grid does not resolve the motion: error of its steps by the motion
 };
 
 /// The word in outputs: "position_limit", ...

@@ -54,13 +54,13 @@ class Search {
     tell_of_joints();
     for (int k = 0; k < problem_.knots(); ++k) efforts(k);
     for (auto& [name, effort] : efforts_) report(name, effort);
-    find_in_grid(problem_, trajectory_, gains_, list_);
     find_in_contacts(problem_, trajectory_, values_, names_, list_);
     rows();
     between();
     tables();
     last_knot();
     thrusters();
+    find_in_grid(problem_, trajectory_, gains_, list_);
     sort();
     return std::move(list_);
   }

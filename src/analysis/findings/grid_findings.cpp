@@ -15,8 +15,10 @@ std::string_view rule_at(const ShootingProblem& problem, int knot) {
   return info_of(problem.knot(knot).model->integrator()).name;
 }
 
+/// Errors beyond this share are told no better.
+constexpr double kMost = 10;
+
 std::string percent(double share) {
-  constexpr double kMost = 10;
   if (!(share < kMost)) return "over 1000 %";
   return fmt::format("{} %", share < 0.1 ? fmt::format("{:.2g}", 100 * share)
                                          : fmt::format("{:.0f}", 100 * share));
@@ -72,7 +74,7 @@ void find_in_grid(const ShootingProblem& problem, const Trajectory& trajectory,
     const Column column = tangent_columns(problem.terminal().model->system())[error->entry];
     Finding f = finding_of(FindingKind::coarse_grid, problem, trajectory, error->knot);
     f.subject = column.name;
-    f.value = error->relative;
+    f.value = error->relative < kMost ? error->relative : kMost;
     f.message = fmt::format(
         "the grid does not resolve the motion: the errors of steps of {} add up to {:.2g} {} in "
         "{}, "

@@ -103,9 +103,17 @@ std::array<Trajectory, 2> along_descent(const ShootingProblem& problem, const So
 /// Whether an answer that ended otherwise is one by the tolerances of all.
 bool is_answer(const SolveResult& result, const SolverOptions& options) {
   const Residuals& r = result.residuals;
-  return result.status == SolveStatus::converged ||
-         (result.status == SolveStatus::line_search_failed &&
-          r.stationarity <= options.tolerances.stationarity && is_feasible(r, options.tolerances));
+  switch (result.status) {
+    case SolveStatus::converged:
+      return true;
+    case SolveStatus::line_search_failed:
+    case SolveStatus::regularization_limit:
+    case SolveStatus::max_iterations:
+      return r.stationarity <= options.tolerances.stationarity &&
+             is_feasible(r, options.tolerances);
+    default:
+      return false;
+  }
 }
 
 /// Makes a further answer that of all.
