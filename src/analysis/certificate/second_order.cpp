@@ -389,20 +389,14 @@ struct Descent {
   }
 };
 
-/// How rounding of a Hessian is carried to the stages before.
-enum class Rounding {
-  entries,  ///< as independent changes of the diagonal: quick, and too large where motions diverge
-  matrix,   ///< as a matrix, through the closed loop
-};
-
 /// The recursion. Right-hand sides: with violations closed, and without.
 class Recursion {
  public:
   static constexpr Index kSides = 2;
 
   /// Negative curvature counts where it gains more than `least_gain`.
-  Recursion(const std::vector<ScaledNode>& nodes, double least_gain, Rounding rounding)
-      : nodes_(nodes), least_gain_(least_gain), rounding_(rounding) {}
+  Recursion(const std::vector<ScaledNode>& nodes, double least_gain)
+      : nodes_(nodes), least_gain_(least_gain) {}
 
   /// From the last node to the first. False where a stage has negative curvature.
   bool run() {
@@ -474,8 +468,7 @@ class Recursion {
     const Index n = node.hessian.rows();
     P_ = node.hessian;
     p_ = node.gradient.replicate(1, kSides);
-    size_ = row_sums(node.hessian);
-    if (rounding_ == Rounding::matrix) E_ = size_.asDiagonal();
+    E_ = bound_of(node.hessian, VectorXd::Zero(n)).asDiagonal();
     constant_.setZero();
     rows_ = {MatrixXd(0, n), MatrixXd(0, kSides)};
     MatrixXd E, e;
@@ -592,7 +585,7 @@ class Recursion {
       const MatrixXd Qwx = Z.transpose() * (Q_.bottomLeftCorner(nu, n) + Quu * Ux);
       const MatrixXd qw = Z.transpose() * (q.bottomRows(nu) + Quu * U0);
       const MatrixXd Qww = Z.transpose() * Quu * Z;
-      const VectorXd own = row_sums(Z.transpose() * terms * Z);
+      const VectorXd own = (Z.transpose() * terms * Z).diagonal();
       MatrixXd wx, w0;
       if (!solve(k, Z, Qww, own, Qwx, qw, wx, w0)) return false;
       stage.K += Z * wx;
@@ -625,37 +618,36 @@ class Recursion {
     mirror_lower_triangle(P_);
   }
 
-  static VectorXd row_sums(const MatrixXd& m) { return m.cwiseAbs().rowwise().sum(); }
+  /// A diagonal that no matrix with entries as large exceeds in any direction, whatever the units
+  /// of its rows are; `at_least` is part of it.
+  static VectorXd bound_of(const MatrixXd& entries, const VectorXd& at_least) {
+    const VectorXd root = (at_least + entries.diagonal().cwiseAbs()).cwiseSqrt();
+    const VectorXd inverse = root.unaryExpr([](double r) { return r > 0 ? 1 / r : 0.0; });
+    return at_least + root.cwiseProduct(entries.cwiseAbs() * inverse);
+  }
+
+  /// The diagonal that bounds |F|ᵀ |P| |F|, from |P_ij| ≤ √(P_ii P_jj).
+  VectorXd pulled_bound(const Eigen::Ref<const MatrixXd>& F) const {
+    const VectorXd a = F.cwiseAbs().transpose() * P_.diagonal().cwiseAbs().cwiseSqrt();
+    return static_cast<double>(a.size()) * a.cwiseAbs2();
+  }
 
   /// Terms of the controls' block of Q, nu x nu: rounding is relative to them.
   MatrixXd terms_of_controls(const ScaledNode& node, Index nu) const {
     const auto Fu = node.step.rightCols(nu);
-    VectorXd own = row_sums(node.hessian.bottomRightCorner(nu, nu));
-    if (rounding_ == Rounding::entries)
-      return (own + Fu.cwiseAbs2().transpose() * size_).asDiagonal();
-    const MatrixXd size = Fu.cwiseAbs();
-    own += size.transpose() * (P_.cwiseAbs() * size.rowwise().sum());
     MatrixXd terms = Fu.transpose() * (E_ * Fu);
-    terms.diagonal() += own;
+    terms.diagonal() += bound_of(node.hessian.bottomRightCorner(nu, nu), pulled_bound(Fu));
     return terms;
   }
 
   /// Terms of the value along the closed loop, from those of the next one, P_.
   void carry_rounding(const MatrixXd& H, const Stage& stage, Index n, Index nu) {
-    const MatrixXd K = stage.K.cwiseAbs();
-    const VectorXd ones = VectorXd::Ones(n);
-    VectorXd own = H.topLeftCorner(n, n).cwiseAbs() * ones;
-    own += H.bottomLeftCorner(nu, n).cwiseAbs().transpose() * (K * ones);
-    own += K.transpose() * (H.bottomLeftCorner(nu, n).cwiseAbs() * ones +
-                            H.bottomRightCorner(nu, nu).cwiseAbs() * (K * ones));
-    if (rounding_ == Rounding::entries) {
-      size_ = closed_.cwiseAbs2().transpose() * size_ + own;
-      return;
-    }
-    const MatrixXd size = closed_.cwiseAbs();
-    own += size.transpose() * (P_.cwiseAbs() * (size * ones));
-    E_ = (closed_.transpose() * (E_ * closed_)).eval();
-    E_.diagonal() += own;
+    const MatrixXd K = stage.K.cwiseAbs(), Hux = H.bottomLeftCorner(nu, n).cwiseAbs();
+    MatrixXd own = H.topLeftCorner(n, n).cwiseAbs() + Hux.transpose() * K;
+    own += K.transpose() * (Hux + H.bottomRightCorner(nu, nu).cwiseAbs() * K);
+    multiply(E_, closed_, PF_);
+    E_.noalias() = closed_.transpose() * PF_;
+    E_.diagonal() += bound_of(own, pulled_bound(closed_));
   }
 
   /// w = wx x + w0, least with Hessian Qww. False where that is negative along some w.
@@ -701,11 +693,9 @@ class Recursion {
 
   const std::vector<ScaledNode>& nodes_;
   const double least_gain_;
-  const Rounding rounding_;
   std::vector<Stage> stages_;
   MatrixXd P_, p_, PF_, Q_, transposed_, closed_;
-  VectorXd size_;  ///< of the terms of P, by rows
-  MatrixXd E_;     ///< rounding of P, relative to that of a number
+  MatrixXd E_;  ///< what bounds the rounding of P, relative to that of a number
   StateRows rows_;
   Eigen::RowVector2d constant_ = Eigen::RowVector2d::Zero();
   double least_ = std::numeric_limits<double>::infinity();
@@ -738,7 +728,7 @@ double attainable_gain(std::vector<ScaledNode> nodes, const Recursion& first) {
     const double length = limit_step(nodes, found->step());
     best = std::max(best, length * (2 - length) * gain);
     if (length >= 1) break;
-    kept.push_back(std::make_unique<Recursion>(nodes, kAny, Rounding::entries));
+    kept.push_back(std::make_unique<Recursion>(nodes, kAny));
     if (!kept.back()->run()) break;
     found = kept.back().get();
   }
@@ -765,13 +755,8 @@ SecondOrder second_order(const JudgedPoint& point) {
   out.cost_size = model.cost_size();
   out.resolution = model.resolution();
   out.slope = model.slope();
-  const double least_gain = kLeastGain * out.cost_size + out.resolution;
-  Recursion quick(model.nodes(), least_gain, Rounding::entries);
-  Recursion thorough(model.nodes(), least_gain, Rounding::matrix);
-  bool bounded = quick.run();
-  const bool settled = !bounded || std::isinf(quick.least());
-  if (!settled) bounded = thorough.run();
-  const Recursion& recursion = settled ? quick : thorough;
+  Recursion recursion(model.nodes(), kLeastGain * out.cost_size + out.resolution);
+  const bool bounded = recursion.run();
   out.least = recursion.least();
   out.knot = recursion.least_knot();
   if (bounded) {
