@@ -682,8 +682,9 @@ class Recursion {
       found_ = direction(k, Z * (unit.asDiagonal() * eigen.eigenvectors().col(0)));
       if (found_.gain() > least_gain_) return false;
     }
-    // Beside curvature that rounding hides, no gain is told of what is nearly as flat.
-    const VectorXd inverse = values.unaryExpr([](double v) { return v > kNegative ? 1 / v : 0.0; });
+    // What rounding leaves is left alone, and no more: controls that steady a motion may be weak.
+    const VectorXd inverse =
+        values.unaryExpr([limit](double v) { return v > limit ? 1 / v : 0.0; });
     const MatrixXd V = unit.asDiagonal() * eigen.eigenvectors();
     const MatrixXd solution = -V * inverse.asDiagonal() * V.transpose();
     wx = solution * Qwx;
