@@ -117,7 +117,7 @@ BenchmarkRun run_of(const Pretended& pretended, int repeat = 0) {
         result.status = pretended.status;
         result.residuals = {.stationarity = 1, .gap = 2, .constraint = 3};
         result.iterations = 2;
-        for (const int sweeps : {5, 0, 3}) result.log.push_back({.sweeps = sweeps});
+        for (const int sweeps : {5, 0, 3}) result.log.push_back({.gap = 2, .sweeps = sweeps});
         result.times = pretended.times[std::min(calls++, pretended.times.size() - 1)];
         return result;
       }};

@@ -159,5 +159,21 @@ TEST(AttainableShare, OfPairsIsAlongTheSmallerOnes) {
               4 * 0.5 / 0.25, 1e-14);
 }
 
+SecondOrder model_at(const ShootingProblem& problem, const Eigen::Vector2d& u) {
+  Trajectory trajectory = problem.create_trajectory();
+  trajectory.u(0) = u;
+  trajectory.x(1) = u;
+  return violation_model(problem, trajectory, Eigen::MatrixXd::Zero(2, 1));
+}
+
+TEST(ViolationModel, PromisesNothingAtTheLeastViolation) {
+  const SecondOrder least = model_at(step_to({3, 4}, 1), {1, 1});
+  EXPECT_NE(least.curvature, Curvature::negative);
+  EXPECT_EQ(least.share(), 0);
+  // A step of Newton's goes to the bounds or to the goal.
+  EXPECT_GT(model_at(step_to({3, 4}, 1), {0, 0.5}).share(), 0.1);
+  EXPECT_NEAR(model_at(step_to({3, 4}, kInfinity), {1, 1}).gain, (2 * 2 + 3 * 3) / 2.0, 1e-12);
+}
+
 }  // namespace
 }  // namespace conddp

@@ -114,5 +114,75 @@ terminal: {constraints: {there: {residual: state, reference: [1.0e-3]}}}
   EXPECT_NE(verified.out.find("would gain or repair"), std::string::npos) << verified.out;
 }
 
+/// A point that moves along a line, and what its place has to satisfy at the end.
+std::string point(const std::string& row, double reference) {
+  return R"(conddp: 1
+name: point
+system: {states: {x: m}, controls: {u: m/s}, rate: {x: u}}
+initial_state: {values: {x: 0}}
+phases: [{knots: 10, dt: 0.1}]
+costs: {effort: {residual: control}}
+terminal: {constraints: {end: {residual: expression, rows: {row: ")" +
+         row + "\"}, reference: [" + std::to_string(reference) + "]}}}\n";
+}
+
+// At the start the row is at its largest: its slope vanishes, and the violation has a maximum.
+TEST(Verdicts, ASaddleOfTheViolationIsNotInfeasible) {
+  for (const char* solver : {"altro", "proxddp", "ipopt"}) {
+    const Solved away(point("cos(x)", 0), {"--solver", solver});
+    EXPECT_EQ(away.run.exit_code, 0) << solver << away.run.out << away.run.err;
+    EXPECT_EQ(away.verdict(), "local_minimum") << solver;
+  }
+}
+
+TEST(Verdicts, AMinimumOfTheViolationIsInfeasible) {
+  for (const char* solver : {"altro", "proxddp", "ipopt"}) {
+    const Solved stuck(point("cos(x)", 2), {"--solver", solver});
+    EXPECT_EQ(stuck.run.exit_code, 1) << solver;
+    EXPECT_EQ(stuck.document.at("status"), "infeasible") << solver << stuck.run.out;
+    EXPECT_EQ(run_conddp({"verify", stuck.solution(), "--quiet"}).exit_code, 0) << solver;
+  }
+}
+
+/// A mass on dry ground that holds it up to 2 N.
+const std::string kHeld = R"(conddp: 1
+name: held
+system:
+  positions: {x: m}
+  velocities: {v: m/s}
+  controls: {force: N}
+  acceleration: {v: force - 2*tanh(v/1.0e-3)}
+integrator: radau5
+initial_state: {values: {x: 0, v: 0}}
+phases: [{knots: 40, dt: 0.05}]
+costs: {effort: {residual: control}}
+terminal: {constraints: {there: {residual: state, reference: [1, 0]}}}
+)";
+
+// At rest the place hardly depends on a force that is nothing.
+TEST(Verdicts, AFlatViolationIsNotInfeasible) {
+  for (const char* solver : {"auto", "altro", "proxddp", "ipopt"}) {
+    const Solved held(kHeld, {"--solver", solver});
+    EXPECT_NE(held.document.at("status"), "infeasible") << solver << held.run.out;
+  }
+}
+
+// The first answer of auto's leads through the lowest part of a double well.
+TEST(Verdicts, AutoLooksBeyondItsFirstAnswer) {
+  const Solved wells(
+      R"(conddp: 1
+name: wells
+system: {states: {x: m}, controls: {u: m/s}, rate: {x: u}}
+initial_state: {values: {x: 0.2}}
+phases: [{knots: 10, dt: 0.1}]
+costs: {effort: {residual: control, weight: 1.0e-3}}
+terminal: {costs: {wells: {residual: expression, rows: {depth: "(x^2 - 1)^2 + 0.3*x"}, activation: linear}}}
+)");
+  EXPECT_EQ(wells.run.exit_code, 0) << wells.run.out << wells.run.err;
+  EXPECT_GE(wells.document.at("attempts").size(), 3u);
+  EXPECT_LT(wells.cost(), 0) << "of the nearer well 0.29";
+  EXPECT_EQ(run_conddp({"verify", wells.solution(), "--quiet"}).exit_code, 0);
+}
+
 }  // namespace
 }  // namespace conddp

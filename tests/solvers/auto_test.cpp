@@ -260,60 +260,87 @@ TEST(AutoSolver, HasSoManyStartsAndIterationsAndNoMore) {
   EXPECT_FALSE(solve(problem, alone, {}, guess, used).restarts) << "a solver that was named";
 }
 
-/// A solver of Ipopt's name whose violation falls in the first 40 iterations alone, from 1 to this.
-SolverInfo standing_at(double violation) {
-  return {.name = "ipopt",
+/// A solver whose answer costs that much from the guess, and less from other ones.
+SolverInfo asking(std::string_view name, double cost, double elsewhere, int iterations = 7) {
+  return {.name = name,
           .control_bounds = BoundSupport::exact,
           .constraints = ConstraintSupport::all,
-          .run = [violation](const ShootingProblem& problem, const SolverOptions& options,
-                             const Trajectory& guess) {
+          .run = [=](const ShootingProblem& problem, const SolverOptions& options,
+                     const Trajectory& guess) {
             SolveResult result(problem);
-            IterationRecord row;
-            for (row.iteration = 0; row.iteration < 500; ++row.iteration) {
-              row.constraint = std::pow(violation, std::min(1.0, row.iteration / 40.0));
-              if (options.on_iteration) options.on_iteration(row);
-              if (!options.interrupted || !options.interrupted()) continue;
-              result.status = SolveStatus::interrupted;
-              row.constraint = 0;  // of the answer, which is another iterate
-              options.on_iteration(row);
-              break;
-            }
-            if (row.iteration == 500) result.status = SolveStatus::max_iterations;
-            result.iterations = row.iteration;
+            result.iterations = std::min(iterations, options.max_iterations);
+            result.status = result.iterations < iterations ? SolveStatus::max_iterations
+                                                           : SolveStatus::converged;
             result.trajectory = guess;
+            result.cost = guess.u(0).isZero() ? cost : elsewhere;
             return result;
           }};
 }
 
-TEST(AutoSolver, EndsIpoptWhereItsViolationStands) {
+SolveResult best_of(const std::vector<const SolverInfo*>& list, const SolverInfo*& used,
+                    const SolverOptions& options = {}, const Doubt& doubt = nullptr) {
   const ShootingProblem problem = testing::unicycle_parking(0.6);
-  const Trajectory guess = problem.create_trajectory();
-  const SolverInfo first = failing(), stands = standing_at(0.01);
-  const SolverInfo* used = nullptr;
-  const std::vector<const SolverInfo*> both{&first, &stands}, alone{&stands};
-  int rows = 0;
-  SolverOptions options;
-  options.on_iteration = [&](const IterationRecord&) { ++rows; };
-  const SolveResult result = solve(problem, both, options, guess, used);
-  EXPECT_EQ(result.status, SolveStatus::line_search_failed);
-  EXPECT_NE(result.message.find("; ipopt ended as line_search_failed after 140 iterations"),
-            std::string::npos)
-      << result.message;
-  EXPECT_EQ(rows, 142);
-  EXPECT_EQ(solve(problem, alone, {}, guess, used).iterations, 500) << "who asks for it gets it";
-  options.interrupted = [&] { return true; };
-  EXPECT_EQ(solve(problem, alone, options, guess, used).status, SolveStatus::interrupted);
+  return solve_best(problem, list, options, problem.create_trajectory(), used, doubt);
 }
 
-TEST(AutoSolver, LetsIpoptGoOnThatIsNearlyFeasible) {
+TEST(FurtherLook, HasTheCheapestAnswerOfAllThatItTries) {
+  const SolverInfo first = asking("first", 5, 4), second = asking("second", 3, 2), *used = nullptr;
+  const SolveResult result = best_of({&first, &second}, used);
+  EXPECT_EQ(used, &second);
+  EXPECT_EQ(result.cost, 2);
+  ASSERT_EQ(result.attempts.size(), 4u);
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(result.attempts[i].chosen, i == 2);
+  EXPECT_EQ(result.attempts[0].solver, "first");
+  EXPECT_EQ(result.attempts[0].cost, 5);
+  EXPECT_EQ(result.attempts[1].cost, 3);
+  EXPECT_EQ(result.attempts[2].start, 1);
+  EXPECT_EQ(result.attempts[3].start, 2);
+}
+
+TEST(FurtherLook, KeepsTheFirstOfAnswersThatAreAlike) {
+  const SolverInfo first = asking("first", 5, 5), second = asking("second", 5 - 1e-5, 5),
+                   *used = nullptr;
+  EXPECT_EQ(best_of({&first, &second}, used).cost, 5);
+  EXPECT_EQ(used, &first);
+}
+
+TEST(FurtherLook, EndsWithItsWork) {
+  const SolverInfo first = asking("first", 5, 4), second = asking("second", 3, 2, 400),
+                   *used = nullptr;
+  SolverOptions options;
+  options.look_further = 0;
+  EXPECT_EQ(best_of({&first, &second}, used, options).attempts.size(), 1u);
+  EXPECT_EQ(used, &first);
+  // Room for fifty iterations: the second solver is cut off then, and nothing follows.
   const ShootingProblem problem = testing::unicycle_parking(0.6);
-  const SolverInfo first = failing(), near = standing_at(1e-5);
-  const SolverInfo* used = nullptr;
-  const std::vector<const SolverInfo*> both{&first, &near};
-  const SolveResult result = solve(problem, both, {}, problem.create_trajectory(), used);
-  EXPECT_NE(result.message.find("; ipopt ended as max_iterations after 500 iterations"),
-            std::string::npos)
-      << result.message;
+  options.look_further = 50 * problem.knots() * 25;
+  const SolveResult result = best_of({&first, &second}, used, options);
+  EXPECT_EQ(used, &first);
+  ASSERT_EQ(result.attempts.size(), 2u);
+  EXPECT_EQ(result.attempts[1].status, SolveStatus::max_iterations);
+  EXPECT_EQ(result.attempts[1].iterations, 50);
+  EXPECT_EQ(result.status, SolveStatus::converged);
+}
+
+TEST(FurtherLook, PrefersAnswersWithoutObjections) {
+  const SolverInfo first = asking("first", 1, 2), second = asking("second", 1, 3), *used = nullptr;
+  const Doubt doubt = [](const ShootingProblem&, const SolveResult& answer) {
+    return Objection{answer.cost == 1 ? "it leads through a wall" : ""};
+  };
+  const SolveResult result = best_of({&first, &second}, used, {}, doubt);
+  EXPECT_EQ(result.cost, 2);
+  ASSERT_EQ(result.attempts.size(), 4u);
+  EXPECT_EQ(result.attempts[0].objection, "it leads through a wall");
+  EXPECT_TRUE(result.attempts[2].chosen);
+}
+
+TEST(FurtherLook, SaysThatTimeHasCutItShort) {
+  const SolverInfo first = asking("first", 5, 4), second = asking("second", 3, 2), *used = nullptr;
+  SolverOptions options;
+  options.max_time_s = 1e-9;
+  const SolveResult result = best_of({&first, &second}, used, options);
+  EXPECT_EQ(result.status, SolveStatus::converged);
+  EXPECT_NE(result.message.find("was cut short"), std::string::npos) << result.message;
 }
 
 }  // namespace

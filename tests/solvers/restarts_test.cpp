@@ -251,7 +251,7 @@ TEST(Elsewhere, EndsWhereAllStartsEndAtTheSameLeastViolation) {
     const Trajectory guess = problem.create_trajectory();
     const SolverInfo* used = nullptr;
     const SolveResult result =
-        solve_from_elsewhere(problem, {}, guess, next(guess), solve, nullptr, used);
+        solve_from_elsewhere(problem, {}, guess, next(guess), 1, solve, nullptr, used);
     EXPECT_EQ(result.status, ends[0].first);
     EXPECT_EQ(result.message.find("the violation is the same from 5 starts") != std::string::npos,
               result.restarts->starts == 5)

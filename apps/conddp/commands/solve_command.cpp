@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "analysis/certificate/certificate_doubt.hpp"
+#include "analysis/findings/findings.hpp"
 #include "arguments/problem_arguments.hpp"
 #include "arguments/shared_arguments.hpp"
 #include "base/files/atomic_file.hpp"
@@ -96,7 +97,8 @@ bool leaves_time(const ProblemSpec& spec, double finishing, Diagnostics& out) {
 
 /// Progress is a line of a terminal that is redrawn, or a table where notes are wanted as well;
 /// there is none among messages for machines.
-SolveResult solve_showing_progress(const BuiltProblem& built, bool first_grid, const Doubt& doubt,
+SolveResult solve_showing_progress(const ProblemSpec& spec, const BuiltProblem& built,
+                                   bool first_grid, const Doubt& doubt,
                                    const std::vector<const SolverInfo*>& candidates,
                                    SolverOptions options, Verbosity verbosity,
                                    const SolverInfo*& solver) {
@@ -121,7 +123,9 @@ SolveResult solve_showing_progress(const BuiltProblem& built, bool first_grid, c
   } else {
     options.restarts.count = 0;
   }
-  return solve(*built.problem, candidates, options, built.guess, solver, doubt);
+  const bool looks_further = first_grid && spec.solver.name.value == kAutoSolver;
+  return looks_further ? solve_best(*built.problem, candidates, options, built.guess, solver, doubt)
+                       : solve(*built.problem, candidates, options, built.guess, solver, doubt);
 }
 
 Verbosity verbosity_of(const SolveArguments& arguments) {
@@ -262,6 +266,19 @@ bool refine(const SolveArguments& arguments, int factor, const SolveResult& form
   return true;
 }
 
+/// What the certificate denies; `auto` looks for a way around what a motion jumps through, too.
+Doubt doubt_of(const SolveArguments& arguments, const Task& task, const SolverOptions& options) {
+  if (arguments.no_verify) return nullptr;
+  Doubt doubt = certificate_doubt(options, task.memory);
+  if (task.spec->solver.name.value != kAutoSolver) return doubt;
+  return [doubt](const ShootingProblem& problem, const SolveResult& result) {
+    Objection objection = doubt(problem, result);
+    const auto jumps = find_jumps(problem, result.trajectory);
+    if (objection.text.empty() && !jumps.empty()) objection.text = jumps.front().message;
+    return objection;
+  };
+}
+
 using TimePoint = std::chrono::steady_clock::time_point;
 
 /// The answer on the last grid, which `task` then is; the first one where the file has no mesh.
@@ -278,8 +295,8 @@ std::optional<SolveResult> solve_on_grids(const SolveArguments& arguments, TimeP
     const std::chrono::duration<double> gone = std::chrono::steady_clock::now() - began;
     options.max_time_s = std::max(1e-3, options.max_time_s - gone.count() - task.finishing);
     const bool first_grid = !mesh || mesh->rounds().empty();
-    const Doubt doubt = arguments.no_verify ? nullptr : certificate_doubt(options, task.memory);
-    SolveResult result = solve_showing_progress(*task.built, first_grid, doubt, task.candidates,
+    SolveResult result = solve_showing_progress(*task.spec, *task.built, first_grid,
+                                                doubt_of(arguments, task, options), task.candidates,
                                                 options, verbosity_of(arguments), solver);
     const auto factor = mesh ? mesh->next(*task.built->problem, result) : std::nullopt;
     if (mesh) grids = mesh->rounds();

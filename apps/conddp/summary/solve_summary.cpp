@@ -71,6 +71,20 @@ std::string auto_line(const Solution& s) {
   return fmt::format("  auto          {}\n", describe_auto(problem, list));
 }
 
+/// What `auto` has tried: "altro 5.7313 (105 iterations, 0.13 s); ...".
+std::string attempts_line(const std::vector<Attempt>& attempts) {
+  if (attempts.size() < 2) return {};
+  std::string text;
+  for (const Attempt& a : attempts) {
+    text += fmt::format("{}{}{} {} ({} iterations, {:.2g} s{}{})", text.empty() ? "" : "; ",
+                        a.solver, a.start == 0 ? "" : fmt::format(" from restart {}", a.start),
+                        is_success(a.status) ? fmt::format("{:.6g}", a.cost) : to_string(a.status),
+                        a.iterations, a.time_s, a.objection.empty() ? "" : ", doubted",
+                        a.chosen ? ", chosen" : "");
+  }
+  return fmt::format("  tried         {}\n", text);
+}
+
 std::string restart_lines(const RestartRecord& restarts) {
   std::string text = fmt::format(
       "  restarts      {} starts, {} converged, to {} optima; the answer is that of start {}\n",
@@ -104,6 +118,7 @@ std::string answer_lines(const Solution& s) {
     text += fmt::format("  cost scale    solved with costs times {:.4g}\n", scale);
   text += homotopy_line(r.homotopy);
   text += mesh_line(s);
+  text += attempts_line(r.attempts);
   if (r.restarts) text += restart_lines(*r.restarts);
   return text;
 }

@@ -492,15 +492,19 @@ class Judge {
   void check_least_violation() {
     const double share =
         attainable_share(problem_, claims_.trajectory, models_.derivatives, nodes_.constraint());
-    const bool closed = gap_.value <= claims_.tolerances.gap + state_rounding();
-    add({"least violation", closed && share <= kLeastViolationShare, Check::kNone, share,
-         kLeastViolationShare, "",
-         closed ? (share <= kLeastViolationShare
-                       ? ""
-                       : fmt::format("'infeasible', but moves of the controls lower the violation "
-                                     "by {:.2g} of it, to first order",
-                                     share))
-                : "'infeasible', but the states do not follow from the controls"});
+    const SecondOrder model = violation_model(problem_, claims_.trajectory, gaps_);
+    std::string wrong;
+    if (gap_.value > claims_.tolerances.gap + state_rounding())
+      wrong = "the states do not follow from the controls";
+    else if (!(share <= kLeastViolationShare))
+      wrong = fmt::format(
+          "moves of the controls lower the violation by {:.2g} of it, to first order", share);
+    else if (model.curvature == Curvature::negative)
+      wrong = "a motion beside this one has a smaller violation";
+    else if (!(model.share() <= kLeastViolationShare))
+      wrong = fmt::format("a Newton step takes {:.2g} of the squared violation", model.share());
+    add({"least violation", wrong.empty(), Check::kNone, share, kLeastViolationShare, "",
+         wrong.empty() ? "" : "'infeasible', but " + wrong});
   }
 
   /// Beyond this rounding leaves nothing of the co-states of a diverged answer.

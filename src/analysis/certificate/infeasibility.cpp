@@ -6,6 +6,9 @@
 
 #include "analysis/certificate/feasibility.hpp"
 #include "analysis/certificate/reduced_gradient.hpp"
+#include "analysis/derivatives/node_models.hpp"
+#include "ocp/problem/node_values.hpp"
+#include "ocp/problem/violation_problem.hpp"
 
 namespace conddp {
 namespace {
@@ -132,6 +135,22 @@ double attainable_share(const ShootingProblem& problem, const Trajectory& trajec
     }
   return std::max(sum / distances.squaredNorm(),
                   free_share(problem, trajectory, derivatives, distances, pass.control));
+}
+
+SecondOrder violation_model(const ShootingProblem& problem, const Trajectory& trajectory,
+                            const Eigen::MatrixXd& gaps) {
+  const ShootingProblem violation = violation_problem(problem);
+  const NodeValues values(violation, trajectory);
+  double cost = 0;
+  for (int k = 0; k <= violation.knots(); ++k)
+    for (const double own : values.soft_costs(k)) cost += own;
+  const NodeModels models = node_models(violation, trajectory, gaps);
+  const VectorXd multipliers = VectorXd::Zero(violation.constraint_rows());
+  const RiccatiPolicy policy =
+      riccati_policy(violation, trajectory, models.derivatives, models.hessians);
+  const AdjointPass pass = adjoint_pass(violation, models.derivatives, multipliers, policy.K);
+  return second_order({violation, trajectory, gaps, models.derivatives, models.hessians,
+                       values.constraint(), multipliers, pass.costates, pass.control, cost, 0});
 }
 
 }  // namespace conddp

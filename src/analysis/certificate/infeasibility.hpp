@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 
+#include "analysis/certificate/second_order.hpp"
 #include "analysis/derivatives/node_derivatives.hpp"
 
 namespace conddp {
@@ -21,7 +22,12 @@ double attainable_share(const ShootingProblem& problem, const Trajectory& trajec
                         const std::vector<NodeDerivatives>& derivatives,
                         const Eigen::VectorXd& values);
 
-/// What that share may be at a point of least violation.
+/// The model of second order of the problem of the least violation (violation_problem) at a
+/// trajectory with these gaps (ndx x N): its cost is ½‖d‖².
+SecondOrder violation_model(const ShootingProblem& problem, const Trajectory& trajectory,
+                            const Eigen::MatrixXd& gaps);
+
+/// What those shares may be at a point of least violation.
 inline constexpr double kLeastViolationShare = 0.01;
 
 }  // namespace conddp

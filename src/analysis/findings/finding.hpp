@@ -39,6 +39,7 @@ struct Finding {
   double time = 0;      ///< s, of that knot
   std::string message;  ///< one sentence with figures
   std::string remedy;   ///< what changes it, empty where nothing has to
+  bool jumps = false;   ///< of between_knots: the motion leads through what it should go around
 };
 
 /// What a problem alone does not know of itself.

@@ -36,6 +36,13 @@ bool is_at(double control, double limit) {
 
 bool is_beyond(double off, double limit) { return off > kSlack * std::max(1.0, std::abs(limit)); }
 
+bool is_finite(const Trajectory& trajectory) {
+  for (int k = 0; k <= trajectory.knots(); ++k)
+    if (!trajectory.x(k).allFinite() || (k < trajectory.knots() && !trajectory.u(k).allFinite()))
+      return false;
+  return true;
+}
+
 class Search {
  public:
   Search(const ShootingProblem& problem, const Trajectory& trajectory,
@@ -48,6 +55,13 @@ class Search {
         names_(names),
         times_(problem.times(trajectory)),
         nodes_(problem) {}
+
+  /// What the motion jumps through.
+  std::vector<Finding> jumps() {
+    between();
+    std::erase_if(list_, [](const Finding& f) { return !f.jumps; });
+    return std::move(list_);
+  }
 
   std::vector<Finding> run() {
     for (int k = 0; k <= problem_.knots(); ++k) joints(k);
@@ -368,7 +382,8 @@ class Search {
     f->message =
         fmt::format("'{}' is violated by {:.3g}{} between knots {} and {}, by {:.1e} at knots",
                     c.term->name, off, offender(c, values), c.node, c.node + 1, usual);
-    f->remedy = jumps_through(c, off)
+    f->jumps = jumps_through(c, off);
+    f->remedy = f->jumps
                     ? "another first guess, or many of them (solver.restarts): the motion jumps "
                       "through what it should go around"
                     : "more knots, or wider distances";
@@ -574,10 +589,13 @@ class Search {
 std::vector<Finding> find_in_motion(const ShootingProblem& problem, const Trajectory& trajectory,
                                     const std::vector<Eigen::MatrixXd>& gains,
                                     const NodeValues& values, const FindingNames& names) {
-  for (int k = 0; k <= problem.knots(); ++k)
-    if (!trajectory.x(k).allFinite() || (k < problem.knots() && !trajectory.u(k).allFinite()))
-      return {};
+  if (!is_finite(trajectory)) return {};
   return Search(problem, trajectory, gains, values, names).run();
+}
+
+std::vector<Finding> find_jumps(const ShootingProblem& problem, const Trajectory& trajectory) {
+  if (!is_finite(trajectory)) return {};
+  return Search(problem, trajectory, {}, NodeValues(problem, trajectory), {}).jumps();
 }
 
 }  // namespace conddp

@@ -15,4 +15,7 @@ std::vector<Finding> find_in_motion(const ShootingProblem& problem, const Trajec
                                     const std::vector<Eigen::MatrixXd>& gains,
                                     const NodeValues& values, const FindingNames& names);
 
+/// Those of kind between_knots where the motion leads through what it should go around.
+std::vector<Finding> find_jumps(const ShootingProblem& problem, const Trajectory& trajectory);
+
 }  // namespace conddp

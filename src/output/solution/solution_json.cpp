@@ -335,7 +335,21 @@ OrderedJson restarts_json(const RestartRecord& restarts) {
           {"optima", std::move(optima)}};
 }
 
-/// Of a solution.json with its certificate there are 27.
+OrderedJson attempts_json(const std::vector<Attempt>& attempts) {
+  OrderedJson list = OrderedJson::array();
+  for (const Attempt& a : attempts)
+    list.push_back({{"solver", a.solver},
+                    {"start", a.start},
+                    {"status", to_string(a.status)},
+                    {"iterations", a.iterations},
+                    {"cost", finite_or_null(a.cost)},
+                    {"time_s", a.time_s},
+                    {"objection", a.objection},
+                    {"chosen", a.chosen}});
+  return list;
+}
+
+/// Of a solution.json with its certificate there are 28.
 constexpr std::size_t kMostMembers = 32;
 
 OrderedJson head(const Solution& s) {
@@ -370,6 +384,7 @@ OrderedJson head(const Solution& s) {
   json["soft_constraints"] = violations_json(answer.soft_violations);
   json["dropped_constraints"] = std::move(dropped);
   if (!r.homotopy.empty()) json["homotopy"] = homotopy_json(r.homotopy);
+  if (r.attempts.size() > 1) json["attempts"] = attempts_json(r.attempts);
   if (r.restarts) json["restarts"] = restarts_json(*r.restarts);
   if (!s.mesh.empty()) json["mesh"] = mesh_json(s);
   return json;

@@ -239,6 +239,14 @@ constexpr std::array kTable = {
         .min_excluded = true,
         .max_excluded = true,
         .access = CONDDP_ACCESS(complementarity.final)},
+    OptionInfo{.name = "look_further",
+               .doc =
+                   "Of auto in conddp solve: the work up to which other solvers and guesses are "
+                   "tried after an answer: iterations times knots times states and controls times "
+                   "these and the rows of constraints; 0: the first answer counts.",
+               .min = 0,
+               .max = 1e9,
+               .access = CONDDP_ACCESS(look_further)},
     OptionInfo{.name = "restarts.count",
                .doc = "Further solves from random perturbations of the guess; the best answer "
                       "counts.",

@@ -99,6 +99,9 @@ struct SolverOptions {
     double spread = 0.1;
   } restarts;
 
+  /// Work of iterations (look_further.cpp) up to which solve_best looks for a better answer.
+  int look_further = 3000000;
+
   /// Ipopt's own, by its names, of the solver `ipopt`.
   IpoptOptions ipopt;
 

@@ -77,6 +77,9 @@ struct SolveResult {
   /// All solves of a homotopy, in order; empty without one. Iterations, log and times above are
   /// those of all of them together.
   std::vector<HomotopyStep> homotopy;
+  /// What `auto` tried, in order. Iterations and log above are those of the chosen one, the total
+  /// time is that of all.
+  std::vector<Attempt> attempts;
   /// Of a solve with restarts. Iterations and log above are those of the start whose answer counts,
   /// the total time is that of all.
   std::optional<RestartRecord> restarts;

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <limits>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "solvers/common/status.hpp"
@@ -14,6 +16,18 @@ struct HomotopyStep {
   int iterations = 0;
   double cost = std::numeric_limits<double>::quiet_NaN();
   double time_s = 0;
+};
+
+/// A solve by one of several solvers, or from one of several guesses.
+struct Attempt {
+  std::string_view solver;
+  int start = 0;  ///< 0: the guess itself, else the number of its random perturbation
+  SolveStatus status = SolveStatus::diverged;
+  int iterations = 0;
+  double cost = std::numeric_limits<double>::quiet_NaN();
+  double time_s = 0;
+  std::string objection;  ///< to its answer; empty: none, or nobody asked
+  bool chosen = false;    ///< its answer is that of all
 };
 
 /// A local optimum, and the starts that ended there.

@@ -94,6 +94,10 @@ using Doubt = std::function<Objection(const ShootingProblem&, const SolveResult&
 SolveResult solve(const ShootingProblem& problem, SolverList candidates,
                   const SolverOptions& options, const Trajectory& guess, const SolverInfo*& used,
                   const Doubt& doubt = nullptr);
+/// The same, and where the answer came soon the best of further ones (look_further).
+SolveResult solve_best(const ShootingProblem& problem, SolverList candidates,
+                       const SolverOptions& options, const Trajectory& guess,
+                       const SolverInfo*& used, const Doubt& doubt);
 /// The same by name, `auto` included; an unknown name is a std::invalid_argument.
 SolveResult solve(const ShootingProblem& problem, std::string_view solver,
                   const SolverOptions& options, const Trajectory& guess);

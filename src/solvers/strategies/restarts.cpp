@@ -22,10 +22,8 @@ constexpr double kEqualCost = 1e-6;
 /// Trajectories that differ by less than this share of how far they lead are equal: where a cost is
 /// flat to kEqualCost, states are known to about its square root.
 constexpr double kEqualStates = 1e-2;
-/// Restarts after a failure: how many at most, and how far their guesses are apart: near guesses
-/// lead to the same least violation (docs/measurements/hard_cases.md).
+/// Restarts after a failure at most.
 constexpr int kMostRestarts = 20;
-constexpr double kFarSpread = 1;
 /// Where so many starts, the guess among them, and no other ones end at the same least violation,
 /// it is that of the constraints and not of where a search began.
 constexpr int kAlike = 5;
@@ -57,14 +55,6 @@ double distance(const ShootingProblem& problem, const Trajectory& x, const Other
 bool equal_trajectories(const ShootingProblem& problem, const Trajectory& a, const Trajectory& b) {
   const double extent = distance(problem, a, [&](int) { return a.x(0); });
   return distance(problem, a, [&](int k) { return b.x(k); }) <= kEqualStates * extent;
-}
-
-/// The guess of a start, 0: unchanged.
-Trajectory start_of(const ShootingProblem& problem, const SolverOptions::Restarts& restarts,
-                    const Trajectory& guess, int start) {
-  if (start == 0) return guess;
-  const auto seed = static_cast<std::uint64_t>(restarts.seed) * 1000003 + start;
-  return perturb_guess(problem, guess, restarts.spread, seed);
 }
 
 struct Outcome {
@@ -234,6 +224,24 @@ class Restarts {
 
 }  // namespace
 
+Trajectory start_of(const ShootingProblem& problem, const SolverOptions::Restarts& restarts,
+                    const Trajectory& guess, int start) {
+  if (start == 0) return guess;
+  const auto seed = static_cast<std::uint64_t>(restarts.seed) * 1000003 + start;
+  return perturb_guess(problem, guess, restarts.spread, seed);
+}
+
+Attempt attempt_of(const SolverInfo& solver, int start, const SolveResult& result,
+                   std::string objection) {
+  return {.solver = solver.name,
+          .start = start,
+          .status = result.status,
+          .iterations = result.iterations,
+          .cost = result.cost,
+          .time_s = result.times.total,
+          .objection = std::move(objection)};
+}
+
 SolveResult solve_restarts(const ShootingProblem& problem, const SolverOptions& options,
                            const Trajectory& guess, int threads, const Solve& solve,
                            const SolverInfo*& used) {
@@ -241,12 +249,13 @@ SolveResult solve_restarts(const ShootingProblem& problem, const SolverOptions& 
 }
 
 SolveResult solve_from_elsewhere(const ShootingProblem& problem, const SolverOptions& options,
-                                 const Trajectory& guess, SolveResult failed, const Solve& solve,
-                                 const Doubt& doubt, const SolverInfo*& used) {
-  const SolverOptions::Restarts far{.seed = options.restarts.seed, .spread = kFarSpread};
+                                 const Trajectory& guess, SolveResult failed, double spread,
+                                 const Solve& solve, const Doubt& doubt, const SolverInfo*& used) {
+  const SolverOptions::Restarts far{.seed = options.restarts.seed, .spread = spread};
   JoinedSolves solves(options);
   RestartRecord record{.starts = 1};
   std::optional<SolveResult> found;
+  std::vector<Attempt> attempts = failed.attempts;
   int alike = 1;
   for (int start = 1; start <= kMostRestarts && solves.iterations_left() > 0; ++start) {
     if (!(options.max_time_s > solves.seconds()) || (options.interrupted && options.interrupted()))
@@ -254,13 +263,16 @@ SolveResult solve_from_elsewhere(const ShootingProblem& problem, const SolverOpt
     const SolverInfo* by = nullptr;
     SolveResult result = solve(start_of(problem, far, guess, start), solves.next(), by);
     solves.add(result);
+    attempts.push_back(attempt_of(*by, start, result, ""));
     if (alike == record.starts++ && equal_violations(failed, result) && ++alike == kAlike) {
       failed.message += fmt::format("; the violation is the same from {} starts", alike);
       break;
     }
     if (!is_success(result.status)) continue;
-    const std::string doubts = doubt ? doubt(problem, result).text : "";
+    std::string& doubts = attempts.back().objection;
+    if (doubt) doubts = doubt(problem, result).text;
     if (!doubts.empty() && found) continue;
+    for (Attempt& attempt : attempts) attempt.chosen = &attempt == &attempts.back();
     used = by;
     record.converged = 1;
     record.answer = start;
@@ -273,6 +285,7 @@ SolveResult solve_from_elsewhere(const ShootingProblem& problem, const SolverOpt
   const double before = failed.times.total;
   SolveResult answer = found ? *std::move(found) : std::move(failed);
   answer.times.total = before + solves.seconds();
+  answer.attempts = std::move(attempts);
   if (record.starts > 1) answer.restarts = std::move(record);
   return answer;
 }

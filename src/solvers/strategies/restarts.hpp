@@ -10,6 +10,18 @@ namespace conddp {
 using Solve =
     std::function<SolveResult(const Trajectory&, const SolverOptions&, const SolverInfo*&)>;
 
+/// The spread of guesses far from a guess that did not serve: near ones lead to the same answer
+/// (docs/measurements/hard_cases.md).
+inline constexpr double kFarSpread = 1, kFartherSpread = 10;
+
+/// The guess of a start; 0: unchanged.
+Trajectory start_of(const ShootingProblem& problem, const SolverOptions::Restarts& restarts,
+                    const Trajectory& guess, int start);
+
+/// What `result` is among the attempts of a solve.
+Attempt attempt_of(const SolverInfo& solver, int start, const SolveResult& result,
+                   std::string objection);
+
 /// Solves from the guess (start 0) and from `options.restarts.count` random perturbations of it, in
 /// so many threads, all within one time limit: starts that it leaves no time for are not made. The
 /// answer is the cheapest one that converged, of answers equal in cost that of the first start;
@@ -20,13 +32,13 @@ SolveResult solve_restarts(const ShootingProblem& problem, const SolverOptions& 
                            const SolverInfo*& used);
 
 /// Of a problem that could not be solved from the guess: solves from up to 20 random perturbations
-/// of it with a standard deviation of 1, one after the other until one converges to an answer
+/// of it with this spread, one after the other until one converges to an answer
 /// without doubts, or until the guess and four of them, and no others, have ended at the same least
 /// violation. They share the limits of iterations and time, and `options.restarts.seed`. Where none
 /// converges without doubts, the answer is the first that converged, or else `failed`; in each case
 /// it has the record of its restarts.
 SolveResult solve_from_elsewhere(const ShootingProblem& problem, const SolverOptions& options,
-                                 const Trajectory& guess, SolveResult failed, const Solve& solve,
-                                 const Doubt& doubt, const SolverInfo*& used);
+                                 const Trajectory& guess, SolveResult failed, double spread,
+                                 const Solve& solve, const Doubt& doubt, const SolverInfo*& used);
 
 }  // namespace conddp

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "ocp/problem/violation_problem.hpp"
 #include "solvers/constraints/violation_slope.hpp"
 #include "solvers/ddp/ddp_solver.hpp"
 #include "solvers/strategies/joined_solves.hpp"
@@ -13,6 +14,10 @@ namespace conddp {
 namespace {
 
 constexpr int kMostRestorations = 3;
+/// How often an answer that says `infeasible` is followed by another one where the violation falls,
+/// and of that, squared, what counts.
+constexpr int kMostDescents = 3;
+constexpr double kFell = 1e-2;
 /// How many times the violation at the states the one on the motion that the controls give may be.
 constexpr double kSimulated = 10;
 
@@ -24,12 +29,18 @@ bool can_restore(const ShootingProblem& problem) {
                       [](const NodeConstraint& c) { return c.term->has_pairs(); });
 }
 
-/// Of a solve after which no restoration of feasibility decides whether its violation is the least.
+/// Of a solve after which nothing proves that its violation is the least.
 void name_undecided(SolveResult& result) {
   if (result.status != SolveStatus::infeasible) return;
   result.status = SolveStatus::line_search_failed;
   result.message =
-      "whether a violation near this one is the least has not been decided: " + result.message;
+      "whether the constraints can be satisfied has not been decided: " + result.message;
+}
+
+bool has_feasible_iterate(const std::vector<IterationRecord>& log, const SolverOptions& options) {
+  return std::ranges::any_of(log, [&](const IterationRecord& row) {
+    return row.gap <= options.tolerances.gap && row.constraint <= options.tolerances.constraint;
+  });
 }
 
 /// The first penalty of the solve that goes on from a restoration. Controls without bounds may have
@@ -126,6 +137,44 @@ SolveResult solve_with_restoration(
   name_undecided(result);
   result.message = note + result.message;
   return solves.answer(std::move(result));
+}
+
+SolveResult confirm_infeasible(
+    const ShootingProblem& problem, const SolverOptions& options, SolveResult result,
+    const Doubt& doubt,
+    const std::function<SolveResult(const SolverOptions&, const Trajectory&)>& solve,
+    const std::function<SolveResult(const ShootingProblem&, const Trajectory&)>& minimize) {
+  if (result.status != SolveStatus::infeasible) return result;
+  const ShootingProblem violation = violation_problem(problem);
+  Evaluator evaluator(violation);
+  Evaluation values(violation);
+  const double before_s = result.times.total;
+  JoinedSolves solves(options);
+  solves.add(result);
+  for (int i = 0; i < kMostDescents && result.status == SolveStatus::infeasible; ++i) {
+    const std::string objection = doubt ? doubt(problem, result).text : "";
+    evaluator.evaluate(result.trajectory, values);
+    const double before = values.cost.sum();
+    const SolveResult least = minimize(violation, result.trajectory);
+    const bool falls = least.cost < (1 - kFell) * before;
+    if (!falls && is_success(least.status) && objection.empty()) break;
+    if (!falls || i + 1 == kMostDescents || solves.iterations_left() <= 0) {
+      name_undecided(result);
+      break;
+    }
+    SolverOptions own = solves.next();
+    own.multipliers = nullptr;
+    own.augmented_lagrangian.initial_penalty = next_first_penalty(options, result);
+    SolveResult next = solve(own, least.trajectory);
+    next.message =
+        fmt::format("{}; from a motion with a smaller violation: {}", result.message, next.message);
+    result = std::move(next);
+    solves.add(result);
+  }
+  result = solves.answer(std::move(result));
+  result.times.total += before_s;
+  if (has_feasible_iterate(result.log, options)) name_undecided(result);
+  return result;
 }
 
 }  // namespace conddp

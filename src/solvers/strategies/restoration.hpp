@@ -4,6 +4,7 @@
 
 #include "solvers/common/options.hpp"
 #include "solvers/common/solve_result.hpp"
+#include "solvers/strategies/registry.hpp"
 
 namespace conddp {
 
@@ -28,5 +29,16 @@ SolveResult restore_feasibility(const ShootingProblem& problem, const SolverOpti
 SolveResult solve_with_restoration(
     const ShootingProblem& problem, const SolverOptions& options, const Trajectory& guess,
     const std::function<SolveResult(const SolverOptions&, const Trajectory&)>& solve);
+
+/// An answer that says `infeasible`, after the violation alone has been minimised from there
+/// (violation_problem): it stays where that does not lower the violation and ends at a minimum, no
+/// doubt is raised, and no iterate of its log is feasible. Where the violation falls, the answer is
+/// that of `solve` from the motion found, looked into likewise. Else the status is
+/// `line_search_failed`.
+SolveResult confirm_infeasible(
+    const ShootingProblem& problem, const SolverOptions& options, SolveResult result,
+    const Doubt& doubt,
+    const std::function<SolveResult(const SolverOptions&, const Trajectory&)>& solve,
+    const std::function<SolveResult(const ShootingProblem&, const Trajectory&)>& minimize);
 
 }  // namespace conddp

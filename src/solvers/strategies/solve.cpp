@@ -1,16 +1,18 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
-#include <limits>
 #include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "base/shared_library.hpp"
 #include "ocp/problem/by_name.hpp"
 #include "solvers/strategies/answer_objections.hpp"
+#include "solvers/strategies/feasible_guess.hpp"
 #include "solvers/strategies/homotopy.hpp"
+#include "solvers/strategies/look_further.hpp"
 #include "solvers/strategies/option_check.hpp"
 #include "solvers/strategies/registry.hpp"
 #include "solvers/strategies/restarts.hpp"
@@ -66,19 +68,31 @@ SolveResult run(const ShootingProblem& problem, const SolverInfo& solver, Solver
   options.restarts = {};
   options.homotopy = nullptr;
   if (solver.constraints != ConstraintSupport::all) options.multipliers = nullptr;
-  SolveResult result = solve_answering(
-      problem, options, guess, doubt, objection,
-      [&](const SolverOptions& asked, const Trajectory& from) {
-        return solve_scaled(
-            problem, asked, [&](const ShootingProblem& scaled, const SolverOptions& mine) {
-              SolveResult answer = solve_with_restoration(
-                  scaled, mine, from, [&](const SolverOptions& own, const Trajectory& start) {
-                    return solver.run(scaled, own, start);
-                  });
-              name_divergence(answer);
-              return answer;
-            });
-      });
+  const auto solve_once = [&](const SolverOptions& asked, const Trajectory& from) {
+    return solve_scaled(
+        problem, asked, [&](const ShootingProblem& scaled, const SolverOptions& mine) {
+          SolveResult answer = solve_with_restoration(
+              scaled, mine, from, [&](const SolverOptions& own, const Trajectory& start) {
+                return solver.run(scaled, own, start);
+              });
+          name_divergence(answer);
+          return answer;
+        });
+  };
+  const bool penalizes = solver.constraints == ConstraintSupport::all && !solver.complementarity;
+  const auto solve_from = [&](const SolverOptions& asked, const Trajectory& from) {
+    return solve_keeping_guess(asked, from, penalizes, solve_once);
+  };
+  SolveResult result = solve_answering(problem, options, guess, doubt, objection, solve_from);
+  const auto minimize = [&](const ShootingProblem& violation, const Trajectory& from) {
+    SolverOptions own;
+    own.threads = options.threads;
+    own.max_time_s = options.max_time_s;
+    own.interrupted = options.interrupted;
+    Objection ignored;
+    return run(violation, *find_solver("box_fddp"), own, from, doubt, ignored);
+  };
+  result = confirm_infeasible(problem, options, std::move(result), doubt, solve_from, minimize);
   name_failed_functions(problem, result);
   return result;
 }
@@ -96,59 +110,6 @@ std::optional<SolveResult> run_if_loaded(const ShootingProblem& problem, const S
     return std::nullopt;
   }
 }
-
-/// Ends a solve whose violation has not fallen for a while, by the callbacks of its options. They
-/// stay the caller's for whom it goes on. Iterates that were nearly feasible once are watched no
-/// longer: from there they lower the cost, by way of others with a larger violation.
-class Impatience {
- public:
-  explicit Impatience(const SolverOptions& options) : options_(options) {}
-
-  SolverOptions options() {
-    SolverOptions own = options_;
-    own.on_iteration = [this](const IterationRecord& row) { look(row); };
-    own.interrupted = [this] {
-      return is_over() || (options_.interrupted && options_.interrupted());
-    };
-    return own;
-  }
-  bool is_over() const { return last_ - since_ >= kPatience && least_ > kNear * first_; }
-  /// An end by impatience is the solver's own.
-  void name_end(SolveResult& result) const {
-    if (result.status != SolveStatus::interrupted || !is_over()) return;
-    if (options_.interrupted && options_.interrupted()) return;
-    result.status = SolveStatus::line_search_failed;
-    result.message = fmt::format("the violation has not fallen for {} iterations: {}", kPatience,
-                                 result.message);
-  }
-
- private:
-  /// Iterations, what counts as less, and as nearly feasible beside the first violation.
-  static constexpr int kPatience = 100;
-  static constexpr double kLess = 0.9, kNear = 1e-4;
-
-  void look(const IterationRecord& row) {
-    // Rows behind the end are those of the answer, which may be another iterate.
-    if (!is_over()) count(row);
-    if (options_.on_iteration) options_.on_iteration(row);
-  }
-  void count(const IterationRecord& row) {
-    const double violation = std::max(row.gap, row.constraint);
-    if (row.iteration == 0) first_ = violation;
-    last_ = row.iteration;
-    if (violation < kLess * least_ || violation <= options_.tolerances.constraint) {
-      least_ = violation;
-      since_ = last_;
-    }
-  }
-
-  const SolverOptions& options_;
-  double first_ = 0, least_ = std::numeric_limits<double>::infinity();
-  int last_ = 0, since_ = 0;
-};
-
-/// Ipopt's restoration of feasibility goes on for thousands of iterations where there is no way.
-bool may_go_on_in_vain(const SolverInfo& solver) { return solver.name == "ipopt"; }
 
 /// Whether a later answer says more than the first one: that it is one, near, or a least violation.
 bool says_more(const SolveResult& later, const SolveResult& first) {
@@ -170,24 +131,24 @@ SolveResult run_first(const ShootingProblem& problem, SolverList candidates,
                       const SolverInfo*& used) {
   const auto began = std::chrono::steady_clock::now();
   std::optional<SolveResult> first;
+  std::vector<Attempt> attempts;
   std::string before;
   for (const SolverInfo* solver : candidates) {
     SolverOptions own = options;
     const std::chrono::duration<double> gone = std::chrono::steady_clock::now() - began;
     if (first) own.max_time_s = std::max(1e-3, options.max_time_s - gone.count());
-    Impatience impatience(own);
     Objection objection;
-    std::optional<SolveResult> answer = run_if_loaded(
-        problem, *solver, first && may_go_on_in_vain(*solver) ? impatience.options() : own, guess,
-        doubt, objection, first);
+    std::optional<SolveResult> answer =
+        run_if_loaded(problem, *solver, own, guess, doubt, objection, first);
     if (!answer) continue;
     SolveResult& result = *answer;
-    impatience.name_end(result);
     const SolveStatus status = result.status;
+    attempts.push_back(attempt_of(*solver, 0, result, objection.text));
     if (is_success(status) && objection.text.empty()) {
       used = solver;
       result.message = before + result.message;
-      return std::move(result);
+      first = std::move(result);
+      break;
     }
     const std::string ended = is_success(status)
                                   ? fmt::format("{} converged after {} iterations, but {}",
@@ -204,10 +165,13 @@ SolveResult run_first(const ShootingProblem& problem, SolverList candidates,
     before += ended + "; ";
     if (ends_all(status, options)) break;
   }
+  for (Attempt& attempt : attempts) attempt.chosen = attempt.solver == used->name;
+  first->attempts = std::move(attempts);
   return std::move(*first);
 }
 
-/// By these solvers, and where all of several fail by the first of them from other guesses.
+/// By these solvers, and where all of several fail from other guesses: by the first of them and,
+/// where that finds the problem infeasible again and again, by the last one from farther ones.
 SolveResult solve_or_restart(const ShootingProblem& problem, SolverList candidates,
                              const SolverOptions& options, const Trajectory& guess,
                              const Doubt& doubt, const SolverInfo*& used) {
@@ -215,13 +179,20 @@ SolveResult solve_or_restart(const ShootingProblem& problem, SolverList candidat
   SolveResult result = run_first(problem, candidates, options, guess, doubt, used);
   if (candidates.size() < 2 || is_success(result.status) || ends_all(result.status, options))
     return result;
-  SolverOptions own = options;
-  own.max_time_s -= std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
-  const Solve by_first = [&](const Trajectory& start, const SolverOptions& mine,
+  for (const auto& [one, spread] :
+       {std::pair(candidates.first(1), kFarSpread), {candidates.last(1), kFartherSpread}}) {
+    SolverOptions own = options;
+    own.max_time_s -=
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+    const Solve by_one = [&](const Trajectory& start, const SolverOptions& mine,
                              const SolverInfo*& by) {
-    return run_first(problem, candidates.first(1), mine, start, nullptr, by);
-  };
-  return solve_from_elsewhere(problem, own, guess, std::move(result), by_first, doubt, used);
+      return run_first(problem, one, mine, start, nullptr, by);
+    };
+    result =
+        solve_from_elsewhere(problem, own, guess, std::move(result), spread, by_one, doubt, used);
+    if (result.status != SolveStatus::infeasible) break;
+  }
+  return result;
 }
 
 }  // namespace
@@ -240,12 +211,31 @@ SolveResult solve(const ShootingProblem& problem, SolverList candidates,
     return own.homotopy ? solve_homotopy(problem, candidates, own, start, by_first, by)
                         : by_first(problem, candidates, own, start, by);
   };
-  if (options.restarts.count <= 0)
-    return options.homotopy ? once(guess, options, used)
-                            : solve_or_restart(problem, candidates, options, guess, doubt, used);
+  if (options.restarts.count <= 0 && !options.homotopy)
+    return solve_or_restart(problem, candidates, options, guess, doubt, used);
+  SolveResult result(problem);
+  if (options.restarts.count <= 0) {
+    result = once(guess, options, used);
+    result.attempts.clear();  // of its last step
+    return result;
+  }
   const bool concurrent = std::all_of(candidates.begin(), candidates.end(),
                                       [](const SolverInfo* info) { return info->concurrent; });
-  return solve_restarts(problem, options, guess, concurrent ? options.threads : 1, once, used);
+  result = solve_restarts(problem, options, guess, concurrent ? options.threads : 1, once, used);
+  result.attempts.clear();  // of one start
+  return result;
+}
+
+SolveResult solve_best(const ShootingProblem& problem, SolverList candidates,
+                       const SolverOptions& options, const Trajectory& guess,
+                       const SolverInfo*& used, const Doubt& doubt) {
+  SolveResult result = solve(problem, candidates, options, guess, used, doubt);
+  if (!is_success(result.status) || options.homotopy || options.restarts.count > 0) return result;
+  const SolveOnce once = [&](const SolverInfo& solver, const SolverOptions& own,
+                             const Trajectory& start, Objection& objection) {
+    return run(problem, solver, own, start, doubt, objection);
+  };
+  return look_further(problem, candidates, options, guess, std::move(result), once, used);
 }
 
 SolveResult solve(const ShootingProblem& problem, const SolverInfo& solver,

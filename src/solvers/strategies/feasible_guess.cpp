@@ -1,0 +1,70 @@
+#include "solvers/strategies/feasible_guess.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "solvers/strategies/joined_solves.hpp"
+
+namespace conddp {
+namespace {
+
+/// Of the cost, what counts as more.
+constexpr double kMore = 1e-6;
+/// By how much the first penalty grows: from one that lets go of constraints to one that holds
+/// them, in two steps.
+constexpr double kStronger[] = {1e3, 1e6};
+
+/// Whether an end says something of the problem, as those by limits and divergence do not.
+bool is_verdict(SolveStatus status) {
+  return is_success(status) || status == SolveStatus::infeasible ||
+         status == SolveStatus::line_search_failed || status == SolveStatus::regularization_limit;
+}
+
+bool satisfies(double gap, double constraint, const SolverOptions::Tolerances& t) {
+  return gap <= t.gap && constraint <= t.constraint;
+}
+
+bool is_worse(const SolveResult& result, const IterationRecord& guess,
+              const SolverOptions::Tolerances& tolerances) {
+  if (!is_verdict(result.status)) return false;
+  return !satisfies(result.residuals.gap, result.residuals.constraint, tolerances) ||
+         !(result.cost <= guess.cost + kMore * std::abs(guess.cost));
+}
+
+}  // namespace
+
+SolveResult solve_keeping_guess(
+    const SolverOptions& options, const Trajectory& guess, bool penalizes,
+    const std::function<SolveResult(const SolverOptions&, const Trajectory&)>& solve) {
+  JoinedSolves solves(options);
+  SolveResult result = solve(solves.next(), guess);
+  if (result.log.empty()) return result;
+  const auto& t = options.tolerances;
+  const IterationRecord first = result.log.front();
+  if (!satisfies(first.gap, first.constraint, t) || !is_worse(result, first, t)) return result;
+  const std::string before = fmt::format("from a feasible guess of cost {:.9g} to {}, cost {:.9g}",
+                                         first.cost, to_string(result.status), result.cost);
+  solves.add(result);
+  const auto& penalty = options.augmented_lagrangian;
+  for (const double factor : kStronger) {
+    if (!penalizes || solves.iterations_left() <= 0) break;
+    SolverOptions own = solves.next();
+    own.augmented_lagrangian.initial_penalty =
+        std::min(factor * penalty.initial_penalty, penalty.max_penalty);
+    result = solve(own, guess);
+    solves.add(result);
+    result.message = fmt::format("{}; with a larger penalty: {}", before, result.message);
+    if (!is_worse(result, first, t)) return solves.answer(std::move(result));
+  }
+  SolverOptions own = solves.next();
+  own.max_iterations = 0;
+  result = solve(own, guess);
+  solves.add(result);
+  result.status = SolveStatus::line_search_failed;
+  result.message = before + "; this is the guess";
+  return solves.answer(std::move(result));
+}
+
+}  // namespace conddp
