@@ -338,6 +338,7 @@ TEST(BetweenKnots, ViolationAtEndOfEveryPhaseIsFound) {
   EXPECT_NEAR(found[0].value, 0.5, 1e-9);
   EXPECT_EQ(found[0].knot, 3);
   EXPECT_TRUE(tells(found[0], "node 3, the end of the phase 'first'")) << found[0].message;
+  EXPECT_EQ(found[0].remedy, "'nodes: ends'");
 }
 
 TEST(BetweenKnots, TheWorstRowIsNamed) {
@@ -355,7 +356,7 @@ TEST(BetweenKnots, TheWorstRowIsNamed) {
                                             "does not hold",
                                             -0.1 - end)))
         << found[0].message;
-    EXPECT_TRUE(tells(found[0], "the same under 'terminal")) << found[0].remedy;
+    EXPECT_EQ(found[0].remedy, "'nodes: ends'");
   }
   motion.x(3)[1] = -0.1;
   EXPECT_TRUE(found_in_motion(problem, motion, FindingKind::between_knots, names).empty());

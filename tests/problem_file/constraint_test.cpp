@@ -353,6 +353,58 @@ TEST(Constraints, DroppedOnesAreNotInTheProblemButTheirViolationIsKnown) {
     EXPECT_EQ(violation(dropped, problem, t), dropped.name == "speed" ? 2 : 0.5) << dropped.name;
 }
 
+/// At which nodes a constraint holds.
+std::vector<int> nodes_of(const ShootingProblem& problem, const std::string& name) {
+  std::vector<int> nodes;
+  for (const NodeConstraint& c : named(problem, name)) nodes.push_back(c.node);
+  return nodes;
+}
+
+TEST(NodesOfConstraints, AreBeginsOfKnotsOrEndsOfPhasesToo) {
+  for (const auto& [phases, nodes, expected] :
+       {std::tuple{"first", "begins", std::vector{1, 2, 3}},
+        std::tuple{"first", "ends", std::vector{1, 2, 3, 4}},
+        std::tuple{"second", "ends", std::vector{4, 5, 6, 7, 8, 9, 10}},
+        std::tuple{"[first, second]", "ends", std::vector{1, 2, 3, 4, 5, 6, 7, 8, 9, 10}}})
+    for (const char* what : {"residual: state, columns: omega", "bounds: velocity"}) {
+      const Loaded loaded(with(fmt::format(
+          "  fast: {{{}, lower: -2, upper: 2, phases: {}, nodes: {}}}\n", what, phases, nodes)));
+      ASSERT_TRUE(loaded.built) << loaded.all();
+      EXPECT_EQ(nodes_of(*loaded.built->problem, "fast"), expected) << phases << nodes << what;
+    }
+}
+
+TEST(NodesOfConstraints, EndsBelongToThePhaseBefore) {
+  // The last phase has other states, and the jump between takes no time.
+  const std::string text = R"(conddp: 1
+systems:
+  slide: {states: {x: m, v: m/s}, controls: {a: m/s^2}, rate: {x: v, v: a}}
+  wait: {states: {x: m}, controls: {w: m/s}, rate: {x: w}}
+initial_state: {values: {x: 1}}
+phases:
+  - {name: slide, system: slide, knots: 3, duration: 1}
+  - {name: hit, jump: {v: -v}}
+  - {name: back, system: slide, knots: 3, duration: 1}
+  - {name: wait, system: wait, knots: 2, duration: 1}
+constraints: {wall: {residual: expression, rows: x, upper: 2, phases: [slide, back], nodes: ends}}
+)";
+  const Loaded loaded(text);
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  EXPECT_EQ(nodes_of(*loaded.built->problem, "wall"), (std::vector{1, 2, 3, 4, 5, 6, 7}));
+  const Loaded expanded(expand_problem(*loaded.spec, *loaded.built).dump());
+  ASSERT_TRUE(expanded.built) << expanded.all();
+  EXPECT_EQ(nodes_of(*expanded.built->problem, "wall"), (std::vector{1, 2, 3, 4, 5, 6, 7}));
+}
+
+TEST(NodesOfConstraints, EndsHaveNoControl) {
+  const Loaded force(with("  f: {residual: control, upper: 2, phases: first, nodes: ends}\n"));
+  EXPECT_NE(force.all().find("'f' needs a control"), std::string::npos) << force.all();
+  const Loaded bounds(with("  f: {bounds: control, upper: 2, nodes: ends}\n"));
+  EXPECT_NE(bounds.all().find("controls of a phase do not last"), std::string::npos);
+  const Loaded both(with("  f: {residual: state, upper: 2, knots: [2], nodes: ends}\n"));
+  EXPECT_NE(both.all().find("'knots' and 'nodes' exclude"), std::string::npos) << both.all();
+}
+
 TEST(SoftConstraints, AreCostsOrHaveLimits) {
   const Loaded loaded(
       with("  speed: {bounds: velocity, lower: -2, upper: 5, soft: l1, weight: 3}\n"

@@ -445,6 +445,8 @@ TEST(Expand, ShowsEveryDefaultOfTheSchema) {
                                        "/definitions/cost/activation",
                                        "/definitions/terminal_cost/activation",
                                        "/definitions/constraint/scale",
+                                       "/definitions/constraint/nodes",
+                                       "/definitions/residual_constraint/nodes",
                                        "/definitions/phase/restitution",
                                        "/definitions/mpc/commands",
                                        "/definitions/mpc/properties/plant/ground",

@@ -360,16 +360,13 @@ class Search {
     if (places_.contains({c.term->name, end})) return;
     Finding* f = worst(FindingKind::between_knots, c.term->name, off, "", end);
     if (f == nullptr) return;
-    const bool last = end == problem_.knots();
-    f->message =
-        fmt::format("'{}' is violated by {:.3g}{} at {}, where it does not hold", c.term->name, off,
-                    offender(c, values),
-                    last ? "the last node"
-                         : fmt::format("node {}, the end of the phase '{}'", end,
-                                       problem_.phases()[problem_.knot(c.node).phase].name));
-    f->remedy =
-        last ? "the same under 'terminal: {constraints: ...}'"
-             : fmt::format("the same once more, with 'knots: [{}]' and without 'phases'", end);
+    f->message = fmt::format(
+        "'{}' is violated by {:.3g}{} at {}, where it does not hold", c.term->name, off,
+        offender(c, values),
+        end == problem_.knots() ? "the last node"
+                                : fmt::format("node {}, the end of the phase '{}'", end,
+                                              problem_.phases()[problem_.knot(c.node).phase].name));
+    f->remedy = "'nodes: ends'";
   }
 
   void look_between(const NodeConstraint& c, const std::map<std::string, double>& at_knots) {

@@ -109,6 +109,32 @@ Role role_of(const BuiltConstraint& constraint) {
   return constraint.spec->softness == Softness::hard ? Role::kHard : Role::kSoft;
 }
 
+/// Adds the nodes at which the phases of a constraint end to those at which it is on. The last
+/// entry of `nodes` is the last node. The variant of the plant counts that is there, not the
+/// phase's own.
+void extend_to_ends(const PhaseContext& context, const BuiltCost& function,
+                    std::vector<double>& nodes) {
+  const std::vector<bool> named = phases_named(function.spec->phases, context.spec);
+  Diagnostics said;  // where it was scheduled
+  std::size_t end = 0;
+  for (std::size_t p = 0; p < named.size(); ++p) {
+    end += context.spec.phases[p].knots.value;
+    if (named[p] && is_on(function, p, context, said) && function.is_at(p + 1, context.plant) &&
+        context.contacts.find(p + 1, function.contact.contacts))
+      nodes[end] = 1;
+  }
+}
+
+/// What the controls of a phase cause does not exist at its end.
+void check_ends(const BuiltCost& function, Diagnostics& out) {
+  if (needs_control(function) || function.spec->definition->needs.force)
+    out.error(function.spec->ends.place,
+              fmt::format("'{}' needs a control, and the controls of a phase do not last until the "
+                          "node at its end",
+                          function.spec->name.value),
+              "leave 'nodes' out");
+}
+
 /// Whether running costs are multiplied by durations that are free.
 bool grows_with_durations(const ProblemSpec& spec) {
   return spec.first_free_duration() != nullptr && spec.running_costs == RunningCosts::kRate;
@@ -168,6 +194,10 @@ NodeWeights schedule(const PhaseContext& context, const BuiltCost& cost, Role ro
                                role == Role::kHard ? std::vector<bool>(row.size() + 1, false)
                                                    : changes_of_duration(context));
   row.push_back(0);
+  if (c.ends.value) {
+    check_ends(cost, out);
+    extend_to_ends(context, cost, row);
+  }
   return {std::move(row)};
 }
 

@@ -63,6 +63,7 @@ OrderedJson expand_bounds(const ConstraintSpec& constraint) {
   expand_softness(constraint, json);
   // Named phases leave the last node out, so that all of them are not named here.
   if (constraint.function.phases) json["phases"] = expand_names(*constraint.function.phases);
+  json["nodes"] = word_of(kNodesWords, constraint.function.ends.value);
   return json;
 }
 
@@ -100,7 +101,9 @@ OrderedJson expand_constraint(const ConstraintSpec& constraint, const ProblemSpe
   expand_origin(constraint, json);
   expand_set(constraint, json);
   expand_softness(constraint, json);
-  if (!terminal) expand_place(function, spec, json);
+  if (terminal) return json;
+  expand_place(function, spec, json);
+  if (!function.knots) json["nodes"] = word_of(kNodesWords, function.ends.value);
   return json;
 }
 

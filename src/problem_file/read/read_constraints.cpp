@@ -56,6 +56,11 @@ void read_hard_control_bounds(YamlMap& map, const Name& name, ProblemSpec& spec)
   ControlBoundsSpec bounds{.name = name};
   read_bounds(map, name, bounds);
   if (const auto p = map.find("phases")) bounds.phases = read_phase_names(*p);
+  CostSpec control;
+  read_nodes(map, control);
+  if (control.ends.value)
+    map.find("nodes")->error("the controls of a phase do not last until the node at its end",
+                             "leave 'nodes' out");
   spec.control_bounds.push_back(std::move(bounds));
 }
 
@@ -79,6 +84,7 @@ void read_bounded(YamlMap& map, const Name& name, ProblemSpec& spec) {
   read_softness(map, constraint);
   read_bounds(map, name, constraint);
   if (const auto p = map.find("phases")) constraint.function.phases = read_phase_names(*p);
+  read_nodes(map, constraint.function);
   spec.constraints.push_back(std::move(constraint));
 }
 

@@ -4,6 +4,7 @@
 
 #include "problem_file/read/read_sections.hpp"
 #include "problem_file/residuals/residual_keys.hpp"
+#include "problem_file/spec/enum_names.hpp"
 #include "problem_file/values/activation_table.hpp"
 
 namespace conddp {
@@ -75,9 +76,12 @@ void read_origin(YamlMap& map, const std::filesystem::path& folder, CostSpec& co
 }
 
 /// At which knots a cost or constraint holds.
-void read_where(YamlMap& map, CostSpec& cost) {
+void read_where(YamlMap& map, TermPlace place, CostSpec& cost) {
   if (const auto r = map.find("phases")) cost.phases = read_phase_names(*r);
   if (const auto r = map.find("knots")) cost.knots = read_knots(*r);
+  if (!place.constraint) return;
+  map.exclusive({"knots", "nodes"});
+  read_nodes(map, cost);
 }
 
 }  // namespace
@@ -89,13 +93,19 @@ std::optional<std::vector<Name>> read_phase_names(const YamlReader& reader) {
   return names;
 }
 
+void read_nodes(YamlMap& map, CostSpec& function) {
+  const auto r = map.find("nodes");
+  if (!r) return;
+  function.ends = {r->choice(kNodesWords, "kind of nodes").value_or(false), r->place()};
+}
+
 bool read_residual(YamlMap& map, const std::filesystem::path& folder, TermPlace place,
                    CostSpec& cost) {
   if (!read_residual_keys(map, place, cost)) return false;
   const ResidualDefinition& definition = *cost.definition;
   read_origin(map, folder, cost);
   if (!place.last_node)
-    read_where(map, cost);
+    read_where(map, place, cost);
   else if (!definition.at_last_node())
     map.find("residual")
         ->error(

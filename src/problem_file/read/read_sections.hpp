@@ -79,6 +79,8 @@ std::vector<CostSpec> read_costs(const YamlReader& reader, const std::filesystem
 std::vector<CostSpec> read_integrals(const YamlReader& reader, const std::filesystem::path& folder);
 /// A name or names of phases, at least one.
 std::optional<std::vector<Name>> read_phase_names(const YamlReader& reader);
+/// Whether the nodes at which its phases end belong to a constraint.
+void read_nodes(YamlMap& map, CostSpec& function);
 /// The keys that say what a cost or constraint is on, and where: all but weights and activation.
 /// False where the residual is not known.
 bool read_residual(YamlMap& map, const std::filesystem::path& folder, TermPlace place,

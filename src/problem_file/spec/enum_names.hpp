@@ -36,6 +36,9 @@ inline constexpr Choice<ControlCourse> kControlCourseWords[] = {
 inline constexpr Choice<RunningCosts> kRunningCostsWords[] = {{"rate", RunningCosts::kRate},
                                                               {"sum", RunningCosts::kSum}};
 
+/// Whether the nodes at which phases end belong to a constraint over them.
+inline constexpr Choice<bool> kNodesWords[] = {{"begins", false}, {"ends", true}};
+
 /// What a compiled function gives.
 inline constexpr Choice<SystemKind> kLibraryAnswerWords[] = {
     {"rate", SystemKind::first_order},

@@ -58,6 +58,8 @@ struct CostSpec {
   std::optional<ReferenceSpec> reference;
   std::optional<std::vector<Name>> phases;
   std::optional<std::vector<Located<int>>> knots;
+  /// Of a constraint: whether the nodes at which its phases end belong to it.
+  Located<bool> ends{false, {}};
 };
 
 /// Quantities on which a constraint can put bounds.

@@ -108,8 +108,11 @@ std::vector<bool> variants_of(const CostSpec& function, const CostContext& conte
     return on;
   }
   const std::vector<bool> possible = possible_phases(function, context.spec);
-  for (std::size_t p = 0; p < possible.size(); ++p)
-    if (possible[p]) on[plant.variant_at[p]] = true;
+  for (std::size_t p = 0; p < possible.size(); ++p) {
+    if (!possible[p]) continue;
+    on[plant.variant_at[p]] = true;
+    if (function.ends.value) on[plant.variant_at[p + 1]] = true;
+  }
   return on;
 }
 
