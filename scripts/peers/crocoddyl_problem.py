@@ -16,7 +16,7 @@ class Translation:
     def __init__(self, problem, drop=()):
         require(problem["integrator"] == "semi_implicit_euler",
                 f"integrator: {problem['integrator']}")
-        require(problem["running_costs"] == "rate", "running_costs: sum")
+        require(problem["running_costs"] == "rate", f"running_costs: {problem['running_costs']}")
         for phase in problem["phases"]:
             require("impulse" not in phase, f"phase '{phase['name']}': impulse")
         require(not problem["terminal"].get("constraints"), "terminal.constraints")

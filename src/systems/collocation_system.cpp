@@ -123,6 +123,10 @@ int CollocationSystem::later_stages() const { return table(rule_).later; }
 
 double CollocationSystem::time(int stage) const { return table(rule_).rows[stage - 1].time; }
 
+double CollocationSystem::weight(int stage) const {
+  return table(rule_).rows[later_stages() - 1].velocity[stage];
+}
+
 template <class S>
 CollocationSystem::Later<S>::Later(const CollocationSystem& system,
                                    std::unique_ptr<SystemData<S>> inside_data)
@@ -189,7 +193,9 @@ void CollocationSystem::differentiate_by_step(int i, const S* x, const S* w, con
   std::unique_ptr<SystemData<S>> CollocationSystem::create_data(S) const {                        \
     auto data = inside_->create_data(S{});                                                        \
     data->fu.assign(rows() * nu(), S(0.0)); /* the columns of slopes stay zero */                 \
-    data->later = std::make_unique<Later<S>>(*this, inside_->create_data(S{}));                   \
+    auto at_stage = inside_->create_data(S{});                                                    \
+    at_stage->fu.assign(rows() * nu(), S(0.0));                                                   \
+    data->later = std::make_unique<Later<S>>(*this, std::move(at_stage));                         \
     return data;                                                                                  \
   }                                                                                               \
   template struct CollocationSystem::Later<S>;                                                    \

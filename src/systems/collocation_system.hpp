@@ -35,6 +35,9 @@ class CollocationSystem : public System {
   int later_stages() const;
   /// When a later stage is, as a share of the step.
   double time(int stage) const;
+  /// With which share of the step the slope of a stage counts at the end of it; 0 is the one at the
+  /// beginning.
+  double weight(int stage) const;
   /// Where the slopes of a later stage start in w: rows() numbers.
   int slopes(int stage) const { return actuators() + (stage - 1) * rows(); }
   int actuators() const override { return inside_->nu(); }

@@ -27,8 +27,11 @@ class ProblemComposer {
     problem.text = fmt::format("conddp: 1\nname: composed_{}\n{}", seed_, what);
     if (body_.robot && random_.chance(0.1)) problem.text += "gravity: [0, 0, -3.7]\n";
     problem.text += "initial_state: " + initial_state() + "\n" + integrator_;
-    if (random_.chance(0.3))
-      problem.text += "running_costs: " + pick_word(kRunningCostsWords, random_) + "\n";
+    if (random_.chance(0.3)) {
+      const std::string kind = pick_word(kRunningCostsWords, random_);
+      if (kind != "integrated" || body_.kind != SystemKind::discrete)
+        problem.text += "running_costs: " + kind + "\n";
+    }
     problem.text += grid_.text + costs_ + constraints_;
     if (!terminal_costs_.empty() || !terminal_constraints_.empty())
       problem.text += "terminal:\n" + terminal_costs_ + terminal_constraints_;

@@ -172,37 +172,39 @@ struct StepControls {
 /// `data` has the system at the first one.
 template <class S>
 void run_stage(const System& system, int s, double passed, const StepControls<S>& controls,
-               const S* x, bool derivatives, SystemData<S>& data, IntegratorWorkspace<S>& work) {
+               const S* x, bool derivatives, SystemData<S>& data, IntegratorWorkspace<S>& work,
+               StageVisitor<S>* visitor) {
   const StateManifold& manifold = system.manifold();
   auto& stage = work.stages[s];
   const bool displaced = s > 0, turned = displaced && !manifold.curved().empty();
   manifold.integrate(x, stage.theta.data(), stage.x.data());
-  if (displaced)
-    evaluate_system(system, stage.x.data(), controls.when(passed, system.nu(), work.controls),
-                    derivatives, data);
+  const S* u = controls.when(passed, system.nu(), work.controls);
+  if (displaced) evaluate_system(system, stage.x.data(), u, derivatives, data);
   state_rate(system, stage.x.data(), data, stage.rate.data());
   stage.k = stage.rate;
   if (turned) {
     manifold.inverse_right_jacobian(stage.theta.data(), work.inverse.data());
     apply_blocks(manifold, work.inverse.data(), stage.k.data());
   }
-  if (!derivatives) return;
-  displaced_state_derivative(manifold, work.columns, stage.theta, stage.Theta, work,
-                             stage.X.data());
-  state_rate_derivative(system, data, passed, work, stage.X, stage.K);
-  if (turned) pull_back_derivative(manifold, work.columns, stage, work);
+  if (derivatives) {
+    displaced_state_derivative(manifold, work.columns, stage.theta, stage.Theta, work,
+                               stage.X.data());
+    state_rate_derivative(system, data, passed, work, stage.X, stage.K);
+    if (turned) pull_back_derivative(manifold, work.columns, stage, work);
+  }
+  if (visitor) visitor->visit({s, passed, stage.x.data(), u, stage.X.data(), data});
 }
 
 template <class S>
 void runge_kutta(const System& system, const RungeKuttaRule& rule, const S* x,
                  const StepControls<S>& controls, const S& dt, bool derivatives,
-                 SystemData<S>& data, IntegratorWorkspace<S>& work) {
+                 SystemData<S>& data, IntegratorWorkspace<S>& work, StageVisitor<S>* visitor) {
   const StateManifold& manifold = system.manifold();
   for (int s = 0; s < rule.stages; ++s) {
     auto& stage = work.stages[s];
     accumulate(rule.a[s], s, dt, derivatives, work, stage.theta, stage.Theta);
     const double passed = std::accumulate(rule.a[s], rule.a[s] + s, 0.0);
-    run_stage(system, s, passed, controls, x, derivatives, data, work);
+    run_stage(system, s, passed, controls, x, derivatives, data, work, visitor);
   }
   auto& last = work.stages.back();
   accumulate(rule.b, rule.stages, dt, derivatives, work, last.theta, last.Theta);
@@ -297,7 +299,8 @@ IntegratorWorkspace<S>::IntegratorWorkspace(const System& system, Integrator int
 
 template <class S>
 void integrate(const System& system, Integrator integrator, const S* x, const S* u, const S& dt,
-               SystemData<S>& data, IntegratorWorkspace<S>& work, const S* end) {
+               SystemData<S>& data, IntegratorWorkspace<S>& work, const S* end,
+               StageVisitor<S>* visitor) {
   switch (info_of(integrator).kind) {
     case StepKind::none:
       break;
@@ -314,7 +317,7 @@ void integrate(const System& system, Integrator integrator, const S* x, const S*
       collocate(system, x, end ? end : u, dt, false, data, work);
       break;
     case StepKind::runge_kutta:
-      runge_kutta(system, info_of(integrator).rule, x, {u, end}, dt, false, data, work);
+      runge_kutta(system, info_of(integrator).rule, x, {u, end}, dt, false, data, work, visitor);
       break;
   }
 }
@@ -322,7 +325,7 @@ void integrate(const System& system, Integrator integrator, const S* x, const S*
 template <class S>
 void integrate_derivatives(const System& system, Integrator integrator, const S* x, const S* u,
                            const S& dt, SystemData<S>& data, IntegratorWorkspace<S>& work,
-                           const S* end) {
+                           const S* end, StageVisitor<S>* visitor) {
   const int n = system.ndx();
   switch (info_of(integrator).kind) {
     case StepKind::none:
@@ -346,7 +349,7 @@ void integrate_derivatives(const System& system, Integrator integrator, const S*
       collocate(system, x, end ? end : u, dt, true, data, work);
       break;
     case StepKind::runge_kutta:
-      runge_kutta(system, info_of(integrator).rule, x, {u, end}, dt, true, data, work);
+      runge_kutta(system, info_of(integrator).rule, x, {u, end}, dt, true, data, work, visitor);
       break;
   }
 }
@@ -354,9 +357,10 @@ void integrate_derivatives(const System& system, Integrator integrator, const S*
 #define CONDDP_INSTANTIATE(S)                                                                      \
   template struct IntegratorWorkspace<S>;                                                          \
   template void integrate(const System&, Integrator, const S*, const S*, const S&, SystemData<S>&, \
-                          IntegratorWorkspace<S>&, const S*);                                      \
+                          IntegratorWorkspace<S>&, const S*, StageVisitor<S>*);                    \
   template void integrate_derivatives(const System&, Integrator, const S*, const S*, const S&,     \
-                                      SystemData<S>&, IntegratorWorkspace<S>&, const S*);
+                                      SystemData<S>&, IntegratorWorkspace<S>&, const S*,           \
+                                      StageVisitor<S>*);
 CONDDP_FOR_EACH_SCALAR(CONDDP_INSTANTIATE)
 #undef CONDDP_INSTANTIATE
 

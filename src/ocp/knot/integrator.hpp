@@ -32,13 +32,36 @@ struct IntegratorWorkspace {
   AlignedVector<Dual<S>> dual_theta, dual_inverse;
 };
 
+/// A stage of a step, while the system's data are those there.
+template <class S>
+struct StageView {
+  int stage;
+  double passed;  ///< when it is, as a share of the step
+  const S* x;
+  const S* u;
+  const S* X;  ///< ∂x/∂z, ndx x columns; where the step is differentiated
+  SystemData<S>& data;
+};
+
+/// What looks at the stages of a step one after the other.
+template <class S>
+class StageVisitor {
+ public:
+  virtual void visit(const StageView<S>& stage) = 0;
+
+ protected:
+  ~StageVisitor() = default;
+};
+
 /// One step: writes work.next. The system's data must have been evaluated at (x, u) already; rules
 /// with further stages evaluate it elsewhere afterwards. Controls are constant, or go straight from
 /// u to `end` where that is given; then the unknowns of implicit rules stand behind `end`, and the
-/// rule has to have stages after the beginning (follows_controls).
+/// rule has to have stages after the beginning (follows_controls). The visitor sees the stages of
+/// explicit Runge-Kutta rules.
 template <class S>
 void integrate(const System& system, Integrator integrator, const S* x, const S* u, const S& dt,
-               SystemData<S>& data, IntegratorWorkspace<S>& work, const S* end = nullptr);
+               SystemData<S>& data, IntegratorWorkspace<S>& work, const S* end = nullptr,
+               StageVisitor<S>* visitor = nullptr);
 
 /// The same with the derivative of the step with respect to z = (tangent at x, u) in work.F: for
 /// structured rules the nv rows of the next velocity (the blocks tell the rest), else all ndx
@@ -49,7 +72,7 @@ void integrate(const System& system, Integrator integrator, const S* x, const S*
 template <class S>
 void integrate_derivatives(const System& system, Integrator integrator, const S* x, const S* u,
                            const S& dt, SystemData<S>& data, IntegratorWorkspace<S>& work,
-                           const S* end = nullptr);
+                           const S* end = nullptr, StageVisitor<S>* visitor = nullptr);
 
 /// column += column c of ∂(x ⊕ δ)/∂x: of its blocks on curved parts, of the identity elsewhere.
 template <class S>

@@ -1,6 +1,7 @@
 #include "ocp/knot/knot_model.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <stdexcept>
 
 #include "ocp/knot/gauss_newton.hpp"
@@ -47,6 +48,21 @@ void check_augmented_state(const System& system, Integrator integrator, ControlM
     throw std::invalid_argument("linear controls need an integrator that sees how they change");
 }
 
+std::vector<QuadratureStage> quadrature_of(const System& system, Integrator integrator) {
+  const IntegratorInfo& info = info_of(integrator);
+  std::vector<QuadratureStage> stages;
+  if (info.order < 2) return stages;
+  if (const auto* collocation = system.as_collocation()) {
+    stages.push_back({0, collocation->weight(0)});
+    for (int i = 1; i <= collocation->later_stages(); ++i)
+      stages.push_back({collocation->time(i), collocation->weight(i)});
+    return stages;
+  }
+  for (int i = 0; i < info.rule.stages; ++i)
+    stages.push_back({std::accumulate(info.rule.a[i], info.rule.a[i] + i, 0.0), info.rule.b[i]});
+  return stages;
+}
+
 }  // namespace
 
 KnotModel::KnotModel(std::shared_ptr<const System> system, Integrator integrator,
@@ -62,6 +78,7 @@ KnotModel::KnotModel(std::shared_ptr<const System> system, Integrator integrator
   if (system_->kind() == SystemKind::discrete && !manifold_.curved().empty())
     throw std::invalid_argument("a discrete system needs a flat state space");
   check_augmented_state(*system_, integrator, memory, handed_on);
+  quadrature_ = quadrature_of(*system_, integrator);
   if (augmented_ > 0) manifold_.append(StateManifold::Part::flat, augmented_);
   lower_.assign(nu(), -std::numeric_limits<double>::infinity());
   upper_.assign(nu(), std::numeric_limits<double>::infinity());
@@ -74,17 +91,21 @@ void KnotModel::check_fit(const std::string& what, const Residual& residual) con
 }
 
 int KnotModel::add_cost(std::string name, std::shared_ptr<const Residual> residual,
-                        Activation activation, const CostGrowth& growth) {
+                        Activation activation, const CostGrowth& growth, bool integrated) {
   check_fit("cost " + name, *residual);
   if (growth.other) check_duration(*growth.other);
+  if (integrated && (quadrature_.empty() || growth.is_moment || growth.other))
+    throw std::invalid_argument("cost " + name + " cannot be integrated");
   CostTerm& term = costs_.emplace_back();
   term.name = std::move(name);
   term.parameters = parameter_count_;
-  term.weight = parameter_count_ + residual->parameter_count();
+  const int stages = integrated ? static_cast<int>(quadrature_.size()) : 1;
+  term.weight = parameter_count_ + stages * residual->parameter_count();
   parameter_count_ = term.weight + 1;
   term.residual = std::move(residual);
   term.activation = std::move(activation);
   term.growth = growth;
+  term.integrated = integrated;
   if (term.is_barrier()) {
     term.row = constraint_rows_;
     term.jacobian = add_rows(term.residual->blocks());
@@ -156,7 +177,7 @@ void KnotModel::index_hessian() {
     pattern_.clear();
     first = first_constraint = 0;
   }
-  PatternIndex index(n, pattern_);
+  PatternIndex index(n, pattern_), stage_index(n, stage_pattern_);
   pattern_index_.resize(costs_.size());
   constraint_pattern_index_.resize(constraints_.size());
   for (const bool rests : {false, true}) {
@@ -165,12 +186,25 @@ void KnotModel::index_hessian() {
       std::vector<RowBlock> blocks = costs_[t].residual->blocks();
       if (costs_[t].activation.kind == ActivationKind::smooth_l2)
         blocks.push_back({1, column_range(0, n)});
-      pattern_index_[t] = index.entries(blocks);
+      pattern_index_[t] = (costs_[t].integrated ? stage_index : index).entries(blocks);
+      if (costs_[t].integrated) stage_index_ = index.entries({{1, column_range(0, n)}});
     }
     if (!rests) lasting_entries_ = static_cast<int>(pattern_.size());
   }
   for (std::size_t t = first_constraint; t < constraints_.size(); ++t)
     constraint_pattern_index_[t] = index.entries(constraints_[t].blocks);
+  index_stage_columns();
+}
+
+void KnotModel::index_stage_columns() {
+  stage_places_.assign(nz(), -1);
+  for (const auto& [row, column] : stage_pattern_) stage_places_[row] = stage_places_[column] = 0;
+  stage_columns_.clear();
+  for (int c = 0; c < nz(); ++c) {
+    if (stage_places_[c] < 0) continue;
+    stage_places_[c] = static_cast<int>(stage_columns_.size());
+    stage_columns_.push_back(c);
+  }
 }
 
 void KnotModel::set_control_bounds(std::vector<double> lower, std::vector<double> upper) {
@@ -204,17 +238,28 @@ int KnotModel::jacobian_rows() const {
 }
 
 template <class S>
+ResidualInput<S> KnotModel::input_of(const CostTerm& term, const CostPoint<S>& at) const {
+  return residual_input(term.parameters + at.stage * term.residual->parameter_count(), at.in,
+                        at.system);
+}
+
+/// All but integrated ones, which start from zero.
+template <class S>
 void KnotModel::evaluate_costs(const KnotInput<S>& in, KnotWorkspace<S>& work) const {
   work.cost = S(0.0);
-  for (std::size_t t = 0; t < costs_.size(); ++t) {
-    const CostTerm& term = costs_[t];
-    const ResidualInput<S> input = residual_input(term.parameters, in, *work.system_);
-    S* r = term.is_barrier() ? work.constraint.data() + term.row : work.residual_.data();
-    term.residual->evaluate(input, r);
-    const S scale = scale_of(term, in);
-    work.term_costs[t] = scale * term.activation.value(r, term.residual->size());
-    work.cost += work.term_costs[t];
-  }
+  std::fill(work.term_costs.begin(), work.term_costs.end(), S(0.0));
+  for (std::size_t t = 0; t < costs_.size(); ++t)
+    if (!costs_[t].integrated) evaluate_cost(t, CostPoint<S>{in, *work.system_}, work);
+}
+
+template <class S>
+void KnotModel::evaluate_cost(std::size_t t, const CostPoint<S>& at, KnotWorkspace<S>& work) const {
+  const CostTerm& term = costs_[t];
+  S* r = term.is_barrier() ? work.constraint.data() + term.row : work.residual_.data();
+  term.residual->evaluate(input_of(term, at), r);
+  const S cost = scale_of(term, at.in) * term.activation.value(r, term.residual->size());
+  work.term_costs[t] += cost;
+  work.cost += cost;
 }
 
 /// What the activation of a cost makes of its residual's rows: slope and curvature of each and,
@@ -277,8 +322,10 @@ void KnotModel::differentiate_costs(const KnotInput<S>& in, KnotWorkspace<S>& wo
     if (!work.rest_is_zero_) std::fill(rest, work.hessian.end(), S(0.0));
     work.rest_is_zero_ = true;
   }
+  std::fill(work.term_costs.begin(), work.term_costs.end(), S(0.0));
   for (std::size_t t = 0; t < costs_.size(); ++t) {
-    differentiate_cost(t, in, work, hessian);
+    if (costs_[t].integrated) continue;
+    differentiate_cost(t, CostPoint<S>{in, *work.system_}, work, hessian);
     add_growth(costs_[t].growth, work.term_costs[t], in.x, work);
   }
 }
@@ -306,7 +353,7 @@ void differentiate_residual(const CostTerm& term, const ResidualInput<S>& input,
 /// The value of a cost, and its slopes by the rows of its residual. False where it is a barrier
 /// that adds nothing.
 template <class S>
-inline bool KnotModel::find_slopes(std::size_t t, const KnotInput<S>& in, KnotWorkspace<S>& work,
+inline bool KnotModel::find_slopes(std::size_t t, const CostPoint<S>& at, KnotWorkspace<S>& work,
                                    bool hessian, CostSlopes<S>& slopes) const {
   const CostTerm& term = costs_[t];
   const bool barrier = term.is_barrier();
@@ -314,16 +361,16 @@ inline bool KnotModel::find_slopes(std::size_t t, const KnotInput<S>& in, KnotWo
       barrier ? RowsOfCost<S>{work.constraint.data() + term.row,
                               work.constraint_jacobian.data() + term.jacobian}
               : RowsOfCost<S>{work.residual_.data(), work.residual_jacobian_.data()};
-  differentiate_residual<S>(term, residual_input(term.parameters, in, *work.system_), to);
-  slopes = {.scale = scale_of(term, in),
+  differentiate_residual<S>(term, input_of(term, at), to);
+  slopes = {.scale = scale_of(term, at.in),
             .gradient = work.activation_gradient_.data(),
             .diagonal = work.activation_diagonal_.data(),
             .jacobian = to.jacobian};
   const int rows = term.residual->size();
   const S value = term.activation.differentiate(to.values, rows, slopes.gradient, slopes.diagonal,
                                                 slopes.rank_one);
-  work.term_costs[t] = slopes.scale * value;
-  work.cost += work.term_costs[t];
+  work.term_costs[t] += slopes.scale * value;
+  work.cost += slopes.scale * value;
   if (!barrier) return true;
   if (all_zero(slopes.gradient, rows) && all_zero(slopes.diagonal, rows)) return false;
   if (hessian) work.rest_is_zero_ = false;
@@ -331,15 +378,15 @@ inline bool KnotModel::find_slopes(std::size_t t, const KnotInput<S>& in, KnotWo
 }
 
 template <class S>
-void KnotModel::differentiate_cost(std::size_t t, const KnotInput<S>& in, KnotWorkspace<S>& work,
+void KnotModel::differentiate_cost(std::size_t t, const CostPoint<S>& at, KnotWorkspace<S>& work,
                                    bool hessian) const {
   const CostTerm& term = costs_[t];
   CostSlopes<S> slopes{};
-  if (!find_slopes(t, in, work, hessian, slopes)) return;
+  if (!find_slopes(t, at, work, hessian, slopes)) return;
   S W[36];
   const Residual* inner = term.residual.get();
   if (const LinearImage* image = term.residual->linear_image()) {
-    const ResidualInput<S> input = residual_input(term.parameters, in, *work.system_);
+    const ResidualInput<S> input = input_of(term, at);
     inner = image->of.get();
     inner->differentiate(input, work.residual_.data(), work.residual_jacobian_.data());
     slopes.jacobian = work.residual_jacobian_.data();
@@ -412,8 +459,7 @@ void KnotModel::evaluate(const KnotInput<S>& given, KnotWorkspace<S>& work) cons
   evaluate_constraints(in, work);
   evaluate_integrals(in, work, false);
   if (integrator_ == Integrator::none) return;
-  integrate(*system_, integrator_, in.x, u, in.dt, *work.system_, work.integrator_,
-            end_control(in));
+  take_step(in, given.dt, work, {});
   if (augmented_ > 0) append_augmented_state(in, work, false);
 }
 
@@ -430,8 +476,7 @@ void KnotModel::differentiate(const KnotInput<S>& given, KnotWorkspace<S>& work,
   differentiate_constraints(in, work, hessian);
   evaluate_integrals(in, work, true);
   if (integrator_ == Integrator::none) return;
-  integrate_derivatives(*system_, integrator_, in.x, u, in.dt, *work.system_, work.integrator_,
-                        end_control(in));
+  take_step(in, given.dt, work, {.derivatives = true, .hessian = hessian});
   if (augmented_ > 0) append_augmented_state(in, work, true);
   if (duration_) append_duration(given, work);
 }
@@ -468,6 +513,15 @@ KnotWorkspace<S>::KnotWorkspace(const KnotModel& model)
     // A residual may have fewer rows than the one of which it is an image.
     if (const LinearImage* image = term.residual->linear_image()) make_room(*image->of);
   }
+  if (!model.stage_index_.empty()) {
+    const std::size_t columns = model.stage_columns_.size();
+    stage_x_.assign(model.nx(), S(0.0));
+    stage_gradient_.assign(model.nz(), S(0.0));
+    stage_hessian_.assign(model.stage_pattern_.size(), S(0.0));
+    stage_dense_.assign(columns * columns, S(0.0));
+    stage_Z_.assign(columns * model.nz(), S(0.0));
+    stage_HZ_.assign(columns * model.nz(), S(0.0));
+  }
   int constraint_rows = 0;
   for (const ConstraintTerm& term : model.constraints()) {
     make_room(*term.residual);
@@ -485,9 +539,13 @@ KnotWorkspace<S>::KnotWorkspace(const KnotModel& model)
   activation_diagonal_.assign(rows, S(0.0));
 }
 
-#define CONDDP_INSTANTIATE(S)                                                      \
-  template class KnotWorkspace<S>;                                                 \
-  template void KnotModel::evaluate(const KnotInput<S>&, KnotWorkspace<S>&) const; \
+#define CONDDP_INSTANTIATE(S)                                                                      \
+  template class KnotWorkspace<S>;                                                                 \
+  template void KnotModel::evaluate_cost(std::size_t, const CostPoint<S>&, KnotWorkspace<S>&)      \
+      const;                                                                                       \
+  template void KnotModel::differentiate_cost(std::size_t, const CostPoint<S>&, KnotWorkspace<S>&, \
+                                              bool) const;                                         \
+  template void KnotModel::evaluate(const KnotInput<S>&, KnotWorkspace<S>&) const;                 \
   template void KnotModel::differentiate(const KnotInput<S>&, KnotWorkspace<S>&, bool) const;
 CONDDP_FOR_EACH_SCALAR(CONDDP_INSTANTIATE)
 #undef CONDDP_INSTANTIATE

@@ -23,11 +23,23 @@ struct CostTerm {
   int parameters = 0;  ///< where the residual's parameters start in the knot's parameters
   int weight = 0;      ///< where the weight stands in the knot's parameters
   CostGrowth growth = {};
+  /// Whether it is the mean over the stages of the integrator (KnotModel::quadrature), each with
+  /// parameters of its own, one after the other. Otherwise it is that of the knot's state.
+  bool integrated = false;
   /// Of a barrier: where its rows stand among those of constraints, and their derivative in
   /// constraint_pattern().
   int row = 0, jacobian = 0;
 
-  bool is_barrier() const { return activation.kind == ActivationKind::quadratic_barrier; }
+  /// Of integrated ones rows at the node would say nothing.
+  bool is_barrier() const {
+    return activation.kind == ActivationKind::quadratic_barrier && !integrated;
+  }
+};
+
+/// A stage of a step by which costs are integrated.
+struct QuadratureStage {
+  double time;    ///< as a share of the step
+  double weight;  ///< of all stages, 1 in the sum
 };
 
 /// A number behind the system's state that grows by the time step times a residual of one row.
@@ -69,6 +81,14 @@ enum class ControlMemory {
           ///< the knot's own control at the end of the knot
 };
 
+/// Where a cost is evaluated: the knot itself, or one of its stages.
+template <class S>
+struct CostPoint {
+  const KnotInput<S>& in;
+  SystemData<S>& system;
+  int stage = 0;  ///< whose parameters count
+};
+
 template <class S>
 class KnotWorkspace;
 template <class S>
@@ -91,9 +111,13 @@ class KnotModel {
             HandedOn handed_on = {});
 
   /// Adds a cost whose residual depends on columns of z alone; returns the index at which its
-  /// parameters (reference, then weight) start.
+  /// parameters (reference, then weight) start. An integrated one needs a quadrature, and no growth
+  /// of its own.
   int add_cost(std::string name, std::shared_ptr<const Residual> residual, Activation activation,
-               const CostGrowth& growth = {});
+               const CostGrowth& growth = {}, bool integrated = false);
+  /// The stages by which costs are integrated: those of an integrator of second order or higher,
+  /// else none. One of weight 0 does not count.
+  const std::vector<QuadratureStage>& quadrature() const { return quadrature_; }
   /// Adds a constraint; returns the index at which its parameters start (ConstraintTerm).
   int add_constraint(ConstraintTerm term);
   /// Makes a carried number an integral; returns the index at which the residual's parameters
@@ -204,6 +228,8 @@ class KnotModel {
  private:
   template <class S>
   friend class KnotWorkspace;
+  template <class S>
+  friend class StageCosts;
   friend class KnotSecondDerivatives;
 
   /// What a cost is multiplied by, with the scale at its duration.
@@ -247,18 +273,33 @@ class KnotModel {
   template <class S>
   void evaluate_costs(const KnotInput<S>& in, KnotWorkspace<S>& work) const;
   template <class S>
+  void evaluate_cost(std::size_t cost, const CostPoint<S>& at, KnotWorkspace<S>& work) const;
+  template <class S>
   void differentiate_costs(const KnotInput<S>& in, KnotWorkspace<S>& work, bool hessian) const;
   template <class S>
-  void differentiate_cost(std::size_t cost, const KnotInput<S>& in, KnotWorkspace<S>& work,
+  void differentiate_cost(std::size_t cost, const CostPoint<S>& at, KnotWorkspace<S>& work,
                           bool hessian) const;
   template <class S>
-  bool find_slopes(std::size_t cost, const KnotInput<S>& in, KnotWorkspace<S>& work, bool hessian,
+  bool find_slopes(std::size_t cost, const CostPoint<S>& at, KnotWorkspace<S>& work, bool hessian,
                    CostSlopes<S>& slopes) const;
+  /// What a cost sees at a point.
+  template <class S>
+  ResidualInput<S> input_of(const CostTerm& term, const CostPoint<S>& at) const;
   template <class S>
   const int* add_cost(const std::vector<RowBlock>& blocks, const CostSlopes<S>& slopes, bool dense,
                       bool hessian, const int* pair, KnotWorkspace<S>& work) const;
   template <class S>
   void add_rank_one(const S& factor, const int* pair, KnotWorkspace<S>& work) const;
+
+  // knot_integrated_costs.cpp
+  struct Wanted {
+    bool derivatives = false, hessian = false;
+  };
+  /// The step of the integrator, and the costs that its stages integrate. `given_dt`: the step
+  /// without a free duration, at which `in` is.
+  template <class S>
+  void take_step(const KnotInput<S>& in, const S& given_dt, KnotWorkspace<S>& work,
+                 const Wanted& wanted) const;
 
   // knot_constraints.cpp
   template <class S>
@@ -289,6 +330,7 @@ class KnotModel {
 
   /// Writes the pattern of Hessians and its indices from costs and constraints.
   void index_hessian();
+  void index_stage_columns();
 
   std::shared_ptr<const System> system_;
   StateManifold manifold_;
@@ -306,6 +348,12 @@ class KnotModel {
   int lasting_entries_ = 0;
   /// For each cost, for each block, for each pair of its columns (a ≥ b): index in the pattern.
   std::vector<std::vector<int>> pattern_index_;
+  /// The same of integrated costs at a stage, whose indices these are then; the columns of z there
+  /// on which they depend, the place of each among these, and all pairs of columns of the knot's z,
+  /// on all of which stages may depend.
+  std::vector<std::pair<int, int>> stage_pattern_;
+  std::vector<int> stage_columns_, stage_places_, stage_index_;
+  std::vector<QuadratureStage> quadrature_;
   std::vector<ConstraintTerm> constraints_;
   int constraint_rows_ = 0;
   std::vector<std::pair<int, int>> constraint_pattern_;
@@ -341,6 +389,8 @@ class KnotWorkspace {
 
  private:
   friend class KnotModel;
+  template <class T>
+  friend class StageCosts;
   friend class KnotSecondDerivatives;
 
   bool rest_is_zero_ = true;
@@ -352,6 +402,9 @@ class KnotWorkspace {
   AlignedVector<S> residual_, activation_gradient_, activation_diagonal_;
   AlignedVector<S> residual_jacobian_, weighted_jacobian_;
   AlignedVector<S> term_gradient_;
+  /// Of integrated costs: state, gradient and Hessian at a stage, derivative of the stage, and the
+  /// product of both.
+  AlignedVector<S> stage_x_, stage_gradient_, stage_hessian_, stage_dense_, stage_Z_, stage_HZ_;
   AlignedVector<S> shifted_, weight_, curvature_;  ///< of one constraint: rows, rows, rows²
   AlignedVector<S> soft_;  ///< penalty and zeros of a constraint that is soft by a square
 };

@@ -25,7 +25,8 @@ void rest(const AlignedVector<Lane>& from, AlignedVector<Dual<Lane>>& to) {
 std::unique_ptr<KnotSecondDerivatives> KnotSecondDerivatives::make(const KnotModel& model,
                                                                    KnotBatch<Lane>& at,
                                                                    KnotBatch<Dual<Lane>>& moving) {
-  if (model.manifold().ndx() != model.system().ndx()) return nullptr;
+  const bool integrates = std::ranges::any_of(model.costs(), &CostTerm::integrated);
+  if (integrates || model.manifold().ndx() != model.system().ndx()) return nullptr;
   std::unique_ptr<KnotSecondDerivatives> made(new KnotSecondDerivatives(model, at, moving));
   return made->add_dynamics() && made->add_terms() ? std::move(made) : nullptr;
 }

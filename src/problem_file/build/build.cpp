@@ -333,6 +333,11 @@ class ProblemBuilder {
   bool set_nodes() {
     const int errors = out_.error_count();
     check_mesh(spec_, *built_.plant.system, out_);
+    if (spec_.running_costs.value == RunningCosts::kIntegrated && info_of(integrator_).order == 0)
+      out_.error(spec_.running_costs.place,
+                 "steps that give the next state themselves have no states in between over which "
+                 "costs could be integrated",
+                 "write 'running_costs: rate'");
     check_memory(spec_, ndx(), built_.plant.system->nu(), out_);
     times_ = node_times(spec_, out_);
     if (out_.error_count() > errors) return false;  // what follows would fill the memory

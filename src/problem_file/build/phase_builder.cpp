@@ -54,7 +54,7 @@ std::vector<bool> phases_of(const BuiltCost& cost, const PhaseContext& context, 
 
 /// What running costs of a phase are multiplied by, knot by knot.
 std::vector<double> cost_scales(const PhaseSpec& phase, const ProblemSpec& spec) {
-  const bool rate = spec.running_costs == RunningCosts::kRate && !phase.takes_no_time();
+  const bool rate = spec.costs_are_rates() && !phase.takes_no_time();
   return rate ? phase_steps(phase) : std::vector<double>(phase.knots.value, 1.0);
 }
 
@@ -137,7 +137,16 @@ void check_ends(const BuiltCost& function, Diagnostics& out) {
 
 /// Whether running costs are multiplied by durations that are free.
 bool grows_with_durations(const ProblemSpec& spec) {
-  return spec.first_free_duration() != nullptr && spec.running_costs == RunningCosts::kRate;
+  return spec.first_free_duration() != nullptr && spec.costs_are_rates();
+}
+
+/// Whether a cost is integrated in phases that take time: not at chosen knots, on swings, which end
+/// at a moment, or on a previous control, which the next one takes the place of.
+bool is_integrated(const PhaseContext& context, const BuiltCost& cost) {
+  const CostSpec& c = *cost.spec;
+  return context.spec.running_costs.value == RunningCosts::kIntegrated &&
+         info_of(context.integrator).order > 1 && !c.knots && c.keys.find(key::swing) == nullptr &&
+         !c.definition->needs.previous_control && !c.names_previous_control;
 }
 
 /// Whether a function counts at both ends of the knots in which it is on: with linear controls,
@@ -145,6 +154,7 @@ bool grows_with_durations(const ProblemSpec& spec) {
 /// no duration multiplies.
 bool is_at_both_ends(const PhaseContext& context, const BuiltCost& cost, Role role) {
   if (!context.linear() || cost.spec->knots) return false;
+  if (role == Role::kCost && is_integrated(context, cost)) return false;
   const bool swing = cost.spec->keys.find(key::swing) != nullptr;
   if (swing && grows_with_durations(context.spec)) return false;
   return needs_control(cost) || role == Role::kCost;
@@ -344,7 +354,8 @@ class PhaseBuilder {
     const int count = phase.model->parameter_count();
     phase.parameters.resize(static_cast<std::size_t>(given.knots.value) * count);
     for (int k = 0; k < given.knots.value; ++k)
-      write_knot(*phase.model, terms, first + k, phase.dt[k], phase.parameters.data() + k * count);
+      write_knot(*phase.model, terms, p, first + k, phase.dt[k],
+                 phase.parameters.data() + k * count);
     return phase;
   }
 
@@ -421,7 +432,8 @@ class PhaseBuilder {
     for (const int c : terms.costs) {
       const BuiltCost& cost = contents_.costs[c];
       model->add_cost(cost.spec->name.value, residual_in(cost, context_, p), cost.activation,
-                      {.is_moment = std::ranges::find(terms.moments, c) != terms.moments.end()});
+                      {.is_moment = std::ranges::find(terms.moments, c) != terms.moments.end()},
+                      !phase.takes_no_time() && is_integrated(context_, cost));
     }
     for (const int c : terms.cost_ends) {
       const BuiltCost& cost = contents_.costs[c];
@@ -450,14 +462,33 @@ class PhaseBuilder {
     return model;
   }
 
+  struct KnotPlace {
+    std::size_t phase;
+    int knot;
+    double dt;
+  };
+  /// The parameters of an integrated cost at the stages of a knot.
+  void write_stages(const KnotModel& model, std::size_t term, const BuiltCost& cost,
+                    const KnotPlace& place, double* parameters) const {
+    double* to = parameters + model.costs()[term].parameters;
+    for (const QuadratureStage& stage : model.quadrature()) {
+      const std::vector<double> own =
+          residual_parameters(cost, time_within(context_.times[place.knot], place.dt, stage.time,
+                                                context_.spec, place.phase));
+      to = std::copy(own.begin(), own.end(), to);
+    }
+  }
+
   /// The parameters of a knot that takes dt.
-  void write_knot(const KnotModel& model, const Terms& terms, int knot, double dt,
-                  double* parameters) const {
+  void write_knot(const KnotModel& model, const Terms& terms, std::size_t phase, int knot,
+                  double dt, double* parameters) const {
     const NodeTime& time = context_.times[knot];
     for (std::size_t i = 0; i < terms.costs.size(); ++i) {
       const int c = terms.costs[i];
       write_parameters(contents_.costs[c], model.costs()[i], time, weights_[c].nodes[knot],
                        parameters);
+      if (model.costs()[i].integrated)
+        write_stages(model, i, contents_.costs[c], {phase, knot, dt}, parameters);
     }
     for (std::size_t i = 0; i < terms.cost_ends.size(); ++i) {
       const int c = terms.cost_ends[i];

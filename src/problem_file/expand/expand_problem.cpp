@@ -201,7 +201,7 @@ OrderedJson expand_problem(const ProblemSpec& spec, const BuiltProblem& built) {
   json["initial_state"] = expand_initial_state(spec, model);
   json["integrator"] = word_of(kIntegratorWords, integrator_of(*built.problem));
   json["controls"] = word_of(kControlCourseWords, spec.controls.value);
-  json["running_costs"] = word_of(kRunningCostsWords, spec.running_costs);
+  json["running_costs"] = word_of(kRunningCostsWords, spec.running_costs.value);
   if (!spec.contacts.empty()) json["contacts"] = expand_contacts(spec.contacts);
   if (!spec.system) json["collision"] = expand_collision(spec.collision);
   if (spec.stepping) {

@@ -143,7 +143,7 @@ void check_mesh(const ProblemSpec& spec, const System& system, Diagnostics& out)
               "choose 'knots' yourself");
   else if (system.kind() == SystemKind::discrete)
     out.error(place, "a system that gives the next state itself has no finer grid");
-  if (spec.running_costs == RunningCosts::kSum)
+  if (!spec.costs_are_rates())
     out.error(place, "costs that are added up as they are change with the grid",
               "write 'running_costs: rate'");
   if (const CostSpec* rate = spec.first_use(&ResidualNeeds::previous_control))

@@ -112,7 +112,9 @@ void read_motion(YamlMap& map, ProblemSpec& spec) {
   if (const auto r = map.find("controls"))
     if (const auto course = r->choice(kControlCourseWords, "course of the controls"))
       spec.controls = {*course, r->place()};
-  map.choice("running_costs", spec.running_costs, kRunningCostsWords, "kind of running costs");
+  if (const auto r = map.find("running_costs"))
+    if (const auto kind = r->choice(kRunningCostsWords, "kind of running costs"))
+      spec.running_costs = {*kind, r->place()};
 }
 
 /// A key that serves robots alone; nothing where it is absent. `message`: why a closed-form system

@@ -33,8 +33,10 @@ inline constexpr auto& kIntegratorWords = detail::kIntegratorWords.words;
 
 inline constexpr Choice<ControlCourse> kControlCourseWords[] = {
     {"constant", ControlCourse::kConstant}, {"linear", ControlCourse::kLinear}};
-inline constexpr Choice<RunningCosts> kRunningCostsWords[] = {{"rate", RunningCosts::kRate},
-                                                              {"sum", RunningCosts::kSum}};
+inline constexpr Choice<RunningCosts> kRunningCostsWords[] = {
+    {"rate", RunningCosts::kRate},
+    {"integrated", RunningCosts::kIntegrated},
+    {"sum", RunningCosts::kSum}};
 
 /// Whether the nodes at which phases end belong to a constraint over them.
 inline constexpr Choice<bool> kNodesWords[] = {{"begins", false}, {"ends", true}};

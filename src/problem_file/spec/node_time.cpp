@@ -106,6 +106,25 @@ void NodeTime::append_to(std::vector<double>& parameters) const {
   parameters.insert(parameters.end(), phase_share.begin(), phase_share.end());
 }
 
+NodeTime time_within(const NodeTime& knot, double step, double passed, const ProblemSpec& spec,
+                     std::size_t phase) {
+  NodeTime time = knot;
+  const double elapsed = passed * step;
+  time.written += elapsed;
+  if (!spec.phases[phase].free_duration) {
+    time.time += elapsed;
+    time.phase_time += elapsed;
+    return time;
+  }
+  const auto duration =
+      std::count_if(spec.phases.begin(), spec.phases.begin() + static_cast<std::ptrdiff_t>(phase),
+                    [](const PhaseSpec& other) { return other.free_duration.has_value(); });
+  const double share = elapsed / phase_duration(spec.phases[phase]);
+  time.share[duration] += share;
+  time.phase_share[duration] += share;
+  return time;
+}
+
 std::vector<NodeTime> node_times(const ProblemSpec& spec, const std::vector<double>& written,
                                  double start) {
   return NodeTimes(spec, written).make(start);

@@ -22,6 +22,11 @@ struct NodeTime {
   void append_to(std::vector<double>& parameters) const;
 };
 
+/// The time when a share of a knot has passed, in a phase of a problem, from that of the knot and
+/// its step, s.
+NodeTime time_within(const NodeTime& knot, double step, double passed, const ProblemSpec& spec,
+                     std::size_t phase);
+
 /// Of all nodes, whose times with the durations of the file are given, s. `start`: what a clock in
 /// the state shows at first, which then has t.
 std::vector<NodeTime> node_times(const ProblemSpec& spec, const std::vector<double>& written,

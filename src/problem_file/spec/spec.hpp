@@ -69,8 +69,9 @@ enum class ControlCourse {
 };
 
 enum class RunningCosts {
-  kRate,  ///< multiplied by dt
-  kSum,   ///< added up as they are
+  kRate,        ///< multiplied by dt
+  kIntegrated,  ///< over the step, by the stages of the integrator
+  kSum,         ///< added up as they are
 };
 
 struct KeyframeSpec {
@@ -137,7 +138,7 @@ struct ProblemSpec {
   StateSpec initial_state;
   std::optional<Located<Integrator>> integrator;  ///< absent: the system's usual one
   Located<ControlCourse> controls{ControlCourse::kConstant, {}};
-  RunningCosts running_costs = RunningCosts::kRate;
+  Located<RunningCosts> running_costs{RunningCosts::kRate, {}};
   std::vector<ContactSpec> contacts;
   CollisionSpec collision;
   std::vector<CandidateSpec> candidates;
@@ -164,6 +165,8 @@ struct ProblemSpec {
     return terminal_contacts ? *terminal_contacts : phases.back().contacts;
   }
   bool has_linear_controls() const { return controls.value == ControlCourse::kLinear; }
+  /// Whether running costs are multiplied by the time that they last.
+  bool costs_are_rates() const { return running_costs.value != RunningCosts::kSum; }
   /// Null if all durations are fixed.
   const PhaseSpec* first_free_duration() const;
   /// Those at running knots, integrals, and those at the last node.

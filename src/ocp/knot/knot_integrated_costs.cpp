@@ -1,0 +1,180 @@
+#include <algorithm>
+#include <utility>
+
+#include "ocp/knot/gauss_newton.hpp"
+#include "ocp/knot/knot_model.hpp"
+
+namespace conddp {
+
+/// Adds the integrated costs of a knot, stage by stage, to cost, gradient and Hessian in a
+/// workspace: Σ b_i ℓ(z_i) with z_i = (x_i, u_i), Σ b_i Z_iᵀ ∇ℓ and Σ b_i Z_iᵀ ∇²ℓ Z_i with
+/// Z_i = ∂z_i/∂z, where ∇²ℓ is the Gauss-Newton Hessian.
+template <class S>
+class StageCosts : public StageVisitor<S> {
+ public:
+  /// `in`: at its free duration, if there is one; `given_dt`: the step without that, of which the
+  /// derivative is one.
+  StageCosts(const KnotModel& model, const KnotInput<S>& in, const S& given_dt,
+             KnotWorkspace<S>& work, const KnotModel::Wanted& wanted)
+      : model_(model),
+        in_(in),
+        given_dt_(given_dt),
+        work_(work),
+        derivatives_(wanted.derivatives),
+        hessian_(wanted.hessian) {}
+
+  /// For the integrator; null where there is nothing to add.
+  StageVisitor<S>* visitor() { return model_.stage_index_.empty() ? nullptr : this; }
+  void visit(const StageView<S>& stage) override;
+  /// The stages of a collocation, which no integrator visits.
+  void visit_collocation();
+
+ private:
+  KnotInput<S> input_at(const StageView<S>& stage);
+  void differentiate(const CostPoint<S>& at, const StageView<S>& stage);
+  void fill_derivative(const StageView<S>& stage);
+  S derivative(int row, int column, const StageView<S>& stage) const;
+  void pull_back_hessian();
+
+  const KnotModel& model_;
+  const KnotInput<S>& in_;
+  S given_dt_;
+  KnotWorkspace<S>& work_;
+  bool derivatives_, hessian_;
+};
+
+template <class S>
+void StageCosts<S>::visit(const StageView<S>& stage) {
+  if (model_.quadrature_[stage.stage].weight == 0) return;
+  const KnotInput<S> in = input_at(stage);
+  const CostPoint<S> at{in, stage.data, stage.stage};
+  if (derivatives_) return differentiate(at, stage);
+  for (std::size_t t = 0; t < model_.costs_.size(); ++t)
+    if (model_.costs_[t].integrated) model_.evaluate_cost(t, at, work_);
+}
+
+template <class S>
+void StageCosts<S>::visit_collocation() {
+  const CollocationSystem* system = model_.system().as_collocation();
+  if (system == nullptr || visitor() == nullptr) return;
+  SystemData<S>& begin = *work_.system_;
+  auto& later = static_cast<CollocationSystem::Later<S>&>(*begin.later);
+  const S* w = in_.u;
+  const S* u = model_.first_control(in_);
+  const bool linear = model_.has_linear_controls();
+  if (derivatives_) {
+    std::fill(later.X.begin(), later.X.end(), S(0.0));
+    for (int c = 0; c < system->ndx(); ++c) later.X[c * system->ndx() + c] = S(1.0);
+  }
+  visit({0, 0.0, in_.x, u, later.X.data(), begin});
+  for (int i = 1; i <= system->later_stages(); ++i) {
+    const double passed = system->time(i);
+    if (linear)
+      for (int c = 0; c < system->actuators(); ++c) later.u[c] = u[c] + S(passed) * (w[c] - u[c]);
+    const S* at = linear ? later.u.data() : u;
+    system->stage(i, in_.x, w, in_.dt, begin, later.x.data());
+    if (derivatives_) {
+      system->differentiate_stage(i, in_.x, w, in_.dt, begin, model_.free_duration().has_value(),
+                                  later.X.data());
+      system->inside()->differentiate(later.x.data(), at, *later.inside);
+    } else {
+      system->inside()->evaluate(later.x.data(), at, *later.inside);
+    }
+    visit({i, passed, later.x.data(), at, later.X.data(), *later.inside});
+  }
+}
+
+/// The knot's numbers with the state and the control of a stage.
+template <class S>
+KnotInput<S> StageCosts<S>::input_at(const StageView<S>& stage) {
+  const int nx = model_.system().nx();
+  std::copy_n(stage.x, nx, work_.stage_x_.begin());
+  std::copy(in_.x + nx, in_.x + model_.nx(), work_.stage_x_.begin() + nx);
+  if (model_.has_linear_controls())
+    std::copy_n(stage.u, model_.remembered_controls(),
+                work_.stage_x_.end() - model_.remembered_controls());
+  KnotInput<S> in = in_;
+  in.x = work_.stage_x_.data();
+  in.cost_scale = in_.cost_scale * S(model_.quadrature_[stage.stage].weight);
+  return in;
+}
+
+template <class S>
+void StageCosts<S>::differentiate(const CostPoint<S>& at, const StageView<S>& stage) {
+  // What is written for a knot is written for the stage.
+  std::swap(work_.gradient, work_.stage_gradient_);
+  std::swap(work_.hessian, work_.stage_hessian_);
+  std::fill(work_.gradient.begin(), work_.gradient.end(), S(0.0));
+  if (hessian_) std::fill(work_.hessian.begin(), work_.hessian.end(), S(0.0));
+  for (std::size_t t = 0; t < model_.costs_.size(); ++t)
+    if (model_.costs_[t].integrated) model_.differentiate_cost(t, at, work_, hessian_);
+  std::swap(work_.gradient, work_.stage_gradient_);
+  std::swap(work_.hessian, work_.stage_hessian_);
+  fill_derivative(stage);
+  const std::vector<int>& rows = model_.stage_columns_;
+  const S* Z = work_.stage_Z_.data();
+  for (int c = 0; c < model_.nz(); ++c)
+    for (const int row : rows) work_.gradient[c] += *Z++ * work_.stage_gradient_[row];
+  if (hessian_) pull_back_hessian();
+}
+
+/// Z of the columns on which the costs depend, by columns.
+template <class S>
+void StageCosts<S>::fill_derivative(const StageView<S>& stage) {
+  S* Z = work_.stage_Z_.data();
+  for (int c = 0; c < model_.nz(); ++c)
+    for (const int row : model_.stage_columns_) *Z++ = derivative(row, c, stage);
+}
+
+template <class S>
+S StageCosts<S>::derivative(int row, int column, const StageView<S>& stage) const {
+  const int n = model_.system().ndx(), ndx = model_.ndx();
+  if (row < n) {
+    if (const auto& duration = model_.free_duration(); duration && column == n + duration->choice)
+      return given_dt_ * S(1 / duration->written) * stage.X[work_.integrator_.variables * n + row];
+    const int own = model_.integrated_column(column);
+    return own < 0 ? S(0.0) : stage.X[own * n + row];
+  }
+  if (!model_.has_linear_controls()) return S(row == column ? 1.0 : 0.0);
+  // Linear controls at the beginning are the last of the state, those at the end the first of u.
+  const int controls = model_.remembered_controls(), control = row - (ndx - controls);
+  if (control < 0 || row >= ndx) return S(row == column ? 1.0 : 0.0);
+  if (column == row) return S(1 - stage.passed);
+  return S(column == ndx + control ? stage.passed : 0.0);
+}
+
+template <class S>
+void StageCosts<S>::pull_back_hessian() {
+  const int rows = static_cast<int>(model_.stage_columns_.size()), nz = model_.nz();
+  S* dense = work_.stage_dense_.data();
+  std::fill(work_.stage_dense_.begin(), work_.stage_dense_.end(), S(0.0));
+  for (std::size_t i = 0; i < model_.stage_pattern_.size(); ++i) {
+    const int a = model_.stage_places_[model_.stage_pattern_[i].first];
+    const int b = model_.stage_places_[model_.stage_pattern_[i].second];
+    dense[a * rows + b] = dense[b * rows + a] = work_.stage_hessian_[i];
+  }
+  const S* Z = work_.stage_Z_.data();
+  S* product = work_.stage_HZ_.data();
+  for (int c = 0; c < nz; ++c, Z += rows)
+    for (int r = 0; r < rows; ++r) *product++ = dot(rows, dense + r * rows, Z);
+  add_products(rows, nz, work_.stage_Z_.data(), work_.stage_HZ_.data(), model_.stage_index_.data(),
+               work_.hessian.data());
+}
+
+template <class S>
+void KnotModel::take_step(const KnotInput<S>& in, const S& given_dt, KnotWorkspace<S>& work,
+                          const Wanted& wanted) const {
+  StageCosts<S> costs(*this, in, given_dt, work, wanted);
+  const auto step = wanted.derivatives ? integrate_derivatives<S> : integrate<S>;
+  step(*system_, integrator_, in.x, first_control(in), in.dt, *work.system_, work.integrator_,
+       end_control(in), costs.visitor());
+  costs.visit_collocation();
+}
+
+#define CONDDP_INSTANTIATE(S)                                                          \
+  template void KnotModel::take_step(const KnotInput<S>&, const S&, KnotWorkspace<S>&, \
+                                     const Wanted&) const;
+CONDDP_FOR_EACH_SCALAR(CONDDP_INSTANTIATE)
+#undef CONDDP_INSTANTIATE
+
+}  // namespace conddp
