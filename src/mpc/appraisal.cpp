@@ -39,7 +39,7 @@ StepFigures Appraisal::of_step(double time, double length, const double* u, cons
   KnotBatch<double>& batch = *batches_.at(&model);
   std::copy_n(x, model.nx(), batch.x.begin());
   std::copy_n(u, model.nu(), batch.u.begin());
-  batch.dt = numbers.dt;
+  batch.dt = length;  // over which costs are integrated
   const double share = std::abs(length - numbers.dt) < kSameTime ? 1 : length / numbers.dt;
   batch.cost_scale = numbers.cost_scale * share;
   return figures(model, numbers.parameters);
