@@ -404,6 +404,43 @@ TEST(Solve, TimeLimitsThatCertificateAndFilesAloneExceedNameTheKnots) {
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "out"));
 }
 
+// A winding with a time constant of a microsecond in steps of ten milliseconds.
+TEST(Solve, NamesLongStepsWhereNumbersOverflow) {
+  const TemporaryFolder folder;
+  const std::string file = folder.write("stiff.yaml", R"(conddp: 1
+system: {states: {i: A}, controls: {V: V}, rate: {i: 1.0e+6*(V - i)}}
+initial_state: {values: {i: 0}}
+phases: [{knots: 20, dt: 0.01}]
+costs: {track: {residual: state, reference: [1]}, effort: {residual: control, weight: 1.0e-3}}
+)");
+  const ProcessResult r = run_conddp({"solve", file, "-o", folder.path() / "out"});
+  EXPECT_EQ(r.exit_code, 1);
+  const std::string all = r.out + r.err;
+  EXPECT_NE(all.find("the system is stiff for steps of rk4"), std::string::npos) << all;
+  EXPECT_EQ(all.find("-nan"), std::string::npos) << all;
+  EXPECT_EQ(read_file(folder.path() / "out/solution.json").find("nan"), std::string::npos);
+}
+
+TEST(Solve, NamesStatesInWhichEquationsHaveNoValue) {
+  const TemporaryFolder folder;
+  const std::string file = folder.write("rest.yaml", R"(conddp: 1
+system: {states: {v: m/s, angle: rad}, controls: {T: N}, rate: {v: T - v, angle: -cos(angle)/v}}
+initial_state: {values: {v: 0}}
+phases: [{knots: 20, dt: 0.01}]
+costs: {track: {residual: state, reference: {values: {v: 1}}}, effort: {residual: control}}
+)");
+  const ProcessResult r = run_conddp({"solve", file, "-o", folder.path() / "out"});
+  EXPECT_EQ(r.exit_code, 1);
+  EXPECT_NE(r.out.find("the rate of 'angle' is not finite there, but would be with another 'v'"),
+            std::string::npos)
+      << r.out;
+  EXPECT_NE(r.out.find("try           'v: 0.1' in the initial state"), std::string::npos) << r.out;
+  EXPECT_EQ(r.out.find("the grid does not resolve"), std::string::npos) << r.out;
+  const ProcessResult moved = run_conddp(
+      {"solve", file, "-o", folder.path() / "moved", "--set", "initial_state.values={v: 0.1}"});
+  EXPECT_EQ(moved.exit_code, 0) << moved.out << moved.err;
+}
+
 // The same list in the summaries of solve and verify and in their documents.
 TEST(Solve, SaysWhatStandsOutInTheMotion) {
   const TemporaryFolder folder;

@@ -15,10 +15,10 @@ struct Worst {
   int knot = -1;
   int entry = -1;
 
-  /// Not-a-number counts as the largest.
+  /// Not-a-number counts as the largest, and has no sign.
   void meet(double candidate, double candidate_size, int k, int i) {
     if (std::isnan(value) || !(std::isnan(candidate) || candidate > value)) return;
-    *this = {candidate, candidate_size, k, i};
+    *this = {std::abs(candidate), std::abs(candidate_size), k, i};
   }
 };
 

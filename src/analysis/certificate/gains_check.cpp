@@ -321,8 +321,12 @@ Check check_of(const char* name, const ShootingProblem& problem, const Worst& wo
   if (check.holds) return check;
   check.place = place_text(problem, worst.knot, control_name(problem, worst.knot, worst.entry));
   check.message =
-      fmt::format("the equation of a sweep at the trajectory is off by {:.2g}, tolerance {:.1g}",
-                  worst.value * worst.size, worst.size);
+      std::isfinite(worst.value) && std::isfinite(worst.size)
+          ? fmt::format(
+                "the equation of a sweep at the trajectory is off by {:.2g}, tolerance "
+                "{:.1g}",
+                worst.value * worst.size, worst.size)
+          : "a sweep at the trajectory overflows, and nothing shows that the gains belong to it";
   return check;
 }
 

@@ -10,6 +10,7 @@
 #include "analysis/findings/free_control.hpp"
 #include "analysis/findings/holding_torques.hpp"
 #include "analysis/findings/long_step.hpp"
+#include "analysis/findings/singular_rate.hpp"
 #include "base/exceeds.hpp"
 #include "ocp/problem/by_name.hpp"
 #include "ocp/problem/cost_scale.hpp"
@@ -87,6 +88,18 @@ std::string remedy_of_growth(const ShootingProblem& problem, bool start) {
          "expressions are not finite; a smaller dt or an integrator of higher order";
 }
 
+/// Says of equations without a finite value in which state that is, and where they have one.
+void tell_singular_rate(const SingularRate& at, const ShootingProblem& problem, Diagnosis& d) {
+  const bool is_next = problem.knot(d.knot).model->system().kind() == SystemKind::discrete;
+  d.message +=
+      fmt::format(": the {} of '{}' is not finite there", is_next ? "next value" : "rate", at.row);
+  if (at.state.empty()) return;
+  d.message += fmt::format(", but would be with another '{}' than {:g}", at.state, at.value);
+  d.remedy = fmt::format("'{}: {:g}' in {}, or equations that hold at {:g}, too; ", at.state,
+                         at.nearby, d.knot == 0 ? "the initial state" : "the guess", at.value) +
+             d.remedy;
+}
+
 /// "cost ('reach')" where one of the costs of the knot is not finite along the answer, else the
 /// quantity alone.
 std::string with_name(const ShootingProblem& problem, const SolveResult& r) {
@@ -110,12 +123,17 @@ Diagnosis growth(const ShootingProblem& problem, const SolveResult& r) {
     return unbounded_iterates();
   const bool start = r.iterations == 0;
   const std::string quantity = r.failed_quantity.empty() ? "motion" : with_name(problem, r);
-  return {DiagnosisPattern::growth,
-          fmt::format("the {}{} {}", quantity, at(r.failed_knot),
-                      r.status == SolveStatus::diverged
-                          ? (start ? "is not finite along the first guess" : "stopped being finite")
-                          : "leaves the finite numbers in every longer step"),
-          r.failed_knot, r.failed_quantity, remedy_of_growth(problem, start)};
+  Diagnosis d{
+      DiagnosisPattern::growth,
+      fmt::format("the {}{} {}", quantity, at(r.failed_knot),
+                  r.status == SolveStatus::diverged
+                      ? (start ? "is not finite along the first guess" : "stopped being finite")
+                      : "leaves the finite numbers in every longer step"),
+      r.failed_knot, r.failed_quantity, remedy_of_growth(problem, start)};
+  if (start && d.knot >= 0 && d.knot < problem.knots())
+    if (const auto singular = singular_rate(problem, r.trajectory, d.knot))
+      tell_singular_rate(*singular, problem, d);
+  return d;
 }
 
 Diagnosis indefinite(const SolveResult& r) {

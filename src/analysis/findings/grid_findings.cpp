@@ -6,6 +6,7 @@
 
 #include "analysis/certificate/coarse_grid.hpp"
 #include "analysis/findings/long_step.hpp"
+#include "analysis/findings/singular_rate.hpp"
 #include "systems/tangent_columns.hpp"
 
 namespace conddp {
@@ -70,7 +71,9 @@ void find_in_grid(const ShootingProblem& problem, const Trajectory& trajectory,
     f.remedy = remedy_of(*step, problem);
     list.push_back(std::move(f));
   }
-  if (const auto error = coarse_grid(problem, trajectory, gains)) {
+  const auto error = coarse_grid(problem, trajectory, gains);
+  // Of equations without a value no grid is to blame.
+  if (error && !singular_rate(problem, trajectory, error->knot)) {
     const Column column = tangent_columns(problem.terminal().model->system())[error->entry];
     Finding f = finding_of(FindingKind::coarse_grid, problem, trajectory, error->knot);
     f.subject = column.name;
