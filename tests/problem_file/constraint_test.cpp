@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "ocp/evaluation/evaluator.hpp"
@@ -280,6 +281,39 @@ TEST(Constraints, NoContradictionWhereValuesRemain) {
   for (const std::string& rows : cases) {
     const Loaded loaded(with(rows));
     EXPECT_EQ(loaded.all().find("contradict each other"), std::string::npos) << loaded.all();
+  }
+}
+
+/// Controls from `lower` on, which change by at most 0.5 from knot to knot.
+std::string slow_controls(double lower, const std::string& initial) {
+  return fmt::format(R"(conddp: 1
+system: {{states: {{x: m}}, controls: {{u: m/s}}, rate: {{x: u}}}}
+initial_state: {{values: {{x: 7}}{}}}
+phases: [{{knots: 3, dt: 0.1}}]
+costs: {{effort: {{residual: control}}}}
+constraints:
+  motor: {{bounds: control, lower: {}}}
+  slow: {{residual: expression, rows: ["2*(u - previous[u]) + x - 7"], lower: -1, upper: 1}}
+solver: {{name: altro}}
+)",
+                     initial, lower);
+}
+
+TEST(Constraints, FirstControlAgreesWithThePreviousOne) {
+  for (const char* initial : {"", ", previous_control: 0"}) {
+    const Loaded loaded(slow_controls(2, initial));
+    EXPECT_FALSE(loaded.built);
+    EXPECT_NE(loaded.all().find("'slow' and the bounds on the control contradict each other at "
+                                "knot 0: nothing is at least 4 and at most 1"),
+              std::string::npos)
+        << loaded.all();
+    EXPECT_NE(loaded.all().find("'previous_control' of the initial state"), std::string::npos)
+        << loaded.all();
+  }
+  for (const std::string& file :
+       {slow_controls(2, ", previous_control: 1.6"), slow_controls(0.5, "")}) {
+    const Loaded loaded(file);
+    EXPECT_TRUE(loaded.built) << loaded.all();
   }
 }
 

@@ -56,11 +56,12 @@ class Narrowing {
     int first = 0;
     const double* slopes = slopes_->data() + c.term->jacobian;
     for (const RowBlock& block : c.term->blocks) {
-      const bool one = block.affine && block.columns.size() == 1;
-      for (int row = first; one && row < first + block.rows; ++row) {
-        const double value = (*values_)[c.term->row + row], slope = slopes[row - first];
-        const Row known{c.term->name, value, slope, c.lower[row], c.upper[row]};
-        if (auto found = narrow(known, coordinates_[block.columns[0]])) return found;
+      const int place = place_of_unknown(block);
+      for (int row = 0; place >= 0 && row < block.rows; ++row) {
+        const double value = (*values_)[c.term->row + first + row];
+        const double slope = slopes[place * block.rows + row];
+        const Row known{c.term->name, value, slope, c.lower[first + row], c.upper[first + row]};
+        if (auto found = narrow(known, coordinates_[block.columns[place]])) return found;
       }
       first += block.rows;
       slopes += block.rows * block.columns.size();
@@ -69,6 +70,19 @@ class Narrowing {
   }
 
  private:
+  /// The place of the only column of affine rows that is not known, which the state of node 0 is;
+  /// -1 where there are none or several.
+  int place_of_unknown(const RowBlock& block) const {
+    int place = -1;
+    for (int i = 0; i < static_cast<int>(block.columns.size()); ++i) {
+      const bool known = node_ == 0 && block.columns[i] < problem_.knot(0).model->ndx();
+      if (known && block.columns.size() > 1) continue;
+      if (place >= 0) return -1;
+      place = i;
+    }
+    return block.affine ? place : -1;
+  }
+
   /// Bounds on the controls, and the constraints' values at the initial state.
   void begin(int node) {
     node_ = node;

@@ -16,8 +16,9 @@ struct Contradiction {
 };
 
 /// The first contradiction among bounds on single coordinates of states and controls: rows that are
-/// affine in one coordinate, whose slope turns their bounds into the coordinate's. Other rows prove
-/// nothing here: solvers find what they contradict.
+/// affine in one coordinate, whose slope turns their bounds into the coordinate's; at the first
+/// node, whose state is known, in one control and any states. Other rows prove nothing here:
+/// solvers find what they contradict.
 std::optional<Contradiction> find_contradiction(const ShootingProblem& problem);
 
 }  // namespace conddp

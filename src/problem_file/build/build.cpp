@@ -191,8 +191,14 @@ void report_contradiction(const ProblemSpec& spec, const ShootingProblem& proble
   const auto found = find_contradiction(problem);
   if (!found) return;
   Place place;
-  for (const ConstraintSpec* constraint : spec.all_constraints())
-    if (constraint->function.name.value == found->first) place = constraint->function.name.place;
+  bool has_previous = false;
+  for (const ConstraintSpec* constraint : spec.all_constraints()) {
+    const CostSpec& function = constraint->function;
+    if (function.name.value == found->first) place = function.name.place;
+    if (function.name.value == found->first || function.name.value == found->second)
+      has_previous |=
+          function.names_previous_control || function.definition->needs.previous_control;
+  }
   const std::string node =
       found->node == problem.knots() ? "the last node" : fmt::format("knot {}", found->node);
   const std::string other =
@@ -200,7 +206,11 @@ void report_contradiction(const ProblemSpec& spec, const ShootingProblem& proble
   out.error(place,
             fmt::format("'{}' and {} contradict each other at {}: nothing is at least {} and "
                         "at most {}",
-                        found->first, other, node, found->lower, found->upper));
+                        found->first, other, node, found->lower, found->upper),
+            has_previous && found->node == 0
+                ? "'previous_control' of the initial state, 0 where nothing is said, is the "
+                  "control before it"
+                : "");
 }
 
 /// The control before the first knot, or the first of linear ones, with which augmented states end.
