@@ -73,6 +73,16 @@ TEST_F(Contacts, WhatAMotionFoundIsScheduledAndRefined) {
       << refined.out;
 }
 
+TEST_F(Contacts, AnswersThatDidNotConvergeAreNamed) {
+  ASSERT_EQ(
+      run({"solve", "falling.yaml", "-o", "out", "--quiet", "--set", "solver.max_iterations=1"})
+          .exit_code,
+      1);
+  const ProcessResult written = run({"contacts", "out/solution.json", "-o", "scheduled.yaml"});
+  EXPECT_NE(written.err.find("did not converge (max_iterations)"), std::string::npos)
+      << written.err;
+}
+
 TEST_F(Contacts, OtherSolutionsHaveNone) {
   folder_.write("cartpole.yaml", read_file(source("problems/cartpole_swingup.yaml")));
   ASSERT_EQ(run({"solve", "cartpole.yaml", "-o", "out", "--quiet"}).exit_code, 0);

@@ -68,7 +68,8 @@ int write_schedule(const ContactsArguments& arguments) {
     print_messages(diagnostics, Verbosity::kNormal);
     return kExitBadInput;
   };
-  constexpr std::string_view kKeys[] = {"problem", "solver", "trajectory", "dropped_constraints"};
+  constexpr std::string_view kKeys[] = {"problem", "solver", "status", "trajectory",
+                                        "dropped_constraints"};
   const auto loaded = load_document(arguments.solution, kSolutionDocument, kKeys, {}, diagnostics);
   if (!loaded) return give_up({});
   const OrderedJson document(*loaded);
@@ -82,6 +83,15 @@ int write_schedule(const ContactsArguments& arguments) {
       return give_up("its problem has no 'contact_candidates', and so no contacts that were found");
     const ContactSchedule schedule =
         contact_schedule(*solved->spec, solved->built, *motion, options_of(arguments));
+    if (const std::string status = solution_text(document, "status");
+        status != to_string(SolveStatus::converged) &&
+        status != to_string(SolveStatus::cost_settled))
+      diagnostics.add({.file = arguments.solution,
+                       .severity = Severity::kWarning,
+                       .message = fmt::format("the solve did not converge ({}): its contacts need "
+                                              "not be those of a motion that can be",
+                                              status),
+                       .hint = "'conddp verify' says what the answer misses"});
     AtomicFiles files;
     files.add(arguments.output, yaml_text(schedule.problem));
     files.commit();
