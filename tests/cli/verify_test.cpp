@@ -135,10 +135,12 @@ TEST_F(Verify, NothingIsQuotedOfFilesThatAreNoProblems) {
   const auto sets = [](const std::string& setting) {
     return [setting](Json& json) { json["problem"]["overrides"] = {setting}; };
   };
-  const std::function<void(Json&)> forgeries[] = {names("text.txt"), names("users.txt"),
+  const std::function<void(Json&)> forgeries[] = {names("text.txt"),
+                                                  names("users.txt"),
                                                   sets("robot.urdf=text.txt"),
                                                   sets("costs.effort.reference={file: text.csv}"),
-                                                  sets("costs.effort.reference={file: text.txt}")};
+                                                  sets("costs.effort.reference={file: text.txt}"),
+                                                  sets("tables={t: {file: text.csv, x: a, y: b}}")};
   for (const auto& forge : forgeries) {
     const ProcessResult verified = verify(forge);
     EXPECT_EQ(verified.exit_code, 2);

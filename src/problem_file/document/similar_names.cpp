@@ -44,6 +44,7 @@ Diagnostics with_similar_names(const Diagnostics& after, const Diagnostics& befo
       add_names(names_beside(said.path, document, settings), said);
     all.add(std::move(said));
   }
+  for (const InputFile& file : after.data_files()) all.add_data_file(file);
   return all;
 }
 
