@@ -115,17 +115,17 @@ TEST(Friction, ThatConesOfTheFileHoldIsNotAdvisedAgain) {
   const ShootingProblem problem = block_problem({block_phase(block_system({{.name = "grip"}}), 1)});
   Trajectory motion = problem.create_trajectory();
   hold(motion, 0, 5, 0, 1);
-  for (const bool cones : {false, true}) {
-    const auto found = found_in_contacts(problem, motion, FindingKind::friction_demand,
-                                         {.friction = {{"grip", 0.9}}, .within_cones = cones});
-    ASSERT_EQ(found.size(), 1u);
-    EXPECT_EQ(found[0].remedy, cones ? "" : "a constraint or cost 'friction_cone' on it");
-  }
-  const auto weighed = found_in_contacts(problem, motion, FindingKind::friction_demand,
-                                         {.friction = {{"grip", 0.9}}, .cone_cost = "grip"});
-  ASSERT_EQ(weighed.size(), 1u);
-  EXPECT_EQ(weighed[0].remedy,
-            "a larger weight of the cost 'grip', or a constraint 'friction_cone'");
+  const auto remedy = [&](std::vector<FindingNames::Cone> cones) {
+    FindingNames names{.friction = {{"grip", 0.9}}, .cones = {{"grip", std::move(cones)}}};
+    if (names.cones["grip"].empty()) names.cones = {{"other", {{"c", true}}}};
+    const auto found = found_in_contacts(problem, motion, FindingKind::friction_demand, names);
+    return found.size() == 1 ? found[0].remedy : "not one finding";
+  };
+  EXPECT_EQ(remedy({}), "a constraint or cost 'friction_cone' on it");
+  EXPECT_EQ(remedy({{"w", false}, {"c", true}}), "");
+  EXPECT_EQ(remedy({{"c", true, false}, {"w", false}}),
+            "a larger weight of the cost 'w', or a constraint 'friction_cone'");
+  EXPECT_EQ(remedy({{"c", true, false}}), "the constraint 'c' at all knots");
 }
 
 // A thousandth of the weight of all three bodies, 4 kg, is 0.039 N.
@@ -200,6 +200,16 @@ TEST(Drift, IsTheLongestWayFromWhereTheStanceBegan) {
   const auto back = drift_of({.name = "grip"}, {{0, 0, 0}, {0, 0.005, 0}, {0, -0.004, 0}});
   ASSERT_EQ(back.size(), 1u);
   EXPECT_NEAR(back[0].value, 0.005, 1e-12);
+}
+
+TEST(Drift, AdvisesNoKpTowardsAnotherPlace) {
+  const auto remedy = [](double x, double kp) {
+    const auto found = drift_of({.name = "grip", .kp = kp, .kd = 20}, {{x, 0, 0}, {x, 0.004, 0}});
+    return found.size() == 1 ? found[0].remedy : "not one finding";
+  };
+  EXPECT_EQ(remedy(0, 0), "a smaller dt, or contacts.grip.baumgarte.kp");
+  EXPECT_EQ(remedy(0, 5), "a smaller dt, or a larger contacts.grip.baumgarte.kp");
+  EXPECT_EQ(remedy(0.3, 0), "a smaller dt");
 }
 
 TEST(Drift, CountsAlongTheDirectionsThatAreHeld) {

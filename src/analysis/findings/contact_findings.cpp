@@ -75,6 +75,7 @@ class Watch {
     int first = 0, last = 0;  ///< nodes of the stance
     double dt = 0;            ///< longest step, s
     Contact contact;
+    bool placed = false;  ///< the stance begins where kp draws the contact to
   };
 
   static int index_of(const MultibodySystem* system, const std::string& name) {
@@ -110,6 +111,7 @@ class Watch {
       }
     }
     if (drift.value <= kDrift) return;
+    drift.placed = moved(drift.contact, drift.contact.reference, start) <= drift.value;
     Drift& worst = drifts_[name];
     if (exceeds(drift.value, worst.value)) worst = drift;
   }
@@ -183,7 +185,7 @@ class Watch {
     for (const auto& [name, pull] : pulls_) {
       Finding f{FindingKind::pull, name, pull.value, pull.impulse ? "Ns" : "N"};
       f.message = fmt::format("the contact '{}' pulls with {:.3g} {}", name, f.value, f.unit);
-      if (!names_.within_cones) f.remedy = cone_remedy() + ", or 'min_normal_force'";
+      f.remedy = cone_remedy(name);
       add(std::move(f), pull.knot);
     }
   }
@@ -195,20 +197,30 @@ class Watch {
     f.message = fmt::format("the contact '{}' needs a coefficient of friction of {:.3g}", name,
                             demand.value);
     if (has) f.message += fmt::format(", {:.3g} {}", *has, beyond ? "is what it has" : "are there");
-    if (beyond) f.remedy = remedy_of_demand(demand.impulse);
+    if (beyond) f.remedy = remedy_of_demand(name, demand.impulse);
     add(std::move(f), demand.knot);
   }
 
-  /// What the file does not ask for yet.
-  std::string cone_remedy() const {
-    if (names_.cone_cost.empty()) return "a constraint or cost 'friction_cone' on it";
-    return fmt::format("a larger weight of the cost '{}', or a constraint 'friction_cone'",
-                       names_.cone_cost);
+  /// What the file does not ask for yet; nothing where a constraint holds the cone throughout,
+  /// which is violated.
+  std::string cone_remedy(const std::string& contact) const {
+    const auto found = names_.cones.find(contact);
+    if (found == names_.cones.end()) return "a constraint or cost 'friction_cone' on it";
+    const FindingNames::Cone* cost = nullptr;
+    for (const FindingNames::Cone& cone : found->second) {
+      if (cone.constraint && cone.throughout) return "";
+      if (!cone.constraint && cone.throughout) cost = &cone;
+    }
+    if (cost != nullptr)
+      return fmt::format("a larger weight of the cost '{}', or a constraint 'friction_cone'",
+                         cost->name);
+    const FindingNames::Cone& some = found->second.front();
+    return fmt::format("the {} '{}' at all knots", some.constraint ? "constraint" : "cost",
+                       some.name);
   }
 
-  /// Cones that the file has are violated.
-  std::string remedy_of_demand(bool impulse) const {
-    std::string remedy = names_.within_cones ? "" : cone_remedy();
+  std::string remedy_of_demand(const std::string& contact, bool impulse) const {
+    std::string remedy = cone_remedy(contact);
     if (impulse)
       remedy +=
           std::string(remedy.empty() ? "" : ", ") + "a touch-down with less speed along the ground";
@@ -227,8 +239,11 @@ class Watch {
         name, 1e3 * drift.value, times_[drift.first], times_[drift.last], kd);
     if (r < kFull)
       f.remedy = fmt::format("contacts.{}.baumgarte: {{kd: {:.3g}}}", name, 1 / drift.dt);
+    else if (drift.placed)
+      f.remedy = fmt::format("a smaller dt, or {}contacts.{}.baumgarte.kp",
+                             drift.contact.kp > 0 ? "a larger " : "", name);
     else
-      f.remedy = fmt::format("a smaller dt, or contacts.{}.baumgarte.kp", name);
+      f.remedy = "a smaller dt";
     add(std::move(f), drift.knot);
   }
 

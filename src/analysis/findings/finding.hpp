@@ -50,10 +50,13 @@ struct FindingNames {
   std::map<std::string, std::vector<std::string>> rows;
   /// Quantities that the URDF's limits bound throughout: "configuration", "velocity", "control".
   std::set<std::string> bounded;
-  /// Whether constraints hold the forces of all contacts within their friction cones.
-  bool within_cones = false;
-  /// A cost that weighs them against their cones instead; empty where there is none.
-  std::string cone_cost = {};
+  /// A cost or constraint on the friction cone of a contact.
+  struct Cone {
+    std::string name;
+    bool constraint = false;
+    bool throughout = true;  ///< at all knots
+  };
+  std::map<std::string, std::vector<Cone>> cones = {};  ///< by contact
 };
 
 }  // namespace conddp

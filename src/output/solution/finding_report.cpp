@@ -21,9 +21,15 @@ bool is_of_shapes(const ConstraintSpec& constraint) {
 /// Whether a cost or constraint is not limited to some phases or knots.
 bool holds_throughout(const CostSpec& c) { return !c.phases && !c.knots; }
 
-/// Whether it is one on the friction cones of all contacts.
-bool is_of_all_cones(const CostSpec& c) {
-  return c.definition->name == "friction_cone" && !c.keys.has("contacts");
+/// Notes a cost or constraint on friction cones, which wrench cones are as well, by contact.
+void note_cone(const ProblemSpec& spec, const CostSpec& c, bool constraint, FindingNames& names) {
+  if (c.definition == nullptr ||
+      (c.definition->name != "friction_cone" && c.definition->name != "wrench_cone"))
+    return;
+  const ContactNames chosen = c.keys.value(key::contacts);
+  for (const ContactSpec& contact : spec.contacts)
+    if (chosen.has(contact.name.value))
+      names.cones[contact.name.value].push_back({c.name.value, constraint, holds_throughout(c)});
 }
 
 /// What the file asks for by itself, so that findings need not advise it.
@@ -31,6 +37,7 @@ void note_constraints(const ProblemSpec& spec, FindingNames& names) {
   for (const ControlBoundsSpec& c : spec.control_bounds)
     if (c.from_urdf && !c.phases) names.bounded.insert("control");
   for (const ConstraintSpec& c : spec.constraints) {
+    if (!c.bounded) note_cone(spec, c.function, true, names);
     if (!holds_throughout(c.function)) continue;
     if (c.bounded && c.from_urdf) {
       const bool state = c.bounded->value == BoundedQuantity::kState;
@@ -39,10 +46,8 @@ void note_constraints(const ProblemSpec& spec, FindingNames& names) {
       if (state || c.bounded->value == BoundedQuantity::kVelocity) names.bounded.insert("velocity");
       if (c.bounded->value == BoundedQuantity::kControl) names.bounded.insert("control");
     }
-    if (!c.bounded && is_of_all_cones(c.function)) names.within_cones = true;
   }
-  for (const CostSpec& c : spec.costs)
-    if (holds_throughout(c) && is_of_all_cones(c)) names.cone_cost = c.name.value;
+  for (const CostSpec& c : spec.costs) note_cone(spec, c, false, names);
 }
 
 FindingNames names_of(const ProblemSpec& spec, const BuiltProblem& built) {
