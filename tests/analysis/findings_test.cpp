@@ -204,7 +204,7 @@ TEST(RowsOfConstraints, WithNamesAreFoundWhereTheyAreViolatedMost) {
   motion.x(3)[1] = 0.4;
   motion.x(4)[0] = 0.45;
   FindingNames names;
-  names.rows["window"] = {"left - right", "front - back"};
+  names.rows["window"] = {{"left - right", "front - back"}, "m"};
   const auto found = found_in_motion(problem, motion, FindingKind::constraint_row, names);
   ASSERT_EQ(found.size(), 2u);
   EXPECT_EQ(found[0].subject, "front - back (window)");
@@ -213,14 +213,14 @@ TEST(RowsOfConstraints, WithNamesAreFoundWhereTheyAreViolatedMost) {
   EXPECT_EQ(found[1].subject, "left - right (window)");
   EXPECT_NEAR(found[1].value, 0.2, 1e-12);
   EXPECT_EQ(found[1].knot, 1);
-  names.rows["terminal/window"] = {"left - right", "front - back"};
+  names.rows["terminal/window"] = {{"left - right", "front - back"}, "m"};
   const auto more = found_in_motion(problem, motion, FindingKind::constraint_row, names);
   ASSERT_EQ(more.size(), 3u);
   EXPECT_EQ(more[1].subject, "left - right (terminal/window)");
   EXPECT_NEAR(more[1].value, 0.25, 1e-12);
   EXPECT_EQ(more[1].knot, 4);
   // Names that do not fit the rows are those of something else.
-  names.rows = {{"window", {"left - right"}}};
+  names.rows = {{"window", {{"left - right"}, "m"}}};
   EXPECT_TRUE(found_in_motion(problem, motion, FindingKind::constraint_row, names).empty());
 }
 
@@ -344,7 +344,7 @@ TEST(BetweenKnots, ViolationAtEndOfEveryPhaseIsFound) {
 TEST(BetweenKnots, TheWorstRowIsNamed) {
   const ShootingProblem problem = within_a_window(3, false);
   FindingNames names;
-  names.rows["window"] = {"left - right", "front - back"};
+  names.rows["window"] = {{"left - right", "front - back"}, "m"};
   Trajectory motion = problem.create_trajectory();
   for (const double end : {-0.3, -0.8}) {
     motion.x(3)[1] = end;

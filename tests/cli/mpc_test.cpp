@@ -48,6 +48,33 @@ TEST_F(MpcCommand, WritesALoopThatLastsForItsDuration) {
   EXPECT_EQ(std::count(ticks.begin(), ticks.end(), '\n'), 1 + 100);
 }
 
+// Double integrator with knots of 0.05 s; the cost is that of a predicted delay of two ticks,
+// computed with numpy.
+TEST_F(MpcCommand, ControlsThatStatesRememberActLate) {
+  folder_.write("late.yaml", R"(conddp: 1
+system:
+  states: {x: m, v: m/s, u1: N, u2: N}
+  controls: {u: N}
+  next: {x: x + 0.05*v + 0.00125*u2, v: v + 0.05*u2, u1: u, u2: u1}
+initial_state: {values: {x: 1, v: 0.5}}
+phases: [{knots: 20, dt: 0.05}]
+costs:
+  state: {residual: expression, rows: [x, v]}
+  effort: {residual: control, weight: 0.1}
+terminal: {lqr: [0, 0, 0, 0]}
+solver: {name: box_fddp}
+mpc: {horizon: 1, tick: 0.05, duration: 10}
+)");
+  const ProcessResult late =
+      run_conddp({"mpc", "late.yaml", "-o", "late"}, {.folder = folder_.path()});
+  ASSERT_EQ(late.exit_code, 0) << late.err;
+  EXPECT_NEAR(nlohmann::json::parse(file("late/mpc.json"))["cost"].get<double>(), 1.0027910, 1e-6);
+  const ProcessResult longer =
+      run_conddp({"mpc", "late.yaml", "--set", "mpc.delay=0.1"}, {.folder = folder_.path()});
+  EXPECT_EQ(longer.exit_code, 2);
+  EXPECT_NE(longer.err.find("states remember former controls"), std::string::npos) << longer.err;
+}
+
 TEST_F(MpcCommand, WritesTheSameBytesOnEachRunAndForAnyNumberOfThreads) {
   ASSERT_EQ(run({"--quiet"}, "a").exit_code, 0);
   ASSERT_EQ(run({"--quiet"}, "b").exit_code, 0);

@@ -441,6 +441,25 @@ costs: {track: {residual: state, reference: {values: {v: 1}}}, effort: {residual
   EXPECT_EQ(moved.exit_code, 0) << moved.out << moved.err;
 }
 
+TEST(Solve, NamesViolatedRowsWithTheirExpressions) {
+  const TemporaryFolder folder;
+  const std::string file = folder.write("rows.yaml", R"(conddp: 1
+system: {states: {x: m}, controls: {u: m/s}, rate: {x: u}}
+initial_state: {values: {x: 0}}
+phases: [{knots: 10, dt: 0.1}]
+costs: {effort: {residual: control}}
+constraints: {slow: {bounds: control, lower: -1, upper: 1}}
+terminal: {constraints: {end: {residual: expression, rows: [x, x^2 + x], lower: [-2, 5], upper: 6}}}
+)");
+  const ProcessResult r = run_conddp({"solve", file, "-o", folder.path() / "out"});
+  EXPECT_EQ(r.exit_code, 1);
+  EXPECT_NE(r.out.find("'terminal/end' is violated by 3 by row 2, x^2 + x (knot 10, 1 s)"),
+            std::string::npos)
+      << r.out;
+  EXPECT_EQ(r.out.find("by row 1"), std::string::npos) << r.out;
+  EXPECT_TRUE(fits_schema("solution", read_file(folder.path() / "out/solution.json")));
+}
+
 // The same list in the summaries of solve and verify and in their documents.
 TEST(Solve, SaysWhatStandsOutInTheMotion) {
   const TemporaryFolder folder;

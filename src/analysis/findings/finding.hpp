@@ -45,9 +45,13 @@ struct Finding {
 /// What a problem alone does not know of itself.
 struct FindingNames {
   std::map<std::string, double> friction;  ///< coefficients of contacts
-  /// What the rows of a constraint are about, by its name, with the prefix "terminal/" at the
-  /// terminal node: pairs of shapes.
-  std::map<std::string, std::vector<std::string>> rows;
+  /// What the rows of a constraint of several rows are, by its name, with the prefix "terminal/" at
+  /// the terminal node, after the words "violated by".
+  struct Rows {
+    std::vector<std::string> names;
+    std::string unit = {};
+  };
+  std::map<std::string, Rows> rows;
   /// Quantities that the URDF's limits bound throughout: "configuration", "velocity", "control".
   std::set<std::string> bounded;
   /// A cost or constraint on the friction cone of a contact.

@@ -235,23 +235,24 @@ class Search {
 
   std::string name_of(const NodeConstraint& c) const { return constraint_name(problem_, c); }
 
-  /// Which row of a constraint with named rows is violated, the worst one.
+  /// Which rows of constraints of several are violated.
   void rows() {
     for (const auto* constraints : {&problem_.constraints(), &problem_.soft_constraints()})
       for (const NodeConstraint& c : *constraints) {
         const auto names = names_.rows.find(name_of(c));
         if (names == names_.rows.end() || c.lower == nullptr ||
-            static_cast<int>(names->second.size()) != c.term->rows)
+            static_cast<int>(names->second.names.size()) != c.term->rows)
           continue;
+        const std::string& unit = names->second.unit;
         evaluate(c.node, trajectory_.x(c.node));
         const Eigen::VectorXd values = values_of(c);
         for (int i = 0; i < c.term->rows; ++i) {
           const double off = std::max(c.lower[i] - values[i], values[i] - c.upper[i]);
-          const std::string subject = names->second[i] + " (" + name_of(c) + ")";
-          if (Finding* f = worst(FindingKind::constraint_row, subject, off, "m", c.node)) {
-            f->message = fmt::format("'{}' is violated by {:.3g} m by {}", name_of(c), off,
-                                     names->second[i]);
-          }
+          const std::string& row = names->second.names[i];
+          const std::string subject = row + " (" + name_of(c) + ")";
+          if (Finding* f = worst(FindingKind::constraint_row, subject, off, unit.c_str(), c.node))
+            f->message = fmt::format("'{}' is violated by {:.3g}{} by {}", name_of(c), off,
+                                     unit.empty() ? "" : " " + unit, row);
         }
       }
   }
@@ -398,7 +399,7 @@ class Search {
   /// " m by forearm - table", where rows have names.
   std::string offender(const NodeConstraint& c, const Eigen::VectorXd& values) const {
     const auto names = names_.rows.find(name_of(c));
-    if (names == names_.rows.end() || static_cast<int>(names->second.size()) != c.term->rows)
+    if (names == names_.rows.end() || static_cast<int>(names->second.names.size()) != c.term->rows)
       return {};
     int row = 0;
     double most = 0;
@@ -408,7 +409,8 @@ class Search {
         most = off;
         row = i;
       }
-    return " m by " + names->second[row];
+    const auto& [rows, unit] = names->second;
+    return (unit.empty() ? "" : " " + unit) + " by " + rows[row];
   }
 
   /// Of a control from one knot to another: its largest change before the last step, and its range.

@@ -5,6 +5,8 @@
 #include <fmt/format.h>
 
 #include "base/json/json_object.hpp"
+#include "problem_file/residuals/rows_key.hpp"
+#include "problem_file/spec/spec_expression.hpp"
 #include "problem_file/terms/term_residual.hpp"
 
 namespace conddp {
@@ -50,6 +52,17 @@ void note_constraints(const ProblemSpec& spec, FindingNames& names) {
   for (const CostSpec& c : spec.costs) note_cone(spec, c, false, names);
 }
 
+/// Pairs of shapes, or names or numbers of rows, with their expressions where each has one.
+FindingNames::Rows rows_of(const ConstraintSpec& c, const std::vector<std::string>& names) {
+  if (is_of_shapes(c)) return {names, "m"};
+  const std::vector<ExpressionText> texts = c.function.keys.value(key::expression_rows).texts;
+  FindingNames::Rows rows;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    rows.names.push_back(fmt::format("row {}", names[i]) +
+                         (texts.size() == names.size() ? ", " + texts[i].text : ""));
+  return rows;
+}
+
 FindingNames names_of(const ProblemSpec& spec, const BuiltProblem& built) {
   FindingNames names;
   note_constraints(spec, names);
@@ -58,11 +71,12 @@ FindingNames names_of(const ProblemSpec& spec, const BuiltProblem& built) {
   Diagnostics found_when_built;
   for (const bool terminal : {false, true})
     for (const ConstraintSpec& c : terminal ? spec.terminal_constraints : spec.constraints) {
-      if (!is_of_shapes(c)) continue;
+      if (c.bounded || c.function.definition->of_contacts()) continue;
       const auto residual =
           make_cost_residual(c.function, spec, built.plant, built.problem->ndx(), found_when_built);
-      if (residual)
-        names.rows[(terminal ? "terminal/" : "") + c.function.name.value] = residual->rows.names;
+      if (residual && (is_of_shapes(c) || residual->rows.names.size() > 1))
+        names.rows[(terminal ? "terminal/" : "") + c.function.name.value] =
+            rows_of(c, residual->rows.names);
     }
   return names;
 }

@@ -175,8 +175,11 @@ void check_times(const ProblemSpec& spec, const ShootingProblem& problem, Diagno
     out.error(mpc.tick.place, fmt::format("a tick of {:g} s is longer than the horizon of {:g} s",
                                           mpc.tick.value, mpc.horizon.value));
   if (mpc.delay.value > mpc.tick.value)
-    out.error(mpc.delay.place, fmt::format("a delay of {:g} s is longer than the tick of {:g} s",
-                                           mpc.delay.value, mpc.tick.value));
+    out.error(mpc.delay.place,
+              fmt::format("a delay of {:g} s is longer than the tick of {:g} s", mpc.delay.value,
+                          mpc.tick.value),
+              "take a tick as long as the delay; or for whole ticks a system whose states remember "
+              "former controls: 'next: {..., u1: u, u2: u1}', with u2 in the place of u");
   const double end = problem.times().back();
   if (mpc.repeat.value == AfterTheEnd::kNone && is_before(end, mpc.duration.value))
     out.error(mpc.duration.place,
