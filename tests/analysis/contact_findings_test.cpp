@@ -209,7 +209,15 @@ TEST(Drift, AdvisesNoKpTowardsAnotherPlace) {
   };
   EXPECT_EQ(remedy(0, 0), "a smaller dt, or contacts.grip.baumgarte.kp");
   EXPECT_EQ(remedy(0, 5), "a smaller dt, or a larger contacts.grip.baumgarte.kp");
-  EXPECT_EQ(remedy(0.3, 0), "a smaller dt");
+  EXPECT_EQ(remedy(0.3, 5), "a smaller dt");
+  const auto held = block_system({{.name = "grip", .kd = 20}});
+  const ShootingProblem problem =
+      block_problem({block_phase(block_system(), 1), block_phase(held, 2)});
+  Trajectory motion = problem.create_trajectory();
+  motion.x(3)[0] = 0.004;
+  const auto later = found_in_contacts(problem, motion, FindingKind::drift);
+  ASSERT_EQ(later.size(), 1u);
+  EXPECT_EQ(later[0].remedy, "a smaller dt");
 }
 
 TEST(Drift, CountsAlongTheDirectionsThatAreHeld) {

@@ -42,6 +42,20 @@ TEST(ContactFile, ASoleWhoseFrameDoesNotPointOutOfTheGroundIsWarnedOf) {
             std::string::npos);
 }
 
+TEST(ContactFile, GravityThatLeavesAllSurfacesIsWarnedOf) {
+  const auto with = [](const std::string& gravity) {
+    return warnings(kStepping + "gravity: " + gravity + "\n");
+  };
+  EXPECT_NE(with("[0, 0, 9.81]").find("gravity, [0, 0, 9.81] m/s², pulls away from the surface"),
+            std::string::npos)
+      << with("[0, 0, 9.81]");
+  EXPECT_EQ(with("[1, 0, -9.81]").find("pulls away"), std::string::npos);
+  EXPECT_EQ(with("[0, 0, 0]").find("pulls away"), std::string::npos);
+  const std::string one_below =
+      replaced(kStepping, "{frame: rh_foot}", "{frame: rh_foot, normal: [0, 0, -1]}");
+  EXPECT_EQ(warnings(one_below).find("pulls away"), std::string::npos);
+}
+
 TEST(ContactFile, WhatStandsOnContactsThatNoPhaseHoldsIsWarnedOf) {
   const auto with = [](const std::string& term) {
     return warnings(replaced(kStepping, "costs:\n", "costs:\n  own: " + term + "\n"));

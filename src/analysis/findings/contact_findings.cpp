@@ -75,7 +75,7 @@ class Watch {
     int first = 0, last = 0;  ///< nodes of the stance
     double dt = 0;            ///< longest step, s
     Contact contact;
-    bool placed = false;  ///< the stance begins where kp draws the contact to
+    bool placed = false;  ///< the stance begins where kp draws the contact to: to the initial place
   };
 
   static int index_of(const MultibodySystem* system, const std::string& name) {
@@ -111,7 +111,9 @@ class Watch {
       }
     }
     if (drift.value <= kDrift) return;
-    drift.placed = moved(drift.contact, drift.contact.reference, start) <= drift.value;
+    drift.placed = drift.contact.kp == 0
+                       ? first == 0
+                       : moved(drift.contact, drift.contact.reference, start) <= drift.value;
     Drift& worst = drifts_[name];
     if (exceeds(drift.value, worst.value)) worst = drift;
   }

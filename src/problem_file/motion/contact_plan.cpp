@@ -81,6 +81,24 @@ void warn_of_sole(const ContactSpec& spec, const Contact& contact, const Plant& 
               "take a frame whose z axis points out of the ground, or another 'normal'");
 }
 
+/// Contacts push along their normals: warns of gravity that pulls away from the surfaces of all.
+void warn_of_gravity(const ProblemSpec& spec, Diagnostics& out) {
+  const Vector3<double>& g = spec.gravity;
+  const auto is_left = [&](const ContactSpec& contact) {
+    return contact.axes == FrameAxes::world_aligned && dot(g, contact.normal) > 0;
+  };
+  if (spec.contacts.empty() || !std::ranges::all_of(spec.contacts, is_left)) return;
+  const ContactSpec& first = spec.contacts.front();
+  const Vector3<double>& n = first.normal;
+  out.warning(first.name.place,
+              fmt::format("gravity, [{:g}, {:g}, {:g}] m/s², pulls away from the surface of '{}', "
+                          "whose normal is [{:g}, {:g}, {:g}]{}",
+                          g.x, g.y, g.z, first.name.value, n.x, n.y, n.z,
+                          spec.contacts.size() > 1 ? ", and from those of all other contacts" : ""),
+              "normals point from the surface to the robot, and gravity is [0, 0, -9.81] where z "
+              "points upward");
+}
+
 /// Whether the file says where kp draws a contact to.
 bool is_placed(const ContactSpec& contact) {
   return contact.placement && contact.placement->position;
@@ -223,6 +241,7 @@ std::optional<ContactPlan> ContactPlan::build(const ProblemSpec& spec, const Pla
     warn_of_return(contact, static_cast<int>(c), plan, spec, out);
     warn_of_sole(contact, plan.contacts_[c], plant, initial, out);
   }
+  warn_of_gravity(spec, out);
   if (!plan.set_systems(spec, plant, initial, out)) return std::nullopt;
   for (std::size_t c = 0; c < spec.contacts.size(); ++c)
     warn_of_instability(spec.contacts[c], static_cast<int>(c), plan, spec, integrator, out);
