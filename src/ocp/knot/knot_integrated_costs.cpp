@@ -30,6 +30,8 @@ class StageCosts : public StageVisitor<S> {
   void visit_collocation();
 
  private:
+  template <class F>
+  void for_each_cost(F evaluate);
   KnotInput<S> input_at(const StageView<S>& stage);
   void differentiate(const CostPoint<S>& at, const StageView<S>& stage);
   void fill_derivative(const StageView<S>& stage);
@@ -49,8 +51,19 @@ void StageCosts<S>::visit(const StageView<S>& stage) {
   const KnotInput<S> in = input_at(stage);
   const CostPoint<S> at{in, stage.data, stage.stage};
   if (derivatives_) return differentiate(at, stage);
-  for (std::size_t t = 0; t < model_.costs_.size(); ++t)
-    if (model_.costs_[t].integrated) model_.evaluate_cost(t, at, work_);
+  for_each_cost([&](std::size_t t) { model_.evaluate_cost(t, at, work_); });
+}
+
+/// Adds up what each cost is at the stages.
+template <class S>
+template <class F>
+void StageCosts<S>::for_each_cost(F evaluate) {
+  for (std::size_t t = 0; t < model_.costs_.size(); ++t) {
+    if (!model_.costs_[t].integrated) continue;
+    const S before = work_.term_costs[t];
+    evaluate(t);
+    work_.term_costs[t] += before;
+  }
 }
 
 template <class S>
@@ -106,8 +119,7 @@ void StageCosts<S>::differentiate(const CostPoint<S>& at, const StageView<S>& st
   std::swap(work_.hessian, work_.stage_hessian_);
   std::fill(work_.gradient.begin(), work_.gradient.end(), S(0.0));
   if (hessian_) std::fill(work_.hessian.begin(), work_.hessian.end(), S(0.0));
-  for (std::size_t t = 0; t < model_.costs_.size(); ++t)
-    if (model_.costs_[t].integrated) model_.differentiate_cost(t, at, work_, hessian_);
+  for_each_cost([&](std::size_t t) { model_.differentiate_cost(t, at, work_, hessian_); });
   std::swap(work_.gradient, work_.stage_gradient_);
   std::swap(work_.hessian, work_.stage_hessian_);
   fill_derivative(stage);

@@ -257,9 +257,9 @@ void KnotModel::evaluate_cost(std::size_t t, const CostPoint<S>& at, KnotWorkspa
   const CostTerm& term = costs_[t];
   S* r = term.is_barrier() ? work.constraint.data() + term.row : work.residual_.data();
   term.residual->evaluate(input_of(term, at), r);
-  const S cost = scale_of(term, at.in) * term.activation.value(r, term.residual->size());
-  work.term_costs[t] += cost;
-  work.cost += cost;
+  const S scale = scale_of(term, at.in);
+  work.term_costs[t] = scale * term.activation.value(r, term.residual->size());
+  work.cost += work.term_costs[t];
 }
 
 /// What the activation of a cost makes of its residual's rows: slope and curvature of each and,
@@ -369,8 +369,8 @@ inline bool KnotModel::find_slopes(std::size_t t, const CostPoint<S>& at, KnotWo
   const int rows = term.residual->size();
   const S value = term.activation.differentiate(to.values, rows, slopes.gradient, slopes.diagonal,
                                                 slopes.rank_one);
-  work.term_costs[t] += slopes.scale * value;
-  work.cost += slopes.scale * value;
+  work.term_costs[t] = slopes.scale * value;
+  work.cost += work.term_costs[t];
   if (!barrier) return true;
   if (all_zero(slopes.gradient, rows) && all_zero(slopes.diagonal, rows)) return false;
   if (hessian) work.rest_is_zero_ = false;
