@@ -229,6 +229,8 @@ costs: {time: {residual: combination, rows: {constant: 1}, weight: 2}}
   Evaluation values(problem);
   Evaluator(problem).evaluate(loaded.built->guess, values);
   EXPECT_NEAR(values.cost.sum(), 1.5, 1e-12);
+  for (const auto& [name, cost] : cost_by_name(problem, NodeValues(problem, loaded.built->guess)))
+    EXPECT_NEAR(cost, 1.5, 1e-12) << name;
   for (const DerivativeComparison& c : check_derivatives(problem, loaded.built->guess))
     EXPECT_LE(c.error, kDerivativeTolerance) << c.knot << " " << c.column;
 }
