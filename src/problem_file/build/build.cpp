@@ -21,6 +21,7 @@
 #include "problem_file/plant/shape_pairs.hpp"
 #include "problem_file/plant/stepping_builder.hpp"
 #include "problem_file/spec/phase_grid.hpp"
+#include "problem_file/terms/reach.hpp"
 #include "systems/clock.hpp"
 
 namespace conddp {
@@ -400,6 +401,8 @@ class ProblemBuilder {
     const std::vector<BuiltCost> terminal_costs = build_costs(spec_.terminal_costs, context, out_);
     std::vector<BuiltConstraint> at_end =
         build_constraints(spec_.terminal_constraints, context, out_);
+    warn_of_reach(costs, constraints, plant, out_);
+    warn_of_reach(terminal_costs, at_end, plant, out_);
     const std::vector<BuiltConstraint> dropped = take_dropped(options_.drop, constraints);
     const std::vector<BuiltConstraint> dropped_at_end = take_dropped(options_.drop, at_end);
     const PhaseBounds bounds = collect_bounds(spec_, options_, built_, out_);

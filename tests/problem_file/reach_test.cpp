@@ -1,0 +1,42 @@
+// Places for the tip of two rods of 0.5 and 0.4 m, whose first joint is at the origin.
+#include <gtest/gtest.h>
+
+#include "problem_text.hpp"
+
+namespace conddp {
+namespace {
+
+/// What is said of reach, with these keys after the frame of a cost.
+std::string said(const std::string& keys, const std::string& part = "costs") {
+  const std::string all = warnings(R"(conddp: 1
+robot: {urdf: robots/double_pendulum.urdf}
+initial_state: {joints: {shoulder: 0.4}}
+phases: [{knots: 3, dt: 0.02}]
+costs: {effort: {residual: control}}
+terminal: {)" + part + ": {goal: {frame: tip, " +
+                                   keys + "}}}\nsolver: {name: altro}\n");
+  return all.find("out of reach") == std::string::npos ? "" : all;
+}
+
+TEST(Reach, EndsWhereAllLinksAreStretched) {
+  EXPECT_EQ(said("residual: frame_position, reference: [0, 0, -0.9]"), "");
+  EXPECT_EQ(said("residual: frame_placement, reference: {position: [0.8, 0, 0.4], rpy: [0, 0, 0]}"),
+            "");
+  EXPECT_NE(said("residual: frame_position, reference: [0, 0, -1.1]")
+                .find("[0, 0, -1.1] is out of reach of 'tip': 1.1 m from its first joint, behind "
+                      "which the links are 0.9 m long together"),
+            std::string::npos);
+  EXPECT_NE(said("residual: frame_placement, reference: {position: [0.8, 0, 0.5], rpy: [0, 0, 0]}"),
+            "");
+  EXPECT_NE(said("residual: frame_position, reference: [0, 2, 0]", "constraints"), "");
+}
+
+TEST(Reach, CountsWhereAllComponentsDo) {
+  EXPECT_EQ(said("residual: frame_position, reference: [0, 9, -1], weights: {y: 0}"), "");
+  EXPECT_EQ(
+      said("residual: frame_position, reference: [0, 9, -1], equals: {x: 0, z: 0}", "constraints"),
+      "");
+}
+
+}  // namespace
+}  // namespace conddp
