@@ -235,7 +235,8 @@ class Search {
 
   std::string name_of(const NodeConstraint& c) const { return constraint_name(problem_, c); }
 
-  /// Which rows of constraints of several are violated.
+  /// Which rows of constraints of several are violated: all distances, and of others that are not
+  /// soft the worst.
   void rows() {
     for (const auto* constraints : {&problem_.constraints(), &problem_.soft_constraints()})
       for (const NodeConstraint& c : *constraints) {
@@ -244,12 +245,13 @@ class Search {
             static_cast<int>(names->second.names.size()) != c.term->rows)
           continue;
         const std::string& unit = names->second.unit;
+        if (unit.empty() && c.is_soft()) continue;
         evaluate(c.node, trajectory_.x(c.node));
         const Eigen::VectorXd values = values_of(c);
         for (int i = 0; i < c.term->rows; ++i) {
           const double off = std::max(c.lower[i] - values[i], values[i] - c.upper[i]);
           const std::string& row = names->second.names[i];
-          const std::string subject = row + " (" + name_of(c) + ")";
+          const std::string subject = unit.empty() ? name_of(c) : row + " (" + name_of(c) + ")";
           if (Finding* f = worst(FindingKind::constraint_row, subject, off, unit.c_str(), c.node))
             f->message = fmt::format("'{}' is violated by {:.3g}{} by {}", name_of(c), off,
                                      unit.empty() ? "" : " " + unit, row);
