@@ -217,24 +217,34 @@ TEST(FreeDuration, BeginsWithThatOfAFormerSolution) {
   const std::string file =
       folder.write("start.json", R"({"format": "conddp.solution/1", "trajectory": {
     "columns": {"x": ["q/0", "v/0", "start/duration/push", "start/duration/brake"], "u": ["u/0"]},
+    "phases": [{"name": "start", "knots": 1}, {"name": "push", "knots": 2},
+               {"name": "brake", "knots": 2}],
     "t": [0, 0, 0.3, 0.6, 1.1, 1.6],
     "x": [[0, 0, 0, 0], [0, 0, 0.6, 1], [1, 2, 0.6, 1], [3, 4, 0.6, 1], [5, 6, 0.6, 1],
           [7, 8, 0.6, 1]],
     "u": [[0.6, 1], [2], [2], [-1], [-0.5]]}})");
-  const std::string text =
-      replaced(replaced(kFastest, "knots: 10", "knots: 2"), "knots: 10", "knots: 2");
-  const Loaded loaded(text + "initial_guess: {file: " + file + "}\n");
-  ASSERT_TRUE(loaded.built) << loaded.all();
-  const Trajectory& guess = loaded.built->guess;
-  EXPECT_DOUBLE_EQ(guess.u(0)[0], 0.6);
-  EXPECT_DOUBLE_EQ(guess.u(0)[1], 1);
-  for (int k = 1; k <= 5; ++k) {
-    EXPECT_DOUBLE_EQ(guess.x(k)[2], 0.6);
-    EXPECT_DOUBLE_EQ(guess.x(k)[3], 1);
+  for (const int knots : {2, 4, 10}) {
+    const std::string own = "knots: " + std::to_string(knots);
+    const Loaded loaded(replaced(replaced(kFastest, "push, knots: 10", "push, " + own),
+                                 "brake, knots: 10", "brake, " + own) +
+                        "initial_guess: {file: " + file + "}\n");
+    ASSERT_TRUE(loaded.built) << loaded.all();
+    const Trajectory& guess = loaded.built->guess;
+    EXPECT_DOUBLE_EQ(guess.u(0)[0], 0.6);
+    EXPECT_DOUBLE_EQ(guess.u(0)[1], 1);
+    for (int k = 1; k <= guess.knots(); ++k) {
+      EXPECT_DOUBLE_EQ(guess.x(k)[2], 0.6);
+      EXPECT_DOUBLE_EQ(guess.x(k)[3], 1);
+    }
+    for (int k = 1; k <= guess.knots(); ++k) {
+      const double node = 2. * (k - 1) / knots;  // of the file, from the first push on
+      EXPECT_NEAR(guess.x(k)[0], node < 1 ? node : 2 * node - 1, 1e-12) << knots << ", " << k;
+    }
+    EXPECT_EQ(guess.u(1 + knots / 2)[0], 2);
+    EXPECT_EQ(guess.u(1 + knots)[0], -1) << "from the end of the push on";
+    EXPECT_EQ(guess.u(2 * knots)[0], -0.5);
+    EXPECT_EQ(loaded.diagnostics.list().size(), 0u) << loaded.all();
   }
-  for (int k = 2; k <= 5; ++k) EXPECT_DOUBLE_EQ(guess.x(k)[0], 2 * k - 3) << "node by node";
-  EXPECT_EQ(guess.u(4)[0], -0.5);
-  EXPECT_EQ(loaded.diagnostics.list().size(), 0u) << loaded.all();
 }
 
 /// The choice is no control that a guess could hold against gravity or cut off.

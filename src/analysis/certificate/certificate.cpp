@@ -424,7 +424,7 @@ class Judge {
   /// Also where the model has no minimum, so that what is left cannot be told.
   bool much_may_be_left() const {
     const std::optional<double> share = share_left();
-    return problem_.constraints().empty() && !(share && *share <= kMostGain);
+    return !(share && *share <= kMostGain);
   }
 
   /// Converged means that all residuals are under tolerance at once, those that the answer claims

@@ -273,8 +273,10 @@ class Model {
     const bool pushed = std::abs(nu) * a.lpNorm<Eigen::Infinity>() > kWeak * size_;
     // A soft row outside of its bounds costs as much per distance wherever it is.
     const bool paid = c.is_soft() && std::abs(nu) >= (1 - kNear) * c.limit;
-    const double bound = lower == upper || nu < 0 ? lower : upper;
-    if (!paid && (lower == upper || (pushed && std::isfinite(bound)))) {
+    // Whatever the multiplier, what is violated has to be repaired.
+    const bool below = !c.is_soft() && g < lower - near, above = !c.is_soft() && g > upper + near;
+    const double bound = below || (!above && (lower == upper || nu < 0)) ? lower : upper;
+    if (!paid && (lower == upper || below || above || (pushed && std::isfinite(bound)))) {
       row.role = Row::Role::held;
       row.off = bound - g;
       row.pressed = nu * (g - bound);

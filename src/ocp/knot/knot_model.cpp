@@ -448,7 +448,8 @@ bool has_residuals(const KnotModel& model) {
 }  // namespace
 
 template <class S>
-void KnotModel::evaluate(const KnotInput<S>& given, KnotWorkspace<S>& work) const {
+void KnotModel::evaluate(const KnotInput<S>& asked, KnotWorkspace<S>& work) const {
+  const KnotInput<S> given = has_units() ? in_own_units(asked, work) : asked;
   const KnotInput<S> in = at_its_duration(given);
   const S* u = first_control(in);
   if (has_control())
@@ -461,11 +462,13 @@ void KnotModel::evaluate(const KnotInput<S>& given, KnotWorkspace<S>& work) cons
   if (integrator_ == Integrator::none) return;
   take_step(in, given.dt, work, {});
   if (augmented_ > 0) append_augmented_state(in, work, false);
+  if (has_units()) give_values_in_units(work);
 }
 
 template <class S>
-void KnotModel::differentiate(const KnotInput<S>& given, KnotWorkspace<S>& work,
+void KnotModel::differentiate(const KnotInput<S>& asked, KnotWorkspace<S>& work,
                               bool hessian) const {
+  const KnotInput<S> given = has_units() ? in_own_units(asked, work) : asked;
   const KnotInput<S> in = at_its_duration(given);
   const S* u = first_control(in);
   if (has_control())
@@ -475,10 +478,14 @@ void KnotModel::differentiate(const KnotInput<S>& given, KnotWorkspace<S>& work,
   differentiate_costs(in, work, hessian);
   differentiate_constraints(in, work, hessian);
   evaluate_integrals(in, work, true);
-  if (integrator_ == Integrator::none) return;
-  take_step(in, given.dt, work, {.derivatives = true, .hessian = hessian});
-  if (augmented_ > 0) append_augmented_state(in, work, true);
-  if (duration_) append_duration(given, work);
+  if (integrator_ != Integrator::none) {
+    take_step(in, given.dt, work, {.derivatives = true, .hessian = hessian});
+    if (augmented_ > 0) append_augmented_state(in, work, true);
+    if (duration_) append_duration(given, work);
+  }
+  if (!has_units()) return;
+  if (integrator_ != Integrator::none) give_values_in_units(work);
+  give_derivatives_in_units(work, hessian);
 }
 
 template <class S>
@@ -491,6 +498,7 @@ KnotWorkspace<S>::KnotWorkspace(const KnotModel& model)
       constraint(model.constraint_rows(), S(0.0)),
       constraint_jacobian(model.constraint_pattern().size(), S(0.0)),
       augmented_(model.nx() > model.system().nx()),
+      has_units_(model.has_units()),
       system_(model.system().create_data(S{})),
       integrator_(model.system(), model.integrator(), model.free_duration().has_value(),
                   model.has_linear_controls()),
@@ -501,6 +509,12 @@ KnotWorkspace<S>::KnotWorkspace(const KnotModel& model)
   }
   int derivatives = 0;
   for (const IntegralTerm& term : model.integrals()) derivatives += term.residual->jacobian_size();
+  if (model.has_units()) {
+    own_x_.assign(model.nx(), S(0.0));
+    own_u_.assign(model.nu(), S(0.0));
+    given_next_.assign(model.nx(), S(0.0));
+    given_F_.assign(model.jacobian_rows() * model.nz(), S(0.0));
+  }
   integral_rates_.assign(model.integrals().size(), S(0.0));
   integral_jacobians_.assign(derivatives, S(0.0));
   int rows = 0, entries = 0;

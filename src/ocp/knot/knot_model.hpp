@@ -81,6 +81,12 @@ enum class ControlMemory {
           ///< the knot's own control at the end of the knot
 };
 
+/// Units of the numbers that a model is given and gives: x and u are so many times these. Both
+/// have an entry a number of the state, and of the control.
+struct VariableUnits {
+  std::vector<double> state, control;
+};
+
 /// Where a cost is evaluated: the knot itself, or one of its stages.
 template <class S>
 struct CostPoint {
@@ -129,6 +135,16 @@ class KnotModel {
   /// are soft by their distance have to be `by_duration` (ConstraintTerm).
   void set_free_duration(const FreeDuration& duration);
   const std::optional<FreeDuration>& free_duration() const { return duration_; }
+  /// Makes evaluate and differentiate take and give states, controls and derivatives in other
+  /// units. Control bounds, and what is said of a state elsewhere, are the caller's affair. Needs a
+  /// flat state space and dynamics without semi-implicit structure.
+  void set_units(VariableUnits units);
+  bool has_units() const { return !units_.state.empty(); }
+  const VariableUnits& units() const { return units_; }
+  /// What the rows of a constraint are multiplied by from now on (ConstraintTerm::row_factors).
+  void set_row_factors(std::size_t constraint, std::vector<double> factors) {
+    constraints_[constraint].row_factors = std::move(factors);
+  }
   bool scales_costs() const { return duration_ && duration_->scales_cost; }
   /// Free duration by the written one at a state; 1 where the duration is not free.
   template <class S>
@@ -301,6 +317,14 @@ class KnotModel {
   void take_step(const KnotInput<S>& in, const S& given_dt, KnotWorkspace<S>& work,
                  const Wanted& wanted) const;
 
+  // knot_units.cpp
+  template <class S>
+  KnotInput<S> in_own_units(const KnotInput<S>& given, KnotWorkspace<S>& work) const;
+  template <class S>
+  void give_values_in_units(KnotWorkspace<S>& work) const;
+  template <class S>
+  void give_derivatives_in_units(KnotWorkspace<S>& work, bool hessian) const;
+
   // knot_constraints.cpp
   template <class S>
   void evaluate_constraints(const KnotInput<S>& in, KnotWorkspace<S>& work) const;
@@ -340,6 +364,7 @@ class KnotModel {
   HandedOn handed_on_;
   int augmented_;  ///< these and the remembered controls
   std::optional<FreeDuration> duration_;
+  VariableUnits units_;
   int parameter_count_ = 0;
   std::vector<CostTerm> costs_;
   std::vector<IntegralTerm> integrals_;
@@ -367,9 +392,9 @@ class KnotWorkspace {
   explicit KnotWorkspace(const KnotModel& model);
 
   /// nx: the next state.
-  const AlignedVector<S>& next() const { return augmented_ ? next_ : integrator_.next; }
+  const AlignedVector<S>& next() const { return has_units_ ? given_next_ : own_next(); }
   /// jacobian_rows x nz by columns: derivative of the next state (or velocity).
-  const AlignedVector<S>& F() const { return augmented_ ? F_ : integrator_.F; }
+  const AlignedVector<S>& F() const { return has_units_ ? given_F_ : own_F(); }
   /// Where semi_implicit: ∂q⁺/∂q and ∂q⁺/∂(dt v⁺) per curved segment, by rows.
   const AlignedVector<S>& state_blocks() const { return integrator_.state_blocks; }
   const AlignedVector<S>& step_blocks() const { return integrator_.step_blocks; }
@@ -393,11 +418,15 @@ class KnotWorkspace {
   friend class StageCosts;
   friend class KnotSecondDerivatives;
 
+  const AlignedVector<S>& own_next() const { return augmented_ ? next_ : integrator_.next; }
+  const AlignedVector<S>& own_F() const { return augmented_ ? F_ : integrator_.F; }
+
   bool rest_is_zero_ = true;
-  bool augmented_;
+  bool augmented_, has_units_;
   std::unique_ptr<SystemData<S>> system_;
   IntegratorWorkspace<S> integrator_;
-  AlignedVector<S> next_, F_;  ///< with what states are augmented by
+  AlignedVector<S> next_, F_;                              ///< with what states are augmented by
+  AlignedVector<S> own_x_, own_u_, given_next_, given_F_;  ///< where the model has units
   AlignedVector<S> integral_rates_, integral_jacobians_;
   AlignedVector<S> residual_, activation_gradient_, activation_diagonal_;
   AlignedVector<S> residual_jacobian_, weighted_jacobian_;

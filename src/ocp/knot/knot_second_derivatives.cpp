@@ -26,7 +26,8 @@ std::unique_ptr<KnotSecondDerivatives> KnotSecondDerivatives::make(const KnotMod
                                                                    KnotBatch<Lane>& at,
                                                                    KnotBatch<Dual<Lane>>& moving) {
   const bool integrates = std::ranges::any_of(model.costs(), &CostTerm::integrated);
-  if (integrates || model.manifold().ndx() != model.system().ndx()) return nullptr;
+  if (integrates || model.has_units() || model.manifold().ndx() != model.system().ndx())
+    return nullptr;
   std::unique_ptr<KnotSecondDerivatives> made(new KnotSecondDerivatives(model, at, moving));
   return made->add_dynamics() && made->add_terms() ? std::move(made) : nullptr;
 }

@@ -17,8 +17,8 @@ namespace conddp {
 class KnotSecondDerivatives {
  public:
   /// For a model's batches, which have to outlive it. Null where the system or the integrator have
-  /// no second derivatives of their own, where the knot adds to the system's state or integrates
-  /// costs, or where a residual reads what they do not move.
+  /// no second derivatives of their own, where the knot adds to the system's state, integrates
+  /// costs or has units, or where a residual reads what they do not move.
   static std::unique_ptr<KnotSecondDerivatives> make(const KnotModel& model, KnotBatch<Lane>& at,
                                                      KnotBatch<Dual<Lane>>& moving);
 

@@ -37,6 +37,8 @@ struct ConstraintTerm {
   std::shared_ptr<const Residual> residual;
   ConstraintKind kind = ConstraintKind::bounds;
   double slope = 1;  ///< of a cone
+  /// What the rows of g are multiplied by, of cones all alike; empty: by nothing.
+  std::vector<double> row_factors = {};
   Softness softness = Softness::hard;
   /// Whether its rows, of an l1-soft one, are multiplied by the share of a free duration: then its
   /// weight is that of the duration which is written. It is that of the knot's phase, or `other` of

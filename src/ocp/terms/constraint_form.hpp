@@ -6,21 +6,23 @@
 namespace conddp {
 
 /// Keeps the derivative of ‖r‖ finite at r = 0.
-inline constexpr double kSmallestNorm = 1e-9;
+inline constexpr double kSmallestNorm = 1e-12;
 
 /// g of a constraint from its residual's value; the residual's norm, where that is what counts.
 template <class S>
 S form_value(const ConstraintTerm& term, const S* r, S* g) {
   const int n = term.residual->size();
+  S norm(1.0);
   if (term.kind == ConstraintKind::norm) {
     S sum(kSmallestNorm * kSmallestNorm);
     for (int i = 0; i < n; ++i) sum += r[i] * r[i];
-    g[0] = sqrt(sum);
-    return g[0];
+    g[0] = norm = sqrt(sum);
+  } else {
+    for (int i = 0; i < n; ++i) g[i] = r[i];
+    if (term.kind == ConstraintKind::second_order_cone) g[n - 1] = S(term.slope) * r[n - 1];
   }
-  for (int i = 0; i < n; ++i) g[i] = r[i];
-  if (term.kind == ConstraintKind::second_order_cone) g[n - 1] = S(term.slope) * r[n - 1];
-  return S(1.0);
+  for (std::size_t i = 0; i < term.row_factors.size(); ++i) g[i] *= S(term.row_factors[i]);
+  return norm;
 }
 
 namespace detail {
@@ -39,6 +41,16 @@ void form_cone_jacobian(const ConstraintTerm& term, const S* residual, S* jacobi
     jacobian[column * term.rows + row] = S(row == term.rows - 1 ? term.slope : 1.0) * *residual++;
 }
 
+template <class S>
+void multiply_rows(const ConstraintTerm& term, S* jacobian) {
+  const double* factors = term.row_factors.data();
+  for (const RowBlock& block : term.blocks) {
+    for (std::size_t c = 0; c < block.columns.size(); ++c)
+      for (int i = 0; i < block.rows; ++i) *jacobian++ *= S(factors[i]);
+    factors += block.rows;
+  }
+}
+
 }  // namespace detail
 
 /// ∂g/∂z by blocks from the residual's.
@@ -48,13 +60,14 @@ void form_jacobian(const ConstraintTerm& term, const S* r, const S& norm, const 
   if (term.kind == ConstraintKind::bounds || term.has_pairs()) {
     const int n = term.residual->jacobian_size();
     for (int i = 0; i < n; ++i) jacobian[i] = residual[i];
-    return;
+  } else {
+    for (int i = 0; i < term.jacobian_size(); ++i) jacobian[i] = S(0.0);
+    if (term.kind == ConstraintKind::norm)
+      detail::form_norm_jacobian(term, r, norm, residual, jacobian);
+    else
+      detail::form_cone_jacobian(term, residual, jacobian);
   }
-  for (int i = 0; i < term.jacobian_size(); ++i) jacobian[i] = S(0.0);
-  if (term.kind == ConstraintKind::norm)
-    detail::form_norm_jacobian(term, r, norm, residual, jacobian);
-  else
-    detail::form_cone_jacobian(term, residual, jacobian);
+  if (!term.row_factors.empty()) detail::multiply_rows(term, jacobian);
 }
 
 }  // namespace conddp

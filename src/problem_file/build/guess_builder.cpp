@@ -23,18 +23,6 @@ namespace {
 using States = GuessSpec::States;
 using Controls = GuessSpec::Controls;
 
-/// What is different among times in order.
-struct DifferentTimes {
-  explicit DifferentTimes(const std::vector<double>& times) {
-    for (const double t : times) {
-      if (values.empty() || t != values.back()) values.push_back(t);
-      index.push_back(values.size() - 1);
-    }
-  }
-  std::vector<double> values;
-  std::vector<std::size_t> index;  ///< of each time among the values
-};
-
 class GuessBuilder {
  public:
   GuessBuilder(const GuessContext& context, GuessUsed& used, Diagnostics& out)
@@ -427,21 +415,25 @@ class GuessBuilder {
     }
   }
 
-  /// A former solution with as many nodes at different times tells how long phases lasted whose
-  /// duration is free; its nodes are those of this problem.
+  /// A former solution with the same phases tells how long those lasted whose duration is free. Its
+  /// times become those of this problem's phases, however many knots it has.
   bool take_durations(DataTable& table) {
-    if (!problem_.has_free_durations()) return false;
-    const DifferentTimes nodes(problem_.times()), rows(table.times);
-    if (nodes.values.size() != rows.values.size()) return false;
+    if (!problem_.has_free_durations() ||
+        !std::ranges::equal(table.phases, problem_.phases(), {}, &FormerPhase::name, &Phase::name))
+      return false;
+    const std::vector<double> times = table.times;
     durations_.clear();
-    int first = 0;
-    for (const Phase& phase : problem_.phases()) {
-      const int last = first + phase.knots();
-      durations_.push_back(rows.values[nodes.index[last]] - rows.values[nodes.index[first]]);
-      first = last;
+    int node = 0;
+    for (const FormerPhase& former : table.phases) {
+      const double begin = time(node), former_begin = times[former.first];
+      node += problem_.phases()[durations_.size()].knots();
+      const double lasted = times[former.last] - former_begin;
+      durations_.push_back(lasted);
+      for (std::size_t i = former.first; i < former.last; ++i)
+        table.times[i] =
+            lasted > 0 ? std::lerp(begin, time(node), (times[i] - former_begin) / lasted) : begin;
+      table.times[former.last] = time(node);
     }
-    for (std::size_t i = 0; i < table.times.size(); ++i)
-      table.times[i] = nodes.values[rows.index[i]];
     return true;
   }
 
@@ -464,7 +456,9 @@ class GuessBuilder {
     const std::vector<std::string> found = states ? std::vector(table.columns.begin(), middle)
                                                   : std::vector(middle, table.columns.end());
     const std::vector<std::string> wanted = columns_of_problem(states);
-    const std::vector<std::string> missing = without(wanted, found), extra = without(found, wanted);
+    std::vector<std::string> known = wanted;
+    for (const CostSpec& integral : spec_.integrals) known.push_back(integral.name.value);
+    const std::vector<std::string> missing = without(wanted, found), extra = without(found, known);
     if (missing.empty() && extra.empty()) return true;
     out_.error(
         file.file.place,

@@ -26,6 +26,12 @@ inline constexpr double kLeastTimeStep = 1e-30;
 /// Whether a column of this name in a CSV file over time is not a state or a control.
 bool is_time_or_phase(std::string_view column);
 
+/// A phase of a former solution.
+struct FormerPhase {
+  std::string name;
+  std::size_t first, last;  ///< of its nodes
+};
+
 /// Named columns over time.
 struct DataTable {
   std::string file;
@@ -35,6 +41,7 @@ struct DataTable {
   /// absent: a CSV file.
   std::optional<std::size_t> state_columns;
   std::vector<std::vector<std::optional<double>>> rows;  ///< one a time; empty cells are allowed
+  std::vector<FormerPhase> phases{};                     ///< of a solution that has them, in order
 
   /// The column of this name; of a time's or phase's name also one with a prefix.
   std::optional<std::size_t> find(const std::string& column) const;

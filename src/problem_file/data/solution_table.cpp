@@ -86,6 +86,27 @@ class TrajectoryReader {
   const Json &t_, &x_, &u_;
 };
 
+/// Phases that follow upon each other from the first node to the last; none where there is no list.
+std::vector<FormerPhase> read_phases(const Json& trajectory, std::size_t nodes) {
+  std::vector<FormerPhase> phases;
+  const auto list = trajectory.find("phases");
+  if (list == trajectory.end()) return phases;
+  if (!list->is_array()) throw MalformedSolution{"'trajectory.phases' is not a list"};
+  std::size_t first = 0;
+  for (const Json& phase : *list) {
+    const Json& name = solution_member(phase, "name");
+    const Json& knots = solution_member(phase, "knots");
+    if (!name.is_string() || !knots.is_number_unsigned() ||
+        knots.get<std::size_t>() >= nodes - first)
+      throw MalformedSolution{"the phases of its trajectory do not fit its nodes"};
+    phases.push_back({name, first, first + knots.get<std::size_t>()});
+    first = phases.back().last;
+  }
+  if (first + 1 != nodes)
+    throw MalformedSolution{"the phases of its trajectory do not fit its nodes"};
+  return phases;
+}
+
 /// How many linear controls the states of a solution end with.
 std::size_t linear_controls(const std::vector<std::string>& u_names) {
   return std::ranges::count_if(
@@ -102,6 +123,7 @@ DataTable read_trajectory(const Json& solution) {
   table.state_columns = x_names.size() - std::min(x_names.size(), linear_controls(u_names));
   table.columns.insert(table.columns.end(), u_names.begin(), u_names.end());
   TrajectoryReader(trajectory).read(x_names.size(), u_names.size(), table);
+  table.phases = read_phases(trajectory, table.times.size());
   return table;
 }
 

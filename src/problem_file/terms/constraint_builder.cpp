@@ -331,6 +331,36 @@ void add_constraints(const ConstraintSpec& spec, const CostContext& context,
 
 }  // namespace
 
+namespace {
+
+/// The largest finite number among bounds and the first reference.
+double largest_number(const BuiltConstraint& constraint) {
+  double largest = 0;
+  const auto meet = [&](const std::vector<double>& numbers) {
+    for (const double a : numbers)
+      if (std::isfinite(a)) largest = std::max(largest, std::abs(a));
+  };
+  meet(constraint.lower);
+  meet(constraint.upper);
+  const TimeSeries& reference = constraint.function.reference;
+  if (!reference.empty()) meet(reference.interpolate(0));
+  return largest;
+}
+
+/// Of a constraint whose bounds are smaller than what it may be violated by.
+void warn_of_tolerance(const BuiltConstraint& constraint, double tolerance, Diagnostics& out) {
+  const double largest = largest_number(constraint);
+  if (constraint.spec->softness != Softness::hard || largest == 0 || largest > tolerance) return;
+  const Name& name = constraint.spec->function.name;
+  out.warning(name.place,
+              fmt::format("what bounds '{}' is {:.3g} at most, no more than the tolerance of "
+                          "violations, {:.3g}",
+                          name.value, largest, tolerance),
+              "take a unit in which it is larger, or set solver.tolerances.constraint");
+}
+
+}  // namespace
+
 std::vector<BuiltConstraint> build_constraints(const std::vector<ConstraintSpec>& specs,
                                                const CostContext& context, Diagnostics& out) {
   std::vector<BuiltConstraint> list;
@@ -340,6 +370,8 @@ std::vector<BuiltConstraint> build_constraints(const std::vector<ConstraintSpec>
     else
       add_constraints(spec, context, list, out);
   }
+  for (const BuiltConstraint& built : list)
+    warn_of_tolerance(built, context.spec.solver.options.tolerances.constraint, out);
   return list;
 }
 

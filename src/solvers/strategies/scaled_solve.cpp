@@ -1,8 +1,14 @@
 #include "solvers/strategies/scaled_solve.hpp"
 
+#include <algorithm>
+#include <optional>
+
 #include <fmt/format.h>
 
+#include "ocp/evaluation/evaluator.hpp"
 #include "ocp/problem/cost_scale.hpp"
+#include "solvers/common/control_bounds.hpp"
+#include "solvers/strategies/problem_units.hpp"
 
 namespace conddp {
 namespace {
@@ -36,21 +42,144 @@ std::shared_ptr<const DualGuess> scaled(const DualGuess& guess, double scale) {
   return std::make_shared<const DualGuess>(std::move(own));
 }
 
-}  // namespace
-
-SolveResult solve_scaled(
-    const ShootingProblem& problem, const SolverOptions& options,
-    const std::function<SolveResult(const ShootingProblem&, const SolverOptions&)>& solve) {
-  const double scale = cost_scale(problem);
-  if (scale == 1) return solve(problem, options);
+SolveResult solve_with_costs(const ShootingProblem& problem, double scale,
+                             const SolverOptions& options, const Trajectory& guess,
+                             const SolveProblem& solve) {
+  if (scale == 1) return solve(problem, options, guess);
   SolverOptions own = options;
   if (options.multipliers) own.multipliers = scaled(*options.multipliers, scale);
   if (options.on_iteration)
     own.on_iteration = [&](const IterationRecord& row) {
       options.on_iteration(unscaled(row, scale));
     };
-  SolveResult result = solve(scale_costs(problem, scale), own);
+  SolveResult result = solve(scale_costs(problem, scale), own, guess);
   unscale(result, scale);
+  return result;
+}
+
+/// Of states, controls and rows. Costs are multiplied otherwise.
+class Units {
+ public:
+  Units(const ShootingProblem& problem, const ProblemUnits& units)
+      : problem_(problem),
+        units_(units),
+        state_(Eigen::Map<const Eigen::VectorXd>(units.state.data(), problem.nx())),
+        row_(Eigen::VectorXd::Ones(problem.constraint_rows())) {
+    for (int k = 0; k <= problem.knots(); ++k) {
+      const auto& rows = units.at(problem, k).row_factors;
+      row_.segment(problem.constraint_offset(k), rows.size()) = vector(rows);
+    }
+  }
+
+  Trajectory scaled(Trajectory motion) const {
+    for (int k = 0; k <= problem_.knots(); ++k) motion.x(k).array() /= state_.array();
+    for (int k = 0; k < problem_.knots(); ++k) motion.u(k).array() /= control(k).array();
+    return motion;
+  }
+
+  std::shared_ptr<const DualGuess> scaled(const DualGuess& guess) const {
+    DualGuess own = guess;
+    own.constraints.array() /= row_.array();
+    if (own.costates.size() > 0) own.costates.array().colwise() *= state_.array();
+    for (std::size_t k = 0; k < own.control_gradient.size(); ++k)
+      own.control_gradient[k].array() *= control(static_cast<int>(k)).array();
+    return std::make_shared<const DualGuess>(std::move(own));
+  }
+
+  /// Under these the answer is under the given ones in the problem's units.
+  SolverOptions::Tolerances scaled(SolverOptions::Tolerances tolerances) const {
+    tolerances.gap /= std::max(1.0, state_.maxCoeff());
+    if (row_.size() > 0) tolerances.constraint *= std::min(1.0, row_.minCoeff());
+    double least = 1;
+    for (int k = 0; k < problem_.knots(); ++k)
+      if (problem_.nu(k) > 0) least = std::min(least, control(k).minCoeff());
+    tolerances.stationarity *= least * std::min(1.0, units_.cost);
+    return tolerances;
+  }
+
+  void unscale(SolveResult& result) const {
+    result.message =
+        fmt::format("in units of {:.3g} to {:.3g}: {}", least(), largest(), result.message);
+    for (int k = 0; k <= problem_.knots(); ++k) {
+      result.trajectory.x(k).array() *= state_.array();
+      result.costates.col(k).array() /= state_.array();
+      result.state_gradient.col(k).array() /= state_.array();
+    }
+    for (int k = 0; k < problem_.knots(); ++k) {
+      result.trajectory.u(k).array() *= control(k).array();
+      result.feedback.k[k].array() *= control(k).array();
+      result.feedback.K[k] =
+          control(k).asDiagonal() * result.feedback.K[k] * state_.cwiseInverse().asDiagonal();
+    }
+    for (std::size_t k = 0; k < result.control_gradient.size(); ++k)
+      result.control_gradient[k].array() /= control(static_cast<int>(k)).array();
+    result.constraint_values.array() /= row_.array();
+    result.constraint_multipliers.array() *= row_.array();
+    measure(result);
+  }
+
+ private:
+  static Eigen::Map<const Eigen::VectorXd> vector(const std::vector<double>& numbers) {
+    return {numbers.data(), static_cast<Eigen::Index>(numbers.size())};
+  }
+  Eigen::Map<const Eigen::VectorXd> control(int k) const {
+    return vector(units_.at(problem_, k).control);
+  }
+  double least() const {
+    double least = state_.minCoeff();
+    for (int k = 0; k < problem_.knots(); ++k)
+      if (problem_.nu(k) > 0) least = std::min(least, control(k).minCoeff());
+    return least;
+  }
+  double largest() const {
+    double largest = state_.maxCoeff();
+    for (int k = 0; k < problem_.knots(); ++k)
+      if (problem_.nu(k) > 0) largest = std::max(largest, control(k).maxCoeff());
+    return largest;
+  }
+
+  /// Residuals in the problem's units, also in the last row of the log; the first gets bounds.
+  void measure(SolveResult& result) const {
+    const ControlBounds bounds(problem_);
+    Evaluation at(problem_);
+    Evaluator(problem_).evaluate(result.trajectory, at);
+    Residuals& residuals = result.residuals;
+    if (at.gap.size() > 0) residuals.gap = at.gap.cwiseAbs().maxCoeff();
+    residuals.constraint =
+        largest_violation(problem_, bounds, result.trajectory, at.constraint).value;
+    Eigen::VectorXd gradient(bounds.size());
+    for (std::size_t k = 0; k < result.control_gradient.size(); ++k)
+      gradient.segment(bounds.offset(static_cast<int>(k)), result.control_gradient[k].size()) =
+          result.control_gradient[k];
+    residuals.stationarity = bounds.projected_norm(gradient, result.trajectory).value;
+    if (result.log.empty()) return;
+    IterationRecord &first = result.log.front(), &last = result.log.back();
+    first.gap *= std::max(1.0, state_.maxCoeff());
+    if (row_.size() > 0) first.constraint /= std::min(1.0, row_.minCoeff());
+    last.gap = residuals.gap;
+    last.constraint = residuals.constraint;
+    last.stationarity = residuals.stationarity;
+  }
+
+  const ShootingProblem& problem_;
+  const ProblemUnits& units_;
+  const Eigen::VectorXd state_;
+  Eigen::VectorXd row_;
+};
+
+}  // namespace
+
+SolveResult solve_scaled(const ShootingProblem& problem, const SolverOptions& options,
+                         const Trajectory& guess, bool variables, const SolveProblem& solve) {
+  const auto of_problem = variables ? units_of(problem, guess) : std::nullopt;
+  if (!of_problem) return solve_with_costs(problem, cost_scale(problem), options, guess, solve);
+  const Units units(problem, *of_problem);
+  SolverOptions own = options;
+  own.tolerances = units.scaled(options.tolerances);
+  if (options.multipliers) own.multipliers = units.scaled(*options.multipliers);
+  const ShootingProblem scaled = in_units(problem, *of_problem);
+  SolveResult result = solve_with_costs(scaled, of_problem->cost, own, units.scaled(guess), solve);
+  units.unscale(result);
   return result;
 }
 

@@ -7,12 +7,17 @@
 
 namespace conddp {
 
-/// Calls `solve` for the problem with costs of the usual size (cost_scale), and returns its answer
-/// in the unit of the problem's own costs, but for the complementarity and, in the log, the
-/// penalties of constraints, regularisations and barriers, which are those of the scaled costs, as
-/// the options are.
-SolveResult solve_scaled(
-    const ShootingProblem& problem, const SolverOptions& options,
-    const std::function<SolveResult(const ShootingProblem&, const SolverOptions&)>& solve);
+/// A solve of a problem from a guess.
+using SolveProblem = std::function<SolveResult(const ShootingProblem&, const SolverOptions&,
+                                               const Trajectory& guess)>;
+
+/// Calls `solve` for the problem with costs of the usual size (cost_scale) and, with `variables`
+/// and where they need it (units_of), with states, controls and rows of the size of 1. Returns its
+/// answer in the units of the problem, but for the complementarity and, in the log, the penalties
+/// of constraints, regularisations and barriers, which are those of the scaled problem, as the
+/// options are. Where variables are scaled the log's gaps and violations are, too, but for those of
+/// its first row, which are not less than those of the guess in either unit, and of its last.
+SolveResult solve_scaled(const ShootingProblem& problem, const SolverOptions& options,
+                         const Trajectory& guess, bool variables, const SolveProblem& solve);
 
 }  // namespace conddp

@@ -69,10 +69,12 @@ SolveResult run(const ShootingProblem& problem, const SolverInfo& solver, Solver
   options.homotopy = nullptr;
   if (solver.constraints != ConstraintSupport::all) options.multipliers = nullptr;
   const auto solve_once = [&](const SolverOptions& asked, const Trajectory& from) {
+    // Ipopt scales variables and rows by itself.
     return solve_scaled(
-        problem, asked, [&](const ShootingProblem& scaled, const SolverOptions& mine) {
+        problem, asked, from, !solver.complementarity,
+        [&](const ShootingProblem& scaled, const SolverOptions& mine, const Trajectory& guessed) {
           SolveResult answer = solve_with_restoration(
-              scaled, mine, from, [&](const SolverOptions& own, const Trajectory& start) {
+              scaled, mine, guessed, [&](const SolverOptions& own, const Trajectory& start) {
                 return solver.run(scaled, own, start);
               });
           name_divergence(answer);
@@ -188,8 +190,10 @@ SolveResult solve_or_restart(const ShootingProblem& problem, SolverList candidat
                              const SolverInfo*& by) {
       return run_first(problem, one, mine, start, nullptr, by);
     };
-    result =
-        solve_from_elsewhere(problem, own, guess, std::move(result), spread, by_one, doubt, used);
+    try {
+      result = solve_from_elsewhere(problem, own, guess, result, spread, by_one, doubt, used);
+    } catch (const LibraryError&) {  // which the answer says already
+    }
     if (result.status != SolveStatus::infeasible) break;
   }
   return result;

@@ -1,0 +1,217 @@
+#include "solvers/strategies/problem_units.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "ocp/evaluation/evaluator.hpp"
+
+namespace conddp {
+namespace {
+
+/// Binary logarithms: sizes that stay as they are, and those that count at most.
+constexpr double kUsual = 7, kMost = 40;
+
+double power_of_two(double size) {
+  if (!(size > 0)) return 1;
+  return std::exp2(std::round(std::clamp(std::log2(size), -kMost, kMost)));
+}
+
+/// Of a size that is not known is nothing unusual.
+bool are_usual(const std::vector<double>& sizes) {
+  return std::ranges::all_of(
+      sizes, [](double size) { return size == 0 || std::abs(std::log2(size)) <= kUsual; });
+}
+
+bool are_usual(const ProblemUnits& units) {
+  return are_usual(units.state) && std::ranges::all_of(units.models, [](const auto& model) {
+           return are_usual(model.second.control) && are_usual(model.second.row_factors);
+         });
+}
+
+void meet(double value, double& size) {
+  if (std::isfinite(value)) size = std::max(size, std::abs(value));
+}
+
+bool has_fixed_units(const KnotModel& model) {
+  return model.semi_implicit() || model.nx() != model.ndx() || !model.manifold().curved().empty();
+}
+
+bool has_factors(const ConstraintTerm& term) {
+  return term.softness == Softness::hard && !term.has_pairs();
+}
+
+class UnitFinder {
+ public:
+  UnitFinder(const ShootingProblem& problem, const Trajectory& guess)
+      : problem_(problem), guess_(guess), linearization_(problem) {
+    units_.state.assign(problem.nx(), 0.0);
+    for (int k = 0; k <= problem.knots(); ++k) {
+      const KnotModel& model = *problem.knot(k).model;
+      units_.models[&model] = {std::vector<double>(model.nu(), 0.0),
+                               std::vector<double>(model.constraint_rows(), 0.0)};
+    }
+  }
+
+  std::optional<ProblemUnits> find() {
+    meet_guess();
+    if (problem_.constraints().empty() && are_usual(units_)) return std::nullopt;
+    Evaluator(problem_).differentiate(guess_, linearization_);
+    if (!std::isfinite(linearization_.total_cost()) || !linearization_.constraint.allFinite())
+      return std::nullopt;
+    for (const NodeConstraint& c : problem_.constraints())
+      if (c.term->has_bounds()) meet_rows(c);
+    round();
+    for (const NodeConstraint& c : problem_.constraints())
+      if (has_factors(*c.term)) meet_factors(c);
+    if (are_usual(units_)) return std::nullopt;
+    for (auto& [model, own] : units_.models)
+      for (double& factor : own.row_factors) factor = 1 / power_of_two(factor);
+    find_cost();
+    return std::move(units_);
+  }
+
+ private:
+  ProblemUnits::OfModel& at(int k) { return units_.models.at(problem_.knot(k).model); }
+  /// What a column of z is in.
+  double& unit(int k, int column) {
+    const int n = problem_.ndx();
+    return column < n ? units_.state[column] : at(k).control[column - n];
+  }
+
+  void meet_guess() {
+    for (int k = 0; k <= problem_.knots(); ++k) {
+      const KnotModel& model = *problem_.knot(k).model;
+      for (int i = 0; i < problem_.nx(); ++i) meet(guess_.x(k)[i], units_.state[i]);
+      for (int i = 0; i < model.nu(); ++i) {
+        double& size = at(k).control[i];
+        meet(guess_.u(k)[i], size);
+        meet(model.control_lower()[i], size);
+        meet(model.control_upper()[i], size);
+      }
+    }
+  }
+
+  /// Rows that depend on one column alone say how far that goes.
+  void meet_rows(const NodeConstraint& c) {
+    for (int r = 0; r < c.term->rows; ++r) {
+      const auto C =
+          linearization_.knots[c.node].C.row(c.row + r - problem_.constraint_offset(c.node));
+      Eigen::Index column = 0;
+      const double slope = C.cwiseAbs().maxCoeff(&column);
+      if (!(slope > 0) || (C.array() != 0).count() > 1) continue;
+      const double z = column < problem_.ndx() ? guess_.x(c.node)[column]
+                                               : guess_.u(c.node)[column - problem_.ndx()];
+      for (const double bound : {c.lower[r], c.upper[r]})
+        meet(z + (bound - linearization_.constraint[c.row + r]) / C[column],
+             unit(c.node, static_cast<int>(column)));
+    }
+  }
+
+  void round() {
+    const auto round_all = [](std::vector<double>& sizes) {
+      for (double& size : sizes) size = power_of_two(size);
+    };
+    round_all(units_.state);
+    for (auto& [model, own] : units_.models) round_all(own.control);
+  }
+
+  /// The largest of a cone's rows counts for all.
+  void meet_factors(const NodeConstraint& c) {
+    const int first = c.row - problem_.constraint_offset(c.node);
+    const auto C = linearization_.knots[c.node].C.middleRows(first, c.term->rows);
+    double* size = &at(c.node).row_factors[first];
+    double largest = 0;
+    for (int r = 0; r < c.term->rows; ++r) {
+      for (int i = 0; i < C.cols(); ++i) meet(C(r, i) * unit(c.node, i), size[r]);
+      largest = std::max(largest, size[r]);
+    }
+    if (c.term->is_cone()) std::fill_n(size, c.term->rows, largest);
+  }
+
+  /// What the costs change where all variables move by their units: then multipliers are about 1.
+  void find_cost() {
+    double sum = 0;
+    for (int k = 0; k <= problem_.knots(); ++k) {
+      const KnotLinearization& knot = linearization_.knots[k];
+      double size = 0;
+      for (int i = 0; i < knot.gradient.size(); ++i) {
+        meet(knot.gradient[i] * unit(k, i), size);
+        meet(knot.hessian()(i, i) * unit(k, i) * unit(k, i), size);
+      }
+      sum += size;
+    }
+    units_.cost = 1 / power_of_two(sum);
+  }
+
+  const ShootingProblem& problem_;
+  const Trajectory& guess_;
+  Linearization linearization_;
+  ProblemUnits units_;
+};
+
+/// With those that there are already.
+std::vector<double> product(std::vector<double> factors, const std::vector<double>& present) {
+  for (std::size_t i = 0; i < present.size(); ++i) factors[i] *= present[i];
+  return factors;
+}
+
+std::shared_ptr<const KnotModel> in_units(const KnotModel& of, const ProblemUnits& units) {
+  auto model = std::make_shared<KnotModel>(of);
+  const ProblemUnits::OfModel& own = units.models.at(&of);
+  std::vector<double> lower = of.control_lower(), upper = of.control_upper();
+  for (int i = 0; i < of.nu(); ++i) {
+    lower[i] /= own.control[i];
+    upper[i] /= own.control[i];
+  }
+  model->set_control_bounds(std::move(lower), std::move(upper));
+  model->set_units(
+      {product(units.state, of.units().state), product(own.control, of.units().control)});
+  for (std::size_t i = 0; i < of.constraints().size(); ++i) {
+    const ConstraintTerm& term = of.constraints()[i];
+    if (!has_factors(term)) continue;
+    const auto first = own.row_factors.begin() + term.row;
+    model->set_row_factors(i, product({first, first + term.rows}, term.row_factors));
+  }
+  return model;
+}
+
+/// A phase with a model in units, whose bounds of rows are multiplied as the rows are.
+Phase in_units(const Phase& of, const std::vector<double>& factors,
+               std::shared_ptr<const KnotModel> model) {
+  Phase phase = of;
+  phase.model = std::move(model);
+  const int count = of.model->parameter_count();
+  for (const ConstraintTerm& term : phase.model->constraints()) {
+    if (!term.has_bounds() || !has_factors(term)) continue;
+    for (int k = 0; k < phase.knots(); ++k)
+      for (int r = 0; r < term.rows; ++r)
+        for (const int bound : {term.lower(), term.upper()})
+          phase.parameters[k * count + bound + r] *= factors[term.row + r];
+  }
+  return phase;
+}
+
+}  // namespace
+
+std::optional<ProblemUnits> units_of(const ShootingProblem& problem, const Trajectory& guess) {
+  for (int k = 0; k <= problem.knots(); ++k)
+    if (has_fixed_units(*problem.knot(k).model)) return std::nullopt;
+  return UnitFinder(problem, guess).find();
+}
+
+ShootingProblem in_units(const ShootingProblem& problem, const ProblemUnits& units) {
+  std::map<const KnotModel*, std::shared_ptr<const KnotModel>> models;
+  const auto converted = [&](const Phase& phase) {
+    auto& model = models[phase.model.get()];
+    if (!model) model = in_units(*phase.model, units);
+    return in_units(phase, units.models.at(phase.model.get()).row_factors, model);
+  };
+  std::vector<double> initial = problem.initial_state();
+  for (std::size_t i = 0; i < initial.size(); ++i) initial[i] /= units.state[i];
+  std::vector<Phase> phases;
+  for (const Phase& phase : problem.phases()) phases.push_back(converted(phase));
+  return ShootingProblem(std::move(initial), std::move(phases), converted(problem.terminal()));
+}
+
+}  // namespace conddp

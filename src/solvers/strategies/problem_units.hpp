@@ -1,0 +1,42 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "ocp/problem/problem.hpp"
+
+namespace conddp {
+
+/// Units in which the numbers of a problem are about 1, powers of two: x and u are so many times
+/// these.
+struct ProblemUnits {
+  struct OfModel {
+    std::vector<double> control;      ///< nu
+    std::vector<double> row_factors;  ///< what the rows of constraints are multiplied by
+  };
+  std::vector<double> state;  ///< nx
+  std::map<const KnotModel*, OfModel> models;
+  double cost = 1;  ///< what costs are multiplied by
+
+  const OfModel& at(const ShootingProblem& problem, int k) const {
+    return models.at(problem.knot(k).model);
+  }
+};
+
+/// The units of a problem whose numbers lie far apart, as those of SI units of an airliner do; none
+/// where states, controls and derivatives of rows are all between 2⁻⁷ and 2⁷, where the derivatives
+/// at the guess are not finite, or where rotations or semi-implicit dynamics tie the states to
+/// their units.
+///
+/// A state or control is as large as in the guess, as its bounds, or as where a row that depends on
+/// it alone has its bound. Rows of hard constraints get the derivative 1 by the largest of their
+/// variables at the guess, and costs gradients and curvatures of 1 in the geometric mean of the
+/// knots.
+std::optional<ProblemUnits> units_of(const ShootingProblem& problem, const Trajectory& guess);
+
+/// The problem with states, controls and rows in these units, and with models of its own. Costs are
+/// what they were.
+ShootingProblem in_units(const ShootingProblem& problem, const ProblemUnits& units);
+
+}  // namespace conddp
