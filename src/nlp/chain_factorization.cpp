@@ -11,6 +11,8 @@ namespace {
 constexpr int kScalingPasses = 2;
 /// A search is repeated from its far end while that makes the chain longer, at most this often.
 constexpr int kSearches = 8;
+/// Unknowns that may be handed on where groups are small.
+constexpr int kMostLeft = 64;
 
 /// The neighbors of each unknown, without itself.
 struct Graph {
@@ -123,6 +125,9 @@ void ChainFactorization::place_entries() {
     for (std::size_t i = 0; i < chain_.groups[g].size(); ++i)
       places[static_cast<std::size_t>(chain_.groups[g][i])] = {g, static_cast<int>(i)};
   entries_.assign(chain_.groups.size(), {});
+  most_left_ = kMostLeft;
+  for (const auto& group : chain_.groups)
+    most_left_ = std::max(most_left_, static_cast<int>(group.size()));
   for (std::size_t e = 0; e < rows_.size(); ++e) {
     Place a = places[static_cast<std::size_t>(rows_[e])];
     Place b = places[static_cast<std::size_t>(columns_of_[e])];
@@ -167,7 +172,8 @@ SymmetricFactorization::Outcome ChainFactorization::factorize(const double* valu
           values[entry.index] * scale_[rows_[static_cast<std::size_t>(entry.index)]] *
           scale_[columns_of_[static_cast<std::size_t>(entry.index)]];
     front.eliminate(pivot_tolerance);
-    if (!chain_.goes_on[g] && front.pivots() < front.candidates()) return Outcome::singular;
+    const int left = front.candidates() - front.pivots();
+    if (left > (chain_.goes_on[g] ? most_left_ : 0)) return Outcome::singular;
     negative_ += front.negative();
     keep(front);
   }

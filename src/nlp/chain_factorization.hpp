@@ -30,6 +30,8 @@ struct Chain {
 /// group and the next one, eliminates the first as far as pivots are large enough, and hands on the
 /// rest. The matrix is scaled before, by powers of 2, so that the largest entry of each row is near
 /// 1 (Ruiz: A scaling algorithm to equilibrate both rows and columns norms in matrices, 2001).
+/// Where more is handed on than a group has, rows along the chain depend on each other all but
+/// exactly: that is called singular, as fronts that grow would cost the cube of the horizon.
 /// Factorizations of one structure share their memory.
 class ChainFactorization final : public SymmetricFactorization {
  public:
@@ -57,7 +59,7 @@ class ChainFactorization final : public SymmetricFactorization {
   void keep(const DenseFront& front);
   void divide(const Factor& factor) const;
 
-  int size_ = 0;
+  int size_ = 0, most_left_ = 0;
   Chain chain_;
   std::vector<int> rows_, columns_of_;       ///< by entry
   std::vector<std::vector<Entry>> entries_;  ///< by group

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "nlp/cone_row.hpp"
@@ -121,6 +122,7 @@ class Transcription : public NonlinearProgram {
   };
 
   void add_variables();
+  void find_fixed_columns(std::span<const NodeConstraint> of_node, int node);
   void add_rows();
   void add_constraint(const NodeConstraint& constraint);
   void add_bounds(const NodeConstraint& constraint);
@@ -204,6 +206,7 @@ class Transcription : public NonlinearProgram {
   Linearization linearization_;
   Eigen::MatrixXd coordinates_;    ///< w of every node, ndx x (N + 1)
   Eigen::MatrixXd gap_rows_;       ///< ndx x N: gaps in the charts
+  std::vector<bool> fixed_;        ///< of the node whose rows are added: by column of z
   Eigen::MatrixXd mu_, costates_;  ///< multipliers of gap rows, and as co-states
   std::vector<Slack> slacks_;
   Augmentation lagrangian_;                    ///< ν

@@ -217,11 +217,40 @@ void Transcription::add_gap_rows(int k) {
   for (const int i : kinematic) jacobian_.add(first + i, base_[k + 1] + ndx / 2 + i);
 }
 
+namespace {
+
+bool is_equality(const NodeConstraint& c, int row) {
+  return !c.is_soft() && c.term->kind == ConstraintKind::bounds && c.lower[row] == c.upper[row];
+}
+
+/// The column of z on which a row depends alone, and affinely; −1: there is none.
+int lone_column(const ConstraintTerm& term, int row) {
+  for (const RowBlock& block : term.blocks) {
+    if (row < block.rows)
+      return block.affine && block.columns.size() == 1 ? block.columns.front() : -1;
+    row -= block.rows;
+  }
+  return -1;
+}
+
+}  // namespace
+
+/// Which columns equalities of a node leave one value.
+void Transcription::find_fixed_columns(std::span<const NodeConstraint> of_node, int node) {
+  fixed_.assign(problem_.knot(node).model->nz(), false);
+  for (const NodeConstraint& c : of_node)
+    for (int i = 0; i < c.term->rows; ++i)
+      if (const int column = lone_column(*c.term, i); column >= 0 && is_equality(c, i))
+        fixed_[column] = true;
+}
+
 void Transcription::add_rows() {
-  auto constraint = problem_.constraints().begin();
+  const std::vector<NodeConstraint>& all = problem_.constraints();
+  auto first = all.begin();
   for (int k = 0; k <= problem_.knots(); ++k) {
-    for (; constraint != problem_.constraints().end() && constraint->node == k; ++constraint)
-      add_constraint(*constraint);
+    const auto last = std::find_if(first, all.end(), [k](const auto& c) { return c.node != k; });
+    find_fixed_columns({first, last}, k);
+    for (; first != last; ++first) add_constraint(*first);
     if (k < problem_.knots()) add_gap_rows(k);
   }
   relax(options_.epsilon);
@@ -240,10 +269,15 @@ void Transcription::add_constraint(const NodeConstraint& constraint) {
   }
 }
 
+/// Bounds on what an equality fixes are no rows: where it lies on one of them, the two together
+/// have no multipliers of their own.
 void Transcription::add_bounds(const NodeConstraint& constraint) {
-  for (int i = 0; i < constraint.term->rows; ++i)
-    if (std::isfinite(constraint.lower[i]) || std::isfinite(constraint.upper[i]))
+  for (int i = 0; i < constraint.term->rows; ++i) {
+    if (!std::isfinite(constraint.lower[i]) && !std::isfinite(constraint.upper[i])) continue;
+    const int column = is_equality(constraint, i) ? -1 : lone_column(*constraint.term, i);
+    if (column < 0 || !fixed_[column])
       add_row(constraint, constraint.row + i, 1, constraint.lower[i], constraint.upper[i]);
+  }
 }
 
 /// Where the Hessian of a knot can be non-zero.

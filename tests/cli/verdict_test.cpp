@@ -88,6 +88,109 @@ terminal: {constraints: {there: {residual: state, reference: [2.0e-7]}}}
   EXPECT_EQ(stage.verdict(), "local_minimum");
 }
 
+/// A train of 400 t in SI units brakes from 80 m/s to 20 m/s over 25 km, in least time, with a
+/// bound on what its motors draw.
+const std::string kTrain = R"(conddp: 1
+name: train
+system:
+  states: {s: m, v: m/s, used: J}
+  controls: {force: N}
+  let: {m: 400000.0, drag: 6000 + 9.0*v^2}
+  rate: {s: v, v: (force - drag)/m, used: "0.5*(force*v + smooth_abs(force*v, 1.0e5))"
+}
+initial_state : {
+values : {
+v:
+  80
+}
+}
+integrator : rk4 phases : -{name : start, choose : none} - {
+name:
+  ride, knots : 60, duration : 500, free_duration : {
+  lower:
+    100, upper : 5000
+  }
+}
+costs : time : {residual : expression, rows : "1", activation : linear} smooth
+    : {residual : control, weight : 1.0e-11} constraints : engines
+    : {bounds : control, lower : -300000, upper : 250000} energy : {
+bounds:
+  state, upper : {
+  used:
+    4.0e8
+  }
+}
+terminal : constraints : {
+there : {
+residual:
+  state, reference : {values : {s : 25000, v : 20}}, columns : [ s, v ]
+}
+}
+initial_guess: {states: interpolate}
+)";
+
+TEST(Verdicts, SweepsTakeLargeUnits) {
+  std::vector<double> costs;
+  for (const char* solver : {"altro", "proxddp"}) {
+    const Solved ride(kTrain, {"--solver", solver});
+    EXPECT_EQ(ride.run.exit_code, 0) << solver << ride.run.err << ride.run.out;
+    EXPECT_EQ(ride.verdict(), "local_minimum") << solver;
+    EXPECT_NE(std::string(ride.document.at("message")).find("in units of"), std::string::npos);
+    costs.push_back(ride.cost());
+  }
+  EXPECT_NEAR(costs[1], costs[0], 1e-5 * costs[0]);
+}
+
+// The row and its bound in another unit: the violation that tolerances allow is then all of it.
+TEST(Verdicts, RowsInSmallUnitsAreNotIgnored) {
+  const auto wall = [](const std::string& row, const std::string& bound) {
+    return Solved(
+        "conddp: 1\nname: wall\nsystem: {states: [x, v], controls: [a], rate: {x: v, v: a}}\n"
+        "initial_state: {values: {x: 0, v: 1}}\nphases: [{knots: 100, duration: 1}]\n"
+        "costs: {effort: {residual: control}}\n"
+        "constraints: {wall: {residual: expression, rows: " +
+        row + ", upper: " + bound +
+        "}}\n"
+        "terminal: {constraints: {back: {residual: state, reference: [0, -1]}}}\n");
+  };
+  const Solved usual = wall("x", "0.12"), small = wall("1.0e-6*x", "0.12e-6");
+  EXPECT_EQ(small.run.exit_code, 0) << small.run.err;
+  EXPECT_EQ(small.verdict(), "local_minimum");
+  EXPECT_NEAR(small.cost(), usual.cost(), 1e-4 * usual.cost());
+  EXPECT_NE(small.run.err.find("no more than the tolerance of violations"), std::string::npos);
+  EXPECT_EQ(usual.run.err.find("tolerance of violations"), std::string::npos);
+}
+
+// The two together have no multipliers of their own.
+TEST(Verdicts, AnEqualityMayLieOnABound) {
+  for (const char* solver : {"altro", "proxddp", "ipopt"}) {
+    const Solved cart(
+        "conddp: 1\nname: cart\nsystem: {states: [x, v], controls: [a], rate: {x: v, v: a}}\n"
+        "phases: [{knots: 40, duration: 2}]\ncosts: {effort: {residual: control}}\n"
+        "constraints: {speed: {bounds: state, lower: {v: -1}, upper: {v: 1}}}\n"
+        "terminal: {constraints: {there: {residual: state, reference: [1.2, 1]}}}\n",
+        {"--solver", solver});
+    EXPECT_EQ(cart.run.exit_code, 0) << solver << cart.run.err;
+    EXPECT_EQ(cart.verdict(), "local_minimum") << solver;
+  }
+}
+
+// Where nothing moves yet the rows of the dynamics all but depend on each other along the horizon.
+TEST(Verdicts, LongHorizonsTakeIpoptNoLonger) {
+  const Solved bead(
+      "conddp: 1\nname: bead\nsystem: {states: {x: m, y: m, v: m/s}, controls: {g: rad},\n"
+      "  rate: {x: v*cos(g), y: v*sin(g), v: 9.81*(sin(g) - 0.1*cos(g))}}\n"
+      "integrator: rk4\nphases: [{name: start, choose: none},\n"
+      "  {name: slide, knots: 2500, duration: 1, free_duration: {lower: 0.1, upper: 5}}]\n"
+      "costs: {time: {residual: expression, rows: \"1\", activation: linear}}\n"
+      "terminal: {constraints: {there: {residual: state, columns: [x, y],\n"
+      "  reference: {values: {x: 2, y: 1}}}}}\n"
+      "initial_guess: {states: interpolate, controls: {constant: 0.6}}\n",
+      {"--solver", "ipopt", "--max-time", "60"});
+  EXPECT_EQ(bead.run.exit_code, 0) << bead.run.err;
+  EXPECT_EQ(bead.document.at("status"), "converged");
+}
+
 // The answer moved back to where it began: all that it says is true, and there is a way down.
 TEST(Verdicts, AMotionThatCostsMoreIsNotVerified) {
   const Solved stage(R"(conddp: 1

@@ -424,7 +424,9 @@ class Judge {
   /// Also where the model has no minimum, so that what is left cannot be told.
   bool much_may_be_left() const {
     const std::optional<double> share = share_left();
-    return !(share && *share <= kMostGain);
+    if (problem_.constraints().empty()) return !(share && *share <= kMostGain);
+    const std::optional<SecondOrder>& model = certificate_.second_order;
+    return model && (model->curvature == Curvature::negative || model->share() > kMostLeft);
   }
 
   /// Converged means that all residuals are under tolerance at once, those that the answer claims

@@ -39,7 +39,7 @@ constexpr double kRepair = 1e-5;
 /// What a slope counts beside a gain: it ends where the curvature does.
 constexpr double kSlopeShare = 1e-4;
 /// Searches for the inactive rows that Newton's step runs into.
-constexpr int kRounds = 4;
+constexpr int kRounds = 16;
 
 /// A row aᵀz of a node, in ranges, that is held, may be held, or limits a step.
 struct Row {

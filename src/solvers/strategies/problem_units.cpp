@@ -34,7 +34,10 @@ void meet(double value, double& size) {
 }
 
 bool has_fixed_units(const KnotModel& model) {
-  return model.semi_implicit() || model.nx() != model.ndx() || !model.manifold().curved().empty();
+  const bool pairs = std::ranges::any_of(
+      model.constraints(), [](const ConstraintTerm& term) { return term.has_pairs(); });
+  return pairs || model.semi_implicit() || model.nx() != model.ndx() ||
+         !model.manifold().curved().empty();
 }
 
 bool has_factors(const ConstraintTerm& term) {
@@ -54,13 +57,12 @@ class UnitFinder {
   }
 
   std::optional<ProblemUnits> find() {
-    meet_guess();
-    if (problem_.constraints().empty() && are_usual(units_)) return std::nullopt;
     Evaluator(problem_).differentiate(guess_, linearization_);
     if (!std::isfinite(linearization_.total_cost()) || !linearization_.constraint.allFinite())
       return std::nullopt;
-    for (const NodeConstraint& c : problem_.constraints())
-      if (c.term->has_bounds()) meet_rows(c);
+    meet_bounds();
+    meet_guess();
+    meet_responses();
     round();
     for (const NodeConstraint& c : problem_.constraints())
       if (has_factors(*c.term)) meet_factors(c);
@@ -79,17 +81,15 @@ class UnitFinder {
     return column < n ? units_.state[column] : at(k).control[column - n];
   }
 
-  void meet_guess() {
-    for (int k = 0; k <= problem_.knots(); ++k) {
+  void meet_bounds() {
+    for (int k = 0; k < problem_.knots(); ++k) {
       const KnotModel& model = *problem_.knot(k).model;
-      for (int i = 0; i < problem_.nx(); ++i) meet(guess_.x(k)[i], units_.state[i]);
-      for (int i = 0; i < model.nu(); ++i) {
-        double& size = at(k).control[i];
-        meet(guess_.u(k)[i], size);
-        meet(model.control_lower()[i], size);
-        meet(model.control_upper()[i], size);
-      }
+      for (int i = 0; i < model.nu(); ++i)
+        for (const double bound : {model.control_lower()[i], model.control_upper()[i]})
+          meet(bound, at(k).control[i]);
     }
+    for (const NodeConstraint& c : problem_.constraints())
+      if (c.term->has_bounds()) meet_rows(c);
   }
 
   /// Rows that depend on one column alone say how far that goes.
@@ -106,6 +106,43 @@ class UnitFinder {
         meet(z + (bound - linearization_.constraint[c.row + r]) / C[column],
              unit(c.node, static_cast<int>(column)));
     }
+  }
+
+  /// Guesses are often zero, or nearly: a size below 1 comes of bounds alone.
+  void meet_guess() {
+    for (double& size : units_.state)
+      if (size == 0) size = 1;
+    for (int k = 0; k <= problem_.knots(); ++k) {
+      for (int i = 0; i < problem_.nx(); ++i) meet(guess_.x(k)[i], units_.state[i]);
+      for (int i = 0; i < problem_.nu(k); ++i)
+        if (double& size = at(k).control[i]; size > 0) meet(guess_.u(k)[i], size);
+    }
+  }
+
+  /// A control without bounds is as large as one that is the same throughout and moves some state
+  /// by its size, to first order.
+  void meet_responses() {
+    int most = 0;
+    for (const auto& [model, own] : units_.models) most = std::max(most, model->nu());
+    for (int i = 0; i < most; ++i) {
+      Eigen::VectorXd dx = Eigen::VectorXd::Zero(problem_.ndx()), next = dx, z;
+      double share = 0;  // of the states' sizes, by a control of 1
+      for (int k = 0; k < problem_.knots(); ++k) {
+        z = Eigen::VectorXd::Zero(problem_.ndx() + problem_.nu(k));
+        z.head(dx.size()) = dx;
+        if (i < problem_.nu(k) && at(k).control[i] == 0) z[dx.size() + i] = 1;
+        linearization_.knots[k].apply(z, next);
+        dx.swap(next);
+        for (int r = 0; r < dx.size(); ++r)
+          share = std::max(share, std::abs(dx[r]) / units_.state[r]);
+      }
+      if (!(share > 0) || !std::isfinite(share)) continue;
+      for (auto& [model, own] : units_.models)
+        if (i < model->nu() && own.control[i] == 0) responses_[&own.control[i]] = 1 / share;
+    }
+    for (const auto& [size, found] : responses_) *size = found;
+    for (int k = 0; k < problem_.knots(); ++k)
+      for (int i = 0; i < problem_.nu(k); ++i) meet(guess_.u(k)[i], at(k).control[i]);
   }
 
   void round() {
@@ -148,6 +185,7 @@ class UnitFinder {
   const Trajectory& guess_;
   Linearization linearization_;
   ProblemUnits units_;
+  std::map<double*, double> responses_;
 };
 
 /// With those that there are already.

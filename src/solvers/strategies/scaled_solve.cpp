@@ -57,6 +57,13 @@ SolveResult solve_with_costs(const ShootingProblem& problem, double scale,
   return result;
 }
 
+/// Rounding may hide what the tolerances of the scaled problem ask for.
+bool is_converged(const SolveResult& result, const SolverOptions::Tolerances& tolerances) {
+  const Residuals& r = result.residuals;
+  return r.stationarity <= tolerances.stationarity && r.gap <= tolerances.gap &&
+         r.constraint <= tolerances.constraint && r.complementarity <= tolerances.complementarity;
+}
+
 /// Of states, controls and rows. Costs are multiplied otherwise.
 class Units {
  public:
@@ -113,6 +120,11 @@ class Units {
     }
     for (std::size_t k = 0; k < result.control_gradient.size(); ++k)
       result.control_gradient[k].array() /= control(static_cast<int>(k)).array();
+    // Regularised by other shares of the own units, gains would be those of no sweep.
+    if (result.feedback_regularization.value_or(0) > 0) {
+      result.feedback.set_zero();
+      result.feedback_regularization.reset();
+    }
     result.constraint_values.array() /= row_.array();
     result.constraint_multipliers.array() *= row_.array();
     measure(result);
@@ -170,8 +182,8 @@ class Units {
 }  // namespace
 
 SolveResult solve_scaled(const ShootingProblem& problem, const SolverOptions& options,
-                         const Trajectory& guess, bool variables, const SolveProblem& solve) {
-  const auto of_problem = variables ? units_of(problem, guess) : std::nullopt;
+                         const Trajectory& guess, const SolveProblem& solve) {
+  const auto of_problem = units_of(problem, guess);
   if (!of_problem) return solve_with_costs(problem, cost_scale(problem), options, guess, solve);
   const Units units(problem, *of_problem);
   SolverOptions own = options;
@@ -180,6 +192,13 @@ SolveResult solve_scaled(const ShootingProblem& problem, const SolverOptions& op
   const ShootingProblem scaled = in_units(problem, *of_problem);
   SolveResult result = solve_with_costs(scaled, of_problem->cost, own, units.scaled(guess), solve);
   units.unscale(result);
+  if (result.status == SolveStatus::line_search_failed &&
+      is_converged(result, options.tolerances)) {
+    result.status = SolveStatus::converged;
+    result.message += "; all residuals are under tolerance in the problem's units";
+    result.failed_knot = -1;
+    result.failed_quantity.clear();
+  }
   return result;
 }
 

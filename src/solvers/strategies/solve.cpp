@@ -62,6 +62,13 @@ void name_failed_functions(const ShootingProblem& problem, SolveResult& result) 
     result.message += fmt::format("; the compiled function '{}' reported failure", name);
 }
 
+/// A guess for solvers that simulate its controls: its states are to say nothing, either of units.
+Trajectory without_states(const ShootingProblem& problem, const Trajectory& guess) {
+  Trajectory controls = problem.create_trajectory();
+  for (int k = 0; k < problem.knots(); ++k) controls.u(k) = guess.u(k);
+  return controls;
+}
+
 SolveResult run(const ShootingProblem& problem, const SolverInfo& solver, SolverOptions options,
                 const Trajectory& guess, const Doubt& doubt, Objection& objection) {
   check_options(solver, problem, options);
@@ -69,9 +76,8 @@ SolveResult run(const ShootingProblem& problem, const SolverInfo& solver, Solver
   options.homotopy = nullptr;
   if (solver.constraints != ConstraintSupport::all) options.multipliers = nullptr;
   const auto solve_once = [&](const SolverOptions& asked, const Trajectory& from) {
-    // Ipopt scales variables and rows by itself.
     return solve_scaled(
-        problem, asked, from, !solver.complementarity,
+        problem, asked, solver.open_gaps ? from : without_states(problem, from),
         [&](const ShootingProblem& scaled, const SolverOptions& mine, const Trajectory& guessed) {
           SolveResult answer = solve_with_restoration(
               scaled, mine, guessed, [&](const SolverOptions& own, const Trajectory& start) {
