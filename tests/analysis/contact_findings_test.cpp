@@ -159,6 +159,7 @@ TEST(Impulses, HaveADemandAndAPullInNewtonSeconds) {
   ASSERT_EQ(demand.size(), 1u);
   EXPECT_NEAR(demand[0].value, (4 * 0.5) / (2 * 1.0), 1e-9);
   EXPECT_TRUE(mentions(demand[0], "less speed along the ground"));
+  EXPECT_TRUE(mentions(demand[0], "'friction_cone' with 'phases: ")) << demand[0].remedy;
   motion.x(0) << 0, 0, 0, 0, 0, 1.5;
   const auto pull = found_in_contacts(problem, motion, FindingKind::pull);
   ASSERT_EQ(pull.size(), 1u);
@@ -207,9 +208,12 @@ TEST(Drift, AdvisesNoKpTowardsAnotherPlace) {
     const auto found = drift_of({.name = "grip", .kp = kp, .kd = 20}, {{x, 0, 0}, {x, 0.004, 0}});
     return found.size() == 1 ? found[0].remedy : "not one finding";
   };
-  EXPECT_EQ(remedy(0, 0), "a smaller dt, or contacts.grip.baumgarte.kp");
-  EXPECT_EQ(remedy(0, 5), "a smaller dt, or a larger contacts.grip.baumgarte.kp");
-  EXPECT_EQ(remedy(0.3, 5), "a smaller dt");
+  EXPECT_EQ(remedy(0, 0),
+            "a smaller dt with contacts.grip.baumgarte.kd: 1/dt, or contacts.grip.baumgarte.kp");
+  EXPECT_EQ(remedy(0, 5),
+            "a smaller dt with contacts.grip.baumgarte.kd: 1/dt, or a larger "
+            "contacts.grip.baumgarte.kp");
+  EXPECT_EQ(remedy(0.3, 5), "a smaller dt with contacts.grip.baumgarte.kd: 1/dt");
   const auto held = block_system({{.name = "grip", .kd = 20}});
   const ShootingProblem problem =
       block_problem({block_phase(block_system(), 1), block_phase(held, 2)});
@@ -217,7 +221,7 @@ TEST(Drift, AdvisesNoKpTowardsAnotherPlace) {
   motion.x(3)[0] = 0.004;
   const auto later = found_in_contacts(problem, motion, FindingKind::drift);
   ASSERT_EQ(later.size(), 1u);
-  EXPECT_EQ(later[0].remedy, "a smaller dt");
+  EXPECT_EQ(later[0].remedy, "a smaller dt with contacts.grip.baumgarte.kd: 1/dt");
 }
 
 TEST(Drift, CountsAlongTheDirectionsThatAreHeld) {

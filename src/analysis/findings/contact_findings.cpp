@@ -5,6 +5,8 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -187,7 +189,7 @@ class Watch {
     for (const auto& [name, pull] : pulls_) {
       Finding f{FindingKind::pull, name, pull.value, pull.impulse ? "Ns" : "N"};
       f.message = fmt::format("the contact '{}' pulls with {:.3g} {}", name, f.value, f.unit);
-      f.remedy = cone_remedy(name);
+      f.remedy = pull.impulse ? impulse_remedy(name) : cone_remedy(name);
       add(std::move(f), pull.knot);
     }
   }
@@ -199,7 +201,10 @@ class Watch {
     f.message = fmt::format("the contact '{}' needs a coefficient of friction of {:.3g}", name,
                             demand.value);
     if (has) f.message += fmt::format(", {:.3g} {}", *has, beyond ? "is what it has" : "are there");
-    if (beyond) f.remedy = remedy_of_demand(name, demand.impulse);
+    if (beyond)
+      f.remedy = demand.impulse
+                     ? impulse_remedy(name) + ", a touch-down with less speed along the ground"
+                     : cone_remedy(name);
     add(std::move(f), demand.knot);
   }
 
@@ -221,12 +226,19 @@ class Watch {
                        some.name);
   }
 
-  std::string remedy_of_demand(const std::string& contact, bool impulse) const {
-    std::string remedy = cone_remedy(contact);
-    if (impulse)
-      remedy +=
-          std::string(remedy.empty() ? "" : ", ") + "a touch-down with less speed along the ground";
-    return remedy;
+  /// What is to be said of impulses: costs and constraints count at those alone that they name.
+  std::string impulse_remedy(const std::string& contact) const {
+    constexpr std::size_t kNamed = 4;
+    std::vector<std::string> phases;
+    for (const Phase& phase : problem_.phases())
+      if (const System& system = phase.model->system();
+          system.kind() == SystemKind::impulse && index_of(system.as_multibody(), contact) >= 0)
+        phases.push_back(phase.name);
+    const bool more = phases.size() > kNamed;
+    phases.resize(std::min(phases.size(), kNamed));
+    return fmt::format("a constraint or cost 'friction_cone' with 'phases: {}{}{}{}'",
+                       phases.size() > 1 ? "[" : "", fmt::join(phases, ", "), more ? ", ..." : "",
+                       phases.size() > 1 ? "]" : "");
   }
 
   /// A contact that comes to be held with the velocity v moves on by v h (1 − r)/r, r = kd h, since
@@ -241,11 +253,11 @@ class Watch {
         name, 1e3 * drift.value, times_[drift.first], times_[drift.last], kd);
     if (r < kFull)
       f.remedy = fmt::format("contacts.{}.baumgarte: {{kd: {:.3g}}}", name, 1 / drift.dt);
-    else if (drift.placed)
-      f.remedy = fmt::format("a smaller dt, or {}contacts.{}.baumgarte.kp",
-                             drift.contact.kp > 0 ? "a larger " : "", name);
     else
-      f.remedy = "a smaller dt";
+      f.remedy = fmt::format("a smaller dt with contacts.{}.baumgarte.kd: 1/dt", name);
+    if (r >= kFull && drift.placed)
+      f.remedy += fmt::format(", or {}contacts.{}.baumgarte.kp",
+                              drift.contact.kp > 0 ? "a larger " : "", name);
     add(std::move(f), drift.knot);
   }
 

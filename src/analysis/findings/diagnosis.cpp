@@ -70,8 +70,9 @@ bool interior_point(const SolveResult& r) {
 
 std::string at(int knot) { return knot < 0 ? std::string() : fmt::format(" at knot {}", knot); }
 
-/// What helps where numbers stop being finite: a robot is stiff, equations have poles and kinks.
-std::string remedy_of_growth(const ShootingProblem& problem, bool start) {
+/// What helps where numbers stop being finite: a robot is stiff, equations have poles and kinks. Of
+/// equations without a value at the start no step is too long.
+std::string remedy_of_growth(const ShootingProblem& problem, bool start, bool without_value) {
   const bool is_robot = problem.knot(0).model->system().robot_inside() != nullptr;
   const std::string guess =
       !start     ? ""
@@ -84,8 +85,9 @@ std::string remedy_of_growth(const ShootingProblem& problem, bool start) {
            "a smaller dt or an integrator of higher order, smaller gains kp and kd of contacts; "
            "look for tiny masses and inertias ('conddp inspect')";
   return guess +
-         "smooth_norm and smooth_abs in the place of norm and abs; bounds on the states where "
-         "expressions are not finite; a smaller dt or an integrator of higher order";
+         "smooth_norm and smooth_abs in the place of norm, abs and roots of squares; bounds on the "
+         "states where expressions are not finite" +
+         (without_value ? "" : "; a smaller dt or an integrator of higher order");
 }
 
 /// Says of equations without a finite value in which state that is, and where they have one.
@@ -123,16 +125,18 @@ Diagnosis growth(const ShootingProblem& problem, const SolveResult& r) {
     return unbounded_iterates();
   const bool start = r.iterations == 0;
   const std::string quantity = r.failed_quantity.empty() ? "motion" : with_name(problem, r);
+  std::optional<SingularRate> singular;
+  if (start && r.failed_knot >= 0 && r.failed_knot < problem.knots())
+    singular = singular_rate(problem, r.trajectory, r.failed_knot);
   Diagnosis d{
       DiagnosisPattern::growth,
       fmt::format("the {}{} {}", quantity, at(r.failed_knot),
                   r.status == SolveStatus::diverged
                       ? (start ? "is not finite along the first guess" : "stopped being finite")
                       : "leaves the finite numbers in every longer step"),
-      r.failed_knot, r.failed_quantity, remedy_of_growth(problem, start)};
-  if (start && d.knot >= 0 && d.knot < problem.knots())
-    if (const auto singular = singular_rate(problem, r.trajectory, d.knot))
-      tell_singular_rate(*singular, problem, d);
+      r.failed_knot, r.failed_quantity,
+      remedy_of_growth(problem, start, singular.has_value() || (start && r.failed_knot == 0))};
+  if (singular) tell_singular_rate(*singular, problem, d);
   return d;
 }
 
@@ -156,12 +160,14 @@ bool has_free_controls(const ShootingProblem& problem) {
   });
 }
 
-/// Of a violation that stays, whether or not it is seen that nothing nearby has less.
-std::string remedy_of_violation(const ShootingProblem& problem) {
+/// Of a violation that stays; `least`: where it is seen that nothing nearby has less, which few
+/// guesses change.
+std::string remedy_of_violation(const ShootingProblem& problem, bool least) {
   std::string remedy =
       "wider bounds, more time for the motion, or without a constraint (--drop) to see what the "
-      "others ask for; a minimum of the violation can also be a local one: another first guess, or "
-      "many of them (solver.restarts: {count: 20, spread: 1})";
+      "others ask for; a minimum of the violation can also be a local one: ";
+  remedy += least ? "many first guesses" : "another first guess, or many of them";
+  remedy += " (solver.restarts: {count: 20, spread: 1})";
   if (has_free_controls(problem))
     remedy +=
         "; where controls without bounds have to become large, a larger "
@@ -175,7 +181,7 @@ Diagnosis infeasible(const ShootingProblem& problem, const IterationRecord& last
           fmt::format("no small change of the controls from here lowers the violation, {:.1e}{}",
                       last.constraint, at(last.constraint_knot)),
           last.constraint_knot, "constraint violation",
-          remedy_of_violation(problem) +
+          remedy_of_violation(problem, true) +
               (drawn ? "; --solver ipopt, which a linear cost does not draw away" : "")};
 }
 
@@ -185,7 +191,7 @@ Diagnosis undecided(const ShootingProblem& problem, const IterationRecord& last)
           fmt::format("a restoration of feasibility did not get the violation under {:.1e}{}; "
                       "whether the constraints can be satisfied has not been decided",
                       last.constraint, at(last.constraint_knot)),
-          last.constraint_knot, "constraint violation", remedy_of_violation(problem)};
+          last.constraint_knot, "constraint violation", remedy_of_violation(problem, false)};
 }
 
 /// Of iterations that go on without getting nearer.
@@ -196,7 +202,7 @@ Diagnosis stalled_violation(const ShootingProblem& problem, const IterationRecor
                       "the constraints can be satisfied has not been decided",
                       last.constraint, at(last.constraint_knot), middle.constraint,
                       last.iteration - middle.iteration),
-          last.constraint_knot, "constraint violation", remedy_of_violation(problem)};
+          last.constraint_knot, "constraint violation", remedy_of_violation(problem, false)};
 }
 
 /// A residual above its tolerance.
@@ -278,8 +284,7 @@ Diagnosis slow_feasibility(const Window& w) {
                       w.last().constraint, at(w.last().constraint_knot), w.first().constraint,
                       w.steps()),
           w.last().constraint_knot, "constraint violation",
-          "a larger solver.augmented_lagrangian.initial_penalty, or a larger penalty_factor beside "
-          "it"};
+          "a larger solver.augmented_lagrangian.initial_penalty"};
 }
 
 Diagnosis alternating(const Window& w) {
@@ -301,13 +306,13 @@ std::string less_regularisation(const Window& w, const SolverOptions& options) {
   const double step = w.median_step();
   if (w.last().regularization <= r.min) return "a smaller solver.regularization.min";
   if (step <= 0 || step >= r.decrease_step)
-    return "solver.regularization.factor nearer to 1, so that it does not grow past what is "
-           "needed; a smaller solver.regularization.initial";
+    return "more iterations (solver.max_iterations), or exact Hessians (solver.hessian: exact)";
   const double decrease = 0.9 * step;
   return fmt::format(
       "solver.regularization: {{decrease_step: {:.2g}, increase_step: {:.2g}}}, so that steps as "
-      "long as these lower it; a smaller solver.regularization.initial",
-      decrease, std::min(r.increase_step, 0.4 * decrease));
+      "long as these lower it{}",
+      decrease, std::min(r.increase_step, 0.4 * decrease),
+      r.initial > 0 ? "; a smaller solver.regularization.initial" : "");
 }
 
 Diagnosis plateau(const Window& w, bool regularised, const SolverOptions& options) {
@@ -384,15 +389,19 @@ Diagnosis too_weak(Diagnosis log, const MissingTorque& lack) {
           std::move(remedy)};
 }
 
-/// An explicit rule that leaves the equations: no solver has their motion to work on.
+/// An explicit rule that leaves the equations: no solver has their motion to work on, and of what
+/// the log advises only iterations and the guess matter.
 Diagnosis unstable_steps(Diagnosis log, const ShootingProblem& problem, const LongStep& step) {
   const std::string rule(info_of(problem.knot(step.knot).model->integrator()).name);
   log.message += fmt::format(
       "; the system is stiff for steps of {}: at knot {} a motion of the rate {:.3g} 1/s, which "
       "does not grow in time, is multiplied by {:.3g} in a step",
       rule, step.knot, step.rate, step.growth);
+  std::string remedy = remedy_of(step, problem);
+  if (log.pattern == DiagnosisPattern::unfinished) remedy += "; " + log.remedy;
+  if (log.pattern == DiagnosisPattern::growth) remedy += "; another first guess";
   return {DiagnosisPattern::unstable_steps, std::move(log.message), step.knot, "time step",
-          remedy_of(step, problem) + "; " + log.remedy};
+          std::move(remedy)};
 }
 
 /// How much larger one state may become than another one until units are worth a word.
@@ -538,6 +547,14 @@ Diagnosis of_log(const ShootingProblem& problem, const SolveResult& result,
   return result.failed_knot >= 0 ? growth(problem, result) : no_descent(result, options, w.last());
 }
 
+/// Whether what stands still may only need more iterations than it was allowed.
+bool wants_iterations(const SolveResult& result, DiagnosisPattern pattern) {
+  if (result.status != SolveStatus::max_iterations) return false;
+  if (pattern == DiagnosisPattern::slow_feasibility) return true;
+  return result.log.size() < kLongLog &&
+         (pattern == DiagnosisPattern::open_gaps || pattern == DiagnosisPattern::undecided);
+}
+
 bool is_stuck_at_knot(DiagnosisPattern pattern) {
   return pattern == DiagnosisPattern::open_gaps || pattern == DiagnosisPattern::plateau ||
          pattern == DiagnosisPattern::no_descent;
@@ -598,6 +615,8 @@ Diagnosis diagnose(const ShootingProblem& problem, const SolveResult& result,
   SolverOptions own = options;  // in the unit of the costs, as the log
   own.tolerances.stationarity /= cost_scale(problem);
   Diagnosis d = of_log(problem, result, own);
+  if (wants_iterations(result, d.pattern))
+    d.remedy = "more iterations (solver.max_iterations); " + d.remedy;
   if (result.status != SolveStatus::interrupted)
     if (const auto lack = missing_torque(problem)) return too_weak(std::move(d), *lack);
   if (cost_goes_on_falling(result.log))

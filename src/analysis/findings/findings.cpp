@@ -384,9 +384,11 @@ class Search {
                     c.term->name, off, offender(c, values), c.node, c.node + 1, usual);
     f->jumps = jumps_through(c, off);
     f->remedy = f->jumps
-                    ? "another first guess, or many of them (solver.restarts): the motion jumps "
-                      "through what it should go around"
-                    : "more knots, or wider distances";
+                    ? std::string(
+                          "another first guess, or many of them (solver.restarts): the motion "
+                          "jumps through what it should go around")
+                    : fmt::format("more knots (about {:.0f} times as many), or wider distances",
+                                  std::ceil(std::sqrt(off / kBetween)));
   }
 
   /// Whether a row is violated so far that the way from knot to knot leads through: by a good part

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "base/exceeds.hpp"
+#include "systems/multibody/multibody.hpp"
 
 namespace conddp {
 namespace {
@@ -124,10 +125,20 @@ std::optional<LongStep> long_step(const ShootingProblem& problem, const Trajecto
   return worst;
 }
 
+bool allows_collocation(const ShootingProblem& problem) {
+  for (const Phase& phase : problem.phases()) {
+    const System& system = phase.model->system();
+    const MultibodySystem* robot = system.robot_inside();
+    if (system.as_stepping() != nullptr || (robot != nullptr && !robot->contacts().empty()))
+      return false;
+  }
+  return true;
+}
+
 std::string remedy_of(const LongStep& step, const ShootingProblem& problem) {
-  const bool flat = problem.manifold().curved().empty();
+  const bool implicit = problem.manifold().curved().empty() && allows_collocation(problem);
   return fmt::format("{}steps of at most {:.2g} s there, by more knots",
-                     flat ? "'integrator: radau5', stable in steps of any length, or " : "",
+                     implicit ? "'integrator: radau5', stable in steps of any length, or " : "",
                      step.longest);
 }
 

@@ -24,7 +24,11 @@ struct LongStep {
 /// smaller the state; those at which derivatives are not finite do not count.
 std::optional<LongStep> long_step(const ShootingProblem& problem, const Trajectory& trajectory);
 
-/// What helps: an implicit rule where the state space has one, or shorter steps.
+/// Whether a problem file may have collocation: where no contact is held, and nothing steps in
+/// time.
+bool allows_collocation(const ShootingProblem& problem);
+
+/// What helps: an implicit rule where the problem may have one, or shorter steps.
 std::string remedy_of(const LongStep& step, const ShootingProblem& problem);
 
 }  // namespace conddp

@@ -1,8 +1,32 @@
 #include "output/solution/answer.hpp"
 
+#include <algorithm>
+
 #include "output/solution/finding_report.hpp"
+#include "solvers/strategies/registry.hpp"
 
 namespace conddp {
+namespace {
+
+/// Whether a solve that ended so may have a better end with another solver.
+bool is_stuck(DiagnosisPattern pattern) {
+  return pattern == DiagnosisPattern::plateau || pattern == DiagnosisPattern::no_descent ||
+         pattern == DiagnosisPattern::undecided;
+}
+
+/// Advises `auto` where the file's own solver is stuck, and others would be tried.
+Diagnosis diagnosis_of(const ProblemSpec& spec, const BuiltProblem& built,
+                       const SolveResult& result) {
+  Diagnosis d = diagnose(*built.problem, result, spec.solver.options);
+  const std::string& own = spec.solver.name.value;
+  if (!is_stuck(d.pattern) || own == kAutoSolver) return d;
+  const auto others = auto_solvers(*built.problem, spec.solver.options);
+  if (std::ranges::any_of(others, [&](const SolverInfo* solver) { return solver->name != own; }))
+    d.remedy += "; --solver auto, which tries several";
+  return d;
+}
+
+}  // namespace
 
 Answer::Answer(const ProblemSpec& spec, const BuiltProblem& built, const SolveResult& result)
     : values(*built.problem, result.trajectory),
@@ -10,7 +34,7 @@ Answer::Answer(const ProblemSpec& spec, const BuiltProblem& built, const SolveRe
       violations(violations_by_name(*built.problem, result.constraint_values)),
       soft_violations(
           conddp::soft_violations(*built.problem, result.trajectory, result.constraint_values)),
-      diagnosis(diagnose(*built.problem, result, spec.solver.options)),
+      diagnosis(diagnosis_of(spec, built, result)),
       findings(findings_of(spec, built, result.trajectory, result.feedback.K, values)),
       forces(contact_forces(spec, *built.problem, values)) {
   for (const DroppedConstraint& constraint : built.dropped)
