@@ -90,44 +90,28 @@ terminal: {constraints: {there: {residual: state, reference: [2.0e-7]}}}
 
 /// A train of 400 t in SI units brakes from 80 m/s to 20 m/s over 25 km, in least time, with a
 /// bound on what its motors draw.
-const std::string kTrain = R"(conddp: 1
+const std::string kTrain = R"yaml(conddp: 1
 name: train
 system:
   states: {s: m, v: m/s, used: J}
   controls: {force: N}
   let: {m: 400000.0, drag: 6000 + 9.0*v^2}
-  rate: {s: v, v: (force - drag)/m, used: "0.5*(force*v + smooth_abs(force*v, 1.0e5))"
-}
-initial_state : {
-values : {
-v:
-  80
-}
-}
-integrator : rk4 phases : -{name : start, choose : none} - {
-name:
-  ride, knots : 60, duration : 500, free_duration : {
-  lower:
-    100, upper : 5000
-  }
-}
-costs : time : {residual : expression, rows : "1", activation : linear} smooth
-    : {residual : control, weight : 1.0e-11} constraints : engines
-    : {bounds : control, lower : -300000, upper : 250000} energy : {
-bounds:
-  state, upper : {
-  used:
-    4.0e8
-  }
-}
-terminal : constraints : {
-there : {
-residual:
-  state, reference : {values : {s : 25000, v : 20}}, columns : [ s, v ]
-}
-}
+  rate: {s: v, v: (force - drag)/m, used: "0.5*(force*v + smooth_abs(force*v, 1.0e5))"}
+initial_state: {values: {v: 80}}
+integrator: rk4
+phases:
+  - {name: start, choose: none}
+  - {name: ride, knots: 60, duration: 500, free_duration: {lower: 100, upper: 5000}}
+costs:
+  time: {residual: expression, rows: "1", activation: linear}
+  smooth: {residual: control, weight: 1.0e-11}
+constraints:
+  engines: {bounds: control, lower: -300000, upper: 250000}
+  energy: {bounds: state, upper: {used: 4.0e8}}
+terminal:
+  constraints: {there: {residual: state, reference: {values: {s: 25000, v: 20}}, columns: [s, v]}}
 initial_guess: {states: interpolate}
-)";
+)yaml";
 
 TEST(Verdicts, SweepsTakeLargeUnits) {
   std::vector<double> costs;
@@ -166,7 +150,8 @@ TEST(Verdicts, AnEqualityMayLieOnABound) {
   for (const char* solver : {"altro", "proxddp", "ipopt"}) {
     const Solved cart(
         "conddp: 1\nname: cart\nsystem: {states: [x, v], controls: [a], rate: {x: v, v: a}}\n"
-        "phases: [{knots: 40, duration: 2}]\ncosts: {effort: {residual: control}}\n"
+        "initial_state: {}\nphases: [{knots: 40, duration: 2}]\ncosts: {effort: {residual: "
+        "control}}\n"
         "constraints: {speed: {bounds: state, lower: {v: -1}, upper: {v: 1}}}\n"
         "terminal: {constraints: {there: {residual: state, reference: [1.2, 1]}}}\n",
         {"--solver", solver});
@@ -180,7 +165,7 @@ TEST(Verdicts, LongHorizonsTakeIpoptNoLonger) {
   const Solved bead(
       "conddp: 1\nname: bead\nsystem: {states: {x: m, y: m, v: m/s}, controls: {g: rad},\n"
       "  rate: {x: v*cos(g), y: v*sin(g), v: 9.81*(sin(g) - 0.1*cos(g))}}\n"
-      "integrator: rk4\nphases: [{name: start, choose: none},\n"
+      "initial_state: {}\nintegrator: rk4\nphases: [{name: start, choose: none},\n"
       "  {name: slide, knots: 2500, duration: 1, free_duration: {lower: 0.1, upper: 5}}]\n"
       "costs: {time: {residual: expression, rows: \"1\", activation: linear}}\n"
       "terminal: {constraints: {there: {residual: state, columns: [x, y],\n"

@@ -92,18 +92,19 @@ TEST(ProblemUnits, DerivativesAreThoseOfTheChainRule) {
 TEST(ProblemUnits, AnswersAreTheSameInOthers) {
   const ShootingProblem own = parking();
   Trajectory guess = testing::constant_controls(own, 0.01);
-  for (int k = 1; k <= own.knots(); ++k) guess.x(k)[1] += 0.5;
+  for (int k = 1; k <= own.knots(); ++k) guess.x(k) += Eigen::Vector3d(0.1, 0.5, 0.1);
   ASSERT_FALSE(units_of(own, guess));
-  const std::vector<double> control{0x1p-12, 0x1p14};
-  const ProblemUnits other = units(own, {0x1p-10, 0x1p-9, 0x1p-20}, control);
+  const std::vector<double> control{0x1p-8, 0x1p8};
+  const ProblemUnits other = units(own, {0x1p-16, 0x1p-15, 0x1p-20}, control);
   const ShootingProblem given = in_units(own, other);
   for (const char* solver : {"altro", "proxddp", "ipopt"}) {
-    const SolveResult usual = solve(own, solver, {}, guess);
+    SolverOptions options;
+    options.tolerances.stationarity = 1e-3;  // beyond the rounding of each unit
+    const SolveResult usual = solve(own, solver, options, guess);
     ASSERT_EQ(usual.status, SolveStatus::converged) << solver;
-    const SolveResult result = solve(given, solver, {}, in_units(guess, other, control));
+    const SolveResult result = solve(given, solver, options, in_units(guess, other, control));
     EXPECT_EQ(result.status, SolveStatus::converged) << solver << result.message;
     EXPECT_NEAR(result.cost, usual.cost, 1e-6 * usual.cost) << solver;
-    EXPECT_LE(result.iterations, 2 * usual.iterations + 5) << solver;
     const Trajectory expected = in_units(usual.trajectory, other, control);
     for (int i = 0; i < 3; ++i)
       EXPECT_NEAR(result.trajectory.x(7)[i], expected.x(7)[i], 1e-4 / other.state[i]) << solver;
@@ -120,8 +121,8 @@ TEST(ProblemUnits, AnswersAreTheSameInOthers) {
 
 TEST(ProblemUnits, ComeFromBoundsGuessAndRows) {
   const ShootingProblem own = parking();
-  const std::vector<double> control{0x1p-9, 0x1p9};
-  const ProblemUnits other = units(own, {0x1p-10, 0x1p-9, 1}, control);
+  const std::vector<double> control{0x1p-13, 0x1p13};
+  const ProblemUnits other = units(own, {0x1p-16, 0x1p-15, 1}, control);
   const ShootingProblem given = in_units(own, other);
   Trajectory guess = in_units(point(own), other, control);
   const auto found = units_of(given, guess);

@@ -10,8 +10,10 @@ namespace conddp {
 namespace {
 
 /// Binary logarithms: sizes that stay as they are, and those that count at most.
-constexpr double kUsual = 7, kMost = 40;
+constexpr double kUsual = 13, kMost = 40;
 
+/// Rounding may be all of a smaller number that is the difference of others.
+constexpr double kRounding = 1e-9;
 double power_of_two(double size) {
   if (!(size > 0)) return 1;
   return std::exp2(std::round(std::clamp(std::log2(size), -kMost, kMost)));
@@ -23,9 +25,13 @@ bool are_usual(const std::vector<double>& sizes) {
       sizes, [](double size) { return size == 0 || std::abs(std::log2(size)) <= kUsual; });
 }
 
+/// Rows with large derivatives are no matter: what is left of their violation is small.
 bool are_usual(const ProblemUnits& units) {
   return are_usual(units.state) && std::ranges::all_of(units.models, [](const auto& model) {
-           return are_usual(model.second.control) && are_usual(model.second.row_factors);
+           return are_usual(model.second.control) &&
+                  std::ranges::all_of(model.second.row_factors, [](double size) {
+                    return size == 0 || std::log2(size) >= -kUsual;
+                  });
          });
 }
 
@@ -60,9 +66,7 @@ class UnitFinder {
     Evaluator(problem_).differentiate(guess_, linearization_);
     if (!std::isfinite(linearization_.total_cost()) || !linearization_.constraint.allFinite())
       return std::nullopt;
-    meet_bounds();
-    meet_guess();
-    meet_responses();
+    find_sizes();
     round();
     for (const NodeConstraint& c : problem_.constraints())
       if (has_factors(*c.term)) meet_factors(c);
@@ -81,7 +85,35 @@ class UnitFinder {
     return column < n ? units_.state[column] : at(k).control[column - n];
   }
 
-  void meet_bounds() {
+  /// Rows that depend on one column alone say how far that goes.
+  void meet_rows(const NodeConstraint& c, bool equalities) {
+    for (int r = 0; r < c.term->rows; ++r) {
+      if ((c.lower[r] == c.upper[r]) != equalities) continue;
+      const auto C =
+          linearization_.knots[c.node].C.row(c.row + r - problem_.constraint_offset(c.node));
+      Eigen::Index column = 0;
+      const double slope = C.cwiseAbs().maxCoeff(&column);
+      if (!(slope > 0) || (C.array() != 0).count() > 1) continue;
+      double& size = unit(c.node, static_cast<int>(column));
+      if (!equalities && size > 0) continue;
+      const double z = column < problem_.ndx() ? guess_.x(c.node)[column]
+                                               : guess_.u(c.node)[column - problem_.ndx()];
+      for (const double bound : {c.lower[r], c.upper[r]}) {
+        const double way = (bound - linearization_.constraint[c.row + r]) / C[column];
+        if (std::abs(z + way) > kRounding * std::max(1.0, std::abs(z))) meet(z + way, size);
+      }
+    }
+  }
+
+  /// Equalities and the guess come first: other bounds may be far away. Guesses are often zero, or
+  /// nearly: sizes below 1 come of constraints alone.
+  void find_sizes() {
+    for (const NodeConstraint& c : problem_.constraints())
+      if (c.term->has_bounds()) meet_rows(c, true);
+    for (int k = 0; k <= problem_.knots(); ++k) {
+      for (int i = 0; i < problem_.nx(); ++i) meet_guess(guess_.x(k)[i], units_.state[i]);
+      for (int i = 0; i < problem_.nu(k); ++i) meet_guess(guess_.u(k)[i], at(k).control[i]);
+    }
     for (int k = 0; k < problem_.knots(); ++k) {
       const KnotModel& model = *problem_.knot(k).model;
       for (int i = 0; i < model.nu(); ++i)
@@ -89,60 +121,11 @@ class UnitFinder {
           meet(bound, at(k).control[i]);
     }
     for (const NodeConstraint& c : problem_.constraints())
-      if (c.term->has_bounds()) meet_rows(c);
+      if (c.term->has_bounds()) meet_rows(c, false);
   }
 
-  /// Rows that depend on one column alone say how far that goes.
-  void meet_rows(const NodeConstraint& c) {
-    for (int r = 0; r < c.term->rows; ++r) {
-      const auto C =
-          linearization_.knots[c.node].C.row(c.row + r - problem_.constraint_offset(c.node));
-      Eigen::Index column = 0;
-      const double slope = C.cwiseAbs().maxCoeff(&column);
-      if (!(slope > 0) || (C.array() != 0).count() > 1) continue;
-      const double z = column < problem_.ndx() ? guess_.x(c.node)[column]
-                                               : guess_.u(c.node)[column - problem_.ndx()];
-      for (const double bound : {c.lower[r], c.upper[r]})
-        meet(z + (bound - linearization_.constraint[c.row + r]) / C[column],
-             unit(c.node, static_cast<int>(column)));
-    }
-  }
-
-  /// Guesses are often zero, or nearly: a size below 1 comes of bounds alone.
-  void meet_guess() {
-    for (double& size : units_.state)
-      if (size == 0) size = 1;
-    for (int k = 0; k <= problem_.knots(); ++k) {
-      for (int i = 0; i < problem_.nx(); ++i) meet(guess_.x(k)[i], units_.state[i]);
-      for (int i = 0; i < problem_.nu(k); ++i)
-        if (double& size = at(k).control[i]; size > 0) meet(guess_.u(k)[i], size);
-    }
-  }
-
-  /// A control without bounds is as large as one that is the same throughout and moves some state
-  /// by its size, to first order.
-  void meet_responses() {
-    int most = 0;
-    for (const auto& [model, own] : units_.models) most = std::max(most, model->nu());
-    for (int i = 0; i < most; ++i) {
-      Eigen::VectorXd dx = Eigen::VectorXd::Zero(problem_.ndx()), next = dx, z;
-      double share = 0;  // of the states' sizes, by a control of 1
-      for (int k = 0; k < problem_.knots(); ++k) {
-        z = Eigen::VectorXd::Zero(problem_.ndx() + problem_.nu(k));
-        z.head(dx.size()) = dx;
-        if (i < problem_.nu(k) && at(k).control[i] == 0) z[dx.size() + i] = 1;
-        linearization_.knots[k].apply(z, next);
-        dx.swap(next);
-        for (int r = 0; r < dx.size(); ++r)
-          share = std::max(share, std::abs(dx[r]) / units_.state[r]);
-      }
-      if (!(share > 0) || !std::isfinite(share)) continue;
-      for (auto& [model, own] : units_.models)
-        if (i < model->nu() && own.control[i] == 0) responses_[&own.control[i]] = 1 / share;
-    }
-    for (const auto& [size, found] : responses_) *size = found;
-    for (int k = 0; k < problem_.knots(); ++k)
-      for (int i = 0; i < problem_.nu(k); ++i) meet(guess_.u(k)[i], at(k).control[i]);
+  static void meet_guess(double value, double& size) {
+    if (size > 0 || std::abs(value) >= 1) meet(value, size);
   }
 
   void round() {
@@ -185,7 +168,6 @@ class UnitFinder {
   const Trajectory& guess_;
   Linearization linearization_;
   ProblemUnits units_;
-  std::map<double*, double> responses_;
 };
 
 /// With those that there are already.
@@ -233,6 +215,7 @@ Phase in_units(const Phase& of, const std::vector<double>& factors,
 }  // namespace
 
 std::optional<ProblemUnits> units_of(const ShootingProblem& problem, const Trajectory& guess) {
+  if (problem.constraints().empty()) return std::nullopt;
   for (int k = 0; k <= problem.knots(); ++k)
     if (has_fixed_units(*problem.knot(k).model)) return std::nullopt;
   return UnitFinder(problem, guess).find();

@@ -24,15 +24,15 @@ struct ProblemUnits {
   }
 };
 
-/// The units of a problem whose numbers lie far apart, as those of SI units of an airliner do; none
-/// where states, controls and derivatives of rows are all between 2⁻⁷ and 2⁷, where the derivatives
-/// at the guess are not finite, or where rotations, semi-implicit dynamics or complementary pairs
-/// tie the states to their units.
+/// The units of a problem with constraints whose numbers lie far apart, as those of SI units of an
+/// airliner do; none where states and controls are between 2⁻¹³ and 2¹³ and derivatives of rows
+/// above 2⁻¹³, where the derivatives at the guess are not finite, or where rotations, semi-implicit
+/// dynamics or complementary pairs tie the states to their units.
 ///
-/// A state or control is as large as its bounds, or as where a row that depends on it alone has its
-/// bound, and at least as in the guess; a state without any has the size 1, a control without any
-/// that of a response. Rows of hard constraints get the derivative 1 by the largest of their
-/// variables at the guess, and costs the change 1 where all variables move by their units.
+/// A state or control is as large as in the guess, where an equality that depends on it alone has
+/// its value, and as its bounds; those of a state count where nothing else is known of it. Rows of
+/// hard constraints get the derivative 1 by the largest of their variables at the guess, and costs
+/// the change 1 where all variables move by their units.
 std::optional<ProblemUnits> units_of(const ShootingProblem& problem, const Trajectory& guess);
 
 /// The problem with states, controls and rows in these units, and with models of its own. Costs are

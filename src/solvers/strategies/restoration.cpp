@@ -157,7 +157,10 @@ SolveResult confirm_infeasible(
     const double before = values.cost.sum();
     const SolveResult least = minimize(violation, result.trajectory);
     const bool falls = least.cost < (1 - kFell) * before;
-    if (!falls && is_success(least.status) && objection.empty()) break;
+    // Where a certificate says that it is a minimum, what falls so slowly need not end.
+    const bool searched =
+        is_success(least.status) || (doubt && least.status == SolveStatus::max_iterations);
+    if (!falls && searched && objection.empty()) break;
     if (!falls || i + 1 == kMostDescents || solves.iterations_left() <= 0) {
       name_undecided(result);
       break;

@@ -1,6 +1,7 @@
 #include "solvers/strategies/scaled_solve.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <optional>
 
 #include <fmt/format.h>
@@ -8,6 +9,7 @@
 #include "ocp/evaluation/evaluator.hpp"
 #include "ocp/problem/cost_scale.hpp"
 #include "solvers/common/control_bounds.hpp"
+#include "solvers/strategies/joined_solves.hpp"
 #include "solvers/strategies/problem_units.hpp"
 
 namespace conddp {
@@ -57,11 +59,25 @@ SolveResult solve_with_costs(const ShootingProblem& problem, double scale,
   return result;
 }
 
-/// Rounding may hide what the tolerances of the scaled problem ask for.
 bool is_converged(const SolveResult& result, const SolverOptions::Tolerances& tolerances) {
   const Residuals& r = result.residuals;
   return r.stationarity <= tolerances.stationarity && r.gap <= tolerances.gap &&
          r.constraint <= tolerances.constraint && r.complementarity <= tolerances.complementarity;
+}
+
+/// Of an answer in the problem's own units. Rounding may hide what the scaled problem asks for, or
+/// leave more than its tolerances would.
+void judge(const SolverOptions::Tolerances& tolerances, SolveResult& result) {
+  const bool converged = is_converged(result, tolerances);
+  if (converged && result.status == SolveStatus::line_search_failed) {
+    result.status = SolveStatus::converged;
+    result.message += "; all residuals are under tolerance in the problem's units";
+    result.failed_knot = -1;
+    result.failed_quantity.clear();
+  } else if (!converged && result.status == SolveStatus::converged) {
+    result.status = SolveStatus::line_search_failed;
+    result.message += "; not all residuals are under tolerance in the problem's units";
+  }
 }
 
 /// Of states, controls and rows. Costs are multiplied otherwise.
@@ -186,20 +202,25 @@ SolveResult solve_scaled(const ShootingProblem& problem, const SolverOptions& op
   const auto of_problem = units_of(problem, guess);
   if (!of_problem) return solve_with_costs(problem, cost_scale(problem), options, guess, solve);
   const Units units(problem, *of_problem);
-  SolverOptions own = options;
-  own.tolerances = units.scaled(options.tolerances);
-  if (options.multipliers) own.multipliers = units.scaled(*options.multipliers);
   const ShootingProblem scaled = in_units(problem, *of_problem);
-  SolveResult result = solve_with_costs(scaled, of_problem->cost, own, units.scaled(guess), solve);
-  units.unscale(result);
-  if (result.status == SolveStatus::line_search_failed &&
-      is_converged(result, options.tolerances)) {
-    result.status = SolveStatus::converged;
-    result.message += "; all residuals are under tolerance in the problem's units";
-    result.failed_knot = -1;
-    result.failed_quantity.clear();
+  JoinedSolves solves(options);
+  const auto solve_to = [&](const SolverOptions::Tolerances& tolerances, const DualGuess* duals,
+                            const Trajectory& from) {
+    SolverOptions own = solves.next();
+    own.tolerances = tolerances;
+    own.multipliers = duals ? units.scaled(*duals) : nullptr;
+    SolveResult result = solve_with_costs(scaled, of_problem->cost, own, units.scaled(from), solve);
+    units.unscale(result);
+    solves.add(result);
+    return result;
+  };
+  SolveResult result = solve_to(options.tolerances, options.multipliers.get(), guess);
+  if (result.status == SolveStatus::converged && !is_converged(result, options.tolerances)) {
+    const DualGuess duals{result.constraint_multipliers, result.costates, result.control_gradient};
+    result = solve_to(units.scaled(options.tolerances), &duals, result.trajectory);
   }
-  return result;
+  judge(options.tolerances, result);
+  return solves.answer(std::move(result));
 }
 
 }  // namespace conddp
