@@ -127,6 +127,7 @@ TEST(ProblemUnits, ComeFromBoundsGuessAndRows) {
   Trajectory guess = in_units(point(own), other, control);
   const auto found = units_of(given, guess);
   ASSERT_TRUE(found);
+  EXPECT_TRUE(found->far_apart);
   EXPECT_GE(found->state[0], 0x1p8);
   EXPECT_GE(found->state[1], 0x1p8);
   const auto& of_first = found->at(given, 0);

@@ -9,7 +9,7 @@ namespace {
 
 /// Binary logarithms of the mean weight that is aimed at, and of the least and largest mean that
 /// stay as they are: the weights of the example problems and of the literature lie well within.
-constexpr double kUsual = 0, kLeast = -17, kLargest = 7;
+constexpr double kUsual = -5, kLeast = -17, kLargest = 7;
 
 /// Of the largest weight, less is negligible.
 constexpr double kNegligible = 1e-10;

@@ -6,7 +6,7 @@ namespace conddp {
 
 /// What the costs of a problem are multiplied by before its solve, so that tolerances, penalties
 /// and regularisations mean the same whatever the unit of the costs: a power of two that brings the
-/// geometric mean of the largest and the smallest weight near 1, and 1 where that mean is between
+/// geometric mean of the largest and the smallest weight near 2⁻⁵, and 1 where that mean is between
 /// 2⁻¹⁷ and 2⁷. Weights are those of costs and soft constraints, times the weights of their
 /// components and the cost scale of their knot; less than 10⁻¹⁰ of the largest does not count.
 double cost_scale(const ShootingProblem& problem);

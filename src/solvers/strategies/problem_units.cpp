@@ -10,7 +10,7 @@ namespace conddp {
 namespace {
 
 /// Binary logarithms: sizes that stay as they are, and those that count at most.
-constexpr double kUsual = 13, kMost = 40;
+constexpr double kUsual = 5, kFar = 13, kMost = 40;
 
 /// Rounding may be all of a smaller number that is the difference of others.
 constexpr double kRounding = 1e-9;
@@ -20,18 +20,19 @@ double power_of_two(double size) {
 }
 
 /// Of a size that is not known is nothing unusual.
-bool are_usual(const std::vector<double>& sizes) {
-  return std::ranges::all_of(
-      sizes, [](double size) { return size == 0 || std::abs(std::log2(size)) <= kUsual; });
+bool are_within(const std::vector<double>& sizes, double least, double largest) {
+  return std::ranges::all_of(sizes, [&](double size) {
+    return size == 0 || (std::log2(size) >= least && std::log2(size) <= largest);
+  });
 }
 
-/// Rows with large derivatives are no matter: what is left of their violation is small.
-bool are_usual(const ProblemUnits& units) {
-  return are_usual(units.state) && std::ranges::all_of(units.models, [](const auto& model) {
-           return are_usual(model.second.control) &&
-                  std::ranges::all_of(model.second.row_factors, [](double size) {
-                    return size == 0 || std::log2(size) >= -kUsual;
-                  });
+/// Whether all sizes are within a range, in binary logarithms of both ends. Rows with large
+/// derivatives are no matter: what is left of their violation is small.
+bool are_within(const ProblemUnits& units, double range) {
+  return are_within(units.state, -range, range) &&
+         std::ranges::all_of(units.models, [range](const auto& model) {
+           return are_within(model.second.control, -range, range) &&
+                  are_within(model.second.row_factors, -range, kMost);
          });
 }
 
@@ -67,10 +68,15 @@ class UnitFinder {
     if (!std::isfinite(linearization_.total_cost()) || !linearization_.constraint.allFinite())
       return std::nullopt;
     find_sizes();
+    const ProblemUnits known = units_;
     round();
-    for (const NodeConstraint& c : problem_.constraints())
-      if (has_factors(*c.term)) meet_factors(c);
-    if (are_usual(units_)) return std::nullopt;
+    units_.far_apart = !are_within(units_, kFar);
+    if (!units_.far_apart) {
+      units_ = known;
+      meet_responses();
+      round();
+      if (are_within(units_, kUsual)) return std::nullopt;
+    }
     for (auto& [model, own] : units_.models)
       for (double& factor : own.row_factors) factor = 1 / power_of_two(factor);
     find_cost();
@@ -128,12 +134,52 @@ class UnitFinder {
     if (size > 0 || std::abs(value) >= 1) meet(value, size);
   }
 
+  /// Where nothing else is known: a control is as large as one that is the same throughout and
+  /// moves some state by its size, and a state as what controls do to it, both to first order.
+  void meet_responses() {
+    int most = 0;
+    for (const auto& [model, own] : units_.models) most = std::max(most, model->nu());
+    std::vector<Eigen::VectorXd> responses;
+    for (int i = 0; i < most; ++i) responses.push_back(response(i));
+    Eigen::VectorXd moved = Eigen::VectorXd::Zero(problem_.ndx());
+    for (int i = 0; i < most; ++i) {
+      double share = 0;
+      for (int r = 0; r < moved.size(); ++r)
+        if (units_.state[r] > 0) share = std::max(share, responses[i][r] / units_.state[r]);
+      for (auto& [model, own] : units_.models) {
+        if (i >= model->nu()) continue;
+        if (own.control[i] == 0 && share > 0) own.control[i] = 1 / share;
+        moved = moved.cwiseMax(responses[i] * own.control[i]);
+      }
+    }
+    for (int r = 0; r < moved.size(); ++r)
+      if (units_.state[r] == 0) units_.state[r] = moved[r];
+  }
+
+  /// The largest change of each state by a control of 1 throughout; 0 where it has no bounds.
+  Eigen::VectorXd response(int control) {
+    Eigen::VectorXd dx = Eigen::VectorXd::Zero(problem_.ndx()), next = dx, largest = dx, z;
+    for (int k = 0; k < problem_.knots(); ++k) {
+      z = Eigen::VectorXd::Zero(problem_.ndx() + problem_.nu(k));
+      z.head(dx.size()) = dx;
+      if (control < problem_.nu(k)) z[dx.size() + control] = 1;
+      linearization_.knots[k].apply(z, next);
+      dx.swap(next);
+      largest = largest.cwiseMax(dx.cwiseAbs());
+    }
+    if (!largest.allFinite()) largest.setZero();
+    return largest;
+  }
+
+  /// Powers of two, and sizes of rows by them.
   void round() {
     const auto round_all = [](std::vector<double>& sizes) {
       for (double& size : sizes) size = power_of_two(size);
     };
     round_all(units_.state);
     for (auto& [model, own] : units_.models) round_all(own.control);
+    for (const NodeConstraint& c : problem_.constraints())
+      if (has_factors(*c.term)) meet_factors(c);
   }
 
   /// The largest of a cone's rows counts for all.

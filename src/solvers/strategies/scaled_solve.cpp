@@ -9,6 +9,7 @@
 #include "ocp/evaluation/evaluator.hpp"
 #include "ocp/problem/cost_scale.hpp"
 #include "solvers/common/control_bounds.hpp"
+#include "solvers/common/status.hpp"
 #include "solvers/strategies/joined_solves.hpp"
 #include "solvers/strategies/problem_units.hpp"
 
@@ -143,6 +144,10 @@ class Units {
     }
     result.constraint_values.array() /= row_.array();
     result.constraint_multipliers.array() *= row_.array();
+    // In the costs of the usual size, as it is without units.
+    const double of_costs = cost_scale(problem_) / units_.cost;
+    result.residuals.complementarity *= of_costs;
+    for (IterationRecord& row : result.log) row.complementarity *= of_costs;
     measure(result);
   }
 
@@ -195,21 +200,18 @@ class Units {
   Eigen::VectorXd row_;
 };
 
-}  // namespace
-
-SolveResult solve_scaled(const ShootingProblem& problem, const SolverOptions& options,
-                         const Trajectory& guess, const SolveProblem& solve) {
-  const auto of_problem = units_of(problem, guess);
-  if (!of_problem) return solve_with_costs(problem, cost_scale(problem), options, guess, solve);
-  const Units units(problem, *of_problem);
-  const ShootingProblem scaled = in_units(problem, *of_problem);
+SolveResult solve_in_units(const ShootingProblem& problem, const ProblemUnits& of_problem,
+                           const SolverOptions& options, const Trajectory& guess,
+                           const SolveProblem& solve) {
+  const Units units(problem, of_problem);
+  const ShootingProblem scaled = in_units(problem, of_problem);
   JoinedSolves solves(options);
   const auto solve_to = [&](const SolverOptions::Tolerances& tolerances, const DualGuess* duals,
                             const Trajectory& from) {
     SolverOptions own = solves.next();
     own.tolerances = tolerances;
     own.multipliers = duals ? units.scaled(*duals) : nullptr;
-    SolveResult result = solve_with_costs(scaled, of_problem->cost, own, units.scaled(from), solve);
+    SolveResult result = solve_with_costs(scaled, of_problem.cost, own, units.scaled(from), solve);
     units.unscale(result);
     solves.add(result);
     return result;
@@ -221,6 +223,40 @@ SolveResult solve_scaled(const ShootingProblem& problem, const SolverOptions& op
   }
   judge(options.tolerances, result);
   return solves.answer(std::move(result));
+}
+
+}  // namespace
+
+SolveResult solve_scaled(const ShootingProblem& problem, const SolverOptions& options,
+                         const Trajectory& guess, const SolveProblem& solve) {
+  const auto units = units_of(problem, guess);
+  const auto solve_by = [&](bool in_other_units, const SolverOptions& own) {
+    return in_other_units ? solve_in_units(problem, *units, own, guess, solve)
+                          : solve_with_costs(problem, cost_scale(problem), own, guess, solve);
+  };
+  if (!units) return solve_by(false, options);
+  JoinedSolves solves(options);
+  SolveResult first = solve_by(units->far_apart, solves.next());
+  solves.add(first);
+  const int most = SolverOptions().max_iterations;
+  const bool stopped =
+      first.status == SolveStatus::time_limit || first.status == SolveStatus::interrupted;
+  if (is_success(first.status) || stopped ||
+      (options.max_iterations < most && solves.iterations_left() <= 0))
+    return first;
+  SolverOptions own = solves.next();
+  if (options.max_iterations >= most) own.max_iterations = options.max_iterations;
+  SolveResult other = solve_by(!units->far_apart, own);
+  const std::string ended =
+      fmt::format("{} after {} iterations", to_string(first.status), first.iterations);
+  if (!is_success(other.status)) {
+    first.message += fmt::format("; in other units {}", to_string(other.status));
+    first.times.total = solves.seconds();
+    return first;
+  }
+  other.message = fmt::format("{}; in other units: {}", ended, other.message);
+  solves.add(other);
+  return solves.answer(std::move(other));
 }
 
 }  // namespace conddp

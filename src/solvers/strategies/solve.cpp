@@ -9,6 +9,7 @@
 
 #include "base/shared_library.hpp"
 #include "ocp/problem/by_name.hpp"
+#include "solvers/common/guess.hpp"
 #include "solvers/strategies/answer_objections.hpp"
 #include "solvers/strategies/feasible_guess.hpp"
 #include "solvers/strategies/homotopy.hpp"
@@ -72,6 +73,7 @@ Trajectory without_states(const ShootingProblem& problem, const Trajectory& gues
 SolveResult run(const ShootingProblem& problem, const SolverInfo& solver, SolverOptions options,
                 const Trajectory& guess, const Doubt& doubt, Objection& objection) {
   check_options(solver, problem, options);
+  check_shape(problem, guess);
   options.restarts = {};
   options.homotopy = nullptr;
   if (solver.constraints != ConstraintSupport::all) options.multipliers = nullptr;
