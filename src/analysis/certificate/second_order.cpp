@@ -720,8 +720,9 @@ double limit_step(std::vector<ScaledNode>& nodes, const std::vector<VectorXd>& s
   return length;
 }
 
-/// What Newton's step promises, on the active rows and those it runs into.
-double attainable_gain(std::vector<ScaledNode> nodes, const Recursion& first) {
+/// What Newton's step promises, on the active rows and those it runs into. These only lower the
+/// gain that the model has without them: one that is nothing beside the cost needs no search.
+double attainable_gain(std::vector<ScaledNode> nodes, const Recursion& first, double cost_size) {
   constexpr double kAny = std::numeric_limits<double>::infinity();
   double best = 0;
   const Recursion* found = &first;
@@ -730,7 +731,7 @@ double attainable_gain(std::vector<ScaledNode> nodes, const Recursion& first) {
     const double gain = -found->least_values()[1];
     const double length = limit_step(nodes, found->step());
     best = std::max(best, length * (2 - length) * gain);
-    if (length >= 1) break;
+    if (length >= 1 || gain <= kLeastGain * cost_size) break;
     kept.push_back(std::make_unique<Recursion>(nodes, kAny));
     if (!kept.back()->run()) break;
     found = kept.back().get();
@@ -764,7 +765,7 @@ SecondOrder second_order(const JudgedPoint& point) {
   out.knot = recursion.least_knot();
   if (bounded) {
     if (std::isinf(out.least)) out.curvature = Curvature::positive;
-    out.gain = attainable_gain(model.nodes(), recursion);
+    out.gain = attainable_gain(model.nodes(), recursion, out.cost_size);
     const auto values = recursion.least_values();
     out.repair = std::abs(values[0] - values[1] + recursion.pressed());
     return out;
