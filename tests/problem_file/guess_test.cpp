@@ -172,6 +172,33 @@ TEST_F(GuessFromFile, TakesTheActuatorsAloneOfASolutionWithSlopes) {
   }
 }
 
+TEST_F(GuessFromFile, IntegralsOfASolutionFollowFromItsOtherStates) {
+  const std::string file = write("s.json", R"({"format": "conddp.solution/1",
+    "trajectory": {"columns": {"x": ["theta", "omega", "work"], "u": ["torque"]},
+                   "t": [0, 0.7], "x": [[0.1, 0, 0], [2, 1, 9]], "u": [[3]]}})");
+  const std::string text = with_guess("{file: " + file + "}");
+  const Loaded loaded(text + "integrals: {work: torque^2}\n");
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  EXPECT_NEAR(loaded.built->guess.x(10)[0], 2, 1e-12);
+  EXPECT_FALSE(Loaded(text).built) << "a state that the problem has not";
+}
+
+TEST_F(GuessFromFile, PhasesOfASolutionFitItsNodes) {
+  for (const char* phases :
+       {"3", R"([{"name": "a", "knots": 2}])", R"([{"name": "a", "knots": 0}])",
+        R"([{"name": 1, "knots": 1}])", R"([{"name": "a", "knots": -1}])"}) {
+    const std::string file =
+        write("s.json", std::string(R"({"format": "conddp.solution/1", "trajectory": {"columns":
+          {"x": ["theta", "omega"], "u": ["torque"]}, "t": [0, 0.7], "x": [[0, 0], [1, 0]],
+          "u": [[3]], "phases": )") +
+                            phases + "}}");
+    const Loaded loaded(with_guess("{file: " + file + "}"));
+    EXPECT_FALSE(loaded.built) << phases;
+    EXPECT_NE(loaded.first_error().find("the solution cannot be used"), std::string::npos)
+        << loaded.all();
+  }
+}
+
 TEST_F(GuessFromFile, GainsMayBeMany) {
   std::string text = R"({"format": "conddp.solution/1", "gains": [0)";
   for (int i = 0; i < 5'500'000; ++i) text += ",0";

@@ -8,6 +8,7 @@
 #include "ocp/evaluation/evaluator.hpp"
 #include "solvers/strategies/registry.hpp"
 #include "support/constrained_problems.hpp"
+#include "support/dense_horizon.hpp"
 #include "support/small_problems.hpp"
 
 namespace conddp {
@@ -17,6 +18,26 @@ namespace {
 ShootingProblem parking() {
   const ShootingProblem free = testing::unicycle_parking(0.6);
   return testing::with_constraints(free, {testing::goal_constraint(free, {0, 0, 0})});
+}
+
+/// The same with the norm of two states at node 2, and a cone of a state and both controls at 3.
+ShootingProblem parking_in_sets() {
+  const ShootingProblem free = testing::unicycle_parking(0.6);
+  Eigen::MatrixXd states = Eigen::MatrixXd::Zero(2, 5), cone = Eigen::MatrixXd::Zero(3, 5);
+  states << 1, 2, 0, 0, 0, 0, 1, -1, 0, 0;
+  cone << 0, 1, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 3;
+  testing::Added norm = testing::affine_rows(states, free, 2, 2, 0, 0);
+  norm.name = "norm";
+  norm.kind = ConstraintKind::norm;
+  norm.lower = {0.1};
+  norm.upper = {2};
+  testing::Added within = testing::affine_rows(cone, free, 3, 3, 0, 0);
+  within.name = "cone";
+  within.kind = ConstraintKind::second_order_cone;
+  within.slope = 0.7;
+  within.lower = within.upper = {};
+  return testing::with_constraints(
+      free, {testing::goal_constraint(free, {0, 0, 0}), std::move(norm), std::move(within)});
 }
 
 ProblemUnits units(const ShootingProblem& problem, std::vector<double> state,
@@ -49,7 +70,7 @@ Trajectory in_units(Trajectory t, const ProblemUnits& units, const std::vector<d
 
 /// Powers of two change no digit.
 TEST(ProblemUnits, DerivativesAreThoseOfTheChainRule) {
-  const ShootingProblem own = parking();
+  const ShootingProblem own = parking_in_sets();
   const std::vector<double> control{0.25, 64};
   const ProblemUnits other = units(own, {1024, 0.125, 4}, control);
   const ShootingProblem given = in_units(own, other);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "ocp/evaluation/evaluator.hpp"
 
@@ -14,6 +13,7 @@ constexpr double kUsual = 5, kFar = 13, kMost = 40;
 
 /// Rounding may be all of a smaller number that is the difference of others.
 constexpr double kRounding = 1e-9;
+
 double power_of_two(double size) {
   if (!(size > 0)) return 1;
   return std::exp2(std::round(std::clamp(std::log2(size), -kMost, kMost)));

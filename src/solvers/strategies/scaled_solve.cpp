@@ -1,7 +1,6 @@
 #include "solvers/strategies/scaled_solve.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <optional>
 
 #include <fmt/format.h>
@@ -60,6 +59,7 @@ SolveResult solve_with_costs(const ShootingProblem& problem, double scale,
   return result;
 }
 
+/// Whether all residuals of an answer are under tolerance.
 bool is_converged(const SolveResult& result, const SolverOptions::Tolerances& tolerances) {
   const Residuals& r = result.residuals;
   return r.stationarity <= tolerances.stationarity && r.gap <= tolerances.gap &&
