@@ -117,6 +117,42 @@ TEST(SecondOrder, AGoalBelowItsToleranceIsNoAnswer) {
   EXPECT_NEAR(found.second_order->repair, 0.5 * 5e-7 * 5e-7, 1e-20);
 }
 
+// An interior point leaves a little of a multiplier wherever there is a bound.
+TEST(SecondOrder, MultipliersFarFromTheirBoundsHoldNothing) {
+  const ShootingProblem problem =
+      testing::one_step({0.3, 5}, ConstraintKind::bounds, {-5, -5, 1, 1});
+  const double left = 1e-5;
+  const Eigen::Vector2d u(0.3 - left, 1), multiplier(left, 4);
+  const SecondOrder found = at_step(problem, u, multiplier, multiplier, 8);
+  EXPECT_EQ(found.curvature, Curvature::positive);
+  EXPECT_LT(found.share(), 1e-10) << "of the way to the bound 0.03";
+  // One that pushes as much as all costs is a false claim.
+  const Eigen::Vector2d off(-0.7, 1), pushed(1, 4);
+  const SecondOrder claimed = at_step(problem, off, pushed, pushed, 8.5);
+  EXPECT_GT(claimed.share(), 1e-2);
+}
+
+// The cost falls along a control without curvature until a bound ends that.
+TEST(SecondOrder, FlatDirectionsCountByTheirSlope) {
+  const auto system = linear_system(Eigen::MatrixXd::Identity(1, 1),
+                                    Eigen::MatrixXd::Identity(1, 1), VectorXd::Zero(1));
+  auto running = std::make_shared<KnotModel>(system, Integrator::discrete);
+  running->add_cost("effort", control_residual(1, 1), {.kind = ActivationKind::linear});
+  running->set_control_bounds({-3}, {3});
+  std::vector<Phase> phases;
+  phases.push_back(
+      {.name = "go", .model = running, .dt = {1}, .cost_scale = {1}, .parameters = {0.0, 1.0}});
+  const ShootingProblem problem(std::vector<double>{0}, std::move(phases),
+                                {.name = "end",
+                                 .model = std::make_shared<KnotModel>(system, Integrator::none),
+                                 .dt = {0},
+                                 .cost_scale = {1}});
+  const SecondOrder found =
+      at_step(problem, VectorXd::Constant(1, 2), VectorXd::Zero(1), VectorXd(), 2);
+  EXPECT_EQ(found.curvature, Curvature::undecided);
+  EXPECT_NEAR(found.gain, 2, 1e-12) << "a range, which ends before the bound";
+}
+
 TEST(SecondOrder, OnlyConvergedAnswersAreJudged) {
   const ShootingProblem problem = testing::pendulum_swing_up();
   const SolveResult early =

@@ -52,6 +52,15 @@ TEST(CostScale, BringsTheMiddleOfTheWeightsToTheUsualOne) {
   EXPECT_EQ(cost_scale(weighted(0, 0x1p-30, {}, 0x1p-29)), 0x1p25) << "a soft constraint";
 }
 
+TEST(LeastCost, IsThatOfTheLeastWeightUnlessRoundingIsMore) {
+  // Half of the effort counts, that of a knot.
+  EXPECT_DOUBLE_EQ(least_cost(weighted(2, 1e3)), 1e-12);
+  EXPECT_DOUBLE_EQ(least_cost(weighted(2e-3, 1e3)), 1e-15);
+  EXPECT_DOUBLE_EQ(least_cost(weighted(2e-3, 1e14)), 1e-10);
+  EXPECT_DOUBLE_EQ(least_cost(weighted(5, 7)), 1e-12) << "large weights alone";
+  EXPECT_TRUE(std::isinf(least_cost(weighted(0, 0))));
+}
+
 TEST(ScaledCosts, AreSoManyTimesAsLargeAndTheRestStays) {
   const ShootingProblem problem = weighted(3, 5, {1, 2}, 0.7), twice = scale_costs(problem, 2);
   Trajectory trajectory = problem.create_trajectory();

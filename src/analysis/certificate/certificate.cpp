@@ -352,14 +352,25 @@ class Judge {
       return (found.costates - claims_.costates).lpNorm<Eigen::Infinity>() /
              std::max(1.0, found.costates.lpNorm<Eigen::Infinity>());
     };
-    costate_error_ = std::fmin(distance(along), distance(plain));
-    if (claims_.converged) measure_curvature(along);
+    const double error = distance(along), plain_error = distance(plain);
+    costate_error_ = std::fmin(error, plain_error);
+    // The policy's model may be singular, and motions without it unstable.
+    if (claims_.converged) measure_curvature(plain_error < error ? plain : along);
     if (gradient.knot >= 0)
       own_place_ = " at " + place_text(problem_, gradient.knot,
                                        control_name(problem_, gradient.knot, gradient.entry));
   }
 
-  void measure_curvature(const AdjointPass& along) {
+  /// Where all costs vanish there are multipliers alone, whose tolerance counts for a move by a
+  /// unit.
+  double negligible_cost() const {
+    const double least = cost_size_ > 0
+                             ? least_cost(problem_)
+                             : std::max(least_cost(problem_), claims_.tolerances.stationarity);
+    return std::max(kMostGain * least, kNothing * cost_size_);
+  }
+
+  void measure_curvature(const AdjointPass& pass) {
     certificate_.second_order = known_;
     if (!known_) {
       const JudgedPoint point{problem_,
@@ -369,14 +380,21 @@ class Judge {
                               models_.hessians,
                               nodes_.constraint(),
                               claims_.multipliers,
-                              along.costates,
-                              along.control,
+                              pass.costates,
+                              pass.control,
                               cost_size_,
-                              kMostGain * kLeastCost};
+                              negligible_cost()};
       certificate_.second_order = second_order(point);
       certificate_.second_order->scale(1 / scale_);
     }
-    const SecondOrder& found = *certificate_.second_order;
+    SecondOrder& found = *certificate_.second_order;
+    if (found.hidden_share() > kMostLeft) {
+      found.curvature = Curvature::undecided;
+      certificate_.curvature =
+          fmt::format("rounding hides whether a Newton step would gain {:.2g} of its cost",
+                      found.hidden_share());
+      return;
+    }
     if (found.curvature == Curvature::positive) return;
     const std::string place = place_text(problem_, std::max(found.knot, 0), "");
     certificate_.curvature =
@@ -418,7 +436,7 @@ class Judge {
   std::optional<double> share_left() const {
     const double gain = certificate_.optimality.expected_decrease;
     if (!problem_.constraints().empty() || !std::isfinite(gain)) return std::nullopt;
-    return gain / std::max(std::abs(cost_), kLeastCost);
+    return gain / std::max(std::abs(cost_), least_cost(problem_));
   }
 
   /// Also where the model has no minimum, so that what is left cannot be told.
@@ -516,9 +534,10 @@ class Judge {
   /// Of co-states along different policies, relative to the largest: what is left of the gradient
   /// reaches them times gains that sum up over the horizon.
   static constexpr double kCostateMargin = 1000;
-  /// Of the cost, what may be left to gain, ten times as much as solvers leave; costs below the
-  /// least one count as none.
-  static constexpr double kMostGain = 1e-3, kLeastCost = 1e-12;
+  /// Of the cost, what may be left to gain, ten times as much as solvers leave.
+  static constexpr double kMostGain = 1e-3;
+  /// Of the cost, what is nothing, however little of it a motion changes.
+  static constexpr double kNothing = 1e-9;
   /// The same of an answer that converged, by the model of second order.
   static constexpr double kMostLeft = 1e-5;
 

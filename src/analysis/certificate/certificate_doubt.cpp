@@ -65,6 +65,7 @@ Doubt certificate_doubt(const SolverOptions& options, std::shared_ptr<SecondOrde
       objection.descent = std::move(model.direction);
       if (objection.excess > 1)
         objection.text = fmt::format("a Newton step would gain {:.2g} of its cost", model.share());
+      if (model.hidden_share() > kMostLeft) objection.text = certificate.curvature;
       if (!objection.descent.empty()) objection.text = "it is no minimum: " + certificate.curvature;
     }
     const auto wrong =

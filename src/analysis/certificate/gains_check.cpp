@@ -16,7 +16,8 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Of the equations of the gains, relative to their terms; and what rounding leaves of sums over
+/// Of the equations of the gains, relative to their terms, and of the tolerance of the gradients
+/// that feedforward terms balance; and what rounding leaves of sums over
 /// |J|ᵀ|V||J|, of derivatives of contacts as badly conditioned as they may be.
 constexpr double kGainTolerance = 1e-6, kGainRounding = 1e-14;
 /// Of feedforward terms: relative to controls, or absolute.
@@ -287,7 +288,8 @@ void meet_equations(const ShootingProblem& problem, const SolutionClaims& claims
     if (is_held(problem, claims, k, i)) continue;
     double tolerance = kGainTolerance * std::max(sweep.left_size.row(i).maxCoeff(),
                                                  kGainTolerance * sweep.Quu(i, i));
-    double step_tolerance = kGainTolerance * sweep.Quu.row(i).lpNorm<1>() * step;
+    double step_tolerance =
+        kGainTolerance * (sweep.Quu.row(i).lpNorm<1>() * step + claims.tolerances.stationarity);
     if (rounding != nullptr) {
       tolerance += rounding->feedback[i];
       step_tolerance += rounding->feedforward[i];

@@ -26,8 +26,11 @@ using Eigen::VectorXd;
 constexpr double kWeak = 1e-8;
 /// Nearness of a value to its bound, relative to the terms of the value.
 constexpr double kNear = 1e-7;
-/// Dependence of rows of unit length.
-constexpr double kRank = 1e-11;
+/// Ranges beside the largest one, and derivatives of a row beside those of others, that are
+/// rounding: neither is a scale.
+constexpr double kNothing = 1e-12;
+/// Dependence of rows of unit length: the value has the squares of gains, which are its inverse.
+constexpr double kRank = 1e-8;
 /// Eigenvalues relative to the terms they come from: rounding lies between the two.
 constexpr double kPositive = 1e-13, kNegative = 1e-8;
 /// Of the cost, what negative curvature gains at least.
@@ -73,6 +76,8 @@ class Ranges {
       if (range.size() == 0) range = VectorXd::Zero(problem.nu(k));
       range = range.cwiseMax(trajectory.u(k).cwiseAbs());
     }
+    drop_rounding(state);
+    for (auto& [model, range] : controls_) drop_rounding(range);
   }
 
   VectorXd of_node(const ShootingProblem& problem, int k) const {
@@ -85,6 +90,12 @@ class Ranges {
   VectorXd state;
 
  private:
+  static void drop_rounding(VectorXd& ranges) {
+    if (ranges.size() == 0) return;
+    const double least = kNothing * ranges.maxCoeff();
+    ranges = (ranges.array() > least).select(ranges, 0);
+  }
+
   std::map<const KnotModel*, VectorXd> controls_;
 };
 
@@ -270,12 +281,19 @@ class Model {
                    double upper) {
     Row row{a};
     const double terms = a.lpNorm<1>(), near = kNear * std::max(terms, std::abs(g));
-    const bool pushed = std::abs(nu) * a.lpNorm<Eigen::Infinity>() > kWeak * size_;
+    bool pushed = std::abs(nu) * a.lpNorm<Eigen::Infinity>() > kWeak * size_;
     // A soft row outside of its bounds costs as much per distance wherever it is.
     const bool paid = c.is_soft() && std::abs(nu) >= (1 - kNear) * c.limit;
     // Whatever the multiplier, what is violated has to be repaired.
     const bool below = !c.is_soft() && g < lower - near, above = !c.is_soft() && g > upper + near;
     const double bound = below || (!above && (lower == upper || nu < 0)) ? lower : upper;
+    // Interior points leave multipliers at bounds that are far: of push and distance the larger one
+    // counts, in shares of the costs and in ranges.
+    const double off = std::abs(bound - g);
+    if (pushed && lower != upper && off > near && std::abs(nu) * a.squaredNorm() < size_ * off) {
+      pushed = false;
+      nodes_[c.node].gradient -= nu * a;
+    }
     if (!paid && (lower == upper || below || above || (pushed && std::isfinite(bound)))) {
       row.role = Row::Role::held;
       row.off = bound - g;
@@ -316,11 +334,14 @@ class Model {
     node.rows.push_back(std::move(row));
   }
 
-  /// Rows of unit length.
+  /// Rows of unit length, or of none.
   void finish(int k) {
+    double longest = 0;
+    for (const Row& row : nodes_[k].rows) longest = std::max(longest, row.a.norm());
     for (Row& row : nodes_[k].rows) {
       const double length = row.a.norm();
-      if (length == 0) {
+      if (length <= kNothing * longest) {
+        row.a.setZero();
         row.role = Row::Role::open;
         continue;
       }
@@ -412,6 +433,9 @@ class Recursion {
 
   /// The model's least values: with violations closed, and without.
   Eigen::RowVector2d least_values() const { return constant_; }
+  /// What a direction without curvature lowers the cost by where it goes on for a range, or until
+  /// an inactive row ends it: the most of all.
+  double flat_gain() const { return flat_gain_; }
   /// Least eigenvalue of stages that rounding does not leave positive, relative to their terms, and
   /// where; infinite where there are none.
   double least() const { return least_; }
@@ -684,6 +708,9 @@ class Recursion {
       found_ = direction(k, Z * (unit.asDiagonal() * eigen.eigenvectors().col(0)));
       if (found_.gain() > least_gain_) return false;
     }
+    for (Index i = 0; i < values.size() && values[i] <= limit; ++i)
+      slide(k, Z * (unit.asDiagonal() * eigen.eigenvectors().col(i)),
+            eigen.eigenvectors().col(i).dot(unit.asDiagonal() * qw.col(1)));
     // What rounding leaves is left alone, and no more: controls that steady a motion may be weak.
     const VectorXd inverse =
         values.unaryExpr([limit](double v) { return v > limit ? 1 / v : 0.0; });
@@ -692,6 +719,19 @@ class Recursion {
     wx = solution * Qwx;
     w0 = solution * qw;
     return true;
+  }
+
+  /// Takes what controls without curvature gain, whose slope along the later policy is known: that
+  /// is with gains that may be huge, so a motion along them is measured by its own size.
+  void slide(int k, const VectorXd& start, double slope) {
+    const double largest = start.lpNorm<Eigen::Infinity>();
+    if (!(std::abs(slope) > flat_gain_ * largest) || !(std::abs(slope) > least_gain_ * largest))
+      return;
+    const Descent along = direction(k, start);
+    double fall = 0;
+    for (std::size_t j = 0; j < nodes_.size(); ++j) fall -= nodes_[j].gradient.dot(along.z[j]);
+    const double way = step_length(nodes_, along.z, fall > 0 ? 1 : -1);
+    if (std::isfinite(fall)) flat_gain_ = std::max(flat_gain_, way * std::abs(fall));
   }
 
   const std::vector<ScaledNode>& nodes_;
@@ -707,6 +747,7 @@ class Recursion {
   SmallCholesky::Rows rhs_;
   MatrixXd shifted_;
   Descent found_;
+  double flat_gain_ = 0;
 };
 
 /// How far a step goes, and holds the rows that end it.
@@ -741,6 +782,11 @@ double attainable_gain(std::vector<ScaledNode> nodes, const Recursion& first, do
 
 }  // namespace
 
+double SecondOrder::hidden_share() const {
+  const double left = std::max(gain, kSlopeShare * slope);
+  return left > negligible && left <= resolution ? left / cost_size : 0;
+}
+
 double SecondOrder::share() const {
   double left = std::max(gain, kSlopeShare * slope);
   if (left <= resolution) left = 0;
@@ -750,7 +796,8 @@ double SecondOrder::share() const {
 }
 
 void SecondOrder::scale(double factor) {
-  for (double* figure : {&gain, &repair, &slope, &cost_size, &resolution, &bend}) *figure *= factor;
+  for (double* figure : {&gain, &repair, &slope, &cost_size, &resolution, &negligible, &bend})
+    *figure *= factor;
 }
 
 SecondOrder second_order(const JudgedPoint& point) {
@@ -758,6 +805,7 @@ SecondOrder second_order(const JudgedPoint& point) {
   SecondOrder out;
   out.cost_size = model.cost_size();
   out.resolution = model.resolution();
+  out.negligible = point.negligible;
   out.slope = model.slope();
   Recursion recursion(model.nodes(), kLeastGain * out.cost_size + out.resolution);
   const bool bounded = recursion.run();
@@ -765,7 +813,7 @@ SecondOrder second_order(const JudgedPoint& point) {
   out.knot = recursion.least_knot();
   if (bounded) {
     if (std::isinf(out.least)) out.curvature = Curvature::positive;
-    out.gain = attainable_gain(model.nodes(), recursion, out.cost_size);
+    out.gain = attainable_gain(model.nodes(), recursion, out.cost_size) + recursion.flat_gain();
     const auto values = recursion.least_values();
     out.repair = std::abs(values[0] - values[1] + recursion.pressed());
     return out;

@@ -32,8 +32,8 @@ struct SecondOrder {
   /// What the costs amount to: the sum of their sizes, and no more than moves of all states and
   /// controls by their ranges change.
   double cost_size = 0;
-  /// What cannot be told from nothing.
-  double resolution = 0;
+  double negligible = 0;  ///< what is nothing
+  double resolution = 0;  ///< what cannot be told from nothing
   /// Where the curvature is not positive, the least eigenvalue of a stage's reduced Hessian,
   /// relative to the terms that it is the sum of, and its knot; else infinite, and −1.
   double least = std::numeric_limits<double>::infinity();
@@ -46,6 +46,8 @@ struct SecondOrder {
 
   /// Largest share of the cost that is left to gain, to repair or to slide.
   double share() const;
+  /// The share that is not in it, since rounding can be as large.
+  double hidden_share() const;
   /// Multiplies all figures in the unit of the costs.
   void scale(double factor);
 };

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
+#include <limits>
+#include <utility>
 
 namespace conddp {
 namespace {
@@ -14,36 +15,35 @@ constexpr double kUsual = -5, kLeast = -17, kLargest = 7;
 /// Of the largest weight, less is negligible.
 constexpr double kNegligible = 1e-10;
 
-/// Weights of which the least that is not negligible is asked for.
-class Weights {
- public:
-  void meet(double weight) {
+/// Calls f with the size of each weight of a knot but zero.
+template <class F>
+void for_each_weight(const KnotView& knot, const F& f) {
+  const auto meet = [&f](double weight) {
     weight = std::abs(weight);
-    if (weight > 0 && std::isfinite(weight)) list_.push_back(weight);
-  }
-  bool are_none() const { return list_.empty(); }
-  /// The binary logarithm of the geometric mean of the largest and the least.
-  double middle() const {
-    const double largest = *std::ranges::max_element(list_);
-    double least = largest;
-    for (const double weight : list_)
-      if (weight >= kNegligible * largest) least = std::min(least, weight);
-    return 0.5 * (std::log2(least) + std::log2(largest));
-  }
-
- private:
-  std::vector<double> list_;
-};
-
-void meet_weights(const KnotView& knot, Weights& weights) {
+    if (weight > 0 && std::isfinite(weight)) f(weight);
+  };
   for (const CostTerm& term : knot.model->costs()) {
     const double weight = knot.cost_scale * knot.parameters[term.weight];
-    if (term.activation.weights.empty()) weights.meet(weight);
-    for (const double own : term.activation.weights) weights.meet(weight * own);
+    if (term.activation.weights.empty()) meet(weight);
+    for (const double own : term.activation.weights) meet(weight * own);
   }
   for (const ConstraintTerm& term : knot.model->constraints())
     if (term.softness != Softness::hard && knot.parameters[term.active()] != 0)
-      weights.meet(knot.cost_scale * knot.parameters[term.weight()]);
+      meet(knot.cost_scale * knot.parameters[term.weight()]);
+}
+
+/// The largest weight, and the least that is at least `share` of it; 0 and infinity where there are
+/// none.
+std::pair<double, double> weights_of(const ShootingProblem& problem, double share) {
+  double largest = 0, least = std::numeric_limits<double>::infinity();
+  const auto for_all = [&](const auto& f) {
+    for (int k = 0; k <= problem.knots(); ++k) for_each_weight(problem.knot(k), f);
+  };
+  for_all([&](double weight) { largest = std::max(largest, weight); });
+  for_all([&](double weight) {
+    if (weight >= share * largest) least = std::min(least, weight);
+  });
+  return {largest, least};
 }
 
 void scale_knots(Phase& phase, double scale) {
@@ -53,12 +53,18 @@ void scale_knots(Phase& phase, double scale) {
 }  // namespace
 
 double cost_scale(const ShootingProblem& problem) {
-  Weights weights;
-  for (int k = 0; k <= problem.knots(); ++k) meet_weights(problem.knot(k), weights);
-  if (weights.are_none()) return 1;
-  const double middle = weights.middle();
+  const auto [largest, least] = weights_of(problem, kNegligible);
+  if (largest == 0) return 1;
+  const double middle = 0.5 * (std::log2(least) + std::log2(largest));
   if (middle >= kLeast && middle <= kLargest) return 1;
   return std::exp2(std::round(kUsual - middle));
+}
+
+double least_cost(const ShootingProblem& problem) {
+  constexpr double kMove = 1e-6, kRounding = 1e-12;
+  const auto [largest, least] = weights_of(problem, 0);
+  if (largest == 0) return std::numeric_limits<double>::infinity();
+  return std::max(kMove * kMove * std::min(1.0, least), kRounding * kRounding * largest);
 }
 
 ShootingProblem scale_costs(const ShootingProblem& problem, double scale) {

@@ -11,6 +11,11 @@ namespace conddp {
 /// components and the cost scale of their knot; less than 10⁻¹⁰ of the largest does not count.
 double cost_scale(const ShootingProblem& problem);
 
+/// A cost that is nothing: what moves by 10⁻⁶ units change at the least of these weights, all but
+/// zero, or at a weight of 1 where that is less; and no less than rounding, moves by 10⁻¹² at the
+/// largest weight. Infinite where nothing costs anything.
+double least_cost(const ShootingProblem& problem);
+
 /// The problem with costs, soft constraints among them, that are `scale` times as large. It shares
 /// the models of `problem`.
 ShootingProblem scale_costs(const ShootingProblem& problem, double scale);

@@ -10,6 +10,7 @@
 #include "base/stopwatch.hpp"
 #include "ocp/evaluation/checkpoint.hpp"
 #include "ocp/evaluation/evaluation_memory.hpp"
+#include "ocp/problem/cost_scale.hpp"
 #include "solvers/common/feasible.hpp"
 #include "solvers/common/finite_check.hpp"
 #include "solvers/common/guess.hpp"
@@ -24,8 +25,6 @@ namespace {
 /// The straight steps of an equality search close gaps no earlier than the solve ends. There exact
 /// second derivatives wait until the gaps are this small.
 constexpr double kNearlyClosed = 1e-3;
-/// Costs below count as none.
-constexpr double kLeastCost = 1e-12;
 
 /// With the Hessians that the options ask for, where the recipe leaves that open.
 DdpRecipe resolved(DdpRecipe recipe, const SolverOptions& options, const ShootingProblem& problem) {
@@ -242,7 +241,7 @@ bool DdpSolver::confirm() {
 /// leaves less.
 double DdpSolver::share_left() {
   const IterationRecord& row = record_.row;
-  const double cost = std::max(std::abs(row.cost), kLeastCost);
+  const double cost = std::max(std::abs(row.cost), least_cost(problem_));
   const bool by_newton = row.iteration > 0 && row.step == 1 && row.regularization == 0;
   if (by_newton && row.actual_decrease <= StationarityCheck::kMostGain * cost) return 0;
   return globalization_.newton_gain() / cost;
