@@ -1,6 +1,7 @@
 #include <array>
 #include <cmath>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "solvers/strategies/registry.hpp"
@@ -325,13 +326,52 @@ TEST(FurtherLook, EndsWithItsWork) {
 TEST(FurtherLook, PrefersAnswersWithoutObjections) {
   const SolverInfo first = asking("first", 1, 2), second = asking("second", 1, 3), *used = nullptr;
   const Doubt doubt = [](const ShootingProblem&, const SolveResult& answer) {
-    return Objection{answer.cost == 1 ? "it leads through a wall" : ""};
+    const bool jumps = answer.cost == 1;
+    return Objection{.text = jumps ? "it leads through a wall" : "", .jumps = jumps};
   };
   const SolveResult result = best_of({&first, &second}, used, {}, doubt);
   EXPECT_EQ(result.cost, 2);
   ASSERT_EQ(result.attempts.size(), 4u);
   EXPECT_EQ(result.attempts[0].objection, "it leads through a wall");
   EXPECT_TRUE(result.attempts[2].chosen);
+}
+
+TEST(FurtherLook, HasTheSameAnswerWithAnyNumberOfThreads) {
+  const SolverInfo first = asking("first", 5, 4), second = asking("second", 6, 2),
+                   third = asking("third", 4.5, 3), *used = nullptr;
+  SolverOptions options;
+  for (const int threads : {1, 2, 4}) {
+    options.threads = threads;
+    const SolveResult result = best_of({&first, &second, &third}, used, options);
+    EXPECT_EQ(used, &third);
+    EXPECT_EQ(result.cost, 3);
+    std::string tried;
+    for (const Attempt& a : result.attempts) tried += fmt::format("{} {}, ", a.solver, a.start);
+    EXPECT_EQ(tried, "first 0, third 0, second 0, third 1, third 2, ");
+  }
+}
+
+TEST(FurtherLook, GoesOnFromJumpsUntilThereIsAWayAround) {
+  int asked = 0;
+  const SolverInfo first = asking("first", 1, 2), *used = nullptr;
+  const Doubt doubt = [&](const ShootingProblem&, const SolveResult&) {
+    const bool jumps = ++asked < 7;
+    return Objection{.text = jumps ? "it leads through a wall" : "", .jumps = jumps};
+  };
+  const SolveResult result = best_of({&first}, used, {}, doubt);
+  EXPECT_TRUE(result.attempts.at(6).chosen);
+  EXPECT_EQ(result.attempts[6].start, 6);
+  EXPECT_EQ(result.attempts.size(), 7u);
+}
+
+// What a doubt leaves of a cheap answer is less than what a dear one costs more.
+TEST(FurtherLook, KeepsDoubtedAnswersThatCostLess) {
+  const SolverInfo first = asking("first", 1, 8), second = asking("second", 9, 7), *used = nullptr;
+  const Doubt doubt = [&](const ShootingProblem&, const SolveResult& answer) {
+    const bool doubted = answer.cost == 1 || answer.cost == 9;
+    return Objection{doubted ? "a Newton step would gain something" : ""};
+  };
+  EXPECT_EQ(best_of({&first, &second}, used, {}, doubt).cost, 1);
 }
 
 TEST(FurtherLook, SaysThatTimeHasCutItShort) {

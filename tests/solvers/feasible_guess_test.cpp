@@ -67,6 +67,29 @@ TEST(FeasibleGuess, IsTheAnswerWhereAllElseIsWorse) {
   }
 }
 
+TEST(FeasibleGuess, IsKeptWhereIterationsRunOut) {
+  const ShootingProblem problem = testing::unicycle_parking(0.6);
+  const SolverOptions options{.max_iterations = 3};
+  const SolveResult kept =
+      solve_keeping_guess(options, problem.create_trajectory(), true,
+                          [&](const SolverOptions& own, const Trajectory& start) {
+                            SolveResult result(problem);
+                            result.trajectory = start;
+                            result.iterations = own.max_iterations;
+                            result.status = SolveStatus::max_iterations;
+                            result.cost = own.max_iterations == 0 ? 4 : 3;
+                            result.residuals.gap = 0;
+                            result.residuals.constraint = own.max_iterations == 0 ? 0 : 0.5;
+                            result.log.resize(1);
+                            result.log.front().cost = 4;
+                            result.log.front().constraint = 0;
+                            return result;
+                          });
+  EXPECT_EQ(kept.status, SolveStatus::max_iterations);
+  EXPECT_EQ(kept.cost, 4);
+  EXPECT_EQ(kept.iterations, 3);
+}
+
 TEST(FeasibleGuess, ClaimsNothingThatItIsNot) {
   for (const auto& [cost, violation, of_guess] :
        {std::array{3.9, 0.0, 0.0}, {4.7, 0.0, 1e-3}, {4.7, 0.5, 1e-3}}) {

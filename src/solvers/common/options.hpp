@@ -100,7 +100,7 @@ struct SolverOptions {
   } restarts;
 
   /// Work of iterations (look_further.cpp) up to which solve_best looks for a better answer.
-  int look_further = 3000000;
+  int look_further = 5000000;
 
   /// Ipopt's own, by its names, of the solver `ipopt`.
   IpoptOptions ipopt;

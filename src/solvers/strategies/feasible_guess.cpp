@@ -16,10 +16,11 @@ constexpr double kMore = 1e-6;
 /// them, in two steps.
 constexpr double kStronger[] = {1e3, 1e6};
 
-/// Whether an end says something of the problem, as those by limits and divergence do not.
-bool is_verdict(SolveStatus status) {
+/// Whether a solver has ended by itself or after all its iterations; others were stopped.
+bool has_ended(SolveStatus status) {
   return is_success(status) || status == SolveStatus::infeasible ||
-         status == SolveStatus::line_search_failed || status == SolveStatus::regularization_limit;
+         status == SolveStatus::line_search_failed || status == SolveStatus::regularization_limit ||
+         status == SolveStatus::max_iterations;
 }
 
 bool satisfies(double gap, double constraint, const SolverOptions::Tolerances& t) {
@@ -28,7 +29,7 @@ bool satisfies(double gap, double constraint, const SolverOptions::Tolerances& t
 
 bool is_worse(const SolveResult& result, const IterationRecord& guess,
               const SolverOptions::Tolerances& tolerances) {
-  if (!is_verdict(result.status)) return false;
+  if (!has_ended(result.status)) return false;
   return !satisfies(result.residuals.gap, result.residuals.constraint, tolerances) ||
          !(result.cost <= guess.cost + kMore * std::abs(guess.cost));
 }
@@ -58,11 +59,12 @@ SolveResult solve_keeping_guess(
     result.message = fmt::format("{}; with a larger penalty: {}", before, result.message);
     if (!is_worse(result, first, t)) return solves.answer(std::move(result));
   }
+  const bool used_up = result.status == SolveStatus::max_iterations;
   SolverOptions own = solves.next();
   own.max_iterations = 0;
   result = solve(own, guess);
   solves.add(result);
-  result.status = SolveStatus::line_search_failed;
+  result.status = used_up ? SolveStatus::max_iterations : SolveStatus::line_search_failed;
   result.message = before + "; this is the guess";
   return solves.answer(std::move(result));
 }

@@ -1,9 +1,14 @@
 #include "solvers/strategies/look_further.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
+#include <exception>
+#include <mutex>
+#include <optional>
 #include <ranges>
+#include <thread>
 #include <utility>
 
 #include "base/shared_library.hpp"
@@ -14,8 +19,9 @@ namespace {
 
 /// Of the cost, what a better answer costs less: more than what tolerances leave open.
 constexpr double kLess = 1e-4;
-/// Perturbed guesses at most (docs/measurements/verdicts.md).
-constexpr int kMostStarts = 2;
+/// Perturbed guesses that are tried side by side; once, and as long as there are only answers with
+/// objections.
+constexpr int kBeside = 2;
 /// Iterations of an attempt: beside those of the best one, and at least.
 constexpr int kTimes = 4, kLeast = 50;
 
@@ -29,6 +35,15 @@ double work(const ShootingProblem& problem) {
   }
   return sum;
 }
+
+/// A solve that is made beside others.
+struct Trial {
+  const SolverInfo* solver = nullptr;
+  int start = 0;
+  std::optional<SolveResult> result = {};  ///< none of a solver that is not installed
+  Objection objection = {};
+  std::exception_ptr failure = {};
+};
 
 class FurtherLook {
  public:
@@ -48,9 +63,20 @@ class FurtherLook {
   }
 
   SolveResult look() {
+    std::vector<Trial> others;
     // The last one is the least like the first.
-    for (const SolverInfo* solver : candidates_ | std::views::reverse) attempt(*solver, 0);
-    for (int start = 1; start <= kMostStarts; ++start) attempt(*used_, start);
+    for (const SolverInfo* solver : candidates_ | std::views::reverse) others.push_back({solver});
+    try_all(std::move(others));
+    int start = 0;
+    for (const Attempt& attempt : attempts_) start = std::max(start, attempt.start);
+    const auto try_next = [&] {
+      std::vector<Trial> next;
+      for (int i = 0; i < kBeside; ++i) next.push_back({used_, ++start});
+      try_all(std::move(next));
+    };
+    try_next();
+    most_iterations_ = std::max(most_iterations_, iterations_ + options_.max_iterations);
+    while (chosen().jumps && start < kMostRestarts && !cut_short_) try_next();
     return end();
   }
 
@@ -59,48 +85,87 @@ class FurtherLook {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count();
   }
   double seconds_left() const { return options_.max_time_s - first_seconds_ - seconds(); }
-  bool was_made(const SolverInfo& solver, int start) const {
-    return std::ranges::any_of(
-        attempts_, [&](const Attempt& a) { return a.solver == solver.name && a.start == start; });
+  const Attempt& chosen() const { return *std::ranges::find_if(attempts_, &Attempt::chosen); }
+  bool was_made(const Trial& trial) const {
+    return std::ranges::any_of(attempts_, [&](const Attempt& a) {
+      return a.solver == trial.solver->name && a.start == trial.start;
+    });
+  }
+  bool is_interrupted() {
+    const std::lock_guard lock(callback_);
+    return interrupted_ = interrupted_ || (options_.interrupted && options_.interrupted());
   }
   bool may_go_on() {
     if (cut_short_ || iterations_ >= most_iterations_) return false;
-    cut_short_ = !(seconds_left() > 0) || (options_.interrupted && options_.interrupted());
+    cut_short_ = !(seconds_left() > 0) || is_interrupted();
     return !cut_short_;
   }
 
-  void attempt(const SolverInfo& solver, int start) {
-    if (was_made(solver, start) || !may_go_on()) return;
+  /// Those that were not made, side by side. What they may take is known before the first of them,
+  /// so that no answer depends on the number of threads.
+  void try_all(std::vector<Trial> trials) {
+    std::erase_if(trials, [&](const Trial& trial) { return was_made(trial); });
+    if (trials.empty() || !may_go_on()) return;
+    const bool concurrent = trials.size() > 1 && trials.front().solver == trials.back().solver
+                                ? trials.front().solver->concurrent
+                                : true;
+    const int threads =
+        concurrent ? std::min(options_.threads, static_cast<int>(trials.size())) : 1;
+    const bool jumps = chosen().jumps;
+    std::atomic<std::size_t> next = 0;
+    const auto work_off = [&] {
+      for (std::size_t i = next++; i < trials.size(); i = next++)
+        attempt(trials[i], threads, jumps);
+    };
+    {
+      std::vector<std::jthread> workers;
+      for (int i = 1; i < threads; ++i) workers.emplace_back(work_off);
+      work_off();
+    }
+    for (Trial& trial : trials) take(trial);
+  }
+
+  void attempt(Trial& trial, int threads, bool jumps) {
     SolverOptions own = options_;
     own.on_iteration = nullptr;
+    own.interrupted = [this] { return is_interrupted(); };
+    if (threads > 1) own.threads = 1;
     own.max_time_s = seconds_left();
-    own.max_iterations = std::min(own.max_iterations, std::max(kLeast, kTimes * best_.iterations));
+    if (!jumps)
+      own.max_iterations =
+          std::min(own.max_iterations, std::max(kLeast, kTimes * best_.iterations));
     const SolverOptions::Restarts far{.seed = options_.restarts.seed, .spread = kFarSpread};
-    Objection objection;
     try {
-      take(solver, start, solve_(solver, own, start_of(problem_, far, guess_, start), objection),
-           objection);
+      trial.result =
+          solve_(*trial.solver, own, start_of(problem_, far, guess_, trial.start), trial.objection);
     } catch (const LibraryError&) {  // a solver that is not installed finds nothing
+    } catch (...) {
+      trial.failure = std::current_exception();
     }
   }
 
-  void take(const SolverInfo& solver, int start, SolveResult result, const Objection& objection) {
+  void take(Trial& trial) {
+    if (trial.failure) std::rethrow_exception(trial.failure);
+    if (!trial.result) return;
+    SolveResult& result = *trial.result;
     iterations_ += result.iterations;
-    cut_short_ =
-        result.status == SolveStatus::time_limit || result.status == SolveStatus::interrupted;
-    const bool better = is_better(result, objection);
-    attempts_.push_back(attempt_of(solver, start, result, objection.text));
+    cut_short_ = cut_short_ || result.status == SolveStatus::time_limit ||
+                 result.status == SolveStatus::interrupted;
+    const bool better = is_better(result, trial.objection);
+    attempts_.push_back(attempt_of(*trial.solver, trial.start, result, trial.objection));
     if (!better) return;
     for (Attempt& attempt : attempts_) attempt.chosen = &attempt == &attempts_.back();
     best_ = std::move(result);
-    used_ = &solver;
+    used_ = trial.solver;
   }
 
   bool is_better(const SolveResult& result, const Objection& objection) const {
-    if (!is_success(result.status) || !objection.text.empty()) return false;
-    const auto chosen = std::ranges::find_if(attempts_, &Attempt::chosen);
-    if (!chosen->objection.empty()) return true;
-    return best_.cost - result.cost > kLess * std::max(std::abs(best_.cost), std::abs(result.cost));
+    if (!is_success(result.status) || objection.jumps) return false;
+    if (chosen().jumps) return true;
+    const bool doubted = !objection.text.empty(), was_doubted = !chosen().objection.empty();
+    if (doubted && !was_doubted) return false;
+    const double less = kLess * std::max(std::abs(best_.cost), std::abs(result.cost));
+    return best_.cost - result.cost > (was_doubted && !doubted ? -less : less);
   }
 
   SolveResult end() {
@@ -117,12 +182,14 @@ class FurtherLook {
   const SolveOnce& solve_;
   const SolverInfo*& used_;
   const std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
-  const int most_iterations_;
+  int most_iterations_;
   SolveResult best_;
   std::vector<Attempt> attempts_;
   const double first_seconds_ = best_.times.total;
   int iterations_ = 0;
   bool cut_short_ = false;
+  std::mutex callback_;
+  bool interrupted_ = false;  ///< guarded by `callback_`
 };
 
 }  // namespace

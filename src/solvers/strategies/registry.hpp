@@ -79,8 +79,9 @@ SolveResult solve(const ShootingProblem& problem, const SolverInfo& solver,
                   const SolverOptions& options, const Trajectory& guess);
 /// What speaks against an answer that converged.
 struct Objection {
-  std::string text;   ///< empty: nothing
-  double excess = 0;  ///< how many times as much is left to gain as may be; 0: that is not it
+  std::string text;    ///< empty: nothing
+  bool jumps = false;  ///< the motion leads through what it should go around
+  double excess = 0;   ///< how many times as much is left to gain as may be; 0: that is not it
   /// At a saddle (δx, δu) of each node, along which the cost falls; else empty.
   std::vector<Eigen::VectorXd> descent;
 };

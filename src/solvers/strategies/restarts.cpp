@@ -22,8 +22,6 @@ constexpr double kEqualCost = 1e-6;
 /// Trajectories that differ by less than this share of how far they lead are equal: where a cost is
 /// flat to kEqualCost, states are known to about its square root.
 constexpr double kEqualStates = 1e-2;
-/// Restarts after a failure at most.
-constexpr int kMostRestarts = 20;
 /// Where so many starts, the guess among them, and no other ones end at the same least violation,
 /// it is that of the constraints and not of where a search began.
 constexpr int kAlike = 5;
@@ -232,14 +230,15 @@ Trajectory start_of(const ShootingProblem& problem, const SolverOptions::Restart
 }
 
 Attempt attempt_of(const SolverInfo& solver, int start, const SolveResult& result,
-                   std::string objection) {
+                   const Objection& objection) {
   return {.solver = solver.name,
           .start = start,
           .status = result.status,
           .iterations = result.iterations,
           .cost = result.cost,
           .time_s = result.times.total,
-          .objection = std::move(objection)};
+          .objection = objection.text,
+          .jumps = objection.jumps};
 }
 
 SolveResult solve_restarts(const ShootingProblem& problem, const SolverOptions& options,
@@ -263,14 +262,14 @@ SolveResult solve_from_elsewhere(const ShootingProblem& problem, const SolverOpt
     const SolverInfo* by = nullptr;
     SolveResult result = solve(start_of(problem, far, guess, start), solves.next(), by);
     solves.add(result);
-    attempts.push_back(attempt_of(*by, start, result, ""));
+    attempts.push_back(attempt_of(*by, start, result, {}));
     if (alike == record.starts++ && equal_violations(failed, result) && ++alike == kAlike) {
       failed.message += fmt::format("; the violation is the same from {} starts", alike);
       break;
     }
     if (!is_success(result.status)) continue;
-    std::string& doubts = attempts.back().objection;
-    if (doubt) doubts = doubt(problem, result).text;
+    if (doubt) attempts.back() = attempt_of(*by, start, result, doubt(problem, result));
+    const std::string& doubts = attempts.back().objection;
     if (!doubts.empty() && found) continue;
     for (Attempt& attempt : attempts) attempt.chosen = &attempt == &attempts.back();
     used = by;

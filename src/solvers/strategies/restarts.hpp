@@ -14,13 +14,16 @@ using Solve =
 /// (docs/measurements/hard_cases.md).
 inline constexpr double kFarSpread = 1, kFartherSpread = 10;
 
+/// Restarts after a failure at most.
+inline constexpr int kMostRestarts = 20;
+
 /// The guess of a start; 0: unchanged.
 Trajectory start_of(const ShootingProblem& problem, const SolverOptions::Restarts& restarts,
                     const Trajectory& guess, int start);
 
 /// What `result` is among the attempts of a solve.
 Attempt attempt_of(const SolverInfo& solver, int start, const SolveResult& result,
-                   std::string objection);
+                   const Objection& objection);
 
 /// Solves from the guess (start 0) and from `options.restarts.count` random perturbations of it, in
 /// so many threads, all within one time limit: starts that it leaves no time for are not made. The

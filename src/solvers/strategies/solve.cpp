@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -121,8 +122,13 @@ std::optional<SolveResult> run_if_loaded(const ShootingProblem& problem, const S
   }
 }
 
-/// Whether a later answer says more than the first one: that it is one, near, or a least violation.
-bool says_more(const SolveResult& later, const SolveResult& first) {
+/// Whether a later answer says more than the first one: that it is one, a cheaper one that does not
+/// jump, near, or a least violation.
+bool says_more(const SolveResult& later, const Objection& objection, const SolveResult& first) {
+  constexpr double kLess = 1e-4;
+  if (is_success(first.status) && is_success(later.status))
+    return !objection.jumps &&
+           first.cost - later.cost > kLess * std::max(std::abs(first.cost), std::abs(later.cost));
   if (is_success(first.status) || is_success(later.status)) return !is_success(first.status);
   return (is_far(first.residuals) && !is_far(later.residuals)) ||
          (later.status == SolveStatus::infeasible && first.status != SolveStatus::infeasible);
@@ -153,7 +159,7 @@ SolveResult run_first(const ShootingProblem& problem, SolverList candidates,
     if (!answer) continue;
     SolveResult& result = *answer;
     const SolveStatus status = result.status;
-    attempts.push_back(attempt_of(*solver, 0, result, objection.text));
+    attempts.push_back(attempt_of(*solver, 0, result, objection));
     if (is_success(status) && objection.text.empty()) {
       used = solver;
       result.message = before + result.message;
@@ -165,7 +171,7 @@ SolveResult run_first(const ShootingProblem& problem, SolverList candidates,
                                                 solver->name, result.iterations, objection.text)
                                   : fmt::format("{} ended as {} after {} iterations", solver->name,
                                                 to_string(status), result.iterations);
-    if (!first || says_more(result, *first)) {
+    if (!first || says_more(result, objection, *first)) {
       result.message = before + result.message;
       first = std::move(result);
       used = solver;
