@@ -66,6 +66,7 @@ Eigen::VectorXd Transcription::point_of(const Trajectory& trajectory) const {
       y.segment(base_[k] + problem_.ndx(), problem_.nu(k)) = trajectory.u(k);
   }
   if (!slacks_.empty()) set_slacks(trajectory, y);
+  if (spare_ >= 0) y[spare_] = 0;
   return y;
 }
 
@@ -174,6 +175,7 @@ double Transcription::objective() {
   evaluate();
   double sum = evaluation_.cost.sum() + penalty_value(y_.data());
   for (const Slack& slack : slacks_) sum += slack.price * y_[slack.variable];
+  if (spare_ >= 0) sum += 0.5 * y_[spare_] * y_[spare_];
   return sum;
 }
 
@@ -186,6 +188,7 @@ void Transcription::gradient(double* out) {
     for (int c = first_column(k); c < z.size(); ++c) out[base_[k] + c] = z[c];
   }
   for (const Slack& slack : slacks_) out[slack.variable] = slack.price;
+  if (spare_ >= 0) out[spare_] = y_[spare_];
   if (is_penalty()) add_penalty_gradient(out);
 }
 

@@ -209,6 +209,9 @@ class Transcription : public NonlinearProgram {
   std::vector<bool> fixed_;        ///< of the node whose rows are added: by column of z
   Eigen::MatrixXd mu_, costates_;  ///< multipliers of gap rows, and as co-states
   std::vector<Slack> slacks_;
+  /// A variable of no row that costs half its square, or −1: Ipopt minimizes nothing where
+  /// equations are as many as variables, and of pairs with fixed sides they may be.
+  int spare_ = -1;
   Augmentation lagrangian_;                    ///< ν
   Eigen::VectorXd image_, image_coordinates_;  ///< of f(x_k, u_k)
   Eigen::VectorXd z_, z_scratch_, slope_;

@@ -51,6 +51,7 @@ void Transcription::hessian(double weight, const double* multipliers, double* ou
     multipliers += rows_[k].size();
     if (k < problem_.knots()) multipliers += problem_.ndx();
   }
+  if (spare_ >= 0) *out = weight;
 }
 
 /// Into the linearisation: Gauss-Newton's, or exact ones of cost + (λᵀf + νᵀg) / weight.

@@ -371,6 +371,13 @@ void Transcription::index_hessian() {
         hessian_.add(base_[k] + r, base_[k] + c);
       }
   }
+  if (pairs_.empty()) return;
+  spare_ = variables();
+  lower_.conservativeResize(spare_ + 1);
+  upper_.conservativeResize(spare_ + 1);
+  lower_[spare_] = -kInfinity;
+  upper_[spare_] = kInfinity;
+  hessian_.add(spare_, spare_);
 }
 
 }  // namespace conddp

@@ -15,6 +15,11 @@ using End = InteriorPointEnd;
 constexpr double kLooseTolerance = 1e-3, kTightTolerance = 1e-8;
 /// Solves in a row that may fail before the relaxation is given up.
 constexpr int kFailures = 2;
+/// How much larger than the chosen one the first epsilon of a second try is, and the share of the
+/// iterations that a solve may take while there are other ways: those of examples and literature
+/// take at most 28 % (docs/measurements/contact_implicit.md).
+constexpr double kLooser = 10;
+constexpr int kMostWays = 3;
 /// Smallest barrier with which the next solve starts.
 constexpr double kLeastBarrier = 1e-9;
 /// From which epsilon on the pairs may be told apart already, which is tried once, and how much the
@@ -41,14 +46,21 @@ bool pairs_need_no_less(const Transcription& transcription, const Eigen::VectorX
   return transcription.pair_distance(y.data()) <= kComplementary * options.tolerances.constraint;
 }
 
-/// The chosen relaxation and, where they may be tried, the others.
-std::vector<PairRelaxation> relaxations_to_try(const SolverOptions::Complementarity& options) {
-  std::vector<PairRelaxation> list = {options.relaxation};
+/// A relaxation, and the epsilon with which it begins.
+struct Way {
+  PairRelaxation relaxation;
+  double initial;
+};
+
+/// The chosen one and, where others may be tried, those: first from a looser epsilon.
+std::vector<Way> ways_to_try(const SolverOptions::Complementarity& options) {
+  std::vector<Way> list = {{options.relaxation, options.initial}};
   if (options.fallback != RelaxationFallback::automatic) return list;
+  list.push_back({options.relaxation, kLooser * options.initial});
   for (const PairRelaxation other :
        {PairRelaxation::elementwise, PairRelaxation::fischer_burmeister, PairRelaxation::penalty,
         PairRelaxation::inner_product})
-    if (other != options.relaxation) list.push_back(other);
+    if (other != options.relaxation) list.push_back({other, options.initial});
   return list;
 }
 
@@ -68,28 +80,30 @@ bool IpoptSolver::is_complementary(const InteriorPointAnswer& answer) const {
 
 /// The relaxations until one finds an answer.
 InteriorPointAnswer IpoptSolver::run_relaxations(const Trajectory& start) {
-  const std::vector<PairRelaxation> ways = relaxations_to_try(options_.complementarity);
+  const std::vector<Way> ways = ways_to_try(options_.complementarity);
   InteriorPointAnswer answer;
   for (std::size_t i = 0; i < ways.size(); ++i) {
     if (i > 0) {
-      make_transcription(ways[i]);
+      make_transcription(ways[i].relaxation);
       transcription_->set_center(start);
       ++row_.fallbacks;
     }
-    answer = tighten(start);
+    const bool last = i + 1 == ways.size();
+    answer = tighten(start, ways[i].initial, options_.max_iterations / (last ? 1 : kMostWays));
     if ((answer.is_good() && is_complementary(answer)) || is_out_of_budget()) break;
   }
   return answer;
 }
 
-/// Solves with smaller and smaller epsilon until the pairs are complementary, or can be told apart.
-InteriorPointAnswer IpoptSolver::tighten(const Trajectory& start) {
+/// Solves with smaller and smaller epsilon until the pairs are complementary, or can be told apart;
+/// each may take so many iterations.
+InteriorPointAnswer IpoptSolver::tighten(const Trajectory& start, double initial, int iterations) {
   const auto& schedule = options_.complementarity;
   InteriorPointSettings settings = default_settings();
+  settings.max_iterations = iterations;
   Tightening so_far;
   Eigen::VectorXd y = transcription_->point_of(start);
-  for (double epsilon = schedule.initial;;
-       epsilon = std::max(schedule.final, epsilon * schedule.factor)) {
+  for (double epsilon = initial;; epsilon = std::max(schedule.final, epsilon * schedule.factor)) {
     InteriorPointAnswer answer = relax_and_run(epsilon, y, settings);
     if (auto end = end_tightening(epsilon, answer, so_far)) return *std::move(end);
     so_far.last = std::move(answer);
@@ -107,7 +121,8 @@ std::optional<InteriorPointAnswer> IpoptSolver::end_tightening(double epsilon,
                                                                Tightening& so_far) {
   if (is_out_of_budget()) return answer;
   so_far.failures = answer.is_good() ? 0 : so_far.failures + 1;
-  if (!answer.point.y.allFinite() || so_far.failures == kFailures)
+  const bool is_stuck = answer.end == End::max_iterations;
+  if (!answer.point.y.allFinite() || is_stuck || so_far.failures == kFailures)
     return polished_or(std::move(so_far.good), answer);
   const bool may_be_told_apart = so_far.failures == 0 && epsilon <= kPolishFrom;
   return may_be_told_apart ? try_early_polish(epsilon, answer, so_far) : std::nullopt;

@@ -53,7 +53,7 @@ class IpoptSolver {
   // ipopt_relaxation.cpp
   InteriorPointAnswer run_relaxations(const Trajectory& start);
   struct Tightening;
-  InteriorPointAnswer tighten(const Trajectory& start);
+  InteriorPointAnswer tighten(const Trajectory& start, double initial, int iterations);
   std::optional<InteriorPointAnswer> end_tightening(double epsilon,
                                                     const InteriorPointAnswer& answer,
                                                     Tightening& so_far);
