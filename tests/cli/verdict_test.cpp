@@ -74,6 +74,22 @@ TEST(Verdicts, WeightsOfGoalsDoNotHideTheEffort) {
   EXPECT_NEAR(cost("1e10"), usual, 1e-3 * usual);
 }
 
+// Solvers of the DDP family stop short in the narrow valley that a goal leaves, and say so.
+TEST(Verdicts, HeavyGoalsAreCertifiedAtTheirOptimumAlone) {
+  const auto solved = [](const std::string& weight, const std::string& solver) {
+    return Solved(kHanging + "    up: {residual: state, reference: {values: {angle: 3}}, weight: " +
+                      weight + "}\n",
+                  {"--solver", solver});
+  };
+  const double optimum = solved("1e11", "auto").cost();
+  for (const char* weight : {"1e11", "1e12", "1e14"})
+    for (const char* solver : {"ddp", "box_fddp", "ipopt"}) {
+      const Solved heavy = solved(weight, solver);
+      EXPECT_TRUE(heavy.verdict() != "local_minimum" || heavy.cost() < (1 + 2e-5) * optimum)
+          << solver << " " << weight << ": " << heavy.cost();
+    }
+}
+
 TEST(Verdicts, AGoalSmallerThanItsToleranceIsReached) {
   const Solved stage(R"(conddp: 1
 name: stage
@@ -253,6 +269,59 @@ TEST(Verdicts, AFlatViolationIsNotInfeasible) {
     const Solved held(kHeld, {"--solver", solver});
     EXPECT_NE(held.document.at("status"), "infeasible") << solver << held.run.out;
   }
+}
+
+/// A bar that falls on its end, tips and slides, with nothing that drives it: what the steps leave
+/// open is how friction is shared between two directions.
+TEST(Verdicts, StepsThatAreDeterminedConverge) {
+  TemporaryFolder folder;
+  std::ofstream(std::string(folder.path()) + "/bar.urdf") << R"(<robot name="bar">
+<link name="world"/>
+<joint name="x" type="prismatic"><parent link="world"/><child link="a"/><axis xyz="1 0 0"/>
+<limit lower="-5" upper="5" effort="20" velocity="10"/></joint><link name="a"/>
+<joint name="z" type="prismatic"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/>
+<limit lower="-5" upper="5" effort="20" velocity="10"/></joint><link name="b"/>
+<joint name="tilt" type="continuous"><parent link="b"/><child link="bar"/><axis xyz="0 1 0"/></joint>
+<link name="bar"><inertial><mass value="1.5"/><inertia ixx="0.01" ixy="0" ixz="0" iyy="0.012"
+iyz="0" izz="0.012"/></inertial></link></robot>)";
+  const std::string file = std::string(folder.path()) + "/bar.yaml";
+  std::ofstream(file) << R"(conddp: 1
+name: bar
+robot: {urdf: bar.urdf, actuation: {joints: [x]}}
+initial_state: {joints: {z: 0.25, tilt: 0.15}, velocity: {joints: {x: 0.8}}}
+contact_candidates:
+  left: {frame: bar, point: [-0.12, 0, -0.04], friction: 0.4}
+  right: {frame: bar, point: [0.12, 0, -0.04], friction: 0.4}
+stepping: {plane: [0, 1, 0]}
+phases: [{name: fall, knots: 14, dt: 0.02}]
+constraints: {none: {bounds: control, lower: 0, upper: 0}}
+costs: {speed: {residual: state, columns: ["v/*"], weight: 1.0e-2}}
+)";
+  const std::string out = std::string(folder.path()) + "/out";
+  const ProcessResult run = run_conddp({"solve", file, "-o", out});
+  EXPECT_EQ(run.exit_code, 0) << run.out << run.err;
+  EXPECT_EQ(Json::parse(read_file(out + "/solution.json")).at("status"), "converged");
+}
+
+// Steps as long as the wall is thick, so that all answers on the file's grid are on both sides of
+// it.
+TEST(Verdicts, AWayAroundIsFoundOnAFinerGrid) {
+  const Solved around(R"(conddp: 1
+name: wall
+system:
+  states: {x: m, y: m, heading: rad}
+  controls: {v: m/s, turn: rad/s}
+  rate: {x: v*cos(heading), y: v*sin(heading), heading: turn}
+initial_state: {values: {x: 0, y: 0.02}}
+phases: [{name: go, knots: 10, duration: 1}]
+costs: {effort: {residual: control, weight: 0.01}}
+constraints:
+  wall: {residual: state, columns: [x, y], centers: [{from: [1, -0.9], to: [1, 0.9], count: 19}], at_least: 0.08}
+terminal: {constraints: {goal: {residual: state, columns: [x, y], reference: [2, 0]}}}
+)");
+  EXPECT_EQ(around.run.exit_code, 0) << around.run.out << around.run.err;
+  EXPECT_EQ(around.run.out.find("jumps through what"), std::string::npos) << around.run.out;
+  EXPECT_EQ(run_conddp({"verify", around.solution(), "--quiet"}).exit_code, 0);
 }
 
 // The first answer of auto's leads through the lowest part of a double well.

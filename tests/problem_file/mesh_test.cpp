@@ -37,6 +37,18 @@ TEST(Mesh, FactorCutsEachStepOfThePhases) {
     EXPECT_NEAR(3 * fine.built->problem->knot(k).dt, coarse.built->problem->knot(k / 3).dt, 1e-15);
 }
 
+TEST(Mesh, HalfTheKnotsLastAsLong) {
+  Loaded loaded(replaced(kOscillator, "knots: 6", "knots: 7"));
+  ASSERT_TRUE(loaded.spec) << loaded.all();
+  ProblemSpec spec = *loaded.spec;
+  ASSERT_TRUE(coarsen(spec, 2));
+  EXPECT_EQ(spec.phases[0].knots.value, 3);
+  EXPECT_EQ(spec.phases[1].knots.value, 2);
+  for (const PhaseSpec& phase : spec.phases) EXPECT_NEAR(phase.knots.value * phase.dt, 3, 1e-15);
+  EXPECT_FALSE(coarsen(spec, 2)) << "of the second phase one would be left";
+  EXPECT_EQ(spec.phases[0].knots.value, 3);
+}
+
 TEST(Mesh, ErrorFallsByTheOrderOfTheIntegrator) {
   std::vector<double> errors;
   for (const int factor : {2, 4, 8}) {

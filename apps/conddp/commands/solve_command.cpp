@@ -151,6 +151,7 @@ struct Task {
   std::optional<BuiltProblem> built;
   std::vector<const SolverInfo*> candidates;
   double finishing = 0;  ///< how long files and certificate take, s
+  std::string grid;      ///< the setting of a grid that is not that of the file
   /// Of the answers that the solve shows to the certificate.
   std::shared_ptr<SecondOrderMemory> memory = std::make_shared<SecondOrderMemory>();
 };
@@ -244,26 +245,36 @@ int checked_exit_code(const SolutionCertificate& certificate, const ProblemSpec&
 }
 
 std::string setting_of_grid(int factor) { return fmt::format("mesh.factor={}", factor); }
+/// The same of a file without `mesh`, whatever the error is.
+std::string setting_of_any_grid(int factor) {
+  return fmt::format("mesh={{error: 1, factor: {}}}", factor);
+}
 
-/// The task on a finer grid, from the answer on the one before.
-bool refine(const SolveArguments& arguments, int factor, const SolveResult& former, Task& task,
-            Diagnostics& out) {
+/// The task on the grid of a setting, or on one with half its knots. Nothing, with errors, where
+/// there is none.
+std::optional<Task> on_other_grid(const SolveArguments& arguments, const Task& task,
+                                  const std::string& grid, bool halved, Diagnostics& out) {
+  constexpr int kFewestKnots = 10;
   std::vector<std::string> settings = settings_of(arguments);
-  settings.push_back(setting_of_grid(factor));
-  Task finer;
+  settings.push_back(grid);
   auto spec = read_problem_text(task.spec->text, task.spec->file, settings, out);
-  if (!spec) return false;
-  finer.spec = std::make_unique<ProblemSpec>(*std::move(spec));
-  finer.spec->guess = task.spec->guess;
-  finer.spec->solver.name.place = task.spec->solver.name.place;
-  finer.built = build_problem(*finer.spec, {.drop = arguments.drop}, out);
-  if (!finer.built) return false;
-  finer.candidates = task.candidates;
-  finer.finishing = finishing_time(*finer.built->problem, !arguments.no_verify);
-  finer.built->guess = on_grid(*task.built->problem, former.trajectory, *finer.built->problem);
-  finer.built->guess_used = task.built->guess_used;
-  task = std::move(finer);
-  return true;
+  if (!spec || (halved && !coarsen(*spec, kFewestKnots))) return std::nullopt;
+  Task other;
+  other.spec = std::make_unique<ProblemSpec>(*std::move(spec));
+  other.spec->guess = task.spec->guess;
+  other.spec->solver.name.place = task.spec->solver.name.place;
+  other.built = build_problem(*other.spec, {.drop = arguments.drop}, out);
+  if (!other.built) return std::nullopt;
+  other.candidates = task.candidates;
+  other.finishing = finishing_time(*other.built->problem, !arguments.no_verify);
+  other.grid = grid;
+  return other;
+}
+
+/// Makes the answer on another grid the guess.
+void start_from(const Task& former, const SolveResult& answer, Task& task) {
+  task.built->guess = on_grid(*former.built->problem, answer.trajectory, *task.built->problem);
+  task.built->guess_used = former.built->guess_used;
 }
 
 /// What the certificate denies; `auto` looks for a way around what a motion jumps through, too.
@@ -274,36 +285,148 @@ Doubt doubt_of(const SolveArguments& arguments, const Task& task, const SolverOp
   return [doubt](const ShootingProblem& problem, const SolveResult& result) {
     Objection objection = doubt(problem, result);
     const auto jumps = find_jumps(problem, result.trajectory);
-    if (objection.text.empty() && !jumps.empty()) objection.text = jumps.front().message;
+    objection.jumps = !jumps.empty();
+    if (objection.text.empty() && objection.jumps) objection.text = jumps.front().message;
     return objection;
   };
 }
 
 using TimePoint = std::chrono::steady_clock::time_point;
 
-/// The answer on the last grid, which `task` then is; the first one where the file has no mesh.
-/// Nothing, with errors, where a finer one cannot be built.
-std::optional<SolveResult> solve_on_grids(const SolveArguments& arguments, TimePoint began,
-                                          Task& task, const SolverInfo*& solver,
-                                          std::vector<MeshRound>& grids, Diagnostics& out) {
-  std::optional<MeshRefinement> mesh;
-  if (task.spec->mesh) mesh.emplace(*task.spec);
-  for (;;) {
-    // The time limit is that of the command. What it leaves to the solver may be nothing but a look
-    // at the guess.
-    SolverOptions options = task.spec->solver.options;
-    const std::chrono::duration<double> gone = std::chrono::steady_clock::now() - began;
-    options.max_time_s = std::max(1e-3, options.max_time_s - gone.count() - task.finishing);
-    const bool first_grid = !mesh || mesh->rounds().empty();
-    SolveResult result = solve_showing_progress(*task.spec, *task.built, first_grid,
-                                                doubt_of(arguments, task, options), task.candidates,
-                                                options, verbosity_of(arguments), solver);
-    const auto factor = mesh ? mesh->next(*task.built->problem, result) : std::nullopt;
-    if (mesh) grids = mesh->rounds();
-    if (!factor) return result;
-    if (!refine(arguments, *factor, result, task, out)) return std::nullopt;
+/// Solves on one grid after the other, within the time limit of the command.
+class GridSolve {
+ public:
+  GridSolve(const SolveArguments& arguments, TimePoint began, Task& task)
+      : arguments_(arguments), began_(began), task_(task) {}
+
+  /// The answer on the last grid, which the task then is; the first one where the file has no mesh
+  /// and the solver is not `auto`. Nothing, with errors, where a finer one cannot be built.
+  std::optional<SolveResult> run(Diagnostics& out) {
+    SolveResult result = solve(task_, true);
+    if (task_.spec->mesh) return refine(std::move(result), out);
+    if (task_.spec->solver.name.value != kAutoSolver || arguments_.no_verify) return result;
+    if (!jumps_of(task_, result).empty()) return solve_around(std::move(result));
+    if (is_given_up(result.status)) return climb(task_, std::move(result), kMostHalvings);
+    return result;
   }
-}
+
+  const SolverInfo* solver() const { return solver_; }
+  const std::vector<MeshRound>& rounds() const { return rounds_; }
+
+ private:
+  /// Knots that `auto` takes at most, in those of the file, to find a way around what motions jump
+  /// through, and how often it halves them to find a guess.
+  static constexpr int kMostKnots = 4, kMostHalvings = 2;
+  /// The largest value of the option: the first way around is seldom a good one.
+  static constexpr int kLargestWork = 1'000'000'000;
+
+  /// What the time limit leaves may be nothing but a look at the guess.
+  SolveResult solve(const Task& task, bool first_grid) {
+    return solve(task, first_grid, task.spec->solver.options);
+  }
+  SolveResult solve(const Task& task, bool first_grid, SolverOptions options) {
+    const std::chrono::duration<double> gone = std::chrono::steady_clock::now() - began_;
+    options.max_time_s = std::max(1e-3, options.max_time_s - gone.count() - task.finishing);
+    SolveResult result = solve_showing_progress(
+        *task.spec, *task.built, first_grid, doubt_of(arguments_, task, options), task.candidates,
+        options, verbosity_of(arguments_), solver_);
+    seconds_ += result.times.total;
+    return result;
+  }
+
+  std::optional<SolveResult> refine(SolveResult result, Diagnostics& out) {
+    MeshRefinement mesh(*task_.spec);
+    while (const auto factor = mesh.next(*task_.built->problem, result)) {
+      auto finer = on_other_grid(arguments_, task_, setting_of_grid(*factor), false, out);
+      if (!finer) return std::nullopt;
+      start_from(task_, result, *finer);
+      task_ = *std::move(finer);
+      result = solve(task_, false, near(task_.spec->solver.options));
+    }
+    rounds_ = mesh.rounds();
+    return result;
+  }
+
+  /// Options from a guess that all but satisfies the constraints: penalties that hold them, as
+  /// solve_keeping_guess has.
+  static SolverOptions near(SolverOptions options) {
+    constexpr double kStronger = 1e6;
+    auto& penalty = options.augmented_lagrangian;
+    penalty.initial_penalty = std::min(kStronger * penalty.initial_penalty, penalty.max_penalty);
+    return options;
+  }
+
+  static std::vector<Finding> jumps_of(const Task& task, const SolveResult& result) {
+    if (!is_success(result.status)) return {};
+    return find_jumps(*task.built->problem, result.trajectory);
+  }
+
+  /// The first answer on a finer grid that jumps through nothing, or else the former one.
+  SolveResult solve_around(SolveResult former) {
+    const SolverInfo* const solver = solver_;
+    for (int factor = 2; factor <= kMostKnots; factor *= 2) {
+      Diagnostics ignored;
+      auto finer = on_other_grid(arguments_, task_, setting_of_any_grid(factor), false, ignored);
+      if (!finer) break;
+      SolverOptions options = finer->spec->solver.options;
+      options.look_further = kLargestWork;
+      SolveResult result = solve(*finer, true, options);
+      if (is_stopped(result.status)) break;
+      if (!is_success(result.status) || !jumps_of(*finer, result).empty()) continue;
+      result.message += fmt::format(
+          "; on a grid {} times as fine as the file's, on which all answers jump through '{}'",
+          factor, jumps_of(task_, former).front().subject);
+      result.times.total = seconds_;
+      task_ = *std::move(finer);
+      return result;
+    }
+    solver_ = solver;
+    return former;
+  }
+
+  static bool is_stopped(SolveStatus status) {
+    return status == SolveStatus::time_limit || status == SolveStatus::interrupted;
+  }
+  /// Whether all solvers have ended without a word on the problem.
+  bool is_given_up(SolveStatus status) const {
+    return !is_success(status) && !is_stopped(status) && status != SolveStatus::infeasible &&
+           task_.spec->solver.options.max_iterations >= SolverOptions().max_iterations;
+  }
+
+  /// Solves with half the knots, or half of those, and goes on from that answer. `failed` where
+  /// that leads to none.
+  SolveResult climb(Task& task, SolveResult failed, int halvings) {
+    const SolverInfo* const solver = solver_;
+    Diagnostics ignored;
+    auto coarse = on_other_grid(arguments_, task, setting_of_any_grid(1), true, ignored);
+    if (!coarse) return failed;
+    SolveResult below = solve(*coarse, false);
+    if (is_given_up(below.status) && halvings > 1)
+      below = climb(*coarse, std::move(below), halvings - 1);
+    solver_ = solver;
+    if (!is_success(below.status)) return failed;
+    const Trajectory guess = task.built->guess;
+    start_from(*coarse, below, task);
+    SolveResult result = solve(task, false, near(task.spec->solver.options));
+    result.times.total = seconds_;
+    if (is_success(result.status)) {
+      result.message += fmt::format("; from the answer with {} knots, where all solvers failed",
+                                    coarse->built->problem->knots());
+      return result;
+    }
+    task.built->guess = guess;
+    solver_ = solver;
+    failed.times.total = seconds_;
+    return failed;
+  }
+
+  const SolveArguments& arguments_;
+  const TimePoint began_;
+  Task& task_;
+  const SolverInfo* solver_ = nullptr;
+  double seconds_ = 0;  ///< of all solves
+  std::vector<MeshRound> rounds_;
+};
 
 int solve_file(const SolveArguments& arguments) {
   const auto began = std::chrono::steady_clock::now();
@@ -315,20 +438,21 @@ int solve_file(const SolveArguments& arguments) {
   print_messages(diagnostics, verbosity);
   if (!ready || (arguments.report && !reports_can_be_made())) return kExitBadInput;
   create_folder(output_folder(arguments, *task.spec));  // before the work, so that none is in vain
-  std::vector<MeshRound> grids;
-  const SolverInfo* solver = nullptr;
+  GridSolve solve(arguments, began, task);
   Diagnostics of_grids;  // what the first grid has said is said again
-  const auto result = solve_on_grids(arguments, began, task, solver, grids, of_grids);
+  const auto result = solve.run(of_grids);
   if (!result) {
     print_messages(of_grids, Verbosity::kQuiet);
     return kExitBadInput;
   }
   const ProblemSpec& spec = *task.spec;
   const BuiltProblem& built = *task.built;
-  Solution solution{spec, built, *solver, *result, overrides(arguments), std::move(grids)};
+  Solution solution{spec, built, *solve.solver(), *result, overrides(arguments), solve.rounds()};
   solution.answer.certified = task.memory;
   if (!solution.mesh.empty())
     solution.overrides.push_back(setting_of_grid(solution.mesh.back().factor));
+  else if (!task.grid.empty())
+    solution.overrides.push_back(task.grid);
   OrderedJson document = solution_json(solution, NumberForm::kBlocks);
   std::optional<SolutionCertificate> certificate;
   if (!arguments.no_verify) {

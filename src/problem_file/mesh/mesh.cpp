@@ -100,6 +100,18 @@ std::optional<int> MeshRefinement::next(const ShootingProblem& problem, const So
   return factor_;
 }
 
+bool coarsen(ProblemSpec& spec, int least) {
+  for (const PhaseSpec& phase : spec.phases)
+    if (!phase.takes_no_time() && phase.knots.value / 2 < least) return false;
+  for (PhaseSpec& phase : spec.phases) {
+    if (phase.takes_no_time()) continue;
+    const double duration = phase.knots.value * phase.dt;
+    phase.knots.value /= 2;
+    phase.dt = duration / phase.knots.value;
+  }
+  return true;
+}
+
 namespace {
 
 /// Linear controls end where the next node begins.

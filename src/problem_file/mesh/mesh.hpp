@@ -44,6 +44,10 @@ class MeshRefinement {
   std::vector<MeshRound> rounds_;
 };
 
+/// Halves the knots of the phases that take time, which last as long as before. False, with nothing
+/// changed, where one would have fewer than `least`.
+bool coarsen(ProblemSpec& spec, int least);
+
 /// A trajectory of one grid on another one of the same phases: states between nodes along the
 /// shortest way, controls held.
 Trajectory on_grid(const ShootingProblem& from, const Trajectory& trajectory,
