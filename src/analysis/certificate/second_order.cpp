@@ -783,8 +783,11 @@ double attainable_gain(std::vector<ScaledNode> nodes, const Recursion& first, do
 }  // namespace
 
 double SecondOrder::hidden_share() const {
-  const double left = std::max(gain, kSlopeShare * slope);
-  return left > negligible && left <= resolution ? left / cost_size : 0;
+  if (resolution <= negligible || resolution >= cost_size) {
+    const double left = std::max(gain, kSlopeShare * slope);
+    return left > negligible && left <= resolution ? left / cost_size : 0;
+  }
+  return resolution / cost_size;
 }
 
 double SecondOrder::share() const {
