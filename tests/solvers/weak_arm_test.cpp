@@ -5,6 +5,7 @@
 #include "ocp/residuals/residuals.hpp"
 #include "robot/urdf/urdf.hpp"
 #include "solvers/strategies/registry.hpp"
+#include "spatial/lane.hpp"
 #include "systems/multibody/multibody.hpp"
 
 namespace conddp {
