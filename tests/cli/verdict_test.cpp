@@ -305,7 +305,7 @@ costs: {speed: {residual: state, columns: ["v/*"], weight: 1.0e-2}}
 
 // Steps as long as the wall is thick, so that all answers on the file's grid are on both sides of
 // it.
-TEST(Verdicts, AWayAroundIsFoundOnAFinerGrid) {
+TEST(Verdicts, FinerGridsLeadAround) {
   const Solved around(R"(conddp: 1
 name: wall
 system:

@@ -52,7 +52,7 @@ TEST(CostScale, BringsTheMiddleOfTheWeightsToTheUsualOne) {
   EXPECT_EQ(cost_scale(weighted(0, 0x1p-30, {}, 0x1p-29)), 0x1p25) << "a soft constraint";
 }
 
-TEST(LeastCost, IsThatOfTheLeastWeightUnlessRoundingIsMore) {
+TEST(LeastCost, FollowsTheLeastWeight) {
   // Half of the effort counts, that of a knot.
   EXPECT_DOUBLE_EQ(least_cost(weighted(2, 1e3)), 1e-12);
   EXPECT_DOUBLE_EQ(least_cost(weighted(2e-3, 1e3)), 1e-15);

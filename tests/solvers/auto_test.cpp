@@ -336,7 +336,7 @@ TEST(FurtherLook, PrefersAnswersWithoutObjections) {
   EXPECT_TRUE(result.attempts[2].chosen);
 }
 
-TEST(FurtherLook, HasTheSameAnswerWithAnyNumberOfThreads) {
+TEST(FurtherLook, ThreadsDoNotChangeTheAnswer) {
   const SolverInfo first = asking("first", 5, 4), second = asking("second", 6, 2),
                    third = asking("third", 4.5, 3), *used = nullptr;
   SolverOptions options;
@@ -351,7 +351,7 @@ TEST(FurtherLook, HasTheSameAnswerWithAnyNumberOfThreads) {
   }
 }
 
-TEST(FurtherLook, GoesOnFromJumpsUntilThereIsAWayAround) {
+TEST(FurtherLook, GoesOnWhileAnswersJump) {
   int asked = 0;
   const SolverInfo first = asking("first", 1, 2), *used = nullptr;
   const Doubt doubt = [&](const ShootingProblem&, const SolveResult&) {
@@ -362,6 +362,23 @@ TEST(FurtherLook, GoesOnFromJumpsUntilThereIsAWayAround) {
   EXPECT_TRUE(result.attempts.at(6).chosen);
   EXPECT_EQ(result.attempts[6].start, 6);
   EXPECT_EQ(result.attempts.size(), 7u);
+  asked = 0;
+  SolverOptions none;
+  none.look_further = 0;
+  EXPECT_EQ(best_of({&first}, used, none, doubt).attempts.size(), 1u);
+}
+
+TEST(AutoSolver, HasTheCheapestOfDoubtedAnswers) {
+  const ShootingProblem problem = testing::unicycle_parking(0.6);
+  const SolverInfo first = asking("first", 5, 5), second = asking("second", 4, 4), *used = nullptr;
+  const std::vector<const SolverInfo*> both{&first, &second};
+  for (const bool jumps : {false, true}) {
+    const Doubt doubt = [=](const ShootingProblem&, const SolveResult&) {
+      return Objection{.text = "it is doubted", .jumps = jumps};
+    };
+    const SolveResult result = solve(problem, both, {}, problem.create_trajectory(), used, doubt);
+    EXPECT_EQ(result.cost, jumps ? 5 : 4) << "of motions that jump the cheapest is none";
+  }
 }
 
 // What a doubt leaves of a cheap answer is less than what a dear one costs more.

@@ -23,6 +23,7 @@
 #include "problem_file/data/warm_start.hpp"
 #include "problem_file/mesh/mesh.hpp"
 #include "problem_file/read/read_problem.hpp"
+#include "solvers/strategies/feasible_guess.hpp"
 #include "solvers/strategies/registry.hpp"
 #include "summary/report_file.hpp"
 #include "summary/solve_summary.hpp"
@@ -250,8 +251,8 @@ std::string setting_of_any_grid(int factor) {
   return fmt::format("mesh={{error: 1, factor: {}}}", factor);
 }
 
-/// The task on the grid of a setting, or on one with half its knots. Nothing, with errors, where
-/// there is none.
+/// The task on the grid of a setting, or on one with half its knots; without such a grid nothing,
+/// with errors.
 std::optional<Task> on_other_grid(const SolveArguments& arguments, const Task& task,
                                   const std::string& grid, bool halved, Diagnostics& out) {
   constexpr int kFewestKnots = 10;
@@ -299,12 +300,14 @@ class GridSolve {
   GridSolve(const SolveArguments& arguments, TimePoint began, Task& task)
       : arguments_(arguments), began_(began), task_(task) {}
 
-  /// The answer on the last grid, which the task then is; the first one where the file has no mesh
-  /// and the solver is not `auto`. Nothing, with errors, where a finer one cannot be built.
+  /// The answer on the last grid, which becomes the task: the file's own where it has no mesh and
+  /// `auto` looks no further. Nothing, with errors, where a finer one cannot be built.
   std::optional<SolveResult> run(Diagnostics& out) {
     SolveResult result = solve(task_, true);
     if (task_.spec->mesh) return refine(std::move(result), out);
-    if (task_.spec->solver.name.value != kAutoSolver || arguments_.no_verify) return result;
+    if (task_.spec->solver.name.value != kAutoSolver || arguments_.no_verify ||
+        task_.spec->solver.options.look_further == 0)
+      return result;
     if (!jumps_of(task_, result).empty()) return solve_around(std::move(result));
     if (is_given_up(result.status)) return climb(task_, std::move(result), kMostHalvings);
     return result;
@@ -314,13 +317,13 @@ class GridSolve {
   const std::vector<MeshRound>& rounds() const { return rounds_; }
 
  private:
-  /// Knots that `auto` takes at most, in those of the file, to find a way around what motions jump
-  /// through, and how often it halves them to find a guess.
+  /// Limits of `auto`: of the knots of a way around, in those of the file, and of halvings of the
+  /// knots for a guess.
   static constexpr int kMostKnots = 4, kMostHalvings = 2;
   /// The largest value of the option: the first way around is seldom a good one.
   static constexpr int kLargestWork = 1'000'000'000;
 
-  /// What the time limit leaves may be nothing but a look at the guess.
+  /// The time limit may leave nothing but a look at the guess.
   SolveResult solve(const Task& task, bool first_grid) {
     return solve(task, first_grid, task.spec->solver.options);
   }
@@ -341,19 +344,10 @@ class GridSolve {
       if (!finer) return std::nullopt;
       start_from(task_, result, *finer);
       task_ = *std::move(finer);
-      result = solve(task_, false, near(task_.spec->solver.options));
+      result = solve(task_, false, options_near(task_.spec->solver.options));
     }
     rounds_ = mesh.rounds();
     return result;
-  }
-
-  /// Options from a guess that all but satisfies the constraints: penalties that hold them, as
-  /// solve_keeping_guess has.
-  static SolverOptions near(SolverOptions options) {
-    constexpr double kStronger = 1e6;
-    auto& penalty = options.augmented_lagrangian;
-    penalty.initial_penalty = std::min(kStronger * penalty.initial_penalty, penalty.max_penalty);
-    return options;
   }
 
   static std::vector<Finding> jumps_of(const Task& task, const SolveResult& result) {
@@ -387,14 +381,13 @@ class GridSolve {
   static bool is_stopped(SolveStatus status) {
     return status == SolveStatus::time_limit || status == SolveStatus::interrupted;
   }
-  /// Whether all solvers have ended without a word on the problem.
+  /// Ends of all solvers without a word on the problem.
   bool is_given_up(SolveStatus status) const {
     return !is_success(status) && !is_stopped(status) && status != SolveStatus::infeasible &&
            task_.spec->solver.options.max_iterations >= SolverOptions().max_iterations;
   }
 
-  /// Solves with half the knots, or half of those, and goes on from that answer. `failed` where
-  /// that leads to none.
+  /// The answer from that with half the knots, or half of those; without one `failed`.
   SolveResult climb(Task& task, SolveResult failed, int halvings) {
     const SolverInfo* const solver = solver_;
     Diagnostics ignored;
@@ -407,7 +400,7 @@ class GridSolve {
     if (!is_success(below.status)) return failed;
     const Trajectory guess = task.built->guess;
     start_from(*coarse, below, task);
-    SolveResult result = solve(task, false, near(task.spec->solver.options));
+    SolveResult result = solve(task, false, options_near(task.spec->solver.options));
     result.times.total = seconds_;
     if (is_success(result.status)) {
       result.message += fmt::format("; from the answer with {} knots, where all solvers failed",

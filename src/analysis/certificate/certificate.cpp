@@ -364,9 +364,8 @@ class Judge {
   /// Where all costs vanish there are multipliers alone, whose tolerance counts for a move by a
   /// unit.
   double negligible_cost() const {
-    const double least = cost_size_ > 0
-                             ? least_cost(problem_)
-                             : std::max(least_cost(problem_), claims_.tolerances.stationarity);
+    double least = least_cost(problem_);
+    if (cost_size_ == 0) least = std::max(least, claims_.tolerances.stationarity);
     return std::max(kMostGain * least, kNothing * cost_size_);
   }
 

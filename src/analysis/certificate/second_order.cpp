@@ -721,8 +721,8 @@ class Recursion {
     return true;
   }
 
-  /// Takes what controls without curvature gain, whose slope along the later policy is known: that
-  /// is with gains that may be huge, so a motion along them is measured by its own size.
+  /// Gain of controls without curvature, by their slope along the later policy. Gains of the policy
+  /// may be huge, so the motion is measured by its own size.
   void slide(int k, const VectorXd& start, double slope) {
     const double largest = start.lpNorm<Eigen::Infinity>();
     if (!(std::abs(slope) > flat_gain_ * largest) || !(std::abs(slope) > least_gain_ * largest))

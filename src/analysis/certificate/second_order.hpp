@@ -46,7 +46,7 @@ struct SecondOrder {
 
   /// Largest share of the cost that is left to gain, to repair or to slide.
   double share() const;
-  /// The share that is not in it, since rounding can be as large.
+  /// Share of the cost that rounding can hide.
   double hidden_share() const;
   /// Multiplies all figures in the unit of the costs.
   void scale(double factor);

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "analysis/certificate/certificate_doubt.hpp"
+#include "solvers/strategies/feasible_guess.hpp"
 
 namespace conddp {
 namespace {
@@ -26,6 +27,7 @@ RefinedSolve refine(const ProblemInstance& first, const SolveResult& result,
   RefinedSolve refined{.result = result};
   const auto began = std::chrono::steady_clock::now();
   const double most = options.max_time_s;
+  options = options_near(options);
   options.restarts.count = 0;
   options.homotopy = nullptr;
   options.multipliers = nullptr;

@@ -27,7 +27,7 @@ struct Attempt {
   double cost = std::numeric_limits<double>::quiet_NaN();
   double time_s = 0;
   std::string objection;  ///< to its answer; empty: none, or nobody asked
-  bool jumps = false;     ///< that the motion leads through what it should go around is part of it
+  bool jumps = false;     ///< through what the motion should go around
   bool chosen = false;    ///< its answer is that of all
 };
 

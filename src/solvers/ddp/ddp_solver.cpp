@@ -241,10 +241,13 @@ bool DdpSolver::confirm() {
 /// leaves less.
 double DdpSolver::share_left() {
   const IterationRecord& row = record_.row;
-  const double cost = std::max(std::abs(row.cost), least_cost(problem_));
   const bool by_newton = row.iteration > 0 && row.step == 1 && row.regularization == 0;
-  if (by_newton && row.actual_decrease <= StationarityCheck::kMostGain * cost) return 0;
-  return globalization_.newton_gain() / cost;
+  const auto gained_little = [&](double cost) {
+    return by_newton && row.actual_decrease <= StationarityCheck::kMostGain * cost;
+  };
+  if (gained_little(std::abs(row.cost))) return 0;
+  const double cost = std::max(std::abs(row.cost), least_cost(problem_));
+  return gained_little(cost) ? 0 : globalization_.newton_gain() / cost;
 }
 
 /// Ends the solve, where the iterate is feasible and the caller asked for no more of the cost.

@@ -15,9 +15,9 @@ using End = InteriorPointEnd;
 constexpr double kLooseTolerance = 1e-3, kTightTolerance = 1e-8;
 /// Solves in a row that may fail before the relaxation is given up.
 constexpr int kFailures = 2;
-/// How much larger than the chosen one the first epsilon of a second try is, and the share of the
-/// iterations that a solve may take while there are other ways: those of examples and literature
-/// take at most 28 % (docs/measurements/contact_implicit.md).
+/// Factor of the first epsilon of a second try, and the part of the iterations that a solve may
+/// take while there are other ways: the examples' solves take 281 at most
+/// (docs/measurements/contact_implicit.md).
 constexpr double kLooser = 10;
 constexpr int kMostWays = 3;
 /// Smallest barrier with which the next solve starts.
@@ -52,7 +52,7 @@ struct Way {
   double initial;
 };
 
-/// The chosen one and, where others may be tried, those: first from a looser epsilon.
+/// The chosen one and, where others may be tried, those: the first from a looser epsilon.
 std::vector<Way> ways_to_try(const SolverOptions::Complementarity& options) {
   std::vector<Way> list = {{options.relaxation, options.initial}};
   if (options.fallback != RelaxationFallback::automatic) return list;
@@ -95,8 +95,8 @@ InteriorPointAnswer IpoptSolver::run_relaxations(const Trajectory& start) {
   return answer;
 }
 
-/// Solves with smaller and smaller epsilon until the pairs are complementary, or can be told apart;
-/// each may take so many iterations.
+/// Solves of so many iterations at most, with smaller and smaller epsilon until the pairs are
+/// complementary or can be told apart.
 InteriorPointAnswer IpoptSolver::tighten(const Trajectory& start, double initial, int iterations) {
   const auto& schedule = options_.complementarity;
   InteriorPointSettings settings = default_settings();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include <fmt/format.h>
 
@@ -12,9 +13,14 @@ namespace {
 
 /// Of the cost, what counts as more.
 constexpr double kMore = 1e-6;
-/// By how much the first penalty grows: from one that lets go of constraints to one that holds
-/// them, in two steps.
+/// Factors of the first penalty: from one that lets go of constraints to one that holds them.
 constexpr double kStronger[] = {1e3, 1e6};
+
+SolverOptions with_penalty(SolverOptions options, double factor) {
+  auto& penalty = options.augmented_lagrangian;
+  penalty.initial_penalty = std::min(factor * penalty.initial_penalty, penalty.max_penalty);
+  return options;
+}
 
 /// Whether a solver has ended by itself or after all its iterations; others were stopped.
 bool has_ended(SolveStatus status) {
@@ -36,6 +42,10 @@ bool is_worse(const SolveResult& result, const IterationRecord& guess,
 
 }  // namespace
 
+SolverOptions options_near(const SolverOptions& options) {
+  return with_penalty(options, *std::rbegin(kStronger));
+}
+
 SolveResult solve_keeping_guess(
     const SolverOptions& options, const Trajectory& guess, bool penalizes,
     const std::function<SolveResult(const SolverOptions&, const Trajectory&)>& solve) {
@@ -48,13 +58,9 @@ SolveResult solve_keeping_guess(
   const std::string before = fmt::format("from a feasible guess of cost {:.9g} to {}, cost {:.9g}",
                                          first.cost, to_string(result.status), result.cost);
   solves.add(result);
-  const auto& penalty = options.augmented_lagrangian;
   for (const double factor : kStronger) {
     if (!penalizes || solves.iterations_left() <= 0) break;
-    SolverOptions own = solves.next();
-    own.augmented_lagrangian.initial_penalty =
-        std::min(factor * penalty.initial_penalty, penalty.max_penalty);
-    result = solve(own, guess);
+    result = solve(with_penalty(solves.next(), factor), guess);
     solves.add(result);
     result.message = fmt::format("{}; with a larger penalty: {}", before, result.message);
     if (!is_worse(result, first, t)) return solves.answer(std::move(result));

@@ -17,10 +17,7 @@
 namespace conddp {
 namespace {
 
-/// Of the cost, what a better answer costs less: more than what tolerances leave open.
-constexpr double kLess = 1e-4;
-/// Perturbed guesses that are tried side by side; once, and as long as there are only answers with
-/// objections.
+/// Perturbed guesses that are tried side by side, once and while all answers jump.
 constexpr int kBeside = 2;
 /// Iterations of an attempt: beside those of the best one, and at least.
 constexpr int kTimes = 4, kLeast = 50;
@@ -75,8 +72,9 @@ class FurtherLook {
       try_all(std::move(next));
     };
     try_next();
-    most_iterations_ = std::max(most_iterations_, iterations_ + options_.max_iterations);
-    while (chosen().jumps && start < kMostRestarts && !cut_short_) try_next();
+    if (options_.look_further > 0)
+      most_iterations_ = std::max(most_iterations_, iterations_ + options_.max_iterations);
+    while (chosen().jumps && start < kMostRestarts && may_go_on()) try_next();
     return end();
   }
 
@@ -101,16 +99,16 @@ class FurtherLook {
     return !cut_short_;
   }
 
-  /// Those that were not made, side by side. What they may take is known before the first of them,
-  /// so that no answer depends on the number of threads.
+  /// Trials that were not made, side by side. Their limits are those before the first of them, so
+  /// that no answer depends on the number of threads.
   void try_all(std::vector<Trial> trials) {
     std::erase_if(trials, [&](const Trial& trial) { return was_made(trial); });
     if (trials.empty() || !may_go_on()) return;
-    const bool concurrent = trials.size() > 1 && trials.front().solver == trials.back().solver
-                                ? trials.front().solver->concurrent
-                                : true;
-    const int threads =
-        concurrent ? std::min(options_.threads, static_cast<int>(trials.size())) : 1;
+    const SolverInfo& first = *trials.front().solver;
+    const bool alike = trials.size() > 1 && trials.back().solver == &first;
+    const int threads = alike && !first.concurrent
+                            ? 1
+                            : std::min(options_.threads, static_cast<int>(trials.size()));
     const bool jumps = chosen().jumps;
     std::atomic<std::size_t> next = 0;
     const auto work_off = [&] {
@@ -164,7 +162,7 @@ class FurtherLook {
     if (chosen().jumps) return true;
     const bool doubted = !objection.text.empty(), was_doubted = !chosen().objection.empty();
     if (doubted && !was_doubted) return false;
-    const double less = kLess * std::max(std::abs(best_.cost), std::abs(result.cost));
+    const double less = kLessCost * std::max(std::abs(best_.cost), std::abs(result.cost));
     return best_.cost - result.cost > (was_doubted && !doubted ? -less : less);
   }
 

@@ -125,10 +125,9 @@ std::optional<SolveResult> run_if_loaded(const ShootingProblem& problem, const S
 /// Whether a later answer says more than the first one: that it is one, a cheaper one that does not
 /// jump, near, or a least violation.
 bool says_more(const SolveResult& later, const Objection& objection, const SolveResult& first) {
-  constexpr double kLess = 1e-4;
   if (is_success(first.status) && is_success(later.status))
-    return !objection.jumps &&
-           first.cost - later.cost > kLess * std::max(std::abs(first.cost), std::abs(later.cost));
+    return !objection.jumps && first.cost - later.cost >
+                                   kLessCost * std::max(std::abs(first.cost), std::abs(later.cost));
   if (is_success(first.status) || is_success(later.status)) return !is_success(first.status);
   return (is_far(first.residuals) && !is_far(later.residuals)) ||
          (later.status == SolveStatus::infeasible && first.status != SolveStatus::infeasible);
