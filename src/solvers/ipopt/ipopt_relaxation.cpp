@@ -16,10 +16,10 @@ constexpr double kLooseTolerance = 1e-3, kTightTolerance = 1e-8;
 /// Solves in a row that may fail before the relaxation is given up.
 constexpr int kFailures = 2;
 /// Factor of the first epsilon of a second try, and the part of the iterations that a solve may
-/// take while there are other ways: the examples' solves take 281 at most
+/// take while there are other ways, but as many as those of the examples, which take 281 at most
 /// (docs/measurements/contact_implicit.md).
 constexpr double kLooser = 10;
-constexpr int kMostWays = 3;
+constexpr int kMostWays = 3, kEnough = 300;
 /// Smallest barrier with which the next solve starts.
 constexpr double kLeastBarrier = 1e-9;
 /// From which epsilon on the pairs may be told apart already, which is tried once, and how much the
@@ -89,7 +89,9 @@ InteriorPointAnswer IpoptSolver::run_relaxations(const Trajectory& start) {
       ++row_.fallbacks;
     }
     const bool last = i + 1 == ways.size();
-    answer = tighten(start, ways[i].initial, options_.max_iterations / (last ? 1 : kMostWays));
+    answer = tighten(
+        start, ways[i].initial,
+        last ? options_.max_iterations : std::max(kEnough, options_.max_iterations / kMostWays));
     if ((answer.is_good() && is_complementary(answer)) || is_out_of_budget()) break;
   }
   return answer;
