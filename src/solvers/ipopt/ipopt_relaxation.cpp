@@ -19,7 +19,7 @@ constexpr int kFailures = 2;
 /// take while there are other ways, but as many as those of the examples, which take 281 at most
 /// (docs/measurements/contact_implicit.md).
 constexpr double kLooser = 10;
-constexpr int kMostWays = 3, kEnough = 300;
+constexpr int kWays = 2, kEnough = 300;
 /// Smallest barrier with which the next solve starts.
 constexpr double kLeastBarrier = 1e-9;
 /// From which epsilon on the pairs may be told apart already, which is tried once, and how much the
@@ -91,7 +91,7 @@ InteriorPointAnswer IpoptSolver::run_relaxations(const Trajectory& start) {
     const bool last = i + 1 == ways.size();
     answer = tighten(
         start, ways[i].initial,
-        last ? options_.max_iterations : std::max(kEnough, options_.max_iterations / kMostWays));
+        last ? options_.max_iterations : std::max(kEnough, options_.max_iterations / kWays));
     if ((answer.is_good() && is_complementary(answer)) || is_out_of_budget()) break;
   }
   return answer;
