@@ -7,7 +7,9 @@
 #include "analysis/derivatives/node_hessians.hpp"
 #include "ocp/evaluation/evaluator.hpp"
 #include "support/constrained_problems.hpp"
+#include "support/random_robot.hpp"
 #include "support/small_problems.hpp"
+#include "systems/multibody/multibody.hpp"
 
 namespace conddp {
 namespace {
@@ -106,6 +108,31 @@ TEST(NodeModels, FindErrorsThatCancelInASum) {
   Point at(problem);
   at.analytic.knots[0].F(1, 0) += 1e-6;
   at.analytic.knots[0].F(1, 1) -= 1e-6;
+  EXPECT_EQ(at.models().by_dual_numbers, 1);
+}
+
+/// A chain of 200 bodies under weak torques amplifies rounding by over 100.
+ShootingProblem long_chain() {
+  RobotModel model = random_robot(3, {.joints = 200, .branching = 0, .prismatic = 0});
+  const auto robot = std::make_shared<const RobotModel>(std::move(model));
+  const auto chain = std::make_shared<MultibodySystem>(robot, Actuation::full(*robot));
+  const int n = robot->nv;
+  const testing::TrackingCost cost{.goal = std::vector<double>(2 * n, 0.0),
+                          .q = std::vector<double>(2 * n, 1.0),
+                          .r = std::vector<double>(n, 1.0),
+                          .qf = std::vector<double>(2 * n, 1.0)};
+  return testing::tracking_problem(chain, Integrator::semi_implicit_euler, 1, 0.01,
+                                   std::vector<double>(2 * n, 0.1), cost);
+}
+
+TEST(NodeModels, AllowForRoundingThatAChainAmplifies) {
+  const ShootingProblem problem = long_chain();
+  Point at(problem);
+  const Eigen::MatrixXd own = at.analytic.knots[0].dense_jacobian();
+  const auto reference = node_derivatives(problem, at.t, at.analytic.gap);
+  EXPECT_GT(difference(reference[0].step, own), 1e-13) << "nothing is amplified";
+  EXPECT_EQ(at.models().by_dual_numbers, 0);
+  at.analytic.knots[0].F.data()[5] += 1e-4 * own.cwiseAbs().maxCoeff();
   EXPECT_EQ(at.models().by_dual_numbers, 1);
 }
 

@@ -9,7 +9,6 @@
 
 #include "analysis/findings/free_control.hpp"
 #include "analysis/findings/holding_torques.hpp"
-#include "analysis/findings/long_step.hpp"
 #include "analysis/findings/singular_rate.hpp"
 #include "base/exceeds.hpp"
 #include "ocp/problem/by_name.hpp"
@@ -389,21 +388,6 @@ Diagnosis too_weak(Diagnosis log, const MissingTorque& lack) {
           std::move(remedy)};
 }
 
-/// An explicit rule that leaves the equations: no solver has their motion to work on, and of what
-/// the log advises only iterations and the guess matter.
-Diagnosis unstable_steps(Diagnosis log, const ShootingProblem& problem, const LongStep& step) {
-  const std::string rule(info_of(problem.knot(step.knot).model->integrator()).name);
-  log.message += fmt::format(
-      "; the system is stiff for steps of {}: at knot {} a motion of the rate {:.3g} 1/s, which "
-      "does not grow in time, is multiplied by {:.3g} in a step",
-      rule, step.knot, step.rate, step.growth);
-  std::string remedy = remedy_of(step, problem);
-  if (log.pattern == DiagnosisPattern::unfinished) remedy += "; " + log.remedy;
-  if (log.pattern == DiagnosisPattern::growth) remedy += "; another first guess";
-  return {DiagnosisPattern::unstable_steps, std::move(log.message), step.knot, "time step",
-          std::move(remedy)};
-}
-
 /// How much larger one state may become than another one until units are worth a word.
 constexpr double kSizes = 1e4;
 
@@ -582,8 +566,6 @@ std::string_view to_string(DiagnosisPattern pattern) {
       return "no_static_equilibrium";
     case DiagnosisPattern::free_control:
       return "free_control";
-    case DiagnosisPattern::unstable_steps:
-      return "unstable_steps";
     case DiagnosisPattern::open_gaps:
       return "open_gaps";
     case DiagnosisPattern::outrun_penalty:
@@ -622,8 +604,6 @@ Diagnosis diagnose(const ShootingProblem& problem, const SolveResult& result,
   if (cost_goes_on_falling(result.log))
     if (const auto control = free_control(problem))
       return unbounded(std::move(d), result.log.back().cost, *control);
-  if (const auto step = long_step(problem, result.trajectory))
-    return unstable_steps(std::move(d), problem, *step);
   d.remedy += remedy_of_sizes(problem, result.trajectory);
   if (!is_stuck_at_knot(d.pattern) || d.knot < 0 || d.knot >= problem.knots()) return d;
   const ContactRank contacts =

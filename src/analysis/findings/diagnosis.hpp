@@ -29,8 +29,6 @@ enum class DiagnosisPattern {
   no_static_equilibrium,
   /// The cost goes on falling, and nothing holds a control back (free_control()).
   free_control,
-  /// Steps of an explicit integrator let grow what decays (long_step()).
-  unstable_steps,
   /// The gaps of the dynamics do not close.
   open_gaps,
   /// A cost that is linear in its residual falls by more than the penalties of constraints rise.

@@ -4,6 +4,7 @@
 #include <complex>
 #include <map>
 #include <memory>
+#include <utility>
 
 #include <Eigen/Eigenvalues>
 #include <fmt/format.h>
@@ -80,13 +81,11 @@ double alternating_growth(const Eigen::MatrixXd& A, double h) {
   return growth;
 }
 
-LongStep semi_implicit_step(const Eigen::MatrixXd& A, double h) {
-  LongStep step{.growth = alternating_growth(A, h)};
-  if (!(step.growth > 1)) return step;
-  step.step = step.longest = h;
+/// Adds the rate, and the longest step that is stable, to a semi-implicit step that is not.
+void complete(const Eigen::MatrixXd& A, LongStep& step) {
   step.rate = A.eigenvalues().cwiseAbs().maxCoeff();
+  step.longest = step.step / 2;
   while (alternating_growth(A, step.longest) > 1) step.longest /= 2;
-  return step;
 }
 
 }  // namespace
@@ -96,6 +95,7 @@ std::optional<LongStep> long_step(const ShootingProblem& problem, const Trajecto
   const int samples = std::max(1, kSampledNumbers / problem.ndx());
   const int stride = (problem.knots() + samples - 1) / samples;
   LongStep worst{.growth = kGrows};
+  Eigen::MatrixXd semi_implicit;  // the linearized motion of `worst`, if it is such a step
   int since = 0, phase = -1;
   for (int k = 0; k < problem.knots(); ++k) {
     const KnotModel& model = *problem.knot(k).model;
@@ -114,13 +114,17 @@ std::optional<LongStep> long_step(const ShootingProblem& problem, const Trajecto
     const double* x = trajectory.x(k).data();
     const KnotInput<double> in{x, trajectory.u(k).data(), nullptr, problem.knot(k).dt, 1};
     system.differentiate(x, model.first_control(in), *data);
-    const Eigen::MatrixXd A = linear_motion(system, *data);
+    Eigen::MatrixXd A = linear_motion(system, *data);
     if (!A.allFinite()) continue;
     const double h = model.step(in.dt, x);
-    LongStep step = is_explicit ? explicit_step(A, h, rule.order) : semi_implicit_step(A, h);
+    LongStep step = is_explicit ? explicit_step(A, h, rule.order)
+                                : LongStep{.step = h, .growth = alternating_growth(A, h)};
     step.knot = k;
-    if (exceeds(step.growth, worst.growth)) worst = step;
+    if (!exceeds(step.growth, worst.growth)) continue;
+    worst = step;
+    semi_implicit = is_explicit ? Eigen::MatrixXd() : std::move(A);
   }
+  if (semi_implicit.size() > 0) complete(semi_implicit, worst);
   if (worst.rate == 0) return std::nullopt;
   return worst;
 }

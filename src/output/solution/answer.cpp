@@ -37,6 +37,10 @@ Answer::Answer(const ProblemSpec& spec, const BuiltProblem& built, const SolveRe
       diagnosis(diagnosis_of(spec, built, result)),
       findings(findings_of(spec, built, result.trajectory, result.feedback.K, values)),
       forces(contact_forces(spec, *built.problem, values)) {
+  // No advice on the log helps while steps are unstable.
+  for (const Finding& finding : findings)
+    if (finding.kind == FindingKind::unstable_steps && !is_success(result.status))
+      diagnosis.remedy = finding.remedy;
   for (const DroppedConstraint& constraint : built.dropped)
     dropped.emplace_back(constraint.name, violation(constraint, *built.problem, result.trajectory));
 }
