@@ -118,9 +118,9 @@ ShootingProblem long_chain() {
   const auto chain = std::make_shared<MultibodySystem>(robot, Actuation::full(*robot));
   const int n = robot->nv;
   const testing::TrackingCost cost{.goal = std::vector<double>(2 * n, 0.0),
-                          .q = std::vector<double>(2 * n, 1.0),
-                          .r = std::vector<double>(n, 1.0),
-                          .qf = std::vector<double>(2 * n, 1.0)};
+                                   .q = std::vector<double>(2 * n, 1.0),
+                                   .r = std::vector<double>(n, 1.0),
+                                   .qf = std::vector<double>(2 * n, 1.0)};
   return testing::tracking_problem(chain, Integrator::semi_implicit_euler, 1, 0.01,
                                    std::vector<double>(2 * n, 0.1), cost);
 }

@@ -24,6 +24,20 @@ terminal:
 solver: {name: ipopt}
 )";
 
+/// A block that nothing drives: it falls on an edge, tips and slides, and each step is determined.
+constexpr const char* kTippingBlock = R"(conddp: 1
+name: tipping_block
+robot: {urdf: robots/block.urdf, actuation: {joints: [base_x]}}
+initial_state: {joints: {base_z: 0.9, base_pitch: 0.3}, velocity: {joints: {base_x: 1.5}}}
+contact_candidates:
+  rear: {frame: corner_1, friction: 0.4}
+  front: {frame: corner_2, friction: 0.4}
+stepping: {plane: [0, 1, 0]}
+phases: [{name: fall, knots: 30, dt: 0.02}]
+constraints: {none: {bounds: control, lower: 0, upper: 0}}
+costs: {speed: {residual: state, columns: ["v/*"], weight: 1.0e-6}}
+)";
+
 class Contacts : public testing::Test {
  protected:
   Contacts() {
@@ -81,6 +95,14 @@ TEST_F(Contacts, AnswersThatDidNotConvergeAreNamed) {
   const ProcessResult written = run({"contacts", "out/solution.json", "-o", "scheduled.yaml"});
   EXPECT_NE(written.err.find("did not converge (max_iterations)"), std::string::npos)
       << written.err;
+}
+
+TEST_F(Contacts, DeterminedMotionIsSolved) {
+  folder_.write("tipping.yaml", kTippingBlock);
+  const ProcessResult solved = run({"solve", "tipping.yaml", "-o", "out"});
+  EXPECT_EQ(solved.exit_code, 0) << solved.out << solved.err;
+  EXPECT_NE(solved.out.find("certificate   certified local minimum"), std::string::npos)
+      << solved.out;
 }
 
 TEST_F(Contacts, OtherSolutionsHaveNone) {

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "analysis/certificate/certificate_doubt.hpp"
+#include "analysis/contact/simulated_guess.hpp"
 #include "analysis/findings/findings.hpp"
 #include "arguments/problem_arguments.hpp"
 #include "arguments/shared_arguments.hpp"
@@ -338,8 +339,9 @@ class GridSolve {
         task_.spec->solver.options.look_further == 0)
       return result;
     if (!jumps_of(task_, result).empty()) return solve_around(std::move(result));
-    if (is_given_up(result.status)) return climb(task_, std::move(result), kMostHalvings);
-    return result;
+    if (!is_given_up(result.status)) return result;
+    if (auto other = solve_from_simulation(result)) return other;
+    return climb(task_, std::move(result), kMostHalvings);
   }
 
   const SolverInfo* solver() const { return solver_; }
@@ -414,6 +416,24 @@ class GridSolve {
   bool is_given_up(SolveStatus status) const {
     return !is_success(status) && !is_stopped(status) && status != SolveStatus::infeasible &&
            task_.spec->solver.options.max_iterations >= SolverOptions().max_iterations;
+  }
+
+  /// The answer from a simulation of contacts that the guess's controls make; nothing without one.
+  std::optional<SolveResult> solve_from_simulation(const SolveResult& failed) {
+    auto simulated = simulated_guess(*task_.built->problem, task_.built->guess);
+    if (!simulated) return std::nullopt;
+    const SolverInfo* const solver = solver_;
+    std::swap(task_.built->guess, *simulated);
+    SolveResult result = solve(task_, false, options_near(task_.spec->solver.options));
+    result.times.total = seconds_;
+    if (is_success(result.status)) {
+      result.message += fmt::format("; from a simulation of the guess's controls, after {}",
+                                    to_string(failed.status));
+      return result;
+    }
+    std::swap(task_.built->guess, *simulated);
+    solver_ = solver;
+    return std::nullopt;
   }
 
   /// The answer from that with half the knots, or half of those; without one `failed`.
