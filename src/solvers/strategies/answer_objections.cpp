@@ -153,8 +153,9 @@ SolveResult solve_answering(const ShootingProblem& problem, const SolverOptions&
   double share = 1;
   for (int round = 0; round < kMostRounds && solves.iterations_left() > 0; ++round) {
     const double before = remaining.excess;
-    if (!remaining.descent.empty()) {
-      if (!leave_saddle(problem, options, solves, remaining, solve, result)) break;
+    // Curvature along which nothing is lower belongs to an active set that is not settled.
+    if (!remaining.descent.empty() &&
+        leave_saddle(problem, options, solves, remaining, solve, result)) {
       remaining = doubt(problem, result);
       continue;
     }
