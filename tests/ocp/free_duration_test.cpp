@@ -7,10 +7,11 @@ namespace conddp {
 namespace {
 
 /// A pendulum with costs on its state and control, and numbers that states hold.
-std::shared_ptr<KnotModel> held_pendulum(Integrator integrator, int held) {
+std::shared_ptr<KnotModel> held_pendulum(Integrator integrator, int held,
+                                         const std::optional<FreeDuration>& grows_with = {}) {
   auto model = std::make_shared<KnotModel>(pendulum({}), integrator, ControlMemory::none, held);
-  model->add_cost("state", state_residual(model->manifold()), {});
-  model->add_cost("control", control_residual(model->ndx(), model->nu()), {});
+  model->add_cost("state", state_residual(model->manifold()), {}, grows_with);
+  model->add_cost("control", control_residual(model->ndx(), model->nu()), {}, grows_with);
   return model;
 }
 
@@ -29,8 +30,11 @@ Step step_of(const KnotModel& model, const KnotCase& c, double dt, double cost_s
 TEST(FreeDuration, ScalesStepsAndCostsByTheWrittenOne) {
   RandomNumbers random(51);
   for (const bool scales_cost : {true, false}) {
-    const auto plain = held_pendulum(Integrator::rk4, 2), free = held_pendulum(Integrator::rk4, 2);
-    free->set_free_duration({.choice = 1, .written = 2, .scales_cost = scales_cost});
+    const FreeDuration duration{.choice = 1, .written = 2};
+    const auto plain = held_pendulum(Integrator::rk4, 2);
+    const auto free =
+        held_pendulum(Integrator::rk4, 2, scales_cost ? std::optional(duration) : std::nullopt);
+    free->set_free_duration(duration);
     KnotCase c = make_case("pendulum", free, random);
     c.x[2] = 0.4;
     c.x[3] = 3;  // s, instead of 2
@@ -49,8 +53,10 @@ TEST(FreeDuration, DerivativesAreThoseOfDualNumbers) {
        {Integrator::rk4, Integrator::explicit_euler, Integrator::semi_implicit_euler})
     for (const bool free : {false, true})
       for (const bool scales_cost : {true, false}) {
-        const auto model = held_pendulum(integrator, 2);
-        if (free) model->set_free_duration({.choice = 1, .written = 2, .scales_cost = scales_cost});
+        const FreeDuration duration{.choice = 1, .written = 2};
+        const auto model =
+            held_pendulum(integrator, 2, scales_cost ? std::optional(duration) : std::nullopt);
+        if (free) model->set_free_duration(duration);
         KnotCase c = make_case("pendulum", model, random);
         c.x[3] = 2.5;
         KnotWorkspace<double> work(*model);

@@ -113,18 +113,16 @@ int KnotModel::integrated_column(int column) const {
   return control < remembered_controls() ? -1 : n + control;  // the end counts through the slopes
 }
 
-/// What a knot is given, with the time step and the costs' scale of its free duration.
+/// Input of the knot with the time step of its free duration.
 template <class S>
 KnotInput<S> KnotModel::at_its_duration(const KnotInput<S>& given) const {
   KnotInput<S> in = given;
   if (!duration_) return in;
   in.dt = step(given.dt, given.x);
-  if (scales_costs()) in.cost_scale = given.cost_scale * duration_share(given.x);
   return in;
 }
 
-/// The column of the free duration T: ∂x⁺/∂T, of which the integrator gives ∂/∂dt, and the slope of
-/// costs that grow with T.
+/// Column of the free duration T: ∂x⁺/∂T from the integrator's ∂x⁺/∂dt.
 template <class S>
 void KnotModel::append_duration(const KnotInput<S>& given, KnotWorkspace<S>& work) const {
   const IntegratorWorkspace<S>& base = work.integrator_;
@@ -142,26 +140,12 @@ void KnotModel::append_duration(const KnotInput<S>& given, KnotWorkspace<S>& wor
   for (int i = 0; i < n; ++i) out[i] *= share;
   for (std::size_t i = 0; i < integrals_.size(); ++i)
     out[n + integrals_[i].number] += share * work.integral_rates_[i];
-  if (scales_costs())
-    work.gradient[column] += work.cost / given.x[system_->nx() + duration_->choice];
-}
-
-template <class S>
-void KnotModel::add_growth(const CostGrowth& growth, const S& cost, const S* x,
-                           KnotWorkspace<S>& work) const {
-  const auto add = [&](const FreeDuration& duration, const S& part) {
-    work.gradient[system_->ndx() + duration.choice] += part / x[system_->nx() + duration.choice];
-  };
-  if (growth.is_moment && scales_costs()) add(*duration_, -cost);
-  if (growth.other) add(*growth.other, cost);
 }
 
 #define CONDDP_INSTANTIATE(S)                                                                      \
   template void KnotModel::append_augmented_state(const KnotInput<S>&, KnotWorkspace<S>&, bool)    \
       const;                                                                                       \
   template void KnotModel::evaluate_integrals(const KnotInput<S>&, KnotWorkspace<S>&, bool) const; \
-  template void KnotModel::add_growth(const CostGrowth&, const S&, const S*, KnotWorkspace<S>&)    \
-      const;                                                                                       \
   template KnotInput<S> KnotModel::at_its_duration(const KnotInput<S>&) const;                     \
   template void KnotModel::append_duration(const KnotInput<S>&, KnotWorkspace<S>&) const;
 CONDDP_FOR_EACH_SCALAR(CONDDP_INSTANTIATE)

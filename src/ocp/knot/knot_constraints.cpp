@@ -56,9 +56,7 @@ void KnotModel::evaluate_constraints(const KnotInput<S>& in, KnotWorkspace<S>& w
 /// What the multipliers of a constraint that is soft by its distance cannot exceed.
 template <class S>
 S KnotModel::limit_of(const ConstraintTerm& term, const KnotInput<S>& in) const {
-  const S limit = in.cost_scale * in.parameters[term.weight()];
-  const bool grows = !term.by_duration && !term.growth.is_moment;
-  return scales_costs() && !grows ? limit / duration_share(in.x) : limit;
+  return soft_scale(term, in.cost_scale, in.x) * in.parameters[term.weight()];
 }
 
 template <class S>
@@ -67,9 +65,8 @@ std::optional<S> KnotModel::add_penalty(const ConstraintTerm& term, const KnotIn
   RowPenalty<S> given;
   if (term.softness == Softness::l2) {
     S* of_rows = work.soft_.data();
-    const S weight =
-        grown(in.cost_scale * in.parameters[term.weight()] * in.parameters[term.active()],
-              term.growth, in.x);
+    const S weight = soft_scale(term, in.cost_scale, in.x) * in.parameters[term.weight()] *
+                     in.parameters[term.active()];
     for (int i = 0; i < term.rows; ++i) {
       of_rows[i] = weight;
       of_rows[term.rows + i] = S(0.0);
@@ -104,7 +101,7 @@ void KnotModel::differentiate_constraints(const KnotInput<S>& in, KnotWorkspace<
     form_jacobian(term, work.residual_.data(), norm, work.residual_jacobian_.data(), jacobian);
     const std::optional<S> value = add_penalty<S>(term, in, work, curvature);
     if (!value) continue;
-    if (term.softness == Softness::l2) add_growth(term.growth, *value, in.x, work);
+    if (term.softness == Softness::l2) add_growth(term.grows_with, *value, in.x, work);
     if (all_inside<S>(term, work.weight_.data(), curvature)) continue;
     if (hessian) work.rest_is_zero_ = false;
     add_augmentation(t, jacobian, hessian, work);

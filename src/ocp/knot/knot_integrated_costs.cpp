@@ -181,6 +181,9 @@ void KnotModel::take_step(const KnotInput<S>& in, const S& given_dt, KnotWorkspa
   step(*system_, integrator_, in.x, first_control(in), in.dt, *work.system_, work.integrator_,
        end_control(in), costs.visitor());
   costs.visit_collocation();
+  if (!wanted.derivatives) return;
+  for (std::size_t t = 0; t < costs_.size(); ++t)
+    if (costs_[t].integrated) add_growth(costs_[t].grows_with, work.term_costs[t], in.x, work);
 }
 
 #define CONDDP_INSTANTIATE(S)                                                          \

@@ -91,10 +91,11 @@ void KnotModel::check_fit(const std::string& what, const Residual& residual) con
 }
 
 int KnotModel::add_cost(std::string name, std::shared_ptr<const Residual> residual,
-                        Activation activation, const CostGrowth& growth, bool integrated) {
+                        Activation activation, const std::optional<FreeDuration>& grows_with,
+                        bool integrated) {
   check_fit("cost " + name, *residual);
-  if (growth.other) check_duration(*growth.other);
-  if (integrated && (quadrature_.empty() || growth.is_moment || growth.other))
+  if (grows_with) check_duration(*grows_with);
+  if (integrated && quadrature_.empty())
     throw std::invalid_argument("cost " + name + " cannot be integrated");
   CostTerm& term = costs_.emplace_back();
   term.name = std::move(name);
@@ -104,7 +105,7 @@ int KnotModel::add_cost(std::string name, std::shared_ptr<const Residual> residu
   parameter_count_ = term.weight + 1;
   term.residual = std::move(residual);
   term.activation = std::move(activation);
-  term.growth = growth;
+  term.grows_with = grows_with;
   term.integrated = integrated;
   if (term.is_barrier()) {
     term.row = constraint_rows_;
@@ -326,7 +327,7 @@ void KnotModel::differentiate_costs(const KnotInput<S>& in, KnotWorkspace<S>& wo
   for (std::size_t t = 0; t < costs_.size(); ++t) {
     if (costs_[t].integrated) continue;
     differentiate_cost(t, CostPoint<S>{in, *work.system_}, work, hessian);
-    add_growth(costs_[t].growth, work.term_costs[t], in.x, work);
+    add_growth(costs_[t].grows_with, work.term_costs[t], in.x, work);
   }
 }
 

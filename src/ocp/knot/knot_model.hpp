@@ -22,7 +22,7 @@ struct CostTerm {
   Activation activation;
   int parameters = 0;  ///< where the residual's parameters start in the knot's parameters
   int weight = 0;      ///< where the weight stands in the knot's parameters
-  CostGrowth growth = {};
+  std::optional<FreeDuration> grows_with = {};  ///< duration with which the cost grows
   /// Whether it is the mean over the stages of the integrator (KnotModel::quadrature), each with
   /// parameters of its own, one after the other. Otherwise it is that of the knot's state.
   bool integrated = false;
@@ -117,10 +117,9 @@ class KnotModel {
             HandedOn handed_on = {});
 
   /// Adds a cost whose residual depends on columns of z alone; returns the index at which its
-  /// parameters (reference, then weight) start. An integrated one needs a quadrature, and no growth
-  /// of its own.
+  /// parameters (reference, then weight) start. An integrated one needs a quadrature.
   int add_cost(std::string name, std::shared_ptr<const Residual> residual, Activation activation,
-               const CostGrowth& growth = {}, bool integrated = false);
+               const std::optional<FreeDuration>& grows_with = {}, bool integrated = false);
   /// The stages by which costs are integrated: those of an integrator of second order or higher,
   /// else none. One of weight 0 does not count.
   const std::vector<QuadratureStage>& quadrature() const { return quadrature_; }
@@ -131,8 +130,7 @@ class KnotModel {
   int add_integral(std::string name, std::shared_ptr<const Residual> residual, int number);
   /// Elementwise bounds on the control; infinite where there is none.
   void set_control_bounds(std::vector<double> lower, std::vector<double> upper);
-  /// Needs carried choices, and a system that knows time. Where it scales costs, constraints that
-  /// are soft by their distance have to be `by_duration` (ConstraintTerm).
+  /// Makes steps grow with a held number. Needs carried choices, and a system that knows time.
   void set_free_duration(const FreeDuration& duration);
   const std::optional<FreeDuration>& free_duration() const { return duration_; }
   /// Makes evaluate and differentiate take and give states, controls and derivatives in other
@@ -145,24 +143,15 @@ class KnotModel {
   void set_row_factors(std::size_t constraint, std::vector<double> factors) {
     constraints_[constraint].row_factors = std::move(factors);
   }
-  bool scales_costs() const { return duration_ && duration_->scales_cost; }
-  /// Free duration by the written one at a state; 1 where the duration is not free.
-  template <class S>
-  S duration_share(const S* x) const {
-    return duration_ ? share_of(*duration_, x) : S(1.0);
-  }
   /// What the cost of a soft constraint is multiplied by at a state, from the given cost scale.
   template <class S>
   S soft_scale(const ConstraintTerm& term, const S& cost_scale, const S* x) const {
-    if (term.by_duration) return cost_scale;
-    const S scale = scales_costs() ? cost_scale * duration_share(x) : cost_scale;
-    return grown(scale, term.growth, x);
+    return term.by_duration ? cost_scale : grown(cost_scale, term.grows_with, x);
   }
   /// What the rows of a constraint are multiplied by at a state.
   template <class S>
   S row_share(const ConstraintTerm& term, const S* x) const {
-    if (!term.by_duration) return S(1.0);
-    return term.growth.other ? share_of(*term.growth.other, x) : duration_share(x);
+    return term.by_duration ? share_of(*term.grows_with, x) : S(1.0);
   }
   /// Writes what states remember of a control into one that was handed on.
   template <class S>
@@ -174,7 +163,7 @@ class KnotModel {
   /// The time step at a state, from the given one.
   template <class S>
   S step(const S& dt, const S* x) const {
-    return duration_ ? dt * duration_share(x) : dt;
+    return grown(dt, duration_, x);
   }
 
   const System& system() const { return *system_; }
@@ -248,25 +237,27 @@ class KnotModel {
   friend class StageCosts;
   friend class KnotSecondDerivatives;
 
-  /// What a cost is multiplied by, with the scale at its duration.
+  /// Factor of a cost's activation.
   template <class S>
   S scale_of(const CostTerm& term, const KnotInput<S>& in) const {
-    return grown(in.cost_scale * in.parameters[term.weight], term.growth, in.x);
+    return grown(in.cost_scale, term.grows_with, in.x) * in.parameters[term.weight];
   }
   template <class S>
   S share_of(const FreeDuration& duration, const S* x) const {
     return x[system_->nx() + duration.choice] * S(1 / duration.written);
   }
-  /// A scale that is multiplied by the knot's own duration, with the growth of a cost instead.
   template <class S>
-  S grown(S scale, const CostGrowth& growth, const S* x) const {
-    if (growth.is_moment && scales_costs()) scale = scale / duration_share(x);
-    return growth.other ? scale * share_of(*growth.other, x) : scale;
+  S grown(const S& scale, const std::optional<FreeDuration>& duration, const S* x) const {
+    return duration ? scale * share_of(*duration, x) : scale;
   }
-  /// Adds to the gradient how a cost grows otherwise than with the knot's own duration.
+  /// Adds the slope of a cost along the duration with which it grows.
   template <class S>
-  void add_growth(const CostGrowth& growth, const S& cost, const S* x,
-                  KnotWorkspace<S>& work) const;
+  void add_growth(const std::optional<FreeDuration>& duration, const S& cost, const S* x,
+                  KnotWorkspace<S>& work) const {
+    if (duration)
+      work.gradient[system_->ndx() + duration->choice] +=
+          cost / x[system_->nx() + duration->choice];
+  }
   template <class S>
   KnotInput<S> at_its_duration(const KnotInput<S>& given) const;
   template <class S>

@@ -15,11 +15,7 @@ std::shared_ptr<const KnotModel> of_violation(const KnotModel& of) {
   for (const IntegralTerm& term : of.integrals())
     model->add_integral(term.name, term.residual, term.number);
   model->set_control_bounds(of.control_lower(), of.control_upper());
-  if (of.free_duration()) {
-    FreeDuration duration = *of.free_duration();
-    duration.scales_cost = false;
-    model->set_free_duration(duration);
-  }
+  if (of.free_duration()) model->set_free_duration(*of.free_duration());
   for (const ConstraintTerm& term : of.constraints())
     if (is_asked_for(term))
       model->add_constraint(

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -40,11 +41,10 @@ struct ConstraintTerm {
   /// What the rows of g are multiplied by, of cones all alike; empty: by nothing.
   std::vector<double> row_factors = {};
   Softness softness = Softness::hard;
-  /// Whether its rows, of an l1-soft one, are multiplied by the share of a free duration: then its
-  /// weight is that of the duration which is written. It is that of the knot's phase, or `other` of
-  /// the growth.
+  /// Duration with which the cost of a soft constraint grows.
+  std::optional<FreeDuration> grows_with = {};
+  /// True if the rows of an l1-soft constraint grow in place of its weight.
   bool by_duration = false;
-  CostGrowth growth = {};        ///< of the cost of a soft one
   std::vector<RowBlock> blocks;  ///< the structure of ∂g/∂z
   int rows = 0;
   int row = 0;         ///< its first row among the constraint rows of the knot

@@ -31,9 +31,7 @@ void add_durations(const ProblemSpec& spec, InitialChoice& choice, std::vector<C
   for (const PhaseSpec& phase : spec.phases) {
     auto& free = choice.durations.emplace_back();
     if (!phase.free_duration) continue;
-    free = {.choice = static_cast<int>(controls.size()),
-            .written = phase_duration(phase),
-            .scales_cost = spec.costs_are_rates()};
+    free = {.choice = static_cast<int>(controls.size()), .written = phase_duration(phase)};
     choice.lower.push_back(phase.free_duration->lower);
     choice.upper.push_back(phase.free_duration->upper);
     controls.push_back({std::string(kDurationColumn) + phase.name.value, "s"});

@@ -174,12 +174,6 @@ std::vector<bool> changes_of_duration(const PhaseContext& context) {
   return changes;
 }
 
-/// The duration by which costs at the end of a phase's last knot are multiplied.
-CostGrowth growth_at_end(const PhaseContext& context, std::size_t phase) {
-  return {.is_moment = true,
-          .other = context.cost_duration(phase) ? context.free_duration(phase) : std::nullopt};
-}
-
 /// A cost's weight at each node, 0 where it is off; of a constraint 1 where it is on, or the share
 /// that is on with linear controls. At the last node: of what goes on until then, and counts there.
 NodeWeights schedule(const PhaseContext& context, const BuiltCost& cost, Role role,
@@ -314,11 +308,12 @@ void write_constraint(const BuiltConstraint& constraint, const ConstraintTerm& t
   if (term.softness != Softness::hard && share != 0) parameters[term.weight()] *= share;
 }
 
-/// A soft constraint at the end of a phase's last knot.
-ConstraintTerm end_term(const BuiltConstraint& constraint, std::shared_ptr<const Residual> residual,
-                        const PhaseContext& context, std::size_t phase) {
+/// Constraint that grows, if soft, with the duration of a phase.
+ConstraintTerm growing_term(const BuiltConstraint& constraint,
+                            std::shared_ptr<const Residual> residual, const PhaseContext& context,
+                            std::size_t phase) {
   ConstraintTerm term = make_term(constraint, std::move(residual), context.cost_duration(phase));
-  term.growth = growth_at_end(context, phase);
+  term.grows_with = context.cost_growth(phase);
   return term;
 }
 
@@ -397,11 +392,11 @@ class PhaseBuilder {
 
   std::shared_ptr<const KnotModel> shared_model(std::size_t p, const Terms& terms) {
     const std::optional<FreeDuration> duration = context_.free_duration(p);
-    const CostGrowth ends = growth_of_ends(p, terms);
+    const std::optional<FreeDuration> ends = growth_of_ends(p, terms);
     auto& model = models_[{terms.costs, terms.constraints, terms.moments, terms.integrals,
                            terms.cost_ends, terms.constraint_ends, bounds_.lower[p],
                            bounds_.upper[p], context_.contacts.system(p).get(),
-                           duration ? duration->choice : -1, ends.other ? ends.other->choice : -1}];
+                           duration ? duration->choice : -1, ends ? ends->choice : -1}];
     if (!model) model = make_model(p, terms);
     return model;
   }
@@ -411,10 +406,10 @@ class PhaseBuilder {
     return context_.collocates && model.system().as_collocation() != nullptr;
   }
 
-  /// What multiplies what is at the end of the phase before.
-  CostGrowth growth_of_ends(std::size_t p, const Terms& terms) const {
+  /// Duration with which terms at the end of the phase before grow.
+  std::optional<FreeDuration> growth_of_ends(std::size_t p, const Terms& terms) const {
     const bool none = terms.cost_ends.empty() && terms.constraint_ends.empty();
-    return none ? CostGrowth{} : growth_at_end(context_, p - 1);
+    return none ? std::nullopt : context_.cost_growth(p - 1);
   }
 
   Integrator integrator_of(const PhaseSpec& phase) const {
@@ -431,8 +426,9 @@ class PhaseBuilder {
                                     context_.carried_numbers(), handed_on);
     for (const int c : terms.costs) {
       const BuiltCost& cost = contents_.costs[c];
+      const bool is_moment = std::ranges::find(terms.moments, c) != terms.moments.end();
       model->add_cost(cost.spec->name.value, residual_in(cost, context_, p), cost.activation,
-                      {.is_moment = std::ranges::find(terms.moments, c) != terms.moments.end()},
+                      is_moment ? std::nullopt : context_.cost_growth(p),
                       !phase.takes_no_time() && is_integrated(context_, cost));
     }
     for (const int c : terms.cost_ends) {
@@ -442,13 +438,13 @@ class PhaseBuilder {
     }
     for (const int c : terms.constraints) {
       const BuiltConstraint& constraint = contents_.constraints[c];
-      model->add_constraint(make_term(constraint, residual_in(constraint.function, context_, p),
-                                      context_.cost_duration(p)));
+      model->add_constraint(
+          growing_term(constraint, residual_in(constraint.function, context_, p), context_, p));
     }
     for (const int c : terms.constraint_ends) {
       const BuiltConstraint& constraint = contents_.constraints[c];
       model->add_constraint(
-          end_term(constraint, residual_in(constraint.function, context_, p), context_, p - 1));
+          growing_term(constraint, residual_in(constraint.function, context_, p), context_, p - 1));
     }
     for (const int i : terms.integrals) {
       const BuiltCost& integral = contents_.integrals[i];
@@ -755,10 +751,10 @@ Phase build_terminal(const PhaseContext& context, const KnotContents& running,
       constraints_at_the_end(context, running.constraints, terminal.constraints, out);
   for (const auto& [cost, weight, is_end] : costs)
     model->add_cost(cost->spec->name.value, residual_in(*cost, context, node), cost->activation,
-                    is_end ? growth_at_end(context, node - 1) : CostGrowth{});
+                    is_end ? context.cost_growth(node - 1) : std::nullopt);
   for (const auto& [constraint, share, is_end] : constraints) {
     auto residual = residual_in(constraint->function, context, node);
-    model->add_constraint(is_end ? end_term(*constraint, std::move(residual), context, node - 1)
+    model->add_constraint(is_end ? growing_term(*constraint, std::move(residual), context, node - 1)
                                  : make_term(*constraint, std::move(residual)));
   }
   Phase phase{.name = "terminal", .dt = {0.0}, .cost_scale = {1.0}};

@@ -43,10 +43,14 @@ struct PhaseContext {
     if (free) free->choice += integrals();
     return free;
   }
-  /// Of a phase whose costs grow with its free duration, where states hold that.
+  /// Free duration with which the running costs of a phase grow.
+  std::optional<FreeDuration> cost_growth(std::size_t phase) const {
+    return spec.costs_are_rates() ? free_duration(phase) : std::nullopt;
+  }
+  /// Columns of that duration.
   std::optional<DurationColumn> cost_duration(std::size_t phase) const {
-    const std::optional<FreeDuration> free = free_duration(phase);
-    if (!free || !free->scales_cost) return std::nullopt;
+    const std::optional<FreeDuration> free = cost_growth(phase);
+    if (!free) return std::nullopt;
     return DurationColumn{system->nx() + free->choice, system->ndx() + free->choice, free->written};
   }
   /// Integrals, and what was chosen.

@@ -154,13 +154,13 @@ void HorizonConstraints::reset() {
 /// Of constraints that are soft by the square of their distance.
 void HorizonConstraints::add_soft_costs() {
   for (const NodeConstraint& c : problem_.soft_constraints())
-    if (c.term->softness == Softness::l2 && !c.term->growth.other)
+    if (c.term->softness == Softness::l2 && !c.term->grows_with)
       add_cost({c.node, c.row, c.term->rows, c.lower, c.upper, kUnlimited, true, c.term->weight()});
 }
 
 void HorizonConstraints::add_barriers(int node) {
   for (const CostTerm& cost : problem_.knot(node).model->costs()) {
-    if (!cost.is_barrier() || cost.growth.other) continue;
+    if (!cost.is_barrier() || cost.grows_with) continue;
     const Activation& barrier = cost.activation;
     add_cost({node, problem_.constraint_offset(node) + cost.row, cost.residual->size(),
               barrier.lower.data(), barrier.upper.data(), kUnlimited, true, cost.weight,
@@ -168,12 +168,10 @@ void HorizonConstraints::add_barriers(int node) {
   }
 }
 
-/// A term whose penalty stays. Where a duration that multiplies it is free it is no such term.
+/// Adds a term of constant penalty.
 void HorizonConstraints::add_cost(const Rows& cost) {
   const KnotView& knot = problem_.knot(cost.node);
-  const auto& duration = knot.model->free_duration();
-  if (knot.cost_scale * knot.parameters[cost.weight] == 0 || (duration && duration->scales_cost))
-    return;
+  if (knot.cost_scale * knot.parameters[cost.weight] == 0) return;
   rows_.push_back(cost);
 }
 
