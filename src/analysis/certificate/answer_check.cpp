@@ -52,7 +52,7 @@ AnswerCheck check_answer(const ShootingProblem& problem, const Trajectory& traje
   for (const ConstraintViolation& violation : violations_by_name(problem, linearization.constraint))
     check.constraint = std::max(check.constraint, violation.value);
   if (!multipliers_known) return check;
-  // What is linearized above has terms of multipliers, if there are any.
+  // The linearization above includes the multiplier terms of constraints.
   const NodeModels models =
       problem.constraint_rows() == 0
           ? confirmed_models(problem, trajectory, linearization.gap, linearization)

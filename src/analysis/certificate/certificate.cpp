@@ -25,26 +25,26 @@
 namespace conddp {
 namespace {
 
-/// What two evaluations of one quantity may differ by, relative to the size of its terms: rounding
-/// in another order, and what badly conditioned contacts make of it.
+/// Allowed difference between two evaluations of a quantity, relative to the size of its terms. It
+/// covers a different order of rounding, amplified by badly conditioned contacts.
 constexpr double kRounding = 1e-10;
-/// The same for an entry of the gradient, relative to its own terms, and to the largest ones of its
-/// knot: terms that cancel on the way to an entry leave rounding there.
+/// The same for a gradient entry, relative to its own terms and to the largest terms of its knot:
+/// intermediate terms that cancel leave rounding.
 constexpr double kOwnRounding = 1e-11;
 constexpr double kKnotRounding = 1e-12;
 
 const std::string kDiverged(to_string(SolveStatus::diverged)),
     kInfeasible(to_string(SolveStatus::infeasible));
 
-/// What rounding of the answer's own numbers does to the figures, where they are so badly
-/// conditioned (contacts far from where they hold, speeds beyond all measure) that the tolerances
-/// above do not cover it.
+/// Effect of rounding the answer's own numbers on the figures. It matters if they are so badly
+/// conditioned (contacts far from where they hold, extreme speeds) that the tolerances above do not
+/// cover it.
 struct Noise {
   double cost = 0, gap = 0, stationarity = 0, state = 0, constraint = 0;
-  std::optional<DisplacedModel> displaced;  ///< for the gains
+  std::optional<DisplacedModel> displaced;  ///< used to check the gains
 };
 
-/// The largest change of the entries that are finite.
+/// Largest finite change of an entry.
 double largest_change(const Eigen::Ref<const Eigen::MatrixXd>& a,
                       const Eigen::Ref<const Eigen::MatrixXd>& b) {
   double largest = 0;
@@ -57,9 +57,9 @@ double largest_change(const Eigen::Ref<const Eigen::MatrixXd>& a,
 
 class Judge {
  public:
-  /// Of a problem whose costs, as those of the claims, are `scale` times as large as in the file;
-  /// figures are in the unit of the file. `nodes` are those of the trajectory that is claimed,
-  /// `known` its model of second order in the unit of the file, where that has been found before.
+  /// The costs of the problem and the claims are `scale` times those of the file; figures are in
+  /// the unit of the file. `nodes` are the values at the claimed trajectory. `known` is its
+  /// second-order model in the unit of the file, if it was found before.
   Judge(const ShootingProblem& problem, const SolutionClaims& claims, const NodeValues& nodes,
         double scale, std::optional<SecondOrder> known = {}, Noise noise = {})
       : problem_(problem),
@@ -69,10 +69,10 @@ class Judge {
         known_(std::move(known)),
         noise_(std::move(noise)) {}
 
-  /// Of what moves of 10⁻¹³ change, which rounding may change as well.
+  /// Rounding may change a figure by this multiple of its change under moves of 10⁻¹³.
   static constexpr double kRoundingMargin = 100;
 
-  /// Moves all states and controls by 10⁻¹³ of themselves.
+  /// Perturbs all states and controls at random by at most 10⁻¹³ of themselves.
   static void displace(Trajectory& trajectory) {
     constexpr double kMove = 1e-13;
     std::mt19937_64 engine(2);
@@ -86,8 +86,9 @@ class Judge {
     }
   }
 
-  /// What changes when all states and controls move so little that only rounding shows. What an
-  /// evaluation of thousands of operations leaves is more than one rounding of its arguments.
+  /// Changes of the figures when all states and controls move so little that only rounding shows.
+  /// The margin allows for evaluations of thousands of operations, which accumulate more than one
+  /// rounding of their arguments.
   static Noise measure_noise(const ShootingProblem& problem, const SolutionClaims& claims,
                              const NodeValues& nodes) {
     constexpr double kMargin = kRoundingMargin;
@@ -137,7 +138,7 @@ class Judge {
                                                                         : none;
   }
 
-  /// An answer that ended in numbers that are not finite leaves figures open; others may not.
+  /// A diverged answer may leave figures open (NaN); others may not.
   bool agree(double claimed, double found, double tolerance) const {
     if (std::isnan(claimed)) return claims_.status == kDiverged;
     return std::abs(claimed - found) <= tolerance;
@@ -158,7 +159,7 @@ class Judge {
            found.knot < 0 ? "" : place_text(problem_, found.knot, tangent(found.entry)));
   }
 
-  /// Of one in the unit of the costs.
+  /// Adds a figure in the unit of the costs.
   void cost_figure(std::string name, double claimed, double found, double tolerance,
                    std::string place = {}) {
     figure(std::move(name), claimed, found, tolerance, std::move(place));
@@ -203,7 +204,7 @@ class Judge {
     figure("unit quaternions", 0, worst, 1e-9);
   }
 
-  /// Simulates every knot from its own state.
+  /// Evaluates every knot from its own state.
   void evaluate() {
     const int N = problem_.knots(), ndx = problem_.ndx();
     gaps_.resize(ndx, N);
@@ -276,7 +277,7 @@ class Judge {
           w.entry >= 0 ? control_name(problem_, w.knot, w.entry) : constraint_name(w));
     };
     found_constraint_ = violation.value;
-    // Constraint values near zero come from terms that are not, which their size does not show.
+    // Constraint values near zero may come from large terms, which their size does not show.
     const bool constrained = !problem_.constraints().empty();
     const double tolerance = constrained ? kRounding : 1e-14;
     const double value = constrained ? 1 : 0;
@@ -297,7 +298,7 @@ class Judge {
     return place < 0 ? "" : "constraint '" + problem_.constraints()[place].term->name + "'";
   }
 
-  /// At the answer's own co-states.
+  /// Gradient of the Lagrangian at the answer's own co-states.
   LagrangianGradient gradient() const {
     return lagrangian_gradient(problem_, models_.derivatives, claims_.costates,
                                claims_.multipliers);
@@ -333,7 +334,7 @@ class Judge {
       add(std::move(check));
   }
 
-  /// Stationarity without the answer's co-states and gains.
+  /// Computes stationarity without the answer's co-states and gains.
   void measure_optimality(const RiccatiPolicy& policy) {
     const auto pass = [&](const std::vector<Eigen::MatrixXd>& gains) {
       return adjoint_pass(problem_, models_.derivatives, claims_.multipliers, gains);
@@ -345,7 +346,7 @@ class Judge {
     const ProjectedGradient gradient = norm(along);
     certificate_.optimality = {gradient.stationarity, along.rounding, norm(plain).stationarity,
                                plain.rounding, policy.decrease(along.control)};
-    // Small in either coordinates is small; where rounding blurs one, the other may tell.
+    // The smaller one counts: rounding may blur either of them.
     own_stationarity_ =
         std::min(certificate_.optimality.stationarity, certificate_.optimality.reduced_gradient);
     const auto distance = [&](const AdjointPass& found) {
@@ -354,15 +355,16 @@ class Judge {
     };
     const double error = distance(along), plain_error = distance(plain);
     costate_error_ = std::fmin(error, plain_error);
-    // The policy's model may be singular, and motions without it unstable.
+    // The pass with the closer co-states counts: the policy's model may be singular, and motions
+    // without it unstable.
     if (claims_.converged) measure_curvature(plain_error < error ? plain : along);
     if (gradient.knot >= 0)
       own_place_ = " at " + place_text(problem_, gradient.knot,
                                        control_name(problem_, gradient.knot, gradient.entry));
   }
 
-  /// Where all costs vanish there are multipliers alone, whose tolerance counts for a move by a
-  /// unit.
+  /// Cost change that counts as nothing. If all costs are zero, only multipliers remain, and their
+  /// tolerance stands for the change by a unit move.
   double negligible_cost() const {
     double least = least_cost(problem_);
     if (cost_size_ == 0) least = std::max(least, claims_.tolerances.stationarity);
@@ -403,7 +405,7 @@ class Judge {
             : fmt::format("rounding leaves no curvature at {}", place);
   }
 
-  /// The co-states' own equation: what the answer says of ∇_x of the Lagrangian.
+  /// Checks the co-state equation: the claimed gradient ∇_x of the Lagrangian.
   void check_costates(const LagrangianGradient& found) {
     const Eigen::MatrixXd& claimed = claims_.state_gradient;
     const Eigen::MatrixXd size = found.state_size + claimed.cwiseAbs();
@@ -424,21 +426,21 @@ class Judge {
          excess.size / scale_, place_text(problem_, k, tangent(i)), ""});
   }
 
-  /// Whether all residuals that the answer claims are under their tolerances.
+  /// True if all residuals claimed by the answer are below their tolerances.
   bool claims_convergence() const {
     const auto& t = claims_.tolerances;
     return claims_.stationarity <= t.stationarity && claims_.gap <= t.gap &&
            claims_.constraint <= t.constraint && claims_.complementarity <= t.complementarity;
   }
 
-  /// What a Newton step would gain, as a share of the cost, of problems without constraints.
+  /// Share of the cost that a Newton step would gain, for problems without constraints.
   std::optional<double> share_left() const {
     const double gain = certificate_.optimality.expected_decrease;
     if (!problem_.constraints().empty() || !std::isfinite(gain)) return std::nullopt;
     return gain / std::max(std::abs(cost_), least_cost(problem_));
   }
 
-  /// Also where the model has no minimum, so that what is left cannot be told.
+  /// True if much of the cost may be left to gain, or if the model lacks a minimum and cannot tell.
   bool much_may_be_left() const {
     const std::optional<double> share = share_left();
     if (problem_.constraints().empty()) return !(share && *share <= kMostGain);
@@ -446,9 +448,9 @@ class Judge {
     return model && (model->curvature == Curvature::negative || model->share() > kMostLeft);
   }
 
-  /// Converged means that all residuals are under tolerance at once, those that the answer claims
-  /// and those found without its co-states, and that little is left to gain. Where much may be
-  /// left, an answer with small residuals rightly calls itself something else.
+  /// An answer has converged if all residuals are below tolerance at once, both the claimed ones
+  /// and those found without its co-states, and little is left to gain. An answer with small
+  /// residuals may have another status if much may be left to gain.
   void check_status() {
     if (claims_.converged != claims_convergence() && (claims_.converged || !much_may_be_left()))
       return judge_status(
@@ -462,7 +464,7 @@ class Judge {
     if (claims_.status == kInfeasible) check_least_violation();
   }
 
-  /// The check of the status, which holds where nothing is wrong.
+  /// Adds the status check, which holds if `wrong` is empty.
   void judge_status(std::string wrong) {
     add({kStatusCheck, wrong.empty(), Check::kNone, Check::kNone, Check::kNone, "",
          std::move(wrong)});
@@ -494,7 +496,7 @@ class Judge {
     judge_status(above.empty() ? "" : "'converged', but " + costs + above);
   }
 
-  /// A cost that has settled is one of a motion that satisfies dynamics and constraints.
+  /// A settled cost requires a motion that satisfies dynamics and constraints.
   void check_settled() {
     const auto& t = claims_.tolerances;
     const bool feasible =
@@ -507,7 +509,8 @@ class Judge {
     judge_status(wrong.empty() ? "" : "'cost_settled', but " + wrong);
   }
 
-  /// Infeasible is what leaves no control a way, on a motion that follows from the controls.
+  /// An infeasible answer must follow from its controls, and no move of the controls may lower its
+  /// violation.
   void check_least_violation() {
     const double share =
         attainable_share(problem_, claims_.trajectory, models_.derivatives, nodes_.constraint());
@@ -526,18 +529,20 @@ class Judge {
          wrong.empty() ? "" : "'infeasible', but " + wrong});
   }
 
-  /// Beyond this rounding leaves nothing of the co-states of a diverged answer.
+  /// Above this, rounding leaves nothing of the co-states of a diverged answer.
   static constexpr double kLargestStationarity = 1e16;
-  /// Of stationarities along different policies: the answer's is that of its last sweep.
+  /// Allowed ratio of stationarities along different policies; the answer's belongs to its last
+  /// sweep.
   static constexpr double kPolicyMargin = 10;
-  /// Of co-states along different policies, relative to the largest: what is left of the gradient
-  /// reaches them times gains that sum up over the horizon.
+  /// Allowed distance between co-states along different policies, relative to the largest one and
+  /// to the stationarity tolerance. The remaining gradient reaches them through gains that add up
+  /// over the horizon.
   static constexpr double kCostateMargin = 1000;
-  /// Of the cost, what may be left to gain, ten times as much as solvers leave.
+  /// Share of the cost that may be left to gain, ten times as much as solvers leave.
   static constexpr double kMostGain = 1e-3;
-  /// Of the cost, what is nothing, however little of it a motion changes.
+  /// Share of the cost that counts as nothing, however little of it a motion changes.
   static constexpr double kNothing = 1e-9;
-  /// The same of an answer that converged, by the model of second order.
+  /// Share of the cost that a converged answer may leave, by the second-order model.
   static constexpr double kMostLeft = 1e-5;
 
   const ShootingProblem& problem_;
@@ -559,7 +564,7 @@ class Judge {
   double found_stationarity_ = 0, stationarity_rounding_ = 0;
 };
 
-/// The claims on the problem with costs so many times as large.
+/// The claims for the problem with its costs multiplied by `scale`.
 SolutionClaims scaled(const SolutionClaims& claims, double scale) {
   SolutionClaims own = claims;
   for (double SolutionClaims::*number :

@@ -14,59 +14,62 @@
 
 namespace conddp {
 
-/// The gradient of the cost by the controls where states follow from them, with the multipliers
-/// that an answer has of its constraints, projected on the control bounds: in two systems of
-/// coordinates, neither of which knows the answer's own co-states and gains. Either is zero at the
-/// same trajectories.
+/// Gradient of the cost with respect to the controls, projected on the control bounds. States
+/// follow from the controls, and constraints enter with the answer's multipliers. It is given in
+/// two coordinate systems that are independent of the answer's co-states and gains. Both gradients
+/// vanish at the same trajectories.
 struct Optimality {
-  /// Along a policy δu = v + K δx of the certificate's own (riccati_policy), by v. This decides:
-  /// there the model's Hessian consists of the blocks Q_uu, however unstable the motion is.
+  /// Gradient with respect to v along a policy δu = v + K δx of the certificate (riccati_policy).
+  /// This one decides, because the model's Hessian then consists of the blocks Q_uu, however
+  /// unstable the motion is.
   double stationarity = Check::kNone;
-  double rounding = Check::kNone;  ///< of it (AdjointPass::rounding)
-  /// By the controls themselves, a plain adjoint: it grows as the free motion does.
+  double rounding = Check::kNone;  ///< rounding of `stationarity` (AdjointPass::rounding)
+  /// Gradient with respect to the controls themselves, by a plain adjoint pass. It grows as the
+  /// free motion does.
   double reduced_gradient = Check::kNone;
   double reduced_rounding = Check::kNone;
-  /// By how much a step of Newton's method with the Gauss-Newton model would lower the cost, the
-  /// same in any coordinates.
+  /// Cost decrease predicted by a Newton step with the Gauss-Newton model, the same in any
+  /// coordinates.
   double expected_decrease = Check::kNone;
 };
 
-/// What a certificate says of an answer in a word.
+/// Verdict of a certificate on an answer.
 enum class Verdict {
-  contradicted,   ///< a statement of the answer does not hold
-  consistent,     ///< all hold, of an answer that did not converge
+  contradicted,   ///< a claim of the answer does not hold
+  consistent,     ///< all claims hold, but the answer did not converge
   local_minimum,  ///< converged, with positive curvature in every direction
   stationary,     ///< converged, with curvature that is zero to rounding in a direction
   not_a_minimum   ///< converged, with negative curvature: a saddle or a maximum
 };
 
-/// The statements of an answer that were checked; it holds where all of them do.
+/// Checks of an answer's claims; the certificate holds if all of them do.
 struct Certificate {
   std::vector<Check> checks;
   Optimality optimality;
-  /// Of an answer that claims to have converged, in the unit of the file.
+  /// Only for an answer that claims convergence, in the unit of the file.
   std::optional<SecondOrder> second_order;
-  std::string curvature;  ///< where it is negative or undecided, and what that means
-  /// Whether the answer claims to have converged, is feasible, and is not found to be optimal.
+  std::string curvature;  ///< place and meaning of a negative or undecided curvature
+  /// True if the answer claims convergence, is feasible, and is not found to be optimal.
   bool optimality_in_doubt = false;
 
   bool holds() const;
   int failures() const;
   Verdict verdict() const;
-  /// Whether all that fails is what an ill-conditioned problem blurs: that the answer is optimal,
-  /// and that its feedforward solves the equation of a sweep. What the motion is and costs holds.
+  /// True if the only failed checks are those that ill-conditioning blurs: optimality of the
+  /// answer, and the sweep equation of its feedforward. The motion and its costs are then as
+  /// claimed.
   bool doubts_optimality_alone() const;
-  /// Whether all figures that were checked are finite. Where numbers left the finite ones on the
-  /// way to them, a check that fails says nothing of whoever made the claim.
+  /// True if every failed check of a figure found a finite number. Otherwise, the failure says
+  /// nothing about the answer.
   bool computable() const;
 };
 
-/// The model of second order of the answer that was judged last, for another certificate of the
-/// same numbers in the same process. May be used by several threads.
+/// Caches the second-order model of the answer judged last, for another certificate of the same
+/// numbers in the same process. Thread-safe.
 class SecondOrderMemory {
  public:
   void keep(const SolutionClaims& claims, const SecondOrder& found);
-  /// None where the claims are others.
+  /// Returns nullopt if the claims differ from the cached ones.
   std::optional<SecondOrder> of(const SolutionClaims& claims) const;
 
  private:
@@ -76,27 +79,26 @@ class SecondOrderMemory {
   std::optional<SecondOrder> found_;
 };
 
-/// Judges an answer to a problem: evaluates every knot in scalar arithmetic, compares costs, gaps,
-/// bounds and multipliers with what is claimed, and the gradient of the Lagrangian by dual numbers
-/// (lagrangian_gradient). Nothing of the solvers has a part in it. docs/verification.md has the
-/// formulas and tolerances.
+/// Judges an answer to a problem. Evaluates every knot in scalar arithmetic, compares costs, gaps,
+/// bounds and multipliers with the claims, and computes the gradient of the Lagrangian by dual
+/// numbers (lagrangian_gradient). No solver code takes part. docs/verification.md has the formulas
+/// and tolerances.
 Certificate certify(const ShootingProblem& problem, const SolutionClaims& claims);
-/// The same with the values of the nodes at the trajectory that is claimed, and with what is known
-/// of these numbers.
+/// The same, with given node values at the claimed trajectory and a cached second-order model.
 Certificate certify(const ShootingProblem& problem, const SolutionClaims& claims,
                     const NodeValues& values, const SecondOrderMemory* known = nullptr);
 
-/// What rounding can change in the values of constraint rows at a trajectory, relative to them or
-/// to 1: from all states and controls moved so little that only rounding shows. `values` are those
-/// at the trajectory.
+/// Largest change that rounding can cause in constraint rows at a trajectory, relative to max(1,
+/// |row|). It is measured by moving all states and controls so little that only rounding shows.
+/// `values` are those at the trajectory.
 double constraint_rounding(const ShootingProblem& problem, const Trajectory& trajectory,
                            const NodeValues& values);
 
-/// Whether an answer is none: contradicted, or no minimum.
+/// True if the verdict rejects the answer: contradicted, or not a minimum.
 inline bool is_denied(Verdict verdict) {
   return verdict == Verdict::contradicted || verdict == Verdict::not_a_minimum;
 }
-/// The word that documents have for a verdict: "local_minimum", ...
+/// Name of a verdict in documents, such as "local_minimum".
 std::string_view to_string(Verdict verdict);
 
 }  // namespace conddp

@@ -10,10 +10,10 @@
 namespace conddp {
 namespace {
 
-/// Of the cost, what may be left where an answer needs no further solve.
+/// Share of the cost that may be left to gain without a further solve.
 constexpr double kMostLeft = 1e-7;
 
-/// Multipliers of the control bounds: of controls at a bound what it takes from the gradient.
+/// Claims multipliers of the control bounds: the part of the gradient that a bound balances.
 void claim_bounds(const ShootingProblem& problem, const SolveResult& result,
                   SolutionClaims& claims) {
   const ControlBounds bounds(problem);

@@ -8,13 +8,13 @@
 
 namespace conddp {
 
-/// What an answer claims, as outputs state it. `values` are those of its trajectory, `options`
+/// Claims of an answer as the outputs state them. `values` are those of its trajectory, `options`
 /// those of the solve.
 SolutionClaims claims_of(const ShootingProblem& problem, const SolveResult& result,
                          const NodeValues& values, const SolverOptions& options);
 
-/// What the certificate of an answer denies that was solved with these options. `memory` keeps what
-/// it took longest to find.
+/// Returns a function that raises the objection of the certificate to an answer solved with these
+/// options. `memory` caches the most expensive part, the second-order model.
 Doubt certificate_doubt(const SolverOptions& options,
                         std::shared_ptr<SecondOrderMemory> memory = nullptr);
 

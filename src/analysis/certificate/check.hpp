@@ -5,20 +5,20 @@
 
 namespace conddp {
 
-/// A statement of an answer about itself, and what was found instead.
+/// A claim of an answer about itself, and the value found instead.
 struct Check {
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
   std::string name;  ///< "gap", "cost effort", "status", ...
   bool holds = true;
-  double claimed = kNone;    ///< not a number where there is no claim in figures
-  double found = kNone;      ///< the same quantity, computed anew
-  double tolerance = kNone;  ///< by which the two may differ
-  std::string place;         ///< "knot 12 (phase 'swing'), v/elbow", empty where it has none
-  std::string message;       ///< what does not hold, empty where the figures say it
+  double claimed = kNone;    ///< NaN if the claim is not a number
+  double found = kNone;      ///< the same quantity, recomputed
+  double tolerance = kNone;  ///< allowed difference
+  std::string place;         ///< "knot 12 (phase 'swing'), v/elbow", or empty
+  std::string message;       ///< reason of a failure; empty if the figures show it
 };
 
-/// Names of checks of an answer that say that it is optimal.
+/// Names of the checks for the optimality of an answer.
 inline constexpr const char* kStatusCheck = "status";
 inline constexpr const char* kFeedforwardCheck = "feedforward";
 

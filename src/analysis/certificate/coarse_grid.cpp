@@ -17,10 +17,10 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// What one step leaves of the error of two halves of it: 2⁻ᵖ of it, for a rule of order p.
+/// Ratio of a step's error to its difference from two half steps: 1 / (1 − 2⁻ᵖ) for order p.
 double extrapolation(Integrator rule) { return 1 / (1 - std::pow(0.5, info_of(rule).order)); }
 
-/// The planned steps one after the other, in parts and in halves of these.
+/// The planned steps in turn, each divided into parts and into halves of these parts.
 class PlannedSteps {
  public:
   PlannedSteps(const ShootingProblem& problem, const Trajectory& trajectory,
@@ -73,7 +73,7 @@ const System& end_system(const ShootingProblem& problem) {
 }  // namespace
 
 Eigen::VectorXd motion_scale(const ShootingProblem& problem, const Trajectory& trajectory) {
-  /// Rounding of the largest number moves nothing, nor what moves so little beside all others.
+  /// Least ranges, as shares of the largest number and, without a unit, of the farthest entry.
   constexpr double kRounding = 1e-9, kLittle = 1e-6;
   const int own = end_system(problem).ndx();
   Eigen::VectorXd way = Eigen::VectorXd::Zero(own), off(problem.ndx());

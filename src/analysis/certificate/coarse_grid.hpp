@@ -9,34 +9,34 @@
 
 namespace conddp {
 
-/// Errors of the steps of a grid beyond this share of the motion are worth a word: a tenth.
+/// Share of the motion above which the error of a grid's steps is reported: a tenth.
 inline constexpr double kCoarse = 0.1;
 
-/// The error of a grid's steps: the sum over the planned steps of how far each ends from where the
-/// equations lead from its planned state, estimated by halves of the step. The component of the
-/// state in which it is largest, relative to the motion.
+/// Error of a grid's steps: the sum of the distances between each step's end and the exact motion
+/// from its planned state, estimated by halving the step. The figures belong to the state component
+/// with the largest error relative to the motion.
 struct GridError {
-  double relative =
-      0;           ///< `sum` by `way`; infinite where halves of a step leave the finite numbers
-  double sum = 0;  ///< largest absolute value of the sum up to any node, in the state's unit
-  double way = 0;  ///< how far this and like quantities move (motion_scale())
-  int entry = -1;  ///< of the tangent vector
-  int knot = -1;   ///< the step with the largest error in that component
+  double relative = 0;  ///< `sum` / `way`; infinite if halved steps are not finite
+  double sum = 0;       ///< largest absolute partial sum over the nodes, in the state's unit
+  double way = 0;       ///< range of motion of this and like quantities (motion_scale())
+  int entry = -1;       ///< entry of the tangent vector
+  int knot = -1;        ///< the step with the largest error in that component
 };
 
-/// By entry of the tangent vector how far a motion goes from its beginning: the farthest of all
-/// with the same unit, each its own where they have none. Infinite where nothing moves.
+/// Range of motion from the initial state for each entry of the tangent vector. Entries with the
+/// same unit share the largest one; entries without a unit use their own. Infinite if nothing
+/// moves.
 Eigen::VectorXd motion_scale(const ShootingProblem& problem, const Trajectory& trajectory);
 
-/// The error of steps along a motion if each one is made in as many `parts` by `rule`, its own
-/// where none is given. Nothing where a rule does not support the state space or an implicit step
-/// has no solution. Knots without time, discrete and contact-implicit ones do not count.
+/// Error of the steps along a motion if each one is divided into as many `parts` by `rule`, by
+/// default its own. Returns nullopt if a rule does not support the state space or an implicit step
+/// has no solution. Instantaneous, discrete and contact-implicit knots do not count.
 std::optional<GridError> grid_error(const ShootingProblem& problem, const Trajectory& trajectory,
                                     std::optional<Integrator> rule = std::nullopt, int parts = 1);
 
-/// The error of a grid that does not resolve its motion: the steps are off by more than kCoarse of
-/// the motion, and a replay in halves of these steps, with feedback, is so, too. Nothing where the
-/// grid is fine enough or there is no replay.
+/// Error of a grid that does not resolve its motion. Its steps are off by more than kCoarse of the
+/// motion, and so is a replay with feedback in halves of these steps. Returns nullopt if the grid
+/// is fine enough or a replay is impossible.
 std::optional<GridError> coarse_grid(const ShootingProblem& problem, const Trajectory& trajectory,
                                      const std::vector<Eigen::MatrixXd>& gains);
 

@@ -6,10 +6,10 @@
 namespace conddp {
 namespace {
 
-/// A cone's multiplier may lie this share of its length outside of the normal cone: rounding.
+/// A multiplier may exceed its limit or leave its normal cone by this share: rounding.
 constexpr double kLimitRounding = 1e-10;
 
-/// Entries of Worst that stand for constraints: −2 for the first, and downward.
+/// Entries of Worst that stand for constraints: −2 for the first, then downward.
 int entry_of(int constraint) { return -2 - constraint; }
 
 void meet_control_bounds(const ShootingProblem& problem, const SolutionClaims& claims, int k,
@@ -33,8 +33,8 @@ void meet_control_bounds(const ShootingProblem& problem, const SolutionClaims& c
   }
 }
 
-/// A soft constraint: its multiplier stays within the limit, and where it does not hold the part
-/// of the multiplier that pushes back is at it.
+/// Soft constraint: its multiplier stays within the limit. If the constraint is violated, the part
+/// of the multiplier that pushes back equals the limit.
 void meet_limit(const NodeConstraint& c, double outside, double pushing, double size, int entry,
                 Feasibility& found) {
   found.product.meet(outside * std::abs(c.limit - pushing), c.limit * std::max(1.0, outside),
@@ -42,7 +42,7 @@ void meet_limit(const NodeConstraint& c, double outside, double pushing, double 
   if (size > (1 + kLimitRounding) * c.limit) found.negative.meet(size - c.limit, 0, c.node, entry);
 }
 
-/// The multiplier of row i belongs to the bound that its sign names, where that is finite.
+/// The multiplier of row i belongs to the bound selected by its sign, which must be finite.
 void meet_multiplier(const NodeConstraint& c, int i, double g, double nu, int entry,
                      Feasibility& found) {
   const double bound = nu > 0 ? c.upper[i] : c.lower[i];
@@ -83,8 +83,8 @@ void meet_cone(const NodeConstraint& c, const double* g, const double* nu, int e
   if (off > kLimitRounding * multiplier.norm()) found.negative.meet(off, 0, c.node, entry);
 }
 
-/// Pairs (z, s): the smaller one vanishes and may have any multiplier, the larger one has none; of
-/// equal ones the second counts as larger, here and in the solvers.
+/// Pairs (z, s): the smaller entry must vanish and may have any multiplier; the multiplier of the
+/// larger one must vanish. If both are equal, the second counts as larger, as in the solvers.
 void meet_pairs(const NodeConstraint& c, const double* g, const double* nu, int entry,
                 Feasibility& found) {
   for (int i = 0; i < c.term->rows; i += 2) {

@@ -16,20 +16,20 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Of the equations of the gains, relative to their terms, and of the tolerance of the gradients
-/// that feedforward terms balance; and what rounding leaves of sums over
-/// |J|ᵀ|V||J|, of derivatives of contacts as badly conditioned as they may be.
+/// Tolerance of the gain equations, relative to their terms. Feedforward equations add the
+/// tolerance of the gradient. The constant kGainRounding is the rounding of sums over |J|ᵀ|V||J|,
+/// for contact derivatives as badly conditioned as they may be.
 constexpr double kGainTolerance = 1e-6, kGainRounding = 1e-14;
-/// Of feedforward terms: relative to controls, or absolute.
+/// Least feedforward step, relative to the controls or absolute.
 constexpr double kLeastMove = 1e-3;
 
-/// How far the answer's gains are from solving the equations of a sweep with these Hessians, in
+/// Residuals of a sweep's equations with the answer's gains and these Hessians, in multiples of the
 /// tolerances.
 struct Deviation {
   Worst feedback, feedforward;
 };
 
-/// Whether the answer's sweep held a control of a knot.
+/// True if the answer's sweep held this control of a knot.
 bool is_held(const ShootingProblem& problem, const SolutionClaims& claims, int k, int control) {
   const KnotModel& model = *problem.knot(k).model;
   const double u = claims.trajectory.u(k)[control] + claims.feedforward[k][control];
@@ -40,13 +40,13 @@ bool is_held(const ShootingProblem& problem, const SolutionClaims& claims, int k
          claims.gains[k].row(control).isZero(0);
 }
 
-/// What the sweep of the certificate is made from.
+/// Inputs of the certificate's sweep.
 struct SweepModel {
   const std::vector<NodeDerivatives>& derivatives;
   const std::vector<MatrixXd>& hessians;
 };
 
-/// How far the entries of one node's model may be off.
+/// Possible errors of the entries of one node's model.
 struct NodeNoise {
   VectorXd cost;
   MatrixXd step, hessian;
@@ -63,7 +63,7 @@ std::vector<NodeNoise> no_noise(const SweepModel& model) {
   return noise;
 }
 
-/// A change that is not finite says nothing.
+/// A change that is not finite counts as zero.
 template <class Matrix>
 Matrix finite_change(const Matrix& a, const Matrix& b, double margin) {
   return (margin * (a - b).cwiseAbs()).unaryExpr([](double change) {
@@ -81,16 +81,17 @@ std::vector<NodeNoise> noise_of(const SweepModel& here, const SweepModel& there,
   return noise;
 }
 
-/// The stage of a knot, and what the answer's gains leave of its equations.
+/// The stage of a knot, and the residuals of its equations with the answer's gains.
 class SweepStage {
  public:
   MatrixXd Q, Quu;  ///< nz x nz; nu x nu with the regularization of the gains
   VectorXd q;
   MatrixXd left;       ///< Quu K + Qux
-  MatrixXd left_size;  ///< the sizes of its terms: |Quu| |K| + |Qux|
+  MatrixXd left_size;  ///< sizes of its terms: |Quu| |K| + |Qux|
   VectorXd step_left;  ///< Quu k + qu
 
-  /// From Q and q; `regularization` is what the gains have of it besides that in Q.
+  /// Evaluates the equations from Q and q. `regularization` is the part of the gains'
+  /// regularization that Q does not contain.
   void put_in(const SolutionClaims& claims, int k, double regularization) {
     const MatrixXd& K = claims.gains[k];
     const Eigen::Index nu = K.rows();
@@ -110,7 +111,7 @@ class SweepStage {
   MatrixXd Quu_size_, K_size_;
 };
 
-/// A sweep along the gains of the answer, node by node from the end.
+/// A sweep along the answer's gains, backward node by node.
 class ClaimedSweep : public SweepStage {
  public:
   ClaimedSweep(const ShootingProblem& problem, const SolutionClaims& claims,
@@ -121,13 +122,13 @@ class ClaimedSweep : public SweepStage {
         model_(model),
         gap_(gap),
         ndx_(problem.ndx()) {
-    // A proximal term is a cost of the model; the other kind is in the gains alone.
+    // A proximal term is part of the model's cost; the other kind affects the gains only.
     if (claims.gain_regularization_kind == RegularizationKind::proximal)
       weight_ = claims.gain_regularization;
     V.diagonal().array() += weight_;
   }
 
-  /// The equations of a node's stage, where V and v are those of the node behind it.
+  /// Forms the equations of a node's stage; V and v are those of the next node.
   void enter(int k) {
     const MatrixXd& J = model_.derivatives[k].step;
     multiply(V, J, VJ_);
@@ -142,7 +143,7 @@ class ClaimedSweep : public SweepStage {
     put_in(claims_, k, claims_.gain_regularization - weight_);
   }
 
-  /// Makes V and v those of the node that was entered.
+  /// Updates V and v to the node that was entered.
   void leave(int k) {
     const MatrixXd& K = claims_.gains[k];
     const VectorXd& d = claims_.feedforward[k];
@@ -163,14 +164,14 @@ class ClaimedSweep : public SweepStage {
   }
 
   MatrixXd V;  ///< Hessian of the cost to go, ndx x ndx
-  VectorXd v;  ///< its gradient
+  VectorXd v;  ///< gradient of the cost to go
 
  private:
   const SolutionClaims& claims_;
   const SweepModel& model_;
   const MatrixXd& gap_;
   const Eigen::Index ndx_;
-  double weight_ = 0;  ///< of a proximal term
+  double weight_ = 0;  ///< weight of a proximal term
   MatrixXd VJ_, transposed_, QuuK_, along_, across_;
   VectorXd next_;
 };
@@ -195,7 +196,7 @@ class OwnSweep : public SweepStage {
     put_in(claims_, k, 0);
   }
 
-  /// With the feedforward of the policy, that leaves nothing of the controls that it moves.
+  /// Uses the policy's feedforward, which cancels the gradient of the controls that it moves.
   void leave(int k) {
     const MatrixXd& K = policy_.K[k];
     v_ = q.head(K.cols());
@@ -210,7 +211,7 @@ class OwnSweep : public SweepStage {
   VectorXd v_;  ///< gradient of the cost to go
 };
 
-/// What rounding may have made of a sweep, carried along the gains as they are.
+/// Bounds on the rounding errors of a sweep, carried along the given gains.
 class CarriedRounding {
  public:
   CarriedRounding(const SolutionClaims& claims, const SweepModel& model, const MatrixXd& gap,
@@ -220,7 +221,7 @@ class CarriedRounding {
     v_error_ = noise_.back().cost.cwiseAbs2().asDiagonal();
   }
 
-  /// At the node that the sweep has entered.
+  /// Evaluates the errors at the node that the sweep has entered.
   void enter(int k, const ClaimedSweep& sweep) {
     const MatrixXd &J = model_.derivatives[k].step, &K = claims_.gains[k];
     const VectorXd& d = claims_.feedforward[k];
@@ -247,7 +248,7 @@ class CarriedRounding {
                   (J_u.transpose() * V_error_ * move_).cwiseAbs();
   }
 
-  /// Goes on to the node that was entered.
+  /// Carries the errors over to the node that was entered.
   void leave(int k) {
     const MatrixXd K_size = claims_.gains[k].cwiseAbs();
     const Eigen::Index ndx = closed_loop_.rows(), nu = K_size.rows();
@@ -258,11 +259,11 @@ class CarriedRounding {
     v_error_.diagonal() +=
         ((closed_loop_.transpose() * V_error_ * move_).cwiseAbs() + v_off).cwiseAbs2();
     V_error_ = closed_loop_.transpose() * carried_;
-    // A diagonal that no rounding of the entries exceeds in any direction (Gershgorin).
+    // This diagonal bounds the rounding of the entries in every direction (Gershgorin).
     V_error_.diagonal() += V_off.rowwise().sum();
   }
 
-  /// Of the equations of each control, nu.
+  /// Errors in the equations of each control, nu.
   VectorXd feedback, feedforward;
 
  private:
@@ -270,12 +271,12 @@ class CarriedRounding {
   const SweepModel& model_;
   const MatrixXd& gap_;
   std::vector<NodeNoise> noise_;
-  MatrixXd V_error_, v_error_;  ///< of V; of v squared, as a covariance is
+  MatrixXd V_error_, v_error_;  ///< errors of V; squared errors of v, as a covariance
   MatrixXd closed_loop_, Q_off_, carried_;
   VectorXd move_, q_off_;
 };
 
-/// Compares what is left of a node's equations with what may be.
+/// Compares the residuals of a node's equations with their tolerances.
 void meet_equations(const ShootingProblem& problem, const SolutionClaims& claims,
                     const SweepStage& sweep, const CarriedRounding* rounding, int k,
                     Deviation& out) {
@@ -299,7 +300,7 @@ void meet_equations(const ShootingProblem& problem, const SolutionClaims& claims
   }
 }
 
-/// `rounding`, if given, adds to what the equations may be off by.
+/// Residuals over all knots; `rounding`, if given, adds to the tolerances.
 Deviation compare(const ShootingProblem& problem, const SolutionClaims& claims,
                   const SweepModel& model, const MatrixXd& gap, CarriedRounding* rounding) {
   ClaimedSweep sweep(problem, claims, model, gap);
@@ -362,8 +363,8 @@ std::vector<Check> check_gains(const ShootingProblem& problem, const SolutionCla
                               check_of(kFeedforwardCheck, problem, found.feedforward)};
   };
   if (are_gains_of_policy(problem, claims, derivatives, gap, policy)) return checks_of({});
-  // What rounding may be off is carried along only where the equations do not hold without it.
-  // `hessians_at` gives those at the displaced trajectory.
+  // Rounding errors are carried along only if the equations do not hold without them. `hessians_at`
+  // returns the Hessians at the displaced trajectory.
   const auto deviation = [&](const std::vector<MatrixXd>& hessians_here, const auto& hessians_at) {
     const SweepModel model{derivatives, hessians_here};
     const Deviation plain = compare(problem, claims, model, gap, nullptr);

@@ -9,30 +9,31 @@
 
 namespace conddp {
 
-/// The model of a sweep at a trajectory that rounding cannot tell from the answer's.
+/// Sweep model at a trajectory that rounding cannot distinguish from the answer's.
 struct DisplacedModel {
   Trajectory trajectory;
   std::vector<NodeDerivatives> derivatives;
-  /// How many times the difference of the two models rounding may be.
+  /// Rounding may be this multiple of the difference between the two models.
   double margin = 1;
 };
 
-/// Whether the feedback K and feedforward k of an answer are those of a Riccati sweep at its
-/// trajectory, with the regularisation that it states and Gauss-Newton or exact Hessians: a sweep
-/// of the certificate's own is compared knot by knot. Controls with a row of zeros in K are held,
-/// as they may be where u + k is at a bound. None where the sweep depends on what the answer does
-/// not state: penalties or active rows of constraints, or a regularisation of the states.
-/// `derivatives`, Gauss-Newton `hessians`, `gap` (ndx x N) and `policy` are those at the
-/// trajectory. Where `displaced` is given, entries of the model may be off by what changes on the
-/// way there.
+/// Checks that the feedback K and feedforward k of an answer are those of a Riccati sweep at its
+/// trajectory, with the regularization that it states and Gauss-Newton or exact Hessians. The
+/// certificate compares its own sweep knot by knot. Controls with a zero row in K are held, which
+/// is allowed if u + k is at a bound. Returns no checks if the sweep depends on data that the
+/// answer does not state: penalties or active rows of constraints, or a regularization of the
+/// states. `derivatives`, Gauss-Newton `hessians`, `gap` (ndx x N) and `policy` are those at the
+/// trajectory. If `displaced` is given, entries of the model may be off by their change at the
+/// displaced trajectory.
 std::vector<Check> check_gains(const ShootingProblem& problem, const SolutionClaims& claims,
                                const std::vector<NodeDerivatives>& derivatives,
                                const std::vector<Eigen::MatrixXd>& hessians,
                                const Eigen::MatrixXd& gap, const RiccatiPolicy& policy,
                                const DisplacedModel* displaced = nullptr);
 
-/// Whether they solve, to the tolerances of check_gains, the equations along the certificate's own
-/// policy, without regularization: a sweep along them is then the same one, and need not be made.
+/// True if the gains solve the equations along the certificate's own policy, without
+/// regularization, to the tolerances of check_gains. The sweep along the claimed gains is then the
+/// same and can be skipped.
 bool are_gains_of_policy(const ShootingProblem& problem, const SolutionClaims& claims,
                          const std::vector<NodeDerivatives>& derivatives,
                          const Eigen::MatrixXd& gap, const RiccatiPolicy& policy);

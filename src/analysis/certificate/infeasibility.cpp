@@ -15,7 +15,7 @@ namespace {
 
 using Eigen::VectorXd;
 
-/// The smaller value of each pair, which has to be zero.
+/// The smaller value of each pair, which must be zero.
 VectorXd from_pairs(const VectorXd& g) {
   VectorXd d = VectorXd::Zero(g.size());
   for (Eigen::Index i = 0; i + 1 < g.size(); i += 2) {
@@ -36,7 +36,7 @@ VectorXd from_set(const NodeConstraint& c, const VectorXd& g) {
   return d;
 }
 
-/// How far a control may go along a slope downwards, none where it has no bound there.
+/// Distance that a control can move downhill along a slope; nullopt without a bound there.
 std::optional<double> way_down(const KnotModel& model, int i, double u, double slope) {
   const double way = slope < 0 ? model.control_upper()[i] - u : u - model.control_lower()[i];
   return std::isfinite(way) ? std::optional(std::max(0.0, way)) : std::nullopt;
@@ -49,7 +49,7 @@ double largest_control(const ShootingProblem& problem, const Trajectory& traject
   return largest;
 }
 
-/// The steepest descent of ½‖d‖² by controls that have no bound on their way.
+/// Steepest descent of ½‖d‖² by controls without a bound in that direction.
 std::vector<VectorXd> free_descent(const ShootingProblem& problem, const Trajectory& trajectory,
                                    const std::vector<VectorXd>& gradient) {
   std::vector<VectorXd> descent;
@@ -68,7 +68,7 @@ double norm_of(const std::vector<VectorXd>& list) {
   return std::sqrt(sum);
 }
 
-/// The states' moves (ndx x (N + 1)) that follow from moves of the controls.
+/// Moves of the states (ndx x (N + 1)) that follow from moves of the controls.
 Eigen::MatrixXd moved_states(const ShootingProblem& problem,
                              const std::vector<NodeDerivatives>& derivatives,
                              const std::vector<VectorXd>& controls) {
@@ -80,7 +80,7 @@ Eigen::MatrixXd moved_states(const ShootingProblem& problem,
   return states;
 }
 
-/// ‖J p‖² of rows outside of their sets; 0 where it is rounding beside what the states do.
+/// ‖J p‖² over the violated rows; 0 if it is rounding relative to the state terms.
 double squared_change(const ShootingProblem& problem,
                       const std::vector<NodeDerivatives>& derivatives, const VectorXd& distances,
                       const std::vector<VectorXd>& controls) {
@@ -102,7 +102,7 @@ double squared_change(const ShootingProblem& problem,
   return sum > std::pow(kBlurred * far, 2) ? sum : 0;
 }
 
-/// What the best step along that descent takes of ‖d‖².
+/// Share of ‖d‖² that the best step along the free descent removes.
 double free_share(const ShootingProblem& problem, const Trajectory& trajectory,
                   const std::vector<NodeDerivatives>& derivatives, const VectorXd& distances,
                   const std::vector<VectorXd>& gradient) {

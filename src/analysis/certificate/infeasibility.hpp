@@ -9,25 +9,26 @@
 
 namespace conddp {
 
-/// How much of the violation ‖d‖ of hard constraints, where d = g − Π(g) are the distances of their
-/// values from their sets, moves of the controls could take away to first order, as a share of it:
-///   Σ_i |∂‖d‖/∂u_i| s_i / ‖d‖,
-/// by an adjoint pass in which states follow from the controls; s_i is how far a control can go,
-/// downhill, to its bound, and without a bound its largest size anywhere, at least 1. Below 1 no
-/// such move satisfies the linearised constraints: distances from convex sets lie above their
-/// tangents. Controls without a bound may go further: the share is at least what the best step
-/// along their steepest descent p takes of ‖d‖², (pᵀp)² / (‖J p‖² ‖d‖²), J the Jacobian of the rows
-/// that are outside. `values` are those of all constraint rows.
+/// Share of the violation ‖d‖ of hard constraints that moves of the controls could remove, to first
+/// order:
+///   Σ_i |∂‖d‖/∂u_i| s_i / ‖d‖.
+/// An adjoint pass, whose states follow from the controls, differentiates the distances d = g −
+/// Π(g) of the values from their sets. The range s_i is the distance that a control can move
+/// downhill to its bound. Without a bound, it is the largest size of any control, at least 1. Below
+/// 1, no such move satisfies the linearized constraints, because distances from convex sets lie
+/// above their tangents. Controls without a bound may move further. The share is therefore at least
+/// what the best step along their steepest descent p removes of ‖d‖²: (pᵀp)² / (‖J p‖² ‖d‖²). J is
+/// the Jacobian of the violated rows. `values` are those of all constraint rows.
 double attainable_share(const ShootingProblem& problem, const Trajectory& trajectory,
                         const std::vector<NodeDerivatives>& derivatives,
                         const Eigen::VectorXd& values);
 
-/// The model of second order of the problem of the least violation (violation_problem) at a
-/// trajectory with these gaps (ndx x N): its cost is ½‖d‖².
+/// Second-order model of the least-violation problem (violation_problem) at a trajectory with these
+/// gaps (ndx x N). The cost is ½‖d‖².
 SecondOrder violation_model(const ShootingProblem& problem, const Trajectory& trajectory,
                             const Eigen::MatrixXd& gaps);
 
-/// What those shares may be at a point of least violation.
+/// Largest value of these shares at a point of least violation.
 inline constexpr double kLeastViolationShare = 0.01;
 
 }  // namespace conddp

@@ -6,11 +6,11 @@
 
 namespace conddp {
 
-/// "knot 12 (phase 'swing'), v/elbow"; the last part only where there is a name.
+/// "knot 12 (phase 'swing'), v/elbow"; the last part is omitted if `quantity` is empty.
 std::string place_text(const ShootingProblem& problem, int knot, const std::string& quantity);
 
-/// What a control is called at its knot: where the first state is chosen they are components of
-/// that. Empty where there is none, or it has no name.
+/// Name of a control at its knot. The controls of a free initial state are its components. Empty if
+/// the control does not exist or is not named.
 std::string control_name(const ShootingProblem& problem, int knot, int entry);
 
 }  // namespace conddp

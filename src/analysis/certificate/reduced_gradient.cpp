@@ -15,12 +15,12 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// A number, or minus that number.
+/// The number with a random sign.
 double with_random_sign(std::mt19937_64& engine, double number) {
   return (engine() >> 63) != 0 ? number : -number;
 }
 
-/// Which bounds a control stands at, or is beyond.
+/// Bounds that a control is at or beyond.
 struct ControlAtBounds {
   ControlAtBounds(const KnotModel& model, int i, double u, double tolerance) {
     const double low = model.control_lower()[i], high = model.control_upper()[i];
@@ -30,8 +30,8 @@ struct ControlAtBounds {
   bool lower, upper;
 };
 
-/// Which rows of the Jacobian of a step follow from others. After q⁺ = q + h v⁺ those of q do:
-/// row i is h times another one, plus 1 in column i.
+/// Rows of a step's Jacobian that follow from others. With q⁺ = q + h v⁺, those of q do: row i is h
+/// times another one, plus 1 in column i.
 class StepRows {
  public:
   using Index = Eigen::Index;
@@ -81,11 +81,11 @@ class StepRows {
   std::vector<Index> followers_;
 };
 
-/// The stages of a policy, from the end: each from the value behind it.
+/// Stages of a policy, from the last to the first; each uses the value of the next node.
 class RiccatiStep {
  public:
-  /// Q of a stage, Hessian + Jᵀ V J, with J = S R + E: R are the rows of J that `rows` keeps, and E
-  /// has the ones of those that follow from them.
+  /// Q of a stage, Hessian + Jᵀ V J, with J = S R + E. R contains the rows of J that `rows` keeps,
+  /// and E the unit entries of the rows that follow from them.
   void form(const MatrixXd& value, const MatrixXd& hessian, const MatrixXd& jacobian,
             const StepRows& rows, MatrixXd& Q) {
     const Index ndx = jacobian.rows(), nz = jacobian.cols();
@@ -117,7 +117,7 @@ class RiccatiStep {
     mirror_lower_triangle(Q);
   }
 
-  /// The minimum over the free controls; false where the stage is not convex, and K is zero.
+  /// Minimizes over the free controls. Returns false if the stage is not convex; K is then zero.
   bool minimize(const MatrixXd& Q, const std::vector<int>& free, MatrixXd& K, MatrixXd& inverse) {
     K.setZero();
     inverse.setZero();
@@ -147,14 +147,14 @@ class RiccatiStep {
 
  private:
   using Index = Eigen::Index;
-  /// Of a block that is positive definite to rounding, relative to its diagonal.
+  /// Least pivot of a block that is positive definite beyond rounding, relative to its diagonal.
   static constexpr double kLeastPivot = 1e-14;
 
   SmallCholesky factors_;
   SmallCholesky::Rows rows_;
-  MatrixXd kept_, weight_, moved_, pulled_, transposed_;  // of form()
-  MatrixXd block_;                                        // of minimize()
-  MatrixXd controls_moved_, transposed_gains_, along_;    // of propagate()
+  MatrixXd kept_, weight_, moved_, pulled_, transposed_;  // workspace of form()
+  MatrixXd block_;                                        // workspace of minimize()
+  MatrixXd controls_moved_, transposed_gains_, along_;    // workspace of propagate()
 };
 
 }  // namespace

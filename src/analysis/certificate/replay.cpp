@@ -16,7 +16,7 @@
 namespace conddp {
 namespace {
 
-/// Looks for limits that are broken at one instant after the other.
+/// Records violated limits, one instant after another.
 class LimitWatch {
  public:
   void look(const System& system, const SystemData<double>& data, const double* x, int knot,
@@ -40,7 +40,7 @@ class LimitWatch {
   }
 
  private:
-  /// Limits that a plan meets exactly are missed by rounding.
+  /// Slack for limits that a plan reaches exactly, up to rounding.
   static constexpr double kSlack = 1e-6;
 
   struct Instant {
@@ -74,7 +74,7 @@ class LimitWatch {
     }
   }
 
-  /// The ground cannot hold a foot back.
+  /// Checks that no contact pulls: the ground cannot hold a foot back.
   void contacts(const MultibodySystem& system, const MultibodySystem::Data<double>& data) {
     for (int i = 0; i < system.contacts().count(); ++i) {
       const Contact& contact = system.contacts().contacts()[i];
@@ -153,7 +153,7 @@ class Player {
       view.model->remember(to.data(), x.data());
       from = to;
     }
-    // Integrals are those of the plan: the steps of the replay have their own.
+    // Integrals come from the plan, because those of the replay's steps differ.
     for (const IntegralTerm& integral : view.model->integrals())
       x[system_size(*view.model) + integral.number] =
           trajectory_.x(k + 1)[system_size(*view.model) + integral.number];
@@ -182,12 +182,12 @@ class Player {
   const std::vector<Eigen::MatrixXd>& gains_;
   const int substeps_;
   const std::vector<double> times_;
-  const Eigen::VectorXd scale_;  ///< by entry what counts as a deviation of 1
+  const Eigen::VectorXd scale_;  ///< deviation that counts as 1, by entry
   std::map<const KnotModel*, std::unique_ptr<ReplayStep>> memory_;
 };
 
-/// By entry how far a motion goes from its beginning. Of what hardly moves, a hundredth of a unit
-/// counts as its way.
+/// Range of motion from the initial state for each entry of the tangent vector, at least a
+/// hundredth of a unit.
 Eigen::VectorXd ways(const ShootingProblem& problem, const Trajectory& trajectory) {
   constexpr double kSmallWay = 0.01;
   Eigen::VectorXd way = Eigen::VectorXd::Constant(problem.ndx(), kSmallWay), off = way;
@@ -198,7 +198,7 @@ Eigen::VectorXd ways(const ShootingProblem& problem, const Trajectory& trajector
   return way;
 }
 
-/// But for the last state, from which nothing is replayed.
+/// True if the trajectory is finite, apart from the last state: nothing is replayed from there.
 bool is_finite(const Trajectory& trajectory) {
   for (int k = 0; k < trajectory.knots(); ++k)
     if (!trajectory.x(k).allFinite() || !trajectory.u(k).allFinite()) return false;

@@ -9,7 +9,7 @@
 
 namespace conddp {
 
-/// A step of a collocation, whose slopes follow from the state and the actuators.
+/// A collocation step, whose slopes follow from the state and the actuators.
 class CollocationStep {
  public:
   CollocationStep(const std::shared_ptr<const CollocationSystem>& system, Integrator integrator,
@@ -25,7 +25,8 @@ class CollocationStep {
     work_ = std::make_unique<KnotWorkspace<double>>(model_);
   }
 
-  /// The next state, by Newton's method from the slopes of the step before; NaN where it fails.
+  /// Solves for the next state by Newton's method, starting from the slopes of the previous step.
+  /// Returns NaN if it fails.
   std::vector<double> go(const double* x, const StepControl& u, double h) {
     const int unknown = model_.constraint_rows();
     const ConstraintTerm& term = model_.constraints().front();

@@ -8,7 +8,7 @@
 
 namespace conddp {
 
-/// The controls of a step, which are the same at its ends unless they are linear.
+/// Controls at the ends of a step; they are equal unless the controls are linear.
 struct StepControl {
   const double *begin, *end;
 };
@@ -16,23 +16,23 @@ struct StepControl {
 class CollocationStep;
 
 /// Moves the states of one knot model in steps of any length, by its integrator or another one, in
-/// scalar arithmetic. The slopes of a plan's collocation belong to its whole steps: those of other
+/// scalar arithmetic. The collocation slopes of a plan belong to its whole steps; those of other
 /// steps are solved for.
 class ReplayStep {
  public:
-  /// The model has to outlive it.
+  /// The model must outlive this object.
   explicit ReplayStep(const KnotModel& model);
-  /// By another rule. Throws std::invalid_argument where that is a collocation and the state space
+  /// Uses another rule. Throws std::invalid_argument if that is a collocation and the state space
   /// is curved.
   ReplayStep(const KnotModel& model, Integrator rule);
   ~ReplayStep();
 
-  /// The system without slopes.
+  /// The system without collocation slopes.
   const System& system() const { return *system_; }
-  /// Its data at (x, u), before a step from there.
+  /// Evaluates the system at (x, u), before a step from there.
   const SystemData<double>& look(const double* x, const double* u);
-  /// A step of dt from where it was looked at, in place. NaN where an implicit step has no
-  /// solution.
+  /// Moves x by a step of dt from the evaluated point, in place. x is NaN if an implicit step has
+  /// no solution.
   void go(const StepControl& u, double dt, double* x);
 
  private:

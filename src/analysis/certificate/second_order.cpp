@@ -22,47 +22,49 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Multipliers are weak where moving by all ranges changes the cost by less than this share.
+/// A multiplier is weak if moving by all ranges changes the cost by less than this share.
 constexpr double kWeak = 1e-8;
-/// Nearness of a value to its bound, relative to the terms of the value.
+/// A value is at its bound within this distance, relative to its terms.
 constexpr double kNear = 1e-7;
-/// Ranges beside the largest one, and derivatives of a row beside those of others, that are
-/// rounding: neither is a scale.
+/// Ranges below this share of the largest one are rounding and define no scale. The same holds for
+/// the derivatives of a row relative to those of other rows.
 constexpr double kNothing = 1e-12;
-/// Dependence of rows of unit length: the value has the squares of gains, which are its inverse.
+/// Rows of unit length are dependent below this pivot. The value contains squares of gains, which
+/// are inverse to the pivot.
 constexpr double kRank = 1e-8;
-/// Eigenvalues relative to the terms they come from: rounding lies between the two.
+/// Thresholds for eigenvalues relative to the terms they come from; rounding lies between the two.
 constexpr double kPositive = 1e-13, kNegative = 1e-8;
-/// Of the cost, what negative curvature gains at least.
+/// Least gain of negative curvature, as a share of the cost.
 constexpr double kLeastGain = 1e-6;
-/// Of the change of the costs by moves of all ranges, what is nothing: moves of 3·10⁻¹⁰ of them.
+/// Share of the cost change over all ranges that counts as nothing: moves by 3·10⁻¹⁰ of the ranges.
 constexpr double kResolution = 1e-19;
-/// Of the resolution, what a repair counts from: at rest all else is zero.
+/// Least repair that counts, as a share of the resolution: at rest all else is zero.
 constexpr double kRepair = 1e-5;
-/// What a slope counts beside a gain: it ends where the curvature does.
+/// Weight of a slope relative to a gain: a slope ends where the curvature does.
 constexpr double kSlopeShare = 1e-4;
-/// Searches for the inactive rows that Newton's step runs into.
+/// Limit on the searches for inactive rows that stop Newton's step.
 constexpr int kRounds = 16;
 
-/// A row aᵀz of a node, in ranges, that is held, may be held, or limits a step.
+/// A row aᵀz of a node, in units of the ranges: held, possibly held, or limiting a step.
 struct Row {
   enum class Role { held, weak, open };
   VectorXd a;  ///< of unit length
   Role role = Role::open;
-  double off = 0;      ///< of a held row, what z has to change of it
+  double off = 0;      ///< required change of a held row
   double pressed = 0;  ///< ν (g − bound) of a held row
-  /// Ways down and up that the bounds leave.
+  /// Distances down and up to the bounds.
   double down = std::numeric_limits<double>::infinity();
   double up = std::numeric_limits<double>::infinity();
 
-  /// The share of a change that they allow.
+  /// Share of a change that the bounds allow.
   double way(double change) const {
     const double room = change > 0 ? up : down;
     return change == 0 ? 1.0 : std::min(1.0, room / std::abs(change));
   }
 };
 
-/// Ranges of motion: of each state over the trajectory, of each control over the knots of a model.
+/// Ranges of motion: of each state over the trajectory, of each control over the knots of its
+/// model.
 class Ranges {
  public:
   Ranges(const ShootingProblem& problem, const Trajectory& trajectory)
@@ -99,7 +101,7 @@ class Ranges {
   std::map<const KnotModel*, VectorXd> controls_;
 };
 
-/// A range of zero tells nothing of a scale.
+/// Scales by the ranges; a range of zero defines none and counts as 1.
 VectorXd units_of(const VectorXd& ranges) {
   return ranges.unaryExpr([](double r) { return r > 0 ? r : 1.0; });
 }
@@ -109,10 +111,10 @@ struct ScaledNode {
   MatrixXd hessian, step;  ///< nz x nz; ndx x nz
   VectorXd gradient, gap;
   std::vector<Row> rows;
-  std::vector<Row::Role> controls;  ///< of each control, by its bounds
+  std::vector<Row::Role> controls;  ///< role of each control, by its bounds
 };
 
-/// ‖v‖ − t of a cone's values, its derivative, and what its curvature adds for a multiplier of ‖v‖.
+/// Boundary ‖v‖ − t of a cone: its value, its derivative, and the Hessian of ‖v‖.
 struct ConeBoundary {
   explicit ConeBoundary(const VectorXd& g)
       : axis(g.head(g.size() - 1)), length(axis.norm()), value(length - g[g.size() - 1]) {}
@@ -129,7 +131,7 @@ struct ConeBoundary {
   double length, value;
 };
 
-/// The nodes of a point, and which of their rows are active.
+/// The nodes of a point, and the roles of their rows.
 class Model {
  public:
   explicit Model(const JudgedPoint& point)
@@ -153,7 +155,7 @@ class Model {
   double cost_size() const { return size_; }
   double resolution() const { return resolution_; }
   VectorXd unit(int k) const { return units_of(ranges_.of_node(point_.problem, k)); }
-  /// Σ |∂L/∂u| times the ranges, without what bounds take; 0 where no multipliers are claimed.
+  /// Σ |∂L/∂u| times the ranges, over controls that no bound holds; 0 without constraints.
   double slope() const {
     double sum = 0;
     if (point_.problem.constraints().empty()) return 0;
@@ -167,7 +169,7 @@ class Model {
   }
 
  private:
-  /// By how much the costs change where all states and controls move by their ranges.
+  /// Cost change if all states and controls move by their ranges, summed over the nodes.
   double change_over_ranges() const {
     const ShootingProblem& problem = point_.problem;
     Trajectory moved = point_.trajectory;
@@ -227,7 +229,7 @@ class Model {
     }
   }
 
-  /// The Jacobian of a constraint in units of the ranges.
+  /// Jacobian of a constraint in units of the ranges.
   MatrixXd jacobian(const NodeConstraint& c) const {
     return point_.derivatives[c.node].constraint.middleRows(
                c.row - point_.problem.constraint_offset(c.node), c.term->rows) *
@@ -247,8 +249,8 @@ class Model {
         add_bounded(c, C.row(i), g[i], nu[i], c.lower[i], c.upper[i]);
   }
 
-  /// The smaller entry of a pair is held. Where both vanish, each is held that the cost presses
-  /// down; one that lowers the cost where it grows is let go, without its multiplier.
+  /// Holds the smaller entry of a pair. If both vanish, each entry that the cost presses down is
+  /// held; an entry whose growth lowers the cost is released, without its multiplier.
   void add_of_pair(const NodeConstraint& c, const VectorXd& a, const VectorXd& of_other,
                    const VectorXd& g, const VectorXd& nu, int i) {
     const int other = i ^ 1;
@@ -282,13 +284,13 @@ class Model {
     Row row{a};
     const double terms = a.lpNorm<1>(), near = kNear * std::max(terms, std::abs(g));
     bool pushed = std::abs(nu) * a.lpNorm<Eigen::Infinity>() > kWeak * size_;
-    // A soft row outside of its bounds costs as much per distance wherever it is.
+    // A violated soft row has a constant cost per distance, so it is not held.
     const bool paid = c.is_soft() && std::abs(nu) >= (1 - kNear) * c.limit;
-    // Whatever the multiplier, what is violated has to be repaired.
+    // A violation must be repaired, whatever the multiplier.
     const bool below = !c.is_soft() && g < lower - near, above = !c.is_soft() && g > upper + near;
     const double bound = below || (!above && (lower == upper || nu < 0)) ? lower : upper;
-    // Interior points leave multipliers at bounds that are far: of push and distance the larger one
-    // counts, in shares of the costs and in ranges.
+    // Interior-point methods leave multipliers at distant bounds. The larger one of push and
+    // distance counts, in shares of the costs and in ranges.
     const double off = std::abs(bound - g);
     if (pushed && lower != upper && off > near && std::abs(nu) * a.squaredNorm() < size_ * off) {
       pushed = false;
@@ -334,7 +336,7 @@ class Model {
     node.rows.push_back(std::move(row));
   }
 
-  /// Rows of unit length, or of none.
+  /// Scales rows to unit length; rows that are rounding become zero.
   void finish(int k) {
     double longest = 0;
     for (const Row& row : nodes_[k].rows) longest = std::max(longest, row.a.norm());
@@ -357,7 +359,7 @@ class Model {
   std::vector<ScaledNode> nodes_;
 };
 
-/// Rows G x = h on a state: G has orthonormal rows, h a column for each right-hand side.
+/// Rows G x = h on a state: G has orthonormal rows, h one column per right-hand side.
 struct StateRows {
   MatrixXd G, h;
 };
@@ -383,7 +385,7 @@ StateRows independent(MatrixXd A, MatrixXd rhs) {
   return out;
 }
 
-/// How far a step goes before an inactive row ends it.
+/// Largest share of a step before an inactive row stops it.
 double step_length(const std::vector<ScaledNode>& nodes, const std::vector<VectorXd>& step,
                    double sign) {
   double length = 1;
@@ -394,11 +396,11 @@ double step_length(const std::vector<ScaledNode>& nodes, const std::vector<Vecto
   return length;
 }
 
-/// A direction of negative curvature, whose largest entry is a range.
+/// A direction of negative curvature, scaled to a largest entry of one range.
 struct Descent {
   std::vector<VectorXd> z;
   double bend = 0;    ///< ½ zᵀ H z
-  double length = 0;  ///< how far it goes, one way or the other, until a row ends it
+  double length = 0;  ///< largest share of z or −z until a row stops it
 
   double gain() const { return -bend * length * length; }
   void measure(const std::vector<ScaledNode>& nodes) {
@@ -412,7 +414,7 @@ struct Descent {
   }
 };
 
-/// The recursion. Right-hand sides: with violations closed, and without.
+/// Riccati recursion with two right-hand sides: with violations closed, and without.
 class Recursion {
  public:
   static constexpr Index kSides = 2;
@@ -421,7 +423,7 @@ class Recursion {
   Recursion(const std::vector<ScaledNode>& nodes, double least_gain)
       : nodes_(nodes), least_gain_(least_gain) {}
 
-  /// From the last node to the first. False where a stage has negative curvature.
+  /// Sweeps from the last node to the first. Returns false if a stage has negative curvature.
   bool run() {
     const int N = static_cast<int>(nodes_.size()) - 1;
     stages_.assign(N, {});
@@ -431,16 +433,16 @@ class Recursion {
     return true;
   }
 
-  /// The model's least values: with violations closed, and without.
+  /// Least values of the model: with violations closed, and without.
   Eigen::RowVector2d least_values() const { return constant_; }
-  /// What a direction without curvature lowers the cost by where it goes on for a range, or until
-  /// an inactive row ends it: the most of all.
+  /// Largest cost decrease along a direction without curvature, over one range or until an inactive
+  /// row stops it.
   double flat_gain() const { return flat_gain_; }
-  /// Least eigenvalue of stages that rounding does not leave positive, relative to their terms, and
-  /// where; infinite where there are none.
+  /// Least eigenvalue of the stages that are not positive beyond rounding, relative to their terms,
+  /// and its knot; infinite if all stages are positive.
   double least() const { return least_; }
   int least_knot() const { return least_knot_; }
-  /// ν (g − bound) of all rows that are held.
+  /// Sum of ν (g − bound) over all held rows.
   double pressed() const {
     double sum = 0;
     for (const ScaledNode& node : nodes_)
@@ -449,7 +451,7 @@ class Recursion {
     return sum;
   }
 
-  /// Newton's step along the active rows, z of each node.
+  /// Newton's step along the active rows: z of each node.
   std::vector<VectorXd> step() const {
     std::vector<VectorXd> list;
     VectorXd x = VectorXd::Zero(nodes_.back().hessian.rows());
@@ -459,15 +461,15 @@ class Recursion {
     return list;
   }
 
-  /// Along the negative curvature at which run() ended.
+  /// Direction of the negative curvature that ended run().
   const Descent& descent() const { return found_; }
 
  private:
   struct Stage {
-    MatrixXd K, k;  ///< δu = K δx + k, a column of k for each right-hand side
+    MatrixXd K, k;  ///< δu = K δx + k, one column of k per right-hand side
   };
 
-  /// From rest by controls at one knot, then along the gains of the later ones.
+  /// Starts from rest with controls at one knot, then follows the gains of the later knots.
   Descent direction(int knot, const VectorXd& start) const {
     Descent out;
     VectorXd x = VectorXd::Zero(nodes_.back().hessian.rows());
@@ -502,7 +504,7 @@ class Recursion {
     if (E.rows() > 0) rows_ = independent(E, e);
   }
 
-  /// Own rows of a node, and those that the next one's become.
+  /// Gathers the held rows of a node and those of the next node, expressed in this node's z.
   void gather(const ScaledNode& node, MatrixXd& E, MatrixXd& e) const {
     const Index nz = node.hessian.rows();
     const bool terminal = node.step.rows() == 0;
@@ -544,7 +546,7 @@ class Recursion {
     return E.rows() == 0 ? minimize_free(k, q, terms, n, nu) : minimize(k, E, e, q, terms, n, nu);
   }
 
-  /// Without active rows.
+  /// Minimizes a stage without active rows.
   bool minimize_free(int k, const MatrixXd& q, const MatrixXd& terms, Index n, Index nu) {
     rows_ = {MatrixXd(0, n), MatrixXd(0, kSides)};
     return reduce(k, MatrixXd::Identity(nu, nu), MatrixXd::Zero(nu, n), MatrixXd::Zero(nu, kSides),
@@ -563,7 +565,7 @@ class Recursion {
     MatrixXd Z = MatrixXd::Identity(nu, nu), Ux = MatrixXd::Zero(nu, n),
              U0 = MatrixXd::Zero(nu, kSides);
     MatrixXd left_x = Ex, left_r = r;
-    // Pivots relative to rows of unit length: a control that moves no row is none.
+    // Pivots are relative to rows of unit length; a control that moves no row yields none.
     Index rank = 0;
     if (nu > 0) {
       qr.compute(Eu.transpose());
@@ -589,7 +591,7 @@ class Recursion {
     return reduce(k, Z, Ux, U0, q, terms, n, nu);
   }
 
-  /// Rows that no control of this node satisfies; what is rounding goes.
+  /// Keeps the rows that no control of this node satisfies, and drops rounding.
   void keep(const MatrixXd& left_x, const MatrixXd& left_r, Index n) {
     std::vector<Index> kept;
     for (Index i = 0; i < left_x.rows(); ++i)
@@ -600,7 +602,7 @@ class Recursion {
       rows_ = independent(left_x(kept, Eigen::all), left_r(kept, Eigen::all));
   }
 
-  /// Minimizes over u = Ux x + U0 + Z w by w.
+  /// Minimizes over w in u = Ux x + U0 + Z w.
   bool reduce(int k, const MatrixXd& Z, const MatrixXd& Ux, const MatrixXd& U0, const MatrixXd& q,
               const MatrixXd& terms, Index n, Index nu) {
     Stage& stage = stages_[k];
@@ -622,8 +624,8 @@ class Recursion {
     return true;
   }
 
-  /// The value along u = K x + k, as a sum without differences: what a stiff cost adds to the
-  /// Hessian cancels in the closed loop, not in large numbers.
+  /// Value along u = K x + k, as a sum without differences. Hessian terms of a stiff cost cancel in
+  /// the closed loop, not between large numbers.
   void propagate(const ScaledNode& node, const Stage& stage, Index n, Index nu) {
     closed_ = node.step.leftCols(n);
     closed_.noalias() += node.step.rightCols(nu) * stage.K;
@@ -644,21 +646,21 @@ class Recursion {
     mirror_lower_triangle(P_);
   }
 
-  /// A diagonal that no matrix with entries as large exceeds in any direction, whatever the units
-  /// of its rows are; `at_least` is part of it.
+  /// Diagonal that bounds every matrix with entries of these sizes in every direction, whatever the
+  /// units of its rows. It includes `at_least`.
   static VectorXd bound_of(const MatrixXd& entries, const VectorXd& at_least) {
     const VectorXd root = (at_least + entries.diagonal().cwiseAbs()).cwiseSqrt();
     const VectorXd inverse = root.unaryExpr([](double r) { return r > 0 ? 1 / r : 0.0; });
     return at_least + root.cwiseProduct(entries.cwiseAbs() * inverse);
   }
 
-  /// The diagonal that bounds |F|ᵀ |P| |F|, from |P_ij| ≤ √(P_ii P_jj).
+  /// Diagonal that bounds |F|ᵀ |P| |F|, from |P_ij| ≤ √(P_ii P_jj).
   VectorXd pulled_bound(const Eigen::Ref<const MatrixXd>& F) const {
     const VectorXd a = F.cwiseAbs().transpose() * P_.diagonal().cwiseAbs().cwiseSqrt();
     return static_cast<double>(a.size()) * a.cwiseAbs2();
   }
 
-  /// Terms of the controls' block of Q, nu x nu: rounding is relative to them.
+  /// Terms of the controls' block of Q, nu x nu; rounding is relative to them.
   MatrixXd terms_of_controls(const ScaledNode& node, Index nu) const {
     const auto Fu = node.step.rightCols(nu);
     MatrixXd terms = Fu.transpose() * (E_ * Fu);
@@ -666,7 +668,7 @@ class Recursion {
     return terms;
   }
 
-  /// Terms of the value along the closed loop, from those of the next one, P_.
+  /// Terms of the value along the closed loop, from those of P_, the value of the next node.
   void carry_rounding(const MatrixXd& H, const Stage& stage, Index n, Index nu) {
     const MatrixXd K = stage.K.cwiseAbs(), Hux = H.bottomLeftCorner(nu, n).cwiseAbs();
     MatrixXd own = H.topLeftCorner(n, n).cwiseAbs() + Hux.transpose() * K;
@@ -676,7 +678,8 @@ class Recursion {
     E_.diagonal() += bound_of(own, pulled_bound(closed_));
   }
 
-  /// w = wx x + w0, least with Hessian Qww. False where that is negative along some w.
+  /// Minimizes over w with Hessian Qww; the solution is w = wx x + w0. Returns false if Qww is
+  /// negative along some w.
   bool solve(int k, const MatrixXd& Z, const MatrixXd& Qww, const VectorXd& terms,
              const MatrixXd& Qwx, const MatrixXd& qw, MatrixXd& wx, MatrixXd& w0) {
     const VectorXd unit = terms.unaryExpr([](double t) { return t > 0 ? 1 / std::sqrt(t) : 1.0; });
@@ -711,7 +714,8 @@ class Recursion {
     for (Index i = 0; i < values.size() && values[i] <= limit; ++i)
       slide(k, Z * (unit.asDiagonal() * eigen.eigenvectors().col(i)),
             eigen.eigenvectors().col(i).dot(unit.asDiagonal() * qw.col(1)));
-    // What rounding leaves is left alone, and no more: controls that steady a motion may be weak.
+    // Directions lost to rounding are left unchanged, and no others: controls that stabilize a
+    // motion may be weak.
     const VectorXd inverse =
         values.unaryExpr([limit](double v) { return v > limit ? 1 / v : 0.0; });
     const MatrixXd V = unit.asDiagonal() * eigen.eigenvectors();
@@ -738,7 +742,7 @@ class Recursion {
   const double least_gain_;
   std::vector<Stage> stages_;
   MatrixXd P_, p_, PF_, Q_, transposed_, closed_;
-  MatrixXd E_;  ///< what bounds the rounding of P, relative to that of a number
+  MatrixXd E_;  ///< bound on the rounding of P, relative to that of one number
   StateRows rows_;
   Eigen::RowVector2d constant_ = Eigen::RowVector2d::Zero();
   double least_ = std::numeric_limits<double>::infinity();
@@ -750,7 +754,7 @@ class Recursion {
   double flat_gain_ = 0;
 };
 
-/// How far a step goes, and holds the rows that end it.
+/// Returns the possible share of a step, and holds the rows that stop it.
 double limit_step(std::vector<ScaledNode>& nodes, const std::vector<VectorXd>& step) {
   const double length = step_length(nodes, step, 1);
   for (std::size_t k = 0; length < 1 && k < nodes.size(); ++k)
@@ -761,8 +765,8 @@ double limit_step(std::vector<ScaledNode>& nodes, const std::vector<VectorXd>& s
   return length;
 }
 
-/// What Newton's step promises, on the active rows and those it runs into. These only lower the
-/// gain that the model has without them: one that is nothing beside the cost needs no search.
+/// Gain predicted by Newton's step on the active rows and those it runs into. Such rows only lower
+/// the gain, so the search ends once the gain is negligible beside the cost.
 double attainable_gain(std::vector<ScaledNode> nodes, const Recursion& first, double cost_size) {
   constexpr double kAny = std::numeric_limits<double>::infinity();
   double best = 0;

@@ -10,18 +10,18 @@ namespace {
 
 using Eigen::Index;
 
-/// Calls f with the first of each of the blocks of `size` that cover `count`. The last one overlaps
-/// the one before it: what is written twice is the same.
+/// Calls f with the first index of each of the blocks of `size` that cover `count`. The last block
+/// overlaps the one before it; entries written twice are the same.
 template <int size, class F>
 void cover(Index count, F f) {
   for (Index first = 0; first + size <= count; first += size) f(first);
   if (count % size != 0) f(count - size);
 }
 
-/// Some rows of a matrix in columns.
+/// Entries of consecutive rows in one column of a matrix.
 template <int rows>
 struct Rows {
-  // An alias by `using` loses an attribute that depends on a parameter of the template.
+  // A `using` alias loses an attribute that depends on a template parameter.
   typedef double Vector __attribute__((vector_size(8 * rows)));  // NOLINT(modernize-use-using)
   static Vector load(const double* from) {
     Vector v;
@@ -41,7 +41,7 @@ struct Product {
   const double* b;
   double* out;
   Index a_stride, b_stride, out_stride, terms;
-  bool lower;  ///< whether blocks above the diagonal are left out
+  bool lower;  ///< true if blocks above the diagonal are skipped
 
   template <int rows, int columns>
   void block(Index row, Index column) const {
@@ -65,7 +65,7 @@ struct Product {
     });
   }
 
-  /// With the largest blocks that are not wider than the product.
+  /// Uses the largest blocks that are not wider than the product.
   template <int rows, int columns>
   void run(Index height, Index width) const {
     if constexpr (columns > 1)
@@ -76,7 +76,7 @@ struct Product {
   }
 };
 
-/// Adds the sum of all lanes of each of the first `count` numbers to a number.
+/// Adds the sum over the lanes of each of the first `count` entries of `sums` to `to`.
 void add_totals(Lane (&sums)[kLaneWidth], int count, double* to) {
   transpose_lanes(sums);
   Lane total = load_some(to, count);

@@ -4,20 +4,20 @@
 
 namespace conddp {
 
-/// out = a b, of matrices with the size of a knot: without packing, copies or allocation beyond
-/// that of `out`. `out` is neither factor. Each entry is one sum over k from the first on.
+/// out = a b for knot-sized matrices, without packing, copies or allocation beyond that of `out`.
+/// `out` must be neither factor. Each entry is a single sum in ascending order of k.
 void multiply(const Eigen::Ref<const Eigen::MatrixXd>& a,
               const Eigen::Ref<const Eigen::MatrixXd>& b, Eigen::MatrixXd& out);
 
-/// The same of a square product, of which only the lower triangle is needed.
+/// The same for a square product if only its lower triangle is needed.
 void multiply_lower(const Eigen::Ref<const Eigen::MatrixXd>& a,
                     const Eigen::Ref<const Eigen::MatrixXd>& b, Eigen::MatrixXd& out);
 
-/// Makes a square matrix symmetric: what is above the diagonal becomes what is below it.
+/// Copies the lower triangle of a square matrix to the upper one.
 void mirror_lower_triangle(Eigen::MatrixXd& matrix);
 
-/// value += Aᵀ x, and size += |A|ᵀ |x|, what the terms of each sum add up to without their signs.
-/// `x` has a number for each row of A.
+/// value += Aᵀ x and size += |A|ᵀ |x|, the sum of the absolute terms. `x` has one number per row of
+/// A.
 void add_transposed_product(const Eigen::MatrixXd& A, const double* x, Eigen::VectorXd& value,
                             Eigen::VectorXd& size);
 

@@ -13,7 +13,7 @@
 
 namespace conddp {
 
-/// All that an answer states, in numbers; what it leaves open is not a number.
+/// All claims of an answer; NaN for numbers that it leaves open.
 struct SolutionClaims {
   static constexpr double kOpen = std::numeric_limits<double>::quiet_NaN();
 
@@ -32,15 +32,15 @@ struct SolutionClaims {
   SolverOptions::Tolerances tolerances;
   Eigen::MatrixXd costates;        ///< ndx x (N + 1)
   Eigen::MatrixXd state_gradient;  ///< ndx x (N + 1): ∇_x of the Lagrangian
-  /// Multipliers of the control bounds, one vector a knot; zero where the answer has none.
+  /// Multipliers of the control bounds, one vector per knot; zero if the answer does not state any.
   std::vector<Eigen::VectorXd> lower_multipliers, upper_multipliers;
-  /// Multipliers of the constraints, one a constraint row of the problem.
+  /// Multipliers of the constraints, one per constraint row of the problem.
   Eigen::VectorXd multipliers;
-  std::vector<Eigen::MatrixXd> gains;        ///< K, nu x ndx, one a knot
-  std::vector<Eigen::VectorXd> feedforward;  ///< k, nu, one a knot
-  double gain_regularization = kOpen;        ///< of the sweep that gave them
+  std::vector<Eigen::MatrixXd> gains;        ///< K, nu x ndx per knot
+  std::vector<Eigen::VectorXd> feedforward;  ///< k, nu per knot
+  double gain_regularization = kOpen;        ///< regularization of their sweep
   RegularizationKind gain_regularization_kind = RegularizationKind::proximal;
-  std::vector<std::string> tangent_names;  ///< how places are called
+  std::vector<std::string> tangent_names;  ///< names of tangent coordinates, for places
 };
 
 }  // namespace conddp

@@ -12,7 +12,7 @@
 namespace conddp {
 namespace {
 
-/// Tolerances are those of the scaled costs.
+/// Tolerances apply to the scaled costs.
 bool agrees(const AnswerCheck& check, const SolverOptions& options, double scale) {
   const auto& tolerance = options.tolerances;
   return scale * check.stationarity <= kCheckFactor * tolerance.stationarity &&
@@ -33,21 +33,21 @@ SolveTimes medians(const std::vector<SolveTimes>& all) {
           .rollout = middle(&SolveTimes::rollout)};
 }
 
-/// Row 0 of a log is the guess.
+/// Skips row 0 of the log, which is the guess.
 int sweeps(const std::vector<IterationRecord>& log) {
   int sum = 0;
   for (std::size_t i = 1; i < log.size(); ++i) sum += std::max(log[i].sweeps, 1);
   return sum;
 }
 
-/// Why an answer is not taken for converged.
+/// Reason why an answer does not count as converged.
 std::string contradiction(const AnswerCheck& check) {
   return fmt::format(
       "called converged, but the check finds stationarity {:.1e}, gap {:.1e}, constraint {:.1e}",
       check.stationarity, check.gap, check.constraint);
 }
 
-/// What a run says of its answer, and what the check finds.
+/// Records the claims of a solve about its answer, and the result of the check.
 void describe(const SolveResult& result, const ShootingProblem& problem,
               const SolverOptions& options, BenchmarkRun& run) {
   run.status = to_string(result.status);
@@ -79,7 +79,7 @@ double BenchmarkRun::spread() const {
 
 namespace {
 
-/// Whether another solve takes as long, and not too long.
+/// True if another solve would take as long, and not too long.
 bool is_repeatable(const SolveResult& result, const Repetition& repetition) {
   return result.status != SolveStatus::time_limit && result.status != SolveStatus::interrupted &&
          !(result.times.total > repetition.longest_s);

@@ -10,51 +10,51 @@
 
 namespace conddp {
 
-/// A solver on a problem, measured.
+/// Measurements of a solver on a problem.
 struct BenchmarkRun {
   std::string solver;
-  std::string status;   ///< how the solve ended, or "refused"
-  std::string message;  ///< why
+  std::string status;   ///< status of the solve, or "refused"
+  std::string message;  ///< reason of the status
   int iterations = 0;
-  /// Backward passes, or systems of equations where there are no passes: at least one an iteration.
+  /// Backward passes, or equation systems in methods without passes: at least one per iteration.
   int sweeps = 0;
-  AnswerCheck check;          ///< found by check_answer
-  Residuals claimed;          ///< what the solver said
+  AnswerCheck check;          ///< result of check_answer
+  Residuals claimed;          ///< residuals that the solver reports
   bool solved = false;        ///< converged, and the check agrees
-  SolveTimes median;          ///< of the timed solves, each part by itself, s
-  std::vector<double> times;  ///< of each timed solve, s; empty where it was refused
+  SolveTimes median;          ///< medians over the timed solves, part by part, s
+  std::vector<double> times;  ///< total of each timed solve, s; empty if refused
 
   /// (largest − smallest) / median of the times.
   double spread() const;
-  /// Not so where a solver called an answer converged that the check does not confirm.
+  /// False if a solver reports convergence that the check does not confirm.
   bool kept_word() const { return solved || status != to_string(SolveStatus::converged); }
 };
 
-/// How often a solve is timed.
+/// Repetition of a timed solve.
 struct Repetition {
-  int count = 0;  ///< solves after one to warm up; 0: that one alone, timed
-  /// A solve that took longer is not repeated either, s.
+  int count = 0;  ///< solves after a warm-up; 0: the warm-up itself is timed
+  /// A solve that took longer is not repeated, s.
   double longest_s = std::numeric_limits<double>::infinity();
 };
 
-/// How far over the tolerance the check of an answer may find a residual before the solver's word
-/// is doubted: stationarity along another policy is another number.
+/// The check confirms a reported residual up to this multiple of its tolerance. Stationarity along
+/// another policy is a different number.
 inline constexpr double kCheckFactor = 10;
 
-/// Solves by the first of some solvers that converges, once to warm up, then as often as is asked
-/// for against the clock, one after the other; `name` is what the run calls them. A solve that
-/// ended for want of time, or is not to be repeated, counts itself. A refusal, of the problem or of
-/// an option, is a run with that status. `answer`, if wanted, receives the trajectory that was
+/// Solves with the first of several solvers that converges: once to warm up, then as often as
+/// `repetition` says against the clock, one after the other. `name` is the solver name of the run.
+/// If the warm-up hits the time limit or may not be repeated, its own time counts. If the problem
+/// or an option is refused, the run has that status. `answer`, if given, receives the trajectory
 /// found.
 BenchmarkRun run_benchmark(const ShootingProblem& problem, const Trajectory& guess,
                            std::string_view name, SolverList solvers, const SolverOptions& options,
                            const Repetition& repetition, Trajectory* answer = nullptr);
-/// The same by the solver of a name, `auto` included.
+/// The same for the solver of the given name, including `auto`.
 BenchmarkRun run_benchmark(const ShootingProblem& problem, const Trajectory& guess,
                            std::string_view solver, const SolverOptions& options,
                            const Repetition& repetition, Trajectory* answer = nullptr);
 
-/// The middle of some numbers (of two, their mean); not-a-number of none.
+/// Median of some numbers (mean of the middle two for an even count); NaN if empty.
 double median(std::vector<double> values);
 
 }  // namespace conddp

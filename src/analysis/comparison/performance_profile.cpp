@@ -14,7 +14,7 @@ double PerformanceProfile::share(double tau) const {
 
 namespace {
 
-/// The share of `problems` whose numbers are at most each of these.
+/// For each number, the share of `problems` with a number that is not larger.
 std::vector<std::pair<double, double>> share_steps(std::vector<double> numbers,
                                                    std::size_t problems) {
   std::sort(numbers.begin(), numbers.end());

@@ -17,14 +17,14 @@ ShootingProblem perturb_initial_state(const ShootingProblem& problem, double siz
   const int own = model.system().ndx();
   std::vector<double> dx(problem.ndx(), 0.0);
   for (int i = 0; i < own; ++i) dx[i] = size * (static_cast<double>(engine() >> 11) * 0x1p-52 - 1);
-  // What is chosen stays what it is chosen from.
+  // Free coordinates of the initial state stay as they are.
   if (is_choice)
     for (const int i : chosen_coordinates(model.system())) dx[i] = 0;
-  // The time begins when it does, and what does not move yet rests where it is.
+  // The time starts as before, and coordinates that do not move yet stay at rest.
   for (const int i : other_coordinates(model.system())) dx[i] = 0;
   std::vector<double> x0 = problem.initial_state();
   const bool moves = std::ranges::any_of(dx, [](double entry) { return entry != 0; });
-  if (moves)  // to move by nothing would round
+  if (moves)  // a move by zero would round
     problem.manifold().integrate(x0.data(), dx.data(), x0.data());
   return {std::move(x0), problem.phases(), problem.terminal()};
 }
@@ -40,7 +40,7 @@ ProblemPath perturb_initial_state(ProblemPath homotopy, double size, std::uint64
 
 Trajectory guess_of_instance(const ShootingProblem& instance, const Trajectory& guess,
                              const Perturbation& perturbation) {
-  // To move by nothing would round, and draw numbers in vain.
+  // A perturbation of zero would round, and draw numbers in vain.
   Trajectory start = perturbation.guess == 0
                          ? guess
                          : perturb_guess(instance, guess, perturbation.guess, perturbation.seed);

@@ -18,7 +18,7 @@ using Matrix = std::vector<std::vector<double>>;
 
 constexpr const char* kQuaternion[] = {"qx", "qy", "qz", "qw"};
 
-/// A number, not-a-number for null.
+/// Reads a number; null becomes NaN.
 double read_number(const Json& value, const std::string& what) {
   if (value.is_null()) return std::numeric_limits<double>::quiet_NaN();
   if (!value.is_number()) throw MalformedSolution{fmt::format("{} is not a number", what)};
@@ -36,7 +36,7 @@ NamedValues read_named(const Json& solution, const char* key) {
   return values;
 }
 
-/// The states or controls of a trajectory and the names of their columns.
+/// States or controls of a trajectory, and the names of their columns.
 struct Table {
   std::vector<std::string> names;
   Matrix rows;
@@ -52,7 +52,7 @@ std::vector<std::string> read_names(const Json& list, const char* kind) {
   return names;
 }
 
-/// A number for each column; or none, at an impulse.
+/// Reads one number per column, or an empty row at an impulse.
 std::vector<double> read_row(const Json& numbers, const char* kind, std::size_t columns) {
   if (!numbers.is_array() || (!numbers.empty() && numbers.size() != columns))
     throw MalformedSolution{fmt::format("a row of '{}' should have {} numbers", kind, columns)};
@@ -61,8 +61,8 @@ std::vector<double> read_row(const Json& numbers, const char* kind, std::size_t 
   return row;
 }
 
-/// Where the first state is chosen the first controls are the choice, which the second state shows:
-/// they are left out.
+/// Reads the rows of states or controls. If the initial state is free, the first controls are the
+/// choice; they are left out because the second state shows them.
 Table read_table(const Json& trajectory, const char* kind, std::size_t rows,
                  bool first_is_choice = false) {
   Table table{read_names(solution_member(solution_member(trajectory, "columns"), kind), kind), {}};
@@ -79,7 +79,7 @@ Table read_table(const Json& trajectory, const char* kind, std::size_t rows,
   return table;
 }
 
-/// What is compared of a solution.
+/// The compared part of a solution.
 struct Compared {
   explicit Compared(const Json& solution) {
     status = solution_text(solution, "status");
@@ -217,8 +217,8 @@ class Comparison {
     }
   }
 
-  /// Slacks of contact-implicit steps: where a force acts, velocities and forces say what they
-  /// are, and where none does nothing but their small weight.
+  /// True for slacks of contact-implicit steps. If a force acts, velocities and forces determine
+  /// them; otherwise only their small weight does.
   static bool is_slack(const std::string& name) {
     const std::string last = name.substr(name.rfind('/') + 1);
     return name.starts_with("contact/") && (last.starts_with("slip_") || last.starts_with("use"));
@@ -231,8 +231,8 @@ class Comparison {
     return true;
   }
 
-  /// The largest difference of the knots. One that is not finite is larger than all others: numbers
-  /// that are missing agree with nothing.
+  /// Largest difference over the knots. A difference that is not finite exceeds all others: missing
+  /// numbers agree with nothing.
   struct Worst {
     double difference = 0;
     std::size_t knot = 0;
@@ -245,7 +245,7 @@ class Comparison {
     }
   };
 
-  /// Whether a knot lacks a control of other phases in both: the other numbers are there.
+  /// True if both solutions lack a control of other phases at a knot that has other numbers.
   static bool both_lack(const std::vector<double>& a, const std::vector<double>& b, std::size_t c) {
     const auto has_numbers = [](const std::vector<double>& row) {
       return std::any_of(row.begin(), row.end(),
@@ -276,7 +276,8 @@ class Comparison {
     Worst worst;
     for (std::size_t k = 0; k < a.size(); ++k) {
       if (a[k].empty()) continue;
-      // sin of half the angle from the vector part of a⁻¹ b: accurate where the angle is small.
+      // The vector part of a⁻¹ b gives the sine of half the angle, which is accurate for small
+      // angles.
       const double *p = &a[k][c], *q = &b[k][c];
       const double x = p[3] * q[0] - p[0] * q[3] - p[1] * q[2] + p[2] * q[1];
       const double y = p[3] * q[1] - p[1] * q[3] - p[2] * q[0] + p[0] * q[2];

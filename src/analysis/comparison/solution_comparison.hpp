@@ -9,20 +9,20 @@
 
 namespace conddp {
 
-/// How far two solutions may be apart and still mean the same.
+/// Largest differences between two solutions with the same meaning.
 struct ComparisonTolerances {
   double cost_relative = 1e-6;
   /// A residual may grow to this multiple of the golden one, or to the floor.
   double residual_factor = 10;
   double residual_floor = 1e-6;
-  /// A column of the trajectory: atol + rtol · (largest magnitude in the golden column).
+  /// Tolerance of a trajectory column: atol + rtol · (largest magnitude in the golden column).
   double trajectory_absolute = 1e-4;
   double trajectory_relative = 1e-3;
-  /// Rotations, by the angle between them, rad.
+  /// Angle between rotations, rad.
   double rotation = 1e-3;
 };
 
-/// What users call them: on the command line and in golden files.
+/// Name of a tolerance on the command line and in golden files.
 struct NamedTolerance {
   const char* name;
   double ComparisonTolerances::*member;
@@ -36,33 +36,33 @@ inline constexpr NamedTolerance kNamedTolerances[] = {
     {"rotation", &ComparisonTolerances::rotation},
 };
 
-/// One thing in which two solutions differ.
+/// A difference between two solutions.
 struct Difference {
   std::string quantity;  ///< e.g. "cost", "trajectory q/elbow at knot 12 (t = 0.12 s)"
   std::string message;   ///< both values and the tolerance
 };
 
-/// Differences of costs are relative to costs of this size at least: an optimum may be zero, and an
-/// answer is not worse for the rounding that is left of it.
+/// Least size that cost differences are relative to. An optimum may be zero, and the rounding left
+/// of it does not make an answer worse.
 inline constexpr double kSmallestCostSize = 1e-3;
 
-/// Compares two solutions (documents of the shape of solution.json) by meaning: status, cost and
+/// Compares two solutions (documents in the form of solution.json) by meaning: status, cost and
 /// costs by name, residuals, time grid, then every column of the trajectory; quaternions by angle.
-/// Numbers of iterations are not compared. Empty if they agree. A document with a comparison_defect
-/// is a difference, not an exception.
+/// Iteration counts are not compared. Returns an empty list if the solutions agree. A document with
+/// a comparison_defect yields a difference, not an exception.
 std::vector<Difference> compare_solutions(const nlohmann::json& golden,
                                           const nlohmann::json& actual,
                                           const ComparisonTolerances& tolerances = {});
 
-/// What misses in a document, or has another shape, that comparison needs; empty if nothing.
+/// Describes a missing or malformed entry that comparison needs; nullopt for a valid document.
 std::optional<std::string> comparison_defect(const nlohmann::json& solution);
 
-/// The entries of a solution that comparison needs.
+/// Entries of a solution that comparison needs.
 inline constexpr std::string_view kComparedKeys[] = {"status", "cost", "cost_by_name", "residuals",
                                                      "trajectory"};
 
-/// The part of a solution that comparison needs, numbers rounded to ten digits: what a golden file
-/// holds.
+/// The part of a solution that comparison needs, as stored in golden files, with numbers rounded to
+/// ten digits.
 nlohmann::json golden_part(const nlohmann::json& solution);
 
 }  // namespace conddp

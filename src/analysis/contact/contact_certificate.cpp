@@ -26,7 +26,7 @@ std::vector<Check> contact_checks(
     if (!check.holds && worst.knot >= 0) check.place = place(worst.knot, worst.what);
     checks.push_back(std::move(check));
   };
-  // What an answer may be off by where it was asked for no more.
+  // Errors that the tolerances of the solve allow.
   const double weight = impulse_scale(motion.plant, 1);
   const double shortest =
       motion.h.empty() ? 1 : *std::min_element(motion.h.begin(), motion.h.end());

@@ -9,23 +9,22 @@
 
 namespace conddp {
 
-/// What is found out about a motion that found its own contacts.
+/// Certificate of a contact-implicit motion.
 struct ContactCertificate {
   ContactMeasures measures;
   std::vector<ContactStretch> sequence;
-  std::vector<std::string> candidates;  ///< their names
-  int first_knot = 0;                   ///< at which the sequence begins
+  std::vector<std::string> candidates;  ///< names of the candidates
+  int first_knot = 0;                   ///< first knot of the sequence
   std::optional<ContactReplay> replay;
 };
 
-/// Measures, sequence and names; no replay.
+/// Computes measures, sequence and names, but no replay.
 ContactCertificate certify_contacts(const ContactMotion& motion);
 
-/// The statements that a converged answer makes by being one: that its steps are those of its
-/// plant, that each pair of force and distance is complementary, that nothing penetrates or pulls,
-/// that friction obeys Coulomb, that no force acts at a distance. Each claims 0.
-/// docs/verification.md has the formulas and tolerances. `place` names a step and what is meant
-/// there.
+/// Checks that a converged contact-implicit answer must pass. Its steps are steps of the plant, and
+/// each pair of force and distance is complementary. Nothing penetrates or pulls, friction obeys
+/// Coulomb's law, and no force acts at a distance. Each check claims 0. docs/verification.md has
+/// the formulas and tolerances. `place` names a step and its candidate, stop or joint.
 std::vector<Check> contact_checks(
     const ContactMotion& motion, const ContactMeasures& measures,
     const SolverOptions::Tolerances& tolerances,

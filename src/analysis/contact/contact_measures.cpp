@@ -10,9 +10,9 @@
 namespace conddp {
 namespace {
 
-/// A force acts from this share of the weight on.
+/// A force acts above this share of the weight.
 constexpr double kActs = 1e-6;
-/// Inside the cone: below this share of what friction could do.
+/// A force lies inside the cone below this share of the available friction.
 constexpr double kInside = 0.99;
 constexpr int kSubsteps = 10;
 
@@ -65,7 +65,7 @@ class Measure {
     return list;
   }
 
-  /// One side of a rigid pair 0 ≤ f ⊥ φ ≥ 0.
+  /// Measures one rigid pair 0 ≤ f ⊥ φ ≥ 0.
   void pair(double f, double gap, const std::string& name) {
     out_.complementarity.meet(std::abs(std::min(f, gap)), knot(), name);
     out_.product.meet(std::abs(f * gap), knot(), name);
@@ -97,7 +97,8 @@ class Measure {
       const double soft = candidate.stiffness ? force[0] / *candidate.stiffness : 0;
       pair(force[0], at.gap + soft, candidate.name);
       if (!candidate.stiffness) out_.penetration.meet(-at.gap, knot(), candidate.name);
-      // The way of the gap, not its speed at the end: that differs by the path's curvature.
+      // The work follows from the change of the gap: its final speed differs by the path's
+      // curvature.
       const double work = force[0] * (at.gap - before[c]);
       if (!candidate.stiffness) out_.work.meet(work, knot(), candidate.name);
       out_.work_contacts += work;
@@ -110,7 +111,7 @@ class Measure {
     }
   }
 
-  /// Along the straight way of a step, or the screw of a floating base.
+  /// Measures gaps along the straight path of a step, or along the screw of a floating base.
   void between() {
     Eigen::VectorXd whole(plant_.nv()), q = motion_.q[k_];
     configuration_difference(*plant_.robot, q.data(), motion_.q[k_ + 1].data(), whole.data());
@@ -158,7 +159,7 @@ class Measure {
       out_.work_damping -= motion_.h[k_] * mechanics_.resistance(i, v[i]) * v[i];
   }
 
-  /// The present step, as the problem counts.
+  /// The current step, as the problem counts.
   int knot() const { return motion_.first_knot + k_; }
 
   const ContactMotion& motion_;

@@ -9,7 +9,7 @@
 namespace conddp {
 namespace {
 
-/// Where the body that a candidate may touch has its reference point and axes.
+/// Reference point and axes of the body that a candidate may touch.
 struct Other {
   int frame;
   SE3<double> local;
@@ -32,7 +32,8 @@ double length(const Vector3<double>& a) {
   return std::sqrt(squared_norm(a));
 }
 
-/// From a box about the origin: outside from the nearest point of it, inside from the nearest face.
+/// Signed distance from a box about the origin: outside to its nearest point, inside to its nearest
+/// face.
 template <class S>
 S box_gap(const Vector3<S>& p, const Vector3<double>& half, Vector3<S>& normal) {
   Vector3<S> off = p;
@@ -139,7 +140,7 @@ void ContactMechanics<S>::touch(const ContactCandidate& candidate, const Vector3
   }
 }
 
-/// The tangents to the normal.
+/// Adds the tangents to the normal.
 template <class S>
 void ContactMechanics<S>::complete(ContactInstant<S>& out) const {
   const Vector3<S>& n = out.directions[0];
@@ -198,7 +199,7 @@ S ContactMechanics<S>::resistance(int i, const S& v) const {
   S force(0.0);
   if (!plant_.damping.empty()) force = S(plant_.damping[i]) * v;
   if (plant_.smooth_friction.empty() || plant_.smooth_friction[i] == 0) return force;
-  // Beyond 20 tanh is ±1 to the last digit, and exp stays finite.
+  // Beyond 20, tanh is ±1 to the last digit; clamping keeps exp finite.
   const S x = max(S(-20.0), min(S(20.0), v * (1 / plant_.friction_velocity)));
   return force + S(plant_.smooth_friction[i]) * (S(1.0) - S(2.0) / (exp(x + x) + S(1.0)));
 }

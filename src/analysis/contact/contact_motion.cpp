@@ -5,7 +5,7 @@
 namespace conddp {
 namespace {
 
-/// Along the normal and the tangents.
+/// Components along the normal and the tangents.
 Eigen::Vector3d force_of(const SteppingLayout::Candidate& at, const Eigen::VectorXd& w) {
   Eigen::Vector3d force(w[at.force], 0, 0);
   for (int i = 0; i < at.friction.count; i += 2)
@@ -14,7 +14,7 @@ Eigen::Vector3d force_of(const SteppingLayout::Candidate& at, const Eigen::Vecto
   return force;
 }
 
-/// The forces among the controls of a step.
+/// Extracts the forces from the controls of a step.
 StepForces forces_of(const SteppingSystem& system, const Eigen::VectorXd& w) {
   const SteppingLayout& layout = system.layout();
   const ImplicitContacts& contacts = system.contacts();

@@ -7,14 +7,14 @@
 
 namespace conddp {
 
-/// A motion that found its own contacts, in the terms of its plant: N steps between N + 1 nodes.
+/// A contact-implicit motion in the terms of its plant: N steps between N + 1 nodes.
 struct ContactMotion {
   ContactPlant plant;
-  int first_knot = 0;                 ///< of the problem: 1 where a knot chooses the first state
-  std::vector<double> h;              ///< s, one a step
-  std::vector<Eigen::VectorXd> q, v;  ///< nq and nv numbers, one a node
-  std::vector<Eigen::VectorXd> u;     ///< actuators, one a step
-  std::vector<StepForces> forces;     ///< of each step, at its end
+  int first_knot = 0;                 ///< in the problem: 1 if a knot chooses the initial state
+  std::vector<double> h;              ///< s, one per step
+  std::vector<Eigen::VectorXd> q, v;  ///< nq and nv numbers, one vector per node
+  std::vector<Eigen::VectorXd> u;     ///< actuators, one vector per step
+  std::vector<StepForces> forces;     ///< forces of each step, at its end
   Eigen::VectorXd u_lower, u_upper;   ///< bounds on the actuators
 
   int steps() const { return static_cast<int>(h.size()); }
@@ -22,7 +22,7 @@ struct ContactMotion {
   Eigen::VectorXd applied(const Eigen::VectorXd& controls) const;
 };
 
-/// A trajectory of a contact-implicit problem (SteppingSystem); none of others.
+/// Motion of a contact-implicit problem (SteppingSystem); nullopt for other problems.
 std::optional<ContactMotion> contact_motion(const ShootingProblem& problem,
                                             const Trajectory& trajectory);
 

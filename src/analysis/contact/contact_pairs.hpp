@@ -7,30 +7,31 @@
 
 namespace conddp {
 
-/// All complementary pairs 0 ≤ z ⊥ w ≥ 0 at an iterate: z are impulses (N s) or slacks of speed
-/// (m/s), w = value + slope dv + coupling z velocities or impulses.
+/// All complementary pairs 0 ≤ z ⊥ w ≥ 0 at an iterate. The z are impulses (N s) or speed slacks
+/// (m/s). The w = value + slope dv + coupling z are velocities or impulses.
 struct ContactPairs {
   Eigen::VectorXd value;
   Eigen::MatrixXd slope;     ///< pairs x nv
-  Eigen::MatrixXd push;      ///< pairs x nv: transposed, generalised impulses per unit of z
+  Eigen::MatrixXd push;      ///< pairs x nv, transposed: generalized impulses per unit of z
   Eigen::MatrixXd coupling;  ///< pairs x pairs
-  std::vector<bool> budget;  ///< whether w is an impulse and z a speed, else the other way round
+  std::vector<bool> budget;  ///< true if w is an impulse and z a speed, otherwise the reverse
 
   ContactPairs(int count, int nv);
 
-  /// What friction may have: constant plus factor times the impulse of the pair `normal`.
+  /// Available friction: constant plus factor times the impulse of the pair `normal`.
   struct Budget {
     double constant = 0, factor = 0;
     int normal = -1;
   };
-  /// The next pair; returns which one it is.
+  /// Adds the next pair and returns its index.
   int add(double value, const Eigen::RowVectorXd& slope, const Eigen::RowVectorXd& push);
-  /// Friction along a basis of tangents at a velocity: both signs of each, then the slack of speed.
+  /// Adds friction along a basis of tangents at a velocity: both signs of each, then the speed
+  /// slack.
   void add_friction(const Eigen::MatrixXd& tangents, const Eigen::MatrixXd& slopes,
                     const Eigen::VectorXd& v, const Budget& available);
-  /// The next pairs are at rest: w is one and z has no effect.
+  /// Sets the next pairs to rest: w = 1, and z has no effect.
   void rest(int count);
-  /// Of the edges of a budget the one whose w is the least, none where it has no edges.
+  /// The edge of a budget with the smallest w; nullopt for a budget without edges.
   std::optional<int> slowest_edge(int budget, const Eigen::VectorXd& w) const;
 
  private:

@@ -8,7 +8,7 @@
 namespace conddp {
 namespace {
 
-/// Of what hardly moves, a hundredth of a unit counts as its way.
+/// Least range of motion of a state, a hundredth of its unit.
 constexpr double kSmallSpan = 0.01;
 
 class Player {
@@ -20,8 +20,8 @@ class Player {
       span_ = span_.cwiseMax(deviation(state(k), 0).cwiseAbs());
   }
 
-  /// Steps from planned states for which the simulator, left alone, finds another solution than in
-  /// the plan's mode.
+  /// Counts the steps from planned states whose free solution by the simulator differs from the one
+  /// in the plan's mode.
   int find_ambiguous(ReplayRun& worst) {
     int count = 0;
     for (int k = 0; k < motion_.steps(); ++k) {
@@ -52,11 +52,11 @@ class Player {
   }
 
  private:
-  /// Solutions of a step whose velocities differ by less are one, rad/s or m/s: so far a plan may
-  /// be off where its pairs are at tolerance.
+  /// Solutions of a step are the same if their velocities differ by less, rad/s or m/s. A plan may
+  /// be off by this much if its pairs are at tolerance.
   static constexpr double kSame = 1e-4;
 
-  /// Where the plan's step goes, and by which forces.
+  /// End and forces of the planned step.
   ContactStep planned(int k) const {
     return {StepStatus::solved, motion_.q[k + 1], motion_.v[k + 1], motion_.forces[k]};
   }
@@ -67,7 +67,7 @@ class Player {
     return x;
   }
 
-  /// x ⊖ that of a node: 2 nv numbers.
+  /// x ⊖ the planned state of a node: 2 nv numbers.
   Eigen::VectorXd deviation(const Eigen::VectorXd& x, int node) const {
     const int n = motion_.plant.nv();
     Eigen::VectorXd off(2 * n);

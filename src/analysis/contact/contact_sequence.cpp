@@ -11,8 +11,8 @@ struct Track {
   std::vector<bool> closed, near, slips;
 };
 
-/// Turns runs of `value` that are shorter than `shortest` and lie between others into the opposite,
-/// where `allowed` says so of every step of them.
+/// Flips runs of `value` that are shorter than `shortest` and lie between others, if `allowed` is
+/// true for each of their steps.
 template <class Allowed>
 void drop_short_runs(std::vector<bool>& steps, bool value, int shortest, Allowed allowed) {
   const int n = static_cast<int>(steps.size());
@@ -53,7 +53,7 @@ std::vector<Track> tracks(const ContactMotion& motion, const ContactSequenceOpti
   return all;
 }
 
-/// One without steps, in front of which other candidates were closed.
+/// A stretch without steps yet; `before` are the closed candidates of the previous one.
 ContactStretch stretch_from(int k, const std::vector<bool>& closed,
                             const std::vector<bool>& before) {
   ContactStretch stretch{.first = k, .closed = closed};
@@ -64,14 +64,14 @@ ContactStretch stretch_from(int k, const std::vector<bool>& closed,
   return stretch;
 }
 
-/// Which candidates are closed in a step.
+/// Candidates that are closed in a step.
 std::vector<bool> closed_in(const std::vector<Track>& all, int k) {
   std::vector<bool> closed;
   for (const Track& track : all) closed.push_back(track.closed[k]);
   return closed;
 }
 
-/// A step in which a candidate pushes that is not closed.
+/// Counts a step with a push by an open candidate.
 void add_push(double force, ContactStretch::Push& push) {
   ++push.steps;
   push.largest = std::max(push.largest, force);

@@ -14,8 +14,8 @@
 namespace conddp {
 namespace {
 
-/// Where pivoting meets a tie that rounding decides wrongly, a little compliance resolves it;
-/// Newton's iterations see how little it changes.
+/// Adds a little compliance if pivoting meets a tie that rounding decides wrongly. Newton's
+/// iterations see how little it changes.
 std::optional<Eigen::VectorXd> solve_nearly(Eigen::MatrixXd M, const Eigen::VectorXd& q) {
   const double size = M.size() == 0 ? 0 : M.cwiseAbs().maxCoeff();
   double added = 0;
@@ -27,9 +27,9 @@ std::optional<Eigen::VectorXd> solve_nearly(Eigen::MatrixXd M, const Eigen::Vect
   return std::nullopt;
 }
 
-/// Slower than that a contact counts as sticking when its pyramid is turned, m/s.
+/// A slower contact counts as sticking when its pyramid is turned, m/s.
 constexpr double kSlip = 1e-10;
-/// Residual from which on a contact that slips faster than kClearSlip keeps to slipping.
+/// Below the residual kNearStep, a contact that slips faster than kClearSlip keeps slipping.
 constexpr double kNearStep = 1e-3, kClearSlip = 1e-6;
 
 }  // namespace
@@ -48,19 +48,18 @@ std::string_view to_string(StepStatus status) {
   return "not finite";
 }
 
-/// The equations at an iterate, solved for what impulses z change of the velocity:
-/// dv = pushed z − free.
+/// Equations at an iterate, solved for the velocity change by impulses z: dv = pushed z − free.
 struct ContactSimulator::Response {
   ContactPairs pairs;
   Eigen::MatrixXd pushed;
   Eigen::VectorXd free;
 
-  /// Of the complementarity problem w = matrix z + offset.
+  /// Matrix and offset of the complementarity problem w = matrix z + offset.
   Eigen::MatrixXd matrix() const { return pairs.slope * pushed + pairs.coupling; }
   Eigen::VectorXd offset() const { return pairs.value - pairs.slope * free; }
 };
 
-/// Impulses and what they change; no response where a number is not finite, no z without a
+/// Impulses and the response to them. No response if a number is not finite; no z without a
 /// solution.
 struct ContactSimulator::Pivoted {
   std::optional<Response> response;
@@ -82,7 +81,7 @@ ContactSimulator::ContactSimulator(const ContactPlant& plant, ContactSimulatorOp
   pairs_ += 3 * static_cast<int>(plant_.contacts.frictions.size());
 }
 
-/// Values and slopes with respect to v at the iterate, one direction of dual numbers at a time.
+/// Evaluates values and slopes with respect to v at the iterate, one dual direction at a time.
 void ContactSimulator::linearize(const StepStart& start, const ContactStep& at, bool with_forces) {
   const int n = plant_.nv();
   const std::size_t count = plant_.contacts.candidates.size();
@@ -153,7 +152,7 @@ void ContactSimulator::add_contact(std::size_t c, const StepStart& start, const 
     pairs.coupling(normal, normal) = 1 / (*candidate.stiffness * start.h * start.h);
   if (tangents == 0) return;
   if (keeps_slipping(c)) {
-    // Friction goes with the normal force; the pairs of the pyramid stay as they are, at rest.
+    // Friction follows the normal force; the pairs of the pyramid rest.
     pairs.push.row(normal) -=
         candidate.friction * heading_.col(c).transpose() * rows_[c].bottomRows<2>();
     pairs.rest(2 * tangents + 1);
@@ -165,13 +164,13 @@ void ContactSimulator::add_contact(std::size_t c, const StepStart& start, const 
                      {.factor = candidate.friction, .normal = normal});
 }
 
-/// From the first tangents of a candidate to the edges of its pyramid.
+/// Rotation from the first tangents of a candidate to the edges of its pyramid.
 Eigen::MatrixXd ContactSimulator::pyramid_turn(std::size_t c, int tangents) const {
   if (tangents == 2) return Eigen::Rotation2Dd(-pyramid_[c]).toRotationMatrix();
   return Eigen::MatrixXd::Identity(tangents, tangents);
 }
 
-/// The forces that the impulses z stand for.
+/// The forces for impulses z.
 StepForces ContactSimulator::forces(const Eigen::VectorXd& z, double h) const {
   StepForces f(plant_.contacts);
   int row = 0;
@@ -197,7 +196,7 @@ StepForces ContactSimulator::forces(const Eigen::VectorXd& z, double h) const {
   return f;
 }
 
-/// The other way round; slips are those of v.
+/// Inverse of forces(); the slips are those of v.
 Eigen::VectorXd ContactSimulator::impulses(const StepForces& forces, const Eigen::VectorXd& v,
                                            double h) const {
   Eigen::VectorXd z = Eigen::VectorXd::Zero(pairs_);
@@ -233,10 +232,10 @@ Eigen::VectorXd ContactSimulator::impulses(const StepForces& forces, const Eigen
   return z;
 }
 
-/// Turns the pyramids of a cone to where slip and force would both point: along the slip that there
-/// would be without friction at that contact. Near a solution those that slip keep to that, against
-/// the heading of the last slip: pyramids that are all but parallel have solutions beside it. The
-/// largest angle by which a slip is off its pyramid or heading.
+/// Turns the pyramids of a cone to the common direction of slip and force, which is the slip
+/// without friction at that contact. Near a solution, slipping contacts keep slipping, against the
+/// heading of the last slip: nearly parallel pyramids have other solutions close to it. Returns the
+/// largest angle between a slip and its pyramid or heading.
 double ContactSimulator::turn_pyramids(const StepStart& start, const ContactStep& at,
                                        double residual) {
   double off = 0;
@@ -260,19 +259,19 @@ double ContactSimulator::turn_pyramids(const StepStart& start, const ContactStep
   return off;
 }
 
-/// Between a slip and the pyramid or heading of its contact.
+/// Angle between a slip and the pyramid or heading of its contact.
 double ContactSimulator::angle_off(std::size_t c, const Eigen::Vector2d& slip) const {
   const double angle = std::atan2(slip.y(), slip.x());
   if (keeps_slipping(c)) {
     const double turn = angle - std::atan2(heading_(1, c), heading_(0, c));
     return std::abs(std::remainder(turn, 2 * std::numbers::pi));
   }
-  // A quarter of a turn makes the same pyramid.
+  // A quarter turn yields the same pyramid.
   return slip.norm() > kSlip ? std::abs(std::remainder(angle - pyramid_[c], std::numbers::pi / 2))
                              : 0;
 }
 
-/// A_ with what friction changes where the headings of contacts that keep to slipping turn.
+/// A_ plus the change of friction as the headings of slipping contacts turn.
 Eigen::MatrixXd ContactSimulator::turning_slope(const StepStart& start,
                                                 const ContactStep& at) const {
   Eigen::MatrixXd slope = A_;
@@ -289,7 +288,7 @@ Eigen::MatrixXd ContactSimulator::turning_slope(const StepStart& start,
   return slope;
 }
 
-/// Of the equations at the iterate with impulses z; linearize() must have seen the iterate.
+/// Residual of the equations at the iterate with impulses z, after linearize() at this iterate.
 double ContactSimulator::residual(const StepStart& start, const ContactStep& at,
                                   const Eigen::VectorXd& z) const {
   const double scale = impulse_scale(plant_, start.h);
@@ -321,7 +320,7 @@ ContactStep ContactSimulator::step(const StepStart& start, const ContactStep& ne
   return taken.status == StepStatus::solved ? taken : step(start);
 }
 
-/// Takes an iterate on by dv, with impulses z.
+/// Moves an iterate by dv, with impulses z.
 void ContactSimulator::move(const StepStart& start, const Eigen::VectorXd& z,
                             const Eigen::VectorXd& dv, ContactStep& at) {
   at.v += dv;
@@ -331,7 +330,7 @@ void ContactSimulator::move(const StepStart& start, const Eigen::VectorXd& z,
   ++at.iterations;
 }
 
-/// None where a number is not finite.
+/// Returns nullopt if a number is not finite.
 std::optional<ContactSimulator::Response> ContactSimulator::respond(const StepStart& start,
                                                                     const ContactStep& at,
                                                                     bool with_slopes) const {
@@ -339,15 +338,15 @@ std::optional<ContactSimulator::Response> ContactSimulator::respond(const StepSt
   const ContactPairs& pairs = response.pairs;
   if (!A_.allFinite() || !impulse_.allFinite() || !pairs.value.allFinite()) return std::nullopt;
   const Eigen::PartialPivLU<Eigen::MatrixXd> lu(turning_slope(start, at));
-  // Without pairs there is nothing to solve, not even for no columns: that reads the first one.
+  // Without pairs the solve is skipped: even for no columns it would read the first one.
   response.pushed.resize(A_.rows(), pairs.push.rows());
   if (response.pushed.size() > 0) response.pushed = lu.solve(pairs.push.transpose());
   response.free = lu.solve(impulse_);
   return response;
 }
 
-/// Takes an iterate on and measures it there. Goes on to the last digits while Newton's method
-/// still gains some.
+/// Moves an iterate and measures it there. Iterations continue to the last digits while Newton's
+/// method still gains some.
 ContactSimulator::Progress ContactSimulator::advance(const StepStart& start,
                                                      const Eigen::VectorXd& z,
                                                      const Response& response, ContactStep& at,
@@ -364,7 +363,7 @@ ContactSimulator::Progress ContactSimulator::advance(const StepStart& start,
   return stalls || best.residual <= kRounding ? Progress::ends : Progress::goes_on;
 }
 
-/// The pairs whose z may be positive at an iterate: of each the smaller one vanishes.
+/// Pairs whose z may be positive at an iterate; the smaller entry of each pair vanishes.
 std::vector<int> ContactSimulator::find_active(const StepStart& start,
                                                const ContactStep& at) const {
   const double scale = impulse_scale(plant_, start.h);
@@ -374,7 +373,7 @@ std::vector<int> ContactSimulator::find_active(const StepStart& start,
   std::vector<bool> chosen(pairs_);
   for (int i = 0; i < pairs_; ++i)
     chosen[i] = pairs.budget[i] ? z[i] > w[i] / scale : z[i] / scale > w[i];
-  // Where a contact slips, an edge against the slip says how fast, also one without a force.
+  // If a contact slips, an edge against the slip gives the speed, even without a force.
   for (int b = 0; b < pairs_; ++b)
     if (pairs.budget[b] && chosen[b])
       if (const auto edge = pairs.slowest_edge(b, w)) chosen[*edge] = true;
@@ -384,8 +383,8 @@ std::vector<int> ContactSimulator::find_active(const StepStart& start,
   return active;
 }
 
-/// Newton's method with the pairs split as `near` has them: of each pair the smaller one vanishes.
-/// That leaves equations, the least-squares solution of which is one where contacts share a load.
+/// Newton's method with the pairs split as in `near`: the smaller entry of each pair vanishes. The
+/// least-squares solution of the remaining equations also solves them if contacts share a load.
 ContactStep ContactSimulator::step_in_mode(const StepStart& start, const ContactStep& near) {
   ContactStep at{StepStatus::unsolved, start.q, near.v, near.forces, 0, kUnlimited};
   const Eigen::VectorXd reach = start.h * at.v;
@@ -439,8 +438,8 @@ ContactStep ContactSimulator::step_by_pivoting(const StepStart& start) {
   return best;
 }
 
-/// Impulses by pivoting, first with the derivatives of the forces' directions, then without them;
-/// `careful`: at once without.
+/// Finds impulses by pivoting, first with the derivatives of the force directions, then without
+/// them. If `careful`, it omits them at once.
 ContactSimulator::Pivoted ContactSimulator::pivot(const StepStart& start, const ContactStep& at,
                                                   bool careful) {
   Pivoted pivoted;

@@ -1,4 +1,4 @@
-// The simulator's way where pivoting fails: Newton's method around sweeps over the impulses.
+// Fallback of the simulator if pivoting fails: Newton's method around sweeps over the impulses.
 #include <cmath>
 
 #include <Eigen/LU>
@@ -9,8 +9,8 @@
 
 namespace conddp {
 
-/// The rows of all impulses at an iterate: velocities (gaps over h) u = value + slope dv, and
-/// generalised impulses pushᵀ p.
+/// Rows of all impulses at an iterate: velocities (gaps over h) u = value + slope dv, and
+/// generalized impulses pushᵀ p.
 struct ContactSimulator::ImpulseRows {
   Eigen::VectorXd value, impulse, compliance;
   Eigen::MatrixXd slope, push;
@@ -27,7 +27,7 @@ struct ContactSimulator::ImpulseRows {
         push(slope),
         h(step) {}
 
-  /// Returns the number of the new row.
+  /// Adds a row and returns its index.
   int add(double velocity, const Eigen::RowVectorXd& slope_of_it,
           const Eigen::RowVectorXd& push_of_it, double force) {
     value[count] = velocity;
@@ -37,7 +37,7 @@ struct ContactSimulator::ImpulseRows {
     return count++;
   }
 
-  /// Leaves out what has not been filled.
+  /// Drops unused rows.
   void shrink() {
     value.conservativeResize(count);
     impulse.conservativeResize(count);
@@ -95,7 +95,7 @@ void ContactSimulator::add_stop(std::size_t s, const StepStart& start, const Con
   }
 }
 
-/// The forces of impulses in the order of impulse_rows.
+/// Forces for impulses in the order of impulse_rows.
 StepForces ContactSimulator::forces_of_rows(const Eigen::VectorXd& p, double h) const {
   StepForces f(plant_.contacts);
   int row = 0;

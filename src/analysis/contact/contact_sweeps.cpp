@@ -7,10 +7,10 @@ namespace conddp {
 namespace {
 
 constexpr int kSweeps = 20000;
-/// Impulses that change by less, relative to their scale, are found.
+/// Impulses have converged if they change by less, relative to their scale.
 constexpr double kFound = 1e-15;
 
-/// p and u at the friction rows, as two numbers.
+/// Entries of p or u at the friction rows, as a pair.
 Eigen::Vector2d pair_of(const Eigen::VectorXd& rows, const ImpulseBound& bound) {
   return {rows[bound.tangent], bound.tangents == 2 ? rows[bound.tangent + 1] : 0};
 }

@@ -6,7 +6,7 @@
 namespace conddp {
 namespace {
 
-/// The tableau w − M z − d z₀ = q, with columns w, z, z₀ and the right-hand side; its first n
+/// The tableau w − M z − d z₀ = q, with columns w, z, z₀ and the right-hand side. Its first n
 /// columns are always the inverse of the basis.
 class Lemke {
  public:
@@ -19,7 +19,7 @@ class Lemke {
   std::optional<Eigen::VectorXd> solve() {
     int row = 0;
     if (rhs().minCoeff(&row) >= 0) return Eigen::VectorXd::Zero(n_);
-    // z₀ enters where q is lowest, and of several such rows where it is so lexicographically.
+    // z₀ enters in the row with the lowest q; ties are broken lexicographically.
     for (int i = 0; i < n_; ++i)
       if (i != row && lower_start(i, row)) row = i;
     int entering = 2 * n_;
@@ -57,7 +57,7 @@ class Lemke {
     basis_[row] = column;
   }
 
-  /// The row that gives way first, −1 where none does. z₀ wins every tie: then all is done.
+  /// The row that leaves first, or −1 on a ray. z₀ wins every tie, which completes the solution.
   int ratio_test(int column) const {
     const double largest = tableau_.col(column).cwiseAbs().maxCoeff();
     int best = -1;

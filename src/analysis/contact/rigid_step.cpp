@@ -14,7 +14,7 @@ struct Screw {
 
   explicit Screw(const S& t) : sine(0.0), versine(0.0), rest(0.0) {
     if (t < S(1.0)) {
-      // Σ (−t)^k / (2k + n)!, backwards: 12 terms leave less than rounding.
+      // Σ (−t)^k / (2k + n)!, backward: after 12 terms the rest is below rounding.
       for (int k = 11; k >= 0; --k) {
         sine = (S(1.0) - t * sine * (1.0 / ((2 * k + 2) * (2 * k + 3))));
         versine = (S(1.0) - t * versine * (1.0 / ((2 * k + 3) * (2 * k + 4))));
@@ -33,7 +33,7 @@ struct Screw {
   }
 };
 
-/// Hamilton's product of quaternions (x, y, z, w).
+/// Hamilton product of quaternions (x, y, z, w).
 template <class S>
 void multiply(const double* a, const S* b, S* out) {
   out[0] = a[3] * b[0] + a[0] * b[3] + a[1] * b[2] - a[2] * b[1];

@@ -7,13 +7,13 @@
 
 namespace conddp {
 
-/// q⁺ = q ⊕ d for tangents d (h v⁺ of a step; nv numbers), written for checks alone: joints of one
-/// degree of freedom add, floating bases turn and move along the screw of d in their own frame.
+/// q⁺ = q ⊕ d for tangent vectors d (h v⁺ of a step; nv numbers), used by checks only. Joints with
+/// one degree of freedom add; floating bases turn and move along the screw of d in their own frame.
 /// Defined for double and Dual<double>.
 template <class S>
 void move_configuration(const RobotModel& robot, const double* q, const S* d, S* moved);
 
-/// d with q ⊕ d = to: of floating bases the screw between the two.
+/// Solves q ⊕ d = to for d; for floating bases, d is the screw between the two poses.
 void configuration_difference(const RobotModel& robot, const double* q, const double* to,
                               double* d);
 

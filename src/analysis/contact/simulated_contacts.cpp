@@ -7,10 +7,9 @@
 namespace conddp {
 namespace {
 
-/// Residual up to which a step that did not converge is taken all the same, as a share of the
-/// weight's impulse.
+/// Largest residual of an unsolved step that is still accepted, as a share of the weight's impulse.
 constexpr double kGoodEnough = 1e-4;
-/// Gap up to which a candidate is near, m: what feet are lifted by and more.
+/// Gap below which a candidate is near, m: more than the lift of feet.
 constexpr double kNear = 0.2;
 
 ContactPlant with_candidates(ContactPlant plant, const std::vector<std::size_t>& chosen) {
@@ -37,7 +36,7 @@ void SimulatedContacts::use(std::vector<std::size_t> candidates) {
   simulator_.emplace(with_candidates(plant_, near_));
 }
 
-/// The candidates that are near in a configuration, and those of `more`.
+/// Candidates that are near in a configuration, and those of `more`.
 std::vector<std::size_t> SimulatedContacts::near(const double* q,
                                                  const std::vector<std::size_t>& more, double gap) {
   std::vector<std::size_t> found;
@@ -82,7 +81,7 @@ void SimulatedContacts::step(double /*time*/, double length, const double* u, do
   find_contacts(taken);
 }
 
-/// Which contacts a step has closed, and the sum of the forces of each one's candidates.
+/// Records the contacts that a step has closed, and sums the forces of each contact's candidates.
 void SimulatedContacts::find_contacts(const ContactStep& taken) {
   const auto& instants = mechanics_.look(taken.q.data());
   for (std::size_t i = 0; i < near_.size(); ++i) {

@@ -9,23 +9,23 @@
 
 namespace conddp {
 
-/// A plant of a closed loop whose contacts open, close and slip by themselves, step by step of
-/// ContactSimulator, whatever the phases say. States are those of the robot (q, v), then
+/// Plant of a closed loop whose contacts open, close and slip by themselves in steps of
+/// ContactSimulator, independently of the phases. States are those of the robot (q, v), then
 /// remembered controls.
 ///
-/// A step first has the candidates that are near where it begins. If another one overlaps where it
-/// ends, it is taken again with that one too, so that it is a step of all candidates.
+/// A step first includes the candidates near its start. If another candidate overlaps at its end,
+/// the step is repeated with that one as well, so that it is a step of all candidates.
 class SimulatedContacts final : public PlantMotion {
  public:
-  /// `dt`: the longest step, s; `contact_of`: the contact of each candidate, from 0 on, which is
-  /// its bit in closed_contacts(); `remembered`: how many numbers at the end of a state are the
-  /// control that was applied last.
+  /// `dt`: the longest step, s. `contact_of`: the contact of each candidate, from 0 on, which is
+  /// its bit in closed_contacts(). `remembered`: number of entries at the end of a state that hold
+  /// the control applied last.
   SimulatedContacts(const ContactPlant& plant, double dt, std::vector<int> contact_of,
                     int remembered);
 
   double next_stop(double time) const override { return time + dt_; }
   void pass_instants(double /*time*/, double* /*x*/) override {}
-  /// A step that leaves the finite numbers makes all of x not a number.
+  /// A failed step sets all of x to NaN.
   void step(double time, double length, const double* u, double* x) override;
   std::uint32_t closed_contacts() const override { return closed_; }
   std::string_view failure() const override;
@@ -42,11 +42,11 @@ class SimulatedContacts final : public PlantMotion {
   std::vector<int> contact_of_;
   int remembered_;
   ContactMechanics<double> mechanics_;
-  std::vector<std::size_t> near_;  ///< candidates that the simulator has, in order
+  std::vector<std::size_t> near_;  ///< candidates in the simulator, in order
   std::optional<ContactSimulator> simulator_;
   std::uint32_t closed_ = 0;
   bool failed_ = false;
-  std::vector<double> forces_;  ///< three numbers a contact
+  std::vector<double> forces_;  ///< three numbers per contact
 };
 
 }  // namespace conddp

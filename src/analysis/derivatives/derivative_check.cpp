@@ -15,10 +15,10 @@ namespace {
 
 using D = Dual<Lane>;
 
-/// Derivatives of one knot, by whichever way.
+/// Derivatives of one knot, by either method.
 struct KnotDerivatives {
   Eigen::MatrixXd dynamics;                ///< ndx x nz
-  std::vector<Eigen::MatrixXd> residuals;  ///< rows x nz, one a cost
+  std::vector<Eigen::MatrixXd> residuals;  ///< rows x nz, one per cost
   Eigen::MatrixXd constraints;             ///< constraint rows x nz
   Eigen::MatrixXd gradient;                ///< 1 x nz
 };
@@ -98,7 +98,7 @@ KnotDerivatives reference_derivatives(const KnotView& knot, const Trajectory& tr
   return out;
 }
 
-/// The residual's Jacobian as it declares it, in the scalar that solvers use.
+/// Jacobian as the residual declares it, in the scalar type of solvers.
 Eigen::MatrixXd residual_jacobian(const KnotModel& model, const CostTerm& term,
                                   const KnotBatch<Lane>& batch, SystemData<Lane>& data) {
   const Residual& residual = *term.residual;
@@ -140,7 +140,7 @@ KnotDerivatives analytic_derivatives(const KnotView& knot, const Trajectory& tra
   return out;
 }
 
-/// The largest entry of a matrix of finite numbers, 0 of others.
+/// Largest entry of a finite matrix, otherwise 0.
 double largest_finite(const Eigen::MatrixXd& m) {
   return m.size() > 0 && m.allFinite() ? m.cwiseAbs().maxCoeff() : 0;
 }
@@ -167,7 +167,7 @@ void compare(const Eigen::MatrixXd& analytic, const Eigen::MatrixXd& reference, 
     }
 }
 
-/// The size of a knot's cost gradient where its residuals and their derivatives are about 1.
+/// Size of a knot's cost gradient if its residuals and their derivatives are about 1.
 double gradient_unit(const KnotView& knot) {
   double unit = 0;
   for (const CostTerm& term : knot.model->costs())
@@ -175,14 +175,14 @@ double gradient_unit(const KnotView& knot) {
   return unit > 0 ? unit : 1;
 }
 
-/// Constraints of one name, as those of all contacts, are one to users.
+/// Constraints with the same name, such as those of all contacts, count as one for users.
 int first_of_name(const std::vector<ConstraintTerm>& constraints, std::size_t term) {
   const auto same = [&](const ConstraintTerm& c) { return c.name == constraints[term].name; };
   return static_cast<int>(std::find_if(constraints.begin(), constraints.end(), same) -
                           constraints.begin());
 }
 
-/// First and last knot of a run of n, and others evenly between them.
+/// First and last knot of a run of n, and others evenly spaced between them.
 std::vector<int> spread(int first, int n, int count) {
   std::vector<int> knots;
   for (int i = 0; i < count; ++i) {
@@ -210,8 +210,7 @@ Trajectory displaced_trajectory(const ShootingProblem& problem, const Trajectory
   return result;
 }
 
-/// Whether second derivatives are those that a compiled function claims; such functions are of flat
-/// states.
+/// True if a compiled function claims second derivatives; such functions have flat states.
 bool claims_hessians(const ShootingProblem& problem) {
   const auto claims = [](const KnotModel& model) {
     const auto own = [](const auto& term) { return term.residual->has_claimed_hessian(); };
@@ -223,7 +222,7 @@ bool claims_hessians(const ShootingProblem& problem) {
                              [&](const Phase& phase) { return claims(*phase.model); });
 }
 
-/// Whether a knot has values at all.
+/// True if all values of a knot are finite.
 bool is_finite_at(const ShootingProblem& problem, const Evaluation& values, int k) {
   const KnotModel& model = *problem.knot(k).model;
   const auto constraints =
@@ -232,7 +231,7 @@ bool is_finite_at(const ShootingProblem& problem, const Evaluation& values, int 
          (k == problem.knots() || values.gap.col(k).allFinite());
 }
 
-/// The Hessians of a Lagrangian with random multipliers at all nodes, as solvers get them and by
+/// Hessians of a Lagrangian with random multipliers at all nodes, as solvers get them and by
 /// differences. The state space is flat.
 class LagrangianHessians {
  public:
@@ -256,7 +255,7 @@ class LagrangianHessians {
     return hessians;
   }
 
-  /// What differences do not contradict is as it is claimed.
+  /// Keeps the claimed entries that differences do not contradict.
   std::vector<Eigen::MatrixXd> by_differences(const Trajectory& at,
                                               std::vector<Eigen::MatrixXd> claimed) {
     Eigen::Index columns = 0;
@@ -271,7 +270,7 @@ class LagrangianHessians {
   }
 
  private:
-  /// A column of a Hessian by differences, and the size of the gradient by the step.
+  /// A column of a Hessian by differences, and the size of the gradient divided by the step.
   struct Column {
     Eigen::VectorXd slope, noise;
   };
@@ -287,7 +286,7 @@ class LagrangianHessians {
     return list;
   }
 
-  /// The coordinate of z at a node; null where the node has fewer.
+  /// Coordinate c of z at a node; null if the node has fewer.
   double* coordinate(Trajectory& at, int k, int c) const {
     if (c < problem_.ndx()) return at.x(k).data() + c;
     const int control = c - problem_.ndx();
@@ -341,7 +340,7 @@ class Comparisons {
                    const Eigen::MatrixXd& reference) {
     compare(analytic, reference, 1, k, true, entry(phase, DerivativeKind::hessian, -1));
   }
-  /// Of one knot. The terminal node has no dynamics.
+  /// Adds the derivatives of one knot. The terminal node has no dynamics.
   void add(const KnotView& knot, int phase, int k, bool displaced, const KnotDerivatives& analytic,
            const KnotDerivatives& reference) {
     if (knot.model->integrator() != Integrator::none)

@@ -6,7 +6,7 @@
 
 namespace conddp {
 
-/// The lanes of one model. Those behind the last move repeat it.
+/// The lanes of one model. Lanes after the last move repeat it.
 class MovingNodes::Batch {
  public:
   explicit Batch(const KnotModel& model) : model_(model), batch_(model) {}
@@ -32,7 +32,7 @@ class MovingNodes::Batch {
   }
 
  private:
-  /// The numbers of a node, and how its state and control move.
+  /// Loads the numbers of a node, and the motion of its state and control.
   void load(const MovingNodes& at, const NodeMove& move, int lane) {
     const KnotView& view = at.problem_.knot(move.node);
     const auto set = [lane](Dual<Lane>& to, double value, double slope) {
@@ -49,7 +49,7 @@ class MovingNodes::Batch {
     set(batch_.cost_scale, view.cost_scale, 0);
   }
 
-  /// The next state and the way back from f towards it.
+  /// Loads the next state, and the step from f towards it.
   void load_step(const MovingNodes& at, int node, int lane) {
     const auto next = at.trajectory_.x(node + 1);
     for (int i = 0; i < model_.nx(); ++i) batch_.x_next[i].v.set(lane, next[i]);

@@ -10,32 +10,32 @@
 
 namespace conddp {
 
-/// A node, and the direction in z = (δx, δu), nz numbers, along which it moves.
+/// A node and the direction of its motion in z = (δx, δu), nz numbers.
 struct NodeMove {
   int node;
   const double* direction;
 };
 
-/// Where the slopes of a node's values along a direction go.
+/// Destinations for the slopes of a node's values along a direction.
 struct SlopePlaces {
   double* cost;
-  double* constraint;  ///< one a constraint row of the node
-  double* step;        ///< ndx, of f ⊕ (−gap) ⊖ x_{k+1}; null at the terminal node
+  double* constraint;  ///< one per constraint row of the node
+  double* step;        ///< ndx, slope of f ⊕ (−gap) ⊖ x_{k+1}; null at the terminal node
 };
 
-/// Nodes of a trajectory in dual numbers through the evaluation of costs, constraints and dynamics,
-/// a node and a direction in each lane. No formula of a derivative that solvers use has a part in
-/// it.
+/// Evaluates costs, constraints and dynamics at nodes of a trajectory in dual numbers, with a node
+/// and a direction in each lane. No derivative formula of the solvers takes part.
 class MovingNodes {
  public:
-  /// `gap` (ndx x N) is that of the dynamics, which they keep. All three have to outlive this.
+  /// `gap` (ndx x N) is that of the dynamics, which preserve it. All arguments must outlive this
+  /// object.
   MovingNodes(const ShootingProblem& problem, const Trajectory& trajectory,
               const Eigen::MatrixXd& gap);
   ~MovingNodes();
 
-  /// At most kLaneWidth moves, of nodes of one model.
+  /// Evaluates at most kLaneWidth moves, all at nodes of one model.
   void evaluate(std::span<const NodeMove> moves);
-  /// The slopes of one of them.
+  /// Writes the slopes of one move.
   void write(int move, const SlopePlaces& out) const;
 
  private:

@@ -9,22 +9,23 @@
 
 namespace conddp {
 
-/// First derivatives of one node by z = (δx, δu), nz numbers; of the terminal node by δx alone.
+/// First derivatives of one node with respect to z = (δx, δu), nz numbers; only δx at the terminal
+/// node.
 struct NodeDerivatives {
   Eigen::VectorXd cost;        ///< nz
-  Eigen::MatrixXd constraint;  ///< of the node's constraint rows x nz
-  /// Of f ⊕ (−gap) ⊖ x_{k+1}, dynamics that keep the gap they have: ndx x nz, none at the terminal
-  /// node.
+  Eigen::MatrixXd constraint;  ///< constraint rows of the node x nz
+  /// Derivative of f ⊕ (−gap) ⊖ x_{k+1}, dynamics that preserve their gap: ndx x nz, empty at the
+  /// terminal node.
   Eigen::MatrixXd step;
 };
 
-/// The derivatives of all nodes at a trajectory with these gaps (ndx x N), by dual numbers, column
-/// by column (MovingNodes).
+/// Derivatives of all nodes at a trajectory with these gaps (ndx x N), by dual numbers, column by
+/// column (MovingNodes).
 std::vector<NodeDerivatives> node_derivatives(const ShootingProblem& problem,
                                               const Trajectory& trajectory,
                                               const Eigen::MatrixXd& gap);
 
-/// Those of one node.
+/// Derivatives of one node.
 NodeDerivatives derivatives_of_node(const ShootingProblem& problem, int node, MovingNodes& moving);
 
 }  // namespace conddp

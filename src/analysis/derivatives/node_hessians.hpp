@@ -10,15 +10,15 @@
 
 namespace conddp {
 
-/// The Hessians (nz x nz) of a model, node by node.
+/// Hessians (nz x nz) of a model, node by node.
 std::vector<Eigen::MatrixXd> hessians_of(const Linearization& model);
 
-/// The Gauss-Newton Hessians (nz x nz) of all nodes at a trajectory, without terms of multipliers.
+/// Gauss-Newton Hessians (nz x nz) of all nodes at a trajectory, without multiplier terms.
 std::vector<Eigen::MatrixXd> gauss_newton_hessians(const ShootingProblem& problem,
                                                    const Trajectory& trajectory);
 
-/// The exact Hessians of cost + λᵀf with these co-states (ndx x (N + 1)), and what an augmentation
-/// adds to the cost.
+/// Exact Hessians of cost + λᵀf with these co-states (ndx x (N + 1)), plus the terms that an
+/// augmentation adds to the cost.
 std::vector<Eigen::MatrixXd> exact_hessians(const ShootingProblem& problem,
                                             const Trajectory& trajectory,
                                             const Eigen::MatrixXd& costates,

@@ -17,15 +17,15 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// What a product with a direction may differ by: relative to the sizes of its own terms, and of
-/// the largest ones of its matrix.
+/// Allowed difference between products with a direction, relative to the sizes of their own terms
+/// and to the largest terms of the matrix.
 constexpr double kOwnAgreement = 1e-12, kLargestAgreement = 1e-13;
 
-/// Agreement by an estimate of the rounding that a step amplifies: two such numbers for chains of
-/// 200 bodies are up to twice as far apart as this estimate.
+/// Allowed difference relative to an estimate of the rounding that a step amplifies. For chains of
+/// 200 bodies, two such numbers differ by up to twice this estimate.
 constexpr double kOverRounding = 8;
 
-/// column ← block · column, in each of some columns.
+/// column ← block · column, for each of several columns.
 template <int n>
 void turn_columns(const double* block, double* first, Eigen::Index stride, Eigen::Index columns) {
   const Eigen::Map<const Eigen::Matrix<double, n, n, Eigen::RowMajor>> turn(block);
@@ -64,8 +64,8 @@ struct Columns {
   int first, count;
 };
 
-/// Products of a node's matrices with a direction (its cost's, its constraints', its step's rows,
-/// one after the other), and the rounding that they may have.
+/// Products of a node's matrices with a direction, and the rounding that they may have. Rows of the
+/// cost, the constraints and the step follow one another.
 class NodeProducts {
  public:
   void multiply(const NodeDerivatives& d, const Columns& columns, const double* direction) {
@@ -79,7 +79,7 @@ class NodeProducts {
 
   const VectorXd& value() const { return value_; }
 
-  /// The largest difference of two such products by the rounding that it may have.
+  /// Largest difference between two such products, relative to the rounding that they may have.
   template <class A, class B>
   double difference(const A& a, const B& b) const {
     double largest = 0;
@@ -94,7 +94,7 @@ class NodeProducts {
   }
 
  private:
-  /// Rows of a matrix that has columns for all of z, and a direction in these columns.
+  /// Multiplies a matrix with columns for all of z by a direction in some of these columns.
   void multiply(const double* matrix, Eigen::Index first, Eigen::Index rows, const Columns& columns,
                 const double* direction) {
     if (rows == 0) return;
@@ -114,7 +114,7 @@ class NodeProducts {
   VectorXd value_, allowed_;
 };
 
-/// Confirms the derivatives of nodes of one model, as many as fit into lanes at a time.
+/// Confirms the derivatives of nodes of one model, as many at a time as fit into the lanes.
 class Confirmation {
  public:
   Confirmation(const ShootingProblem& problem, MovingNodes& moving)
@@ -122,7 +122,7 @@ class Confirmation {
 
   static constexpr int kAtOnce = kLaneWidth / 2;
 
-  /// Calls deny(node) for those of kAtOnce or fewer nodes whose derivatives are not confirmed.
+  /// Calls deny(node) for each node with unconfirmed derivatives, among at most kAtOnce nodes.
   template <class F>
   void run(std::span<const int> nodes, const std::vector<NodeDerivatives>& derivatives, F deny) {
     const KnotModel& model = *problem_.knot(nodes.front()).model;
@@ -143,12 +143,13 @@ class Confirmation {
   }
 
  private:
-  /// The columns of z along which a move goes: those of the state, then those of the control.
+  /// Columns of z along a move: those of the state for even moves, those of the control for odd
+  /// ones.
   static Columns moved(const KnotModel& model, Eigen::Index move) {
     return move % 2 == 0 ? Columns{0, model.ndx()} : Columns{model.ndx(), model.nu()};
   }
 
-  /// Entries from −1 to 1, none of which is small.
+  /// Fills a direction with entries from −1 to 1, none of them small.
   void fill(Eigen::Ref<VectorXd> direction) {
     for (double& entry : direction) {
       const double size = 0.5 + 0.5 * static_cast<double>(engine_() >> 11) * 0x1p-53;
@@ -156,7 +157,7 @@ class Confirmation {
     }
   }
 
-  /// Slopes by dual numbers along the directions of nodes, two of each: rows as in NodeProducts.
+  /// Slopes by dual numbers along two directions per node: rows as in NodeProducts.
   MatrixXd slopes(std::span<const int> nodes, const std::vector<NodeDerivatives>& derivatives,
                   const MatrixXd& directions) {
     const auto moves = static_cast<std::size_t>(directions.cols());
@@ -173,9 +174,9 @@ class Confirmation {
     return out;
   }
 
-  /// Agreement to rounding. Where a step amplifies rounding, as long chains of bodies do, its
-  /// rounding is what slopes along a third of the direction differ by from a third of the slopes:
-  /// each product in them is rounded to another number.
+  /// True if the products agree to rounding. A step may amplify rounding, as it does for long
+  /// chains of bodies. The estimate compares the slopes with three times those along a third of the
+  /// direction, because all their products are rounded differently.
   bool confirms(std::span<const int> nodes, const std::vector<NodeDerivatives>& derivatives,
                 const NodeDerivatives& d, Eigen::Index move) {
     const KnotModel& model = *problem_.knot(nodes.front()).model;
@@ -194,7 +195,7 @@ class Confirmation {
   MatrixXd directions_, slopes_, thirds_;
 };
 
-/// The nodes of each model, in the order in which they come.
+/// Nodes of each model, in order of appearance.
 std::vector<std::vector<int>> nodes_by_model(const ShootingProblem& problem) {
   std::vector<std::vector<int>> lists;
   std::map<const KnotModel*, std::size_t> place;

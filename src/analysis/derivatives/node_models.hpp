@@ -9,22 +9,22 @@
 
 namespace conddp {
 
-/// The model of every node at a trajectory.
+/// Models of all nodes at a trajectory.
 struct NodeModels {
   std::vector<NodeDerivatives> derivatives;
-  std::vector<Eigen::MatrixXd> hessians;  ///< Gauss-Newton, nz x nz, without terms of multipliers
-  /// Nodes whose derivatives are those of dual numbers.
+  std::vector<Eigen::MatrixXd> hessians;  ///< Gauss-Newton, nz x nz, without multiplier terms
+  /// Number of nodes whose derivatives come from dual numbers.
   int by_dual_numbers = 0;
 };
 
-/// The models at a trajectory with these gaps (ndx x N). Derivatives are those of dual numbers
-/// (node_derivatives), to rounding: a node keeps its analytic ones where these say what dual
-/// numbers say along two random directions, one of the state and one of the control. No wrong entry
-/// that rounding does not hide has a product with both that is right.
+/// Models at a trajectory with these gaps (ndx x N). Derivatives equal those by dual numbers
+/// (node_derivatives), to rounding. A node keeps its analytic derivatives if they agree with dual
+/// numbers along two random directions, one of the state and one of the control. A wrong entry that
+/// exceeds rounding spoils at least one of these products.
 NodeModels node_models(const ShootingProblem& problem, const Trajectory& trajectory,
                        const Eigen::MatrixXd& gap);
 
-/// The same from the analytic derivatives of all nodes there, without terms of multipliers.
+/// The same from the analytic derivatives of all nodes, without multiplier terms.
 NodeModels confirmed_models(const ShootingProblem& problem, const Trajectory& trajectory,
                             const Eigen::MatrixXd& gap, Linearization analytic);
 

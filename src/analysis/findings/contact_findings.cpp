@@ -17,18 +17,18 @@
 namespace conddp {
 namespace {
 
-/// A contact may move this far before it is told, m.
+/// Drift above which a contact is reported, m.
 constexpr double kDrift = 1e-3;
-/// From this kd h on a velocity is gone after a step.
+/// Above this kd h, a velocity is gone after a step.
 constexpr double kFull = 0.95;
-/// Forces below this share of the weight say nothing of friction.
+/// Forces below this share of the weight do not count for friction.
 constexpr double kLight = 1e-3;
 
 const MultibodySystem* robot_at(const ShootingProblem& problem, int k) {
   return problem.knot(k).model->system().as_multibody();
 }
 
-/// How far a frame has moved along the directions that its contact holds, m.
+/// Distance that a frame has moved along the directions held by its contact, m.
 double moved(const Contact& contact, const SE3<double>& from, const SE3<double>& to) {
   const Vector3<double> way = to.p - from.p;
   const auto along = [&](const Vector3<double>& direction) {
@@ -77,7 +77,7 @@ class Watch {
     int first = 0, last = 0;  ///< nodes of the stance
     double dt = 0;            ///< longest step, s
     Contact contact;
-    bool placed = false;  ///< the stance begins where kp draws the contact to: to the initial place
+    bool placed = false;  ///< the stance begins where kp draws the contact, at the initial place
   };
 
   static int index_of(const MultibodySystem* system, const std::string& name) {
@@ -91,7 +91,7 @@ class Watch {
            index_of(robot_at(problem_, k - 1), name) >= 0;
   }
 
-  /// From its first knot to the last one in a row.
+  /// Measures the drift of a stance from its first knot to the last consecutive one.
   void stance(int first, const std::string& name) {
     Drift drift;
     drift.first = first;
@@ -120,8 +120,7 @@ class Watch {
     if (exceeds(drift.value, worst.value)) worst = drift;
   }
 
-  /// The pose of a contact's frame in the world at a node: that of the knot, where the contact is
-  /// held there.
+  /// World pose of a contact's frame at a node, taken from the knot if the contact is held there.
   SE3<double> pose(const MultibodySystem& system, const Contact& contact, int node) {
     if (node < problem_.knots())
       if (const int c = index_of(robot_at(problem_, node), contact.name); c >= 0)
@@ -168,7 +167,7 @@ class Watch {
   }
 
   void add_demands() {
-    // The greatest demand says what the ground has to give, even where it can.
+    // The greatest demand is reported even if the ground meets it.
     const Worst* greatest = nullptr;
     for (const auto& [name, demand] : demands_)
       if (exceeds(demand.value, greatest ? greatest->value : 0)) greatest = &demand;
@@ -179,7 +178,7 @@ class Watch {
     }
   }
 
-  /// What the file says of a contact's friction.
+  /// Friction coefficient of a contact according to the file.
   std::optional<double> friction_of(const std::string& name) const {
     const auto known = names_.friction.find(name);
     return known == names_.friction.end() ? std::nullopt : std::optional(known->second);
@@ -194,7 +193,7 @@ class Watch {
     }
   }
 
-  /// `has`: the coefficient of friction, if it is known.
+  /// `has`: the friction coefficient, if known.
   void add_demand(const std::string& name, const Worst& demand, std::optional<double> has,
                   bool beyond) {
     Finding f{FindingKind::friction_demand, name, demand.value, "1"};
@@ -208,8 +207,8 @@ class Watch {
     add(std::move(f), demand.knot);
   }
 
-  /// What the file does not ask for yet; nothing where a constraint holds the cone throughout,
-  /// which is violated.
+  /// Remedy that the file does not contain yet. Empty if a constraint already enforces the cone
+  /// throughout; it is violated then.
   std::string cone_remedy(const std::string& contact) const {
     const auto found = names_.cones.find(contact);
     if (found == names_.cones.end()) return "a constraint or cost 'friction_cone' on it";
@@ -226,7 +225,7 @@ class Watch {
                        some.name);
   }
 
-  /// What is to be said of impulses: costs and constraints count at those alone that they name.
+  /// Remedy for impulses: costs and constraints apply only to the impulses that they name.
   std::string impulse_remedy(const std::string& contact) const {
     constexpr std::size_t kNamed = 4;
     std::vector<std::string> phases;
@@ -241,9 +240,9 @@ class Watch {
                        phases.size() > 1 ? "]" : "");
   }
 
-  /// A contact that comes to be held with the velocity v moves on by v h (1 − r)/r, r = kd h, since
-  /// a step of h leaves it (1 − r) v: with kd = 1/h that is nothing, and what is left is the step's
-  /// own error.
+  /// A contact that is made at velocity v moves on by v h (1 − r)/r, r = kd h, because a step of h
+  /// leaves it (1 − r) v. With kd = 1/h this is zero, and the remaining drift is the error of the
+  /// step itself.
   void add_drift(const std::string& name, const Drift& drift) {
     Finding f{FindingKind::drift, name, drift.value, "m"};
     const double kd = drift.contact.kd, r = kd * drift.dt;

@@ -6,8 +6,8 @@
 
 namespace conddp {
 
-/// What scheduled contacts do along a finite trajectory with these values: how far they move while
-/// they are held, what friction they need, where they pull, and which depend on each other.
+/// Adds findings on scheduled contacts along a finite trajectory with these values: drift of held
+/// contacts, friction demand, pulling forces, and dependent contacts.
 void find_in_contacts(const ShootingProblem& problem, const Trajectory& trajectory,
                       const NodeValues& values, const FindingNames& names,
                       std::vector<Finding>& list);

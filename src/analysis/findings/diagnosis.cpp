@@ -18,14 +18,14 @@
 namespace conddp {
 namespace {
 
-/// Rows of the log that are judged, and how many are needed to see a pattern.
+/// Number of log rows that are judged, and the fewest that show a pattern.
 constexpr int kWindow = 10;
 constexpr int kFewest = 4;
-/// What falls by less than this factor over the window has stalled.
+/// A quantity has stalled if it falls by less than this factor over the window.
 constexpr double kStandstill = 0.5;
-/// A violation of more than so many tolerances is no rounding.
+/// A violation above this many tolerances is not rounding.
 constexpr double kFarOff = 1e3;
-/// Rows of an interior-point method's log, over the second half of which it is judged.
+/// Rows of a long log; an interior-point method is judged over the second half of one.
 constexpr std::size_t kLongLog = 40;
 
 /// The end of a log: the rows of the last steps, and the row before them.
@@ -38,13 +38,13 @@ class Window {
   const IterationRecord& first() const { return log_[log_.size() - 1 - steps_]; }
   const IterationRecord& last() const { return log_.back(); }
 
-  /// How many of the steps have a property.
+  /// Number of steps with a property.
   template <class Property>
   int count(Property property) const {
     return static_cast<int>(std::count_if(log_.end() - steps_, log_.end(), property));
   }
-  /// Whether a quantity ends at more than half of what it was at the start of the window. One good
-  /// row between bad ones is no progress.
+  /// True if a quantity ends above half of its value at the start of the window. One good row
+  /// between bad ones does not count as progress.
   bool stands_still(double IterationRecord::*quantity) const {
     return last().*quantity > kStandstill * first().*quantity;
   }
@@ -60,8 +60,7 @@ class Window {
   int steps_;
 };
 
-/// Whether the log is that of an interior-point method, whose steps follow a barrier and no
-/// penalty.
+/// True for the log of an interior-point method, whose steps follow a barrier instead of a penalty.
 bool interior_point(const SolveResult& r) {
   return std::any_of(r.log.begin(), r.log.end(),
                      [](const IterationRecord& row) { return row.barrier > 0; });
@@ -69,8 +68,8 @@ bool interior_point(const SolveResult& r) {
 
 std::string at(int knot) { return knot < 0 ? std::string() : fmt::format(" at knot {}", knot); }
 
-/// What helps where numbers stop being finite: a robot is stiff, equations have poles and kinks. Of
-/// equations without a value at the start no step is too long.
+/// Remedy for numbers that stop being finite: robots are stiff, and equations have poles and kinks.
+/// If equations have no value at the start, shorter steps do not help.
 std::string remedy_of_growth(const ShootingProblem& problem, bool start, bool without_value) {
   const bool is_robot = problem.knot(0).model->system().robot_inside() != nullptr;
   const std::string guess =
@@ -89,7 +88,7 @@ std::string remedy_of_growth(const ShootingProblem& problem, bool start, bool wi
          (without_value ? "" : "; a smaller dt or an integrator of higher order");
 }
 
-/// Says of equations without a finite value in which state that is, and where they have one.
+/// Adds the state where equations lack a finite value, and a nearby one where they have it.
 void tell_singular_rate(const SingularRate& at, const ShootingProblem& problem, Diagnosis& d) {
   const bool is_next = problem.knot(d.knot).model->system().kind() == SystemKind::discrete;
   d.message +=
@@ -101,8 +100,8 @@ void tell_singular_rate(const SingularRate& at, const ShootingProblem& problem, 
              d.remedy;
 }
 
-/// "cost ('reach')" where one of the costs of the knot is not finite along the answer, else the
-/// quantity alone.
+/// "cost ('reach')" if one of the costs of the knot is not finite along the answer, otherwise only
+/// the quantity.
 std::string with_name(const ShootingProblem& problem, const SolveResult& r) {
   if (!r.failed_quantity.starts_with("cost") || r.failed_knot < 0) return r.failed_quantity;
   for (const auto& [name, costs] : costs_by_node(problem, NodeValues(problem, r.trajectory)))
@@ -111,7 +110,7 @@ std::string with_name(const ShootingProblem& problem, const SolveResult& r) {
   return r.failed_quantity;
 }
 
-/// Of iterates that run away while their numbers are finite.
+/// Diagnosis of iterates that run away while their numbers are finite.
 Diagnosis unbounded_iterates() {
   return {DiagnosisPattern::growth, "the iterates grow without bound", -1, "",
           "bounds on controls and states: a cost that is linear or negative may have no least "
@@ -148,7 +147,7 @@ Diagnosis indefinite(const SolveResult& r) {
           "solver.regularization.max"};
 }
 
-/// Whether a control may become as large as it likes.
+/// True if some control is unbounded.
 bool has_free_controls(const ShootingProblem& problem) {
   return std::ranges::any_of(problem.phases(), [](const Phase& phase) {
     const KnotModel& model = *phase.model;
@@ -159,8 +158,8 @@ bool has_free_controls(const ShootingProblem& problem) {
   });
 }
 
-/// Of a violation that stays; `least`: where it is seen that nothing nearby has less, which few
-/// guesses change.
+/// Remedy for a violation that remains. `least`: no nearby point has a smaller violation, and a few
+/// guesses rarely change that.
 std::string remedy_of_violation(const ShootingProblem& problem, bool least) {
   std::string remedy =
       "wider bounds, more time for the motion, or without a constraint (--drop) to see what the "
@@ -174,7 +173,7 @@ std::string remedy_of_violation(const ShootingProblem& problem, bool least) {
   return remedy;
 }
 
-/// `drawn`: a linear cost may have led the penalties' minima far away.
+/// `drawn`: a linear cost may have moved the minima of the penalties far away.
 Diagnosis infeasible(const ShootingProblem& problem, const IterationRecord& last, bool drawn) {
   return {DiagnosisPattern::infeasible,
           fmt::format("no small change of the controls from here lowers the violation, {:.1e}{}",
@@ -184,7 +183,7 @@ Diagnosis infeasible(const ShootingProblem& problem, const IterationRecord& last
               (drawn ? "; --solver ipopt, which a linear cost does not draw away" : "")};
 }
 
-/// After a restoration that came neither under the violation nor to a least one.
+/// Diagnosis after a restoration that reached neither feasibility nor a least violation.
 Diagnosis undecided(const ShootingProblem& problem, const IterationRecord& last) {
   return {DiagnosisPattern::undecided,
           fmt::format("a restoration of feasibility did not get the violation under {:.1e}{}; "
@@ -193,7 +192,7 @@ Diagnosis undecided(const ShootingProblem& problem, const IterationRecord& last)
           last.constraint_knot, "constraint violation", remedy_of_violation(problem, false)};
 }
 
-/// Of iterations that go on without getting nearer.
+/// Diagnosis of iterations whose violation has stalled.
 Diagnosis stalled_violation(const ShootingProblem& problem, const IterationRecord& middle,
                             const IterationRecord& last) {
   return {DiagnosisPattern::undecided,
@@ -207,7 +206,7 @@ Diagnosis stalled_violation(const ShootingProblem& problem, const IterationRecor
 /// A residual above its tolerance.
 struct Missed {
   const char* quantity;
-  const char* option;  ///< of solver.tolerances
+  const char* option;  ///< key in solver.tolerances
   double value;
   int knot;
 };
@@ -298,8 +297,8 @@ Diagnosis alternating(const Window& w) {
           "it), or a larger solver.box_qp.horizon_sweeps"};
 }
 
-/// What lowers a regularisation that stays: its lower end where it lies there, else a threshold for
-/// "long" steps that those which are taken reach.
+/// Remedy for a lasting regularization: a smaller minimum if it is at the minimum, otherwise a
+/// lower threshold for "long" steps, which the actual steps reach.
 std::string less_regularisation(const Window& w, const SolverOptions& options) {
   const auto& r = options.regularization;
   const double step = w.median_step();
@@ -359,8 +358,8 @@ Diagnosis unfinished(const SolveResult& r, const SolverOptions& options,
   return d;
 }
 
-/// Contacts that depend on each other leave their forces to the compliance of a singular G: steps
-/// then fail for a reason that no option of the solver removes.
+/// Contacts that depend on each other leave their forces to the compliance of a singular G. Steps
+/// then fail for a reason that no solver option removes.
 Diagnosis redundant(Diagnosis stuck, const ContactRank& contacts) {
   stuck.message += fmt::format(
       "; the contacts '{}' depend on each other there: of all {} rows {} are independent",
@@ -370,8 +369,8 @@ Diagnosis redundant(Diagnosis stuck, const ContactRank& contacts) {
           "fewer), joints that are not locked, or a posture in which limbs are bent"};
 }
 
-/// A robot that cannot stay where it begins falls, whatever the solver does. Of a solve that only
-/// stopped too early the advice of the log stays.
+/// A robot that cannot stay at its initial state falls, whatever the solver does. If the solve
+/// merely stopped too early, the advice from the log is kept.
 Diagnosis too_weak(Diagnosis log, const MissingTorque& lack) {
   const std::string has =
       lack.driven ? fmt::format("its limit is {:.3g}", lack.limit) : "it has no control";
@@ -388,10 +387,10 @@ Diagnosis too_weak(Diagnosis log, const MissingTorque& lack) {
           std::move(remedy)};
 }
 
-/// How much larger one state may become than another one until units are worth a word.
+/// Ratio of two states' sizes above which units are mentioned.
 constexpr double kSizes = 1e4;
 
-/// Advice where states have very different sizes: one step length, one regularization and one
+/// Advice if states have very different sizes: one step length, one regularization and one
 /// tolerance serve all of them.
 std::string remedy_of_sizes(const ShootingProblem& problem, const Trajectory& trajectory) {
   const System& system = problem.terminal().model->system();
@@ -411,7 +410,7 @@ std::string remedy_of_sizes(const ShootingProblem& problem, const Trajectory& tr
                      columns[most].name, top, columns[most].unit);
 }
 
-/// Whether the cost falls in the second half of a log at least half as far as in the first.
+/// True if the cost falls in the second half of a log at least half as far as in the first.
 bool cost_goes_on_falling(const std::vector<IterationRecord>& log) {
   const int last = static_cast<int>(log.size()) - 1;
   if (last < kFewest) return false;
@@ -419,7 +418,7 @@ bool cost_goes_on_falling(const std::vector<IterationRecord>& log) {
   return middle < first && middle - end >= 0.5 * (first - middle);
 }
 
-/// A cost that pulls on a control without end, whatever the log looks like.
+/// Diagnosis of a cost that drives a control without limit, whatever the log looks like.
 Diagnosis unbounded(Diagnosis log, double cost, const FreeControl& control) {
   log.message += fmt::format(
       "; the cost goes on falling, to {:.3g}, and the control '{}' has neither a cost nor a bound "
@@ -436,7 +435,7 @@ bool lost(const SolveResult& r) {
   return !std::isfinite(last.cost) || !std::isfinite(last.stationarity) || !std::isfinite(last.gap);
 }
 
-/// Whether full steps do not halve the violation each.
+/// True if full steps reduce the violation by less than half each.
 bool is_slowly_feasible(const Window& w, double tolerance) {
   const double left = w.last().constraint;
   const int full = w.count([](const IterationRecord& r) { return r.step >= 1; });
@@ -444,7 +443,7 @@ bool is_slowly_feasible(const Window& w, double tolerance) {
          left > std::pow(kStandstill, w.steps()) * w.first().constraint;
 }
 
-/// Of one whose iterations go on, but do not get anywhere.
+/// Diagnosis of a solve that iterates without progress.
 std::optional<Diagnosis> of_standstill(const Window& w, const SolverOptions& options) {
   if (w.steps() < kFewest) return std::nullopt;
   if (is_slowly_feasible(w, options.tolerances.constraint)) return slow_feasibility(w);
@@ -475,7 +474,7 @@ Diagnosis of_interior_point(const ShootingProblem& problem, const SolveResult& r
   return stalled ? stalled_violation(problem, middle, last) : unfinished(result, options, last);
 }
 
-/// Whether a restoration of feasibility was the last that was tried, far from feasible.
+/// True if the solve ended during a restoration of feasibility, far from feasible.
 bool ends_restoring(const SolveResult& result, double tolerance) {
   const IterationRecord& last = result.log.back();
   return is_stuck(result.status) && last.restoration > 0 && last.constraint > kFarOff * tolerance;
@@ -485,8 +484,8 @@ bool violation_stands_still(const Window& w, double tolerance) {
   return w.last().constraint > kFarOff * tolerance && w.stands_still(&IterationRecord::constraint);
 }
 
-/// Whether costs without curvature lead further away than the penalties of constraints let them
-/// come back.
+/// True if costs without curvature drive the iterates further away than the constraint penalties
+/// pull them back.
 bool outruns_penalty(const ShootingProblem& problem, const Window& w, double tolerance) {
   return violation_stands_still(w, tolerance) && w.last().cost <= w.first().cost &&
          has_linear_costs(problem);
@@ -503,7 +502,7 @@ bool gaps_stay_open(const SolveResult& result, const Window& w, double tolerance
   return w.steps() >= kFewest && w.stands_still(&IterationRecord::gap);
 }
 
-/// What the log alone says of a solve that did not converge.
+/// Diagnosis of a solve that did not converge, from its log only.
 Diagnosis of_log(const ShootingProblem& problem, const SolveResult& result,
                  const SolverOptions& options) {
   if (lost(result)) return growth(problem, result);
@@ -520,7 +519,7 @@ Diagnosis of_log(const ShootingProblem& problem, const SolveResult& result,
     return rounding_floor(result, options.tolerances);
   if (gaps_stay_open(result, w, options.tolerances.gap)) return open_gaps(w);
   auto standstill = of_standstill(w, options);
-  // Far from feasible, neither regularization nor further iterations are the matter.
+  // Far from feasible, neither regularization nor more iterations matter.
   const bool is_vain =
       standstill ? standstill->pattern == DiagnosisPattern::plateau : result.log.size() >= kLongLog;
   if (is_vain && violation_stands_still(w, options.tolerances.constraint))
@@ -531,7 +530,7 @@ Diagnosis of_log(const ShootingProblem& problem, const SolveResult& result,
   return result.failed_knot >= 0 ? growth(problem, result) : no_descent(result, options, w.last());
 }
 
-/// Whether what stands still may only need more iterations than it was allowed.
+/// True if a stalled solve may only need more iterations than allowed.
 bool wants_iterations(const SolveResult& result, DiagnosisPattern pattern) {
   if (result.status != SolveStatus::max_iterations) return false;
   if (pattern == DiagnosisPattern::slow_feasibility) return true;
@@ -594,7 +593,7 @@ Diagnosis diagnose(const ShootingProblem& problem, const SolveResult& result,
                             : "the cost settled by tolerances.cost_decrease",
                         result.iterations),
             -1, "", ""};
-  SolverOptions own = options;  // in the unit of the costs, as the log
+  SolverOptions own = options;  // in the unit of the costs, like the log
   own.tolerances.stationarity /= cost_scale(problem);
   Diagnosis d = of_log(problem, result, own);
   if (wants_iterations(result, d.pattern))

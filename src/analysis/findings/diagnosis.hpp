@@ -9,35 +9,35 @@
 
 namespace conddp {
 
-/// What the log of a solve looks like.
+/// Pattern of a solve's log.
 enum class DiagnosisPattern {
-  /// All residuals came under their tolerances.
+  /// All residuals fell below their tolerances.
   normal,
   /// A number is not finite, or steps leave the finite numbers.
   growth,
   /// A stage problem has no minimum.
   indefinite,
-  /// No way was found to lower the violation of the constraints any further.
+  /// The violation of the constraints could not be lowered any further.
   infeasible,
-  /// A violation stays, and it is not known whether the constraints can be satisfied.
+  /// A violation remains, and it is not known whether the constraints can be satisfied.
   undecided,
   /// Further decrease is smaller than the rounding of the cost.
   rounding_floor,
-  /// The contacts of the knot at which the solve stalls depend on each other.
+  /// The contacts at the knot of a stalled solve depend on each other.
   redundant_contacts,
-  /// The initial state lacks static equilibrium for want of torque (missing_torque()).
+  /// The initial state lacks static equilibrium because torques are too weak (missing_torque()).
   no_static_equilibrium,
-  /// The cost goes on falling, and nothing holds a control back (free_control()).
+  /// The cost keeps falling, and nothing limits a control (free_control()).
   free_control,
   /// The gaps of the dynamics do not close.
   open_gaps,
-  /// A cost that is linear in its residual falls by more than the penalties of constraints rise.
+  /// A cost that is linear in its residual falls by more than the constraint penalties rise.
   outrun_penalty,
-  /// Constraints are approached slowly although full steps are taken.
+  /// The violation falls slowly although full steps are taken.
   slow_feasibility,
-  /// Controls keep coming to their bounds and leaving them.
+  /// Controls keep reaching and leaving their bounds.
   alternating_active_set,
-  /// Stationarity has stalled while steps are small or strongly regularised.
+  /// Stationarity has stalled with small or strongly regularized steps.
   plateau,
   /// No step lowers the merit.
   no_descent,
@@ -45,23 +45,23 @@ enum class DiagnosisPattern {
   unfinished,
 };
 
-/// The name as it stands in outputs: "normal", "open_gaps", ...
+/// Name in outputs: "normal", "open_gaps", ...
 std::string_view to_string(DiagnosisPattern pattern);
 
-/// What a log says about how the solve went, and what to try.
+/// Assessment of a solve from its log, with a suggestion.
 struct Diagnosis {
   DiagnosisPattern pattern = DiagnosisPattern::normal;
   std::string message;   ///< one sentence with figures
-  int knot = -1;         ///< the knot concerned, −1: none in particular
+  int knot = -1;         ///< the knot concerned, or −1
   std::string quantity;  ///< the quantity concerned: "stationarity", "gap", ...
-  std::string remedy;    ///< what to try, empty where nothing has to be
+  std::string remedy;    ///< suggestion; empty if none is needed
 };
 
-/// Reads it off the log, the status and the options; the rows at the end count, ten at most. Where
-/// the problem itself has a reason (contacts that depend on each other, a robot too weak to stand,
-/// a control that nothing holds back, steps that are too long) the pattern is that reason, and the
-/// message says what the log looks like all the same. A remedy names options with values that they
-/// accept, and residuals that are above tolerance.
+/// Diagnoses a solve from its log, status and options; at most the last ten rows count. If the
+/// problem itself is the cause, the pattern is that cause, and the message still describes the log.
+/// Such causes are contacts that depend on each other, a robot too weak to stand, a control that
+/// nothing limits, and steps that are too long. A remedy names options with values that they
+/// accept, and residuals above tolerance.
 Diagnosis diagnose(const ShootingProblem& problem, const SolveResult& result,
                    const SolverOptions& options);
 

@@ -8,45 +8,45 @@
 
 namespace conddp {
 
-/// What a finding is about, in the order in which findings stand.
+/// Kind of a finding; findings are listed in this order.
 enum class FindingKind {
-  unstable_steps,      ///< steps let grow what decays or oscillates: by how much in a step
-  position_limit,      ///< a joint is beyond its limit, rad or m
+  unstable_steps,      ///< growth per step of a motion that decays or oscillates in time
+  position_limit,      ///< joint beyond its limit, rad or m
   velocity_limit,      ///< likewise, rad/s or m/s
-  effort_limit,        ///< a control is at its limit or beyond; s at it, or Nm and N beyond
-  drift,               ///< a held contact moves, m
-  friction_demand,     ///< coefficient of friction that a contact's forces need
-  pull,                ///< a contact pulls, N (Ns at an impulse)
-  redundant_contacts,  ///< contacts depend on each other: rows beyond the independent ones
-  constraint_row,      ///< the row of a constraint that is violated most, in its unit
-  between_knots,  ///< a constraint holds at knots, but not between them or at the end, in its unit
-  table_range,    ///< a table is read beyond its points, by how much in its argument's unit
-  last_knot,      ///< a quantity jumps in the last step, in its unit
+  effort_limit,        ///< control at its limit, s; or beyond it, Nm or N
+  drift,               ///< motion of a held contact, m
+  friction_demand,     ///< friction coefficient that a contact's forces need
+  pull,                ///< pulling force of a contact, N (Ns at an impulse)
+  redundant_contacts,  ///< dependent contacts: rows beyond the independent ones
+  constraint_row,      ///< most violated row of a constraint, in its unit
+  between_knots,  ///< violation between knots or at the end, not at knots, in the constraint's unit
+  table_range,    ///< table read beyond its points: excess in its argument's unit
+  last_knot,      ///< jump of a quantity in the last step, in its unit
   thrusters,      ///< directions about which thrusters cannot turn a body
-  coarse_grid,    ///< the grid does not resolve the motion: error of its steps by the motion
+  coarse_grid,    ///< error of a grid's steps relative to the motion, if not resolved
 };
 
-/// The word in outputs: "position_limit", ...
+/// Name in outputs: "position_limit", ...
 std::string_view to_string(FindingKind kind);
 
-/// What is worth knowing about a motion although its problem may not ask for it.
+/// A property of a motion that is worth knowing although its problem may not constrain it.
 struct Finding {
   FindingKind kind = FindingKind::position_limit;
   std::string subject;  ///< the joint, control, contact, constraint, table or body
-  double value = 0;     ///< how much, in `unit`
+  double value = 0;     ///< size, in `unit`
   std::string unit;
-  int knot = -1;        ///< where it is worst, −1: nowhere in particular
-  double time = 0;      ///< s, of that knot
+  int knot = -1;        ///< worst place; −1: no particular knot
+  double time = 0;      ///< time of that knot, s
   std::string message;  ///< one sentence with figures
-  std::string remedy;   ///< what changes it, empty where nothing has to
-  bool jumps = false;   ///< of between_knots: the motion leads through what it should go around
+  std::string remedy;   ///< suggestion; empty if nothing has to change
+  bool jumps = false;   ///< between_knots only: the motion passes through an obstacle
 };
 
-/// What a problem alone does not know of itself.
+/// Names and facts that a problem itself does not contain.
 struct FindingNames {
-  std::map<std::string, double> friction;  ///< coefficients of contacts
-  /// What the rows of a constraint of several rows are, by its name, with the prefix "terminal/" at
-  /// the terminal node, after the words "violated by".
+  std::map<std::string, double> friction;  ///< friction coefficients of contacts
+  /// Names for the rows of a constraint with several rows, to follow the words "violated by". The
+  /// key is the name of the constraint, with the prefix "terminal/" at the terminal node.
   struct Rows {
     std::vector<std::string> names;
     std::string unit = {};

@@ -23,13 +23,13 @@
 namespace conddp {
 namespace {
 
-/// Limits and constraints that are met exactly are missed by rounding and by tolerances.
+/// Slack for limits and constraints that are met exactly, up to rounding and tolerances.
 constexpr double kSlack = 1e-6;
-/// What is violated between knots is told where it is more than at knots by this, in its unit.
+/// A violation between knots is reported if it exceeds that at knots by this, in its unit.
 constexpr double kBetween = 1e-4;
 constexpr int kPartsOfAStep = 4;
 
-/// Whether a control is at its limit or beyond. A limit of 0 or infinity is none.
+/// True if a control is at its limit or beyond. Limits of 0 or infinity do not count.
 bool is_at(double control, double limit) {
   return limit != 0 && std::isfinite(limit) && std::abs(control) >= (1 - kSlack) * std::abs(limit);
 }
@@ -56,7 +56,7 @@ class Search {
         times_(problem.times(trajectory)),
         nodes_(problem) {}
 
-  /// What the motion jumps through.
+  /// Findings on obstacles that the motion jumps through.
   std::vector<Finding> jumps() {
     between();
     std::erase_if(list_, [](const Finding& f) { return !f.jumps; });
@@ -85,7 +85,7 @@ class Search {
     double limit = 0, beyond = 0, seconds = 0, all = 0;
     int knot = -1;
 
-    /// A control, and how long it stays as it is.
+    /// Records a control, and how long it keeps its value.
     void meet(double control, double limit_here, double length, int k) {
       if (!is_at(control, limit_here)) return;
       const double off = std::abs(control) - std::abs(limit_here);
@@ -97,7 +97,7 @@ class Search {
     }
   };
 
-  /// By kind, the worst of each first.
+  /// Sorts by kind, the worst of each kind first.
   void sort() {
     std::stable_sort(list_.begin(), list_.end(),
                      [](const Finding& a, const Finding& b) { return a.kind < b.kind; });
@@ -120,7 +120,7 @@ class Search {
     return f;
   }
 
-  /// The one of this kind and subject, with what it takes to be a new worst case.
+  /// The finding of this kind and subject if `value` is a new worst case; otherwise null.
   Finding* worst(FindingKind kind, const std::string& subject, double value, const char* unit,
                  int k) {
     if (!(value > kSlack)) return nullptr;
@@ -154,7 +154,7 @@ class Search {
     }
   }
 
-  /// What a joint has a limit of, and the bounds of the problem file that keep it.
+  /// A limited quantity of a joint, and the bounds of the problem file that enforce it.
   struct Limited {
     FindingKind kind;
     const char *what, *bounds, *unit;
@@ -168,14 +168,15 @@ class Search {
     limited_[f - list_.data()] = of;
   }
 
-  /// The messages, once the worst cases are known. There are no other findings yet.
+  /// Writes the messages once the worst cases are known. The list contains only these findings so
+  /// far.
   void tell_of_joints() {
     for (std::size_t i = 0; i < list_.size(); ++i) {
       Finding& f = list_[i];
       const Limited& of = limited_[i];
       f.message = fmt::format("the {} of '{}' is beyond its limit of {:.4g} {} by {:.3g}", of.what,
                               f.subject, of.limit, of.unit, f.value);
-      // Where the file has these bounds they are violated, and a limit of 0 lets nothing move.
+      // If the file has these bounds, they are violated; a limit of 0 lets nothing move.
       if (of.limit != 0 && !names_.bounded.contains(of.bounds))
         f.remedy = fmt::format("constraints: {{NAME: {{bounds: {}, from: urdf}}}}", of.bounds);
     }
@@ -192,7 +193,7 @@ class Search {
       effort.all += step;
       const auto limit = [&](double u) { return u > 0 ? actuation.upper[i] : actuation.lower[i]; };
       const double begin = control_at_beginning(k, i), end = trajectory_.u(k)[i];
-      // Linear controls stay at a limit where both ends of the knot are at it.
+      // Linear controls stay at a limit if both ends of the knot are at it.
       const bool stays =
           begin == end || (is_at(begin, limit(begin)) && begin * end > 0 && is_at(end, limit(end)));
       effort.meet(begin, limit(begin), stays ? step : 0, k);
@@ -200,7 +201,7 @@ class Search {
     }
   }
 
-  /// Looks up those of a robot's actuators: phases with other contacts have other systems.
+  /// Looks up the efforts of a robot's actuators; phases with other contacts have other systems.
   void find_efforts(const MultibodySystem& robot) {
     efforts_of_ = &robot;
     effort_.clear();
@@ -210,7 +211,7 @@ class Search {
     }
   }
 
-  /// Linear controls at the beginning of a knot are the last part of its state.
+  /// Linear controls at the start of a knot are the last part of its state.
   double control_at_beginning(int k, int control) const {
     const KnotModel& model = *problem_.knot(k).model;
     if (!model.has_linear_controls()) return trajectory_.u(k)[control];
@@ -235,8 +236,8 @@ class Search {
 
   std::string name_of(const NodeConstraint& c) const { return constraint_name(problem_, c); }
 
-  /// Which rows of constraints of several are violated: all distances, and of others that are not
-  /// soft the worst.
+  /// Finds violated rows of constraints with several rows: each row of distances, and otherwise the
+  /// worst row of constraints that are not soft.
   void rows() {
     for (const auto* constraints : {&problem_.constraints(), &problem_.soft_constraints()})
       for (const NodeConstraint& c : *constraints) {
@@ -259,12 +260,12 @@ class Search {
       }
   }
 
-  /// The constraints of a node at a state, with its controls.
+  /// Evaluates the constraints of a node at a state, with the node's controls.
   void evaluate(int k, const Eigen::VectorXd& x) {
     const double* u = k < problem_.knots() ? trajectory_.u(k).data() : nullptr;
     evaluated_ = &nodes_.at(k, x.data(), u);
   }
-  /// g of one of them, as evaluated.
+  /// Values g of one of these constraints, as evaluated.
   Eigen::VectorXd values_of(const NodeConstraint& c) const {
     return Eigen::Map<const Eigen::VectorXd>(evaluated_->constraint.data() + c.term->row,
                                              c.term->rows);
@@ -277,7 +278,7 @@ class Search {
     return list;
   }
 
-  /// The largest violation of each constraint, by its name.
+  /// Largest violation of each constraint, by name.
   std::map<std::string, double> violations_at_nodes(
       const std::vector<const NodeConstraint*>& constraints) {
     std::map<std::string, double> largest;
@@ -291,7 +292,7 @@ class Search {
     return largest;
   }
 
-  /// Inequalities of the state along the straight way from one node to the next.
+  /// Checks state inequalities along the straight path from one node to the next.
   void between() {
     const std::vector<const NodeConstraint*> all = state_inequalities();
     const std::map<std::string, double> at_knots = violations_at_nodes(all);
@@ -304,8 +305,8 @@ class Search {
     }
   }
 
-  /// Those that hold at the next node as well. Where a phase ends only what is said of that node
-  /// holds, so what held at the node before, too, goes on till there.
+  /// Constraints that also hold at the next node. At the end of a phase, only constraints of that
+  /// node hold. A constraint that already held at the previous node therefore continues to the end.
   std::vector<const NodeConstraint*> those_that_go_on(
       const std::vector<const NodeConstraint*>& constraints) {
     for (const NodeConstraint* c : constraints) places_.emplace(c->term->name, c->node);
@@ -319,7 +320,7 @@ class Search {
     return list;
   }
 
-  /// Whether the next node is the last one, or belongs to another phase.
+  /// True if the next node is the last one or belongs to another phase.
   bool ends_phase(int k) const {
     return k + 1 == problem_.knots() ||
            (k < problem_.knots() && problem_.knot(k + 1).phase != problem_.knot(k).phase);
@@ -337,7 +338,7 @@ class Search {
     return false;
   }
 
-  /// Constraints of a node on the way to the next one.
+  /// Checks constraints of a node along the path to the next one.
   void look_along(int k, std::span<const NodeConstraint* const> constraints,
                   const std::map<std::string, double>& at_knots) {
     Eigen::VectorXd way(problem_.ndx()), x(problem_.nx());
@@ -354,7 +355,7 @@ class Search {
     for (const NodeConstraint* c : constraints) look_at_end(*c, at_knots);
   }
 
-  /// At the node that ends a phase its constraints do not hold by themselves.
+  /// Constraints do not hold automatically at the node that ends their phase.
   void look_at_end(const NodeConstraint& c, const std::map<std::string, double>& at_knots) {
     const Eigen::VectorXd values = values_of(c);
     const double off = distance_to_set(*c.term, values.data(), c.lower, c.upper);
@@ -391,8 +392,8 @@ class Search {
                                   std::ceil(std::sqrt(off / kBetween)));
   }
 
-  /// Whether a row is violated so far that the way from knot to knot leads through: by a good part
-  /// of its bound, which of a distance from a centre is the radius of what is there.
+  /// True if a row is violated by so large a part of its bound that the path between knots passes
+  /// through an obstacle. For a distance from a center, the bound is the obstacle's radius.
   static bool jumps_through(const NodeConstraint& c, double off) {
     constexpr double kDeep = 0.3;
     for (int i = 0; i < c.term->rows; ++i)
@@ -400,7 +401,7 @@ class Search {
     return false;
   }
 
-  /// " m by forearm - table", where rows have names.
+  /// " m by forearm - table", if the rows have names.
   std::string offender(const NodeConstraint& c, const Eigen::VectorXd& values) const {
     const auto names = names_.rows.find(name_of(c));
     if (names == names_.rows.end() || static_cast<int>(names->second.names.size()) != c.term->rows)
@@ -417,7 +418,7 @@ class Search {
     return (unit.empty() ? "" : " " + unit) + " by " + rows[row];
   }
 
-  /// Of a control from one knot to another: its largest change before the last step, and its range.
+  /// Largest change of a control between two knots before the last step, and its range.
   std::pair<double, double> changes(int control, int first, int last) const {
     double most = 0, low = trajectory_.u(first)[control], high = low;
     for (int k = first + 1; k <= last; ++k) {
@@ -429,7 +430,7 @@ class Search {
     return {most, high - low};
   }
 
-  /// Tables that are read beyond their points: where most, and in which knots.
+  /// Finds tables that are read beyond their points: the worst place, and the knots concerned.
   void tables() {
     for (int k = 0; k <= problem_.knots(); ++k) {
       const KnotView& knot = problem_.knot(k);
@@ -446,10 +447,10 @@ class Search {
     for (const auto& [end, range] : ranges_) report_range(range);
   }
 
-  /// The use of a table beyond one of its ends.
+  /// Use of a table beyond one of its ends.
   struct BeyondEnd {
     TableReading worst;
-    int knot = 0, first = 0, last = 0;  ///< the worst, and the first and the last one
+    int knot = 0, first = 0, last = 0;  ///< the worst, the first and the last knot
   };
 
   void read_beyond(const std::vector<TableReading>& readings, int k) {
@@ -484,11 +485,11 @@ class Search {
     return first;
   }
 
-  /// Controls that change in the last step as they do nowhere in their phase before.
+  /// Finds controls that change in the last step as nowhere before in their phase.
   void last_knot() {
     constexpr int kFewestKnots = 6;
     constexpr double kFactor = 3, kShare = 0.2;
-    constexpr double kUnseen = 1e-3;  // of the limit of a control
+    constexpr double kUnseen = 1e-3;  // share of the limit of a control
     const int N = problem_.knots(), first = first_of_last_phase();
     const System& system = problem_.knot(N - 1).model->system();
     if (N - first < kFewestKnots || problem_.takes_no_time(N - 1)) return;
@@ -507,8 +508,7 @@ class Search {
     }
   }
 
-  /// The largest limit of a control at the last knot, of its system or of the file; 0 where it has
-  /// none.
+  /// Largest limit of a control at the last knot, from its system or the file; 0 without a limit.
   double limit_of(int control) const {
     const KnotModel& model = *problem_.knot(problem_.knots() - 1).model;
     double largest = 0;
@@ -519,7 +519,7 @@ class Search {
     return largest;
   }
 
-  /// Bodies that nothing but thrusters drives, and about which axes those cannot turn them.
+  /// Finds bodies that only thrusters drive, and the axes about which these cannot turn them.
   void thrusters() {
     const MultibodySystem* robot = problem_.knot(0).model->system().robot_inside();
     if (robot == nullptr || !floats_throughout()) return;
@@ -541,7 +541,7 @@ class Search {
     }
   }
 
-  /// Whether the world never holds the robot.
+  /// True if the robot never has contact with the world.
   bool floats_throughout() const {
     for (int k = 0; k < problem_.knots(); ++k) {
       const System& system = problem_.knot(k).model->system();
@@ -552,7 +552,8 @@ class Search {
     return true;
   }
 
-  /// By the torques about the centre of mass, whose rounding is measured by the forces, at a metre.
+  /// Judges torques about the center of mass; their rounding is relative to the forces at one
+  /// meter.
   void judge_thrusters(const std::string& body, const Eigen::MatrixXd& torque, double force) {
     const double rounding = 1e-9 * force;
     Eigen::JacobiSVD<Eigen::MatrixXd> svd(torque);
@@ -576,15 +577,15 @@ class Search {
   const FindingNames& names_;
   const std::vector<double> times_;
   NodeEvaluation nodes_;
-  const KnotWorkspace<double>* evaluated_ = nullptr;   ///< of the last node
-  std::set<std::pair<std::string_view, int>> places_;  ///< of state inequalities: name and node
+  const KnotWorkspace<double>* evaluated_ = nullptr;   ///< workspace of the last evaluated node
+  std::set<std::pair<std::string_view, int>> places_;  ///< state inequalities: name and node
   std::map<std::string, Effort> efforts_;
   const MultibodySystem* efforts_of_ = nullptr;
-  std::vector<Effort*> effort_;  ///< of the actuators of that robot
-  /// By table, point at the end, and whether that is the last one.
+  std::vector<Effort*> effort_;  ///< efforts of that robot's actuators
+  /// Key: table, point at the end, and true if that is the last point.
   std::map<std::tuple<std::string, double, bool>, BeyondEnd> ranges_;
   std::vector<Finding> list_;
-  std::vector<Limited> limited_;  ///< of findings of joints, which come first in the list
+  std::vector<Limited> limited_;  ///< limits of joint findings, which come first in the list
 };
 
 }  // namespace

@@ -15,7 +15,7 @@ bool reads(const RowBlock& block, const Columns& columns) {
   });
 }
 
-/// Whether one of the rows that read the columns counts.
+/// True if one of the rows that read the columns counts.
 bool counts(const CostTerm& cost, const Columns& columns) {
   const std::vector<double>& weights = cost.activation.weights;
   int first = 0;
@@ -35,7 +35,7 @@ bool is_free(const KnotView& knot, int control) {
       std::isfinite(model.control_upper()[control]))
     return false;
   Columns columns = {model.ndx() + control};
-  // Linear controls at the knot's beginning are the last part of its state.
+  // Linear controls at the start of a knot are the last part of its state.
   if (model.has_linear_controls())
     columns.push_back(model.ndx() - model.remembered_controls() + control);
   const bool costs = std::ranges::any_of(model.costs(), [&](const CostTerm& cost) {

@@ -11,11 +11,11 @@ namespace conddp {
 struct FreeControl {
   std::string name;
   std::string phase;
-  int knot = 0;  ///< the first where it is
+  int knot = 0;  ///< first knot with the free control
 };
 
-/// The first control that has neither a bound, nor a cost that counts, nor a constraint at some
-/// knot that takes time; nothing where there is none.
+/// First control with neither a bound, nor a cost that counts, nor a constraint at some knot that
+/// takes time; otherwise nullopt.
 std::optional<FreeControl> free_control(const ShootingProblem& problem);
 
 }  // namespace conddp

@@ -16,7 +16,7 @@ std::string_view rule_at(const ShootingProblem& problem, int knot) {
   return info_of(problem.knot(knot).model->integrator()).name;
 }
 
-/// Errors beyond this share are told no better.
+/// Errors above this share are not told apart.
 constexpr double kMost = 10;
 
 std::string percent(double share) {
@@ -25,11 +25,11 @@ std::string percent(double share) {
                                          : fmt::format("{:.0f}", 100 * share));
 }
 
-/// Other rules and shorter steps with their errors at this motion: the ones that resolve it, or all
-/// of them where none does.
+/// Other rules and shorter steps with their errors at this motion: those that resolve it, or all of
+/// them if none does.
 std::string remedy_of(const ShootingProblem& problem, const Trajectory& trajectory, int knot) {
-  // A step of radau5 factorizes three times as many equations, again and again: for 200 joints it
-  // took as long as an iteration of a solve.
+  // A radau5 step factorizes three times as many equations, repeatedly: for 200 joints, it took as
+  // long as an iteration of a solve.
   constexpr int kParts = 4, kMostImplicitStates = 100;
   const Integrator own = problem.knot(knot).model->integrator();
   std::string good, all;
@@ -76,7 +76,7 @@ void find_in_grid(const ShootingProblem& problem, const Trajectory& trajectory,
     list.push_back(std::move(f));
   }
   const auto error = coarse_grid(problem, trajectory, gains);
-  // Of equations without a value no grid is to blame.
+  // The grid is not to blame for equations without a value.
   if (error && !singular_rate(problem, trajectory, error->knot)) {
     const Column column = tangent_columns(problem.terminal().model->system())[error->entry];
     Finding f = finding_of(FindingKind::coarse_grid, problem, trajectory, error->knot);

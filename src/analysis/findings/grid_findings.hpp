@@ -7,8 +7,9 @@
 
 namespace conddp {
 
-/// Adds that steps are too long for their rule (long_step()), or that the grid does not resolve the
-/// motion (coarse_grid()), each with the errors of other rules and shorter steps at this motion.
+/// Reports steps that are too long for their rule (long_step()), and a grid that does not resolve
+/// the motion (coarse_grid()). The latter lists the errors of other rules and shorter steps at this
+/// motion.
 void find_in_grid(const ShootingProblem& problem, const Trajectory& trajectory,
                   const std::vector<Eigen::MatrixXd>& gains, std::vector<Finding>& list);
 

@@ -15,12 +15,12 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Accelerations up to this count as rest, rad/s² or m/s².
+/// Accelerations below this count as rest, rad/s² or m/s².
 constexpr double kRest = 0.1;
-/// Unbounded torques have to leave less than this share of the accelerations.
+/// Unbounded torques must leave less than this share of the accelerations.
 constexpr double kCure = 0.1;
-/// Of the largest entry of the diagonal, added to it: contacts leave torques open that push against
-/// each other, and rounding of their Hessian.
+/// Share of the largest diagonal entry that is added to the diagonal. Contacts leave torques that
+/// oppose each other undetermined, and rounding in the Hessian.
 constexpr double kRegularization = 1e-10;
 
 /// A robot at rest with a control at every joint: accelerations are a + A τ.
@@ -34,8 +34,8 @@ struct Statics {
     A = Eigen::Map<const MatrixXd>(data->fu.data(), robot.nv(), robot.nu());
   }
 
-  /// The torques within bounds that make the accelerations' work on the masses, aᵀM a, least. With
-  /// contacts held A = P M⁻¹ B, so that AᵀM A = BᵀA and AᵀM a = Bᵀa.
+  /// Torques within bounds that minimize aᵀM a, the work of the accelerations on the masses. With
+  /// contacts held, A = P M⁻¹ B, so that AᵀM A = BᵀA and AᵀM a = Bᵀa.
   std::optional<VectorXd> torques(const VectorXd& lower, const VectorXd& upper) const {
     const Eigen::Index n = A.cols();
     MatrixXd H = B.transpose() * A;
@@ -61,8 +61,8 @@ bool at_rest(const MultibodySystem& robot, const double* x) {
   return std::all_of(x + robot.nq(), x + robot.nx(), [](double v) { return v == 0; });
 }
 
-/// Independent joints of one number but those of a base, which carry all that is there and are not
-/// driven: a planar one consists of joints.
+/// Independent joints with one coordinate, except those of a base, which carry everything and are
+/// not driven. A planar base consists of joints.
 std::vector<std::string> joints_to_hold(const MultibodySystem& system) {
   const RobotModel& robot = system.robot();
   const std::vector<int> driven = system.actuated_rows();
@@ -80,13 +80,13 @@ std::vector<std::string> joints_to_hold(const MultibodySystem& system) {
   return names;
 }
 
-/// What the controls of a knot may do at each of some joints; nothing where a joint has no control.
+/// Limits of a knot's controls at each of some joints; zero for a joint without a control.
 struct TorqueLimits {
   VectorXd lower, upper;
   std::vector<bool> has_control;
 };
 
-/// None where a control is of no joint, as a thruster is.
+/// Returns nullopt if a control belongs to no joint, such as a thruster.
 std::optional<TorqueLimits> torque_limits(const KnotModel& model, const MultibodySystem& robot,
                                           const std::vector<Column>& joints) {
   const auto n = static_cast<Eigen::Index>(joints.size());
@@ -103,7 +103,7 @@ std::optional<TorqueLimits> torque_limits(const KnotModel& model, const Multibod
   return limits;
 }
 
-/// Whether the question is one: a robot at rest that has something to hold it.
+/// True if the question applies: a robot at rest with something to hold it.
 bool can_be_held(const MultibodySystem* robot, const double* x) {
   if (robot == nullptr || robot->kind() != SystemKind::second_order || !at_rest(*robot, x))
     return false;

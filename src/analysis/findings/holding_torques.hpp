@@ -7,20 +7,20 @@
 
 namespace conddp {
 
-/// The joint that most lacks the torque (or force) to hold a robot still.
+/// The joint with the largest lack of torque (or force) for holding a robot still.
 struct MissingTorque {
   std::string joint;
-  std::string unit;     ///< of the torque: Nm or N
-  double needed = 0;    ///< what would hold it, with the other joints as strong as they need to be,
-                        ///< without its sign
-  double limit = 0;     ///< what its control gives in that direction at most, 0 without a control
-  bool driven = false;  ///< whether it has a control
+  std::string unit;     ///< unit of the torque: Nm or N
+  double needed = 0;    ///< magnitude that would hold it, if the other joints are strong enough
+  double limit = 0;     ///< largest torque of its control in that direction, 0 without a control
+  bool driven = false;  ///< true if it has a control
 };
 
-/// Whether the initial state lacks static equilibrium for want of torque: at rest, on its contacts
-/// or with a control at every joint, a robot moves off with all controls within their bounds, and
-/// would not if every joint had a control without bounds. None where it can be held, where it
-/// moves, and where no torque would hold it, as what falls freely or tips over.
+/// Tests whether the initial state lacks static equilibrium because torques are too weak. This
+/// applies to a robot at rest, on its contacts or with a control at every joint. It lacks
+/// equilibrium if it moves off with all controls within their bounds, but would not with an
+/// unbounded control at every joint. Returns nullopt if the robot can be held, if it moves, or if
+/// no torque would hold it, as in free fall or when tipping over.
 std::optional<MissingTorque> missing_torque(const ShootingProblem& problem);
 
 }  // namespace conddp

@@ -15,17 +15,18 @@
 namespace conddp {
 namespace {
 
-/// States of this many numbers together are linearized, which keeps the time far below a solve's.
+/// Total size of the states that are linearized, which keeps the time far below that of a solve.
 constexpr int kSampledNumbers = 1000;
 
-/// What a rule of this order, with as many stages, multiplies a motion x' = λ x by, z = h λ.
+/// Growth factor of a motion x' = λ x in a step of a rule with this order and as many stages, z = h
+/// λ.
 double growth_of(std::complex<double> z, int order) {
   std::complex<double> sum = 1, term = 1;
   for (int i = 1; i <= order; ++i) sum += term *= z / static_cast<double>(i);
   return std::abs(sum);
 }
 
-/// The linearized motion x' = A x of data that have been differentiated.
+/// Linearized motion x' = A x, from differentiated data.
 Eigen::MatrixXd linear_motion(const System& system, const SystemData<double>& data) {
   const int n = system.ndx(), rows = system.rows();
   Eigen::MatrixXd A = Eigen::MatrixXd::Zero(n, n);
@@ -36,16 +37,16 @@ Eigen::MatrixXd linear_motion(const System& system, const SystemData<double>& da
 
 double row_sum(const Eigen::MatrixXd& A) { return A.cwiseAbs().rowwise().sum().maxCoeff(); }
 
-/// No eigenvalue is larger.
+/// Upper bound on the absolute values of all eigenvalues.
 double bound_of_eigenvalues(const Eigen::MatrixXd& A) {
   return std::min(row_sum(A), row_sum(A.transpose()));
 }
 
-/// A motion that is multiplied by 1 but for rounding does not grow.
+/// A motion grows above this factor; below it, the growth is rounding.
 constexpr double kGrows = 1 + 1e-6;
 
-/// The worst motion of an explicit rule: |R(h λ)| > 1 with Re h λ ≤ −1. That takes |h λ| ≥ √2, by
-/// Euler's rule, and more by others.
+/// The worst motion of an explicit rule: |R(h λ)| > 1 with Re h λ ≤ −1. This requires |h λ| ≥ √2
+/// for Euler's rule, and more for others.
 LongStep explicit_step(const Eigen::MatrixXd& A, double h, int order) {
   constexpr double kLeastSize = 1.4, kLeastDecay = 1, kStable = 2;
   LongStep worst{.growth = kGrows};
@@ -60,7 +61,7 @@ LongStep explicit_step(const Eigen::MatrixXd& A, double h, int order) {
   return worst;
 }
 
-/// The eigenvalue of a semi-implicit step that is farthest below −1, as a growth; else 1.
+/// Growth factor of a semi-implicit step by its eigenvalue farthest below −1; otherwise 1.
 double alternating_growth(const Eigen::MatrixXd& A, double h) {
   const int n = static_cast<int>(A.rows()) / 2;
   // −2 v = (h²/2 A_q + h A_v) v at the limit of stability, where q⁺ = −q and v⁺ = −v.
@@ -81,7 +82,7 @@ double alternating_growth(const Eigen::MatrixXd& A, double h) {
   return growth;
 }
 
-/// Adds the rate, and the longest step that is stable, to a semi-implicit step that is not.
+/// Adds the rate and the longest stable step to an unstable semi-implicit step.
 void complete(const Eigen::MatrixXd& A, LongStep& step) {
   step.rate = A.eigenvalues().cwiseAbs().maxCoeff();
   step.longest = step.step / 2;
@@ -104,7 +105,7 @@ std::optional<LongStep> long_step(const ShootingProblem& problem, const Trajecto
     if (problem.takes_no_time(k) || (!is_explicit && rule.kind != StepKind::semi_implicit) ||
         model.system().as_stepping() != nullptr)
       continue;
-    // The first step of a phase, and others that are a stride apart.
+    // Samples the first step of a phase, and others a stride apart.
     since = problem.knot(k).phase == phase ? since + 1 : 0;
     phase = problem.knot(k).phase;
     if (since % stride != 0) continue;

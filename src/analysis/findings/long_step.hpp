@@ -7,28 +7,28 @@
 
 namespace conddp {
 
-/// A step on which a motion grows that decays or oscillates in time: it is too long for its rule.
+/// A step that is too long for its rule: a motion grows that decays or oscillates in time.
 struct LongStep {
   int knot = 0;
   double step = 0;     ///< s
-  double rate = 0;     ///< of that motion, 1/s: the absolute value of its eigenvalue
-  double growth = 0;   ///< what the step multiplies the motion by
-  double longest = 0;  ///< s: steps up to about this are stable
+  double rate = 0;     ///< absolute value of that motion's eigenvalue, 1/s
+  double growth = 0;   ///< growth factor of the motion in the step
+  double longest = 0;  ///< longest step that is stable, approximately, s
 };
 
-/// The step along a trajectory on which such a motion grows most; nothing where there is none.
+/// The step along a trajectory with the largest growth of such a motion; nullopt if all are stable.
 /// - Explicit Runge-Kutta rules: eigenvalues of the linearized motion that decay within a step,
 ///   outside the rule's region of stability.
 /// - Semi-implicit Euler: motions that grow and change their sign at each step.
-/// Collocation rules are stable for all that decays. Steps are sampled evenly, the more of them the
-/// smaller the state; those at which derivatives are not finite do not count.
+/// Collocation rules are stable for all decaying motions. Steps are sampled evenly, more of them
+/// for smaller states. Steps whose derivatives are not finite do not count.
 std::optional<LongStep> long_step(const ShootingProblem& problem, const Trajectory& trajectory);
 
-/// Whether a problem file may have collocation: where no contact is held, and nothing steps in
-/// time.
+/// True if a problem file may use collocation: no contact is held, and no system uses time
+/// stepping.
 bool allows_collocation(const ShootingProblem& problem);
 
-/// What helps: an implicit rule where the problem may have one, or shorter steps.
+/// Remedy: an implicit rule if the problem allows one, or shorter steps.
 std::string remedy_of(const LongStep& step, const ShootingProblem& problem);
 
 }  // namespace conddp

@@ -16,13 +16,13 @@ class KnotEquations {
       : system_(model.system()), u_(u), dt_(dt), data_(system_.create_data(double{})) {}
 
   void look(const Eigen::VectorXd& x) { system_.differentiate(x.data(), u_, *data_); }
-  /// The first row that is not finite; -1 where all are.
+  /// First row that is not finite, or −1.
   int singular_row() const {
     for (int i = 0; i < system_.rows(); ++i)
       if (!std::isfinite(data_->f[i])) return i;
     return -1;
   }
-  /// Whether no state changes its own rate much within the step.
+  /// True if no state changes its own rate much within the step.
   bool is_resolved() const {
     const Eigen::Map<const Eigen::MatrixXd> fx(data_->fx.data(), system_.rows(), system_.ndx());
     return fx.allFinite() && (system_.kind() == SystemKind::discrete ||

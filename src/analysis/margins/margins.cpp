@@ -12,14 +12,14 @@
 namespace conddp {
 namespace {
 
-/// Quantities that noise moves by less, relative to what the coordinates of the state would one by
-/// one, are constant but for rounding: the gains hold them.
+/// A quantity is constant up to rounding if noise moves it by less than this share of the effects
+/// of the single state coordinates: the gains hold it.
 constexpr double kConstant = 1e-9;
-/// The plan holds a quantity at a bound from which it is no further than this, if noise moves it by
-/// no more than this share of what it moves it elsewhere.
+/// The plan holds a quantity at a bound if their distance is at most kAtBound and noise moves it by
+/// less than the share kHeld of its motion elsewhere.
 constexpr double kAtBound = 1e-6, kHeld = 1e-4;
 
-/// Goes from node to node.
+/// Collects margins node by node.
 class MarginCollector {
  public:
   MarginCollector(const ShootingProblem& problem, const Trajectory& trajectory,
@@ -51,7 +51,7 @@ class MarginCollector {
  private:
   using Row = Eigen::RowVectorXd;
 
-  /// Where the plan holds a quantity at a bound, solvers leave it a trace of its gains, or none.
+  /// Drops quantities that the plan holds at a bound: solvers leave at most a trace of their gains.
   void leave_out_held() {
     std::map<std::pair<std::string, int>, double> largest;  // of both sides
     for (const MarginCurve& curve : curves_)
@@ -67,7 +67,7 @@ class MarginCollector {
     std::erase_if(curves_, [](const MarginCurve& curve) { return curve.nodes.empty(); });
   }
 
-  /// The standard deviation at a node of a quantity with this gradient by (δx, δu).
+  /// Standard deviation at a node of a quantity with this gradient with respect to (δx, δu).
   double sigma_of(int k, const Row& gradient) const {
     const int n = problem_.ndx();
     const Row spread = covariance_[k].diagonal().cwiseMax(0).cwiseSqrt().transpose();
@@ -90,10 +90,10 @@ class MarginCollector {
     if (nodes.empty() || nodes.back().knot != margin.knot)
       nodes.push_back(margin);
     else if (margin.steps() < nodes.back().steps())
-      nodes.back() = margin;  // of several contacts
+      nodes.back() = margin;  // smallest of several contacts
   }
 
-  /// Both sides of lower ≤ value ≤ upper. Of an equality neither.
+  /// Adds both sides of lower ≤ value ≤ upper, except for an equality.
   void add_interval(const std::string& name, int row, int k, double value, double lower,
                     double upper, const Row& gradient) {
     if (lower == upper) return;
@@ -125,7 +125,7 @@ class MarginCollector {
                    constraint.upper[i], C.row(i));
   }
 
-  /// ‖v‖ ≤ t with g = (v, t). On the axis of a cone the norm has no slope.
+  /// Adds ‖v‖ ≤ t with g = (v, t). On the axis of a cone, the slope of the norm counts as zero.
   void add_cone(const std::string& name, int k, const Eigen::VectorXd& g,
                 const Eigen::MatrixXd& C) {
     const Eigen::Index last = g.size() - 1;

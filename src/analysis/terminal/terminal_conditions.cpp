@@ -13,12 +13,12 @@
 namespace conddp {
 namespace {
 
-constexpr int kLevels = 11;           ///< each a fourth of the one before
-constexpr double kLargestMove = 0.1;  ///< of a state, where nothing bounds the ellipsoid
-/// Decreases are compared with stage costs up to this share, which rounding spoils.
+constexpr int kLevels = 11;           ///< each a fourth of the previous one
+constexpr double kLargestMove = 0.1;  ///< of a state, if nothing bounds the ellipsoid
+/// Relative rounding allowed when decreases are compared with stage costs.
 constexpr double kRounding = 1e-8;
 
-/// What happens at one level of the ellipsoid.
+/// Figures at one level of the ellipsoid.
 struct Measured {
   double state_violation = 0, control_violation = 0;
   double ratio = 0;  ///< largest V(x⁺) / level
@@ -59,7 +59,7 @@ class ConditionChecker {
   }
 
  private:
-  /// What holds where the set is the equilibrium alone: nothing leaves it, and nothing decreases.
+  /// Conditions of a set that is the equilibrium alone: nothing leaves it, and nothing decreases.
   TerminalConditions check_equilibrium() {
     Measured m;
     measure_constraints(evaluation_.at(0, given_.x.data(), given_.u.data()), given_.u, m);
@@ -78,7 +78,8 @@ class ConditionChecker {
             {"A4", "the terminal cost decreases by the stage cost at least"}};
   }
 
-  /// Points of the unit ball in the coordinates of the ellipsoid, half of them on its boundary.
+  /// Draws points of the unit ball in the coordinates of the ellipsoid, half of them on its
+  /// boundary.
   void draw() {
     NormalNumbers random(options_.seed);
     const int m = static_cast<int>(axes_.cols());
@@ -142,9 +143,9 @@ class ConditionChecker {
   const TerminalIngredients& given_;
   const ConditionOptions& options_;
   const KnotModel& model_;
-  Eigen::MatrixXd axes_;  ///< of the ellipsoid, on the tangent space
+  Eigen::MatrixXd axes_;  ///< axes of the ellipsoid in the tangent space
   NodeEvaluation evaluation_;
-  Eigen::MatrixXd points_;  ///< by columns
+  Eigen::MatrixXd points_;  ///< one point per column
 };
 
 }  // namespace

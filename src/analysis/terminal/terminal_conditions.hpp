@@ -8,45 +8,46 @@
 
 namespace conddp {
 
-/// One of the conditions of Mayne, Rawlings, Rao and Scokaert (2000), by which a terminal set and
-/// cost make model-predictive control stable, on samples of the ellipsoid and the nonlinear map.
+/// One of the conditions of Mayne, Rawlings, Rao and Scokaert (2000) for the stability of model
+/// predictive control with a terminal set and cost. It is checked on samples of the ellipsoid with
+/// the nonlinear map.
 struct TerminalCondition {
   std::string name;     ///< "A1" to "A4"
   std::string meaning;  ///< one line
   bool holds = false;
-  double figure = 0;  ///< A1, A2: largest violation; A3: largest ratio of the values after and
-                      ///< before the step; A4: least decrease of the terminal cost by the stage
-                      ///< cost, 1 where they are equal
-  double level = 0;   ///< the largest of the tested levels at which it holds, 0 if there is none
+  /// A1, A2: largest violation. A3: largest ratio of the values after and before the step. A4:
+  /// least decrease of the terminal cost divided by the stage cost, 1 if they are equal.
+  double figure = 0;
+  double level = 0;  ///< largest tested level that satisfies it, or 0
 };
 
-/// Where a larger weight makes A4 hold.
+/// A larger weight that makes A4 hold.
 struct TerminalDecrease {
-  double level = 0;   ///< the largest of the tested levels, 0 if there is none
-  double factor = 0;  ///< of the weight, by which A4 holds there; at least 1
+  double level = 0;   ///< largest tested level, or 0
+  double factor = 0;  ///< factor on the weight for A4 to hold there; at least 1
 };
 
 struct TerminalConditions {
-  double level = 0;  ///< of the ellipsoid that was sampled
-  int samples = 0;   ///< none where it is the equilibrium alone, or P is zero
-  std::vector<TerminalCondition>
-      conditions;  ///< A1 and A2 where the ellipsoid is the equilibrium alone; none where P is zero
+  double level = 0;  ///< level of the sampled ellipsoid
+  int samples = 0;   ///< 0 if the ellipsoid is the equilibrium alone, or if P is zero
+  /// A1 and A2 if the ellipsoid is the equilibrium alone; empty if P is zero.
+  std::vector<TerminalCondition> conditions;
   TerminalDecrease decrease;
 
   bool hold() const;
 };
 
 struct ConditionOptions {
-  double weight = 1;  ///< of the terminal cost, by which P is multiplied
-  double level = 0;   ///< of the ellipsoid; infinite: such that no state moves by more than 0.1
+  double weight = 1;        ///< factor on the terminal cost and hence on P
+  double level = 0;         ///< of the ellipsoid; infinite: no state moves by more than 0.1
   double tolerance = 1e-6;  ///< of constraints and bounds
   int samples = 1000;
   std::uint64_t seed = 1;
 };
 
 /// Checks the conditions at the level and at levels down to 4⁻¹⁰ of it. The stage cost of A4 is
-/// that of the knot without its value and its slope at the equilibrium, which is the stage cost
-/// itself where that is least at the equilibrium. Directions that cost nothing are not sampled.
+/// that of the knot minus its value and slope at the equilibrium. It is the stage cost itself if
+/// that is least at the equilibrium. Directions without cost are not sampled.
 TerminalConditions check_terminal_conditions(const TerminalIngredients& ingredients,
                                              const ConditionOptions& options);
 

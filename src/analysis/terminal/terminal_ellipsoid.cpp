@@ -9,10 +9,11 @@
 namespace conddp {
 namespace {
 
-/// What is below this share of the largest of n numbers is rounding, of a solution of an equation.
+/// In the solution of an equation, values below this share of the largest of n numbers are
+/// rounding.
 double rounding(int n) { return 16 * n * std::numeric_limits<double>::epsilon(); }
 
-/// √ of the diagonal, 0 where that is rounding.
+/// Square roots of the diagonal; 0 if they are rounding.
 Eigen::VectorXd scale_of(const Eigen::MatrixXd& matrix) {
   const Eigen::VectorXd scale = matrix.diagonal().cwiseMax(0.0).cwiseSqrt();
   const double least = rounding(static_cast<int>(scale.size())) * scale.maxCoeff();

@@ -4,15 +4,15 @@
 
 namespace conddp {
 
-/// A symmetric matrix that is positive semidefinite but for rounding, without that: rows that are
-/// zero, scaled to a diagonal of ones, are exactly zero, and so are directions. One that is
-/// positive definite stays as it is.
+/// Removes rounding from a symmetric matrix that is positive semidefinite up to rounding. Rows and
+/// directions that are zero, after scaling the diagonal to ones, become exactly zero. A positive
+/// definite matrix is returned unchanged.
 Eigen::MatrixXd without_rounding(const Eigen::MatrixXd& matrix);
 
-/// The ellipsoid yᵀP y ≤ 1 of a positive semidefinite P, which is unbounded where P is zero.
+/// The ellipsoid yᵀP y ≤ 1 of a positive semidefinite P; unbounded along the null space of P.
 struct TerminalEllipsoid {
-  Eigen::MatrixXd axes;  ///< y = axes·s has yᵀP y = ‖s‖²; as many columns as P has rank
-  Eigen::MatrixXd free;  ///< an orthonormal basis of the directions in which P is zero
+  Eigen::MatrixXd axes;  ///< y = axes·s has yᵀP y = ‖s‖²; the number of columns is the rank of P
+  Eigen::MatrixXd free;  ///< orthonormal basis of the null space of P
 };
 
 TerminalEllipsoid terminal_ellipsoid(const Eigen::MatrixXd& P);

@@ -15,9 +15,9 @@
 namespace conddp {
 namespace {
 
-/// A state that changes faster than that, in its units per second, is no equilibrium.
+/// A state that changes faster, in its units per second, is not an equilibrium.
 constexpr double kLargestDrift = 1e-6;
-/// How far the linear map may leave the tangent space of contacts, by its own size.
+/// Largest part of the linear map that may leave the contacts' tangent space, relative to its size.
 constexpr double kLargestLeak = 1e-5;
 /// Singular values of Jacobians below this share of the largest are rounding.
 constexpr double kSmallestSingularValue = 1e-8;
@@ -27,7 +27,7 @@ Eigen::Map<const Eigen::VectorXd> as_vector(const std::vector<double>& numbers) 
   return {numbers.data(), static_cast<Eigen::Index>(numbers.size())};
 }
 
-/// A knot of a phase alone, from a state on.
+/// A problem with a single knot of a phase, starting at a state.
 std::shared_ptr<ShootingProblem> lone_knot(const EquilibriumGuess& guess) {
   const Phase& phase = guess.phase;
   const KnotModel& model = *phase.model;
@@ -44,7 +44,7 @@ std::shared_ptr<ShootingProblem> lone_knot(const EquilibriumGuess& guess) {
       Phase{.name = "end", .model = std::move(end), .dt = {0.0}, .cost_scale = {1.0}});
 }
 
-/// An orthonormal basis of the velocities that the contacts of a robot allow in a state at rest.
+/// Orthonormal basis of the velocities that the contacts of a robot allow in a state at rest.
 Eigen::MatrixXd allowed_velocities(const MultibodySystem& system, const double* x) {
   const int nv = system.nv(), rows = system.contacts().rows();
   MultibodySystem::Data<double> data(system);
@@ -58,7 +58,7 @@ Eigen::MatrixXd allowed_velocities(const MultibodySystem& system, const double* 
   return svd.matrixU().rightCols(nv - rank);
 }
 
-/// The tangent vectors of the states that a knot can be in.
+/// Tangent vectors of the states that a knot allows.
 Eigen::MatrixXd tangent_space(const KnotModel& model, const double* x) {
   const int n = model.ndx(), memory = model.remembered_controls();
   const MultibodySystem* system = model.system().as_multibody();
@@ -74,7 +74,7 @@ Eigen::MatrixXd tangent_space(const KnotModel& model, const double* x) {
   return T;
 }
 
-/// Finds the ingredients step by step; a step returns false where there are none.
+/// Finds the ingredients step by step; a step returns false if it fails.
 class IngredientsFinder {
  public:
   IngredientsFinder(const EquilibriumGuess& guess, const std::vector<std::string>& names)
@@ -102,7 +102,7 @@ class IngredientsFinder {
     return model_.nu() > 0 || fail("the system has no control", "a regulator needs one");
   }
 
-  /// Integrals go on growing at an equilibrium, and costs on them with them.
+  /// Integrals keep growing at an equilibrium, and so do costs on them.
   bool costs_no_integral() {
     const int first = model_.system().ndx(), end = first + model_.carried_numbers();
     for (const CostTerm& cost : model_.costs())
@@ -118,8 +118,8 @@ class IngredientsFinder {
     return true;
   }
 
-  /// Newton steps on the control between bounds, as long as they make the state more of an
-  /// equilibrium. Whether it is one.
+  /// Takes Newton steps on the control within bounds while they reduce the drift of the state.
+  /// Returns true if the state is an equilibrium.
   bool hold(const Eigen::VectorXd& lower, const Eigen::VectorXd& upper) {
     constexpr int kMost = 20;
     double best = move_to(trajectory_.u(0).cwiseMax(lower).cwiseMin(upper));
@@ -136,8 +136,8 @@ class IngredientsFinder {
     return drift_ <= kLargestDrift;
   }
 
-  /// The nearest control for which the linear map stays where it is; where that exceeds bounds,
-  /// controls stay at them and the others do the rest.
+  /// Nearest control that keeps the linear map at the state. Controls that would exceed their
+  /// bounds stay at them, and the others compensate.
   Eigen::VectorXd newton_step(const Eigen::VectorXd& u, const Eigen::VectorXd& lower,
                               const Eigen::VectorXd& upper) const {
     const int n = model_.system().ndx(), m = model_.nu();
@@ -145,7 +145,7 @@ class IngredientsFinder {
     const Eigen::VectorXd gap = linear_.gap.col(0).head(n);
     Eigen::VectorXd next = u;
     Eigen::MatrixXd free = B;  // columns of controls at their bounds are zero
-    // Controls that work against each other through contacts move nothing but by rounding.
+    // Controls that oppose each other through contacts move the state by rounding only.
     Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> moved;
     moved.setThreshold(kSmallestSingularValue);
     for (int pass = 0; pass <= m; ++pass) {
@@ -165,7 +165,7 @@ class IngredientsFinder {
     return next;
   }
 
-  /// Linearizes at a control; how fast the state leaves its place.
+  /// Linearizes at a control and returns the drift of the state.
   double move_to(const Eigen::VectorXd& u) {
     trajectory_.u(0) = u;
     if (const int actuators = model_.remembered_controls(); actuators > 0)
@@ -189,7 +189,7 @@ class IngredientsFinder {
                 "give a state at rest that controls and contacts can hold");
   }
 
-  /// Where the smallest control that holds the state exceeds bounds, another one may hold it.
+  /// If the smallest control that holds the state exceeds bounds, another one may hold it.
   bool within_bounds() {
     const Eigen::VectorXd u = trajectory_.u(0);
     for (int i = 0; i < model_.nu(); ++i) {
@@ -204,7 +204,7 @@ class IngredientsFinder {
     return true;
   }
 
-  /// The knot's linear map and the exact Hessian of its cost on the tangent space.
+  /// Computes the linear map of the knot and the exact Hessian of its cost on the tangent space.
   bool linearize() {
     const int n = model_.ndx(), m = model_.nu();
     Eigen::MatrixXd F = linear_.knots[0].dense_jacobian();

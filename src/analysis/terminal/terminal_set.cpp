@@ -18,7 +18,7 @@ constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 /// Rows that a unit of the ellipsoid moves by less are constant.
 constexpr double kSmallestReach = 1e-12;
 
-/// Meets bounds one by one.
+/// Adds bounds one by one.
 class SetBuilder {
  public:
   explicit SetBuilder(const TerminalIngredients& ingredients)
@@ -41,9 +41,9 @@ class SetBuilder {
   }
 
  private:
-  /// How far the ellipsoid of level 1 moves linear functions, rows of the coordinates of the
-  /// tangent space, together; infinite where directions that cost nothing move them, as those of
-  /// rows that are not finite do.
+  /// Largest joint move of linear functions over the ellipsoid of level 1; `rows` are in
+  /// coordinates of the tangent space. Infinite if directions without cost move them, or if rows
+  /// are not finite.
   double reach(const Eigen::MatrixXd& rows) const {
     constexpr double kSmallShare = 1e-8;  // √ε
     if (!rows.allFinite()) return kUnbounded;
@@ -53,8 +53,8 @@ class SetBuilder {
     return Eigen::JacobiSVD<Eigen::MatrixXd>(moved).singularValues()[0];
   }
 
-  /// Rows of z under the regulator, by the coordinates of the tangent space. Integrals move rows
-  /// without end.
+  /// Rows of z under the regulator, in coordinates of the tangent space. Rows that integrals move
+  /// are infinite.
   Eigen::MatrixXd under_regulator(const Eigen::MatrixXd& C) const {
     const int n = static_cast<int>(given_.tangent.rows());
     Eigen::MatrixXd rows =
@@ -66,7 +66,7 @@ class SetBuilder {
     return rows;
   }
 
-  /// Something that the ellipsoid of level 1 moves by `reach`, `distance` from where it may go.
+  /// Adds a quantity that the ellipsoid of level 1 moves by `reach`, at `distance` from its bound.
   void add(std::string name, double distance, double reach) {
     if (reach < kSmallestReach || distance == kUnbounded) return;
     const double steps = std::max(distance, 0.0) / reach;
@@ -95,8 +95,8 @@ class SetBuilder {
           reach(rows.row(i)));
   }
 
-  /// ‖r‖ ≤ upper holds where r moves by less than upper − ‖r‖. That ‖r‖ is convex makes its slope
-  /// enough for lower ≤ ‖r‖.
+  /// ‖r‖ ≤ upper holds if r moves by less than upper − ‖r‖. For lower ≤ ‖r‖ the slope suffices,
+  /// because ‖r‖ is convex.
   void add_norm(const NodeConstraint& constraint, const Eigen::MatrixXd& slope) {
     const ConstraintTerm& term = *constraint.term;
     const auto [r, J] = differentiated(term);
@@ -105,7 +105,7 @@ class SetBuilder {
     if (lower > 0) add(term.name, norm - lower, norm > lower ? reach(slope) : kUnbounded);
   }
 
-  /// A residual and its derivative by z at the equilibrium.
+  /// A residual and its derivative with respect to z at the equilibrium.
   std::pair<Eigen::VectorXd, Eigen::MatrixXd> differentiated(const ConstraintTerm& term) const {
     const KnotView& knot = given_.knot->knot(0);
     const System& system = knot.model->system();
@@ -127,7 +127,7 @@ class SetBuilder {
     return {std::move(r), std::move(J)};
   }
 
-  /// ‖v‖ ≤ t holds where v and t together move by less than t − ‖v‖.
+  /// ‖v‖ ≤ t holds if v and t together move by less than t − ‖v‖.
   void add_cone(const ConstraintTerm& term, const Eigen::VectorXd& value,
                 const Eigen::MatrixXd& rows) {
     const int n = term.rows - 1;

@@ -7,24 +7,23 @@
 
 namespace conddp {
 
-/// How large the ellipsoid (x ⊖ x̄)ᵀP(x ⊖ x̄) ≤ level may be before a bound or a constraint of the
-/// knot, linearized at the equilibrium under the regulator, is met.
+/// Largest level of the ellipsoid (x ⊖ x̄)ᵀP(x ⊖ x̄) ≤ level within one bound or constraint of the
+/// knot, linearized at the equilibrium under the regulator.
 struct TerminalBound {
   std::string name;
-  double distance = 0;  ///< at the equilibrium, negative where it is violated
+  double distance = 0;  ///< distance at the equilibrium, negative if violated
   double level = 0;
 };
 
-/// The largest ellipsoid within all of them.
+/// Largest ellipsoid within all bounds.
 struct TerminalSet {
-  double level = 0;  ///< infinite where nothing bounds it
-  std::vector<TerminalBound>
-      bounds;  ///< the narrowest first; those that nothing moves are left out
+  double level = 0;  ///< infinite if nothing bounds it
+  /// The narrowest first; bounds that nothing moves are left out.
+  std::vector<TerminalBound> bounds;
 };
 
-/// Bounds on the control and hard constraints of the knot. Cones, and norms from above, are met
-/// where the parts of their values that the ellipsoid moves could meet them in the worst direction,
-/// which is within the cone.
+/// Considers control bounds and hard constraints of the knot. For cones and upper bounds on norms,
+/// the moving parts of their values count in the worst direction, which stays within the cone.
 TerminalSet largest_terminal_set(const TerminalIngredients& ingredients);
 
 }  // namespace conddp
