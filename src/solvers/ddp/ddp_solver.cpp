@@ -22,11 +22,11 @@
 namespace conddp {
 namespace {
 
-/// The straight steps of an equality search close gaps no earlier than the solve ends. There exact
-/// second derivatives wait until the gaps are this small.
+/// Gap below which a solver with an equality search may use exact second derivatives. Straight
+/// steps close the gaps only at the end of a solve.
 constexpr double kNearlyClosed = 1e-3;
 
-/// With the Hessians that the options ask for, where the recipe leaves that open.
+/// Resolves the use of Hessians from the options if the recipe leaves it open.
 DdpRecipe resolved(DdpRecipe recipe, const SolverOptions& options, const ShootingProblem& problem) {
   recipe.hessian = hessian_use(recipe.hessian, options, problem);
   return recipe;
@@ -86,7 +86,7 @@ const SolveResult& DdpSolver::solve(const Trajectory& guess, LastIterate last) {
   return record_.finished();
 }
 
-/// Where the first iteration starts. With closed gaps the states follow from the controls.
+/// Sets the first iterate. With closed gaps, the states follow from the controls.
 bool DdpSolver::start(const Trajectory& guess) {
   SolveResult& result = record_.result;
   iterate_.trajectory = guess;
@@ -103,7 +103,7 @@ bool DdpSolver::start(const Trajectory& guess) {
   return bad_knot < 0 || end_at_guess(guess, bad_knot);
 }
 
-/// Of a guess whose controls lead out of the finite numbers.
+/// Ends the solve of a guess whose controls lead to values that are not finite.
 bool DdpSolver::end_at_guess(const Trajectory& guess, int bad_knot) {
   SolveResult& result = record_.result;
   result.trajectory = guess;
@@ -118,8 +118,8 @@ bool DdpSolver::end_at_guess(const Trajectory& guess, int bad_knot) {
                                  bad_knot));
 }
 
-/// Iterations until one of them ends the solve, or a signal or the time limit ends one of them. The
-/// first linearisation is never given up: without it there is nothing to say of the guess.
+/// Iterates until an iteration ends the solve, or a signal or the time limit interrupts it. The
+/// first linearization is never interrupted: without it nothing can be reported about the guess.
 void DdpSolver::iterate() {
   const CheckpointScope scope([this] {
     if (!record_.result.log.empty() && !record_.budget_left()) throw Abandoned();
@@ -138,12 +138,12 @@ void DdpSolver::iterate() {
   }
 }
 
-/// False where it ends the solve.
+/// False if the iteration ends the solve.
 bool DdpSolver::run_iteration() { return linearize() && !ends() && goes_on() && step(); }
 
-/// Ends a solve whose iterations are used up before the last iterate is linearised, where that is
-/// wanted. What a rollout has led to has been seen; an iterate at which something is not finite is
-/// left to the linearisation.
+/// Ends a solve at the iteration limit before the last iterate is linearized, if the caller wants
+/// that. The result of a rollout is known already. An iterate that is not finite is left to the
+/// linearization.
 bool DdpSolver::ends_by_last_step() {
   if (!last_step_ || constrained_ || iterate_.linearized ||
       record_.row.iteration < options_.max_iterations)
@@ -166,7 +166,7 @@ bool DdpSolver::ends_by_last_step() {
   return true;
 }
 
-/// Cost and residuals of an iterate that was not linearised, with the policy that led to it.
+/// Reports cost and residuals of an iterate that was not linearized, and the policy that led to it.
 void DdpSolver::end_evaluated() {
   SolveResult& result = record_.result;
   IterationRecord& row = record_.row;
@@ -181,25 +181,25 @@ void DdpSolver::end_evaluated() {
   result.feedback_regularization = row.regularization;
 }
 
-/// Lets the outer strategy see the first iterate, which may change what is minimised.
+/// Shows the first iterate to the outer strategy, which may change the minimized function.
 void DdpSolver::fit_outer() {
   iterate_.differentiate(globalization_.feedback(), outer_->augmentation());
   if (iterate_.linearized && outer_->fit(iterate_)) iterate_.linearized = false;
 }
 
-/// Whether the linearised iterate ends the solve, or Newton's method does from there.
+/// True if the linearized iterate, or Newton's method started from it, ends the solve.
 bool DdpSolver::ends() {
   return (converged() && confirm()) || cost_settled() ||
          (polish_ && polish_->due(record_.row) && polish());
 }
 
-/// Whether there is something left to minimise, and iterations to do so.
+/// True if something is left to minimize and iterations remain.
 bool DdpSolver::goes_on() {
   if (outer_->minimized(record_.row, globalization_.merit()) && !next_minimization()) return false;
   return record_.may_continue();
 }
 
-/// Derivatives and residuals of the iterate, and its row in the log.
+/// Computes the derivatives and residuals of the iterate and logs its row.
 bool DdpSolver::linearize() {
   if (!iterate_.linearized)
     iterate_.differentiate(globalization_.feedback(), outer_->augmentation());
@@ -210,7 +210,7 @@ bool DdpSolver::linearize() {
   return true;
 }
 
-/// Residuals and merit of the linearised iterate.
+/// Computes the residuals and the merit of the linearized iterate.
 void DdpSolver::measure() {
   record_.row.cost = iterate_.linearization.total_cost() + outer_->soft_cost(iterate_);
   globalization_.measure();
@@ -218,7 +218,7 @@ void DdpSolver::measure() {
   outer_->measure(iterate_, record_.row);
 }
 
-/// Whether an answer has a stationarity that other gains and a Newton step can confirm.
+/// True if other gains and a Newton step can confirm the stationarity of an answer.
 bool DdpSolver::is_confirmable() const {
   return !recipe_.least_violation && !globalization_.keeps_equalities();
 }
@@ -227,8 +227,7 @@ bool DdpSolver::converged() const {
   return outer_->solved(record_.row, options_.tolerances, check_.goal());
 }
 
-/// Ends the solve, where the stationarity holds along other gains, too, and next to nothing is left
-/// to gain.
+/// Ends the solve if stationarity also holds along other gains and almost nothing is left to gain.
 bool DdpSolver::confirm() {
   if (is_confirmable() && !(check_.confirm(iterate_, outer_->multipliers()) &&
                             (constrained_ || check_.confirm_gain(iterate_, share_left()))))
@@ -237,8 +236,8 @@ bool DdpSolver::confirm() {
   return true;
 }
 
-/// Of the cost, what a Newton step would gain. A full step of Newton's method that gained little
-/// leaves less.
+/// Share of the cost that a Newton step would gain. It is 0 after a full Newton step that gained
+/// little, since such a step leaves even less.
 double DdpSolver::share_left() {
   const IterationRecord& row = record_.row;
   const bool by_newton = row.iteration > 0 && row.step == 1 && row.regularization == 0;
@@ -250,7 +249,7 @@ double DdpSolver::share_left() {
   return gained_little(cost) ? 0 : globalization_.newton_gain() / cost;
 }
 
-/// Ends the solve, where the iterate is feasible and the caller asked for no more of the cost.
+/// Ends the solve if the iterate is feasible and the cost has settled as the caller requires.
 bool DdpSolver::cost_settled() {
   const auto& tolerances = options_.tolerances;
   if (!cost_has_settled(record_.result.log, tolerances.cost_decrease) ||
@@ -260,8 +259,8 @@ bool DdpSolver::cost_settled() {
   return true;
 }
 
-/// Tries to end the solve by Newton's method. Where only its multipliers are not those of a
-/// solution minimisation goes on from Newton's iterate.
+/// Tries to end the solve by Newton's method. If only its multipliers fail the tests, minimization
+/// continues from Newton's iterate.
 bool DdpSolver::polish() {
   if (!polish_->run(iterate_, globalization_.feedback(), *outer_, record_)) return false;
   iterate_.differentiate(globalization_.feedback(), outer_->augmentation());
@@ -275,7 +274,7 @@ bool DdpSolver::polish() {
   return by_newton_;
 }
 
-/// Begins the next minimisation at the same iterate. False where the solve ends.
+/// Begins the next minimization at the same iterate. False if the solve ends.
 bool DdpSolver::next_minimization() {
   if (!outer_->update(iterate_, globalization_.feedback(), globalization_.merit(),
                       globalization_.at_rounding_floor(), record_))
@@ -286,7 +285,7 @@ bool DdpSolver::next_minimization() {
   return true;
 }
 
-/// A step that can be given up half-way. Where there is none another minimisation may have one.
+/// Takes a step that can be interrupted. If it finds none, another minimization may find one.
 bool DdpSolver::step() {
   step_start_ = iterate_.trajectory;
   stepping_ = true;
@@ -296,13 +295,13 @@ bool DdpSolver::step() {
          (outer_->recovers(record_, globalization_.at_rounding_floor()) && next_minimization());
 }
 
-/// Residuals, co-states and gains of the iterate that is returned.
+/// Computes the residuals, co-states and gains of the returned iterate.
 void DdpSolver::finish() {
   if (!iterate_.linearized)
     iterate_.differentiate(globalization_.feedback(), outer_->augmentation());
   SolveResult& result = record_.result;
   const bool finite = !find_non_finite(iterate_.linearization);
-  // A derivative that is not finite can leave costs and co-states finite.
+  // A non-finite derivative can leave costs and co-states finite.
   if (!finite && is_success(result.status)) iterate_.end_diverged();
   result.trajectory = iterate_.trajectory;
   result.constraint_values = iterate_.linearization.constraint;
@@ -336,8 +335,8 @@ void DdpSolver::write_residuals() {
   residuals.complementarity = row.complementarity;
 }
 
-/// Where stiff gains have carried the co-states of a stationary answer away, the answer's are those
-/// along other gains.
+/// Replaces the co-states of a stationary answer by those along other gains if stiff gains have
+/// distorted them.
 void DdpSolver::replace_costates() {
   if (recipe_.least_violation || globalization_.keeps_equalities() ||
       !outer_->solved(record_.row, options_.tolerances, options_.tolerances.stationarity))
@@ -350,9 +349,9 @@ void DdpSolver::replace_costates() {
   record_.log_is_stale = true;
 }
 
-/// Makes the last row of the log that of the answer: where it was of a step that does not stand,
-/// and where a sweep without a step has changed the gains. Where the guess has no finite co-states,
-/// the log is empty.
+/// Makes the last row of the log describe the answer. The row may belong to a rejected step, and a
+/// sweep without a step may have changed the gains. The log is empty if the guess lacks finite
+/// co-states.
 void DdpSolver::end_log() {
   if (record_.result.log.empty()) return;
   IterationRecord& last = record_.result.log.back();
@@ -370,8 +369,9 @@ void DdpSolver::end_log() {
   last.time_s = time;
 }
 
-/// The co-states of the last sweep may put an answer under tolerance that ended otherwise. It
-/// counts where little is left to gain: a loop that ended before its goal knew why it went on.
+/// Changes the status to converged if the co-states of the last sweep bring all residuals under
+/// tolerance. This requires that little is left to gain: a loop that ended before its goal had a
+/// reason to continue.
 void DdpSolver::confirm_status() {
   SolveResult& result = record_.result;
   const Residuals& r = result.residuals;
@@ -387,7 +387,7 @@ void DdpSolver::confirm_status() {
               r.stationarity, r.gap, r.constraint);
 }
 
-/// Equalities that contradict each other are why a solve that keeps them did not converge.
+/// Reports contradictory equalities as the reason why a solve that enforces them did not converge.
 void DdpSolver::name_contradiction() {
   const SolveStatus status = record_.result.status;
   if (status == SolveStatus::converged || status == SolveStatus::interrupted ||
@@ -400,8 +400,8 @@ void DdpSolver::name_contradiction() {
                           off, record_.residual_text()));
 }
 
-/// A follower of the trajectory wants the true gains; who waits for an iteration does not wait for
-/// them. Exact Hessians are those with the answer's co-states, which sweeps may have changed since.
+/// Recomputes the gains without regularization if possible, except in real-time iterations. Exact
+/// Hessians use the co-states of the answer, which sweeps may have changed since.
 void DdpSolver::find_gains() {
   SolveResult& result = record_.result;
   if (by_newton_) {

@@ -16,35 +16,35 @@
 
 namespace conddp {
 
-/// What is known of the iterate at which a solve ends because its iterations are used up.
-/// - linearized: everything, by derivatives and a sweep at the iterate;
-/// - evaluated: cost, gap and violation. Gains are those of the sweep that led to it, and the
-///   stationarity is that before the last step. Where constraints enter what is minimised, the
-///   iterate is linearised all the same, for their multipliers, but not swept.
+/// Extent of what a solve computes at the last iterate when it reaches its iteration limit.
+/// - linearized: everything, from derivatives and a sweep at the iterate;
+/// - evaluated: cost, gap and violation. The gains come from the sweep that led to the iterate, and
+///   the stationarity is the one before the last step. If constraints enter the minimized function,
+///   the iterate is still linearized for their multipliers, but not swept.
 enum class LastIterate { linearized, evaluated };
 
-/// The loop of all DDP solvers: linearise, test convergence, find a direction and a step, record.
-/// Around minimisations stands an outer strategy, and Newton's method ends the solve where the
-/// recipe has it. Everything is allocated by the constructor, except workspaces of exact Hessians,
-/// which the first of them allocates, or reserve_exact_hessians().
+/// The loop of all DDP solvers: linearize, test convergence, find a direction and a step, record.
+/// An outer strategy surrounds the minimizations, and Newton's method ends the solve if the recipe
+/// uses it. The constructor allocates everything except the workspaces of exact Hessians. Their
+/// first use or reserve_exact_hessians() allocates those.
 class DdpSolver {
  public:
-  /// `memory` is shared with solvers that never solve at the same time; null: one of its own.
+  /// `memory` may be shared with solvers that never solve at the same time; null creates its own.
   DdpSolver(const ShootingProblem& problem, const DdpRecipe& recipe, const SolverOptions& options,
             std::shared_ptr<EvaluationMemory> memory = nullptr);
 
-  /// For a solver that is used again: no later solve has to allocate, whenever it turns to exact
-  /// Hessians.
+  /// Allocates the workspaces of exact Hessians in advance, so that later solves of a reused solver
+  /// never have to.
   void reserve_exact_hessians() { iterate_.hessian.reserve(); }
 
-  /// Goes on in what memory of another solver fits, which gets this one's in return: caches hold
-  /// the memory of a solver that has just been used. Between solves; answers lose their gains.
+  /// Exchanges matrices of equal shape with another solver: memory of a solver that has just been
+  /// used is still in the caches. To be called between solves; both answers lose their gains.
   void exchange_memory(DdpSolver& other);
 
-  /// The answer stays until the next solve begins. From the second solve on nothing else is
-  /// allocated, but for messages of solves that fail.
+  /// The answer stays valid until the next solve begins. From the second solve on, only the
+  /// messages of failed solves allocate memory.
   const SolveResult& solve(const Trajectory& guess, LastIterate last = LastIterate::linearized);
-  /// Moves the gains of the answer out; `to` has their shape.
+  /// Swaps the gains of the answer into `to`, which has their shape.
   void take_feedback(Feedback& to) { std::swap(record_.result.feedback, to); }
   /// Moves the answer out of the solver.
   SolveResult take() { return std::move(record_.result); }
@@ -80,7 +80,7 @@ class DdpSolver {
   const ShootingProblem& problem_;
   DdpRecipe recipe_;
   SolverOptions options_;
-  bool constrained_;  ///< constraints enter the function that is minimised
+  bool constrained_;  ///< constraints enter the minimized function
   ControlBounds bounds_;
   Evaluator evaluator_;
   SolveRecord record_;
@@ -89,13 +89,13 @@ class DdpSolver {
   Globalization globalization_;
   StationarityCheck check_;
   std::optional<NewtonPolish> polish_;
-  Evaluation answer_;       ///< of an iterate that is evaluated alone
-  Trajectory step_start_;   ///< what the step under way began with
-  bool stepping_ = false;   ///< a step is under way that began at step_start_
-  bool abandoned_ = false;  ///< an iteration was given up half-way
-  bool by_newton_ = false;  ///< the solve ended with the polish
+  Evaluation answer_;       ///< of an iterate that is evaluated but not linearized
+  Trajectory step_start_;   ///< the iterate before the step in progress
+  bool stepping_ = false;   ///< a step that began at step_start_ is in progress
+  bool abandoned_ = false;  ///< an iteration was interrupted
+  bool by_newton_ = false;  ///< the Newton polish ended the solve
   bool last_step_ = false;  ///< the solve may end without derivatives after its last step
-  bool evaluated_ = false;  ///< and did so
+  bool evaluated_ = false;  ///< the solve ended in this way
 };
 
 }  // namespace conddp

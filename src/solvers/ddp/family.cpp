@@ -9,8 +9,8 @@ namespace {
 constexpr DdpMember kFamily[] = {
     // Li, Todorov 2004.
     {.name = "ilqr", .description = "single shooting, Gauss-Newton", .recipe = {}},
-    // What everybody starts with: the sweep knows nothing of the bounds and the rollout clamps the
-    // controls. Its convergence test is everyone's, so that it often ends short of converged.
+    // The usual baseline: the sweep ignores the bounds and the rollout clamps the controls. Its
+    // convergence test is that of all members, so it often ends without converging.
     // Li, Todorov 2004, with clamped controls.
     {.name = "ilqr_clip",
      .description = "single shooting, Gauss-Newton, controls clamped at their bounds (a baseline)",
@@ -23,13 +23,13 @@ constexpr DdpMember kFamily[] = {
     {.name = "box_ddp",
      .description = "single shooting, control bounds by projected Newton",
      .recipe = {.clamp_controls = true, .box_stage = true, .hessian = HessianUse::when_slow}},
-    // With an l1 merit; the step length contracts the gaps.
+    // Uses an l1 merit; the step length contracts the gaps.
     // Mastalli et al. 2020.
     {.name = "fddp",
      .description = "multiple shooting, Gauss-Newton",
      .recipe = {.open_gaps = true, .hessian = HessianUse::when_slow}},
-    // Unlike the paper's, stage problems respect the bounds from the first iteration on, closed
-    // gaps or not.
+    // Unlike in the paper, stage problems respect the bounds from the first iteration on, even with
+    // open gaps.
     // Mastalli et al. 2022.
     {.name = "box_fddp",
      .description = "multiple shooting, Gauss-Newton, control bounds by projected Newton",
@@ -37,7 +37,7 @@ constexpr DdpMember kFamily[] = {
                 .clamp_controls = true,
                 .box_stage = true,
                 .hessian = HessianUse::when_slow}},
-    // With terminal rows in the sweep.
+    // The sweep includes terminal rows.
     // Mastalli et al. 2022.
     {.name = "intro",
      .description = "multiple shooting, equality constraints by null space",
@@ -45,7 +45,7 @@ constexpr DdpMember kFamily[] = {
                 .constraints = true,
                 .multipliers = MultiplierSchedule::by_the_sweep,
                 .hessian = HessianUse::when_slow}},
-    // Bounds on the control stay with the stage problems, here and in proxddp.
+    // Stage problems handle the control bounds, here and in proxddp.
     // Howell, Jackson, Manchester 2019; cones: Jackson et al. 2021.
     {.name = "altro",
      .description = "augmented Lagrangian around multiple shooting; all constraints",

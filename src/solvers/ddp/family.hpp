@@ -7,17 +7,17 @@
 
 namespace conddp {
 
-/// A solver of the DDP family: one sweep and one loop (DdpSolver), with its own choices.
+/// A solver of the DDP family: the common sweep and loop (DdpSolver) with its own recipe.
 struct DdpMember {
   std::string_view name;
   std::string_view description;  ///< one line
   DdpRecipe recipe;
 };
 
-/// All of them, in the order in which documents list them. What a member supports follows from its
-/// recipe; a row more is a solver more.
+/// All members, in the order of the documentation. The recipe determines what a member supports;
+/// another row adds another solver.
 std::span<const DdpMember> ddp_family();
-/// The one of this name, or null.
+/// The member with this name, or null.
 const DdpMember* find_ddp_member(std::string_view name);
 
 }  // namespace conddp

@@ -12,16 +12,16 @@
 namespace conddp {
 namespace {
 
-/// The part of a factor that a tile meets.
+/// The part of a factor that a tile uses.
 struct FactorPart {
   const double* L;
   int stride;
-  int first;                 ///< column of L at which the tile begins
+  int first;                 ///< column of L where the tile begins
   int n;                     ///< size of L
-  const double* reciprocal;  ///< of L's diagonal, from that column on
+  const double* reciprocal;  ///< reciprocals of L's diagonal, from that column on
 };
 
-/// A tile of right-hand sides, which stays in registers: columns of B.
+/// A tile of right-hand sides (columns of B) that stays in registers.
 template <int kLanes, int kCols>
 struct TileSums {
   Lane at[kCols][kLanes];
@@ -48,7 +48,8 @@ struct TileSums {
   }
 };
 
-/// Some columns of Y in Y Lᵀ = B, from those before them. `B` is their first number.
+/// Solves for some columns of Y in Y Lᵀ = B from the columns before them. `B` points to the first
+/// one.
 template <int kLanes, int kCols>
 void forward_tile(const FactorPart& part, double* B, int stride) {
   TileSums<kLanes, kCols> sum(B, stride);
@@ -71,7 +72,7 @@ void forward_tile(const FactorPart& part, double* B, int stride) {
   sum.store(B, stride);
 }
 
-/// Some columns of X in X L = Y, from those after them.
+/// Solves for some columns of X in X L = Y from the columns after them.
 template <int kLanes, int kCols>
 void backward_tile(const FactorPart& part, double* B, int stride) {
   TileSums<kLanes, kCols> sum(B, stride);
@@ -112,7 +113,7 @@ constexpr Tiles all_tiles(bool forward, std::integer_sequence<int, kLanes...>) {
   return {backward_tiles<kLanes + 1>(cols)...};
 }
 
-/// By lanes − 1 and columns − 1.
+/// Indexed by lanes − 1 and columns − 1.
 constexpr Tiles kForward = all_tiles(true, std::make_integer_sequence<int, kTileLanes>());
 constexpr Tiles kBackward = all_tiles(false, std::make_integer_sequence<int, kTileLanes>());
 
@@ -126,10 +127,10 @@ bool cholesky_in_place(const LaneBlock& A) {
     double subtracted = 0;
     for (int i = 0; i < j; ++i) subtracted += data[i * stride + j] * data[i * stride + j];
     const double pivot = column[j];
-    // A pivot that cancellation left is noise, and so would be the gains that it gives.
+    // A pivot left by cancellation is noise, and so are the gains that follow from it.
     const double rounding = 4 * std::numeric_limits<double>::epsilon() * subtracted;
     if (!(pivot > rounding) || !std::isfinite(pivot)) return false;
-    // The other columns wait for a division, not for the root.
+    // The other columns wait for a division only, not for the root.
     const double inverse = 1 / pivot;
     const int first = j / kLaneWidth * kLaneWidth;
     for (int row = first; row < n; row += kLaneWidth) {

@@ -4,11 +4,11 @@
 
 namespace conddp {
 
-/// Cholesky factors of the small symmetric matrices of a stage, in place and without allocation.
+/// Cholesky factorization of a stage's small symmetric matrices, in place and without allocation.
 
-/// A = L Lᵀ from the lower triangle of A, which L overwrites; what stands above it becomes
-/// undefined. False where a pivot is not positive beyond rounding (or not finite): then A is left
-/// half done.
+/// A = L Lᵀ from the lower triangle of A, which L overwrites; entries above the diagonal become
+/// undefined. False if a pivot is not finite or not positive beyond rounding; A is then partly
+/// overwritten.
 bool cholesky_in_place(const LaneBlock& A);
 
 /// B ← B (L Lᵀ)⁻¹: every row of B is a right-hand side, so that lanes run down its columns.

@@ -2,16 +2,17 @@
 
 namespace conddp {
 
-/// A small block that acts on the n ≤ 6 coordinates of a curved part of the state: entry (i, j) is
+/// A small block that acts on the n ≤ 6 coordinates of a curved part of the state. Entry (i, j) is
 /// data[i · stride + j].
 struct CurvedBlock {
   const double* data;
   int n, stride;
 };
 
-/// n rows of a matrix by columns (`X` points at the first) ← Bᵀ times them.
+/// Multiplies n rows of a column-major matrix by Bᵀ from the left; `X` points to the first row.
 void transform_rows(CurvedBlock B, double* X, int stride, int cols);
-/// n columns of a matrix by columns (`X` points at the first) ← them times B.
+/// Multiplies n columns of a column-major matrix by B from the right; `X` points to the first
+/// column.
 void transform_columns(CurvedBlock B, double* X, int stride, int rows);
 
 }  // namespace conddp

@@ -46,9 +46,9 @@ void mirror_lower(const LaneBlock& A, int first_col) {
 
 bool copy_symmetric(const LaneBlock& A, double* to, int to_stride) {
   Lane x[kLaneWidth];
-  Lane finite(0.0);  // a sum of zeros, unless a number is not finite
+  Lane finite(0.0);  // a sum of zeros unless a number is not finite
   const auto check = [&] {
-    // One square does not wait for the other: the sum of its columns comes first.
+    // Summing the columns first keeps the squares independent of each other.
     finite += sum_of_columns(x) * Lane(0.0);
   };
   for (int col = 0; col < A.cols; col += kLaneWidth) {

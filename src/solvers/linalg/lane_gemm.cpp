@@ -56,7 +56,7 @@ constexpr std::array<std::array<Tile, kTileCols>, kTileLanes> all_tiles(
   return {tiles_of<kLanes + 1>(std::make_integer_sequence<int, kTileCols>())...};
 }
 
-/// By lanes − 1 and columns − 1.
+/// Indexed by lanes − 1 and columns − 1.
 constexpr auto kTiles = all_tiles(std::make_integer_sequence<int, kTileLanes>());
 
 void multiply_tiles(Store mode, bool lower, const LaneBlock& C, const LaneBlock& A, Factor B) {

@@ -4,11 +4,11 @@
 
 namespace conddp {
 
-/// Products of the small dense matrices of a sweep. Tiles of the result stay in registers while the
-/// inner dimension passes; sums run over it in order, whatever the lane width.
+/// Products of the small dense matrices of a sweep. Tiles of the result stay in registers along the
+/// inner dimension. Sums run over it in order for any lane width.
 
-/// The right factor of a product: entry (k, j) is data[k · row_step + j · column_step], so that a
-/// transposed matrix costs no copy.
+/// The right factor of a product. Entry (k, j) is data[k · row_step + j · column_step], so that a
+/// transposed matrix is not copied.
 struct Factor {
   const double* data;
   int row_step, column_step;
@@ -25,7 +25,7 @@ enum class Store { set, add, subtract };
 
 /// C ←, += or −= A B. C must not overlap A or B.
 void multiply(Store store, const LaneBlock& C, const LaneBlock& A, Factor B);
-/// The lower triangle of the same; entries above the diagonal become undefined.
+/// The lower triangle of the same product; entries above the diagonal become undefined.
 void multiply_lower(Store store, const LaneBlock& C, const LaneBlock& A, Factor B);
 
 }  // namespace conddp

@@ -7,7 +7,7 @@
 
 namespace conddp {
 
-/// As many columns as a lane has numbers, in registers.
+/// kLaneWidth columns of one lane each, in registers.
 using LaneSquare = Lane[kLaneWidth];
 
 inline void load_columns(LaneSquare& x, const double* from, int stride) {
@@ -15,14 +15,14 @@ inline void load_columns(LaneSquare& x, const double* from, int stride) {
   for (int c = 0; c < kLaneWidth; ++c) x[c] = load_lane(from + c * stride);
 }
 
-/// Some rows and columns; the rest is zero.
+/// Loads some rows and columns; the rest is zero.
 inline void load_columns(LaneSquare& x, const double* from, int stride, int rows, int cols) {
   const auto load = [&](auto load_column) {
 #pragma GCC unroll 8
     for (int c = 0; c < kLaneWidth; ++c)
       x[c] = c < cols ? load_column(from + c * stride) : Lane(0.0);
   };
-  // One choice and one mask for all columns.
+  // One branch and one mask serve all columns.
   if (rows >= kLaneWidth)
     load(load_lane);
   else
@@ -62,7 +62,7 @@ inline void mirror_square(LaneSquare& x) {
   mirror_square(x, std::make_integer_sequence<int, kLaneWidth>());
 }
 
-/// Their sum: not finite where a number is not.
+/// Sum of the columns; not finite if a number is not finite.
 inline Lane sum_of_columns(const LaneSquare& x) {
   Lane sum = x[0];
 #pragma GCC unroll 8

@@ -5,7 +5,7 @@
 namespace conddp {
 namespace {
 
-/// H += A Bᵀ of n columns that stand `stride` apart, a column of H at a time.
+/// H += A Bᵀ with n columns `stride` apart, one column of H at a time.
 template <int n>
 void add_products(const double* A, const double* B, int stride, Eigen::MatrixXd& H) {
   const int size = static_cast<int>(H.rows());

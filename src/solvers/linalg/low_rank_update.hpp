@@ -7,28 +7,29 @@
 
 namespace conddp {
 
-/// H += Σ Cᵀ W C over a few rows C of a Jacobian at a time, with a symmetric W each: collected
-/// first and added in one pass over H. Memory is sized at construction. C are derivatives of
-/// constraint rows of the node, so that H stays within the pattern of the node's model.
+/// H += Σ Cᵀ W C, where each C holds a few rows of a Jacobian and each W is symmetric. The terms
+/// are collected and then added in one pass over H. Memory is sized at construction. The C are
+/// derivatives of constraint rows of the node, so that H keeps the sparsity pattern of the node's
+/// model.
 class LowRankUpdate {
  public:
-  /// For the Hessians of the problem's nodes and the constraint rows that they have.
+  /// Reserves memory for the Hessians and constraint rows of the problem's nodes.
   explicit LowRankUpdate(const ShootingProblem& problem);
 
-  /// + weight · cᵀc.
+  /// Adds weight · cᵀc.
   void add(const Eigen::Ref<const Eigen::RowVectorXd, 0, Eigen::InnerStride<>>& c, double weight) {
     rows_.col(count_).head(c.size()) = c;
     weighted_.col(count_++).head(c.size()) = weight * c;
   }
-  /// + Cᵀ W C.
+  /// Adds Cᵀ W C.
   void add(const Eigen::Ref<const Eigen::MatrixXd>& C, const Eigen::Ref<const Eigen::MatrixXd>& W);
 
-  /// Whether nothing was added since the last apply().
+  /// True if nothing was added since the last apply().
   bool empty() const { return count_ == 0; }
   void apply(KnotHessian& hessian);
 
  private:
-  Eigen::MatrixXd rows_, weighted_;  ///< Cᵀ and Cᵀ W, a column per row of C
+  Eigen::MatrixXd rows_, weighted_;  ///< Cᵀ and Cᵀ W, one column per row of C
   int count_ = 0;
 };
 

@@ -12,25 +12,26 @@ namespace {
 
 using Matrix = Eigen::MatrixXd;
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
-/// A direction this small beside what it is part of is rounding.
+/// A direction this small relative to the whole is rounding.
 constexpr double kSmallDirection = 1e-11;
-/// An eigenvalue this near to the unit circle does not decay: that of a double one is known to √ε.
+/// An eigenvalue this close to the unit circle does not decay: a double eigenvalue is known only to
+/// √ε.
 constexpr double kSlowestDecay = 1e-7;
-/// A relative residual of the equation above this is none of a solution.
+/// Largest relative residual of an acceptable solution.
 constexpr double kLargestResidual = 1e-6;
-/// Negative eigenvalues of a scaled cost down to this are rounding.
+/// Negative eigenvalues of a scaled cost down to this value are rounding.
 constexpr double kLeastCurvature = -1e-9;
 
 Matrix symmetric(const Matrix& M) { return 0.5 * (M + M.transpose()); }
 
-/// Columns of length 1, or 0.
+/// Scales columns to length 1; zero columns stay.
 Matrix normalized_columns(Matrix M) {
   for (int j = 0; j < M.cols(); ++j)
     if (const double norm = M.col(j).norm(); norm > 0) M.col(j) /= norm;
   return M;
 }
 
-/// An orthonormal basis of what a block adds to the space of an orthonormal V.
+/// Orthonormal basis of the directions that a block adds to the span of an orthonormal V.
 Matrix new_directions(const Matrix& V, Matrix block, double scale) {
   if (block.cols() == 0) return block;
   for (int pass = 0; pass < 2; ++pass) block -= V * (V.transpose() * block);
@@ -40,7 +41,7 @@ Matrix new_directions(const Matrix& V, Matrix block, double scale) {
   return svd.matrixU().leftCols(rank);
 }
 
-/// An orthonormal basis of the states that controls reach.
+/// Orthonormal basis of the states that the controls reach.
 Matrix reachable_space(const Matrix& A, const Matrix& B) {
   const double scale = std::max(1.0, A.norm());
   Matrix V(A.rows(), 0);
@@ -59,7 +60,7 @@ LinearMode make_mode(std::complex<double> eigenvalue, const Eigen::VectorXcd& ve
   return {eigenvalue, share / share.maxCoeff()};
 }
 
-/// The slowest mode that does not decay, if there is one.
+/// The slowest mode that does not decay, if any.
 std::optional<LinearMode> lasting(const std::vector<LinearMode>& modes) {
   const auto slowest = std::max_element(
       modes.begin(), modes.end(),
@@ -69,7 +70,7 @@ std::optional<LinearMode> lasting(const std::vector<LinearMode>& modes) {
   return *slowest;
 }
 
-/// The least eigenvalue of a symmetric matrix scaled to a diagonal of ones (where it is positive).
+/// Smallest eigenvalue of a symmetric matrix scaled to a unit diagonal (where it is positive).
 double least_eigenvalue(const Matrix& M) {
   if (M.size() == 0) return 1;
   const Eigen::VectorXd scale =
@@ -78,7 +79,7 @@ double least_eigenvalue(const Matrix& M) {
   return Eigen::SelfAdjointEigenSolver<Matrix>(C, Eigen::EigenvaluesOnly).eigenvalues()[0];
 }
 
-/// The problem without its cross term: u = v − R⁻¹Sᵀx.
+/// The problem without its cross term, by u = v − R⁻¹Sᵀx.
 struct Separated {
   Matrix A, Q;
   Eigen::LLT<Matrix> R;
@@ -92,7 +93,7 @@ Separated separate(const RegulatorProblem& p) {
   return s;
 }
 
-/// What the doubling of horizons leads to, from none on.
+/// Limit of the cost matrix as the horizon is doubled.
 Matrix double_horizons(const Separated& s, const Matrix& B) {
   constexpr int kMost = 60;
   const int n = static_cast<int>(B.rows());
@@ -114,7 +115,7 @@ Matrix gain(const RegulatorProblem& p, const Matrix& P) {
   return symmetric(p.R + p.B.transpose() * PB).ldlt().solve(PB.transpose() * p.A + p.S.transpose());
 }
 
-/// What the regulator with this gain costs: Σ (A − BK)ᵏᵀ M (A − BK)ᵏ, doubling the number of terms.
+/// Cost of the regulator with this gain: Σ (A − BK)ᵏᵀ M (A − BK)ᵏ, doubling the number of terms.
 Matrix cost_of(const RegulatorProblem& p, const Matrix& K) {
   constexpr int kMost = 60;
   const Matrix SK = p.S * K;
@@ -137,7 +138,7 @@ double relative_residual(const RegulatorProblem& p, const Matrix& P) {
   return defect.cwiseAbs().maxCoeff() / (largest > 0 ? largest : 1);
 }
 
-/// Steps of Newton's method, as long as they make the residual smaller.
+/// Takes steps of Newton's method as long as they reduce the residual.
 void refine(const RegulatorProblem& p, Matrix& P, double& residual) {
   constexpr int kMost = 4;
   for (int i = 0; i < kMost; ++i) {
@@ -149,7 +150,7 @@ void refine(const RegulatorProblem& p, Matrix& P, double& residual) {
   }
 }
 
-/// Eigenvalues, the largest modulus first; of conjugate ones that above the real axis.
+/// Eigenvalues by descending modulus; of a conjugate pair, the one above the real axis comes first.
 Eigen::VectorXcd sorted_eigenvalues(const Matrix& M) {
   Eigen::VectorXcd values = M.eigenvalues();
   std::stable_sort(values.begin(), values.end(), [](const auto& a, const auto& b) {
@@ -159,7 +160,7 @@ Eigen::VectorXcd sorted_eigenvalues(const Matrix& M) {
   return values;
 }
 
-/// Why a problem has no regulator, before anything is solved.
+/// Finds the reason why a problem lacks a regulator, before anything is solved.
 RegulatorResult find_fault(const RegulatorProblem& p) {
   RegulatorResult result;
   result.eigenvalue = least_eigenvalue(p.R);

@@ -6,9 +6,9 @@
 namespace conddp {
 namespace {
 
-/// Rows of norm 1 whose share in the pivot's columns is smaller depend on the ones before.
+/// Rows of norm 1 with a smaller part in the pivot's columns depend on the previous rows.
 constexpr double kDependent = 1e-9;
-/// A row that is so much smaller than the largest one is rounding, as the derivative of a rotation
+/// A row this small relative to the largest one is rounding, such as the derivative of a rotation
 /// about an axis about which nothing turns.
 constexpr double kNoRow = 1e-14;
 
@@ -40,7 +40,7 @@ void RowElimination::scale() {
   }
 }
 
-/// The row from `first_row` on with the largest norm in these columns, and that.
+/// The row from `first_row` on with the largest norm in these columns, and this norm.
 std::pair<int, double> RowElimination::largest_row(int first_row, int first_column,
                                                    int columns) const {
   int row = first_row;

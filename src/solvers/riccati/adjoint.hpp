@@ -15,32 +15,33 @@ namespace conddp {
 ///   L = Σ cost + Σ λ_{k+1}ᵀ (f(x_k, u_k) ⊖ x_{k+1}),
 /// along a policy δu = v + K δx: with ∇_u L = ℓ_u + f_uᵀ λ_{k+1},
 ///   λ_N = ∇ℓ_N, λ_k = ℓ_x + f_xᵀ λ_{k+1} + Kᵀ ∇_u L.
-/// λ_k is the derivative of the cost to go by x_k where the controls follow the policy, and ∇_u L
-/// that by v_k. K has no rows for controls that stand at a bound; so ∇_u L is zero in the others at
-/// the same iterates for every K. But with K = 0 the co-states grow
-/// as the free motion does, without bound on a robot that stands, and with them what rounding
-/// leaves of ∇_u L. Open gaps on curved spaces transport λ from x_{k+1} to f(x_k, u_k) on the way
+/// λ_k is the derivative of the cost to go with respect to x_k if the controls follow the policy.
+/// ∇_u L is the derivative with respect to v_k. K has zero rows for controls at a bound, so that
+/// every K makes ∇_u L vanish for the other controls at the same iterates. With K = 0, however, the
+/// co-states grow like the free motion, without bound for a standing robot, and so does the
+/// rounding error of ∇_u L. On curved spaces, an open gap transports λ from x_{k+1} to f(x_k, u_k)
 /// (GapTransport).
 class Adjoint {
  public:
   Adjoint(const ShootingProblem& problem, const ControlBounds& bounds);
 
-  /// `trajectory` is the one that was linearised.
+  /// `trajectory` is the linearization point.
   void compute(const Linearization& linearization, const Trajectory& trajectory, const Gaps& gaps,
                const Feedback& feedback);
 
   /// ndx x (N + 1): column k is λ_k.
   const Eigen::MatrixXd& costates() const { return costates_; }
-  /// ndx x (N + 1): ∇_x L at these co-states, −Kᵀ times what K passes on of ∇_u L.
+  /// ndx x (N + 1): ∇_x L at these co-states, equal to −Kᵀ followed_gradient().
   const Eigen::MatrixXd& state_gradient() const { return state_gradient_; }
-  /// ∇_u L of all knots, one after the other.
+  /// ∇_u L of all knots, stacked.
   const Eigen::VectorXd& gradient() const { return gradient_; }
-  /// The same without the controls that stand at a bound: what K passes on to the states.
+  /// The same with zeros for controls at a bound: the part that K passes on to the states.
   const Eigen::VectorXd& followed_gradient() const { return followed_; }
-  /// Σ λ_{k+1}ᵀ gap_k: the cost's first-order change as the gaps are closed along the policy.
+  /// Σ λ_{k+1}ᵀ gap_k: the first-order change of the cost when the gaps are closed along the
+  /// policy.
   double gap_slope() const { return gap_slope_; }
-  /// A bound on what rounding does to the total cost: of the sum itself, and of the states, whose
-  /// relative error reaches the cost through the co-states.
+  /// Bound on the rounding error of the total cost: the error of the sum itself, and that of the
+  /// states, whose relative error reaches the cost through the co-states.
   double cost_rounding(const Linearization& linearization, const Trajectory& trajectory) const;
 
  private:

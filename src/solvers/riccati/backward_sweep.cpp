@@ -17,7 +17,7 @@ BackwardSweep::BackwardSweep(const ShootingProblem& problem, const ControlBounds
   if (segments.count > 1) segments_ = std::make_unique<SegmentSweep>(problem, segments);
 }
 
-/// The value at the last node.
+/// Sets the value at the last node.
 void BackwardSweep::start_at_end(const Linearization& linearization,
                                  SweepRegularization regularization) {
   const int N = bounds_.knots();
@@ -36,7 +36,7 @@ inline bool BackwardSweep::pass_stage(int k, const SweptHorizon& horizon,
   return stage_.form_value(values_[k], feedback.k[k], true_gains);
 }
 
-/// From a knot to the first one; the knot that fails, or −1.
+/// Sweeps from a knot to the first one. Returns the knot that fails, or −1.
 inline int BackwardSweep::sweep_from(int knot, const SweptHorizon& horizon,
                                      SweepRegularization regularization, StageSolver& stages,
                                      Feedback& feedback) {
@@ -58,7 +58,7 @@ int BackwardSweep::run(const Linearization& linearization, const Trajectory& tra
   if (goes_by_segments(hold, regularization))
     if (const auto bad_knot = segments_->run(horizon, stages, feedback, values_, Quu_))
       return *bad_knot;
-  // Values in front of the last segment are not those that a sweep could go on from.
+  // A sweep cannot continue from values before the last segment.
   if (segments_) from.reset();
   if (!from) start_at_end(linearization, regularization);
   const int bad_knot = sweep_from(from.value_or(N - 1), horizon, regularization, stages, feedback);

@@ -8,15 +8,15 @@
 namespace conddp {
 namespace {
 
-/// How often entries of the lower triangle count in a quadratic form, from kLaneWidth places above
-/// the diagonal on: not at all above it, once on it, twice below it.
+/// Weights of the entries of the lower triangle in a quadratic form, starting kLaneWidth places
+/// above the diagonal: 0 above it, 1 on it, 2 below it.
 constexpr std::array<double, 2 * kLaneWidth> kCounts = [] {
   std::array<double, 2 * kLaneWidth> counts{};
   for (int i = kLaneWidth; i < 2 * kLaneWidth; ++i) counts[i] = i == kLaneWidth ? 1 : 2;
   return counts;
 }();
 
-/// zᵀ H z, from those entries that can be other than zero.
+/// zᵀ H z, summed over the entries that may be nonzero.
 double quadratic_form(const KnotHessian& hessian, const Eigen::VectorXd& z) {
   const Eigen::MatrixXd& H = hessian();
   const int n = static_cast<int>(H.rows());

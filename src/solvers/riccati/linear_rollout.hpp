@@ -13,21 +13,21 @@
 
 namespace conddp {
 
-/// A sweep's policy rolled out through the linear model, its full step d = (δx, δu): δx_0 = 0,
-/// δu = k + K δx, δx⁺ = G (f_x δx + f_u δu) + gap.
+/// Rollout of a sweep's policy through the linear model, its full step d = (δx, δu):
+///   δx_0 = 0, δu = k + K δx, δx⁺ = G (f_x δx + f_u δu) + gap.
 class LinearRollout {
  public:
   LinearRollout(const ShootingProblem& problem, const ControlBounds& bounds);
 
-  /// With `clamp`, δu is cut where u + δu would leave its bounds, as the rollout proper does.
+  /// With `clamp`, δu is clamped so that u + δu respects its bounds, as in the nonlinear rollout.
   void run(const Linearization& linearization, const Trajectory& trajectory, const Gaps& gaps,
            const Feedback& feedback, bool clamp);
-  /// The slope of the same step with other gradients of the knots.
+  /// Recomputes the slope of the same step with the gradients of another linearization.
   void measure_slope(const Linearization& linearization);
-  /// What the policy makes of gaps alone: δu = K δx without k.
+  /// Computes the policy's response to the gaps alone: δu = K δx without k.
   void respond(const Linearization& linearization, const Gaps& gaps, const Feedback& feedback);
 
-  /// The step at node k (ndx), with the control where there is one (nz), and that alone (nu).
+  /// The step at node k: dx (ndx), z = (δx, δu) (nz, without δu at the last node), and du (nu).
   auto dx(int k) const { return z_[k].head(ndx_); }
   const Eigen::VectorXd& z(int k) const { return z_[k]; }
   const std::vector<Eigen::VectorXd>& z() const { return z_; }
@@ -38,8 +38,8 @@ class LinearRollout {
   double slope() const { return slope_; }
   /// dᵀ Hessian d.
   double curvature(const Linearization& linearization) const;
-  /// Shows every knot's step to the active set for revision (ActiveSet::revise);
-  /// returns how many entries changed. `last` ← the last knot at which one did, if any.
+  /// Shows every knot's step to the active set for revision (ActiveSet::revise). Returns the number
+  /// of changed entries. `last` ← the last knot with a change, if any.
   int revise(ActiveSet& active_set, std::optional<int>& last) const;
 
  private:

@@ -36,7 +36,7 @@ NullSpaceStage::NullSpaceStage(const ShootingProblem& problem)
   gradient_.resize(largest_nu);
 }
 
-/// Those of the constraints, but for free ones.
+/// Assigns all constraint rows but free ones to their nodes.
 void NullSpaceStage::assign_rows() {
   for (const NodeConstraint& c : problem_.constraints()) {
     for (int r = 0; r < c.term->rows; ++r) {
@@ -56,7 +56,7 @@ void NullSpaceStage::begin_horizon(const Linearization& linearization, const Gap
   eliminate(N, 0);
 }
 
-/// The rows of a node's constraints and, at a knot, those that the next node passes on.
+/// Collects the rows of a node's constraints and, at a knot, the rows passed on by the next node.
 void NullSpaceStage::collect(int k) {
   Node& node = nodes_[k];
   const KnotLinearization& knot = linearization_->knots[k];
@@ -93,7 +93,7 @@ void NullSpaceStage::eliminate(int k, int nu) {
   const int ndx = problem_.ndx();
   node.system.scale();
   node.used = node.system.orthonormalize(0, 0, nu);
-  // The first state is given.
+  // The initial state is given.
   node.passed = k == 0 ? 0 : node.system.orthonormalize(node.used, nu, ndx);
   const auto rows = node.system.rows();
   for (int i = node.used + node.passed; i < node.system.count(); ++i)
@@ -105,7 +105,7 @@ void NullSpaceStage::pass(int knot) {
   eliminate(knot, 0);
 }
 
-/// Q₁ from the rows, then unit vectors made orthogonal to what is there, the most different first.
+/// Q₁ comes from the rows. Orthogonalized unit vectors complete it, the most different ones first.
 void NullSpaceStage::complete_basis(const Node& node, int nu) {
   basis_.topLeftCorner(nu, node.used) = node.system.rows().topLeftCorner(node.used, nu).transpose();
   for (int j = node.used; j < nu; ++j) {
@@ -131,7 +131,7 @@ bool NullSpaceStage::solve(const StageProblem& stage, Eigen::Ref<Eigen::VectorXd
   node.Qu = stage.Qu;
   complete_basis(node, nu);
   const int r = node.used, free = nu - r;
-  // Columns are those of δx and, last, of 1.
+  // The columns belong to δx and, last, to the constant 1.
   auto affine = affine_.topRows(nu);
   affine.noalias() = -basis_.topLeftCorner(nu, r) * node.system.rows().block(0, nu, r, ndx + 1);
   if (free > 0) {
@@ -158,7 +158,7 @@ bool NullSpaceStage::solve(const StageProblem& stage, Eigen::Ref<Eigen::VectorXd
 }
 
 const Eigen::VectorXd& NullSpaceStage::find_multipliers(const LinearRollout& step) {
-  // Rows of this node that the one before had to keep, with their multipliers above_.
+  // Number of rows that this node passed to the previous one; above_ holds their multipliers.
   int passed = 0;
   for (int k = 0; k <= problem_.knots(); ++k) {
     Node& node = nodes_[k];

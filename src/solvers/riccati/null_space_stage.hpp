@@ -10,16 +10,19 @@
 
 namespace conddp {
 
-/// Stages with equality constraints, kept exactly in the linear model, those of later nodes too.
+/// Stages that enforce equality constraints exactly in the linear model, including those of later
+/// nodes.
 ///
-/// Beside the value function linear rows H δx + h = 0 travel backward: what the controls from a
-/// node on cannot do for the constraints there. At a knot the rows of its constraints C z + c = 0
-/// and those of the next node through the dynamics, H (T z + gap) + h = 0, are orthonormalised in
-/// the control's columns (RowElimination). The rank r of them fix δu in their span, Q₁ᵀ δu = −(n +
-/// N δx); in the null space Z of the others δu minimises the stage,
+/// Linear rows H δx + h = 0 travel backward alongside the value function. They are the part of the
+/// later constraints that the controls from a node on cannot satisfy. A knot collects the rows of
+/// its constraints, C z + c = 0, and those of the next node through the dynamics,
+/// H (T z + gap) + h = 0. They are orthonormalized in the control's columns (RowElimination). The
+/// resulting r independent rows fix δu in their span, Q₁ᵀ δu = −(n + N δx). In their null space Z,
+/// δu minimizes the stage:
 ///   δu = −Q₁ (n + N δx) + Z b, b = −(Zᵀ Q_uu Z)⁻¹ Zᵀ (Q_u + Q_ux δx − Q_uu Q₁ (n + N δx)).
-/// Rows left without control, orthonormalised in the state's columns, are the H δx + h = 0 of this
-/// node; dependent ones are left out, and say nothing new unless they contradict the others.
+/// The rows that remain without control are orthonormalized in the state's columns and become the
+/// H δx + h = 0 of this node. Dependent rows are dropped; they matter only if they contradict the
+/// others.
 class NullSpaceStage : public StageSolver {
  public:
   explicit NullSpaceStage(const ShootingProblem& problem);
@@ -30,12 +33,12 @@ class NullSpaceStage : public StageSolver {
   void pass(int knot) override;
   bool minimizes_freely() const override { return false; }
 
-  /// What the constraint multipliers of the last sweep's step add to those in the gradients, a
-  /// number per constraint row of the problem: a pass forward along that step, as the multipliers
-  /// of rows that travelled are decided where these were used.
+  /// Change of the constraint multipliers by the last sweep's step, relative to those in the
+  /// gradients, with one entry per constraint row of the problem. Computed by a forward pass along
+  /// that step: the knot whose controls satisfy a row also determines its multiplier.
   const Eigen::VectorXd& find_multipliers(const LinearRollout& step);
-  /// How much the constraints contradict each other in the linear model: the largest value of a
-  /// row, scaled to norm 1, that no step can change.
+  /// Contradiction of the constraints in the linear model: the largest value of a row, scaled to
+  /// norm 1, that no step can change.
   double contradiction() const { return contradiction_; }
 
  private:
@@ -43,8 +46,8 @@ class NullSpaceStage : public StageSolver {
     std::vector<int> rows;  ///< constraint rows of the problem
     std::vector<double> target;
     RowElimination system;  ///< columns (δu, δx, 1)
-    int used = 0;           ///< rows that fix δu: r
-    int passed = 0;         ///< rows behind them that travel on
+    int used = 0;           ///< number of rows that fix δu: r
+    int passed = 0;         ///< number of following rows, which travel on
     Eigen::MatrixXd Quu, Qxu;
     Eigen::VectorXd Qu;
   };

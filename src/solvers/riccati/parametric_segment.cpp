@@ -53,7 +53,7 @@ bool ParametricSegment::sweep(const SweptHorizon& horizon, StageSolver& stages, 
   return true;
 }
 
-/// Lᵀ through the gap and the dynamics, whose structure is that of ValuePropagation.
+/// Pulls Lᵀ back through the gap and the dynamics, with the structure of ValuePropagation.
 void ParametricSegment::pull_parameters(const SweptHorizon& horizon, int k) {
   const KnotLinearization& knot = horizon.linearization.knots[k];
   const LaneBlock L = pulled_.block();
@@ -61,7 +61,7 @@ void ParametricSegment::pull_parameters(const SweptHorizon& horizon, int k) {
   horizon.gaps[k].pull(L, s_);
   Zt_.resize(ndx_, ndx_ + knot.nu());
   if (!knot.semi_implicit) return multiply(Store::set, Zt_.block(), L, Factor::of_eigen(knot.F));
-  // L_v + dt L_q H meets F, and L_q A stays with δq.
+  // L_v + dt L_q H is multiplied by F, and L_q A stays in the columns of δq.
   const int nv = static_cast<int>(knot.F.rows());
   columns_.resize(ndx_, nv);
   columns_.view() = knot.dt * L.view().leftCols(nv);

@@ -36,7 +36,7 @@ std::optional<double> PlainAdjoint::stationarity(
   return bounds_.projected_norm(adjoint_.gradient(), trajectory).value;
 }
 
-/// What hard constraints add to the gradients is none of the cost's.
+/// Largest entry of the cost's gradients, without the contribution of hard constraints.
 double PlainAdjoint::largest_cost_gradient() {
   for (std::size_t k = 0; k < cost_gradients_.size(); ++k)
     cost_gradients_[k] = linearization_.knots[k].gradient;

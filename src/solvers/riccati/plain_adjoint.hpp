@@ -8,24 +8,25 @@
 
 namespace conddp {
 
-/// A second opinion of an iterate's stationarity, by an adjoint pass along the policy of the costs
-/// alone. The gains of an augmented Lagrangian, or of stages that keep rows, are as stiff as their
-/// penalties: they put what is left of ∇L into the states' part, −Kᵀ∇_u L, and ∇_u L along them
-/// may be small far from where it is small along others.
+/// A second test of an iterate's stationarity, by an adjoint pass along the policy for the costs
+/// only. The gains of an augmented Lagrangian, or of stages that enforce rows, are as stiff as
+/// their penalties. They move the residual of ∇L into the state part, −Kᵀ∇_u L. Therefore ∇_u L
+/// along these gains may be small far from points where it is small along others.
 class PlainAdjoint {
  public:
   PlainAdjoint(const ShootingProblem& problem, const ControlBounds& bounds);
 
-  /// ‖∇_u L‖∞ at these multipliers of the constraints (a number a row), projected on the control
-  /// bounds. None where the costs have no minimum along the linear dynamics, however regularised.
+  /// ‖∇_u L‖∞ at these constraint multipliers (one per row), projected on the control bounds. Empty
+  /// if the costs lack a minimum along the linear dynamics with any regularization.
   std::optional<double> stationarity(Evaluator& evaluator, const Trajectory& trajectory,
                                      const Gaps& gaps,
                                      const SolverOptions::Regularization& regularization,
                                      const Eigen::VectorXd& multipliers);
 
-  /// The largest derivative of the cost by a state or control, at the last `stationarity`.
+  /// Largest derivative of the cost with respect to a state or control, from the last call of
+  /// stationarity().
   double cost_gradient() const { return cost_gradient_; }
-  /// Of the last `stationarity` that was found.
+  /// The adjoint of the last successful stationarity().
   const Adjoint& adjoint() const { return adjoint_; }
 
  private:
@@ -39,7 +40,7 @@ class PlainAdjoint {
   std::unique_ptr<StageSolver> stages_;
   Feedback feedback_;
   Adjoint adjoint_;
-  std::vector<Eigen::VectorXd> cost_gradients_;  ///< nz of each node
+  std::vector<Eigen::VectorXd> cost_gradients_;  ///< nz entries per node
   double cost_gradient_ = 0;
 };
 

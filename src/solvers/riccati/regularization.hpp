@@ -6,20 +6,20 @@
 
 namespace conddp {
 
-/// The weight μ of the sweep's regularisation, changed by Tassa's quadratic schedule (Tassa, Erez,
-/// Todorov 2012, section II-F): every change in one direction multiplies the rate of change, so
-/// that a good μ is found within a few trials over many decades. Zero is left for the smallest
-/// positive value and reached again below it.
+/// The weight μ of the sweep's regularization, adapted by Tassa's quadratic schedule (Tassa, Erez,
+/// Todorov 2012, section II-F). Every change in the same direction multiplies the rate of change,
+/// so that a few trials cover many decades. From zero, μ rises to the smallest positive value;
+/// below that value, it returns to zero.
 class RegularizationSchedule {
  public:
   explicit RegularizationSchedule(const SolverOptions::Regularization& options)
       : options_(options), value_(options.initial) {}
 
   double value() const { return value_; }
-  /// False, without a change, where μ is at its largest value already.
+  /// False, without a change, if μ is already at its largest value.
   bool increase();
   void decrease();
-  /// Makes the smallest positive value at most this one.
+  /// Lowers the smallest positive value to at most this one.
   void lower_min(double min) { options_.min = std::min(options_.min, min); }
 
  private:

@@ -10,7 +10,7 @@
 namespace conddp {
 namespace {
 
-/// Pivots of −S, scaled to a diagonal of ones, that are rounding.
+/// Pivots of −S, scaled to a unit diagonal, are rounding up to this size.
 constexpr double kRounding = 1e-15;
 /// Squared pivots of E below this have lost too many digits against the identity in it.
 constexpr double kSmallestPivot = 1e-5;
@@ -32,8 +32,8 @@ SegmentJunction::SegmentJunction(int ndx)
       dx_(ndx),
       rhs_(ndx) {}
 
-/// product_ ← −S scaled to a diagonal of ones, rhs_ ← by what, dx_ ← that diagonal, which has zeros
-/// where S has.
+/// product_ ← −S scaled to a unit diagonal, rhs_ ← the scale factors, dx_ ← that diagonal, with
+/// zeros where S has zeros.
 void SegmentJunction::normalize(const ParametricSegment& segment) {
   const auto S = segment.S().view();
   auto& scale = rhs_;
@@ -50,8 +50,8 @@ void SegmentJunction::normalize(const ParametricSegment& segment) {
     }
 }
 
-/// Cholesky's factor of −S by columns, of which each takes the largest pivot that is left, scaled
-/// to a diagonal of ones. What rounding leaves is no part of it.
+/// Computes the Cholesky factor of −S, scaled to a unit diagonal, with the largest remaining pivot
+/// in each column. Pivots of rounding size are dropped.
 void SegmentJunction::factor(const ParametricSegment& segment) {
   normalize(segment);
   const auto& scale = rhs_;
@@ -91,7 +91,7 @@ bool SegmentJunction::meet(ParametricSegment& segment, const ValueFunction& next
 
 void SegmentJunction::form_value(ParametricSegment& segment, const ValueFunction& own,
                                  ValueFunction& value) {
-  // Δ G E⁻¹, whose rows are solved for.
+  // Δ G E⁻¹, solved by rows.
   work_.resize(ndx_, rank_);
   transpose(GtDelta_.data(), GtDelta_.stride(), rank_, ndx_, work_.data(), work_.stride());
   solve_rows_in_place(E_.block(), work_.block());

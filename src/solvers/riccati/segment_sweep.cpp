@@ -9,11 +9,11 @@
 
 namespace conddp {
 
-/// Threads that sweep segments.
+/// Threads that sweep the segments.
 struct SegmentSweep::Team {
   explicit Team(int count) : threads(std::max(1, count)), arena(usable_threads(count)) {}
 
-  /// Calls act(0) … act(count − 1), side by side where there are threads.
+  /// Calls act(0) … act(count − 1), in parallel if there are several threads.
   template <class F>
   void for_each(int count, F act) {
     if (threads == 1) {
@@ -23,7 +23,7 @@ struct SegmentSweep::Team {
     arena.execute([&] { tbb::parallel_for(0, count, act, tbb::simple_partitioner()); });
   }
 
-  int threads;  ///< that share the work, of which the arena may have fewer
+  int threads;  ///< the work is split for this many; the arena may have fewer
   tbb::task_arena arena;
 };
 
@@ -73,7 +73,7 @@ std::optional<int> SegmentSweep::run(const SweptHorizon& horizon, StageSolver& s
   return -1;
 }
 
-/// Side by side: swept_ and bad_knot_ say how it went.
+/// Sweeps all segments in parallel and stores the outcome in swept_ and bad_knot_.
 void SegmentSweep::sweep_all(const SweptHorizon& horizon, StageSolver& stages, Feedback& feedback,
                              std::vector<ValueFunction>& values,
                              std::vector<Eigen::MatrixXd>& Quu) {
@@ -105,8 +105,8 @@ int SegmentSweep::sweep_last(const SweptHorizon& horizon, StageSolver& stages, F
   return -1;
 }
 
-/// True values at the ends of segments, from the last to the first, and then steps there, from the
-/// first to the last.
+/// Computes the true values at the segment ends, from the last to the first, and then the steps
+/// there, from the first to the last.
 bool SegmentSweep::join(const std::vector<ValueFunction>& values) {
   const int count = static_cast<int>(segments_.size());
   true_values_[count - 1] = values[segments_.back().last()];

@@ -9,34 +9,35 @@
 
 namespace conddp {
 
-/// Into how many segments sweeps cut the horizon, and how many threads sweep them. Results depend
-/// on the former alone, to rounding.
+/// Number of segments of the horizon, and number of threads that sweep them. Results depend on the
+/// number of segments only, up to rounding.
 struct Segments {
   int count = 1;
   int threads = 1;
 };
 
-/// A Riccati sweep by segments, which can be swept side by side: all but the last one
-/// parametrically (ParametricSegment), after which junctions (SegmentJunction) find the states and
-/// co-states at their ends. So the policy's step through the linear model is that of the sweep from
-/// end to start. As weights at the ends of segments the values of the sweep before are taken, so
-/// that gains are near those of that sweep, and equal as values settle.
+/// A Riccati sweep by segments, which can run in parallel. All segments but the last are swept
+/// parametrically (ParametricSegment); junctions (SegmentJunction) then find the states and
+/// co-states at their ends. The policy's step through the linear model therefore equals that of the
+/// sweep from end to start. The weights at the segment ends are the values of the previous sweep.
+/// Gains are then near those of the sweep from end to start, and equal to them once the values
+/// settle.
 class SegmentSweep {
  public:
   SegmentSweep(const ShootingProblem& problem, const Segments& segments);
   ~SegmentSweep();
 
-  /// The first knots of up to as many segments as knots, and the number of knots. A knot of a
-  /// parametric segment takes about twice the work of another; so the last segment is twice as long
-  /// as the others.
+  /// First knots of the segments, followed by the number of knots. There may be as many segments as
+  /// knots. A knot of a parametric segment takes about twice the work, so the last segment is twice
+  /// as long as the others.
   static std::vector<int> split(int knots, int segments);
 
-  /// Takes the values that a whole sweep has found as weights.
+  /// Takes the values of a whole sweep as weights.
   void start_from(const std::vector<ValueFunction>& values);
-  /// Sweeps without regularisation with a policy that is affine. Returns the knot whose stage has
-  /// no minimum or is not finite, −1 where all went well, and nothing where only a whole sweep can
-  /// tell: before the first of them, and where the values have changed too much since the one
-  /// before.
+  /// Sweeps without regularization, with an affine policy. Returns the knot of a stage that is not
+  /// finite or lacks a minimum, or −1 on success. Returns nothing if only a whole sweep can decide:
+  /// before the first whole sweep, and if the values have changed too much since the previous
+  /// sweep.
   std::optional<int> run(const SweptHorizon& horizon, StageSolver& stages, Feedback& feedback,
                          std::vector<ValueFunction>& values, std::vector<Eigen::MatrixXd>& Quu);
 
@@ -51,7 +52,7 @@ class SegmentSweep {
   int knots_;
   bool started_ = false;
   std::vector<ParametricSegment> segments_;  ///< all but the last
-  std::vector<SegmentJunction> junctions_;   ///< their ends
+  std::vector<SegmentJunction> junctions_;   ///< at their ends
   std::vector<char> swept_;
   StageSweep last_;
   int bad_knot_ = -1;

@@ -6,15 +6,16 @@
 
 namespace conddp {
 
-/// Quadratic model of a knot's cost plus the cost to go, in z = (δx, δu): memory for the largest
-/// knot of a problem, shaped for one knot at a time. Of the Hessian the lower triangle and the
-/// columns of the controls are kept.
+/// Quadratic model of a knot's cost plus the cost to go, in z = (δx, δu). The memory fits the
+/// largest knot of a problem and is shaped for one knot at a time. The Hessian is stored in its
+/// lower triangle and in the columns of the controls.
 class ActionValue {
  public:
   ActionValue(int ndx, int max_nu)
       : ndx_(ndx), nu_(max_nu), gradient_(ndx + max_nu, 1), hessian_(ndx + max_nu, ndx + max_nu) {}
 
-  /// Shapes it for a knot with nu controls; the content becomes undefined. Does not allocate.
+  /// Shapes the model for a knot with nu controls; the content becomes undefined. Does not
+  /// allocate.
   void resize(int nu) {
     nu_ = nu;
     hessian_.resize(nz(), nz());

@@ -28,13 +28,13 @@ void ActiveSet::begin_sweep(bool hold) {
   hold_ = hold;
 }
 
-/// Of a free entry of δu.
+/// State of a free entry of δu after a step.
 BoundState ActiveSet::Knot::beyond(int i, double du) const {
   if (du > upper[i]) return BoundState::at_upper;
   return du < lower[i] ? BoundState::at_lower : BoundState::free;
 }
 
-/// Of a held one: free where its multiplier has the wrong sign.
+/// State of a held entry after a step: free if its multiplier has the wrong sign.
 BoundState ActiveSet::Knot::by_multiplier(int i, const Eigen::Ref<const Eigen::VectorXd>& dx,
                                           const Eigen::Ref<const Eigen::VectorXd>& du) const {
   if (!(lower[i] < upper[i])) return states[i];

@@ -48,10 +48,10 @@ void BoxQp::start(const VectorIn& lower, const VectorIn& upper,
   }
 }
 
-/// An entry at a bound is clamped where the gradient pushes it outwards: at the lower bound a
-/// positive gradient is optimal. Before the first step `active` itself can be trusted instead: the
-/// gradient means little as long as the free entries are far from their optimum. Returns whether
-/// the set of free entries changed.
+/// An entry at a bound is clamped if the gradient pushes it outwards: at the lower bound, a
+/// positive gradient is optimal. Before the first step, `active` itself can be trusted instead,
+/// because the gradient means little while the free entries are far from their optimum. Returns
+/// true if the set of free entries changed.
 bool BoxQp::update_free_set(const VectorIn& lower, const VectorIn& upper, bool trust,
                             std::span<BoundState> active) {
   bool changed = false;
@@ -82,7 +82,7 @@ bool BoxQp::free_gradient_vanishes(double rounding) const {
   return true;
 }
 
-/// The Newton step of the free entries: −H_ff⁻¹ times the gradient.
+/// Computes the Newton step of the free entries: −H_ff⁻¹ times the gradient.
 void BoxQp::find_direction() {
   for (int i = 0; i < free_count_; ++i) rhs_.col(i)[0] = -gradient_[free_[i]];
   solve_rows_in_place(free_factor(), rhs_.block(1, 0, free_count_));
@@ -100,7 +100,7 @@ BoxQp::Status BoxQp::solve(const MatrixIn& H, const VectorIn& g, const VectorIn&
   auto gradient = gradient_.head(size_);
   const double g_max = g.lpNorm<Eigen::Infinity>();
   const double H_max = H.cwiseAbs().maxCoeff();
-  bool newton_point = false;  // x minimises over its free entries
+  bool newton_point = false;  // x minimizes over its free entries
   for (iterations_ = 0; iterations_ < max_iterations_; ++iterations_) {
     gradient.noalias() = H * x;
     gradient += g;
@@ -117,13 +117,13 @@ BoxQp::Status BoxQp::solve(const MatrixIn& H, const VectorIn& g, const VectorIn&
     const Descent descent = search(H, lower, upper);
     if (descent == Descent::none) return Status::solved;
     newton_point = descent == Descent::newton;
-    x = trial_.head(size_);  // not x + step: bounds are met exactly
+    x = trial_.head(size_);  // not x + step, so that bounds are met exactly
   }
   return Status::iteration_limit;
 }
 
-/// Bounds at which an entry's own descent ends. Where the gradient points inwards a projection only
-/// helps.
+/// Considers only entries that descend towards a bound. If the gradient points inwards, projection
+/// only helps.
 BoxQp::Block BoxQp::first_block(const VectorIn& lower, const VectorIn& upper) const {
   Block first;
   for (int n = 0; n < free_count_; ++n) {
@@ -137,9 +137,9 @@ BoxQp::Block BoxQp::first_block(const VectorIn& lower, const VectorIn& upper) co
 }
 
 /// Armijo's rule along the projection of the Newton direction. The change of the objective is
-/// formed from the step itself, so that no cancellation hides it. Where the free entries are
-/// strongly coupled, projected steps ascend and shorter ones end ever closer to the bound without
-/// meeting it; therefore the step to the first bound is among those that are tried.
+/// formed from the step itself, so that no cancellation hides it. If the free entries are strongly
+/// coupled, projected steps ascend, and shorter ones end ever closer to the bound without meeting
+/// it. Therefore the step to the first bound is tried, too.
 BoxQp::Descent BoxQp::search(const MatrixIn& H, const VectorIn& lower, const VectorIn& upper) {
   auto step = step_.head(size_);
   auto H_step = H_step_.head(size_);
@@ -160,7 +160,7 @@ BoxQp::Descent BoxQp::search(const MatrixIn& H, const VectorIn& lower, const Vec
   return Descent::none;
 }
 
-/// Whether the box cuts anything off.
+/// Forms the trial in the box. True if the box clamps an entry.
 bool BoxQp::project_trial(double length, const VectorIn& lower, const VectorIn& upper) {
   bool projected = false;
   for (int i = 0; i < size_; ++i) {

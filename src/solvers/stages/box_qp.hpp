@@ -10,32 +10,32 @@
 
 namespace conddp {
 
-/// Where an entry of a box QP's solution stands.
+/// State of an entry of a box QP's solution.
 enum class BoundState : std::int8_t { at_lower = -1, free = 0, at_upper = 1 };
 
-/// minimise ½ xᵀ H x + gᵀ x subject to lower ≤ x ≤ upper, by projected Newton with free and clamped
+/// Minimizes ½ xᵀ H x + gᵀ x subject to lower ≤ x ≤ upper by projected Newton with free and clamped
 /// blocks (Bertsekas 1982; Tassa, Mansard, Todorov 2014, algorithm 1). Bounds may be infinite and
-/// may coincide. Nothing is allocated after construction.
+/// may coincide. Does not allocate after construction.
 class BoxQp {
  public:
   enum class Status {
-    solved,                 ///< to rounding; entries at a bound equal it exactly
-    not_positive_definite,  ///< the free block of H met on the way has no Cholesky factor
+    solved,                 ///< up to rounding; entries at a bound equal it exactly
+    not_positive_definite,  ///< a free block of H in the iteration is not positive definite
     iteration_limit,        ///< feasible and no worse than the start, but not optimal
   };
 
   explicit BoxQp(int max_size, int max_iterations = 100, double armijo = 0.1);
 
-  /// `active` (as many entries as x) says where to start: at which bound an entry is held in the
-  /// first step, and which ones are free, from 0 or the nearest allowed value; on return it says
-  /// where the solution stands.
+  /// `active` (one entry per entry of x) gives the start. Held entries start at their bound and
+  /// stay there in the first step; free entries start from 0 or the nearest allowed value. On
+  /// return it gives the states of the solution.
   Status solve(const Eigen::Ref<const Eigen::MatrixXd>& H,
                const Eigen::Ref<const Eigen::VectorXd>& g,
                const Eigen::Ref<const Eigen::VectorXd>& lower,
                const Eigen::Ref<const Eigen::VectorXd>& upper, std::span<BoundState> active);
 
   auto x() const { return x_.head(size_); }
-  /// The entries that are free at the solution, ascending.
+  /// Free entries at the solution, in ascending order.
   std::span<const int> free() const {
     return {free_.data(), static_cast<std::size_t>(free_count_)};
   }
@@ -44,8 +44,8 @@ class BoxQp {
   int iterations() const { return iterations_; }
 
  private:
-  /// How a step descends: not at all but for rounding, by the Newton step of the free entries, or
-  /// by a shorter or projected one.
+  /// Descent of a step: none beyond rounding, by the Newton step of the free entries, or by a
+  /// shorter or projected step.
   enum class Descent { none, newton, shorter };
   void start(const Eigen::Ref<const Eigen::VectorXd>& lower,
              const Eigen::Ref<const Eigen::VectorXd>& upper, std::span<const BoundState> active);
@@ -55,10 +55,10 @@ class BoxQp {
   bool factor_free_block(const Eigen::Ref<const Eigen::MatrixXd>& H);
   bool free_gradient_vanishes(double rounding) const;
   void find_direction();
-  /// Where a step along the direction meets the first bound to which the objective falls.
+  /// First bound that a step along the direction meets in an entry that descends towards it.
   struct Block {
     int entry = -1;
-    double length = 2;  ///< beyond all steps: none
+    double length = 2;  ///< beyond all steps: no bound
     double bound = 0;
   };
   Block first_block(const Eigen::Ref<const Eigen::VectorXd>& lower,

@@ -27,14 +27,14 @@ class BoxStage : public StageSolver {
     const bool bounded = active_set().holds_any(stage.knot);
     if (bounded)
       return active_set().is_held() ? solve_held(stage, k, Kt) : solve_in_box(stage, k, Kt);
-    // Most knots are far from every bound: there the free minimum is that of the QP.
+    // Most knots are far from every bound; there the free minimum also solves the QP.
     const bool solved = stage.solve_free(scratch_[stage.segment].factor, k, Kt);
     if (active_set().is_held() || (solved && is_within_bounds(stage.knot, k))) return solved;
     return solve_in_box(stage, k, Kt);
   }
 
  private:
-  /// Memory of one stage.
+  /// Workspace of one stage.
   struct Scratch {
     Scratch(int rows, int max_nu, const SolverOptions::BoxQp& options)
         : qp(max_nu, options.max_iterations, options.armijo),
@@ -54,7 +54,7 @@ class BoxStage : public StageSolver {
            (k.array() <= active_set().upper(knot).array()).all();
   }
 
-  /// The stage's minimum between its bounds, from the active set of the sweep before.
+  /// Minimizes the stage between its bounds, starting from the active set of the previous sweep.
   bool solve_in_box(const StageProblem& stage, Eigen::Ref<Eigen::VectorXd> k, const LaneBlock& Kt) {
     const int nu = static_cast<int>(k.size());
     Scratch& scratch = scratch_[stage.segment];
@@ -65,7 +65,7 @@ class BoxStage : public StageSolver {
                          active) == BoxQp::Status::not_positive_definite)
       return false;
     k = scratch.qp.x();
-    // Feedback acts on the free controls alone: K_f = −Q_ff⁻¹ Q_fx.
+    // Feedback acts only on the free controls: K_f = −Q_ff⁻¹ Q_fx.
     const auto free = scratch.qp.free();
     const int count = static_cast<int>(free.size());
     scratch.rhs.resize(Kt.rows, count);
@@ -80,7 +80,7 @@ class BoxStage : public StageSolver {
     return true;
   }
 
-  /// Puts the entries that the active set holds, one at least, at their bounds; lists the others.
+  /// Puts the held entries (at least one) at their bounds and lists the others.
   void hold_entries(int knot, Eigen::Ref<Eigen::VectorXd> k, std::vector<int>& free) {
     const std::span<const BoundState> active = active_set().states(knot);
     free.clear();
@@ -93,7 +93,8 @@ class BoxStage : public StageSolver {
     }
   }
 
-  /// The block of the free entries, and right-hand sides with those that are held in the gradient.
+  /// Loads the block of the free entries, and right-hand sides whose gradient includes the held
+  /// entries.
   void load_free(const StageProblem& stage, const Eigen::Ref<const Eigen::VectorXd>& k,
                  Scratch& scratch) {
     const std::vector<int>& free = scratch.free;
@@ -110,7 +111,7 @@ class BoxStage : public StageSolver {
     }
   }
 
-  /// The stage's minimum with these entries there.
+  /// Minimizes the stage with the held entries fixed at their bounds.
   bool solve_held(const StageProblem& stage, Eigen::Ref<Eigen::VectorXd> k, const LaneBlock& Kt) {
     const int rows = Kt.rows - 1;
     Scratch& scratch = scratch_[stage.segment];
@@ -118,7 +119,7 @@ class BoxStage : public StageSolver {
     hold_entries(stage.knot, k, free);
     const int count = static_cast<int>(free.size());
     scratch.factor.resize(count, count);
-    // One solve for both: the gradient is one more row of right-hand sides.
+    // One solve serves both: the gradient is an additional row of right-hand sides.
     scratch.rhs.resize(rows + 1, count);
     const LaneBlock solution = scratch.rhs.block();
     auto rhs = solution.view();
@@ -132,7 +133,7 @@ class BoxStage : public StageSolver {
     return true;
   }
 
-  std::vector<Scratch> scratch_;  ///< of stages that are solved at once
+  std::vector<Scratch> scratch_;  ///< one per segment
 };
 
 }  // namespace

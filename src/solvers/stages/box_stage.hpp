@@ -6,13 +6,13 @@
 
 namespace conddp {
 
-/// k minimises the stage at δx = 0 subject to lower ≤ u + k ≤ upper; K has zero rows for clamped
-/// controls (Tassa, Mansard, Todorov 2014, eqs. 9-11). Each knot starts from the active set that it
-/// had in the sweep before.
+/// k minimizes the stage at δx = 0 subject to lower ≤ u + k ≤ upper; K has zero rows for clamped
+/// controls (Tassa, Mansard, Todorov 2014, eqs. 9-11). Each knot starts from its active set in the
+/// previous sweep.
 ///
-/// That set is blind to what the knots before it do: `ActiveSet::revise` and held sweeps alternate
-/// towards that of the whole horizon's box-constrained QP.
-/// `segments`: of how many segments stages may be solved at once.
+/// This set ignores the steps of earlier knots. Alternating `ActiveSet::revise` and held sweeps
+/// approach the active set of the horizon's box-constrained QP.
+/// `segments`: number of segments whose stages may be solved at once.
 std::unique_ptr<StageSolver> box_stage(const ShootingProblem& problem,
                                        const SolverOptions::BoxQp& options, int segments = 1);
 

@@ -8,10 +8,10 @@
 namespace conddp {
 namespace {
 
-/// Gaps up to this size are what rounding leaves of a closed one.
+/// Gaps up to this size are the rounding errors of a closed gap.
 constexpr double kRounding = 4 * std::numeric_limits<double>::epsilon();
 
-/// part ← B part, or Bᵀ part, for a block by rows.
+/// part ← B part, or Bᵀ part, for a row-major block.
 template <int n>
 void transform_part(const double* B, bool transposed, double* part) {
   const Eigen::Map<const Eigen::Matrix<double, n, n, Eigen::RowMajor>> block(B);

@@ -10,18 +10,18 @@
 
 namespace conddp {
 
-/// How an open gap f̄ = f(x_k, u_k) ⊖ x_{k+1} enters the linear model of the next node.
+/// Effect of an open gap f̄ = f(x_k, u_k) ⊖ x_{k+1} in the linear model of the next node.
 ///
 /// The rollout contracts gaps by x⁺ = f ⊕ (α − 1) f̄, so that to first order δx_{k+1} = G δf + α f̄.
-/// Tangent vectors at f and at x_{k+1} differ on curved spaces: G = Ad exp(f̄), the identity where
-/// the space is flat or the gap closed. What rounding leaves of a closed gap counts as none.
+/// Tangent vectors at f and at x_{k+1} differ on curved spaces: G = Ad exp(f̄). G is the identity if
+/// the space is flat or the gap is closed. A gap of rounding size is treated as closed.
 class GapTransport {
  public:
   explicit GapTransport(const StateManifold& manifold);
 
   /// Prepares G for this gap (ndx).
   void set(const Eigen::Ref<const Eigen::VectorXd>& gap);
-  /// A closed gap.
+  /// Closes the gap.
   void close() { none_ = identity_ = true; }
   bool closed() const { return none_; }
 
@@ -29,17 +29,17 @@ class GapTransport {
   void push(Eigen::Ref<Eigen::VectorXd> delta) const;
   /// λ ← Gᵀ λ.
   void pull(Eigen::Ref<Eigen::VectorXd> lambda) const;
-  /// The value at x_{k+1} as a function of δf at a full step: V_x ← Gᵀ (V_x + V_xx f̄),
+  /// Pulls the value at x_{k+1} back to a function of δf at a full step: V_x ← Gᵀ (V_x + V_xx f̄),
   /// V_xx ← Gᵀ V_xx G.
   void pull(ValueFunction& value) const;
-  /// Linear terms of parameters in that value, a row each (L, by ndx), likewise: s ← s + L f̄,
-  /// L ← L G.
+  /// Pulls back the linear terms of parameters in that value, one per row of L (ndx columns): s ← s
+  /// + L f̄, L ← L G.
   void pull(const LaneBlock& L, Eigen::VectorXd& s) const;
-  /// `Vx` ← that of the same.
+  /// `Vx` ← the gradient of the value pulled back in this way.
   void pull_gradient(const ValueFunction& value, Eigen::Ref<Eigen::VectorXd> Vx) const;
-  /// Whether G is the identity.
+  /// True if G is the identity.
   bool flat() const { return identity_; }
-  /// G on a curved segment of n coordinates, n x n by rows.
+  /// G on a curved segment of n coordinates, n x n and row-major.
   const double* block(std::size_t segment) const {
     return G_.data() + segment * StateManifold::kBlockSize;
   }
@@ -48,20 +48,21 @@ class GapTransport {
   const StateManifold& manifold_;
   bool none_ = true, identity_ = true;
   Eigen::VectorXd gap_, minus_gap_;
-  std::vector<double> G_, wrt_dx_;  // blocks by rows, StateManifold::kBlockSize apart
+  std::vector<double> G_, wrt_dx_;  // row-major blocks, StateManifold::kBlockSize apart
 };
 
-/// The gaps of all knots of a linearised iterate.
+/// The gaps of all knots of a linearized iterate.
 class Gaps {
  public:
   explicit Gaps(const ShootingProblem& problem);
 
-  /// Takes those of a linearisation; none of them where a solver keeps gaps closed (`open` false).
+  /// Takes the gaps of a linearization. If a solver keeps its gaps closed, `open` is false and all
+  /// gaps close.
   void set(const Linearization& linearization, bool open);
-  /// Takes these (ndx x N).
+  /// Takes these gaps (ndx x N).
   void set(const Eigen::MatrixXd& gap);
   const GapTransport& operator[](int k) const { return knots_[k]; }
-  /// Σ‖gap‖₁; 0 where all are closed.
+  /// Σ‖gap‖₁; 0 if all gaps are closed.
   double norm() const { return norm_; }
   bool closed() const { return norm_ == 0; }
 

@@ -44,7 +44,7 @@ bool form_value(const ActionValue& q, const LaneBlock& Kt, const double* w, cons
   const ConstStridedView Q = q.Qzz();
   const int stride = static_cast<int>(Q.outerStride());
   const double* Qxu = Q.data() + ndx * stride;
-  // Below the states, where gains have no rows, all sums stay zero.
+  // The gains have no entries below the states, so all sums stay zero there.
   Lane change[ndx], by_w(0.0), by_k(0.0);
 #pragma GCC unroll 8
   for (int c = 0; c < ndx; ++c) change[c] = Lane(0.0);
@@ -73,7 +73,7 @@ constexpr std::array<NarrowStage, sizeof...(kIndex)> all_stages(
   return {NarrowStage{pull<kIndex + 1>, form_value<kIndex + 1>}...};
 }
 
-/// By states − 1; a control is left at least.
+/// Indexed by states − 1; at least one control remains.
 constexpr auto kStages = all_stages(std::make_integer_sequence<int, kLaneWidth - 1>());
 
 }  // namespace

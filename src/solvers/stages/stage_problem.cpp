@@ -30,7 +30,7 @@ bool StageProblem::solve_free(LaneMatrix& factor, Eigen::Ref<Eigen::VectorXd> k,
     for (int row = j / kLaneWidth * kLaneWidth; row < nu; row += kLaneWidth)
       store_lane(factor.col(j) + row, load_some(Quu.col(j).data() + row, nu - row));
   if (!cholesky_in_place(factor.block())) return false;
-  // One solve for both: the gradient is one more row of right-hand sides.
+  // One solve serves both: the gradient is an additional row of right-hand sides.
   for (int j = 0; j < nu; ++j) negate(j, Kt, j);
   solve_rows_in_place(factor.block(), Kt);
   for (int j = 0; j < nu; ++j) k[j] = Kt.data[j * Kt.stride + Kt.rows - 1];

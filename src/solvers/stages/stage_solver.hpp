@@ -13,29 +13,29 @@
 
 namespace conddp {
 
-/// How a solver minimises over the control of a knot. Workspaces are sized at construction; the
-/// number of controls may differ between knots.
+/// Minimizes over the control of a knot. Workspaces are sized at construction; the number of
+/// controls may differ between knots.
 class StageSolver {
  public:
   StageSolver() = default;
   explicit StageSolver(ActiveSet active_set) : active_set_(std::move(active_set)) {}
   virtual ~StageSolver() = default;
 
-  /// Writes the update δu = k + K δx: `Kt` is K transposed, as large as Q_xu, and below it one more
-  /// row whose content does not matter. False where the stage has no minimum, because (the free
-  /// block of) Q_uu is not positive definite.
+  /// Writes the update δu = k + K δx. `Kt` is K transposed, as large as Q_xu, plus a last row for
+  /// scratch. False if the stage lacks a minimum because Q_uu, or its free block, is not positive
+  /// definite.
   virtual bool solve(const StageProblem& stage, Eigen::Ref<Eigen::VectorXd> k,
                      const LaneBlock& Kt) = 0;
-  /// Called before each sweep with what it goes through.
+  /// Called before each sweep with the linearization and gaps of its horizon.
   virtual void begin_horizon(const Linearization& linearization, const Gaps& gaps) {
     (void)linearization, (void)gaps;
   }
   /// Called in place of `solve` at a knot without controls.
   virtual void pass(int knot) { (void)knot; }
-  /// Whether K minimises the stage in all entries of the control that it does not leave alone.
+  /// True if K minimizes the stage in all control entries that it acts on.
   virtual bool minimizes_freely() const { return true; }
 
-  /// The controls that stages hold at bounds, of all knots.
+  /// Controls that the stages hold at bounds, for all knots.
   ActiveSet& active_set() { return active_set_; }
   const ActiveSet& active_set() const { return active_set_; }
 
@@ -43,7 +43,7 @@ class StageSolver {
   ActiveSet active_set_;
 };
 
-/// The minimum without the bounds.
+/// Minimizes without the bounds.
 std::unique_ptr<StageSolver> unconstrained_stage(const ShootingProblem& problem);
 
 }  // namespace conddp

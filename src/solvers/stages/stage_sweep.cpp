@@ -10,7 +10,7 @@
 namespace conddp {
 namespace {
 
-/// Some rows of a matrix.
+/// View of some rows of a matrix.
 template <class Matrix>
 ConstStridedView rows_of(const Matrix& M, int first, int count) {
   return {M.data() + first, count, M.cols(), Eigen::OuterStride<>(M.outerStride())};
@@ -104,19 +104,19 @@ bool StageSweep::form_value(ValueFunction& value, const Eigen::VectorXd& k, bool
   }
   if (const NarrowStage* narrow = narrow_stage(ndx, nu); narrow != nullptr && true_gains)
     return narrow->form_value(q_, Kt_.block(), w.data(), k.data(), value);
-  // V_xx in the lower triangle, where Q_xx is, and V_x where Q_x is.
+  // V_xx replaces Q_xx in the lower triangle, and V_x replaces Q_x.
   const LaneBlock Vxx = Q.block(ndx, 0, ndx), Vx{q_.Qz().data(), Q.stride(), ndx, 1};
   if (nu > 0) {
     const LaneBlock Kt = Kt_.block(ndx, 0, nu), Qxu = Q.block(ndx, ndx, nu);
     if (!true_gains) {
-      // (Kᵀ Q_uu + Q_xu) K vanishes only where K minimises with the true Q_uu.
+      // (Kᵀ Q_uu + Q_xu) K vanishes only if K minimizes with the true Q_uu.
       M_.resize(ndx, nu);
       M_.view() = q_.Qxu();
       multiply(Store::add, M_.block(), Kt, {Q.col(ndx) + ndx, 1, Q.stride()});
       multiply_lower(Store::add, Vxx, M_.block(), Factor::transposed(Kt_));
     }
     multiply_lower(Store::add, Vxx, Kt, {Q.col(ndx), Q.stride(), 1});
-    // The last whole lane reaches into Q_u, which is not needed any more.
+    // The last whole lane reaches into Q_u, which is no longer needed.
     multiply(Store::add, Vx, Kt, {w.data(), 1, nu});
     multiply(Store::add, Vx, Qxu, {k.data(), 1, nu});
   }

@@ -14,12 +14,12 @@ namespace {
 
 using StateBlock = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
 
-/// By how much a Hessian has to have more lanes than filled ones for these to be listed.
+/// Filled lanes are visited one by one if the Hessian has at least this many times as many lanes.
 constexpr int kListedShare = 4;
 
 CurvedBlock block(const StateBlock& B, int n) { return {B.data(), n, 6}; }
 
-/// Q += P in as many rows and columns as P has.
+/// Q += P, in the rows and columns of P.
 void add_square(LaneMatrix& P, LaneMatrix& Q) {
   const int rows = P.rows(), cols = P.cols();
   for (int j = 0; j < cols; ++j)
@@ -29,7 +29,7 @@ void add_square(LaneMatrix& P, LaneMatrix& Q) {
     }
 }
 
-/// Q += P in the lower triangle, in as many rows and columns as P has.
+/// Q += P in the lower triangle, in the rows and columns of P.
 void add_lower(LaneMatrix& P, LaneMatrix& Q) {
   for (int j = 0; j < P.cols(); ++j)
     for (int row = j / kLaneWidth * kLaneWidth; row < P.rows(); row += kLaneWidth) {
@@ -38,8 +38,7 @@ void add_lower(LaneMatrix& P, LaneMatrix& Q) {
     }
 }
 
-/// Q += the Hessian in the lower triangle. What is known to be zero is not read where it is most of
-/// the Hessian.
+/// Q += the Hessian in the lower triangle. Structural zeros are skipped if they prevail.
 void add_lower(const KnotHessian& hessian, LaneMatrix& Q) {
   const Eigen::MatrixXd& H = hessian();
   const int n = static_cast<int>(H.rows());
@@ -48,7 +47,7 @@ void add_lower(const KnotHessian& hessian, LaneMatrix& Q) {
     double* sum = Q.col(column) + row;
     store_lane(sum, load_lane(sum) + load_some(H.col(column).data() + row, n - row));
   };
-  // To go through filled lanes one by one pays where they are a small part of all.
+  // Visiting filled lanes one by one pays only if they are a small part of all lanes.
   if (hessian.fill() == HessianFill::lasting &&
       kListedShare * static_cast<int>(hessian.lasting_lanes().size()) <= n * lanes) {
     for (const auto [row, column] : hessian.lasting_lanes()) add(row, column);
@@ -58,14 +57,14 @@ void add_lower(const KnotHessian& hessian, LaneMatrix& Q) {
     for (int row = j / kLaneWidth * kLaneWidth; row < n; row += kLaneWidth) add(row, j);
 }
 
-/// G B, where G is given by rows.
+/// G B, with row-major G.
 template <int n>
 void multiply_block(const double* G, const StateBlock& B, StateBlock& product) {
   const Eigen::Map<const Eigen::Matrix<double, n, n, Eigen::RowMajor>> left(G);
   product.topLeftCorner<n, n>().noalias() = left * B.topLeftCorner<n, n>();
 }
 
-/// Row i of a block that acts on n coordinates, minus the identity's if asked.
+/// Rows of a block that acts on n coordinates, padded to lanes, minus the identity if requested.
 template <int n>
 struct PaddedRows {
   static constexpr int kLanes = (n + kLaneWidth - 1) / kLaneWidth;
@@ -86,10 +85,10 @@ struct PaddedRows {
   }
 };
 
-/// Where the blocks of V_xx are, by columns, from a row of the upper ones on.
+/// Blocks of V_xx, column-major, from one row of the upper and lower blocks on.
 struct ValueRows {
   const double *upper, *lower;
-  int stride, nv, left;  ///< `left`: rows there are
+  int stride, nv, left;  ///< `left`: remaining rows
 
   Lane P11(int j) const { return load_some(upper + j * stride, left); }
   Lane P21(int j) const { return load_some(lower + j * stride, left); }
@@ -97,8 +96,8 @@ struct ValueRows {
   Lane P22(int j) const { return load_some(lower + (nv + j) * stride, left); }
 };
 
-/// The columns of one curved segment in a lane of rows: there
-/// P₁₁ ← P₁₁ A, M = dt P₁₁ H + P₁₂ and P₂₂ ← P₂₂ + dt (P₂₁ H + M).
+/// Transforms the columns of one curved segment in a lane of rows: P₁₁ ← P₁₁ A, M = dt P₁₁ H + P₁₂
+/// and P₂₂ ← P₂₂ + dt (P₂₁ H + M).
 template <int n>
 void transform_columns_of(const ValueRows& V, const StateBlock& A, const StateBlock& H, Lane dt,
                           int first, double* P11, double* M, double* P22, int stride) {
@@ -118,8 +117,8 @@ void transform_columns_of(const ValueRows& V, const StateBlock& A, const StateBl
   }
 }
 
-/// The rows of one curved segment in all columns: P₂₂ += dt (H − I)ᵀ M, then M ← Aᵀ M and
-/// P₁₁ ← Aᵀ P₁₁.
+/// Transforms the rows of one curved segment in all columns: P₂₂ += dt (H − I)ᵀ M, then M ← Aᵀ M
+/// and P₁₁ ← Aᵀ P₁₁.
 template <int n>
 void transform_rows_of(const StateBlock& A, const StateBlock& H, Lane dt, int cols, double* P11,
                        double* M, double* P22, int stride) {
@@ -155,7 +154,8 @@ ValuePropagation::ValuePropagation(int ndx, int max_nu)
       columns_(ndx, max_nu),
       columns2_(ndx, max_nu) {}
 
-/// Where a gap turns V_xx, semi-implicit dynamics take that into their few blocks: G A and G H.
+/// Moves the next value across the gap. On curved spaces, semi-implicit dynamics apply G to their
+/// few blocks (G A and G H) instead of V_xx.
 inline ValuePropagation::NextValue ValuePropagation::over_gap(const GapTransport* gap,
                                                               const KnotLinearization& knot,
                                                               const ValueFunction& next) {
@@ -169,9 +169,9 @@ inline ValuePropagation::NextValue ValuePropagation::over_gap(const GapTransport
   return {moved_.Vx, next.Vxx, !gap->flat()};
 }
 
-/// Qzz gains E P̃₁₁ Eᵀ + E P̃₁₂ F + (E P̃₁₂ F)ᵀ + Fᵀ P̃₂₂ F, where Eᵀ picks δq. Of that the lower
-/// triangle is formed: its columns δq are Fᵀ (F P̃₂₂ + P̃₂₁) and, where the rows are δq too,
-/// P̃₁₁ + P̃₁₂ F. FtP_ ← the former factor of these.
+/// Adds E P̃₁₁ Eᵀ + E P̃₁₂ F + (E P̃₁₂ F)ᵀ + Fᵀ P̃₂₂ F to Qzz, where Eᵀ selects δq. Only the lower
+/// triangle is formed: Fᵀ (P̃₂₂ F + P̃₂₁ Eᵀ), plus P̃₁₁ + P̃₁₂ F in the block of δq. FtP_ ← the
+/// transpose of the factor in parentheses.
 inline void ValuePropagation::pull_semi_implicit(const KnotLinearization& knot,
                                                  const NextValue& next, const GapTransport* gap) {
   if (next.turn_blocks) turn_blocks(*gap, knot);
@@ -200,7 +200,7 @@ void ValuePropagation::propagate(const KnotLinearization& knot, const ValueFunct
   } else {
     multiply(Store::set, FtP_.block(), Ft_.block(), Factor::of_eigen(seen.Vxx));
   }
-  // The product of the whole lower triangle comes first: nothing has to be there before.
+  // The product over the whole lower triangle comes first, so that it can overwrite Q.
   multiply_lower(Store::set, Q.block(), Ft_.block(), Factor::transposed(FtP_));
   if (knot.semi_implicit) {
     multiply_lower(Store::add, Q.block(rows, 0, rows), P12_.block(), Factor::of_eigen(knot.F));
@@ -210,7 +210,7 @@ void ValuePropagation::propagate(const KnotLinearization& knot, const ValueFunct
   mirror_lower(Q.block(), q.ndx());
 }
 
-/// G A and G H.
+/// GA_ ← G A and GH_ ← G H.
 void ValuePropagation::turn_blocks(const GapTransport& gap, const KnotLinearization& knot) {
   for (std::size_t s = 0; s < knot.curved.size(); ++s) {
     const auto multiply = knot.curved[s].n == 6 ? multiply_block<6> : multiply_block<3>;
@@ -219,9 +219,10 @@ void ValuePropagation::turn_blocks(const GapTransport& gap, const KnotLinearizat
   }
 }
 
-/// With M = dt P₁₁ H + P₁₂ the blocks of V_xx in (δq, δv⁺) are P̃₁₁ = Aᵀ P₁₁ A, P̃₁₂ = Aᵀ M and
-/// P̃₂₂ = P₂₂ + dt (Hᵀ M + P₂₁ H). A and H are the identity but for their blocks: one pass forms all
-/// as if they had none in the rows, a second one mends the rows that they have.
+/// With M = dt P₁₁ H + P₁₂, the blocks of V_xx in (δq, δv⁺) are P̃₁₁ = Aᵀ P₁₁ A, P̃₁₂ = Aᵀ M and
+/// P̃₂₂ = P₂₂ + dt (Hᵀ M + P₂₁ H). A and H are the identity except for their blocks. A first pass
+/// forms all entries as if the blocks did not act on rows; a second pass corrects the rows of the
+/// blocks.
 void ValuePropagation::transform(const KnotLinearization& knot, const StateBlocks& A,
                                  const StateBlocks& H, const Eigen::MatrixXd& Vxx) {
   const int nv = static_cast<int>(knot.F.rows()), v_stride = static_cast<int>(Vxx.outerStride());

@@ -15,20 +15,20 @@ class GapTransport;
 
 /// Carries a value function backward through a knot's dynamics δx⁺ = T δz:
 ///   Q_z = gradient + Tᵀ V_x,  Q_zz = Hessian + Tᵀ V_xx T.
-/// Where the dynamics have semi-implicit Euler's structure, δv⁺ = F δz and δq⁺ = A δq + dt H δv⁺,
+/// Semi-implicit Euler dynamics have the structure δv⁺ = F δz and δq⁺ = A δq + dt H δv⁺. For them,
 /// V_xx is first transformed to (δq, δv⁺), so that only products with F's nv rows remain.
 /// Workspaces are sized at construction.
 class ValuePropagation {
  public:
   ValuePropagation(int ndx, int max_nu);
 
-  /// Fills `q`, which it shapes for the knot. `next` is the value at x_{k+1}, and `gap` what
-  /// stands between the knot's dynamics and that node, if anything does.
+  /// Fills `q` and shapes it for the knot. `next` is the value at x_{k+1}; `gap`, if given, lies
+  /// between the knot's dynamics and that node.
   void propagate(const KnotLinearization& knot, const ValueFunction& next, ActionValue& q,
                  const GapTransport* gap = nullptr);
 
-  /// `columns` (nz x nu) ← (Q_xu; Q_uu) + μ Tᵀ T_u: the control columns as they would be with
-  /// V_xx + μ I at the next node.
+  /// `columns` (nz x nu) ← (Q_xu; Q_uu) + μ Tᵀ T_u: the control columns for V_xx + μ I at the next
+  /// node.
   void regularize_state(const KnotLinearization& knot, double mu,
                         Eigen::Ref<Eigen::MatrixXd> columns);
 
@@ -36,11 +36,11 @@ class ValuePropagation {
   /// A knot's blocks of δq⁺ = A δq + dt H δv⁺.
   using StateBlocks = std::vector<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>;
 
-  /// A next value as a knot's dynamics see it, over the gap.
+  /// The next value across the gap, as a knot's dynamics see it.
   struct NextValue {
     const Eigen::VectorXd& Vx;
     const Eigen::MatrixXd& Vxx;
-    bool turn_blocks;  ///< the gap still has to turn the blocks of semi-implicit dynamics
+    bool turn_blocks;  ///< G of the gap still has to multiply the blocks of semi-implicit dynamics
   };
   NextValue over_gap(const GapTransport* gap, const KnotLinearization& knot,
                      const ValueFunction& next);
@@ -51,10 +51,10 @@ class ValuePropagation {
                  const Eigen::MatrixXd& Vxx);
 
   Eigen::VectorXd scratch_, pulled_;
-  ValueFunction moved_;  // the next value, moved over a gap
+  ValueFunction moved_;  // the next value, moved across a gap
   StateBlocks GA_, GH_;
   LaneMatrix Ft_, FtP_;         // nz x rows of F
-  LaneMatrix P11_, P12_, P22_;  // nv x nv, zeros in their padding
+  LaneMatrix P11_, P12_, P22_;  // nv x nv, with zero padding
   Eigen::MatrixXd columns_;     // ndx x nu
   Eigen::MatrixXd columns2_;    // ndx x nu
 };

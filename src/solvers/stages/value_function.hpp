@@ -11,7 +11,7 @@ struct ValueFunction {
       : Vx(Eigen::VectorXd::Zero(ndx)), Vxx(Eigen::MatrixXd::Zero(ndx, ndx)) {}
 
   Eigen::VectorXd Vx;   ///< ndx
-  Eigen::MatrixXd Vxx;  ///< ndx x ndx symmetric, both triangles
+  Eigen::MatrixXd Vxx;  ///< ndx x ndx, symmetric, both triangles stored
 };
 
 }  // namespace conddp
