@@ -8,14 +8,15 @@
 namespace conddp {
 namespace {
 
-/// Whether this is a change.
+/// Sets a side. True if it changed.
 bool replace(RowSide& side, RowSide now) {
   const bool changed = side != now;
   side = now;
   return changed;
 }
 
-/// Of a pair's larger row: one that is released and violated at once counts again, as a change.
+/// Revises the larger row of a pair. A row that is released and violated at once becomes active
+/// again, as a change.
 bool revise_pair_row(RowSide& side, double value, double multiplier) {
   bool changed = false;
   if (side == RowSide::lower && multiplier >= 0) changed |= replace(side, RowSide::inactive);
@@ -23,7 +24,7 @@ bool revise_pair_row(RowSide& side, double value, double multiplier) {
   return changed;
 }
 
-/// Of a row of bounds that counts, or of a pair, whose bound is zero.
+/// Bound of an active row of bounds; 0 for a row of a pair.
 double bound_of(const NodeConstraint& c, int row, RowSide side) {
   if (!c.term->has_bounds()) return 0;
   return side == RowSide::upper ? c.upper[row] : c.lower[row];
@@ -66,7 +67,7 @@ void ActiveRows::choose(const Linearization& linearization, const Eigen::VectorX
   write_multipliers(linearization, false, multipliers);
 }
 
-/// Of one constraint, from the numbers of its rows.
+/// Chooses the sides of one constraint from the data of its rows.
 void ActiveRows::choose_sides(const NodeConstraint& c, const double* g, const double* nu,
                               const double* rho) {
   RowSide* sides = sides_.data() + c.row;
@@ -118,7 +119,7 @@ void ActiveRows::predict(int node, const Linearization& linearization,
   multiply_add(C, step.data(), predicted_.data());
 }
 
-/// By predicted_ and target_. Whether anything changed.
+/// Revises by predicted_ and target_. True if anything changed.
 bool ActiveRows::revise_constraint(const NodeConstraint& c, const Linearization& linearization) {
   const int n = c.term->rows;
   const double* g = linearization.constraint.data() + c.row;
@@ -134,7 +135,7 @@ bool ActiveRows::revise_constraint(const NodeConstraint& c, const Linearization&
   return changed;
 }
 
-/// Whether anything changed.
+/// True if anything changed.
 bool ActiveRows::revise_controls(int node, const Trajectory& trajectory,
                                  const Eigen::VectorXd& step) {
   const bool held = hold_violated_controls(node, trajectory, step);
@@ -142,7 +143,7 @@ bool ActiveRows::revise_controls(int node, const Trajectory& trajectory,
   return held || released;
 }
 
-/// Controls that a step takes beyond a bound.
+/// Holds controls that a step takes beyond a bound. True if it finds any.
 bool ActiveRows::hold_violated_controls(int node, const Trajectory& trajectory,
                                         const Eigen::VectorXd& step) {
   bool changed = false;
@@ -158,7 +159,7 @@ bool ActiveRows::hold_violated_controls(int node, const Trajectory& trajectory,
   return changed;
 }
 
-/// Held controls whose multiplier pulls.
+/// Releases held controls whose multiplier pulls. True if it finds any.
 bool ActiveRows::release_controls(int node) {
   bool changed = false;
   RowSide* sides = control_sides_.data() + bounds_.offset(node);
@@ -183,7 +184,7 @@ void ActiveRows::add_row(Rows& rows, Kind kind, int source, int constraint, doub
   rows.correction[rows.count++] = 0;
 }
 
-/// The rows of a node's constraints; those of its controls come after them.
+/// Builds the rows of a node's constraints; the rows of its controls follow.
 void ActiveRows::build(int node, const Linearization& linearization,
                        const Eigen::VectorXd& multipliers) {
   Rows& rows = rows_[node];
@@ -241,7 +242,7 @@ void ActiveRows::build_tip(Rows& rows, int index, const Linearization& lineariza
   }
 }
 
-/// A soft cone that does not hold pushes with all it has, straight towards itself.
+/// Builds the rows of a violated soft cone. It pushes with its full limit, straight towards itself.
 void ActiveRows::build_outside(Rows& rows, int index, const Linearization& linearization) {
   const NodeConstraint& c = problem_.constraints()[index];
   const int n = c.term->rows;
@@ -254,7 +255,7 @@ void ActiveRows::build_outside(Rows& rows, int index, const Linearization& linea
   }
 }
 
-/// Its curvature: that of the distance, times the limit.
+/// Adds the curvature of such a cone: that of the distance, times the limit.
 void ActiveRows::add_outside_curvature(int index, KnotLinearization& knot,
                                        const Eigen::VectorXd& values) {
   const NodeConstraint& c = problem_.constraints()[index];
@@ -311,8 +312,8 @@ void ActiveRows::add_curvature(double penalty, Linearization& linearization) {
   }
 }
 
-/// Of a row at the limit of a soft constraint: that of a cone comes with the cone's first row, rows
-/// of bounds have none.
+/// Adds the curvature of a row at the limit of a soft constraint. The first row of a cone adds that
+/// of the cone; rows of bounds add nothing.
 void ActiveRows::add_limit_curvature(const Rows& rows, int row, KnotLinearization& knot,
                                      const Eigen::VectorXd& values) {
   const int index = rows.constraint[row];
@@ -321,7 +322,7 @@ void ActiveRows::add_limit_curvature(const Rows& rows, int row, KnotLinearizatio
     add_outside_curvature(index, knot, values);
 }
 
-/// multiplier · ∇²‖v‖ of the cone's tangential rows v.
+/// Adds multiplier · ∇²‖v‖ of the cone's tangential rows v.
 void ActiveRows::add_surface_curvature(int index, double multiplier, Linearization& linearization) {
   const NodeConstraint& c = problem_.constraints()[index];
   const int n = c.term->rows - 1;

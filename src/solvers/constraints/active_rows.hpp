@@ -11,39 +11,40 @@
 
 namespace conddp {
 
-/// The constraints and control bounds that count as equations in a step of Newton's method: rows
-/// value + A z = 0 of each node, with multipliers and what the step adds to them.
+/// Constraints and control bounds that act as equations in a step of Newton's method: rows value +
+/// A z = 0 of each node, with multipliers and their corrections by the step.
 ///
-/// Equalities always count, and so does the smaller one of each complementary pair. Of bounds and
-/// cones choose() tells by an iterate which do: those at which value plus multiplier/ρ lies outside
-/// of the set. A cone counts with its surface (one row, which has curvature) or its tip (all rows).
-/// revise() tells it by a step: rows that push the wrong way no longer count, and what the step
-/// would violate does. A soft constraint whose multiplier is at its limit does not
-/// count, but its multiplier stays in the gradients.
+/// Equalities are always active, and so is the smaller row of each complementary pair. For bounds
+/// and cones, choose() decides at an iterate: they are active if value plus multiplier/ρ lies
+/// outside the set. A cone is active with its surface (one row, with curvature) or its tip (all
+/// rows). revise() decides by a step: it releases rows that push the wrong way, and activates rows
+/// that the step would violate. A soft constraint whose multiplier is at its limit is inactive, but
+/// its multiplier stays in the gradients.
 class ActiveRows {
  public:
   ActiveRows(const ShootingProblem& problem, const ControlBounds& bounds);
 
-  /// By the values of an iterate, its multipliers and ρ, row by row of the problem. The multipliers
-  /// of rows that do not count become zero, and those of surfaces point along them.
+  /// Chooses by the values of an iterate, its multipliers and ρ, row by row of the problem.
+  /// Multipliers of inactive rows become zero, and those of surfaces become normal to them.
   void choose(const Linearization& linearization, const Eigen::VectorXd& penalty,
               Eigen::VectorXd& multipliers);
-  /// Control bounds: by the gradient at controls that stand at them. After choose().
+  /// Chooses the control bounds, after choose(), by the gradient at controls that lie at a bound.
   void choose_controls(const Trajectory& trajectory, const Adjoint& adjoint);
-  /// By a step of which corrections are known. False where nothing changes.
+  /// Revises the rows by a step with known corrections. False if nothing changes.
   bool revise(const Linearization& linearization, const Trajectory& trajectory,
               const Adjoint& adjoint, const Eigen::VectorXd& multipliers,
               const std::vector<Eigen::VectorXd>& step);
 
-  /// Adds the rows' multipliers to the gradients; those of control bounds as well if asked for.
+  /// Adds the rows' multipliers to the gradients, those of control bounds only if requested.
   void add_gradient(bool with_controls, Linearization& linearization) const;
   /// Adds penalty · AᵀA and the curvature of the cones' surfaces to the Hessians.
   void add_curvature(double penalty, Linearization& linearization);
-  /// Corrects the multipliers by penalty times what a step leaves of the rows (before any step:
-  /// forgets corrections, and adds the values). Returns the largest rest.
+  /// Corrects the multipliers by penalty times the residual of the rows after a step, and returns
+  /// the largest residual. Before any step, forgets the corrections and takes the values as
+  /// residuals. In both cases, penalty times the residual enters the gradients.
   double correct(double penalty, const std::vector<Eigen::VectorXd>* step,
                  Linearization& linearization);
-  /// Multipliers of all constraint rows, with the corrections if asked for.
+  /// Writes the multipliers of all constraint rows, with the corrections if requested.
   void write_multipliers(const Linearization& linearization, bool corrected,
                          Eigen::VectorXd& multipliers) const;
   int count() const;
@@ -60,10 +61,10 @@ class ActiveRows {
           constraint(rows),
           kind(rows) {}
 
-    Eigen::MatrixXd A;  ///< rows x nz, the first `count` in use, as of the others
+    Eigen::MatrixXd A;  ///< rows x nz; only the first `count` rows are in use, also below
     Eigen::VectorXd value, multiplier, correction;
-    std::vector<int> source;      ///< constraint row of the problem (a cone's first), or control
-    std::vector<int> constraint;  ///< index among the problem's, −1 of controls
+    std::vector<int> source;      ///< constraint row (a cone's first), or control
+    std::vector<int> constraint;  ///< index among the problem's constraints, −1 for controls
     std::vector<Kind> kind;
     int count = 0;
   };
@@ -74,7 +75,7 @@ class ActiveRows {
   bool revise_controls(int node, const Trajectory& trajectory, const Eigen::VectorXd& step);
   bool hold_violated_controls(int node, const Trajectory& trajectory, const Eigen::VectorXd& step);
   bool release_controls(int node);
-  /// Derivative of a constraint's values by z: rows x nz.
+  /// Derivative of a constraint's values with respect to z: rows x nz.
   auto rows_of(const NodeConstraint& c, const Linearization& linearization) const {
     return linearization.knots[c.node].C.middleRows(c.row - problem_.constraint_offset(c.node),
                                                     c.term->rows);
@@ -97,11 +98,11 @@ class ActiveRows {
   const ShootingProblem& problem_;
   const ControlBounds& bounds_;
   std::vector<Rows> rows_;                        ///< per node
-  std::vector<std::vector<int>> constraints_of_;  ///< node, into problem.constraints()
+  std::vector<std::vector<int>> constraints_of_;  ///< per node, indices into problem.constraints()
   std::vector<RowSide> sides_;                    ///< of the constraint rows
-  std::vector<RowSide> control_sides_;            ///< of the controls, as ControlBounds has them
+  std::vector<RowSide> control_sides_;            ///< of the controls, as in ControlBounds
   Eigen::VectorXd target_, scratch_, predicted_;
-  Eigen::MatrixXd slope_, product_;  ///< of one soft cone: rows x rows, rows x columns
+  Eigen::MatrixXd slope_, product_;  ///< for one soft cone: rows x rows, rows x columns
 };
 
 }  // namespace conddp

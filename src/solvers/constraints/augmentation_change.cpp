@@ -46,7 +46,8 @@ bool AugmentationChange::apply(const Augmentation& from, const Augmentation& to,
   return changed;
 }
 
-/// From that before to that after, of one constraint. False where both are the same.
+/// Changes the gradient by the difference between after_ and before_ of one constraint. False if
+/// they are equal.
 bool AugmentationChange::change_gradient(const NodeConstraint& c, KnotLinearization& knot) {
   const auto C = rows_of(c, knot);
   auto gradient = after_.gradient.head(c.term->rows);
@@ -60,7 +61,7 @@ bool AugmentationChange::change_gradient(const NodeConstraint& c, KnotLinearizat
   return changed;
 }
 
-/// As change_gradient, for the update of the node's Hessian.
+/// Like change_gradient, for the update of the node's Hessian.
 void AugmentationChange::collect_curvature(const NodeConstraint& c, const KnotLinearization& knot) {
   const int n = c.term->rows;
   const auto C = rows_of(c, knot);

@@ -8,22 +8,22 @@
 
 namespace conddp {
 
-/// Takes a linearisation with Gauss-Newton Hessians from one augmentation of its constraints to
-/// another at the same iterate. The values g and derivatives ∂g are known, so that only the rows
-/// that have or get a multiplier are looked at: nothing is differentiated again.
+/// Changes a linearization with Gauss-Newton Hessians from one augmentation of its constraints to
+/// another at the same iterate. The values g and derivatives ∂g are known, so that only rows with
+/// an old or new multiplier matter: nothing is differentiated again.
 class AugmentationChange {
  public:
   explicit AugmentationChange(const ShootingProblem& problem);
 
-  /// `linearization` was made with `from`; afterwards it is what differentiation with `to` gives,
-  /// up to rounding. Returns whether it changed.
+  /// `linearization` was made with `from`. Afterwards it equals the result of differentiation with
+  /// `to`, up to rounding. True if it changed.
   bool apply(const Augmentation& from, const Augmentation& to, Linearization& linearization);
 
  private:
-  /// What an augmentation adds to the cost, as a function of a constraint's values g.
+  /// Contribution of an augmentation to the cost, as a function of a constraint's values g.
   struct Term {
     double value = 0;
-    Eigen::VectorXd gradient, curvature;  ///< by rows; the curvature of a cone n x n
+    Eigen::VectorXd gradient, curvature;  ///< by rows; for a cone, the curvature is n x n
   };
   void evaluate(const NodeConstraint& c, const Augmentation& augmentation,
                 const Eigen::VectorXd& values, Term& term);

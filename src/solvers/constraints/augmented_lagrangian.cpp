@@ -12,24 +12,24 @@
 namespace conddp {
 namespace {
 
-/// A constraint is stalled where its penalty has grown, or would have, this often and its violation
-/// is not down to this share.
+/// A constraint is stalled if its penalty has grown this often, or would have beyond its limit,
+/// while its violation has not fallen to this share.
 constexpr int kPatience = 6;
 constexpr double kProgress = 0.5;
-/// Smaller violations, and those below a few tolerances, are rounding and no contradiction.
+/// Violations below this, or below a few tolerances, are rounding rather than a contradiction.
 constexpr double kContradiction = 1e-5;
-/// The same as sufficient_decrease, of soft constraints: a large penalty leaves them little
-/// curvature within their limits, and multipliers find their way without.
+/// The counterpart of sufficient_decrease for soft constraints. A large penalty leaves them little
+/// curvature within their limits, and multipliers converge without it.
 constexpr double kSoftDecrease = 0.7;
-/// What the next change of the multipliers has to be, as a share of the last one.
+/// Required next change of the multipliers, as a share of the last one.
 constexpr double kTighter = 0.1;
-/// How many times the size of the first values may be missed before a soft constraint's first
-/// penalty asks for the limit of its multiplier.
+/// A soft constraint may be violated by this multiple of its first values before its first penalty
+/// requires the limit of its multiplier.
 constexpr double kReach = 10;
-/// How many times the curvature of the costs in the controls a first penalty may have there.
+/// Largest first penalty, in multiples of the costs' curvature in the controls.
 constexpr double kStiffness = 1e4;
 
-/// How far values g lie from the origin of a cone, or at most from a bound.
+/// Distance of values g from the origin of a cone, or the largest distance from a bound.
 double size(const NodeConstraint& c, const Eigen::Ref<const Eigen::VectorXd>& g) {
   if (!c.term->has_bounds()) return g.norm();
   double largest = 0;
@@ -39,7 +39,7 @@ double size(const NodeConstraint& c, const Eigen::Ref<const Eigen::VectorXd>& g)
   return largest;
 }
 
-/// Of shifted values: their constraint adds nothing to the augmented Lagrangian there.
+/// True if the constraint adds nothing to the augmented Lagrangian at these shifted values.
 bool is_strictly_inside(const NodeConstraint& c, const double* shifted) {
   const int n = c.term->rows;
   if (c.term->has_bounds()) return all_strictly_inside(shifted, c.lower, c.upper, n);
@@ -90,7 +90,7 @@ bool AugmentedLagrangian::fit_soft(const Eigen::VectorXd& values) {
     for (const int i : group.constraints) {
       const NodeConstraint& c = problem_.constraints()[i];
       const double reach = kReach * size(c, values.segment(c.row, c.term->rows));
-      // A limit of 0, of a weight of 0, is kept by any penalty.
+      // A limit of 0, from a weight of 0, is compatible with any penalty.
       if (c.limit == 0 || !(reach * group.first_penalty > c.limit)) continue;
       group.first_penalty = c.limit / reach;
       changed = true;
@@ -137,7 +137,8 @@ void AugmentedLagrangian::write(const Group& group) {
   }
 }
 
-/// Whether a constraint holds strictly and has no multipliers: it has a part in no norm.
+/// True if a constraint holds strictly and its multipliers are zero. It then contributes to no
+/// norm.
 bool AugmentedLagrangian::is_idle(const NodeConstraint& c, const Eigen::VectorXd& values) const {
   const double* multiplier = multipliers_.data() + c.row;
   return std::all_of(multiplier, multiplier + c.term->rows, [](double nu) { return nu == 0; }) &&
@@ -166,7 +167,7 @@ ConstraintNorms AugmentedLagrangian::measure(const Eigen::VectorXd& values) {
       change = next - multipliers_.segment(c.row, next.size());
       norms.dual_gain += change.squaredNorm() / group.penalty;
       group.change = std::max(group.change, change.lpNorm<Eigen::Infinity>() / group.penalty);
-      // Where a soft one is missed at its limit nothing more can be asked of it.
+      // Nothing more can be demanded of a soft constraint that is violated at its limit.
       if (c.is_soft()) group.violation = group.change;
       norms.complementarity = std::max(norms.complementarity, complementarity(c, g, next.data()));
     }
@@ -208,7 +209,7 @@ void AugmentedLagrangian::watch_progress(Group& group, bool grown) {
   if (group.growths >= kPatience && stalled_.empty()) stalled_ = group.name;
 }
 
-/// Whether a group is violated, and has not come down to a share of its reference.
+/// True if a group is violated and has not fallen to a share of its reference.
 bool AugmentedLagrangian::stays_violated(const Group& group) const {
   return !group.soft && group.violation > std::max(10 * tolerance_, kContradiction) &&
          !(group.violation <= kProgress * group.reference);
@@ -221,7 +222,7 @@ void AugmentedLagrangian::take_multipliers(const Group& group) {
   }
 }
 
-/// A constraint that held before has not had multipliers yet.
+/// A constraint that held before has not received multipliers yet, so its penalty does not grow.
 bool AugmentedLagrangian::grows_after_update(const Group& group) const {
   return group.violation > 0.1 * tolerance_ && group.before > tolerance_ &&
          group.violation >

@@ -14,20 +14,21 @@
 namespace conddp {
 namespace {
 
-/// Minimisations of an augmented Lagrangian end early: at a stationarity and a relative decrease of
-/// the merit that get smaller from one to the next.
+/// Minimizations of an augmented Lagrangian end early, at a stationarity and a relative decrease of
+/// the merit that tighten from one to the next.
 constexpr double kFirstInnerTolerance = 1e-1, kFirstInnerDecrease = 1e-3;
 constexpr double kTighter = 0.1, kLastInnerDecrease = 1e-8;
-/// A short step's small decrease says nothing.
+/// The small decrease of a short step says nothing.
 constexpr double kLongStep = 0.1;
-/// How often penalties may be lowered because of rounding.
+/// Limit of relaxations of the penalties because of rounding.
 constexpr int kRelaxations = 20;
-/// Minimisations that may end without a step before the solve does.
+/// Limit of minimizations that end without a step before the solve ends.
 constexpr int kRecoveries = 20;
-/// A minimisation that was asked for this share of the stationarity's tolerance, and ends above the
-/// tolerance though the constraints hold, is stopped by rounding.
+/// Rounding stops a minimization whose goal is this share of the stationarity tolerance, but which
+/// ends above the tolerance although the constraints hold.
 constexpr double kHopelessGoal = 1e-6;
-/// How many times what new multipliers gain a step may gain in a minimisation that is done.
+/// Largest gain of a step in a completed minimization, as a multiple of the gain by new
+/// multipliers.
 constexpr double kDualShare = 10;
 
 class AugmentedStrategy final : public OuterStrategy {
@@ -55,7 +56,7 @@ class AugmentedStrategy final : public OuterStrategy {
         [&] { return lagrangian_.fit_to_costs(iterate.linearization); });
     return lagrangian_.fit_soft(iterate.linearization.constraint) || lower;
   }
-  /// Of constraints that are soft by their distance.
+  /// Cost of constraints that are soft by their distance.
   double soft_cost(const Iterate& iterate) const override {
     return linear_soft_cost(problem_, iterate.linearization.constraint);
   }
@@ -82,11 +83,11 @@ class AugmentedStrategy final : public OuterStrategy {
   Augmentation former_;  ///< the augmentation before the last update
   AugmentationChange change_;
   Eigen::VectorXd no_multipliers_;
-  double inner_tolerance_ = 0, inner_decrease_ = 0;  ///< of the minimisation that is under way
-  int inner_start_ = 0;                              ///< iteration at which it began
+  double inner_tolerance_ = 0, inner_decrease_ = 0;  ///< of the current minimization
+  int inner_start_ = 0;                              ///< iteration at its start
   double dual_gain_ = 0;                             ///< ConstraintNorms::dual_gain
-  int recoveries_ = 0;                               ///< minimisations that ended without a step
-  int relaxations_ = 0;  ///< of penalties whose rounding hid the stationarity
+  int recoveries_ = 0;                               ///< minimizations that ended without a step
+  int relaxations_ = 0;  ///< relaxations of penalties whose rounding hid the stationarity
 };
 
 void AugmentedStrategy::measure(const Iterate& iterate, IterationRecord& row) {
@@ -109,15 +110,15 @@ bool AugmentedStrategy::minimized(const IterationRecord& row, const MeritModel& 
          row.actual_decrease <= inner_decrease_ * std::abs(merit.cost);
 }
 
-/// Whether the minimisation that has ended left no more to gain than other multipliers will. One
-/// that ended early because its steps gain little may still be dominated by them: then violations
-/// are its own, and say nothing against the penalties.
+/// True if the finished minimization left no more to gain than other multipliers will. A
+/// minimization that ended early because its steps gained little may still be far from its minimum.
+/// Its violations are then its own and do not count against the penalties.
 bool AugmentedStrategy::to_the_end(const IterationRecord& row, const MeritModel& merit) const {
   return row.stationarity <= std::max(inner_tolerance_, options_.tolerances.stationarity) ||
          row.actual_decrease <= kDualShare * dual_gain_ || merit.hidden(row.actual_decrease);
 }
 
-/// Whether multipliers and penalties have done their work, and what is left of the stationarity is
+/// True if multipliers and penalties have done their work, and the remaining stationarity is
 /// rounding: ρ times that of the constraints' values.
 bool AugmentedStrategy::hidden_by_rounding(const IterationRecord& row, const MeritModel& merit,
                                            bool stuck) const {
@@ -137,21 +138,21 @@ bool AugmentedStrategy::update(Iterate& iterate, const Feedback& feedback, const
   lagrangian_.update(to_the_end(record.row, merit));
   if (by_rounding && !relax_for_rounding(iterate, record)) return false;
   if (!lagrangian_.stalled().empty()) {
-    iterate.linearized = false;  // what is written belongs to the last multipliers
+    iterate.linearized = false;  // the results must belong to the last multipliers
     return record.end(SolveStatus::infeasible,
                       fmt::format("the violation of '{}' does not fall as its penalty grows: {}",
                                   lagrangian_.stalled(), record.residual_text()));
   }
   begin_minimization(record.row);
-  // As long as all rows are strictly inside of their sets they have no derivatives to change.
+  // Rows strictly inside their sets have zero derivatives, so nothing changes.
   const bool unchanged =
       iterate.linearized && idle && lagrangian_.idle(iterate.linearization.constraint);
   if (!unchanged) update_derivatives(iterate, feedback, by_rounding);
   return true;
 }
 
-/// Lower penalties, where rounding hides the rest of the stationarity. False where they have been
-/// lowered often enough: then the solve ends.
+/// Lowers the penalties because rounding hides the rest of the stationarity. False if they have
+/// been lowered often enough; the solve then ends.
 bool AugmentedStrategy::relax_for_rounding(Iterate& iterate, SolveRecord& record) {
   if (++relaxations_ > kRelaxations) {
     iterate.linearized = false;
@@ -173,7 +174,8 @@ void AugmentedStrategy::begin_minimization(IterationRecord& row) {
   inner_start_ = row.iteration;
 }
 
-/// Of the iterate, after an update. Relaxed penalties are to have their own rounding.
+/// Updates the derivatives of the iterate. With relaxed penalties they are evaluated again, so that
+/// their rounding is that of the new penalties.
 void AugmentedStrategy::update_derivatives(Iterate& iterate, const Feedback& feedback,
                                            bool relaxed) {
   if (iterate.linearized && !relaxed && !iterate.hessian.exact_wanted())
@@ -182,7 +184,7 @@ void AugmentedStrategy::update_derivatives(Iterate& iterate, const Feedback& fee
     iterate.differentiate(feedback, augmentation());
 }
 
-/// The derivatives of the iterate, known with the former augmentation, with the present one.
+/// Changes the known derivatives of the iterate from the former augmentation to the present one.
 void AugmentedStrategy::change_augmentation(Iterate& iterate, const Feedback& feedback) {
   const Stopwatch watch(iterate.times().differentiate);
   if (!change_.apply(former_, lagrangian_.augmentation(), iterate.linearization)) return;
@@ -192,8 +194,8 @@ void AugmentedStrategy::change_augmentation(Iterate& iterate, const Feedback& fe
                        all_finite(iterate.adjoint.gradient());
 }
 
-/// Where a minimisation gets no further, other multipliers and penalties may: by rounding, lower
-/// ones.
+/// True if another minimization may help a stalled one: with other multipliers and penalties, or
+/// with lower penalties against rounding.
 bool AugmentedStrategy::recovers(const SolveRecord& record, bool stuck) {
   const SolveStatus status = record.result.status;
   if (by_the_sweep_ ||

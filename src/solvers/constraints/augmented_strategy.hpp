@@ -7,7 +7,7 @@
 
 namespace conddp {
 
-/// The augmented Lagrangian's strategy, whatever its schedule of multipliers.
+/// The strategy of the augmented Lagrangian, for any schedule of multipliers.
 std::unique_ptr<OuterStrategy> augmented_lagrangian_strategy(const ShootingProblem& problem,
                                                              const SolverOptions& options,
                                                              MultiplierSchedule schedule);

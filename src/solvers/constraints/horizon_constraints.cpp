@@ -13,23 +13,23 @@
 namespace conddp {
 namespace {
 
-/// What the model of P may be off, as a share of the largest P of the horizon, and of the cone's
-/// own P, whose slope changes all along.
+/// Allowed error of the model of P, as a share of the largest P of the horizon, and of a cone's own
+/// P, whose slope changes everywhere.
 constexpr double kExact = 1e-9;
 constexpr double kConeShare = 0.02;
 constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
-/// P of rows of bounds at s, from this row on, and their slopes; of soft ones within their limit.
+/// P at s of the rows of bounds from this row on; P of soft rows stays within its limit.
 template <class S>
 inline S HorizonConstraints::outside_rows(int row, const S& s) const {
   const S lower = load_rows<S>(lower_.data() + row), upper = load_rows<S>(upper_.data() + row);
   return limit_outside(outside_bounds(s, lower, upper), load_rows<S>(limit_.data() + row));
 }
 
-/// At a bound rows of an augmentation count as active, those of costs do not, as where they are
-/// differentiated.
+/// Slopes of the same rows. At the bound, augmentation rows are active and cost rows are not, as in
+/// differentiation.
 template <class S>
 inline S HorizonConstraints::row_slopes(int row, const S& s, bool cost) const {
   const S lower = load_rows<S>(lower_.data() + row), upper = load_rows<S>(upper_.data() + row);
@@ -40,7 +40,7 @@ inline S HorizonConstraints::row_slopes(int row, const S& s, bool cost) const {
   return select(counts & within, S(1.0), S(0.0));
 }
 
-/// P of a cone at s, and its derivative.
+/// P of a cone at s, and its derivative if requested.
 void HorizonConstraints::outside_cone_at(const Rows& c, const double* s, double limit, double* p,
                                          double* derivative) {
   const bool limited = std::isfinite(c.limit);
@@ -151,7 +151,7 @@ void HorizonConstraints::reset() {
   read_weights();
 }
 
-/// Of constraints that are soft by the square of their distance.
+/// Adds constraints that are soft by the square of their distance.
 void HorizonConstraints::add_soft_costs() {
   for (const NodeConstraint& c : problem_.soft_constraints())
     if (c.term->softness == Softness::l2 && !c.term->grows_with)
@@ -209,7 +209,7 @@ void HorizonConstraints::restart() {
     });
 }
 
-/// g + ∂g z + ν/ρ of all rows.
+/// values ← g + ∂g z + ν/ρ of all rows.
 void HorizonConstraints::shift(const std::vector<Eigen::VectorXd>& z,
                                const Linearization& linearization, Eigen::VectorXd& values) const {
   values = base_;
@@ -227,8 +227,8 @@ int HorizonConstraints::revise(const std::vector<Eigen::VectorXd>& z, double all
   return error_ <= allowed ? 0 : revise(linearization, last);
 }
 
-/// found_ ← P(s) at shifted_, error_ ← Σ ρ |P(s) − model|². Notes which terms of bounds are off,
-/// and the nodes of these and of cones.
+/// found_ ← P(s) at shifted_, error_ ← Σ ρ |P(s) − model|². Marks the bound terms with an
+/// inaccurate model, and their nodes and those of cones.
 void HorizonConstraints::find_error() {
   allowed_ = kExact * outside_.lpNorm<Eigen::Infinity>();
   std::fill(off_.begin(), off_.end(), false);
@@ -245,7 +245,7 @@ double HorizonConstraints::find_bounds_error(const Run& run) {
     const int row = run.row + r;
     const S found = outside_rows(row, load_rows<S>(shifted_.data() + row));
     store_rows(found_.data() + row, found);
-    // Inactive rows that stay so are most of them.
+    // Most rows are inactive and stay so.
     const S zero(0.0), outside = load_rows<S>(outside_.data() + row);
     if (any((!(found == zero)) | (!(outside == zero)) |
             (!(load_rows<S>(slope_.data() + row) == zero))))
@@ -254,7 +254,7 @@ double HorizonConstraints::find_bounds_error(const Run& run) {
   return sum;
 }
 
-/// Of one row with P found there, or a lane of them.
+/// Error of one row with P found there, or of a lane of rows.
 template <class S>
 inline double HorizonConstraints::find_rows_error(int row, const S& found) {
   constexpr int kCount = sizeof(S) / sizeof(double);
@@ -285,7 +285,7 @@ double HorizonConstraints::find_cone_error(int term) {
   return penalty_[c.row] * error.squaredNorm();
 }
 
-/// Around shifted_, with P found_ there, after find_error().
+/// Revises the model around shifted_, with P found_ there. To be called after find_error().
 int HorizonConstraints::revise(Linearization& linearization, std::optional<int>& last) {
   int changes = 0;
   for (int k = 0; k <= problem_.knots(); ++k) {
@@ -308,7 +308,7 @@ int HorizonConstraints::revise(Linearization& linearization, std::optional<int>&
 void HorizonConstraints::expect(Linearization& linearization) {
   if (!settled_) return;
   settled_ = false;
-  // Multipliers stay about what they were, whatever the penalty.
+  // Multipliers stay roughly the same for any penalty.
   shifted_ = inside_;
   for (int row = 0; row < shifted_.size(); ++row)
     if (multiplier_[row] != 0) shifted_[row] += multiplier_[row] / penalty_[row];

@@ -11,77 +11,75 @@
 
 namespace conddp {
 
-/// An augmented Lagrangian in the linear model of the whole horizon, and costs that are terms of
-/// the same kind: barriers and constraints that are soft by a square, with a ρ that stays and no
-/// shift.
+/// An augmented Lagrangian in the linear model of the whole horizon. It includes costs of the same
+/// form: barriers, and constraints softened by a squared distance, with constant ρ and zero shift.
 ///
 /// Terms ½ ρ dist²(g + shift, C) are quadratic as long as g + shift stays on one side of each
-/// bound, and a linearisation knows the sides of the iterate alone: a full step that crosses others
-/// meets penalties that the sweep has not seen, and line searches cut it off there. With g replaced
-/// by g + ∂g z, the derivative of dist² is P(s) = s − Π_C(s) at s = g + ∂g z + shift. Around a step
-/// z* it is taken as P(s*) + P'(s*)(s − s*), which enters the node's gradient and Hessian in place
-/// of what the iterate had there. Sweeps and revisions alternate: Newton's method on the convex,
-/// piecewise quadratic model, semismooth for its kinks.
+/// bound. A linearization knows only the sides of the iterate: a full step that crosses others
+/// meets penalties that the sweep has not seen, and line searches stop it there. With g replaced by
+/// g + ∂g z, the derivative of dist² is P(s) = s − Π_C(s) at s = g + ∂g z + shift. Around a step
+/// z*, it is approximated by P(s*) + P'(s*)(s − s*). This replaces the contribution of the iterate
+/// in the node's gradient and Hessian. Alternating sweeps and revisions are Newton's method on the
+/// convex, piecewise quadratic model, semismooth because of its kinks.
 class HorizonConstraints {
  public:
   explicit HorizonConstraints(const ShootingProblem& problem);
 
-  /// Whether there are none.
+  /// True if it contains no terms.
   bool empty() const { return rows_.empty(); }
-  /// Takes an iterate's linearisation, which was made with this augmentation; null where the
-  /// problem has no constraints but those that are costs.
+  /// Takes an iterate's linearization, which was made with this augmentation. `augmentation` is
+  /// null if all constraints of the problem are costs.
   void start(const Linearization& linearization, const Augmentation* augmentation);
-  /// Begins again with the same iterate, after restore().
+  /// Starts again from the same iterate, after restore().
   void restart();
-  /// Forgets what settle() kept, and reads the problem's bounds, which may have changed since the
-  /// last solve.
+  /// Forgets the result of settle(), and reads the problem's bounds, which may have changed since
+  /// the last solve.
   void reset();
-  /// After start(): models the rows around where settle() found them last, the next time only.
+  /// Models the rows, once, around the position that settle() stored. To be called after start().
   void expect(Linearization& linearization);
-  /// Models the rows around the step z of each node instead where the present model is off there.
-  /// Nothing changes where Σ ρ |error of P|² is allowed. Returns how many constraints changed.
-  /// `last` ← the last node at which one did, if any.
+  /// Models the rows around the step z of each node, if the present model is inaccurate there.
+  /// Nothing changes up to the error `allowed`, in Σ ρ |error of P|². Returns the number of changed
+  /// constraints. `last` ← the last node with a change, if any.
   int revise(const std::vector<Eigen::VectorXd>& z, double allowed, Linearization& linearization,
              std::optional<int>& last);
-  /// Σ ρ |error of P|² that the last revise() met.
+  /// Σ ρ |error of P|² in the last revise().
   double model_error() const { return error_; }
-  /// That the last revise() changed nothing: keeps where it found the rows for the next iterate. An
-  /// iterate is off the linear model by what is small beside its step, but may be large beside
-  /// |P| = |ν|/ρ, and then says less of the rows that will be active.
+  /// Keeps the position of the rows for the next iterate, after a revise() without changes. The
+  /// next iterate deviates little from the linear model, relative to its step. Relative to |P| =
+  /// |ν|/ρ the deviation may be large, and the iterate then says less about the future active rows.
   void settle();
-  /// Keeps the linearisation's own gradients and Hessians, which others are about to change too.
+  /// Saves the linearization's own gradients and Hessians before other code changes them, too.
   void keep(const Linearization& linearization);
-  /// Gets slope_beyond_model ready for d = to − z, where the model was made around z.
+  /// Prepares slope_beyond_model for d = to − z, where the model was made around z.
   void set_path(const std::vector<Eigen::VectorXd>& z, const std::vector<Eigen::VectorXd>& to,
                 const Linearization& linearization);
-  /// How much more the derivative of the penalties along d is at z + α d than the model has it.
+  /// Derivative of the penalties along d at z + α d, minus that of the model.
   double slope_beyond_model(double alpha);
-  /// Gives the linearisation back its own gradients and Hessians. Returns whether they had changed.
+  /// Restores the linearization's own gradients and Hessians. True if they had changed.
   bool restore(Linearization& linearization);
-  /// Exchanges the memory of Hessians with another problem's, before both start again.
+  /// Exchanges the memory of Hessians with another problem's constraints, before both start again.
   void exchange_memory(HorizonConstraints& other);
 
  private:
   /// Rows of one term.
   struct Rows {
     int node, row, count;
-    const double* lower;  ///< null of a cone
+    const double* lower;  ///< null for a cone
     const double* upper;
-    double limit;                     ///< of multipliers
-    bool cost;                        ///< whose penalty stays during a solve
-    int weight = 0;                   ///< of a cost: its number among the node's parameters
-    const double* factors = nullptr;  ///< of a cost: by row, null where they are 1
+    double limit;                     ///< of the multipliers
+    bool cost;                        ///< its penalty stays during a solve
+    int weight = 0;                   ///< of a cost: its index among the node's parameters
+    const double* factors = nullptr;  ///< of a cost: one per row, null if all are 1
   };
-  /// Rows one after the other, whatever their terms and nodes: thousands of terms have one row
-  /// each.
+  /// Consecutive rows, across terms and nodes: thousands of terms have one row each.
   struct Run {
     int row, count;
     bool cost;
   };
   struct Node {
-    std::vector<int> terms;  ///< into rows_
-    bool cones = false;      ///< whether some are
-    bool off = false;        ///< whether the model of one may be
+    std::vector<int> terms;  ///< indices into rows_
+    bool cones = false;      ///< some are cones
+    bool off = false;        ///< the model of a term may be inaccurate
     bool changed = false;
     Eigen::VectorXd gradient;  ///< the node's own, once changed
     Eigen::MatrixXd hessian;
@@ -117,24 +115,24 @@ class HorizonConstraints {
   std::vector<Rows> rows_;
   std::vector<Node> nodes_;
   std::vector<Run> bounds_;        ///< rows with bounds
-  std::vector<Run> augmented_;     ///< rows that an augmentation has, with bounds or of cones
-  std::vector<int> cones_, soft_;  ///< into rows_; of bounds, those whose multipliers are limited
-  std::vector<int> term_;          ///< of rows_, per constraint row with bounds
-  Eigen::VectorXd lower_, upper_, limit_;  ///< of those: bounds, and what |P| may be
+  std::vector<Run> augmented_;     ///< rows of an augmentation, with bounds or of cones
+  std::vector<int> cones_, soft_;  ///< into rows_: cones, and bounds with limited multipliers
+  std::vector<int> term_;          ///< index into rows_, per constraint row with bounds
+  Eigen::VectorXd lower_, upper_, limit_;  ///< of those rows: bounds, and the limit of |P|
   Eigen::VectorXd penalty_;                ///< ρ, one number per constraint row
-  // A number per constraint row: s of the iterate, of the step that the model was made around, of
-  // the step that is looked at; P at the second, its slope there where rows have bounds, and P at
-  // the third.
+  // One number per constraint row: s of the iterate (base_), s of the step around which the model
+  // was made (around_), and s of the present step (shifted_). P at around_ (outside_), its slope
+  // there for rows with bounds (slope_), and P at shifted_ (found_).
   Eigen::VectorXd base_, around_, shifted_, outside_, slope_, found_;
-  Eigen::VectorXd inside_, multiplier_;      ///< Π(s) and ρ P(s) of a step that settled
-  bool settled_ = false;                     ///< these are known
+  Eigen::VectorXd inside_, multiplier_;      ///< Π(s) and ρ P(s) of a settled step
+  bool settled_ = false;                     ///< the two are known
   Eigen::VectorXd along_;                    ///< ∂g d of a path
-  std::vector<Eigen::MatrixXd> cone_slope_;  ///< of each of rows_, empty unless a cone
-  std::vector<char> off_;                    ///< of each of rows_ with bounds: the model of P is
-  LowRankUpdate update_;                     ///< of the Hessian of one node
+  std::vector<Eigen::MatrixXd> cone_slope_;  ///< one per element of rows_, empty unless a cone
+  std::vector<char> off_;                    ///< per bound term of rows_: inaccurate model of P
+  LowRankUpdate update_;                     ///< for the Hessian of one node
   Eigen::MatrixXd new_slope_;                ///< scratch
   Eigen::VectorXd new_outside_, weight_, difference_;
-  double allowed_ = 0;  ///< what the model of P may be off
+  double allowed_ = 0;  ///< allowed error of the model of P
   double error_ = 0;
 };
 

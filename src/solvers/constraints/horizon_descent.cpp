@@ -5,7 +5,7 @@
 namespace conddp {
 namespace {
 
-/// The share of the slope at the point that a line search may leave, and its evaluations at most.
+/// Share of the initial slope that a line search may leave, and the limit of its evaluations.
 constexpr double kSlopeLeft = 1e-3;
 constexpr int kEvaluations = 50;
 
@@ -13,8 +13,8 @@ struct SlopeAt {
   double step, slope;
 };
 
-/// Where a growing slope, negative at `low` and positive at `high`, is at most `allowed`: regula
-/// falsi, which halves the value of an end that stays (Illinois).
+/// Finds the step where an increasing slope, negative at `low` and positive at `high`, is at most
+/// `allowed`. Uses regula falsi, which halves the value of an end that stays (Illinois).
 template <class Slope>
 double vanishing_slope(const Slope& slope_at, SlopeAt low, SlopeAt high, double allowed) {
   const SlopeAt* last_moved = nullptr;
@@ -68,8 +68,8 @@ bool HorizonDescent::advance(const LinearRollout& minimum, HorizonConstraints& c
   return step == 0 || (step == 1 && changes == 0);
 }
 
-/// Where the derivative along the way to the minimum of the model vanishes: it grows with the
-/// step.
+/// Finds the step where the derivative towards the minimum of the model vanishes; the derivative
+/// increases with the step.
 double HorizonDescent::step_length(const LinearRollout& minimum, HorizonConstraints& constraints,
                                    const Linearization& linearization) {
   double slope = 0, curvature = 0;

@@ -10,25 +10,25 @@
 
 namespace conddp {
 
-/// A point in the linear model of the horizon that moves downhill, from sweep to sweep: Newton's
-/// method on the augmented Lagrangian with penalties for the control bounds, both convex and
-/// piecewise quadratic, with an exact line search. So it converges where sets of active rows and
-/// bounds, taken as they come, alternate.
+/// A point in the linear model of the horizon that descends from sweep to sweep. The method is
+/// Newton's with an exact line search, on the augmented Lagrangian with penalties for the control
+/// bounds. Both are convex and piecewise quadratic. It therefore converges even if the sets of
+/// active rows and bounds alternate under full steps.
 class HorizonDescent {
  public:
   HorizonDescent(const ShootingProblem& problem, const ControlBounds& bounds);
 
-  /// Begins with a step, whose gaps are those of the iterate. The model is that of the iterate.
+  /// Begins with a step that has the gaps of the iterate. The model is that of the iterate.
   void start(const LinearRollout& step, const Trajectory& trajectory,
              const Eigen::VectorXd& gradient, const BackwardSweep& sweep,
              HorizonConstraints& constraints, Linearization& linearization);
-  /// Moves the point towards the minimum of the model around it, and the model with it. Returns
-  /// whether that was the minimum of the penalised model.
+  /// Moves the point towards the minimum of the model around it, and the model with it. True if
+  /// this was the minimum of the penalized model.
   bool advance(const LinearRollout& minimum, HorizonConstraints& constraints,
                Linearization& linearization);
-  /// Takes the penalties for bounds out of the model, and holds controls where they pushed.
+  /// Removes the penalties for bounds from the model, and holds controls where they pushed.
   void leave(ActiveSet& active_set, Linearization& linearization);
-  /// δu = k + K δx ← the point, with the K that there is.
+  /// Writes the point as δu = k + K δx with the present K.
   void write(Feedback& feedback) const;
 
  private:

@@ -12,18 +12,18 @@
 namespace conddp {
 namespace {
 
-/// The first ρ makes the violation this many times as large as the cost, between these limits.
+/// The first ρ makes the violation term this many times as large as the cost, between these limits.
 constexpr double kFirstWeight = 10, kLeastPenalty = 1, kMostFirstPenalty = 1e6;
-/// How ρ grows, and to what.
+/// Growth factor of ρ, and its largest value.
 constexpr double kPenaltyFactor = 100, kMostPenalty = 1e12;
-/// The share of the violation at the start that counts as restored.
+/// Share of the initial violation that counts as restored.
 constexpr double kRestored = 0.01;
-/// The shares of ViolationSlope at which a minimisation is done, and at which the violation is the
-/// least one.
+/// Share of ViolationSlope that ends a minimization, and share that identifies a least violation.
 constexpr double kMinimized = 1e-3, kLeast = 5e-3;
-/// Or what a step of at least this length gains of the merit.
+/// A minimization is also done if a step of at least this length gains less than this share of the
+/// merit.
 constexpr double kSmallDecrease = 1e-7, kLongStep = 0.1;
-/// Violated constraints that a message names.
+/// Number of violated constraints that a message names.
 constexpr std::size_t kNamed = 3;
 
 class LeastViolation final : public OuterStrategy {
@@ -66,7 +66,7 @@ class LeastViolation final : public OuterStrategy {
     std::string name;
     double by = 0;
     int knot = -1;
-    bool given = false;  ///< by the initial state
+    bool given = false;  ///< violated by the initial state itself
   };
   std::vector<Worst> violated(const Eigen::VectorXd& values) const;
   std::string violated_text(const Eigen::VectorXd& values) const;
@@ -78,8 +78,8 @@ class LeastViolation final : public OuterStrategy {
   Eigen::VectorXd multipliers_;
   double penalty_ = 0;
   double violation_ = 0, at_start_ = 0;
-  double share_ = 0;     ///< of the gradient of cost and violation along the last sweep's gains
-  int inner_start_ = 0;  ///< iteration at which the present minimisation began
+  double share_ = 0;     ///< for the gradient of cost and violation along the last sweep's gains
+  int inner_start_ = 0;  ///< first iteration of the current minimization
 };
 
 bool LeastViolation::fit(Iterate& iterate) {
@@ -145,7 +145,7 @@ bool LeastViolation::update(Iterate& iterate, const Feedback& feedback, const Me
   return true;
 }
 
-/// The worst row of each constraint above tolerance, the most violated ones first.
+/// The worst violation of each constraint above tolerance, the largest ones first.
 std::vector<LeastViolation::Worst> LeastViolation::violated(const Eigen::VectorXd& values) const {
   std::vector<Worst> list;
   for (const NodeConstraint& c : problem_.constraints()) {
@@ -163,7 +163,7 @@ std::vector<LeastViolation::Worst> LeastViolation::violated(const Eigen::VectorX
   return list;
 }
 
-/// "'goal' by 0.20 (knot 35), 'walls' by ...".
+/// Formats "'goal' by 0.20 (knot 35), 'walls' by ...".
 std::string LeastViolation::violated_text(const Eigen::VectorXd& values) const {
   const std::vector<Worst> list = violated(values);
   std::string text;

@@ -6,9 +6,9 @@
 
 namespace conddp {
 
-/// The strategy of a restoration: minimises cost + ½ρ Σ‖d‖², with d the distances of hard
-/// constraints from their sets, for a ρ that grows as long as nothing is decided. It ends as
-/// `converged` where the violation is small, and as `infeasible` at a point of least violation
+/// The strategy of a restoration. It minimizes cost + ½ρ Σ‖d‖², where d are the distances of hard
+/// constraints from their sets, and ρ grows until the outcome is clear. The strategy ends as
+/// `converged` if the violation is small, and as `infeasible` at a point of least violation
 /// (ViolationSlope).
 std::unique_ptr<OuterStrategy> least_violation_strategy(const ShootingProblem& problem,
                                                         const ControlBounds& bounds,

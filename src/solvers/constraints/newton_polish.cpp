@@ -5,11 +5,11 @@
 namespace conddp {
 namespace {
 
-/// Violation, gap and stationarity below which Newton's method is tried, how much smaller they have
-/// to be after it failed, its steps at most, and those of them that may be damped.
+/// Violation, gap and stationarity for the first try, their factor after a failed try, the limit of
+/// steps, and the limit of damped steps.
 constexpr double kFirstThreshold = 3e-3, kNextThreshold = 0.1;
 constexpr int kSteps = 20, kDampedSteps = 2;
-/// Norms at which there is nothing left to gain.
+/// Norm below which nothing is left to gain.
 constexpr double kGoal = 1e-12;
 
 double largest_norm(const IterationRecord& row) {
@@ -24,7 +24,7 @@ NewtonPolish::NewtonPolish(const ShootingProblem& problem, Evaluator& evaluator,
 
 void NewtonPolish::reset() { threshold_ = kFirstThreshold; }
 
-/// Steps until there is nothing left to gain, or too many of them are damped.
+/// Takes steps until nothing is left to gain, or too many of them are damped.
 void NewtonPolish::iterate_newton(SolveRecord& record) {
   IterationRecord& row = record.row;
   int damped = 0;
@@ -34,7 +34,7 @@ void NewtonPolish::iterate_newton(SolveRecord& record) {
     ++row.newton;
     newton_.describe(row);
     record.log_row();
-    record.log_is_stale = true;  // until the iterate stands
+    record.log_is_stale = true;  // until the iterate is accepted
     damped += newton_.step_length() < 1;
     if (damped > kDampedSteps) return;
   }
@@ -53,8 +53,7 @@ bool NewtonPolish::run(Iterate& iterate, const Feedback& feedback, OuterStrategy
   threshold_ = kNextThreshold * largest_norm(start);
   const auto& tolerance = options_.tolerances;
   const KktNorms& norms = newton_.norms();
-  // Multipliers of an iterate from which no step was found are no better than those that are there,
-  // and begin again with the first penalties.
+  // Without a step, Newton's multipliers are no better than the present ones.
   const bool stands =
       row.iteration == start.iteration && norms.complementarity > tolerance.complementarity;
   if (stands || norms.stationarity.value > tolerance.stationarity ||

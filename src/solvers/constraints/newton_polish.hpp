@@ -7,20 +7,21 @@
 
 namespace conddp {
 
-/// The end of a solve by Newton's method on the active constraints. Its steps are iterations.
+/// Ends a solve by Newton's method on the active constraints. Its steps are iterations.
 class NewtonPolish {
  public:
   NewtonPolish(const ShootingProblem& problem, Evaluator& evaluator, const SolverOptions& options);
 
-  /// At the start of a solve.
+  /// Prepares a solve.
   void reset();
-  /// Whether an iterate is near enough to a solution for a try.
+  /// True if an iterate is near enough to a solution for a try.
   bool due(const IterationRecord& row) const;
-  /// Newton's steps from an iterate. Where they meet the tolerances of stationarity, gap and
-  /// violation the iterate becomes Newton's, with its multipliers, and nothing is known of it yet.
-  /// Else false, and the iterate stands; the next try waits until it is much nearer.
+  /// Takes Newton steps from an iterate. If they meet the tolerances of stationarity, gap and
+  /// violation, the iterate becomes Newton's, with its multipliers, but is not linearized yet.
+  /// Otherwise the result is false and the iterate stays; the next try waits until it is much
+  /// nearer.
   bool run(Iterate& iterate, const Feedback& feedback, OuterStrategy& outer, SolveRecord& record);
-  /// The policy of the last step, which keeps to the active constraints.
+  /// The policy of the last step, which respects the active constraints.
   const Feedback& feedback() const { return newton_.feedback(); }
 
  private:

@@ -5,7 +5,7 @@
 namespace conddp {
 namespace {
 
-/// Weights as multiples of the stages' curvature.
+/// Weights as a multiple of the stages' curvature.
 constexpr double kWeight = 10;
 
 }  // namespace
@@ -50,7 +50,7 @@ void PenalizedBounds::remove(Linearization& linearization) {
     for (int i = 0; i < linearization.knots[k].nu(); ++i) set(k, i, 0, linearization.knots[k]);
 }
 
-/// Beyond a bound the derivative is w (s − bound), wherever beyond it s is.
+/// Beyond a bound, the derivative is w (s − bound) for any s there.
 void PenalizedBounds::set(int k, int i, double outside, KnotLinearization& knot) {
   const int at = bounds_.offset(k) + i, column = knot.ndx + i;
   const double was = outside_[at], w = weight_[at];

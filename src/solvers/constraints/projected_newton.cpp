@@ -10,17 +10,16 @@
 namespace conddp {
 namespace {
 
-/// Penalty of active rows in a sweep, as a multiple of the largest curvature, and how often the
-/// multipliers are corrected for it.
+/// Penalty of active rows in a sweep, as a multiple of the largest curvature, and the limit of
+/// multiplier corrections.
 constexpr double kRowPenalty = 1e5;
 constexpr int kCorrections = 10;
-/// Curvature below which a cost counts as linear, and the exact Hessian's stands for it.
+/// Curvature below which a cost counts as linear; the exact Hessian's curvature then replaces it.
 constexpr double kLeastCurvature = 1e-6;
 constexpr double kExactRows = 1e-9;
-/// How often a step revises the active rows before it is taken as it is.
+/// Limit of revisions of the active rows before a step is taken as it is.
 constexpr int kRevisions = 10;
-/// Share of the largest norm that a full step leaves at most if the next one is to keep its
-/// Hessian.
+/// Largest share of the norm that a full step may leave if the next step is to reuse its Hessian.
 constexpr double kKeptShare = 0.1;
 /// Shortest step that is tried.
 constexpr double kShortestStep = 0.125;
@@ -74,7 +73,7 @@ void ProjectedNewton::start(const Trajectory& trajectory, const Eigen::VectorXd&
   linearize();
 }
 
-/// Derivatives, active rows, co-states and norms of the iterate.
+/// Computes derivatives, active rows, co-states and norms of the iterate.
 void ProjectedNewton::linearize() {
   lagrangian_.multiplier.setZero();
   evaluator_.differentiate(trajectory_, linearization_, &lagrangian_);
@@ -103,7 +102,7 @@ void ProjectedNewton::measure() {
   }
 }
 
-/// A sweep and the step of its policy in the linear model.
+/// Sweeps, and rolls the policy out through the linear model.
 bool ProjectedNewton::sweep() {
   ++sweeps_;
   if (sweep_.run(linearization_, trajectory_, gaps_, {}, *stages_, feedback_) >= 0) return false;
@@ -121,8 +120,8 @@ bool ProjectedNewton::sweep() {
   return step_.back().allFinite();
 }
 
-/// Fills step_ and target_: solves the quadratic problem of the active rows, revises them by the
-/// step, and so on until they settle.
+/// Fills step_ and target_: solves the quadratic problem of the active rows and revises the rows by
+/// the step, in turn, until they settle.
 bool ProjectedNewton::solve_quadratic() {
   const double penalty = kRowPenalty * std::max(take_hessians(), kLeastCurvature);
   for (int revision = 0;; ++revision) {
@@ -135,8 +134,8 @@ bool ProjectedNewton::solve_quadratic() {
   return true;
 }
 
-/// Gauss-Newton Hessians and, where they differ, exact ones. The largest curvature of the former
-/// or, where costs are linear, of the latter.
+/// Stores the Gauss-Newton Hessians and, if they differ, the exact ones. Returns the largest
+/// curvature of the former or, for linear costs, of the latter.
 double ProjectedNewton::take_hessians() {
   double curvature = 0;
   for (std::size_t k = 0; k < gauss_newton_.size(); ++k) {
@@ -161,8 +160,8 @@ void ProjectedNewton::evaluate_exact_hessian() {
   }
 }
 
-/// The step that keeps the active rows. Where the exact Hessian is not convex on them, the
-/// Gauss-Newton one is taken.
+/// Finds the step that satisfies the active rows. If the exact Hessian is not convex on them, the
+/// Gauss-Newton one is used.
 bool ProjectedNewton::solve_on_rows(double penalty) {
   for (std::size_t k = 0; k < cost_gradient_.size(); ++k)
     linearization_.knots[k].gradient = cost_gradient_[k];
@@ -172,8 +171,8 @@ bool ProjectedNewton::solve_on_rows(double penalty) {
   return swept && correct_rows(penalty, before);
 }
 
-/// Corrects the multipliers by what the step leaves of the rows, and sweeps again, until that is a
-/// small part of what was there `before` or falls no further.
+/// Corrects the multipliers by the residual of the rows after the step and sweeps again, until the
+/// residual is a small part of `before` or falls no further.
 bool ProjectedNewton::correct_rows(double penalty, double before) {
   double last = std::numeric_limits<double>::infinity();
   for (int i = 0; i < kCorrections; ++i) {
@@ -204,7 +203,7 @@ bool ProjectedNewton::step(double growth) {
   return stepped;
 }
 
-/// A step after which the largest norm is below the bound.
+/// Takes a step after which the largest norm is below the bound.
 bool ProjectedNewton::try_step(double bound) {
   before_ = trajectory_;
   if (!solve_quadratic()) {
@@ -224,7 +223,7 @@ bool ProjectedNewton::try_step(double bound) {
   return false;
 }
 
-/// By step_length_ of the step, from where it began.
+/// Moves by step_length_ of the step, from its start.
 void ProjectedNewton::move() {
   for (int k = 0; k <= problem_.knots(); ++k) {
     auto dx = scratch_.head(problem_.ndx());

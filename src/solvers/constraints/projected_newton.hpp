@@ -12,7 +12,7 @@
 
 namespace conddp {
 
-/// What decides whether an iterate of the projected Newton method is a solution.
+/// Norms that decide whether an iterate of the projected Newton method is a solution.
 struct KktNorms {
   Extremum stationarity;  ///< ‖∇_u L‖∞ without the controls held at a bound
   Extremum gap;
@@ -22,17 +22,17 @@ struct KktNorms {
 };
 
 /// Newton's method on the optimality conditions of the whole trajectory: gaps, active constraints
-/// and the gradient of the Lagrangian, whose exact Hessian it uses. States and controls move
-/// together; the gaps are unknowns like the rest. Where exact Hessians are dear, steps keep the one
-/// they have while each lowers the largest norm to a tenth.
+/// and the gradient of the Lagrangian, with its exact Hessian. States and controls move together,
+/// and gaps are treated like the other residuals. If exact Hessians are expensive, steps reuse the
+/// last one while each reduces the largest norm to a tenth.
 ///
-/// Which constraints and control bounds are active is found anew at each iterate and revised by its
-/// step (ActiveRows), until the step is the solution of the quadratic problem with inequalities.
+/// The active constraints and control bounds are found anew at each iterate and revised by its step
+/// (ActiveRows), until the step solves the quadratic problem with inequalities.
 ///
-/// The step is the solution of the equality-constrained quadratic problem of the horizon, by the
-/// proximal method of multipliers: a Riccati sweep with the active rows as penalties, then sweeps
-/// with corrected multipliers until the rows hold, all with one Hessian. Redundant rows do no harm,
-/// stages without curvature of their own neither, and the cost is linear in the horizon.
+/// The step solves the equality-constrained quadratic problem of the horizon by the proximal method
+/// of multipliers. A Riccati sweep takes the active rows as penalties, and further sweeps correct
+/// the multipliers until the rows hold, all with one Hessian. Redundant rows and stages without
+/// curvature of their own are harmless, and the computing time is linear in the horizon.
 class ProjectedNewton {
  public:
   ProjectedNewton(const ShootingProblem& problem, Evaluator& evaluator);
@@ -40,27 +40,27 @@ class ProjectedNewton {
   /// Starts at a trajectory with multipliers of all constraint rows; `penalty` is ρ, row by row.
   void start(const Trajectory& trajectory, const Eigen::VectorXd& multipliers,
              const Eigen::VectorXd& penalty, const Feedback& feedback);
-  /// One step. False, with the iterate unchanged, where none of a few step lengths makes the
-  /// largest norm smaller than `growth` times what it was. Growth lets a step through that changes
-  /// many active rows at once.
+  /// Takes one step. False, with the iterate unchanged, if none of a few step lengths reduces the
+  /// largest norm below `growth` times its previous value. Growth admits a step that changes many
+  /// active rows at once.
   bool step(double growth = 1);
 
   const KktNorms& norms() const { return norms_; }
   double step_length() const { return step_length_; }
-  /// How many exact Hessians were evaluated since start().
+  /// Number of exact Hessians evaluated since start().
   int exact_hessians() const { return exact_hessians_; }
   int active_rows() const { return rows_.count(); }
-  /// Writes what is known of the iterate and the step to it into a row of the log.
+  /// Writes the data of the iterate, and of the step that led to it, into a row of the log.
   void describe(IterationRecord& row) const;
   double cost() const;
   const Trajectory& trajectory() const { return trajectory_; }
-  /// Of all constraint rows.
+  /// Multipliers of all constraint rows.
   const Eigen::VectorXd& multipliers() const { return multipliers_; }
-  /// Derivatives of the iterate, whose gradients have the multipliers of active rows.
+  /// Derivatives of the iterate; the gradients include the multipliers of active rows.
   const Linearization& linearization() const { return linearization_; }
-  /// Its co-states and control gradients, along feedback().
+  /// Co-states and control gradients of the iterate, along feedback().
   const Adjoint& adjoint() const { return adjoint_; }
-  /// The policy of the last step, which keeps to the active constraints.
+  /// The policy of the last step, which respects the active constraints.
   const Feedback& feedback() const { return feedback_; }
 
  private:
@@ -87,7 +87,7 @@ class ProjectedNewton {
   ActiveRows rows_;
   Feedback feedback_;
   Trajectory trajectory_, before_;
-  Augmentation lagrangian_;  ///< multipliers alone
+  Augmentation lagrangian_;  ///< multipliers only
   Eigen::VectorXd multipliers_, multipliers_before_, target_, penalty_;
   std::vector<Eigen::VectorXd> cost_gradient_;
   std::vector<Eigen::MatrixXd> gauss_newton_, exact_;
@@ -97,9 +97,9 @@ class ProjectedNewton {
   double step_length_ = 0;
   int sweeps_ = 0;      ///< of the last step
   bool dear_;           ///< exact_hessians_are_dear()
-  bool keeps_ = false;  ///< the next step takes the exact Hessians of the last one
+  bool keeps_ = false;  ///< the next step reuses the exact Hessians of the last one
   int exact_hessians_ = 0;
-  bool curved_ = true;  ///< the exact Hessian is another one than Gauss-Newton's
+  bool curved_ = true;  ///< the exact Hessian differs from Gauss-Newton's
 };
 
 }  // namespace conddp

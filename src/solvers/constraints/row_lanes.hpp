@@ -6,10 +6,10 @@
 
 namespace conddp {
 
-/// For formulas of rows of bounds that are templates on the scalar: of a problem's many rows most
-/// are inactive, and a lane of them is passed over at once.
+/// For formulas of bound rows that are templates on the scalar. Most of a problem's many rows are
+/// inactive, and a lane of them is skipped at once.
 
-/// The numbers from here on that S holds, one or a lane, and back.
+/// Loads the numbers from here on that S holds, one or a lane; store_rows() writes them.
 template <class S>
 S load_rows(const double* from) {
   if constexpr (std::is_same_v<S, Lane>)
@@ -20,8 +20,8 @@ S load_rows(const double* from) {
 inline void store_rows(double* to, double x) { *to = x; }
 inline void store_rows(double* to, Lane x) { store_lane(to, x); }
 
-/// Calls f(S(), r) for the rows r of a constraint: S is Lane as long as there are whole lanes of
-/// rows, then double.
+/// Calls f(S(), r) for the rows r of a constraint, with S = Lane for whole lanes of rows and then S
+/// = double.
 template <class F>
 void for_each_lane(int rows, F f) {
   int r = 0;
@@ -29,7 +29,7 @@ void for_each_lane(int rows, F f) {
   for (; r < rows; ++r) f(0.0, r);
 }
 
-/// Whether lower < value < upper in all rows.
+/// True if lower < value < upper in all rows.
 inline bool all_strictly_inside(const double* values, const double* lower, const double* upper,
                                 int rows) {
   int r = 0;

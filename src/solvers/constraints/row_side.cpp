@@ -6,27 +6,27 @@
 namespace conddp {
 namespace {
 
-/// A control this close to a bound stands there.
+/// A control this close to a bound is at the bound.
 constexpr double kAtBound = 1e-9;
-/// What a step may violate, relative to the bound, without its counting.
+/// Tolerated violation by a step, relative to the bound.
 constexpr double kViolated = 1e-10;
 
 double distance(const NodeConstraint& c, const double* values) {
   return distance_to_set(*c.term, values, nullptr, nullptr);
 }
 
-/// Of a row of bounds that a step brings back from beyond its limit.
+/// Side of a row of bounds that a step brings back from beyond its limit.
 RowSide back_inside(const NodeConstraint& c, int row, RowSide side) {
   return c.lower[row] == c.upper[row] ? RowSide::equality : side;
 }
 
-/// Of one that did not count.
+/// New side of an inactive row.
 RowSide revised_inactive_bound(double value, double lower, double upper) {
   if (is_violated(lower - value, lower)) return RowSide::lower;
   return is_violated(value - upper, upper) ? RowSide::upper : RowSide::inactive;
 }
 
-/// Of one that counted, by its multiplier: whether it still pushes, and no more than its limit.
+/// New side of an active row. It stays if its multiplier still pushes, within its limit.
 RowSide revised_active_bound(const NodeConstraint& c, RowSide side, double multiplier) {
   if (std::abs(multiplier) > c.limit) return multiplier < 0 ? RowSide::below : RowSide::above;
   if (side == RowSide::equality) return side;
@@ -40,19 +40,19 @@ bool is_cone_violated(const Eigen::Ref<const Eigen::VectorXd>& values) {
   return !(outside <= kViolated * std::max(1.0, values.norm()));
 }
 
-/// Of a cone that touches its boundary: the surface has no slope where the first `tangential`
+/// Side of a cone that touches its boundary. The surface lacks a slope where the first `tangential`
 /// values vanish.
 RowSide touched_side(const double* values, Eigen::Index tangential) {
   const bool sloped = Eigen::Map<const Eigen::VectorXd>(values, tangential).squaredNorm() > 0;
   return sloped ? RowSide::surface : RowSide::tip;
 }
 
-/// Where values lie beside a second-order cone ‖v‖ ≤ t.
+/// Position of values relative to a second-order cone ‖v‖ ≤ t.
 struct ConePoint {
   double length, height;  ///< ‖v‖ and t
 
   bool is_inside() const { return length <= height; }
-  /// Nearest to the tip of all points of the cone.
+  /// True if the tip is the nearest point of the cone.
   bool is_polar() const { return length <= -height; }
   double distance() const {
     return is_polar() ? std::hypot(length, height) : (length - height) * std::sqrt(0.5);
@@ -66,8 +66,8 @@ ConePoint shifted_point(const double* values, const double* multipliers, double 
   return {std::sqrt(square), values[rows - 1] + multipliers[rows - 1] / penalty};
 }
 
-/// A cone that counted: whether its multipliers still push, and no more than their limit. `start`
-/// are the values at the iterate.
+/// New side of an active cone, by whether its multipliers still push within their limit. `start`
+/// holds the values at the iterate.
 RowSide revised_active_cone(const NodeConstraint& c, RowSide side, const double* start,
                             const Eigen::Ref<const Eigen::VectorXd>& nu) {
   const Eigen::Index m = nu.size() - 1;

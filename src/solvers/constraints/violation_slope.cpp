@@ -9,12 +9,12 @@
 namespace conddp {
 namespace {
 
-/// Multipliers per distance: the difference that they make to the cost's gradient keeps its digits.
+/// Multipliers per distance, so large that their effect on the cost's gradient keeps its digits.
 constexpr double kWeight = 1e10;
-/// Of how far a state goes: changes of the constraints' values below it are rounding.
+/// Changes of the constraints' values below this share of the state's move are rounding.
 constexpr double kRounding = 1e-12;
 
-/// The largest size of a control anywhere, at least 1.
+/// Largest size of a control anywhere, at least 1.
 double largest_control(const Trajectory& trajectory) {
   double largest = 1;
   for (int k = 0; k < trajectory.knots(); ++k)
@@ -23,7 +23,7 @@ double largest_control(const Trajectory& trajectory) {
   return largest;
 }
 
-/// How far a control can go against a slope.
+/// Distance that a control can move against a slope.
 double way_down(const ControlBounds& bounds, int k, Eigen::Index i, double u, double slope) {
   return slope > 0 ? u - bounds.lower(k)[i] : bounds.upper(k)[i] - u;
 }
@@ -55,8 +55,8 @@ double ViolationSlope::share(Evaluator& evaluator, const Trajectory& trajectory,
     adjoint_.compute(linearization_, trajectory, gaps, no_feedback_);
     return adjoint_.gradient();
   };
-  // The cost's own part is taken out, however small its share: where a penalty's minimum was found
-  // it cancels what is asked for.
+  // The cost's own gradient is subtracted, however small: at a penalty's minimum, it cancels the
+  // requested one.
   const Eigen::VectorXd of_cost = gradient(Eigen::VectorXd::Zero(distances_.size()));
   const Eigen::VectorXd with_distances = gradient(kWeight * distances_);
   const Eigen::VectorXd slope = (with_distances - of_cost) / kWeight;
@@ -75,8 +75,8 @@ double ViolationSlope::share(const Eigen::VectorXd& gradient, const Trajectory& 
   return sum / distances_.squaredNorm();
 }
 
-/// What the best step along the steepest descent of the controls without a bound on their way takes
-/// of ‖d‖². `gradient` is that of ½‖d‖², and the linearization the one that it is of.
+/// Part of ‖d‖² that the best step removes along the steepest descent of the controls without a
+/// bound ahead. `gradient` is that of ½‖d‖², and the linearization belongs to it.
 double ViolationSlope::free_share(const Eigen::VectorXd& gradient, const Trajectory& trajectory) {
   double squared = 0;
   for (int k = 0; k < bounds_.knots(); ++k)
@@ -93,7 +93,7 @@ double ViolationSlope::free_share(const Eigen::VectorXd& gradient, const Traject
   return change > 0 ? squared / (change * distances_.squaredNorm()) : 0;
 }
 
-/// ‖J p‖² of the step p that is rolled out; 0 where it is nothing but rounding.
+/// ‖J p‖² of the step p that is rolled out; 0 if it is only rounding.
 double ViolationSlope::squared_change() const {
   double sum = 0, far = 0;
   for (const NodeConstraint& c : problem_.constraints()) {

@@ -6,12 +6,13 @@
 namespace conddp {
 namespace {
 
-/// What the linearisation may be off, as a share of the largest number involved: rounding.
+/// Allowed error of the linearization, as a share of the largest number involved: rounding.
 constexpr double kOff = 1e-9;
-/// Multiples of the golden section spread evenly: no entry of the move is a multiple of another.
+/// Multiples of the golden section spread evenly, so that no entry of the move is a multiple of
+/// another.
 constexpr double kGoldenSection = 0.6180339887498949;
 
-/// The moves of states and controls, −1 to 1, by the place of their entry in the trajectory.
+/// Moves of states and controls, −1 to 1, by the index of their entry in the trajectory.
 double move(int i) {
   const double turns = kGoldenSection * (i + 1);
   return 2 * (turns - std::floor(turns)) - 1;
@@ -43,7 +44,7 @@ bool AffineProbe::holds(Evaluator& evaluator, const Trajectory& trajectory,
   return comparison.agrees();
 }
 
-/// What a knot's state and control are moved by. The given initial state stays.
+/// The move of a knot's state and control. The given initial state does not move.
 Eigen::VectorBlock<Eigen::VectorXd> AffineProbe::move_of(int knot, int nu) {
   const int ndx = problem_.ndx();
   auto z = z_.head(ndx + nu);
@@ -52,7 +53,7 @@ Eigen::VectorBlock<Eigen::VectorXd> AffineProbe::move_of(int knot, int nu) {
   return z;
 }
 
-/// moved_ ← the trajectory with all of its moves, constraint_ ← the values foretold there.
+/// moved_ ← the trajectory with all of its moves, constraint_ ← the values predicted there.
 void AffineProbe::move_all(const Trajectory& trajectory, const Linearization& linearization) {
   moved_ = trajectory;
   for (int k = 0; k <= problem_.knots(); ++k) {
@@ -81,7 +82,7 @@ void AffineProbe::compare_gap(int knot, const Trajectory& trajectory,
 
 void AffineProbe::Comparison::add(double foretold, double found) {
   const double here = std::abs(foretold - found);
-  if (!std::isnan(off) && !(here <= off)) off = here;  // NaN stays
+  if (!std::isnan(off) && !(here <= off)) off = here;  // keeps NaN
   largest = std::max({largest, std::abs(foretold), std::abs(found)});
 }
 

@@ -6,19 +6,19 @@
 
 namespace conddp {
 
-/// Tells by one evaluation whether dynamics and constraint rows are affine: whether, around an
-/// iterate, a linearisation foretells the gaps and constraint values of a trajectory that is 1 off
-/// in every direction.
+/// Tests by one evaluation whether dynamics and constraint rows are affine. They are if the
+/// linearization at an iterate predicts the gaps and constraint values of a trajectory that is
+/// moved by up to 1 in every direction.
 class AffineProbe {
  public:
   explicit AffineProbe(const ShootingProblem& problem);
 
-  /// `linearization` is that of the trajectory.
+  /// True if they are affine. `linearization` belongs to the trajectory.
   bool holds(Evaluator& evaluator, const Trajectory& trajectory,
              const Linearization& linearization);
 
  private:
-  /// The largest difference between what was foretold and what was found, and the largest number.
+  /// Largest difference between predicted and found values, and the largest value.
   struct Comparison {
     double off = 0, largest = 1;
 
@@ -33,8 +33,8 @@ class AffineProbe {
   const ShootingProblem& problem_;
   Trajectory moved_;
   Evaluation evaluation_;
-  Eigen::VectorXd z_, next_;    ///< scratch: the move of a knot, and what it makes of the next
-  Eigen::VectorXd constraint_;  ///< foretold
+  Eigen::VectorXd z_, next_;    ///< scratch: the move of a knot, and its effect on the next
+  Eigen::VectorXd constraint_;  ///< predicted
 };
 
 }  // namespace conddp

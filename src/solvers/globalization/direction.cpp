@@ -10,12 +10,12 @@
 namespace conddp {
 namespace {
 
-/// Revisions of an active set that may go by without fewer changes than ever before: sets can
-/// alternate, and stages that go by themselves are the better use of further sweeps.
+/// Allowed number of revisions of an active set without fewer changes than ever before. Sets can
+/// alternate, and then stages that find their own sets make better use of further sweeps.
 constexpr int kPatience = 4;
-/// What the error of the constraints' model may grow to, in the least that it has been.
+/// Allowed growth of the error of the constraints' model, relative to its smallest value.
 constexpr double kErrorGrowth = 100;
-/// What the constraints' model may be off at a step, in the norm of the Hessian H: the squared
+/// Allowed error of the constraints' model at a step, in the norm of the Hessian H: the squared
 /// distance of the step from the model's minimum, as a share of dᵀHd.
 constexpr double kModelError = 1e-6;
 
@@ -59,14 +59,14 @@ int Direction::find(Linearization& linearization, const Trajectory& trajectory, 
   const int bad_knot = search(model);
   if (augmented && constraints_->restore(linearization)) {
     if (within_bounds_)
-      linear_rollout_.measure_slope(linearization);  // of the step that settled the search
+      linear_rollout_.measure_slope(linearization);  // slope of the step that settled the search
     else
       roll(model, recipe_.clamp_controls);
   }
   return bad_knot;
 }
 
-/// Whether rows are part of the model: of constraints, or of costs that begin at a bound.
+/// True if the model includes rows, of constraints or of costs that begin at a bound.
 bool Direction::has_rows(const Augmentation* augmentation) const {
   return constraints_ &&
          (augmentation != nullptr || (models_costs_ && problem_.constraints().empty()));
@@ -79,9 +79,9 @@ int Direction::search(const Model& model) {
   return horizon_sweeps_ == 0 ? search_by_stages(model) : search_along_horizon(model);
 }
 
-/// Sweeps until the linear rollout confirms the active set that the sweep assumed, from the set
-/// that the iteration before ended with. Where sets alternate instead of settling, a true model is
-/// minimised by a descent; else stages find their own sets, around the rows of the iterate.
+/// Sweeps until the linear rollout confirms the active set that the sweep assumed, starting from
+/// the final set of the previous iteration. If sets alternate instead of settling, a descent
+/// minimizes a true model. Otherwise stages find their own sets, around the rows of the iterate.
 int Direction::search_along_horizon(const Model& model) {
   const int bad_knot = sweep_first(model);
   if (bad_knot >= 0) return bad_knot;
@@ -93,8 +93,8 @@ int Direction::search_along_horizon(const Model& model) {
   return search_by_stages(model);
 }
 
-/// With the active set that the search begins with, or else with that which stages find. Far from
-/// an optimum stages hold many controls, each for a step that its next state will not take.
+/// Sweeps with the initial active set of the search, or else with the sets that stages find. Far
+/// from an optimum, stages hold many controls, each for a step that the next state will not take.
 int Direction::sweep_first(const Model& model) {
   if (set_start_ == SetStart::from_guess)
     stages_->active_set().assume_pushed_out(bounds_, model.adjoint.gradient(), model.trajectory);
@@ -104,8 +104,8 @@ int Direction::sweep_first(const Model& model) {
   return bad_knot;
 }
 
-/// By a descent, from which the active set may settle. False where the model has no rows or is not
-/// known to be true, or a stage has no minimum.
+/// Minimizes a true model by a descent, after which the active set may settle. False if the model
+/// contains no rows, is not known to be true, or a stage lacks a minimum.
 bool Direction::minimize_true_model(const Model& model) {
   if (!model.augmented || !model_true_ || !descend(model)) return false;
   last_change_.reset();
@@ -119,7 +119,7 @@ int Direction::search_by_stages(const Model& model) {
   return bad_knot;
 }
 
-/// Held sweeps after held ones go through what stands before the last change alone.
+/// Consecutive held sweeps cover only the knots up to the last change.
 int Direction::sweep(const Model& model, bool hold) {
   const std::optional<int> from = hold && held_before_ ? last_change_ : std::nullopt;
   held_before_ = hold;
@@ -128,7 +128,7 @@ int Direction::sweep(const Model& model, bool hold) {
                     *stages_, feedback_, hold, from);
 }
 
-/// Revises the active set and sweeps, in turn, until nothing changes. False where it does not end.
+/// Alternately revises the active set and sweeps until nothing changes. False if this does not end.
 bool Direction::settle(const Model& model) {
   int fewest = std::numeric_limits<int>::max(), since = 0;
   double least_error = std::numeric_limits<double>::infinity();
@@ -152,13 +152,14 @@ bool Direction::settle(const Model& model) {
   return false;
 }
 
-/// How much of what the last sweep assumed does not hold all along the horizon.
+/// Number of the last sweep's assumptions that fail along the horizon.
 int Direction::revise(const Model& model) {
   roll(model, false);
   std::optional<int> last_row;
   int rows = 0;
   if (model.augmented) {
-    // The minimum of an affine problem's model is that of the problem; others give a step.
+    // The model of an affine problem has the same minimum as the problem; other models only give a
+    // step.
     const double allowed =
         model_true_ ? 0 : kModelError * linear_rollout_.curvature(model.linearization);
     rows = constraints_->revise(linear_rollout_.z(), allowed, model.linearization, last_row);
@@ -166,12 +167,12 @@ int Direction::revise(const Model& model) {
   last_change_.reset();
   const int changes = linear_rollout_.revise(stages_->active_set(), last_change_);
   last_change_ = std::max(last_change_, last_row);
-  if (last_row == problem_.knots()) last_change_.reset();  // there every sweep begins
+  if (last_row == problem_.knots()) last_change_.reset();  // every sweep begins there
   return changes + rows;
 }
 
-/// From the iterate itself down the augmented Lagrangian of the horizon, with bounds as penalties.
-/// False where a stage has no minimum.
+/// Descends from the iterate along the augmented Lagrangian of the horizon, with bounds as
+/// penalties. False if a stage lacks a minimum.
 bool Direction::descend(const Model& model) {
   Linearization& linearization = model.linearization;
   constraints_->restore(linearization);
@@ -210,7 +211,7 @@ void Direction::correct(const Linearization& linearization, const Trajectory& tr
   if (step_violates_bounds(trajectory)) undo_correction(linearization, trajectory, gaps);
 }
 
-/// At a control that the active set leaves free.
+/// True for a violation at a control that the active set leaves free.
 bool Direction::step_violates_bounds(const Trajectory& trajectory) const {
   for (int k = 0; k < problem_.knots(); ++k) {
     const auto u = trajectory.u(k);

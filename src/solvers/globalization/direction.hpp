@@ -15,67 +15,68 @@
 
 namespace conddp {
 
-/// How an iteration finds its policy δu = α k + K δx: a sweep, or with box-constrained stages
-/// several, until the linear model confirms the active set that the sweep assumed.
+/// Finds the policy δu = α k + K δx of an iteration. This takes one sweep or, with box-constrained
+/// stages, several, until the linear model confirms the active set that the sweep assumed.
 class Direction {
  public:
   struct Recipe {
     bool clamp_controls = false;
     bool box_stage = false;
-    bool null_space = false;  ///< equality constraints are kept by the stages
+    bool null_space = false;  ///< the stages enforce equality constraints
     Segments segments;        ///< of sweeps with box-constrained stages
   };
   Direction(const ShootingProblem& problem, const ControlBounds& bounds, const Recipe& recipe,
             const SolverOptions::BoxQp& options);
 
-  /// Forgets the active set and the gains of the solve before.
+  /// Forgets the active set and the gains of the previous solve.
   void reset();
-  /// Exchanges the memory of sweeps with another problem's, before both begin a solve.
+  /// Exchanges the memory of sweeps with another problem's direction, before both begin a solve.
   void exchange_memory(Direction& other);
-  /// From here to the next reset() gains are those of the iterate itself: sweeps go from end to
-  /// start, and costs are modelled at the iterate alone.
+  /// Restricts gains to the iterate itself until the next reset(): sweeps run from end to start,
+  /// and costs are modeled only at the iterate.
   void stay_at_iterate() {
     sweep_.use_segments(false);
     models_costs_ = false;
   }
   /// Fills feedback() around an iterate and rolls it out through the linear model. Returns the knot
-  /// whose stage has no minimum, or −1. With an augmentation the linearisation is that of the
-  /// augmented Lagrangian; it is changed on the way and comes back as it was.
+  /// of a stage without a minimum, or −1. With an augmentation, the linearization is that of the
+  /// augmented Lagrangian; it is changed temporarily and then restored.
   int find(Linearization& linearization, const Trajectory& trajectory, const Gaps& gaps,
            const Adjoint& adjoint, SweepRegularization regularization,
            const Augmentation* augmentation = nullptr);
 
-  /// After a sweep without regularisation: corrects k by what former steps tell about the Hessian.
+  /// Corrects k by information about the Hessian from earlier steps. To be called after a sweep
+  /// without regularization.
   void correct(const Linearization& linearization, const Trajectory& trajectory, const Gaps& gaps);
   bool corrected() const { return corrected_; }
-  /// Back to the sweep's own k; former steps are forgotten.
+  /// Restores the sweep's own k and forgets earlier steps.
   void undo_correction(const Linearization& linearization, const Trajectory& trajectory,
                        const Gaps& gaps);
-  /// That the full step has been taken.
+  /// Records that the full step was taken.
   void step_taken() { lbfgs_.step_taken(feedback_); }
-  /// Forgets former steps.
+  /// Forgets earlier steps.
   void forget_steps();
 
-  /// Sweeps begun since reset(), of the whole horizon or of its beginning.
+  /// Number of sweeps begun since reset(), over the whole horizon or its beginning.
   int sweeps() const { return sweeps_; }
   const Feedback& feedback() const { return feedback_; }
-  /// Moves the gains out; `to` has their shape.
+  /// Swaps the gains into `to`, which has their shape.
   void take_feedback(Feedback& to) { std::swap(feedback_, to); }
   const ActiveSet& active_set() const { return stages_->active_set(); }
-  /// The stages that keep equality constraints, null where the recipe has none.
+  /// The stages that enforce equality constraints; null if the recipe does not use them.
   NullSpaceStage* null_space() { return null_space_; }
-  /// The policy's full step in the linear model, clamped to bounds as the rollout proper is.
+  /// The policy's full step in the linear model, clamped to the bounds as in the nonlinear rollout.
   const LinearRollout& step() const { return linear_rollout_; }
-  /// Whether constraints or barriers are rows of the horizon's model.
+  /// True if constraints or barriers are rows of the horizon's model.
   bool models_rows() const { return constraints_.has_value(); }
-  /// Whether the last find() met a search for the constraints' rows that did not settle.
+  /// True if the last find() searched the active constraint rows without settling.
   bool unsettled() const { return unsettled_; }
-  /// Whether that step meets no bound on its way: nothing was clamped.
+  /// True if that step meets no bound: nothing was clamped.
   bool within_bounds() const { return within_bounds_; }
-  /// Whether the controls' active set was looked for along the horizon and not found.
+  /// True if the search for the controls' active set along the horizon failed.
   bool set_unknown() const { return horizon_sweeps_ > 0 && !within_bounds_; }
-  /// That dynamics and constraints are affine: the model's exact minimum is worth its sweeps, and a
-  /// descent to it where active sets alternate.
+  /// Declares that dynamics and constraints are affine. The exact minimum of the model is then
+  /// worth its sweeps, and worth a descent if active sets alternate.
   void trust_model() { model_true_ = true; }
   bool trusts_model() const { return model_true_; }
   /// dᵀ Hessian d of the step.
@@ -84,20 +85,20 @@ class Direction {
   }
 
  private:
-  /// What a direction is looked for around.
+  /// The model around which a direction is found.
   struct Model {
     Linearization& linearization;
     const Trajectory& trajectory;
     const Gaps& gaps;
     const Adjoint& adjoint;
     SweepRegularization regularization;
-    bool augmented;  ///< rows of constraints are part of it
+    bool augmented;  ///< it includes rows of constraints
   };
-  /// The active set that a search along the horizon begins with.
+  /// Active set at the start of a search along the horizon.
   enum class SetStart {
-    from_guess,  ///< controls that it has at bounds, where the gradient pushes them
-    as_before,   ///< what the last search ended with
-    by_stages,   ///< what stages find, knot by knot
+    from_guess,  ///< the guess's controls at bounds that a descent would cross
+    as_before,   ///< the final set of the last search
+    by_stages,   ///< the sets that stages find, knot by knot
   };
   bool has_rows(const Augmentation* augmentation) const;
   int search(const Model& model);
@@ -125,10 +126,10 @@ class Direction {
   Feedback feedback_;
   LbfgsCorrection lbfgs_;
   bool corrected_ = false;
-  bool models_costs_ = true;  ///< that begin at a bound, along the step
+  bool models_costs_ = true;  ///< models costs that begin at a bound along the step
   int sweeps_ = 0;
   SetStart set_start_ = SetStart::from_guess;
-  std::optional<int> last_change_;  ///< knot, of the active set or the rows since the last sweep
+  std::optional<int> last_change_;  ///< last changed knot, of the active set or the rows
   bool held_before_ = false;        ///< the last sweep held the active set
   bool within_bounds_ = false;
   bool model_true_ = false;

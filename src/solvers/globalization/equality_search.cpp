@@ -7,9 +7,9 @@
 namespace conddp {
 namespace {
 
-/// Share of the penalty that pays for what the model's step costs.
+/// Share of the penalty that covers the cost of the model's step.
 constexpr double kPenaltyShare = 0.7;
-/// What the penalty falls to at most from one iterate to the next.
+/// Smallest penalty as a share of its value at the previous iterate.
 constexpr double kLeastPenalty = 0.5;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -44,8 +44,8 @@ double EqualitySearch::infeasibility(const Eigen::MatrixXd& gap,
 void EqualitySearch::measure(const Linearization& linearization, const Trajectory& trajectory,
                              const Augmentation& augmentation, const Eigen::VectorXd& multipliers,
                              const LinearRollout& step, double curvature, MeritModel& merit) const {
-  // The gradients and Hessians are those of the augmented Lagrangian, and along the step the rows
-  // go from c to 0: νᵀc and ½ ρ c² go with them.
+  // The gradients and Hessians belong to the augmented Lagrangian. Along the step the rows go from
+  // c to 0, and νᵀc and ½ ρ c² go with them.
   merit.slope = step.slope();
   for_each_row(linearization.constraint, [&](int row, double off) {
     merit.slope += multipliers[row] * off;
@@ -55,7 +55,7 @@ void EqualitySearch::measure(const Linearization& linearization, const Trajector
   merit.penalty = kLeastPenalty * merit.penalty;
   if (merit.gap_norm > 0)
     merit.penalty = std::max(merit.penalty, model / (kPenaltyShare * merit.gap_norm));
-  // No trial but the rollout carries rounding from knot to knot.
+  // Only the rollout carries rounding from knot to knot.
   double states = 0;
   for (int k = 1; k <= trajectory.knots(); ++k) states += trajectory.x(k).lpNorm<Eigen::Infinity>();
   merit.rounding = std::numeric_limits<double>::epsilon() *
@@ -72,7 +72,7 @@ void EqualitySearch::move(const LinearRollout& step, double length, const Trajec
   }
 }
 
-/// The merit of a trial, infinite where that is not finite.
+/// The merit of a trial, infinite for any value that is not finite.
 double EqualitySearch::value(Evaluator& evaluator, const MeritModel& merit,
                              const Trajectory& trial) {
   evaluator.evaluate(trial, evaluation_);
@@ -99,7 +99,7 @@ LineSearchResult EqualitySearch::run(Evaluator& evaluator, const MeritModel& mer
   return result;
 }
 
-/// Both trials of a step length. On acceptance the better one is the new iterate.
+/// Evaluates both trials of a step length. On acceptance, the better one becomes the new iterate.
 bool EqualitySearch::try_lane(Evaluator& evaluator, const MeritModel& merit,
                               const LinearRollout& step, int lane, double length, bool first,
                               LineSearchResult& result, Trajectory& trajectory) {
@@ -115,7 +115,8 @@ bool EqualitySearch::try_lane(Evaluator& evaluator, const MeritModel& merit,
   return true;
 }
 
-/// Of the rollout in a lane and the straight step of its length: the merit's value and the trial.
+/// The better of the rollout in a lane and the straight step of its length: its merit and
+/// trajectory.
 std::pair<double, const Trajectory*> EqualitySearch::better_trial(Evaluator& evaluator,
                                                                   const MeritModel& merit,
                                                                   int lane) {
@@ -129,7 +130,7 @@ std::pair<double, const Trajectory*> EqualitySearch::better_trial(Evaluator& eva
   return {straight, &straight_};
 }
 
-/// By the merit's value at a trial.
+/// Judges a trial by its merit.
 bool EqualitySearch::accepts(const MeritModel& merit, double length, double value, bool first,
                              LineSearchResult& result) const {
   const double expected = -length * merit.merit_slope(), actual = merit.value() - value;

@@ -8,28 +8,28 @@
 
 namespace conddp {
 
-/// Line search of stages that keep equality constraints. Each step length α has two trials: the
+/// Line search for stages that enforce equality constraints. Each step length α has two trials: the
 /// rollout of the sweep's policy, and the linear model's own step x ⊕ α δx, u + α δu, whose knots
-/// are evaluated side by side. Gains that are to meet rows with the last few controls amplify
-/// whatever the model does not know; the straight step has gaps instead. The better one counts.
+/// are evaluated in parallel. Gains that must satisfy rows with the last few controls amplify every
+/// model error; the straight step opens gaps instead. The better trial counts.
 ///
 /// The merit is the exact penalty J + w θ with θ = Σ‖gap‖₁ + Σ‖c‖₁. Its derivative along the step
-/// is ∇J·d − w θ, as the step obeys the linear equations of both.
+/// is ∇J·d − w θ, since the step satisfies the linear equations of both.
 class EqualitySearch {
  public:
   EqualitySearch(const ShootingProblem& problem, const SolverOptions::LineSearch& options);
 
   /// θ of gaps (ndx x N) and constraint values (all rows of the problem).
   double infeasibility(const Eigen::MatrixXd& gap, const Eigen::VectorXd& values) const;
-  /// Fills the merit's slope, penalty and rounding for the step around an iterate, of which it has
-  /// the cost and θ already. `multipliers`: those in the linearisation's gradients; `curvature`:
-  /// dᵀHd with its Hessians. The penalty is what the model needs: ∇J·d + ½ dᵀ∇²L d is paid by a
-  /// share of w θ (Nocedal, Wright, equation 18.36), and at least half of what it was.
+  /// Fills the merit's slope, penalty and rounding for the step around an iterate; the merit
+  /// already contains its cost and θ. `multipliers`: those in the linearization's gradients;
+  /// `curvature`: dᵀHd with its Hessians. The penalty follows from the model: a share of w θ covers
+  /// ∇J·d + ½ dᵀ∇²L d (Nocedal, Wright, equation 18.36). It is at least half of its previous value.
   void measure(const Linearization& linearization, const Trajectory& trajectory,
                const Augmentation& augmentation, const Eigen::VectorXd& multipliers,
                const LinearRollout& step, double curvature, MeritModel& merit) const;
-  /// Armijo's rule over the lengths `first_step` and its halves. On acceptance `trajectory` becomes
-  /// the new iterate. Changes that rounding hides are treated as by LineSearch.
+  /// Armijo's rule over the step length `first_step` and its halves. On acceptance, `trajectory`
+  /// becomes the new iterate. Changes that rounding hides are treated as in LineSearch.
   LineSearchResult run(Evaluator& evaluator, const MeritModel& merit,
                        const Linearization& linearization, const LinearRollout& step,
                        const Feedback& feedback, double first_step, Trajectory& trajectory);

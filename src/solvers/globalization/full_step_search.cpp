@@ -7,17 +7,17 @@
 namespace conddp {
 namespace {
 
-/// Shares of the expected decrease that a step has to reach, that its gaps, weighted by their
-/// multipliers, may reach, and up to which they are left as they are.
+/// Shares of the expected decrease: least decrease of a step, largest weight of its gaps, and
+/// largest weight of gaps that stay uncorrected.
 constexpr double kLeastDecrease = 0.1;
 constexpr double kMostGaps = 0.5;
 constexpr double kNegligibleGaps = 0.05;
-/// The same share from which on a rollout is the shorter way, and the share of the gaps that a
-/// correction may leave.
+/// Weight of the gaps, in the same units, beyond which a rollout is shorter; share of the gaps that
+/// a correction may leave; limit of corrections.
 constexpr double kHopelessGaps = 10;
 constexpr double kSlowCorrection = 0.5;
 constexpr int kCorrections = 3;
-/// What a correction is taken to leave of the gaps before one has been seen.
+/// Share of the gaps that the first correction is assumed to leave.
 constexpr double kFirstCorrection = 1;
 
 }  // namespace
@@ -77,8 +77,8 @@ bool FullStepSearch::Search::suffices(double actual, const MeritModel& merit) co
   return actual >= kLeastDecrease * expected && weight <= kMostGaps * expected;
 }
 
-/// Takes the step or corrects the last trial. The trial is differentiated at once if it can be told
-/// to be the last one: it becomes the next iterate.
+/// Takes the step or corrects the last trial. A trial that is predictably the last one is
+/// differentiated at once, because it becomes the next iterate.
 void FullStepSearch::try_point(Search& search, bool at_last, bool correct) {
   Iterate& iterate = search.iterate;
   const Stopwatch watch(at_last ? iterate.times().differentiate : iterate.times().rollout);
@@ -96,7 +96,7 @@ void FullStepSearch::try_point(Search& search, bool at_last, bool correct) {
   search.gap = step_.gap().lpNorm<Eigen::Infinity>();
 }
 
-/// Corrections until the gaps are negligible, as long as there is hope.
+/// Corrects until the gaps are negligible, as long as this seems possible.
 void FullStepSearch::correct(Search& search) {
   if (search.hopeless()) return;
   for (int i = 0; i < kCorrections && !search.gaps_negligible(); ++i) {

@@ -8,43 +8,43 @@
 
 namespace conddp {
 
-/// The full step of the linear model with second-order corrections (FullStep) instead of a rollout,
-/// as long as full steps go well. What the step leaves of gaps is judged by what closing them will
-/// cost, to first order Σ λᵀ gap: the merit's ν Σ‖gap‖₁ would reject good steps near the optimum.
+/// Tries the full step of the linear model with second-order corrections (FullStep) instead of a
+/// rollout, as long as full steps succeed. The remaining gaps are judged by the cost of closing
+/// them, to first order Σ λᵀ gap: the merit's ν Σ‖gap‖₁ would reject good steps near the optimum.
 class FullStepSearch {
  public:
   FullStepSearch(const ShootingProblem& problem, const ControlBounds& bounds,
                  const SolverOptions::Tolerances& tolerances);
 
-  /// At the start of a solve.
+  /// Prepares a solve.
   void reset();
-  /// Whether enough full steps have gone well.
+  /// True if enough full steps have succeeded.
   bool due() const { return full_steps_ >= wanted_; }
-  /// That an iterate has been reached by a full step on which the model held, or otherwise.
+  /// Records whether a full step with an accurate model led to the iterate.
   void step_taken(bool full) { full_steps_ = full ? full_steps_ + 1 : 0; }
 
-  /// What is asked of a step.
+  /// Requirements on a step.
   struct Goal {
-    bool last = false;   ///< it should be the last one: its gaps have to close
-    bool close = false;  ///< gaps have to close in any case
+    bool last = false;   ///< it should be the last one, so its gaps must close
+    bool close = false;  ///< gaps must close in any case
   };
-  /// Tries the step from iterate.before. On acceptance the trajectory is the new iterate, whose
-  /// derivatives may be known already; else it has to be taken back.
+  /// Tries the step from iterate.before. On acceptance, the trajectory is the new iterate, which
+  /// may already be differentiated; otherwise the caller must undo the step.
   LineSearchResult run(Iterate& iterate, const MeritModel& merit, const Direction& direction,
                        const Augmentation* augmentation, const Goal& goal);
-  /// That the step of the last run() does not stand.
+  /// Records that the step of the last run() is rejected.
   void reject();
 
  private:
-  /// A step that is tried, and how its last trial looks.
+  /// A step under trial, with the result of its last trial.
   struct Search {
     Iterate& iterate;
     const Direction& direction;
     const Augmentation* augmentation;
-    double expected = 0;    ///< decrease
-    bool hidden = false;    ///< by rounding
-    bool close = false;     ///< gaps are judged by their size, not by what they weigh
-    double negligible = 0;  ///< size or weight up to which they are left as they are
+    double expected = 0;    ///< expected decrease
+    bool hidden = false;    ///< rounding hides the decrease
+    bool close = false;     ///< gaps are judged by their size, not by their weight
+    double negligible = 0;  ///< size or weight below which gaps stay uncorrected
     double weight = 0, gap = 0;
     bool ahead = false;  ///< the trial has been differentiated
 
@@ -63,11 +63,11 @@ class FullStepSearch {
 
   SolverOptions::Tolerances tolerances_;
   FullStep step_;
-  int full_steps_ = 0;                ///< taken one after the other
-  int wanted_ = 1;                    ///< before this step is tried
-  bool last_ = false;                 ///< Goal::last of the last run
-  bool needs_no_correction_ = false;  ///< that was so of the last step
-  double correction_leaves_ = 0;      ///< share of the gaps, at the last correction
+  int full_steps_ = 0;                ///< number of consecutive full steps
+  int wanted_ = 1;                    ///< number required before this search is tried
+  bool last_ = false;                 ///< Goal::last of the last run()
+  bool needs_no_correction_ = false;  ///< the last step needed no correction
+  double correction_leaves_ = 0;      ///< share of the gaps that the last correction left
 };
 
 }  // namespace conddp

@@ -10,16 +10,17 @@
 namespace conddp {
 namespace {
 
-/// Shortest step that is tried where stationarity has to judge it, and the share to which it has
-/// to fall.
+/// Shortest step tried when stationarity must judge it, and the factor by which stationarity must
+/// shrink.
 constexpr double kShortestBlindStep = 1.0 / 16;
 constexpr double kBlindProgress = 0.999;
-/// Shares of the expected decrease between which a full step is one of a quadratic function: ½ of
-/// the decrease at first is what a perfect model would give.
+/// Range of the actual decrease, as a share of the expected one, for a full step of a quadratic
+/// function. A perfect model gives ½ of the first-order decrease.
 constexpr double kQuadraticFrom = 0.3, kQuadraticTo = 0.8;
-/// Regularisation up to which a direction is looked for whose active set settles.
+/// Largest regularization in the search for a direction with a settled active set.
 constexpr double kSettlingRegularization = 0.01;
-/// What the smallest regularisation may be, in curvatures of the costs in the controls.
+/// Upper limit of the smallest regularization, in multiples of the costs' curvature in the
+/// controls.
 constexpr double kCurvatures = 2;
 
 }  // namespace
@@ -84,7 +85,7 @@ bool Globalization::gaps_open() const {
   return recipe_.open_gaps && !equality_search_ && iterate_.gaps.norm() > options_.tolerances.gap;
 }
 
-/// Sweeps and searches, with more regularisation after every failure, until a step is accepted.
+/// Sweeps and searches, with more regularization after every failure, until a step is accepted.
 bool Globalization::step() {
   IterationRecord& row = record_.row;
   row.trials = 0;
@@ -104,16 +105,16 @@ bool Globalization::step() {
   if (search_.step >= options_.regularization.decrease_step) {
     regularization_.decrease();
   } else if (search_.step <= options_.regularization.increase_step && !equality_search_) {
-    // (Rows have to be met whatever the weight: it does not make the step shorter there.)
+    // (Equality rows must be met at any weight, so the weight does not shorten the step there.)
     regularize_more();
   }
   last_stationarity_ = row.stationarity;
   return true;
 }
 
-/// More regularisation; false where it is at its limit. The smallest one is an absolute weight and
-/// may be far above the curvature that the costs have in the controls, which for thrusts in
-/// kilonewtons is 1e-8: then it holds a solve in place for hundreds of iterations.
+/// Increases the regularization; false at its limit. The smallest one is an absolute weight and may
+/// be far above the curvature of the costs in the controls. That curvature is 1e-8 for thrusts in
+/// kilonewtons; the weight would then stall a solve for hundreds of iterations.
 bool Globalization::regularize_more() {
   if (regularization_.value() == 0)
     regularization_.lower_min(kCurvatures * iterate_.hessian.by_gauss_newton([this] {
@@ -122,7 +123,8 @@ bool Globalization::regularize_more() {
   return regularization_.increase();
 }
 
-/// Directions and searches, with more regularisation after every failure, until a step is found.
+/// Finds directions and searches along them, with more regularization after every failure, until a
+/// step is found.
 bool Globalization::find_step(bool& by_full_step) {
   bool goes_on = true;
   while (goes_on) {
@@ -134,7 +136,7 @@ bool Globalization::find_step(bool& by_full_step) {
   return false;
 }
 
-/// A direction with its merit.
+/// Computes a direction and its merit.
 bool Globalization::prepare_direction() {
   do {
     if (!sweep()) return false;
@@ -151,8 +153,8 @@ bool Globalization::try_step(bool& by_full_step, bool& descends) {
   return by_full_step || search(descends) || search_uncorrected(descends);
 }
 
-/// Exact Hessians take the last digits in one step where Gauss-Newton creeps. False where they have
-/// been tried: then the solve ends.
+/// Turns to exact Hessians, which gain the last digits in one step where Gauss-Newton creeps. False
+/// if they have been tried; the solve then ends.
 bool Globalization::leave_rounding_floor() {
   if (!iterate_.hessian.turn()) return end_at_rounding_floor();
   at_rounding_floor_ = false;
@@ -160,13 +162,13 @@ bool Globalization::leave_rounding_floor() {
   return true;
 }
 
-/// More regularisation after a failure. False where the solve ends.
+/// Increases the regularization after a failure. False if the solve ends.
 bool Globalization::retry_regularized(bool descends) {
   if (!regularize_more()) return end_without_step(descends);
   return record_.budget_left();
 }
 
-/// Search along the sweep's own direction, where that has been corrected.
+/// Searches along the sweep's own direction if it was corrected.
 bool Globalization::search_uncorrected(bool& descends) {
   if (!direction_.corrected()) return false;
   at_rounding_floor_ = false;
@@ -175,7 +177,7 @@ bool Globalization::search_uncorrected(bool& descends) {
   return search(descends);
 }
 
-/// What the searches learn from a step that was found.
+/// Updates the searches after a successful step.
 void Globalization::step_taken(bool by_full_step) {
   if (multiplier_change_ != nullptr) {
     outer_.add(*multiplier_change_, search_.step);
@@ -190,15 +192,15 @@ void Globalization::step_taken(bool by_full_step) {
   full_step_search_.step_taken(full && quadratic);
 }
 
-/// Whether the decrease of the full step was that of a quadratic function.
+/// True if the decrease of the full step was that of a quadratic function.
 bool Globalization::decrease_was_quadratic(bool by_full_step) {
   if (merit_.hidden(search_.expected_decrease)) return true;
   const double share = share_of_decrease(by_full_step);
   return share >= kQuadraticFrom && share <= kQuadraticTo;
 }
 
-/// The actual decrease as a share of the expected one. As long as a line search closes gaps, their
-/// weight is most of what the merit gains, and the cost alone is compared with its model.
+/// The actual decrease as a share of the expected one. While a line search closes gaps, their
+/// weight dominates the gain of the merit, so the cost alone is compared with its model.
 double Globalization::share_of_decrease(bool by_full_step) {
   const bool closed_gaps =
       !by_full_step && !equality_search_ && !iterate_.gaps.closed() && search_.step == 1;
@@ -207,7 +209,7 @@ double Globalization::share_of_decrease(bool by_full_step) {
   return 0.5 * (search_.actual_decrease - merit_.penalty * merit_.gap_norm) / model;
 }
 
-/// Gauss-Newton's steps learn from each other, where the Hessian is not to be just that.
+/// Corrects Gauss-Newton steps by earlier ones, if the recipe allows other Hessians.
 void Globalization::correct_direction() {
   const Stopwatch watch(record_.result.times.sweep);
   if (recipe_.hessian == HessianUse::when_slow && outer_.augmentation() == nullptr &&
@@ -218,7 +220,7 @@ void Globalization::correct_direction() {
   }
 }
 
-/// The model's view of the full step.
+/// Computes the merit's view of the full step.
 void Globalization::measure_direction() {
   const Stopwatch watch(record_.result.times.sweep);
   if (equality_search_) {
@@ -229,7 +231,7 @@ void Globalization::measure_direction() {
   }
   merit_.slope = direction_.step().slope();
   merit_.slope_within_bounds = direction_.within_bounds();
-  // Co-states without gains say little of the cost's rounding.
+  // Co-states without gains say little about the rounding of the cost.
   if (record_.row.iteration == 0 || !merit_.slope_within_bounds) {
     iterate_.adjoint.compute(iterate_.linearization, iterate_.trajectory, iterate_.gaps,
                              feedback());
@@ -249,25 +251,26 @@ void Globalization::weigh_gaps() {
   }
 }
 
-/// A step far from the iterate makes the controls' active set alternate. Raises the regularisation,
-/// as far as that may help, where the direction's set has not settled.
+/// Raises the regularization, as far as this may help, if the active set of the direction has not
+/// settled. A step far from the iterate makes the controls' active set alternate.
 bool Globalization::raise_for_unsettled() {
   return direction_.set_unknown() && !direction_.trusts_model() &&
          regularization_.value() < kSettlingRegularization && regularize_more();
 }
 
-/// Affine dynamics leave no gaps to correct, and the line search takes fewer iterations there.
+/// True if the full step should be tried. Affine dynamics leave no gaps to correct, and the line
+/// search then takes fewer iterations.
 bool Globalization::full_step_is_due() const {
   return recipe_.open_gaps && !equality_search_ && direction_.within_bounds() &&
          !iterate_.hessian.exact_wanted() && !(regularization_.value() > 0) &&
          full_step_search_.due() && !direction_.trusts_model();
 }
 
-/// The full step of the linear model, where full steps go well.
+/// Takes the full step of the linear model if full steps succeed.
 bool Globalization::take_full_step() {
   if (!full_step_is_due()) return false;
   iterate_.before = iterate_.trajectory;
-  // Multipliers change where gaps are closed alone.
+  // Multipliers change only at closed gaps.
   const FullStepSearch::Goal goal{.last = record_.row.stationarity * record_.row.stationarity <=
                                           options_.tolerances.stationarity * last_stationarity_,
                                   .close = outer_.augmentation() != nullptr};
@@ -276,7 +279,7 @@ bool Globalization::take_full_step() {
   record_.row.trials += found.trials;
   if (found.accepted && (!found.by_rounding || blind_step_progresses())) {
     search_ = found;
-    // Nothing weighed the gaps, but the log says what weight they would have.
+    // No search weighed the gaps, but the log reports the weight that they would have.
     merit_.penalty =
         options_.line_search.merit_margin *
         iterate_.adjoint.costates().rightCols(problem_.knots()).lpNorm<Eigen::Infinity>();
@@ -288,7 +291,7 @@ bool Globalization::take_full_step() {
   return false;
 }
 
-/// Search along the sweep's policy, where it descends.
+/// Searches along the sweep's policy if it descends.
 bool Globalization::search(bool& descends) {
   weigh_gaps();
   descends = merit_.descends();
@@ -298,7 +301,8 @@ bool Globalization::search(bool& descends) {
   return search_judged();
 }
 
-/// A step that the merit is too coarse to judge counts only if it progresses otherwise.
+/// Searches for a step. If the merit is too coarse to judge it, the step must make progress
+/// otherwise.
 bool Globalization::search_judged() {
   for (double first_step = 1; first_step >= kShortestBlindStep; first_step /= 2) {
     if (!search_along(first_step)) return false;
@@ -336,8 +340,8 @@ bool Globalization::search_along(double first_step) {
   return search_.accepted;
 }
 
-/// Whether stationarity fell, or gaps where there is none to fall: a cost that is constant weighs
-/// them with nothing. The trajectory is differentiated for that.
+/// Differentiates the trajectory. True if the stationarity fell or, when it is already under
+/// tolerance, the gaps did: a constant cost gives gaps zero weight.
 bool Globalization::blind_step_progresses() {
   differentiate();
   if (!iterate_.linearized) return false;
@@ -348,7 +352,7 @@ bool Globalization::blind_step_progresses() {
          iterate_.linearization.max_gap() < kBlindProgress * row.gap;
 }
 
-/// Sweeps with as much regularisation as they need.
+/// Sweeps with as much regularization as necessary.
 bool Globalization::sweep() {
   const Stopwatch watch(record_.result.times.sweep);
   for (;;) {
@@ -367,9 +371,10 @@ bool Globalization::sweep() {
   }
 }
 
-/// Returns the knot whose stage has no minimum, or −1. Exact Hessians may be indefinite far from an
-/// optimum; then the Gauss-Newton ones, which keep the costs' curvature and have the problem's own
-/// scaling, make a better convex model than any multiple of the identity. Unless they have none.
+/// Returns the knot of a stage without a minimum, or −1. Exact Hessians may be indefinite far from
+/// an optimum. Gauss-Newton Hessians, with the costs' curvature and the problem's own scaling, are
+/// then a better convex model than any multiple of the identity. Costs without such curvature are
+/// an exception.
 int Globalization::sweep_backward(double regularization) {
   if (iterate_.hessian.exact_known()) {
     iterate_.hessian.use(true);
@@ -380,7 +385,7 @@ int Globalization::sweep_backward(double regularization) {
   return find_settled_direction(regularization);
 }
 
-/// Once more, with the model as a true one, where active sets alternate and all is affine.
+/// Repeats the search with a trusted model if active sets alternate and the problem is affine.
 int Globalization::find_settled_direction(double regularization) {
   const int bad_knot = find_direction(regularization);
   if (!direction_.unsettled() || !found_affine()) return bad_knot;
@@ -394,7 +399,7 @@ int Globalization::find_direction(double regularization) {
                          outer_.augmentation());
 }
 
-/// Looks once whether dynamics and constraints are affine, and tells if so.
+/// Tests once whether dynamics and constraints are affine. True if this test finds them affine.
 bool Globalization::found_affine() {
   if (!affine_probe_ || affine_known_) return false;
   affine_known_ = true;
@@ -423,8 +428,8 @@ double Globalization::contradiction() {
   return equality_search_ ? direction_.null_space()->contradiction() : 0;
 }
 
-/// Whether the decrease is too small to be seen because the regularisation is large: without it the
-/// model sees more than rounding. Leaves that direction's slope in the merit.
+/// True if the decrease is hidden only because the regularization is large: without it, the model
+/// predicts more than rounding. Leaves that direction's slope in the merit.
 bool Globalization::regularisation_hides_descent() {
   if (regularization_.value() == 0 || sweep_backward(0) >= 0) return false;
   measure_direction();

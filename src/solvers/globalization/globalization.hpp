@@ -17,45 +17,46 @@
 
 namespace conddp {
 
-/// How a solve gets from one iterate to the next: a direction by sweeps, and a step along it that
-/// lowers a merit, with more regularisation after every failure. Which search finds the step
-/// depends on the gaps: open ones (OpenGapSearch), closed ones (LineSearch), full steps that go
-/// well (FullStepSearch), equalities that stages keep (EqualitySearch).
+/// Moves a solve from one iterate to the next: sweeps give a direction, and a step along it lowers
+/// a merit, with more regularization after every failure. The gaps determine the search:
+/// OpenGapSearch for open gaps, LineSearch for closed ones, FullStepSearch while full steps
+/// succeed, and EqualitySearch if stages enforce equalities.
 class Globalization {
  public:
-  /// The parts that it works with live longer than it does.
+  /// The arguments must outlive the object.
   Globalization(const ShootingProblem& problem, const ControlBounds& bounds,
                 const DdpRecipe& recipe, const SolverOptions& options, Iterate& iterate,
                 OuterStrategy& outer, SolveRecord& record);
 
-  /// At the start of a solve.
+  /// Prepares a solve.
   void reset();
-  /// Exchanges memory with another problem's, before both begin a solve.
+  /// Exchanges memory with another problem's globalization, before both begin a solve.
   void exchange_memory(Globalization& other) { direction_.exchange_memory(other.direction_); }
-  /// The merit of the linearised iterate, into the row of the log.
+  /// Computes the merit of the linearized iterate and writes it into the log row.
   void measure();
-  /// At the start of a minimisation of another function, at the same iterate.
+  /// Begins the minimization of another function at the same iterate.
   void begin_minimization();
-  /// One step. False, with the status in the record, where there is none or the solve ends.
+  /// Takes one step. False, with the status in the record, if no step is found or the solve ends.
   bool step();
-  /// What a full step without regularization would gain of the cost in the quadratic model; 0 where
-  /// that has no minimum.
+  /// Decrease of the cost by a full step without regularization in the quadratic model; 0 if the
+  /// model lacks a minimum.
   double newton_gain();
-  /// The gains of the iterate itself, without regularisation if possible, and that; none where no
-  /// sweep succeeds.
+  /// Computes the gains of the iterate itself, without regularization if possible. Returns the
+  /// regularization used, or nothing if no sweep succeeds.
   std::optional<double> find_gains();
 
   const Feedback& feedback() const { return direction_.feedback(); }
-  /// What the last step was found by.
+  /// Result of the search for the last step.
   const LineSearchResult& found() const { return search_; }
-  /// Moves the gains out; `to` has their shape.
+  /// Swaps the gains into `to`, which has their shape.
   void take_feedback(Feedback& to) { direction_.take_feedback(to); }
   const MeritModel& merit() const { return merit_; }
-  /// Whether rounding hides the merit's decrease, and the stationarity does not fall either.
+  /// True if rounding hides the merit's decrease and the stationarity does not fall either.
   bool at_rounding_floor() const { return at_rounding_floor_; }
-  /// Whether stages keep equality constraints.
+  /// True if stages enforce equality constraints.
   bool keeps_equalities() const { return equality_search_.has_value(); }
-  /// How much equalities that stages keep contradict each other in the linear model; 0 elsewhere.
+  /// Contradiction in the linear model of the equalities that stages enforce; 0 without such
+  /// stages.
   double contradiction();
 
  private:
@@ -101,16 +102,16 @@ class Globalization {
   LineSearch line_search_;
   OpenGapSearch open_gap_search_;
   FullStepSearch full_step_search_;
-  std::optional<EqualitySearch> equality_search_;  ///< where stages keep equalities
-  std::optional<AffineProbe> affine_probe_;        ///< where the model has rows
+  std::optional<EqualitySearch> equality_search_;  ///< used if stages enforce equalities
+  std::optional<AffineProbe> affine_probe_;        ///< used if the model may contain rows
   ControlCurvature control_curvature_;
   RegularizationSchedule regularization_;
   MeritModel merit_;
   LineSearchResult search_;
   const Eigen::VectorXd* multiplier_change_ = nullptr;  ///< of the last sweep's full step
-  bool affine_known_ = false;                           ///< that has been asked in this solve
+  bool affine_known_ = false;                           ///< the probe has been used in this solve
   bool at_rounding_floor_ = false;
-  double last_stationarity_ = 0;  ///< of the iterate before
+  double last_stationarity_ = 0;  ///< of the previous iterate
 };
 
 }  // namespace conddp

@@ -9,11 +9,11 @@ namespace conddp {
 namespace {
 
 constexpr int kPairs = 5;
-/// Pairs whose curvature differs from the model's by more than this factor say that the steps are
-/// not yet small enough for a quadratic model.
+/// Steps are still too large for a quadratic model if the curvature of a pair differs from the
+/// model's by more than this factor.
 constexpr double kLargestFactor = 2.5;
 
-/// Share to which a step shortens the next one where Gauss-Newton needs no correction.
+/// Gauss-Newton converges fast without correction if step lengths fall by this factor.
 constexpr double kFastConvergence = 0.2;
 
 }  // namespace
@@ -36,8 +36,8 @@ void LbfgsCorrection::stack(const std::vector<Eigen::VectorXd>& parts,
     whole.segment(bounds_.offset(k), parts[k].size()) = parts[k];
 }
 
-/// Marks the entries that are free. False where that differs from before, or where a control is on
-/// its way to the bound that holds it.
+/// Marks the free entries. False if they differ from before, or if a control is still moving to the
+/// bound that holds it.
 bool LbfgsCorrection::free_entries(const Feedback& feedback, const ActiveSet& active_set) {
   bool same = true;
   for (int k = 0; k < bounds_.knots(); ++k) {
@@ -108,7 +108,7 @@ bool LbfgsCorrection::correct(Feedback& feedback) {
   return true;
 }
 
-/// r ← H g, from M⁻¹ g = −d; what the first loop takes from g it takes from M⁻¹ g too.
+/// r ← H g, from M⁻¹ g = −d. The first loop subtracts from M⁻¹ g what it subtracts from g.
 void LbfgsCorrection::apply_inverse() {
   Eigen::VectorXd& q = new_g_;
   q = g_;

@@ -7,9 +7,10 @@
 namespace conddp {
 namespace {
 
-/// Down to this length an acceptable step gives way to its half if that lowers the merit more.
+/// Shortest step that an acceptable step is compared with: it yields to its half if that lowers the
+/// merit more.
 constexpr double kShortestCompared = 0.125;
-/// Share of the first-order decrease from which on half a step lowers a parabola less.
+/// Share of the first-order decrease above which half a step lowers a parabola less.
 constexpr double kBetterThanHalf = 1.0 / 3;
 
 double actual_decrease(double cost, double step, const MeritModel& merit) {
@@ -55,7 +56,8 @@ LineSearchResult LineSearch::run(Evaluator& evaluator, const MeritModel& merit,
   return result;
 }
 
-/// The first step, without a look at its half. What does not convince is left to the lanes.
+/// Tries the first step without comparing its half. A step that is not convincing is left to the
+/// lanes.
 bool LineSearch::try_alone(Evaluator& evaluator, const Ray& ray, double step,
                            LineSearchResult& result) {
   evaluator.roll_out(ray.from, ray.gap, ray.feedback, step, ray.rollout, trial_);
@@ -76,7 +78,7 @@ bool LineSearch::try_alone(Evaluator& evaluator, const Ray& ray, double step,
   return true;
 }
 
-/// As many steps as there are lanes, from `next_step` on.
+/// Tries as many steps as there are lanes, from `next_step` on.
 bool LineSearch::try_lanes(Evaluator& evaluator, const Ray& ray, double first_step,
                            double& next_step, LineSearchResult& result) {
   const auto steps = lane_steps(next_step);
@@ -92,7 +94,7 @@ bool LineSearch::try_lanes(Evaluator& evaluator, const Ray& ray, double first_st
   return false;
 }
 
-/// Looks at the rollout in a lane, which is finite. On acceptance it is in trial_.
+/// Judges the rollout in a lane, which is finite. On acceptance, trial_ holds it.
 bool LineSearch::accepts_lane(const Ray& ray, int lane, double step, bool first,
                               LineSearchResult& result) {
   if (applies_slope(ray)) lanes_.extract(lane, trial_.trajectory);
@@ -107,7 +109,7 @@ bool LineSearch::accepts_lane(const Ray& ray, int lane, double step, bool first,
   return true;
 }
 
-/// Whether the lane after this one has half its step, and lowers the merit more.
+/// True if the next lane, with half this step, lowers the merit more.
 bool LineSearch::half_is_better(int lane, double half, double actual,
                                 const MeritModel& merit) const {
   const int next = lane + 1;
@@ -115,12 +117,12 @@ bool LineSearch::half_is_better(int lane, double half, double actual,
          actual_decrease(lanes_.cost[next], half, merit) > actual;
 }
 
-/// Whether the decrease to expect is that of the controls which the rollout applied.
+/// True if the expected decrease is that of the controls applied by the rollout.
 bool LineSearch::applies_slope(const Ray& ray) const {
   return ray.rollout.clamp_controls && !ray.merit.slope_within_bounds;
 }
 
-/// Of the merit, to first order; trial_ is looked at where applies_slope().
+/// First-order decrease of the merit; reads trial_ if applies_slope().
 double LineSearch::expected_decrease(const Ray& ray, double step) {
   double slope = step * ray.merit.slope;
   if (applies_slope(ray)) {

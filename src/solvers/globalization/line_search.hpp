@@ -10,20 +10,20 @@
 
 namespace conddp {
 
-/// What a line search found.
+/// Result of a line search.
 struct LineSearchResult {
   bool accepted = false;
   double step = 0;
   double expected_decrease = 0;  ///< of the merit, to first order
   double actual_decrease = 0;
   int trials = 0;
-  bool by_rounding = false;  ///< the decrease is too small for the merit to tell
-  int first_bad_knot = -1;   ///< where the first trial with a non-finite result lost it
-  /// Of an accepted rollout: its cost with the augmentation. It leaves 1 − step of the gaps, or
-  /// none where gaps are closed.
+  bool by_rounding = false;  ///< the decrease is too small for the merit to resolve
+  int first_bad_knot = -1;   ///< knot where the first non-finite trial failed
+  /// Cost of an accepted rollout, including the augmentation. The rollout leaves 1 − step of the
+  /// gaps; closed gaps stay closed.
   std::optional<double> rollout_cost;
 
-  /// That the last trial is accepted.
+  /// Records that the last trial is accepted.
   void accept(double length, double expected, double actual, bool hidden) {
     accepted = true;
     step = length;
@@ -33,39 +33,39 @@ struct LineSearchResult {
   }
 };
 
-/// Step lengths of the trials in one rollout, a lane each: `next_step` and its halves. `next_step`
-/// ← the one after them.
+/// Step lengths of the trials in one rollout, one per lane: `next_step` and its halves. `next_step`
+/// ← the length that follows them.
 std::array<double, kLaneWidth> lane_steps(double& next_step);
 
 /// Armijo's rule on the merit over the step lengths 1, ½, ¼, ..., tried kLaneWidth at a time in the
-/// lanes of one rollout. The largest acceptable one is taken, but, as the lanes tell at no cost,
-/// its half instead where that lowers the merit more (down to 1/8). A trial that is not finite is
-/// rejected. The first step is tried alone, in less time than the lanes need, as long as most
-/// searches of late took it; it is taken then where the merit falls by a third of the first-order
+/// lanes of one rollout. The largest acceptable step is taken, unless its half lowers the merit
+/// more, which the lanes show at no extra cost (down to 1/8). A trial that is not finite is
+/// rejected. As long as most recent searches took the first step, it is tried alone, which is
+/// faster than the lanes. It is then taken if the merit falls by a third of the first-order
 /// decrease: on the parabola through both, its half lowers the merit less.
 ///
-/// Where the model's step meets no bound the first-order decrease of a step α is
-/// −α (∇J·d − ν Σ‖gap‖₁). Otherwise it
-/// is that of the controls which the rollout really applied (Bertsekas' rule for projected steps),
-/// −Σ ∇_u Lᵀ (δu_α − K δx_α) − α (Σ λᵀ gap − ν Σ‖gap‖₁), with the adjoint along that policy.
+/// If the model's step meets no bound, the first-order decrease of a step α is −α (∇J·d − ν
+/// Σ‖gap‖₁). Otherwise it is that of the controls actually applied by the rollout (Bertsekas' rule
+/// for projected steps), with the adjoint along that policy:
+///   −Σ ∇_u Lᵀ (δu_α − K δx_α) − α (Σ λᵀ gap − ν Σ‖gap‖₁).
 ///
-/// Where the decrease of the first step is lost in the merit's rounding, Armijo's rule is blind:
-/// then that step passes if the merit changes by no more than rounding, and is marked so. The
-/// caller has to see stationarity fall, or take the step back.
+/// If rounding of the merit hides the decrease of the first step, Armijo's rule cannot judge it.
+/// The step then passes if the merit changes by no more than rounding, and is marked accordingly.
+/// The caller must verify that the stationarity falls, or undo the step.
 class LineSearch {
  public:
   LineSearch(const ShootingProblem& problem, const SolverOptions::LineSearch& options);
 
-  /// On acceptance `trajectory` becomes the new iterate. `first_step` is the longest one tried.
+  /// On acceptance, `trajectory` becomes the new iterate. `first_step` is the longest step tried.
   LineSearchResult run(Evaluator& evaluator, const MeritModel& merit, const Adjoint& adjoint,
                        const Eigen::MatrixXd& gap, const Feedback& feedback,
                        const RolloutOptions& rollout, double first_step, Trajectory& trajectory);
 
-  /// Forgets how the last search went.
+  /// Forgets the outcome of previous searches.
   void reset() { confidence_ = kMostConfidence; }
 
  private:
-  /// Where a search is: what it starts from and follows.
+  /// The start of a search and the policy that it follows.
   struct Ray {
     const MeritModel& merit;
     const Adjoint& adjoint;
@@ -83,15 +83,15 @@ class LineSearch {
   double expected_decrease(const Ray& ray, double step);
   double applied_slope(const Ray& ray);
 
-  /// A counter with saturation, as of branch predictors: one short step in a row of full ones
-  /// changes nothing, two in a row do.
+  /// Saturating counter, as in branch predictors: one short step among full ones changes nothing,
+  /// two consecutive ones do.
   static constexpr int kMostConfidence = 3, kEnoughConfidence = 2;
 
   SolverOptions::LineSearch options_;
   StateManifold manifold_;
   LaneRollout lanes_;
-  SingleRollout trial_;            ///< or one of the lanes
-  Eigen::VectorXd dx_, followed_;  ///< scratch: δx, and K δx
+  SingleRollout trial_;            ///< a single trial, or one of the lanes
+  Eigen::VectorXd dx_, followed_;  ///< scratch: δx and K δx
   int confidence_ = kMostConfidence;
 };
 

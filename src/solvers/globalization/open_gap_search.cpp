@@ -8,12 +8,12 @@
 namespace conddp {
 namespace {
 
-/// Share of the gaps' weight that pays for what the model's step costs; the rest is decrease.
+/// Share of the gaps' weight that covers the cost of the model's step; the rest is decrease.
 constexpr double kGapShare = 0.65;
-/// A rollout that reaches this share of the model's decrease needs no rival.
+/// A rollout that reaches this share of the model's decrease makes another trial unnecessary.
 constexpr double kConvincing = 0.6;
-/// How much larger than before the gaps of a linear step may be. Where the model's cost falls with
-/// its gaps, their weight is zero, and nothing else would keep them.
+/// Largest allowed growth of the gaps by a linear step. If the model's cost falls with its gaps,
+/// their weight is zero, and nothing else limits them.
 constexpr double kMostGapGrowth = 1.5;
 
 }  // namespace
@@ -57,7 +57,7 @@ LineSearchResult OpenGapSearch::run(Evaluator& evaluator, const MeritModel& meri
   return result;
 }
 
-/// Keeps a trial where it is the best of its step length. Returns whether it is.
+/// Keeps a trial if it is the best of its step length. True if it is.
 bool OpenGapSearch::consider(double cost, double gap_norm, const MeritModel& merit,
                              Trajectory& trial) {
   const double decrease = merit.value() - (cost + merit.penalty * gap_norm);

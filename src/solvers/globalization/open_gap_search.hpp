@@ -9,30 +9,29 @@
 
 namespace conddp {
 
-/// The search of a step as long as gaps are open, on the merit φ = J + ν Σ‖gap‖₁ with a weight ν
-/// that is steered: it is just large enough for the step's model to pay for what the step costs
-/// (Byrd, Nocedal, Waltz 2008; Nocedal, Wright, equation 18.36). So
-/// it can grow no further than the model's cost does, whatever the multipliers of a policy whose
-/// active set has not settled.
+/// Search of a step while gaps are open, on the merit φ = J + ν Σ‖gap‖₁. The weight ν is just large
+/// enough that the closed gaps pay for the cost of the model's step (Byrd, Nocedal, Waltz 2008;
+/// Nocedal, Wright, equation 18.36). It therefore grows no further than the model's cost, whatever
+/// the multipliers of a policy with an unsettled active set.
 ///
-/// For each step length 1, ½, ¼, ... there are up to two trials, the better one of which counts:
-/// - the rollout of the policy, which contracts all gaps by 1 − α (Mastalli et al. 2020). It is
-///   the best one near an optimum, and takes curved dynamics as they are. Far from one it closes
-///   gaps at any price;
-/// - the step of the linear model, x ⊕ α δx and u + α δu, in all knots at once: multiple shooting
-///   (Bock, Plitt 1984), in which no error of one knot travels through those behind it. It counts
-///   where gaps are at most 1.5 times what they were: gaps that are opened for a lower cost have to
-///   be closed at a far higher one.
+/// For each step length 1, ½, ¼, ... the better of up to two trials counts:
+/// - The rollout of the policy contracts all gaps by 1 − α (Mastalli et al. 2020). It is the better
+///   trial near an optimum, and follows curved dynamics as they are. Far from an optimum, it closes
+///   gaps at any price.
+/// - The step of the linear model, x ⊕ α δx and u + α δu, at all knots at once is multiple shooting
+///   (Bock, Plitt 1984). The error of a knot does not propagate to later knots. The step counts if
+///   gaps grow to at most 1.5 times their previous size: gaps opened for a lower cost have to be
+///   closed at a far higher one.
 class OpenGapSearch {
  public:
   OpenGapSearch(const ShootingProblem& problem, const ControlBounds& bounds,
                 const SolverOptions::LineSearch& options, bool clamp_controls);
 
-  /// ν for a step with that curvature dᵀHd, which is remembered.
+  /// Weight ν for a step with curvature dᵀHd, which is stored.
   double weigh(const MeritModel& merit, double curvature);
 
-  /// After weigh(), with that weight in `merit`. On acceptance `trajectory` becomes the new
-  /// iterate, else it stays.
+  /// Searches after weigh(), with its weight in `merit`. On acceptance, `trajectory` becomes the
+  /// new iterate; otherwise it is unchanged.
   LineSearchResult run(Evaluator& evaluator, const MeritModel& merit,
                        const Linearization& linearization, const Direction& direction,
                        const Augmentation* augmentation, Trajectory& trajectory);
@@ -49,9 +48,9 @@ class OpenGapSearch {
   const StateManifold& manifold_;
   SolverOptions::LineSearch options_;
   bool clamp_controls_;
-  double curvature_ = 0;      ///< of the step that was weighed last
-  double best_decrease_ = 0;  ///< of the merit, by the trials of the present step length
-  std::optional<double> best_rollout_cost_;  ///< none where the best of them was no rollout
+  double curvature_ = 0;      ///< of the last weighed step
+  double best_decrease_ = 0;  ///< of the merit, by the trials of the current step length
+  std::optional<double> best_rollout_cost_;  ///< empty if the best trial is not a rollout
   Trajectory best_, trial_;
   SingleRollout rollout_;
   Evaluation evaluation_;
