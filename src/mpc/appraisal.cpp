@@ -39,7 +39,7 @@ StepFigures Appraisal::of_step(double time, double length, const double* u, cons
   KnotBatch<double>& batch = *batches_.at(&model);
   std::copy_n(x, model.nx(), batch.x.begin());
   std::copy_n(u, model.nu(), batch.u.begin());
-  batch.dt = length;  // over which costs are integrated
+  batch.dt = length;  // step over which running costs are integrated
   const double share = std::abs(length - numbers.dt) < kSameTime ? 1 : length / numbers.dt;
   batch.cost_scale = numbers.cost_scale * share;
   return figures(model, numbers.parameters);
@@ -55,7 +55,7 @@ StepFigures Appraisal::of_end(const double* x) const {
   return figures(model, numbers.parameters);
 }
 
-/// At what the model's batch has been set to.
+/// Evaluates the model at the inputs that its batch holds.
 StepFigures Appraisal::figures(const KnotModel& model, const double* parameters) const {
   KnotBatch<double>& batch = *batches_.at(&model);
   std::copy_n(parameters, model.parameter_count(), batch.parameters.begin());

@@ -10,21 +10,23 @@
 
 namespace conddp {
 
-/// What a time line says of a step of the plant, or of its last node.
+/// Cost and constraint violation of a plant step, or of the time line's last node.
 struct StepFigures {
-  double cost = 0;       ///< the running cost's share; the terminal cost
-  double violation = 0;  ///< largest one of a hard constraint
+  double cost = 0;       ///< running cost of the step, or terminal cost
+  double violation = 0;  ///< largest violation of a hard constraint
 };
 
-/// Costs and constraints of a time line, which has to outlive it, at states of a plant.
+/// Evaluates costs and constraints of a time line at states of a plant. The time line must outlive
+/// it.
 class Appraisal {
  public:
-  /// `other_forces`: contact forces of the plant are not those of the time line's phases. Then
-  /// costs and constraints of contact forces do not count.
+  /// `other_forces`: the plant's contact forces differ from those of the time line's phases. Costs
+  /// and constraints on contact forces are then ignored.
   Appraisal(const TimeLine& line, bool other_forces);
-  /// Of a step from a time (s) with a length (s), by its control and the state at its begin.
+  /// Cost and violation of a step of `length` (s) from `time` (s), given its control and its
+  /// initial state.
   StepFigures of_step(double time, double length, const double* u, const double* x) const;
-  /// Of the time line's last node.
+  /// Cost and violation at the time line's last node.
   StepFigures of_end(const double* x) const;
 
  private:
@@ -36,21 +38,20 @@ class Appraisal {
   std::map<const KnotModel*, std::unique_ptr<KnotBatch<double>>> batches_;
 };
 
-/// Ends the loop where constraints of a node without control do not hold.
+/// Ends the loop when a constraint of this node is violated. The node has no control.
 struct StopCondition {
   std::shared_ptr<const KnotModel> model;
   std::vector<double> parameters;
 };
 
-/// Whether a state meets a condition that ends the loop; none is never met. The condition has to
-/// outlive it.
+/// Checks whether a state meets the stop condition; without a condition, no state does. The
+/// condition must outlive the check.
 class StopCheck {
  public:
-  /// Throws std::invalid_argument where the parameters are not the model's.
+  /// Throws std::invalid_argument if the number of parameters differs from the model's.
   explicit StopCheck(const std::optional<StopCondition>& condition);
   bool is_met(const double* x) const { return first_met(x) != nullptr; }
-  /// The constraint that a state violates, the first of several; null where the condition is not
-  /// met.
+  /// First constraint that the state violates; null if the condition is not met.
   const ConstraintTerm* first_met(const double* x) const;
 
  private:

@@ -15,7 +15,7 @@ bool is_finite(const std::vector<double>& x) {
   return std::all_of(x.begin(), x.end(), [](double value) { return std::isfinite(value); });
 }
 
-/// The plant with the controls of the loop, period by period.
+/// Plant driven by the loop's controls, period by period.
 class Plant {
  public:
   Plant(Mpc& mpc, const ClosedLoopOptions& options, ClosedLoopResult& result)
@@ -29,14 +29,14 @@ class Plant {
     x = mpc.time_line().problem().initial_state();
   }
 
-  /// Lets the state jump where it is to have done so by this time.
+  /// Applies all jumps of the state that are due by this time.
   void jump(double time) {
     for (; jumps_ < options_.jumps.size() && !is_before(time, options_.jumps[jumps_].at); ++jumps_)
       mpc_.time_line().problem().manifold().integrate(
           x.data(), options_.jumps[jumps_].tangent.data(), x.data());
   }
 
-  /// Moves on; false where the loop ends on the way.
+  /// Advances the plant; false if the loop ends before `to`.
   bool advance(double from, double to) {
     for (double time = from; is_before(time, to);) {
       jump(time);
@@ -47,10 +47,10 @@ class Plant {
     return true;
   }
 
-  /// What the last node says of where the plant is.
+  /// Adds the cost and violation of the last node at the current state.
   void appraise_end() { count(appraisal_.of_end(x.data())); }
 
-  /// The contacts that are closed in front of a time.
+  /// Contacts that are closed just before a time.
   std::uint32_t closed_contacts(double time) const { return motion_before(time).closed_contacts(); }
 
   std::vector<double> x;
@@ -62,7 +62,7 @@ class Plant {
     Eigen::VectorXd u;
     const double* control(double time, const double* state) {
       u = mpc.control(time, state);
-      // The model's own bounds have been met.
+      // The control already satisfies the model's own bounds.
       if (const PlantPeriod* now = period_at(periods, time); now != nullptr && now->problem) {
         const int k = mpc.time_line().at(mpc.line_time(time)).knot;
         clip_control(*now->problem->knot(k).model, u);
@@ -72,7 +72,7 @@ class Plant {
     double next_change(double time) const { return mpc.next_change(time); }
   };
 
-  /// The next time after this one at which the state jumps or the plant changes.
+  /// Next time after `time` of a jump or of a change of the plant.
   double next_event(double time) const {
     double next = std::numeric_limits<double>::infinity();
     for (const double begin : motions_.begins())
@@ -119,7 +119,7 @@ class Plant {
     return false;
   }
 
-  /// What moved the plant in front of a time.
+  /// Motion of the plant just before a time.
   const PlantMotion& motion_before(double time) const { return motions_.at(time - 2 * kSameTime); }
 
   Mpc& mpc_;
@@ -130,10 +130,10 @@ class Plant {
   HeldControl held_;
   Appraisal appraisal_;
   StopCheck stop_;
-  std::size_t jumps_ = 0;  ///< that have happened
+  std::size_t jumps_ = 0;  ///< number of jumps applied
 };
 
-/// What a controller gets to see of a state.
+/// State measurement as the controller receives it, with noise and distortion.
 class Sensor {
  public:
   Sensor(const ClosedLoopOptions& options, const ShootingProblem& problem)
@@ -200,7 +200,7 @@ ClosedLoopResult run_closed_loop(Mpc& mpc, const ClosedLoopOptions& options) {
     const double from = mpc.time();
     plant.jump(from);
     mpc.see_contacts(plant.closed_contacts(from));
-    // By the time of the line that the commands lead: what it has behind it stays as it was.
+    // Commands are due by their time on the time line, whose past stays unchanged.
     for (; command != options.commands.end() && !is_before(mpc.line_time(from), command->at);
          ++command)
       mpc.take_numbers(command->numbers, command->terminal_path);
@@ -210,7 +210,8 @@ ClosedLoopResult run_closed_loop(Mpc& mpc, const ClosedLoopOptions& options) {
     if (options.observe) options.observe(mpc);
     if (!plant.advance(from, std::min(mpc.time(), end))) break;
   }
-  // A delay may lead the last plan beyond the end of the time line: the one before goes on.
+  // With a delay, the last plan may begin after the end of the time line: the former plan
+  // continues.
   if (result.end == LoopEnd::finished) plant.advance(mpc.time(), end);
   if (result.end == LoopEnd::finished && !line.is_held() && !is_before(end, line.end()))
     plant.appraise_end();

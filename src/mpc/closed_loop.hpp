@@ -13,9 +13,9 @@
 
 namespace conddp {
 
-/// What is wanted from a time on: the numbers of a problem, and the path of the node at which
-/// windows end (Mpc::take_numbers). The first tick that measures no earlier learns of it. The time
-/// is that of the controller's time line, with which re-timing moves it.
+/// New numbers of a problem from a time on, and a new path of the end node of windows
+/// (Mpc::take_numbers). The first tick that measures at or after `at` receives them. `at` is a time
+/// on the controller's time line and moves with re-timing.
 struct LoopCommand {
   double at = 0;  ///< s
   std::shared_ptr<const ShootingProblem> numbers;
@@ -28,43 +28,43 @@ struct Jump {
   std::vector<double> tangent;
 };
 
-/// Normal random numbers that are added to each measured state.
+/// Normally distributed noise that is added to each measured state.
 struct MeasurementNoise {
-  std::vector<double> sigma;  ///< standard deviation, one a tangent coordinate
+  std::vector<double> sigma;  ///< standard deviation of each tangent coordinate
   std::uint64_t seed = 1;
 };
 
 struct ClosedLoopOptions {
   double duration = 1;  ///< s
-  /// From time 0 on, in order; empty: the plant is the model.
+  /// Periods from time 0 on, in order. If empty, the plant is the model.
   std::vector<PlantPeriod> plant;
-  StepRule step;                      ///< of the plant
-  std::vector<Jump> jumps;            ///< in the order of their times
-  std::vector<LoopCommand> commands;  ///< likewise
+  StepRule step;                      ///< step rule of the plant
+  std::vector<Jump> jumps;            ///< sorted by time
+  std::vector<LoopCommand> commands;  ///< sorted by time
   std::optional<MeasurementNoise> noise;
   std::optional<StopCondition> stop;
-  /// Changes what is measured at a tick before the controller gets it; null: nothing does.
+  /// Changes the measured state of a tick before the controller receives it; null for no change.
   std::function<void(int tick, std::vector<double>& x)> distort;
-  /// Asked before each tick; true ends the loop.
+  /// Called before each tick; true ends the loop.
   std::function<bool()> interrupted;
-  /// Gets to see the controller after each tick; null: none.
+  /// Called with the controller after each tick; may be null.
   std::function<void(const Mpc&)> observe;
 
-  /// Whether the plant has a motion of its own, whose contact forces are not those of the model.
+  /// True if the plant has its own motion, whose contact forces differ from the model's.
   bool finds_contacts() const;
 };
 
 /// How a closed loop ended.
 enum class LoopEnd {
-  finished,     ///< the duration, or the end of a time line that is not held
-  stopped,      ///< the stop condition was met
-  diverged,     ///< the plant's state is not finite
-  interrupted,  ///< the caller asked to stop
+  finished,     ///< reached the duration, or the end of a time line that is not held
+  stopped,      ///< met the stop condition
+  diverged,     ///< plant state not finite
+  interrupted,  ///< interrupted by the caller
 };
-/// The name in outputs.
+/// Name in outputs.
 std::string_view to_string(LoopEnd end);
 
-/// One step of the plant: when it begins, in which state, with which control.
+/// One step of the plant: its start, initial state and control.
 struct PlantStep {
   double time;    ///< s
   double length;  ///< s
@@ -76,19 +76,19 @@ struct PlantStep {
 struct ClosedLoopResult {
   LoopEnd end = LoopEnd::finished;
   double end_time = 0;  ///< s
-  std::string failure;  ///< PlantMotion::failure() of the last step, where that ended the loop
+  std::string failure;  ///< PlantMotion::failure() of the last step, if the plant diverged
   std::vector<PlantStep> steps;
   std::vector<double> last_state;  ///< after the last step
   std::vector<TickRecord> ticks;
-  /// Σ of running costs at the states of the plant, in proportion to the steps; not of impulses,
-  /// nor of contact forces where the plant finds its own.
+  /// Σ of running costs at the plant's states, scaled by step length. Excludes impulses, and costs
+  /// on contact forces if the plant finds its own contacts.
   double cost = 0;
-  /// Largest one of a constraint at the plant's states, likewise.
+  /// Largest constraint violation at the plant's states, with the same exclusions.
   double violation = 0;
 };
 
-/// Lets a controller that has not ticked yet drive the plant from the problem's initial state.
-/// Deterministic: the clock is simulated.
+/// Runs a controller that has not ticked yet in closed loop with the plant, from the problem's
+/// initial state. Deterministic: the clock is simulated.
 ClosedLoopResult run_closed_loop(Mpc& mpc, const ClosedLoopOptions& options);
 
 }  // namespace conddp

@@ -8,7 +8,7 @@ std::optional<double> largest_survived(double low, double high, double width,
   if (survives(high)) return high;
   while (high - low > width) {
     const double middle = 0.5 * (low + high);
-    if (middle <= low || middle >= high) break;  // the range has no number between
+    if (middle <= low || middle >= high) break;  // no number lies in between
     (survives(middle) ? low : high) = middle;
   }
   return low;

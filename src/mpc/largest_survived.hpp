@@ -5,9 +5,9 @@
 
 namespace conddp {
 
-/// Looks by bisection for the largest number of a range that is survived: the ends first, then the
-/// middle of what is open, until that is `width`. Exact where all numbers below one are survived
-/// and none above. Nothing where `low` is not survived.
+/// Bisects a range for the largest number that survives, down to an interval of `width`. The ends
+/// are tried first. Exact if all numbers below a threshold survive and none above it does. Empty if
+/// `low` does not survive.
 std::optional<double> largest_survived(double low, double high, double width,
                                        const std::function<bool(double)>& survives);
 

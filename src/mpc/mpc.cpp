@@ -38,7 +38,7 @@ bool is_multiple(double length, double step) {
   return std::abs(length - std::round(length / step) * step) < kSameTime;
 }
 
-/// Windows of systems that give the next state themselves consist of whole knots.
+/// Windows of discrete-time systems consist of whole knots.
 void check_whole_knot(const ShootingProblem& problem, int k, const MpcOptions& options) {
   const double dt = problem.knot(k).dt;
   for (const double length :
@@ -81,7 +81,7 @@ const MpcOptions& checked(const MpcOptions& options, const ShootingProblem& prob
   return options;
 }
 
-/// A last node at which nothing counts.
+/// A last node without costs and constraints.
 Phase empty_end(const ShootingProblem& problem) {
   const KnotModel& last = *problem.terminal().model;
   return {.name = "window end",
@@ -91,8 +91,8 @@ Phase empty_end(const ShootingProblem& problem) {
           .cost_scale = {1}};
 }
 
-/// What counts at the last node of windows that end before the time line does; none: what counts
-/// at its own end, with the numbers that it has by then.
+/// Last node of windows that end before the time line does. If empty, this is the time line's own
+/// last node, with its current numbers.
 std::optional<OpenEnd> open_end(const MpcOptions& options, const ShootingProblem& problem) {
   if (!options.terminal) return OpenEnd(empty_end(problem), nullptr);
   const Phase &wanted = *options.terminal, &own = problem.terminal();
@@ -120,9 +120,9 @@ bool is_finite(std::span<const double> x) {
   return std::all_of(x.begin(), x.end(), [](double value) { return std::isfinite(value); });
 }
 
-/// Options of a tick's solve, which begins with the multipliers of the former plan: with those,
-/// high penalties make no problem stiff. Low ones would let go of constraints: a few iterations
-/// leave no time to raise them, and multipliers would swing from tick to tick.
+/// Options of a tick's solve. It starts from the multipliers of the former plan, so high penalties
+/// do not make the problem stiff. Low penalties would release constraints: a few iterations leave
+/// no time to raise them, and multipliers would oscillate from tick to tick.
 SolverOptions tick_options(const MpcOptions& options) {
   constexpr double kSteeper = 1e3;
   SolverOptions own = options.solver_options;
@@ -198,7 +198,7 @@ WindowContext Mpc::context() const {
           .swings = swings_ ? &*swings_ : nullptr};
 }
 
-/// Most often the one that was used last, or the one that was made after it.
+/// Starts at the window used last: usually it fits, or the one built after it does.
 Window& Mpc::window_of(const WindowCut& cut) {
   const WindowContext own = context();
   const std::size_t count = windows_.size();
@@ -230,8 +230,7 @@ bool Mpc::goes_on() const {
   return line_.is_held() || is_before(line_time(plan_begin()), line_.end());
 }
 
-/// When the next phase after a time begins that holds a contact which the one before it does not,
-/// and all of these contacts.
+/// Start of the next phase after a time that adds contacts, and the added contacts.
 std::optional<double> Mpc::next_touch_down(double from, std::uint32_t& contacts) const {
   const std::vector<std::uint32_t>& held = options_.retiming->contacts;
   const std::vector<double>& times = line_.problem().times();
@@ -261,7 +260,7 @@ const Mpc::Policy& Mpc::policy_at(double time) const {
   return is_before(time, in_force_.begin) ? before_ : in_force_;
 }
 
-/// Whether a policy without feedback between ticks still holds its first control.
+/// True if a policy without feedback between ticks still holds its first control.
 bool Mpc::holds_first(const Policy& policy, double time) const {
   if (options_.feedback_rate) return false;
   return policy.held ||
@@ -279,8 +278,8 @@ void Mpc::follow(const Policy& policy, double time, const double* x, Eigen::Vect
     planned_control(*policy.plan, line_time(time), u);
 }
 
-/// Inside a knot where the model is by then, and not on the straight way to the next node, from
-/// which gains would steer a motion that goes as planned.
+/// Inside a knot, this is the model's prediction and not the interpolated state. Gains about the
+/// latter would steer a motion that follows the plan.
 const double* Mpc::planned_state(const Plan& plan, double time) {
   const int k = plan.knot_at(time);
   const double begin = plan.times[k];
@@ -341,8 +340,8 @@ void Mpc::solve_from(const std::vector<double>& x) {
     answer_ = &window_->iterate();
   else if (!first)
     answer_ = &window_->solve();
-  // A first plan has no former one in its place, and a solver alone only suspects that no plan is
-  // feasible: these solves restore feasibility.
+  // Solves with restoration of feasibility: a first plan has nothing to fall back on, and a solver
+  // without restoration only suspects that the problem is infeasible.
   if (first || (!options_.iterations && got_stuck(*answer_, options_.solver_options)))
     answer_ = &window_->solve(options_.solver, options_.solver_options);
 }
@@ -366,8 +365,8 @@ void Mpc::prepare() {
   prepared_in_ = now() - began;
 }
 
-/// Where the plan begins, from what is measured. False where that is not finite; then it begins
-/// where it was predicted to.
+/// Sets the state at the start of the plan from the measurement. If the measurement is not finite,
+/// keeps the predicted state and returns false.
 bool Mpc::measure(std::span<const double> x) {
   state_ = predicted_;
   if (!is_finite(x)) return false;
@@ -420,8 +419,8 @@ TickOutcome Mpc::outcome() const {
   return feasible ? TickOutcome::planned : TickOutcome::no_step;
 }
 
-/// Whether an answer that misses its tolerances is better than the former plan all the same. The
-/// fallback, once in force, waits for one that does not.
+/// True if an answer that misses its tolerances still beats the former plan. An active fallback
+/// yields only to an answer within tolerances.
 bool Mpc::improves(TickOutcome outcome) const {
   const bool misses = outcome == TickOutcome::infeasible ||
                       outcome == TickOutcome::out_of_iterations || outcome == TickOutcome::no_step;
@@ -430,7 +429,7 @@ bool Mpc::improves(TickOutcome outcome) const {
                                  options_.solver_options.tolerances.constraint);
 }
 
-/// Puts the answer in force, or leaves what is.
+/// Puts the answer in force, or keeps the former policy.
 void Mpc::decide() {
   before_ = in_force_;
   in_force_.begin = plan_begin();
@@ -439,7 +438,7 @@ void Mpc::decide() {
     Plan& kept = window_->keep(*answer_, before_.plan, older_plan_);
     older_plan_ = last_plan_;
     last_plan_ = &kept;
-    // Multipliers of constraints that cannot hold grow without end: the next solve begins anew.
+    // Multipliers of infeasible constraints grow without bound: the next solve starts from zero.
     if (!planned) kept.multipliers.setZero();
     in_force_.plan = &kept;
   }

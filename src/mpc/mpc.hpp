@@ -15,134 +15,136 @@
 
 namespace conddp {
 
-/// What became of a tick. Every value but `planned` is a failure; all of these but `improved` leave
-/// the former plan in force.
+/// Outcome of a tick. Every value except `planned` is a failure; every failure except `improved`
+/// leaves the former plan in force.
 enum class TickOutcome {
   planned,            ///< a new plan is in force
-  improved,           ///< so is one that misses its tolerances: it is better than the former one
-  not_finite,         ///< the measured state has a number that is not finite
+  improved,           ///< a new plan is in force; it beats the former one but misses its tolerances
+  not_finite,         ///< the measured state is not finite
   late,               ///< the answer came too late
   infeasible,         ///< the solver found no way to satisfy the constraints
   diverged,           ///< a state, cost or derivative was not finite
-  out_of_iterations,  ///< the tolerances were not met by the allowed iterations
+  out_of_iterations,  ///< the iterations were used up before the tolerances were met
   no_step,            ///< no step lowers the merit, and the trajectory is not feasible
 };
-/// The name in outputs: "planned", "not_finite", ...
+/// Name in outputs: "planned", "not_finite", ...
 std::string_view to_string(TickOutcome outcome);
 
-/// Phases that begin when their contacts do, and not at their time. The time line has to be held.
+/// Phases begin with their contacts instead of at their planned times. The time line must be held.
 struct Retiming {
-  double early = 0;  ///< s: how much earlier than planned a phase may begin
-  double late = 0;   ///< s: how much longer than planned one may last
-  /// Of each knot of the problem the contacts that its phase holds, one bit each.
+  double early = 0;  ///< s, maximum advance of a phase
+  double late = 0;   ///< s, maximum extension of a phase
+  /// Contacts that each knot of the problem holds, one bit each.
   std::vector<std::uint32_t> contacts;
 };
 
 struct MpcOptions {
-  double horizon = 1;  ///< s, of windows
-  double tick = 0.01;  ///< s, between two plans
-  /// Of the solver, each tick but the first, which is solved to the tolerances; none: to the
-  /// tolerances always.
+  double horizon = 1;  ///< s, length of windows
+  double tick = 0.01;  ///< s, between plans
+  /// Solver iterations in each tick except the first, which is solved to the tolerances. If unset,
+  /// every tick is.
   std::optional<int> iterations = 1;
-  bool hold = true;     ///< the last knot repeats itself after the end of the time line
-  double delay = 0;     ///< s, from measurement to the first control of its plan; at most a tick
-  bool predict = true;  ///< plans begin at the state that is predicted for the end of the delay
-  /// Gains act at this rate, Hz, and where knots of the plan begin; none: at the first control of
-  /// each plan alone.
+  bool hold = true;     ///< the last knot repeats after the end of the time line
+  double delay = 0;     ///< s, from a measurement to the first control of its plan; at most a tick
+  bool predict = true;  ///< plans begin at the state predicted for the end of the delay
+  /// Rate at which gains act, Hz; they also act where knots of the plan begin. If unset, gains act
+  /// only at the first control of each plan.
   std::optional<double> feedback_rate;
-  /// The last node of windows that end before the time line does; none: nothing counts there. The
-  /// problem's own gets the numbers of take_numbers(), too.
+  /// Last node of windows that end before the time line does. If unset, it has no costs and
+  /// constraints. If it is the problem's own terminal node, it takes the numbers of take_numbers(),
+  /// too.
   std::optional<Phase> terminal;
-  /// Where references of `terminal` that are states are when windows end, by the time line; null:
-  /// they stay.
+  /// Path of those references of `terminal` that are states, by time on the time line at the end of
+  /// a window. If null, they stay.
   std::shared_ptr<const StatePath> terminal_path;
-  /// What controls once so many ticks in a row have failed; none: the former plan for ever.
+  /// Controller after `fallback_after` failed ticks in a row. If unset, the former plan stays in
+  /// force.
   std::optional<HeldState> fallback;
   int fallback_after = 3;
-  /// Of the DDP family, or `ipopt`, which solves to the tolerances and allocates: a slow reference.
+  /// A member of the DDP family, or `ipopt`, which solves to the tolerances and allocates: a slow
+  /// reference.
   std::string solver = "box_fddp";
   SolverOptions solver_options;
-  /// Swings that begin where the feet are; none: all at their footholds.
+  /// Swings that begin at the actual positions of the feet. If unset, all begin at their footholds.
   std::optional<FootSwings> swings;
-  /// None: phases begin at their times.
+  /// If unset, phases begin at their planned times.
   std::optional<Retiming> retiming;
-  /// Whether the answer of a tick comes too late; null: never.
+  /// True if the answer of a tick is late; null for never.
   std::function<bool(int tick)> is_late;
-  /// A clock, s. By it, answers come too late whose preparation and feedback take longer than a
-  /// tick together, but for the first plan, which is made before the loop begins. Null: solves take
-  /// no time.
+  /// Clock, s. An answer is late if its preparation and feedback together take longer than a tick.
+  /// The first plan is exempt: it is made before the loop begins. If null, solves take no time.
   std::function<double()> clock;
 };
 
-/// What there is to say of a tick.
+/// Record of a tick.
 struct TickRecord {
   int tick = 0;
-  double time = 0;  ///< s, of the measurement
+  double time = 0;  ///< s, time of the measurement
   TickOutcome outcome = TickOutcome::planned;
-  SolveStatus status = SolveStatus::diverged;  ///< of its solve
-  bool solved = false;                         ///< whether there was one
+  SolveStatus status = SolveStatus::diverged;  ///< status of the tick's solve
+  bool solved = false;                         ///< true if a solve took place
   int iterations = 0;
   double cost = 0, stationarity = 0, gap = 0, violation = 0;  ///< of its answer
-  double plan_age = 0;                                        ///< s, of the plan in force
-  double shift = 0;                      ///< s, by which re-timing has moved ahead
-  bool fallback = false;                 ///< the fallback is in force
-  double preparation = 0, feedback = 0;  ///< wall-clock s
+  double plan_age = 0;                                        ///< s, age of the plan in force
+  double shift = 0;                      ///< s, shift of the time line by re-timing
+  bool fallback = false;                 ///< true if the fallback is in force
+  double preparation = 0, feedback = 0;  ///< wall-clock time, s
 };
 
-/// Model predictive control of a problem. Tick j measures at j·tick; its plan begins at
-/// j·tick + delay. After `reserve`, ticks that are solved allocate nothing but for solves that
-/// fail: their messages, restorations of feasibility, and comparisons with the former plan.
+/// Model predictive control of a problem. Tick j measures at j·tick; its plan begins at j·tick +
+/// delay. After `reserve`, ticks whose solves succeed allocate nothing. Failed solves allocate for
+/// messages, restorations of feasibility and comparisons with the former plan.
 class Mpc {
  public:
-  /// A guess of the problem's shape. Throws std::invalid_argument where options are out of range or
-  /// windows of the problem cannot be solved so; the message says why.
+  /// `guess` has the problem's shape. Throws std::invalid_argument if options are out of range or
+  /// do not allow windows of the problem to be solved; the message gives the reason.
   Mpc(std::shared_ptr<const ShootingProblem> problem, const Trajectory& guess, MpcOptions options);
   ~Mpc();
   Mpc(const Mpc&) = delete;
   Mpc& operator=(const Mpc&) = delete;
 
-  /// Makes the windows of all ticks up to a time (s), so that none of them has to.
+  /// Builds the windows of all ticks up to a time (s) in advance.
   void reserve(double until);
-  /// Whether the time line goes on after the begin of the next plan.
+  /// True if the time line continues after the start of the next plan.
   bool goes_on() const;
-  /// From the next tick on references, weights and bounds are those of a problem of the same
-  /// structure (TimeLine::take_numbers), and `terminal` moves on another path; null: on the one
-  /// before. The plan in force stays.
+  /// From the next tick on, takes references, weights and bounds from a problem of the same
+  /// structure (TimeLine::take_numbers). `terminal` then moves along `terminal_path`; null keeps
+  /// the former path. The plan in force stays.
   void take_numbers(std::shared_ptr<const ShootingProblem> source,
                     std::shared_ptr<const StatePath> terminal_path = nullptr);
-  /// The contacts that are closed before the next tick, one bit each. With `retiming` the next
-  /// touch-down of the time line comes at once where all of its contacts are closed, and waits
-  /// where it is due and one of them is not.
+  /// Receives the contacts that are closed before the next tick, one bit each. With `retiming`, the
+  /// time line's next touch-down happens at once if all of its contacts are closed, and waits if it
+  /// is due and one of them is open.
   void see_contacts(std::uint32_t closed);
-  /// All that can be done before the state is measured.
+  /// Does all work that precedes the measurement.
   void prepare();
-  /// The control at the begin of the plan, from the state measured at time(): nx numbers. It stays
-  /// until the next call of a method.
+  /// Control at the start of the plan, from the state measured at time() (nx numbers). Valid until
+  /// the next call of a method.
   const Eigen::VectorXd& feedback(std::span<const double> x);
-  /// The control that is in force at a time (s) up to a tick before the last plan began, at a
-  /// state. It stays until the next call of a method.
+  /// Control in force at a state and a time (s), at the earliest a tick before the start of the
+  /// last plan. Valid until the next call of a method.
   const Eigen::VectorXd& control(double time, const double* x);
-  /// The next time after this one at which the control in force changes but by its gains, or the
-  /// gains act again, s.
+  /// Next time (s) at which the control in force changes other than by its gains, or the gains act
+  /// again.
   double next_change(double time) const;
 
-  /// When the next tick measures, s.
+  /// Time of the next measurement, s.
   double time() const { return tick_ * options_.tick; }
   const TickRecord& last_tick() const { return record_; }
-  /// The plan in force; none under the fallback.
+  /// Plan in force; null under the fallback.
   const Plan* plan() const { return in_force_.held ? nullptr : in_force_.plan; }
   const MpcOptions& options() const { return options_; }
   const TimeLine& time_line() const { return line_; }
-  /// The time on the time line that belongs to a time of the loop, s.
+  /// Time on the time line at a time of the loop, s.
   double line_time(double time) const { return time + shift_; }
 
  private:
-  /// What controls from a time on.
+  /// Control policy from a time on.
   struct Policy {
     const Plan* plan = nullptr;
     double begin = 0;
-    bool held = false;           ///< the fallback, not the plan
-    Eigen::VectorXd first = {};  ///< its control at `begin`
+    bool held = false;           ///< the fallback is in force, not the plan
+    Eigen::VectorXd first = {};  ///< control at `begin`
   };
 
   WindowContext context() const;
@@ -166,29 +168,29 @@ class Mpc {
   SolverOptions tick_options_;
   TimeLine line_;
   std::optional<SwingStarts> swings_;
-  std::optional<OpenEnd> open_end_;  ///< none: that of the time line
-  double cost_scale_;                ///< of windows, whose costs are of the usual size
-  std::optional<HeldState> held_;    ///< the fallback, where it is now
+  std::optional<OpenEnd> open_end_;  ///< if empty, the time line's own
+  double cost_scale_;                ///< scales costs of windows to their usual size
+  std::optional<HeldState> held_;    ///< fallback at the state that it currently holds
   Simulation model_;
   PolicyScratch scratch_;
   Plan guess_;
-  std::shared_ptr<EvaluationMemory> memory_;  ///< of all windows' solvers
+  std::shared_ptr<EvaluationMemory> memory_;  ///< shared by the solvers of all windows
   std::vector<std::unique_ptr<Window>> windows_;
-  std::size_t used_ = 0;  ///< the one of these that window_of() gave last
+  std::size_t used_ = 0;  ///< index of the window that window_of() returned last
   WindowCut cut_;
-  Window* window_ = nullptr;             ///< of the tick under way
-  const SolveResult* answer_ = nullptr;  ///< of its solve
+  Window* window_ = nullptr;             ///< window of the current tick
+  const SolveResult* answer_ = nullptr;  ///< answer of its solve
   Policy in_force_, before_;
-  Plan* last_plan_ = nullptr;   ///< that came into force
-  Plan* older_plan_ = nullptr;  ///< and the one before it, which no policy has by the next tick
+  Plan* last_plan_ = nullptr;   ///< last plan that came into force
+  Plan* older_plan_ = nullptr;  ///< plan before it; no policy follows it by the next tick
   int tick_ = 0;
-  int failures_ = 0;               ///< in a row
+  int failures_ = 0;               ///< failed ticks in a row
   double prepared_in_ = 0;         ///< by the clock, s
-  double asked_at_ = 0;            ///< for the control, by the clock, s
-  double shift_ = 0;               ///< of the time line, s
-  double waited_ = 0;              ///< s, for the next touch-down
-  std::vector<double> state_;      ///< where the last plan began, as far as is known
-  std::vector<double> predicted_;  ///< where the next one begins
+  double asked_at_ = 0;            ///< time of the call for a control, by the clock, s
+  double shift_ = 0;               ///< shift of the time line, s
+  double waited_ = 0;              ///< s, wait for the next touch-down
+  std::vector<double> state_;      ///< state at the start of the last plan, as far as known
+  std::vector<double> predicted_;  ///< state at the start of the next plan
   Eigen::VectorXd control_;
   TickRecord record_;
 };

@@ -8,17 +8,17 @@
 
 namespace conddp {
 
-/// The last node of windows that end before the time line does. What it has of references that are
-/// states may move with time.
+/// Last node of windows that end before the time line does. Its references that are states may move
+/// with time.
 class OpenEnd {
  public:
-  /// `path`: of these references; null: they stay. Throws std::invalid_argument where its states
-  /// are not those of the node.
+  /// `path`: states of these references over time; null if they stay. Throws std::invalid_argument
+  /// if its states do not fit the node.
   OpenEnd(Phase phase, std::shared_ptr<const StatePath> path);
 
-  /// From now on the references move on another path; null: on the one before.
+  /// Moves the references along another path from now on; null keeps the former path.
   void follow(std::shared_ptr<const StatePath> path);
-  /// Moves them to where windows end at a time, s. Allocates nothing.
+  /// Moves the references to the path's state at `time` (s), the end of windows. Allocates nothing.
   void move_to(double time);
   const Phase& phase() const { return phase_; }
 
@@ -27,7 +27,7 @@ class OpenEnd {
 
   Phase phase_;
   std::shared_ptr<const StatePath> path_;
-  std::vector<int> references_;  ///< where they start in the parameters
+  std::vector<int> references_;  ///< their offsets in the parameters
   std::vector<double> tangent_;
 };
 

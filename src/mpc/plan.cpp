@@ -11,7 +11,7 @@ void add_feedback(const Eigen::MatrixXd& K, const std::vector<double>& tangent,
   for (Eigen::Index j = 0; j < K.cols(); ++j) u += tangent[j] * K.col(j);
 }
 
-/// Makes no difference of the control that was applied last.
+/// Zeroes the difference of the remembered control.
 void forget(const KnotModel& model, std::vector<double>& tangent) {
   const int remembered = model.remembered_controls();
   std::fill_n(tangent.end() - remembered, remembered, 0.0);
@@ -56,7 +56,7 @@ void Plan::state_at(double time, bool before, double* tangent, double* x) const 
   manifold.difference(trajectory.x(k).data(), trajectory.x(k + 1).data(), tangent);
   for (int i = 0; i < problem->ndx(); ++i) tangent[i] *= share;
   manifold.integrate(trajectory.x(k).data(), tangent, x);
-  // Inside a knot its own control is the one that was applied last.
+  // Inside a knot, the remembered control is the knot's own.
   const int memory = problem->knot(k).model->remembered_controls();
   std::copy_n(trajectory.u(k).data(), memory, x + problem->nx() - memory);
 }
@@ -72,7 +72,7 @@ void control_of(const Plan& plan, double time, const double* planned, const doub
   const int k = plan.knot_at(time);
   u = plan.trajectory.u(k);
   plan.problem->manifold().difference(planned, x, scratch.tangent.data());
-  // Gains answer the control before the knot; inside of it that is no longer known.
+  // Gains respond to the control before the knot, which is unknown inside the knot.
   if (is_before(plan.times[k], time)) forget(*plan.problem->knot(k).model, scratch.tangent);
   add_feedback(plan.feedback.K[k], scratch.tangent, u);
   clip_control(*plan.problem->knot(k).model, u);

@@ -18,7 +18,7 @@ PlanTrial::PlanTrial(const ShootingProblem& window)
 
 TrialFigures PlanTrial::follow(const Trajectory& plan, const Feedback& feedback) {
   constexpr double kInfinite = std::numeric_limits<double>::infinity();
-  // A step length of 0 leaves the controls of the plan, and the gains.
+  // Step length 0 keeps the controls of the plan; the gains still act.
   evaluator_.roll_out(plan, evaluation_.gap, feedback, 0, {.clamp_controls = true}, rollout_);
   if (rollout_.first_bad_knot >= 0) return {kInfinite, kInfinite};
   evaluator_.evaluate(rollout_.trajectory, evaluation_);

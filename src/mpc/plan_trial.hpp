@@ -4,26 +4,26 @@
 
 namespace conddp {
 
-/// What comes of following a plan through a window, by the window's own problem.
+/// Cost and violation of following a plan through a window, by the window's own problem.
 struct TrialFigures {
-  double violation = 0;  ///< largest one of a hard constraint; infinite where the motion diverges
+  double violation = 0;  ///< largest violation of a hard constraint; infinite if the motion
+                         ///< diverges
   double cost = 0;
 };
 
-/// Whether the violation is less by more than a tolerance or, where the two are one within it, the
-/// cost is less.
+/// True if the violation is smaller by more than a tolerance, or equal within it and the cost is
+/// smaller.
 bool is_better(const TrialFigures& a, const TrialFigures& b, double tolerance);
 
-/// Follows plans through a window, from its initial state: with their controls and gains, within
-/// the bounds of the controls. So plans that violate constraints, and those whose states do not
-/// follow from each other, can be compared.
+/// Rolls out plans through a window from its initial state, with their controls and gains, clipped
+/// to the control bounds. This makes plans comparable that violate constraints or have gaps.
 class PlanTrial {
  public:
-  /// The problem of a window, which has to outlive it.
+  /// Problem of a window, which must outlive the trial.
   explicit PlanTrial(const ShootingProblem& window);
 
-  /// A plan of the window's shape. Where the gains of its first knot act, its first state need not
-  /// be that of the window.
+  /// `plan` has the window's shape. Its first state may differ from the window's where the gains of
+  /// its first knot act.
   TrialFigures follow(const Trajectory& plan, const Feedback& feedback);
 
  private:

@@ -8,27 +8,27 @@
 
 namespace conddp {
 
-/// From a time on the plant moves as this problem's systems do, phase by phase, or in a way of its
-/// own. Its actuators give no more than the problem's bounds on the control allow.
+/// From a time on, the plant moves as this problem's systems do, phase by phase, or by its own
+/// motion. Its actuators are limited by the problem's control bounds.
 struct PlantPeriod {
   double from = 0;  ///< s
   std::shared_ptr<const ShootingProblem> problem = nullptr;
-  std::shared_ptr<PlantMotion> motion = nullptr;  ///< in place of the problem's systems
+  std::shared_ptr<PlantMotion> motion = nullptr;  ///< replaces the problem's systems
 };
 
-/// The period in which a time lies, of periods in order; null: there are none.
+/// Period that contains a time, from periods in order; null for an empty list.
 const PlantPeriod* period_at(std::span<const PlantPeriod> periods, double time);
 
-/// How a plant moves, period by period.
+/// Motions of a plant, period by period.
 class PlantMotions {
  public:
-  /// `periods` from time 0 on, in order; none: the plant moves as the model does, which has to live
-  /// longer than this. Throws std::invalid_argument where a period has other states or times than
-  /// the model, or the first one begins later.
+  /// `periods` begin at time 0, in order. If empty, the plant moves as the model, which must
+  /// outlive this. Throws std::invalid_argument if a period's states or times differ from the
+  /// model's, or the first period begins after time 0.
   PlantMotions(std::span<const PlantPeriod> periods, const StepRule& step, const TimeLine& model);
 
   PlantMotion& at(double time) const;
-  /// When periods begin, s.
+  /// Start times of the periods, s.
   const std::vector<double>& begins() const { return begins_; }
 
  private:

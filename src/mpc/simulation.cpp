@@ -19,7 +19,7 @@ void check(Integrator integrator, const System& system) {
     throw std::invalid_argument("semi-implicit Euler needs positions and velocities");
 }
 
-/// A model without costs and constraints.
+/// Copies a model without its costs and constraints.
 KnotModel bare_model(const KnotModel& like, Integrator integrator) {
   KnotModel model(like.shared_system(), integrator, like.control_memory(), like.carried_numbers());
   for (const IntegralTerm& term : like.integrals())
@@ -45,7 +45,7 @@ void Simulation::Stepper::read_integrals(const KnotView& knot) {
 
 Simulation::Simulation(const TimeLine& line, const StepRule& rule) : line_(line), rule_(rule) {
   const ShootingProblem& problem = line.problem();
-  // Knots whose integrals grow have steppers of their own model.
+  // Knots with integrals have steppers of their own model.
   std::map<std::tuple<const System*, Integrator, const KnotModel*>, int> known;
   for (int k = 0; k < problem.knots(); ++k) {
     const KnotModel& model = *problem.knot(k).model;
@@ -86,7 +86,7 @@ void Simulation::pass_instants(double time, double* x) {
 void Simulation::step(double time, double length, const double* u, double* x) {
   const TimedKnot at = line_.at(time);
   const double dt = line_.problem().knot(at.knot).dt;
-  // A whole knot's step is the knot's own to the last digit.
+  // A step over a whole knot equals the knot's own to the last digit.
   if (std::abs(length - dt) < kSameTime) length = dt;
   move(at.knot, length, u, x);
 }

@@ -11,20 +11,21 @@
 
 namespace conddp {
 
-/// How a simulation steps.
+/// Step rule of a simulation.
 struct StepRule {
-  std::optional<Integrator> integrator;  ///< absent: that of the knot
-  std::optional<double> dt;              ///< longest step, s; absent: to the end of the knot
+  std::optional<Integrator> integrator;  ///< if unset, the integrator of the knot
+  std::optional<double> dt;              ///< longest step, s; if unset, to the end of the knot
 };
 
-/// The dynamics of a time line, without its costs: step by step, through its instants. Integrals
-/// grow by each step times their residual at its beginning. Allocates nothing after construction.
+/// Simulates the dynamics of a time line, without its costs, step by step and through its instants.
+/// Each step adds its length times the residual at its beginning to an integral. Allocates nothing
+/// after construction.
 class Simulation final : public PlantMotion {
  public:
-  /// Throws std::invalid_argument where the integrator does not serve the systems.
+  /// Throws std::invalid_argument if the integrator does not support a system.
   Simulation(const TimeLine& line, const StepRule& rule);
 
-  /// Ends with the knot at the latest.
+  /// Latest possible value: the end of the knot.
   double next_stop(double time) const override;
   void pass_instants(double time, double* x) override;
   void step(double time, double length, const double* u, double* x) override;
@@ -32,7 +33,7 @@ class Simulation final : public PlantMotion {
  private:
   struct Stepper {
     Stepper(const KnotModel& like, Integrator integrator);
-    /// Takes the numbers of the integrals at a knot of the model that it is like.
+    /// Reads the parameters of the integrals from a knot of the original model.
     void read_integrals(const KnotView& knot);
     KnotModel model;
     std::unique_ptr<KnotWorkspace<double>> work;
@@ -43,19 +44,19 @@ class Simulation final : public PlantMotion {
   const TimeLine& line_;
   StepRule rule_;
   std::vector<std::unique_ptr<Stepper>> steppers_;
-  std::vector<int> stepper_of_;  ///< one a knot
+  std::vector<int> stepper_of_;  ///< by knot
 };
 
-/// A control that is held until it changes; at first there is none.
+/// A control that is held until it changes; null at first.
 struct HeldControl {
   const double* u = nullptr;
   double until = -1;  ///< s
 };
 
-/// Moves x from one time to another with controls of a law: `law.control(time, x)` is the control
-/// from a time on, `law.next_change(time)` the next time at which it has to be asked again.
-/// `begin(time, length, u)` is called before each step and ends the simulation by `false`. False
-/// where it did.
+/// Moves x from one time to another under a control law. `law.control(time, x)` is the control from
+/// a time on; `law.next_change(time)` is the time of its next evaluation. `begin(time, length, u)`
+/// is called before each step and ends the simulation by returning false. In that case, this
+/// function returns false, too.
 template <class Law, class Begin>
 bool simulate(PlantMotion& motion, double from, double to, Law& law, HeldControl& held, double* x,
               Begin begin) {

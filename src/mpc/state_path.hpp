@@ -6,10 +6,10 @@
 
 namespace conddp {
 
-/// States over time: between two of them on the shortest way of the manifold, before the first one
-/// and after the last one those.
+/// States over time, interpolated along the shortest path on the manifold; constant before the
+/// first state and after the last.
 struct StatePath {
-  std::vector<double> times;  ///< s, increasing; one at least
+  std::vector<double> times;  ///< s, increasing; at least one
   std::vector<std::vector<double>> states;
 
   /// Writes the state at a time (s). `tangent` is scratch of ndx numbers.

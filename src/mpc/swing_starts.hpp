@@ -11,28 +11,30 @@ namespace conddp {
 struct FootSwing {
   int foot = 0;
   std::vector<int> nodes;       ///< from lift-off to touch-down, in order
-  std::vector<int> references;  ///< where in the parameters of each its place stands, 3 numbers, m
+  std::vector<int> references;  ///< offset of the foot's reference in each node's parameters; 3
+                                ///< numbers, m
 };
 
-/// Swings of feet that references lead.
+/// Swings of feet along references.
 struct FootSwings {
   int feet = 0;
   std::vector<FootSwing> swings;
-  /// Writes the places of the feet in a state, 3 numbers each, m.
+  /// Writes the positions of the feet at a state, 3 numbers each, m.
   std::function<void(const double* x, double* places)> find_feet;
 };
 
-/// Lets swings begin where the feet are, wherever their footholds are. At lift-off the reference of
-/// a swing is displaced to the foot, until touch-down by less and less: it ends where it was to.
+/// Starts swings at the actual positions of the feet instead of their footholds. At lift-off, the
+/// reference of a swing is displaced to the foot. The displacement decays until touch-down, so that
+/// the swing ends at its planned foothold.
 class SwingStarts {
  public:
-  /// Throws std::invalid_argument where swings are not those of the line.
+  /// Throws std::invalid_argument if swings do not fit the time line.
   SwingStarts(FootSwings swings, const TimeLine& line);
 
-  /// Finds the feet in the state at a time (s) of the line. Those that swing by then have lifted
-  /// off where they were seen before.
+  /// Finds the feet in the state at a time (s) of the line. A foot that already swings keeps the
+  /// lift-off position seen before.
   void see(const TimeLine& line, double time, const double* x);
-  /// Displaces what the parameters of a node have of the swings that are under way or next.
+  /// Displaces the references of current and next swings in the parameters of a node.
   void displace(int node, double* parameters) const;
 
  private:
@@ -42,8 +44,8 @@ class SwingStarts {
   };
 
   FootSwings swings_;
-  std::vector<std::vector<Reference>> references_;  ///< node by node
-  std::vector<int> next_;                           ///< swing of each foot, or the one under way
+  std::vector<std::vector<Reference>> references_;  ///< by node
+  std::vector<int> next_;                           ///< next or current swing of each foot
   std::vector<double> places_, displacements_;      ///< of the feet, m
 };
 

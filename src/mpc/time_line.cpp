@@ -32,7 +32,7 @@ int TimeLine::first_after(double time) const {
   const std::vector<double>& times = problem_->times();
   int k = static_cast<int>(std::lower_bound(times.begin(), times.end(), time - kSameTime) -
                            times.begin());
-  // Knot k − 1 begins before the time and may last longer.
+  // Knot k − 1 begins before the time and may end after it.
   if (k > 0 && is_before(time, times[std::min(k, problem_->knots())])) --k;
   return std::min(k, problem_->knots());
 }
@@ -70,7 +70,8 @@ void TimeLine::cut(double from, double to, std::vector<TimedKnot>& knots) const 
   if (!held_) return;
   for (double time = std::max(from, end()); is_before(time, to);) {
     double end = held(time).end;
-    // Where times are so large that their rounding exceeds a knot, knots are as short as times go.
+    // If rounding of a large time exceeds a knot, the knot is as short as floating-point spacing
+    // allows.
     if (!is_before(time, end))
       end = std::max(time + problem_->knot(last_).dt,
                      std::nextafter(time, std::numeric_limits<double>::infinity()));

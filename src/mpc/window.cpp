@@ -10,7 +10,7 @@
 namespace conddp {
 namespace {
 
-/// A knot of the time line, or the share of it that lies in a window.
+/// Numbers of a knot of the time line, or of the part of it in a window.
 KnotNumbers numbers_of(const WindowContext& context, const TimedKnot& part) {
   KnotNumbers numbers = context.line.numbers(part.knot);
   numbers.cost_scale *= context.cost_scale;
@@ -20,12 +20,12 @@ KnotNumbers numbers_of(const WindowContext& context, const TimedKnot& part) {
   return {length, numbers.cost_scale * (length / numbers.dt), numbers.parameters};
 }
 
-/// Whether a constraint counts in a window at its node `node` with the time line's numbers.
+/// True if a constraint is active at node `node` of a window, with the time line's numbers.
 bool is_active(const ConstraintTerm& term, int node, int ndx, const double* parameters) {
   return parameters[term.active()] != 0 && (node > 0 || term.depends_on_control(ndx));
 }
 
-/// Whether nothing counts at a node.
+/// True if a node has no costs and no constraints.
 bool is_free(const Phase& node) {
   return node.model->costs().empty() && node.model->constraints().empty();
 }
@@ -52,7 +52,7 @@ void write_parameters(const KnotModel& model, int node, const double* given,
     parameters[term.active()] = is_active(term, node, model.ndx(), given) ? 1 : 0;
 }
 
-/// Whether the rows of a constraint have bounds, and equal ones, in both places or in neither.
+/// True if both places agree on the finite bounds of the rows and on the rows that are equalities.
 bool same_rows(const ConstraintTerm& term, const double* own, const double* other) {
   if (!term.has_bounds()) return true;
   for (int i = 0; i < term.rows; ++i) {
@@ -65,13 +65,13 @@ bool same_rows(const ConstraintTerm& term, const double* own, const double* othe
   return true;
 }
 
-/// Whether a weight counts in both places or in neither.
+/// True if a weight is zero in both places or in neither.
 bool same_zero(const KnotView& own, const KnotNumbers& other, int weight) {
   return (own.cost_scale * own.parameters[weight] == 0) ==
          (other.cost_scale * other.parameters[weight] == 0);
 }
 
-/// Whether two nodes have the same constraints and costs, as far as solvers are built for them.
+/// True if two nodes have the same constraints and costs, as far as solvers depend on them.
 bool same_terms(const KnotModel& model, const KnotView& own, int node, const KnotNumbers& other) {
   for (const ConstraintTerm& term : model.constraints()) {
     const bool active = own.parameters[term.active()] != 0;
@@ -117,7 +117,8 @@ std::shared_ptr<DualGuess> no_multipliers(const ShootingProblem& problem) {
   return guess;
 }
 
-/// The node of a plan whose constraint multipliers a node of this model takes at a time; −1: none.
+/// Node of a plan whose constraint multipliers a node of this model takes at a time; −1 if none
+/// exists.
 int node_at(const Plan& plan, double time, const KnotModel* model) {
   const auto found = std::upper_bound(plan.times.begin(), plan.times.end(), time + kSameTime);
   for (int k = static_cast<int>(found - plan.times.begin()) - 1; k >= 0; --k) {
@@ -127,7 +128,7 @@ int node_at(const Plan& plan, double time, const KnotModel* model) {
   return -1;
 }
 
-constexpr int kPlans = 2;  ///< the one in force, and the next
+constexpr int kPlans = 2;  ///< the plan in force, and the next one
 
 }  // namespace
 

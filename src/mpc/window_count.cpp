@@ -9,8 +9,8 @@
 namespace conddp {
 namespace {
 
-/// What windows of one structure have in common: the model of each knot, whether it takes no time,
-/// and whether the terminal node of the time line counts.
+/// Common structure of windows: the model of each knot, whether it takes no time, and whether the
+/// time line's terminal node applies.
 using Structure = std::pair<std::vector<std::pair<const KnotModel*, bool>>, bool>;
 
 Structure structure_of(const WindowCut& cut, const ShootingProblem& problem) {

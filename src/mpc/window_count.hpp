@@ -4,15 +4,14 @@
 
 namespace conddp {
 
-/// The windows for which a loop has solvers.
+/// Windows that a loop needs solvers for.
 struct WindowCount {
-  int structures = 0;  ///< each of which has one of its own, at least
-  int knots = 0;       ///< of the longest of them
+  int structures = 0;  ///< each with at least one solver
+  int knots = 0;       ///< of the longest window
 };
 
-/// Counts the structures of a loop's windows, without the solvers that Mpc has for them. Windows
-/// that re-timing makes are not among them, nor are those that differ in nothing but constraints
-/// that are switched off.
+/// Counts the structures of a loop's windows, without building the solvers of Mpc. Windows made by
+/// re-timing are not counted. Windows that differ only in inactive constraints count once.
 WindowCount count_windows(std::shared_ptr<const ShootingProblem> problem, const MpcOptions& options,
                           double duration);
 

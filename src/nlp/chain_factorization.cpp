@@ -9,12 +9,12 @@ namespace conddp {
 namespace {
 
 constexpr int kScalingPasses = 2;
-/// A search is repeated from its far end while that makes the chain longer, at most this often.
+/// A search restarts from its far end while the chain gets longer, at most this many times.
 constexpr int kSearches = 8;
-/// Unknowns that may be handed on where groups are small.
+/// Unknowns that a front may hand on if groups are small.
 constexpr int kMostLeft = 64;
 
-/// The neighbors of each unknown, without itself.
+/// Neighbors of each unknown, without itself.
 struct Graph {
   std::vector<int> first, neighbors;
 
@@ -46,8 +46,8 @@ struct Graph {
 
 using Levels = std::vector<std::vector<int>>;
 
-/// The levels of a search from an unknown: itself, its neighbors, theirs, ... `seen` is -1 for
-/// unknowns that no search has met, and becomes `mark` for those of this one.
+/// Levels of a breadth-first search from an unknown: itself, its neighbors, their neighbors, ...
+/// `seen` is -1 for unknowns that no search has met, and becomes `mark` for those of this search.
 Levels search(const Graph& graph, int start, std::vector<int>& seen, int mark) {
   Levels levels = {{start}};
   seen[static_cast<std::size_t>(start)] = mark;
@@ -65,7 +65,7 @@ Levels search(const Graph& graph, int start, std::vector<int>& seen, int mark) {
   }
 }
 
-/// The levels from an end of a component.
+/// Levels of a search from an end of a component.
 Levels longest_search(const Graph& graph, int start, std::vector<int>& seen, int& mark) {
   Levels levels = search(graph, start, seen, ++mark);
   for (int i = 0; i < kSearches; ++i) {

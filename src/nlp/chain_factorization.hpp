@@ -10,28 +10,30 @@
 
 namespace conddp {
 
-/// The unknowns of a sparse symmetric system in groups, each of which is coupled with itself and
-/// its neighbors alone: a block tridiagonal matrix. Groups are the levels of a breadth-first
+/// Groups of the unknowns of a sparse symmetric system. Each group is coupled only with itself and
+/// its neighbors, so the matrix is block tridiagonal. Groups are the levels of a breadth-first
 /// search (George, Liu: Computer Solution of Large Sparse Positive Definite Systems, 1981). For a
-/// horizon these follow its knots, whatever the order of the unknowns.
+/// horizon, they follow its knots, whatever the order of the unknowns.
 struct Chain {
   std::vector<std::vector<int>> groups;
-  std::vector<bool> goes_on;  ///< by group: whether the next one is coupled with it
+  std::vector<bool> goes_on;  ///< by group: true if the next group is coupled with it
 
   Chain() = default;
-  /// Of a matrix with these entries in one of its triangles, or in both.
+  /// Chain of a matrix with these entries in one triangle, or in both.
   Chain(int size, int entries, const int* rows, const int* columns);
 
-  /// How many unknowns are in the front of a group: its own and those of the next that is coupled.
+  /// Number of unknowns in the front of a group: its own and those of the next coupled group.
   int front_size(std::size_t group) const;
 };
 
-/// L D Lᵀ of a matrix that is a chain of groups, by a dense front that passes along it: it holds a
-/// group and the next one, eliminates the first as far as pivots are large enough, and hands on the
-/// rest. The matrix is scaled before, by powers of 2, so that the largest entry of each row is near
-/// 1 (Ruiz: A scaling algorithm to equilibrate both rows and columns norms in matrices, 2001).
-/// Where more is handed on than a group has, rows along the chain depend on each other all but
-/// exactly: that is called singular, as fronts that grow would cost the cube of the horizon.
+/// L D Lᵀ of a matrix that is a chain of groups, computed by a dense front that passes along the
+/// chain. The front holds a group and the next one, eliminates the first as far as pivots are large
+/// enough, and hands on the rest. Powers of 2 first scale the matrix so that the largest entry of
+/// each row is near 1 (Ruiz: A scaling algorithm to equilibrate both rows and columns norms in
+/// matrices, 2001).
+///
+/// If a front hands on more unknowns than a group has, rows along the chain are nearly dependent.
+/// The matrix then counts as singular, since growing fronts would cost the cube of the horizon.
 /// Factorizations of one structure share their memory.
 class ChainFactorization final : public SymmetricFactorization {
  public:
@@ -43,14 +45,14 @@ class ChainFactorization final : public SymmetricFactorization {
   int negative_eigenvalues() const override { return negative_; }
 
  private:
-  /// An entry of the matrix: which, and its place in the front of its group.
+  /// A matrix entry: its index, and its position in the front of its group.
   struct Entry {
     int index, row, column;
   };
-  /// What a front has eliminated: `pivots` columns of L, each `size` long, and D.
+  /// Eliminated part of a front: `pivots` columns of L, each `size` long, and D.
   struct Factor {
     int size, pivots;
-    std::size_t columns, pivot, names;  ///< where they begin in columns_, diagonal_, names_
+    std::size_t columns, pivot, names;  ///< offsets in columns_, diagonal_, names_
   };
 
   void place_entries();

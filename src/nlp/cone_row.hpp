@@ -9,29 +9,29 @@ namespace conddp {
 ///   surface:   h = √2 t − √(‖v‖² + t² + ε²) + ε,
 ///   distance:  h = t − √(‖v‖² + ε²) + ε.
 ///
-/// Both are concave, never without a gradient and weaker by ε at most. With ε = 0 both vanish on
-/// the surface of the cone alone. There the gradient of `surface` is the unit normal, and it is
-/// smooth wherever t > 0; in `distance`, −h is √2 times the distance from the cone wherever the
-/// nearest point is not its tip, and has a kink along all of the axis v = 0, where its curvature is
+/// Both are concave, have a gradient everywhere and relax the cone by ε at most. With ε = 0, both
+/// vanish only on the surface of the cone. There the gradient of `surface` is the unit normal; it
+/// is smooth wherever t > 0. In `distance`, −h is √2 times the distance from the cone wherever the
+/// nearest point is not its tip. It has a kink along the whole axis v = 0, where its curvature is
 /// 1/ε.
 struct ConeRow {
   enum class Form { surface, distance };
   Form form = Form::surface;
   double smoothing = 0;  ///< ε, in the unit of t
 
-  /// h at g, n numbers, and its derivative where asked for. A multiplier η ≤ 0 of h stands for the
-  /// vector η ∇h, which is in the polar cone.
+  /// h at g (n numbers), and its derivative if `slope` is not null. A multiplier η ≤ 0 of h
+  /// represents the vector η ∇h, which lies in the polar cone.
   double value(const double* g, int n, double* slope) const;
-  /// H += weight Cᵀ ∇²h C, where C, with a row for each number of g, is the derivative of g.
+  /// H += weight Cᵀ ∇²h C, where C is the derivative of g, with a row for each number of g.
   void add_curvature(const Eigen::Ref<const Eigen::VectorXd>& g,
                      const Eigen::Ref<const Eigen::MatrixXd>& C, double weight,
                      Eigen::Ref<Eigen::MatrixXd> H) const;
-  /// The multiplier of h for which η ∇h on the surface is a vector ν, of n numbers, in its polar
-  /// cone; at the tip η ∇h may be longer than ν, by √2 at most.
+  /// Multiplier η of h such that η ∇h on the surface is a vector ν (n numbers) of the polar cone.
+  /// At the tip, η ∇h may be longer than ν, by a factor of √2 at most.
   double multiplier(const double* nu, int n) const;
 
  private:
-  /// (v, t) or (v, 0): of what h subtracts the norm.
+  /// Number of rows under the norm in h, (v, t) or (v, 0).
   int norm_rows(int n) const { return form == Form::surface ? n : n - 1; }
   double root(const double* g, int n) const;
 };

@@ -9,10 +9,10 @@
 namespace conddp {
 namespace {
 
-/// A smaller pivot is zero, of a matrix whose largest entries are near 1. What rounding leaves of a
-/// zero may be larger: steps through it are not accurate, and Ipopt looks at that.
+/// Smaller pivots are zero, for a matrix whose largest entries are near 1. Rounding may leave more
+/// of a zero pivot: steps through it are inaccurate, and Ipopt checks for that.
 constexpr double kZero = 1e-20;
-/// Of the products in a determinant: what rounding leaves of one that is zero.
+/// Rounding of a zero determinant, relative to its products.
 constexpr double kZeroDeterminant = 1e-14;
 
 using Vector = Eigen::Map<Eigen::VectorXd>;

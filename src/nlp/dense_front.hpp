@@ -5,44 +5,45 @@
 
 namespace conddp {
 
-/// A dense symmetric matrix of which the first unknowns, the candidates, may be eliminated: L D Lᵀ
-/// with pivots of 1 × 1 and 2 × 2 (Duff, Reid: The multifrontal solution of indefinite sparse
-/// symmetric linear equations, ACM TOMS 9, 1983). The lower triangle is stored.
+/// A dense symmetric matrix with L D Lᵀ elimination of its first unknowns, the candidates, by
+/// pivots of 1 × 1 and 2 × 2 (Duff, Reid: The multifrontal solution of indefinite sparse symmetric
+/// linear equations, ACM TOMS 9, 1983). The lower triangle is stored.
 class DenseFront {
  public:
-  /// D: a pivot, and what couples it with the next one where both make up a pivot of 2 × 2, else 0.
+  /// Entry of D: a pivot, and its coupling with the next one if both form a 2 × 2 pivot, else 0.
   struct Pivot {
     double value, coupling;
   };
 
-  /// A matrix of zeros. Nothing is allocated where an earlier one was as large.
+  /// Becomes a matrix of zeros. Allocates nothing if an earlier matrix was as large.
   void reset(int candidates, int size);
 
   int size() const { return size_; }
   int candidates() const { return candidates_; }
-  /// How many of the candidates are eliminated: they come first. The rest of the matrix is the
-  /// Schur complement then.
+  /// Number of eliminated candidates, which come first. The rest of the matrix is then the Schur
+  /// complement.
   int pivots() const { return pivots_; }
-  /// How many eigenvalues of D are negative.
+  /// Number of negative eigenvalues of D.
   int negative() const { return negative_; }
 
-  /// What the rows are called; they are reordered as candidates are eliminated.
+  /// Names of the rows, reordered as candidates are eliminated.
   std::span<int> names() { return {names_.data(), static_cast<std::size_t>(size_)}; }
   std::span<const int> names() const { return {names_.data(), static_cast<std::size_t>(size_)}; }
 
-  /// In the lower triangle: row ≥ column. Below the diagonal of an eliminated column: L.
+  /// Entry of the lower triangle: row ≥ column. Below the diagonal of an eliminated column, this is
+  /// L.
   double& at(int row, int column) { return values_[index(row, column)]; }
   double at(int row, int column) const { return values_[index(row, column)]; }
   double* column(int column) { return &values_[index(0, column)]; }
   const double* column(int column) const { return &values_[index(0, column)]; }
   const Pivot& pivot(int column) const { return diagonal_[static_cast<std::size_t>(column)]; }
 
-  /// Eliminates candidates until none is left whose pivot is `tolerance`, of (0, ½], of the other
-  /// entries in its column: with such a pivot, entries of L are at most 1 / tolerance.
+  /// Eliminates candidates until no pivot reaches `tolerance`, in (0, ½], times the other entries
+  /// in its column. With such pivots, entries of L are at most 1 / tolerance.
   void eliminate(double tolerance);
 
  private:
-  /// The largest entry of a column beside the diagonal, and which candidate is coupled most.
+  /// Largest off-diagonal entry of a column, and the candidate with the strongest coupling.
   struct Column {
     double largest = 0;
     int partner = -1;

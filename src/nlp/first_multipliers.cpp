@@ -5,8 +5,8 @@
 namespace conddp {
 namespace {
 
-/// With multipliers of 1, upwards from lower bounds and downwards from upper ones; of an equality
-/// none.
+/// Force of bounds with unit multipliers: upwards from lower bounds, downwards from upper ones.
+/// Equalities exert zero force.
 Eigen::VectorXd force_of_bounds(const Eigen::VectorXd& lower, const Eigen::VectorXd& upper) {
   Eigen::VectorXd force = Eigen::VectorXd::Zero(lower.size());
   for (int i = 0; i < force.size(); ++i)
@@ -16,8 +16,8 @@ Eigen::VectorXd force_of_bounds(const Eigen::VectorXd& lower, const Eigen::Vecto
 
 }  // namespace
 
-/// With W the weights, λ and r = W ∇L solve [W⁻¹ −Aᵀ; A 0] (r, λ) = (∇f, 0): r is W ∇L, and what
-/// is left has no part A r along the rows.
+/// With the weights W, λ and r = W ∇L solve [W⁻¹ −Aᵀ; A 0] (r, λ) = (∇f, 0): the remaining r
+/// satisfies A r = 0.
 std::optional<Eigen::VectorXd> first_multipliers(NonlinearProgram& program,
                                                  const Eigen::VectorXd& weights,
                                                  MakeFactorization make_factorization) {

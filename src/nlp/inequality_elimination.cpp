@@ -26,7 +26,7 @@ void InequalityElimination::analyse(int size, int entries, const int* rows, cons
                  rest_columns_.data());
 }
 
-/// A slack has one entry beside its diagonal, and comes before its multiplier.
+/// A slack has one off-diagonal entry and precedes its multiplier.
 void InequalityElimination::find_pairs(int entries, const int* rows, const int* columns) {
   const auto size = static_cast<std::size_t>(size_);
   std::vector<int> others(size, 0), neighbor(size, -1);
@@ -54,7 +54,7 @@ void InequalityElimination::find_pairs(int entries, const int* rows, const int* 
     if (pair_of_[i] < 0) left_[i] = left_size_++;
 }
 
-/// Of two pairs with an entry between them one is given up.
+/// Drops one of two pairs with an entry between them.
 void InequalityElimination::part_coupled_pairs(int entries, const int* rows, const int* columns) {
   std::vector<bool> stays(pairs_.size(), true);
   for (int e = 0; e < entries; ++e) {
@@ -105,7 +105,7 @@ void InequalityElimination::place_entries(int entries, const int* rows, const in
   }
 }
 
-/// Where products of the columns of a pair add to the rest: new entries, one for each place.
+/// Places the products of a pair's columns in the rest: one new entry for each position.
 void InequalityElimination::place_products() {
   products_.clear();
   std::map<std::pair<int, int>, int> places;
@@ -146,7 +146,7 @@ SymmetricFactorization::Outcome InequalityElimination::factorize(const double* v
       for (int j = pair.first; j <= i; ++j) {
         const Column &a = columns_[static_cast<std::size_t>(i)],
                      &b = columns_[static_cast<std::size_t>(j)];
-        // Two columns of one unknown meet at its diagonal twice.
+        // Two columns of one unknown add to its diagonal twice.
         const double times = i != j && a.left == b.left ? 2 : 1;
         rest_values_[static_cast<std::size_t>(products_[product++])] -=
             times * a.value * pair.inverse[2] * b.value;
@@ -157,7 +157,7 @@ SymmetricFactorization::Outcome InequalityElimination::factorize(const double* v
   return outcome;
 }
 
-/// The two rows of a pair, in place; false where they have no inverse.
+/// Inverts the two rows of a pair in place; false if they are singular.
 bool InequalityElimination::invert(Pair& pair) {
   const auto [slack, coupling, multiplier] = pair.inverse;
   const double determinant = slack * multiplier - coupling * coupling;

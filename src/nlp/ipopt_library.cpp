@@ -10,8 +10,8 @@
 namespace conddp {
 namespace {
 
-/// Where the module is beside this program. Not by the linker's $ORIGIN, which means the object
-/// that calls dlopen: under sanitizers that is their library.
+/// Path of the module, relative to this program. The linker's $ORIGIN refers to the object that
+/// calls dlopen; under sanitizers, that is their library.
 std::string module_of_this_program() {
   std::error_code error;
   const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error);
@@ -22,8 +22,8 @@ std::string module_of_this_program() {
 SharedLibrary load() {
   const std::string own = module_of_this_program();
   try {
-    // A RUNPATH would do for the first, too, but the linker would look there for every other
-    // library of every program. Programs that use the installed package have one.
+    // A RUNPATH could replace the first path, but the linker would also search it for all other
+    // libraries of all programs. Programs that use the installed package have a RUNPATH.
     return SharedLibrary("the solver 'ipopt'", {own.c_str(), CONDDP_IPOPT_MODULE});
   } catch (const LibraryError& error) {
     throw LibraryError(fmt::format("{}; it is expected as '{}'", error.what(), own));

@@ -18,8 +18,8 @@ struct InteriorPointIterate;
 struct InteriorPointSettings;
 struct IpoptOptionFault;
 
-/// What the shared library made of nlp/ipopt does for the functions of interior_point.hpp and
-/// ipopt_options.hpp. It alone is linked with Ipopt, whose BLAS and linear solver take longer to
+/// Functions of the shared library built from nlp/ipopt, for interior_point.hpp and
+/// ipopt_options.hpp. Only this library links Ipopt, whose BLAS and linear solver take longer to
 /// load than most commands to run.
 struct IpoptLibrary {
   InteriorPointAnswer (*minimise)(NonlinearProgram& program, const Eigen::VectorXd& start,
@@ -33,7 +33,7 @@ struct IpoptLibrary {
       const std::vector<std::pair<std::string, std::variant<int, double, std::string>>>& options);
 };
 
-/// Loaded by the first call. Throws LibraryError if it is missing.
+/// Loads the library on the first call. Throws LibraryError if it is missing.
 const IpoptLibrary& ipopt_library();
 
 }  // namespace conddp

@@ -6,7 +6,7 @@
 
 namespace conddp {
 
-/// Where a sparse matrix can be non-zero: row and column of each entry, in the order of its values.
+/// Structure of a sparse matrix: row and column of each entry, in the order of its values.
 struct Sparsity {
   std::vector<int> rows, columns;
 
@@ -17,8 +17,8 @@ struct Sparsity {
   }
 };
 
-/// minimise f(y) subject to lower ≤ y ≤ upper, row_lower ≤ g(y) ≤ row_upper, with sparse
-/// derivatives whose structure never changes. Infinite bounds are no bounds, equal ones an
+/// minimize f(y) subject to lower ≤ y ≤ upper, row_lower ≤ g(y) ≤ row_upper, with sparse
+/// derivatives of constant structure. Infinite bounds impose no limit; equal bounds are an
 /// equality.
 class NonlinearProgram {
  public:
@@ -34,8 +34,7 @@ class NonlinearProgram {
   /// Lower triangle of the Hessian.
   const Sparsity& hessian_structure() const { return hessian_; }
 
-  /// The point at which everything below is evaluated. Values that are not finite are the caller's
-  /// to notice.
+  /// Sets the point of all evaluations below. The caller checks for values that are not finite.
   virtual void set_point(const double* y) = 0;
   virtual double objective() = 0;
   virtual void gradient(double* out) = 0;

@@ -86,8 +86,8 @@ void StateChart::push_transposed(Eigen::Ref<Eigen::VectorXd> v) const {
   }
 }
 
-// The gradient by coordinates is Rᵀ g; what its derivative has besides Rᵀ (∂g) is (∂R)ᵀ g.
-// An evaluator gives the symmetric part of ∂g, so the symmetric part belongs here, too.
+// The gradient in coordinates is Rᵀ g. Its derivative is Rᵀ (∂g) + (∂R)ᵀ g; this adds the second
+// term. An evaluator gives the symmetric part of ∂g, so only the symmetric part is added here, too.
 void StateChart::add_curvature(const Eigen::Ref<const Eigen::VectorXd>& g,
                                Eigen::Ref<Eigen::MatrixXd> H) {
   for (std::size_t i = 0; i < manifold_.curved().size(); ++i) {
@@ -107,8 +107,8 @@ void StateChart::add_curvature(const Eigen::Ref<const Eigen::VectorXd>& g,
   }
 }
 
-// A tangent step δ moves w by R⁻¹ δ; so the gradient R⁻ᵀ μ by tangent vectors changes by
-// (∂R⁻¹ along R⁻¹ δ)ᵀ μ.
+// A tangent step δ moves w by R⁻¹ δ. Hence the gradient R⁻ᵀ μ in tangent vectors changes by (∂R⁻¹
+// along R⁻¹ δ)ᵀ μ.
 const StateChart::Matrix6& StateChart::coordinate_curvature(
     int segment, const Eigen::Ref<const Eigen::VectorXd>& mu) {
   const Segment& s = manifold_.curved()[segment];

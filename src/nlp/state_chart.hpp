@@ -9,20 +9,20 @@
 
 namespace conddp {
 
-/// Coordinates w of the states near a centre c: x = c ⊕ w, w = x ⊖ c (ndx numbers). On flat parts
-/// the centre is zero, so that their coordinates are the state itself; curved parts have
-/// exponential coordinates, good for rotations by less than π.
+/// Coordinates w of states near a center c: x = c ⊕ w, w = x ⊖ c (ndx numbers). On flat parts the
+/// center is zero, so that coordinates equal the state. Curved parts have exponential coordinates,
+/// valid for rotations by less than π.
 ///
-/// Tangent vectors at a state, in which an evaluator gives all derivatives, follow from coordinates
-/// by δx = R δw, with a block per curved segment that is the right Jacobian of exp, and the
-/// identity on flat parts.
+/// Evaluators give all derivatives in tangent vectors δx at a state. With coordinates, δx = R δw: R
+/// is the right Jacobian of exp in the block of each curved segment, and the identity on flat
+/// parts.
 class StateChart {
  public:
   using Matrix6 = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
 
   explicit StateChart(const StateManifold& manifold);
 
-  /// Moves the centre of the curved parts to a state.
+  /// Moves the center of the curved parts to a state.
   void set_center(const Eigen::Ref<const Eigen::VectorXd>& x);
   /// x = c ⊕ w.
   void state(const double* w, Eigen::Ref<Eigen::VectorXd> x) const;
@@ -31,9 +31,9 @@ class StateChart {
 
   /// Prepares R and R⁻¹ at coordinates w.
   void set_point(const Eigen::Ref<const Eigen::VectorXd>& w);
-  /// v ← Rᵀ v, from a gradient by tangent vectors to one by coordinates.
+  /// v ← Rᵀ v: converts a gradient from tangent vectors to coordinates.
   void pull(Eigen::Ref<Eigen::VectorXd> v) const;
-  /// M ← M R, for the first ndx columns of a derivative by tangent vectors.
+  /// M ← M R, for the first ndx columns of a derivative in tangent vectors.
   void pull_columns(Eigen::Ref<Eigen::MatrixXd> M) const;
   /// H ← Pᵀ H P with P = blockdiag(R, I).
   void pull_hessian(Eigen::Ref<Eigen::MatrixXd> H) const;
@@ -41,21 +41,21 @@ class StateChart {
   void push_rows(Eigen::Ref<Eigen::MatrixXd> M) const;
   /// v ← R⁻ᵀ v.
   void push_transposed(Eigen::Ref<Eigen::VectorXd> v) const;
-  /// H += ∂²(gᵀ (x(w) ⊖ x)) / ∂w²: the curvature of the chart, where g is a gradient by tangent
+  /// H += ∂²(gᵀ (x(w) ⊖ x)) / ∂w²: curvature of the chart, where g is a gradient in tangent
   /// vectors.
   void add_curvature(const Eigen::Ref<const Eigen::VectorXd>& g, Eigen::Ref<Eigen::MatrixXd> H);
-  /// The second derivative of μᵀ w(x) by tangent vectors at x, block by block (n x n in the top
-  /// left): what makes coordinates of the dynamics' image curved.
+  /// Second derivative of μᵀ w(x) in tangent vectors at x, for one curved segment (n x n in the top
+  /// left). It is the curvature that coordinates add to the image of the dynamics.
   const Matrix6& coordinate_curvature(int segment, const Eigen::Ref<const Eigen::VectorXd>& mu);
 
-  /// Largest rotation of a curved part from its centre, rad.
+  /// Largest rotation of a curved part from its center, rad.
   double angle(const Eigen::Ref<const Eigen::VectorXd>& w) const;
 
  private:
   const StateManifold& manifold_;
   Eigen::VectorXd center_;
   Eigen::VectorXd w_;
-  AlignedVector<double> jacobian_, inverse_, scratch_;  ///< R and R⁻¹, blocks by rows
+  AlignedVector<double> jacobian_, inverse_, scratch_;  ///< R and R⁻¹, row-major blocks
   AlignedVector<Dual<double>> dual_w_, dual_a_, dual_b_;
   Matrix6 curvature_;
 };

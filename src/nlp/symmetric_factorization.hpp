@@ -4,26 +4,25 @@
 
 namespace conddp {
 
-/// Solves systems with a sparse symmetric matrix that need not be definite, one after another with
-/// the same structure.
+/// Solves a sequence of sparse symmetric systems of the same structure, which need not be definite.
 class SymmetricFactorization {
  public:
   enum class Outcome { done, singular };
 
   virtual ~SymmetricFactorization() = default;
 
-  /// Takes the structure: rows and columns of `entries` entries of one triangle, from 0. Entries at
-  /// one place add up, and one may be named from either side of the diagonal.
+  /// Sets the structure: rows and columns of `entries` entries of one triangle, from 0. Entries at
+  /// the same place add up; an entry may be named from either side of the diagonal.
   virtual void analyse(int size, int entries, const int* rows, const int* columns) = 0;
 
-  /// Factorizes the matrix with these values, in the order of the structure. A pivot has to be
-  /// `pivot_tolerance`, of (0, ½], of the other entries in its column.
+  /// Factorizes the matrix with these values, in the order of the structure. A pivot must be at
+  /// least `pivot_tolerance`, in (0, ½], times the other entries in its column.
   virtual Outcome factorize(const double* values, double pivot_tolerance) = 0;
 
-  /// Replaces b by the solution of A x = b, after `factorize` was `done`.
+  /// Replaces b by the solution of A x = b. The last `factorize` must have returned `done`.
   virtual void solve(double* b) const = 0;
 
-  /// How many eigenvalues of the factorized matrix are negative.
+  /// Number of negative eigenvalues of the factorized matrix.
   virtual int negative_eigenvalues() const = 0;
 };
 

@@ -8,8 +8,7 @@
 namespace conddp {
 namespace {
 
-/// Values up to which the larger one of a pair may stand at zero as well: more than a barrier
-/// leaves.
+/// Up to this value, the larger variable of a pair may be at zero as well; a barrier leaves less.
 constexpr double kAtZero = 1e-5;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -70,7 +69,7 @@ Eigen::VectorXd Transcription::point_of(const Trajectory& trajectory) const {
   return y;
 }
 
-/// What the rows at a trajectory miss their bounds by.
+/// Sets slacks to the violations of the rows at a trajectory.
 void Transcription::set_slacks(const Trajectory& trajectory, Eigen::VectorXd& y) const {
   Evaluation here(problem_);
   evaluator_.evaluate(trajectory, here);
@@ -120,7 +119,7 @@ double Transcription::chart_angle() const {
   return largest;
 }
 
-/// The gaps in the charts of the next nodes, from those at the states.
+/// Converts gaps at the states to gaps in the charts of the next nodes.
 void Transcription::read_charts(const Eigen::MatrixXd& gap) {
   gap_rows_ = gap;
   if (!curved_) return;
@@ -192,7 +191,7 @@ void Transcription::gradient(double* out) {
   if (is_penalty()) add_penalty_gradient(out);
 }
 
-/// Of z s/ε.
+/// Gradient of z s/ε.
 void Transcription::add_penalty_gradient(double* out) const {
   for (const Pair& pair : pairs_) {
     out[pair.z] += penalty_slope(pair.s);
@@ -250,7 +249,7 @@ void Transcription::jacobian(double* out) {
   }
 }
 
-/// Entries of the rows of a node's constraints. Returns where those behind them start.
+/// Writes the entries of a node's constraint rows. Returns the position after them.
 double* Transcription::write_row_entries(int k, double* out) {
   const KnotLinearization& knot = linearization_.knots[k];
   for (const Row& row : rows_[k]) {
@@ -265,7 +264,7 @@ double* Transcription::write_row_entries(int k, double* out) {
   return out;
 }
 
-/// Likewise of a knot's gap.
+/// Writes the entries of a knot's gap rows. Returns the position after them.
 double* Transcription::write_gap_entries(int k, double* out) {
   const KnotLinearization& knot = linearization_.knots[k];
   fill_dynamics(knot);
@@ -279,7 +278,7 @@ double* Transcription::write_gap_entries(int k, double* out) {
   return std::fill_n(out, kinematic_rows_[k].size(), knot.dt);
 }
 
-/// Fills mu_, costates_ and the multipliers of lagrangian_ from those of the rows.
+/// Fills mu_, costates_ and the multipliers of lagrangian_ from the multipliers of the rows.
 void Transcription::spread(const double* rows) {
   differentiate();
   costates_.col(0).setZero();
@@ -295,7 +294,7 @@ void Transcription::spread(const double* rows) {
   }
 }
 
-/// The multipliers of a node's constraints. Returns where those of the next rows start.
+/// Reads the multipliers of a node's constraints. Returns the position of the next rows.
 const double* Transcription::spread_constraints(int k, const double* rows) {
   for (const Row& row : rows_[k]) {
     const double multiplier = *rows++;
@@ -316,7 +315,7 @@ void Transcription::read_multipliers(const double* rows, Eigen::MatrixXd& costat
   for (const Pair& pair : pairs_) read_pair(pair, slope, nu);
 }
 
-/// The Lagrangian's gradient without what the rows of pairs contribute.
+/// Gradient of the Lagrangian without the rows of pairs.
 Eigen::VectorXd Transcription::slope_without_pairs(const double* rows) {
   Eigen::VectorXd slope(variables()), entries(jacobian_.size());
   gradient(slope.data());
@@ -338,7 +337,7 @@ void Transcription::read_pair(const Pair& pair, const Eigen::VectorXd& slope,
     std::swap(row, other_row);
   }
   nu[row] = -slope[smaller] + penalty_slope(larger);
-  // The other one has some where it stands at zero as well.
+  // The larger variable has a multiplier only if it is at zero as well.
   const double rest = slope[larger] - penalty_slope(smaller);
   nu[other_row] = std::abs(y_[larger]) <= kAtZero ? -std::max(0.0, rest) : 0;
 }
@@ -398,7 +397,7 @@ void Transcription::write_multipliers(const Eigen::MatrixXd& costates, const Eig
   int index = 0;
   for (int k = 0; k <= problem_.knots(); ++k) {
     for (const Row& row : rows_[k]) {
-      // Where it has a multiplier a squared norm is as steep as the norm.
+      // Where its multiplier is nonzero, a squared norm is as steep as the norm.
       const double multiplier =
           is_cone(row) ? cone_row(row).multiplier(nu.data() + row.first, row.count) : nu[row.first];
       rows[index++] = multiplier;
@@ -413,7 +412,7 @@ void Transcription::write_multipliers(const Eigen::MatrixXd& costates, const Eig
   }
 }
 
-/// Of a knot's control, from ∇_u of the Lagrangian without its bounds.
+/// Bound multipliers of a knot's control, from ∇_u of the Lagrangian without its bounds.
 void Transcription::write_bound_multipliers(int k, const Eigen::VectorXd& gradient,
                                             Eigen::VectorXd& lower, Eigen::VectorXd& upper) const {
   for (int i = 0; i < problem_.nu(k); ++i) {

@@ -3,12 +3,12 @@
 namespace conddp {
 namespace {
 
-/// Weight that stands for none where the Lagrangian's Hessian is asked for without the cost.
+/// Stands for weight 0 if the Lagrangian's Hessian is evaluated without the cost.
 constexpr double kNoWeight = 1e-30;
 
 }  // namespace
 
-/// weight Cᵀ ∇²h C of pairs.
+/// Adds weight Cᵀ ∇²h C of pairs.
 void Transcription::add_pair_curvature(const Row& row, double weight,
                                        Eigen::Ref<Eigen::MatrixXd> hessian) {
   const std::vector<RowBlock>& blocks = row.constraint->term->blocks;
@@ -24,7 +24,7 @@ void Transcription::add_pair_curvature(const Row& row, double weight,
   }
 }
 
-/// The curvature of the next node's chart, where the dynamics lead into it.
+/// Adds the curvature of the next node's chart, seen through the dynamics.
 void Transcription::add_gap_curvature(int k, Eigen::Ref<Eigen::MatrixXd> hessian) {
   const auto& curved = problem_.manifold().curved();
   for (std::size_t i = 0; i < curved.size(); ++i) {
@@ -38,7 +38,7 @@ void Transcription::add_gap_curvature(int k, Eigen::Ref<Eigen::MatrixXd> hessian
 
 void Transcription::hessian(double weight, const double* multipliers, double* out) {
   spread(multipliers);
-  // The evaluator has the cost with weight one.
+  // The evaluator weights the cost with one; the multipliers are divided by `weight` instead.
   if (!gauss_newton_ && weight == 0) weight = kNoWeight;
   evaluate_hessians(weight);
   for (int k = 0; k <= problem_.knots(); ++k) {
@@ -54,7 +54,8 @@ void Transcription::hessian(double weight, const double* multipliers, double* ou
   if (spare_ >= 0) *out = weight;
 }
 
-/// Into the linearisation: Gauss-Newton's, or exact ones of cost + (λᵀf + νᵀg) / weight.
+/// Evaluates the Hessians of the linearization: Gauss-Newton, or exact for cost + (λᵀf + νᵀg) /
+/// weight.
 void Transcription::evaluate_hessians(double weight) {
   if (gauss_newton_) {
     if (exact_in_place_) {
@@ -71,14 +72,14 @@ void Transcription::evaluate_hessians(double weight) {
   costates_ *= weight;
 }
 
-/// Curvature that a node's rows have beside that of their constraint rows, with the multipliers of
-/// its rows.
+/// Adds the curvature of a node's rows in excess of their constraint rows' curvature, with the
+/// multipliers of the rows.
 void Transcription::add_row_curvature(int k, const double* multipliers, Eigen::MatrixXd& H) {
   for (const Row& row : rows_[k]) add_row_curvature(row, *multipliers++, H);
 }
 
-/// Gauss-Newton Hessians stay convex: there rows count where the multiplier has the sign that it
-/// has at a solution.
+/// Keeps Gauss-Newton Hessians convex: norms and cones contribute only if the multiplier has its
+/// sign at a solution.
 void Transcription::add_row_curvature(const Row& row, double multiplier, Eigen::MatrixXd& H) {
   const int k = row.constraint->node;
   const auto C =
@@ -91,7 +92,7 @@ void Transcription::add_row_curvature(const Row& row, double multiplier, Eigen::
                                 multiplier, H);
 }
 
-/// From the tangent of a node's state to the coordinates of its chart.
+/// Converts a Hessian from tangent vectors at a node's state to coordinates of its chart.
 void Transcription::pull_to_chart(int k, double weight, Eigen::MatrixXd& H) {
   if (gauss_newton_) {
     if (k > 0) charts_[k].pull_hessian(H);
@@ -113,7 +114,7 @@ void Transcription::pull_to_chart(int k, double weight, Eigen::MatrixXd& H) {
   charts_[k].add_curvature(gradient.head(problem_.ndx()), H);
 }
 
-/// Of z s/ε in the objective.
+/// Adds the curvature of z s/ε in the objective.
 void Transcription::add_penalty_curvature(int k, double weight, Eigen::MatrixXd& H) const {
   for (const Pair& pair : pairs_) {
     if (pair.node != k) continue;

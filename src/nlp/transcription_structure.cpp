@@ -1,4 +1,4 @@
-// Variables, rows and where derivatives can be non-zero: what never changes of a transcription.
+// Constant structure of a transcription: variables, rows and sparsity of derivatives.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Makes a column of a curved segment stand for all of them, which charts mix.
+/// Extends a column of a curved segment to the whole segment, which charts mix.
 void close_over_segments(const StateManifold& manifold, std::vector<bool>& columns) {
   for (const StateManifold::Segment& s : manifold.curved()) {
     const auto first = columns.begin() + s.dx;
@@ -40,7 +40,7 @@ void Transcription::add_variables() {
   }
 }
 
-/// A choice of the initial state moves some of its coordinates and what states carry along.
+/// A free initial state moves its chosen coordinates and the numbers that states carry along.
 void Transcription::find_given_columns() {
   const KnotModel& model = *problem_.knot(0).model;
   if (!problem_.phases().front().instant || model.integrator() != Integrator::explicit_euler)
@@ -50,7 +50,7 @@ void Transcription::find_given_columns() {
   for (const int column : chosen_coordinates(model.system())) given_[column] = false;
 }
 
-/// Whether nothing can change what depends on these columns of a node.
+/// True if nothing can change a function of these columns of a node.
 bool Transcription::is_given(int node, const std::vector<bool>& columns) const {
   if (node != 1 || given_.empty()) return false;
   for (int c = 0; c < static_cast<int>(columns.size()); ++c)
@@ -58,8 +58,8 @@ bool Transcription::is_given(int node, const std::vector<bool>& columns) const {
   return true;
 }
 
-/// Columns of z on which `count` constraint rows of a node depend, without x_0; none where nothing
-/// can change them.
+/// Columns of z that `count` constraint rows of a node depend on, without x_0. Empty if nothing can
+/// change them.
 std::vector<int> Transcription::columns_of(int k, int first, int count) const {
   const KnotModel& model = *problem_.knot(k).model;
   const int offset = first - problem_.constraint_offset(k);
@@ -91,13 +91,13 @@ void Transcription::add_row(const NodeConstraint& constraint, int first, int cou
   rows_[k].push_back(std::move(row));
 }
 
-/// A norm has a kink at 0, where a control within a disc may well be, at first and at last. Its
-/// square has none. Divided by twice the bound it is as steep as the norm there, so that a unit of
-/// it stays one. Where the norm has to stay above a bound its own row is the better one: steps that
-/// hold its tangent stay outside.
+/// A norm has a kink at 0, where a control within a disc may well be, initially and at the
+/// solution. Its square is smooth. Divided by twice the bound, the square is as steep as the norm
+/// at the bound, so that the row keeps its unit. If the norm has a lower bound, its own row is
+/// better: steps along its tangent stay outside.
 void Transcription::add_norm(const NodeConstraint& constraint) {
   const double lower = *constraint.lower, upper = *constraint.upper;
-  // Of a soft one the row is to be the distance.
+  // A soft row must be the distance itself.
   const bool squared = !constraint.is_soft() && lower <= 0 && upper > 0 && std::isfinite(upper);
   if (squared)
     add_row(constraint, constraint.row, 1, -kInfinity, 0.5 * upper, upper);
@@ -105,7 +105,8 @@ void Transcription::add_norm(const NodeConstraint& constraint) {
     add_row(constraint, constraint.row, 1, lower, upper);
 }
 
-/// The surface's multiplier η of a cone, whose gradient is √2 long, stands for η √2.
+/// The gradient of a cone row is √2 long on the surface, so its multiplier η represents a vector of
+/// length η √2.
 void Transcription::add_slacks(Row& row, int index, double lower, double upper) {
   row.first_slack = static_cast<int>(slacks_.size());
   const double limit = row.constraint->limit;
@@ -122,7 +123,7 @@ void Transcription::add_slacks(Row& row, int index, double lower, double upper) 
   if (std::isfinite(upper)) add(-1);
 }
 
-/// Controls that are complementary: their bounds, and the relaxed rows.
+/// Adds complementary controls: their bounds, and the relaxed rows.
 void Transcription::add_pairs(const NodeConstraint& constraint) {
   const ConstraintTerm& term = *constraint.term;
   const int variable = base_[constraint.node];
@@ -151,9 +152,9 @@ std::vector<int> Transcription::find_kinematic_rows(int node) const {
 
 namespace {
 
-/// Which rows of a gap depend on which columns of z. With the steps of a stepping system each
-/// configuration depends on itself, on its velocity and on that velocity's acceleration, all of a
-/// curved part on all of it.
+/// Sparsity of a gap's rows in the columns of z. With a stepping system, each configuration
+/// coordinate depends on itself, on its velocity and on that velocity's acceleration. On a curved
+/// part, each coordinate depends on the whole part.
 class GapPattern {
  public:
   GapPattern(const ShootingProblem& problem, const KnotModel& model,
@@ -172,7 +173,7 @@ class GapPattern {
  private:
   bool has_in_linear_step(int row, int column) const {
     const int nv = ndx_ / 2;
-    // The accelerations of a stepping system are controls of their own.
+    // Accelerations of a stepping system are controls.
     const bool is_a = column >= *first_a_ && column < *first_a_ + nv;
     if (column >= ndx_ && !is_a) return false;
     const int joint = is_a ? column - *first_a_ : column % nv;
@@ -189,12 +190,12 @@ class GapPattern {
   const StateManifold& manifold_;
   int ndx_;
   const std::vector<int>& kinematic_rows_;
-  std::optional<int> first_a_;  ///< of a linear step
+  std::optional<int> first_a_;  ///< first acceleration column of a linear step
 };
 
 }  // namespace
 
-/// The gap (f(x, u) ⊖ c) − w.
+/// Adds the gap rows (f(x, u) ⊖ c) − w.
 void Transcription::add_gap_rows(int k) {
   const int ndx = problem_.ndx();
   const KnotModel& model = *problem_.knot(k).model;
@@ -223,7 +224,7 @@ bool is_equality(const NodeConstraint& c, int row) {
   return !c.is_soft() && c.term->kind == ConstraintKind::bounds && c.lower[row] == c.upper[row];
 }
 
-/// The column of z on which a row depends alone, and affinely; −1: there is none.
+/// The only column of z that a row depends on, and affinely; −1 otherwise.
 int lone_column(const ConstraintTerm& term, int row) {
   for (const RowBlock& block : term.blocks) {
     if (row < block.rows)
@@ -235,7 +236,7 @@ int lone_column(const ConstraintTerm& term, int row) {
 
 }  // namespace
 
-/// Which columns equalities of a node leave one value.
+/// Finds the columns that equalities of a node fix.
 void Transcription::find_fixed_columns(std::span<const NodeConstraint> of_node, int node) {
   fixed_.assign(problem_.knot(node).model->nz(), false);
   for (const NodeConstraint& c : of_node)
@@ -269,8 +270,8 @@ void Transcription::add_constraint(const NodeConstraint& constraint) {
   }
 }
 
-/// Bounds on what an equality fixes are no rows: where it lies on one of them, the two together
-/// have no multipliers of their own.
+/// Bounds on a column that an equality fixes are omitted: if its value is at a bound, the two
+/// multipliers are not unique.
 void Transcription::add_bounds(const NodeConstraint& constraint) {
   for (int i = 0; i < constraint.term->rows; ++i) {
     if (!std::isfinite(constraint.lower[i]) && !std::isfinite(constraint.upper[i])) continue;
@@ -280,13 +281,13 @@ void Transcription::add_bounds(const NodeConstraint& constraint) {
   }
 }
 
-/// Where the Hessian of a knot can be non-zero.
+/// Sparsity of a knot's Hessian.
 class Transcription::BlockPattern {
  public:
   BlockPattern(int size, bool full) : used_(size, std::vector<bool>(size, full)) {}
 
   bool has(int row, int column) const { return used_[row][column]; }
-  /// This entry and its mirror image.
+  /// Adds this entry and its mirror image.
   void add(int a, int b) { used_[a][b] = used_[b][a] = true; }
   void add_all(const std::vector<int>& columns) {
     for (const int a : columns)
@@ -310,7 +311,7 @@ class Transcription::BlockPattern {
   std::vector<std::vector<bool>> used_;
 };
 
-/// The entries that the curvature of steps on curved parts fills.
+/// Adds the entries that the curvature of steps on curved parts fills.
 void Transcription::add_step_curvature(const KnotModel& model, BlockPattern& used) const {
   if (!has_linear_step(model.system())) return;
   const int ndx = problem_.ndx(), nv = ndx / 2;
@@ -323,7 +324,7 @@ void Transcription::add_step_curvature(const KnotModel& model, BlockPattern& use
   }
 }
 
-/// The entries of relaxed pairs, as rows or in the objective.
+/// Adds the entries of relaxed pairs, in rows or in the objective.
 void Transcription::add_pair_entries(int k, BlockPattern& used) const {
   for (const Row& row : rows_[k]) {
     if (!has_pairs(row)) continue;
@@ -338,9 +339,9 @@ void Transcription::add_pair_entries(int k, BlockPattern& used) const {
     if (pair.node == k) used.add(pair.z - base_[k], pair.s - base_[k]);
 }
 
-/// Exact Hessians fill the block of a knot, as the dynamics do, unless those are linear, or so but
-/// on curved parts, which depend on themselves, their velocities and accelerations; Gauss-Newton
-/// ones have gaps.
+/// True if the dynamics fill a knot's block of an exact Hessian. Linear steps leave it sparse.
+/// Steps that are nonlinear only on curved parts fill the entries of these parts, their velocities
+/// and accelerations. Gauss-Newton Hessians are sparse, too.
 bool Transcription::has_full_hessian(int k) const {
   if (options_.gauss_newton || k == problem_.knots()) return false;
   const KnotModel& model = *problem_.knot(k).model;

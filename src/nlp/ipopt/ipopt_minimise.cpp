@@ -28,7 +28,7 @@ using Ipopt::Number;
 using Ipopt::SmartPtr;
 using End = InteriorPointEnd;
 
-/// What Ipopt takes for infinite.
+/// Ipopt treats this value as infinite.
 constexpr double kIpoptInfinity = 2e19;
 
 double as_bound(double value) { return std::clamp(value, -kIpoptInfinity, kIpoptInfinity); }
@@ -37,7 +37,7 @@ bool all_finite(const double* values, int n) {
   return Eigen::Map<const Eigen::VectorXd>(values, n).allFinite();
 }
 
-/// A NonlinearProgram as Ipopt wants to see it.
+/// A NonlinearProgram as an Ipopt TNLP.
 class Program : public Ipopt::TNLP {
  public:
   Program(NonlinearProgram& program, const Eigen::VectorXd& start, const PrimalDualPoint* warm,
@@ -50,7 +50,7 @@ class Program : public Ipopt::TNLP {
         answer_(answer),
         y_(start) {}
 
-  /// Ipopt's own view of this program, which tells variables from its vectors.
+  /// Sets Ipopt's own adapter of this program, which extracts the variables from Ipopt's vectors.
   void set_adapter(Ipopt::TNLPAdapter* adapter) { adapter_ = adapter; }
 
   bool get_nlp_info(Index& n, Index& m, Index& jacobian, Index& hessian,
@@ -135,7 +135,7 @@ class Program : public Ipopt::TNLP {
                              Ipopt::IpoptCalculatedQuantities* quantities) override {
     const bool restoration = mode == Ipopt::RestorationPhaseMode;
     SmartPtr<const Ipopt::Vector> x = data->curr()->x();
-    // The restoration phase has slacks of its own behind the variables.
+    // The restoration phase appends its own slacks to the variables.
     if (restoration)
       if (const auto* parts = dynamic_cast<const Ipopt::CompoundVector*>(Ipopt::GetRawPtr(x)))
         x = parts->GetComp(0);
@@ -195,7 +195,7 @@ void set_option(Ipopt::OptionsList& list, const std::string& name, const IpoptVa
     list.SetNumericValue(name, number);
 }
 
-/// What a return code means.
+/// Meaning of a return code.
 struct Meaning {
   Ipopt::ApplicationReturnStatus code;
   End end;
@@ -227,18 +227,18 @@ constexpr std::array kMeanings = {
 constexpr std::array<std::pair<const char*, int>, 2> kMinimumFill = {
     {{"mumps_pivot_order", 2}, {"mumps_permuting_scaling", 0}}};
 
-/// Of a pivot to the largest entry of its column, at first and where steps are not accurate enough.
+/// Ratio of a pivot to the largest entry of its column: initially, and if steps are inaccurate.
 constexpr double kPivotTolerance = 1e-6, kLargestPivotTolerance = 0.1;
 
 constexpr double kSmallestWarmBarrier = 1e-13;
 
-/// An Ipopt without MUMPS does not know these options.
+/// Ipopt without MUMPS does not know these options.
 void set_minimum_fill(Ipopt::OptionsList& list) {
   for (const auto& [name, value] : kMinimumFill)
     if (!check_registered_option(name, value)) list.SetIntegerValue(name, value);
 }
 
-/// Whether an option says how linear systems are to be solved.
+/// True if an option configures the linear solver.
 bool is_of_linear_solver(const std::string& name) {
   return name == "linear_solver" || name == "linear_system_scaling" || name.starts_with("mumps_");
 }
@@ -294,7 +294,7 @@ InteriorPointAnswer ipopt_minimise(
     own_linear_solver.emplace(settings.make_factorization);
     set_own_linear_solver(*application->Options());
   }
-  // An empty name: otherwise a file ipopt.opt in the working folder would be read.
+  // With an empty name, Ipopt does not read a file ipopt.opt in the working folder.
   if (application->Initialize("") != Ipopt::Solve_Succeeded)
     throw std::invalid_argument("Ipopt does not accept its options");
 

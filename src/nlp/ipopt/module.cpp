@@ -1,4 +1,4 @@
-// The one symbol of the shared library that conddp loads for the solver `ipopt`.
+// The only symbol of the shared library that conddp loads for the solver `ipopt`.
 #include "nlp/ipopt/ipopt_minimise.hpp"
 #include "nlp/ipopt/option_trial.hpp"
 #include "nlp/ipopt/registered_options.hpp"

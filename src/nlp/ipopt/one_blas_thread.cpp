@@ -5,8 +5,8 @@
 namespace conddp {
 namespace {
 
-/// A function of the BLAS that came with Ipopt; null where that has none of this name. Which BLAS
-/// it is, the system decides when it is loaded.
+/// A function of the BLAS loaded with Ipopt; null if the BLAS lacks a function of this name. The
+/// system chooses the BLAS at load time.
 template <class Function>
 Function* blas_function(const char* name) {
   return reinterpret_cast<Function*>(dlsym(RTLD_DEFAULT, name));

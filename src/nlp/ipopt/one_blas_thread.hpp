@@ -2,8 +2,8 @@
 
 namespace conddp {
 
-/// While it lives, products of an OpenBLAS that has threads use one: sums depend on how many share
-/// them, and answers must not. Any other BLAS is left as it is.
+/// While alive, limits a multithreaded OpenBLAS to one thread: sums depend on the number of
+/// threads, and answers must not. Any other BLAS is left unchanged.
 class OneBlasThread {
  public:
   OneBlasThread();
@@ -12,7 +12,7 @@ class OneBlasThread {
   OneBlasThread& operator=(const OneBlasThread&) = delete;
 
  private:
-  int threads_before_ = 0;  ///< 0: there is nothing to put back
+  int threads_before_ = 0;  ///< 0 if there is nothing to restore
 };
 
 }  // namespace conddp

@@ -7,7 +7,7 @@
 namespace conddp {
 namespace {
 
-/// minimise ½‖y‖² subject to y₀ + y₁ = 1, y₀ − y₁ ≤ 3, 0 ≤ y₀
+/// minimize ½‖y‖² subject to y₀ + y₁ = 1, y₀ − y₁ ≤ 3, 0 ≤ y₀
 class TrialProgram : public NonlinearProgram {
  public:
   TrialProgram() {

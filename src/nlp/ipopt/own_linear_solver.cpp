@@ -16,14 +16,14 @@ namespace conddp {
 #if CONDDP_HAS_HSL_LOADER
 namespace {
 
-/// Places in MA27's arrays of information (HSL: MA27, specification), from 0.
+/// Indices in MA27's arrays of information (HSL: MA27, specification), from 0.
 enum Information { kFlag = 0, kRealSize = 4, kIntegerSize = 5, kNegativeEigenvalues = 14 };
 constexpr int kInformation = 20, kControls = 30, kTolerances = 5;
-/// A matrix is singular.
+/// The matrix is singular.
 constexpr int kSingular = -5;
 
 MakeFactorization make_factorization = nullptr;
-/// By number, which the integer arrays carry from one call to the next.
+/// By number; Ipopt's integer arrays carry the number from one call to the next.
 std::vector<std::unique_ptr<SymmetricFactorization>> factorizations;
 
 SymmetricFactorization& numbered(const int* array) {
@@ -49,7 +49,7 @@ void analyse(int* size, int* entries, const int* rows, const int* columns, int*,
   factorizations.back()->analyse(*size, *entries, from_zero(rows, *entries).data(),
                                  from_zero(columns, *entries).data());
   std::fill_n(info, kInformation, 0);
-  // The arrays that Ipopt allocates are not used, but for the number.
+  // Ipopt's arrays are unused, except for the number.
   info[kRealSize] = info[kIntegerSize] = 1;
   *steps = 1;
   *operations = 0;

@@ -4,9 +4,9 @@
 
 namespace conddp {
 
-/// While it lives, Ipopt's linear solver of the name `name()` is a factorization of ours. Ipopt's
-/// interfaces for linear solvers are not among its installed headers; what is, is a place for the
-/// functions of HSL's MA27, which a user may have as a library and Debian has not. One at a time.
+/// While alive, Ipopt's linear solver `name()` is our own factorization. Ipopt does not install the
+/// headers of its linear-solver interfaces. It does install a slot for the functions of HSL's MA27,
+/// which a user may have as a library and Debian lacks. Only one may exist at a time.
 class OwnLinearSolver {
  public:
   explicit OwnLinearSolver(MakeFactorization make);
@@ -14,9 +14,9 @@ class OwnLinearSolver {
   OwnLinearSolver(const OwnLinearSolver&) = delete;
   OwnLinearSolver& operator=(const OwnLinearSolver&) = delete;
 
-  /// Whether this Ipopt has that place.
+  /// True if this Ipopt has that slot.
   static bool is_possible();
-  /// What Ipopt's options call it, and its limits of pivots.
+  /// Ipopt's option names of the solver and its pivot tolerances.
   static const char* name() { return "ma27"; }
   static const char* pivot_tolerance() { return "ma27_pivtol"; }
   static const char* largest_pivot_tolerance() { return "ma27_pivtolmax"; }

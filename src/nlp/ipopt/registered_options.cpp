@@ -14,7 +14,8 @@ namespace {
 using Ipopt::RegisteredOption;
 using Ipopt::RegisteredOptions;
 
-/// What the tool sets itself, and what would make a library write to a terminal or to files.
+/// An option that the tool sets itself, or that would make a library write to a terminal or to
+/// files.
 struct Reserved {
   std::string_view name, reason;
 };
@@ -81,7 +82,7 @@ std::string upper_limit(const RegisteredOption& option) {
   return fmt::format("{} {}", option.UpperStrict() ? "less than" : "at most", option.UpperNumber());
 }
 
-/// "at least 0 and less than 1".
+/// A range in words: "at least 0 and less than 1".
 std::string range(const RegisteredOption& option) {
   std::vector<std::string> limits;
   if (option.HasLower()) limits.push_back(lower_limit(option));
@@ -111,7 +112,7 @@ std::string number_fault(const RegisteredOption& option, const IpoptValue& value
   return fmt::format("must be {}, not {}", range(option), *number);
 }
 
-/// What is wrong with a value, or nothing.
+/// Reason why a value is invalid; empty if it is valid.
 std::string value_fault(const RegisteredOption& option, const IpoptValue& value) {
   return option.Type() == Ipopt::OT_String ? text_fault(option, value)
                                            : number_fault(option, value);

@@ -9,7 +9,7 @@
 
 namespace conddp {
 
-/// The functions of ipopt_options.hpp, by the table of options that Ipopt itself keeps.
+/// Functions of ipopt_options.hpp, based on Ipopt's own table of options.
 const std::vector<std::string>& registered_option_names();
 bool is_registered_integer(std::string_view name);
 std::optional<IpoptOptionFault> check_registered_option(std::string_view name,

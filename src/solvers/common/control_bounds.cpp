@@ -9,7 +9,7 @@
 namespace conddp {
 namespace {
 
-/// u = ū + (bound − ū) may miss the bound by a rounding of its operands.
+/// u = ū + (bound − ū) may miss the bound by a rounding error of its operands.
 bool meets(double u, double bound) {
   constexpr double kRounding = 8 * std::numeric_limits<double>::epsilon();
   return std::isfinite(bound) && std::abs(u - bound) <= kRounding * std::max(std::abs(bound), 1.0);

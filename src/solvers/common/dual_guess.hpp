@@ -6,12 +6,12 @@
 
 namespace conddp {
 
-/// Multipliers to start from, of a former answer, in the conventions of SolveResult.
+/// Initial multipliers from a former answer, in the conventions of SolveResult.
 struct DualGuess {
-  Eigen::VectorXd constraints;  ///< one a constraint row of the problem; 0 where none is known
-  /// ndx x (N + 1), or empty where they are not known; only `ipopt` starts from them.
+  Eigen::VectorXd constraints;  ///< by constraint row of the problem; 0 if unknown
+  /// ndx x (N + 1), empty if unknown. Only `ipopt` starts from them.
   Eigen::MatrixXd costates;
-  /// ∇_u of the Lagrangian without the bounds' terms, one a knot; empty where not known.
+  /// ∇_u of the Lagrangian without the bounds' terms, by knot; empty if unknown.
   std::vector<Eigen::VectorXd> control_gradient;
 };
 

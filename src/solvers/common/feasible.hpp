@@ -4,7 +4,7 @@
 
 namespace conddp {
 
-/// Whether all residuals but the stationarity are under tolerance, of a row of the log
+/// True if all residuals except stationarity are within tolerance, for a row of the log
 /// (IterationRecord) or an answer (Residuals).
 template <class Residuals>
 bool is_feasible(const Residuals& at, const SolverOptions::Tolerances& tolerances) {

@@ -7,7 +7,7 @@
 namespace conddp {
 namespace {
 
-/// Of a node; empty where all of it is finite.
+/// First quantity of a node that is not finite; empty if all are finite.
 std::string_view non_finite_quantity(const Linearization& linearization, int node) {
   const KnotLinearization& knot = linearization.knots[node];
   const bool has_next = node < linearization.gap.cols();
@@ -15,7 +15,7 @@ std::string_view non_finite_quantity(const Linearization& linearization, int nod
       {"cost", std::isfinite(linearization.cost[node])},
       {"constraint", std::isfinite(linearization.augmentation[node])},
       {"next state", !has_next || all_finite(linearization.gap.col(node))},
-      {"dynamics Jacobian", all_finite(knot.F)},  // before what may be made with it
+      {"dynamics Jacobian", all_finite(knot.F)},  // before quantities that may be computed from it
       {"cost gradient", all_finite(knot.gradient)},
       {"Hessian", all_finite(knot.hessian())}};
   const auto* found =

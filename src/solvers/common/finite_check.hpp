@@ -7,19 +7,19 @@
 
 namespace conddp {
 
-/// Like Eigen's allFinite, but vectorised.
+/// Vectorized equivalent of Eigen's allFinite.
 template <class Matrix>
 bool all_finite(const Matrix& A) {
   return (A.array() * 0.0).sum() == 0;
 }
 
-/// Where a linearisation is not finite.
+/// Location of the first non-finite quantity of a linearization.
 struct NonFinite {
   int knot;
   std::string_view quantity;  ///< "cost", "next state", "cost gradient", ...
 };
 
-/// The first knot with a quantity that is not finite, if there is one.
+/// First knot with a non-finite quantity, if any.
 std::optional<NonFinite> find_non_finite(const Linearization& linearization);
 
 }  // namespace conddp

@@ -271,7 +271,7 @@ constexpr std::array kTable = {
 template <class T>
 concept Choice = std::is_enum_v<T>;
 
-/// The upper end of an option's range in words, after its lower end; empty where there is none.
+/// Upper end of an option's range in words, after its lower end; empty if unlimited.
 std::string describe_max(const OptionInfo& info) {
   if (info.max == kInfinity) return info.max_excluded ? " and finite" : "";
   return fmt::format(" and {} {}", info.max_excluded ? "<" : "at most", info.max);
@@ -294,7 +294,7 @@ std::string list_choices(const OptionInfo& info) {
   return list;
 }
 
-/// Writes a choice by its name. The reason why not, if there is one.
+/// Sets a choice by its name. Returns the reason if it cannot.
 template <Choice T>
 std::optional<std::string> set_value(const OptionInfo& info, const OptionValue& value, T& target) {
   const std::string* text = std::get_if<std::string>(&value);
@@ -305,7 +305,7 @@ std::optional<std::string> set_value(const OptionInfo& info, const OptionValue& 
   return std::nullopt;
 }
 
-/// Likewise a number.
+/// Sets a number. Returns the reason if it cannot.
 template <class T>
 std::optional<std::string> set_value(const OptionInfo& info, const OptionValue& value, T& target) {
   const std::optional<double> number = number_in(value);
@@ -327,7 +327,7 @@ void check_ipopt_options(const SolverOptions& options, std::vector<std::string>&
   }
 }
 
-/// Pairs of options of which the first must not exceed the second.
+/// Checks pairs of options where the first must not exceed the second.
 void check_order(const SolverOptions& options, std::vector<std::string>& messages) {
   const auto at_most = [&](std::string_view name, double value, std::string_view limit_name,
                            double limit) {

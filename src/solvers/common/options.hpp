@@ -15,29 +15,33 @@ namespace conddp {
 
 class ShootingProblem;
 
-/// The problems on the way of a homotopy by their share of it, in [0, 1]: all of one shape, and at
-/// 1 the problem that is to be solved. Null where there is none. May be called by several threads.
+/// Problems along a homotopy by their share of the way, in [0, 1]. All have one shape; the one at 1
+/// is the problem to solve. Returns null if a problem cannot be built. May be called from several
+/// threads.
 using ProblemPath = std::function<std::shared_ptr<const ShootingProblem>(double share)>;
 
-/// What regularisation adds, with weight μ:
-/// `proximal`: ½ μ (‖δx‖² + ‖δu‖²) to the model's cost at every node, a term of Levenberg and
-/// Marquardt that keeps the whole trajectory near the iterate; the value knows of it. To the gains
-/// of a stage alone: `state`: μ I to V_xx of the next node, seen through the dynamics; `control`:
-/// μ I to Q_uu. `state` need not turn a step into a descent, however large μ, where controls stand
-/// at bounds.
+/// Regularization with weight μ.
+///
+/// `proximal` adds ½ μ (‖δx‖² + ‖δu‖²) to the model's cost at every node: a Levenberg-Marquardt
+/// term that keeps the whole trajectory near the iterate and enters the value function.
+///
+/// The other kinds change only the gains of a stage. `state` adds μ I to V_xx of the next node,
+/// seen through the dynamics; `control` adds μ I to Q_uu. If controls are at bounds, `state` need
+/// not turn a step into a descent, however large μ is.
 enum class RegularizationKind { proximal, state, control };
 
-/// Second derivatives that the sweep uses. `automatic` leaves the choice to the solver: exact for
-/// ddp, Gauss-Newton for ilqr and ilqr_clip, and for the others Gauss-Newton with
-/// L-BFGS corrections until exact ones pay (docs/solvers.md).
+/// Second derivatives in the sweep. With `automatic`, the solver chooses: exact for ddp,
+/// Gauss-Newton for ilqr and ilqr_clip. The others use Gauss-Newton with L-BFGS corrections until
+/// exact derivatives pay (docs/solvers.md).
 enum class HessianChoice { automatic, gauss_newton, exact };
 
-/// What is done where complementary pairs relaxed in one way find no answer: the other ways are
-/// tried one after the other, or none is.
+/// Fallback if a relaxation of complementary pairs finds no answer: try the other relaxations one
+/// after the other, or none.
 enum class RelaxationFallback { automatic, none };
 
-/// Everything that can be set about a DDP solve. The defaults serve the whole catalogue.
-/// solvers/common/option_table.hpp lists the same options by name, with ranges and a sentence each.
+/// All options of a DDP solve. The defaults serve the whole catalogue.
+/// solvers/common/option_table.hpp lists the same options by name, with a range and a sentence
+/// each.
 struct SolverOptions {
   int max_iterations = 1000;
   double max_time_s = std::numeric_limits<double>::infinity();
@@ -69,7 +73,7 @@ struct SolverOptions {
     double merit_margin = 1.5;
   } line_search;
 
-  /// Of solvers that minimise an augmented Lagrangian.
+  /// For solvers that minimize an augmented Lagrangian.
   struct AugmentedLagrangian {
     double initial_penalty = 0.1;
     double penalty_factor = 10;
@@ -83,7 +87,7 @@ struct SolverOptions {
     int horizon_sweeps = 20;
   } box_qp;
 
-  /// Of complementary pairs, of the solver `ipopt`.
+  /// For complementary pairs in the solver `ipopt`.
   struct Complementarity {
     PairRelaxation relaxation = PairRelaxation::elementwise;
     RelaxationFallback fallback = RelaxationFallback::automatic;
@@ -92,34 +96,35 @@ struct SolverOptions {
     double final = 1e-12;
   } complementarity;
 
-  /// Further solves from random perturbations of the guess; the best answer counts.
+  /// Further solves from random perturbations of the guess; the best answer is returned.
   struct Restarts {
     int count = 0;
     int seed = 0;
     double spread = 0.1;
   } restarts;
 
-  /// Work of iterations (look_further.cpp) up to which solve_best looks for a better answer.
+  /// Limit on the work of iterations (look_further.cpp) while solve_best looks for a better answer.
   int look_further = 5000000;
 
-  /// Ipopt's own, by its names, of the solver `ipopt`.
+  /// Ipopt's own options by name, for the solver `ipopt`.
   IpoptOptions ipopt;
 
-  /// Multipliers to start from, beside the guess, of solvers that have multipliers of constraints.
+  /// Initial multipliers in addition to the guess, for solvers with multipliers of constraints.
   std::shared_ptr<const DualGuess> multipliers;
 
-  /// A homotopy by which to come to the answer; none: the problem is solved at once.
+  /// Homotopy that leads to the answer; null to solve the problem at once.
   ProblemPath homotopy;
 
-  /// Called with every row of the log as soon as it is known; the row lives during the call only.
-  /// Of restarts with those of the first start.
+  /// Called with every row of the log as soon as it is known; the row is valid only during the
+  /// call. With restarts, called with the rows of the first start only.
   std::function<void(const IterationRecord&)> on_iteration;
-  /// Asked once an iteration and regularisation; true ends the solve with status `interrupted`. Of
-  /// restarts asked by several threads, but never by two at once or during a call of the former.
+  /// Called once per iteration and regularization; true ends the solve with status `interrupted`.
+  /// Restarts call it from several threads, but never concurrently, and never during a call of
+  /// `on_iteration`.
   std::function<bool()> interrupted;
 
-  /// One message for each option whose value is out of range, naming the option; empty if all are
-  /// usable. Values are never replaced.
+  /// One message for each option that is out of range, naming the option; empty if all are valid.
+  /// Values are never replaced.
   std::vector<std::string> validate() const;
 };
 

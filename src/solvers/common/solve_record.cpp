@@ -8,9 +8,9 @@
 namespace conddp {
 namespace {
 
-/// Rows of the log that are reserved at most before the first iteration.
+/// Maximum number of log rows reserved before the first iteration.
 constexpr int kReservedRows = 10000;
-/// Longer than messages of this program.
+/// Longer than any message of this program.
 constexpr int kReservedMessage = 1000;
 
 }  // namespace

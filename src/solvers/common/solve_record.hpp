@@ -13,20 +13,19 @@
 
 namespace conddp {
 
-/// What a solve says of itself: the row of the present iterate, the log, status and message; and
-/// whether its limits let it go on. From the second solve on it allocates nothing but messages that
-/// others compose.
+/// Record of a solve: the row of the current iterate, the log, status and message. It also decides
+/// whether the limits of the solve let it continue. From the second solve on, it allocates only for
+/// messages that others compose.
 class SolveRecord {
  public:
-  /// `constrained`: whether the solver knows multipliers, so that its messages speak of
-  /// complementarity.
+  /// `constrained`: the solver has multipliers, so its messages report complementarity.
   SolveRecord(const ShootingProblem& problem, const SolverOptions& options, bool constrained);
 
-  /// Forgets the solve before; the clock starts.
+  /// Clears the solve before and starts the clock.
   void begin();
-  /// Appends the row, with the time, to the log and shows it to who watches.
+  /// Appends the row, with the time, to the log and passes it to `on_iteration`.
   void log_row();
-  /// Ends the solve. What is returned is false, for the step in which it ends to return.
+  /// Ends the solve. Always returns false, for the caller to return in turn.
   bool end(SolveStatus status, std::string_view message);
   template <class... Values>
   bool end(SolveStatus status, fmt::format_string<Values...> format, Values&&... values) {
@@ -35,28 +34,28 @@ class SolveRecord {
     fmt::format_to(std::back_inserter(result.message), format, std::forward<Values>(values)...);
     return false;
   }
-  /// False, with the status, where time or a signal ends the solve.
+  /// False, with the status set, if time or an interruption ends the solve.
   bool budget_left();
-  /// The same, and where the iterations are used up.
+  /// The same, but also false if the iterations are used up.
   bool may_continue();
-  /// The residuals of the row, with the knots where they are attained; until the next call.
+  /// Residuals of the row, with the knots where they are attained. Valid until the next call.
   std::string_view residual_text();
   double elapsed() const;
-  /// Gives the result a gradient for every knot, of the sizes of their controls, and returns it.
+  /// Resizes the result's control gradients to the controls of the knots, and returns them.
   std::vector<Eigen::VectorXd>& control_gradient();
-  /// The result with the number of iterations and the time; it stays until begin().
+  /// Result with the number of iterations and the time. Valid until begin().
   SolveResult& finished();
 
   IterationRecord row;
   SolveResult result;
-  /// Whether the last row of the log is not that of the iterate that stands.
+  /// True if the last row of the log does not describe the current iterate.
   bool log_is_stale = false;
 
  private:
   const ShootingProblem& problem_;
   const SolverOptions& options_;
   bool constrained_;
-  SolveResult blank_;                      ///< without gains, which are many numbers
+  SolveResult blank_;                      ///< without gains, which are large
   std::vector<Eigen::VectorXd> gradient_;  ///< memory of control_gradient() between two solves
   fmt::memory_buffer text_;
   std::chrono::steady_clock::time_point began_;

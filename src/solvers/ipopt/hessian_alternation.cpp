@@ -5,19 +5,20 @@
 namespace conddp {
 namespace {
 
-/// Trials of a line search from which on a step is poor, and by how much the error may grow.
+/// A step is poor if its line search takes this many trials, or the error grows by more than this
+/// factor.
 constexpr int kPoorTrials = 3;
 constexpr double kPoorGrowth = 2;
-/// Poor steps after which Gauss-Newton Hessians are given up, and regularised ones after which
-/// exact ones are, at first.
+/// Initial patience: poor steps until Gauss-Newton Hessians are given up, and regularized steps
+/// until exact ones are.
 constexpr int kPoorSteps = 2, kRegularizedSteps = 1;
-/// By how much the error has to fall in so many iterations of one barrier, at first.
+/// Initial requirement: the error falls by this factor within this many iterations of one barrier.
 constexpr int kWatchedIterations = 5;
 constexpr double kWantedFall = 10;
-/// Bounds how often the patience with either doubles.
+/// Limits how often the patience with either kind doubles.
 constexpr int kMostDoublings = 10;
 
-/// Of the barrier's problem: what is left of complementarity is meant to be there.
+/// Error of the barrier problem, where complementarity is meant to equal the barrier.
 double error_of(const InteriorPointIterate& iterate) {
   return std::max({iterate.dual_infeasibility, iterate.infeasibility,
                    iterate.complementarity - iterate.barrier});
@@ -32,7 +33,7 @@ void HessianAlternation::begin(const InteriorPointIterate& first) {
 }
 
 void HessianAlternation::watch(const InteriorPointIterate& iterate) {
-  // The restoration phase has a Hessian of its own.
+  // The restoration phase has its own Hessian.
   if (iterate.restoration) return;
   const double error = error_of(iterate);
   ++iterations_;

@@ -4,20 +4,22 @@
 
 namespace conddp {
 
-/// Which Hessian of the Lagrangian an interior-point method gets next, Gauss-Newton's or the exact
-/// one, where the latter is dear.
+/// Chooses the next Hessian of the Lagrangian for an interior-point method, Gauss-Newton or exact,
+/// if exact ones are expensive.
 ///
-/// Far from a solution the exact Hessian is indefinite, and the multiple of the identity that the
-/// method then adds shortens steps in all directions; Gauss-Newton's is convex as it is, and takes
-/// a fraction of the time. Near a solution the exact one converges quadratically. So Gauss-Newton's
-/// is taken until its steps turn out to be poor or its convergence slow, and the exact one until it
-/// has been regularised. The patience with both doubles whenever exact ones are given up: where
-/// neither is good, changing at every step would leave neither the time to get on.
+/// Far from a solution, the exact Hessian is indefinite. The method then adds a multiple of the
+/// identity, which shortens steps in all directions. The Gauss-Newton Hessian is convex without it
+/// and takes a fraction of the time. Near a solution, the exact Hessian converges quadratically.
+///
+/// Gauss-Newton Hessians are therefore used until their steps turn out to be poor or their
+/// convergence slow, and exact ones until they are regularized. The patience with both doubles
+/// whenever exact ones are given up: if neither is good, changing at every step would leave neither
+/// the time to make progress.
 class HessianAlternation {
  public:
-  /// With the first iterate, whose next step is Gauss-Newton's.
+  /// Starts at the first iterate, whose next step is Gauss-Newton.
   void begin(const InteriorPointIterate& first);
-  /// With every further iterate, which says how the step to it went.
+  /// Takes every further iterate, which tells how the step to it went.
   void watch(const InteriorPointIterate& iterate);
 
   bool gauss_newton() const { return gauss_newton_; }
@@ -28,10 +30,10 @@ class HessianAlternation {
   void change();
 
   bool gauss_newton_ = true;
-  int returns_ = 0;           ///< from exact Hessians to Gauss-Newton ones
+  int returns_ = 0;           ///< changes from exact to Gauss-Newton Hessians
   int bad_steps_ = 0;         ///< since the last change
-  int iterations_ = 0;        ///< since the convergence is watched
-  double watched_error_ = 0;  ///< when that began
+  int iterations_ = 0;        ///< since the current watch on convergence began
+  double watched_error_ = 0;  ///< error when that watch began
   double last_error_ = 0;
   double barrier_ = 0;
 };

@@ -1,4 +1,4 @@
-// From Ipopt's answer to the one that is returned.
+// Crossover from Ipopt's answer to the returned one.
 #include <algorithm>
 #include <cmath>
 
@@ -13,23 +13,22 @@ namespace {
 
 using End = InteriorPointEnd;
 
-/// When Newton steps on the active set are enough.
+/// Newton steps on the active set end at these norms.
 constexpr double kNewtonGoal = 1e-12;
-/// How much larger such a step may make the norms: bounds at which multiplier and distance are
-/// alike are told apart by trying.
+/// Limit on how much such a step may increase the norms, as a factor. If multiplier and distance of
+/// a bound are similar, only a trial shows whether the bound is active.
 constexpr double kNewtonGrowth = 10;
-/// Smallest curvature by which multipliers are compared with distances from a bound.
+/// Smallest curvature in comparisons of multipliers with distances from a bound.
 constexpr double kSmallestCurvature = 1e-8;
-/// Ipopt's tolerances where its answer was not good enough, in parts of what they were before, and
-/// the smallest one.
+/// Factor on Ipopt's tolerances if its answer was not good enough, and the smallest tolerance.
 constexpr double kTighter = 1e-2;
 constexpr double kTightest = 1e-13;
-/// Smallest distance from a bound that is told from none.
+/// Smallest distance from a bound that is distinguished from zero.
 constexpr double kLeastDistance = 1e-16;
-/// Of a bound: what a Newton step leaves of the way to it.
+/// Distance from a bound, relative to it, that a Newton step may leave by rounding.
 constexpr double kBoundRounding = 1e-14;
 
-/// Puts the multipliers of a second-order cone into its polar cone and within their limit.
+/// Projects the multipliers of a second-order cone onto its polar cone and within their limit.
 void project_on_cone(const NodeConstraint& c, Eigen::Ref<Eigen::VectorXd> nu) {
   const Eigen::VectorXd given = nu;
   outside_cone(given.data(), c.term->rows, nu.data());
@@ -37,15 +36,15 @@ void project_on_cone(const NodeConstraint& c, Eigen::Ref<Eigen::VectorXd> nu) {
   if (norm > c.limit) nu *= c.limit / norm;
 }
 
-/// Likewise those of rows of bounds, which have the signs of their bounds.
+/// Projects the multipliers of bounded rows onto the signs of their bounds and within their limit.
 void project_on_bounds(const NodeConstraint& c, Eigen::Ref<Eigen::VectorXd> nu) {
   for (int i = 0; i < c.term->rows; ++i)
     nu[i] = std::clamp(nu[i], std::isinf(c.lower[i]) ? 0 : -c.limit,
                        std::isinf(c.upper[i]) ? 0 : c.limit);
 }
 
-/// Puts multipliers into the normal cones of their sets and within the limits of soft constraints:
-/// Ipopt's are there at an answer alone.
+/// Projects multipliers onto the normal cones of their sets and within the limits of soft
+/// constraints. Ipopt's multipliers satisfy these only at an answer.
 void project_multipliers(const ShootingProblem& problem, Eigen::VectorXd& multipliers) {
   for (const NodeConstraint& c : problem.constraints()) {
     if (c.term->has_pairs()) continue;
@@ -58,7 +57,7 @@ double bound_ratio(double multiplier, double distance) {
   return std::abs(multiplier) / std::max(distance, kLeastDistance);
 }
 
-/// Puts controls on bounds that rounding keeps them off.
+/// Puts controls on bounds that they miss by rounding.
 void snap_rounded(const ControlBounds& bounds, Trajectory& trajectory) {
   for (int k = 0; k < bounds.knots(); ++k)
     for (int i = 0; i < trajectory.u(k).size(); ++i)
@@ -70,7 +69,7 @@ void snap_rounded(const ControlBounds& bounds, Trajectory& trajectory) {
 
 }  // namespace
 
-/// Of every control bound and constraint row that is one, its multiplier over the distance from it.
+/// Multiplier over distance, for all control bounds and all inequality rows.
 IpoptSolver::BoundRatios IpoptSolver::bound_ratios(const InteriorPointAnswer& answer,
                                                    const Trajectory& trajectory,
                                                    const Eigen::VectorXd& multipliers) const {
@@ -98,9 +97,9 @@ Eigen::VectorXd IpoptSolver::row_ratios(const Eigen::VectorXd& multipliers) cons
   return ratios;
 }
 
-/// An interior point stays away from bounds. A control belongs at one if its multiplier would move
-/// it further than that, were the bound not there: by its curvature or, of the later of two
-/// answers, by the mean of both ratios.
+/// An interior point stays away from bounds. A control belongs at a bound if, without the bound,
+/// its multiplier would move the control beyond it. The curvature of the control determines this
+/// move or, for the later of two answers, the mean of both ratios.
 void IpoptSolver::snap_controls(const InteriorPointAnswer& answer, Trajectory& trajectory) const {
   Trajectory lower = problem_.create_trajectory(), upper = lower;
   transcription_->read_controls(answer.point.lower.data(), lower);
@@ -118,7 +117,7 @@ void IpoptSolver::snap_controls(const InteriorPointAnswer& answer, Trajectory& t
   }
 }
 
-/// Gains of a sweep at a trajectory, with constraints as penalties of the costs' own size.
+/// Gains of a sweep at a trajectory, with constraints as penalties of the same size as the costs.
 Feedback IpoptSolver::find_gains(const Trajectory& trajectory, const Eigen::VectorXd& multipliers) {
   gain_regularization_.reset();
   Feedback gains(problem_);
@@ -150,9 +149,9 @@ Feedback IpoptSolver::find_gains(const Trajectory& trajectory, const Eigen::Vect
   return Feedback(problem_);
 }
 
-/// From Ipopt's answer, or the best iterate, to one that may be returned: the best of it, of what
-/// it is with entries put on their bounds, and of Newton's iterates from there. `goes_on`: it is an
-/// answer to which Ipopt went on from the one before.
+/// Crosses over from Ipopt's answer, or the best iterate, to an answer that may be returned. This
+/// is the best of three: that point, the point with entries put on their bounds, and the Newton
+/// iterates from there. `goes_on`: Ipopt continued to this answer from the previous one.
 void IpoptSolver::cross_over(const InteriorPointAnswer& answer, bool goes_on) {
   transcription_->set_point(answer.is_good() ? answer.point.y.data() : best_.data());
   const Eigen::VectorXd multipliers = multipliers_of(answer);
@@ -169,7 +168,7 @@ void IpoptSolver::cross_over(const InteriorPointAnswer& answer, bool goes_on) {
   take_newton_steps();
 }
 
-/// Of constraints, as Newton's method can begin with.
+/// Constraint multipliers for the start of Newton's method.
 Eigen::VectorXd IpoptSolver::multipliers_of(const InteriorPointAnswer& answer) const {
   Eigen::MatrixXd costates;
   Eigen::VectorXd multipliers;
@@ -186,10 +185,10 @@ void IpoptSolver::take_newton_steps() {
   }
 }
 
-/// From one answer to the next the barrier falls. At an active bound so does the distance, and the
-/// ratio grows; at another one the multiplier falls, and the ratio with it. So the geometric mean
-/// of both is a scale by which the later multiplier and distance tell the bounds apart, whatever
-/// their units.
+/// From one answer to the next, the barrier falls. At an active bound the distance falls with it,
+/// and the ratio grows; at an inactive bound the multiplier falls, and the ratio with it. The
+/// geometric mean of both ratios is therefore a scale that tells the bounds apart by the later
+/// multiplier and distance, whatever their units.
 void IpoptSolver::compare_ratios(BoundRatios ratios, bool goes_on) {
   scales_.reset();
   if (goes_on) {
@@ -203,16 +202,17 @@ void IpoptSolver::compare_ratios(BoundRatios ratios, bool goes_on) {
   former_ = std::move(ratios);
 }
 
-/// Around a trajectory, with gains that belong to it.
+/// Starts Newton's method at a trajectory, with gains that belong to it.
 void IpoptSolver::start_newton(const Trajectory& trajectory, const Eigen::VectorXd& multipliers) {
   const Feedback gains = find_gains(trajectory, multipliers);
   if (scales_) penalty_ = (scales_->rows.array() > 0).select(scales_->rows, penalty_);
   newton_.start(trajectory, multipliers, penalty_, gains);
 }
 
-/// A slack of 1e-5 whose multiplier is as small is complementary to Ipopt's tolerances, but such a
-/// bound is neither active nor free, and Newton's method may not find out which. So Ipopt goes on
-/// to where the two are further apart. Until then an answer may look worse than the one before.
+/// A slack of 1e-5 with an equally small multiplier is complementary to Ipopt's tolerances. Such a
+/// bound is neither clearly active nor inactive, and Newton's method may not find out which. Ipopt
+/// therefore continues until the two are further apart. Until then, an answer may look worse than
+/// the previous one.
 void IpoptSolver::refine(InteriorPointAnswer& answer) {
   InteriorPointSettings settings = default_settings();
   while (answer.end == End::solved && stop_ == Stop::none && !choice_.is_solution() &&
@@ -230,9 +230,9 @@ void IpoptSolver::refine(InteriorPointAnswer& answer) {
   }
 }
 
-/// The gains of Newton's steps belong to the iterate before, and have active controls as stiff
-/// penalties. Where nothing but controls is bounded, a sweep at the answer gives its own; controls
-/// that rounding keeps off their bounds would be free in it.
+/// Gains of Newton steps belong to the previous iterate and treat active controls as stiff
+/// penalties. If only controls are bounded, a sweep at the answer gives its own gains. Controls
+/// that miss their bounds by rounding would be free in that sweep.
 void IpoptSolver::sweep_at_answer() {
   if (!choice_.is_solution() || !problem_.constraints().empty()) return;
   Trajectory trajectory = result_.trajectory;

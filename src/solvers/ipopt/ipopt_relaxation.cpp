@@ -1,4 +1,4 @@
-// Complementary pairs: the solves that tighten their relaxation.
+// Complementary pairs: solves that tighten their relaxation.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,34 +11,34 @@ namespace {
 
 using End = InteriorPointEnd;
 
-/// Of the solves before the last one, which need no more than a good start for the next.
+/// Tolerances of the solves before the last one, which only have to give the next solve a good
+/// start.
 constexpr double kLooseTolerance = 1e-3, kTightTolerance = 1e-8;
-/// Solves in a row that may fail before the relaxation is given up.
+/// Consecutive solves that may fail before the relaxation is given up.
 constexpr int kFailures = 2;
-/// Factor of the first epsilon of a second try, and the part of the iterations that a solve may
-/// take while there are other ways, but as many as those of the examples, which take 281 at most
+/// kLooser multiplies the first epsilon of a second try. While other relaxations remain, a solve
+/// may take 1/kWays of the iterations, but at least kEnough: the examples take 281 at most
 /// (docs/measurements/contact_implicit.md).
 constexpr double kLooser = 10;
 constexpr int kWays = 2, kEnough = 300;
-/// Smallest barrier with which the next solve starts.
+/// Smallest initial barrier of the next solve.
 constexpr double kLeastBarrier = 1e-9;
-/// From which epsilon on the pairs may be told apart already, which is tried once, and how much the
-/// cost may rise by it.
+/// From this epsilon on, one early attempt tries to tell the pairs apart. Fixing the pairs may
+/// raise the cost by this share.
 constexpr double kPolishFrom = 1e-6;
 constexpr double kPolishRise = 1e-4;
-/// Of the last solves, whose bounds are those of the answer, and what they leave of multiplier
-/// times distance. A bound that hardly pushes is missed by the root of that, and so is
-/// stationarity.
+/// Barriers of the last solves, whose bounds are those of the answer; they are also the products of
+/// multiplier and distance that remain. A bound with a tiny multiplier is missed by the root of
+/// that product, and so is stationarity.
 constexpr std::array<double, 3> kPolishBarriers = {kLeastBarrier, 1e-11, 1e-13};
-/// Iterations that each of them is worth in a trial, and the last one always.
+/// Iterations of each of these solves in a trial, and of the last one always.
 constexpr int kPolishIterations = 40;
-/// The barrier with which a solve starts, and the tolerance to which it is solved, as a share of
-/// its epsilon.
+/// Initial barrier of a solve, and its tolerance, as a share of its epsilon.
 constexpr double kBarrierShare = 0.1;
-/// How far the next solve's start is pushed from bounds, as a share of its epsilon: pairs have to
-/// come closer, and what stands at its bound moves in many small steps only.
+/// Push of the next solve's start from bounds, as a share of its epsilon. Pairs have to come
+/// closer, and variables at their bounds move only in many small steps.
 constexpr double kPushShare = 1e-2, kLeastPush = 1e-9;
-/// Share of the tolerance at which pairs need no smaller epsilon.
+/// Pairs within this share of the tolerance need no smaller epsilon.
 constexpr double kComplementary = 0.1;
 
 bool pairs_need_no_less(const Transcription& transcription, const Eigen::VectorXd& y,
@@ -46,13 +46,14 @@ bool pairs_need_no_less(const Transcription& transcription, const Eigen::VectorX
   return transcription.pair_distance(y.data()) <= kComplementary * options.tolerances.constraint;
 }
 
-/// A relaxation, and the epsilon with which it begins.
+/// A relaxation, and its first epsilon.
 struct Way {
   PairRelaxation relaxation;
   double initial;
 };
 
-/// The chosen one and, where others may be tried, those: the first from a looser epsilon.
+/// The chosen relaxation and, if others may be tried, first the same one from a looser epsilon,
+/// then the others.
 std::vector<Way> ways_to_try(const SolverOptions::Complementarity& options) {
   std::vector<Way> list = {{options.relaxation, options.initial}};
   if (options.fallback != RelaxationFallback::automatic) return list;
@@ -66,19 +67,20 @@ std::vector<Way> ways_to_try(const SolverOptions::Complementarity& options) {
 
 }  // namespace
 
-/// What the solves with smaller and smaller epsilon have come to.
+/// Progress of the solves with decreasing epsilon.
 struct IpoptSolver::Tightening {
   InteriorPointAnswer last;
-  InteriorPointAnswer good;  ///< one whose pairs may be told apart
-  int failures = 0;          ///< in a row
-  bool tried = false;        ///< to tell the pairs apart before the last epsilon
+  InteriorPointAnswer good;  ///< an answer whose pairs may be told apart
+  int failures = 0;          ///< consecutive failures
+  bool tried = false;        ///< an attempt to tell the pairs apart was made before the last
+                             ///< epsilon
 };
 
 bool IpoptSolver::is_complementary(const InteriorPointAnswer& answer) const {
   return transcription_->pair_distance(answer.point.y.data()) <= options_.tolerances.constraint;
 }
 
-/// The relaxations until one finds an answer.
+/// Tries the relaxations until one finds an answer.
 InteriorPointAnswer IpoptSolver::run_relaxations(const Trajectory& start) {
   const std::vector<Way> ways = ways_to_try(options_.complementarity);
   InteriorPointAnswer answer;
@@ -97,8 +99,8 @@ InteriorPointAnswer IpoptSolver::run_relaxations(const Trajectory& start) {
   return answer;
 }
 
-/// Solves of so many iterations at most, with smaller and smaller epsilon until the pairs are
-/// complementary or can be told apart.
+/// Solves with decreasing epsilon, each in at most `iterations`, until the pairs are complementary
+/// or can be told apart.
 InteriorPointAnswer IpoptSolver::tighten(const Trajectory& start, double initial, int iterations) {
   const auto& schedule = options_.complementarity;
   InteriorPointSettings settings = default_settings();
@@ -117,7 +119,7 @@ InteriorPointAnswer IpoptSolver::tighten(const Trajectory& start, double initial
   return so_far.last;
 }
 
-/// What the solve with this epsilon ends the sequence with, if it does.
+/// Answer that ends the sequence after the solve with this epsilon; empty if it continues.
 std::optional<InteriorPointAnswer> IpoptSolver::end_tightening(double epsilon,
                                                                const InteriorPointAnswer& answer,
                                                                Tightening& so_far) {
@@ -130,7 +132,7 @@ std::optional<InteriorPointAnswer> IpoptSolver::end_tightening(double epsilon,
   return may_be_told_apart ? try_early_polish(epsilon, answer, so_far) : std::nullopt;
 }
 
-/// Once, and not with the last epsilon, whose answer is polished in any case.
+/// Polishes once, except at the last epsilon, whose answer is always polished.
 std::optional<InteriorPointAnswer> IpoptSolver::try_early_polish(double epsilon,
                                                                  const InteriorPointAnswer& answer,
                                                                  Tightening& so_far) {
@@ -143,7 +145,7 @@ std::optional<InteriorPointAnswer> IpoptSolver::try_early_polish(double epsilon,
   return std::nullopt;
 }
 
-/// A solve with one epsilon, to tolerances that fit it.
+/// Solves with one epsilon, to tolerances that match it.
 InteriorPointAnswer IpoptSolver::relax_and_run(double epsilon, const Eigen::VectorXd& y,
                                                InteriorPointSettings& settings) {
   row_.relaxation = epsilon;
@@ -160,13 +162,13 @@ InteriorPointAnswer IpoptSolver::relax_and_run(double epsilon, const Eigen::Vect
   return answer;
 }
 
-/// Whether the pairs of an answer can be told apart already: then the result follows from it.
+/// Polished answer, if its pairs can already be told apart and the result follows from it.
 std::optional<InteriorPointAnswer> IpoptSolver::try_polish(InteriorPointAnswer answer) {
   if (polish(answer, true) && crosses_over(answer)) return answer;
   return std::nullopt;
 }
 
-/// The last good answer, polished, or else the one that failed.
+/// The last good answer, polished, or else the failed one.
 InteriorPointAnswer IpoptSolver::polished_or(InteriorPointAnswer good, InteriorPointAnswer failed) {
   return good.is_good() && polish(good, false) ? good : failed;
 }
@@ -175,7 +177,7 @@ bool IpoptSolver::is_out_of_budget() const {
   return stop_ != Stop::none || row_.iteration >= options_.max_iterations;
 }
 
-/// Whether an answer under all tolerances follows from a polished one. If so it is the result.
+/// True if an answer within all tolerances follows from a polished one. It is then the result.
 bool IpoptSolver::crosses_over(const InteriorPointAnswer& polished) {
   cross_over_from_polished(polished);
   crossed_over_ = choice_.is_solution();
@@ -183,19 +185,18 @@ bool IpoptSolver::crosses_over(const InteriorPointAnswer& polished) {
   return crossed_over_;
 }
 
-/// A smaller barrier tells better what belongs at a bound, but is further from what its system of
-/// equations can resolve. So where no answer follows from the last polished one, one may from those
-/// before.
+/// A smaller barrier identifies the active bounds better, but its system of equations is harder to
+/// resolve. If no answer follows from the last polished one, earlier ones are tried.
 void IpoptSolver::cross_over_from_polished(const InteriorPointAnswer& polished) {
   cross_over(polished);
   for (; !looser_.empty() && !choice_.is_solution(); looser_.pop_back()) cross_over(looser_.back());
   looser_.clear();
 }
 
-/// Solves once more with the smaller one of each pair fixed to zero, which leaves nothing relaxed,
-/// and then with barriers so small that what belongs at a bound can be put there without harm to
-/// the equations. The answer stays as it was where that fails, or where the cost rises: then it was
-/// the wrong one of some pair. A trial has to come to the second barrier in few iterations.
+/// Solves again with the smaller variable of each pair fixed to zero, which leaves no relaxation.
+/// Further solves use barriers so small that variables can be put on their bounds without harm to
+/// the equations. The answer stays unchanged if this fails, or if the cost rises: then the wrong
+/// variable of some pair was fixed. A trial has to reach the second barrier in few iterations.
 bool IpoptSolver::polish(InteriorPointAnswer& answer, bool trial) {
   std::vector<InteriorPointAnswer> polished = solve_fixed(answer, trial);
   if (polished.size() < (trial ? 2 : 1)) return false;
@@ -205,7 +206,7 @@ bool IpoptSolver::polish(InteriorPointAnswer& answer, bool trial) {
   return true;
 }
 
-/// The answers with pairs fixed as an answer tells them, as many as are good.
+/// Good answers with the pairs fixed as `answer` tells them.
 std::vector<InteriorPointAnswer> IpoptSolver::solve_fixed(const InteriorPointAnswer& answer,
                                                           bool trial) {
   const double before = cost_at(answer);
@@ -239,7 +240,7 @@ double IpoptSolver::cost_at(const InteriorPointAnswer& answer) {
   return transcription_->evaluation().cost.sum();
 }
 
-/// What ends at its last iteration is good where it is as good as the answer has to be.
+/// A solve that ends at its last iteration is good if it meets the requested tolerances.
 InteriorPointAnswer IpoptSolver::run_polish(const PrimalDualPoint& from,
                                             const InteriorPointSettings& settings) {
   InteriorPointAnswer fixed = run_ipopt(from.y.cwiseMin(transcription_->upper()), settings);
@@ -249,7 +250,7 @@ InteriorPointAnswer IpoptSolver::run_polish(const PrimalDualPoint& from,
   return fixed;
 }
 
-/// Whether the last iterate of a solve is an answer, although rounding kept that solve from the
+/// True if the last iterate of a solve is an answer, although rounding kept the solve from the
 /// tolerances of its small barrier.
 bool IpoptSolver::is_as_asked(const IterationRecord& last) const {
   return under_tolerances({.stationarity = {last.stationarity, last.stationarity_knot},

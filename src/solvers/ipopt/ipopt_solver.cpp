@@ -20,22 +20,21 @@ namespace {
 
 using End = InteriorPointEnd;
 
-/// Rotation from the centre of its chart at which an iterate becomes the new centre, rad: charts
-/// end at π.
+/// An iterate becomes the new center at this rotation from the center of its chart, rad; charts end
+/// at π.
 constexpr double kLargestAngle = 2;
-/// The barrier to begin with where all multipliers are known.
+/// Initial barrier if all multipliers are known.
 constexpr double kWarmBarrier = 1e-9;
-/// Ipopt's own barrier to begin with, and how far it moves what it begins with from bounds.
+/// Ipopt's own initial barrier, and its push of the start from bounds.
 constexpr double kColdBarrier = 0.1, kColdPush = 1e-2;
-/// Rows of the log that are reserved at most before the first iteration.
+/// Maximum number of log rows reserved before the first iteration.
 constexpr int kReservedRows = 10000;
 
 double seconds_since(std::chrono::steady_clock::time_point began) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
 }
 
-/// Of ends that are no answers under this solver's tolerances, but for those by which no step is
-/// found.
+/// Statuses of ends outside this solver's tolerances. All other ends mean that no step was found.
 constexpr std::pair<End, SolveStatus> kStatuses[] = {
     {End::max_iterations, SolveStatus::max_iterations},
     {End::time_limit, SolveStatus::time_limit},
@@ -51,7 +50,7 @@ SolveStatus status_of(End end) {
   return found == std::end(kStatuses) ? SolveStatus::line_search_failed : found->second;
 }
 
-/// Whether options are on what a start without multipliers begins with.
+/// True if options determine how a solve without multipliers starts.
 bool is_told_how_to_begin(const IpoptOptions& options) {
   return std::any_of(options.begin(), options.end(), [](const auto& option) {
     const std::string& name = option.first;
@@ -128,7 +127,7 @@ SolveResult IpoptSolver::solve(const Trajectory& guess) {
   return std::move(result_);
 }
 
-/// The guess within the control bounds and on the manifold of states.
+/// Guess within the control bounds and on the state manifold.
 Trajectory IpoptSolver::start_from(const Trajectory& guess) {
   Trajectory start = guess;
   result_.start = "states and controls of the guess";
@@ -163,8 +162,8 @@ InteriorPointSettings IpoptSolver::default_settings() const {
           .options = options_.ipopt};
 }
 
-/// Exact Hessians are taken throughout where they are cheap. So are those of constrained contact
-/// forces, whose curvature Gauss-Newton's would leave out: its steps lead far away.
+/// Exact Hessians are used throughout if they are cheap. So are those of constrained contact
+/// forces: Gauss-Newton Hessians would omit their curvature, and their steps lead far away.
 bool IpoptSolver::alternation_pays() const {
   if (options_.hessian != HessianChoice::automatic || transcription_->has_pairs() ||
       transcription_->has_mixed_rows())
@@ -172,8 +171,8 @@ bool IpoptSolver::alternation_pays() const {
   return exact_hessians_are_dear(problem_);
 }
 
-/// From multipliers near a solution Newton's method on the active set has nothing left for an
-/// interior point to do, which would leave the bounds first.
+/// From multipliers near a solution, Newton's method on the active set suffices. An interior-point
+/// method would first leave the bounds.
 bool IpoptSolver::newton_is_enough(const Trajectory& start) {
   start_newton(start, options_.multipliers->constraints);
   record();
@@ -194,16 +193,17 @@ bool IpoptSolver::newton_is_enough(const Trajectory& start) {
   return false;
 }
 
-/// Whether the guess has multipliers of all rows that Ipopt sees.
+/// True if the guess has multipliers of all rows that Ipopt sees.
 bool IpoptSolver::knows_multipliers() const {
   return options_.multipliers && options_.multipliers->costates.size() > 0 &&
          !transcription_->has_pairs();
 }
 
-/// Where a state sums up a cost, the curvature of that cost is in the multipliers of its equation
-/// alone, which are known: the slope of the linear cost of its end. Those with which Ipopt begins
-/// leave least of the Lagrangian's gradient, and over long motions they are nearly none: its first
-/// steps go wherever the linearized cost falls. Large ones, as of unstable motions, say nothing.
+/// If a state sums up a cost, the curvature of that cost appears only in the multipliers of the
+/// state's equation. These are known: the slope of the linear cost on its final value. Ipopt's own
+/// initial multipliers minimize the Lagrangian's gradient, and over long motions they are nearly
+/// zero. Its first steps then go wherever the linearized cost falls. Large multipliers, as for
+/// unstable motions, are not informative.
 void IpoptSolver::start_with_multipliers(const Eigen::VectorXd& y, InteriorPointSettings& settings,
                                          PrimalDualPoint& first) {
   constexpr double kCostStatesFirst = 1e6, kLargest = 1e3;
@@ -224,7 +224,7 @@ void IpoptSolver::start_with_multipliers(const Eigen::VectorXd& y, InteriorPoint
   settings.warm_push = kColdPush;
 }
 
-/// Runs Ipopt, again from the last iterate wherever that has left the middle of its charts.
+/// Runs Ipopt, again from the last iterate whenever that has left the middle of its charts.
 InteriorPointAnswer IpoptSolver::run_ipopt(Eigen::VectorXd y, InteriorPointSettings settings) {
   InteriorPointAnswer answer;
   const int allowed = settings.max_iterations;
@@ -259,7 +259,7 @@ InteriorPointAnswer IpoptSolver::run_ipopt(Eigen::VectorXd y, InteriorPointSetti
   }
 }
 
-/// Records an iterate; false where Ipopt should stop.
+/// Records an iterate; returns false if Ipopt should stop.
 bool IpoptSolver::note(const InteriorPointIterate& iterate) {
   const bool again = iterations_before_ > 0 && iterate.iteration == 0;
   if (alternates_) alternate_hessians(iterate, again);
@@ -275,7 +275,7 @@ bool IpoptSolver::note(const InteriorPointIterate& iterate) {
   return stop_ == Stop::none;
 }
 
-/// The restoration phase has an optimality of its own.
+/// Excludes the restoration phase, which has its own optimality error.
 void IpoptSolver::keep_if_best(const InteriorPointIterate& iterate, bool again) {
   const double error =
       std::max({row_.gap, row_.constraint, row_.stationarity, row_.complementarity});
@@ -285,7 +285,7 @@ void IpoptSolver::keep_if_best(const InteriorPointIterate& iterate, bool again) 
   }
 }
 
-/// `again`: the first iterate of a run that goes on from the one before.
+/// `again`: the first iterate of a run that continues the one before.
 void IpoptSolver::alternate_hessians(const InteriorPointIterate& iterate, bool again) {
   if (iterate.iteration > 0) {
     row_.exact_hessian = !alternation_.gauss_newton();
@@ -296,7 +296,7 @@ void IpoptSolver::alternate_hessians(const InteriorPointIterate& iterate, bool a
   transcription_->use_gauss_newton(alternation_.gauss_newton());
 }
 
-/// Writes an iterate of Ipopt into the row of the log.
+/// Writes an Ipopt iterate into the row of the log.
 void IpoptSolver::describe(const InteriorPointIterate& iterate) {
   transcription_->set_point(iterate.y);
   const Evaluation& values = transcription_->evaluation();
@@ -325,14 +325,14 @@ IpoptSolver::Stop IpoptSolver::reason_to_stop(const InteriorPointIterate& iterat
   return cost_settled() ? Stop::cost_settled : Stop::none;
 }
 
-/// Whether another run should go on from here with the iterate as the new centre.
+/// True if another run should continue from here with the iterate as the new center.
 bool IpoptSolver::leaves_chart(const InteriorPointIterate& iterate) const {
   return !iterate.restoration && row_.iteration < options_.max_iterations &&
          transcription_->chart_angle() > kLargestAngle;
 }
 
-/// Whether Ipopt's iterate is feasible, and the caller asked for no more of the cost. With relaxed
-/// pairs the cost is that of another problem.
+/// True if Ipopt's iterate is feasible and its cost has settled to the caller's tolerance. With
+/// relaxed pairs, the cost is that of another problem.
 bool IpoptSolver::cost_settled() const {
   return cost_has_settled(result_.log, options_.tolerances.cost_decrease) &&
          !transcription_->has_pairs() && is_feasible(row_, options_.tolerances);
@@ -346,8 +346,8 @@ void IpoptSolver::record() {
   if (options_.on_iteration) options_.on_iteration(row_);
 }
 
-/// Its gains are those of a sweep at the iterate before. Where only controls are bounded they are
-/// no sweep's at all: active controls are stiff penalties in them.
+/// The gains belong to a sweep at the previous iterate. If only controls are bounded, they belong
+/// to no sweep: active controls are stiff penalties in them.
 void IpoptSolver::note_newton_step() {
   gain_regularization_.reset();
   if (!problem_.constraints().empty()) gain_regularization_ = 0;
@@ -357,7 +357,7 @@ void IpoptSolver::note_newton_step() {
   consider();
 }
 
-/// Makes the iterate of Newton's method the answer where it is better than the answer so far.
+/// Makes the Newton iterate the answer if it is better than the answer so far.
 void IpoptSolver::consider(bool preferred) {
   if (!choice_.take(newton_.norms(), preferred)) return;
   answer_row_ = row_;
@@ -365,8 +365,8 @@ void IpoptSolver::consider(bool preferred) {
   write_result();
 }
 
-/// The last row of the log, if it is that of the answer. Without an iteration, as where Ipopt finds
-/// more equations than variables, the log is empty.
+/// Last row of the log, if it describes the answer. The log is empty without iterations, for
+/// example if Ipopt finds more equations than variables.
 IterationRecord* IpoptSolver::row_of_answer() {
   if (result_.log.empty()) return nullptr;
   IterationRecord& last = result_.log.back();
@@ -374,12 +374,12 @@ IterationRecord* IpoptSolver::row_of_answer() {
   return same ? &last : nullptr;
 }
 
-/// Makes the row of the answer the last one of the log.
+/// Makes the row of the answer the last row of the log.
 void IpoptSolver::log_answer() {
   if (!choice_.has_answer() || !std::isfinite(answer_row_.cost)) return;
   if (IterationRecord* const last = row_of_answer()) {
-    // Along the answer's gains it is another number than along those of the step that led there,
-    // and controls that Ipopt left outside of their bounds by rounding are within them.
+    // Stationarity along the answer's gains differs from that along the gains of the last step.
+    // Controls that Ipopt left outside their bounds by rounding are now inside.
     last->stationarity = answer_row_.stationarity;
     last->stationarity_knot = answer_row_.stationarity_knot;
     last->gap = answer_row_.gap;
@@ -388,7 +388,7 @@ void IpoptSolver::log_answer() {
     last->constraint_knot = answer_row_.constraint_knot;
     return;
   }
-  // What is counted goes on.
+  // Counters continue from the current row.
   answer_row_.iteration = row_.iteration;
   answer_row_.outer = row_.outer;
   answer_row_.newton = row_.newton;
@@ -427,7 +427,7 @@ void IpoptSolver::write_result() {
   result_.constraint_multipliers = newton_.multipliers();
 }
 
-/// What the answer's values alone give, where its derivatives are not finite.
+/// Writes the values of an answer whose derivatives are not finite.
 void IpoptSolver::write_values() {
   result_.trajectory = newton_.trajectory();
   Evaluation values(problem_);
@@ -468,7 +468,7 @@ IpoptSolver::Ending IpoptSolver::find_status(const InteriorPointAnswer& answer) 
   return {status_of(answer.end), "Ipopt: " + answer.message + ", but not all of this solve's"};
 }
 
-/// Where the callback ended the solve.
+/// Status of a solve that the callback ended.
 std::optional<IpoptSolver::Ending> IpoptSolver::stopped_status() const {
   if (stop_ == Stop::cost_settled && is_feasible(result_.residuals, options_.tolerances))
     return Ending{SolveStatus::cost_settled, "the cost has settled"};
@@ -482,7 +482,7 @@ bool IpoptSolver::iterations_used_up(const InteriorPointAnswer& answer) const {
          (answer.is_good() && row_.iteration >= options_.max_iterations);
 }
 
-/// Constraints on what is given of the first state are no rows of the program.
+/// Constraints on given parts of the first state are not rows of the program.
 bool IpoptSolver::start_violates_constraint() const {
   return result_.residuals.constraint > options_.tolerances.constraint &&
          result_.residuals.constraint_knot >= 0 &&

@@ -18,18 +18,17 @@
 
 namespace conddp {
 
-/// How Ipopt's systems are factorized along the horizon: by a ChainFactorization where constraints
-/// have at most twice as many rows as knots have directions. Each row adds unknowns to a group of
-/// the chain, which is dense there; where there are more inequalities these are eliminated before
-/// (InequalityElimination). Null, for Ipopt's own linear solver, where there are more equalities.
+/// Factorization of Ipopt's systems along the horizon. It is a ChainFactorization if constraints
+/// have at most twice as many rows as knots have directions: each row adds unknowns to a group of
+/// the chain, which is dense there. If inequalities exceed this number, they are eliminated first
+/// (InequalityElimination). If equalities do, it is null, for Ipopt's own linear solver.
 MakeFactorization factorization_along_horizon(const ShootingProblem& problem);
 
-/// Direct transcription: the whole problem as a sparse nonlinear program for Ipopt, whose answer a
-/// few steps of Newton's method on its active set take from the interior to the bounds.
+/// Direct transcription: the whole problem becomes a sparse nonlinear program for Ipopt. A few
+/// active-set Newton steps then move the answer from the interior onto its bounds.
 ///
-/// Complementary pairs are relaxed, and a sequence of solves tightens them, each from the last
-/// one's answer; the last solve has the smaller one of each pair fixed to zero
-/// (ipopt_relaxation.cpp).
+/// Complementary pairs are relaxed. A sequence of solves tightens them, each from the previous
+/// answer; the last solve fixes the smaller variable of each pair to zero (ipopt_relaxation.cpp).
 class IpoptSolver {
  public:
   IpoptSolver(const ShootingProblem& problem, const SolverOptions& options);
@@ -37,9 +36,9 @@ class IpoptSolver {
   SolveResult solve(const Trajectory& guess);
 
  private:
-  /// Why the callback stopped Ipopt.
+  /// Reason why the callback stopped Ipopt.
   enum class Stop { none, recenter, time_limit, interrupted, cost_settled };
-  /// On the active set, at most.
+  /// Maximum number of Newton steps on the active set.
   static constexpr int kNewtonSteps = 10;
 
   void reset();
@@ -77,7 +76,7 @@ class IpoptSolver {
   bool is_complementary(const InteriorPointAnswer& answer) const;
 
   // ipopt_cross_over.cpp
-  /// Multiplier over distance of control bounds and constraint rows; 0 where there is none.
+  /// Multiplier over distance, for control bounds and constraint rows; 0 without a bound.
   struct BoundRatios {
     Trajectory lower, upper;
     Eigen::VectorXd rows;
@@ -125,31 +124,31 @@ class IpoptSolver {
   const ShootingProblem& problem_;
   SolverOptions options_;
   bool gauss_newton_;
-  bool alternates_ = false;  ///< between exact and Gauss-Newton Hessians
+  bool alternates_ = false;  ///< alternates between exact and Gauss-Newton Hessians
   HessianAlternation alternation_;
   ControlBounds bounds_;
   Evaluator evaluator_;
   std::unique_ptr<Transcription> transcription_;
   ProjectedNewton newton_;
   Stop stop_ = Stop::none;
-  AnswerChoice choice_;         ///< the answer so far is the result
-  IterationRecord answer_row_;  ///< its row of the log
-  /// Polished answers with larger barriers than the one that is crossed over from first, from the
-  /// largest one on.
+  AnswerChoice choice_;         ///< its answer so far is the result
+  IterationRecord answer_row_;  ///< row of the log that describes it
+  /// Polished answers with larger barriers than the first one to cross over from, the largest
+  /// barrier first.
   std::vector<InteriorPointAnswer> looser_;
-  bool crossed_over_ = false;  ///< nothing is left to cross over from
-  int iterations_before_ = 0;  ///< of earlier runs of Ipopt in this solve
+  bool crossed_over_ = false;  ///< the crossover is already done
+  int iterations_before_ = 0;  ///< iterations of earlier Ipopt runs in this solve
   IterationRecord row_;
-  /// The best iterate: that of the least optimality error, which is the largest of gap, violation,
-  /// dual infeasibility and complementarity.
+  /// Iterate with the least optimality error, which is the largest of gap, violation, dual
+  /// infeasibility and complementarity.
   Eigen::VectorXd best_;
   double best_error_ = 0;
-  /// Of constraint rows: by what multipliers are compared with distances from a bound.
+  /// By constraint row: factor that compares multipliers with distances from a bound.
   Eigen::VectorXd penalty_;
-  /// Of the sweep that gave the gains of Newton's iterate, if one did.
+  /// Regularization of the sweep that gave the gains of the Newton iterate, if any.
   std::optional<double> gain_regularization_;
-  BoundRatios former_;  ///< of the last answer that was crossed over from
-  /// Where Ipopt went on from the answer before: the means of both answers' ratios.
+  BoundRatios former_;  ///< of the last answer to cross over from
+  /// Geometric means of the ratios of two answers, if Ipopt continued from the previous one.
   std::optional<BoundRatios> scales_;
   SolveResult result_;
   std::chrono::steady_clock::time_point began_;

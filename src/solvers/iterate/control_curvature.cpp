@@ -8,10 +8,10 @@
 namespace conddp {
 namespace {
 
-/// Less of a diagonal entry than this share is rounding of what was subtracted.
+/// A smaller share of a diagonal entry is rounding of the subtraction.
 constexpr double kRounding = 1e-12;
 
-/// The largest of the costs' diagonal entries that are more than rounding of the whole ones.
+/// Largest diagonal entry of the costs among those that exceed rounding of the whole entry.
 template <class Diagonal>
 double largest_of_costs(const Eigen::VectorXd& costs, const Diagonal& whole) {
   double largest = 0;
@@ -37,7 +37,7 @@ ControlCurvature::ControlCurvature(const ShootingProblem& problem) : problem_(pr
   product_.resize(rows, controls);
 }
 
-/// Takes what a constraint adds to the diagonal of its knot out of costs_.
+/// Subtracts a constraint's part of its knot's diagonal from costs_.
 void ControlCurvature::subtract(const NodeConstraint& c, const Linearization& linearization,
                                 const Augmentation& augmentation) {
   const int n = c.term->rows, nu = problem_.nu(c.node);

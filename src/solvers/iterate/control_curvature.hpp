@@ -7,14 +7,14 @@
 
 namespace conddp {
 
-/// The curvature that costs have in the controls, by which weights on controls are large or small.
+/// Curvature of the costs in the controls, the scale of weights on controls.
 class ControlCurvature {
  public:
   explicit ControlCurvature(const ShootingProblem& problem);
 
-  /// The largest diagonal entry of a knot's H_uu without what the augmentation, if any, adds, and
-  /// of that the least over all knots where it is positive; infinite where it is so nowhere. The
-  /// linearisation has Gauss-Newton Hessians and was made with this augmentation.
+  /// Least value, over all knots where it is positive, of the largest diagonal entry of H_uu
+  /// without the part of the augmentation, if any. Infinite if it is positive at no knot. The
+  /// linearization has Gauss-Newton Hessians and was computed with this augmentation.
   double least(const Linearization& linearization, const Augmentation* augmentation);
 
  private:
@@ -22,8 +22,8 @@ class ControlCurvature {
                 const Augmentation& augmentation);
 
   const ShootingProblem& problem_;
-  std::vector<const NodeConstraint*> on_controls_;  ///< the others add nothing there
-  Eigen::VectorXd costs_;                           ///< of the controls of a knot
+  std::vector<const NodeConstraint*> on_controls_;  ///< all other constraints add nothing to H_uu
+  Eigen::VectorXd costs_;                           ///< diagonal of H_uu at a knot
   Eigen::VectorXd shifted_, multiplier_, curvature_;
   Eigen::MatrixXd product_;
 };

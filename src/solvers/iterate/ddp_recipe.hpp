@@ -4,30 +4,31 @@
 
 namespace conddp {
 
-/// When multipliers change and when penalties grow, at the end of a minimisation.
+/// Updates of multipliers and penalties at the end of a minimization.
 enum class MultiplierSchedule {
-  /// Multipliers always; the penalty where the violation has not fallen enough (ALTRO).
+  /// Multipliers always; the penalty if the violation has not fallen enough (ALTRO).
   always,
-  /// A bound-constrained Lagrangian (Conn, Gould, Toint 1991; Jallet et al. 2025): multipliers
-  /// where the change that they ask for is within a tolerance, which then gets tighter; elsewhere
-  /// the penalty grows and they stay.
+  /// A bound-constrained Lagrangian (Conn, Gould, Toint 1991; Jallet et al. 2025): updates
+  /// multipliers if their change is within a tolerance, which then tightens. Otherwise the penalty
+  /// grows and the multipliers stay.
   bound_constrained_lagrangian,
-  /// A sweep gives the multipliers along with its step; penalties belong to the merit alone.
+  /// A sweep computes the multipliers along with its step; penalties affect only the merit.
   by_the_sweep,
 };
 
-/// The choices that make one solver of the family.
+/// Choices that define one solver of the family.
 struct DdpRecipe {
-  bool open_gaps = false;       ///< multiple shooting: start from the states given, contract gaps
-  bool clamp_controls = false;  ///< the rollout projects every control on its bounds
+  bool open_gaps = false;       ///< multiple shooting: starts from the given states and contracts
+                                ///< gaps
+  bool clamp_controls = false;  ///< the rollout projects every control onto its bounds
   bool box_stage = false;       ///< stage problems respect the bounds
   bool constraints = false;     ///< constraints enter as an augmented Lagrangian
   MultiplierSchedule multipliers = MultiplierSchedule::always;
-  bool least_violation = false;  ///< what is looked for is a point of least violation
-  bool newton = false;           ///< which a projected Newton method ends
-  bool segments = false;         ///< sweeps may go by segments of the horizon
-  /// Which second derivatives; `when_slow` leaves it to the options and, where these do not say, to
-  /// the solve. Exact ones wait until the gaps are closed.
+  bool least_violation = false;  ///< seeks a point of least violation
+  bool newton = false;           ///< a projected Newton method ends the solve
+  bool segments = false;         ///< sweeps may use segments of the horizon
+  /// Second derivatives. With `when_slow`, the options decide or, if these are automatic, the solve
+  /// does. Exact derivatives wait until the gaps are closed.
   HessianUse hessian = HessianUse::gauss_newton;
 };
 

@@ -6,22 +6,22 @@
 namespace conddp {
 namespace {
 
-/// Directions of a knot from which on exact Hessians are dear.
+/// Exact Hessians are expensive from this number of directions per knot on.
 constexpr int kDearDirections = 30;
-/// Fewest iterations over which convergence is judged.
+/// Minimum number of iterations over which convergence is judged.
 constexpr int kWatchedIterations = 10;
-/// What an exact Hessian is taken to cost for each of its directions, in Gauss-Newton iterations:
-/// by parts it is less, but earlier turns gain nothing. And how many exact iterations a solve is
-/// taken to need.
+/// Assumed cost of an exact Hessian per direction, in Gauss-Newton iterations, and assumed number
+/// of exact iterations in a solve. Evaluation by parts costs less, but switching earlier gains
+/// nothing.
 constexpr double kDirectionCost = 1;
 constexpr double kExactIterations = 4;
-/// What exact iterations may cost, in Gauss-Newton iterations, before their convergence is judged;
-/// and fewest of them.
+/// Budget of exact iterations, in Gauss-Newton iterations, before their convergence is judged, and
+/// their minimum number.
 constexpr double kExactTrial = 1000;
 constexpr int kFewestExact = 8;
-/// Bounds how often the window doubles.
+/// Limits how often the window doubles.
 constexpr int kMostDoublings = 10;
-/// What rounding makes of equal Hessians, relative to their largest entry.
+/// Rounding differences of equal Hessians, relative to their largest entry.
 constexpr double kSameHessian = 1e-12;
 
 bool has_linear_costs(const Phase& phase) {
@@ -89,18 +89,18 @@ void HessianSwitch::reset() {
   returns_ = 0;
 }
 
-/// Iterations over which the convergence of the set in use is judged. Whenever exact Hessians have
-/// been given up, Gauss-Newton ones get twice as many.
+/// Iterations over which the convergence of the current Hessians is judged. The window of
+/// Gauss-Newton Hessians doubles whenever exact ones have been given up.
 int HessianSwitch::window() const {
   if (exact_wanted_) return std::max(kFewestExact, static_cast<int>(kExactTrial / exact_cost_));
   return std::max(kWatchedIterations, static_cast<int>(exact_cost_ / 2))
          << std::min(returns_, kMostDoublings);
 }
 
-/// An exact Hessian takes a pass for each direction, so what it saves has to be worth that. Over a
-/// window that is itself no longer than a fraction of the price, the stationarity's rate of
-/// convergence tells how many iterations Gauss-Newton still needs; exact ones are taken to need
-/// kExactIterations. As long as the cost falls much, that rate says nothing.
+/// An exact Hessian takes a pass for each direction, so its savings must be worth that. The window
+/// is no longer than a fraction of this price. Over it, the convergence rate of stationarity
+/// predicts how many iterations Gauss-Newton still needs; exact Hessians are assumed to need
+/// kExactIterations. While the cost falls substantially, that rate is meaningless.
 bool HessianSwitch::gauss_newton_is_slow(const IterationRecord& row) const {
   if (watched_cost_ - row.cost >= 0.1 * std::abs(row.cost)) return false;
   const double decades = std::log10(watched_stationarity_ / row.stationarity) / window();
@@ -108,8 +108,8 @@ bool HessianSwitch::gauss_newton_is_slow(const IterationRecord& row) const {
   return !(wanted <= decades * kExactIterations * exact_cost_);
 }
 
-/// Far from an optimum exact Hessians are as slow as others. They stay if, at their rate, the end
-/// is no further away than what they have taken already.
+/// Far from an optimum, exact Hessians are as slow as others. They stay if, at their rate, they
+/// need at most as many further iterations as they have taken.
 bool HessianSwitch::exact_is_slow(const IterationRecord& row) const {
   return !(std::log10(row.stationarity / tolerance_) <=
            std::log10(watched_stationarity_ / row.stationarity));
@@ -126,7 +126,7 @@ void HessianSwitch::watch(const IterationRecord& row) {
   watched_cost_ = row.cost;
 }
 
-/// At the end of a window.
+/// Turns to the other Hessians at the end of a window if those in use are slow.
 void HessianSwitch::turn_if_slow(const IterationRecord& row) {
   const bool slow = exact_wanted_ ? exact_is_slow(row) : gauss_newton_is_slow(row);
   if (!slow) return;

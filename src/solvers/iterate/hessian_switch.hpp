@@ -11,68 +11,69 @@ namespace conddp {
 /// Second derivatives of the dynamics in the sweep.
 enum class HessianUse {
   gauss_newton,
-  when_slow,   ///< exact once Gauss-Newton's convergence, linear as it is, turns out to be slow
-  exact,       ///< once gaps are closed; where these have no minimum, the Gauss-Newton ones
-  exact_alone  ///< with open gaps, too, and never the Gauss-Newton ones
+  when_slow,   ///< exact once Gauss-Newton's linear convergence turns out to be slow
+  exact,       ///< exact once gaps are closed; Gauss-Newton where the exact ones lack a minimum
+  exact_alone  ///< exact with open gaps, too; never Gauss-Newton
 };
 
-/// Whether a cost is linear in its residual.
+/// True if some cost is linear in its residual.
 bool has_linear_costs(const ShootingProblem& problem);
 
-/// Whether some knot has so many directions that exact Hessians, which take a pass for each, are
-/// dear beside all else of an iteration.
+/// True if some knot has so many directions that exact Hessians, which take a pass for each, are
+/// expensive compared with the rest of an iteration.
 bool exact_hessians_are_dear(const ShootingProblem& problem);
 
-/// What a solver with this use does with a problem as the options ask. Costs that are linear in
-/// their residuals have no Gauss-Newton Hessian: what curvature there is comes from the dynamics
-/// and residuals, so the exact one stands alone there.
+/// Hessians that a solver with this use takes for a problem, given the options. Costs that are
+/// linear in their residuals lack a Gauss-Newton Hessian: their curvature comes from dynamics and
+/// residuals, so only the exact one is used.
 HessianUse hessian_use(HessianUse use, const SolverOptions& options,
                        const ShootingProblem& problem);
 
-/// Whether Hessians differ by rounding alone: those of problems without curvature in dynamics and
-/// residuals do.
+/// True if Hessians differ only by rounding, as for problems without curvature in dynamics and
+/// residuals.
 bool same_hessian(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b);
 
-/// The Hessians of a linearisation in two sets, Gauss-Newton and exact, of which one is in the
-/// linearisation and the other here; and when a solve turns from the former to the latter, or back.
+/// Two sets of Hessians of a linearization, Gauss-Newton and exact: one is in the linearization,
+/// the other is stored here. Decides when a solve turns from the former to the latter, or back.
 class HessianSwitch {
  public:
-  /// Allocates what exact Hessians need if they are used from the start; otherwise the first of
-  /// them does, which most solves never compute. `tolerance` is that of the stationarity.
+  /// Allocates memory of exact Hessians if they are used from the start. Otherwise the first exact
+  /// Hessian allocates it; most solves never compute one. `tolerance` is the stationarity
+  /// tolerance.
   HessianSwitch(HessianUse use, double tolerance, Evaluator& evaluator,
                 Linearization& linearization);
 
-  /// Allocates it now, if exact Hessians may be used at all.
+  /// Allocates this memory now, unless exact Hessians are never used.
   void reserve();
-  /// At the start of a solve.
+  /// Called at the start of a solve.
   void reset();
-  /// With every row of the log: watches for slow convergence, with either set.
+  /// Watches every row of the log for slow convergence, with either set.
   void watch(const IterationRecord& row);
-  /// Turns to exact Hessians for good, where convergence may decide that. Returns whether that is
-  /// news.
+  /// Turns to exact Hessians for good, if convergence may decide that. Returns true if this is a
+  /// change.
   bool turn();
 
-  /// Forgets the exact Hessians and puts the Gauss-Newton ones into the linearisation, as
-  /// Evaluator::differentiate wants it: that leaves entries alone that are zero by structure.
+  /// Discards the exact Hessians and puts the Gauss-Newton ones into the linearization.
+  /// Evaluator::differentiate requires this: it leaves structurally zero entries unchanged.
   void begin_iterate();
-  /// Whether the iterate should get exact Hessians.
+  /// True if the iterate should get exact Hessians.
   bool exact_wanted() const { return exact_wanted_; }
-  /// Whether the Gauss-Newton ones are no substitute.
+  /// True if Gauss-Newton Hessians cannot replace the exact ones.
   bool exact_alone() const { return use_ == HessianUse::exact_alone; }
-  /// Gives it those with these co-states (ndx x (N + 1)). Where they turn out to be the
-  /// Gauss-Newton ones they are known no more, nor wanted before the next slow window.
+  /// Evaluates the exact Hessians with these co-states (ndx x (N + 1)). If they equal the
+  /// Gauss-Newton ones, they are discarded, and not wanted before the next slow window.
   void evaluate_exact(const Trajectory& trajectory, const Eigen::MatrixXd& costates,
                       const Augmentation* augmentation = nullptr);
-  /// Once more, where the iterate has those with other co-states.
+  /// Evaluates exact Hessians again if the iterate has them with other co-states.
   void follow(const Trajectory& trajectory, const Eigen::MatrixXd& costates,
               const Augmentation* augmentation);
-  /// Whether the iterate has them.
+  /// True if the iterate has exact Hessians.
   bool exact_known() const { return exact_known_; }
 
-  /// Puts one of the sets into the linearisation.
+  /// Puts one of the sets into the linearization.
   void use(bool exact);
   bool exact_in_use() const { return exact_in_use_; }
-  /// What `look` returns with the iterate's Gauss-Newton Hessians in place.
+  /// Result of `look` with the iterate's Gauss-Newton Hessians in the linearization.
   template <class Look>
   auto by_gauss_newton(const Look& look) {
     const bool exact = exact_in_use_;
@@ -90,18 +91,18 @@ class HessianSwitch {
 
   HessianUse use_;
   double tolerance_;
-  double exact_cost_ = 0;  ///< of an iteration, in Gauss-Newton iterations
+  double exact_cost_ = 0;  ///< cost of an exact iteration, in Gauss-Newton iterations
   Evaluator& evaluator_;
   Linearization& linearization_;
-  std::vector<Eigen::MatrixXd> other_;  ///< the set that is not in the linearisation
+  std::vector<Eigen::MatrixXd> other_;  ///< the set outside the linearization
   Eigen::MatrixXd costates_;            ///< of the last exact Hessians
   bool exact_wanted_ = false;
   bool exact_known_ = false;
   bool exact_in_use_ = false;
-  bool for_good_ = false;      ///< exact Hessians are not given up
-  bool same_ = false;          ///< the last exact Hessians were those of Gauss-Newton
-  int returns_ = 0;            ///< how often exact Hessians were given up
-  int watched_iteration_ = 0;  ///< the iterate that convergence is compared with
+  bool for_good_ = false;      ///< exact Hessians are never given up again
+  bool same_ = false;          ///< the last exact Hessians equaled Gauss-Newton
+  int returns_ = 0;            ///< number of times that exact Hessians were given up
+  int watched_iteration_ = 0;  ///< iterate that convergence is compared with
   double watched_cost_ = 0;
   double watched_stationarity_ = 0;
 };

@@ -44,7 +44,7 @@ void Iterate::differentiate(const Feedback& feedback, const Augmentation* augmen
     hessian.evaluate_exact(trajectory, adjoint.costates(), augmentation);
 }
 
-/// Of costs, gaps and co-states, which see what else is not finite.
+/// Checks costs, gaps and co-states, which become non-finite with any other quantity.
 bool Iterate::is_finite() const {
   return std::isfinite(linearization.total_cost()) &&
          std::isfinite(linearization.augmentation.sum()) && all_finite(linearization.gap) &&

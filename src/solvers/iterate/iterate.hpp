@@ -12,25 +12,26 @@
 
 namespace conddp {
 
-/// Where a solve stands: a trajectory, its derivatives and co-states, and what of that is known.
+/// State of a solve: a trajectory, its derivatives and co-states, and which of these are up to
+/// date.
 struct Iterate {
   Iterate(const ShootingProblem& problem, const ControlBounds& bounds, Evaluator& evaluator,
           const DdpRecipe& recipe, const SolverOptions& options, SolveRecord& record);
 
-  /// At the start of a solve.
+  /// Called at the start of a solve.
   void reset();
-  /// Derivatives, co-states along a policy, and exact Hessians where they are wanted. `linearized`
-  /// tells whether all of them are finite.
+  /// Computes derivatives, co-states along a policy and, if wanted, exact Hessians. Sets
+  /// `linearized` to true if all of them are finite.
   void differentiate(const Feedback& feedback, const Augmentation* augmentation);
-  /// Ends the solve because something of the iterate is not finite; the one before the last step
-  /// stands. Returns false.
+  /// Ends the solve because the iterate is not finite, and restores the one before the last step.
+  /// Returns false.
   bool end_diverged();
 
   /// ‖∇_u L‖∞, projected on the control bounds.
   Extremum stationarity() const { return bounds.projected_norm(adjoint.gradient(), trajectory); }
   /// max ‖f(x_k, u_k) ⊖ x_{k+1}‖∞ and its knot.
   Extremum largest_gap() const;
-  /// Writes both into a row of the log.
+  /// Writes stationarity and gap into a row of the log.
   void describe(IterationRecord& row) const;
 
   SolveTimes& times() { return record_.result.times; }
@@ -38,14 +39,14 @@ struct Iterate {
   const ControlBounds& bounds;
   Evaluator& evaluator;
   Trajectory trajectory;
-  Trajectory before;  ///< what a step that is taken back goes back to
+  Trajectory before;  ///< restored when a step is taken back
   Linearization linearization;
   Gaps gaps;
   Adjoint adjoint;
   HessianSwitch hessian;
-  bool linearized = false;      ///< the linearisation belongs to the trajectory
-  bool differentiated = false;  ///< its dynamics and costs do, the rest is still to be found
-  double exact_below;           ///< gaps at which exact second derivatives begin
+  bool linearized = false;      ///< the linearization belongs to the trajectory
+  bool differentiated = false;  ///< its dynamics and costs do; the rest is not computed yet
+  double exact_below;           ///< gaps up to this use exact second derivatives
 
  private:
   bool is_finite() const;

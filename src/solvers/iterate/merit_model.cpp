@@ -5,7 +5,7 @@
 namespace conddp {
 namespace {
 
-/// How many times its estimated rounding a merit has to change for Armijo's rule to see it.
+/// Armijo's rule sees a change of the merit from this multiple of its estimated rounding on.
 constexpr double kVisible = 10;
 
 }  // namespace

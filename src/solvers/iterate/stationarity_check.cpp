@@ -6,14 +6,15 @@
 namespace conddp {
 namespace {
 
-/// The share of what should be enough that is asked for, and of the tolerance at least.
+/// Share of the sufficient stationarity that becomes the goal, and the smallest goal as a share of
+/// the tolerance.
 constexpr double kGoalMargin = 0.5, kLeastGoal = 1e-5;
-/// How much larger a gradient without gains may be and still counts.
+/// Largest usable ratio of the gradient without gains to the stationarity.
 constexpr double kMostAmplified = kGoalMargin / kLeastGoal;
-/// How far co-states may be from those along the other gains, relative to the largest of them, in
-/// tolerances of the stationarity: gains that sum up over the horizon carry it there.
+/// Allowed distance of co-states from those along the other gains, relative to the largest of
+/// these, in stationarity tolerances. Gains that add up over the horizon cause such distances.
 constexpr double kCostateTolerance = 500;
-/// Where there are constraints the share of the cost's largest derivative that may be left.
+/// With constraints, stationarity may be at most this share of the cost's largest derivative.
 constexpr double kShareOfCost = 0.01;
 
 double distance(const Eigen::MatrixXd& costates, const Eigen::MatrixXd& others) {
@@ -49,7 +50,7 @@ bool StationarityCheck::confirm_gain(const Iterate& iterate, double share) {
   return ask_for_less(iterate, std::sqrt(share / kMostGain));
 }
 
-/// A stationarity that is smaller by that factor. Returns false.
+/// Lowers the goal by this factor below the current stationarity. Returns false.
 bool StationarityCheck::ask_for_less(const Iterate& iterate, double excess) {
   goal_ = std::max(kGoalMargin * iterate.stationarity().value / excess,
                    kLeastGoal * options_.tolerances.stationarity);
@@ -80,8 +81,8 @@ StationarityCheck::Apart StationarityCheck::compare(const Iterate& iterate,
                              (kCostateTolerance * tolerance)};
 }
 
-/// ‖∇_u L‖∞ without gains, the gradient of the cost as a function of the controls alone. None where
-/// open-loop dynamics amplify the residual too much: there it is ill-conditioned.
+/// ‖∇_u L‖∞ without gains: the gradient of the cost as a function of only the controls. Empty if
+/// open-loop dynamics amplify the residual too much: the gradient is then ill-conditioned.
 std::optional<double> StationarityCheck::reduced_stationarity(const Iterate& iterate,
                                                               double stationarity) {
   free_->compute(iterate.linearization, iterate.trajectory, iterate.gaps, *no_feedback_);

@@ -14,15 +14,16 @@
 namespace conddp {
 namespace {
 
-/// Solves that follow the first one.
+/// Solves that may follow the first one.
 constexpr int kMostRounds = 6;
-/// The gain falls as the square of the stationarity; twice that is asked for.
+/// The gain falls as the square of the stationarity; half of the stationarity that should suffice
+/// is requested.
 constexpr double kMargin = 0.5;
-/// What a further solve leaves of an excess at most, to be followed by another one.
+/// Largest share of an excess that a further solve may leave for another one to follow.
 constexpr double kProgress = 0.5;
-/// Of the tolerances, what is asked for at least.
+/// Smallest requested share of the tolerances.
 constexpr double kLeastShare = 1e-6;
-/// Lengths of steps along a descent: shares of the ranges of motion, the largest first.
+/// Step lengths along a descent direction, as shares of the ranges of motion, the largest first.
 constexpr int kLengths = 6;
 constexpr double kShorter = 0.25;
 
@@ -32,8 +33,9 @@ SolverOptions::Tolerances tightened(SolverOptions::Tolerances t, double share) {
   return t;
 }
 
-/// Options of a solve near an answer: from its multipliers, and with complementary pairs relaxed
-/// half as far, by decades, as from a guess: further ones lose the place.
+/// Options of a solve near an answer. It starts from the answer's multipliers. The first epsilon of
+/// complementary pairs is the geometric mean of the usual first and last ones: larger values lead
+/// away from the answer.
 SolverOptions from_answer(const SolveResult& answer, SolverOptions options) {
   options.multipliers = std::make_shared<const DualGuess>(
       DualGuess{answer.constraint_multipliers, answer.costates, answer.control_gradient});
@@ -77,8 +79,8 @@ Trajectory moved(const ShootingProblem& problem, const Trajectory& from,
   return to;
 }
 
-/// The lowest of a few points along a descent, one for each way; the lower one first, and the way
-/// of the direction where both are alike.
+/// Lowest of a few points along a descent direction, one for each sign; the lower one first, and
+/// the direction's own sign if both are similar.
 std::array<Trajectory, 2> along_descent(const ShootingProblem& problem, const SolveResult& answer,
                                         const std::vector<Eigen::VectorXd>& direction) {
   constexpr double kAlike = 1e-3;
@@ -100,7 +102,7 @@ std::array<Trajectory, 2> along_descent(const ShootingProblem& problem, const So
   return best;
 }
 
-/// Whether an answer that ended otherwise is one by the tolerances of all.
+/// True if an answer with another status still meets all tolerances.
 bool is_answer(const SolveResult& result, const SolverOptions& options) {
   const Residuals& r = result.residuals;
   switch (result.status) {
@@ -116,7 +118,7 @@ bool is_answer(const SolveResult& result, const SolverOptions& options) {
   }
 }
 
-/// Makes a further answer that of all.
+/// Makes a further answer the overall answer.
 void take(SolveResult next, const Objection& objection, JoinedSolves& solves, SolveResult& result) {
   solves.add(next);
   next.status = SolveStatus::converged;
@@ -126,7 +128,7 @@ void take(SolveResult next, const Objection& objection, JoinedSolves& solves, So
 
 using SolveFrom = std::function<SolveResult(const SolverOptions&, const Trajectory&)>;
 
-/// Solves from beside a saddle. False where neither way leads to an answer that costs less.
+/// Solves from points on both sides of a saddle. False if neither leads to a cheaper answer.
 bool leave_saddle(const ShootingProblem& problem, const SolverOptions& options,
                   JoinedSolves& solves, const Objection& objection, const SolveFrom& solve,
                   SolveResult& result) {

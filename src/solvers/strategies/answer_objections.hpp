@@ -8,10 +8,10 @@
 
 namespace conddp {
 
-/// `solve`, and where its converged answer meets an objection, further solves from that answer:
-/// with smaller tolerances where too much is left, from a point along the descent at a saddle. They
-/// are one solve to the caller. The answer is the last one that converged and is no worse;
-/// `remaining` is what speaks against it.
+/// Calls `solve`. If its converged answer meets an objection, solves again from that answer: with
+/// smaller tolerances if too much gain is left, from a point along the descent at a saddle. To the
+/// caller, they are one solve. The answer is the last converged one that is not worse; `remaining`
+/// is the objection to it.
 SolveResult solve_answering(
     const ShootingProblem& problem, const SolverOptions& options, const Trajectory& guess,
     const Doubt& doubt, Objection& remaining,

@@ -11,9 +11,9 @@
 namespace conddp {
 namespace {
 
-/// Of the cost, what counts as more.
+/// Relative increase of the cost that counts as more.
 constexpr double kMore = 1e-6;
-/// Factors of the first penalty: from one that lets go of constraints to one that holds them.
+/// Factors on a first penalty that releases constraints; the last ones hold them.
 constexpr double kStronger[] = {1e3, 1e6};
 
 SolverOptions with_penalty(SolverOptions options, double factor) {
@@ -22,7 +22,7 @@ SolverOptions with_penalty(SolverOptions options, double factor) {
   return options;
 }
 
-/// Whether a solver has ended by itself or after all its iterations; others were stopped.
+/// True if a solver ended on its own or after all its iterations; other solves were stopped.
 bool has_ended(SolveStatus status) {
   return is_success(status) || status == SolveStatus::infeasible ||
          status == SolveStatus::line_search_failed || status == SolveStatus::regularization_limit ||

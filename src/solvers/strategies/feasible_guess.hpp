@@ -7,14 +7,14 @@
 
 namespace conddp {
 
-/// Options from a guess that all but satisfies the constraints: the first penalty holds them.
+/// Options for a guess that nearly satisfies the constraints: the first penalty holds them.
 SolverOptions options_near(const SolverOptions& options);
 
-/// Solves by `solve`; where the guess satisfies all constraints and the end is worse, with a
-/// violation or a larger cost, again from the guess with larger first penalties, if the solver has
-/// any (`penalizes`). Where that does not help the answer is the guess, as `line_search_failed`, or
-/// as `max_iterations` where these are used up. Ends by time, a signal or divergence stay what they
-/// are. Limits are of all together.
+/// Calls `solve`. If the guess satisfies all constraints and the end is worse (a violation or a
+/// larger cost), solves again from the guess. These solves have larger first penalties, if the
+/// solver has any (`penalizes`). If that does not help, the answer is the guess, with status
+/// `line_search_failed`, or `max_iterations` if these are used up. Ends by time, a signal or
+/// divergence are returned unchanged. Limits cover all solves together.
 SolveResult solve_keeping_guess(
     const SolverOptions& options, const Trajectory& guess, bool penalizes,
     const std::function<SolveResult(const SolverOptions&, const Trajectory&)>& solve);

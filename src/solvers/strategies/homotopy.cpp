@@ -20,7 +20,7 @@ bool is_limit(SolveStatus status) {
   return status == SolveStatus::time_limit || status == SolveStatus::interrupted;
 }
 
-/// Where a solve begins, and what it may take.
+/// Start of a solve: its guess, multipliers and first penalty.
 struct Start {
   Trajectory guess;
   std::shared_ptr<const DualGuess> multipliers;
@@ -34,7 +34,7 @@ Start start_from(const SolverOptions& options, const SolveResult& last) {
           next_first_penalty(options, last)};
 }
 
-/// The solves on the way, and what they took together.
+/// Solves along the homotopy, recorded together.
 class Way {
  public:
   Way(const SolverOptions& options, const SolveByFirst& solve) : solve_(solve), solves_(options) {}
@@ -56,12 +56,12 @@ class Way {
     return result;
   }
 
-  /// Of a problem that cannot be built.
+  /// Records a problem that cannot be built.
   void note_impossible(double share) {
     steps_.push_back({.share = share, .status = SolveStatus::infeasible});
   }
 
-  /// The last solve as the answer of all.
+  /// Returns the last solve as the overall answer.
   SolveResult answer(SolveResult last) {
     last = solves_.answer(std::move(last));
     last.homotopy = std::move(steps_);
@@ -74,7 +74,7 @@ class Way {
   std::vector<HomotopyStep> steps_;
 };
 
-/// From the problem at s = 0 to that at s = 1, by steps that grow and shrink.
+/// Leads from the problem at s = 0 to that at s = 1, in steps that grow and shrink.
 class Walk {
  public:
   Walk(const ShootingProblem& problem, SolverList candidates, const SolverOptions& options,
@@ -95,7 +95,7 @@ class Walk {
   }
 
  private:
-  /// Solves the problem at s = 0. Why there is no way from there, if so.
+  /// Solves the problem at s = 0. Returns the reason if the homotopy cannot continue from there.
   std::optional<std::string> begin() {
     const auto first = options_.homotopy(0);
     if (!first) return "without a start, which cannot be built";
@@ -108,7 +108,7 @@ class Walk {
     return std::nullopt;
   }
 
-  /// One step, or half of one that fails. Why there is no other one, if so.
+  /// Takes one step, or halves one that fails. Returns the reason if it cannot take another one.
   std::optional<std::string> advance() {
     const double next = std::min(1.0, share_ + step_);
     const SolveStatus status = solve_at(next);
@@ -123,7 +123,7 @@ class Walk {
     return std::nullopt;
   }
 
-  /// The problem itself, from the last answer on the way.
+  /// Solves the problem itself, from the last answer along the way.
   SolveResult solve_directly(const std::string& why) {
     start_.penalty = options_.augmented_lagrangian.initial_penalty;
     SolveResult last =
@@ -132,7 +132,7 @@ class Walk {
     return way_.answer(std::move(last));
   }
 
-  /// An answer is kept as the last one.
+  /// Solves at a share; a successful answer becomes the last one.
   SolveStatus solve_at(double share) {
     const auto between = options_.homotopy(share);
     if (!between) {
@@ -161,8 +161,8 @@ class Walk {
   Way way_;
   Start start_;
   std::optional<SolveResult> last_;
-  int quick_ = 0;       ///< iterations up to which a step is an easy one
-  int iterations_ = 0;  ///< of answers
+  int quick_ = 0;       ///< largest number of iterations of an easy step
+  int iterations_ = 0;  ///< iterations of all answers
   double share_ = 0, step_ = kFirstStep;
 };
 

@@ -7,25 +7,25 @@
 
 namespace conddp {
 
-/// Several solves, one after the other, that are one to whoever asked for it: their iterations, log
-/// and times follow each other, and limits are those of all together.
+/// Several consecutive solves that appear to the caller as one: their iterations, logs and times
+/// are joined, and limits cover all of them together.
 class JoinedSolves {
  public:
-  /// Changes a row of the log into one of the whole.
+  /// Adapts a row of a solve's log to the joined log.
   using Mark = std::function<void(IterationRecord&)>;
 
-  /// `options` live longer.
+  /// `options` must outlive this object.
   explicit JoinedSolves(const SolverOptions& options) : options_(options) {}
 
   int iterations_left() const;
-  /// s, since the first solve began.
+  /// s since the first solve began.
   double seconds() const;
-  /// The options of the next solve: what is left of the limits, and rows that are shown as rows of
-  /// the whole. Valid until that solve is added.
+  /// Options of the next solve: the remaining limits, and a callback that reports rows of the
+  /// joined log. Valid until that solve is added.
   SolverOptions next(Mark mark = {});
-  /// Takes what the solve that was made with the options of next() did.
+  /// Adds the results of the solve that used the options of next().
   void add(const SolveResult& result);
-  /// `last` as the answer of all.
+  /// Returns `last` as the joint answer.
   SolveResult answer(SolveResult last);
 
  private:
@@ -42,8 +42,8 @@ class JoinedSolves {
   std::vector<IterationRecord> log_;
 };
 
-/// The first penalty of a solve that goes on from where another one ended: the geometric mean of
-/// the first penalty of all and the largest one that was needed. The first one would let go of
+/// First penalty of a solve that continues from where another one ended: the geometric mean of the
+/// overall first penalty and the largest penalty needed. The first penalty alone would release
 /// constraints that the multipliers hold, or that have been restored.
 double next_first_penalty(const SolverOptions& options, const SolveResult& last);
 

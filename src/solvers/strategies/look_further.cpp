@@ -17,13 +17,13 @@
 namespace conddp {
 namespace {
 
-/// Perturbed guesses that are tried side by side, once and while all answers jump.
+/// Perturbed guesses that are tried in parallel, once and for as long as all answers jump.
 constexpr int kBeside = 2;
-/// Iterations of an attempt: beside those of the best one, and at least.
+/// Iterations of an attempt: as a multiple of those of the best one, and at least.
 constexpr int kTimes = 4, kLeast = 50;
 
-/// To what the time of an iteration is about proportional: over all knots, states and controls
-/// times these and the rows of constraints.
+/// Estimate of an iteration's time, up to a factor: over all knots, states and controls times the
+/// sum of these and the rows of constraints.
 double work(const ShootingProblem& problem) {
   double sum = 0;
   for (int k = 0; k < problem.knots(); ++k) {
@@ -33,11 +33,11 @@ double work(const ShootingProblem& problem) {
   return sum;
 }
 
-/// A solve that is made beside others.
+/// A solve that runs in parallel with others.
 struct Trial {
   const SolverInfo* solver = nullptr;
   int start = 0;
-  std::optional<SolveResult> result = {};  ///< none of a solver that is not installed
+  std::optional<SolveResult> result = {};  ///< empty if the solver is not installed
   Objection objection = {};
   std::exception_ptr failure = {};
 };
@@ -61,7 +61,7 @@ class FurtherLook {
 
   SolveResult look() {
     std::vector<Trial> others;
-    // The last one is the least like the first.
+    // The last candidate is the least similar to the first.
     for (const SolverInfo* solver : candidates_ | std::views::reverse) others.push_back({solver});
     try_all(std::move(others));
     int start = 0;
@@ -99,8 +99,8 @@ class FurtherLook {
     return !cut_short_;
   }
 
-  /// Trials that were not made, side by side. Their limits are those before the first of them, so
-  /// that no answer depends on the number of threads.
+  /// Runs the trials that were not made yet, in parallel. Their limits are set before the first of
+  /// them, so that no answer depends on the number of threads.
   void try_all(std::vector<Trial> trials) {
     std::erase_if(trials, [&](const Trial& trial) { return was_made(trial); });
     if (trials.empty() || !may_go_on()) return;

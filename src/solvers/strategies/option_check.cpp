@@ -22,7 +22,7 @@ bool control_gradient_fits(const ShootingProblem& problem,
   return true;
 }
 
-/// Why multipliers are not those of a problem of this shape, if so.
+/// Reason why multipliers do not have the shape of the problem, if any.
 std::optional<std::string> misfit(const ShootingProblem& problem, const DualGuess& guess) {
   if (guess.constraints.size() == problem.constraint_rows() &&
       costates_fit(problem, guess.costates) &&
@@ -31,7 +31,7 @@ std::optional<std::string> misfit(const ShootingProblem& problem, const DualGues
   return "the multipliers to start from do not have the shape of the problem";
 }
 
-/// Why the solver cannot take the problem with these options, if so.
+/// Reason why the solver does not support the problem with these options, if any.
 std::optional<std::string> unsupported_options(const SolverInfo& solver,
                                                const ShootingProblem& problem,
                                                const SolverOptions& options) {

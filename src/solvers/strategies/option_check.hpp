@@ -4,8 +4,8 @@
 
 namespace conddp {
 
-/// Throws std::invalid_argument where the options are not valid, or the solver does not support the
-/// problem, the Hessian, the segments or the multipliers that they ask for.
+/// Throws std::invalid_argument if the options are not valid, or the solver does not support the
+/// problem or the requested Hessian, segments or multipliers.
 void check_options(const SolverInfo& solver, const ShootingProblem& problem,
                    const SolverOptions& options);
 

@@ -8,10 +8,11 @@
 namespace conddp {
 namespace {
 
-/// Binary logarithms: sizes that stay as they are, and those that count at most.
+/// Binary logarithms: range of usual sizes, range beyond which sizes lie far apart, and limit of
+/// all sizes.
 constexpr double kUsual = 5, kFar = 13, kMost = 40;
 
-/// Rounding may be all of a smaller number that is the difference of others.
+/// A smaller number that is the difference of others may be pure rounding.
 constexpr double kRounding = 1e-9;
 
 double power_of_two(double size) {
@@ -19,15 +20,15 @@ double power_of_two(double size) {
   return std::exp2(std::round(std::clamp(std::log2(size), -kMost, kMost)));
 }
 
-/// Of a size that is not known is nothing unusual.
+/// An unknown size is not unusual.
 bool are_within(const std::vector<double>& sizes, double least, double largest) {
   return std::ranges::all_of(sizes, [&](double size) {
     return size == 0 || (std::log2(size) >= least && std::log2(size) <= largest);
   });
 }
 
-/// Whether all sizes are within a range, in binary logarithms of both ends. Rows with large
-/// derivatives are no matter: what is left of their violation is small.
+/// True if the binary logarithms of all sizes are within a range. Rows may have large derivatives:
+/// their remaining violation is small.
 bool are_within(const ProblemUnits& units, double range) {
   return are_within(units.state, -range, range) &&
          std::ranges::all_of(units.models, [range](const auto& model) {
@@ -85,13 +86,13 @@ class UnitFinder {
 
  private:
   ProblemUnits::OfModel& at(int k) { return units_.models.at(problem_.knot(k).model); }
-  /// What a column of z is in.
+  /// Unit of a column of z.
   double& unit(int k, int column) {
     const int n = problem_.ndx();
     return column < n ? units_.state[column] : at(k).control[column - n];
   }
 
-  /// Rows that depend on one column alone say how far that goes.
+  /// Takes sizes from rows that depend on one column only.
   void meet_rows(const NodeConstraint& c, bool equalities) {
     for (int r = 0; r < c.term->rows; ++r) {
       if ((c.lower[r] == c.upper[r]) != equalities) continue;
@@ -112,7 +113,7 @@ class UnitFinder {
   }
 
   /// Equalities and the guess come first: other bounds may be far away. Guesses are often zero, or
-  /// nearly: sizes below 1 come of constraints alone.
+  /// nearly zero: sizes below 1 come from constraints only.
   void find_sizes() {
     for (const NodeConstraint& c : problem_.constraints())
       if (c.term->has_bounds()) meet_rows(c, true);
@@ -134,8 +135,8 @@ class UnitFinder {
     if (size > 0 || std::abs(value) >= 1) meet(value, size);
   }
 
-  /// Where nothing else is known: a control is as large as one that is the same throughout and
-  /// moves some state by its size, and a state as what controls do to it, both to first order.
+  /// Finds the sizes that are unknown so far, to first order. A control is as large as a constant
+  /// one that moves some state by its size. A state is as large as its response to the controls.
   void meet_responses() {
     int most = 0;
     for (const auto& [model, own] : units_.models) most = std::max(most, model->nu());
@@ -156,7 +157,7 @@ class UnitFinder {
       if (units_.state[r] == 0) units_.state[r] = moved[r];
   }
 
-  /// The largest change of each state by a control of 1 throughout; 0 where it has no bounds.
+  /// Largest change of each state under a constant control of 1; 0 if it is unbounded.
   Eigen::VectorXd response(int control) {
     Eigen::VectorXd dx = Eigen::VectorXd::Zero(problem_.ndx()), next = dx, largest = dx, z;
     for (int k = 0; k < problem_.knots(); ++k) {
@@ -171,7 +172,7 @@ class UnitFinder {
     return largest;
   }
 
-  /// Powers of two, and sizes of rows by them.
+  /// Rounds sizes to powers of two, and finds the sizes of rows from them.
   void round() {
     const auto round_all = [](std::vector<double>& sizes) {
       for (double& size : sizes) size = power_of_two(size);
@@ -182,7 +183,7 @@ class UnitFinder {
       if (has_factors(*c.term)) meet_factors(c);
   }
 
-  /// The largest of a cone's rows counts for all.
+  /// The largest row of a cone determines all its rows.
   void meet_factors(const NodeConstraint& c) {
     const int first = c.row - problem_.constraint_offset(c.node);
     const auto C = linearization_.knots[c.node].C.middleRows(first, c.term->rows);
@@ -195,7 +196,8 @@ class UnitFinder {
     if (c.term->is_cone()) std::fill_n(size, c.term->rows, largest);
   }
 
-  /// What the costs change where all variables move by their units: then multipliers are about 1.
+  /// Finds the change of the costs if all variables move by their units; scaled by it, multipliers
+  /// are about 1.
   void find_cost() {
     double sum = 0;
     for (int k = 0; k <= problem_.knots(); ++k) {
@@ -216,7 +218,7 @@ class UnitFinder {
   ProblemUnits units_;
 };
 
-/// With those that there are already.
+/// Multiplies factors with those already present.
 std::vector<double> product(std::vector<double> factors, const std::vector<double>& present) {
   for (std::size_t i = 0; i < present.size(); ++i) factors[i] *= present[i];
   return factors;
@@ -242,7 +244,7 @@ std::shared_ptr<const KnotModel> in_units(const KnotModel& of, const ProblemUnit
   return model;
 }
 
-/// A phase with a model in units, whose bounds of rows are multiplied as the rows are.
+/// A phase with a model in units; its bounds of rows are scaled as the rows are.
 Phase in_units(const Phase& of, const std::vector<double>& factors,
                std::shared_ptr<const KnotModel> model) {
   Phase phase = of;

@@ -12,7 +12,7 @@
 namespace conddp {
 namespace {
 
-/// What a member of the family supports follows from its recipe.
+/// Derives the capabilities of a member from its recipe.
 SolverInfo info_of(const DdpMember& member) {
   const DdpRecipe& recipe = member.recipe;
   SolverInfo info{.name = member.name, .description = member.description};
@@ -36,7 +36,7 @@ SolverInfo info_of(const DdpMember& member) {
 }
 
 /// Direct transcription by multiple shooting for the interior-point method Ipopt (Wächter, Biegler
-/// 2006). MUMPS, which factors its matrices, must not run twice in one process.
+/// 2006). MUMPS, which factorizes its matrices, must not run twice in one process.
 SolverInfo ipopt_info() {
   return {
       .name = "ipopt",
@@ -51,7 +51,7 @@ SolverInfo ipopt_info() {
                 const Trajectory& guess) { return IpoptSolver(problem, options).solve(guess); }};
 }
 
-/// A bounded control in words: "-3 <= u"; empty where it has no bound.
+/// Bounds of a control in words: "-3 <= u"; empty if there are no bounds.
 std::string describe_bounds(const KnotModel& model, int control) {
   const double lower = model.control_lower()[control], upper = model.control_upper()[control];
   if (!std::isfinite(lower) && !std::isfinite(upper)) return "";
@@ -64,7 +64,7 @@ std::string describe_bounds(const KnotModel& model, int control) {
   return text;
 }
 
-/// The first bound of a problem in words: "-3 <= u in phase 'swing'".
+/// First bound of a problem in words: "-3 <= u in phase 'swing'".
 std::string describe_first_bound(const ShootingProblem& problem) {
   for (const Phase& phase : problem.phases()) {
     for (int i = 0; i < phase.model->nu(); ++i) {
@@ -90,12 +90,12 @@ std::string list_solvers(BoundSupport support) {
   return list_solvers([support](const SolverInfo& info) { return info.control_bounds == support; });
 }
 
-/// Whether a value between these bounds is limited, and not to one.
+/// Bounded but not fixed.
 bool is_interval(double lower, double upper) {
   return lower != upper && (std::isfinite(lower) || std::isfinite(upper));
 }
 
-/// Rows may be free, too: those that `equals` does not name.
+/// Rows without bounds are allowed, too: those that `equals` does not name.
 bool is_equality(const NodeConstraint& c) {
   if (!c.term->has_bounds() || c.is_soft()) return false;
   for (int i = 0; i < c.term->rows; ++i)
@@ -115,7 +115,7 @@ bool supports_all(const SolverInfo& solver, const ShootingProblem& problem) {
                      [&](const NodeConstraint& c) { return supports(solver, c); });
 }
 
-/// What a constraint is that the solver does not support.
+/// Kind of a constraint that the solver does not support.
 std::string_view kind_of(const NodeConstraint& c, const SolverInfo& solver) {
   if (c.is_soft()) return "soft constraint";
   return solver.constraints == ConstraintSupport::equalities ? "inequality" : "constraint";
@@ -126,8 +126,8 @@ std::string place_of(const NodeConstraint& c, const ShootingProblem& problem) {
   return fmt::format("phase '{}'", problem.phases()[problem.knot(c.node).phase].name);
 }
 
-/// Why the solver cannot take the problem because of its constraints, if so. What is advised are
-/// the solvers that keep all of them.
+/// Reason why the solver does not support the problem's constraints, if any. It recommends solvers
+/// that support all of them.
 std::optional<std::string> unsupported_constraint(const SolverInfo& solver,
                                                   const ShootingProblem& problem) {
   const auto& all = problem.constraints();

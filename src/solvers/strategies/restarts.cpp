@@ -17,13 +17,13 @@
 namespace conddp {
 namespace {
 
-/// Costs that differ by less than this share of them are equal.
+/// Costs that differ by less than this share are equal.
 constexpr double kEqualCost = 1e-6;
-/// Trajectories that differ by less than this share of how far they lead are equal: where a cost is
-/// flat to kEqualCost, states are known to about its square root.
+/// Trajectories that differ by less than this share of their extent are equal: if a cost is flat to
+/// kEqualCost, states are known to about its square root.
 constexpr double kEqualStates = 1e-2;
-/// Where so many starts, the guess among them, and no other ones end at the same least violation,
-/// it is that of the constraints and not of where a search began.
+/// If this many starts, including the guess, all end at the same least violation, it is a property
+/// of the constraints and not of the starts.
 constexpr int kAlike = 5;
 constexpr double kEqualViolation = 1e-6;
 
@@ -31,14 +31,14 @@ bool equal_costs(double a, double b) {
   return std::abs(a - b) <= kEqualCost * std::max(std::abs(a), std::abs(b));
 }
 
-/// Whether two answers are least violations of one size.
+/// True if two answers are least violations of equal size.
 bool equal_violations(const SolveResult& a, const SolveResult& b) {
   return a.status == SolveStatus::infeasible && b.status == SolveStatus::infeasible &&
          std::abs(a.residuals.constraint - b.residuals.constraint) <=
              kEqualViolation * a.residuals.constraint;
 }
 
-/// The largest entry of x_k ⊖ y_k over all nodes; y of one node alone is its state throughout.
+/// Largest entry of x_k ⊖ y_k over all nodes. `y` may be the state of one node throughout.
 template <class Other>
 double distance(const ShootingProblem& problem, const Trajectory& x, const Other& y) {
   Eigen::VectorXd dx(problem.ndx());
@@ -56,12 +56,12 @@ bool equal_trajectories(const ShootingProblem& problem, const Trajectory& a, con
 }
 
 struct Outcome {
-  std::optional<SolveResult> result;  ///< none of a start that was not made
+  std::optional<SolveResult> result;  ///< empty for a start that was not made
   const SolverInfo* used = nullptr;
   std::exception_ptr failure;
 };
 
-/// Takes outcomes in the order of their starts, whatever the order in which they come.
+/// Takes outcomes in the order of their starts, whatever the order of their arrival.
 class Collector {
  public:
   explicit Collector(const ShootingProblem& problem) : problem_(problem) {}
@@ -134,7 +134,7 @@ class Collector {
   std::exception_ptr failure_;
 };
 
-/// The starts of a problem, made by several threads.
+/// Starts of a problem, made in several threads.
 class Restarts {
  public:
   Restarts(const ShootingProblem& problem, const SolverOptions& options, const Trajectory& guess,
@@ -169,7 +169,7 @@ class Restarts {
     return interrupted_ = interrupted_ || (options_.interrupted && options_.interrupted());
   }
 
-  /// Those that have not begun.
+  /// Makes the starts that have not begun.
   void make_further() {
     for (int start = take_next(); start < starts(); start = take_next()) make(start);
   }
@@ -189,7 +189,7 @@ class Restarts {
     collector_.add(start, std::move(outcome));
   }
 
-  /// The first start is made in any case, others as long as there is time.
+  /// The first start is always made, others while time remains.
   Outcome solve(int start) {
     SolverOptions mine = own_;
     if (start == 0) {
@@ -212,7 +212,7 @@ class Restarts {
   const SolverOptions& options_;
   const Trajectory& guess_;
   const Solve& solve_;
-  SolverOptions own_;  ///< of every start
+  SolverOptions own_;  ///< options of every start
   const std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
   std::mutex callbacks_, results_;
   bool interrupted_ = false;  ///< guarded by `callbacks_`

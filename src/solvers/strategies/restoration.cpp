@@ -14,11 +14,12 @@ namespace conddp {
 namespace {
 
 constexpr int kMostRestorations = 3;
-/// How often an answer that says `infeasible` is followed by another one where the violation falls,
-/// and of that, squared, what counts.
+/// Number of times that an `infeasible` answer is followed by another solve because the violation
+/// falls, and the relative decrease of the squared violation that counts.
 constexpr int kMostDescents = 3;
 constexpr double kFell = 1e-2;
-/// How many times the violation at the states the one on the motion that the controls give may be.
+/// Allowed ratio of the violation on the motion of the controls to the violation at the given
+/// states.
 constexpr double kSimulated = 10;
 
 bool can_restore(const ShootingProblem& problem) {
@@ -29,7 +30,7 @@ bool can_restore(const ShootingProblem& problem) {
                       [](const NodeConstraint& c) { return c.term->has_pairs(); });
 }
 
-/// Of a solve after which nothing proves that its violation is the least.
+/// Changes the status of a solve whose violation is not proved to be the least.
 void name_undecided(SolveResult& result) {
   if (result.status != SolveStatus::infeasible) return;
   result.status = SolveStatus::line_search_failed;
@@ -43,8 +44,8 @@ bool has_feasible_iterate(const std::vector<IterationRecord>& log, const SolverO
   });
 }
 
-/// The first penalty of the solve that goes on from a restoration. Controls without bounds may have
-/// to become large: under a smaller penalty than the one that got them there they fall back.
+/// First penalty of the solve that continues from a restoration. Controls without bounds may have
+/// to become large: under a smaller penalty than that of the restoration they fall back.
 double penalty_after(const ShootingProblem& problem, const SolverOptions& options,
                      const SolveResult& stalled, const SolveResult& restored) {
   const double usual = next_first_penalty(options, stalled);
@@ -53,8 +54,8 @@ double penalty_after(const ShootingProblem& problem, const SolverOptions& option
                                   options.augmented_lagrangian.max_penalty));
 }
 
-/// Whether the controls alone lead to a motion that is not much worse. Where they do states follow
-/// from them in every step, and the violation only falls.
+/// True if the controls alone lead to a motion that is not much worse. States then follow from the
+/// controls in every step, and the violation only falls.
 bool can_simulate(const ShootingProblem& problem, const Trajectory& start) {
   Evaluator evaluator(problem, 1);
   const ControlBounds bounds(problem);
@@ -117,7 +118,7 @@ SolveResult solve_with_restoration(
                         options.max_iterations - solves.iterations_left());
     const auto mark = [i](IterationRecord& row) { row.restoration = i; };
     SolveResult restored = restore_feasibility(problem, solves.next(mark), result.trajectory);
-    if (restored.log.empty()) {  // not even its first point is finite: the answer is what it was
+    if (restored.log.empty()) {  // not even its first point is finite: the answer stays
       note += restored.message + "; ";
       break;
     }
@@ -157,7 +158,7 @@ SolveResult confirm_infeasible(
     const double before = values.cost.sum();
     const SolveResult least = minimize(violation, result.trajectory);
     const bool falls = least.cost < (1 - kFell) * before;
-    // Where a certificate says that it is a minimum, what falls so slowly need not end.
+    // If a certificate confirms a minimum, a slowly falling search need not converge.
     const bool searched =
         is_success(least.status) || (doubt && least.status == SolveStatus::max_iterations);
     if (!falls && searched && objection.empty()) break;

@@ -11,42 +11,41 @@ namespace conddp {
 
 class DdpSolver;
 
-/// A solver whose memory outlives a solve, for one problem that is solved again and again from
-/// other initial states (ShootingProblem::set_initial_state) and guesses, as in model predictive
-/// control. From the second solve on a solver of the DDP family allocates nothing, but for messages
-/// of solves that fail; `ipopt` begins anew each time.
+/// A solver that keeps its memory between solves of one problem from changing initial states
+/// (ShootingProblem::set_initial_state) and guesses, as in model predictive control. From the
+/// second solve on, a solver of the DDP family allocates only for messages of failed solves;
+/// `ipopt` starts anew each time.
 class ReusableSolver {
  public:
-  /// The problem must outlive this object. Throws std::invalid_argument where no solver has this
-  /// name, it does not support the problem or the options, or these ask for restarts or a homotopy.
-  /// `memory` is shared by solvers of problems with common models of which one solves at a time;
-  /// null: a memory of its own.
+  /// The problem must outlive this object. Throws std::invalid_argument if no solver has this name,
+  /// the solver does not support the problem or the options, or the options request restarts or a
+  /// homotopy. `memory` is shared by solvers of problems with common models, only one of them
+  /// solving at a time; null for a memory of its own.
   ReusableSolver(const ShootingProblem& problem, std::string_view solver,
                  const SolverOptions& options, std::shared_ptr<EvaluationMemory> memory = nullptr);
   ~ReusableSolver();
   ReusableSolver(const ReusableSolver&) = delete;
   ReusableSolver& operator=(const ReusableSolver&) = delete;
 
-  /// The answer is that of solve() up to restorations of feasibility, which this does not try:
-  /// `infeasible` is a suspicion here. It stays until the next call. A guess of another shape is a
-  /// std::invalid_argument.
+  /// Answers as solve() does, but without restorations of feasibility: `infeasible` is only a
+  /// suspicion here. The answer is valid until the next call. Throws std::invalid_argument for a
+  /// guess of another shape.
   const SolveResult& solve(const Trajectory& guess);
-  /// A real-time iteration: the same, but where the iterations are used up the last iterate is not
-  /// linearised. The gains are then those of the sweep that led to it, the stationarity is that of
-  /// the iterate before, and co-states, gradients and values of constraints stay zero. Of `ipopt`,
-  /// which has none, it is a std::logic_error.
+  /// A real-time iteration: the same, but if the iterations are used up, the last iterate is not
+  /// linearized. The gains are then those of the sweep that led to it, and stationarity is that of
+  /// the previous iterate. Co-states, gradients and constraint values stay zero. Throws
+  /// std::logic_error for `ipopt`, which does not support it.
   const SolveResult& iterate(const Trajectory& guess);
   /// Moves the gains of the last answer out; `to` has their shape.
   void take_feedback(Feedback& to);
-  /// Between solves: exchanges memory with another one of the same name, as far as their problems
-  /// have the same shape; answers lose their gains. The one that solved last has its memory in
-  /// caches.
+  /// Exchanges memory between solves with another solver of the same name, as far as their problems
+  /// have the same shape; answers lose their gains. The memory of the last solver is in cache.
   void exchange_memory(ReusableSolver& other);
 
  private:
-  std::unique_ptr<DdpSolver> solver_;  ///< null of a solver that begins anew
+  std::unique_ptr<DdpSolver> solver_;  ///< null for a solver that starts anew
   std::function<SolveResult(const Trajectory&)> anew_;
-  std::optional<SolveResult> answer_;  ///< of such a solver
+  std::optional<SolveResult> answer_;  ///< answer of such a solver
 };
 
 }  // namespace conddp

@@ -59,15 +59,15 @@ SolveResult solve_with_costs(const ShootingProblem& problem, double scale,
   return result;
 }
 
-/// Whether all residuals of an answer are under tolerance.
+/// True if all residuals of an answer are within tolerance.
 bool is_converged(const SolveResult& result, const SolverOptions::Tolerances& tolerances) {
   const Residuals& r = result.residuals;
   return r.stationarity <= tolerances.stationarity && r.gap <= tolerances.gap &&
          r.constraint <= tolerances.constraint && r.complementarity <= tolerances.complementarity;
 }
 
-/// Of an answer in the problem's own units. Rounding may hide what the scaled problem asks for, or
-/// leave more than its tolerances would.
+/// Judges an answer in the problem's own units. Rounding may hide the accuracy that the scaled
+/// problem requests, or leave more than its tolerances allow.
 void judge(const SolverOptions::Tolerances& tolerances, SolveResult& result) {
   const bool converged = is_converged(result, tolerances);
   if (converged && result.status == SolveStatus::line_search_failed) {
@@ -81,7 +81,7 @@ void judge(const SolverOptions::Tolerances& tolerances, SolveResult& result) {
   }
 }
 
-/// Of states, controls and rows. Costs are multiplied otherwise.
+/// Converts states, controls and rows. Costs are scaled elsewhere.
 class Units {
  public:
   Units(const ShootingProblem& problem, const ProblemUnits& units)
@@ -110,7 +110,7 @@ class Units {
     return std::make_shared<const DualGuess>(std::move(own));
   }
 
-  /// Under these the answer is under the given ones in the problem's units.
+  /// Tolerances under which an answer meets the given ones in the problem's units.
   SolverOptions::Tolerances scaled(SolverOptions::Tolerances tolerances) const {
     tolerances.gap /= std::max(1.0, state_.maxCoeff());
     if (row_.size() > 0) tolerances.constraint *= std::min(1.0, row_.minCoeff());
@@ -137,14 +137,14 @@ class Units {
     }
     for (std::size_t k = 0; k < result.control_gradient.size(); ++k)
       result.control_gradient[k].array() /= control(static_cast<int>(k)).array();
-    // Regularised by other shares of the own units, gains would be those of no sweep.
+    // The regularization is proportional to other units: the gains would belong to no sweep.
     if (result.feedback_regularization.value_or(0) > 0) {
       result.feedback.set_zero();
       result.feedback_regularization.reset();
     }
     result.constraint_values.array() /= row_.array();
     result.constraint_multipliers.array() *= row_.array();
-    // In the costs of the usual size, as it is without units.
+    // In costs of the usual size, as without units.
     const double of_costs = cost_scale(problem_) / units_.cost;
     result.residuals.complementarity *= of_costs;
     for (IterationRecord& row : result.log) row.complementarity *= of_costs;
@@ -171,7 +171,8 @@ class Units {
     return largest;
   }
 
-  /// Residuals in the problem's units, also in the last row of the log; the first gets bounds.
+  /// Measures residuals in the problem's units, also in the last row of the log; the first row gets
+  /// bounds on them.
   void measure(SolveResult& result) const {
     const ControlBounds bounds(problem_);
     Evaluation at(problem_);

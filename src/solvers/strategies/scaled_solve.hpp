@@ -7,18 +7,20 @@
 
 namespace conddp {
 
-/// A solve of a problem from a guess.
+/// Solves a problem from a guess.
 using SolveProblem = std::function<SolveResult(const ShootingProblem&, const SolverOptions&,
                                                const Trajectory& guess)>;
 
-/// Calls `solve` for the problem with costs of the usual size (cost_scale) or, where its numbers
-/// lie far apart, in units in which states, controls, rows and costs are about 1 (units_of); and
-/// where that fails in the other way, if there are such units. A limit of iterations below the
-/// default one is that of both. Returns the answer in the units of the problem, but for the
-/// complementarity and, in the log, the penalties of constraints, regularisations and barriers,
-/// which are those of the scaled problem, as the options are. In other units the log's gaps and
-/// violations are those of the scaled problem, too, but for those of its first row, which are not
-/// less than those of the guess in either unit, and of its last.
+/// Calls `solve` for a scaled problem. Its costs have the usual size (cost_scale) or, if its
+/// numbers lie far apart, its states, controls, rows and costs are about 1 (units_of). If that
+/// fails and such units exist, the other scaling is tried. A limit of iterations below the default
+/// covers both.
+///
+/// The answer is in the units of the problem, except for the complementarity and, in the log,
+/// constraint penalties, regularizations and barriers. These are those of the scaled problem, as
+/// the options are. In other units, gaps and violations in the log are those of the scaled problem,
+/// too, except in its first and last rows. In the first row, they are no less than those of the
+/// guess in either unit.
 SolveResult solve_scaled(const ShootingProblem& problem, const SolverOptions& options,
                          const Trajectory& guess, const SolveProblem& solve);
 

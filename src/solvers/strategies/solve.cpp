@@ -24,20 +24,20 @@
 namespace conddp {
 namespace {
 
-/// Residuals of answers that have diverged are larger: of a gradient, and of a gap.
+/// Larger residuals mean divergence: of a gradient, and of a gap.
 constexpr double kLargestStationarity = 1e16, kLargestGap = 1e10;
 
-/// Whether a solve ended from outside.
+/// True if a solve was ended from outside.
 bool stopped(SolveStatus status) {
   return status == SolveStatus::time_limit || status == SolveStatus::interrupted;
 }
 
-/// Whether residuals are far beyond what rounding leaves of a motion in SI units.
+/// True if residuals are far beyond rounding of a motion in SI units.
 bool is_far(const Residuals& r) {
   return r.stationarity > kLargestStationarity || r.gap > kLargestGap;
 }
 
-/// An answer that ended far away has diverged, whatever ended its iterations.
+/// Marks an answer that ended far away as diverged, whatever ended its iterations.
 void name_divergence(SolveResult& result) {
   if (!is_far(result.residuals) || result.iterations == 0) return;
   if (is_success(result.status) || stopped(result.status)) return;
@@ -46,25 +46,25 @@ void name_divergence(SolveResult& result) {
   result.status = SolveStatus::diverged;
 }
 
-/// Whether a solver gave up, and no limit ended it.
+/// True if a solver failed and no limit ended it.
 bool gave_up(SolveStatus status) {
   return !is_success(status) && status != SolveStatus::max_iterations && !stopped(status);
 }
 
-/// Whether there is a limit of iterations that the user has set.
+/// True if the user has set a limit of iterations.
 bool limits_iterations(const SolverOptions& options) {
   return options.max_iterations < SolverOptions().max_iterations;
 }
 
-/// Compiled functions that report failure give numbers that are not finite, which is all that
-/// solvers see of that.
+/// Compiled functions that fail return non-finite numbers, and solvers see only these. The message
+/// therefore names the functions.
 void name_failed_functions(const ShootingProblem& problem, SolveResult& result) {
   if (!gave_up(result.status)) return;
   for (const std::string& name : failed_functions(problem))
     result.message += fmt::format("; the compiled function '{}' reported failure", name);
 }
 
-/// A guess for solvers that simulate its controls: its states are to say nothing, either of units.
+/// A guess for solvers that simulate its controls. Its states influence nothing, not even units.
 Trajectory without_states(const ShootingProblem& problem, const Trajectory& guess) {
   Trajectory controls = problem.create_trajectory();
   for (int k = 0; k < problem.knots(); ++k) controls.u(k) = guess.u(k);
@@ -108,7 +108,7 @@ SolveResult run(const ShootingProblem& problem, const SolverInfo& solver, Solver
   return result;
 }
 
-/// Nothing, with a word in the answer that there is, where the solver's library is missing.
+/// Empty if the solver's library is missing; the answer so far then mentions it.
 std::optional<SolveResult> run_if_loaded(const ShootingProblem& problem, const SolverInfo& solver,
                                          const SolverOptions& options, const Trajectory& guess,
                                          const Doubt& doubt, Objection& objection,
@@ -122,8 +122,8 @@ std::optional<SolveResult> run_if_loaded(const ShootingProblem& problem, const S
   }
 }
 
-/// Whether a later answer says more than the first one: that it is one, a cheaper one that does not
-/// jump, near, or a least violation.
+/// True if a later answer is preferable to the first one: it converged, it is cheaper without
+/// jumping, its residuals are no longer far off, or it is a least violation.
 bool says_more(const SolveResult& later, const Objection& objection, const SolveResult& first) {
   if (is_success(first.status) && is_success(later.status))
     return !objection.jumps && first.cost - later.cost >
@@ -133,14 +133,14 @@ bool says_more(const SolveResult& later, const Objection& objection, const Solve
          (later.status == SolveStatus::infeasible && first.status != SolveStatus::infeasible);
 }
 
-/// Whether a limit or a signal ended a solve, after which no other one follows. The default limit
-/// of iterations ends a solver, a lower one of the user all.
+/// True if a limit or a signal ended a solve and no other may follow. The default iteration limit
+/// ends one solver; a lower limit of the user ends all.
 bool ends_all(SolveStatus status, const SolverOptions& options) {
   return stopped(status) || (status == SolveStatus::max_iterations && limits_iterations(options));
 }
 
-/// By the first solver that converges to an answer without doubts; else the first answer that
-/// converged; else the first one's, or that of a later one where it says more.
+/// Solves with the first solver that converges to an answer without objections. Otherwise returns
+/// the first answer that converged, or else the first answer or a later, preferable one.
 SolveResult run_first(const ShootingProblem& problem, SolverList candidates,
                       const SolverOptions& options, const Trajectory& guess, const Doubt& doubt,
                       const SolverInfo*& used) {
@@ -185,8 +185,9 @@ SolveResult run_first(const ShootingProblem& problem, SolverList candidates,
   return std::move(*first);
 }
 
-/// By these solvers, and where all of several fail from other guesses: by the first of them and,
-/// where that finds the problem infeasible again and again, by the last one from farther ones.
+/// Solves with these solvers and, if all of several fail, from other guesses. These use the first
+/// solver and, if it repeatedly finds the problem infeasible, the last one from guesses farther
+/// away.
 SolveResult solve_or_restart(const ShootingProblem& problem, SolverList candidates,
                              const SolverOptions& options, const Trajectory& guess,
                              const Doubt& doubt, const SolverInfo*& used) {
@@ -205,7 +206,7 @@ SolveResult solve_or_restart(const ShootingProblem& problem, SolverList candidat
     };
     try {
       result = solve_from_elsewhere(problem, own, guess, result, spread, by_one, doubt, used);
-    } catch (const LibraryError&) {  // which the answer says already
+    } catch (const LibraryError&) {  // the answer says so already
     }
     if (result.status != SolveStatus::infeasible) break;
   }
@@ -233,13 +234,13 @@ SolveResult solve(const ShootingProblem& problem, SolverList candidates,
   SolveResult result(problem);
   if (options.restarts.count <= 0) {
     result = once(guess, options, used);
-    result.attempts.clear();  // of its last step
+    result.attempts.clear();  // attempts of its last step
     return result;
   }
   const bool concurrent = std::all_of(candidates.begin(), candidates.end(),
                                       [](const SolverInfo* info) { return info->concurrent; });
   result = solve_restarts(problem, options, guess, concurrent ? options.threads : 1, once, used);
-  result.attempts.clear();  // of one start
+  result.attempts.clear();  // attempts of one start
   return result;
 }
 
