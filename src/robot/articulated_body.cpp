@@ -47,7 +47,7 @@ struct Articulated {
     for (int i = 0; i < 21; ++i) m[i] += b.m[i];
     return *this;
   }
-  /// The factors L, with D on its diagonal, and D⁻¹.
+  /// Computes the factor L, with D on its diagonal, and D⁻¹.
   void factorize(S* l, S* inverse) const {
     for (int j = 0; j < 6; ++j) {
       S d = m[at(j, j)];
@@ -76,7 +76,7 @@ struct Articulated {
   }
 };
 
-/// What the passes of the algorithm know of each joint.
+/// Intermediate results of the passes, per joint.
 template <class S>
 struct Passes {
   explicit Passes(int joints)
@@ -84,10 +84,10 @@ struct Passes {
 
   std::vector<Articulated<S>> inertia;
   std::vector<Force<S>> column;      ///< inertia times axis
-  std::vector<S> inverse, residual;  ///< of the pivot; the torque that accelerates
+  std::vector<S> inverse, residual;  ///< of the pivot; torque available for acceleration
 };
 
-/// From the leaves to the roots: articulated inertias and bias forces.
+/// Backward pass, from the leaves to the roots: articulated inertias and bias forces.
 template <class S>
 void gather_inertias(const RobotModel& model, const S* v, const S* tau, Passes<S>& of,
                      RobotData<S>& data) {
@@ -121,7 +121,7 @@ void accelerate_floating(const RobotModel& model, int i, const S* tau,
   }
 }
 
-/// From the roots to the leaves.
+/// Forward pass, from the roots to the leaves: accelerations.
 template <class S>
 void spread_accelerations(const RobotModel& model, const S* v, const S* tau, const Passes<S>& of,
                           RobotData<S>& data) {

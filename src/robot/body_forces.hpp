@@ -4,7 +4,7 @@
 
 namespace conddp {
 
-/// Momentum and net inertial force of every body from its velocity and acceleration.
+/// Computes momentum and net inertial force of every body from its velocity and acceleration.
 template <class S>
 void body_forces(const RobotModel& model, RobotData<S>& data) {
   for (int i = 0; i < model.joint_count(); ++i) {
@@ -13,9 +13,9 @@ void body_forces(const RobotModel& model, RobotData<S>& data) {
   }
 }
 
-/// Of every body alone, what derivatives of inverse dynamics at data.acceleration gather from the
-/// tips to the root: momentum, net force but for what is `applied` and the rate of its inertia;
-/// and the columns that joints give their subtrees.
+/// Prepares the derivatives of inverse dynamics at data.acceleration, which sum from the tips to
+/// the root. Writes for every body its momentum, its net force less `applied`, and the rate of its
+/// inertia. Also updates the derivative columns of joints.
 template <class S>
 void start_inverse_dynamics_derivatives(const RobotModel& model, const S* v, RobotData<S>& data,
                                         const AlignedVector<Force<S>>* applied) {

@@ -53,7 +53,7 @@ Motion<S> placement_error(const Contact& contact, const ContactData<S>& at) {
       Pose<S>{at.world.p, quaternion(at.world.R)});
 }
 
-/// Acceleration of the point with its stabilising terms, in the frame's axes.
+/// Acceleration of the point with its Baumgarte terms, in the frame's axes.
 template <class S>
 Vector3<S> point_acceleration(const Contact& contact, const ContactData<S>& at, const Motion<S>& a,
                               const Motion<S>& v) {
@@ -62,8 +62,8 @@ Vector3<S> point_acceleration(const Contact& contact, const ContactData<S>& at, 
   return sum;
 }
 
-/// Writes a column of a contact's rows, given the column of the point's vector, how the frame
-/// turns, and the point's vector itself.
+/// Writes a column of a contact's rows from the matching column of the point's vector, the rotation
+/// of the frame, and the vector itself.
 template <class S>
 void put_point_column(const Contact& contact, const ContactData<S>& at, const Vector3<S>& column,
                       const Vector3<S>& turn, const Vector3<S>& value, S* out) {
@@ -83,8 +83,8 @@ void update_directions(const Contact& contact, ContactData<S>& out) {
   }
 }
 
-/// Columns of the twist's rate with respect to q and v, then of the twist with respect to q, in a
-/// contact's scratch.
+/// Views into a contact's scratch: columns of the twist's rate with respect to q and v, then of the
+/// twist with respect to q.
 template <class S>
 struct TwistColumns {
   S *rate_q, *rate_v, *twist_q;

@@ -7,27 +7,26 @@
 
 namespace conddp {
 
-/// What a contact holds of its frame: the motion along one direction, along two, of the point, or
-/// of the whole frame. The number of rows is 1, 2, 3 or 6.
+/// The motion of its frame that a contact constrains: along one direction, along two, of the point,
+/// or of the whole frame. The number of rows is 1, 2, 3 or 6.
 enum class ContactKind { normal, planar, point, surface };
 
-/// A frame that touches the world: its chosen velocity components are to stay zero.
-///
-/// Rows are in the frame's axes, but for `normal` and `planar`, whose rows are the directions
-/// below. On the level of accelerations (Baumgarte 1972):
-///   a + kd·v + kp·error = 0,
-/// where a is the acceleration of the point (normal, planar, point) or the rate of the twist
-/// (surface), and the error that of the position, or log(reference⁻¹ placement).
+/// A frame in contact with the world: its chosen velocity components must stay zero.
+/// Rows are in the frame's axes, except for `normal` and `planar`, whose rows are along the
+/// directions below. At the acceleration level (Baumgarte 1972):
+///  a + kd·v + kp·error = 0.
+/// Here a is the acceleration of the point (normal, planar, point) or the rate of the twist
+/// (surface). The error is that of the position, or log(reference⁻¹ placement).
 struct Contact {
   std::string name;
   int frame = 0;
   ContactKind kind = ContactKind::point;
-  FrameAxes axes = FrameAxes::world_aligned;        ///< in which the directions below are fixed
-  Vector3<double> normal{0, 0, 1};                  ///< unit vector
-  Vector3<double> tangent{1, 0, 0};                 ///< unit vector, planar contacts only
-  double kp = 0;                                    ///< 1/s²
-  double kd = 0;                                    ///< 1/s
-  SE3<double> reference = SE3<double>::identity();  ///< in the world; counts where kp is not 0
+  FrameAxes axes = FrameAxes::world_aligned;  ///< the directions below are fixed in these axes
+  Vector3<double> normal{0, 0, 1};            ///< unit vector
+  Vector3<double> tangent{1, 0, 0};           ///< unit vector; planar contacts only
+  double kp = 0;                              ///< 1/s²
+  double kd = 0;                              ///< 1/s
+  SE3<double> reference = SE3<double>::identity();  ///< in the world; used if kp is not 0
 
   int rows() const {
     switch (kind) {
@@ -44,7 +43,7 @@ struct Contact {
   }
 };
 
-/// A contact's quantities in one configuration. Matrices by columns, which go with
+/// A contact's quantities in one configuration. Matrices are by columns, which correspond to
 /// support(model, joint of the frame).
 template <class S>
 struct ContactData {
@@ -52,8 +51,8 @@ struct ContactData {
 
   SE3<S> placement;                 ///< of the frame in the root frame
   SE3<S> world;                     ///< of the frame in the world
-  Vector3<S> directions[2];         ///< of normal and planar contacts, in the frame's axes
-  AlignedVector<S> frame_jacobian;  ///< 6 columns' rows: local
+  Vector3<S> directions[2];         ///< normal and planar contacts, in the frame's axes
+  AlignedVector<S> frame_jacobian;  ///< 6 x columns, in local axes
   AlignedVector<S> jacobian;        ///< rows() x columns
   AlignedVector<S> wrt_q, wrt_v;    ///< rows() x columns: of the acceleration or velocity
   AlignedVector<S> scratch;         ///< 18 x columns
@@ -65,18 +64,18 @@ template <class S>
 void update_contact(const RobotModel& model, const Contact& contact, const RobotData<S>& data,
                     ContactData<S>& out);
 
-/// Rows of a + kd·v + kp·error; accelerations and the contact must be current.
+/// Writes the rows of a + kd·v + kp·error; accelerations and the contact must be current.
 template <class S>
 void contact_acceleration(const RobotModel& model, const Contact& contact, const RobotData<S>& data,
                           const ContactData<S>& at, S* rows);
-/// Its derivatives with respect to configuration and velocity at fixed generalised accelerations,
-/// into wrt_q and wrt_v; derivative columns must be current.
+/// Writes their derivatives with respect to configuration and velocity, at fixed generalized
+/// accelerations, into wrt_q and wrt_v. Derivative columns must be current.
 template <class S>
 void contact_acceleration_derivatives(const RobotModel& model, const Contact& contact,
                                       const RobotData<S>& data, ContactData<S>& at);
 
-/// Derivative of the velocity rows (jacobian times generalised velocity) with respect to the
-/// configuration, into wrt_q; velocities must be current.
+/// Writes the derivative of the velocity rows (jacobian times generalized velocity) with respect to
+/// the configuration into wrt_q; velocities must be current.
 template <class S>
 void contact_velocity_derivative(const RobotModel& model, const Contact& contact,
                                  const RobotData<S>& data, ContactData<S>& at);
@@ -84,13 +83,13 @@ void contact_velocity_derivative(const RobotModel& model, const Contact& contact
 /// Writes `local` from the forces of the rows.
 template <class S>
 void set_contact_force(const Contact& contact, const S* rows, ContactData<S>& at);
-/// Adds the contact's wrench to the forces on bodies (one a joint, root frame).
+/// Adds the contact's wrench to the forces on bodies (one per joint, root frame).
 template <class S>
 void add_contact_wrench(const RobotModel& model, const Contact& contact, const ContactData<S>& at,
                         AlignedVector<Force<S>>& forces);
-/// Subtracts from tau_q (nv x nv by columns, as RobotData has it) what Jᵀ·(forces of the rows)
-/// changes because directions that are fixed in the world turn as seen from the body; nothing for
-/// other contacts.
+/// Subtracts the change of Jᵀ·(forces of the rows) from tau_q (nv x nv by columns, as in RobotData)
+/// for directions fixed in the world, which rotate relative to the body. No effect on other
+/// contacts.
 template <class S>
 void subtract_direction_derivative(const RobotModel& model, const Contact& contact,
                                    const ContactData<S>& at, AlignedVector<S>& tau_q);

@@ -29,7 +29,7 @@ RobotData<S>::RobotData(const RobotModel& model)
 
 #define CONDDP_INSTANTIATE(S) template struct RobotData<S>;
 CONDDP_FOR_EACH_KERNEL_SCALAR(CONDDP_INSTANTIATE)
-CONDDP_INSTANTIATE(Dual<Dual<Lane>>)  // Hessians of what takes derivatives itself
+CONDDP_INSTANTIATE(Dual<Dual<Lane>>)  // for Hessians of functions that take derivatives internally
 #undef CONDDP_INSTANTIATE
 
 }  // namespace conddp

@@ -28,7 +28,7 @@ void project_forces(const RobotModel& model, RobotData<S>& data, S* tau) {
   }
 }
 
-/// x ← (Lᵀ D L)⁻¹ x for right-hand sides side by side, whose sums stay in registers.
+/// x ← (Lᵀ D L)⁻¹ x for several right-hand sides together, whose sums stay in registers.
 template <int kColumns, class S>
 void solve_columns(const RobotModel& model, const RobotData<S>& data, S* x) {
   const int n = model.nv;
@@ -48,7 +48,7 @@ void solve_columns(const RobotModel& model, const RobotData<S>& data, S* x) {
   }
 }
 
-/// The block of a floating body, whose motion subspace is the identity.
+/// Writes the block of a floating body, whose motion subspace is the identity.
 template <class S>
 void put_floating_inertia(const RobotModel& model, int i, RobotData<S>& data) {
   const int n = model.nv, v = model.joints[i].v;
@@ -67,7 +67,7 @@ void put_floating_inertia(const RobotModel& model, int i, RobotData<S>& data) {
     for (int row = col; row < 3; ++row) M[(v + col + 3) * n + row + 3] = j[kPacked[row][col]];
 }
 
-/// The row of a joint with one axis: what it and those above it feel of its motion.
+/// Writes the row of a one-DoF joint: the forces on this joint and its ancestors due to its motion.
 template <class S>
 void put_mass_row(const RobotModel& model, int i, RobotData<S>& data) {
   const int n = model.nv;
@@ -84,12 +84,11 @@ void put_mass_row(const RobotModel& model, int i, RobotData<S>& data) {
   }
 }
 
-/// Entries of a row of the factors that are computed together.
+/// Number of entries in a row of the factors that are computed together.
 constexpr int kRowWidth = 6;
 
-/// D_i L_ij of a row in the columns of so many degrees of freedom that carry i, and D_i where j is
-/// i, into L_ji, above the diagonal: there the rows of a factor lie side by side. The rows behind i
-/// are known.
+/// Writes D_i L_ij for kCount ancestors j of i, and D_i for j = i, into L_ji above the diagonal.
+/// There the rows of a factor are contiguous. The rows after i must be complete.
 template <int kCount, class S>
 void put_scaled_row(const RobotModel& model, int i, const int* columns, RobotData<S>& data) {
   const int n = model.nv;
@@ -122,17 +121,18 @@ void put_scaled_row(const RobotModel& model, int i, const int* columns, int coun
   }
 }
 
-/// 2B m of a subtree, which depends on the angular part w of m alone, from its momentum and the
-/// rate of its inertia.
+/// Computes 2B m of a subtree from its momentum and the rate of its inertia. It depends only on the
+/// angular part w of m.
 template <class S>
 inline Force<S> twice_b(const Force<S>& h, const Symmetric3<S>& rate, const Vector3<S>& w) {
   return {S(2.0) * cross(w, h.linear), rate * w + cross(w, h.angular)};
 }
 
-// The next three are the body of one loop. Calls would cost an iteration 0.15 % more instructions.
+// The next three functions are the body of one loop, inlined: calls would cost an iteration 0.15 %
+// more instructions.
 
-/// Columns of a floating body. Its motion subspace is the identity, so unit linear and angular
-/// motions give 3x3 blocks.
+/// Writes the columns of a floating body. Its motion subspace is the identity, so unit linear and
+/// angular motions give 3x3 blocks.
 template <class S>
 [[gnu::always_inline]] inline void put_floating_columns(const RobotModel& model, int i,
                                                         RobotData<S>& data) {
@@ -158,7 +158,7 @@ template <class S>
   }
 }
 
-/// Row i: joints above it move the subtree of i.
+/// Writes row i: the ancestors of joint i move the subtree of i.
 template <class S>
 [[gnu::always_inline]] inline void put_subtree_row(const RobotModel& model, int i,
                                                    RobotData<S>& data) {
@@ -186,7 +186,7 @@ template <class S>
   }
 }
 
-/// Column i: joint i moves its subtree, which joints above it feel.
+/// Writes column i: joint i moves its subtree, which exerts forces on the ancestors.
 template <class S>
 [[gnu::always_inline]] inline void put_subtree_column(const RobotModel& model, int i,
                                                       RobotData<S>& data) {
@@ -215,7 +215,7 @@ template <class S>
   }
 }
 
-/// How the weight on a floating body changes as it turns.
+/// Writes the change of the weight on a floating body as it rotates.
 template <class S>
 void put_floating_weight_slopes(const RobotModel& model, int i, const RobotData<S>& data,
                                 S* out_q) {
@@ -227,8 +227,8 @@ void put_floating_weight_slopes(const RobotModel& model, int i, const RobotData<
   }
 }
 
-/// Row and column of a joint with one axis: its torque as joints above it move, and theirs as it
-/// does. `weight`: of its subtree.
+/// Writes the row and column of a one-DoF joint: the change of its torque as its ancestors move,
+/// and of theirs as it moves. `weight` is that of its subtree.
 template <class S>
 void put_weight_slopes(const RobotModel& model, int i, const RobotData<S>& data,
                        const Force<S>& weight, S* out_q) {
@@ -283,7 +283,7 @@ void mass_matrix(const RobotModel& model, RobotData<S>& data) {
 template <class S>
 void factorize_mass_matrix(const RobotModel& model, RobotData<S>& data) {
   const int n = model.nv;
-  // Row by row from the last, each along its way to the root. Subtrees are contiguous.
+  // Processes rows from last to first, each along its path to the root. Subtrees are contiguous.
   for (int i = n - 1; i >= 0; --i) {
     int columns[kRowWidth], count = 0;
     for (int j = i; j >= 0; j = model.parent_dof[j]) {
@@ -405,7 +405,7 @@ S potential_energy(const RobotModel& model, const RobotData<S>& data) {
   template S kinetic_energy(const RobotModel&, const RobotData<S>&);                              \
   template S potential_energy(const RobotModel&, const RobotData<S>&);
 CONDDP_FOR_EACH_KERNEL_SCALAR(CONDDP_INSTANTIATE)
-CONDDP_INSTANTIATE(Dual<Dual<Lane>>)  // Hessians of what takes derivatives itself
+CONDDP_INSTANTIATE(Dual<Dual<Lane>>)  // for Hessians of functions that take derivatives internally
 #undef CONDDP_INSTANTIATE
 
 }  // namespace conddp

@@ -14,7 +14,7 @@ SE3<S> placement_in_root(const RobotModel& model, const RobotData<S>& data, int 
 }
 
 /// Calls column(motion in root coordinates, joint) for every velocity index that moves the joint's
-/// body, from the tip to the root; a floating base gives six unit motions.
+/// body, from the tip to the root. A floating base contributes six unit motions.
 template <class S, class F>
 void for_each_axis(const RobotModel& model, const RobotData<S>& data, int joint, F column) {
   for (int j = joint; j >= 0; j = model.joints[j].parent) {
@@ -35,8 +35,8 @@ void store(const Motion<S>& m, S* column) {
   for (int i = 0; i < 6; ++i) column[i] = m[i];
 }
 
-/// The columns of a floating base in the Jacobian of a frame with this placement, in its axes: unit
-/// motions, which need no products but those of a lever.
+/// Writes the columns of a floating base in the Jacobian of a frame with this placement, in its
+/// axes. The motions are unit vectors, so only the lever needs products.
 template <class S>
 void store_base_columns(const SE3<S>& m, S* columns) {
   for (int k = 0; k < 3; ++k) {
@@ -51,8 +51,8 @@ void store_base_columns(const SE3<S>& m, S* columns) {
   }
 }
 
-/// What turns the axes of a frame, placed in the root frame, into those of the world; the
-/// identity where they are not asked for.
+/// Rotation from the axes of a frame, placed in the root frame, to those of the world; the identity
+/// for local axes.
 template <class S>
 Matrix3<S> world_rotation(const RobotModel& model, const RobotData<S>& data, int joint,
                           const SE3<S>& m, FrameAxes axes) {
@@ -215,7 +215,7 @@ void frame_acceleration_derivatives(const RobotModel& model, const RobotData<S>&
       store(act_inverse(m, cross(data.v[j] - v, axis)), column_v -= 6);
       return;
     }
-    // data.a lacks gravity's fall, which turns with the joint as seen from the frame.
+    // data.a omits gravity, which rotates with the joint as seen from the frame.
     const Motion<S> fall = cross(Motion<S>{g, Vector3<S>::zero()}, axis);
     store(act_inverse(m, data.psi_ddot[j] + fall - cross(v, data.psi_dot[j])), column_q -= 6);
     store(act_inverse(m, data.axis_rate[j] - cross(v, axis)), column_v -= 6);
@@ -237,7 +237,7 @@ Vector3<S> center_of_mass(const RobotModel& model, const RobotData<S>& data) {
 
 namespace {
 
-/// First moment of mass of a load's unit about the centre of mass, in world axes.
+/// First moment of mass of a load's unit about the center of mass, in world axes.
 template <class S>
 Vector3<S> first_moment(const RobotModel& model, const RobotData<S>& data, const Load& load,
                         const Inertia<S>& unit) {
@@ -289,7 +289,7 @@ Force<S> centroidal_momentum(const RobotModel& model, const RobotData<S>& data) 
 
 namespace {
 
-/// Momenta of the subtrees.
+/// Accumulates the momenta of the subtrees.
 template <class S>
 void gather_momenta(const RobotModel& model, RobotData<S>& data) {
   for (int i = 0; i < model.joint_count(); ++i) data.momentum[i] = data.body[i] * data.v[i];
@@ -317,11 +317,12 @@ void centroidal_momentum_derivatives(const RobotModel& model, RobotData<S>& data
     const SE3<S> to_com{root.R, root.p - com};
     S* q = wrt_q + 6 * model.joints[i].v;
     S* v = wrt_v + 6 * model.joints[i].v;
-    // column: momentum of the subtree per unit velocity; change: of momentum at fixed velocity.
+    // column: momentum of the subtree per unit velocity; change: that of momentum at fixed
+    // velocity.
     const auto put = [&](const Force<S>& column, const Force<S>& change) {
       const Force<S> a = act(to_com, column);
       Force<S> b = act(to_com, change);
-      // The centre of mass, about which the angular momentum is taken, moves too.
+      // The reference point of angular momentum, the center of mass, moves too.
       b.angular += cross(linear, inverse * a.linear);
       for (int k = 0; k < 6; ++k) {
         *v++ = a[k];

@@ -7,7 +7,7 @@ namespace conddp {
 /// Velocity indices that move a joint's body (or a frame on it), ascending: the columns of its
 /// Jacobians. Empty for the world (joint −1).
 std::vector<int> support(const RobotModel& model, int joint);
-/// How many they are.
+/// The number of these indices.
 int support_size(const RobotModel& model, int joint);
 
 /// Pose of a frame in the world; placements must be current.
@@ -21,23 +21,24 @@ enum class FrameAxes { local, world_aligned };
 template <class S>
 Motion<S> frame_velocity(const RobotModel& model, const RobotData<S>& data, int frame,
                          FrameAxes axes);
-/// Acceleration (linear; angular) without gravity; accelerations must be current. Spatial: the
-/// rate of the twist's components for local axes; for the acceleration of the point add ω × v.
+/// Acceleration (linear; angular) without gravity; accelerations must be current. It is spatial:
+/// for local axes, the rate of the twist's components. Add ω × v for the acceleration of the point.
 template <class S>
 Motion<S> frame_acceleration(const RobotModel& model, const RobotData<S>& data, int frame,
                              FrameAxes axes);
 
-/// Columns of derivatives below go with support(model, joint of the frame): 6 rows by columns.
+/// The columns of derivatives below correspond to support(model, joint of the frame): 6 rows by
+/// columns.
 
 /// Jacobian: velocity = J v. Placements must be current.
 template <class S>
 void frame_jacobian(const RobotModel& model, const RobotData<S>& data, int frame, FrameAxes axes,
                     S* jacobian);
-/// The linear rows of the world-aligned Jacobian alone, 3 rows: ∂(position)/∂q.
+/// Only the linear rows of the world-aligned Jacobian, 3 rows: ∂(position)/∂q.
 template <class S>
 void frame_position_jacobian(const RobotModel& model, const RobotData<S>& data, int frame,
                              S* jacobian);
-/// The angular rows of the local Jacobian alone, 3 rows.
+/// Only the angular rows of the local Jacobian, 3 rows.
 template <class S>
 void frame_rotation_jacobian(const RobotModel& model, const RobotData<S>& data, int frame,
                              S* jacobian);
@@ -50,25 +51,25 @@ template <class S>
 void frame_velocity_derivative(const RobotModel& model, const RobotData<S>& data, int frame,
                                FrameAxes axes, S* velocity_q);
 /// Derivatives of frame_acceleration in local axes with respect to configuration and velocity at
-/// fixed generalised accelerations; derivative columns must be current. (With respect to the
-/// generalised accelerations it is frame_jacobian.)
+/// fixed generalized accelerations; derivative columns must be current. The derivative with respect
+/// to the generalized accelerations is frame_jacobian.
 template <class S>
 void frame_acceleration_derivatives(const RobotModel& model, const RobotData<S>& data, int frame,
                                     S* acceleration_q, S* acceleration_v);
 
-/// Centre of mass of all trees in the world (m); composite inertias must be current.
+/// Center of mass of all trees in the world (m); composite inertias must be current.
 template <class S>
 Vector3<S> center_of_mass(const RobotModel& model, const RobotData<S>& data);
-/// Its Jacobian, 3 x nv by columns: velocity of the centre of mass = J v.
+/// Its Jacobian, 3 x nv by columns: velocity of the center of mass = J v.
 template <class S>
 void center_of_mass_jacobian(const RobotModel& model, const RobotData<S>& data, S* jacobian);
 
-/// Momentum (linear; angular) about the centre of mass in world axes; velocities and composite
+/// Momentum (linear; angular) about the center of mass in world axes; velocities and composite
 /// inertias must be current.
 template <class S>
 Force<S> centroidal_momentum(const RobotModel& model, const RobotData<S>& data);
-/// Its derivatives with respect to configuration and velocity, 6 x nv by columns; the latter is
-/// the centroidal momentum matrix. Writes data.momentum (of subtrees).
+/// Its derivatives with respect to configuration and velocity, 6 x nv by columns. The latter is the
+/// centroidal momentum matrix. Writes data.momentum (of subtrees).
 template <class S>
 void centroidal_momentum_derivatives(const RobotModel& model, RobotData<S>& data, S* wrt_q,
                                      S* wrt_v);

@@ -16,7 +16,7 @@ InverseDynamicsGradient<S>::InverseDynamicsGradient(const RobotModel& model)
 
 namespace {
 
-/// The velocities that w is of the joints; sums over their subtrees start from zero.
+/// Sets body velocities for the generalized velocities w, and clears the sums over subtrees.
 template <class S>
 void set_virtual_velocities(const RobotModel& model, const S* w, const RobotData<S>& data,
                             InverseDynamicsGradient<S>& out) {
@@ -47,7 +47,7 @@ void inverse_dynamics_gradient(const RobotModel& model, const S* v, const S* w, 
     const Force<S>& h = data.momentum[i];
     const Symmetric3<S>& rate = data.inertia_rate[i];
     const Inertia<S>& y = data.composite[i];
-    // The rows of i, multiplied by the motion m of w that is the joint's own.
+    // The rows of i, multiplied by the motion m that w gives to this joint.
     const auto lever_of = [&](const Motion<S>& m) {
       return S(2.0) * cross(h.linear, m.linear) + rate * m.angular + cross(h.angular, m.angular);
     };
@@ -76,7 +76,8 @@ void inverse_dynamics_gradient(const RobotModel& model, const S* v, const S* w, 
     S a = dot(s, p);
     if (joint.rotor_inertia != 0) a += own * S(joint.rotor_inertia);
     if (joint.parent >= 0) {
-      // What the joints above feel of joint i's motion: their motion stands in for their axes.
+      // Effect of joint i's motion on its ancestors; the body velocity of the parent replaces their
+      // axes.
       const Motion<S>& above = out.virtual_velocity[joint.parent];
       const auto twice_b = [&](const Vector3<S>& turn) {
         return Force<S>{S(2.0) * cross(turn, h.linear), rate * turn + cross(turn, h.angular)};

@@ -117,7 +117,7 @@ void update_composite_inertias(const RobotModel& model, RobotData<S>& data) {
   template void update_derivative_columns(const RobotModel&, RobotData<S>&);                \
   template void update_composite_inertias(const RobotModel&, RobotData<S>&);
 CONDDP_FOR_EACH_KERNEL_SCALAR(CONDDP_INSTANTIATE)
-CONDDP_INSTANTIATE(Dual<Dual<Lane>>)  // Hessians of what takes derivatives itself
+CONDDP_INSTANTIATE(Dual<Dual<Lane>>)  // for Hessians of functions that take derivatives internally
 #undef CONDDP_INSTANTIATE
 
 }  // namespace conddp

@@ -12,13 +12,13 @@ void update_placements(const RobotModel& model, const S* q, RobotData<S>& data);
 template <class S>
 void update_velocities(const RobotModel& model, const S* velocity, RobotData<S>& data);
 
-/// Writes a (acceleration minus gravity) from generalised accelerations (nv; null means zero);
-/// velocities must be current. The generalised velocities are those of update_velocities.
+/// Writes a (acceleration minus gravity) from generalized accelerations (nv; null means zero);
+/// velocities must be current. `velocity` is that of update_velocities.
 template <class S>
 void update_accelerations(const RobotModel& model, const S* velocity, const S* acceleration,
                           RobotData<S>& data);
 
-/// Writes psi_ddot and axis_rate: what derivatives of velocities, accelerations and forces need.
+/// Writes psi_ddot and axis_rate for derivatives of velocities, accelerations and forces.
 /// Accelerations must be current.
 template <class S>
 void update_derivative_columns(const RobotModel& model, RobotData<S>& data);

@@ -6,10 +6,10 @@
 
 namespace conddp {
 
-/// What the loads of a model (RobotModel::loads) add to the kernels. Inverse dynamics are linear in
-/// the parameters: a column of derivatives is what a unit of the load asks of the joints.
+/// Contributions of a model's loads (RobotModel::loads) to the kernels. Inverse dynamics is linear
+/// in the parameters: a column of derivatives is the generalized force for a unit of the load.
 
-/// An inertia in a joint's frame as seen from its tree's root frame; placements must be current.
+/// An inertia in a joint's frame, expressed in its tree's root frame; placements must be current.
 template <class S>
 Inertia<S> inertia_in_root(const RobotModel& model, const RobotData<S>& data, int joint,
                            const Inertia<double>& y) {
@@ -18,14 +18,15 @@ Inertia<S> inertia_in_root(const RobotModel& model, const RobotData<S>& data, in
   return {S(y.mass), y.moment.cast<S>(), {S(j.xx), S(j.xy), S(j.xz), S(j.yy), S(j.yz), S(j.zz)}};
 }
 
-/// Calls act(load, unit) with the unit of each load in its root frame.
+/// Calls act(load, unit) with each load's unit inertia in its root frame.
 template <class S, class Act>
 void for_each_load(const RobotModel& model, const RobotData<S>& data, Act act) {
   for (const Load& load : model.loads)
     act(load, inertia_in_root(model, data, load.body, load.unit));
 }
 
-/// Adds the loads to the inertias of bodies, and to the composite ones where these are the bodies'.
+/// Adds the loads to the inertias of bodies, and to the composite inertias while these equal the
+/// bodies'.
 template <class S>
 void add_loads(const RobotModel& model, RobotData<S>& data) {
   for_each_load(model, data, [&](const Load& load, const Inertia<S>& unit) {
@@ -40,8 +41,8 @@ void add_loads(const RobotModel& model, RobotData<S>& data) {
   });
 }
 
-/// Writes the columns of the parameters in a matrix (nv x nv by columns): the generalised forces of
-/// force_of(load, unit), forces on the bodies in the root frame.
+/// Writes the columns of the parameters in a matrix (nv x nv by columns): the generalized forces of
+/// force_of(load, unit), a force on the body in the root frame.
 template <class S, class ForceOf>
 void put_parameter_columns(const RobotModel& model, const RobotData<S>& data, ForceOf force_of,
                            S* matrix) {
@@ -63,14 +64,14 @@ void put_parameter_columns(const RobotModel& model, const RobotData<S>& data, Fo
   });
 }
 
-/// The force that a unit of a load needs to move as its body does.
+/// The inertial force of a unit of a load that moves with its body.
 template <class S>
 Force<S> inertial_force(const RobotData<S>& data, const Load& load, const Inertia<S>& unit) {
   const Motion<S>& v = data.v[load.body];
   return unit * data.a[load.body] + cross(v, unit * v);
 }
 
-/// Columns of the parameters in tau_q; velocities and accelerations must be current.
+/// Writes the columns of the parameters in tau_q; velocities and accelerations must be current.
 template <class S>
 void put_load_columns(const RobotModel& model, RobotData<S>& data) {
   const auto force = [&](const Load& load, const Inertia<S>& unit) {
@@ -79,7 +80,7 @@ void put_load_columns(const RobotModel& model, RobotData<S>& data) {
   put_parameter_columns(model, data, force, data.tau_q.data());
 }
 
-/// The same in the derivative of gravity torques.
+/// Writes the same columns in the derivative of gravity torques.
 template <class S>
 void put_load_weights(const RobotModel& model, const RobotData<S>& data, S* out_q) {
   const auto force = [&](const Load& load, const Inertia<S>& unit) {
@@ -88,8 +89,8 @@ void put_load_weights(const RobotModel& model, const RobotData<S>& data, S* out_
   put_parameter_columns(model, data, force, out_q);
 }
 
-/// Adds to the gradient of wᵀτ by the configuration what comes with the parameters;
-/// `virtual_velocity`: that of the bodies as w were generalised velocities.
+/// Adds the parameters' entries to the gradient of wᵀτ with respect to the configuration.
+/// `virtual_velocity` contains the body velocities for the generalized velocities w.
 template <class S>
 void add_load_gradients(const RobotModel& model, const RobotData<S>& data,
                         const AlignedVector<Motion<S>>& virtual_velocity, S* wrt_q) {

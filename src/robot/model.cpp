@@ -6,7 +6,8 @@
 namespace conddp {
 namespace {
 
-/// Joints come depth first, and floating ones hang on the world.
+/// Checks that joints are in depth-first order and that floating ones have the world as their
+/// parent.
 void check_order(const std::vector<Joint>& joints) {
   std::vector<int> path;
   for (int i = 0; i < static_cast<int>(joints.size()); ++i) {
@@ -20,7 +21,7 @@ void check_order(const std::vector<Joint>& joints) {
   }
 }
 
-/// Of each degree of freedom the one behind the last that it moves, from their parents.
+/// For each degree of freedom, the index after the last one that it moves, from the parents.
 std::vector<int> subtree_ends(const std::vector<int>& parents) {
   std::vector<int> ends(parents.size(), 0);
   for (int i = static_cast<int>(parents.size()) - 1; i >= 0; --i) {

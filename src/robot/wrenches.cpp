@@ -3,7 +3,7 @@
 namespace conddp {
 namespace {
 
-/// An external wrench seen from the root frame: force, torque about the frame's origin, and that
+/// An external wrench in the root frame: force, torque about the origin of its frame, and that
 /// origin.
 template <class S>
 struct RootWrench {
@@ -35,7 +35,7 @@ void subtract_external_wrenches(const RobotModel& model, RobotData<S>& data) {
 
 namespace {
 
-/// Where a floating joint j turns, the axes of the joints above the wrench turn with it.
+/// As a floating joint j rotates, the axes of the joints on the path to the wrench rotate with it.
 template <class S>
 void subtract_turns_of_base(const RobotModel& model, int j, int last, const RootWrench<S>& f,
                             RobotData<S>& data) {
@@ -54,8 +54,8 @@ void subtract_turns_of_base(const RobotModel& model, int j, int last, const Root
   }
 }
 
-/// Moving a joint j with one axis carries the point of attack along and turns the axes of the
-/// joints above it.
+/// A one-DoF joint j moves the point of attack and rotates the axes of the joints between it and
+/// the wrench.
 template <class S>
 void subtract_moves_of_joint(const RobotModel& model, int j, int last, const RootWrench<S>& f,
                              const Force<S>& at_origin, RobotData<S>& data) {

@@ -4,8 +4,8 @@
 
 namespace conddp {
 
-/// A model's constant external wrenches. They keep their direction in the world, so that, unlike
-/// inertial forces, they do not turn with the bodies that they act on.
+/// A model's constant external wrenches. Their direction is fixed in the world, so that, unlike
+/// inertial forces, they do not rotate with their bodies.
 
 /// Subtracts the wrenches from data.force (per body, root frame); placements must be current.
 template <class S>

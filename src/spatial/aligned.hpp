@@ -6,7 +6,8 @@
 
 namespace conddp {
 
-/// Allocates on cache-line boundaries, so that lanes and vectorised matrices never straddle one.
+/// Allocates on cache-line boundaries, so that lanes and vectorized matrices never straddle a cache
+/// line.
 template <class T>
 struct CacheAligned {
   using value_type = T;

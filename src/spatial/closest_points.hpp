@@ -4,37 +4,37 @@
 
 namespace conddp {
 
-/// Two segments p + s·d with s from 0 to 1 (a point where d = 0). d turns but keeps its length, so
-/// that its squared length is a constant.
+/// Segment p + s·d with s from 0 to 1 (a point if d = 0). d rotates with constant length, so its
+/// squared length is a constant.
 template <class S>
 struct Segment {
   Vector3<S> p, d;
   double squared_length;  ///< m²
 };
 
-/// The share of (squared length)·(s − ½)² that is added to the squared distance of two segments.
-/// Without it the closest points of parallel segments are not unique and jump where the segments
-/// pass through parallel.
+/// The factor of (squared length)·(s − ½)² in the smoothed squared distance of two segments.
+/// Without this term the closest points of parallel segments are not unique, and jump when the
+/// segments pass through parallel.
 inline constexpr double kParallelSmoothing = 1e-5;
-/// m: what a distance of 0 between points or segments becomes, so that it has a gradient there.
+/// The value, in m, of the smoothed distance at an exact distance of 0. It gives the distance a
+/// gradient there.
 inline constexpr double kCrossingSmoothing = 1e-4;
 
-/// Where two segments come closest, and their distance.
+/// The closest points of two segments, and their distance.
 template <class S>
 struct ClosestPoints {
   S s, t;          ///< along the first and the second segment
-  Vector3<S> gap;  ///< from the point on the second to that on the first
+  Vector3<S> gap;  ///< from the point on the second to the point on the first
   S distance;      ///< m
 };
 
-/// The smallest D with D² = ‖gap‖² + ε (a (s − ½)² + b (t − ½)²) + δ² over s and t in [0, 1], where
-/// a and b are the squared lengths, ε = kParallelSmoothing between two segments and 0 where one is
-/// a point, δ = kCrossingSmoothing. It is continuously differentiable everywhere, never under the
-/// distance d of the segments, and above it by at most (ε (a + b)/4 + δ²)/(2 d). As (s, t)
-/// minimises, its derivative is that at fixed s and t: gap·(change of gap)/D.
-///
-/// The method is that of Ericson, Real-Time Collision Detection (2005), 5.1.9, which is exact for
-/// the strictly convex problem, without its branches.
+/// The smallest D with D² = ‖gap‖² + ε (a (s − ½)² + b (t − ½)²) + δ² over s and t in [0, 1]. Here
+/// a and b are the squared lengths and δ = kCrossingSmoothing. ε = kParallelSmoothing between two
+/// segments, and 0 if either is a point. D is continuously differentiable. It is never below the
+/// distance d of the segments, and above it by at most (ε (a + b)/4 + δ²)/(2 d). Since (s, t) is
+/// the minimizer, the derivative of D is that at fixed s and t: gap·(change of gap)/D.
+/// The method is that of Ericson, Real-Time Collision Detection (2005), 5.1.9, without its
+/// branches. It is exact for the strictly convex problem.
 template <class S>
 ClosestPoints<S> closest_points(const Segment<S>& first, const Segment<S>& second) {
   const auto clamped = [](const S& a) { return min(max(a, S(0.0)), S(1.0)); };

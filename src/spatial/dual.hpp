@@ -5,9 +5,9 @@
 
 namespace conddp {
 
-/// A dual number v + d ε with ε² = 0: carries a value and its derivative along one direction
-/// through any kernel, exactly. Over `Lane` it carries one direction per lane.
-/// Comparisons and `select` look at the value alone.
+/// A dual number v + d ε with ε² = 0: propagates a value and its derivative along one direction
+/// exactly through any kernel. Over `Lane` each lane has its own direction. Comparisons and
+/// `select` use only the value.
 template <class S>
 struct Dual {
   S v;

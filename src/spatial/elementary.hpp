@@ -4,7 +4,7 @@
 
 namespace conddp {
 
-/// Elementary functions that the rigid-body kernels do not use, in every scalar.
+/// Elementary functions outside the rigid-body kernels, for every scalar.
 
 using std::atan;
 using std::cosh;
@@ -46,8 +46,8 @@ Dual<S> tanh(const Dual<S>& a) {
   const S t = tanh(a.v);
   return {t, (S(1.0) - t * t) * a.d};
 }
-/// Where only one of base and exponent moves, the derivative by the other need not exist: that by
-/// the exponent has the logarithm of the base.
+/// The derivative with respect to a constant base or exponent need not exist, so it is skipped:
+/// that with respect to the exponent contains the logarithm of the base.
 template <class S>
 Dual<S> pow(const Dual<S>& a, const Dual<S>& b) {
   const S p = pow(a.v, b.v);

@@ -25,14 +25,14 @@ Force<ProductOf<A, B>> operator*(const Inertia<A>& i, const Motion<B>& m) {
           i.rotational * m.angular + cross(i.moment, m.linear)};
 }
 
-/// m c² terms: the rotational inertia of a point mass at c is mass·(cᵀc 1 − c cᵀ).
+/// The m c² terms: the rotational inertia of a point mass at c is mass·(cᵀc 1 − c cᵀ).
 template <class S>
 Symmetric3<S> point_inertia(const S& mass, const Vector3<S>& c) {
   const S xx = mass * c.x * c.x, yy = mass * c.y * c.y, zz = mass * c.z * c.z;
   return {yy + zz, -(mass * c.x * c.y), -(mass * c.x * c.z), xx + zz, -(mass * c.y * c.z), xx + yy};
 }
 
-/// Inertia from mass, centre of mass and rotational inertia about the centre of mass.
+/// Inertia from mass, center of mass and rotational inertia about the center of mass.
 template <class S>
 Inertia<S> inertia_about_origin(const S& mass, const Vector3<S>& com,
                                 const Symmetric3<S>& central) {
@@ -49,15 +49,15 @@ Symmetric3<ProductOf<A, B>> rotate(const Matrix3<A>& r, const Symmetric3<B>& j) 
           dot(r.row(1), b), dot(r.row(2), b), dot(r.row(2), c)};
 }
 
-/// The inertia of the inner frame seen from the outer one.
+/// The inertia of the inner frame expressed in the outer one.
 template <class A, class B>
 Inertia<ProductOf<A, B>> act(const SE3<A>& a, const Inertia<B>& i) {
   using S = ProductOf<A, B>;
   const Vector3<S> rc = a.R * i.moment;  // m R c
   const Vector3<S> moment = rc + i.mass * a.p;
   Symmetric3<S> j = rotate(a.R, i.rotational);
-  // Parallel axes: + m (p·p 1 − p pᵀ) + 2 (p·mRc) 1 − p (mRc)ᵀ − (mRc) pᵀ, gathered as
-  // (h·p) 1 − sym with h = mRc + ½ m p taken twice.
+  // Parallel axes: + m (p·p 1 − p pᵀ) + 2 (p·mRc) 1 − p (mRc)ᵀ − (mRc) pᵀ. With h = mRc + ½ m p,
+  // the sum is twice (h·p) 1 − sym.
   const Vector3<S> h = rc + moment;
   const S hp = dot(h, a.p);
   const S half(0.5);

@@ -30,14 +30,15 @@ inline bool any(LaneMask m) {
   return bits != 0;
 }
 
-/// One double per lane, as wide as the machine's registers: the scalar with which a kernel
-/// evaluates kLaneWidth knots (or step lengths, or derivative directions) at once.
+/// One double per lane, as wide as the machine's registers. A kernel with this scalar evaluates
+/// kLaneWidth knots (or step lengths, or derivative directions) at once.
 struct alignas(8 * kLaneWidth) Lane {
   using Vector = double __attribute__((vector_size(8 * kLaneWidth)));
   Vector v;
 
   Lane() = default;
-  /// A broadcast: a − 0 is a to the bit, so that no instruction is left of it, which a + 0 is not.
+  /// Broadcasts a. The subtraction a − 0 equals a bit for bit, so the compiler removes it; a + 0
+  /// does not.
   Lane(double a) : v(a - Vector{}) {}  // NOLINT(google-explicit-constructor)
   explicit Lane(Vector a) : v(a) {}
 
@@ -69,7 +70,7 @@ inline Lane max(Lane a, Lane b) { return select(a < b, b, a); }
 inline Lane abs(Lane a) { return select(a < Lane(0.0), -a, a); }
 inline Lane value_of(Lane a) { return a; }
 
-/// Applies a function of doubles lane by lane: for functions that no hot path needs.
+/// Applies a function of doubles lane by lane, outside hot paths.
 template <class F, class... Args>
 Lane lanewise(F f, Args... args) {
   Lane r;
@@ -100,13 +101,13 @@ inline Lane atan2(Lane y, Lane x) {
 }
 
 namespace detail {
-/// Cody-Waite reduction by π/2 in three parts; minimax polynomials of degree 13 and 14 on
-/// [−π/4, π/4] (the coefficients are those of fdlibm's kernels).
+/// Cody-Waite reduction by π/2 in three parts; minimax polynomials of degree 13 and 14 on [−π/4,
+/// π/4], with the coefficients of fdlibm's kernels.
 inline void sincos_of_moderate(Lane angle, Lane& s, Lane& c) {
   const Lane to_integer(6755399441055744.0);  // 1.5·2^52: the sum rounds to an integer
   const Lane shifted = angle * Lane(0.63661977236758134308) + to_integer;
   const Lane turns = shifted - to_integer;
-  const LaneMask::Vector quadrant = (LaneMask::Vector)shifted.v;  // the bits
+  const LaneMask::Vector quadrant = (LaneMask::Vector)shifted.v;  // reinterprets the bits
   Lane r = angle - turns * Lane(1.5707963267341256e+00);
   r -= turns * Lane(6.0771005063039660e-11);
   r -= turns * Lane(2.0222662487959506e-21);
@@ -136,8 +137,8 @@ inline void sincos_of_moderate(Lane angle, Lane& s, Lane& c) {
 }
 }  // namespace detail
 
-/// Sine and cosine in all lanes at once, to about 1 ulp for |angle| ≤ 1e5; a lane beyond that goes
-/// through libm, without an effect on the others.
+/// Sine and cosine in all lanes at once, to about 1 ulp for |angle| ≤ 1e5. A lane beyond this bound
+/// uses libm without affecting the others.
 inline void sincos(Lane angle, Lane& s, Lane& c) {
   detail::sincos_of_moderate(angle, s, c);
   const LaneMask beyond = !(abs(angle) <= Lane(1e5));

@@ -10,7 +10,7 @@
 
 namespace conddp {
 
-/// The first `count` < kLaneWidth numbers, the other lanes zero; and back.
+/// Load and store the first `count` < kLaneWidth numbers; load_part sets the other lanes to zero.
 inline Lane load_part(const double* from, int count) {
 #if defined(__AVX512F__)
   return Lane(Lane::Vector(_mm512_maskz_loadu_pd(static_cast<__mmask8>((1 << count) - 1), from)));
@@ -32,7 +32,7 @@ inline void store_part(double* to, Lane x, int count) {
 #endif
 }
 
-/// Up to kLaneWidth numbers of the `left` ones that there are.
+/// Load and store min(`left`, kLaneWidth) numbers.
 inline Lane load_some(const double* from, int left) {
   return left >= kLaneWidth ? load_lane(from) : load_part(from, left);
 }

@@ -7,7 +7,7 @@
 namespace conddp {
 
 namespace detail {
-/// Lanes of two vectors by number: those of the first, then those of the second.
+/// Selects lanes of two vectors by index: first the lanes of a, then those of b.
 template <int... kIndex>
 inline Lane pick(Lane a, Lane b) {
 #if defined(__clang__)
@@ -17,8 +17,8 @@ inline Lane pick(Lane a, Lane b) {
 #endif
 }
 
-/// Exchanges the quadrants off the diagonal in every square of 2 kHalf rows and lanes, as far as
-/// the first kRows rows of the result come from them.
+/// Exchanges the off-diagonal quadrants in every square of 2 kHalf rows and lanes, as far as needed
+/// for the first kRows rows of the result.
 template <int kRows, int kHalf, int... kIndex>
 inline void exchange_quadrants(Lane (&x)[kLaneWidth], std::integer_sequence<int, kIndex...> lanes) {
   constexpr int kNeeded = (kRows + kHalf - 1) / kHalf * kHalf;
@@ -34,15 +34,15 @@ inline void exchange_quadrants(Lane (&x)[kLaneWidth], std::integer_sequence<int,
 }
 }  // namespace detail
 
-/// Lane i of vector j becomes lane j of vector i, for i < kRows; what the other vectors hold then
-/// is of no use.
+/// Transposes: lane i of vector j becomes lane j of vector i, for i < kRows. The other vectors are
+/// left undefined.
 template <int kRows = kLaneWidth>
 inline void transpose_lanes(Lane (&x)[kLaneWidth]) {
   detail::exchange_quadrants<kRows, kLaneWidth / 2>(x,
                                                     std::make_integer_sequence<int, kLaneWidth>());
 }
 
-/// kLaneWidth numbers from or to anywhere.
+/// Load and store kLaneWidth numbers, unaligned.
 inline Lane load_lane(const double* from) {
   Lane x;
   __builtin_memcpy(&x, from, sizeof x);

@@ -54,7 +54,7 @@ template <class S>
 S dot(const Motion<S>& m, const Force<S>& f) {
   return dot(m.linear, f.linear) + dot(m.angular, f.angular);
 }
-/// Motion cross product a × b (rate of change of b moving with a).
+/// Motion cross product a × b (the rate of change of b when it moves with a).
 template <class S>
 Motion<S> cross(const Motion<S>& a, const Motion<S>& b) {
   return {cross(a.angular, b.linear) + cross(a.linear, b.angular), cross(a.angular, b.angular)};

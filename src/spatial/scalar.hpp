@@ -3,10 +3,9 @@
 #include <cmath>
 #include <type_traits>
 
-/// Operations that every scalar of the kernels offers beyond arithmetic, here for `double`.
-///
-/// Kernels are templates on a scalar S: `double`, `Lane` (one knot per SIMD lane) or `Dual<S>`
-/// (a value and one directional derivative). They must not branch on data: `select` picks per lane.
+/// Operations of every kernel scalar beyond arithmetic, here for `double`.
+/// Kernels are templates on a scalar S: `double`, `Lane` (one knot per SIMD lane) or `Dual<S>` (a
+/// value and one directional derivative). They must not branch on data: `select` chooses per lane.
 namespace conddp {
 
 using std::abs;
@@ -20,7 +19,7 @@ using std::sin;
 using std::sqrt;
 using std::tan;
 
-/// Whether S is a scalar of the kernels; specialised beside each of them.
+/// True if S is a kernel scalar; specialized for each of them.
 template <class S>
 inline constexpr bool kIsScalar = std::is_floating_point_v<S>;
 
@@ -31,7 +30,7 @@ concept Scalar = kIsScalar<std::remove_cvref_t<S>>;
 template <class S>
 using MaskOf = decltype(std::declval<S>() < std::declval<S>());
 
-/// `a` where the condition holds, else `b`. Both are evaluated.
+/// `a` if the condition is true, else `b`. Both are evaluated.
 inline double select(bool condition, double a, double b) { return condition ? a : b; }
 
 /// Sine and cosine of an angle in radians.
@@ -46,10 +45,10 @@ inline double max(double a, double b) { return a < b ? b : a; }
 /// The value without derivative parts.
 inline double value_of(double a) { return a; }
 
-/// Whether the condition holds in at least one lane.
+/// True if the condition is true in at least one lane.
 inline bool any(bool condition) { return condition; }
 
-/// Type of a product of two scalars, e.g. a constant of the model with a lane.
+/// Type of the product of two scalars, for example a model constant and a lane.
 template <class A, class B>
 using ProductOf = std::remove_cvref_t<decltype(std::declval<A>() * std::declval<B>())>;
 

@@ -56,7 +56,7 @@ struct Matrix6 {
   const S& operator()(int row, int column) const { return m[6 * row + column]; }
   S& operator()(int row, int column) { return m[6 * row + column]; }
 
-  /// [[a, b], [0, a]]: the shape of adjoints and of Jacobians of the exponential.
+  /// [[a, b], [0, a]]: the structure of adjoints and of Jacobians of the exponential.
   static Matrix6 upper(const Matrix3<S>& a, const Matrix3<S>& b) {
     Matrix6 r;
     for (int i = 0; i < 3; ++i)
@@ -75,7 +75,7 @@ Matrix6<S> adjoint(const SE3<S>& a) {
   return Matrix6<S>::upper(a.R, skew(a.p) * a.R);
 }
 
-/// A rigid placement kept as position and unit quaternion: how a free body's state is stored.
+/// A rigid placement as position and unit quaternion, the format of a free body's state.
 template <class S>
 struct Pose {
   Vector3<S> p;

@@ -22,7 +22,7 @@ template <class S>
 Quaternion<S> conjugate(const Quaternion<S>& q) {
   return {-q.x, -q.y, -q.z, q.w};
 }
-/// One Newton step towards unit length: exact to rounding for a product of unit quaternions.
+/// One Newton step towards unit length; exact to rounding for a product of unit quaternions.
 template <class S>
 Quaternion<S> renormalized(const Quaternion<S>& q) {
   const S k = S(1.5) - S(0.5) * (q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w);
@@ -39,7 +39,7 @@ Matrix3<S> rotation_matrix(const Quaternion<S>& q) {
   return {{one - yy - zz, xy - wz, xz + wy, xy + wz, one - xx - zz, yz - wx, xz - wy, yz + wx,
            one - xx - yy}};
 }
-/// A unit quaternion of a rotation matrix, by Shepperd's largest pivot.
+/// A unit quaternion of a rotation matrix, by Shepperd's method (largest pivot).
 template <class S>
 Quaternion<S> quaternion(const Matrix3<S>& r) {
   const S one(1.0);
@@ -61,7 +61,7 @@ Quaternion<S> quaternion(const Matrix3<S>& r) {
   const S k = one / sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w);
   return {k * q.x, k * q.y, k * q.z, k * q.w};
 }
-/// Rotation by fixed-axis roll, pitch, yaw (radians) as URDF has it: Rz(yaw) Ry(pitch) Rx(roll).
+/// Rotation by fixed-axis roll, pitch, yaw (radians) as in URDF: Rz(yaw) Ry(pitch) Rx(roll).
 template <class S>
 Matrix3<S> rotation_rpy(const S& roll, const S& pitch, const S& yaw) {
   S sr, cr, sp, cp, sy, cy;
@@ -72,15 +72,15 @@ Matrix3<S> rotation_rpy(const S& roll, const S& pitch, const S& yaw) {
            sy * sp * cr - cy * sr, -sp, cp * sr, cp * cr}};
 }
 
-/// The coefficients of the exponential maps of SO(3) and SE(3) as functions of t = θ², free of
-/// cancellation: a = sin θ/θ, b = (1 − cos θ)/θ², c = (θ − sin θ)/θ³, d = (½ − b)/θ²,
-/// e = (3c − b)/(2θ²), and inv = (1 − a/(2b))/θ² of the inverse Jacobians (regular at θ = π).
+/// The coefficients of the exponential maps of SO(3) and SE(3) as functions of t = θ², without
+/// cancellation: a = sin θ/θ, b = (1 − cos θ)/θ², c = (θ − sin θ)/θ³, d = (½ − b)/θ², e = (3c −
+/// b)/(2θ²). The inverse Jacobians use inv = (1 − a/(2b))/θ² (regular at θ = π).
 template <class S>
 struct RotationCoefficients {
   S a, b, c, d, e, inv;
 
   explicit RotationCoefficients(const S& t) {
-    // Σ (−t)^k / (2k + n)!, to rounding for t < 1/4.
+    // Σ (−t)^k / (2k + n)!, exact to rounding for t < 1/4.
     const auto series = [&t](double c0, double c1, double c2, double c3, double c4, double c5,
                              double c6) {
       return S(c0) -
@@ -128,11 +128,11 @@ Quaternion<S> exp_so3(const Vector3<S>& w) {
   const S t = S(0.25) * squared_norm(w);
   const RotationCoefficients<S> k(t);
   const S h = S(0.5) * k.a;
-  // cos(θ/2) = 1 − 2 sin²(θ/4) has no cancellation either, but b is at hand.
+  // cos(θ/2) = 1 − 2 sin²(θ/4) would avoid cancellation too, but b is already available.
   return {h * w.x, h * w.y, h * w.z, S(1.0) - t * k.b};
 }
 
-/// log: unit quaternion to the rotation vector of length at most π.
+/// log: unit quaternion to rotation vector, with a length of at most π.
 template <class S>
 Vector3<S> log_so3(const Quaternion<S>& q) {
   const auto negative = value_of(q.w) < decltype(value_of(q.w))(0.0);

@@ -15,7 +15,7 @@ struct Vector3 {
   Vector3& operator-=(const Vector3& b) { return x -= b.x, y -= b.y, z -= b.z, *this; }
   static Vector3 zero() { return {S(0.0), S(0.0), S(0.0)}; }
 
-  /// The same constants as another scalar.
+  /// The same constants in another scalar type.
   template <class T>
   Vector3<T> cast() const {
     return {T(x), T(y), T(z)};
@@ -117,7 +117,7 @@ Vector3<ProductOf<A, B>> transpose_times(const Matrix3<A>& a, const Vector3<B>& 
   return {a.m[0] * b.x + a.m[3] * b.y + a.m[6] * b.z, a.m[1] * b.x + a.m[4] * b.y + a.m[7] * b.z,
           a.m[2] * b.x + a.m[5] * b.y + a.m[8] * b.z};
 }
-/// The matrix of a ×: skew(a) b = a × b.
+/// The matrix of the cross product: skew(a) b = a × b.
 template <class S>
 Matrix3<S> skew(const Vector3<S>& a) {
   return {{S(0.0), -a.z, a.y, a.z, S(0.0), -a.x, -a.y, a.x, S(0.0)}};

@@ -2,8 +2,8 @@
 
 namespace conddp {
 
-/// The name of the clock, a state (s) of systems that depend on the time, which no other column
-/// has, and beside it of its velocity (s/s) in second-order systems.
+/// Reserved name of the clock, a state (s) of systems that depend on time. In second-order systems
+/// its rate (s/s) is a state too.
 inline constexpr const char* kClock = "t";
 inline constexpr const char* kClockRate = "t_rate";
 

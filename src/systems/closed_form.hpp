@@ -4,9 +4,9 @@
 
 namespace conddp {
 
-/// A system given by a formula: `Derived` has `template <class S> void rate(const S* x,
-/// const S* u, S* f) const`, valid for dual numbers too. Jacobians come from one dual-number
-/// direction per column, so they are exact.
+/// A system given by a formula: `Derived` has `template <class S> void rate(const S* x, const S* u,
+/// S* f) const`, valid for dual numbers too. Jacobians are exact: each column takes one evaluation
+/// in dual numbers.
 template <class Derived>
 class ClosedFormSystem : public SystemBase<Derived> {
  public:
@@ -42,7 +42,7 @@ class ClosedFormSystem : public SystemBase<Derived> {
     for (int i = 0; i < count; ++i) out[i] = {values[i], S(0.0)};
   }
 
-  /// One after the other, along the directions of the tangent space. Leaves data.x at rest.
+  /// Differentiates one tangent direction after the other. Leaves the derivatives in data.x zero.
   template <class S>
   void differentiate_by_state(const S* x, Data<S>& data) const {
     const int rows = this->rows();

@@ -6,16 +6,17 @@
 namespace conddp {
 namespace {
 
-/// The rows of the later stages of a rule: h Σ_j velocity[j] k_j, and of the positions of
-/// second-order systems h · time · v + h² Σ_j position[j] k_j (A and A² of the rule). k_0 is the
-/// slope at the beginning of the step, on which rules of Radau do not depend.
+/// A row for each later stage of a rule: the velocity part is h Σ_j velocity[j] k_j. In
+/// second-order systems, the position part is h · time · v + h² Σ_j position[j] k_j, with the
+/// matrices A and A² of the rule. k_0 is the slope at the beginning of the step; Radau rules do not
+/// depend on it.
 struct StageRow {
   double time;
   double velocity[4];
   double position[4];
 
-  /// The first stage whose slope counts. Where it is not the one at the beginning of the step, that
-  /// may have none.
+  /// The first stage whose slope the row uses. Stage 0 is skipped if its weights are zero, because
+  /// its slope may be undefined.
   int first() const { return velocity[0] == 0 && position[0] == 0 ? 1 : 0; }
 };
 struct Rule {
@@ -35,7 +36,8 @@ constexpr Rule kRadau3{2,
                         {1, {0, 3.0 / 4, 1.0 / 4}, {0, 1.0 / 2, 0}}},
                        {"first", "end"}};
 
-/// Of a rule whose A is given alone, all of whose stages are later ones: what follows from it.
+/// Computes `time` and `position` of a rule from its matrix A. All stages of the rule are later
+/// ones.
 constexpr Rule completed(Rule rule) {
   for (int i = 0; i < rule.later; ++i) {
     rule.rows[i].time = 0;
@@ -71,25 +73,26 @@ const Rule& table(CollocationRule rule) {
   return kRadau5;
 }
 
-/// Adds what slopes at stage j do to a later one: into the columns of what the slopes depend on.
+/// Adds the effect of the slopes at stage j on a later stage to the columns of the slopes'
+/// variables.
 template <class S>
 struct SlopeColumns {
   const StageRow& row;
   S h;
-  int n, top;  ///< slopes, and the coordinates before their own
+  int n, top;  ///< sizes of the slopes and of the coordinates before theirs
 
   void add(int j, int r, const S& slope, S* column) const {
     column[top + r] += h * S(row.velocity[j]) * slope;
     if (top > 0) column[r] += h * h * S(row.position[j]) * slope;
   }
-  /// Of the knot's slopes, from their derivatives by `count` variables.
+  /// Adds the slopes at the knot, given their derivatives with respect to `count` variables.
   void add_first(int count, const S* by_variables, S* columns) const {
     for (int c = 0; c < count; ++c)
       for (int r = 0; r < n; ++r) add(0, r, by_variables[c * n + r], columns + c * (top + n));
   }
 };
 
-/// The unit of a quantity's change in time.
+/// The unit of a quantity's time derivative.
 std::string rate_unit(const std::string& unit) {
   if (unit == "1") return "1/s";
   return unit.ends_with("/s") ? unit + "²" : unit + "/s";
@@ -173,7 +176,7 @@ void CollocationSystem::differentiate_stage(int i, const S* x, const S* w, const
   if (by_step) differentiate_by_step(i, x, w, h, data, X + nz * ndx());
 }
 
-/// The column by h, from zero on.
+/// Writes the derivative with respect to h into a column; overwrites it.
 template <class S>
 void CollocationSystem::differentiate_by_step(int i, const S* x, const S* w, const S& h,
                                               const SystemData<S>& data, S* column) const {

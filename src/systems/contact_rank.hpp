@@ -7,17 +7,17 @@
 
 namespace conddp {
 
-/// How many of the rows of a system's contacts are independent in a state, by the eigenvalues of
-/// G = J M⁻¹ Jᵀ with its rows and columns scaled to a diagonal of ones. Rows along which the
-/// contact cannot move at all, as out of the plane of a planar robot, do not count.
+/// The number of independent rows of a system's contacts in a state, from the eigenvalues of G = J
+/// M⁻¹ Jᵀ scaled to a unit diagonal. Rows along which the contact cannot move, such as those out of
+/// the plane of a planar robot, do not count.
 struct ContactRank {
-  int rows = 0;  ///< 0: no contact is held
+  int rows = 0;  ///< 0 without contacts
   int rank = 0;
-  /// Contacts that can push against each other without moving any joint, so that nothing determines
-  /// how much; none where rank = rows.
+  /// Contacts that can push against each other without moving any joint, so that their forces are
+  /// not determined; empty if rank = rows.
   std::vector<std::string> redundant;
-  /// What makes forces of such contacts, and of those that hardly move anything, determined and
-  /// moderate: added to G, it raises the eigenvalues to 0.01. All rows square, or empty.
+  /// A matrix that makes nearly or fully redundant contact forces determined and moderate: added to
+  /// G, it raises the eigenvalues to 0.01. Square in all rows, or empty.
   Eigen::MatrixXd softness;
 };
 

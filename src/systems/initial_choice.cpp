@@ -25,7 +25,7 @@ class InitialChoice : public ClosedFormSystem<InitialChoice> {
   }
 
  private:
-  std::vector<std::pair<int, int>> moved_;  ///< coordinates, each by a control
+  std::vector<std::pair<int, int>> moved_;  ///< (coordinate, control)
 };
 
 }  // namespace

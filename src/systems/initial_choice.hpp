@@ -9,11 +9,12 @@
 
 namespace conddp {
 
-/// A knot that chooses a state: its control is the displacement of some coordinates, x⁺ = x ⊕ S u
-/// with one column of S for each coordinate (an index into tangent vectors). As a first-order
-/// system that is ẋ = S u; explicit Euler with a step of 1 makes the choice of it. `controls` names
-/// these and further controls: what else is chosen, for a memory to hold. Of those, some move a
-/// coordinate too (`moved`: coordinate and control), all others nothing here.
+/// A knot that chooses a state: its control is the displacement of some coordinates, x⁺ = x ⊕ S u.
+/// S has one column for each coordinate (an index into tangent vectors). We write it as the
+/// first-order system ẋ = S u; an explicit Euler step of length 1 applies the choice. `controls`
+/// names these controls and further chosen values, which an augmented state may store. `moved`
+/// lists those further controls that move a coordinate too (coordinate, control); the others have
+/// no effect here.
 std::shared_ptr<const System> initial_choice(const System& of, const std::vector<int>& coordinates,
                                              const std::vector<Column>& controls,
                                              const std::vector<std::pair<int, int>>& moved = {});

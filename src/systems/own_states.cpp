@@ -3,7 +3,7 @@
 namespace conddp {
 namespace {
 
-/// Which columns of the state are the system's own: neither by_name_only, nor at rest.
+/// True for the system's own state columns: neither by_name_only nor at rest.
 std::vector<bool> own_columns(const System& system) {
   const std::vector<Column>& columns = system.state_columns();
   const int named = static_cast<int>(columns.size());
@@ -27,7 +27,7 @@ std::vector<int> other_coordinates(const System& system) {
   const std::vector<bool> own = own_columns(system);
   std::vector<int> coordinates;
   for (const auto& segment : system.manifold().segments()) {
-    // A rotation or a pose belongs to the system as a whole.
+    // A rotation or a pose is either the system's own or not, as a whole.
     const bool flat = segment.part == StateManifold::Part::flat;
     for (int i = 0; i < segment.n; ++i)
       if (!own[segment.x + (flat ? i : 0)]) coordinates.push_back(segment.dx + i);

@@ -6,11 +6,11 @@
 
 namespace conddp {
 
-/// Where the numbers of a state are that the equations of a system are about: neither those of its
-/// clock nor parameters nor states at rest, which it lacks.
+/// Indices of the state's numbers that the equations of a system are about. Excludes the clock,
+/// parameters and states at rest, which this system lacks.
 std::vector<int> own_states(const System& system);
-/// The tangent coordinates of all other numbers: of the clock, parameters, their velocities and
-/// states at rest.
+/// Tangent coordinates of all other numbers: the clock, parameters, their velocities and states at
+/// rest.
 std::vector<int> other_coordinates(const System& system);
 
 }  // namespace conddp

@@ -5,35 +5,33 @@
 
 namespace conddp {
 
-/// Second derivatives of a system's answer f(z), z = (tangent at x, u), weighted row by row, at one
-/// point in each lane. Where f rests on forces λ(z) of contacts, which residuals see too, these
-/// have weights as well. Made by System::second_derivatives for a workspace `at`, which holds the
-/// point differentiated, and another one, `moving`, which it moves along directions of z for
-/// residuals that need their own second derivatives.
-///
-/// The forces and accelerations y are those that make the residual of the equations of motion
-/// r(z, y) vanish. With the adjoint w of these equations, the second derivative of the weighted sum
-/// is that of −wᵀr along the graph of y(z), and wᵀr is linear in y: what is differentiated twice is
-/// inverse dynamics, in O(nv) for each direction.
+/// Second derivatives of a system's output f(z), z = (tangent at x, u), weighted row by row, at one
+/// point in each lane. If f depends on contact forces λ(z), which residuals use too, these have
+/// weights as well. System::second_derivatives creates the object for two workspaces: `at` holds
+/// the linearization point, and `moving` is moved along directions of z for residuals that need
+/// their own second derivatives.
+/// The forces and accelerations y solve the equations of motion r(z, y) = 0. With the adjoint w of
+/// these equations, the second derivative of the weighted sum is that of −wᵀr along the graph of
+/// y(z). Since wᵀr is linear in y, we differentiate inverse dynamics twice, at O(nv) per direction.
 class SecondDerivatives {
  public:
   virtual ~SecondDerivatives() = default;
 
-  /// How many forces there are.
+  /// The number of forces.
   virtual int forces() const = 0;
-  /// After `at` has been differentiated at (x, u); brings `moving` there.
+  /// Brings `moving` to (x, u), after `at` has been differentiated there.
   virtual void start(const Dual<Lane>* x, const Dual<Lane>* u) = 0;
-  /// Whether `finish` adds everything, so that nothing needs to move for the system's sake.
+  /// True if `finish` adds everything, so that `move` is not needed for the system itself.
   virtual bool at_once() const { return false; }
-  /// Gives one of the forces of `moving` the derivative 1, and all others 0.
+  /// Sets the derivative of one force of `moving` to 1 and all others to 0.
   virtual void move_force(int row) = 0;
-  /// Weights of f (System::rows) and of the forces, for what follows.
+  /// Sets the weights of f (System::rows) and of the forces for subsequent calls.
   virtual void weigh(const Lane* of_f, const Lane* of_forces) = 0;
-  /// Moves `moving` along direction d of z, kinematics and forces; x is the state with that
-  /// derivative. Adds to column d of `gradients` (nz x nz by columns) the
-  /// derivative of the weighted answer's gradient along d.
+  /// Moves the kinematics and forces of `moving` along direction d of z; x is the state with that
+  /// derivative. Adds the derivative along d of the weighted output's gradient to column d of
+  /// `gradients` (nz x nz by columns).
   virtual void move(const Dual<Lane>* x, int d, Lane* gradients) = 0;
-  /// Adds to `gradients` what comes with the change of y, all of it symmetric.
+  /// Adds the terms due to the change of y to `gradients`; they are symmetric.
   virtual void finish(Lane* gradients) = 0;
 };
 

@@ -56,7 +56,7 @@ void StateManifold::append(Part part, int flat_size) {
     append_curved(part, part == Part::so3 ? 3 : 6);
 }
 
-/// Flat parts that follow each other are one.
+/// Adjacent flat parts are merged into one.
 void StateManifold::append_flat(int n) {
   if (n == 0) return;
   if (!segments_.empty() && segments_.back().part == Part::flat)
@@ -67,7 +67,7 @@ void StateManifold::append_flat(int n) {
   ndx_ += n;
 }
 
-/// With one coordinate more than directions: they hold a quaternion.
+/// The state has one coordinate more than the tangent space: the part holds a quaternion.
 void StateManifold::append_curved(Part part, int n) {
   segments_.push_back({part, nx_, ndx_, n});
   curved_.push_back(segments_.back());

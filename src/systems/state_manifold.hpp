@@ -53,9 +53,10 @@ class StateManifold {
   template <class S>
   void inverse_right_jacobian(const S* dx, S* blocks) const;
 
-  /// Scales quaternions to unit length. Returns false where one is too far from it (1e-3).
+  /// Scales quaternions to unit length. Returns false if the length of one differs from 1 by more
+  /// than 1e-3.
   bool normalize(double* x) const;
-  /// Zero, unit quaternions.
+  /// The state with all numbers zero and unit quaternions.
   std::vector<double> neutral() const;
 
  private:

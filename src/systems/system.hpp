@@ -14,24 +14,24 @@
 
 namespace conddp {
 
-/// The scalars in which every system, residual and knot model can be evaluated.
+/// The supported scalars of every system, residual and knot model.
 #define CONDDP_FOR_EACH_SCALAR(X) X(double) X(Lane) X(Dual<Lane>)
 
 /// second_order: x = (q, v), the system gives the acceleration a(q, v, u).
-/// first_order: the system gives the tangent velocity ẋ(x, u).
-/// discrete: the system gives the next state x⁺(x, u) of a flat state space.
-/// impulse: x = (q, v), no time passes, and the system gives the velocity v⁺(q, v) after it.
+/// first_order: The system gives the tangent velocity ẋ(x, u).
+/// discrete: The system gives the next state x⁺(x, u) of a flat state space.
+/// impulse: Instantaneous, x = (q, v); the system gives the velocity v⁺(q, v) after it.
 enum class SystemKind { second_order, first_order, discrete, impulse };
 
-/// What a system writes when it is evaluated in scalar S. Matrices by columns, all with
-/// `rows` rows: nv for a second-order system and an impulse, ndx for the others.
+/// Output of a system evaluated in scalar S. Matrices are by columns, all with `rows` rows: nv for
+/// a second-order system and an impulse, ndx for the others.
 template <class S>
 struct SystemData {
   virtual ~SystemData() = default;
   AlignedVector<S> f;   ///< acceleration, tangent velocity, next state or next velocity
   AlignedVector<S> fx;  ///< rows x ndx, with respect to a tangent vector at x
   AlignedVector<S> fu;  ///< rows x nu
-  /// Memory of the later stages of an implicit step (CollocationSystem); null of other systems.
+  /// Workspace for the later stages of an implicit step (CollocationSystem); otherwise null.
   std::unique_ptr<SystemData<S>> later;
 };
 
@@ -43,11 +43,11 @@ class CollocationSystem;
 struct Column {
   std::string name;
   std::string unit;
-  /// Of a clock or a parameter: what is said of all columns is not said of it.
+  /// True for the clock and parameters: settings for all columns do not apply to them.
   bool by_name_only = false;
 };
 
-/// A dynamical system with controls: immutable, shared by all knots; what changes lives in
+/// A dynamical system with controls: immutable and shared by all knots. Mutable data lives in
 /// SystemData. Derive through SystemBase.
 class System {
  public:
@@ -58,9 +58,9 @@ class System {
   int nx() const { return manifold_.nx(); }
   int ndx() const { return manifold_.ndx(); }
   int nu() const { return nu_; }
-  /// How many of the controls drive the system, the first ones; others are unknowns of a step.
+  /// Number of controls that drive the system; they come first. The others are unknowns of a step.
   virtual int actuators() const { return nu_; }
-  /// Numbers in q and in v of a second-order system's state (q, v).
+  /// Sizes of q and v of a second-order system's state (q, v).
   int nq() const { return nx() - nv(); }
   int nv() const { return ndx() / 2; }
   int rows() const {
@@ -68,15 +68,15 @@ class System {
   }
   const std::vector<Column>& state_columns() const { return state_columns_; }
   const std::vector<Column>& control_columns() const { return control_columns_; }
-  /// Whether the system has this number of the state. Others are states of other phases, at rest
-  /// here: they stay as they are, and nothing depends on them.
+  /// True if the column belongs to this system. The others are states of other phases and are at
+  /// rest here: they stay constant, and nothing depends on them.
   bool has_state(int column) const { return at_rest_.empty() || !at_rest_[column]; }
-  /// Limits that the system's own description states (URDF effort limits); infinite if none.
+  /// Limits from the system's description (URDF effort limits); infinite without limits.
   const std::vector<double>& control_lower() const { return control_lower_; }
   const std::vector<double>& control_upper() const { return control_upper_; }
 
   /// `create_data(S{})` makes a workspace. `evaluate` writes f. `differentiate` writes f, fx, fu.
-  /// `update_kinematics` computes what residuals at a node without controls need.
+  /// `update_kinematics` computes the quantities that residuals at a node without controls need.
 #define CONDDP_DECLARE(S)                                                            \
   virtual std::unique_ptr<SystemData<S>> create_data(S) const = 0;                   \
   virtual void evaluate(const S* x, const S* u, SystemData<S>& data) const = 0;      \
@@ -84,29 +84,29 @@ class System {
   virtual void update_kinematics(const S* x, SystemData<S>& data) const = 0;
   CONDDP_FOR_EACH_SCALAR(CONDDP_DECLARE)
 #undef CONDDP_DECLARE
-  /// How many rows of the contacts that it holds are independent in a state of nx numbers; where
-  /// that cannot be computed there, all rows count as independent.
+  /// The number of independent rows of the active contacts in a state of nx numbers. All rows count
+  /// as independent if the rank cannot be computed.
   virtual ContactRank contact_rank(const double* /*x*/) const { return {}; }
 
-  /// Where its equations read tables at a knot.
+  /// The table readings of the equations at a knot.
   virtual std::vector<TableReading> table_readings(const double* /*x*/, const double* /*u*/) const {
     return {};
   }
 
-  /// The compiled functions behind it that have reported failure since they were loaded, by name.
+  /// Names of the system's compiled functions that have reported failure since they were loaded.
   virtual std::vector<std::string> failed_functions() const { return {}; }
-  /// Whether second derivatives rest on what such a function claims them to be.
+  /// True if second derivatives depend on a Hessian claimed by a compiled function.
   virtual bool has_claimed_hessian() const { return false; }
 
-  /// The system itself as what it is; null where it is something else.
+  /// The system cast to its type; null if it has another type.
   virtual const MultibodySystem* as_multibody() const { return nullptr; }
   virtual const SteppingSystem* as_stepping() const { return nullptr; }
   virtual const CollocationSystem* as_collocation() const { return nullptr; }
-  /// The robot that the system is, or whose steps it makes; null where there is none.
+  /// The robot that this system is or steps; null without one.
   virtual const MultibodySystem* robot_inside() const { return as_multibody(); }
 
-  /// Second derivatives on two of the system's workspaces, which have to outlive them. Null of a
-  /// system that has none but those of `differentiate` in dual numbers.
+  /// Second derivatives on two workspaces of the system, which must outlive the result. Null if
+  /// dual numbers in `differentiate` are the only source of second derivatives.
   virtual std::unique_ptr<SecondDerivatives> second_derivatives(
       SystemData<Lane>& /*at*/, SystemData<Dual<Lane>>& /*moving*/) const {
     return nullptr;
@@ -125,13 +125,13 @@ class System {
   int nu_;
   std::vector<Column> state_columns_;
   std::vector<Column> control_columns_;
-  std::vector<bool> at_rest_;  ///< by column of the state; empty: none is
+  std::vector<bool> at_rest_;  ///< by column of the state; empty if no column is at rest
   std::vector<double> control_lower_;
   std::vector<double> control_upper_;
 };
 
-/// Implements System's methods for every scalar by templates of `Derived`: a member template
-/// `Data<S>` (derived from SystemData<S>, constructible from const Derived&) and
+/// Implements System's methods for every scalar by templates of `Derived`. These are a member
+/// template `Data<S>` (derived from SystemData<S>, constructible from const Derived&) and
 /// `evaluate_as<S>`, `differentiate_as<S>`, `update_kinematics_as<S>` taking Data<S>&.
 template <class Derived>
 class SystemBase : public System {

@@ -5,13 +5,13 @@
 
 namespace conddp {
 
-/// Where a table of values is read by one of its arguments. Not-a-number where that is not known.
+/// Where a table is read along one of its arguments. NaN if unknown.
 struct TableReading {
   std::string table;
   double at = 0;
-  double first = 0, last = 0;  ///< the points of the table at the ends
+  double first = 0, last = 0;  ///< first and last grid point
 
-  /// How far beyond its points, 0 between them.
+  /// Distance outside the range of the grid points; 0 within it.
   double beyond() const {
     if (std::isnan(at)) return 0;
     return at < first ? first - at : at > last ? at - last : 0;

@@ -3,7 +3,7 @@
 namespace conddp {
 namespace {
 
-/// A rotation's component is called like the one of its quaternion.
+/// Names a component of a rotation after the matching quaternion component.
 Column rotation_column(Column column) {
   const std::size_t q = column.name.rfind('q');  // ".../qx"
   if (q != std::string::npos) column.name[q] = 'r';
@@ -18,7 +18,7 @@ std::vector<Column> tangent_columns(const System& system) {
   const std::vector<Column>& columns = system.state_columns();
   for (const auto& segment : system.manifold().segments()) {
     using Part = StateManifold::Part;
-    // A flat segment has numbers alone, a pose three of them before its rotation.
+    // A flat segment contains numbers only; a pose has three of them before its rotation.
     const int flat = segment.part == Part::flat ? segment.n : segment.part == Part::se3 ? 3 : 0;
     for (int i = 0; i < flat; ++i) tangent[segment.dx + i] = columns[segment.x + i];
     for (int i = flat; i < segment.n; ++i)

@@ -9,7 +9,7 @@
 namespace conddp {
 namespace {
 
-/// A closed form whose second derivatives are those of the expressions that it is in GraphNumber.
+/// A closed form that takes its second derivatives from its expressions, recorded in GraphNumber.
 template <class Derived>
 class CatalogueSystem : public ClosedFormSystem<Derived> {
  public:
@@ -136,7 +136,7 @@ class Acrobot : public CatalogueSystem<Acrobot> {
     const auto& p = p_;
     S s2, c2;
     sincos(x[1], s2, c2);
-    // As the public model has it: link masses act at the links' ends.
+    // As in the public model, link masses are at the ends of the links.
     const S coupling = S(p.mass2 * p.length1 * p.length2);
     const S m11 = S((p.mass1 + p.mass2) * p.length1 * p.length1 + p.mass2 * p.length2 * p.length2 +
                     p.inertia1 + p.inertia2) +

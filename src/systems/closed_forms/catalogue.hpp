@@ -14,7 +14,7 @@ namespace conddp {
 /// `dimension` independent double integrators: a = u. x = (positions, velocities).
 std::shared_ptr<const System> double_integrator(int dimension);
 
-/// A x + B u + c: x⁺, or as a first-order system ẋ.
+/// A x + B u + c: x⁺, or ẋ for a first-order system.
 std::shared_ptr<const System> linear_system(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B,
                                             const Eigen::VectorXd& c,
                                             SystemKind kind = SystemKind::discrete);
@@ -35,8 +35,8 @@ struct AcrobotParameters {
   double length1 = 1, length2 = 1, mass1 = 1, mass2 = 1, inertia1 = 1, inertia2 = 1;
   double friction = 1, gravity = 9.81;
 };
-/// Two links, torque on the elbow; θ₁ = −π/2 hanging, as cases of the literature have it.
-/// x = (θ₁, θ₂, θ̇₁, θ̇₂).
+/// Two links with a torque on the elbow; θ₁ = −π/2 hanging, as in the literature. x = (θ₁, θ₂, θ̇₁,
+/// θ̇₂).
 std::shared_ptr<const System> acrobot(const AcrobotParameters& p);
 
 /// ẋ = v cos θ, ẏ = v sin θ, θ̇ = ω. x = (x, y, θ), u = (v, ω).
@@ -49,7 +49,7 @@ std::shared_ptr<const System> car(double wheelbase, double step);
 struct PlanarQuadrotorParameters {
   double mass = 1, inertia = 0.1, arm = 0.3, gravity = 9.81;
 };
-/// x = (x, z, θ, velocities), u = thrusts right and left.
+/// x = (x, z, θ, velocities), u = (right thrust, left thrust).
 std::shared_ptr<const System> planar_quadrotor(const PlanarQuadrotorParameters& p);
 
 struct QuadrotorParameters {
@@ -63,10 +63,10 @@ std::shared_ptr<const System> quadrotor(const QuadrotorParameters& p);
 struct LanderParameters {
   double mass = 40, fuel_rate = 5e-4, gravity = 3.71;
 };
-/// A point mass on its thrust T, z upwards: m r̈ = T − m gravity e_z. It burns b of its mass:
-/// m = mass − b, ḃ = fuel_rate ‖T‖ (kg/s per N). x = (r, ṙ, b), u = T. After Açıkmeşe and Ploen,
-/// "Convex programming approach to powered descent guidance for Mars landing" (2007). At T = 0 its
-/// length is rounded by kThrustRounding.
+/// A point mass with thrust T, z upwards: m r̈ = T − m gravity e_z. It has burned the mass b: m =
+/// mass − b, ḃ = fuel_rate ‖T‖ (kg/s per N). x = (r, ṙ, b), u = T. After Açıkmeşe and Ploen,
+/// "Convex programming approach to powered descent guidance for Mars landing" (2007). Near T = 0,
+/// ‖T‖ is smoothed by kThrustRounding.
 std::shared_ptr<const System> lander(const LanderParameters& p);
 inline constexpr double kThrustRounding = 1e-3;  ///< N
 

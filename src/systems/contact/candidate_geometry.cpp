@@ -6,7 +6,7 @@
 namespace conddp {
 namespace {
 
-/// The body of a frame and where the frame lies on it.
+/// Returns the body of a frame and sets the frame's placement on it.
 int locate(const RobotModel& model, int frame, const SE3<double>& local, SE3<double>& placement) {
   placement = frame < 0 ? local : model.frames[frame].placement * local;
   return frame < 0 ? -1 : model.frames[frame].joint;
@@ -24,8 +24,8 @@ int count_tangents(const ContactCandidate& candidate, bool planar) {
   return planar ? 1 : 2;
 }
 
-/// Two unit vectors that complete n to a right-handed triad, smooth but where n.z changes its sign
-/// (Duff and others, Building an Orthonormal Basis, Revisited, 2017).
+/// Two unit vectors that complete n to a right-handed triad, smooth except where n.z changes sign
+/// (Duff et al., Building an Orthonormal Basis, Revisited, 2017).
 template <class S>
 void complete_triad(const Vector3<S>& n, Vector3<S>& first, Vector3<S>& second) {
   const S sign = select(n.z < S(0.0), S(-1.0), S(1.0));
@@ -48,7 +48,7 @@ S box_distance(const Vector3<S>& p, const Vector3<double>& half, Vector3<S>& gra
   const auto is_outside = square > S(0.0);
   const S distance = sqrt(select(is_outside, square, S(1.0)));
   const S deepest = max(q.x, max(q.y, q.z));
-  S taken(0.0);  // one face alone where two are equally near
+  S taken(0.0);  // a single face if two are equally near
   for (int i = 0; i < 3; ++i) {
     const S nearest = select(q[i] < deepest, S(0.0), S(1.0) - taken);
     taken = taken + nearest;
@@ -77,7 +77,7 @@ CandidateGeometry::CandidateGeometry(const RobotModel& model, const ContactCandi
   if (second_joint_ >= 0) second_root_ = model.root[second_joint_];
 }
 
-/// What the sphere may touch.
+/// Sets the shape opposite to the sphere.
 void CandidateGeometry::place_second(const RobotModel& model, const ContactCandidate& candidate) {
   if (const auto* solid = std::get_if<ContactHalfSpace>(&candidate.against)) {
     shape_ = Shape::half_space;
@@ -141,7 +141,7 @@ void CandidateGeometry::update_axes(const RobotData<S>& data, CandidateRows<S>& 
   }
 }
 
-/// A floating joint moves its own directions, too.
+/// A floating joint moves its own directions as well.
 bool CandidateGeometry::carries(const Drive& i, const Drive& j) const {
   const bool before = i.joint < j.joint || (i.joint == j.joint && i.direction >= 0);
   return before && ((i.first && j.first) || (i.second && j.second));
@@ -192,7 +192,7 @@ void CandidateGeometry::evaluate(const RobotData<S>& data, CandidateRows<S>& out
   }
 }
 
-/// A motion along a drive to first order, of what it moves and of what it leaves where it is.
+/// A first-order motion along a drive, applied only to geometry that moves with it.
 template <class S>
 struct CandidateGeometry::Shift {
   const Motion<S>& axis;
@@ -225,7 +225,7 @@ void CandidateGeometry::differentiate(const RobotData<S>& data, CandidateRows<S>
                 second = pose(data, second_joint_, second_root_, second_);
   const int k = static_cast<int>(drives_.size());
   for (int i = 0; i < k; ++i) {
-    // What drive i moves: points, axes of the body and of the joints behind it.
+    // Drive i moves points, axes of the body, and axes of the joints after it.
     const Shift<S> shift{out.axes[i]};
     const Vector3<D> center = shift.point(first.p, drives_[i].first);
     const Touch<D> t = touch(center, shift.pose(second, drives_[i].second));

@@ -8,18 +8,18 @@
 
 namespace conddp {
 
-/// What a candidate's geometry says in one configuration. k = columns().size(); rows 0, 1, … are
-/// the normal and the tangents: row r of `rows` times the velocities of the columns is the relative
-/// velocity of the two bodies at the contact along that direction, and its transpose times a force
-/// on the sphere is the generalised force. The first row is ∂φ/∂q.
+/// A candidate's geometry in one configuration. k = columns().size(); rows 0, 1, … are the normal
+/// and the tangents. Row r of `rows` times the velocities of the columns is the relative velocity
+/// of the two bodies at the contact along that direction. Its transpose times a force on the sphere
+/// is the generalized force. The first row is ∂φ/∂q.
 template <class S>
 struct CandidateRows {
-  S gap;                     ///< φ, m; negative where the two overlap
+  S gap;                     ///< φ, m; negative if the bodies overlap
   Vector3<S> point;          ///< of the sphere's surface, in the world
   Vector3<S> directions[3];  ///< normal and tangents, in the world
   AlignedVector<S> rows;     ///< (1 + tangents) x k by rows
-  /// ∂rows/∂q_i for each column i, one matrix after the other; only from `differentiate`. Of a
-  /// floating joint q_i is the i-th direction of its tangent space, in its own frame.
+  /// ∂rows/∂q_i for each column i, one matrix after the other; written only by `differentiate`. For
+  /// a floating joint q_i is the i-th direction of its tangent space, in its own frame.
   AlignedVector<S> slopes;
   AlignedVector<Motion<S>> axes;  ///< scratch: the twist of each column, in the world
 };
@@ -38,7 +38,7 @@ class CandidateGeometry {
   /// Memory for the results below.
   template <class S>
   CandidateRows<S> create_rows() const;
-  /// Placements must be current.
+  /// Computes the rows; placements must be current.
   template <class S>
   void evaluate(const RobotData<S>& data, CandidateRows<S>& out) const;
   template <class S>
@@ -47,10 +47,10 @@ class CandidateGeometry {
  private:
   enum class Shape { half_space, sphere, box };
 
-  /// A degree of freedom that moves one of the bodies or both.
+  /// A degree of freedom that moves at least one of the bodies.
   struct Drive {
     int joint;
-    int direction;  ///< of the six of a floating joint; −1 of a joint that has one alone
+    int direction;  ///< one of the six of a floating joint; −1 for a one-DoF joint
     bool first, second;
   };
   /// A body's reference point and axes in the world.
@@ -73,7 +73,7 @@ class CandidateGeometry {
   /// The twists of the drives, in the world.
   template <class S>
   void update_axes(const RobotData<S>& data, CandidateRows<S>& out) const;
-  /// Whether drive i takes the axis of drive j along.
+  /// True if drive i moves the axis of drive j.
   bool carries(const Drive& i, const Drive& j) const;
   template <class S>
   struct Shift;
@@ -81,13 +81,13 @@ class CandidateGeometry {
   Shape shape_;
   int first_joint_ = -1, second_joint_ = -1;
   int first_root_ = -1, second_root_ = -1;  ///< the floating joints of their trees
-  SE3<double> first_, second_;  ///< centre of the sphere, origin and axes of what it may touch
+  SE3<double> first_, second_;  ///< center of the sphere; origin and axes of the opposite shape
   double radius_ = 0, second_radius_ = 0, offset_ = 0;
   Vector3<double> normal_, half_sizes_;
   std::optional<Vector3<double>> plane_;
   int tangents_;
   std::vector<int> columns_;
-  std::vector<int> roots_;  ///< of each drive's tree
+  std::vector<int> roots_;  ///< root of each drive's tree
   std::vector<Drive> drives_;
 };
 

@@ -21,7 +21,7 @@ HalfStep<S>::HalfStep(const RobotModel& robot)
       v(robot.nv, Dual<S>(0.0)),
       rest(robot.nv, Dual<S>(0.0)) {}
 
-/// With the force M̊v = ∂P/∂q v that the change of M takes, bias forces are c = M̊v + C.
+/// M̊v = ∂P/∂q v is the force due to the change of M; bias forces are c = M̊v + C.
 template <class S>
 void update_half_step(const RobotModel& robot, const RobotModel& free, const S* v, bool slopes,
                       HalfStep<S>& half) {

@@ -12,7 +12,7 @@ int add(std::vector<Column>& columns, std::string name, std::string unit) {
   return static_cast<int>(columns.size()) - 1;
 }
 
-/// The names of forces and slips along the tangents: t+, t- in a plane, t1+ … t2- in space.
+/// Adds forces and slips along the tangents, named t+, t- in a plane, t1+ … t2- in space.
 FrictionIndices add_friction(SteppingLayout& layout, const std::string& prefix, int tangents,
                              const std::string& force_unit, const std::string& slip_unit) {
   FrictionIndices f{.count = 2 * tangents};
@@ -29,7 +29,7 @@ FrictionIndices add_friction(SteppingLayout& layout, const std::string& prefix, 
   return f;
 }
 
-/// Of two tangents: forces first, then what they follow from.
+/// Adds the unknowns of two tangents: first the forces, then the variables that determine them.
 ConeIndices add_cone(SteppingLayout& layout, const std::string& prefix) {
   ConeIndices cone{.present = true};
   for (int i = 0; i < 2; ++i)
@@ -61,7 +61,7 @@ void add_candidate(SteppingLayout& layout, const ContactCandidate& c,
   indices.force = add(layout.columns, prefix + "/fn", "N");
   indices.gap = add(layout.columns, prefix + "/gap", "m");
   layout.pairs.emplace_back(indices.force, indices.gap);
-  // Along one tangent the cone is the pyramid.
+  // With one tangent, the cone is the pyramid.
   if (c.friction > 0 && contacts.friction == FrictionModel::cone && !contacts.plane)
     indices.cone = add_cone(layout, prefix);
   else if (c.friction > 0)
@@ -69,7 +69,7 @@ void add_candidate(SteppingLayout& layout, const ContactCandidate& c,
   layout.candidates.push_back(indices);
 }
 
-/// One of the two ends of a joint's range, if it is one.
+/// Adds the lower or upper end of a joint's range, if it is finite.
 void add_stop(SteppingLayout& layout, const Joint& joint, const JointStop& stop, bool upper) {
   const double limit = upper ? stop.upper : stop.lower;
   if (!std::isfinite(limit)) return;

@@ -8,7 +8,7 @@
 namespace conddp {
 namespace {
 
-/// An entry of a symmetric matrix of which the lower triangle is stored, n x n by columns.
+/// An entry of a symmetric matrix stored as its lower triangle, n x n by columns.
 template <class S>
 const S& symmetric(const AlignedVector<S>& m, int i, int j, int n) {
   return i > j ? m[j * n + i] : m[i * n + j];

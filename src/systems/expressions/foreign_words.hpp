@@ -4,8 +4,8 @@
 
 namespace conddp {
 
-/// What to write for a name, a function or an operator in words that other languages have; empty
-/// for what is not known.
+/// Suggests a replacement for a name, a function or a word operator of other languages; empty if
+/// unknown.
 std::string_view foreign_name_hint(std::string_view name);
 std::string_view foreign_function_hint(std::string_view name);
 std::string_view foreign_operator_hint(std::string_view word);

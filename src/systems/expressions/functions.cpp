@@ -30,7 +30,7 @@ NodeId root(Graph& g, NodeId a) { return g.function(Operation::kSqrt, a); }
 /// √(a + width²).
 NodeId rounded_root(Graph& g, NodeId a, NodeId width) { return root(g, g.add(a, g.square(width))); }
 
-/// Half of the sum, plus or minus half of the rounded difference.
+/// Half of the sum plus or minus half of the smoothed absolute difference.
 ExpressionValue smooth_extremum(Graph& g, const Values& v, bool largest) {
   const NodeId a = v[0].nodes[0], b = v[1].nodes[0], half = g.constant(0.5);
   const NodeId gap = rounded_root(g, g.square(g.subtract(a, b)), v[2].nodes[0]);
@@ -39,7 +39,7 @@ ExpressionValue smooth_extremum(Graph& g, const Values& v, bool largest) {
       g.multiply(half, largest ? g.add(sum, gap) : g.subtract(sum, gap)));
 }
 
-/// A number of a graph with operators, so that formulas of the kernel can be written to graphs.
+/// A number of a graph with operators, so that formulas of the kernel can be recorded in graphs.
 struct GraphNumber {
   Graph* graph;
   NodeId node;
@@ -70,7 +70,7 @@ ExpressionValue value(const Quaternion<GraphNumber>& a) {
   return ExpressionValue::vector({a.x.node, a.y.node, a.z.node, a.w.node});
 }
 
-/// The vector turned by a unit quaternion, or back.
+/// Rotates a vector by a unit quaternion or its inverse.
 ExpressionValue turned(Graph& g, const Values& v, bool back) {
   const Quaternion<GraphNumber> q = quaternion(g, v[0]);
   const Vector3<GraphNumber> a = vector3(g, v[1]);

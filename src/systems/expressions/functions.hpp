@@ -9,17 +9,17 @@
 
 namespace conddp {
 
-/// What an argument of a function has to be.
+/// The type that a function's argument must have.
 enum class ArgumentKind {
   kNumber,
-  kAboveZero,   ///< a number, above zero where it is constant
+  kAboveZero,   ///< a number; above zero if constant
   kVector,      ///< of any size
-  kSameVector,  ///< of the size of the first argument
+  kSameVector,  ///< same size as the first argument
   kVector3,
   kQuaternion,  ///< a vector of 4, x y z w
   kCondition,
   kAny,   ///< a number or a vector
-  kSame,  ///< of the type of the argument before
+  kSame,  ///< same type as the preceding argument
 };
 
 /// A function of the expression language.
@@ -31,14 +31,14 @@ struct ExpressionFunction {
   std::string_view name;
   std::vector<Argument> arguments;
   std::string_view documentation;  ///< a clause with units
-  /// What is not smooth about it, for a warning; empty where nothing is.
+  /// The non-smooth point of the function, for a warning; empty if it is smooth.
   std::string_view kink;
   ExpressionValue (*apply)(ExpressionGraph&, const std::vector<ExpressionValue>&);
 };
 
 /// All functions, by topic.
 std::span<const ExpressionFunction> expression_functions();
-/// Null where there is none of that name.
+/// Null if no function has this name.
 const ExpressionFunction* find_expression_function(std::string_view name);
 
 /// A named constant.
@@ -48,10 +48,10 @@ struct ExpressionConstant {
   std::string_view documentation;
 };
 std::span<const ExpressionConstant> expression_constants();
-/// Null where there is none of that name.
+/// Null if no constant has this name.
 const ExpressionConstant* find_expression_constant(std::string_view name);
 
-/// "a number", "a quaternion (vector of 4)": how messages call what an argument has to be.
+/// The required type of an argument in messages: "a number", "a quaternion (vector of 4)".
 std::string_view argument_kind_name(ArgumentKind kind);
 
 }  // namespace conddp

@@ -16,7 +16,7 @@ bool is_digit(char c) { return c >= '0' && c <= '9'; }
 constexpr std::array<std::string_view, 17> kSymbols = {
     "<=", ">=", "<", ">", "+", "-", "*", "/", "^", "(", ")", "[", "]", ",", ".", "{", "}"};
 
-/// What other notations write, and what is written here.
+/// An operator of other languages and its spelling here.
 struct Foreign {
   std::string_view text;
   std::string_view hint;
@@ -39,7 +39,7 @@ constexpr std::array<Foreign, 17> kForeign = {{{"**", "a power is written a^b"},
                                                {"\u03c0", "write 'pi'"},
                                                {"\u2264", "write '<='"}}};
 
-/// Whether a text, which is not empty, begins with digits or a point before digits.
+/// True if a non-empty text begins with a digit, or with a point followed by a digit.
 bool begins_number(std::string_view text) {
   return is_digit(text[0]) || (text[0] == '.' && text.size() > 1 && is_digit(text[1]));
 }
@@ -50,8 +50,8 @@ int skip_digits(std::string_view text, int at) {
   return at;
 }
 
-/// Where the digits of an exponent begin that stands at a place; the size of the text where none
-/// does.
+/// Position of the digits of an exponent that starts at `at`; the size of the text if none starts
+/// there.
 int find_exponent(std::string_view text, int at) {
   const int size = static_cast<int>(text.size());
   const auto has = [&](int i, std::string_view characters) {

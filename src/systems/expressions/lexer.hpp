@@ -7,14 +7,14 @@
 
 namespace conddp {
 
-/// What is wrong with an expression, or worth knowing, and at which byte of its text.
+/// An error or a warning about an expression, with a byte offset into its text.
 struct ExpressionMessage {
   int offset = 0;
   std::string message;
   std::string hint;  ///< may be empty
 };
 
-/// Ends the reading of an expression; only parse_expression() meets it.
+/// Aborts reading an expression; parse_expression() catches it.
 struct ExpressionError : std::exception {
   explicit ExpressionError(ExpressionMessage what_is_wrong) : message(std::move(what_is_wrong)) {}
   const char* what() const noexcept override { return message.message.c_str(); }
@@ -27,27 +27,27 @@ struct ExpressionToken {
   Kind kind = Kind::kEnd;
   int offset = 0;
   std::string_view text;  ///< empty at the end
-  double number = 0;      ///< of kNumber
+  double number = 0;      ///< value of a kNumber
 
   bool is(std::string_view what) const {
     return (kind == Kind::kSymbol || kind == Kind::kName) && text == what;
   }
 };
 
-/// Whether a character may be in a name of expressions: a letter, a digit or '_'.
+/// True if a character may be part of a name in expressions: a letter, a digit or '_'.
 bool is_name_part(char c);
 
-/// Cuts an expression into numbers, names and symbols, one ahead. Throws ExpressionError at what
-/// is none of these.
+/// Splits an expression into numbers, names and symbols with a lookahead of one token. Throws
+/// ExpressionError at anything else.
 class ExpressionLexer {
  public:
   explicit ExpressionLexer(std::string_view text) : text_(text) { advance(); }
 
   const ExpressionToken& next() const { return next_; }
-  /// The next token, which it leaves behind.
+  /// Returns the next token and advances.
   ExpressionToken take();
-  /// Where '[' is next: the text up to ']' as a name, without spaces around, and leaves all behind.
-  /// kEnd where nothing closes it.
+  /// Called if '[' is next: returns the text up to ']' as a name, without surrounding spaces, and
+  /// advances past the bracket. Returns kEnd if the bracket is not closed.
   ExpressionToken take_bracketed();
 
  private:

@@ -10,7 +10,7 @@
 
 namespace conddp {
 
-/// An expression with the name of what it gives.
+/// An expression and the name of its result.
 struct NamedExpression {
   std::string name;
   std::string text;
@@ -27,7 +27,7 @@ struct ParameterValue {
 using NamedParameters = std::vector<std::pair<std::string, ParameterValue>>;
 using NamedTables = std::vector<std::pair<std::string, std::shared_ptr<const SplineTable>>>;
 
-/// What is wrong with a system or residual in words, or not smooth about it, and in which text.
+/// An error or warning about one text of a system or residual.
 struct ModelMessage {
   enum class Part {
     kState,
@@ -38,22 +38,23 @@ struct ModelMessage {
     kDefinition,
     kEquation,  ///< of a system
     kRow,       ///< of a residual
-    kOperand,   ///< another residual, that a residual names
+    kOperand,   ///< another residual that a residual refers to
     kWhole
   };
   Part part = Part::kWhole;
   int index = 0;
-  /// Whether it is about the text of the expression, in which it has an offset, or about the name.
+  /// True if the message is about the text of the expression, at an offset; false if about the
+  /// name.
   bool in_text = false;
   ExpressionMessage message;
 };
 
-/// Reads the texts of a model into a graph and a scope; what is wrong goes into lists.
+/// Reads the texts of a model into a graph and a scope; errors and warnings go into lists.
 class ModelTextReader {
  public:
   using Part = ModelMessage::Part;
 
-  /// `time_is_known`: the name `t` means the time, whether it is in the scope yet or not.
+  /// `time_is_known`: `t` means the time, even if the scope does not contain it yet.
   ModelTextReader(ExpressionGraph& graph, bool time_is_known, std::vector<ModelMessage>& errors,
                   std::vector<ModelMessage>& warnings)
       : graph_(graph), time_is_known_(time_is_known), errors_(errors), warnings_(warnings) {}
@@ -61,17 +62,18 @@ class ModelTextReader {
   ExpressionScope& scope() { return scope_; }
   bool good() const { return errors_.empty(); }
 
-  /// About a name, or the model as a whole.
+  /// Reports an error about a name or about the model as a whole.
   void report(Part part, int index, std::string message, std::string hint = {});
-  /// About the text of an expression.
+  /// Reports an error about the text of an expression.
   void report_text(Part part, int index, std::string message, std::string hint = {});
-  /// Adds a name, or reports why it cannot be one.
+  /// Adds a name, or reports why it is invalid.
   void add(Part part, int index, const std::string& name, ExpressionValue value);
   void add_parameters(const NamedParameters& parameters);
   void add_tables(const NamedTables& tables);
-  /// In their order, up to the first that is wrong: later ones would stumble over it.
+  /// Adds the definitions in order and stops at the first error, because later ones may depend on
+  /// it.
   void add_definitions(const std::vector<NamedExpression>& definitions);
-  /// The value of an expression; nothing where it is wrong.
+  /// The value of an expression; nothing if it has an error.
   std::optional<ExpressionValue> parse(Part part, int index, const std::string& text);
 
  private:

@@ -15,7 +15,7 @@ namespace {
 using Kind = ExpressionValue::Kind;
 using Token = ExpressionToken;
 
-/// Precedence climbing that makes nodes of the graph at once. Errors are thrown.
+/// Precedence climbing that adds nodes to the graph directly. Throws on errors.
 class Parser {
  public:
   Parser(std::string_view text, const ExpressionScope& scope, ExpressionGraph& graph,
@@ -42,7 +42,7 @@ class Parser {
     fail(token.offset, fmt::format("expected an operator instead of '{}'", token.text),
          hint_of_operator(token));
   }
-  /// What may be meant by what stands in the place of an operator.
+  /// Suggests the intended operator for an unexpected token.
   static std::string hint_of_operator(const Token& token) {
     if (token.is("{") || token.is("}")) return "";
     if (const auto hint = foreign_operator_hint(token.text); !hint.empty())
@@ -55,7 +55,7 @@ class Parser {
     fail(end.offset, fmt::format("the '{}' is not closed", opened.text));
   }
 
-  /// Guards against nesting that would exhaust the stack.
+  /// Limits nesting, which would otherwise exhaust the stack.
   class Level {
    public:
     Level(int& depth, const Token& token) : depth_(depth) {
@@ -93,7 +93,7 @@ class Parser {
     return left;
   }
 
-  /// 'and' or 'or' and what follows.
+  /// Parses 'and' or 'or' and its right operand.
   ExpressionValue join(ExpressionValue left, int left_offset, bool both) {
     const Token word = lexer_.take();
     const int offset = lexer_.next().offset;
@@ -146,7 +146,7 @@ class Parser {
          std::move(hint));
   }
 
-  /// A value whose constants are finite.
+  /// Returns the value; fails if one of its constants is not finite.
   ExpressionValue finite(ExpressionValue value, int offset, std::string_view what) const {
     for (const NodeId node : value.nodes)
       if (const auto constant = graph_.constant_of(node); constant && !std::isfinite(*constant))
@@ -228,7 +228,7 @@ class Parser {
     return finite(number(graph_.power(base.nodes[0], exponent.nodes[0])), sign.offset, sign.text);
   }
 
-  /// A result is no longer what its operand was called.
+  /// Drops the unit and the parts of an operand, which do not apply to the result.
   static ExpressionValue plain(ExpressionValue value) {
     value.unit.clear();
     value.parts.clear();
@@ -348,7 +348,7 @@ class Parser {
     fail(token.offset, fmt::format("unknown name '{}'", token.text), hint_of_name(token));
   }
 
-  /// What may be meant by a name that is not in the scope.
+  /// Suggests an intended name for an unknown one.
   std::string hint_of_name(const Token& token) const {
     if (std::string hint = scope_.explanation_of(token.text); !hint.empty()) return hint;
     const std::string_view part = scope_.part_at(text_.substr(token.offset));
@@ -364,7 +364,7 @@ class Parser {
     ExpressionValue value;
   };
 
-  /// A name in front of parentheses that is no function.
+  /// Reports a name before parentheses that is not a function.
   [[noreturn]] void fail_at_call(const Token& name) const {
     if (scope_.find(name.text) || find_expression_constant(name.text))
       fail(name.offset, fmt::format("'{}' is not a function", name.text),
@@ -375,7 +375,7 @@ class Parser {
                          : std::string(foreign));
   }
 
-  /// Those between parentheses.
+  /// Parses the arguments in parentheses.
   std::vector<Argument> take_arguments() {
     const Token opened = lexer_.take();
     std::vector<Argument> arguments;
@@ -405,7 +405,7 @@ class Parser {
                                   wanted == 1 ? "" : "s", given));
   }
 
-  /// Whether a value is a number that is not known to be 0 or less.
+  /// True if a value is a number that is not known to be 0 or less.
   bool may_be_above_zero(const ExpressionValue& value) const {
     if (!value.is_number()) return false;
     const auto constant = graph_.constant_of(value.nodes[0]);
@@ -440,7 +440,7 @@ class Parser {
     return false;
   }
 
-  /// Why an argument does not fit.
+  /// Reports why an argument does not fit.
   [[noreturn]] static void fail_at_argument(const ExpressionFunction::Argument& wanted,
                                             const Token& name,
                                             const std::vector<Argument>& arguments, std::size_t i) {
@@ -456,7 +456,8 @@ class Parser {
                                              given.value.type())));
   }
 
-  /// Constant quaternions are of unit length, and widths that are not constant may become 0.
+  /// Checks that constant quaternions have unit length, and warns about widths that are not
+  /// constant and might become 0.
   void check_numbers(const ExpressionFunction::Argument& wanted, const Token& name,
                      const Argument& given) {
     if (wanted.kind == ArgumentKind::kAboveZero && !graph_.constant_of(given.value.nodes[0]))

@@ -9,35 +9,35 @@
 
 namespace conddp {
 
-/// What names mean in an expression. The constants and functions of the language are known without
-/// being in a scope.
+/// The meaning of names in an expression. The constants and functions of the language are always
+/// known and not part of the scope.
 class ExpressionScope {
  public:
-  /// Why a name cannot be added, as a sentence: it is none, taken by the language, or in the scope
-  /// already; empty where it can.
+  /// Why a name cannot be added, as a sentence: invalid, reserved by the language, or already in
+  /// the scope. Empty if it can be added.
   std::string defect_of(std::string_view name) const;
-  /// The name must have no defect.
+  /// The name must be valid: defect_of() returns an empty string.
   void add(std::string name, ExpressionValue value);
   /// A table of the graph, called like a function.
   void add_table(std::string name, int table, int arguments);
-  /// Says why a name cannot be used, for the hint where an expression has it all the same; it may
-  /// be added later.
+  /// Explains why a name is unavailable; the text is a hint if an expression uses the name. The
+  /// name may still be added later.
   void explain(std::string name, std::string why);
 
   struct Table {
     int index;
     int arguments;
   };
-  /// Null where the name is not known.
+  /// Null if the name is unknown.
   const ExpressionValue* find(std::string_view name) const;
   const Table* find_table(std::string_view name) const;
-  /// Of values and constants; of functions and tables: for suggestions.
+  /// Names of values and constants, for suggestions. function_names() lists functions and tables.
   std::vector<std::string> value_names() const;
-  /// Of vectors that have a part of this name.
+  /// Names of vectors that have a part of this name.
   std::vector<std::string> names_with_part(std::string_view part) const;
-  /// The longest part of a vector that a text begins with; empty if it begins with none.
+  /// The longest vector part that is a prefix of a text; empty if no part is.
   std::string_view part_at(std::string_view text) const;
-  /// What explain() said of a name; empty if nothing.
+  /// The text passed to explain() for a name; empty without one.
   std::string explanation_of(std::string_view name) const;
   std::vector<std::string> function_names() const;
 
@@ -47,7 +47,7 @@ class ExpressionScope {
   std::vector<std::pair<std::string, std::string>> explanations_;
 };
 
-/// Whether a text can be a name in expressions: letters, digits and '_', no digit at first.
+/// True if a text can be a name in expressions: letters, digits and '_', not starting with a digit.
 bool is_expression_name(std::string_view text);
 
 }  // namespace conddp

@@ -27,7 +27,7 @@ class SystemReader {
 
   void read() {
     if (!check_sizes()) return;
-    // Later texts would stumble over what is wrong with the names before them.
+    // Stops after the first group of errors, because later texts depend on the earlier names.
     parts_.state_columns = add_names();
     if (texts_.good()) texts_.add_definitions(text_.definitions);
     if (texts_.good()) read_equations();
@@ -49,7 +49,7 @@ class SystemReader {
     return false;
   }
 
-  /// Makes the system of what has been read.
+  /// Builds the system from the texts.
   void finish() {
     if (clock_ >= 0) add_clock();
     if (is_too_large())
@@ -65,13 +65,13 @@ class SystemReader {
   }
 
   bool is_too_large() {
-    InputMotions motions;  // of everything by itself, as of a flat state
+    InputMotions motions;  // The motion of each number on its own, as in a flat state.
     for (std::size_t i = 0; i < parts_.sources.size(); ++i)
       motions.push_back({{static_cast<int>(i), parts_.graph.constant(1)}});
     return count_derivatives(parts_.graph, parts_.outputs, motions) > kMostDerivatives;
   }
 
-  /// The next inputs, as a value.
+  /// Adds `count` inputs and returns them as a value.
   ExpressionValue inputs(int count) {
     std::vector<NodeId> nodes;
     for (int i = 0; i < count; ++i) {
@@ -81,8 +81,8 @@ class SystemReader {
     return count == 1 ? ExpressionValue::number(nodes[0]) : ExpressionValue::vector(nodes);
   }
 
-  /// Names of states, velocities, controls, the clock, parameters and tables; returns the columns
-  /// of the state.
+  /// Adds the names of states, velocities, controls, the clock, parameters and tables. Returns the
+  /// columns of the state.
   std::vector<Column> add_names() {
     std::vector<Column> columns;
     int velocities = 0;
@@ -119,7 +119,7 @@ class SystemReader {
 
   static constexpr const char *kPhaseTime = "phase_time", *kFinalTime = "final_time";
 
-  /// Whether the text calls something else so.
+  /// True if the text uses the name for something else.
   bool has_name(std::string_view name) {
     const auto in = [&](const auto& list, const auto& name_of) {
       return std::ranges::find(list, name, name_of) != list.end();
@@ -129,8 +129,8 @@ class SystemReader {
            in(text_.tables, first) || in(text_.definitions, &NamedExpression::name);
   }
 
-  /// Free durations are inputs behind the time. Where no times are given, two inputs stand for
-  /// them, by which it is seen whether equations depend on them.
+  /// Free durations are inputs after the time. If no times are given, two inputs stand in for them
+  /// and reveal whether the equations depend on them.
   void add_phase_times() {
     ExpressionGraph& graph = parts_.graph;
     const int next = static_cast<int>(parts_.sources.size()) + 1;
@@ -156,7 +156,7 @@ class SystemReader {
     add(kFinalTime, final);
   }
 
-  /// Size of a state's tangent, which is that of its rate.
+  /// Size of a state's tangent, and thus of its rate.
   static int tangent_size(ExpressionState::Kind kind) {
     switch (kind) {
       case ExpressionState::Kind::kUnitQuaternion:
@@ -279,7 +279,7 @@ class SystemReader {
     set_outputs(values);
   }
 
-  /// The states that nothing moves.
+  /// Finds the hidden states without an equation, which are at rest.
   void set_at_rest(const std::vector<bool>& given) {
     for (std::size_t i = 0; i < given.size(); ++i)
       if (text_.states[i].hidden && !given[i]) at_rest_.push_back(i);
@@ -289,13 +289,14 @@ class SystemReader {
                             text_.states[i].hidden && !given[i]);
   }
 
-  /// The rows of a state at rest: itself as the next value, or the rate 0.
+  /// The rows of a state at rest: the state itself as its next value, or the rate 0.
   std::vector<NodeId> resting(std::size_t state) {
     if (text_.kind == SystemKind::discrete) return states_[state];
     return std::vector(tangent_size(text_.states[state].kind), parts_.graph.constant(0));
   }
 
-  /// What the equations give, and the clock if they depend on the time.
+  /// Sets the outputs to the results of the equations, and marks the clock as needed if they depend
+  /// on time.
   void set_outputs(const std::vector<std::optional<ExpressionValue>>& values) {
     for (std::size_t i = 0; i < values.size(); ++i) {
       std::vector<NodeId> nodes;
@@ -314,8 +315,8 @@ class SystemReader {
       clock_ = static_cast<int>(parts_.sources.size());
   }
 
-  /// The state of which an equation gives the rate; nothing, with an error, where it is none or has
-  /// its equation.
+  /// The state whose rate an equation gives. Nothing, with an error, if the state is unknown or
+  /// already has an equation.
   std::optional<std::size_t> find_state(int equation, const std::vector<bool>& given) {
     const std::string& name = text_.equations[equation].name;
     const auto found = std::find(wanted_.begin(), wanted_.end(), name);
@@ -346,8 +347,8 @@ class SystemReader {
                                    wanted, value.type()));
   }
 
-  /// The state gets the time and free durations, and the inputs that stand for them are read from
-  /// there.
+  /// Appends the time and free durations to the state, and redirects the inputs that stand for
+  /// them.
   void add_clock() {
     const int nx = parts_.manifold.nx(), nv = parts_.manifold.ndx() / 2;
     const int at = second_order() ? nx - nv : nx, added = 1 + durations();
@@ -380,11 +381,11 @@ class SystemReader {
   ParsedExpressionSystem& out_;
   ExpressionSystemParts parts_;
   ModelTextReader texts_;
-  std::vector<std::vector<NodeId>> states_;  ///< the inputs that stand for each
-  std::vector<std::string> wanted_;   ///< what equations give rates of, a name for each state
-  std::vector<std::size_t> at_rest_;  ///< states
+  std::vector<std::vector<NodeId>> states_;  ///< inputs of each state
+  std::vector<std::string> wanted_;   ///< left-hand sides of equations, one name for each state
+  std::vector<std::size_t> at_rest_;  ///< indices of states at rest
   NodeId time_ = -1;
-  std::vector<NodeId> stand_ins_;  ///< for phase time and final time, where they are not given
+  std::vector<NodeId> stand_ins_;  ///< inputs for phase time and final time if these are not given
   int clock_ = -1;
 };
 
@@ -394,7 +395,7 @@ ParsedExpressionSystem make_expression_system(const ExpressionSystemText& text) 
   ParsedExpressionSystem parsed;
   SystemReader(text, parsed).read();
   if (!parsed.reads_phase_times) return parsed;
-  // Once more without the inputs that stand for times, as of a phase that begins with the motion.
+  // Reads the text once more without stand-ins, as a phase that begins with the motion.
   ExpressionSystemText whole = text;
   whole.times.emplace();
   ParsedExpressionSystem of_phase = make_expression_system(whole);

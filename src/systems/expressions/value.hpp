@@ -7,7 +7,7 @@
 
 namespace conddp {
 
-/// What an expression or a name stands for: a number, a vector of numbers, or a condition.
+/// The value of an expression or a name: a number, a vector of numbers, or a condition.
 struct ExpressionValue {
   enum class Kind { kNumber, kVector, kCondition };
   /// A named part of a vector: some of its numbers, in order.
@@ -19,8 +19,8 @@ struct ExpressionValue {
 
   Kind kind = Kind::kNumber;
   std::vector<NodeId> nodes;
-  std::string unit;         ///< of a name that has one, for messages
-  std::vector<Part> parts;  ///< of a vector; empty: x y z w as far as there are so many numbers
+  std::string unit;         ///< of a name with a unit, for messages
+  std::vector<Part> parts;  ///< of a vector; empty: x y z w for up to four numbers
 
   static ExpressionValue number(NodeId node) { return {Kind::kNumber, {node}, {}, {}}; }
   static ExpressionValue vector(std::vector<NodeId> nodes) {
@@ -33,11 +33,11 @@ struct ExpressionValue {
   bool has_type_of(const ExpressionValue& other) const {
     return kind == other.kind && size() == other.size();
   }
-  /// The parts, or what they are called without names.
+  /// The parts, with default names if they are not named.
   std::vector<Part> named_parts() const;
-  /// A part as a value: a number, or a vector of several.
+  /// A part as a value: a number, or a vector if it has several.
   ExpressionValue part(const Part& part) const;
-  /// "number", "vector of 3", "condition", with the unit if there is one: "number (m/s)".
+  /// "number", "vector of 3", "condition"; with a unit if it has one: "number (m/s)".
   std::string type() const;
 };
 

@@ -10,7 +10,7 @@
 namespace conddp {
 namespace {
 
-/// Registers of its programs are the system's data.
+/// A system whose workspace contains the registers of its programs.
 class ExpressionSystem : public SystemBase<ExpressionSystem> {
  public:
   explicit ExpressionSystem(ExpressionSystemParts parts)
@@ -72,7 +72,7 @@ class ExpressionSystem : public SystemBase<ExpressionSystem> {
   }
 
  private:
-  /// An entry of fx or fu that can be other than zero.
+  /// An entry of fx or fu that can be nonzero.
   struct Entry {
     bool of_control;
     int index;
@@ -94,7 +94,7 @@ class ExpressionSystem : public SystemBase<ExpressionSystem> {
   std::vector<int> sources_;
   TableArguments tables_;
   DifferentiableExpressions functions_;
-  std::vector<Entry> entries_;  ///< all others stay zero
+  std::vector<Entry> entries_;  ///< all other entries are zero
   SystemHessian hessian_;
 };
 

@@ -9,7 +9,7 @@
 namespace conddp {
 namespace {
 
-/// The derivative of an operation of one argument: `id` is its node, `a` that of the argument.
+/// The derivative of an operation with one argument: `id` is its node, `a` that of the argument.
 using Slope = NodeId (*)(ExpressionGraph& g, NodeId id, NodeId a);
 
 NodeId slope_of_asin(ExpressionGraph& g, NodeId, NodeId a) {
@@ -17,7 +17,7 @@ NodeId slope_of_asin(ExpressionGraph& g, NodeId, NodeId a) {
   return g.inverse(g.function(Operation::kSqrt, rest));
 }
 
-/// Null for operations of several arguments and those that have no derivative.
+/// Null for operations with several arguments and for those without a derivative.
 Slope slope_of(Operation operation) {
   using Graph = ExpressionGraph;
   static constexpr std::pair<Operation, Slope> kSlopes[] = {
@@ -73,8 +73,8 @@ void visit_table(ExpressionGraph& g, const ExpressionNode& node, Visit&& visit) 
   visit(node.b, g.table(use, node.a, node.b));
 }
 
-/// Calls visit(operand, partial derivative) for the operands of a node on which it depends
-/// smoothly; kChoose has none here.
+/// Calls visit(operand, partial derivative) for the operands of a node that enter it smoothly;
+/// kChoose is not visited.
 template <class Visit>
 void for_each_partial(ExpressionGraph& g, NodeId id, Visit&& visit) {
   const ExpressionNode node = g[id];  // the graph grows
@@ -99,7 +99,7 @@ void for_each_partial(ExpressionGraph& g, NodeId id, Visit&& visit) {
   }
 }
 
-/// Derivatives of one node by columns.
+/// Derivatives of one node, by column.
 using Row = std::map<int, NodeId>;
 
 void add_to(ExpressionGraph& g, Row& row, int column, NodeId value) {
@@ -124,7 +124,7 @@ Row row_of_choice(ExpressionGraph& g, NodeId condition, const Row& a, const Row&
   return row;
 }
 
-/// Adds the motions of an input, each with its weight, to a row.
+/// Adds the weighted motions of an input to a row.
 template <class Weighted>
 void add_motions(ExpressionGraph& g, const ExpressionNode& input, const InputMotions& motions,
                  Row& row, Weighted weighted) {
@@ -173,7 +173,7 @@ std::vector<JacobianEntry> differentiate_backward(ExpressionGraph& graph,
                                                   std::span<const NodeId> outputs,
                                                   const InputMotions& motions) {
   std::vector<JacobianEntry> entries;
-  std::map<NodeId, NodeId> adjoint;  // of the nodes that are below the output
+  std::map<NodeId, NodeId> adjoint;  // of the nodes below the output
   for (std::size_t i = 0; i < outputs.size(); ++i) {
     std::vector<NodeId> below = nodes_below(graph, outputs.subspan(i, 1));
     adjoint.clear();
@@ -203,10 +203,10 @@ std::vector<JacobianEntry> differentiate_backward(ExpressionGraph& graph,
 
 namespace {
 
-/// Columns in a word of bits.
+/// Columns in a 64-bit word.
 constexpr int kBits = 64;
 
-/// Of a word of columns those that an input moves with; none of other nodes.
+/// The columns of a word along which an input moves; none for other nodes.
 std::uint64_t moved_columns(const ExpressionNode& node, const InputMotions& motions, int word) {
   std::uint64_t bits = 0;
   if (node.operation != Operation::kInput || node.payload >= static_cast<int>(motions.size()))
@@ -225,7 +225,7 @@ std::size_t count_derivatives(const ExpressionGraph& graph, std::span<const Node
     for (const InputMotion& motion : input) columns = std::max(columns, motion.column + 1);
   const std::size_t words = (columns + kBits - 1) / kBits;
   std::size_t count = 0;
-  // Blocks of columns, so that the memory is that of the nodes.
+  // Blocks of columns keep the memory proportional to the number of nodes.
   std::vector<std::uint64_t> reached(graph.size());
   const std::vector<NodeId> below = nodes_below(graph, outputs);
   for (std::size_t word = 0; word < words; ++word)
@@ -255,7 +255,7 @@ void add_to(ExpressionGraph& g, LowerTriangle& sums, int first, int second, Node
   if (!is_new) place->second = g.add(place->second, value);
 }
 
-/// Whether inputs move along straight lines.
+/// True if inputs move along straight lines.
 bool are_constant(const ExpressionGraph& graph, const InputMotions& motions) {
   return std::all_of(motions.begin(), motions.end(), [&](const std::vector<InputMotion>& input) {
     return std::all_of(input.begin(), input.end(),

@@ -10,7 +10,7 @@ ExpressionProgram program_with(const ExpressionGraph& graph, std::vector<NodeId>
   return {graph, outputs, inputs, values};
 }
 
-/// Nodes that backward differentiation visits.
+/// Number of nodes that backward differentiation visits.
 std::size_t backward_work(const ExpressionGraph& graph, const std::vector<NodeId>& outputs) {
   std::size_t work = 0;
   for (const NodeId& output : outputs) work += nodes_below(graph, {&output, 1}).size();

@@ -7,21 +7,21 @@
 
 namespace conddp {
 
-/// Expressions of some inputs, ready to be evaluated with and without their derivatives by columns
-/// (tangent coordinates and controls). Immutable; S is any scalar of systems.
+/// Expressions compiled for evaluation with or without derivatives by columns (tangent coordinates
+/// and controls). Immutable; S is any scalar of systems.
 class DifferentiableExpressions {
  public:
-  /// An entry of the Jacobian that can be other than zero.
+  /// An entry of the Jacobian that can be nonzero.
   struct Entry {
     int row;
     int column;
     bool constant;
-    double value;  ///< where it is constant
-    int place;     ///< its register behind `with_derivatives`
+    double value;  ///< if constant
+    int place;     ///< its output in `with_derivatives`
   };
 
-  /// The outputs are nodes of the graph, to which derivatives are added. Of forward and backward
-  /// differentiation that is taken which makes fewer instructions.
+  /// The outputs are nodes of the graph; their derivatives are added to it. Uses forward or
+  /// backward differentiation, whichever takes fewer instructions.
   DifferentiableExpressions(ExpressionGraph& graph, const std::vector<NodeId>& outputs, int inputs,
                             const InputMotions& motions);
 
@@ -29,7 +29,7 @@ class DifferentiableExpressions {
   const ExpressionProgram& values() const { return values_; }
   /// Its first size() outputs are the values.
   const ExpressionProgram& with_derivatives() const { return with_derivatives_; }
-  /// Rows and then columns ascending.
+  /// Sorted by row, then column.
   const std::vector<Entry>& jacobian() const { return jacobian_; }
 
  private:

@@ -9,7 +9,7 @@
 namespace conddp {
 namespace {
 
-/// What an operation computes from its operands.
+/// The function that an operation computes from its operands.
 using Formula = double (*)(double a, double b, double c);
 
 constexpr std::pair<Operation, Formula> kFormulas[] = {
@@ -36,7 +36,7 @@ constexpr std::pair<Operation, Formula> kFormulas[] = {
     {Operation::kLessEqual, [](double a, double b, double) { return a <= b ? 1.0 : 0.0; }},
     {Operation::kChoose, [](double a, double b, double c) { return a != 0 ? b : c; }}};
 
-/// A node's value where all of its operands are constants.
+/// A node's value if all of its operands are constants.
 double value_of_constants(const ExpressionNode& node, double a, double b, double c,
                           const ExpressionGraph::Tables& tables) {
   if (node.operation == Operation::kTable) {
@@ -118,7 +118,7 @@ NodeId ExpressionGraph::subtract(NodeId a, NodeId b) {
 }
 
 NodeId ExpressionGraph::multiply(NodeId a, NodeId b) {
-  // A constant comes first.
+  // The constant comes first.
   if (constant_of(b) || (!constant_of(a) && a > b)) std::swap(a, b);
   if (const auto factor = constant_of(a))
     if (const auto scaled = scale(*factor, a, b)) return *scaled;
@@ -184,8 +184,8 @@ NodeId ExpressionGraph::power(NodeId a, NodeId b) {
   if (!exponent || constant_of(a) || std::abs(*exponent) > kLargest)
     return fold({Operation::kPower, a, b});
   const double size = std::abs(*exponent);
-  // Other halves of odd numbers are no products with a root: its derivative at 0 is infinite, that
-  // of the power is not.
+  // Other half-integer powers are not written as products with a root, whose derivative is infinite
+  // at 0 while that of the power is finite.
   const bool is_root = size == 0.5, is_integer = size == std::floor(size);
   if (is_integer && size > 1 && nodes_[a].operation == Operation::kSqrt) {
     const NodeId radicand = nodes_[a].a;

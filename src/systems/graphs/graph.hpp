@@ -11,7 +11,7 @@
 
 namespace conddp {
 
-/// What a node of an expression graph computes from its operands a, b, c.
+/// The operation of a node of an expression graph on its operands a, b, c.
 enum class Operation : std::uint8_t {
   kConstant,
   kInput,
@@ -34,23 +34,23 @@ enum class Operation : std::uint8_t {
   kExp,
   kLog,
   kPower,
-  kLess,       ///< 1 where a < b, else 0
-  kLessEqual,  ///< 1 where a ≤ b, else 0
-  kChoose,     ///< b where a is not 0, else c
+  kLess,       ///< 1 if a < b, else 0
+  kLessEqual,  ///< 1 if a ≤ b, else 0
+  kChoose,     ///< b if a is not 0, else c
   kTable,      ///< a table, or its derivative, at a or (a, b)
 };
 
-/// A node by its index. Operands have smaller ones.
+/// Index of a node. Operands have smaller indices.
 using NodeId = std::int32_t;
 
 struct ExpressionNode {
   Operation operation;
   NodeId a = -1, b = -1, c = -1;
   double constant = 0;       ///< of kConstant
-  std::int32_t payload = 0;  ///< of kInput its index, of kTable table and orders (TableUse)
+  std::int32_t payload = 0;  ///< index of a kInput; table and orders of a kTable (TableUse)
 };
 
-/// Which table a node of kTable reads, and how often it is differentiated by each argument.
+/// The table that a kTable node reads, and the order of differentiation by each argument.
 struct TableUse {
   int table;
   int by_x = 0;
@@ -62,16 +62,16 @@ struct TableUse {
   std::int32_t payload() const { return table << 4 | by_x << 2 | by_y; }
 };
 
-/// Numbers computed from inputs, as a graph in which nothing is computed twice: each maker returns
-/// the node that is there already, folds constants, and leaves out what changes nothing (x + 0,
-/// 1·x). Products by zero are zero, whatever the other factor becomes.
+/// Numbers computed from inputs, as a graph without duplicate computations. Factories return an
+/// existing node if possible, fold constants, and omit operations without effect (x + 0, 1·x).
+/// Products with zero are zero, whatever the value of the other factor.
 class ExpressionGraph {
  public:
   using Tables = std::vector<std::shared_ptr<const SplineTable>>;
 
   int size() const { return static_cast<int>(nodes_.size()); }
   const ExpressionNode& operator[](NodeId id) const { return nodes_[id]; }
-  /// The value of a constant node; empty for others.
+  /// The value of a constant node; empty for other nodes.
   std::optional<double> constant_of(NodeId id) const;
   bool is_constant(NodeId id, double value) const { return constant_of(id) == value; }
   const Tables& tables() const { return tables_; }
@@ -84,7 +84,7 @@ class ExpressionGraph {
   NodeId divide(NodeId a, NodeId b);
   NodeId negate(NodeId a);
   NodeId inverse(NodeId a);
-  /// a to the power b: products for integers up to 64, a root for halves.
+  /// a to the power b: products for integers up to 64, a root for ±1/2.
   NodeId power(NodeId a, NodeId b);
   /// A function of one argument, kSqrt to kLog.
   NodeId function(Operation operation, NodeId a);
@@ -93,17 +93,17 @@ class ExpressionGraph {
   NodeId less_equal(NodeId a, NodeId b);
   NodeId choose(NodeId condition, NodeId a, NodeId b);
   int add_table(std::shared_ptr<const SplineTable> table);
-  /// b is not read where the table has one argument.
+  /// b is ignored if the table has one argument.
   NodeId table(const TableUse& use, NodeId a, NodeId b);
 
   NodeId square(NodeId a) { return multiply(a, a); }
 
  private:
-  /// The node with this content, new or not.
+  /// The node with this content; adds it if it is new.
   NodeId intern(const ExpressionNode& node);
   NodeId fold(const ExpressionNode& node);
   NodeId integer_power(NodeId a, int exponent);
-  /// A constant, which has a node, times another node, where that is more than a new product.
+  /// A constant, which has a node, times another node. Empty if this needs a new product.
   std::optional<NodeId> scale(double factor, NodeId constant_node, NodeId other);
 
   struct Hash {
@@ -124,7 +124,7 @@ void for_each_operand(const ExpressionNode& node, Visit&& visit) {
     if (operand >= 0) visit(operand);
 }
 
-/// The nodes from which the roots are computed, with them, ascending.
+/// All nodes that the roots depend on, including the roots, ascending.
 std::vector<NodeId> nodes_below(const ExpressionGraph& graph, std::span<const NodeId> roots);
 
 }  // namespace conddp

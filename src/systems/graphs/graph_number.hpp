@@ -5,15 +5,15 @@
 
 namespace conddp {
 
-/// A scalar that records how it is computed: formulas that are templates on the scalar become
-/// expressions in it. A constant belongs to no graph until it meets a number that does.
+/// A scalar that records its computation, turning formulas templated on the scalar into
+/// expressions. A constant joins a graph when combined with a number that belongs to one.
 class GraphNumber {
  public:
   GraphNumber(double constant = 0)  // NOLINT(google-explicit-constructor): a constant
       : constant_(constant) {}
   GraphNumber(ExpressionGraph& graph, NodeId node) : graph_(&graph), node_(node) {}
 
-  /// Its node in the graph that is recorded.
+  /// Its node in the recorded graph.
   NodeId node(ExpressionGraph& graph) const { return graph_ ? node_ : graph.constant(constant_); }
 
   friend GraphNumber operator+(const GraphNumber& a, const GraphNumber& b) {
@@ -60,7 +60,7 @@ class GraphNumber {
 
   ExpressionGraph* graph_ = nullptr;
   NodeId node_ = -1;
-  double constant_ = 0;  ///< of one without a graph
+  double constant_ = 0;  ///< used without a graph
 };
 
 template <>

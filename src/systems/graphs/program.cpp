@@ -26,7 +26,7 @@ enum class ExpressionProgram::Code : std::int32_t {
   kLess,
   kLessEqual,
   kChoose,
-  // The others are functions of libm, in every lane by itself.
+  // The remaining codes call libm, separately in each lane.
   kTan,
   kAsin,
   kAcos,
@@ -41,8 +41,8 @@ enum class ExpressionProgram::Code : std::int32_t {
   kTable,
 };
 
-/// Puts the nodes below the outputs in an order, fuses instructions, and gives each result a
-/// register that is free again after its last use.
+/// Orders the nodes below the outputs, fuses instructions, and gives each result a register, which
+/// is reused after its last use.
 class ExpressionProgram::Compiler {
  public:
   Compiler(const ExpressionGraph& graph, std::span<const NodeId> outputs, int values,
@@ -72,14 +72,14 @@ class ExpressionProgram::Compiler {
     if (node.operation == Operation::kCos) cosines_[node.a] = id;
   }
 
-  /// Whether a product becomes part of the sum that uses it. What values need is decided among
-  /// values alone.
+  /// True if a product is fused into the sum that uses it. For nodes that values need, only uses by
+  /// values count.
   bool fuses(NodeId product, NodeId sum) const {
     if (graph_[product].operation != Operation::kMultiply) return false;
     return (value_uses_[sum] > 0 ? value_uses_ : uses_)[product] == 1;
   }
 
-  /// The code of an operation that is an instruction as it is.
+  /// The code of an operation that maps to a single instruction.
   static Code code_of(Operation operation) {
     static constexpr std::pair<Operation, Code> kCodes[] = {
         {Operation::kAdd, Code::kAdd},
@@ -109,7 +109,7 @@ class ExpressionProgram::Compiler {
         ->second;
   }
 
-  /// The instruction of a node that is no leaf, with nodes in place of registers.
+  /// The instruction of an inner node, with nodes in place of registers.
   Instruction instruction_of(NodeId id) const {
     const ExpressionNode& node = graph_[id];
     switch (node.operation) {
@@ -123,7 +123,7 @@ class ExpressionProgram::Compiler {
           return {Code::kSinCos, sine->second, node.a, kNowhere, cosine->second};
         return plain(id);
       case Operation::kTable:
-        // One argument stands for both, so that there is a register to read.
+        // A single argument serves as both operands, so that both have a register.
         return {Code::kTable, id, node.a, node.b < 0 ? node.a : node.b, node.payload};
       default:
         return plain(id);
@@ -135,7 +135,7 @@ class ExpressionProgram::Compiler {
     return {code_of(node.operation), id, node.a, node.b, node.c};
   }
 
-  /// A sum or difference, with a product in it where one fuses.
+  /// A sum or difference, fused with a product if possible.
   Instruction sum_of(NodeId id) const {
     const ExpressionNode& node = graph_[id];
     const bool adds = node.operation == Operation::kAdd;
@@ -149,7 +149,7 @@ class ExpressionProgram::Compiler {
     return plain(id);
   }
 
-  /// Calls visit(node) for what an instruction reads.
+  /// Calls visit(node) for each operand of an instruction.
   template <class Visit>
   static void for_each_read(const Instruction& i, Visit&& visit) {
     visit(i.a);
@@ -198,7 +198,7 @@ class ExpressionProgram::Compiler {
       for_each_read(of_nodes, [&](NodeId id) {
         if (is_leaf(id) || last_use[id] != static_cast<int>(i)) return;
         free_.push_back(registers_[id]);
-        last_use[id] = -1;  // given back once, where it is read twice
+        last_use[id] = -1;  // an operand that is read twice is released once
       });
       instruction.to = take_register(of_nodes.to);
       if (instruction.code == Code::kSinCos) instruction.c = take_register(of_nodes.c);
@@ -206,7 +206,7 @@ class ExpressionProgram::Compiler {
     for (const NodeId output : outputs) program_.outputs_.push_back(registers_[output]);
   }
 
-  /// For each node the last instruction that reads it; outputs are read for ever.
+  /// For each node, the last instruction that reads it; outputs stay alive until the end.
   std::vector<int> last_uses(std::span<const NodeId> outputs) const {
     constexpr int kAlways = std::numeric_limits<int>::max();
     std::vector<int> last_use(graph_.size(), 0);
@@ -217,7 +217,7 @@ class ExpressionProgram::Compiler {
     return last_use;
   }
 
-  /// Inputs come first, constants behind them.
+  /// Inputs come first, then constants.
   void place_leaves(std::span<const NodeId> outputs) {
     registers_.assign(graph_.size(), kNowhere);
     program_.registers_ = program_.inputs_;
@@ -248,10 +248,10 @@ class ExpressionProgram::Compiler {
   const ExpressionGraph& graph_;
   ExpressionProgram& program_;
   std::vector<int> value_uses_, uses_;
-  std::unordered_map<NodeId, NodeId> sines_, cosines_;  ///< by their argument
-  std::vector<std::int32_t> place_;                     ///< among the instructions
-  std::vector<std::int32_t> registers_;                 ///< of nodes
-  std::vector<std::int32_t> free_;                      ///< registers that nothing needs any more
+  std::unordered_map<NodeId, NodeId> sines_, cosines_;  ///< by argument
+  std::vector<std::int32_t> place_;                     ///< index among the instructions
+  std::vector<std::int32_t> registers_;                 ///< by node
+  std::vector<std::int32_t> free_;                      ///< registers that are no longer in use
 };
 
 ExpressionProgram::ExpressionProgram(const ExpressionGraph& graph, std::span<const NodeId> outputs,
@@ -265,7 +265,7 @@ void ExpressionProgram::prepare(S* registers) const {
   for (std::size_t i = 0; i < constants_.size(); ++i) registers[inputs_ + i] = S(constants_[i]);
 }
 
-/// Out of the way of the arithmetic, which would otherwise share its registers of the processor.
+/// Not inlined, to keep its register pressure away from the arithmetic.
 template <class S>
 [[gnu::noinline]] void ExpressionProgram::run_function(const Instruction& i, S* r) const {
   const S a = r[i.a];

@@ -8,10 +8,9 @@
 namespace conddp {
 
 /// An expression graph as a list of instructions on numbered registers, for any scalar. Immutable;
-/// registers belong to the caller. Of these the first ones are the inputs.
-///
-/// The first `values` outputs are computed by the same instructions whatever other outputs there
-/// are, so that values alone and values with derivatives agree to the bit.
+/// the caller owns the registers, which start with the inputs.
+/// The instructions for the first `values` outputs do not depend on the other outputs. So values
+/// alone and values with derivatives agree bit for bit.
 class ExpressionProgram {
  public:
   ExpressionProgram() = default;
@@ -24,7 +23,7 @@ class ExpressionProgram {
   int output(int i) const { return outputs_[i]; }
   int instructions() const { return static_cast<int>(instructions_.size()); }
 
-  /// Writes the constants into registers, once for as many runs as follow.
+  /// Writes the constants into the registers; needed once before any number of runs.
   template <class S>
   void prepare(S* registers) const;
   /// Computes the outputs from the inputs.
@@ -45,7 +44,7 @@ class ExpressionProgram {
 
   int inputs_ = 0;
   int registers_ = 0;
-  std::vector<double> constants_;  ///< of the registers behind the inputs
+  std::vector<double> constants_;  ///< of the registers after the inputs
   std::vector<Instruction> instructions_;
   std::vector<std::int32_t> outputs_;
   ExpressionGraph::Tables tables_;

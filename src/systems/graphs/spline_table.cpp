@@ -20,8 +20,8 @@ void check_values(const std::vector<double>& values) {
     if (!std::isfinite(value)) throw std::invalid_argument("the values of a table are finite");
 }
 
-/// What a cubic piece between the points i and i + 1, or the line beyond the ends, makes of the
-/// values there and of the second derivatives there, in this order.
+/// Weights of the values at the points i and i + 1 and of the second derivatives there, in this
+/// order. They describe a cubic piece, or the line beyond the ends.
 struct Weights {
   int i;
   double of[4];
@@ -35,7 +35,7 @@ Weights weights_at(const std::vector<double>& points, double x, int order) {
   const int i = std::clamp(above - 1, 0, last - 1);
   const double h = points[i + 1] - points[i];
   const double inside = std::clamp(x, points.front(), points.back());
-  const bool beyond = !(x == inside);  // not a number lies nowhere
+  const bool beyond = !(x == inside);  // true for NaN
   const double B = (inside - points[i]) / h, A = 1 - B;
   const double slope[] = {-1 / h, 1 / h, (1 - 3 * A * A) * h / 6, (3 * B * B - 1) * h / 6};
   Weights w{i, {0, 0, 0, 0}};
@@ -105,8 +105,8 @@ SplineTable::SplineTable(std::vector<double> x, std::vector<double> y, std::vect
   check_values(values);
   nodes_.assign(4 * nx * ny, 0.0);
   for (std::size_t k = 0; k < values.size(); ++k) nodes_[4 * k] = values[k];
-  // The spline is linear in its values, so the second derivatives by one argument have splines in
-  // the other one.
+  // The spline is linear in its values, so the second derivatives with respect to one argument are
+  // splines in the other.
   const auto along = [&](const std::vector<double>& points, std::size_t first, std::size_t stride,
                          int from, int to) {
     std::vector<double> line(points.size());

@@ -8,13 +8,12 @@
 namespace conddp {
 namespace {
 
-/// Second derivatives are left to dual numbers where they would take more nodes times columns than
-/// this.
+/// Limit on nodes times columns; beyond it, second derivatives use dual numbers.
 constexpr std::size_t kMostSecondDerivatives = 500000;
 
 }  // namespace
 
-/// All of it at once.
+/// Adds the whole Hessian in `finish`.
 class SystemHessian::Derivatives : public SecondDerivatives {
  public:
   Derivatives(const Program& hessian, const System& system)
@@ -53,7 +52,7 @@ class SystemHessian::Derivatives : public SecondDerivatives {
   AlignedVector<Lane> registers_;
 };
 
-/// Of Σ wᵢ fᵢ, with the weights as further inputs.
+/// Builds the Hessian program of Σ wᵢ fᵢ, with the weights as additional inputs.
 void SystemHessian::make(const System& system) const {
   SystemExpressions f = expressions_();
   const int inputs = static_cast<int>(f.sources.size());

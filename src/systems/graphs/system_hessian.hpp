@@ -12,31 +12,31 @@
 
 namespace conddp {
 
-/// A system's answer as expressions.
+/// A system's output as expressions.
 struct SystemExpressions {
   ExpressionGraph graph;
   std::vector<NodeId> outputs;  ///< System::rows
-  /// Where the inputs of the graph come from: numbers of (x, u), each number of x exactly once.
+  /// Sources of the graph's inputs: indices into (x, u); each number of x occurs exactly once.
   std::vector<int> sources;
 };
 
-/// The Hessian of the weighted sum of a system's answer as one program of expressions. It is made
-/// when it is first asked for: many solves never need it.
+/// The Hessian of the weighted sum of a system's outputs, as a single expression program. It is
+/// built on first use, because many solves do not need it.
 class SystemHessian {
  public:
   /// `expressions` is called at most once.
   explicit SystemHessian(std::function<SystemExpressions()> expressions)
       : expressions_(std::move(expressions)) {}
 
-  /// For the system that owns this; null where the program would be too large. Threads may call it
-  /// at the same time.
+  /// Second derivatives for the system that owns this; null if the program would be too large.
+  /// Thread-safe.
   std::unique_ptr<SecondDerivatives> derivatives(const System& system) const;
 
  private:
   class Derivatives;
   struct Program {
-    ExpressionProgram program;                 ///< its inputs are those of the graph, then weights
-    std::vector<std::pair<int, int>> entries;  ///< row ≥ column of each output
+    ExpressionProgram program;  ///< its inputs are those of the graph, followed by the weights
+    std::vector<std::pair<int, int>> entries;  ///< (row, column) of each output, row ≥ column
     std::vector<int> sources;
   };
   void make(const System& system) const;

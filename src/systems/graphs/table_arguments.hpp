@@ -10,12 +10,12 @@
 
 namespace conddp {
 
-/// The arguments with which the expressions of a graph read its tables. Immutable.
+/// The arguments of the table readings in the expressions of a graph. Immutable.
 class TableArguments {
  public:
   TableArguments() = default;
-  /// Of the tables below the roots. `names`: of the tables of the graph, in its order; `inputs`: of
-  /// the graph.
+  /// Covers the tables below the roots. `names` lists the graph's tables in order; `inputs` is the
+  /// number of the graph's inputs.
   TableArguments(const ExpressionGraph& graph, std::span<const NodeId> roots, int inputs,
                  const std::vector<std::string>& names);
 
@@ -23,8 +23,8 @@ class TableArguments {
   std::vector<TableReading> readings(const std::function<double(int)>& input) const;
 
  private:
-  std::vector<TableReading> tables_;  ///< an entry for each argument, without where it is
-  ExpressionProgram program_;         ///< of the arguments
+  std::vector<TableReading> tables_;  ///< an entry for each argument, with the position unset
+  ExpressionProgram program_;         ///< computes the arguments
 };
 
 }  // namespace conddp

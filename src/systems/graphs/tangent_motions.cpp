@@ -5,7 +5,7 @@
 namespace conddp {
 namespace {
 
-/// Fills the motions of one segment's numbers.
+/// Fills the motions of the numbers in one segment.
 class SegmentMotions {
  public:
   SegmentMotions(ExpressionGraph& graph, std::span<const int> input_of, InputMotions& motions)
@@ -15,7 +15,7 @@ class SegmentMotions {
     for (int i = 0; i < n; ++i) add(x + i, dx + i, graph_.constant(1));
   }
 
-  /// q moves by q ⊗ (δ/2, 0), its numbers x y z w at x.
+  /// q moves by q ⊗ (δ/2, 0); its numbers x y z w start at x.
   void rotation(int x, int dx) {
     constexpr int kFactor[4][3] = {{3, 2, 1}, {2, 3, 0}, {1, 0, 3}, {0, 1, 2}};
     constexpr double kHalf[4][3] = {
@@ -26,7 +26,7 @@ class SegmentMotions {
             graph_.multiply(graph_.constant(kHalf[i][j]), number(x + kFactor[i][j])));
   }
 
-  /// The position moves by R(q) δ, with the quaternion at q.
+  /// The position moves by R(q) δ; the quaternion starts at q.
   void translation(int x, int q, int dx) {
     const NodeId numbers[4] = {number(q), number(q + 1), number(q + 2), number(q + 3)};
     const auto twice = [&](int i, int j) {

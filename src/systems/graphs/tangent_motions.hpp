@@ -7,13 +7,13 @@
 
 namespace conddp {
 
-/// How inputs that hold a state move with tangent vectors at it; input_of[i] is the input that
+/// Motions of the inputs that hold a state along its tangent vectors; input_of[i] is the input that
 /// holds number i of the state.
 InputMotions tangent_motions(ExpressionGraph& graph, const StateManifold& manifold,
                              std::span<const int> input_of);
 
-/// How inputs move along the columns of z = (tangent at x, u), where input i is number sources[i]
-/// of (x, u) and each number of x is an input.
+/// Motions of the inputs along the columns of z = (tangent at x, u). Input i is number sources[i]
+/// of (x, u), and each number of x is an input.
 InputMotions input_motions(ExpressionGraph& graph, const StateManifold& manifold,
                            std::span<const int> sources);
 

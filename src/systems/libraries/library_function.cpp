@@ -7,11 +7,11 @@
 namespace conddp {
 namespace {
 
-/// Beyond that, what a library says of itself is no description of a function.
+/// Limits of a plausible function description.
 constexpr long long kMostPorts = 100, kMostRows = 10'000, kMostMemory = 100'000'000;
 
-/// Reads a pattern: rows, columns, and the 1 of a full matrix, or where each column starts, and the
-/// rows of all entries. False where it cannot be.
+/// Reads a sparsity pattern: rows, columns, and either a 1 for a full matrix or the column starts
+/// and the row of each entry. Returns false if the pattern is invalid.
 bool read_pattern(const long long* pattern, LibraryFunction::Port& port) {
   const long long rows = pattern[0], columns = pattern[1];
   if (rows < 0 || columns < 0 || rows > kMostRows || columns > kMostRows) return false;
@@ -102,7 +102,8 @@ std::vector<LibraryFunction::Port> LibraryFunction::ports(const char* direction)
 }
 
 bool LibraryFunction::run(Workspace& workspace) const {
-  // The code may use what follows the arguments, and the arguments themselves.
+  // The code may overwrite the pointer arrays and use the space after them, so we set them before
+  // each call.
   for (std::size_t i = 0; i < inputs_.size(); ++i)
     workspace.arguments_[i] = workspace.numbers_.data() + workspace.inputs_[i];
   for (std::size_t i = 0; i < outputs_.size(); ++i)

@@ -11,50 +11,49 @@
 
 namespace conddp {
 
-/// A function of a compiled library with the C interface of the code that CasADi generates: beside
-/// `f` itself f_n_in, f_n_out, f_name_in, f_name_out, f_sparsity_in, f_sparsity_out and f_work, and
-/// where there are any, f_checkout and f_release, f_incref and f_decref. Numbers are double and
-/// integers long long, as they are unless the generator was told otherwise.
+/// A function of a compiled library with the C interface of CasADi's generated code. Besides `f`
+/// itself the library exports f_n_in, f_n_out, f_name_in, f_name_out, f_sparsity_in, f_sparsity_out
+/// and f_work. f_checkout, f_release, f_incref and f_decref are optional. Numbers are double and
+/// integers long long, the defaults of the generator.
 class LibraryFunction {
  public:
-  /// A matrix that goes in or comes out. Numbers that can be other than zero are stored, column by
-  /// column.
+  /// A matrix input or output. Only entries that can be nonzero are stored, column by column.
   struct Port {
     std::string name;
     int rows = 0, columns = 0;
     std::vector<int> row_of, column_of;  ///< of each stored number
 
     int stored() const { return static_cast<int>(row_of.size()); }
-    /// Whether it is a row or a column of `size` numbers, all of them stored.
+    /// True if it is a row or a column of `size` numbers and all of them are stored.
     bool is_vector(int size) const;
   };
 
-  /// Memory for one evaluation at a time.
+  /// Memory for a single evaluation at a time.
   class Workspace {
    public:
-    /// Outputs that are not `wanted` are not computed.
+    /// Evaluation computes only the `wanted` outputs.
     Workspace(const LibraryFunction& function, const std::vector<int>& wanted);
     ~Workspace();
     Workspace(const Workspace&) = delete;
     Workspace& operator=(const Workspace&) = delete;
 
-    /// The stored numbers of an input, zero at first.
+    /// The stored numbers of an input, initially zero.
     double* input(int index) { return numbers_.data() + inputs_[index]; }
-    /// Those of a wanted output.
+    /// The stored numbers of a wanted output.
     const double* output(int index) const { return numbers_.data() + outputs_[index]; }
 
    private:
     friend class LibraryFunction;
     void (*release_)(int);
-    int memory_;                         ///< what was checked out of the library
-    std::vector<int> inputs_, outputs_;  ///< into the numbers; −1: not wanted
+    int memory_;                         ///< handle checked out of the library
+    std::vector<int> inputs_, outputs_;  ///< offsets into the numbers; −1: not wanted
     std::vector<double> numbers_, w_;
     std::vector<long long> iw_;
     std::vector<const double*> arguments_;
     std::vector<double*> results_;
   };
 
-  /// Throws LibraryError where the library has no such function, or what it says of it cannot be.
+  /// Throws LibraryError if the library lacks the function or describes it inconsistently.
   LibraryFunction(std::shared_ptr<const SharedLibrary> library, std::string name);
   ~LibraryFunction();
   LibraryFunction(const LibraryFunction&) = delete;
@@ -63,9 +62,9 @@ class LibraryFunction {
   const std::string& name() const { return name_; }
   const std::vector<Port>& inputs() const { return inputs_; }
   const std::vector<Port>& outputs() const { return outputs_; }
-  /// Computes the wanted outputs of the workspace's inputs. False where the function fails.
+  /// Computes the wanted outputs from the workspace's inputs. Returns false if the function fails.
   bool run(Workspace& workspace) const;
-  /// Whether a run has failed so far.
+  /// True if any run has failed.
   bool has_failed() const { return failed_.load(std::memory_order_relaxed); }
 
  private:

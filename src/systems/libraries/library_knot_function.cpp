@@ -15,11 +15,12 @@ namespace {
 constexpr const char* kMakeAll =
     "generate f, f.jacobian() and, if you like, hess_f as one file of C (docs/problem_file.md)";
 
-/// Of differences that confirm a Jacobian: so many, each a small part of the one before.
+/// Number and ratio of the difference steps that confirm a Jacobian; each step is shorter than the
+/// preceding one.
 constexpr int kSteps = 3;
 constexpr double kShorter = 32;
 
-/// The number of a scalar in one of its lanes, and the derivative beside it.
+/// Value of a scalar in one lane, without its derivative.
 double value_in(double a, int) { return a; }
 double value_in(const Lane& a, int lane) { return a[lane]; }
 double value_in(const Dual<Lane>& a, int lane) { return a.v[lane]; }
@@ -32,7 +33,7 @@ constexpr int kLanes = std::is_same_v<S, double> ? 1 : kLaneWidth;
 template <class S>
 constexpr bool kIsDual = std::is_same_v<S, Dual<Lane>>;
 
-/// Takes a lane of z, and the direction of dual numbers.
+/// Extracts one lane of z, and its direction for dual numbers.
 template <class S>
 void take_lane(const S* z, int lane, std::vector<double>& values, std::vector<double>& direction) {
   for (std::size_t i = 0; i < values.size(); ++i) values[i] = value_in(z[i], lane);
@@ -40,8 +41,8 @@ void take_lane(const S* z, int lane, std::vector<double>& values, std::vector<do
     for (std::size_t i = 0; i < values.size(); ++i) direction[i] = z[i].d[lane];
 }
 
-/// The derivatives of dual numbers in a lane, from a Jacobian. What does not move adds nothing,
-/// even where the derivative by it is not finite.
+/// Writes the derivatives of dual numbers in one lane from a Jacobian. Columns with zero direction
+/// contribute nothing, even if their derivatives are not finite.
 void set_slopes(Dual<Lane>* f, int lane, int rows, const std::vector<double>& J,
                 const std::vector<double>& direction) {
   for (int row = 0; row < rows; ++row) {
@@ -101,11 +102,11 @@ struct LibraryKnotFunction::Workspace {
   LibraryFunction::Workspace values, jacobian;
   std::unique_ptr<LibraryFunction::Workspace> hessian;
   std::vector<double> z, direction, moved, weights, f;
-  std::vector<double> beside, ahead, behind;  ///< values, and slopes to the two sides
+  std::vector<double> beside, ahead, behind;  ///< values, and secant slopes to both sides
   std::vector<MeasuredSlope> measured;        ///< of a column: by row, then by step
-  std::vector<double> confirmed_at;           ///< the z of the confirmed Jacobian
+  std::vector<double> confirmed_at;           ///< point z of the confirmed Jacobian
   std::vector<double> J, dJ, other, dJ_of_shorter_step;
-  std::vector<bool> settled;  ///< entries of which a shorter step says the same
+  std::vector<bool> settled;  ///< entries confirmed by a shorter step
   std::vector<double> confirmed, H;
 };
 
@@ -113,7 +114,7 @@ void LibraryKnotFunction::WorkspaceDeleter::operator()(Workspace* workspace) con
   delete workspace;
 }
 
-/// Compares what the library says with what the file says.
+/// Checks that the library's functions match the file's description, and assembles them.
 class LibraryKnotFunction::Maker {
  public:
   Maker(const std::shared_ptr<const SharedLibrary>& library, const std::string& name, Sizes sizes,
@@ -141,7 +142,7 @@ class LibraryKnotFunction::Maker {
     return false;
   }
 
-  /// Binds an input, if it is there with the right size. An empty one is not there.
+  /// Binds an input of the given size if the function has it. An empty input counts as absent.
   bool bind(const LibraryFunction& function, const char* name, Part part, int size,
             std::optional<int>& input) {
     input = find_port(function.inputs(), name);
@@ -223,7 +224,7 @@ class LibraryKnotFunction::Maker {
     return names;
   }
 
-  /// Those of which the Jacobian reads numbers.
+  /// Binds the outputs of f that the Jacobian reads.
   bool bind_nominal_outputs() {
     const LibraryFunction& jacobian = *made_->jacobian_;
     const std::vector<Port>& outputs = made_->values_->outputs();
@@ -243,7 +244,7 @@ class LibraryKnotFunction::Maker {
     return true;
   }
 
-  /// The derivative by one of the inputs, if f has it.
+  /// Adds the derivative with respect to one input, if f has that input.
   bool add_part(const std::optional<int>& input, const char* name, int first, int columns) {
     if (!input) return true;
     const LibraryFunction& jacobian = *made_->jacobian_;
@@ -329,7 +330,7 @@ void LibraryKnotFunction::values_at(const double* z, Workspace& workspace, doubl
   for (int i = 0; i < port.stored(); ++i) f[port.row_of[i] + port.column_of[i]] = output[i];
 }
 
-/// False where the function fails.
+/// Returns false if the function fails.
 bool LibraryKnotFunction::set_nominal_outputs(const double* z, Workspace& workspace) const {
   if (nominal_outputs_.empty()) return true;
   set_inputs(values_binding_, z, workspace.values);
@@ -367,8 +368,9 @@ void LibraryKnotFunction::hessian_at(const double* z, const double* weights, Wor
   for (int i = 0; i < port.stored(); ++i) H[port.column_of[i] * n + port.row_of[i]] = output[i];
 }
 
-/// Central differences with the longest step that a shorter one confirms, entry by entry: the first
-/// one balances error and rounding of functions that change as slowly as a coordinate is large.
+/// Central differences with the longest step that a shorter one confirms, entry by entry. The first
+/// step balances truncation and rounding error for functions that vary on the scale of their
+/// coordinates.
 void LibraryKnotFunction::jacobian_by_differences(const double* z, const double* direction,
                                                   Workspace& workspace, double* dJ) const {
   const int n = columns(), entries = rows_ * n;
@@ -398,7 +400,7 @@ void LibraryKnotFunction::jacobian_by_differences(const double* z, const double*
   }
 }
 
-/// The Jacobian ahead is left in the workspace.
+/// Leaves the Jacobian at the forward point in the workspace.
 void LibraryKnotFunction::differentiate_centrally(const double* z, const double* direction,
                                                   double step, Workspace& workspace,
                                                   double* dJ) const {
@@ -412,7 +414,7 @@ void LibraryKnotFunction::differentiate_centrally(const double* z, const double*
   for (int i = 0; i < rows_ * n; ++i) dJ[i] = (workspace.J[i] - workspace.other[i]) / (2 * step);
 }
 
-/// Row by row of the Jacobian, from the Hessian of each.
+/// Computes the result row by row from the Hessian of each row.
 void LibraryKnotFunction::jacobian_along(const double* z, const double* direction,
                                          Workspace& workspace, double* dJ) const {
   if (!has_hessian()) return jacobian_by_differences(z, direction, workspace, dJ);
@@ -448,18 +450,18 @@ void LibraryKnotFunction::second_derivatives(const double* z, const double* weig
     for (int i = 0; i < j; ++i) H[j * n + i] = H[i * n + j] = 0.5 * (H[j * n + i] + H[i * n + j]);
 }
 
-/// Of every row, the slope from z to the point a step away along one coordinate.
+/// For every row, the secant slope from z to the point a step away along one coordinate.
 void LibraryKnotFunction::slopes_beside(const double* z, int column, double step,
                                         Workspace& workspace, std::vector<double>& slopes) const {
   std::copy_n(z, columns(), workspace.moved.begin());
   workspace.moved[column] += step;
   values_at(workspace.moved.data(), workspace, workspace.beside.data());
-  const double moved = workspace.moved[column] - z[column];  // rounding has changed the step
+  const double moved = workspace.moved[column] - z[column];  // the step after rounding
   for (int row = 0; row < rows_; ++row)
     slopes[row] = (workspace.beside[row] - workspace.f[row]) / moved;
 }
 
-/// Where the other side has no values.
+/// For points without values on the other side.
 SlopeInterval LibraryKnotFunction::one_sided_slopes(const double* z, int column, int row,
                                                     double step, double slope,
                                                     Workspace& workspace) const {
@@ -467,8 +469,8 @@ SlopeInterval LibraryKnotFunction::one_sided_slopes(const double* z, int column,
   return at_edge(slope, workspace.weights[row]);
 }
 
-/// Of every row, the derivative by one coordinate as differences with the step h give it, where
-/// workspace.f are the values at z. At an edge the shortest step is a quarter of h.
+/// For every row, the derivative by one coordinate from differences with step h; workspace.f
+/// contains the values at z. At the edge of the domain the shortest step is h/4.
 void LibraryKnotFunction::measure_column(const double* z, int column, double h, int step,
                                          Workspace& workspace) const {
   constexpr double kRounding = 16 * std::numeric_limits<double>::epsilon();
@@ -490,8 +492,8 @@ void LibraryKnotFunction::measure_column(const double* z, int column, double h, 
   }
 }
 
-/// Of the Jacobian at z. Differences lose so much of a derivative, and of its column where it is
-/// smaller, besides what rounding takes.
+/// Confirms one column of the Jacobian at z. kLoss is the relative error of differences besides
+/// rounding. It applies to the derivative, or to kFloor times the largest entry if that is larger.
 void LibraryKnotFunction::confirm_column(const double* z, int column, double largest,
                                          Workspace& workspace) const {
   constexpr double kLoss = 1e-4, kFloor = 1e-3;
@@ -507,7 +509,8 @@ void LibraryKnotFunction::confirm_column(const double* z, int column, double lar
   }
 }
 
-/// workspace.confirmed; those of all lanes of a knot, and of its directions, are the same.
+/// Updates workspace.confirmed. Skips the work if z has not changed: the lanes and directions of a
+/// knot share one Jacobian.
 void LibraryKnotFunction::confirmed_jacobian(const double* z, Workspace& workspace) const {
   if (std::equal(z, z + columns(), workspace.confirmed_at.begin())) return;
   std::vector<double>& J = workspace.confirmed;

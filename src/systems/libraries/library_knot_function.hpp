@@ -11,20 +11,19 @@
 namespace conddp {
 
 /// A compiled function f(x, u, p, t) of a knot's state, its control, constants and the time, with
-/// its derivatives. All of the four inputs may be absent. Its first output counts, a vector.
-///
-/// `jac_f` has the same inputs, `out_y` of outputs y of f if it needs them, and, for x, u and t,
-/// outputs `jac_y_x`, where y is the name of f's first output: what CasADi's f.jacobian() gives.
-/// `hess_f`, if there is one, has the same inputs and `lam`, one number for each row, and gives
-/// ∇²(lamᵀf) with respect to (x, u, t), both of its triangles. Without it second derivatives are
-/// differences of first ones.
+/// its derivatives. Each of the four inputs is optional. Only the first output is used, a vector.
+/// `jac_f` has the same inputs, and `out_y` for outputs y of f if it needs them. For x, u and t it
+/// has outputs `jac_y_x`, where y is the name of f's first output, as in CasADi's f.jacobian(). The
+/// optional `hess_f` has the same inputs and `lam`, one number for each row. It gives ∇²(lamᵀf)
+/// with respect to (x, u, t), both triangles. Without it, second derivatives are differences of
+/// first ones.
 class LibraryKnotFunction {
  public:
   struct Sizes {
     int states, controls;
   };
 
-  /// Where the function and what a file says of it do not fit.
+  /// A mismatch between the function and its description in a file.
   struct Defect {
     enum class Part { kFunction, kStates, kControls, kParameters };
     Part part;
@@ -32,14 +31,14 @@ class LibraryKnotFunction {
     std::string hint;
   };
 
-  /// Memory of its evaluations, one at a time.
+  /// Memory for a single evaluation at a time.
   struct Workspace;
   struct WorkspaceDeleter {
     void operator()(Workspace* workspace) const;
   };
   using OwnedWorkspace = std::unique_ptr<Workspace, WorkspaceDeleter>;
 
-  /// Null, with the reason in `defect`, where they do not fit.
+  /// Null if they do not match; `defect` then contains the reason.
   static std::shared_ptr<const LibraryKnotFunction> make(
       const std::shared_ptr<const SharedLibrary>& library, const std::string& name, Sizes sizes,
       const std::vector<double>& parameters, std::optional<Defect>& defect);
@@ -50,21 +49,22 @@ class LibraryKnotFunction {
   bool reads_time() const { return reads_time_; }
   bool reads_control() const { return reads_control_; }
   bool has_hessian() const { return hessian_ != nullptr; }
-  /// The names of the library's functions of which a run has failed so far.
+  /// Names of the library functions that have failed in any run.
   std::vector<std::string> failed_functions() const;
-  /// Of z = (x, u, t), t where the time is read: what it is evaluated at and differentiated by.
+  /// Size of z = (x, u, t), the point of evaluation and the variables of differentiation. t is
+  /// included if the function reads the time.
   int columns() const { return sizes_.states + sizes_.controls + (reads_time_ ? 1 : 0); }
-  /// Of each row the columns on which it depends, ascending.
+  /// The columns that each row depends on, ascending.
   const std::vector<std::vector<int>>& structure() const { return structure_; }
 
   OwnedWorkspace create_workspace() const;
 
-  /// Values, rows() numbers; and the Jacobian, rows() x columns(), by columns. Lane by lane; NaN in
-  /// all rows of a lane in which the library's function fails. For double, Lane and Dual<Lane>.
-  ///
-  /// Dual numbers of `differentiate` rest on `jac_f`, those of `evaluate` on values alone: an entry
-  /// of the Jacobian that differences of values contradict is there what differences give. So a
-  /// comparison of the two, as of any other system or residual, finds a `jac_f` that is wrong.
+  /// Values, rows() numbers, and the Jacobian, rows() x columns(), by columns. Evaluates lane by
+  /// lane; all rows of a lane are NaN if the library's function fails there. For double, Lane and
+  /// Dual<Lane>.
+  /// The dual parts in `differentiate` come from `jac_f`. In `evaluate` they are confirmed by
+  /// values: if differences of values contradict an entry of the Jacobian, they replace it. So
+  /// comparing the two, as for any other system or residual, reveals a wrong `jac_f`.
   template <class S>
   void evaluate(const S* z, Workspace& workspace, S* f) const;
   template <class S>
@@ -75,16 +75,16 @@ class LibraryKnotFunction {
 
  private:
   class Maker;
-  /// How a function of the library and z go together.
+  /// Indices that connect a function of the library to z.
   struct Binding {
     std::optional<int> x, u, p, t;  ///< inputs
   };
   /// A part of the Jacobian.
   struct JacobianPart {
     int output;
-    int first;  ///< column
+    int first;  ///< first column
   };
-  /// An output of the function that is an input of its Jacobian.
+  /// An output of the function that is also an input of its Jacobian.
   struct NominalOutput {
     int input, output;
   };

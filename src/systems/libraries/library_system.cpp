@@ -90,7 +90,7 @@ class LibrarySystem : public SystemBase<LibrarySystem> {
       z[i] = sources_[i] < nx() ? x[sources_[i]] : u[sources_[i] - nx()];
   }
 
-  /// Rows of the library come first, and the clock's is the last.
+  /// The rows of the library come first; the last row is that of the clock.
   template <class S>
   void set_values(Data<S>& data) const {
     std::copy(data.f_of_library.begin(), data.f_of_library.end(), data.f.begin());
@@ -98,11 +98,11 @@ class LibrarySystem : public SystemBase<LibrarySystem> {
   }
 
   std::shared_ptr<const LibraryKnotFunction> function_;
-  std::vector<int> sources_;  ///< of the function's z: numbers of (x, u)
+  std::vector<int> sources_;  ///< for each number of the function's z, its index in (x, u)
   int clock_ = -1;
 };
 
-/// All of it at once, lane by lane.
+/// Adds the whole Hessian at once, lane by lane.
 class LibrarySystem::Hessian : public SecondDerivatives {
  public:
   explicit Hessian(const LibrarySystem& system)
@@ -138,7 +138,7 @@ class LibrarySystem::Hessian : public SecondDerivatives {
   }
 
  private:
-  /// States are flat, so that a number of (x, u) has its index among tangents as well.
+  /// The state is flat, so a number of (x, u) has the same index in tangent vectors.
   void add(int lane, Lane* gradients) const {
     const int n = function_.columns(), nz = system_.ndx() + system_.nu();
     for (int j = 0; j < n; ++j)

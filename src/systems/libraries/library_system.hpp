@@ -8,7 +8,7 @@
 
 namespace conddp {
 
-/// What a compiled function is the rate, acceleration or next state of: columns of numbers.
+/// Columns of a system whose rate, acceleration or next state is a compiled function.
 struct LibrarySystemColumns {
   SystemKind kind = SystemKind::first_order;
   std::vector<Column> states;      ///< or positions
@@ -16,15 +16,15 @@ struct LibrarySystemColumns {
   std::vector<Column> controls;
 };
 
-/// A system of a compiled function, whose x is the state, of a second-order system positions and
-/// velocities. Where the function reads the time, the state gets the clock, as that of a system of
-/// expressions does: behind the states or positions, with its rate behind the velocities. The
-/// function has a row for each state or velocity, and the sizes of the columns; a discrete one
-/// reads no time.
+/// A system defined by a compiled function whose x is the state; for a second-order system,
+/// positions and velocities. If the function reads the time, the state includes the clock, as in a
+/// system of expressions. The clock follows the states or positions, and its rate follows the
+/// velocities. The function must have a row for each state or velocity and the sizes of the
+/// columns; a discrete one must not read the time.
 std::shared_ptr<const System> make_library_system(
     const LibrarySystemColumns& columns, std::shared_ptr<const LibraryKnotFunction> function);
 
-/// A state of it to begin from: zero, with a clock that goes.
+/// A default initial state: zero, with a running clock.
 std::vector<double> usual_library_state(const System& system);
 
 }  // namespace conddp

@@ -9,7 +9,7 @@ namespace {
 
 double centre(const SlopeInterval& interval) { return 0.5 * (interval.lower + interval.upper); }
 
-/// Infinite where there is no finite slope to compare.
+/// Infinite without finite slopes to compare.
 double uncertainty(std::span<const MeasuredSlope> steps, std::size_t i) {
   const auto& [interval, noise] = steps[i];
   double sum = interval.upper - interval.lower + 2 * noise;

@@ -6,10 +6,10 @@
 namespace conddp {
 namespace {
 
-/// Columns that are worked on side by side: their sums stay in registers.
+/// Maximum number of columns processed together; their sums stay in registers.
 constexpr int kWidest = 12;
 
-/// Calls act(count, first) for runs of columns of the widths that are compiled.
+/// Calls act(count, first) for runs of columns, with the compiled widths.
 template <class F>
 void for_each_run(int columns, F act) {
   int first = 0;
@@ -23,11 +23,11 @@ void for_each_run(int columns, F act) {
   take(std::integral_constant<int, 1>());
 }
 
-/// Numbers side by side, as a sum in registers.
+/// Adjacent numbers, summed in registers.
 template <int kCount, class S>
 struct Sums {
-  // At -O2, g++ 12 takes 16 bytes of a leaf's stack for aligned that are not: what asks for more
-  // than the stack gives is aligned by code.
+  // At -O2, g++ 12 wrongly assumes that a leaf's stack is aligned to 16 bytes. For stricter
+  // alignments it emits code that aligns.
   alignas(std::max<std::size_t>(32, alignof(S))) S at[kCount];
 
   explicit Sums(const S* from) {
@@ -51,7 +51,8 @@ struct Sums {
 template <int kCount, class S>
 void solve_side_by_side(int m, const S* factors, S* w) {
   if constexpr (kCount == 1) {
-    // Side by side there are only rows, which have no sum that waits for another one.
+    // A single column updates its rows independently: sums by row would have to wait for each
+    // other.
     for (int k = 0; k < m; ++k)
       for (int i = k + 1; i < m; ++i) w[i] -= factors[k * m + i] * w[k];
   } else {
@@ -97,7 +98,7 @@ ColumnSolver::ColumnSolver(const RobotModel& model, bool dense, int n, const Con
     batches_[branch_of(controls_[control], branch_of_row)].columns.push_back(2 * n + control);
 }
 
-/// The branch of each row, the first one for those of none.
+/// The branch of each row; the first branch for rows outside of branches.
 std::vector<int> ColumnSolver::branches_of_rows(const std::vector<Branch>& branches) const {
   std::vector<int> branch_of_row(n_, 0);
   for (std::size_t b = 1; b < branches.size(); ++b)
@@ -106,7 +107,7 @@ std::vector<int> ColumnSolver::branches_of_rows(const std::vector<Branch>& branc
   return branch_of_row;
 }
 
-/// The branch of all entries of a control, or the one of all rows.
+/// The common branch of all entries of a control, or the branch of all rows.
 int ColumnSolver::branch_of(const std::vector<Entry>& entries,
                             const std::vector<int>& branch_of_row) {
   if (entries.empty()) return 0;
@@ -117,7 +118,7 @@ int ColumnSolver::branch_of(const std::vector<Entry>& entries,
   return alone ? branch : 0;
 }
 
-/// Of each contact, those of its columns that are rows of a branch.
+/// For each contact, those of its columns that are rows of a branch.
 std::vector<std::vector<int>> ColumnSolver::contact_rows(const Branch& branch) const {
   std::vector<std::vector<int>> rows;
   for (const std::vector<int>& columns : contact_columns_) {
@@ -128,7 +129,8 @@ std::vector<std::vector<int>> ColumnSolver::contact_rows(const Branch& branch) c
   return rows;
 }
 
-/// One of all rows, for what belongs to no other one, and those that hang on floating bodies.
+/// The branch of all rows, which serves as a fallback, and the branches attached to floating
+/// bodies.
 std::vector<ColumnSolver::Branch> ColumnSolver::find_branches(const RobotModel& model) const {
   std::vector<Branch> branches{{0, n_}};
   if (dense_) return branches;
@@ -154,7 +156,7 @@ void ColumnSolver::first_half_dense(const S* L, S* y) const {
   }
 }
 
-/// Rows of a branch, or of the root that it hangs on.
+/// Eliminates the rows of a branch, or of its root.
 template <int kCount, class S>
 inline void ColumnSolver::eliminate(const S* L, const Branch& branch, int begin, int end, bool root,
                                     S* y) const {
@@ -243,7 +245,7 @@ void ColumnSolver::prepare_contacts(const MassFactors<S>& factors, ContactSet::D
   form_G(contacts);
 }
 
-/// The rows of G up to the end of each contact's block on the diagonal, from response and scaled.
+/// Computes the rows of G up to the end of each contact's diagonal block, from response and scaled.
 template <class S>
 void ColumnSolver::form_G(ContactSet::Data<S>& contacts) const {
   for (std::size_t contact = 0; contact < contact_columns_.size(); ++contact) {
@@ -278,7 +280,7 @@ void ColumnSolver::solve_second_half(const MassFactors<S>& factors, S* x) const 
   second_half<1>(factors, x);
 }
 
-/// The rows of a branch in a column of f before it is solved for, into every kCount-th number.
+/// Writes the rows of a branch in a column of f, before it is solved, into every kCount-th number.
 template <int kCount, class S>
 void ColumnSolver::load_column(const Branch& branch, int column, const S* tau_q, const S* tau_v,
                                S* y) const {

@@ -6,22 +6,22 @@
 
 namespace conddp {
 
-/// Factors of the mass matrix: M = Lᵀ D L along the tree, as RobotData has them, or, where joints
-/// mimic others, M = L D Lᵀ dense with D⁻¹ on the diagonal (dense_ldlt.hpp).
+/// Factors of the mass matrix: M = Lᵀ D L along the tree, as in RobotData. With mimic joints the
+/// factors are M = L D Lᵀ, dense with D⁻¹ on the diagonal (dense_ldlt.hpp).
 template <class S>
 struct MassFactors {
   const S* L;          ///< n x n by columns
-  const S* D_inverse;  ///< from one to the next it is `step` numbers
+  const S* D_inverse;  ///< with stride `step`
   int step;
 };
 
-/// Solves M a = f + Jᵀ λ with J a + c = 0 for several f and c side by side, halfway at a time: with
-/// M = Lᵀ D L the contacts are dealt with at y = L⁻ᵀ f, where they touch only the rows between
-/// their feet and the root, as f does: columns of one branch of the tree (a leg) go together, and
-/// leave the rows of other branches alone until the way back.
+/// Solves M a = f + Jᵀ λ with J a + c = 0 for several f and c together, in two halves. With M = Lᵀ
+/// D L the contact forces are computed at y = L⁻ᵀ f. There contacts involve only the rows between
+/// their feet and the root, and so does f. So columns of one branch of the tree (a leg) are
+/// processed together, and do not touch the rows of other branches before the second half.
 class ColumnSolver {
  public:
-  /// A non-zero of the matrix by which controls act.
+  /// A nonzero entry of the matrix that maps controls to generalized forces.
   struct Entry {
     int row, column;
     double value;
@@ -35,11 +35,12 @@ class ColumnSolver {
   template <class S>
   struct Data {
     explicit Data(const ColumnSolver& solver);
-    AlignedVector<S> y;  ///< rows of all columns of a batch, side by side
-    AlignedVector<S> w;  ///< the contacts' rows
+    AlignedVector<S> y;  ///< all columns of a batch, interleaved by rows
+    AlignedVector<S> w;  ///< rows of the contacts
   };
 
-  /// Turns Jᵀ in contacts.response into L⁻ᵀ Jᵀ, writes contacts.scaled and the lower triangle of G.
+  /// Overwrites Jᵀ in contacts.response with L⁻ᵀ Jᵀ; writes contacts.scaled and the lower triangle
+  /// of G.
   template <class S>
   void prepare_contacts(const MassFactors<S>& factors, ContactSet::Data<S>& contacts,
                         Data<S>& data) const;
@@ -50,19 +51,19 @@ class ColumnSolver {
   template <class S>
   void solve_second_half(const MassFactors<S>& factors, S* x) const;
 
-  /// With contacts.force = −c at first: forces λ, and y, which comes with L⁻ᵀ f, gains
-  /// L⁻ᵀ Jᵀ λ. G must be factored.
+  /// On entry contacts.force is −c and y is L⁻ᵀ f. On return contacts.force is λ and y includes L⁻ᵀ
+  /// Jᵀ λ. G must be factored.
   template <class S>
   void hold_contacts(ContactSet::Data<S>& contacts, S* y) const;
 
-  /// Right-hand sides: −tau_q, −tau_v (0 if null), then what the controls act on. On entry force_z
-  /// (m x (2 n + nu)) holds −c, on return λ; fx and fu receive a.
+  /// Right-hand sides: −tau_q, −tau_v (0 if null), then the columns of the controls. On entry
+  /// force_z (m x (2 n + nu)) is −c, on return λ; fx and fu receive a.
   template <class S>
   void solve_columns(const MassFactors<S>& factors, const S* tau_q, const S* tau_v,
                      ContactSet::Data<S>& contacts, S* fx, S* fu, Data<S>& data) const;
 
  private:
-  /// Rows of one branch and of the root that it hangs on; a branch without root is all rows.
+  /// Rows of one branch and of its root; a branch without a root includes all rows.
   struct Branch {
     int begin, end;
     int root_begin = 0, root_end = 0;
@@ -70,7 +71,7 @@ class ColumnSolver {
       return (row >= begin && row < end) || (row >= root_begin && row < root_end);
     }
   };
-  /// Columns of f whose rows are those of a branch.
+  /// Columns of f whose rows lie in one branch.
   struct Batch {
     Branch branch;
     std::vector<int> columns;
@@ -103,7 +104,7 @@ class ColumnSolver {
   std::vector<Batch> batches_;
   std::vector<Branch> branch_of_contact_;
   std::vector<std::vector<int>> contact_columns_;
-  std::vector<int> contact_offsets_;  ///< one more than contacts
+  std::vector<int> contact_offsets_;  ///< one more entry than contacts
   std::vector<std::vector<Entry>> controls_;
 };
 

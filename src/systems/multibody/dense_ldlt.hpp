@@ -4,9 +4,9 @@
 
 namespace conddp {
 
-/// Factors a symmetric positive definite matrix (n x n by columns, lower triangle) in place:
-/// A = L D Lᵀ with a unit lower triangle L below the diagonal and D⁻¹ on it. In lanes a matrix
-/// per lane; without pivots, hence without branches.
+/// Factors a symmetric positive definite matrix (n x n by columns, lower triangle) in place: A = L
+/// D Lᵀ. The unit lower triangle L is stored below the diagonal and D⁻¹ on it. Each lane holds its
+/// own matrix; no pivoting, hence no branches.
 template <class S>
 void factorize_ldlt(int n, S* A);
 

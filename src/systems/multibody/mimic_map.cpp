@@ -6,7 +6,7 @@
 namespace conddp {
 namespace {
 
-/// For each joint the index of its entry in model.mimics, −1 for independent joints.
+/// For each joint the index of its entry in model.mimics; −1 for independent joints.
 std::vector<int> checked_mimics(const RobotModel& model) {
   std::vector<int> entry(model.joint_count(), -1);
   const auto refuse = [&](const Mimic& mimic, const char* why) {
@@ -41,7 +41,7 @@ MimicMap::MimicMap(const RobotModel& model)
     nv_ += model.joints[i].nv();
   }
   for (int i = 0; i < model.joint_count(); ++i) {
-    if (mimics[i] >= 0) {  // a leader may come after those that follow it
+    if (mimics[i] >= 0) {  // a leader may come after its followers
       const Mimic& mimic = model.mimics[mimics[i]];
       configurations_.push_back({position_[mimic.leader], mimic.multiplier, mimic.offset});
       velocities_.push_back({velocity_[mimic.leader], mimic.multiplier, 0});
@@ -93,7 +93,7 @@ void MimicMap::reduce_symmetric(const S* full, S* A) const {
   for (int c = 0; c < n; ++c)
     for (int r = c; r < n; ++r) {
       const Entry &row = velocities_[r], &column = velocities_[c];
-      // Two full entries, (r, c) and (c, r), meet on the reduced diagonal.
+      // The full entries (r, c) and (c, r) add up on the reduced diagonal.
       const double twice = r != c && row.source == column.source ? 2 : 1;
       A[std::min(row.source, column.source) * nv_ + std::max(row.source, column.source)] +=
           full[c * n + r] * (twice * row.factor * column.factor);

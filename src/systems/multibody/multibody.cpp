@@ -30,7 +30,7 @@ void add_floating_names(const Joint& joint, std::vector<Column>& q, std::vector<
   for (const char* axis : {"wx", "wy", "wz"}) v.push_back({joint.name + "/" + axis, "rad/s"});
 }
 
-/// Loads are masses.
+/// A parameter that scales a load is a mass.
 void add_parameter_names(const RobotModel& robot, int joint, std::vector<Column>& q,
                          std::vector<Column>& v) {
   const bool is_mass = std::any_of(robot.loads.begin(), robot.loads.end(),
@@ -67,14 +67,14 @@ const Mimic* find_mimic(const RobotModel& model, int joint) {
   return nullptr;
 }
 
-/// Whether a joint can be driven on its own.
+/// True if a joint can be actuated independently.
 bool has_motor(const RobotModel& model, int joint) {
   const JointType type = model.joints[joint].type;
   return type != JointType::floating && type != JointType::parameter &&
          find_mimic(model, joint) == nullptr;
 }
 
-/// Appends a control that acts as one joint's generalised force.
+/// Appends a control that acts as one joint's generalized force.
 void add_joint(const RobotModel& model, int index, Actuation& actuation) {
   const Joint& joint = model.joints[index];
   if (joint.type == JointType::floating)
@@ -165,7 +165,7 @@ MultibodySystem::MultibodySystem(std::shared_ptr<const RobotModel> robot, Actuat
   solver_ = ColumnSolver(*robot_, !mimics_.identity(), nv(), contacts_, entries_, nu_);
 }
 
-/// Takes the matrix of the controls to the system's rows, and lists its entries.
+/// Transforms the control matrix to the system's rows, and lists its entries.
 void MultibodySystem::index_actuation() {
   const int n = nv();
   std::vector<double> B(n * nu_);
@@ -180,7 +180,8 @@ void MultibodySystem::index_actuation() {
 void MultibodySystem::add_passive_joints() {
   for (const Joint& joint : robot_->joints) {
     if (joint.type == JointType::floating) continue;
-    // A mimic joint's velocity is k times the row's, and the row feels k times its force.
+    // A mimic joint moves at k times the row's velocity, and its force acts on the row with the
+    // same factor k.
     const double k = std::abs(mimics_.factor(joint.v));
     const double damping = passive_.damping ? k * k * joint.damping : 0;
     const double friction = passive_.friction ? k * joint.friction : 0;

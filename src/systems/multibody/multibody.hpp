@@ -25,63 +25,61 @@ struct Thruster {
   double upper = kUnlimited;  ///< N
 };
 
-/// How controls act: generalised forces are B u with a constant nv x nu matrix.
+/// The action of controls: generalized forces are B u with a constant nv x nu matrix.
 struct Actuation {
   int nu = 0;
   std::vector<double> B;  ///< nv x nu by columns, rows of the model's velocity
   std::vector<Column> columns;
   std::vector<double> lower, upper;
 
-  /// One generalised force per independent one-DoF joint (none on joints that mimic another one),
-  /// in the model's order, with URDF effort limits.
+  /// One generalized force per independent one-DoF joint, in the model's order, with URDF effort
+  /// limits. Joints that mimic another one are not actuated.
   static Actuation full(const RobotModel& model);
-  /// The named joints alone. Throws std::invalid_argument on an unknown, floating or mimic joint.
+  /// Only the named joints. Throws std::invalid_argument on an unknown, floating or mimic joint.
   static Actuation joints(const RobotModel& model, const std::vector<std::string>& names);
-  /// Thrusters on the floating base, then the named joints. Throws std::invalid_argument where a
+  /// Thrusters on the floating base, then the named joints. Throws std::invalid_argument if a
   /// thruster's frame is not fixed to a floating base.
   static Actuation thrusters(const RobotModel& model, const std::vector<Thruster>& thrusters,
                              const std::vector<std::string>& joint_names);
 };
 
-/// Joint damping and Coulomb friction as the URDF states them; off unless asked for. Friction is
-/// smoothed: −friction·tanh(v / friction_velocity).
+/// Joint damping and Coulomb friction from the URDF; off by default. Friction is smoothed:
+/// −friction·tanh(v / friction_velocity).
 struct PassiveForces {
   bool damping = false;
   bool friction = false;
   double friction_velocity = 0.01;  ///< rad/s or m/s
 };
 
-/// Rigid-body dynamics of a RobotModel: x = (q, v), a = M⁻¹ (B u + passive − bias).
-/// Columns are named base/x .. base/qw, q/<joint>, then base/vx .. base/wz, v/<joint>; u/<joint>
-/// or u/<thruster>. A parameter of the robot is a column of its own name, and beside it its rate,
+/// Rigid-body dynamics of a RobotModel: x = (q, v), a = M⁻¹ (B u + passive − bias). Columns are
+/// named base/x .. base/qw, q/<joint>, then base/vx .. base/wz, v/<joint>; u/<joint> or
+/// u/<thruster>. A parameter of the robot has a column with its own name and one with its rate,
 /// <name>_rate; both are by_name_only.
-///
-/// Where joints mimic others, x holds the independent joints alone. With v_full = G v the dynamics
-/// are Gᵀ M G a = Gᵀ (B u + passive − bias); damping and friction of mimic joints act too.
-///
-/// With contacts, their forces λ act besides: M a = B u + passive − bias + Jᵀλ such that the
-/// contacts keep their accelerations (see Contact and ContactSet). As an impulse, the contacts stop
-/// at once: M (v⁺ − v) = Jᵀλ and J v⁺ = −restitution·J v, with λ in Ns and Nms and no control.
+/// With mimic joints, x contains only the independent joints. With v_full = G v the dynamics are Gᵀ
+/// M G a = Gᵀ (B u + passive − bias), including the damping and friction of mimic joints.
+/// With contacts, the dynamics are M a = B u + passive − bias + Jᵀλ, where the forces λ enforce the
+/// contacts' accelerations (see Contact and ContactSet). An impulse stops the contacts instantly: M
+/// (v⁺ − v) = Jᵀλ and J v⁺ = −restitution·J v, with λ in Ns and Nms and without controls.
 class MultibodySystem : public SystemBase<MultibodySystem> {
  public:
-  /// Throws std::invalid_argument as MimicMap does.
+  /// Throws std::invalid_argument under the conditions of MimicMap.
   MultibodySystem(std::shared_ptr<const RobotModel> robot, Actuation actuation,
                   PassiveForces passive = {}, std::vector<Contact> contacts = {});
-  /// An impulse at contacts (SystemKind::impulse); restitution from 0 (they stay) to 1.
+  /// An impulse at contacts (SystemKind::impulse); restitution from 0 (no rebound) to 1.
   MultibodySystem(std::shared_ptr<const RobotModel> robot, std::vector<Contact> contacts,
                   double restitution);
 
   ContactRank contact_rank(const double* x) const override;
   const MultibodySystem* as_multibody() const override { return this; }
 
-  /// Buffers of full coordinates and reduced matrices, all empty without mimic joints. n and nv
-  /// are the full and the reduced number of velocities.
+  /// Buffers of full coordinates and reduced matrices; empty without mimic joints. n and nv are the
+  /// full and the reduced number of velocities.
   template <class S>
   struct MimicData {
     AlignedVector<S> q, v;                ///< full configuration and velocity
     AlignedVector<S> M;                   ///< nv x nv: factors of Gᵀ M G
     AlignedVector<S> gravity, gravity_q;  ///< n, n x n
-    AlignedVector<S> columns;             ///< 6 x n: the same in full coordinates
+    AlignedVector<S> columns;             ///< 6 x n: RobotData's columns in full coordinates
   };
   template <class S>
   struct Data : SystemData<S> {
@@ -96,44 +94,44 @@ class MultibodySystem : public SystemBase<MultibodySystem> {
     ColumnSolver::Data<S> solver;
   };
 
-  /// The same system with these contacts and no others.
+  /// The same system with exactly these contacts.
   std::shared_ptr<MultibodySystem> with_contacts(std::vector<Contact> contacts) const;
 
-  /// Gives forces of contacts that depend on each other in a state (nx numbers), or nearly so, a
-  /// compliance in every state: on the way from there to where they do not, the rigid ones would
-  /// change by orders of magnitude within milliradians.
+  /// Adds a compliance, in every state, to contact forces that are redundant, or nearly so, in the
+  /// state x (nx numbers). Away from such a state, rigid forces would change by orders of magnitude
+  /// within milliradians.
   void soften_redundant_contacts(const double* x);
 
   const RobotModel& robot() const { return *robot_; }
   const std::shared_ptr<const RobotModel>& shared_robot() const { return robot_; }
-  /// Its B has the rows of the system's velocity: GᵀB where joints mimic others.
+  /// B has the rows of the system's velocity: GᵀB with mimic joints.
   const Actuation& actuation() const { return actuation_; }
   const ContactSet& contacts() const { return contacts_; }
   const PassiveForces& passive() const { return passive_; }
-  /// Velocity indices on which controls act, ascending.
+  /// Actuated velocity indices, ascending.
   std::vector<int> actuated_rows() const;
 
-  /// How the robot's coordinates follow from the state's.
+  /// Maps the system's coordinates to the robot's.
   const MimicMap& mimic_map() const { return mimics_; }
-  /// Where a joint's coordinates begin: in the state, in the state, and in the velocity (which is
-  /// also where its acceleration stands, and its position in a tangent vector). nullopt for a
-  /// mimic joint.
+  /// Indices of a joint's first position and velocity in the state, and of its velocity in v. The
+  /// latter is also the index of its acceleration and of its position in a tangent vector. nullopt
+  /// for a mimic joint.
   std::optional<int> position_index(int joint) const { return mimics_.position(joint); }
   std::optional<int> velocity_index(int joint) const;
   std::optional<int> velocity_row(int joint) const { return mimics_.velocity(joint); }
-  /// A robot's configuration and velocity, robot().nq and robot().nv numbers, to and from those of
-  /// the state (nq(), nv()); a mimic joint's numbers are ignored. Copies without mimic joints.
+  /// Convert between a robot's configuration and velocity (robot().nq and robot().nv numbers) and
+  /// those of the state (nq(), nv()). Reduction ignores mimic joints; without them both are copies.
   std::vector<double> reduce_configuration(const std::vector<double>& full) const;
   std::vector<double> expand_configuration(const std::vector<double>& q) const;
   std::vector<double> reduce_velocity(const std::vector<double>& full) const;
   std::vector<double> expand_velocity(const std::vector<double>& v) const;
-  /// Gᵀ f of the robot's generalised forces.
+  /// Gᵀ f for the robot's generalized forces.
   std::vector<double> reduce_force(const std::vector<double>& full) const;
 
   struct JointLimits {
     double lower, upper, max_velocity;
   };
-  /// A joint's own limits and those that joints which mimic it put on it.
+  /// A joint's own limits, tightened by those of the joints that mimic it.
   JointLimits limits(int joint) const;
 
   template <class S>
@@ -142,17 +140,17 @@ class MultibodySystem : public SystemBase<MultibodySystem> {
   void differentiate_as(const S* x, const S* u, Data<S>& data) const;
   template <class S>
   void update_kinematics_as(const S* x, Data<S>& data) const;
-  /// Gravity torques into data.gravity and, if asked for, their derivative into data.gravity_q.
-  /// Composite inertias must be current.
+  /// Writes gravity torques into data.gravity and, if requested, their derivative into
+  /// data.gravity_q. Composite inertias must be current.
   template <class S>
   void gravity_torques(Data<S>& data, bool derivative) const;
-  /// B u + passive forces at the velocity v of the state, into data.force.
+  /// Writes B u + passive forces, at the velocity v of the state, into data.force.
   template <class S>
   void applied_forces(const S* v, const S* u, Data<S>& data) const;
-  /// Adds to ∂tau/∂v (nv x nv by columns) what passive forces change.
+  /// Adds the contribution of passive forces to ∂tau/∂v (nv x nv by columns).
   template <class S>
   void add_passive_slopes(const S* v, S* tau_v) const;
-  /// Adds the same to the gradient of wᵀtau by v (nv).
+  /// Adds the same contribution to the gradient of wᵀtau by v (nv).
   template <class S>
   void add_passive_slopes(const S* v, const S* w, S* gradient) const;
   std::unique_ptr<SecondDerivatives> second_derivatives(
@@ -170,19 +168,19 @@ class MultibodySystem : public SystemBase<MultibodySystem> {
   Coordinates<S> full_coordinates(const S* x, Data<S>& data) const;
   template <class S>
   MassFactors<S> mass_factors(const Data<S>& data) const;
-  /// Kinematics and the factors of M.
+  /// Updates the kinematics and the factors of M.
   template <class S>
   void update_mass(const Coordinates<S>& full, Data<S>& data) const;
-  /// The contacts' Jacobians and the factors of their G; M must be factored.
+  /// Updates the contacts' Jacobians and the factors of G; M must be factored.
   template <class S>
   void prepare_contacts(Data<S>& data) const;
-  /// Adds the contacts' forces to what is halfway between forces and accelerations in data.f.
+  /// Adds the contact forces to data.f, which contains the half-solved right-hand side.
   template <class S>
   void hold_contacts(Data<S>& data) const;
-  /// Minus the derivatives of the contacts' accelerations or velocities into force_z.
+  /// Writes the negative derivatives of the contacts' accelerations or velocities into force_z.
   template <class S>
   void load_contact_derivatives(Data<S>& data) const;
-  /// v of the robot from that of the system.
+  /// Expands the velocity of the system to that of the robot.
   template <class S>
   void expand_velocity(const S* v, S* full) const;
   void index_actuation();
@@ -209,8 +207,8 @@ class MultibodySystem : public SystemBase<MultibodySystem> {
   Actuation actuation_;
   ContactSet contacts_;
   double restitution_ = 0;
-  std::shared_ptr<const RobotModel> weightless_;  ///< of impulses: no gravity, no wrenches
-  std::vector<ColumnSolver::Entry> entries_;      ///< non-zeros of B
+  std::shared_ptr<const RobotModel> weightless_;  ///< for impulses: no gravity, no wrenches
+  std::vector<ColumnSolver::Entry> entries_;      ///< nonzero entries of B
   ColumnSolver solver_;
   PassiveForces passive_;
   std::vector<PassiveJoint> passive_joints_;

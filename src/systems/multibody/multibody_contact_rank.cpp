@@ -6,13 +6,13 @@ namespace conddp {
 
 namespace {
 
-/// From how much of a unit vector of forces on a contact takes part in it.
+/// A contact participates in a unit vector of forces if one of its components exceeds this.
 constexpr double kTakesPart = 0.05;
-/// Scaled eigenvalues: below the first one forces are rounding, below the second one they change
-/// faster with the posture than solvers can follow.
+/// Bounds on scaled eigenvalues. Below the first, forces are due to rounding; below the second,
+/// they change too fast with the posture for solvers.
 constexpr double kIdle = 1e-5, kSoft = 1e-2;
 
-/// Rows whose forces move something: those with more than compliance in G.
+/// Rows whose forces have an effect: their diagonal entry of G exceeds ten times the compliance.
 std::vector<int> moving_rows(const Eigen::MatrixXd& G, double compliance) {
   std::vector<int> moving;
   for (int i = 0; i < G.rows(); ++i)
@@ -20,7 +20,7 @@ std::vector<int> moving_rows(const Eigen::MatrixXd& G, double compliance) {
   return moving;
 }
 
-/// The contacts that take part in forces that do nothing.
+/// The contacts that participate in forces without effect.
 std::vector<std::string> contacts_in(const ContactSet& contacts, const Eigen::MatrixXd& forces) {
   std::vector<std::string> names;
   if (forces.cols() == 0) return names;

@@ -14,7 +14,7 @@ void MultibodySystem::prepare_contacts(Data<S>& data) const {
 
 template <class S>
 void MultibodySystem::hold_contacts(Data<S>& data) const {
-  // Bodies still have their accelerations at zero generalised ones: the contacts' drift.
+  // Body accelerations are those at zero generalized accelerations: the drift of the contacts.
   ContactSet::Data<S>& c = data.contacts;
   for (int i = 0; i < contacts_.count(); ++i)
     contact_acceleration(*robot_, contacts_.contacts()[i], data.robot, c.contacts[i],
@@ -56,12 +56,12 @@ void MultibodySystem::differentiate_impulse(const S* x, Data<S>& data) const {
   solver_.solve_columns<S>(mass_factors(data), tau_q, nullptr, data.contacts, data.fx.data(),
                            data.fu.data(), data.solver);
   for (int i = 0; i < n; ++i) data.fx[(n + i) * n + i] += S(1.0);
-  // Costs see the velocities before the impulse.
+  // Costs use the velocities before the impulse.
   update_velocities(*robot_, full_coordinates(x, data).v, data.robot);
 }
 
-/// ∂(M δ − Jᵀλ)/∂q at δ = v⁺ − v: inverse dynamics at rest and without weight, δ and λ in the
-/// places of accelerations and forces.
+/// ∂(M δ − Jᵀλ)/∂q at δ = v⁺ − v. We use inverse dynamics at rest without gravity, with δ as
+/// accelerations and λ as forces.
 template <class S>
 const S* MultibodySystem::differentiate_impulse_balance(const S* x, Data<S>& data) const {
   ContactSet::Data<S>& c = data.contacts;
@@ -79,7 +79,7 @@ const S* MultibodySystem::differentiate_impulse_balance(const S* x, Data<S>& dat
   return data.fx.data();
 }
 
-/// The contacts' condition is J w = 0 with w = v⁺ + restitution·v; v⁺ − v = M⁻¹ Jᵀλ.
+/// The contact condition is J w = 0 with w = v⁺ + restitution·v; v⁺ − v = M⁻¹ Jᵀλ.
 template <class S>
 void MultibodySystem::differentiate_impulse_contacts(const S* x, Data<S>& data) const {
   S* velocity = data.velocity.data();

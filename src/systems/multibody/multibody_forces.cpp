@@ -6,8 +6,8 @@
 namespace conddp {
 namespace {
 
-/// 1/(1 + exp(2 v/scale)), so that tanh(v/scale) = 1 − 2·logistic; clamped where it saturates to
-/// rounding, which keeps exp finite.
+/// 1/(1 + exp(2 v/scale)), so that tanh(v/scale) = 1 − 2·logistic. The argument is clamped in
+/// saturation, which keeps exp finite.
 template <class S>
 S logistic(const S& v, double scale) {
   return S(1.0) / (S(1.0) + exp(max(S(-40.0), min(S(40.0), v * S(2 / scale)))));

@@ -7,9 +7,9 @@
 namespace conddp {
 
 /// Second derivatives of forward dynamics with contacts, for robots without mimic joints and
-/// external wrenches: with M a + b − Jᵀλ − B u = 0 and J a + c + ε λ = 0, weights (μ, ν) of (a, λ)
-/// have the adjoint M w₁ + Jᵀ w₂ = μ, −J w₁ + ε w₂ = ν, which the factors of the forward problem
-/// give. After Nganga, Wensing (IEEE RA-L 2021), with contacts.
+/// external wrenches. The equations are M a + b − Jᵀλ − B u = 0 and J a + c + ε λ = 0. Weights (μ,
+/// ν) of (a, λ) have the adjoint M w₁ + Jᵀ w₂ = μ, −J w₁ + ε w₂ = ν, solved with the factors of the
+/// forward problem. After Nganga, Wensing (IEEE RA-L 2021), extended by contacts.
 class MultibodySecondDerivatives : public SecondDerivatives {
  public:
   MultibodySecondDerivatives(const MultibodySystem& system, MultibodySystem::Data<Lane>& at,
@@ -25,15 +25,15 @@ class MultibodySecondDerivatives : public SecondDerivatives {
  private:
   using D = Dual<Lane>;
 
-  /// Everything that depends on the configuration.
+  /// Updates all quantities that depend on the configuration.
   void update_configuration(const D* x);
   void update_state(const D* x, bool of_configuration, bool of_velocity);
-  /// The gradient of wᵀr at the moving point with accelerations and forces that stay, into
-  /// gradient_; r of the contacts is what does not vanish.
+  /// Writes the gradient of wᵀr at the moving point, for constant accelerations and forces, into
+  /// gradient_. The rows r of the contacts are their nonzero residuals.
   void differentiate_balance(const D* x);
   void subtract_balance(const D* x, Lane* column);
   void couple_forces(Lane* coupling) const;
-  /// Gives the forces of `moving` these derivatives, one for each row of the contacts.
+  /// Sets these derivatives of the forces of `moving`, one for each row of the contacts.
   template <class Slope>
   void set_forces(const Slope& slope);
 
@@ -41,8 +41,8 @@ class MultibodySecondDerivatives : public SecondDerivatives {
   MultibodySystem::Data<Lane>& at_;
   MultibodySystem::Data<D>& moving_;
   int n_, m_, nz_;
-  /// Coordinates of the configuration on which inverse dynamics and contacts do not depend: the
-  /// position of a floating base.
+  /// True for coordinates that neither inverse dynamics nor contacts depend on: the position of a
+  /// floating base.
   std::vector<bool> free_;
   bool configuration_moves_ = false, velocity_moves_ = false;
   AlignedVector<Lane> weight_;        ///< w₁, then w₂
@@ -101,13 +101,13 @@ void MultibodySecondDerivatives::move_force(int row) {
 }
 
 void MultibodySecondDerivatives::weigh(const Lane* of_f, const Lane* of_forces) {
-  // The forward problem with another right-hand side: its forces are −w₂.
+  // The adjoint is a forward problem with another right-hand side; its forces are −w₂.
   Lane* w = weight_.data();
   std::copy_n(of_f, n_, w);
   const MassFactors<Lane> factors = system_.mass_factors(at_);
   system_.solver_.solve_first_half(factors, w);
   if (m_ > 0) {
-    // Where the answer stood for a moment it has to be again.
+    // The force vector is borrowed for the solve and restored afterwards.
     Lane* force = at_.contacts.force.data();
     for (int r = 0; r < m_; ++r) {
       w[n_ + r] = force[r];
@@ -163,7 +163,7 @@ void MultibodySecondDerivatives::move(const Dual<Lane>* x, int d, Lane* gradient
   set_forces([this, d](int r) { return at_.contacts.force_z[d * m_ + r]; });
 }
 
-/// With forces at rest.
+/// Subtracts the balance at constant forces.
 void MultibodySecondDerivatives::subtract_balance(const D* x, Lane* column) {
   set_forces([](int) { return Lane(0.0); });
   differentiate_balance(x);
@@ -173,7 +173,7 @@ void MultibodySecondDerivatives::subtract_balance(const D* x, Lane* column) {
   }
 }
 
-/// What depends on the state, as far as it moves now or moved before.
+/// Updates the quantities that depend on parts of the state that move now or moved before.
 void MultibodySecondDerivatives::update_state(const D* x, bool of_configuration, bool of_velocity) {
   if (of_configuration || configuration_moves_) update_configuration(x);
   if (of_configuration || of_velocity || configuration_moves_ || velocity_moves_)
