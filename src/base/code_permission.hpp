@@ -2,13 +2,13 @@
 
 namespace conddp {
 
-/// The option of the tool that allows it.
+/// The command-line option that allows compiled code.
 inline constexpr const char* kAllowCode = "--allow-code";
 
-/// Whether this process may run compiled code that problem files name. Such code has all rights of
-/// the process, so that a file cannot permit it itself: a person does. Off at the beginning.
+/// True if this process may run compiled code that problem files name. Such code has all rights of
+/// the process, so a file cannot grant the permission; the user does. Initially false.
 bool code_is_allowed();
-/// From now on, for the whole process and all its threads.
+/// Allows compiled code from now on, for the whole process and all its threads.
 void allow_code();
 
 }  // namespace conddp

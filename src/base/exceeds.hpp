@@ -6,16 +6,17 @@
 
 namespace conddp {
 
-/// Relative margin between two values that count as different: less than three printed digits show.
+/// Relative margin beyond which two values count as different; it is visible in at most three
+/// printed digits.
 inline constexpr double kTie = 1e-3;
 
-/// Whether a candidate replaces the worst value so far. The first of nearly equal values stays, so
-/// that their order names the worst one and not the rounding of a processor.
+/// True if a candidate replaces the worst value so far. The first of nearly equal values stays, so
+/// that their order decides and not a processor's rounding.
 inline bool exceeds(double candidate, double worst) {
   return candidate - worst > kTie * std::min(std::abs(candidate), std::abs(worst));
 }
 
-/// The index of the worst of several values, by exceeds().
+/// The index of the worst of several values, according to exceeds().
 template <class Values>
 int worst_of(const Values& values) {
   int worst = 0;
@@ -24,7 +25,7 @@ int worst_of(const Values& values) {
   return worst;
 }
 
-/// Puts the worst by exceeds() first, then the worst of the rest.
+/// Sorts by exceeds(): the worst value first, then the worst of the rest.
 template <class Iterator, class Value>
 void sort_worst_first(Iterator first, Iterator last, Value value_of) {
   for (; first != last; ++first) {

@@ -8,7 +8,7 @@
 
 namespace conddp {
 
-/// Normal numbers by Box and Muller, so that a seed gives the same ones with every standard
+/// Normally distributed numbers (Box-Muller). A seed gives the same sequence with every standard
 /// library.
 class NormalNumbers {
  public:

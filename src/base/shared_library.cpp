@@ -7,7 +7,7 @@
 namespace conddp {
 namespace {
 
-/// `found`, or the linker's reason as an exception.
+/// Returns `found`; throws with the linker's message if it is null.
 void* checked(void* found, const std::string& what) {
   if (found == nullptr) throw LibraryError(fmt::format("{} cannot be loaded: {}", what, dlerror()));
   return found;

@@ -4,7 +4,7 @@
 
 namespace conddp {
 
-/// Adds the time until its end to a sum of seconds.
+/// Adds its own lifetime to a sum of seconds.
 class Stopwatch {
  public:
   explicit Stopwatch(double& sum) : sum_(sum), began_(std::chrono::steady_clock::now()) {}

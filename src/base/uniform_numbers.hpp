@@ -5,8 +5,8 @@
 
 namespace conddp {
 
-/// Uniform numbers from [0, 1) of 53 bits, so that a seed gives the same ones with every standard
-/// library.
+/// Uniformly distributed numbers in [0, 1) with 53 bits. A seed gives the same sequence with every
+/// standard library.
 class UniformNumbers {
  public:
   explicit UniformNumbers(std::uint64_t seed) : engine_(seed) {}

@@ -8,7 +8,7 @@ namespace conddp {
 template <class S>
 void update_placements(const RobotModel& model, const S* q, RobotData<S>& data);
 
-/// Writes v and psi_dot from generalised velocities (nv); placements must be current.
+/// Writes v and psi_dot from generalized velocities (nv); placements must be current.
 template <class S>
 void update_velocities(const RobotModel& model, const S* velocity, RobotData<S>& data);
 

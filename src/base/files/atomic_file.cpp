@@ -22,8 +22,8 @@ namespace {
   throw OutputError(fmt::format("'{}' cannot be written: {}", file.string(), std::strerror(error)));
 }
 
-/// Where the contents of a file go: to what it links to. Nothing but a regular file is replaced: in
-/// the place of a device, pipe or socket there would be a regular file afterwards.
+/// The file that receives the contents, after following links. Only a regular file may be replaced:
+/// replacing a device, pipe or socket would turn it into a regular file.
 std::filesystem::path written_file(const std::filesystem::path& file) {
   std::error_code error;
   switch (std::filesystem::status(file, error).type()) {
@@ -39,7 +39,7 @@ std::filesystem::path written_file(const std::filesystem::path& file) {
       throw OutputError(
           fmt::format("'{}' cannot be written: it is not a regular file", file.string()));
   }
-  constexpr int kMostLinks = 40;  // as many as the system has followed
+  constexpr int kMostLinks = 40;  // the system's own limit
   std::filesystem::path target = file;
   for (int links = 0; links < kMostLinks && std::filesystem::is_symlink(target, error); ++links) {
     target = target.parent_path() / std::filesystem::read_symlink(target, error);
@@ -57,14 +57,14 @@ std::filesystem::path folder_of(const std::filesystem::path& file) {
   return file.parent_path().empty() ? "." : file.parent_path();
 }
 
-/// Removes what killed processes left of this file under temporary names: those without a lock.
+/// Removes temporary files of this file that killed processes left behind: those without a lock.
 void remove_leftovers(const std::filesystem::path& file) {
   const std::string start = "." + file.filename().string() + ".";
   std::error_code error;
   for (const auto& entry : std::filesystem::directory_iterator(folder_of(file), error)) {
     const std::string name = entry.path().filename().string();
     if (!name.starts_with(start) || !name.ends_with(".tmp")) continue;
-    // A pipe of such a name is not ours, and opening it would wait for a writer.
+    // A pipe with such a name belongs to another program, and opening it would wait for a writer.
     if (std::error_code unknown; !std::filesystem::is_regular_file(entry.symlink_status(unknown)))
       continue;
     Descriptor leftover(
@@ -74,14 +74,15 @@ void remove_leftovers(const std::filesystem::path& file) {
   }
 }
 
-/// Makes a file, locked so that no other process takes it for a leftover.
+/// Creates a file and locks it, so that no other process removes it as a leftover.
 int create_locked(const std::filesystem::path& temporary, const std::filesystem::path& file) {
   for (;;) {
     Descriptor made(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
     if (made.get() < 0) fail(file, errno);
     struct stat found {};
     if (::flock(made.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) continue;
-    if (::fstat(made.get(), &found) == 0 && found.st_nlink == 0) continue;  // taken for one already
+    if (::fstat(made.get(), &found) == 0 && found.st_nlink == 0)
+      continue;  // another process has already removed it
     return made.release();
   }
 }
@@ -119,8 +120,8 @@ void AtomicFiles::add(const std::filesystem::path& name, const std::string& cont
 }
 
 void AtomicFiles::commit() {
-  // All at the end: a disk takes several files in little more time than one. Pipes and the like
-  // cannot be flushed to it, which is no defect.
+  // Flushes all files at the end: a disk needs little more time for several files than for one.
+  // Pipes and the like cannot be flushed, which is not an error.
   for (const Pending& p : pending_)
     if (::fsync(p.lock) != 0 && errno != EINVAL && errno != ENOTSUP) fail(p.file, errno);
   for (Pending& p : pending_) {
@@ -137,7 +138,7 @@ void AtomicFiles::commit() {
   std::set<std::filesystem::path> folders;
   for (const Pending& p : pending_) folders.insert(folder_of(p.file));
   for (const std::filesystem::path& path : folders)
-    sync_to_disk(path);  // so that the names survive a power cut
+    sync_to_disk(path);  // so that the names survive a power failure
   for (const Pending& p : pending_) {
     if (!p.former.empty()) ::unlink(p.former.c_str());
     ::close(p.lock);
@@ -146,7 +147,7 @@ void AtomicFiles::commit() {
   hold_.reset();
 }
 
-/// Takes back the renames of the files from `first` on.
+/// Reverts the renames of the files from index `first` onwards.
 void AtomicFiles::restore(std::size_t first) {
   for (std::size_t i = first; i < pending_.size(); ++i) {
     Pending& p = pending_[i];

@@ -10,13 +10,13 @@
 
 namespace conddp {
 
-/// A file could not be written; the message names it and says why.
+/// A file could not be written; the message names the file and the reason.
 class OutputError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// While it lives, signals that end the process wait, as far as they come to this thread.
+/// Blocks signals that end the process while it exists, if they are delivered to this thread.
 class SignalHold {
  public:
   SignalHold();
@@ -28,39 +28,39 @@ class SignalHold {
   sigset_t former_;
 };
 
-/// Files that appear together and whole: each is written under a temporary name in its folder and
-/// flushed to the disk; only when all are there are they renamed, the first one added last. If
-/// anything goes wrong, files of the same names stay as they were and no temporary one is left.
-/// Signals that end the process wait from the first file to the last. Only one that is killed all
-/// the same, between two renames, leaves some new and some former files, each of them whole; what
-/// it leaves under temporary names is removed by the next one that writes there.
+/// A set of files that appear together and complete. Each is written under a temporary name in its
+/// folder and flushed to disk. They are renamed only when all are complete, the first one added
+/// last. After an error the previous files are unchanged, and no temporary file remains. Signals
+/// that end the process are blocked from the first file to the last. A process killed between two
+/// renames leaves some new and some former files, each complete. The next process that writes there
+/// removes its temporary files.
 class AtomicFiles {
  public:
   AtomicFiles() = default;
   AtomicFiles(const AtomicFiles&) = delete;
   AtomicFiles& operator=(const AtomicFiles&) = delete;
-  /// Removes what was not committed.
+  /// Removes all files that were not committed.
   ~AtomicFiles();
 
-  /// Writes the temporary file. A link stays one, and what it leads to is written. Throws
-  /// OutputError, also where the name is that of a folder, device, pipe or socket.
+  /// Writes the temporary file. A link is preserved, and its target is written. Throws OutputError,
+  /// also if the name is that of a folder, device, pipe or socket.
   void add(const std::filesystem::path& file, const std::string& contents);
-  /// Gives all files their names. Throws OutputError.
+  /// Renames all files to their final names. Throws OutputError.
   void commit();
 
  private:
   struct Pending {
     std::filesystem::path temporary;
     std::filesystem::path file;
-    int lock;                      ///< descriptor that shows others that we are alive
-    std::filesystem::path former;  ///< second name of the file to be replaced, while renaming
+    int lock;  ///< descriptor with a lock that shows other processes that we are alive
+    std::filesystem::path former;  ///< second name of the replaced file during renaming
   };
   void restore(std::size_t first);
-  std::optional<SignalHold> hold_;  ///< goes last: signals come when nothing is left
+  std::optional<SignalHold> hold_;  ///< destroyed last: pending signals arrive after the cleanup
   std::vector<Pending> pending_;
 };
 
-/// Makes a folder and those above it. Throws OutputError.
+/// Creates a folder and its parents. Throws OutputError.
 void create_folder(const std::filesystem::path& folder);
 
 }  // namespace conddp

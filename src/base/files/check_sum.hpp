@@ -5,8 +5,8 @@
 
 namespace conddp {
 
-/// A sum that tells bytes that are torn or overwritten from whole ones, many times faster than a
-/// hash. It protects from accidents alone, and depends on the byte order of the machine.
+/// A checksum that detects torn or overwritten bytes, many times faster than a hash. It protects
+/// only against accidents, and depends on the machine's byte order.
 std::uint64_t check_sum(std::string_view bytes);
 
 }  // namespace conddp

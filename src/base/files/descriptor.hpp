@@ -6,7 +6,7 @@
 
 namespace conddp {
 
-/// An open file descriptor; a negative number is none.
+/// An open file descriptor; negative if invalid.
 class Descriptor {
  public:
   explicit Descriptor(int number) : number_(number) {}
@@ -17,7 +17,8 @@ class Descriptor {
   Descriptor& operator=(const Descriptor&) = delete;
   int get() const { return number_; }
   int release() { return std::exchange(number_, -1); }
-  /// Some file systems report a full disk only here.
+  /// Closes the descriptor. Returns false on errors: some file systems report a full disk only
+  /// here.
   bool close() { return ::close(std::exchange(number_, -1)) == 0; }
 
  private:

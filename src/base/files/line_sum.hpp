@@ -5,13 +5,13 @@
 
 namespace conddp {
 
-/// A JSON object on a line with a check sum of it in front, `{"sum":"01234567",...}`.
+/// A single-line JSON object with its checksum as first member, `{"sum":"01234567",...}`.
 std::string with_sum(std::string_view line);
 
-/// Whether a line begins with a check sum.
+/// True if a line begins with a checksum.
 bool has_sum(std::string_view line);
 
-/// The line without its sum; empty where it has none or that does not fit.
+/// The line without its checksum; empty if the checksum is missing or wrong.
 std::string without_sum(std::string_view line);
 
 }  // namespace conddp

@@ -4,8 +4,8 @@
 
 namespace conddp {
 
-/// Waits until a file's contents, or a folder's names, are on the disk. False, with errno, where
-/// that failed; what cannot be flushed, such as a pipe, is no failure.
+/// Waits until a file's contents, or a folder's entries, are on disk. Returns false, with errno
+/// set, on failure. Files that cannot be flushed, such as pipes, are not an error.
 bool sync_to_disk(const std::filesystem::path& path);
 
 }  // namespace conddp

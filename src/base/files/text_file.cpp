@@ -14,7 +14,7 @@ namespace conddp {
 
 namespace {
 
-/// What keeps a path from being a regular file.
+/// Why a path is not a regular file.
 std::string defect_of_path(const std::filesystem::path& file) {
   std::error_code error;
   const auto status = std::filesystem::status(file, error);
@@ -33,7 +33,7 @@ TextFile read_text_file(const std::filesystem::path& file, std::size_t limit) {
     return TextFile{{}, fmt::format("'{}' {}", file.string(), what)};
   };
   if (const std::string defect = defect_of_path(file); !defect.empty()) return fail(defect);
-  // Some files of the kernel's are regular, and reading them waits for the next event.
+  // Some kernel files are regular, but reading them would wait for the next event.
   const Descriptor descriptor(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   if (descriptor.get() < 0) return fail(fmt::format("cannot be opened: {}", std::strerror(errno)));
   std::string text;

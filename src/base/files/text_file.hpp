@@ -6,14 +6,14 @@
 
 namespace conddp {
 
-/// What stands in a file, or why that is not known.
+/// The contents of a file, or the reason why it could not be read.
 struct TextFile {
   std::string text;
-  std::string defect;  ///< a sentence that names the file, empty if it was read
+  std::string defect;  ///< a sentence that names the file; empty on success
 };
 
-/// Reads a regular file of at most `limit` bytes. Folders, devices and pipes are not read, so that
-/// nothing waits or goes on for ever.
+/// Reads a regular file of at most `limit` bytes. Folders, devices and pipes are rejected, because
+/// reading them could block or never end.
 TextFile read_text_file(const std::filesystem::path& file, std::size_t limit);
 
 }  // namespace conddp

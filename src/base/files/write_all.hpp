@@ -4,8 +4,8 @@
 
 namespace conddp {
 
-/// Writes a whole text to a descriptor that blocks, also where signals interrupt it. False where it
-/// cannot be written, with the reason in errno; a part of it may have been.
+/// Writes a whole text to a blocking descriptor, and continues after interrupting signals. Returns
+/// false on errors, with the reason in errno; part of the text may have been written.
 bool write_all(int descriptor, std::string_view text);
 
 }  // namespace conddp

@@ -16,7 +16,7 @@ namespace {
 using Json = nlohmann::json;
 using Keys = std::span<const std::string_view>;
 
-/// The place of a byte of the text (the end of the text where it is shorter).
+/// The mark of a byte of the text, or of the end of the text beyond it.
 Mark mark_at(const std::string& text, std::size_t byte, int source, const Diagnostics& out) {
   const std::string_view before = std::string_view(text).substr(0, std::min(byte, text.size()));
   const std::size_t start = before.rfind('\n') + 1;  // npos + 1 is 0
@@ -25,7 +25,7 @@ Mark mark_at(const std::string& text, std::size_t byte, int source, const Diagno
   return {source, line, column};
 }
 
-/// What the parser keeps of a document: of the outermost object the wanted members alone.
+/// Filters a document while it is parsed: of the outermost object only the wanted members are kept.
 class Sieve {
  public:
   explicit Sieve(Keys wanted) : wanted_keys_(wanted) {}
@@ -47,7 +47,8 @@ class Sieve {
   }
 
  private:
-  static constexpr int kMaxDepth = 100;  // a configuration is as deep as a problem file may be
+  static constexpr int kMaxDepth =
+      100;  // a configuration is nested as deeply as a problem file may be
   static constexpr int kMaxValues =
       5'000'000;  // a document takes many times the memory of its text
 
@@ -66,8 +67,9 @@ class Sieve {
 
   Keys wanted_keys_;
   int values_ = 0;
-  bool wanted_ = true;  ///< whether the values are kept; it is asked for those that are not, too
-  std::array<std::set<std::string>, kMaxDepth + 2> keys_;  ///< of the objects that are open
+  bool wanted_ =
+      true;  ///< true if the values are kept; the callback also runs for discarded values
+  std::array<std::set<std::string>, kMaxDepth + 2> keys_;  ///< of the open objects
 };
 
 Json parse(const std::string& text, Keys wanted_keys) {
@@ -77,7 +79,7 @@ Json parse(const std::string& text, Keys wanted_keys) {
   });
 }
 
-/// What the parser says, without its own bookkeeping: "... syntax error while parsing value - ...".
+/// The parser's message, without its internal codes: "... syntax error while parsing value - ...".
 std::string reason(const Json::exception& e) {
   const std::string_view text = e.what();
   for (const std::string_view start : {"syntax error ", "] "})
@@ -86,7 +88,7 @@ std::string reason(const Json::exception& e) {
   return std::string(text);
 }
 
-/// "solution or closed loop".
+/// Joins the names of several kinds: "solution or closed loop".
 std::string words_of(std::span<const DocumentKind> kinds) {
   std::string words;
   for (const DocumentKind& kind : kinds)
@@ -112,7 +114,7 @@ bool is_object(std::string_view text) {
   return first != text.npos && text[first] == '{';
 }
 
-/// Reads a document of one of several kinds.
+/// Reads a document that may be of several kinds.
 std::optional<Json> parse_kinds(const std::string& text, const std::string& name,
                                 std::span<const DocumentKind> kinds, Keys keys, Diagnostics& out) {
   const int source = out.add_source(name, text);
@@ -130,7 +132,7 @@ std::optional<Json> parse_kinds(const std::string& text, const std::string& name
     out.error({{source, 0, 0}, {}},
               fmt::format("the {} cannot be used: {}", words_of(kinds), e.what()));
   } catch (const Json::out_of_range& e) {
-    // "number overflow parsing '1e999'": the place is where that number stands.
+    // The message is "number overflow parsing '1e999'"; we report the position of that number.
     const std::string_view what = e.what();
     const std::size_t open = std::min(what.find('\''), what.size());
     const std::string_view number =

@@ -7,8 +7,8 @@
 
 namespace conddp {
 
-/// An empty object with memory for so many entries. One that outgrows its memory copies all that it
-/// holds: of a large document more than once.
+/// An empty object with capacity for `entries` members. Growing beyond the capacity copies all
+/// contents, for a large document more than once.
 inline OrderedJson json_object(std::size_t entries) {
   OrderedJson::object_t object;
   object.reserve(entries);

@@ -12,15 +12,15 @@
 namespace conddp {
 namespace {
 
-/// The shortest digits that give a number back, and how many of them stand before its point: fewer
-/// than none where zeros follow the point.
+/// The shortest digits that reproduce a number, and the count of digits before its point; negative
+/// if zeros follow the point.
 struct Digits {
   std::array<char, 24> digits;
   int count = 0;
   int point = 0;
 };
 
-/// `value`: positive and finite.
+/// `value` must be positive and finite.
 Digits shortest_digits(double value) {
   std::array<char, 32> buffer;
   const char* const end =
@@ -34,7 +34,7 @@ Digits shortest_digits(double value) {
   return found;
 }
 
-/// "1e-09" and the like.
+/// Appends scientific notation such as "1e-09".
 void append_scientific(const Digits& number, std::string& text) {
   text += number.digits[0];
   if (number.count > 1) (text += '.').append(number.digits.data() + 1, number.count - 1);
@@ -44,11 +44,12 @@ void append_scientific(const Digits& number, std::string& text) {
   text += std::to_string(std::abs(exponent));
 }
 
-/// Most digits before the point of a number without exponent, and zeros behind its point.
+/// Limits of numbers without exponent: digits before the point, and zeros after it.
 constexpr int kMostBefore = 15, kMostZeros = 3;
 constexpr double kLargestPlain = 1e15, kSmallestPlain = 1e-4;
 
-/// Appends a number that std::to_chars writes without exponent, as most are; else returns false.
+/// Appends a number that std::to_chars writes without exponent, the usual case. Otherwise returns
+/// false.
 bool append_plain(double value, std::string& text) {
   if (!(std::abs(value) >= kSmallestPlain && std::abs(value) < kLargestPlain)) return false;
   std::array<char, 32> buffer;
@@ -60,7 +61,7 @@ bool append_plain(double value, std::string& text) {
   return true;
 }
 
-/// Always with a point or an exponent, which tell it from a whole number.
+/// Always writes a point or an exponent, to distinguish the number from an integer.
 void append_number(double value, std::string& text) {
   if (!std::isfinite(value)) {
     text += "null";
@@ -97,7 +98,7 @@ bool is_plain(std::string_view string) {
                      [](char c) { return c >= ' ' && c < '\x7f' && c != '"' && c != '\\'; });
 }
 
-/// What bytes become that are no UTF-8.
+/// Treatment of bytes that are not UTF-8.
 using BadBytes = OrderedJson::error_handler_t;
 
 void append_string(const std::string& string, BadBytes bad, std::string& text) {
@@ -107,7 +108,7 @@ void append_string(const std::string& string, BadBytes bad, std::string& text) {
     text += OrderedJson(string).dump(-1, ' ', false, bad);
 }
 
-/// A list of some numbers of a block.
+/// Appends a list of `count` numbers of a block.
 void append_numbers(const NumberBlock& block, std::size_t first, std::size_t count,
                     std::string& text) {
   text += '[';
@@ -118,7 +119,7 @@ void append_numbers(const NumberBlock& block, std::size_t first, std::size_t cou
   text += ']';
 }
 
-/// What stands before, between and behind the rows of a table.
+/// Text before, between and after the rows of a table.
 struct TableMarks {
   std::string before, between, behind;
 };
@@ -133,7 +134,7 @@ void append_block(const NumberBlock& block, const TableMarks& marks, std::string
   text += marks.behind;
 }
 
-/// On one line, without blanks.
+/// Writes a value on one line, without blanks.
 void append_compact(const OrderedJson& value, BadBytes bad, std::string& text) {
   using Type = OrderedJson::value_t;
   switch (value.type()) {
@@ -174,7 +175,8 @@ bool is_flat(const OrderedJson& value) {
                       [](const OrderedJson& part) { return entries_of(part) || part.is_object(); });
 }
 
-/// Objects inside a list are rows of a table.
+/// True for scalars, empty values and flat lists. Flat objects in a list are table rows and also
+/// stay on one line.
 bool stays_on_one_line(const OrderedJson& value, bool in_list) {
   return !value.is_structured() || value.empty() ||
          (is_flat(value) && (value.is_array() || in_list));

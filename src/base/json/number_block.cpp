@@ -10,7 +10,7 @@
 namespace conddp {
 namespace {
 
-/// Rows and columns stand before the numbers.
+/// Rows and columns, stored before the numbers.
 using Head = std::array<std::uint32_t, 2>;
 
 OrderedJson make_block(const Head& head, std::span<const double> numbers) {

@@ -12,35 +12,35 @@
 
 namespace conddp {
 
-/// A list of numbers, or a table of them row by row, as one value of a document: their bytes. A
-/// document with blocks is made, read and stored many times faster than one with lists. JSON has no
-/// blocks: with_lists() turns them into lists, and JSON texts have lists in their place. What is
-/// not finite is NaN in a block, null in a list.
+/// A list of numbers, or a table of them by rows, stored as bytes in a single value of a document.
+/// A document with blocks is made, read and stored many times faster than one with lists. JSON does
+/// not support blocks: with_lists() converts them into lists, and JSON texts contain lists instead.
+/// Numbers that are not finite are NaN in a block, null in a list.
 OrderedJson number_block(std::span<const double> list);
 OrderedJson number_block(std::size_t rows, std::size_t columns, std::span<const double> table);
 
-/// A view of a block. It lives no longer than the value.
+/// A view of a block; valid as long as the value exists.
 class NumberBlock {
  public:
-  /// Nothing where the value is no block.
+  /// Nothing if the value is not a block.
   static std::optional<NumberBlock> of(const OrderedJson& value);
 
-  /// Entries of a list, or rows of a table.
+  /// Number of list entries, or of table rows.
   std::size_t size() const { return is_table() ? rows_ : columns_; }
   bool is_table() const { return rows_ != kList; }
-  /// Columns of a table.
+  /// Number of columns of a table.
   std::size_t columns() const { return columns_; }
-  /// One of all numbers, row by row.
+  /// Number i of all, row by row.
   double number(std::size_t i) const {
     double value = 0;
     std::memcpy(&value, numbers_ + i * sizeof value, sizeof value);
     return value;
   }
-  /// How many of all numbers are not numbers.
+  /// The count of NaN values.
   std::size_t count_nan() const;
-  /// All numbers, row by row; `out` has as many.
+  /// Copies all numbers, row by row, to `out`, which must have room for them.
   void copy(double* out) const;
-  /// A row of a table; `out` has as many numbers as there are columns.
+  /// Copies a row of a table to `out`, which must have room for columns() numbers.
   void copy_row(std::size_t row, double* out) const;
 
  private:
@@ -52,14 +52,14 @@ class NumberBlock {
   friend OrderedJson number_block(std::span<const double> list);
 };
 
-/// Entries of a list or of a block; nothing where the value is neither.
+/// Size of a list or of a block; nothing if the value is neither.
 std::optional<std::size_t> entries_of(const OrderedJson& list);
 
-/// The document with lists in the place of blocks.
+/// The document with lists instead of blocks.
 OrderedJson with_lists(OrderedJson document);
 
-/// A document in CBOR (RFC 8949), which holds blocks as they are, and back: a discarded value where
-/// the bytes are none.
+/// Converts a document to and from CBOR (RFC 8949), which stores blocks natively. Invalid bytes
+/// give a discarded value.
 std::string packed_document(const OrderedJson& document);
 OrderedJson unpacked_document(std::string_view bytes);
 

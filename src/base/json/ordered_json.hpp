@@ -6,10 +6,10 @@
 
 namespace conddp {
 
-/// JSON whose keys keep the order in which they were put in.
+/// JSON that keeps the insertion order of keys.
 using OrderedJson = nlohmann::ordered_json;
 
-/// The number, or null for what JSON has no number for.
+/// The number, or null if it is not finite, which JSON cannot represent.
 inline OrderedJson finite_or_null(double value) {
   return std::isfinite(value) ? OrderedJson(value) : OrderedJson(nullptr);
 }

@@ -7,10 +7,11 @@
 
 namespace conddp {
 
-/// A file as a problem in this folder names it; an empty folder is the one where the tool runs.
+/// The path of a file as written in a problem of this folder; an empty folder is the working
+/// directory.
 std::string relative_path(const std::filesystem::path& file, const std::filesystem::path& folder);
 
-/// Renames the files that an expanded problem of the folder `from` names, for one in `folder`.
+/// Rewrites the file paths of an expanded problem from the folder `from` for a problem in `folder`.
 void make_paths_relative(OrderedJson& problem, const std::filesystem::path& from,
                          const std::filesystem::path& folder);
 

@@ -7,12 +7,12 @@
 
 namespace conddp {
 
-/// Thrown where a document that conddp should have written has not the shape that it should have.
+/// Thrown if the structure of a document does not match the format that conddp writes.
 struct MalformedSolution : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// A member of an object, which must be there. `Json`: nlohmann's, with or without the keys' order.
+/// A required member of an object. `Json` is nlohmann's type, with or without key order.
 template <class Json>
 const Json& solution_member(const Json& object, const char* key) {
   const auto found = object.find(key);
@@ -21,7 +21,7 @@ const Json& solution_member(const Json& object, const char* key) {
   return *found;
 }
 
-/// A member that must be a text, or a list.
+/// A member that must be text; below, one that must be a list.
 template <class Json>
 std::string solution_text(const Json& object, const char* key) {
   const Json& value = solution_member(object, key);

@@ -6,13 +6,14 @@
 namespace conddp {
 namespace {
 
-/// A text in quotes, and where its cell ends: at a comma or the end of the line.
+/// A quoted text, and the end of its cell: at a comma or the end of the line.
 struct Quoted {
   std::string text;
   std::size_t end;
 };
 
-/// The text whose quote opens at `start`; nothing where it is not closed before the cell's end.
+/// The text whose opening quote is at `start`; nothing if the quote is not closed before the cell
+/// ends.
 std::optional<Quoted> read_quoted(std::string_view line, std::size_t start) {
   std::string text;
   for (std::size_t at = start + 1; at < line.size(); ++at) {

@@ -6,21 +6,21 @@
 
 namespace conddp {
 
-/// A cell of a line of a CSV file.
+/// A cell in a line of a CSV file.
 struct CsvCell {
-  std::string text;  ///< without spaces and quotes around it
-  int byte;          ///< where it begins in the line, with its quotes; an empty one: the cell
+  std::string text;  ///< without surrounding spaces and quotes
+  int byte;          ///< offset in the line, including quotes; for an empty text, that of the cell
 };
 
-/// The cells of a line, whose end is not part of it. Quotes are those of RFC 4180: between them
-/// commas and spaces are part of the text, and two quotes are one. A quote that does not begin a
-/// cell, or is not closed before its end, is part of the text.
+/// The cells of a line, given without its line end. Quotes follow RFC 4180: between them commas and
+/// spaces are part of the text, and two quotes mean one. A quote is part of the text if it does not
+/// begin a cell or is not closed before the cell ends.
 std::vector<CsvCell> split_csv_line(std::string_view line);
 
-/// Without spaces, tabs and a carriage return around it.
+/// The text without surrounding spaces, tabs and a carriage return.
 std::string_view trimmed_csv(std::string_view text);
 
-/// Whether spreadsheets take a cell that begins like this text for a formula and compute it.
+/// True if spreadsheets evaluate a cell that begins with this text as a formula.
 bool begins_formula(std::string_view text);
 
 }  // namespace conddp

@@ -12,7 +12,7 @@
 namespace conddp {
 namespace {
 
-/// So many characters of a line from the first one on, with blanks for tabs.
+/// `count` characters of a line from index `first`, with tabs as blanks.
 std::string characters(std::string_view line, int first, int count) {
   std::string part;
   for (int character = -1; const char c : line) {
@@ -22,7 +22,7 @@ std::string characters(std::string_view line, int first, int count) {
   return part;
 }
 
-/// The source line and a caret under the column. Long lines are cut around the place.
+/// The source line with a caret under the column. Long lines are cropped around that column.
 std::string excerpt(std::string_view line, int column, int room, const char* caret_start,
                     const char* caret_end) {
   constexpr int kMargin = 2, kEllipses = 6;
@@ -37,7 +37,7 @@ std::string excerpt(std::string_view line, int column, int room, const char* car
                      caret_end);
 }
 
-/// Whether a text is among so many; a mark of another collector's may lead beyond them.
+/// True if the index of a text is valid; a mark from another collector may be out of range.
 bool is_known(int source, std::size_t count) {
   return source >= 0 && static_cast<std::size_t>(source) < count;
 }
@@ -105,7 +105,7 @@ void Diagnostics::note(const Place& place, std::string message, std::string hint
 
 void Diagnostics::add(Diagnostic diagnostic) {
   if (diagnostic.severity == Severity::kError && ++errors_ > kMaxErrors) return;
-  // Names from an input may hold anything.
+  // Names from an input may contain any bytes.
   for (std::string* text : {&diagnostic.message, &diagnostic.hint}) *text = printable(*text);
   list_.push_back(std::move(diagnostic));
 }
@@ -138,7 +138,7 @@ std::string_view severity_name(Severity severity) {
 
 namespace {
 
-/// How a terminal shows a diagnostic: escape sequences, all empty without colour, and its width.
+/// Terminal settings for a diagnostic: escape sequences, empty without color, and the width.
 struct Look {
   bool colour;
   int width;

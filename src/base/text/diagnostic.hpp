@@ -10,35 +10,34 @@ namespace conddp {
 
 enum class Severity { kError, kWarning, kNote };
 
-/// What is wrong, or worth knowing, about an input, with its place. Positions are 1-based and in
-/// characters; line 0 means the file as a whole.
+/// An error, warning or note about an input, with its place. Positions are 1-based and in
+/// characters; line 0 means the whole file.
 struct Diagnostic {
   std::string file;
   int line = 0;
   int column = 0;
-  std::string path;  ///< key path as `--set` takes it ("costs.effort.weight"), empty outside YAML
+  std::string path;  ///< key path in `--set` syntax ("costs.effort.weight"); empty outside YAML
   Severity severity = Severity::kError;
   std::string message;
-  std::string hint;                   ///< what to do about it, may be empty
-  std::vector<std::string> accepted;  ///< names accepted at this place, where that is a short list
-  int source =
-      -1;  ///< the text among those that Diagnostics knows, of which several may have one name
+  std::string hint;                   ///< suggested remedy; may be empty
+  std::vector<std::string> accepted;  ///< names accepted at this place, if there are few
+  int source = -1;  ///< index of a text in Diagnostics; several texts may have the same name
 };
 
-/// A place in a text that Diagnostics knows.
+/// A position in a text of Diagnostics.
 struct Mark {
-  int source = -1;  ///< index into Diagnostics' texts, −1: none
+  int source = -1;  ///< index into Diagnostics' texts, −1 without a text
   int line = 0;
   int column = 0;
 };
 
-/// A place in an input together with its key path.
+/// A place in an input, with its key path.
 struct Place {
   Mark mark;
   std::string path;
 };
 
-/// A value and where it was written.
+/// A value and the place where it was written.
 template <class T>
 struct Located {
   T value{};
@@ -46,24 +45,24 @@ struct Located {
 };
 using Name = Located<std::string>;
 
-/// A file that was read.
+/// An input file.
 struct InputFile {
   std::string file;
   std::string sha256;  ///< of its bytes
 };
 
-/// Collects diagnostics, the texts that they point into, and what data files were read.
+/// Collects diagnostics, the texts that they refer to, and the data files that were read.
 class Diagnostics {
  public:
-  /// Errors beyond this are only counted.
+  /// Errors beyond this limit are counted but not stored.
   static constexpr int kMaxErrors = 100;
 
-  /// Makes a text known; returns its index for Mark::source.
+  /// Adds a text; returns its index for Mark::source.
   int add_source(std::string name, std::string text);
   const std::string& source_name(int source) const { return sources_[source]->name; }
-  /// One line of a text (from 1), without its end.
+  /// A line of a text (from 1), without its line end.
   std::string_view line(int source, int number) const { return sources_[source]->line(number); }
-  /// Converts a byte offset in a line (0-based, as yaml-cpp has it) into a 1-based character.
+  /// Converts a byte offset in a line (0-based, as in yaml-cpp) into a 1-based character position.
   int character_column(int source, int line, int byte) const;
 
   void error(const Place& place, std::string message, std::string hint = {},
@@ -75,10 +74,10 @@ class Diagnostics {
   const std::vector<Diagnostic>& list() const { return list_; }
   bool has_errors() const { return errors_ > 0; }
   int error_count() const { return errors_; }
-  /// Remembers a data file, once.
+  /// Records a data file, only once.
   void add_data_file(InputFile file);
   const std::vector<InputFile>& data_files() const { return data_files_; }
-  /// The line of a text or file at which a diagnostic points, empty if there is none.
+  /// The line that a diagnostic refers to, from a text or a file; empty if unavailable.
   std::string source_line(const Diagnostic& diagnostic) const;
 
  private:
@@ -98,9 +97,9 @@ class Diagnostics {
 
 std::string_view severity_name(Severity severity);
 
-/// The diagnostics as a compiler prints them: `file:line:column: error: message`, the source line,
-/// a caret, and a hint. Leaves out what is less severe than `least`; errors beyond the limit are
-/// only counted. Nothing is longer than `width` characters, unless that is 0.
+/// Formats diagnostics in compiler style: `file:line:column: error: message`, the source line, a
+/// caret, and a hint. Omits diagnostics less severe than `least`; counts errors beyond `limit`
+/// without showing them. Lines have at most `width` characters, unless it is 0.
 std::string format_diagnostics(const Diagnostics& diagnostics, bool colour,
                                Severity least = Severity::kNote, int limit = 20, int width = 0);
 

@@ -5,11 +5,11 @@
 
 namespace conddp {
 
-/// How well a name of a file, in which `*` stands for any letters, fits this one: 0 not at all,
-/// most the name itself, and a longer pattern better than a shorter one.
+/// How well a pattern, where `*` stands for any characters, matches a file name. 0 means no match,
+/// and longer patterns score higher. The name itself scores highest.
 std::size_t fit(const std::string& pattern, const std::string& name);
 bool fits(const std::string& pattern, const std::string& name);
-/// Whether a name of a file may mean several.
+/// True if a file name is a pattern.
 bool is_pattern(const std::string& name);
 
 }  // namespace conddp

@@ -5,8 +5,8 @@
 
 namespace conddp {
 
-/// A command line that a POSIX shell reads as these words: what is more than letters, digits and
-/// the signs of paths, settings and numbers stands in single quotes.
+/// A command line that a POSIX shell splits into these words. Words with characters other than
+/// letters, digits and those of paths, settings and numbers are in single quotes.
 std::string shell_line(const std::vector<std::string>& words);
 
 }  // namespace conddp

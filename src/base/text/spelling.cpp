@@ -39,7 +39,7 @@ std::vector<std::string> similar_names(std::string_view name,
   for (const std::string& candidate : candidates) {
     if (candidate.size() > kLongest) continue;
     const int distance = edit_distance(name, candidate);
-    // What shares no letter is no misspelling.
+    // A name without a letter in common is not a misspelling.
     const int letters = static_cast<int>(std::max(name.size(), candidate.size()));
     if (distance <= reach && distance < letters) found.emplace_back(distance, candidate);
   }
@@ -52,7 +52,7 @@ std::vector<std::string> similar_names(std::string_view name,
 
 namespace {
 
-/// "a, b, c and 3 more".
+/// Lists the first names: "a, b, c and 3 more".
 std::string first_names(const std::vector<std::string>& names) {
   constexpr std::size_t kShown = 8;
   std::string text;
@@ -62,7 +62,7 @@ std::string first_names(const std::vector<std::string>& names) {
   return text;
 }
 
-/// Those that end in the name behind a separator, as a robot's names do behind its prefix.
+/// Candidates that end in the name after a separator, such as a robot's names with its prefix.
 std::vector<std::string> prefixed_names(std::string_view name,
                                         const std::vector<std::string>& candidates) {
   std::vector<std::string> found;

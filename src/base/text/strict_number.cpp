@@ -14,14 +14,14 @@ namespace {
 
 bool is_digit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
 
-/// YAML's and C's words for numbers that are not finite.
+/// True for spellings of non-finite numbers in YAML and C.
 bool is_not_finite(std::string_view digits) {
   constexpr std::string_view kWords[] = {".inf", ".Inf", ".INF", ".nan",
                                          ".NaN", ".NAN", "inf",  "nan"};
   return std::find(std::begin(kWords), std::end(kWords), digits) != std::end(kWords);
 }
 
-/// What keeps a text without its sign from being a number, as far as its beginning tells.
+/// Why a text without its sign is not a number, judging by its first characters.
 std::string_view defect_of_start(std::string_view digits) {
   if (is_not_finite(digits)) return "is not finite";
   if (digits.empty() || !(is_digit(digits[0]) || digits[0] == '.')) return "is not a number";

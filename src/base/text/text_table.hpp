@@ -5,17 +5,17 @@
 
 namespace conddp {
 
-/// A table of texts for people, as plain text or as Markdown.
+/// A table of texts for display, as plain text or as Markdown.
 struct TextTable {
   struct Column {
     std::string title;
-    bool right = true;  ///< numbers stand at the right
+    bool right = true;  ///< right-aligned, for numbers
   };
   std::vector<Column> columns;
   std::vector<std::vector<std::string>> rows;
 
-  /// In columns of their widths, two spaces apart, `indent` spaces before; columns that are empty
-  /// in every row are left out.
+  /// The table with aligned columns, two spaces apart, indented by `indent` spaces. Columns that
+  /// are empty in every row are omitted.
   std::string text(int indent = 0) const;
   /// The same as a Markdown table.
   std::string markdown() const;

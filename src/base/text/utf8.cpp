@@ -10,15 +10,15 @@ namespace {
 
 bool is_control(unsigned byte) { return byte < 0x20 || byte == 0x7F; }
 
-/// Numbers from the first one to the last one.
+/// An inclusive range of numbers.
 struct Range {
   unsigned first, last;
   bool contains(unsigned number) const { return first <= number && number <= last; }
 };
 
-/// How characters of several bytes begin: further bytes are 0x80 to 0xBF, but the second one may
-/// have less room, which leaves out overlong forms, surrogates and what is beyond Unicode
-/// (table 3-7 of the Unicode standard).
+/// Lead bytes of multi-byte characters. Continuation bytes are 0x80 to 0xBF, but the second byte
+/// may have a smaller range. This excludes overlong forms, surrogates and code points beyond
+/// Unicode (table 3-7 of the Unicode standard).
 struct Lead {
   Range first;
   std::size_t length;
@@ -31,7 +31,7 @@ constexpr Lead kLeads[] = {
     {{0xF1, 0xF3}, 4, {0x80, 0xBF}}, {{0xF4, 0xF4}, 4, {0x80, 0x8F}},
 };
 
-/// Bytes of the character that starts at `i`, 0 if it is none.
+/// Length in bytes of the character that starts at `i`; 0 if it is invalid.
 std::size_t character_length(std::string_view text, std::size_t i) {
   const auto byte = [&](std::size_t k) {
     return k < text.size() ? static_cast<unsigned char>(text[k]) : 0u;
@@ -45,7 +45,8 @@ std::size_t character_length(std::string_view text, std::size_t i) {
   return lead->length;
 }
 
-/// Whether a terminal takes it for a command, or shows what follows elsewhere than it stands.
+/// True if a terminal interprets the character as a command, or displays subsequent text in another
+/// position.
 bool is_control_point(unsigned code) {
   constexpr Range kControls[] = {{0, 0x1F},        {0x7F, 0x9F},     {0x061C, 0x061C},
                                  {0x200E, 0x200F}, {0x2028, 0x202E}, {0x2066, 0x2069}};
@@ -55,12 +56,12 @@ bool is_control_point(unsigned code) {
 
 struct Character {
   std::string_view bytes;
-  unsigned code = 0;   ///< its code point; the byte where it is no UTF-8
-  bool valid = false;  ///< UTF-8
-  bool shown = false;  ///< any terminal shows it as it stands
+  unsigned code = 0;   ///< code point; the byte itself if it is not UTF-8
+  bool valid = false;  ///< valid UTF-8
+  bool shown = false;  ///< safe to display on any terminal
 };
 
-/// The character that starts at `i`, or the byte there.
+/// The character that starts at `i`, or a single byte if it is invalid.
 Character character_at(std::string_view text, std::size_t i) {
   const auto byte = [&](std::size_t k) { return static_cast<unsigned char>(text[i + k]); };
   const std::size_t length = character_length(text, i);

@@ -20,7 +20,7 @@ int shown_width(std::string_view text) {
 
 namespace {
 
-/// Takes as many words as fit behind a margin, at least one.
+/// Takes as many words as fit after a margin, but at least one.
 std::string take_line(std::string_view& rest, int width, int margin) {
   if (rest.empty()) return {};
   std::string line(margin, ' ');
