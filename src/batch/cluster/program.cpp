@@ -19,7 +19,7 @@ extern char** environ;
 namespace conddp {
 namespace {
 
-/// Reads what there is; false at the end.
+/// Reads available bytes; returns false at the end.
 bool read_piece(int descriptor, std::string& text) {
   char buffer[4096];
   const ssize_t length = ::read(descriptor, buffer, sizeof buffer);
@@ -28,7 +28,7 @@ bool read_piece(int descriptor, std::string& text) {
   return length > 0;
 }
 
-/// Reads both streams to their ends, whichever has something.
+/// Reads both streams to their ends as data arrives.
 void read_both(int out, int err, ProgramEnd& end) {
   pollfd polled[] = {{out, POLLIN, 0}, {err, POLLIN, 0}};
   std::string* texts[] = {&end.out, &end.err};
@@ -63,7 +63,7 @@ ProgramEnd run_program(const std::vector<std::string>& words, std::string_view i
   in.close_read_end();
   out.close_write_end();
   err.close_write_end();
-  // A program that reads nothing may be gone already.
+  // A program that does not read its input may already have ended.
   const auto former = std::signal(SIGPIPE, SIG_IGN);
   write_all(in.write_end(), input);
   std::signal(SIGPIPE, former);

@@ -13,7 +13,8 @@
 namespace conddp {
 namespace {
 
-/// How long before its time limit an element is told: Slurm may send the signal a minute earlier.
+/// Lead time, in seconds, of the signal before an element's time limit. Slurm may send the signal a
+/// minute earlier.
 constexpr double kLeastLead = 10, kMostLead = 90, kLeadShare = 0.2;
 
 std::string_view trimmed(std::string_view text) {
@@ -22,7 +23,7 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(" \t\r\n") - first + 1);
 }
 
-/// The value on the line "KEY = value" of a configuration.
+/// The value of `key` from the lines "KEY = value" of a configuration.
 std::string_view value_of(std::string_view text, std::string_view key) {
   for (std::size_t start = 0; start < text.size();) {
     const std::size_t end = std::min(text.find('\n', start), text.size());
@@ -37,7 +38,8 @@ std::string_view value_of(std::string_view text, std::string_view key) {
 
 bool is_control(char c) { return static_cast<unsigned char>(c) < ' ' || c == '\x7f'; }
 
-/// Letters, digits and a few others, as job names should be.
+/// Replaces control characters, quotes, backslashes, blanks and '%', which job names should not
+/// contain.
 std::string plain_name(std::string name) {
   for (char& c : name)
     if (is_control(c) || std::string_view("\"'\\ %").find(c) != std::string_view::npos) c = '_';
@@ -53,7 +55,7 @@ double lead(const std::optional<double>& time_s) {
   return time_s ? std::clamp(kLeadShare * *time_s, kLeastLead, kMostLead) : kMostLead;
 }
 
-/// What both scripts begin with.
+/// The common beginning of both scripts.
 std::string head(const SlurmJob& job, const char* suffix, const char* log) {
   std::string text = fmt::format(
       "#!/bin/bash\n"
@@ -65,7 +67,7 @@ std::string head(const SlurmJob& job, const char* suffix, const char* log) {
   return text;
 }
 
-/// The shell's process becomes conddp, so that signals reach it.
+/// The shell's process becomes conddp through exec, so that signals reach it.
 std::string command_line(std::vector<std::string> words) {
   return "exec " + shell_line(words) + '\n';
 }
@@ -113,7 +115,7 @@ std::optional<double> parse_slurm_time(std::string_view text) {
     parts.push_back(*part);
     start = end + 1;
   }
-  // Behind days hours come first; without them one or two parts are minutes and seconds.
+  // After days, hours come first. Without days, one or two parts are minutes and seconds.
   const double first = dash != std::string_view::npos || parts.size() == 3 ? 3600 : 60;
   double seconds = days * 86400, unit = first;
   for (const int part : parts) {

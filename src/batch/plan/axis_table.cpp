@@ -41,7 +41,7 @@ class TableReader {
   }
 
  private:
-  /// Finds the columns asked for; one that is not there, or twice, is reported.
+  /// Finds the requested columns; reports missing and duplicate ones.
   bool choose(const std::vector<Name>& columns, const std::vector<CsvCell>& header) {
     for (const Name& column : columns) {
       const auto found = std::find(names_.begin(), names_.end(), column.value);
@@ -61,7 +61,7 @@ class TableReader {
     return true;
   }
 
-  /// The chosen cells of a line; nothing, with an error, where one of them is missing.
+  /// The chosen cells of a line. Nothing, with an error, if one of them is missing.
   std::optional<std::vector<YamlNode>> read_row(const std::vector<CsvCell>& cells) {
     if (cells.size() != names_.size()) {
       fail(0,
@@ -81,7 +81,7 @@ class TableReader {
     return row;
   }
 
-  /// A number, list or mapping, else a text; nothing, with an error, where a list is none.
+  /// A number, list or mapping; otherwise a text. Nothing, with an error, if a list is invalid.
   std::optional<YamlNode> read_cell(const CsvCell& cell, std::size_t column) {
     if (!cell.text.starts_with('[') && !cell.text.starts_with('{'))
       return YamlNode{.kind = YamlNode::Kind::kScalar,
@@ -98,7 +98,7 @@ class TableReader {
     return list;
   }
 
-  /// Whether YAML reads a text as it is, without quotes: a number, or a word.
+  /// True if YAML reads a text unchanged without quotes: a number or a word.
   static bool is_plain(const std::string& text) {
     constexpr std::string_view kLetters =
         "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./-";
@@ -106,7 +106,8 @@ class TableReader {
                                         text.find_first_not_of(kLetters) == std::string::npos);
   }
 
-  /// Gives all parts of a value one place: a cell's quotes may have hidden where each one is.
+  /// Assigns the same place to all parts of a value, because a cell's quotes may hide the position
+  /// of each part.
   static void move_to(const Mark& mark, YamlNode& node) {
     node.mark = mark;
     for (YamlNode& item : node.items) move_to(mark, item);
@@ -133,8 +134,8 @@ class TableReader {
   const int source_;
   std::size_t start_ = 0;
   int number_ = 0;
-  std::vector<std::string> names_;   ///< of the header
-  std::vector<std::size_t> chosen_;  ///< columns, by their number
+  std::vector<std::string> names_;   ///< from the header
+  std::vector<std::size_t> chosen_;  ///< indices of columns
 };
 
 }  // namespace

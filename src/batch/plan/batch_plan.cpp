@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// More items are not counted.
+/// Upper limit on counting items.
 constexpr long long kUncounted = 1'000'000'000'000'000;
 constexpr Choice<KeptSolutions> kKeptWords[] = {{"all", KeptSolutions::kAll},
                                                 {"converged", KeptSolutions::kConverged},
@@ -32,7 +32,7 @@ constexpr std::string_view kColumnsOfSolves[] = {"solved",          "cost",     
                                                  "complementarity", "certificate", "message"};
 constexpr NumberRange kTimeLimit{1e-3, 1e9, false, false, "a number from 0.001 to 1e9"};
 
-/// The files that a pattern with `*` in its last part means, in the order of their bytes.
+/// The files that match a pattern with `*` in its last part, in byte order.
 std::vector<fs::path> matching_files(const fs::path& pattern) {
   std::vector<fs::path> found;
   const fs::path folder = pattern.has_parent_path() ? pattern.parent_path() : fs::path(".");
@@ -104,7 +104,8 @@ class PlanReader {
     }
   }
 
-  /// A file, or those that a pattern means that is not itself the name of one.
+  /// Adds a file, or the files that match a pattern. An existing file with that name takes
+  /// precedence.
   void add_problems(const Name& name) {
     const fs::path path = plan_.file.parent_path() / name.value;
     const bool names = is_pattern(path.filename());
@@ -205,7 +206,7 @@ class PlanReader {
     }
   }
 
-  /// Names of columns differ. Which keys are the same is known with the problems.
+  /// Checks that the names of columns differ. Duplicate keys are only known with the problems.
   void check_columns() {
     std::vector<const AxisColumn*> columns;
     for (const Axis& axis : plan_.axes)

@@ -11,53 +11,53 @@
 
 namespace conddp {
 
-/// The format of plans that is read, the value of their key `conddp_batch`.
+/// The supported format of plans, the value of their key `conddp_batch`.
 inline constexpr int kBatchFormat = 1;
 
-/// Of which items the whole solution is kept, besides the row of results.
+/// Items with a stored solution in addition to their row of results.
 enum class KeptSolutions { kAll, kConverged, kNone };
 
-/// What is done with an item: it is solved, or its closed loop is simulated.
+/// The operation on an item: solve it, or simulate its closed loop.
 enum class BatchCommand { kSolve, kMpc };
 
-/// From where solves start: each from its own guess, from the answer of a neighbour, or all from a
-/// file.
+/// The starting point of solves: each item's own guess, the answer of a neighbour, or a file for
+/// all.
 enum class WarmStart { kNone, kNeighbour, kFile };
 
-/// What an item may use.
+/// Resource limits of an item.
 struct BatchLimits {
-  double max_time_s = 0;  ///< of a solve or a loop; 0: what its problem says
-  int max_memory_mb = 0;  ///< of a worker's data; 0: no limit
-  int retries = 0;        ///< further attempts at an item whose worker died
+  double max_time_s = 0;  ///< of a solve or a loop; 0: the problem's own limit
+  int max_memory_mb = 0;  ///< for a worker's data; 0: unlimited
+  int retries = 0;        ///< number of further attempts after a worker died
 };
 
-/// A batch of problems: files, what is varied in them, and by which solvers they are solved.
+/// A batch of problems: files, their variations, and solvers.
 struct BatchPlan {
   std::filesystem::path file;
   std::string text;
   Name name;
   BatchCommand command = BatchCommand::kSolve;
-  std::vector<Located<std::filesystem::path>> problems;  ///< as seen from here
+  std::vector<Located<std::filesystem::path>> problems;  ///< relative to the working directory
   std::vector<Axis> axes;
-  std::vector<Name> solvers;  ///< empty: that of each problem
+  std::vector<Name> solvers;  ///< empty: each problem's own
   BatchLimits limits;
   std::optional<Located<double>> max_time;  ///< limits.max_time_s with its place
   KeptSolutions keep = KeptSolutions::kConverged;
   WarmStart warm_start = WarmStart::kNone;
-  std::optional<Located<std::filesystem::path>> start_file;  ///< of WarmStart::kFile
+  std::optional<Located<std::filesystem::path>> start_file;  ///< for WarmStart::kFile
 
-  /// Problems times rows of all axes times solvers.
+  /// Number of problems times rows of all axes times solvers.
   long long items() const;
 };
 
-/// Columns of results.csv that say how a closed loop went.
+/// Columns of results.csv that describe a closed loop.
 inline constexpr std::string_view kLoopColumns[] = {"time_s", "planned",   "fallback",
                                                     "cost",   "violation", "message"};
 
-/// Whether results.csv has a column of this name besides those of what is varied.
+/// True if results.csv has a column of this name besides the varied ones.
 bool is_column_of_results(std::string_view name, BatchCommand command, WarmStart warm_start);
 
-/// Reads a plan. Everything wrong is in `out` with its place; then nothing is returned.
+/// Reads a plan. Reports all errors with their places in `out`, and then returns nothing.
 std::optional<BatchPlan> load_batch_plan(const std::filesystem::path& file, Diagnostics& out);
 
 }  // namespace conddp

@@ -22,10 +22,10 @@
 namespace conddp {
 namespace {
 
-/// Items that are built before errors among them are looked for.
+/// Number of items built before their errors are checked.
 constexpr std::size_t kAtOnce = 1024;
 
-/// A number, whole ones without a decimal point; a word of YAML's; else a text.
+/// Converts a scalar to a number, without a decimal point if it is whole; a boolean; or a text.
 OrderedJson scalar_json(const YamlNode& value) {
   constexpr double kMostWhole = 1e15;
   const auto number = value.quoted ? std::nullopt : parse_number(value.text).value;
@@ -36,7 +36,7 @@ OrderedJson scalar_json(const YamlNode& value) {
   return value.text;
 }
 
-/// A value of the plan as tables of results and data sets have it.
+/// A value of the plan in the form of result tables and data sets.
 OrderedJson value_json(const YamlNode& value) {
   OrderedJson json;
   switch (value.kind) {
@@ -59,15 +59,15 @@ std::string value_text(const YamlNode& value) {
   return value_json(value).dump(-1, ' ', false, OrderedJson::error_handler_t::replace);
 }
 
-/// Collects the warnings of items. Those that differ in numbers alone count as one.
+/// Collects the warnings of items. Warnings that differ only in numbers count as one.
 class ItemWarnings {
  public:
-  /// What has been told already.
+  /// Suppresses warnings that have already been reported.
   void leave_out(const std::vector<Diagnostic>& list) {
     for (const Diagnostic& d : list) known_.try_emplace(without_numbers(d.message), kTold);
   }
 
-  /// Those of an item, in order behind the first `before` diagnostics of its list.
+  /// Adds the warnings of an item: those after the first `before` diagnostics of its list.
   void add(std::size_t item, const Diagnostics& texts, std::size_t before) {
     std::set<std::size_t> own;
     for (std::size_t i = before; i < texts.list().size(); ++i) {
@@ -81,11 +81,11 @@ class ItemWarnings {
     }
   }
 
-  /// Reports each with the first item that has it, and with the number of the others.
+  /// Reports each warning with the first item that has it and the number of further ones.
   void report(Diagnostics& out) {
     for (Warning& warning : warnings_) {
       Diagnostic& d = warning.text;
-      d.source = -1;  // its text may be known to that item alone
+      d.source = -1;  // only that item may know the text
       d.message += fmt::format(" (item {}", warning.first + 1);
       if (warning.count > 1) d.message += fmt::format(" and {} more", warning.count - 1);
       d.message += ')';
@@ -97,8 +97,8 @@ class ItemWarnings {
   static constexpr std::size_t kTold = std::numeric_limits<std::size_t>::max();
   struct Warning {
     Diagnostic text;
-    std::size_t first;      ///< item that has it
-    std::size_t count = 0;  ///< of items that have it
+    std::size_t first;      ///< first item with the warning
+    std::size_t count = 0;  ///< number of items with the warning
   };
 
   static std::string without_numbers(const std::string& message) {
@@ -115,7 +115,7 @@ class ItemWarnings {
   std::unordered_map<std::string, std::size_t> known_;  ///< indices, or kTold
 };
 
-/// Counts through all items in their order.
+/// Enumerates all items in order.
 class Expansion {
  public:
   Expansion(const BatchPlan& plan, const std::filesystem::path& run, Diagnostics& out)
@@ -134,7 +134,7 @@ class Expansion {
         manifest.columns.push_back({column.name, column.key.value});
     const Diagnostics texts = out_;
     for (const auto& problem : plan_.problems) {
-      // Each with texts of its own, as in a worker: an item has no part in the data of others.
+      // Each problem has its own texts, as in a worker, so items cannot share data.
       Diagnostics own = texts;
       const auto family = ProblemFamily::load(problem.value, problem.place, own);
       adopt(own, texts.list().size());
@@ -161,22 +161,22 @@ class Expansion {
   }
 
  private:
-  /// Takes over what was reported behind the first diagnostics, with texts that may be others.
+  /// Copies the diagnostics after the first `before` ones; their texts may be unknown here.
   void adopt(const Diagnostics& own, std::size_t before) {
     for (std::size_t i = before; i < own.list().size(); ++i) {
       Diagnostic d = own.list()[i];
       d.source = -1;
-      // A plan has neither --solver nor --drop.
+      // A plan does not have --solver or --drop.
       if (d.hint.starts_with("choose one of them with --solver"))
         d.hint = "choose one of them under 'solvers'; 'auto' does so by the problem";
       out_.add(std::move(d));
     }
   }
 
-  /// What makes up an item.
+  /// The parts that define an item.
   struct Parts {
     int problem = 0;
-    std::vector<std::size_t> rows;  ///< of the axes
+    std::vector<std::size_t> rows;  ///< indices into the axes
     std::size_t solver = 0;
   };
 
@@ -200,7 +200,7 @@ class Expansion {
                       .text = std::move(text),
                       .quoted = quoted};
     };
-    // The clock of a loop is simulated: a limit is the worker's.
+    // A loop's clock is simulated, so its time limit is that of the worker.
     if (const auto& limit = plan_.max_time; limit && plan_.command == BatchCommand::kSolve)
       list.push_back(make_setting({"solver.max_time_s", limit->place},
                                   scalar(limit->place, fmt::format("{}", limit->value), false)));
@@ -216,7 +216,7 @@ class Expansion {
     return list;
   }
 
-  /// The solution from which all items start; nothing with an error where it is none.
+  /// The common starting solution of all items. Nothing, with an error, if it is invalid.
   std::optional<ManifestStart> start() {
     const std::filesystem::path& file = plan_.start_file->value;
     constexpr std::string_view kKeys[] = {"iterations"};
@@ -234,14 +234,14 @@ class Expansion {
     return start;
   }
 
-  /// What was found out about an item.
+  /// The findings from building an item.
   struct Tried {
     InputFiles files;
-    std::string shape;         ///< of the problem that is solved
-    std::string settled = {};  ///< its id with the numbers of its formulas
+    std::string shape;         ///< of the solved problem
+    std::string settled = {};  ///< its id with formulas evaluated to numbers
   };
 
-  /// Nothing with errors where it cannot be built.
+  /// Nothing, with errors, if the item cannot be built.
   std::optional<Tried> try_item(int problem, const std::vector<Setting>& list,
                                 Diagnostics& out) const {
     const ProblemFamily& family = *families_[problem];
@@ -275,7 +275,7 @@ class Expansion {
       for (const Setting& setting : list) item.settings.push_back(setting.text);
       const auto settled = settled_settings(families_[p.problem]->document(), list);
       result->settled = item_id(manifest, p.problem, settled, result->files);
-      // Behind the values of the axes there is the solver, if the plan names some.
+      // The values of the axes are followed by the solver, if the plan names any.
       auto value = settled.end() - (plan_.solvers.empty() ? 0 : 1) -
                    static_cast<std::ptrdiff_t>(manifest.columns.size());
       for (std::size_t c = 0; c < manifest.columns.size(); ++c)
@@ -293,12 +293,12 @@ class Expansion {
     return true;
   }
 
-  /// How much was reported before an item was built.
+  /// Number of diagnostics before an item was built.
   std::size_t known(std::size_t item) const {
     return families_[parts(item).problem]->texts().list().size();
   }
 
-  /// Keeps what later items and the manifest need to know of an item.
+  /// Stores the properties of an item for later items and the manifest.
   void remember(int problem, const Tried& item) {
     settled_.push_back(item.settled);
     shapes_.push_back(
@@ -316,7 +316,7 @@ class Expansion {
            std::any_of(files.data.begin(), files.data.end(), is_named);
   }
 
-  /// Where the values of an item stand that are in a table, if any are.
+  /// Place of an item's values in a table; empty if no axis uses a table.
   Place row_of_table(const Parts& parts) const {
     for (std::size_t a = 0; a < plan_.axes.size(); ++a) {
       const Axis& axis = plan_.axes[a];
@@ -336,7 +336,7 @@ class Expansion {
                                            words.empty() ? "" : " with " + words));
   }
 
-  /// The files of two items, where they are not one.
+  /// Names the files of two items, if they differ.
   std::string files_of(const Parts& a, const Parts& b) const {
     if (a.problem == b.problem) return {};
     return fmt::format(": '{}' and '{}'", plan_.problems[a.problem].value.string(),
@@ -365,10 +365,10 @@ class Expansion {
   Diagnostics& out_;
   std::vector<std::shared_ptr<const ProblemFamily>> families_;
   ItemWarnings warnings_;
-  std::unordered_map<std::string, int> numbers_;  ///< of shapes
-  std::vector<int> shapes_;                       ///< of the items
-  std::vector<std::string> settled_;              ///< Tried::settled of the items
-  std::map<std::string, std::string> files_;      ///< that settings name, with their hashes
+  std::unordered_map<std::string, int> numbers_;  ///< indices of shapes
+  std::vector<int> shapes_;                       ///< by item
+  std::vector<std::string> settled_;              ///< Tried::settled by item
+  std::map<std::string, std::string> files_;      ///< files named by settings, with their hashes
 };
 
 }  // namespace

@@ -8,9 +8,9 @@
 
 namespace conddp {
 
-/// All items of a plan for a run in a folder: problems first, then the rows of the axes (the first
-/// axis changes slowest), then solvers. Every item is built; errors of the first that cannot be
-/// are reported where its values stand, with what makes up the item. Nothing is returned then.
+/// Expands a plan into all items for a run in a folder: by problem, then by rows of the axes (the
+/// first axis changes slowest), then by solver. Builds every item. If one fails, reports the errors
+/// of the first one at the place of its values, with the parts of the item, and returns nothing.
 std::optional<Manifest> expand_plan(const BatchPlan& plan, const std::filesystem::path& run,
                                     Diagnostics& out);
 

@@ -36,9 +36,9 @@ std::string hashes_of(const InputFiles& files) {
   return hashes;
 }
 
-/// What makes up the loop of a file besides the problem of its controller: cycles of a gait for all
-/// its time, commands, which have no place among these phases, and files of the plant. Nothing
-/// where the file alone makes no loop.
+/// Text of a file's loop beyond the problem of its controller. It consists of the gait cycles for
+/// the whole time, commands, which do not appear in these phases, and files of the plant. Empty if
+/// the file alone does not define a loop.
 std::string loop_text(const ProblemFamily& family) {
   Diagnostics unused = family.texts();
   const auto task = family.build_loop({}, unused);
@@ -49,7 +49,7 @@ std::string loop_text(const ProblemFamily& family) {
   return text + hashes_of(input_files(*task));
 }
 
-/// The index of a word, of the last one for another word.
+/// The index of a word; the last index for an unknown word.
 std::size_t index_of(const std::string& word, std::span<const char* const> words) {
   const auto found = std::find(words.begin(), words.end(), word);
   return std::min(words.size() - 1, static_cast<std::size_t>(found - words.begin()));
@@ -61,8 +61,8 @@ OrderedJson json_of(const ManifestFile& file) {
   return {{"file", file.file}, {"sha256", file.sha256}};
 }
 
-/// The head of a manifest; nothing where its numbers contradict each other. Throws what
-/// nlohmann::json throws where it is none.
+/// The head of a manifest; nothing if its numbers are inconsistent. Throws nlohmann::json
+/// exceptions if it is malformed.
 std::optional<Manifest> parse_head(const std::string& line) {
   const OrderedJson json = OrderedJson::parse(line);
   Manifest manifest{.name = json.at("name")};
@@ -192,8 +192,8 @@ std::optional<ManifestItem> parse_manifest_line(std::string_view line) {
 
 namespace {
 
-/// An item from a line of a file. One without a check sum is of a former version, or written by
-/// hand.
+/// Parses an item from a line of a file. A line without a checksum comes from an older version or
+/// was written by hand.
 std::optional<ManifestItem> parse_stored_line(const std::string& line) {
   return parse_manifest_line(has_sum(line) ? without_sum(line) : line);
 }

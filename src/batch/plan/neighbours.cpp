@@ -12,11 +12,11 @@
 namespace conddp {
 namespace {
 
-/// Varied values as points, number by number in [0, 1].
+/// Varied values as points, with each number scaled to [0, 1].
 class Points {
  public:
   explicit Points(const Manifest& manifest) : parts_(manifest.items.size()) {
-    std::map<std::string, std::size_t> known;  // parts by their column and place in it
+    std::map<std::string, std::size_t> known;  // indices of parts by column and path
     std::vector<Range> ranges;
     for (std::size_t i = 0; i < manifest.items.size(); ++i)
       for (std::size_t c = 0; c < manifest.columns.size(); ++c)
@@ -54,11 +54,11 @@ class Points {
     }
     double scale() const { return upper > lower ? 1 / (upper - lower) : 0; }
   };
-  /// A number or another word of an item.
+  /// A number or a text in the values of an item.
   struct Part {
     std::size_t index = 0;
     double number = 0;
-    std::string word = {};  ///< empty: it is a number
+    std::string word = {};  ///< empty for a number
   };
 
   static Part part_of(std::size_t index, const OrderedJson& value) {
@@ -72,8 +72,8 @@ class Points {
     return change * change;
   }
 
-  std::vector<std::vector<Part>> parts_;  ///< of the items
-  std::vector<double> scales_;            ///< of the parts
+  std::vector<std::vector<Part>> parts_;  ///< by item
+  std::vector<double> scales_;            ///< by part
 };
 
 }  // namespace
@@ -90,7 +90,8 @@ std::size_t block_of(const Manifest& manifest, std::size_t item) {
 
 void find_parents(Manifest& manifest, const std::vector<int>& shapes) {
   const Points points(manifest);
-  std::map<std::pair<std::size_t, int>, std::vector<std::size_t>> blocks;  // of one shape each
+  std::map<std::pair<std::size_t, int>, std::vector<std::size_t>>
+      blocks;  // items of the same shape in a block
   for (std::size_t i = 0; i < manifest.items.size(); ++i) {
     std::vector<std::size_t>& before = blocks[{block_of(manifest, i), shapes[i]}];
     const auto nearest = std::min_element(before.begin(), before.end(), [&](auto a, auto b) {

@@ -12,7 +12,7 @@
 namespace conddp {
 namespace {
 
-/// Sections of a file that have no part in its robots or system.
+/// Sections of a file that do not affect its robots or system.
 constexpr std::string_view kBesidesThePlant[] = {
     "name",          "description", "initial_state", "phases",   "running_costs",
     "costs",         "gait",        "constraints",   "terminal", "perturbation",
@@ -52,7 +52,7 @@ std::shared_ptr<const ProblemFamily> ProblemFamily::load(const std::filesystem::
   auto base = build_instance(read_problem(family->document_, {}, out), nullptr, out);
   if (!base) return nullptr;
   family->base_ = *std::move(base);
-  // A step of contacts, of collocation or of a discrete system is made from the phases, too.
+  // Systems for contact steps and collocation, and discrete systems, also depend on the phases.
   const System& system = *family->base_.built.plant.system;
   if (system.robot_inside() != nullptr && !system.as_stepping() && !system.as_collocation()) {
     Diagnostics reported_before;

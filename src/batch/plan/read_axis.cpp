@@ -17,7 +17,7 @@ namespace {
 constexpr const char* kKinds =
     "write one of 'linspace', 'values', 'file', 'perturb', 'uniform', 'normal' and 'sobol'";
 
-/// What of an instance can be perturbed.
+/// Parts of an instance that can be perturbed.
 struct PerturbedPart {
   const char *word, *key;
 };
@@ -59,7 +59,7 @@ class AxisReader {
   }
 
  private:
-  /// The key of an axis that has one.
+  /// Reads the key of an axis with a single key.
   void read_key() {
     if (const auto key = map_.require("key"))
       if (const auto path = key->name()) axis_.columns.push_back({axis_.name.value, *path});
@@ -83,7 +83,7 @@ class AxisReader {
     for (const double value : grid(*first, *last, *count)) add_number(value, reader.node().mark);
   }
 
-  /// Whether a grid consists of whole numbers that doubles count exactly.
+  /// True if a grid consists of whole numbers that doubles represent exactly.
   static bool is_whole(double first, double last, long long count) {
     constexpr double kMostCounted = 1e15;
     const auto whole = [](double x) { return std::abs(x) < kMostCounted && std::round(x) == x; };
@@ -91,7 +91,7 @@ class AxisReader {
            std::fmod(last - first, static_cast<double>(count - 1)) == 0;
   }
 
-  /// Both ends are exact, the grid is symmetric, and whole numbers are whole.
+  /// A grid with exact ends; it is symmetric, and whole numbers are exact.
   static std::vector<double> grid(double first, double last, long long count) {
     const bool whole = is_whole(first, last, count);
     std::vector<double> values;
@@ -103,13 +103,13 @@ class AxisReader {
     return values;
   }
 
-  /// What lies a share of the way from one number to another, whose distance may be no number.
+  /// Interpolates between two numbers, even if their difference overflows.
   static double between(double first, double last, double share) {
     const double distance = last - first;
     return std::isfinite(distance) ? first + share * distance : (1 - share) * first + share * last;
   }
 
-  /// The ends of a range; nothing with an error where they are the wrong way round.
+  /// The ends of a range. Nothing, with an error, if they are in the wrong order.
   static std::optional<std::vector<double>> range_of(const YamlReader& reader) {
     auto ends = reader.numbers(2, "[lower, upper]");
     if (ends && (*ends)[0] > (*ends)[1]) {
@@ -143,13 +143,13 @@ class AxisReader {
     if (const auto names = keys.names())
       for (const Name& key : *names) axis_.columns.push_back({key.value, key});
     const auto rows = reader.items("write '[[0.1, 1], [0.2, 2]]'");
-    // Where a key has been reported, nothing is known of the length of rows.
+    // After an error in a key, the length of rows is unknown.
     if (!rows || axis_.columns.empty() || axis_.columns.size() != keys.node().items.size()) return;
     if (rows->empty()) reader.error("there is no row of values");
     for (const YamlReader& row : *rows) add_row(row);
   }
 
-  /// A value for each key.
+  /// Adds a row with a value for each key.
   void add_row(const YamlReader& row) {
     const auto items = row.items("write '[0.1, 1]'");
     if (!items) return;
@@ -160,7 +160,7 @@ class AxisReader {
     for (const YamlReader& item : *items) values.push_back(item.node());
   }
 
-  /// The columns of a table, each of which becomes one of the axis with its key.
+  /// The columns of a table. Each becomes a column of the axis, with its key.
   std::vector<Name> read_columns(const YamlReader& reader) {
     std::vector<Name> columns;
     constexpr const char* kForm = "write '{gx: initial_state.values.x}'";
@@ -193,7 +193,7 @@ class AxisReader {
     return r ? r->integer(1, kMostItems).value_or(0) : 0;
   }
 
-  /// One of the parts of an instance that are perturbed, or a list of them.
+  /// Reads one perturbed part of an instance, or a list of them.
   static std::vector<std::size_t> read_perturbed(const YamlReader& reader) {
     const std::vector<YamlReader> items = reader.is_sequence()
                                               ? reader.items().value_or(std::vector<YamlReader>{})
@@ -229,15 +229,15 @@ class AxisReader {
     }
   }
 
-  /// A key with the two numbers of its distribution.
+  /// A key and the two parameters of its distribution.
   struct RandomKey {
     std::vector<double> parameters;
     Mark mark;
   };
-  /// Reads two numbers; nothing with an error where they are none of a distribution.
+  /// Reads two numbers. Nothing, with an error, if they are not valid parameters.
   using ReadParameters = std::optional<std::vector<double>> (*)(const YamlReader&);
 
-  /// The keys of a mapping, each with its numbers; none where one of them is wrong.
+  /// The keys of a mapping with their parameters; empty if any is invalid.
   std::vector<RandomKey> read_joint(const YamlReader& reader, ReadParameters parameters_of) {
     const auto entries = reader.named_entries("write '{costs.effort.weight: [0.1, 1]}'");
     if (!entries) return {};
@@ -251,7 +251,7 @@ class AxisReader {
     return keys.size() == entries->size() ? std::move(keys) : std::vector<RandomKey>{};
   }
 
-  /// The key of the axis with its numbers.
+  /// The key of the axis with its parameters.
   std::vector<RandomKey> read_single(const YamlReader& reader, ReadParameters parameters_of) {
     read_key();
     auto parameters = parameters_of(reader);
@@ -259,7 +259,7 @@ class AxisReader {
     return {{*std::move(parameters), reader.node().mark}};
   }
 
-  /// Independent draws of one key, or of several together.
+  /// Adds independent draws of one key, or of several keys jointly.
   void read_random(const YamlReader& reader, ReadParameters parameters_of,
                    const std::function<double(const std::vector<double>&)>& draw) {
     const std::vector<RandomKey> keys =

@@ -28,8 +28,8 @@ bool has_text(const fs::path& file, const std::string& text) {
   return stream && std::string{std::istreambuf_iterator<char>(stream), {}} == text;
 }
 
-/// The items of a plan and how they are solved, whatever build made it and into how many shards it
-/// is divided.
+/// The items of a plan and their solve settings, as text independent of the build and of the number
+/// of shards.
 std::string plan_text(Manifest manifest) {
   manifest.shards = 1;
   manifest.build = nullptr;
@@ -67,7 +67,7 @@ void write_run_folder(const BatchPlan& plan, const Manifest& manifest, const fs:
           "choose another folder with -o; 'conddp batch run RUN --any-build' mixes "
           "them");
   }
-  // A plan that has been edited keeps its name.
+  // An edited plan keeps its name.
   if (former && former->name != manifest.name)
     return out.error(
         {}, fmt::format("'{}' is the run of another plan, '{}'", run.string(), former->name),
@@ -85,13 +85,13 @@ void write_run_folder(const BatchPlan& plan, const Manifest& manifest, const fs:
 
 bool is_as_planned(const Manifest& manifest, int problem, const fs::path& run, Diagnostics& out) {
   const fs::path file = problem_of_run(manifest, problem, run);
-  Diagnostics own;  // the warnings have been told with the plan
+  Diagnostics own;  // the warnings were already reported with the plan
   const auto family = ProblemFamily::load(file, {}, own);
   if (!family) {
     std::error_code error;
     const bool is_lost = !fs::exists(file, error);
     for (Diagnostic d : own.list()) {
-      d.source = -1;  // of texts that are known here alone
+      d.source = -1;  // only known here
       if (is_lost && d.hint.empty())
         d.hint = "a run has the paths of its problems relative to its folder: move them together";
       out.add(std::move(d));
@@ -108,7 +108,7 @@ bool is_as_planned(const Manifest& manifest, int problem, const fs::path& run, D
 
 namespace {
 
-/// Reports the first of the files that items read which is not what it was.
+/// Reports the first file read by items that has changed.
 void check_files(const Manifest& manifest, const fs::path& run, Diagnostics& out) {
   std::vector<ManifestFile> files = manifest.files;
   if (manifest.start) files.push_back(manifest.start->file);
@@ -139,7 +139,7 @@ bool fits_run_folder(const Manifest& manifest, const fs::path& run, bool any_bui
 
 namespace {
 
-/// Whether the file of a problem, with the settings of its first item, limits the time of a solve.
+/// True if the file of a problem, with the settings of its first item, limits the solve time.
 bool file_limits_time(const Manifest& manifest, int problem, const fs::path& run) {
   Diagnostics unused;
   const auto item = std::find_if(manifest.items.begin(), manifest.items.end(),

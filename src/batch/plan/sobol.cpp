@@ -9,10 +9,10 @@ namespace {
 
 constexpr int kDigits = 32;
 
-/// A primitive polynomial over the integers modulo 2 and the first direction numbers.
+/// A primitive polynomial over the integers modulo 2 and its first direction numbers.
 struct Polynomial {
   int degree;
-  std::uint32_t coefficients;  ///< between the first and the last, which are one
+  std::uint32_t coefficients;  ///< without the first and the last, which are 1
   std::array<std::uint32_t, 6> first;
 };
 
@@ -34,7 +34,8 @@ constexpr Polynomial kPolynomials[kSobolDimensions - 1] = {
     {6, 16, {1, 3, 1, 13, 27, 49}},
 };
 
-/// The direction numbers of one coordinate, the first digit behind the point in the highest bit.
+/// The direction numbers of one coordinate; the first binary digit after the point is the highest
+/// bit.
 std::vector<std::uint32_t> direction_numbers(int coordinate) {
   std::vector<std::uint32_t> v(kDigits);
   if (coordinate == 0) {
@@ -63,8 +64,8 @@ SobolSequence::SobolSequence(int dimensions, std::uint64_t seed) : point_(dimens
 std::vector<double> SobolSequence::next() {
   std::vector<double> point;
   for (const std::uint32_t digits : point_) point.push_back(digits * 0x1p-32);
-  // The order of Gray's code: the next point differs in the direction of the last zero of the
-  // count.
+  // Points are in Gray code order: the next one differs in the direction of the lowest zero bit of
+  // the count.
   const int digit = std::countr_one(count_++);
   for (std::size_t i = 0; i < point_.size(); ++i) point_[i] ^= directions_[i][digit % kDigits];
   return point;

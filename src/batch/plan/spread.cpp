@@ -7,10 +7,11 @@
 namespace conddp {
 namespace {
 
-/// Steps of this share of a circle leave gaps of nearly one size, however many there are.
+/// Golden section of a circle: steps of this size leave gaps of nearly equal size, for any number
+/// of steps.
 constexpr double kGoldenShare = 0.6180339887498949;
 
-/// The step nearest to that share that meets all numbers below `count`.
+/// The step nearest to the golden section that visits all numbers below `count`.
 std::size_t coprime_step(std::size_t count) {
   const auto nearest =
       static_cast<std::size_t>(std::llround(kGoldenShare * static_cast<double>(count)));

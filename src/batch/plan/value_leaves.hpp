@@ -7,13 +7,14 @@
 
 namespace conddp {
 
-/// A number, word or empty list within a varied value.
+/// A number, word or empty list inside a varied value.
 struct ValueLeaf {
-  std::string path;  ///< steps of lists and mappings, with dots between; empty: the value itself
+  std::string
+      path;  ///< steps through lists and mappings, joined by dots; empty for the value itself
   OrderedJson value;
 };
 
-/// What a value of the manifest is made of, in its order. `text`: the value as JSON.
+/// The leaves of a value in the manifest, in order. `text` is the value as JSON.
 std::vector<ValueLeaf> leaves_of(const std::string& text);
 
 }  // namespace conddp

@@ -9,10 +9,10 @@
 namespace conddp {
 namespace {
 
-/// Where a key leads in a document.
+/// The location of a key in a document.
 struct Target {
-  const YamlNode* node;  ///< the last one on its way that the document has
-  std::string rest;      ///< the steps behind it
+  const YamlNode* node;  ///< the last node on the key's path that exists
+  std::string rest;      ///< the remaining steps
 };
 
 Target target_of(YamlNode& root, const std::string& key) {
@@ -23,7 +23,7 @@ Target target_of(YamlNode& root, const std::string& key) {
   return {&root, key};
 }
 
-/// Whether a node is a part of another one.
+/// True if a node is part of another one.
 bool is_inside(const YamlNode* node, const YamlNode& whole) {
   const auto is_or_holds = [node](const YamlNode& part) {
     return &part == node || is_inside(node, part);
@@ -33,7 +33,7 @@ bool is_inside(const YamlNode* node, const YamlNode& whole) {
                      [&](const YamlNode::Entry& entry) { return is_or_holds(entry.value); });
 }
 
-/// Whether what the first target means has the second one as a part, or is the same.
+/// True if the first target contains or equals the second.
 bool has_part(const Target& whole, const Target& part) {
   if (whole.node == part.node)
     return whole.rest.empty() || whole.rest == part.rest || part.rest.starts_with(whole.rest + '.');
@@ -44,7 +44,7 @@ bool overlap(const Target& a, const Target& b) { return has_part(a, b) || has_pa
 
 bool is_same(const Target& a, const Target& b) { return has_part(a, b) && has_part(b, a); }
 
-/// Compares the keys of a plan as one document understands them.
+/// Compares the keys of a plan by their meaning in one document.
 class KeyCheck {
  public:
   KeyCheck(const BatchPlan& plan, const ProblemFamily& family, Diagnostics& out)
@@ -79,7 +79,7 @@ class KeyCheck {
     return a == b ? std::string() : fmt::format("'{}' is varied, too", b);
   }
 
-  /// No axis sets what another key of the plan sets for all items.
+  /// Reports an axis that varies a key which the plan sets for all items.
   void check_against_plan(const Varied& varied) {
     const auto check = [&](bool is_set, const char* key, const char* words) {
       if (is_set && overlap(varied.target, target_of(root_, key)))
@@ -98,7 +98,7 @@ class KeyCheck {
           "write 'command: mpc': items are closed loops then");
   }
 
-  /// The numbers that a homotopy moves are what it says at its end.
+  /// Reports varied keys that a homotopy moves, because its final values override them.
   void check_against_homotopy(const Varied& varied) {
     const auto& moved = family_.base().spec->solver.homotopy;
     for (std::size_t i = 0; i < moved.size(); ++i) {

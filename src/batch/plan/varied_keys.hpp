@@ -5,9 +5,10 @@
 
 namespace conddp {
 
-/// Reports keys of the axes that are set twice in a problem, or in part, whatever they are called
-/// there (`phases.0.dt` is `phases.reach.dt` if the first phase has that name): by another axis, by
-/// another key of the plan, or by the homotopy of the problem, which decides on its numbers.
+/// Reports keys of the axes that are set twice in a problem, fully or in part. The other setting
+/// may be another axis, another key of the plan, or the homotopy of the problem, which determines
+/// its numbers. Keys are compared by meaning (`phases.0.dt` is `phases.reach.dt` if the first phase
+/// has that name).
 void check_varied_keys(const BatchPlan& plan, const ProblemFamily& family, Diagnostics& out);
 
 }  // namespace conddp

@@ -10,16 +10,16 @@
 namespace conddp {
 namespace {
 
-/// What a page can draw at once: rows of items, trajectories, and numbers in these.
+/// Drawing limits of a page: rows of items, trajectories, and numbers in trajectories.
 constexpr std::size_t kMostRows = 20'000, kMostTrajectories = 60, kMostNumbers = 150'000;
-/// Nodes of a trajectory that are drawn.
+/// Number of nodes drawn per trajectory.
 constexpr std::size_t kMostNodes = 100;
 
 std::size_t step_of(std::size_t count, std::size_t most) {
   return std::max<std::size_t>(1, (count + most - 1) / most);
 }
 
-/// Reads what is known of items.
+/// Reads the manifest entries and results of items.
 class Items {
  public:
   Items(const Manifest& manifest, const StoredResults& results)
@@ -38,7 +38,7 @@ class Items {
     const StoredResult* result = stored(item);
     return result == nullptr ? kUnfinished : result->result.status;
   }
-  /// Null where it is not known.
+  /// Null if unknown.
   OrderedJson figure(std::size_t item, const char* key) const {
     const StoredResult* result = stored(item);
     return result == nullptr || !result->result.answer.is_object()
@@ -50,7 +50,7 @@ class Items {
     return result == nullptr ? OrderedJson() : result->result.times.value("all", OrderedJson());
   }
 
-  /// Names of what tells items apart: the columns of the plan, problems and solvers.
+  /// Names of the properties that distinguish items: the columns of the plan, problems and solvers.
   OrderedJson columns() const {
     OrderedJson list = OrderedJson::array();
     for (const ManifestColumn& column : manifest_.columns)
@@ -59,7 +59,7 @@ class Items {
     if (has_solvers()) list.push_back({{"name", "solver"}, {"key", "solver.name"}});
     return list;
   }
-  /// Their values: numbers and texts.
+  /// Values of these properties: numbers and texts.
   OrderedJson values(std::size_t item) const {
     const ManifestItem& of = manifest_.items[item];
     OrderedJson list = OrderedJson::array();
@@ -80,7 +80,7 @@ class Items {
   const StoredResults& results_;
 };
 
-/// The foremost of some items by a figure; those without it are left out.
+/// The first of some items, sorted by a figure; items without it are omitted.
 template <class Figure, class Before>
 std::vector<std::size_t> foremost(const std::vector<std::size_t>& items, Figure figure,
                                   Before before, std::size_t most) {
@@ -104,9 +104,9 @@ OrderedJson counts_json(const Items& items) {
   return list;
 }
 
-/// A figure of items that the page shows.
+/// A figure of items on the page.
 struct Figure {
-  const char* key;  ///< of the answer; "wall_s": how long the item took
+  const char* key;  ///< key in the answer; "wall_s": the item's wall time
   const char* title;
   const char* unit;
 };
@@ -137,7 +137,7 @@ OrderedJson figures_json(const Manifest& manifest) {
   return list;
 }
 
-/// `solved`: 1 or 0; null where there is no result.
+/// `solved` is 1 or 0; null without a result.
 OrderedJson rows_json(const Items& items, const Manifest& manifest, std::size_t every) {
   OrderedJson rows = {{"item", OrderedJson::array()},
                       {"solved", OrderedJson::array()},
@@ -180,7 +180,7 @@ OrderedJson lists_json(const Items& items, const Manifest& manifest,
   return lists;
 }
 
-/// The columns of a trajectory, at some of its nodes and the last one.
+/// The columns of a trajectory at a subset of its nodes, including the last.
 OrderedJson line_json(const Items& items, std::size_t item, const OrderedJson& trajectory) {
   const OrderedJson& x = trajectory.at("x");
   const std::size_t step = step_of(x.size(), kMostNodes), columns = x.at(0).size();
@@ -201,7 +201,8 @@ OrderedJson line_json(const Items& items, std::size_t item, const OrderedJson& t
   return line;
 }
 
-/// Trajectories of items that have a solution, spread over all, with the columns of the first one.
+/// Trajectories of items with a stored solution, spread over all, if their columns match those of
+/// the first one.
 OrderedJson trajectories_json(const Items& items) {
   std::vector<std::size_t> kept;
   for (std::size_t i = 0; i < items.count(); ++i)

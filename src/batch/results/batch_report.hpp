@@ -8,23 +8,23 @@
 
 namespace conddp {
 
-/// Items of a run that stand out in one way, by their numbers.
+/// Items of a run that stand out in one respect, by index.
 struct StandOut {
   std::string title;
   std::vector<std::size_t> items;
 };
 
-/// The slowest items, those of least and of greatest cost among the solved ones, and items that
-/// have a result and are not solved: at most `most` each, the foremost first.
+/// The slowest items, the solved items with the lowest and with the highest cost, and items with a
+/// result that are not solved. Each list contains at most `most` items, the most extreme first.
 std::vector<StandOut> items_that_stand_out(const Manifest& manifest, const StoredResults& results,
                                            std::size_t most);
 
-/// Files of items as seen from the page, by the items' numbers.
+/// Files of items relative to the page, by item index.
 using ItemLinks = std::map<std::size_t, std::vector<std::string>>;
 
-/// What the page of a report shows of a run: counts by status, rows of items for maps and
-/// distributions (of large runs one item of several, `every`), the items that stand out, and
-/// trajectories of one shape over each other.
+/// Data of a run for its report page: counts by status and rows of items for maps and
+/// distributions; for large runs only one of `every` items. Also the items that stand out, and
+/// overlaid trajectories of one shape.
 OrderedJson batch_report(const Manifest& manifest, const StoredResults& results,
                          const std::vector<StandOut>& stand_out, const ItemLinks& links);
 

@@ -9,7 +9,7 @@
 namespace conddp {
 namespace {
 
-/// A text as a cell of a CSV file, which is no formula, in quotes where it has to be.
+/// A text as a CSV cell, protected from evaluation as a formula and quoted if necessary.
 std::string cell(std::string text) {
   if (begins_formula(text)) text.insert(0, 1, '_');
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
@@ -18,7 +18,7 @@ std::string cell(std::string text) {
   return quoted + '"';
 }
 
-/// A number or text of a document; nothing for what is null or not there.
+/// A number or text of a document; empty if null or missing.
 std::string cell(const OrderedJson& json) {
   if (json.is_null()) return {};
   if (json.is_number()) return json.dump();
@@ -40,7 +40,7 @@ const StoredResult* find_result(const StoredResults& results, const ManifestItem
   return found == results.end() ? nullptr : &found->second;
 }
 
-/// The names of all constraints, in the order in which items have them.
+/// The names of all constraints, in order of appearance in the items.
 std::vector<std::string> constraint_columns(const Manifest& manifest,
                                             const StoredResults& results) {
   std::vector<std::string> names;
@@ -73,7 +73,7 @@ std::vector<std::string> answer_cells(const OrderedJson& answer,
   return cells;
 }
 
-/// Whether a closed loop ended of itself.
+/// True if a closed loop ended on its own.
 bool is_end_of_loop(const ItemResult& result) {
   return result.status == to_string(LoopEnd::stopped) ||
          result.status == to_string(LoopEnd::diverged);
@@ -138,7 +138,7 @@ std::vector<std::string> results_header(const Manifest& manifest,
   return header;
 }
 
-/// What an answer says, in the order of the header.
+/// The cells of an answer, in the order of the header.
 std::vector<std::string> cells_of(const Manifest& manifest, const OrderedJson& answer,
                                   const std::vector<std::string>& constraints) {
   if (manifest.command == BatchCommand::kSolve) return answer_cells(answer, constraints);
@@ -148,7 +148,7 @@ std::vector<std::string> cells_of(const Manifest& manifest, const OrderedJson& a
   return cells;
 }
 
-/// What an item is solved with, whether it has an answer or not.
+/// The cells that describe an item and its variation, with or without an answer.
 std::vector<std::string> item_cells(const Manifest& manifest, std::size_t index) {
   const ManifestItem& item = manifest.items[index];
   std::vector<std::string> cells = {std::to_string(index + 1), item.id,

@@ -9,42 +9,43 @@
 
 namespace conddp {
 
-/// The status of items that have no result, in tables.
+/// Status of items without a result, in tables.
 inline constexpr const char* kUnfinished = "unfinished";
 
-/// How many items of a run ended how.
+/// Counts of the items of a run by outcome.
 struct BatchStatus {
   std::size_t items = 0, solved = 0, unfinished = 0;
-  std::map<std::string, std::size_t> by_status;  ///< of those that have a result
-  double solve_s = 0;                            ///< of all solves together
+  std::map<std::string, std::size_t> by_status;  ///< items with a result
+  double solve_s = 0;                            ///< total over all solves
 };
 
-/// Results by the ids of items, as load_results() gives them.
+/// Results by item id, from load_results().
 using StoredResults = std::unordered_map<std::string, StoredResult>;
 
-/// Which failures are meant.
+/// Kinds of failures.
 enum class FailureKind {
-  /// Everything that has a result and is not solved, or whose solution is damaged; not a loop that
-  /// ended early: it would do so again.
+  /// All items with a result that are not solved or whose solution is damaged. Excludes loops that
+  /// ended early, because they would do so again.
   kAny,
-  kTimeout,  ///< time limits of solves, and workers that were killed
+  kTimeout,  ///< time limits of solves, and killed workers
 };
 
-/// Numbers of the items that failed so.
+/// Indices of the items with this kind of failure.
 std::vector<std::size_t> failed_items(const Manifest& manifest, const StoredResults& results,
                                       FailureKind kind);
 
 BatchStatus batch_status(const Manifest& manifest, const StoredResults& results);
 
-/// What the items with success are called in tables: solved, or survived.
+/// The word for successful items in tables: solved, or survived.
 const char* success_word(BatchCommand command);
 
-/// results.csv: one row an item in the order of the manifest, with what was varied, the status, and
-/// cost, residuals, iterations, violations by constraint and the certificate's verdict, or how a
-/// loop went. Nothing in it depends on who solved an item, when, or how fast.
+/// Content of results.csv: one row per item in the order of the manifest. A row contains the varied
+/// values and the status. For solves it adds cost, residuals, iterations, violations by constraint
+/// and the certificate's verdict; for loops the columns of the loop. The content does not depend on
+/// the machine, the time or the speed of the solves.
 std::string results_csv(const Manifest& manifest, const StoredResults& results);
 
-/// times.csv: what results.csv leaves out: attempts and seconds.
+/// Content of times.csv, the figures that results.csv omits: attempts and seconds.
 std::string times_csv(const Manifest& manifest, const StoredResults& results);
 
 }  // namespace conddp

@@ -24,7 +24,7 @@ using Names = std::vector<std::string>;
 constexpr std::size_t kLongestStatus = 24, kLongestSolver = 32;
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-/// Puts nested lists into an array of a shape; what is short of it stays as it is.
+/// Copies nested lists into an array of a given shape; missing entries remain unchanged.
 void fill(const OrderedJson& json, std::span<const std::size_t> shape, double* out) {
   if (shape.empty()) {
     if (json.is_number()) *out = json.get<double>();
@@ -37,10 +37,10 @@ void fill(const OrderedJson& json, std::span<const std::size_t> shape, double* o
     fill(json[i], shape.subspan(1), out + i * stride);
 }
 
-/// What the first index of an item's array counts.
+/// The meaning of the first index of an item's array.
 enum class Rows { kOther, kControls };
 
-/// An array of a group, and where a solution has its row.
+/// An array of a group, and the location of its row in a solution.
 struct ArrayOfItems {
   Hdf5File::Handle handle = -1;
   Shape shape;
@@ -48,15 +48,15 @@ struct ArrayOfItems {
   Rows rows = Rows::kOther;
 };
 
-/// Whether the first knot has no control: it takes no time, and its numbers say what the solver
-/// chooses.
+/// True if the first knot is instantaneous and without controls: its numbers are the choices of the
+/// solver.
 bool begins_with_choice(const OrderedJson& solution) {
   const OrderedJson& trajectory = solution.at("trajectory");
   const OrderedJson& t = trajectory.at("t");
   return trajectory.at("phases").at(0).at("knots") == 1 && t.at(1) == t.at(0);
 }
 
-/// What was varied, as numbers: a column for each key, or for each number in its lists and
+/// The varied values as numbers: a column for each key, or for each number in its lists and
 /// mappings.
 class Parameters {
  public:
@@ -66,7 +66,7 @@ class Parameters {
         for (const ValueLeaf& leaf : leaves_of(item.values[c]))
           if (leaf.value.is_number()) columns_[c].add(leaf.path);
     for (std::size_t c = 0; c < columns_.size(); ++c) {
-      if (columns_[c].paths.empty()) columns_[c].add("");  // texts alone
+      if (columns_[c].paths.empty()) columns_[c].add("");  // texts only
       columns_[c].first = names_.size();
       for (const std::string& path : columns_[c].paths) {
         names_.push_back(behind(manifest.columns[c].name, path));
@@ -78,7 +78,7 @@ class Parameters {
   const Names& names() const { return names_; }
   const Names& keys() const { return keys_; }
 
-  /// NaN for what is no number, and for what the item's values do not have.
+  /// The numbers of an item. NaN for texts, and for columns that the item's values lack.
   std::vector<double> of(const ManifestItem& item) const {
     std::vector<double> numbers(names_.size(), kNone);
     for (std::size_t c = 0; c < columns_.size(); ++c)
@@ -89,11 +89,11 @@ class Parameters {
   }
 
  private:
-  /// The numbers of one key, in the order in which items have them.
+  /// The numbers of one key, in order of appearance in the items.
   struct Column {
-    std::size_t first = 0;  ///< of all names
+    std::size_t first = 0;  ///< index of its first name
     Names paths;
-    std::map<std::string, std::size_t> indices;  ///< of the paths
+    std::map<std::string, std::size_t> indices;  ///< by path
 
     void add(const std::string& path) {
       if (indices.try_emplace(path, paths.size()).second) paths.push_back(path);
@@ -108,7 +108,7 @@ class Parameters {
   Names names_, keys_;
 };
 
-/// The constraints of a solution, and how many rows each has at a node, at most.
+/// The constraints of a solution with the maximum number of rows at a node.
 std::vector<std::pair<std::string, std::size_t>> constraint_rows(const OrderedJson& solution) {
   std::vector<std::pair<std::string, std::size_t>> found;
   const OrderedJson& multipliers = solution.at("multipliers");
@@ -124,17 +124,17 @@ std::vector<std::pair<std::string, std::size_t>> constraint_rows(const OrderedJs
   return found;
 }
 
-/// The columns of a list of rows: as many as the longest one has.
+/// The width of a list of rows: the size of the longest row.
 std::size_t widest(const OrderedJson& rows) {
   std::size_t width = 0;
   for (const OrderedJson& row : rows) width = std::max(width, row.size());
   return width;
 }
 
-/// Problems of one shape.
+/// The arrays of all problems with the same shape.
 class ShapeGroup {
  public:
-  /// `tangents`: names of the tangent vectors of states; empty where they are not known.
+  /// `tangents`: names of the components of tangent vectors; empty if unknown.
   ShapeGroup(Hdf5File& file, const std::string& name, const Manifest& manifest,
              const Parameters& parameters, const OrderedJson& solution, const Names& tangents)
       : file_(file), group_(file.add_group(name)), manifest_(manifest), parameters_(parameters) {
@@ -207,7 +207,7 @@ class ShapeGroup {
     return numbers;
   }
 
-  /// A name within a JSON pointer.
+  /// Escapes a name for a JSON pointer.
   static std::string escaped(const std::string& name) {
     std::string text;
     for (const char c : name)
@@ -215,7 +215,7 @@ class ShapeGroup {
     return text;
   }
 
-  /// A name of an array that no other has. '/' would lead into groups.
+  /// A unique name for an array, without '/', which would create groups.
   std::string array_name(std::string name) {
     std::replace(name.begin(), name.end(), '/', '_');
     while (!names_.insert(name).second) name += '_';
@@ -237,7 +237,7 @@ class ShapeGroup {
     file_.annotate(parameter_array_, "keys", parameters_.keys());
   }
 
-  /// Three numbers, or six with the torque.
+  /// Adds a contact force: three numbers, or six with the torque.
   void add_force(const std::string& contact, std::size_t knots, std::size_t width) {
     Names columns = {"fx", "fy", "fz", "tx", "ty", "tz"};
     Names units = {"N", "N", "N", "Nm", "Nm", "Nm"}, impulses;
@@ -249,7 +249,7 @@ class ShapeGroup {
       file_.annotate(*force, "units_at_impulses", impulses);
   }
 
-  /// An array of numbers of the solution; nothing where it would be empty.
+  /// Adds an array of numbers from the solution; nothing if it would be empty.
   std::optional<Hdf5File::Handle> add(const std::string& name, const std::string& place,
                                       const Shape& shape, const Names& columns, const Names& units,
                                       Rows rows = Rows::kOther) {
@@ -272,7 +272,7 @@ class ShapeGroup {
   std::vector<Multipliers> multipliers_;
 };
 
-/// What problems of one shape have in common.
+/// A text that is equal for problems of the same shape.
 std::string shape_key(const OrderedJson& solution) {
   const OrderedJson& trajectory = solution.at("trajectory");
   std::string key = fmt::format("{} {} {}", trajectory.at("x").size(),
@@ -285,7 +285,7 @@ std::string shape_key(const OrderedJson& solution) {
   return key;
 }
 
-/// Names of the tangent vectors of an item's states; none where its files have changed.
+/// Names of the tangent vectors of an item's states; empty if its files have changed.
 Names tangent_names_of(const std::filesystem::path& run, const Manifest& manifest,
                        const ManifestItem& item) {
   Diagnostics unused;
@@ -313,7 +313,7 @@ DatasetCount write_dataset(const std::filesystem::path& run, const Manifest& man
     is_complete = is_complete && stored != results.end();
     if (stored == results.end() || stored->second.result.solution_bytes == 0) continue;
     const OrderedJson solution = load_document(stored->second);
-    if (solution.is_null()) {  // the pack is not what it was
+    if (solution.is_null()) {  // the pack has changed
       ++count.unreadable;
       continue;
     }

@@ -6,19 +6,20 @@
 
 namespace conddp {
 
-/// What became of the solutions that are kept.
+/// Counts of the stored solutions.
 struct DatasetCount {
-  std::size_t solutions = 0;   ///< in the file
-  std::size_t unreadable = 0;  ///< damaged since they were written, and left out
+  std::size_t solutions = 0;   ///< number in the file
+  std::size_t unreadable = 0;  ///< damaged since they were written, and omitted
 };
 
-/// Writes dataset.h5 of a run: a group for each shape of problem (columns, knots, contacts,
-/// constraints), `shape_1` and so on in the order of the items, with arrays whose first index is
-/// the item: t, x, u, contact forces, gains, multipliers, parameters (what was varied, lists number
-/// by number), cost, status, solver, problem file. Names and units are attributes; those of tangent
-/// vectors only where the problem files are what they were. Only items whose solution is kept are
-/// in it; numbers that an item has not are NaN. Without one no file is written; a former one is
-/// removed if all items have results and keep none. Throws OutputError.
+/// Writes dataset.h5 of a run, with a group for each problem shape (columns, knots, contacts,
+/// constraints). Groups are named `shape_1` and so on in the order of the items. The first index of
+/// each array is the item: t, x, u, contact forces, gains, multipliers, parameters (varied values,
+/// lists number by number), cost, status, solver, problem file. Names and units are attributes;
+/// those of tangent vectors are included only if the problem files are unchanged. Includes only
+/// items with a stored solution; numbers that an item lacks are NaN. Without any solution the file
+/// is not written. An existing one is removed if all items have results and none is stored. Throws
+/// OutputError.
 DatasetCount write_dataset(const std::filesystem::path& run, const Manifest& manifest,
                            const StoredResults& results);
 

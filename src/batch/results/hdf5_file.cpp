@@ -12,7 +12,7 @@
 #include "base/files/sync_to_disk.hpp"
 #include "base/shared_library.hpp"
 
-// Macros of the header call these on the way, which would link the library.
+// The header's macros call these, which would require linking the library.
 #undef H5CHECK
 #define H5CHECK
 #undef H5OPEN
@@ -21,18 +21,18 @@
 namespace conddp {
 namespace {
 
-/// Numbers or bytes in a chunk, about.
+/// Approximate size of a chunk, in numbers or bytes.
 constexpr std::size_t kChunk = 1 << 16;
 constexpr std::size_t kMostRowsInChunk = 1024;
 
-/// HDF5's library. It is loaded by the first data set that is written: it takes tens of other
-/// libraries along, for which no other command should wait.
+/// The HDF5 library, loaded when the first data set is written. It pulls in tens of other
+/// libraries, which would delay other commands.
 class Hdf5Library {
   const SharedLibrary library_{"HDF5, which writes dataset.h5,", {CONDDP_HDF5_LIBRARY}};
 
  public:
-  /// What the library would do when the process ends is done by close(). A file that a full disk
-  /// leaves half written stays open, and to end it once more would be a crash.
+  /// Disables the library's exit handler; close() does its work. After a full disk, a half-written
+  /// file stays open, and closing it again at exit would crash.
   Hdf5Library() {
     H5dont_atexit();
     if (H5open() < 0) throw OutputError("the library of HDF5 cannot be started");
@@ -75,7 +75,7 @@ class Hdf5Library {
   CONDDP_HDF5_FUNCTION(H5Tset_strpad);
 #undef CONDDP_HDF5_FUNCTION
 
-  /// What a macro of its header stands for, a handle in a variable.
+  /// The handle behind a macro of the header, stored in a variable of the library.
   hid_t variable(const char* name) const {
     return *static_cast<const hid_t*>(library_.symbol(name));
   }
@@ -86,7 +86,7 @@ const Hdf5Library& hdf5() {
   return library;
 }
 
-/// A type of texts of one length, padded with zeros. To be closed.
+/// A type for texts of a fixed length, padded with zeros. The caller must close it.
 hid_t text_type(std::size_t length) {
   const hid_t type = hdf5().H5Tcopy(hdf5().variable("H5T_C_S1_g"));
   hdf5().H5Tset_size(type, std::max<std::size_t>(1, length));
@@ -98,9 +98,9 @@ hid_t text_type(std::size_t length) {
 
 Hdf5File::Hdf5File(const std::filesystem::path& file, std::size_t most_rows)
     : file_(file), temporary_(file.string() + ".partial"), most_rows_(most_rows) {
-  hdf5().H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // errors are ours to report
+  hdf5().H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // we report errors ourselves
   errno = 0;
-  // Attributes may be longer than 64 kB from the format of HDF5 1.8 on.
+  // From the format of HDF5 1.8 on, attributes may be longer than 64 kB.
   const hid_t creation = hdf5().H5Pcreate(hdf5().variable("H5P_CLS_FILE_CREATE_ID_g")),
               access = hdf5().H5Pcreate(hdf5().variable("H5P_CLS_FILE_ACCESS_ID_g"));
   hdf5().H5Pset_obj_track_times(creation, false);
@@ -155,7 +155,7 @@ Hdf5File::Handle Hdf5File::add(Handle group, const std::string& name, Handle typ
   const hid_t properties = hdf5().H5Pcreate(hdf5().variable("H5P_CLS_DATASET_CREATE_ID_g"));
   hdf5().H5Pset_obj_track_times(properties, false);
   hdf5().H5Pset_chunk(properties, static_cast<int>(chunk.size()), chunk.data());
-  hdf5().H5Pset_fill_time(properties, H5D_FILL_TIME_ALLOC);  // the end of a chunk is zero
+  hdf5().H5Pset_fill_time(properties, H5D_FILL_TIME_ALLOC);  // zeros at the end of a chunk
   const hid_t array =
       hdf5().H5Dcreate2(group, name.c_str(), type, space, H5P_DEFAULT, properties, H5P_DEFAULT);
   hdf5().H5Pclose(properties);

@@ -7,29 +7,29 @@
 
 namespace conddp {
 
-/// An HDF5 file that is being written, with stacked arrays in groups. Neither times nor addresses
-/// go into it: the same calls give the same bytes. It appears under its name, whole, with commit().
-/// Everything throws OutputError where the file cannot be written.
+/// An HDF5 file for writing stacked arrays in groups. It contains neither times nor addresses, so
+/// the same calls produce the same bytes. commit() makes the complete file appear under its name.
+/// All methods throw OutputError if the file cannot be written.
 class Hdf5File {
  public:
-  /// `most_rows`: no array gets more rows, so that none takes space for more at once.
+  /// `most_rows` bounds the rows of every array, and thus the space allocated at once.
   Hdf5File(const std::filesystem::path& file, std::size_t most_rows);
-  /// Removes what was not committed.
+  /// Removes the file if it was not committed.
   ~Hdf5File();
   Hdf5File(const Hdf5File&) = delete;
   Hdf5File& operator=(const Hdf5File&) = delete;
 
-  /// A handle of a group, or of an array in one.
+  /// A handle of a group or of one of its arrays.
   using Handle = std::int64_t;
   Handle add_group(const std::string& name);
-  /// Numbers of one shape, row by row; none yet.
+  /// Adds an array for rows of one shape, initially without rows.
   Handle add_array(Handle group, const std::string& name, const std::vector<std::size_t>& shape);
-  /// Texts of at most `length` bytes, row by row.
+  /// Adds an array for texts of at most `length` bytes.
   Handle add_texts(Handle group, const std::string& name, std::size_t length);
-  /// The next row. Numbers: as many as the shape has.
+  /// Appends a row. The count of numbers must match the shape.
   void append(Handle array, const std::vector<double>& row);
   void append(Handle texts, const std::string& row);
-  /// Names, units or a remark at a group or array.
+  /// Attaches names, units or a remark to a group or array.
   void annotate(Handle object, const std::string& name, const std::vector<std::string>& texts);
 
   void commit();

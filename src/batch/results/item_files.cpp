@@ -17,7 +17,7 @@
 namespace conddp {
 namespace {
 
-/// Whether this is the item that was solved; the files that its settings name have a part in it.
+/// True if the item is unchanged since it was solved, including the files that its settings name.
 bool is_item(const ManifestItem& item, const Manifest& manifest, const InputFiles& inputs,
              Diagnostics& out) {
   std::vector<Setting> settings;
@@ -30,7 +30,7 @@ bool is_item(const ManifestItem& item, const Manifest& manifest, const InputFile
   return false;
 }
 
-/// problem.yaml of an item in a folder.
+/// The problem.yaml of an item in a folder.
 std::string problem_yaml(const ProblemSpec& spec, const BuiltProblem& built,
                          const std::filesystem::path& file, const std::filesystem::path& folder) {
   OrderedJson problem = expand_problem(spec, built);
@@ -47,7 +47,7 @@ std::optional<ShownItem> load_item(const std::filesystem::path& run, const Manif
   ShownItem shown{.file = problem_of_run(manifest, item.problem, run)};
   const bool has_solution = stored != nullptr && stored->result.solution_bytes > 0;
   if (has_solution) shown.document = load_document(*stored);
-  // The answer of a file with `mesh` is one of a finer grid.
+  // The answer of a file with `mesh` belongs to a finer grid.
   const bool is_refined = shown.document.contains("mesh");
   auto spec = read_problem(
       shown.file,

@@ -11,37 +11,38 @@
 
 namespace conddp {
 
-/// An item as ordinary files have it.
+/// An item in the form of ordinary problem and solution files.
 struct ShownItem {
   std::unique_ptr<const ProblemSpec> spec;
   BuiltProblem built;
   std::filesystem::path file;  ///< its problem file
-  OrderedJson document;        ///< solution.json; null where no solution is kept
+  OrderedJson document;        ///< solution.json; null without a stored solution
 };
 
-/// Builds the problem of an item again. `stored`: its result, or null. Nothing with errors where
-/// its files have changed since the plan was made, or its solution is damaged.
+/// Rebuilds the problem of an item. `stored` is its result, or null. Nothing, with errors, if its
+/// files have changed since planning or its solution is damaged.
 std::optional<ShownItem> load_item(const std::filesystem::path& run, const Manifest& manifest,
                                    const ManifestItem& item, const StoredResult* stored,
                                    Diagnostics& out);
 
-/// A closed loop that was simulated again.
+/// A re-simulated closed loop.
 struct WrittenLoop {
   LoopEnd end = LoopEnd::finished;
   std::vector<std::filesystem::path> paths;
 };
 
-/// Builds the closed loop of an item again, simulates it without a limit of time, and writes
-/// problem.yaml (every default, paths as seen from there) and the files of the loop into a folder,
-/// all or none. Warns of what problem.yaml cannot say. Nothing with errors where the item's files
-/// have changed since the plan was made.
+/// Rebuilds the closed loop of an item, simulates it without a time limit, and writes problem.yaml
+/// (with every default, and paths relative to the folder) and the files of the loop. Writes all
+/// files or none. Warns about settings that problem.yaml cannot express. Nothing, with errors, if
+/// the item's files have changed since planning.
 std::optional<WrittenLoop> write_loop_item(const std::filesystem::path& run,
                                            const Manifest& manifest, const ManifestItem& item,
                                            const std::filesystem::path& folder, Diagnostics& out);
 
-/// Writes problem.yaml (every default, paths as seen from there) and, where a solution is kept,
-/// solution.json, trajectory.csv and iterations.csv into a folder, all or none. Returns their
-/// paths. Throws OutputError, and MalformedSolution where the solution is not one of the problem.
+/// Writes problem.yaml (with every default, and paths relative to the folder) and, if a solution is
+/// stored, solution.json, trajectory.csv and iterations.csv. Writes all files or none, and returns
+/// their paths. Throws OutputError, and MalformedSolution if the solution does not match the
+/// problem.
 std::vector<std::filesystem::path> write_item(const ShownItem& item,
                                               const std::filesystem::path& folder);
 

@@ -18,8 +18,8 @@ std::string result_line(const ItemResult& result) {
 
 namespace {
 
-/// Throws OrderedJson::exception where an answer or the times of a line that another program wrote
-/// have members of other types.
+/// Throws OrderedJson::exception if members of an answer or of the times, in a line of another
+/// program, have wrong types.
 void check_types(const OrderedJson& json) {
   using Object = const OrderedJson::object_t&;
   for (const auto& [name, time] : json.at("times").get_ref<Object>())

@@ -26,10 +26,10 @@ namespace fs = std::filesystem;
 
 constexpr const char* kFolder = "shards";
 
-/// How long results wait at most before they go to the disk.
+/// Maximum delay before results are flushed to disk.
 constexpr std::chrono::seconds kSyncInterval{5};
 
-/// A line that says how many bytes of the pack are on the disk.
+/// Start of a line that records how many bytes of the pack are on disk.
 constexpr std::string_view kMark = R"({"synced":)";
 std::string mark_line(std::size_t bytes) { return fmt::format("{}{}}}", kMark, bytes); }
 std::size_t marked_bytes(std::string_view line) {
@@ -47,12 +47,12 @@ fs::path pack_of(const fs::path& results) {
   return results.parent_path() / (results.stem().string() + ".solutions");
 }
 
-/// All whole results of a file in their order, and where the last one ends.
+/// All complete results of a file in order, and the end of the last one.
 struct Lines {
   std::vector<ItemResult> results;
-  std::vector<std::size_t> starts;  ///< of their lines
+  std::vector<std::size_t> starts;  ///< of result lines
   std::size_t end = 0;
-  std::size_t synced = 0;  ///< bytes of the pack that have reached the disk
+  std::size_t synced = 0;  ///< bytes of the pack known to be on disk
 };
 
 void take_line(const std::string& line, std::size_t start, std::size_t end, Lines& lines) {
@@ -69,8 +69,8 @@ void take_line(const std::string& line, std::size_t start, std::size_t end, Line
   }
 }
 
-/// Drops the first result whose solution has not reached the pack, and those behind it. So it is
-/// where the pack has become shorter than the last mark says.
+/// Drops the first result whose solution is missing from the pack, and all results after it. This
+/// also handles a pack that is shorter than the last mark says.
 void drop_torn(const fs::path& pack, Lines& lines) {
   std::error_code error;
   const std::uintmax_t size = fs::file_size(pack, error);

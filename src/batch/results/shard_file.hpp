@@ -10,34 +10,33 @@
 
 namespace conddp {
 
-/// Which share of the items a process solves: those whose number leaves `index` when divided by
-/// `count`.
+/// The part of the items that a process solves: those whose index modulo `count` is `index`.
 struct Shard {
   int index = 0;
   int count = 1;
 };
 
-/// The results of a shard in the folder of a run, `shards/<i>of<n>.jsonl`, and beside it the pack
-/// of its solutions. Only one process writes them; both grow at their end. A line of results begins
-/// with a check sum, so that one that was cut off by the end of its process is recognized: it is
-/// dropped, with whatever is in the pack behind the last whole line. Every few seconds both go to
-/// the disk, and a mark among the lines says how much of the pack is there. What the pack should
-/// hold behind the last mark is compared with its sum, and a result without its solution is
-/// dropped, with those behind it: so a power cut loses seconds at most. A pack that has become
-/// shorter than the mark is cut off in the same way.
+/// The results of a shard in the folder of a run, `shards/<i>of<n>.jsonl`, with the pack of its
+/// solutions next to it. Only one process writes them, and both files only grow. A result line
+/// begins with a checksum. An incomplete line, left when its process ended, is thus recognized and
+/// dropped, with everything in the pack after the last complete line. Every few seconds both files
+/// are flushed to disk, and a mark line records the size of the pack. On reading, solutions after
+/// the last mark are verified by checksum; a result without its solution is dropped, and so are all
+/// later ones. So a power failure loses a few seconds at most. A pack that is shorter than the mark
+/// is truncated in the same way.
 class ShardFile {
  public:
-  /// Opens or makes the files. Throws OutputError where they cannot be written, or where another
-  /// process has them.
+  /// Opens or creates the files. Throws OutputError if they cannot be written or another process
+  /// uses them.
   ShardFile(const std::filesystem::path& run, const Shard& shard);
   ~ShardFile();
   ShardFile(const ShardFile&) = delete;
   ShardFile& operator=(const ShardFile&) = delete;
 
-  /// Appends a result with its solution, which may be empty. Throws OutputError; then a part of a
-  /// line may stand at the end.
+  /// Appends a result with its solution, which may be empty. Throws OutputError; the file may then
+  /// end in an incomplete line.
   void append(ItemResult result, std::string_view solution);
-  /// Waits until everything is on the disk. Throws OutputError.
+  /// Waits until all data is on disk. Throws OutputError.
   void sync();
 
  private:
@@ -50,22 +49,22 @@ class ShardFile {
   Clock::time_point last_sync_ = Clock::now();
 };
 
-/// A result and the pack that holds its solution.
+/// A result and the pack of its solution.
 struct StoredResult {
   ItemResult result;
   std::filesystem::path pack;
 };
 
-/// Of every item that has results in any shard of a run, the one that counts.
+/// The result that takes precedence, for every item with results in any shard of a run.
 std::unordered_map<std::string, StoredResult> load_results(const std::filesystem::path& run);
 
-/// The bytes of a kept solution; empty where the pack does not hold it any more.
+/// The bytes of a stored solution; empty if it is no longer in the pack.
 std::string load_solution(const StoredResult& stored);
 
-/// Whether a solution was kept and the pack does not hold it any more.
+/// True if a solution was stored but is no longer in the pack.
 bool is_damaged(const StoredResult& stored);
 
-/// The solution.json that they stand for; null where there is none.
+/// The solution.json of a stored result; null without one.
 OrderedJson load_document(const StoredResult& stored);
 
 }  // namespace conddp

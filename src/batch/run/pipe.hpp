@@ -2,10 +2,10 @@
 
 namespace conddp {
 
-/// A pipe whose ends close with it, and which programs started later do not inherit.
+/// A pipe whose ends are closed on destruction and are not inherited by programs started later.
 class Pipe {
  public:
-  /// Throws OutputError where the system has none left.
+  /// Throws OutputError if the system cannot create a pipe.
   Pipe();
   ~Pipe();
   Pipe(const Pipe&) = delete;
@@ -15,7 +15,7 @@ class Pipe {
   int write_end() const { return ends_[1]; }
   void close_read_end() { close(0); }
   void close_write_end() { close(1); }
-  /// Leaves an end to the caller.
+  /// Releases an end to the caller.
   int release_read_end();
   int release_write_end();
 

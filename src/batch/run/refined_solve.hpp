@@ -12,24 +12,24 @@
 
 namespace conddp {
 
-/// The answer of a file with `mesh` on its last grid.
+/// The answer for a file with `mesh`, on its last grid.
 struct RefinedSolve {
-  std::optional<ProblemInstance> instance;  ///< with that grid; nothing: it is the first one
+  std::optional<ProblemInstance> instance;  ///< on that grid; nothing if it is the first grid
   SolveResult result;
   std::vector<MeshRound> rounds;
-  std::string setting;  ///< of that grid, as --set takes it
+  std::string setting;  ///< setting of that grid, in `--set` syntax
 };
 
-/// The problem with the setting of a grid; nothing where it cannot be built.
+/// Builds the problem on a given grid; returns nothing if it cannot be built.
 using BuildOnGrid = std::function<std::optional<ProblemInstance>(const Setting& grid)>;
 
-/// Goes on from the answer on the first grid as `conddp solve` does. `options.max_time_s` is for
-/// the grids that follow. `solver`: which one gave the answer.
+/// Continues from the answer on the first grid, as `conddp solve` does. `options.max_time_s`
+/// applies to the subsequent grids. `solver` is the solver that found the answer.
 RefinedSolve refine(const ProblemInstance& first, const SolveResult& result,
                     const std::vector<const SolverInfo*>& candidates, SolverOptions options,
                     const BuildOnGrid& build, const SolverInfo*& solver);
 
-/// What there is to say of a grid that is too coarse; empty where it is as fine as the file asks.
+/// A message about a grid that is too coarse; empty if it is as fine as the file requires.
 std::string too_coarse(const RefinedSolve& solve, const ProblemSpec& spec);
 
 }  // namespace conddp

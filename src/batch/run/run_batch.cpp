@@ -23,8 +23,8 @@ double seconds_since(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
-/// How long an item may be under way where its solve may take `limit` seconds: what is built and
-/// checked around the solve has its time, too.
+/// Maximum time of an item whose solve may take `limit` seconds. It includes time for building and
+/// checking.
 double patience(double limit) { return 2 * limit + 1; }
 
 /// A run of one shard.
@@ -76,14 +76,14 @@ class BatchRun {
   bool finished() const {
     return interrupted() || (waiting_.empty() && suspects_.empty() && workers_.empty());
   }
-  /// Whether no further item begins.
+  /// True if no further items should begin.
   bool stopping() {
     stopping_ = stopping_ || (options_.stop_soon && options_.stop_soon()) ||
                 (options_.budget_s > 0 && seconds_since(began_) >= options_.budget_s);
     return stopping_;
   }
 
-  /// Sends items to workers that have few; a suspect goes alone.
+  /// Sends items to workers with few pending ones; a suspect is sent alone.
   void feed() {
     while (static_cast<int>(workers_.size()) < options_.workers &&
            workers_.size() < waiting_.size() + suspects_.size())
@@ -102,7 +102,8 @@ class BatchRun {
     std::erase_if(workers_, [](const auto& worker) { return worker->unanswered().empty(); });
   }
 
-  /// How many items a worker gets at most: fewer near the end, so that all workers end together.
+  /// Maximum number of pending items per worker. It decreases near the end, so that all workers
+  /// finish together.
   std::size_t items_ahead() const {
     const std::size_t share = waiting_.size() / (2 * static_cast<std::size_t>(options_.workers));
     return std::clamp<std::size_t>(share, 1, static_cast<std::size_t>(options_.group));
@@ -113,7 +114,8 @@ class BatchRun {
                        [&](const auto& request) { return deaths_.contains(request.item); });
   }
 
-  /// The first item that waits and those behind it in its block, which may start from one another.
+  /// Sends the first waiting item and the subsequent ones of its block, which may start from one
+  /// another.
   void send_block(WorkerProcess& worker) {
     const std::size_t block = block_of(manifest_, waiting_.front());
     while (!waiting_.empty() && block_of(manifest_, waiting_.front()) == block) {
@@ -122,9 +124,8 @@ class BatchRun {
     }
   }
 
-  /// Sends an item behind those from which it starts, as far as the worker does not know their
-  /// answers: they are solved again, which gives the same bits. Each of them has its own time, and
-  /// its own failures.
+  /// Sends an item, preceded by the ancestors whose answers the worker does not have. These are
+  /// solved again, with identical bits. Each has its own time limit and may fail on its own.
   void send(WorkerProcess& worker, std::size_t item) {
     std::vector<std::size_t> line = {item};
     for (auto parent = parent_of(item); parent && !worker.has_had(*parent, kNeighbourBlock);
@@ -137,7 +138,7 @@ class BatchRun {
     }
   }
 
-  /// The item from whose answer this one starts, unless that failed.
+  /// The item whose answer this one starts from, unless that item failed.
   std::optional<std::size_t> parent_of(std::size_t item) const {
     const std::string& parent = manifest_.items[item].parent;
     const auto found = numbers_.find(parent);
@@ -155,7 +156,7 @@ class BatchRun {
     ::poll(polled.data(), polled.size(), kLongestWait);
   }
 
-  /// Takes the answers of a worker, and notices its end.
+  /// Takes the answers of a worker, and detects its end.
   void collect(WorkerProcess& worker) {
     worker.write_some();
     const bool open = worker.read_some();
@@ -177,19 +178,20 @@ class BatchRun {
       bury(worker, kKilled, true);
   }
 
-  /// Records what the worker leaves behind: the item under way is to blame, the others wait again.
+  /// Handles a worker's end: the current item is blamed, and the others wait again.
   void bury(WorkerProcess& worker, std::string_view status, bool kill) {
     const WorkerProcess::End end = worker.reap(kill);
     std::deque<WorkerProcess::Request> left = worker.unanswered();
     gone_.insert(&worker);
     if (left.empty()) return;
     const auto [culprit, again] = left.front();
-    const bool between = end.exit_status == kMemoryUsedUp;  // behind an answer, before the next
+    const bool between =
+        end.exit_status == kMemoryUsedUp;  // after one answer and before the next item
     if (!between) left.pop_front();
     wait_again(left);
     if (between) return;
     if (++deaths_[culprit] <= manifest_.limits.retries) {
-      if (again) return;  // those that start from it bring it along
+      if (again) return;  // resent with the items that start from it
       ++attempts_[culprit];
       suspects_.push_back(culprit);
       return;
@@ -210,7 +212,7 @@ class BatchRun {
            {});
   }
 
-  /// Puts items that a worker leaves behind before the others.
+  /// Puts a worker's remaining items first in the queue.
   void wait_again(const std::deque<WorkerProcess::Request>& left) {
     std::deque<std::size_t> items;
     for (const auto& [item, again] : left)
@@ -218,7 +220,7 @@ class BatchRun {
     waiting_.insert(waiting_.begin(), items.begin(), items.end());
   }
 
-  /// A worker whose other items shall not be solved.
+  /// Ends a worker and discards its other items.
   void drop(WorkerProcess& worker) {
     worker.reap(true);
     gone_.insert(&worker);
@@ -244,10 +246,10 @@ class BatchRun {
   ShardFile file_;
   const Clock::time_point began_ = Clock::now();
   std::deque<std::size_t> waiting_, suspects_;
-  std::unordered_map<std::string, std::size_t> numbers_;  ///< of the items, by their ids
-  std::set<std::string> failed_;         ///< ids of items whose answers are of no use to others
-  std::map<std::size_t, int> deaths_;    ///< of workers, by the item that each had begun
-  std::map<std::size_t, int> attempts_;  ///< at items, in former runs as well
+  std::unordered_map<std::string, std::size_t> numbers_;  ///< indices of the items, by id
+  std::set<std::string> failed_;         ///< ids of items whose answers are not usable by others
+  std::map<std::size_t, int> deaths_;    ///< deaths of workers, by the item in progress
+  std::map<std::size_t, int> attempts_;  ///< attempts by item, including former runs
   std::vector<std::unique_ptr<WorkerProcess>> workers_;
   std::set<const WorkerProcess*> gone_;
   BatchProgress progress_;
@@ -257,7 +259,7 @@ class BatchRun {
 }  // namespace
 
 std::vector<std::size_t> items_of_shard(const Manifest& manifest, const Shard& shard) {
-  std::vector<std::pair<std::size_t, std::size_t>> blocks;  // with the item
+  std::vector<std::pair<std::size_t, std::size_t>> blocks;  // with their items
   for (std::size_t i = 0; i < manifest.items.size(); ++i)
     if (const std::size_t block = block_of(manifest, i);
         block % static_cast<std::size_t>(shard.count) == static_cast<std::size_t>(shard.index))

@@ -15,7 +15,7 @@ std::string_view status_of(LoopEnd end) {
   return end == LoopEnd::interrupted ? to_string(SolveStatus::time_limit) : to_string(end);
 }
 
-/// The share of ticks for which something holds.
+/// The fraction of ticks that satisfy a predicate.
 template <class Holds>
 double share_of(const std::vector<TickRecord>& ticks, Holds holds) {
   if (ticks.empty()) return 0;
@@ -23,7 +23,7 @@ double share_of(const std::vector<TickRecord>& ticks, Holds holds) {
          static_cast<double>(ticks.size());
 }
 
-/// What of a loop goes into the row of results.
+/// The figures of a loop for the row of results.
 OrderedJson answer_of(const LoopTask& task, const ClosedLoopResult& result) {
   const auto is_planned = [](const TickRecord& t) { return t.outcome == TickOutcome::planned; };
   const auto falls_back = [](const TickRecord& t) { return t.fallback; };

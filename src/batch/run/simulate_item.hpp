@@ -4,8 +4,8 @@
 
 namespace conddp {
 
-/// Builds the closed loop of one item and simulates it, with one thread. How the loop ended is the
-/// status; a loop that takes longer than the limit of time ends at its next tick.
+/// Builds the closed loop of an item and simulates it in one thread. The status says how the loop
+/// ended. A loop that exceeds the time limit ends at its next tick.
 SolvedItem simulate_item(const ManifestItem& item, const Manifest& manifest,
                          const ProblemFamily& family);
 

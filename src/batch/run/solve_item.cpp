@@ -24,7 +24,7 @@ SolverOptions options_of(const ProblemInstance& instance) {
   return options;
 }
 
-/// What of a solution.json goes into the row of results.
+/// The figures of a solution.json for the row of results.
 OrderedJson answer_of(const OrderedJson& document, const SolutionCertificate& certificate) {
   OrderedJson answer = OrderedJson::object();
   for (const char* key : {"solver", "message", "cost", "iterations", "residuals", "constraints"})
@@ -35,7 +35,7 @@ OrderedJson answer_of(const OrderedJson& document, const SolutionCertificate& ce
   return answer;
 }
 
-/// That a solve started from the answer of another item, and not from the guess of its problem.
+/// Records that a solve started from the answer of another item instead of the problem's guess.
 void name_neighbour(const std::string& id, const SolverInfo& solver, OrderedJson& document) {
   OrderedJson& guess = document.at("initial_guess_used");
   guess["states"] = guess["controls"] = "the answer of item " + id;
@@ -43,8 +43,8 @@ void name_neighbour(const std::string& id, const SolverInfo& solver, OrderedJson
   guess["seed"] = nullptr;
 }
 
-/// The problem with the plan's file as its guess; nothing with an error where that is not what it
-/// was, or there is none.
+/// The problem with the plan's file as its guess. Nothing without such a file, or, with an error,
+/// if the file has changed.
 std::optional<ProblemInstance> build_from_file(const Manifest& manifest,
                                                const ProblemFamily& family,
                                                const std::vector<Setting>& settings,
@@ -60,7 +60,7 @@ std::optional<ProblemInstance> build_from_file(const Manifest& manifest,
   return std::nullopt;
 }
 
-/// What solve_from() needs to know of an instance whose guess is a file.
+/// Converts an instance whose guess is a file to the input of solve_from().
 NeighbourAnswer answer_of_file(const ProblemInstance& instance, const ManifestStart& start) {
   return {.trajectory = instance.built.guess,
           .multipliers = instance.built.multipliers,
@@ -72,7 +72,7 @@ bool is_kept(const ItemResult& result, KeptSolutions keep) {
   return keep == KeptSolutions::kAll || (keep == KeptSolutions::kConverged && result.success);
 }
 
-/// One item on its way from its settings to its result, with the seconds that each part ends at.
+/// Processes an item from its settings to its result, and records the time of each stage.
 class ItemRun {
  public:
   ItemRun(const ManifestItem& item, const Manifest& manifest, const ProblemFamily& family,
@@ -118,21 +118,21 @@ class ItemRun {
 
   std::vector<Setting> settings_;
   std::optional<ProblemInstance> instance_;
-  std::optional<ProblemInstance> from_file_;  ///< with the plan's file as its guess
+  std::optional<ProblemInstance> from_file_;  ///< guess from the plan's file
   std::vector<const SolverInfo*> candidates_;
 
   std::optional<NeighbourAnswer> file_answer_;
-  const NeighbourAnswer* from_ = nullptr;  ///< what the solve started from, or null
+  const NeighbourAnswer* from_ = nullptr;  ///< starting point of the solve, or null
   std::optional<StartedSolve> started_;
   bool warm_ = false;
-  const SolverInfo* first_solver_ = nullptr;  ///< of the answer on the first grid
+  const SolverInfo* first_solver_ = nullptr;  ///< for the answer on the first grid
   const SolverInfo* solver_ = nullptr;
   std::optional<RefinedSolve> refined_;
 
   double built_ = 0, solved_ = 0;
 };
 
-/// False where the item cannot be built any more: `diagnostics_` may say why.
+/// Returns false if the item can no longer be built; `diagnostics_` may contain the reason.
 bool ItemRun::build() {
   settings_ = settings_of(item_, diagnostics_);
   instance_ = family_.build(settings_, diagnostics_);
@@ -153,7 +153,7 @@ void ItemRun::solve() {
   warm_ = started_->start == StartKind::kWarm;
 }
 
-/// On finer grids, where the file asks for them, in the time that is left.
+/// Solves on finer grids if the file requests them, in the remaining time.
 void ItemRun::refine_mesh() {
   if (!first().spec->mesh) return;
   SolverOptions rest = options_of(first());
@@ -210,7 +210,7 @@ SolvedItem ItemRun::certify() {
   return out;
 }
 
-/// From where the solve started, and what starts from it.
+/// Records the starting point of the solve, and the answer for items that start from it.
 void ItemRun::note_start(SolvedItem& out) const {
   out.result.answer["iterations"] = result().iterations + started_->dropped_iterations;
   out.result.answer["warm_start"] = to_string(started_->start);

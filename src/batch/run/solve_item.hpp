@@ -10,26 +10,26 @@
 
 namespace conddp {
 
-/// A result, and the whole solution.json as packed_document() where it is kept.
+/// A result and, if it is stored, the complete solution.json as packed_document().
 struct SolvedItem {
   ItemResult result;
   std::string solution;
-  std::optional<NeighbourAnswer> answer;  ///< of an item that is solved
+  std::optional<NeighbourAnswer> answer;  ///< if the item is solved
 };
 
 /// The settings of an item.
 std::vector<Setting> settings_of(const ManifestItem& item, Diagnostics& out);
 
-/// The result of an item that cannot be built any more, in the words of the first error.
+/// The result of an item that can no longer be built, with the message of the first error.
 ItemResult not_built(const ManifestItem& item, const Diagnostics& diagnostics);
 
-/// From where an item starts, where that is not its own guess.
+/// The starting point of an item, if it is not its own guess.
 struct ItemStart {
   const NeighbourAnswer* neighbour = nullptr;
-  std::optional<std::filesystem::path> file;  ///< the plan's, as seen from here
+  std::optional<std::filesystem::path> file;  ///< the plan's file, from the working directory
 };
 
-/// Builds, solves and certifies one item, with one thread.
+/// Builds, solves and certifies an item in one thread.
 SolvedItem solve_item(const ManifestItem& item, const Manifest& manifest,
                       const ProblemFamily& family, const ItemStart& start);
 

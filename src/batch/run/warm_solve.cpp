@@ -8,12 +8,13 @@
 namespace conddp {
 namespace {
 
-/// A warm start gets so many times the iterations of a cold one, and no fewer than these. Many a
-/// start that converges takes somewhat more than the cold start of another item.
+/// Limits a warm start to kTrialFactor times the iterations of a cold one, but at least
+/// kLeastTrial. Many converging warm starts take slightly more iterations than the cold start of
+/// another item.
 constexpr int kTrialFactor = 2, kLeastTrial = 10;
 constexpr double kLeastTime = 1e-3;  // s
 
-/// A neighbour's states and controls, behind the problem's own first state.
+/// A neighbour's states and controls, with the problem's own initial state.
 Trajectory guess_from(const NeighbourAnswer& from, const Trajectory& own) {
   Trajectory guess = from.trajectory;
   guess.x(0) = own.x(0);

@@ -9,40 +9,40 @@
 
 namespace conddp {
 
-/// From what a problem of the same shape starts: what an item leaves to those that start from it.
+/// The starting point for a problem of the same shape: the answer that an item passes on to others.
 struct NeighbourAnswer {
   Trajectory trajectory;
   std::shared_ptr<const DualGuess> multipliers;  ///< null: unknown
-  const SolverInfo* solver = nullptr;            ///< that found it; null: unknown
-  /// Iterations of a cold start: of this item, or of the one that it goes back to.
+  const SolverInfo* solver = nullptr;            ///< solver of the answer; null: unknown
+  /// Iterations of a cold start: of this item, or of the first one in its chain of starts.
   int cold_iterations = 0;
 };
 
-/// From which start an answer came.
+/// The starting point that led to an answer.
 enum class StartKind {
   kOwn,      ///< the problem's own guess
   kWarm,     ///< a neighbour's answer, or a file
-  kDropped,  ///< its own guess, after a start from these that misled
+  kDropped,  ///< own guess, after dropping a misleading warm start
 };
 std::string_view to_string(StartKind kind);
 
-/// An answer and what it cost.
+/// An answer and its cost.
 struct StartedSolve {
   SolveResult result;
   StartKind start = StartKind::kOwn;
-  int dropped_iterations = 0;  ///< of a start that was dropped, besides those of the result
-  /// Of the answers that the solve showed to the certificate; null: none.
+  int dropped_iterations = 0;  ///< of a dropped start; not included in the result
+  /// Memory of the answers that the solve passed to the certificate; null without any.
   std::shared_ptr<const SecondOrderMemory> certified = nullptr;
 };
 
-/// The answer of a solve for its neighbours. `from`: the one that it started from, or null.
+/// The answer of a solve for its neighbours. `from` is the answer that it started from, or null.
 NeighbourAnswer answer_for_neighbours(const StartedSolve& solved, const SolverInfo* solver,
                                       const NeighbourAnswer* from);
 
-/// Solves from states, controls and multipliers for a problem of the same shape. A start that has
-/// not converged after twice the iterations that a cold one took misleads: it is dropped, and the
-/// problem is solved from its own guess in the time that is left. `from` null: from its own guess
-/// at once.
+/// Solves from the states, controls and multipliers of a problem of the same shape. A start that
+/// has not converged after twice the iterations of a cold one is dropped. The problem is then
+/// solved from its own guess in the remaining time. If `from` is null, it is solved from its own
+/// guess directly.
 StartedSolve solve_from(const NeighbourAnswer* from, const ProblemInstance& instance,
                         const std::vector<const SolverInfo*>& candidates,
                         const SolverOptions& options, const SolverInfo*& solver);

@@ -27,8 +27,8 @@
 namespace conddp {
 namespace {
 
-/// The environment variable by which tests let items fail: `crash:ID`, `hang:ID` or
-/// `memory:ID`; with `slow:N` every item takes N ms more.
+/// Environment variable for tests that makes items fail: `crash:ID`, `hang:ID` or `memory:ID`.
+/// `slow:N` adds N ms to every item.
 constexpr const char* kFaultVariable = "CONDDP_BATCH_FAULT";
 
 constexpr int kUnreadable = 2;  ///< exit status
@@ -59,7 +59,7 @@ void limit_memory(int megabytes) {
   setrlimit(RLIMIT_DATA, &limit);
 }
 
-/// Solves items of one run; families are loaded when their first item comes.
+/// Solves items of one run; families are loaded with their first item.
 class Worker {
  public:
   Worker(std::filesystem::path run, Manifest manifest)
@@ -98,15 +98,15 @@ class Worker {
     std::optional<NeighbourAnswer> answer;
   };
 
-  /// The answer of an item's parent; null where it has none or the parent is not solved. The
-  /// parent was among the items that came before.
+  /// The answer of an item's parent; null without a parent or if the parent is not solved. The
+  /// parent has been processed before.
   const NeighbourAnswer* parent_of(const ManifestItem& item) const {
     const auto found = std::find_if(answered_.begin(), answered_.end(),
                                     [&](const Answered& a) { return a.id == item.parent; });
     return found != answered_.end() && found->answer ? &*found->answer : nullptr;
   }
 
-  /// Answers of as many items as a block has, and of the one under way.
+  /// Stores an answer. Keeps those of a block's items and of the current one.
   void remember(const std::string& id, std::optional<NeighbourAnswer> answer) {
     std::erase_if(answered_, [&](const Answered& a) { return a.id == id; });
     if (answered_.size() > kNeighbourBlock) answered_.pop_front();
@@ -115,14 +115,14 @@ class Worker {
 
   const std::filesystem::path run_;
   const Manifest manifest_;
-  std::optional<std::filesystem::path> start_file_;  ///< of the plan
+  std::optional<std::filesystem::path> start_file_;  ///< the plan's file
   std::map<int, std::shared_ptr<const ProblemFamily>> families_;
-  std::list<Answered> answered_;  ///< the latest last
+  std::list<Answered> answered_;  ///< latest last
 };
 
 bool answer(int descriptor, const SolvedItem& solved) {
   const std::string result = result_line(solved.result);
-  // In one piece, so that the process that reads wakes up once.
+  // Written in one piece, so that the reading process wakes up only once.
   return write_all(descriptor,
                    frame_line({result.size(), solved.solution.size()}) + result + solved.solution);
 }
@@ -143,7 +143,7 @@ AnswerFrame parse_frame(std::string_view line) {
 
 int serve_items(const std::filesystem::path& run, int requests, int answers) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
-  // The process that started this one decides; queue systems send signals to both.
+  // The parent process handles these signals; queue systems send them to both.
   std::signal(SIGINT, SIG_IGN);
   std::signal(SIGTERM, SIG_IGN);
   std::signal(SIGUSR1, SIG_IGN);
@@ -168,7 +168,7 @@ int serve_items(const std::filesystem::path& run, int requests, int answers) {
     } catch (const std::exception& error) {
       solved = Worker::failed(*item, kDefect, error.what());
     }
-    // What was being computed may have left the process short of memory.
+    // After std::bad_alloc the failed computation may have left the process short of memory.
     if (!answer(answers, solved)) return kUnreadable;
     if (exhausted) return kMemoryUsedUp;
   }

@@ -25,8 +25,8 @@ void do_not_block(int descriptor) {
   ::fcntl(descriptor, F_SETFL, ::fcntl(descriptor, F_GETFL) | O_NONBLOCK);
 }
 
-/// Lets a pipe hold whole answers, so that a worker need not wait until they are read. Where the
-/// system does not allow that, it waits.
+/// Enlarges a pipe to hold complete answers, so that a worker need not wait for the reader. If the
+/// system refuses, it waits.
 void widen(int descriptor) {
   constexpr int kBytes = 1 << 20;
   ::fcntl(descriptor, F_SETPIPE_SZ, kBytes);
@@ -79,7 +79,7 @@ void WorkerProcess::write_some() {
   while (!unsent_.empty()) {
     const ssize_t written = ::write(input_, unsent_.data(), unsent_.size());
     if (written < 0 && errno == EINTR) continue;
-    // A process that has ended is noticed where its answers are read.
+    // The end of a process is detected when reading its answers.
     if (written < 0 && errno != EAGAIN) unsent_.clear();
     if (written < 0) return;
     unsent_.erase(0, static_cast<std::size_t>(written));

@@ -13,26 +13,26 @@
 
 namespace conddp {
 
-/// A process that solves items (serve_items), seen from the one that started it. Descriptors do not
+/// A process that solves items (serve_items), from the view of its parent. Descriptors do not
 /// block; the caller polls them.
 class WorkerProcess {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// An item that was sent, by its number for the caller.
+  /// A sent item, by the caller's index.
   struct Request {
     std::size_t item = 0;
-    bool again = false;  ///< solved for those that start from it alone: its result is known
+    bool again = false;  ///< solved only for the items that start from it; its result is known
   };
-  /// An answer as it came through the pipe, until the next read_some().
+  /// An answer read from the pipe, valid until the next read_some().
   struct Answer {
     std::string_view result, solution;
   };
 
-  /// Starts a command whose standard input and output become the pipes. Throws OutputError where no
-  /// process can be started.
+  /// Starts a command with pipes as standard input and output. Throws OutputError if the process
+  /// cannot be started.
   explicit WorkerProcess(const std::vector<std::string>& command);
-  /// Kills the process if it still runs.
+  /// Kills the process if it is still running.
   ~WorkerProcess();
   WorkerProcess(const WorkerProcess&) = delete;
   WorkerProcess& operator=(const WorkerProcess&) = delete;
@@ -43,24 +43,24 @@ class WorkerProcess {
 
   /// Sends an item with its line of the manifest.
   void send(const Request& request, std::string line);
-  /// Whether an item is among the last `count` that were sent.
+  /// True if an item is among the last `count` sent ones.
   bool has_had(std::size_t item, std::size_t count) const;
   void write_some();
-  /// Reads what is there. False once the process has closed its end.
+  /// Reads available data. Returns false once the process has closed its end.
   bool read_some();
-  /// The next whole answer; nothing if there is none yet.
+  /// The next complete answer; nothing if none has arrived.
   std::optional<Answer> take_answer();
 
-  /// Items that were sent and are not answered, the one under way first.
+  /// Sent items without an answer; the current one is first.
   const std::deque<Request>& unanswered() const { return unanswered_; }
-  /// Since when the first of them is under way.
+  /// Start time of the current item.
   Clock::time_point since() const { return since_; }
-  /// How a process ended.
+  /// The end of a process.
   struct End {
     std::string cause;     ///< "signal 6 (Aborted)"
     int exit_status = -1;  ///< −1 after a signal
   };
-  /// Waits for the end of the process, or brings it about.
+  /// Waits until the process ends; kills it first if requested.
   End reap(bool kill);
 
  private:
