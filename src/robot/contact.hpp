@@ -12,9 +12,10 @@ namespace conddp {
 enum class ContactKind { normal, planar, point, surface };
 
 /// A frame in contact with the world: its chosen velocity components must stay zero.
+///
 /// Rows are in the frame's axes, except for `normal` and `planar`, whose rows are along the
 /// directions below. At the acceleration level (Baumgarte 1972):
-///  a + kd·v + kp·error = 0.
+///   a + kd·v + kp·error = 0.
 /// Here a is the acceleration of the point (normal, planar, point) or the rate of the twist
 /// (surface). The error is that of the position, or log(reference⁻¹ placement).
 struct Contact {

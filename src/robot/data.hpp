@@ -8,6 +8,7 @@ namespace conddp {
 
 /// The results of all kernels for one knot (or one knot per lane) of a robot. Allocated once; the
 /// comment of each function lists the fields it reads and writes.
+///
 /// Spatial quantities of a joint's body are expressed at the origin and in the axes of its tree's
 /// root frame (the floating body, or the world). So only gravity depends on the pose of a floating
 /// base, and the base's motion subspace is the identity.

@@ -14,7 +14,7 @@ int support_size(const RobotModel& model, int joint);
 template <class S>
 SE3<S> frame_placement(const RobotModel& model, const RobotData<S>& data, int frame);
 
-/// Axes in which the velocity and acceleration of a frame's origin are expressed.
+/// Axes for the components of a frame's velocity and acceleration at its origin.
 enum class FrameAxes { local, world_aligned };
 
 /// Velocity (linear; angular) of a frame at its origin; velocities must be current.

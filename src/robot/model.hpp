@@ -15,6 +15,7 @@ inline constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 /// Revolute and prismatic joints have one coordinate (rad or m) about or along +z of the joint's
 /// frame. A floating joint has the world as its parent, q = (position, quaternion x y z w) in the
 /// world, and v = (linear, angular) in its own frame.
+///
 /// A parameter is a constant number that inertias depend on (Load). The kernels treat it as a
 /// slider at the world's origin, without mass, with the rotor inertia 1, and without forces.
 enum class JointType { revolute, prismatic, floating, parameter };
@@ -73,6 +74,7 @@ struct Mimic {
 };
 
 /// Trees of rigid bodies: immutable once built, and shared by all evaluators.
+///
 /// Joints are in depth-first order, children of a link in the order of their joint names. So every
 /// parent precedes its children, and trajectories can be exchanged with Pinocchio. A tree's *root
 /// frame* is the frame of its floating body, or the world for a fixed-base tree.

@@ -96,7 +96,7 @@ void subtract_external_wrench_derivatives(const RobotModel& model, RobotData<S>&
   template void subtract_external_wrenches(const RobotModel&, RobotData<S>&); \
   template void subtract_external_wrench_derivatives(const RobotModel&, RobotData<S>&);
 CONDDP_FOR_EACH_KERNEL_SCALAR(CONDDP_INSTANTIATE)
-CONDDP_INSTANTIATE(Dual<Dual<Lane>>)  // Hessians of what takes derivatives itself
+CONDDP_INSTANTIATE(Dual<Dual<Lane>>)  // for Hessians of functions that take derivatives internally
 #undef CONDDP_INSTANTIATE
 
 }  // namespace conddp

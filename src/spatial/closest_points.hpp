@@ -33,6 +33,7 @@ struct ClosestPoints {
 /// segments, and 0 if either is a point. D is continuously differentiable. It is never below the
 /// distance d of the segments, and above it by at most (ε (a + b)/4 + δ²)/(2 d). Since (s, t) is
 /// the minimizer, the derivative of D is that at fixed s and t: gap·(change of gap)/D.
+///
 /// The method is that of Ericson, Real-Time Collision Detection (2005), 5.1.9, without its
 /// branches. It is exact for the strictly convex problem.
 template <class S>

@@ -4,6 +4,7 @@
 #include <type_traits>
 
 /// Operations of every kernel scalar beyond arithmetic, here for `double`.
+///
 /// Kernels are templates on a scalar S: `double`, `Lane` (one knot per SIMD lane) or `Dual<S>` (a
 /// value and one directional derivative). They must not branch on data: `select` chooses per lane.
 namespace conddp {

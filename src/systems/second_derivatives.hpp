@@ -10,6 +10,7 @@ namespace conddp {
 /// weights as well. System::second_derivatives creates the object for two workspaces: `at` holds
 /// the linearization point, and `moving` is moved along directions of z for residuals that need
 /// their own second derivatives.
+///
 /// The forces and accelerations y solve the equations of motion r(z, y) = 0. With the adjoint w of
 /// these equations, the second derivative of the weighted sum is that of −wᵀr along the graph of
 /// y(z). Since wᵀr is linear in y, we differentiate inverse dynamics twice, at O(nv) per direction.

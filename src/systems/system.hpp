@@ -17,10 +17,11 @@ namespace conddp {
 /// The supported scalars of every system, residual and knot model.
 #define CONDDP_FOR_EACH_SCALAR(X) X(double) X(Lane) X(Dual<Lane>)
 
-/// second_order: x = (q, v), the system gives the acceleration a(q, v, u).
-/// first_order: The system gives the tangent velocity ẋ(x, u).
-/// discrete: The system gives the next state x⁺(x, u) of a flat state space.
-/// impulse: Instantaneous, x = (q, v); the system gives the velocity v⁺(q, v) after it.
+/// The kind of a system determines its output:
+/// - second_order: acceleration a(q, v, u), with x = (q, v);
+/// - first_order: tangent velocity ẋ(x, u);
+/// - discrete: next state x⁺(x, u) of a flat state space;
+/// - impulse: velocity v⁺(q, v) after an instantaneous impulse, with x = (q, v).
 enum class SystemKind { second_order, first_order, discrete, impulse };
 
 /// Output of a system evaluated in scalar S. Matrices are by columns, all with `rows` rows: nv for

@@ -16,7 +16,8 @@ class OutputError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Blocks signals that end the process while it exists, if they are delivered to this thread.
+/// While it exists, blocks signals that would end the process, if they are delivered to this
+/// thread.
 class SignalHold {
  public:
   SignalHold();

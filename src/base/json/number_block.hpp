@@ -30,7 +30,7 @@ class NumberBlock {
   bool is_table() const { return rows_ != kList; }
   /// Number of columns of a table.
   std::size_t columns() const { return columns_; }
-  /// Number i of all, row by row.
+  /// The i-th of all numbers, row by row.
   double number(std::size_t i) const {
     double value = 0;
     std::memcpy(&value, numbers_ + i * sizeof value, sizeof value);

@@ -31,7 +31,7 @@ struct ExpressionFunction {
   std::string_view name;
   std::vector<Argument> arguments;
   std::string_view documentation;  ///< a clause with units
-  /// The non-smooth point of the function, for a warning; empty if it is smooth.
+  /// Why the function is not smooth, for a warning; empty if it is smooth.
   std::string_view kink;
   ExpressionValue (*apply)(ExpressionGraph&, const std::vector<ExpressionValue>&);
 };

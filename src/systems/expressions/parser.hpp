@@ -25,9 +25,11 @@ struct ParsedExpression {
 };
 
 /// Reads an expression into the graph, with the names of the scope:
-///    a + b  a - b  a * b  a / b  -a   ^ binds closest and to the right: -a^b^c = -(a^(b^c))
-///    f(a, b)  [a, b, c]  v[0]  v[part]  v.part
-///    a < b  <=  >  >=  not  and  or   in the condition of if(condition, a, b)
+///
+///     a + b  a - b  a * b  a / b  -a   ^ binds closest and to the right: -a^b^c = -(a^(b^c))
+///     f(a, b)  [a, b, c]  v[0]  v[part]  v.part
+///     a < b  <=  >  >=  not  and  or   in the condition of if(condition, a, b)
+///
 /// Numbers are added to numbers, and vectors to vectors of the same size; numbers multiply and
 /// divide vectors. A vector in brackets may concatenate vectors. A part in the brackets of v[part]
 /// may contain any character except ']'.

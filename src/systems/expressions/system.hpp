@@ -37,6 +37,7 @@ struct SystemTimes {
 
 /// The text of a system: first order (rates of the states), second order (accelerations; states are
 /// positions and velocities) or discrete (next states).
+///
 /// Names in expressions: states, velocities and controls, parameters, definitions in order, and
 /// tables. Unless the system is discrete, also the time `t` and, if these names are free,
 /// `phase_time` and `final_time` (s). A unit quaternion is a vector of 4; a pose is a vector of 7

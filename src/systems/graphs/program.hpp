@@ -9,6 +9,7 @@ namespace conddp {
 
 /// An expression graph as a list of instructions on numbered registers, for any scalar. Immutable;
 /// the caller owns the registers, which start with the inputs.
+///
 /// The instructions for the first `values` outputs do not depend on the other outputs. So values
 /// alone and values with derivatives agree bit for bit.
 class ExpressionProgram {

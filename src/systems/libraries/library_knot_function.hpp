@@ -12,6 +12,7 @@ namespace conddp {
 
 /// A compiled function f(x, u, p, t) of a knot's state, its control, constants and the time, with
 /// its derivatives. Each of the four inputs is optional. Only the first output is used, a vector.
+///
 /// `jac_f` has the same inputs, and `out_y` for outputs y of f if it needs them. For x, u and t it
 /// has outputs `jac_y_x`, where y is the name of f's first output, as in CasADi's f.jacobian(). The
 /// optional `hess_f` has the same inputs and `lam`, one number for each row. It gives ∇²(lamᵀf)
@@ -62,6 +63,7 @@ class LibraryKnotFunction {
   /// Values, rows() numbers, and the Jacobian, rows() x columns(), by columns. Evaluates lane by
   /// lane; all rows of a lane are NaN if the library's function fails there. For double, Lane and
   /// Dual<Lane>.
+  ///
   /// The dual parts in `differentiate` come from `jac_f`. In `evaluate` they are confirmed by
   /// values: if differences of values contradict an entry of the Jacobian, they replace it. So
   /// comparing the two, as for any other system or residual, reveals a wrong `jac_f`.

@@ -26,8 +26,8 @@ void for_each_run(int columns, F act) {
 /// Adjacent numbers, summed in registers.
 template <int kCount, class S>
 struct Sums {
-  // At -O2, g++ 12 wrongly assumes that a leaf's stack is aligned to 16 bytes. For stricter
-  // alignments it emits code that aligns.
+  // At -O2, g++ 12 wrongly assumes that a leaf function's stack is aligned to 16 bytes. For
+  // stricter alignments it emits code that aligns.
   alignas(std::max<std::size_t>(32, alignof(S))) S at[kCount];
 
   explicit Sums(const S* from) {

@@ -11,9 +11,10 @@ namespace conddp {
 
 /// Contacts that a robot holds at the same time, and the linear algebra of their forces λ (m rows,
 /// contact by contact): with M a = f + Jᵀλ and J a + c = 0,
-///  G λ = −c − J M⁻¹ f,  G = J M⁻¹ Jᵀ.
+///   G λ = −c − J M⁻¹ f,  G = J M⁻¹ Jᵀ.
+///
 /// If the rows depend on each other (several contacts on one body, straight legs), G is singular.
-/// We then add a compliance ε to its diagonal, so that J a + c + ε λ = 0: the result is the
+/// We then add a compliance ε to its diagonal, so that J a + c + ε λ = 0. The result is the
 /// smallest force, with a rounding error amplified by 1/ε. If the smallest pivot of G is above 10
 /// ε, G remains unchanged. Each lane decides separately.
 class ContactSet {

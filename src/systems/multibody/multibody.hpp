@@ -55,8 +55,10 @@ struct PassiveForces {
 /// named base/x .. base/qw, q/<joint>, then base/vx .. base/wz, v/<joint>; u/<joint> or
 /// u/<thruster>. A parameter of the robot has a column with its own name and one with its rate,
 /// <name>_rate; both are by_name_only.
+///
 /// With mimic joints, x contains only the independent joints. With v_full = G v the dynamics are Gᵀ
 /// M G a = Gᵀ (B u + passive − bias), including the damping and friction of mimic joints.
+///
 /// With contacts, the dynamics are M a = B u + passive − bias + Jᵀλ, where the forces λ enforce the
 /// contacts' accelerations (see Contact and ContactSet). An impulse stops the contacts instantly: M
 /// (v⁺ − v) = Jᵀλ and J v⁺ = −restitution·J v, with λ in Ns and Nms and without controls.
