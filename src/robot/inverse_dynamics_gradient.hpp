@@ -14,7 +14,7 @@ struct InverseDynamicsGradient {
       virtual_momentum;  ///< contribution of the subtree's joints to the virtual momentum
   AlignedVector<Vector3<S>> lever;  ///< of the subtree: wᵀτ per common angular velocity
   /// nv each: gradients with respect to configuration (tangent space), velocity and acceleration.
-  /// The latter is M w.
+  /// The last one is M w.
   AlignedVector<S> wrt_q, wrt_v, wrt_a;
 };
 

@@ -8,8 +8,8 @@ namespace {
 
 /// A row for each later stage of a rule: the velocity part is h Σ_j velocity[j] k_j. In
 /// second-order systems, the position part is h · time · v + h² Σ_j position[j] k_j, with the
-/// matrices A and A² of the rule. k_0 is the slope at the beginning of the step; Radau rules do not
-/// depend on it.
+/// matrices A and A² of the rule. The slope k_0 is that at the beginning of the step; Radau rules
+/// do not depend on it.
 struct StageRow {
   double time;
   double velocity[4];

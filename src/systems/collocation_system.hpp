@@ -13,9 +13,9 @@ namespace conddp {
 ///   (Hairer and Wanner, Solving Ordinary Differential Equations II, tables IV.5.5 and IV.5.6).
 enum class CollocationRule { trapezoidal, hermite_simpson, radau3, radau5 };
 
-/// A system with implicit steps. The control is w = (u, k_1, k_2 …), where k_i are the slopes of
-/// the later stages: accelerations of a second-order system, tangent velocities of a first-order
-/// one. f, fx and fu are those of the wrapped system and give the slope at the knot's own state. A
+/// A system with implicit steps. The control is w = (u, k_1, k_2 …) with the slopes k_i of the
+/// later stages. Slopes are accelerations of a second-order system, or tangent velocities of a
+/// first-order one. The wrapped system's f, fx and fu give the slope at the knot's own state. A
 /// constraint enforces k_i = f(x_i, u) for the other slopes (collocation_residual). The same rule
 /// integrates the positions of a second-order system from the velocities of the stages.
 class CollocationSystem : public System {

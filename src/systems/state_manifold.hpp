@@ -7,12 +7,12 @@
 
 namespace conddp {
 
-/// The space of states: a product of flat parts, rotations (unit quaternion x y z w, tangent in
-/// the body frame) and rigid placements (position, quaternion; tangent (linear, angular) in the
-/// body frame). A state has nx numbers, a tangent vector ndx.
+/// The space of states: a product of flat parts, rotations and rigid placements. Rotations are unit
+/// quaternions x y z w with tangents in the body frame. Placements are (position, quaternion) with
+/// tangents (linear, angular) in the body frame. A state has nx numbers, a tangent vector ndx.
 ///
-/// ⊕ moves a state by a tangent vector at it; ⊖ is its inverse, x₁ ⊖ x₀ = log(x₀⁻¹ x₁).
-/// Methods are defined for double, Lane, and dual numbers over them.
+/// ⊕ moves a state by a tangent vector at it; ⊖ is its inverse, x₁ ⊖ x₀ = log(x₀⁻¹ x₁). Methods are
+/// defined for double, Lane, and dual numbers over them.
 class StateManifold {
  public:
   enum class Part { flat, so3, se3 };
@@ -48,8 +48,8 @@ class StateManifold {
   /// respect to dx the right Jacobian of exp. Identity on flat parts.
   template <class S>
   void integrate_jacobians(const S* dx, S* wrt_x, S* wrt_dx) const;
-  /// Inverse of the right Jacobian of exp at dx: the derivative of x1 ⊖ x0 with respect to x1,
-  /// where dx = x1 ⊖ x0; its value at −dx is minus the derivative with respect to x0.
+  /// Inverse of the right Jacobian of exp at dx: the derivative of dx = x1 ⊖ x0 with respect to x1.
+  /// Its value at −dx is minus the derivative with respect to x0.
   template <class S>
   void inverse_right_jacobian(const S* dx, S* blocks) const;
 

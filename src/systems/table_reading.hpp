@@ -5,7 +5,7 @@
 
 namespace conddp {
 
-/// Where a table is read along one of its arguments. NaN if unknown.
+/// The point at which a table is read along one of its arguments. NaN if unknown.
 struct TableReading {
   std::string table;
   double at = 0;

@@ -42,7 +42,7 @@ const char* success_word(BatchCommand command);
 /// Content of results.csv: one row per item in the order of the manifest. A row contains the varied
 /// values and the status. For solves it adds cost, residuals, iterations, violations by constraint
 /// and the certificate's verdict; for loops the columns of the loop. The content does not depend on
-/// the machine, the time or the speed of the solves.
+/// which process solved an item, when, or how fast.
 std::string results_csv(const Manifest& manifest, const StoredResults& results);
 
 /// Content of times.csv, the figures that results.csv omits: attempts and seconds.

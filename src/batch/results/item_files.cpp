@@ -17,7 +17,8 @@
 namespace conddp {
 namespace {
 
-/// True if the item is unchanged since it was solved, including the files that its settings name.
+/// True if the item is unchanged since the plan was made, including the files that its settings
+/// name.
 bool is_item(const ManifestItem& item, const Manifest& manifest, const InputFiles& inputs,
              Diagnostics& out) {
   std::vector<Setting> settings;

@@ -17,11 +17,11 @@ struct FrictionIndices {
   int gamma = 0, rest = 0;             ///< γ and s_γ
 };
 
-/// Maximally dissipative friction in the cone ‖f_t‖ ≤ μ f_n for a slip v_t along two tangents. e is
-/// the used fraction of friction: f_t = −μ f_n e and v_t = γ e with ‖e‖ ≤ 1 and the single pair γ ⊥
-/// s = 1 − ‖e‖². For f_n > 0 these are the conditions of the cone, (μ f_n, f_t) ⊥ (γ, v_t) in
-/// second-order cones. In contrast to the latter, all rows have full rank at the tip of the cone
-/// too.
+/// Maximally dissipative friction in the cone ‖f_t‖ ≤ μ f_n for a slip v_t along two tangents. The
+/// vector e is the used fraction of friction: f_t = −μ f_n e and v_t = γ e with ‖e‖ ≤ 1 and the
+/// single pair γ ⊥ s = 1 − ‖e‖². For f_n > 0 these are the conditions of the cone, (μ f_n, f_t) ⊥
+/// (γ, v_t) in second-order cones. In contrast to the latter, all rows have full rank at the tip of
+/// the cone too.
 struct ConeIndices {
   /// Equations: v_t = γ e, f_t = −μ f_n e, s = 1 − ‖e‖².
   static constexpr int kRows = 5;

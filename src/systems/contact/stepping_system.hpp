@@ -11,9 +11,9 @@ namespace conddp {
 
 /// A robot with implicit steps: the control is w = (u, a, forces, slacks) in the layout of
 /// SteppingLayout, and the dynamics are just a. Constraints enforce the scheme's equations of
-/// motion and the contact conditions at the end of the step, q⁺ = q ⊕ h v⁺ and v⁺ = v + h a
-/// (stepping_residual, and one for the pairs). So the solution determines which contacts are closed
-/// in each step.
+/// motion, and the contact conditions at the end of the step (stepping_residual, and one for the
+/// pairs). The step ends at q⁺ = q ⊕ h v⁺ with v⁺ = v + h a. So the solution determines which
+/// contacts are closed in each step.
 class SteppingSystem : public SystemBase<SteppingSystem> {
  public:
   /// Throws std::invalid_argument if a joint mimics another one, or if a joint floats with the

@@ -16,7 +16,7 @@ bool is_digit(char c) { return c >= '0' && c <= '9'; }
 constexpr std::array<std::string_view, 17> kSymbols = {
     "<=", ">=", "<", ">", "+", "-", "*", "/", "^", "(", ")", "[", "]", ",", ".", "{", "}"};
 
-/// An operator of other languages and its spelling here.
+/// An operator of other languages, and a hint about its spelling here.
 struct Foreign {
   std::string_view text;
   std::string_view hint;

@@ -450,7 +450,7 @@ void LibraryKnotFunction::second_derivatives(const double* z, const double* weig
     for (int i = 0; i < j; ++i) H[j * n + i] = H[i * n + j] = 0.5 * (H[j * n + i] + H[i * n + j]);
 }
 
-/// For every row, the secant slope from z to the point a step away along one coordinate.
+/// For every row, the secant slope from z to a point one step away along one coordinate.
 void LibraryKnotFunction::slopes_beside(const double* z, int column, double step,
                                         Workspace& workspace, std::vector<double>& slopes) const {
   std::copy_n(z, columns(), workspace.moved.begin());

@@ -116,8 +116,8 @@ class MultibodySystem : public SystemBase<MultibodySystem> {
   /// Maps the system's coordinates to the robot's.
   const MimicMap& mimic_map() const { return mimics_; }
   /// Indices of a joint's first position and velocity in the state, and of its velocity in v. The
-  /// latter is also the index of its acceleration and of its position in a tangent vector. nullopt
-  /// for a mimic joint.
+  /// last one is also the index of its acceleration and of its position in a tangent vector.
+  /// nullopt for a mimic joint.
   std::optional<int> position_index(int joint) const { return mimics_.position(joint); }
   std::optional<int> velocity_index(int joint) const;
   std::optional<int> velocity_row(int joint) const { return mimics_.velocity(joint); }
