@@ -5,18 +5,18 @@
 
 namespace conddp {
 
-/// How many knots a long loop may do between two checkpoints, so that horizons of any length hear
-/// of signals and time limits in time. Shorter ones meet no checkpoint at all.
+/// Maximum number of knots that a long loop processes between two checkpoints, so that horizons of
+/// any length react to signals and time limits promptly. Shorter loops pass no checkpoint.
 inline constexpr int kKnotsBetweenCheckpoints = 1024;
 
-/// Thrown by a checkpoint to give up what is under way. Results that were being written then are
-/// unspecified; what was an input is as it was.
+/// Thrown by a checkpoint to abandon the running computation. Results being written are then
+/// unspecified; inputs are unchanged.
 struct Abandoned : std::exception {
   const char* what() const noexcept override { return "abandoned at a checkpoint"; }
 };
 
-/// While it lives, checkpoints that this thread passes call `check`, which may throw Abandoned. The
-/// innermost one counts.
+/// During its lifetime, checkpoints that this thread passes call `check`, which may throw
+/// Abandoned. The innermost scope applies.
 class CheckpointScope {
  public:
   explicit CheckpointScope(std::function<void()> check);
@@ -30,7 +30,7 @@ class CheckpointScope {
   CheckpointScope* outer_;
 };
 
-/// Called by loops over knots, in the thread that began them.
+/// Called by loops over knots, in the thread that started them.
 void pass_checkpoint();
 
 }  // namespace conddp

@@ -7,7 +7,7 @@
 namespace conddp {
 namespace {
 
-/// Of the Hessian, the places that costs always fill.
+/// Hessian entries that the costs always fill.
 std::vector<std::pair<int, int>> lasting_pattern(const KnotModel& model) {
   const auto& pattern = model.hessian_pattern();
   return {pattern.begin(), pattern.begin() + model.lasting_entries()};

@@ -10,31 +10,31 @@
 
 namespace conddp {
 
-/// The workspaces of evaluators, by model. Evaluators of problems with common models may share
-/// them, as long as only one of these evaluates at a time.
+/// Evaluator workspaces by model. Evaluators of problems with common models may share them if only
+/// one evaluates at a time.
 class EvaluationMemory {
  public:
-  /// What evaluations of one model need.
+  /// Workspaces of one model.
   struct OfModel {
     OfModel(std::shared_ptr<const KnotModel> knot_model, int threads);
 
     std::shared_ptr<const KnotModel> model;
-    LaneScatter hessian, lasting_hessian, constraint;     ///< where derivatives can be non-zero
-    std::vector<std::unique_ptr<KnotBatch<Lane>>> lanes;  ///< by thread, as the next two
-    /// From reserve_second_derivatives() on.
+    LaneScatter hessian, lasting_hessian, constraint;     ///< entries that can be nonzero
+    std::vector<std::unique_ptr<KnotBatch<Lane>>> lanes;  ///< per thread, as are the next two
+    /// Filled by reserve_second_derivatives().
     std::vector<std::unique_ptr<KnotBatch<Dual<Lane>>>> duals;
-    std::vector<std::unique_ptr<KnotSecondDerivatives>> seconds;  ///< null: the model has none
-    KnotBatch<double> single;                                     ///< of rollouts
+    std::vector<std::unique_ptr<KnotSecondDerivatives>> seconds;  ///< null: unsupported
+    KnotBatch<double> single;                                     ///< for rollouts
 
-    /// The first call decides whether Hessians are put together of parts.
+    /// The first call decides whether Hessians are assembled from parts.
     void reserve_second_derivatives(bool by_parts);
   };
 
-  /// For evaluators of so many threads, as far as the process gets them.
+  /// For evaluators with this many threads, limited to those that the process gets.
   explicit EvaluationMemory(int threads);
 
   int threads() const { return threads_; }
-  /// Allocates at the first call with a model. It stays where it is.
+  /// Allocates on the first call with a model. The reference remains valid.
   OfModel& of(const std::shared_ptr<const KnotModel>& model);
 
  private:

@@ -76,7 +76,7 @@ struct Group {
 }  // namespace
 
 struct Evaluator::Impl {
-  /// What simulate() needs: a rollout without feedback.
+  /// Workspace of simulate(): a rollout without feedback.
   struct Simulation {
     explicit Simulation(const ShootingProblem& problem) : none(problem), rollout(problem) {}
     Feedback none;
@@ -96,7 +96,7 @@ struct Evaluator::Impl {
     for (OfModel* model : models) add_groups(*model, knots_of[model]);
   }
 
-  /// Calls act(group, thread) for every group, in parallel where there are threads.
+  /// Calls act(group, thread) for every group, in parallel if there are several threads.
   template <class F>
   void for_each_group(F act) {
     for (std::size_t first = 0; first < groups.size(); first += kKnotsBetweenCheckpoints) {
@@ -148,7 +148,7 @@ struct Evaluator::Impl {
     gather_rows(augmentation->multiplier, batch.multiplier);
   }
 
-  /// Costs, gaps and constraint values, into an Evaluation or a Linearization.
+  /// Stores costs, gaps and constraint values in an Evaluation or a Linearization.
   template <class Out>
   void store_values(const Group& group, KnotBatch<Lane>& batch, Out& out) const {
     const KnotModel& model = *group.of_model->model;
@@ -216,14 +216,15 @@ struct Evaluator::Impl {
     }
   }
 
-  /// What dual numbers do not move.
+  /// Clears the dual parts of all inputs that are constant under differentiation.
   static void hold_constants(KnotBatch<Dual<Lane>>& batch) {
     for (auto* constants : {&batch.parameters, &batch.penalty, &batch.shift, &batch.multiplier})
       for (Dual<Lane>& a : *constants) a.d = Lane(0.0);
     batch.dt.d = batch.cost_scale.d = Lane(0.0);
   }
 
-  /// A column of the Hessians, from the gradient along it; `running`: with that of λᵀf.
+  /// A column of the Hessians, from the gradient's derivative along it; if `running`, that of λᵀf
+  /// is added.
   static void store_column(const Group& group, int d, int nz, bool running,
                            const KnotBatch<Dual<Lane>>& batch, Linearization& out) {
     for (int l = 0; l < group.count; ++l) {
@@ -233,8 +234,7 @@ struct Evaluator::Impl {
     }
   }
 
-  /// Hessians of cost + λᵀf of a group's knots: the derivatives of gradients that dual numbers
-  /// give.
+  /// Hessians of cost + λᵀf of a group's knots: derivatives of the gradients by dual numbers.
   void differentiate_gradients(const Group& group, const Trajectory& trajectory,
                                const Eigen::MatrixXd& costates, const Augmentation* augmentation,
                                KnotBatch<Dual<Lane>>& batch, Linearization& out) const {
@@ -265,7 +265,7 @@ struct Evaluator::Impl {
     }
   }
 
-  /// Makes the inputs vary along column d of z.
+  /// Seeds the inputs with the direction of column d of z.
   static void move_along(int d, const KnotModel& model, KnotBatch<Dual<Lane>>& batch) {
     const int n = model.ndx();
     for (int i = 0; i < model.nx(); ++i) batch.x[i].d = Lane(0.0);
@@ -279,8 +279,8 @@ struct Evaluator::Impl {
     model.manifold().integrate(batch.x.data(), batch.tangent.data(), batch.x.data());
   }
 
-  /// The derivative of the gradient along the manifold differs from the Hessian by an antisymmetric
-  /// (Lie bracket) term alone.
+  /// The derivative of the gradient along the manifold differs from the Hessian only by an
+  /// antisymmetric (Lie bracket) term.
   static void make_symmetric(Eigen::MatrixXd& h) {
     for (int c = 0; c < h.cols(); ++c)
       for (int r = 0; r < c; ++r) h(r, c) = h(c, r) = 0.5 * (h(r, c) + h(c, r));
@@ -290,10 +290,10 @@ struct Evaluator::Impl {
   std::shared_ptr<EvaluationMemory> memory;
   int threads;
   tbb::task_arena arena;
-  std::vector<OfModel*> models;   ///< each once
+  std::vector<OfModel*> models;   ///< without duplicates
   std::vector<OfModel*> by_knot;  ///< N + 1
   std::vector<Group> groups;
-  std::optional<Simulation> simulation;  ///< made when needed
+  std::optional<Simulation> simulation;  ///< created on first use
 };
 
 Evaluator::Evaluator(const ShootingProblem& problem, int threads)
@@ -364,7 +364,8 @@ void Evaluator::roll_out(const Trajectory& reference, const Eigen::MatrixXd& gap
   };
   conddp::roll_out(problem_, reference, gap, feedback, alpha, options, batch_of, out.x.data(),
                    out.u.data(), out.cost, [&](int k, Lane check) {
-                     // A sum is finite only if its terms are; zero times it is then zero.
+                     // A sum is finite only if its terms are finite; zero times a finite sum is
+                     // zero.
                      pass_checkpoint_at(k);
                      bool alive = false;
                      for (int l = 0; l < kLaneWidth; ++l) {
@@ -394,7 +395,7 @@ void Evaluator::roll_out(const Trajectory& reference, const Eigen::MatrixXd& gap
 int Evaluator::simulate(Trajectory& trajectory, bool clamp_controls) {
   if (!impl_->simulation) impl_->simulation.emplace(problem_);
   auto& [none, rollout] = *impl_->simulation;
-  // Feedback zero: the reference's states do not matter, as long as they are finite.
+  // With zero feedback, the reference states do not matter as long as they are finite.
   for (int k = 0; k <= trajectory.knots(); ++k)
     trajectory.x(k) =
         Eigen::Map<const Eigen::VectorXd>(problem_.initial_state().data(), problem_.nx());

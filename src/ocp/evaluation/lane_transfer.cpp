@@ -47,7 +47,7 @@ LaneScatter::LaneScatter(const std::vector<int>& entry_at)
   for (int at = 0; at < size; ++at) {
     if (entry_at[at] < 0) continue;
     Run& run = runs_.emplace_back();
-    // From a whole lane on: a store that crosses lines of the cache takes two.
+    // Starts at a lane boundary if possible: a store across cache lines takes two accesses.
     run.at = std::min(at / kLaneWidth * kLaneWidth, size - run_length_);
     run.entries.fill(-1);
     std::copy_n(&entry_at[run.at], run_length_, run.entries.begin());

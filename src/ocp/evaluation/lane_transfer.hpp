@@ -9,11 +9,10 @@
 
 namespace conddp {
 
-/// Between numbers of a knot that stand side by side and lanes, one knot in each: in squares of
-/// kLaneWidth that are transposed in registers.
+/// Transfers numbers between contiguous storage per knot and lanes that hold one knot each: squares
+/// of kLaneWidth are transposed in registers.
 
-/// Calls act with the smallest power of two that is no less than `knots`, as a constant: so many
-/// lanes are worth moving.
+/// Calls act with the smallest power of two ≥ `knots`, as a constant: the number of lanes to move.
 template <int kLanes = 1, class F>
 void with_lanes_of(int knots, F act) {
   if constexpr (kLanes < kLaneWidth) {
@@ -22,8 +21,8 @@ void with_lanes_of(int knots, F act) {
   act(std::integral_constant<int, kLanes>());
 }
 
-/// Calls put(i, lane) for i < n, where lane l holds from[l][i] for l < knots. The lanes behind hold
-/// the numbers of some of these knots.
+/// Calls put(i, lane) for i < n, where lane l holds from[l][i] for l < knots. The remaining lanes
+/// repeat the numbers of some of these knots.
 template <class F>
 void gather_lanes(const double* const* from, int knots, int n, F put) {
   with_lanes_of(knots, [&](auto lanes) {
@@ -49,8 +48,8 @@ void gather_lanes(const double* const* from, int knots, int n, F put) {
 /// to[l][i] = lane l of from[i] for i < n, in the first `knots` lanes.
 void scatter_lanes(const Lane* from, int n, double* const* to, int knots);
 
-/// Writes matrices of which lanes hold the entries that can be other than zero, one matrix a lane.
-/// What is outside of these entries must be zero already.
+/// Writes one matrix per lane from lanes that hold its possibly nonzero entries. All other entries
+/// must be zero already.
 class LaneScatter {
  public:
   /// Entries (row, column), each once, of a matrix by columns.
@@ -62,10 +61,10 @@ class LaneScatter {
   void operator()(const Lane* entries, double* const* to, int knots) const;
 
  private:
-  /// By place in the matrix the entry that stands there, −1 for none.
+  /// `entry_at`: the entry at each place of the matrix, −1 for none.
   explicit LaneScatter(const std::vector<int>& entry_at);
 
-  /// Numbers that stand side by side in the matrix, by their entries; −1 is a zero.
+  /// Contiguous numbers of the matrix, by their entries; −1 is a zero.
   struct Run {
     int at;
     std::array<int, kLaneWidth> entries;

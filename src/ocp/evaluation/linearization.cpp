@@ -23,7 +23,7 @@ void step_curved(const StateBlock& A, const StateBlock& H, double dt, const doub
   sum.noalias() += A.topLeftCorner<n, n>() * ConstPart<n>(dq0);
 }
 
-/// The transposed of that: μ ← λ_v + dt Hᵀ λ_q and, later, out += Aᵀ λ_q.
+/// The transpose of step_curved: μ ← λ_v + dt Hᵀ λ_q and, later, out += Aᵀ λ_q.
 template <int n>
 void pull_step(const StateBlock& H, double dt, const double* lq, const double* lv, double* mu) {
   Part<n> sum(mu);
@@ -35,7 +35,7 @@ void add_pulled(const StateBlock& A, const double* lq, double* out) {
   Part<n>(out).noalias() += A.topLeftCorner<n, n>().transpose() * ConstPart<n>(lq);
 }
 
-/// The rows of a curved segment of ∂q⁺/∂z, from those of F.
+/// Rows of ∂q⁺/∂z of a curved segment, from those of F.
 template <int n>
 void step_rows(const StateBlock& H, double dt, const double* F, Eigen::Index stride, double* out,
                Eigen::Index out_stride, Eigen::Index columns) {
@@ -118,7 +118,7 @@ Linearization::Linearization(const ShootingProblem& problem)
     KnotLinearization& knot = knots[k];
     knot.ndx = model.ndx();
     knot.gradient = Eigen::VectorXd::Zero(model.nz());
-    // A copy costs less than what the pattern says.
+    // Copying costs less than evaluating the pattern.
     knot.hessian =
         k > 0 && problem.knot(k - 1).model == &model
             ? knots[k - 1].hessian

@@ -11,17 +11,17 @@ namespace conddp {
 
 /// The quadratic model of one knot around a trajectory, in z = (δx, δu).
 ///
-/// Dynamics: dense, δx⁺ = F δz; or semi-implicit, δv⁺ = F δz with δq⁺ = A δq + dt H δv⁺, where A
-/// and H are the identity but for a block per curved segment.
+/// Dynamics: dense, δx⁺ = F δz; or semi-implicit, δv⁺ = F δz with δq⁺ = A δq + dt H δv⁺. A and H
+/// are the identity except for one block per curved segment.
 struct KnotLinearization {
   Eigen::VectorXd gradient;  ///< nz: of cost and augmentation
-  KnotHessian hessian;       ///< nz x nz: of the same, or of the Lagrangian
+  KnotHessian hessian;       ///< nz x nz: of cost and augmentation, or of the Lagrangian
   Eigen::MatrixXd F;         ///< jacobian_rows x nz
   Eigen::MatrixXd C;         ///< ∂g/∂z of the constraint rows x nz
   bool semi_implicit = false;
   double dt = 0;
   std::vector<StateManifold::Segment> curved;                      ///< of the configuration
-  std::vector<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>> A, H;  ///< top left n x n in use
+  std::vector<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>> A, H;  ///< top left n x n block used
 
   int ndx = 0;
   int nu() const { return static_cast<int>(gradient.size()) - ndx; }
@@ -31,7 +31,7 @@ struct KnotLinearization {
   /// out = (∂x⁺/∂z)ᵀ λ (nz); scratch has ndx numbers.
   void apply_transpose(const Eigen::Ref<const Eigen::VectorXd>& lambda,
                        Eigen::Ref<Eigen::VectorXd> out, Eigen::Ref<Eigen::VectorXd> scratch) const;
-  /// ∂x⁺/∂z as a dense ndx x nz matrix: for tests and certificates.
+  /// ∂x⁺/∂z as a dense ndx x nz matrix, for tests and certificates.
   Eigen::MatrixXd dense_jacobian() const;
 };
 
@@ -39,14 +39,14 @@ struct KnotLinearization {
 struct Linearization {
   explicit Linearization(const ShootingProblem& problem);
 
-  std::vector<KnotLinearization> knots;  ///< N + 1; the last has no controls and no F
+  std::vector<KnotLinearization> knots;  ///< N + 1; the last one without controls and F
   Eigen::MatrixXd gap;                   ///< ndx x N: f(x_k, u_k) ⊖ x_{k+1}
   Eigen::VectorXd cost;                  ///< N + 1
-  Eigen::VectorXd augmentation;          ///< N + 1: what constraints add to it
+  Eigen::VectorXd augmentation;          ///< N + 1: contribution of the constraints to the cost
   Eigen::VectorXd constraint;            ///< g, all constraint rows of the problem
 
-  /// Exchanges the memory of knots with that of another problem's, in order, where their models are
-  /// the same. What is in it is undefined until the next differentiation.
+  /// Exchanges the memory of knots with that of another problem's knots, in order, if their models
+  /// are the same. Its contents are undefined until the next differentiation.
   void exchange(const ShootingProblem& own, Linearization& other, const ShootingProblem& others);
 
   double total_cost() const { return cost.sum(); }

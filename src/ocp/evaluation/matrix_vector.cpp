@@ -9,19 +9,18 @@
 namespace conddp {
 namespace {
 
-/// Rows that one pass through the columns takes at most, in lanes: so many sums, twice, stay in
-/// registers.
+/// Maximum rows per pass through the columns, in lanes: this many sums, twice, stay in registers.
 constexpr int kMostLanes = 5;
 
-/// The last lane of a column, of which `count` numbers are there.
+/// The last lane of a column, with only `count` valid numbers.
 template <bool kWhole>
 Lane load_end(const double* from, int count) {
   if constexpr (kWhole) return load_lane(from);
   return load_part(from, count);
 }
 
-/// A pass over some rows. Even and odd columns have sums of their own, which need not wait for each
-/// other.
+/// A pass over some rows. Even and odd columns have separate sums, which removes a dependency
+/// between them.
 template <int kLanes, bool kWhole>
 void multiply_rows(bool add, const double* A, int stride, int cols, int end, const double* x,
                    double* y) {
@@ -63,7 +62,7 @@ constexpr std::array<Pass, kMostLanes> passes(std::integer_sequence<int, kLanes.
 }
 
 void multiply(bool add, const Eigen::MatrixXd& A, const double* x, double* y) {
-  // By lanes − 1.
+  // Indexed by number of lanes − 1.
   constexpr auto kCounts = std::make_integer_sequence<int, kMostLanes>();
   static constexpr auto kWhole = passes<true>(kCounts), kPart = passes<false>(kCounts);
   const int rows = static_cast<int>(A.rows()), cols = static_cast<int>(A.cols());
@@ -74,7 +73,7 @@ void multiply(bool add, const Eigen::MatrixXd& A, const double* x, double* y) {
   }
 }
 
-/// Lane i ← the sum of vector i's lanes, in x[0].
+/// Lane i of x[0] ← the sum of the lanes of vector i.
 template <int kHalf, int... kIndex>
 void sum_lanes(Lane (&x)[kLaneWidth], std::integer_sequence<int, kIndex...> lanes) {
 #pragma GCC unroll 8
@@ -86,7 +85,7 @@ void sum_lanes(Lane (&x)[kLaneWidth], std::integer_sequence<int, kIndex...> lane
   if constexpr (kHalf > 1) sum_lanes<kHalf / 2>(x, lanes);
 }
 
-/// Aᵀ x for up to a lane of columns.
+/// Aᵀ x for at most kLaneWidth columns.
 template <bool kWhole>
 Lane multiply_columns(const double* A, int rows, int cols, const double* x) {
   Lane sum[kLaneWidth];

@@ -4,8 +4,8 @@
 
 namespace conddp {
 
-/// Products of a knot's matrix with a vector, in whole lanes with masked ends: what the passes
-/// along the horizon consist of. `y` must not overlap with `x`; products may have no terms.
+/// Products of a knot's matrix with a vector, in whole lanes with masked ends, for passes along the
+/// horizon. `y` must not overlap with `x`; the inner dimension may be zero.
 
 /// y ← A x.
 void multiply(const Eigen::MatrixXd& A, const double* x, double* y);

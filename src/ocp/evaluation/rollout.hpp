@@ -10,7 +10,7 @@ namespace conddp {
 
 namespace detail {
 
-/// What belongs to a knot itself, for all lanes alike.
+/// Loads the knot's own data, identical for all lanes.
 template <class S>
 void load_knot(const ShootingProblem& problem, int k, const Augmentation* augmentation,
                KnotBatch<S>& batch) {
@@ -29,7 +29,7 @@ void load_knot(const ShootingProblem& problem, int k, const Augmentation* augmen
   }
 }
 
-/// u ← ū + α k + K (x ⊖ x̄) of a knot, within its bounds if asked for.
+/// u ← ū + α k + K (x ⊖ x̄) of a knot, clamped to its bounds if requested.
 template <class S>
 void follow(const ShootingProblem& problem, int k, const Trajectory& reference,
             const Feedback& feedback, const S& alpha, bool clamp, const S* x, KnotBatch<S>& batch,
@@ -48,7 +48,7 @@ void follow(const ShootingProblem& problem, int k, const Trajectory& reference,
     u[i] = max(S(model.control_lower()[i]), min(S(model.control_upper()[i]), u[i]));
 }
 
-/// x⁺ ← f ⊕ (α − 1) gap, which leaves that share of the reference's gap.
+/// x⁺ ← f ⊕ (α − 1) gap, which leaves the share 1 − α of the reference's gap.
 template <class S>
 void contract_gap(const ShootingProblem& problem, int k, const Eigen::MatrixXd& gap, const S& alpha,
                   KnotBatch<S>& batch, S* after) {
@@ -59,11 +59,11 @@ void contract_gap(const ShootingProblem& problem, int k, const Eigen::MatrixXd& 
 
 }  // namespace detail
 
-/// Rolls out u = ū + α k + K (x ⊖ x̄) from the problem's initial state, knot by knot: one trajectory
-/// with S = double, one per lane with its own α with S = Lane. `batch_of(k)` is a workspace of knot
-/// k's model; `x` takes (N + 1) x nx numbers, `u` the controls one after the other, and `cost` the
-/// sum. `goes_on(k, check)` is told after each knot a number that is finite only if all is well so
-/// far, and ends the rollout by `false`.
+/// Rolls out u = ū + α k + K (x ⊖ x̄) from the problem's initial state, knot by knot. S = double
+/// gives one trajectory; S = Lane gives one per lane, each with its own α. `batch_of(k)` is a
+/// workspace of knot k's model. `x` receives (N + 1) x nx numbers, `u` the concatenated controls
+/// and `cost` the sum. `goes_on(k, check)` is called after each knot; `check` is finite only if all
+/// values up to this knot are finite. The rollout ends if it returns false.
 template <class S, class BatchOf, class GoesOn>
 void roll_out(const ShootingProblem& problem, const Trajectory& reference,
               const Eigen::MatrixXd& gap, const Feedback& feedback, S alpha,

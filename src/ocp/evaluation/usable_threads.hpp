@@ -6,8 +6,8 @@
 
 namespace conddp {
 
-/// How many of `wanted` threads this process gets from TBB, at least 1. An arena for more of them
-/// would get no more, and TBB would say so on stderr.
+/// Number of threads, at most `wanted` and at least 1, that this process gets from TBB. An arena
+/// for more threads would gain nothing, and TBB would print a warning on stderr.
 inline int usable_threads(int wanted) {
   using tbb::global_control;
   const auto most = global_control::active_value(global_control::max_allowed_parallelism);

@@ -25,7 +25,7 @@ double distance(const NodeConstraint& c, const Eigen::VectorXd& values) {
   return distance_to_set(*c.term, values.data() + c.row, c.lower, c.upper);
 }
 
-/// The row of a name, of zeros at first.
+/// The row of a name; a new row contains zeros.
 std::vector<double>& find_or_add(const std::string& name, int nodes, CostTable& costs) {
   const auto found = std::find_if(costs.begin(), costs.end(),
                                   [&](const auto& entry) { return entry.first == name; });

@@ -13,11 +13,11 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Where a coordinate may be, measured from the initial state and zero controls.
+/// The feasible interval of a coordinate, measured from the initial state and zero controls.
 struct Interval {
   double lower = -kInfinity, upper = kInfinity;
   double rounding = 0;    ///< of both ends
-  std::string name = {};  ///< of the constraint that narrowed it last, empty: bounds on the control
+  std::string name = {};  ///< of the last constraint that narrowed it; empty: control bounds
 };
 
 /// A row g = value + slope · z of one coordinate z, and its bounds.
@@ -29,13 +29,13 @@ struct Row {
     const double first = (lower - value) / slope, second = (upper - value) / slope;
     return {std::min(first, second), std::max(first, second), rounding(), name};
   }
-  /// The values at an interval's ends, the smaller first.
+  /// The values at an interval's ends in ascending order.
   std::pair<double, double> values(const Interval& z) const {
     return std::minmax(value + slope * z.lower, value + slope * z.upper);
   }
 
  private:
-  /// Differences of rounded numbers: bounds that meet may miss each other by that.
+  /// Rounding of differences: touching bounds may miss each other by this much.
   double rounding() const {
     double size = 1 + std::abs(value);
     for (const double bound : {lower, upper})
@@ -44,12 +44,12 @@ struct Row {
   }
 };
 
-/// What is left of the coordinates of one node after another.
+/// Remaining intervals of the coordinates, one node after another.
 class Narrowing {
  public:
   explicit Narrowing(const ShootingProblem& problem) : problem_(problem), nodes_(problem) {}
 
-  /// Constraints come node by node.
+  /// Constraints must be added node by node.
   std::optional<Contradiction> add(const NodeConstraint& c) {
     if (c.node != node_) begin(c.node);
     if (c.term->kind != ConstraintKind::bounds || c.is_soft()) return std::nullopt;
@@ -70,8 +70,8 @@ class Narrowing {
   }
 
  private:
-  /// The place of the only column of affine rows that is not known, which the state of node 0 is;
-  /// -1 where there are none or several.
+  /// The place of the only unknown column of affine rows, −1 if it is not unique. The state of node
+  /// 0 is known.
   int place_of_unknown(const RowBlock& block) const {
     int place = -1;
     for (int i = 0; i < static_cast<int>(block.columns.size()); ++i) {
@@ -83,7 +83,7 @@ class Narrowing {
     return block.affine ? place : -1;
   }
 
-  /// Bounds on the controls, and the constraints' values at the initial state.
+  /// Resets to the control bounds and evaluates the constraints at the initial state.
   void begin(int node) {
     node_ = node;
     const KnotModel& model = *problem_.knot(node).model;
@@ -92,7 +92,7 @@ class Narrowing {
       coordinates_[model.ndx() + i] = {model.control_lower()[i], model.control_upper()[i]};
     const std::vector<double> u(model.nu(), 0.0);
     const double* x = problem_.initial_state().data();
-    // Slopes of affine rows belong to the model: they are the same at all of its nodes.
+    // Slopes of affine rows belong to the model and are the same at all of its nodes.
     auto& slopes = slopes_of_[&model];
     if (slopes.empty()) slopes = nodes_.derivatives_at(node, x, u.data()).constraint_jacobian;
     slopes_ = &slopes;

@@ -7,18 +7,18 @@
 
 namespace conddp {
 
-/// Two constraints on one coordinate of a node that leave it no value. `second` is empty where the
-/// bounds on the control are the other one.
+/// Two constraints that leave a coordinate of a node without any feasible value. `second` is empty
+/// if it stands for the control bounds.
 struct Contradiction {
   std::string first, second;
   int node;
-  double lower, upper;  ///< of the coordinate, as the first constraint measures it
+  double lower, upper;  ///< of the coordinate, in the units of the first constraint
 };
 
-/// The first contradiction among bounds on single coordinates of states and controls: rows that are
-/// affine in one coordinate, whose slope turns their bounds into the coordinate's; at the first
-/// node, whose state is known, in one control and any states. Other rows prove nothing here:
-/// solvers find what they contradict.
+/// The first contradiction among bounds on single coordinates of states and controls. Rows must be
+/// affine in one coordinate; their slopes convert their bounds into bounds on the coordinate. At
+/// the first node, the state is known, so rows may also combine it with one control. Other rows are
+/// not examined; their contradictions are left to the solvers.
 std::optional<Contradiction> find_contradiction(const ShootingProblem& problem);
 
 }  // namespace conddp

@@ -7,7 +7,7 @@
 namespace conddp {
 namespace {
 
-/// Where a column of this name is; behind the last one where there is none.
+/// Index of the column with this name, or the number of columns if not found.
 int index_of(const std::string& name, const std::vector<Column>& columns) {
   return static_cast<int>(std::ranges::find(columns, name, &Column::name) - columns.begin());
 }
@@ -16,7 +16,7 @@ int index_of(const std::string& name, const std::vector<Column>& columns) {
 
 ControlColumns::ControlColumns(const ShootingProblem& problem)
     : problem_(problem), phases_(problem.phases().size()) {
-  // Jumps and impulses have no controls, and those of the choice of a first state are others.
+  // Jumps and impulses lack controls; the controls of an initial-state choice are of another kind.
   std::vector<bool> is_in_table(phases_.size(), false);
   for (int k = 0; k < problem.knots(); ++k)
     is_in_table[problem.knot(k).phase] = !problem.takes_no_time(k);

@@ -7,27 +7,28 @@
 
 namespace conddp {
 
-/// Where the controls of each knot stand in tables of all controls of a problem, whose columns are
-/// those of all phases that take time, in the order in which they first appear.
+/// Positions of each knot's controls in tables of all controls of a problem. The columns are the
+/// controls of all phases with a duration, in order of first appearance.
 class ControlColumns {
  public:
   explicit ControlColumns(const ShootingProblem& problem);
 
   int count() const { return static_cast<int>(columns_.size()); }
   const std::vector<Column>& columns() const { return columns_; }
-  /// Whether the controls of a knot stand in some of the columns alone. Other knots have all of
-  /// them in order, or none (jumps), or controls of another kind (the choice of a first state).
+  /// True if a knot uses only some of the columns. Other knots use all of them in order, or lack
+  /// controls (jumps), or have controls of another kind (the choice of an initial state).
   bool are_some(int knot) const { return !columns_of(knot).empty(); }
   /// The column of each control of such a knot.
   std::span<const int> columns_of(int knot) const { return phases_[problem_.knot(knot).phase]; }
 
-  /// The row of a table: NaN where the knot has no control. Other knots have the row `own`.
+  /// A row of the table, NaN for controls that the knot lacks. Knots that do not use a subset of
+  /// the columns get `own`.
   Eigen::VectorXd row(int knot, const Eigen::VectorXd& own) const;
-  /// The same for a matrix with a row for each control.
+  /// Applies row() to each column of a matrix with one row per control.
   Eigen::MatrixXd rows(int knot, const Eigen::MatrixXd& own) const;
-  /// The inverse: the numbers of the knot's own controls. A row of another length is as it is.
+  /// Inverse of row(): the knot's own controls. A row of another length is returned unchanged.
   Eigen::VectorXd own(int knot, const Eigen::VectorXd& row) const;
-  /// The same of a list of the document of a solution.
+  /// Applies own() to a list of a solution document.
   template <class Json>
   Json own_entries(int knot, const Json& list) const {
     if (!are_some(knot) || !list.is_array() || static_cast<int>(list.size()) != count())

@@ -8,14 +8,14 @@
 namespace conddp {
 namespace {
 
-/// Binary logarithms of the mean weight that is aimed at, and of the least and largest mean that
-/// stay as they are: the weights of the example problems and of the literature lie well within.
+/// Binary logarithms of the target for the mean weight, and of the smallest and largest mean that
+/// are left unscaled. Weights of the example problems and of the literature lie well within.
 constexpr double kUsual = -5, kLeast = -17, kLargest = 7;
 
-/// Of the largest weight, less is negligible.
+/// Weights below this share of the largest weight are negligible.
 constexpr double kNegligible = 1e-10;
 
-/// Calls f with the size of each weight of a knot but zero.
+/// Calls f with the magnitude of each nonzero weight of a knot.
 template <class F>
 void for_each_weight(const KnotView& knot, const F& f) {
   const auto meet = [&f](double weight) {
@@ -32,8 +32,7 @@ void for_each_weight(const KnotView& knot, const F& f) {
       meet(knot.cost_scale * knot.parameters[term.weight()]);
 }
 
-/// The largest weight, and the least that is at least `share` of it; 0 and infinity where there are
-/// none.
+/// The largest weight, and the smallest weight ≥ `share` of it; 0 and infinity without weights.
 std::pair<double, double> weights_of(const ShootingProblem& problem, double share) {
   double largest = 0, least = std::numeric_limits<double>::infinity();
   const auto for_all = [&](const auto& f) {

@@ -7,17 +7,17 @@
 
 namespace conddp {
 
-/// Evaluates nodes of a problem one by one, in a workspace of each model.
+/// Evaluates nodes of a problem one by one, with one workspace per model.
 class NodeEvaluation {
  public:
   explicit NodeEvaluation(const ShootingProblem& problem) : problem_(problem) {}
 
-  /// What a node writes at a state and a control (null at the terminal node). Stays until another
-  /// node of the same model is evaluated.
+  /// Evaluates a node at a state and a control (null at the terminal node). The result remains
+  /// valid until another node of the same model is evaluated.
   const KnotWorkspace<double>& at(int node, const double* x, const double* u);
-  /// The same with derivatives, but for Hessians.
+  /// Evaluates a node with derivatives, except Hessians.
   const KnotWorkspace<double>& derivatives_at(int node, const double* x, const double* u);
-  /// What a node writes at its state and control of a trajectory.
+  /// Evaluates a node at its state and control in a trajectory.
   const KnotWorkspace<double>& at(int node, const Trajectory& trajectory);
 
  private:

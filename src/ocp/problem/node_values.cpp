@@ -12,8 +12,8 @@
 namespace conddp {
 namespace {
 
-/// Evaluates the contacts of systems at a state and a control of a knot, where its step has
-/// evaluated the system at others.
+/// Evaluates the contacts of systems at a knot's state and control if the knot's step evaluates the
+/// system elsewhere.
 class ContactEvaluation {
  public:
   const SystemData<double>& at(const MultibodySystem& robot, const double* x, const double* u) {

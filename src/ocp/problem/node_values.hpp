@@ -11,36 +11,36 @@
 
 namespace conddp {
 
-/// A contact that a knot's system holds, at the state and control of the knot.
+/// A contact of a knot's system, at the state and control of the knot.
 struct HeldContact {
-  SE3<double> world;    ///< of its frame in the world
+  SE3<double> world;    ///< placement of its frame in the world
   Force<double> force;  ///< on the robot in world axes, at the frame's origin: N, Nm
 };
 
-/// What the nodes of a trajectory write, each evaluated once in scalar arithmetic.
+/// Values at all nodes of a trajectory, each evaluated once in scalar arithmetic.
 class NodeValues {
  public:
   NodeValues(const ShootingProblem& problem, const Trajectory& trajectory);
 
-  /// Whether the values are those at a trajectory of the same problem.
+  /// True if the values belong to this trajectory of the same problem.
   bool are_at(const Trajectory& trajectory) const { return trajectory == trajectory_; }
   /// The scaled cost of each term of a node's model.
   std::span<const double> term_costs(int node) const {
     return std::span(term_costs_)
         .subspan(first_cost_[node], first_cost_[node + 1] - first_cost_[node]);
   }
-  /// The scaled cost of each constraint term of a node's model: 0 of hard ones.
+  /// The scaled cost of each constraint term of a node's model: 0 for hard constraints.
   std::span<const double> soft_costs(int node) const {
     return std::span(soft_costs_)
         .subspan(first_soft_[node], first_soft_[node + 1] - first_soft_[node]);
   }
-  /// g and residuals of barriers, all constraint rows of the problem.
+  /// g and the residuals of barriers, all constraint rows of the problem.
   const Eigen::VectorXd& constraint() const { return constraint_; }
   /// f(x_k, u_k) in column k: nx x N.
   const Eigen::MatrixXd& next() const { return next_; }
-  /// The contacts that the system of a knot holds, in its order; none of what is no robot.
+  /// The contacts of a knot's system, in its order; empty for systems that are not robots.
   std::span<const HeldContact> contacts(int knot) const { return contacts_[knot]; }
-  /// Whether no number but those of contacts is infinite or not a number.
+  /// True if all numbers are finite; those of contacts are not checked.
   bool all_finite() const;
 
  private:

@@ -28,13 +28,13 @@ void check_terminal(const Phase& phase) {
     throw std::invalid_argument("the terminal phase is one node without dynamics");
 }
 
-/// What the multipliers of a constraint cannot exceed at a node.
+/// Upper limit on the multipliers of a constraint at a node.
 double limit_at(const KnotView& view, const ConstraintTerm& term) {
   return term.softness == Softness::l1 ? view.cost_scale * view.parameters[term.weight()]
                                        : std::numeric_limits<double>::infinity();
 }
 
-/// A constraint with the bounds and the limit that it has at a node.
+/// A constraint with its bounds and limit at a node.
 NodeConstraint at_node(const KnotView& view, const ConstraintTerm& term, int node, int row) {
   NodeConstraint constraint{node, &term, row, nullptr, nullptr};
   if (term.has_bounds()) {
@@ -45,8 +45,8 @@ NodeConstraint at_node(const KnotView& view, const ConstraintTerm& term, int nod
   return constraint;
 }
 
-/// The number with as many decimal digits as survive a double: steps are decimal numbers of few
-/// digits, and so are their sums.
+/// The value rounded to the decimal digits that a double preserves: steps are decimal numbers with
+/// few digits, and so are their sums.
 double to_decimal(double value) {
   char text[32];
   const auto end = std::to_chars(text, text + sizeof text, value, std::chars_format::scientific,
@@ -59,7 +59,7 @@ double to_decimal(double value) {
 /// A compensated sum of steps.
 class TimeSum {
  public:
-  /// The time after one more step.
+  /// Returns the time after one more step.
   double add(double step) {
     const double given = step + rest_;
     const double next = sum_ + given;
@@ -69,7 +69,7 @@ class TimeSum {
   }
 
  private:
-  double sum_ = 0, rest_ = 0;  ///< the rest is what rounding took from the sum
+  double sum_ = 0, rest_ = 0;  ///< `rest_`: rounding error of the sum
 };
 
 }  // namespace
@@ -115,7 +115,7 @@ void ShootingProblem::add_knots(const Phase& phase, int index) {
                       phase.cost_scale[k], index});
 }
 
-/// Those of a node that are not switched off.
+/// Adds the constraints of a node that are not switched off.
 void ShootingProblem::add_constraints(int k) {
   const KnotView& view = views_[k];
   for (const ConstraintTerm& term : view.model->constraints()) {

@@ -15,15 +15,15 @@ namespace conddp {
 struct Phase {
   std::string name;
   std::shared_ptr<const KnotModel> model;
-  std::vector<double> dt;          ///< s, one a knot
-  std::vector<double> cost_scale;  ///< what running costs are multiplied by: usually dt
-  std::vector<double> parameters;  ///< parameter_count() numbers a knot, knot after knot
-  bool instant = false;            ///< takes no time, whatever dt is to the integrator
+  std::vector<double> dt;          ///< s, one per knot
+  std::vector<double> cost_scale;  ///< factor on the running costs, usually dt
+  std::vector<double> parameters;  ///< parameter_count() numbers per knot, knot after knot
+  bool instant = false;            ///< takes no time, even if the integrator's dt is not zero
 
   int knots() const { return static_cast<int>(dt.size()); }
 };
 
-/// One knot of a problem: its structure and where its data lie.
+/// One knot of a problem: its structure and pointers to its data.
 struct KnotView {
   const KnotModel* model;
   const double* parameters;
@@ -32,51 +32,51 @@ struct KnotView {
   int phase;
 };
 
-/// The numbers of a knot alone.
+/// The numerical data of one knot.
 struct KnotNumbers {
   double dt;
   double cost_scale;
-  const double* parameters;  ///< parameter_count() of the knot's model
+  const double* parameters;  ///< parameter_count() numbers of the knot's model
 };
 
-/// A constraint at one node, where it is not switched off.
+/// A constraint at one node that is not switched off.
 struct NodeConstraint {
   int node;
   const ConstraintTerm* term;
-  int row;              ///< its first one among the constraint rows of the problem
-  const double* lower;  ///< term->rows numbers, as `upper`; null of a cone
+  int row;              ///< first row among the constraint rows of the problem
+  const double* lower;  ///< term->rows numbers, like `upper`; null for a cone
   const double* upper;
-  /// Of one that is soft by its distance what its multipliers cannot exceed: row by row, of a cone
-  /// their norm.
+  /// Upper limit on the multipliers of an l1-soft constraint: row by row, or on the norm for a
+  /// cone.
   double limit = std::numeric_limits<double>::infinity();
 
   bool is_soft() const { return term->softness != Softness::hard; }
 };
 
-/// Times of the nodes before, between and after steps of these lengths, from 0 on: one more than
-/// there are steps. Fifty steps of 0.06 s end at 3, not at 3.000000000000002.
+/// Times of all nodes for steps of these lengths, starting at 0: one more than there are steps.
+/// Fifty steps of 0.06 s end at 3, not at 3.000000000000002.
 std::vector<double> node_times(std::span<const double> steps);
 
-/// An optimal-control problem as a list of phases, an initial state and a terminal node.
-/// Minimise Σ cost_scale·ℓ(x_k, u_k) + ℓ_N(x_N) with x_{k+1} = f(x_k, u_k), x_0 given,
-/// lower ≤ u_k ≤ upper, and the values g of all constraints in their sets.
+/// An optimal-control problem as a list of phases, an initial state and a terminal node:
+/// minimize Σ cost_scale·ℓ(x_k, u_k) + ℓ_N(x_N) subject to x_{k+1} = f(x_k, u_k), x_0 given, lower
+/// ≤ u_k ≤ upper, and the values g of all constraints in their sets.
 class ShootingProblem {
  public:
-  /// The terminal phase has one knot whose model has Integrator::none. All models share nx.
-  /// Throws std::invalid_argument where sizes do not fit.
+  /// The terminal phase has one knot, whose model has Integrator::none. All models share nx. Throws
+  /// std::invalid_argument if sizes do not match.
   ShootingProblem(std::vector<double> initial_state, std::vector<Phase> phases, Phase terminal);
-  ShootingProblem(ShootingProblem&&) = default;  // views stay where the phases' vectors are
+  ShootingProblem(ShootingProblem&&) = default;  // views remain valid: vector buffers do not move
   ShootingProblem(const ShootingProblem&) = delete;
 
   const std::vector<Phase>& phases() const { return phases_; }
   const Phase& terminal() const { return terminal_; }
   const std::vector<double>& initial_state() const { return initial_state_; }
-  /// Moves the initial state, for the next of several solves of one problem: never during one. `x`
-  /// has nx numbers; throws std::invalid_argument where it has not.
+  /// Sets the initial state between solves of one problem, never during a solve. Throws
+  /// std::invalid_argument if `x` does not have nx numbers.
   void set_initial_state(std::span<const double> x);
-  /// Replaces the numbers of all nodes, N + 1 of them, for the next of several solves: never during
-  /// one, and without allocation. The structure has to stay: which constraints are switched off,
-  /// which weights are zero, and which knots take no time.
+  /// Replaces the numerical data of all N + 1 nodes between solves, never during a solve, without
+  /// allocation. The structure must not change: which constraints are switched off, which weights
+  /// are zero, and which knots take no time.
   void set_numbers(std::span<const KnotNumbers> nodes);
 
   /// Number N of running knots; knot(N) is the terminal node.
@@ -88,22 +88,22 @@ class ShootingProblem {
   const StateManifold& manifold() const { return views_.front().model->manifold(); }
   /// Time of each node, s: N + 1 numbers.
   const std::vector<double>& times() const { return times_; }
-  /// The same of a trajectory, where phases last as long as its states say (FreeDuration).
+  /// Node times of a trajectory, whose states contain the free durations (FreeDuration).
   std::vector<double> times(const Trajectory& trajectory) const;
   bool has_free_durations() const;
   bool has_control_bounds() const;
-  /// Whether a running knot takes no time: an impulse, or a phase that is instant.
+  /// True if a running knot takes no time: an impulse, or an instantaneous phase.
   bool takes_no_time(int k) const { return times_[k] == times_[k + 1]; }
-  /// The constraints of all nodes in order, but bounds on the control and those that are soft by a
-  /// square, which are costs. Views into this problem.
+  /// Constraints of all nodes in order, without control bounds and without l2-soft constraints,
+  /// which are costs. Views into this problem.
   const std::vector<NodeConstraint>& constraints() const { return constraints_; }
-  /// All that are soft, in order.
+  /// All soft constraints in order.
   const std::vector<NodeConstraint>& soft_constraints() const { return soft_constraints_; }
-  /// The constraint rows of a node start here among those of the problem, used or not.
+  /// First constraint row of a node among those of the problem, counting unused rows.
   int constraint_offset(int k) const { return constraint_offset_[k]; }
   int constraint_rows() const { return constraint_offset_.back(); }
 
-  /// A trajectory of this problem's shape: every state the initial one, controls zero.
+  /// A trajectory of this problem's shape: all states equal the initial state, controls are zero.
   Trajectory create_trajectory() const;
 
  private:

@@ -26,8 +26,8 @@ double violation(const NodeConstraint& c, const double* g) {
 
 namespace {
 
-/// Of a row with bounds: a multiplier pushes against what is outside with all that it has, and is
-/// within the limit.
+/// Complementarity of a row with bounds: outside its bounds, the multiplier must equal the limit;
+/// it never exceeds the limit.
 double row_complementarity(const NodeConstraint& c, int i, double value, double multiplier) {
   const double outside = outside_bounds(value, c.lower[i], c.upper[i]);
   const double lacks = c.limit - (outside > 0 ? multiplier : -multiplier);
@@ -46,7 +46,7 @@ double complementarity(const NodeConstraint& c, const double* g, const double* m
       largest = std::max(largest, row_complementarity(c, i, g[i], multipliers[i]));
     return largest;
   }
-  // νᵀg is what the multipliers pay of the cone's distance: all of it, at their limit.
+  // At a solution, νᵀg equals the cost of the cone's distance: the multipliers are at their limit.
   const double paid = c.limit * distance_to_set(*c.term, g, c.lower, c.upper);
   double product = -paid, square = 0;
   for (int i = 0; i < n; ++i) product += multipliers[i] * g[i];

@@ -6,18 +6,19 @@
 
 namespace conddp {
 
-/// Multipliers of values g that the augmented Lagrangian with penalty ρ and multipliers ν gives,
-/// from s = g + ν/ρ: ρ (s − Π(s)), within the limits of a soft constraint. Both of c.term->rows.
+/// New multipliers from s = g + ν/ρ for values g and the augmented Lagrangian with penalty ρ and
+/// multipliers ν: ρ (s − Π(s)), limited for soft constraints. Both arrays have c.term->rows
+/// numbers.
 void next_multipliers(const NodeConstraint& c, const double* s, double penalty, double* next);
 
-/// How far g is from where it has to be: 0 of soft constraints, else distance_to_set.
+/// Violation of a constraint by g: 0 if soft, else distance_to_set.
 double violation(const NodeConstraint& c, const double* g);
-/// As of its term; of a soft constraint, outside of its set, the distance times what the
-/// multipliers lack of their limit.
+/// Complementarity of the term. For a soft constraint outside its set: the distance times the
+/// amount by which the multipliers fall short of their limit.
 double complementarity(const NodeConstraint& c, const double* g, const double* multipliers);
 
-/// What all constraints that are soft by their distance cost, from the values of all rows. Those by
-/// a square are among the costs of an evaluation.
+/// Cost of all l1-soft constraints, from the values of all rows. An evaluation counts l2-soft
+/// constraints as costs.
 double linear_soft_cost(const ShootingProblem& problem, const Eigen::VectorXd& values);
 
 }  // namespace conddp

@@ -12,7 +12,7 @@ namespace conddp {
 class Trajectory {
  public:
   Trajectory() = default;
-  /// nx numbers a state, nu[k] controls at knot k (N = nu.size()); all zero.
+  /// nx numbers per state, nu[k] controls at knot k (N = nu.size()); all zero.
   Trajectory(int nx, const std::vector<int>& nu) : nx_(nx), x_((nu.size() + 1) * nx, 0.0) {
     offset_.reserve(nu.size() + 1);
     for (int n : nu) offset_.push_back(offset_.back() + n);
@@ -28,7 +28,7 @@ class Trajectory {
   Eigen::Map<Eigen::VectorXd> u(int k) { return {u_.data() + offset_[k], nu(k)}; }
   Eigen::Map<const Eigen::VectorXd> u(int k) const { return {u_.data() + offset_[k], nu(k)}; }
 
-  /// Of the same shape, with the same numbers: NaN is not the same as NaN.
+  /// True for the same shape and the same numbers; NaN differs from NaN.
   bool operator==(const Trajectory& other) const = default;
 
  private:

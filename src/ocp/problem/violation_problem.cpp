@@ -23,7 +23,7 @@ std::shared_ptr<const KnotModel> of_violation(const KnotModel& of) {
   return model;
 }
 
-/// The parameters of a knot, of those that the model of its violation has.
+/// Appends a knot's parameters that the model of its violation uses.
 void append_parameters(const KnotModel& model, const double* parameters,
                        std::vector<double>& list) {
   const auto append = [&](int first, int end) {
@@ -34,7 +34,7 @@ void append_parameters(const KnotModel& model, const double* parameters,
   for (const ConstraintTerm& term : model.constraints()) {
     if (!is_asked_for(term)) continue;
     append(term.parameters, term.parameter_end());
-    list.push_back(1);  // its weight
+    list.push_back(1);  // weight
   }
 }
 

@@ -4,9 +4,9 @@
 
 namespace conddp {
 
-/// The problem of the least violation: half the squared distances of all hard constraints from
-/// their sets are what is minimised, in place of all costs and soft constraints. Dynamics, bounds
-/// on controls and the shape of trajectories are the same. Complementary pairs are left out.
+/// The problem of least violation: minimizes half the squared distances of all hard constraints
+/// from their sets, in place of all costs and soft constraints. Dynamics, control bounds and
+/// trajectory shape are the same. Complementarity constraints are omitted.
 ShootingProblem violation_problem(const ShootingProblem& problem);
 
 }  // namespace conddp

@@ -27,7 +27,7 @@ class CombinationResidual : public ResidualBase<CombinationResidual> {
   }
 
  private:
-  /// One block a row; the terms' columns ascend.
+  /// One block per row; the columns of its terms ascend.
   static std::vector<RowBlock> structure(int ndx, std::vector<LinearCombination>& rows) {
     std::vector<RowBlock> blocks;
     for (LinearCombination& row : rows) {

@@ -19,7 +19,7 @@ LinearCone upper_bounded(int rows, int columns) {
           std::vector<double>(rows, 0.0)};
 }
 
-/// Makes a row the normal force and bounds it.
+/// Sets a row to the normal force and its bounds.
 void bound_normal_force(const FrictionLimits& limits, int row, LinearCone& cone) {
   cone.lower[row] = limits.min_normal;
   cone.upper[row] = limits.max_normal;
@@ -28,7 +28,7 @@ void bound_normal_force(const FrictionLimits& limits, int row, LinearCone& cone)
 }  // namespace
 
 Matrix3<double> rotation_to_normal(const Vector3<double>& n) {
-  // Rodrigues' formula with the axis (−y, x, 0); straight down is a half turn about x.
+  // Rodrigues' formula with the axis (−y, x, 0); for −z, a half turn about x.
   const double c = n.z;
   if (c < -1 + 1e-12) return {{1, 0, 0, 0, -1, 0, 0, 0, -1}};
   const double k = 1 / (1 + c);
@@ -73,7 +73,7 @@ LinearCone wrench_cone(const FrictionLimits& limits, double half_x, double half_
   }
   cone.A.middleRows(row, 4) = center_of_pressure_cone(half_x, half_y).A;
   row += 4;
-  // τ_min ≤ τ_z ≤ τ_max, each of the two sums of absolute values as four inequalities.
+  // τ_min ≤ τ_z ≤ τ_max: each of the two sums of absolute values gives four inequalities.
   for (const double side : {1.0, -1.0})
     for (const double a : {1.0, -1.0})
       for (const double b : {1.0, -1.0})

@@ -6,7 +6,7 @@ namespace {
 
 using SystemPointer = std::shared_ptr<const MultibodySystem>;
 
-/// One contact of a system, and the derivative of its force in any axes.
+/// One contact of a system, and the derivative of its force in world or frame axes.
 class ContactOf {
  public:
   ContactOf(SystemPointer system, int contact, int ndx)
@@ -19,7 +19,7 @@ class ContactOf {
   }
 
   const Contact& spec() const { return system_->contacts().contacts()[index_]; }
-  /// The columns of z on which the force depends.
+  /// Columns of z that affect the force.
   const std::vector<int>& columns() const { return z_columns_; }
 
   template <class S>
@@ -27,7 +27,7 @@ class ContactOf {
     return multibody_data(in).contacts.contacts[index_];
   }
 
-  /// Calls put(column, change of the force) for every column, in the world's axes or the frame's.
+  /// Calls put(column, change of the force) for every column, in world axes or in the frame's axes.
   template <class S, class F>
   void for_each_column(const ResidualInput<S>& in, FrameAxes axes, F put) const {
     auto& system = multibody_data(in);
@@ -39,7 +39,7 @@ class ContactOf {
       columns_.gather(jacobian, 6, system.columns.data());
       jacobian = system.columns.data();
     }
-    int next = 0;  // of the columns that turn the frame
+    int next = 0;  // index of the columns that rotate the frame
     for (int c = 0; c < static_cast<int>(z_columns_.size()); ++c) {
       Force<S> change = change_in_frame(contact, &system.contacts.force_z[c * m + first]);
       if (turns && next < columns_.count() && columns_.columns()[next] == c) {
@@ -53,17 +53,17 @@ class ContactOf {
   }
 
  private:
-  /// Whether its force is along directions of its own, else along the axes of its frame.
+  /// True if the force acts along the contact's own directions instead of its frame's axes.
   bool has_directions() const {
     return spec().kind == ContactKind::normal || spec().kind == ContactKind::planar;
   }
-  /// The frame's rotation turns a force that keeps its direction in the body as seen from the
-  /// world, and one that keeps its direction in the world as seen from the body.
+  /// Rotating the frame turns a body-fixed force as seen from the world, and a world-fixed force as
+  /// seen from the body.
   bool frame_turns_force(FrameAxes axes) const {
     const bool fixed_in_world = has_directions() && spec().axes == FrameAxes::world_aligned;
     return fixed_in_world == (axes == FrameAxes::local);
   }
-  /// What a rotation w of the frame changes in a force, as seen from the axes asked for.
+  /// Change of a force due to a rotation w of the frame, in the given axes.
   template <class S>
   static void add_turn(const Force<S>& force, const Vector3<S>& w, FrameAxes axes,
                        Force<S>& change) {
@@ -74,7 +74,7 @@ class ContactOf {
     change.linear += cross(w, force.linear);
     change.angular += cross(w, force.angular);
   }
-  /// Change of the force by that of its rows, in the axes of its frame.
+  /// Change of the force due to a change of its rows, in the axes of its frame.
   template <class S>
   Force<S> change_in_frame(const ContactData<S>& contact, const S* rows) const {
     Force<S> change = Force<S>::zero();
@@ -89,11 +89,11 @@ class ContactOf {
 
   SystemPointer system_;
   int index_;
-  ReducedColumns columns_;  ///< that move the frame
+  ReducedColumns columns_;  ///< columns that move the frame
   std::vector<int> z_columns_;
 };
 
-/// Force and torque in the axes of the world or the frame, or the force alone.
+/// Force and torque in world or frame axes, or the force alone.
 class ContactForce : public ResidualBase<ContactForce> {
  public:
   ContactForce(ContactOf contact, FrameAxes axes, int rows, bool has_reference)

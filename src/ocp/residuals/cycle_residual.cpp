@@ -79,7 +79,7 @@ class CycleResidual : public ResidualBase<CycleResidual> {
     return jacobian;
   }
 
-  /// From the values r of its rows.
+  /// Writes the derivatives of a curved part from the values r of its rows.
   template <class S>
   S* write_curved(const StateManifold::Segment& segment, const StateManifold& part,
                   const ResidualInput<S>& in, const S* r, S* jacobian) const {
@@ -111,9 +111,9 @@ class CycleResidual : public ResidualBase<CycleResidual> {
     return column;
   }
 
-  static constexpr int kMost = 6;  ///< tangent coordinates of a curved part
+  static constexpr int kMost = 6;  ///< maximum tangent coordinates of a curved part
 
-  /// How far the first state was moved, and where the state should be, of a curved part.
+  /// The displacement of the initial state, and the target state, of a curved part.
   template <class S>
   void place(const StateManifold::Segment& segment, const StateManifold& part, const S* x, S* moved,
              S* target) const {
@@ -127,7 +127,7 @@ class CycleResidual : public ResidualBase<CycleResidual> {
     for (int i = 0; i < nx; ++i) target[i] += S(offset_[segment.x + i]);
   }
 
-  /// For each tangent coordinate its number among those that were chosen, or −1.
+  /// For each tangent coordinate, its index among the free initial coordinates, or −1.
   static std::vector<int> memory_of(const StateManifold& manifold, const ChosenStart& start) {
     std::vector<int> memory(manifold.ndx(), -1);
     for (std::size_t i = 0; i < start.coordinates.size(); ++i)
@@ -169,8 +169,8 @@ class CycleResidual : public ResidualBase<CycleResidual> {
   std::vector<double> start_, offset_;
   std::vector<int> memory_;
   std::vector<bool> has_row_;         ///< by tangent coordinate
-  int last_, end_;                    ///< so many numbers at the end of states
-  std::vector<StateManifold> parts_;  ///< the curved segments, one by one
+  int last_, end_;                    ///< rows for the numbers at the end of the state; state size
+  std::vector<StateManifold> parts_;  ///< the curved segments
 };
 
 }  // namespace

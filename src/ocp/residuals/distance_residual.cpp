@@ -9,7 +9,7 @@ namespace {
 
 using SystemPointer = std::shared_ptr<const MultibodySystem>;
 
-/// A capsule fixed to a joint's body (−1: to the world).
+/// A capsule fixed to a joint's body (−1: the world).
 struct Body {
   int joint = -1;
   int root = -1;  ///< floating joint of its tree, −1: the root frame is the world
@@ -29,14 +29,14 @@ struct Body {
   double squared_length() const { return squared_norm(along); }
 };
 
-/// One column of a pair's Jacobian: what a coordinate of a joint does to one of the bodies.
+/// One column of a pair's Jacobian: the effect of a joint coordinate on one of the bodies.
 struct Drive {
   int joint;
   int axis;  ///< of a floating joint
   bool second;
 };
 
-/// The columns that move one body against the other, ascending, and what they move.
+/// Columns that move one body relative to the other, ascending, with their effects.
 std::pair<std::vector<int>, std::vector<Drive>> drives_between(const RobotModel& model, int first,
                                                                int second) {
   std::vector<std::pair<int, Drive>> all;
@@ -44,7 +44,7 @@ std::pair<std::vector<int>, std::vector<Drive>> drives_between(const RobotModel&
     for (int k = 0; k < model.joints[joint].nv(); ++k)
       all.push_back({model.joints[joint].v + k, {joint, k, is_second}});
   };
-  // Parents precede their children: the later one is never an ancestor of the other.
+  // Parents precede their children, so the later joint is never an ancestor of the other.
   while (first != second) {
     int& later = first > second ? first : second;
     add(later, &later == &second);
@@ -106,7 +106,7 @@ class PairOf {
     drives_ = std::move(drives);
   }
 
-  /// A body's segment: in the root frame that both bodies share, else in the world.
+  /// A body's segment, in the root frame if both bodies share it, else in the world.
   template <class S>
   Segment<S> segment(const RobotData<S>& data, const Body& body) const {
     Segment<S> s{body.from.cast<S>(), body.along.cast<S>(), body.squared_length()};
@@ -136,7 +136,8 @@ class PairOf {
     if (rows_ == 2) r[1] = r[0] + dot(n, s.d);
   }
 
-  /// What a motion of the body, in its root frame, changes along n at the point s of its segment.
+  /// Derivative of the coordinate along n at the point s of the segment, by a motion of the body in
+  /// its root frame.
   template <class S>
   Force<S> slope(const RobotData<S>& data, const Body& body, const S& s, Vector3<S> n) const {
     if (body.joint < 0) return Force<S>::zero();

@@ -16,7 +16,7 @@
 namespace conddp {
 namespace {
 
-/// An input of the program and where a knot holds it.
+/// An input of the program and its source in a knot.
 struct KnotInputSource {
   enum class Kind { kState, kControl, kParameter, kOperand };
   Kind kind;
@@ -24,7 +24,7 @@ struct KnotInputSource {
   int input;
 };
 
-/// Other residuals, evaluated one after the other into the rows of one vector.
+/// Other residuals, evaluated consecutively into the rows of one vector.
 class Operands {
  public:
   explicit Operands(std::vector<ExpressionOperand> operands) : operands_(std::move(operands)) {
@@ -39,7 +39,7 @@ class Operands {
   }
 
   const std::vector<PackedRow>& rows() const { return rows_; }
-  /// Numbers that a pass needs: rows, their derivatives and parameters of one operand.
+  /// Numbers needed by a pass: rows, their derivatives, and the parameters of one operand.
   int numbers() const { return static_cast<int>(rows_.size()) + jacobian_size_ + parameters_; }
   bool need_control() const {
     return std::any_of(operands_.begin(), operands_.end(),
@@ -62,7 +62,7 @@ class Operands {
       for (std::string& name : operand.residual->failed_functions()) all.push_back(std::move(name));
     return all;
   }
-  /// Writes the rows and, behind them if asked for, the derivatives into numbers().
+  /// Writes the rows and, if requested, the derivatives after them into numbers().
   template <class S>
   void evaluate(const ResidualInput<S>& in, bool derivatives, S* numbers) const {
     S *r = numbers, *jacobian = numbers + rows_.size(), *parameters = jacobian + jacobian_size_;
@@ -85,9 +85,9 @@ class Operands {
   int jacobian_size_ = 0, parameters_ = 0;
 };
 
-/// The rows of the expressions by the columns of z that they depend on, through operands too. The
-/// derivative by row i of the operands is that by the column `first_operand` + i. A row that
-/// chooses may jump between branches of one slope, so it is not affine.
+/// Rows of the expressions with the columns of z on which they depend, also through operands. The
+/// column `first_operand` + i stands for row i of the operands. A conditional row may jump between
+/// branches of equal slope, so it is not affine.
 std::vector<RowBlock> structure(const DifferentiableExpressions& functions,
                                 const std::vector<bool>& chooses, const Operands& operands,
                                 int first_operand) {
@@ -149,7 +149,7 @@ class ExpressionResidual : public ResidualBase<ExpressionResidual> {
 
   std::vector<TableReading> table_readings(const double* x, const double* u,
                                            const double* parameters) const override {
-    // Rows of operands, which are evaluated elsewhere, are not known.
+    // Rows of operands are evaluated elsewhere and unknown here.
     return tables_.readings([&](int i) {
       const auto source = std::ranges::find(sources_, i, &KnotInputSource::input);
       const double* numbers = source == sources_.end()                            ? nullptr
@@ -178,8 +178,8 @@ class ExpressionResidual : public ResidualBase<ExpressionResidual> {
   }
 
  private:
-  /// A part of the derivative at `place`: a register and, through an operand, the derivative of one
-  /// of its rows.
+  /// A summand of the derivative at `place`: a register, times the derivative of an operand's row
+  /// if any.
   struct Product {
     int place;
     int outer;
@@ -223,7 +223,7 @@ class ExpressionResidual : public ResidualBase<ExpressionResidual> {
   std::vector<Product> products_;
 };
 
-/// Reads the texts of a residual.
+/// Parses the texts of a residual.
 class ResidualReader {
  public:
   using Part = ModelMessage::Part;
@@ -236,7 +236,7 @@ class ResidualReader {
         texts_(graph_, false, out.errors, out.warnings) {}
 
   void read() {
-    // Later texts would stumble over what is wrong with the names before them.
+    // Errors in names would cause misleading errors in the texts after them.
     add_names();
     if (texts_.good()) texts_.add_definitions(text_.definitions);
     if (!texts_.good()) return;
@@ -268,7 +268,7 @@ class ResidualReader {
   }
 
   void add_names() {
-    // States come first, number by number, as the motions of the manifold have it.
+    // States come first, number by number, in the order of the manifold.
     for (int i = 0; i < manifold_.nx(); ++i) input(KnotInputSource::Kind::kState, i);
     for (const KnotName& name : text_.names) {
       if (!texts_.scope().defect_of(name.name).empty()) continue;
@@ -280,17 +280,18 @@ class ResidualReader {
     texts_.add_tables(text_.tables);
   }
 
-  /// A number of the times, which stand behind the references.
+  /// Parameter of a time; the times follow the references.
   NodeId time_number(int index) {
     return input(KnotInputSource::Kind::kParameter, kFirstTime - index);
   }
 
-  /// A time, of which this number does not depend on free durations; each of these counts so often.
+  /// Adds a time: `number` is its part independent of free durations, `share` the factor of each of
+  /// these.
   void add_time(const char* name, int number, const std::function<NodeId(int)>& share) {
     const auto has_name = [&](const auto& list) {
       return std::ranges::any_of(list, [&](const auto& entry) { return name_of(entry) == name; });
     };
-    // What a file calls so is what it says; `t` is no name that it could give.
+    // Names of the file take precedence; `t` is not available to it.
     const bool is_t = number == 0;
     if (texts_.scope().find(name) != nullptr ||
         (!is_t &&
@@ -329,7 +330,7 @@ class ResidualReader {
         value.parts.push_back({name, value.size()});
         value.nodes.push_back(input(KnotInputSource::Kind::kOperand, row++));
       }
-      // One row is a number, which may be called by its part all the same.
+      // A single row is a number, which may also be addressed by its part.
       if (value.size() == 1) value.kind = ExpressionValue::Kind::kNumber;
       texts_.add(Part::kOperand, static_cast<int>(i), operand.name, std::move(value));
     }
@@ -352,7 +353,7 @@ class ResidualReader {
     }
   }
 
-  /// Whether the state or the control is below a node.
+  /// True if the node depends on the state or the control.
   bool moves(NodeId root) const {
     const std::vector<NodeId> below = nodes_below(graph_, {&root, 1});
     return std::any_of(below.begin(), below.end(), [&](NodeId id) {
@@ -362,7 +363,7 @@ class ResidualReader {
     });
   }
 
-  /// Parameters are the references and, behind them, the times.
+  /// Parameters are the references, followed by the times.
   void subtract_references() {
     const int rows = static_cast<int>(outputs_.size());
     for (int i = 0; i < rows; ++i)
@@ -413,8 +414,8 @@ class ResidualReader {
         std::move(operands), first_operand, TableArguments(graph_, outputs_, inputs, tables));
   }
 
-  /// Inputs that neither values nor derivatives read. A quaternion is read as a whole, because its
-  /// numbers move with each other.
+  /// Drops inputs that neither values nor derivatives read. A quaternion is read as a whole,
+  /// because its numbers change together.
   void drop_unused() {
     const std::vector<NodeId> below = nodes_below(graph_, outputs_);
     std::vector<bool> used(sources_.size(), false);
@@ -434,11 +435,11 @@ class ResidualReader {
   ModelTextReader texts_;
   std::vector<KnotInputSource> sources_;
   std::vector<NodeId> outputs_;
-  static constexpr int kTimes = 3;       ///< t, of the phase and of the last node
-  static constexpr int kFirstTime = -1;  ///< index of the first until references are counted
+  static constexpr int kTimes = 3;       ///< t, phase_time and final_time
+  static constexpr int kFirstTime = -1;  ///< index of the first time until references are counted
 };
 
-/// Adds columns of a system to names: alone, or as an element of a group.
+/// Adds columns of a system to the names: alone, or as an element of a group.
 void add_columns(const System& system, bool of_control, std::vector<KnotName>& names) {
   const std::vector<Column>& columns =
       of_control ? system.control_columns() : system.state_columns();
@@ -464,7 +465,7 @@ void add_columns(const System& system, bool of_control, std::vector<KnotName>& n
   }
 }
 
-/// A pose or a twist, told by some of its numbers, and the vectors that it has.
+/// A pose or a twist, recognized by some of its elements, and its vectors.
 struct SpatialParts {
   struct Part {
     int at;
@@ -477,7 +478,7 @@ constexpr SpatialParts kSpatialParts[] = {
     {{{0, "x"}, {3, "qx"}, {6, "qw"}}, {{0, "position", 3}, {3, "rotation", 4}}},
     {{{0, "vx"}, {3, "wx"}, {5, "wz"}}, {{0, "linear", 3}, {3, "angular", 3}}}};
 
-/// Parts of three and four numbers among those of poses and twists.
+/// Adds vectors of three and four numbers as parts of poses and twists.
 void add_vectors(KnotName& name) {
   const int elements = static_cast<int>(name.parts.size());
   for (int first = 0; first < elements; ++first)

@@ -6,7 +6,7 @@ namespace {
 
 using SystemPointer = std::shared_ptr<const MultibodySystem>;
 
-/// What residuals of one frame share: the robot, the frame, and the columns that move it.
+/// Common data of one frame's residuals: the robot, the frame, and the columns that move it.
 class FrameOf {
  public:
   FrameOf(SystemPointer system, int frame)
@@ -20,7 +20,7 @@ class FrameOf {
   int frame() const { return frame_; }
   const std::vector<int>& columns() const { return columns_.columns(); }
   int count() const { return columns_.count(); }
-  /// The columns, then the same of the velocity.
+  /// The columns of the position, then those of the velocity.
   std::vector<int> position_and_velocity_columns() const {
     std::vector<int> both = columns();
     for (const int c : columns()) both.push_back(system_->nv() + c);
@@ -34,7 +34,7 @@ class FrameOf {
   SE3<S> placement(const ResidualInput<S>& in) const {
     return frame_placement(robot(), data(in), frame_);
   }
-  /// Writes what kernel(robot, data, frame, out) gives.
+  /// Writes the Jacobian computed by kernel(robot, data, frame, out).
   template <class S, class Kernel>
   void write(const ResidualInput<S>& in, int rows, S* jacobian, Kernel kernel) const {
     write_columns(columns_, rows, multibody_data(in), jacobian,
@@ -168,7 +168,7 @@ class FrameVelocity : public ResidualBase<FrameVelocity> {
   FrameAxes axes_;
 };
 
-/// Directions of the velocity that a contact holds: its normal and tangent, or the first axes.
+/// Directions of the velocity that a contact constrains: its normal and tangent, or the three axes.
 std::vector<Vector3<double>> held_directions(const Contact& contact) {
   if (contact.kind == ContactKind::normal) return {contact.normal};
   if (contact.kind == ContactKind::planar) return {contact.normal, contact.tangent};
@@ -207,7 +207,7 @@ class ContactVelocity : public ResidualBase<ContactVelocity> {
   }
 
  private:
-  /// From the six rows of a twist those of the contact.
+  /// Selects the contact's rows from the six rows of a twist.
   template <class S>
   void choose(const S* twist, S* rows) const {
     for (const Vector3<double>& d : directions_)

@@ -8,7 +8,7 @@
 namespace conddp {
 namespace {
 
-/// Workspaces for as many evaluations as there are at a time.
+/// Workspaces for all simultaneous evaluations.
 class WorkspacePool {
  public:
   explicit WorkspacePool(const LibraryKnotFunction& function) : function_(function) {}
@@ -39,7 +39,7 @@ class WorkspacePool {
   mutable std::vector<LibraryKnotFunction::OwnedWorkspace> free_;
 };
 
-/// Of each column of z the number in (x, u), controls behind `states`; −1: the time, a parameter.
+/// Index in (x, u) of each column of z, controls after the states; −1: the time is a parameter.
 std::vector<int> sources_of(const LibraryKnotFunction& function, const LibraryInputs& inputs) {
   std::vector<int> sources = inputs.states;
   for (int i = 0; i < function.sizes().controls; ++i) sources.push_back(inputs.ndx + i);
@@ -104,13 +104,13 @@ class LibraryResidual : public ResidualBase<LibraryResidual> {
   }
 
  private:
-  /// An entry of the packed Jacobian and of the function's.
+  /// An entry of the packed Jacobian and the matching entry of the function's.
   struct Entry {
     int place;
     int index;
   };
 
-  /// There is no control at the last node, and then the function does not depend on one.
+  /// The last node has no control; the function does not depend on it there.
   template <class S>
   void gather(const ResidualInput<S>& in, S* z) const {
     for (std::size_t i = 0; i < sources_.size(); ++i) {

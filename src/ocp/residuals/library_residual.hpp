@@ -8,16 +8,17 @@
 
 namespace conddp {
 
-/// Where a knot has what a compiled function reads.
+/// Mapping from a knot's state and control to a compiled function's inputs.
 struct LibraryInputs {
-  std::vector<int> states;  ///< the numbers of the state, all flat, that are its x
-  int clock = -1;           ///< the number of the state that is its t; −1: a parameter is
-  int ndx = 0;              ///< of the knot's model: its controls are the columns behind
+  std::vector<int> states;  ///< state numbers, all flat, that form its x
+  int clock = -1;           ///< state number that is its t; −1: t is a parameter
+  int ndx = 0;              ///< of the knot's model; controls are the columns after it
 };
 
-/// The rows of a compiled function minus their references. Parameters: the references and, where
-/// the function reads the time and no state is it, the time of the knot (s), whose derivative by a
-/// free duration is not part of the residual. Null where it has too many numbers for a residual.
+/// Rows of a compiled function minus their references. Parameters: the references and, if the
+/// function reads the time and no state provides it, the time of the knot (s). The residual omits
+/// the derivative of that time by a free duration. Null if the function has too many numbers for a
+/// residual.
 std::shared_ptr<const Residual> make_library_residual(
     std::shared_ptr<const LibraryKnotFunction> function, const LibraryInputs& inputs);
 

@@ -11,10 +11,10 @@
 namespace conddp {
 namespace {
 
-/// The block of a constraint that has a row, and where in it.
+/// The block of a constraint that contains a row, and its place there.
 struct RowPlace {
   const RowBlock* block;
-  int first;  ///< the block's first derivative among those of the constraint
+  int first;  ///< first derivative of the block among those of the constraint
   int row;    ///< within the block
 };
 
@@ -28,7 +28,7 @@ RowPlace place_of(const ConstraintTerm& term, int row) {
   return place;
 }
 
-/// The columns of each row with that of the duration.
+/// Columns of each row, including the duration.
 std::vector<RowBlock> structure(const ConstraintTerm& term, const std::vector<int>& rows,
                                 int duration) {
   std::vector<RowBlock> blocks;
@@ -109,8 +109,8 @@ class ResidualByDuration : public ResidualBase<ResidualByDuration> {
 
  private:
   struct Product {
-    int entry;  ///< of this residual's Jacobian
-    int inner;  ///< of the constraint's
+    int entry;  ///< in this residual's Jacobian
+    int inner;  ///< in the constraint's Jacobian
   };
 
   template <class S>
@@ -131,7 +131,7 @@ class ResidualByDuration : public ResidualBase<ResidualByDuration> {
   std::vector<int> rows_;  ///< of the constraint
   DurationColumn duration_;
   std::vector<Product> products_;
-  std::vector<int> by_duration_;  ///< the entry of each row's derivative by the duration
+  std::vector<int> by_duration_;  ///< entry of each row's derivative by the duration
 };
 
 }  // namespace

@@ -12,61 +12,59 @@
 
 namespace conddp {
 
-/// Makers of the residuals that problems are built from. A reference marked *parameter* is
-/// provided by each knot (that many numbers).
-/// Frames are indices into the robot's frames.
+/// Factories for the residuals of problems. Each knot provides a reference marked *parameter* (that
+/// many numbers). Frames are indices into the robot's frames.
 
-/// x ⊖ reference, all ndx rows. Parameter: a state (nx of the manifold). Coordinates
-/// `left_out` (ascending indices into the state, of rotations and poses all) have neither a row
-/// nor a number of the reference.
+/// x ⊖ reference, all ndx rows. Parameter: a state (nx of the manifold). Coordinates `left_out`
+/// (ascending indices into the state, rotations and poses only as a whole) have neither a row nor a
+/// reference number.
 std::shared_ptr<const Residual> state_residual(const StateManifold& manifold,
                                                const std::vector<int>& left_out = {});
-/// The space of these references.
+/// The manifold of these references.
 StateManifold without_coordinates(const StateManifold& manifold, const std::vector<int>& left_out);
-/// Chosen coordinates, of flat parts and of the positions of poses: x[i] − reference, one row per
+/// Selected coordinates of flat parts and of the positions of poses: x[i] − reference, one row per
 /// index into the state. Used for joint positions and velocities. The four indices of a rotation,
-/// in their order, choose it as a whole: three rows, log(reference⁻¹ q). Parameter: one number per
-/// index.
+/// in order, select it as a whole: three rows, log(reference⁻¹ q). Parameter: one number per index.
 std::shared_ptr<const Residual> coordinate_residual(const StateManifold& manifold,
                                                     std::vector<int> state_indices);
 /// u − reference. Parameter: nu numbers.
 std::shared_ptr<const Residual> control_residual(int ndx, int nu);
-/// (u − previous u) per step: the difference, in control units. Needs a model whose
-/// states end with the previous control, behind so many carried choices. No parameters.
+/// (u − previous u) per step: the difference, in control units. Needs a model whose states end with
+/// the previous control, preceded by `carried` free quantities. No parameters.
 std::shared_ptr<const Residual> control_rate_residual(const System& system, int carried = 0);
-/// A first state that a knot without time has chosen, x₀ ⊕ S m: the state x₀ from which it did, the
-/// tangent coordinates that it could move, and m in the states of all later nodes, behind so many
-/// numbers that follow the system's.
+/// A free initial state x₀ ⊕ S m, set by a knot without duration. `state` is x₀; m moves the
+/// tangent coordinates `coordinates`. The states of all later nodes contain m, after `before`
+/// numbers that follow the system's state.
 struct ChosenStart {
   std::vector<double> state;
   std::vector<int> coordinates;
   int before = 0;
 };
-/// x ⊖ ((x₀ ⊕ S m) + offset), all ndx rows of the system's state: how far the state is from the
-/// first one. The offset is added to the numbers of the state, positions of poses among them; it is
-/// zero for quaternions. Tangent coordinates of flat parts that are left out have no row. `last`
-/// rows more: the numbers at the end of states minus those before them, which were chosen. Needs a
-/// model whose states carry m and, with `ndx` tangent coordinates, these. No parameters.
+/// x ⊖ ((x₀ ⊕ S m) + offset), all ndx rows of the system's state: the difference from the initial
+/// state. The offset is added to the numbers of the state, including positions of poses; it is zero
+/// for quaternions. Tangent coordinates of flat parts that are left out have no row. `last` further
+/// rows are the numbers at the end of the state minus the free initial numbers before them. Needs a
+/// model whose states carry m and, with `ndx` tangent coordinates, these numbers. No parameters.
 std::shared_ptr<const Residual> cycle_residual(const StateManifold& manifold,
                                                const ChosenStart& start, std::vector<double> offset,
                                                const std::vector<int>& left_out = {}, int last = 0,
                                                int ndx = 0);
-/// A row of a linear combination: the sum of factors times numbers of the state's flat parts and of
-/// the control, and a constant.
+/// A row of a linear combination: a constant plus factors times numbers of the state's flat parts
+/// and of the control.
 struct LinearCombination {
   struct Term {
     double factor;
     bool of_control;
     int index;    ///< into the state or the control
-    int tangent;  ///< of the state: into tangent vectors
+    int tangent;  ///< of the state: index into tangent vectors
   };
-  std::vector<Term> terms;  ///< no coordinate twice
+  std::vector<Term> terms;  ///< each coordinate at most once
   double constant = 0;
 };
-/// One row each. No parameters. ndx is that of the knot model.
+/// One row per combination. No parameters. ndx belongs to the knot model.
 std::shared_ptr<const Residual> combination_residual(int ndx, std::vector<LinearCombination> rows);
-/// Accelerations of a second-order system at chosen velocity indices minus reference
-/// (parameter: one number per index).
+/// Accelerations of a second-order system at selected velocity indices minus reference (parameter:
+/// one number per index).
 std::shared_ptr<const Residual> acceleration_residual(const System& system, int ndx,
                                                       std::vector<int> velocity_indices);
 /// Position of a frame's origin in the world minus reference, m. Parameter: 3 numbers.
@@ -81,31 +79,31 @@ std::shared_ptr<const Residual> frame_placement_residual(
 /// Frame velocity (linear; angular) minus reference, m/s and rad/s. Parameter: 6 numbers.
 std::shared_ptr<const Residual> frame_velocity_residual(
     const std::shared_ptr<const MultibodySystem>& system, int frame, FrameAxes axes);
-/// Velocity of a contact's frame in the directions that it holds (linear; angular of a surface), in
+/// Velocity of a contact's frame in its constrained directions (linear; angular for a surface), in
 /// the contact's axes, m/s and rad/s. The system need not hold the contact. No parameters.
 std::shared_ptr<const Residual> contact_velocity_residual(
     const std::shared_ptr<const MultibodySystem>& system, const Contact& contact);
-/// Centre of mass in the world minus reference, m. Parameter: 3 numbers.
+/// Center of mass in the world minus reference, m. Parameter: 3 numbers.
 std::shared_ptr<const Residual> com_position_residual(
     const std::shared_ptr<const MultibodySystem>& system);
-/// Actuated generalised forces minus gravity torques, B u − g(q), at the actuated velocity
-/// indices. No parameters. nu and ndx are those of the knot model.
+/// Actuated generalized forces minus gravity torques, B u − g(q), at the actuated velocity indices.
+/// No parameters. nu and ndx belong to the knot model.
 std::shared_ptr<const Residual> control_gravity_residual(
     const std::shared_ptr<const MultibodySystem>& system, int ndx);
 
-/// Momentum about the centre of mass, world axes (kg m/s; kg m²/s) minus reference. Parameter: 6
+/// Momentum about the center of mass, world axes (kg m/s; kg m²/s) minus reference. Parameter: 6
 /// numbers.
 std::shared_ptr<const Residual> centroidal_momentum_residual(
     const std::shared_ptr<const MultibodySystem>& system);
 
-/// A sphere (from = to) or a capsule: the points within `radius` (m) of the segment, which is given
-/// in the axes of a frame of the robot, or in the world (frame −1).
+/// A sphere (from = to) or a capsule: the points within `radius` (m) of a segment in the axes of a
+/// robot frame, or of the world (frame −1).
 struct Capsule {
   int frame = -1;
   Vector3<double> from = Vector3<double>::zero(), to = Vector3<double>::zero();
   double radius = 0;
 };
-/// The points p of the world with normal·p ≤ offset; the normal is a unit vector.
+/// The world points p with normal·p ≤ offset; the normal is a unit vector.
 struct HalfSpace {
   Vector3<double> normal{0, 0, 1};
   double offset = 0;  ///< m
@@ -114,19 +112,20 @@ struct DistancePair {
   Capsule first;
   std::variant<Capsule, HalfSpace> second;
 
-  /// Rows of its distance: one, but two of a capsule over a half-space, for `from` and for `to`.
+  /// Rows of its distance: one, or two for a capsule over a half-space, for `from` and for `to`.
   int rows() const;
 };
-/// Distances between surfaces, m, negative where two shapes overlap: pair after pair, smoothed as
-/// closest_points() says. Depends on the joints between the two bodies alone. No parameters.
+/// Distances between surfaces, m, negative if two shapes overlap: pair after pair, smoothed as
+/// described at closest_points(). They depend only on the joints between the two bodies. No
+/// parameters.
 std::shared_ptr<const Residual> distance_residual(
     const std::shared_ptr<const MultibodySystem>& system, const std::vector<DistancePair>& pairs);
 
-/// Residuals of the force of one contact of the system, by its index in contacts(). At an impulse
-/// it is the impulse, in Ns and Nms. ndx is that of the knot model.
+/// Residuals of the force of one contact of the system, given by its index in contacts(). At an
+/// impulse, the force is the impulse, in Ns and Nms. ndx belongs to the knot model.
 
-/// Force, and torque of a surface contact, on the robot in world axes minus reference. Parameter: 3
-/// numbers, 6 of a surface contact.
+/// Force, and torque for a surface contact, on the robot in world axes minus reference. Parameter:
+/// 3 numbers, 6 for a surface contact.
 std::shared_ptr<const Residual> contact_force_residual(
     const std::shared_ptr<const MultibodySystem>& system, int contact, int ndx);
 /// A·force of a cone in world axes (A has 3 columns), or A·wrench of a surface contact in the axes
@@ -134,8 +133,8 @@ std::shared_ptr<const Residual> contact_force_residual(
 std::shared_ptr<const Residual> contact_cone_residual(
     const std::shared_ptr<const MultibodySystem>& system, int contact, int ndx,
     const LinearCone& cone);
-/// (√(‖f_t‖² + s²) − μ f_n, f_n) with s = kConeSmoothing, which keeps the tip differentiable on the
-/// safe side, N. `normal` is a unit vector in the world. No parameters.
+/// (√(‖f_t‖² + s²) − μ f_n, f_n) with s = kConeSmoothing, N. Smoothing makes the tip differentiable
+/// and is conservative. `normal` is a unit vector in the world. No parameters.
 std::shared_ptr<const Residual> friction_cone_residual(
     const std::shared_ptr<const MultibodySystem>& system, int contact, int ndx, double friction,
     const Vector3<double>& normal);

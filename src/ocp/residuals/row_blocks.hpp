@@ -6,16 +6,17 @@
 
 namespace conddp {
 
-/// Sorts the columns of single rows, each once, and makes one block of rows with the same columns
-/// that follow each other.
+/// Sorts the columns of single rows, removes duplicates, and merges consecutive rows with the same
+/// columns into blocks.
 std::vector<RowBlock> joined_blocks(std::vector<RowBlock> rows);
 
-/// Which block a row of a residual is in, and where.
+/// The block of a residual that contains a row, and the row's place there.
 struct PackedRow {
   const RowBlock* block;
-  int first;  ///< its first derivative among those of the residual; one column further: block->rows
+  int first;  ///< its first derivative among those of the residual; stride to the next column:
+              ///< block->rows
 
-  /// Where its derivative by one of the block's columns is.
+  /// Place of its derivative by one of the block's columns.
   int place(int column) const;
 };
 std::vector<PackedRow> packed_rows(const Residual& residual);

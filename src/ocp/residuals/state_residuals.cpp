@@ -6,13 +6,13 @@
 namespace conddp {
 namespace {
 
-/// Coordinates of a state that follow each other.
+/// Consecutive coordinates of a state.
 struct StateRun {
   StateManifold manifold;
-  int x, dx;  ///< the first, in the state and in tangent vectors
+  int x, dx;  ///< first index, in the state and in tangent vectors
 };
 
-/// The state without some coordinates.
+/// Runs of the state without the coordinates left out.
 std::vector<StateRun> runs_of(const StateManifold& manifold, const std::vector<int>& left_out) {
   std::vector<StateRun> runs;
   bool open = false;
@@ -77,7 +77,7 @@ class StateResidual : public ResidualBase<StateResidual> {
     }
     return jacobian;
   }
-  /// n x n, by columns.
+  /// Writes an n x n block by columns.
   template <int n, class Matrix, class S>
   static S* write_block(const Matrix& block, S* jacobian) {
     for (int c = 0; c < n; ++c)
@@ -152,15 +152,15 @@ class CoordinateResidual : public ResidualBase<CoordinateResidual> {
   }
 
  private:
-  /// A coordinate, which has a row, or a rotation, which has three.
+  /// A coordinate with one row, or a rotation with three.
   struct Piece {
-    int index;      ///< into the state, of a rotation that of its first number
-    int tangent;    ///< the first of the tangent coordinates on which it depends
-    int pose = -1;  ///< where the pose starts whose position it is
+    int index;      ///< into the state; the first number of a rotation
+    int tangent;    ///< first of its tangent coordinates
+    int pose = -1;  ///< start of the pose if it is part of a position
     bool is_rotation = false;
   };
 
-  /// The part of the state in which a number lies.
+  /// The segment of the state that contains a number.
   static const StateManifold::Segment& home_of(const StateManifold& manifold, int index) {
     for (const auto& segment : manifold.segments()) {
       const int size = segment.part == StateManifold::Part::flat ? segment.n : segment.n + 1;
@@ -253,7 +253,7 @@ class ControlRateResidual : public ResidualBase<ControlRateResidual> {
     for (int i = 0; i < nu; ++i) blocks.push_back({1, {ndx + i, ndx + nu + i}, true});
     return blocks;
   }
-  int previous_;  ///< where the previous control starts in the state
+  int previous_;  ///< start of the previous control in the state
 };
 
 class AccelerationResidual : public ResidualBase<AccelerationResidual> {

@@ -69,7 +69,7 @@ class SteppingResidual : public ResidualBase<SteppingResidual> {
   }
 
  private:
-  /// Stops and dry friction, from their first rows on.
+  /// Rows of stops and dry friction, `row` being the first of them.
   template <class S>
   void differentiate_joints(const S& h, const std::vector<double>* row, S* jacobian) const {
     const SteppingLayout& w = system_->layout();
@@ -100,7 +100,8 @@ class SteppingResidual : public ResidualBase<SteppingResidual> {
     for (int i = 0; at.cone.present && i < 2; ++i) use(at.cone.force[i], 1 + i, 1.0);
   }
 
-  /// The generalised force of a joint's own forces: use(entry of the control, velocity, sign).
+  /// Calls use(entry of the control, velocity, sign) for each generalized force of stops and dry
+  /// friction.
   template <class F>
   void for_each_joint_force(F use) const {
     const SteppingLayout& w = system_->layout();
@@ -146,7 +147,7 @@ class SteppingResidual : public ResidualBase<SteppingResidual> {
         [&](int entry, int joint, double sign) { r[joint] -= S(sign) * u[entry]; });
   }
 
-  /// Gap and friction.
+  /// Rows of gap and friction.
   template <class S>
   S* write_candidate(int c, const S* u, const SteppingSystem::Data<S>& data, S* r) const {
     const SteppingLayout::Candidate& at = system_->layout().candidates[c];
@@ -227,7 +228,7 @@ class SteppingResidual : public ResidualBase<SteppingResidual> {
         for (int j = 0; j < k; ++j) column[joints[j]] = S(-sign) * rows.rows[row * k + j];
         for (int i = 0; i < k; ++i)
           for (int j = 0; j < k; ++j) {
-            // J is that of q⁺ = q + h v + h² a.
+            // J is evaluated at q⁺ = q + h v + h² a.
             const int e = joints[i] * n_ + joints[j];
             const S slope = force * rows.slopes[i * m + row * k + j];
             by_q[e] -= slope;
@@ -310,7 +311,7 @@ class SteppingResidual : public ResidualBase<SteppingResidual> {
     return jacobian + 3 * k;
   }
 
-  /// Of a candidate's row by q, v and a: what floating bases change.
+  /// Corrects the derivatives of a candidate's row by q, v and a for floating bases.
   template <class S>
   void bend_row(int c, const S& h, const SteppingSystem::Data<S>& data, S* row) const {
     const std::vector<int>& columns = system_->geometry()[c].columns();

@@ -84,7 +84,7 @@ void SteppingRows::motion(const SteppingSystem& system) {
   for (int i = 0; i < w.actuators + n_; ++i) block.columns.push_back(ndx_ + i);
   for (const int i : forces) block.columns.push_back(ndx_ + i);
   blocks.push_back(std::move(block));
-  // "a/" of the accelerations' names, which belong to the same coordinates.
+  // Strips the "a" of the accelerations' names, which belong to the same coordinates.
   for (int i = 0; i < n_; ++i)
     names.push_back("motion" + w.columns[w.acceleration + i].name.substr(1));
 }

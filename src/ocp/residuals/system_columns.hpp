@@ -5,7 +5,7 @@
 
 namespace conddp {
 
-/// What residuals of multibody systems share.
+/// Helpers shared by residuals of multibody systems.
 
 template <class S>
 MultibodySystem::Data<S>& multibody_data(const ResidualInput<S>& in) {
@@ -13,7 +13,7 @@ MultibodySystem::Data<S>& multibody_data(const ResidualInput<S>& in) {
 }
 
 /// Writes rows x columns.count() of a Jacobian. `kernel(out)` writes it with the robot's own
-/// columns: in place, or by way of scratch where joints mimic others.
+/// columns: in place, or through scratch memory if joints mimic others.
 template <class S, class Kernel>
 void write_columns(const ReducedColumns& columns, int rows, MultibodySystem::Data<S>& data,
                    S* jacobian, Kernel kernel) {

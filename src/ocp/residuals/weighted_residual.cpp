@@ -13,15 +13,15 @@
 namespace conddp {
 namespace {
 
-/// A block of the residual's Jacobian, as it counts in the product with Lᵀ.
+/// A block of the residual's Jacobian, for the product with Lᵀ.
 struct InnerBlock {
   int row;  ///< its first row
   int rows;
-  int first;                 ///< its first derivative among those of the residual
-  std::vector<int> columns;  ///< of its columns the places among those of the group
+  int first;                 ///< first derivative among those of the residual
+  std::vector<int> columns;  ///< places of its columns among those of the group
 };
 
-/// Rows of a residual that a matrix or blocks of the Jacobian tie to each other.
+/// Rows of a residual coupled by a matrix or by blocks of the Jacobian.
 struct Group {
   std::vector<int> rows;     ///< of the residual, ascending
   std::vector<int> columns;  ///< of z, ascending
@@ -63,7 +63,7 @@ RowSets tied_rows(const Residual& residual, const Eigen::MatrixXd& matrix) {
   return sets;
 }
 
-/// The columns on which the blocks of a group depend, and where each block has them.
+/// Adds the blocks of a group, their columns, and the places of these among the group's columns.
 void add_blocks(const Residual& residual, const RowSets& sets, int root, Group& group) {
   std::vector<const RowBlock*> blocks;
   int row = 0, first = 0;
@@ -93,7 +93,7 @@ void add_factors(const Eigen::MatrixXd& matrix, Group& group) {
     for (int j = 0; j < group.size; ++j) group.factors.push_back(L(i, j));
 }
 
-/// The groups of rows that count, at least one.
+/// The groups of rows with nonzero weight, at least one.
 std::vector<Group> make_groups(const Residual& residual, const Eigen::MatrixXd& matrix) {
   const RowSets sets = tied_rows(residual, matrix);
   std::vector<Group> groups;
@@ -166,7 +166,7 @@ class WeightedResidual : public ResidualBase<WeightedResidual> {
     }
   }
 
-  /// The derivative of a group's rows, by columns, from that of the residual.
+  /// Adds the derivative of a group's rows, by columns, from that of the residual.
   template <class S>
   static void add_jacobian(const Group& group, const S* inner, S* jacobian) {
     const double* factor = group.factors.data();
@@ -185,7 +185,7 @@ class WeightedResidual : public ResidualBase<WeightedResidual> {
   std::vector<Group> groups_;
 };
 
-/// √ of the diagonal, 1 where that is not positive.
+/// √ of the diagonal, 1 for entries that are not positive.
 Eigen::VectorXd scale_of(const Eigen::MatrixXd& matrix) {
   return matrix.diagonal().unaryExpr([](double d) { return d > 0 ? std::sqrt(d) : 1.0; });
 }
@@ -195,7 +195,7 @@ Eigen::MatrixXd scaled(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& sca
   return inverse.asDiagonal() * matrix * inverse.asDiagonal();
 }
 
-/// Whether a diagonal entry is negative, or zero beside others that are not.
+/// True if a diagonal entry is negative, or zero in a nonzero row.
 bool has_bad_diagonal(const Eigen::MatrixXd& matrix) {
   for (int i = 0; i < matrix.rows(); ++i)
     if (!(matrix(i, i) > 0) && (matrix(i, i) < 0 || !matrix.row(i).isZero(0))) return true;
@@ -219,7 +219,7 @@ Eigen::MatrixXd weight_factor(const Eigen::MatrixXd& matrix) {
   const int n = static_cast<int>(values.size());
   if (!(values[0] >= kLeastWeightEigenvalue))
     throw std::invalid_argument("a weight matrix is positive semidefinite");
-  // Below lies rounding.
+  // Smaller eigenvalues are rounding.
   const double least = n * std::numeric_limits<double>::epsilon() * values[n - 1];
   const int rank = static_cast<int>((values.array() > least).count());
   return scale.asDiagonal() * eigen.eigenvectors().rightCols(rank) *

@@ -4,7 +4,7 @@ namespace conddp {
 
 namespace {
 
-/// √(s + ε²) − ε without the cancellation that small s have in it.
+/// √(s + ε²) − ε without cancellation for small s.
 template <class S>
 S smooth_norm(const S& square, double epsilon) {
   return square / (sqrt(square + S(epsilon * epsilon)) + S(epsilon));

@@ -6,7 +6,7 @@
 
 namespace conddp {
 
-/// How a residual r becomes a scalar a(r). With component weights w (all 1 if empty):
+/// Map from a residual r to a scalar a(r). With component weights w (all 1 if empty):
 /// - quadratic:         ½ Σ wᵢ rᵢ²
 /// - quadratic_barrier: ½ Σ wᵢ (min(rᵢ − lowerᵢ, 0)² + max(rᵢ − upperᵢ, 0)²)
 /// - smooth_l1:         Σ wᵢ (√(rᵢ² + ε²) − ε)
@@ -18,15 +18,15 @@ enum class ActivationKind { quadratic, quadratic_barrier, smooth_l1, smooth_l2, 
 struct Activation {
   ActivationKind kind = ActivationKind::quadratic;
   std::vector<double> weights;  ///< per component, or empty
-  std::vector<double> lower;    ///< of the barrier, −∞ where there is none
-  std::vector<double> upper;    ///< of the barrier, +∞ where there is none
+  std::vector<double> lower;    ///< of the barrier, −∞ if unbounded
+  std::vector<double> upper;    ///< of the barrier, +∞ if unbounded
   double epsilon = 0.1;         ///< of the smooth norms, in the residual's unit
 
   /// a(r) for a residual of n rows.
   template <class S>
   S value(const S* r, int n) const;
-  /// a(r) with gradient and Hessian diag(diagonal) + rank_one · g gᵀ where g is the gradient;
-  /// rank_one is 0 but for smooth_l2.
+  /// a(r) with its gradient g and Hessian diag(diagonal) + rank_one · g gᵀ; rank_one is 0 except
+  /// for smooth_l2.
   template <class S>
   S differentiate(const S* r, int n, S* gradient, S* diagonal, S& rank_one) const;
 

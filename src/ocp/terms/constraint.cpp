@@ -47,13 +47,14 @@ S tangential_square(const S* s, int n) {
   return sum;
 }
 
-/// √square off zero: lanes that the result is not taken from stay finite, with their derivatives.
+/// √square, bounded away from zero: lanes whose result is not selected stay finite, derivatives
+/// included.
 template <class S>
 S positive_root(const S& square) {
   return sqrt(max(square, S(1e-200)));
 }
 
-/// Throws std::invalid_argument where a constraint of this kind is not one of such a residual.
+/// Throws std::invalid_argument if the residual does not fit the kind of the constraint.
 void check_residual(const ConstraintTerm& term, const Residual& residual) {
   if (term.is_cone() && (residual.size() < 2 || !(term.slope > 0)))
     throw std::invalid_argument("constraint " + term.name +
@@ -130,12 +131,12 @@ CONDDP_FOR_EACH_SCALAR(CONDDP_INSTANTIATE)
 
 namespace {
 
-/// The larger one, or what is not a number.
+/// The larger value, or NaN if one of them is NaN.
 double larger_or_nan(double largest, double value) {
   return std::isnan(largest) || value <= largest ? largest : value;
 }
 
-/// |min(z, s)|; what is not a number wherever it stands.
+/// |min(z, s)|, or NaN if one of them is NaN.
 double pair_distance(double z, double s) {
   const bool first = !(z >= s) && !std::isnan(s);
   return std::abs(first ? z : s);
@@ -164,7 +165,7 @@ double distance_to_set(const ConstraintTerm& term, const double* values, const d
 }
 
 double bound_complementarity(double value, double lower, double upper, double multiplier) {
-  // An equality has a multiplier wherever it stands: what it is off is its violation.
+  // The multiplier of an equality is free at any value; the deviation is a violation.
   if (multiplier == 0 || lower == upper) return 0;
   const double bound = multiplier > 0 ? upper : lower;
   const double inside = multiplier > 0 ? bound - value : value - bound;

@@ -8,7 +8,8 @@ namespace conddp {
 /// Keeps the derivative of ‖r‖ finite at r = 0.
 inline constexpr double kSmallestNorm = 1e-12;
 
-/// g of a constraint from its residual's value; the residual's norm, where that is what counts.
+/// Computes g of a constraint from its residual's value. Returns the residual's norm for a norm
+/// constraint, else 1.
 template <class S>
 S form_value(const ConstraintTerm& term, const S* r, S* g) {
   const int n = term.residual->size();
@@ -53,7 +54,7 @@ void multiply_rows(const ConstraintTerm& term, S* jacobian) {
 
 }  // namespace detail
 
-/// ∂g/∂z by blocks from the residual's.
+/// Computes the blocks of ∂g/∂z from those of the residual.
 template <class S>
 void form_jacobian(const ConstraintTerm& term, const S* r, const S& norm, const S* residual,
                    S* jacobian) {

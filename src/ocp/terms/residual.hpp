@@ -8,73 +8,73 @@
 
 namespace conddp {
 
-/// What a residual sees of a knot: state, control at its beginning (null at a node without one),
-/// its own parameters (references), and the system's data, evaluated (and, for `differentiate`,
-/// differentiated) at (x, u); its scratch members may be written.
+/// Inputs of a residual at a knot: state, control at the knot's beginning (null at a node without
+/// control), the residual's own parameters (references), and the system's data at (x, u). The data
+/// are evaluated and, for `differentiate`, differentiated; their scratch members may be written.
 template <class S>
 struct ResidualInput {
   const S* x;
   const S* u;
   const S* parameters;
   SystemData<S>& system;
-  /// The knot's own control vector where controls are linear: it begins with the control at the
-  /// knot's end. Null where u is that vector.
+  /// The knot's own control vector if controls are linear: it begins with the control at the knot's
+  /// end. Null if u is that vector.
   const S* end = nullptr;
 };
 
-/// Rows of a residual that depend on the same variables: indices into z = (tangent at x, u),
-/// ascending.
+/// Rows of a residual that depend on the same variables: ascending indices into z = (tangent at x,
+/// u).
 struct RowBlock {
   int rows;
   std::vector<int> columns;
   bool affine = false;  ///< their Jacobian is constant
 };
 
-/// What of a system's data a residual reads: what update_kinematics writes, besides that the forces
-/// of contacts and their derivatives, or whatever there is.
+/// The system data that a residual reads: the output of update_kinematics; in addition the contact
+/// forces and their derivatives; or everything.
 enum class Reads { kinematics, forces, everything };
 
 class Residual;
 
-/// A residual whose rows are constant linear functions of another one's fewer rows, r = A·of.
+/// A residual whose rows are constant linear functions of another residual with fewer rows, r =
+/// A·of.
 struct LinearImage {
-  std::shared_ptr<const Residual> of;  ///< without parameters
+  std::shared_ptr<const Residual> of;  ///< has no parameters
   std::vector<double> A;               ///< rows of r x rows of `of`, by rows
 };
 
-/// A vector function r(x, u; parameters) of a knot, used as a cost through an activation or as a
-/// constraint through a set. Immutable; derive through ResidualBase.
+/// A vector function r(x, u; parameters) of a knot. An activation makes it a cost, a set makes it a
+/// constraint. Immutable; derive through ResidualBase.
 class Residual {
  public:
   virtual ~Residual() = default;
 
-  /// Number of rows.
   int size() const { return size_; }
-  /// Numbers that a knot provides for it (its reference), 0 if none.
+  /// Number of parameters (its reference) that a knot provides, 0 if none.
   int parameter_count() const { return parameter_count_; }
-  /// Whether it makes sense only where there is a control.
+  /// True if the residual is meaningful only at nodes with a control.
   bool needs_control() const { return needs_control_; }
   virtual Reads reads() const { return Reads::everything; }
   /// The structure of its Jacobian: blocks of rows in order.
   const std::vector<RowBlock>& blocks() const { return blocks_; }
-  /// Of what it is a linear image, null if of nothing: costs form their Hessians from that.
+  /// This residual as a linear image of another one, or null: costs form their Hessians from that.
   virtual const LinearImage* linear_image() const { return nullptr; }
-  /// Where its rows read tables at a node; u is null at one without a control.
+  /// Arguments at which its rows read tables at a node; u is null at a node without control.
   virtual std::vector<TableReading> table_readings(const double* /*x*/, const double* /*u*/,
                                                    const double* /*parameters*/) const {
     return {};
   }
-  /// As System::failed_functions and System::has_claimed_hessian.
+  /// Like System::failed_functions and System::has_claimed_hessian.
   virtual std::vector<std::string> failed_functions() const { return {}; }
   virtual bool has_claimed_hessian() const { return false; }
-  /// Numbers in the packed Jacobian: the blocks one after the other, each by columns.
+  /// Number of entries in the packed Jacobian: the blocks in order, each by columns.
   int jacobian_size() const {
     int n = 0;
     for (const RowBlock& b : blocks_) n += b.rows * static_cast<int>(b.columns.size());
     return n;
   }
 
-  /// `evaluate` writes size() numbers, `differentiate` the values and the packed Jacobian.
+  /// `evaluate` writes size() numbers; `differentiate` writes the values and the packed Jacobian.
 #define CONDDP_DECLARE(S)                                            \
   virtual void evaluate(const ResidualInput<S>& in, S* r) const = 0; \
   virtual void differentiate(const ResidualInput<S>& in, S* r, S* jacobian) const = 0;

@@ -5,7 +5,8 @@
 namespace conddp {
 namespace {
 
-/// √(Σp²) off zero: lanes that the result is not taken from stay finite, with their derivatives.
+/// √(Σp²), bounded away from zero: lanes whose result is not selected stay finite, derivatives
+/// included.
 template <class S>
 S length(const S* p, int n) {
   S sum(1e-200);
