@@ -5,7 +5,7 @@
 namespace conddp {
 namespace {
 
-/// A table has a line for each.
+/// A table has one line per run.
 constexpr std::size_t kMaxRuns = 500;
 
 const OrderedJson& object_of(const OrderedJson& json, const char* key) {
@@ -16,7 +16,7 @@ const OrderedJson& object_of(const OrderedJson& json, const char* key) {
 
 void check_run(const OrderedJson& run) {
   for (const char* key : {"problem", "solver", "status"}) solution_text(run, key);
-  if (!run.contains("iterations")) return;  // refused
+  if (!run.contains("iterations")) return;  // unsupported problem
   for (const char* key : {"time_s", "residuals"}) object_of(run, key);
 }
 

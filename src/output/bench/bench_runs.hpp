@@ -10,8 +10,8 @@ namespace conddp {
 /// The entries of a bench.json that a report needs.
 inline constexpr std::string_view kBenchKeys[] = {"machine", "request", "runs"};
 
-/// What `bench` measured of some problems, for the page of a report: the machine, how it was asked
-/// for, and `runs`, those on problems with these names. Throws MalformedSolution.
+/// Measurements of `bench` for the page of a report: the machine, the request, and `runs`,
+/// restricted to problems with these names. Throws MalformedSolution.
 OrderedJson bench_runs(const OrderedJson& bench, const std::set<std::string>& problems);
 
 }  // namespace conddp

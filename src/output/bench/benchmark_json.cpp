@@ -8,7 +8,7 @@
 namespace conddp {
 namespace {
 
-/// The name of the processor, empty where the system does not tell it.
+/// The name of the processor, empty if the system does not report it.
 std::string processor_name() {
   std::ifstream file("/proc/cpuinfo");
   for (std::string line; std::getline(file, line);)

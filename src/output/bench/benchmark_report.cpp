@@ -28,7 +28,7 @@ void compare_costs(BenchmarkReport& report) {
     double lowest = std::numeric_limits<double>::infinity();
     int answers = 0;
   };
-  // Instances with other guesses are the same problem; with other initial states they are not.
+  // Different guesses belong to the same problem; different initial states make different problems.
   std::map<std::tuple<std::string, std::vector<double>, std::string>, Group> groups;
   const auto group_of = [&](const BenchmarkEntry& entry) -> Group& {
     return groups[{entry.file, entry.initial_state, constraints_left_out(entry)}];
@@ -55,7 +55,7 @@ bool all_kept_word(const BenchmarkReport& report) {
 
 namespace {
 
-/// One that was not refused.
+/// Adds a run of a supported problem.
 void add_run(const BenchmarkEntry& entry, SolverSummary& summary,
              std::map<std::string, int>& failures) {
   ++summary.runs;

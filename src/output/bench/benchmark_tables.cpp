@@ -28,17 +28,17 @@ std::string left_out_text(const BenchmarkEntry& entry) {
   return text;
 }
 
-/// "converged", or what is wrong with that.
+/// The status, or "check failed" if the check contradicts it.
 std::string status_text(const BenchmarkRun& run) {
   return run.kept_word() ? run.status : "check failed";
 }
 
-/// A share of the time of a solve, µs an iteration.
+/// A share of the solve time, µs per iteration.
 std::string per_iteration(double time_s, const BenchmarkRun& run) {
   return run.times.empty() ? "" : number(1e6 * time_s / std::max(run.iterations, 1), "{:.0f}");
 }
 
-/// Heads of the columns of within_cells: how many answers end so close to the best.
+/// Headers of the columns of within_cells, one per cost level.
 std::vector<TextTable::Column> within_columns() {
   std::vector<TextTable::Column> columns;
   for (const CostLevel& level : kCostLevels)
@@ -46,7 +46,7 @@ std::vector<TextTable::Column> within_columns() {
   return columns;
 }
 
-/// Shares of the runs.
+/// Percentages of the runs within each cost level.
 std::vector<std::string> within_cells(const SolverSummary& summary) {
   std::vector<std::string> cells;
   for (const int count : summary.within)
@@ -94,7 +94,7 @@ TextTable solver_table(const Entries& entries) {
   return table;
 }
 
-/// "3 diverged, 1 time_limit".
+/// Example: "3 diverged, 1 time_limit".
 std::string failures_text(const SolverSummary& summary) {
   std::string text;
   for (const auto& [status, count] : summary.failures)
@@ -102,12 +102,12 @@ std::string failures_text(const SolverSummary& summary) {
   return text;
 }
 
-/// What the runs of one solver on all instances of a problem come to.
+/// Summary of one solver's runs on all instances of a problem.
 struct Runs {
   int count = 0, solved = 0;
   std::vector<double> iterations, times, excess;  ///< of solved runs
   double stationarity = 0, gap = 0, constraint = 0, off = 0;
-  std::string without;  ///< constraints that the last run left out
+  std::string without;  ///< constraints that the last run omitted
 
   void add(const BenchmarkEntry& entry) {
     ++count;
@@ -140,7 +140,7 @@ struct Runs {
   }
 };
 
-/// Of one solver on all instances of a problem.
+/// The row of one solver over all instances of a problem.
 std::vector<std::string> robustness_row(const std::string& solver, const Entries& entries) {
   Runs runs;
   BenchmarkReport part{.request = {.solvers = {solver}}};
@@ -200,7 +200,7 @@ TextTable summary_table(const BenchmarkReport& report) {
   return table;
 }
 
-/// "; 20 instances, initial states within 0.1, seeds 1 to 20", empty where there are none.
+/// Example: "; 20 instances, initial states within 0.1, seeds 1 to 20"; empty without instances.
 std::string instances_text(const BenchmarkRequest& request) {
   if (request.instances == 0) return {};
   std::string text = fmt::format("; {} instances", request.instances);
@@ -211,7 +211,7 @@ std::string instances_text(const BenchmarkRequest& request) {
   return text + fmt::format(", seeds {} to {}", request.seed, request.seed + request.instances - 1);
 }
 
-/// "max_iterations=50, hessian=exact".
+/// Example: "max_iterations=50, hessian=exact".
 std::string options_text(const OrderedJson& options) {
   std::string text;
   for (const auto& [name, value] : options.items())
@@ -230,13 +230,13 @@ std::string heading(const BenchmarkEntry& entry, const BenchmarkRequest& request
          (markdown ? "\n\n" : "\n");
 }
 
-/// A line of its own for the command that solves an entry again.
+/// A separate line with the command that solves an entry again.
 std::string command_line(const BenchmarkEntry& entry, bool markdown) {
   return markdown ? fmt::format("  `{}`\n", entry.command) : fmt::format("    {}\n", entry.command);
 }
 
-/// Why solvers do not support a problem or failed, and how to see that again: of several instances
-/// the first one of each solver that supports it.
+/// Lines with the reason of unsupported problems and failures, and the command that reproduces it.
+/// For several instances, only the first failure of each solver that supports them.
 std::string failure_lines(const Entries& entries, bool markdown) {
   std::string text;
   std::set<std::string> told;
@@ -251,7 +251,7 @@ std::string failure_lines(const Entries& entries, bool markdown) {
   return text;
 }
 
-/// Answers that are better than what was known.
+/// Answers that improve on the best known cost.
 std::string discovery_lines(const Entries& entries, bool markdown) {
   std::string text;
   for (const BenchmarkEntry* entry : entries)
@@ -271,7 +271,7 @@ std::string messages(const Entries& entries, bool markdown) {
 
 std::string cell(double value) { return std::isfinite(value) ? fmt::format("{}", value) : ""; }
 
-/// Those of one problem, the first of which has this index.
+/// Entries of the same problem file, starting at index `first`.
 Entries entries_from(const BenchmarkReport& report, std::size_t first) {
   Entries entries;
   for (std::size_t i = first;
@@ -332,7 +332,7 @@ std::string benchmark_csv(const BenchmarkReport& report) {
 
 namespace {
 
-/// The points of a profile up to a ratio, a line each.
+/// The points of a profile up to a ratio, one per line.
 std::string points_text(const PerformanceProfile& profile, double last) {
   std::string text = "1 0\n";
   for (const auto& [ratio, share] : profile.steps) text += fmt::format("{} {}\n", ratio, share);

@@ -23,7 +23,7 @@ std::optional<BestKnown> load_best_known(const std::filesystem::path& file, Diag
   const auto document = load_document(file, kBestKnownDocument, kBestKnownKeys, {}, out);
   if (!document) return std::nullopt;
   BestKnown known;
-  std::string of;  // which entry is read
+  std::string of;  // the entry being read
   try {
     const nlohmann::json& problems = solution_member(*document, "problems");
     if (!problems.is_object()) throw MalformedSolution{"'problems' has no names"};

@@ -9,15 +9,15 @@
 
 namespace conddp {
 
-/// The file, beside problem files, that says what is known of their optima
+/// Name of the file with the best known costs, next to problem files
 /// (schemas/best_known.schema.json).
 inline constexpr const char* kBestKnownFile = "best_known.json";
 
-/// The least cost known of each problem, by problem_sha256: an entry of a problem that has changed
-/// since is found no more.
+/// Lowest known cost of each problem, by problem_sha256. Entries of a problem that has changed
+/// since no longer match.
 using BestKnown = std::map<std::string, double>;
 
-/// Reads such a file. What is wrong with it is reported.
+/// Reads such a file and reports its defects.
 std::optional<BestKnown> load_best_known(const std::filesystem::path& file, Diagnostics& out);
 
 }  // namespace conddp

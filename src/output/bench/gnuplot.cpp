@@ -10,7 +10,7 @@
 namespace conddp {
 namespace {
 
-/// A file in memory: a process that ends early leaves nothing behind.
+/// A file in memory, which leaves nothing behind if the process ends early.
 class MemoryFile {
  public:
   explicit MemoryFile(const std::string& contents) : descriptor_(::memfd_create("script", 0)) {
@@ -23,7 +23,7 @@ class MemoryFile {
   MemoryFile(const MemoryFile&) = delete;
   MemoryFile& operator=(const MemoryFile&) = delete;
   bool written() const { return written_; }
-  /// The path by which a child process opens it.
+  /// Path through which a child process opens the file.
   std::string name() const { return "/proc/self/fd/" + std::to_string(descriptor_); }
 
  private:
@@ -43,7 +43,7 @@ GnuplotResult run_gnuplot(const std::string& script) {
   while (const std::size_t n = std::fread(buffer.data(), 1, buffer.size(), pipe))
     result.output.append(buffer.data(), n);
   const int status = ::pclose(pipe);
-  constexpr int kNotFound = 127;  // of the shell
+  constexpr int kNotFound = 127;  // exit code of the shell
   if (WIFEXITED(status) && WEXITSTATUS(status) == kNotFound)
     return {{}, "gnuplot is not installed (Debian: gnuplot-nox)"};
   if (status != 0 || result.output.empty()) return {{}, "gnuplot failed"};

@@ -4,14 +4,14 @@
 
 namespace conddp {
 
-/// What gnuplot printed, or why there is nothing.
+/// The output of gnuplot, or the reason for its absence.
 struct GnuplotResult {
   std::string output;
-  std::string defect;  ///< a sentence, empty if it drew
+  std::string defect;  ///< a sentence, empty on success
 };
 
-/// Runs gnuplot (a Debian package, looked for on the PATH) on a script and collects what it prints
-/// on stdout. Without gnuplot, or where the script fails, the result says so.
+/// Runs gnuplot (a Debian package, searched on the PATH) on a script and collects its stdout. The
+/// result reports a missing gnuplot or a failed script.
 GnuplotResult run_gnuplot(const std::string& script);
 
 }  // namespace conddp

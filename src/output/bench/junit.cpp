@@ -9,14 +9,14 @@
 namespace conddp {
 namespace {
 
-/// What stands for a character in an attribute.
+/// Escapes a character for an attribute.
 std::string escape(char c) {
   static constexpr std::pair<char, std::string_view> kEscapes[] = {
       {'&', "&amp;"},
       {'<', "&lt;"},
       {'>', "&gt;"},
       {'"', "&quot;"},
-      {'\n', "&#10;"}};  // an attribute would lose it
+      {'\n', "&#10;"}};  // otherwise lost in an attribute
   for (const auto& [character, escaped] : kEscapes)
     if (c == character) return std::string(escaped);
   return std::string(1, static_cast<unsigned char>(c) < 0x20 ? '?' : c);

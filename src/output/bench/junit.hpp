@@ -9,12 +9,12 @@ namespace conddp {
 struct JunitCase {
   std::string name;
   double time_s = 0;
-  std::vector<std::string> failures;  ///< what does not hold, a line each
-  std::string error;                  ///< why it could not be tested, may be empty
+  std::vector<std::string> failures;  ///< violated expectations, one per line
+  std::string error;                  ///< reason why the case could not be tested, may be empty
 };
 
-/// A test report in the XML that JUnit made common, as CI servers read it. Characters that XML
-/// cannot hold become '?'.
+/// A test report in the JUnit XML format of CI servers. Characters that XML cannot represent become
+/// '?'.
 std::string junit_xml(const std::string& suite, const std::vector<JunitCase>& cases);
 
 }  // namespace conddp

@@ -31,19 +31,19 @@ void append_numbers(const std::vector<double>& numbers, std::string& text) {
   }
 }
 
-/// The phase that a time lies in; behind the end of one that is held, the last one.
+/// The phase at a time; after the end of a held time line, the last phase.
 std::string phase_at(const LoopRun& run, const TimeLine& line, double time) {
   const ShootingProblem& problem = *run.task.built.problem;
   return csv_cell(problem.phases()[problem.knot(line.at(time).knot).phase].name);
 }
 
-/// The end on the controller's time line.
+/// End time on the controller's time line.
 double line_time_of_end(const ClosedLoopResult& result) {
   const double shift = result.ticks.empty() ? 0 : result.ticks.back().shift;
   return result.end_time + shift;
 }
 
-/// Numbers of the solve of a tick.
+/// Figures of a tick's solve.
 void append_solve(const TickRecord& tick, std::string& text) {
   if (!tick.solved) {
     text += ",,,,,,";
@@ -69,8 +69,7 @@ OrderedJson last_state_json(const LoopRun& run) {
   return json;
 }
 
-/// What the controller was told on the way: the gait that commands lead stands in the configuration
-/// as phases.
+/// Commands that the controller received. A commanded gait appears in the configuration as phases.
 OrderedJson commands_json(const MpcSpec& mpc) {
   OrderedJson list = OrderedJson::array();
   for (const GaitCommand& command : mpc.commands)
@@ -86,7 +85,7 @@ OrderedJson dropped_json(const BuiltProblem& built) {
   return names;
 }
 
-/// The ticks whose answers came too late: an input of the loop like its file.
+/// The ticks with late answers: an input of the loop like its file.
 OrderedJson late_ticks_json(const std::vector<TickRecord>& ticks) {
   OrderedJson list = OrderedJson::array();
   for (const TickRecord& tick : ticks)

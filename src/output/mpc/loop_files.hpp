@@ -18,40 +18,40 @@ inline constexpr const char* kPlantFile = "closed_loop.csv";
 inline constexpr const char* kTicksFile = "ticks.csv";
 inline constexpr const char* kTickTimesFile = "tick_times.csv";
 
-/// All that the files of a closed loop are written from.
+/// Data for the files of a closed loop.
 struct LoopRun {
   const LoopTask& task;
   const ClosedLoopResult& result;
-  std::vector<std::string> overrides;  ///< settings of the command line, as given
+  std::vector<std::string> overrides;  ///< command-line settings, as given
 };
 
-/// A time as tables have it, without the digits that sums of decimal numbers leave behind.
+/// A time for tables, without the trailing digits of sums of decimal numbers.
 double tabulated_time(double time);
 
-/// The first line of closed_loop.csv, without its end.
+/// The first line of closed_loop.csv, without its line end.
 std::string closed_loop_header(const LoopTask& task);
 
-/// closed_loop.csv: t, phase, states, controls and contact forces of the plant, one row a step and
-/// one for the last state, which has no controls and forces. Cells of contacts that are open are
-/// empty.
+/// closed_loop.csv: t, phase, states, controls and contact forces of the plant. One row per step,
+/// and one for the last state, without controls and forces. Cells of open contacts are empty.
 std::string closed_loop_csv(const LoopRun& run);
 
-/// ticks.csv: one row a tick. Cells of what is not finite, or of solves that were none, are empty.
+/// ticks.csv: one row per tick. Cells are empty for non-finite numbers and for ticks without a
+/// solve.
 std::string ticks_csv(const LoopRun& run);
 
-/// tick_times.csv: wall-clock times of preparation and feedback, one row a tick. The only file of a
-/// closed loop with a simulated clock that differs between two runs.
+/// tick_times.csv: wall-clock times of preparation and feedback, one row per tick. With a simulated
+/// clock, this is the only file of a closed loop that differs between two runs.
 std::string tick_times_csv(const LoopRun& run);
 
-/// mpc.json: what was simulated and how it ended (schemas/mpc.schema.json).
+/// mpc.json: description and outcome of the simulation (schemas/mpc.schema.json).
 OrderedJson loop_json(const LoopRun& run);
 
-/// Adds the four files, in a folder, to those that appear together. Returns their paths.
+/// Adds the four files, in a folder, to a set that appears atomically. Returns their paths.
 std::vector<std::filesystem::path> add_loop(const LoopRun& run, const std::filesystem::path& folder,
                                             AtomicFiles& files);
 
-/// Writes the four files into a folder, which is made if needed: all of them or, with an
-/// OutputError, none. Returns their paths.
+/// Writes the four files into a folder, which is created if needed. On an OutputError, no file is
+/// written. Returns their paths.
 std::vector<std::filesystem::path> write_loop(const LoopRun& run,
                                               const std::filesystem::path& folder);
 

@@ -9,7 +9,7 @@
 namespace conddp {
 namespace {
 
-/// That a condition of stop_when does not hold in a state, by its name.
+/// A sentence that names the first violated condition of stop_when in a state.
 std::string broken_condition(const LoopTask& task, const double* x) {
   const StopCheck check(task.mpc.loop.stop);
   const ConstraintTerm* broken = check.first_met(x);

@@ -12,28 +12,28 @@ namespace conddp {
 
 /// A problem file and the closed loop around it.
 struct LoopTask {
-  std::unique_ptr<const ProblemSpec> spec;  ///< with as many cycles of its gait as the loop needs
+  std::unique_ptr<const ProblemSpec> spec;  ///< with enough gait cycles for the loop
   BuiltProblem built;
   BuiltMpc mpc;
 };
 
-/// Builds the loop of a problem file. Null with errors: where the file has no section `mpc`, or
-/// where that has no meaning.
+/// Builds the loop of a problem file. Null with errors if the file lacks a section `mpc` or the
+/// section is invalid.
 std::unique_ptr<LoopTask> build_loop(ProblemSpec spec, const BuildOptions& options,
                                      Diagnostics& out);
 
-/// Builds the loop that an mpc.json was made from again, as rebuild_problem() does for solutions.
+/// Rebuilds the loop of an mpc.json, as rebuild_problem() does for solutions.
 std::unique_ptr<LoopTask> rebuild_loop(const OrderedJson& document, const std::string& file,
                                        const std::filesystem::path& problem, Diagnostics& out);
 
-/// The files that a loop is made of: robots of the problem; its data, and what a plant reads that
-/// is not the model.
+/// Input files of a loop: robots of the problem, its data, and files of a plant that differs from
+/// the model.
 InputFiles input_files(const LoopTask& task);
 
-/// Why a loop ended before its duration, in a sentence; empty where it did not.
+/// The reason why a loop ended early, in a sentence; empty if it did not.
 std::string reason_of_end(const LoopTask& task, const ClosedLoopResult& result);
 
-/// Simulates the loop. `observe` gets to see the controller after each tick; null: none.
+/// Simulates the loop. `observe`, unless null, is called with the controller after each tick.
 ClosedLoopResult run_loop(const LoopTask& task, std::function<void(const Mpc&)> observe = nullptr);
 
 }  // namespace conddp

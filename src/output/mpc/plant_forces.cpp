@@ -5,7 +5,7 @@
 namespace conddp {
 namespace {
 
-/// The problem whose systems move the plant at a time.
+/// The problem whose systems move the plant at a given time.
 const ShootingProblem& moving_problem(const LoopTask& task, double time) {
   const PlantPeriod* period = period_at(task.mpc.loop.plant, time);
   return period != nullptr && period->problem ? *period->problem : *task.built.problem;

@@ -5,12 +5,12 @@
 
 namespace conddp {
 
-/// The contacts of a loop's file with so many rows of forces that there are not. Torques of soles
-/// are left out: a plant that finds its contacts itself has forces at points.
+/// The contacts of a loop's file with `rows` empty rows of forces. Torques of surface contacts are
+/// omitted: a contact-implicit plant has forces at points.
 ContactForces no_plant_forces(const LoopTask& task, int rows);
 
-/// The contact forces of a loop's plant, a row a step: those that it found itself, otherwise those
-/// of the contacts that the phases hold, where the step begins.
+/// Contact forces of a loop's plant, one row per step. A contact-implicit plant has its own;
+/// otherwise they are those of the scheduled contacts, at the beginning of the step.
 ContactForces plant_forces(const LoopTask& task, const ClosedLoopResult& result);
 
 }  // namespace conddp

@@ -9,14 +9,14 @@ namespace conddp {
 namespace {
 
 constexpr double kTimeDecimal = 1e-9;  ///< s
-/// By how much the length of a step may be off, s: both of its times are rounded, and the loop
-/// takes lengths that differ by kSameTime for one.
+/// Tolerance on the length of a step, s: both of its times are rounded, and the loop treats lengths
+/// that differ by kSameTime as equal.
 constexpr double kLengthError = 2 * kTimeDecimal;
-/// By how much longer a step is taken for the rate at its end, s.
+/// Extension of a step for the rate at its end, s.
 constexpr double kProbe = 1e-6;
 
-/// Whether a row, which ends at `next`, stands for something that happens at a time: so it does
-/// where decimals alone tell the two apart. No step goes on beyond such a time.
+/// True if a row, which ends at `next`, represents an event at `time`: the two differ only by
+/// decimals. No step extends beyond such a time.
 bool stands_for(double row, double next, double time) {
   return is_before(time, next) && std::abs(time - row) <= kLengthError;
 }
@@ -25,17 +25,17 @@ bool all_finite(const std::vector<double>& x) {
   return std::all_of(x.begin(), x.end(), [](double value) { return std::isfinite(value); });
 }
 
-/// The plant of a loop by itself.
+/// The plant of a loop without its controller.
 class LonePlant {
  public:
-  /// `line`: the task's, which has to live longer than this.
+  /// `line` belongs to the task and must outlive this object.
   LonePlant(const LoopTask& task, const TimeLine& line)
       : manifold_(task.built.problem->manifold()),
         loop_(task.mpc.loop),
         motions_(loop_.plant, loop_.step, line) {}
 
-  /// The time that a row which ends at `next` stands for, where something changes then: the plant,
-  /// or its state by a jump. Otherwise the row's own.
+  /// Time of the event that a row represents, if the plant changes or jumps at the row; otherwise
+  /// the row's own time. The row ends at `next`.
   double moment(double row, double next) const {
     double latest = row;
     for (const double begin : motions_.begins())
@@ -44,12 +44,12 @@ class LonePlant {
       if (stands_for(row, next, jump.at)) latest = std::max(latest, jump.at);
     return latest;
   }
-  /// Moves a state on, with a control.
+  /// Steps a state forward with a control.
   void step(double time, double length, const double* u, double* x) {
     motions_.at(time).step(time, length, u, x);
   }
-  /// What happens to a state at a time that comes after those of former calls: jumps, and instants
-  /// of the phases.
+  /// Applies the events at a time to a state: jumps, and instantaneous phases. Times must increase
+  /// from call to call.
   void happen(double time, double* x) {
     for (; jumps_ < loop_.jumps.size() && !is_before(time, loop_.jumps[jumps_].at); ++jumps_)
       manifold_.integrate(x, loop_.jumps[jumps_].tangent.data(), x);
@@ -60,10 +60,10 @@ class LonePlant {
   const StateManifold& manifold_;
   const ClosedLoopOptions& loop_;
   PlantMotions motions_;
-  std::size_t jumps_ = 0;  ///< that have happened
+  std::size_t jumps_ = 0;  ///< applied so far
 };
 
-/// Goes from row to row.
+/// Replays the plant row by row.
 class RowByRow {
  public:
   RowByRow(const PlantRows& rows, const LoopTask& task)
@@ -94,20 +94,20 @@ class RowByRow {
   }
 
  private:
-  /// When a row ends; the last one does not.
+  /// End time of a row, infinite for the last row.
   double next_time(std::size_t row) const {
     return row + 1 < rows_.times.size() ? rows_.times[row + 1] : HUGE_VAL;
   }
 
-  /// The time that a row stands for. The loop's own times, of which rows have nine decimals, are
-  /// those at which knots end, jumps happen and plants change.
+  /// The time that a row represents. Rows have nine decimals; the loop's exact times are the ends
+  /// of knots, jumps, and changes of the plant.
   double moment(std::size_t row) const {
     const double time = rows_.times[row], next = next_time(row), end = line_.at(time).end;
     return std::max(stands_for(time, next, end) ? end : time, plant_.moment(time, next));
   }
 
-  /// Moves the state of a row on to the next one. How fast the result changes with the step's
-  /// length: by that, times of nine decimals leave it open.
+  /// Steps the state of a row to the next row. Returns the rate of change of the result with the
+  /// step length, which times of nine decimals leave uncertain.
   double step(std::size_t row, std::vector<double>& x) {
     const double time = moment(row), length = next_time(row) - rows_.times[row];
     const double* u = rows_.u[row].data();
@@ -121,8 +121,8 @@ class RowByRow {
     return largest / kProbe;
   }
 
-  /// Compares a row with where the plant gets, after what happens at its time; the last row may
-  /// come before that.
+  /// Compares a row with the plant's state after the events at its time; the last row may precede
+  /// them.
   void compare_events(std::size_t row, double rate, std::vector<double>& x) {
     const std::vector<double> before = x;
     plant_.happen(moment(row), x.data());
@@ -153,7 +153,7 @@ class RowByRow {
     return worst;
   }
 
-  /// The numbers of the time line are those that the tick before a time knows of.
+  /// Updates the time line to the commands known at the tick before `time`.
   void take_commands(double time) {
     const double tick = task_.mpc.controller.tick;
     const double measured = std::floor((time + kTimeDecimal) / tick) * tick;
@@ -197,7 +197,7 @@ class RowByRow {
   StopCheck stop_;
   std::vector<std::string> names_;
   std::vector<double> tangent_;
-  std::size_t commands_ = 0;  ///< that the time line has taken
+  std::size_t commands_ = 0;  ///< applied to the time line
   PlantReplay result_;
 };
 

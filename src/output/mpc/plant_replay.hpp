@@ -8,23 +8,25 @@
 
 namespace conddp {
 
-/// What the rows of a plant say of themselves, and what its equations and its problem say of them.
+/// Comparison of a plant's rows with its equations and its problem.
 struct PlantReplay {
-  /// The largest distance of a row's state from where the plant gets from the row before: relative
-  /// to what times of nine decimals allow. At most 1 where the rows follow the plant.
+  /// The largest distance between a row's state and the step from the row before, relative to the
+  /// tolerance that times of nine decimals imply. At most 1 if the rows follow the plant.
   double excess = 0;
-  double deviation = 0;  ///< there, in the quantity's unit
-  double allowed = 0;    ///< there
+  double deviation = 0;  ///< at that row, in the quantity's unit
+  double allowed = 0;    ///< at that row
   std::string place;     ///< "0.24 s, v/hinge"; empty without rows that differ
   double cost = 0;
-  double cost_rounding = 0;  ///< of it, by the decimals of the times
+  double cost_rounding = 0;  ///< of the cost, from the decimals of the times
   double violation = 0;
-  /// The end that the last row shows: a state that meets a condition or is not finite, or the time.
+  /// End indicated by the last row: a state that meets a stop condition or is not finite, or the
+  /// final time.
   LoopEnd end = LoopEnd::finished;
-  bool goes_on_after_end = false;  ///< a row before the last one should have ended the loop
+  bool goes_on_after_end = false;  ///< an earlier row should have ended the loop
 };
 
-/// Moves the plant of a loop from each row to the next by its control, without the controller.
+/// Steps the plant of a loop from each row to the next with the row's control, without the
+/// controller.
 PlantReplay replay_plant(const PlantRows& rows, const LoopTask& task);
 
 }  // namespace conddp

@@ -14,7 +14,7 @@
 namespace conddp {
 namespace {
 
-/// Takes a line off a text.
+/// Removes and returns the first line of a text.
 std::string_view next_line(std::string_view& rest) {
   const std::size_t end = std::min(rest.find('\n'), rest.size());
   const std::string_view line = rest.substr(0, end);
@@ -29,7 +29,7 @@ double number_of(const CsvCell& cell, int line) {
   return *number.value;
 }
 
-/// The numbers of cells from one on.
+/// Numbers of `count` cells starting at `from`.
 std::vector<double> numbers_of(const std::vector<CsvCell>& cells, std::size_t from,
                                std::size_t count, int line) {
   std::vector<double> numbers;
@@ -37,7 +37,7 @@ std::vector<double> numbers_of(const std::vector<CsvCell>& cells, std::size_t fr
   return numbers;
 }
 
-/// Only at the end a loop may have a state that is not finite: the cells of others have numbers.
+/// Only the last state of a loop may be non-finite; all other states need numbers.
 void check_states(const PlantRows& rows) {
   constexpr int kFirstLine = 2;
   for (std::size_t row = 0; row + 1 < rows.x.size(); ++row)
@@ -50,7 +50,7 @@ void check_states(const PlantRows& rows) {
 }  // namespace
 
 PlantRows read_plant_rows(const std::string& text, const LoopTask& task) {
-  constexpr std::size_t kBefore = 2;  // time and phase
+  constexpr std::size_t kBefore = 2;  // columns of time and phase
   const std::size_t nx = task.built.state_columns.size(), nu = task.built.control_columns.size();
   const std::string header = closed_loop_header(task);
   const std::size_t columns = split_csv_line(header).size();

@@ -22,7 +22,7 @@ std::vector<std::string> overrides_of(const OrderedJson& document) {
   return list;
 }
 
-/// Names and values of tolerances that are larger than the defaults.
+/// Names and values of tolerances above their defaults.
 std::vector<std::pair<std::string, double>> loose_tolerances(const SolverOptions& options) {
   std::vector<std::pair<std::string, double>> list;
   for (const OptionInfo& info : option_table()) {

@@ -9,22 +9,22 @@
 
 namespace conddp {
 
-/// By what the problem of an answer differs from that of its file, and by which tolerances it was
-/// judged.
+/// Differences between the problem of an answer and that of its file, and the tolerances applied.
 struct AnswerSettings {
-  std::vector<std::string> overrides;  ///< KEY=VALUE of the command line, in its order
-  std::vector<std::string> dropped;    ///< names of constraints that were left out
-  SolverOptions options;               ///< whose tolerances count
+  std::vector<std::string> overrides;  ///< KEY=VALUE of the command line, in order
+  std::vector<std::string> dropped;    ///< names of omitted constraints
+  SolverOptions options;               ///< source of the tolerances
 
-  /// Whether the problem is another one than that of the file.
+  /// True if the problem differs from that of the file.
   bool changed() const { return !overrides.empty() || !dropped.empty(); }
 };
 
-/// "tolerances beyond the defaults: constraint 0.1 (default 1e-06)"; empty if there are none.
+/// Example: "tolerances beyond the defaults: constraint 0.1 (default 1e-06)"; empty without such
+/// tolerances.
 std::string loose_tolerances_line(const SolverOptions& options);
 
-/// Those of a solution or closed loop (at least its `problem`), whose problem has been built again.
-/// Throws MalformedSolution where the document lacks keys.
+/// Settings of a solution or closed loop (at least its `problem`), whose problem has been rebuilt.
+/// Throws MalformedSolution if the document lacks keys.
 AnswerSettings answer_settings(const OrderedJson& document, const ProblemSpec& spec,
                                const BuiltProblem& built);
 

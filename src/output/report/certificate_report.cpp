@@ -13,7 +13,7 @@
 namespace conddp {
 namespace {
 
-/// Deviations under feedback beyond this share of what a quantity moves at all are warned of.
+/// Deviations under feedback beyond this share of a quantity's range cause a warning.
 constexpr double kFarOff = 0.1;
 
 bool has_figures(const Check& check) { return !std::isnan(check.tolerance); }
@@ -24,7 +24,7 @@ std::string figure(double value) {
 
 std::string failure_text(const Check& check) {
   std::string text = check.name + ": ";
-  // Of what makes no claim in figures, the message says what does not hold.
+  // A check without claimed figures is explained by its message.
   const bool figures = has_figures(check) && (!std::isnan(check.claimed) || check.message.empty());
   if (figures)
     text += fmt::format("claimed {}, found {} (tolerance {:.1e})", figure(check.claimed),
@@ -177,7 +177,7 @@ std::string certificate_line(const SolutionCertificate& certificate) {
 
 namespace {
 
-/// Figures, place and message of a check, as far as it has them.
+/// Figures, place and message of a check, if present.
 std::string behind_name(const Check& check) {
   std::string text;
   if (has_figures(check))
@@ -212,7 +212,7 @@ std::string optimality_line(const SolutionCertificate& certificate) {
       "stationarity {:.1e} along own gains, which decides; reduced gradient {:.1e} (rounding "
       "{:.0e})",
       o.stationarity, o.reduced_gradient, o.reduced_rounding);
-  // A stage without curvature has no Newton step.
+  // The Newton step is undefined for a stage without curvature.
   if (std::isfinite(o.expected_decrease))
     text += fmt::format("; a Newton step would gain {:.1e}", o.expected_decrease);
   return text;

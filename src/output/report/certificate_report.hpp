@@ -7,34 +7,34 @@
 
 namespace conddp {
 
-/// The verdict, all checks and the replay if there was one, for solution.json and `verify --json`.
+/// The verdict, all checks and the replay, if any, for solution.json and `verify --json`.
 OrderedJson certificate_json(const SolutionCertificate& certificate);
 
-/// All checks, as that has them: name, verdict, figures, place, message.
+/// All checks of a certificate: name, verdict, figures, place, message.
 OrderedJson checks_json(const Certificate& certificate);
 
-/// One line: the first check that does not hold, which there must be, and how many more.
+/// One line: the first failed check, which must exist, and the number of further ones.
 std::string failure_line(const Certificate& certificate);
 
-/// "certified local minimum", "stationary", ...; of an answer that did not converge "consistency
-/// check passed".
+/// Examples: "certified local minimum", "stationary"; "consistency check passed" for an answer that
+/// did not converge.
 std::string verdict_text(Verdict verdict);
 
 /// One line: "certified local minimum (31 checks)", another verdict with its reason, or the first
-/// check that does not hold.
+/// failed check.
 std::string certificate_line(const SolutionCertificate& certificate);
 
 /// A table of all checks: claimed, found, tolerance, place.
 std::string certificate_table(const Certificate& certificate);
 
-/// Stationarity along the certificate's own gains and by a plain adjoint, one sentence.
+/// Stationarity along the certificate's own gains and by a plain adjoint, in one sentence.
 std::string optimality_line(const SolutionCertificate& certificate);
 
-/// What the plan does on a finer grid, one sentence; there must have been a replay.
+/// Outcome of the replay on a finer grid, in one sentence. The replay must exist.
 std::string replay_line(const SolutionCertificate& certificate);
 
-/// What of a true answer deserves attention: a grid that is too coarse, and of the replay feedback
-/// that does not hold the motion and limits that are violated.
+/// Warnings about a consistent answer: a coarse grid, and in the replay, ineffective feedback and
+/// violated limits.
 std::vector<std::string> certificate_warnings(const SolutionCertificate& certificate);
 
 }  // namespace conddp

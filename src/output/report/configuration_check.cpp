@@ -13,7 +13,7 @@ Check configuration_check(const OrderedJson& claimed, const ProblemSpec& spec,
   OrderedJson answer = claimed;
   for (OrderedJson* json : {&answer, &actual}) {
     if (json->is_object()) json->erase("initial_guess");
-    // The file's text is what counts: numbers there and here are rounded alike.
+    // Numbers are rounded as in the file, because its text is compared.
     *json = OrderedJson::parse(json->dump());
   }
   const OrderedJson patch = OrderedJson::diff(actual, answer);

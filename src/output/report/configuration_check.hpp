@@ -6,8 +6,8 @@
 
 namespace conddp {
 
-/// Whether the problem that an answer writes down with every default is the one that was built, but
-/// for the first guess. The message names the first difference.
+/// Checks that the problem written in an answer, with all defaults, equals the built problem except
+/// for the initial guess. The message names the first difference.
 Check configuration_check(const OrderedJson& claimed, const ProblemSpec& spec,
                           const BuiltProblem& built);
 

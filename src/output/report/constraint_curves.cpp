@@ -12,15 +12,15 @@
 namespace conddp {
 namespace {
 
-/// The constraints of one name, in the order of their nodes.
+/// The constraints with the same name, in the order of their nodes.
 struct Named {
   std::string name;
   std::vector<NodeConstraint> at;
 
   int first() const { return at.front().node; }
   int nodes() const { return at.back().node - first() + 1; }
-  /// Whether their values can be drawn row by row over time. In phases of other systems
-  /// (`variants`) another residual is one of other states and controls.
+  /// True if the values can be drawn row by row over time. In phases of other systems (`variants`),
+  /// different residuals have different states and controls.
   bool has_rows(bool variants) const {
     const ConstraintTerm& term = *at.front().term;
     if (!term.has_bounds()) return false;
@@ -47,7 +47,7 @@ std::vector<Named> by_name(const ShootingProblem& problem) {
   return list;
 }
 
-/// What is left to the nearest bound, negative outside.
+/// Distance to the nearest bound, negative outside.
 double margin(const NodeConstraint& c, const double* g) {
   const int n = c.term->rows;
   if (c.term->has_pairs()) return -distance_to_set(*c.term, g, c.lower, c.upper);
@@ -61,14 +61,14 @@ double margin(const NodeConstraint& c, const double* g) {
   return least;
 }
 
-/// Numbers of nodes as JSON, null where there is none.
+/// Numbers of nodes as JSON, null for missing numbers.
 OrderedJson list_json(const std::vector<double>& values) {
   OrderedJson list = OrderedJson::array();
   for (const double value : values) list.push_back(eight_digits(value));
   return list;
 }
 
-/// The same, one number where all nodes have the same one.
+/// Bounds of nodes as JSON, a single number if all nodes have the same bound.
 OrderedJson bounds_json(const std::vector<double>& values) {
   const bool same =
       std::all_of(values.begin(), values.end(), [&](double v) { return v == values.front(); });
@@ -112,7 +112,8 @@ OrderedJson margin_rows(const Named& named, const Eigen::VectorXd& g) {
   return rows;
 }
 
-/// Of all constraints of one problem: the whole one, or one that was left out alone.
+/// Appends all constraints of one problem: the whole problem, or one with only an omitted
+/// constraint.
 void append_curves(const ProblemSpec& spec, const BuiltProblem& built,
                    const ShootingProblem& problem, const Trajectory& trajectory, bool left_out,
                    OrderedJson& list) {

@@ -6,16 +6,16 @@
 
 namespace conddp {
 
-/// Values and violations of all constraints but bounds on the control along a trajectory, a list
-/// with one entry a name (those of the last node begin with "terminal/", those that were left out
-/// end with " (left out)"):
-///   name; first: the first node that it holds at;
-///   violation: distance from the set, the largest where several constraints share the name, for
-///     each node from the first to the last one that it holds at (null where it does not);
-///   margin: whether rows are the distance from the nearest bound, negative outside, instead of the
-///     values: of cones, and where several constraints share the name;
-///   rows: of each row its name, and values, lower and upper for the same nodes (null where there
-///     is no bound; one number where all nodes have the same one).
+/// Values and violations of all constraints except control bounds along a trajectory: a list with
+/// one entry per name. Names of the last node begin with "terminal/"; names of omitted constraints
+/// end with " (left out)". An entry has:
+///   name; first: the first node of the constraint;
+///   violation: distance from the set, the maximum if several constraints share the name, for
+///     each node from its first to its last one (null if absent at a node);
+///   margin: true if rows are the distance from the nearest bound, negative outside, instead of
+///     the values: for cones, and if several constraints share the name;
+///   rows: for each row its name, and values, lower and upper for the same nodes (null if
+///     unbounded; one number if all nodes have the same one).
 OrderedJson constraint_curves(const ProblemSpec& spec, const BuiltProblem& built,
                               const Trajectory& trajectory);
 

@@ -17,7 +17,7 @@ struct Figure {
   WorstFigure ContactMeasures::*worst;
 };
 
-/// In the order of the files; units of what is over the weight m g are those that remain.
+/// In the order of the files. Figures divided by the weight m g have the remaining unit.
 constexpr Figure kFigures[] = {
     {"stepping", "1", &ContactMeasures::stepping},
     {"complementarity", "min(N, m)", &ContactMeasures::complementarity},
@@ -68,7 +68,7 @@ std::vector<std::string> closed_names(const ContactCertificate& certificate,
 
 namespace {
 
-/// Of open candidates: "foot pushes with up to 3 N in 2 steps; ...".
+/// Forces of open candidates, for example "foot pushes with up to 3 N in 2 steps; ...".
 std::string pushes_text(const ContactCertificate& certificate, const ContactStretch& stretch) {
   std::string text;
   for (std::size_t c = 0; c < stretch.pushes.size(); ++c)

@@ -22,11 +22,11 @@
 namespace conddp {
 namespace {
 
-/// By how much the numbers of two builds may differ, relative to them or 1.
+/// Tolerance on numbers of different builds, relative to them or 1.
 constexpr double kOtherBuild = 1e-6;
-/// What a search adds to the document of a loop; of several loops, it is not compared.
+/// Key that a search over several loops adds to a loop's document; not compared.
 constexpr std::string_view kSearched = "largest";
-/// By how much sums over rows may differ through the order of summation, relative to them or 1.
+/// Tolerance on sums over rows for a different summation order, relative to them or 1.
 constexpr double kSummation = 1e-12;
 
 double figure_of(const OrderedJson& value) {
@@ -37,12 +37,12 @@ const OrderedJson& member_of(const OrderedJson& document, const std::string& key
   return solution_member(document, key.c_str());
 }
 
-/// A part of an object; null where it has none.
+/// A member of an object; null if missing.
 OrderedJson part_of(const OrderedJson& object, const std::string& key) {
   return object.is_object() ? object.value(key, OrderedJson()) : OrderedJson();
 }
 
-/// The names of the files of a list, without their folders, which depend on where conddp runs.
+/// The file names of a list without their folders, which depend on the working directory.
 std::vector<std::string> file_names(const OrderedJson& list) {
   std::vector<std::string> names;
   for (const OrderedJson& file : list)
@@ -50,7 +50,7 @@ std::vector<std::string> file_names(const OrderedJson& list) {
   return names;
 }
 
-/// What two texts of tables have in common: the first cell that differs, in words; empty: all.
+/// The first difference between two tables, in words; empty if they agree.
 std::string first_difference(std::string_view claimed, std::string_view found, double tolerance) {
   const auto line_of = [](std::string_view& rest) {
     const std::size_t end = std::min(rest.find('\n'), rest.size());
@@ -97,14 +97,14 @@ class LoopJudge {
   }
 
  private:
-  /// By keys: a document that was read has them in another order.
+  /// Compares by keys: parsed documents have them in another order.
   bool is_of_this_build() const {
     const OrderedJson& tool = member_of(document_, "tool");
     for (const char* key : {"name", "version", "revision"}) solution_text(tool, key);
     return OrderedJson::diff(tool, tool_json()).empty();
   }
 
-  /// Solves that are not measured are late by the file's disturbances alone.
+  /// Without a measured clock, only the file's disturbances make solves late.
   void judge_clock() {
     const std::string clock = solution_text(document_, "clock");
     const auto& is_late = task_.mpc.controller.is_late;
@@ -133,7 +133,8 @@ class LoopJudge {
          .place = std::move(place)});
   }
 
-  /// The text of a file beside the document; nothing, remembered, where there is none.
+  /// The text of a file next to the document. If the file does not exist, its name is recorded as
+  /// missing.
   std::optional<std::string> file_beside(const char* name) {
     std::error_code error;
     if (!std::filesystem::exists(folder_ / name, error)) {
@@ -148,7 +149,7 @@ class LoopJudge {
     return std::move(file.text);
   }
 
-  /// The rows of the plant, by its equations alone.
+  /// Checks the rows of the plant using only its equations.
   void judge_plant() {
     const auto text = file_beside(kPlantFile);
     if (!text) return;
@@ -167,7 +168,7 @@ class LoopJudge {
          .tolerance = replay.allowed,
          .place = replay.place,
          .message = plant_message(replay)});
-    // Where phases are re-timed, the rows alone do not tell what counted when.
+    // If phases are re-timed, the rows alone do not determine which phase applied when.
     if (!task_.mpc.controller.retiming) judge_figures(replay);
     figures("plant's end", figure_of(member_of(document_, "end_time_s")), rows.times.back(),
             kSameTime);
@@ -208,7 +209,7 @@ class LoopJudge {
 
   static double finite_or_nan(double value) { return std::isfinite(value) ? value : Check::kNone; }
 
-  /// The loop once more, with the controller.
+  /// Simulates the loop again, with the controller.
   void judge_loop() {
     MpcOptions controller = task_.mpc.controller;
     controller.clock = nullptr;
@@ -244,7 +245,7 @@ class LoopJudge {
     return ticks.get<double>();
   }
 
-  /// Everything that the document says of the loop.
+  /// Compares all statements of the document about the loop.
   void compare_documents(const OrderedJson& found) {
     static const std::set<std::string> kBeside = {"format", "problem", "tool", "clock"};
     for (const auto& [key, value] : found.items())
@@ -254,7 +255,7 @@ class LoopJudge {
     if (document_.contains(kSearched)) judge_search(document_[std::string(kSearched)]);
   }
 
-  /// Whether an object has entries that are of no document.
+  /// Reports unknown keys of an object.
   void compare_keys(const char* name, const OrderedJson& claimed, const OrderedJson& found) {
     std::string unknown;
     for (const auto& [key, value] : claimed.items())
@@ -263,8 +264,7 @@ class LoopJudge {
     state(name, unknown.empty(), fmt::format("has {}, which conddp does not write", unknown));
   }
 
-  /// What a search claims has to be of the loop that is written beside it; other loops are not
-  /// simulated.
+  /// Claims of a search must match the loop of this document; the other loops are not simulated.
   void judge_search(const OrderedJson& search) {
     static const std::set<std::string> kKeys = {"key", "low", "high", "survived"};
     std::set<std::string> keys;
@@ -283,7 +283,7 @@ class LoopJudge {
           fmt::format("the loop was not simulated with '{}'", setting));
   }
 
-  /// Name and files of the problem. What is in them is compared where they are read.
+  /// Compares name and files of the problem. The contents of the files are compared on reading.
   void compare_problem(const OrderedJson& claimed, const OrderedJson& found) {
     compare_keys("problem", claimed, found);
     compare("problem/name", member_of(claimed, "name"), member_of(found, "name"));
@@ -306,7 +306,7 @@ class LoopJudge {
     if (found.is_number() || (found.is_null() && claimed.is_number()))
       return figures(name, figure_of(claimed), figure_of(found),
                      tolerance_ * std::max(1.0, std::abs(figure_of(found))));
-    // A document that was read has its keys in the order of the alphabet.
+    // Parsed documents have their keys in alphabetical order.
     state(name, nlohmann::json(claimed) == nlohmann::json(found),
           fmt::format("{} in the file, {} in the replay", claimed.dump(), found.dump()));
   }
@@ -323,8 +323,8 @@ class LoopJudge {
   const std::filesystem::path& folder_;
   const LoopTask& task_;
   const double tolerance_;
-  const double ticks_;        ///< that there were, as the document says
-  const std::set<int> late_;  ///< of them
+  const double ticks_;        ///< number of ticks in the document
+  const std::set<int> late_;  ///< late ticks
   LoopCertificate certificate_;
 };
 

@@ -14,10 +14,10 @@
 namespace conddp {
 namespace {
 
-/// What a page can draw at once.
+/// Limits on the data that a page can draw at once.
 constexpr int kMostPlans = 300, kMostPlanNodes = 9, kMostRows = 1500, kMostTicks = 20'000;
 
-/// Numbers from 0 to count − 1, the last one among them, with the same step between all others.
+/// Indices from 0 to count − 1 with a constant step, always including the last one.
 std::vector<int> thinned(int count, int most) {
   const int step = std::max(1, (count - 1 + most - 2) / (most - 1));
   std::vector<int> kept;
@@ -26,12 +26,12 @@ std::vector<int> thinned(int count, int most) {
   return kept;
 }
 
-/// A state of the plant, or the last one.
+/// A state of the plant at the beginning of a step, or the last state.
 struct PlantRow {
   double time;
   const std::vector<double>* x;
-  const std::vector<double>* u;  ///< null: the last one
-  int step;                      ///< that begins there
+  const std::vector<double>* u;  ///< null for the last state
+  int step;                      ///< step that begins here
 };
 
 std::vector<PlantRow> rows_of(const ClosedLoopResult& result) {
@@ -45,7 +45,7 @@ std::vector<PlantRow> rows_of(const ClosedLoopResult& result) {
   return rows;
 }
 
-/// States as a trajectory without controls that mean anything.
+/// States as a trajectory with meaningless controls.
 Trajectory trajectory_of(const std::vector<const std::vector<double>*>& states, int nu) {
   const int nodes = static_cast<int>(states.size());
   Trajectory trajectory(static_cast<int>(states.front()->size()), std::vector<int>(nodes - 1, nu));
@@ -54,7 +54,7 @@ Trajectory trajectory_of(const std::vector<const std::vector<double>*>& states, 
   return trajectory;
 }
 
-/// Lists by column.
+/// Values as one list per column.
 OrderedJson values_by_column(const std::vector<Column>& columns,
                              const std::vector<const std::vector<double>*>& values) {
   OrderedJson names = OrderedJson::array(), units = OrderedJson::array(),
@@ -69,7 +69,7 @@ OrderedJson values_by_column(const std::vector<Column>& columns,
   return {{"names", names}, {"units", units}, {"values", lists}};
 }
 
-/// The force of each contact by rows, in the axes of the world; null where it is open.
+/// The force of each contact by row, in world axes; null while it is open.
 OrderedJson forces_of_rows(const LoopRun& run, const std::vector<PlantRow>& rows) {
   OrderedJson json = OrderedJson::object();
   for (const auto& contact : plant_forces(run.task, run.result).contacts) {
@@ -88,7 +88,7 @@ OrderedJson forces_of_rows(const LoopRun& run, const std::vector<PlantRow>& rows
   return json;
 }
 
-/// Which phase lasts over which rows.
+/// Phases with their ranges of rows.
 OrderedJson phases_of_rows(const LoopTask& task, const std::vector<PlantRow>& rows) {
   const TimeLine line(task.built.problem, task.mpc.controller.hold);
   const ShootingProblem& problem = *task.built.problem;
@@ -104,7 +104,7 @@ OrderedJson phases_of_rows(const LoopTask& task, const std::vector<PlantRow>& ro
   return phases;
 }
 
-/// Obstacles that move have a place for each row.
+/// Replaces the places of moving obstacles by one place per row.
 void place_obstacles(const LoopTask& task, const std::vector<PlantRow>& rows, OrderedJson& scene) {
   if (!scene.is_object() || !scene.contains("obstacles")) return;
   const TimeLine line(task.built.problem, task.mpc.controller.hold);
@@ -167,7 +167,7 @@ OrderedJson ticks_json(const std::vector<TickRecord>& ticks) {
   return json;
 }
 
-/// What happens over time, by rows of the time line.
+/// Events over time, in rows of the time line.
 class Events {
  public:
   explicit Events(const LoopRun& run) : run_(run) {}
@@ -206,7 +206,7 @@ class Events {
     }
   }
 
-  /// Ticks in a row of which the same is said are one event.
+  /// Consecutive ticks with the same text form one event.
   template <class Text>
   void add_runs(const char* row, Text text_of) {
     const auto& ticks = run_.result.ticks;
@@ -225,7 +225,7 @@ class Events {
   OrderedJson list_ = OrderedJson::array();
 };
 
-/// Bodies at the nodes of all plans after each other, and the way of the centre of mass or of the
+/// Bodies at the nodes of all plans, concatenated, and the path of the center of mass or of the
 /// first body.
 OrderedJson plans_json(const LoopTask& task, const std::vector<RecordedPlan>& plans) {
   OrderedJson list = OrderedJson::array();

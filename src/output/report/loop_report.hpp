@@ -6,29 +6,28 @@
 
 namespace conddp {
 
-/// A plan that was in force from a tick on, at some of its nodes.
+/// A plan in force from a tick on, at some of its nodes.
 struct RecordedPlan {
   double from = 0;                     ///< time of the tick, s
   std::vector<double> times;           ///< of the nodes, s; empty under the fallback
-  std::vector<std::vector<double>> x;  ///< one a node
+  std::vector<std::vector<double>> x;  ///< one per node
 };
 
-/// Keeps plans of a loop for its page: of some ticks where there are many.
+/// Records plans of a loop for its page, thinned out if there are many ticks.
 class PlanRecorder {
  public:
   explicit PlanRecorder(const LoopTask& task);
-  /// To be called after each tick.
+  /// Called after each tick.
   void record(const Mpc& mpc);
   const std::vector<RecordedPlan>& plans() const { return plans_; }
 
  private:
-  int every_;  ///< one tick of so many
+  int every_;  ///< recording interval in ticks
   std::vector<RecordedPlan> plans_;
 };
 
-/// What the page of a closed loop is made from: the plant's motion like that of a solution, ticks
-/// with the times that they took, events, and plans as bodies and as ways. Long loops are thinned
-/// out.
+/// Data of a closed loop's page: the plant's motion as for a solution, ticks with their computation
+/// times, events, and plans as bodies and as paths. Long loops are thinned out.
 OrderedJson loop_report(const LoopRun& run, const std::vector<RecordedPlan>& plans);
 
 }  // namespace conddp

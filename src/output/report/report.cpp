@@ -29,7 +29,7 @@ double number(const OrderedJson& value) {
   return value.is_number() ? value.get<double>() : std::nan("");
 }
 
-/// Lists by column of a list of rows; shorter rows (no control) are null there.
+/// Converts rows to one list per column; missing entries of shorter rows (no control) are null.
 OrderedJson by_columns(const OrderedJson& rows, std::size_t columns) {
   OrderedJson lists = OrderedJson::array();
   for (std::size_t c = 0; c < columns; ++c) {
@@ -41,12 +41,12 @@ OrderedJson by_columns(const OrderedJson& rows, std::size_t columns) {
   return lists;
 }
 
-/// Whether the controls of a knot choose the initial state.
+/// True if the controls of a knot set the initial state.
 bool is_choice(const ShootingProblem& problem, int k) {
   return problem.phases()[problem.knot(k).phase].instant;
 }
 
-/// Control bounds per column and knot, null where there is none.
+/// Control bounds per column and knot, null if unbounded.
 OrderedJson bounds_json(const ShootingProblem& problem, std::size_t columns, bool upper) {
   const ControlColumns controls(problem);
   OrderedJson rows = OrderedJson::array();
@@ -70,7 +70,7 @@ double largest_entry(const OrderedJson& value) {
   return largest;
 }
 
-/// The same of each part of a list.
+/// Largest absolute number in each part of a list.
 OrderedJson largest_entries(const OrderedJson& list) {
   OrderedJson norms = OrderedJson::array();
   for (const OrderedJson& part : list)
@@ -78,8 +78,8 @@ OrderedJson largest_entries(const OrderedJson& list) {
   return norms;
 }
 
-/// The largest multiplier of each constraint over the nodes, null where it does not hold; names of
-/// the last node begin with "terminal/".
+/// The largest multiplier of each constraint at each node, null if absent; names of the last node
+/// begin with "terminal/".
 OrderedJson multipliers_by_name(const OrderedJson& constraints, std::size_t nodes) {
   OrderedJson curves = OrderedJson::object();
   for (const OrderedJson& constraint : constraints) {
@@ -119,7 +119,7 @@ OrderedJson curves_json(const OrderedJson& document) {
   return json;
 }
 
-/// The parts of a solution that are shown as they are.
+/// Parts of a solution that are shown unchanged.
 OrderedJson head_json(const OrderedJson& document) {
   OrderedJson head = OrderedJson::object();
   for (const auto& [key, value] : document.items())
@@ -148,7 +148,7 @@ OrderedJson entry_json(const ReportEntry& entry) {
   Trajectory trajectory = stored_trajectory(entry.document, problem);
   OrderedJson& u = json["curves"]["u"];
   if (is_choice(problem, 0)) {
-    // The motion begins with the state that was chosen.
+    // The motion begins with the initial state after its choice.
     for (OrderedJson& values : u["values"]) values[0] = nullptr;
     for (OrderedJson& values : json["curves"]["x"]["values"]) values[0] = values[1];
     trajectory.x(0) = trajectory.x(1);
@@ -166,7 +166,7 @@ OrderedJson entry_json(const ReportEntry& entry) {
   return json;
 }
 
-/// A member that must be a list of so many entries.
+/// A member that must be a list with `size` entries.
 const OrderedJson& list_of(const OrderedJson& object, const char* key, std::size_t size) {
   const OrderedJson& list = solution_list(object, key);
   if (list.size() != size)
@@ -174,7 +174,7 @@ const OrderedJson& list_of(const OrderedJson& object, const char* key, std::size
   return list;
 }
 
-/// A member that must be a list of objects.
+/// Checks that a member is a list of objects.
 void check_objects(const OrderedJson& object, const char* key) {
   for (const OrderedJson& entry : solution_list(object, key))
     if (!entry.is_object())
@@ -246,7 +246,7 @@ OrderedJson report_data(const std::vector<ReportEntry>& entries) {
 }
 
 std::string report_page(const std::string& page, const OrderedJson& data) {
-  // ASCII alone, with every '<' as an escape: no text of the data can be read as a tag.
+  // Pure ASCII with escapes for '<', '>' and '&': no text of the data can be parsed as a tag.
   const std::string text = data.dump(-1, ' ', true, OrderedJson::error_handler_t::replace);
   std::string safe;
   safe.reserve(text.size());

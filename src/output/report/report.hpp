@@ -8,30 +8,30 @@
 
 namespace conddp {
 
-/// A solution in a report. Without a problem (its files are gone, or changed so that they no longer
-/// fit) there are no robots, costs over time or limits.
+/// A solution in a report. Without a problem (its files are missing or no longer match), the report
+/// lacks robots, costs over time and limits.
 struct ReportEntry {
-  std::string label;     ///< how it is called beside the others
-  OrderedJson document;  ///< solution.json
+  std::string label;     ///< name among the other solutions
+  OrderedJson document;  ///< contents of solution.json
   const ProblemSpec* spec = nullptr;
   const BuiltProblem* built = nullptr;
-  std::string remark = {};  ///< why something is missing, shown to the reader
+  std::string remark = {};  ///< reason for missing parts, shown to the reader
 };
 
-/// Throws MalformedSolution where a document lacks what report_data() needs, or its lists do not
-/// fit together.
+/// Throws MalformedSolution if a document lacks keys that report_data() needs, or its lists are
+/// inconsistent.
 void check_report_document(const OrderedJson& document);
 
-/// What the page of a report is made from: of every solution its head,
-/// motion scene, and curves over the nodes. Numbers keep eight digits. Throws
-/// MalformedSolution where a solution has another shape than its problem.
+/// Data of a report page: for each solution its head, motion scene, and curves over the nodes.
+/// Numbers have eight digits. Throws MalformedSolution if a solution does not have the shape of its
+/// problem.
 OrderedJson report_data(const std::vector<ReportEntry>& entries);
 
-/// Puts the data into a page that has the line `placeholder`, so that nothing in it can end the
-/// element that holds it or begin another.
+/// Inserts the data into a page at kReportPlaceholder, escaped so that the data cannot close the
+/// enclosing element or open another.
 std::string report_page(const std::string& page, const OrderedJson& data);
 
-/// Where report_page() puts the data.
+/// Placeholder that report_page() replaces by the data.
 inline constexpr const char* kReportPlaceholder = "/*CONDDP-REPORT-DATA*/";
 
 }  // namespace conddp

@@ -32,7 +32,7 @@ const Json& at(const Json& document, std::initializer_list<const char*> path) {
   return *value;
 }
 
-/// A number, or not-a-number where the answer leaves it open.
+/// A number, or NaN for null.
 double number(const Json& value, const char* what) {
   if (value.is_null()) return Check::kNone;
   if (!value.is_number()) throw MalformedSolution{fmt::format("'{}' is not a number", what)};
@@ -53,7 +53,7 @@ Eigen::VectorXd vector(const Json& list, const char* what) {
 /// Rows of numbers: a block, or a list of lists and of blocks.
 class NumberTable {
  public:
-  /// `list` is a list or a block, and outlives this.
+  /// `list` is a list or a block and must outlive this object.
   NumberTable(const Json& list, const char* what) : list_(list), what_(what) {
     if (const auto block = NumberBlock::of(list); block && block->is_table()) block_ = block;
   }
@@ -77,7 +77,7 @@ class NumberTable {
   std::optional<NumberBlock> block_;
 };
 
-/// Collects what does not fit, and the claims of a document that fits.
+/// Collects mismatches, and the claims of a document whose shapes match.
 class Reader {
  public:
   Reader(const Json& document, const ProblemSpec& spec, const BuiltProblem& built,
@@ -112,14 +112,14 @@ class Reader {
   }
 
  private:
-  /// That of the file; where that leaves the choice to conddp the claimed one, if it may be.
+  /// The solver of the file; with `auto`, the claimed solver if it is a candidate.
   std::string solver_name() const {
     if (spec_.solver.name.value == kAutoSolver)
       for (const SolverInfo* info : auto_solvers(problem_, spec_.solver.options))
         if (at(document_, {"solver"}) == info->name) return std::string(info->name);
     return spec_.solver.name.value;
   }
-  /// Options of which some may have their former names.
+  /// Options with former names replaced by current ones.
   static Json with_present_names(const Json& options) {
     if (!options.is_object()) return options;
     Json renamed = Json::object();
@@ -170,7 +170,7 @@ class Reader {
     status();
   }
 
-  /// Of contact-implicit problems; only a converged answer claims anything of them.
+  /// Checks contact-implicit problems; only converged answers make claims about contacts.
   std::optional<ContactCertificate> judge_contacts(bool with_replay) {
     if (!claims_) return std::nullopt;
     const auto motion = contact_motion(problem_, claims_->trajectory);
@@ -190,9 +190,9 @@ class Reader {
     add({std::move(name), false, Check::kNone, Check::kNone, Check::kNone, "", std::move(message)});
   }
 
-  /// A statement in words or whole numbers, which has to be the problem's own.
+  /// Checks that a text or integer equals that of the problem.
   bool statement(std::string name, const Json& claimed, const Json& actual) {
-    // By keys: a document that was read has them in another order.
+    // Compares by keys: parsed documents have them in another order.
     const bool holds = Json::diff(actual, claimed).empty();
     std::string message;
     if (!holds)
@@ -237,7 +237,7 @@ class Reader {
     statement("phases", at(document_, {"trajectory", "phases"}), actual);
   }
 
-  /// Names of rows are made where they are needed.
+  /// Names of rows are only created for messages.
   template <class Name>
   void expect(const Name& name, std::optional<std::size_t> found, int expected) {
     if (!found) throw MalformedSolution{fmt::format("'{}' is not a list", name())};
@@ -249,7 +249,7 @@ class Reader {
     expect([&] { return name; }, entries_of(list), expected);
   }
 
-  /// One row of numbers a node or knot; `columns` says how many a knot has.
+  /// Checks for one row of numbers per node or knot; `columns` returns the length of a knot's row.
   template <class Columns>
   void rows(const std::string& name, const Json& list, int count, Columns columns) {
     size(name, list, count);
@@ -260,7 +260,7 @@ class Reader {
              is_table ? block->columns() : entries_of(list[k]), columns(k));
   }
 
-  /// How many numbers the file has for the controls of a knot.
+  /// Number of controls that the file contains for a knot.
   int table_controls(int k) const {
     return controls_.are_some(k) ? controls_.count() : problem_.nu(k);
   }
@@ -287,7 +287,8 @@ class Reader {
     if (fits_) add({"shapes", true, Check::kNone, Check::kNone, Check::kNone, "", ""});
   }
 
-  /// Whether the constraints of all nodes are there, in their order and with as many rows.
+  /// Checks that the constraints of all nodes are present, in order and with the correct number of
+  /// rows.
   void check_constraint_list(const Json& multipliers) {
     const auto& constraints = problem_.constraints();
     if (constraints.empty()) return;
@@ -323,7 +324,7 @@ class Reader {
       if (k < N) copy_controls(u, k, c.trajectory.u(k));
     }
   }
-  /// A knot's own controls from the row of a table.
+  /// Copies a knot's own controls from the row of a table.
   void copy_controls(const NumberTable& table, int k, Eigen::Ref<Eigen::VectorXd> out) const {
     if (controls_.are_some(k))
       out = controls_.own(k, table.row(k));
@@ -394,7 +395,7 @@ class Reader {
     c.gain_regularization_kind = spec_.solver.options.regularization.kind;
   }
 
-  /// What the answer says of its motion; answers of former versions say nothing.
+  /// Compares the findings about the motion; answers of former versions contain none.
   void findings(const std::vector<Finding>& found) {
     if (!document_.contains("findings") || !claims_) return;
     const Json& list = solution_list(document_, "findings");
@@ -409,7 +410,7 @@ class Reader {
     add(std::move(check));
   }
 
-  /// The first figure of a finding that differs, in words.
+  /// The first differing figure of a finding, in words.
   static std::string first_difference(const Json& claims, const Json& expected,
                                       const Finding& found) {
     for (const auto& [key, value] : expected.items()) {
@@ -429,8 +430,8 @@ class Reader {
            is_near(claimed.get<double>(), here, kValueTolerance);
   }
 
-  /// Durations, and all that is said of constraints: their values row by row, and where which one
-  /// is violated most.
+  /// Checks the duration and all figures about constraints: their values row by row, and the
+  /// location of the largest violation of each.
   void evaluate_constraints() {
     const double duration = number(at(document_, {"problem", "duration_s"}), "duration_s");
     compare_number("duration", duration, problem_.times(claims_->trajectory).back(), 1e-12);
@@ -446,7 +447,7 @@ class Reader {
     violations("soft_constraints", soft_violations(problem_, claims_->trajectory, values));
   }
 
-  /// Of each constraint by name, the first row that differs or the last one.
+  /// For each constraint name, the first row that differs, else the last row.
   std::vector<Check> compare_values(const Eigen::VectorXd& values) {
     std::vector<Check> checks;
     for (std::size_t i = 0; i < problem_.constraints().size(); ++i) {
@@ -478,7 +479,8 @@ class Reader {
     }
   }
 
-  /// Where a constraint is violated most; where rounding decides that, any node or none.
+  /// Checks the node of the largest violation. If rounding decides, any equivalent node or −1 is
+  /// accepted.
   void compare_place(const char* key, const Json& claimed, const ConstraintViolation& found,
                      double violation) {
     if (claimed == found.node || std::isnan(violation)) return;
@@ -513,7 +515,7 @@ class Reader {
     add(compared(std::move(name), claimed, found, tolerance));
   }
 
-  /// That of the refined grid on which the answer is; null is infinite.
+  /// Checks the error of a refined grid; null stands for infinity.
   void error_of_grid() {
     statement("error asked of the grid", at(document_, {"mesh", "asked"}),
               spec_.mesh ? Json(spec_.mesh->error) : Json());
@@ -526,13 +528,13 @@ class Reader {
       grid_warning_ = fmt::format("grid error {:.1e}, more than {:.1e}", found, spec_.mesh->error);
   }
 
-  /// Compiled code brings derivatives of its own, on which the gradient of the Lagrangian rests. An
-  /// answer without values has none to compare.
+  /// Compiled code provides its own derivatives, on which the gradient of the Lagrangian depends.
+  /// An answer without finite values cannot be compared.
   void derivatives_of_code() {
     if (!values_->all_finite()) return;
     Check check{
         .name = "derivatives of compiled code", .found = 0, .tolerance = kDerivativeTolerance};
-    bool second = false;  // whether the worst one is a second derivative
+    bool second = false;  // true if the worst error is in a second derivative
     for (const DerivativeComparison& worst : check_derivatives(problem_, claims_->trajectory)) {
       if (worst.error <= check.found) continue;
       check.found = worst.error;
@@ -579,7 +581,7 @@ class Reader {
       add(check_force(contact, at(claimed, {contact.name.c_str()})));
   }
 
-  /// The worst figure, or the first one that is wrong.
+  /// The worst figure, or the first wrong one.
   Check check_force(const ContactForces::OfContact& contact, const Json& rows) const {
     Check check{"force of " + contact.name};
     const int width = contact.torque ? 6 : 3;
@@ -606,7 +608,7 @@ class Reader {
     const bool fits = is_list && static_cast<int>(*entries_of(row)) == width;
     return fits ? "" : "a force should stand here";
   }
-  /// Where this figure is worse than those before, or wrong, the check is its.
+  /// Records this figure in the check if it is worse than those before, or wrong.
   static void compare_force(double claim, double force, double& worst, Check& check) {
     const double size = std::abs(claim - force) / std::max(1.0, std::abs(force));
     if (!(size > worst) && !std::isnan(size)) return;
@@ -625,7 +627,7 @@ class Reader {
                            contacts.size()));
   }
 
-  /// The last row of the log is the answer itself, and rows count iterations.
+  /// The last row of the log must be the answer itself, and rows must count iterations.
   void log() {
     const Json& log = solution_list(document_, "log");
     if (log.empty()) return;
@@ -650,8 +652,7 @@ class Reader {
     }
   }
 
-  /// Of an answer that did not converge: whether what ended it is what the status says, as far as
-  /// figures tell.
+  /// For an answer that did not converge: checks that the figures do not contradict the status.
   void status() {
     const std::string wrong = what_denies(claims_->status);
     if (!wrong.empty()) fail("status", fmt::format("'{}', but {}", claims_->status, wrong));
@@ -671,7 +672,7 @@ class Reader {
     return "there is no such status";
   }
 
-  /// Nulls are counted.
+  /// Counts nulls.
   void nulls() {
     if (!document_.contains("nulls")) return;
     const Json& list = solution_list(document_, "nulls");
@@ -685,7 +686,7 @@ class Reader {
     }
   }
 
-  /// What the answer says of its own certificate: what this one says.
+  /// Compares the certificate in the answer with this one.
   void former_certificate() {
     if (!document_.contains("certificate")) return;
     const Json& former = document_.at("certificate");
@@ -694,7 +695,7 @@ class Reader {
     if (former.contains("optimality")) optimality(former.at("optimality"));
     if (former.contains("second_order")) second_order(former.at("second_order"));
     const Json& list = solution_list(former, "checks");
-    // Checks that tell of the certificate itself come last.
+    // Checks of the certificate itself come last.
     for (std::size_t i = 0; i < list.size(); ++i) {
       const std::string name = solution_text(list[i], "name");
       if (i >= certificate_.checks.size() || certificate_.checks[i].name != name)
@@ -716,7 +717,7 @@ class Reader {
            agrees("found", check.found, slack);
   }
 
-  /// Rounding may decide whether curvature is positive or zero, but not more.
+  /// Rounding may turn positive curvature into zero; other differences are errors.
   void verdict(const std::string& told) {
     const auto coarse = [](std::string_view word) {
       return word == to_string(Verdict::stationary) ? to_string(Verdict::local_minimum) : word;
@@ -726,7 +727,7 @@ class Reader {
       fail("certificate of verdict", fmt::format("'{}' in the answer, '{}' here", told, mine));
   }
 
-  /// Figures in the unit of the cost.
+  /// Compares the second-order figures, in the unit of the cost.
   void second_order(const Json& former) {
     if (!certificate_.second_order)
       return fail("certificate of second order", "the answer did not converge");
@@ -743,7 +744,7 @@ class Reader {
     }
   }
 
-  /// What rounding leaves alone of the former figures has to be found again.
+  /// Former figures must be reproduced up to rounding.
   void optimality(const Json& former) {
     const Optimality& o = certificate_.optimality;
     const std::tuple<const char*, double, double> figures[] = {
@@ -766,17 +767,17 @@ class Reader {
   static constexpr double kForceTolerance = 1e-9;
   static constexpr double kGridTolerance = 1e-9;
 
-  /// Of values of constraints: larger where rounding asks for it.
+  /// Tolerance on constraint values, increased if rounding requires it.
   double value_tolerance_ = kValueTolerance;
   const Json& document_;
   const ProblemSpec& spec_;
   const BuiltProblem& built_;
   const ShootingProblem& problem_;
   const ControlColumns controls_;
-  const Answer* const written_;  ///< null of a document that comes from elsewhere
+  const Answer* const written_;  ///< null for a document from elsewhere
   std::optional<SolutionClaims> claims_;
-  const NodeValues* values_ = nullptr;    ///< at the trajectory of the claims, once they are read
-  std::optional<NodeValues> own_values_;  ///< unless they are those of what was written
+  const NodeValues* values_ = nullptr;    ///< at the claimed trajectory, once it has been read
+  std::optional<NodeValues> own_values_;  ///< set unless the values of `written` apply
   Certificate certificate_;
   std::string grid_warning_;
   bool fits_ = true;

@@ -9,25 +9,25 @@
 
 namespace conddp {
 
-/// What was found out about a solution.
+/// Result of checking a solution.
 struct SolutionCertificate {
-  bool converged = false;                      ///< what the answer claims
-  Certificate checks;                          ///< what decides
-  std::optional<Replay> replay;                ///< what is worth knowing besides, if asked for
+  bool converged = false;                      ///< claim of the answer
+  Certificate checks;                          ///< decisive checks
+  std::optional<Replay> replay;                ///< additional information, if requested
   std::vector<Finding> findings;               ///< in the trajectory of the answer
   std::optional<ContactCertificate> contacts;  ///< of contact-implicit problems
-  std::string grid_warning;  ///< of a refined grid that is coarser than the file asks for, or empty
+  std::string grid_warning;  ///< for a refined grid coarser than the file requires, or empty
   std::vector<std::string> tangent_names;
-  double time_s = 0;  ///< that it took
+  double time_s = 0;  ///< duration of the check
 };
 
-/// Judges the document of a solution against its problem: configuration, shapes and names,
-/// options, dropped constraints, contact forces and the log, and everything that certify() and
-/// contact_checks() judge; if asked for, plays it back on a finer grid, too. Where shapes do not
-/// fit, nothing else is compared. Throws MalformedSolution where the document lacks keys.
-/// `written`: the answer of which this process has just written the document, from the same spec
-/// and built problem. The document's configuration is theirs then, and where it has the trajectory
-/// of the answer, nodes are not evaluated again and findings not looked for again.
+/// Checks the document of a solution against its problem: configuration, shapes and names, options,
+/// dropped constraints, contact forces and the log, and the checks of certify() and
+/// contact_checks(). On request, it also replays the solution on a finer grid. If shapes do not
+/// match, nothing else is compared. Throws MalformedSolution if the document lacks keys.
+/// `written`: the answer from which this process has just written the document, with the same spec
+/// and built problem. The configuration then matches. If the document contains the answer's
+/// trajectory, nodes and findings are not evaluated again.
 SolutionCertificate certify_solution(const OrderedJson& document, const ProblemSpec& spec,
                                      const BuiltProblem& built, bool with_replay,
                                      const Answer* written = nullptr);

@@ -5,7 +5,7 @@
 
 namespace conddp {
 
-/// Bytes as text in base 64, padded with '=' (RFC 4648, section 4).
+/// Bytes as base64 text, padded with '=' (RFC 4648, section 4).
 std::string base64(std::string_view bytes);
 
 }  // namespace conddp

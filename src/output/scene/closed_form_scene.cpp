@@ -7,7 +7,7 @@
 namespace conddp {
 namespace {
 
-constexpr double kRod = 0.04;  ///< radius of rods over their length
+constexpr double kRod = 0.04;  ///< radius of rods relative to their length
 
 OrderedJson sphere(double radius, OrderedJson at) {
   return {{"kind", "sphere"}, {"radius", radius}, {"placement", std::move(at)}};
@@ -33,7 +33,7 @@ OrderedJson disc(double radius, double x, double y) {
           {"placement", {x, y, 0, 0, 0, 0, 1}}};
 }
 
-/// What a system looks like: bodies (besides the world), and where they are in a state.
+/// Appearance of a system: bodies (except the world), and their poses in a state.
 struct Picture {
   struct Body {
     const char* name;
@@ -45,11 +45,11 @@ struct Picture {
   std::function<std::vector<Pose>(const double* x)> poses;
 };
 
-/// In the vertical plane x, z: turned from x towards z.
+/// Pose in the vertical plane x, z: rotated from x towards z.
 Picture::Pose upright(double x, double z, double angle) {
   return {x, 0, z, 0, -std::sin(angle / 2), 0, std::cos(angle / 2)};
 }
-/// On the ground, turned from x towards y.
+/// Pose on the ground, rotated from x towards y.
 Picture::Pose on_ground(double x, double y, double angle) {
   return {x, y, 0, 0, 0, std::sin(angle / 2), std::cos(angle / 2)};
 }
@@ -144,7 +144,7 @@ OrderedJson closed_form_scene(const SystemSpec& system, const Trajectory& trajec
   bodies.push_back({{"name", "world"}, {"parent", nullptr}, {"shapes", OrderedJson::array()}});
   for (const Picture::Body& body : picture_of.bodies)
     bodies.push_back({{"name", body.name}, {"parent", body.parent}, {"shapes", body.shapes}});
-  OrderedJson way = OrderedJson::array();  // of the first body
+  OrderedJson way = OrderedJson::array();  // path of the first body
   for (int k = 0; k <= trajectory.knots(); ++k) {
     for (const double number : {0., 0., 0., 0., 0., 0., 1.}) poses.push_back(number);
     const std::vector<Picture::Pose> at = picture_of.poses(trajectory.x(k).data());

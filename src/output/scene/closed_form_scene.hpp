@@ -6,8 +6,9 @@
 
 namespace conddp {
 
-/// A simple picture of a closed-form system along a trajectory, in the form of motion_scene(); null
-/// for systems that have none (linear ones, double integrators of more than three dimensions).
+/// A simple picture of a closed-form system along a trajectory, in the form of motion_scene(). Null
+/// for systems that cannot be drawn (linear systems, double integrators with more than three
+/// dimensions).
 OrderedJson closed_form_scene(const SystemSpec& system, const Trajectory& trajectory);
 
 }  // namespace conddp

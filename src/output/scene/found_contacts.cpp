@@ -6,12 +6,13 @@
 namespace conddp {
 namespace {
 
-/// The joint that a frame hangs on, −1 for the world.
+/// The joint that carries a frame, −1 for the world.
 int joint_of(const RobotModel& robot, int frame) {
   return frame < 0 ? -1 : robot.frames[frame].joint;
 }
 
-/// Whether what a candidate may touch has faces and does not move: one can stand on it.
+/// True if the counterpart of a candidate has flat faces and does not move, so that a robot can
+/// stand on it.
 bool is_ground(const RobotModel& robot, const ContactCandidate& candidate) {
   if (const auto* plane = std::get_if<ContactHalfSpace>(&candidate.against))
     return joint_of(robot, plane->frame) < 0;
@@ -30,7 +31,7 @@ OrderedJson candidate_json(const RobotModel& robot, const ContactCandidate& cand
           {"placement", placement_json(placement)},
           {"friction", candidate.friction},
           {"half_size", nullptr},
-          // The normals of a sphere of the world point into it.
+          // The normals of a world-fixed sphere point into it.
           {"radius", joint < 0 ? -sphere.radius : sphere.radius},
           {"acts_after", 1},
           {"ground", joint >= 0 && is_ground(robot, candidate)},
@@ -42,7 +43,7 @@ OrderedJson candidate_json(const RobotModel& robot, const ContactCandidate& cand
 
 namespace {
 
-/// Its sum, from what it is along the first few directions of a contact.
+/// The sum of a force's components along the first few directions of a contact.
 OrderedJson force_json(const Eigen::Vector3d& force, const ContactInstant<double>& at, int count) {
   Vector3<double> sum = Vector3<double>::zero();
   for (int i = 0; i < count; ++i) sum = sum + force[i] * at.directions[i];
@@ -68,14 +69,14 @@ FoundContacts found_contacts(const ContactMotion& motion) {
     for (std::size_t c = 0; c < candidates.size(); ++c) {
       const double side = joint_of(robot, candidates[c].sphere.frame) < 0 ? -1 : 1;
       const ContactInstant<double>& at = instants[c];
-      // The knot that chooses the first state shows it too.
+      // The knot that chooses the initial state shows it too.
       for (int times = k == 0 ? 1 + motion.first_knot : 1; times > 0; --times) {
         append(found.contacts[c]["positions"], at.point);
         append(found.contacts[c]["normals"], side * at.directions[0]);
       }
       if (k == 0) continue;
       const Eigen::Vector3d force =
-          side * motion.forces[k - 1].contact.col(c);  // at the step's end
+          side * motion.forces[k - 1].contact.col(c);  // at the end of the step
       const int count = 1 + tangent_count(motion.plant.contacts, candidates[c]);
       found.forces[candidates[c].name].push_back(
           side * force[0] > least ? force_json(force, at, count) : OrderedJson(nullptr));

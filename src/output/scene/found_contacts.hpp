@@ -5,13 +5,13 @@
 
 namespace conddp {
 
-/// The contacts of a motion that found them, as reports show contacts.
+/// Contacts found by a contact-implicit motion, in the form used by reports.
 struct FoundContacts {
-  /// As motion_scene() lists them. The force of a pair is that on the sphere; on what it touches
-  /// where the sphere is fixed to the world.
+  /// In the form of motion_scene(). The force of a pair acts on the sphere, or on its counterpart
+  /// if the sphere is fixed to the world.
   OrderedJson contacts = OrderedJson::array();
-  /// By name: per knot of the problem the force in world axes (N, mean over the step), null where
-  /// it is none that counts (ContactSequenceOptions::share).
+  /// By name: per knot of the problem the force in world axes (N, mean over the step); null if
+  /// negligible (ContactSequenceOptions::share).
   OrderedJson forces = OrderedJson::object();
 };
 

@@ -22,8 +22,8 @@ OrderedJson bodies_json(const RobotModel& robot, std::vector<OrderedJson>&& shap
   return bodies;
 }
 
-/// Frames whose way is worth seeing: those that costs and constraints speak of, but those of
-/// contacts, whose ways are drawn anyway.
+/// Frames whose paths are drawn: those in costs and constraints, except contact frames, which are
+/// drawn anyway.
 std::map<std::string, int> watched_frames(const ProblemSpec& spec, const RobotModel& robot) {
   std::map<std::string, int> frames;
   const auto watch = [&](const CostSpec& cost) {
@@ -57,7 +57,7 @@ OrderedJson contact_json(const ContactSpec& contact, const Frame& frame) {
   return json;
 }
 
-/// The poses of the world and of all bodies.
+/// Appends the poses of the world and of all bodies.
 void append_bodies(const RobotModel& robot, const RobotData<double>& data, OrderedJson& poses) {
   append(poses, SE3<double>::identity());
   for (int j = 0; j < robot.joint_count(); ++j)

@@ -17,9 +17,9 @@ namespace conddp {
 namespace {
 
 constexpr std::size_t kMaxUrdfBytes = 64 << 20;
-/// Of all meshes together: a page of more opens slowly.
+/// Limit on all meshes together: larger pages open slowly.
 constexpr std::size_t kMaxMeshBytes = 3 << 20;
-/// kg/m³: links are not lighter. An ellipsoid that were belongs to placeholders of an inertia.
+/// kg/m³: minimum density of real links. Placeholder inertias have lighter ellipsoids.
 constexpr double kLeastDensity = 10;
 constexpr double kLeastRadius = 0.005;  // m
 
@@ -28,7 +28,8 @@ bool is_file(const std::filesystem::path& file) {
   return std::filesystem::is_regular_file(file, error);
 }
 
-/// A file `package/path` in a folder or those above it, one of which may be the package.
+/// Finds a file `package/path` in a folder or its ancestors; one of these may be the package
+/// itself.
 std::filesystem::path find_in_package(const std::filesystem::path& inside,
                                       std::filesystem::path base) {
   const std::filesystem::path rest = inside.lexically_relative(*inside.begin());
@@ -39,8 +40,8 @@ std::filesystem::path find_in_package(const std::filesystem::path& inside,
   return {};
 }
 
-/// Where a mesh of a URDF is: beside the URDF, or for package://name/path in a folder `name` of
-/// those above it.
+/// The path of a URDF mesh: relative to the URDF, or for package://name/path in a folder `name` of
+/// one of its ancestors.
 std::filesystem::path find_mesh(const std::string& name, const std::filesystem::path& urdf) {
   const std::filesystem::path folder = urdf.parent_path();
   constexpr std::string_view kFile = "file://", kPackage = "package://";
@@ -49,12 +50,12 @@ std::filesystem::path find_mesh(const std::string& name, const std::filesystem::
   if (!name.starts_with(kPackage)) return is_file(folder / name) ? folder / name : "";
   const std::filesystem::path inside = name.substr(kPackage.size());
   if (inside.empty()) return {};
-  // Of the file: a file in the current folder has a folder without a name.
+  // Absolute, because the parent of a file in the current folder is empty.
   return find_in_package(inside, std::filesystem::absolute(urdf).parent_path());
 }
 
-/// Whether a file is what its suffix says, as far as a viewer needs it: some that bear the name of
-/// a mesh stand for one that was not fetched.
+/// True if the contents match the suffix, as far as a viewer needs them: some mesh files are
+/// placeholders for meshes that were not fetched.
 bool holds_mesh(const std::string& text, const std::string& kind) {
   if (kind == "obj") return text.starts_with("f ") || text.find("\nf ") != text.npos;
   constexpr std::size_t kHead = 84, kFacet = 50;
@@ -65,7 +66,7 @@ bool holds_mesh(const std::string& text, const std::string& kind) {
   return text.find("solid") < 5 && text.find("vertex") != text.npos;
 }
 
-/// The ellipsoid that has a body's mass and inertia: ½ axes √(5 (I_b + I_c − I_a) / (2 m)).
+/// The ellipsoid with a body's mass and inertia: ½ axes √(5 (I_b + I_c − I_a) / (2 m)).
 OrderedJson inertia_ellipsoid(const Inertia<double>& inertia, const SE3<double>& frame) {
   const Vector3<double> com = (1 / inertia.mass) * inertia.moment;
   const Symmetric3<double> at_origin = inertia.rotational,
@@ -106,8 +107,8 @@ class ShapeReader {
   }
 
  private:
-  /// The first kind of shapes that can be drawn and its name, with the reasons why not all visual
-  /// ones can.
+  /// The first drawable kind of shapes and its name, with the reasons why some visual shapes cannot
+  /// be drawn.
   std::pair<OrderedJson, const char*> shapes_of(const LinkVisuals& link, const Frame& frame,
                                                 OrderedJson& reasons) {
     OrderedJson shapes = drawable(link.visual, frame, reasons);
@@ -129,14 +130,14 @@ class ShapeReader {
       shape["link"] = frame.name;
       body.push_back(std::move(shape));
     }
-    // A link without shapes and inertia is a frame: there is nothing to be seen of it.
+    // A link without shapes and inertia is only a frame and has nothing to draw.
     if (reasons.empty() || (shapes.empty() && link.visual.empty() && link.collision.empty()))
       return;
     out_.stand_ins.push_back(
         {{"link", frame.name}, {"drawn_by", drawn_by}, {"reasons", std::move(reasons)}});
   }
 
-  /// Those of the shapes that a viewer can draw, and why it cannot draw the others.
+  /// The drawable shapes; `reasons` receives the reasons for the others.
   OrderedJson drawable(const std::vector<VisualShape>& shapes, const Frame& frame,
                        OrderedJson& reasons) {
     OrderedJson list = OrderedJson::array();
@@ -183,14 +184,14 @@ class ShapeReader {
     return {{"kind", kind}, {"scale", vector_json(shape.size)}, {"data", base64(*text)}};
   }
 
-  /// "stl" or "obj", by the suffix of its name; empty for others.
+  /// "stl" or "obj", from the suffix of the name; empty for others.
   static std::string mesh_kind(const std::string& name) {
     std::string suffix = std::filesystem::path(name).extension().string();
     for (char& c : suffix) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
     return suffix == ".stl" || suffix == ".obj" ? suffix.substr(1) : "";
   }
 
-  /// What is in a mesh, if it and the meshes before it are not too large together.
+  /// Contents of a mesh, unless all meshes so far exceed the size limit.
   std::optional<std::string> mesh_text(const std::filesystem::path& file, const char*& why) const {
     why = "mesh not found";
     if (file.empty()) return std::nullopt;
@@ -217,7 +218,7 @@ RobotShapes robot_shapes(const BuiltProblem& built) {
   shapes.of_body.assign(robot.joints.size() + 1, OrderedJson::array());
   ShapeReader reader(robot, shapes);
   for (const PlantPart& part : built.plant.parts) reader.read(part);
-  // What the problem file adds to a link that is but a frame.
+  // Masses that the problem file adds to links without shapes.
   for (int i = 0; i < robot.joint_count(); ++i)
     if (shapes.of_body[i + 1].empty() && robot.joints[i].inertia.mass > 0)
       shapes.of_body[i + 1].push_back(

@@ -7,19 +7,18 @@
 
 namespace conddp {
 
-/// What the robots of a problem look like.
+/// Shapes of the robots of a problem.
 struct RobotShapes {
-  /// Per body, the world first: a list of shapes with their placements in the body. Meshes stand as
-  /// files where the URDF says, if they are at hand.
+  /// Per body, the world first: a list of shapes with their placements on the body. Meshes are read
+  /// from the files that the URDF names, if available.
   std::vector<OrderedJson> of_body;
-  /// The links that their visual shapes alone do not draw: `link`, `drawn_by` ("collision shape",
-  /// "inertia ellipsoid", "other visual shapes", "nothing") and `reasons`, a list of `why` and
-  /// `what`.
+  /// Links not drawn by their visual shapes alone: `link`, `drawn_by` ("collision shape", "inertia
+  /// ellipsoid", "other visual shapes", "nothing") and `reasons`, a list of `why` and `what`.
   OrderedJson stand_ins = OrderedJson::array();
 };
 
-/// Link by link: its visual shapes; where none can be drawn its collision shapes, else the
-/// ellipsoid of its inertia.
+/// Draws each link by its visual shapes, or if none can be drawn, by its collision shapes, else by
+/// its inertia ellipsoid.
 RobotShapes robot_shapes(const BuiltProblem& built);
 
 }  // namespace conddp

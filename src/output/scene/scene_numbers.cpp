@@ -8,7 +8,7 @@ namespace {
 double micrometres(double x) {
   if (!std::isfinite(x)) return x;
   const double rounded = std::round(x * 1e6) / 1e6;
-  return rounded == 0 ? 0 : rounded;  // no -0
+  return rounded == 0 ? 0 : rounded;  // avoids −0
 }
 
 }  // namespace

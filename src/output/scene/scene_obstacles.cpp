@@ -37,7 +37,7 @@ OrderedJson shape_json(const Shape& shape) {
   return json;
 }
 
-/// "x" for "q/0", and so on.
+/// Maps "q/0" to "x", "q/1" to "y" and "q/2" to "z".
 std::string axis_of_number(const std::string& row) {
   constexpr const char* kNumbered[] = {"q/0", "q/1", "q/2"};
   const auto* found = std::find(std::begin(kNumbered), std::end(kNumbered), row);
@@ -45,7 +45,7 @@ std::string axis_of_number(const std::string& row) {
   return std::string(1, "xyz"[found - std::begin(kNumbered)]);
 }
 
-/// The part behind the name of a floating base; empty for other coordinates.
+/// The part after the name of a floating base; empty for other coordinates.
 std::string axis_of_base(const std::string& row, const RobotModel& robot) {
   const std::size_t slash = row.find('/');
   if (slash == row.npos) return {};
@@ -54,7 +54,7 @@ std::string axis_of_base(const std::string& row, const RobotModel& robot) {
   return row.substr(slash + 1);
 }
 
-/// The name of a state's coordinate as an axis of the world, empty where it is none for certain.
+/// The name of a state coordinate as a world axis, empty if uncertain.
 std::string axis_of_state(const std::string& row, const Plant& plant, const ProblemSpec& spec) {
   if (plant.multibody()) return axis_of_base(row, plant.robot());
   const bool numbered =
@@ -74,16 +74,16 @@ int world_axis(const ConstraintSpec& constraint, const Plant& plant, const Probl
   return found == std::end(kAxes) ? -1 : static_cast<int>(found - std::begin(kAxes));
 }
 
-/// A constraint on a position: which row is along which axis, and where it holds.
+/// A constraint on a position: its rows by axis, and its nodes.
 struct OnPosition {
   std::string name;
-  std::array<int, 3> row;  ///< of the residual, by axis; −1 where there is none
+  std::array<int, 3> row;  ///< of the residual, by axis; −1 without a row
   std::vector<NodeConstraint> at;
 
   int axes() const {
     return static_cast<int>(std::count_if(row.begin(), row.end(), [](int r) { return r >= 0; }));
   }
-  /// The reference along an axis; 0 along one that has no row.
+  /// The reference along an axis; 0 for an axis without a row.
   double reference(const ShootingProblem& problem, const NodeConstraint& c, int axis) const {
     return row[axis] < 0 ? 0 : problem.knot(c.node).parameters[c.term->parameters + row[axis]];
   }
@@ -92,7 +92,7 @@ struct OnPosition {
   }
 };
 
-/// The rows of a constraint along the axes of the world, −1 where there is none.
+/// The rows of a constraint along the world axes, −1 for axes without a row.
 std::array<int, 3> rows_by_axis(const ProblemSpec& spec, const BuiltProblem& built,
                                 const NodeConstraint& c) {
   std::array<int, 3> by_axis{-1, -1, -1};
@@ -125,13 +125,13 @@ std::vector<OnPosition> constraints_on_positions(const ProblemSpec& spec,
   return list;
 }
 
-/// Where it is, at each node if it moves.
+/// Adds the center, at each node if it moves.
 void add_centers(const OnPosition& one, const ShootingProblem& problem, OrderedJson& json) {
   const Vector3<double> center = one.center(problem, one.at.front());
   bool moves = false;
   OrderedJson centers = OrderedJson::array();
   auto next = one.at.begin();
-  for (int k = 0; k <= problem.knots(); ++k) {  // before and after it holds, where it is next
+  for (int k = 0; k <= problem.knots(); ++k) {  // other nodes: the next center
     while (next + 1 != one.at.end() && next->node < k) ++next;
     const Vector3<double> here = one.center(problem, *next);
     moves |= squared_norm(here - center) > 0;
@@ -143,14 +143,14 @@ void add_centers(const OnPosition& one, const ShootingProblem& problem, OrderedJ
     json["center"] = coordinates_json(center);
 }
 
-/// Of a disc: along the axis that has no row.
+/// The normal of a disc: the axis without a row.
 OrderedJson normal_json(const OnPosition& one) {
   OrderedJson json = OrderedJson::array();
   for (const int row : one.row) json.push_back(row < 0 ? 1 : 0);
   return json;
 }
 
-/// Balls and discs that a position has to stay out of, or inside.
+/// Spheres and discs that a position must stay outside or inside.
 void append_round(const OnPosition& one, const ShootingProblem& problem, OrderedJson& list) {
   const NodeConstraint& first = one.at.front();
   const int axes = one.axes();

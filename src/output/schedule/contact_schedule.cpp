@@ -14,10 +14,11 @@
 namespace conddp {
 namespace {
 
-/// First penalty of solvers that keep constraints: the guess nearly satisfies them, and a small one
-/// would first give that away.
+/// Initial penalty of solvers with constraints: the guess nearly satisfies them, and a small
+/// penalty would lose that.
 constexpr double kPenalty = 100;
-/// How far a contact that is held may be off its surface, m, where the motion is no further off.
+/// Tolerance on the distance of a held contact from its surface, m, unless the motion deviates
+/// more.
 constexpr double kHeldWithin = 1e-3;
 
 class Writer {
@@ -55,8 +56,8 @@ class Writer {
   }
 
  private:
-  /// A contact of the schedule: a candidate at a surface with one normal, held along it alone or
-  /// along the tangents, too.
+  /// A contact of the schedule: a candidate at a surface with one normal. If `guided`, it is
+  /// constrained along the normal only, otherwise also along the tangents.
   struct Used {
     std::size_t candidate;
     Vector3<double> normal;
@@ -64,10 +65,10 @@ class Writer {
     std::string name;
   };
 
-  /// Where a candidate is held at a surface.
+  /// Phases of a candidate held at a surface, and the ends of its stretches.
   struct Held {
     std::vector<std::string> phases;
-    std::vector<int> ends;     ///< nodes at which stretches end
+    std::vector<int> ends;     ///< nodes at the ends of stretches
     double off = kHeldWithin;  ///< m
   };
 
@@ -90,8 +91,9 @@ class Writer {
            surfaces_.travels(c, stretch.first, stretch.first + stretch.steps,
                              ContactSequenceOptions{}.slip);
   }
-  /// Whether a closed candidate is held along its tangents, too: where it does not move, and in a
-  /// plane only the one of a body that carries most, as two would hold more than a body can do.
+  /// True if a closed candidate is also held along its tangents: it must not move. In a plane, only
+  /// the candidate of a body with the largest load is held, because two would overconstrain the
+  /// body.
   bool is_held(std::size_t c, const ContactStretch& stretch) const {
     if (moves(c, stretch) || candidate(c).friction == 0) return false;
     if (!spec_.stepping->plane) return true;
@@ -100,11 +102,11 @@ class Writer {
     return true;
   }
 
-  /// Whether another closed candidate of a body does not move.
+  /// True if `other` is a different closed candidate of the same body and does not move.
   bool rests_on_same_body(std::size_t other, std::size_t c, const ContactStretch& stretch) const {
     return other != c && stretch.closed[other] && !moves(other, stretch) && body(other) == body(c);
   }
-  /// The first one where they carry the same.
+  /// True if candidate a carries more load than b; the first one wins a tie.
   bool carries_more(std::size_t a, std::size_t b, const ContactStretch& stretch) const {
     const double of_a = load(a, stretch), of_b = load(b, stretch);
     return of_a > of_b || (of_a == of_b && a < b);
@@ -145,7 +147,7 @@ class Writer {
           "moves round an edge or along a curved surface: a contact of a schedule has one normal");
   }
 
-  /// The first normal of a candidate has its name, further ones a number behind it.
+  /// The first contact of a candidate has its name; further normals add a number.
   void add_contact(std::size_t c, const ContactStretch& stretch) {
     const Vector3<double>& normal = surfaces_.normal(c, stretch.first);
     const std::string& own = candidate(c).name.value;
@@ -163,7 +165,7 @@ class Writer {
       note(fmt::format("the middle of '{}' is held, so that it does not roll", own));
   }
 
-  /// Each once.
+  /// Adds a note unless it exists.
   void note(std::string text) {
     if (std::find(notes_.begin(), notes_.end(), text) == notes_.end())
       notes_.push_back(std::move(text));
@@ -189,23 +191,23 @@ class Writer {
     }
     if (from.friction > 0) json["friction"] = from.friction;
     json["min_normal_force"] = 0;
-    // Stops what is left of a touch-down within a few steps, and is stable for every step.
+    // Removes the residual velocity of a touch-down within a few steps; stable for every step.
     const double longest = *std::max_element(motion_.h.begin(), motion_.h.end());
     json["baumgarte"] = {{"kp", 0}, {"kd", std::min(20.0, 0.5 / longest)}};
     return json;
   }
 
-  /// What tells the obstacles of a candidate from each other: the faces of a box.
+  /// Suffix that distinguishes the obstacles of a candidate: the faces of a box.
   std::string suffix(std::size_t c, int surface) const {
     return surfaces_.count(c) > 1 ? fmt::format("_face_{}", surface + 1) : "";
   }
 
-  /// The names of a candidate's shape and of a surface, which are made at first use.
+  /// Names of a candidate's shape and of a surface, which are created on first use.
   OrderedJson pair(std::size_t c, int surface) {
     const std::string& own = candidate(c).name.value;
     const std::string shape = own + "_shape", obstacle = own + "_obstacle" + suffix(c, surface);
     const Vector3<double>& center = candidate(c).point;
-    // A point is a ball over a surface that lies deeper by its radius.
+    // A point becomes a ball over a surface that is lower by the ball's radius.
     const double radius = candidate(c).radius > 0 ? candidate(c).radius : point_radius(c);
     json_["collision"]["shapes"][shape] = {
         {"frame", candidate(c).frame.value},
@@ -215,13 +217,13 @@ class Writer {
     return {shape, obstacle};
   }
 
-  /// At most half of what it touches, m.
+  /// Radius of the ball at a point: at most half the counterpart's radius, m.
   double point_radius(std::size_t c) const {
     const auto* sphere = std::get_if<SphereSpec>(&candidate(c).against.form);
     return sphere == nullptr ? kPointRadius : std::min(kPointRadius, 0.5 * sphere->radius);
   }
 
-  /// Of each open candidate the surface that it has to stay off from a step on.
+  /// For each open candidate, the surface that it must stay away from, starting at step k.
   std::vector<std::optional<int>> surfaces_ahead(const ContactStretch& stretch, int k) const {
     std::vector<std::optional<int>> list(stretch.closed.size());
     for (std::size_t c = 0; c < list.size(); ++c)
@@ -230,7 +232,7 @@ class Writer {
     return list;
   }
 
-  /// Whether these are still the ones at a later step.
+  /// True if the surfaces still apply at a later step.
   bool are_ahead(const std::vector<std::optional<int>>& list, const ContactStretch& stretch,
                  int k) const {
     for (std::size_t c = 0; c < list.size(); ++c)
@@ -240,14 +242,14 @@ class Writer {
     return true;
   }
 
-  /// Runs of steps with the same contacts in the same phase of the problem and of the same length,
-  /// in which open candidates stay off the same faces of boxes.
+  /// Writes the phases: runs of steps with the same contacts in the same original phase and of the
+  /// same length, while open candidates stay away from the same faces of boxes.
   void phases() {
     const OrderedJson original = json_["phases"];
     OrderedJson list = OrderedJson::array();
     int k = 0, number = 0;
     for (const OrderedJson& phase : original) {
-      if (phase.contains("choose")) {  // the first state is chosen as it was
+      if (phase.contains("choose")) {  // initial state is chosen as before
         list.push_back(phase);
         continue;
       }
@@ -257,7 +259,7 @@ class Writer {
     json_["phases"] = std::move(list);
   }
 
-  /// A run from step k on, of those before `end`; returns the step after it.
+  /// Adds the run that begins at step k, within the steps before `end`; returns the step after it.
   int add_phase(const OrderedJson& phase, int number, int k, int end, OrderedJson& list) {
     const std::string base = phase["name"], own = fmt::format("{}_{}", base, number);
     const ContactStretch& stretch = stretch_of(k);
@@ -278,7 +280,7 @@ class Writer {
     return k;
   }
 
-  /// Closed candidates of a phase, which lasts from one step to another.
+  /// Records the closed candidates of a phase from step `first` to `end`.
   void note_held(const ContactStretch& stretch, const std::string& phase, int first, int end) {
     for (std::size_t c = 0; c < stretch.closed.size(); ++c) {
       if (!stretch.closed[c]) continue;
@@ -292,7 +294,7 @@ class Writer {
     }
   }
 
-  /// Which surfaces open candidates stay off in a phase.
+  /// Records the surfaces that open candidates stay away from in a phase.
   void note_open(const ContactStretch& stretch, const std::vector<std::optional<int>>& ahead,
                  const std::string& phase) {
     for (std::size_t c = 0; c < ahead.size(); ++c) {
@@ -334,7 +336,7 @@ class Writer {
     return list;
   }
 
-  /// Names of phases and numbers of knots are those of the new file.
+  /// Replaces names of phases and numbers of knots by those of the new file.
   void rename_phases(OrderedJson& terms) const {
     for (auto& [key, term] : terms.items()) {
       if (term.contains("phases")) term["phases"] = renamed(term["phases"]);
@@ -363,8 +365,8 @@ class Writer {
       notes_.push_back(fmt::format("dry friction of '{}' is left out", joint.value));
   }
 
-  /// Contacts are held by their accelerations, and a step that begins or ends fast would leave the
-  /// surface. What follows a stretch is where it ended.
+  /// Contacts are held at the acceleration level, so a step that begins or ends with velocity would
+  /// leave the surface. The distance is therefore bounded during each stretch and at its end.
   void hold(std::size_t c, int surface, const Held& held, OrderedJson& constraints) {
     const std::string name = "contact_held_" + candidate(c).name.value + suffix(c, surface);
     OrderedJson pairs = OrderedJson::array();
@@ -386,7 +388,7 @@ class Writer {
     after["knots"] = knots;
   }
 
-  /// The number that a knot of the former file has in the new one.
+  /// Index in the new file of a knot of the original file.
   int number_of(int knot) const {
     return knot +
            static_cast<int>(std::count_if(impulses_.begin(), impulses_.end(), [&](int first) {
@@ -394,7 +396,7 @@ class Writer {
            }));
   }
 
-  /// By column, where joints have such a stop.
+  /// Joint stops by column, for joints that have them.
   OrderedJson stops_at(double JointStop::*end) const {
     OrderedJson list = OrderedJson::object();
     for (const JointStop& stop : motion_.plant.contacts.stops)
@@ -412,7 +414,7 @@ class Writer {
     if (!upper.empty()) entry["upper"] = upper;
   }
 
-  /// Costs and bounds on accelerations, forces and slacks of a step mean nothing any more.
+  /// Removes costs and bounds on accelerations, forces and slacks of a step, which no longer exist.
   void leave_out_steps() {
     const auto of_steps = [&](const std::string& column) {
       for (std::size_t i = motion_.u_lower.size(); i < built_.control_columns.size(); ++i)
@@ -456,11 +458,11 @@ class Writer {
   std::vector<std::string> notes_;
   std::vector<Used> used_;
   std::map<std::string, std::vector<std::string>> renamed_;
-  /// Of candidates and surfaces that they stay off.
+  /// By open candidate and surface that it stays away from.
   std::map<std::pair<std::size_t, int>, OrderedJson> open_phases_;
   std::map<std::pair<std::size_t, int>, Held> held_;  ///< by candidate and surface
   std::map<std::string, OrderedJson> landings_;       ///< pairs that touch at each impulse
-  std::vector<int> impulses_;                         ///< steps before which they are
+  std::vector<int> impulses_;                         ///< steps after the impulses
 };
 
 }  // namespace

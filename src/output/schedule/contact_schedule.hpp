@@ -9,32 +9,32 @@
 
 namespace conddp {
 
-/// What is asked of a problem file with a schedule of contacts.
+/// Settings for a problem file with a contact schedule.
 struct ScheduleOptions {
   std::string solver = "proxddp";
-  bool supports_constraints = true;  ///< whether it takes constraints besides bounds on the control
-  std::filesystem::path folder;  ///< in which the file will stand: paths in it are relative to that
-  std::filesystem::path solution;  ///< that it starts from
+  bool supports_constraints = true;  ///< true if constraints besides control bounds are supported
+  std::filesystem::path folder;      ///< folder of the new file: its paths are relative to this
+  std::filesystem::path solution;    ///< solution used as initial guess
   ContactSequenceOptions sequence;
 };
 
 struct ContactSchedule {
-  OrderedJson problem;             ///< of the file
-  std::vector<std::string> notes;  ///< what of the motion it does not say
+  OrderedJson problem;             ///< contents of the file
+  std::vector<std::string> notes;  ///< aspects of the motion that the file omits
 };
 
-/// A motion has no schedule; says why.
+/// Thrown if a motion cannot be scheduled; the message gives the reason.
 struct NoSchedule : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// A problem with the costs, constraints and controls of the one that was solved, in which the
-/// contacts that its motion found are scheduled: a phase for each run of steps with the same closed
-/// candidates, an impulse where some of them land, and the motion as first guess. Stops of joints
-/// become bounds on their positions, friction becomes cones. For solvers that keep no constraints
-/// these and the problem's own become costs. Of a box the faces count that the motion touches or
-/// stays in front of. Throws NoSchedule where the motion touches something that no contact of a
-/// problem file can be: what moves, a soft wall, a surface whose normal turns under the contact.
+/// A problem with the costs, constraints and controls of the solved one, and with the contacts of
+/// its motion as a schedule. It has a phase for each run of steps with the same closed candidates,
+/// an impulse at each landing, and the motion as initial guess. Joint stops become bounds on
+/// positions, friction becomes cones. For solvers without constraints, these and the problem's own
+/// constraints become costs. For a box, only the faces that the motion touches or stays in front of
+/// are used. Throws NoSchedule if the motion touches something that a contact of a problem file
+/// cannot represent: a moving body, a soft wall, or a surface whose normal turns under the contact.
 ContactSchedule contact_schedule(const ProblemSpec& spec, const BuiltProblem& built,
                                  const ContactMotion& motion, const ScheduleOptions& options);
 

@@ -6,7 +6,7 @@
 namespace conddp {
 namespace {
 
-/// How far a normal may turn where it counts as one, rad.
+/// Angle within which normals count as equal, rad.
 constexpr double kTurn = 1e-3;
 
 OrderedJson list(const Vector3<double>& v) { return {v.x, v.y, v.z}; }
@@ -38,7 +38,7 @@ int ContactSurfaces::count(std::size_t candidate) const {
   return std::holds_alternative<ContactBox>(at(candidate).against) ? 6 : 1;
 }
 
-/// Of a half space or a face of a box, in the order +x, −x, +y, … of its axes.
+/// The plane of a half space or of a face of a box, in the order +x, −x, +y, … of its axes.
 ContactSurfaces::Plane ContactSurfaces::plane(std::size_t candidate, int surface) const {
   if (const auto* half_space = std::get_if<ContactHalfSpace>(&at(candidate).against))
     return {half_space->normal, half_space->offset * half_space->normal};

@@ -8,38 +8,38 @@
 
 namespace conddp {
 
-/// Of heights that are kept: a contact that rests may be so far off, m.
+/// Tolerance on heights: the maximum distance of a resting contact, m.
 inline constexpr double kGrazing = 1e-4;
-/// Whether two unit vectors count as one normal.
+/// True if two unit vectors count as one normal.
 bool is_same_normal(const Vector3<double>& a, const Vector3<double>& b);
 
-/// What the candidates of a motion may touch of the world, as obstacles of a problem file: a half
-/// space or a sphere is one surface, a box has six, the planes of its faces.
+/// World surfaces that the candidates of a motion may touch, as obstacles of a problem file. A half
+/// space or a sphere gives a single surface, a box six, the planes of its faces.
 class ContactSurfaces {
  public:
   explicit ContactSurfaces(const ContactMotion& motion);
 
-  /// 0 where a body of the robot carries what is touched, or where it is soft.
+  /// Number of surfaces; 0 if the counterpart belongs to the robot or is soft.
   int count(std::size_t candidate) const;
-  /// The surface that a candidate touches at all nodes from `first` to `last`, which has the same
-  /// normal there; none where that turns or is not one of a face.
+  /// The surface that a candidate touches at all nodes from `first` to `last` with a constant
+  /// normal. Empty if the normal turns or does not belong to a face.
   std::optional<int> touched(std::size_t candidate, int first, int last) const;
-  /// The normal where the candidate is at a node, in the world.
+  /// The normal at the candidate's position at a node, in the world.
   const Vector3<double>& normal(std::size_t candidate, int node) const {
     return looks_[candidate][node].normal;
   }
-  /// How far the candidate is from what it may touch at a node, m.
+  /// Distance of the candidate from its counterpart at a node, m.
   double gap(std::size_t candidate, int node) const { return looks_[candidate][node].gap; }
-  /// Whether the middle of the candidate's sphere moves along the surface between these nodes,
+  /// True if the center of the candidate's sphere moves along the surface between these nodes
   /// faster than `speed` (m/s) in one of the steps.
   bool travels(std::size_t candidate, int first, int last, double speed) const;
-  /// Whether the candidate lies outside of a surface at a node: for a box, in front of that face.
+  /// True if the candidate is outside a surface at a node: for a box, in front of that face.
   bool is_outside(std::size_t candidate, int surface, int node) const;
-  /// The surface outside of which the candidate is for the longest time from a node on; none where
-  /// it is outside of no surface there.
+  /// The surface that the candidate stays outside of for the longest time, starting at a node;
+  /// empty if it is not outside any surface there.
   std::optional<int> longest_outside(std::size_t candidate, int node) const;
 
-  /// The surface as an obstacle, smaller by `less` (m) all around.
+  /// The surface as an obstacle, shrunk by `less` (m) on all sides.
   OrderedJson obstacle(std::size_t candidate, int surface, double less) const;
 
  private:

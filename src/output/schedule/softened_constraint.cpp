@@ -5,11 +5,11 @@
 namespace conddp {
 namespace {
 
-/// Of costs that stand for constraints: while the motion runs, and at single nodes. Larger ones
-/// make stages that a solver without constraints hardly gets to the end of.
+/// Weights of costs that replace constraints: during the motion, and at single nodes. With larger
+/// weights, solvers without constraints hardly complete a stage.
 constexpr double kRunningWeight = 100, kNodeWeight = 1000;
 
-/// Whether a cost of the same residual, or of the state, says what a constraint does.
+/// True if a cost on the same residual, or on the state, can express the constraint.
 bool can_be_softened(const OrderedJson& constraint) {
   if (constraint.contains("bounds") &&
       (constraint["bounds"] == "control" || constraint.contains("from")))

@@ -7,12 +7,12 @@
 
 namespace conddp {
 
-/// A constraint, as expand_problem writes one, as a cost of this weight that is zero where it
-/// holds; null where no cost says it.
+/// A constraint in the form of expand_problem, as a cost with this weight that is zero if the
+/// constraint holds; null if no cost can express it.
 OrderedJson softened(const OrderedJson& constraint, double weight);
 
-/// All constraints of an expanded problem but the bounds on its controls, as costs. A note names
-/// each that no cost says: it is left out.
+/// Turns all constraints of an expanded problem except its control bounds into costs. A note names
+/// each constraint that is omitted because no cost can express it.
 void soften_constraints(OrderedJson& problem, std::vector<std::string>& notes);
 
 }  // namespace conddp

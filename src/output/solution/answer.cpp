@@ -8,13 +8,13 @@
 namespace conddp {
 namespace {
 
-/// Whether a solve that ended so may have a better end with another solver.
+/// True if another solver may do better after such an end.
 bool is_stuck(DiagnosisPattern pattern) {
   return pattern == DiagnosisPattern::plateau || pattern == DiagnosisPattern::no_descent ||
          pattern == DiagnosisPattern::undecided;
 }
 
-/// Advises `auto` where the file's own solver is stuck, and others would be tried.
+/// Recommends `auto` if the file's own solver is stuck and `auto` would try others.
 Diagnosis diagnosis_of(const ProblemSpec& spec, const BuiltProblem& built,
                        const SolveResult& result) {
   Diagnosis d = diagnose(*built.problem, result, spec.solver.options);
@@ -37,7 +37,7 @@ Answer::Answer(const ProblemSpec& spec, const BuiltProblem& built, const SolveRe
       diagnosis(diagnosis_of(spec, built, result)),
       findings(findings_of(spec, built, result.trajectory, result.feedback.K, values)),
       forces(contact_forces(spec, *built.problem, values)) {
-  // No advice on the log helps while steps are unstable.
+  // Advice from the log does not help while steps are unstable.
   for (const Finding& finding : findings)
     if (finding.kind == FindingKind::unstable_steps && !is_success(result.status))
       diagnosis.remedy = finding.remedy;

@@ -15,10 +15,10 @@
 
 namespace conddp {
 
-/// What follows from the result of a solve by the names of its problem's file, computed once for
-/// all outputs. The certificate in the same process takes the values of the nodes and the findings
-/// in them from here, if its trajectory is the same, and the model of second order from the one
-/// that judged the same numbers before; everything else it computes itself.
+/// Results derived from a solve under the names of its problem file, computed once for all outputs.
+/// A certificate in the same process reuses the node values and findings if its trajectory is the
+/// same. It also reuses the second-order model of an earlier check of the same numbers, and
+/// computes everything else itself.
 struct Answer {
   Answer(const ProblemSpec& spec, const BuiltProblem& built, const SolveResult& result);
 
@@ -26,11 +26,11 @@ struct Answer {
   std::vector<std::pair<std::string, double>> costs;  ///< cost_by_name()
   std::vector<ConstraintViolation> violations;        ///< violations_by_name()
   std::vector<ConstraintViolation> soft_violations;
-  std::vector<std::pair<std::string, double>> dropped;  ///< violations of constraints left out
+  std::vector<std::pair<std::string, double>> dropped;  ///< violations of omitted constraints
   Diagnosis diagnosis;
   std::vector<Finding> findings;
   ContactForces forces;
-  /// What a certificate has found of the same numbers on the way; null: nothing.
+  /// Intermediate results of a certificate for the same numbers; null if unavailable.
   std::shared_ptr<const SecondOrderMemory> certified;
 };
 

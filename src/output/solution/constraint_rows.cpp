@@ -9,7 +9,7 @@ const ConstraintSpec* constraint_spec(const ProblemSpec& spec, const ShootingPro
       if (one.function.name.value == constraint.term->name) return &one;
     return nullptr;
   };
-  // Those on running knots can hold at the last node too.
+  // Constraints on running knots can also hold at the last node.
   if (constraint.node == problem.knots())
     if (const ConstraintSpec* found = find(spec.terminal_constraints)) return found;
   return find(spec.constraints);
@@ -17,7 +17,7 @@ const ConstraintSpec* constraint_spec(const ProblemSpec& spec, const ShootingPro
 
 namespace {
 
-/// The names of those rows that are one column each.
+/// Names of the rows that are single columns.
 std::vector<std::string> names_by_column(const Residual& residual,
                                          const std::vector<std::string>& columns) {
   std::vector<std::string> names;
@@ -36,7 +36,7 @@ std::vector<std::string> residual_row_names(const ProblemSpec& spec, const Built
   std::vector<std::string> names = names_by_column(residual, tangent_columns(built));
   const auto complete = [&] { return static_cast<int>(names.size()) == residual.size(); };
   if (complete()) return names;
-  Diagnostics ignored;  // the problem has been built
+  Diagnostics ignored;  // the problem is already built
   for (const Plant& plant : built.plant.all_variants()) {
     const auto made =
         make_cost_residual(constraint.function, spec, plant, built.problem->ndx(), ignored);

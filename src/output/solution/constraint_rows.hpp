@@ -8,12 +8,12 @@
 
 namespace conddp {
 
-/// What the problem file says of a constraint of the problem; null where it is not from there.
+/// The constraint's entry in the problem file; null if it has another origin.
 const ConstraintSpec* constraint_spec(const ProblemSpec& spec, const ShootingProblem& problem,
                                       const NodeConstraint& constraint);
 
-/// The names of the rows of a constraint's residual: coordinates of the state, axes of a position,
-/// pairs of shapes, ...; their numbers from 1 on where they have none.
+/// Names of the rows of a constraint's residual: coordinates of the state, axes of a position,
+/// pairs of shapes, ...; numbers from 1 on for rows without names.
 std::vector<std::string> residual_row_names(const ProblemSpec& spec, const BuiltProblem& built,
                                             const ConstraintSpec& constraint,
                                             const Residual& residual);

@@ -13,13 +13,13 @@
 
 namespace conddp {
 
-/// The forces of all contacts of a problem along its trajectory, evaluated with scalar code.
+/// Forces of all contacts of a problem along its trajectory, evaluated with scalar code.
 struct ContactForces {
   struct OfContact {
     std::string name;
-    bool torque = false;  ///< of a surface contact
+    bool torque = false;  ///< true for a surface contact
     /// Per running knot: force (N) and torque (Nm) on the robot in world axes at the frame's
-    /// origin; Ns and Nms at an impulse; nothing while the contact is not held.
+    /// origin; Ns and Nms at an impulse; empty while the contact is open.
     std::vector<std::optional<std::array<double, 6>>> wrench;
   };
   std::vector<OfContact> contacts;  ///< in the order of the file
@@ -28,13 +28,13 @@ struct ContactForces {
 ContactForces contact_forces(const ProblemSpec& spec, const ShootingProblem& problem,
                              const NodeValues& values);
 
-/// The contacts of a file with so many rows of forces that there are not.
+/// The contacts of a file with `rows` empty rows of forces.
 ContactForces no_contact_forces(const ProblemSpec& spec, int rows);
 
-/// Evaluates the forces that a system's contacts have, row by row.
+/// Evaluates the contact forces of a system row by row.
 class ContactForceWriter {
  public:
-  /// Writes a row: the forces of the contacts that a system holds, in a state with a control.
+  /// Writes a row: the forces of a system's contacts at a state and a control.
   void write(const System& system, const double* x, const double* u, int row, ContactForces& to);
 
  private:

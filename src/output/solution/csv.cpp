@@ -25,7 +25,7 @@ void append_state(const Trajectory& trajectory, int knot, const std::vector<int>
   }
 }
 
-/// Empty cells where there is no control.
+/// Empty cells for nodes without a control.
 void append_control(const Eigen::VectorXd& row, std::size_t first, std::size_t end,
                     std::string& text) {
   for (std::size_t i = first; i < end; ++i) {
@@ -34,8 +34,8 @@ void append_control(const Eigen::VectorXd& row, std::size_t first, std::size_t e
   }
 }
 
-/// Where the first state is chosen, states carry the choice along, which is left out. Linear
-/// controls are shown at the nodes, as states.
+/// Columns of the table. A free initial state is carried along in the states and is omitted here.
+/// Linear controls appear at the nodes, like states.
 TableColumns columns_of(const BuiltProblem& built) {
   const ShootingProblem& problem = *built.problem;
   const KnotModel& end = *problem.terminal().model;
@@ -70,7 +70,7 @@ void append_contact_cells(const ContactForces& forces, int row, bool written, st
 std::string trajectory_csv(const BuiltProblem& built, const Trajectory& trajectory,
                            const ContactForces& forces) {
   const ShootingProblem& problem = *built.problem;
-  // Where the first state is chosen the motion begins with the choice.
+  // With a free initial state, the motion begins after its choice.
   const int first = problem.phases().front().instant ? 1 : 0;
   const TableColumns columns = columns_of(built);
   const ControlColumns controls(problem);
@@ -81,7 +81,7 @@ std::string trajectory_csv(const BuiltProblem& built, const Trajectory& trajecto
   for (int k = first; k <= problem.knots(); ++k) {
     const bool last = k == problem.knots();
     const Phase& phase = last ? problem.terminal() : problem.phases()[problem.knot(k).phase];
-    // Readers of such files want times that increase, and an impulse takes none.
+    // Readers expect increasing times, but an impulse takes no time.
     written = std::max({times[k], written + kLeastTimeStep,
                         std::nextafter(written, std::numeric_limits<double>::infinity())});
     append_cell(written, text);
@@ -98,7 +98,7 @@ std::string trajectory_csv(const BuiltProblem& built, const Trajectory& trajecto
 
 namespace {
 
-/// Nothing for null.
+/// Appends a number, or nothing for null.
 void append_json(const OrderedJson& value, std::string& text) {
   if (value.is_number_integer())
     text += fmt::format("{}", value.get<long long>());

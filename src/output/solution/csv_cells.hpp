@@ -8,23 +8,23 @@
 
 namespace conddp {
 
-/// Appends a number by shortest round trip; nothing where it is not finite.
+/// Appends a number in its shortest round-trip form, or nothing if it is not finite.
 void append_cell(double value, std::string& text);
 
-/// A text as a cell, which holds no commas, quotes or line ends and begins no formula.
+/// A text as a cell, without commas, quotes and line ends, and not starting like a formula.
 std::string csv_cell(std::string text);
 
-/// "name [unit]", or the name alone of what has no unit.
+/// "name [unit]", or the name alone for a quantity without unit.
 std::string with_unit(std::string name, std::string_view unit);
 
 /// Columns of a trajectory in a table.
 struct TableColumns {
-  std::vector<int> states;  ///< into the state
-  int first_control = 0;    ///< and all that follow
+  std::vector<int> states;  ///< indices into the state
+  int first_control = 0;    ///< this and all following ones
 };
 
-/// Headers of columns, a comma before each. Names that another column has get a prefix
-/// (kStatePrefix, kControlPrefix).
+/// Headers of columns, each preceded by a comma. Ambiguous names get a prefix (kStatePrefix,
+/// kControlPrefix).
 std::string column_headers(const BuiltProblem& built, const TableColumns& columns);
 
 }  // namespace conddp

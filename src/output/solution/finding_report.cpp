@@ -12,18 +12,18 @@
 namespace conddp {
 namespace {
 
-/// Of each kind so many are printed.
+/// Number of findings printed per kind.
 constexpr int kShown = 3;
 
-/// Whether the rows of a constraint are distances of shapes.
+/// True if the rows of a constraint are distances of shapes.
 bool is_of_shapes(const ConstraintSpec& constraint) {
   return !constraint.bounded && constraint.function.definition->needs.shapes;
 }
 
-/// Whether a cost or constraint is not limited to some phases or knots.
+/// True if a cost or constraint is not limited to some phases or knots.
 bool holds_throughout(const CostSpec& c) { return !c.phases && !c.knots; }
 
-/// Notes a cost or constraint on friction cones, which wrench cones are as well, by contact.
+/// Records a cost or constraint on friction cones (or wrench cones, which contain them) by contact.
 void note_cone(const ProblemSpec& spec, const CostSpec& c, bool constraint, FindingNames& names) {
   if (c.definition == nullptr ||
       (c.definition->name != "friction_cone" && c.definition->name != "wrench_cone"))
@@ -34,7 +34,7 @@ void note_cone(const ProblemSpec& spec, const CostSpec& c, bool constraint, Find
       names.cones[contact.name.value].push_back({c.name.value, constraint, holds_throughout(c)});
 }
 
-/// What the file asks for by itself, so that findings need not advise it.
+/// Records what the file already requests, so that findings need not recommend it.
 void note_constraints(const ProblemSpec& spec, FindingNames& names) {
   for (const ControlBoundsSpec& c : spec.control_bounds)
     if (c.from_urdf && !c.phases) names.bounded.insert("control");
@@ -52,7 +52,7 @@ void note_constraints(const ProblemSpec& spec, FindingNames& names) {
   for (const CostSpec& c : spec.costs) note_cone(spec, c, false, names);
 }
 
-/// Pairs of shapes, or names or numbers of rows, with their expressions where each has one.
+/// Pairs of shapes, or names or numbers of rows, with their expressions if each row has one.
 FindingNames::Rows rows_of(const ConstraintSpec& c, const std::vector<std::string>& names) {
   if (is_of_shapes(c)) return {names, "m"};
   const std::vector<ExpressionText> texts = c.function.keys.value(key::expression_rows).texts;

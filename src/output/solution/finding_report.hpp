@@ -6,7 +6,7 @@
 
 namespace conddp {
 
-/// What stands out in a motion of a problem (find_in_motion), by the names of its file.
+/// Notable properties of a problem's motion (find_in_motion), with the names of its file.
 std::vector<Finding> findings_of(const ProblemSpec& spec, const BuiltProblem& built,
                                  const Trajectory& trajectory,
                                  const std::vector<Eigen::MatrixXd>& gains,
@@ -15,7 +15,8 @@ std::vector<Finding> findings_of(const ProblemSpec& spec, const BuiltProblem& bu
 /// The list `findings` of solution.json.
 OrderedJson findings_json(const std::vector<Finding>& findings);
 
-/// For people: one line a finding, and of each kind the worst three, then how many more there are.
+/// Text for users: one line per finding, the worst three of each kind, then the number of further
+/// ones.
 std::vector<std::string> finding_lines(const std::vector<Finding>& findings);
 
 }  // namespace conddp

@@ -34,7 +34,7 @@ std::string tolerance_names() {
   return names;
 }
 
-/// What is wrong with the tolerances of a golden file.
+/// The defect in the tolerances of a golden file, if any.
 std::optional<std::string> tolerances_defect(const Json& answer) {
   if (!answer.contains("tolerances")) return std::nullopt;
   if (!answer["tolerances"].is_object()) return "'tolerances' has no names";
@@ -63,7 +63,7 @@ std::optional<std::string> problem_defect(const Json& answer) {
   return std::nullopt;
 }
 
-/// What misses in the entries that a golden file has besides those that are compared.
+/// The first defect in the entries of a golden file, compared or not.
 std::optional<std::string> golden_defect(const Json& answer) {
   if (auto defect = problem_defect(answer)) return defect;
   if (!answer.contains("iterations") || !answer["iterations"].is_number_integer())
@@ -115,7 +115,7 @@ std::optional<GoldenOutcome> solve_golden(const GoldenCase& golden, const Golden
   own.homotopy = homotopy_path(*built);
   const SolveResult result =
       solve(*built->problem, candidates, own, built->guess, solver, certificate_doubt(own));
-  // Through text: comparison and golden files know no order of keys.
+  // Conversion through text: comparison and golden files have unordered keys.
   const OrderedJson document = solution_json({*spec, *built, *solver, result, settings});
   return GoldenOutcome{Json::parse(document.dump()), result.times.total};
 }

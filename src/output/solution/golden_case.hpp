@@ -14,12 +14,12 @@
 
 namespace conddp {
 
-/// A golden file: a problem and what is known of its answer. It is a solution.json with the
-/// compared entries alone, numbers rounded to ten digits; `problem.file` is relative to its folder,
-/// and `problem.overrides` are settings as --set takes them. `tolerances`, by their names, say how
-/// far apart answers may be where the problem leaves more open than others do.
+/// A golden file: a problem and its known answer. It is a solution.json with only the compared
+/// entries, numbers rounded to ten digits. `problem.file` is relative to its folder, and
+/// `problem.overrides` are settings as for --set. `tolerances`, by their names, widen the
+/// comparison for problems with less determined answers.
 struct GoldenCase {
-  std::string name;            ///< the file's, without suffix
+  std::string name;            ///< name of the file without suffix
   std::filesystem::path file;  ///< the golden file
   std::filesystem::path problem_file;
   std::vector<std::string> overrides;
@@ -27,25 +27,25 @@ struct GoldenCase {
   nlohmann::json answer;
 };
 
-/// Reads a golden file; what is wrong with it is reported.
+/// Reads a golden file and reports its defects.
 std::optional<GoldenCase> load_golden(const std::filesystem::path& file, Diagnostics& out);
 
-/// A case without an answer yet: the golden file of the problem in a folder.
+/// A case without an answer yet: the future golden file of the problem in a folder.
 GoldenCase new_golden(const std::filesystem::path& problem, const std::filesystem::path& folder);
 
-/// What a case's problem is solved with besides what its file says.
+/// Settings for solving a case's problem in addition to its file.
 struct GoldenOptions {
-  std::vector<std::string> settings;  ///< of all problems, after their own overrides
+  std::vector<std::string> settings;  ///< for all problems, after their own overrides
   std::function<bool()> interrupted;
 };
 
-/// A case solved again.
+/// Result of solving a case again.
 struct GoldenOutcome {
-  nlohmann::json answer;  ///< a whole solution.json
+  nlohmann::json answer;  ///< complete solution.json
   double time_s = 0;      ///< of the solve
 };
 
-/// Solves a case's problem; what is wrong with the problem is reported.
+/// Solves a case's problem and reports defects of the problem.
 std::optional<GoldenOutcome> solve_golden(const GoldenCase& golden, const GoldenOptions& options,
                                           Diagnostics& out);
 

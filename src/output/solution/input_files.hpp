@@ -7,7 +7,7 @@
 
 namespace conddp {
 
-/// The files that a problem is made of besides its own.
+/// Input files of a problem besides its own file.
 struct InputFiles {
   std::vector<InputFile> robots, data;
 };

@@ -8,10 +8,10 @@
 
 namespace conddp {
 
-/// A column of the log: the same in solution.json and iterations.csv.
+/// A column of the log, identical in solution.json and iterations.csv.
 struct LogColumn {
   std::string_view name;
-  std::string_view unit;  ///< empty for counts and for what has the cost's unit
+  std::string_view unit;  ///< empty for counts and for the cost's unit
   bool integer;
   double (*get)(const IterationRecord& row);
 };

@@ -14,14 +14,14 @@ namespace conddp {
 /// The value of `format` in a solution.json.
 inline constexpr std::string_view kSolutionFormat = "conddp.solution/1";
 
-/// All that a solution is written from.
+/// Data for the files of a solution.
 struct Solution {
   const ProblemSpec& spec;
   const BuiltProblem& built;
   const SolverInfo& solver;
   const SolveResult& result;
-  std::vector<std::string> overrides;  ///< settings of the command line, as given
-  std::vector<MeshRound> mesh = {};    ///< the grids, where the file has it refined
+  std::vector<std::string> overrides;  ///< command-line settings, as given
+  std::vector<MeshRound> mesh = {};    ///< the grids, if the file requests refinement
   Answer answer = Answer(spec, built, result);
 };
 

@@ -32,14 +32,14 @@ OrderedJson numbers(const Eigen::Ref<const Eigen::VectorXd>& values, NumberForm 
   return numbers(std::span(values.data(), static_cast<std::size_t>(values.size())), form);
 }
 
-/// Rows of numbers, one behind the other.
+/// Rows of numbers, stored consecutively.
 class NumberRows {
  public:
   void add(const Eigen::Ref<const Eigen::VectorXd>& row) {
     numbers_.insert(numbers_.end(), row.data(), row.data() + row.size());
     ends_.push_back(numbers_.size());
   }
-  /// The row of a table of all controls, with the numbers of a knot's own ones.
+  /// Adds the row of a table of all controls, from the knot's own controls.
   void add_controls(const ControlColumns& controls, int knot,
                     const Eigen::Ref<const Eigen::VectorXd>& own) {
     if (controls.are_some(knot))
@@ -48,7 +48,7 @@ class NumberRows {
       add(own);
   }
 
-  /// A list of lists; of blocks, one for all rows where these have one length.
+  /// A list of lists, or in block form a single block if all rows have the same length.
   OrderedJson json(NumberForm form) const {
     if (form == NumberForm::kBlocks && have_one_length())
       return number_block(ends_.size(), ends_.empty() ? 0 : ends_.front(), numbers_);
@@ -192,7 +192,7 @@ OrderedJson gains_json(const ShootingProblem& problem, const SolveResult& result
   return gains;
 }
 
-/// Multipliers of a control bound: not negative, zero where the control is off the bound.
+/// Multipliers of a control bound: nonnegative, zero away from the bound.
 OrderedJson bound_multipliers(const Solution& s, const ControlBounds& bounds, bool upper,
                               NumberForm form) {
   const ShootingProblem& problem = *s.built.problem;
@@ -257,7 +257,7 @@ OrderedJson log_json(const std::vector<IterationRecord>& log) {
   for (const LogColumn& column : log_columns()) names.push_back(log_key(column));
   OrderedJson rows = OrderedJson::array();
   for (const IterationRecord& record : log) {
-    // Entries go behind each other: a key would be looked for among those before it.
+    // Appends entries directly: insertion by key would search the existing ones.
     OrderedJson row = json_object(names.size());
     auto& entries = row.get_ref<OrderedJson::object_t&>();
     for (std::size_t i = 0; i < names.size(); ++i) {
@@ -271,7 +271,7 @@ OrderedJson log_json(const std::vector<IterationRecord>& log) {
   return rows;
 }
 
-/// The numbers that are null, by key, and why: JSON has no numbers that are not finite.
+/// The null numbers, by key, with their reasons: JSON cannot represent non-finite numbers.
 OrderedJson nulls_json(const OrderedJson& json, const Solution& s) {
   const SolveResult& result = s.result;
   const std::string ended =
@@ -349,7 +349,7 @@ OrderedJson attempts_json(const std::vector<Attempt>& attempts) {
   return list;
 }
 
-/// Of a solution.json with its certificate there are 28.
+/// A solution.json with its certificate has 28 members.
 constexpr std::size_t kMostMembers = 32;
 
 OrderedJson head(const Solution& s) {

@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What a solution says about the files it was made from.
+/// Input files of a solution, as recorded in its document.
 struct Sources {
   std::string problem;
   std::string sha256;
@@ -34,7 +34,7 @@ std::vector<InputFile> files(const OrderedJson& array) {
   return all;
 }
 
-/// Loops name the constraints alone; solutions say by how much they are violated, too.
+/// Loops record only the names of dropped constraints; solutions also record their violations.
 std::string dropped_name(const OrderedJson& dropped) {
   return dropped.is_string() ? dropped.get<std::string>() : solution_text(dropped, "name");
 }
@@ -44,7 +44,7 @@ Sources sources(const OrderedJson& document, RebuiltFor kind) {
   Sources s{.problem = solution_text(problem, "file"), .sha256 = solution_text(problem, "sha256")};
   for (const OrderedJson& setting : solution_list(problem, "overrides")) {
     if (!setting.is_string()) throw MalformedSolution{"'overrides' has an entry that is not text"};
-    // Where a solve began has no part in its answer, and that file may be gone.
+    // The initial guess does not affect the answer, and its file may be missing.
     if (std::string value = setting;
         kind == RebuiltFor::kLoop || !value.starts_with("initial_guess"))
       s.overrides.push_back(std::move(value));
@@ -56,7 +56,8 @@ Sources sources(const OrderedJson& document, RebuiltFor kind) {
   return s;
 }
 
-/// The file as the solution names it, seen from here or from a folder above the solution.
+/// The file named in the solution, relative to the working directory or to a folder above the
+/// solution.
 fs::path find_problem(const std::string& name, const std::string& solution) {
   std::error_code error;
   if (fs::is_regular_file(name, error)) return name;
@@ -88,7 +89,7 @@ void compare_files(const Sources& s, const InputFiles& files, Diagnostics& out) 
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-/// Whether a file says of itself that it is a problem or a robot: in a line "conddp: 1" or a tag.
+/// True if a file identifies itself as a problem or a robot, by a line "conddp: 1" or a tag.
 bool says_what_it_is(const fs::path& file) {
   const std::string text = read_text_file(file, kMaxDataBytes).text;
   if (text.find("<robot") != text.npos) return true;
@@ -101,9 +102,9 @@ bool says_what_it_is(const fs::path& file) {
   return false;
 }
 
-/// Messages quote what they are about, and a solution may name any file: as its problem, in a
-/// setting, in the problem beside it. So they are shown only where they can be about problems,
-/// robots, and data whose hash the solution knows.
+/// True if messages may be shown. Messages quote files, and a solution may name any file: as its
+/// problem, in a setting, or through the problem. They are therefore shown only if they concern
+/// problems, robots, and data whose hash the solution contains.
 bool may_be_quoted(const Diagnostics& about, const fs::path& problem, const Sources& s) {
   const auto is_of_a_problem = [&](const Diagnostic& d) {
     return d.file.empty() || d.file == kSettingSource || d.file == problem.string() ||
@@ -145,7 +146,7 @@ bool build_again(RebuiltFor kind, const OrderedJson& document, const std::string
   Diagnostics attempt = out;
   const bool built = build_from(file, s, build, attempt);
   const bool named_by_caller = !problem.empty() && s.overrides.empty();
-  // What is wrong with the plant of a loop may quote its robots.
+  // Errors in the plant of a loop may quote its robots.
   const bool quotable = kind == RebuiltFor::kSolution && may_be_quoted(attempt, file, s);
   if (!built && !named_by_caller && !quotable) {
     out.add({.file = document_file,

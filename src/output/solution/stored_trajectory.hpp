@@ -5,8 +5,8 @@
 
 namespace conddp {
 
-/// The trajectory that the document of a solution holds; NaN for nulls. Throws MalformedSolution
-/// where it has another shape than that of the problem.
+/// The trajectory in the document of a solution, NaN for nulls. Throws MalformedSolution if its
+/// shape differs from that of the problem.
 Trajectory stored_trajectory(const OrderedJson& document, const ShootingProblem& problem);
 
 }  // namespace conddp

@@ -20,7 +20,7 @@ std::vector<std::filesystem::path> write_solution(const Solution& solution,
   files.add(paths[2], iterations_csv(document.at("log")));
   if (!page.empty()) files.add(paths.emplace_back(folder / "report.html"), page);
   files.commit();
-  if (page.empty()) {  // one that is there shows an earlier answer
+  if (page.empty()) {  // an existing page shows an earlier answer
     std::error_code ignored;
     std::filesystem::remove(folder / "report.html", ignored);
   }

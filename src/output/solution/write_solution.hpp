@@ -9,8 +9,8 @@
 
 namespace conddp {
 
-/// Writes solution.json, trajectory.csv, iterations.csv and, where there is a page, report.html
-/// into a folder, which is made if needed: all of them or, with an OutputError, none. Returns their
+/// Writes solution.json, trajectory.csv, iterations.csv and, unless the page is empty, report.html
+/// into a folder, which is created if needed. On an OutputError, no file is written. Returns their
 /// paths. `document` is that of the solution (solution_json).
 std::vector<std::filesystem::path> write_solution(const Solution& solution,
                                                   const OrderedJson& document,
