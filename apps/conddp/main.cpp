@@ -39,11 +39,11 @@ std::string version_text() {
   return text;
 }
 
-/// Its value is read apart from the parser, because errors of the command line have that form too.
-/// It may stand before or behind the subcommand.
+/// Read separately from the parser, because errors of the command line also have that format. The
+/// option may come before or after the subcommand.
 constexpr const char* kDiagnostics = "--diagnostics";
 
-/// The options that the program and every subcommand have, around those of its own.
+/// Adds the options common to the program and all subcommands around its own options.
 void add_common_options(Command& command) {
   command.arguments.insert(command.arguments.begin(),
                            {.names = {"-h", "--help"},
@@ -57,11 +57,11 @@ void add_common_options(Command& command) {
        .fallback = "text"});
 }
 
-/// The subcommands that read no problem files.
+/// Subcommands that do not read problem files.
 constexpr std::string_view kWithoutProblems[] = {"compare", "inspect",    "list", "schema",
                                                  "help",    "completion", "man"};
 
-/// Fills `tool`, to which some subcommands refer. `allows_code`: whether --allow-code is given.
+/// Fills `tool`; some subcommands refer to it. `allows_code`: true if --allow-code is given.
 void declare(Command& tool, bool& allows_code) {
   tool = {
       .name = "conddp",
@@ -140,7 +140,7 @@ int run_and_report(int argc, char** argv) {
     print_error(error.what());
     return kExitBadInput;
   } catch (const std::filesystem::filesystem_error& error) {
-    // What the user's files and folders are like: the current one is gone, links go in a circle.
+    // Conditions of the user's file system: the current folder was removed, or links form a cycle.
     const std::string path = error.path1().string();
     print_error(fmt::format("{} cannot be reached: {}",
                             path.empty() ? "the current folder" : "'" + path + "'",

@@ -1,15 +1,15 @@
-// Compiled for any x86-64, unlike the rest of the tool: before anything of that runs, it chooses
-// the instructions. Where a tool for wider registers lies beside this one (cmake/wider_tool.cmake)
-// and the processor has what that needs, it becomes that tool; where the processor lacks what this
-// one was compiled to, it says what is missing instead of ending at an illegal instruction.
+// Compiled for any x86-64, unlike the rest of the tool, to select the instruction set before other
+// code runs. A tool for wider registers may be installed next to this one (cmake/wider_tool.cmake).
+// If the processor supports it, the process becomes that tool. If the processor lacks instructions
+// of this tool, it reports them instead of ending at an illegal instruction.
 #include <cstdlib>
 #include <cstring>
 
 #include <unistd.h>
 
-// From cmake/processor_features.cmake, where X("name") stands for each instruction set that
-// matters: CONDDP_PROCESSOR_FEATURES, CONDDP_INSTRUCTION_SET (the path of this tool: "avx2") and,
-// if there is a wider tool, CONDDP_WIDER_FEATURES and CONDDP_WIDER_SET.
+// From cmake/processor_features.cmake, where X("name") stands for each relevant instruction set:
+// CONDDP_PROCESSOR_FEATURES, CONDDP_INSTRUCTION_SET (the path of this tool: "avx2") and, if there
+// is a wider tool, CONDDP_WIDER_FEATURES and CONDDP_WIDER_SET.
 #ifndef CONDDP_WIDER_SET
 #define CONDDP_WIDER_SET ""
 #define CONDDP_WIDER_FEATURES
@@ -19,7 +19,7 @@ namespace {
 
 constexpr const char* kVariable = "CONDDP_INSTRUCTIONS";
 
-/// As strings and streams are compiled for the other processor, it does without.
+/// A text without std::string and streams, which are compiled for the other processor.
 struct Text {
   char characters[1024] = {};
   std::size_t size = 0;
@@ -41,14 +41,14 @@ struct Text {
     missing.add(feature);                     \
   }
 
-/// The instruction sets of this tool that the processor lacks.
+/// Instruction sets of this tool that the processor lacks.
 Text missing_here() {
   Text missing;
   CONDDP_PROCESSOR_FEATURES
   return missing;
 }
 
-/// Those of the wider tool.
+/// Instruction sets of the wider tool that the processor lacks.
 Text missing_for_wider() {
   Text missing;
   CONDDP_WIDER_FEATURES
@@ -83,7 +83,7 @@ void report_missing(const Text& missing, const char* whose, const char* hint) {
   fail(message);
 }
 
-/// Returns only where the wider tool cannot be run; `path` is where it was looked for.
+/// Returns only if the wider tool cannot be run; `path` is the path that was tried.
 void become_wider(char** argv, Text& path) {
   char self[sizeof(path.characters)];
   const ssize_t size = readlink("/proc/self/exe", self, sizeof(self) - 1);
@@ -94,7 +94,8 @@ void become_wider(char** argv, Text& path) {
   execve(path.characters, argv, environ);
 }
 
-/// Before the constructors of all other objects. The C library hands them what main gets.
+/// Runs before the constructors of all other objects. The C library passes it the arguments of
+/// main.
 __attribute__((constructor(101))) void choose_instructions(int, char** argv, char**) {
   __builtin_cpu_init();
   const char* wanted = std::getenv(kVariable);

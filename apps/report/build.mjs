@@ -1,4 +1,4 @@
-// Bundles the page of `conddp report` into one file that needs nothing else: node build.mjs OUT.html
+// Bundles the page of `conddp report` into a single self-contained file: node build.mjs OUT.html
 // Runs in this folder, or in a copy of it, with its packages installed.
 import {createHash} from 'node:crypto';
 import {readFileSync, writeFileSync} from 'node:fs';
@@ -15,7 +15,7 @@ const fill = (text, mark, content) => {
   if (parts.length !== 2) throw new Error(`index.html should have ${mark} once`);
   return parts.join(content);
 };
-// The page's policy names its own script and style by their hashes, so that no other runs in it.
+// The page's policy lists the hashes of its script and style, so that no others can run.
 const hash = text => `sha256-${createHash('sha256').update(text, 'utf8').digest('base64')}`;
 let filled = page;
 for (const [mark, text] of [['SCRIPT', script.outputFiles[0].text], ['STYLE', style.outputFiles[0].text]])

@@ -16,7 +16,7 @@ std::string shard_defect(const std::string& text) {
 constexpr const char* kAutoShard = "auto";
 constexpr double kLongestTime = 1e9;  // s
 
-/// Numbers alone are no times: they would be seconds here and minutes for Slurm.
+/// Bare numbers are rejected: they would be seconds here and minutes in Slurm.
 ArgumentCheck time_check(std::optional<double> (*parse)(std::string_view), std::string examples) {
   return [=](const std::string& text) -> std::string {
     if (parse(text)) return {};
@@ -68,7 +68,7 @@ std::optional<double> parse_time_limit(std::string_view text) {
 
 namespace {
 
-/// An option that means nothing to this action.
+/// An option that does not apply to this action.
 std::string misplaced_option(const BatchArguments& arguments) {
   const auto is = [&](const char* action) { return arguments.action == action; };
   const bool submits = is("submit");

@@ -9,38 +9,38 @@
 
 namespace conddp {
 
-/// A flag that ends the command line: what follows it is not read.
+/// A flag that ends the command line: the parser ignores everything after it.
 enum class EndingFlag { kHelp, kVersion };
 
-/// Where the value of an argument goes. A bool makes it a flag, a list takes any number of values;
-/// of an argument without a variable only `CommandWords` has the value.
+/// Destination of an argument's value. A bool makes the argument a flag, a list accepts any number
+/// of values. Without a variable, only `CommandWords` contains the value.
 using ArgumentTarget = std::variant<std::monostate, bool*, std::string*, std::vector<std::string>*,
                                     int*, std::optional<int>*, std::uint64_t*, double*, EndingFlag>;
 
-/// What is wrong with a value; empty where nothing is.
+/// Returns the defect of a value, or an empty text.
 using ArgumentCheck = std::function<std::string(const std::string& value)>;
 
-/// Whole numbers from `least` to `most`.
+/// Integers from `least` to `most`.
 struct WholeNumbers {
   long long least;
   long long most;
 };
 
-/// An option or positional argument of a command. The parser, help, manual pages and completion
-/// read this declaration and nothing else.
+/// An option or positional argument of a command. The parser, help, manual pages and completion use
+/// only this declaration.
 struct Argument {
-  /// "-o", "--output"; a single name without a dash makes it positional: "FILE".
+  /// Examples: "-o", "--output"; a single name without a dash is positional: "FILE".
   std::vector<std::string> names;
-  /// What the value is called, empty for a flag. "FOLDER" stands for a folder, a name that ends in
-  /// suffixes ("FILE.json", "FILE.csv.json") for a file; neither may be empty.
+  /// Name of the value, empty for a flag. "FOLDER" denotes a folder, a name with suffixes
+  /// ("FILE.json", "FILE.csv.json") a file; neither may be empty.
   std::string value;
   std::string description;
-  std::vector<std::string> choices;     ///< the words accepted, empty: any
-  std::optional<WholeNumbers> numbers;  ///< the numbers accepted
-  ArgumentCheck check;                  ///< what else a value must satisfy
-  std::string fallback;                 ///< shown as the value without the option
-  std::string needs;                    ///< an option that must be given as well
-  std::string excludes;                 ///< an option that must not be given as well
+  std::vector<std::string> choices;     ///< accepted words; empty: any
+  std::optional<WholeNumbers> numbers;  ///< accepted numbers
+  ArgumentCheck check;                  ///< further condition on a value
+  std::string fallback;                 ///< shown as the default value
+  std::string needs;                    ///< an option that must also be given
+  std::string excludes;                 ///< an option that must not be given with this one
   bool required = false;
   ArgumentTarget target;
 
@@ -48,12 +48,12 @@ struct Argument {
   bool flag() const { return value.empty(); }
   bool repeatable() const { return std::holds_alternative<std::vector<std::string>*>(target); }
   bool folder() const { return value == "FOLDER"; }
-  /// Those of the files accepted, with the dot.
+  /// Suffixes of the accepted files, with the dot.
   std::vector<std::string> suffixes() const;
-  /// What a person calls it: "--output", "FILE.yaml".
+  /// Name for users: "--output", "FILE.yaml".
   const std::string& called() const { return positional() ? value : names.back(); }
 
-  /// "-o, --output FOLDER", or of a positional what stands on the command line: "[KIND]".
+  /// "-o, --output FOLDER", or for a positional argument its form on the command line: "[KIND]".
   std::string heading() const;
   /// The description with choices, numbers and default.
   std::string explanation() const;
@@ -63,23 +63,23 @@ struct Argument {
 Argument flag(std::vector<std::string> names, bool& target, std::string description,
               std::string excludes = {});
 
-/// The program, or one of its subcommands.
+/// The program or one of its subcommands.
 struct Command {
   std::string name;  ///< with those above it: "conddp solve"
   std::string description;
   std::string details;  ///< paragraphs, may be empty
   std::vector<Argument> arguments;
   std::vector<Command> commands;
-  /// Runs the subcommand with the values that its arguments have got; returns the exit code.
+  /// Runs the subcommand with the parsed values of its arguments; returns the exit code.
   std::function<int()> run;
 
   std::vector<const Argument*> positionals() const;
   std::vector<const Argument*> options() const;
-  /// Without those above it: "solve".
+  /// Name without its parents: "solve".
   std::string short_name() const { return name.substr(name.rfind(' ') + 1); }
   /// The subcommand of this short name, or null.
   const Command* find(const std::string& short_name) const;
-  /// "conddp solve [OPTIONS] FILE.yaml"
+  /// Example: "conddp solve [OPTIONS] FILE.yaml".
   std::string usage() const;
 };
 

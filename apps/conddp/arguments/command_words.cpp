@@ -5,7 +5,7 @@
 namespace conddp {
 namespace {
 
-/// An option by its name with dashes.
+/// Finds an option by its name, including dashes.
 const Argument* find_option(const Command& command, const std::string& flag) {
   for (const Argument* option : command.options())
     if (std::find(option->names.begin(), option->names.end(), flag) != option->names.end())
@@ -62,7 +62,7 @@ class Reader {
       take_value(*option);
   }
 
-  /// -vo DIR, -oDIR
+  /// Examples: -vo DIR, -oDIR.
   void short_flags(const std::string& word) {
     for (std::size_t i = 1; i < word.size(); ++i) {
       const Argument* option = known(std::string("-") + word[i]);

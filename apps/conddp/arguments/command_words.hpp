@@ -8,21 +8,21 @@
 
 namespace conddp {
 
-/// What the words of a command line are to a parser, whether or not they are acceptable.
+/// Roles of the words on a command line, whether or not they are acceptable.
 struct CommandWords {
-  const Command* command;       ///< the subcommand named, else the whole
-  std::string unknown_command;  ///< the word where a subcommand is expected
-  std::string unknown_flag;     ///< the first one
-  std::string extra;            ///< the first positional argument too many
+  const Command* command;       ///< the named subcommand, else the tool
+  std::string unknown_command;  ///< a word in place of a subcommand
+  std::string unknown_flag;     ///< the first unknown one
+  std::string extra;            ///< first excess positional argument
   /// Options and positional arguments with their values, in order.
   std::vector<std::pair<const Argument*, std::string>> values;
-  const Argument* incomplete = nullptr;  ///< the last option, where its value is missing
+  const Argument* incomplete = nullptr;  ///< the last option, if its value is missing
 
-  /// The last value of an option by its longest name, empty if there is none.
+  /// The last value of an option by its longest name, empty if not given.
   std::string value_of(const std::string& option) const;
 };
 
-/// Reads the words behind the program's name. The result refers to `tool`.
+/// Reads the words after the program's name. The result refers to `tool`.
 CommandWords read_words(const Command& tool, const std::vector<std::string>& arguments);
 
 }  // namespace conddp

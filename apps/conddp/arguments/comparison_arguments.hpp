@@ -8,7 +8,7 @@
 
 namespace conddp {
 
-/// --tolerance NAME=NUMBER; comparison_tolerances() puts its values in the place of others.
+/// --tolerance NAME=NUMBER; comparison_tolerances() replaces tolerances by these values.
 Argument comparison_tolerance_argument(std::vector<std::string>& values);
 ComparisonTolerances comparison_tolerances(const std::vector<std::string>& values,
                                            ComparisonTolerances tolerances = {});

@@ -16,7 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kSuffix = ".yaml";
-/// Below a folder with examples: closed loops.
+/// Subfolder of the examples with closed loops.
 constexpr const char* kLoops = "mpc";
 
 std::vector<fs::path> problems_in(const fs::path& folder) {
@@ -31,7 +31,7 @@ std::vector<fs::path> problems_in(const fs::path& folder) {
   return files;
 }
 
-/// Beside the tool, wherever it was installed or moved to.
+/// Folder relative to the tool, independent of its installation path.
 fs::path installed_folder() {
   std::error_code error;
   const fs::path tool = fs::read_symlink("/proc/self/exe", error);
@@ -63,7 +63,7 @@ std::vector<fs::path> example_problems() {
 
 namespace {
 
-/// The period that ends the first sentence: a space or nothing follows.
+/// The period that ends the first sentence, followed by a space or the end.
 std::size_t sentence_end(const std::string& text) {
   for (std::size_t at = 0; (at = text.find('.', at)) != text.npos; ++at)
     if (at + 1 == text.size() || text[at + 1] == ' ') return at;

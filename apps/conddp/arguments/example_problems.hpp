@@ -9,19 +9,19 @@
 
 namespace conddp {
 
-/// The folders with example problems that there are: `problems` in the current folder, then the one
-/// that was installed with the tool.
+/// Existing folders with example problems: `problems` in the current folder, then the folder
+/// installed with the tool.
 std::vector<std::filesystem::path> example_folders();
 
-/// The example problems of these folders and of their folders `mpc` by their names, which are those
-/// of their files without the suffix; of two with one name the first folder's.
+/// Example problems of these folders and their subfolders `mpc`. Their names are those of their
+/// files without suffix; of files with the same name, the first folder's is used.
 std::vector<std::filesystem::path> example_problems();
 
-/// What the comment at the head of an example says in its first sentence; empty without one.
+/// The first sentence of an example's head comment; empty without a comment.
 std::string example_summary(const std::filesystem::path& file);
 
-/// The problem file that a word of the command line means: a path, or where there is no such file
-/// and it is a name alone, the example problem of that name. A name that is neither is an error.
+/// The problem file denoted by a command-line word: a path, or if no such file exists and the word
+/// is a plain name, the example problem of that name. Other names are errors.
 std::optional<std::filesystem::path> find_problem_file(const std::string& word, Diagnostics& out);
 
 }  // namespace conddp

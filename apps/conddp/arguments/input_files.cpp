@@ -10,7 +10,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// The files of a folder with this suffix, sorted; none is reported.
+/// The files of a folder with this suffix, sorted; an empty list is an error.
 std::vector<fs::path> files_in(const std::string& folder, const std::string& suffix,
                                Diagnostics& out) {
   std::vector<fs::path> found;

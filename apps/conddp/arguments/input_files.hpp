@@ -8,9 +8,9 @@
 
 namespace conddp {
 
-/// Files as they are, and of folders the files in them with this suffix, in alphabetical order;
-/// what lies in folders further down is not looked at. A folder without any such file, one that
-/// cannot be read, and a file that stands twice are errors.
+/// Files as given, and for folders their files with this suffix in alphabetical order; subfolders
+/// are not searched. Folders without such files, unreadable folders, and duplicate files are
+/// errors.
 std::vector<std::filesystem::path> input_files(const std::vector<std::string>& arguments,
                                                const std::string& suffix, Diagnostics& out);
 

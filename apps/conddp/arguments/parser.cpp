@@ -26,16 +26,16 @@ std::string number_defect(const WholeNumbers& numbers, const std::string& value)
   return {};
 }
 
-/// Whether a value is one of an argument's words, if it has some.
+/// True if a value is one of an argument's choices, or any value is accepted.
 bool may_be(const Argument& argument, const std::string& value) {
   const auto& choices = argument.choices;
   return choices.empty() || std::find(choices.begin(), choices.end(), value) != choices.end();
 }
 
-/// What is wrong with a value of an argument; empty where nothing is.
+/// The defect of an argument's value; empty if valid.
 std::string defect(const Argument& argument, const std::string& value) {
   if (!may_be(argument, value)) return fmt::format("there is no '{}'", value);
-  // No path is an empty text, such as what the shell makes of a variable that is not set.
+  // An empty text is not a path; the shell produces it from an unset variable.
   if (value.empty() && (argument.folder() || !argument.suffixes().empty()))
     return "the value is empty";
   if (argument.numbers)
@@ -43,7 +43,7 @@ std::string defect(const Argument& argument, const std::string& value) {
   return argument.check ? argument.check(value) : std::string();
 }
 
-/// Adds an argument to CLI11's parser, bound to its variable.
+/// Adds an argument to the CLI11 parser, bound to its variable.
 void add(CLI::App& app, const Argument& argument) {
   const std::string names = fmt::format("{}", fmt::join(argument.names, ","));
   CLI::Option* option = std::visit(
@@ -76,7 +76,8 @@ void add_all(CLI::App& app, const Command& command) {
   }
 }
 
-/// A sentence of the parser's begins with a capital, ours go on after "error:".
+/// Converts a parser sentence to a clause: the parser capitalizes sentences, but ours follow
+/// "error:".
 std::string clause(std::string text) {
   if (text.size() > 1 && std::isupper(static_cast<unsigned char>(text[0])) &&
       std::islower(static_cast<unsigned char>(text[1])))

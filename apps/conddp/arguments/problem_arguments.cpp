@@ -44,7 +44,7 @@ std::vector<std::string> settings_of(const ProblemArguments& arguments) {
 
 namespace {
 
-/// The problem whose text is on the standard input. Paths in it are seen from the current folder.
+/// The problem read from the standard input. Its paths are relative to the current folder.
 std::optional<ProblemSpec> read_standard_input(const ProblemArguments& arguments,
                                                Diagnostics& out) {
   constexpr const char* kName = "stdin";
@@ -70,7 +70,7 @@ std::optional<ProblemSpec> read_named(const ProblemArguments& arguments, Diagnos
 
 std::optional<ProblemSpec> read_problem_of(const ProblemArguments& arguments, Diagnostics& out) {
   auto spec = read_named(arguments, out);
-  // It is not the file that names this solver: messages about it have their place elsewhere.
+  // The file does not name this solver, so messages about it must not refer to a place in the file.
   if (spec && !arguments.solver.empty()) spec->solver.name.place = {};
   return spec;
 }

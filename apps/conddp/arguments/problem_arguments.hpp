@@ -10,29 +10,28 @@
 
 namespace conddp {
 
-/// The word of the command line that stands for the standard input.
+/// Command-line word for the standard input.
 inline constexpr const char* kStandardInput = "-";
 
-/// Which problem a subcommand is about: the file and what the command line says about it.
+/// The problem of a subcommand: its file and command-line settings.
 struct ProblemArguments {
-  std::string file;  ///< or the name of an example problem, or kStandardInput
+  std::string file;  ///< or an example name, or kStandardInput
   std::string solver;
   std::vector<std::string> drop;
   std::vector<std::string> settings;
   std::vector<std::string> perturbations;
   std::uint64_t seed = 1;
-  double max_time = 0;  ///< s, 0: the file's
-  int threads = 0;      ///< 0: the file's
+  double max_time = 0;  ///< s, 0: as in the file
+  int threads = 0;      ///< 0: as in the file
 };
 
 /// FILE, --solver, --drop, --set, --perturb and --seed.
 std::vector<Argument> problem_arguments(ProblemArguments& arguments);
 
-/// What the command line says about the problem and its solve, as settings: --set, and what the
-/// other options stand for.
+/// Command-line settings of the problem and its solve: --set, and the equivalents of other options.
 std::vector<std::string> settings_of(const ProblemArguments& arguments);
 
-/// The problem with its settings, checked; nothing where there is an error.
+/// The problem with its settings, validated; empty on errors.
 std::optional<ProblemSpec> read_problem_of(const ProblemArguments& arguments, Diagnostics& out);
 
 }  // namespace conddp

@@ -20,7 +20,7 @@ struct Interval {
   std::string words;
 };
 
-/// What is wrong with a number; `argument` is what stands on the command line.
+/// The defect of a number; `argument` is its text on the command line.
 std::string number_defect(const std::string& number, const std::string& argument,
                           const Interval& accepted) {
   const ParsedNumber parsed = parse_number(number);

@@ -9,11 +9,11 @@
 
 namespace conddp {
 
-// Arguments that several subcommands have.
+// Arguments shared by several subcommands.
 
-/// --solver NAME, or another option whose value is the name of a solver.
+/// --solver NAME, or another option whose value is a solver name.
 Argument solver_argument(std::string& solver, std::string description);
-/// --problem FILE.yaml, of the problem that solutions belong to.
+/// --problem FILE.yaml: the problem of the solutions.
 Argument problem_of_solution(std::string& file, std::string description);
 /// --drop NAME, repeatable.
 Argument drop_argument(std::vector<std::string>& names, std::string description);
@@ -23,22 +23,22 @@ Argument setting_argument(std::vector<std::string>& settings, std::string descri
 Argument max_time_argument(double& seconds, std::string description);
 /// --threads N; 0 means that the option is not given.
 Argument threads_argument(int& threads, std::string description);
-/// What --max-time and --threads stand for, where they are given, as settings of the problem.
+/// The settings equivalent to --max-time and --threads, if given.
 std::vector<std::string> solve_settings(double max_time, int threads);
-/// --perturb NAME=NUMBER, repeatable: how far an instance is from its problem.
+/// --perturb NAME=NUMBER, repeatable: the distance of an instance from its problem.
 Argument perturbation_argument(std::vector<std::string>& values, std::string description);
-/// --seed N, which needs --perturb: which instance.
+/// --seed N, which needs --perturb: the seed of the instance.
 Argument seed_argument(std::uint64_t& seed, std::string description);
 
-/// The arguments of one list, then those of the other.
+/// The arguments of both lists in order.
 std::vector<Argument> joined(std::vector<Argument> first, std::vector<Argument> second);
 
-/// Accepts NAME=NUMBER with one of these names and a number in a range: "a number above 0" in
-/// words.
+/// Accepts NAME=NUMBER with one of these names and a number in a range, described by `words`: "a
+/// number above 0".
 ArgumentCheck named_number(std::vector<std::string> names, double lower, double upper,
                            std::string words);
 
-/// The values of arguments that named_number accepts, the last one of each name.
+/// The values of arguments accepted by named_number; the last one of each name wins.
 std::map<std::string, double> named_numbers(const std::vector<std::string>& arguments);
 
 }  // namespace conddp

@@ -34,7 +34,7 @@ std::vector<std::string> names_of(const std::vector<Command>& commands) {
   return names;
 }
 
-/// The first value that is none of its option's words.
+/// The first value that is not among its option's choices.
 std::optional<Diagnostic> wrong_word(const CommandWords& words) {
   for (const auto& [option, value] : words.values) {
     const std::vector<std::string>& choices = option->choices;
@@ -46,7 +46,7 @@ std::optional<Diagnostic> wrong_word(const CommandWords& words) {
   return std::nullopt;
 }
 
-/// The first argument that is required and not given, or null.
+/// The first missing required argument, or null.
 const Argument* lacking_argument(const CommandWords& words) {
   for (const Argument* positional : words.command->positionals()) {
     const bool given = std::any_of(words.values.begin(), words.values.end(),

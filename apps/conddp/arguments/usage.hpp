@@ -7,8 +7,8 @@
 
 namespace conddp {
 
-/// What is wrong with a command line of `tool`, where the parser ended with this message: with
-/// suggestions for misspelt subcommands, flags and values.
+/// The error in a command line of `tool`, given the parser's message, with suggestions for
+/// misspelled subcommands, flags and values.
 Diagnostic usage_error(const Command& tool, const CommandWords& words, std::string message);
 
 }  // namespace conddp

@@ -41,7 +41,7 @@ volatile std::sig_atomic_t g_batch_stop = 0;
 extern "C" void remember_batch_signal(int number) { g_batch_signal = number; }
 extern "C" void remember_batch_stop(int) { g_batch_stop = 1; }
 
-/// A second signal of the same kind ends the process at once; results are whole lines all the same.
+/// A second signal of the same kind ends the process at once; results still consist of whole lines.
 void handle_signals() {
   struct sigaction action {};
   sigemptyset(&action.sa_mask);
@@ -105,7 +105,7 @@ BatchProgress run_items(const fs::path& run, const Manifest& manifest, BatchOpti
   return run_batch(run, manifest, options);
 }
 
-/// The share of --shard; reports where the environment or the plan does not say it.
+/// The shard of --shard; reports an error if neither the environment nor the plan determines it.
 std::optional<Shard> shard_of(const BatchArguments& arguments, const Manifest& manifest,
                               Diagnostics& out) {
   if (arguments.shard.empty()) return Shard();
@@ -132,7 +132,7 @@ std::optional<Shard> shard_of(const BatchArguments& arguments, const Manifest& m
   return std::nullopt;
 }
 
-/// Reports a share that cannot be told.
+/// Options of a batch run; reports an undetermined shard.
 std::optional<BatchOptions> options_of(const BatchArguments& arguments, const Manifest& manifest,
                                        Diagnostics& out) {
   const auto shard = shard_of(arguments, manifest, out);
@@ -154,7 +154,7 @@ std::string summary(const BatchProgress& p, const Manifest& manifest) {
   return text + '\n';
 }
 
-/// That tables of a run are older than its results; empty where they are not, or there are none.
+/// A note that a run's tables are older than its results; empty if they are current or missing.
 std::string stale_tables(const fs::path& run, const BatchProgress& p) {
   std::error_code error;
   if (p.done == 0 || !fs::exists(run / "results.csv", error)) return {};
@@ -162,7 +162,7 @@ std::string stale_tables(const fs::path& run, const BatchProgress& p) {
                      (run / "results.csv").string());
 }
 
-/// Solves a few items, spread over all, and says what the others will take.
+/// Solves a few items, spread over all, and estimates the time of the others.
 int run_pilot(const fs::path& run, const Manifest& manifest, const BatchArguments& arguments) {
   Diagnostics diagnostics;
   auto wanted_options = options_of(arguments, manifest, diagnostics);
@@ -182,7 +182,7 @@ int run_pilot(const fs::path& run, const Manifest& manifest, const BatchArgument
       solved += found->second.result.success;
     }
   const double scale = static_cast<double>(count) / static_cast<double>(wanted);
-  // Of closed loops no solutions are kept.
+  // Closed loops keep no solutions.
   const std::string space = manifest.command == BatchCommand::kMpc
                                 ? std::string()
                                 : fmt::format(", and {} of solutions", size_words(bytes * scale));
@@ -193,7 +193,7 @@ int run_pilot(const fs::path& run, const Manifest& manifest, const BatchArgument
   return exit_code(progress);
 }
 
-/// The manifest of a plan, written into the folder of its run.
+/// The manifest of a plan; writes it into the folder of its run.
 std::optional<Manifest> make_plan(const BatchArguments& arguments, fs::path& run,
                                   Diagnostics& out) {
   const auto plan = load_batch_plan(arguments.path, out);
@@ -223,7 +223,7 @@ int plan_batch(const BatchArguments& arguments) {
   return arguments.pilot > 0 ? run_pilot(run, *manifest, arguments) : kExitConverged;
 }
 
-/// Why a run has no data set; empty where it has one.
+/// The reason for a missing data set; empty if it exists.
 std::string why_no_dataset(const fs::path& run, const Manifest& manifest) {
   std::error_code error;
   if (fs::exists(run / "dataset.h5", error)) return {};
@@ -239,7 +239,7 @@ void write_tables(const fs::path& run, const Manifest& manifest) {
   files.add(run / "results.csv", results_csv(manifest, results));
   files.add(run / "times.csv", times_csv(manifest, results));
   files.commit();
-  if (manifest.command == BatchCommand::kMpc) return;  // no solutions are kept
+  if (manifest.command == BatchCommand::kMpc) return;  // keeps no solutions
   const DatasetCount count = write_dataset(run, manifest, results);
   if (count.unreadable == 0) return;
   Diagnostics diagnostics;
@@ -275,7 +275,7 @@ int run_plan_or_folder(const BatchArguments& arguments) {
   return exit_code(progress);
 }
 
-/// The manifest of the folder that the command line names; without one the exit status.
+/// The manifest of the folder on the command line; prints errors if it cannot be loaded.
 std::optional<Manifest> manifest_of(const BatchArguments& arguments) {
   Diagnostics diagnostics;
   auto manifest = load_manifest(arguments.path, true, diagnostics);
@@ -313,7 +313,7 @@ int collect_results(const BatchArguments& arguments) {
   return kExitConverged;
 }
 
-/// Solves items that failed once more, and those that start from them.
+/// Solves failed items again, and the items that start from them.
 int retry_items(const BatchArguments& arguments) {
   Diagnostics diagnostics;
   const fs::path run = arguments.path;
@@ -323,7 +323,7 @@ int retry_items(const BatchArguments& arguments) {
   auto options = options_of(arguments, *manifest, diagnostics);
   if (!options) return give_up(diagnostics);
   const auto kind = arguments.word == kRetryTimeout ? FailureKind::kTimeout : FailureKind::kAny;
-  // What started without the answer of one of them starts from it now.
+  // Items that had to start without the answer of a failed item now start from it.
   options->only = with_descendants(*manifest, failed_items(*manifest, load_results(run), kind));
   options->again = true;
   if (options->only->empty()) {
@@ -366,7 +366,7 @@ int batch_of_sound_documents(const BatchArguments& arguments) {
 
 int batch_worker(const char* run) {
   const int answers = ::dup(1);
-  ::dup2(2, 1);  // what a library prints is no answer
+  ::dup2(2, 1);  // output of libraries is not a result
   return serve_items(run, 0, answers);
 }
 

@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Items in each list of the page.
+/// Maximum number of items in each list of the page.
 constexpr std::size_t kMostInList = 8;
 
 int report_errors(const Diagnostics& diagnostics) {
@@ -38,7 +38,7 @@ const StoredResult* stored_result(const StoredResults& results, const std::strin
 
 fs::path folder_of_item(const fs::path& run, const std::string& id) { return run / "items" / id; }
 
-/// Nothing, with an error, where the solution is not one of the item's problem any more.
+/// Empty with an error if the solution no longer belongs to the item's problem.
 std::optional<std::vector<fs::path>> write_item_files(const ShownItem& item, const fs::path& folder,
                                                       Diagnostics& out) {
   try {
@@ -52,19 +52,19 @@ std::optional<std::vector<fs::path>> write_item_files(const ShownItem& item, con
   }
 }
 
-/// What the files of one item are, and how it ended.
+/// Files of one item, and its status.
 struct Written {
   std::string status;
   std::vector<fs::path> files;
 };
 
-/// The end of a loop that was simulated again. A loop that met the limit of time goes on here.
+/// The end of a loop that was simulated again. A loop stopped by the time limit continues here.
 std::string status_of(LoopEnd end, const std::string& stored) {
   const std::string status(to_string(end));
   return stored == status ? status : fmt::format("{}; in the run: {}", status, stored);
 }
 
-/// Writes the files of one item, whose closed loop is simulated for that.
+/// Writes the files of one item; a closed loop is simulated for this.
 std::optional<Written> write_shown(const fs::path& run, const Manifest& manifest,
                                    const ManifestItem& item, const StoredResult* stored,
                                    const fs::path& folder, Diagnostics& out) {
@@ -80,13 +80,13 @@ std::optional<Written> write_shown(const fs::path& run, const Manifest& manifest
   return Written{status, *std::move(files)};
 }
 
-/// The items of a run that a page shows, with their files.
+/// The items on a run's page, with their files.
 class ShownItems {
  public:
   ShownItems(const fs::path& run, const Manifest& manifest, const StoredResults& results)
       : run_(run), manifest_(manifest), results_(results) {}
 
-  /// Items without files, for which the reason is a warning, are left out.
+  /// Omits items without files and warns about the reason.
   void write(const std::vector<StandOut>& lists, const fs::path& page, Diagnostics& out) {
     const fs::path from = fs::absolute(page).parent_path();
     for (const StandOut& list : lists)
@@ -107,7 +107,7 @@ class ShownItems {
       }
   }
 
-  /// The first item with a solution of each list, once.
+  /// The first item with a solution from each list, without duplicates.
   std::vector<ReportEntry> entries(const std::vector<StandOut>& lists) const {
     std::map<std::size_t, std::string> labels;
     for (const StandOut& list : lists)
@@ -128,7 +128,7 @@ class ShownItems {
   const ItemLinks& links() const { return links_; }
 
  private:
-  /// Says once why the page has no files of some items.
+  /// Warns once per reason why the page lacks the files of some items.
   void warn(const Diagnostics& reasons, Diagnostics& out) {
     for (const Diagnostic& d : reasons.list())
       if (d.severity == Severity::kError) {
@@ -146,7 +146,7 @@ class ShownItems {
   ItemLinks links_;
 };
 
-/// The item with an id that begins with a word; null, with an error, where it is not one.
+/// The item whose id begins with a word; null with an error if it is not unique.
 const ManifestItem* find_item(const Manifest& manifest, const fs::path& run,
                               const std::string& word) {
   const auto begins = [&](const ManifestItem& item) { return item.id.starts_with(word); };
@@ -195,7 +195,7 @@ int report_batch(const BatchArguments& arguments) {
   const fs::path page = arguments.folder.empty() ? run / "report.html" : fs::path(arguments.folder);
   create_folder(fs::absolute(page).parent_path());
   ShownItems shown(run, *manifest, results);
-  // A page of closed loops has no motion: 'show' simulates them one by one.
+  // A page of closed loops does not show motions: 'show' simulates them individually.
   if (manifest->command == BatchCommand::kSolve) shown.write(lists, page, diagnostics);
   print_messages(diagnostics, Verbosity::kNormal);
   OrderedJson data = report_data(shown.entries(lists));

@@ -23,11 +23,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Time that an element may take, over what it should take.
+/// Time limit of an array element relative to its expected time.
 constexpr double kTimeMargin = 3;
 constexpr double kLeastTime = 600;  // s
 
-/// A mistake that ends the command: what it is, and what helps.
+/// An error that ends the command, with a hint.
 struct Misfit {
   std::string message, hint;
 };
@@ -39,7 +39,7 @@ std::string user_name() {
   return entry == nullptr ? std::string() : entry->pw_name;
 }
 
-/// What a user may have submitted at once, by the accounting of the cluster.
+/// Maximum number of jobs that a user may submit, from the cluster's accounting.
 std::optional<int> most_submitted() {
   const ProgramEnd end =
       run_program({"sacctmgr", "--noheader", "--parsable2", "list", "associations", "where",
@@ -48,7 +48,7 @@ std::optional<int> most_submitted() {
   return parse_submit_limit(end.out);
 }
 
-/// What the cluster says about itself; nothing where there is none.
+/// Limits reported by the cluster; empty without a cluster.
 std::optional<SlurmLimits> cluster_limits(const std::string& partition) {
   const ProgramEnd config = run_program({"scontrol", "show", "config"});
   if (config.exit_status != 0) return std::nullopt;
@@ -62,14 +62,14 @@ std::optional<SlurmLimits> cluster_limits(const std::string& partition) {
   return limits;
 }
 
-/// Seconds that the items without a result take on one processor, by those that have one.
+/// Estimated seconds for the items without a result on one processor, from the finished items.
 std::optional<double> seconds_left(const BatchStatus& status) {
   const std::size_t done = status.items - status.unfinished;
   if (done == 0) return std::nullopt;
   return status.solve_s / static_cast<double>(done) * static_cast<double>(status.unfinished);
 }
 
-/// `wanted`: how many there shall be; 0: as many as the time of the items asks for.
+/// Sets the number of shards: `wanted`, or if 0, the number suited to the time of the items.
 std::optional<Misfit> choose_shards(int wanted, const SlurmLimits& limits,
                                     const std::optional<double>& seconds, SlurmJob& job) {
   if (wanted > limits.most_shards())
@@ -107,7 +107,7 @@ std::vector<std::string> sbatch_words(const SlurmJob& job) {
   return {"sbatch", "--parsable", "--chdir=" + job.run.string()};
 }
 
-/// Submits a script; the number of the job, or empty with a message printed.
+/// Submits a script; returns the job number, or an empty text after printing an error.
 std::string submit(const std::vector<std::string>& words, const std::string& script,
                    const std::string& hint) {
   const ProgramEnd end = run_program(words, script);

@@ -4,8 +4,8 @@
 
 namespace conddp {
 
-/// 'conddp batch submit': hands a run to Slurm as an array of shards and a job that collects, or
-/// with --dry-run prints what it would hand over. Returns the exit status.
+/// 'conddp batch submit': submits a run to Slurm as an array of shards and a job that collects the
+/// results, or with --dry-run prints both. Returns the exit status.
 int submit_batch(const BatchArguments& arguments);
 
 }  // namespace conddp

@@ -37,7 +37,7 @@ struct BenchArguments {
   std::vector<std::string> tolerances;
   std::vector<std::string> perturbations;
   std::string folder;
-  std::optional<int> repeat;  ///< where it is given, however long a solve takes
+  std::optional<int> repeat;  ///< if given, applies to solves of any duration
   int threads = 0;
   int jobs = 1;
   int instances = 1;
@@ -46,17 +46,16 @@ struct BenchArguments {
   bool json = false;
 };
 
-/// How often a solve is timed unless the command line says it.
+/// Default number of timed repetitions of a solve.
 constexpr int kRepeat = 5;
-/// A solve longer than this is timed once unless the command line says how often, s.
+/// Solves longer than this are timed once by default, s.
 constexpr double kLongSolve = 1;
-/// Time limit of each solve where the example problems are taken, s.
+/// Default time limit of each solve of the example problems, s.
 constexpr double kExampleTimeLimit = 10;
 
 constexpr const char* kGuess = "guess";
 
-/// The choice by the problem as a solver of its own: among those that it tries are some that take
-/// any problem.
+/// The automatic choice as a solver: it supports any problem, because some of its candidates do.
 const SolverInfo& auto_solver() {
   static const SolverInfo info{.name = kAutoSolver,
                                .control_bounds = BoundSupport::exact,
@@ -97,7 +96,7 @@ std::vector<const SolverInfo*> choose_solvers(const std::string& list, Diagnosti
   return chosen;
 }
 
-/// What --set and --tolerance say about every problem: the answers depend on it.
+/// Settings from --set and --tolerance for all problems: the answers depend on them.
 std::vector<std::string> settings_of(const BenchArguments& arguments) {
   std::vector<std::string> settings = arguments.settings;
   for (const auto& [name, value] : named_numbers(arguments.tolerances))
@@ -105,7 +104,7 @@ std::vector<std::string> settings_of(const BenchArguments& arguments) {
   return settings;
 }
 
-/// The options that differ from the defaults, by their dotted names.
+/// Options that differ from their defaults, by dotted names.
 OrderedJson changed_options(const SolverOptions& options) {
   OrderedJson json = OrderedJson::object();
   for (const OptionInfo& info : option_table()) {
@@ -138,8 +137,8 @@ class Bench {
       request.tolerances[name] = value;
   }
 
-  /// Runs every solver on every instance, several at once where that is asked for. Entries have
-  /// the same order however many are.
+  /// Runs every solver on every instance, concurrently if requested. The order of entries does not
+  /// depend on the concurrency.
   void run() {
     std::vector<std::optional<BenchmarkEntry>> entries(tasks_.size());
     run_tasks(static_cast<int>(tasks_.size()), arguments_.jobs, [&](int i) {
@@ -150,7 +149,7 @@ class Bench {
       if (entry) report_.entries.push_back(*std::move(entry));
   }
 
-  /// Whether every solver kept its word.
+  /// Returns true if all claims of convergence were confirmed.
   bool finish() {
     status_.erase();
     compare_costs(report_);
@@ -161,7 +160,7 @@ class Bench {
   }
 
  private:
-  /// A solver on an instance.
+  /// A solver and an instance.
   struct Task {
     BenchProblem* problem;
     const BuiltProblem* built;
@@ -169,7 +168,7 @@ class Bench {
     std::optional<std::uint64_t> seed;
   };
 
-  /// All there are, instance by instance.
+  /// All tasks, instance by instance.
   std::vector<Task> make_tasks(std::deque<BenchProblem>& problems) const {
     const bool perturbed = !arguments_.perturbations.empty();
     std::vector<Task> tasks;
@@ -181,14 +180,14 @@ class Bench {
     return tasks;
   }
 
-  /// The solves there will be, without repetitions and refusals.
+  /// Number of solves, without repetitions and unsupported problems.
   int count_runs() const {
     return static_cast<int>(std::count_if(tasks_.begin(), tasks_.end(), [](const Task& task) {
       return !unsupported(*task.solver, *task.built->problem);
     }));
   }
 
-  /// Nothing after a signal.
+  /// Runs a task; empty after a signal.
   std::optional<BenchmarkEntry> run(const Task& task) {
     show(task);
     const BuiltProblem& built = *task.built;
@@ -208,7 +207,7 @@ class Bench {
                              task.solver->name));
   }
 
-  /// That of the file, but for what was asked for.
+  /// The file's perturbation with the requested changes.
   Perturbation perturbation_of(const BenchProblem& problem,
                                std::optional<std::uint64_t> seed) const {
     Perturbation perturbation = problem.perturbation;
@@ -248,7 +247,7 @@ class Bench {
     Repetition repetition{.count = report_.request.repeat};
     if (!arguments_.repeat) repetition.longest_s = kLongSolve;
     {
-      // The time of a solver that cannot run beside itself does not pass while it waits.
+      // The time of a solver without concurrency does not include waiting for others.
       std::unique_lock alone(alone_, std::defer_lock);
       if (!task.solver->concurrent) alone.lock();
       entry.run = run_benchmark(instance, guess, task.solver->name, options, repetition, &answer);
@@ -265,8 +264,8 @@ class Bench {
     return entry;
   }
 
-  /// The command line that solves an entry alone. A limit in seconds belongs to it only where it
-  /// ended the solve: no other answer depends on one.
+  /// The command line that solves an entry alone. It includes a time limit only if the limit ended
+  /// the solve; other answers do not depend on it.
   std::string command_of(const BenchmarkEntry& entry, const BuiltProblem& built) const {
     const BenchmarkRequest& asked = report_.request;
     std::vector<std::string> words = {"conddp", "solve", entry.file, "--solver", entry.run.solver};
@@ -308,13 +307,13 @@ class Bench {
   std::vector<const SolverInfo*> solvers_;
   const std::vector<Task> tasks_;
   BenchmarkReport report_;
-  std::mutex mutex_;  ///< of progress and status
-  std::mutex alone_;  ///< of solvers that run one at a time
+  std::mutex mutex_;  ///< for progress and status
+  std::mutex alone_;  ///< for solvers that run one at a time
   BenchProgress progress_;
   StatusLine status_;
 };
 
-/// Where no file is named, the examples are meant, with a limit on the time.
+/// Without files, selects the examples, with a time limit.
 void take_examples(BenchArguments& arguments, Diagnostics& out) {
   const auto folders = example_folders();
   if (folders.empty())

@@ -39,7 +39,7 @@ void check_drop(const std::deque<BenchProblem>& problems, const std::vector<std:
                 name_hint(name, names, "constraints"), names);
 }
 
-/// Whether an error says in which problem file it is. One in a robot's file does not.
+/// True if an error names its problem file; errors in a robot's file do not.
 bool names_file(const Diagnostics& diagnostics, const std::string& file) {
   const auto& list = diagnostics.list();
   return std::any_of(list.begin(), list.end(), [&](const Diagnostic& d) {
@@ -48,7 +48,7 @@ bool names_file(const Diagnostics& diagnostics, const std::string& file) {
   });
 }
 
-/// Looks the problems up in the files beside them, if there are any.
+/// Looks up the best known costs of the problems in the files next to them, if any.
 bool find_best_known(std::deque<BenchProblem>& problems, Diagnostics& out) {
   std::map<std::filesystem::path, BestKnown> of_folders;
   for (BenchProblem& problem : problems) {
@@ -77,7 +77,7 @@ const BuiltProblem* BenchProblem::build(const std::vector<std::string>& drop, Di
 const BuiltProblem& BenchProblem::fitting(const SolverInfo& solver,
                                           const std::vector<std::string>& drop) {
   const auto taken = [&](const std::vector<std::string>& without) {
-    Diagnostics unused;  // of a problem that was built before
+    Diagnostics unused;  // the problem has been built before
     const BuiltProblem* built = build(without, unused);
     return built != nullptr && !unsupported(solver, *built->problem);
   };
@@ -101,7 +101,7 @@ const std::string& BenchProblem::sha256() {
 
 namespace {
 
-/// False where a problem cannot be used: the reason is printed.
+/// Adds a problem; prints the reason and returns false if it cannot be used.
 bool add_problem(const std::filesystem::path& file, const std::vector<std::string>& settings,
                  std::deque<BenchProblem>& problems, Diagnostics& out) {
   Diagnostics own;
@@ -126,7 +126,7 @@ std::optional<std::deque<BenchProblem>> read_bench_problems(
   bool complete = true;
   for (const auto& file : input_files(paths, ".yaml", out))
     complete &= add_problem(file, settings, problems, out);
-  // Which constraints there are is known of all problems or not at all.
+  // The names to drop can only be checked if all problems were read.
   if (complete) check_drop(problems, drop, out);
   complete = complete && find_best_known(problems, out);
   if (!complete || out.has_errors()) return std::nullopt;

@@ -11,11 +11,11 @@
 
 namespace conddp {
 
-/// The word that stands for all solvers, and for all constraints.
+/// The word for all solvers or all constraints.
 inline constexpr const char* kAll = "all";
 
-/// A problem of a benchmark, with all its constraints and without some of those that may be
-/// dropped. It stays where it is: what is built refers to it.
+/// A problem of a benchmark, with all its constraints and without some of the droppable ones. It
+/// must not move: built problems refer to it.
 class BenchProblem {
  public:
   explicit BenchProblem(ProblemSpec checked)
@@ -23,30 +23,30 @@ class BenchProblem {
   BenchProblem(const BenchProblem&) = delete;
   BenchProblem& operator=(const BenchProblem&) = delete;
 
-  /// Builds it without some constraints, once; null where there is an error.
+  /// Builds the problem without some constraints, once; null on errors.
   const BuiltProblem* build(const std::vector<std::string>& drop, Diagnostics& out);
 
-  /// With as many constraints as the solver takes, of those whose names (or "all") may be dropped;
-  /// with all where leaving out does not help. The whole problem has been built before.
+  /// The problem with as many constraints as the solver supports; only those named in `drop` (or
+  /// "all") are dropped. All constraints are kept if dropping does not help. The whole problem must
+  /// have been built before.
   const BuiltProblem& fitting(const SolverInfo& solver, const std::vector<std::string>& drop);
 
-  /// The SHA-256 of the problem, which has been built before.
+  /// The SHA-256 of the problem, which must have been built before.
   const std::string& sha256();
 
   ProblemSpec spec;  ///< without a perturbation
-  /// That of the file, from which instances that are asked for differ in what is asked for.
+  /// The file's perturbation; requested instances override the requested parts.
   Perturbation perturbation;
-  std::optional<double> best_known;  ///< the least cost that the file beside the problem knows
+  std::optional<double> best_known;  ///< lowest cost in the file next to the problem
 
  private:
   std::map<std::vector<std::string>, std::optional<BuiltProblem>> built_;
-  std::string sha256_;  ///< once it was asked for
+  std::string sha256_;  ///< set by the first call
 };
 
-/// Reads and builds problem files, those in folders, and examples by name, and looks up what is
-/// known of their optima; nothing where something is wrong. What is wrong with a problem is
-/// printed. A problem that these messages do not name, and a constraint to drop that none has, are
-/// errors in `out`.
+/// Reads and builds problem files, those in folders, and examples by name, and looks up their best
+/// known costs. Empty on errors. Errors of a problem are printed. `out` receives errors for
+/// problems that these messages do not name, and for constraints to drop that no problem contains.
 std::optional<std::deque<BenchProblem>> read_bench_problems(
     const std::vector<std::string>& inputs, const std::vector<std::string>& settings,
     const std::vector<std::string>& drop, Diagnostics& out);

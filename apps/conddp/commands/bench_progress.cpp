@@ -7,12 +7,12 @@
 namespace conddp {
 namespace {
 
-/// "40 s", "3 min"
+/// Examples: "40 s", "3 min".
 std::string about(double seconds) {
   return seconds < 90 ? fmt::format("{:.0f} s", seconds) : fmt::format("{:.0f} min", seconds / 60);
 }
 
-/// "2.5 solves/s", "12 solves/min"
+/// Examples: "2.5 solves/s", "12 solves/min".
 std::string rate(double per_second) {
   return per_second >= 1 ? fmt::format("{:.1f} solves/s", per_second)
                          : fmt::format("{:.1f} solves/min", 60 * per_second);

@@ -5,16 +5,16 @@
 
 namespace conddp {
 
-/// How much of a benchmark is done, how fast, and when the rest will be, if that takes as long on
-/// average. Refusals take no time and do not count.
+/// Progress and speed of a benchmark, and an estimate of the remaining time at the average speed.
+/// Unsupported problems take no time and are not counted.
 class BenchProgress {
  public:
-  /// `runs` there will be.
+  /// `runs`: total number of runs.
   explicit BenchProgress(int runs) : runs_(runs) {}
 
-  /// One more is done.
+  /// Counts a finished run.
   void count() { ++done_; }
-  /// "3 of 20, about 40 s left, 2.5 solves/s"
+  /// Example: "3 of 20, about 40 s left, 2.5 solves/s".
   std::string text() const;
 
  private:

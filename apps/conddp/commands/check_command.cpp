@@ -27,7 +27,7 @@ struct CheckArguments : ProblemArguments {
   bool verbose = false;
 };
 
-/// With the derivatives if they were compared, and the terminal ingredients if they were checked.
+/// The summary, with derivatives and terminal ingredients if they were checked.
 std::string full_text(const OrderedJson& summary) {
   std::string text = check_text(summary);
   if (summary.contains("derivatives")) text += derivatives_text(summary["derivatives"]);
@@ -35,8 +35,8 @@ std::string full_text(const OrderedJson& summary) {
   return text;
 }
 
-/// Builds the closed loop of a file that has one. What is wrong with it alone is reported: of its
-/// problem all has been said.
+/// Builds the closed loop of a file that contains one. Reports only errors of the loop; those of
+/// its problem have been reported.
 std::unique_ptr<LoopTask> loop_of(const CheckArguments& arguments, const ProblemSpec& spec,
                                   Diagnostics& out) {
   if (!spec.mpc) return nullptr;

@@ -10,7 +10,7 @@
 namespace conddp {
 namespace {
 
-/// The share of values that `percent` of them do not exceed, ms.
+/// The value that `percent` of the values (s) do not exceed, ms.
 double percentile(std::vector<double> values, int percent) {
   if (values.empty()) return 0;
   std::sort(values.begin(), values.end());
@@ -35,7 +35,7 @@ auto count_of(const ClosedLoopResult& result, TickOutcome outcome) {
                        [outcome](const TickRecord& tick) { return tick.outcome == outcome; });
 }
 
-/// s
+/// Time of a steady clock, s.
 double wall_clock() {
   const auto now = std::chrono::steady_clock::now().time_since_epoch();
   return std::chrono::duration<double>(now).count();

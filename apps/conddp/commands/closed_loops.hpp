@@ -11,7 +11,7 @@
 
 namespace conddp {
 
-/// What `conddp mpc` can be told.
+/// Arguments of `conddp mpc`.
 struct MpcArguments : ProblemArguments {
   std::string folder;
   bool quiet = false;
@@ -24,15 +24,15 @@ struct MpcArguments : ProblemArguments {
 
 Verbosity verbosity_of(const MpcArguments& arguments);
 
-/// Where the outputs of a loop go.
+/// The folder for a loop's outputs.
 std::filesystem::path output_folder(const MpcArguments& arguments, const ProblemSpec& spec);
 
-/// Simulates a loop until its end or a signal. `observe` gets to see the controller after each
-/// tick; null: none.
+/// Simulates a loop until its end or a signal. `observe`, unless null, is called with the
+/// controller after each tick.
 ClosedLoopResult simulate_task(const MpcArguments& arguments, LoopTask& task,
                                std::function<void(const Mpc&)> observe = nullptr);
 
-/// What people read of a loop, and the paths of its files.
+/// Summary of a loop for users, and the paths of its files.
 std::string loop_summary(const LoopRun& run, const std::vector<std::filesystem::path>& written);
 
 }  // namespace conddp

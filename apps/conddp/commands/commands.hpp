@@ -4,8 +4,8 @@
 
 namespace conddp {
 
-// The subcommands, one source file each: what each takes, and what it does with it. Help, manual
-// pages and completion are made from these declarations.
+// The subcommands, one source file each, with their arguments and actions. Help, manual pages and
+// completion are generated from these declarations.
 Command solve_command();
 Command check_command();
 Command verify_command();
@@ -21,12 +21,12 @@ Command report_command();
 Command list_command();
 Command schema_command();
 
-// These speak of the whole tool, to which they refer when they run.
+// These subcommands describe the whole tool and refer to it when they run.
 Command completion_command(const Command& tool);
 Command man_command(const Command& tool);
 Command help_command(const Command& tool);
 
-/// The value of an argument that names a subcommand: main() gives it the names as choices.
+/// The value of an argument that names a subcommand: main() sets the names as choices.
 inline constexpr const char* kSubcommandValue = "SUBCOMMAND";
 
 }  // namespace conddp

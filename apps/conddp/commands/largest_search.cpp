@@ -28,13 +28,13 @@ namespace {
 constexpr const char* kOption = "--largest";
 constexpr const char* kTrialsFile = "largest.csv";
 
-/// A number of the file, and between what its largest value that is survived is looked for.
+/// A number of the file, and the search interval for its largest surviving value.
 struct SearchedNumber {
   std::string key;
   double low = 0, high = 0;
 };
 
-/// Reads "KEY=[LOW, HIGH]"; nothing where it is not that.
+/// Parses "KEY=[LOW, HIGH]"; empty if malformed.
 std::optional<SearchedNumber> parse_searched(const std::string& text) {
   const std::size_t open = text.find("=["), comma = text.find(',', open);
   if (open == 0 || open == std::string::npos || comma == std::string::npos || !text.ends_with(']'))
@@ -55,15 +55,14 @@ Setting setting_of(const std::string& key, double value, Diagnostics& out) {
   return {{key, {{source, 1, 1}, key}}, std::move(node), text};
 }
 
-/// Whether a key of a problem file is a number there, or a formula of parameters.
+/// True if the key has a number, or a formula of parameters, in the problem file.
 bool is_number_of_file(YamlNode root, std::string_view key) {
   const YamlNode* node = find_present(root, key);
   return node != nullptr && node->kind == YamlNode::Kind::kScalar && !node->quoted &&
          (node->text.starts_with('=') || parse_number(node->text).value.has_value());
 }
 
-/// The part of an object to which a step leads, or of a list by index or name; null where there is
-/// none.
+/// The member of an object, or the element of a list by index or name; null if missing.
 const OrderedJson* part_of(const OrderedJson& json, std::string_view step) {
   if (json.is_object()) {
     const auto found = json.find(std::string(step));
@@ -79,11 +78,11 @@ const OrderedJson* part_of(const OrderedJson& json, std::string_view step) {
   return found == json.end() ? nullptr : &*found;
 }
 
-/// Whether a key is a number of a problem with every default.
+/// True if the key denotes a number in a problem with all defaults.
 bool is_number_of_expanded(const OrderedJson& problem, std::string_view key) {
   if (key.empty()) return problem.is_number();
   for (std::size_t end = key.size();
-       end != std::string_view::npos && end > 0;) {  // names have dots
+       end != std::string_view::npos && end > 0;) {  // names may contain dots
     if (const OrderedJson* part = part_of(problem, key.substr(0, end)))
       return is_number_of_expanded(*part, key.substr(std::min(end + 1, key.size())));
     end = key.rfind('.', end - 1);
@@ -91,13 +90,13 @@ bool is_number_of_expanded(const OrderedJson& problem, std::string_view key) {
   return false;
 }
 
-/// A problem file of which the loops of many values are built.
+/// A problem file, and the loops built from it for many values.
 class LoopFamily {
  public:
   LoopFamily(const MpcArguments& arguments, std::string key)
       : arguments_(arguments), key_(std::move(key)) {}
 
-  /// Reads the file. False with errors, in texts().
+  /// Reads the file. Returns false with errors, in texts().
   bool load() {
     const auto file = find_problem_file(arguments_.file, texts_);
     if (file) document_ = load_problem(*file, {}, texts_);
@@ -107,27 +106,27 @@ class LoopFamily {
   }
   const Diagnostics& texts() const { return texts_; }
 
-  /// The loop with a value of the key, or of the file as it is; null with errors.
+  /// The loop with a value of the key, or of the unchanged file; null with errors.
   std::unique_ptr<LoopTask> build(std::optional<double> value, Diagnostics& out) const {
     std::vector<Setting> settings = settings_;
     if (value) settings.push_back(setting_of(key_, *value, out));
     auto spec = read_problem(*document_, settings, out);
     if (!spec) return nullptr;
-    if (!arguments_.solver.empty()) spec->solver.name.place = {};  // the file does not name it
+    if (!arguments_.solver.empty()) spec->solver.name.place = {};  // not named in the file
     return build_loop(*std::move(spec), {.drop = arguments_.drop}, out);
   }
 
-  /// Says of which value the errors are, whose places may be anywhere in the file.
+  /// Reports the value that caused the errors, which may refer to any place in the file.
   void blame(double value, Diagnostics& out) const {
     out.error({}, fmt::format("{}: the loop with {}={} cannot be built", kOption, key_, value));
   }
 
-  /// Reports a key that is no number, in the file or of its defaults.
+  /// Reports a key that is not a number, neither in the file nor among its defaults.
   void check_key(Diagnostics& out) const {
     YamlNode root = document_->root;
     for (const Setting& setting : settings_) apply_setting(root, setting, out);
     if (out.has_errors() || is_number_of_file(std::move(root), key_)) return;
-    if (key_.starts_with("mpc.plant.set.")) return;  // which the file need not set: trials check it
+    if (key_.starts_with("mpc.plant.set.")) return;  // optional in the file: trials check it
     const auto task = build(std::nullopt, out);
     if (!task || is_number_of_expanded(expand_problem(*task->spec, task->built), key_)) return;
     const int source = out.add_source(kOption, arguments_.largest);
@@ -146,7 +145,7 @@ class LoopFamily {
   std::vector<Setting> settings_;
 };
 
-/// Looks for the largest value of a number whose loop lasts.
+/// Searches for the largest value of a number whose loop survives.
 class Search {
  public:
   Search(const MpcArguments& arguments, SearchedNumber number)
@@ -156,7 +155,7 @@ class Search {
     const bool ready = prepare();
     print_messages(diagnostics_, verbosity_of(arguments_));
     if (!ready) return kExitBadInput;
-    create_folder(folder_);  // before the work, so that none is in vain
+    create_folder(folder_);  // so that a failure wastes no work
     const InterruptGuard guard;
     const auto largest =
         largest_survived(number_.low, number_.high, (number_.high - number_.low) / kParts,
@@ -169,14 +168,14 @@ class Search {
   }
 
  private:
-  /// What is left of the range at the end is this part of it.
+  /// Ratio of the initial to the final search interval.
   static constexpr int kParts = 128;
 
-  /// Whether the search ends before its end.
+  /// True if the search must stop early.
   bool is_over() const { return failure_ || InterruptGuard::signal() != 0; }
 
-  /// Checks everything that can be wrong before the first loop is simulated: the key, and both ends
-  /// with a number between them, which keys with whole numbers do not take.
+  /// Checks all possible errors before the first loop is simulated: the key, both ends, and a
+  /// number between them, which integer keys do not accept.
   bool prepare() {
     if (!family_.load()) return fail(family_.texts());
     Diagnostics key = family_.texts();
@@ -199,7 +198,7 @@ class Search {
     if (own.has_errors()) return fail(std::move(own));
     if (!first) return true;
     folder_ = output_folder(arguments_, *task->spec);
-    diagnostics_ = std::move(own);  // warnings, once
+    diagnostics_ = std::move(own);  // warnings of the first value only
     return true;
   }
 
@@ -228,7 +227,7 @@ class Search {
     const bool survived = trial.result.end == LoopEnd::finished;
     add_row(trial, survived);
     if (survived || !shown_.task) shown_ = std::move(trial);
-    write();  // so that nothing is lost where the next trial fails or a signal comes
+    write();  // saved in case the next trial fails or is interrupted
     return survived;
   }
 
@@ -242,14 +241,15 @@ class Search {
     rows_ += '\n';
   }
 
-  /// The loop that the files are of: the largest one that lasted, or the first one if none did.
+  /// The loop to be written: the one with the largest surviving value, or the first if none
+  /// survives.
   LoopRun shown_run() const {
     std::vector<std::string> settings = settings_of(arguments_);
     settings.push_back(fmt::format("{}={}", number_.key, shown_.value));
     return {*shown_.task, shown_.result, std::move(settings)};
   }
 
-  /// The trials so far, and the files of a loop.
+  /// Writes the trials so far, and the files of a loop.
   void write() {
     AtomicFiles files;
     paths_ = add_loop(shown_run(), folder_, files);
@@ -266,7 +266,7 @@ class Search {
       print_result(line_of(largest) + loop_summary(shown_run(), paths_));
   }
 
-  /// mpc.json with what was found.
+  /// mpc.json with the result of the search.
   OrderedJson json_of(const std::optional<double>& largest) const {
     OrderedJson json = loop_json(shown_run());
     json["largest"] = {{"key", number_.key}, {"low", number_.low}, {"high", number_.high}};
@@ -283,12 +283,12 @@ class Search {
   const MpcArguments& arguments_;
   const SearchedNumber number_;
   LoopFamily family_;
-  Diagnostics diagnostics_;             ///< of what is checked first
-  std::optional<Diagnostics> failure_;  ///< of a trial
+  Diagnostics diagnostics_;             ///< from the initial checks
+  std::optional<Diagnostics> failure_;  ///< from a trial
   std::filesystem::path folder_;
-  std::string rows_;                          ///< of the trials
-  std::vector<std::filesystem::path> paths_;  ///< that were written
-  Trial shown_;                               ///< whose files are written
+  std::string rows_;                          ///< one per trial
+  std::vector<std::filesystem::path> paths_;  ///< written files
+  Trial shown_;                               ///< trial whose files are written
 };
 
 }  // namespace

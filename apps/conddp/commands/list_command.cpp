@@ -23,11 +23,11 @@ std::string words(const OrderedJson& value) {
   return text;
 }
 
-/// Fields that stand in columns of their own, or that programs alone read.
+/// Fields with columns of their own, or meant only for programs.
 constexpr std::string_view kUnsaid[] = {"name",   "description", "keys",
                                         "schema", "places",      "needs_keys"};
 
-/// "at least 0, default 100": what an entry says beside its name and description.
+/// Further facts of an entry, for example "at least 0, default 100".
 std::string facts(const OrderedJson& entry) {
   std::string text;
   for (const auto& [field, value] : entry.items()) {
@@ -43,7 +43,7 @@ std::string facts(const OrderedJson& entry) {
   return text;
 }
 
-/// One line, or as many as the terminal needs: the name, then the description in a column.
+/// An entry on one line, or wrapped to the terminal: the name, then the description in a column.
 std::string entry_text(const OrderedJson& entry, int indent, int column, int width) {
   std::string text =
       fmt::format("{:<{}}", entry.at("name").get<std::string>(), column - indent - 1);

@@ -47,7 +47,7 @@ StateNoise noise_of(const MarginArguments& arguments, const BuiltProblem& built,
   return noise;
 }
 
-/// The answer of the file's solver. Nothing with an error where it has no gains.
+/// The answer of the file's solver. Empty with an error if it lacks gains.
 std::optional<SolveResult> solve_for_gains(const ProblemSpec& spec, const BuiltProblem& built,
                                            Diagnostics& out) {
   const auto candidates = usable_solvers(spec, *built.problem, out);
@@ -62,7 +62,7 @@ std::optional<SolveResult> solve_for_gains(const ProblemSpec& spec, const BuiltP
   return std::nullopt;
 }
 
-/// Nothing with an error where the noise is too large for numbers.
+/// Empty with an error if the noise causes an overflow.
 std::optional<std::vector<MarginCurve>> margins_of(const ShootingProblem& problem,
                                                    const SolveResult& result,
                                                    const StateNoise& noise, Diagnostics& out) {

@@ -16,7 +16,7 @@
 namespace conddp {
 namespace {
 
-/// The loop of the command line; null where there is nothing to simulate: the reason is reported.
+/// The loop of the command line; null with errors if it cannot be built.
 std::unique_ptr<LoopTask> task_of(const MpcArguments& arguments, Diagnostics& out) {
   auto spec = read_problem_of(arguments, out);
   return spec ? build_loop(*std::move(spec), {.drop = arguments.drop}, out) : nullptr;
@@ -29,7 +29,7 @@ int exit_code(LoopEnd end) {
   return kExitNotConverged;
 }
 
-/// Writes a loop and says so.
+/// Writes a loop and prints its summary.
 void put_out(const MpcArguments& arguments, const LoopRun& run,
              const std::filesystem::path& folder) {
   const auto written = write_loop(run, folder);
@@ -39,7 +39,7 @@ void put_out(const MpcArguments& arguments, const LoopRun& run,
     print_result(loop_summary(run, written));
 }
 
-/// Makes the page of a loop and says where it is.
+/// Writes the page of a loop and prints its path.
 void write_page(const MpcArguments& arguments, const LoopRun& run,
                 const std::vector<RecordedPlan>& plans) {
   AtomicFiles files;
@@ -55,7 +55,7 @@ int simulate_file(const MpcArguments& arguments) {
   print_messages(diagnostics, verbosity_of(arguments));
   if (!task) return kExitBadInput;
   const auto folder = output_folder(arguments, *task->spec);
-  create_folder(folder);  // before the work, so that none is in vain
+  create_folder(folder);  // so that a failure wastes no work
   if (!arguments.report.empty())
     create_folder(std::filesystem::absolute(arguments.report).parent_path());
   const InterruptGuard guard;

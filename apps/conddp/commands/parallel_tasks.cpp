@@ -28,7 +28,7 @@ void run_tasks(int count, int threads, const std::function<bool(int)>& task) {
   try {
     for (int i = 1; i < std::min(threads, count); ++i) others.emplace_back(work);
   } catch (const std::system_error&) {
-    // Where there can be no more threads, those that there are do the work.
+    // If no more threads can be created, the existing ones do the work.
   }
   work();
   others.clear();

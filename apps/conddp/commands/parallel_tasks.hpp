@@ -4,9 +4,9 @@
 
 namespace conddp {
 
-/// Calls task(0) … task(count − 1) in up to `threads` threads, of which this one is the first. Each
-/// thread takes the next number; none is taken once task has returned false or thrown. The first
-/// exception is thrown again here when all threads have ended.
+/// Calls task(0) … task(count − 1) in up to `threads` threads, including the calling one. Each
+/// thread takes the next number; after a task returns false or throws, no further numbers are
+/// taken. When all threads have ended, the first exception is rethrown.
 void run_tasks(int count, int threads, const std::function<bool(int)>& task);
 
 }  // namespace conddp

@@ -25,7 +25,7 @@ struct RegressArguments {
   bool bless = false;
 };
 
-/// All cases one after the other, and what came of them.
+/// All cases in sequence, and their results.
 class Regression {
  public:
   explicit Regression(const RegressArguments& arguments) : arguments_(arguments) {
@@ -67,7 +67,7 @@ class Regression {
     cases_.push_back(std::move(test));
   }
 
-  /// A case that cannot be solved.
+  /// Records a case that cannot be solved.
   void fail(const std::string& name, const Diagnostics& diagnostics) {
     cases_.push_back({.name = name, .error = "it cannot be solved"});
     for (const Diagnostic& d : diagnostics.list())
@@ -113,7 +113,7 @@ class Regression {
   int blessed_ = 0;
 };
 
-/// Cases to be made; a golden file that is there already is an error.
+/// Cases to be added; an existing golden file is an error.
 std::vector<GoldenCase> new_cases(const RegressArguments& arguments, Diagnostics& out) {
   namespace fs = std::filesystem;
   std::vector<GoldenCase> cases;
@@ -159,7 +159,8 @@ int regress(const RegressArguments& arguments) {
   if (cases.empty()) return kExitBadInput;
   for (const GoldenCase& golden : cases) {
     regression.run(golden);
-    finish_results();  // a line a problem at once, in a pipe too; the last call reports errors
+    finish_results();  // prints each problem immediately, also to a pipe; the last call reports
+                       // errors
     if (InterruptGuard::signal() != 0) return kExitSignalBase + InterruptGuard::signal();
   }
   return regression.finish();

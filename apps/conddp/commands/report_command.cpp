@@ -54,7 +54,7 @@ constexpr std::string_view kKeys[] = {"problem",
                                       "certificate",
                                       "initial_guess_used"};
 
-/// What tells solutions apart: the solver where the others have another one, else the folder.
+/// Labels of solutions: the solver if all solvers differ, else the folder.
 std::vector<std::string> labels(const std::vector<std::string>& files,
                                 const std::vector<OrderedJson>& documents) {
   std::vector<std::string> solvers, folders;
@@ -71,7 +71,7 @@ std::vector<std::string> labels(const std::vector<std::string>& files,
   return differ(folders) ? folders : files;
 }
 
-/// Shows a file with the program that the desktop has for it; what that says is not ours.
+/// Opens a file with the desktop's program; its output is not ours.
 void open_in_browser(const std::string& file) {
   const pid_t child = fork();
   if (child == 0) {
@@ -83,7 +83,7 @@ void open_in_browser(const std::string& file) {
     print_error("the report could not be opened", "open " + file + " in a browser");
 }
 
-/// The files of the command line; nothing where one of them cannot be used.
+/// The files of the command line; empty if one of them cannot be used.
 struct Documents {
   std::vector<OrderedJson> solutions;
   std::optional<OrderedJson> bench;
@@ -101,8 +101,8 @@ std::optional<Documents> load_documents(const ReportArguments& arguments, Diagno
   return documents;
 }
 
-/// Builds the problem of a solution for its entry. Without it a solution still has curves: what is
-/// missing is no error here.
+/// Builds the problem of a solution for its entry. Missing files are not errors here: without its
+/// problem, a solution still has curves.
 std::unique_ptr<SolvedProblem> problem_of(ReportEntry& entry, const std::string& file,
                                           const std::string& problem_file, Diagnostics& out) {
   Diagnostics about;
@@ -116,14 +116,14 @@ std::unique_ptr<SolvedProblem> problem_of(ReportEntry& entry, const std::string&
                    (about.list().empty() ? "" : about.list().front().message);
   }
   for (Diagnostic d : about.list()) {
-    d.source = -1;  // `out` knows other texts; that of a file is read again
+    d.source = -1;  // `out` has different sources; the file is read again
     if (d.severity == Severity::kError) d.severity = Severity::kWarning;
     out.add(std::move(d));
   }
   return problem;
 }
 
-/// The page's data; `file` is set to the one that is at work.
+/// The page's data; `file` is set to the file being processed.
 OrderedJson data_of(const Documents& documents, const ReportArguments& arguments, std::string& file,
                     Diagnostics& out) {
   const std::size_t count = documents.solutions.size();
@@ -134,7 +134,7 @@ OrderedJson data_of(const Documents& documents, const ReportArguments& arguments
     problem_names.insert(solution_text(documents.solutions[i]["problem"], "name"));
   }
   const std::vector<std::string> names = labels(arguments.solutions, documents.solutions);
-  std::vector<std::unique_ptr<SolvedProblem>> problems;  // entries point at them
+  std::vector<std::unique_ptr<SolvedProblem>> problems;  // entries refer to them
   std::vector<ReportEntry> entries;
   for (std::size_t i = 0; i < count; ++i) {
     file = arguments.solutions[i];

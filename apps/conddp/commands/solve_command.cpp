@@ -52,8 +52,8 @@ struct SolveArguments : ProblemArguments {
   bool no_verify = false;
 };
 
-/// The settings of the command line as the solution lists them. A warm start is one of them, but
-/// its path is relative to the current folder, not to that of the problem file.
+/// Command-line settings for the solution. They include a warm start, whose path is relative to the
+/// current folder, not to that of the problem file.
 std::vector<std::string> overrides(const SolveArguments& arguments) {
   std::vector<std::string> list = settings_of(arguments);
   if (!arguments.warm_start.empty())
@@ -68,8 +68,8 @@ int exit_code(SolveStatus status) {
   return kExitNotConverged;
 }
 
-/// Measured time of the derivatives of all knots, s: that of the first knot of each phase, which
-/// fills the lanes, times the number of such batches.
+/// Measured time of the derivatives of all knots, s: the time of a full batch of the first knot of
+/// each phase, times the number of batches.
 double differentiation_time(const ShootingProblem& problem, const Trajectory& guess) {
   double seconds = 0;
   int k = 0;
@@ -89,10 +89,10 @@ double differentiation_time(const ShootingProblem& problem, const Trajectory& gu
   return seconds;
 }
 
-/// About how long the files of an answer take, and its certificate if it gets one, in s; 0 without
-/// a time limit. Both grow
-/// with the numbers that are written, the certificate with the time of derivatives, too: four times
-/// those of all knots are what it took for 200 joints and for 400 states.
+/// Estimated time for the files of an answer, and for its certificate if requested, s; 0 without a
+/// time limit. Both grow with the number of written values. The certificate also grows with the
+/// time of derivatives: measurements with 200 joints and with 400 states gave four times the
+/// derivatives of all knots.
 double finishing_time(const ProblemSpec& spec, const BuiltProblem& built, bool certified) {
   if (!std::isfinite(spec.solver.options.max_time_s)) return 0;
   const ShootingProblem& problem = *built.problem;
@@ -107,7 +107,7 @@ double finishing_time(const ProblemSpec& spec, const BuiltProblem& built, bool c
          kDifferentiations * differentiation_time(problem, built.guess);
 }
 
-/// Reports an error at the knots where a time limit is exceeded by far before a solve has begun.
+/// Reports an error at the number of knots if finishing alone would far exceed the time limit.
 bool leaves_time(const ProblemSpec& spec, double finishing, Diagnostics& out) {
   constexpr double kByFar = 1;  // s
   const double limit = spec.solver.options.max_time_s;
@@ -126,15 +126,15 @@ bool leaves_time(const ProblemSpec& spec, double finishing, Diagnostics& out) {
   return false;
 }
 
-/// Progress is a line of a terminal that is redrawn, or a table where notes are wanted as well;
-/// there is none among messages for machines.
+/// Progress is a redrawn terminal line, or a table if notes are requested. Machine-readable
+/// messages exclude both.
 SolveResult solve_showing_progress(const ProblemSpec& spec, const BuiltProblem& built,
                                    bool first_grid, const Doubt& doubt,
                                    const std::vector<const SolverInfo*>& candidates,
                                    SolverOptions options, Verbosity verbosity,
                                    const SolverInfo*& solver) {
-  // Before the first iterate there is nothing that a signal should save, and after the last one the
-  // answer is whole or not written: then signals have their usual effect.
+  // Signals have their usual effect before the first iterate, when there is nothing to save, and
+  // after the last one, when the answer is either complete or not written.
   std::optional<InterruptGuard> guard;
   const bool text = message_format() == MessageFormat::kText;
   StatusLine status(text && verbosity == Verbosity::kNormal && terminal_of(2).redraws);
@@ -164,7 +164,7 @@ Verbosity verbosity_of(const SolveArguments& arguments) {
   return arguments.verbose ? Verbosity::kVerbose : Verbosity::kNormal;
 }
 
-/// Notes that only --verbose shows.
+/// Number of notes that only --verbose shows.
 int count_hidden_notes(const Diagnostics& diagnostics, bool verbose) {
   const auto is_note = [](const Diagnostic& d) { return d.severity == Severity::kNote; };
   const auto& list = diagnostics.list();
@@ -176,18 +176,18 @@ std::filesystem::path output_folder(const SolveArguments& arguments, const Probl
   return arguments.folder;
 }
 
-/// A problem with the solvers that support it.
+/// A problem with its supporting solvers.
 struct Task {
-  std::unique_ptr<ProblemSpec> spec;  ///< to which the built problem refers
+  std::unique_ptr<ProblemSpec> spec;  ///< the built problem refers to it
   std::optional<BuiltProblem> built;
   std::vector<const SolverInfo*> candidates;
-  double finishing = 0;  ///< how long files and certificate take, s
-  std::string grid;      ///< the setting of a grid that is not that of the file
-  /// Of the answers that the solve shows to the certificate.
+  double finishing = 0;  ///< estimated time for files and certificate, s
+  std::string grid;      ///< setting of a grid that differs from the file's
+  /// Second-order results of the answers that the solve passes to the certificate.
   std::shared_ptr<SecondOrderMemory> memory = std::make_shared<SecondOrderMemory>();
 };
 
-/// False where there is nothing to solve: the reason has been reported.
+/// Prepares a task; reports errors and returns false if there is nothing to solve.
 bool prepare(const SolveArguments& arguments, Task& task, Diagnostics& out) {
   auto spec = read_problem_of(arguments, out);
   if (!spec) return false;
@@ -203,7 +203,7 @@ bool prepare(const SolveArguments& arguments, Task& task, Diagnostics& out) {
   return leaves_time(*task.spec, task.finishing, out);
 }
 
-/// Notes which solver begins, where the file leaves that to `auto`.
+/// Notes the first solver, if the file selects `auto`.
 void note_auto(const Task& task, Diagnostics& out) {
   const auto& name = task.spec->solver.name;
   if (name.value == kAutoSolver)
@@ -239,7 +239,7 @@ void print_answer(const SolveArguments& arguments, const Solution& solution,
   }
 }
 
-/// The exit status of an answer with its certificate; what that denies is printed.
+/// The exit status of an answer with its certificate; prints a failed certificate.
 int checked_exit_code(const SolutionCertificate& certificate, const ProblemSpec& spec,
                       SolveStatus status) {
   if (!certificate.checks.computable() && !spec.runs_code()) {
@@ -276,13 +276,13 @@ int checked_exit_code(const SolutionCertificate& certificate, const ProblemSpec&
 }
 
 std::string setting_of_grid(int factor) { return fmt::format("mesh.factor={}", factor); }
-/// The same of a file without `mesh`, whatever the error is.
+/// The grid setting for a file without `mesh`, with an irrelevant error.
 std::string setting_of_any_grid(int factor) {
   return fmt::format("mesh={{error: 1, factor: {}}}", factor);
 }
 
-/// The task on the grid of a setting, or on one with half its knots; without such a grid nothing,
-/// with errors.
+/// The task on the grid of a setting, or on a grid with half its knots; empty with errors if that
+/// grid cannot be built.
 std::optional<Task> on_other_grid(const SolveArguments& arguments, const Task& task,
                                   const std::string& grid, bool halved, Diagnostics& out) {
   constexpr int kFewestKnots = 10;
@@ -302,13 +302,14 @@ std::optional<Task> on_other_grid(const SolveArguments& arguments, const Task& t
   return other;
 }
 
-/// Makes the answer on another grid the guess.
+/// Uses the answer on another grid as the guess.
 void start_from(const Task& former, const SolveResult& answer, Task& task) {
   task.built->guess = on_grid(*former.built->problem, answer.trajectory, *task.built->problem);
   task.built->guess_used = former.built->guess_used;
 }
 
-/// What the certificate denies; `auto` looks for a way around what a motion jumps through, too.
+/// Objections of the certificate; `auto` also objects to motions that jump through what they should
+/// go around.
 Doubt doubt_of(const SolveArguments& arguments, const Task& task, const SolverOptions& options) {
   if (arguments.no_verify) return nullptr;
   Doubt doubt = certificate_doubt(options, task.memory);
@@ -324,14 +325,15 @@ Doubt doubt_of(const SolveArguments& arguments, const Task& task, const SolverOp
 
 using TimePoint = std::chrono::steady_clock::time_point;
 
-/// Solves on one grid after the other, within the time limit of the command.
+/// Solves on successive grids, within the time limit of the command.
 class GridSolve {
  public:
   GridSolve(const SolveArguments& arguments, TimePoint began, Task& task)
       : arguments_(arguments), began_(began), task_(task) {}
 
-  /// The answer on the last grid, which becomes the task: the file's own where it has no mesh and
-  /// `auto` looks no further. Nothing, with errors, where a finer one cannot be built.
+  /// The answer on the last grid, whose task replaces the member. Without `mesh`, and unless `auto`
+  /// searches further, that is the file's own grid. Empty with errors if a finer grid cannot be
+  /// built.
   std::optional<SolveResult> run(Diagnostics& out) {
     SolveResult result = solve(task_, true);
     if (task_.spec->mesh) return refine(std::move(result), out);
@@ -348,13 +350,13 @@ class GridSolve {
   const std::vector<MeshRound>& rounds() const { return rounds_; }
 
  private:
-  /// Limits of `auto`: of the knots of a way around, in those of the file, and of halvings of the
-  /// knots for a guess.
+  /// Limits of `auto`: the knots of a detour, relative to the file's, and the number of times that
+  /// the knots are halved for a guess.
   static constexpr int kMostKnots = 4, kMostHalvings = 2;
-  /// The largest value of the option: the first way around is seldom a good one.
+  /// The maximum value of the option: the first detour is rarely good.
   static constexpr int kLargestWork = 1'000'000'000;
 
-  /// The time limit may leave nothing but a look at the guess.
+  /// The time limit may only leave time to evaluate the guess.
   SolveResult solve(const Task& task, bool first_grid) {
     return solve(task, first_grid, task.spec->solver.options);
   }
@@ -386,7 +388,7 @@ class GridSolve {
     return find_jumps(*task.built->problem, result.trajectory);
   }
 
-  /// The first answer on a finer grid that jumps through nothing, or else the former one.
+  /// The first answer on a finer grid without jumps, else the former answer.
   SolveResult solve_around(SolveResult former) {
     const SolverInfo* const solver = solver_;
     for (int factor = 2; factor <= kMostKnots; factor *= 2) {
@@ -412,13 +414,14 @@ class GridSolve {
   static bool is_stopped(SolveStatus status) {
     return status == SolveStatus::time_limit || status == SolveStatus::interrupted;
   }
-  /// Ends of all solvers without a word on the problem.
+  /// True if all solvers ended without a statement about the problem.
   bool is_given_up(SolveStatus status) const {
     return !is_success(status) && !is_stopped(status) && status != SolveStatus::infeasible &&
            task_.spec->solver.options.max_iterations >= SolverOptions().max_iterations;
   }
 
-  /// The answer from a simulation of contacts that the guess's controls make; nothing without one.
+  /// The answer started from a simulation of the guess's controls, with its contacts; empty if the
+  /// simulation or the solve fails.
   std::optional<SolveResult> solve_from_simulation(const SolveResult& failed) {
     auto simulated = simulated_guess(*task_.built->problem, task_.built->guess);
     if (!simulated) return std::nullopt;
@@ -436,7 +439,8 @@ class GridSolve {
     return std::nullopt;
   }
 
-  /// The answer from that with half the knots, or half of those; without one `failed`.
+  /// The answer started from the answer on half the knots, which may itself start from half of
+  /// those; `failed` without such an answer.
   SolveResult climb(Task& task, SolveResult failed, int halvings) {
     const SolverInfo* const solver = solver_;
     Diagnostics ignored;
@@ -466,7 +470,7 @@ class GridSolve {
   const TimePoint began_;
   Task& task_;
   const SolverInfo* solver_ = nullptr;
-  double seconds_ = 0;  ///< of all solves
+  double seconds_ = 0;  ///< total of all solves
   std::vector<MeshRound> rounds_;
 };
 
@@ -479,9 +483,9 @@ int solve_file(const SolveArguments& arguments) {
   if (ready && arguments.verbose) note_auto(task, diagnostics);
   print_messages(diagnostics, verbosity);
   if (!ready || (arguments.report && !reports_can_be_made())) return kExitBadInput;
-  create_folder(output_folder(arguments, *task.spec));  // before the work, so that none is in vain
+  create_folder(output_folder(arguments, *task.spec));  // so that a failure wastes no work
   GridSolve solve(arguments, began, task);
-  Diagnostics of_grids;  // what the first grid has said is said again
+  Diagnostics of_grids;  // repeats messages of the first grid
   const auto result = solve.run(of_grids);
   if (!result) {
     print_messages(of_grids, Verbosity::kQuiet);
@@ -510,7 +514,7 @@ int solve_file(const SolveArguments& arguments) {
   return fine_enough ? code : std::max<int>(kExitNotConverged, code);
 }
 
-/// What the command line says of each of its files when there are several.
+/// Separate arguments for each of several files.
 std::vector<SolveArguments> one_by_one(const SolveArguments& arguments) {
   std::vector<std::string> files = arguments.others;
   files.insert(files.begin(), arguments.file);
@@ -525,7 +529,7 @@ std::vector<SolveArguments> one_by_one(const SolveArguments& arguments) {
   return list;
 }
 
-/// Whether all files can be read and have folders of their own; else says why not.
+/// True if all files can be read and have distinct folders; otherwise reports the reason.
 bool can_be_solved(const std::vector<SolveArguments>& list) {
   bool possible = true;
   std::set<std::string> folders;
@@ -544,8 +548,8 @@ bool can_be_solved(const std::vector<SolveArguments>& list) {
   return possible;
 }
 
-/// Solves all files one after the other, each into a folder of its file's name. All are read before
-/// the first one is solved. The exit status is the worst.
+/// Solves all files in sequence, each into a folder named after its file. All files are read before
+/// the first solve. Returns the worst exit status.
 int solve_files(const SolveArguments& arguments) {
   if (arguments.others.empty()) return solve_file(arguments);
   const std::vector<SolveArguments> list = one_by_one(arguments);

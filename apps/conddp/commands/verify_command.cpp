@@ -34,7 +34,7 @@ void print_lines(const char* word, const std::vector<std::string>& lines) {
   for (const std::string& line : lines) print_result(fmt::format("  {}{}\n", word, line));
 }
 
-/// The verdict, how the problem differs from its file, and the checks.
+/// Prints the verdict, the settings that differ from the file, and the checks.
 void print_verdict(const ProblemSpec& spec, const std::string& verdict,
                    const AnswerSettings& settings, const Certificate& checks) {
   print_result(fmt::format("{}: {}{}\n", spec.name.value, verdict,
@@ -100,7 +100,7 @@ int verify_loop(const VerifyArguments& arguments, const OrderedJson& document, D
                certify_loop(document, folder, *task));
 }
 
-/// What is kept of a solution.
+/// Keys that are kept from a solution.
 constexpr std::string_view kKeys[] = {"problem",
                                       "solver",
                                       "status",
@@ -122,7 +122,7 @@ constexpr std::string_view kKeys[] = {"problem",
                                       "certificate",
                                       "nulls"};
 
-/// What the file is, as it was loaded for a solution; of a closed loop everything counts.
+/// Verifies a document, loaded as a solution; a closed loop is loaded completely.
 int verify_document(const VerifyArguments& arguments, const nlohmann::json& loaded,
                     Diagnostics& out) {
   if (!is_of(kLoopDocument, loaded)) return verify_solution(arguments, OrderedJson(loaded), out);

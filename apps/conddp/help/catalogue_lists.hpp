@@ -7,14 +7,14 @@
 
 namespace conddp {
 
-/// A kind of thing that a problem file, or the command line, can name.
+/// A kind of entity that a problem file or the command line can name.
 struct ListKind {
   std::string_view name;         ///< "solvers"
-  std::string_view description;  ///< where they are named
-  /// A list of objects: `name`, `description`, whatever else is to be said, and `keys`, a list of
-  /// such objects (with `required` and `default`) where the thing has any. From the tables of the
-  /// reader; what only the schema of the problem file says, which tests compare with the reader,
-  /// from there.
+  std::string_view description;  ///< place where they are named
+  /// A list of objects: `name`, `description`, further facts, and `keys` if any, a list of such
+  /// objects (with `required` and `default`). The data come from the reader's tables, or if only
+  /// the schema of the problem file contains them, from the schema, which tests compare with the
+  /// reader.
   OrderedJson (*entries)();
 };
 

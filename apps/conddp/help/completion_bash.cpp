@@ -6,7 +6,7 @@
 namespace conddp {
 namespace {
 
-/// What a case of the script does for a value.
+/// Action of the script's case for a value.
 std::string bash_action(const Argument& option) {
   if (!option.choices.empty()) return fmt::format("words='{}'", fmt::join(option.choices, " "));
   if (option.folder()) return "folders=1";
@@ -22,7 +22,7 @@ std::vector<std::string> flags(const Command& command) {
   return names;
 }
 
-/// Cases of "<subcommand> <flag>" for flags with a value, with what `make` says to each.
+/// Cases "<subcommand> <flag>" for flags with a value, with the actions from `make`.
 template <class Make>
 std::string value_cases(const Command& command, const std::string& name, const Make& make) {
   std::string text;

@@ -15,7 +15,7 @@ std::string literal(std::string_view text) {
   return out + "'";
 }
 
-/// The part of a `complete` command that says what a value can be.
+/// The part of a `complete` command with the possible values.
 std::string values(const Argument& option) {
   if (!option.choices.empty())
     return " -x -a " + literal(fmt::format("{}", fmt::join(option.choices, " ")));

@@ -20,21 +20,21 @@ std::string zsh_text(std::string_view text) {
   return out;
 }
 
-/// ":message:action" of a value.
+/// ":message:action" for a value.
 std::string zsh_action(const Argument& option) {
   const std::string message = ":" + zsh_text(option.value);
   if (!option.choices.empty())
     return fmt::format("{}:({})", message, fmt::join(option.choices, " "));
   if (option.folder()) return message + ":_files -/";
   const std::vector<std::string> suffixes = option.suffixes();
-  // Behind a pattern zsh takes brackets without a '|' for something else than a group.
+  // After a pattern, zsh does not treat brackets without '|' as a group.
   if (suffixes.size() == 1) return fmt::format("{}:_files -g \"*{}\"", message, suffixes[0]);
   if (!suffixes.empty())
     return fmt::format("{}:_files -g \"*({})\"", message, fmt::join(suffixes, "|"));
   return message + ": ";
 }
 
-/// Of an option by one of its names.
+/// Specification of an option by one of its names.
 std::string specification(const Argument& option, const std::string& name) {
   const std::string others =
       option.repeatable() ? "*" : fmt::format("({})", fmt::join(option.names, " "));

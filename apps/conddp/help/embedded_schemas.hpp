@@ -5,13 +5,13 @@
 
 namespace conddp {
 
-/// A file of schemas/, built in.
+/// An embedded file of schemas/.
 struct EmbeddedSchema {
   std::string_view kind;  ///< "problem" of problem.schema.json
   std::string_view text;
 };
 
-/// All of them, by name.
+/// All schemas, by name.
 std::span<const EmbeddedSchema> embedded_schemas();
 /// The schema of this kind, or null.
 const EmbeddedSchema* find_schema(std::string_view kind);

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kMargin = 2;
 
-/// A heading and, beside it or below where it is long, an explanation.
+/// A heading with an explanation next to it, or below a long heading.
 std::string entry(const std::string& heading, const std::string& explanation, int width) {
   const int column = std::clamp(width / 3, 8, 26);
   const int used = kMargin + shown_width(heading);
@@ -26,7 +26,7 @@ std::string list(const char* title, const std::vector<const Argument*>& options,
   if (options.empty()) return {};
   std::string text = fmt::format("\n{}:\n", title);
   for (const Argument* option : options) {
-    // Long names stand below each other, whether or not there is a short one.
+    // Long names are aligned, with or without a short name.
     const bool only_long = option->names.front().starts_with("--");
     text += entry((only_long ? "    " : "") + option->heading(), option->explanation(), width);
   }

@@ -6,7 +6,7 @@
 
 namespace conddp {
 
-/// What `--help` prints, in lines of at most `width` characters.
+/// The output of `--help`, in lines of at most `width` characters.
 std::string help_text(const Command& command, int width);
 
 }  // namespace conddp

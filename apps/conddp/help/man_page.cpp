@@ -24,8 +24,7 @@ std::string roff_character(char c) {
   }
 }
 
-/// Text without meaning to roff: '-' stays the hyphen-minus of the keyboard, a line does not begin
-/// with a control character.
+/// Text escaped for roff: '-' remains a hyphen-minus, and no line begins with a control character.
 std::string roff_text(std::string_view text) {
   std::string out;
   for (const char c : text) {
@@ -39,7 +38,7 @@ std::string roff_text(std::string_view text) {
   return out;
 }
 
-/// Paragraphs are separated by an empty line; within one, lines stay lines.
+/// Paragraphs are separated by an empty line; line breaks within a paragraph are kept.
 std::string paragraphs(std::string_view text) {
   std::string out;
   while (true) {

@@ -27,7 +27,7 @@ OrderedJson robots_json(const ProblemSpec& spec, const BuiltProblem& built) {
     int dof = 0;
     OrderedJson joints = OrderedJson::array();
     for (int i = part.first_joint; i < part.first_joint + part.joint_count; ++i) {
-      if (!built.plant.multibody()->velocity_row(i)) continue;  // it follows another joint
+      if (!built.plant.multibody()->velocity_row(i)) continue;  // follows another joint
       dof += model.joints[i].nv();
       joints.push_back(model.joints[i].name);
     }
@@ -40,7 +40,8 @@ OrderedJson robots_json(const ProblemSpec& spec, const BuiltProblem& built) {
   return spec.system ? OrderedJson::array() : robots;
 }
 
-/// Rows of the cost's residual: from a knot model that has it, 0 where its weight is 0 everywhere.
+/// Rows of the cost's residual, from a knot model that contains it; 0 if its weight is 0
+/// everywhere.
 int rows_of(const std::string& cost, const ShootingProblem& problem, bool terminal) {
   const auto find = [&](const KnotModel& model) {
     for (const CostTerm& term : model.costs())
@@ -53,7 +54,7 @@ int rows_of(const std::string& cost, const ShootingProblem& problem, bool termin
   return 0;
 }
 
-/// The phases in which a cost counts at some knot at least.
+/// The phases with a nonzero weight of the cost at some knot.
 OrderedJson phases_of(const std::string& cost, const ShootingProblem& problem) {
   OrderedJson names = OrderedJson::array();
   for (const Phase& phase : problem.phases()) {
@@ -67,7 +68,7 @@ OrderedJson phases_of(const std::string& cost, const ShootingProblem& problem) {
   return names;
 }
 
-/// "y' = v": an equation, without the line ends that its text may have.
+/// An equation such as "y' = v", without the line breaks of its text.
 std::string formula(std::string_view of, std::string_view text) {
   std::string line(of);
   for (const char c : text) {
@@ -80,7 +81,7 @@ std::string formula(std::string_view of, std::string_view text) {
   return line;
 }
 
-/// Adds what a system of equations is, definitions first. `before`: in front of each line.
+/// Adds the equations of a system, definitions first, each prefixed by `before`.
 void add_formulas(const std::string& before, const SystemSpec& spec, OrderedJson& list) {
   const auto* system = std::get_if<ExpressionSystemSpec>(&spec.parameters);
   if (system == nullptr) return;
@@ -92,7 +93,7 @@ void add_formulas(const std::string& before, const SystemSpec& spec, OrderedJson
     list.push_back(formula(before + equation.name + sign, equation.text));
 }
 
-/// What the systems of equations are, and what becomes of states that jump.
+/// Equations of the systems, and of states at jumps.
 OrderedJson formulas_of(const ProblemSpec& spec) {
   OrderedJson list = OrderedJson::array();
   for (const NamedSystemSpec& named : spec.systems)
@@ -105,7 +106,7 @@ OrderedJson formulas_of(const ProblemSpec& spec) {
   return list;
 }
 
-/// The rows of a residual in expressions.
+/// The rows of a residual given by expressions.
 OrderedJson formulas_of(const CostSpec& cost) {
   OrderedJson list = OrderedJson::array();
   const auto* rows = cost.keys.find(key::expression_rows);
@@ -137,7 +138,7 @@ OrderedJson costs_json(const std::vector<CostSpec>& costs, const BuiltProblem& b
   return list;
 }
 
-/// What a constraint is in: bounds on coordinates, or a residual in a set.
+/// The set of a constraint: bounds on coordinates, or a set for a residual.
 std::string_view set_of(const ConstraintSpec& c) {
   if (c.bounded) return "bounds";
   if (c.function.keys.value(key::cone)) return "cone";
@@ -182,7 +183,7 @@ std::string_view phase_kind(const Phase& phase) {
   return phase.dt.front() > 0 ? "motion" : "jump";
 }
 
-/// The contacts that are closed in a phase.
+/// The closed contacts of a phase.
 OrderedJson contacts_of(const Phase& phase) {
   OrderedJson names = OrderedJson::array();
   if (const auto* system = phase.model->system().as_multibody())
@@ -213,7 +214,7 @@ OrderedJson phases_json(const ProblemSpec& spec, const ShootingProblem& problem)
   return list;
 }
 
-/// What may touch what at any time.
+/// All contact candidates with their counterparts.
 OrderedJson candidates_json(const ProblemSpec& spec) {
   constexpr const char* kForms[] = {"half-space", "sphere", "box"};
   OrderedJson list = OrderedJson::array();
@@ -327,7 +328,7 @@ bool is_kept_beside_bounds(const OrderedJson& constraint) {
   return !bounds && !constraint["dropped"].get<bool>();
 }
 
-/// What the solver does with the constraints that were not dropped.
+/// The solver's treatment of the constraints that were not dropped.
 std::string kept_text(const OrderedJson& s) {
   const std::string word = text_of(s["solver"]["control_bounds"]);
   const bool further =
@@ -339,7 +340,7 @@ std::string kept_text(const OrderedJson& s) {
                   : "");
 }
 
-/// "q/0, v/0", of many the first ones.
+/// Example: "q/0, v/0"; only the first columns of many.
 std::string column_text(const OrderedJson& columns) {
   constexpr std::size_t kShown = 4;
   std::string text;
@@ -374,7 +375,7 @@ std::string constraint_lines(const OrderedJson& constraints) {
   return text;
 }
 
-/// The solver, and what surrounds its solves.
+/// The solver, and the settings around its solves.
 std::string solver_lines(const OrderedJson& s) {
   const OrderedJson& solver = s["solver"];
   std::string text = fmt::format("  {:<16}{} ({}): {}\n", "solver", text_of(solver["name"]),
@@ -417,7 +418,7 @@ OrderedJson check_summary(const ProblemSpec& spec, const BuiltProblem& built,
   OrderedJson homotopy = OrderedJson::array();
   for (const HomotopyKeySpec& key : spec.solver.homotopy)
     homotopy.push_back({{"key", key.key.value}, {"from", key.from.value}, {"to", key.to.value}});
-  // A knot that chooses the first state, or a jump, says nothing of the others.
+  // A knot that sets the initial state, or a jump, does not represent the others.
   int moving = 0;
   while (moving + 1 < problem.knots() && problem.takes_no_time(moving)) ++moving;
   const KnotModel& model = *problem.knot(moving).model;

@@ -8,12 +8,13 @@
 
 namespace conddp {
 
-/// What conddp understood of a problem (schemas/check.schema.json, without the derivatives), and
-/// the solvers that would be tried, one at least. `loop`: of its section `mpc`; null: it has none.
+/// Summary of a problem as conddp understands it (schemas/check.schema.json, without the
+/// derivatives), with the solvers to be tried, at least one. `loop` belongs to its section `mpc`,
+/// null without such a section.
 OrderedJson check_summary(const ProblemSpec& spec, const BuiltProblem& built,
                           const std::vector<const SolverInfo*>& candidates, const BuiltMpc* loop);
 
-/// The same for people.
+/// The summary as text.
 std::string check_text(const OrderedJson& summary);
 
 }  // namespace conddp

@@ -9,13 +9,13 @@ namespace {
 
 using Names = std::vector<std::string>;
 
-/// Names of a residual's rows in a phase, or at the last node, whose number is that of the phases.
+/// Names of a residual's rows in a phase, or at the last node, whose index is the number of phases.
 Names residual_rows(const CostTerm& term, std::size_t phase, const ProblemSpec& spec,
                     const BuiltProblem& built) {
   const bool terminal = phase == spec.phases.size();
   for (const CostSpec& cost : terminal ? spec.terminal_costs : spec.costs) {
     if (cost.name.value != term.name) continue;
-    if (cost.matrix) break;  // its rows are of all of the residual's
+    if (cost.matrix) break;  // each row combines all rows of the residual
     Diagnostics out;
     const Plant plant = built.plant.in_phase(phase);
     if (const auto made = make_cost_residual(cost, spec, plant, built.problem->ndx(), out))
@@ -46,7 +46,7 @@ std::string number_text(const OrderedJson& value) {
   return value.is_null() ? "not finite" : fmt::format("{:.10g}", value.get<double>());
 }
 
-/// The worst row of a comparison, and the term to which it belongs.
+/// The worst row of a comparison, and its term.
 struct ComparedRow {
   std::string row = "cost";
   std::string cost, constraint;

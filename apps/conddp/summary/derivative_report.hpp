@@ -9,12 +9,12 @@
 
 namespace conddp {
 
-/// The comparisons with the names of phases, costs, rows and columns; `holds` says whether all are
-/// within the tolerance.
+/// The comparisons with names of phases, costs, rows and columns; `holds` is true if all are within
+/// the tolerance.
 OrderedJson derivatives_json(const std::vector<DerivativeComparison>& comparisons,
                              const ProblemSpec& spec, const BuiltProblem& built);
 
-/// The same as a table for people.
+/// The comparisons as a text table.
 std::string derivatives_text(const OrderedJson& derivatives);
 
 }  // namespace conddp

@@ -4,10 +4,10 @@
 
 namespace conddp {
 
-/// The page of reports, built in; empty where it could not be bundled.
+/// The embedded report page; empty if it could not be bundled.
 std::string_view report_template();
 
-/// Why it could not, a clause; empty where it could.
+/// The reason why it could not be bundled, a clause; empty if it was.
 std::string_view missing_for_reports();
 
 }  // namespace conddp

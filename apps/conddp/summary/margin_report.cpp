@@ -36,8 +36,8 @@ std::string name_of(const OrderedJson& curve) {
   return curve["row"].is_null() ? name : fmt::format("{} row {}", name, curve["row"].get<int>());
 }
 
-/// Standard deviations of coordinates that have one: "theta 0.01, omega 0.02"; "0.01 each" where
-/// all of several have the same; "none".
+/// Standard deviations of the coordinates with noise: "theta 0.01, omega 0.02"; "0.01 each" if
+/// several coordinates all have the same; "none".
 std::string noise_text(const OrderedJson& sigmas, const OrderedJson& columns) {
   const auto differ = std::adjacent_find(sigmas.begin(), sigmas.end(), std::not_equal_to<>());
   if (sigmas.size() > 1 && differ == sigmas.end() && sigmas[0] != 0)

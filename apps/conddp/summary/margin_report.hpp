@@ -8,12 +8,12 @@
 
 namespace conddp {
 
-/// The document that `conddp margins --json` prints (schemas/margins.schema.json).
+/// The output of `conddp margins --json` (schemas/margins.schema.json).
 OrderedJson margins_json(const std::vector<MarginCurve>& curves, const StateNoise& noise,
                          const ProblemSpec& spec, const BuiltProblem& built,
                          const Trajectory& trajectory);
 
-/// The same for people: a line for each bound, the one that is closest first.
+/// The margins as text: one line per bound, the closest first.
 std::string margins_text(const OrderedJson& margins);
 
 }  // namespace conddp

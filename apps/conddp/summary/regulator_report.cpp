@@ -11,7 +11,7 @@
 namespace conddp {
 namespace {
 
-/// Matrices with more columns than this are in JSON alone.
+/// Matrices with more columns are only printed as JSON.
 constexpr std::size_t kMostColumns = 8;
 
 OrderedJson vector_json(const Eigen::VectorXd& v) {
@@ -65,7 +65,7 @@ std::string row_text(const OrderedJson& row) {
   return text;
 }
 
-/// Rows under a title, where they are not too long.
+/// Rows under a title, unless they are too long.
 std::string matrix_lines(const std::string& title, const OrderedJson& rows) {
   const std::size_t columns = rows.empty() ? 0 : rows[0].size();
   if (columns > kMostColumns)
@@ -94,7 +94,7 @@ std::string set_lines(const OrderedJson& set) {
                      narrowest["name"].get<std::string>(), narrowest["distance"].get<double>());
 }
 
-/// Which weight the decrease of A4 asks for.
+/// The weight that the decrease of A4 requires.
 std::string weight_text(double decrease, const OrderedJson& enough) {
   if (decrease > 0)
     return fmt::format("enough with {:.6g} times the weight", std::max(1.0, 1 / decrease));
@@ -104,7 +104,7 @@ std::string weight_text(double decrease, const OrderedJson& enough) {
       enough["factor"].get<double>(), enough["level"].get<double>());
 }
 
-/// What the figure of a condition says.
+/// Explanation of a condition's figure.
 std::string figure_text(const OrderedJson& condition, const OrderedJson& enough) {
   if (condition["figure"].is_null()) return "no finite figure";
   const double figure = condition["figure"].get<double>();
@@ -116,7 +116,7 @@ std::string figure_text(const OrderedJson& condition, const OrderedJson& enough)
   return fmt::format("largest violation: {:.3g}", figure);
 }
 
-/// Of what the conditions are checked.
+/// The samples for checking the conditions.
 std::string samples_text(const OrderedJson& conditions) {
   if (conditions["level"].is_null()) return "P is zero: nothing to sample";
   if (conditions["samples"] == 0) return "the set is the equilibrium alone: nothing to sample";

@@ -8,10 +8,10 @@
 namespace conddp {
 
 /// The regulator, the terminal set and the conditions of `terminal: {lqr: ...}`, which the problem
-/// has, with the names of states and controls.
+/// must contain, with the names of states and controls.
 OrderedJson regulator_json(const BuiltProblem& built, double constraint_tolerance);
 
-/// The same for people.
+/// The regulator as text.
 std::string regulator_text(const OrderedJson& terminal);
 
 }  // namespace conddp

@@ -6,7 +6,7 @@
 
 namespace conddp {
 
-/// Whether the page of reports is built in. If not, prints an error that says what is missing.
+/// True if the report page is embedded. If not, prints an error with the missing parts.
 bool reports_can_be_made();
 
 /// The page of a report with its data (report_data()).

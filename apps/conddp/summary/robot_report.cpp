@@ -62,8 +62,8 @@ std::string links_of(const RobotModel& model, int joint) {
 }
 
 struct Masses {
-  double all = 0;     ///< of the links, kg
-  double moving = 0;  ///< without those that are rigid with the world, kg
+  double all = 0;     ///< of all links, kg
+  double moving = 0;  ///< without links fixed to the world, kg
 };
 
 Masses masses_of(const RobotModel& model) {
@@ -87,7 +87,7 @@ std::string tree_text(const RobotModel& model, int parent, const std::string& ma
   return text;
 }
 
-/// Rows of cells below each other; the first column and units to the left, numbers to the right.
+/// Aligned rows of cells: the first column and units left-aligned, numbers right-aligned.
 std::string table(const std::vector<std::vector<std::string>>& rows, const std::string& alignment) {
   std::vector<int> widths(alignment.size(), 0);
   for (const auto& row : rows)

@@ -7,11 +7,11 @@
 
 namespace conddp {
 
-/// What conddp sees in a robot's file, for people: tree, joints with limits, links with masses,
-/// frames, and what is ignored. The result has a model.
+/// The contents of a robot's file as text: tree, joints with limits, links with masses, frames, and
+/// ignored parts. The result must contain a model.
 std::string robot_text(const UrdfResult& robot);
 
-/// The same for machines, as schemas/inspect.schema.json describes it.
+/// The contents as JSON (schemas/inspect.schema.json).
 OrderedJson robot_json(const UrdfResult& robot);
 
 }  // namespace conddp

@@ -14,7 +14,7 @@
 namespace conddp {
 namespace {
 
-/// How long phases last whose duration was chosen.
+/// Durations of the phases with a free duration.
 std::string durations_line(const Solution& s) {
   std::string text;
   const std::vector<double> times = s.built.problem->times(s.result.trajectory);
@@ -29,7 +29,8 @@ std::string durations_line(const Solution& s) {
   return text.empty() ? text : fmt::format("  durations     {}\n", text);
 }
 
-/// The solves of a homotopy: where each was, its iterations and, if it did not converge, its end.
+/// The solves of a homotopy: the share and iterations of each and, if it did not converge, its
+/// status.
 std::string homotopy_line(const std::vector<HomotopyStep>& steps) {
   std::string text;
   for (const HomotopyStep& step : steps)
@@ -39,7 +40,7 @@ std::string homotopy_line(const std::vector<HomotopyStep>& steps) {
   return text.empty() ? text : fmt::format("  homotopy      iterations at s = {}\n", text);
 }
 
-/// What makes the error fall faster on finer grids: rules of order 1 only halve it.
+/// Advice for a faster decrease of the error on finer grids: rules of order 1 only halve it.
 std::string mesh_remedy(const Solution& s) {
   for (const Phase& phase : s.built.problem->phases())
     if (info_of(phase.model->integrator()).order == 1)
@@ -47,7 +48,7 @@ std::string mesh_remedy(const Solution& s) {
   return "";
 }
 
-/// The grids: how many knots each has, and its error.
+/// The grids with their numbers of knots and errors.
 std::string mesh_line(const Solution& s) {
   std::string text;
   for (const MeshRound& round : s.mesh)
@@ -62,7 +63,7 @@ std::string mesh_line(const Solution& s) {
                      reached ? "" : mesh_remedy(s));
 }
 
-/// Which solvers `auto` tries, where the file leaves the choice to it.
+/// The solvers that `auto` tries, if the file selects it.
 std::string auto_line(const Solution& s) {
   if (s.spec.solver.name.value != kAutoSolver) return {};
   const ShootingProblem& problem = *s.built.problem;
@@ -71,7 +72,7 @@ std::string auto_line(const Solution& s) {
   return fmt::format("  auto          {}\n", describe_auto(problem, list));
 }
 
-/// What `auto` has tried: "altro 5.7313 (105 iterations, 0.13 s); ...".
+/// Attempts of `auto`: "altro 5.7313 (105 iterations, 0.13 s); ...".
 std::string attempts_line(const std::vector<Attempt>& attempts) {
   if (attempts.size() < 2) return {};
   std::string text;
@@ -103,7 +104,7 @@ std::string violation_lines(const std::vector<ConstraintViolation>& violations, 
   return text;
 }
 
-/// What the answer is: its cost, what is left of the conditions, and how it was reached.
+/// The answer: its cost, its residuals, and how it was reached.
 std::string answer_lines(const Solution& s) {
   const SolveResult& r = s.result;
   std::string text = fmt::format("  cost          {:.9g}\n", r.cost);
@@ -123,7 +124,7 @@ std::string answer_lines(const Solution& s) {
   return text;
 }
 
-/// What is to be said of the answer.
+/// Diagnosis, advice and findings on the answer.
 std::string finding_text(const Solution& s) {
   const Diagnosis& diagnosis = s.answer.diagnosis;
   std::string text;
@@ -147,7 +148,7 @@ std::string certificate_lines(const SolutionCertificate& certificate,
   return text;
 }
 
-/// What the solve started from, and without what.
+/// The initial guess of the solve, and the dropped constraints.
 std::string start_lines(const Solution& s) {
   const GuessUsed& used = s.built.guess_used;
   std::string text =
@@ -159,7 +160,7 @@ std::string start_lines(const Solution& s) {
   return text;
 }
 
-/// The status, which stands behind the head of a text, in its colour.
+/// Colors the status, which follows the head of a text.
 std::string coloured(std::string text, const std::string& head, SolveStatus status) {
   const std::size_t at = terminal_text(head).size();
   text.insert(at + to_string(status).size(), "\033[0m");

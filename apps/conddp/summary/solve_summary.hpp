@@ -8,8 +8,8 @@
 
 namespace conddp {
 
-/// How a solve ended, for people. `certificate` may be null; `colour`: the status in green or
-/// yellow; `notes`: how many notes about the input were not shown. In the form of terminal_text.
+/// Summary of a solve as text. `certificate` may be null; `colour`: print the status in green or
+/// yellow; `notes`: number of hidden notes about the input. In the form of terminal_text.
 std::string summary_text(const Solution& solution, const SolutionCertificate* certificate,
                          const std::vector<std::string>& written, bool colour, int notes);
 

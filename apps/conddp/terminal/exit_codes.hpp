@@ -4,7 +4,7 @@
 
 namespace conddp {
 
-/// What the process returns; after a signal it is 128 + the signal's number.
+/// Exit codes of the process; after a signal, 128 + the signal's number.
 enum ExitCode : int {
   kExitConverged = 0,
   kExitNotConverged = 1,
@@ -13,7 +13,7 @@ enum ExitCode : int {
   kExitSignalBase = 128,
 };
 
-/// The same for people.
+/// Explanation of an exit code for users.
 struct ExitCodeInfo {
   int code;
   std::string_view meaning;

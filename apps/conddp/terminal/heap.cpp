@@ -14,9 +14,9 @@ namespace {
 constexpr std::size_t kFirstPart = 64 << 20;  // bytes
 constexpr std::size_t kLaterParts = 1 << 20;
 constexpr std::size_t kHugePage = 2 << 20;
-/// What is freed at the end of the heap beyond this goes back to the system.
+/// Freed memory at the end of the heap beyond this size returns to the system.
 constexpr int kKept = 1 << 30;
-/// Blocks from this size on get addresses of their own; the largest value that glibc allows.
+/// Blocks of at least this size get separate mappings; the largest value that glibc allows.
 constexpr int kOwnAddresses = 32 << 20;
 
 std::uintptr_t heap_end() { return reinterpret_cast<std::uintptr_t>(::sbrk(0)); }
@@ -28,22 +28,22 @@ void prepare_heap() {
   ::mallopt(M_TRIM_THRESHOLD, kKept);
   const std::uintptr_t before = heap_end();
   ::mallopt(M_TOP_PAD, kFirstPart);
-  void* volatile block = std::malloc(kLaterParts);  // more than is left: the heap grows
+  void* volatile block = std::malloc(kLaterParts);  // larger than the rest: the heap grows
   std::free(block);
   ::mallopt(M_TOP_PAD, kLaterParts);
   const std::uintptr_t after = heap_end();
   const std::uintptr_t first = (before + kHugePage - 1) / kHugePage * kHugePage;
   const std::uintptr_t last = after / kHugePage * kHugePage;
-  // Where the system has no huge pages the heap is as good as before.
+  // Without huge pages, the heap works as before.
   if (first < last) ::madvise(reinterpret_cast<void*>(first), last - first, MADV_HUGEPAGE);
 }
 
 }  // namespace conddp
 
 // The C library cuts aligned blocks out of larger ones, which takes longer than plain blocks and
-// leaves splinters of the heap behind. Here they lie in plain blocks, the pointer to which stands
-// before what is handed out: that is at least 16 bytes into the block, as alignments that are asked
-// for are multiples of 32 and plain blocks are aligned to 16.
+// fragments the heap. Here they lie in plain blocks; the pointer to the plain block precedes the
+// returned address. That address is at least 16 bytes into the block, because requested alignments
+// are multiples of 32 and plain blocks are aligned to 16.
 
 void* operator new(std::size_t size, std::align_val_t alignment) {
   const auto step = static_cast<std::size_t>(alignment);

@@ -2,9 +2,9 @@
 
 namespace conddp {
 
-/// Sets the heap up for a command that computes: it grows in large steps and keeps what is freed,
-/// and its first part may lie in huge pages. Otherwise the system spends a tenth of a short solve
-/// on handing out pages of 4 kB one by one. Nothing is reserved but addresses.
+/// Prepares the heap for a command that computes: it grows in large steps and keeps freed memory,
+/// and its first part may use huge pages. Otherwise the system spends a tenth of a short solve on
+/// providing 4 kB pages one by one. Only addresses are reserved.
 void prepare_heap();
 
 }  // namespace conddp

@@ -13,14 +13,14 @@ namespace {
 
 volatile std::sig_atomic_t g_signal = 0;
 
-/// What a signal leaves for the end of an iteration, the certificate and the files, s.
+/// Time after a signal for the end of an iteration, the certificate and the files, s.
 constexpr int kGrace = 5;
 
 void install(int number, void (*handler)(int)) {
   struct sigaction action {};
   action.sa_handler = handler;
   sigemptyset(&action.sa_mask);
-  action.sa_flags = SA_RESETHAND;  // the next one has its usual effect
+  action.sa_flags = SA_RESETHAND;  // the next signal has its usual effect
   sigaction(number, &action, nullptr);
 }
 
@@ -30,7 +30,7 @@ extern "C" void give_up(int) {
   _exit(kExitSignalBase + g_signal);
 }
 
-/// All that it calls may be called while a signal is handled.
+/// Calls only async-signal-safe functions.
 extern "C" void remember_signal(int number) {
   g_signal = number;
   install(SIGALRM, give_up);

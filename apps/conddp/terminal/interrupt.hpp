@@ -2,10 +2,10 @@
 
 namespace conddp {
 
-/// While it lives, SIGINT and SIGTERM are remembered instead of ending the process: what is under
-/// way is ended and its answer written, also after the guard's end. Where that takes longer than
-/// five seconds, the process ends without; files that were to be replaced are then as they were. A
-/// second signal of the same kind ends it at once.
+/// During its lifetime, SIGINT and SIGTERM are recorded instead of ending the process. The running
+/// work then ends and its answer is written, also after the guard's end. If that takes longer than
+/// five seconds, the process ends without it, and files that were to be replaced are unchanged. A
+/// second signal of the same kind ends the process at once.
 class InterruptGuard {
  public:
   InterruptGuard();
@@ -13,7 +13,7 @@ class InterruptGuard {
   InterruptGuard(const InterruptGuard&) = delete;
   InterruptGuard& operator=(const InterruptGuard&) = delete;
 
-  /// The signal that came, 0 if none did.
+  /// The received signal, 0 without one.
   static int signal();
 };
 

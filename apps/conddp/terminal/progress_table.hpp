@@ -4,15 +4,15 @@
 
 namespace conddp {
 
-/// On stderr one line an iteration, with a heading now and then.
+/// Prints one line per iteration to stderr, with an occasional heading.
 class ProgressTable {
  public:
   void print(const IterationRecord& row);
 
  private:
   int lines_ = 0;
-  double share_ = 1;     ///< of the way of a homotopy
-  int restoration_ = 0;  ///< the restoration that rows are of, 0: none
+  double share_ = 1;     ///< of the homotopy
+  int restoration_ = 0;  ///< restoration of the current rows, 0: none
 };
 
 }  // namespace conddp

@@ -13,10 +13,10 @@ namespace {
 
 constexpr std::chrono::milliseconds kPause(50);
 
-/// As many of the figures, which are separated by commas, as fit behind the time.
+/// The time, followed by as many of the comma-separated figures as fit.
 std::string status_text(double elapsed_s, const std::string& figures, int width) {
   const std::string text = fmt::format("{:.1f} s{}", elapsed_s, figures);
-  // A terminal that is written full may begin a new line by itself.
+  // A terminal may wrap after a full line.
   const std::size_t room = static_cast<std::size_t>(std::max(width - 1, 0));
   if (text.size() <= room) return text;
   const std::size_t comma = text.rfind(',', room);
@@ -47,7 +47,7 @@ void StatusLine::refresh() {
   const int width = terminal_of(2).width;
   std::string text = status_text(elapsed, figures_, width);
   const int length = static_cast<int>(text.size());
-  // Spaces over what is left of a longer line.
+  // Spaces overwrite the rest of a longer line.
   text.append(std::clamp(shown_ - length, 0, std::max(width - 1 - length, 0)), ' ');
   print_message("\r" + text);
   shown_ = std::max(length, 1);

@@ -8,21 +8,21 @@
 namespace conddp {
 
 /// The state of a solve in the last line of a terminal, redrawn in place and erased at the end:
-/// elapsed time, iteration, cost, stationarity, as far as they fit. Needs nothing of the terminal
-/// but that a carriage return leads back to the line's start.
+/// elapsed time, iteration, cost, stationarity, as far as they fit. The terminal only needs to
+/// support the carriage return.
 class StatusLine {
  public:
-  /// An inactive one never prints.
+  /// An inactive status line never prints.
   explicit StatusLine(bool active) : active_(active) {}
   ~StatusLine() { erase(); }
   StatusLine(const StatusLine&) = delete;
   StatusLine& operator=(const StatusLine&) = delete;
 
-  /// Remembers the row, and draws where that is due.
+  /// Stores the row and redraws if due.
   void show(const IterationRecord& row);
-  /// The same with other words instead of a row's figures.
+  /// Stores a text instead of a row's figures and redraws if due.
   void show(const std::string& figures);
-  /// Draws again where that is due: the time goes on while an iteration lasts.
+  /// Redraws if due: the time advances during an iteration.
   void refresh();
   void erase();
 
@@ -32,7 +32,7 @@ class StatusLine {
   const Clock::time_point start_ = Clock::now();
   Clock::time_point last_drawn_{};
   std::string figures_;
-  int shown_ = 0;  ///< characters that stand in the line
+  int shown_ = 0;  ///< characters in the line
 };
 
 }  // namespace conddp

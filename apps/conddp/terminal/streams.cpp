@@ -21,11 +21,11 @@ void remember(bool failed) {
 }  // namespace
 
 void prepare_streams() {
-  // Writing then fails, and the error says why.
+  // Writing then fails with an error that gives the reason.
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
-  // open() takes the lowest free number; 1 and 2 are opened for reading only, so that writing
-  // fails.
+  // open() returns the lowest free number. Descriptors 1 and 2 are opened for reading only, so that
+  // writing fails.
   for (int descriptor = 0; descriptor <= 2; ++descriptor)
     if (::fcntl(descriptor, F_GETFD) == -1 && errno == EBADF) (void)::open("/dev/null", O_RDONLY);
 }

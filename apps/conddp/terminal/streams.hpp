@@ -4,22 +4,22 @@
 
 namespace conddp {
 
-/// To be called first: a reader that goes away (`conddp list | head -1`) is no error and ends
-/// nothing, and files that are opened never take the place of a standard stream that is closed.
+/// Must be called first. Afterwards, a closed reader (`conddp list | head -1`) is not an error, and
+/// opened files never take the place of a closed standard stream.
 void prepare_streams();
 
-/// Results, to stdout, in a form that no terminal takes for commands (terminal_text): names from
-/// inputs may hold anything. What cannot be written is reported by finish_results().
+/// Prints results to stdout without terminal control sequences (terminal_text): names from inputs
+/// may contain anything. finish_results() reports failed output.
 void print_result(std::string_view text);
 
-/// The same for a text that has that form, but for our own colours.
+/// Prints a text that is already in that form, except for our own colors.
 void print_as_it_is(std::string_view text);
 
-/// Messages and progress, to stderr, at once.
+/// Prints messages and progress to stderr at once.
 void print_message(std::string_view text);
 
-/// Empties stdout. Returns why not everything could be written; null if it could, or if no
-/// reader was left.
+/// Flushes stdout. Returns the reason for incomplete output; null if complete, or if the reader has
+/// closed.
 const char* finish_results();
 
 }  // namespace conddp

@@ -2,19 +2,18 @@
 
 namespace conddp {
 
-/// What an output stream can show.
+/// Capabilities of an output stream.
 struct Terminal {
   bool is_tty = false;
-  bool redraws = false;  ///< a terminal that takes a line back; not TERM=dumb
-  bool colour = false;   ///< the same where NO_COLOR is not set
-  int width = 80;        ///< columns, 80 where it is unknown
+  bool redraws = false;  ///< supports redrawing a line; not TERM=dumb
+  bool colour = false;   ///< same, unless NO_COLOR is set
+  int width = 80;        ///< columns, 80 if unknown
 
-  /// Where to break lines of messages: in a file or a pipe they are not broken (0), so that
-  /// programs find them whole.
+  /// Width for line breaks in messages. Files and pipes get unbroken lines (0) for programs.
   int message_width() const { return is_tty ? width : 0; }
 };
 
-/// Of a file descriptor: 1 for stdout, 2 for stderr.
+/// Capabilities of a file descriptor: 1 for stdout, 2 for stderr.
 Terminal terminal_of(int descriptor);
 
 }  // namespace conddp

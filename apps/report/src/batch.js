@@ -1,4 +1,4 @@
-// A run of `conddp batch`: how many items ended how, and which ones stand out.
+// A run of `conddp batch`: counts of the items by status, and the items that stand out.
 import {batchMap, titleOf} from './batch_map.js';
 import {element, figure, table} from './dom.js';
 import {histogram} from './histogram.js';
@@ -11,7 +11,7 @@ function counts(batch) {
       batch.by_status.map(({status, count}) => [status, count, percent(count, batch.items)]));
 }
 
-/// Files of an item, which lie beside the page.
+/// Links to the files of an item, which are in the folder of the page.
 const links = ({files}) => element('span', {}, ...(files ?? []).flatMap((file, i) =>
     [i > 0 ? ' ' : '', element('a', {href: file}, file.slice(file.lastIndexOf('/') + 1))]));
 

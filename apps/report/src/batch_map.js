@@ -1,8 +1,8 @@
-// What came out over two of the values that were varied.
+// Results over two of the varied values.
 import {choice, element, figure, shape} from './dom.js';
 import {mix} from './palette.js';
 
-/// More values than these share cells.
+/// With more values, cells are shared.
 const mostCells = 30;
 const cell = 34, left = 84, bottom = 46, top = 8;
 
@@ -15,7 +15,7 @@ const solvedOnly = (rows, items) => items.filter(i => rows.solved[i]);
 /// A figure of items, with its unit.
 export const titleOf = ({title, unit}) => (unit ? `${title}, ${unit}` : title);
 
-/// What a cell shows of its items.
+/// Measures of a cell's items.
 const measuresOf = ({success_word: word, figures}) => [
   {name: `share ${word}`, of: (rows, items) => solvedOnly(rows, items).length / items.length, range: [0, 1]},
   ...figures.map(f => ({name: `median ${titleOf(f)}`,
@@ -24,7 +24,7 @@ const measuresOf = ({success_word: word, figures}) => [
 
 const label = value => (typeof value === 'number' ? figure(value, 4) : String(value));
 
-/// The cells of one axis: names, and of each item the cell in which it is.
+/// The cells of one axis: their names, and the cell of each item.
 function axisOf(values) {
   const distinct = [...new Set(values)];
   const numeric = distinct.every(v => typeof v === 'number');
@@ -43,7 +43,7 @@ function axisOf(values) {
           places: values.map(v => Math.min(count - 1, Math.floor((v - low) / step)))};
 }
 
-/// The items of each cell that have a result, by "column row".
+/// The items with a result in each cell, by "column row".
 function groups(rows, x, y) {
   const cells = new Map();
   x.places.forEach((column, i) => {
@@ -96,7 +96,7 @@ function draw(batch, chosen) {
 export function batchMap(batch) {
   const names = batch.columns.map(c => c.name);
   if (names.length === 0) return null;
-  // What varies alone says more than the seeds of random starts.
+  // Values that vary are more informative than the seeds of random starts.
   const chosen = {x: 0, y: Math.min(1, names.length - 1), measure: 0};
   const picture = element('div', {class: 'wide'});
   const show = change => {

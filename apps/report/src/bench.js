@@ -1,4 +1,4 @@
-// What `conddp bench` measured of the page's problems.
+// Measurements of `conddp bench` on the page's problems.
 import {element, figure, table} from './dom.js';
 
 const percent = share => (share === null || share === undefined ? '–' : `${figure(100 * share, 3)} %`);

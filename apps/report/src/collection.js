@@ -1,14 +1,14 @@
-// Plots of all solutions together: their lines on one axis, with one colour a name.
+// Plots of all solutions together: lines on a common axis, one color per name.
 import uPlot from 'uplot';
 import {stageMarks} from './convergence.js';
 import {element} from './dom.js';
 import {lineColor, lineDash, solutionDash} from './palette.js';
 import {Plot} from './plot.js';
 
-/// Most lines that a plot begins with; the legend has the others.
+/// Maximum number of initially visible lines; the legend contains the others.
 const lineLimit = 16;
 
-/// Nodes at the same time (an impulse) stay two nodes: the second one comes an instant later.
+/// Separates nodes at the same time (an impulse): the second one is shifted by an instant.
 function apart(x) {
   const axis = x.slice();
   for (let i = 1; i < axis.length; ++i)
@@ -16,7 +16,7 @@ function apart(x) {
   return axis;
 }
 
-/// Brings lines of several solutions to one axis, with their flags at its points.
+/// Resamples lines of several solutions to one axis, with their flags at its points.
 function join(parts) {
   const axes = parts.map(({x}) => apart(x));
   const lines = parts.flatMap(({lines}, i) => lines.map(line => ({line, axis: axes[i]})));
@@ -34,7 +34,7 @@ function join(parts) {
     ...line, values: values[i], clamped: spread(line.clamped, axis), violated: spread(line.violated, axis)}))};
 }
 
-/// With nothing at the nodes that a list does not reach: controls end before the last one.
+/// Pads a list with null at missing nodes: controls end before the last node.
 const filled = (values, length) =>
     values.length >= length ? values : values.concat(Array(length - values.length).fill(null));
 
@@ -50,8 +50,8 @@ export class Collection {
     this.holder.append(element('h2', {}, text));
   }
 
-  /// `of(solution)` gives [{name, values, ...}] or nothing; lines of one name share their colour,
-  /// those of one solution their dashes.
+  /// `of(solution)` returns [{name, values, ...}] or nothing. Lines with the same name share their
+  /// color, lines of the same solution their dashes.
   add({title, unit, hint, xOf, xLabel, xUnit, of, log, soft, overTime, marks = []}) {
     const names = [];
     const parts = this.solutions.map((solution, i) => {

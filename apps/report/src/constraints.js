@@ -1,12 +1,12 @@
-// Constraints: how far each is from holding, and its values between their bounds.
+// Constraints: their violations, and their values between bounds.
 import {figure, table} from './dom.js';
 
-/// Smaller violations are drawn at it, so that constraints that hold have a line too.
+/// Minimum drawn violation, so that satisfied constraints also have a line.
 const floor = 1e-16;
 
 const curvesOf = solution => solution.curves.constraints ?? [];
 
-/// What a solver called a violation.
+/// The violation tolerance of the solver.
 const toleranceOf = solution => solution.head.problem.options?.tolerances?.constraint ?? 1e-6;
 
 function violationLines(solution) {
@@ -19,7 +19,7 @@ function violationLines(solution) {
   }));
 }
 
-/// The rows of a constraint; bounds that change over time are lines of their own.
+/// The rows of a constraint; time-varying bounds are separate lines.
 function rowLines(solution, constraint) {
   const tolerance = toleranceOf(solution);
   return constraint.rows.flatMap(({name, values, lower, upper}) => {
@@ -37,7 +37,7 @@ function rowLines(solution, constraint) {
   });
 }
 
-/// Constraints that hold at one node have no curve: their values stand in a table.
+/// A table with the values of constraints at a single node, which have no curve.
 function momentTable(solutions) {
   const violated = [];
   const rows = solutions.flatMap(solution => curvesOf(solution).filter(c => c.nodes === 1).flatMap(c =>

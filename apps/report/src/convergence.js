@@ -1,7 +1,8 @@
-// How the solver got there: the columns of its log over iterations, its stages, and the diagnosis.
+// Convergence of the solver: the columns of its log over iterations, its stages, and the diagnosis.
 import {element} from './dom.js';
 
-/// Where a homotopy comes to another problem, a restoration of feasibility begins, a solver updates its multipliers, and Newton's method begins.
+/// Iterations at which a homotopy advances, a restoration of feasibility begins, a solver updates
+/// its multipliers, or Newton's method begins.
 export function stageMarks(log) {
   const marks = [];
   log.forEach((row, i) => {
@@ -28,7 +29,8 @@ function diagnoses(solutions) {
   }));
 }
 
-/// Lines of columns of the log: [name, column] or, without what is not positive, [name, column, true].
+/// Lines of log columns: [name, column], or [name, column, true] without values that are not
+/// positive.
 const columns = (...list) => ({head}) => list.map(([name, key, positive]) => ({
   name,
   values: head.log.map(row => {

@@ -1,4 +1,4 @@
-// The report's data and what follows from it without drawing.
+// The report's data and derived quantities without drawing.
 
 export function readData() {
   const data = JSON.parse(document.getElementById('report-data').textContent);
@@ -18,7 +18,7 @@ function prepare(solution) {
   for (const constraint of solution.curves.constraints ?? []) spread(constraint, t.length);
 }
 
-/// Constraints hold at some nodes: their lists get a place for each node.
+/// Expands the lists of a constraint to all nodes.
 function spread(constraint, nodes) {
   const {first, violation, rows} = constraint;
   const over = list => Array(first).fill(null).concat(list, Array(nodes - first - list.length).fill(null));
@@ -29,8 +29,8 @@ function spread(constraint, nodes) {
       if (Array.isArray(row[key])) row[key] = over(row[key]);
 }
 
-/// The last node that is not after a time, and how far it is to the next one (0 to 1). Of nodes at
-/// the same time, an impulse, the last one.
+/// The last node at or before a time, and the relative position to the next one (0 to 1). At an
+/// impulse, with nodes at the same time, the last of these nodes.
 export function nodeAt(t, time) {
   let low = 0, high = t.length - 1;
   while (low < high) {
@@ -47,10 +47,10 @@ export const phaseAt = (solution, k) =>
     solution.curves.phases.find(p => k >= p.first_knot && k < p.first_knot + p.knots) ??
     solution.curves.phases[solution.curves.phases.length - 1];
 
-/// The state in whose configuration the force of a knot acts on a contact.
+/// The state at whose configuration the force of a knot acts on a contact.
 export const forceNode = (contact, k) => k + contact.acts_after;
 
-/// Normal force and the share of the friction cone that is used, of a contact at a knot.
+/// Normal force and used share of the friction cone, for a contact at a knot.
 export function forceParts(entry, k) {
   const f = entry.forces[k];
   if (!f || f[0] === null) return null;

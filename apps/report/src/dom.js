@@ -1,4 +1,4 @@
-// Elements without markup: text from a problem file is only ever text.
+// Elements without markup: text from a problem file always remains text.
 
 export function element(tag, attributes = {}, ...children) {
   const node = document.createElement(tag);
@@ -12,7 +12,7 @@ export function element(tag, attributes = {}, ...children) {
   return node;
 }
 
-/// A table of texts; marked rows stand out.
+/// A table of texts; marked rows are highlighted.
 export function table(id, names, rows, marked = () => false) {
   return element('div', {class: 'wide'}, element('table', {id},
       element('thead', {}, element('tr', {}, ...names.map(n => element('th', {}, n)))),
@@ -20,7 +20,7 @@ export function table(id, names, rows, marked = () => false) {
           ...cells.map(cell => element('td', {}, cell instanceof Node ? cell : String(cell ?? ''))))))));
 }
 
-/// A button that is on or off.
+/// A toggle button.
 export function toggle(label, title, on, change) {
   const button = element('button', {type: 'button', title, 'aria-pressed': String(on)}, label);
   button.addEventListener('click', () => {
@@ -31,11 +31,11 @@ export function toggle(label, title, on, change) {
   return button;
 }
 
-/// The value of a colour of the style sheet, which depends on the theme.
+/// The value of a style-sheet color, which depends on the theme.
 export const color = name =>
     getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 
-/// A number as a person reads it.
+/// A number formatted for users.
 export function figure(value, digits = 5) {
   if (typeof value !== 'number' || Number.isNaN(value)) return '–';
   if (value === 0) return '0';
@@ -44,7 +44,7 @@ export function figure(value, digits = 5) {
   return value.toExponential(Math.max(0, Math.min(digits, 4) - 1));
 }
 
-/// An element of a drawing.
+/// An SVG element.
 export function shape(tag, attributes = {}, ...children) {
   const node = document.createElementNS('http://www.w3.org/2000/svg', tag);
   for (const [name, value] of Object.entries(attributes))
@@ -53,7 +53,7 @@ export function shape(tag, attributes = {}, ...children) {
   return node;
 }
 
-/// A list to choose from; `names` in the order of their numbers.
+/// A selection list; `names` are in the order of their numbers.
 export function choice(label, names, chosen, change) {
   const select = element('select', {'aria-label': label, onchange: () => change(Number(select.value))},
       ...names.map((name, i) => element('option', i === chosen ? {value: i, selected: ''} : {value: i}, name)));

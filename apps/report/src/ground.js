@@ -1,4 +1,4 @@
-// What feet stand on: marks where they hold, the planes of these places, and a grid.
+// The ground: marks at contacts, the planes of the contacts, and a grid.
 import * as THREE from 'three';
 import {forceNode} from './data.js';
 import {color} from './dom.js';
@@ -6,7 +6,7 @@ import {color} from './dom.js';
 const up = new THREE.Vector3(0, 0, 1);
 const sand = '#b9a77c';
 
-/// Every place and normal of a contact while it holds: {point, normal, begins}.
+/// All places and normals of a contact while it is closed: {point, normal, begins}.
 function* holds(solution) {
   for (const {contact, forces} of solution.contacts) {
     if (!contact?.ground) continue;
@@ -22,7 +22,7 @@ function* holds(solution) {
   }
 }
 
-/// The planes on which contacts hold, each with its points; those within 2 cm are one.
+/// Planes of the contacts, each with its points; planes within 2 cm are merged.
 export function surfacesOf(solution) {
   const planes = [];
   for (const {point, normal} of holds(solution)) {
@@ -48,7 +48,7 @@ function footprints(solution) {
   return group;
 }
 
-/// A rectangle under all points of a plane.
+/// A rectangle that covers all points of a plane.
 function slab(plane) {
   const turn = new THREE.Quaternion().setFromUnitVectors(up, plane.normal);
   const back = turn.clone().invert();
@@ -67,7 +67,7 @@ export class Ground {
     this.root = new THREE.Group();
     this.view = view;
     this.surfaces = surfacesOf(solution);
-    // The grid lies where all feet stand if that is one slope, else at height zero.
+    // The grid lies on the slope if all contacts share one, else at height zero.
     const [only] = this.surfaces;
     this.slope = this.surfaces.length === 1 && only.normal.z > 0.5 && only.normal.z < 0.9998 ? only : null;
     this.root.add(footprints(solution));
@@ -77,7 +77,7 @@ export class Ground {
     this.setTheme();
   }
 
-  /// The grid has its colours in its vertices: another theme needs another one.
+  /// Creates the grid again, because its vertices contain the theme's colors.
   setTheme() {
     const size = this.view.getSize(new THREE.Vector3()), center = this.view.getCenter(new THREE.Vector3());
     const span = Math.max(2, Math.ceil(2.5 * Math.max(size.x, size.y, size.z)));

@@ -1,4 +1,4 @@
-// How often which values are.
+// Histograms of values.
 import {element, figure, shape} from './dom.js';
 
 const width = 320, height = 130, bottom = 20, bars = 24;
@@ -8,7 +8,7 @@ function scaleOf(low, high) {
   return low > 0 && high > 100 * low ? {to: Math.log10, from: v => 10 ** v} : {to: v => v, from: v => v};
 }
 
-/// How many values are in each of the bars between the ends.
+/// The number of values in each bar.
 export function binned(values) {
   const low = Math.min(...values), high = Math.max(...values), scale = scaleOf(low, high);
   const first = scale.to(low), step = (scale.to(high) - first) / bars;

@@ -1,4 +1,4 @@
-// What a page shows of a closed loop besides the motion of its plant.
+// The parts of a closed loop's page besides the motion of its plant.
 import {element, figure, table} from './dom.js';
 import {histogram} from './histogram.js';
 
@@ -16,7 +16,7 @@ export function writeLoopHead(holder, {head}, themeButton) {
           fact('cost', figure(head.cost, 8)), fact('violation', figure(head.violation, 2))));
 }
 
-/// How ticks went, and how long they took.
+/// Outcomes and durations of the ticks.
 export function loopSection({head}, {ticks}) {
   const known = list => list.filter(value => value !== null);
   const outcomes = Object.entries(head.outcomes).filter(([, count]) => count > 0);
@@ -27,7 +27,7 @@ export function loopSection({head}, {ticks}) {
           histogram('Feedback', 'ms', known(ticks.feedback_ms))));
 }
 
-/// Numbers of ticks over time.
+/// Figures of the ticks over time.
 export function addTicks(collection, {ticks}) {
   const plot = (title, unit, names, hint) => collection.add({
     title, unit, hint, xOf: () => ticks.t, xLabel: 'time', xUnit: 's', overTime: true,

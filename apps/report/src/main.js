@@ -12,8 +12,8 @@ import {Viewer} from './viewer.js';
 const byId = id => document.getElementById(id);
 const root = document.documentElement;
 
-/// Motion and plots of the solutions, or of the plant of a closed loop. Returns the objects that are
-/// behind them.
+/// Shows motion and plots of the solutions, or of a closed loop's plant. Returns the objects behind
+/// them.
 function showSolutions(solutions, loop, setThemeOf) {
   const player = new Player(Math.max(...solutions.map(s => s.duration)));
   let plots = [];
@@ -46,7 +46,7 @@ function start() {
   else writeHead(byId('head'), batch?.name, solutions, themeButton);
   const main = document.querySelector('main');
   if (batch) main.before(batchSection(batch));
-  // A batch that keeps no solutions has a page all the same.
+  // A batch without solutions also has a page.
   const shown = solutions.length > 0 ? showSolutions(solutions, loop, themed) : null;
   if (!shown) main.remove();
   if (bench) byId('foot').append(benchTable(bench));
@@ -61,14 +61,14 @@ function start() {
     if (event.key === 'f' || event.key === 'F') shown?.viewer.followButton?.click();
     if (event.key === 'd' || event.key === 'D') changeTheme();
   });
-  // Paper is light.
+  // Prints use the light theme.
   let onScreen = root.dataset.theme;
   window.addEventListener('beforeprint', () => {
     onScreen = root.dataset.theme;
     setTheme('light');
   });
   window.addEventListener('afterprint', () => setTheme(onScreen));
-  // For those who script the page.
+  // Access for scripts.
   window.conddp = {solutions, batch, loop, ...shown};
 }
 

@@ -1,4 +1,4 @@
-// What stands in the way of a motion, and bounds on positions.
+// Obstacles of a motion, and bounds on positions.
 import * as THREE from 'three';
 
 const outsideColor = '#d55e00', insideColor = '#56b4e9';
@@ -6,7 +6,7 @@ const up = new THREE.Vector3(0, 0, 1), along = new THREE.Vector3(0, 1, 0);
 
 const vector = numbers => new THREE.Vector3(...numbers);
 
-/// A capsule or a sphere, also of a robot's body.
+/// A capsule or a sphere, also for a robot's body.
 export function roundForm(shape) {
   if (shape.kind === 'sphere')
     return new THREE.SphereGeometry(shape.radius, 28, 18).translate(...shape.center);
@@ -32,7 +32,7 @@ function half(shape, view) {
   material.depthWrite = false;
   const mesh = new THREE.Mesh(new THREE.PlaneGeometry(size, size), material);
   mesh.quaternion.setFromUnitVectors(up, normal);
-  // A square of the plane that lies nearest to the motion.
+  // A square of the plane, located nearest to the motion.
   const center = view.getCenter(new THREE.Vector3());
   const height = normal.dot(center.clone().sub(vector(shape.point)));
   mesh.position.copy(center.addScaledVector(normal, -height));
@@ -47,7 +47,8 @@ function disc(shape) {
   return mesh;
 }
 
-/// Along an axis without a bound it goes as far as the motion does; an equality becomes a thin bar.
+/// A box; along an unbounded axis it extends as far as the motion, and an equality becomes a thin
+/// bar.
 function box(shape, view) {
   const thin = 0.008 * view.getSize(new THREE.Vector3()).length();
   const low = ['x', 'y', 'z'].map((axis, i) => shape.lower[i] ?? view.min[axis]);
@@ -78,7 +79,7 @@ function objectOf(shape, view) {
 }
 
 export class Obstacles {
-  /// `view`: the box in which the motion takes place; it grows to hold what has a size.
+  /// `view`: the bounding box of the motion, expanded by obstacles of finite size.
   constructor(shapes, view) {
     this.root = new THREE.Group();
     this.moving = [];
@@ -97,7 +98,7 @@ export class Obstacles {
     }
   }
 
-  /// Moves those that move to where they are between two nodes.
+  /// Moves the moving obstacles to a position between two nodes.
   show(k, share) {
     for (const {object, centers} of this.moving) {
       const next = Math.min(3 * k + 3, centers.length - 3);

@@ -1,4 +1,4 @@
-// One column of many trajectories over each other, coloured by their cost.
+// One column of many trajectories overlaid, colored by their cost.
 import {choice, element, figure, shape} from './dom.js';
 import {mix} from './palette.js';
 

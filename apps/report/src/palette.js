@@ -1,11 +1,11 @@
-// Okabe and Ito's colours, which people with any colour vision tell apart; past the last one lines
-// are dashed too.
+// Okabe and Ito's colors, distinguishable with any color vision. Lines beyond the last color are
+// also dashed.
 const colors = ['#0072b2', '#e69f00', '#009e73', '#d55e00', '#56b4e9', '#cc79a7', '#8f8a00', '#7f7f7f'];
 const dashes = [[], [7, 4], [2, 3], [9, 3, 2, 3]];
 
 export const lineColor = i => colors[i % colors.length];
 export const lineDash = i => dashes[Math.floor(i / colors.length) % dashes.length];
-/// Of the lines of one solution beside those of others.
+/// Dashes for the lines of one solution among others.
 export const solutionDash = i => dashes[i % dashes.length];
 
 const pale = [222, 235, 247], deep = [8, 69, 130];

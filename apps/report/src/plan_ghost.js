@@ -1,11 +1,11 @@
-// The plan that was in force at a time: its end as a ghost of the robot, and the way there.
+// The plan in force at a time: its end as a ghost of the robot, and the path to it.
 import * as THREE from 'three';
 import {LineGeometry} from 'three/examples/jsm/lines/LineGeometry.js';
 import {polyline, Robot} from './robot.js';
 
 const tint = '#d55e00';
 
-/// The last plan that begins no later than a time; the first one before all.
+/// The last plan that begins no later than a time; before all plans, the first one.
 export function planAt(list, time) {
   let low = 0, high = list.length - 1;
   while (low < high) {

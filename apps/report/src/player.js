@@ -1,4 +1,4 @@
-// The time that everything shows.
+// The time shared by all views.
 
 export class Player {
   constructor(duration) {
@@ -7,7 +7,7 @@ export class Player {
     this.speed = 1;
     this.playing = false;
     this.listeners = [];
-    this.pointed = null;  // the time under the pointer in a plot
+    this.pointed = null;  // time under the pointer in a plot
     this.onPoint = () => {};
     this.last = null;
   }

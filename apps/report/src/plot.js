@@ -1,5 +1,4 @@
-// One plot: a figure with lines, a legend that reads values at the cursor, and a picture of it on
-// demand.
+// One plot: a figure with lines, a legend that shows values at the cursor, and an image on demand.
 import uPlot from 'uplot';
 import {color, element, figure} from './dom.js';
 import {drawMarks, markClamped, markViolated, shadeLimits} from './plot_marks.js';
@@ -15,17 +14,17 @@ function powersOfTen(u, axis, low, high) {
   return ticks;
 }
 
-/// The width of an upright axis: that of its widest number, and not less than `least`, so that most
-/// plots below each other have their times below each other.
+/// The width of a vertical axis: that of its widest number, at least `least`, so that the time axes
+/// of most plots are aligned.
 const axisWidth = least => (u, numbers, index, cycle) => {
   const axis = u.axes[index];
-  if (cycle > 1) return axis._size;  // settled: another width would change the ticks again
+  if (cycle > 1) return axis._size;  // final: another width would change the ticks again
   u.ctx.font = axis.font[0];
   const widest = Math.max(0, ...(numbers ?? []).map(text => u.ctx.measureText(text).width / devicePixelRatio));
   return Math.max(least, Math.ceil(widest + axis.ticks.size + axis.gap + 2));
 };
 
-/// The range of an axis around its lines and, if given, from one value at least to another.
+/// The range of an axis around its lines and, if `soft` is given, including that interval.
 function rangeWith(soft) {
   const side = value => ({pad: 0.1, soft: value, mode: value === undefined ? 0 : 1});
   return (u, low, high) => {
@@ -35,15 +34,16 @@ function rangeWith(soft) {
   };
 }
 
-/// The range of a logarithmic axis that shows limits as well.
+/// The range of a logarithmic axis, including limits.
 const rangeWithLimits = lines => (u, low, high) => {
   const tops = lines.map(l => l.limit?.upper).filter(x => x > 0);
   return low === null ? [null, null] : uPlot.rangeLog(low, Math.max(high, ...tops.map(t => 10 * t)), 10, true);
 };
 
 export class Plot {
-  /// `lines`: {label, values, color, dash, solution, steps, limit: {lower, upper}, clamped, violated}.
-  /// With a player, the plot shows its time and a click sets it. `marks`: {at, text}.
+  /// `lines`: {label, values, color, dash, solution, steps, limit: {lower, upper}, clamped,
+  /// violated}. With a player, the plot shows its time, and a click sets the time. `marks`: {at,
+  /// text}.
   constructor(holder, {title, unit, hint, x, xLabel, xUnit, lines, log = false, soft = null, player = null, marks = []}) {
     this.title = title;
     this.lines = lines;
@@ -115,7 +115,7 @@ export class Plot {
     this.readLater();
   }
 
-  /// Once the time rests, the legend has the values there, until the pointer asks for others.
+  /// Once the time rests, the legend shows its values until the pointer enters the plot.
   readLater() {
     clearTimeout(this.reading);
     this.reading = setTimeout(() => {
@@ -138,7 +138,7 @@ export class Plot {
     if (this.player) this.moveNeedle();
   }
 
-  /// Lines of solutions that are not in view are hidden.
+  /// Hides lines of invisible solutions.
   setVisible(visible) {
     this.lines.forEach((line, i) => {
       if (line.solution !== undefined) this.u.setSeries(i + 1, {show: visible[line.solution]});
@@ -149,7 +149,7 @@ export class Plot {
     this.u.redraw(false, true);
   }
 
-  /// The plot with its title and the names of its lines.
+  /// An image of the plot with its title and the names of its lines.
   picture() {
     const scale = devicePixelRatio, plot = this.u.ctx.canvas;
     const shown = this.lines.filter((_, i) => this.u.series[i + 1].show);

@@ -1,7 +1,7 @@
-// What is drawn into a plot besides its lines: limits, values at them and beyond them, stages.
+// Drawings in a plot besides its lines: limits, values at and beyond them, stages.
 import {color} from './dom.js';
 
-/// Draws where the lines are, and nowhere else.
+/// Clips drawing to the plot area.
 function inside(u, draw) {
   const {ctx, bbox} = u;
   ctx.save();
@@ -12,7 +12,7 @@ function inside(u, draw) {
   ctx.restore();
 }
 
-/// Where a value lies outside everything that lines in view may take.
+/// Shades the area outside the limits of all visible lines.
 export const shadeLimits = (u, limits) => inside(u, (ctx, bbox) => {
   const shown = limits.filter((limit, i) => limit && u.series[i + 1].show);
   const bottoms = shown.map(l => l.lower).filter(x => x !== null);
@@ -38,7 +38,7 @@ export const shadeLimits = (u, limits) => inside(u, (ctx, bbox) => {
   }
 });
 
-/// Spans in which a value is at its limit, drawn thick.
+/// Draws intervals with a value at its limit as thick lines.
 export const markClamped = (u, lines) => inside(u, ctx => {
   const [x] = u.data;
   ctx.lineCap = 'round';
@@ -50,7 +50,8 @@ export const markClamped = (u, lines) => inside(u, ctx => {
     line.clamped.forEach((at, k) => {
       const y = values[k];
       if (!at || y === null || y === undefined) return;
-      // Controls hold until the next node; other values are at a limit between two that are.
+      // Controls are constant until the next node; other values are at a limit between two nodes at
+      // the limit.
       let end = k + 1;
       while (end < x.length && values[end] === undefined) ++end;
       if (end >= x.length || !(line.steps || line.clamped[end])) end = k;
@@ -62,7 +63,7 @@ export const markClamped = (u, lines) => inside(u, ctx => {
   });
 });
 
-/// Rings around values that a constraint forbids.
+/// Draws rings around values that violate a constraint.
 export const markViolated = (u, lines) => inside(u, ctx => {
   ctx.strokeStyle = color('bad');
   ctx.lineWidth = 1.5 * devicePixelRatio;
@@ -78,13 +79,13 @@ export const markViolated = (u, lines) => inside(u, ctx => {
   });
 });
 
-/// Upright lines with a name above them: where a stage of a solver begins.
+/// Draws labeled vertical lines at the beginnings of solver stages.
 export function drawMarks({ctx, bbox, valToPos}, marks) {
   ctx.save();
   ctx.strokeStyle = ctx.fillStyle = color('faint');
   ctx.font = `${11 * devicePixelRatio}px system-ui`;
   ctx.textAlign = 'center';
-  let free = -Infinity;  // where the last name ends
+  let free = -Infinity;  // end of the last label
   for (const {at, text} of marks) {
     const x = valToPos(at, 'x', true);
     if (x < bbox.left || x > bbox.left + bbox.width) continue;

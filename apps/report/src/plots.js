@@ -1,16 +1,17 @@
-// Which plots there are: the curves of all solutions over time, then over iterations.
+// The plots: curves of all solutions over time, then over iterations.
 import {Collection} from './collection.js';
 import {addConstraints} from './constraints.js';
 import {addConvergence} from './convergence.js';
 import {forceParts} from './data.js';
 import {addTicks} from './loop.js';
 
-/// Families of columns that implicit steps have beside the controls.
+/// Column families of implicit steps in addition to the controls.
 const ofImplicitSteps = {a: 'Accelerations', contact: 'Contact variables', stop: 'Stops of joints',
                          friction: 'Dry friction of joints'};
 const isOfImplicitSteps = name => name.includes('/') && name.slice(0, name.indexOf('/')) in ofImplicitSteps;
 
-/// Linear controls are columns of the state at the nodes; those of u are at the ends of knots.
+/// Linear controls are state columns at the nodes; columns of u are the controls at the ends of
+/// knots.
 const endOf = 'end/';
 const isLinear = (curves, name) => curves.u.names.includes(endOf + name);
 
@@ -23,7 +24,7 @@ function limitsOf(curves, key, name, c) {
   return end < 0 ? null : [[null, ...lower[end]], [null, ...upper[end]]];
 }
 
-/// Which plot a column belongs to: "q/hip" to joint positions, "base/vx" to the base's velocity, ...
+/// The plot of a column: "q/hip" belongs to joint positions, "base/vx" to the base's velocity, ...
 function groupOf(name) {
   const slash = name.indexOf('/');
   const family = slash < 0 ? '' : name.slice(0, slash);
@@ -38,10 +39,10 @@ function groupOf(name) {
   return titles[family] ?? (family || 'States');
 }
 
-/// Nothing of what has no unit.
+/// The unit of a column, empty if dimensionless.
 const unitOf = ({units}, c) => (units[c] === '1' ? '' : units[c] ?? '');
 
-/// Plots of the columns that are wanted.
+/// Adds plots of the selected columns.
 function addColumns(collection, key, {steps, limits, controls = limits, wanted = () => true}) {
   const groups = new Map();
   for (const {curves} of collection.solutions)
@@ -69,7 +70,7 @@ function addColumns(collection, key, {steps, limits, controls = limits, wanted =
     });
 }
 
-/// The tightest limits of a column over all knots, and the knots at which it is at one.
+/// The tightest limits of a column over all knots, and the knots at a limit.
 function limitOf(values, lower, upper) {
   const numbers = list => list.filter(v => v !== null);
   const low = numbers(lower), high = numbers(upper);
@@ -102,7 +103,7 @@ function addForces(collection) {
   });
 }
 
-/// `loop`: the closed loop whose plant the solution is.
+/// `loop`: the closed loop whose plant is the solution.
 export function makePlots(holder, solutions, player, loop) {
   const collection = new Collection(holder, solutions, player);
   collection.heading('Motion');

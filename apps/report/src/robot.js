@@ -1,4 +1,4 @@
-// A robot's bodies, contacts and paths as objects of three.js, moved along a trajectory.
+// A robot's bodies, contacts and paths as three.js objects, moved along a trajectory.
 import * as THREE from 'three';
 import {Line2} from 'three/examples/jsm/lines/Line2.js';
 import {LineGeometry} from 'three/examples/jsm/lines/LineGeometry.js';
@@ -8,14 +8,14 @@ import {roundForm} from './obstacles.js';
 import {lineColor} from './palette.js';
 import {place, shapeObject} from './shapes.js';
 
-/// Two pixels wide at any distance.
+/// A line two pixels wide at any distance.
 export function polyline(numbers, color) {
   const line = new Line2(new LineGeometry().setPositions(numbers), new LineMaterial({color, linewidth: 2}));
   line.frustumCulled = false;
   return line;
 }
 
-/// An arrow of unit length along +z, which shines through what is before it.
+/// An arrow of unit length along +z, visible through objects in front of it.
 function arrow(color) {
   const group = new THREE.Group();
   const surface = new THREE.MeshStandardMaterial({color, roughness: 0.5});
@@ -34,7 +34,7 @@ function arrow(color) {
 const up = new THREE.Vector3(0, 0, 1);
 
 export class Robot {
-  /// `ghost` robots are shown through, tinted in a colour of their own.
+  /// `ghost` robots are transparent and tinted.
   constructor(solution, {ghost = false, tint = '#0072b2'} = {}) {
     this.solution = solution;
     this.scene = solution.scene;
@@ -57,7 +57,7 @@ export class Robot {
     this.show(0);
   }
 
-  /// Lines from every joint to the one that it hangs on, for bodies that show little.
+  /// Adds lines from every joint to its parent, for bodies with few visible shapes.
   addBones(tint) {
     const bones = this.scene.bodies.map((body, i) => [i, body.parent]).filter(([, p]) => p > 0);
     const form = new THREE.BufferGeometry();
@@ -71,7 +71,7 @@ export class Robot {
     this.root.add(this.bones.lines);
   }
 
-  /// What obstacles are kept clear of.
+  /// Adds the collision shapes.
   addShapes(color) {
     this.shapes = (this.scene.collision_shapes ?? []).map(shape => {
       const mesh = new THREE.Mesh(roundForm(shape), new THREE.MeshBasicMaterial(
@@ -115,7 +115,8 @@ export class Robot {
     if (ghost) this.forces.visible = this.cones.visible = false;
   }
 
-  /// Of all contacts and knots that take time; impulses are in Ns and would dwarf them.
+  /// The largest force of all contacts and knots with a duration; impulses are in Ns and would
+  /// dwarf forces.
   largestForce() {
     const t = this.solution.curves.t;
     let largest = 0;
@@ -138,8 +139,8 @@ export class Robot {
     this.root.add(this.paths, this.com);
   }
 
-  /// Moves everything to a time: positions between two nodes linearly, rotations on the shortest
-  /// arc.
+  /// Moves everything to a time: positions are interpolated linearly between two nodes, rotations
+  /// on the shortest arc.
   show(time) {
     const {k, share} = nodeAt(this.solution.curves.t, time);
     const n = 7 * this.bodies.length, poses = this.scene.poses;
@@ -171,7 +172,7 @@ export class Robot {
     position.needsUpdate = true;
   }
 
-  /// The force that acts between two nodes, at the contact's place on the body as it is drawn.
+  /// Shows the force between two nodes at the contact's place on the drawn body.
   showForce(entry, k) {
     const parts = k < entry.forces.length ? forceParts(entry, k) : null;
     entry.force.visible = parts !== null;
@@ -193,14 +194,14 @@ export class Robot {
     entry.cone.quaternion.setFromUnitVectors(up, normal);
   }
 
-  /// Where a contact's frame is in the scene, from the body that carries it.
+  /// The position of a contact's frame in the scene, from the body that carries it.
   contactPosition(index) {
     const foot = this.feet[index];
     const body = this.bodies[this.scene.contacts[index].body];
     return foot.position.clone().applyQuaternion(body.quaternion).add(body.position);
   }
 
-  /// What the robot fits into at a time.
+  /// The bounding box of the robot at a time.
   boundsAt(time) {
     const box = new THREE.Box3(), one = new THREE.Box3();
     this.show(time);
@@ -211,7 +212,7 @@ export class Robot {
     return box;
   }
 
-  /// What all of the motion fits into, at some times.
+  /// The bounding box of the motion, sampled at some times.
   bounds() {
     const box = new THREE.Box3();
     const samples = 12;

@@ -1,11 +1,11 @@
-// What a body looks like: primitive shapes and meshes as objects of three.js.
+// Shapes of a body: primitives and meshes as three.js objects.
 import * as THREE from 'three';
 import {STLLoader} from 'three/examples/jsm/loaders/STLLoader.js';
 import {OBJLoader} from 'three/examples/jsm/loaders/OBJLoader.js';
 
 const defaultColor = '#8a929b';
 
-/// Puts an object where seven numbers of a list say: position and quaternion x y z w.
+/// Places an object by seven numbers of a list: position and quaternion x y z w.
 export function place(object, numbers, at) {
   object.position.fromArray(numbers, at);
   object.quaternion.fromArray(numbers, at + 3);
@@ -28,7 +28,7 @@ function bytes(base64) {
   return data;
 }
 
-/// Gives facets that came without a normal (zeros, which would be black) the one of their corners.
+/// Computes normals of facets without one (zeros, which would be black) from their corners.
 function completeNormals(form) {
   const given = form.getAttribute('normal');
   const missing = [];
@@ -38,7 +38,7 @@ function completeNormals(form) {
   }
   if (missing.length === 0) return form;
   const computed = form.clone();
-  computed.computeVertexNormals();  // three corners of its own a facet: flat
+  computed.computeVertexNormals();  // each facet has its own three corners: flat shading
   const corners = computed.getAttribute('normal');
   for (const i of missing) given.setXYZ(i, corners.getX(i), corners.getY(i), corners.getZ(i));
   return form;

@@ -1,9 +1,9 @@
-// What stands above and below motion and plots: results, diagnosis, certificate, how to reproduce.
+// The parts above and below motion and plots: results, diagnosis, certificate, reproduction.
 import {element, figure, table} from './dom.js';
 
 const fact = (name, value) => element('li', {}, `${name} `, element('b', {}, value));
 
-/// `batch`: the name of the batch to which the solutions belong, if they belong to one.
+/// `batch`: the name of the batch that contains the solutions, if any.
 export function writeHead(holder, batch, solutions, themeButton) {
   const name = batch ?? solutions[0].head.problem.name;
   document.title = `${name} – conddp`;
@@ -27,7 +27,7 @@ export function writeHead(holder, batch, solutions, themeButton) {
     holder.append(element('p', {id: 'message'}, head.message));
 }
 
-/// One row a solution, with switches for their lines and robots.
+/// One row per solution, with switches for their lines and robots.
 export function comparisonTable(solutions, changeVisible) {
   const visible = solutions.map(() => true);
   const names = ['', 'solution', 'solver', 'status', 'cost', 'iterations', 'time, s', 'differentiate',
@@ -48,7 +48,7 @@ export function comparisonTable(solutions, changeVisible) {
   return table('comparison', names, rows);
 }
 
-/// What was checked of an answer, without the statements that are no figures and hold.
+/// The checks of an answer, without passed checks that have no figures.
 function certificate({checks, holds}) {
   const shown = checks.filter(check => !check.holds || (check.claimed ?? check.found ?? null) !== null);
   const failed = checks.filter(check => !check.holds).length;
@@ -61,14 +61,15 @@ function certificate({checks, holds}) {
             i => !shown[i].holds));
 }
 
-/// What stands out in the motion although its problem may not ask for it.
+/// Notable properties of the motion, even if its problem does not mention them.
 function findings(list) {
   return element('div', {id: 'findings'}, element('h2', {}, 'Findings'),
       table(null, ['what', 'where', 'try'],
             list.map(f => [f.message, f.knot === undefined ? '' : `knot ${f.knot}, ${figure(f.time_s, 3)} s`, f.remedy ?? ''])));
 }
 
-/// Which links are not drawn by their visual shapes, and why: a line, and a table with the files.
+/// Links that are not drawn by their visual shapes, with the reasons: a line, and a table with the
+/// files.
 export function standIns(solutions) {
   const list = solutions.find(s => s.scene)?.scene.stand_ins ?? [];
   if (list.length === 0) return null;
@@ -85,7 +86,7 @@ export function standIns(solutions) {
 
 const listed = object => Object.entries(object ?? {}).map(([name, value]) => `${name} ${value}`).join(', ');
 
-/// What somebody needs who wants the same answer: rows of names and texts.
+/// Information for reproducing the answer: rows of names and texts.
 function reproduction({problem, tool, solver, initial_guess_used: guess, dropped_constraints: dropped = []}) {
   const file = ({file: name, sha256}) => `${name} (SHA-256 ${sha256})`;
   const settings = [...(problem.overrides ?? []).map(setting => `--set ${setting}`), ...dropped.map(c => `--drop ${c.name}`)];

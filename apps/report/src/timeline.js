@@ -1,4 +1,4 @@
-// Play controls, and the bands of phases and contacts that share the time.
+// Play controls, and the bands of phases and contacts on a common time axis.
 import {element, figure} from './dom.js';
 import {nodeAt, phaseAt} from './data.js';
 
@@ -13,7 +13,7 @@ function bar(from, to, duration, attributes, text = '') {
   return node;
 }
 
-/// The spans of time in which a contact's force is there.
+/// The time intervals with a contact force.
 function stances(t, forces) {
   const spans = [];
   forces.forEach((force, k) => {
@@ -26,7 +26,8 @@ function stances(t, forces) {
 }
 
 export class Timeline {
-  /// `events`: {row, from, to, text} of a closed loop; those of one row are beside each other.
+  /// `events`: {row, from, to, text} of a closed loop; events of the same row are next to each
+  /// other.
   constructor(holder, solution, player, events = []) {
     this.solution = solution;
     this.player = player;
@@ -54,7 +55,7 @@ export class Timeline {
       phases.append(node);
       return {phase, node};
     });
-    // Bars are placed in the part right of the names.
+    // Bars occupy the part to the right of the names.
     band.append(phases);
     for (const {name, forces} of solution.contacts) {
       const row = element('div', {class: 'row'}, element('span', {class: 'name', title: name}, name));
@@ -94,7 +95,7 @@ export class Timeline {
     this.show();
   }
 
-  /// To the next or former node at another time.
+  /// Moves to the next or previous node at another time.
   step(by) {
     const t = this.solution.curves.t;
     let {k, share} = nodeAt(t, this.player.time + 1e-9);

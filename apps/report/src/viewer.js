@@ -1,4 +1,4 @@
-// The scene in 3-D: robots, ground, obstacles, camera.
+// The 3-D scene: robots, ground, obstacles, camera.
 import * as THREE from 'three';
 import {OrbitControls} from 'three/examples/jsm/controls/OrbitControls.js';
 import {nodeAt} from './data.js';
@@ -63,8 +63,8 @@ export class Viewer {
     this.show();
   }
 
-  /// The camera at its first place: where it sees all of the motion, or the robot alone where the
-  /// motion would make it a speck; then it follows.
+  /// Creates the camera in its initial position. It sees the whole motion, or if the robot would be
+  /// too small, only the robot, which it then follows.
   addCamera() {
     this.camera = new THREE.PerspectiveCamera(40, this.aspect(), 0.01);
     this.camera.up.set(0, 0, 1);
@@ -91,7 +91,7 @@ export class Viewer {
     this.draw();
   }
 
-  /// How far back a camera that looks at the middle of a box sees all of it.
+  /// The distance from which a camera aimed at the center of a box sees all of it.
   distance(box, back) {
     const right = new THREE.Vector3().crossVectors(this.camera.up, back).normalize();
     const up = new THREE.Vector3().crossVectors(back, right);
@@ -142,7 +142,7 @@ export class Viewer {
     this.holder.append(element('div', {class: 'switches'}, ...parts));
   }
 
-  /// Which solutions are seen; the first of them is solid, the others are ghosts.
+  /// Sets the visible solutions; the first one is solid, the others are ghosts.
   setVisible(visible) {
     if (!this.ready) return;
     this.robots.forEach((robot, i) => { if (robot) robot.root.visible = visible[i]; });
