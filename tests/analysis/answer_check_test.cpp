@@ -42,7 +42,7 @@ TEST(AnswerCheck, StationarityIsTheDerivativeOfTheCost) {
   EXPECT_EQ(check.complementarity, 0);
 }
 
-TEST(AnswerCheck, GapsAreThoseOfTheTrajectoryAndOfItsStart) {
+TEST(AnswerCheck, ComputesGapsOfKnotsAndStart) {
   const ShootingProblem problem = one_step();
   Trajectory trajectory = simulated(problem, 0.7);
   trajectory.x(1)[1] += 0.25;
@@ -54,7 +54,7 @@ TEST(AnswerCheck, GapsAreThoseOfTheTrajectoryAndOfItsStart) {
 
 /// With an open gap on a curved space, against the Lagrangian by finite differences: the co-state
 /// makes it stationary in x_1, and what is left is its derivative by u.
-TEST(AnswerCheck, AnOpenGapIsCrossedByTheCoState) {
+TEST(AnswerCheck, OpenGapsEnterThroughTheCostate) {
   const ShootingProblem problem =
       tracking_problem(quadrotor({}), Integrator::semi_implicit_euler, 1, 0.1,
                        {0, 0, 1, 0, 0, 0, 1, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6},
@@ -99,7 +99,7 @@ TEST(AnswerCheck, AnOpenGapIsCrossedByTheCoState) {
               1e-6 * gradient.norm());
 }
 
-TEST(AnswerCheck, ABoundTakesTheGradientThatPushesAgainstIt) {
+TEST(AnswerCheck, ActiveBoundAbsorbsTheGradient) {
   const double free_slope = check_answer(one_step(), simulated(one_step(), 3)).stationarity;
   ASSERT_GT(cost_of(one_step(), 3 + 1e-3), cost_of(one_step(), 3));  // downhill lies below
   const ShootingProblem problem = one_step(3, 5);

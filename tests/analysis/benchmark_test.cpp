@@ -30,7 +30,7 @@ TEST(Benchmark, MeasuresASolve) {
   EXPECT_GE(measured.spread(), 0);
 }
 
-TEST(Benchmark, TheChoiceByTheProblemIsMeasuredLikeASolver) {
+TEST(Benchmark, MeasuresAutomaticChoiceLikeASolver) {
   const BenchmarkRun measured = run("auto"), chosen = run("box_fddp");
   EXPECT_EQ(measured.solver, "auto");
   EXPECT_TRUE(measured.solved);
@@ -53,7 +53,7 @@ TEST(Benchmark, ALongSolveIsNotRepeated) {
   EXPECT_EQ(times(1e9), 3u);
 }
 
-TEST(Benchmark, ASolverKeepsItsWordUnlessItCallsConvergedWhatTheCheckDoesNotConfirm) {
+TEST(Benchmark, FlagsUnconfirmedConvergedStatus) {
   for (const char* status : {"converged", "max_iterations", "time_limit", "refused", "diverged"})
     for (const bool solved : {false, true}) {
       const BenchmarkRun measured{.status = status, .solved = solved};
@@ -61,7 +61,7 @@ TEST(Benchmark, ASolverKeepsItsWordUnlessItCallsConvergedWhatTheCheckDoesNotConf
     }
 }
 
-TEST(Benchmark, ASolveThatRanOutOfTimeIsNotRepeated) {
+TEST(Benchmark, DoesNotRepeatSolvesThatTimedOut) {
   const BenchmarkRun measured = run("box_ddp", {.max_time_s = 1e-9});
   EXPECT_EQ(measured.status, "time_limit");
   EXPECT_FALSE(measured.solved);
@@ -132,7 +132,7 @@ BenchmarkRun run_of(const Pretended& pretended, int repeat = 0) {
 }
 
 // Ten times the tolerance is left to a check that goes along another policy.
-TEST(Benchmark, AnAnswerIsSolvedWhereTheCheckConfirmsAllOfIt) {
+TEST(Benchmark, CountsAnswersAsSolvedIfCheckConfirmsThem) {
   EXPECT_TRUE(run_of({}).solved);
   for (double Pretended::*residual : {&Pretended::push, &Pretended::jump, &Pretended::beyond}) {
     const double tolerance = residual == &Pretended::jump ? 1e-9 : 1e-6;
@@ -150,7 +150,7 @@ TEST(Benchmark, AnAnswerIsSolvedWhereTheCheckConfirmsAllOfIt) {
   EXPECT_FALSE(run_of({.status = SolveStatus::cost_settled}).solved);
 }
 
-TEST(Benchmark, TimesAreThoseOfTheSolvesBehindTheFirstAndTheirMediansPartByPart) {
+TEST(Benchmark, TimesExcludeFirstSolveAndTakeMedians) {
   Pretended pretended;
   pretended.times = {{.total = 9, .evaluate = 9, .differentiate = 9, .sweep = 9, .rollout = 9},
                      {.total = 1, .evaluate = 2, .differentiate = 6, .sweep = 7, .rollout = 3},
@@ -170,13 +170,13 @@ TEST(Benchmark, TimesAreThoseOfTheSolvesBehindTheFirstAndTheirMediansPartByPart)
   }
 }
 
-TEST(Benchmark, MedianOfAnEvenNumberIsTheMeanOfTheMiddleTwo) {
+TEST(Benchmark, MedianOfEvenCountAveragesMiddleTwo) {
   EXPECT_EQ(median({3, 1, 2}), 2);
   EXPECT_EQ(median({4, 1, 2, 3}), 2.5);
   EXPECT_TRUE(std::isnan(median({})));
 }
 
-TEST(PerformanceProfile, IsTheShareWithinAMultipleOfTheBest) {
+TEST(PerformanceProfile, IsShareWithinAMultipleOfTheBest) {
   constexpr double kFailed = std::numeric_limits<double>::infinity();
   const auto profiles = performance_profiles(
       {"a", "b", "c"}, {{1, 2, kFailed}, {4, 2, kFailed}, {3, kFailed, kFailed}, {5, 5, kFailed}});
@@ -208,12 +208,12 @@ TEST(Perturbations, AreAnyWhereOneOfTheirSpreadsIs) {
   EXPECT_TRUE(Perturbation{.guess = 0.1}.any());
 }
 
-TEST(RandomInstance, LeavesTheInitialStateToTheBitWhereNothingIsAskedFor) {
+TEST(RandomInstance, KeepsInitialStateExactlyWithoutPerturbation) {
   const ShootingProblem moved = perturb_initial_state(testing::quadrotor_move(), 0.3, 1);
   EXPECT_EQ(perturb_initial_state(moved, 0, 2).initial_state(), moved.initial_state());
 }
 
-TEST(RandomInstance, MovesTheInitialStateOnItsManifoldBySeed) {
+TEST(RandomInstance, MovesInitialStateOnManifoldBySeed) {
   const ShootingProblem problem = testing::quadrotor_move();
   const StateManifold& manifold = problem.manifold();
   std::vector<double> before;

@@ -112,7 +112,7 @@ TEST(CertificateOfSolves, EachFigureIsComparedWithOnesOwn) {
             std::string::npos);
 }
 
-TEST(CertificateOfSolves, EveryNumberOfTheStartAndEveryTimeIsCompared) {
+TEST(CertificateOfSolves, ComparesInitialStateAndTimesEntryByEntry) {
   const Answer answer(testing::quadrotor_move(0, 6));
   const int N = answer.problem.knots();
   for (int i = 0; i < answer.problem.ndx(); ++i) {
@@ -153,7 +153,7 @@ TEST(CertificateOfSolves, EveryCostateAndEveryControlIsCompared) {
 }
 
 /// What an answer says of itself where it ended in numbers beyond all measure.
-TEST(CertificateOfSolves, ADivergedAnswerMayLeaveFiguresOpenButNotGiveWrongOnes) {
+TEST(CertificateOfSolves, DivergedAnswersMayOmitButNotForgeFigures) {
   const Answer answer(testing::pendulum_swing_up(3));
   SolutionClaims claims = answer.claims;
   claims.converged = false;
@@ -192,7 +192,7 @@ struct AtRest {
 };
 
 // Under a loose tolerance, with most of the cost left to gain.
-TEST(CertificateOfSolves, SmallResidualsWithMuchLeftToGainAreNotThoseOfAConvergedAnswer) {
+TEST(CertificateOfSolves, RejectsConvergedIfMuchGainRemains) {
   AtRest at(1, 0.1, 10);
   ASSERT_EQ(at.result.status, SolveStatus::max_iterations) << at.result.message;
   EXPECT_EQ(failed_checks(at.problem, at.claims), "");
@@ -202,7 +202,7 @@ TEST(CertificateOfSolves, SmallResidualsWithMuchLeftToGainAreNotThoseOfAConverge
 }
 
 // Controls that do nothing and cost nothing: no solver can tell how far a minimum is.
-TEST(CertificateOfSolves, WhereTheGainCannotBeToldAnAnswerNeedNotCallItselfConverged) {
+TEST(CertificateOfSolves, UnknownGainLeavesConvergedOptional) {
   AtRest at(0, 0, 1e-6);
   ASSERT_NE(at.result.status, SolveStatus::diverged) << at.result.message;
   for (const bool converged : {false, true}) {
@@ -212,7 +212,7 @@ TEST(CertificateOfSolves, WhereTheGainCannotBeToldAnAnswerNeedNotCallItselfConve
   }
 }
 
-TEST(CertificateOfSolves, PlacesNameTheKnotItsPhaseAndWhatIsThere) {
+TEST(CertificateOfSolves, PlacesNameKnotPhaseAndItem) {
   const Answer answer(testing::landing());
   SolutionClaims changed = answer.claims;
   changed.tangent_names = {"x", "z", "pitch", "hip", "knee", "vx", "vz", "wp", "wh", "wk"};

@@ -43,7 +43,7 @@ TEST(CertificateOfConstraints, SignsSayAtWhichBound) {
   EXPECT_NE(found.find("[co-states]"), std::string::npos) << found;
 }
 
-TEST(CertificateOfConstraints, FindsAViolationAndABoundThatIsNotMet) {
+TEST(CertificateOfConstraints, FindsViolationsAndUnmetBounds) {
   const ShootingProblem problem = one_step({0}, ConstraintKind::bounds, {1.5, kFree});
   // Stationary, but half a unit short.
   const std::string short_of =
@@ -85,7 +85,7 @@ TEST(CertificateOfConstraints, ConvergedNeedsComplementarity) {
 }
 
 /// A step to 1 − 2e-7 instead of 1, where it has to end: feasible by its tolerance, and no optimum.
-TEST(CertificateOfConstraints, ASettledCostNeedsAFeasibleMotionAndItsOption) {
+TEST(CertificateOfConstraints, CostSettledNeedsFeasibilityAndItsOption) {
   constexpr double kShort = 2e-7;
   const ShootingProblem problem = one_step({0}, ConstraintKind::bounds, {1, 1});
   const double u = 1 - kShort;
@@ -127,7 +127,7 @@ TEST(CertificateOfConstraints, MultipliersOfSoftConesStayWithinTheirLimit) {
 }
 
 /// A step of two numbers that ends within hard rows and beyond soft ones.
-TEST(CertificateOfConstraints, SoftOnesCostTheDistanceOfTheirOwnRows) {
+TEST(CertificateOfConstraints, SoftConstraintsCostTheirDistance) {
   for (const Softness softness : {Softness::l1, Softness::l2}) {
     const auto system =
         linear_system(Eigen::Matrix2d::Identity(), Eigen::Matrix2d::Identity(), vector({0, 0}));
@@ -173,7 +173,7 @@ TEST(CertificateOfConstraints, ConvergedNeedsTheComplementarityThatIsFound) {
 
 // Only an answer that has diverged may leave figures open, and its gradient is not looked at where
 // rounding leaves nothing of it.
-TEST(Certificate, FiguresAreOpenWhereTheAnswerHasDivergedAlone) {
+TEST(Certificate, OnlyDivergedAnswersMayOmitFigures) {
   const ShootingProblem problem = one_step({0}, ConstraintKind::bounds, {1, 1});
   const SolutionClaims good = claims_of(problem, vector({1}), vector({-1}), 0.5);
   const std::pair<double SolutionClaims::*, std::string> figures[] = {
@@ -202,7 +202,7 @@ TEST(Certificate, FiguresAreOpenWhereTheAnswerHasDivergedAlone) {
   }
 }
 
-TEST(Certificate, TimesAndTheInitialStateAreComparedEntryByEntry) {
+TEST(Certificate, ComparesTimesAndInitialStateByEntry) {
   const ShootingProblem problem = one_step({0, 0}, ConstraintKind::bounds, {1, 1, 1, 1});
   const SolutionClaims good = claims_of(problem, vector({1, 1}), vector({-1, -1}), 1);
   EXPECT_EQ(failures(certify(problem, good)), "");
@@ -294,14 +294,14 @@ std::string failures_of_gain(double u, double epsilon) {
 }
 
 // A Newton step gains ε (u − ½)² of ε (¼ + (u − ½)²).
-TEST(Certificate, AnOptimumLeavesNextToNothingOfTheCostToGain) {
+TEST(Certificate, OptimumLeavesAlmostNoCostToGain) {
   EXPECT_EQ(failures_of_gain(0.5015, 1e-5), "");
   EXPECT_EQ(failures_of_gain(0.5017, 1e-5), "[status]");
   EXPECT_EQ(failures_of_gain(0.99, 1e-5), "[status]");
 }
 
 // Tolerances are those of costs of usual size.
-TEST(Certificate, AnOptimumIsThatOfSmallAndLargeCosts) {
+TEST(Certificate, AcceptsOptimaOfSmallAndLargeCosts) {
   for (const double epsilon : {0x1p-100, 0x1p-20, 0x1p20, 0x1p100}) {
     EXPECT_EQ(failures_of_gain(0.5, epsilon), "") << epsilon;
     EXPECT_EQ(failures_of_gain(0.5 + 4e-6, epsilon), "") << epsilon;
@@ -309,7 +309,7 @@ TEST(Certificate, AnOptimumIsThatOfSmallAndLargeCosts) {
   }
 }
 
-TEST(Certificate, DoubtsOptimalityAloneWhereTheAnswerIsFeasibleAndNothingElseFails) {
+TEST(Certificate, DoubtsOnlyOptimalityOfFeasibleAnswers) {
   Certificate certificate;
   EXPECT_FALSE(certificate.doubts_optimality_alone());
   certificate.checks = {{.name = kStatusCheck, .holds = false}, {.name = "gap"}};

@@ -245,7 +245,7 @@ TEST(CertificateTolerances, OfTheCostGrowWithItsTerms) {
 }
 
 // A gradient near 0 whose terms are 10⁶, of costs, co-states or multipliers of bounds.
-TEST(CertificateTolerances, OfStationarityGrowWithTheTermsOfTheGradient) {
+TEST(CertificateTolerances, StationarityToleranceGrowsWithGradientTerms) {
   constexpr double kLarge = 1e6;
   for (const int k : {0, 1})
     for (const int entry : {0, 1}) {
@@ -273,7 +273,7 @@ TEST(CertificateTolerances, OfStationarityGrowWithTheTermsOfTheGradient) {
 }
 
 // The largest entry of a node leaves its rounding in the other ones.
-TEST(CertificateTolerances, OfCostatesGrowWithTheirOwnTermsAndThoseOfTheirNode) {
+TEST(CertificateTolerances, CostateToleranceGrowsWithItsTermsAndNode) {
   constexpr double kLarge = 1e6;
   for (int k = 0; k <= kKnots; ++k)
     for (const int entry : {0, 1}) {
@@ -446,7 +446,7 @@ PlainAnswer moving() {
   return answer;
 }
 
-TEST(CertificateStatus, ConvergedMayBeOffByTheRoundingOfItsFigures) {
+TEST(CertificateStatus, ConvergedAllowsForRoundingOfFigures) {
   EXPECT_EQ(Verdict(PlainAnswer()).wrong(), "");
   PlainAnswer slope = moving();
   slope.w[1][1] = 1e-6 + 0.5e-11;
@@ -509,7 +509,7 @@ TEST(CertificateStatus, ConvergedNeedsAMotionWithinItsConstraints) {
   EXPECT_FALSE(verdict.in_doubt) << "it is no question of optimality";
 }
 
-TEST(CertificateStatus, AnswersSayWhetherAllOfTheirFiguresAreUnderTheirTolerances) {
+TEST(CertificateStatus, ReportsWhetherAllFiguresMeetTolerances) {
   Verdict verdict{PlainAnswer()};
   verdict.claims->converged = false;
   verdict.claims->status = "stalled";
@@ -537,7 +537,7 @@ struct SettledVerdict : Verdict {
 };
 
 // Both what is claimed and what is found have to be under the tolerance.
-TEST(CertificateStatus, ASettledCostIsOneOfAFeasibleMotion) {
+TEST(CertificateStatus, CostSettledNeedsAFeasibleMotion) {
   const std::string above =
       "'cost_settled', but a gap, a violation or the complementarity is above its tolerance";
   EXPECT_EQ(SettledVerdict(PlainAnswer()).wrong(), "");

@@ -204,7 +204,7 @@ ContactMotion past_a_corner(bool above) {
   return motion;
 }
 
-TEST(ContactReplay, OfSeveralSolutionsItTakesThePlansAndCountsTheOthers) {
+TEST(ContactReplay, FollowsPlanAmongSeveralSolutionsAndCountsOthers) {
   int ambiguous = 0;
   for (const bool above : {false, true}) {
     const ContactReplay replay = replay_contacts(past_a_corner(above), {});

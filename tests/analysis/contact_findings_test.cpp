@@ -77,7 +77,7 @@ TEST(FrictionDemand, NamesTheFirstOfEqualContactsAndKnots) {
   EXPECT_EQ(found[0].subject, "right");
 }
 
-TEST(FrictionDemand, OfAContactAlongItsNormalAloneIsNone) {
+TEST(FrictionDemand, IgnoresFrictionlessContacts) {
   const ShootingProblem problem = block_problem(
       {block_phase(block_system({{.name = "rest", .kind = ContactKind::normal}}), 2)});
   Trajectory motion = problem.create_trajectory();
@@ -85,7 +85,7 @@ TEST(FrictionDemand, OfAContactAlongItsNormalAloneIsNone) {
   EXPECT_TRUE(found_in_contacts(problem, motion, FindingKind::friction_demand).empty());
 }
 
-TEST(FrictionDemand, IsThatOfANormalThatIsNotVertical) {
+TEST(FrictionDemand, UsesTheTiltedContactNormal) {
   const ShootingProblem problem =
       block_problem({block_phase(block_system({{.name = "wall", .normal = {1, 0, 0}}}), 2)});
   Trajectory motion = problem.create_trajectory();
@@ -111,7 +111,7 @@ TEST(Pull, IsTheForceAgainstTheNormal) {
   EXPECT_NEAR(found[0].time, 0.1, 1e-12);
 }
 
-TEST(Friction, ThatConesOfTheFileHoldIsNotAdvisedAgain) {
+TEST(Friction, DoesNotAdviseConesTheFileEnforces) {
   const ShootingProblem problem = block_problem({block_phase(block_system({{.name = "grip"}}), 1)});
   Trajectory motion = problem.create_trajectory();
   hold(motion, 0, 5, 0, 1);
@@ -143,7 +143,7 @@ TEST(Pull, OfAThousandthOfTheWeightSaysNothing) {
 }
 
 // The world stops the block at once: 4 kg along x with 0.5 m/s, 2 kg along z with −1 m/s.
-TEST(Impulses, HaveADemandAndAPullInNewtonSeconds) {
+TEST(Impulses, ReportDemandAndPullInNewtonSeconds) {
   const auto robot = testing::block_on_slides();
   const std::vector<Contact> grip = {{.name = "grip", .frame = *robot->find_frame("block")}};
   const auto impact = std::make_shared<MultibodySystem>(robot, grip, 0.0);
@@ -183,7 +183,7 @@ std::vector<Finding> drift_of(const Contact& contact,
   return found_in_contacts(problem, motion, FindingKind::drift);
 }
 
-TEST(Drift, IsTheLongestWayFromWhereTheStanceBegan) {
+TEST(Drift, IsLargestDistanceFromStartOfStance) {
   const auto found = drift_of({.name = "grip", .kd = 5},
                               {{0.1, 0, 0}, {0.103, 0.004, 0}, {0.1, 0.002, 0}, {0.1, 0, 0}});
   ASSERT_EQ(found.size(), 1u);
@@ -234,7 +234,7 @@ TEST(Drift, CountsAlongTheDirectionsThatAreHeld) {
 }
 
 // A floating block that is turned by 90° about y: its own z is the world's x.
-TEST(Drift, OfADirectionInTheFramesAxesTurnsWithIt) {
+TEST(Drift, DirectionInFrameAxesTurnsWithFrame) {
   const std::string body =
       R"(<robot name="box"><link name="box"><inertial><mass value="1"/>)"
       R"(<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link></robot>)";

@@ -21,7 +21,7 @@ ContactPairs contact(const Eigen::VectorXd& v, double friction) {
   return pairs;
 }
 
-TEST(ContactPairs, OfFrictionAreBothSignsOfEachTangentAndTheSlackOfSpeed) {
+TEST(ContactPairs, FrictionHasSignedTangentsAndSpeedSlack) {
   const ContactPairs pairs = contact(Eigen::Vector3d(5, 0.5, -0.25), 0.8);
   EXPECT_EQ(pairs.value, (Eigen::VectorXd(6) << 0.25, 0.5, -0.5, -0.25, 0.25, 0).finished());
   EXPECT_EQ(pairs.push.row(2), row({0, -1, 0}));
@@ -29,7 +29,7 @@ TEST(ContactPairs, OfFrictionAreBothSignsOfEachTangentAndTheSlackOfSpeed) {
   EXPECT_EQ(pairs.budget, std::vector<bool>({false, false, false, false, false, true}));
 }
 
-TEST(ContactPairs, FrictionUpToTheBudgetOfItsNormalImpulse) {
+TEST(ContactPairs, FrictionStaysWithinNormalImpulseBudget) {
   const ContactPairs pairs = contact(Eigen::Vector3d::Zero(), 0.8);
   // z: an impulse of 2 along the normal, friction of 0.5 and 0.25 along the edges.
   const Eigen::VectorXd z = (Eigen::VectorXd(6) << 2, 0.5, 0, 0, 0.25, 3).finished();

@@ -55,7 +55,7 @@ TEST(ContactReplay, OfEachStepBeginsWhereItWasPlanned) {
   EXPECT_NEAR(replay.each_step_fine.relative, 0.02 / 0.12, 1e-12);
 }
 
-TEST(ContactReplay, OfControlsAloneGoesOnFromWhereItIs) {
+TEST(ContactReplay, ControlsAloneContinueFromSimulatedState) {
   ContactMotion motion = planned_slide();
   motion.q[2][0] = 0.22;
   const ContactReplay replay = replay_contacts(motion, {}, 2);

@@ -108,7 +108,7 @@ std::string story(const std::vector<ContactStretch>& sequence) {
 }
 
 // A force counts from a ten-thousandth of the weight on, a contact from 10 µm, a slip from 1 cm/s.
-TEST(ContactSequence, CountsForcesGapsAndSlipsFromTheirThresholdsOn) {
+TEST(ContactSequence, CountsForcesGapsAndSlipsAtThresholds) {
   const double weight = 4 * 9.81;
   const SlideStep stands = {0, 0, 0, 10};
   EXPECT_EQ(story(contact_sequence(slide_steps({stands, stands, stands}))), "0-3: closed");
@@ -128,7 +128,7 @@ TEST(ContactSequence, CountsForcesGapsAndSlipsFromTheirThresholdsOn) {
             "0-2: open; 2-4: closed landing");
 }
 
-TEST(ContactSequence, LeavesOutRunsThatAreShorterThanAskedFor) {
+TEST(ContactSequence, DropsRunsShorterThanRequested) {
   const SlideStep stands = {0, 0, 0, 10}, flies = {1, 0, 0, 0}, hovers = {0, 0, 0, 0};
   const auto told = [](const std::vector<SlideStep>& steps, int shortest) {
     return story(contact_sequence(slide_steps(steps), {.shortest = shortest}));

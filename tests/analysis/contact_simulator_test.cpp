@@ -327,7 +327,7 @@ TEST(ContactSimulator, ConeOpposesTheSlipInSpace) {
 }
 
 /// Cones that are all but parallel, on feet whose loads and slips belong together.
-TEST(ContactSimulator, ConesOfThreeFeetOpposeTheSlipOfTheirBody) {
+TEST(ContactSimulator, ConesOfThreeFeetOpposeBodySlip) {
   const double h = 0.02, friction = 0.3, mass = 0.5;
   ContactPlant plant = contact_plant("puck", {});
   plant.contacts.plane.reset();
@@ -396,7 +396,7 @@ TEST(ContactSimulator, MidpointSchemeKeepsTheEnergy) {
 }
 
 /// Nothing depends on where a mass stands that touches nothing: nor do its equations see that.
-TEST(ContactSimulator, APlaceThatIsNotANumberIsToldWhereNothingDependsOnIt) {
+TEST(ContactSimulator, ReportsUnusedNonFinitePosition) {
   ContactPlant plant = puck(FrictionModel::polyhedron);
   plant.contacts.candidates.clear();
   ContactSimulator simulator(plant);
@@ -448,7 +448,7 @@ TEST(ContactSimulator, HeadingsThatTurnFarTakeFewIterationsToo) {
 }
 
 /// Newton's method with the contacts as they are at the solution begins at it.
-TEST(ContactSimulator, AStepNearItsOwnSolutionIsThatSolution) {
+TEST(ContactSimulator, KeepsAStepThatAlreadySolves) {
   ContactPlant plant = crate(0.5, FrictionModel::cone);
   ContactSimulator simulator(plant);
   StepStart start = crate_start(0.12, 0.2, 0.01);
@@ -466,7 +466,7 @@ TEST(ContactSimulator, AStepNearItsOwnSolutionIsThatSolution) {
 }
 
 /// A mass on a slide between two stops with dry friction, pushed against either of them.
-TEST(ContactSimulator, StopsOnEitherSideAndDryFrictionShareAPush) {
+TEST(ContactSimulator, StopsAndDryFrictionShareAPush) {
   const double h = 0.01, limit = 1.5;
   ContactPlant plant = puck(FrictionModel::polyhedron);
   plant.contacts.candidates.clear();
@@ -498,7 +498,7 @@ TEST(ContactSimulator, StopsOnEitherSideAndDryFrictionShareAPush) {
 
 /// A tolerance that nothing meets lets every step be looked for by sweeps as well: the answer is
 /// the better one of both ways, which agree.
-TEST(ContactSimulator, SweepsOfStopsFrictionAndCandidatesOfEveryKindAgreeWithPivoting) {
+TEST(ContactSimulator, SweepsAgreeWithPivotingForAllCandidates) {
   for (const FrictionModel friction : {FrictionModel::polyhedron, FrictionModel::cone}) {
     ContactPlant plant = puck(friction);
     ContactCandidate soft = plant.contacts.candidates[0];
@@ -541,7 +541,7 @@ TEST(ContactSimulator, TakesTheIterationsThatItMay) {
 }
 
 /// Two contacts under one mass: the least forces that bear it are alike, and pivoting finds others.
-TEST(ContactSimulator, AStepInItsModeSharesALoadEqually) {
+TEST(ContactSimulator, KnownModeSharesALoadEqually) {
   ContactPlant plant = puck(FrictionModel::polyhedron);
   plant.contacts.candidates[0].friction = 0;
   plant.contacts.candidates.push_back(plant.contacts.candidates[0]);
@@ -559,7 +559,7 @@ TEST(ContactSimulator, AStepInItsModeSharesALoadEqually) {
 
 /// Three feet bear what they have to, and copies of them share that: which of them bears how much
 /// is open, how the puck turns, slides and meets a stop is not.
-TEST(ContactSimulator, CopiesOfFeetUnderATurningPuckChangeNothing) {
+TEST(ContactSimulator, DuplicateFeetUnderTurningPuckChangeNothing) {
   ContactPlant plant = contact_plant("puck", {});
   plant.contacts.plane.reset();
   plant.contacts.friction = FrictionModel::cone;

@@ -7,7 +7,7 @@
 namespace conddp {
 namespace {
 
-TEST(NearestFriction, IsOnTheRimOfDiscAndPyramidAndLeavesWhatIsInside) {
+TEST(NearestFriction, ProjectsOntoDiscAndPyramidRims) {
   const Eigen::Vector2d inside(0.3, -0.2), outside(3, -4);
   for (const bool pyramid : {false, true})
     EXPECT_EQ(nearest_friction(inside, 1, pyramid), inside) << pyramid;
@@ -31,7 +31,7 @@ struct Mass {
   }
 };
 
-TEST(ImpulseSweeps, StopWhatIsSlowAndSlowDownWhatIsFastAgainstItsSlip) {
+TEST(ImpulseSweeps, StopSlowContactsAndOpposeFastSlip) {
   Mass stuck;
   EXPECT_LT(stuck.meet({-1, 0.3, 0.4}).norm(), 1e-14);
   EXPECT_LT((stuck.p - Eigen::Vector3d(2, -0.6, -0.8)).norm(), 1e-14);

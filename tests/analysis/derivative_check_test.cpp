@@ -160,7 +160,7 @@ TEST(DerivativeCheck, EveryNodeIsDisplaced) {
   EXPECT_LE(std::abs(c.reference), 0.1);
 }
 
-TEST(DerivativeCheck, AsManyKnotsOfAPhaseAsAskedForAreComparedFirstAndLastAmongThem) {
+TEST(DerivativeCheck, ComparesRequestedKnotsIncludingFirstAndLast) {
   auto model = std::make_shared<KnotModel>(pendulum({}), Integrator::rk4);
   const ShootingProblem problem = one_phase(model, 9);
   const auto knots = [&](int count) {
@@ -188,7 +188,7 @@ TEST(DerivativeCheck, WhatIsNotFiniteIsWrong) {
             std::numeric_limits<double>::infinity());
 }
 
-TEST(DerivativeCheck, AWrongDerivativeOfASystemIsNamedWithEveryIntegrator) {
+TEST(DerivativeCheck, NamesWrongSystemDerivativeWithEveryIntegrator) {
   for (const Integrator integrator : integrators_of(SuspectPendulum())) {
     const auto model = std::make_shared<KnotModel>(std::make_shared<SuspectPendulum>(), integrator);
     const ShootingProblem problem = one_phase(model);
@@ -199,7 +199,7 @@ TEST(DerivativeCheck, AWrongDerivativeOfASystemIsNamedWithEveryIntegrator) {
   }
 }
 
-TEST(DerivativeCheck, EverySystemPassesWithEveryIntegratorAndPreviousControl) {
+TEST(DerivativeCheck, EverySystemPassesWithIntegratorsAndPreviousControl) {
   for (const auto& [name, system] : test_systems())
     for (const Integrator integrator : integrators_of(*system))
       for (const bool memory : {false, true}) {
@@ -265,7 +265,7 @@ std::vector<DerivativeComparison> check_places(int mistake) {
   return check_derivatives(problem, problem.create_trajectory());
 }
 
-TEST(DerivativeCheck, EveryPhaseAndTheEndAreComparedAtTheirOwnKnots) {
+TEST(DerivativeCheck, ComparesEveryPhaseAndTheTerminalNode) {
   const std::vector<std::vector<int>> knots = {{0, 1, 2}, {3, 5, 7}, {8}};
   for (const int mistake : {-1, 0, 1, 2}) {
     const auto all = check_places(mistake);
@@ -288,7 +288,7 @@ TEST(DerivativeCheck, EveryPhaseAndTheEndAreComparedAtTheirOwnKnots) {
 
 // A thousandth of the largest entry is what smaller ones are compared with; of gradients what
 // residuals and derivatives of one would make of the weights.
-TEST(DerivativeCheck, ErrorsAreRelativeToTheLargerNumberAndToAThousandthOfTheLargestOne) {
+TEST(DerivativeCheck, ErrorsScaleWithEntryAndLargestEntry) {
   auto model = std::make_shared<KnotModel>(pendulum({}), Integrator::rk4);
   model->add_cost("square", std::make_shared<SquareResidual>(true), {});
   for (const auto& [x, error] : {std::pair{4.0, 0.5}, {1e-5, 1e-5 / 1e-3}}) {
@@ -314,7 +314,7 @@ TEST(DerivativeCheck, ErrorsAreRelativeToTheLargerNumberAndToAThousandthOfTheLar
 }
 
 // Of weights 3 and 2 over 0.1 s: a thousandth of 0.5; of none a thousandth of 1.
-TEST(DerivativeCheck, ErrorsOfGradientsAreRelativeToAThousandthOfAllWeights) {
+TEST(DerivativeCheck, GradientErrorsScaleWithAllWeights) {
   auto model = std::make_shared<KnotModel>(pendulum({}), Integrator::rk4);
   for (const char* name : {"one", "other"})
     model->add_cost(name, std::make_shared<SquareResidual>(true), {});
@@ -376,7 +376,7 @@ class RootResidual : public ResidualBase<RootResidual> {
 };
 
 // At 0.02 ± 0.1 there is a root at some of the knots.
-TEST(DerivativeCheck, PointsBesideTheTrajectoryWithoutFiniteValuesAreLeftOut) {
+TEST(DerivativeCheck, SkipsNearbyPointsWithNonFiniteValues) {
   for (const bool constraint : {false, true}) {
     auto model = std::make_shared<KnotModel>(pendulum({}), Integrator::rk4);
     const auto root = std::make_shared<RootResidual>();
@@ -398,7 +398,7 @@ TEST(DerivativeCheck, PointsBesideTheTrajectoryWithoutFiniteValuesAreLeftOut) {
 }
 
 // So are those from which no finite state follows.
-TEST(DerivativeCheck, PointsBesideTheTrajectoryWithoutANextStateAreLeftOut) {
+TEST(DerivativeCheck, SkipsNearbyPointsWithoutANextState) {
   const auto model = std::make_shared<KnotModel>(std::make_shared<RootPendulum>(),
                                                  Integrator::semi_implicit_euler);
   ShootingProblem problem = one_phase(model, 30);
@@ -516,7 +516,7 @@ TEST(DerivativeCheck, SecondDerivativesThatAreRightAreRight) {
 }
 
 // Multipliers are random: what they multiply shows in the ratio of the claim to the differences.
-TEST(DerivativeCheck, AWrongSecondDerivativeIsNamedWhereItIs) {
+TEST(DerivativeCheck, NamesPlaceOfWrongSecondDerivative) {
   struct Case {
     Claims claims;
     int phase, place;

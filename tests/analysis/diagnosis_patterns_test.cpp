@@ -55,7 +55,7 @@ TEST(DiagnosisPatterns, ANumberThatIsNotFiniteIsGrowth) {
   }
 }
 
-TEST(DiagnosisPatterns, IteratesThatGrowWhileTheirNumbersAreFiniteHaveNoPoles) {
+TEST(DiagnosisPatterns, FiniteGrowingIteratesHaveNoPoles) {
   SolveResult result(testing::pendulum_swing_up());
   result.status = SolveStatus::diverged;
   result.iterations = 5;
@@ -66,7 +66,7 @@ TEST(DiagnosisPatterns, IteratesThatGrowWhileTheirNumbersAreFiniteHaveNoPoles) {
   EXPECT_EQ(d.remedy.find("smooth"), std::string::npos) << d.remedy;
 }
 
-TEST(DiagnosisPatterns, HalfOfItsValueInTheWindowIsProgress) {
+TEST(DiagnosisPatterns, HalvingWithinTheWindowIsProgress) {
   const auto gap_to = [](double last) {
     return diagnosis_of_log(11, [=](int i, IterationRecord& r) {
       r.stationarity = std::pow(0.1, i);
@@ -94,7 +94,7 @@ TEST(DiagnosisPatterns, FourStepsAreNeeded) {
   EXPECT_EQ(short_steps(4).pattern, DiagnosisPattern::unfinished);
 }
 
-TEST(DiagnosisPatterns, APlateauHasAMedianStepOfAQuarter) {
+TEST(DiagnosisPatterns, PlateauNeedsMedianStepOfAQuarter) {
   const auto steps = [](double step) {
     return diagnosis_of_log(11, [=](int i, IterationRecord& r) {
       r.step = i == 0 || i > 8 ? 1 : i < 4 ? step / 2 : step;
@@ -106,7 +106,7 @@ TEST(DiagnosisPatterns, APlateauHasAMedianStepOfAQuarter) {
 }
 
 // Short steps that gain something, or that have nothing left to gain.
-TEST(DiagnosisPatterns, APlateauIsAboveItsToleranceAndStandsStill) {
+TEST(DiagnosisPatterns, PlateauStallsAboveItsTolerance) {
   const auto from_to = [](double first, double last) {
     return diagnosis_of_log(6, [=](int i, IterationRecord& r) {
       r.step = 0.1;
@@ -184,7 +184,7 @@ ShootingProblem with_linear_cost() {
           {.name = "end", .model = model, .dt = {0}, .cost_scale = {1}, .parameters = {0, -1}}};
 }
 
-TEST(DiagnosisPatterns, ALinearCostThatFallsWhileTheViolationStaysOutrunsThePenalty) {
+TEST(DiagnosisPatterns, FallingLinearCostOutrunsThePenalty) {
   const auto away = [](double violation, double slope, const ShootingProblem& problem) {
     return diagnosis_of_log(
         12,
@@ -207,7 +207,7 @@ TEST(DiagnosisPatterns, ALinearCostThatFallsWhileTheViolationStaysOutrunsThePena
             DiagnosisPattern::slow_feasibility);
 }
 
-TEST(DiagnosisPatterns, AViolationFarAboveItsToleranceIsNoRounding) {
+TEST(DiagnosisPatterns, LargeViolationIsNotBlamedOnRounding) {
   const auto ended = [](double violation, const ShootingProblem& problem) {
     return diagnosis_of_log(
                3, [=](int, IterationRecord& r) { r.constraint = violation; },
@@ -221,7 +221,7 @@ TEST(DiagnosisPatterns, AViolationFarAboveItsToleranceIsNoRounding) {
   EXPECT_EQ(ended(0.57, with_linear_cost()), DiagnosisPattern::outrun_penalty);
 }
 
-TEST(DiagnosisPatterns, ARestorationThatEndsFarFromFeasibleLeavesFeasibilityUndecided) {
+TEST(DiagnosisPatterns, RestorationFarFromFeasibleIsInconclusive) {
   const auto ended = [](SolveStatus status, double violation, int restoration) {
     return diagnosis_of_log(6,
                             [=](int, IterationRecord& r) {
@@ -239,7 +239,7 @@ TEST(DiagnosisPatterns, ARestorationThatEndsFarFromFeasibleLeavesFeasibilityUnde
   EXPECT_NE(ended(SolveStatus::max_iterations, 0.5, 1).pattern, DiagnosisPattern::undecided);
 }
 
-TEST(DiagnosisPatterns, WhatStandsStillInAShortLogMayNeedMoreIterations) {
+TEST(DiagnosisPatterns, StallInShortLogSuggestsMoreIterations) {
   const auto asks = [](SolveStatus status, int rows) {
     const Diagnosis d =
         diagnosis_of_log(rows, [](int, IterationRecord& r) { r.gap = 0.5; }, {.status = status});
@@ -252,7 +252,7 @@ TEST(DiagnosisPatterns, WhatStandsStillInAShortLogMayNeedMoreIterations) {
   EXPECT_FALSE(asks(SolveStatus::time_limit, 21));
 }
 
-TEST(DiagnosisPatterns, AnInteriorPointMethodWhoseViolationStandsIsNotAdvisedToGoOn) {
+TEST(DiagnosisPatterns, StalledInteriorPointIsNotToldToContinue) {
   const auto ended = [](int rows, double factor) {
     return diagnosis_of_log(rows, [=](int i, IterationRecord& r) {
       r.barrier = 1e-3;
@@ -269,7 +269,7 @@ TEST(DiagnosisPatterns, AnInteriorPointMethodWhoseViolationStandsIsNotAdvisedToG
   EXPECT_EQ(ended(39, 0.6).pattern, DiagnosisPattern::unfinished);
 }
 
-TEST(DiagnosisPatterns, AViolationOfControlsWithoutBoundsAsksForALargerPenalty) {
+TEST(DiagnosisPatterns, UnboundedControlsWithViolationNeedLargerPenalty) {
   const auto remedy = [](double limit) {
     return diagnosis_of_log(
                3, [](int, IterationRecord& r) { r.constraint = 0.5; },
@@ -280,7 +280,7 @@ TEST(DiagnosisPatterns, AViolationOfControlsWithoutBoundsAsksForALargerPenalty) 
   EXPECT_EQ(remedy(3).find("initial_penalty"), std::string::npos);
 }
 
-TEST(DiagnosisPatterns, WhereALinearCostDrewAwayInfeasibilityIsDoubted) {
+TEST(DiagnosisPatterns, UnboundedLinearCostCastsDoubtOnInfeasibility) {
   const auto remedy = [](const ShootingProblem& problem) {
     return diagnosis_of_log(
                3, [](int, IterationRecord& r) { r.constraint = 0.5; },
@@ -291,7 +291,7 @@ TEST(DiagnosisPatterns, WhereALinearCostDrewAwayInfeasibilityIsDoubted) {
   EXPECT_EQ(remedy(testing::pendulum_swing_up()).find("--solver ipopt"), std::string::npos);
 }
 
-TEST(DiagnosisPatterns, ASearchThatFailsAtOnceLeavesGapsOpenOrHasNoDescent) {
+TEST(DiagnosisPatterns, ImmediateSearchFailureMeansGapsOrNoDescent) {
   const Ending stuck{.status = SolveStatus::line_search_failed};
   const Diagnosis gaps = diagnosis_of_log(
       1, [](int, IterationRecord& r) { r.gap = 0.5; }, stuck);
@@ -308,7 +308,7 @@ TEST(DiagnosisPatterns, ASearchThatFailsAtOnceLeavesGapsOpenOrHasNoDescent) {
             DiagnosisPattern::growth);
 }
 
-TEST(DiagnosisPatterns, AnUnfinishedSolveNamesItsFirstResidualAboveTolerance) {
+TEST(DiagnosisPatterns, UnfinishedSolveNamesFirstResidualAboveTolerance) {
   const auto with_gap = [](double gap) {
     return diagnosis_of_log(3, [=](int, IterationRecord& r) { r.gap = gap; });
   };
@@ -373,7 +373,7 @@ TEST(DiagnosisPatterns, RegularisationAtItsLowerEndIsLoweredThere) {
 }
 
 // Steps at the threshold itself lower the regularisation already.
-TEST(DiagnosisPatterns, AThresholdForStepsIsAdvisedWhereTheyDoNotReachIt) {
+TEST(DiagnosisPatterns, AdvisesStepThresholdIfStepsMissIt) {
   const SolverOptions::Regularization defaults;
   const auto remedy = [](double step) {
     return diagnosis_of_log(11,
@@ -389,7 +389,7 @@ TEST(DiagnosisPatterns, AThresholdForStepsIsAdvisedWhereTheyDoNotReachIt) {
       << remedy(0.2);
 }
 
-TEST(DiagnosisPatterns, ACostGoesOnFallingWhereItsSecondHalfIsHalfOfTheFirst) {
+TEST(DiagnosisPatterns, CostStillFallsAtHalfTheEarlierPace) {
   const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(1, 1);
   const ShootingProblem free =
       testing::tracking_problem(linear_system(one, one, Eigen::VectorXd::Zero(1)),
@@ -429,7 +429,7 @@ TEST(DiagnosisPatterns, ResidualsAtTheirTolerancesAreNotMissed) {
   EXPECT_EQ(all.quantity, "gap");
 }
 
-TEST(DiagnosisPatterns, RoundingOfStationarityIsOneOfTheCostsElseOfMultipliers) {
+TEST(DiagnosisPatterns, RoundedStationarityBlamesCostsOrMultipliers) {
   const SolverOptions::Tolerances t;
   const auto remedy = [&](double stationarity, double constraint) {
     return diagnosis_of_log(
@@ -451,7 +451,7 @@ TEST(DiagnosisPatterns, RoundingOfStationarityIsOneOfTheCostsElseOfMultipliers) 
   EXPECT_TRUE(both.ends_with("smaller weights of costs that stay large")) << both;
 }
 
-TEST(DiagnosisPatterns, WithoutDescentAdviceFitsTheMethodAndItsGaps) {
+TEST(DiagnosisPatterns, NoDescentAdviceFitsMethodAndGaps) {
   const auto remedy = [](double gap, double barrier) {
     return diagnosis_of_log(3,
                             [=](int, IterationRecord& r) {

@@ -58,7 +58,7 @@ TEST(Diagnosis, GapsThatStayOpenComeBeforeEverythingElse) {
   EXPECT_EQ(d.knot, 5);
 }
 
-TEST(Diagnosis, SlowFeasibilityNeedsFullStepsAndAViolationThatHardlyFalls) {
+TEST(Diagnosis, SlowFeasibilityNeedsFullStepsAndSlowViolation) {
   const auto violation = [](double factor, double step) {
     return diagnosis_of(8, [=](int i, IterationRecord& r) {
       r.stationarity = std::pow(0.1, i);
@@ -71,7 +71,7 @@ TEST(Diagnosis, SlowFeasibilityNeedsFullStepsAndAViolationThatHardlyFalls) {
   EXPECT_EQ(violation(0.8, 0.5).pattern, DiagnosisPattern::unfinished);
 }
 
-TEST(Diagnosis, APlateauIsOneWithSmallStepsOrRegularisation) {
+TEST(Diagnosis, PlateauHasSmallStepsOrRegularization) {
   const auto stands = [](double step, double regularization) {
     return diagnosis_of(20, [=](int, IterationRecord& r) {
       r.step = step;
@@ -90,7 +90,7 @@ TEST(Diagnosis, AFewRowsShowNoPattern) {
   EXPECT_EQ(d.knot, 7);
 }
 
-TEST(Diagnosis, InfeasibleProblemsAreNotAskedForLargerPenaltiesWhereControlsHaveBounds) {
+TEST(Diagnosis, InfeasibleBoundedControlsGetNoPenaltyAdvice) {
   const Diagnosis d = diagnosis_of(
       8,
       [](int, IterationRecord& r) {
@@ -103,7 +103,7 @@ TEST(Diagnosis, InfeasibleProblemsAreNotAskedForLargerPenaltiesWhereControlsHave
   EXPECT_EQ(d.remedy.find("penalty"), std::string::npos) << d.remedy;
 }
 
-TEST(Diagnosis, AnInteriorPointMethodIsGivenNoAdviceOnRegularisation) {
+TEST(Diagnosis, InteriorPointGetsNoRegularizationAdvice) {
   for (const SolveStatus status :
        {SolveStatus::max_iterations, SolveStatus::time_limit, SolveStatus::line_search_failed,
         SolveStatus::regularization_limit}) {
@@ -121,7 +121,7 @@ TEST(Diagnosis, AnInteriorPointMethodIsGivenNoAdviceOnRegularisation) {
 }
 
 // increase_step has to stay below decrease_step, and a threshold has to be one that steps reach.
-TEST(Diagnosis, WhatItAdvisesOnRegularisationIsAcceptedAndTakesEffect) {
+TEST(Diagnosis, RegularizationAdviceIsAcceptedAndEffective) {
   for (const double step : {0.25, 0.06, 1e-3}) {
     const Diagnosis d = diagnosis_of(20, [=](int, IterationRecord& r) {
       r.step = step;
@@ -144,7 +144,7 @@ TEST(Diagnosis, WhatItAdvisesOnRegularisationIsAcceptedAndTakesEffect) {
   EXPECT_EQ(full.remedy.find("decrease_step"), std::string::npos) << full.remedy;
 }
 
-TEST(Diagnosis, ALargerToleranceIsAdvisedOfTheResidualThatIsMissed) {
+TEST(Diagnosis, AdvisesLargerToleranceForTheMissedResidual) {
   const auto ended = [](double stationarity, double complementarity) {
     return diagnosis_of(
         8,
@@ -173,7 +173,7 @@ ShootingProblem push(double r, double limit = testing::kFree) {
                                    limit);
 }
 
-TEST(Diagnosis, AControlThatNothingHoldsBackIsNamedWhereTheCostGoesOnFalling) {
+TEST(Diagnosis, NamesUnboundedControlWhileCostFalls) {
   const auto falling = [](const ShootingProblem& problem, double last) {
     return diagnosis_of(
         12, [&](int i, IterationRecord& r) { r.cost = i < 6 ? -10.0 * i : -50 - last * (i - 5); },
@@ -210,7 +210,7 @@ ShootingProblem standing(int contacts) {
 
 // A foot that two contacts hold has four rows in its plane, two of which say the same again. The
 // row out of the plane, in which nothing moves, is no fault of a single contact.
-TEST(Diagnosis, RedundantContactsAreNamedAndNoGuessIsBlamed) {
+TEST(Diagnosis, NamesRedundantContactsInsteadOfTheGuess) {
   const auto open = [](const ShootingProblem& problem) {
     return diagnosis_of(
         12, [](int, IterationRecord& r) { r.gap = 1; }, SolveStatus::line_search_failed, problem);

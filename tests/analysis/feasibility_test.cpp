@@ -59,7 +59,7 @@ TEST(Feasibility, OfRowsIsTheDistanceFromTheirBounds) {
   EXPECT_NEAR(feasibility_of(problem, {1, 2, 0.25}, {0, 0, 0}).violation.value, 0.75, 1e-15);
 }
 
-TEST(Feasibility, ProductsOfRowsAreWithTheBoundThatTheSignNames) {
+TEST(Feasibility, ComplementarityUsesTheBoundOfMultiplierSign) {
   const ShootingProblem problem =
       one_step_of(3, ConstraintKind::bounds, {0, -kOpenEnd, 1, 2, 3, 1});
   EXPECT_EQ(feasibility_of(problem, {1, 2, 1}, {0, 0, 7}).product.value,
@@ -78,7 +78,7 @@ TEST(Feasibility, ProductsOfRowsAreWithTheBoundThatTheSignNames) {
   EXPECT_EQ(feasibility_of(problem, {2.5, 2, 1}, {2, 0, 0}).product.value, 0);
 }
 
-TEST(Feasibility, MultipliersOfSoftRowsAreAtTheLimitWhereTheyAreViolated) {
+TEST(Feasibility, ViolatedSoftRowsHaveMultipliersAtLimit) {
   const ShootingProblem problem = one_step_of(2, ConstraintKind::bounds, {0, 0, 2, 2}, 5);
   const Feasibility above = feasibility_of(problem, {3, 1}, {5, 0});
   EXPECT_EQ(above.violation.value, 0);  // it is paid for
@@ -169,7 +169,7 @@ TEST(BeyondCone, IsWhatTheNearestPointLeaves) {
   EXPECT_TRUE(beyond_cone(numbers({3, 4, 1})).isApprox(numbers({1.2, 1.6, -2}), 1e-15));
 }
 
-TEST(Worst, KeepsTheFirstOfItsLargestAndNoNumberAboveAll) {
+TEST(Worst, KeepsFirstMaximumAndPrefersNaN) {
   Worst worst;
   worst.meet(1, 0, 2, 3);
   worst.meet(1, 0, 4, 5);

@@ -103,7 +103,7 @@ TEST(Efforts, AreCountedAtTheirLimitInSeconds) {
   EXPECT_TRUE(tells(found[0], "at its limit of 4 N for 0.3 s of 0.5 s")) << found[0].message;
 }
 
-TEST(Efforts, BeyondTheirLimitAreFoundWhereTheyAreMost) {
+TEST(Efforts, FindsLargestEffortBeyondLimit) {
   const ShootingProblem problem = block_problem({block_phase(block_system(), 5)});
   Trajectory motion = problem.create_trajectory();
   const double pushes[] = {0, 4.5, -5.25, 5, 0};
@@ -145,7 +145,7 @@ Trajectory pushed(const ShootingProblem& problem, const std::vector<double>& pus
   return motion;
 }
 
-TEST(Efforts, ThatAreLinearStayAtALimitBetweenNodesThatAreBothAtIt) {
+TEST(Efforts, LinearControlStaysAtLimitBetweenSaturatedNodes) {
   const ShootingProblem problem = linear_pushes(5);
   const auto once =
       found_in_motion(problem, pushed(problem, {4, 4, 3, 4, 2, -4}), FindingKind::effort_limit);
@@ -158,7 +158,7 @@ TEST(Efforts, ThatAreLinearStayAtALimitBetweenNodesThatAreBothAtIt) {
       << "the limit is touched and crossed to the other one";
 }
 
-TEST(Efforts, ThatAreLinearAreBeyondTheirLimitAtTheFirstAndTheLastNodeToo) {
+TEST(Efforts, LinearControlExceedsLimitAtEndNodes) {
   const ShootingProblem problem = linear_pushes(3);
   for (const int node : {0, 3}) {
     std::vector<double> pushes = {1, 1, 1, 1};
@@ -196,7 +196,7 @@ ShootingProblem within_a_window(int knots, bool also_at_the_end) {
   return ShootingProblem(std::vector<double>(6, 0.0), std::move(phases), std::move(terminal));
 }
 
-TEST(RowsOfConstraints, WithNamesAreFoundWhereTheyAreViolatedMost) {
+TEST(RowsOfConstraints, NamesRowsAtTheirLargestViolation) {
   const ShootingProblem problem = within_a_window(4, true);
   Trajectory motion = problem.create_trajectory();
   motion.x(1)[0] = -0.3;
@@ -246,7 +246,7 @@ ShootingProblem around_a_pillar(int knots) {
                           .cost_scale = {1}});
 }
 
-TEST(BetweenKnots, AConstraintIsLookedAtOnTheStraightWay) {
+TEST(BetweenKnots, ChecksConstraintsAlongTheStraightLine) {
   const ShootingProblem problem = around_a_pillar(3);
   Trajectory motion = problem.create_trajectory();
   motion.x(1) << 0, 0.5, 0, 0, 0, 0;
@@ -296,7 +296,7 @@ ShootingProblem gate_at(const std::set<int>& gates, int knots) {
                           .cost_scale = {1}});
 }
 
-TEST(BetweenKnots, AGateIsNotLookedAtBehindTheLastKnotThatHasIt) {
+TEST(BetweenKnots, SkipsGateAfterItsLastKnot) {
   for (const std::set<int>& gates : {std::set{2}, std::set{1, 2}, std::set{4}}) {
     const ShootingProblem problem = gate_at(gates, 5);
     Trajectory motion = problem.create_trajectory();
@@ -362,7 +362,7 @@ TEST(BetweenKnots, TheWorstRowIsNamed) {
   EXPECT_TRUE(found_in_motion(problem, motion, FindingKind::between_knots, names).empty());
 }
 
-TEST(BetweenKnots, WhatHoldsAtTheLastNodeIsNotFoundThere) {
+TEST(BetweenKnots, FindsNothingAtTheLastNode) {
   const ShootingProblem problem = within_a_window(3, true);
   Trajectory motion = problem.create_trajectory();
   motion.x(3)[1] = -0.8;
@@ -380,7 +380,7 @@ std::vector<Finding> last_push(std::vector<double> pushes, int earlier_phase = 0
   return found_in_motion(problem, motion, FindingKind::last_knot);
 }
 
-TEST(LastKnot, AJumpIsThreeTimesWhatItIsBefore) {
+TEST(LastKnot, JumpIsThreeTimesTheEarlierSteps) {
   const auto found = last_push({0, 0.1, 0.2, 0.1, 0, 0.1, 0.9});
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].subject, "u/x");
@@ -398,13 +398,13 @@ TEST(LastKnot, AJumpIsThreeTimesWhatItIsBefore) {
             0u);
 }
 
-TEST(LastKnot, AJumpOfLessThanAThousandthOfTheLimitOfAControlIsNone) {
+TEST(LastKnot, IgnoresJumpsBelowAThousandthOfTheLimit) {
   constexpr double kEffort = 4;  // N, of the block along x
   EXPECT_EQ(last_push({0, 0, 0, 0, 0, 1.001e-3 * kEffort}).size(), 1u);
   EXPECT_EQ(last_push({0, 0, 0, 0, 0, 0.999e-3 * kEffort}).size(), 0u);
 }
 
-TEST(LastKnot, IsComparedWithItsOwnPhaseOfSixKnots) {
+TEST(LastKnot, ComparesWithinPhasesOfAtLeastSixKnots) {
   EXPECT_EQ(last_push({0, 0, 0, 0, 0, 1}).size(), 1u);
   EXPECT_EQ(last_push({0, 0, 0, 0, 1}).size(), 0u);
   EXPECT_EQ(last_push({0, 0, 0, 0, 0, 1}, 1).size(), 0u);
@@ -449,7 +449,7 @@ std::vector<Finding> thrusters_at(
   return found_in_motion(problem, problem.create_trajectory(), FindingKind::thrusters);
 }
 
-TEST(Thrusters, CannotTurnABodyAboutAxesThroughItsCentreOfMass) {
+TEST(Thrusters, CannotTurnAboutAxesThroughCentreOfMass) {
   const Vector3<double> x{1, 0, 0}, z{0, 0, 1}, origin{0, 0, 0};
   // Both turn about y: one by its place, the other by the height of the centre of mass.
   const auto about_y = thrusters_at({{{0.2, 0, 0}, z}, {origin, x}});
@@ -471,7 +471,7 @@ TEST(Thrusters, CannotTurnABodyAboutAxesThroughItsCentreOfMass) {
   EXPECT_TRUE(thrusters_at({{origin, z}}, true).empty());
 }
 
-TEST(Findings, OfASystemWithoutARobotAreThoseOfItsControls) {
+TEST(Findings, CoverControlsOfSystemsWithoutRobot) {
   const ShootingProblem problem = testing::pendulum_swing_up(3);
   Trajectory motion = problem.create_trajectory();
   EXPECT_TRUE(find_in_motion(problem, motion, {}, NodeValues(problem, motion), {}).empty());
@@ -524,7 +524,7 @@ std::vector<Finding> between_narrow_and_wide(const std::shared_ptr<const Residua
   return found_in_motion(problem, motion, FindingKind::between_knots);
 }
 
-TEST(BetweenKnots, OnlyHardInequalitiesOfTheStateAreLookedAt) {
+TEST(BetweenKnots, ChecksOnlyHardInequalitiesOfTheState) {
   using Term = LinearCombination::Term;
   const auto row_of = [](std::vector<Term> terms) {
     return combination_residual(2, {{.terms = std::move(terms)}});
@@ -565,7 +565,7 @@ TEST(Efforts, ByRoundingBeyondTheirLimitAreAtIt) {
 }
 
 // The centre of mass is off the origin in all directions: forces through it turn nothing.
-TEST(Thrusters, ThroughTheCentreOfMassTurnABodyAboutNoAxis) {
+TEST(Thrusters, ThroughCentreOfMassProduceNoTorque) {
   const std::string urdf =
       R"(<robot name="ship"><link name="hull"><inertial><origin xyz="0.1 0.2 0.3"/>)"
       R"(<mass value="2"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>)"
@@ -657,7 +657,7 @@ struct TablesOnTheWay {
   }
 };
 
-TEST(Tables, AreReadBeyondEitherEndWhereTheFindingSays) {
+TEST(Tables, ReportsLookupsBeyondEitherEnd) {
   const auto found = TablesOnTheWay{}.found({0, 3.5, -1.25, 4, 3.75, 0, 0});
   ASSERT_EQ(found.size(), 2u);
   EXPECT_EQ(found[0].subject, "drag");

@@ -65,7 +65,7 @@ std::string name_of(const Pushes& pushes, int control) {
   return pushes.system->control_columns()[control].name;
 }
 
-TEST(FreeControl, IsTheFirstOneOfTheFirstKnotThatTakesTime) {
+TEST(FreeControl, IsFirstOfFirstKnotWithDuration) {
   Pushes pushes;
   EXPECT_EQ(pushes.found(), name_of(pushes, 0) + " in phase0 0");
   pushes.instant = true;
@@ -95,7 +95,7 @@ TEST(FreeControl, IsReadByNoConstraint) {
   EXPECT_EQ(pushes.found(), "none");
 }
 
-TEST(FreeControl, IsReadByNoRowOfACostThatCounts) {
+TEST(FreeControl, IgnoresRowsOfZeroWeight) {
   const auto with_cost = [](const std::vector<std::vector<int>>& rows, Activation activation,
                             double weight = 1) {
     Pushes pushes;
@@ -117,7 +117,7 @@ TEST(FreeControl, IsReadByNoRowOfACostThatCounts) {
 }
 
 // Of linear controls the number at the beginning of a knot is one of its state.
-TEST(FreeControl, IsNotTheEndOfALinearOneWhoseBeginningCosts) {
+TEST(FreeControl, LinearControlWithCostlyStartIsNotFree) {
   for (const int control : {0, 1}) {
     Pushes pushes{.memory = ControlMemory::linear};
     pushes.bound(control, -testing::kFree, testing::kFree);

@@ -158,7 +158,7 @@ TEST(GainsOfThePolicy, AreThoseOfTheTextbookWithoutRegularization) {
   }
 }
 
-TEST(GainsOfASweep, MayBeOffByWhatTheModelChangesOnADisplacedTrajectory) {
+TEST(GainsOfASweep, AllowForModelChangeOnDisplacedTrajectory) {
   const OpenTrajectory at(2);
   OpenTrajectory moved(2);
   DisplacedModel displaced{at.t, at.derivatives, 1};
@@ -224,7 +224,7 @@ struct NumberSweep {
 };
 
 // Terms of 10¹² that cancel leave 10⁻¹⁴ of both of them: 0.02.
-TEST(GainsOfASweep, MayBeOffByTheRoundingOfTermsThatCancel) {
+TEST(GainsOfASweep, AllowForRoundingOfCancellingTerms) {
   constexpr double kHuge = 1e12;
   NumberSweep sweep(1);
   sweep.hessians[1] << kHuge;
@@ -240,7 +240,7 @@ TEST(GainsOfASweep, MayBeOffByTheRoundingOfTermsThatCancel) {
   }
 }
 
-TEST(GainsOfASweep, MayHaveFeedforwardOffByTheRoundingOfGradientsThatCancel) {
+TEST(GainsOfASweep, FeedforwardAllowsForRoundingOfCancellingGradients) {
   constexpr double kHuge = 1e12;
   for (const bool of_gap : {false, true}) {
     NumberSweep sweep(1);
@@ -259,7 +259,7 @@ TEST(GainsOfASweep, MayHaveFeedforwardOffByTheRoundingOfGradientsThatCancel) {
 }
 
 // Of the value behind it 0.02 (1 + 0.5²) = 0.025, times the closed loop 0.5, or the move −1.5.
-TEST(GainsOfASweep, MayBeOffByTheRoundingOfTheValueBehind) {
+TEST(GainsOfASweep, AllowForRoundingOfTheNextValue) {
   constexpr double kHuge = 1e12;
   NumberSweep sweep(2);
   sweep.hessians[2] << kHuge;
@@ -276,7 +276,7 @@ TEST(GainsOfASweep, MayBeOffByTheRoundingOfTheValueBehind) {
 }
 
 // Of the slope behind it 0.02 (1 + 0.5) = 0.03.
-TEST(GainsOfASweep, MayHaveFeedforwardOffByTheRoundingOfTheSlopeBehind) {
+TEST(GainsOfASweep, FeedforwardAllowsForRoundingOfTheNextSlope) {
   constexpr double kHuge = 1e12;
   NumberSweep sweep(2);
   sweep.hessians[2] << 1;
@@ -293,7 +293,7 @@ TEST(GainsOfASweep, MayHaveFeedforwardOffByTheRoundingOfTheSlopeBehind) {
 
 // A displaced model with other derivatives, with the Hessians of the problem itself: its entries
 // may be off by the margin times the change.
-TEST(GainsOfASweep, MayBeOffByTheChangesOfEachDerivative) {
+TEST(GainsOfASweep, AllowForChangesOfEachDerivative) {
   constexpr double kMargin = 10, kChange = 1e-4;
   NumberSweep sweep(1);
   const Trajectory t = sweep.lq.problem->create_trajectory();
@@ -352,7 +352,7 @@ TEST(GainsOfASweep, AreWithinATolerance) {
   EXPECT_EQ(sweep.failures(), "[feedforward]");
 }
 
-TEST(GainsOfASweep, ThatDoNotHoldAreToldWithTheirKnotAndControl) {
+TEST(GainsOfASweep, NamesKnotAndControlOfWrongGains) {
   for (const int k : {0, 1}) {
     NumberSweep sweep(2);
     for (int knot = 0; knot < 2; ++knot) sweep.set_hessian(knot, 0, 0, 1);
@@ -371,7 +371,7 @@ TEST(GainsOfASweep, ThatDoNotHoldAreToldWithTheirKnotAndControl) {
   }
 }
 
-TEST(GainsOfASweep, AreNotComparedWhereTheAnswerDoesNotSayHowTheyWereFound) {
+TEST(GainsOfASweep, AreSkippedForUnknownRegularization) {
   const OpenTrajectory at(3);
   const TextbookSweep sweep(at.lq, at.t, at.gap);
   const auto count = [&](double mu, RegularizationKind kind) {
@@ -386,7 +386,7 @@ TEST(GainsOfASweep, AreNotComparedWhereTheAnswerDoesNotSayHowTheyWereFound) {
   EXPECT_TRUE(at.checks(constrained, SolutionClaims(constrained)).empty());
 }
 
-TEST(GainsOfASweep, OfControlsThatEndAtABoundMayBeZero) {
+TEST(GainsOfASweep, MayBeZeroForControlsAtABound) {
   const LinearQuadratic free(4, 3, {1}, 1, -testing::kFree, testing::kFree);
   const Trajectory t = testing::random_guess(*free.problem, 4);
   const LinearQuadratic::Knot& knot = free.knots[0];
@@ -444,7 +444,7 @@ TEST(AdjointAlongAPolicy, IsTheRecursionOfItsDefinition) {
   }
 }
 
-TEST(RiccatiPolicy, IsThatOfTheTextbookWhereControlsAreFree) {
+TEST(RiccatiPolicy, MatchesTextbookForFreeControls) {
   for (unsigned seed = 1; seed <= 4; ++seed) {
     const OpenTrajectory at(seed);
     const TextbookSweep sweep(at.lq, at.t, at.gap);

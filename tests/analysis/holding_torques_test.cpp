@@ -55,7 +55,7 @@ std::string weak_joint(const Leg& leg) {
 }
 
 // The knee bears the body, 9 kg, with a lever of 0.3 m sin 0.5 = 14 cm, and most of the thigh.
-TEST(MissingTorque, IsThatOfTheKneeOfABentLeg) {
+TEST(MissingTorque, MatchesKneeTorqueOfBentLeg) {
   EXPECT_EQ(weak_joint({.limit = 30}), "");
   const auto weak = missing_torque(problem_of({.limit = 2}));
   ASSERT_TRUE(weak);
@@ -78,19 +78,19 @@ TEST(MissingTorque, IsThatOfAJointThatNothingDrives) {
 }
 
 // A foot that is held twice: which of its contacts bears the leg is open.
-TEST(MissingTorque, IsFoundOnContactsThatDependOnEachOther) {
+TEST(MissingTorque, IsFoundForDependentContacts) {
   EXPECT_EQ(weak_joint({.limit = 30, .feet = 2}), "");
   EXPECT_EQ(weak_joint({.limit = 2, .feet = 2}), "knee");
 }
 
-TEST(MissingTorque, IsNoMatterOfWhatFallsTipsOrMoves) {
+TEST(MissingTorque, IgnoresRobotsThatFallTipOrMove) {
   EXPECT_EQ(weak_joint({.foot = std::nullopt, .limit = 2}), "");
   EXPECT_EQ(weak_joint({.limit = 2, .speed = 1}), "");
   // Nothing but its own point to stand on: no torque keeps a body upright that is beside its foot.
   EXPECT_EQ(weak_joint({.foot = ContactKind::point, .limit = 90}), "");
 }
 
-TEST(MissingTorque, OfABoltedArmCountsWhereAllJointsAreDriven) {
+TEST(MissingTorque, CoversBoltedArmsWithAllJointsDriven) {
   const Leg arm{.base = Base::fixed, .foot = std::nullopt, .limit = 0.2};
   EXPECT_NE(weak_joint(arm), "");
   Leg strong = arm;
@@ -101,7 +101,7 @@ TEST(MissingTorque, OfABoltedArmCountsWhereAllJointsAreDriven) {
   EXPECT_EQ(weak_joint(pendulum), "");
 }
 
-TEST(MissingTorque, IsTheDiagnosisOfASolveThatEndsWithoutAnAnswer) {
+TEST(MissingTorque, ExplainsSolvesThatEndWithoutAnAnswer) {
   const auto diagnosis = [](const Leg& leg) {
     const ShootingProblem problem = problem_of(leg);
     const SolverOptions options{.max_iterations = 2};

@@ -71,7 +71,7 @@ double share_of_free_step(const Eigen::Vector2d& gains) {
   return share(problem, {0, 0}, {-3, -4});
 }
 
-TEST(AttainableShare, OfFreeControlsDoesNotDependOnTheirUnit) {
+TEST(AttainableShare, IsIndependentOfControlUnits) {
   for (const double unit : {1e-9, 1e-3, 1.0})
     EXPECT_NEAR(share_of_free_step({unit, unit}), std::max(1.0, unit * 7 / 25), 1e-12) << unit;
   // p = (3 u, 8 u) along which the best step leaves a part of the distance.

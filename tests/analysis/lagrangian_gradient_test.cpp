@@ -93,7 +93,7 @@ TEST(LagrangianGradient, IsTheDerivativeOfTheLagrangian) {
 }
 
 /// Rounding of an entry is relative to what was added up for it, whatever cancels.
-TEST(LagrangianGradient, SizesAreSumsOfWhatEachTermIsAlone) {
+TEST(LagrangianGradient, SizesSumTheAbsoluteTerms) {
   const ShootingProblem free = testing::cartpole_swing_up();
   const ShootingProblem problem = testing::with_constraints(
       free, {testing::goal_constraint(free, std::vector<double>(free.nx(), 0.0))});

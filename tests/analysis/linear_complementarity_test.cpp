@@ -52,7 +52,7 @@ TEST(LinearComplementarity, SaysWhereThereIsNoSolution) {
   EXPECT_FALSE(solve_lcp(Eigen::MatrixXd::Identity(1, 1), Eigen::VectorXd::Constant(1, nan)));
 }
 
-TEST(LinearComplementarity, OfAnythingThatIsNotFiniteThereIsNoSolution) {
+TEST(LinearComplementarity, NonFiniteInputHasNoSolution) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   Eigen::MatrixXd M = Eigen::MatrixXd::Identity(2, 2);
   M(0, 1) = nan;

@@ -29,7 +29,7 @@ std::optional<LongStep> step_of(const ShootingProblem& problem) {
   return long_step(problem, problem.create_trajectory());
 }
 
-TEST(LongStep, IsOneOnWhichAMotionGrowsThatDecays) {
+TEST(LongStep, GrowsAMotionThatShouldDecay) {
   const auto found = step_of(decay(50, Integrator::rk4, 0.05, 2));
   ASSERT_TRUE(found);
   EXPECT_EQ(found->knot, 1);

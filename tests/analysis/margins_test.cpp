@@ -46,7 +46,7 @@ TEST(Margins, CovarianceFollowsItsRecursion) {
 }
 
 // u = −0.8 (δx + n) has the standard deviation 0.8 √(0.04 + 0.09) at the first knot.
-TEST(Margins, OfAControlCountTheStateAndItsMeasurement) {
+TEST(Margins, ControlVarianceIncludesStateAndMeasurementNoise) {
   const ShootingProblem problem = scalar_problem();
   Trajectory trajectory = problem.create_trajectory();
   trajectory.u(0)[0] = 0.25;
@@ -73,7 +73,7 @@ TEST(Margins, ProbabilitiesAreThoseOfTheNormalLaw) {
 }
 
 // Solvers leave a control that they hold a trace of its gains.
-TEST(Margins, LeaveOutWhereThePlanHoldsAQuantityAtItsBound) {
+TEST(Margins, SkipQuantitiesHeldAtTheirBound) {
   const ShootingProblem problem = scalar_problem();
   std::vector<Eigen::MatrixXd> gains = scalar_gains();
   gains[0](0, 0) = -1e-9;
@@ -90,7 +90,7 @@ TEST(Margins, LeaveOutWhereThePlanHoldsAQuantityAtItsBound) {
 }
 
 // A ten-thousandth of what noise moves it elsewhere, a millionth from the bound.
-TEST(Margins, AQuantityIsHeldNearItsBoundByLittleGains) {
+TEST(Margins, SmallGainsNearABoundCountAsHeld) {
   const ShootingProblem problem = scalar_problem();
   for (const bool upper : {true, false}) {
     const auto is_held = [&](double share, double distance) {
@@ -163,7 +163,7 @@ TEST(Margins, BeginWithTimeAndPassInstantsWithoutNoise) {
 }
 
 // A row at an instant before time begins has no margin, one there has that of the state alone.
-TEST(Margins, OfRowsAtInstantsAreThoseOfTheStateAlone) {
+TEST(Margins, RowsAtInstantsUseTheStateAlone) {
   for (const int instant : {0, 1}) {
     const ShootingProblem free = with_instants({instant});
     using Term = LinearCombination::Term;
@@ -188,7 +188,7 @@ TEST(Margins, OfRowsAtInstantsAreThoseOfTheStateAlone) {
   }
 }
 
-TEST(Margins, NoiseWhoseSquareIsNotFiniteIsAnError) {
+TEST(Margins, NoiseWithNonFiniteSquareIsAnError) {
   const ShootingProblem problem = scalar_problem();
   const Trajectory trajectory = problem.create_trajectory();
   for (const StateNoise& large :
@@ -213,7 +213,7 @@ const MarginCurve& curve_of(const std::vector<MarginCurve>& curves, const std::s
 }
 
 // At x = 1 and u = 0. A row a x + b u has the variance (a + b K)² P + (b K)² N.
-TEST(Margins, OfRowsConesAndConstraintsOfOneNameAreThoseOfTheirGradients) {
+TEST(Margins, RowsAndConesUseTheirGradients) {
   const ShootingProblem free = scalar_problem();
   using Term = LinearCombination::Term;
   const Term state{1, false, 0, 0}, twice{2, false, 0, 0}, half{0.5, false, 0, 0},
@@ -324,7 +324,7 @@ class RandomRuns {
 
 // Variances of n samples have a standard deviation of √(2/n) of themselves, frequencies of
 // √(p (1 − p)/n): three of them are allowed.
-TEST(Margins, AreThoseOfRandomRunsOfTheLinearClosedLoop) {
+TEST(Margins, MatchMonteCarloRunsOfLinearLoop) {
   constexpr int kRuns = 20'000;
   const ShootingProblem problem = braked();
   const SolveResult plan =

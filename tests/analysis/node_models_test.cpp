@@ -70,7 +70,7 @@ TEST(NodeModels, KeepAnalyticDerivativesThatAgreeWithDualNumbers) {
 }
 
 /// Every entry of every matrix, by as little as 10⁻¹⁰ of the largest one beside it.
-TEST(NodeModels, HaveDerivativesOfDualNumbersWhereAnAnalyticOneIsWrong) {
+TEST(NodeModels, UseDualNumbersInsteadOfWrongAnalyticDerivatives) {
   const ShootingProblem problem = cartpole_with_goal();
   const int N = problem.knots(), k = 3;
   const std::function<Eigen::Map<Eigen::VectorXd>(Linearization&)> parts[] = {

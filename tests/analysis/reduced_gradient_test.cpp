@@ -31,7 +31,7 @@ std::vector<NodeDerivatives> derivatives_of(const ShootingProblem& problem,
 }
 
 // From u to the best ½ the cost falls by (u − ½)², as its second derivative is 2.
-TEST(RiccatiPolicy, TheExpectedDecreaseOfAQuadraticCostIsItsDecrease) {
+TEST(RiccatiPolicy, ExpectedDecreaseIsExactForQuadraticCosts) {
   const ShootingProblem problem = one_step();
   for (const double u : {0.0, 0.2, 2.0}) {
     const Trajectory trajectory = simulated(problem, u);
@@ -46,7 +46,7 @@ TEST(RiccatiPolicy, TheExpectedDecreaseOfAQuadraticCostIsItsDecrease) {
 }
 
 // At its lower bound a control is stationary where the cost rises with it, and the other way round.
-TEST(ProjectedGradient, ABoundTakesTheSignThatDescentWouldCrossItWith) {
+TEST(ProjectedGradient, BoundBlocksDescentAcrossItself) {
   const ShootingProblem problem = one_step(-1, 1);
   const auto projected = [&](double u, double gradient) {
     return project(problem, simulated(problem, u), {Eigen::VectorXd::Constant(1, gradient)});
@@ -87,7 +87,7 @@ TEST(ProjectedGradient, ABoundIsMetToRounding) {
 
 // A control that is at its bound as it comes, without a multiplier, is free or held as a sweep has
 // it.
-TEST(GainsCheck, ABoundThatDoesNotPushMayHoldOrNot) {
+TEST(GainsCheck, InactiveBoundMayBeHeldOrFree) {
   const ShootingProblem problem = one_step(-1, 0.5);
   SolutionClaims claims(problem);
   claims.trajectory = simulated(problem, 0.5);
@@ -109,7 +109,7 @@ TEST(GainsCheck, ABoundThatDoesNotPushMayHoldOrNot) {
 
 // Two terms of ∇_u L move by 1e-13 of themselves, and so does the co-state in one of them, up or
 // down: with one sign of f_u all of that adds up.
-TEST(AdjointPass, RoundingIsThatOfAllTermsOnTheWayToTheGradient) {
+TEST(AdjointPass, RoundingSumsAllTermsOfTheGradient) {
   const ShootingProblem problem = one_step();
   const Eigen::VectorXd none(0);
   for (const double effort : {0.5, 8.0}) {

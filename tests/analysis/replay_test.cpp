@@ -72,7 +72,7 @@ TEST(Replay, BeginsAtTheInitialStateOfTheProblem) {
   EXPECT_NEAR(found.controls.relative, 1, 1e-12);
 }
 
-TEST(Replay, OfWhatBarelyMovesIsRelativeToAHundredth) {
+TEST(Replay, SmallMotionsAreRelativeToAHundredth) {
   const ShootingProblem problem = block_problem({block_phase(block_system(), 2)});
   Trajectory motion = pushed_along_x(problem, {0, 0});
   motion.x(2)[1] = 0.002;
@@ -98,7 +98,7 @@ ReplayRun by_hand(const Trajectory& motion, double kq, double kv, double limit, 
   return run;
 }
 
-TEST(Replay, FeedbackIsHeldOverAKnotWithinItsBounds) {
+TEST(Replay, HoldsBoundedFeedbackOverAKnot) {
   for (const double limit : {100.0, 4.2}) {
     std::vector<Phase> phases;
     phases.push_back(block_phase(block_system(), 4, limit));
@@ -325,7 +325,7 @@ struct PushedCart {
 };
 
 // The slopes of the plan are all zero: the replay finds those of its steps itself.
-TEST(Replay, OfACollocationSolvesForTheSlopesOfItsSteps) {
+TEST(Replay, CollocationSolvesForStepSlopes) {
   const PushedCart trapezoidal(CollocationRule::trapezoidal),
       simpson(CollocationRule::hermite_simpson);
   // Of orders two and four.

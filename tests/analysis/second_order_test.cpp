@@ -39,7 +39,7 @@ SecondOrder on_the_circle(const Eigen::Vector2d& wish, const Eigen::Vector2d& u)
                  0.5 * (u - wish).squaredNorm());
 }
 
-TEST(SecondOrder, TellsTheNearPointOfADiscFromTheFarOne) {
+TEST(SecondOrder, DistinguishesNearAndFarPointOfADisc) {
   EXPECT_EQ(on_the_circle({0.5, 0}, {1, 0}).curvature, Curvature::positive);
   const SecondOrder far = on_the_circle({0.5, 0}, {-1, 0});
   EXPECT_EQ(far.curvature, Curvature::negative);

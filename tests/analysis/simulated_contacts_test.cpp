@@ -54,7 +54,7 @@ TEST(SimulatedContacts, StepsAreThoseOfAllCandidates) {
   EXPECT_TRUE(seen.contains(1u << 3 | 1u << 0)) << "it stands";
 }
 
-TEST(SimulatedContacts, ATiltedBlockLandsOnOneCornerBeforeTheOther) {
+TEST(SimulatedContacts, TiltedBlockLandsOneCornerFirst) {
   for (const double tilt : {0.1, -0.1}) {
     LoopBlock block;
     block.x = {0, 0.62, tilt, 0, 0, 0, 0};
@@ -89,7 +89,7 @@ TEST(SimulatedContacts, HaveTheForcesThatCarryWhatStands) {
 }
 
 // A step whose numbers are not finite leaves nothing of the state.
-TEST(SimulatedContacts, AStepThatFailsMakesAllOfTheStateNotANumber) {
+TEST(SimulatedContacts, FailedStepMakesWholeStateNaN) {
   LoopBlock block;
   block.step(0.01, 1);
   block.x[5] = std::nan("");

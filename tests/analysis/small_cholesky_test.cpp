@@ -33,7 +33,7 @@ TEST(SmallCholesky, SolvesForAllRightHandSides) {
     }
 }
 
-TEST(SmallCholesky, HasNoFactorsWhereAPivotIsTooSmall) {
+TEST(SmallCholesky, RejectsPivotsThatAreTooSmall) {
   SmallCholesky factors;
   const auto has = [&](double first, double second, double least) {
     return factors.factorize(Eigen::Vector2d(first, second).asDiagonal().toDenseMatrix(), least);

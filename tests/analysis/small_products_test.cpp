@@ -32,7 +32,7 @@ TEST(SmallProducts, TakeBlocksOfMatrices) {
   EXPECT_LE((product - a.block(3, 2, 9, 7) * b.block(1, 4, 7, 5)).cwiseAbs().maxCoeff(), 1e-14);
 }
 
-TEST(SmallProducts, HalfOfASymmetricOneGivesTheOtherHalf) {
+TEST(SmallProducts, SymmetricHalfGivesTheOtherHalf) {
   std::srand(4);
   MatrixXd product;
   for (const int size : {0, 1, 2, 3, 7, 8, 9, 14, 21, 37, 48}) {
@@ -44,7 +44,7 @@ TEST(SmallProducts, HalfOfASymmetricOneGivesTheOtherHalf) {
   }
 }
 
-TEST(SmallProducts, AddTransposedProductsAndTheSizesOfTheirTerms) {
+TEST(SmallProducts, AddTransposedProductsAndTermSizes) {
   std::srand(3);
   for (const int rows : {0, 1, 3, 8, 9, 14, 37})
     for (const int columns : {0, 1, 7, 8, 21}) {

@@ -32,7 +32,7 @@ std::string first(const Json& a, const Json& b) {
   return differences.empty() ? "" : differences.front().quantity;
 }
 
-TEST(SolutionComparison, ASolutionAgreesWithItselfAndWithItsGoldenPart) {
+TEST(SolutionComparison, AgreesWithItselfAndItsGoldenPart) {
   EXPECT_EQ(first(solution(), solution()), "");
   EXPECT_EQ(first(golden_part(solution()), solution()), "");
 }
@@ -43,7 +43,7 @@ TEST(SolutionComparison, TheNumberOfIterationsDoesNotMatter) {
   EXPECT_EQ(first(solution(), other), "");
 }
 
-TEST(SolutionComparison, AQuaternionAndItsNegativeAreTheSameRotation) {
+TEST(SolutionComparison, QuaternionEqualsItsNegative) {
   Json other = solution();
   other["trajectory"]["x"][1] = {0.0, 0.0, -0.6, -0.8, 1.0};
   EXPECT_EQ(first(solution(), other), "");
@@ -74,7 +74,7 @@ TEST(SolutionComparison, RotationsAreComparedByTheirAngle) {
   }
 }
 
-TEST(SolutionComparison, TolerancesAreRelativeToTheLargestNumberOfAColumn) {
+TEST(SolutionComparison, TolerancesScaleWithLargestEntryOfColumn) {
   const auto with = [](double changed) {
     Json j = solution();
     j["trajectory"]["x"][1][4] = changed;  // beside 2: within 1e-4 + 1e-3 · 2
@@ -98,7 +98,7 @@ TEST(SolutionComparison, ResidualsMayGrowTenfoldOrToAFloor) {
   EXPECT_EQ(first(with(1e-9), with(1.01e-6)), "residual stationarity");
 }
 
-TEST(SolutionComparison, CostsAreRelativeAndTheirPartsAHundredTimesLess) {
+TEST(SolutionComparison, CostsAreRelativeAndPartsLooser) {
   const auto with = [](double cost, double part) {
     Json j = solution();
     j["cost"] = cost;
@@ -117,7 +117,7 @@ TEST(SolutionComparison, CostsAreRelativeAndTheirPartsAHundredTimesLess) {
   EXPECT_EQ(first(small, other), "cost");
 }
 
-TEST(SolutionComparison, SlipSpeedsThatNoForceTellsDoNotMatter) {
+TEST(SolutionComparison, IgnoresSlipSpeedsWithoutForce) {
   const auto with = [](const char* name, double value) {
     Json j = solution();
     j["trajectory"]["columns"]["u"] = {"u/elbow", name};
@@ -145,7 +145,7 @@ TEST(SolutionComparison, MissingNumbersAgreeWithNothing) {
   }
 }
 
-TEST(SolutionComparison, TimesAgreeToABillionthOfThemselvesAndOfASecond) {
+TEST(SolutionComparison, TimesAgreeToABillionth) {
   const auto differs = [](double time, double off) {
     Json a = solution(), b = solution();
     a["trajectory"]["t"] = {0.0, time};
@@ -209,7 +209,7 @@ TEST(SolutionComparison, DocumentsOfAnotherShapeAreRefused) {
   EXPECT_EQ(defect([](Json& j) { j = Json::array(); }), "'status' is missing");
 }
 
-TEST(SolutionComparison, ANumberThatIsNotFiniteAgreesWithNoOther) {
+TEST(SolutionComparison, NonFiniteNumberMatchesNothing) {
   const auto changed = [](auto change) {
     Json other = solution();
     change(other);
@@ -220,7 +220,7 @@ TEST(SolutionComparison, ANumberThatIsNotFiniteAgreesWithNoOther) {
             "trajectory v/elbow at knot 1 (t = 0.1 s)");
 }
 
-TEST(SolutionComparison, AControlThatAPhaseLacksIsTheSameInBoth) {
+TEST(SolutionComparison, AbsentControlMatchesAbsentControl) {
   Json two = solution();
   two["trajectory"]["columns"]["u"] = {"u/elbow", "u/wrist"};
   two["trajectory"]["u"] = {{3.0, nullptr}};
@@ -233,7 +233,7 @@ TEST(SolutionComparison, AControlThatAPhaseLacksIsTheSameInBoth) {
 }
 
 // Columns of a body: its place, a rotation that begins at the second one, and a joint behind it.
-TEST(SolutionComparison, RotationsAreWhereFourNamesInARowSaySo) {
+TEST(SolutionComparison, FindsRotationsByFourConsecutiveNames) {
   const auto with = [](std::vector<std::string> names, int column, double change) {
     Json j = solution();
     j["trajectory"]["columns"]["x"] = std::move(names);
@@ -279,7 +279,7 @@ TEST(SolutionComparison, DifferencesAreFoundAtEveryNode) {
 }
 
 // Where the first two nodes are at one time the first controls are the choice of the first state.
-TEST(SolutionComparison, TheChoiceOfTheFirstStateIsLeftOut) {
+TEST(SolutionComparison, IgnoresTheInitialStateChoice) {
   const auto with = [](double second, double choice) {
     Json j = solution();
     j["trajectory"]["t"] = {0.0, second};
@@ -300,7 +300,7 @@ TEST(SolutionComparison, ARotationMayBeTheLastColumns) {
   EXPECT_EQ(first(with(1), with(-1)), "");
 }
 
-TEST(SolutionComparison, NumbersThatAreMissingInBothDocumentsAreNoDifferenceOfCostsAndResiduals) {
+TEST(SolutionComparison, NumbersMissingInBothAreEqual) {
   const auto without = [](auto remove) {
     Json j = solution();
     remove(j);
@@ -314,7 +314,7 @@ TEST(SolutionComparison, NumbersThatAreMissingInBothDocumentsAreNoDifferenceOfCo
   EXPECT_EQ(first(no_cost, solution()), "cost");
 }
 
-TEST(SolutionComparison, TablesOfAnotherShapeAreToldByWhatIsOther) {
+TEST(SolutionComparison, NamesTheDifferenceInTableShape) {
   const auto message = [](auto change) {
     Json other = solution();
     change(other);

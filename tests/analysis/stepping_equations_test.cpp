@@ -123,7 +123,7 @@ TEST(StepForces, AreFiniteWhereAllOfThemAre) {
   }
 }
 
-TEST(ContactMotion, HasThePassiveForcesAndTheBoundsOfItsRobot) {
+TEST(ContactMotion, HasPassiveForcesAndBoundsOfItsRobot) {
   const auto robot = std::make_shared<RobotModel>(random_robot(7, {.joints = 3}));
   const std::vector<double> damping = {0.5, 1.5, 2.5}, friction = {2, 3, 4};
   for (int i = 0; i < 3; ++i) {

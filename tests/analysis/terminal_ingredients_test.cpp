@@ -68,7 +68,7 @@ TEST_F(BoundedMass, ExceedsItsBoundsInALargerSet) {
   for (const int i : {0, 2, 3}) EXPECT_TRUE(found.conditions[i].holds) << i;
 }
 
-TEST_F(BoundedMass, DecreasesByTheStageCostWhereItsWeightIsLargeEnough) {
+TEST_F(BoundedMass, DecreasesByStageCostForLargeWeights) {
   const TerminalConditions found = conditions(kLargest, 0.5);
   EXPECT_FALSE(found.conditions[3].holds);
   EXPECT_NEAR(found.conditions[3].figure, 0.5, 1e-9);
@@ -86,7 +86,7 @@ TEST_F(BoundedMass, DecreasesByNothingWithoutWeight) {
   EXPECT_EQ(found.decrease.factor, 0);
 }
 
-TEST_F(BoundedMass, IsJudgedAtTheEquilibriumAloneWhereTheSetIsThat) {
+TEST_F(BoundedMass, EmptySetIsCheckedAtTheEquilibrium) {
   TerminalConditions found = conditions(0);
   ASSERT_EQ(found.conditions.size(), 2u);
   EXPECT_EQ(found.samples, 0);
@@ -95,7 +95,7 @@ TEST_F(BoundedMass, IsJudgedAtTheEquilibriumAloneWhereTheSetIsThat) {
   EXPECT_EQ(found.conditions[1].figure, 0);
 }
 
-TEST(TerminalIngredients, SharesOfAForceThatExceedTheirBoundGoToTheOthers) {
+TEST(TerminalIngredients, RedistributesForceSharesBeyondBounds) {
   const auto held = [](std::vector<double> lower, std::vector<double> upper) {
     const TerminalResult found =
         regulated(mass_stage(pushed_mass(2, 3), std::move(lower), std::move(upper)));
@@ -107,7 +107,7 @@ TEST(TerminalIngredients, SharesOfAForceThatExceedTheirBoundGoToTheOthers) {
   EXPECT_TRUE(held({-4, -1}, {4, 1}).isApprox(Eigen::Vector2d(2, 1), 1e-12));
 }
 
-TEST(TerminalIngredients, AForceThatBoundsDoNotAllowIsNamedWithThem) {
+TEST(TerminalIngredients, NamesForceThatBoundsExclude) {
   const TerminalResult found = regulated(mass_stage(pushed_mass(2, 3), {-0.5, -2}, {1, 1.2}));
   EXPECT_FALSE(found.ingredients);
   EXPECT_EQ(
@@ -124,7 +124,7 @@ TEST(TerminalIngredients, AStateThatNothingHoldsIsNoEquilibrium) {
 }
 
 // A cost of x̄ and ū does not move a linear regulator; what it costs there is told.
-TEST(TerminalIngredients, HaveTheCostAndItsSlopeAtTheEquilibrium) {
+TEST(TerminalIngredients, IncludeCostAndSlopeAtEquilibrium) {
   const auto at = [](std::vector<double> reference) {
     return *regulated(stage_of(pushed_mass(1, 2),
                                {.reference = std::move(reference), .state = {1, 3}}, {-5}, {5}))
@@ -143,7 +143,7 @@ TEST(TerminalIngredients, HaveTheCostAndItsSlopeAtTheEquilibrium) {
   EXPECT_TRUE(found.conditions[3].holds);
 }
 
-TEST(TerminalIngredients, AreThoseOfTheKnotThatIsAskedFor) {
+TEST(TerminalIngredients, ComeFromTheRequestedKnot) {
   const Phase light = mass_stage(pushed_mass(1), {-1}, {1});
   Phase both = light;
   both.dt.push_back(0.2);
@@ -193,7 +193,7 @@ Eigen::MatrixXd cost_to_go_of_mass(double mass) {
 }
 
 // The block's contact holds it along z: 4 kg go along x, 3 kg along y, and z stays.
-TEST(TerminalIngredients, AreOnesOfTheTangentSpaceThatContactsLeave) {
+TEST(TerminalIngredients, UseTangentSpaceOfTheContacts) {
   for (const bool remembers : {false, true}) {
     const auto system = testing::block_system({{.name = "rail", .kind = ContactKind::normal}});
     const auto model =
@@ -241,7 +241,7 @@ TEST(TerminalIngredients, AreFoundWhereTheControlActsNonlinearly) {
   EXPECT_LT(found.ingredients->drift, 1e-14);
 }
 
-TEST(TerminalIngredients, AreNoneOfAStateThatIsNotFinite) {
+TEST(TerminalIngredients, DoNotExistForNonFiniteStates) {
   const Phase phase = mass_stage(pushed_mass(1), {-1}, {1});
   const TerminalResult found = find_terminal_ingredients(
       {phase, 0, {std::nan(""), 0}, Eigen::VectorXd::Zero(1)}, {"x0", "x1"});
@@ -262,7 +262,7 @@ std::string fault_of(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B,
 }
 
 // Systems in coordinates of their own: the mode's states are those that take part in it.
-TEST(TerminalIngredients, AreNoneWhereAModeIsOutOfReachOrUnseen) {
+TEST(TerminalIngredients, NeedControllableAndObservableModes) {
   // (x1, x3) turn and do not decay, x0 and x2 do; the control moves x0 alone.
   Eigen::MatrixXd A = Eigen::MatrixXd::Zero(4, 4);
   A.diagonal() << 0.5, 0.6, 0.25, 0.6;
@@ -352,7 +352,7 @@ TEST(TerminalConditions, MeasureTheStepOfTheRegulator) {
   EXPECT_NEAR(found.conditions[3].figure, 1, 1e-12);
 }
 
-TEST(TerminalConditions, AreSampledWhereNoStateMovesByMoreThanATenthIfNothingBoundsTheSet) {
+TEST(TerminalConditions, UnboundedSetsAreSampledWithinATenth) {
   EXPECT_NEAR(ScalarStage({}).at(testing::kFree).level, 0.01 * ScalarStage({}).p, 1e-15);
   const TerminalIngredients mass = *regulated(mass_stage(pushed_mass(1), {-1}, {1})).ingredients;
   const Eigen::Matrix2d inverse = mass.P.inverse();

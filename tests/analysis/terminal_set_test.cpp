@@ -88,7 +88,7 @@ TEST(TerminalSet, SeesConstraintsOnTheControlUnderTheRegulator) {
   EXPECT_NEAR(mass.set.level, mass.level(mass.own.K, 0.5), 1e-13);
 }
 
-TEST(TerminalSet, LeavesOutWhatIsSoftOrSwitchedOffOrWithoutBounds) {
+TEST(TerminalSet, IgnoresSoftDisabledAndUnboundedConstraints) {
   const auto speed = coordinate_residual(StateManifold::flat(2), {1});
   const auto soft = make_constraint("soft", speed, ConstraintKind::bounds, 1, Softness::l1);
   const auto hard = make_constraint("hard", speed, ConstraintKind::bounds);
@@ -131,7 +131,7 @@ TEST(TerminalSet, TouchesNormsFromAboveAndFromBelow) {
 }
 
 // ‖(place + 0.1, 2 speed − 0.2)‖ ≤ 1.5 (2 + 0.5 place).
-TEST(TerminalSet, TouchesConesWhereBothSidesMoveTheWorstWay) {
+TEST(TerminalSet, TouchesConesInTheWorstDirection) {
   const ConstrainedMass mass(
       {{make_constraint("cone", functions_of_state({{1, 0, 0.1}, {0, 2, -0.2}, {0.5, 0, 2}}),
                         ConstraintKind::second_order_cone, 1.5),
@@ -157,7 +157,7 @@ Phase decaying_stage(std::vector<StageConstraint> constraints) {
 }
 
 // The second state costs nothing, so the set lets it go anywhere; the second control has no gains.
-TEST(TerminalSet, HasNoRoomWhereDirectionsThatCostNothingAreBounded) {
+TEST(TerminalSet, IsEmptyIfCostlessDirectionsAreBounded) {
   const auto bounded = [](int state) {
     const auto one = coordinate_residual(StateManifold::flat(2), {state});
     return largest_terminal_set(
@@ -181,7 +181,7 @@ TEST(TerminalSet, HasNoRoomWhereDirectionsThatCostNothingAreBounded) {
   EXPECT_EQ(second.bounds[0].distance, 1);
 }
 
-TEST(TerminalEllipsoid, HasTheAxesOfItsMatrixAndTheDirectionsOfZero) {
+TEST(TerminalEllipsoid, HasMatrixAxesAndNullDirections) {
   // Rank two of three: (1, 2, 2)/3 costs nothing.
   const Eigen::Vector3d none = Eigen::Vector3d(1, 2, 2) / 3;
   Eigen::Matrix<double, 3, 2> across;

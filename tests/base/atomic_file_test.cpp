@@ -70,7 +70,7 @@ TEST_F(AtomicFile, SignalsWaitUntilFilesAreWhole) {
   EXPECT_EQ(count(), 1);
 }
 
-TEST_F(AtomicFile, ALaterFailureLeavesEarlierFilesAsTheyWere) {
+TEST_F(AtomicFile, LaterFailureKeepsEarlierFiles) {
   std::ofstream(folder_ / "a") << "former";
   std::filesystem::create_directory(folder_ / "b");
   AtomicFiles files;
@@ -93,7 +93,7 @@ TEST_F(AtomicFile, AFailureWhileRenamingTakesTheOthersBack) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "c"));
 }
 
-TEST_F(AtomicFile, LeftoversOfTheDeadAreRemovedAndOfTheLivingKept) {
+TEST_F(AtomicFile, RemovesLeftoversOfDeadProcessesOnly) {
   std::ofstream(folder_ / ".a.new.1.tmp") << "half";
   std::ofstream(folder_ / ".b.new.1.tmp") << "half, of another file";
   AtomicFiles living;
@@ -109,7 +109,7 @@ TEST_F(AtomicFile, LeftoversOfTheDeadAreRemovedAndOfTheLivingKept) {
   EXPECT_EQ(count(), 2);
 }
 
-TEST_F(AtomicFile, APipeNamedLikeALeftoverIsLeftAlone) {
+TEST_F(AtomicFile, IgnoresPipesNamedLikeLeftovers) {
   ASSERT_EQ(mkfifo((folder_ / ".a.new.1.tmp").c_str(), 0600), 0);
   AtomicFiles files;
   files.add(folder_ / "a", "one");  // which does not wait for a writer

@@ -7,7 +7,7 @@
 namespace conddp {
 namespace {
 
-TEST(CsvLine, CellsAreWithoutTheSpacesAroundThemAndKnowWhereTheirTextBegins) {
+TEST(CsvLine, TrimsCellsAndRecordsWhereTextBegins) {
   const auto cells = split_csv_line(" a,\tb c \r");
   ASSERT_EQ(cells.size(), 2u);
   EXPECT_EQ(cells[0].text, "a");
@@ -33,7 +33,7 @@ std::vector<std::string> texts(std::string_view line) {
 
 using Texts = std::vector<std::string>;
 
-TEST(CsvLine, TextsInQuotesMayHaveCommasSpacesAndQuotes) {
+TEST(CsvLine, QuotedTextMayContainCommasSpacesAndQuotes) {
   EXPECT_EQ(texts(R"(1,"[0.3, 0.4]" , "say ""no"", twice","",x)"),
             (Texts{"1", "[0.3, 0.4]", "say \"no\", twice", "", "x"}));
   EXPECT_EQ(texts("\" a \"\r"), Texts{" a "});
@@ -47,7 +47,7 @@ TEST(CsvLine, SpreadsheetsComputeWhatBeginsAsAFormula) {
   for (const char* text : {"", "x=1", "_=1", "1-2"}) EXPECT_FALSE(begins_formula(text)) << text;
 }
 
-TEST(CsvLine, QuotesThatEncloseNoCellArePartOfItsText) {
+TEST(CsvLine, QuotesInsideACellArePartOfIt) {
   EXPECT_EQ(texts(R"(3" pipe,"open, b)"), (Texts{"3\" pipe", "\"open", "b"}));
   EXPECT_EQ(texts(R"("a" b,"c")"), (Texts{"\"a\" b", "c"}));
   EXPECT_EQ(texts("\"\"\""), Texts{"\"\"\""});

@@ -41,7 +41,7 @@ TEST(JsonText, NumbersHaveTheFormOfTheJsonLibrary) {
     EXPECT_EQ(compact_json(OrderedJson(value)), OrderedJson(value).dump());
 }
 
-TEST(JsonText, NumbersOfAnySizeAreReadBackAsTheyWere) {
+TEST(JsonText, NumbersOfAnySizeSurviveARoundTrip) {
   std::mt19937_64 engine(7);
   for (int i = 0; i < 20000; ++i) {
     const double value = std::bit_cast<double>(engine());
@@ -67,7 +67,7 @@ TEST(JsonText, CompactTextIsThatOfTheJsonLibrary) {
   EXPECT_EQ(compact_json(value), value.dump());
 }
 
-TEST(JsonText, BytesThatAreNoUtf8AreReplacedOnALineOfItsOwnAndAnErrorForPeople) {
+TEST(JsonText, ReplacesInvalidUtf8OrReportsIt) {
   const OrderedJson value = "a\xff";
   EXPECT_EQ(compact_json(value), "\"a\xef\xbf\xbd\"");
   EXPECT_THROW(json_text(value), OrderedJson::type_error);

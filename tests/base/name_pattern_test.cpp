@@ -20,7 +20,7 @@ TEST(NamePattern, FitsTheNamesThatItsStarsComplete) {
   EXPECT_FALSE(is_pattern("le?"));
 }
 
-TEST(NamePattern, TheNameItselfFitsBestThenALongerPattern) {
+TEST(NamePattern, ExactNameWinsThenTheLongerPattern) {
   EXPECT_GT(fit("leg_a", "leg_a"), fit("leg_*", "leg_a"));
   EXPECT_GT(fit("leg_*", "leg_a"), fit("*", "leg_a"));
   EXPECT_GT(fit("*", "leg_a"), fit("arm*", "leg_a"));

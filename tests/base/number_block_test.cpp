@@ -47,7 +47,7 @@ TEST(NumberBlock, SaysHowManyEntriesAndColumnsItHas) {
   EXPECT_EQ(NumberBlock::of(some)->count_nan(), 2u);
 }
 
-TEST(NumberBlock, BytesThatAreNoBlockOrNoDocumentAreNeither) {
+TEST(NumberBlock, DistinguishesBadBlocksFromBadDocuments) {
   EXPECT_FALSE(NumberBlock::of(OrderedJson::binary({1, 2, 3})));
   EXPECT_FALSE(NumberBlock::of(OrderedJson::binary({2, 0, 0, 0, 1, 0, 0, 0, 9})));
   EXPECT_FALSE(NumberBlock::of(OrderedJson({1, 2})));

@@ -7,7 +7,7 @@
 namespace conddp {
 namespace {
 
-TEST(SharedLibrary, GivesFunctionsOfTheFirstFileThatIsThere) {
+TEST(SharedLibrary, LoadsTheFirstFileThatExists) {
   const SharedLibrary library("mathematics", {"$ORIGIN/libm.so.6", "libm.so.6"});
   const auto cube_root = reinterpret_cast<double (*)(double)>(library.symbol("cbrt"));
   EXPECT_NEAR(cube_root(27), 3, 1e-15);

@@ -47,7 +47,7 @@ TEST(Utf8, ShowsNoCommandsToATerminal) {
       EXPECT_EQ(shown, plain);
 }
 
-TEST(Utf8, LinesForATerminalKeepTheirEndsAndEscapeLikeJson) {
+TEST(Utf8, TerminalLinesKeepEndingsAndEscapeLikeJson) {
   EXPECT_EQ(terminal_text("a\n\tb"), "a\n\tb");
   EXPECT_EQ(terminal_text("\x1B[31m\r\x7F\xE9"), "\\u001B[31m\\u000D\\u007F\\xE9");
   EXPECT_EQ(masked("a\x1B\xE9"), "a??");

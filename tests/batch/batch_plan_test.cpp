@@ -30,7 +30,7 @@ Strings settings(const PlannedBatch& batch, std::size_t item) {
   return batch.manifest->items.at(item).settings;
 }
 
-TEST(BatchPlan, IsTheProductOfItsAxesInTheOrderOfTheFile) {
+TEST(BatchPlan, IsProductOfAxesInFileOrder) {
   const PlannedBatch batch(R"(vary:
   w: {key: costs.effort.weight, linspace: [1, 3, 3]}
   theta: {key: initial_state.values.theta, values: [0.1, 0.2]}
@@ -114,7 +114,7 @@ TEST(BatchPlan, DrawsTheSameNumbersFromTheSameSeed) {
   }
 }
 
-TEST(BatchPlan, AnItemIsTheSameHoweverItIsWritten) {
+TEST(BatchPlan, ItemIdIgnoresHowItIsWritten) {
   const PlannedBatch a("vary: {w: {key: costs.effort.weight, values: [0.001, 2]}}\n"),
       b("# a comment\nvary: {other: {key: costs.effort.weight, values: [1.0e-3, 2.0]}}\n",
         "# another\n" + std::string(kSwing)),
@@ -151,7 +151,7 @@ TEST(BatchPlan, TakesFilesByPattern) {
   EXPECT_EQ(batch.manifest->problems[2].file, "../swing.yaml");
 }
 
-TEST(BatchPlan, TheManifestIsReadBackAsItWasWritten) {
+TEST(BatchPlan, ManifestSurvivesARoundTrip) {
   const PlannedBatch batch(R"(vary:
   w: {key: costs.effort.weight, values: [1, 2]}
   goal: {key: terminal.costs.goal.reference, values: [{values: {theta: 1}}, {state: [1, 0]}]}
@@ -289,7 +289,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadPlan{"problems: [x.yaml]\n",
                 "plan.yaml:3:1: 'problem' and 'problems' exclude each other"}));
 
-TEST(BatchPlan, EqualDistancesMayBeLargerThanTheLargestNumber) {
+TEST(BatchPlan, EqualDistancesMayExceedTheLargestNumber) {
   const PlannedBatch batch(
       "vary: {a: {key: initial_state.values.theta, linspace: [-1.0e+308, 1.0e+308, 3]}}\n");
   ASSERT_TRUE(batch.plan) << batch.error();
@@ -304,7 +304,7 @@ TEST(BatchPlan, GridsOfWholeNumbersAreWhole) {
   for (int i = 0; i < 50; ++i) EXPECT_EQ(batch.manifest->items[i].values[0], std::to_string(i + 1));
 }
 
-TEST(BatchPlan, ValuesAreTheNumbersOfTheirFormulasAndKeepTheirKinds) {
+TEST(BatchPlan, FormulaValuesKeepTheirKinds) {
   const PlannedBatch batch(R"(command: mpc
 vary:
   phase: {key: phases.0, values: [{name: "5", knots: 5, dt: =0.2/2}]}
@@ -337,7 +337,7 @@ TEST(BatchPlan, ClosedLoopsAreBuiltWithTheirSettings) {
   EXPECT_NE(none.error().find("has no section 'mpc'"), std::string::npos) << none.error();
 }
 
-TEST(BatchPlan, NoAxisMayHaveTheNameOfAColumnOfResults) {
+TEST(BatchPlan, AxesMayNotUseResultColumnNames) {
   const std::string loop = std::string(kSwing) + "mpc: {horizon: 1, tick: 0.1, duration: 1}\n";
   for (const char* more : {"warm_start: none\n", "warm_start: neighbour\n", "command: mpc\n"}) {
     const PlannedBatch batch(more, loop);
@@ -357,7 +357,7 @@ TEST(BatchPlan, NoAxisMayHaveTheNameOfAColumnOfResults) {
   EXPECT_FALSE(is_column_of_results("iterations", BatchCommand::kMpc, WarmStart::kNone));
 }
 
-TEST(RunFolder, IsDividedOtherwiseButTakesNoOtherPlanOrBuild) {
+TEST(RunFolder, AllowsReshardingButNoOtherPlanOrBuild) {
   const PlannedBatch batch("vary: {w: {key: costs.effort.weight, values: [1, 2]}}\n");
   const auto run = batch.folder.path() / "run";
   const auto written = [&](const Manifest& manifest) {
@@ -435,7 +435,7 @@ TEST(Manifest, WhoseLinesWereEditedIsDamaged) {
   EXPECT_EQ(out.list().front().line, 3);
 }
 
-TEST(RunFolder, WarnsWhereNothingLimitsTheTimeOfAnItem) {
+TEST(RunFolder, WarnsIfItemsHaveNoTimeLimit) {
   const auto warnings = [](const std::string& plan, const std::string& problem) {
     const PlannedBatch batch(plan, problem);
     EXPECT_TRUE(batch.manifest) << batch.error();
@@ -465,7 +465,7 @@ warm_start: neighbour
   EXPECT_TRUE(with_descendants(*batch.manifest, {}).empty());
 }
 
-TEST(BatchPlan, ACellThatDoesNotFitIsReportedInItsTable) {
+TEST(BatchPlan, ReportsWrongCellInItsTable) {
   PlannedBatch batch("vary: {t: {file: goals.csv, columns: {angle: costs.effort.weight}}}\n");
   batch.folder.write("goals.csv", "angle,w\n1,0.5\n x,0.5\n");
   batch.plan_again();
@@ -474,7 +474,7 @@ TEST(BatchPlan, ACellThatDoesNotFitIsReportedInItsTable) {
       "goals.csv:3:2: a number that is not negative is expected here, and 'x' is not a number");
 }
 
-TEST(BatchPlan, TheRowOfATableIsNamedWhereAnErrorStandsElsewhere) {
+TEST(BatchPlan, NamesTableRowForErrorsElsewhere) {
   std::string text = kSwing;
   text.replace(text.find("weight: 0.5"), 11, "weight: =w");
   PlannedBatch batch("vary: {t: {file: goals.csv, columns: {w: parameters.w}}}\n",
@@ -488,7 +488,7 @@ TEST(BatchPlan, TheRowOfATableIsNamedWhereAnErrorStandsElsewhere) {
   EXPECT_EQ(last.line, 3);
 }
 
-TEST(BatchPlan, CellsMayBeListsInQuotesWordsAndTexts) {
+TEST(BatchPlan, CellsMayBeQuotedListsWordsAndTexts) {
   PlannedBatch batch(R"(vary:
   rows: {file: rows.csv, columns: {start: initial_state, rule: integrator, note: description}}
 )");
@@ -554,7 +554,7 @@ TEST(BatchPlan, EqualProblemsAreNamed) {
     EXPECT_NE(batch.error().find(name), std::string::npos) << batch.error();
 }
 
-TEST(BatchPlan, AFileWhoseNameLooksLikeAPatternIsThatFile) {
+TEST(BatchPlan, LiteralFileNameBeatsAPattern) {
   PlannedBatch batch("");
   batch.folder.write("swing[1].yaml", kSwing);
   batch.file = batch.folder.write("plan.yaml", "conddp_batch: 1\nproblem: \"swing[1].yaml\"\n");
@@ -578,7 +578,7 @@ std::string identity_of(const std::filesystem::path& file) {
   return family ? batch_identity(*family, BatchCommand::kMpc) : std::string();
 }
 
-TEST(BatchPlan, TheIdentityOfALoopHasItsCommandsAndCycles) {
+TEST(BatchPlan, LoopIdentityIncludesCommandsAndCycles) {
   const TemporaryFolder folder;
   std::string text = text_of(CONDDP_SOURCE_DIR "/problems/mpc/quadruped_commands.yaml");
   const std::string robots = "../robots", velocity = "{at: 4, velocity: [0, 0.15, 0]}";
@@ -594,7 +594,7 @@ TEST(BatchPlan, TheIdentityOfALoopHasItsCommandsAndCycles) {
   EXPECT_NE(identity_of(folder.write("a.yaml", changed)), first);
 }
 
-TEST(BatchPlan, TheIdentityOfALoopHasTheFilesOfItsPlant) {
+TEST(BatchPlan, LoopIdentityIncludesPlantFiles) {
   const TemporaryFolder folder;
   const std::string robot = text_of(CONDDP_SOURCE_DIR "/problems/robots/cartpole.urdf");
   folder.write("model.urdf", robot);
@@ -625,7 +625,7 @@ TEST(BatchPlan, SaysWhichItemCannotBeBuilt) {
       << note.message;
 }
 
-TEST(BatchPlan, SaysHowAPlanChoosesASolverThatSupportsItsProblem) {
+TEST(BatchPlan, ExplainsHowAPlanChoosesASolver) {
   const PlannedBatch batch(
       "solvers: [ilqr]\n",
       std::string(kSwing) + "constraints: {torque: {bounds: control, lower: -1, upper: 1}}\n");
@@ -680,7 +680,7 @@ std::vector<int> parents(const Manifest& manifest) {
   return list;
 }
 
-TEST(Neighbours, ParentsAreTheNearestItemsBeforeRelativeToTheRangesOfTheirValues) {
+TEST(Neighbours, ParentsAreNearestEarlierItemsByScaledDistance) {
   const PlannedBatch batch(R"(vary:
   w: {key: costs.effort.weight, values: [1, 2, 5, 3.4]}
   theta: {key: initial_state.values.theta, values: [0.1, 0.5, 0.22]}
@@ -691,7 +691,7 @@ warm_start: neighbour
   EXPECT_EQ(parents(*batch.manifest), (std::vector<int>{0, 1, 1, 1, 2, 3, 4, 5, 7, 4, 5, 10}));
 }
 
-TEST(Neighbours, ItemsOfOneBlockHaveOneSolverAndAtMost32Rows) {
+TEST(Neighbours, BlocksHaveOneSolverAndAtMost32Rows) {
   const PlannedBatch batch(R"(vary:
   w: {key: costs.effort.weight, linspace: [1, 2, 70]}
 solvers: [ilqr, ddp]
@@ -718,7 +718,7 @@ warm_start: neighbour
   EXPECT_EQ(seen, std::vector<int>(140, 1));
 }
 
-TEST(Neighbours, ValuesThatAreNoNumbersAreTheSameOrOneApart) {
+TEST(Neighbours, NonNumericValuesAreEqualOrOneApart) {
   const PlannedBatch batch(R"(vary:
   name: {key: integrator, values: [rk4, rk3]}
   w: {key: costs.effort.weight, values: [1, 1.4, 2]}
@@ -756,7 +756,7 @@ warm_start: neighbour
   EXPECT_EQ(parents(*batch.manifest), (std::vector<int>{0, 1, 2, 0, 4, 5}));
 }
 
-TEST(BatchPlan, KeysThatDifferOnlyInOneOfTheProblemsAreReported) {
+TEST(BatchPlan, ReportsKeysThatDifferInOneProblem) {
   PlannedBatch batch("");
   std::string other = kSwing;
   other.replace(other.find("{name: second"), 13, "{name: third");
@@ -774,7 +774,7 @@ const std::string kMoving =
                                 "{name: ilqr, homotopy: [{key: costs.effort.weight, from: 5, "
                                 "to: 0.5}]}");
 
-TEST(BatchPlan, ANumberThatAHomotopyMovesIsVariedAtItsEnd) {
+TEST(BatchPlan, VariesHomotopyNumbersAtTheirEnd) {
   const PlannedBatch batch("vary: {w: {key: costs.effort.weight, values: [0.5, 0.7]}}\n", kMoving);
   EXPECT_EQ(batch.error().find("plan.yaml:3:17: 'costs.effort.weight' is varied, and the homotopy"),
             0u)
@@ -789,7 +789,7 @@ TEST(BatchPlan, ANumberThatAHomotopyMovesIsVariedAtItsEnd) {
   EXPECT_TRUE(none.manifest) << none.error();
 }
 
-TEST(BatchPlan, WarningsOfItemsAreToldOnceWithTheFirstThatHasThem) {
+TEST(BatchPlan, ReportsItemWarningsOnceWithFirstItem) {
   const PlannedBatch batch("vary: {w: {key: solver.homotopy.0.to, values: [0.5, 0.7, 0.8]}}\n",
                            kMoving);
   ASSERT_TRUE(batch.manifest) << batch.error();
@@ -832,7 +832,7 @@ TEST(BatchPlan, DrawsSeveralKeysTogether) {
   EXPECT_GT(std::abs(*std::next(steps.begin()) - *steps.begin()), 1e-6);
 }
 
-TEST(BatchPlan, PerturbsTheInitialStateAndTheGuessAtOnce) {
+TEST(BatchPlan, PerturbsInitialStateAndGuessTogether) {
   const PlannedBatch batch(
       "vary: {s: {perturb: [initial_state, guess], spread: 0.1, count: 2, seed: 7}}\n");
   ASSERT_TRUE(batch.manifest) << batch.error();
@@ -843,7 +843,7 @@ TEST(BatchPlan, PerturbsTheInitialStateAndTheGuessAtOnce) {
   EXPECT_EQ(names, (Strings{"s.initial_state", "s.guess", "s"}));
 }
 
-TEST(BatchPlan, AProblemFileIsNoPlanAndAPlanNoProblemFile) {
+TEST(BatchPlan, TellsProblemFilesFromPlans) {
   PlannedBatch batch("");
   Diagnostics out;
   EXPECT_FALSE(load_batch_plan(batch.folder.path() / "swing.yaml", out));
@@ -869,7 +869,7 @@ TEST(BatchPlan, APatternInAFolderIsExplained) {
             "'*', '?' and '[...]' stand for files in the last part of a path alone");
 }
 
-TEST(BatchPlan, ItemsWithoutAnAnswerHaveTheSolverOfThePlan) {
+TEST(BatchPlan, UnansweredItemsHaveTheSolverOfThePlan) {
   const PlannedBatch batch("solvers: [ilqr, ddp]\n");
   ASSERT_TRUE(batch.manifest) << batch.error();
   StoredResults results;
@@ -895,7 +895,7 @@ TEST(BatchPlan, MayLetAllItemsStartFromAFile) {
   EXPECT_FALSE(wrong.manifest);
 }
 
-TEST(BatchPlan, WhatIsWrongWithTheFileOfAWarmStartStandsThere) {
+TEST(BatchPlan, ReportsWarmStartErrorsInTheirFile) {
   PlannedBatch batch("warm_start: former.csv\n");
   batch.folder.write("former.csv", "t,other\n0,1\n1,2\n");
   batch.plan_again();
@@ -906,7 +906,7 @@ TEST(BatchPlan, WhatIsWrongWithTheFileOfAWarmStartStandsThere) {
 constexpr const char* kGuess = "t,theta,omega,torque\n0,0.1,0,0\n0.7,1,0,0\n";
 
 // A worker knows one problem at a time.
-TEST(BatchPlan, DataOfOtherProblemsHaveNoPartInTheIdsOfItems) {
+TEST(BatchPlan, ItemIdsIgnoreDataOfOtherProblems) {
   PlannedBatch batch("");
   batch.folder.write("a.csv", kGuess);
   batch.folder.write("guided.yaml", std::string(kSwing) + "initial_guess: {file: a.csv}\n");

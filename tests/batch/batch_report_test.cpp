@@ -56,7 +56,7 @@ TEST_F(BatchReport, CountsItemsByStatus) {
   EXPECT_EQ(data["by_status"], counts);
 }
 
-TEST_F(BatchReport, HasARowForEachItemWithWhatTellsItApart) {
+TEST_F(BatchReport, HasARowWithDistinguishingValuesPerItem) {
   const OrderedJson data = report();
   EXPECT_EQ(data["columns"][0]["name"], "w");
   EXPECT_EQ(data["columns"][1]["name"], "solver");
@@ -68,7 +68,7 @@ TEST_F(BatchReport, HasARowForEachItemWithWhatTellsItApart) {
   EXPECT_TRUE(rows["wall_s"][5].is_null());
 }
 
-TEST_F(BatchReport, NamesTheItemsThatStandOutTheForemostFirst) {
+TEST_F(BatchReport, NamesOutliersWorstFirst) {
   const auto lists = items_that_stand_out(manifest(), results(), 2);
   ASSERT_EQ(lists.size(), 4u);
   EXPECT_EQ(lists[0].items, std::vector<std::size_t>{2});       // not solved
@@ -129,7 +129,7 @@ solvers: [ilqr, ddp]
   EXPECT_NEAR(odd, 30, 2);
 }
 
-TEST(Spread, HasTheNumbersInTheirOrderAndAllOfThemIfFewerAreThere) {
+TEST(Spread, ListsNumbersInOrderAndShortListsWhole) {
   EXPECT_EQ(spread_over(5, 9), (std::vector<std::size_t>{0, 1, 2, 3, 4}));
   EXPECT_EQ(spread_over(0, 3), std::vector<std::size_t>{});
   EXPECT_EQ(spread_over(1, 1), std::vector<std::size_t>{0});

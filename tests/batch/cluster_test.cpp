@@ -29,7 +29,7 @@ TEST(SlurmPartition, TheDefaultOneHasAStar) {
   EXPECT_EQ(parse_partition_time("", true), std::nullopt);
 }
 
-TEST(SlurmConfig, SaysHowLargeArraysMayBeAndWhetherUsersHaveLimits) {
+TEST(SlurmConfig, ReportsMaximumArraySizeAndUserLimits) {
   const SlurmLimits limits = parse_slurm_config(
       "Configuration data as of 2026-01-01\n"
       "AccountingStorageType   = accounting_storage/slurmdbd\n"
@@ -41,7 +41,7 @@ TEST(SlurmConfig, SaysHowLargeArraysMayBeAndWhetherUsersHaveLimits) {
   EXPECT_EQ(parse_slurm_config("nothing").array_size, 1001);
 }
 
-TEST(SlurmSubmitLimit, IsTheLeastOfTheAccountsOfAUser) {
+TEST(SlurmSubmitLimit, IsTheLeastOverAUsersAccounts) {
   EXPECT_EQ(parse_submit_limit("3\n"), 3);
   EXPECT_EQ(parse_submit_limit("\n20\n3\n\n"), 3);
   EXPECT_EQ(parse_submit_limit("\n\n"), std::nullopt);
@@ -63,7 +63,7 @@ TEST(SlurmShards, TakeTenMinutesEachWithinTheLimits) {
   EXPECT_EQ(limits.most_shards(), 1);
 }
 
-TEST(SlurmScript, HasOneElementAShardAndEndsInConddpItself) {
+TEST(SlurmScript, HasOneElementPerShardAndExecsConddp) {
   const SlurmJob job{.name = "my reach",
                      .program = "/opt/conddp",
                      .run = "/data/it's",
@@ -134,7 +134,7 @@ TEST_F(ArrayVariables, OfEveryQueueSystemSayTheIndex) {
   }
 }
 
-TEST_F(ArrayVariables, ThatAreNoNumbersSayNoIndexUnlessAnotherOneDoes) {
+TEST_F(ArrayVariables, NonNumericValuesYieldToOtherVariables) {
   for (const char* value : {"", "x", "-1", "1x", "99999999999"}) {
     setenv("PBS_ARRAY_INDEX", value, 1);
     ASSERT_TRUE(array_index()) << value;
@@ -146,7 +146,7 @@ TEST_F(ArrayVariables, ThatAreNoNumbersSayNoIndexUnlessAnotherOneDoes) {
   EXPECT_EQ(array_index()->index, 2);
 }
 
-TEST(Program, GetsItsInputAndGivesBothStreamsAndItsStatus) {
+TEST(Program, ReceivesInputAndReturnsStreamsAndStatus) {
   const ProgramEnd end = run_program({"sh", "-c", "cat; echo wrong >&2; exit 7"}, "hello\n");
   EXPECT_EQ(end.exit_status, 7);
   EXPECT_EQ(end.out, "hello\n");

@@ -74,7 +74,7 @@ void append_three(ShardFile& file) {
 }
 
 // After a power cut a file may have its length and zeros in the place of what was written last.
-TEST(ShardFile, DropsResultsWhoseSolutionsHaveNotReachedTheDisk) {
+TEST(ShardFile, DropsResultsWithUnsavedSolutions) {
   const TemporaryFolder run;
   const fs::path pack = run.path() / "shards/1of1.solutions";
   {
@@ -97,7 +97,7 @@ TEST(ShardFile, DropsResultsWhoseSolutionsHaveNotReachedTheDisk) {
   EXPECT_EQ(read(pack), packed);
 }
 
-TEST(ShardFile, LosesNothingThatWasOnTheDiskAtTheLastMark) {
+TEST(ShardFile, KeepsEverythingSyncedAtTheLastMark) {
   const TemporaryFolder run;
   const fs::path lines = run.path() / "shards/1of1.jsonl",
                  pack = run.path() / "shards/1of1.solutions";
@@ -122,7 +122,7 @@ TEST(ShardFile, LosesNothingThatWasOnTheDiskAtTheLastMark) {
   EXPECT_EQ(load_results(run.path()).size(), 3u);
 }
 
-TEST(ShardFile, ASolutionThatIsDamagedLaterIsNotGivenOut) {
+TEST(ShardFile, DoesNotReturnDamagedSolutions) {
   const TemporaryFolder run;
   const fs::path pack = run.path() / "shards/1of1.solutions";
   {
@@ -140,7 +140,7 @@ TEST(ShardFile, ASolutionThatIsDamagedLaterIsNotGivenOut) {
   EXPECT_EQ(load_solution(results.at("cc")), "the third solution");
 }
 
-TEST(ShardFile, APackThatHasBecomeTooShortLosesTheResultsBehindItsEnd) {
+TEST(ShardFile, TruncatedPackLosesOnlyResultsBeyondItsEnd) {
   const TemporaryFolder run;
   const fs::path pack = run.path() / "shards/1of1.solutions";
   {
@@ -196,7 +196,7 @@ class SmallDisk {
   const bool is_there_;
 };
 
-TEST(ShardFile, AFullDiskIsAnErrorThatLosesNothing) {
+TEST(ShardFile, FullDiskIsAnErrorWithoutLoss) {
   const TemporaryFolder run;
   const SmallDisk disk(run.path(), "size=256k");
   if (!disk.is_there()) GTEST_SKIP() << "no file system can be mounted here";
@@ -223,7 +223,7 @@ TEST(ShardFile, AFullDiskIsAnErrorThatLosesNothing) {
   for (int i = 0; i < 20; ++i) EXPECT_EQ(load_solution(results.at(name(i))), solution) << i;
 }
 
-TEST(ShardFile, DoesNotTrustALineWhoseSumIsWrong) {
+TEST(ShardFile, RejectsLinesWithWrongChecksums) {
   const TemporaryFolder run;
   { ShardFile(run.path(), {0, 1}).append(result("aa", "converged", 1), ""); }
   std::string text = read(run.path() / "shards/1of1.jsonl");
@@ -239,7 +239,7 @@ TEST(ShardFile, OneProcessAtATimeHasAShard) {
   EXPECT_THROW(ShardFile(run.path(), {1, 3}), OutputError);
 }
 
-TEST(ShardFile, ASolvedItemCountsBeforeAFailedOneAndTheLastAttemptBeforeOthers) {
+TEST(ShardFile, SolvedAttemptsWinThenTheLatest) {
   const TemporaryFolder run;
   ItemResult second = result("bb", "max_iterations", 7);
   second.attempt = 2;

@@ -87,7 +87,7 @@ solver: {name: box_fddp, max_iterations: 3}
   EXPECT_NE(verified.out.find("derivatives of compiled code"), std::string::npos) << verified.out;
 }
 
-TEST_F(AllowCode, AWrongJacobianOfAFastWaveIsFound) {
+TEST_F(AllowCode, FindsWrongJacobianOfFastWave) {
   const std::string wrong =
       folder_.write("wrong.yaml", problem_of("wrong_wave", "[100001.57, 0]", "[100001.6, 0]"));
   const ProcessResult check = run_conddp({"check", "--derivatives", "--allow-code", wrong});
@@ -116,7 +116,7 @@ TEST_F(AllowCode, AWrongHessianIsFound) {
       << verified.out;
 }
 
-TEST_F(AllowCode, RightJacobiansHoldAtLargeNumbersKinksAndEdges) {
+TEST_F(AllowCode, AcceptsJacobiansAtLargeNumbersKinksAndEdges) {
   struct Case {
     const char *function, *state, *goal, *dt = "0.05";
   };
@@ -140,7 +140,7 @@ TEST_F(AllowCode, RightJacobiansHoldAtLargeNumbersKinksAndEdges) {
   }
 }
 
-TEST_F(AllowCode, ResidualsOfLargeRobotsDoNotMakeTheirDynamicsWrong) {
+TEST_F(AllowCode, LargeRobotResidualsDoNotImplicateDynamics) {
   const std::string own = std::string("costs.own={residual: library, library: ") +
                           CONDDP_TEST_MODEL + ", function: joint}";
   const ProcessResult check = run_conddp(
@@ -156,7 +156,7 @@ TEST_F(AllowCode, AJacobianThatFailsIsNamed) {
       << solved.err;
 }
 
-TEST_F(AllowCode, AnAnswerWithoutValuesHasNoDerivativesToDeny) {
+TEST_F(AllowCode, AnswerWithoutValuesHasNoDerivativesToCheck) {
   const std::string file = folder_.write("torn.yaml", problem_of("torn", "[1, 0]", "[0, 0]"));
   const ProcessResult solved = run_conddp({"solve", file, "--allow-code", "-o", output()});
   EXPECT_EQ(solved.exit_code, 1) << solved.out << solved.err;
@@ -174,7 +174,7 @@ TEST_F(AllowCode, AnExpandedFileIsReadAgain) {
   EXPECT_EQ(run_conddp({"check", again, "--allow-code"}).exit_code, 0);
 }
 
-TEST_F(AllowCode, WorkersOfABatchHaveThePermissionOfTheBatch) {
+TEST_F(AllowCode, BatchWorkersInheritThePermission) {
   const std::string plan = folder_.write("plan.yaml", R"(conddp_batch: 1
 problem: swing.yaml
 vary: {weight: {key: system.parameters.weight, values: [4, 5, 6]}}

@@ -101,7 +101,7 @@ TEST_F(LoopBatch, EndsLoopsAtTheLimitOfTime) {
   EXPECT_NE(collected(batch).find(",time_limit,0,"), std::string::npos) << collected(batch);
 }
 
-TEST_F(LoopBatch, ShowsHowALoopEndsWithoutTheLimitOfTime) {
+TEST_F(LoopBatch, ShowsHowALoopEndsWithoutTimeLimit) {
   const std::string batch =
       planned("limited",
               "command: mpc\nlimits: {max_time_s: 0.001}\nvary: {d: {key: mpc.duration, values: "

@@ -6,7 +6,7 @@
 namespace conddp {
 namespace {
 
-TEST_F(Batch, TheDataSetHasTheSolutionsAndTheSameBytesHoweverTheRunWent) {
+TEST_F(Batch, DataSetIsReproducibleHoweverTheRunWent) {
   const std::string one = planned("one"), other = planned("other_way");
   EXPECT_EQ(run(one, {"-j", "1"}).exit_code, 0);
   for (const char* shard : {"3/3", "1/3", "2/3"})
@@ -50,7 +50,7 @@ std::string without_last_column(const std::string& table) {
   return text;
 }
 
-TEST_F(Batch, ShowWritesAProblemAndASolutionThatVerify) {
+TEST_F(Batch, ShowWritesVerifiableProblemAndSolution) {
   const std::string folder = planned("show");
   EXPECT_EQ(run(folder).exit_code, 0);
   const std::string id = ids(folder)[17], out = folder_.path() / "item";
@@ -137,7 +137,7 @@ constexpr const char* kPointRobot = R"(<robot name="point">
 </robot>
 )";
 
-TEST_F(Batch, TheDataSetHasListsSolversFilesMultipliersAndNamesOfTangents) {
+TEST_F(Batch, DataSetNamesSolversFilesMultipliersAndTangents) {
   if (!kHasHdf5) GTEST_SKIP() << "h5py is not there";
   folder_.write("point.urdf", kPointRobot);
   folder_.write("swing.yaml", R"(conddp: 1
@@ -181,7 +181,7 @@ assert numpy.isfinite(gate[:, [3, 5]]).all() and numpy.isnan(gate[:, [0, 1, 2, 4
   EXPECT_TRUE(python(script, {run + "/dataset.h5"}, log)) << read_file(log);
 }
 
-TEST_F(Batch, TheDataSetHasTheNamesOfThousandsOfParameters) {
+TEST_F(Batch, DataSetNamesThousandsOfParameters) {
   if (!kHasHdf5) GTEST_SKIP() << "h5py is not there";
   constexpr int kPoints = 3000;
   std::string points = "[0", values = "[0.5";
@@ -207,7 +207,7 @@ assert parameters[0, 2999] == 2999 and parameters[0, 3001] == 0.5
   EXPECT_TRUE(python(script, {run + "/dataset.h5"}, log)) << read_file(log);
 }
 
-TEST_F(Batch, ControlsOfTheDataSetAreNoneOfWhatTheFirstKnotChooses) {
+TEST_F(Batch, DataSetControlsExcludeInitialChoices) {
   if (!kHasHdf5) GTEST_SKIP() << "h5py is not there";
   folder_.write("swing.yaml", R"(conddp: 1
 system: {type: pendulum}
@@ -238,7 +238,7 @@ assert shape["t"][0, 1] == 0 and shape["x"][0, 1, 0] > 0.01, shape["x"][0]
 }
 
 // The plan of the repository, thinned to eight steps.
-TEST_F(Batch, StepsOfAQuadrupedBecomeADataSetWhoseItemsVerify) {
+TEST_F(Batch, QuadrupedStepsFormAVerifiableDataSet) {
   if (!kHasHdf5) GTEST_SKIP() << "h5py is not there";
   std::string text = read_file(source("problems/batches/quadruped_steps.yaml"));
   for (const char* count : {", 20]", ", 10]", ", 10]"})
@@ -276,7 +276,7 @@ for foot in ("LF", "RF", "LH", "RH"):
   }
 }
 
-TEST_F(Batch, ADataSetThatTheDiskHasNoRoomForIsAnErrorWithItsReason) {
+TEST_F(Batch, DataSetReportsAFullDisk) {
   const std::string folder = planned("full");
   EXPECT_EQ(run(folder).exit_code, 0);
   const ProcessResult r = run_conddp({"batch", "collect", folder}, {.limit_file_size = 16384});
@@ -287,7 +287,7 @@ TEST_F(Batch, ADataSetThatTheDiskHasNoRoomForIsAnErrorWithItsReason) {
     EXPECT_FALSE(entry.path().filename().string().starts_with("dataset")) << entry;
 }
 
-TEST_F(Batch, WithoutTheLibraryOfHdf5TablesAreWrittenAndWhatIsMissingIsSaid) {
+TEST_F(Batch, WritesTablesAndReportsMissingHdf5) {
   const std::string folder = planned("without");
   EXPECT_EQ(run(folder).exit_code, 0);
   folder_.write("libraries/" CONDDP_HDF5_LIBRARY, "no library");
@@ -301,7 +301,7 @@ TEST_F(Batch, WithoutTheLibraryOfHdf5TablesAreWrittenAndWhatIsMissingIsSaid) {
   EXPECT_FALSE(std::filesystem::exists(folder + "/dataset.h5"));
 }
 
-TEST_F(Batch, APlanWithEveryKeyDoesWhatItSays) {
+TEST_F(Batch, PlanWithEveryKeyWorks) {
   folder_.write("targets.csv", "g,unused\n0.9,1\n1.1,2\n");
   const std::string every = R"(vary:
   x: {key: terminal.costs.goal.reference.values.omega, linspace: [-0.1, 0.1, 2]}
@@ -326,7 +326,7 @@ keep: {solutions: )";
   }
 }
 
-TEST_F(Batch, AChangedProblemIsNotMixedWithSolutionsOfTheFormerOne) {
+TEST_F(Batch, DoesNotMixChangedProblemsWithOldSolutions) {
   const std::string folder = planned("changed");
   EXPECT_EQ(run(folder).exit_code, 0);
   std::string changed = kBatchSwing;
@@ -343,7 +343,7 @@ TEST_F(Batch, AChangedProblemIsNotMixedWithSolutionsOfTheFormerOne) {
   EXPECT_TRUE(std::filesystem::exists(folder + "/report.html"));
 }
 
-TEST_F(Batch, ADamagedSolutionIsReportedAndSolvedAgainOnRequest) {
+TEST_F(Batch, ReportsDamagedSolutionAndSolvesItOnRequest) {
   const std::string folder = planned("damaged"), pack = folder + "/shards/1of1.solutions";
   EXPECT_EQ(run(folder, {"-j", "1"}).exit_code, 0);
   const std::string results = collected(folder), data = read_file(folder + "/dataset.h5");
@@ -369,7 +369,7 @@ TEST_F(Batch, ADamagedSolutionIsReportedAndSolvedAgainOnRequest) {
   EXPECT_TRUE(read_file(folder + "/dataset.h5") == data);
 }
 
-TEST_F(Batch, ALostPackDeletesNoDataSetAndIsSolvedAgain) {
+TEST_F(Batch, LostPackIsSolvedAgainWithoutLosingData) {
   const std::string folder = planned("lost");
   EXPECT_EQ(run(folder).exit_code, 0);
   const std::string results = collected(folder), data = read_file(folder + "/dataset.h5");
@@ -382,7 +382,7 @@ TEST_F(Batch, ALostPackDeletesNoDataSetAndIsSolvedAgain) {
   EXPECT_TRUE(read_file(folder + "/dataset.h5") == data);
 }
 
-TEST_F(Batch, AReportHasCountsAndLeadsToTheFilesOfItemsThatStandOut) {
+TEST_F(Batch, ReportCountsItemsAndLinksOutliers) {
   const std::string folder = planned("report");
   const std::string variable = "CONDDP_BATCH_FAULT=crash:" + ids(folder)[4];
   EXPECT_EQ(run(folder, {}, {.environment = {variable}}).exit_code, 1);

@@ -22,7 +22,7 @@ TEST_F(Batch, AllAtOnceGivesWhatTheStepsGive) {
   EXPECT_EQ(run_conddp({"batch", "status", run}).exit_code, 0);
 }
 
-TEST_F(Batch, ShardsWorkersAndGroupsHaveNoPartInResults) {
+TEST_F(Batch, ResultsIgnoreShardsWorkersAndGroups) {
   const std::string expected = this->expected();
   int number = 0;
   for (const int shards : {1, 3, 7})
@@ -38,7 +38,7 @@ TEST_F(Batch, ShardsWorkersAndGroupsHaveNoPartInResults) {
       }
 }
 
-TEST_F(Batch, KilledAtRandomMomentsAndRunAgainGivesTheSameResults) {
+TEST_F(Batch, KilledAndResumedRunsGiveTheSameResults) {
   const std::string expected = this->expected();
   const std::string folder = planned("killed");
   std::mt19937 engine(31);
@@ -52,7 +52,7 @@ TEST_F(Batch, KilledAtRandomMomentsAndRunAgainGivesTheSameResults) {
   EXPECT_EQ(collected(folder), expected);
 }
 
-TEST_F(Batch, AWriteErrorIsReportedAndNothingIsLost) {
+TEST_F(Batch, ReportsWriteErrorsWithoutLoss) {
   const std::string expected = this->expected();
   const std::string folder = planned("full");
   for (const int limit : {0, 500, 5000, 9000}) {
@@ -74,7 +74,7 @@ TEST_F(Batch, ASecondRunHasNothingToDo) {
   EXPECT_EQ(read_file(folder + "/shards/1of1.jsonl"), lines);
 }
 
-TEST_F(Batch, ItemsThatCrashHangOrTakeTooMuchMemoryAreRecordedAndTheRestGoesOn) {
+TEST_F(Batch, RecordsCrashesHangsAndMemoryLimits) {
   const std::string rest =
       std::string(kAxes) + "limits: {max_time_s: 0.4, max_memory_mb: 2000, retries: 1}\n";
   const std::pair<const char*, const char*> faults[] = {
@@ -119,7 +119,7 @@ TEST_F(Batch, ABudgetStopsItBeforeTheEnd) {
   EXPECT_EQ(run(folder).exit_code, 0);
 }
 
-TEST_F(Batch, AShardTakesItsIndexFromTheArrayOfJobsThatItBelongsTo) {
+TEST_F(Batch, ShardTakesItsIndexFromTheJobArray) {
   const std::string expected = this->expected();
   const std::string folder = folder_.path() / "array";
   ASSERT_EQ(run_conddp({"batch", "plan", plan(), "-o", folder, "--shards", "3"}).exit_code, 0);
@@ -132,7 +132,7 @@ TEST_F(Batch, AShardTakesItsIndexFromTheArrayOfJobsThatItBelongsTo) {
     EXPECT_FALSE(read_file(folder + "/shards/" + shard + ".jsonl").empty()) << shard;
 }
 
-TEST_F(Batch, AShardWithoutAnIndexOrBeyondTheLastIsAnError) {
+TEST_F(Batch, RejectsShardsWithoutIndexOrOutOfRange) {
   const std::string folder = planned("array");
   const ProcessResult none = run(folder, {"--shard", "auto/3"});
   EXPECT_EQ(none.exit_code, 2);
@@ -147,7 +147,7 @@ TEST_F(Batch, AShardWithoutAnIndexOrBeyondTheLastIsAnError) {
     EXPECT_EQ(run(folder, {"--shard", shard}).exit_code, 2) << shard;
 }
 
-TEST_F(Batch, AnOptionThatMeansNothingToAnActionIsAnError) {
+TEST_F(Batch, RejectsOptionsThatAnActionIgnores) {
   const std::string folder = planned("options");
   const std::pair<Words, const char*> cases[] = {
       {{"run", folder, "--dry-run"}, "'run' has no --dry-run"},
@@ -186,7 +186,7 @@ TEST_F(Batch, AShardIsTriedAgainByItself) {
 /// Without the programs of Slurm, whatever this machine has.
 const ProcessOptions kWithoutCluster = {.environment = {"PATH=/nowhere"}};
 
-TEST_F(Batch, ADryRunPrintsAnArrayWhoseSizeFollowsFromTheTimesOfAPilot) {
+TEST_F(Batch, DryRunSizesTheArrayByPilotTimes) {
   const std::string folder = planned("cluster");
   const ProcessResult unknown =
       run_conddp({"batch", "submit", folder, "--dry-run"}, kWithoutCluster);
@@ -211,7 +211,7 @@ TEST_F(Batch, SubmittingWithoutAClusterIsAnError) {
   EXPECT_NE(r.err.find("there is no Slurm cluster here"), std::string::npos) << r.err;
 }
 
-TEST_F(Batch, WarmStartsFromNeighboursDependOnThePlanAlone) {
+TEST_F(Batch, NeighbourWarmStartsDependOnlyOnThePlan) {
   const std::string rest = R"(vary:
   goal: {key: terminal.costs.goal.reference.values.theta, linspace: [0.5, 2.5, 40]}
   draw: {perturb: initial_state, spread: 0.2, count: 2}
@@ -239,7 +239,7 @@ warm_start: neighbour
     }
 }
 
-TEST_F(Batch, AnItemWhoseParentFailedStartsFromItsOwnGuess) {
+TEST_F(Batch, ItemWithFailedParentUsesItsOwnGuess) {
   const std::string rest = R"(vary:
   goal: {key: terminal.costs.goal.reference.values.theta, linspace: [0.5, 2.5, 5]}
 warm_start: neighbour
@@ -262,7 +262,7 @@ limits: {max_time_s: 0.4}
 )";
 
 // Each item has its own time, though a fresh process solves all those before it again.
-TEST_F(Batch, APilotChangesNothingForItemsThatStartFromNeighbours) {
+TEST_F(Batch, PilotDoesNotAffectNeighbourWarmStarts) {
   const std::string undisturbed = planned("undisturbed", kLongBlock);
   EXPECT_EQ(run(undisturbed).exit_code, 0);
   const std::string expected = collected(undisturbed), folder = folder_.path() / "pilot";
@@ -274,7 +274,7 @@ TEST_F(Batch, APilotChangesNothingForItemsThatStartFromNeighbours) {
   EXPECT_EQ(collected(folder), expected);
 }
 
-TEST_F(Batch, ARetryOfAParentGivesItsChildrenTheirStarts) {
+TEST_F(Batch, RetriedParentProvidesStartsForItsChildren) {
   const std::string undisturbed = planned("undisturbed", kLongBlock);
   EXPECT_EQ(run(undisturbed).exit_code, 0);
   const std::string expected = collected(undisturbed), folder = planned("crash", kLongBlock);
@@ -286,7 +286,7 @@ TEST_F(Batch, ARetryOfAParentGivesItsChildrenTheirStarts) {
   EXPECT_EQ(collected(folder), expected);
 }
 
-TEST_F(Batch, AParentThatCrashesWhenItIsSolvedAgainIsNotBookedOnItsChild) {
+TEST_F(Batch, ParentCrashIsNotChargedToItsChild) {
   const std::string folder = folder_.path() / "again";
   ASSERT_EQ(run_conddp({"batch", "plan", plan(kLongBlock), "-o", folder}).exit_code, 0);
   const std::string variable = "CONDDP_BATCH_FAULT=crash:" + ids(folder)[4];
@@ -349,7 +349,7 @@ TEST_F(Batch, SubmitTakesTheShardsOfThePlan) {
   EXPECT_EQ(r.out, "job 77: 5 shards; job 77 collects\n") << r.err;
 }
 
-TEST_F(Batch, StatusOfAPlanSaysWhereItsRunIs) {
+TEST_F(Batch, StatusOfAPlanNamesItsRun) {
   const std::string file = plan();
   const ProcessResult r = run_conddp({"batch", "status", file});
   EXPECT_EQ(r.exit_code, 2);
@@ -358,7 +358,7 @@ TEST_F(Batch, StatusOfAPlanSaysWhereItsRunIs) {
   EXPECT_NE(r.err.find("in out/ and the plan's name"), std::string::npos) << r.err;
 }
 
-TEST_F(Batch, SubmitNamesTheJobThatIsQueuedWhereTheSecondOneIsRefused) {
+TEST_F(Batch, SubmitNamesQueuedJobIfSecondIsRejected) {
   const ProcessResult r = run_conddp({"batch", "submit", planned("submit"), "--shards", "2"},
                                      stub_cluster(folder_, "afterany"));
   EXPECT_EQ(r.exit_code, 2);
@@ -422,7 +422,7 @@ terminal:
 solver: {name: altro}
 )";
 
-TEST_F(Batch, AStartFromAFileHasItsMultipliersLikeThatOfSolve) {
+TEST_F(Batch, StartFromAFileHasMultipliersLikeSolve) {
   folder_.write("swing.yaml", kLimited);
   const std::string former = folder_.path() / "former", again = folder_.path() / "again";
   ASSERT_EQ(run_conddp({"solve", folder_.path() / "swing.yaml", "-o", former}).exit_code, 0);
@@ -509,7 +509,7 @@ solver: {name: box_fddp}
 )";
 
 // A pendulum that swings through below is no start for one that stands nearly upright.
-TEST_F(Batch, AStartFromAFileThatMisleadsIsDropped) {
+TEST_F(Batch, DropsMisleadingStartFromAFile) {
   folder_.write("swing.yaml", kBalance);
   ASSERT_EQ(run_conddp({"solve", folder_.path() / "swing.yaml", "--set",
                         "initial_state.values.theta=2.4", "-o", folder_.path() / "former"})
@@ -523,7 +523,7 @@ TEST_F(Batch, AStartFromAFileThatMisleadsIsDropped) {
   EXPECT_EQ(column(collected(warm), "cost"), column(collected(cold), "cost"));
 }
 
-TEST_F(Batch, APilotSolvesAFewAndEstimatesTheRest) {
+TEST_F(Batch, PilotSolvesFewItemsAndEstimatesTheRest) {
   const std::string folder = folder_.path() / "pilot";
   const ProcessResult r = run_conddp({"batch", "plan", plan(), "-o", folder, "--pilot", "3"});
   EXPECT_EQ(r.exit_code, 0) << r.err;
@@ -533,7 +533,7 @@ TEST_F(Batch, APilotSolvesAFewAndEstimatesTheRest) {
   EXPECT_NE(all.out.find("; 27 in "), std::string::npos) << all.out;
 }
 
-TEST_F(Batch, AChangedProblemOrAnotherBuildIsNotMixedIn) {
+TEST_F(Batch, DoesNotMixInChangedProblemsOrBuilds) {
   const std::string folder = planned("changed");
   std::string changed = kBatchSwing;
   changed.replace(changed.find("weight: 10"), 10, "weight: 11");
@@ -559,7 +559,7 @@ TEST_F(Batch, AChangedProblemOrAnotherBuildIsNotMixedIn) {
       << lost.err;
 }
 
-TEST_F(Batch, SaysWhatIsWrongWithAPlanOnStdinAShardOrATime) {
+TEST_F(Batch, RejectsBadStdinPlansShardsAndTimes) {
   const std::string folder = planned("words");
   const ProcessResult stdin_plan = run_conddp({"batch", "run", "-"});
   EXPECT_EQ(stdin_plan.exit_code, 2);
@@ -583,7 +583,7 @@ TEST_F(Batch, SaysWhatIsWrongWithAPlanOnStdinAShardOrATime) {
   EXPECT_EQ(run(folder).err, "");
 }
 
-TEST_F(Batch, AFolderWithResultsOfAnotherPlanIsLeftAlone) {
+TEST_F(Batch, LeavesResultsOfAnotherPlanAlone) {
   const std::string folder = planned("other");
   EXPECT_EQ(run(folder).exit_code, 0);
   const ProcessResult r =
@@ -594,7 +594,7 @@ TEST_F(Batch, AFolderWithResultsOfAnotherPlanIsLeftAlone) {
   EXPECT_EQ(run_conddp({"batch", "plan", plan(), "-o", folder}).exit_code, 0);
 }
 
-TEST_F(Batch, AWrongPlanOrRunIsReportedWithItsPlace) {
+TEST_F(Batch, ReportsBadPlansAndRunsWithPlaces) {
   const std::string wrong = plan("vary: {w: {key: costs.effort.weight, values: [1, -1]}}\n");
   const ProcessResult r = run_conddp({"batch", "plan", wrong, "-o", folder_.path() / "none"});
   EXPECT_EQ(r.exit_code, 2);

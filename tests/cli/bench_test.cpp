@@ -64,7 +64,7 @@ TEST(Bench, HasEverySolverAndWritesItsTables) {
       0);
 }
 
-TEST(Bench, DrawsProfilesWhereGnuplotIsInstalledAndSaysSoElse) {
+TEST(Bench, DrawsProfilesOrReportsMissingGnuplot) {
   const TemporaryFolder folder;
   const ProcessResult r = run_conddp({"bench", kPendulum, "--repeat", "0", "-o", folder.path()});
   EXPECT_EQ(r.exit_code, 0) << r.err;
@@ -96,7 +96,7 @@ TEST(Bench, DropsConstraintsOnlyForSolversThatRefuseThem) {
   }
 }
 
-TEST(Bench, TheChoiceByTheProblemIsASolverThatIsNamed) {
+TEST(Bench, AutomaticChoiceIsANamedSolver) {
   const Json report = bench({"--solvers", "auto,box_fddp"});
   ASSERT_EQ(report["runs"].size(), 2u);
   const Json &chosen = run_of(report, "auto"), &same = run_of(report, "box_fddp");
@@ -155,7 +155,7 @@ Json without_times(Json report) {
   return report;
 }
 
-TEST(Bench, AnswersDoNotDependOnHowManySolvesRunAtOnce) {
+TEST(Bench, AnswersIgnoreTheNumberOfParallelSolves) {
   const auto with = [&](const char* jobs) {
     return without_times(bench({"--solvers", "box_ddp,ipopt", "--perturb", "initial_state=0.1",
                                 "--perturb", "guess=0.1", "--instances", "6", "-j", jobs}));
@@ -326,7 +326,7 @@ TEST(Bench, ComparesWithWhatIsKnownBesideTheProblem) {
   EXPECT_NE(better.out.find("is less than the best known cost, "), std::string::npos) << better.out;
 }
 
-TEST(Bench, AFolderIsItsProblemsAndHasASummary) {
+TEST(Bench, FolderMeansItsProblemsWithASummary) {
   const TemporaryFolder folder;
   std::string text = read_file(kPendulum);
   const std::size_t name = text.find("pendulum_swingup\n");

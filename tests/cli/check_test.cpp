@@ -29,7 +29,7 @@ TEST(Check, SaysWhatItUnderstood) {
     EXPECT_NE(r.out.find(words), std::string::npos) << words << "\n" << r.out;
 }
 
-TEST(Check, TellsBoundsFromNormsAndSaysWhatTheSolverKeeps) {
+TEST(Check, DistinguishesBoundsFromNormsAndNamesSolverSupport) {
   const std::string file = source("problems/double_integrator_limits.yaml");
   const ProcessResult norm =
       run_conddp({"check", file, "--set", "constraints={push: {residual: control, at_most: 3}}"});
@@ -47,7 +47,7 @@ TEST(Check, TellsBoundsFromNormsAndSaysWhatTheSolverKeeps) {
   EXPECT_NE(none.out.find(": nothing is constrained\n"), std::string::npos) << none.out;
 }
 
-TEST(Check, SaysWhichSystemMovesInAPhaseAndLooksPastJumps) {
+TEST(Check, NamesSystemOfEachPhaseAcrossJumps) {
   const TemporaryFolder folder;
   const std::string file = folder.write("two.yaml", R"(conddp: 1
 systems: {a: {type: pendulum}, b: {type: pendulum, damping: 0.5}}
@@ -73,7 +73,7 @@ costs: {u: {residual: control}}
   EXPECT_EQ(phases[2]["system"], "b");
 }
 
-TEST(Check, ListsContactsOfPhasesAndThoseThatMayBeFound) {
+TEST(Check, ListsContactsOfPhasesAndCandidates) {
   const ProcessResult scheduled = run_conddp({"check", source("problems/hopper_cycle.yaml")});
   for (const char* words :
        {"start: the first state is chosen\n", "push: 20 knots of 0.01 s, 0.2 s, in contact: foot\n",
@@ -181,7 +181,7 @@ terminal: {lqr: {values: {x: 0}}}
          "the set is the equilibrium alone: nothing to sample", 2);
 }
 
-TEST(Check, TerminalSaysWhichWeightIsEnoughAtASmallerLevel) {
+TEST(Check, TerminalNamesSufficientWeightAtSmallerLevel) {
   const ProcessResult r =
       run_conddp({"check", kArm, "--terminal", "--set", "terminal.lqr=initial"});
   EXPECT_EQ(r.exit_code, 0) << r.err;
@@ -189,7 +189,7 @@ TEST(Check, TerminalSaysWhichWeightIsEnoughAtASmallerLevel) {
   EXPECT_NE(r.out.find(" times the weight is at level "), std::string::npos) << r.out;
 }
 
-TEST(Check, ASolverThatTakesNoTerminalSetIsNamedAtTheSet) {
+TEST(Check, NamesSolverWithoutTerminalSetSupport) {
   const TemporaryFolder folder;
   const std::string file = folder.write("problem.yaml", R"(conddp: 1
 system: {states: [x], controls: [u], next: {x: x + u}}
@@ -261,7 +261,7 @@ TEST(Check, DerivativesNameRowsAndColumns) {
   EXPECT_TRUE(column.starts_with("q/joint_") || column.starts_with("v/joint_")) << column;
 }
 
-TEST(Check, TheExpandedFileIsSolvedToTheSameCost) {
+TEST(Check, ExpandedFileReachesTheSameCost) {
   const TemporaryFolder folder;
   const ProcessResult expanded = run_conddp({"check", kPendulum, "--expand"});
   EXPECT_EQ(expanded.exit_code, 0) << expanded.err;
@@ -306,7 +306,7 @@ class WarmStart : public testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(WarmStart, FromItsOwnSolutionNothingIsLeftToDo) {
+TEST_F(WarmStart, OwnSolutionNeedsNoFurtherWork) {
   for (const std::string& problem : {kArm, kPendulum, source("problems/body_reorient.yaml"),
                                      source("problems/quadrotor_waypoints.yaml")}) {
     EXPECT_EQ(solve(problem, "cold", {"--quiet"}).exit_code, 0);

@@ -65,7 +65,7 @@ TEST(DiagnosticsJson, UsageErrorsWithWhatIsAccepted) {
   diagnostics({"solve", "a", "--threads", "0", "--diagnostics=json"});
 }
 
-TEST(DiagnosticsJson, NamesOnTheCommandLineThatTheFileHasNot) {
+TEST(DiagnosticsJson, NamesUnknownCommandLineNames) {
   const Json drop =
       diagnostics({"solve", kPendulum, "--drop", "torqe", "--diagnostics=json"}).at(0);
   EXPECT_EQ(drop["hint"], "did you mean 'torque'?");
@@ -92,7 +92,7 @@ TEST(DiagnosticsJson, NotesAndNoTableWhenVerbose) {
   for (const Json& note : notes) EXPECT_EQ(note["severity"], "note");
 }
 
-TEST(DiagnosticsJson, TextIsTheDefaultAndBadFormatsAreNamed) {
+TEST(DiagnosticsJson, DefaultsToTextAndNamesBadFormats) {
   const ProcessResult r = run_conddp({"solve", "x", "--diagnostics", "jsn"});
   EXPECT_EQ(r.exit_code, 2);
   EXPECT_NE(r.err.find("--diagnostics: there is no 'jsn'\n  hint: did you mean 'json'?"),

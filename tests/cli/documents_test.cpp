@@ -87,7 +87,7 @@ TEST(ListCommand, HasTheWordsOfTheSchema) {
   EXPECT_EQ(names("constraints"), d["constraint"]["properties"]["bounds"]["enum"]);
 }
 
-TEST(ListCommand, SaysWhatTheSchemaAndTheDictionaryOfTheFuzzerSay) {
+TEST(ListCommand, MatchesSchemaAndFuzzerDictionary) {
   const std::string command = source("scripts/write_schema") + " --check " CONDDP_BINARY;
   EXPECT_EQ(std::system(command.c_str()), 0) << "run scripts/write_schema";
 }
@@ -220,7 +220,7 @@ TEST(Gallery, ShowsEveryExampleProblem) {
   EXPECT_EQ(std::system((source("scripts/gallery") + " --check").c_str()), 0);
 }
 
-TEST(Documents, HaveLinksThatResolveAndProblemFilesThatAreWellFormed) {
+TEST(Documents, LinksResolveAndProblemFilesAreWellFormed) {
   EXPECT_EQ(std::system((source("scripts/check_documents") + " " CONDDP_BINARY).c_str()), 0);
 }
 

@@ -37,14 +37,14 @@ TEST_F(LibraryOnDemand, OtherCommandsWorkWithoutTheLibraryOfIpopt) {
   EXPECT_EQ(run("solve " + kPendulum + " -o " + output()), 0) << errors();
 }
 
-TEST_F(LibraryOnDemand, ASolveByIpoptWithoutItsLibrarySaysSoAndWritesNothing) {
+TEST_F(LibraryOnDemand, MissingIpoptLibraryIsReportedAndNothingWritten) {
   EXPECT_EQ(run("solve " + kFastest + " -o " + output()), 2);
   EXPECT_EQ(errors().find("conddp: error: the solver 'ipopt' cannot be loaded: conddp-ipopt-"), 0u)
       << errors();
   EXPECT_TRUE(std::filesystem::is_empty(output()));
 }
 
-TEST_F(LibraryOnDemand, WhereOtherSolversHaveFailedTheirAnswerStaysWithoutTheLibraryOfIpopt) {
+TEST_F(LibraryOnDemand, AnswerRemainsIfIpoptLibraryIsMissing) {
   const std::string file = output() + ".yaml";
   std::ofstream(file) << R"(conddp: 1
 name: far

@@ -39,14 +39,14 @@ TEST(Margins, AreSmallerWhereThereIsMoreNoise) {
   EXPECT_NEAR(twice.at("u/0 lower"), some.at("u/0 lower") / 2, 1e-9 * some.at("u/0 lower"));
 }
 
-TEST(Margins, OfNoiseThatIsTooLargeForNumbersAreAnError) {
+TEST(Margins, RejectsNoiseThatIsTooLarge) {
   const ProcessResult result = run_conddp({"margins", kLimits, "--initial", "1e155"});
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_NE(result.err.find("the noise is too large"), std::string::npos) << result.err;
   EXPECT_EQ(result.out, "");
 }
 
-TEST(Margins, OfAPlanThatIsNoSolutionAreWarnedOf) {
+TEST(Margins, WarnsAboutPlansThatAreNotSolutions) {
   const ProcessResult result =
       run_conddp({"margins", kLimits, "--process", "0.01", "--set", "solver.max_iterations=1"});
   EXPECT_EQ(result.exit_code, 1) << result.err;

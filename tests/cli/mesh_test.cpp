@@ -21,7 +21,7 @@ struct MeshCase {
 
 class Mesh : public ::testing::TestWithParam<MeshCase> {};
 
-TEST_P(Mesh, RefinesUntilTheReplayAgreesAndTheCostIsTheExactOne) {
+TEST_P(Mesh, RefinesUntilReplayAgreesAtTheExactCost) {
   const MeshCase& c = GetParam();
   const TemporaryFolder folder;
   const std::string file = source("problems/collection/" + std::string(c.problem) + ".yaml");
@@ -53,7 +53,7 @@ INSTANTIATE_TEST_SUITE_P(
                       MeshCase{"driven_growth", "only", -0.256996962561, 1e-5, 2e-5}),
     [](const auto& tested) { return std::string(tested.param.problem); });
 
-TEST(MeshLimits, StepsOfFirstOrderAreAdvisedAHigherOne) {
+TEST(MeshLimits, FirstOrderStepsGetAdviceForHigherOrder) {
   const TemporaryFolder folder;
   const auto solve = [&](const std::string& integrator) {
     return run_conddp({"solve", source("problems/collection/scalar_regulator.yaml"), "--set",
@@ -65,7 +65,7 @@ TEST(MeshLimits, StepsOfFirstOrderAreAdvisedAHigherOne) {
   EXPECT_EQ(solve("rk2").find("; try an integrator of higher order"), std::string::npos);
 }
 
-TEST(MeshLimits, AGridThatIsTooCoarseIsNoSuccess) {
+TEST(MeshLimits, TooCoarseGridIsNotSuccess) {
   const TemporaryFolder folder;
   const ProcessResult result =
       run_conddp({"solve", source("problems/collection/scalar_regulator.yaml"), "--set",
@@ -86,7 +86,7 @@ TEST(MeshLimits, AGridThatIsTooCoarseIsNoSuccess) {
       << report;
 }
 
-TEST(MeshLimits, AnotherErrorThanTheFileAsksForIsFound) {
+TEST(MeshLimits, DetectsWrongRequestedError) {
   const TemporaryFolder folder;
   ASSERT_EQ(run_conddp({"solve", source("problems/collection/scalar_regulator.yaml"), "--set",
                         "integrator=rk2", "--set", "phases.only.knots=5", "--set",
@@ -104,7 +104,7 @@ TEST(MeshLimits, AnotherErrorThanTheFileAsksForIsFound) {
   }
 }
 
-TEST(MeshLimits, AnAnswerWhoseReplayDivergesIsTrueWhereItSaysSo) {
+TEST(MeshLimits, AcceptsHonestAnswersWhoseReplayDiverges) {
   const TemporaryFolder folder;
   const std::string file = folder.write("runaway.yaml", R"(conddp: 1
 system: {states: [x], controls: [u], rate: {x: x^3 + u}}

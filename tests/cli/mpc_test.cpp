@@ -75,7 +75,7 @@ mpc: {horizon: 1, tick: 0.05, duration: 10}
   EXPECT_NE(longer.err.find("states remember former controls"), std::string::npos) << longer.err;
 }
 
-TEST_F(MpcCommand, WritesTheSameBytesOnEachRunAndForAnyNumberOfThreads) {
+TEST_F(MpcCommand, OutputIsReproducibleForAnyThreadCount) {
   ASSERT_EQ(run({"--quiet"}, "a").exit_code, 0);
   ASSERT_EQ(run({"--quiet"}, "b").exit_code, 0);
   const ProcessResult many = run({"--quiet", "--threads", "200"}, "c");
@@ -113,7 +113,7 @@ TEST_F(MpcCommand, CheckBuildsTheLoop) {
   EXPECT_NE(once.err.find("refines none"), std::string::npos) << once.err;
 }
 
-TEST_F(MpcCommand, EndsWithStatus1WhereAConditionEndsTheLoop) {
+TEST_F(MpcCommand, ExitsWith1IfAConditionEndsTheLoop) {
   const ProcessResult result = run({"--set", "mpc.disturbances.0.jump.omega=20", "--json"}, "out");
   EXPECT_EQ(result.exit_code, 1) << result.err;
   const auto document = nlohmann::json::parse(result.out);
@@ -187,7 +187,7 @@ TEST_F(MpcCommand, LeavesNothingThatVerifyTakesFromAnotherFile) {
       << lacking.err;
 }
 
-TEST_F(MpcCommand, LeavesADocumentInWhichVerifyNoticesMoreMembers) {
+TEST_F(MpcCommand, VerifyNoticesExtraMembersOfTheDocument) {
   ASSERT_EQ(run({}, "out").exit_code, 0);
   auto document = nlohmann::json::parse(file("out/mpc.json"));
   document["approved"] = true;
@@ -273,7 +273,7 @@ TEST_F(MpcCommand, VerifyDeniesASearchThatFoundSomethingElse) {
   EXPECT_NE(verdict("other", 1), 0);
 }
 
-TEST_F(MpcCommand, ALoopThatNeedsMoreMemoryThanThereIsDoesNotBegin) {
+TEST_F(MpcCommand, RejectsLoopsThatExceedMemory) {
   const ProcessResult result =
       run_conddp({"mpc", source("problems/mpc/biped_stepping.yaml"), "-o", "out"},
                  {.folder = folder_.path(), .limits = {.memory_bytes = 800'000'000}});
@@ -299,7 +299,7 @@ TEST_F(MpcCommand, LooksForAParameterThatThePlantHas) {
       << result.out;
 }
 
-TEST_F(MpcCommand, LooksForANumberOfTheModelThatIsAnotherInThePlant) {
+TEST_F(MpcCommand, SearchesModelNumbersThatDifferInThePlant) {
   const std::string key = "mpc.plant.set.system.cart_mass";
   const ProcessResult result = run({"--largest", key + "=[0.9, 1.1]"}, "out");
   EXPECT_EQ(result.exit_code, 0) << result.err;
@@ -331,7 +331,7 @@ TEST_F(MpcCommand, ChecksKeyAndRangeBeforeTheFirstLoop) {
       << result.err;
 }
 
-TEST_F(MpcCommand, MakesTheFolderOfASearchBeforeTheFirstLoop) {
+TEST_F(MpcCommand, CreatesSearchFolderBeforeTheFirstLoop) {
   folder_.write("taken", "a file");
   const std::string key = "mpc.disturbances.0.jump.omega";
   const ProcessResult result = run({"--largest", key + "=[0, 0.5]"}, "taken");
@@ -339,7 +339,7 @@ TEST_F(MpcCommand, MakesTheFolderOfASearchBeforeTheFirstLoop) {
   EXPECT_NE(result.err.find("the folder 'taken' cannot be made"), std::string::npos) << result.err;
 }
 
-TEST_F(MpcCommand, KeepsTheTrialsBeforeOneThatCannotBeBuilt) {
+TEST_F(MpcCommand, KeepsTrialsBeforeOneThatCannotBeBuilt) {
   std::string changed = kBalance;
   changed.replace(changed.find("{omega: 1}"), 10, "{omega: =10+10*pm+1e-9/pm}");
   folder_.write("balance.yaml", changed + "parameters: {pm: -1}\n");
@@ -355,7 +355,7 @@ TEST_F(MpcCommand, KeepsTheTrialsBeforeOneThatCannotBeBuilt) {
   EXPECT_EQ(nlohmann::json::parse(file("out/mpc.json"))["end"], "finished");
 }
 
-TEST_F(MpcCommand, SaysWhereNoPushIsSurvivedOrAllAre) {
+TEST_F(MpcCommand, ReportsSearchesWhereNoneOrAllSurvive) {
   const std::string key = "mpc.disturbances.0.jump.omega=";
   const ProcessResult none = run({"--largest", key + "[20, 30]"}, "out");
   EXPECT_EQ(none.exit_code, 1) << none.err;

@@ -51,7 +51,7 @@ bool draws_the_mesh(const fs::path& page) {
   return read_file(page).find(R"("kind":"stl")") != std::string::npos;
 }
 
-TEST_F(Paths, AProblemIsTheSameHoweverItsPathIsWritten) {
+TEST_F(Paths, ProblemIdentityIgnoresPathSpelling) {
   const fs::path deep = home_ / "elsewhere", above = folder_.path();
   int count = 0;
   for (const auto& [from, problem, out] : {
@@ -90,7 +90,7 @@ TEST_F(Paths, AProblemIsTheSameHoweverItsPathIsWritten) {
     EXPECT_EQ(run(home_, {"inspect", robot}).exit_code, 0) << robot;
 }
 
-TEST_F(Paths, ASolutionInTheFolderOfItsProblemIsVerifiedFromAnywhere) {
+TEST_F(Paths, VerifiesSolutionsFromAnyFolder) {
   ASSERT_EQ(run(home_, {"solve", "reach.yaml", "--quiet", "-o", "."}).exit_code, 0);
   for (const fs::path& from : {home_, home_ / "elsewhere", fs::path("/")}) {
     EXPECT_EQ(run(from, {"verify", home_ / "solution.json", "--quiet"}).exit_code, 0) << from;
@@ -98,7 +98,7 @@ TEST_F(Paths, ASolutionInTheFolderOfItsProblemIsVerifiedFromAnywhere) {
   }
 }
 
-TEST_F(Paths, AnEmptyPathIsBadInputForEverySubcommand) {
+TEST_F(Paths, EmptyPathIsBadInputForEverySubcommand) {
   const std::vector<std::vector<std::string>> commands = {
       {"solve", ""},
       {"solve", "reach.yaml", "--warm-start", ""},
@@ -133,7 +133,7 @@ TEST_F(Paths, AnEmptyPathIsBadInputForEverySubcommand) {
   }
 }
 
-TEST_F(Paths, LinksInACircleAndLongNamesAreBadInput) {
+TEST_F(Paths, CircularLinksAndLongNamesAreBadInput) {
   fs::create_symlink("circle.yaml", home_ / "circle.yaml");
   const std::string name(300, 'x');
   for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
@@ -147,7 +147,7 @@ TEST_F(Paths, LinksInACircleAndLongNamesAreBadInput) {
   }
 }
 
-TEST_F(Paths, AFolderThatIsGoneIsBadInputNoDefect) {
+TEST_F(Paths, DeletedFolderIsBadInput) {
   const std::string gone = "mkdir gone; cd gone; rmdir ../gone; " + std::string(CONDDP_BINARY);
   const std::string errors = folder_.path() / "errors";
   for (const char* arguments : {" bench reach.yaml", " regress golden.json", " solve reach.yaml"}) {

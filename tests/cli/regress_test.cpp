@@ -76,7 +76,7 @@ struct Copy {
   std::string problem;
 };
 
-TEST(Regress, AWeightThatChangesByOnePercentIsADifferenceThatCanBeRead) {
+TEST(Regress, OnePercentWeightChangeGivesAReadableDifference) {
   const Copy copy;
   EXPECT_EQ(copy.regress().exit_code, 0);
   const std::string report = copy.folder.path() / "report.xml";
@@ -91,7 +91,7 @@ TEST(Regress, AWeightThatChangesByOnePercentIsADifferenceThatCanBeRead) {
   EXPECT_TRUE(has(read_file(report), "<failure message=\"cost: 0.0184643")) << read_file(report);
 }
 
-TEST(Regress, BlessShowsTheDifferenceAndWritesTheNewAnswer) {
+TEST(Regress, BlessShowsTheDifferenceAndWritesTheAnswer) {
   const Copy copy;
   std::string text = read_file(copy.problem);
   const std::size_t at = text.find("weight: 1.0e-3");
@@ -108,7 +108,7 @@ TEST(Regress, BlessShowsTheDifferenceAndWritesTheNewAnswer) {
   EXPECT_EQ(read_file(copy.folder.path() / "problem.json"), before);
 }
 
-TEST(Regress, TolerancesOfAGoldenFileHoldForItAloneAndSurviveBlessing) {
+TEST(Regress, GoldenTolerancesAreLocalAndSurviveBlessing) {
   const Copy copy;
   const std::string golden = copy.folder.path() / "problem.json";
   Json answer = Json::parse(read_file(golden));
@@ -127,7 +127,7 @@ TEST(Regress, TolerancesOfAGoldenFileHoldForItAloneAndSurviveBlessing) {
   EXPECT_EQ(blessed["tolerances"], answer["tolerances"]);
 }
 
-TEST(Regress, AProblemThatCannotBeReadIsAnErrorAndTheOthersAreSolved) {
+TEST(Regress, UnreadableProblemDoesNotStopTheOthers) {
   const Copy copy;
   Json golden = Json::parse(read_file(copy.folder.path() / "problem.json"));
   golden["problem"]["file"] = "gone.yaml";
@@ -140,7 +140,7 @@ TEST(Regress, AProblemThatCannotBeReadIsAnErrorAndTheOthersAreSolved) {
   EXPECT_TRUE(has(read_file(report), "errors=\"1\"")) << read_file(report);
 }
 
-TEST(Regress, AGoldenFileThatCannotBeReadIsAnErrorAndTheOthersAreSolved) {
+TEST(Regress, UnreadableGoldenFileDoesNotStopTheOthers) {
   const Copy copy;
   copy.folder.write("cut.json", read_file(kGolden).substr(0, 400));
   const ProcessResult r = copy.regress({});
@@ -149,14 +149,14 @@ TEST(Regress, AGoldenFileThatCannotBeReadIsAnErrorAndTheOthersAreSolved) {
   EXPECT_TRUE(has(r.out, "1 agree, 0 differ, 1 cannot be solved\n")) << r.out;
 }
 
-TEST(Regress, GoldenFilesAreAddedToAFolderThatIsThere) {
+TEST(Regress, AddsGoldenFilesToAnExistingFolder) {
   const TemporaryFolder folder;
   const ProcessResult r = run_conddp({"regress", folder.path() / "none", "--add", kPendulum});
   EXPECT_EQ(r.exit_code, 2);
   EXPECT_TRUE(has(r.err, "none' is not a folder")) << r.err;
 }
 
-TEST(Regress, NothingIsAddedOverAGoldenFileThatIsThere) {
+TEST(Regress, DoesNotOverwriteExistingGoldenFilesByAdding) {
   const Copy copy;
   const ProcessResult r = copy.regress({"--add", copy.problem});
   EXPECT_EQ(r.exit_code, 2);

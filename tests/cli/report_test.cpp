@@ -41,7 +41,7 @@ TEST_F(ReportCommand, SeveralSolutionsShareAPageUnderTheirSolvers) {
   EXPECT_EQ(data["solutions"][0]["remark"], "");
 }
 
-TEST_F(ReportCommand, ThePageStandsBesideTheFirstSolutionAndLabelsAreFoldersForOneSolver) {
+TEST_F(ReportCommand, PageLiesBesideFirstSolutionWithFolderLabels) {
   const ProcessResult r = run_conddp({"report", solve("a", "box_fddp"), solve("b", "box_fddp")});
   EXPECT_EQ(r.exit_code, 0) << r.err;
   const nlohmann::json data = data_of(folder_.path() / "a/report.html");
@@ -49,7 +49,7 @@ TEST_F(ReportCommand, ThePageStandsBesideTheFirstSolutionAndLabelsAreFoldersForO
   EXPECT_EQ(data["solutions"][1]["label"], "b");
 }
 
-TEST_F(ReportCommand, ASolutionWhoseProblemIsGoneIsDrawnWithItsCurvesAndARemark) {
+TEST_F(ReportCommand, DrawsSolutionWithoutProblemAndAddsARemark) {
   const std::string problem = folder_.write("gone.yaml", read_file(kPendulum));
   const std::string solution = solve("a", "box_fddp", problem);
   std::filesystem::remove(problem);
@@ -64,7 +64,7 @@ TEST_F(ReportCommand, ASolutionWhoseProblemIsGoneIsDrawnWithItsCurvesAndARemark)
             std::string::npos);
 }
 
-TEST_F(ReportCommand, WhatIsWrongWithASolutionsProblemIsShownWhereItStands) {
+TEST_F(ReportCommand, ShowsErrorsOfTheProblemOfASolution) {
   const std::string problem = folder_.write("changed.yaml", read_file(kPendulum));
   ASSERT_EQ(run_conddp({"solve", problem, "--quiet", "-o", folder_.path() / "a", "--set",
                         "solver.max_iterations=300", "--set", "costs.effort.weight=0.002"})
@@ -84,7 +84,7 @@ TEST_F(ReportCommand, WhatIsWrongWithASolutionsProblemIsShownWhereItStands) {
   }
 }
 
-TEST_F(ReportCommand, ABadSolutionIsRefusedAndNothingIsWritten) {
+TEST_F(ReportCommand, RejectsBadSolutionsAndWritesNothing) {
   const std::string solution = solve("a", "box_fddp");
   const nlohmann::json good = nlohmann::json::parse(read_file(solution));
   const auto refused = [&](const std::string& text) {
@@ -126,7 +126,7 @@ TEST_F(ReportCommand, ABadSolutionIsRefusedAndNothingIsWritten) {
   refused(bad.dump());
 }
 
-TEST_F(ReportCommand, WhatBenchMeasuredOfTheSameProblemsIsInThePage) {
+TEST_F(ReportCommand, IncludesBenchResultsOfTheSameProblems) {
   const std::string solution = solve("a", "box_fddp");
   const ProcessResult measured =
       run_conddp({"bench", kPendulum, source("problems/cartpole_swingup_closed_form.yaml"),

@@ -9,7 +9,7 @@
 namespace conddp {
 namespace {
 
-TEST(SolveSeveral, WritesAFolderForEachAndReturnsTheWorstStatus) {
+TEST(SolveSeveral, WritesOneFolderEachAndReturnsWorstStatus) {
   const TemporaryFolder folder;
   const std::string a = folder.write("a.yaml", read_file(kPendulum)),
                     b = folder.write("b.yaml", read_file(source("problems/pendulum_goal.yaml")));

@@ -44,7 +44,7 @@ TEST(Solve, TheCertificateOfAnInfeasibleAnswerHolds) {
 }
 
 // Torques that cost nothing: which of them hold a biped on two feet is not determined.
-TEST(Solve, EndsWithOneWhereOptimalityAloneIsInDoubt) {
+TEST(Solve, ExitsWithOneIfOptimalityIsInDoubt) {
   const TemporaryFolder folder;
   const ProcessResult result =
       run_conddp({"solve", source("problems/biped_squat.yaml"), "-o", folder.path() / "out",
@@ -110,7 +110,7 @@ TEST(Solve, AutoRestartsWhereAllItsSolversFail) {
   EXPECT_EQ(run_conddp({"verify", folder.path() / "solution.json"}).exit_code, 0);
 }
 
-TEST(Solve, HasTheSameMotionInAnotherUnitOfCost) {
+TEST(Solve, MotionIsIndependentOfCostUnits) {
   const TemporaryFolder folder;
   const auto run = [&](const char* name, std::vector<std::string> settings) {
     std::vector<std::string> arguments{"solve", source("problems/cartpole_goal.yaml"), "-o",
@@ -171,7 +171,7 @@ TEST(Solve, TheDefaultFolderIsNamedAfterTheProblem) {
   EXPECT_TRUE(std::filesystem::exists(folder.path() / "out/pendulum_swingup/solution.json"));
 }
 
-TEST(Solve, JsonOnStdoutIsTheHeadOfTheSolution) {
+TEST(Solve, JsonOnStdoutIsTheSolutionHeader) {
   const TemporaryFolder folder;
   const ProcessResult r = run_conddp({"solve", kPendulum, "--json", "-o", folder.path()});
   EXPECT_EQ(r.exit_code, 0) << r.err;
@@ -224,7 +224,7 @@ TEST(Solve, StopsAfterTheTimeAllowed) {
   EXPECT_EQ(Json::parse(read_file(folder.path() / "out/solution.json"))["status"], "time_limit");
 }
 
-TEST(Solve, NumbersThatLeaveTheFiniteOnesAreNoDefect) {
+TEST(Solve, NonFiniteNumbersAreNotAnInternalError) {
   // So far from the world's origin an inertia of 1 kg m² vanishes beside m r².
   const TemporaryFolder folder;
   const ProcessResult r = run_conddp({"solve", source("problems/cartpole_swingup.yaml"), "--set",
@@ -245,7 +245,7 @@ TEST(Solve, SignalsLeaveTheBestIterate) {
   }
 }
 
-TEST(Solve, IpoptEndsInTheMiddleWithWholeFilesAndACertificate) {
+TEST(Solve, InterruptedIpoptWritesWholeFilesAndACertificate) {
   const TemporaryFolder folder;
   const std::string problem = source("problems/acrobot_swingup.yaml");
   const ProcessResult r =
@@ -260,7 +260,7 @@ TEST(Solve, IpoptEndsInTheMiddleWithWholeFilesAndACertificate) {
   EXPECT_EQ(run_conddp({"verify", folder.path() / "late/solution.json"}).exit_code, 0);
 }
 
-TEST(Solve, IpoptSeesTheCurvatureOfALongMotionWhoseCostIsAState) {
+TEST(Solve, IpoptUsesCurvatureOfCostStateMotions) {
   const TemporaryFolder folder;
   const ProcessResult r =
       run_conddp({"solve", source("problems/collection/hypersensitive.yaml"), "--solver", "ipopt",
@@ -272,7 +272,7 @@ TEST(Solve, IpoptSeesTheCurvatureOfALongMotionWhoseCostIsAState) {
 
 /// Options on the first point or barrier bring Ipopt's own start, which is far from done here;
 /// others do not.
-TEST(Solve, IpoptBeginsWithItsOwnMultipliersWhereOptionsSayHowItBegins) {
+TEST(Solve, IpoptUsesItsOwnStartForInitializationOptions) {
   const TemporaryFolder folder;
   for (const std::string option : {"mu_init", "bound_push", "slack_bound_frac"}) {
     const ProcessResult r =
@@ -287,7 +287,7 @@ TEST(Solve, IpoptBeginsWithItsOwnMultipliersWhereOptionsSayHowItBegins) {
   EXPECT_EQ(r.exit_code, 0) << r.out << r.err;
 }
 
-TEST(Solve, AWarmStartFromItsOwnSolutionIsQuick) {
+TEST(Solve, WarmStartFromOwnSolutionIsQuick) {
   const TemporaryFolder folder;
   run_conddp({"solve", kPendulum, "-o", folder.path()});
   for (const std::string file : {"solution.json", "trajectory.csv"}) {
@@ -371,7 +371,7 @@ TEST(Solve, OutputFoldersThatCannotBeMadeAreNamed) {
 }
 
 // Certificate and files of so many knots take most of a second.
-TEST(Solve, AnInterruptedAnswerOfALongHorizonIsWritten) {
+TEST(Solve, WritesInterruptedAnswersOfLongHorizons) {
   const TemporaryFolder folder;
   const ProcessResult r =
       run_conddp({"solve", kPendulum, "--set", "phases.0.knots=40000", "-v", "-o", folder.path()},
@@ -382,7 +382,7 @@ TEST(Solve, AnInterruptedAnswerOfALongHorizonIsWritten) {
 }
 
 // Those of so many take far longer than the five seconds that a signal leaves.
-TEST(Solve, AnInterruptedAnswerThatTakesLongToWriteIsLeftOut) {
+TEST(Solve, OmitsInterruptedAnswersThatTakeTooLong) {
   const TemporaryFolder folder;
   const ProcessResult r =
       run_conddp({"solve", kPendulum, "--set", "phases.0.knots=1000000", "-v", "-o", folder.path()},
@@ -394,7 +394,7 @@ TEST(Solve, AnInterruptedAnswerThatTakesLongToWriteIsLeftOut) {
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "solution.json"));
 }
 
-TEST(Solve, TimeLimitsThatCertificateAndFilesAloneExceedNameTheKnots) {
+TEST(Solve, TooShortTimeLimitsNameTheKnots) {
   const TemporaryFolder folder;
   const ProcessResult r = run_conddp({"solve", kPendulum, "--set", "phases.0.knots=1000000",
                                       "--max-time", "1.5", "-o", folder.path() / "out"});

@@ -64,7 +64,7 @@ class SourceTree : public ::testing::Test {
   }
 };
 
-TEST_F(SourceTree, NothingIsLookedAtTwiceWhereNothingHasChanged) {
+TEST_F(SourceTree, UnchangedTreeIsNotScannedTwice) {
   EXPECT_EQ(builds(), 1);
   EXPECT_EQ(builds(), 0);
 }

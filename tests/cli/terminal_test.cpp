@@ -31,7 +31,7 @@ std::vector<std::string> drawings(const std::string& err) {
   return list;
 }
 
-TEST(Terminal, ProgressInATerminalNoneInAPipeAndTheSameResults) {
+TEST(Terminal, OnlyTerminalsShowProgressWithEqualResults) {
   const TemporaryFolder folder;
   const std::vector<std::string> environment = {"TERM=xterm", "NO_COLOR=1"};
   const ProcessResult both = run_in_terminal(solve(folder), {.environment = environment});
@@ -47,7 +47,7 @@ TEST(Terminal, ProgressInATerminalNoneInAPipeAndTheSameResults) {
   EXPECT_NE(without_times(pipe.out).find("iterations, T s)"), std::string::npos) << pipe.out;
 }
 
-TEST(Terminal, TheStatusLineIsRedrawnInPlaceAndErased) {
+TEST(Terminal, RedrawsAndErasesTheStatusLine) {
   const TemporaryFolder folder;
   const ProcessResult r = run_in_terminal(solve(folder), {.environment = {"TERM=xterm"}});
   EXPECT_EQ(r.err.find('\n'), std::string::npos);
@@ -59,7 +59,7 @@ TEST(Terminal, TheStatusLineIsRedrawnInPlaceAndErased) {
   EXPECT_GE(spaces.size(), drawn[drawn.size() - 3].find_last_not_of(' ') + 1);
 }
 
-TEST(Terminal, TheStatusLineIsDrawnAtMostTwentyTimesASecond) {
+TEST(Terminal, DrawsStatusAtMostTwentyTimesASecond) {
   const TemporaryFolder folder;
   const std::string problem = folder.write("long.yaml", kLong);
   const ProcessResult r =

@@ -125,7 +125,7 @@ TEST_F(Verify, TakesTheProblemFromAnotherPlace) {
 }
 
 // A solution may name any file: of one that is no problem and no robot nothing is shown.
-TEST_F(Verify, NothingIsQuotedOfFilesThatAreNoProblems) {
+TEST_F(Verify, QuotesNothingFromFilesThatAreNotProblems) {
   folder_.write("text.txt", "hushhush\n");
   folder_.write("users.txt", "conddp:x:999:hushhush\n");
   folder_.write("text.csv", "t,hushhush\n1,hushhush\n");
@@ -190,7 +190,7 @@ TEST_F(Verify, RememberWhatTheCommandLineChanged) {
       << json;
 }
 
-TEST_F(Verify, TolerancesThatAcceptWhatTheDefaultsDoNotAreSaid) {
+TEST_F(Verify, ReportsTolerancesThatLetTheAnswerPass) {
   std::string loose = problem_;
   const std::string last = "max_iterations: 300}";
   loose.replace(loose.find(last), last.size(), "tolerances: {constraint: 10}}");
@@ -235,7 +235,7 @@ TEST_F(Verify, BadInputIsRefused) {
   EXPECT_EQ(verify([&](Json& json) { json["trajectory"]["x"][3][0] = "a"; }).exit_code, 2);
 }
 
-TEST_F(Verify, TheCertificateIsAFieldOfTheSolutionUnlessLeftOut) {
+TEST_F(Verify, CertificateIsAnOptionalFieldOfTheSolution) {
   const Json json = Json::parse(solution_);
   EXPECT_TRUE(json["certificate"]["holds"].get<bool>());
   EXPECT_GT(json["certificate"]["checks"].size(), 20u);

@@ -43,7 +43,7 @@ class WholeOrNothing : public testing::Test {
   Contents former_;
 };
 
-TEST_F(WholeOrNothing, ADiskThatIsFullAtAnyByteLeavesTheFormerOutput) {
+TEST_F(WholeOrNothing, FullDiskKeepsTheFormerOutput) {
   std::size_t largest = 0;
   for (const auto& [name, text] : former_) largest = std::max(largest, text.size());
   for (const double part : {0.0, 0.05, 0.3, 0.6, 0.9}) {
@@ -56,7 +56,7 @@ TEST_F(WholeOrNothing, ADiskThatIsFullAtAnyByteLeavesTheFormerOutput) {
   }
 }
 
-TEST_F(WholeOrNothing, AnotherFileThatCannotBeReplacedLeavesAllAsTheyWere) {
+TEST_F(WholeOrNothing, FailedReplacementLeavesAllFilesUnchanged) {
   for (const std::string& name : kNames) {
     const std::string text = former_[name];
     std::filesystem::remove(out_ / name);
@@ -70,7 +70,7 @@ TEST_F(WholeOrNothing, AnotherFileThatCannotBeReplacedLeavesAllAsTheyWere) {
   }
 }
 
-TEST_F(WholeOrNothing, AReportThatCannotBeReplacedLeavesTheFormerOutput) {
+TEST_F(WholeOrNothing, FailedReportReplacementKeepsTheFormerOutput) {
   std::filesystem::create_directory(out_ / "report.html");
   std::vector<std::string> with_report = other_;
   with_report.push_back("--report");
@@ -91,7 +91,7 @@ TEST_F(WholeOrNothing, AReadOnlyFolderIsLeftAlone) {
   expect_former_output();
 }
 
-TEST_F(WholeOrNothing, AFolderInWhichNothingCanBeMadeIsNamed) {
+TEST_F(WholeOrNothing, NamesFoldersThatAreNotWritable) {
   const ProcessResult r = run_conddp({"solve", kPendulum, "-o", "/proc/self"});
   EXPECT_EQ(r.exit_code, 2);
   EXPECT_NE(r.err.find("cannot be written"), std::string::npos) << r.err;

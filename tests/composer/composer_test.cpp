@@ -180,7 +180,7 @@ void print(const std::map<std::string, int>& endings, std::multimap<double, std:
     std::cout << fmt::format("{:6.1f} s: seed {}\n", seconds, seed);
 }
 
-TEST(Composer, EveryProblemEndsWithAStatusAndACertificateOrAReason) {
+TEST(Composer, EveryProblemEndsWithCertificateOrReason) {
   std::vector<std::string> bodies;
   for (const ComposedBody& body : composed_bodies()) bodies.push_back(body.name);
   Coverage coverage(bodies);
@@ -228,7 +228,7 @@ TEST(Composer, UnfinishedAnswersAreThoseOfTheirTrajectory) {
 
 /// Bodies that turn a million times a step, wrists at thousands of radians a second, free
 /// directions without any cost: a certificate has to tell what rounding does there from a defect.
-TEST(Composer, AnswersThatAreNearlyAllRoundingHaveACertificateToo) {
+TEST(Composer, AnswersMadeOfRoundingHaveACertificate) {
   Coverage coverage({});
   for (const std::uint64_t seed : {543, 20165, 20291, 30395, 31913, 32221, 33013, 34619}) {
     const ComposedProblem problem = compose_problem(seed);

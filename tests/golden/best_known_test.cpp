@@ -34,7 +34,7 @@ BestKnown best_known() {
   return known.value_or(BestKnown());
 }
 
-TEST(BestKnownOptima, EveryReadyProblemHasItsOwnAsItIsNow) {
+TEST(BestKnownOptima, EveryExampleHasAnUpToDateOptimum) {
   std::ifstream stream(kTree / "problems" / kBestKnownFile);
   const nlohmann::json entries = nlohmann::json::parse(stream).at("problems");
   std::size_t problems = 0;

@@ -63,7 +63,7 @@ solver: {{name: box_fddp}}
 
 class BringYourOwn : public ::testing::TestWithParam<Reach> {};
 
-TEST_P(BringYourOwn, HandReachesItsPoseWithATorqueLimitActive) {
+TEST_P(BringYourOwn, HandReachesItsPoseAtTheTorqueLimit) {
   const Reach& reach = GetParam();
   const auto folder = foreign_robot_folder();
   const auto urdf = folder / (reach.robot + ".urdf");

@@ -36,7 +36,7 @@ TEST(ConfirmedStationarity, HoldsWhereThePenaltiesMakeGainsStiff) {
   expect_confirmed("unicycle_escape", 0.1, {2, 3, 4});
 }
 
-TEST(ConfirmedStationarity, IsReachedWhereRoundingOfPenaltiesWasInTheWay) {
+TEST(ConfirmedStationarity, IsReachedDespiteRoundingOfPenalties) {
   expect_confirmed("arm_maze", 0, {1});
 }
 

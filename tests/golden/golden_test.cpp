@@ -50,7 +50,7 @@ TEST(Golden, EveryReadyProblemHasItsAnswer) {
   EXPECT_EQ(names_in(kProblems, ".yaml"), answered);
 }
 
-TEST(Golden, TheClosedFormCartpoleAndItsUrdfHaveTheSameAnswer) {
+TEST(Golden, ClosedFormCartpoleMatchesItsUrdf) {
   nlohmann::json urdf = golden_part(solve_ready_problem("cartpole_swingup"));
   const nlohmann::json closed = golden_part(solve_ready_problem("cartpole_swingup_closed_form"));
   urdf["trajectory"]["columns"] = closed["trajectory"]["columns"];

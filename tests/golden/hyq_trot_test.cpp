@@ -219,7 +219,7 @@ constexpr const char* kCone =
     "constraints.grip={residual: friction_cone, contacts: all, cone: second_order}";
 
 // Aligator's ProxDDP converges on this from the quasi-static guess with none of its first mu.
-TEST_F(HyqTrot, HardConesAndWeakMotorsOnASlipperyFloor) {
+TEST_F(HyqTrot, ConvergesOnSlipperyFloorWithWeakMotors) {
   for (const char* cone : {kPyramid, kCone}) {
     read({kSixty, kSlippery, cone});
     const SolveResult altro = expect_constrained("altro");

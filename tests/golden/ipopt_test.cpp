@@ -32,7 +32,7 @@ INSTANTIATE_TEST_SUITE_P(Slow, TranscribedDerivatives,
                          ::testing::ValuesIn(testing::slow_problems()), testing::name_of);
 
 /// From this initial state exact Hessians throughout do not end within 200 iterations.
-TEST(TranscribedTrot, ConvergesFromAnotherInitialStateInDozensOfIterations) {
+TEST(TranscribedTrot, ConvergesFromAnotherStateInDozensOfIterations) {
   const testing::ReadyProblem ready("quadruped_trot",
                                     {"solver.name=ipopt", "solver.max_iterations=100"});
   const ShootingProblem problem = perturb_initial_state(*ready.built.problem, 0.1, 2);
@@ -60,7 +60,7 @@ TEST(TranscribedHessians, BeginAsSuitsTheProblem) {
 }
 
 /// Ipopt's first answer is not good enough, and it goes on to a better one.
-TEST(TranscribedArm, BudgetsThatEndBetweenTwoAnswersAreUsedUp) {
+TEST(TranscribedArm, UsesUpBudgetsThatEndBetweenTwoAnswers) {
   const testing::ReadyProblem ready("arm_fastest", {"solver.name=ipopt"});
   const auto run = [&](SolverOptions options) {
     return solve(*ready.built.problem, "ipopt", options, ready.built.guess);

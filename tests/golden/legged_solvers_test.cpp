@@ -54,7 +54,7 @@ TEST_P(LeggedProblem, IsSolvedFromTheQuasiStaticGuess) {
 INSTANTIATE_TEST_SUITE_P(Ready, LeggedProblem, ::testing::ValuesIn(legged_problems()),
                          [](const auto& name) { return name.param; });
 
-TEST(LeggedMotion, InTheAirAndInStepsIsSolvedFromKeyframesThatDoNotSatisfyTheDynamics) {
+TEST(LeggedMotion, IsSolvedFromInconsistentKeyframes) {
   const std::pair<const char*, const char*> guesses[] = {
       {"quadruped_jump",
        "[{time: 0.4, state: standing}, {time: 0.55, state: leap}, {time: 0.7, state: "

@@ -149,7 +149,7 @@ TEST(QuadrupedPaceTurn, TurnsAndGoesAlongItsArc) {
   EXPECT_NEAR(2 * std::atan2(x[5], x[6]), 0.6, 0.01);
 }
 
-TEST(QuadrupedTrot, ForcesCarryTheWeightAndStayInTheirCones) {
+TEST(QuadrupedTrot, ForcesCarryTheWeightWithinTheirCones) {
   const Solved s = solve_ready("quadruped_trot");
   ASSERT_EQ(s.result->status, SolveStatus::converged);
   for (int k = 0; k < s.built->problem->knots(); ++k) {
@@ -164,7 +164,7 @@ TEST(QuadrupedTrot, ForcesCarryTheWeightAndStayInTheirCones) {
   }
 }
 
-TEST(QuasiStaticGuess, OfAStandingRobotHoldsItAndTheForcesSumUpToItsWeight) {
+TEST(QuasiStaticGuess, StandingForcesHoldAndSumToWeight) {
   Diagnostics diagnostics;
   const auto spec = read_problem(
       std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/quadruped_trot.yaml", {}, diagnostics);
@@ -193,7 +193,7 @@ double energy(const RobotModel& robot, const double* x) {
   return kinetic_energy(robot, data) + potential_energy(robot, data);
 }
 
-TEST(QuadrupedJump, ConservesEnergyInFlightToTheOrderOfTheStepAndLosesSomeAtTouchDown) {
+TEST(QuadrupedJump, ConservesEnergyInFlightButNotAtImpact) {
   const Solved s = solve_ready("quadruped_jump");
   ASSERT_EQ(s.result->status, SolveStatus::converged);
   const RobotModel& robot = s.built->plant.robot();

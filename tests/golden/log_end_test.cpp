@@ -33,9 +33,7 @@ void expect_answers_in_logs(const std::string& name) {
   EXPECT_EQ(status, SolveStatus::converged);
 }
 
-TEST(EndOfTheLog, IsTheAnswerWhereverNewtonsStepsAreTakenBack) {
-  expect_answers_in_logs("hopper_cycle");
-}
+TEST(EndOfTheLog, IsTheAnswerAfterRejectedNewtonSteps) { expect_answers_in_logs("hopper_cycle"); }
 
 }  // namespace
 }  // namespace conddp

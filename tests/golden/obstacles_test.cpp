@@ -33,7 +33,7 @@ double distance_of(const DistancePair& pair, const Plant& plant, const std::vect
   return searched_distance(a0, a1, b0, b1) - pair.first.radius - second.radius;
 }
 
-TEST(ArmObstacles, KeepsItsDistanceFromTheBallThePoleAndItself) {
+TEST(ArmObstacles, KeepsDistanceFromBallPoleAndItself) {
   Diagnostics diagnostics;
   const auto spec = read_problem(
       std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/arm_obstacles.yaml", {}, diagnostics);

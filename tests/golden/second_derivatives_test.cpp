@@ -26,7 +26,7 @@ Trajectory perturbed(const ShootingProblem& problem, const Trajectory& guess,
   return t;
 }
 
-TEST(SecondDerivatives, OfReadyProblemsAreThoseOfDualNumbersThroughEverything) {
+TEST(SecondDerivatives, MatchDualNumbersOnExampleProblems) {
   int known = 0;
   for (const auto& entry : fs::directory_iterator(fs::path(CONDDP_SOURCE_DIR) / "problems")) {
     if (entry.path().extension() != ".yaml") continue;

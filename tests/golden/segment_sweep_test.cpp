@@ -26,14 +26,14 @@ bool expect_equal(const fs::path& file, const std::vector<std::string>& settings
   return true;
 }
 
-TEST(SegmentSweep, StepsOfReadyProblemsAreThoseOfTheSweepFromEndToStart) {
+TEST(SegmentSweep, MatchesSequentialSweepOnExampleProblems) {
   int swept = 0;
   for (const auto& entry : fs::directory_iterator(fs::path(CONDDP_SOURCE_DIR) / "problems"))
     if (entry.path().extension() == ".yaml") swept += expect_equal(entry.path());
   EXPECT_GE(swept, 30);
 }
 
-TEST(SegmentSweep, StepsOfForeignRobotsAreThoseOfTheSweepFromEndToStart) {
+TEST(SegmentSweep, MatchesSequentialSweepOnForeignRobots) {
   for (const auto& foreign : {hyq_trot(), talos_squat()}) {
     if (!foreign) GTEST_SKIP() << kNoForeignRobots;
     EXPECT_TRUE(expect_equal(foreign->file, foreign->settings));

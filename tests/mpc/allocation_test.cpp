@@ -41,7 +41,7 @@ TEST(TickAllocation, IsNoneAfterTheFirstTicks) {
     }
 }
 
-TEST(TickAllocation, IsNoneWithSwingsThatBeginWhereFeetAre) {
+TEST(TickAllocation, IsZeroWithSwingsStartingAtTheFeet) {
   const auto problem = testing::balanced_cartpole();
   MpcOptions options = testing::with_terminal(*problem, {.horizon = 1, .tick = 0.05});
   options.swings = {

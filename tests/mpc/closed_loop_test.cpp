@@ -26,7 +26,7 @@ double distance(const ClosedLoopResult& loop, const Trajectory& plan) {
 }
 
 // Bellman: what is left of an optimum is the optimum of what is left.
-TEST(ClosedLoop, FollowsItsFirstPlanWhereHorizonsShrinkToTheEnd) {
+TEST(ClosedLoop, FollowsFirstPlanWithShrinkingHorizons) {
   struct Case {
     const char* name;
     ShootingProblem problem;
@@ -77,7 +77,7 @@ TEST(ClosedLoop, FollowsItsFirstPlanThroughAnImpulse) {
   }
 }
 
-TEST(ClosedLoop, BalancesByOneIterationATickOfAnyLength) {
+TEST(ClosedLoop, BalancesWithOneIterationATick) {
   const auto problem = testing::balanced_cartpole();
   for (const double tick : {0.05, 0.02, 0.03, 0.12}) {
     Mpc mpc(problem, problem->create_trajectory(),
@@ -116,7 +116,7 @@ double largest_difference(const std::vector<std::vector<double>>& late,
   return most;
 }
 
-TEST(ClosedLoop, IsDelayedByADelayThatIsPredictedAndNothingElse) {
+TEST(ClosedLoop, PredictedDelayOnlyShiftsTheMotion) {
   const auto problem = testing::balanced_cartpole();
   for (const std::optional<int> iterations : {std::optional<int>(), std::optional<int>(2)}) {
     const auto late = states(problem, 0.05, true, iterations);
@@ -127,7 +127,7 @@ TEST(ClosedLoop, IsDelayedByADelayThatIsPredictedAndNothingElse) {
   }
 }
 
-TEST(ClosedLoop, LastsToTheEndOfItsTimeLineWhereADelayLeadsBeyondIt) {
+TEST(ClosedLoop, EndsWithTheTimeLineDespiteDelay) {
   const auto problem = testing::balanced_cartpole();  // 2 s
   Mpc mpc(problem, problem->create_trajectory(),
           {.horizon = 1, .tick = 0.05, .hold = false, .delay = 0.05});
@@ -145,7 +145,7 @@ std::shared_ptr<const ShootingProblem> balanced_at(double place) {
       {{place, M_PI, 0, 0}, {1, 10, 0.1, 0.1}, {0.1}, {10, 100, 10, 10}}, -10, 10));
 }
 
-TEST(ClosedLoop, FollowsACommandFromItsTimeOnAndNoEarlier) {
+TEST(ClosedLoop, FollowsACommandOnlyFromItsTime) {
   const auto problem = balanced_at(0);
   const auto run = [&](std::vector<LoopCommand> commands) {
     Mpc mpc(problem, problem->create_trajectory(),
@@ -159,7 +159,7 @@ TEST(ClosedLoop, FollowsACommandFromItsTimeOnAndNoEarlier) {
   EXPECT_NEAR(moved.last_state[0], 0.5, 0.02);
 }
 
-TEST(ClosedLoop, LetsACommandMoveWhatWindowsKeepOfTheEnd) {
+TEST(ClosedLoop, CommandsMoveTheTerminalReferenceOfWindows) {
   const auto last_state = [](double place, std::vector<LoopCommand> commands) {
     const auto problem = balanced_at(place);
     Mpc mpc(problem, problem->create_trajectory(),
@@ -189,7 +189,7 @@ std::vector<PlantStep> steps_along_path(double place) {
   return run_closed_loop(mpc, {.duration = 6, .commands = {{1, problem, path(place + 1)}}}).steps;
 }
 
-TEST(ClosedLoop, FollowsThePathOfTheNodeAtWhichWindowsEnd) {
+TEST(ClosedLoop, FollowsThePathOfTheWindowEndNode) {
   const std::vector<PlantStep> here = steps_along_path(0), there = steps_along_path(5);
   EXPECT_NEAR(here.back().x[0], 1, 0.1);
   ASSERT_EQ(here.size(), there.size());
@@ -217,7 +217,7 @@ class ClosedContact final : public PlantMotion {
 };
 
 // The contact of the knots from 0.5 s on is closed 0.1 s earlier: so is the command at 1.5 s.
-TEST(ClosedLoop, RetimingMovesCommandsWithTheTimeLineThatTheyLead) {
+TEST(ClosedLoop, RetimingMovesCommandsWithTheTimeLine) {
   const auto problem = balanced_at(0), commanded = balanced_at(0.5);
   Retiming retiming{.early = 0.12};
   for (int k = 0; k < problem->knots(); ++k) retiming.contacts.push_back(k < 10 ? 0 : 1);
@@ -236,7 +236,7 @@ TEST(ClosedLoop, RetimingMovesCommandsWithTheTimeLineThatTheyLead) {
 }
 
 // Four touch-downs, each 0.3 s early, bring the time line of 2 s to its end before the loop's.
-TEST(ClosedLoop, GoesOnWhereRetimingEndsItsPhasesBeforeIt) {
+TEST(ClosedLoop, ContinuesIfRetimingEndsPhasesEarly) {
   const auto problem = balanced_at(0);
   Retiming retiming{.early = 0.3};
   for (int k = 0; k < problem->knots(); ++k) retiming.contacts.push_back(k / 5 % 2);
@@ -270,7 +270,7 @@ std::vector<double> shifts(double closed_from, const Retiming& limits) {
   return result;
 }
 
-TEST(ClosedLoop, PhasesBeginEarlierWhereTheirContactsAreClosedWithinLimits) {
+TEST(ClosedLoop, PhasesBeginEarlierOnEarlyContactWithinLimits) {
   const std::vector<double> early = shifts(0.4, {.early = 0.12, .late = 0});
   EXPECT_EQ(early[7], 0);
   for (int tick = 8; tick < 16; ++tick) EXPECT_EQ(early[tick], 0.1) << tick;
@@ -278,12 +278,12 @@ TEST(ClosedLoop, PhasesBeginEarlierWhereTheirContactsAreClosedWithinLimits) {
   EXPECT_EQ(shifts(0.2, {.early = 0, .late = 0}), std::vector<double>(16, 0));
 }
 
-TEST(ClosedLoop, PhasesBeginEarlierByAsMuchAsTheLimitWhereThatIsWholeTicks) {
+TEST(ClosedLoop, EarlyStartMayUseTheWholeLimit) {
   for (const int ticks : {1, 2, 3, 4, 5, 6})
     EXPECT_EQ(shifts(0.2, {.early = 0.05 * ticks, .late = 0})[15], std::round(50 * ticks) / 1e3);
 }
 
-TEST(ClosedLoop, PhasesLastLongerWhereTheContactsOfTheNextAreOpenWithinLimits) {
+TEST(ClosedLoop, PhasesLastLongerOnLateContactWithinLimits) {
   const std::vector<double> late = shifts(0.6, {.early = 0, .late = 0.2});
   EXPECT_EQ(late[9], 0);
   EXPECT_EQ(late[10], -0.05);
@@ -306,7 +306,7 @@ TEST(ClosedLoop, ComesCloserByGainsBetweenTicks) {
 }
 
 // Between two nodes a plan is where the model is, and not on the straight way.
-TEST(ClosedLoop, IsNotSteeredByGainsBetweenTicksWhereItGoesAsPlanned) {
+TEST(ClosedLoop, FeedbackChangesNothingOnAPlannedMotion) {
   const auto problem = shared(testing::cartpole_swing_up(6));
   const double dt = problem->knot(0).dt, end = problem->times().back();
   const Trajectory guess = testing::constant_controls(*problem, 0.1);
@@ -336,7 +336,7 @@ TEST(ClosedLoop, KeepsTheBoundsDuringTheFirstDelay) {
   EXPECT_EQ(result.violation, 0);
 }
 
-TEST(ClosedLoop, HasTheKnotsOfItsPlanHoweverSlowTheFeedback) {
+TEST(ClosedLoop, KeepsKnotsOfItsPlanUnderSlowFeedback) {
   const auto problem = testing::balanced_cartpole();  // knots of 0.05 s
   const auto controls = [&](std::optional<double> rate) {
     Mpc mpc(problem, problem->create_trajectory(),
@@ -374,7 +374,7 @@ void expect_balanced(const ClosedLoopResult& result) {
   for (const PlantStep& step : result.steps) EXPECT_TRUE(std::isfinite(step.u[0]));
 }
 
-TEST(ClosedLoop, KeepsItsPlanWhereAMeasurementIsNotFinite) {
+TEST(ClosedLoop, KeepsItsPlanOnNonFiniteMeasurements) {
   Trouble trouble;
   trouble.loop.distort = [](int tick, std::vector<double>& x) {
     if (tick == 6 || tick == 7) x[1] = std::nan("");
@@ -389,7 +389,7 @@ TEST(ClosedLoop, KeepsItsPlanWhereAMeasurementIsNotFinite) {
   EXPECT_EQ(result.ticks[8].plan_age, 0);
 }
 
-TEST(ClosedLoop, FallsBackAfterTicksInARowThatCameTooLate) {
+TEST(ClosedLoop, FallsBackAfterConsecutiveLateTicks) {
   Trouble trouble;
   trouble.options.is_late = [](int tick) { return tick >= 40 && tick < 45; };
   trouble.options.fallback =
@@ -410,7 +410,7 @@ std::function<double()> clock_with(std::function<double()> step) {
   return [time = 0.0, step = std::move(step)]() mutable { return time += step(); };
 }
 
-TEST(ClosedLoop, CountsTicksAsLateWhoseAnswerTookLongerThanATickByTheClock) {
+TEST(ClosedLoop, CountsTicksAsLateByTheClock) {
   Trouble trouble;
   int reads = 0;  // four a tick, around preparation and feedback; the first tick has no last one
   trouble.options.clock = clock_with([&reads] {
@@ -461,7 +461,7 @@ MpcOptions to_tolerances(const ShootingProblem& problem, double horizon) {
 }
 
 // The scale is a power of two: far from the usual size, loops differ in no digit.
-TEST(ClosedLoop, IsTheSameWhateverTheUnitOfItsCosts) {
+TEST(ClosedLoop, IsIndependentOfCostUnits) {
   const auto run = [](const ShootingProblem& usual, MpcOptions options, double unit) {
     const auto problem = shared(scale_costs(usual, unit));
     Mpc mpc(problem, problem->create_trajectory(), with_terminal(*problem, std::move(options)));
@@ -523,7 +523,7 @@ std::shared_ptr<const ShootingProblem> far_goal() {
                                         .last = 80}}));
 }
 
-TEST(ClosedLoop, TakesAPlanThatMissesAGoalByLessThanTheFormerOne) {
+TEST(ClosedLoop, AcceptsPlansThatMissAGoalByLess) {
   const auto problem = far_goal();
   const auto run = [&](bool late) {
     MpcOptions options = to_tolerances(*problem, 1);
@@ -539,7 +539,7 @@ TEST(ClosedLoop, TakesAPlanThatMissesAGoalByLessThanTheFormerOne) {
   EXPECT_EQ(kept.last_state[0], 0) << "the guess stays in force";
 }
 
-TEST(ClosedLoop, PlansThatAreImprovedAreFailuresThatLeadToTheFallback) {
+TEST(ClosedLoop, ImprovedFailingPlansStillLeadToTheFallback) {
   const auto problem = far_goal();
   MpcOptions options = to_tolerances(*problem, 1);
   options.fallback = HeldState{{0, 0}, Eigen::VectorXd::Zero(1), Eigen::MatrixXd::Zero(1, 2)};
@@ -554,7 +554,7 @@ TEST(ClosedLoop, PlansThatAreImprovedAreFailuresThatLeadToTheFallback) {
     EXPECT_NE(result.ticks[tick].outcome, TickOutcome::improved) << "nothing is in force";
 }
 
-TEST(ClosedLoop, AFallbackSettlesWhereTheStateIsWhenItComesIntoForce) {
+TEST(ClosedLoop, FallbackSettlesAtTheStateOfItsActivation) {
   Trouble trouble;
   std::vector<double> seen;
   trouble.options.is_late = [](int tick) { return tick >= 40; };
@@ -600,7 +600,7 @@ void expect_same(const ClosedLoopResult& a, const ClosedLoopResult& b) {
   }
 }
 
-TEST(ClosedLoop, IsTheSameOnEachRunAndForAnyNumberOfThreads) {
+TEST(ClosedLoop, IsReproducibleForAnyThreadCount) {
   Trouble trouble;
   trouble.loop.noise = MeasurementNoise{{1e-2, 1e-2, 1e-2, 1e-2}, 3};
   trouble.loop.duration = 2;
@@ -624,7 +624,7 @@ TEST(ClosedLoop, HasAPlantThatIsNotTheModel) {
   EXPECT_NE(heavier.last_state, model.last_state);
 }
 
-TEST(ClosedLoop, ClipsControlsAtTheBoundsOfThePeriodThatThePlantIsIn) {
+TEST(ClosedLoop, ClipsControlsAtBoundsOfThePlantPeriod) {
   Trouble trouble;
   const auto with_bounds = [](double most) {
     return shared(testing::tracking_problem(

@@ -99,7 +99,7 @@ TEST(DoubleIntegrator, CostsTheOptimumUnderBoundsWhateverTheHorizon) {
   }
 }
 
-TEST(DoubleIntegrator, LosesTheStageCostOfItsValueAtEachTick) {
+TEST(DoubleIntegrator, ValueDropsByTheStageCostEachTick) {
   const Loop loop(testing::kFree, 5, 3);
   const Discrete discrete;
   for (std::size_t j = 0; j + 1 < loop.result.ticks.size(); ++j) {

@@ -7,7 +7,7 @@
 namespace conddp {
 namespace {
 
-TEST(LargestSurvived, IsWithinTheWidthOfTheNumberFromWhichOnNoneIs) {
+TEST(LargestSurvived, IsWithinTheWidthOfTheThreshold) {
   std::vector<double> tried;
   const auto largest = largest_survived(0, 8, 0.125, [&](double value) {
     tried.push_back(value);

@@ -20,7 +20,7 @@ TEST(PlanTrial, OfAnAnswerHasItsCost) {
   EXPECT_EQ(figures.violation, 0);
 }
 
-TEST(PlanTrial, IsAMotionOfTheSystemWhateverTheStatesOfThePlan) {
+TEST(PlanTrial, SimulatesAMotionWhateverThePlannedStates) {
   const auto problem = testing::balanced_cartpole();
   Trajectory plan = testing::constant_controls(*problem, 1), simulated = plan;
   for (int k = 0; k <= problem->knots(); ++k) plan.x(k).setConstant(7);
@@ -53,7 +53,7 @@ TEST(PlanTrial, HasTheLargestViolationOfAHardConstraint) {
               3 - 0.6, 1e-9);
 }
 
-TEST(PlanTrial, PlansAreBetterByTheirViolationAndThenByTheirCost) {
+TEST(PlanTrial, RanksPlansByViolationThenCost) {
   constexpr double kInfinite = std::numeric_limits<double>::infinity();
   EXPECT_TRUE(is_better({1, 9}, {2, 3}, 1e-6));
   EXPECT_FALSE(is_better({2, 3}, {1, 9}, 1e-6));

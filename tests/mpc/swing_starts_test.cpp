@@ -45,7 +45,7 @@ void expect_shares(const std::vector<double>& found, const std::vector<double>& 
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(found[c], share * of[c], 1e-12) << c;
 }
 
-TEST(SwingStarts, OfOneNodeLeadToWhereTheFootIsToLand) {
+TEST(SwingStarts, SingleNodeLeadsToTheLandingPlace) {
   TwoSwings foot;
   foot.swings.swings = {{.nodes = {10}, .references = {kReference}}};
   foot.starts = SwingStarts(foot.swings, foot.line);
@@ -53,7 +53,7 @@ TEST(SwingStarts, OfOneNodeLeadToWhereTheFootIsToLand) {
   expect_shares(foot.displacement(10), {0.02, -0.01, 0.03}, 0);
 }
 
-TEST(SwingStarts, LeadFromWhereTheFootLiftsOffToWhereItIsToLand) {
+TEST(SwingStarts, LeadFromLiftOffToTheLandingPlace) {
   TwoSwings foot;
   const std::vector<double> beside = {0.02, -0.01, 0.03};
   foot.see(0.3, 10, beside);
@@ -65,7 +65,7 @@ TEST(SwingStarts, LeadFromWhereTheFootLiftsOffToWhereItIsToLand) {
   expect_shares(foot.displacement(20), beside, 0);  // begins where the first one ends
 }
 
-TEST(SwingStarts, StayAsTheyWereAtLiftOffDuringASwing) {
+TEST(SwingStarts, StayAtLiftOffValuesDuringASwing) {
   TwoSwings foot;
   const std::vector<double> beside = {0.02, -0.01, 0.03}, later = {0.3, 0, 0};
   foot.see(0.5, 10, beside);

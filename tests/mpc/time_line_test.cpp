@@ -32,7 +32,7 @@ TEST(TimeLine, CutsKnotsWhereAWindowBeginsAndEnds) {
   EXPECT_DOUBLE_EQ(knots[2].end, 0.2);
 }
 
-TEST(TimeLine, HasNoSliversOfKnotsWhereTimesAreRounded) {
+TEST(TimeLine, RoundedTimesCreateNoSliverKnots) {
   const TimeLine line(shared(testing::pendulum_swing_up()), false);
   for (int k = 0; k < 40; ++k) {
     const auto knots = cut(line, k * 0.06, (k + 10) * 0.06);
@@ -56,7 +56,7 @@ TEST(TimeLine, EndsOrHoldsItsLastKnot) {
 }
 
 // Beside 1e9 s the rounding of times exceeds what counts as the same time.
-TEST(TimeLine, IsCutToItsEndHoweverLateThatIs) {
+TEST(TimeLine, IsCutAtItsEndHoweverLate) {
   const TimeLine held(shared(testing::pendulum_swing_up()), true);
   for (const double from : {1e9 + 0.01, 1e12, 1e17}) {
     const auto knots = cut(held, from, from + 64);
@@ -68,7 +68,7 @@ TEST(TimeLine, IsCutToItsEndHoweverLateThatIs) {
 }
 
 // The hopper is 0.1 s in the air, its foot then stops at an impulse, knot 10.
-TEST(TimeLine, HasAnInstantInTheWindowThatBeginsAtIt) {
+TEST(TimeLine, IncludesInstantsAtTheWindowStart) {
   const TimeLine line(shared(testing::landing()), false);
   EXPECT_EQ(cut(line, 0.05, 0.1).size(), 5u);
   const auto later = cut(line, 0.1, 0.12);

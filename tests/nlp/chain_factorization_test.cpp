@@ -117,7 +117,7 @@ TEST(ChainFactorization, LetsPivotsWaitWhereDiagonalsAreZero) {
   expect_solved(system, factorization, 1e-10);
 }
 
-TEST(ChainFactorization, SolvesSystemsOfEntriesThatDifferByManyOrders) {
+TEST(ChainFactorization, SolvesSystemsWithWidelyScaledEntries) {
   std::mt19937 generator(5);
   SparseSystem system = horizon(10, 3, 2, 1, generator);
   std::vector<double> unit(static_cast<std::size_t>(system.size));
@@ -159,7 +159,7 @@ TEST(ChainFactorization, CallsAMatrixWithAnEmptyRowSingular) {
   EXPECT_EQ(factorization.factorize(system.values.data(), kChainTolerance), ChainOutcome::singular);
 }
 
-TEST(ChainFactorization, CallsAMatrixOfNumbersThatAreNotFiniteSingular) {
+TEST(ChainFactorization, CallsNonFiniteMatricesSingular) {
   SparseSystem system;
   system.add(0, 0, std::nan(""));
   system.add(1, 1, 1);

@@ -23,7 +23,7 @@ Vector3d cone_slope(const ConeRow& row, const Vector3d& g) {
   return slope;
 }
 
-TEST(ConeRow, HasTheDerivativesOfItsDifferencesAlsoAtTheTip) {
+TEST(ConeRow, DerivativesMatchDifferencesAlsoAtTheTip) {
   std::mt19937_64 engine(1);
   constexpr double kStep = 1e-6;
   for (const ConeRow::Form form : kConeForms)
@@ -68,7 +68,7 @@ TEST(ConeRow, IsWeakerByItsSmoothingAtMost) {
     }
 }
 
-TEST(ConeRow, OfTheDistanceSaysHowFarOutsidePointsAre) {
+TEST(ConeRow, DistanceMeasuresHowFarOutsidePointsAre) {
   const ConeRow row{ConeRow::Form::distance, 0};
   const Vector3d g(3, 4, 1);
   Vector3d outside;
@@ -77,7 +77,7 @@ TEST(ConeRow, OfTheDistanceSaysHowFarOutsidePointsAre) {
 }
 
 /// On the axis, where forces of feet that stand still are.
-TEST(ConeRow, OfTheSurfaceBendsOnTheAxisAsTheHeightAboveTheTipTells) {
+TEST(ConeRow, SurfaceCurvatureOnAxisFollowsHeightAboveTip) {
   Eigen::MatrixXd curvature = Eigen::MatrixXd::Zero(3, 3);
   ConeRow{ConeRow::Form::surface, 1e-9}.add_curvature(
       Vector3d(0, 0, 5), Eigen::MatrixXd::Identity(3, 3), 1, curvature);
@@ -93,7 +93,7 @@ TEST(ConeRow, HasMultipliersInThePolarConeEverywhere) {
     }
 }
 
-TEST(ConeRow, FindsTheMultiplierThatStandsForAVectorOnTheSurface) {
+TEST(ConeRow, FindsMultiplierOfASurfaceVector) {
   for (const ConeRow::Form form : kConeForms) {
     const ConeRow row{form, 0};
     const Vector3d nu = -2.5 * cone_slope(row, Vector3d(1.8, 2.4, 3));

@@ -67,7 +67,7 @@ Eigen::MatrixXd schur_of(const DenseFront& front) {
 
 class Fronts : public ::testing::TestWithParam<int> {};
 
-TEST_P(Fronts, AreProductsOfTheirFactorsWhenAllIsEliminated) {
+TEST_P(Fronts, AreProductsOfTheirFactors) {
   const Eigen::MatrixXd A = indefinite(GetParam(), 3);
   DenseFront front = front_of(A, GetParam());
   front.eliminate(kFrontTolerance);
@@ -102,7 +102,7 @@ TEST_P(Fronts, HaveFactorsWithinTheToleranceOfPivots) {
 INSTANTIATE_TEST_SUITE_P(Sizes, Fronts, ::testing::Values(2, 3, 5, 8, 17, 40),
                          ::testing::PrintToStringParamName());
 
-TEST(DenseFront, LeavesACandidateThatIsSmallBesideTheRest) {
+TEST(DenseFront, SkipsRelativelySmallPivotCandidates) {
   const Eigen::Matrix2d A{{0.05, 1}, {1, 3}};
   DenseFront front = front_of(A, 1);
   front.eliminate(kFrontTolerance);

@@ -86,7 +86,7 @@ ShootingProblem with_cost_state(const std::string& rate_of_x, const std::string&
           {.name = "end", .model = model, .dt = {0}, .cost_scale = {1}, .parameters = {0, 3}}};
 }
 
-TEST(FirstMultipliers, TheCoStateOfACostIsTheSlopeOfItsEnd) {
+TEST(FirstMultipliers, CostateOfACostIsItsTerminalSlope) {
   const ShootingProblem problem = with_cost_state("u - x^3", "x^2 + u^2");
   First first(problem);
   const Eigen::VectorXd weights = first.program.weights_of_cost_states(1e8);
@@ -101,7 +101,7 @@ TEST(FirstMultipliers, TheCoStateOfACostIsTheSlopeOfItsEnd) {
             problem.knots());
 }
 
-TEST(FirstMultipliers, OfStatesThatOthersReadOrWhoseEquationIsStraightAreNotWeighted) {
+TEST(FirstMultipliers, SharedOrLinearStatesAreNotWeighted) {
   const std::vector<std::pair<std::string, std::string>> rates = {{"u - c", "x^2 + u^2"},
                                                                   {"u - x", "x + u"}};
   for (const auto& [of_x, of_c] : rates) {

@@ -95,7 +95,7 @@ TEST(InteriorPoint, FindsAPublishedOptimumInSilence) {
   EXPECT_GT(answer.point.lower[0], 0.5);
 }
 
-TEST(InteriorPoint, FindsTheSamePointWithSystemsOrderedByMinimumFill) {
+TEST(InteriorPoint, MinimumFillOrderingFindsTheSamePoint) {
   HockSchittkowski71 program;
   const InteriorPointAnswer answer = minimise(program, kStart, {}, go_on);
   const InteriorPointAnswer ordered = minimise(program, kStart, {.minimum_fill = true}, go_on);
@@ -110,7 +110,7 @@ std::unique_ptr<SymmetricFactorization> make_counted() {
   return ChainFactorization::make();
 }
 
-TEST(InteriorPoint, FindsTheSamePointWithAFactorizationOfOurs) {
+TEST(InteriorPoint, OwnFactorizationFindsTheSamePoint) {
   HockSchittkowski71 program;
   const InteriorPointAnswer answer = minimise(program, kStart, {}, go_on);
   factorizations_made = 0;
@@ -122,7 +122,7 @@ TEST(InteriorPoint, FindsTheSamePointWithAFactorizationOfOurs) {
   EXPECT_LE((same.point.rows - answer.point.rows).lpNorm<Eigen::Infinity>(), 1e-9);
 }
 
-TEST(InteriorPoint, LeavesLinearSystemsToTheSolverThatAnOptionNames) {
+TEST(InteriorPoint, UsesTheLinearSolverOfTheOption) {
   HockSchittkowski71 program;
   factorizations_made = 0;
   for (const auto& [name, value] :

@@ -34,7 +34,7 @@ Function* openblas_function(const char* name) {
   return library == nullptr ? nullptr : reinterpret_cast<Function*>(dlsym(library, name));
 }
 
-TEST(OneBlasThread, AnOpenBlasUsesOneThreadWhileASolveLasts) {
+TEST(OneBlasThread, LimitsOpenBlasToOneThreadDuringSolves) {
   OneBound program;
   const Eigen::VectorXd start = Eigen::VectorXd::Constant(1, 3);
   const auto go_on = [](const InteriorPointIterate&) { return true; };

@@ -60,7 +60,7 @@ Trajectory random_trajectory(const ShootingProblem& problem, double size, std::m
   return t;
 }
 
-TEST(Transcription, DerivativesAgreeWithDifferencesFarFromTheChartsCentres) {
+TEST(Transcription, DerivativesMatchDifferencesFarFromChartCentres) {
   std::mt19937_64 engine(5);
   std::vector<ShootingProblem> problems;
   problems.push_back(testing::pendulum_swing_up(3));
@@ -236,7 +236,7 @@ TEST(Transcription, KnowsRowsThatTieStatesToControls) {
 }
 
 /// Whatever was asked for before, at this point or another.
-TEST(Transcription, HessiansMayChangeTheirKindFromOneToTheNext) {
+TEST(Transcription, HessiansMayChangeKindBetweenCalls) {
   std::mt19937_64 engine(9);
   for (const ShootingProblem& problem :
        {constrained_quadrotor(), testing::landing(), euler_cartpole()}) {
@@ -272,7 +272,7 @@ TEST(Transcription, HessiansMayChangeTheirKindFromOneToTheNext) {
   }
 }
 
-TEST(Transcription, ConstraintsOnTheGivenStateAloneAreNoRows) {
+TEST(Transcription, ConstraintsOnTheGivenStateAddNoRows) {
   const ShootingProblem free = testing::cartpole_swing_up(3);
   const auto with_first = [&](int first) {
     return testing::with_constraints(free, {{.name = "track",
@@ -314,7 +314,7 @@ ShootingProblem chosen_angle(int coordinate, int first) {
                                      .last = 100}});
 }
 
-TEST(Transcription, ConstraintsOnWhatAChoiceLeavesGivenAreNoRows) {
+TEST(Transcription, ConstraintsOnUnchosenInitialStatesAddNoRows) {
   const auto rows = [](int coordinate, int first) {
     const ShootingProblem problem = chosen_angle(coordinate, first);
     Evaluator evaluator(problem);
@@ -324,7 +324,7 @@ TEST(Transcription, ConstraintsOnWhatAChoiceLeavesGivenAreNoRows) {
   EXPECT_EQ(rows(1, 1), rows(1, 2) + 1) << "the angle is chosen";
 }
 
-TEST(Transcription, KnowsTheNodesOfConstraintsThatNothingCanChange) {
+TEST(Transcription, KnowsNodesOfUnchangeableConstraints) {
   const auto given = [](const ShootingProblem& problem) {
     Evaluator evaluator(problem);
     const Transcription program(problem, evaluator, {});

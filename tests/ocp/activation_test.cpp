@@ -73,7 +73,7 @@ TEST(Activation, IsWhatItsDefinitionSays) {
   });
 }
 
-TEST(Activation, HasTheGradientAndTheHessianOfDualNumbers) {
+TEST(Activation, DerivativesMatchDualNumbers) {
   using D = Dual<Lane>;
   at_random_residuals([](const Activation& a, const std::vector<double>& r) {
     double gradient[kComponents], diagonal[kComponents], rank_one = 0;

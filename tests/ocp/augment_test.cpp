@@ -106,7 +106,7 @@ class AugmentedTerm : public testing::TestWithParam<AugmentedKind> {
   }
 };
 
-TEST_P(AugmentedTerm, CostsTheSquareOfTheDistanceUpToTheLimitOfASoftOne) {
+TEST_P(AugmentedTerm, CostsSquaredDistanceUpToSoftLimit) {
   if (GetParam().kind == ConstraintKind::complementarity) return;  // adds derivatives alone
   sampled([](const ConstraintTerm& term, const Sample& sample) {
     const NodeConstraint c = sample.at(term);
@@ -123,7 +123,7 @@ TEST_P(AugmentedTerm, CostsTheSquareOfTheDistanceUpToTheLimitOfASoftOne) {
   });
 }
 
-TEST_P(AugmentedTerm, HasTheSlopeAndTheCurvatureOfDualNumbers) {
+TEST_P(AugmentedTerm, DerivativesMatchDualNumbers) {
   using D = Dual<Lane>;
   sampled([](const ConstraintTerm& term, const Sample& sample) {
     const Augmented<double> at = augmented<double>(term, sample);
@@ -197,7 +197,7 @@ TEST(AugmentedBounds, AreStiffOnTheBoundItself) {
             (std::vector<double>{2, 2, 0, 0}));
 }
 
-TEST(AugmentedCone, IsFlatOnTheConeAndStiffOnThePolarOne) {
+TEST(AugmentedCone, IsFlatOnConeAndStiffOnPolar) {
   const ConstraintTerm cone = term_of(ConstraintKind::second_order_cone, Softness::hard);
   EXPECT_EQ(curvature_at(cone, {2, 3, 6, 7}, {}, {}), std::vector<double>(16, 0.0));
   const std::vector<double> polar = curvature_at(cone, {2, 3, 6, -7}, {}, {});
@@ -229,7 +229,7 @@ TEST(AugmentedPairs, HaveTheDistanceOfTheSmallerOne) {
   }
 }
 
-TEST(AugmentedPairs, AreComplementaryWhereTheLargerOnesHaveNoMultipliers) {
+TEST(AugmentedPairs, AreComplementaryWithoutMultipliersOnLargerValues) {
   const ConstraintTerm pairs = term_of(ConstraintKind::complementarity, Softness::hard);
   const auto off = [&](std::vector<double> g, std::vector<double> nu) {
     return complementarity(pairs, g.data(), nullptr, nullptr, nu.data());
@@ -249,7 +249,7 @@ TEST(AugmentedPairs, AreMadeOfSingleEntriesInPairs) {
   EXPECT_EQ(pairs.active(), pairs.lower());
 }
 
-TEST(BoundComplementarity, IsTheMultiplierTimesTheWayToItsBound) {
+TEST(BoundComplementarity, IsMultiplierTimesDistanceToItsBound) {
   const double infinity = std::numeric_limits<double>::infinity();
   EXPECT_EQ(bound_complementarity(1, -1, 4, 2), 6);
   EXPECT_EQ(bound_complementarity(1, -1, 4, -2), 4);
@@ -261,7 +261,7 @@ TEST(BoundComplementarity, IsTheMultiplierTimesTheWayToItsBound) {
   EXPECT_EQ(bound_complementarity(1, 2, 2, 3), 0);
 }
 
-TEST(PolarCone, IsAsFarFromMultipliersAsTheConeFromTheirOpposites) {
+TEST(PolarCone, DistanceMatchesConeDistanceOfNegatedMultipliers) {
   const ConstraintTerm cone = term_of(ConstraintKind::second_order_cone, Softness::hard);
   RandomNumbers random(32);
   for (int i = 0; i < 40; ++i) {
@@ -275,7 +275,7 @@ TEST(PolarCone, IsAsFarFromMultipliersAsTheConeFromTheirOpposites) {
   EXPECT_EQ(distance_to_polar_cone(inside, kRows), 0);
 }
 
-TEST(SoftBounds, AreComplementaryWhereMultipliersPushWithAllTheyHave) {
+TEST(SoftBounds, AreComplementaryWithMultipliersAtTheirLimit) {
   const ConstraintTerm soft =
       make_constraint("c", control_residual(0, 1), ConstraintKind::bounds, 1, Softness::l1);
   const double lower = -1, upper = 2;
@@ -296,13 +296,13 @@ TEST(SoftBounds, AreComplementaryWhereMultipliersPushWithAllTheyHave) {
   EXPECT_EQ(off(-1, -4.5), 1.5);
 }
 
-TEST(SoftConstraint, HasNoViolationWhereAHardOneHasItsDistance) {
+TEST(SoftConstraint, HasNoViolationUnlikeAHardOne) {
   const ConstraintTerm hard = term_of(ConstraintKind::bounds, Softness::hard);
   const std::vector<double> lower(kRows, -1), upper(kRows, 2), g = {0, 2.5, -3, 1};
   EXPECT_EQ(violation({0, &hard, 0, lower.data(), upper.data()}, g.data()), 2);
 }
 
-TEST(SoftConstraint, CostsItsWeightTimesTheDistanceOrHalfItsSquare) {
+TEST(SoftConstraint, CostsWeightedDistanceOrHalfItsSquare) {
   const std::vector<double> g = {0, 2.5, -3, 4};
   // References and bounds of four rows each, the switch and the weight.
   std::vector<double> parameters = {0, 0, 0, 0, -1, -1, -1, -1, 2, 2, 2, 2, 1, 3};

@@ -119,7 +119,7 @@ class FailedResidual : public ResidualBase<FailedResidual> {
   std::string name_;
 };
 
-TEST(FailedFunctions, AreThoseOfAllTermsOfAllPhasesAndTheEndEachOnce) {
+TEST(FailedFunctions, ListAllTermsOfAllPhasesOnce) {
   const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(1, 1);
   const auto system = linear_system(one, one, Eigen::VectorXd::Zero(1));
   const auto phase_of = [&](Integrator integrator, const std::string& name) {

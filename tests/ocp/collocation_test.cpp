@@ -189,7 +189,7 @@ INSTANTIATE_TEST_SUITE_P(Rules, CollocationOfARule, ::testing::ValuesIn(kRules),
                          [](const auto& rule) { return std::string(info_of(rule.param).name); });
 
 // A step of h of a phase that lasts 1.5 times as long as written is one of 1.5 h.
-TEST(Collocation, OfAFreeDurationIsThatOfTheLongerStepAndHasItsSlope) {
+TEST(Collocation, FreeDurationMatchesLongerStepAndItsSlope) {
   constexpr double kStep = 0.07, kDifference = 1e-6;
   for (const CollocationRule rule : kRules)
     for (const ControlMemory memory : {ControlMemory::none, ControlMemory::linear}) {
@@ -249,7 +249,7 @@ TEST(Collocation, OfAFreeDurationIsThatOfTheLongerStepAndHasItsSlope) {
 }
 
 /// A pendulum in honey: its speed follows the torque within a thousandth of a second.
-TEST(Collocation, CarriesAStiffSystemAtStepsOfWhichRungeKuttaDiverges) {
+TEST(Collocation, HandlesStiffSystemsWhereRungeKuttaDiverges) {
   const auto stiff = pendulum({.inertia = 1, .damping = 1000});
   constexpr double kStep = 0.02;
   constexpr int kSteps = 50;

@@ -73,7 +73,7 @@ TEST(ConstraintSet, TheProjectionsDerivativeIsThatOfDualNumbers) {
     }
 }
 
-TEST(ConstraintSet, DistanceAndComplementarityTellASolutionFromItsNeighbours) {
+TEST(ConstraintSet, DistanceAndComplementarityIdentifySolutions) {
   const auto residual = control_residual(0, 3);
   const ConstraintTerm box = make_constraint("box", residual, ConstraintKind::bounds);
   const ConstraintTerm cone =
@@ -104,7 +104,7 @@ TEST(ConstraintSet, DistanceAndComplementarityTellASolutionFromItsNeighbours) {
   EXPECT_NEAR(distance_to_set(cone, below, nullptr, nullptr), 5, 1e-14);
 }
 
-TEST(ConstraintSet, ComplementarityOfSoftConesLimitsMultipliersAndKeepsThemInThePolarCone) {
+TEST(ConstraintSet, SoftConesLimitMultipliersToThePolarCone) {
   const ConstraintTerm cone = make_constraint("cone", control_residual(0, 3),
                                               ConstraintKind::second_order_cone, 1.0, Softness::l1);
   const auto off = [&](std::vector<double> g, std::vector<double> nu) {
@@ -124,7 +124,7 @@ TEST(ConstraintSet, ComplementarityOfSoftConesLimitsMultipliersAndKeepsThemInThe
   EXPECT_NEAR(off({0, 0, 0}, {0.6, 0.8, 1}), std::sqrt(2.0), 1e-14);
 }
 
-TEST(ConstraintSet, WhatIsNotANumberIsNotInsideTheSet) {
+TEST(ConstraintSet, NaNIsNotInsideTheSet) {
   const ConstraintTerm box = make_constraint("box", control_residual(0, 1), ConstraintKind::bounds);
   const double nan = std::numeric_limits<double>::quiet_NaN(), zero = 0;
   EXPECT_TRUE(std::isnan(distance_to_set(box, &nan, &zero, &zero)));
@@ -244,7 +244,7 @@ Slope slope_along(const KnotCase& c, const Augmentation& augmentation, int direc
   return slope;
 }
 
-TEST(Constraints, JacobiansAndAugmentedGradientsAreThoseOfDualNumbers) {
+TEST(Constraints, DerivativesMatchDualNumbers) {
   for (const KnotCase& c : constrained_cases()) {
     const ShootingProblem problem = problem_of(c, 1);
     const Augmentation augmentation = random_augmentation(problem);
@@ -262,7 +262,7 @@ TEST(Constraints, JacobiansAndAugmentedGradientsAreThoseOfDualNumbers) {
   }
 }
 
-TEST(Constraints, LanesAgreeWithDoubleAndWithTheDefinitionOfTheAugmentation) {
+TEST(Constraints, LanesMatchDoubleAndTheDefinition) {
   for (const KnotCase& c : constrained_cases()) {
     const ShootingProblem problem = problem_of(c, kLaneWidth + 3);
     const Augmentation augmentation = random_augmentation(problem);
@@ -345,7 +345,7 @@ TEST(Constraints, GaussNewtonHessiansAreWithoutNegativeCurvature) {
   }
 }
 
-TEST(Constraints, AugmentedResultsAreTheSameBitsWithOneAndTwoThreads) {
+TEST(Constraints, AugmentedResultsIgnoreTheThreadCount) {
   for (const KnotCase& c : constrained_cases()) {
     const ShootingProblem problem = problem_of(c, 3 * kLaneWidth + 1);
     const Augmentation augmentation = random_augmentation(problem);
@@ -362,7 +362,7 @@ TEST(Constraints, AugmentedResultsAreTheSameBitsWithOneAndTwoThreads) {
   }
 }
 
-TEST(Constraints, ASwitchLeavesThemOutAndRolloutsCountTheRest) {
+TEST(Constraints, SwitchDisablesThemAndRolloutsCountTheRest) {
   RandomNumbers random(15);
   auto model = std::make_shared<KnotModel>(double_integrator(2), Integrator::rk4);
   add_constraints(*model);
@@ -424,7 +424,7 @@ struct SquareCost {
 };
 
 // References, lower and upper bounds, switch and weight.
-TEST(SoftBySquare, RowsCostHalfTheirWeightTimesTheSquareOfTheirDistance) {
+TEST(SoftBySquare, RowsCostHalfWeightedSquaredDistance) {
   const auto of = [](double active, const std::vector<double>& x) {
     return SquareCost(ConstraintKind::bounds, {0.5, 0, -1, -2, 1, 0.5, active, 3}, x);
   };
@@ -437,7 +437,7 @@ TEST(SoftBySquare, RowsCostHalfTheirWeightTimesTheSquareOfTheirDistance) {
 }
 
 // Rows of different numbers, one after the other: each has its own weight and no shift.
-TEST(SoftBySquare, TermsOfAKnotLeaveNothingToEachOther) {
+TEST(SoftBySquare, TermsOfAKnotAreIndependent) {
   KnotModel model(double_integrator(2), Integrator::none);
   std::vector<double> numbers;
   const auto add = [&](const std::shared_ptr<const Residual>& residual, double weight) {
@@ -464,7 +464,7 @@ TEST(SoftBySquare, TermsOfAKnotLeaveNothingToEachOther) {
 }
 
 // ‖3‖ ≤ 1: the nearest point of the cone is (2, 2).
-TEST(SoftBySquare, ConesCostHalfTheirWeightTimesTheSquareOfTheirDistance) {
+TEST(SoftBySquare, ConesCostHalfWeightedSquaredDistance) {
   const SquareCost outside(ConstraintKind::second_order_cone, {0, 0, 1, 3}, {3, 1});
   outside.expect(0.5 * 0.3 * 2, {0.3, -0.3}, Eigen::Matrix2d{{0.15, -0.15}, {-0.15, 0.15}});
   const SquareCost inside(ConstraintKind::second_order_cone, {0, 0, 1, 3}, {1, 3});

@@ -27,7 +27,7 @@ Vector3<double> random_normal(RandomNumbers& random) {
   return (1 / std::sqrt(squared_norm(n))) * n;
 }
 
-TEST(FrictionPyramid, InnerOnesStandInTheConeAndOuterOnesContainItOnAnySlope) {
+TEST(FrictionPyramid, InnerFitsTheConeAndOuterContainsIt) {
   RandomNumbers random(3);
   for (const int faces : {3, 4, 5, 8})
     for (int trial = 0; trial < 50; ++trial) {
@@ -62,7 +62,7 @@ TEST(FrictionPyramid, TouchesTheConeAtFacesOrEdges) {
   }
 }
 
-TEST(WrenchCone, InnerOnesStandInTheConeAndOuterOnesContainIt) {
+TEST(WrenchCone, InnerFitsTheConeAndOuterContainsIt) {
   RandomNumbers random(5);
   const double mu = 0.7, half_x = 0.1, half_y = 0.05;
   const LinearCone inner = wrench_cone({.friction = mu}, half_x, half_y, true);
@@ -118,7 +118,7 @@ MatrixXd corner_rays(double mu, double X, double Y) {
   return rays;
 }
 
-TEST(WrenchCone, FacetsAreThoseOfForcesAtTheCornersOfTheSole) {
+TEST(WrenchCone, FacetsMatchForcesAtSoleCorners) {
   const double mu = 0.7, X = 0.11, Y = 0.06;
   const MatrixXd rays = corner_rays(mu, X, Y);
   const LinearCone cone = wrench_cone({.friction = mu}, X, Y, false);

@@ -86,7 +86,7 @@ class Plain : public ResidualBase<Plain> {
   std::shared_ptr<const Residual> of_;
 };
 
-TEST_P(ContactResiduals, CostsOfLinearImagesAreThoseOfTheirRows) {
+TEST_P(ContactResiduals, CostsOfLinearImagesMatchTheirRows) {
   RandomNumbers random(34);
   const ContactCase& c = GetParam();
   const auto system = std::make_shared<MultibodySystem>(c.robot, Actuation::full(*c.robot),
@@ -127,7 +127,7 @@ TEST_P(ContactResiduals, CostsOfLinearImagesAreThoseOfTheirRows) {
   }
 }
 
-TEST_P(ContactResiduals, ABarrierInsideItsBoundsHasNoSlopeAndLeavesNoCurvatureBehind) {
+TEST_P(ContactResiduals, InactiveBarrierHasNoSlopeOrCurvature) {
   RandomNumbers random(35);
   const ContactCase& c = GetParam();
   const auto system = std::make_shared<MultibodySystem>(c.robot, Actuation::full(*c.robot),

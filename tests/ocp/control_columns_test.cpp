@@ -39,7 +39,7 @@ ShootingProblem pushed_in_turn(const std::vector<std::vector<std::string>>& turn
   return {{0.0}, std::move(phases), std::move(end)};
 }
 
-TEST(ControlColumns, AreThoseOfAllPhasesInTheOrderInWhichTheyAppear) {
+TEST(ControlColumns, ListAllPhasesInOrderOfAppearance) {
   const ShootingProblem problem = pushed_in_turn({{"b", "a"}, {"c", "b"}});
   const ControlColumns columns(problem);
   ASSERT_EQ(columns.count(), 3);
@@ -54,7 +54,7 @@ TEST(ControlColumns, AreThoseOfAllPhasesInTheOrderInWhichTheyAppear) {
     EXPECT_TRUE(std::ranges::equal(columns.columns_of(knot), std::vector<int>{2, 0}));
 }
 
-TEST(ControlColumns, RowsHaveTheNumbersOfTheKnotAndNoneElsewhere) {
+TEST(ControlColumns, RowsHoldNumbersOfTheKnotOnly) {
   const ShootingProblem problem = pushed_in_turn({{"b", "a"}, {"c", "b"}});
   const ControlColumns columns(problem);
   const Eigen::VectorXd row = columns.row(2, Eigen::Vector2d(5, 7));
@@ -71,7 +71,7 @@ TEST(ControlColumns, RowsHaveTheNumbersOfTheKnotAndNoneElsewhere) {
             (Json{{"b", 1}, {"a", 2}, {"c", 3}}));
 }
 
-TEST(ControlColumns, OfOneSetOfControlsAreTheKnotsOwn) {
+TEST(ControlColumns, SingleControlSetMatchesTheKnot) {
   const ShootingProblem problem = pushed_in_turn({{"a", "b"}, {"a", "b"}});
   const ControlColumns columns(problem);
   EXPECT_EQ(columns.count(), 2);

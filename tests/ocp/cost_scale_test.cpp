@@ -44,7 +44,7 @@ TEST(CostScale, IsOneForWeightsOfUsualSize) {
   EXPECT_EQ(cost_scale(weighted(1e-13, 1)), 1) << "a negligible weight";
 }
 
-TEST(CostScale, BringsTheMiddleOfTheWeightsToTheUsualOne) {
+TEST(CostScale, BringsMedianWeightToTheUsualOne) {
   EXPECT_EQ(cost_scale(weighted(0x1p-19, 0x1p-20)), 0x1p15);
   EXPECT_EQ(cost_scale(weighted(0x1p-15, 0x1p-24)), 0x1p15);
   EXPECT_EQ(cost_scale(weighted(0x1p9, 0x1p8)), 0x1p-13);
@@ -61,7 +61,7 @@ TEST(LeastCost, FollowsTheLeastWeight) {
   EXPECT_TRUE(std::isinf(least_cost(weighted(0, 0))));
 }
 
-TEST(ScaledCosts, AreSoManyTimesAsLargeAndTheRestStays) {
+TEST(ScaledCosts, ScaleByTheFactorAndKeepTheRest) {
   const ShootingProblem problem = weighted(3, 5, {1, 2}, 0.7), twice = scale_costs(problem, 2);
   Trajectory trajectory = problem.create_trajectory();
   trajectory.u(0)[0] = 1;

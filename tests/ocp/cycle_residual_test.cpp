@@ -29,7 +29,7 @@ Cycle cycle_of(bool floating, RandomNumbers& random) {
   return cycle;
 }
 
-TEST(CycleResidual, IsTheWayFromTheChosenStartWithItsOffset) {
+TEST(CycleResidual, IsDistanceFromChosenStartWithOffset) {
   RandomNumbers random(41);
   for (const bool floating : {false, true}) {
     const Cycle cycle = cycle_of(floating, random);
@@ -94,7 +94,7 @@ Eigen::MatrixXd values_and_jacobian(const Cycle& cycle, const std::vector<int>& 
   return rows;
 }
 
-TEST(CycleResidual, HasTheRowsOfAllCoordinatesButThoseThatAreLeftOut) {
+TEST(CycleResidual, HasRowsOfAllIncludedCoordinates) {
   RandomNumbers random(43);
   for (const bool floating : {false, true}) {
     const Cycle cycle = cycle_of(floating, random);
@@ -113,7 +113,7 @@ TEST(CycleResidual, HasTheRowsOfAllCoordinatesButThoseThatAreLeftOut) {
 }
 
 // Numbers before, between and behind a pose and a rotation, of which some were chosen.
-TEST(CycleResidual, HasItsDerivativesWhereverCurvedPartsOfTheStateAre) {
+TEST(CycleResidual, HasDerivativesOnCurvedStateParts) {
   using Part = StateManifold::Part;
   using D = Dual<Lane>;
   StateManifold manifold = StateManifold::flat(2);

@@ -102,7 +102,7 @@ std::pair<Vector3d, Vector3d> ends(const RobotModel& robot, const RobotData<doub
   return {put(m.R * c.from + m.p), put(m.R * c.to + m.p)};
 }
 
-TEST(DistanceResidual, IsTheDistanceOfTheSurfacesInTheWorld) {
+TEST(DistanceResidual, IsDistanceBetweenSurfacesInTheWorld) {
   RandomNumbers random(7);
   for (const bool floating : {false, true}) {
     const auto robot =
@@ -206,7 +206,7 @@ TEST(DistanceResidual, DerivativesAreThoseOfDualNumbers) {
   }
 }
 
-TEST(DistanceResidual, HasDerivativesWhereCapsulesAreParallelOrTheirAxesMeet) {
+TEST(DistanceResidual, HasDerivativesForParallelAndCrossingCapsules) {
   // An arm stretched out along z: capsules along its links lie on one line, and one that is fixed
   // beside it is parallel to them.
   const UrdfResult loaded =

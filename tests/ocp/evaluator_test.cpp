@@ -128,7 +128,7 @@ void expect_equal(const Trajectory& a, const Trajectory& b) {
   }
 }
 
-TEST(Rollout, FollowsItsPolicyWithGapsAndBoundsInEveryLaneAndAlone) {
+TEST(Rollout, FollowsPolicyGapsAndBoundsInEveryLane) {
   const TwoPhases of;
   const PolicyCase at(of.problem);
   Evaluator evaluator(of.problem);
@@ -171,7 +171,7 @@ TEST(Evaluator, SimulatesControlsFromTheInitialState) {
   EXPECT_EQ(Evaluator(of.problem).simulate(wild), 3);
 }
 
-TEST(Evaluator, GivesGapsCostsAndConstraintsOfEveryNodeWithAnyNumberOfThreads) {
+TEST(Evaluator, ReturnsGapsCostsAndConstraintsForAnyThreads) {
   const TwoPhases of;
   const PolicyCase at(of.problem);
   const Trajectory& t = at.reference;
@@ -206,7 +206,7 @@ TEST(Evaluator, GivesGapsCostsAndConstraintsOfEveryNodeWithAnyNumberOfThreads) {
 }
 
 // On the manifold the derivative of the gradient alone is not.
-TEST(Evaluator, ExactHessiansOfDualNumbersAreSymmetricAtEveryKnot) {
+TEST(Evaluator, ExactHessiansAreSymmetricAtEveryKnot) {
   const ShootingProblem problem = testing::quadrotor_move();
   RandomNumbers random(6);
   Trajectory t = problem.create_trajectory();
@@ -248,7 +248,7 @@ int checkpoints_of(Call call) {
   return count;
 }
 
-TEST(Checkpoints, AreAThousandKnotsApartInRolloutsAndAThousandGroupsElsewhere) {
+TEST(Checkpoints, ComeEveryThousandKnotsOrGroups) {
   constexpr int kKnots = 2 * kKnotsBetweenCheckpoints + 3;
   const ShootingProblem problem = long_horizon(kKnots);
   Evaluator evaluator(problem);
@@ -283,7 +283,7 @@ TEST(Checkpoints, AreAThousandKnotsApartInRolloutsAndAThousandGroupsElsewhere) {
   }
 }
 
-TEST(Checkpoints, OfTheInnermostScopeCountAndMayAbandonTheLoop) {
+TEST(Checkpoints, InnermostScopeCountsAndMayAbandonTheLoop) {
   const ShootingProblem problem = long_horizon(kKnotsBetweenCheckpoints);
   Evaluator evaluator(problem);
   Trajectory t = problem.create_trajectory();

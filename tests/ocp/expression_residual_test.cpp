@@ -84,7 +84,7 @@ TEST(ExpressionResiduals, GradientsAreThoseOfDualNumbers) {
     }
 }
 
-TEST(ExpressionResiduals, ExactHessiansComeByPartsAndAreThoseOfDualNumbers) {
+TEST(ExpressionResiduals, PartwiseExactHessiansMatchDualNumbers) {
   RandomNumbers random(62);
   for (const auto& [name, system] : systems_with_names()) {
     if (system->kind() != SystemKind::second_order || name == "cartpole") continue;
@@ -180,7 +180,7 @@ TEST(ExpressionResiduals, ConstantRowsAreAllowedWhereTimeCosts) {
   EXPECT_NEAR(values_of(*residual, *system, {2, 3, 4}, {0, 0})[0], 2 * M_PI, 1e-15);
 }
 
-TEST(ExpressionResiduals, TimeIsAParameterUnlessItIsAColumn) {
+TEST(ExpressionResiduals, TimeIsAParameterUnlessAColumn) {
   const auto system = unicycle();
   const KnotModel model(system, Integrator::rk4);
   ExpressionResidualText text{.names = knot_names(*system),
@@ -209,7 +209,7 @@ TEST(ExpressionResiduals, TimeIsAParameterUnlessItIsAColumn) {
 }
 
 // Rows of times alone: what each is without the durations, and s the share of each of these.
-TEST(ExpressionResiduals, TimesGrowWithTheFreeDurationsByTheirShares) {
+TEST(ExpressionResiduals, TimesGrowWithShareOfFreeDurations) {
   const auto system = unicycle();
   const KnotModel model(system, Integrator::rk4);
   const auto residual = expression_residual(model, {.names = knot_names(*system),
@@ -308,7 +308,7 @@ TEST(ExpressionResiduals, WrongTextsHaveAPlace) {
 
 // (x − 0.5)(θ + 1) + (v − 0.1)² and y (ω + 0.2), where the factors are rows of other residuals with
 // references of their own.
-TEST(ExpressionResiduals, NameRowsOfOtherResidualsWithTheirOwnReferences) {
+TEST(ExpressionResiduals, NameRowsOfOtherResidualsWithOwnReferences) {
   const auto system = unicycle();
   KnotModel model(system, Integrator::rk4);
   const auto residual = expression_residual(

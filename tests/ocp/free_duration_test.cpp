@@ -74,7 +74,7 @@ TEST(FreeDuration, DerivativesAreThoseOfDualNumbers) {
       }
 }
 
-TEST(FreeDuration, OfATrajectoryAreTheTimesThatItsStatesSay) {
+TEST(FreeDuration, TimesOfATrajectoryFollowItsStates) {
   const auto model = held_pendulum(Integrator::rk4, 1);
   model->set_free_duration({.choice = 0, .written = 0.4});
   auto end = std::make_shared<KnotModel>(pendulum({}), Integrator::none, ControlMemory::none, 1);

@@ -69,7 +69,7 @@ TEST(Integrals, DerivativesAreThoseOfDualNumbers) {
   }
 }
 
-TEST(Integrals, AreOfOneRowAndOfACarriedNumber) {
+TEST(Integrals, HaveOneRowAndOneCarriedNumber) {
   KnotModel model(pendulum({}), Integrator::rk4, ControlMemory::none, 1);
   EXPECT_THROW(model.add_integral("two rows", state_residual(model.manifold()), 0),
                std::invalid_argument);

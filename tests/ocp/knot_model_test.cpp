@@ -55,7 +55,7 @@ std::vector<KnotCase> all_cases() {
   return cases;
 }
 
-TEST(KnotModel, JacobiansAndGradientsAreThoseOfDualNumbersThroughTheStep) {
+TEST(KnotModel, DerivativesMatchDualNumbersThroughTheStep) {
   for (const KnotCase& c : all_cases()) {
     const ShootingProblem problem = problem_of(c, 1);
     Evaluator evaluator(problem);
@@ -90,7 +90,7 @@ TEST(KnotModel, TransposedProductsAgreeWithTheDenseJacobian) {
   }
 }
 
-TEST(Evaluator, LanesAgreeWithDoubleForEveryKnotOfARaggedGroup) {
+TEST(Evaluator, LanesMatchDoubleInRaggedGroups) {
   for (const KnotCase& c : all_cases()) {
     const ShootingProblem problem = problem_of(c, kLaneWidth + 3);
     const Trajectory t = random_trajectory(problem, 21);
@@ -118,7 +118,7 @@ TEST(Evaluator, LanesAgreeWithDoubleForEveryKnotOfARaggedGroup) {
   }
 }
 
-TEST(Evaluator, ResultsAreTheSameBitsWithOneAndTwoThreads) {
+TEST(Evaluator, ResultsIgnoreTheThreadCount) {
   for (const KnotCase& c : all_cases()) {
     const ShootingProblem problem = problem_of(c, 3 * kLaneWidth + 1);
     const Trajectory t = random_trajectory(problem, 22);
@@ -135,7 +135,7 @@ TEST(Evaluator, ResultsAreTheSameBitsWithOneAndTwoThreads) {
   }
 }
 
-TEST(KnotModel, BarriersAreBehindOtherCostsInThePatternWhicheverCameFirst) {
+TEST(KnotModel, BarriersFollowOtherCostsInThePattern) {
   const auto system = test_systems().front().second;
   const auto add_cost = [](KnotModel& model) {
     model.add_cost("state", state_residual(model.manifold()), {});
@@ -227,7 +227,7 @@ double lagrangian_slope(const KnotCase& c, const Eigen::VectorXd& lambda, int i,
   return slope;
 }
 
-TEST(Evaluator, LagrangianHessianIsTheSecondDerivativeOnTheManifold) {
+TEST(Evaluator, LagrangianHessianMatchesManifoldSecondDerivative) {
   for (const KnotCase& c : all_cases()) {
     const ShootingProblem problem = problem_of(c, 1);
     Evaluator evaluator(problem);
@@ -252,7 +252,7 @@ TEST(Evaluator, LagrangianHessianIsTheSecondDerivativeOnTheManifold) {
   }
 }
 
-TEST(KnotModel, RungeKuttaRulesHaveTheirOrderOnCurvedSpaces) {
+TEST(KnotModel, RungeKuttaRulesReachTheirOrderOnManifolds) {
   const auto robot = std::make_shared<RobotModel>(
       random_robot(4, {.joints = 2, .floating = true, .rotors = false, .wrenches = 0}));
   const auto system = std::make_shared<MultibodySystem>(robot, Actuation::full(*robot));
@@ -288,7 +288,7 @@ TEST(KnotModel, RungeKuttaRulesHaveTheirOrderOnCurvedSpaces) {
   }
 }
 
-TEST(Evaluator, ARolloutWithFullStepAndContractedGapsClosesThem) {
+TEST(Evaluator, FullStepRolloutClosesContractedGaps) {
   RandomNumbers random(3);
   const auto system = quadrotor({});
   auto model = std::make_shared<KnotModel>(system, Integrator::semi_implicit_euler);
@@ -319,7 +319,7 @@ TEST(Evaluator, ARolloutWithFullStepAndContractedGapsClosesThem) {
   }
 }
 
-TEST(Evaluator, ALaneThatDivergesNamesItsKnotAndLeavesTheOthersAlone) {
+TEST(Evaluator, DivergedLaneNamesItsKnotAndSparesOthers) {
   const auto system = linear_system(Eigen::MatrixXd::Constant(1, 1, 1e200),
                                     Eigen::MatrixXd::Identity(1, 1), Eigen::VectorXd::Zero(1));
   auto model = std::make_shared<KnotModel>(system, Integrator::discrete);

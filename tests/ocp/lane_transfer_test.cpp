@@ -34,7 +34,7 @@ TEST(LaneTransfer, GatheringTakesEveryNumberOfEveryKnot) {
     }
 }
 
-TEST(LaneTransfer, ScatteringWritesWhatBelongsToTheKnotsAndNothingElse) {
+TEST(LaneTransfer, ScatteringWritesOnlyItsKnots) {
   for (int n = 0; n <= 3 * kLaneWidth + 1; ++n)
     for (int knots = 1; knots <= kLaneWidth; ++knots) {
       AlignedVector<Lane> from(n);

@@ -69,7 +69,7 @@ void expect_rows(const Rows<S>& rows, const std::vector<double>& values,
 }
 
 // (1.5 sin(its first state), u times its second one), of the fourth and the second number.
-TEST(LibraryResidual, ReadsItsStatesAndControlWhereTheKnotHasThem) {
+TEST(LibraryResidual, ReadsStatesAndControlOfTheKnot) {
   const auto residual =
       make_library_residual(compiled("reach", {1.5}), {.states = {3, 1}, .clock = -1, .ndx = 4});
   EXPECT_TRUE(residual->needs_control());
@@ -82,14 +82,14 @@ TEST(LibraryResidual, ReadsItsStatesAndControlWhereTheKnotHasThem) {
 }
 
 // (1.5 sin(its first state), u times its second one), of the first and the third number.
-TEST(LibraryResidual, DifferentiatesByTheFirstNumberOfTheKnotToo) {
+TEST(LibraryResidual, DifferentiatesByTheFirstColumnToo) {
   const auto residual =
       make_library_residual(compiled("reach", {1.5}), {.states = {0, 2}, .clock = -1, .ndx = 4});
   expect_rows(Rows<double>(residual, {0, 0}), {1.5 * std::sin(0.3), 2.5 * 0.2},
               {{1.5 * std::cos(0.3), 0, 0, 0, 0}, {0, 0, 2.5, 0, 0.2}});
 }
 
-TEST(LibraryResidual, ReadsTheTimeFromItsClockOrFromTheKnot) {
+TEST(LibraryResidual, ReadsTimeFromClockOrKnot) {
   const auto with_clock =
       make_library_residual(compiled("late"), {.states = {1, 3}, .clock = 2, .ndx = 4});
   EXPECT_EQ(with_clock->parameter_count(), 1);

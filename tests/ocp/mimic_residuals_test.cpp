@@ -93,7 +93,7 @@ TEST(MimicResiduals, TerminalNodesSeeTheFullRobot) {
   }
 }
 
-TEST(MimicResiduals, ControlGravityAtRestIsWhatAcceleratesAllJoints) {
+TEST(MimicResiduals, ControlGravityAtRestMatchesInverseDynamics) {
   // Without wrenches B u − g = Gᵀ M G a, here from inverse dynamics of the full robot.
   RandomNumbers random(73);
   for (auto [name, robot] : mimic_robots()) {

@@ -53,7 +53,7 @@ TEST(NodeValues, AreWhatEachNodeWrites) {
 }
 
 /// The forces are those at the knot's own state, also where the step evaluates others.
-TEST(NodeValues, HaveTheForcesOfTheContactsThatAreHeld) {
+TEST(NodeValues, IncludeForcesOfHeldContacts) {
   for (const Integrator integrator : {Integrator::semi_implicit_euler, Integrator::rk4}) {
     const ShootingProblem problem = held_block(integrator);
     Trajectory t = moved(problem);

@@ -98,7 +98,7 @@ TEST(ShootingProblem, GetsOtherNumbersForItsNodes) {
   EXPECT_THROW(problem.set_numbers({numbers.data(), 2}), std::invalid_argument);
 }
 
-TEST(ShootingProblem, KnowsWhichKnotsTakeNoTimeAndWhichHaveBounds) {
+TEST(ShootingProblem, KnowsInstantaneousAndBoundedKnots) {
   const auto model = masses(1, Integrator::semi_implicit_euler);
   Phase instant = phase_of(model, {1});
   instant.instant = true;
@@ -175,7 +175,7 @@ TEST(Contradiction, IsFoundOnEitherSide) {
   EXPECT_NEAR(found->upper, 1, 1e-15);
 }
 
-TEST(Contradiction, IsNoneBetweenBoundsThatMeetOrOfOtherCoordinatesOrNodes) {
+TEST(Contradiction, IgnoresTouchingBoundsAndOtherCoordinatesOrNodes) {
   HeldMass mass;
   mass.hold("first", {-1, 0.1}, {1, 2}, true);
   for (const double r : {0.0, 0.1, 0.3, 0.7, 1.1})  // but for rounding

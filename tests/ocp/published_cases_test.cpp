@@ -56,7 +56,7 @@ TEST(PublishedCases, PendulumStartsAtItsPublishedCost) {
       4.913747482, 1e-9);
 }
 
-TEST(PublishedCases, CartpoleStartsAtItsPublishedCostWithKuttasThirdOrderRule) {
+TEST(PublishedCases, CartpoleMatchesPublishedCostWithKutta3) {
   EXPECT_NEAR(initial_cost({cartpole({}),
                             Integrator::rk3,
                             101,
@@ -70,7 +70,7 @@ TEST(PublishedCases, CartpoleStartsAtItsPublishedCostWithKuttasThirdOrderRule) {
               494.453188503, 1e-9);
 }
 
-TEST(PublishedCases, CartpoleStartsAtItsPublishedCostWithTheFourthOrderRule) {
+TEST(PublishedCases, CartpoleMatchesPublishedCostWithFourthOrder) {
   EXPECT_NEAR(initial_cost({cartpole({}),
                             Integrator::rk4,
                             101,
@@ -98,7 +98,7 @@ TEST(PublishedCases, AcrobotStartsAtItsPublishedCost) {
               518.154231057, 1e-9);
 }
 
-TEST(PublishedCases, UnicycleAmongThreeObstaclesStartsAtItsPublishedCost) {
+TEST(PublishedCases, UnicycleAmongThreeObstaclesMatchesPublishedCost) {
   EXPECT_NEAR(
       initial_cost(
           {unicycle(), Integrator::rk4, 101, 5, 1, 0.5, 10, {0, 0, 0}, {3, 3, 0}, {0.01, 0.01}}),

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
-TEST(RowsByDuration, AreTheBoundsThatThereAreMeasuredFromZero) {
+TEST(RowsByDuration, MeasureExistingBoundsFromZero) {
   const RowsByDuration made =
       rows_by_duration(ConstraintKind::bounds, 5, {-1, 2, -kUnbounded, 4, -kUnbounded},
                        {1, 2, 3, kUnbounded, kUnbounded});
@@ -124,7 +124,7 @@ TEST_F(ByDuration, ANormIsFormedBeforeItGrows) {
          Eigen::VectorXd::Constant(1, 2.5 * (norm - 0.5)), jacobian);
 }
 
-TEST_F(ByDuration, IsOfConstraintsThatAreSoftByTheirDistance) {
+TEST_F(ByDuration, CoversConstraintsSoftByDistance) {
   const RowsByDuration rows = rows_by_duration(ConstraintKind::bounds, 1, {-1}, {1});
   for (const Softness softness : {Softness::hard, Softness::l2})
     EXPECT_THROW(by_duration(make_constraint("c", control_residual(4, 1), ConstraintKind::bounds, 1,

@@ -67,7 +67,7 @@ std::vector<double> moved(const MultibodySystem& system, const std::vector<doubl
   return next;
 }
 
-TEST(ResidualValues, VelocitiesOfFramesAreTheRatesOfTheirPositions) {
+TEST(ResidualValues, FrameVelocitiesAreRatesOfPositions) {
   RandomNumbers random(32);
   constexpr double kTime = 1e-5;
   for (const bool floating : {false, true}) {
@@ -108,7 +108,7 @@ TEST(ResidualValues, VelocitiesOfFramesAreTheRatesOfTheirPositions) {
   }
 }
 
-TEST(ResidualValues, MomentumIsTheMassTimesTheRateOfItsCentre) {
+TEST(ResidualValues, MomentumIsMassTimesCentreVelocity) {
   RandomNumbers random(33);
   constexpr double kTime = 1e-5;
   for (const bool floating : {false, true}) {

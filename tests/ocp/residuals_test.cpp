@@ -21,7 +21,7 @@ std::vector<std::shared_ptr<const MultibodySystem>> robots() {
   return systems;
 }
 
-TEST(Residuals, GradientsOfEveryResidualThroughEveryActivationAreThoseOfDualNumbers) {
+TEST(Residuals, AllGradientsMatchDualNumbersForAllActivations) {
   RandomNumbers random(17);
   const ActivationKind kinds[] = {ActivationKind::quadratic, ActivationKind::quadratic_barrier,
                                   ActivationKind::smooth_l1, ActivationKind::smooth_l2,
@@ -53,7 +53,7 @@ TEST(Residuals, GradientsOfEveryResidualThroughEveryActivationAreThoseOfDualNumb
     }
 }
 
-TEST(Residuals, GradientsOnFiveRobotsAreThoseOfDualNumbers) {
+TEST(Residuals, GradientsOnFiveRobotsMatchDualNumbers) {
   RandomNumbers random(18);
   for (const TestRobot& robot : five_robots()) {
     const auto model_of = load(robot);
@@ -96,7 +96,7 @@ TEST(Residuals, DeclaredStructureCoversEveryDependence) {
   }
 }
 
-TEST(Residuals, PlacementErrorIsTheTwistThatTurnsTheReferenceIntoTheFrame) {
+TEST(Residuals, PlacementErrorIsTwistFromReferenceToFrame) {
   const auto system = robots().back();
   RandomNumbers random(23);
   auto model = std::make_shared<KnotModel>(system, Integrator::semi_implicit_euler);
@@ -116,7 +116,7 @@ TEST(Residuals, PlacementErrorIsTheTwistThatTurnsTheReferenceIntoTheFrame) {
   for (int i = 0; i < 6; ++i) EXPECT_NEAR(r[i], -twist[i], 1e-12);
 }
 
-TEST(Residuals, StateWithoutSomeCoordinatesHasTheRowsOfTheOthers) {
+TEST(Residuals, ExcludedCoordinatesLeaveTheOtherRows) {
   StateManifold manifold = StateManifold::flat(2);
   manifold.append(StateManifold::Part::se3);
   manifold.append(StateManifold::Part::flat, 4);

@@ -141,7 +141,7 @@ bool redundant(const MultibodySystem& system) {
          static_cast<const MultibodySystem::Data<double>&>(*data).contacts.compliant;
 }
 
-TEST(SecondDerivatives, HessiansByPartsAreThoseOfDualNumbersThroughEverything) {
+TEST(SecondDerivatives, PartwiseHessiansMatchDualNumbers) {
   RandomNumbers random(41);
   int known = 0;
   const int stride = kSmallSizes ? 20 : 1;
@@ -166,7 +166,7 @@ TEST(SecondDerivatives, HessiansByPartsAreThoseOfDualNumbersThroughEverything) {
   EXPECT_GE(known, 40 / stride);
 }
 
-TEST(SecondDerivatives, HessiansOfAllRulesAreThoseOfDualNumbersForEverySystem) {
+TEST(SecondDerivatives, HessiansMatchDualNumbersForRulesAndSystems) {
   RandomNumbers random(43);
   int known = 0;
   for (const auto& [name, system] : test_systems())
@@ -188,7 +188,7 @@ TEST(SecondDerivatives, HessiansOfAllRulesAreThoseOfDualNumbersForEverySystem) {
   EXPECT_GE(known, 40);
 }
 
-TEST(SecondDerivatives, StagesOfRobotsOnContactsAreThoseOfDualNumbers) {
+TEST(SecondDerivatives, RobotStagesOnContactsMatchDualNumbers) {
   RandomNumbers random(44);
   int known = 0;
   const std::vector<ContactCase> cases = contact_cases();
@@ -220,7 +220,7 @@ class OwnFormula : public ClosedFormSystem<OwnFormula> {
   }
 };
 
-TEST(SecondDerivatives, ModelsThatArePartlyUnknownAreLeftToDualNumbers) {
+TEST(SecondDerivatives, PartlyUnknownModelsUseDualNumbers) {
   const ContactCase c = contact_cases().front();
   const auto system = held_system(c, true);
   const auto with = [&](Integrator integrator, bool memory, auto add) {

@@ -111,7 +111,7 @@ INSTANTIATE_TEST_SUITE_P(
                        ::testing::Values(true)));
 
 /// x⁺ of the dynamics is where the equations are evaluated: q ⊕ h v⁺ with v⁺ = v + h a.
-TEST(SteppingSystem, AFloatingBaseMovesByTheVelocityAfterTheStep) {
+TEST(SteppingSystem, FloatingBaseMovesByVelocityAfterTheStep) {
   const auto system =
       stepping_robot(false, SteppingScheme::backward_euler, FrictionModel::polyhedron, true);
   const Point p = random_point(*system, 11);
@@ -134,7 +134,7 @@ TEST(SteppingSystem, AFloatingBaseMovesByTheVelocityAfterTheStep) {
   for (int i = 0; i < nq; ++i) EXPECT_NEAR(step.q[i], x[i], 1e-11) << i;
 }
 
-TEST(SteppingSystem, TheMidpointRuleRefusesAFloatingBaseByName) {
+TEST(SteppingSystem, MidpointRuleRejectsAFloatingBase) {
   try {
     stepping_robot(false, SteppingScheme::variational_midpoint, FrictionModel::polyhedron, true);
     FAIL() << "accepted";
@@ -206,7 +206,7 @@ TEST(SteppingResidual, EquationsOfMotionAreThoseOfInverseDynamics) {
 
 // What the forces of a step take from its equations of motion: Jᵀf along the normal and both signs
 // of each tangent, of stops towards the middle, of dry friction as it acts.
-TEST(SteppingResidual, EquationsOfMotionHaveTheForcesOfContactsStopsAndDryFriction) {
+TEST(SteppingResidual, EquationsIncludeContactStopAndDryFrictionForces) {
   for (const bool planar : {false, true})
     for (const FrictionModel friction : {FrictionModel::polyhedron, FrictionModel::cone}) {
       const auto system = stepping_robot(planar, SteppingScheme::backward_euler, friction);
@@ -255,7 +255,7 @@ TEST(SteppingResidual, EquationsOfMotionHaveTheForcesOfContactsStopsAndDryFricti
 }
 
 // Rows behind the equations of motion against their definition, at the end of the step.
-TEST(SteppingResidual, RowsOfContactsAreThoseOfTheirGeometryAtTheEndOfTheStep) {
+TEST(SteppingResidual, ContactRowsUseEndOfStepGeometry) {
   for (const FrictionModel friction : {FrictionModel::polyhedron, FrictionModel::cone}) {
     const auto system = stepping_robot(false, SteppingScheme::backward_euler, friction);
     const Point p = random_point(*system, 6);

@@ -72,7 +72,7 @@ std::pair<Eigen::VectorXd, Eigen::MatrixXd> state_difference(const KnotCase& c) 
   return {r, J};
 }
 
-TEST(WeightedResidual, CostIsHalfTheSquareInTheMatrixOnEverySystem) {
+TEST(WeightedResidual, CostIsHalfTheMatrixSquare) {
   RandomNumbers random(11);
   for (const auto& [name, system] : test_systems()) {
     const int n = system->ndx();
@@ -93,7 +93,7 @@ TEST(WeightedResidual, CostIsHalfTheSquareInTheMatrixOnEverySystem) {
   }
 }
 
-TEST(WeightedResidual, ADiagonalMatrixIsTheSameCostAsWeights) {
+TEST(WeightedResidual, DiagonalMatrixMatchesWeights) {
   for (const auto& [name, system] : test_systems()) {
     const int n = system->ndx();
     std::vector<double> weights(n);
@@ -108,7 +108,7 @@ TEST(WeightedResidual, ADiagonalMatrixIsTheSameCostAsWeights) {
   }
 }
 
-TEST(WeightedResidual, ExactHessiansByPartsAreThoseOfDualNumbers) {
+TEST(WeightedResidual, PartwiseExactHessiansMatchDualNumbers) {
   RandomNumbers random(12);
   const auto cases = contact_cases();
   const auto contact = std::find_if(cases.begin(), cases.end(), [](const ContactCase& c) {
@@ -168,7 +168,7 @@ TEST(WeightedResidual, MatricesThatAreNoWeightsAreErrors) {
   EXPECT_THROW(weighted_residual(residual, Eigen::Matrix3d::Identity()), std::invalid_argument);
 }
 
-TEST(WeightedResidual, FactorsOfBadlyScaledMatricesAreExactInEveryEntry) {
+TEST(WeightedResidual, FactorsOfBadlyScaledMatricesAreExact) {
   const Eigen::Matrix2d C{{1, 0.5}, {0.5, 1}};
   const Eigen::Vector2d scale(1e8, 1e-6);
   const Eigen::Matrix2d W = scale.asDiagonal() * C * scale.asDiagonal();
@@ -177,7 +177,7 @@ TEST(WeightedResidual, FactorsOfBadlyScaledMatricesAreExactInEveryEntry) {
   for (int i = 0; i < 4; ++i) EXPECT_NEAR(again(i), W(i), 1e-14 * std::abs(W(i)));
 }
 
-TEST(WeightedResidual, MatricesWithABadDiagonalHaveNoEigenvalueToJudgeThemBy) {
+TEST(WeightedResidual, BadDiagonalHasNoScaledEigenvalue) {
   const double none = -std::numeric_limits<double>::infinity();
   EXPECT_EQ(least_scaled_eigenvalue(Eigen::Matrix2d{{0, 1}, {1, 2}}), none);
   EXPECT_EQ(least_scaled_eigenvalue(Eigen::Matrix2d{{-1, 0}, {0, 2}}), none);

@@ -136,7 +136,7 @@ TEST_P(Dart, CentreOfMass) {
 INSTANTIATE_TEST_SUITE_P(AllRobots, Dart, testing::ValuesIn(all_robots()),
                          [](const auto& suite) { return suite.param.name; });
 
-TEST(DartRobots, AreAtLeastEightAndFourOfThemFloat) {
+TEST(DartRobots, IncludeEightRobotsAndFourFloatingOnes) {
   const std::vector<TestRobot> robots = all_robots();
   if (robots.size() == our_robots().size()) GTEST_SKIP() << kNoForeignRobots;
   int floating = 0;

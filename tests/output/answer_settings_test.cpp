@@ -16,7 +16,7 @@ AnswerSettings settings_of(const OrderedJson& overrides, double constraint) {
   return answer_settings({{"problem", {{"overrides", overrides}}}}, spec, built);
 }
 
-TEST(AnswerSettings, ListsOverridesDroppedConstraintsAndTolerancesAboveTheirDefaults) {
+TEST(AnswerSettings, ListsOverridesDroppedConstraintsAndLooseTolerances) {
   const AnswerSettings settings = settings_of({"dt=0.01", "costs.effort.weight=2"}, 10);
   EXPECT_TRUE(settings.changed());
   EXPECT_EQ(settings_lines(settings),

@@ -32,7 +32,7 @@ BenchmarkReport report() {
   return r;
 }
 
-TEST(BenchmarkReport, CostsAreComparedWithTheBestOfTheSameProblem) {
+TEST(BenchmarkReport, ComparesCostsWithBestOfTheProblem) {
   const BenchmarkReport r = report();
   EXPECT_EQ(r.entries[0].cost_excess, 0);
   EXPECT_EQ(r.entries[1].cost_excess, 0.25);
@@ -41,7 +41,7 @@ TEST(BenchmarkReport, CostsAreComparedWithTheBestOfTheSameProblem) {
 }
 
 // One problem from several guesses is one problem; from several initial states it is several.
-TEST(BenchmarkReport, InstancesAreComparedWithEachOtherWhereTheyAreTheSameProblem) {
+TEST(BenchmarkReport, ComparesInstancesOfTheSameProblem) {
   for (const bool moved : {false, true}) {
     BenchmarkReport r{.request = {.solvers = {"a"}, .instances = 2}};
     r.entries = {entry("first", "a", 2.0, 0.1), entry("first", "a", 3.0, 0.2)};
@@ -58,7 +58,7 @@ TEST(BenchmarkReport, InstancesAreComparedWithEachOtherWhereTheyAreTheSameProble
   }
 }
 
-TEST(BenchmarkReport, CostsAreComparedWithTheBestKnownWhereThatIsThere) {
+TEST(BenchmarkReport, ComparesCostsWithTheBestKnown) {
   BenchmarkReport r{.request = {.solvers = {"a", "b"}}};
   r.entries = {entry("first", "a", 2.0, 0.1), entry("first", "b", 2.5, 0.2),
                entry("second", "a", 1.0, 0.3)};
@@ -77,7 +77,7 @@ TEST(BenchmarkReport, CostsAreComparedWithTheBestKnownWhereThatIsThere) {
   }
 }
 
-TEST(BenchmarkReport, RoundingAroundAnOptimumOfZeroIsNoExcess) {
+TEST(BenchmarkReport, RoundingAroundZeroOptimumIsNoExcess) {
   BenchmarkReport r{.request = {.solvers = {"a", "b", "c"}}};
   r.entries = {entry("zero", "a", 1.7e-29, 0.1), entry("zero", "b", 9.9e-31, 0.2),
                entry("zero", "c", 6.1e-14, 0.2), entry("zero", "d", 1e-6, 0.2)};
@@ -87,7 +87,7 @@ TEST(BenchmarkReport, RoundingAroundAnOptimumOfZeroIsNoExcess) {
   EXPECT_NEAR(r.entries[3].cost_excess, 1e-3, 1e-12) << "relative to a cost of 1e-3";
 }
 
-TEST(BenchmarkReport, CountsAnswersByHowNearTheyAreToTheBest) {
+TEST(BenchmarkReport, CountsAnswersByDistanceToTheBest) {
   BenchmarkReport r{.request = {.solvers = {"a", "b"}}};
   r.entries = {entry("1", "a", 2, 1),       entry("1", "b", 2 * (1 + 5e-7), 1),
                entry("2", "a", 2, 1),       entry("2", "b", 2 * (1 + 1e-4), 1),
@@ -125,7 +125,7 @@ TEST(BenchmarkReport, TellsHowToSeeAFailureAgain) {
   EXPECT_EQ(text.find("--seed 3"), std::string::npos) << "one of each solver is enough to see";
 }
 
-TEST(BenchmarkReport, WhatLacksAConstraintIsNotCountedAsSolved) {
+TEST(BenchmarkReport, AnswersWithDroppedConstraintsAreNotSolved) {
   BenchmarkReport r = report();
   const auto summary = summarize(r);
   EXPECT_EQ(summary[1].runs, 2);
@@ -164,7 +164,7 @@ TEST(BenchmarkReport, SummaryCountsFailuresByTheirStatus) {
   EXPECT_EQ(summary[1].refused, 1);
 }
 
-TEST(BenchmarkReport, TablesNameWhatWasLeftOutAndWhatFailed) {
+TEST(BenchmarkReport, TablesNameOmissionsAndFailures) {
   BenchmarkReport r = report();
   r.entries[2].run.message = "not converged after 10 iterations";
   const std::string text = benchmark_text(r, false);

@@ -7,7 +7,7 @@
 namespace conddp {
 namespace {
 
-TEST(OptimalityLine, HasWhatANewtonStepWouldGainWhereThereIsOne) {
+TEST(OptimalityLine, ShowsGainOfANewtonStepIfAvailable) {
   SolutionCertificate certificate;
   certificate.checks.optimality.stationarity = 1e-8;
   certificate.checks.optimality.expected_decrease = 2e-12;

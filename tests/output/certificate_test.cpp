@@ -255,7 +255,7 @@ std::string without_corruptions(const std::string& problem) {
 
 class CertificateOf : public testing::TestWithParam<std::string> {};
 
-TEST_P(CertificateOf, AnAnswerHoldsAndOfNoneThatIsChanged) {
+TEST_P(CertificateOf, HoldsForAnAnswerButNotForChanges) {
   const SolvedExample answer(GetParam());
   const SolutionCertificate good = answer.judge(answer.document);
   EXPECT_TRUE(good.checks.holds()) << certificate_table(good.checks);
@@ -285,7 +285,7 @@ std::vector<std::string> certified_problems() {
 INSTANTIATE_TEST_SUITE_P(Problems, CertificateOf, testing::ValuesIn(certified_problems()),
                          [](const auto& name) { return name.param; });
 
-TEST(Certificate, OfAPeriodicMotionKnowsItsChoiceAndItsLink) {
+TEST(Certificate, KnowsChoiceAndLinkOfPeriodicMotions) {
   const SolvedExample own("pendulum_cycle");
   const SolutionCertificate good = own.judge(own.document);
   EXPECT_TRUE(good.checks.holds()) << certificate_table(good.checks);
@@ -371,7 +371,7 @@ TEST(Certificate, FindsAGapThatIsHidden) {
   EXPECT_EQ(failures(answer.judge(answer.document)), "[gap][gap in the log]");
 }
 
-TEST(Certificate, OfAStatusThatIsTooGoodDoesNotHold) {
+TEST(Certificate, RejectsAStatusThatIsTooGood) {
   SolvedExample answer("cartpole_swingup", {"solver.max_iterations=3"});
   ASSERT_EQ(answer.document["status"], "max_iterations");
   answer.document["status"] = "converged";
@@ -379,7 +379,7 @@ TEST(Certificate, OfAStatusThatIsTooGoodDoesNotHold) {
 }
 
 /// Claims that agree with each other, but not with the problem.
-TEST(Certificate, OfResidualsThatAreTooGoodDoesNotHold) {
+TEST(Certificate, RejectsResidualsThatAreTooGood) {
   SolvedExample answer("cartpole_swingup", {"solver.max_iterations=3"});
   answer.document["status"] = "converged";
   answer.document["residuals"] = {

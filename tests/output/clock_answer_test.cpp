@@ -65,19 +65,19 @@ void expect_round_trip(const std::string& text, const std::string& header) {
   EXPECT_LT(deviation_of_guess(text, table, answer.result->trajectory), 1e-12) << table;
 }
 
-TEST(ClockAnswer, ATableWithTheClockOfFirstOrderIsAGuess) {
+TEST(ClockAnswer, FirstOrderClockTableIsAGuess) {
   expect_round_trip(kFirstOrder, "t [s],phase,x,state/t [s],u");
 }
 
-TEST(ClockAnswer, ATableWithTheClockOfSecondOrderIsAGuess) {
+TEST(ClockAnswer, SecondOrderClockTableIsAGuess) {
   expect_round_trip(kSecondOrder, "t [s],phase,x,state/t [s],v,t_rate [s/s],u");
 }
 
-TEST(ClockAnswer, ATableWithStatesAndControlsOfTakenNamesIsAGuess) {
+TEST(ClockAnswer, TableWithTakenNamesIsAGuess) {
   expect_round_trip(kTakenNames, "t [s],phase,x,state/phase,u/time");
 }
 
-TEST(ClockAnswer, ATableWithAStateOfDifferencesCalledTIsAGuess) {
+TEST(ClockAnswer, TableWithDifferenceTimeStateIsAGuess) {
   expect_round_trip(kDifferences, "t [s],phase,x,state/t,u");
 }
 
@@ -97,7 +97,7 @@ TEST(ClockAnswer, ATableNeedsNoColumnOfTheClock) {
   }
 }
 
-TEST(ClockAnswer, TimesOfATableAreNormalNumbersAtAJumpAtTheBeginning) {
+TEST(ClockAnswer, TableTimesAreNormalAtAnInitialJump) {
   const SolvedExample answer{ProblemText{kFirstOrder}};
   std::istringstream lines(table_of(answer));
   double before = -1;

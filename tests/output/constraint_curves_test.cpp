@@ -9,7 +9,7 @@
 namespace conddp {
 namespace {
 
-TEST_F(Report, AConstraintIsDrawnWhereItHoldsWithItsBoundsAndItsViolation) {
+TEST_F(Report, DrawsConstraintsWithBoundsAndViolation) {
   load("unicycle_obstacles.yaml");
   Trajectory& trajectory = result_->trajectory;
   trajectory.x(7) << 1.0, 0.75, 0.1;  // in the disc at (0.75, 0.75)
@@ -36,7 +36,7 @@ TEST_F(Report, AConstraintIsDrawnWhereItHoldsWithItsBoundsAndItsViolation) {
   EXPECT_NEAR(goal["violation"][0].get<double>(), 0.5, 1e-8);
 }
 
-TEST_F(Report, ConstraintsThatShareANameShowTheSmallestMargin) {
+TEST_F(Report, SharedConstraintNamesShowTheSmallestMargin) {
   load("quadruped_stand.yaml", {"constraints.cone={residual: friction_cone, cone: second_order}"});
   const OrderedJson cone = named(constraint_curves(*spec_, *built_, result_->trajectory), "cone");
   EXPECT_EQ(cone["margin"], true);
@@ -55,7 +55,7 @@ TEST_F(Report, ConstraintsThatShareANameShowTheSmallestMargin) {
   }
 }
 
-TEST_F(Report, AConstraintThatWasLeftOutIsDrawnAndSaysSo) {
+TEST_F(Report, DrawsAndMarksDroppedConstraints) {
   load("unicycle_obstacles.yaml", {}, {"disc_2"});
   const OrderedJson list = constraint_curves(*spec_, *built_, result_->trajectory);
   const OrderedJson& disc = named(list, "disc_2 (left out)");
@@ -65,7 +65,7 @@ TEST_F(Report, AConstraintThatWasLeftOutIsDrawnAndSaysSo) {
   for (const OrderedJson& entry : list) EXPECT_NE(entry["name"], "disc_2");
 }
 
-TEST_F(Report, MultipliersOfConstraintsStandByNameAtTheirNodes) {
+TEST_F(Report, ShowsConstraintMultipliersByNameAtTheirNodes) {
   load("unicycle_obstacles.yaml");
   OrderedJson& multipliers = document_["multipliers"]["constraints"];
   for (OrderedJson& constraint : multipliers) {

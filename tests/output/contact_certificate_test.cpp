@@ -170,7 +170,7 @@ TEST(Softened, ConstraintsBecomeCosts) {
   EXPECT_TRUE(softened({{"residual", "state"}, {"at_least", 1}}, 10).is_null());
 }
 
-TEST(ContactCertificate, OfAnAnswerStoppedWhilePairsAreEqualHoldsWhatItClaims) {
+TEST(ContactCertificate, HoldsForAnswersStoppedWithEqualPairs) {
   const SolvedExample answer("puck_slide",
                              {"solver.complementarity.relaxation=fischer_burmeister",
                               "solver.complementarity.fallback=none", "solver.max_iterations=20"});

@@ -50,7 +50,7 @@ class Surfaces : public ::testing::Test {
   BuiltProblem built_;
 };
 
-TEST_F(Surfaces, ABoxHasTheFaceOutsideOfWhichACornerStaysLongest) {
+TEST_F(Surfaces, CornerStaysLongestOutsideTheChosenBoxFace) {
   // In front of the face at x = 1, above its edge, and over the top at z = 0.2.
   const ContactMotion over = motion({{{0.5, 0}, {0.9, 0.3}, {1.5, 0.4}, {2, 0.2}}});
   const ContactSurfaces surfaces(over);
@@ -65,7 +65,7 @@ TEST_F(Surfaces, ABoxHasTheFaceOutsideOfWhichACornerStaysLongest) {
             (OrderedJson{2.0, 0.0, 0.19}));
 }
 
-TEST_F(Surfaces, WithinABoxNoFaceKeepsACornerOff) {
+TEST_F(Surfaces, CornerInsideABoxHasNoFace) {
   const ContactMotion inside = motion({{{2, 0}, {2, 0}, {2, 0.3}, {2, 0.3}}});
   const ContactSurfaces surfaces(inside);
   EXPECT_EQ(surfaces.longest_outside(kStep, 0), std::nullopt);

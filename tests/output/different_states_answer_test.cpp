@@ -56,7 +56,7 @@ TEST(DifferentStatesAnswer, IsDeniedWhereAControlIsForged) {
   EXPECT_NE(failures(answer().judge(forged)).find("[gap]"), std::string::npos);
 }
 
-TEST(DifferentStatesAnswer, HasAColumnForEachControlAndNullWhereThereIsNone) {
+TEST(DifferentStatesAnswer, HasAllControlColumnsWithNullWhereAbsent) {
   const OrderedJson& trajectory = answer().document["trajectory"];
   EXPECT_EQ(trajectory["columns"]["x"], OrderedJson({"x", "v"}));
   EXPECT_EQ(trajectory["columns"]["u"], OrderedJson({"a", "b", "c"}));
@@ -69,7 +69,7 @@ TEST(DifferentStatesAnswer, HasAColumnForEachControlAndNullWhereThereIsNone) {
   EXPECT_EQ(K[4][2][0], OrderedJson(answer().result->feedback.K[4](0, 0)));
 }
 
-TEST(DifferentStatesAnswer, HasEmptyCellsInItsTableWhereThereIsNoControl) {
+TEST(DifferentStatesAnswer, HasEmptyTableCellsForAbsentControls) {
   std::istringstream csv(trajectory_csv(answer().built, answer().result->trajectory, {}));
   std::vector<std::string> lines;
   for (std::string line; std::getline(csv, line);) lines.push_back(line);
@@ -138,7 +138,7 @@ TEST(DifferentStatesAnswer, HasBoundsUnderTheirColumnsInReports) {
   EXPECT_EQ(u["upper"][1], OrderedJson({2.0, 2.0, 2.0, nullptr, nullptr, nullptr}));
 }
 
-TEST(DifferentStatesAnswer, HasAMarginWhereABoundIsOnOtherStatesByPhase) {
+TEST(DifferentStatesAnswer, BoundOnChangingStatesHasAMargin) {
   std::string text = kPhases;
   text.replace(text.find("limits: {"), 9, "room: {bounds: state, lower: -9}, limits: {");
   const SolvedExample bounded(ProblemText{text});

@@ -24,7 +24,7 @@ solver: {name: ilqr}
   EXPECT_EQ(failures(answer.judge(answer.document)), "");
 }
 
-TEST(DivergedGuess, HasTheConstraintsOfTheGuessWhereDynamicsHaveNoValue) {
+TEST(DivergedGuess, HasGuessConstraintsIfDynamicsHaveNoValue) {
   for (const char* solver : {"altro", "proxddp"}) {
     const SolvedExample answer(ProblemText{fmt::format(R"(conddp: 1
 system: {{states: [x, v], controls: [u], rate: {{x: v, v: u/(x - x)}}}}
@@ -42,7 +42,7 @@ solver: {{name: {}}}
   }
 }
 
-TEST(DivergedGuess, HasNoLogWhereItsCoStatesAreNotFinite) {
+TEST(DivergedGuess, HasNoLogIfCostatesAreNotFinite) {
   for (const char* solver : {"ddp", "fddp", "box_fddp", "intro", "altro", "proxddp"}) {
     const SolvedExample answer(ProblemText{fmt::format(R"(conddp: 1
 system: {{states: [p], controls: [u], rate: {{p: 1e60*p + u}}}}

@@ -51,7 +51,7 @@ class Findings : public testing::Test {
 };
 
 // A drag of speeds up to 3, of which the rates read the table and, in the second phase, a cost too.
-TEST_F(Findings, TablesThatAreReadBeyondTheirPointsAreNamedWithTheirKnots) {
+TEST_F(Findings, NamesTablesReadBeyondTheirPoints) {
   load_text(R"(conddp: 1
 tables:
   d: {points: [0, 1, 3], values: [0, 1, 2]}
@@ -104,7 +104,7 @@ TEST_F(Findings, TheAdvisedKdCuresTheDriftOfFeet) {
   EXPECT_TRUE(left.empty()) << left.front().message;
 }
 
-TEST_F(Findings, LimitsThatTheFileBoundsAreNotAdvisedAgain) {
+TEST_F(Findings, DoesNotAdviseLimitsTheFileBounds) {
   const auto remedy = [&](const std::vector<std::string>& settings) {
     load("arm_reach", settings);
     Trajectory motion = built_->guess;
@@ -145,7 +145,7 @@ TEST_F(Findings, LimitsOfTheUrdfAreWatchedUnasked) {
   EXPECT_EQ(effort[1].unit, "s");
 }
 
-TEST_F(Findings, FrictionThatIsNeededIsToldAndPullsAre) {
+TEST_F(Findings, ReportsNeededFrictionAndPulls) {
   load("quadruped_stand", {"contacts.defaults.friction=0.001"});
   Trajectory motion = built_->guess;
   const auto demand = of(FindingKind::friction_demand, motion);
@@ -214,7 +214,7 @@ TEST_F(Findings, ThrustersThatCannotTurnABodyAreNamed) {
   EXPECT_NE(found[0].message.find("its axes x, y"), std::string::npos) << found[0].message;
 }
 
-TEST_F(Findings, NothingIsSaidOfMotionsThatAreNotFinite) {
+TEST_F(Findings, SaysNothingAboutNonFiniteMotions) {
   load("arm_reach");
   Trajectory motion = built_->guess;
   motion.x(3)[0] = std::numeric_limits<double>::quiet_NaN();

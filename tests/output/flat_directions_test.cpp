@@ -38,7 +38,7 @@ TEST(FlatDirections, CostatesThatAreWrongAreNotCertified) {
   EXPECT_NE(failures(answer.judge(document)).find("[status]"), std::string::npos);
 }
 
-TEST(FlatDirections, GainsOfAnIdleFirstStateAreNotComparedBeyondRounding) {
+TEST(FlatDirections, GainsOfIdleFirstStateAllowForRounding) {
   // Where the quadrotor begins is nothing to any cost but the cycle's, which goes along with it.
   const SolvedExample answer(ProblemText{R"(conddp: 1
 system: {type: quadrotor, mass: 0.5692, jz: 0.005131, arm: 0.1925}

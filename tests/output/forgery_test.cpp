@@ -118,7 +118,7 @@ TEST(Forgery, OfAQuadrupedWithConesIsCaught) {
 }
 
 /// No control at all, co-states that null ∇_u L, and one huge gain, which once widened a tolerance.
-TEST(Forgery, OfAPendulumThatHangsIsCaughtByItsReducedGradient) {
+TEST(Forgery, HangingPendulumIsCaughtByReducedGradient) {
   const SolvedExample answer("pendulum_swingup");
   const ShootingProblem& problem = *answer.built.problem;
   SolveResult result = *answer.result;

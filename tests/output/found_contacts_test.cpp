@@ -21,7 +21,7 @@ costs: {effort: {residual: control}}
 solver: {name: ipopt}
 )";
 
-TEST(FoundContacts, ForcesStandInTheWorldAtTheEndsOfTheirSteps) {
+TEST(FoundContacts, ForcesAreInTheWorldAtStepEnds) {
   Diagnostics out;
   const auto file = std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/text.yaml";
   const auto spec = read_problem_text(kBlockAndSlope, file, {}, out);
@@ -77,7 +77,7 @@ TEST(FoundContacts, ForcesStandInTheWorldAtTheEndsOfTheirSteps) {
   }
 }
 
-TEST_F(Report, ContactsThatWereFoundAreShownAsThoseOfPhases) {
+TEST_F(Report, ShowsFoundContactsLikeScheduledOnes) {
   load("block_slope.yaml");
   const OrderedJson shown = report_data({entry()})["solutions"][0];
   ASSERT_FALSE(spec_->candidates.empty());

@@ -28,7 +28,7 @@ solver: {name: ipopt}
   EXPECT_EQ(failures(answer.judge(answer.document)), "");
 }
 
-TEST(IpoptAnswer, HasMultipliersOfTheRightSignsWhereItStopsEarly) {
+TEST(IpoptAnswer, MultipliersHaveCorrectSignsAfterEarlyStop) {
   const SolvedExample answer(ProblemText{R"(conddp: 1
 robot:
   urdf: robots/free_body.urdf

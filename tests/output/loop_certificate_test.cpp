@@ -49,11 +49,11 @@ std::string with_cell(const std::string& text, int line, int cell, const std::st
   return changed.replace(begin, text.find_first_of(",\n", begin) - begin, value);
 }
 
-TEST_F(LoopVerdict, HoldsOfLoopsWithJumpsNoiseDelayAndAnotherPlant) {
+TEST_F(LoopVerdict, HoldsWithJumpsNoiseDelayAndAnotherPlant) {
   expect_holds(SimulatedLoop(kBalancedCartpole));
 }
 
-TEST_F(LoopVerdict, HoldsOfSimulatedContactsCommandsAndPhasesThatAreReTimed) {
+TEST_F(LoopVerdict, HoldsWithSimulatedContactsCommandsAndRetiming) {
   const TextFile file = read_text_file(
       std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/mpc/quadruped_commands.yaml", 1 << 20);
   expect_holds(SimulatedLoop(
@@ -66,18 +66,16 @@ std::string example(const char* name) {
   return read_text_file(std::filesystem::path(CONDDP_SOURCE_DIR) / "problems" / name, 1 << 20).text;
 }
 
-TEST_F(LoopVerdict, AllowsWhatTheDecimalsOfTimesLeaveOpenAtTheRateOfTheStepsEnd) {
-  expect_holds(SimulatedLoop(kStiffMass));
-}
+TEST_F(LoopVerdict, AllowsForRoundedTimesAtStepEndRate) { expect_holds(SimulatedLoop(kStiffMass)); }
 
-TEST_F(LoopVerdict, TakesTimesThatAreRoundedForTheEndsOfKnotsThatTheyStandFor) {
+TEST_F(LoopVerdict, RoundedTimesStandForKnotEnds) {
   const std::string mpc =
       "mpc={horizon: 0.3, tick: 0.00777777777, duration: 0.8, plant: {dt: "
       "0.00333333333}, repeat: hold}";
   expect_holds(SimulatedLoop(example("hopper_jump.yaml"), {mpc}));
 }
 
-TEST_F(LoopVerdict, TakesTimesThatAreRoundedForTheTimesOfPushesJumpsAndCommands) {
+TEST_F(LoopVerdict, RoundedTimesStandForPushesJumpsAndCommands) {
   const auto settings = [](const char* tick) {
     return std::vector<std::string>{
         std::string("mpc={horizon: 0.3, tick: ") + tick +
@@ -93,7 +91,7 @@ TEST_F(LoopVerdict, TakesTimesThatAreRoundedForTheTimesOfPushesJumpsAndCommands)
 
 TEST_F(LoopVerdict, HoldsWhereAPhaseIsAJump) { expect_holds(SimulatedLoop(kBouncingMass)); }
 
-TEST_F(LoopVerdict, HoldsOfARobotThatIsPushedWhileItTrots) {
+TEST_F(LoopVerdict, HoldsForATrotThatIsPushed) {
   const auto file = std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/quadruped_trot.yaml";
   expect_holds(SimulatedLoop(read_text_file(file, 1 << 20).text,
                              {"mpc={horizon: 0.3, tick: 0.02, duration: 0.4, repeat: gait, "
@@ -125,7 +123,7 @@ TEST_F(LoopVerdict, ReplaysLateTicksAsTheFileHasThem) {
   EXPECT_NE(failures(judge(loop, document)).find("outcomes/late;"), std::string::npos);
 }
 
-TEST_F(LoopVerdict, HoldsOfALoopWithAnswersThatComeTooLateByItsFile) {
+TEST_F(LoopVerdict, HoldsForLateAnswersOfTheFile) {
   const SimulatedLoop loop(kBalancedCartpole, {"mpc.disturbances=[{late: 0.3, seed: 4}]"});
   expect_holds(loop);
   OrderedJson document = loop_json(loop.run());
@@ -161,7 +159,7 @@ TEST_F(LoopVerdict, FailsWhereTheDocumentSaysOtherwise) {
   EXPECT_EQ(failures_of("/clock", "sundial"), "clock;");
 }
 
-TEST_F(LoopVerdict, FailsWhereTicksAreLateByASimulatedClock) {
+TEST_F(LoopVerdict, FailsIfTicksAreLateBySimulatedClock) {
   const SimulatedLoop loop(kBalancedCartpole, {}, {10, 11});
   write(loop);
   OrderedJson document = loop_json(loop.run());
@@ -172,7 +170,7 @@ TEST_F(LoopVerdict, FailsWhereTicksAreLateByASimulatedClock) {
   EXPECT_NE(found.find("late_ticks;"), std::string::npos) << found;
 }
 
-TEST_F(LoopVerdict, ThrowsWhereTheDocumentHasWhatNoLoopCanHave) {
+TEST_F(LoopVerdict, ThrowsOnDocumentsNoLoopCanWrite) {
   const SimulatedLoop loop(kBalancedCartpole);
   const OrderedJson document = loop_json(loop.run());
   const auto judge_with = [&](const char* key, const OrderedJson& value) {
@@ -187,7 +185,7 @@ TEST_F(LoopVerdict, ThrowsWhereTheDocumentHasWhatNoLoopCanHave) {
     EXPECT_THROW(judge_with("late_ticks", OrderedJson::parse(ticks)), MalformedSolution) << ticks;
 }
 
-TEST_F(LoopVerdict, NamesTheLineOfAStateThatIsEmpty) {
+TEST_F(LoopVerdict, NamesTheLineOfAnEmptyState) {
   const SimulatedLoop loop(kBalancedCartpole);
   write(loop);
   replace_text(kPlantFile, with_cell(text(kPlantFile), 42, 4, ""));
@@ -204,7 +202,7 @@ TEST_F(LoopVerdict, SaysWhereAControlIsEmpty) {
       << line;
 }
 
-TEST_F(LoopVerdict, FailsAtTheRowWhoseStateDoesNotFollow) {
+TEST_F(LoopVerdict, FailsAtTheRowWithAWrongState) {
   const SimulatedLoop loop(kBalancedCartpole);
   write(loop);
   const std::string rows = text(kPlantFile);
@@ -219,7 +217,7 @@ TEST_F(LoopVerdict, FailsAtTheRowWhoseStateDoesNotFollow) {
             std::string::npos);
 }
 
-TEST_F(LoopVerdict, FailsWhereATableIsCutOrNoTable) {
+TEST_F(LoopVerdict, FailsOnTruncatedOrMalformedTables) {
   const SimulatedLoop loop(kBalancedCartpole);
   write(loop);
   const OrderedJson document = loop_json(loop.run());

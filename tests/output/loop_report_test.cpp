@@ -91,7 +91,7 @@ TEST(LoopReport, HasTheContactForcesOfItsTables) {
   EXPECT_NEAR(last_cell, loop.plant()["curves"]["contact_forces"]["RH"][40][2].get<double>(), 1e-4);
 }
 
-TEST(LoopReport, HasThePlanOfEachTickUpToItsHorizon) {
+TEST(LoopReport, ShowsEachTicksPlanToItsHorizon) {
   const ReportedLoop loop(kBalancedCartpole);
   const OrderedJson& plans = loop.data["loop"]["plans"];
   ASSERT_EQ(plans["list"].size(), 75u);

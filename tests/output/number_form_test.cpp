@@ -38,7 +38,7 @@ INSTANTIATE_TEST_SUITE_P(Problems, NumberForms,
                          testing::Values("arm_reach", "hopper_jump", "unicycle_obstacles",
                                          "pendulum_cycle"));
 
-TEST(NumberForms, ABlockWithAWrongNumberOrShapeIsNoticed) {
+TEST(NumberForms, DetectsBlocksWithWrongNumbersOrShapes) {
   const SolvedExample example("arm_reach");
   const OrderedJson blocks = document_of(example, NumberForm::kBlocks);
   const std::vector<double> wrong(7, 0.3);
@@ -63,7 +63,7 @@ TEST(NumberForms, ABlockWithAWrongNumberOrShapeIsNoticed) {
   EXPECT_FALSE(example.judge(changed).checks.holds());
 }
 
-TEST(NumberForms, TheAnswerOfTheWriterServesTheTrajectoryOfTheDocumentAlone) {
+TEST(NumberForms, WriterAnswerServesTheSameTrajectoryOnly) {
   const SolvedExample example("hopper_jump");
   const auto certificate_with = [&](const OrderedJson& document, const Answer& written) {
     OrderedJson certificate =

@@ -34,7 +34,7 @@ TEST_F(Report, BodiesCarryContactFramesToTheirPlaces) {
   }
 }
 
-TEST_F(Report, EveryMovingBodyOfTheReadyRobotsCanBeSeen) {
+TEST_F(Report, ShowsEveryMovingBodyOfExampleRobots) {
   for (const char* name : {"quadruped_stand.yaml", "biped_squat.yaml", "hopper_jump.yaml",
                            "arm_reach.yaml", "body_reorient.yaml"}) {
     load(name);
@@ -50,7 +50,7 @@ TEST_F(Report, EveryMovingBodyOfTheReadyRobotsCanBeSeen) {
   }
 }
 
-TEST_F(Report, ClosedFormSystemsArePutWhereTheirStatesSay) {
+TEST_F(Report, PlacesClosedFormSystemsByTheirStates) {
   load("cartpole_swingup_closed_form.yaml");
   Trajectory& trajectory = result_->trajectory;
   trajectory.x(3) << 0.7, M_PI / 2, 0, 0;

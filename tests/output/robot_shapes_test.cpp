@@ -68,7 +68,7 @@ std::map<std::string, std::string> kinds(const OrderedJson& shapes) {
   return by_link;
 }
 
-TEST(RobotShapes, EveryLinkHasAShapeWhateverIsFixedToIt) {
+TEST(RobotShapes, EveryLinkHasAShapeDespiteFixedJoints) {
   const RobotShapes shapes = shapes_of(kVendorsRobot);
   ASSERT_EQ(shapes.of_body.size(), 3u);
   EXPECT_EQ(kinds(shapes.of_body[1]),

@@ -5,7 +5,7 @@
 namespace conddp {
 namespace {
 
-TEST_F(Report, ObstaclesOfTheFileAndShapesOnLinksAreInTheScene) {
+TEST_F(Report, ShowsFileObstaclesAndLinkShapes) {
   load("arm_obstacles.yaml");
   const OrderedJson list = obstacles_json(*spec_, *built_);
   EXPECT_EQ(named(list, "ball")["kind"], "sphere");
@@ -59,7 +59,7 @@ TEST_F(Report, ConstraintsOnPositionsBecomeDiscsBallsAndBoxes) {
   for (const OrderedJson& entry : list) EXPECT_NE(entry["name"], "speed");
 }
 
-TEST_F(Report, BoundsOnCoordinatesThatAreNoPositionsAreNotDrawn) {
+TEST_F(Report, DrawsBoundsOnPositionsOnly) {
   load("double_integrator_limits.yaml");
   const OrderedJson list = obstacles_json(*spec_, *built_);
   ASSERT_EQ(list.size(), 1u);  // the goal

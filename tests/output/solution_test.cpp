@@ -86,7 +86,7 @@ TEST_F(SolutionOutput, SaysWhatItWasMadeFrom) {
   EXPECT_GE(tool["libraries"].size(), 5u);
 }
 
-TEST_F(SolutionOutput, WhatIsNotFiniteIsNullWithItsReason) {
+TEST_F(SolutionOutput, NonFiniteNumbersAreNullWithAReason) {
   result_->cost = std::nan("");
   result_->residuals.stationarity = INFINITY;
   result_->status = SolveStatus::diverged;
@@ -138,7 +138,7 @@ TEST_F(SolutionOutput, ASolutionReadsBackAsATable) {
   EXPECT_EQ(*table->rows[1][4], result_->trajectory.u(1)[0]);
 }
 
-TEST(ContactOutput, AStandingFootIsPushedUpAndNothingIsWrittenInTheAir) {
+TEST(ContactOutput, PushesStandingFeetAndOmitsAirborneOnes) {
   Diagnostics out;
   const auto spec =
       read_problem(std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/hopper_jump.yaml", {}, out);
@@ -167,7 +167,7 @@ TEST(ContactOutput, AStandingFootIsPushedUpAndNothingIsWrittenInTheAir) {
 }
 
 /// The motion begins with the state that is chosen, of which the JSON tells how.
-TEST(ChosenStartOutput, BeginsWithTheChosenStateInTheCsvFile) {
+TEST(ChosenStartOutput, CsvFileBeginsWithTheChosenState) {
   Diagnostics out;
   const auto spec = read_problem(
       std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/pendulum_cycle.yaml", {}, out);

@@ -352,7 +352,7 @@ std::string mimic_urdf(const std::string& follower_limits) {
          "</robot>";
 }
 
-TEST(BadFile, LimitsOfAMimicJointThatItsLeaderCannotKeepNameBoth) {
+TEST(BadFile, IncompatibleMimicLimitsNameBothJoints) {
   const TemporaryFolder folder;
   const auto load = [&](const std::string& limits, const std::string& mimic) {
     std::ofstream(folder / "gripper.urdf") << mimic_urdf(limits);

@@ -23,7 +23,7 @@ TEST(Build, PhasesHaveTheirKnotsAndSteps) {
   EXPECT_EQ(problem.phases()[0].model->control_upper(), std::vector<double>{3});
 }
 
-TEST(Build, WarnsOfJointsThatStartOutsideOfTheirLimits) {
+TEST(Build, WarnsAboutJointsStartingOutsideTheirLimits) {
   const auto from = [](const char* state) {
     return replaced(kCartpole, "{configuration: up}", state);
   };
@@ -39,7 +39,7 @@ phases: [{name: only, knots: 5, dt: 0.1}]
   EXPECT_NE(warnings(degrees).find("angles are in rad: 60° is 1.047 rad"), std::string::npos);
 }
 
-TEST(Build, WarnsOfReferencesOutsideOfTheLimitsOfJoints) {
+TEST(Build, WarnsAboutReferencesOutsideJointLimits) {
   const auto towards = [](const char* cost) {
     return fmt::format(R"(conddp: 1
 robot:
@@ -64,7 +64,7 @@ costs: {{bend: {{{}}}}}
   EXPECT_EQ(warnings(towards("residual: state, reference: initial")), "");
 }
 
-TEST(Build, WarnsOfBodiesThatStartInsideOfWhatTheyMayOnlyTouch) {
+TEST(Build, WarnsAboutInitialPenetration) {
   const auto block = [](double height, const std::string& more) {
     return fmt::format(R"(conddp: 1
 robot: {{urdf: robots/block.urdf, actuation: {{joints: [base_x]}}}}
@@ -95,7 +95,7 @@ constraints: {range: {bounds: configuration, from: urdf}}
   EXPECT_EQ(loaded.error()->hint, "the URDF limits none of them: give 'lower' and 'upper'");
 }
 
-TEST(Build, WarnsOfControlsThatTheUrdfDoesNotLimit) {
+TEST(Build, WarnsAboutControlsWithoutUrdfLimits) {
   const auto with = [](const char* bounds) {
     return std::string(R"(conddp: 1
 robot: {urdf: robots/acrobot.urdf}
@@ -132,7 +132,7 @@ TEST(Build, WarnsOfKeyframesAfterTheEnd) {
   EXPECT_EQ(warnings(at("5")), "9:45: the motion ends at 0.5 s, before this keyframe ()\n");
 }
 
-TEST(Build, WarnsOfReferencesOfWhichNothingLiesWithinTheMotion) {
+TEST(Build, WarnsAboutReferencesOutsideTheMotion) {
   const auto at = [](const char* times, const char* values) {
     return warnings(
         fmt::format("{}costs: {{c: {{residual: joint_velocity, reference: {{times: {}, "
@@ -234,7 +234,7 @@ TEST(Build, BoundsOfSeveralConstraintsIntersect) {
   EXPECT_EQ(loaded.built->problem->knot(0).model->control_upper(), std::vector<double>{2});
 }
 
-TEST(Build, ControlRateAddsThePreviousControlToTheState) {
+TEST(Build, ControlRateAddsPreviousControlToTheState) {
   std::string text = replaced(kPendulum, "costs:\n", "costs:\n  rate: {residual: control_rate}\n");
   text = replaced(text, "{theta: 0.1}}", "{theta: 0.1}, previous_control: 0.7}");
   const Loaded loaded(text);
@@ -289,7 +289,7 @@ TEST(Build, RobotsTakeReferencesFromConfigurations) {
   EXPECT_EQ(p[model.costs()[4].parameters + 1], 3);
 }
 
-TEST(Build, JointsAreNamedByPatternsOfWhichTheNearestWins) {
+TEST(Build, MostSpecificJointPatternWins) {
   const Loaded loaded(R"(conddp: 1
 robots:
   one: {urdf: robots/arm7.urdf, actuation: {joints: [joint_7, "joint_*"]},
@@ -308,7 +308,7 @@ phases: [{knots: 2, dt: 0.1}]
   EXPECT_EQ(loaded.built->control_columns[7].name, "u/two/shoulder");
 }
 
-TEST(Build, WhatIsBuiltDoesNotNeedTheSpecificationAnyMore) {
+TEST(Build, BuiltProblemOutlivesItsSpecification) {
   Loaded loaded(kStandingQuadruped + R"(phases: [{knots: 3, dt: 0.02, contacts: all}]
 costs:
   effort: {residual: control, weight: 0.1}

@@ -43,7 +43,7 @@ int rows_named(const Loaded& loaded, std::string_view name) {
   return 0;
 }
 
-TEST(Clock, AConstraintOnTheStateLeavesTheTimeFree) {
+TEST(Clock, StateConstraintLeavesTimeFree) {
   const Loaded loaded{std::string(kFirstOrder)};
   ASSERT_TRUE(loaded.built) << loaded.all();
   EXPECT_EQ(rows_named(loaded, "end"), 1);
@@ -53,14 +53,14 @@ TEST(Clock, AConstraintOnTheStateLeavesTheTimeFree) {
   EXPECT_NEAR(result.trajectory.x(20)[1], 2, 1e-9) << "the clock";
 }
 
-TEST(Clock, OfASecondOrderSystemNeitherTimeNorItsRateArePartOfTheState) {
+TEST(Clock, SecondOrderClockIsOutsideTheState) {
   const Loaded loaded{std::string(kSecondOrder)};
   ASSERT_TRUE(loaded.built) << loaded.all();
   EXPECT_EQ(rows_named(loaded, "end"), 2);
   EXPECT_EQ(answer_by_altro(loaded).status, SolveStatus::converged);
 }
 
-TEST(Clock, IsPartOfTheStateWhereItIsNamed) {
+TEST(Clock, IsPartOfTheStateIfNamed) {
   const Loaded loaded(replaced(kFirstOrder, "end: {residual: state}",
                                "end: {residual: state, columns: [\"*\", t], reference: [0, 2]}"));
   ASSERT_TRUE(loaded.built) << loaded.all();
@@ -80,7 +80,7 @@ TEST(Clock, IsNoPartOfListsOfTheState) {
       << wrong.all();
 }
 
-TEST(Clock, HasNoBoundsThatItsNameDoesNotGive) {
+TEST(Clock, HasBoundsOnlyByItsOwnName) {
   const auto bounded = [](const std::string& bounds) {
     return replaced(kFirstOrder, "terminal:",
                     "constraints: {range: {bounds: state, " + bounds + "}}\nterminal:");
@@ -119,7 +119,7 @@ TEST(Clock, StaysWhereItIsInPerturbedInitialStates) {
   EXPECT_EQ(x[3], 1) << "t_rate";
 }
 
-TEST(Clock, AStateOfItsRatesNameAloneIsAnOrdinaryOne) {
+TEST(Clock, StateWithRateNameAloneIsOrdinary) {
   const Loaded loaded(
       replaced(replaced(kFirstOrder, "[x]", "[x, t_rate]"), "u + 0.001*t", "u, t_rate: u"));
   ASSERT_TRUE(loaded.built) << loaded.all();
@@ -140,7 +140,7 @@ terminal:
     there: {residual: state, reference: {values: {q/x: =sin(pi/4), q/w: =cos(pi/4)}}}
 )";
 
-TEST(ChosenColumns, ARotationIsChosenByItsNameOrAllOfItsColumns) {
+TEST(ChosenColumns, RotationsAreChosenByNameOrAllColumns) {
   std::vector<double> costs;
   for (const char* columns : {"", ", columns: [q, wx, wy, wz]", ", columns: [\"q/*\", \"w*\"]"}) {
     const Loaded loaded(

@@ -123,7 +123,7 @@ TEST_P(CollocationProblem, HasCostsOnActuatorsAlone) {
   EXPECT_LE(replay(problem, result.trajectory, result.feedback.K).feedback.deviation, 0.1);
 }
 
-TEST_P(CollocationProblem, IsRefusedByNameWhereEqualitiesAreNotKept) {
+TEST_P(CollocationProblem, IsRejectedBySolversWithoutEqualities) {
   Loaded loaded(replaced(swing_up(GetParam(), 5, "box_ddp"), "terminal:", "# terminal:"));
   ASSERT_TRUE(loaded.built) << loaded.all();
   EXPECT_TRUE(usable_solvers(*loaded.spec, *loaded.built->problem, loaded.diagnostics).empty());

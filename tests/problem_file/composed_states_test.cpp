@@ -121,7 +121,7 @@ TEST(ComposedStates, HaveTheDerivativesOfDualNumbers) {
 
 /// The best duration is one that cannot be improved upon by giving another, and with it the costs
 /// are those of the file with that duration.
-TEST(ComposedStates, TheBestDurationIsTheBestOfThoseThatAreGiven) {
+TEST(ComposedStates, BestDurationBeatsFixedDurations) {
   for (const ComposedCase& c : kComposedCases) {
     SCOPED_TRACE(c.name);
     const Loaded free(composed_text(c, kFreeTime));
@@ -244,7 +244,7 @@ solver: {name: altro}
 }
 
 /// What a file calls so is not the time.
-TEST(ComposedStates, NamesOfTheFileComeBeforeThoseOfTimes) {
+TEST(ComposedStates, NamesInTheFileShadowTimes) {
   const std::string text = R"(conddp: 1
 parameters: {final_time: 7}
 system: {states: [x, phase_time], controls: [u], rate: {x: u, phase_time: 3}}
@@ -260,7 +260,7 @@ solver: {name: ipopt}
 
 /// Steps of half a second with u = (1, 2, 3): an integral of u² is 0.5 (1 + 4 + 9), and one of the
 /// second phase alone 0.5 (4 + 9).
-TEST(ComposedStates, IntegralsGrowByTheTimeStepTimesTheirExpression) {
+TEST(ComposedStates, IntegralsGrowByStepTimesExpression) {
   const std::string text = R"(conddp: 1
 system: {states: [x], controls: [u], rate: {x: u}}
 integrals: {work: u^2, late: {rows: [u^2], phases: b}}
@@ -355,7 +355,7 @@ std::string equations_with_times(bool second_order, const std::string& first,
   return text;
 }
 
-TEST(ComposedStates, EquationsNameTheTimeOfThePhaseAndTheFinalTime) {
+TEST(ComposedStates, EquationsNamePhaseTimeAndFinalTime) {
   for (const bool second_order : {false, true}) {
     SCOPED_TRACE(second_order);
     const Loaded free(equations_with_times(second_order,
@@ -450,7 +450,7 @@ TEST(ComposedStates, EquationsThatNameTimesAreCollocated) {
 /// x' = s u with the time s of the phase: a control in a knot moves x by m h u, where m is s in the
 /// middle, and all rules are exact there. From 0 to 1 the least ½ Σ h u² is ½/Σ h m²: of the knots,
 /// h m² are 0.5/16, 0.5 · 9/16, 1/4 and 9/4, together 2.8125.
-TEST(ComposedStates, ATimeOfThePhaseThatBeginsAnewHasItsOptimumByAllRules) {
+TEST(ComposedStates, RestartedPhaseTimeIsOptimalByAllRules) {
   for (const char* rule : {"rk2", "rk4", "trapezoidal", "hermite_simpson", "radau3", "radau5"}) {
     const Loaded loaded(replaced(R"(conddp: 1
 system: {states: [x], controls: [u], rate: {x: phase_time*u}}
@@ -527,7 +527,7 @@ TEST(ComposedStates, SwingsGoWithFreeDurations) {
 }
 
 /// A swing ends where a phase with a free duration begins: its cost there is that of a moment.
-TEST(ComposedStates, TheCostOfATouchDownDoesNotGrowWithTheDuration) {
+TEST(ComposedStates, TouchDownCostIsIndependentOfDuration) {
   std::stringstream file;
   file << std::ifstream(kProblems / "hopper_cycle.yaml").rdbuf();
   const std::string given =

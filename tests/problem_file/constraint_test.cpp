@@ -49,7 +49,7 @@ std::vector<double> initial_values(const ShootingProblem& problem, const std::st
   return {values.begin(), values.end()};
 }
 
-TEST(Constraints, BoundsOfAPositionWithoutReferenceAreInTheWorld) {
+TEST(Constraints, PositionBoundsWithoutReferenceAreInTheWorld) {
   const Loaded loaded(
       kStanding +
       "constraints:\n"
@@ -71,7 +71,7 @@ TEST(Constraints, BoundsOfAPositionWithoutReferenceAreInTheWorld) {
   }
 }
 
-TEST(Constraints, BoundsOnTheStateHoldAtAllNodesButTheFirst) {
+TEST(Constraints, StateBoundsSkipOnlyTheFirstNode) {
   const Loaded loaded(
       with("  speed: {bounds: velocity, lower: -2, upper: 5}\n"
            "  here: {bounds: state, lower: {theta: -1}, phases: second}\n"));
@@ -106,7 +106,7 @@ TEST(Constraints, NullIsNoBoundWhateverIsBounded) {
   EXPECT_TRUE(Loaded(expanded.dump()).built);
 }
 
-TEST(Constraints, LimitsOfTheUrdfBoundTheCoordinatesThatHaveThem) {
+TEST(Constraints, UrdfLimitsBoundTheirCoordinates) {
   const Loaded loaded(std::string(kCartpole) +
                       "constraints: {rail: {bounds: configuration, from: urdf}}\n"
                       "solver: {name: altro}\n");
@@ -154,7 +154,7 @@ TEST(Constraints, ResidualsTakeEqualitiesBoundsLengthsAndCones) {
   EXPECT_EQ(evaluation.constraint[goal[0].row + 1], -2);
 }
 
-TEST(Constraints, FrictionConesAreExactOrPyramidsWhereTheContactIsHeld) {
+TEST(Constraints, FrictionConesHoldOnlyDuringContact) {
   const Loaded loaded(kStanding +
                       "constraints:\n"
                       "  exact: {residual: friction_cone, cone: second_order, safety: 0.8}\n"
@@ -359,7 +359,7 @@ TEST(Constraints, WhatCannotBeSaidIsRefused) {
   }
 }
 
-TEST(Constraints, SolversThatCannotKeepThemSayWhoCanAndHowToDropThem) {
+TEST(Constraints, UnsupportedConstraintsNameSolversAndHowToDrop) {
   Loaded loaded(replaced(with("  speed: {bounds: velocity, upper: 5}\n",
                               "    goal: {residual: state, reference: [1, 0]}\n"),
                          "altro", "box_ddp"));
@@ -372,7 +372,7 @@ TEST(Constraints, SolversThatCannotKeepThemSayWhoCanAndHowToDropThem) {
   EXPECT_NE(text.find("--drop speed --drop goal"), std::string::npos) << text;
 }
 
-TEST(Constraints, DroppedOnesAreNotInTheProblemButTheirViolationIsKnown) {
+TEST(Constraints, DroppedConstraintsStillReportTheirViolation) {
   const Loaded loaded(with("  speed: {bounds: velocity, upper: 5}\n",
                            "    goal: {residual: state, reference: [1, 0]}\n"),
                       {}, {.drop = {"goal", "speed"}});
@@ -394,7 +394,7 @@ std::vector<int> nodes_of(const ShootingProblem& problem, const std::string& nam
   return nodes;
 }
 
-TEST(NodesOfConstraints, AreBeginsOfKnotsOrEndsOfPhasesToo) {
+TEST(NodesOfConstraints, IncludeKnotStartsAndPhaseEnds) {
   for (const auto& [phases, nodes, expected] :
        {std::tuple{"first", "begins", std::vector{1, 2, 3}},
         std::tuple{"first", "ends", std::vector{1, 2, 3, 4}},
@@ -476,7 +476,7 @@ TEST(SoftConstraints, AreCostsOrHaveLimits) {
   EXPECT_EQ(misses[0].node, 2);
 }
 
-TEST(SoftConstraints, OnTheControlAreNoBoundsToASolver) {
+TEST(SoftConstraints, OnControlsAreNotSolverBounds) {
   const Loaded loaded(replaced(kPendulum, "{bounds: control, lower: -3, upper: 3}",
                                "{bounds: control, lower: -3, upper: 3, soft: l2, weight: 10}"));
   ASSERT_TRUE(loaded.built) << loaded.all();

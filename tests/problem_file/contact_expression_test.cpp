@@ -31,7 +31,7 @@ const CostTerm* shared_cost(const KnotView& view) {
   return nullptr;
 }
 
-TEST(ContactExpressions, CountWhereAllContactsThatTheyReadAreHeld) {
+TEST(ContactExpressions, CountWhereAllTheirContactsAreHeld) {
   const Loaded loaded(kShared);
   ASSERT_TRUE(loaded.built) << loaded.all();
   const ShootingProblem& problem = *loaded.built->problem;
@@ -72,7 +72,7 @@ AtKnot at_knot(const Loaded& loaded, int k) {
   return at;
 }
 
-TEST(ContactExpressions, ReadTheForcesOfTheirContactsInEverySystem) {
+TEST(ContactExpressions, ReadContactForcesInEverySystem) {
   const Loaded loaded(kShared);
   ASSERT_TRUE(loaded.built) << loaded.all();
   // All four are held first, then RF and LH.

@@ -29,7 +29,7 @@ TEST(ContactFile, DegreesAndMillisecondsAreWarnedOf) {
             std::string::npos);
 }
 
-TEST(ContactFile, ASoleWhoseFrameDoesNotPointOutOfTheGroundIsWarnedOf) {
+TEST(ContactFile, WarnsAboutSoleFramesOffTheNormal) {
   const auto with = [](const std::string& keys) {
     return warnings(replaced(kStepping, "{frame: rh_foot}",
                              "{frame: rh_foot, type: surface, size: [0.1, 0.1]" + keys + "}"));
@@ -56,7 +56,7 @@ TEST(ContactFile, GravityThatLeavesAllSurfacesIsWarnedOf) {
   EXPECT_EQ(warnings(one_below).find("pulls away"), std::string::npos);
 }
 
-TEST(ContactFile, WhatStandsOnContactsThatNoPhaseHoldsIsWarnedOf) {
+TEST(ContactFile, WarnsAboutTermsOnContactsNoPhaseHolds) {
   const auto with = [](const std::string& term) {
     return warnings(replaced(kStepping, "costs:\n", "costs:\n  own: " + term + "\n"));
   };
@@ -118,13 +118,13 @@ TEST(ContactFile, MistakesAreSaidWithTheirPlace) {
   }
 }
 
-TEST(ContactFile, AnImpulseThatBringsAFootDownBesidesStandingOnesIsNone) {
+TEST(ContactFile, ImpulseWithStandingFeetIsAccepted) {
   const Loaded loaded(
       replaced(kStepping, "  - {name: rest", "  - {impulse: all}\n  - {name: rest"));
   EXPECT_TRUE(loaded.built) << loaded.all();
 }
 
-TEST(ContactFile, NormalsAreScaledToLengthOneAndStaySoWhenReadAgain) {
+TEST(ContactFile, NormalizedNormalsSurviveARoundTrip) {
   const Loaded first(
       replaced(kStepping, "{frame: lf_foot}", "{frame: lf_foot, normal: [-1, 2, 10]}"));
   const Vector3<double> n = first.spec->contacts[0].normal;
@@ -149,7 +149,7 @@ CostAt cost_at(const ShootingProblem& problem, int k, const std::string& name) {
   return {};
 }
 
-TEST(Swing, LeadsFromTheStanceOverAnArchToTheTouchDown) {
+TEST(Swing, ArchesFromStanceToTouchDown) {
   const Loaded loaded(kStepping);
   ASSERT_TRUE(loaded.built) << loaded.all();
   const ShootingProblem& problem = *loaded.built->problem;
@@ -169,7 +169,7 @@ TEST(Swing, LeadsFromTheStanceOverAnArchToTheTouchDown) {
   }
 }
 
-TEST(Swing, IsEvenInTimeOverPhasesOfDifferentStepsAndImpulses) {
+TEST(Swing, IsEvenInTimeAcrossPhasesAndImpulses) {
   const Loaded whole(
       replaced(replaced(kStepping, "  - {name: lift, knots: 10, dt: 0.02, contacts: [LF, LH, RH]}",
                         "  - {name: lift, knots: 10, dt: 0.01, contacts: [LF, RH]}\n"
@@ -186,7 +186,7 @@ TEST(Swing, IsEvenInTimeOverPhasesOfDifferentStepsAndImpulses) {
               1e-12);
 }
 
-TEST(Swing, OfAPlacementTurnsTheFrameAboutTheVertical) {
+TEST(Swing, PlacementTurnsTheFrameAboutTheVertical) {
   const Loaded loaded(replaced(replaced(kStepping, "frame_position", "frame_placement"),
                                "step: [0.2, 0.1, 0]", "displaced: [[0.1, 0, 0.4]]"));
   ASSERT_TRUE(loaded.built) << loaded.all();
@@ -203,7 +203,7 @@ TEST(Swing, OfAPlacementTurnsTheFrameAboutTheVertical) {
   EXPECT_NEAR(turned(15), 0.4, 1e-12);
 }
 
-TEST(LastNode, HoldsTheContactsOfTheLastPhaseOrItsOwn) {
+TEST(LastNode, HoldsLastPhaseContactsOrItsOwn) {
   const std::string costs =
       "costs: {still: {residual: contact_velocity, weight: 3}}}\ninitial_guess";
   const auto count = [](const Loaded& loaded) {
@@ -216,7 +216,7 @@ TEST(LastNode, HoldsTheContactsOfTheLastPhaseOrItsOwn) {
             2u);
 }
 
-TEST(LastNode, IsWhereASwingTouchesDownIfItHoldsTheFoot) {
+TEST(LastNode, IsTouchDownIfItHoldsTheFoot) {
   const std::string swinging =
       replaced(kStepping, "  - {name: rest, knots: 5, dt: 0.02, contacts: all}\n", "");
   const Loaded without(swinging);
@@ -272,7 +272,7 @@ TEST(Baumgarte, IsCalledStableExactlyWhereErrorsDieAway) {
   EXPECT_GT(unstable, 10);
 }
 
-TEST(Baumgarte, WarnsOfStepsThatDoNotCarryItAndSaysWhy) {
+TEST(Baumgarte, WarnsAboutUnstableStepsAndSaysWhy) {
   const auto with = [](const char* gains) {
     return replaced(kStepping, "{frame: lf_foot}",
                     std::string("{frame: lf_foot, baumgarte: {") + gains + "}}");

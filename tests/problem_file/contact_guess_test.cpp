@@ -91,7 +91,7 @@ TEST(ContactGuess, TorquesKeepTheirLimits) {
   EXPECT_GT(robot.left(5).lpNorm<Eigen::Infinity>(), kOffBounds);
 }
 
-TEST(ContactGuess, AConeHoldsByTheShareOfFrictionThatItUses) {
+TEST(ContactGuess, ConeHoldsByItsUsedFrictionShare) {
   const Held puck(
       "puck_slide",
       {"robot.placement.rpy=[0, 0.1, 0]",

@@ -32,7 +32,7 @@ TEST(ContactRank, CountsRowsAlongWhichTheRobotCanMove) {
   EXPECT_EQ(found.rank, 1);
 }
 
-TEST(ContactRank, OfAContactAcrossThePlaneOfTheRobotIsZero) {
+TEST(ContactRank, ContactAcrossThePlaneHasRankZero) {
   const Loaded loaded(planar_hopper("[0, 1, 0]"));
   ASSERT_TRUE(loaded.built) << loaded.all();
   const ShootingProblem& problem = *loaded.built->problem;

@@ -6,7 +6,7 @@
 namespace conddp {
 namespace {
 
-TEST(ControlName, IsThatOfAComponentWhereTheFirstStateIsChosen) {
+TEST(ControlName, NamesComponentsOfAChosenFirstState) {
   const Loaded loaded(replaced(kPendulum, "  - {name: first",
                                "  - {name: start, choose: [omega]}\n  - {name: first"));
   ASSERT_TRUE(loaded.built) << loaded.all();

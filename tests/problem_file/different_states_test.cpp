@@ -67,7 +67,7 @@ std::vector<std::string> names_of(const std::vector<Column>& columns) {
 
 using Names = std::vector<std::string>;
 
-TEST(DifferentStates, AStateThatLaterPhasesLackRestsAndCostsNothing) {
+TEST(DifferentStates, StatesAbsentLaterRestAndCostNothing) {
   const Loaded loaded{std::string(kHandover)};
   ASSERT_TRUE(loaded.built) << loaded.all();
   EXPECT_EQ(names_of(loaded.built->state_columns), (Names{"x", "v"}));
@@ -138,7 +138,7 @@ TEST(DifferentStates, HaveSlopesBesideTheControlsOfTheirPhases) {
   for (int k = 5; k < 9; ++k) EXPECT_EQ(guess.u(k), Eigen::Vector3d(3, 3, 0));
 }
 
-TEST(DifferentStates, WithoutAJumpAStateBeginsAtItsInitialValue) {
+TEST(DifferentStates, StateWithoutJumpBeginsAtItsInitialValue) {
   std::string text = replaced(kLeap, "  - {name: leap, jump: {v: gain*x}}\n", "");
   text = replaced(text, "{x: 1.72}", "{x: 1.22, v: 0.11}");
   const Loaded loaded(text);
@@ -171,7 +171,7 @@ TEST(DifferentStates, AllSolversFindTheOptimum) {
   }
 }
 
-TEST(DifferentStates, BoundsByNameAreOnThePhasesThatHaveTheControl) {
+TEST(DifferentStates, NamedBoundsApplyToPhasesWithTheControl) {
   const Loaded loaded(replaced(kHandover, "terminal:",
                                "constraints:\n  limit: {bounds: control, lower: {w: -0.5}}\n"
                                "terminal:"));
@@ -184,7 +184,7 @@ TEST(DifferentStates, BoundsByNameAreOnThePhasesThatHaveTheControl) {
   }
 }
 
-TEST(DifferentStates, WhatNamesNoColumnsIsOnThoseOfThePhase) {
+TEST(DifferentStates, UnnamedColumnsMeanThoseOfThePhase) {
   std::string text =
       replaced(kHandover, "terminal:", R"(  posture: {residual: state, weights: {v: 2}}
   shares: {residual: control, weights: {a: 2, w: 3}}
@@ -208,7 +208,7 @@ terminal:)");
   EXPECT_EQ(loaded.built->problem->terminal().model->constraints().size(), 2u);
 }
 
-TEST(DifferentStates, AStateBoundIsOnPhasesThatHaveTheStateAlone) {
+TEST(DifferentStates, StateBoundAppliesToPhasesWithTheState) {
   const Loaded loaded(replaced(
       kHandover, "terminal:", "constraints:\n  slow: {bounds: state, upper: {v: 1}}\nterminal:"));
   ASSERT_TRUE(loaded.built) << loaded.all();
@@ -217,7 +217,7 @@ TEST(DifferentStates, AStateBoundIsOnPhasesThatHaveTheStateAlone) {
   EXPECT_EQ(loaded.built->problem->terminal().model->constraints().size(), 1u);
 }
 
-TEST(DifferentStates, ACostOnControlsIsOffWhereThereAreNone) {
+TEST(DifferentStates, ControlCostIsOffWithoutControls) {
   const Loaded loaded(
       replaced(kHandover, "controls: {w: m/s}, rate: {x: w}", "controls: {}, rate: {x: -1}"));
   ASSERT_TRUE(loaded.built) << loaded.all();
@@ -227,7 +227,7 @@ TEST(DifferentStates, ACostOnControlsIsOffWhereThereAreNone) {
   EXPECT_NEAR(result.cost, 0.5 * 0.33, 1e-9) << result.message;
 }
 
-TEST(DifferentStates, ChoiceAndPerturbationAreOfTheFirstSystemsStates) {
+TEST(DifferentStates, ChoiceAndPerturbationUseFirstSystemStates) {
   const std::string chosen =
       replaced(kLeap, "phases:\n", "phases:\n  - {choose: all, lower: -1, upper: 1}\n");
   const Loaded loaded(chosen);
@@ -242,7 +242,7 @@ TEST(DifferentStates, ChoiceAndPerturbationAreOfTheFirstSystemsStates) {
   EXPECT_EQ(moved.built->problem->initial_state()[1], 0);
 }
 
-TEST(DifferentStates, ACycleIsOfStatesThatThereAreAtBothEnds) {
+TEST(DifferentStates, CycleLinksStatesPresentAtBothEnds) {
   for (const std::string_view text : {kHandover, kLeap}) {
     std::string periodic =
         replaced(text, "phases:\n", "phases:\n  - {choose: all, lower: -1, upper: 1}\n");
@@ -254,7 +254,7 @@ TEST(DifferentStates, ACycleIsOfStatesThatThereAreAtBothEnds) {
   }
 }
 
-TEST(DifferentStates, TheTimeIsAStateOfAllWhereOneDependsOnIt) {
+TEST(DifferentStates, TimeIsASharedStateWhenNeeded) {
   const Loaded loaded(replaced(kHandover, "rate: {x: w}", "rate: {x: w*t}"));
   ASSERT_TRUE(loaded.built) << loaded.all();
   EXPECT_EQ(names_of(loaded.built->state_columns), (Names{"x", "v", "t"}));
@@ -283,7 +283,7 @@ TEST(DifferentStates, FreeDurationsAndParametersGoWithThem) {
   EXPECT_NEAR(result.cost, 0.5 * 1.33 * 1.33 / 8.33, 1e-7);
 }
 
-TEST(DifferentStates, AConstantGuessNamesTheControlsOfAllPhases) {
+TEST(DifferentStates, ConstantGuessNamesControlsOfAllPhases) {
   const Loaded loaded(std::string(kHandover) +
                       "initial_guess: {controls: {constant: {a: 2, w: 3}}}\n");
   ASSERT_TRUE(loaded.built) << loaded.all();

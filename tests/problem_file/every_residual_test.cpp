@@ -78,7 +78,7 @@ phases:
   return text;
 }
 
-TEST(EveryResidual, AloneInEveryRoleIsEvaluatedDifferentiatedAndSolvedFor) {
+TEST(EveryResidual, WorksAloneInEveryRole) {
   int tried = 0;
   for (const ResidualDefinition* residual : residual_table())
     for (const Role role : kRoles) {

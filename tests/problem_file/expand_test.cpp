@@ -467,7 +467,7 @@ TEST(Expand, ShowsEveryDefaultOfTheSchema) {
   EXPECT_EQ(unseen, std::set<std::string>{}) << "the schema's default is not the reader's";
 }
 
-TEST(Expand, KeepsTheModelineOfTheFileOrTakesThatOfTheReadyProblems) {
+TEST(Expand, KeepsModelineOfFileOrExample) {
   const Loaded plain{std::string(kPendulum)};
   EXPECT_TRUE(expanded(plain).starts_with(
       "# yaml-language-server: $schema=../schemas/problem.schema.json\nconddp: 1\n"));

@@ -40,7 +40,7 @@ std::vector<double> rows_at(const Loaded& loaded, int knot) {
   return {};
 }
 
-TEST(ExpressionRows, NameWhatTheSystemNamesAndTheTimeOfTheKnot) {
+TEST(ExpressionRows, NameSystemColumnsAndKnotTime) {
   const Loaded loaded{std::string(kRows)};
   const std::vector<double> r = rows_at(loaded, 2);
   ASSERT_EQ(r.size(), 3u);
@@ -51,7 +51,7 @@ TEST(ExpressionRows, NameWhatTheSystemNamesAndTheTimeOfTheKnot) {
   EXPECT_NEAR(rows_at(loaded, 3)[1], 0.5 * 0.3, 1e-15);
 }
 
-TEST(ExpressionRows, OneRowOfAnotherResidualIsANumberWithAPart) {
+TEST(ExpressionRows, SingleRowIsANumberWithAPart) {
   const auto rows = [](const std::string& row) {
     return rows_at(
         Loaded(replaced(kRows, "rows: [energy - drag(v), \"[x*t, u]\"]",
@@ -276,7 +276,7 @@ TEST(ExpressionRows, NameTheControlOfTheKnotBefore) {
     EXPECT_LT(c.error, 1e-9);
 }
 
-TEST(ExpressionRows, BoundTheChangeOfTheControlAndCostTheLastOne) {
+TEST(ExpressionRows, BoundControlChangesAndCostTheLastControl) {
   const std::string text = replaced(
       replaced(kRows, "own: {residual: expression, rows: [energy - drag(v), \"[x*t, u]\"]}",
                "push: {residual: state, weight: 9}"),
@@ -297,7 +297,7 @@ TEST(ExpressionRows, BoundTheChangeOfTheControlAndCostTheLastOne) {
   EXPECT_NEAR(before, 1.2, 1e-5) << "as near to 2 as four steps lead";
 }
 
-TEST(ExpressionRows, NameThePreviousControlsOfRobotsByTheirJoints) {
+TEST(ExpressionRows, NamePreviousControlsByJoint) {
   const std::string text = replaced(
       kTip, "solver:", "  change: {residual: expression, rows: [\"previous[slider]\"]}\nsolver:");
   const Loaded loaded(text);

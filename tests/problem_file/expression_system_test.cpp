@@ -47,7 +47,7 @@ SolveResult iterate_of(const Loaded& loaded, int iterations) {
   return solve(*loaded.built->problem, "box_fddp", options, loaded.built->guess);
 }
 
-TEST(ExpressionSystemFiles, EveryClosedFormSystemInWordsHasTheSameIterates) {
+TEST(ExpressionSystemFiles, ClosedFormSystemsInWordsIterateAlike) {
   for (const SystemInWords& system : systems_in_words()) {
     if (system.name == "linear" || system.name == "double_integrator") continue;  // other columns
     const ExpressionSystemSpec spec{.text = system.text,

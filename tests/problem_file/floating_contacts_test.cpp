@@ -36,7 +36,7 @@ TEST(FloatingContacts, AccelerationsAreNamedByTheTwist) {
 }
 
 /// The guess that holds a crate at rest on the ground: its corners carry it, all alike.
-TEST(FloatingContacts, ACrateAtRestIsCarriedByItsLowerCorners) {
+TEST(FloatingContacts, RestingCrateIsCarriedByItsLowerCorners) {
   Diagnostics out;
   const auto spec =
       read_problem(kProblems / "crate_tumble.yaml", {"initial_guess.states=initial"}, out);

@@ -114,7 +114,7 @@ TEST(FreeDuration, HasTheDerivativesOfDualNumbers) {
 
 /// With forces of at most 2 forwards and 1 backwards the mass is pushed for √(1/3) s and braked for
 /// twice as long.
-TEST(FreeDuration, OfADoubleIntegratorIsThatOfFullThrustAndFullBrakes) {
+TEST(FreeDuration, DoubleIntegratorTimeMatchesBangBang) {
   const Loaded loaded(kFastest);
   ASSERT_TRUE(loaded.built) << loaded.all();
   const SolveResult result =

@@ -128,7 +128,7 @@ TEST(FreeParameters, OfDifferencesAndOfSeveralSystemsAreStates) {
   EXPECT_NEAR(answer_of(several, "altro").cost, 0.5, 1e-6);
 }
 
-TEST(FreeParameters, AreNotBoundedWithTheStatesThatHaveBoundsByName) {
+TEST(FreeParameters, StateBoundsByNameDoNotCoverThem) {
   const Loaded loaded(
       replaced(kDrift, "terminal:\n",
                "constraints: {box: {bounds: state, lower: {x: -5}, upper: {x: 5}}}\nterminal:\n"));
@@ -155,7 +155,7 @@ TEST(FreeParameters, StartInEveryKeyframeOfTheFirstGuess) {
   EXPECT_EQ(answer_of(loaded, "altro").status, SolveStatus::converged);
 }
 
-TEST(FreeParameters, SettingsOfTheStateThatTheyAreAreErrors) {
+TEST(FreeParameters, SettingsOfTheirStatesAreErrors) {
   const Loaded loaded(std::string(kDrift), {"initial_state.values.p=1"});
   EXPECT_FALSE(loaded.built);
   EXPECT_NE(loaded.all().find("'p' is free, and stands here again"), std::string::npos)

@@ -71,7 +71,7 @@ TEST(Gait, TrotLiftsDiagonalPairsInTurn) {
                                      "10: RF LH", "10: LF RF LH RH"}));
 }
 
-TEST(Gait, PhasesNameTheKeyThatSaysHowLongTheyAre) {
+TEST(Gait, PhasesNameTheirDurationKey) {
   const Loaded loaded(
       with_gait("type: trot, period: 0.4, dt: 0.02, stand: {begin: 0.3, end: 0.1}"));
   ASSERT_TRUE(loaded.built) << loaded.all();
@@ -108,7 +108,7 @@ TEST(Gait, TypesLiftTheirFeetTogether) {
   }
 }
 
-TEST(Gait, ImpulsesAreOfTheFeetThatTouchDownAndOfThoseThatGoOnStanding) {
+TEST(Gait, ImpulsesActOnLandingAndStandingFeet) {
   const Loaded trot(with_gait("type: trot, period: 0.4, dt: 0.02, duty: 0.6, impulses: true"));
   ASSERT_TRUE(trot.built) << trot.all();
   EXPECT_EQ(schedule(trot), (Lines{"10: LF RF LH RH", "8: LF RH", "! LF RF LH RH", "2: LF RF LH RH",
@@ -119,7 +119,7 @@ TEST(Gait, ImpulsesAreOfTheFeetThatTouchDownAndOfThoseThatGoOnStanding) {
                                     "! LF RF LH RH", "10: LF RF LH RH"}));
 }
 
-TEST(Gait, AFootThatIsInTheAirAtAnImpulseOfOthersSwingsThroughIt) {
+TEST(Gait, SwingContinuesThroughImpulsesOfOtherFeet) {
   const Loaded loaded(
       with_gait("type: trot, period: 0.4, dt: 0.02, duty: 0.3, impulses: true, cycles: 2"));
   ASSERT_TRUE(loaded.built) << loaded.all();
@@ -156,7 +156,7 @@ gait: {type: walk, feet: {L: left, R: right}, cycles: 2, period: 1, dt: 0.05,
   EXPECT_NEAR(swing_of(swing)->displaced.back().yaw, 0.6, 1e-12);
 }
 
-TEST(Gait, StepsAddUpToTheWayAndTheFirstAndLastOnesAreShort) {
+TEST(Gait, StepsSumToDistanceWithShortEnds) {
   const Loaded loaded(
       with_gait("type: trot, cycles: 4, period: 0.4, dt: 0.02, step: {length: 0.14}"));
   ASSERT_TRUE(loaded.built) << loaded.all();
@@ -250,7 +250,7 @@ std::vector<PlanarMotion> landings(const Loaded& loaded, const std::string& foot
 }
 
 // The base moves from 0.3 s to 0.9 s, a cycle's way in 0.3 s.
-TEST(Gait, ACommandFromTheStartIsAStepOfTheSameVelocity) {
+TEST(Gait, CommandAtStartMatchesAnEqualStep) {
   const std::string trot = "type: trot, cycles: 2, period: 0.4, dt: 0.02, ";
   const Loaded step(with_gait(trot + "step: {length: 0.15, turn: 0.3}"));
   const Loaded led(with_gait(trot + "commands: [{at: 0, velocity: [0.5, 0, 0], turn: 1}]"));
@@ -266,7 +266,7 @@ TEST(Gait, ACommandFromTheStartIsAStepOfTheSameVelocity) {
   }
 }
 
-TEST(Gait, ACommandLeadsFromWhereTheBaseIsAtItsTime) {
+TEST(Gait, CommandStartsFromTheBaseAtItsTime) {
   for (const char* gait : {"type: trot, cycles: 2, period: 0.4, dt: 0.02, ",
                            "type: trot, cycles: 2, period: 0.4, dt: 0.02, impulses: true, "}) {
     const Loaded led(with_gait(std::string(gait) +
@@ -287,7 +287,7 @@ TEST(Gait, ACommandLeadsFromWhereTheBaseIsAtItsTime) {
   EXPECT_NEAR(end.yaw, 0.5 * 0.4, 1e-11);
 }
 
-TEST(Gait, WhatIsBeforeACommandDoesNotKnowOfIt) {
+TEST(Gait, MotionBeforeACommandIgnoresIt) {
   const std::string trot = "type: trot, cycles: 4, period: 0.4, dt: 0.02, ";
   const Loaded one(with_gait(trot + "commands: [{at: 0, velocity: [0.3, 0, 0]}]"));
   const Loaded two(with_gait(trot +
@@ -322,7 +322,7 @@ TEST(Gait, LandingsStayOnASlope) {
   EXPECT_NEAR(values.back()[2] - values.front()[2], 0.75 * advance, 1e-9);
 }
 
-TEST(Gait, TheBaseMovesEvenlyFromTheMiddleOfTheFirstSwingToTheMiddleOfTheLast) {
+TEST(Gait, BaseMovesEvenlyBetweenFirstAndLastMidswing) {
   const Loaded loaded(
       with_gait("type: trot, cycles: 2, period: 0.4, dt: 0.02, step: {length: 0.15}"));
   const ReferenceSpec& way = *loaded.spec->costs[0].reference;
@@ -339,7 +339,7 @@ TEST(Gait, TheBaseMovesEvenlyFromTheMiddleOfTheFirstSwingToTheMiddleOfTheLast) {
   }
 }
 
-TEST(Gait, TheExpandedFileIsTheSameProblemBitForBit) {
+TEST(Gait, ExpandedFileIsBitwiseTheSameProblem) {
   for (const char* gait :
        {"type: trot, cycles: 3, period: 0.44, dt: 0.02, step: {length: 0.13, turn: 0.37}",
         "type: bound, cycles: 2, period: 0.4, dt: 0.01, duty: 0.3, impulses: true, step: "
@@ -472,7 +472,7 @@ TEST(GaitFile, DoesNotGoWithEverything) {
   }
 }
 
-TEST(Displacement, MovesABaseAlongItsOwnAxesAndTurnsIt) {
+TEST(Displacement, MovesAndTurnsABaseInItsAxes) {
   const Loaded loaded(replaced(kQuadruped, "initial_state: {configuration: standing}",
                                "initial_state: {configuration: standing, displaced: [1, 2, 0.3]}"));
   ASSERT_TRUE(loaded.built) << loaded.all();

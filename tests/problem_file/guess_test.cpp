@@ -152,7 +152,7 @@ TEST_F(GuessFromFile, KeepsTheStatesBeforeAndAfterAJump) {
 }
 
 /// Those of collocation belong to its steps: they are found anew, or not needed.
-TEST_F(GuessFromFile, TakesTheActuatorsAloneOfASolutionWithSlopes) {
+TEST_F(GuessFromFile, TakesOnlyActuatorsFromSolutionsWithSlopes) {
   const std::string file = write("s.json", R"({"format": "conddp.solution/1", "gains": [[[1]]],
     "trajectory": {"columns": {"x": ["theta", "omega"], "u": ["torque", "slope_end/omega"]},
                    "t": [0, 0.7], "x": [[0.1, 0], [2, 0]], "u": [[3, 99]]}})");
@@ -172,7 +172,7 @@ TEST_F(GuessFromFile, TakesTheActuatorsAloneOfASolutionWithSlopes) {
   }
 }
 
-TEST_F(GuessFromFile, IntegralsOfASolutionFollowFromItsOtherStates) {
+TEST_F(GuessFromFile, IntegralsFollowFromOtherStates) {
   const std::string file = write("s.json", R"({"format": "conddp.solution/1",
     "trajectory": {"columns": {"x": ["theta", "omega", "work"], "u": ["torque"]},
                    "t": [0, 0.7], "x": [[0.1, 0, 0], [2, 1, 9]], "u": [[3]]}})");
@@ -208,7 +208,7 @@ TEST_F(GuessFromFile, GainsMayBeMany) {
   EXPECT_TRUE(loaded.built) << loaded.first_error();
 }
 
-TEST_F(GuessFromFile, NamesTheColumnsThatASolutionLacksOrHasTooMany) {
+TEST_F(GuessFromFile, NamesMissingAndExtraColumns) {
   const std::string file = write(
       "s.json", R"({"format": "conddp.solution/1", "trajectory": {"columns": {"x": ["q/a", "theta"],
       "u": ["torque"]}, "t": [0, 0.7], "x": [[1, 1], [1, 1]], "u": [[0]]}})");
@@ -326,7 +326,7 @@ TEST_F(GuessFromFile, ReferencesComeFromFilesToo) {
 }
 
 /// Also where a chosen first state, which a cycle refers to, stands behind the velocities.
-TEST(Guess, AccelerationsOfFoundContactsAreThoseOfTheGuessedStates) {
+TEST(Guess, AccelerationsOfFoundContactsFollowGuessedStates) {
   for (const bool chosen : {false, true}) {
     const Loaded loaded(
         "conddp: 1\n"
@@ -350,7 +350,7 @@ TEST(Guess, AccelerationsOfFoundContactsAreThoseOfTheGuessedStates) {
   }
 }
 
-TEST(GuessToEqualities, LeadsToTheStateThatTerminalConstraintsAskFor) {
+TEST(GuessToEqualities, LeadsToTheConstrainedTerminalState) {
   const std::string text = R"(conddp: 1
 system: {states: [x, v], controls: [u], rate: {x: v, v: u}}
 initial_state: {values: {x: 1}}

@@ -43,7 +43,7 @@ TEST(HomotopyFile, MovesNumbersThatPassZeroByEqualSteps) {
   EXPECT_NEAR(homotopy_path(*loaded.built)(0.25)->initial_state()[0], -0.2, 1e-15);
 }
 
-TEST(HomotopyFile, IsTheProblemAtItsEndForAllOthers) {
+TEST(HomotopyFile, OtherUsersSeeTheProblemAtItsEnd) {
   const Loaded plain{std::string(kPendulum)}, loaded(with_homotopy(kTorque));
   EXPECT_EQ(loaded.built->problem->knot(0).model->control_upper()[0], 3);
   auto a = expand_problem(*plain.spec, *plain.built),
@@ -54,7 +54,7 @@ TEST(HomotopyFile, IsTheProblemAtItsEndForAllOthers) {
   EXPECT_FALSE(homotopy_path(*plain.built));
 }
 
-TEST(HomotopyFile, WarnsWhereTheFileHasAnotherNumberThanItsEnd) {
+TEST(HomotopyFile, WarnsIfFileDiffersFromItsEnd) {
   const std::string text = with_homotopy("[{key: costs.effort.weight, from: 5, to: 2}]");
   EXPECT_EQ(warnings(text),
             "10:39: 0.5 does not count: a homotopy takes this number to 2 (write that number here, "
@@ -63,7 +63,7 @@ TEST(HomotopyFile, WarnsWhereTheFileHasAnotherNumberThanItsEnd) {
   EXPECT_EQ(loaded.spec->costs[0].weight, 2);
 }
 
-TEST(HomotopyFile, MayMoveWhatTheFileLeavesToItsDefault) {
+TEST(HomotopyFile, MayMoveNumbersLeftAtTheirDefault) {
   const std::string text = std::string(kCartpole) + R"(costs: {effort: {residual: control}}
 constraints: {force: {bounds: control, from: urdf}}
 solver: {homotopy: [{key: constraints.force.scale, from: 3, to: 1}]}

@@ -109,7 +109,7 @@ TEST(InitialChoice, IsGuessedFromTheGuessOfTheStates) {
   EXPECT_DOUBLE_EQ(loaded.built->guess.x(1)[1], 4);
 }
 
-TEST(InitialChoice, ConstraintsOnTheFirstStateHoldAtTheNextKnot) {
+TEST(InitialChoice, FirstStateConstraintsHoldAtTheNextKnot) {
   const Loaded loaded(
       replaced(choosing("{choose: all}"), "constraints:\n",
                "constraints:\n  fast: {residual: state, columns: omega, lower: 2, knots: [1]}\n"));
@@ -159,7 +159,7 @@ TEST(InitialChoice, ACycleEndsWhereItBegan) {
 
 /// A quadrotor flies a hop to the side, 2 m further on each time, and is where it was by its pose,
 /// too: three solvers agree.
-TEST(InitialChoice, ACycleOfAPoseIsHeldByAllThatKeepConstraints) {
+TEST(InitialChoice, AllConstrainedSolversSatisfyPoseCycles) {
   const std::string text = R"(conddp: 1
 system: {type: quadrotor}
 initial_state: {values: {z: 1}}

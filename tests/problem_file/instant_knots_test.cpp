@@ -24,7 +24,7 @@ double cost_with_gate(const std::string& where) {
   return result.cost;
 }
 
-TEST(InstantKnots, AConstraintAtTheKnotOfAJumpHolds) {
+TEST(InstantKnots, ConstraintAtAJumpKnotHolds) {
   const double by_phase = cost_with_gate("phases: j");
   EXPECT_GT(by_phase, 1);
   EXPECT_NEAR(cost_with_gate("knots: [10]"), by_phase, 1e-9 * by_phase);
@@ -41,7 +41,7 @@ TEST(InstantKnots, AnExpansionSaysTheSame) {
   EXPECT_EQ(again.built->problem->constraints()[0].node, 10);
 }
 
-TEST(InstantKnots, OthersThanTheNamedOnesStayWithoutTheConstraint) {
+TEST(InstantKnots, OnlyNamedKnotsGetTheConstraint) {
   const Loaded loaded(replaced(kJumpOfABall, "WHERE", "knots: [9, 10]"));
   ASSERT_TRUE(loaded.built) << loaded.all();
   std::vector<int> nodes;
@@ -49,7 +49,7 @@ TEST(InstantKnots, OthersThanTheNamedOnesStayWithoutTheConstraint) {
   EXPECT_EQ(nodes, (std::vector<int>{9, 10}));
 }
 
-TEST(InstantKnots, ACostAtTheKnotOfAJumpCounts) {
+TEST(InstantKnots, CostAtAJumpKnotCounts) {
   const Loaded loaded(
       replaced(replaced(kJumpOfABall, "WHERE", "phases: j"), "{residual: control}",
                "{residual: control}, low: {residual: expression, rows: h, knots: [10]}"));
@@ -57,7 +57,7 @@ TEST(InstantKnots, ACostAtTheKnotOfAJumpCounts) {
   EXPECT_EQ(loaded.built->problem->knot(10).model->costs().size(), 1u);
 }
 
-TEST(InstantKnots, TheKnotThatChoosesTheInitialStateIsNoPlaceForConstraints) {
+TEST(InstantKnots, InitialChoiceKnotAcceptsNoConstraints) {
   const Loaded loaded(replaced(replaced(kJumpOfABall, "WHERE", "knots: [0]"), "phases: [",
                                "phases: [{choose: all}, "));
   EXPECT_NE(loaded.first_error().find("is not a place for costs and constraints"),

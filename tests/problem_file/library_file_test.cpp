@@ -70,11 +70,11 @@ void expect_same_optimum(const std::string& library, const std::string& words) {
   }
 }
 
-TEST(LibraryFiles, HaveTheOptimumOfTheSameEquationsInWords) {
+TEST(LibraryFiles, ReachTheOptimumOfExpressionEquations) {
   expect_same_optimum(kSwing, kSwingInWords);
 }
 
-TEST(LibraryFiles, HaveTheOptimumOfTheSameEquationsWithAClock) {
+TEST(LibraryFiles, ReachTheOptimumOfEquationsWithAClock) {
   const std::string text =
       replaced(replaced(kSwing, "swing", "wind"), "  parameters: {inertia: 2, weight: 5}\n", "");
   const std::string of_state =
@@ -84,7 +84,7 @@ TEST(LibraryFiles, HaveTheOptimumOfTheSameEquationsWithAClock) {
       in_words(of_state, "  rate: {angle: speed, speed: torque - sin(angle) + 0.3*sin(2*t)}\n"));
 }
 
-TEST(LibraryFiles, HaveTheOptimumOfTheSameAccelerationsAndDifferences) {
+TEST(LibraryFiles, ReachTheOptimumOfAccelerationsAndDifferences) {
   const std::string fall = replaced(
       replaced(replaced(kSwing, "  function: swing\n  states: {angle: rad, speed: rad/s}\n",
                         "  function: fall\n  gives: acceleration\n  positions: {y: m}\n"
@@ -109,7 +109,7 @@ const std::string kResidual = kSwingInWords + fmt::format(R"(constraints:
 )",
                                                           kModel);
 
-TEST(LibraryFiles, HaveResidualsInEveryRoleLikeThoseInWords) {
+TEST(LibraryFiles, ResidualsMatchExpressionsInEveryRole) {
   const std::string rows = "rows: [0.5*sin(angle), torque*speed]";
   const std::string library = fmt::format(
       "residual: library, library: {}, function: reach, parameters: {{length: 0.5}}", kModel);
@@ -140,7 +140,7 @@ TEST(LibraryFiles, HaveResidualsInEveryRoleLikeThoseInWords) {
   }
 }
 
-TEST(LibraryFiles, HaveResidualsOfTheTimeOfTheirKnotOrOfTheClock) {
+TEST(LibraryFiles, ResidualsUseKnotTimeOrClock) {
   const std::string late =
       fmt::format("own: {{residual: library, library: {}, function: late}}", kModel);
   const std::string own = "own: {residual: expression, rows: [angle - t]}";
@@ -252,7 +252,7 @@ TEST(LibraryFiles, ResidualsThatDoNotFitHaveTheirPlace) {
   }
 }
 
-TEST(LibraryFiles, ThatAreNoLibrariesOrNotThereHaveTheirPlace) {
+TEST(LibraryFiles, MissingAndInvalidLibrariesHaveTheirPlace) {
   const std::filesystem::path text =
       std::filesystem::temp_directory_path() / "conddp_no_library.so";
   std::ofstream(text) << "no library\n";

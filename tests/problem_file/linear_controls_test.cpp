@@ -212,7 +212,7 @@ std::string linear_phases(std::string_view terms, std::string_view first, std::s
 }
 
 /// Trapezoids by hand, with the durations that were chosen.
-TEST(LinearControls, CostsAtTheEndsOfPhasesGrowWithTheirOwnDurations) {
+TEST(LinearControls, PhaseEndCostsGrowWithOwnDurations) {
   constexpr std::string_view terms = R"(
   lasting: {residual: expression, rows: u*x, activation: linear, weight: 0.7, phases: second}
 constraints:
@@ -316,7 +316,7 @@ solver: {{name: altro, tolerances: {{stationarity: 1.0e-9, constraint: 1.0e-9}}}
 
 /// The best durations are those that cannot be improved upon by giving others, and with them the
 /// costs are those of the file that gives them.
-TEST(LinearControls, TheBestDurationsAreTheBestOfThoseThatAreGiven) {
+TEST(LinearControls, BestDurationsBeatGivenOnes) {
   constexpr const char* cases[] = {
       "constraints: {push: {residual: expression, rows: [u], upper: [1.2], soft: l1, weight: 0.4}}",
       "constraints: {push: {residual: expression, rows: [u - x], upper: [1.2], soft: l2, weight: "
@@ -372,7 +372,7 @@ TEST(LinearControls, AreReplayedAsTheyAre) {
   }
 }
 
-TEST(LinearControls, BeginAsTheFileSaysWhereItGivesTheFirst) {
+TEST(LinearControls, BeginAtTheGivenFirstControl) {
   const std::string text =
       replaced(replaced(kSwing, "  - {name: start, choose: none}\n", ""), "{values: {theta: 0.4}}",
                "{values: {theta: 0.4}, previous_control: 0.5}");
@@ -444,7 +444,7 @@ TEST(LinearControls, BeginWithThoseOfAFormerSolution) {
   EXPECT_DOUBLE_EQ(constant.built->guess.u(3)[0], 1) << "held from the node before";
 }
 
-TEST(LinearControls, AreNamedAtTheNodesAndAtTheEndsOfKnots) {
+TEST(LinearControls, AreNamedAtNodesAndKnotEnds) {
   const Loaded loaded(replaced(kSwing, "rk4", "trapezoidal"));
   ASSERT_TRUE(loaded.built) << loaded.all();
   std::string names;

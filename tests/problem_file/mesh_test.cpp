@@ -60,7 +60,7 @@ TEST(Mesh, ErrorFallsByTheOrderOfTheIntegrator) {
   EXPECT_NEAR(errors[1] / errors[2], 4, 0.3);
 }
 
-TEST(Mesh, GridsGrowByTheOrderThatTheyShowUntilTheErrorIsReached) {
+TEST(Mesh, GrowsGridsByObservedOrderUntilAccurate) {
   MeshRefinement mesh(*Loaded(std::string(kOscillator)).spec);
   std::optional<int> factor = 1;
   while (factor) {
@@ -98,7 +98,7 @@ TEST(Mesh, EndsAtItsLimits) {
   EXPECT_EQ(rounds_of("rounds: 20, knots: 75").back().knots, 70);
 }
 
-TEST(Mesh, EndsWhereTheErrorGrowsOnTwoGridsInARow) {
+TEST(Mesh, EndsAfterTwoGridsWithGrowingError) {
   MeshRefinement mesh(*Loaded(std::string(kOscillator)).spec);
   std::optional<int> factor = 1;
   for (double wrong = 1; factor; wrong *= 2) {
@@ -113,7 +113,7 @@ TEST(Mesh, EndsWhereTheErrorGrowsOnTwoGridsInARow) {
   EXPECT_EQ(mesh.rounds()[2].factor, 4) << "growth says nothing of the order";
 }
 
-TEST(Mesh, StepsThatCollocateHaveAToleranceThatAddsUpToLessThanTheError) {
+TEST(Mesh, CollocationTolerancesSumBelowTheError) {
   const auto tolerance = [](const std::string& text) {
     const Loaded loaded(text);
     EXPECT_TRUE(loaded.spec) << loaded.all();
@@ -128,7 +128,7 @@ TEST(Mesh, StepsThatCollocateHaveAToleranceThatAddsUpToLessThanTheError) {
   EXPECT_EQ(tolerance(replaced(collocating, "mesh: {error: 1.0e-4}\n", "")), usual);
 }
 
-TEST(Mesh, AnswerOfOneGridIsTheGuessOfTheNext) {
+TEST(Mesh, EachAnswerIsTheNextGuess) {
   const Loaded coarse{std::string(kOscillator)}, fine(with_factor(2));
   const SolveResult answer = answer_of(coarse);
   const Trajectory guess = on_grid(*coarse.built->problem, answer.trajectory, *fine.built->problem);
@@ -161,7 +161,7 @@ phases: [{jump: {x: x + 0.001}}]
   EXPECT_FALSE(mesh.reached());
 }
 
-TEST(Mesh, AReferenceThatGoesWithTheGaitHasItsReason) {
+TEST(Mesh, ExplainsReferencesTiedToTheGait) {
   const std::string text = R"(conddp: 1
 robot:
   urdf: )" + std::string(CONDDP_SOURCE_DIR) +
@@ -186,7 +186,7 @@ costs:
       << loaded.all();
 }
 
-TEST(Mesh, WhatCountsKnotsOrHasNoFinerGridHasItsPlace) {
+TEST(Mesh, NamesTermsThatDependOnTheGrid) {
   struct Case {
     std::string from, to, message;
   };

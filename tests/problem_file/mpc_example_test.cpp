@@ -47,7 +47,7 @@ TEST(MpcExample, CarFollowsItsPathAmongDiscs) {
   EXPECT_NEAR(car.result.last_state[1], 3 * std::sin(0.2 * 18), 0.3);
 }
 
-TEST(MpcExample, CartpoleSwingsUpInWindowsThatAreShorterThanTheSwing) {
+TEST(MpcExample, CartpoleSwingsUpInShortWindows) {
   const ExampleLoop cartpole("cartpole_balance");
   ASSERT_TRUE(cartpole.mpc) << cartpole.said;
   EXPECT_EQ(cartpole.result.end, LoopEnd::finished);
@@ -60,7 +60,7 @@ TEST(MpcExample, CartpoleSwingsUpInWindowsThatAreShorterThanTheSwing) {
 
 // 5 m are too far for a window of 0.9 s. The first plan misses them by less than the guess does,
 // and from where it leads the next ones are feasible.
-TEST(MpcExample, CartpoleComesToAGoalThatItsFirstWindowsDoNotReach) {
+TEST(MpcExample, CartpoleReachesAGoalBeyondFirstWindows) {
   const ExampleLoop cartpole(
       "cartpole_balance",
       {"solver.name=altro", "mpc.iterations=tolerances", "mpc.terminal=keep", "mpc.duration=5",
@@ -74,7 +74,7 @@ TEST(MpcExample, CartpoleComesToAGoalThatItsFirstWindowsDoNotReach) {
   EXPECT_NEAR(cartpole.result.last_state[1], M_PI, 0.05);
 }
 
-TEST(MpcExample, HopperHopsOverAStepThatItDoesNotKnow) {
+TEST(MpcExample, HopperHopsOverAnUnknownStep) {
   const ExampleLoop hopper("hopper_hops");
   ASSERT_TRUE(hopper.mpc) << hopper.said;
   EXPECT_EQ(hopper.result.end, LoopEnd::finished);
@@ -100,7 +100,7 @@ TEST(MpcExample, QuadrotorArrivesThroughGusts) {
   EXPECT_LT(std::hypot(x[0], x[1] - 10, x[2] - 1), 0.2);
 }
 
-TEST(MpcExample, ArmTracksItsGoalWithALoadThatItDoesNotKnow) {
+TEST(MpcExample, ArmTracksItsGoalWithUnknownLoad) {
   const ExampleLoop arm("arm_goal");
   ASSERT_TRUE(arm.mpc) << arm.said;
   EXPECT_EQ(arm.result.end, LoopEnd::finished);
@@ -150,7 +150,7 @@ TEST(MpcExample, QuadrupedCrossesItsStepWhereverItIs) {
 
 // Windows of 0.3 s are too short but for the regulator at their end, which goes along. The base is
 // at the end where the way of the commands is.
-TEST(MpcExample, QuadrupedGoesWhereItIsToldInShortWindowsThatEndWithARegulator) {
+TEST(MpcExample, QuadrupedFollowsCommandsInShortRegulatedWindows) {
   const ExampleLoop quadruped(
       "quadruped_commands",
       {"mpc.horizon=0.3", "mpc.terminal={lqr: standing}",

@@ -13,7 +13,7 @@ std::string pendulum_with(const std::string& mpc) { return std::string(kPendulum
 
 // Bellman: what is left of an optimum is the optimum of what is left. Models with and without
 // constraints, closed forms and robots, with contacts and flight.
-TEST(MpcFile, FollowsTheFirstPlanOfExampleProblemsWhereHorizonsShrink) {
+TEST(MpcFile, FollowsFirstPlanOfExamplesWithShrinkingHorizons) {
   const struct {
     const char* name;
     double tick;
@@ -67,7 +67,7 @@ solver: {name: box_fddp, tolerances: {stationarity: 1.0e-12}}
 
 // With its value at the end of windows the loop is that of the infinite horizon, however short they
 // are.
-TEST(MpcFile, WindowsThatEndWithARegulatorCostTheOptimum) {
+TEST(MpcFile, WindowsEndingInARegulatorReachTheOptimum) {
   for (const int knots : {1, 3, 5}) {
     const LoadedLoop loop(std::string(kRegulated) +
                           fmt::format("mpc: {{horizon: {}, tick: 0.1, duration: 20, iterations: "
@@ -85,7 +85,7 @@ TEST(MpcFile, WindowsThatEndWithARegulatorCostTheOptimum) {
 }
 
 // Beyond the end of the phases, where the last knot goes on, too.
-TEST(MpcFile, ARegulatorEndsWindowsHoweverShortThePhasesAre) {
+TEST(MpcFile, RegulatorEndsWindowsOfShortPhases) {
   const LoadedLoop loop(replaced(kRegulated, "knots: 300", "knots: 2") +
                         "mpc: {horizon: 0.3, tick: 0.1, duration: 20, iterations: tolerances, "
                         "terminal: {lqr: [0, 0]}}\n");
@@ -132,7 +132,7 @@ mpc: {horizon: 1, tick: 0.02, duration: 4, terminal: keep, feedback: {rate: 200}
 )";
 
 // A tick has no time to raise penalties, and multipliers of one must not throw the next one off.
-TEST(MpcFile, AFewIterationsATickDoAlmostAsWellAsAllOfThem) {
+TEST(MpcFile, FewIterationsATickAreAlmostAsGood) {
   for (const char* solver : {"altro", "proxddp"}) {
     const std::string by = std::string("solver.name=") + solver;
     const LoadedLoop whole(kSpeedLimit, {by, "mpc.iterations=tolerances"});
@@ -148,7 +148,7 @@ TEST(MpcFile, AFewIterationsATickDoAlmostAsWellAsAllOfThem) {
 }
 
 // The only knot is that of the initial state, at which no control can change the velocity.
-TEST(MpcFile, AConstraintThatNoWindowWouldHaveIsAnError) {
+TEST(MpcFile, ConstraintAbsentFromAllWindowsIsAnError) {
   const LoadedLoop loop(kSpeedLimit, {"phases.move.knots=1"});
   ASSERT_TRUE(loop.error());
   EXPECT_EQ(loop.error()->message,
@@ -221,7 +221,7 @@ TEST(MpcFile, WindowsKeepTheTerminalCostsOfTheFile) {
 
 // The gains that act between ticks are those of the optimum, too. The state jumps, and answers of
 // both solvers differ from the plans before.
-TEST(MpcFile, IpoptDrivesTheLoopThatAnySolverDrivesToItsTolerances) {
+TEST(MpcFile, IpoptDrivesTheLoopLikeOtherSolvers) {
   const auto run = [](const std::string& more) {
     const LoadedLoop loop(
         replaced(kPendulum, "box_ddp", more + ", tolerances: {stationarity: 1.0e-10}") +
@@ -259,7 +259,7 @@ std::vector<TickRecord> ticks_with(const std::string& disturbances) {
   return loop.mpc ? loop.run().ticks : std::vector<TickRecord>();
 }
 
-TEST(MpcFile, AnswersThatComeTooLateLeadToTheFallbackAndBack) {
+TEST(MpcFile, LateAnswersTriggerFallbackAndRecovery) {
   for (const TickRecord& tick : ticks_with("{late: 1, at: 1, duration: 0.2}")) {
     const bool late = tick.tick >= 20 && tick.tick < 24;
     EXPECT_EQ(tick.outcome, late ? TickOutcome::late : TickOutcome::planned) << tick.tick;
@@ -267,7 +267,7 @@ TEST(MpcFile, AnswersThatComeTooLateLeadToTheFallbackAndBack) {
   }
 }
 
-TEST(MpcFile, AShareOfTheAnswersComesTooLateByItsSeed) {
+TEST(MpcFile, SeedDecidesWhichAnswersAreLate) {
   const auto late_of = [](const std::string& disturbance) {
     std::vector<int> late;
     for (const TickRecord& tick : ticks_with(disturbance))
@@ -286,7 +286,7 @@ TEST(MpcFile, AShareOfTheAnswersComesTooLateByItsSeed) {
 
 // From the first tick on every answer comes too late. The regulator brings the pendulum upright all
 // the same; quasi-static controls let it fall.
-TEST(MpcFile, AFallbackMayHaveTheGainsOfARegulator) {
+TEST(MpcFile, FallbackMayUseRegulatorGains) {
   const auto last_angle = [](const std::string& to) {
     const LoadedLoop loop(
         replaced(replaced(kPendulum, "{theta: 0.1}", "{theta: 3.1}"), "costs:",
@@ -321,7 +321,7 @@ TEST(MpcFile, RegulatorsThatAreNoneHaveTheirPlaces) {
   EXPECT_NE(set.all().find("a fallback has no terminal set"), std::string::npos) << set.all();
 }
 
-TEST(MpcFile, WindowsThatEndInASetHaveASolverThatSupportsIt) {
+TEST(MpcFile, WindowsEndingInASetUseSupportingSolver) {
   const std::string mpc =
       "mpc: {horizon: 0.5, tick: 0.1, duration: 1, terminal: {lqr: {about: {values: {theta: 0}}, "
       "set: true}}}";
@@ -364,7 +364,7 @@ mpc: {horizon: 1, duration: 2, iterations: tolerances, )" +
 
 // The plant is the model: there is nothing to which feedback could answer, but for what lies
 // between a plan's straight lines and the motion.
-TEST(MpcFile, FeedbackLeavesALoopWithoutDisturbanceAloneThatRemembersItsControl) {
+TEST(MpcFile, FeedbackChangesLittleWithoutDisturbance) {
   for (const char* tick : {"0.05", "0.1"}) {
     const LoadedLoop none(limited_rate(fmt::format("tick: {}", tick)));
     const LoadedLoop often(limited_rate(fmt::format("tick: {}, feedback: {{rate: 200}}", tick)));
@@ -376,7 +376,7 @@ TEST(MpcFile, FeedbackLeavesALoopWithoutDisturbanceAloneThatRemembersItsControl)
   }
 }
 
-TEST(MpcFile, SystemsThatGiveTheNextStateMakeWholeKnots) {
+TEST(MpcFile, DiscreteSystemsMakeWholeKnots) {
   const struct {
     const char* mpc;
     const char* path;
@@ -505,7 +505,7 @@ mpc:
   fallback: {after: 2, to: {configuration: ready}}
 )";
 
-TEST(MpcFile, ASettingOfThePlantIsToBlameForWhatIsWrongAboveItsKey) {
+TEST(MpcFile, PlantErrorsNameTheSettingAboveTheKey) {
   const std::string text = replaced(kArm, "plant: {dt: 0.005}",
                                     "plant:\n    set:\n      robot.payloads.link_7.mass: 1\n"
                                     "      robot.payloads.nowhere.mass: 1");
@@ -517,7 +517,7 @@ TEST(MpcFile, ASettingOfThePlantIsToBlameForWhatIsWrongAboveItsKey) {
 }
 
 // Keys of 'set' have dots: what follows it is one of them.
-TEST(MpcFile, APathSetsWhatThePlantDoesNotSetYet) {
+TEST(MpcFile, PathAddsNewPlantSettings) {
   for (const char* plant : {"", "plant: {dt: 0.01}", "plant: {set: {system.length: 0.9}}"}) {
     const LoadedLoop loop(
         pendulum_with(std::string("mpc: {horizon: 0.5, tick: 0.1, duration: 1, ") + plant + "}"),
@@ -527,7 +527,7 @@ TEST(MpcFile, APathSetsWhatThePlantDoesNotSetYet) {
   }
 }
 
-TEST(MpcFile, PartsOfAPlantAreSetByMappingsOrByPaths) {
+TEST(MpcFile, PlantSettingsAcceptMappingsOrPaths) {
   for (const char* plant :
        {"{system: {mass: 1.5, length: 0.9}}", "{set: {system: {mass: 1.5, length: 0.9}}}",
         "{set: {system.mass: 1.5, system.length: 0.9}}"}) {
@@ -541,7 +541,7 @@ TEST(MpcFile, PartsOfAPlantAreSetByMappingsOrByPaths) {
   }
 }
 
-TEST(MpcFile, AConditionWithoutANameIsNamedByItsResidual) {
+TEST(MpcFile, UnnamedConditionsTakeTheResidualName) {
   const LoadedLoop loop(
       pendulum_with("mpc: {horizon: 0.5, tick: 0.1, duration: 1, stop_when: {residual: state, "
                     "columns: theta, upper: 3}}"));
@@ -568,7 +568,7 @@ TEST(MpcFile, APlantHasMotorLimitsOfItsOwn) {
   EXPECT_FALSE(unknown.mpc);
 }
 
-TEST(MpcFile, AnActuatorIsAllThatAPlantHasOfConstraints) {
+TEST(MpcFile, PlantAcceptsOnlyControlBounds) {
   const LoadedLoop loop(
       replaced(pendulum_with("mpc: {horizon: 0.5, tick: 0.1, duration: 1, plant: {set: "
                              "{constraints.rate.upper: 9}}}"),
@@ -579,7 +579,7 @@ TEST(MpcFile, AnActuatorIsAllThatAPlantHasOfConstraints) {
   EXPECT_EQ(loop.error()->message, "of constraints, a plant has hard bounds on the control alone");
 }
 
-TEST(MpcFile, PushesAFrameForAsLongAsItSays) {
+TEST(MpcFile, PushesAFrameForTheGivenTime) {
   const LoadedLoop loop(kArm);
   ASSERT_TRUE(loop.mpc) << loop.all();
   ASSERT_EQ(loop.mpc->loop.plant.size(), 3u);  // before, during and after the push
@@ -596,7 +596,7 @@ TEST(MpcFile, PushesAFrameForAsLongAsItSays) {
 }
 
 // A push at the pole's tip leaves the cart-pole no equilibrium: the regulator is the model's.
-TEST(MpcFile, ARegulatorOfTheFileIsNotThatOfAPlantThatIsPushed) {
+TEST(MpcFile, RegulatorIgnoresPushesOnThePlant) {
   const LoadedLoop loop(
       text_of("cartpole_swingup"),
       {"terminal={lqr: {joints: {hinge: 3.141592653589793}}}",
@@ -607,7 +607,7 @@ TEST(MpcFile, ARegulatorOfTheFileIsNotThatOfAPlantThatIsPushed) {
   EXPECT_EQ(loop.mpc->loop.plant.size(), 3u);
 }
 
-TEST(MpcFile, HoldsTheStateOfItsFallbackByQuasiStaticControls) {
+TEST(MpcFile, FallbackHoldsItsStateByQuasiStaticControls) {
   LoadedLoop loop(kArm, {"mpc.disturbances=[]"});
   ASSERT_TRUE(loop.mpc) << loop.all();
   loop.mpc->controller.is_late = [](int) { return true; };
@@ -697,7 +697,7 @@ TEST(MpcFile, LearnsOfEachCommandAtItsTime) {
   EXPECT_NEAR(result.last_state[2], 0.57, 0.1);
 }
 
-TEST(MpcFile, ACommandTakesWhatItsGaitKnowsOfEarlierTimes) {
+TEST(MpcFile, CommandUsesEarlierGaitCommandsOnly) {
   const std::vector<std::string> known = {
       "gait.commands=[{at: 0, velocity: [0.2, 0, 0]}, {at: 1.5, velocity: [1, 0, 0]}]"};
   const std::string mpc = "duration: 2, commands: [{at: 0.8, turn: 0.3}]";
@@ -729,7 +729,7 @@ TEST(MpcFile, FallsToAGroundThatIsLower) {
   EXPECT_LT(result.last_state[2], 0.5);
 }
 
-TEST(MpcFile, ALoopWhoseSimulatorFindsNoStepSaysSo) {
+TEST(MpcFile, ReportsSimulatorsThatFindNoStep) {
   const LoadedLoop loop = trot(
       "duration: 0.14, plant: {contacts: simulated, dt: 0.002, ground: [{half_space: {point: [0, "
       "0, 0.3], normal: [0, 0, 1]}}]}");
@@ -739,7 +739,7 @@ TEST(MpcFile, ALoopWhoseSimulatorFindsNoStepSaysSo) {
   EXPECT_EQ(result.failure, "the simulator of contacts found no solution of the step");
 }
 
-TEST(MpcFile, SimulatedContactsHaveAStepAndAnIntegratorOfTheirOwn) {
+TEST(MpcFile, SimulatedContactsHaveTheirOwnStepAndIntegrator) {
   const LoadedLoop loop =
       trot("duration: 0.1, plant: {contacts: simulated, integrator: semi_implicit_euler}");
   EXPECT_FALSE(loop.mpc);
@@ -752,7 +752,7 @@ TEST(MpcFile, SimulatedContactsHaveAStepAndAnIntegratorOfTheirOwn) {
   EXPECT_EQ(stepped.warnings(), 1) << stepped.all();
 }
 
-TEST(MpcFile, SimulatedContactsOfAPlantWithOtherNumbersSpeakOfTheLoop) {
+TEST(MpcFile, SimulatedContactErrorsSpeakOfTheLoop) {
   const std::string plant =
       "duration: 0.1, plant: {contacts: simulated, set: {contacts.LF.friction: 0.5}";
   const LoadedLoop above = trot(
@@ -825,7 +825,7 @@ TEST(MpcFile, ContactsCloseHoweverFarAStepGoes) {
 }
 
 // The model's forces of phases are not those of a plant that finds its own.
-TEST(MpcFile, ContactForcesOfTheModelDoNotCountWhereThePlantFindsItsOwn) {
+TEST(MpcFile, PlantContactsReplaceModelContactForces) {
   const auto figures = [](const char* plant) {
     const LoadedLoop loop(
         text_of("quadruped_trot_cones"),
@@ -840,7 +840,7 @@ TEST(MpcFile, ContactForcesOfTheModelDoNotCountWhereThePlantFindsItsOwn) {
   EXPECT_LT(simulated.second, 1e-6);
 }
 
-TEST(MpcFile, TerminalCostsAtTheEndOfAWayAreWarnedOf) {
+TEST(MpcFile, WarnsAboutTerminalCostsAtPathEnds) {
   const LoadedLoop keep = trot("duration: 0.1, terminal: keep");
   ASSERT_TRUE(keep.mpc) << keep.all();
   EXPECT_NE(keep.all().find("draws every window to the end of the gait's way"), std::string::npos)
@@ -876,7 +876,7 @@ TEST(MpcFile, RetimingComesToCommandsAfterTheLoopsDuration) {
   EXPECT_NE(late.all().find("the loop has ended by then: it lasts 1.5 s"), std::string::npos);
 }
 
-TEST(MpcFile, KnownCommandsComeBeforeTheCyclesThatTheLoopRepeats) {
+TEST(MpcFile, KnownCommandsPrecedeRepeatedCycles) {
   const auto at = [](const char* time) {
     return trot("duration: 1, repeat: gait",
                 {fmt::format("gait.commands=[{{at: {}, turn: 1}}]", time)});
@@ -889,7 +889,7 @@ TEST(MpcFile, KnownCommandsComeBeforeTheCyclesThatTheLoopRepeats) {
       << late.all();
 }
 
-TEST(MpcFile, AKindOfContactsThatIsNoneIsOneError) {
+TEST(MpcFile, UnknownContactKindIsOneError) {
   const LoadedLoop loop = trot("duration: 0.1, plant: {contacts: true, ground: [ground]}");
   EXPECT_EQ(loop.diagnostics.error_count(), 1) << loop.all();
 }
@@ -915,7 +915,7 @@ TEST(MpcFile, RetimingThatHasNoMeaningHasItsPlace) {
   }
 }
 
-TEST(MpcFile, PushesAPlantWithOtherNumbersOnSimulatedContacts) {
+TEST(MpcFile, PushesOtherPlantsOnSimulatedContacts) {
   const auto loop_with = [](const std::string& frame) {
     return trot(
         "duration: 0.2, plant: {contacts: simulated, dt: 0.002, set: "
@@ -935,7 +935,7 @@ TEST(MpcFile, PushesAPlantWithOtherNumbersOnSimulatedContacts) {
 }
 
 // Touch-downs, two a cycle, may all be 0.2 s early.
-TEST(MpcFile, AGaitThatRepeatsLastsForALoopWhosePhasesBeginEarly) {
+TEST(MpcFile, RepeatingGaitLastsDespiteEarlyPhases) {
   Diagnostics out;
   const auto two = read_problem_text(
       text_of("quadruped_trot"), kProblems / "test.yaml",

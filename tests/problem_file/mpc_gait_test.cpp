@@ -60,7 +60,7 @@ void expect_moves_with_posture(const StatePath& path, const ShootingProblem& pro
   }
 }
 
-TEST(GaitRegulator, MovesLikeReferencesThatAreDisplacedWithTheGait) {
+TEST(GaitRegulator, MovesLikeReferencesDisplacedWithTheGait) {
   const GaitLoop loop = trot_of_regulator(
       "duration: 1, terminal: {lqr: standing}, commands: [{at: 0.2, velocity: [0.3, 0.1, 0]}, {at: "
       "0.5, velocity: [0.3, 0, 0], turn: 0.5}]",
@@ -130,7 +130,7 @@ double way_under_fallback(const std::string& to) {
   return result.last_state[0] - from->x[0];
 }
 
-TEST(GaitRegulator, AFallbackHoldsItsStateWhereTheRobotIs) {
+TEST(GaitRegulator, FallbackHoldsItsStateAtTheCurrentPlace) {
   EXPECT_NEAR(way_under_fallback("standing"), 0, 0.02);
   EXPECT_LT(way_under_fallback("{configuration: standing, displaced: [0, 0, 0]}"), -0.04);
 }

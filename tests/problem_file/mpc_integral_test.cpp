@@ -65,7 +65,7 @@ TEST(MpcIntegral, ALoopStopsWhereABudgetIsSpent) {
 }
 
 /// A plant that a push moves on, so that the rest of the way is longer, spends the same in all.
-TEST(MpcIntegral, ABudgetIsKeptByAPlantThatIsNotTheModel) {
+TEST(MpcIntegral, BudgetHoldsOnAPlantUnlikeTheModel) {
   const LoadedLoop loop(budget_loop(
       kAtTheEnd,
       ", plant: {set: {parameters.gain: 0.7}, dt: 0.01}, disturbances: [{at: 0.45, jump: "
@@ -84,7 +84,7 @@ TEST(MpcIntegral, ABudgetIsKeptByAPlantThatIsNotTheModel) {
 
 /// Bellman: what is left of an optimum is the optimum of what is left, where costs of integrals are
 /// of the whole motion. With the previous control behind the integrals, and times in them.
-TEST(MpcIntegral, FollowsTheFirstPlanWhereCostsAreOfTheWholeMotion) {
+TEST(MpcIntegral, FollowsFirstPlanWithWholeMotionCosts) {
   const std::string swing = R"(conddp: 1
 system: {type: pendulum}
 initial_state: {values: {theta: 0.2}, previous_control: 0.3}

@@ -18,7 +18,7 @@ SolveResult answer_at_kink(const Loaded& loaded, std::string_view solver) {
   return solve(*loaded.built->problem, solver, loaded.spec->solver.options, loaded.built->guess);
 }
 
-TEST(NotFinite, IpoptSaysOfItsAnswerWhatItsLogSays) {
+TEST(NotFinite, IpoptAnswerAgreesWithItsLog) {
   const Loaded loaded{std::string(kNorm)};
   ASSERT_TRUE(loaded.built) << loaded.all();
   const SolveResult result = answer_at_kink(loaded, "ipopt");
@@ -57,7 +57,7 @@ costs: {effort: {residual: control}, bad: {residual: expression, rows: log(x)}}
   EXPECT_NE(d.message.find("('bad')"), std::string::npos) << d.message;
 }
 
-TEST(NotFinite, TheDynamicsAreNamedBeforeTheCostsThatDependOnThem) {
+TEST(NotFinite, NamesDynamicsBeforeDependentCosts) {
   const Loaded loaded(R"(conddp: 1
 system: {states: [x, y], controls: [a], rate: {x: sqrt(y)*cos(a), y: sqrt(y)*sin(a)}}
 initial_state: {}

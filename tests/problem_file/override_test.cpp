@@ -43,7 +43,7 @@ TEST(Override, AnIndexComesBeforeAName) {
   EXPECT_EQ(loaded.spec->phases[1].knots.value, 3);
 }
 
-TEST(Override, ASettingOfAValueFromElsewhereIsReadBackFromItsText) {
+TEST(Override, RoundTripsValuesSetFromElsewhere) {
   Diagnostics out;
   const auto value = parse_setting("a={b: [1.0e-3, \"x: y\", null], \"v/*\": word, c: {}}", out);
   ASSERT_TRUE(value);
@@ -71,7 +71,7 @@ TEST(Override, ANumberIsReadAsYamlReadsIt) {
   }
 }
 
-TEST(Override, AnErrorQuotesTheSettingThatItIsIn) {
+TEST(Override, ErrorsQuoteTheSetting) {
   const Loaded loaded(std::string(kPendulum), {"solver.max_iterations=7", "solver.nmae=3"});
   EXPECT_NE(loaded.all().find("\n  solver.nmae=3\n         ^\n"), std::string::npos)
       << loaded.all();

@@ -35,7 +35,7 @@ double rate_of(const Loaded& loaded) {
   return data->f[1];
 }
 
-TEST(Parameters, StandForNumbersOfTheFileAndForNamesInExpressions) {
+TEST(Parameters, ReplaceNumbersAndNamesInExpressions) {
   const Loaded loaded{std::string(kScaled)};
   EXPECT_EQ(rate_of(loaded), 6.0 / 2 - 0.5);
   EXPECT_EQ(loaded.built->problem->initial_state(), (std::vector<double>{-1, -0.5}));
@@ -65,7 +65,7 @@ TEST(Parameters, TheExpandedFileHasTheirValues) {
   EXPECT_EQ(again.spec->names.parameters[2].second.numbers, (std::vector<double>{1, 0.5}));
 }
 
-TEST(Parameters, AFormulaIsTheSameProblemAsItsValue) {
+TEST(Parameters, FormulaMatchesItsValue) {
   const Loaded formula{std::string(kScaled)};
   const Loaded value(replaced(kScaled, "=0.2/mass", "0.1"));
   EXPECT_EQ(formula.spec->definition, value.spec->definition);

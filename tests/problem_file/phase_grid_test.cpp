@@ -82,7 +82,7 @@ void expect_point(const Vector3<double>& a, const Vector3<double>& b) {
   for (int i = 0; i < 3; ++i) EXPECT_NEAR(a[i], b[i], 1e-12);
 }
 
-TEST(Stabilisation, DrawsFeetThatStepToWhereTheirSwingsLand) {
+TEST(Stabilisation, DrawsSteppingFeetToTheirLandingPlaces) {
   const Loaded loaded{std::string(kSteps)};
   ASSERT_TRUE(loaded.built) << loaded.all();
   const Vector3<double> start = drawn_to(loaded, 0);
@@ -98,7 +98,7 @@ TEST(Stabilisation, DrawsFeetThatStepToWhereTheirSwingsLand) {
   for (const int phase : {0, 3, 5}) expect_point(drawn_to(fixed, phase), {1, 2, 3});
 }
 
-TEST(Stabilisation, OfFeetThatStepWithoutASwingIsWarnedOf) {
+TEST(Stabilisation, WarnsAboutStepsWithoutASwing) {
   const Loaded loaded(
       replaced(replaced(kSteps, "swing: {height: 0.1, step: [0.2, 0, 0]}", "reference: [0, 0, 0]"),
                "swing: {height: 0.1, step: [0, 0.1, 0]}", "reference: [0, 0, 0]"));
@@ -122,7 +122,7 @@ std::vector<double> reference(const Loaded& loaded, const char* cost, int knot) 
   return {};
 }
 
-TEST(Swing, GoesByTimeAndStartsWhereTheFootLandedBefore) {
+TEST(Swing, FollowsTimeFromThePreviousLanding) {
   const Loaded loaded{std::string(kSteps)};
   ASSERT_TRUE(loaded.built) << loaded.all();
   const Vector3<double> start = drawn_to(loaded, 0);

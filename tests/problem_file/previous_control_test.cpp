@@ -63,7 +63,7 @@ TEST(PreviousControl, PassesAJump) {
   }
 }
 
-TEST(PreviousControl, IsPartOfTheGuessBehindKnotsWithoutTime) {
+TEST(PreviousControl, IsPartOfTheGuessAfterInstantKnots) {
   for (const std::string_view text : {kChangeAfterChoice, kChangeOverJump}) {
     const Loaded loaded(replaced(text, "solver:",
                                  "initial_guess: {states: initial, controls: {constant: 0.5}}\n"

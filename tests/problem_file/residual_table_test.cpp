@@ -40,7 +40,7 @@ TEST(ResidualTable, EveryKeyHasOneMeaning) {
     for (const ResidualKey* key : residual->keys) EXPECT_TRUE(names.contains(key->name));
 }
 
-TEST(KeyValues, AreThoseThatWereSetLastAndElseTheFallback) {
+TEST(KeyValues, TakeTheLastSettingOrTheFallback) {
   const Key<int> faces{"faces", 4};
   const Key<std::vector<std::string>> names{"names"};
   KeyValues values;

@@ -38,7 +38,7 @@ TEST(Schema, EveryReadyProblemFitsAndBuilds) {
 }
 
 // Users name these columns in references, bounds and weights.
-TEST(Schema, DescribesASystemByTheNamesOfItsColumns) {
+TEST(Schema, DescribesSystemsByColumnNames) {
   const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(1, 1);
   const std::pair<const char*, std::shared_ptr<const System>> systems[] = {
       {"double_integrator", double_integrator(1)},
@@ -113,7 +113,7 @@ void collect_words(const Json& part, std::set<std::string>& words) {
   }
 }
 
-TEST(Schema, HasEveryWordThatStandsForOneOfAnotherTool) {
+TEST(Schema, HasEverySynonymOfOtherTools) {
   std::set<std::string> words;
   collect_words(load_schema(), words);
   EXPECT_TRUE(words.count("frame_placement") && words.count("at_least"));
@@ -315,7 +315,7 @@ TEST(Schema, EveryKeyStandsInTheReference) {
   EXPECT_EQ(run("scripts/document_keys --check"), 0) << "run scripts/document_keys";
 }
 
-TEST(Schema, EveryPieceOfYamlInTheReferenceIsReadAndWholeFilesBuild) {
+TEST(Schema, YamlInTheReferenceReadsAndBuilds) {
   const std::string text = read_file(kReference);
   const std::string open = "```yaml\n";
   int pieces = 0, files = 0;
@@ -418,7 +418,7 @@ struct SchemaWalk {
   }
 };
 
-TEST(Schema, EveryKeyIsDescribedWithItsUnitAndEveryObjectHasAnExample) {
+TEST(Schema, EveryKeyHasUnitsAndObjectsHaveExamples) {
   for (const char* name : {"problem", "solution", "check"}) {
     std::ifstream stream(kSchema.parent_path() / (std::string(name) + ".schema.json"));
     const Json schema = Json::parse(stream);

@@ -37,7 +37,7 @@ Names pairs_of(const char* choice) {
   return names;
 }
 
-TEST(ShapePairs, OfOneLinkOrOfNeighboursAreNotAmongThoseOfTheRobotItself) {
+TEST(ShapePairs, SelfPairsExcludeSameLinkAndNeighbours) {
   EXPECT_EQ(pairs_of("self"), (Names{"base-upper", "base-elbow", "base-middle", "base-hand",
                                      "upper-hand", "elbow-hand", "middle-hand"}));
 }
@@ -49,7 +49,7 @@ TEST(ShapePairs, WithObstaclesAreThoseThatMove) {
   EXPECT_EQ(pairs_of("all").size(), 15u);
 }
 
-TEST(ShapePairs, ByNameMayBeOfNeighboursAndStandOnce) {
+TEST(ShapePairs, NamedPairsMayBeNeighboursAndAppearOnce) {
   EXPECT_EQ(pairs_of("[[floor, hand], [hand, floor], [upper, middle]]"),
             (Names{"hand-floor", "upper-middle"}));
   EXPECT_EQ(pairs_of("[[elbow, '*']]"),
@@ -92,7 +92,7 @@ TEST(ShapePairs, NeedRobotsAndShapes) {
       << none.all();
 }
 
-TEST(Distance, CostsHalfTheSquareOfWhatLacksToTheMargin) {
+TEST(Distance, CostsHalfTheSquaredMarginDeficit) {
   const Loaded loaded(replaced(kArm, "pairs: all", "pairs: [[hand, floor]], margin: 2, weight: 3"));
   ASSERT_TRUE(loaded.built) << loaded.all();
   const auto& problem = *loaded.built->problem;

@@ -73,7 +73,7 @@ TEST(SystemsOfPhases, PhasesOfOneSystemShareIt) {
   EXPECT_EQ(phases[0].model, phases[2].model);
 }
 
-TEST(SystemsOfPhases, AJumpTakesNoTimeAndHasNoControls) {
+TEST(SystemsOfPhases, JumpHasNoDurationOrControls) {
   const Loaded loaded{std::string(kJump)};
   ASSERT_TRUE(loaded.built) << loaded.all();
   const ShootingProblem& problem = *loaded.built->problem;
@@ -148,7 +148,7 @@ TEST(SystemsOfPhases, ExpansionIsReadAsTheSame) {
   }
 }
 
-TEST(SystemsOfPhases, UnitsAreTheSameWhereAllSystemsHaveThem) {
+TEST(SystemsOfPhases, UnitsAgreeIfAllSystemsHaveThem) {
   for (const char* same : {"states: {x: m}", "states: {x: 1}", "states: [x]"}) {
     const Loaded loaded(
         replaced(kTwoSystems, "strong: {states: {x: m}", std::string("strong: {") + same));

@@ -122,7 +122,7 @@ terminal: {lqr: initial}
   EXPECT_TRUE(std::isinf(lqr_of(loaded).set.level));
 }
 
-TEST(TerminalLqr, HorizonsOfAnyLengthCostWhatTheInfiniteOneDoes) {
+TEST(TerminalLqr, FiniteHorizonsCostTheInfiniteValue) {
   for (const int knots : {1, 2, 7}) {
     const Loaded loaded(exact_integrator(knots, "[0, 0]"));
     ASSERT_TRUE(loaded.built) << loaded.all();
@@ -155,7 +155,7 @@ TEST(TerminalLqr, TheCartpoleUprightHasItsKnownIngredients) {
   expect_cost_to_go(own, 1e-4, 1e-5);
 }
 
-TEST(TerminalLqr, ConditionsHoldInTheSetOfALinearSystem) {
+TEST(TerminalLqr, ConditionsHoldOnTheLinearSystemSet) {
   const Loaded loaded(exact_integrator(10, "[0, 0]", kUnitForce));
   ASSERT_TRUE(loaded.built) << loaded.all();
   const TerminalConditions found = check_terminal_conditions(
@@ -184,7 +184,7 @@ terminal: {{lqr: {{about: {{values: {{x: 0}}}}, set: true}}}}
                      x, y, weight, more);
 }
 
-TEST(TerminalLqr, StatesThatDecayAndCostNothingLeaveRowsOfZeros) {
+TEST(TerminalLqr, DecayingCostlessStatesLeaveZeroRows) {
   struct Case {
     const char *x, *y;
     double weight;
@@ -207,7 +207,7 @@ TEST(TerminalLqr, StatesThatDecayAndCostNothingLeaveRowsOfZeros) {
   }
 }
 
-TEST(TerminalLqr, ConditionsHoldWhereADirectionAcrossStatesCostsNothing) {
+TEST(TerminalLqr, ConditionsHoldWithACostlessDirectionAcrossStates) {
   const Loaded loaded(R"(conddp: 1
 system: {states: [x, y], controls: [u], next: {x: 0.8509901428700724*x+0.2956349189965381*y+0.7648421872844885*u, y: 0.2956349189965381*x+0.7490098571299277*y+0.644217687237691*u}}
 initial_state: {values: {x: 1}}
@@ -223,7 +223,7 @@ terminal: {lqr: {about: {values: {x: 0}}, set: true}}
   EXPECT_NEAR(found.conditions[3].figure, 1, 1e-9);
 }
 
-TEST(TerminalLqr, NoSetIsWithinABoundOnAStateThatCostsNothing) {
+TEST(TerminalLqr, BoundedCostlessStatesHaveNoSet) {
   EXPECT_EQ(Loaded(half_seen("0.909*x+u", "0.675*x+0.673*y+6.496*u", 186.72,
                              ", y: {residual: state, columns: [y], lower: -1, upper: 1}"))
                 .first_error(),
@@ -291,7 +291,7 @@ terminal: {{lqr: {{values: {{x: {}}}}}}}
                      rate, upper, about);
 }
 
-TEST(TerminalLqr, AControlWithinBoundsHoldsTheStateWhereTheSmallestOneExceedsThem) {
+TEST(TerminalLqr, BoundedControlHoldsTheStateBeyondMinimumNorm) {
   const Loaded loaded(pushed_and_pulled("a - b - 0.1*x", "0.1"));
   ASSERT_TRUE(loaded.built) << loaded.all();
   const TerminalIngredients& own = lqr_of(loaded).ingredients;
@@ -321,7 +321,7 @@ terminal: {{lqr: {{values: {{x: 0}}}}}}
   }
 }
 
-TEST(TerminalLqr, ConditionsOfTheEquilibriumAloneAreThoseOnConstraints) {
+TEST(TerminalLqr, EquilibriumSetHasOnlyConstraintConditions) {
   const Loaded loaded(pushed_and_pulled("0.1*a - 0.3*b", "0"));
   ASSERT_TRUE(loaded.built) << loaded.all();
   EXPECT_EQ(lqr_of(loaded).set.level, 0);
@@ -331,7 +331,7 @@ TEST(TerminalLqr, ConditionsOfTheEquilibriumAloneAreThoseOnConstraints) {
   EXPECT_TRUE(found.hold());
 }
 
-TEST(TerminalLqr, ALargerWeightIsEnoughAtASmallerLevelWhereNoneIsAtTheLargest) {
+TEST(TerminalLqr, LargerWeightSufficesAtASmallerLevel) {
   const Loaded loaded(read_file(kProblems / "arm_reach.yaml"),
                       std::vector<std::string>{"terminal.lqr=initial"});
   ASSERT_TRUE(loaded.built) << loaded.all();
@@ -347,7 +347,7 @@ TEST(TerminalLqr, ALargerWeightIsEnoughAtASmallerLevelWhereNoneIsAtTheLargest) {
   EXPECT_TRUE(heavier.conditions[3].holds) << heavier.conditions[3].figure;
 }
 
-TEST(TerminalLqr, ALargerWeightMakesTheTerminalCostOfANonlinearSystemDecrease) {
+TEST(TerminalLqr, LargerWeightMakesNonlinearTerminalCostDecrease) {
   const Loaded loaded(balanced_cartpole("initial"));
   ASSERT_TRUE(loaded.built) << loaded.all();
   const TerminalLqr& lqr = lqr_of(loaded);
@@ -546,7 +546,7 @@ Loaded load_with(const std::filesystem::path& file, std::vector<std::string> set
   return Loaded(read_file(file), settings);
 }
 
-TEST(TerminalLqr, AQuadrupedInStanceIsRegulatedOnTheTangentSpaceOfItsContacts) {
+TEST(TerminalLqr, RegulatesQuadrupedStanceOnContactTangentSpace) {
   expect_stance(load_with(kProblems / "quadruped_stand.yaml", {"terminal.lqr=standing"}), 12);
 }
 
@@ -635,7 +635,7 @@ TEST(TerminalLqr, MistakesAreNamedWithTheirPlaces) {
             "10:15: this name is that of what 'terminal: {lqr: ...}' adds");
 }
 
-TEST(TerminalLqr, AStateWhereTheSystemIsNotFiniteIsNamed) {
+TEST(TerminalLqr, NamesStatesWithNonFiniteDynamics) {
   EXPECT_EQ(Loaded(R"(conddp: 1
 system: {states: [x], controls: [u], rate: {x: u + log(x)}}
 initial_state: {values: {x: 1}}
@@ -656,7 +656,7 @@ TEST(TerminalLqr, AControlBeyondItsBoundsHoldsNothing) {
             "be -3 to 1");
 }
 
-TEST(TerminalLqr, FreeDurationsAndStepsWithUnknownsAreNotSupported) {
+TEST(TerminalLqr, FreeDurationsAndCollocationAreUnsupported) {
   EXPECT_EQ(Loaded(R"(conddp: 1
 system: {type: double_integrator, dimension: 1}
 initial_state: {}

@@ -19,7 +19,7 @@ TEST(TimeSeries, InterpolatesAndHoldsFlatValues) {
   EXPECT_EQ(series.hold(2 - 1e-12)[0], 20);  // rounding of accumulated times
 }
 
-TEST(TimeSeries, AtAJumpHasTheValuesBeforeAndAfterIt) {
+TEST(TimeSeries, JumpHasValuesBeforeAndAfter) {
   const double next = std::nextafter(2.0, 3.0);  // as tables have it whose times increase
   for (const double again : {2.0, next}) {
     TimeSeries series(StateManifold::flat(1));
@@ -51,7 +51,7 @@ TEST(TimeSeries, AtZeroJumpsToo) {
   }
 }
 
-TEST(TimeSeries, ACubicSplineIsSmoothAndStraightAtItsEnds) {
+TEST(TimeSeries, CubicSplineIsSmoothWithStraightEnds) {
   TimeSeries series(StateManifold::flat(1));
   const double times[] = {0, 1, 1.5, 3, 4}, values[] = {2, -1, 0, 5, 4};
   for (int i = 0; i < 5; ++i) series.append(times[i], {values[i]});
@@ -72,7 +72,7 @@ TEST(TimeSeries, ACubicSplineIsSmoothAndStraightAtItsEnds) {
   EXPECT_GT(std::abs(bend(1, 1)), 1);
 }
 
-TEST(TimeSeries, ASplineOfStraightMotionIsStraightAlsoOfRotations) {
+TEST(TimeSeries, SplinesKeepStraightMotionsIncludingRotations) {
   TimeSeries series(rotation_manifold());
   for (int i = 0; i < 4; ++i) series.append(i, {0, 0, std::sin(0.2 * i), std::cos(0.2 * i)});
   series.make_cubic();

@@ -18,7 +18,7 @@ double terminal_cost(const Loaded& loaded, double theta, double omega) {
   return work.cost;
 }
 
-TEST(WeightMatrix, RowsATriangleAndNamesAreTheSameMatrix) {
+TEST(WeightMatrix, RowsTriangleAndNamesGiveTheSameMatrix) {
   for (const char* matrix :
        {"[[2, 1], [1, 3]]", "[[2], [1, 3]]", "{theta: {theta: 2, omega: 1}, omega: {omega: 3}}",
         "{theta: {theta: 2}, omega: {theta: 1, omega: 3}}",
@@ -37,7 +37,7 @@ TEST(WeightMatrix, OneRowIsOneNumber) {
   EXPECT_NEAR(terminal_cost(good, 1.5, -2), 8, 1e-14);
 }
 
-TEST(WeightMatrix, RunningCostsHaveMatricesTooAndPhasesTheirWeights) {
+TEST(WeightMatrix, RunningCostsAndPhasesAcceptMatrices) {
   const Loaded loaded(R"(conddp: 1
 system: {type: double_integrator, dimension: 2}
 initial_state: {}

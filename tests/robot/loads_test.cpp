@@ -37,7 +37,7 @@ void expect_near_numbers(const AlignedVector<double>& a, const AlignedVector<dou
     EXPECT_NEAR(a[i], b[i], 1e-12 * (1 + std::abs(b[i]))) << i;
 }
 
-TEST(Loads, AreThePartsOfBodiesThatTheirAmountsSay) {
+TEST(Loads, ScaleBodyPartsByTheirAmounts) {
   RandomNumbers random(31);
   ASSERT_GE(loaded_robots().size(), 3u);
   for (const RobotModel& loaded : loaded_robots()) {

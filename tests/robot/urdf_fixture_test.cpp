@@ -64,11 +64,11 @@ void expect_same_as_pinocchio(const TestRobot& robot) {
   for (const json& sample : fixture["samples"]) expect_same_sample(model, sample);
 }
 
-TEST(UrdfAgainstPinocchio, OurRobotsHaveTheSameOrderPlacementsAndInertia) {
+TEST(UrdfAgainstPinocchio, OwnRobotsMatchOrderPlacementsAndInertia) {
   for (const TestRobot& robot : our_robots()) expect_same_as_pinocchio(robot);
 }
 
-TEST(UrdfAgainstPinocchio, ForeignRobotsHaveTheSameOrderPlacementsAndInertia) {
+TEST(UrdfAgainstPinocchio, ForeignRobotsMatchOrderPlacementsAndInertia) {
   const std::vector<TestRobot> robots = foreign_robots();
   if (robots.empty()) GTEST_SKIP() << kNoForeignRobots;
   for (const TestRobot& robot : robots)

@@ -56,7 +56,7 @@ bool has_note(const UrdfResult& result, const std::string& fragment) {
   return false;
 }
 
-TEST(UrdfOrder, IsDepthFirstByJointNameThroughFixedJoints) {
+TEST(UrdfOrder, IsDepthFirstByNameThroughFixedJoints) {
   const RobotModel model = built(robot_element(
       link_element("root") + link_element("z") + link_element("a") + link_element("m") +
       link_element("under_m") + link_element("under_a") +
@@ -69,7 +69,7 @@ TEST(UrdfOrder, IsDepthFirstByJointNameThroughFixedJoints) {
   EXPECT_EQ(model.joints[2].parent, -1);
 }
 
-TEST(UrdfAxes, AreTurnedToZWithoutRoundingForCoordinateAxes) {
+TEST(UrdfAxes, CoordinateAxesTurnToZWithoutRounding) {
   for (const char* axis : {"1 0 0", "0 1 0", "0 0 1", "-1 0 0", "0 -1 0", "0 0 -1", "0 -2 0"}) {
     const RobotModel model = built(robot_element(
         link_element("a") + link_element("b") +
@@ -80,7 +80,7 @@ TEST(UrdfAxes, AreTurnedToZWithoutRoundingForCoordinateAxes) {
   }
 }
 
-TEST(UrdfAxes, TurnAndSlideTheLinkAboutTheAxisOfTheFile) {
+TEST(UrdfAxes, MoveTheLinkAlongTheFileAxis) {
   const double q = 0.7;
   const double n = std::sqrt(0.04 + 0.09 + 0.36);
   const Vector3<double> axis{0.2 / n, -0.3 / n, -0.6 / n};
@@ -156,7 +156,7 @@ TEST(UrdfLimits, ZeroOnesAreKeptWithAWarning) {
   EXPECT_EQ(problem_with(result, "limits are both 0"), "j");
 }
 
-TEST(UrdfLimits, ZeroOnesOfALockedJointAreNoMatter) {
+TEST(UrdfLimits, IgnoresZeroLimitsOfLockedJoints) {
   const UrdfResult result =
       parse_urdf(robot_element(link_element("a") + link_element("b") + link_element("c") +
                                joint_element("j", "revolute", "a", "b",
@@ -167,7 +167,7 @@ TEST(UrdfLimits, ZeroOnesOfALockedJointAreNoMatter) {
   EXPECT_TRUE(result.problems.empty()) << result.problems.front().message;
 }
 
-TEST(UrdfMerging, AFixedLinkAddsItsInertiaAndKeepsItsFrames) {
+TEST(UrdfMerging, FixedLinkAddsInertiaAndKeepsFrames) {
   const std::string tail = joint_element("weld", "fixed", "b", "c", kOrigin) +
                            joint_element("j", "continuous", "a", "b", "<axis xyz=\"0 1 0\"/>");
   const RobotModel merged =
@@ -225,7 +225,7 @@ TEST(UrdfPayload, EqualsAnotherBodyWeldedToTheLink) {
   expect_equal(loaded.joints[0].inertia, welded.joints[0].inertia);
 }
 
-TEST(UrdfRotors, AddToTheJointAndMakeAMasslessLinkRegular) {
+TEST(UrdfRotors, RegularizeAMasslessLink) {
   const std::string xml = robot_element(link_element("a") + link_element("b", "") +
                                         joint_element("j", "continuous", "a", "b"));
   EXPECT_FALSE(parse_urdf(xml, "f").model);
@@ -240,7 +240,7 @@ TEST(UrdfRegularity, AMasslessBodyBetweenCrossedAxesIsAccepted) {
   EXPECT_EQ(model.nv, 2);
 }
 
-TEST(UrdfBase, FloatingPutsTheRootLinkOnAFreeJoint) {
+TEST(UrdfBase, FloatingPutsRootOnAFreeJoint) {
   const RobotModel model = built(robot_element(link_element("a") + link_element("b") +
                                                joint_element("j", "continuous", "a", "b")),
                                  {.base = UrdfOptions::Base::floating});
@@ -253,14 +253,14 @@ TEST(UrdfBase, FloatingPutsTheRootLinkOnAFreeJoint) {
                {{{0, -1, 0, 1, 0, 0, 0, 0, 1}}, {1, 2, 3}});
 }
 
-TEST(UrdfBase, ANameThatTheFileHasIsNotTakenAgain) {
+TEST(UrdfBase, DoesNotReuseNamesInTheFile) {
   const RobotModel model = built(robot_element(link_element("a") + link_element("b") +
                                                joint_element("base", "continuous", "a", "b")),
                                  {.base = UrdfOptions::Base::floating});
   EXPECT_EQ(joint_names(model), (std::vector<std::string>{"base_", "base"}));
 }
 
-TEST(UrdfBase, PlanarSlidesAlongXAndYAndTurnsAboutZ) {
+TEST(UrdfBase, PlanarSlidesInPlaneAndTurnsAboutZ) {
   const RobotModel model =
       built(robot_element(link_element("a")), {.base = UrdfOptions::Base::planar});
   EXPECT_EQ(joint_names(model), (std::vector<std::string>{"base_x", "base_y", "base_yaw"}));
@@ -269,7 +269,7 @@ TEST(UrdfBase, PlanarSlidesAlongXAndYAndTurnsAboutZ) {
   EXPECT_NEAR(simple_inertia_matrix(model, {1, 2, 0.3})(0, 0), 2, 1e-14);
 }
 
-TEST(UrdfBase, APlanarJointOfTheFileMovesInThePlaneAcrossItsAxis) {
+TEST(UrdfBase, PlanarJointMovesAcrossItsAxis) {
   const RobotModel model =
       built(robot_element(link_element("world", "") + link_element("a") +
                           joint_element("slide", "planar", "world", "a",
@@ -284,7 +284,7 @@ TEST(UrdfBase, APlanarJointOfTheFileMovesInThePlaneAcrossItsAxis) {
                {Matrix3<double>::identity(), {0, 0, 1}}, 0);
 }
 
-TEST(UrdfBase, AFloatingJointAtTheRootIsAFloatingBase) {
+TEST(UrdfBase, FloatingRootJointIsAFloatingBase) {
   const std::string xml =
       robot_element(link_element("world", "") + link_element("shelf", "") + link_element("a") +
                     joint_element("bolts", "fixed", "world", "shelf") +
@@ -352,7 +352,7 @@ TEST(UrdfMimic, AFollowerThatIsLockedFollowsNobody) {
   EXPECT_TRUE(built(three_joints("<mimic joint=\"i\"/>", ""), options).mimics.empty());
 }
 
-TEST(UrdfMimic, FollowersOfALockedJointAreLockedWhereItHasThem) {
+TEST(UrdfMimic, LockedLeaderLocksItsFollowers) {
   const std::string follower = "<mimic joint=\"i\" multiplier=\"2\" offset=\"0.5\"/>",
                     next = "<mimic joint=\"j\" multiplier=\"-3\" offset=\"1\"/>";
   UrdfOptions all, none;
@@ -372,7 +372,7 @@ TEST(UrdfMimic, FollowersOfALockedJointAreLockedWhereItHasThem) {
   EXPECT_EQ(built(three_joints(follower, next), all).joint_count(), 1);
 }
 
-TEST(UrdfPatterns, LockTheJointsThatTheyFitTheBestOneFirst) {
+TEST(UrdfPatterns, LockMatchingJointsByBestPattern) {
   const std::string xml = three_joints("", "");  // i, j, k
   const auto placed = [&](const std::map<std::string, double>& locked) {
     UrdfOptions options;
@@ -400,7 +400,7 @@ TEST(UrdfPatterns, LeaveFollowersToTheirLeaders) {
                simple_frame_placement(built(xml, by_name), {}, "d"));
 }
 
-TEST(UrdfPatterns, GiveRotorsToTheJointsThatAreNotLocked) {
+TEST(UrdfPatterns, GiveRotorsToUnlockedJoints) {
   const std::string xml = three_joints("", "");
   UrdfOptions options, by_name;
   options.locked_joints = by_name.locked_joints = {{"j", 0.1}};
@@ -441,7 +441,7 @@ TEST(UrdfWarnings, MisspeltElementsAndAttributesAreNamed) {
   EXPECT_EQ(problem_with(result, "has an attribute efort, which is ignored"), "j");
 }
 
-TEST(UrdfWarnings, AnImpossibleInertiaOnAPartOfAHeavierBodyIsOne) {
+TEST(UrdfWarnings, IncludeImpossibleInertiaOfMergedParts) {
   const std::string placeholder =
       R"(<inertial><mass value="1e-6"/><inertia ixx="1e-6" ixy="1e-6" ixz="1e-6" iyy="1e-6"
          iyz="1e-6" izz="1e-6"/></inertial>)";

@@ -245,7 +245,7 @@ TEST_P(UrdfRejection, IsAnErrorThatNamesItsPlace) {
 INSTANTIATE_TEST_SUITE_P(Cases, UrdfRejection, testing::ValuesIn(rejections()),
                          [](const auto& test) { return std::string(test.param.name); });
 
-TEST(UrdfCharacters, ThatOtherEncodingsHaveComeWithAHintAndOthersDoNot) {
+TEST(UrdfCharacters, OnlyOtherEncodingsGetAHint) {
   const auto first_problem = [](const std::string& xml) {
     const UrdfResult result = parse_urdf(xml, "robot.urdf");
     return result.problems.empty() ? UrdfProblem{} : result.problems.front();
@@ -258,7 +258,7 @@ TEST(UrdfCharacters, ThatOtherEncodingsHaveComeWithAHintAndOthersDoNot) {
   EXPECT_EQ(control.hint, "");
 }
 
-TEST(UrdfNames, OfTheRobotItselfBelongToNoLinkOrJoint) {
+TEST(UrdfNames, RobotNameErrorsNameNoLinkOrJoint) {
   const UrdfResult result =
       parse_urdf("<robot name=\"a,b\">" + link_element("base") + "</robot>", "robot.urdf");
   ASSERT_FALSE(result.problems.empty());
@@ -284,7 +284,7 @@ TEST(UrdfHints, SuggestNamesForMisspeltOnes) {
             std::string::npos);
 }
 
-TEST(UrdfHints, AMimicOfAFixedJointTellsTheValueToLockItAt) {
+TEST(UrdfHints, MimicOfFixedJointSuggestsTheLockValue) {
   UrdfOptions options;
   options.enforce_mimic = true;
   const UrdfResult result =
@@ -311,7 +311,7 @@ TEST(UrdfFile, MustBeARegularFileOfModestSize) {
   EXPECT_NE(message(large).find("larger than 16 MiB"), std::string::npos);
 }
 
-TEST(UrdfFile, DeepNestingAndLongChainsDoNotOverflowTheStack) {
+TEST(UrdfFile, DeepNestingAndLongChainsDoNotOverflow) {
   std::string nested;
   for (int i = 0; i < 200'000; ++i) nested += "<a>";
   EXPECT_NE(
@@ -352,7 +352,7 @@ TEST(UrdfFile, PartsThatAreNotReadCannotFail) {
             "<visual>");
 }
 
-TEST(UrdfFile, ManyAreReadAtOnceAndTheLogHandlerOfTheProcessStays) {
+TEST(UrdfFile, ParallelReadsKeepTheLogHandler) {
   class Counter : public console_bridge::OutputHandler {
    public:
     void log(const std::string&, console_bridge::LogLevel, const char*, int) override { ++count; }

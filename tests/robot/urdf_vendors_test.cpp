@@ -68,7 +68,7 @@ std::string warnings(const UrdfResult& result) {
   return all;
 }
 
-TEST(VendorInertias, AreUsedAsGivenWithAWarningWhereTheInertiaMatrixIsPositiveDefinite) {
+TEST(VendorInertias, WarnsIfInvalidInertiasStayPositiveDefinite) {
   for (const VendorLink& link : kLinks) {
     SCOPED_TRACE(link.name);
     const UrdfResult result = parse_urdf(with_link(link), "f");
@@ -112,7 +112,7 @@ std::string folding_arm() {
       joint_element("fold", "continuous", "upper", "fore", "<axis xyz=\"0 1 0\"/>"));
 }
 
-TEST(VendorInertias, AreAnErrorWhereTheInertiaMatrixIsIndefiniteInSomeConfiguration) {
+TEST(VendorInertias, RejectsMatricesIndefiniteInSomeConfiguration) {
   const UrdfResult result = parse_urdf(folding_arm(), "f");
   EXPECT_FALSE(result.model);
   EXPECT_NE(warnings(result).find("error: joint 'turn': what it moves"), std::string::npos)
@@ -133,7 +133,7 @@ TEST(VendorInertias, AreAnErrorWhereTheInertiaMatrixIsIndefiniteInSomeConfigurat
       << warnings(accepted);
 }
 
-TEST(VendorInertias, JointsWithoutInertiaAreOneErrorWhoseHintCanBeCopied) {
+TEST(VendorInertias, JointsWithoutInertiaGiveOneCopyableHint) {
   const std::string massless =
       R"(<inertial><mass value="0"/><inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/>
          </inertial>)";
@@ -156,7 +156,7 @@ TEST(VendorInertias, JointsWithoutInertiaAreOneErrorWhoseHintCanBeCopied) {
 }
 
 /// iCub's head: a point mass behind a neck of three axes that meet.
-TEST(VendorInertias, AnInertiaMatrixThatIsSingularAtZeroIsAWarningThatNamesTheJoint) {
+TEST(VendorInertias, SingularInertiaMatrixWarningNamesTheJoint) {
   const std::string none =
       R"(<inertial><mass value="0"/><inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/>
          </inertial>)";
@@ -193,7 +193,7 @@ TEST(VendorInertias, AnInertiaMatrixThatIsSingularAtZeroIsAWarningThatNamesTheJo
   EXPECT_EQ(warnings(parse_urdf(aligned, "f")), "");
 }
 
-TEST(VendorOddities, WhiteSpaceAroundAndBetweenNumbersHasNoMeaning) {
+TEST(VendorOddities, IgnoresWhiteSpaceAroundNumbers) {
   const auto arm = [](const char* mass, const char* origin) {
     return robot_element(
         link_element("base") +
@@ -227,7 +227,7 @@ TEST(VendorOddities, AMimicJointWithoutItsLeaderIsIndependent) {
   }
 }
 
-TEST(VendorOddities, AnElementLeftOverFromXacroIsNamedAndIgnored) {
+TEST(VendorOddities, NamesAndIgnoresXacroLeftovers) {
   const UrdfResult result = parse_urdf(
       robot_element("<xacro:property name=\"r\" value=\"${pi}\"/>\n" + link_element("a") +
                     link_element("b", std::string(kBody) + "<visual><xacro:look/></visual>") +

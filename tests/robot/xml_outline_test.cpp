@@ -28,7 +28,7 @@ TEST(XmlOutline, KeepsElementsTheirParentsAndPlaces) {
   EXPECT_EQ(outline.elements[2].end_tag, "</b>");
 }
 
-TEST(XmlOutline, TruncatedAtAnyByteIsADefectAndNothingWorse) {
+TEST(XmlOutline, TruncationAtAnyByteIsOnlyAnError) {
   const std::string whole = "<?xml?><a b=\"c\"><!-- d --><e f='g'/><![CDATA[h]]></a>";
   ASSERT_FALSE(scan_xml(whole).defect);
   for (std::size_t size = 1; size < whole.size(); ++size) {

@@ -150,7 +150,7 @@ TEST(ContactHandOver, ABlockLandsOnABox) {
   EXPECT_NEAR(refined.x(refined.knots())[1], 0.7, 2e-2);
 }
 
-TEST(ContactHandOver, WithoutFrictionABoxHoldsAlongItsNormalAlone) {
+TEST(ContactHandOver, FrictionlessBoxHoldsAlongItsNormal) {
   std::string text = kBox;
   for (std::size_t at; (at = text.find("friction: 0.5")) != std::string::npos;)
     text.replace(at, 13, "friction: 0");
@@ -183,7 +183,7 @@ TEST(ContactHandOver, AWheelThatRollsMayGoOn) {
   EXPECT_NEAR(refined.x(refined.knots())[0], 0.1, 1e-6);
 }
 
-TEST(ContactHandOver, WhatNoScheduledContactCanBeIsRefusedByName) {
+TEST(ContactHandOver, NamesContactsThatScheduledOnesCannotExpress) {
   for (const auto& [name, reason] :
        {std::pair{"cartpole_walls", "is soft: contacts of a schedule are rigid"},
         std::pair{"finger_spinner", "is with a body of the robot"}}) {

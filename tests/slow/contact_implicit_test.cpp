@@ -72,7 +72,7 @@ TEST(BlockOnASlope, TheInnerProductFindsTheSame) {
   EXPECT_NEAR(result.cost, solve_ready(ReadyProblem("block_slope")).cost, 1e-5);
 }
 
-TEST(BlockOnASlope, RestartsGiveTheSameAnswerEveryTimeAndNoneThatIsWorse) {
+TEST(BlockOnASlope, RestartsAreReproducibleAndNeverWorse) {
   const std::vector<std::string> settings = {"solver.restarts.count=1", "solver.restarts.seed=3",
                                              "solver.restarts.spread=0.01"};
   const SolveResult first = solve_ready(ReadyProblem("block_slope", settings));

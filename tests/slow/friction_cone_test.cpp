@@ -29,7 +29,7 @@ ReadyProblem sliding_puck(double heading, const std::string& friction) {
 class SlidingPuck : public ::testing::TestWithParam<double> {};
 
 /// Steps of implicit Euler against a force of μ m g, in a straight line until they stand.
-TEST_P(SlidingPuck, IsSlowedAlikeAlongEveryHeadingByTheCone) {
+TEST_P(SlidingPuck, ConeSlowsAlikeAlongEveryHeading) {
   const double heading = GetParam();
   const ReadyProblem ready = sliding_puck(heading, "cone");
   const SolveResult result =

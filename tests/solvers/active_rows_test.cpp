@@ -133,7 +133,7 @@ void expect_rows(AllKinds& at, int node, const std::vector<ExpectedRow>& expecte
 }
 
 // With ρ = 10 and s = g + ν/ρ: 1.05 and 1.3 lie above, 0.1 inside, −1.01 below.
-TEST(ActiveRows, BoundsCountWhereTheValueWithItsMultiplierLiesOutside) {
+TEST(ActiveRows, BoundsAreActiveWhereShiftedValueIsOutside) {
   AllKinds at;
   at.linearization.constraint.head(4) << 1.05, 0.5, -0.2, -1.02;
   at.multipliers.head(4) << 0, 8, 3, 0.1;
@@ -149,7 +149,7 @@ TEST(ActiveRows, BoundsCountWhereTheValueWithItsMultiplierLiesOutside) {
   EXPECT_DOUBLE_EQ(at.rows.correct(kPenalty, nullptr, at.linearization), 0.5);
 }
 
-TEST(ActiveRows, TheSmallerOfAPairCountsAndTheOtherWhereItsMultiplierPushesItBelowZero) {
+TEST(ActiveRows, SmallerPairValueAndPushedOtherAreActive) {
   for (const bool swapped : {false, true})
     for (const bool both : {false, true}) {
       AllKinds at;
@@ -194,7 +194,7 @@ TEST(ActiveRows, EachOfSeveralPairsHasItsOwn) {
 }
 
 // The values (3, 4, 2) lie outside of the cone by 5 − 2, and the surface bends by 1/5.
-TEST(ActiveRows, AConeCountsWithItsSurfaceAndThatsCurvature) {
+TEST(ActiveRows, ConeSurfaceIsActiveWithItsCurvature) {
   AllKinds at;
   at.linearization.constraint.segment(kCone, 3) << 3, 4, 2;
   at.multipliers.segment(kCone, 3) << 0.1, 0.2, -0.7;
@@ -208,7 +208,7 @@ TEST(ActiveRows, AConeCountsWithItsSurfaceAndThatsCurvature) {
   expect_rows(at, 0, {{along - c, 3, 0.7}}, bend);
 }
 
-TEST(ActiveRows, AConeCountsWithItsTipWhereThatIsNearest) {
+TEST(ActiveRows, ConeTipIsActiveWhereNearest) {
   AllKinds at;
   at.linearization.constraint.segment(kCone, 3) << 0.6, 0.8, -1.1;
   at.multipliers.segment(kCone, 3) << 1, 2, -3;
@@ -219,7 +219,7 @@ TEST(ActiveRows, AConeCountsWithItsTipWhereThatIsNearest) {
 }
 
 // Beyond limit/ρ = 0.2 a soft row pushes with its limit, and is no equation.
-TEST(ActiveRows, ASoftRowBeyondItsLimitKeepsItsMultiplierAlone) {
+TEST(ActiveRows, SoftRowBeyondLimitKeepsOnlyItsMultiplier) {
   AllKinds at;
   at.linearization.constraint.segment(kSoft, 2) << 1.1, -1.5;
   at.choose();
@@ -230,7 +230,7 @@ TEST(ActiveRows, ASoftRowBeyondItsLimitKeepsItsMultiplierAlone) {
 }
 
 // The distance of (3, 4, 2) is (‖(3, 4)‖ − 2)/√2; it falls along (0.6, 0.8, −1)/√2.
-TEST(ActiveRows, ASoftConeBeyondItsLimitPushesStraightWithTheCurvatureOfTheDistance) {
+TEST(ActiveRows, SoftConeBeyondLimitHasDistanceCurvature) {
   AllKinds at;
   at.linearization.constraint.segment(kSoftCone, 3) << 3, 4, 2;
   at.choose();
@@ -246,7 +246,7 @@ TEST(ActiveRows, ASoftConeBeyondItsLimitPushesStraightWithTheCurvatureOfTheDista
 }
 
 // Its distance 0.3/√2 is less than limit/ρ = 0.3, ‖(0.6, 0.8, 0.7)‖ is more.
-TEST(ActiveRows, ASoftConeWithinItsLimitCountsWithItsSurface) {
+TEST(ActiveRows, SoftConeWithinLimitHasItsSurfaceActive) {
   AllKinds at;
   at.linearization.constraint.segment(kSoftCone, 3) << 0.6, 0.8, 0.7;
   at.choose();
@@ -254,7 +254,7 @@ TEST(ActiveRows, ASoftConeWithinItsLimitCountsWithItsSurface) {
               {{0.6 * at.C(kSoftCone) + 0.8 * at.C(kSoftCone + 1) - at.C(kSoftCone + 2), 0.3, 0}});
 }
 
-TEST(ActiveRows, ControlsCountAtBoundsThatTheGradientPushesThemAgainstAndBeyond) {
+TEST(ActiveRows, ControlsAreActiveAtBoundsTheGradientPushes) {
   AllKinds at;
   for (KnotLinearization& knot : at.linearization.knots) knot.F.setZero();
   at.linearization.knots[0].gradient.tail(3) << -2, -3, 1;
@@ -324,7 +324,7 @@ Numbers numbers(std::initializer_list<double> list) {
   return Eigen::Map<const Numbers>(list.begin(), static_cast<Eigen::Index>(list.size()));
 }
 
-TEST(ActiveRows, AStepRevisesRowsThatPushTheWrongWayOrThatItViolates) {
+TEST(ActiveRows, StepRevisesWrongMultipliersAndViolatedRows) {
   // Multipliers after the step: 10 (0.05 − 0.04) > 0; 8 + 10 (−0.5 − 0.4) < 0 at an upper bound;
   // none, but 1.1 is beyond; 0.1 − 10·0.02 < 0 at a lower bound.
   const Revised all(kBand, numbers({1.05, 0.5, -0.2, -1.02}), numbers({0, 8, 0, 0.1}),

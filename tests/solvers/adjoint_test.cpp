@@ -86,7 +86,7 @@ struct PendulumIterate {
 
 using By = PendulumIterate::By;
 
-TEST(Adjoint, GradientIsThatOfTheCostByTheControlsAlongThePolicy) {
+TEST(Adjoint, GradientFollowsTheCostAlongThePolicy) {
   for (const unsigned seed : {1u, 2u, 3u})
     for (const bool gains : {false, true})
       for (const bool open : {false, true}) {
@@ -102,7 +102,7 @@ TEST(Adjoint, GradientIsThatOfTheCostByTheControlsAlongThePolicy) {
       }
 }
 
-TEST(Adjoint, ControlsAtABoundDoNotFollowThePolicy) {
+TEST(Adjoint, ControlsAtABoundIgnoreThePolicy) {
   int at_bound = 0;
   for (const unsigned seed : {1u, 2u, 3u}) {
     const PendulumIterate at(seed, true, true, 2);
@@ -120,7 +120,7 @@ TEST(Adjoint, ControlsAtABoundDoNotFollowThePolicy) {
 }
 
 // ∇_x L = ℓ_x + f_xᵀ λ⁺ − λ, in which the policy has no part.
-TEST(Adjoint, StateGradientIsWhatTheCostatesLeaveOfTheLagrangians) {
+TEST(Adjoint, StateGradientIsLagrangianMinusCostates) {
   const PendulumIterate at(4, true, true);
   for (int k = 0; k < at.plain.knots; ++k) {
     const Eigen::Vector2d x = at.trajectory.x(k);
@@ -135,7 +135,7 @@ TEST(Adjoint, StateGradientIsWhatTheCostatesLeaveOfTheLagrangians) {
 }
 
 // Without gains the co-states solve the dense system Eᵀλ = −g in the states' columns.
-TEST(Adjoint, CostatesSolveTheTransposedDynamicsOfALinearQuadraticModel) {
+TEST(Adjoint, CostatesSolveTransposedLinearDynamics) {
   for (const unsigned seed : {1u, 2u, 3u}) {
     const LinearQuadratic lq(1, 2 + static_cast<int>(seed), {1, 3}, 3, -kFree, kFree);
     const ShootingProblem& problem = *lq.problem;
@@ -166,7 +166,7 @@ TEST(Adjoint, CostatesSolveTheTransposedDynamicsOfALinearQuadraticModel) {
 
 // A sum of costs |3| + |−5| and two states whose co-states are 2 and −7: the roundings of
 // 8 + 2·10 + 7·100.
-TEST(Adjoint, RoundingOfTheCostIsThatOfItsTermsAndOfTheStates) {
+TEST(Adjoint, CostRoundingIncludesTermsAndStates) {
   const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(1, 1);
   const ShootingProblem problem =
       tracking_problem(linear_system(one, one, Eigen::VectorXd::Zero(1)), Integrator::discrete, 2,
@@ -210,7 +210,7 @@ Eigen::VectorXd gradient_along_plain_gains(const LinearQuadratic& lq, const Traj
   return all;
 }
 
-TEST(PlainAdjoint, StationarityIsAlongTheGainsOfTheCostsAlone) {
+TEST(PlainAdjoint, StationarityUsesTheGainsOfCostsOnly) {
   for (const unsigned seed : {1u, 2u, 3u, 4u}) {
     SCOPED_TRACE(fmt::format("seed {}", seed));
     const LinearQuadratic lq(seed, 3, {2}, 4, -kFree, kFree);
@@ -242,7 +242,7 @@ TEST(PlainAdjoint, StationarityIsAlongTheGainsOfTheCostsAlone) {
   }
 }
 
-TEST(PlainAdjoint, ThereIsNoneWhereTheCostsHaveNoMinimumHoweverRegularised) {
+TEST(PlainAdjoint, DoesNotExistWithoutAMinimumOfCosts) {
   const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(1, 1);
   const ShootingProblem problem =
       tracking_problem(linear_system(one, one, Eigen::VectorXd::Zero(1)), Integrator::discrete, 2,

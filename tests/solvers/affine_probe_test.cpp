@@ -27,7 +27,7 @@ ShootingProblem with_norm(const ShootingProblem& problem, int node) {
                                      .last = node}});
 }
 
-TEST(AffineProbe, HoldsForAffineDynamicsAndRowsWhereverTheIterateIs) {
+TEST(AffineProbe, HoldsForAffineModelsAtAnyIterate) {
   const ConicLinearQuadratic conic(
       1, {.nx = 5, .nu = 3, .knots = 6, .equalities = 1, .boxes = 2, .cones = 1, .terminal = 2});
   EXPECT_TRUE(is_affine(*conic.problem, conic.problem->create_trajectory()));
@@ -36,7 +36,7 @@ TEST(AffineProbe, HoldsForAffineDynamicsAndRowsWhereverTheIterateIs) {
   EXPECT_TRUE(is_affine(*lq.problem, random_guess(*lq.problem, 4)));
 }
 
-TEST(AffineProbe, DoesNotHoldWhereOneRowOfOneNodeIsCurved) {
+TEST(AffineProbe, DetectsOneCurvedRowOfOneNode) {
   const LinearQuadratic lq(2, 4, {2, 3}, 4, -1, 1);
   for (const int node : {1, 4, lq.N()}) {
     const ShootingProblem problem = with_norm(*lq.problem, node);
@@ -44,7 +44,7 @@ TEST(AffineProbe, DoesNotHoldWhereOneRowOfOneNodeIsCurved) {
   }
 }
 
-TEST(AffineProbe, DoesNotHoldForDynamicsThatAreCurvedInOneNumber) {
+TEST(AffineProbe, DetectsDynamicsCurvedInOneComponent) {
   const ShootingProblem swing_up = pendulum_swing_up();
   EXPECT_FALSE(is_affine(swing_up, random_guess(swing_up, 1)));
   // All but the two positions of a cart follow its turning alone.

@@ -207,7 +207,7 @@ ShootingProblem arm_on_a_plane(bool loaded) {
                                                           .qf = std::vector<double>(2 * nv, 1.0)}));
 }
 
-TEST(Allocation, NoneWithExactHessiansOfARobotByParts) {
+TEST(Allocation, NoneWithPartwiseExactHessiansOfARobot) {
   for (const bool loaded : {false, true}) {
     const ShootingProblem problem = arm_on_a_plane(loaded);
     ASSERT_TRUE(known_by_parts(*problem.knot(0).model));
@@ -237,7 +237,7 @@ TEST(Allocation, NoneInSweepsByLegs) {
   }
 }
 
-TEST(Allocation, NoneInDescentsThroughTheModelOfTheHorizon) {
+TEST(Allocation, NoneInDescentsThroughTheHorizonModel) {
   const testing::ConicLinearQuadratic conic(1, testing::alternating_size());
   for (const char* solver : {"altro", "proxddp"}) {
     const Count count = count_allocations(*conic.problem, *find_solver(solver),
@@ -257,7 +257,7 @@ TEST(Allocation, NoneWithEqualitiesInTheNullSpace) {
   EXPECT_EQ(count.allocations, 0);
 }
 
-TEST(Allocation, NoneWithOpenGapsNorAtTheRoundingFloor) {
+TEST(Allocation, NoneWithOpenGapsOrAtRoundingFloor) {
   const ShootingProblem problem = testing::quadrotor_move(0.5, 2);
   Trajectory guess = testing::constant_controls(problem, 1.2);
   for (int k = 1; k <= problem.knots(); ++k) guess.x(k)[0] += 0.1 * k;

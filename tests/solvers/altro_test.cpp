@@ -41,7 +41,7 @@ TEST(Altro, ReachesThePublishedOptimaExactly) {
   }
 }
 
-TEST(Altro, NewtonTakesAConvergedPenaltySolutionToRoundingInFewSteps) {
+TEST(Altro, NewtonPolishesPenaltySolutionToRounding) {
   for (const bool closed : {false, true})
     for (const auto& [name, problem, control, cost] : testing::published_cases()) {
       SCOPED_TRACE(name + (closed ? ", simulated" : ""));
@@ -81,7 +81,7 @@ TEST(Altro, SolvesConvexProblemsAsAnIndependentMethodDoes) {
   }
 }
 
-TEST(Registry, SolversWithoutConstraintsNameTheOneThatHasThem) {
+TEST(Registry, UnconstrainedSolversNameTheConstrainedOne) {
   const auto cases = testing::published_cases();
   for (const SolverInfo& solver : solvers()) {
     const auto reason = unsupported(solver, cases[0].problem);

@@ -36,7 +36,7 @@ TEST(AnswerChoice, TheBestIterateStaysWhateverComesAfterIt) {
   EXPECT_TRUE(choice.is_solution());
 }
 
-TEST(AnswerChoice, SmallNormsDoNotMakeUpForOneThatIsFarFromItsTolerance) {
+TEST(AnswerChoice, OneLargeNormOutweighsSmallOnes) {
   AnswerChoice choice(kTolerances);
   EXPECT_TRUE(choice.take(norms(1e-4, 1e-12, 0, 0)));
   // Its largest number is smaller, but the gap is what counts.
@@ -44,7 +44,7 @@ TEST(AnswerChoice, SmallNormsDoNotMakeUpForOneThatIsFarFromItsTolerance) {
   EXPECT_FALSE(choice.take(norms(0, 0, 0, 1e-1)));
 }
 
-TEST(AnswerChoice, APreferredIterateIsTakenIfItIsASolution) {
+TEST(AnswerChoice, TakesPreferredIterateIfItSolves) {
   AnswerChoice choice(kTolerances);
   EXPECT_TRUE(choice.take(norms(1e-10, 0, 0, 0)));
   EXPECT_FALSE(choice.take(norms(1e-8, 0, 0, 0)));
@@ -52,7 +52,7 @@ TEST(AnswerChoice, APreferredIterateIsTakenIfItIsASolution) {
   EXPECT_TRUE(choice.take(norms(1e-9, 0, 0, 0)));
 }
 
-TEST(AnswerChoice, WhatIsNotFiniteIsNoSolutionAndWorseThanAnythingElse) {
+TEST(AnswerChoice, NonFiniteIteratesAreWorst) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   AnswerChoice choice(kTolerances);
   EXPECT_TRUE(choice.take(norms(nan, 0, 0, 0)));

@@ -106,7 +106,7 @@ TEST(AnswerObjections, WithoutProgressItIsTheLastOne) {
   EXPECT_EQ(script.calls.size(), 2u);
 }
 
-TEST(AnswerObjections, ASaddleIsLeftByTheWayThatCostsLess) {
+TEST(AnswerObjections, LeavesASaddleByTheCheaperWay) {
   Script up({{2}, {3}, {1}});
   const SolveResult result = up.run({a_saddle(up.problem)});
   EXPECT_EQ(result.cost, 1) << "the second way";

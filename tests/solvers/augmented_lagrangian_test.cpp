@@ -120,7 +120,7 @@ constexpr auto kAlways = MultiplierSchedule::always;
 constexpr auto kBound = MultiplierSchedule::bound_constrained_lagrangian;
 
 // With ρ = 4: ν + ρ (g − 0.5) of the equalities; of the soft row ν + ρ (|g| − 1) beyond 1, to 2.
-TEST(AugmentedLagrangian, MultipliersOfValuesAreThoseOfTheirShiftedDistances) {
+TEST(AugmentedLagrangian, MultipliersComeFromShiftedDistances) {
   const NamedRows rows;
   AugmentedLagrangian constraints(*rows.problem, schedule_options(), kAlways);
   constraints.start(Eigen::Vector4d(1, -2, 3, 0.5));
@@ -137,7 +137,7 @@ TEST(AugmentedLagrangian, MultipliersOfValuesAreThoseOfTheirShiftedDistances) {
   EXPECT_EQ(constraints.multipliers()[3], NamedRows::kLimit);
 }
 
-TEST(AugmentedLagrangian, PenaltiesGrowByNameWhereTheViolationHasNotFallenToAQuarter) {
+TEST(AugmentedLagrangian, PenaltiesGrowIfViolationFallsTooSlowly) {
   const NamedRows rows;
   AugmentedLagrangian constraints(*rows.problem, schedule_options(), kAlways);
   const auto minimized_at = [&](double first, double second) {
@@ -195,7 +195,7 @@ TEST(AugmentedLagrangian, SoftOnesNeedLessDecrease) {
 }
 
 // Multipliers change where that is no more than a tenth of the last change; else penalties grow.
-TEST(AugmentedLagrangian, ABoundConstrainedScheduleTakesEitherMultipliersOrAPenalty) {
+TEST(AugmentedLagrangian, BoundConstrainedScheduleUpdatesMultipliersOrPenalty) {
   const NamedRows rows;
   AugmentedLagrangian constraints(*rows.problem, schedule_options(), kBound);
   const auto minimized_at = [&](double off) {
@@ -215,7 +215,7 @@ TEST(AugmentedLagrangian, ABoundConstrainedScheduleTakesEitherMultipliersOrAPena
   EXPECT_EQ(minimized_at(0.0625), 400) << "more than a tenth of that";
 }
 
-TEST(AugmentedLagrangian, TellsAConstraintThatSixPenaltiesDoNotHelp) {
+TEST(AugmentedLagrangian, ReportsConstraintAfterSixUselessPenalties) {
   const NamedRows rows;
   SolverOptions options = schedule_options();
   options.augmented_lagrangian.max_penalty = 4e10;
@@ -257,7 +257,7 @@ TEST(AugmentedLagrangian, FirstPenaltiesOfSoftOnesFitTheirLimits) {
 }
 
 // Rows between −1 and 1, and between −4 and 2, whose multipliers are at most 2.
-TEST(AugmentedLagrangian, FirstPenaltiesOfSoftOnesFitTheFurthestBoundOfAllTheirRows) {
+TEST(AugmentedLagrangian, FirstSoftPenaltiesFitTheFurthestBound) {
   const LinearQuadratic lq(1, 2, {3, 2}, 1, -1, 1);
   Added soft = affine_rows(Eigen::MatrixXd::Ones(2, 2), *lq.problem, 2, 2, -1, 1);
   soft.lower = {-1, -4};

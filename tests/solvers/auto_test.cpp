@@ -32,7 +32,7 @@ TEST(AutoSolver, IsChosenByTheProblemAndTheOptions) {
   EXPECT_EQ(by_name.cost, altro.cost);
 }
 
-TEST(AutoSolver, SaysWhichSolversItTriesInWhichOrderAndWhy) {
+TEST(AutoSolver, ExplainsItsOrderOfSolvers) {
   const testing::LinearQuadratic lq(1, 4, {3, 2}, 8, -1, 1);
   const ShootingProblem constrained = testing::with_constraints(*lq.problem, testing::cuts(lq));
   EXPECT_EQ(describe_auto(*lq.problem, auto_solvers(*lq.problem, {})),
@@ -60,7 +60,7 @@ SolverInfo failing() {
           }};
 }
 
-TEST(AutoSolver, GoesOnToTheNextWhereOneDoesNotConverge) {
+TEST(AutoSolver, TriesTheNextSolverWithoutConvergence) {
   const ShootingProblem problem = testing::unicycle_parking(0.6);
   const Trajectory guess = testing::constant_controls(problem, 0.01);
   const SolverInfo first = failing(), *box = find_solver("box_ddp");
@@ -94,7 +94,7 @@ SolverInfo endless(double stationarity) {
           }};
 }
 
-TEST(AutoSolver, TheDefaultLimitOfIterationsEndsOneSolverAlone) {
+TEST(AutoSolver, DefaultIterationLimitAppliesPerSolver) {
   const ShootingProblem problem = testing::unicycle_parking(0.6);
   const Trajectory guess = testing::constant_controls(problem, 0.01);
   const SolverInfo first = endless(1), *box = find_solver("box_ddp");
@@ -107,7 +107,7 @@ TEST(AutoSolver, TheDefaultLimitOfIterationsEndsOneSolverAlone) {
   EXPECT_EQ(used, &first);
 }
 
-TEST(AutoSolver, HasTheSecondAnswerWhereTheFirstOneDiverged) {
+TEST(AutoSolver, ReturnsSecondAnswerIfFirstDiverged) {
   const ShootingProblem problem = testing::unicycle_parking(0.6);
   const SolverInfo far = endless(1e20), near = endless(1);
   const SolverInfo* used = nullptr;
@@ -139,7 +139,7 @@ TEST(AutoSolver, HasTheFirstAnswerWhereNoneConverges) {
   EXPECT_EQ(result.restarts->starts, 5) << "all of them end at the same violation";
 }
 
-TEST(AutoSolver, HasALaterAnswerThatIsALeastViolation) {
+TEST(AutoSolver, ReturnsALaterLeastViolation) {
   const testing::LinearQuadratic lq(1, 4, {3, 2}, 8, -1, 1);
   const ShootingProblem problem = testing::with_constraints(
       *lq.problem, {testing::goal_constraint(*lq.problem, {100, 100, 100, 100})});
@@ -218,7 +218,7 @@ TEST(AutoSolver, StartsFromOtherGuessesWhereAllSolversFail) {
   EXPECT_EQ(again[3].x(1), guesses[3].x(1)) << "by the seed";
 }
 
-TEST(AutoSolver, StartsAgainWhereTheAnswerOfARestartRaisesDoubts) {
+TEST(AutoSolver, RestartsIfARestartAnswerIsDoubtful) {
   const ShootingProblem problem = testing::unicycle_parking(0.6);
   const Trajectory guess = testing::constant_controls(problem, 0.01);
   for (const bool are_all_doubted : {false, true}) {
@@ -239,7 +239,7 @@ TEST(AutoSolver, StartsAgainWhereTheAnswerOfARestartRaisesDoubts) {
   }
 }
 
-TEST(AutoSolver, HasSoManyStartsAndIterationsAndNoMore) {
+TEST(AutoSolver, LimitsStartsAndIterations) {
   const ShootingProblem problem = testing::unicycle_parking(0.6);
   const Trajectory guess = problem.create_trajectory();
   std::vector<Trajectory> guesses;
@@ -284,7 +284,7 @@ SolveResult best_of(const std::vector<const SolverInfo*>& list, const SolverInfo
   return solve_best(problem, list, options, problem.create_trajectory(), used, doubt);
 }
 
-TEST(FurtherLook, HasTheCheapestAnswerOfAllThatItTries) {
+TEST(FurtherLook, ReturnsTheCheapestAnswerOfAll) {
   const SolverInfo first = asking("first", 5, 4), second = asking("second", 3, 2), *used = nullptr;
   const SolveResult result = best_of({&first, &second}, used);
   EXPECT_EQ(used, &second);

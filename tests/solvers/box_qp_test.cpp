@@ -55,7 +55,7 @@ TEST(BoxQp, EqualsEnumerationOfActiveSets) {
   }
 }
 
-TEST(BoxQp, FactorBelongsToTheFreeBlockOfTheSolution) {
+TEST(BoxQp, FactorCoversFreeBlockOfTheSolution) {
   std::mt19937 engine(2);
   BoxQp solver(6);
   for (int trial = 0; trial < 100; ++trial) {
@@ -73,7 +73,7 @@ TEST(BoxQp, FactorBelongsToTheFreeBlockOfTheSolution) {
   }
 }
 
-TEST(BoxQp, WarmStartFromTheSolutionNeedsNoStepAndAnyStartGivesTheSame) {
+TEST(BoxQp, SolutionIsIndependentOfTheStart) {
   std::mt19937 engine(3);
   BoxQp solver(6);
   std::uniform_int_distribution<int> state(-1, 1);
@@ -148,7 +148,7 @@ TEST(BoxQp, PositiveGradientAtTheLowerBoundIsOptimal) {
   EXPECT_EQ(active[0], BoundState::at_upper);
 }
 
-TEST(BoxQp, IndefiniteHessianFailsOnlyWhereItsFreeBlockIs) {
+TEST(BoxQp, FailsOnlyIfTheFreeBlockIsIndefinite) {
   BoxQp solver(2);
   const Eigen::MatrixXd H = Eigen::Vector2d(1, -1).asDiagonal();
   const Eigen::VectorXd lower = Eigen::Vector2d(-1, -1), upper = Eigen::Vector2d(1, 1);

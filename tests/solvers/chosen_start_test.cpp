@@ -144,7 +144,7 @@ TEST(ChosenStart, ThatIsFreeIsTheDenseOptimum) {
   }
 }
 
-TEST(ChosenStart, ThatIsBoundedIsTheDenseOptimumAtItsBound) {
+TEST(ChosenStart, BoundedChoiceMatchesDenseOptimum) {
   const LinearQuadratic lq(5, 4, {3, 2}, 6, -kFree, kFree);
   const Eigen::VectorXd free = dense(lq, {}, {}).x.col(0) - lq.x0;
   Eigen::Index furthest = 0;
@@ -166,7 +166,7 @@ TEST(ChosenStart, ThatIsBoundedIsTheDenseOptimumAtItsBound) {
   }
 }
 
-TEST(ChosenStart, OfAPeriodicMotionIsThatOfTheDenseOptimumWithItsMultipliers) {
+TEST(ChosenStart, PeriodicMotionMatchesDenseOptimumAndMultipliers) {
   for (unsigned seed = 1; seed <= 4; ++seed) {
     const LinearQuadratic lq(seed, 4, {3, 2}, 6, -kFree, kFree);
     // All coordinates, or some of them, one further on.
@@ -186,7 +186,7 @@ TEST(ChosenStart, OfAPeriodicMotionIsThatOfTheDenseOptimumWithItsMultipliers) {
   }
 }
 
-TEST(ChosenStart, OfAPeriodicMotionIsRefusedByNameWhereNothingKeepsIt) {
+TEST(ChosenStart, PeriodicMotionNamesUnsupportedSolvers) {
   const LinearQuadratic lq(1, 3, {2}, 4, -kFree, kFree);
   const ShootingProblem problem = choosing(lq, kFree, {{0, 0}});
   const auto refusal = unsupported(*find_solver("box_fddp"), problem);

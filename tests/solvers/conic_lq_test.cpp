@@ -49,7 +49,7 @@ TEST(ConicLinearQuadratic, CopiesOfConstraintsDoNoHarm) {
 }
 
 // The known point is on the boundary of every box and at the tip of every cone.
-TEST(ConicLinearQuadratic, SetsWithoutAnInteriorHaveASolutionOrAName) {
+TEST(ConicLinearQuadratic, SetsWithoutInteriorAreSolvedOrNamed) {
   ConicSize size = middle_size();
   size.slack = 0;
   for (const unsigned seed : {1u, 2u}) {

@@ -99,7 +99,7 @@ TEST_P(ConstrainedSolver, ConvergedMeansAllResidualsAreUnderTolerance) {
 }
 
 // Newton's last iterate is the answer, whose residuals are along other gains than Newton's.
-TEST_P(ConstrainedSolver, TheLastRowOfTheLogIsOfTheAnswer) {
+TEST_P(ConstrainedSolver, LastLogRowDescribesTheAnswer) {
   for (const auto& [name, problem, control, cost] : testing::published_cases()) {
     const SolveResult result =
         solve(problem, GetParam(), {}, testing::constant_controls(problem, control));

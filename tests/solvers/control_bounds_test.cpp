@@ -34,7 +34,7 @@ struct BoundsOfTwoKnots : ::testing::Test {
   Trajectory trajectory = problem.create_trajectory();
 };
 
-TEST_F(BoundsOfTwoKnots, AreThoseOfTheModelsOneAfterTheOther) {
+TEST_F(BoundsOfTwoKnots, ConcatenateTheBoundsOfBothModels) {
   EXPECT_EQ(bounds.knots(), 2);
   EXPECT_EQ(bounds.size(), 6);
   EXPECT_EQ(bounds.offset(1), 3);
@@ -105,7 +105,7 @@ TEST_F(BoundsOfTwoKnots, BalanceTheGradientThatPushesAgainstThem) {
   EXPECT_EQ(bounds.projected_norm(gradient, trajectory).knot, -1);
 }
 
-TEST(LargestViolation, IsThatOfBoundsOrConstraintsButOfHardOnesAlone) {
+TEST(LargestViolation, CoversBoundsAndHardConstraintsOnly) {
   const ShootingProblem free = two_knots();
   Added box{.name = "box",
             .residual = state_residual(free.manifold()),

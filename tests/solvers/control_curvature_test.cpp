@@ -54,7 +54,7 @@ TEST(ControlCurvature, IsThatOfTheCostsWithoutPenalties) {
 }
 
 // With one knot there is no other one whose curvature could stand for it.
-TEST(ControlCurvature, OfOneKnotIsThatOfItsOwnCosts) {
+TEST(ControlCurvature, SingleKnotUsesItsOwnCosts) {
   const ShootingProblem free = tracking_problem(pendulum({}), Integrator::rk4, 1, 0.06, {0, 0},
                                                 {{1, 0}, {1, 1}, {1e-3}, {1, 1}});
   const ShootingProblem problem = with_constraints(free, {limit_until(0)});
@@ -69,7 +69,7 @@ TEST(ControlCurvature, OfOneKnotIsThatOfItsOwnCosts) {
 
 // Three knots of which the last one has the least curvature. Its row is far inside by its own
 // shift, where those of the others are outside: nothing is to be taken out of it.
-TEST(ControlCurvature, TakesOutWhatTheRowsOfTheirOwnKnotAdd) {
+TEST(ControlCurvature, RemovesContributionsOfOwnRows) {
   const auto system = pendulum({});
   std::vector<Phase> phases;
   for (const double weight : {3e-3, 2e-3, 1e-3})
@@ -90,7 +90,7 @@ TEST(ControlCurvature, TakesOutWhatTheRowsOfTheirOwnKnotAdd) {
   }
 }
 
-TEST(AugmentedLagrangian, StartsWithPenaltiesThatAreNotFarStifferThanTheCosts) {
+TEST(AugmentedLagrangian, InitialPenaltiesMatchCostStiffness) {
   Linearized stiff(10), soft(0.1);
   EXPECT_TRUE(stiff.constraints.fit_to_costs(stiff.linearization));
   EXPECT_NEAR(stiff.constraints.largest_penalty() / (1e4 * kCurvature), 1, 1e-6);

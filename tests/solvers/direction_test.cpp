@@ -75,7 +75,7 @@ TEST(Direction, StepSolvesTheKktSystemOfTheHorizon) {
       }
 }
 
-TEST(Direction, AProximalWeightIsACostOfTheDenseSystem) {
+TEST(Direction, ProximalWeightActsAsADenseCost) {
   for (const ShootingProblem& problem : shapes()) {
     RandomModel model(problem, 4, {});
     ASSERT_EQ(model.find(nullptr, {RegularizationKind::proximal, 0.7}), -1);
@@ -96,7 +96,7 @@ void control_steps(const RandomModel& model, Eigen::VectorXd& lower, Eigen::Vect
   }
 }
 
-TEST(Direction, WithControlBoundsItIsTheQuadraticProgramsSolution) {
+TEST(Direction, BoundedControlsSolveTheQuadraticProgram) {
   int held = 0, free = 0, settled = 0, all = 0;
   for (const auto& nu : {std::vector<int>{1, 2}, std::vector<int>{3}})
     for (unsigned seed = 1; seed <= 12; ++seed) {
@@ -131,7 +131,7 @@ TEST(Direction, WithControlBoundsItIsTheQuadraticProgramsSolution) {
 }
 
 // Rows of an augmented Lagrangian count where the step meets them, not where the iterate does.
-TEST(Direction, WithAnAugmentationItMinimisesThePenaltiesAsTheyAreAlongTheHorizon) {
+TEST(Direction, AugmentationMinimizesPenaltiesAlongTheHorizon) {
   int held = 0, outside = 0, changed_sides = 0, unsettled = 0;
   for (unsigned seed = 1; seed <= 40; ++seed) {
     SCOPED_TRACE(fmt::format("seed {}", seed));
@@ -186,7 +186,7 @@ TEST(Direction, WithAnAugmentationItMinimisesThePenaltiesAsTheyAreAlongTheHorizo
   EXPECT_GT(unsettled, 3) << "where sets alternate the descent finds the minimum";
 }
 
-TEST(Direction, InTheNullSpaceItKeepsTheEquationsOfTheDenseSystemWithItsMultipliers) {
+TEST(Direction, NullSpaceSatisfiesEquationsWithDenseMultipliers) {
   for (unsigned seed = 1; seed <= 6; ++seed) {
     SCOPED_TRACE(fmt::format("seed {}", seed));
     // Three states and six controls of two knots each: one row a knot and one at the end.

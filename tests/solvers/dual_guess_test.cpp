@@ -70,7 +70,7 @@ TEST_P(DualGuesses, OfAnotherShapeAreRefused) {
                std::invalid_argument);
 }
 
-TEST_P(DualGuesses, MayLeaveOutAllButMultipliersButNotHaveThemInOtherShapes) {
+TEST_P(DualGuesses, MayOmitOptionalPartsButNotChangeShapes) {
   const testing::LinearQuadratic lq(1, 4, {3, 2}, 2, -3, 3);
   std::vector<testing::Added> cuts = testing::cuts(lq);
   if (std::string_view(GetParam()) == "ipopt") cuts.pop_back();

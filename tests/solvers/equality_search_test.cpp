@@ -63,7 +63,7 @@ ShootingProblem goal_problem() {
   return testing::with_constraints(swing, {testing::goal_constraint(swing, {0, M_PI, 0, 0})});
 }
 
-TEST(EqualitySearch, TheMeritsSlopeIsItsDerivativeAlongTheStep) {
+TEST(EqualitySearch, MeritSlopeIsItsDerivativeAlongTheStep) {
   const ShootingProblem problem = goal_problem();
   EqualityIterate iterate(problem);
   EXPECT_NEAR(iterate.merit_of(iterate.trajectory), iterate.merit.value(),
@@ -81,7 +81,7 @@ TEST(EqualitySearch, TheMeritsSlopeIsItsDerivativeAlongTheStep) {
 }
 
 /// Rows of two knots and of the end, of which those in the middle are free.
-TEST(EqualitySearch, InfeasibilityIsTheSumOfGapsAndOfRowsThatAreNotFree) {
+TEST(EqualitySearch, InfeasibilitySumsGapsAndActiveRows) {
   const ShootingProblem free = testing::pendulum_swing_up();
   const int N = free.knots();
   const auto at = [&](int node, double value) {
@@ -111,7 +111,7 @@ TEST(EqualitySearch, InfeasibilityIsTheSumOfGapsAndOfRowsThatAreNotFree) {
 }
 
 // Nocedal and Wright's equation 18.36 in numbers, with 0.7 of the penalty for the step.
-TEST(EqualitySearch, ThePenaltyPaysForTheModelsStepAndFallsByHalfAtMost) {
+TEST(EqualitySearch, PenaltyCoversModelStepAndHalvesAtMost) {
   const ShootingProblem problem = goal_problem();
   EqualityIterate iterate(problem);
   const Eigen::VectorXd& off = iterate.linearization.constraint;  // bounds are zero
@@ -208,7 +208,7 @@ TEST(EqualitySearch, TellsWhereTheLongestStepIsLost) {
 }
 
 // Uphill from −10⁹, which the merit's rounding hides: the first step passes, and no other one.
-TEST(EqualitySearch, TheFirstStepAlonePassesWhereRoundingHidesWhatItChanges) {
+TEST(EqualitySearch, RoundedChangeAcceptsFirstStepOnly) {
   const ShootingProblem problem = goal_problem();
   EqualityIterate iterate(problem);
   MeritModel merit = iterate.merit;

@@ -70,7 +70,7 @@ double cost_and_gaps(const PlainPendulum& plain, const Trajectory& t, Eigen::Mat
   return cost;
 }
 
-TEST(FullStepSearch, IsDueAfterFullStepsInARowAndAfterTwiceAsManyOnceOneDidNotStand) {
+TEST(FullStepSearch, RejectionDoublesFullStepsUntilDue) {
   const PlainPendulum plain;
   const ShootingProblem problem = plain.problem();
   Tried at(problem, near_optimum(plain, problem, 0.1));
@@ -101,7 +101,7 @@ TEST(FullStepSearch, IsDueAfterFullStepsInARowAndAfterTwiceAsManyOnceOneDidNotSt
   EXPECT_EQ(steps_until_due(), 1);
 }
 
-TEST(FullStepSearch, AQuadraticProblemsMinimumIsOneStepThatGainsHalfOfWhatTheSlopePromises) {
+TEST(FullStepSearch, QuadraticMinimumGainsHalfOfTheSlope) {
   const LinearQuadratic lq(2, 3, {2, 1}, 3, -kFree, kFree, 1);
   const Trajectory optimum = lq.dense_optimum();
   for (const bool open : {false, true}) {
@@ -127,7 +127,7 @@ TEST(FullStepSearch, AQuadraticProblemsMinimumIsOneStepThatGainsHalfOfWhatTheSlo
   }
 }
 
-TEST(FullStepSearch, TheStepIsJudgedByWhatClosingItsGapsWillCost) {
+TEST(FullStepSearch, JudgesStepsWithTheCostOfClosingGaps) {
   const PlainPendulum plain;
   const ShootingProblem problem = plain.problem();
   const Trajectory from = near_optimum(plain, problem, 0.3);
@@ -170,7 +170,7 @@ TEST(FullStepSearch, GapsAreClosedWhereThatIsAskedFor) {
   }
 }
 
-TEST(FullStepSearch, AStepDoesNotStandThatFallsShortOfTheSlopeOrLeavesGapsAtTheEnd) {
+TEST(FullStepSearch, RejectsStepsShortOfSlopeOrWithGaps) {
   const PlainPendulum plain;
   const ShootingProblem problem = plain.problem();
   const Trajectory from = near_optimum(plain, problem, 0.3);
@@ -187,7 +187,7 @@ TEST(FullStepSearch, AStepDoesNotStandThatFallsShortOfTheSlopeOrLeavesGapsAtTheE
   }
 }
 
-TEST(FullStepSearch, WhereRoundingHidesTheDecreaseAStepStandsThatChangesNoMore) {
+TEST(FullStepSearch, RoundedDecreaseAcceptsUnchangedMerit) {
   const PlainPendulum plain;
   const ShootingProblem problem = plain.problem();
   const Trajectory from = near_optimum(plain, problem, 0.01);

@@ -70,7 +70,7 @@ TEST(Guess, BeginsAtTheInitialStateWithUnitQuaternions) {
   EXPECT_NO_THROW(correct_states(problem, guess, start)) << "solvers tell where it is not finite";
 }
 
-TEST(Guess, IsPerturbedOnTheManifoldButForItsFirstState) {
+TEST(Guess, IsPerturbedOnManifoldExceptTheFirstState) {
   const ShootingProblem problem = quadrotor_move();
   const Trajectory guess = constant_controls(problem, 1.3);
   const Trajectory same = perturb_guess(problem, guess, 0, 5);

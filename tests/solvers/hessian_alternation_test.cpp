@@ -29,7 +29,7 @@ int poor_steps_to_exact(HessianAlternation& alternation) {
   return steps;
 }
 
-TEST(HessianAlternation, KeepsGaussNewtonWhileItsStepsAreFullAndTheErrorFalls) {
+TEST(HessianAlternation, KeepsGaussNewtonWhileFullStepsReduceError) {
   HessianAlternation alternation;
   double error = 1;
   alternation.begin(good(error));
@@ -39,7 +39,7 @@ TEST(HessianAlternation, KeepsGaussNewtonWhileItsStepsAreFullAndTheErrorFalls) {
   }
 }
 
-TEST(HessianAlternation, TakesExactHessiansWhereStepsAreCutOrTheErrorGrows) {
+TEST(HessianAlternation, ShortStepsOrGrowingErrorsUseExactHessians) {
   HessianAlternation alternation;
   alternation.begin(good(1));
   EXPECT_EQ(poor_steps_to_exact(alternation), 2);
@@ -50,7 +50,7 @@ TEST(HessianAlternation, TakesExactHessiansWhereStepsAreCutOrTheErrorGrows) {
   EXPECT_FALSE(alternation.gauss_newton());
 }
 
-TEST(HessianAlternation, TakesExactHessiansWhereOneBarriersProblemConvergesSlowly) {
+TEST(HessianAlternation, UsesExactHessiansOnSlowBarrierProblems) {
   HessianAlternation alternation;
   double error = 1;
   alternation.begin(good(error));

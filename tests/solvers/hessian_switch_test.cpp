@@ -41,7 +41,7 @@ TEST(HessianSwitch, GaussNewtonStaysWhileItConverges) {
   EXPECT_EQ(solve.until_change(0.8, 60), 60);
 }
 
-TEST(HessianSwitch, EitherSetIsGivenUpWhereItCreepsAndGaussNewtonThenHasTwiceAsLong) {
+TEST(HessianSwitch, GivesUpSlowSetsAndExtendsGaussNewton) {
   Watched solve;
   const int first = solve.until_change(1);
   EXPECT_TRUE(solve.choice.exact_wanted());
@@ -52,7 +52,7 @@ TEST(HessianSwitch, EitherSetIsGivenUpWhereItCreepsAndGaussNewtonThenHasTwiceAsL
   EXPECT_EQ(solve.until_change(1), 4 * first);
 }
 
-TEST(HessianSwitch, ExactHessiansStayWhereTheirRateLeadsToTheEnd) {
+TEST(HessianSwitch, KeepsExactHessiansOnSufficientRate) {
   Watched solve;
   const int window = [] {
     Watched other;
@@ -67,14 +67,14 @@ TEST(HessianSwitch, ExactHessiansStayWhereTheirRateLeadsToTheEnd) {
 
 // An exact Hessian of 12 states and 4 controls costs as much as 17 iterations: ten Gauss-Newton
 // iterations are watched, and as many exact ones as cost a thousand.
-TEST(HessianSwitch, WindowsAreTenIterationsAndWhatAThousandBuy) {
+TEST(HessianSwitch, WindowsFollowTheCostOfAnIteration) {
   Watched solve;
   EXPECT_EQ(solve.until_change(1), 10);
   EXPECT_EQ(solve.until_change(1), 1000 / 17);
 }
 
 // With d decades an iteration 6 − 10 d are left, where four exact ones last as long as 4 · 17.
-TEST(HessianSwitch, GaussNewtonIsSlowWhereTheEndIsFurtherThanFourExactIterations) {
+TEST(HessianSwitch, GaussNewtonIsSlowBeyondFourExactIterations) {
   constexpr double kDecades = 6.0 / (10 + 4 * 17);
   Watched slow, quick;
   EXPECT_EQ(slow.until_change(std::pow(10, -0.99 * kDecades)), 10);
@@ -82,7 +82,7 @@ TEST(HessianSwitch, GaussNewtonIsSlowWhereTheEndIsFurtherThanFourExactIterations
   EXPECT_FALSE(quick.choice.exact_wanted());
 }
 
-TEST(HessianSwitch, GaussNewtonIsNotSlowWhileTheCostFallsByATenth) {
+TEST(HessianSwitch, GaussNewtonIsNotSlowWhileCostFalls) {
   for (const double cost : {0.905, 0.915}) {  // 1 is 1.1 times 0.909
     Watched solve;
     solve.row.cost = cost;
@@ -92,7 +92,7 @@ TEST(HessianSwitch, GaussNewtonIsNotSlowWhileTheCostFallsByATenth) {
 }
 
 // Of six decades half, within a window.
-TEST(HessianSwitch, ExactHessiansAreSlowWhereMoreIsLeftThanTheyTook) {
+TEST(HessianSwitch, ExactHessiansAreSlowIfMostIsLeft) {
   for (const double decades : {2.95, 3.05}) {
     Watched solve;
     ASSERT_EQ(solve.until_change(1), 10);
@@ -131,7 +131,7 @@ bool finds_the_same(const ShootingProblem& problem) {
 }
 
 // Of linear dynamics and squares they are those of Gauss-Newton, at nodes of whatever size.
-TEST(HessianSwitch, ExactHessiansThatAreTheOthersAreKnownNoMore) {
+TEST(HessianSwitch, DetectsExactHessiansEqualToGaussNewton) {
   const testing::LinearQuadratic lq(1, 3, {2, 1}, 2, -1, 1);
   EXPECT_TRUE(finds_the_same(*lq.problem));
   EXPECT_FALSE(finds_the_same(testing::pendulum_swing_up()));

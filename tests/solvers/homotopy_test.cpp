@@ -110,7 +110,7 @@ TEST(Homotopy, LogsAllSolvesAsOne) {
   }
 }
 
-TEST(Homotopy, SaysWhereItGotStuckAndTriesTheProblemItself) {
+TEST(Homotopy, ReportsWhereItStuckAndTriesTheTarget) {
   Journey journey({.reach = 1e-3});
   journey.direct_fails = true;
   const SolveResult result = journey.go();

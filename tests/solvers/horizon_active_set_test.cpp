@@ -70,7 +70,7 @@ TEST(ActiveSet, HoldsControlsWhoseBoundsAreTheSame) {
 }
 
 // Stages that each look at their own bounds would hold many controls of such a guess.
-TEST(HorizonActiveSet, AStepThatMeetsNoBoundTakesOneSweep) {
+TEST(HorizonActiveSet, StepWithoutActiveBoundsTakesOneSweep) {
   for (unsigned seed = 0; seed < 20; ++seed) {
     const LinearQuadratic free(seed, 4, {2, 3}, 12, -1e6, 1e6);
     const SolveResult answer =
@@ -102,7 +102,7 @@ TEST(HorizonActiveSet, SweepsEndSoonWhereSetsAlternate) {
 
 // A stage alone cannot see which bounds a step meets at later knots; the horizon's active set can,
 // and on a linear-quadratic problem its step is the answer wherever that set is found.
-TEST(HorizonActiveSet, MostBoxConstrainedLinearQuadraticProblemsTakeOneStep) {
+TEST(HorizonActiveSet, MostBoxConstrainedProblemsTakeOneStep) {
   int one_step = 0, held = 0, stage_by_stage = 0;
   for (unsigned seed = 0; seed < 20; ++seed) {
     const LinearQuadratic lq(seed, 4, {2, 3}, 12, -0.4, 0.3);
@@ -137,7 +137,7 @@ TEST(HorizonActiveSet, SweepsAreCounted) {
 }
 
 // Active sets that do not settle within the sweeps allowed must not keep a solver from converging.
-TEST(HorizonActiveSet, SetsThatDoNotSettleDoNotKeepASolverFromConverging) {
+TEST(HorizonActiveSet, UnsettledSetsStillAllowConvergence) {
   for (unsigned seed = 0; seed < 20; ++seed) {
     const LinearQuadratic lq(seed, 6, {4}, 20, -0.2, 0.2);
     for (const int sweeps : {10, 20, 40}) EXPECT_LE(iterations(lq, "box_fddp", sweeps), 60) << seed;

@@ -52,7 +52,7 @@ TEST(HorizonConstraints, TellTheLastNodeWhoseRowsCrossed) {
   EXPECT_EQ(last, 7);
 }
 
-TEST(HorizonConstraints, LeaveAModelThatIsOffByLessThanAllowed) {
+TEST(HorizonConstraints, KeepsModelsWithinTheAllowedError) {
   Horizon horizon;
   auto& [conic, augmentation, linearization, constraints, z, last] = horizon;
   z[3].setConstant(100);
@@ -115,7 +115,7 @@ ShootingProblem beyond_walls(double weight) {
 }
 
 // The minimum of a piecewise quadratic problem is found in the model: sweeps, but no iterations.
-TEST(HorizonConstraints, BarriersThatAStepCrossesArePartOfItsModel) {
+TEST(HorizonConstraints, IncludesBarriersThatAStepCrosses) {
   for (const double weight : {1.0, 100.0, 1e4}) {
     const ShootingProblem problem = beyond_walls(weight);
     const Trajectory guess = problem.create_trajectory();
@@ -138,7 +138,7 @@ TEST(HorizonConstraints, BarriersThatAStepCrossesArePartOfItsModel) {
 }
 
 // Written gains are those of the iterate's own costs, also where the solve ends on the way.
-TEST(HorizonConstraints, GainsOfAnAnswerAreThoseOfItsOwnSideOfEachWall) {
+TEST(HorizonConstraints, GainsMatchTheirSideOfEachWall) {
   const ShootingProblem problem = beyond_walls(100);
   SolverOptions options;
   options.max_iterations = 0;
@@ -282,7 +282,7 @@ class ModelOfEveryKind : public ::testing::TestWithParam<unsigned> {
   int nodes_ = 0, exact_ = 0;
 };
 
-TEST_P(ModelOfEveryKind, IsThatOfThePenaltiesWhereAStepLeads) {
+TEST_P(ModelOfEveryKind, MatchesThePenaltiesAtTheStep) {
   const Linearization own = linearization_;
   constraints_.start(linearization_, &augmentation_);
   std::optional<int> last;
@@ -305,7 +305,7 @@ TEST_P(ModelOfEveryKind, IsThatOfThePenaltiesWhereAStepLeads) {
   EXPECT_GT(exact_, 0.6 * nodes_);
 }
 
-TEST_P(ModelOfEveryKind, SaysHowMuchMoreThePenaltiesRiseOnAPathThanItHasThem) {
+TEST_P(ModelOfEveryKind, PathExcessMatchesThePenaltyRise) {
   constraints_.start(linearization_, &augmentation_);
   std::optional<int> last;
   const Step z = random_step(), to = random_step();

@@ -162,7 +162,7 @@ TEST(HorizonDescent, FallsToTheMinimumOfThePenalisedModel) {
   EXPECT_GT(multipliers, 50);
 }
 
-TEST(HorizonDescent, TheMinimumIsToldAtOnceWhereItBegan) {
+TEST(HorizonDescent, RecognizesMinimumAtTheStart) {
   Descent at(3);
   for (int i = 0; i < 30; ++i) {
     ASSERT_EQ(at.run_sweep(), -1);

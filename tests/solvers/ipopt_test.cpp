@@ -80,7 +80,7 @@ TEST(Ipopt, KeepsConesOnTheirSurface) {
   }
 }
 
-TEST(Ipopt, HessiansOfEveryKindLeadToTheSameOptimum) {
+TEST(Ipopt, HessiansOfEveryKindReachTheOptimum) {
   const auto cases = testing::published_cases();
   const ShootingProblem& problem = cases[0].problem;
   const Trajectory guess = testing::constant_controls(problem, cases[0].control);
@@ -110,7 +110,7 @@ TEST(Ipopt, ExactHessiansNeedFewerIterationsThanLimitedMemory) {
 }
 
 /// A turn by more than π about a changing axis leaves every chart that starts at the guess.
-TEST(Ipopt, GoesOnInOtherChartsWhereStatesTurnFar) {
+TEST(Ipopt, ContinuesInNewChartsForLargeRotations) {
   const ShootingProblem free = testing::quadrotor_move(0, 30);
   const double half = 0.5 * 3.1;
   const ShootingProblem problem = with_constraints(
@@ -154,7 +154,7 @@ TEST(Ipopt, NumbersThatAreNoneEndAsDiverged) {
   EXPECT_EQ(result.status, SolveStatus::diverged) << result.message;
 }
 
-TEST(Ipopt, BudgetsAreKeptAndTheBestIterateIsReturned) {
+TEST(Ipopt, RespectsBudgetsAndReturnsBestIterate) {
   const ShootingProblem problem = testing::cartpole_swing_up(3);
   const Trajectory guess = testing::constant_controls(problem, 0.01);
   SolveResult result = solve(problem, "ipopt", {.max_time_s = 0}, guess);
@@ -180,7 +180,7 @@ TEST(Ipopt, BudgetsAreKeptAndTheBestIterateIsReturned) {
 
 /// With weights so large rounding keeps Newton's method above its goal: it goes on, and its last
 /// iterate is not always its best.
-TEST(Ipopt, TheAnswerIsTheBestIterateOfNewtonsMethod) {
+TEST(Ipopt, AnswerIsBestNewtonIterate) {
   for (const double weight : {1e4, 1e5, 1e6}) {
     const ShootingProblem free =
         testing::tracking_problem(pendulum({}), Integrator::rk4, 50, 0.06, {0, 0},
@@ -243,7 +243,7 @@ TEST(Ipopt, RefusesOptionsThatAreNone) {
 
 // 20 knots of two states and a control and the state at the end are 62 directions, and 124 rows the
 // most that a chain takes: three constraints on both states of all knots, and four rows at the end.
-TEST(Ipopt, FactorizesAlongTheHorizonByItsRowsForEachDirection) {
+TEST(Ipopt, FactorizesAlongTheHorizonForEachDirection) {
   const ShootingProblem problem = mass();
   ASSERT_EQ(problem.constraint_rows(), 0);
   const auto state = [&](std::string name, int first, int last) {

@@ -77,7 +77,7 @@ TEST(Iterate, DifferentiatingGivesDerivativesCostatesAndResiduals) {
   EXPECT_GT(at.record.result.times.differentiate, 0);
 }
 
-TEST(Iterate, TheLargestGapHasAKnotWhereThereIsOne) {
+TEST(Iterate, LargestGapHasItsKnot) {
   Standing at;
   at.iterate.linearization.gap.setZero();
   EXPECT_EQ(at.iterate.largest_gap().value, 0);
@@ -126,14 +126,14 @@ TEST(Iterate, ExactHessiansWaitUntilOpenGapsAreSmall) {
   }
 }
 
-TEST(Iterate, ExactHessiansWithoutSubstituteAreThereWithOpenGaps) {
+TEST(Iterate, ExactHessiansExistWithOpenGaps) {
   Standing at({.open_gaps = true, .hessian = HessianUse::exact_alone});
   at.iterate.differentiate(Feedback(at.problem), nullptr);
   EXPECT_FALSE(at.iterate.gaps.closed());
   EXPECT_TRUE(at.iterate.hessian.exact_known());
 }
 
-TEST(Iterate, WhatIsNotFiniteEndsTheSolveWithTheIterateBeforeTheStep) {
+TEST(Iterate, NonFiniteValuesEndAtThePreviousIterate) {
   for (const bool first : {false, true}) {
     Standing at;
     at.iterate.differentiate(Feedback(at.problem), nullptr);

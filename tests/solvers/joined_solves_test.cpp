@@ -95,7 +95,7 @@ TEST(JoinedSolves, AskForInterruptionOnceItIsSeen) {
   EXPECT_TRUE(joined.next().interrupted());
 }
 
-TEST(NextFirstPenalty, IsTheGeometricMeanOfTheFirstAndTheLargestNeeded) {
+TEST(NextFirstPenalty, IsGeometricMeanOfFirstAndLargestNeeded) {
   SolverOptions options;
   options.augmented_lagrangian.initial_penalty = 10;
   options.augmented_lagrangian.max_penalty = 1e3;

@@ -104,7 +104,7 @@ class SteppedModel {
   Eigen::MatrixXd M;  ///< Hessian of the sweep's model in the free entries of v, else the identity
 };
 
-TEST(LbfgsCorrection, CorrectedStepIsThatOfTheDenseFormulaWithTheLastFivePairs) {
+TEST(LbfgsCorrection, CorrectedStepMatchesDenseFormulaOfFivePairs) {
   const std::vector<std::vector<std::pair<int, int>>> cases = {{}, {{1, 0}, {3, 1}}};
   int compared = 0, with_five = 0;
   for (const auto& held : cases)
@@ -206,7 +206,7 @@ TEST(LbfgsCorrection, OneControlGetsTheSecantsStep) {
   EXPECT_FALSE(corrected_after(0.4, false)) << "no step was taken";
 }
 
-TEST(LbfgsCorrection, LeavesStepsAloneThatDoNotFitAQuadraticModelOrNeedNoCorrection) {
+TEST(LbfgsCorrection, SkipsPoorQuadraticFitsAndNeedlessCorrections) {
   // Curvatures 0.79 and 5.1, less than 2/2.5 and more than 2·2.5; 0.81 and 4.9 are just within.
   EXPECT_FALSE(corrected_after(0.605));
   EXPECT_FALSE(corrected_after(-1.55));

@@ -83,7 +83,7 @@ TEST(LineSearch, TakesTheFullStepToTheMinimumAlone) {
 }
 
 // What a step lowers the merit by, where its half may lower it more and is taken then.
-TEST(LineSearch, TakesTheLongestStepUnlessItsHalfLowersTheMeritMore) {
+TEST(LineSearch, TakesLongestStepUnlessItsHalfIsBetter) {
   if (kLaneWidth < 4) GTEST_SKIP() << "a step is compared with its half in the lane beside it";
   struct Case {
     double length, step;
@@ -106,7 +106,7 @@ TEST(LineSearch, TakesTheLongestStepUnlessItsHalfLowersTheMeritMore) {
   }
 }
 
-TEST(LineSearch, BeginsWithTheLongestStepThatItMayTry) {
+TEST(LineSearch, BeginsWithTheLongestAllowedStep) {
   ParabolaSearch at(3);
   const LineSearchResult found = at.run(0.25);
   EXPECT_EQ(found.step, 0.25);
@@ -144,7 +144,7 @@ TEST(LineSearch, WantsItsShareOfTheSlope) {
   }
 }
 
-TEST(LineSearch, AStepWhoseDecreaseRoundingHidesPassesWhereTheMeritChangesNoMore) {
+TEST(LineSearch, RoundedDecreaseAcceptsConstantMerit) {
   ParabolaSearch at(1);
   at.merit.rounding = at.most;
   const LineSearchResult hidden = at.run();

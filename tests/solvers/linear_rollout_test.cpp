@@ -42,7 +42,7 @@ struct RolledOut {
   LinearRollout rollout;
 };
 
-TEST(LinearRollout, HasTheStatesOfTheModelAndTheControlsOfThePolicyWithinTheirBounds) {
+TEST(LinearRollout, FollowsModelStatesAndBoundedPolicyControls) {
   RolledOut at;
   const DenseHorizon dense(at.linearization, true);
   for (const bool clamp : {false, true}) {
@@ -91,7 +91,7 @@ TEST(LinearRollout, RespondsToGapsWithTheGainsAlone) {
 }
 
 // Of Hessians that costs fill in a few places, and of full ones of several lanes.
-TEST(LinearRollout, HasTheCurvatureOfAllEntriesOfTheHessians) {
+TEST(LinearRollout, HasCurvatureOfAllHessianEntries) {
   const ShootingProblem problem = quadrotor_move();
   const ControlBounds bounds(problem);
   const Trajectory trajectory = constant_controls(problem, 1.2);

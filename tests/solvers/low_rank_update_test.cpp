@@ -19,7 +19,7 @@ ShootingProblem problem_with_rows(int rows) {
                            affine_rows(Eigen::MatrixXd::Ones(rows, 3), *lq.problem, 2, 2, -1, 1)});
 }
 
-TEST(LowRankUpdate, AddsTheDenseProductWhateverTheNumberOfRows) {
+TEST(LowRankUpdate, AddsTheDenseProductForAnyRowCount) {
   RandomNumbers random(1);
   for (int rows = 1; rows <= 14; ++rows) {
     const ShootingProblem problem = problem_with_rows(rows);
@@ -57,7 +57,7 @@ TEST(LowRankUpdate, AddsTheDenseProductWhateverTheNumberOfRows) {
 }
 
 // The costs' own entries are known to be all there is until an update adds others.
-TEST(LowRankUpdate, TellsTheHessianThatMoreThanTheCostsEntriesAreFilled) {
+TEST(LowRankUpdate, MarksHessianFillBeyondTheCosts) {
   const ShootingProblem problem = problem_with_rows(1);
   Linearization linearization(problem);
   Evaluator(problem).differentiate(problem.create_trajectory(), linearization);

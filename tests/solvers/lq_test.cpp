@@ -19,7 +19,7 @@ double distance(const Trajectory& a, const Trajectory& b) {
   return worst;
 }
 
-TEST(LinearQuadratic, EverySolverTakesOneFullStepToTheDenseOptimumWithRiccatisGains) {
+TEST(LinearQuadratic, EverySolverReachesDenseOptimumWithRiccatiGains) {
   for (unsigned seed = 1; seed <= 12; ++seed) {
     // Some with bounds that are there but not active.
     const double bound = seed % 2 == 0 ? kFree : 1e4;
@@ -134,7 +134,7 @@ Eigen::VectorXd projected_gradient(const Eigen::MatrixXd& H, const Eigen::Vector
   return x;
 }
 
-TEST(BoxLinearQuadratic, BoxSolversReachTheDenseOptimumAndKeepTheBoundsExactly) {
+TEST(BoxLinearQuadratic, BoxSolversReachDenseOptimumWithinBounds) {
   int all_clamped = 0, all_controls = 0;
   for (unsigned seed = 1; seed <= 10; ++seed) {
     const double bound = 0.3;

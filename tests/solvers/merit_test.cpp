@@ -78,7 +78,7 @@ Trajectory open_gap_guess(const ShootingProblem& problem, double size = 0.2) {
 }
 
 // Pitfall 9: on SE(3) the slope holds only if gaps transport tangent vectors.
-TEST(Merit, SlopeIsTheDerivativeOfTheCostAlongTheRolloutOnAManifold) {
+TEST(Merit, SlopeIsCostDerivativeAlongManifoldRollout) {
   const ShootingProblem problem = testing::quadrotor_move();
   SweptIterate at(problem, open_gap_guess(problem), false);
   LaneRollout lanes(problem);
@@ -87,7 +87,7 @@ TEST(Merit, SlopeIsTheDerivativeOfTheCostAlongTheRolloutOnAManifold) {
   EXPECT_NEAR(at.rollout.slope(), numeric, 1e-6 * std::abs(numeric));
 }
 
-TEST(BackwardSweep, FromAKnotIsTheWholeSweepWhereNothingBehindItChanged) {
+TEST(BackwardSweep, PartialSweepMatchesTheWholeSweep) {
   const ShootingProblem problem = testing::quadrotor_move();
   SweptIterate at(problem, open_gap_guess(problem), false);
   constexpr int kChanged = 7;
@@ -106,7 +106,7 @@ TEST(BackwardSweep, FromAKnotIsTheWholeSweepWhereNothingBehindItChanged) {
   }
 }
 
-TEST(FullStep, ALastTrialLeavesTheDerivativesOfTheNextIterate) {
+TEST(FullStep, LastTrialLeavesNextIterateDerivatives) {
   using Trial = FullStep::Trial;
   const ShootingProblem problem = testing::quadrotor_move();
   SweptIterate at(problem, simulated_guess(problem), false);
@@ -141,7 +141,7 @@ TEST(FullStep, ALastTrialLeavesTheDerivativesOfTheNextIterate) {
 }
 
 // The merit's ratio says little of a step that closed gaps, since their weight is most of it.
-TEST(FullStep, FollowsTheFullStepThatClosedTheGuessedGapsWhereTheCostWentAsItsModel) {
+TEST(FullStep, FollowsFullStepsThatCloseGapsAsPredicted) {
   const ShootingProblem problem = testing::quadrotor_move();
   const Trajectory optimum =
       solve(problem, "ddp", {}, testing::constant_controls(problem, 1.22625)).trajectory;
@@ -184,7 +184,7 @@ TEST(FullStep, EveryCorrectionTakesTheGapsOneOrderDown) {
     EXPECT_NEAR(std::log2(whole[i] / half[i]), 2 + i, 0.3) << i;
 }
 
-TEST(Merit, AdjointGivesTheSameSlopeFromTheControlsAppliedWithAnyPolicy) {
+TEST(Merit, AdjointGivesTheSameSlopeForAnyPolicy) {
   const ShootingProblem problem = testing::quadrotor_move();
   SweptIterate at(problem, open_gap_guess(problem), false);
   LaneRollout lanes(problem);
@@ -223,7 +223,7 @@ TEST(Merit, GapsContractByOneMinusTheStepExactly) {
   }
 }
 
-TEST(Merit, TrialsPassByArmijosRuleAndTheFirstAlsoWhereRoundingHidesBothDecreases) {
+TEST(Merit, TrialsFollowArmijoAndFirstAllowsRounding) {
   MeritModel merit;
   merit.rounding = 1e-10;
   constexpr double kArmijo = 0.25, kHidden = 1e-10;
@@ -235,7 +235,7 @@ TEST(Merit, TrialsPassByArmijosRuleAndTheFirstAlsoWhereRoundingHidesBothDecrease
   EXPECT_FALSE(merit.passes(kHidden, -1, kArmijo, true));
 }
 
-TEST(LineSearch, LanesHalveTheStepFromOneToTheNext) {
+TEST(LineSearch, LanesHalveTheStepSuccessively) {
   double next = 0.5;
   const auto steps = lane_steps(next);
   for (int lane = 0; lane < kLaneWidth; ++lane) EXPECT_EQ(steps[lane], std::ldexp(0.5, -lane));
@@ -271,7 +271,7 @@ TEST(LineSearch, TakesTheSameStepAloneAsInLanes) {
 }
 
 // Pitfall 8: too small a weight can make closing the gaps look like ascent.
-TEST(Merit, TheWeightOfOpenGapsMakesTheDirectionDescend) {
+TEST(Merit, OpenGapWeightMakesTheDirectionDescend) {
   const ShootingProblem problem = testing::quadrotor_move();
   const ControlBounds bounds(problem);
   int costly = 0;
@@ -287,7 +287,7 @@ TEST(Merit, TheWeightOfOpenGapsMakesTheDirectionDescend) {
   EXPECT_GT(costly, 0) << "closing the gaps costs something";
 }
 
-TEST(Merit, NoStepOpensGapsFarWiderForALowerCost) {
+TEST(Merit, NoStepTradesWideGapsForLowerCost) {
   const testing::PublishedCase cartpole = std::move(testing::published_cases()[2]);
   constexpr double kClosed = 1e-9;
   double before = std::numeric_limits<double>::infinity();
@@ -303,7 +303,7 @@ TEST(Merit, NoStepOpensGapsFarWiderForALowerCost) {
   }
 }
 
-TEST(Merit, EveryIterationLowersTheMeritAndTheLastClosesTheGaps) {
+TEST(Merit, EveryIterationLowersMeritAndLastClosesGaps) {
   const struct {
     const char* solver;
     ShootingProblem problem;
@@ -320,7 +320,7 @@ TEST(Merit, EveryIterationLowersTheMeritAndTheLastClosesTheGaps) {
   }
 }
 
-TEST(Merit, ControlsStayWithinTheirBoundsFromTheFirstIterationWithOpenGaps) {
+TEST(Merit, ControlsStayWithinBoundsWithOpenGaps) {
   const ShootingProblem problem = testing::quadrotor_move(0.9, 1.5);
   Trajectory guess = open_gap_guess(problem, 0.02);
   for (int k = 0; k < problem.knots(); ++k) guess.u(k).setConstant(5);
@@ -335,7 +335,7 @@ TEST(Merit, ControlsStayWithinTheirBoundsFromTheFirstIterationWithOpenGaps) {
   EXPECT_NE(result.start.find("200 control entries moved"), std::string::npos) << result.start;
 }
 
-TEST(Start, OpenGapSolversCorrectTheInitialStateAndSayso) {
+TEST(Start, OpenGapSolversReportInitialStateCorrections) {
   const ShootingProblem problem = testing::unicycle_parking();
   Trajectory guess = testing::constant_controls(problem, 0.1);
   guess.x(0)[1] = 0.5;
@@ -345,7 +345,7 @@ TEST(Start, OpenGapSolversCorrectTheInitialStateAndSayso) {
   EXPECT_NE(result.start.find("x_0 corrected by 0.5"), std::string::npos) << result.start;
 }
 
-TEST(Start, ClosedGapSolversIgnoreTheStatesOfTheGuess) {
+TEST(Start, ClosedGapSolversIgnoreGuessedStates) {
   const ShootingProblem problem = testing::unicycle_parking();
   Trajectory guess = testing::constant_controls(problem, 0.1);
   const SolveResult a = solve(problem, "ilqr", {}, guess);

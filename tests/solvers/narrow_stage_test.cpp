@@ -51,7 +51,7 @@ TEST_F(NarrowStages, AreThoseThatFitALane) {
 }
 
 /// The same knot beside states that nothing moves and that move nothing is not narrow.
-TEST_F(NarrowStages, PullTheNextValueToTheSameBitsAsStagesOfAnySize) {
+TEST_F(NarrowStages, PullValuesLikeStagesOfAnySize) {
   for_each_size([&](int ndx, int nu) {
     SCOPED_TRACE(::testing::Message() << ndx << " states, " << nu << " controls");
     const KnotLinearization narrow = knot(ndx, nu);

@@ -57,7 +57,7 @@ TEST(Nonlinear, AllSixAgreeWhereNothingIsActive) {
   }
 }
 
-TEST(Nonlinear, BoxSolversAgreeWithActiveBoundsAndClippingDoesNotGetThere) {
+TEST(Nonlinear, BoxSolversAgreeAtBoundsAndClippingFails) {
   const ShootingProblem problem = testing::unicycle_parking(1);
   const Trajectory guess = constant_controls(problem, 0.01);
   const SolveResult ddp = solve(problem, "box_ddp", {}, guess);
@@ -71,7 +71,7 @@ TEST(Nonlinear, BoxSolversAgreeWithActiveBoundsAndClippingDoesNotGetThere) {
   EXPECT_GT(clip.residuals.stationarity, 1e-3);
 }
 
-TEST(Nonlinear, BoxSolversAgreeOnALandingWhoseLegIsWeak) {
+TEST(Nonlinear, BoxSolversAgreeOnWeakLegLanding) {
   const ShootingProblem problem = testing::landing(40);
   const Trajectory guess = constant_controls(problem, 0);
   const SolveResult ddp = solve(problem, "box_ddp", {}, guess);
@@ -87,7 +87,7 @@ TEST(Nonlinear, BoxSolversAgreeOnALandingWhoseLegIsWeak) {
   EXPECT_EQ(largest, 40);
 }
 
-TEST(Nonlinear, ControlGradientOfTheGuessIsThatOfTheSimulatedCost) {
+TEST(Nonlinear, GuessControlGradientMatchesSimulatedCost) {
   const ShootingProblem problem = testing::quadrotor_move(0.5, 2);
   const SolveResult result =
       solve(problem, "box_ddp", {.max_iterations = 0}, constant_controls(problem, 1.22625));
@@ -95,7 +95,7 @@ TEST(Nonlinear, ControlGradientOfTheGuessIsThatOfTheSimulatedCost) {
   EXPECT_GT(result.residuals.stationarity, 1e-4);
 }
 
-TEST(Nonlinear, ControlGradientOfASolutionIsThatOfTheSimulatedCostThoughItFollowsThePolicy) {
+TEST(Nonlinear, SolutionControlGradientMatchesSimulatedCost) {
   const ShootingProblem problem = testing::quadrotor_move(0.5, 2);
   const SolveResult result = solve(problem, "box_ddp", {.tolerances = {.stationarity = 1e-9}},
                                    constant_controls(problem, 1.22625));
@@ -135,7 +135,7 @@ TEST(Nonlinear, ExactHessiansConvergeQuadratically) {
   EXPECT_LE(log[n - 1].stationarity, 1e-11 + 100 * std::pow(log[n - 2].stationarity, 1.7));
 }
 
-TEST(Nonlinear, AutomaticTurnsToExactHessiansWhereGaussNewtonIsSlowAndOnlyThere) {
+TEST(Nonlinear, AutomaticUsesExactHessiansOnlyIfNeeded) {
   const ShootingProblem slow = testing::cartpole_swing_up(10);
   const SolveResult cartpole = solve(slow, "box_fddp", {}, constant_controls(slow, 0.01));
   EXPECT_TRUE(cartpole.log.back().exact_hessian);

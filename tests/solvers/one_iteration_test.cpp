@@ -119,7 +119,7 @@ void expect_equal(const Trajectory& found, const Trajectory& expected) {
 // Where a stage has no minimum with exact Hessians the costs' are taken. Armijo's rule on J: the
 // full step where it gains a third of what the slope promises, else the longest one whose half is
 // not better. Two lanes compare fewer halves.
-TEST(OneIteration, DdpIsTheRecursionWithExactHessiansAndTheSearchAlongItsRollout) {
+TEST(OneIteration, DdpMatchesRecursionWithExactHessiansAndRollout) {
   if (kLaneWidth < 4) GTEST_SKIP() << "of processors without AVX";
   int full = 0, shorter = 0, exact_ones = 0, others = 0;
   for (unsigned seed = 1; seed <= 40; ++seed) {
@@ -171,7 +171,7 @@ TEST(OneIteration, DdpIsTheRecursionWithExactHessiansAndTheSearchAlongItsRollout
 
 // From open gaps: the better one of rollout and linear step, on J + ν Σ‖gap‖₁ with the weight that
 // makes 0.65 of the gaps' share pay for the step.
-TEST(OneIteration, FddpIsTheRecursionWithTheCostsHessiansAndTheSearchOnTheMerit) {
+TEST(OneIteration, FddpMatchesRecursionWithGaussNewtonAndMerit) {
   int full = 0, shorter = 0, straight = 0, costly = 0;
   for (unsigned seed = 1; seed <= 40; ++seed) {
     SCOPED_TRACE(fmt::format("seed {}", seed));

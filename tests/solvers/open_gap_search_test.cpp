@@ -82,7 +82,7 @@ TEST(OpenGapSearch, TheDecreaseIsThatOfTheMerit) {
 
 // Rollouts that reach 0.6 of the model's decrease have no rival; of others the better one of both
 // trials is taken.
-TEST(OpenGapSearch, TakesTheBetterOneOfRolloutAndLinearStep) {
+TEST(OpenGapSearch, TakesBetterOfRolloutAndLinearStep) {
   int straight = 0;
   for (unsigned seed = 1; seed <= 40; ++seed) {
     const ShootingProblem problem = testing::cartpole_swing_up();
@@ -120,7 +120,7 @@ TEST(OpenGapSearch, TakesTheBetterOneOfRolloutAndLinearStep) {
 }
 
 // Linear dynamics: the rollout is the step of the linear model, and needs no rival.
-TEST(OpenGapSearch, TheStepToTheMinimumOfAQuadraticProblemIsOneTrial) {
+TEST(OpenGapSearch, QuadraticMinimumTakesOneTrial) {
   Eigen::MatrixXd A(2, 2), B(2, 1);
   A << 1, 0.1, 0, 1;
   B << 0, 0.1;
@@ -161,7 +161,7 @@ TEST(OpenGapSearch, ControlsKeepTheirBoundsWithoutAnActiveSet) {
   EXPECT_GE(searches, 3);
 }
 
-TEST(OpenGapSearch, TheIterateStaysWhereNoStepIsLowEnough) {
+TEST(OpenGapSearch, KeepsIterateIfNoStepPasses) {
   const ShootingProblem problem = testing::pendulum_swing_up();
   Step step(problem, testing::random_guess(problem, 1));
   const Trajectory from = step.trajectory;

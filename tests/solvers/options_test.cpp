@@ -11,7 +11,7 @@ namespace {
 
 TEST(SolverOptions, DefaultsAreValid) { EXPECT_TRUE(SolverOptions().validate().empty()); }
 
-TEST(SolverOptions, EveryBadValueIsNamedAndNothingIsReplaced) {
+TEST(SolverOptions, NamesEveryBadValueAndReplacesNothing) {
   SolverOptions options;
   options.tolerances.gap = -1;
   options.regularization.factor = 1;
@@ -61,7 +61,7 @@ TEST(OptionTable, ReadsAndWritesEveryOption) {
   }
 }
 
-TEST(OptionTable, AChoiceBeyondThoseThatThereAreIsNamed) {
+TEST(OptionTable, NamesUnknownChoices) {
   for (const int number : {-1, 3}) {
     SolverOptions options;
     options.hessian = static_cast<HessianChoice>(number);

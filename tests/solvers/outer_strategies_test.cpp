@@ -110,7 +110,7 @@ struct Grown : Surrounded {
   }
 };
 
-TEST(AugmentedStrategy, AMinimizationIsDoneByItsStationarityOrByWhatItsStepsGain) {
+TEST(AugmentedStrategy, MinimizationEndsByStationarityOrSmallGain) {
   const Surrounded at = augmented();
   const auto done = [&](const IterationRecord& row) {
     return at.strategy->minimized(row, {.cost = -2});
@@ -158,7 +158,7 @@ TEST(AugmentedStrategy, LaterMinimizationsAreTighter) {
 }
 
 // New multipliers gain ρ 3² = 36; a step may gain ten times that.
-TEST(AugmentedStrategy, OnlyMinimizationsThatWentToTheEndSpeakAgainstPenalties) {
+TEST(AugmentedStrategy, OnlyFinishedMinimizationsRaisePenalties) {
   struct Case {
     double stationarity, decrease, rounding, penalty;
   };
@@ -187,7 +187,7 @@ TEST(AugmentedStrategy, OnlyMinimizationsThatWentToTheEndSpeakAgainstPenalties) 
   }
 }
 
-TEST(AugmentedStrategy, PenaltiesFallWhereRoundingHidesTheRestOfAFeasibleMinimization) {
+TEST(AugmentedStrategy, PenaltiesFallIfRoundingHidesTheRest) {
   const auto after = [](double tolerance, bool stuck, double rounding, double violation) {
     Grown at(growing_penalties(tolerance));
     at.record.row.constraint = violation;
@@ -207,7 +207,7 @@ TEST(AugmentedStrategy, PenaltiesFallWhereRoundingHidesTheRestOfAFeasibleMinimiz
   EXPECT_EQ(after(0.9e3, false, 0, 0), 40);
 }
 
-TEST(AugmentedStrategy, PenaltiesFallTwentyTimesBeforeRoundingEndsTheSolve) {
+TEST(AugmentedStrategy, PenaltiesFallTwentyTimesBeforeRoundingEnds) {
   Grown at;
   for (int i = 0; i < 20; ++i) EXPECT_TRUE(at.update({}, true)) << i;
   EXPECT_FALSE(at.update({}, true));
@@ -263,7 +263,7 @@ Surrounded least(double weight, bool also_at_the_start = false) {
 }
 
 // 20 · cost / 3², between 1 and a million.
-TEST(LeastViolation, FirstPenaltiesMakeTheViolationTenTimesTheCost) {
+TEST(LeastViolation, FirstPenaltiesWeighViolationTenTimesTheCost) {
   for (const auto& [weight, penalty] :
        {std::pair{0.0, 1.0}, {0.8, 1.0}, {2.0, 20 / 9.0}, {1e7, 1e6}}) {
     Surrounded at = least(weight);
@@ -280,7 +280,7 @@ TEST(LeastViolation, FirstPenaltiesMakeTheViolationTenTimesTheCost) {
   EXPECT_FALSE(there.strategy->fit(there.iterate));
 }
 
-TEST(LeastViolation, IsSolvedAtAHundredthOfTheViolationAtTheStart) {
+TEST(LeastViolation, IsSolvedAtAHundredthOfInitialViolation) {
   Surrounded at = least(0);
   at.strategy->fit(at.iterate);
   const auto solved_at = [&](double off, double gap) {
@@ -314,7 +314,7 @@ TEST(LeastViolation, IsMinimizedWhereControlsHaveLittleWayLeft) {
   EXPECT_FALSE(minimized_at(0.1, {.iteration = 0, .step = 1, .actual_decrease = 1e-7}));
 }
 
-TEST(LeastViolation, IsInfeasibleWhereControlsHaveNoWayLeftAndElseGrowsItsPenalty) {
+TEST(LeastViolation, ReportsInfeasibleOnceControlsAreExhausted) {
   // The violation at the start is beyond all reach: w (1 + w) / ((1 + w)² + 0.25) is 5e-3 between.
   for (const double w : {6.2e-3, 6.4e-3}) {
     Surrounded at = least(0, true);
@@ -341,7 +341,7 @@ TEST(LeastViolation, IsInfeasibleWhereControlsHaveNoWayLeftAndElseGrowsItsPenalt
   }
 }
 
-TEST(LeastViolation, GoesOnWithOpenGapsUntilItsPenaltyIsTheLargest) {
+TEST(LeastViolation, ContinuesWithOpenGapsToTheLargestPenalty) {
   Surrounded at = least(0);
   at.strategy->fit(at.iterate);
   at.move_to(1, 1);
@@ -369,7 +369,7 @@ TEST(LeastViolation, GoesOnWithOpenGapsUntilItsPenaltyIsTheLargest) {
 
 // Down from 0.5 to −1 along a slope of 2; along −3 there is no bound, and the largest control is
 // −5.
-TEST(ViolationSlope, IsTheSlopeTimesTheWayThatControlsHave) {
+TEST(ViolationSlope, IsSlopeTimesControlRange) {
   const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(1, 1);
   const auto system = linear_system(one, one, Eigen::VectorXd::Zero(1));
   const TrackingCost cost{.goal = {0}, .q = {0}, .r = {0}, .qf = {0}};

@@ -8,7 +8,7 @@
 namespace conddp::testing {
 namespace {
 
-TEST(Pairs, GiveUpOneOfTheirWishesWithEveryRelaxation) {
+TEST(Pairs, EveryRelaxationGivesUpOneWish) {
   const std::vector<Eigen::Vector2d> wishes = {{1, 3}, {2, 0.5}, {-1, 1}, {4, -2}};
   const ShootingProblem problem = wishes_for_pairs(wishes);
   for (const PairRelaxation way : {PairRelaxation::elementwise, PairRelaxation::fischer_burmeister,

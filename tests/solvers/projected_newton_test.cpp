@@ -47,7 +47,7 @@ struct NewtonCase {
   PlainSqp::Point solution;
 };
 
-TEST(ProjectedNewton, TheSolutionOfTheseTestsHasActiveRowsAndControls) {
+TEST(ProjectedNewton, TestProblemHasActiveRowsAndControls) {
   const NewtonCase at;
   EXPECT_GT(at.solution.multipliers[0], 0.1);
   EXPECT_EQ((at.solution.u.array().abs() > kLimit - 1e-12).count(), 1);
@@ -55,7 +55,7 @@ TEST(ProjectedNewton, TheSolutionOfTheseTestsHasActiveRowsAndControls) {
   EXPECT_LT(again.distance(at.solution.trajectory(at.problem)), 1e-12);
 }
 
-TEST(ProjectedNewton, AStepIsThatOfTheDenseQuadraticProgramWithTheExactHessian) {
+TEST(ProjectedNewton, StepMatchesDenseExactQuadraticProgram) {
   for (const double size : {0.2, 0.05, 1e-3}) {
     SCOPED_TRACE(size);
     NewtonCase at;
@@ -162,7 +162,7 @@ TEST(ProjectedNewton, StepsConvergeQuadraticallyOnCurvedRows) {
   EXPECT_EQ(newton.exact_hessians(), 3);
 }
 
-TEST(ProjectedNewton, ADearHessianIsKeptWhileEachStepGainsADecade) {
+TEST(ProjectedNewton, KeepsCostlyHessiansWhileStepsGainADecade) {
   DiscCase at(10);
   ASSERT_TRUE(exact_hessians_are_dear(at.problem));
   ASSERT_EQ(at.solution.status, SolveStatus::converged) << at.solution.message;
@@ -241,7 +241,7 @@ TEST(ProjectedNewton, NormsAreThoseOfTheIterate) {
 }
 
 // Here the active set is that of the solution, on which the exact Hessian has a negative direction.
-TEST(ProjectedNewton, WhereTheExactHessianIsNotConvexItIsThatOfTheCosts) {
+TEST(ProjectedNewton, NonConvexHessiansFallBackToCosts) {
   NewtonCase at;
   PlainSqp::Point p = at.near(1e-3);
   p.multipliers[1] = -1000;
@@ -261,7 +261,7 @@ TEST(ProjectedNewton, WhereTheExactHessianIsNotConvexItIsThatOfTheCosts) {
   EXPECT_LT(at.sqp.step(p, at.problem, false).distance(newton.trajectory()), 1e-9);
 }
 
-TEST(ProjectedNewton, AnIterateStandsWhereNoStepLowersTheNorms) {
+TEST(ProjectedNewton, KeepsIterateIfNoStepLowersNorms) {
   NewtonCase at;
   ProjectedNewton newton(at.problem, at.evaluator);
   at.start(newton, at.near(0.05));
@@ -318,7 +318,7 @@ struct PolishedSolve {
   NewtonPolish polish;
 };
 
-TEST(NewtonPolish, EndsASolveAtTheSolutionWithItsMultipliers) {
+TEST(NewtonPolish, EndsSolvesAtSolutionWithMultipliers) {
   PolishedSolve solve(1e-3);
   const Trajectory start = solve.iterate.trajectory;
   solve.iterate.linearized = solve.iterate.differentiated = true;
@@ -337,7 +337,7 @@ TEST(NewtonPolish, EndsASolveAtTheSolutionWithItsMultipliers) {
   EXPECT_LE(solve.record.row.stationarity, 1e-9);
 }
 
-TEST(NewtonPolish, LeavesTheIterateWhereItDoesNotGetThereAndWaitsUntilItIsMuchNearer) {
+TEST(NewtonPolish, LeavesFailedIteratesAndWaitsUntilMuchNearer) {
   PolishedSolve solve(1e-3, 8);  // one step is left
   const Trajectory start = solve.iterate.trajectory;
   const Eigen::VectorXd multipliers = solve.outer.known;

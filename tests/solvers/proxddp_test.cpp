@@ -43,7 +43,7 @@ TEST(Proxddp, ReachesOptimaOfThePublishedCases) {
   }
 }
 
-TEST(Proxddp, SolvesConvexProblemsAsAnIndependentMethodAndAltroDo) {
+TEST(Proxddp, MatchesIndependentMethodAndAltroOnConvexProblems) {
   for (const unsigned seed : {1u, 2u, 3u, 4u, 5u, 6u}) {
     const LinearQuadratic lq(seed, 4, {3, 2}, 8, -3, 3);
     const ShootingProblem problem = with_constraints(*lq.problem, cuts(lq));
@@ -73,7 +73,7 @@ TEST(Proxddp, AgreesWithAltroOnLongerConvexProblems) {
 // The linear model of a linear-quadratic problem is the problem. Where the sweeps find the active
 // rows of the whole horizon, one full step minimises the augmented Lagrangian, whatever rows and
 // bounds on the control it crosses.
-TEST(Proxddp, OneStepMinimisesTheAugmentedLagrangianOfALinearQuadraticProblem) {
+TEST(Proxddp, OneStepMinimizesTheLinearQuadraticAugmentedLagrangian) {
   for (const unsigned seed : {1u, 2u, 3u, 4u, 5u, 6u}) {
     const LinearQuadratic lq(seed, 4, {3, 2}, 8, -3, 3);
     std::vector<Added> bounds = cuts(lq);

@@ -97,7 +97,7 @@ TEST(Refusals, NameTheBound) {
   EXPECT_EQ(reason("ilqr_clip", problem), "");
 }
 
-TEST(Refusals, OfSegmentsAreOfSolversAndOfShortHorizons) {
+TEST(Refusals, NameSolversAndHorizonsUnfitForSegments) {
   const ShootingProblem problem = testing::pendulum_swing_up(3);  // 50 knots
   const auto segments = [&](const char* solver, int count) {
     return unsupported_segments(*find_solver(solver), problem, count).value_or("");

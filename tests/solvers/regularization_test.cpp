@@ -31,7 +31,7 @@ TEST(RegularizationSchedule, BeginsLowerWhereItIsToBeLower) {
   EXPECT_EQ(schedule.value(), 1e-9);
 }
 
-TEST(RegularizationSchedule, GrowsFasterWithEveryFailureAndEndsAtItsLargestValue) {
+TEST(RegularizationSchedule, GrowsFasterPerFailureUpToItsLimit) {
   SolverOptions::Regularization options;
   RegularizationSchedule schedule(options);
   ASSERT_TRUE(schedule.increase());
@@ -108,7 +108,7 @@ TEST(BackwardSweep, RegularizationChangesTheGainsAsItsKindSays) {
 
 // A proximal weight is a cost of the problem: 3 more on the controls, on the states and at the end,
 // all of it about the iterate, so that gradients stay.
-TEST(BackwardSweep, AProximalWeightIsACostOfTheWholeStep) {
+TEST(BackwardSweep, ProximalWeightCostsTheWholeStep) {
   const ShootingProblem problem = integrator_problem(1);
   Swept swept(problem), expected(problem);
   for (int k = 0; k <= problem.knots(); ++k) {
@@ -126,7 +126,7 @@ TEST(BackwardSweep, AProximalWeightIsACostOfTheWholeStep) {
 
 // Pitfall 19: whatever the gains, the value is that of the policy u = ū + k + K δx. Here gains are
 // regularised, so that the formula of the unconstrained minimum would not hold.
-TEST(BackwardSweep, ValueIsTheCostOfThePolicyAlsoWhereItsGainsAreNotOptimal) {
+TEST(BackwardSweep, ValueIsPolicyCostForNonOptimalGains) {
   const ShootingProblem problem = integrator_problem(0.5);
   for (RegularizationKind kind : {RegularizationKind::state, RegularizationKind::control}) {
     Swept swept(problem);
@@ -150,7 +150,7 @@ TEST(BackwardSweep, ValueIsTheCostOfThePolicyAlsoWhereItsGainsAreNotOptimal) {
   }
 }
 
-TEST(BackwardSweep, ValueIsTheCostOfThePolicyWhereAControlIsClamped) {
+TEST(BackwardSweep, ValueIsPolicyCostWithClampedControls) {
   const double bound = 0.2;
   const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(1, 1);
   const ShootingProblem problem = testing::tracking_problem(

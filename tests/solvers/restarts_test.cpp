@@ -88,7 +88,7 @@ TEST(Restarts, LeaveTheInitialStateWhereItIs) {
   EXPECT_NE(start.u(0)[0], nearest(problem, with_restarts(4), 100).trajectory.u(0)[0]);
 }
 
-TEST(Restarts, TakeNoStartThatFailsHoweverLowItsCost) {
+TEST(Restarts, RejectFailedStartsHoweverLowTheirCost) {
   const ShootingProblem problem = double_integrator_move();
   const SolverOptions options = with_restarts(2);
   const SolveResult result = run(problem, options, 1, [&](const Trajectory& t) {
@@ -100,7 +100,7 @@ TEST(Restarts, TakeNoStartThatFailsHoweverLowItsCost) {
   EXPECT_LT(result.restarts->converged, kStarts);
 }
 
-TEST(Restarts, HaveTheAnswerOfTheGuessWhereNoneConverges) {
+TEST(Restarts, ReturnGuessAnswerIfNoneConverges) {
   const ShootingProblem problem = double_integrator_move();
   const SolveResult result = run(problem, with_restarts(2), 1, [&](const Trajectory& t) {
     return ends_at(problem, t, -std::abs(t.u(0)[0]), SolveStatus::line_search_failed);
@@ -154,7 +154,7 @@ TEST(Restarts, TellOptimaApartThatDifferAtOneNode) {
   }
 }
 
-TEST(Restarts, MakeNoFurtherStartsWhereTimeIsUpOrASignalCame) {
+TEST(Restarts, StopOnTimeLimitOrSignal) {
   const ShootingProblem problem = double_integrator_move();
   const auto all = [&](const Trajectory& t) { return ends_at(problem, t, 1); };
   SolverOptions options = with_restarts(0);
@@ -185,7 +185,7 @@ struct SwingUp {
   Trajectory guess = testing::constant_controls(problem, 0.1);
 };
 
-TEST_P(RestartedSolver, GivesTheSameAnswerWithAnyNumberOfThreads) {
+TEST_P(RestartedSolver, AnswerIsIndependentOfThreadCount) {
   const SwingUp up;
   SolverOptions options = with_restarts(3, 5);
   options.restarts.spread = 3;
@@ -232,7 +232,7 @@ INSTANTIATE_TEST_SUITE_P(Solvers, RestartedSolver,
                          ::testing::Values("box_ddp", "box_fddp", "altro", "proxddp", "ipopt",
                                            "auto"));
 
-TEST(Elsewhere, EndsWhereAllStartsEndAtTheSameLeastViolation) {
+TEST(Elsewhere, EndsIfAllStartsShareOneLeastViolation) {
   const ShootingProblem problem = double_integrator_move();
   // A status and the violation of each start, the last one of all others.
   using Ends = std::vector<std::pair<SolveStatus, double>>;

@@ -72,7 +72,7 @@ TEST(LeastViolation, IsLookedForFromAnyTrajectory) {
             1.005 * least_distance({5, 0}));
 }
 
-TEST(LeastViolation, IsLookedForOnMotionsUnlessTheirControlsLeadFarAway) {
+TEST(LeastViolation, KeepsGapsClosedUnlessControlsLeadAway) {
   const ShootingProblem free = mass();
   const ShootingProblem problem = with_constraints(free, {testing::goal_constraint(free, {5, 0})});
   Trajectory start = testing::constant_controls(problem, 1);
@@ -95,7 +95,7 @@ TEST(LeastViolation, IsZeroWhereTheConstraintsCanBeSatisfied) {
 }
 
 /// 20 t at rest that have to be 100 m further after 10 s: forces of 24 kN, from none.
-TEST(LeastViolation, IsNotSeenWhereFreeControlsHaveFarToGo) {
+TEST(LeastViolation, IsNotReportedForDistantFreeControls) {
   constexpr double kMass = 20000;
   Eigen::Matrix2d A;
   A << 1, kStep, 0, 1;
@@ -190,7 +190,7 @@ TEST(ViolationSlope, IsNotThatOfTheCost) {
 }
 
 /// Each control is as large as the largest one could be, also if that is the first or the last one.
-TEST(ViolationSlope, FreeControlsCanGoAsFarAsTheLargestOneIs) {
+TEST(ViolationSlope, FreeControlsRangeUpToTheLargestOne) {
   const ShootingProblem free =
       testing::tracking_problem(double_integrator(1), Integrator::rk4, 3, kStep, {0, 0},
                                 {{1, 0}, {1, 1}, {0.1}, {1, 1}}, -testing::kFree, testing::kFree);

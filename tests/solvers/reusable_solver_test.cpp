@@ -95,7 +95,7 @@ void take_numbers(const ShootingProblem& from, ShootingProblem& to) {
 }
 
 // Bounds and weights are read anew where a problem's numbers have changed.
-TEST(ReusableSolver, SolvesOtherNumbersAsASolverOfTheirsWould) {
+TEST(ReusableSolver, NewNumbersSolveLikeAFreshSolver) {
   const MassNumbers many[] = {{0.9, 0.05, 0.6, 40, 0.3},
                               {0.5, 3, 0.6, 40, 0.3},
                               {0.9, 0.05, 0.4, 5, 0.3},
@@ -174,7 +174,7 @@ TEST(ReusableSolver, ForgetsASolveThatFailed) {
   EXPECT_TRUE(solver.solve(bad).control_gradient.empty());
 }
 
-TEST(ReusableSolver, IteratesWithTheGainsOfItsLastSweepAndMeasuresItsAnswer) {
+TEST(ReusableSolver, UsesLastGainsAndMeasuresItsAnswer) {
   ShootingProblem problem = testing::cartpole_swing_up();
   Trajectory guess = testing::constant_controls(problem, 0.01);
   Evaluator(problem).simulate(guess);

@@ -36,7 +36,7 @@ Matrix recursion(const RegulatorProblem& p, int steps) {
 }
 
 // The scalar equation a²p − p − (abp)²/(r + b²p) + q = 0 is a quadratic one.
-TEST(RiccatiEquation, AScalarEquationHasTheRootOfItsPolynomial) {
+TEST(RiccatiEquation, ScalarSolutionIsAPolynomialRoot) {
   const auto scalar = [](double value) { return Matrix::Constant(1, 1, value); };
   for (const double a : {0.0, 0.5, 1.0, 2.0, 50.0})
     for (const double b : {1e-3, 1.0, 30.0})
@@ -89,7 +89,7 @@ TEST(RiccatiEquation, RandomSolutionsAreTheLimitsOfLongHorizons) {
 
 // Two double integrators that do not see each other: their double eigenvalues are semisimple
 // between them and defective within.
-TEST(RiccatiEquation, SystemsApartAreSolvedAsIfTheyWereAlone) {
+TEST(RiccatiEquation, DecoupledSystemsAreSolvedIndependently) {
   const Matrix A{{1, 0.1}, {0, 1}}, B{{0.005}, {0.1}};
   const Matrix Q = 0.1 * Matrix::Identity(2, 2), R = Matrix::Constant(1, 1, 0.01);
   const RegulatorResult one = solve_regulator(without_cross_term(A, B, Q, R));
@@ -106,7 +106,7 @@ TEST(RiccatiEquation, SystemsApartAreSolvedAsIfTheyWereAlone) {
 
 // With B = (1, ε) the unstable second mode is moved by ε alone: p₂₂ grows as 1/ε², and the closed
 // loop mirrors the unstable eigenvalue.
-TEST(RiccatiEquation, AModeThatIsHardToMoveIsStillStabilized) {
+TEST(RiccatiEquation, StabilizesWeaklyControllableModes) {
   for (const double epsilon : {1e-2, 1e-3, 1e-4}) {
     const RegulatorResult got =
         solve_regulator(without_cross_term(Matrix{{0.5, 0}, {0, 1.25}}, Matrix{{1}, {epsilon}},
@@ -117,7 +117,7 @@ TEST(RiccatiEquation, AModeThatIsHardToMoveIsStillStabilized) {
   }
 }
 
-TEST(RiccatiEquation, AnUnstableModeThatNoControlMovesIsNamed) {
+TEST(RiccatiEquation, NamesUncontrollableUnstableModes) {
   RandomNumbers random(7);
   const Matrix T = random_entries(4, 4, random);
   Matrix A = Matrix::Zero(4, 4);
@@ -147,7 +147,7 @@ TEST(RiccatiEquation, EqualModesNeedAControlEach) {
   EXPECT_NEAR(got.mode->share.minCoeff(), 1, 1e-12);
 }
 
-TEST(RiccatiEquation, AStableModeThatNoControlMovesIsNoFault) {
+TEST(RiccatiEquation, AcceptsUncontrollableStableModes) {
   const RegulatorResult got =
       solve_regulator(without_cross_term(Matrix{{0.9, 0}, {0, 1.2}}, Matrix{{0}, {1}},
                                          Matrix::Identity(2, 2), Matrix::Identity(1, 1)));

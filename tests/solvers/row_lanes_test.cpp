@@ -22,7 +22,7 @@ TEST(RowLanes, EveryRowIsVisitedOnceInOrder) {
   }
 }
 
-TEST(RowLanes, OneRowAtItsBoundOrWithoutANumberIsNotStrictlyInside) {
+TEST(RowLanes, BoundaryAndNaNRowsAreNotInside) {
   for (int rows = 1; rows <= 2 * kLaneWidth + 1; ++rows) {
     std::vector<double> values(rows, 0.5);
     const std::vector<double> lower(rows, -kInfinity), upper(rows, 1.0);

@@ -36,7 +36,7 @@ struct Cone {
   double limit;
 };
 
-TEST(RowSide, OfBoundsIsThatOnWhichValuePlusMultiplierOverPenaltyLies) {
+TEST(RowSide, BoundSideFollowsShiftedValue) {
   const Bounds row(-1, 2);
   const NodeConstraint c = row.constraint();
   EXPECT_EQ(chosen_bound(c, 0, 0, 0, 10), RowSide::inactive);
@@ -54,7 +54,7 @@ TEST(RowSide, OfAnEqualityCountsWhateverItsMultiplier) {
   EXPECT_EQ(revised_bound(row.constraint(), 0, RowSide::equality, 1, -3), RowSide::equality);
 }
 
-TEST(RowSide, OfASoftBoundIsBeyondItWhereTheMultiplierWouldExceedItsLimit) {
+TEST(RowSide, SoftBoundIsExceededAtItsMultiplierLimit) {
   const Bounds row(-1, 2, 3);
   EXPECT_EQ(chosen_bound(row.constraint(), 0, 2, 2.9, 10), RowSide::upper);
   EXPECT_EQ(chosen_bound(row.constraint(), 0, 2, 3.1, 10), RowSide::above);
@@ -78,7 +78,7 @@ TEST(RowSide, OfBoundsCountsWhereAStepViolatesThem) {
   EXPECT_EQ(revised_bound(c, 0, RowSide::inactive, -1 - 1e-9, 0), RowSide::lower);
 }
 
-TEST(RowSide, OfASoftBoundComesBackWhenAStepBringsItInside) {
+TEST(RowSide, SoftBoundReturnsWhenAStepEntersIt) {
   const Bounds row(-1, 2, 3), equality(1, 1, 3);
   EXPECT_EQ(revised_bound(row.constraint(), 0, RowSide::above, 2.5, 3), RowSide::above);
   EXPECT_EQ(revised_bound(row.constraint(), 0, RowSide::above, 1.5, 3), RowSide::upper);
@@ -87,7 +87,7 @@ TEST(RowSide, OfASoftBoundComesBackWhenAStepBringsItInside) {
   EXPECT_EQ(revised_bound(row.constraint(), 0, RowSide::upper, 2, 3.5), RowSide::above);
 }
 
-TEST(RowSide, OfAPairCountsForTheSmallerValueAndForTheOtherOneIfItIsPushed) {
+TEST(RowSide, PairChoosesSmallerValueOrThePushedOne) {
   const double values[] = {0.5, 0.1}, penalties[] = {10, 10};
   RowSide sides[2];
   const double weak[] = {-4, 0}, strong[] = {-6, 0};
@@ -99,7 +99,7 @@ TEST(RowSide, OfAPairCountsForTheSmallerValueAndForTheOtherOneIfItIsPushed) {
 }
 
 // All that decides stands in the two rows themselves, also where a pair is not the first.
-TEST(RowSide, OfEqualValuesOfAPairTheFirstOneCounts) {
+TEST(RowSide, FirstOfEqualPairValuesIsActive) {
   const double values[] = {0.25, 0.25}, penalties[] = {10, 20}, none[] = {0, 0};
   RowSide sides[2];
   choose_pair(values, none, penalties, sides);
@@ -110,7 +110,7 @@ TEST(RowSide, OfEqualValuesOfAPairTheFirstOneCounts) {
   EXPECT_EQ(sides[1], RowSide::inactive);
 }
 
-TEST(RowSide, AtTheLimitOfASoftOneIsWithinIt) {
+TEST(RowSide, SoftRowAtItsLimitIsWithinIt) {
   const Bounds row(-1, 2, 3);
   const NodeConstraint c = row.constraint();
   EXPECT_EQ(chosen_bound(c, 0, 2, 3, 10), RowSide::upper);
@@ -122,7 +122,7 @@ TEST(RowSide, AtTheLimitOfASoftOneIsWithinIt) {
   EXPECT_EQ(revised_bound(c, 0, RowSide::upper, 2, 0), RowSide::inactive);
 }
 
-TEST(RowSide, OfAConeIsItsSurfaceOrItsTip) {
+TEST(RowSide, ConeSideIsSurfaceOrTip) {
   const Cone cone;
   const NodeConstraint c = cone.constraint();
   const double none[] = {0, 0, 0};
@@ -140,7 +140,7 @@ TEST(RowSide, OfAConeIsItsSurfaceOrItsTip) {
   EXPECT_EQ(chosen_cone(c, axis, push, 10), RowSide::tip);
 }
 
-TEST(RowSide, OfASoftConeIsOutsideBeyondTheLimitOfItsMultipliers) {
+TEST(RowSide, SoftConeIsOutsideBeyondMultiplierLimit) {
   const double outside[] = {0.6, 0.8, 0.5}, none[] = {0, 0, 0};
   const double distance = 0.5 * std::sqrt(0.5);
   EXPECT_EQ(chosen_cone(Cone(10 * distance * 1.01).constraint(), outside, none, 10),
@@ -150,14 +150,14 @@ TEST(RowSide, OfASoftConeIsOutsideBeyondTheLimitOfItsMultipliers) {
 }
 
 // What multipliers alone push out is not outside: its own values say where it would push.
-TEST(RowSide, OfASoftConeInsideIsNotOutsideWhateverItsMultipliers) {
+TEST(RowSide, SoftConeInsideStaysInsideForAnyMultipliers) {
   const double inside[] = {0.3, 0.4, 0.6}, push[] = {60, 80, 0};
   EXPECT_EQ(chosen_cone(Cone(0.1).constraint(), inside, push, 10), RowSide::surface);
   const double on_it[] = {3, 4, 5};
   EXPECT_EQ(chosen_cone(Cone(0.1).constraint(), on_it, push, 10), RowSide::surface);
 }
 
-TEST(RowSide, OfAConeIsRevisedByItsMultipliersAndByWhatAStepViolates) {
+TEST(RowSide, ConeRevisionFollowsMultipliersAndViolation) {
   const Cone cone;
   const NodeConstraint c = cone.constraint();
   const double start[] = {0.3, 0.4, 0.5}, tip[] = {0, 0, 0};
@@ -173,7 +173,7 @@ TEST(RowSide, OfAConeIsRevisedByItsMultipliersAndByWhatAStepViolates) {
   EXPECT_EQ(revised_cone(c, RowSide::tip, tip, inside, pulls), RowSide::tip);
 }
 
-TEST(RowSide, OfASoftConeComesBackWhenAStepBringsItInside) {
+TEST(RowSide, SoftConeReturnsWhenAStepEntersIt) {
   const Cone cone(2);
   const NodeConstraint c = cone.constraint();
   const double beyond[] = {0.6, 0.8, 0.5};
@@ -185,7 +185,7 @@ TEST(RowSide, OfASoftConeComesBackWhenAStepBringsItInside) {
   EXPECT_EQ(revised_cone(c, RowSide::surface, beyond, inside, within_limit), RowSide::surface);
 }
 
-TEST(RowSide, OfAControlCountsAtABoundTowardsWhichItsGradientPushes) {
+TEST(RowSide, ControlIsActiveAtBoundsTheGradientPushes) {
   EXPECT_EQ(chosen_control(0, -1, 1, 5), RowSide::inactive);
   EXPECT_EQ(chosen_control(-1, -1, 1, 5), RowSide::lower);
   EXPECT_EQ(chosen_control(-1, -1, 1, -5), RowSide::inactive);

@@ -21,7 +21,7 @@ ShootingProblem parking(double scale, bool goal) {
   return scale_costs(problem, scale);
 }
 
-TEST(ScaledSolve, HasTheSameMotionWhateverTheUnitOfCosts) {
+TEST(ScaledSolve, MotionIsIndependentOfCostUnits) {
   for (const bool goal : {false, true})
     for (const char* solver : {"box_fddp", "altro", "proxddp", "ipopt"}) {
       if (goal && std::string_view(solver) == "box_fddp") continue;
@@ -53,7 +53,7 @@ TEST(ScaledSolve, HasTheSameMotionWhateverTheUnitOfCosts) {
     }
 }
 
-TEST(ScaledSolve, StartsFromMultipliersInTheUnitOfTheCosts) {
+TEST(ScaledSolve, InitialMultipliersUseCostUnits) {
   const ShootingProblem problem = parking(0x1p-30, true);
   SolverOptions options;
   std::vector<double> costs;

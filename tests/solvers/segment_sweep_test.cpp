@@ -14,7 +14,7 @@ namespace {
 using testing::LinearQuadratic;
 using testing::SegmentedIterate;
 
-TEST(SegmentSweep, LegsCoverTheHorizonAndTheLastIsTwiceAsLongAsTheOthers) {
+TEST(SegmentSweep, SegmentsCoverHorizonWithDoubleLast) {
   EXPECT_EQ(SegmentSweep::split(60, 2), (std::vector<int>{0, 20, 60}));
   EXPECT_EQ(SegmentSweep::split(50, 4), (std::vector<int>{0, 10, 20, 30, 50}));
   EXPECT_EQ(SegmentSweep::split(17, 3), (std::vector<int>{0, 4, 8, 17}));
@@ -29,7 +29,7 @@ TEST(SegmentSweep, LegsCoverTheHorizonAndTheLastIsTwiceAsLongAsTheOthers) {
     }
 }
 
-TEST(SegmentSweep, StepOfALinearQuadraticProblemIsThatOfTheDenseSystem) {
+TEST(SegmentSweep, LinearQuadraticStepMatchesDenseSystem) {
   for (unsigned seed = 1; seed <= 8; ++seed) {
     const LinearQuadratic lq(seed, 2 + seed % 5, {3, 1, 2}, 4, -testing::kFree, testing::kFree, 1);
     Eigen::MatrixXd multipliers;
@@ -54,7 +54,7 @@ TEST(SegmentSweep, StepOfALinearQuadraticProblemIsThatOfTheDenseSystem) {
 }
 
 // From the second sweep on the values at the ends of segments are those of this cost.
-TEST(SegmentSweep, StagesAreThoseOfTheSweepFromEndToStart) {
+TEST(SegmentSweep, StagesMatchTheSequentialSweep) {
   for (unsigned seed = 1; seed <= 4; ++seed) {
     const LinearQuadratic lq(seed, 3, {3, 1, 2}, 4, -testing::kFree, testing::kFree, 1);
     const Trajectory guess = testing::random_guess(*lq.problem, 100 + seed);
@@ -71,7 +71,7 @@ TEST(SegmentSweep, StagesAreThoseOfTheSweepFromEndToStart) {
   }
 }
 
-TEST(SegmentSweep, StepsAreThoseOfTheSweepFromEndToStart) {
+TEST(SegmentSweep, StepsMatchTheSequentialSweep) {
   // Open gaps on SE(3), an impulse, bounds that are active, unstable motions.
   const struct {
     const char* name;
@@ -126,7 +126,7 @@ int bad_knot(const LinearQuadratic& lq, int segments, int node, const Eigen::Mat
   return sweep.run(linearization, guess, gaps, {}, *stages, feedback);
 }
 
-TEST(SegmentSweep, AStageWithoutMinimumIsNamedAsFromEndToStart) {
+TEST(SegmentSweep, NamesStageWithoutMinimumLikeSequentialSweep) {
   const LinearQuadratic lq(3, 4, {2}, 12, -testing::kFree, testing::kFree, 1);
   for (const int knot : {2, 10})
     for (const int segments : {1, 3})
@@ -135,7 +135,7 @@ TEST(SegmentSweep, AStageWithoutMinimumIsNamedAsFromEndToStart) {
 
 // What follows the first segment may leave it without a minimum though each of its stages has one
 // with the value of the sweep before.
-TEST(SegmentSweep, AMinimumThatWhatFollowsTakesAwayIsMissed) {
+TEST(SegmentSweep, NamesStageLosingItsMinimumToLaterSegments) {
   const LinearQuadratic lq(5, 3, {2}, 12, -testing::kFree, testing::kFree, 1);
   Eigen::MatrixXd change = Eigen::MatrixXd::Zero(5, 5);
   change.topLeftCorner(3, 3).diagonal().setConstant(-1e3);
@@ -144,7 +144,7 @@ TEST(SegmentSweep, AMinimumThatWhatFollowsTakesAwayIsMissed) {
     EXPECT_EQ(bad_knot(lq, segments, first_of_last_leg, change), first_of_last_leg - 1) << segments;
 }
 
-TEST(SegmentSweep, BitsAreTheSameForAnyNumberOfThreads) {
+TEST(SegmentSweep, BitsAreIndependentOfThreadCount) {
   const ShootingProblem problem = testing::quadrotor_move(0.5, 2);
   const Trajectory guess = testing::constant_controls(problem, 1.3);
   for (const int segments : {2, 5}) {
@@ -171,7 +171,7 @@ double gain_difference(const SolveResult& a, const SolveResult& b) {
   return off / largest;
 }
 
-TEST(ProxddpByLegs, HasTheAnswersAndTheGainsOfOneLeg) {
+TEST(ProxddpByLegs, AnswersAndGainsMatchOneSegment) {
   for (const auto& [name, problem, control, cost] : testing::published_cases()) {
     const Trajectory guess = testing::constant_controls(problem, control);
     SolverOptions options;
@@ -213,7 +213,7 @@ TEST(ProxddpByLegs, ThreadsDoNotChangeABit) {
   }
 }
 
-TEST(ProxddpByLegs, OtherSolversAndMoreLegsThanKnotsAreRefused) {
+TEST(ProxddpByLegs, RejectsOtherSolversAndTooManySegments) {
   const ShootingProblem problem = testing::unicycle_parking();
   const Trajectory guess = testing::constant_controls(problem, 0.01);
   for (const SolverInfo& solver : solvers())

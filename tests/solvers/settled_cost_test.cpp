@@ -42,7 +42,7 @@ TEST(SettledCost, ShortStepsAreMeasuredAtTheirRate) {
   EXPECT_FALSE(cost_has_settled(log_of({100, 100, 100, 99.999}, 1e-6), 0.01));
 }
 
-TEST(SettledCost, IsOffAtZeroAndForCostsThatAreNone) {
+TEST(SettledCost, IsOffAtZeroAndWithoutCosts) {
   EXPECT_FALSE(cost_has_settled(log_of({1, 1, 1, 1}), 0));
   EXPECT_FALSE(cost_has_settled({}, 0.5));
   const double none = std::numeric_limits<double>::quiet_NaN();

@@ -177,7 +177,7 @@ INSTANTIATE_TEST_SUITE_P(Solvers, SoftBySquare,
 
 /// Where a soft cone is missed its penalty has curvature, which decides how fast Newton's method
 /// is.
-TEST(SoftConstraints, AConeThatIsMissedEndsInFewNewtonSteps) {
+TEST(SoftConstraints, MissedConeEndsInFewNewtonSteps) {
   int missed = 0;
   for (const unsigned seed : {1u, 2u, 3u, 4u, 5u, 6u}) {
     const LinearQuadratic lq(seed, 4, {3, 2}, 8, -kBound, kBound);

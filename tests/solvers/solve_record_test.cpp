@@ -21,7 +21,7 @@ struct Recorded {
   SolveRecord record;
 };
 
-TEST(SolveRecord, ResidualsAreToldWithTheKnotsWhereTheyAreAttained) {
+TEST(SolveRecord, ReportsResidualsWithTheirKnots) {
   for (const bool constrained : {false, true}) {
     Recorded at({}, constrained);
     IterationRecord& row = at.record.row;
@@ -41,7 +41,7 @@ TEST(SolveRecord, ResidualsAreToldWithTheKnotsWhereTheyAreAttained) {
   }
 }
 
-TEST(SolveRecord, RowsGoIntoTheLogWithTheirTimeAndAreShown) {
+TEST(SolveRecord, LogsRowsWithTimeAndShowsThem) {
   std::vector<IterationRecord> shown;
   SolverOptions options;
   options.on_iteration = [&](const IterationRecord& row) { shown.push_back(row); };
@@ -86,14 +86,14 @@ TEST(SolveRecord, BeginForgetsTheSolveBefore) {
   EXPECT_EQ(at.record.result.message, "");
 }
 
-TEST(SolveRecord, EndsWithStatusAndMessageAndSaysFalseForTheStepInWhichItEnds) {
+TEST(SolveRecord, EndSetsStatusAndMessageAndReturnsFalse) {
   Recorded at;
   EXPECT_FALSE(at.record.end(SolveStatus::infeasible, "no way"));
   EXPECT_EQ(at.record.result.status, SolveStatus::infeasible);
   EXPECT_EQ(at.record.result.message, "no way");
 }
 
-TEST(SolveRecord, GradientsHaveTheSizesOfTheControlsOfEachKnot) {
+TEST(SolveRecord, GradientsMatchControlSizesOfKnots) {
   const ShootingProblem problem = landing();
   const SolverOptions options;
   SolveRecord record(problem, options, false);

@@ -54,7 +54,7 @@ struct HiddenByGains : Checked {
   }
 };
 
-TEST(StationarityCheck, TheGoalIsTheToleranceUntilGainsAreSeenToHideSomething) {
+TEST(StationarityCheck, GoalIsToleranceUntilGainsHideErrors) {
   HiddenByGains at(4e-7, 2);  // 8e-7 without gains
   EXPECT_EQ(at.check.goal(), 1e-6);
   EXPECT_TRUE(at.check.confirm(at.iterate, nullptr));
@@ -64,7 +64,7 @@ TEST(StationarityCheck, TheGoalIsTheToleranceUntilGainsAreSeenToHideSomething) {
 }
 
 // 4e-6 without gains is four times the tolerance: half of a fourth of 4e-7 should be enough.
-TEST(StationarityCheck, TheGoalBecomesHalfOfWhatShouldBeEnough) {
+TEST(StationarityCheck, GoalBecomesHalfOfTheRequiredGradient) {
   HiddenByGains at(4e-7, 10);
   EXPECT_FALSE(at.check.confirm(at.iterate, nullptr));
   EXPECT_NEAR(at.check.goal(), 5e-8, 1e-20);
@@ -91,7 +91,7 @@ struct CarriedAway : Checked {
   }
 };
 
-TEST(StationarityCheck, CostatesThatGainsCarryAwayAskForASmallerGradient) {
+TEST(StationarityCheck, CostatesLostToGainsTightenTheGoal) {
   CarriedAway near(1200), far(2500);  // 4.8e-4, 1e-3; 5e-4 is allowed
   EXPECT_TRUE(near.check.confirm(near.iterate, nullptr));
   EXPECT_EQ(near.check.goal(), 1e-6);
@@ -99,7 +99,7 @@ TEST(StationarityCheck, CostatesThatGainsCarryAwayAskForASmallerGradient) {
   EXPECT_NEAR(far.check.goal(), 1e-7, 1e-20);
 }
 
-TEST(StationarityCheck, WhereTheyAreApartTheCostatesAlongOtherGainsAreBetter) {
+TEST(StationarityCheck, ChoosesBetterCostatesIfTheyDiffer) {
   CarriedAway near(1200), far(2500);
   EXPECT_EQ(near.check.better(near.iterate, nullptr), nullptr);
   const Adjoint* better = far.check.better(far.iterate, nullptr);
@@ -127,7 +127,7 @@ struct ConstrainedEnd : Checked {
   }
 };
 
-TEST(StationarityCheck, WithConstraintsTheMultipliersCountAlongTheGainsOfTheCosts) {
+TEST(StationarityCheck, ConstrainedMultipliersUseCostGains) {
   ConstrainedEnd at;
   EXPECT_TRUE(at.confirm(-1 + 0.9e-6));
   EXPECT_FALSE(at.confirm(-1 + 4e-6));
@@ -135,7 +135,7 @@ TEST(StationarityCheck, WithConstraintsTheMultipliersCountAlongTheGainsOfTheCost
 }
 
 /// Weights of 1e-7 leave derivatives of the cost that a tolerance of 1e-6 does not see.
-TEST(StationarityCheck, WithConstraintsTheGoalFollowsTheCostsLargestDerivative) {
+TEST(StationarityCheck, ConstrainedGoalFollowsLargestCostDerivative) {
   const auto small = [] {
     const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(1, 1);
     return tracking_problem(linear_system(one, one, Eigen::VectorXd::Zero(1)), Integrator::discrete,
@@ -160,7 +160,7 @@ TEST(StationarityCheck, WithConstraintsTheGoalFollowsTheCostsLargestDerivative) 
   EXPECT_NEAR(at.check.goal(), 0.5 * 2e-9, 1e-15);
 }
 
-TEST(StationarityCheck, AGainOfMoreThanATenThousandthOfTheCostAsksForASmallerGradient) {
+TEST(StationarityCheck, LargeRemainingGainTightensTheGoal) {
   HiddenByGains at(4e-7, 2);
   EXPECT_TRUE(at.check.confirm_gain(at.iterate, 1e-4));
   EXPECT_EQ(at.check.goal(), 1e-6);
@@ -174,7 +174,7 @@ TEST(StationarityCheck, AGainOfMoreThanATenThousandthOfTheCostAsksForASmallerGra
 }
 
 // 1 at no multiplier would ask for 2e-13; the least is 1e-5 of the tolerance, and then it counts.
-TEST(StationarityCheck, TheGoalIsNoLessThanAShareOfTheTolerance) {
+TEST(StationarityCheck, GoalHasALowerLimit) {
   ConstrainedEnd at;
   EXPECT_FALSE(at.confirm(0));
   EXPECT_DOUBLE_EQ(at.check.goal(), 1e-11);

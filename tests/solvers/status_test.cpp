@@ -32,7 +32,7 @@ bool finite(const SolveResult& result) {
   return all;
 }
 
-TEST(Status, NamesAreDistinctAndOnlySuccessIsNotNegative) {
+TEST(Status, NamesAreDistinctAndOnlyFailuresNegative) {
   std::set<std::string_view> names;
   for (int i = 1; i >= -7; --i) {
     names.insert(to_string(static_cast<SolveStatus>(i)));
@@ -42,7 +42,7 @@ TEST(Status, NamesAreDistinctAndOnlySuccessIsNotNegative) {
   EXPECT_EQ(names.count("unknown"), 0u);
 }
 
-TEST(Status, FeasibleIsWhatHasAllButTheStationarityUnderTolerance) {
+TEST(Status, FeasibleIgnoresStationarityOnly) {
   const SolverOptions::Tolerances tolerances;
   Residuals at{.stationarity = 1, .gap = 0, .constraint = 0};
   EXPECT_TRUE(is_feasible(at, tolerances));
@@ -83,7 +83,7 @@ TEST(Status, MaxIterations) {
 
 // x⁺ = x + u from 1 with weights of 1e-8: gradients are far below the tolerance at rest already,
 // where most of the cost can still be gained.
-TEST(Status, ASmallGradientDoesNotMakeASolveConvergedThatEndsWithMuchLeftToGain) {
+TEST(Status, SmallGradientWithMuchGainIsNotConverged) {
   const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(1, 1);
   const ShootingProblem problem = testing::tracking_problem(
       linear_system(one, one, Eigen::VectorXd::Zero(1)), Integrator::discrete, 5, 1, {1},
@@ -100,7 +100,7 @@ TEST(Status, ASmallGradientDoesNotMakeASolveConvergedThatEndsWithMuchLeftToGain)
     }
 }
 
-TEST(Status, CostSettledEndsAFeasibleSolveOnceTheCostHardlyFalls) {
+TEST(Status, CostSettledEndsFeasibleSolvesWithFlatCost) {
   const ShootingProblem problem = testing::cartpole_swing_up();
   constexpr double kShare = 1e-3;
   for (const SolverInfo& solver : solvers()) {
@@ -124,7 +124,7 @@ TEST(Status, CostSettledEndsAFeasibleSolveOnceTheCostHardlyFalls) {
   }
 }
 
-TEST(Status, CostSettledIsNotSaidOfAMotionThatViolatesConstraints) {
+TEST(Status, CostSettledNeedsSatisfiedConstraints) {
   for (const auto& [of, problem, control, cost] : testing::published_cases())
     for (const char* name : {"altro", "proxddp"}) {
       SCOPED_TRACE(fmt::format("{} by {}", of, name));
@@ -162,7 +162,7 @@ TEST(Status, InterruptedKeepsTheIterateReached) {
   EXPECT_LT(result.cost, result.log[0].cost);
 }
 
-TEST(Status, LongIterationsAreGivenUpHalfWayAtAWholeIterate) {
+TEST(Status, LongIterationsStopHalfWayWithWholeIterate) {
   // More knots than lanes between two checkpoints: derivatives, sweeps and rollouts have several
   // each.
   const ShootingProblem problem =
@@ -201,7 +201,7 @@ TEST(Status, DivergedWhereTheGuessCannotBeSimulated) {
   EXPECT_TRUE(result.log.empty());
 }
 
-TEST(Status, DivergedWhereTheStatesOfTheGuessAreNotFinite) {
+TEST(Status, DivergedIfGuessStatesAreNotFinite) {
   const ShootingProblem problem = testing::cartpole_swing_up();
   Trajectory guess = constant_controls(problem, 0);
   guess.x(12)[1] = std::numeric_limits<double>::quiet_NaN();
@@ -274,7 +274,7 @@ TEST(Status, RegularizationLimitNamesTheKnot) {
   }
 }
 
-TEST(Status, LineSearchFailedWhereNoStepIsAllowedToBeShortEnough) {
+TEST(Status, LineSearchFailedIfStepsStayTooLong) {
   const ShootingProblem problem = testing::cartpole_swing_up();
   SolverOptions options;
   options.line_search.min_step = 1;
@@ -305,7 +305,7 @@ TEST(Status, GapsCloseWhereNothingCosts) {
   }
 }
 
-TEST(Status, RoundingFloorEndsAsLineSearchFailedAtTheBestIterate) {
+TEST(Status, RoundingFloorFailsSearchAtBestIterate) {
   const ShootingProblem problem = testing::quadrotor_move();
   SolverOptions options;
   options.tolerances.stationarity = 1e-300;
@@ -323,7 +323,7 @@ TEST(Status, RoundingFloorEndsAsLineSearchFailedAtTheBestIterate) {
   }
 }
 
-TEST(Status, StationarityFarBelowTheDefaultToleranceIsReachedDespiteRounding) {
+TEST(Status, TightStationarityIsReachedDespiteRounding) {
   const ShootingProblem problem = testing::unicycle_parking(1);
   SolverOptions options;
   options.tolerances.stationarity = 1e-11;

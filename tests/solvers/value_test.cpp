@@ -85,7 +85,7 @@ TEST(ValuePropagation, BothFormsEqualTheDenseFormula) {
   }
 }
 
-TEST(ValuePropagation, EntriesThatAreKnownToBeZeroAreNotMissed) {
+TEST(ValuePropagation, SkippingKnownZerosChangesNothing) {
   Random random(6);
   for (const bool semi_implicit : {true, false}) {
     const int ndx = 28, nu = 5, nz = ndx + nu;
@@ -154,7 +154,7 @@ TEST(ValuePropagation, StateRegularizationIsThatOfAShiftedValue) {
   }
 }
 
-TEST(GapTransport, ValueAfterAGapIsTheValueOfTheMovedArgument) {
+TEST(GapTransport, ValueAfterAGapMovesItsArgument) {
   Random random(4);
   StateManifold manifold;
   manifold.append(Part::flat, 2);
@@ -181,7 +181,7 @@ TEST(GapTransport, ValueAfterAGapIsTheValueOfTheMovedArgument) {
   }
 }
 
-TEST(GapTransport, PropagationOverAGapIsThatOfThePulledValue) {
+TEST(GapTransport, PropagationOverAGapMatchesPulledValue) {
   Random random(7);
   StateManifold manifold;
   manifold.append(Part::se3);

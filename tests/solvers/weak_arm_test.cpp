@@ -38,7 +38,7 @@ Phase phase(std::shared_ptr<const KnotModel> model, int knots, double dt, double
   return phase;
 }
 
-TEST(WeakArm, SwingsItsHandUpWhereEffortCostsNextToNothing) {
+TEST(WeakArm, SwingsUpWithNearlyFreeEffort) {
   if (kLaneWidth < 4) GTEST_SKIP() << "two lanes compare a step with fewer others";
   UrdfResult urdf = parse_urdf(kArm, "arm");
   ASSERT_TRUE(urdf.model);

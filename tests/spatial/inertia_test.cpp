@@ -75,7 +75,7 @@ TEST(Inertia, RotatesAsAMatrix) {
   }
 }
 
-TEST(Inertia, RotationalRateEqualsThatOfABodyMovingByATwist) {
+TEST(Inertia, RotationalRateMatchesATwistingBody) {
   RandomNumbers random(5);
   for (int i = 0; i < 100; ++i) {
     const Inertia<double> y = random_inertia(random);

@@ -135,7 +135,7 @@ TEST(LaneSincos, IsWithinTwoUlpsToAThousand) {
 }
 
 // Where one of the two almost vanishes, and where quadrants change.
-TEST(LaneSincos, IsWithinTwoUlpsAroundMultiplesOfAnEighthTurn) {
+TEST(LaneSincos, IsAccurateAroundMultiplesOfAnEighthTurn) {
   std::vector<double> angles;
   for (int k = -1280; k <= 1280; ++k) {
     const double x = k * (M_PI / 4);
@@ -166,7 +166,7 @@ TEST(LaneSincos, OfSignedZeroIsExact) {
   }
 }
 
-TEST(LaneSincos, OfNaNAndInfinityIsNaNInThatLaneOnly) {
+TEST(LaneSincos, NaNAndInfinityStayInTheirLane) {
   RandomNumbers random(6);
   const Lane clean = random_lane(random, -3, 3);
   Lane clean_s, clean_c;

@@ -76,7 +76,7 @@ void expect_relative(double actual, long double expected, double tolerance, doub
 // The formulas beyond the threshold t = ¼ cancel what the series there leave out: of the digits of
 // b, c, d, e at most the last one, two, three, four are lost, and none of their derivatives' first
 // ten.
-TEST(RotationCoefficients, AreAccurateOnBothSidesOfTheSeriesThreshold) {
+TEST(RotationCoefficients, AreAccurateAroundTheSeriesThreshold) {
   for (const double t : squared_angles()) {
     if (t > 10.5) continue;
     const RotationCoefficients<double> k(t);

@@ -48,7 +48,7 @@ TEST(So3, LogUndoesExp) {
   });
 }
 
-TEST(So3, LogOfSmallRotationsIsAccurateRelativeToThem) {
+TEST(So3, LogOfSmallRotationsIsRelativelyAccurate) {
   for (const double angle : {1e-200, 1e-20, 1e-12, 1e-6, 1e-3, 1.9e-2, 2.1e-2})
     for (const Vector3<double>& axis : directions()) {
       const Vector3<double> w = angle * axis;

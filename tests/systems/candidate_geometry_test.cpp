@@ -93,7 +93,7 @@ TEST(CandidateGeometry, KnownGaps) {
 }
 
 /// The rows of a floating body are those of its corner's velocity.
-TEST(CandidateGeometry, AFloatingBodysRowsAreThoseOfItsPointsVelocity) {
+TEST(CandidateGeometry, FloatingBodyRowsMatchPointVelocities) {
   const RobotModel model = random_robot(7, {.joints = 1, .floating = true});
   int base = 0;
   for (int i = 0; i < static_cast<int>(model.frames.size()); ++i)

@@ -98,7 +98,7 @@ void expect_conserved(const System& system, Energy energy) {
   EXPECT_NEAR(energy(x.data()), before, 1e-9 * (1 + std::abs(before)));
 }
 
-TEST(Catalogue, PendulumKeepsItsEnergyButForTorqueAndDamping) {
+TEST(Catalogue, PendulumConservesEnergyExceptTorqueAndDamping) {
   PendulumParameters p{.mass = 1.3, .length = 0.7, .inertia = 0.9, .damping = 0.4};
   const auto energy = [&](const auto* x) { return pendulum_energy(p, x); };
   expect_power_balance(*pendulum(p), energy, [&](const auto& x, const auto& u) {
@@ -116,7 +116,7 @@ TEST(Catalogue, CartpoleKeepsItsEnergyButForThePush) {
   expect_conserved(*cartpole(p), energy);
 }
 
-TEST(Catalogue, AcrobotKeepsItsEnergyButForTheElbowAndFriction) {
+TEST(Catalogue, AcrobotConservesEnergyExceptElbowAndFriction) {
   AcrobotParameters p{.length1 = 0.9,
                       .length2 = 1.2,
                       .mass1 = 1.5,
@@ -145,7 +145,7 @@ TEST(Catalogue, CartpoleIsTheRobotOfItsUrdf) {
   }
 }
 
-TEST(Catalogue, QuadrotorIsTheRobotOfItsUrdfWithThrusters) {
+TEST(Catalogue, QuadrotorMatchesItsUrdfWithThrusters) {
   const RobotModel model = load("quadrotor", UrdfOptions::Base::floating);
   const QuadrotorParameters p;
   std::vector<Thruster> rotors;

@@ -186,7 +186,7 @@ TEST_P(ContactEquations, ForcesAreThoseThatHoldTheContacts) {
   }
 }
 
-TEST_P(ContactEquations, AnImpulseStopsTheContactsAndChangesMomentumByItsForces) {
+TEST_P(ContactEquations, ImpulseStopsContactsAndChangesMomentum) {
   const ContactCase& c = GetParam();
   const RobotModel& model = *c.robot;
   RandomNumbers random(6);
@@ -320,7 +320,7 @@ ContactCase corners_of_one_body() {
   return {"corners", std::make_shared<RobotModel>(std::move(model)), std::move(contacts)};
 }
 
-TEST(RedundantContacts, HoldTheBodyAsASoleDoesWithTheSmallestForces) {
+TEST(RedundantContacts, HoldLikeASoleWithSmallestForces) {
   const ContactCase c = corners_of_one_body();
   const auto corners = held(c);
   Contact sole = c.contacts[0];

@@ -73,7 +73,7 @@ double curvature_by_complex_step(const RandomCase& c, int i, int j) {
 
 constexpr int kRandomCases = 400;
 
-TEST(ExpressionDerivatives, ValuesOfRandomExpressionsAreThoseOfTheirTrees) {
+TEST(ExpressionDerivatives, RandomExpressionsMatchTheirTrees) {
   for (int seed = 0; seed < kRandomCases; ++seed) {
     const RandomCase c = random_case(seed);
     ExpressionGraph graph;
@@ -131,7 +131,7 @@ TEST(ExpressionDerivatives, PowersHaveTheirDerivativesAtZero) {
     EXPECT_EQ(derivative_at_zero(text, 2), 0) << text;
 }
 
-TEST(ExpressionDerivatives, FirstDerivativesOfRandomExpressionsAreThoseOfComplexSteps) {
+TEST(ExpressionDerivatives, FirstDerivativesMatchComplexSteps) {
   int backward = 0;
   for (int seed = 0; seed < kRandomCases; ++seed) {
     const RandomCase c = random_case(seed);
@@ -146,7 +146,7 @@ TEST(ExpressionDerivatives, FirstDerivativesOfRandomExpressionsAreThoseOfComplex
   EXPECT_GE(backward, 200);
 }
 
-TEST(ExpressionDerivatives, SecondDerivativesOfRandomExpressionsAreThoseOfComplexSteps) {
+TEST(ExpressionDerivatives, SecondDerivativesMatchComplexSteps) {
   for (int seed = 0; seed < kRandomCases; ++seed) {
     const RandomCase c = random_case(seed);
     ExpressionGraph graph;
@@ -170,7 +170,7 @@ TEST(ExpressionDerivatives, SecondDerivativesOfRandomExpressionsAreThoseOfComple
   }
 }
 
-TEST(ExpressionDerivatives, DualNumbersThroughTheProgramGiveSecondDerivativesToo) {
+TEST(ExpressionDerivatives, DualNumbersGiveSecondDerivativesToo) {
   for (int seed = 0; seed < kRandomCases; ++seed) {
     const RandomCase c = random_case(seed);
     ExpressionGraph graph;
@@ -196,7 +196,7 @@ TEST(ExpressionDerivatives, DualNumbersThroughTheProgramGiveSecondDerivativesToo
   }
 }
 
-TEST(ExpressionDerivatives, ValuesAloneAreThoseWithDerivativesToTheBit) {
+TEST(ExpressionDerivatives, ValuesAloneMatchThoseWithDerivativesBitwise) {
   for (int seed = 0; seed < kRandomCases; ++seed) {
     const RandomCase c = random_case(seed), other = random_case(seed + kRandomCases);
     ExpressionGraph graph;
@@ -212,7 +212,7 @@ TEST(ExpressionDerivatives, ValuesAloneAreThoseWithDerivativesToTheBit) {
   }
 }
 
-TEST(ExpressionDerivatives, SecondDerivativesOfTooLargeExpressionsAreLeftOut) {
+TEST(ExpressionDerivatives, OmitsSecondDerivativesOfLargeExpressions) {
   ExpressionGraph graph;
   const NodeId output = parse_good("sin(x0*x1)*cos(x2*x3)", graph);
   EXPECT_FALSE(second_derivatives(graph, output, identity_motions(graph), 10));

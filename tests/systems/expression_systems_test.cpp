@@ -11,7 +11,7 @@
 namespace conddp {
 namespace {
 
-TEST(ExpressionSystems, InWordsEveryClosedFormSystemIsTheCompiledOne) {
+TEST(ExpressionSystems, EveryClosedFormSystemMatchesTheCompiledOne) {
   for (const SystemInWords& system : systems_in_words()) {
     const auto in_words = expression_system(system.text);
     ASSERT_EQ(in_words->nx(), system.compiled->nx()) << system.name;
@@ -43,7 +43,7 @@ TEST(ExpressionSystems, SecondDerivativesAreThoseOfDualNumbers) {
   }
 }
 
-TEST(ExpressionSystems, CollocationHasTheSameDerivativesAsThatOfCompiledSystems) {
+TEST(ExpressionSystems, CollocationDerivativesMatchCompiledSystems) {
   RandomNumbers random(315);
   for (const SystemInWords& system : systems_in_words()) {
     if (system.text.kind == SystemKind::discrete || !system.compiled->manifold().curved().empty())
@@ -83,7 +83,7 @@ std::vector<std::string> column_names(const System& system) {
   return names;
 }
 
-TEST(ExpressionSystems, TimeIsAStateWhereExpressionsDependOnIt) {
+TEST(ExpressionSystems, TimeIsAStateIfExpressionsNeedIt) {
   using Names = std::vector<std::string>;
   const double u = 0.7;
   const auto first = expression_system(driven(SystemKind::first_order));
@@ -114,7 +114,7 @@ TEST(ExpressionSystems, TimeIsAStateWhereExpressionsDependOnIt) {
   EXPECT_EQ(column_names(*expression_system(text)), (Names{"x", "v"}));
 }
 
-TEST(ExpressionSystems, UnitQuaternionTurnsWithItsAngularVelocityInBodyAxes) {
+TEST(ExpressionSystems, QuaternionTurnsWithBodyAngularVelocity) {
   const auto system = expression_system(
       {.kind = SystemKind::first_order,
        .states = {{"q", "", ExpressionState::Kind::kUnitQuaternion}, {"height", "m"}},
@@ -167,7 +167,7 @@ TEST(ExpressionSystems, TableIsAFunction) {
                        curvature_by_duals(*system, point, weights), 1e-13, "curvature");
 }
 
-TEST(ExpressionSystems, BranchThatIsNotTakenDoesNotSpoilDerivatives) {
+TEST(ExpressionSystems, UntakenBranchDoesNotSpoilDerivatives) {
   const auto system = expression_system({.kind = SystemKind::second_order,
                                          .states = {{"x"}},
                                          .velocities = {{"v", "1"}},

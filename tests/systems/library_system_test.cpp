@@ -61,7 +61,7 @@ std::vector<LibraryCase> library_cases() {
             .equations = {{"v", "push - 0.4*v^2"}}}}};
 }
 
-TEST(LibrarySystems, HaveTheColumnsValuesAndJacobiansOfTheSameEquations) {
+TEST(LibrarySystems, MatchColumnsValuesAndJacobiansOfEquations) {
   for (const LibraryCase& c : library_cases()) {
     const auto library = make_library_system(c.columns, function_of(c.function, c.parameters));
     const auto words = expression_system(c.text);
@@ -153,7 +153,7 @@ TEST(LibraryKnotFunction, DualNumbersOfValuesHaveARightJacobian) {
   }
 }
 
-TEST(LibraryKnotFunction, DualNumbersOfValuesAreDifferencesWhereTheJacobianIsWrong) {
+TEST(LibraryKnotFunction, DualNumbersReplaceWrongJacobiansByDifferences) {
   const auto function = function_of("crooked", {});
   const std::vector<double> z = {0.3, 2, 1};
   EXPECT_EQ(own_jacobian(*function, z)(1, 2), 2);
@@ -169,7 +169,7 @@ TEST(LibraryKnotFunction, JacobiansGetTheOutputsThatTheyRead) {
 }
 
 /// Where a step that is as long as the coordinate passes over periods.
-TEST(LibraryKnotFunction, SecondDerivativesByDifferencesAreThoseOfTheStepThatAShorterOneConfirms) {
+TEST(LibraryKnotFunction, SecondDerivativesAreConfirmedByShorterSteps) {
   const auto function = function_of("wave", {});
   const auto workspace = function->create_workspace();
   for (const double x : {0.3, 9424.78, 1e5 + 0.7, 1e6 + 0.3}) {
@@ -182,7 +182,7 @@ TEST(LibraryKnotFunction, SecondDerivativesByDifferencesAreThoseOfTheStepThatASh
   }
 }
 
-TEST(SlopeInterval, OfAShorterStepConfirmsThatOfALongerOneButForRounding) {
+TEST(SlopeInterval, ShorterStepConfirmsLongerOneUpToRounding) {
   EXPECT_TRUE(confirms_slope(1, 1 + 1e-7, 0));
   EXPECT_FALSE(confirms_slope(1, 1 + 1e-5, 0));
   EXPECT_TRUE(confirms_slope(0, 1e-9, 1e6));
@@ -190,7 +190,7 @@ TEST(SlopeInterval, OfAShorterStepConfirmsThatOfALongerOneButForRounding) {
   EXPECT_FALSE(confirms_slope(1, std::nan(""), 1));
 }
 
-TEST(SlopeInterval, ConfirmsWhatLiesInItAndReplacesWhatDoesNot) {
+TEST(SlopeInterval, ConfirmsInsideAndReplacesOutsideValues) {
   const SlopeInterval kink = between_slopes(2, -1);
   EXPECT_EQ(confirmed_slope(-1, kink, 0), -1);
   EXPECT_EQ(confirmed_slope(0.3, kink, 0), 0.3);
@@ -204,7 +204,7 @@ TEST(SlopeInterval, ConfirmsWhatLiesInItAndReplacesWhatDoesNot) {
       confirmed_slope(1, between_slopes(-1, std::numeric_limits<double>::infinity()), 0)));
 }
 
-TEST(SlopeInterval, TheBestMeasuredIsNarrowAndAgreesWithTheNextStep) {
+TEST(SlopeInterval, BestIsNarrowAndConfirmedByTheNext) {
   const auto index_of = [](const std::vector<MeasuredSlope>& steps) {
     return &best_measured(steps) - steps.data();
   };
@@ -216,7 +216,7 @@ TEST(SlopeInterval, TheBestMeasuredIsNarrowAndAgreesWithTheNextStep) {
   EXPECT_EQ(index_of({{{none, none}, none}, {{none, none}, none}, {{1, 2}, 0}}), 2);
 }
 
-TEST(SlopeInterval, AtAnEdgeReachesTheDerivativeOfRootsAndOfSmoothFunctions) {
+TEST(SlopeInterval, ReachesEdgeDerivativesOfRootsAndSmoothFunctions) {
   // Secants of x^1.5 and of x^2 from 0: the derivative there is 0.
   const double h = 1e-5;
   const SlopeInterval root = at_edge(std::sqrt(h), std::sqrt(h / 4)), square = at_edge(h, h / 4);

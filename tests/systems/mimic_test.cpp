@@ -46,7 +46,7 @@ MatrixXd full_mass_matrix(const RobotModel& model, const RobotData<double>& data
       .selfadjointView<Eigen::Lower>();
 }
 
-TEST(Mimic, AccelerationsAreThoseOfTheRobotWithExplicitConstraints) {
+TEST(Mimic, AccelerationsMatchRobotWithExplicitConstraints) {
   RandomNumbers random(61);
   for (const auto& [name, model] : mimic_robots()) {
     const auto system = system_of(model);
@@ -148,7 +148,7 @@ TEST(Mimic, EveryLaneGivesWhatDoubleGives) {
   }
 }
 
-TEST(Mimic, StateHasTheIndependentJointsAloneAndExpandsToTheRobots) {
+TEST(Mimic, StateHasIndependentJointsAndExpandsToAll) {
   RandomNumbers random(64);
   for (const auto& [name, model] : mimic_robots()) {
     const auto system = system_of(model);
@@ -246,7 +246,7 @@ constexpr const char* kGripper = R"(<robot name="gripper">
     <inertia ixx="1e-5" ixy="0" ixz="0" iyy="1e-5" iyz="0" izz="1e-5"/></inertial></link>
 </robot>)";
 
-TEST(Mimic, GripperOfAUrdfMovesAsOneJointOfTwiceTheMass) {
+TEST(Mimic, UrdfGripperMovesAsOneHeavierJoint) {
   const UrdfResult result = parse_urdf(kGripper, "gripper", {.enforce_mimic = true});
   ASSERT_TRUE(result.model.has_value());
   const MultibodySystem system(std::make_shared<RobotModel>(*result.model),
@@ -266,7 +266,7 @@ TEST(Mimic, GripperOfAUrdfMovesAsOneJointOfTwiceTheMass) {
   EXPECT_DOUBLE_EQ(limits.max_velocity, 0.1);
 }
 
-TEST(Mimic, RobotWithoutMimicJointsHasNoBuffersForThem) {
+TEST(Mimic, RobotWithoutMimicJointsAllocatesNoBuffers) {
   const RobotModel model = random_robot(66, {.joints = 5, .floating = true});
   const auto system = system_of(model);
   EXPECT_TRUE(system->mimic_map().identity());
@@ -294,7 +294,7 @@ TEST(Mimic, RefusesWhatCannotBeEnforced) {
   EXPECT_THROW(attempt({{0, 1, 1, 0}}), std::invalid_argument);
 }
 
-TEST(Mimic, JointHeldByAZeroMultiplierActsAsLocked) {
+TEST(Mimic, ZeroMultiplierLocksTheJoint) {
   // q = 0·q_leader + offset: the robot of the URDF with that joint locked at the offset.
   const auto hinge = [](const std::string& name, const std::string& from, const std::string& to,
                         const std::string& more) {

@@ -89,7 +89,7 @@ RobotModel damped_robot(std::uint64_t seed, bool floating) {
   return model;
 }
 
-TEST(Multibody, PassiveForcesAreThoseOfTheUrdfAndOnlyIfAskedFor) {
+TEST(Multibody, PassiveForcesMatchUrdfOnRequest) {
   RandomNumbers random(81);
   for (const bool floating : {false, true})
     for (const bool damping : {false, true})
@@ -170,7 +170,7 @@ TEST(Multibody, EnergyFallsWithDampingAndStaysWithout) {
   EXPECT_LT(last, first - 1e-3);
 }
 
-TEST(Multibody, ThrustersPushTheBaseWithForceTorqueAndReaction) {
+TEST(Multibody, ThrustersPushWithForceTorqueAndReaction) {
   RandomNumbers random(88);
   const RobotModel model = random_robot(89, {.joints = 3, .floating = true, .wrenches = 0});
   std::vector<int> frames;
@@ -225,7 +225,7 @@ TEST(Multibody, ThrustersNeedAFrameOfAFloatingBase) {
                  std::invalid_argument);
 }
 
-TEST(Multibody, ListedJointsAloneAreActuatedInTheOrderOfTheList) {
+TEST(Multibody, ActuatesListedJointsInListOrder) {
   RandomNumbers random(92);
   RobotModel model = random_robot(93, {.joints = 5, .floating = true, .wrenches = 0});
   model.joints[*model.find_joint("joint3")].max_effort = 7;
@@ -294,7 +294,7 @@ TEST(Multibody, TreesOfOneModelMoveIndependently) {
   }
 }
 
-TEST(Multibody, LockedJointIsTheLimitOfAJointThatCannotAccelerate) {
+TEST(Multibody, LockedJointIsLimitOfAnImmovableJoint) {
   const double angle = 0.6;
   const RobotModel locked = load("arm7", {.locked_joints = {{"joint_3", angle}}});
   const RobotModel heavy = load("arm7", {.rotor_inertia = {{"joint_3", 1e10}}});

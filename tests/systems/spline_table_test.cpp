@@ -31,7 +31,7 @@ void expect_smooth(const SplineTable& table, double x, double y) {
   EXPECT_NEAR(table.derivative(2, 0, x - 1e-9, y), table.derivative(2, 0, x + 1e-9, y), 1e-6);
 }
 
-TEST(SplineTables, SplineOfFourPointsIsTheOneOfItsEquations) {
+TEST(SplineTables, SplineOfFourPointsSolvesItsEquations) {
   // Three cubics a + b s + c s² + d s³: values, two derivatives that meet, natural ends.
   RandomNumbers random(321);
   const std::vector<double> x = spline_points(4, random), v = random.numbers(4, 2);
@@ -98,7 +98,7 @@ TEST(SplineTables, OfTwoPointsIsALine) {
   }
 }
 
-TEST(SplineTables, OfTwoArgumentsIsTheProductOfTwoOfOne) {
+TEST(SplineTables, TwoArgumentTableFactorsIntoOneArgumentTables) {
   // The values f(x) g(y) have the spline of f times the spline of g.
   RandomNumbers random(324);
   const std::vector<double> x = spline_points(5, random), y = spline_points(6, random);

@@ -133,7 +133,7 @@ bool expect_derivatives(const MultibodySystem& system, RandomNumbers& random) {
   return straight;
 }
 
-TEST(StraightLegs, HaveTheDerivativesOfTheSystemWithItsCompliance) {
+TEST(StraightLegs, DerivativesMatchTheCompliantSystem) {
   RandomNumbers random(53);
   int dependent = 0, independent = 0;
   for (const StraightCase& c : straight_cases()) {
