@@ -12,7 +12,8 @@ namespace {
 using testing::quadrotor_move;
 using testing::tracking_problem;
 
-/// One step of a pendulum, so that the gradient is that of the cost by the control.
+/// One pendulum step, so that the gradient is the derivative of the cost with respect to the
+/// control.
 ShootingProblem one_step(double low = -testing::kFree, double up = testing::kFree) {
   return tracking_problem(pendulum({}), Integrator::rk4, 1, 0.1, {0.5, 0},
                           {{0, 0}, {0.2, 0.3}, {0.1}, {10, 5}}, low, up);
@@ -52,8 +53,8 @@ TEST(AnswerCheck, ComputesGapsOfKnotsAndStart) {
   EXPECT_GE(check_answer(problem, trajectory).gap, 0.5);
 }
 
-/// With an open gap on a curved space, against the Lagrangian by finite differences: the co-state
-/// makes it stationary in x_1, and what is left is its derivative by u.
+/// Finite differences of the Lagrangian on a curved space with an open gap. The costate makes it
+/// stationary in x_1; its derivative with respect to u remains.
 TEST(AnswerCheck, OpenGapsEnterThroughTheCostate) {
   const ShootingProblem problem =
       tracking_problem(quadrotor({}), Integrator::semi_implicit_euler, 1, 0.1,
@@ -101,7 +102,7 @@ TEST(AnswerCheck, OpenGapsEnterThroughTheCostate) {
 
 TEST(AnswerCheck, ActiveBoundAbsorbsTheGradient) {
   const double free_slope = check_answer(one_step(), simulated(one_step(), 3)).stationarity;
-  ASSERT_GT(cost_of(one_step(), 3 + 1e-3), cost_of(one_step(), 3));  // downhill lies below
+  ASSERT_GT(cost_of(one_step(), 3 + 1e-3), cost_of(one_step(), 3));  // descent leads below
   const ShootingProblem problem = one_step(3, 5);
   const AnswerCheck at = check_answer(problem, simulated(problem, 3));
   EXPECT_EQ(at.stationarity, 0);
@@ -150,7 +151,7 @@ TEST(AnswerCheck, WhatIsNotFiniteHasNoMeasure) {
               std::isnan(check.constraint) && std::isnan(check.complementarity));
 }
 
-/// Rows at three nodes of a mass, with multipliers each.
+/// Rows at three nodes of a mass, each with its own multiplier.
 TEST(AnswerCheck, EveryConstraintHasItsOwnMultipliers) {
   const auto system = double_integrator(1);
   auto model = std::make_shared<KnotModel>(system, Integrator::rk4);
@@ -158,7 +159,7 @@ TEST(AnswerCheck, EveryConstraintHasItsOwnMultipliers) {
   for (const auto& each : {model, end})
     each->add_constraint(
         make_constraint("box", state_residual(each->manifold()), ConstraintKind::bounds));
-  // At most 1 and 2, without a lower bound.
+  // Upper bounds of 1 and 2, no lower bounds.
   const std::vector<double> box = {0, 0, -testing::kFree, -testing::kFree, 1, 2, 1};
   std::vector<double> twice = box;
   twice.insert(twice.end(), box.begin(), box.end());

@@ -80,14 +80,14 @@ TEST(Benchmark, RefusalsAndFailuresHaveTheirStatus) {
   EXPECT_GT(failed.check.stationarity, 1e-6);
 }
 
-/// What a solver that only pretends to solve says of two steps x⁺ = x + u from 0 with ½ ‖u‖², which
-/// have to end at 0 at most.
+/// Result of a mock solver for two steps x⁺ = x + u from 0 with cost ½ ‖u‖² and terminal constraint
+/// x ≤ 0.
 struct Pretended {
-  double push = 0;    ///< first control: the stationarity
+  double push = 0;    ///< first control, equal to the stationarity
   double jump = 0;    ///< gap of the first step
-  double beyond = 0;  ///< violation at the end, reached by a control that is undone by no cost
+  double beyond = 0;  ///< violation at the end, caused by a control without cost
   SolveStatus status = SolveStatus::converged;
-  std::vector<SolveTimes> times = {{}};  ///< of one solve after the other, the last one for ever
+  std::vector<SolveTimes> times = {{}};  ///< of successive solves; the last entry repeats
 };
 
 BenchmarkRun run_of(const Pretended& pretended, int repeat = 0) {
@@ -131,7 +131,7 @@ BenchmarkRun run_of(const Pretended& pretended, int repeat = 0) {
   return run;
 }
 
-// Ten times the tolerance is left to a check that goes along another policy.
+// A check along another policy may exceed the tolerance tenfold.
 TEST(Benchmark, CountsAnswersAsSolvedIfCheckConfirmsThem) {
   EXPECT_TRUE(run_of({}).solved);
   for (double Pretended::*residual : {&Pretended::push, &Pretended::jump, &Pretended::beyond}) {
@@ -201,7 +201,7 @@ TEST(DataProfile, IsTheShareForSoMuchEffort) {
   EXPECT_EQ(profiles[1].steps, (Steps{{1, 0.25}, {8, 0.5}, {9, 0.75}}));
 }
 
-// The bits of a quaternion would change by a step of nothing; then it would count as another state.
+// A zero step would change the bits of a quaternion, and the state would count as a different one.
 TEST(Perturbations, AreAnyWhereOneOfTheirSpreadsIs) {
   EXPECT_FALSE(Perturbation{}.any());
   EXPECT_TRUE(Perturbation{.initial_state = 0.1}.any());

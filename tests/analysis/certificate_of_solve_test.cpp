@@ -1,4 +1,4 @@
-// Answers of the solvers pass all checks; one in which a number is changed fails by name.
+// Solver answers pass all checks; changing one number makes the corresponding check fail.
 #include <functional>
 
 #include <gtest/gtest.h>
@@ -41,7 +41,7 @@ TEST(CertificateOfSolves, HoldsForAnswersWithBoundsAndContacts) {
   }
 }
 
-// Rounding grows with the numbers that an answer is made of, and tolerances with it.
+// Rounding grows with the magnitude of the answer, and the tolerances grow with it.
 TEST(CertificateOfSolves, HoldsWhateverTheUnitOfTheCost) {
   for (const double unit : {1e-6, 1.0, 1e6}) {
     const auto scaled = [unit](std::vector<double> weights) {
@@ -152,13 +152,13 @@ TEST(CertificateOfSolves, EveryCostateAndEveryControlIsCompared) {
     }
 }
 
-/// What an answer says of itself where it ended in numbers beyond all measure.
+/// An answer that ended in extremely large numbers.
 TEST(CertificateOfSolves, DivergedAnswersMayOmitButNotForgeFigures) {
   const Answer answer(testing::pendulum_swing_up(3));
   SolutionClaims claims = answer.claims;
   claims.converged = false;
   claims.status = "diverged";
-  claims.stationarity += 1;  // no longer under its tolerance, and wrong
+  claims.stationarity += 1;  // above its tolerance, and wrong
   EXPECT_EQ(failed_checks(answer.problem, claims), "[stationarity]");
   claims.stationarity = SolutionClaims::kOpen;
   claims.cost = SolutionClaims::kOpen;
@@ -167,7 +167,7 @@ TEST(CertificateOfSolves, DivergedAnswersMayOmitButNotForgeFigures) {
   EXPECT_NE(failed_checks(answer.problem, claims), "");
 }
 
-/// x⁺ = x + B u from 1, where a solver without iterations leaves it.
+/// x⁺ = x + B u from 1; a solver without iterations leaves it there.
 struct AtRest {
   ShootingProblem problem;
   SolveResult result;
@@ -191,7 +191,7 @@ struct AtRest {
   }
 };
 
-// Under a loose tolerance, with most of the cost left to gain.
+// Loose tolerance; most of the cost could still be gained.
 TEST(CertificateOfSolves, RejectsConvergedIfMuchGainRemains) {
   AtRest at(1, 0.1, 10);
   ASSERT_EQ(at.result.status, SolveStatus::max_iterations) << at.result.message;
@@ -201,7 +201,7 @@ TEST(CertificateOfSolves, RejectsConvergedIfMuchGainRemains) {
   EXPECT_EQ(failed_checks(at.problem, at.claims), "[status]");
 }
 
-// Controls that do nothing and cost nothing: no solver can tell how far a minimum is.
+// Controls without effect or cost: no solver can estimate the distance to a minimum.
 TEST(CertificateOfSolves, UnknownGainLeavesConvergedOptional) {
   AtRest at(0, 0, 1e-6);
   ASSERT_NE(at.result.status, SolveStatus::diverged) << at.result.message;

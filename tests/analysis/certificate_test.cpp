@@ -1,4 +1,4 @@
-// Constraints with multipliers that are known from the optimality conditions by hand.
+// Constraints whose multipliers follow from the optimality conditions by hand.
 #include "analysis/certificate/certificate.hpp"
 
 #include <gtest/gtest.h>
@@ -45,7 +45,7 @@ TEST(CertificateOfConstraints, SignsSayAtWhichBound) {
 
 TEST(CertificateOfConstraints, FindsViolationsAndUnmetBounds) {
   const ShootingProblem problem = one_step({0}, ConstraintKind::bounds, {1.5, kFree});
-  // Stationary, but half a unit short.
+  // Stationary, but half a unit short of the constraint.
   const std::string short_of =
       failures(certify(problem, claims_of(problem, vector({1}), vector({-1}), 0.5)));
   EXPECT_NE(short_of.find("[constraint violation]"), std::string::npos) << short_of;
@@ -57,13 +57,13 @@ TEST(CertificateOfConstraints, FindsViolationsAndUnmetBounds) {
 
 TEST(CertificateOfConstraints, KnowsSecondOrderCones) {
   const ShootingProblem problem = one_step({1, 0}, ConstraintKind::second_order_cone, {});
-  // The point of the cone |v| ≤ t nearest to (1, 0).
+  // (0.5, 0.5) is the point of the cone |v| ≤ t nearest to (1, 0).
   const SolutionClaims good = claims_of(problem, vector({0.5, 0.5}), vector({0.5, -0.5}), 0.25);
   EXPECT_EQ(failures(certify(problem, good)), "");
   SolutionClaims wrong = good;
   wrong.multipliers = -wrong.multipliers;
   EXPECT_NE(failures(certify(problem, wrong)).find("[signs of multipliers]"), std::string::npos);
-  // Outside: (1, 0) is 1/√2 from the cone.
+  // (1, 0) lies outside, 1/√2 from the cone.
   SolutionClaims outside = claims_of(problem, vector({1, 0}), vector({0, 0}), 0);
   outside.converged = false;
   outside.status = "max_iterations";
@@ -74,7 +74,7 @@ TEST(CertificateOfConstraints, KnowsSecondOrderCones) {
 }
 
 TEST(CertificateOfConstraints, ConvergedNeedsComplementarity) {
-  // Stationary and feasible, with the multiplier of a bound that is half a unit away, and no lie.
+  // Stationary and feasible; the claimed multiplier belongs to a bound half a unit away.
   const ShootingProblem problem = one_step({0}, ConstraintKind::bounds, {0.5, kFree});
   SolutionClaims claims = claims_of(problem, vector({1}), vector({-1}), 0.5);
   claims.complementarity = 0.5;
@@ -84,7 +84,7 @@ TEST(CertificateOfConstraints, ConvergedNeedsComplementarity) {
   EXPECT_EQ(failures(certify(problem, claims)), "");
 }
 
-/// A step to 1 − 2e-7 instead of 1, where it has to end: feasible by its tolerance, and no optimum.
+/// A step to 1 − 2e-7 instead of the required 1: feasible within tolerance, but not optimal.
 TEST(CertificateOfConstraints, CostSettledNeedsFeasibilityAndItsOption) {
   constexpr double kShort = 2e-7;
   const ShootingProblem problem = one_step({0}, ConstraintKind::bounds, {1, 1});
@@ -115,7 +115,7 @@ TEST(CertificateOfConstraints, MultipliersOfSoftRowsStayWithinTheirLimit) {
 }
 
 TEST(CertificateOfConstraints, MultipliersOfSoftConesStayWithinTheirLimit) {
-  // At (0.5, 0.5), on the cone, a hard one's multiplier has the norm 1/√2.
+  // At (0.5, 0.5) on the cone, the multiplier of a hard constraint has norm 1/√2.
   const auto found = [](double weight) {
     const ShootingProblem problem = one_step({1, 0}, ConstraintKind::second_order_cone, {}, weight);
     SolutionClaims claims = claims_of(problem, vector({0.5, 0.5}), vector({0.5, -0.5}), 0.25);
@@ -126,7 +126,7 @@ TEST(CertificateOfConstraints, MultipliersOfSoftConesStayWithinTheirLimit) {
   EXPECT_EQ(found(0.7), "[signs of multipliers]");
 }
 
-/// A step of two numbers that ends within hard rows and beyond soft ones.
+/// A step of two coordinates that ends inside the hard rows and beyond the soft rows.
 TEST(CertificateOfConstraints, SoftConstraintsCostTheirDistance) {
   for (const Softness softness : {Softness::l1, Softness::l2}) {
     const auto system =
@@ -147,7 +147,7 @@ TEST(CertificateOfConstraints, SoftConstraintsCostTheirDistance) {
                                    .cost_scale = {1},
                                    .parameters = {0, 0, -9, -9, 9, 9, 1,  //
                                                   0, 0, -9, -9, 2, 1, 1, 3}});
-    // 1 and 3 beyond the upper bounds, with a weight of 3.
+    // 1 and 3 units beyond the upper bounds, with weight 3.
     SolutionClaims claims = claims_of(problem, vector({3, 4}), vector({0, 0}), 0);
     claims.multipliers = Eigen::VectorXd::Zero(problem.constraint_rows());
     claims.cost = softness == Softness::l1 ? 3 * (1 + 3) : 0.5 * 3 * (1 + 9);
@@ -159,8 +159,8 @@ TEST(CertificateOfConstraints, SoftConstraintsCostTheirDistance) {
   }
 }
 
-/// A multiplier of 10⁶ may be 10⁻⁴ off by rounding, so figures agree that differ by far more than
-/// the tolerance of what converged.
+/// Rounding may change a multiplier of 10⁶ by 10⁻⁴. Figures therefore agree even if they differ by
+/// far more than the convergence tolerance.
 TEST(CertificateOfConstraints, ConvergedNeedsTheComplementarityThatIsFound) {
   constexpr double kWeight = 100, kWay = 1e4, kShort = 1e-11;
   const ShootingProblem problem =
@@ -171,8 +171,7 @@ TEST(CertificateOfConstraints, ConvergedNeedsTheComplementarityThatIsFound) {
   EXPECT_EQ(failures(certify(problem, claims)), "[status]");
 }
 
-// Only an answer that has diverged may leave figures open, and its gradient is not looked at where
-// rounding leaves nothing of it.
+// Only a diverged answer may omit figures. Its gradient is not checked where rounding exceeds it.
 TEST(Certificate, OnlyDivergedAnswersMayOmitFigures) {
   const ShootingProblem problem = one_step({0}, ConstraintKind::bounds, {1, 1});
   const SolutionClaims good = claims_of(problem, vector({1}), vector({-1}), 0.5);
@@ -187,7 +186,7 @@ TEST(Certificate, OnlyDivergedAnswersMayOmitFigures) {
     claims.converged = false;
     claims.*figure = SolutionClaims::kOpen;
     claims.status = "max_iterations";
-    if (name == "[cost]") claims.stationarity = claims.tolerances.stationarity;  // no convergence
+    if (name == "[cost]") claims.stationarity = claims.tolerances.stationarity;  // not converged
     const std::string found = failures(certify(problem, claims));
     EXPECT_NE(found.find(name), std::string::npos) << found;
     claims.status = "diverged";
@@ -221,7 +220,7 @@ TEST(Certificate, ComparesTimesAndInitialStateByEntry) {
   }
 }
 
-/// x⁺ = x + (u, 0): no control says what the second co-state is.
+/// x⁺ = x + (u, 0): no control determines the second costate.
 TEST(CertificateOfCostates, ConvergedNeedsThoseOfOtherGains) {
   const auto system = linear_system(Eigen::MatrixXd::Identity(2, 2), Eigen::Vector2d(1, 0),
                                     Eigen::VectorXd::Zero(2));
@@ -240,13 +239,13 @@ TEST(CertificateOfCostates, ConvergedNeedsThoseOfOtherGains) {
   claims.cost = claims.stationarity = claims.gap = claims.constraint = claims.complementarity = 0;
   claims.cost_by_name = {{"effort", 0}};
   EXPECT_EQ(failures(certify(problem, claims)), "");
-  // An honest account of a co-state that nothing but its own equation contradicts.
+  // A consistent claim about a costate that only its own equation contradicts.
   claims.costates(1, 1) = claims.costates(1, 0) = 5;
   claims.state_gradient(1, 1) = -5;
   EXPECT_EQ(failures(certify(problem, claims)), "[status]");
 }
 
-/// One step u to the wish ½ (u − 1)² with u ≤ ½: its upper bound has the multiplier ½.
+/// One step u with cost ½ (u − 1)² and bound u ≤ ½: the multiplier of the upper bound is ½.
 TEST(CertificateOfBounds, MultipliersHaveTheirSign) {
   const auto system = linear_system(Eigen::MatrixXd::Identity(1, 1),
                                     Eigen::MatrixXd::Identity(1, 1), Eigen::VectorXd::Zero(1));
@@ -263,14 +262,14 @@ TEST(CertificateOfBounds, MultipliersHaveTheirSign) {
   claims.multipliers.resize(0);
   claims.upper_multipliers[0] = vector({0.5});
   EXPECT_EQ(failures(certify(problem, claims)), "");
-  // The gradient is balanced by the sum of both, but no bound pulls.
+  // The sum of both multipliers balances the gradient, but neither bound pulls.
   claims.upper_multipliers[0] = vector({0});
   claims.lower_multipliers[0] = vector({-0.5});
   const std::string found = failures(certify(problem, claims));
   EXPECT_NE(found.find("[signs of multipliers]"), std::string::npos) << found;
 }
 
-/// Claims of a step u under ½ ε (u − 1)² + ½ ε (x + u)², whose optimum is ½.
+/// Claims for a step u with cost ½ ε (u − 1)² + ½ ε (x + u)², whose optimum is ½.
 std::string failures_of_gain(double u, double epsilon) {
   const auto system = linear_system(Eigen::MatrixXd::Identity(1, 1),
                                     Eigen::MatrixXd::Identity(1, 1), Eigen::VectorXd::Zero(1));
@@ -293,14 +292,14 @@ std::string failures_of_gain(double u, double epsilon) {
   return failures(certify(problem, claims));
 }
 
-// A Newton step gains ε (u − ½)² of ε (¼ + (u − ½)²).
+// A Newton step reduces the cost ε (¼ + (u − ½)²) by ε (u − ½)².
 TEST(Certificate, OptimumLeavesAlmostNoCostToGain) {
   EXPECT_EQ(failures_of_gain(0.5015, 1e-5), "");
   EXPECT_EQ(failures_of_gain(0.5017, 1e-5), "[status]");
   EXPECT_EQ(failures_of_gain(0.99, 1e-5), "[status]");
 }
 
-// Tolerances are those of costs of usual size.
+// Tolerances assume costs of ordinary magnitude.
 TEST(Certificate, AcceptsOptimaOfSmallAndLargeCosts) {
   for (const double epsilon : {0x1p-100, 0x1p-20, 0x1p20, 0x1p100}) {
     EXPECT_EQ(failures_of_gain(0.5, epsilon), "") << epsilon;

@@ -1,5 +1,5 @@
-// By how much each figure of an answer may be off, with numbers that make rounding small or large
-// at one place at a time.
+// Permitted error of each figure, using numbers that make rounding small or large at one place at a
+// time.
 #include <optional>
 
 #include <gtest/gtest.h>
@@ -13,9 +13,8 @@ namespace {
 
 constexpr int kEntries = 2, kKnots = 2;
 
-/// Two steps x⁺ = a (x + u) of two numbers with the cost Σ ½ q_k ‖x_k − g_k‖² + ½ r_k ‖u_k − w_k‖²
-/// and the rows x_k − c_k ≤ 0 at every node. All numbers are 0, and factors and weights 1, unless
-/// a test sets them.
+/// Two steps x⁺ = a (x + u) in two coordinates with cost Σ ½ q_k ‖x_k − g_k‖² + ½ r_k ‖u_k − w_k‖²
+/// and rows x_k − c_k ≤ 0 at every node. Values default to 0, factors and weights to 1.
 struct PlainAnswer {
   double dt[kKnots] = {1, 1};
   double a[kKnots] = {1, 1}, r[kKnots] = {1, 1}, q[kKnots + 1] = {1, 1, 1};
@@ -50,7 +49,7 @@ struct PlainAnswer {
              .parameters = parameters_of(*end, kKnots)}};
   }
 
-  /// What an honest answer says of itself, which does not claim to have converged.
+  /// Claims of an honest answer that does not claim convergence.
   SolutionClaims claims(const ShootingProblem& of) const {
     SolutionClaims claims(of);
     claims.times = of.times();
@@ -83,12 +82,12 @@ struct PlainAnswer {
     }
     claims.cost_by_name = {{"state", state}, {"effort", effort}, {"terminal/state", terminal}};
     claims.cost = state + effort + terminal;
-    // One tolerance below zero: whatever the figures are, they do not say that it has converged.
+    // A negative tolerance: no figures can imply convergence.
     claims.tolerances.stationarity = -1;
     return claims;
   }
 
-  /// The names of the checks that fail where `change` is made to honest claims.
+  /// Names of the checks that fail after `change` modifies honest claims.
   template <class Change>
   std::string failures(const Change& change) const {
     const ShootingProblem of = problem();
@@ -156,7 +155,7 @@ TEST(CertificateTolerances, AnHonestAnswerHoldsWhateverItsNumbersAre) {
   EXPECT_EQ(answer.failures(), "");
 }
 
-// At 0, where nothing moves when all numbers move by rounding.
+// At 0, where relative rounding changes nothing.
 TEST(CertificateTolerances, OfFiguresNearZeroAreAbsolute) {
   const PlainAnswer answer;
   for (const double sign : {1.0, -1.0}) {
@@ -173,7 +172,7 @@ TEST(CertificateTolerances, OfFiguresNearZeroAreAbsolute) {
   EXPECT_EQ(answer.failures_off(&SolutionClaims::complementarity, 1e-30), "[complementarity]");
 }
 
-// Times are those of the file to the last bit or nearly so; a tolerance itself is within it.
+// Times match the file almost to the last bit; an error equal to the tolerance is accepted.
 TEST(CertificateTolerances, OfTimesGrowWithTheHorizon) {
   PlainAnswer answer;
   const auto with_start_at = [&](double time) {
@@ -205,8 +204,8 @@ TEST(CertificateTolerances, OfTheInitialStateGrowWithIt) {
   }
 }
 
-// The states that the steps lead to count as those of the answer do. Beyond that, what rounding
-// changes in states of 100 is up to as much again.
+// States reached by the steps contribute like those of the answer. Rounding of states of size 100
+// may add as much again.
 TEST(CertificateTolerances, OfGapsGrowWithTheLargestState) {
   for (const int k : {0, 1}) {
     PlainAnswer at_state, at_next;
@@ -221,7 +220,7 @@ TEST(CertificateTolerances, OfGapsGrowWithTheLargestState) {
   }
 }
 
-// Costs that cancel are rounded as costs that do not.
+// Costs that cancel round like costs that do not.
 TEST(CertificateTolerances, OfTheCostGrowWithItsTerms) {
   PlainAnswer answer;
   answer.g[0] << 2, 0;       // costs 2
@@ -244,7 +243,7 @@ TEST(CertificateTolerances, OfTheCostGrowWithItsTerms) {
   }
 }
 
-// A gradient near 0 whose terms are 10⁶, of costs, co-states or multipliers of bounds.
+// A gradient near 0 with terms of 10⁶ from costs, costates, or bound multipliers.
 TEST(CertificateTolerances, StationarityToleranceGrowsWithGradientTerms) {
   constexpr double kLarge = 1e6;
   for (const int k : {0, 1})
@@ -258,10 +257,10 @@ TEST(CertificateTolerances, StationarityToleranceGrowsWithGradientTerms) {
       const auto with_off = [&](const PlainAnswer& answer, double off) {
         return answer.failures([&](SolutionClaims& c) {
           c.stationarity += off;
-          c.complementarity = testing::kFree;  // there are no bounds
+          c.complementarity = testing::kFree;  // no bounds
         });
       };
-      // 10⁻¹¹ of both terms, and 10⁻¹² of the largest one that is no bound's.
+      // 10⁻¹¹ of both terms, plus 10⁻¹² of the largest term other than a bound multiplier.
       const std::string found = with_off(by_bounds, 1.9e-5);
       EXPECT_EQ(found.find("[stationarity]"), std::string::npos) << found;
       EXPECT_NE(with_off(by_bounds, 2.1e-5).find("[stationarity]"), std::string::npos);
@@ -272,7 +271,7 @@ TEST(CertificateTolerances, StationarityToleranceGrowsWithGradientTerms) {
     }
 }
 
-// The largest entry of a node leaves its rounding in the other ones.
+// The largest entry of a node determines the rounding of the other entries.
 TEST(CertificateTolerances, CostateToleranceGrowsWithItsTermsAndNode) {
   constexpr double kLarge = 1e6;
   for (int k = 0; k <= kKnots; ++k)
@@ -282,7 +281,7 @@ TEST(CertificateTolerances, CostateToleranceGrowsWithItsTermsAndNode) {
       const auto with_off = [&](int at, double off) {
         return answer.failures([&](SolutionClaims& c) { c.state_gradient(at, k) += off; });
       };
-      // Its own size is the cost's 10⁶, and the claim's.
+      // The size is 10⁶ for both the cost and the claim.
       EXPECT_EQ(with_off(entry, 2.1e-5), "") << k << ' ' << entry;
       EXPECT_EQ(with_off(entry, 2.3e-5), "[co-states]") << k << ' ' << entry;
       EXPECT_EQ(with_off(1 - entry, 1.9e-6), "") << k << ' ' << entry;
@@ -290,7 +289,7 @@ TEST(CertificateTolerances, CostateToleranceGrowsWithItsTermsAndNode) {
     }
 }
 
-// A row of 10³ with a multiplier of 10⁴ that is at its bound.
+// A row of 10³ at its bound with a multiplier of 10⁴.
 TEST(CertificateTolerances, OfConstraintsGrowWithTheirValuesAndMultipliers) {
   for (int k = 0; k <= kKnots; ++k)
     for (const int entry : {0, 1}) {
@@ -311,7 +310,7 @@ TEST(CertificateTolerances, OfConstraintsGrowWithTheirValuesAndMultipliers) {
     }
 }
 
-// A factor of 10⁶ makes 10⁻⁷ of a rounding of 10⁻¹³, wherever it is.
+// A factor of 10⁶ amplifies a rounding error of 10⁻¹³ to 10⁻⁷.
 TEST(CertificateTolerances, ContainWhatRoundingOfTheAnswersNumbersChanges) {
   constexpr double kFactor = 1e6, kOff = 1e-8;
   for (int k = 0; k <= kKnots; ++k)
@@ -362,7 +361,7 @@ TEST(CertificateTolerances, ContainWhatRoundingOfTheAnswersNumbersChanges) {
     }
 }
 
-// Rounding of a row is worth as much complementarity as the largest multiplier makes of it.
+// Rounding of a row contributes to complementarity in proportion to the largest multiplier.
 TEST(CertificateTolerances, OfComplementarityContainTheRoundingOfRows) {
   PlainAnswer answer;
   answer.x[1][0] = answer.g[1][0] = answer.c[1][0] = 1e6;
@@ -372,7 +371,7 @@ TEST(CertificateTolerances, OfComplementarityContainTheRoundingOfRows) {
   EXPECT_EQ(answer.failures_off(&SolutionClaims::complementarity, 1e-8), "[complementarity]");
 }
 
-/// The check of a name, where there is one.
+/// The check with this name, or a default check.
 Check check_named(const Certificate& certificate, const std::string& name) {
   for (const Check& check : certificate.checks)
     if (check.name == name) return check;
@@ -412,7 +411,7 @@ TEST(CertificatePlaces, AreThoseOfTheWorstEntries) {
     }
 }
 
-/// An answer that says that it has converged, with the usual tolerances, as it is judged.
+/// Judges an answer that claims convergence under the default tolerances.
 struct Verdict {
   explicit Verdict(const PlainAnswer& answer) : problem(answer.problem()) {
     claims.emplace(answer.claims(problem));
@@ -420,7 +419,7 @@ struct Verdict {
     claims->converged = true;
     claims->status = "converged";
   }
-  /// What is wrong with the status; all other checks hold.
+  /// Faults of the status; all other checks must hold.
   std::string wrong() {
     const Certificate found = certify(problem, *claims);
     in_doubt = found.optimality_in_doubt;
@@ -436,7 +435,7 @@ struct Verdict {
   bool in_doubt = false;
 };
 
-/// A motion of one unit, with a cost beside which small gradients are small.
+/// A motion of one unit; small gradients are negligible against its cost.
 PlainAnswer moving() {
   PlainAnswer answer;
   answer.u[0][0] = answer.w[0][0] = 1;
@@ -461,7 +460,7 @@ TEST(CertificateStatus, ConvergedAllowsForRoundingOfFigures) {
   EXPECT_EQ(of_gap.wrong(), "");
 }
 
-// A co-state at the end that balances the gradient, but that no cost explains.
+// A terminal costate that balances the gradient but follows from no cost.
 TEST(CertificateStatus, ConvergedNeedsAReducedGradientUnderTenTolerances) {
   const auto with_gradient = [](double gradient) {
     PlainAnswer answer = moving();
@@ -483,7 +482,7 @@ TEST(CertificateStatus, ConvergedNeedsAReducedGradientUnderTenTolerances) {
       "repair is 0.067, tolerance 1e-05");
 }
 
-// States do not move on, and no gradient contains the co-state.
+// States do not propagate, and no gradient contains the costate.
 TEST(CertificateStatus, ConvergedNeedsCostatesUnderAThousandTolerances) {
   for (const int k : {0, 1})
     for (const double costate : {0.9e-3, 1.1e-3, -1.1e-3}) {
@@ -526,7 +525,7 @@ TEST(CertificateStatus, ReportsWhetherAllFiguresMeetTolerances) {
   }
 }
 
-/// A cost that has settled, with stationarity above its tolerance.
+/// A settled cost with stationarity above its tolerance.
 struct SettledVerdict : Verdict {
   explicit SettledVerdict(const PlainAnswer& answer) : Verdict(answer) {
     claims->converged = false;
@@ -536,7 +535,7 @@ struct SettledVerdict : Verdict {
   }
 };
 
-// Both what is claimed and what is found have to be under the tolerance.
+// Both claimed and computed figures must be within tolerance.
 TEST(CertificateStatus, CostSettledNeedsAFeasibleMotion) {
   const std::string above =
       "'cost_settled', but a gap, a violation or the complementarity is above its tolerance";

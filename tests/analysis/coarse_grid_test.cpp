@@ -1,4 +1,4 @@
-// Errors of grids along motions whose steps are known by hand.
+// Discretization errors along motions whose steps are known analytically.
 #include "analysis/certificate/coarse_grid.hpp"
 
 #include <cmath>
@@ -10,7 +10,7 @@
 namespace conddp {
 namespace {
 
-/// x' = rate x + u from x = 1 in steps of dt, held by constant controls at the state of each node.
+/// x' = rate · x + u from x = 1 with steps dt; constant controls hold the state of each node.
 struct Case {
   Case(double rate, Integrator integrator, double dt, int knots, double unit = 1)
       : problem(problem_of(rate, integrator, dt, knots, unit)),
@@ -32,7 +32,7 @@ struct Case {
              .cost_scale = {1}}};
   }
 
-  /// Multiplies the state by a factor in each step, without controls.
+  /// Multiplies the state by a factor at each step, without controls.
   void multiply(double factor) {
     for (int k = 0; k < problem.knots(); ++k) motion.x(k + 1) = factor * motion.x(k);
   }
@@ -44,7 +44,8 @@ struct Case {
   Trajectory motion;
 };
 
-// Euler multiplies by 1 − 0.2 a step, two halves by 0.9²: 0.01, of which halves show one half.
+// Euler multiplies by 1 − 0.2 per step and two half steps by 0.9²: an error of 0.01, half of which
+// the half steps reveal.
 TEST(GridError, AddsUpErrorsOfSteps) {
   Case decay(-2, Integrator::explicit_euler, 0.1, 2);
   decay.multiply(0.8);
@@ -90,7 +91,7 @@ TEST(CoarseGrid, IsFoundWhereStepsLeaveTheMotion) {
   EXPECT_FALSE(coarse_grid(fine.problem, fine.motion, fine.gains(0)));
 }
 
-// Errors of single steps add up to a fifth of the motion, which feedback takes away.
+// Step errors accumulate to a fifth of the motion; feedback removes them.
 TEST(CoarseGrid, IsNoneWhereFeedbackHoldsTheMotion) {
   Case growth(1, Integrator::explicit_euler, 0.3, 4);
   growth.multiply(1.3);

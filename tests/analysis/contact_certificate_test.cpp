@@ -1,4 +1,4 @@
-// A motion of the simulator passes all checks; one in which something is changed fails by name.
+// A simulated motion passes all checks; changing one quantity makes the corresponding check fail.
 #include "analysis/contact/contact_certificate.hpp"
 
 #include <cmath>
@@ -23,7 +23,7 @@ std::string failures(const ContactMotion& motion) {
   return names;
 }
 
-/// The first step in which the lower front corner carries something.
+/// First step in which the lower front corner carries a load.
 int carrying(const ContactMotion& motion) {
   for (int k = 0; k < motion.steps(); ++k)
     if (motion.forces[k].contact(0, 1) > 1) return k;
@@ -40,14 +40,15 @@ TEST(ContactCertificate, HoldsForASimulatedMotion) {
   EXPECT_GT(motion.forces[carrying(motion)].contact(0, 1), 1);
 }
 
-/// Work of friction: what is left of the block's energy when it rests again is that of its height.
+/// Friction dissipates the block's energy except the potential energy at its final height.
 TEST(ContactCertificate, EnergyBalances) {
   const ContactMotion motion = thrown_block();
   const ContactMeasures measures = measure_contacts(motion);
   EXPECT_NEAR(measures.energy_start, 2 + 9.81 * 0.6, 1e-9);
   EXPECT_NEAR(measures.energy_end, 9.81 * 0.5, 1e-9);
   EXPECT_LT(measures.work_contacts, -0.3);
-  // Backward Euler on landing and stopping: half m times the square of each jump of velocity.
+  // Backward Euler at landing and stopping dissipates half m times the square of each velocity
+  // jump.
   double jumps = 0;
   for (int k = 0; k < motion.steps(); ++k)
     jumps += 0.5 * (motion.v[k + 1] - motion.v[k]).squaredNorm();
@@ -78,7 +79,7 @@ TEST(ContactCertificate, Penetration) {
 TEST(ContactCertificate, PullingForce) {
   ContactMotion motion = thrown_block();
   const int k = carrying(motion);
-  // Both corners together carry the same.
+  // Both corners together carry the same load.
   const double much = motion.forces[k].contact(0, 0) + motion.forces[k].contact(0, 1) + 1;
   motion.forces[k].contact(0, 0) = -1;
   motion.forces[k].contact(0, 1) = much;
@@ -110,7 +111,7 @@ TEST(ContactCertificate, StopsAndDryFriction) {
   EXPECT_NE(failures(motion).find("[contact friction]"), std::string::npos) << failures(motion);
 }
 
-// Of a plant of 1 kg: figures at their tolerances hold, and no larger ones.
+// A plant of 1 kg: figures at their tolerances pass, larger figures fail.
 TEST(ContactCertificate, FiguresHoldUpToTheirTolerance) {
   const ContactMotion motion = thrown_block();
   const SolverOptions::Tolerances tight{.gap = 0, .constraint = 0},
@@ -154,7 +155,7 @@ TEST(ContactCertificate, FiguresHoldUpToTheirTolerance) {
       EXPECT_TRUE(judged(tolerance * (1 - 1e-12))) << name;
       EXPECT_FALSE(judged(tolerance * (1 + 1e-12))) << name;
     }
-  // To the bit where the tolerance is a number that is written down.
+  // Exact to the bit where the tolerance is a literal.
   ContactMeasures exact;
   exact.distant.meet(1e-4, 7, "ball");
   exact.penetration.meet(1e-6, 7, "ball");
@@ -174,14 +175,14 @@ TEST(ContactReplay, FollowsWhatTheSimulatorMade) {
   EXPECT_LT(replay.controls.deviation, 1e-10);
   EXPECT_EQ(replay.controls.lost_at, -1);
   EXPECT_FALSE(replay.feedback_fine);
-  // Ten times finer: where it rests does not change, when it lands does.
+  // A ten times finer grid changes the time of landing but not the resting place.
   EXPECT_GT(replay.controls_fine.deviation, 1e-4);
   EXPECT_LT(replay.controls_fine.final_state, 0.02);
 }
 
-/// The block's middle flies past the corner of a box: without the box it would end the step inside
-/// of it, and both the face above and that at the side can keep it out.
-/// A corner of it flies over ground with friction meanwhile, which it does not touch.
+/// The block's centre flies past the corner of a box. Without the box, the step would end inside
+/// it, so either the top or the side face can stop it. Meanwhile, a corner of the block flies over
+/// frictional ground without touching it.
 ContactMotion past_a_corner(bool above) {
   ContactMotion motion;
   motion.plant = contact_plant("block", {"base_x"});
@@ -217,13 +218,13 @@ TEST(ContactReplay, FollowsPlanAmongSeveralSolutionsAndCountsOthers) {
       EXPECT_EQ(replay.ambiguous.knot, 1);
     }
   }
-  // Left alone, the simulator finds one of the two.
+  // Without guidance, the simulator finds one of the two solutions.
   EXPECT_EQ(ambiguous, 1);
 }
 
 TEST(ContactReplay, FeedbackBringsTheMotionBack) {
   ContactMotion motion = thrown_block();
-  // The plan claims to end elsewhere: only feedback tries to go there.
+  // The plan claims a different end point; only feedback tries to reach it.
   for (int k = 45; k <= motion.steps(); ++k) motion.q[k][0] += 0.01;
   Eigen::MatrixXd gain = Eigen::MatrixXd::Zero(3, 6);
   gain(0, 0) = -1000;

@@ -1,4 +1,4 @@
-// A block on slides that the world holds: its forces, and how far it moves, are known by hand.
+// A block on slides held by the world; its forces and displacements are known analytically.
 #include "analysis/findings/contact_findings.hpp"
 
 #include <cmath>
@@ -16,7 +16,7 @@ using testing::block_system;
 
 constexpr double kBlockWeight = 2 * 9.81;
 
-/// Whatever is found of a motion in which the block is held, kind by kind.
+/// Findings of one kind for a motion in which the block is held.
 std::vector<Finding> found_in_contacts(const ShootingProblem& problem, const Trajectory& motion,
                                        FindingKind kind, const FindingNames& names = {}) {
   std::vector<Finding> all, found;
@@ -30,7 +30,7 @@ bool mentions(const Finding& finding, const std::string& text) {
   return (finding.message + " | " + finding.remedy).find(text) != std::string::npos;
 }
 
-/// Sets the force with which the world holds the block at a knot.
+/// Sets the force with which the world holds the block at knot k.
 void hold(Trajectory& motion, int k, double x, double y, double z) {
   motion.u(k) << -x, -y, kBlockWeight - z;
 }
@@ -128,7 +128,7 @@ TEST(Friction, DoesNotAdviseConesTheFileEnforces) {
   EXPECT_EQ(remedy({{"c", true, false}}), "the constraint 'c' at all knots");
 }
 
-// A thousandth of the weight of all three bodies, 4 kg, is 0.039 N.
+// A thousandth of the weight of all three bodies (4 kg) is 0.039 N.
 TEST(Pull, OfAThousandthOfTheWeightSaysNothing) {
   const ShootingProblem problem = block_problem({block_phase(block_system({{.name = "grip"}}), 1)});
   Trajectory motion = problem.create_trajectory();
@@ -142,7 +142,7 @@ TEST(Pull, OfAThousandthOfTheWeightSaysNothing) {
   EXPECT_EQ(found_in_contacts(problem, motion, FindingKind::friction_demand).size(), 1u);
 }
 
-// The world stops the block at once: 4 kg along x with 0.5 m/s, 2 kg along z with −1 m/s.
+// The world stops the block instantly: 4 kg along x at 0.5 m/s, 2 kg along z at −1 m/s.
 TEST(Impulses, ReportDemandAndPullInNewtonSeconds) {
   const auto robot = testing::block_on_slides();
   const std::vector<Contact> grip = {{.name = "grip", .frame = *robot->find_frame("block")}};
@@ -172,7 +172,7 @@ TEST(Impulses, ReportDemandAndPullInNewtonSeconds) {
   EXPECT_TRUE(found_in_contacts(problem, motion, FindingKind::pull).empty());
 }
 
-/// The drift of a block that is held from the first knot on.
+/// Drift findings for a block that is held from the first knot.
 std::vector<Finding> drift_of(const Contact& contact,
                               const std::vector<Vector3<double>>& positions) {
   const ShootingProblem problem =
@@ -197,7 +197,7 @@ TEST(Drift, IsLargestDistanceFromStartOfStance) {
   ASSERT_EQ(stiff.size(), 1u);
   EXPECT_TRUE(mentions(stiff[0], "smaller dt")) << stiff[0].remedy;
   EXPECT_TRUE(drift_of({.name = "grip"}, {{0, 0, 0}, {0, 0.0009, 0}}).empty());
-  // There and back beyond the start: from knot to knot it is further.
+  // Oscillation about the start: the distance between knots exceeds the distance from the start.
   const auto back = drift_of({.name = "grip"}, {{0, 0, 0}, {0, 0.005, 0}, {0, -0.004, 0}});
   ASSERT_EQ(back.size(), 1u);
   EXPECT_NEAR(back[0].value, 0.005, 1e-12);
@@ -233,7 +233,7 @@ TEST(Drift, CountsAlongTheDirectionsThatAreHeld) {
   EXPECT_NEAR(drift_of(rail, {{0, 0, 0}, {0.003, 0.1, -0.004}}).at(0).value, 0.005, 1e-12);
 }
 
-// A floating block that is turned by 90° about y: its own z is the world's x.
+// A floating block rotated by 90° about y: its z axis is the world's x axis.
 TEST(Drift, DirectionInFrameAxesTurnsWithFrame) {
   const std::string body =
       R"(<robot name="box"><link name="box"><inertial><mass value="1"/>)"

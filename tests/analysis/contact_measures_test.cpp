@@ -1,5 +1,5 @@
-// Figures of two steps of a block on slides, by hand: it comes down on the ground, is held back by
-// a stop along x, by dry friction along y and by damping along all.
+// Hand-computed figures for two steps of a block on slides. It lands on the ground, a stop acts
+// along x, dry friction along y, and damping along all axes.
 #include "analysis/contact/contact_measures.hpp"
 
 #include <cmath>
@@ -51,7 +51,7 @@ ContactMotion two_steps(FrictionModel friction = FrictionModel::cone) {
 
 TEST(ContactMeasures, OfPairsAreThoseOfForcesAndGaps) {
   const ContactMeasures found = measure_contacts(two_steps());
-  // The ball: 3 N over 2 cm, then −1 N at −5 cm; the stop: 0.5 N over 10 cm.
+  // Ball: 3 N at 2 cm, then −1 N at −5 cm; stop: 0.5 N at 10 cm.
   EXPECT_NEAR(found.complementarity.value, 1, 1e-12);
   EXPECT_EQ(found.complementarity.knot, 2);
   EXPECT_NEAR(found.product.value, 0.06, 1e-12);
@@ -64,7 +64,7 @@ TEST(ContactMeasures, OfPairsAreThoseOfForcesAndGaps) {
   EXPECT_EQ(found.signs.knot, 2);
   EXPECT_NEAR(found.penetration.value, 0.05, 1e-12);
   EXPECT_EQ(found.penetration.knot, 2);
-  // Nine tenths of the way from 2 cm above to 5 cm below.
+  // Nine tenths of the way from 2 cm above to 5 cm below the surface.
   EXPECT_NEAR(found.between.value, 0.043, 1e-12);
   EXPECT_EQ(found.between.what, "ball");
 }
@@ -72,15 +72,15 @@ TEST(ContactMeasures, OfPairsAreThoseOfForcesAndGaps) {
 TEST(ContactMeasures, OfFrictionCountDryFrictionToo) {
   ContactMotion motion = two_steps();
   const ContactMeasures found = measure_contacts(motion);
-  // The ball slides by (1, 0.1) m/s without friction, of which it could have 1.5 N.
+  // The ball slides at (1, 0.1) m/s without friction, although 1.5 N are available.
   EXPECT_NEAR(found.friction.value, 1, 1e-12);
   EXPECT_NEAR(found.slip.value, std::hypot(1, 0.1), 1e-12);
   EXPECT_NEAR(found.dissipation.value, 1.5 * std::hypot(1, 0.1) / kAllWeight, 1e-12);
   EXPECT_EQ(found.dissipation.what, "ball");
-  // In the second step 1 N pulls, so that friction has −0.5 N: none is beyond it.
+  // In the second step 1 N pulls; the friction limit of −0.5 N is violated even without friction.
   EXPECT_NEAR(found.cone.value, 0.5 / kAllWeight, 1e-12);
   EXPECT_EQ(found.cone.knot, 2);
-  // With its friction against the motion, and all of it, the ball is as it should be.
+  // Full friction against the motion satisfies the friction law.
   const Eigen::Vector2d along = Eigen::Vector2d(1, 0.1).normalized();
   motion.forces[0].contact.col(0).tail<2>() = -1.5 * along;
   const ContactMeasures better = measure_contacts(motion);
@@ -97,7 +97,7 @@ TEST(ContactMeasures, OfPyramidsAreThoseOfTheirTangents) {
 
 TEST(ContactMeasures, WorkIsForceTimesWay) {
   const ContactMeasures found = measure_contacts(two_steps());
-  // From 2 cm above to 5 cm below −1 N does 0.07 J; stop and friction work against the motion.
+  // From 2 cm above to 5 cm below, −1 N does 0.07 J of work; stop and friction oppose the motion.
   EXPECT_NEAR(found.work.value, 0.07, 1e-12);
   EXPECT_EQ(found.work.what, "ball");
   EXPECT_NEAR(found.work_contacts, 3 * -0.03 + 0.07 - 0.5 * 0.1 - 0.1 * 0.4 * 0.1, 1e-12);
@@ -115,13 +115,13 @@ TEST(ContactMeasures, SteppingIsTheForceThatEquationsLack) {
   ContactMotion motion = two_steps();
   motion.h.pop_back();
   const ContactMeasures found = measure_contacts(motion);
-  // Along z: 2 kg · (−1 m/s²) + 19.62 N against 2 N of the control, 3 N of the ball, 0.6 N of
+  // Along z: 2 kg · (−1 m/s²) + 19.62 N against 2 N of control, 3 N from the ball, and 0.6 N of
   // damping.
   EXPECT_NEAR(found.stepping.value, (2 * -1 + 19.62 - 2 - 3 - 0.6) / kAllWeight, 1e-12);
   EXPECT_EQ(found.stepping.what, "z");
   EXPECT_EQ(found.stepping.knot, 1);
-  // Along x: 4 kg · 2 m/s² against 5 N, −0.5 N of the stop and −2 N of damping, where z has what it
-  // needs.
+  // Along x: 4 kg · 2 m/s² against 5 N of control, −0.5 N from the stop, and −2 N of damping; z is
+  // balanced.
   motion.u[0][2] += 2 * -1 + 19.62 - 2 - 3 - 0.6;
   const ContactMeasures along_x = measure_contacts(motion);
   EXPECT_NEAR(along_x.stepping.value, (4 * 2 - 5 + 0.5 + 2) / kAllWeight, 1e-12);

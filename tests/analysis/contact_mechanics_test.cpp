@@ -1,4 +1,4 @@
-// Forces and energies of a plant against the robot's own functions, formulas and differences.
+// Forces and energies of a plant, compared with robot functions, formulas, and finite differences.
 #include "analysis/contact/contact_mechanics.hpp"
 
 #include <cmath>
@@ -54,7 +54,7 @@ TEST(ContactMechanics, KineticSlopeIsThatOfTheKineticEnergy) {
   const std::vector<double> q = random.numbers(n, 1), v = random.numbers(n, 1), zero(n, 0.0);
   ContactMechanics<double> mechanics(plant);
   const std::vector<double> slope = mechanics.kinetic_slope(q.data(), v.data());
-  // M v is what inverse dynamics need for the acceleration v at rest, less what they need for none.
+  // M v is the inverse dynamics at rest for acceleration v minus that for zero acceleration.
   RobotData<double> data(*plant.robot);
   const auto energy = [&](const std::vector<double>& at) {
     inverse_dynamics(*plant.robot, at.data(), zero.data(), v.data(), data);
@@ -83,7 +83,7 @@ TEST(ContactMechanics, AppliedForcesAreTheirColumnsTimesTheControls) {
   for (int i = 0; i < n; ++i) EXPECT_EQ(forces[i], 2 * (1 + i) - 3 * (1 + n + i));
 }
 
-/// A random robot, bolted or floating, in a random state, and what a sphere on it may touch.
+/// A random robot, fixed or floating, in a random state, and the candidates of a sphere on it.
 class GeometryOfContacts : public ::testing::TestWithParam<bool> {
  protected:
   GeometryOfContacts()
@@ -98,7 +98,7 @@ class GeometryOfContacts : public ::testing::TestWithParam<bool> {
     plant.contacts.plane = c.plane;
     return plant;
   }
-  /// As the solver has it, with slopes.
+  /// The solver's version, with slopes.
   CandidateRows<double> of_the_solver(const CandidateGeometry& geometry) const {
     RobotData<double> data(*robot_);
     update_placements(*robot_, q_.data(), data);

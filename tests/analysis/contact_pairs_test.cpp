@@ -11,7 +11,7 @@ Eigen::RowVectorXd row(std::initializer_list<double> numbers) {
   return values;
 }
 
-/// A contact with two tangents on three velocities, of which the first one is normal.
+/// A contact with a normal and two tangents in three velocities; the first velocity is normal.
 ContactPairs contact(const Eigen::VectorXd& v, double friction) {
   ContactPairs pairs(6, 3);
   const int normal = pairs.add(0.25, row({1, 0, 0}), row({1, 0, 0}));
@@ -31,11 +31,11 @@ TEST(ContactPairs, FrictionHasSignedTangentsAndSpeedSlack) {
 
 TEST(ContactPairs, FrictionStaysWithinNormalImpulseBudget) {
   const ContactPairs pairs = contact(Eigen::Vector3d::Zero(), 0.8);
-  // z: an impulse of 2 along the normal, friction of 0.5 and 0.25 along the edges.
+  // z: normal impulse 2, friction impulses 0.5 and 0.25 along the edges.
   const Eigen::VectorXd z = (Eigen::VectorXd(6) << 2, 0.5, 0, 0, 0.25, 3).finished();
   const Eigen::VectorXd w = pairs.value + pairs.coupling * z;
   EXPECT_DOUBLE_EQ(w[5], 0.8 * 2 - 0.75);
-  // The slack of speed stands in each edge.
+  // The speed slack appears in each edge.
   for (int edge = 1; edge < 5; ++edge) EXPECT_DOUBLE_EQ(w[edge], 3);
   EXPECT_DOUBLE_EQ(w[0], 0.25);
 }

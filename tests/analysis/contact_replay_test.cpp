@@ -1,4 +1,4 @@
-// Replays of a block on slides that touches nothing: backward Euler at constant forces by hand.
+// Replays of a block on slides without contact: backward Euler with constant forces by hand.
 #include "analysis/contact/contact_replay.hpp"
 
 #include <cmath>
@@ -10,8 +10,8 @@
 namespace conddp {
 namespace {
 
-/// Two steps of 0.1 s behind a knot that chose the first state. What is planned at node 1 is 0.02
-/// m/s too fast along y, and at node 2 0.03 m too far along x.
+/// Two steps of 0.1 s after a knot that chooses the initial state. The plan is 0.02 m/s too fast
+/// along y at node 1 and 0.03 m too far along x at node 2.
 ContactMotion planned_slide() {
   ContactMotion motion;
   motion.plant.robot = testing::block_on_slides();
@@ -29,11 +29,11 @@ ContactMotion planned_slide() {
   return motion;
 }
 
-/// Gains of the knots, the first of which has none; a seventh column is of what was chosen.
+/// Gains by knot. The first knot has invalid gains; the seventh column belongs to the chosen state.
 std::vector<Eigen::MatrixXd> gains_of_knots() {
   std::vector<Eigen::MatrixXd> gains(3, Eigen::MatrixXd::Zero(3, 7));
   gains[0].setConstant(std::nan(""));
-  gains[1].setConstant(7);  // nothing is off where it begins
+  gains[1].setConstant(7);  // no deviation at the start
   gains[2](0, 0) = -100;
   gains[2](1, 4) = -1000;
   gains[2].col(6).setConstant(std::nan(""));
@@ -50,7 +50,8 @@ TEST(ContactReplay, OfEachStepBeginsWhereItWasPlanned) {
   EXPECT_NEAR(replay.each_step.relative, 0.02 / 0.12, 1e-12);
   EXPECT_EQ(replay.each_step.lost_at, -1);
   EXPECT_EQ(replay.ambiguous_steps, 0);
-  // In two halves the first step goes 0.0025 m less far along each axis, of 0.02 m along y and z.
+  // With two half steps, the first step moves 0.0025 m less along each axis, compared with 0.02 m
+  // along y and z.
   EXPECT_NEAR(replay.each_step_fine.deviation, 0.03, 1e-12);
   EXPECT_NEAR(replay.each_step_fine.relative, 0.02 / 0.12, 1e-12);
 }
@@ -65,7 +66,7 @@ TEST(ContactReplay, ControlsAloneContinueFromSimulatedState) {
   EXPECT_NEAR(replay.controls.final_state, 0, 1e-12);
   EXPECT_NEAR(replay.controls_fine.deviation, 0.02, 1e-12);
   EXPECT_NEAR(replay.controls_fine.final_state, 0.0025, 1e-12);
-  // Of each step the second one begins as planned.
+  // In step-by-step replay, the second step starts from the planned state.
   EXPECT_NEAR(replay.each_step.final_state, 0.02, 1e-12);
 }
 
@@ -73,14 +74,14 @@ TEST(ContactReplay, WithFeedbackMovesControlsWithinTheirBounds) {
   const ContactMotion motion = planned_slide();
   const ContactReplay replay = replay_contacts(motion, gains_of_knots(), 2);
   ASSERT_TRUE(replay.feedback_fine);
-  // 0.25 N along x from −0.0025 m; 20 N along y from −0.02 m/s, of which there are 6.
+  // 0.25 N along x from −0.0025 m; 20 N along y from −0.02 m/s, limited to 6 N.
   EXPECT_EQ(replay.feedback_fine->saturated, 1);
   EXPECT_NEAR(replay.feedback_fine->deviation, 0.2, 1e-12);
   EXPECT_EQ(replay.feedback_fine->knot, 3);
   EXPECT_EQ(replay.feedback_fine->entry, 4);
   EXPECT_NEAR(replay.feedback_fine->final_state, 0.2, 1e-12);
   EXPECT_NEAR(replay.feedback_fine->relative, 0.2 / 0.12, 1e-12);
-  // With a wider bound along y and a plan that ends where x does: 0.1075 m and two halves more.
+  // With a wider bound along y and a plan that ends at the simulated x: 0.1075 m plus two halves.
   ContactMotion moved = motion;
   moved.u[1][1] = 20;
   moved.u_upper[1] = 50;

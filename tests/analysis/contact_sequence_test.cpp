@@ -17,12 +17,12 @@ TEST(ContactSequence, OfABlockThatFallsSlidesAndStops) {
   EXPECT_EQ(ground.landing, ground.closed);
   EXPECT_EQ(ground.slides, ground.closed);
   EXPECT_EQ(flight.steps + ground.steps, motion.steps());
-  // It lands at the end of the last step of the flight.
+  // Landing occurs at the end of the last flight step.
   EXPECT_GT(motion.q[flight.steps - 1][1], 0.5 + 1e-3);
   EXPECT_NEAR(motion.q[flight.steps][1], 0.5, 1e-9);
 }
 
-// The landing and a contact of one step are no contacts of a schedule, but nor are they nothing.
+// The landing and a one-step contact do not appear in the schedule, but their forces are reported.
 TEST(ContactSequence, ForcesThatNoContactAccountsForAreTold) {
   ContactMotion motion = thrown_block();
   const auto sequence = contact_sequence(motion);
@@ -54,7 +54,7 @@ TEST(ContactSequence, WhatRestsAtTheStartDoesNotLand) {
 TEST(ContactSequence, ShortInterruptionsAreLeftOut) {
   ContactMotion motion = thrown_block();
   const int middle = (contact_sequence(motion)[1].first + motion.steps()) / 2;
-  motion.forces[middle].contact(0, 1) = 0;  // where it touches all the same
+  motion.forces[middle].contact(0, 1) = 0;  // still touching
   const auto sequence = contact_sequence(motion);
   ASSERT_EQ(sequence.size(), 2u);
   EXPECT_EQ(sequence[0].closed, std::vector<bool>(4, false));
@@ -64,9 +64,9 @@ TEST(ContactSequence, ShortInterruptionsAreLeftOut) {
   EXPECT_EQ(contact_sequence(motion).size(), 4u);
 }
 
-/// A block of 2 kg on slides (4 kg in all) with a ball below it, and another one 0.2 m above the
-/// ground that goes along x alone. Of each step: the height of the first ball at its beginning, the
-/// speeds along x and y at its end, that ball's force.
+/// A block of 2 kg on slides (4 kg in total) with a ball below it and a second ball 0.2 m above the
+/// ground that moves along x only. Each step lists the initial height of the first ball, the final
+/// speeds along x and y, and the ball's force.
 struct SlideStep {
   double height, along_x, along_y, force;
 };
@@ -107,7 +107,7 @@ std::string story(const std::vector<ContactStretch>& sequence) {
   return text;
 }
 
-// A force counts from a ten-thousandth of the weight on, a contact from 10 µm, a slip from 1 cm/s.
+// Thresholds: a ten-thousandth of the weight for forces, 10 µm for gaps, 1 cm/s for slip.
 TEST(ContactSequence, CountsForcesGapsAndSlipsAtThresholds) {
   const double weight = 4 * 9.81;
   const SlideStep stands = {0, 0, 0, 10};
@@ -123,7 +123,7 @@ TEST(ContactSequence, CountsForcesGapsAndSlipsAtThresholds) {
   EXPECT_EQ(story(contact_sequence(slide_steps({stands, {0, 0, -0.011, 10}}))),
             "0-2: closed sliding");
   EXPECT_EQ(story(contact_sequence(slide_steps({stands, {0, 0.009, 0, 10}}))), "0-2: closed");
-  // Speed in the air is no slip.
+  // Tangential speed in the air is not slip.
   EXPECT_EQ(story(contact_sequence(slide_steps({{1, 3, 0, 0}, {1, 3, 0, 0}, stands, stands}))),
             "0-2: open; 2-4: closed landing");
 }
@@ -133,14 +133,14 @@ TEST(ContactSequence, DropsRunsShorterThanRequested) {
   const auto told = [](const std::vector<SlideStep>& steps, int shortest) {
     return story(contact_sequence(slide_steps(steps), {.shortest = shortest}));
   };
-  // One step without a force, where it touches all the same.
+  // One step without force while still touching.
   const std::vector<SlideStep> rest = {stands, stands, hovers, stands, stands};
   EXPECT_EQ(told(rest, 2), "0-5: closed");
   EXPECT_EQ(told(rest, 1), "0-2: closed; 2-3: open; 3-5: closed landing");
-  // A flight of one step is one.
+  // A one-step flight counts as a flight.
   EXPECT_EQ(told({stands, stands, flies, stands, stands}, 2),
             "0-2: closed; 2-3: open; 3-5: closed landing");
-  // A contact of one step is none; at either end it may go on outside of the motion.
+  // A one-step contact is dropped, except at either end, where it may continue outside the motion.
   const std::vector<SlideStep> touch = {flies, flies, stands, flies, flies};
   EXPECT_EQ(told(touch, 2), "0-5: open");
   EXPECT_EQ(told(touch, 1), "0-2: open; 2-3: closed landing; 3-5: open");

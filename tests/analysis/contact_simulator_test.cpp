@@ -38,7 +38,7 @@ StepStart standing_block(const ContactPlant& plant, double h) {
   return start;
 }
 
-/// A bare mass that slides on a plane in space.
+/// A point mass sliding on a plane in space.
 ContactPlant puck(FrictionModel friction) {
   const std::string text =
       R"(<robot name="puck"><link name="table"/><link name="a"/><link name="b"/>
@@ -116,7 +116,7 @@ TEST(ContactSimulator, SlidingCrateSlowsDownByFriction) {
   EXPECT_LT(start.v.norm(), 1e-12);
 }
 
-/// Backward Euler in the body's axes: M (v⁺ − v)/h = (m g, 0) − v⁺ × M v⁺ without contact.
+/// Backward Euler in body axes without contact: M (v⁺ − v)/h = (m g, 0) − v⁺ × M v⁺.
 TEST(ContactSimulator, SpinningCrateFliesByItsDefinition) {
   const double h = 0.01;
   const ContactPlant plant = crate(0.5);
@@ -130,7 +130,7 @@ TEST(ContactSimulator, SpinningCrateFliesByItsDefinition) {
     const Eigen::Vector3d v = start.v.head<3>(), w = start.v.tail<3>();
     const Eigen::Vector3d rate = turned.conjugate() * Eigen::Vector3d(0, 0, -kGravity) - w.cross(v);
     EXPECT_LT((start.v.head<3>() - before.head<3>() - h * rate).norm(), 1e-12) << k;
-    EXPECT_LT((w - before.tail<3>()).norm(), 1e-12) << k;  // a cube has no favourite axis
+    EXPECT_LT((w - before.tail<3>()).norm(), 1e-12) << k;  // a cube has isotropic inertia
     EXPECT_NEAR(turned.norm(), 1, 1e-13) << k;
   }
 }
@@ -183,7 +183,7 @@ TEST(ContactSimulator, PushedBlockSticksSlipsAndSticksAgain) {
   double speed = 0;
   int stopped = -1;
   for (int k = 0; k < 100; ++k) {
-    // Up to 1.5 times the grip within half a second, then nothing.
+    // Ramp to 1.5 times the grip within half a second, then zero.
     const double push = k < 50 ? 1.5 * grip * (k + 1) / 50 : 0;
     start.applied[0] = push;
     const ContactStep step = advance(simulator, plant, start);
@@ -195,7 +195,7 @@ TEST(ContactSimulator, PushedBlockSticksSlipsAndSticksAgain) {
   EXPECT_LT(stopped, 90);
 }
 
-/// A force high up tips the block over its front corner instead of sliding it.
+/// A force applied high up tips the block over its front corner instead of sliding it.
 TEST(ContactSimulator, HighFrictionTipsTheBlock) {
   const double h = 0.001;
   const ContactPlant plant = block_on_slope(2, std::atan(1.2));
@@ -206,7 +206,7 @@ TEST(ContactSimulator, HighFrictionTipsTheBlock) {
     EXPECT_EQ(step.forces.contact(0, 0), 0) << "the rear corner lifts";
     EXPECT_GT(step.forces.contact(0, 1), 0);
   }
-  // It turns about that corner: (1/6 + 1/2) m l² α = m g l (sin − cos)/2 at first.
+  // Initial rotation about that corner: (1/6 + 1/2) m l² α = m g l (sin − cos)/2.
   const double angle = std::atan(1.2);
   const double slope = kGravity * (std::sin(angle) - std::cos(angle)) / 2 / (1.0 / 6 + 0.5);
   EXPECT_NEAR(start.v[2], 0.1 * slope, 0.01 * slope);
@@ -245,8 +245,8 @@ TEST(ContactSimulator, JointStopsHoldTheAcrobotsElbow) {
   EXPECT_GT(stopped, 20);
 }
 
-/// A ball that hits a spring stays in it for half a period, π √(m/k); each step in it is
-/// v⁺ = (v − h k x/m)/(1 + h² k/m).
+/// A ball stays in contact with a spring for half a period, π √(m/k). Each step is v⁺ = (v − h k
+/// x/m)/(1 + h² k/m).
 TEST(ContactSimulator, SoftWallIsASpring) {
   const double k = 200, h = 1e-4, m = 2;
   ContactPlant plant = puck(FrictionModel::polyhedron);
@@ -326,7 +326,7 @@ TEST(ContactSimulator, ConeOpposesTheSlipInSpace) {
   }
 }
 
-/// Cones that are all but parallel, on feet whose loads and slips belong together.
+/// Nearly parallel cones on feet with coupled loads and slips.
 TEST(ContactSimulator, ConesOfThreeFeetOpposeBodySlip) {
   const double h = 0.02, friction = 0.3, mass = 0.5;
   ContactPlant plant = contact_plant("puck", {});
@@ -340,7 +340,7 @@ TEST(ContactSimulator, ConesOfThreeFeetOpposeBodySlip) {
     start.q[velocity_index(plant, "base_z")] = 0.02;
     const Eigen::Vector2d along(std::cos(heading), std::sin(heading));
     double speed = 0;
-    // Pushed from rest, then alone until it stands.
+    // Pushed from rest, then released until it stops.
     for (int k = 0; k < 25; ++k) {
       const double push = k < 5 ? 6 : 0;
       start.applied.head<2>() = push * along;
@@ -359,12 +359,12 @@ TEST(ContactSimulator, PyramidIsWeakerBetweenItsEdges) {
   ContactSimulator simulator(plant);
   StepStart start = sliding_puck(plant, h);
   const ContactStep step = advance(simulator, plant, start);
-  // All of it along the tangent that slips faster.
+  // All friction acts along the faster tangent.
   EXPECT_NEAR(step.v[0], 1, 1e-12);
   EXPECT_NEAR(step.v[1], 2 - h * 0.3 * kGravity, 1e-10);
 }
 
-/// Midpoints of the free acrobot keep its energy, backward Euler loses it.
+/// Midpoint steps of the free acrobot conserve its energy; backward Euler dissipates it.
 TEST(ContactSimulator, MidpointSchemeKeepsTheEnergy) {
   for (const SteppingScheme scheme :
        {SteppingScheme::backward_euler, SteppingScheme::variational_midpoint}) {
@@ -384,7 +384,7 @@ TEST(ContactSimulator, MidpointSchemeKeepsTheEnergy) {
     double worst = 0;
     for (int k = 0; k < 500; ++k) {
       const ContactStep step = advance(simulator, plant, start);
-      // The discrete velocity is that of the midpoint.
+      // The discrete velocity belongs to the midpoint.
       const Eigen::VectorXd middle = step.q - 0.005 * step.v;
       worst = std::max(worst, std::abs(energy(middle, step.v) - before));
     }
@@ -395,7 +395,7 @@ TEST(ContactSimulator, MidpointSchemeKeepsTheEnergy) {
   }
 }
 
-/// Nothing depends on where a mass stands that touches nothing: nor do its equations see that.
+/// The position of a mass without contact affects nothing, so its equations do not see it.
 TEST(ContactSimulator, ReportsUnusedNonFinitePosition) {
   ContactPlant plant = puck(FrictionModel::polyhedron);
   plant.contacts.candidates.clear();
@@ -410,7 +410,7 @@ TEST(ContactSimulator, ReportsUnusedNonFinitePosition) {
   EXPECT_EQ(simulator.step(start).status, StepStatus::not_finite);
 }
 
-/// Newton's method: few iterations a step, and residuals down to rounding.
+/// Newton's method needs few iterations per step and reaches rounding-level residuals.
 TEST(ContactSimulator, StepsTakeFewIterationsToTheLastDigits) {
   struct Motion {
     ContactPlant plant;
@@ -431,7 +431,7 @@ TEST(ContactSimulator, StepsTakeFewIterationsToTheLastDigits) {
   }
 }
 
-/// A disc whose heading turns by a third of a right angle within a step.
+/// A disc whose heading turns by a third of a right angle within one step.
 TEST(ContactSimulator, HeadingsThatTurnFarTakeFewIterationsToo) {
   const ContactPlant plant = puck(FrictionModel::cone);
   ContactSimulator simulator(plant);
@@ -447,7 +447,7 @@ TEST(ContactSimulator, HeadingsThatTurnFarTakeFewIterationsToo) {
   }
 }
 
-/// Newton's method with the contacts as they are at the solution begins at it.
+/// Newton's method with the contact modes of the solution starts there.
 TEST(ContactSimulator, KeepsAStepThatAlreadySolves) {
   ContactPlant plant = crate(0.5, FrictionModel::cone);
   ContactSimulator simulator(plant);
@@ -465,7 +465,7 @@ TEST(ContactSimulator, KeepsAStepThatAlreadySolves) {
   EXPECT_GE(quick, 36) << "but for steps in which a corner lands";
 }
 
-/// A mass on a slide between two stops with dry friction, pushed against either of them.
+/// A mass on a slide between two stops with dry friction, pushed against either stop.
 TEST(ContactSimulator, StopsAndDryFrictionShareAPush) {
   const double h = 0.01, limit = 1.5;
   ContactPlant plant = puck(FrictionModel::polyhedron);
@@ -481,7 +481,7 @@ TEST(ContactSimulator, StopsAndDryFrictionShareAPush) {
     start.applied << push, 0.5, 0;
     const ContactStep step = advance(simulator, plant, start);
     EXPECT_LT(step.v.norm(), 1e-12);
-    // Friction takes what it can of the push only where the stop leaves something: they share it.
+    // Friction and the stop share the push: friction opposes only what the stop leaves.
     EXPECT_NEAR(step.forces.stop_lower[1] - step.forces.stop_upper[1] + step.forces.friction[1],
                 -push, 1e-9);
     EXPECT_GE(push < 0 ? step.forces.stop_lower[1] : step.forces.stop_upper[1],
@@ -496,8 +496,8 @@ TEST(ContactSimulator, StopsAndDryFrictionShareAPush) {
   }
 }
 
-/// A tolerance that nothing meets lets every step be looked for by sweeps as well: the answer is
-/// the better one of both ways, which agree.
+/// An unattainable tolerance makes every step try sweeps as well. The better answer wins, and both
+/// agree.
 TEST(ContactSimulator, SweepsAgreeWithPivotingForAllCandidates) {
   for (const FrictionModel friction : {FrictionModel::polyhedron, FrictionModel::cone}) {
     ContactPlant plant = puck(friction);
@@ -527,7 +527,7 @@ TEST(ContactSimulator, SweepsAgreeWithPivotingForAllCandidates) {
   }
 }
 
-/// One iteration solves what is linear: a mass that stays where it is.
+/// One iteration solves a linear problem: a mass that stays in place.
 TEST(ContactSimulator, TakesTheIterationsThatItMay) {
   const ContactPlant plant = puck(FrictionModel::polyhedron);
   ContactSimulator simulator(plant, {.max_iterations = 1});
@@ -540,7 +540,7 @@ TEST(ContactSimulator, TakesTheIterationsThatItMay) {
   EXPECT_EQ(none.step(start).status, StepStatus::unsolved);
 }
 
-/// Two contacts under one mass: the least forces that bear it are alike, and pivoting finds others.
+/// Two contacts under one mass: the minimum-norm forces are equal; pivoting finds others.
 TEST(ContactSimulator, KnownModeSharesALoadEqually) {
   ContactPlant plant = puck(FrictionModel::polyhedron);
   plant.contacts.candidates[0].friction = 0;
@@ -557,8 +557,8 @@ TEST(ContactSimulator, KnownModeSharesALoadEqually) {
   for (int c = 0; c < 2; ++c) EXPECT_NEAR(shared.forces.contact(0, c), kGravity, 1e-9);
 }
 
-/// Three feet bear what they have to, and copies of them share that: which of them bears how much
-/// is open, how the puck turns, slides and meets a stop is not.
+/// Three feet carry the load and share it with their copies. The distribution is ambiguous, but
+/// rotation, slip, and impact are not.
 TEST(ContactSimulator, DuplicateFeetUnderTurningPuckChangeNothing) {
   ContactPlant plant = contact_plant("puck", {});
   plant.contacts.plane.reset();

@@ -17,7 +17,7 @@ TEST(NearestFriction, ProjectsOntoDiscAndPyramidRims) {
   EXPECT_EQ(nearest_friction(outside, -1, false), Eigen::Vector2d(0, 0));
 }
 
-/// A mass of 2 kg on the floor: velocities are those without impulses plus p/2.
+/// A mass of 2 kg on the floor: velocities are the impulse-free ones plus p/2.
 struct Mass {
   Eigen::MatrixXd D = 0.5 * Eigen::Matrix3d::Identity();
   std::vector<ImpulseBound> bounds{{.normal = 0, .tangent = 1, .tangents = 2, .friction = 0.5}};
@@ -35,7 +35,7 @@ TEST(ImpulseSweeps, StopSlowContactsAndOpposeFastSlip) {
   Mass stuck;
   EXPECT_LT(stuck.meet({-1, 0.3, 0.4}).norm(), 1e-14);
   EXPECT_LT((stuck.p - Eigen::Vector3d(2, -0.6, -0.8)).norm(), 1e-14);
-  Mass sliding;  // μ p_n / m off its speed of 5 m/s
+  Mass sliding;  // speed of 5 m/s decreases by μ p_n / m
   EXPECT_LT((sliding.meet({-1, 3, 4}) - Eigen::Vector3d(0, 2.7, 3.6)).norm(), 1e-14);
   Mass leaving;
   EXPECT_EQ(leaving.meet({1, 3, 4}), Eigen::Vector3d(1, 3, 4));

@@ -10,7 +10,7 @@
 namespace conddp {
 namespace {
 
-/// r = (x₀², x₁ u₀) of flat states, with a mistake in its Jacobian.
+/// r = (x₀², x₁ u₀) of flat states, with an error in its Jacobian.
 class SuspectResidual : public ResidualBase<SuspectResidual> {
  public:
   enum class Mistake { kNone, kSign, kMissingColumn, kNotFinite };
@@ -39,7 +39,7 @@ class SuspectResidual : public ResidualBase<SuspectResidual> {
 };
 using Mistake = SuspectResidual::Mistake;
 
-/// A pendulum whose ∂a/∂ω is 0.1 % too large.
+/// A pendulum with ∂a/∂ω overestimated by 0.1 %.
 class SuspectPendulum : public SystemBase<SuspectPendulum> {
  public:
   SuspectPendulum() : SystemBase(SystemKind::second_order, StateManifold::flat(2), 1) {}
@@ -142,7 +142,7 @@ TEST(DerivativeCheck, AWrongJacobianOfAResidualIsNamed) {
   EXPECT_LT(find(all, DerivativeKind::dynamics).error, 1e-12);
 }
 
-// The first node moves as the others do, and so does the last one.
+// The first and last nodes are displaced like the others.
 TEST(DerivativeCheck, EveryNodeIsDisplaced) {
   auto model = std::make_shared<KnotModel>(pendulum({}), Integrator::rk4);
   model->add_cost("suspect", std::make_shared<SuspectResidual>(model->ndx(), Mistake::kSign), {});
@@ -227,7 +227,7 @@ TEST(DerivativeCheck, EverySystemPassesWithIntegratorsAndPreviousControl) {
       }
 }
 
-/// r = x₀² of a flat state, with a derivative that is half as large where `half`.
+/// r = x₀² of a flat state, with half the correct derivative if `half`.
 class SquareResidual : public ResidualBase<SquareResidual> {
  public:
   explicit SquareResidual(bool half) : ResidualBase({{1, {0}}}, 0, false), half_(half) {}
@@ -245,7 +245,7 @@ class SquareResidual : public ResidualBase<SquareResidual> {
   bool half_;
 };
 
-/// Two phases of three and five knots and the end, with the mistake in one of these three.
+/// Two phases of three and five knots plus the terminal node, with the error in one of the three.
 std::vector<DerivativeComparison> check_places(int mistake) {
   const auto system = pendulum({});
   const auto model_of = [&](int place, Integrator integrator) {
@@ -269,7 +269,7 @@ TEST(DerivativeCheck, ComparesEveryPhaseAndTheTerminalNode) {
   const std::vector<std::vector<int>> knots = {{0, 1, 2}, {3, 5, 7}, {8}};
   for (const int mistake : {-1, 0, 1, 2}) {
     const auto all = check_places(mistake);
-    ASSERT_EQ(all.size(), 8u);  // the end has no dynamics
+    ASSERT_EQ(all.size(), 8u);  // no dynamics at the end
     std::set<std::pair<int, DerivativeKind>> wrong;
     for (const DerivativeComparison& c : all) {
       EXPECT_EQ(c.knots, knots[c.phase]) << mistake;
@@ -286,8 +286,8 @@ TEST(DerivativeCheck, ComparesEveryPhaseAndTheTerminalNode) {
   }
 }
 
-// A thousandth of the largest entry is what smaller ones are compared with; of gradients what
-// residuals and derivatives of one would make of the weights.
+// Small entries are compared relative to a thousandth of the largest entry. Gradients use the
+// weights times unit residuals and derivatives.
 TEST(DerivativeCheck, ErrorsScaleWithEntryAndLargestEntry) {
   auto model = std::make_shared<KnotModel>(pendulum({}), Integrator::rk4);
   model->add_cost("square", std::make_shared<SquareResidual>(true), {});
@@ -305,7 +305,7 @@ TEST(DerivativeCheck, ErrorsScaleWithEntryAndLargestEntry) {
     EXPECT_NEAR(c.error, error, 1e-12) << x;
     EXPECT_NEAR(c.analytic, x, 1e-12);
     EXPECT_NEAR(c.reference, 2 * x, 1e-12);
-    EXPECT_EQ(c.entries, 2 + 1);  // by the state and the control
+    EXPECT_EQ(c.entries, 2 + 1);  // state and control
     if (x < 1) continue;
     const DerivativeComparison& gradient = find(all, DerivativeKind::gradient);
     EXPECT_NEAR(gradient.analytic, 0.3 * x * x * x, 1e-12);
@@ -313,7 +313,7 @@ TEST(DerivativeCheck, ErrorsScaleWithEntryAndLargestEntry) {
   }
 }
 
-// Of weights 3 and 2 over 0.1 s: a thousandth of 0.5; of none a thousandth of 1.
+// Weights 3 and 2 over 0.1 s: a thousandth of 0.5. Without weights: a thousandth of 1.
 TEST(DerivativeCheck, GradientErrorsScaleWithAllWeights) {
   auto model = std::make_shared<KnotModel>(pendulum({}), Integrator::rk4);
   for (const char* name : {"one", "other"})
@@ -337,7 +337,7 @@ TEST(DerivativeCheck, GradientErrorsScaleWithAllWeights) {
   EXPECT_EQ(gradient_with(0, 0).error, 0);
 }
 
-/// A pendulum whose acceleration has the root of its angle.
+/// A pendulum whose acceleration contains the square root of its angle.
 class RootPendulum : public SystemBase<RootPendulum> {
  public:
   RootPendulum() : SystemBase(SystemKind::second_order, StateManifold::flat(2), 1) {}
@@ -375,7 +375,7 @@ class RootResidual : public ResidualBase<RootResidual> {
   }
 };
 
-// At 0.02 ± 0.1 there is a root at some of the knots.
+// At 0.02 ± 0.1, the square root is defined at some knots only.
 TEST(DerivativeCheck, SkipsNearbyPointsWithNonFiniteValues) {
   for (const bool constraint : {false, true}) {
     auto model = std::make_shared<KnotModel>(pendulum({}), Integrator::rk4);
@@ -397,7 +397,7 @@ TEST(DerivativeCheck, SkipsNearbyPointsWithNonFiniteValues) {
   }
 }
 
-// So are those from which no finite state follows.
+// Points without a finite successor are skipped too.
 TEST(DerivativeCheck, SkipsNearbyPointsWithoutANextState) {
   const auto model = std::make_shared<KnotModel>(std::make_shared<RootPendulum>(),
                                                  Integrator::semi_implicit_euler);
@@ -410,7 +410,7 @@ TEST(DerivativeCheck, SkipsNearbyPointsWithoutANextState) {
   EXPECT_LT(c.entries, 2 * 30 * 6 - 5 * 6);
 }
 
-/// r = x₀², whose second derivative is claimed to be `claim`.
+/// r = x₀² with claimed second derivative `claim`.
 class ClaimedSquare : public ResidualBase<ClaimedSquare> {
  public:
   explicit ClaimedSquare(double claim) : ResidualBase({{1, {0}}}, 0, false), claim_(claim) {}
@@ -430,7 +430,7 @@ class ClaimedSquare : public ResidualBase<ClaimedSquare> {
   double claim_;
 };
 
-/// x⁺ = (x₀ + 0.1 u₀², x₁ + u₁), whose second derivative is claimed to be `claim`.
+/// x⁺ = (x₀ + 0.1 u₀², x₁ + u₁) with claimed second derivative `claim`.
 class ClaimedSystem : public SystemBase<ClaimedSystem> {
  public:
   explicit ClaimedSystem(double claim)
@@ -462,12 +462,12 @@ class ClaimedSystem : public SystemBase<ClaimedSystem> {
   double claim_;
 };
 
-/// The claims of a system, of costs and constraints along the way, and of those at the end.
+/// Claimed second derivatives of a system, of running costs and constraints, and of terminal ones.
 struct Claims {
   double system = 0.2, cost = 2, constraint = 2, end_cost = 2, end_constraint = 2;
 };
 
-/// A trajectory whose numbers all differ from 0.
+/// Compares the claims at a trajectory without zeros.
 std::vector<DerivativeComparison> check_claims(const Claims& claims) {
   const auto system = std::make_shared<ClaimedSystem>(claims.system);
   const auto phase_of = [&](Integrator integrator, int knots, double cost, double constraint) {
@@ -515,12 +515,12 @@ TEST(DerivativeCheck, SecondDerivativesThatAreRightAreRight) {
   }
 }
 
-// Multipliers are random: what they multiply shows in the ratio of the claim to the differences.
+// Multipliers are random, so they show in the ratio of the claim to the differences.
 TEST(DerivativeCheck, NamesPlaceOfWrongSecondDerivative) {
   struct Case {
     Claims claims;
     int phase, place;
-    double ratio;  ///< 0: that of a sum
+    double ratio;  ///< 0 for a sum
   };
   for (const Case& c : {Case{{.system = 0.25}, 0, 2, 1.25},
                         {{.cost = 3}, 0, 0, 0},
@@ -539,7 +539,7 @@ TEST(DerivativeCheck, NamesPlaceOfWrongSecondDerivative) {
       EXPECT_NEAR(wrong.analytic, c.ratio * wrong.reference, 1e-6);
     }
   }
-  // A cost of half the square: 6 x² and 7 x², beside a multiplier times 2.
+  // The cost is half the square: 6 x² and 7 x², next to a multiplier times 2.
   const DerivativeComparison end = hessians_of(check_claims({.end_cost = 3}))[1];
   EXPECT_GT(end.analytic - end.reference, 0.16 - 1e-6);  // (0.5 ± 0.1)²
   EXPECT_LT(end.analytic - end.reference, 0.36 + 1e-6);
@@ -547,7 +547,7 @@ TEST(DerivativeCheck, NamesPlaceOfWrongSecondDerivative) {
   EXPECT_LT(std::abs(row.analytic - row.reference), 1 + 1e-6) << "multipliers are within ±1";
 }
 
-// Wherever one function makes a claim all Hessians are compared, else none.
+// If any function claims a Hessian, all are compared; otherwise none.
 TEST(DerivativeCheck, HessiansAreComparedWhereAnyFunctionClaimsOne) {
   const auto plain = linear_system(Eigen::Matrix2d::Identity(), Eigen::Matrix2d::Identity(),
                                    Eigen::Vector2d::Zero());
@@ -580,7 +580,7 @@ TEST(DerivativeCheck, HessiansAreComparedWhereAnyFunctionClaimsOne) {
   }
 }
 
-// A ten-thousandth of a second derivative is what differences may lose.
+// Finite differences may lose a ten-thousandth of a second derivative.
 TEST(DerivativeCheck, SecondDerivativesAreComparedToATenThousandth) {
   for (const double share : {-0.9e-4, 0.9e-4})
     for (const auto& c : hessians_of(check_claims({.system = 0.2 * (1 + share)})))

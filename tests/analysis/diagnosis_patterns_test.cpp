@@ -1,4 +1,4 @@
-// Where one pattern of a log ends and the next begins.
+// Thresholds between diagnosis patterns of a log.
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -17,7 +17,7 @@ struct Ending {
   std::string_view failed_quantity = {};
 };
 
-/// Of a log that stands still at full steps, changed row by row.
+/// Diagnosis of a log stalled at full steps, modified row by row.
 Diagnosis diagnosis_of_log(int rows, const std::function<void(int, IterationRecord&)>& change,
                            const Ending& ending = {},
                            const ShootingProblem& problem = testing::pendulum_swing_up()) {
@@ -75,7 +75,7 @@ TEST(DiagnosisPatterns, HalvingWithinTheWindowIsProgress) {
   };
   EXPECT_EQ(gap_to(0.51).pattern, DiagnosisPattern::open_gaps);
   EXPECT_EQ(gap_to(0.49).pattern, DiagnosisPattern::unfinished);
-  // The window has ten steps: what the row before them says counts, and no older one.
+  // The window has ten steps: the row before it counts, older rows do not.
   const auto later = [](int best) {
     return diagnosis_of_log(12, [=](int i, IterationRecord& r) {
       r.stationarity = std::pow(0.1, i);
@@ -105,7 +105,7 @@ TEST(DiagnosisPatterns, PlateauNeedsMedianStepOfAQuarter) {
   EXPECT_EQ(steps(0.26).pattern, DiagnosisPattern::unfinished);
 }
 
-// Short steps that gain something, or that have nothing left to gain.
+// Short steps that make progress, or that have nothing left to gain.
 TEST(DiagnosisPatterns, PlateauStallsAboveItsTolerance) {
   const auto from_to = [](double first, double last) {
     return diagnosis_of_log(6, [=](int i, IterationRecord& r) {
@@ -134,7 +134,7 @@ TEST(DiagnosisPatterns, FarFromFeasibleTheViolationIsTheMatter) {
       << stalled(1).message;
   EXPECT_EQ(stalled(999 * tolerance).pattern, DiagnosisPattern::plateau);
   EXPECT_EQ(ends_at(11, 0.1, 1, 0.49).pattern, DiagnosisPattern::plateau) << "it falls";
-  // Of a solve that went on with long steps.
+  // A solve that continued with long steps.
   EXPECT_EQ(ends_at(300, 0.9, 1, 1).pattern, DiagnosisPattern::undecided);
   EXPECT_EQ(ends_at(11, 0.9, 1, 1).pattern, DiagnosisPattern::unfinished) << "too early to say";
 }
@@ -172,7 +172,7 @@ TEST(DiagnosisPatterns, SlowFeasibilityHalvesLessThanOnceAStep) {
   EXPECT_EQ(falling(0.49).pattern, DiagnosisPattern::unfinished);
 }
 
-/// A cost without curvature on the last angle.
+/// A cost that is linear in the final angle.
 ShootingProblem with_linear_cost() {
   const ShootingProblem pendulum = testing::pendulum_swing_up();
   const std::shared_ptr<const System>& system = pendulum.phases()[0].model->shared_system();
@@ -318,7 +318,7 @@ TEST(DiagnosisPatterns, UnfinishedSolveNamesFirstResidualAboveTolerance) {
   EXPECT_EQ(with_gap(0.5).knot, 5);
 }
 
-// Halves and tolerances that are met exactly are progress.
+// Halving and tolerances that are met exactly count as progress.
 TEST(DiagnosisPatterns, LimitsThemselvesAreProgress) {
   const double tolerance = SolverOptions{}.tolerances.stationarity;
   EXPECT_EQ(diagnosis_of_log(11,
@@ -344,7 +344,7 @@ TEST(DiagnosisPatterns, LimitsThemselvesAreProgress) {
             DiagnosisPattern::unfinished);
 }
 
-// A thousand tolerances of the violation may be rounding; no cost that rises outruns a penalty.
+// A violation of a thousand tolerances may be rounding; a rising cost never outruns a penalty.
 TEST(DiagnosisPatterns, AThousandTolerancesAreStillNotFarOff) {
   const double limit = 1e3 * SolverOptions{}.tolerances.constraint;
   const auto ended = [&](double violation, std::string_view failed) {
@@ -372,7 +372,7 @@ TEST(DiagnosisPatterns, RegularisationAtItsLowerEndIsLoweredThere) {
   EXPECT_EQ(remedy(0.5 * least), "") << "less than that is none";
 }
 
-// Steps at the threshold itself lower the regularisation already.
+// Steps at the threshold already reduce the regularization.
 TEST(DiagnosisPatterns, AdvisesStepThresholdIfStepsMissIt) {
   const SolverOptions::Regularization defaults;
   const auto remedy = [](double step) {

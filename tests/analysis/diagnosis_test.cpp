@@ -120,7 +120,7 @@ TEST(Diagnosis, InteriorPointGetsNoRegularizationAdvice) {
   }
 }
 
-// increase_step has to stay below decrease_step, and a threshold has to be one that steps reach.
+// increase_step must stay below decrease_step, and the threshold must be attainable.
 TEST(Diagnosis, RegularizationAdviceIsAcceptedAndEffective) {
   for (const double step : {0.25, 0.06, 1e-3}) {
     const Diagnosis d = diagnosis_of(20, [=](int, IterationRecord& r) {
@@ -166,7 +166,7 @@ TEST(Diagnosis, AdvisesLargerToleranceForTheMissedResidual) {
   EXPECT_EQ(gradient.remedy.find("complementarity"), std::string::npos) << gradient.remedy;
 }
 
-/// A point mass whose push costs r, within a limit.
+/// A point mass whose push has weight r, within a limit.
 ShootingProblem push(double r, double limit = testing::kFree) {
   return testing::tracking_problem(double_integrator(1), Integrator::rk4, 9, 0.1, {0, 0},
                                    {.goal = {1, 0}, .q = {1, 1}, .r = {r}, .qf = {1, 1}}, -limit,
@@ -191,7 +191,7 @@ TEST(Diagnosis, NamesUnboundedControlWhileCostFalls) {
   EXPECT_NE(falling(push(0, 3), 10).pattern, DiagnosisPattern::free_control) << "a bound";
 }
 
-/// The hopper in its plane on contacts of its foot.
+/// The planar hopper on contacts of its foot.
 ShootingProblem standing(int contacts) {
   const UrdfResult urdf =
       load_urdf(std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/robots/hopper.urdf",
@@ -208,8 +208,8 @@ ShootingProblem standing(int contacts) {
                                    {.goal = start, .q = ones, .r = {1, 1}, .qf = ones});
 }
 
-// A foot that two contacts hold has four rows in its plane, two of which say the same again. The
-// row out of the plane, in which nothing moves, is no fault of a single contact.
+// A foot held by two contacts has four rows in its plane, two of them redundant. The row normal to
+// the plane, where nothing moves, does not make a single contact redundant.
 TEST(Diagnosis, NamesRedundantContactsInsteadOfTheGuess) {
   const auto open = [](const ShootingProblem& problem) {
     return diagnosis_of(
@@ -224,7 +224,7 @@ TEST(Diagnosis, NamesRedundantContactsInsteadOfTheGuess) {
   EXPECT_EQ(twice.remedy.find("first guess"), std::string::npos) << twice.remedy;
   const Diagnosis once = open(standing(1));
   EXPECT_EQ(once.pattern, DiagnosisPattern::open_gaps) << once.message;
-  // Contacts are those of knots: neither of the end, nor of no knot in particular.
+  // Contacts belong to knots: not to the terminal node, and not to an unspecified knot.
   for (const int knot : {0, 9, -1}) {
     const Diagnosis elsewhere = diagnosis_of(
         12,

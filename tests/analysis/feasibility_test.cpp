@@ -1,4 +1,4 @@
-// Distances, products and signs of bounds, cones and pairs by hand.
+// Hand-computed distances, products, and signs of bounds, cones, and pairs.
 #include "analysis/certificate/feasibility.hpp"
 
 #include <gtest/gtest.h>
@@ -10,8 +10,8 @@ namespace {
 
 constexpr double kOpenEnd = testing::kFree;
 
-/// One step x⁺ = x + u of n numbers with a constraint on its control, soft with a weight, and
-/// bounds on the control.
+/// One step x⁺ = x + u of n coordinates with a constraint on its control (soft if weighted) and
+/// control bounds.
 ShootingProblem one_step_of(int n, ConstraintKind kind, const std::vector<double>& bounds,
                             double weight = 0, std::vector<double> control_lower = {},
                             std::vector<double> control_upper = {}) {
@@ -70,18 +70,18 @@ TEST(Feasibility, ComplementarityUsesTheBoundOfMultiplierSign) {
   EXPECT_NEAR(other.product.value, 4 * 1, 1e-15);
   EXPECT_NEAR(other.product.size, 4 * 3, 1e-15);
   EXPECT_EQ(other.negative.value, 0);
-  // There is no lower bound that could push.
+  // No lower bound exists that could push.
   const Feasibility wrong = feasibility_of(problem, {0.5, 2, 1}, {0, -4, 0});
   EXPECT_NEAR(wrong.negative.value, 4, 1e-15);
   EXPECT_EQ(wrong.product.value, 0);
-  // Outside of a bound the product is that of a violation, which is told as such.
+  // Outside a bound, the violation covers the product.
   EXPECT_EQ(feasibility_of(problem, {2.5, 2, 1}, {2, 0, 0}).product.value, 0);
 }
 
 TEST(Feasibility, ViolatedSoftRowsHaveMultipliersAtLimit) {
   const ShootingProblem problem = one_step_of(2, ConstraintKind::bounds, {0, 0, 2, 2}, 5);
   const Feasibility above = feasibility_of(problem, {3, 1}, {5, 0});
-  EXPECT_EQ(above.violation.value, 0);  // it is paid for
+  EXPECT_EQ(above.violation.value, 0);  // covered by the penalty
   EXPECT_NEAR(above.product.value, 0, 1e-15);
   EXPECT_NEAR(feasibility_of(problem, {3, 1}, {4, 0}).product.value, 1, 1e-15);
   EXPECT_NEAR(feasibility_of(problem, {-2, 1}, {-5, 0}).product.value, 0, 1e-15);
@@ -96,21 +96,21 @@ TEST(Feasibility, OfConesIsTheDistanceFromThem) {
   EXPECT_NEAR(feasibility_of(problem, {3, 4, 3}, {0, 0, 0}).violation.value, std::sqrt(0.5) * 2,
               1e-14);
   EXPECT_NEAR(feasibility_of(problem, {3, 4, -12}, {0, 0, 0}).violation.value, 13, 1e-14);
-  // On the boundary a multiplier is orthogonal; νᵀg = 2 · 0.6 · 3 + 2 · 0.8 · 4 − 2 · 5 = 0.
+  // On the boundary, the multiplier is orthogonal: νᵀg = 2 · 0.6 · 3 + 2 · 0.8 · 4 − 2 · 5 = 0.
   const Feasibility good = feasibility_of(problem, {3, 4, 5}, {1.2, 1.6, -2});
   EXPECT_NEAR(good.product.value, 0, 1e-14);
   EXPECT_EQ(good.negative.value, 0);
   const Feasibility inside = feasibility_of(problem, {3, 4, 6}, {1.2, 1.6, -2});
   EXPECT_NEAR(inside.product.value, 2, 1e-14);
   EXPECT_NEAR(inside.product.size, 22, 1e-13);
-  // −ν = (−1.2, −1.6, 1) is outside of the cone by (2 − 1)/√2.
+  // −ν = (−1.2, −1.6, 1) lies outside the cone by (2 − 1)/√2.
   EXPECT_NEAR(feasibility_of(problem, {3, 4, 5}, {1.2, 1.6, -1}).negative.value, std::sqrt(0.5),
               1e-14);
 }
 
 TEST(Feasibility, SoftConesPayTheirLimitTimesTheDistance) {
   const ShootingProblem problem = one_step_of(3, ConstraintKind::second_order_cone, {}, 2);
-  // At (3, 4, 3) the distance is √2 along (0.6, 0.8, −1)/√2.
+  // At (3, 4, 3), the distance is √2 along (0.6, 0.8, −1)/√2.
   const double s = 2 / std::sqrt(2.0);
   const Feasibility good = feasibility_of(problem, {3, 4, 3}, {0.6 * s, 0.8 * s, -s});
   EXPECT_EQ(good.violation.value, 0);
@@ -128,10 +128,10 @@ TEST(Feasibility, OfPairsIsTheirSmallerOne) {
   EXPECT_NEAR(found.violation.value, 0.125, 1e-15);
   EXPECT_NEAR(found.violation.size, 3, 1e-15);
   EXPECT_EQ(found.product.value, 0);
-  // Larger ones have no multiplier.
+  // The larger value of a pair carries no multiplier.
   EXPECT_NEAR(feasibility_of(problem, {0.5, 0, 0, 3}, {0.3, 0, 0, 0}).product.value, 0.15, 1e-15);
   EXPECT_NEAR(feasibility_of(problem, {0.5, 0, 0, 3}, {0, 0, 0, -0.2}).product.value, 0.6, 1e-15);
-  // Of equal ones the second counts as larger.
+  // For equal values, the second counts as the larger.
   EXPECT_NEAR(feasibility_of(problem, {0.25, 0.25, 0, 0}, {2, 3, 0, 0}).product.value, 0.75, 1e-15);
 }
 
@@ -160,7 +160,7 @@ TEST(Feasibility, OfControlsIsWithEachOfTheirBounds) {
   EXPECT_NEAR(measured().negative.value, 0.5, 1e-15);
   claims.upper_multipliers[0] << 0, 0;
   claims.lower_multipliers[0] << 0, 1;
-  EXPECT_EQ(measured().product.value, kOpenEnd);  // of a bound that there is not
+  EXPECT_EQ(measured().product.value, kOpenEnd);  // belongs to an absent bound
 }
 
 TEST(BeyondCone, IsWhatTheNearestPointLeaves) {

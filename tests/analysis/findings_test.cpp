@@ -1,4 +1,4 @@
-// Motions of a block on slides, written by hand, and what stands out along them.
+// Hand-written motions of a block on slides and the findings along them.
 #include "analysis/findings/findings.hpp"
 
 #include <cmath>
@@ -41,7 +41,7 @@ TEST(LimitsOfJoints, AreBeyondMostWhereTheFindingSays) {
   motion.x(2)[1] = 101;  // along y
   const auto positions = found_in_motion(problem, motion, FindingKind::position_limit);
   ASSERT_EQ(positions.size(), 2u);
-  EXPECT_EQ(positions[0].subject, "y");  // the worst comes first
+  EXPECT_EQ(positions[0].subject, "y");  // largest first
   EXPECT_NEAR(positions[0].value, 1, 1e-12);
   EXPECT_EQ(positions[0].knot, 2);
   EXPECT_EQ(positions[1].subject, "x");
@@ -117,7 +117,7 @@ TEST(Efforts, FindsLargestEffortBeyondLimit) {
   EXPECT_TRUE(tells(found[0], "1.25 N beyond its limit of -4")) << found[0].message;
 }
 
-/// Knots of 0.1 s of the block with controls that are linear between nodes.
+/// Knots of 0.1 s of the block with controls linear between nodes.
 ShootingProblem linear_pushes(int knots) {
   const auto system = block_system();
   Phase phase{.name = "push",
@@ -135,7 +135,7 @@ ShootingProblem linear_pushes(int knots) {
   return ShootingProblem(std::vector<double>(9, 0.0), std::move(phases), std::move(end));
 }
 
-/// A motion whose push along x goes straight from node to node.
+/// A motion whose push along x is linear between nodes.
 Trajectory pushed(const ShootingProblem& problem, const std::vector<double>& pushes) {
   Trajectory motion = problem.create_trajectory();
   for (int k = 0; k <= problem.knots(); ++k) {
@@ -171,7 +171,7 @@ TEST(Efforts, LinearControlExceedsLimitAtEndNodes) {
   }
 }
 
-/// The positions along x and y between −0.1 and 0.2 at all knots, and at the end if asked for.
+/// Positions along x and y between −0.1 and 0.2 at all knots, and optionally at the end.
 ShootingProblem within_a_window(int knots, bool also_at_the_end) {
   const auto system = block_system();
   const auto with_window = [](const std::shared_ptr<KnotModel>& model) {
@@ -219,12 +219,12 @@ TEST(RowsOfConstraints, NamesRowsAtTheirLargestViolation) {
   EXPECT_EQ(more[1].subject, "left - right (terminal/window)");
   EXPECT_NEAR(more[1].value, 0.25, 1e-12);
   EXPECT_EQ(more[1].knot, 4);
-  // Names that do not fit the rows are those of something else.
+  // Names that do not fit the rows belong to something else.
   names.rows = {{"window", {{"left - right"}, "m"}}};
   EXPECT_TRUE(found_in_motion(problem, motion, FindingKind::constraint_row, names).empty());
 }
 
-/// At least 0.5 from the axis of z at all knots.
+/// At least 0.5 from the z axis at all knots.
 ShootingProblem around_a_pillar(int knots) {
   const auto system = block_system();
   auto running = std::make_shared<KnotModel>(system, Integrator::semi_implicit_euler);
@@ -252,14 +252,14 @@ TEST(BetweenKnots, ChecksConstraintsAlongTheStraightLine) {
   motion.x(1) << 0, 0.5, 0, 0, 0, 0;
   motion.x(2) << 0, 0.6, 0, 0, 0, 0;
   motion.x(3) << 0, 0.6, 0, 0, 0, 0;
-  // Half way from (0.5, 0) to (0, 0.5).
+  // Halfway from (0.5, 0) to (0, 0.5).
   auto found = found_in_motion(problem, motion, FindingKind::between_knots);
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].subject, "pillar");
   EXPECT_NEAR(found[0].value, 0.5 - 0.5 * std::sqrt(0.5), 1e-9);
   EXPECT_EQ(found[0].knot, 0);
   EXPECT_TRUE(tells(found[0], "more knots")) << found[0].remedy;
-  // A quarter of the way from (0, 0.6) to (0.1, −1.8) is at (0.025, 0).
+  // The motion from (0, 0.6) to (0.1, −1.8) passes (0.025, 0) at a quarter of the way.
   motion.x(3) << 0.1, -1.8, 0, 0, 0, 0;
   found = found_in_motion(problem, motion, FindingKind::between_knots);
   ASSERT_EQ(found.size(), 1u);
@@ -268,12 +268,12 @@ TEST(BetweenKnots, ChecksConstraintsAlongTheStraightLine) {
   EXPECT_NEAR(found[0].time, 0.2, 1e-12);
   EXPECT_TRUE(tells(found[0], "between knots 2 and 3")) << found[0].message;
   EXPECT_TRUE(tells(found[0], "jumps through")) << "more knots would lead through the pillar";
-  // What is as far off at a knot is no news.
+  // An equal violation at a knot is not reported again.
   motion.x(1) << 0, 0.02, 0, 0, 0, 0;
   EXPECT_TRUE(found_in_motion(problem, motion, FindingKind::between_knots).empty());
 }
 
-/// The window at some knots alone.
+/// The window at the given knots only.
 ShootingProblem gate_at(const std::set<int>& gates, int knots) {
   const auto system = block_system();
   auto running = std::make_shared<KnotModel>(system, Integrator::semi_implicit_euler);
@@ -306,7 +306,7 @@ TEST(BetweenKnots, SkipsGateAfterItsLastKnot) {
   }
 }
 
-/// A window throughout the first of two phases of so many knots each.
+/// A window throughout the first of two phases with this many knots each.
 ShootingProblem window_in_first_phase(int knots) {
   const auto system = block_system();
   auto bounded = std::make_shared<KnotModel>(system, Integrator::semi_implicit_euler);
@@ -330,7 +330,7 @@ ShootingProblem window_in_first_phase(int knots) {
 TEST(BetweenKnots, ViolationAtEndOfEveryPhaseIsFound) {
   const ShootingProblem problem = window_in_first_phase(3);
   Trajectory motion = problem.create_trajectory();
-  motion.x(4)[0] = 5;  // behind the phase
+  motion.x(4)[0] = 5;  // after the phase
   EXPECT_TRUE(found_in_motion(problem, motion, FindingKind::between_knots).empty());
   motion.x(3)[0] = 0.7;
   const auto found = found_in_motion(problem, motion, FindingKind::between_knots);
@@ -369,7 +369,7 @@ TEST(BetweenKnots, FindsNothingAtTheLastNode) {
   EXPECT_TRUE(found_in_motion(problem, motion, FindingKind::between_knots).empty());
 }
 
-/// What is found of a push along x in the last of some knots.
+/// Findings for a push along x in the last knot.
 std::vector<Finding> last_push(std::vector<double> pushes, int earlier_phase = 0) {
   std::vector<Phase> phases;
   if (earlier_phase > 0) phases.push_back(block_phase(block_system(), earlier_phase));
@@ -391,7 +391,7 @@ TEST(LastKnot, JumpIsThreeTimesTheEarlierSteps) {
   EXPECT_TRUE(tells(found[0], "by 0.8 N at the last knot, by 0.1 at most")) << found[0].message;
   EXPECT_EQ(last_push({0, 0.1, 0.2, 0.1, 0, 0.1, -0.21}).size(), 1u);
   EXPECT_EQ(last_push({0, 0.1, 0.2, 0.1, 0, 0.1, 0.39}).size(), 0u);
-  // Small beside the range of all pushes: 0.4 of 2.1.
+  // Small relative to the range of all pushes: 0.4 of 2.1.
   EXPECT_EQ(last_push({0,   0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1,  1.1,
                        1.2, 1.3, 1.4, 1.5, 1.6, 1.7, 1.8, 1.9, 2,   2.1, 1.7})
                 .size(),
@@ -399,7 +399,7 @@ TEST(LastKnot, JumpIsThreeTimesTheEarlierSteps) {
 }
 
 TEST(LastKnot, IgnoresJumpsBelowAThousandthOfTheLimit) {
-  constexpr double kEffort = 4;  // N, of the block along x
+  constexpr double kEffort = 4;  // N, block along x
   EXPECT_EQ(last_push({0, 0, 0, 0, 0, 1.001e-3 * kEffort}).size(), 1u);
   EXPECT_EQ(last_push({0, 0, 0, 0, 0, 0.999e-3 * kEffort}).size(), 0u);
 }
@@ -408,12 +408,11 @@ TEST(LastKnot, ComparesWithinPhasesOfAtLeastSixKnots) {
   EXPECT_EQ(last_push({0, 0, 0, 0, 0, 1}).size(), 1u);
   EXPECT_EQ(last_push({0, 0, 0, 0, 1}).size(), 0u);
   EXPECT_EQ(last_push({0, 0, 0, 0, 0, 1}, 1).size(), 0u);
-  // A jump of the phase before does not count.
+  // A jump in the previous phase does not count.
   EXPECT_EQ(last_push({0, 5, 0, 0, 0, 0, 0, 1}, 2).size(), 1u);
 }
 
-/// A body of 2 kg with its centre of mass 0.1 above the origin and a thruster at each of these
-/// places.
+/// A body of 2 kg with its centre of mass 0.1 m above the origin and thrusters at these places.
 std::vector<Finding> thrusters_at(
     const std::vector<std::pair<Vector3<double>, Vector3<double>>>& places, bool held = false) {
   std::string urdf =
@@ -451,23 +450,24 @@ std::vector<Finding> thrusters_at(
 
 TEST(Thrusters, CannotTurnAboutAxesThroughCentreOfMass) {
   const Vector3<double> x{1, 0, 0}, z{0, 0, 1}, origin{0, 0, 0};
-  // Both turn about y: one by its place, the other by the height of the centre of mass.
+  // Both rotate about y: one through its position, the other through the height of the centre of
+  // mass.
   const auto about_y = thrusters_at({{{0.2, 0, 0}, z}, {origin, x}});
   ASSERT_EQ(about_y.size(), 1u);
   EXPECT_EQ(about_y[0].value, 2);
   EXPECT_EQ(about_y[0].knot, -1);
   EXPECT_TRUE(tells(about_y[0], "about its axes x, z")) << about_y[0].message;
-  // A push at the height of the centre of mass does not turn it.
+  // A push at the height of the centre of mass produces no torque.
   const auto none = thrusters_at({{origin, z}, {{0, 0, 0.1}, x}});
   ASSERT_EQ(none.size(), 1u);
   EXPECT_EQ(none[0].value, 3);
-  // About x and z at once, and about y.
+  // Torque about x and z together, and about y.
   const auto two = thrusters_at({{{0.2, 0, 0}, z}, {{0.1, 0.3, 0.1}, {0.6, 0, 0.8}}});
   ASSERT_EQ(two.size(), 1u);
   EXPECT_EQ(two[0].value, 1);
   EXPECT_TRUE(tells(two[0], "about 1 of 3 directions")) << two[0].message;
   EXPECT_TRUE(thrusters_at({{{0.2, 0, 0}, z}, {{0, 0.2, 0}, z}, {{0, 0.2, 0.1}, x}}).empty());
-  // The world may turn a body that it holds.
+  // The world may exert a torque on a body that it holds.
   EXPECT_TRUE(thrusters_at({{origin, z}}, true).empty());
 }
 
@@ -482,7 +482,7 @@ TEST(Findings, CoverControlsOfSystemsWithoutRobot) {
   EXPECT_NEAR(found[0].value, 2, 1e-15);
 }
 
-// An impulse takes no time: nothing is at its limit during it, and it has no controls.
+// An impulse takes no time: it has no controls and no efforts.
 TEST(Efforts, LeaveOutWhatTakesNoTime) {
   const ShootingProblem problem = testing::landing();
   Trajectory motion = problem.create_trajectory();
@@ -494,9 +494,9 @@ TEST(Efforts, LeaveOutWhatTakesNoTime) {
   EXPECT_EQ(found[0].knot, 0);
 }
 
-/// Five knots of a mass on a line, whose second one alone has narrow bounds on a row: what is
-/// looked at on the way to the third one, where it is at 4, is beyond them by 2. `instant`: that
-/// knot takes no time.
+/// Five knots of a mass on a line; only the second has narrow bounds on a row. On the way to the
+/// third node, where the mass is at 4, the violation is 2. `instant`: the narrow knot takes no
+/// time.
 std::vector<Finding> between_narrow_and_wide(const std::shared_ptr<const Residual>& row,
                                              Softness softness, double lower,
                                              ControlMemory memory = ControlMemory::none,
@@ -541,14 +541,14 @@ TEST(BetweenKnots, ChecksOnlyHardInequalitiesOfTheState) {
       between_narrow_and_wide(row_of({place}), Softness::hard, -1, ControlMemory::none, true)
           .empty())
       << "a jump has no way";
-  // Linear controls are numbers of the state, and are judged at the nodes alone.
+  // Linear controls are states and are judged at the nodes only.
   const ControlMemory linear = ControlMemory::linear;
   EXPECT_EQ(between_narrow_and_wide(row_of({place}), Softness::hard, -1, linear).size(), 1u);
   EXPECT_TRUE(
       between_narrow_and_wide(row_of({{1, true, 0, 0}}), Softness::hard, -1, linear).empty());
 }
 
-// A millionth of the limit, 4e-6 N, is rounding.
+// A millionth of the limit, 4e-6 N, counts as rounding.
 TEST(Efforts, ByRoundingBeyondTheirLimitAreAtIt) {
   const ShootingProblem problem = block_problem({block_phase(block_system(), 2)});
   Trajectory motion = problem.create_trajectory();
@@ -564,7 +564,7 @@ TEST(Efforts, ByRoundingBeyondTheirLimitAreAtIt) {
   EXPECT_TRUE(found_in_motion(problem, motion, FindingKind::effort_limit).empty());
 }
 
-// The centre of mass is off the origin in all directions: forces through it turn nothing.
+// The centre of mass is offset in all directions; forces through it produce no torque.
 TEST(Thrusters, ThroughCentreOfMassProduceNoTorque) {
   const std::string urdf =
       R"(<robot name="ship"><link name="hull"><inertial><origin xyz="0.1 0.2 0.3"/>)"
@@ -604,7 +604,7 @@ TEST(Thrusters, ThroughCentreOfMassProduceNoTorque) {
   }
 }
 
-/// A residual that reads a table from −1 to 3 at the first state.
+/// A residual that looks up a table over [−1, 3] at the first state.
 class TableResidual : public ResidualBase<TableResidual> {
  public:
   explicit TableResidual(std::string table)
@@ -627,7 +627,7 @@ class TableResidual : public ResidualBase<TableResidual> {
   std::string table_;
 };
 
-/// Six knots of a mass with tables in a cost and in a constraint, which count at some nodes alone.
+/// Six knots of a mass with tables in a cost and a constraint, active at some nodes only.
 struct TablesOnTheWay {
   std::set<int> cost_at = {0, 1, 2, 3, 4, 5, 6}, constraint_at = {};
 
@@ -670,7 +670,7 @@ TEST(Tables, ReportsLookupsBeyondEitherEnd) {
   EXPECT_EQ(found[1].knot, 2);
   EXPECT_TRUE(tells(found[1], "is read at -1.25, beyond its first point -1, at knot 2"))
       << found[1].message;
-  // Of equally far readings the first one is told; a millionth of the table's range is rounding.
+  // The first of equally distant lookups is reported; a millionth of the table's range is rounding.
   const auto twice = TablesOnTheWay{}.found({3.5, 0, 0, 0, 0, 0, 3.5});
   ASSERT_EQ(twice.size(), 1u);
   EXPECT_EQ(twice[0].knot, 0);

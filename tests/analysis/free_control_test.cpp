@@ -1,4 +1,4 @@
-// Controls that nothing holds back, of two masses on lines that are pushed independently.
+// Free controls of two masses on lines with independent pushes.
 #include "analysis/findings/free_control.hpp"
 
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 namespace conddp {
 namespace {
 
-/// Three knots of the masses; without further terms both pushes are free.
+/// Three knots of the masses; without further terms, both pushes are free.
 struct Pushes {
   ControlMemory memory = ControlMemory::none;
   std::shared_ptr<const System> system = double_integrator(2);
@@ -23,7 +23,7 @@ struct Pushes {
     up[control] = upper;
     model->set_control_bounds(low, up);
   }
-  /// r = the sum of these columns of (x, u), row by row of blocks of one row.
+  /// r = row-wise sums of these columns of (x, u), in blocks of one row.
   std::shared_ptr<const Residual> rows_of(const std::vector<std::vector<int>>& rows) const {
     std::vector<LinearCombination> list;
     for (const std::vector<int>& columns : rows) {
@@ -116,7 +116,7 @@ TEST(FreeControl, IgnoresRowsOfZeroWeight) {
   EXPECT_FALSE(with_cost({{0}, {kPush}, {2}}, {.weights = {3, 0, 3}}));
 }
 
-// Of linear controls the number at the beginning of a knot is one of its state.
+// A linear control at the start of a knot is part of the state.
 TEST(FreeControl, LinearControlWithCostlyStartIsNotFree) {
   for (const int control : {0, 1}) {
     Pushes pushes{.memory = ControlMemory::linear};

@@ -1,4 +1,4 @@
-// Policies of linear-quadratic problems with open gaps, away from the optimum, in matrices.
+// Policies of linear-quadratic problems with open gaps away from the optimum, in matrix form.
 #include "analysis/certificate/gains_check.hpp"
 
 #include <gtest/gtest.h>
@@ -14,8 +14,8 @@ namespace {
 
 using testing::LinearQuadratic;
 
-/// A textbook sweep: K, k and Q_uu of each knot, λ of no one. μ is added to all weights of the
-/// model, or to Q_uu alone where gains are computed.
+/// A textbook sweep: K, k, and Q_uu of each knot, without costates. μ is added to all weights of
+/// the model, or to Q_uu only when gains are computed.
 struct TextbookSweep {
   std::vector<Eigen::MatrixXd> K, Quu;
   std::vector<Eigen::VectorXd> k;
@@ -49,7 +49,7 @@ struct TextbookSweep {
   }
 };
 
-/// A trajectory off the dynamics.
+/// A trajectory that violates the dynamics.
 struct OpenTrajectory {
   explicit OpenTrajectory(unsigned seed)
       : lq(seed, 3, {2, 1}, 3, -testing::kFree, testing::kFree),
@@ -100,7 +100,7 @@ TEST(GainsOfASweep, AreThoseOfTheTextbookWithEitherRegularization) {
     for (const auto& [mu, kind] : {std::pair{0.0, kProximal}, {0.8, kProximal}, {0.8, kControl}}) {
       const TextbookSweep sweep(at.lq, at.t, at.gap, mu, kind);
       EXPECT_EQ(at.failures(at.claims(sweep, mu, kind)), "") << seed << ' ' << mu;
-      // Under another regularisation, or its other kind, they are not.
+      // Another regularization or another kind must fail.
       EXPECT_NE(at.failures(at.claims(sweep, mu + 0.01, kind)), "") << seed << ' ' << mu;
       if (mu > 0) {
         EXPECT_NE(at.failures(at.claims(sweep, mu, kind == kControl ? kProximal : kControl)), "");
@@ -115,7 +115,7 @@ TEST(GainsOfASweep, AreComparedEntryByEntry) {
   SolutionClaims claims = at.claims(sweep, 0, kProximal);
   for (int k = 0; k < at.lq.N(); ++k)
     for (Eigen::Index i = 0; i < sweep.k[k].size(); ++i) {
-      // Policies of the knots before depend on it too, but by no more than that.
+      // Policies of earlier knots depend on it too, but by no more than that.
       claims.feedforward[k][i] += 1e-4 * (1 + sweep.k[k].norm());
       EXPECT_EQ(at.failures(claims), "[feedforward]") << k << ' ' << i;
       claims.feedforward[k] = sweep.k[k];
@@ -174,8 +174,8 @@ TEST(GainsOfASweep, AllowForModelChangeOnDisplacedTrajectory) {
   EXPECT_NE(at.failures(claims, &displaced).find("[feedback]"), std::string::npos);
 }
 
-/// Knots of one state and one control in numbers. Steps are x + u, and of each knot gains of −0.5
-/// and a feedforward of −1.5 solve equations with Q_uu = 2, Q_ux = 1 and q_u = 3.
+/// Knots of one state and one control with steps x + u. Gains −0.5 and feedforward −1.5 solve the
+/// equations Q_uu = 2, Q_ux = 1, and q_u = 3 of each knot.
 struct NumberSweep {
   explicit NumberSweep(int knots)
       : lq(1, 1, {1}, knots, -testing::kFree, testing::kFree),
@@ -202,7 +202,7 @@ struct NumberSweep {
   RiccatiPolicy policy() const {
     return riccati_policy(*lq.problem, claims.trajectory, derivatives, hessians);
   }
-  /// Where the equation of the first knot's gains, or of its feedforward, is off by so much.
+  /// Faults if the first knot's gain or feedforward equation is off by `off`.
   std::string with_gains_off(double off) {
     claims.gains[0](0, 0) = -0.5 + off / 2;
     const std::string found = failures();
@@ -223,7 +223,7 @@ struct NumberSweep {
   std::vector<Eigen::MatrixXd> hessians;
 };
 
-// Terms of 10¹² that cancel leave 10⁻¹⁴ of both of them: 0.02.
+// Cancelling terms of 10¹² leave 10⁻¹⁴ of both: 0.02.
 TEST(GainsOfASweep, AllowForRoundingOfCancellingTerms) {
   constexpr double kHuge = 1e12;
   NumberSweep sweep(1);
@@ -234,7 +234,7 @@ TEST(GainsOfASweep, AllowForRoundingOfCancellingTerms) {
   for (const double sign : {1.0, -1.0}) {
     EXPECT_EQ(sweep.with_gains_off(0.016 * sign), "");
     EXPECT_NE(sweep.with_gains_off(0.024 * sign).find("[feedback]"), std::string::npos);
-    // Of the feedforward's equation as many times that as there is feedforward.
+    // The feedforward equation scales with the feedforward.
     EXPECT_EQ(sweep.with_feedforward_off(0.024 * sign), "");
     EXPECT_EQ(sweep.with_feedforward_off(0.036 * sign), "[feedforward]");
   }
@@ -258,14 +258,14 @@ TEST(GainsOfASweep, FeedforwardAllowsForRoundingOfCancellingGradients) {
   }
 }
 
-// Of the value behind it 0.02 (1 + 0.5²) = 0.025, times the closed loop 0.5, or the move −1.5.
+// The next value contributes 0.02 (1 + 0.5²) = 0.025, times the closed loop 0.5 or the move −1.5.
 TEST(GainsOfASweep, AllowForRoundingOfTheNextValue) {
   constexpr double kHuge = 1e12;
   NumberSweep sweep(2);
   sweep.hessians[2] << kHuge;
   sweep.set_hessian(1, -kHuge + 5, -kHuge + 1, -kHuge + 2);
   sweep.claims.feedforward[1] << 0;
-  // Its value is 5 + 0.25 · 2 − 2 · 0.5 = 4.5.
+  // Value: 5 + 0.25 · 2 − 2 · 0.5 = 4.5.
   sweep.set_hessian(0, 1, -3.5, -2.5);
   sweep.derivatives[0].cost << 0, 3;
   EXPECT_EQ(sweep.failures(), "");
@@ -275,15 +275,15 @@ TEST(GainsOfASweep, AllowForRoundingOfTheNextValue) {
   EXPECT_EQ(sweep.with_feedforward_off(0.041), "[feedforward]");
 }
 
-// Of the slope behind it 0.02 (1 + 0.5) = 0.03.
+// The next slope contributes 0.02 (1 + 0.5) = 0.03.
 TEST(GainsOfASweep, FeedforwardAllowsForRoundingOfTheNextSlope) {
   constexpr double kHuge = 1e12;
   NumberSweep sweep(2);
   sweep.hessians[2] << 1;
-  sweep.set_hessian(1, 4, 0, 1);  // its value is 5 + 0.25 · 2 − 2 · 0.5 = 4.5
+  sweep.set_hessian(1, 4, 0, 1);  // value: 5 + 0.25 · 2 − 2 · 0.5 = 4.5
   sweep.derivatives[2].cost << kHuge;
   sweep.derivatives[1].cost << -kHuge, -kHuge + 3;
-  // Its slope is 0 − 1.5 · 1 − 0.5 (3 − 1.5 · 2) = −1.5.
+  // Slope: 0 − 1.5 · 1 − 0.5 (3 − 1.5 · 2) = −1.5.
   sweep.set_hessian(0, 1, -3.5, -2.5);
   sweep.derivatives[0].cost << 0, 4.5;
   EXPECT_EQ(sweep.failures(), "");
@@ -291,8 +291,8 @@ TEST(GainsOfASweep, FeedforwardAllowsForRoundingOfTheNextSlope) {
   EXPECT_EQ(sweep.with_feedforward_off(0.033), "[feedforward]");
 }
 
-// A displaced model with other derivatives, with the Hessians of the problem itself: its entries
-// may be off by the margin times the change.
+// A displaced model with different derivatives but the Hessians of the problem. Its entries may be
+// off by the margin times the change.
 TEST(GainsOfASweep, AllowForChangesOfEachDerivative) {
   constexpr double kMargin = 10, kChange = 1e-4;
   NumberSweep sweep(1);
@@ -313,7 +313,7 @@ TEST(GainsOfASweep, AllowForChangesOfEachDerivative) {
   by_cost.derivatives[0].cost[1] -= kChange;
   EXPECT_EQ(failures_with(by_cost, 0, 0.9 * kMargin * kChange), "");
   EXPECT_EQ(failures_with(by_cost, 0, 1.1 * kMargin * kChange), "[feedforward]");
-  // J_uᵀ V J_x changes by V times the change of either, J_uᵀ V J_u by twice that of J_u.
+  // J_uᵀ V J_x changes by V times the change of either factor, J_uᵀ V J_u by twice that of J_u.
   DisplacedModel by_state{t, sweep.derivatives, kMargin}, by_control = by_state;
   by_state.derivatives[0].step(0, 0) += kChange;
   by_control.derivatives[0].step(0, 1) -= kChange;
@@ -324,7 +324,7 @@ TEST(GainsOfASweep, AllowForChangesOfEachDerivative) {
   EXPECT_NE(failures_with(by_control, 2.1 * once, 0).find("[feedback]"), std::string::npos);
 }
 
-// With Q_uu = 1 and nothing else: a millionth of its rounding, and of it times the least move.
+// With only Q_uu = 1: a millionth of its rounding, and of it times the smallest move.
 TEST(GainsOfASweep, AreWithinATolerance) {
   NumberSweep sweep(1);
   sweep.set_hessian(0, 0, 0, 1);
@@ -339,7 +339,7 @@ TEST(GainsOfASweep, AreWithinATolerance) {
     EXPECT_EQ(sweep.failures(), share > 1 ? "[feedforward]" : "") << share;
     sweep.derivatives[0].cost[1] = 0;
   }
-  // A control of 4 and a feedforward of 0.01 make larger moves.
+  // A control of 4 and a feedforward of 0.01 give larger moves.
   sweep.claims.trajectory.u(0)[0] = 4;
   sweep.derivatives[0].cost[1] = 4.9 * feedforward;
   EXPECT_EQ(sweep.failures(), "");
@@ -415,7 +415,7 @@ TEST(GainsOfASweep, MayBeZeroForControlsAtABound) {
     }
 }
 
-// ∇_u L and co-states along any policy, and what the model gains.
+// ∇_u L, costates along any policy, and the expected decrease of the model.
 TEST(AdjointAlongAPolicy, IsTheRecursionOfItsDefinition) {
   for (unsigned seed = 1; seed <= 4; ++seed) {
     const OpenTrajectory at(seed);
@@ -467,8 +467,8 @@ TEST(RiccatiPolicy, MatchesTextbookForFreeControls) {
   }
 }
 
-// The second of two controls stands at its bound at every knot: its rows are zero, and the other
-// ones those of a problem without it.
+// The second of two controls is at its bound at every knot. Its rows are zero; the others match a
+// problem without it.
 TEST(RiccatiPolicy, LeavesControlsAtTheirBoundsOut) {
   const OpenTrajectory at(5);
   LinearQuadratic reduced(5, 3, {2, 1}, 3, -testing::kFree, testing::kFree);

@@ -1,5 +1,4 @@
-// The hopper of the examples in its plane, upright and bent, with motors, springs and limits that a
-// file may have.
+// The planar hopper of the examples, upright or bent, with optional motors, springs, and limits.
 #include "analysis/findings/holding_torques.hpp"
 
 #include <gtest/gtest.h>
@@ -48,13 +47,13 @@ ShootingProblem problem_of(const Leg& leg) {
                                    leg.limit);
 }
 
-/// "knee", or "" where nothing is missing.
+/// "knee", or "" if no torque is missing.
 std::string weak_joint(const Leg& leg) {
   const auto lack = missing_torque(problem_of(leg));
   return lack ? lack->joint : "";
 }
 
-// The knee bears the body, 9 kg, with a lever of 0.3 m sin 0.5 = 14 cm, and most of the thigh.
+// The knee carries the body, 9 kg, at a lever arm of 0.3 m sin 0.5 = 14 cm, and most of the thigh.
 TEST(MissingTorque, MatchesKneeTorqueOfBentLeg) {
   EXPECT_EQ(weak_joint({.limit = 30}), "");
   const auto weak = missing_torque(problem_of({.limit = 2}));
@@ -66,7 +65,7 @@ TEST(MissingTorque, MatchesKneeTorqueOfBentLeg) {
   EXPECT_EQ(weak->limit, 2);
 }
 
-// As a leaf spring or the rod of a closed chain that a file has as a loose joint.
+// Models a leaf spring or a closed-chain rod that the file describes as a passive joint.
 TEST(MissingTorque, IsThatOfAJointThatNothingDrives) {
   for (const double limit : {testing::kFree, 90.0}) {
     const auto loose = missing_torque(problem_of({.motors = {"hip"}, .limit = limit}));
@@ -77,7 +76,7 @@ TEST(MissingTorque, IsThatOfAJointThatNothingDrives) {
   }
 }
 
-// A foot that is held twice: which of its contacts bears the leg is open.
+// A foot held twice: the load split between its contacts is ambiguous.
 TEST(MissingTorque, IsFoundForDependentContacts) {
   EXPECT_EQ(weak_joint({.limit = 30, .feet = 2}), "");
   EXPECT_EQ(weak_joint({.limit = 2, .feet = 2}), "knee");
@@ -86,7 +85,7 @@ TEST(MissingTorque, IsFoundForDependentContacts) {
 TEST(MissingTorque, IgnoresRobotsThatFallTipOrMove) {
   EXPECT_EQ(weak_joint({.foot = std::nullopt, .limit = 2}), "");
   EXPECT_EQ(weak_joint({.limit = 2, .speed = 1}), "");
-  // Nothing but its own point to stand on: no torque keeps a body upright that is beside its foot.
+  // Support at one point only: no torque keeps the body upright if its centre is beside the foot.
   EXPECT_EQ(weak_joint({.foot = ContactKind::point, .limit = 90}), "");
 }
 

@@ -1,4 +1,4 @@
-// The share of a violation that controls could take away, by hand and where a claim is false.
+// Share of a violation that controls could remove, by hand and for false claims.
 #include "analysis/certificate/infeasibility.hpp"
 
 #include <gtest/gtest.h>
@@ -11,8 +11,8 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// One step x⁺ = x + u from the origin of the plane, |u| ≤ limit, that has to end at the goal or,
-/// `cone`, in the cone |x_1 − g_1| ≤ x_2 − g_2.
+/// One step x⁺ = x + u from the origin of the plane with |u| ≤ limit. It must end at the goal or,
+/// if `cone`, in the cone |x_1 − g_1| ≤ x_2 − g_2.
 ShootingProblem step_to(const Eigen::Vector2d& goal, double limit, bool cone = false) {
   const auto system = linear_system(Eigen::Matrix2d::Identity(), Eigen::Matrix2d::Identity(),
                                     Eigen::Vector2d::Zero());
@@ -44,11 +44,11 @@ double share(const ShootingProblem& problem, const Eigen::Vector2d& u,
 }
 
 TEST(AttainableShare, OfAStepIsThatByHand) {
-  // d = (−3, −4), its direction (−0.6, −0.8): both controls have a way of 1 up.
+  // d = (−3, −4) with direction (−0.6, −0.8): both controls can move up by 1.
   EXPECT_NEAR(share(step_to({3, 4}, 1), {0, 0}, {-3, -4}), (0.6 + 0.8) / 5, 1e-14);
-  // At their bounds there is none left.
+  // At their bounds, controls cannot move.
   EXPECT_EQ(share(step_to({3, 4}, 1), {1, 1}, {-2, -3}), 0);
-  // Without bounds a control can go by its largest size, at least 1, where that is far.
+  // Without bounds, a control can move by its largest magnitude (at least 1).
   EXPECT_NEAR(share(step_to({3, 4}, kInfinity), {0, 5}, {-3, 1}), 5 * (3 + 1) / 10.0, 1e-14);
 }
 
@@ -74,19 +74,19 @@ double share_of_free_step(const Eigen::Vector2d& gains) {
 TEST(AttainableShare, IsIndependentOfControlUnits) {
   for (const double unit : {1e-9, 1e-3, 1.0})
     EXPECT_NEAR(share_of_free_step({unit, unit}), std::max(1.0, unit * 7 / 25), 1e-12) << unit;
-  // p = (3 u, 8 u) along which the best step leaves a part of the distance.
+  // p = (3 u, 8 u); the best step along it leaves part of the distance.
   EXPECT_NEAR(share_of_free_step({1e-6, 2e-6}), 73.0 * 73 / ((9 + 256) * 25), 1e-10);
   EXPECT_EQ(share_of_free_step({0, 0}), 0);
 }
 
 TEST(AttainableShare, OfAConeIsAlongItsDistance) {
-  // From (3, −1) the nearest point of the cone is (1, 1): d = (2, −2).
+  // The point of the cone nearest to (3, −1) is (1, 1): d = (2, −2).
   EXPECT_NEAR(share(step_to({-3, 1}, 1, true), {0, 0}, {3, -1}), (2 + 2) / 8.0, 1e-14);
-  // Below the polar cone it is the tip.
+  // Below the polar cone, the tip is nearest.
   EXPECT_NEAR(share(step_to({-1, 3}, 1, true), {0, 0}, {1, -3}), (1 + 3) / 10.0, 1e-14);
 }
 
-/// What a certificate says of a motion that is called infeasible.
+/// Certificate of a motion that is claimed to be infeasible.
 Certificate of_infeasible(const ShootingProblem& problem, const Eigen::Vector2d& u,
                           const Eigen::Vector2d& next) {
   SolutionClaims claims(problem);
@@ -111,10 +111,10 @@ TEST(InfeasibleIs, WhatNoControlCanImproveAlone) {
   const ShootingProblem problem = step_to({3, 4}, 1);
   EXPECT_TRUE(least(of_infeasible(problem, {1, 1}, {1, 1})));
   EXPECT_FALSE(least(of_infeasible(problem, {1, 0.5}, {1, 0.5})));
-  EXPECT_FALSE(least(of_infeasible(problem, {1, 1}, {2, 1})));  // not where the controls lead
+  EXPECT_FALSE(least(of_infeasible(problem, {1, 1}, {2, 1})));  // not the end of the simulated step
 }
 
-/// One step x⁺ = x + u from the origin with rows on its control, and a soft one at the end.
+/// One step x⁺ = x + u from the origin with rows on its control and a soft row at the end.
 double share_of_rows(ConstraintKind kind, const std::vector<double>& bounds,
                      const Eigen::VectorXd& values) {
   const int n = static_cast<int>(values.size());
@@ -143,7 +143,7 @@ double share_of_rows(ConstraintKind kind, const std::vector<double>& bounds,
   return attainable_share(problem, trajectory, derivatives, all);
 }
 
-// Down to the lower bound −4 of each control where a row is above, up to 8 where it is below.
+// Each control can decrease to −4 where a row is above, and increase to 8 where it is below.
 TEST(AttainableShare, CountsRowsThatAreOutsideAndHardOnes) {
   const std::vector<double> bounds = {-1, -1, -1, 1, 2, 3};
   EXPECT_NEAR(share_of_rows(ConstraintKind::bounds, bounds, Eigen::Vector3d(0.5, 2, 5)),
@@ -170,7 +170,7 @@ TEST(ViolationModel, PromisesNothingAtTheLeastViolation) {
   const SecondOrder least = model_at(step_to({3, 4}, 1), {1, 1});
   EXPECT_NE(least.curvature, Curvature::negative);
   EXPECT_EQ(least.share(), 0);
-  // A step of Newton's goes to the bounds or to the goal.
+  // A Newton step goes to the bounds or to the goal.
   EXPECT_GT(model_at(step_to({3, 4}, 1), {0, 0.5}).share(), 0.1);
   EXPECT_NEAR(model_at(step_to({3, 4}, kInfinity), {1, 1}).gain, (2 * 2 + 3 * 3) / 2.0, 1e-12);
 }

@@ -40,7 +40,7 @@ void move_state(const ShootingProblem& problem, State x, const Eigen::VectorXd& 
   problem.manifold().integrate(x.data(), delta.data(), x.data());
 }
 
-/// At a trajectory with open gaps, on flat and curved spaces, against differences.
+/// Compared with finite differences at a trajectory with open gaps, on flat and curved spaces.
 TEST(LagrangianGradient, IsTheDerivativeOfTheLagrangian) {
   const ShootingProblem problems[] = {testing::cartpole_swing_up(), testing::quadrotor_move()};
   for (const ShootingProblem& problem : problems) {
@@ -70,7 +70,7 @@ TEST(LagrangianGradient, IsTheDerivativeOfTheLagrangian) {
         for (int side = 0; side < 2; ++side) {
           Trajectory moved = t;
           move(moved, side == 0 ? -kStep : kStep);
-          // x_k enters the step before it as well, which keeps its own gap.
+          // x_k also enters the preceding step, which keeps its gap.
           value[side] = lagrangian(problem, moved, gap, costates);
         }
         return (value[1] - value[0]) / (2 * kStep);
@@ -79,7 +79,7 @@ TEST(LagrangianGradient, IsTheDerivativeOfTheLagrangian) {
         const double expected = slope([&](Trajectory& m, double h) {
           move_state(problem, m.x(k), h * Eigen::VectorXd::Unit(problem.ndx(), i));
         });
-        // x_0 is given: the problem has no co-state equation for it but the recursion's.
+        // x_0 is fixed: only the recursion gives a costate equation for it.
         const double own = k == 0 ? expected - costates(i, 0) : expected;
         EXPECT_NEAR(gradient.state(i, k), own, 1e-6 * (1 + std::abs(own))) << k << " " << i;
       }
@@ -92,7 +92,7 @@ TEST(LagrangianGradient, IsTheDerivativeOfTheLagrangian) {
   }
 }
 
-/// Rounding of an entry is relative to what was added up for it, whatever cancels.
+/// Rounding of an entry is relative to the sum of magnitudes, regardless of cancellation.
 TEST(LagrangianGradient, SizesSumTheAbsoluteTerms) {
   const ShootingProblem free = testing::cartpole_swing_up();
   const ShootingProblem problem = testing::with_constraints(
@@ -122,7 +122,7 @@ TEST(LagrangianGradient, SizesSumTheAbsoluteTerms) {
   }
 }
 
-/// With the time step that it was planned with, a motion is what it was.
+/// With its planned time step, a motion reproduces itself.
 TEST(Replay, OnThePlansGridIsThePlan) {
   const ShootingProblem problem = testing::cartpole_swing_up();
   const SolveResult result =

@@ -28,7 +28,7 @@ TEST(LinearComplementarity, PositiveDefiniteProblems) {
   }
 }
 
-/// Rows that are copies of one another, as contacts that hold the same thing make them.
+/// Duplicate rows, as contacts that constrain the same motion produce them.
 TEST(LinearComplementarity, RedundantRowsDoNotCycle) {
   std::mt19937 random(5);
   std::normal_distribution<double> normal;
@@ -56,7 +56,7 @@ TEST(LinearComplementarity, NonFiniteInputHasNoSolution) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   Eigen::MatrixXd M = Eigen::MatrixXd::Identity(2, 2);
   M(0, 1) = nan;
-  EXPECT_FALSE(solve_lcp(M, Eigen::VectorXd::Ones(2)));  // where z = 0 would do
+  EXPECT_FALSE(solve_lcp(M, Eigen::VectorXd::Ones(2)));  // z = 0 would solve it
   const auto none = solve_lcp(Eigen::MatrixXd(0, 0), Eigen::VectorXd(0));
   ASSERT_TRUE(none);
   EXPECT_EQ(none->size(), 0);
@@ -68,7 +68,7 @@ TEST(LinearComplementarity, WhatNeedsNoImpulseGetsNone) {
   EXPECT_EQ(*z, Eigen::VectorXd::Zero(2));
 }
 
-/// Small integers make ties in every step of the pivoting.
+/// Small integers produce ties in every pivoting step.
 TEST(LinearComplementarity, TiesDoNotCycle) {
   RandomNumbers random(9);
   for (int i = 0; i < 3000; ++i) {
@@ -77,7 +77,7 @@ TEST(LinearComplementarity, TiesDoNotCycle) {
     for (double& entry : a.reshaped()) entry = random.index(3) - 1;
     Eigen::VectorXd wanted(rank);
     for (double& entry : wanted) entry = random.index(5) - 2;
-    // w = a (aᵀ z + wanted): that has a solution, as it is that of a convex problem.
+    // w = a (aᵀ z + wanted) has a solution because it stems from a convex problem.
     expect_solution(a * a.transpose(), a * wanted);
   }
 }

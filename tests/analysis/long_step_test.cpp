@@ -1,4 +1,4 @@
-// Steps that are too long for an explicit integrator, of one that decays by itself.
+// Steps too long for an explicit integrator of a decaying system.
 #include "analysis/findings/long_step.hpp"
 
 #include <cmath>
@@ -11,7 +11,7 @@
 namespace conddp {
 namespace {
 
-/// Two knots of x' = −rate x + u with this integrator, the second one `ratio` times as long.
+/// Two knots of x' = −rate x + u with this integrator; the second is `ratio` times as long.
 ShootingProblem decay(double rate, Integrator integrator, double dt, double ratio = 1) {
   const Eigen::MatrixXd A = Eigen::MatrixXd::Constant(1, 1, -rate);
   const auto system = linear_system(A, Eigen::MatrixXd::Ones(1, 1), Eigen::VectorXd::Zero(1),
@@ -44,7 +44,7 @@ TEST(LongStep, DependsOnTheRule) {
   EXPECT_FALSE(step_of(decay(50, Integrator::rk4, 0.05)));
 }
 
-/// Two knots of q'' = −stiffness q − damping v + u by semi-implicit Euler.
+/// Two knots of q'' = −stiffness q − damping v + u with semi-implicit Euler.
 ShootingProblem spring(double stiffness, double damping, double dt) {
   const auto system = expression_system(
       {.kind = SystemKind::second_order,
@@ -61,11 +61,11 @@ ShootingProblem spring(double stiffness, double damping, double dt) {
            .cost_scale = {1}}};
 }
 
-// Semi-implicit Euler is stable where h² k < 4 − 2 h d.
+// Semi-implicit Euler is stable for h² k < 4 − 2 h d.
 TEST(LongStep, OfSemiImplicitEulerAlternates) {
   EXPECT_FALSE(step_of(spring(390, 0, 0.1)));
   EXPECT_FALSE(step_of(spring(190, 10, 0.1)));
-  EXPECT_FALSE(step_of(spring(-1000, 0, 0.1)));  // falls over, as it does in time
+  EXPECT_FALSE(step_of(spring(-1000, 0, 0.1)));  // unstable in continuous time too
   EXPECT_FALSE(step_of(spring(0, 19, 0.1)));
   const auto undamped = step_of(spring(410, 0, 0.1));
   ASSERT_TRUE(undamped);

@@ -1,5 +1,5 @@
-// Margins of bounds under noise: against formulas by hand, and against what random runs of the same
-// linear closed loop do.
+// Margins of bounds under noise, compared with formulas and with random runs of the linear closed
+// loop.
 #include "analysis/margins/margins.hpp"
 
 #include <cmath>
@@ -31,7 +31,7 @@ StateNoise noise(double initial, double process, double measurement, int n) {
           Eigen::VectorXd::Constant(n, measurement)};
 }
 
-// (0.9 − 0.5·0.8)² P + (0.5·0.8)² N + W, from P = 0.04 on.
+// (0.9 − 0.5·0.8)² P + (0.5·0.8)² N + W, starting at P = 0.04.
 TEST(Margins, CovarianceFollowsItsRecursion) {
   const ShootingProblem problem = scalar_problem();
   Linearization linear(problem);
@@ -72,7 +72,7 @@ TEST(Margins, ProbabilitiesAreThoseOfTheNormalLaw) {
   EXPECT_NEAR(of(3), 0.001349898031630, 1e-15);
 }
 
-// Solvers leave a control that they hold a trace of its gains.
+// Solvers leave tiny gains on controls at their bounds.
 TEST(Margins, SkipQuantitiesHeldAtTheirBound) {
   const ShootingProblem problem = scalar_problem();
   std::vector<Eigen::MatrixXd> gains = scalar_gains();
@@ -89,7 +89,7 @@ TEST(Margins, SkipQuantitiesHeldAtTheirBound) {
   EXPECT_EQ(first_knot_of_upper(1 - 1e-3), 0);
 }
 
-// A ten-thousandth of what noise moves it elsewhere, a millionth from the bound.
+// A ten-thousandth of the usual deviation, a millionth from the bound.
 TEST(Margins, SmallGainsNearABoundCountAsHeld) {
   const ShootingProblem problem = scalar_problem();
   for (const bool upper : {true, false}) {
@@ -103,7 +103,7 @@ TEST(Margins, SmallGainsNearABoundCountAsHeld) {
         if (curve.upper == upper) return curve.nodes.front().knot != 0;
       return false;
     };
-    // The second knot's deviation is 0.9 of the first one's.
+    // The second knot's deviation is 0.9 times the first knot's.
     EXPECT_TRUE(is_held(0.8e-4, 0.9e-6)) << upper;
     EXPECT_TRUE(is_held(0.8e-4, -0.9e-6)) << upper;
     EXPECT_FALSE(is_held(0.8e-4, 1.1e-6)) << upper;
@@ -112,7 +112,7 @@ TEST(Margins, SmallGainsNearABoundCountAsHeld) {
   }
 }
 
-/// The scalar problem whose first knots take no time.
+/// The scalar problem with its first knots instantaneous.
 ShootingProblem with_instants(const std::set<int>& instants) {
   const ShootingProblem whole = scalar_problem();
   std::vector<Phase> phases;
@@ -127,7 +127,7 @@ ShootingProblem with_instants(const std::set<int>& instants) {
   return {whole.initial_state(), std::move(phases), whole.terminal()};
 }
 
-// Noise begins where time does, and neither disturbs nor mismeasures what takes none.
+// Noise starts with time; instantaneous knots add no disturbance or measurement error.
 TEST(Margins, BeginWithTimeAndPassInstantsWithoutNoise) {
   const StateNoise all = noise(0.2, 0.1, 0.3, 1);
   const auto covariances = [&](const std::set<int>& instants) {
@@ -162,7 +162,7 @@ TEST(Margins, BeginWithTimeAndPassInstantsWithoutNoise) {
   EXPECT_EQ(knots({1}), (std::vector{0, 2}));
 }
 
-// A row at an instant before time begins has no margin, one there has that of the state alone.
+// A row at an instant before time starts has no margin; a later one uses the state alone.
 TEST(Margins, RowsAtInstantsUseTheStateAlone) {
   for (const int instant : {0, 1}) {
     const ShootingProblem free = with_instants({instant});
@@ -204,7 +204,7 @@ TEST(Margins, AControlWithoutGainsHasNone) {
       constraint_margins(problem, problem.create_trajectory(), held, noise(1, 1, 1, 1)).empty());
 }
 
-/// The curve of this name, row and side.
+/// The curve with this name, row, and side.
 const MarginCurve& curve_of(const std::vector<MarginCurve>& curves, const std::string& name,
                             int row, bool upper) {
   for (const MarginCurve& curve : curves)
@@ -212,7 +212,7 @@ const MarginCurve& curve_of(const std::vector<MarginCurve>& curves, const std::s
   throw std::logic_error("there is no such curve: " + name);
 }
 
-// At x = 1 and u = 0. A row a x + b u has the variance (a + b K)² P + (b K)² N.
+// At x = 1 and u = 0, a row a x + b u has the variance (a + b K)² P + (b K)² N.
 TEST(Margins, RowsAndConesUseTheirGradients) {
   const ShootingProblem free = scalar_problem();
   using Term = LinearCombination::Term;
@@ -261,17 +261,17 @@ TEST(Margins, RowsAndConesUseTheirGradients) {
   const auto& cone = curve_of(curves, "cone", -1, true).nodes;
   ASSERT_EQ(cone.size(), 2u);
   for (int i = 0; i < 2; ++i) expect_margin(cone[i], 2 + i, 1.2, 0.5 * std::sqrt(P[2 + i]));
-  // Of several at one node the one that is the fewest standard deviations away.
+  // Among several rows at a node, the one with the fewest standard deviations counts.
   const auto& closest = curve_of(curves, "below", -1, true).nodes;
   ASSERT_EQ(closest.size(), 1u);
   expect_margin(closest[0], 2, 0.5, std::sqrt(P[2]));
   expect_margin(curve_of(curves, "below", -1, false).nodes.at(0), 2, 10, std::sqrt(P[2]));
-  ASSERT_EQ(curves.size(), 9u);  // with both bounds on the control
+  ASSERT_EQ(curves.size(), 9u);  // including both control bounds
   for (std::size_t i = 1; i < curves.size(); ++i)
     EXPECT_LE(curves[i - 1].smallest().steps(), curves[i].smallest().steps());
 }
 
-/// A double integrator that is brought to rest with bounds on its control and speed.
+/// A double integrator brought to rest under bounds on control and speed.
 ShootingProblem braked() {
   const ShootingProblem free =
       testing::tracking_problem(double_integrator(1), Integrator::rk4, 20, 0.1, {1, 0},
@@ -292,7 +292,7 @@ class RandomRuns {
              const StateNoise& sigmas, int runs)
       : linear_(linear), gains_(gains), sigmas_(sigmas), runs_(runs), numbers_(5) {}
 
-  /// visit(node, δx, δu); δu is empty at the last one.
+  /// Calls visit(node, δx, δu); δu is empty at the last node.
   template <class Visit>
   void run(Visit visit) {
     const Eigen::Index n = sigmas_.initial.size();
@@ -322,8 +322,8 @@ class RandomRuns {
   NormalNumbers numbers_;
 };
 
-// Variances of n samples have a standard deviation of √(2/n) of themselves, frequencies of
-// √(p (1 − p)/n): three of them are allowed.
+// The relative standard deviation of a variance from n samples is √(2/n), that of a frequency √(p
+// (1 − p)/n). The test allows three of them.
 TEST(Margins, MatchMonteCarloRunsOfLinearLoop) {
   constexpr int kRuns = 20'000;
   const ShootingProblem problem = braked();

@@ -20,7 +20,7 @@ ShootingProblem cartpole_with_goal() {
       free, {testing::goal_constraint(free, std::vector<double>(free.nx(), 0.0))});
 }
 
-/// A trajectory beside the constant one, whose gaps are open.
+/// A trajectory near the constant one, with open gaps.
 struct Point {
   explicit Point(const ShootingProblem& of) : problem(of), t(of.create_trajectory()) {
     std::srand(5);
@@ -53,7 +53,7 @@ void expect_derivatives_of_dual_numbers(const Point& at, const NodeModels& model
   }
 }
 
-/// On flat and curved spaces, with open gaps and with constraints.
+/// On flat and curved spaces, with open gaps and constraints.
 TEST(NodeModels, KeepAnalyticDerivativesThatAgreeWithDualNumbers) {
   const ShootingProblem problems[] = {
       testing::cartpole_swing_up(), cartpole_with_goal(), testing::quadrotor_move(),
@@ -69,7 +69,7 @@ TEST(NodeModels, KeepAnalyticDerivativesThatAgreeWithDualNumbers) {
   }
 }
 
-/// Every entry of every matrix, by as little as 10⁻¹⁰ of the largest one beside it.
+/// Perturbs every entry of every matrix by as little as 10⁻¹⁰ of the largest neighbouring entry.
 TEST(NodeModels, UseDualNumbersInsteadOfWrongAnalyticDerivatives) {
   const ShootingProblem problem = cartpole_with_goal();
   const int N = problem.knots(), k = 3;
@@ -102,7 +102,7 @@ TEST(NodeModels, UseDualNumbersInsteadOfWrongAnalyticDerivatives) {
   }
 }
 
-/// Two entries that cancel along the direction of ones do not along a random one.
+/// Two entries that cancel along the all-ones direction do not cancel along a random one.
 TEST(NodeModels, FindErrorsThatCancelInASum) {
   const ShootingProblem problem = testing::cartpole_swing_up();
   Point at(problem);

@@ -10,8 +10,8 @@
 namespace conddp {
 namespace {
 
-/// One step x⁺ = x + u from the origin with ½ (x⁺ − 1)² + ½ u²: u = ½ is the best, u = −½ x off
-/// the origin, and Q_uu = 2.
+/// One step x⁺ = x + u from the origin with cost ½ (x⁺ − 1)² + ½ u²: the optimum is u = ½, the gain
+/// is −½, and Q_uu = 2.
 ShootingProblem one_step(double low = -testing::kFree, double up = testing::kFree) {
   const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(1, 1);
   return testing::tracking_problem(linear_system(one, one, Eigen::VectorXd::Zero(1)),
@@ -30,7 +30,7 @@ std::vector<NodeDerivatives> derivatives_of(const ShootingProblem& problem,
   return node_derivatives(problem, trajectory, Eigen::MatrixXd::Zero(1, 1));
 }
 
-// From u to the best ½ the cost falls by (u − ½)², as its second derivative is 2.
+// From u to the optimum ½, the cost falls by (u − ½)², since its second derivative is 2.
 TEST(RiccatiPolicy, ExpectedDecreaseIsExactForQuadraticCosts) {
   const ShootingProblem problem = one_step();
   for (const double u : {0.0, 0.2, 2.0}) {
@@ -45,7 +45,8 @@ TEST(RiccatiPolicy, ExpectedDecreaseIsExactForQuadraticCosts) {
   }
 }
 
-// At its lower bound a control is stationary where the cost rises with it, and the other way round.
+// A control at its lower bound is stationary if the cost rises with it, and vice versa at the upper
+// bound.
 TEST(ProjectedGradient, BoundBlocksDescentAcrossItself) {
   const ShootingProblem problem = one_step(-1, 1);
   const auto projected = [&](double u, double gradient) {
@@ -57,12 +58,13 @@ TEST(ProjectedGradient, BoundBlocksDescentAcrossItself) {
   EXPECT_EQ(projected(1, 3).stationarity, 3);
   EXPECT_EQ(projected(0, 3).stationarity, 3);
   EXPECT_EQ(projected(0, -3).stationarity, 3);
-  // Outside of its bounds the multiplier is not complementary.
+  // Outside the bounds, the multiplier is not complementary.
   EXPECT_EQ(projected(-1.5, 3).product, 1.5);
   EXPECT_EQ(projected(1.5, -3).product, 1.5);
 }
 
-// At a bound is what misses it by rounding, relative to it or 1, or by what is asked for.
+// A value counts as at its bound within rounding, relative to the bound or to 1, or within the
+// tolerance.
 TEST(ProjectedGradient, ABoundIsMetToRounding) {
   const ShootingProblem problem = one_step(-3, 3);
   const auto stationarity = [&](double u, double gradient, double tolerance) {
@@ -85,8 +87,7 @@ TEST(ProjectedGradient, ABoundIsMetToRounding) {
               0);
 }
 
-// A control that is at its bound as it comes, without a multiplier, is free or held as a sweep has
-// it.
+// A control at its bound without a multiplier may be free or held, as the sweep decides.
 TEST(GainsCheck, InactiveBoundMayBeHeldOrFree) {
   const ShootingProblem problem = one_step(-1, 0.5);
   SolutionClaims claims(problem);
@@ -107,8 +108,8 @@ TEST(GainsCheck, InactiveBoundMayBeHeldOrFree) {
   EXPECT_FALSE(feedback_holds(-0.4));
 }
 
-// Two terms of ∇_u L move by 1e-13 of themselves, and so does the co-state in one of them, up or
-// down: with one sign of f_u all of that adds up.
+// Two terms of ∇_u L change by 1e-13 relative, and so does the costate in one of them. For one sign
+// of f_u, all changes add up.
 TEST(AdjointPass, RoundingSumsAllTermsOfTheGradient) {
   const ShootingProblem problem = one_step();
   const Eigen::VectorXd none(0);

@@ -1,4 +1,4 @@
-// A block on slides whose motion in steps of any length is known by hand.
+// A block on slides whose motion is known analytically for any step length.
 #include "analysis/certificate/replay.hpp"
 
 #include <algorithm>
@@ -20,7 +20,7 @@ using testing::block_system;
 
 constexpr double kBorne = 2 * 9.81;
 
-/// Pushed along x, borne along z, with the states of one step a knot.
+/// Pushed along x, supported along z, with states of one step per knot.
 Trajectory pushed_along_x(const ShootingProblem& problem, const std::vector<double>& pushes) {
   Trajectory motion = problem.create_trajectory();
   for (int k = 0; k < problem.knots(); ++k) {
@@ -39,7 +39,7 @@ std::vector<Eigen::MatrixXd> position_gains(int knots, double position = 0, doub
   return std::vector<Eigen::MatrixXd>(knots, K);
 }
 
-// 0.1 s of 1 m/s² in n steps go 0.01 (n + 1) / (2 n) m: 10 mm in one, 7.5 mm in two.
+// 0.1 s at 1 m/s² in n steps moves 0.01 (n + 1) / (2 n) m: 10 mm in one step, 7.5 mm in two.
 TEST(Replay, InFinerStepsGoesWhereTheyLead) {
   const ShootingProblem problem = block_problem({block_phase(block_system(), 3)});
   const Trajectory motion = pushed_along_x(problem, {4, 0, -4});
@@ -48,8 +48,7 @@ TEST(Replay, InFinerStepsGoesWhereTheyLead) {
   EXPECT_EQ(found.substeps, 2);
   EXPECT_NEAR(found.controls.deviation, 0.0025, 1e-12);
   EXPECT_EQ(found.controls.entry, 0);
-  EXPECT_TRUE(found.controls.knot == 1 ||
-              found.controls.knot == 2);              // equally far but for rounding
+  EXPECT_TRUE(found.controls.knot == 1 || found.controls.knot == 2);  // equal up to rounding
   EXPECT_NEAR(found.controls.final_state, 0, 1e-12);  // braked as it was accelerated
   EXPECT_NEAR(found.controls.relative, 0.0025 / 0.02, 1e-12);
   EXPECT_EQ(found.controls.lost_at, -1);
@@ -68,7 +67,7 @@ TEST(Replay, BeginsAtTheInitialStateOfTheProblem) {
   EXPECT_EQ(found.controls.knot, 2);
   EXPECT_EQ(found.controls.entry, 4);
   EXPECT_NEAR(found.controls.final_state, 0.05, 1e-12);
-  // What moves by less than a hundredth counts as if by that.
+  // Motions below a hundredth are scaled by a hundredth.
   EXPECT_NEAR(found.controls.relative, 1, 1e-12);
 }
 
@@ -102,7 +101,7 @@ TEST(Replay, HoldsBoundedFeedbackOverAKnot) {
   for (const double limit : {100.0, 4.2}) {
     std::vector<Phase> phases;
     phases.push_back(block_phase(block_system(), 4, limit));
-    // Along z the weight is borne by gains on nothing: the bound must let it through.
+    // Unused gains support the weight along z; the bound must allow it.
     auto model = std::make_shared<KnotModel>(*phases.front().model);
     model->set_control_bounds({-limit, -limit, -100}, {limit, limit, 100});
     phases.front().model = model;
@@ -120,7 +119,7 @@ TEST(Replay, HoldsBoundedFeedbackOverAKnot) {
 
 TEST(Replay, FindsLimitsOfJointsWithinSteps) {
   const ShootingProblem problem = block_problem({block_phase(block_system(), 3)});
-  // At 1.6 m/s after the first step, 1.4 after the second: 0.1 m/s too fast at a knot alone.
+  // 1.6 m/s after the first step, 1.4 m/s after the second: 0.1 m/s too fast at a single knot.
   const Trajectory motion = pushed_along_x(problem, {64, -8, 0});
   const Replay found = replay(problem, motion, position_gains(3), 10);
   ASSERT_EQ(found.broken.size(), 1u);
@@ -142,12 +141,12 @@ TEST(Replay, FindsLimitsThatAreBrokenBetweenKnotsAlone) {
       start, std::move(phases),
       testing::terminal_phase(
           system, {.goal = std::vector<double>(6, 0.0), .qf = std::vector<double>(6, 1.0)}));
-  // Braked by 20 m/s²: in steps of 10 ms it goes 0.8, 0.6, 0.4, 0.2, 0, −0.2 … cm, to 0.48 at most,
-  // and from there to the lower limit within the second knot.
+  // Braked by 20 m/s² in steps of 10 ms, it moves 0.8, 0.6, 0.4, 0.2, 0, −0.2 … cm. It peaks at
+  // 0.48 m and reaches the lower limit within the second knot.
   Trajectory motion = pushed_along_x(problem, {-80, 80});
   Replay found = replay(problem, motion, position_gains(2), 10);
   EXPECT_TRUE(found.broken.empty());
-  // By 10 m/s²: 0.9, 0.8, … 0 cm, 0.505 after nine and ten steps, the second knot.
+  // At 10 m/s²: 0.9, 0.8, … 0 cm, with 0.505 after nine and ten steps in the second knot.
   motion = pushed_along_x(problem, {-40, -40});
   found = replay(problem, motion, position_gains(2), 10);
   ASSERT_EQ(found.broken.size(), 1u);
@@ -155,7 +154,7 @@ TEST(Replay, FindsLimitsThatAreBrokenBetweenKnotsAlone) {
   EXPECT_EQ(found.broken[0].unit, "m");
   EXPECT_NEAR(found.broken[0].excess, 0.005, 1e-12);
   EXPECT_NEAR(found.broken[0].time, 0.095, 0.006);
-  // By 12.5 m/s² in steps of 20 ms: 1.5, 1, 0.5, 0, −0.5 cm, 0.49 at most; from 0.475: 0.505.
+  // At 12.5 m/s² in steps of 20 ms: 1.5, 1, 0.5, 0, −0.5 cm, at most 0.49; from 0.475: 0.505.
   std::vector<Phase> again;
   again.push_back(block_phase(system, 2));
   start[0] = 0.475;
@@ -212,7 +211,7 @@ TEST(Replay, NeedsTimeBetweenKnots) {
             "");
 }
 
-/// Of a point on a line: it goes with speed 1 until it is thrown back with half of it.
+/// A point on a line moving at speed 1 that is thrown back at half that speed.
 struct ThrownBack {
   ShootingProblem problem;
   Trajectory motion;
@@ -260,7 +259,7 @@ TEST(Replay, PassesJumpsOfStates) {
   EXPECT_EQ(found.controls.knot, 3);
 }
 
-/// Three knots of 0.1 s of a system, in steps of a rule of collocation.
+/// Three knots of 0.1 s of a system under a collocation rule.
 ShootingProblem in_steps_of(const std::shared_ptr<const System>& inside, CollocationRule rule,
                             std::vector<double> start) {
   const auto system = std::make_shared<CollocationSystem>(inside, rule);
@@ -288,8 +287,8 @@ ShootingProblem in_steps_of(const std::shared_ptr<const System>& inside, Colloca
            .cost_scale = {1}}};
 }
 
-/// A cart with a pole, pushed, in steps of a rule of collocation and, as they should be, in very
-/// small ones of Runge and Kutta's.
+/// A pushed cart-pole, integrated by a collocation rule and, as reference, by very small
+/// Runge-Kutta steps.
 struct PushedCart {
   ShootingProblem problem;
   Trajectory motion;
@@ -324,11 +323,11 @@ struct PushedCart {
   }
 };
 
-// The slopes of the plan are all zero: the replay finds those of its steps itself.
+// The planned slopes are all zero; the replay solves for its own.
 TEST(Replay, CollocationSolvesForStepSlopes) {
   const PushedCart trapezoidal(CollocationRule::trapezoidal),
       simpson(CollocationRule::hermite_simpson);
-  // Of orders two and four.
+  // Orders two and four.
   EXPECT_LT(trapezoidal.deviation(20), 1e-3);
   EXPECT_NEAR(std::log2(trapezoidal.deviation(10) / trapezoidal.deviation(20)), 2, 0.1);
   EXPECT_LT(simpson.deviation(10), 1e-7);
@@ -338,7 +337,7 @@ TEST(Replay, CollocationSolvesForStepSlopes) {
   EXPECT_NEAR(std::log2(radau5.deviation(2) / radau5.deviation(4)), 5, 0.5);
 }
 
-// Slopes of 10⁹ are found to their own rounding.
+// Slopes of 10⁹ are accurate to rounding.
 TEST(Replay, OfACollocationFindsLargeSlopes) {
   const auto fast =
       expression_system({.kind = SystemKind::first_order,
@@ -367,7 +366,7 @@ TEST(Replay, RemembersTheControlsThatItHasUsed) {
   const ShootingProblem problem(start, std::move(phases), {"end", end, {0}, {1}, {}});
   Trajectory motion = pushed_along_x(problem, {4, 2, -4});
   for (int k = 0; k < 3; ++k) motion.x(k + 1).tail(3) = motion.u(k);
-  // Gains on what is remembered alone: it is as planned.
+  // Gains on remembered controls only: the motion is as planned.
   Eigen::MatrixXd K = Eigen::MatrixXd::Zero(3, 9);
   K.rightCols(3).setConstant(50);
   const Replay found = replay(problem, motion, std::vector<Eigen::MatrixXd>(3, K), 1);

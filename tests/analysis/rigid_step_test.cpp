@@ -7,7 +7,7 @@
 namespace conddp {
 namespace {
 
-/// A floating robot that turns by less and by more than a radian, where series give way to sines.
+/// A floating robot that rotates by less or more than a radian, covering both series and sines.
 class RigidStep : public ::testing::TestWithParam<double> {
  protected:
   RigidStep()

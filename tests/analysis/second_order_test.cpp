@@ -1,5 +1,4 @@
-// Curvature and Newton's gain on the active constraints, beside points known by hand and dense
-// optima.
+// Curvature and Newton gain on the active constraints, at analytic points and dense optima.
 #include "analysis/certificate/second_order.hpp"
 
 #include <gtest/gtest.h>
@@ -15,14 +14,14 @@ namespace {
 
 using Eigen::VectorXd;
 
-/// What the certificate finds at an answer of a solver, which may have been moved.
+/// Second-order check at a solver's answer, which may have been moved.
 SecondOrder at_answer(const ShootingProblem& problem, const SolveResult& result) {
   const NodeValues values(problem, result.trajectory);
   const Certificate found = certify(problem, claims_of(problem, result, values, {}), values);
   return found.second_order.value_or(SecondOrder());
 }
 
-/// Of a step u whose cost and constraint have this multiplier.
+/// Second-order check of a step u with this constraint multiplier.
 SecondOrder at_step(const ShootingProblem& problem, const VectorXd& u, const VectorXd& costate,
                     const VectorXd& multiplier, double cost) {
   SolutionClaims claims = testing::claims_of(problem, u, costate, cost);
@@ -30,7 +29,7 @@ SecondOrder at_step(const ShootingProblem& problem, const VectorXd& u, const Vec
   return *certify(problem, claims).second_order;
 }
 
-/// ½ ‖u − wish‖² with ‖u‖ ≥ 1, at u on the circle.
+/// Minimizes ½ ‖u − wish‖² subject to ‖u‖ ≥ 1, with u on the circle.
 SecondOrder on_the_circle(const Eigen::Vector2d& wish, const Eigen::Vector2d& u) {
   const ShootingProblem problem =
       testing::one_step({wish[0], wish[1]}, ConstraintKind::norm, {1, testing::kFree});
@@ -43,12 +42,12 @@ TEST(SecondOrder, DistinguishesNearAndFarPointOfADisc) {
   EXPECT_EQ(on_the_circle({0.5, 0}, {1, 0}).curvature, Curvature::positive);
   const SecondOrder far = on_the_circle({0.5, 0}, {-1, 0});
   EXPECT_EQ(far.curvature, Curvature::negative);
-  // The Hessian along the circle is 1 − 1.5, the range of the second control 0.
+  // The Hessian along the circle is 1 − 1.5; the range of the second control is 0.
   ASSERT_EQ(far.direction.size(), 2u);
   EXPECT_NEAR(far.direction[0][2], 0, 1e-12);
   EXPECT_NEAR(std::abs(far.direction[0][3]), 1, 1e-12);
   EXPECT_NEAR(far.bend, -0.25, 1e-12);
-  // All points of the circle are as far from its centre.
+  // All points of the circle are equally distant from its centre.
   EXPECT_EQ(on_the_circle({0, 0}, {1, 0}).curvature, Curvature::undecided);
 }
 
@@ -68,7 +67,7 @@ TEST(SecondOrder, GainIsWhatADenseOptimumCostsLess) {
   }
 }
 
-// One control reaches four states in four steps: rows pass through the stages that cannot hold
+// One control reaches four states in four steps; rows pass back through stages that cannot satisfy
 // them.
 TEST(SecondOrder, GoalsArePassedBackToEarlierControls) {
   const testing::LinearQuadratic lq(4, 4, {1}, 8, -testing::kFree, testing::kFree, 0.9);
@@ -80,7 +79,7 @@ TEST(SecondOrder, GoalsArePassedBackToEarlierControls) {
   const SecondOrder found = at_answer(problem, result);
   EXPECT_EQ(found.curvature, Curvature::positive);
   EXPECT_LT(found.share(), 1e-6);
-  // The model is exact: from a goal that is missed it leads back to the optimum.
+  // The model is exact: from a missed goal, it leads back to the optimum.
   const double miss = 10;
   Trajectory& at = result.trajectory;
   for (int k = 0; k < problem.knots(); ++k) at.u(k).array() += miss;
@@ -105,7 +104,7 @@ TEST(SecondOrder, FiguresFollowTheUnitOfTheCost) {
   }
 }
 
-// A goal smaller than the tolerance of constraints, at rest: nothing is left but to go there.
+// A goal below the constraint tolerance, at rest: a step towards it remains.
 TEST(SecondOrder, AGoalBelowItsToleranceIsNoAnswer) {
   const ShootingProblem problem = testing::one_step({0}, ConstraintKind::bounds, {5e-7, 5e-7});
   const VectorXd zero = VectorXd::Zero(1);
@@ -117,7 +116,7 @@ TEST(SecondOrder, AGoalBelowItsToleranceIsNoAnswer) {
   EXPECT_NEAR(found.second_order->repair, 0.5 * 5e-7 * 5e-7, 1e-20);
 }
 
-// An interior point leaves a little of a multiplier wherever there is a bound.
+// An interior point leaves a small multiplier at every bound.
 TEST(SecondOrder, MultipliersFarFromTheirBoundsHoldNothing) {
   const ShootingProblem problem =
       testing::one_step({0.3, 5}, ConstraintKind::bounds, {-5, -5, 1, 1});
@@ -126,13 +125,13 @@ TEST(SecondOrder, MultipliersFarFromTheirBoundsHoldNothing) {
   const SecondOrder found = at_step(problem, u, multiplier, multiplier, 8);
   EXPECT_EQ(found.curvature, Curvature::positive);
   EXPECT_LT(found.share(), 1e-10) << "of the way to the bound 0.03";
-  // One that pushes as much as all costs is a false claim.
+  // A multiplier as large as all cost gradients is a false claim.
   const Eigen::Vector2d off(-0.7, 1), pushed(1, 4);
   const SecondOrder claimed = at_step(problem, off, pushed, pushed, 8.5);
   EXPECT_GT(claimed.share(), 1e-2);
 }
 
-// The cost falls along a control without curvature until a bound ends that.
+// The cost falls along a control without curvature until a bound stops it.
 TEST(SecondOrder, FlatDirectionsCountByTheirSlope) {
   const auto system = linear_system(Eigen::MatrixXd::Identity(1, 1),
                                     Eigen::MatrixXd::Identity(1, 1), VectorXd::Zero(1));

@@ -1,4 +1,4 @@
-// The contacts of a closed loop's plant beside a simulator that has all candidates all the time.
+// Contacts of a closed loop's plant, compared with a simulator that always has all candidates.
 #include "analysis/contact/simulated_contacts.hpp"
 
 #include <cmath>
@@ -11,12 +11,11 @@
 namespace conddp {
 namespace {
 
-/// The block with its corners as contacts 3, 0, 5 and 1, and the state that its plant moves:
-/// (q, v, push).
+/// The block with its corners as contacts 3, 0, 5, and 1, and the state of its plant: (q, v, push).
 struct LoopBlock {
   LoopBlock() : contacts(block, 0.01, {3, 0, 5, 1}, 1), all(block) {}
 
-  /// Moves the state, and checks the step against the simulator of all candidates.
+  /// Advances the state and checks the step against the simulator of all candidates.
   std::uint32_t step(double length, double push) {
     const StepStart start{Eigen::Map<const Eigen::VectorXd>(x.data(), 3),
                           Eigen::Map<const Eigen::VectorXd>(x.data() + 3, 3),
@@ -42,7 +41,7 @@ struct LoopBlock {
   std::vector<double> x = {0, 0.5, 0, 0, 0, 0, 0};
 };
 
-// From 0.3 m above the ground, where no corner is near, into it within one step.
+// From 0.3 m above the ground, far from contact, into it within one step.
 TEST(SimulatedContacts, StepsAreThoseOfAllCandidates) {
   LoopBlock block;
   block.x = {0.1, 0.8, 0.1, 1, -4, 0.5, 0};
@@ -80,7 +79,7 @@ TEST(SimulatedContacts, HaveTheForcesThatCarryWhatStands) {
   const std::span<const double> forces = block.contacts.contact_forces();
   ASSERT_EQ(forces.size(), 18u);                    // contacts 0 to 5
   EXPECT_NEAR(forces[2] + forces[11], 9.81, 1e-6);  // upwards: 1 kg
-  EXPECT_NEAR(forces[0] + forces[9], -1, 1e-6);     // against the push, in which it does not slip
+  EXPECT_NEAR(forces[0] + forces[9], -1, 1e-6);     // opposes the push; no slip
   for (const int open : {1, 2, 4, 5}) EXPECT_TRUE(std::isnan(forces[3 * open])) << open;
   block.x[1] = 0.55;
   block.x[4] = 0;
@@ -88,7 +87,7 @@ TEST(SimulatedContacts, HaveTheForcesThatCarryWhatStands) {
   for (const double number : block.contacts.contact_forces()) EXPECT_TRUE(std::isnan(number));
 }
 
-// A step whose numbers are not finite leaves nothing of the state.
+// A non-finite step invalidates the whole state.
 TEST(SimulatedContacts, FailedStepMakesWholeStateNaN) {
   LoopBlock block;
   block.step(0.01, 1);

@@ -7,7 +7,7 @@
 namespace conddp {
 namespace {
 
-/// One knot of 0.1 s of a system with the states x and y, whose y follows an equation.
+/// One knot of 0.1 s of a system with states x and y; y follows `equation`.
 std::optional<SingularRate> singular(const std::string& equation, double x,
                                      SystemKind kind = SystemKind::first_order) {
   const auto system = expression_system({.kind = kind,
@@ -34,7 +34,7 @@ TEST(SingularRate, NamesStateThatADenominatorNeeds) {
   EXPECT_EQ(found->row, "y");
   EXPECT_EQ(found->state, "x");
   EXPECT_EQ(found->value, 0);
-  EXPECT_EQ(found->nearby, 1);  // nearer to 0 the rate changes much within a step
+  EXPECT_EQ(found->nearby, 1);  // closer to 0, the rate varies strongly within a step
   EXPECT_FALSE(singular("cos(y)/x", found->nearby));
 }
 

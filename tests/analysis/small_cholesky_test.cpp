@@ -24,7 +24,7 @@ TEST(SmallCholesky, SolvesForAllRightHandSides) {
       const MatrixXd rhs = MatrixXd::Random(n, columns);
       SmallCholesky::Rows solution = rhs;
       const MatrixXd full = A;
-      A.triangularView<Eigen::StrictlyUpper>().setConstant(1e9);  // is not read
+      A.triangularView<Eigen::StrictlyUpper>().setConstant(1e9);  // not read
       ASSERT_TRUE(factors.factorize(A, 1e-14)) << n;
       factors.solve(solution);
       if (rhs.size() > 0) {

@@ -49,9 +49,9 @@ TEST(SolutionComparison, QuaternionEqualsItsNegative) {
   EXPECT_EQ(first(solution(), other), "");
 }
 
-// A turn by 2 mrad about each axis, from a quaternion without zeros.
+// A rotation by 2 mrad about each axis from a quaternion without zeros.
 TEST(SolutionComparison, RotationsAreComparedByTheirAngle) {
-  const std::array<double, 4> q = {0.1, 0.5, -0.7, 0.5};  // x y z w, of length 1
+  const std::array<double, 4> q = {0.1, 0.5, -0.7, 0.5};  // x y z w, of unit length
   const auto turned = [&](int axis, double angle) {
     // q ⊗ (sin(angle/2) e, cos(angle/2))
     std::array<double, 3> s = {0, 0, 0};
@@ -77,7 +77,7 @@ TEST(SolutionComparison, RotationsAreComparedByTheirAngle) {
 TEST(SolutionComparison, TolerancesScaleWithLargestEntryOfColumn) {
   const auto with = [](double changed) {
     Json j = solution();
-    j["trajectory"]["x"][1][4] = changed;  // beside 2: within 1e-4 + 1e-3 · 2
+    j["trajectory"]["x"][1][4] = changed;  // against 2: within 1e-4 + 1e-3 · 2
     return j;
   };
   EXPECT_EQ(first(solution(), with(1.00209)), "");
@@ -108,7 +108,7 @@ TEST(SolutionComparison, CostsAreRelativeAndPartsLooser) {
   EXPECT_EQ(first(solution(), with(2 + 1.9e-6, 1.5 + 1.9e-4)), "");
   EXPECT_EQ(first(solution(), with(2 + 2.1e-6, 1.5)), "cost");
   EXPECT_EQ(first(solution(), with(2, 1.5 + 2.1e-4)), "cost state");
-  // Of small costs relative to a thousandth.
+  // Small costs are compared relative to a thousandth.
   Json small = solution(), other = small;
   small["cost"] = 1e-5;
   other["cost"] = 1e-5 + 0.9e-9;
@@ -132,7 +132,7 @@ TEST(SolutionComparison, IgnoresSlipSpeedsWithoutForce) {
 }
 
 TEST(SolutionComparison, MissingNumbersAgreeWithNothing) {
-  for (const int column : {2, 4}) {  // of a rotation, and of a number
+  for (const int column : {2, 4}) {  // of a rotation and of a number
     Json good = solution();
     good["trajectory"]["t"] = {0.0, 0.1, 0.2};
     good["trajectory"]["x"].push_back({0.0, 0.0, 0.6, 0.8, 1.0});
@@ -232,7 +232,7 @@ TEST(SolutionComparison, AbsentControlMatchesAbsentControl) {
   EXPECT_EQ(first(two, two), "trajectory u/elbow at knot 0 (t = 0 s)") << "no number at all";
 }
 
-// Columns of a body: its place, a rotation that begins at the second one, and a joint behind it.
+// Columns of a body: its position, a rotation starting at the second column, and a joint after it.
 TEST(SolutionComparison, FindsRotationsByFourConsecutiveNames) {
   const auto with = [](std::vector<std::string> names, int column, double change) {
     Json j = solution();
@@ -278,7 +278,7 @@ TEST(SolutionComparison, DifferencesAreFoundAtEveryNode) {
   }
 }
 
-// Where the first two nodes are at one time the first controls are the choice of the first state.
+// If the first two nodes share one time, the first controls choose the initial state.
 TEST(SolutionComparison, IgnoresTheInitialStateChoice) {
   const auto with = [](double second, double choice) {
     Json j = solution();

@@ -1,4 +1,4 @@
-// The equations of a step as the solver has them, beside the certificate's own.
+// Step equations of the solver, compared with those of the certificate.
 #include "analysis/contact/stepping_equations.hpp"
 
 #include <gtest/gtest.h>
@@ -74,8 +74,8 @@ TEST(SteppingEquations, AreThoseOfTheSolver) {
   }
 }
 
-/// Of the block on slides, masses of 4, 3 and 2 kg: M (v⁺ − v) + h (damping of the mean velocity +
-/// weight − applied), and the whole of it at the end by the other scheme.
+/// Block on slides, masses of 4, 3, and 2 kg. The midpoint scheme has M (v⁺ − v) + h (damping of
+/// the mean velocity + weight − applied); the other scheme has the full damping at the end.
 TEST(SteppingEquations, OfMidpointsHaveTheMeanOfBothResistances) {
   ContactPlant plant{.robot = testing::block_on_slides()};
   plant.damping = {2, 3, 5};

@@ -1,5 +1,5 @@
-// Regulators about equilibria, and what model-predictive control asks of them, for a linear system
-// whose figures are known.
+// Regulators about equilibria and the conditions of model-predictive control, for a linear system
+// with known figures.
 #include <cmath>
 #include <memory>
 
@@ -18,8 +18,8 @@ using testing::pushed_mass;
 using testing::regulated;
 using testing::stage_of;
 
-/// The exact double integrator under a force of at most 1: figures by the discrete Riccati
-/// equation, from another program.
+/// The exact double integrator with force limit 1. Reference figures come from the discrete Riccati
+/// equation of another program.
 class BoundedMass : public ::testing::Test {
  protected:
   TerminalConditions conditions(double level, double weight = 1) const {
@@ -52,12 +52,12 @@ TEST_F(BoundedMass, MeetsAllConditionsInItsLargestSet) {
   EXPECT_EQ(found.conditions[0].figure, 0);
   EXPECT_LE(found.conditions[1].figure, 0);
   EXPECT_LT(found.conditions[2].figure, 1);
-  EXPECT_NEAR(found.conditions[3].figure, 1, 1e-9);  // the cost-to-go is the regulator's
+  EXPECT_NEAR(found.conditions[3].figure, 1, 1e-9);  // the cost-to-go belongs to the regulator
   EXPECT_EQ(found.decrease.level, kLargest);
   EXPECT_NEAR(found.decrease.factor, 1, 1e-9);
 }
 
-// At 16 times the level the control is up to 4; two levels below it is up to 1.
+// At 16 times the level, the control reaches 4; two levels below, it reaches 1.
 TEST_F(BoundedMass, ExceedsItsBoundsInALargerSet) {
   const TerminalConditions found = conditions(16 * kLargest);
   EXPECT_FALSE(found.hold());
@@ -78,7 +78,7 @@ TEST_F(BoundedMass, DecreasesByStageCostForLargeWeights) {
   EXPECT_NEAR(conditions(kLargest, 2).decrease.factor, 1, 1e-12);
 }
 
-// A terminal cost without weight decreases by nothing: no factor helps.
+// A terminal cost with zero weight never decreases; no factor helps.
 TEST_F(BoundedMass, DecreasesByNothingWithoutWeight) {
   const TerminalConditions found = conditions(kLargest, 0);
   EXPECT_EQ(found.conditions[3].figure, 0);
@@ -123,7 +123,7 @@ TEST(TerminalIngredients, AStateThatNothingHoldsIsNoEquilibrium) {
   EXPECT_NE(found.fault.find("'place' changes by 2 in a second"), std::string::npos) << found.fault;
 }
 
-// A cost of x̄ and ū does not move a linear regulator; what it costs there is told.
+// Costs at x̄ and ū do not change a linear regulator; they are reported.
 TEST(TerminalIngredients, IncludeCostAndSlopeAtEquilibrium) {
   const auto at = [](std::vector<double> reference) {
     return *regulated(stage_of(pushed_mass(1, 2),
@@ -137,7 +137,7 @@ TEST(TerminalIngredients, IncludeCostAndSlopeAtEquilibrium) {
   EXPECT_LT((off.gradient - Eigen::Vector3d(-0.05, 0.075, 0.02)).norm(), 1e-13);
   EXPECT_LT((off.P - plain.P).norm(), 1e-12);
   EXPECT_LT((off.K - plain.K).norm(), 1e-12);
-  // The stage cost of A4 is without both.
+  // The stage cost of condition A4 excludes both.
   const TerminalConditions found = check_terminal_conditions(off, {.level = 0.01, .samples = 50});
   EXPECT_NEAR(found.conditions[3].figure, 1, 1e-7);
   EXPECT_TRUE(found.conditions[3].holds);
@@ -161,7 +161,7 @@ TEST(TerminalIngredients, ComeFromTheRequestedKnot) {
   EXPECT_EQ(regulated(both, 1).ingredients->knot->knot(0).dt, 0.2);
 }
 
-// What is remembered of a control decays at once.
+// A remembered control decays at once.
 TEST(TerminalIngredients, RememberTheControlThatHoldsTheState) {
   const auto with = [](ControlMemory memory) {
     const TerminalResult found = regulated(stage_of(
@@ -192,7 +192,7 @@ Eigen::MatrixXd cost_to_go_of_mass(double mass) {
       .regulator->P;
 }
 
-// The block's contact holds it along z: 4 kg go along x, 3 kg along y, and z stays.
+// The contact holds the block along z: 4 kg move along x, 3 kg along y, and z is fixed.
 TEST(TerminalIngredients, UseTangentSpaceOfTheContacts) {
   for (const bool remembers : {false, true}) {
     const auto system = testing::block_system({{.name = "rail", .kind = ContactKind::normal}});
@@ -224,7 +224,7 @@ TEST(TerminalIngredients, UseTangentSpaceOfTheContacts) {
   }
 }
 
-// u + u²/2 = 3/2 at u = 1: Newton steps of the control go on while they gain something.
+// u + u²/2 = 3/2 at u = 1: Newton steps of the control continue while they make progress.
 TEST(TerminalIngredients, AreFoundWhereTheControlActsNonlinearly) {
   const auto system = expression_system({.kind = SystemKind::first_order,
                                          .states = {{"x"}},
@@ -249,7 +249,7 @@ TEST(TerminalIngredients, DoNotExistForNonFiniteStates) {
   EXPECT_NE(found.fault.find("is not finite at this state"), std::string::npos) << found.fault;
 }
 
-/// The fault of a system x⁺ = A x + B u with these weights.
+/// Fault of a system x⁺ = A x + B u with these weights.
 std::string fault_of(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B,
                      std::vector<double> weights, double effort = 0.1) {
   const Eigen::Index n = A.rows(), m = B.cols();
@@ -261,9 +261,9 @@ std::string fault_of(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B,
   return found.fault;
 }
 
-// Systems in coordinates of their own: the mode's states are those that take part in it.
+// Systems in transformed coordinates: the mode's states are those that participate in it.
 TEST(TerminalIngredients, NeedControllableAndObservableModes) {
-  // (x1, x3) turn and do not decay, x0 and x2 do; the control moves x0 alone.
+  // (x1, x3) rotate without decay, x0 and x2 decay; the control moves only x0.
   Eigen::MatrixXd A = Eigen::MatrixXd::Zero(4, 4);
   A.diagonal() << 0.5, 0.6, 0.25, 0.6;
   A(1, 3) = -0.8;
@@ -278,13 +278,13 @@ TEST(TerminalIngredients, NeedControllableAndObservableModes) {
             "which does not decay");
   EXPECT_NE(fault_of(A, all, {1, 1, 1, 1}, 0).find("leaves a direction of the control free"),
             std::string::npos);
-  // The largest share first.
+  // Largest share first.
   const Eigen::MatrixXd grows{{1.05, 0}, {1, 0.5}};
   EXPECT_EQ(fault_of(grows, Eigen::MatrixXd::Zero(2, 1), {1, 1}),
             "no control moves the mode with eigenvalue 1.05 of 'x0', which does not decay");
 }
 
-/// x⁺ = 1.2 x + 0.5 u: every sample on the boundary of a set is one of its two ends.
+/// x⁺ = 1.2 x + 0.5 u: every boundary sample of a set is one of its two ends.
 struct ScalarStage {
   explicit ScalarStage(std::vector<testing::StageConstraint> constraints,
                        double lower = -testing::kFree, double upper = testing::kFree)
@@ -327,7 +327,7 @@ TEST(TerminalConditions, MeasureConstraintsAtTheEndsOfTheSet) {
   EXPECT_EQ(found.conditions[0].level, level / 4);  // from −0.3 on
   for (const int i : {1, 2, 3}) EXPECT_TRUE(found.conditions[i].holds) << i;
   EXPECT_EQ(found.conditions[1].figure, 0);
-  // One that is soft costs more, and is no condition.
+  // A soft constraint costs more but is not a condition.
   EXPECT_EQ(ScalarStage({interval(state, -0.3, 0.5, Softness::l1)}).at(level).conditions[0].figure,
             0);
 
@@ -374,7 +374,7 @@ TEST(TerminalConditions, OfTheEquilibriumAloneAreItsConstraints) {
   EXPECT_NEAR(pushed.conditions[1].figure, 0.2, 1e-15);
 }
 
-// The second state costs nothing, so it is not moved; without any cost there is no set.
+// The second state costs nothing and is not sampled; without any cost the set is empty.
 TEST(TerminalConditions, LeaveDirectionsThatCostNothingAlone) {
   const auto second = coordinate_residual(StateManifold::flat(2), {1});
   const auto system = linear_system(Eigen::Vector2d(0.5, 0.9).asDiagonal().toDenseMatrix(),

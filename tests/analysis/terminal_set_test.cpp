@@ -1,5 +1,5 @@
-// The largest ellipsoids within bounds and constraints of a regulated mass: a linear function a·x
-// of yᵀP y ≤ level reaches √(level aᵀP⁻¹a).
+// Largest ellipsoids within bounds and constraints of a regulated mass. On yᵀP y ≤ level, a linear
+// function a·x reaches √(level aᵀP⁻¹a).
 #include "analysis/terminal/terminal_set.hpp"
 
 #include <cmath>
@@ -21,7 +21,7 @@ using testing::StageConstraint;
 
 constexpr double kNoBound = std::numeric_limits<double>::infinity();
 
-/// The ingredients of the mass with a constraint, and its largest set.
+/// Ingredients of the mass with a constraint, and its largest set.
 struct ConstrainedMass {
   explicit ConstrainedMass(std::vector<StageConstraint> constraints, double force = kNoBound)
       : own(*regulated(mass_stage(pushed_mass(1), {-force}, {force}, std::move(constraints)))
@@ -35,12 +35,12 @@ struct ConstrainedMass {
 
   TerminalIngredients own;
   TerminalSet set;
-  Eigen::MatrixXd inverse;  ///< of P
+  Eigen::MatrixXd inverse;  ///< inverse of P
 };
 
 std::shared_ptr<const Residual> whole_state() { return state_residual(StateManifold::flat(2)); }
 
-/// Linear functions of place and speed.
+/// Linear functions of position and speed.
 std::shared_ptr<const Residual> functions_of_state(
     const std::vector<std::array<double, 3>>& factors_and_constants) {
   std::vector<LinearCombination> rows;
@@ -57,7 +57,7 @@ TEST(TerminalSet, TouchesTheNearerBoundOfEachRow) {
                         ConstraintKind::bounds),
         {0, -0.8, 0.7, 1}}},
       1);
-  // At the origin the rows of the box are −0.05 and 0.1.
+  // At the origin, the rows of the box are −0.05 and 0.1.
   const struct {
     const char* name;
     double distance, level;
@@ -108,8 +108,8 @@ TEST(TerminalSet, IsEmptyWhereTheEquilibriumViolatesAConstraint) {
   EXPECT_NEAR(mass.set.bounds[0].distance, -0.1, 1e-15);
 }
 
-// ‖x − (0.3, −0.4)‖ is 0.5 at the origin. Any direction may take it up; only that of its slope
-// down.
+// ‖x − (0.3, −0.4)‖ is 0.5 at the origin. Any direction may increase it; only its gradient
+// decreases it.
 TEST(TerminalSet, TouchesNormsFromAboveAndFromBelow) {
   const auto norm = make_constraint("norm", whole_state(), ConstraintKind::norm);
   const ConstrainedMass above({{norm, {0.3, -0.4, 0, 0.7, 1}}});
@@ -148,7 +148,7 @@ TEST(TerminalSet, TouchesConesInTheWorstDirection) {
   EXPECT_NEAR(mass.set.level, std::pow(distance / reach, 2), 1e-11);
 }
 
-/// Two states that decay, of which one costs something and one control moves that one.
+/// Two decaying states: only the first has a cost and a control.
 Phase decaying_stage(std::vector<StageConstraint> constraints) {
   const auto system = linear_system(Eigen::Vector2d(0.5, 0.9).asDiagonal().toDenseMatrix(),
                                     Eigen::Matrix2d{{0.5, 0}, {0, 0}}, Eigen::Vector2d::Zero());
@@ -156,7 +156,7 @@ Phase decaying_stage(std::vector<StageConstraint> constraints) {
                            std::move(constraints));
 }
 
-// The second state costs nothing, so the set lets it go anywhere; the second control has no gains.
+// The second state costs nothing and is unbounded in the set; the second control has no gains.
 TEST(TerminalSet, IsEmptyIfCostlessDirectionsAreBounded) {
   const auto bounded = [](int state) {
     const auto one = coordinate_residual(StateManifold::flat(2), {state});
@@ -199,7 +199,7 @@ TEST(TerminalEllipsoid, HasMatrixAxesAndNullDirections) {
 }
 
 TEST(TerminalEllipsoid, RoundingOfASingularMatrixIsNoLength) {
-  // Rows of very different units, one of them rounding.
+  // Rows of very different units; one of them is rounding.
   const Eigen::Vector3d row(1e3, -2e-3, 0);
   Eigen::Matrix3d P = row * row.transpose();
   P(2, 2) = 1e-26;

@@ -98,7 +98,7 @@ TEST_F(AtomicFile, RemovesLeftoversOfDeadProcessesOnly) {
   std::ofstream(folder_ / ".b.new.1.tmp") << "half, of another file";
   AtomicFiles living;
   living.add(folder_ / "b", "one");
-  EXPECT_EQ(count(), 2);  // .a.new.1.tmp and the one of `living`
+  EXPECT_EQ(count(), 2);  // .a.new.1.tmp and the file of `living`
   AtomicFiles files;
   files.add(folder_ / "a", "two");
   files.commit();
@@ -112,7 +112,7 @@ TEST_F(AtomicFile, RemovesLeftoversOfDeadProcessesOnly) {
 TEST_F(AtomicFile, IgnoresPipesNamedLikeLeftovers) {
   ASSERT_EQ(mkfifo((folder_ / ".a.new.1.tmp").c_str(), 0600), 0);
   AtomicFiles files;
-  files.add(folder_ / "a", "one");  // which does not wait for a writer
+  files.add(folder_ / "a", "one");  // does not wait for a writer
   files.commit();
   EXPECT_EQ(read("a"), "one");
   EXPECT_TRUE(std::filesystem::is_fifo(folder_ / ".a.new.1.tmp"));

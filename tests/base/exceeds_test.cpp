@@ -32,7 +32,7 @@ TEST(WorstOf, TheFirstOfNearlyEqualValuesStays) {
   EXPECT_EQ(worst_of(std::vector{3.0, 3.0 + 1e-9}), 0);
   EXPECT_EQ(worst_of(std::vector{3.0 + 1e-9, 3.0}), 0);
   EXPECT_EQ(worst_of(std::vector{1.0, 3.0, 3.001, 2.0}), 1);
-  // It is never further from the largest than the margin, however slowly values rise.
+  // The lag behind the maximum never exceeds the margin, however slowly values rise.
   std::vector<double> slope(1, 1.0);
   while (slope.size() < 10000) slope.push_back(slope.back() * 1.0005);
   EXPECT_GE(slope[worst_of(slope)], slope.back() / 1.0011);

@@ -13,7 +13,7 @@ TEST(NamePattern, FitsTheNamesThatItsStarsComplete) {
   EXPECT_FALSE(fits("leg", "legs"));
   EXPECT_FALSE(fits("leg_*", "a_leg_front"));
   EXPECT_FALSE(fits("*", ""));
-  // Other signs of file patterns are letters.
+  // Other wildcard characters are literals.
   EXPECT_FALSE(fits("le?", "leg"));
   EXPECT_FALSE(fits("[l]eg", "leg"));
   EXPECT_TRUE(is_pattern("le*"));

@@ -16,7 +16,7 @@ TEST(Sha256, GivesThePublishedDigests) {
             "248d6a61d20638b8e5c026930c3e6039a33ce45964ff2167f6ecedd419db06c1");
 }
 
-// Digests by Python's hashlib.
+// Digests from Python's hashlib.
 TEST(Sha256, PadsTextsOfAnyLength) {
   const std::pair<std::size_t, const char*> digests[] = {
       {55, "9f4390f8d30c2dd92ec9f095b65e2b9ae9b0a925a5258e241c9f1e910f734318"},

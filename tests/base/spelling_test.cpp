@@ -30,7 +30,7 @@ TEST(EditDistance, TakesCapitalsForSmallLetters) {
 }
 
 TEST(NearNames, AreWithinAThirdOfTheLetters) {
-  // Two letters: one edit; six: two; twelve: three, and no more of longer ones.
+  // Two letters allow one edit, six allow two, twelve or more allow three.
   EXPECT_EQ(similar_names("hp", {"hip", "hips"}), (Names{"hip"}));
   EXPECT_EQ(similar_names("ankles", {"anlke", "nkle", "ank"}), (Names{"anlke", "nkle"}));
   EXPECT_EQ(similar_names("abcdefghijkl", {"abcdefghi", "abcdefgh"}), (Names{"abcdefghi"}));

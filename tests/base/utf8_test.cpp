@@ -14,7 +14,7 @@ TEST(Utf8, FindsBadCharacters) {
   EXPECT_EQ(find_bad_character("\xC0\xAF"), 0u);          // overlong
   EXPECT_EQ(find_bad_character("x\xED\xA0\x80"), 1u);     // a surrogate
   EXPECT_EQ(find_bad_character("\xF5\x80\x80\x80"), 0u);  // beyond Unicode
-  EXPECT_EQ(find_bad_character("\xE2\x82"), 0u);          // cut off
+  EXPECT_EQ(find_bad_character("\xE2\x82"), 0u);          // truncated
   EXPECT_EQ(find_bad_character("ab\xE9"), 2u);            // Latin-1
 }
 
@@ -31,7 +31,7 @@ TEST(Utf8, ShowsAnyBytesOnOneLine) {
   EXPECT_EQ(printable("\xC3(\xE9"), "\\xC3(\\xE9");
 }
 
-// C1, separators and marks of direction, of which terminals obey some.
+// C1 controls, separators, and directional marks; terminals obey some of them.
 const std::string kCommands[] = {"\u0080", "\u009B", "\u2028", "\u2029",
                                  "\u202E", "\u2066", "\u200F", "\u061C"};
 

@@ -1,4 +1,4 @@
-// Plans: which items they have, and where they are wrong.
+// Items of plans and places of their errors.
 #include "batch/plan/batch_plan.hpp"
 
 #include <algorithm>
@@ -329,7 +329,7 @@ TEST(BatchPlan, ClosedLoopsAreBuiltWithTheirSettings) {
   ASSERT_EQ(batch.diagnostics.list().size(), 1u);
   EXPECT_EQ(batch.diagnostics.list()[0].message,
             "a loop without 'stop_when' lasts whatever happens (item 1 and 1 more)");
-  // The limit is the worker's, not the solver's.
+  // The worker applies the limit, not the solver.
   EXPECT_EQ(batch.manifest->items[1].settings, (std::vector<std::string>{"mpc.delay=0.1"}));
   const PlannedBatch late("command: mpc\nvary: {d: {key: mpc.delay, values: [0, 0.2]}}\n", loop);
   EXPECT_EQ(late.error().substr(0, 14), "plan.yaml:4:40") << late.error();
@@ -352,7 +352,7 @@ TEST(BatchPlan, AxesMayNotUseResultColumnNames) {
   }
   EXPECT_FALSE(is_column_of_results("warm_start", BatchCommand::kSolve, WarmStart::kNone));
   EXPECT_FALSE(is_column_of_results("w", BatchCommand::kSolve, WarmStart::kNeighbour));
-  // The name that the pages give to an axis of initial states.
+  // Documents use this name for an axis of initial states.
   EXPECT_FALSE(is_column_of_results("start", BatchCommand::kSolve, WarmStart::kNeighbour));
   EXPECT_FALSE(is_column_of_results("iterations", BatchCommand::kMpc, WarmStart::kNone));
 }
@@ -379,7 +379,7 @@ TEST(RunFolder, AllowsReshardingButNoOtherPlanOrBuild) {
   manifest = *batch.manifest;
   manifest.items.pop_back();
   EXPECT_NE(written(manifest).find("has results of another plan"), std::string::npos);
-  // Without results a plan may be edited, and no other one comes in its place.
+  // Without results, a plan may be edited but not replaced by another.
   std::filesystem::remove(run / "shards");
   EXPECT_EQ(written(manifest), "");
   manifest.name = "other";
@@ -570,7 +570,7 @@ TEST(BatchPlan, UnknownSolversAreReportedBesideTwins) {
   EXPECT_NE(all.find("'auto' stands twice in the list"), std::string::npos) << all;
 }
 
-/// The identity of a loop in a folder, as a batch sees it.
+/// Identity of a loop in a folder, as a batch computes it.
 std::string identity_of(const std::filesystem::path& file) {
   Diagnostics out;
   const auto family = ProblemFamily::load(file, {}, out);
@@ -668,7 +668,7 @@ TEST(BatchPlan, SettingsOfTheRobotLoadItAgain) {
   EXPECT_EQ(system_of("costs.effort.weight=2"), system_of("phases.only.knots=5"));
 }
 
-/// The number of each item's parent, counted from 1; 0 where it has none.
+/// One-based parent of each item; 0 for items without a parent.
 std::vector<int> parents(const Manifest& manifest) {
   std::vector<int> list;
   for (const ManifestItem& item : manifest.items) {
@@ -687,7 +687,7 @@ TEST(Neighbours, ParentsAreNearestEarlierItemsByScaledDistance) {
 warm_start: neighbour
 )");
   ASSERT_TRUE(batch.manifest) << batch.error();
-  // In units of the ranges, 4 and .4: (0, 0), (0, 1), (0, .3), (.25, 0), ...
+  // In units of the ranges 4 and 0.4: (0, 0), (0, 1), (0, 0.3), (0.25, 0), ...
   EXPECT_EQ(parents(*batch.manifest), (std::vector<int>{0, 1, 1, 1, 2, 3, 4, 5, 7, 4, 5, 10}));
 }
 
@@ -828,7 +828,7 @@ TEST(BatchPlan, DrawsSeveralKeysTogether) {
     const double dt = std::stod(item.values[3]);
     EXPECT_TRUE(dt >= 0.01 && dt < 0.02) << dt;
   }
-  EXPECT_EQ(steps.size(), 6u);  // no draw serves both keys
+  EXPECT_EQ(steps.size(), 6u);  // each key has its own draws
   EXPECT_GT(std::abs(*std::next(steps.begin()) - *steps.begin()), 1e-6);
 }
 
@@ -905,7 +905,7 @@ TEST(BatchPlan, ReportsWarmStartErrorsInTheirFile) {
 
 constexpr const char* kGuess = "t,theta,omega,torque\n0,0.1,0,0\n0.7,1,0,0\n";
 
-// A worker knows one problem at a time.
+// A worker holds one problem at a time.
 TEST(BatchPlan, ItemIdsIgnoreDataOfOtherProblems) {
   PlannedBatch batch("");
   batch.folder.write("a.csv", kGuess);

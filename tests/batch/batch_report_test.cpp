@@ -7,7 +7,7 @@
 namespace conddp {
 namespace {
 
-/// Six items, of which the third failed and the last one has no result. Costs fall, times rise.
+/// Six items: the third failed and the last has no result. Costs fall, times rise.
 class BatchReport : public testing::Test {
  protected:
   BatchReport()
@@ -63,7 +63,7 @@ TEST_F(BatchReport, HasARowWithDistinguishingValuesPerItem) {
   const OrderedJson& rows = data["rows"];
   EXPECT_EQ(rows["values"][0], OrderedJson({1, 1, 2, 2, 3, 3}));
   EXPECT_EQ(rows["values"][1], OrderedJson({"ilqr", "ddp", "ilqr", "ddp", "ilqr", "ddp"}));
-  EXPECT_EQ(rows["solved"], OrderedJson({1, 1, 0, 1, 1, nullptr}));  // the last has no result
+  EXPECT_EQ(rows["solved"], OrderedJson({1, 1, 0, 1, 1, nullptr}));  // no result for the last item
   EXPECT_EQ(rows["cost"], OrderedJson({10, 9, 8, 7, 6, nullptr}));
   EXPECT_TRUE(rows["wall_s"][5].is_null());
 }
@@ -73,8 +73,8 @@ TEST_F(BatchReport, NamesOutliersWorstFirst) {
   ASSERT_EQ(lists.size(), 4u);
   EXPECT_EQ(lists[0].items, std::vector<std::size_t>{2});       // not solved
   EXPECT_EQ(lists[1].items, (std::vector<std::size_t>{4, 3}));  // slowest
-  EXPECT_EQ(lists[2].items, (std::vector<std::size_t>{4, 3}));  // least cost
-  EXPECT_EQ(lists[3].items, (std::vector<std::size_t>{0, 1}));  // greatest cost
+  EXPECT_EQ(lists[2].items, (std::vector<std::size_t>{4, 3}));  // lowest cost
+  EXPECT_EQ(lists[3].items, (std::vector<std::size_t>{0, 1}));  // highest cost
   const OrderedJson greatest = report()["lists"][3]["items"];
   EXPECT_EQ(greatest[1]["id"], manifest().items[1].id);
   EXPECT_EQ(greatest[1]["values"], OrderedJson({1, "ddp"}));

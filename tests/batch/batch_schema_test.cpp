@@ -1,4 +1,4 @@
-// The reader of plans and schemas/batch.schema.json say the same.
+// Agreement of the plan reader with schemas/batch.schema.json.
 #include <cstdlib>
 
 #include <nlohmann/json.hpp>
@@ -8,7 +8,7 @@
 namespace conddp {
 namespace {
 
-/// A plan in JSON, which is YAML too, with one member more, or another one in its place.
+/// A JSON plan (valid YAML too) with one member added or replaced.
 std::string plan_with(const std::string& key, const std::string& value) {
   nlohmann::ordered_json plan = {{"conddp_batch", 1}, {"problem", "swing.yaml"}};
   if (key == "problems") plan.erase("problem");
@@ -101,7 +101,7 @@ const std::vector<Case>& cases() {
   return list;
 }
 
-/// What scripts/validate_json says of documents: lines that begin with the document's path.
+/// Output of scripts/validate_json: lines that begin with the document's path.
 std::string schema_violations(const std::vector<std::filesystem::path>& documents,
                               const std::filesystem::path& report) {
   const std::string root = CONDDP_SOURCE_DIR;
@@ -132,7 +132,7 @@ TEST(BatchSchema, TheReaderAndTheSchemaAgree) {
         << cases()[i].key << ": " << cases()[i].value;
 }
 
-// A key that is new in the schema, or gone from it, has a case above, or none.
+// Each key added to or removed from the schema needs a case above.
 TEST(BatchSchema, HasTheKeysThatTheCasesHave) {
   std::ifstream stream(std::filesystem::path(CONDDP_SOURCE_DIR) / "schemas/batch.schema.json");
   const auto schema = nlohmann::json::parse(stream);

@@ -1,4 +1,4 @@
-// What Slurm says and what is handed to it.
+// Slurm output and submissions.
 #include <cstdlib>
 
 #include <gtest/gtest.h>
@@ -57,7 +57,7 @@ TEST(SlurmShards, TakeTenMinutesEachWithinTheLimits) {
   EXPECT_EQ(shards_for(6000, 1, limits), 10);
   EXPECT_EQ(shards_for(6000, 4, limits), 3);
   EXPECT_EQ(shards_for(1e12, 1, limits), 100);
-  limits.submitted = 8;  // of which the job that collects is one
+  limits.submitted = 8;  // including the collecting job
   EXPECT_EQ(shards_for(1e12, 1, limits), 7);
   limits.submitted = 1;
   EXPECT_EQ(limits.most_shards(), 1);
@@ -110,7 +110,7 @@ TEST(SlurmScript, WarnsShortElementsLater) {
   EXPECT_NE(script(7201).find("--time=2:01:00\n"), std::string::npos);
 }
 
-/// Variables of arrays of jobs, none of which is set before and after a test.
+/// Job array variables, unset before and after each test.
 class ArrayVariables : public testing::Test {
  protected:
   void TearDown() override {

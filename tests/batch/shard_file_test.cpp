@@ -41,7 +41,7 @@ TEST(ShardFile, GivesBackWhatWasAppended) {
   EXPECT_FALSE(results.at("bb").result.success);
 }
 
-// A process may end at any byte: what is whole stays, and what follows is written over the rest.
+// A process may end at any byte: complete records stay, and new data overwrites the rest.
 TEST(ShardFile, DropsWhatWasCutOffAtAnyByte) {
   const TemporaryFolder run;
   const fs::path lines = run.path() / "shards/1of1.jsonl",
@@ -73,7 +73,7 @@ void append_three(ShardFile& file) {
   file.append(result("cc", "converged", 3), "the third solution");
 }
 
-// After a power cut a file may have its length and zeros in the place of what was written last.
+// After a power failure, a file may have its full length with zeros in place of recent writes.
 TEST(ShardFile, DropsResultsWithUnsavedSolutions) {
   const TemporaryFolder run;
   const fs::path pack = run.path() / "shards/1of1.solutions";
@@ -178,7 +178,7 @@ TEST(FailedItems, AreAlsoThoseWhoseSolutionIsDamaged) {
   EXPECT_TRUE(failed_items(*batch.manifest, results, FailureKind::kTimeout).empty());
 }
 
-/// A file system of one size in a folder, while it exists.
+/// A fixed-size file system mounted on a folder while the object exists.
 class SmallDisk {
  public:
   SmallDisk(const fs::path& folder, const char* size)

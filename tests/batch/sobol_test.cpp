@@ -9,7 +9,7 @@ namespace conddp {
 namespace {
 
 TEST(Sobol, BeginsWithTheKnownPointsOfTwoCoordinates) {
-  // Bratley and Fox (1988), algorithm 659: the sequence in the order of Gray's code.
+  // Bratley and Fox (1988), algorithm 659: the sequence in Gray code order.
   const double known[][2] = {{0, 0},         {0.5, 0.5},     {0.75, 0.25},   {0.25, 0.75},
                              {0.375, 0.375}, {0.875, 0.875}, {0.625, 0.125}, {0.125, 0.625}};
   SobolSequence sequence(2, 0);
@@ -32,7 +32,7 @@ TEST(Sobol, EveryCoordinateHasOnePointInEachInterval) {
   }
 }
 
-// Two equal columns of directions would put all points of two coordinates on a line.
+// Two equal direction columns would put all points of two coordinates on a line.
 TEST(Sobol, NoTwoCoordinatesAreTheSame) {
   SobolSequence sequence(kSobolDimensions, 0);
   std::vector<std::vector<double>> columns(kSobolDimensions);

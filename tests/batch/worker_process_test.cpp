@@ -7,7 +7,7 @@
 namespace conddp {
 namespace {
 
-/// The next answer, for which it waits.
+/// Waits for the next answer.
 WorkerProcess::Answer next_answer(WorkerProcess& worker) {
   constexpr int kLongestWait = 5000;  // ms
   for (;;) {
@@ -18,7 +18,7 @@ WorkerProcess::Answer next_answer(WorkerProcess& worker) {
 }
 
 TEST(WorkerProcess, GivesWholeAnswersInTheirOrder) {
-  // Answers two of three items and a half, and the rest after a fourth.
+  // Answers two items and half of the third, and the rest after a fourth.
   WorkerProcess worker({"/bin/sh", "-c",
                         R"(read a; read b; read c; printf '2 3\nabcde1 0\nf4 2\ngh';)"
                         R"(read d; printf 'ijkl'; read e)"});

@@ -1,6 +1,6 @@
-// The evaluator that solvers call, on whole problems: how long one takes for a knot, at an iterate
-// a few iterations from the guess. The parts of `differentiate` are measured on full lanes of the
-// first phase: the dynamics alone, with the costs' gradients, with their Hessians.
+// Evaluator time per knot on whole problems, a few iterations from the guess. Parts of
+// `differentiate` are measured on full lanes of the first phase: dynamics only, with cost
+// gradients, with cost Hessians.
 #include <memory>
 #include <string>
 #include <vector>
@@ -20,7 +20,7 @@ namespace {
 
 constexpr int kIterations = 5;
 
-/// A problem and the iterate at which it is measured.
+/// A problem and its iterate for the measurement.
 struct Case {
   std::string name;
   ProblemSpec spec;

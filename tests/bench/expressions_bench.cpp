@@ -1,5 +1,4 @@
-// Systems of expressions beside the same systems compiled: values and Jacobians of one point in
-// each lane.
+// Expression systems compared with compiled ones: values and Jacobians of one point per lane.
 #include <memory>
 
 #include <benchmark/benchmark.h>

@@ -10,13 +10,13 @@
 #include "support/random_robot.hpp"
 #include "support/robots.hpp"
 
-// The rigid-body kernels, each with `double` (one knot at a time) and with `Lane` (kLaneWidth knots
-// at a time, all different). The counter "knot" is the time for one knot.
+// Rigid-body kernels with `double` (one knot at a time) and with `Lane` (kLaneWidth different knots
+// at a time). The counter "knot" is the time per knot.
 
 namespace conddp {
 namespace {
 
-/// A robot in random states, one per lane, and room for what the kernels compute.
+/// A robot in random states, one per lane, and buffers for the kernels.
 template <class S>
 struct Bench {
   static constexpr int kKnots = sizeof(S) / sizeof(double);
@@ -55,8 +55,8 @@ void crba(Bench<S>& b) {
   mass_matrix(b.model, b.data);
 }
 
-/// Inverse-dynamics derivatives and M from a state and accelerations: what linearising the
-/// dynamics at a knot takes besides solving with M.
+/// Inverse-dynamics derivatives and M from a state and accelerations: the linearization of the
+/// dynamics without the solve with M.
 template <class S>
 void derivatives(Bench<S>& b) {
   update_placements(b.model, b.q.data(), b.data);
@@ -76,8 +76,8 @@ void aba(Bench<S>& b) {
   articulated_body_dynamics(b.model, b.q.data(), b.v.data(), b.tau.data(), b.data);
 }
 
-/// Factors M and solves for nv x 2 nv right-hand sides, as the derivatives of the accelerations
-/// with respect to configuration and velocity need.
+/// Factorizes M and solves for nv x 2 nv right-hand sides, as the acceleration derivatives with
+/// respect to configuration and velocity require.
 template <class S>
 void solve(Bench<S>& b) {
   const int n = b.model.nv;
@@ -114,7 +114,7 @@ std::vector<TestModel> load_robots() {
   std::vector<TestModel> robots = {load("quadruped", UrdfOptions::Base::floating),
                                    load("arm7", UrdfOptions::Base::fixed),
                                    {"humanoid_like", humanoid_like_robot(10)}};
-  // Where they are at hand, those that others publish figures of.
+  // If available, robots with published figures.
   for (const TestRobot& robot : foreign_robots())
     if (robot.name == "hyq" || robot.name == "panda" || robot.name == "talos_reduced")
       robots.push_back({robot.name, load_urdf(robot.urdf, {.base = robot.base}).model.value()});

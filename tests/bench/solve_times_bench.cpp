@@ -1,9 +1,9 @@
 // bench_solve_times FILE [--solver NAME] [--drop NAME]... [--set KEY=VALUE]... [--repeat N]
 //
-// Solves a problem again and again in one process, after a warm-up, and prints as JSON what each
-// run took, by act and by iteration, with the guess and the answer: what scripts/peers/compare sets
-// beside other solvers. Each act alone is timed at the answer too: once all derivatives, one sweep,
-// one rollout.
+// Solves a problem repeatedly in one process after a warm-up. Prints JSON with the times of each
+// run by operation and iteration, the guess, and the answer. scripts/peers/compare compares this
+// output with other solvers. Each operation is also timed separately at the answer: all
+// derivatives, one sweep, one rollout.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -25,7 +25,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// Least calls of which a median is taken.
+/// Minimum number of calls for a median.
 constexpr int kEvaluatorRepeat = 50;
 
 struct Arguments {
@@ -57,7 +57,7 @@ Json json_of(const SolveResult& result) {
           {"log", log}};
 }
 
-/// The middle of what `repeat` calls of an act take, in seconds.
+/// Median time of `repeat` calls in seconds.
 template <class F>
 double median_time(int repeat, F act) {
   std::vector<double> times;
@@ -72,8 +72,8 @@ double median_time(int repeat, F act) {
   return *middle;
 }
 
-/// Times of the parts of an iteration at an answer: derivatives, the sweep of a DDP
-/// solver (with box-constrained stages where controls have bounds), a rollout of its full step.
+/// Times of the parts of an iteration at an answer: derivatives, the sweep of a DDP solver (with
+/// box-constrained stages if controls have bounds), and a full-step rollout.
 Json evaluator_times(const ShootingProblem& problem, const SolverOptions& options,
                      const SolveResult& answer, int repeat) {
   Evaluator evaluator(problem, options.threads);

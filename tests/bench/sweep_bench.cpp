@@ -1,6 +1,6 @@
-// The Riccati sweep, knot by knot, on the sizes of an arm, a quadruped and a humanoid:
-// semi-implicit Euler, the last two with a floating base. The quadratic models are random, since
-// what they hold does not change what they cost.
+// The Riccati sweep, knot by knot, at the sizes of an arm, a quadruped, and a humanoid with
+// semi-implicit Euler; the last two have a floating base. The quadratic models are random because
+// their values do not affect the time.
 #include <benchmark/benchmark.h>
 
 #include "solvers/linalg/lane_gemm.hpp"
@@ -12,7 +12,8 @@
 namespace conddp {
 namespace {
 
-/// Masses of which the last nu are pushed; the first six coordinates may be a rigid placement.
+/// Masses with forces on the last nu coordinates; the first six coordinates may be a rigid
+/// placement.
 class Masses : public ClosedFormSystem<Masses> {
  public:
   Masses(bool floating, int nv, int nu)
@@ -89,7 +90,7 @@ void count_knots(benchmark::State& state, int knots) {
                          benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
 }
 
-/// The whole sweep: propagation, stage, value.
+/// The whole sweep: propagation, stage, and value.
 void sweep(benchmark::State& state) {
   const ShootingProblem problem = problem_of(kSizes[state.range(0)]);
   const Linearization linearization = linearization_of(problem);
@@ -98,7 +99,7 @@ void sweep(benchmark::State& state) {
   const auto policy = unconstrained_stage(problem);
   BackwardSweep backward(problem, bounds);
   Feedback feedback(problem);
-  const Gaps gaps(problem);  // closed
+  const Gaps gaps(problem);  // no gaps
   for (auto _ : state) {
     if (backward.run(linearization, trajectory, gaps, {}, *policy, feedback) >= 0) {
       state.SkipWithError("a stage has no minimum");
@@ -111,7 +112,7 @@ void sweep(benchmark::State& state) {
 }
 BENCHMARK(sweep)->DenseRange(0, 2);
 
-/// The same with two segments, or one, swept by that many threads.
+/// The same with two segments, or one, on this many threads.
 void sweep_by_segments(benchmark::State& state) {
   constexpr int kLong = 50;
   const Segments segments{static_cast<int>(state.range(1)), static_cast<int>(state.range(2))};
@@ -122,8 +123,8 @@ void sweep_by_segments(benchmark::State& state) {
   const auto policy = box_stage(problem, {}, segments.count);
   BackwardSweep backward(problem, bounds, segments);
   Feedback feedback(problem);
-  const Gaps gaps(problem);  // closed
-  // The first sweep goes from end to start.
+  const Gaps gaps(problem);  // no gaps
+  // The first sweep is sequential.
   backward.run(linearization, trajectory, gaps, {}, *policy, feedback, true);
   for (auto _ : state) {
     if (backward.run(linearization, trajectory, gaps, {}, *policy, feedback, true) >= 0) {
@@ -141,7 +142,7 @@ BENCHMARK(sweep_by_segments)
     ->ArgsProduct({{0, 1, 2}, {2}, {1, 2}})
     ->UseRealTime();
 
-/// Its propagation of the value through the dynamics alone.
+/// Propagation of the value through the dynamics only.
 void propagation(benchmark::State& state) {
   const ShootingProblem problem = problem_of(kSizes[state.range(0)]);
   const Linearization linearization = linearization_of(problem);
@@ -162,7 +163,7 @@ void propagation(benchmark::State& state) {
 }
 BENCHMARK(propagation)->DenseRange(0, 2);
 
-/// One product C = A B of the sizes that occur, ours and Eigen's: A is m x k, B is k x n.
+/// Products C = A B of the occurring sizes, ours and Eigen's: A is m x k, B is k x n.
 void product(benchmark::State& state, bool lanes, bool lower) {
   const int m = static_cast<int>(state.range(0)), k = static_cast<int>(state.range(1));
   const int n = lower ? m : static_cast<int>(state.range(2));

@@ -1,4 +1,4 @@
-// Problem files with compiled code run with permission alone.
+// Problem files with compiled code run only with permission.
 #include <gtest/gtest.h>
 
 #include "process.hpp"
@@ -58,7 +58,7 @@ TEST_F(AllowCode, WithPermissionProblemsAreCheckedSolvedAndVerified) {
             0);
 }
 
-/// A problem with one of the test model's functions of two states and a control.
+/// A problem with a function of the test model in two states and one control.
 std::string problem_of(const std::string& function, const std::string& state,
                        const std::string& goal, const std::string& dt = "0.05") {
   return "conddp: 1\nsystem: {library: " + std::string(CONDDP_TEST_MODEL) +

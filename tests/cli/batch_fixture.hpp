@@ -42,7 +42,7 @@ class Batch : public testing::Test {
     return folder_.write("plan.yaml",
                          "conddp_batch: 1\nname: swings\nproblem: swing.yaml\n" + rest);
   }
-  /// A fresh folder of a run of the plan.
+  /// A fresh run folder of the plan.
   std::string planned(const std::string& name, const std::string& rest = kAxes) const {
     const std::string run = folder_.path() / name;
     const ProcessResult r = run_conddp({"batch", "plan", plan(rest), "-o", run});
@@ -67,7 +67,7 @@ class Batch : public testing::Test {
     EXPECT_EQ(r.exit_code, 0) << r.err << r.out;
     return collected(folder);
   }
-  /// The ids of the items in their order.
+  /// Item ids in order.
   static Words ids(const std::string& run) {
     Words list;
     std::istringstream lines(read_file(std::filesystem::path(run) / "manifest.jsonl"));

@@ -58,7 +58,7 @@ TEST_F(LoopBatch, TellsWhichLoopsLastHoweverTheRunWent) {
       << status.out;
 }
 
-// Where ticks are solved to tolerances, every solver drives the same loop.
+// If ticks are solved to tolerances, every solver drives the same loop.
 TEST_F(LoopBatch, ComparesSolversWithIpopt) {
   const std::string batch = planned("solvers",
                                     "command: mpc\nsolvers: [box_fddp, ipopt]\nvary: {i: {key: "

@@ -1,4 +1,4 @@
-// What conddp batch writes of its results: data sets, files of single items, reports.
+// Output of conddp batch: data sets, files of single items, reports.
 #include <cstdlib>
 
 #include "batch_fixture.hpp"
@@ -82,7 +82,7 @@ TEST_F(Batch, ShowTakesTheFirstDigitsOfAnId) {
   const ProcessResult r = run_conddp({"batch", "show", folder, begin});
   EXPECT_EQ(r.exit_code, 0) << r.err;
   EXPECT_EQ(r.out.find(all[17] + ": unfinished\n"), 0u) << r.out;
-  // Of 30 items at least two have the same first digit.
+  // Among 30 items, at least two share the first digit.
   for (const std::string& id : all)
     if (shared(id.substr(0, 1)) > 1) {
       const ProcessResult several = run_conddp({"batch", "show", folder, id.substr(0, 1)});
@@ -118,7 +118,7 @@ TEST_F(Batch, ASmallDataSetIsASmallFile) {
   EXPECT_LT(std::filesystem::file_size(folder + "/dataset.h5"), 100'000u);
 }
 
-/// Runs a script of Python. False where that fails; what it printed is in `log`.
+/// Runs a Python script and stores its output in `log`. Returns false on failure.
 bool python(const std::string& script, const std::vector<std::string>& arguments,
             const std::string& log) {
   std::string command = "/usr/bin/python3 " + script;
@@ -237,7 +237,7 @@ assert shape["t"][0, 1] == 0 and shape["x"][0, 1, 0] > 0.01, shape["x"][0]
   EXPECT_TRUE(python(script, {run + "/dataset.h5"}, log)) << read_file(log);
 }
 
-// The plan of the repository, thinned to eight steps.
+// The repository's plan, thinned to eight steps.
 TEST_F(Batch, QuadrupedStepsFormAVerifiableDataSet) {
   if (!kHasHdf5) GTEST_SKIP() << "h5py is not there";
   std::string text = read_file(source("problems/batches/quadruped_steps.yaml"));
@@ -399,7 +399,7 @@ TEST_F(Batch, ReportCountsItemsAndLinksOutliers) {
   EXPECT_EQ(batch["solved"], 29);
   EXPECT_EQ(batch["by_status"][1]["status"], "crashed");
   EXPECT_EQ(batch["lists"][0]["items"][0]["id"], ids(folder)[4]);
-  // The slowest, the least and the greatest cost; the slowest may be one of the others.
+  // Slowest, lowest cost, and highest cost; the slowest may coincide with another.
   EXPECT_GE(data["solutions"].size(), 2u);
   const std::string elsewhere = folder_.path() / "pages/of/report.html";
   EXPECT_EQ(run_conddp({"batch", "report", folder, "-o", elsewhere}).exit_code, 0);

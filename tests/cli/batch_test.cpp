@@ -1,4 +1,4 @@
-// conddp batch as a process: whatever happens to it, results are those of the undisturbed run.
+// conddp batch as a process: results match the undisturbed run whatever happens.
 #include <algorithm>
 #include <csignal>
 #include <fstream>
@@ -104,7 +104,7 @@ TEST_F(Batch, RecordsCrashesHangsAndMemoryLimits) {
 TEST_F(Batch, ASignalEndsItWithItsExitStatus) {
   const std::string folder = planned("signal", std::string(kAxes) + "limits: {max_time_s: 60}\n");
   const std::string variable = "CONDDP_BATCH_FAULT=hang:" + ids(folder)[29];
-  // The worker that hangs says so when it is about to.
+  // The hanging worker announces itself beforehand.
   const ProcessResult r = run(
       folder, {"-j", "1"}, {.environment = {variable}, .signal = SIGTERM, .signal_after = "hang"});
   EXPECT_EQ(r.exit_code, 128 + SIGTERM) << r.err;
@@ -183,7 +183,7 @@ TEST_F(Batch, AShardIsTriedAgainByItself) {
   EXPECT_TRUE(std::filesystem::exists(folder + "/shards/1of2.jsonl"));
 }
 
-/// Without the programs of Slurm, whatever this machine has.
+/// Hides the Slurm programs of this machine.
 const ProcessOptions kWithoutCluster = {.environment = {"PATH=/nowhere"}};
 
 TEST_F(Batch, DryRunSizesTheArrayByPilotTimes) {
@@ -222,7 +222,7 @@ warm_start: neighbour
   const std::string expected = collected(undisturbed);
   EXPECT_GT(std::count(expected.begin(), expected.end(), '\n'), 80);
   EXPECT_NE(expected.find(",warm,"), std::string::npos) << expected.substr(0, 500);
-  // Solutions say where they started.
+  // Solutions record their start.
   const std::string parent = "the answer of item " + ids(undisturbed)[0];
   EXPECT_NE(read_file(undisturbed + "/shards/1of1.solutions").find(parent), std::string::npos);
   int number = 0;
@@ -261,7 +261,7 @@ warm_start: neighbour
 limits: {max_time_s: 0.4}
 )";
 
-// Each item has its own time, though a fresh process solves all those before it again.
+// Each item has its own time limit, although a fresh process solves its ancestors again.
 TEST_F(Batch, PilotDoesNotAffectNeighbourWarmStarts) {
   const std::string undisturbed = planned("undisturbed", kLongBlock);
   EXPECT_EQ(run(undisturbed).exit_code, 0);
@@ -290,20 +290,20 @@ TEST_F(Batch, ParentCrashIsNotChargedToItsChild) {
   const std::string folder = folder_.path() / "again";
   ASSERT_EQ(run_conddp({"batch", "plan", plan(kLongBlock), "-o", folder}).exit_code, 0);
   const std::string variable = "CONDDP_BATCH_FAULT=crash:" + ids(folder)[4];
-  // The item that crashes is not among those of the pilot.
+  // The crashing item is outside the pilot.
   const ProcessResult pilot =
       run_conddp({"batch", "plan", plan(kLongBlock), "-o", folder, "--pilot", "2", "-j", "1"},
                  {.environment = {variable}});
   EXPECT_EQ(pilot.exit_code, 0) << pilot.err << pilot.out;
   EXPECT_NE(pilot.out.find("pilot: 2 of 2 solved"), std::string::npos) << pilot.out;
-  // Afterwards it is recorded by itself, as in a run without pilot.
+  // Afterwards it is recorded on its own, as in a run without a pilot.
   EXPECT_EQ(run(folder, {}, {.environment = {variable}}).exit_code, 1);
   const std::string without = planned("without", kLongBlock);
   EXPECT_EQ(run(without, {}, {.environment = {variable}}).exit_code, 1);
   EXPECT_EQ(collected(folder), collected(without));
 }
 
-/// A cluster of stubs. `fails`: words of a call of sbatch that fails.
+/// A cluster of stubs. `fails`: words of the sbatch call that fails.
 ProcessOptions stub_cluster(const TemporaryFolder& folder, const std::string& fails = "none") {
   const auto program = [&](const char* name, const std::string& text) {
     const std::filesystem::path file =
@@ -384,13 +384,13 @@ TEST_F(Batch, AllItemsMayStartFromOneSolution) {
   const std::string cold =
       planned("cold", "vary: {w: {key: costs.effort.weight, values: [0.5, 0.6]}}\n");
   EXPECT_EQ(run(cold).exit_code, 0);
-  // The first one has its answer already.
+  // The first item already has its answer.
   EXPECT_NE(collected(folder), collected(cold));
   EXPECT_NE(collected(folder).find(",box_ddp,converged,1,warm,"), std::string::npos)
       << collected(folder);
 }
 
-/// A column of a results.csv without quotes in front of it.
+/// A column of a results.csv without quotes before it.
 std::vector<std::string> column(const std::string& table, const std::string& name) {
   std::istringstream lines(table);
   std::vector<std::string> cells;
@@ -449,7 +449,7 @@ TEST_F(Batch, StartFromAFileHasMultipliersLikeSolve) {
       << r.err;
 }
 
-// On the grid of the file a replay of the controls ends elsewhere.
+// On the grid of the file, a replay of the controls ends elsewhere.
 constexpr const char* kMeshed = R"(conddp: 1
 system: {type: pendulum}
 initial_state: {values: {theta: 0.1}}
@@ -508,7 +508,7 @@ terminal:
 solver: {name: box_fddp}
 )";
 
-// A pendulum that swings through below is no start for one that stands nearly upright.
+// A pendulum swinging through the bottom is a poor start for one that stands nearly upright.
 TEST_F(Batch, DropsMisleadingStartFromAFile) {
   folder_.write("swing.yaml", kBalance);
   ASSERT_EQ(run_conddp({"solve", folder_.path() / "swing.yaml", "--set",

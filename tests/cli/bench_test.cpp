@@ -13,7 +13,7 @@ namespace {
 using Json = nlohmann::json;
 using Words = std::vector<std::string>;
 
-/// What `bench --json` prints, one timed solve each.
+/// Output of `bench --json` with one timed solve each.
 Json bench(const Words& more, const std::string& problem = kPendulum) {
   Words arguments = {"bench", problem, "--repeat", "0", "--json"};
   arguments.insert(arguments.end(), more.begin(), more.end());
@@ -123,7 +123,7 @@ TEST(Bench, TolerancesOfTheCommandLineHoldForAll) {
   EXPECT_LE(tight["runs"][0]["claimed_residuals"]["stationarity"].get<double>(), 1e-9);
 }
 
-/// What does not depend on the clock.
+/// Clock-independent part of the report.
 Json answers(const Json& report) {
   Json list = Json::array();
   for (const Json& run : report["runs"])
@@ -148,7 +148,7 @@ TEST(Bench, InstancesFollowFromTheirSeeds) {
   EXPECT_EQ(third, (Json{three[4], three[5]}));
 }
 
-/// A report without what the clock says.
+/// A report without its times.
 Json without_times(Json report) {
   for (Json& run : report["runs"]) run.erase("time_s");
   report["profiles"].erase("time");
@@ -184,7 +184,7 @@ TEST(Bench, GuessesFollowFromTheirSeedsToo) {
   EXPECT_EQ(report["request"]["perturb"], (Json{{"initial_state", 0.0}, {"guess", 0.1}}));
   const Json runs = answers(report);
   EXPECT_EQ(runs, answers(bench(two)));
-  // The same problem from elsewhere: another way to the same optimum.
+  // The same problem from elsewhere: another route to the same optimum.
   ASSERT_EQ(runs.size(), 2u);
   const Json unperturbed = answers(bench({"--solvers", "box_fddp"}));
   for (const Json& run : runs)
@@ -195,8 +195,7 @@ TEST(Bench, GuessesFollowFromTheirSeedsToo) {
   EXPECT_NE(answers(bench(both))[0][4], runs[0][4]);
 }
 
-// One instance of a benchmark, alone: the same cost to the last bit, and an answer that is
-// verified.
+// One benchmark instance solved alone: bitwise equal cost and a verified answer.
 TEST(Bench, AnInstanceIsSolvedAloneByItsSeed) {
   const Json report = bench({"--solvers", "box_ddp", "--perturb", "initial_state=0.1", "--perturb",
                              "guess=0.2", "--seed", "5"});
@@ -211,7 +210,7 @@ TEST(Bench, AnInstanceIsSolvedAloneByItsSeed) {
   EXPECT_NE(solution["trajectory"]["x"][0][0], 0);
   const ProcessResult verified = run_conddp({"verify", folder.path() / "solution.json"});
   EXPECT_EQ(verified.exit_code, 0) << verified.out;
-  // The same as settings of the file.
+  // The same as file settings.
   const ProcessResult set = run_conddp({"solve", kPendulum, "--solver", "box_ddp", "--set",
                                         "perturbation={initial_state: 0.1, guess: 0.2, seed: 5}",
                                         "-o", folder.path() / "set"});
@@ -220,7 +219,7 @@ TEST(Bench, AnInstanceIsSolvedAloneByItsSeed) {
   EXPECT_EQ(run_conddp({"solve", kPendulum, "--seed", "5"}).exit_code, 2) << "of what?";
 }
 
-/// The solution that a run's command leads to, given to a shell as it stands.
+/// Solution of a run's command, executed by a shell unchanged.
 Json solution_of(const Json& run, const TemporaryFolder& folder) {
   const std::string command = run["command"];
   EXPECT_TRUE(command.starts_with("conddp solve ")) << command;
@@ -231,7 +230,7 @@ Json solution_of(const Json& run, const TemporaryFolder& folder) {
   return Json::parse(read_file(folder.path() / "answer/solution.json"));
 }
 
-// Every run of a benchmark by its command alone: the same to the last bit, failures included.
+// Every benchmark run repeated by its command: bitwise equal, failures included.
 TEST(Bench, ItsCommandsSolveItsRunsAgain) {
   const TemporaryFolder folder;
   std::string text = read_file(kPendulum);
@@ -311,8 +310,8 @@ TEST(Bench, ComparesWithWhatIsKnownBesideTheProblem) {
   EXPECT_EQ(above["runs"][0]["best_known"], 0.8 * cost);
   EXPECT_NEAR(above["runs"][0]["cost_excess"].get<double>(), 0.25, 1e-12);
   EXPECT_EQ(above["summary"][0]["within"], (Json{{"1e-6", 0}, {"1e-3", 0}, {"1e-1", 0}}));
-  // From another guess it is the same problem; from another initial state, or without a constraint,
-  // or with other costs, it is not.
+  // Another guess leaves the problem unchanged; another initial state, a dropped constraint, or
+  // other costs do not.
   EXPECT_EQ(run({"--perturb", "guess=0.1"})["runs"][0]["best_known"], 0.8 * cost);
   EXPECT_EQ(run({"--set", "solver.max_iterations=99"})["runs"][0]["best_known"], 0.8 * cost);
   EXPECT_EQ(run({"--perturb", "initial_state=0.1"})["runs"][0]["best_known"], nullptr);

@@ -18,7 +18,7 @@ std::string with_count(std::string text, int count) {
   return text;
 }
 
-/// A text, or pieces of one.
+/// A text, or its concatenated pieces.
 std::string content(const YAML::Node& node) {
   if (node.IsScalar()) return node.Scalar();
   std::string text;

@@ -1,4 +1,4 @@
-// Nothing broken gets through: every case of tests/broken, with the tool as a process.
+// Every case of tests/broken is rejected by the tool as a process.
 #include <set>
 #include <string>
 
@@ -9,14 +9,14 @@
 namespace conddp {
 namespace {
 
-// The sanitizers reserve terabytes of addresses, and take their time.
+// Sanitizers reserve terabytes of addresses and slow the tests.
 #ifdef __SANITIZE_ADDRESS__
 constexpr ProcessLimits kLimits{.processor_s = 40};
 #else
 constexpr ProcessLimits kLimits{.processor_s = 2, .memory_bytes = 500'000'000};
 #endif
 
-/// Whether each text begins a line of the output (after its indentation), one below the other.
+/// True if each text begins an output line after its indentation, in order.
 testing::AssertionResult says(const std::string& output, const std::vector<std::string>& lines) {
   std::size_t at = 0;
   for (const std::string& line : lines) {

@@ -91,8 +91,8 @@ TEST(Check, NamesContactsThatAreRedundant) {
   const std::string squat = source("problems/biped_squat.yaml");
   const ProcessResult whole = run_conddp({"check", squat});
   EXPECT_EQ(whole.out.find("redundant"), std::string::npos) << whole.out;
-  // Legs without ankle roll: their reciprocal screws, forces along the line through the hips, are
-  // one where the legs are parallel.
+  // Legs without ankle roll: their reciprocal screws, forces along the line through the hips,
+  // coincide for parallel legs.
   const ProcessResult stiff =
       run_conddp({"check", squat, "--set", "robot.locked_joints.l_ankle_roll=0", "--set",
                   "robot.locked_joints.r_ankle_roll=0"});
@@ -225,7 +225,7 @@ TEST(Check, ListsThePhasesInWhichACostCounts) {
   const Json summary = Json::parse(r.out);
   for (const Json& cost : summary["costs"]) phases[cost["name"]] = cost["phases"];
   EXPECT_EQ(phases["effort"].size(), 7u);
-  // By its knots, and by the node at which a swing ends.
+  // By its knots, and by the node at the end of a swing.
   EXPECT_EQ(phases["cone"].size(), 1u);
   EXPECT_EQ(phases["swing_right"], (Json{"right_1", "double_2"}));
   const ProcessResult none =
@@ -248,7 +248,7 @@ TEST(Check, DerivativesNameRowsAndColumns) {
   const Json derivatives = Json::parse(r.out)["derivatives"];
   EXPECT_TRUE(derivatives["holds"]);
   EXPECT_EQ(derivatives["tolerance"], 1e-6);
-  // Dynamics, two residuals and the gradient of the phase; the same without dynamics at the end.
+  // Dynamics, two residuals, and the gradient of the phase; the same without dynamics at the end.
   ASSERT_EQ(derivatives["compared"].size(), 7u);
   for (const Json& c : derivatives["compared"]) {
     EXPECT_NE(c["worst"]["row"], "");
@@ -323,7 +323,7 @@ TEST_F(WarmStart, OwnSolutionNeedsNoFurtherWork) {
   }
 }
 
-/// "gap" of the first row of iterations.csv: how far the guess is from a motion.
+/// "gap" of the first row of iterations.csv: distance of the guess from a motion.
 double first_gap(const std::filesystem::path& folder) {
   std::istringstream lines(read_file(folder / "iterations.csv"));
   std::string header, row;
@@ -434,7 +434,7 @@ solver: {name: ilqr}
                  entry["reason"].get<std::string>().find(s["message"].get<std::string>()) !=
                      std::string::npos;
   EXPECT_TRUE(explained) << s["nulls"];
-  // It is no starting point, and says so.
+  // It is not a valid starting point, and the tool says so.
   const ProcessResult r = solve(problem, "warm", {"--warm-start", file("out")});
   EXPECT_NE(r.exit_code, 0);
   EXPECT_LE(r.exit_code, 2) << r.err;

@@ -1,4 +1,4 @@
-// The completion scripts in the shells that they are for.
+// Completion scripts in their shells.
 #include <array>
 #include <cstdio>
 #include <sstream>
@@ -36,7 +36,7 @@ const std::string kFolder = std::filesystem::path(CONDDP_BINARY).parent_path();
 
 using Words = std::vector<std::string>;
 
-/// What bash offers for the last word.
+/// Candidates that bash offers for the last word.
 Words bash_offers(const Words& words, const std::string& folder = source("")) {
   std::string command = "cd " + quoted(folder) + " && bash --norc " +
                         quoted(source("tests/cli/complete.bash")) + " " + quoted(kFolder);
@@ -66,7 +66,7 @@ TEST(BashCompletion, SolverNames) {
     if (name.starts_with("box")) boxes.push_back(name);
   EXPECT_GE(boxes.size(), 2u);
   EXPECT_EQ(bash_offers({"conddp", "solve", "--solver", "box"}), boxes);
-  // As bash splits --solver=box: '=' separates words.
+  // bash splits --solver=box at '='.
   EXPECT_EQ(bash_offers({"conddp", "solve", "--solver", "=", "box"}), boxes);
   EXPECT_EQ(bash_offers({"conddp", "solve", "--solver", "="}), solver_names());
 }
@@ -90,7 +90,7 @@ TEST(BashCompletion, FilesByTheirKindAndFolders) {
   EXPECT_EQ(bash_offers({"conddp", "solve", "a.yaml", "-o", ""}, folder.path()), Words{"sub"});
 }
 
-/// Every long option that the help of a subcommand shows.
+/// Every long option in the help of a subcommand.
 Words flags_in_help(const std::string& subcommand) {
   Words flags;
   std::istringstream lines(run_conddp({subcommand, "--help"}).out);
@@ -131,7 +131,7 @@ TEST(ZshCompletion, WorksInAnInteractiveShell) {
 }
 
 TEST(FishCompletion, SolverNamesFlagsAndFiles) {
-  const TemporaryFolder home;  // fish makes folders in it
+  const TemporaryFolder home;  // fish creates folders in it
   const auto offers = [&](const std::string& line) {
     const ShellResult result = shell(
         "cd " + quoted(source("")) +

@@ -74,7 +74,7 @@ TEST_F(Contacts, WhatAMotionFoundIsScheduledAndRefined) {
     EXPECT_EQ(std::system(command.c_str()), 0) << schema;
   }
 
-  // It falls freely and lands between two knots: only where landings are costs can it be refined.
+  // It falls freely and lands between two knots. Refinement needs costs on landings.
   const ProcessResult written =
       run({"contacts", "out/solution.json", "-o", "scheduled.yaml", "--solver", "box_fddp"});
   EXPECT_EQ(written.exit_code, 0) << written.err;

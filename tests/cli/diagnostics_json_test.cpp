@@ -1,4 +1,4 @@
-// --diagnostics=json: every line on stderr is an object of schemas/diagnostic.schema.json.
+// --diagnostics=json: every stderr line is an object of schemas/diagnostic.schema.json.
 #include <cstdlib>
 #include <sstream>
 
@@ -13,7 +13,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// Runs the tool and returns the diagnostics, which fit their schema.
+/// Runs the tool and returns its diagnostics, which must fit their schema.
 std::vector<Json> diagnostics(const std::vector<std::string>& arguments, int exit_code = 2) {
   const TemporaryFolder folder;
   const ProcessResult r = run_conddp(arguments);

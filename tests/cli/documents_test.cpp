@@ -1,4 +1,4 @@
-// Schemas, help, manual pages, lists: what the tool says about itself.
+// Schemas, help, manual pages, and lists of the tool.
 #include <cstdlib>
 #include <set>
 #include <sstream>
@@ -70,7 +70,7 @@ TEST(ListCommand, JsonFitsItsSchemaAndSaysTheSame) {
   }
 }
 
-/// The words of an enumeration in the problem file's schema, which tests compare with the reader.
+/// Enumerated words of the problem file's schema, which tests compare with the reader.
 TEST(ListCommand, HasTheWordsOfTheSchema) {
   const Json schema = Json::parse(run_conddp({"schema", "problem"}).out);
   const Json all = Json::parse(run_conddp({"list", "--json"}).out);
@@ -188,7 +188,7 @@ TEST(ManualPages, AreGoodRoffAndComplete) {
             std::string::npos);
 }
 
-/// Flags of a help text: what begins with a dash where a list entry does.
+/// Flags of a help text: words with a dash at the start of a list entry.
 Words flags(const std::string& help) {
   Words names;
   std::istringstream lines(help);
@@ -209,7 +209,7 @@ TEST(CommandLineReference, MentionsEverySubcommandAndFlag) {
     ASSERT_NE(start, std::string::npos) << name;
     const std::string section = text.substr(start, text.find("\n## ", start + 1) - start);
     for (const std::string& flag : flags(run_conddp({name, "--help"}).out)) {
-      // Of all subcommands alike, or of all that read problem files.
+      // Shared by all subcommands, or by all that read problem files.
       if (flag == "--help" || flag == "--diagnostics" || flag == "--allow-code") continue;
       EXPECT_NE(section.find(flag), std::string::npos) << name << " " << flag;
     }

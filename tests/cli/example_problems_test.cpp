@@ -1,4 +1,4 @@
-// The example problems: those in the folder `problems`, else those that came with the tool.
+// Example problems in the folder `problems`, or else those installed with the tool.
 #include <regex>
 #include <set>
 
@@ -14,7 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-/// The names of the problems in the source tree, which the tool beside it takes for installed.
+/// Problem names of the source tree, which the tool beside it treats as installed.
 std::set<std::string> our_problems(const char* folder = "problems") {
   std::set<std::string> names;
   for (const auto& entry : fs::directory_iterator(source(folder)))
@@ -135,7 +135,7 @@ TEST_F(ExampleProblems, ABenchShowsHowMuchIsLeft) {
       {"bench", "pendulum_swingup", "--solvers", "box_ddp,fddp,box_fddp", "--repeat", "400"},
       {.columns = 100, .environment = {"TERM=xterm"}});
   EXPECT_EQ(r.exit_code, 0);
-  // A solver that refuses the problem is none of the solves that are counted.
+  // A solver that rejects the problem is not counted.
   EXPECT_NE(r.err.find(" s, 1 of 2, pendulum_swingup, box_ddp"), std::string::npos) << r.err;
   EXPECT_NE(r.err.find(" s, 2 of 2, about "), std::string::npos) << r.err;
   EXPECT_TRUE(std::regex_search(r.err, std::regex(" left, [0-9.]+ solves/(s|min), pendulum")))

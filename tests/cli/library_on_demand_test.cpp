@@ -9,12 +9,12 @@
 namespace conddp {
 namespace {
 
-/// The tool alone, without the libraries that lie beside it in the build tree.
+/// The tool without the libraries beside it in the build tree.
 class LibraryOnDemand : public ::testing::Test {
  protected:
   LibraryOnDemand() { std::filesystem::copy_file(CONDDP_BINARY, tool()); }
 
-  /// The exit code of a command; its errors are in errors().
+  /// Exit code of a command; errors() holds its stderr.
   int run(const std::string& arguments) const {
     const std::string command = tool() + " " + arguments + " > /dev/null 2> " + error_file();
     return WEXITSTATUS(std::system(command.c_str()));

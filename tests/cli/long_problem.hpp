@@ -2,7 +2,7 @@
 
 namespace conddp {
 
-/// A problem that takes long: many knots, tolerances that cannot be reached.
+/// A long-running problem: many knots and unattainable tolerances.
 inline constexpr const char* kLong = R"(conddp: 1
 name: long
 system: {type: acrobot}

@@ -1,4 +1,4 @@
-// How much noise plans withstand.
+// Noise that plans withstand.
 #include <map>
 
 #include <gtest/gtest.h>

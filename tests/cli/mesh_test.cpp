@@ -1,4 +1,4 @@
-// Grids that are refined, against exact answers of the collection.
+// Grid refinement, compared with exact answers of the collection.
 #include <cmath>
 
 #include <gtest/gtest.h>

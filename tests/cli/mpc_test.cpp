@@ -48,8 +48,8 @@ TEST_F(MpcCommand, WritesALoopThatLastsForItsDuration) {
   EXPECT_EQ(std::count(ticks.begin(), ticks.end(), '\n'), 1 + 100);
 }
 
-// Double integrator with knots of 0.05 s; the cost is that of a predicted delay of two ticks,
-// computed with numpy.
+// Double integrator with knots of 0.05 s. The cost with a predicted delay of two ticks comes from
+// numpy.
 TEST_F(MpcCommand, ControlsThatStatesRememberActLate) {
   folder_.write("late.yaml", R"(conddp: 1
 system:
@@ -107,7 +107,7 @@ TEST_F(MpcCommand, CheckBuildsTheLoop) {
   EXPECT_EQ(wrong.out, "");
   EXPECT_NE(wrong.err.find("a tick of 2 s is longer than the horizon of 1 s"), std::string::npos)
       << wrong.err;
-  // What is said of the problem is said once.
+  // Each message about the problem appears once.
   const ProcessResult once = check({"--set", "mesh={error: 1e-6}"});
   EXPECT_EQ(once.err.find("refines none"), once.err.rfind("refines none")) << once.err;
   EXPECT_NE(once.err.find("refines none"), std::string::npos) << once.err;

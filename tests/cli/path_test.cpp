@@ -1,4 +1,4 @@
-// A path means the same in whatever way it is written, for every subcommand.
+// A path means the same in every spelling for every subcommand.
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -20,7 +20,7 @@ endfacet
 endsolid triangle
 )";
 
-/// An arm beside its problem, with a mesh in a package that is the folder of both.
+/// An arm next to its problem, with a mesh in a package that is the folder of both.
 class Paths : public testing::Test {
  protected:
   Paths() {
@@ -46,7 +46,7 @@ class Paths : public testing::Test {
   fs::path home_ = folder_.path() / "my arm";
 };
 
-/// Whether the page draws the mesh, which is found by the robot's path alone.
+/// True if the page draws the mesh, which only the robot's path can locate.
 bool draws_the_mesh(const fs::path& page) {
   return read_file(page).find(R"("kind":"stl")") != std::string::npos;
 }

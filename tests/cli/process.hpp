@@ -8,27 +8,27 @@
 
 namespace conddp {
 
-/// What a finished process left behind.
+/// Output of a finished process.
 struct ProcessResult {
-  int exit_code = -1;  ///< 128 + number where a signal ended it
+  int exit_code = -1;  ///< 128 + number after a signal
   std::string out;
   std::string err;
 };
 
-/// What a process may use before the system ends it or refuses it more; 0: as much as it likes.
+/// System limits of a process; 0 means unlimited.
 struct ProcessLimits {
   int processor_s = 0;
-  long memory_bytes = 0;  ///< addresses, more than what is in use
+  long memory_bytes = 0;  ///< address space, not resident memory
 };
 
 struct ProcessOptions {
-  std::filesystem::path folder;          ///< to run in; empty: this one
-  std::vector<std::string> environment;  ///< NAME=value, added to ours
+  std::filesystem::path folder;          ///< working folder; empty: the current one
+  std::vector<std::string> environment;  ///< NAME=value, added to the current environment
   int signal = 0;                        ///< sent as soon as `signal_after` is printed
   std::string signal_after;              ///< on stderr
   int limit_file_size = -1;              ///< bytes, of any file that it writes
   ProcessLimits limits = {};
-  int kill_after_us = -1;  ///< SIGKILL after so many microseconds
+  int kill_after_us = -1;  ///< SIGKILL after this many microseconds
 };
 
 /// Runs the tool with arguments, stdout and stderr in pipes, and waits for it.
@@ -38,9 +38,9 @@ ProcessResult run_conddp(const std::vector<std::string>& arguments,
 std::string read_file(const std::filesystem::path& file);
 /// A file of the source tree.
 std::string source(const std::string& name);
-/// Whether a document's text keeps to schemas/<schema>.schema.json.
+/// True if a document satisfies schemas/<schema>.schema.json.
 bool fits_schema(const std::string& schema, const std::string& document);
-/// An example problem that is solved at once.
+/// An example problem that solves quickly.
 inline const std::string kPendulum = source("problems/pendulum_swingup.yaml");
 
 }  // namespace conddp

@@ -71,7 +71,7 @@ TEST_F(ReportCommand, ShowsErrorsOfTheProblemOfASolution) {
                 .exit_code,
             0);
   const std::string solution = folder_.path() / "a/solution.json";
-  // Wrong in the file, then in a setting of the solution.
+  // First an error in the file, then in a setting of the solution.
   for (const auto& [from, to, line] : {std::tuple("knots: 50", "knots: many", "changed.yaml:9:"),
                                        std::tuple("  effort:", "  effert:", "--set:1:")}) {
     std::string text = read_file(kPendulum);

@@ -33,7 +33,7 @@ TEST(Solve, ConvergesAndWritesItsFiles) {
 }
 
 TEST(Solve, TheCertificateOfAnInfeasibleAnswerHolds) {
-  // What is written after the last update of the multipliers belongs to these.
+  // Output after the last multiplier update uses these multipliers.
   const TemporaryFolder folder;
   const ProcessResult r =
       run_conddp({"solve", source("problems/double_integrator_limits.yaml"), "--set",
@@ -43,7 +43,7 @@ TEST(Solve, TheCertificateOfAnInfeasibleAnswerHolds) {
   EXPECT_NE(r.out.find("certificate   consistency check passed"), std::string::npos) << r.out;
 }
 
-// Torques that cost nothing: which of them hold a biped on two feet is not determined.
+// Torques without cost: the torques that hold a biped on two feet are not unique.
 TEST(Solve, ExitsWithOneIfOptimalityIsInDoubt) {
   const TemporaryFolder folder;
   const ProcessResult result =
@@ -71,7 +71,7 @@ TEST(Solve, EndsWhereTheCostHasSettledIfAsked) {
   EXPECT_EQ(run_conddp({"verify", solution}).exit_code, 1) << "it is not stationary";
 }
 
-// Without a name the solver follows from the problem, and check says which.
+// Without a solver name, the problem determines the solver, and check reports it.
 TEST(Solve, AFileThatNamesNoSolverIsSolved) {
   const TemporaryFolder folder;
   std::string text = read_file(source("problems/double_integrator_limits.yaml"));
@@ -137,7 +137,7 @@ TEST(Solve, MotionIsIndependentOfCostUnits) {
 
 TEST(Solve, SaysHowLongPhasesLastThatAreFree) {
   const TemporaryFolder folder;
-  // Rest to rest in the least time, 4 s, with a number of the state that grows beside it.
+  // Rest-to-rest motion in minimum time, 4 s, with an additional growing state.
   const std::string file = folder.write("quick.yaml", R"(conddp: 1
 system: {states: [x, v], controls: [u], rate: {x: v, v: u}}
 initial_state: {}
@@ -225,7 +225,7 @@ TEST(Solve, StopsAfterTheTimeAllowed) {
 }
 
 TEST(Solve, NonFiniteNumbersAreNotAnInternalError) {
-  // So far from the world's origin an inertia of 1 kg m² vanishes beside m r².
+  // Far from the world's origin, an inertia of 1 kg m² vanishes against m r².
   const TemporaryFolder folder;
   const ProcessResult r = run_conddp({"solve", source("problems/cartpole_swingup.yaml"), "--set",
                                       "initial_state.joints.slider=1e8", "-o", folder.path()});
@@ -270,8 +270,8 @@ TEST(Solve, IpoptUsesCurvatureOfCostStateMotions) {
   EXPECT_NEAR(solution["cost"].get<double>(), 1.3308069, 1e-4);
 }
 
-/// Options on the first point or barrier bring Ipopt's own start, which is far from done here;
-/// others do not.
+/// Options on the initial point or barrier activate Ipopt's own start, which converges slowly here;
+/// other options do not.
 TEST(Solve, IpoptUsesItsOwnStartForInitializationOptions) {
   const TemporaryFolder folder;
   for (const std::string option : {"mu_init", "bound_push", "slack_bound_frac"}) {
@@ -370,7 +370,7 @@ TEST(Solve, OutputFoldersThatCannotBeMadeAreNamed) {
   EXPECT_NE(r.err.find("cannot be made"), std::string::npos) << r.err;
 }
 
-// Certificate and files of so many knots take most of a second.
+// Certificate and files of this many knots take most of a second.
 TEST(Solve, WritesInterruptedAnswersOfLongHorizons) {
   const TemporaryFolder folder;
   const ProcessResult r =
@@ -381,7 +381,7 @@ TEST(Solve, WritesInterruptedAnswersOfLongHorizons) {
   EXPECT_EQ(folder.files(), kOutputs);
 }
 
-// Those of so many take far longer than the five seconds that a signal leaves.
+// Certificate and files of this many knots far exceed the five seconds after a signal.
 TEST(Solve, OmitsInterruptedAnswersThatTakeTooLong) {
   const TemporaryFolder folder;
   const ProcessResult r =
@@ -460,7 +460,7 @@ terminal: {constraints: {end: {residual: expression, rows: [x, x^2 + x], lower: 
   EXPECT_TRUE(fits_schema("solution", read_file(folder.path() / "out/solution.json")));
 }
 
-// The same list in the summaries of solve and verify and in their documents.
+// The same findings in the summaries of solve and verify and in their documents.
 TEST(Solve, SaysWhatStandsOutInTheMotion) {
   const TemporaryFolder folder;
   const auto run = [&](std::vector<std::string> arguments) {

@@ -1,4 +1,4 @@
-// scripts/conddp in a tree of its own, in which building is a line in a file.
+// scripts/conddp in a separate tree, where a build appends a line to a file.
 #include <cstdlib>
 #include <ctime>
 #include <filesystem>
@@ -38,14 +38,14 @@ class SourceTree : public ::testing::Test {
     const timespec then{time(nullptr) - seconds, 0}, both[2] = {then, then};
     utimensat(AT_FDCWD, path.c_str(), both, AT_SYMLINK_NOFOLLOW);
   }
-  /// Makes all that the tool is made of older than its last build.
+  /// Makes all sources of the tool older than its last build.
   void age() const {
     for (const auto& entry : fs::recursive_directory_iterator(tree_.path()))
       if (entry.path().filename() != "conddp.built") set_age(entry.path(), kHour);
   }
-  /// A file or folder changes, some time after the last build.
+  /// Changes a file or folder after the last build.
   void change(const std::string& name) const { set_age(tree_.path() / name, -kHour); }
-  /// Whether `scripts/conddp --version` builds; -1 where it fails.
+  /// Number of builds by `scripts/conddp --version`; -1 on failure.
   int builds() {
     fs::remove(tree_.path() / "builds");
     const std::string command = "cd " + tree_.path().string() + " && scripts/conddp --version >out";
@@ -73,7 +73,7 @@ TEST_F(SourceTree, ChangedAddedAndRemovedSourcesAreBuilt) {
   EXPECT_EQ(builds(), 1);
   change("src/base/a.cpp");
   EXPECT_EQ(builds(), 1);
-  change("apps");  // as by a new file
+  change("apps");  // as a new file does
   EXPECT_EQ(builds(), 1);
   fs::remove(tree_.path() / "src/base/a.cpp");
   change("src/base");

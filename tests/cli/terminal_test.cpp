@@ -1,4 +1,4 @@
-// What the tool does on a terminal, and leaves undone off it.
+// Tool behaviour on and off a terminal.
 #include <regex>
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ std::string without_times(const std::string& text) {
   return std::regex_replace(text, std::regex(R"([0-9.]+ s\))"), "T s)");
 }
 
-/// What stood in the status line, drawing by drawing.
+/// Successive contents of the status line.
 std::vector<std::string> drawings(const std::string& err) {
   std::vector<std::string> list;
   for (std::size_t at = err.find('\r'); at != err.npos;) {
@@ -133,7 +133,7 @@ TEST(Terminal, CtrlCWritesTheBestIterate) {
   EXPECT_TRUE(std::filesystem::exists(folder.path() / "out/trajectory.csv"));
 }
 
-/// Whether a terminal would take some of the text for commands.
+/// True if a terminal would interpret part of the text as commands.
 bool commands_a_terminal(const std::string& text) {
   for (const char* command : {"\x1B", "\xC2\x9B", "\xE2\x80\xA8", "\xE2\x80\xAE"})
     if (text.find(command) != text.npos) return true;
@@ -169,7 +169,7 @@ TEST(Terminal, NamesAndPathsGiveItNoCommands) {
     EXPECT_FALSE(commands_a_terminal(r.out)) << arguments[0] << "\n" << r.out;
     EXPECT_FALSE(commands_a_terminal(r.err)) << arguments[0] << "\n" << r.err;
   }
-  // The same document all the same.
+  // The document is unchanged.
   const auto json = nlohmann::json::parse(run_conddp({"check", problem, "--json"}).out);
   EXPECT_NE(json.dump().find(raw), std::string::npos);
   const std::string expanded = run_conddp({"check", problem, "--expand"}).out;

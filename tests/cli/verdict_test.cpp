@@ -1,4 +1,4 @@
-// What solve says of answers in unusual units, and of points that are stationary.
+// Verdicts of solve for unusual units and stationary points.
 #include <fstream>
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// A pendulum of unit mass and length that hangs at rest.
+/// A pendulum of unit mass and length hanging at rest.
 const std::string kHanging = R"(conddp: 1
 name: hanging
 system:
@@ -26,7 +26,7 @@ terminal:
   costs:
 )";
 
-/// A problem of a text, solved.
+/// A problem text and its solution.
 class Solved {
  public:
   explicit Solved(const std::string& text, std::vector<std::string> arguments = {}) {
@@ -48,7 +48,7 @@ class Solved {
   TemporaryFolder folder_;
 };
 
-// The height of the tip: at rest its slope by the torque vanishes.
+// The height of the tip: at rest, its derivative with respect to the torque vanishes.
 TEST(Verdicts, ASwingUpFromRestLeavesTheSaddle) {
   const Solved swing(kHanging +
                      "    tip: {residual: expression, rows: {x: sin(angle), z: -cos(angle)}, "
@@ -59,7 +59,7 @@ TEST(Verdicts, ASwingUpFromRestLeavesTheSaddle) {
   EXPECT_EQ(run_conddp({"verify", swing.solution(), "--quiet"}).exit_code, 0);
 }
 
-// So large a weight that its gradient alone decides what is small.
+// A weight so large that its gradient alone determines the scale.
 TEST(Verdicts, WeightsOfGoalsDoNotHideTheEffort) {
   const auto cost = [](const char* weight) {
     const Solved swing(
@@ -74,7 +74,7 @@ TEST(Verdicts, WeightsOfGoalsDoNotHideTheEffort) {
   EXPECT_NEAR(cost("1e10"), usual, 1e-3 * usual);
 }
 
-// Solvers of the DDP family stop short in the narrow valley that a goal leaves, and say so.
+// DDP solvers stop short in the narrow valley of a goal and report it.
 TEST(Verdicts, HeavyGoalsAreCertifiedAtTheirOptimumAlone) {
   const auto solved = [](const std::string& weight, const std::string& solver) {
     return Solved(kHanging + "    up: {residual: state, reference: {values: {angle: 3}}, weight: " +
@@ -104,8 +104,8 @@ terminal: {constraints: {there: {residual: state, reference: [2.0e-7]}}}
   EXPECT_EQ(stage.verdict(), "local_minimum");
 }
 
-/// A train of 400 t in SI units brakes from 80 m/s to 20 m/s over 25 km, in least time, with a
-/// bound on what its motors draw.
+/// A train of 400 t in SI units brakes from 80 m/s to 20 m/s over 25 km in minimum time, with a
+/// bound on motor power.
 const std::string kTrain = R"yaml(conddp: 1
 name: train
 system:
@@ -141,7 +141,7 @@ TEST(Verdicts, SweepsTakeLargeUnits) {
   EXPECT_NEAR(costs[1], costs[0], 1e-5 * costs[0]);
 }
 
-// The row and its bound in another unit: the violation that tolerances allow is then all of it.
+// The row and its bound in another unit, so that tolerances admit the whole violation.
 TEST(Verdicts, RowsInSmallUnitsAreNotIgnored) {
   const auto wall = [](const std::string& row, const std::string& bound) {
     return Solved(
@@ -161,7 +161,7 @@ TEST(Verdicts, RowsInSmallUnitsAreNotIgnored) {
   EXPECT_EQ(usual.run.err.find("tolerance of violations"), std::string::npos);
 }
 
-// The two together have no multipliers of their own.
+// The multipliers of the two constraints are not unique.
 TEST(Verdicts, AnEqualityMayLieOnABound) {
   for (const char* solver : {"altro", "proxddp", "ipopt"}) {
     const Solved cart(
@@ -176,7 +176,7 @@ TEST(Verdicts, AnEqualityMayLieOnABound) {
   }
 }
 
-// Where nothing moves yet the rows of the dynamics all but depend on each other along the horizon.
+// At rest, the rows of the dynamics are nearly dependent along the horizon.
 TEST(Verdicts, LongHorizonsTakeIpoptNoLonger) {
   const Solved bead(
       "conddp: 1\nname: bead\nsystem: {states: {x: m, y: m, v: m/s}, controls: {g: rad},\n"
@@ -192,7 +192,7 @@ TEST(Verdicts, LongHorizonsTakeIpoptNoLonger) {
   EXPECT_EQ(bead.document.at("status"), "converged");
 }
 
-// The answer moved back to where it began: all that it says is true, and there is a way down.
+// The answer moved back to its start: its claims are true, but descent is possible.
 TEST(Verdicts, AMotionThatCostsMoreIsNotVerified) {
   const Solved stage(R"(conddp: 1
 name: flat
@@ -218,7 +218,7 @@ terminal: {constraints: {there: {residual: state, reference: [1.0e-3]}}}
   EXPECT_NE(verified.out.find("would gain or repair"), std::string::npos) << verified.out;
 }
 
-/// A point that moves along a line, and what its place has to satisfy at the end.
+/// A point moving along a line with a terminal condition on its position.
 std::string point(const std::string& row, double reference) {
   return R"(conddp: 1
 name: point
@@ -230,7 +230,7 @@ terminal: {constraints: {end: {residual: expression, rows: {row: ")" +
          row + "\"}, reference: [" + std::to_string(reference) + "]}}}\n";
 }
 
-// At the start the row is at its largest: its slope vanishes, and the violation has a maximum.
+// At the start, the row is at its maximum: its derivative vanishes and the violation is maximal.
 TEST(Verdicts, ASaddleOfTheViolationIsNotInfeasible) {
   for (const char* solver : {"altro", "proxddp", "ipopt"}) {
     const Solved away(point("cos(x)", 0), {"--solver", solver});
@@ -248,7 +248,7 @@ TEST(Verdicts, AMinimumOfTheViolationIsInfeasible) {
   }
 }
 
-/// A mass on dry ground that holds it up to 2 N.
+/// A mass on dry ground with friction up to 2 N.
 const std::string kHeld = R"(conddp: 1
 name: held
 system:
@@ -263,7 +263,7 @@ costs: {effort: {residual: control}}
 terminal: {constraints: {there: {residual: state, reference: [1, 0]}}}
 )";
 
-// At rest the place hardly depends on a force that is nothing.
+// At rest, the position hardly depends on a zero force.
 TEST(Verdicts, AFlatViolationIsNotInfeasible) {
   for (const char* solver : {"auto", "altro", "proxddp", "ipopt"}) {
     const Solved held(kHeld, {"--solver", solver});
@@ -271,8 +271,8 @@ TEST(Verdicts, AFlatViolationIsNotInfeasible) {
   }
 }
 
-/// A bar that falls on its end, tips and slides, with nothing that drives it: what the steps leave
-/// open is how friction is shared between two directions.
+/// A passive bar falls on its end, tips, and slides. The steps leave the split of friction between
+/// two directions open.
 TEST(Verdicts, StepsThatAreDeterminedConverge) {
   TemporaryFolder folder;
   std::ofstream(std::string(folder.path()) + "/bar.urdf") << R"(<robot name="bar">
@@ -303,8 +303,7 @@ costs: {speed: {residual: state, columns: ["v/*"], weight: 1.0e-2}}
   EXPECT_EQ(Json::parse(read_file(out + "/solution.json")).at("status"), "converged");
 }
 
-// Steps as long as the wall is thick, so that all answers on the file's grid are on both sides of
-// it.
+// Steps as long as the wall is thick, so that all answers on the file's grid jump across it.
 TEST(Verdicts, FinerGridsLeadAround) {
   const Solved around(R"(conddp: 1
 name: wall
@@ -324,7 +323,7 @@ terminal: {constraints: {goal: {residual: state, columns: [x, y], reference: [2,
   EXPECT_EQ(run_conddp({"verify", around.solution(), "--quiet"}).exit_code, 0);
 }
 
-// The first answer of auto's leads through the lowest part of a double well.
+// The first answer of auto leads through the lowest part of a double well.
 TEST(Verdicts, AutoLooksBeyondItsFirstAnswer) {
   const Solved wells(
       R"(conddp: 1

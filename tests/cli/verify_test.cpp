@@ -12,7 +12,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// A folder with a problem, its robot and its solution in out/.
+/// A folder with a problem, its robot, and its solution in out/.
 class Verify : public testing::Test {
  protected:
   Verify() {
@@ -124,7 +124,7 @@ TEST_F(Verify, TakesTheProblemFromAnotherPlace) {
   EXPECT_EQ(run({"verify", "out/solution.json", "--problem", "moved.yaml"}).exit_code, 0);
 }
 
-// A solution may name any file: of one that is no problem and no robot nothing is shown.
+// A solution may name any file; the contents of files that are not problems or robots stay hidden.
 TEST_F(Verify, QuotesNothingFromFilesThatAreNotProblems) {
   folder_.write("text.txt", "hushhush\n");
   folder_.write("users.txt", "conddp:x:999:hushhush\n");
@@ -155,11 +155,11 @@ TEST_F(Verify, QuotesNothingFromFilesThatAreNotProblems) {
     if (const auto page = folder_.path() / "page.html"; std::filesystem::exists(page)) {
       EXPECT_EQ(read_file(page).find("hushhush"), std::string::npos);
     }
-    // A problem of the command line with settings of the solution.
+    // A problem from the command line with settings of the solution.
     const ProcessResult other = run({"verify", "out/changed.json", "--problem", "cartpole.yaml"});
     EXPECT_EQ((other.out + other.err).find("hushhush"), std::string::npos) << other.err;
   }
-  // What the command line names is, and a problem in which something is wrong.
+  // Files named on the command line are quoted, as are problems with errors.
   const ProcessResult named = run({"verify", "out/solution.json", "--problem", "text.txt"});
   EXPECT_EQ(named.exit_code, 2);
   EXPECT_NE(named.err.find("hushhush"), std::string::npos) << named.err;

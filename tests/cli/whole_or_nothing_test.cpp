@@ -1,4 +1,4 @@
-// Outputs appear complete or not at all, whatever happens while they are written.
+// Outputs appear completely or not at all, whatever happens during writing.
 #include <chrono>
 #include <csignal>
 #include <map>
@@ -24,7 +24,7 @@ Contents contents(const std::filesystem::path& folder) {
   return found;
 }
 
-/// A folder with the output of a former run, and the arguments of one with another answer.
+/// A folder with the output of an earlier run, and the arguments of a run with a different answer.
 class WholeOrNothing : public testing::Test {
  protected:
   WholeOrNothing() {
@@ -122,7 +122,7 @@ TEST_F(WholeOrNothing, AKillAtAnyMomentLeavesWholeFiles) {
       }
     }
   }
-  // What the killed ones left behind is taken away by the next run.
+  // The next run removes leftovers of killed runs.
   EXPECT_EQ(run_conddp(other_).exit_code, 1);
   EXPECT_EQ(folder_.files().size(), kNames.size());
 }

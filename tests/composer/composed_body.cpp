@@ -11,7 +11,7 @@
 namespace conddp {
 namespace {
 
-/// The scalar parameters of a closed-form system, each changed a little.
+/// Slightly perturbed scalar parameters of a closed-form system.
 template <class P>
 Entries parameter_entries(RandomNumbers& random) {
   Entries entries;
@@ -68,7 +68,7 @@ std::vector<ComposedBody> closed_forms(std::index_sequence<I...> /*types*/) {
   return bodies;
 }
 
-/// The text of a robot with what any robot may have besides.
+/// Robot text with options common to all robots.
 std::function<std::string(RandomNumbers&)> robot_text(std::string keys, std::string more = "") {
   return [keys = std::move(keys), more = std::move(more)](RandomNumbers& random) {
     std::string text = keys;
@@ -81,14 +81,14 @@ std::function<std::string(RandomNumbers&)> robot_text(std::string keys, std::str
   };
 }
 
-/// The same of a robot whose steps find what it touches.
+/// The same for a robot whose steps find contacts.
 std::function<std::string(RandomNumbers&)> stepping_text(const std::string& keys,
                                                          const std::string& candidates,
                                                          const std::string& stepping,
                                                          bool floating = false) {
   return [=](RandomNumbers& random) {
     std::string own = stepping;
-    // The midpoint rule is for flat states.
+    // The midpoint rule requires flat states.
     if (!floating && random.chance(0.5))
       own += fmt::format("{}scheme: {}", own.empty() ? "" : ", ", pick_word(kSchemeWords, random));
     if (random.chance(0.5))
@@ -207,7 +207,7 @@ std::vector<ComposedBody> robots() {
   return bodies;
 }
 
-/// Asks the tool for names, in a problem with nothing but the body.
+/// Queries the tool for names in a problem with only the body.
 void learn(ComposedBody& body) {
   RandomNumbers random(1);
   Diagnostics out;
@@ -245,7 +245,7 @@ void learn(ComposedBody& body) {
 
 const std::vector<ComposedBody>& composed_bodies() {
   static const std::vector<ComposedBody> kBodies = [] {
-    // All but the last one, whose function is in a file of its own.
+    // All but the last, whose function is in a separate file.
     std::vector<ComposedBody> list =
         closed_forms(std::make_index_sequence<std::size(kSystemTypes) - 1>());
     for (ComposedBody& body : robots()) list.push_back(std::move(body));

@@ -9,32 +9,31 @@
 
 namespace conddp {
 
-/// What moves in composed problems: how a file says it, and what can be named of it.
+/// System of a composed problem: its text in a file and its names.
 struct ComposedBody {
   struct Foot {
     std::string contact, frame;
-    bool sole = false;  ///< more often a surface than anything else
+    bool sole = false;  ///< usually a surface
   };
 
-  std::string name;  ///< the type of a closed-form system, or what the robot is called here
-  /// The lines of the file that say what moves and what it may touch, with random figures.
+  std::string name;  ///< type of a closed-form system, or a name for the robot
+  /// File lines that describe the system and its contacts, with random numbers.
   std::function<std::string(RandomNumbers&)> text;
-  Entries initial_state;   ///< keys of the state in which it stands
-  std::vector<Foot> feet;  ///< what may be a contact of phases
-  Entries shapes = {};     ///< names of its shapes, an obstacle among them
-  bool stepping = false;   ///< steps are contact-implicit
-  bool walks = false;      ///< its feet are those of a gait
+  Entries initial_state;   ///< state keys of the standing posture
+  std::vector<Foot> feet;  ///< possible contacts of phases
+  Entries shapes = {};     ///< names of its shapes, including an obstacle
+  bool stepping = false;   ///< contact-implicit steps
+  bool walks = false;      ///< feet usable in a gait
   bool floating = false;
   int most_knots = 10;
 
-  // What the tool itself says of it, from a problem with nothing but it (learn).
+  // Properties that `learn` queries from the tool.
   bool robot = false;
-  bool curved = false;  ///< some of its state is a rotation in space
+  bool curved = false;  ///< part of the state is a spatial rotation
   SystemKind kind = SystemKind::second_order;
-  /// Whether it has coordinates that stand alone, and limits of them in its URDF, among its
-  /// positions and its velocities.
+  /// Scalar coordinates among positions and velocities, and URDF limits on them.
   bool positions = false, velocities = false, limited_positions = false, limited_velocities = false;
-  Entries columns;   ///< coordinates of the state that stand alone
+  Entries columns;   ///< scalar coordinates of the state
   Entries controls;  ///< of the actuators
   Entries joints;    ///< with a coordinate of their own
   Entries frames;

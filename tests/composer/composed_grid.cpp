@@ -54,7 +54,7 @@ Entries contact_names(const ComposedGrid& grid) {
   return names;
 }
 
-/// One entry of `phases`; `held`: its contacts; `even`: all steps of the motion are the same.
+/// Adds one entry of `phases`. `held`: its contacts; `even`: all steps have the same length.
 void add_phase(int knots, double dt, const Entries& held, bool even, RandomNumbers& random,
                ComposedGrid& grid) {
   ComposedGrid::Phase phase{.name = fmt::format("part_{}", grid.phases.size()),
@@ -98,7 +98,7 @@ ComposedGrid compose_grid(const ComposedBody& body, bool smooth, bool bounded,
   grid.text += "phases:\n";
   const Entries all = contact_names(grid);
   grid.choice = random.chance(body.feet.empty() ? 0.25 : 0.1);
-  // What is chosen within bounds are controls with bounds.
+  // Choices within bounds are controls with bounds.
   grid.free_duration = grid.choice && bounded && !body.stepping &&
                        body.kind != SystemKind::discrete && random.chance(0.4);
   if (grid.choice) {

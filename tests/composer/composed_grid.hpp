@@ -6,12 +6,12 @@
 
 namespace conddp {
 
-/// Phases of a composed problem, and the contacts that they hold.
+/// Phases of a composed problem and their contacts.
 struct ComposedGrid {
   struct Contact {
     std::string name;
     ContactKind kind = ContactKind::point;
-    bool local = false;  ///< its normal turns with the frame
+    bool local = false;  ///< its normal rotates with the frame
   };
   struct Phase {
     std::string name;
@@ -20,14 +20,14 @@ struct ComposedGrid {
     Entries held;  ///< contacts
   };
 
-  std::string text;  ///< the keys `contacts` and `phases` or `gait`
+  std::string text;  ///< keys `contacts` and `phases` or `gait`
   std::vector<Contact> contacts;
-  std::vector<Phase> phases;  ///< empty where a gait makes them
+  std::vector<Phase> phases;  ///< empty if a gait generates them
   double duration = 0;
   bool choice = false, free_duration = false, impulse = false;
 
   int knots() const { return phases.empty() ? 0 : phases.back().first + phases.back().knots; }
-  /// Whether a phase that takes time holds a contact that passes.
+  /// True if a phase with duration holds a contact that satisfies the predicate.
   template <class Predicate>
   bool holds(Predicate passes) const {
     for (const Phase& phase : phases)
@@ -39,8 +39,8 @@ struct ComposedGrid {
   }
 };
 
-/// `smooth`: without contacts, for integrators that need that; `bounded`: the solver takes bounds
-/// on the control, hence on durations that are chosen.
+/// `smooth`: no contacts, for integrators that require it; `bounded`: the solver accepts bounds on
+/// controls and hence on free durations.
 ComposedGrid compose_grid(const ComposedBody& body, bool smooth, bool bounded,
                           RandomNumbers& random);
 

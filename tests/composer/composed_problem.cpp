@@ -43,7 +43,7 @@ class ProblemComposer {
   }
 
  private:
-  /// `auto` as often as each of the solvers that can take the body's motion.
+  /// Chooses `auto` as often as each solver that supports the body's motion.
   void choose_solver() {
     std::vector<const SolverInfo*> able = {nullptr};
     for (const SolverInfo& info : solvers())
@@ -91,7 +91,7 @@ class ProblemComposer {
     return flow_map(keys);
   }
 
-  /// The residuals that can stand there; the seed begins with another one in each round.
+  /// Residuals allowed there; the seed rotates the first one in each round.
   std::vector<const ResidualDefinition*> able(const TermComposer& terms, bool terminal) const {
     std::vector<const ResidualDefinition*> list;
     for (const ResidualDefinition* residual : residual_table())
@@ -155,7 +155,7 @@ class ProblemComposer {
           (how != Softness::hard || taken_.inequalities))
         lines += fmt::format("  {}: {}\n", name(), terms.bounds(quantity.value, how));
     }
-    // The rounds lead through all of the list by these places, too.
+    // These rounds also cover the whole list.
     for (int i = random_.index(3); i > 0; --i) {
       const ResidualDefinition& residual = i == 1 ? *running.back() : *running[running.size() / 2];
       const bool hard = residual.is_cone ? taken_.inequalities : taken_.equalities;
@@ -204,7 +204,7 @@ class ProblemComposer {
                                            : solver_->gauss_newton_hessian);
   }
 
-  /// The value of an option, somewhat away from its default.
+  /// An option value slightly off its default.
   std::optional<std::string> option_value(const OptionInfo& info) {
     if (!info.choices.empty()) {
       const std::string_view word = pick(info.choices, random_);
@@ -215,9 +215,9 @@ class ProblemComposer {
     }
     const OptionValue usual = info.default_value();
     const double* number = std::get_if<double>(&usual);
-    // Whole numbers count solves and threads, which is how long a problem takes.
+    // Integer options count solves and threads, which determines the run time.
     if (number == nullptr || !std::isfinite(*number) || *number == 0) return std::nullopt;
-    // One has to stay under the other.
+    // increase_step must stay below decrease_step.
     if (info.name == "regularization.increase_step") return std::nullopt;
     const double value = *number * between_powers(0.5, 2, random_);
     if (!(value > info.min && value < info.max)) return std::nullopt;

@@ -6,15 +6,15 @@
 
 namespace conddp {
 
-/// A problem as its file says it, and what the command line leaves out of it.
+/// Text of a problem file and constraints dropped on the command line.
 struct ComposedProblem {
-  std::string body;  ///< what moves in it
-  std::string text;  ///< YAML; relative paths lead to problems/
+  std::string body;  ///< name of its system
+  std::string text;  ///< YAML; relative paths refer to problems/
   std::vector<std::string> drop;
 };
 
-/// A small problem of random parts, the same for the same seed everywhere. What stands in the
-/// tables of residuals, words, solvers, options and systems is taken from them.
+/// A small random problem, reproducible by seed. Residuals, words, solvers, options, and systems
+/// come from their tables.
 ComposedProblem compose_problem(std::uint64_t seed);
 
 }  // namespace conddp

@@ -7,7 +7,7 @@
 namespace conddp {
 namespace {
 
-/// What cannot do without a reference.
+/// True if the residual requires a reference.
 bool needs_reference(const ResidualDefinition& residual) {
   return residual.reference->needed != ReferenceForm::Needed::kNever;
 }
@@ -15,7 +15,7 @@ constexpr std::string_view kExpression = "expression";
 bool is_of_soles(const ResidualDefinition& residual) {
   return residual.name == "wrench_cone" || residual.name == "center_of_pressure";
 }
-/// Contacts of which a residual can be: cones need a normal of the world, pressures a sole.
+/// Contacts that the residual supports: cones need a normal in the world, pressures need a sole.
 auto serves(const ResidualDefinition& residual) {
   return [&residual](const ComposedGrid::Contact& contact) {
     if (is_of_soles(residual)) return contact.kind == ContactKind::surface;
@@ -31,7 +31,7 @@ void add_softness(Softness softness, RandomNumbers& random, Entries& keys) {
   keys.push_back("weight: " + number_text(between_powers(0.1, 100, random)));
 }
 
-/// The columns of a body as expressions name them: `q/knee` is `q[knee]`. Poses have other names.
+/// Columns of a body by their names in expressions: `q/knee` is `q[knee]`. Poses have other names.
 Entries names_in_expressions(const ComposedBody& body) {
   Entries names;
   for (const std::string& column : body.columns) {
@@ -46,7 +46,7 @@ Entries names_in_expressions(const ComposedBody& body) {
 }
 
 bool TermComposer::can(const ResidualDefinition& residual, bool terminal) const {
-  if (residual.name == "library") return false;  // its function is in a file of its own
+  if (residual.name == "library") return false;  // its function is in a separate file
   if (residual.needs.robot && !body_.robot) return false;
   if (terminal && residual.needs.control) return false;
   if (residual.has("joints") && body_.joints.empty()) return false;
@@ -162,7 +162,7 @@ Entries TermComposer::running_knots(std::size_t most) {
 }
 
 void TermComposer::add_places(const ResidualDefinition& residual, bool constraint, Entries& keys) {
-  // What no control of knot 0 moves cannot be asked for there.
+  // Constraints at knot 0 must depend on the control.
   if (random_.chance(constraint && !residual.needs.control ? 0.8 : 0.15)) {
     if (const Entries knots = running_knots(4); !knots.empty()) {
       keys.push_back("knots: " + flow_list(knots));

@@ -8,7 +8,7 @@
 
 namespace conddp {
 
-/// What a solver takes of constraints; `auto` all.
+/// Constraint kinds that a solver supports; `auto` supports all.
 struct TakenConstraints {
   bool control_bounds = true, equalities = true, inequalities = true;
 };
@@ -19,24 +19,24 @@ class TermComposer {
   TermComposer(const ComposedBody& body, const ComposedGrid& grid, RandomNumbers& random)
       : body_(body), grid_(grid), random_(random) {}
 
-  /// Whether the residual can stand on running knots, or at the last node, of this problem.
+  /// True if this problem allows the residual on running knots, or at the last node.
   bool can(const ResidualDefinition& residual, bool terminal) const;
-  /// The flow mapping of a cost.
+  /// Flow mapping of a cost.
   std::string cost(const ResidualDefinition& residual, bool terminal);
-  /// That of a constraint on a residual that the solver takes, hard only where it does.
+  /// Flow mapping of a constraint on a supported residual; hard only if the solver allows it.
   std::string constraint(const ResidualDefinition& residual, bool terminal, Softness softness,
                          const TakenConstraints& taken);
-  /// Whether the body has such a quantity that can be bounded.
+  /// True if the body has this boundable quantity.
   bool can(BoundedQuantity quantity) const;
-  /// That of bounds on a quantity; of the control where `softness` is hard as bounds proper.
+  /// Flow mapping of bounds on a quantity; hard control bounds are proper bounds.
   std::string bounds(BoundedQuantity quantity, Softness softness);
 
  private:
-  /// What the keys of a residual say of it: how many rows it has (0: not known) and their names.
+  /// Rows (0: unknown) and row names implied by the keys of a residual.
   struct Selection {
     int rows = 0;
     Entries names;
-    Entries contacts;  ///< of which it is, empty: not of contacts, or all
+    Entries contacts;  ///< empty: unrelated to contacts, or all contacts
   };
   Selection select(const ResidualDefinition& residual, Entries& keys);
   std::optional<std::string> reference(const ResidualDefinition& residual,
@@ -56,7 +56,7 @@ class TermComposer {
   RandomNumbers& random_;
 };
 
-/// The keys `soft` and `weight`; none of a hard one.
+/// Adds the keys `soft` and `weight`, unless the constraint is hard.
 void add_softness(Softness softness, RandomNumbers& random, Entries& keys);
 
 }  // namespace conddp

@@ -1,4 +1,4 @@
-// Seeded random problems, each taken through everything that `conddp solve` and `conddp verify` do.
+// Seeded random problems through the complete path of `conddp solve` and `conddp verify`.
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
@@ -24,13 +24,13 @@
 namespace conddp {
 namespace {
 
-/// What one run of the test is about.
+/// Seeds of one run of the test.
 struct SeedRange {
   std::uint64_t first = 0;
   int count = kSmallSizes ? 20 : kDefaultCount;
   static constexpr int kDefaultCount = 300;
 
-  /// CONDDP_COMPOSED=COUNT or COUNT:FIRST says otherwise.
+  /// CONDDP_COMPOSED=COUNT or COUNT:FIRST overrides the default.
   static SeedRange from_environment() {
     SeedRange range;
     const char* asked = std::getenv("CONDDP_COMPOSED");
@@ -49,7 +49,7 @@ struct ReadProblem {
   std::vector<const SolverInfo*> candidates;
 };
 
-/// As `conddp solve` reads it; without candidates it is refused.
+/// Reads like `conddp solve`; without candidate solvers the problem is rejected.
 std::unique_ptr<ReadProblem> read_composed(const std::string& text,
                                            const std::vector<std::string>& drop) {
   auto read = std::make_unique<ReadProblem>();
@@ -61,7 +61,7 @@ std::unique_ptr<ReadProblem> read_composed(const std::string& text,
   return read;
 }
 
-/// A refusal says where and why.
+/// A rejection names its place and reason.
 void expect_clear_refusal(const ReadProblem& read) {
   EXPECT_TRUE(read.diagnostics.has_errors()) << "refused without an error";
   for (const Diagnostic& d : read.diagnostics.list()) {
@@ -73,7 +73,7 @@ void expect_clear_refusal(const ReadProblem& read) {
   }
 }
 
-/// What is common to messages about different names and numbers.
+/// Common part of messages about different names and numbers.
 std::string kind_of_refusal(const ReadProblem& read) {
   for (const Diagnostic& d : read.diagnostics.list())
     if (d.severity == Severity::kError)
@@ -90,7 +90,7 @@ void expect_expansion_to_be_the_same(const ReadProblem& read, const ComposedProb
   EXPECT_EQ(expanded_text(*again->spec, *again->built), text);
 }
 
-/// The checks that do not hold, one a line.
+/// Names of the failed checks, one a line.
 std::string failures_of(const SolutionCertificate& certificate) {
   std::string lines;
   for (const Check& check : certificate.checks.checks)
@@ -108,7 +108,7 @@ bool all_finite(const Trajectory& trajectory) {
   return true;
 }
 
-/// `scale`: what the costs were multiplied by in the solve, whose gradients the tolerance is for.
+/// `scale`: factor of the costs in the solve; the tolerance applies to the scaled gradients.
 void expect_to_be_stated(const SolveResult& result, const SolverOptions& options, double scale) {
   EXPECT_LE(static_cast<int>(result.status), 0);
   EXPECT_NE(result.status, SolveStatus::time_limit);
@@ -122,9 +122,8 @@ void expect_to_be_stated(const SolveResult& result, const SolverOptions& options
   EXPECT_LE(result.residuals.constraint, options.tolerances.constraint);
 }
 
-/// The document with its certificate, and both as `verify` finds them in the files. True where all
-/// holds but that optimality cannot be told: without a cost of all controls there may be no
-/// optimum.
+/// Checks the document with its certificate as `verify` finds them in the files. Returns true if
+/// only optimality is in doubt: without a cost on all controls, an optimum may not exist.
 bool expect_to_be_certified(const ReadProblem& read, const ComposedProblem& problem,
                             const SolverInfo& used, const SolveResult& result) {
   OrderedJson document = solution_json({*read.spec, *read.built, used, result, {}});
@@ -144,10 +143,10 @@ bool expect_to_be_certified(const ReadProblem& read, const ComposedProblem& prob
   return false;
 }
 
-/// What came of a problem: a status, or why it was refused.
+/// Outcome of a problem: a status or a rejection.
 struct Ending {
   bool refused = false;
-  bool doubted = false;  ///< the certificate doubts optimality alone
+  bool doubted = false;  ///< the certificate doubts only optimality
   std::string words;
   double seconds = 0;
 };
@@ -172,7 +171,7 @@ Ending run(const ComposedProblem& problem, Coverage& coverage) {
   return {.doubted = doubted, .words = fmt::format("{}", to_string(result.status))};
 }
 
-/// What happened, and how often; the slowest seeds, for runs by hand.
+/// Prints outcomes with counts, and the slowest seeds for manual runs.
 void print(const std::map<std::string, int>& endings, std::multimap<double, std::uint64_t>& times) {
   for (const auto& [words, count] : endings) std::cout << fmt::format("{:6} {}\n", count, words);
   while (times.size() > 5) times.erase(times.begin());
@@ -214,9 +213,9 @@ TEST(Composer, EveryProblemEndsWithCertificateOrReason) {
   EXPECT_EQ(coverage.missing(), "");
 }
 
-/// Box problems in strongly coupled controls, co-states that a failed search has changed after the
-/// exact Hessians, a restoration of feasibility without a finite first point, small gradients where
-/// most of the cost can still be gained.
+/// Box problems in strongly coupled controls, costates changed by a failed search after exact
+/// Hessians, a restoration without a finite first point, and small gradients with much cost left to
+/// gain.
 TEST(Composer, UnfinishedAnswersAreThoseOfTheirTrajectory) {
   Coverage coverage({});
   for (const std::uint64_t seed : {60381, 63549, 64270, 810615}) {
@@ -226,8 +225,8 @@ TEST(Composer, UnfinishedAnswersAreThoseOfTheirTrajectory) {
   }
 }
 
-/// Bodies that turn a million times a step, wrists at thousands of radians a second, free
-/// directions without any cost: a certificate has to tell what rounding does there from a defect.
+/// Bodies that rotate a million times a step, wrists at thousands of radians a second, free
+/// directions without cost: a certificate must distinguish rounding from errors.
 TEST(Composer, AnswersMadeOfRoundingHaveACertificate) {
   Coverage coverage({});
   for (const std::uint64_t seed : {543, 20165, 20291, 30395, 31913, 32221, 33013, 34619}) {

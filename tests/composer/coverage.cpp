@@ -10,7 +10,7 @@ std::string part(const std::string& kind, std::string_view name) {
   return fmt::format("{} {}", kind, name);
 }
 
-/// What no constraint needs: it is a number, or a cone whose bounds no constraint has.
+/// Constraint kinds to cover; excluded are numbers and cones whose bounds no constraint has.
 constexpr std::pair<ConstraintKind, std::string_view> kSets[] = {
     {ConstraintKind::bounds, "bounds"},
     {ConstraintKind::norm, "norm"},

@@ -7,14 +7,14 @@
 
 namespace conddp {
 
-/// How often each part that a problem can have stood in one that was solved.
+/// Counts how often each possible part occurred in a solved problem.
 class Coverage {
  public:
   /// Every part, from the tables of the reader and the registry of solvers.
   explicit Coverage(const std::vector<std::string>& bodies);
   void add(const std::string& body, const ProblemSpec& spec, const BuiltProblem& built,
            const SolverInfo& used);
-  /// Those that stood in none, one a line.
+  /// Parts that never occurred, one a line.
   std::string missing() const;
 
  private:

@@ -20,7 +20,7 @@ inline std::string flow_map(const Entries& entries) {
 inline std::string flow_list(const Entries& entries) {
   return fmt::format("[{}]", fmt::join(entries, ", "));
 }
-/// A number of four digits, which any reader of YAML takes for one.
+/// A number of four digits that every YAML reader accepts.
 inline std::string number_text(double value) {
   std::string text = fmt::format("{:.4g}", value);
   if (const std::size_t e = text.find('e'); e != std::string::npos && text.find('.') > e)
@@ -38,12 +38,12 @@ template <class List>
 const auto& pick(const List& list, RandomNumbers& random) {
   return list[static_cast<std::size_t>(random.index(static_cast<int>(std::size(list))))];
 }
-/// One of the words of an enumerated key.
+/// A random word of an enumerated key.
 template <class Words>
 std::string pick_word(const Words& words, RandomNumbers& random) {
   return std::string(pick(words, random).word);
 }
-/// At least one of the names and at most so many, in their order.
+/// Between one and `most` names in their order.
 inline Entries pick_some(const Entries& names, std::size_t most, RandomNumbers& random) {
   Entries chosen;
   for (std::size_t i = 0; i < names.size() && chosen.size() < most; ++i)
@@ -52,7 +52,7 @@ inline Entries pick_some(const Entries& names, std::size_t most, RandomNumbers& 
   if (chosen.empty()) chosen.push_back(pick(names, random));
   return chosen;
 }
-/// Between two positive numbers, each power of ten alike.
+/// A log-uniform number between two positive numbers.
 inline double between_powers(double lower, double upper, RandomNumbers& random) {
   return lower * std::pow(upper / lower, random.uniform(0, 1));
 }

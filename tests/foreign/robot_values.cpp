@@ -1,12 +1,13 @@
-// What the rigid-body kernel computes for a robot in given states, as JSON: scripts/foreign_robots
-// compares it with an independent library.
+// Prints rigid-body kernel values of a robot in given states as JSON; scripts/foreign_robots
+// compares them with an independent library.
 //
 // usage: robot_values < REQUEST
 //   {"urdf": FILE, "base": "fixed" | "floating", "locked_joints": {NAME: VALUE},
 //    "states": [{"q": [...], "v": [...], "a": [...]}, ...]}
-// answers {"joints": [NAME], "nq", "nv", "mass", "values": [{"M", "bias", "tau", "tau_q",
-// "tau_v"}]}, with matrices by columns (of M the lower triangle), or {"errors": [{"message",
-// "hint"}]}.
+//
+// The answer is {"joints": [NAME], "nq", "nv", "mass",
+//   "values": [{"M", "bias", "tau", "tau_q", "tau_v"}]}
+// with column-major matrices (the lower triangle of M), or {"errors": [{"message", "hint"}]}.
 
 #include <iostream>
 

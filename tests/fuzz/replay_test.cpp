@@ -1,5 +1,5 @@
-// The fuzz targets on their seeds, and on mutations of them that are the same in every run. What
-// libFuzzer once found (scripts/fuzz) stands among the seeds.
+// Fuzz targets on their seeds and on reproducible mutations of them. The seeds include earlier
+// findings of libFuzzer (scripts/fuzz).
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -29,7 +29,7 @@ std::vector<std::string> seeds(std::string_view target) {
   return texts;
 }
 
-/// The tokens of a libFuzzer dictionary: what stands between double quotes, one a line.
+/// Tokens of a libFuzzer dictionary: the text between double quotes, one a line.
 std::vector<std::string> tokens(std::string_view target) {
   std::ifstream stream(kFolder / target / "dictionary");
   std::vector<std::string> found;
@@ -39,8 +39,8 @@ std::vector<std::string> tokens(std::string_view target) {
   return found;
 }
 
-/// A seed with one thing changed: a bit, a token, a part left out, said twice or taken from
-/// elsewhere.
+/// A seed with one mutation: a flipped bit, an inserted token, or a part removed, repeated, or
+/// copied from elsewhere.
 std::string mutated(const std::string& seed, const std::vector<std::string>& words,
                     const std::string& other, RandomNumbers& random) {
   const auto below = [&](std::size_t n) {

@@ -19,7 +19,7 @@
 namespace conddp {
 namespace {
 
-/// Relative paths of problems lead to the ready robots.
+/// Relative paths of problems refer to the example robots.
 const std::filesystem::path kFile =
     std::filesystem::path(CONDDP_SOURCE_DIR) / "problems" / "fuzz.yaml";
 
@@ -29,7 +29,8 @@ void promise(bool kept, const char* what) {
   std::abort();
 }
 
-/// What every answer to a bad input has, and that it can be printed. `name` is the input's.
+/// Checks that every answer to a bad input has diagnostics and that they can be printed. `name` is
+/// the name of the input.
 void check_diagnostics(const Diagnostics& diagnostics, const std::string& name, bool good) {
   promise(good != diagnostics.has_errors(), "there is a result if and only if there is no error");
   for (const Diagnostic& d : diagnostics.list()) {
@@ -44,7 +45,7 @@ void check_diagnostics(const Diagnostics& diagnostics, const std::string& name, 
   promise(good || !format_diagnostics(diagnostics, false).empty(), "errors are printed");
 }
 
-/// The tool's own checks of a file come before the parsers.
+/// The tool checks a file before the parsers do.
 bool is_text(std::string_view input) { return find_bad_character(input) == std::string::npos; }
 
 void build_if_small(const ProblemSpec& spec, Diagnostics& out) {
@@ -147,7 +148,7 @@ void fuzz_xml(std::string_view input) {
   }
 }
 
-/// Two numbers, a vector with parts, a quaternion and tables of one and two arguments.
+/// Two scalars, a vector with parts, a quaternion, and tables of one and two arguments.
 ExpressionScope fuzz_scope(ExpressionGraph& graph) {
   ExpressionScope scope;
   int inputs = 0;

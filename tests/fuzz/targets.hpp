@@ -5,10 +5,10 @@
 
 namespace conddp {
 
-/// One parser's entry: takes any bytes, must return, and aborts where a promise about the answer
-/// (an error has a message and a place inside the text, a good input has none) does not hold.
+/// Entry of one parser. It accepts any bytes, must return, and aborts if a promise about the answer
+/// is broken: an error has a message and a place inside the text, a good input has no error.
 struct FuzzTarget {
-  std::string_view name;  ///< of its folder in tests/fuzz, too
+  std::string_view name;  ///< also of its folder in tests/fuzz
   void (*run)(std::string_view input);
 };
 

@@ -1,5 +1,5 @@
-// problems/best_known.json beside the problems that it is about, and beside their golden files.
-// scripts/best_known keeps it.
+// problems/best_known.json, compared with its problems and their golden files. scripts/best_known
+// maintains it.
 #include "output/bench/best_known.hpp"
 
 #include <fstream>
@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 const fs::path kTree = CONDDP_SOURCE_DIR;
 
-/// The hash of a problem; empty, with a failure, where it cannot be built.
+/// Hash of a problem; empty, with a test failure, if it cannot be built.
 std::string hash_of(const fs::path& file, const std::vector<std::string>& settings = {}) {
   Diagnostics out;
   const auto spec = read_problem(file, settings, out);
@@ -51,7 +51,7 @@ TEST(BestKnownOptima, EveryExampleHasAnUpToDateOptimum) {
   EXPECT_EQ(entries.size(), problems);
 }
 
-// What conddp finds from a file's own guess cannot be better than the best that is known.
+// An answer from the file's own guess cannot beat the best known optimum.
 TEST(BestKnownOptima, NoGoldenFileIsBetter) {
   const BestKnown known = best_known();
   int compared = 0;
@@ -62,7 +62,7 @@ TEST(BestKnownOptima, NoGoldenFileIsBetter) {
       const auto golden = load_golden(file.path(), out);
       ASSERT_TRUE(golden) << format_diagnostics(out, false);
       const auto best = known.find(hash_of(golden->problem_file, golden->overrides));
-      if (best == known.end()) continue;  // the other test's concern
+      if (best == known.end()) continue;  // covered by the other test
       const double cost = golden->answer.at("cost");
       EXPECT_GE(cost, best->second - 1e-6 * std::abs(best->second))
           << golden->name << ": run scripts/best_known " << golden->problem_file;

@@ -1,5 +1,5 @@
-// Legged robots that are not part of the product stand, make a step and stand again, by
-// problem files in legs/ as a user writes them.
+// Legged robots from outside the product stand, take a step, and stand again, using problem files
+// in legs/ in the style of a user.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -41,7 +41,7 @@ TEST_P(BringYourOwnLegs, StandMakeAStepAndStandAgain) {
     update_placements(robot, result.trajectory.x(k).data(), data);
     return frame_placement(robot, data, frame).p;
   };
-  // The foot that swings goes as far and as high as the file says.
+  // The swing foot moves as far and as high as the file says.
   const auto& swing = *std::find_if(spec->costs.begin(), spec->costs.end(),
                                     [](const CostSpec& cost) { return cost.keys.has("swing"); });
   const SwingSpec& way = *swing.keys.find(key::swing);
@@ -54,7 +54,7 @@ TEST_P(BringYourOwnLegs, StandMakeAStepAndStandAgain) {
   for (int k = 0; k <= N; ++k) highest = std::max(highest, position(k, foot).z - start.z);
   EXPECT_GT(highest, 0.9 * way.height);
 
-  // No foot slips from where it stood when its contact began, and every one presses.
+  // No foot slips from its initial contact position, and every foot pushes.
   for (const ContactSpec& contact : spec->contacts) {
     const int frame = *robot.find_frame(contact.frame.value);
     bool standing = false;

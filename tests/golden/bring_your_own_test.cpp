@@ -1,4 +1,4 @@
-// Arms that are not part of the product, on problem files as a user writes them.
+// Arms from outside the product, using problem files in the style of a user.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -17,8 +17,8 @@ struct Reach {
   std::string robot;
   std::string frame;
   std::vector<std::string> locked;
-  std::vector<double> start, goal;  ///< rad; the goal pose is that of the frame there
-  double step;                      ///< s, of 100: short enough that an actuator saturates
+  std::vector<double> start, goal;  ///< rad; the frame's pose there is the goal pose
+  double step;                      ///< s, 100 steps: short enough to saturate an actuator
 };
 
 void PrintTo(const Reach& reach, std::ostream* out) { *out << reach.robot; }

@@ -1,5 +1,5 @@
-// The certificate of every example problem's answer holds; those of `ipopt` have theirs looked at
-// where they are compared with the known optimum.
+// The certificate of every example answer holds; other tests check answers of `ipopt` against known
+// optima.
 #include <fstream>
 #include <iterator>
 
@@ -23,7 +23,7 @@ TEST_P(CertificateOf, TheAnswerHolds) {
   EXPECT_TRUE(certificate.checks.holds()) << certificate_table(certificate.checks);
 }
 
-/// Those that another solver than `ipopt` solves.
+/// Names of problems solved by solvers other than `ipopt`.
 std::vector<std::string> by_recursion(std::vector<std::string> names) {
   std::erase_if(names, [](const std::string& name) {
     std::ifstream file(std::filesystem::path(CONDDP_SOURCE_DIR) / "problems" / (name + ".yaml"));

@@ -1,4 +1,4 @@
-// Problems of the literature meet their exact or published optima.
+// Problems from the literature reach their exact or published optima.
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -17,7 +17,7 @@ namespace {
 const std::filesystem::path kCollection =
     std::filesystem::path(CONDDP_SOURCE_DIR) / "problems" / "collection";
 
-/// Of grids of 100 to 240 knots with constant controls, relative to costs beyond 1.
+/// For grids of 100 to 240 knots with constant controls, relative for costs above 1.
 constexpr double kTolerance = 1e-4;
 
 std::vector<std::string> collection() {
@@ -38,7 +38,7 @@ const nlohmann::json& known_optima() {
 
 class Collection : public ::testing::TestWithParam<std::string> {};
 
-/// By the solver that the file names, or another.
+/// Uses the solver in the file, or another.
 void expect_optimum(const std::string& name, const std::string& solver = "") {
   Diagnostics out;
   const auto spec = read_problem(kCollection / (name + ".yaml"), {}, out);
@@ -60,7 +60,7 @@ void expect_optimum(const std::string& name, const std::string& solver = "") {
 
 TEST_P(Collection, MeetsThePublishedOptimum) { expect_optimum(GetParam()); }
 
-// From the guesses of the files both solvers stall on `goddard` and end at a least violation of
+// From the guesses of the files, both solvers stall on `goddard` and end at a least violation of
 // `zermelo`.
 TEST_P(Collection, MeetsItByAltroAndProxddp) {
   if (GetParam() == "goddard" || GetParam() == "zermelo") return;

@@ -1,4 +1,4 @@
-// What a solver with stiff gains says of its own stationarity holds along other gains, too.
+// Stationarity reported by a solver with stiff gains holds along other gains too.
 #include <gtest/gtest.h>
 
 #include "analysis/certificate/answer_check.hpp"
@@ -12,7 +12,7 @@
 namespace conddp {
 namespace {
 
-/// Solves an example problem by proxddp from some initial states, and checks the answers.
+/// Solves an example problem with proxddp from several initial states and checks the answers.
 void expect_confirmed(const std::string& name, double size, std::vector<std::uint64_t> seeds) {
   Diagnostics out;
   const auto spec =
@@ -40,8 +40,8 @@ TEST(ConfirmedStationarity, IsReachedDespiteRoundingOfPenalties) {
   expect_confirmed("arm_maze", 0, {1});
 }
 
-// The gradient of the cost by the controls alone, which a reader computes, is under the tolerance
-// too where the free motion does not make much more of it: it was 7e-4 on quadruped_pace_turn.
+// The gradient of the cost with respect to the controls alone, without gains, is also within
+// tolerance unless the free motion amplifies it strongly. It was 7e-4 on quadruped_pace_turn.
 TEST(ConfirmedStationarity, HoldsWithoutGains) {
   for (const char* name :
        {"acrobot_swingup", "arm_reach", "double_pendulum_swingup", "quadrotor_waypoints",

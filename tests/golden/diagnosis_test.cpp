@@ -1,4 +1,4 @@
-// Every pattern of a diagnosis, provoked by a problem that ends that way.
+// Every diagnosis pattern, provoked by a problem that ends that way.
 #include "analysis/findings/diagnosis.hpp"
 
 #include <gtest/gtest.h>
@@ -52,14 +52,14 @@ INSTANTIATE_TEST_SUITE_P(
                     "cartpole_swingup",
                     {"solver.max_iterations=2"},
                     {}},
-        // Controls that no pendulum survives.
+        // Controls that make any pendulum diverge.
         Provocation{"Growth",
                     DiagnosisPattern::growth,
                     "cost or next state",
                     "acrobot_swingup",
                     {"solver.name=ilqr", "initial_guess.controls={constant: 1.0e+200}"},
                     {"torque"}},
-        // Control weights that are lost beside a regularisation which must not grow.
+        // Control weights negligible against a regularization that must not grow.
         Provocation{"Indefinite",
                     DiagnosisPattern::indefinite,
                     "Q_uu",
@@ -68,7 +68,7 @@ INSTANTIATE_TEST_SUITE_P(
                      "initial_guess.states={keyframes: [{time: 0.5, state: {values: {theta1: 100, "
                      "omega1: 100}}}]}"},
                     {}},
-        // A mass that gets no further than 1.2 m with its speed limited.
+        // A mass that reaches only 1.2 m under its speed limit.
         Provocation{"Infeasible",
                     DiagnosisPattern::infeasible,
                     "constraint violation",
@@ -81,7 +81,7 @@ INSTANTIATE_TEST_SUITE_P(
                     "quadrotor_waypoints",
                     {"solver.tolerances={stationarity: 1.0e-18}"},
                     {}},
-        // Full steps or none, from controls that the states do not follow.
+        // Only full steps, from controls that the states do not follow.
         Provocation{"OpenGaps",
                     DiagnosisPattern::open_gaps,
                     "gap",
@@ -90,7 +90,7 @@ INSTANTIATE_TEST_SUITE_P(
                      "1.0e-5}}",
                      "initial_guess.controls={random: {seed: 3, scale: 3}}"},
                     {}},
-        // Bang-bang controls, stages that know nothing of each other's bounds.
+        // Bang-bang controls; stages ignore each other's bounds.
         Provocation{"AlternatingActiveSet",
                     DiagnosisPattern::alternating_active_set,
                     "active set of the control bounds",
@@ -99,15 +99,15 @@ INSTANTIATE_TEST_SUITE_P(
                      "regularization: {kind: control}}",
                      "costs.effort.weight=1.0e-9"},
                     {}},
-        // Clipping does not descend, and regularisation grows until the decrease is too small to
-        // see: that is no rounding.
+        // Clipping does not descend, and regularization grows until the decrease vanishes; rounding
+        // is not the cause.
         Provocation{"Plateau",
                     DiagnosisPattern::plateau,
                     "stationarity",
                     "car_parking",
                     {"solver={name: ilqr_clip, max_iterations: 100}"},
                     {}},
-        // Penalties that begin low and hardly grow.
+        // Penalties start low and hardly grow.
         Provocation{"SlowFeasibility",
                     DiagnosisPattern::slow_feasibility,
                     "constraint violation",
@@ -116,7 +116,7 @@ INSTANTIATE_TEST_SUITE_P(
                      "solver.augmented_lagrangian={initial_penalty: "
                      "0.01, penalty_factor: 1.1}"},
                     {}},
-        // Closed gaps and only full steps.
+        // Closed gaps and full steps only.
         Provocation{"NoDescent",
                     DiagnosisPattern::no_descent,
                     "merit",

@@ -1,5 +1,5 @@
-// Goals that are equalities, by the solver that keeps them in the stages: whatever else the ready
-// problems ask for is left out.
+// Equality goals with the solver that enforces them in the stages; other requirements of the
+// example problems are dropped.
 #include <gtest/gtest.h>
 
 #include "output/report/certificate_report.hpp"

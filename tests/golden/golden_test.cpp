@@ -1,5 +1,5 @@
-// Every example problem against its known answer. 'conddp regress tests/golden --bless' shows what
-// differs and rewrites the answers; --add makes that of a new problem.
+// Every example problem, compared with its known answer. 'conddp regress tests/golden --bless'
+// shows differences and rewrites the answers; --add creates the answer of a new problem.
 #include <algorithm>
 #include <filesystem>
 

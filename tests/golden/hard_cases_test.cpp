@@ -1,4 +1,4 @@
-// Problems on which solvers have failed or crawled: converged, at the same cost.
+// Problems on which solvers failed or were slow: they converge to the same cost.
 #include <gtest/gtest.h>
 
 #include "problem_file/build/build.hpp"
@@ -15,7 +15,7 @@ struct HardCase {
   std::vector<std::string> settings;
   std::string solver;
   double cost;
-  double tolerance = 1e-5;  ///< of the cost, relative: there may be local optima nearby
+  double tolerance = 1e-5;  ///< relative, of the cost: local optima may be nearby
 };
 
 HardCase small(const std::string& name, const std::string& solver, double cost) {
@@ -38,7 +38,7 @@ TEST_P(HardCases, AreSolved) {
   EXPECT_NEAR(result.cost, c.cost, c.tolerance * c.cost);
 }
 
-// Costs are those on which the three solvers agree.
+// Costs on which the three solvers agree.
 INSTANTIATE_TEST_SUITE_P(Files, HardCases,
                          ::testing::Values(small("disc_of_thrust", "ipopt", 6.45979751e-05),
                                            small("disc_of_thrust", "altro", 6.45979751e-05),
@@ -53,7 +53,7 @@ INSTANTIATE_TEST_SUITE_P(Files, HardCases,
                            return test.param.name + "_" + test.param.solver;
                          });
 
-// The cost's kink at zero has a curvature that is a thousand times that of the answer.
+// The kink of the cost at zero has a thousand times the curvature at the answer.
 HardCase from_zero(const std::string& name, const std::string& solver, double cost) {
   return {
       name, "tests/golden/hard/" + name + ".yaml", {"initial_guess.controls=zero"}, solver, cost};

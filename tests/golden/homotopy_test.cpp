@@ -1,5 +1,4 @@
-// Problems that are solved along a homotopy: certified answers, at the optimum of the solver at
-// once or at another one.
+// Problems solved along a homotopy: certified answers at the direct optimum or at another one.
 #include "problem_file/build/homotopy.hpp"
 
 #include <gtest/gtest.h>
@@ -43,7 +42,7 @@ void expect_solved(const HomotopyCase& c) {
   int iterations = 0;
   for (const HomotopyStep& step : result.homotopy) iterations += step.iterations;
   EXPECT_EQ(result.iterations, iterations);
-  // Whoever looks at the answer sees the problem itself.
+  // The answer refers to the problem itself.
   const OrderedJson document =
       OrderedJson::parse(solution_json({*spec, *built, solver, result, settings}).dump());
   EXPECT_TRUE(certify_solution(document, *spec, *built, false).checks.holds());
@@ -65,17 +64,17 @@ constexpr const char* kWheels =
 INSTANTIATE_TEST_SUITE_P(
     Ready, HomotopyOf,
     ::testing::Values(
-        // Its cost is that of the golden file.
+        // Cost of the golden file.
         HomotopyCase{"arm_fastest",
                      example("arm_fastest"),
                      {},
                      "[{key: costs.effort.weight, from: 0.001, to: 1.0e-4}]",
                      "altro",
                      0.702336157},
-        // As at once, tests/golden/unicycle_escape.json.
+        // Direct solve: tests/golden/unicycle_escape.json.
         HomotopyCase{
             "unicycle_escape", example("unicycle_escape"), {}, kWheels, "altro", 0.331605617},
-        // Better than at once, 2.28890.
+        // Better than the direct solve, 2.28890.
         HomotopyCase{"quadrotor_maze",
                      example("quadrotor_maze"),
                      {},
@@ -93,7 +92,7 @@ TEST(HomotopyOfFriction, LeadsHyqOntoASlipperyFloor) {
   for (const char* solver : {"altro", "proxddp"})
     expect_solved({"hyq_trot", trot->file, settings,
                    "[{key: contacts.defaults.friction, from: 0.7, to: 0.15}]", solver,
-                   3.61995706});  // as at once
+                   3.61995706});  // same as the direct solve
 }
 
 }  // namespace

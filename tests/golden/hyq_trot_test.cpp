@@ -1,6 +1,6 @@
-// The trot of HyQ that Crocoddyl and Pinocchio solved: the same discretisation, costs and contacts,
-// and figures at the first guess and at the optimum. The robot and the figures are not part of the
-// product: without them the tests pass over themselves.
+// The HyQ trot solved by Crocoddyl and Pinocchio: the same discretization, costs, and contacts,
+// compared at the first guess and at the optimum. Robot and reference data are not part of the
+// product; without them the tests are skipped.
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -44,7 +44,7 @@ class HyqTrot : public ::testing::Test {
     read({});
   }
 
-  /// The trot with further settings.
+  /// Reads the trot with additional settings.
   void read(const std::vector<std::string>& overrides) {
     std::vector<std::string> settings = trot_.settings;
     settings.insert(settings.end(), overrides.begin(), overrides.end());
@@ -54,8 +54,7 @@ class HyqTrot : public ::testing::Test {
     ASSERT_TRUE(built_) << format_diagnostics(diagnostics_, false);
   }
 
-  /// Steps with exact Hessians and plain Gauss-Newton steps, which come from another side, end at
-  /// the same cost.
+  /// Steps with exact Hessians and plain Gauss-Newton steps take different paths to the same cost.
   void expect_cost(double cost) {
     SolverOptions options = spec_->solver.options;
     const SolveResult result = solve(*built_->problem, "box_fddp", options, built_->guess);
@@ -67,7 +66,7 @@ class HyqTrot : public ::testing::Test {
     EXPECT_NEAR(plain.cost, cost, 1e-9 * cost);
   }
 
-  /// The solver holds all constraints.
+  /// Requires that the solver satisfies all constraints.
   SolveResult expect_constrained(const char* solver) {
     SolverOptions options;
     options.max_iterations = 200;
@@ -79,7 +78,7 @@ class HyqTrot : public ::testing::Test {
     return result;
   }
 
-  /// What a knot of the figures has, against ours.
+  /// Compares a knot of the reference data with ours.
   void expect_same_knot(const Json& knot) const {
     const int k = knot["t"];
     const ShootingProblem& problem = *built_->problem;
@@ -179,7 +178,7 @@ TEST_F(HyqTrot, HasCrocoddylsOptimalCost) {
 
 TEST_F(HyqTrot, Converges) { expect_cost(reference_["optimum"]["cost"]); }
 
-// Crocoddyl's BoxFDDP ends at the same costs.
+// Crocoddyl's BoxFDDP reaches the same costs.
 TEST_F(HyqTrot, ConvergesWithWeakMotors) {
   read({"constraints.torque={bounds: control, lower: -60, upper: 60}"});
   expect_cost(4.98860191029);
@@ -190,8 +189,8 @@ TEST_F(HyqTrot, ConvergesOnASlipperyFloor) {
   expect_cost(3.5411302063);
 }
 
-// Controls of zero are far away: the robot falls, and its motors are too weak for what closes all
-// gaps at once. Crocoddyl's BoxFDDP arrives at the same costs.
+// Zero controls are a distant guess: the robot falls, and its weak motors cannot close all gaps at
+// once. Crocoddyl's BoxFDDP reaches the same costs.
 TEST_F(HyqTrot, WeakMotorsBeginWithoutTorque) {
   for (const int limit : {150, 100, 75, 60}) {
     for (const char* friction : {"0.7", "0.15"}) {
@@ -218,14 +217,15 @@ constexpr const char* kPyramid =
 constexpr const char* kCone =
     "constraints.grip={residual: friction_cone, contacts: all, cone: second_order}";
 
-// Aligator's ProxDDP converges on this from the quasi-static guess with none of its first mu.
+// Aligator's ProxDDP does not converge here from the quasi-static guess with any initial mu it was
+// tried with.
 TEST_F(HyqTrot, ConvergesOnSlipperyFloorWithWeakMotors) {
   for (const char* cone : {kPyramid, kCone}) {
     read({kSixty, kSlippery, cone});
     const SolveResult altro = expect_constrained("altro");
     const SolveResult proxddp = expect_constrained("proxddp");
     EXPECT_NEAR(altro.cost, proxddp.cost, 1e-6 * altro.cost) << cone;
-    // The outer pyramid holds more than the cone.
+    // The outer pyramid admits more force than the cone.
     EXPECT_NEAR(altro.cost, cone == kPyramid ? 6.67678 : 6.91456, 1e-4) << cone;
   }
 }

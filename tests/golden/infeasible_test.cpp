@@ -1,5 +1,5 @@
-// Motions that cannot be: called infeasible soon, by every solver, with a certificate that holds,
-// and by none before a point of least violation is found.
+// Impossible motions: every solver reports them as infeasible soon, with a valid certificate, but
+// not before reaching a point of least violation.
 #include <gtest/gtest.h>
 
 #include "output/report/certificate_report.hpp"
@@ -16,7 +16,7 @@ struct ImpossibleMotion {
   std::string name;
   std::string file;
   std::vector<std::string> settings;
-  bool decided = true;  ///< solvers get to the least violation, or may say that they did not
+  bool decided = true;  ///< false: solvers may leave infeasibility undecided
 };
 
 struct Loaded {
@@ -50,7 +50,7 @@ SolutionCertificate certify(const Loaded& loaded, const SolverInfo& solver,
   return certify_solution(document, loaded.spec, loaded.built, false);
 }
 
-/// A goal for a heavy arm, held to 0.05 rad, with torques of 2 Nm: what they can do is to whirl.
+/// A goal for a heavy arm, within 0.05 rad, under torques of 2 Nm: the arm can only whirl.
 const ImpossibleMotion kWeakArm{
     "weak_arm",
     "arm_reach.yaml",
@@ -60,7 +60,7 @@ const ImpossibleMotion kWeakArm{
      "upper: 0.05}}}"},
     false};
 
-/// A pendulum held nearly level for 1.5 s, where 2 Nm hold less than half of its weight.
+/// A pendulum held nearly level for 1.5 s although 2 Nm carry less than half of its weight.
 const ImpossibleMotion kHeld{
     "held_pendulum",
     "pendulum_goal.yaml",
@@ -70,7 +70,7 @@ const ImpossibleMotion kHeld{
      "[theta], phases: [hold], lower: 1.5208, upper: 1.6208}}",
      "terminal={}"}};
 
-/// A swing-up in a tenth of the time that it takes.
+/// A swing-up in a tenth of the required time.
 const ImpossibleMotion kHurried{
     "hurried_pendulum", "pendulum_goal.yaml", {"phases.0.duration=0.3"}};
 
@@ -100,7 +100,7 @@ TEST_P(Impossible, IsCertifiedWhereItIsSaid) {
 INSTANTIATE_TEST_SUITE_P(All, Impossible, ::testing::Values(kWeakArm, kHeld, kHurried),
                          [](const auto& test) { return test.param.name; });
 
-/// An augmented Lagrangian that has got stuck is no point of least violation.
+/// A stalled augmented Lagrangian is not a point of least violation.
 TEST(Infeasible, IsNotWhatAPenaltyMethodStallsAt) {
   auto loaded = load(kWeakArm, "altro");
   ASSERT_TRUE(loaded);

@@ -1,4 +1,4 @@
-// Example problems by direct transcription: derivatives, and optima beside the known answers.
+// Example problems by direct transcription: derivatives, and optima compared with known answers.
 #include <set>
 
 #include <fmt/format.h>
@@ -9,7 +9,7 @@
 namespace conddp {
 namespace {
 
-/// From their guesses these lead to another local optimum than the DDP family finds.
+/// From their guesses, these reach a different local optimum than the DDP family.
 const std::set<std::string> kOtherOptimum = {
     "arm_maze",       "car_parking",     "car_parking_goal",  "pendulum_cycle",
     "quadrotor_maze", "unicycle_escape", "unicycle_obstacles"};
@@ -31,7 +31,7 @@ INSTANTIATE_TEST_SUITE_P(Ready, TranscribedDerivatives,
 INSTANTIATE_TEST_SUITE_P(Slow, TranscribedDerivatives,
                          ::testing::ValuesIn(testing::slow_problems()), testing::name_of);
 
-/// From this initial state exact Hessians throughout do not end within 200 iterations.
+/// From this initial state, exact Hessians throughout need more than 200 iterations.
 TEST(TranscribedTrot, ConvergesFromAnotherStateInDozensOfIterations) {
   const testing::ReadyProblem ready("quadruped_trot",
                                     {"solver.name=ipopt", "solver.max_iterations=100"});
@@ -43,8 +43,8 @@ TEST(TranscribedTrot, ConvergesFromAnotherStateInDozensOfIterations) {
   EXPECT_NEAR(result.cost, ours.cost, 1e-6 * ours.cost);
 }
 
-/// Gauss-Newton's to begin with where exact ones are dear, unless constraints on contact forces or
-/// the file want them.
+/// Gauss-Newton Hessians come first if exact ones are expensive, unless contact-force constraints
+/// or the file require exact ones.
 TEST(TranscribedHessians, BeginAsSuitsTheProblem) {
   const auto begins_exact = [](const std::string& name, const std::string& hessian) {
     const testing::ReadyProblem ready(
@@ -59,7 +59,7 @@ TEST(TranscribedHessians, BeginAsSuitsTheProblem) {
   EXPECT_TRUE(begins_exact("arm_reach", "automatic"));
 }
 
-/// Ipopt's first answer is not good enough, and it goes on to a better one.
+/// Ipopt's first answer is not good enough, so it continues to a better one.
 TEST(TranscribedArm, UsesUpBudgetsThatEndBetweenTwoAnswers) {
   const testing::ReadyProblem ready("arm_fastest", {"solver.name=ipopt"});
   const auto run = [&](SolverOptions options) {
@@ -68,7 +68,7 @@ TEST(TranscribedArm, UsesUpBudgetsThatEndBetweenTwoAnswers) {
   SolverOptions options = ready.spec.solver.options;
   const SolveResult whole = run(options);
   ASSERT_EQ(whole.status, SolveStatus::converged) << whole.message;
-  // Newton's steps are iterations, and the budget is Ipopt's.
+  // Newton steps count as iterations; the budget applies to Ipopt.
   const int ipopt = whole.iterations - whole.log.back().newton;
   for (int budget = ipopt - 8; budget < ipopt; ++budget) {
     options.max_iterations = budget;

@@ -1,6 +1,5 @@
-// Every legged problem with soft constraints from the quasi-static guess: with box_fddp inside the
-// torque limits, with fddp without them; and motions through the air from keyframes that do not
-// satisfy the dynamics.
+// Every legged problem with soft constraints from the quasi-static guess: box_fddp within torque
+// limits, fddp without them. Airborne motions start from keyframes that violate the dynamics.
 #include <gtest/gtest.h>
 
 #include "problem_file/build/build.hpp"

@@ -1,5 +1,5 @@
-// What legged motions have to keep, measured on trajectories by code that no solver shares: feet
-// that stand do not slip, feet that swing clear the ground, forces carry the weight.
+// Requirements of legged motions, measured independently of the solvers: stance feet do not slip,
+// swing feet clear the ground, forces carry the weight.
 #include <Eigen/Dense>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -46,8 +46,8 @@ Solved solve_ready(const std::string& name) {
   return s;
 }
 
-/// How far a contact's frame comes from where it was when the contact began, m: the largest over
-/// all times that it is held. A knot's step moves the foot to where the next node has it.
+/// Largest distance in m of a contact frame from its position when the contact began, while it is
+/// held. A step moves the foot to the position of the next node.
 double largest_slip(const Solved& s, const ContactSpec& contact) {
   Vector3<double> stood{};
   bool standing = false;
@@ -90,7 +90,7 @@ TEST(QuadrupedTrot, AdvancesOnFeetThatNeitherSlipNorDrag) {
 
 class SteppingProblem : public ::testing::TestWithParam<std::string> {};
 
-/// Every foot lands where its swing is to end, stays there while it stands, and lifts in between.
+/// Every foot lands at the end of its swing, stays there during stance, and lifts in between.
 TEST_P(SteppingProblem, FeetLandOnTheirPlacesAndStayThere) {
   const Solved s = solve_ready(GetParam());
   ASSERT_EQ(s.result->status, SolveStatus::converged) << s.result->message;
@@ -125,7 +125,7 @@ TEST_P(SteppingProblem, FeetLandOnTheirPlacesAndStayThere) {
     EXPECT_GE(landings, 1);
     EXPECT_LT(missed, 5e-3) << frame;
     EXPECT_LT(above, 1e-3) << frame;
-    // Legs that land fast, and soles, turn on by the square of a step's angle.
+    // Fast landings and soles rotate further by the square of a step's angle.
     const bool trots = GetParam().starts_with("quadruped_trot");
     EXPECT_LT(slip, trots ? 1e-3 : 2e-3) << frame;
     EXPECT_GE(height, 0.04) << frame;
@@ -142,7 +142,7 @@ TEST(QuadrupedPaceTurn, TurnsAndGoesAlongItsArc) {
   const Solved s = solve_ready("quadruped_pace_turn");
   ASSERT_EQ(s.result->status, SolveStatus::converged);
   const auto x = s.trajectory().x(s.built->problem->knots());
-  // A chord of an arc of 0.3 m and 0.6 rad.
+  // Chord of an arc of 0.3 m and 0.6 rad.
   const double chord = 0.3 * std::sin(0.3) / 0.3;
   EXPECT_NEAR(x[0], chord * std::cos(0.3), 0.005);
   EXPECT_NEAR(x[1], chord * std::sin(0.3), 0.005);
@@ -210,7 +210,7 @@ TEST(QuadrupedJump, ConservesEnergyInFlightButNotAtImpact) {
     }
     if (s.system(k).contacts().count() > 0) continue;
     ++flying;
-    // What the controls put in, and an error of the step squared.
+    // Work of the controls, with an error quadratic in the step.
     const double dt = s.built->problem->knot(k).dt;
     double work = 0;
     const Eigen::VectorXd mean = 0.5 * (s.trajectory().x(k) + s.trajectory().x(k + 1));
@@ -220,7 +220,7 @@ TEST(QuadrupedJump, ConservesEnergyInFlightButNotAtImpact) {
   }
   EXPECT_EQ(impulses, 1);
   EXPECT_GT(flying, 5);
-  // ½ m g² is what semi-implicit Euler gains in falling by dt².
+  // Semi-implicit Euler gains ½ m g² dt² per step of falling.
   EXPECT_LT(worst, 5 * 0.5 * robot.total_mass() * 9.81 * 9.81);
 }
 

@@ -1,4 +1,4 @@
-// The shapes of a motion round obstacles keep apart, measured by a search that no solver shares.
+// Shapes of a motion around obstacles stay apart, measured by a search independent of the solvers.
 #include <set>
 
 #include <gtest/gtest.h>
@@ -45,7 +45,7 @@ TEST(ArmObstacles, KeepsDistanceFromBallPoleAndItself) {
   ASSERT_EQ(result.status, SolveStatus::converged) << result.message;
   const CostSpec& cost = spec->costs[0];
   const double margin = cost.keys.value(key::margin);
-  std::set<std::string> touched;  // the pairs that come as near as they may
+  std::set<std::string> touched;  // pairs at minimum distance
   for (const ShapePair& pair : shape_pairs(cost, *spec, built->plant, diagnostics)) {
     double smallest = kUnlimited;
     for (int k = 0; k <= built->problem->knots(); ++k) {
@@ -53,7 +53,7 @@ TEST(ArmObstacles, KeepsDistanceFromBallPoleAndItself) {
       const double d = distance_of(pair.shapes, built->plant, {x.begin(), x.end()});
       smallest = std::min(smallest, d);
     }
-    // The barrier is soft: it is pushed in by a tenth of a millimetre.
+    // The barrier is soft and yields by a tenth of a millimetre.
     const std::string name = pair.first + "-" + pair.second;
     EXPECT_GE(smallest, margin - 2e-4) << name;
     if (smallest < margin + 1e-4) touched.insert(name);

@@ -1,4 +1,4 @@
-// Constrained problems of the literature: published costs, and the last stage of altro on them.
+// Constrained problems from the literature: published costs, and the last stage of altro on them.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -39,7 +39,7 @@ TEST_P(PublishedCase, IsMet) {
   EXPECT_LE(result.residuals.constraint, 1e-8);
   EXPECT_LE(result.residuals.stationarity, 1e-6);
   EXPECT_NEAR(result.cost, p.polished, 1e-4 * p.polished);
-  // Where its exit violates the constraints a solver may be below the optimum.
+  // If its exit violates the constraints, a solver may be below the optimum.
   EXPECT_LE(result.cost, std::max(p.exit, p.polished) * (1 + 1e-4));
 }
 
@@ -51,7 +51,7 @@ INSTANTIATE_TEST_SUITE_P(Altro, PublishedCase,
                                            Published{"unicycle_obstacles", 9.43399, 9.43375}),
                          [](const auto& p) { return p.param.problem; });
 
-/// What Newton's method makes smaller: its iterates violate constraints or leave gaps.
+/// Newton's method reduces this: its iterates violate constraints or leave gaps.
 double infeasibility(const IterationRecord& r) { return std::max(r.constraint, r.gap); }
 
 class LastStage : public ::testing::TestWithParam<std::string> {};
@@ -66,8 +66,8 @@ TEST_P(LastStage, ConvergesQuadratically) {
   EXPECT_GE(steps, 1u);
   EXPECT_LE(steps, 5u);
   EXPECT_LE(infeasibility(result.log.back()), 1e-10);
-  // From one step to the next the digits double, until rounding ends it; the first step also
-  // settles which constraints are active.
+  // Each step doubles the correct digits until rounding; the first step also settles the active
+  // constraints.
   for (std::size_t i = first + 2; i < result.log.size(); ++i) {
     const double before = infeasibility(result.log[i - 1]), after = infeasibility(result.log[i]);
     EXPECT_EQ(result.log[i].step, 1);

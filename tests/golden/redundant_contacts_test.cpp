@@ -1,6 +1,6 @@
-// A biped without ankle roll on two flat soles: what its legs cannot resist is one force along the
-// line through both hips, so 11 of its contacts' 12 rows are independent in every state that the
-// soles allow, and next to it they are 12.
+// A biped without ankle roll on two flat soles. Its legs cannot resist one force along the line
+// through both hips. Hence 11 of the 12 contact rows are independent in every state that the soles
+// allow, and all 12 nearby.
 #include <gtest/gtest.h>
 
 #include "analysis/derivatives/derivative_check.hpp"
@@ -12,7 +12,7 @@ namespace {
 
 using testing::ReadyProblem;
 
-/// A squat that shifts the weight aside, which bends the legs out of their parallel planes.
+/// A squat that shifts the weight sideways and so bends the legs out of their parallel planes.
 ReadyProblem squat(const std::string& solver) {
   return ReadyProblem("biped_squat",
                       {"robot.locked_joints.l_ankle_roll=0", "robot.locked_joints.r_ankle_roll=0",

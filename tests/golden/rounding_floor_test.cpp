@@ -1,6 +1,5 @@
-// The verdict that rounding of the cost hides what is left to gain, confirmed in long double: the
-// controls of the answer are integrated anew, by code that the tool does not share, and a Newton
-// step goes on from them to the optimum.
+// Confirms in long double that rounding of the cost hides the remaining decrease. Independent code
+// integrates the controls of the answer, and a Newton step continues to the optimum.
 #include <cmath>
 #include <cstdio>
 #include <limits>
@@ -18,7 +17,7 @@ using Extended = long double;
 using Vector = Eigen::Matrix<Extended, Eigen::Dynamic, 1>;
 using Matrix = Eigen::Matrix<Extended, Eigen::Dynamic, Eigen::Dynamic>;
 
-/// A number and its derivative along one direction.
+/// A number and its directional derivative.
 struct Number {
   Extended v, d;
   Number(Extended value = 0, Extended derivative = 0)  // NOLINT(google-explicit-constructor)
@@ -39,7 +38,7 @@ std::pair<Number, Number> sine_and_cosine(const Number& a) {
   return {{s, c * a.d}, {c, -s * a.d}};
 }
 
-/// Problems as their files have them; constants are the doubles that the files stand for.
+/// Problems as in their files; constants are the doubles of the files.
 struct PendulumSwingup {
   static constexpr int nx = 2, knots = 50;
   static constexpr double dt = 3.0 / 50, effort = 1e-3, state = 1e-3, upright = 100, bound = 3;
@@ -78,8 +77,8 @@ Number half_distance(const Number* x) {
   return sum / 2;
 }
 
-/// Cost of controls from rest at the origin, by the classic Runge-Kutta rule, and its derivative by
-/// the control of one knot.
+/// Cost of controls from rest at the origin by the classic Runge-Kutta rule, and its derivative
+/// with respect to the control of one knot.
 template <class Problem>
 Number cost(const Vector& controls, int along = -1) {
   constexpr int nx = Problem::nx;
@@ -100,7 +99,7 @@ Number cost(const Vector& controls, int along = -1) {
   return total + Number(Problem::upright) * half_distance<Problem>(x);
 }
 
-/// By the controls of these knots.
+/// Derivatives with respect to the controls of these knots.
 template <class Problem>
 Vector gradient(const Vector& controls, const std::vector<int>& knots) {
   Vector g(knots.size());
@@ -156,7 +155,7 @@ void expect_that_doubles_cannot_show_what_is_left(const std::string& file) {
             g.template lpNorm<Eigen::Infinity>() / 10)
       << "the Newton step does not lead to the optimum";
 
-  // Less than what a double of the cost's size is rounded by, let alone a sum of them.
+  // Less than the rounding of one double of the cost's size.
   const double last_digit = std::numeric_limits<double>::epsilon() / 2 * result.cost;
   EXPECT_LT(left, last_digit);
   EXPECT_LT(last_digit, rounding);

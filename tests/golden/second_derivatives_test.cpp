@@ -1,4 +1,4 @@
-// Exact Hessians of the example problems: by parts, and by dual numbers through everything.
+// Exact Hessians of the example problems: partwise, compared with dual numbers through everything.
 #include "support/second_derivatives.hpp"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Around the guess.
+/// A random trajectory near the guess.
 Trajectory perturbed(const ShootingProblem& problem, const Trajectory& guess,
                      RandomNumbers& random) {
   Trajectory t = guess;

@@ -1,4 +1,4 @@
-// Sweeps in segments around the guess of every example problem that proxddp takes.
+// Segment sweeps around the guess of every example problem that proxddp supports.
 #include <gtest/gtest.h>
 
 #include "problem_file/build/build.hpp"
@@ -13,7 +13,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Whether there was anything to sweep: not where another solver is needed, or regularisation.
+/// Returns true if there was something to sweep: false if another solver or regularization is
+/// needed.
 bool expect_equal(const fs::path& file, const std::vector<std::string>& settings = {}) {
   Diagnostics out;
   const auto spec = read_problem(file, settings, out);

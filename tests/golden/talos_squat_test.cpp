@@ -1,5 +1,5 @@
-// A squat of a humanoid that is not part of the product, against the optimum that Crocoddyl finds
-// for the same problem. Without the robot the test passes over itself.
+// A squat of a humanoid from outside the product, compared with Crocoddyl's optimum of the same
+// problem. Without the robot the test is skipped.
 #include <gtest/gtest.h>
 
 #include "problem_file/build/build.hpp"

@@ -5,7 +5,7 @@
 
 #include "loop_cases.hpp"
 
-// The sanitizers bring a malloc of their own.
+// Sanitizers replace malloc.
 #if !defined(__SANITIZE_ADDRESS__) && defined(__GLIBC__)
 
 #include "support/allocation_count.hpp"
@@ -13,7 +13,7 @@
 namespace conddp {
 namespace {
 
-/// Allocations of the ticks after the first ones, which make the windows' workspaces.
+/// Allocations of the ticks after the first ones, which create the workspaces of the windows.
 long count(const std::shared_ptr<const ShootingProblem>& problem, const MpcOptions& options) {
   Mpc mpc(problem, problem->create_trajectory(), options);
   mpc.reserve(2);

@@ -8,7 +8,7 @@
 namespace conddp {
 namespace {
 
-/// ½ q² along q = 1 + t, over parts of knots of 0.4 s.
+/// ½ q² along q = 1 + t over parts of knots of 0.4 s.
 TEST(Appraisal, IntegratesCostsOverTheStepAlone) {
   const auto system = double_integrator(1);
   const auto model = std::make_shared<KnotModel>(system, Integrator::rk4);

@@ -25,7 +25,7 @@ double distance(const ClosedLoopResult& loop, const Trajectory& plan) {
   return most;
 }
 
-// Bellman: what is left of an optimum is the optimum of what is left.
+// Bellman's principle: the tail of an optimum is optimal.
 TEST(ClosedLoop, FollowsFirstPlanWithShrinkingHorizons) {
   struct Case {
     const char* name;
@@ -52,7 +52,7 @@ TEST(ClosedLoop, FollowsFirstPlanWithShrinkingHorizons) {
     const ClosedLoopResult loop = run_closed_loop(mpc, {.duration = end});
     ASSERT_EQ(static_cast<int>(loop.steps.size()), problem->knots());
     EXPECT_LT(distance(loop, plan.trajectory), 1e-6);
-    EXPECT_NEAR(loop.cost, plan.cost, 1e-6 * std::abs(plan.cost));  // the last node's cost as well
+    EXPECT_NEAR(loop.cost, plan.cost, 1e-6 * std::abs(plan.cost));  // with the last node's cost
     for (const TickRecord& tick : loop.ticks) EXPECT_EQ(tick.outcome, TickOutcome::planned);
   }
 }
@@ -69,7 +69,7 @@ TEST(ClosedLoop, FollowsItsFirstPlanThroughAnImpulse) {
   const SolveResult plan = solve(*problem, "box_fddp", testing::tight_options(), guess);
   ASSERT_EQ(plan.status, SolveStatus::converged) << plan.message;
   const ClosedLoopResult loop = run_closed_loop(mpc, {.duration = 1});
-  ASSERT_EQ(loop.steps.size(), 40u);  // the impulse takes no time
+  ASSERT_EQ(loop.steps.size(), 40u);  // the impulse is instantaneous
   for (int i = 0; i < problem->nx(); ++i) {
     EXPECT_NEAR(loop.steps[9].x[i], plan.trajectory.x(9)[i], 1e-6);
     EXPECT_NEAR(loop.steps[10].x[i], plan.trajectory.x(11)[i], 1e-6);
@@ -92,7 +92,7 @@ TEST(ClosedLoop, BalancesWithOneIterationATick) {
   }
 }
 
-/// The states of a loop by one delay, from a start that has waited for that long without control.
+/// States of a loop with one delay, starting after that time without control.
 std::vector<std::vector<double>> states(const std::shared_ptr<const ShootingProblem>& problem,
                                         double delay, bool predict, std::optional<int> iterations) {
   Mpc mpc(problem, problem->create_trajectory(),
@@ -138,7 +138,7 @@ TEST(ClosedLoop, EndsWithTheTimeLineDespiteDelay) {
   EXPECT_EQ(result.steps.size(), 40u);
 }
 
-/// The cart-pole that balances at a place of its own.
+/// The cart-pole balancing at a given place.
 std::shared_ptr<const ShootingProblem> balanced_at(double place) {
   return shared(testing::tracking_problem(
       cartpole({}), Integrator::rk4, 40, 0.05, {0.3, M_PI - 0.3, 0, 0},
@@ -170,8 +170,8 @@ TEST(ClosedLoop, CommandsMoveTheTerminalReferenceOfWindows) {
   EXPECT_NE(last_state(0, {}), last_state(0.5, {}));
 }
 
-/// The states of a cart-pole's loop whose windows end about a path from one place on, which a
-/// command at 1 s leads on from the one where it is by then.
+/// States of a cart-pole loop whose windows end on a path from `place`; a command at 1 s continues
+/// the path from its current place.
 std::vector<PlantStep> steps_along_path(double place) {
   const auto problem = shared(testing::tracking_problem(
       cartpole({}), Integrator::rk4, 160, 0.05, {place + 0.3, M_PI - 0.3, 0, 0},
@@ -199,7 +199,7 @@ TEST(ClosedLoop, FollowsThePathOfTheWindowEndNode) {
   }
 }
 
-/// A plant that moves as a problem does and whose contact is closed all the time.
+/// A plant that moves like a problem and whose contact is always closed.
 class ClosedContact final : public PlantMotion {
  public:
   explicit ClosedContact(std::shared_ptr<const ShootingProblem> problem)
@@ -216,7 +216,7 @@ class ClosedContact final : public PlantMotion {
   Simulation simulation_;
 };
 
-// The contact of the knots from 0.5 s on is closed 0.1 s earlier: so is the command at 1.5 s.
+// The contact of the knots from 0.5 s closes 0.1 s early; the command at 1.5 s moves with it.
 TEST(ClosedLoop, RetimingMovesCommandsWithTheTimeLine) {
   const auto problem = balanced_at(0), commanded = balanced_at(0.5);
   Retiming retiming{.early = 0.12};
@@ -235,7 +235,7 @@ TEST(ClosedLoop, RetimingMovesCommandsWithTheTimeLine) {
   EXPECT_NEAR(led.front(), 1.4, 1e-9);
 }
 
-// Four touch-downs, each 0.3 s early, bring the time line of 2 s to its end before the loop's.
+// Four touch-downs, each 0.3 s early, end the time line of 2 s before the loop.
 TEST(ClosedLoop, ContinuesIfRetimingEndsPhasesEarly) {
   const auto problem = balanced_at(0);
   Retiming retiming{.early = 0.3};
@@ -251,8 +251,8 @@ TEST(ClosedLoop, ContinuesIfRetimingEndsPhasesEarly) {
   EXPECT_GT(result.ticks.back().time + result.ticks.back().shift, 2.5);
 }
 
-/// When the controller's time line runs ahead of the loop, tick by tick, where contacts are closed
-/// from a time on. The phase of half a second without contacts is followed by one with them.
+/// Offset of the controller's time line to the loop, tick by tick, if contacts close at a given
+/// time. A phase of half a second without contacts precedes one with them.
 std::vector<double> shifts(double closed_from, const Retiming& limits) {
   const auto problem = testing::balanced_cartpole();
   Retiming retiming = limits;
@@ -305,7 +305,7 @@ TEST(ClosedLoop, ComesCloserByGainsBetweenTicks) {
   EXPECT_LT(cost(100), cost(std::nullopt));
 }
 
-// Between two nodes a plan is where the model is, and not on the straight way.
+// Between nodes, a plan follows the model rather than a straight line.
 TEST(ClosedLoop, FeedbackChangesNothingOnAPlannedMotion) {
   const auto problem = shared(testing::cartpole_swing_up(6));
   const double dt = problem->knot(0).dt, end = problem->times().back();
@@ -356,7 +356,7 @@ TEST(ClosedLoop, KeepsKnotsOfItsPlanUnderSlowFeedback) {
   EXPECT_GT(std::abs(none[1] - none[3]), 1e-3);
 }
 
-/// Outcomes tick by tick of a loop in which something goes wrong.
+/// Tick outcomes of a loop in which something fails.
 struct Trouble {
   std::shared_ptr<const ShootingProblem> problem = testing::balanced_cartpole();
   MpcOptions options = with_terminal(*problem, {.horizon = 1, .tick = 0.05});
@@ -405,14 +405,14 @@ TEST(ClosedLoop, FallsBackAfterConsecutiveLateTicks) {
   EXPECT_NE(result.steps[45].u[0], 0);
 }
 
-/// A clock that advances by so much (s) each time it is read.
+/// A clock that advances by a given time in s per reading.
 std::function<double()> clock_with(std::function<double()> step) {
   return [time = 0.0, step = std::move(step)]() mutable { return time += step(); };
 }
 
 TEST(ClosedLoop, CountsTicksAsLateByTheClock) {
   Trouble trouble;
-  int reads = 0;  // four a tick, around preparation and feedback; the first tick has no last one
+  int reads = 0;  // four per tick, around preparation and feedback; three in the first
   trouble.options.clock = clock_with([&reads] {
     const int tick = ++reads / 4;
     return tick == 8 || tick == 9 ? 0.026 : 0.024;
@@ -436,7 +436,7 @@ TEST(ClosedLoop, HasItsFirstPlanBeforeItBegins) {
     EXPECT_EQ(tick.outcome, tick.tick == 0 ? TickOutcome::planned : TickOutcome::late) << tick.tick;
 }
 
-/// A mass that is to stop at 0, with 0.6 m/s at most.
+/// A mass that must stop at 0 with at most 0.6 m/s.
 std::shared_ptr<const ShootingProblem> slow_mass() {
   const ShootingProblem free =
       testing::tracking_problem(double_integrator(1), Integrator::rk4, 20, 0.1, {1, 0},
@@ -451,7 +451,7 @@ std::shared_ptr<const ShootingProblem> slow_mass() {
                                         .last = 20}}));
 }
 
-/// Of a loop that solves each window to the tolerances.
+/// Options of a loop that solves each window to tolerances.
 MpcOptions to_tolerances(const ShootingProblem& problem, double horizon) {
   return with_terminal(problem, {.horizon = horizon,
                                  .tick = 0.1,
@@ -460,7 +460,7 @@ MpcOptions to_tolerances(const ShootingProblem& problem, double horizon) {
                                  .solver_options = {.max_iterations = 100}});
 }
 
-// The scale is a power of two: far from the usual size, loops differ in no digit.
+// The scale is a power of two, so loops agree in every digit.
 TEST(ClosedLoop, IsIndependentOfCostUnits) {
   const auto run = [](const ShootingProblem& usual, MpcOptions options, double unit) {
     const auto problem = shared(scale_costs(usual, unit));
@@ -508,7 +508,7 @@ TEST(ClosedLoop, RecoversFromATickWhoseConstraintsCannotHold) {
   EXPECT_NEAR(result.last_state[0], 0, 0.05);
 }
 
-/// A mass that is to be 5 m away at the end of each window of 1 s, by 3 m/s² at most.
+/// A mass that must be 5 m away at the end of each 1 s window, with at most 3 m/s².
 std::shared_ptr<const ShootingProblem> far_goal() {
   const ShootingProblem free =
       testing::tracking_problem(double_integrator(1), Integrator::rk4, 80, 0.1, {0, 0},

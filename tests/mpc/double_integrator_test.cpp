@@ -1,6 +1,6 @@
-// A double integrator under zero-order hold with Q = I and R = 0.1 as rates, dt = 0.1, whose
-// windows end with ½ xᵀ P x, P of the discrete algebraic Riccati equation: the closed loop is that
-// of the infinite horizon, whose cost is known from the equation itself.
+// A double integrator under zero-order hold with Q = I, R = 0.1 as rates, and dt = 0.1. Windows end
+// with ½ xᵀ P x, where P solves the discrete algebraic Riccati equation. The closed loop is that of
+// the infinite horizon, whose cost follows from the equation.
 #include <gtest/gtest.h>
 
 #include "loop_cases.hpp"
@@ -17,7 +17,7 @@ struct Discrete {
   Eigen::MatrixXd Q = kStep * Eigen::MatrixXd::Identity(2, 2);
   double R = kStep * 0.1;
 
-  /// The fixed point of the Riccati recursion.
+  /// Fixed point of the Riccati recursion.
   Eigen::MatrixXd value() const {
     Eigen::MatrixXd P = Q;
     for (int i = 0; i < 10'000; ++i) {
@@ -28,7 +28,7 @@ struct Discrete {
   }
 };
 
-/// Lᵀ x with P = L Lᵀ, so that ½ ‖·‖² is ½ xᵀ P x.
+/// Residual Lᵀ x with P = L Lᵀ, so that ½ ‖·‖² is ½ xᵀ P x.
 class Root : public ResidualBase<Root> {
  public:
   explicit Root(const Eigen::MatrixXd& P)
@@ -90,7 +90,7 @@ TEST(DoubleIntegrator, CostsItsValueWhateverTheHorizon) {
 
 TEST(DoubleIntegrator, CostsTheOptimumUnderBoundsWhateverTheHorizon) {
   const double values[] = {.6846654702972, .6959507781838, .7012943894519, .7027180645701,
-                           .7027180807405};  // of the first window by its knots
+                           .7027180807405};  // of the first window by number of knots
   for (int knots = 1; knots <= 5; ++knots) {
     const Loop loop(1, knots);
     EXPECT_NEAR(loop.result.ticks[0].cost, values[knots - 1], 1e-9) << knots;
@@ -110,7 +110,7 @@ TEST(DoubleIntegrator, ValueDropsByTheStageCostEachTick) {
   }
 }
 
-// A real-time iteration of a linear-quadratic problem is its solution.
+// A real-time iteration solves a linear-quadratic problem exactly.
 TEST(DoubleIntegrator, IsOptimalByOneIterationATick) {
   const auto problem = regulator(testing::kFree);
   MpcOptions options = options_of(*problem, 5);

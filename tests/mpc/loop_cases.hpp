@@ -5,14 +5,14 @@
 #include "mpc/closed_loop.hpp"
 #include "support/constrained_problems.hpp"
 
-/// Problems in closed loops, shared by the tests of this folder.
+/// Closed-loop problems shared by the tests of this folder.
 namespace conddp::testing {
 
 inline std::shared_ptr<const ShootingProblem> shared(ShootingProblem problem) {
   return std::make_shared<const ShootingProblem>(std::move(problem));
 }
 
-/// A cart-pole near its upright state, to which it is to return.
+/// A cart-pole near its upright state, with costs that return it there.
 inline std::shared_ptr<const ShootingProblem> balanced_cartpole(std::vector<double> start = {
                                                                     0.3, M_PI - 0.3, 0, 0}) {
   return shared(tracking_problem(cartpole({}), Integrator::rk4, 40, 0.05, std::move(start),
@@ -20,7 +20,7 @@ inline std::shared_ptr<const ShootingProblem> balanced_cartpole(std::vector<doub
                                  -10, 10));
 }
 
-/// Of a loop whose windows all end with the terminal costs.
+/// Options of a loop whose windows end with the terminal costs.
 inline MpcOptions with_terminal(const ShootingProblem& problem, MpcOptions options) {
   options.terminal = problem.terminal();
   return options;

@@ -1,4 +1,4 @@
-// The node at which windows end, on its path.
+// Path of the node at the end of windows.
 #include "mpc/open_end.hpp"
 
 #include <cmath>

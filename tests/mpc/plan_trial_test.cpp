@@ -1,4 +1,4 @@
-// What comes of following a plan through a window.
+// Trials of a plan on a window.
 #include "mpc/plan_trial.hpp"
 
 #include <cmath>
@@ -46,7 +46,7 @@ TEST(PlanTrial, HasTheLargestViolationOfAHardConstraint) {
                                         .first = 0,
                                         .last = 10}});
   PlanTrial trial(problem);
-  // 2 m/s² for 1 s; controls beyond their bound, 3 m/s², are applied as that.
+  // 2 m/s² for 1 s; controls beyond their bound of 3 m/s² are clamped to it.
   EXPECT_NEAR(trial.follow(testing::constant_controls(problem, 2), Feedback(problem)).violation,
               2 - 0.6, 1e-9);
   EXPECT_NEAR(trial.follow(testing::constant_controls(problem, 50), Feedback(problem)).violation,

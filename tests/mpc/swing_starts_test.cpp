@@ -10,10 +10,10 @@
 namespace conddp {
 namespace {
 
-constexpr int kReference = 1;  ///< where the parameters of a node have the place of the foot
+constexpr int kReference = 1;  ///< offset of the foot position in a node's parameters
 
-/// Two swings of one foot, which is where the first three numbers of the state are, on a line of
-/// 40 knots of 0.05 s.
+/// Two swings of one foot, whose position is in the first three state entries, on a line of 40
+/// knots of 0.05 s.
 struct TwoSwings {
   FootSwings swings{
       .feet = 1,
@@ -23,15 +23,15 @@ struct TwoSwings {
   TimeLine line{testing::balanced_cartpole(), true};
   SwingStarts starts{swings, line};
 
-  /// The foot at a distance along x, y and z from its foothold, which is the reference where a
-  /// swing begins.
+  /// Reports the foot at a displacement along x, y, and z from its foothold, the reference at the
+  /// start of a swing.
   void see(double time, int first, const std::vector<double>& beside) {
     const double* foothold = line.numbers(first).parameters + kReference;
     std::vector<double> x(4);
     for (int c = 0; c < 3; ++c) x[c] = foothold[c] + beside[c];
     starts.see(line, time, x.data());
   }
-  /// By how much the references of a node are displaced.
+  /// Displacement of a node's references.
   std::vector<double> displacement(int node) const {
     std::vector<double> parameters(6, 1.0);
     starts.displace(node, parameters.data());
@@ -62,7 +62,7 @@ TEST(SwingStarts, LeadFromLiftOffToTheLandingPlace) {
   expect_shares(foot.displacement(12), beside, 0.5);
   expect_shares(foot.displacement(14), beside, 0);
   expect_shares(foot.displacement(9), beside, 0);
-  expect_shares(foot.displacement(20), beside, 0);  // begins where the first one ends
+  expect_shares(foot.displacement(20), beside, 0);  // begins at the end of the first
 }
 
 TEST(SwingStarts, StayAtLiftOffValuesDuringASwing) {

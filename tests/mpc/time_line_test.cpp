@@ -55,7 +55,7 @@ TEST(TimeLine, EndsOrHoldsItsLastKnot) {
   EXPECT_DOUBLE_EQ(held.at(3.15).begin, 3.12);
 }
 
-// Beside 1e9 s the rounding of times exceeds what counts as the same time.
+// Near 1e9 s, the rounding of times exceeds the tolerance for equal times.
 TEST(TimeLine, IsCutAtItsEndHoweverLate) {
   const TimeLine held(shared(testing::pendulum_swing_up()), true);
   for (const double from : {1e9 + 0.01, 1e12, 1e17}) {
@@ -67,7 +67,7 @@ TEST(TimeLine, IsCutAtItsEndHoweverLate) {
   }
 }
 
-// The hopper is 0.1 s in the air, its foot then stops at an impulse, knot 10.
+// The hopper is airborne for 0.1 s; an impulse at knot 10 then stops its foot.
 TEST(TimeLine, IncludesInstantsAtTheWindowStart) {
   const TimeLine line(shared(testing::landing()), false);
   EXPECT_EQ(cut(line, 0.05, 0.1).size(), 5u);
@@ -102,7 +102,7 @@ TEST(TimeLine, IsNotMadeOfAFreeInitialState) {
       std::invalid_argument);
 }
 
-// With and without an impulse inside, and cut in the middle of knots.
+// With and without an inner impulse, cut in the middle of knots.
 TEST(Window, FitsWhatItIsMadeOf) {
   const SolverOptions options;
   for (const auto& problem : {testing::balanced_cartpole(), shared(testing::landing())}) {
@@ -116,16 +116,16 @@ TEST(Window, FitsWhatItIsMadeOf) {
   }
 }
 
-// Windows of 1 s out of 2 s in knots of 0.05 s: whole ones, or with a cut one at each end.
+// Windows of 1 s out of 2 s in knots of 0.05 s: whole knots, or one cut knot at each end.
 TEST(WindowCount, CountsEachStructureOnce) {
   const auto count = [](double tick, bool hold) {
     return count_windows(testing::balanced_cartpole(),
                          {.horizon = 1, .tick = tick, .hold = hold, .solver = "box_fddp"}, 4);
   };
-  EXPECT_EQ(count(0.05, true).structures, 2);  // of the phases, and of what is held behind them
+  EXPECT_EQ(count(0.05, true).structures, 2);  // of the phases, and of the held state behind them
   EXPECT_EQ(count(0.05, true).knots, 20);
   EXPECT_EQ(count(0.02, true).knots, 21);
-  // In front of the last second the same ones, then each with its own length.
+  // Before the last second, the same windows; then each has its own length.
   EXPECT_EQ(count(0.05, false).structures, 1 + 20);
 }
 
@@ -133,11 +133,11 @@ TEST(Plan, IsAFunctionOfTimeOnTheManifold) {
   const ShootingProblem problem = testing::quadrotor_move();
   Plan plan(problem);
   plan.times = problem.times();
-  plan.trajectory.x(1) << 1, 0, 1, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0;  // turned by π about z
+  plan.trajectory.x(1) << 1, 0, 1, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0;  // rotated by π about z
   plan.trajectory.u(1).setConstant(2);
   std::vector<double> tangent(problem.ndx()), x(problem.nx());
   plan.state_at(0.02, false, tangent.data(), x.data());
-  EXPECT_NEAR(x[5], std::sqrt(0.5), 1e-12);  // half the turn, of unit length
+  EXPECT_NEAR(x[5], std::sqrt(0.5), 1e-12);  // half the rotation, of unit length
   EXPECT_NEAR(x[6], std::sqrt(0.5), 1e-12);
   EXPECT_EQ(plan.knot_at(0.0399999), 0);
   EXPECT_EQ(plan.knot_at(0.04), 1);

@@ -17,8 +17,8 @@ using testing::SparseSystem;
 
 constexpr double kChainTolerance = testing::kPivotTolerance;
 
-/// The optimality conditions of a horizon: knots of states and controls with a Hessian, and the
-/// rows A x + B u − x⁺ = 0 between them. `curved`: the share of unknowns that have one.
+/// Optimality conditions of a horizon: knots of states and controls with a Hessian, and rows A x +
+/// B u − x⁺ = 0 between them. `curved`: fraction of unknowns with a Hessian entry.
 SparseSystem horizon(int knots, int nx, int nu, double curved, std::mt19937& generator) {
   std::uniform_real_distribution<double> number(-1, 1), share(0, 1);
   SparseSystem system;
@@ -84,7 +84,7 @@ TEST(Chain, OfAHorizonHasNarrowGroups) {
 TEST(ChainFactorization, SolvesPiecesThatAreNotCoupled) {
   SparseSystem system;
   system.add(0, 0, 4);
-  system.add(1, 2, 3);  // a pair without diagonals
+  system.add(1, 2, 3);  // a pair without diagonal
   system.add(3, 3, -2);
   system.add(3, 4, 1);
   system.add(4, 4, 5);
@@ -109,7 +109,7 @@ TEST(ChainFactorization, AddsEntriesOfOnePlaceFromEitherSide) {
 }
 
 TEST(ChainFactorization, LetsPivotsWaitWhereDiagonalsAreZero) {
-  // A path without diagonals: each unknown can be eliminated with its neighbour alone.
+  // A path without diagonals: each unknown can be eliminated only together with its neighbour.
   SparseSystem system;
   for (int i = 0; i + 1 < 20; ++i) system.add(i + 1, i, 1 + 0.1 * i);
   ChainFactorization factorization;

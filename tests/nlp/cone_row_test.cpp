@@ -76,7 +76,7 @@ TEST(ConeRow, DistanceMeasuresHowFarOutsidePointsAre) {
   EXPECT_NEAR(-row.value(g.data(), 3, nullptr), std::numbers::sqrt2 * outside.norm(), 1e-14);
 }
 
-/// On the axis, where forces of feet that stand still are.
+/// Forces of feet at rest lie on the axis.
 TEST(ConeRow, SurfaceCurvatureOnAxisFollowsHeightAboveTip) {
   Eigen::MatrixXd curvature = Eigen::MatrixXd::Zero(3, 3);
   ConeRow{ConeRow::Form::surface, 1e-9}.add_curvature(

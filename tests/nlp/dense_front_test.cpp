@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kFrontTolerance = 0.1;
 
-/// Symmetric, with eigenvalues of both signs and diagonals that are zero.
+/// Symmetric and indefinite, with zero diagonals.
 Eigen::MatrixXd indefinite(int size, unsigned seed) {
   std::srand(seed);
   Eigen::MatrixXd A = Eigen::MatrixXd::Random(size, size);
@@ -125,7 +125,7 @@ TEST(DenseFront, PairsCandidatesOfZeroDiagonal) {
 }
 
 TEST(DenseFront, CountsBothNegativeEigenvaluesOfAPair) {
-  // The first is small beside its coupling with the second; as a pair they are definite.
+  // The first pivot is small compared with its coupling to the second; as a pair they are definite.
   const Eigen::Matrix3d A{{-1, 3, 0.1}, {3, -10, 0.1}, {0.1, 0.1, 1}};
   DenseFront front = front_of(A, 2);
   front.eliminate(0.5);

@@ -1,4 +1,4 @@
-// Multipliers to begin with, against the equations of weighted least squares.
+// Initial multipliers, compared with the equations of weighted least squares.
 #include "nlp/first_multipliers.hpp"
 
 #include <cmath>
@@ -31,8 +31,8 @@ struct First {
     y = program.point_of(guess);
     program.set_point(y.data());
   }
-  /// ∂L/∂y where all bounds of variables have multipliers of 1, by the multipliers with which some
-  /// variables count so much.
+  /// ∂L/∂y with unit multipliers for all variable bounds, and with first multipliers where every
+  /// third variable has this weight.
   Eigen::VectorXd slope(double weight) {
     weights = Eigen::VectorXd::Ones(program.variables());
     for (int i = 0; i < weights.size(); i += 3) weights[i] = weight;
@@ -70,7 +70,7 @@ TEST(FirstMultipliers, SolveTheEquationsOfWeightedLeastSquares) {
   }
 }
 
-/// Moves x by u, and adds up `rate` in c, whose end costs 3 times its value.
+/// Moves x by u and integrates `rate` in c, whose terminal value costs 3 per unit.
 ShootingProblem with_cost_state(const std::string& rate_of_x, const std::string& rate) {
   const auto system = expression_system({.kind = SystemKind::first_order,
                                          .states = expression_numbers({"x", "c"}),

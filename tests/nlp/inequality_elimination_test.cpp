@@ -14,10 +14,9 @@ namespace {
 using testing::expect_solved;
 using testing::SparseSystem;
 
-/// The system of an interior point: variables, slacks, multipliers of equalities, and of
-/// inequalities, in Ipopt's order. `knots` of three variables, each coupled with the next by two
-/// equalities, with `many` inequalities a knot, on two variables each; `stiffest`: the largest
-/// number of a slack.
+/// Interior-point system in Ipopt's order: variables, slacks, equality multipliers, inequality
+/// multipliers. `knots`: groups of three variables, each coupled with the next by two equalities.
+/// `many`: inequalities per knot, on two variables each. `stiffest`: largest slack entry.
 SparseSystem interior_system(int knots, int many, double stiffest, unsigned seed) {
   std::mt19937 generator(seed);
   std::uniform_real_distribution<double> number(-1, 1), share(0, 1);
@@ -41,7 +40,7 @@ SparseSystem interior_system(int knots, int many, double stiffest, unsigned seed
     system.add(row, slack, -1);
     system.add(row, first, number(generator));
     system.add(first + 1, row, number(generator));
-    if (i % 3 == 0) system.add(row, first, number(generator));  // adds to the one before
+    if (i % 3 == 0) system.add(row, first, number(generator));  // adds to the previous one
     system.add(row, row, i % 2 == 0 ? 0 : -1e-8);
   }
   return system;
@@ -58,7 +57,7 @@ TEST(InequalityElimination, SolvesAndCountsAsTheWholeMatrixDoes) {
   }
 }
 
-// A variable that one other is coupled with looks like a slack, and so may that one's neighbors.
+// A variable coupled with only one other looks like a slack, and so may its neighbour.
 TEST(InequalityElimination, LeavesOneOfTwoPairsThatAreCoupled) {
   SparseSystem system;
   for (int i = 0; i < 4; ++i) system.add(i, i, i % 2 == 0 ? 1 : -0.5);

@@ -13,8 +13,8 @@ namespace {
 
 using End = InteriorPointEnd;
 
-/// Problem 71 of Hock and Schittkowski (1981): minimise y₀ y₃ (y₀ + y₁ + y₂) + y₂ subject to
-/// y₀ y₁ y₂ y₃ ≥ 25, ‖y‖² = 40, 1 ≤ y ≤ 5. Its optimum is 17.0140173.
+/// Problem 71 of Hock and Schittkowski (1981): minimize y₀ y₃ (y₀ + y₁ + y₂) + y₂ subject to y₀ y₁
+/// y₂ y₃ ≥ 25, ‖y‖² = 40, and 1 ≤ y ≤ 5. Its optimum is 17.0140173.
 class HockSchittkowski71 : public NonlinearProgram {
  public:
   explicit HockSchittkowski71(double square = 40) {
@@ -153,7 +153,7 @@ TEST(InteriorPoint, EndsHaveTheirNames) {
   EXPECT_EQ(stopped.end, End::stopped);
   EXPECT_GT(stopped.barrier, 0);
   EXPECT_EQ(stopped.point.y.size(), 4);
-  HockSchittkowski71 contradiction(3);  // ‖y‖² = 3 with y ≥ 1
+  HockSchittkowski71 contradiction(3);  // ‖y‖² = 3 contradicts y ≥ 1
   EXPECT_EQ(minimise(contradiction, kStart, {}, go_on).end, End::infeasible);
   program.broken = true;
   EXPECT_EQ(minimise(program, kStart, {}, go_on).end, End::not_finite);

@@ -7,7 +7,7 @@
 namespace conddp {
 namespace {
 
-/// minimise ½ y² subject to y ≥ 1.
+/// Minimizes ½ y² subject to y ≥ 1.
 class OneBound : public NonlinearProgram {
  public:
   OneBound() {
@@ -27,7 +27,7 @@ class OneBound : public NonlinearProgram {
   double y_ = 0;
 };
 
-/// A function of the OpenBLAS that is loaded; null where the BLAS is another one.
+/// A function of the loaded OpenBLAS; null for another BLAS.
 template <class Function>
 Function* openblas_function(const char* name) {
   void* const library = dlopen("libopenblas.so.0", RTLD_LAZY | RTLD_NOLOAD);
@@ -42,7 +42,7 @@ TEST(OneBlasThread, LimitsOpenBlasToOneThreadDuringSolves) {
   const auto threads = openblas_function<int()>("openblas_get_num_threads");
   if (threads == nullptr) GTEST_SKIP() << "the system's BLAS is another one";
   openblas_function<void(int)>("openblas_set_num_threads")(2);
-  const int before = threads();  // 1 if this OpenBLAS has no threads
+  const int before = threads();  // 1 if this OpenBLAS is single-threaded
   minimise(program, start, {}, [&](const InteriorPointIterate&) {
     EXPECT_EQ(threads(), 1);
     return true;

@@ -10,7 +10,7 @@ namespace {
 using testing::Added;
 using testing::kFree;
 
-/// A quadrotor with bounds on its whole state, a norm of its speed and a cone of its rates.
+/// A quadrotor with bounds on its whole state, a norm of its speed, and a cone of its rates.
 ShootingProblem constrained_quadrotor() {
   const ShootingProblem free = testing::quadrotor_move(0, 20);
   const auto coordinates = [&](std::vector<int> list) {
@@ -47,7 +47,7 @@ ShootingProblem euler_cartpole() {
   return testing::cartpole_swing_up(20, Integrator::semi_implicit_euler);
 }
 
-/// A trajectory with rotations that differ from those of the initial state.
+/// A trajectory with rotations that differ from the initial state.
 Trajectory random_trajectory(const ShootingProblem& problem, double size, std::mt19937_64& engine) {
   Trajectory t = problem.create_trajectory();
   for (int k = 0; k <= t.knots(); ++k) {
@@ -103,8 +103,8 @@ TEST(Transcription, PointsStandForTrajectories) {
   EXPECT_LE(program.chart_angle(), 1e-12);
 }
 
-/// With closed gaps the gradient of the program's Lagrangian by u is s ℓ_u + f_uᵀ λ + Cᵀ ν,
-/// whatever charts and cones are.
+/// With closed gaps, the gradient of the program's Lagrangian with respect to u is s ℓ_u + f_uᵀ λ +
+/// Cᵀ ν for any charts and cones.
 void expect_multipliers_of_solvers(const ShootingProblem& problem, double control) {
   std::mt19937_64 engine(7);
   Evaluator evaluator(problem);
@@ -136,7 +136,7 @@ void expect_multipliers_of_solvers(const ShootingProblem& problem, double contro
         << k;
     at += controls;
   }
-  // The same co-states in charts that are centred on the trajectory.
+  // The same costates in charts centred on the trajectory.
   program.recenter_multipliers(rows.data());
   program.set_center(trajectory);
   const Eigen::VectorXd centred = program.point_of(trajectory);
@@ -169,7 +169,7 @@ TEST(Transcription, FindsTheRowsMultipliersThatStandForCostates) {
   EXPECT_LE((again - rows).lpNorm<Eigen::Infinity>(), 1e-14);
 }
 
-/// q + dt v⁺ − q⁺, but for the first knot's q, which is given.
+/// q + dt v⁺ − q⁺, except for the given q of the first knot.
 TEST(Transcription, FlatConfigurationsHaveRowsOfThreeEntries) {
   std::mt19937_64 engine(10);
   const ShootingProblem problem = euler_cartpole();
@@ -216,7 +216,7 @@ TEST(Transcription, KnowsRowsThatTieStatesToControls) {
     return Transcription(problem, evaluator, {}).has_mixed_rows();
   };
   EXPECT_FALSE(is_mixed(constrained_quadrotor()));
-  EXPECT_FALSE(is_mixed(testing::landing()));  // a cone of thrust, another one of positions
+  EXPECT_FALSE(is_mixed(testing::landing()));  // a cone of thrust and another of positions
   const ShootingProblem free = euler_cartpole();
   for (const bool mixed : {false, true}) {
     std::vector<LinearCombination> rows(1);
@@ -235,7 +235,7 @@ TEST(Transcription, KnowsRowsThatTieStatesToControls) {
   }
 }
 
-/// Whatever was asked for before, at this point or another.
+/// The order of requests, here or at another point, does not matter.
 TEST(Transcription, HessiansMayChangeKindBetweenCalls) {
   std::mt19937_64 engine(9);
   for (const ShootingProblem& problem :
@@ -289,8 +289,8 @@ TEST(Transcription, ConstraintsOnTheGivenStateAddNoRows) {
             Transcription(later, acts_of_later, {}).rows());
 }
 
-/// The cart-pole whose first angle is chosen, with the cart's place (0) or the angle (1) bounded
-/// from a node on.
+/// The cart-pole with a free initial angle and a bound on the cart's position (0) or the angle (1)
+/// from node `first`.
 ShootingProblem chosen_angle(int coordinate, int first) {
   const ShootingProblem given = testing::cartpole_swing_up(3);
   const System& system = given.knot(0).model->system();

@@ -24,7 +24,7 @@ Activation activation_of(ActivationKind kind, bool weighted) {
   return a;
 }
 
-/// By the definition.
+/// Activation by its definition.
 double written_out(const Activation& a, const std::vector<double>& r) {
   double sum = 0;
   for (int i = 0; i < kComponents; ++i) {

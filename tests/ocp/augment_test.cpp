@@ -5,8 +5,8 @@
 #include "ocp/residuals/residuals.hpp"
 #include "support/random_numbers.hpp"
 
-// What constraints add to the cost, against the definition by distances, and its derivatives
-// against dual numbers.
+// Constraint contributions to the cost, compared with their definition by distances; derivatives,
+// compared with dual numbers.
 
 namespace conddp {
 namespace {
@@ -31,7 +31,7 @@ ConstraintTerm term_of(ConstraintKind kind, Softness softness) {
   return make_constraint("c", control_residual(0, kRows), kind, 1, softness);
 }
 
-/// Values of a constraint and what is asked of them.
+/// Values of a constraint with its parameters and multipliers.
 struct Sample {
   std::vector<double> g, lower, upper, penalty, shift, multiplier;
   double limit;
@@ -68,7 +68,7 @@ struct Augmented {
   std::vector<S> weight, curvature;
 };
 
-/// The augmentation of a sample's values that move along a direction; −1: that do not.
+/// Augmentation of a sample whose values move along a direction; −1: constant values.
 template <class S>
 Augmented<S> augmented(const ConstraintTerm& term, const Sample& sample, int direction = -1) {
   const auto as = [](const std::vector<double>& a) { return std::vector<S>(a.begin(), a.end()); };
@@ -87,7 +87,7 @@ Augmented<S> augmented(const ConstraintTerm& term, const Sample& sample, int dir
   return result;
 }
 
-/// ½ ρ d² of a distance d, linear where ρ d exceeds the limit.
+/// ½ ρ d² of a distance d, linear if ρ d exceeds the limit.
 double limited_square(double distance, double penalty, double limit) {
   const double kink = limit / penalty;
   return distance <= kink ? 0.5 * penalty * distance * distance : limit * (distance - 0.5 * kink);
@@ -107,7 +107,7 @@ class AugmentedTerm : public testing::TestWithParam<AugmentedKind> {
 };
 
 TEST_P(AugmentedTerm, CostsSquaredDistanceUpToSoftLimit) {
-  if (GetParam().kind == ConstraintKind::complementarity) return;  // adds derivatives alone
+  if (GetParam().kind == ConstraintKind::complementarity) return;  // adds derivatives only
   sampled([](const ConstraintTerm& term, const Sample& sample) {
     const NodeConstraint c = sample.at(term);
     const std::vector<double> s = sample.shifted();
@@ -169,7 +169,7 @@ TEST_P(AugmentedTerm, WithoutPenaltyIsTheLagrangian) {
 INSTANTIATE_TEST_SUITE_P(All, AugmentedTerm, testing::ValuesIn(kAugmentedKinds),
                          [](const auto& suite) { return std::string(suite.param.name); });
 
-/// The curvature that rows have with the penalty 2, by rows or the whole of a cone's.
+/// Curvature of rows with penalty 2, per row or for a whole cone.
 std::vector<double> curvature_at(const ConstraintTerm& term, std::vector<double> g,
                                  std::vector<double> lower, std::vector<double> upper,
                                  double limit = 100) {
@@ -186,12 +186,12 @@ std::vector<double> curvature_at(const ConstraintTerm& term, std::vector<double>
   return all;
 }
 
-// Where an equality holds exactly its rows stay stiff, and so do bounds that are met.
+// Exactly satisfied equalities stay stiff, and so do active bounds.
 TEST(AugmentedBounds, AreStiffOnTheBoundItself) {
   const ConstraintTerm bounds = term_of(ConstraintKind::bounds, Softness::hard);
   EXPECT_EQ(curvature_at(bounds, {1, -1, 2, 0}, {1, -1, 0, -1}, {1, 5, 2, 1}),
             (std::vector<double>{2, 2, 2, 0}));
-  // As stiff where the multiplier is at its limit exactly, but not beyond.
+  // Equally stiff with the multiplier exactly at its limit, but not beyond.
   const ConstraintTerm soft = term_of(ConstraintKind::bounds, Softness::l1);
   EXPECT_EQ(curvature_at(soft, {3, -3, 3.5, -3.5}, {-1, -1, -1, -1}, {1, 1, 1, 1}, 4),
             (std::vector<double>{2, 2, 0, 0}));
@@ -204,7 +204,7 @@ TEST(AugmentedCone, IsFlatOnConeAndStiffOnPolar) {
   for (int i = 0; i < 16; ++i) EXPECT_EQ(polar[i], i % 5 == 0 ? 2 : 0) << i;
 }
 
-// The smaller one of a pair has to vanish, the first one of equals.
+// The smaller value of a pair must vanish, the first one of equal values.
 TEST(AugmentedPairs, AskTheSmallerOneToVanish) {
   const ConstraintTerm pairs = term_of(ConstraintKind::complementarity, Softness::hard);
   EXPECT_EQ(curvature_at(pairs, {0.1, 3, 3, 0.1}, {}, {}), (std::vector<double>{2, 0, 0, 2}));
@@ -237,7 +237,7 @@ TEST(AugmentedPairs, AreComplementaryWithoutMultipliersOnLargerValues) {
   EXPECT_EQ(off({0, 3, 2, 0}, {-5, 0, 0, 7}), 0);
   EXPECT_EQ(off({0, 3, 2, 0}, {-5, 0.5, -0.25, 7}), 1.5);
   EXPECT_EQ(off({0, 3, 2, 0}, {-5, 0.5, -2, 7}), 4);
-  EXPECT_EQ(off({2, 2, 0, 0}, {9, 0.5, 1, 1}), 1);  // the second of equals
+  EXPECT_EQ(off({2, 2, 0, 0}, {9, 0.5, 1, 1}), 1);  // the second of equal values
 }
 
 TEST(AugmentedPairs, AreMadeOfSingleEntriesInPairs) {
@@ -254,7 +254,7 @@ TEST(BoundComplementarity, IsMultiplierTimesDistanceToItsBound) {
   EXPECT_EQ(bound_complementarity(1, -1, 4, 2), 6);
   EXPECT_EQ(bound_complementarity(1, -1, 4, -2), 4);
   EXPECT_EQ(bound_complementarity(1, -1, 4, 0), 0);
-  EXPECT_EQ(bound_complementarity(5, -1, 4, 2), 0);  // what is outside is a violation
+  EXPECT_EQ(bound_complementarity(5, -1, 4, 2), 0);  // outside is a violation
   EXPECT_EQ(bound_complementarity(-3, -1, 4, -2), 0);
   EXPECT_EQ(bound_complementarity(1, -infinity, 4, -2), 2);
   EXPECT_EQ(bound_complementarity(1, -1, infinity, 3), 3);
@@ -286,7 +286,7 @@ TEST(SoftBounds, AreComplementaryWithMultipliersAtTheirLimit) {
   };
   EXPECT_EQ(off(2.5, 3), 0);
   EXPECT_EQ(off(2.5, 1), 0.5 * 2);
-  EXPECT_EQ(off(2.5, -1), 3.5);  // away from the set: its bound is the other one
+  EXPECT_EQ(off(2.5, -1), 3.5);  // points away from the set: its bound is the other one
   EXPECT_EQ(off(-3, -3), 0);
   EXPECT_EQ(off(-3, -2.5), 2 * 0.5);
   EXPECT_EQ(off(0, 0), 0);
@@ -304,7 +304,7 @@ TEST(SoftConstraint, HasNoViolationUnlikeAHardOne) {
 
 TEST(SoftConstraint, CostsWeightedDistanceOrHalfItsSquare) {
   const std::vector<double> g = {0, 2.5, -3, 4};
-  // References and bounds of four rows each, the switch and the weight.
+  // References and bounds of four rows each, the switch, and the weight.
   std::vector<double> parameters = {0, 0, 0, 0, -1, -1, -1, -1, 2, 2, 2, 2, 1, 3};
   const auto cost = [&](Softness softness) {
     return soft_cost(term_of(ConstraintKind::bounds, softness), g.data(), parameters.data(), 0.5);

@@ -1,4 +1,4 @@
-// Costs and violations of a scalar x⁺ = x + u by name, by hand.
+// Costs and violations by name for a scalar x⁺ = x + u, by hand.
 #include "ocp/problem/by_name.hpp"
 
 #include <gtest/gtest.h>
@@ -9,8 +9,9 @@
 namespace conddp {
 namespace {
 
-/// Two knots and the end. Costs ½ u² and, with the weight 3, ½ (x − 1)². The constraint "box" holds
-/// x in [−1, 1], "soft" x at most 0 at 2 a unit, both at the end too.
+/// Two knots and the terminal node. Costs: ½ u² and, with weight 3, ½ (x − 1)². The constraint
+/// "box" keeps x in [−1, 1]; "soft" limits x to 0 at a cost of 2 per unit. Both also hold at the
+/// end.
 ShootingProblem two_knots() {
   const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(1, 1);
   const auto system = linear_system(one, one, Eigen::VectorXd::Zero(1));
@@ -27,7 +28,7 @@ ShootingProblem two_knots() {
   add_rest(*running);
   add_rest(*end);
   const double below = -std::numeric_limits<double>::infinity();
-  // Reference and weight of each cost; reference, bounds, switch and weight of each constraint.
+  // Reference and weight of each cost; reference, bounds, switch, and weight of each constraint.
   const std::vector<double> knot = {0, 1, 1, 3, 0, -1, 1, 1, 0, below, 0, 1, 2};
   std::vector<double> twice = knot;
   twice.insert(twice.end(), knot.begin(), knot.end());
@@ -100,7 +101,7 @@ TEST(ViolationsByName, AreTheWorstOfAllNodes) {
   for (const ConstraintViolation& v : none) EXPECT_EQ(v.node, -1) << v.name;
 }
 
-/// A row of zeros of a function that has failed.
+/// A zero row of a function that failed.
 class FailedResidual : public ResidualBase<FailedResidual> {
  public:
   explicit FailedResidual(std::string name)

@@ -1,4 +1,4 @@
-// Steps of collocation: their order, their derivatives, and what they are good for.
+// Collocation steps: order, derivatives, and typical uses.
 #include <algorithm>
 #include <cmath>
 
@@ -25,10 +25,10 @@ const IntegratorInfo& info_of(CollocationRule rule) {
   throw std::logic_error("no integrator of this rule");
 }
 
-/// Goes through steps of one length, with controls that are held, or that grow by 0.2 a second.
+/// Takes steps of one length with constant controls, or controls that grow by 0.2 per second.
 class March {
  public:
-  /// By an explicit rule.
+  /// Uses an explicit rule.
   March(const std::shared_ptr<const System>& system, Integrator rule,
         ControlMemory memory = ControlMemory::none)
       : model_(system, rule, memory), work_(model_), w_(model_.nu(), 0.0) {}
@@ -58,7 +58,7 @@ class March {
     return C;
   }
 
-  /// The state after `steps` of h. The slopes of each step are found by Newton's method.
+  /// State after `steps` steps of h. Newton's method solves for the slopes of each step.
   std::vector<double> go(std::vector<double> x, const std::vector<double>& u, double h, int steps) {
     const bool linear = model_.has_linear_controls();
     if (linear) x.insert(x.end(), u.begin(), u.end());
@@ -128,7 +128,7 @@ void CollocationOfARule::expect_order(ControlMemory memory) const {
     March march(std::make_shared<CollocationSystem>(motion.system, GetParam()), memory);
     double error[2];
     for (const int half : {0, 1}) {
-      // Controls that grow lead the robot to where order 5 shows with shorter steps alone.
+      // With growing controls, order 5 shows only for shorter steps.
       const int least = order <= 4 ? 40 : memory == ControlMemory::linear ? 30 : 20;
       const int steps = half == 0 ? least : 2 * least;
       const std::vector<double> end = march.go(motion.x, motion.u, kTime / steps, steps);
@@ -188,7 +188,7 @@ TEST_P(CollocationOfARule, HasTheDerivativesOfDifferencesWithLinearControls) {
 INSTANTIATE_TEST_SUITE_P(Rules, CollocationOfARule, ::testing::ValuesIn(kRules),
                          [](const auto& rule) { return std::string(info_of(rule.param).name); });
 
-// A step of h of a phase that lasts 1.5 times as long as written is one of 1.5 h.
+// A step of h in a phase that lasts 1.5 times its nominal duration is a step of 1.5 h.
 TEST(Collocation, FreeDurationMatchesLongerStepAndItsSlope) {
   constexpr double kStep = 0.07, kDifference = 1e-6;
   for (const CollocationRule rule : kRules)
@@ -248,7 +248,7 @@ TEST(Collocation, FreeDurationMatchesLongerStepAndItsSlope) {
     }
 }
 
-/// A pendulum in honey: its speed follows the torque within a thousandth of a second.
+/// An overdamped pendulum: its speed follows the torque within a thousandth of a second.
 TEST(Collocation, HandlesStiffSystemsWhereRungeKuttaDiverges) {
   const auto stiff = pendulum({.inertia = 1, .damping = 1000});
   constexpr double kStep = 0.02;
@@ -264,7 +264,7 @@ TEST(Collocation, HandlesStiffSystemsWhereRungeKuttaDiverges) {
   }
 }
 
-// What the trapezoidal rule carries on with the other sign, step after step.
+// The trapezoidal rule alternates its sign at every step.
 TEST(Collocation, RadausRulesDampWhatIsInfinitelyStiff) {
   const auto stiff = pendulum({.inertia = 1, .damping = 1e9});
   const auto speed_after_one_step = [&](CollocationRule rule) {
@@ -275,8 +275,8 @@ TEST(Collocation, RadausRulesDampWhatIsInfinitelyStiff) {
   EXPECT_NEAR(speed_after_one_step(CollocationRule::radau5), 0, 1e-6);
 }
 
-/// A tank of which water runs, x' = u − √x, and its like of second order, from empty on: there the
-/// square root has no derivative.
+/// A draining tank, x' = u − √x, and its second-order analogue, from empty: there the square root
+/// has no derivative.
 std::vector<Course> tanks() {
   const auto first = make_expression_system(
       {.states = {{.name = "x"}}, .controls = {{"u", "1"}}, .equations = {{"x", "u - sqrt(x)"}}});
@@ -293,7 +293,7 @@ TEST(Collocation, RadausRulesNeedNoSlopeAtTheBeginning) {
     for (const CollocationRule rule : kRules) {
       ASSERT_TRUE(tank.system);
       March march(std::make_shared<CollocationSystem>(tank.system, rule));
-      // One is the slope of all stages.
+      // All stages have slope 1.
       std::vector<double> w(march.model().nu(), 1.0);
       march.differentiate(tank.x, w, 0.1);
       const KnotWorkspace<double>& work = march.work();

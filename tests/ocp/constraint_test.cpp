@@ -11,7 +11,7 @@
 namespace conddp {
 namespace {
 
-/// Points inside, outside, in the polar cone, on the axis and at the tip of a cone of n rows.
+/// Points inside, outside, in the polar cone, on the axis, and at the tip of a cone of n rows.
 std::vector<std::vector<double>> points(int n) {
   RandomNumbers random(3);
   std::vector<std::vector<double>> list;
@@ -49,7 +49,7 @@ TEST(ConstraintSet, TheProjectionsDerivativeIsThatOfDualNumbers) {
   const auto by_duals = [](const std::vector<double>& s, int direction) {
     std::vector<D> in(s.begin(), s.end()), out(s.size());
     in[direction].d = 1;
-    // The formula of the cone once more, written for one point outside of both cones.
+    // An independent evaluation of the cone formula at a point outside both cones.
     D sum(0.0);
     const int n = static_cast<int>(s.size());
     for (int i = 0; i + 1 < n; ++i) sum += in[i] * in[i];
@@ -86,7 +86,7 @@ TEST(ConstraintSet, DistanceAndComplementarityIdentifySolutions) {
   EXPECT_EQ(complementarity(box, values, lower, upper, right), 0);
   EXPECT_EQ(complementarity(box, values, lower, upper, wrong_side), 4);
   EXPECT_EQ(complementarity(box, values, lower, upper, no_bound), 4);
-  const double short_of[] = {1.0, -0.5, 0.5}, pulls[] = {0, 7, 0};  // an equality has no inside
+  const double short_of[] = {1.0, -0.5, 0.5}, pulls[] = {0, 7, 0};  // an equality has no interior
   EXPECT_EQ(complementarity(box, short_of, lower, upper, pulls), 0);
   const double off[] = {1.5, -0.1, -2};
   EXPECT_EQ(distance_to_set(box, off, lower, upper), 2);
@@ -95,7 +95,7 @@ TEST(ConstraintSet, DistanceAndComplementarityIdentifySolutions) {
   EXPECT_NEAR(distance_to_set(cone, on_cone, nullptr, nullptr), 0, 1e-15);
   EXPECT_NEAR(complementarity(cone, on_cone, nullptr, nullptr, normal), 0, 1e-14);
   EXPECT_NEAR(complementarity(cone, on_cone, nullptr, nullptr, on_cone), 50, 1e-12);
-  // Orthogonal to the value, and at the tip to all: but multipliers belong into the polar cone.
+  // Orthogonal to the value (any vector at the tip), but multipliers must lie in the polar cone.
   const double across[] = {-0.8, 0.6, 0}, inward[] = {0.6, 0.8, 1}, tip[] = {0, 0, 0};
   EXPECT_NEAR(complementarity(cone, on_cone, nullptr, nullptr, across), std::sqrt(0.5), 1e-14);
   EXPECT_NEAR(complementarity(cone, tip, nullptr, nullptr, inward), std::sqrt(2.0), 1e-14);
@@ -112,14 +112,14 @@ TEST(ConstraintSet, SoftConesLimitMultipliersToThePolarCone) {
         .node = 0, .term = &cone, .row = 0, .lower = nullptr, .upper = nullptr, .limit = 2};
     return complementarity(c, g.data(), nu.data());
   };
-  // On the cone, with a multiplier along its normal that is within the limit, and one beyond it.
+  // On the cone, with a multiplier along its normal: within the limit and beyond it.
   EXPECT_NEAR(off({3, 4, 5}, {0.6, 0.8, -1}), 0, 1e-14);
   EXPECT_NEAR(off({3, 4, 5}, {3, 4, -5}), std::sqrt(50) - 2, 1e-14);
-  // Outside, where the multiplier is at the limit, and where it lacks half of it.
+  // Outside, with the multiplier at the limit and at half the limit.
   const double h = std::sqrt(0.5);
   EXPECT_NEAR(off({3, 4, 0}, {0.6 * 2 * h, 0.8 * 2 * h, -2 * h}), 0, 1e-14);
   EXPECT_NEAR(off({3, 4, 0}, {0.6 * h, 0.8 * h, -h}), 5 * h, 1e-14);
-  // Orthogonal to the value, and at the tip to all.
+  // Orthogonal to the value (any vector at the tip).
   EXPECT_NEAR(off({3, 4, 5}, {-0.8, 0.6, 0}), h, 1e-14);
   EXPECT_NEAR(off({0, 0, 0}, {0.6, 0.8, 1}), std::sqrt(2.0), 1e-14);
 }
@@ -144,7 +144,7 @@ TEST(ConstraintSet, AConeNeedsTwoRowsAndASlope) {
                std::invalid_argument);
 }
 
-/// One constraint of each kind on state and control, some rows active at a random point.
+/// One constraint of each kind on state and control; some rows are active at a random point.
 void add_constraints(KnotModel& model) {
   const auto state = state_residual(model.manifold());
   model.add_constraint(make_constraint("box", state, ConstraintKind::bounds));
@@ -212,7 +212,7 @@ Trajectory trajectory_of(const KnotCase& c, const ShootingProblem& problem) {
   return t;
 }
 
-/// Derivatives of constraint values and augmented cost along a direction, by dual numbers.
+/// Directional derivatives of constraint values and augmented cost, by dual numbers.
 struct Slope {
   Eigen::VectorXd constraint;
   double cost;
@@ -390,8 +390,8 @@ TEST(Constraints, SwitchDisablesThemAndRolloutsCountTheRest) {
   EXPECT_NE(evaluation.augmentation.sum(), 0);
 }
 
-/// Cost, gradient and Hessian of one constraint on a state of two numbers, soft by its square with
-/// the weight 3 at a cost scale of 0.1.
+/// Cost, gradient, and Hessian of one quadratic soft constraint with weight 3 on a state of two
+/// entries, at cost scale 0.1.
 struct SquareCost {
   SquareCost(ConstraintKind kind, std::vector<double> numbers, const std::vector<double>& x) {
     KnotModel model(double_integrator(1), Integrator::none);
@@ -423,7 +423,7 @@ struct SquareCost {
   Eigen::Matrix2d hessian = Eigen::Matrix2d::Zero();
 };
 
-// References, lower and upper bounds, switch and weight.
+// References, lower and upper bounds, switch, and weight.
 TEST(SoftBySquare, RowsCostHalfWeightedSquaredDistance) {
   const auto of = [](double active, const std::vector<double>& x) {
     return SquareCost(ConstraintKind::bounds, {0.5, 0, -1, -2, 1, 0.5, active, 3}, x);
@@ -436,7 +436,7 @@ TEST(SoftBySquare, RowsCostHalfWeightedSquaredDistance) {
   of(0, {2.5, -2.25}).expect(0, {0, 0}, Eigen::Matrix2d::Zero());
 }
 
-// Rows of different numbers, one after the other: each has its own weight and no shift.
+// Consecutive terms of different sizes: each has its own weight and no shift.
 TEST(SoftBySquare, TermsOfAKnotAreIndependent) {
   KnotModel model(double_integrator(2), Integrator::none);
   std::vector<double> numbers;

@@ -78,7 +78,7 @@ TEST(WrenchCone, InnerFitsTheConeAndOuterContainsIt) {
     between += inside(outer, wrench) && !inside(inner, wrench);
   }
   EXPECT_GT(between, 0);
-  // Along an axis the outer one bears μ f_z, the inner one μ f_z / √2.
+  // Along an axis, the outer cone carries μ f_z, the inner cone μ f_z / √2.
   VectorXd along = VectorXd::Zero(6);
   along[2] = 1;
   along[0] = 0.99 * mu;
@@ -103,8 +103,8 @@ TEST(FrictionPyramid, RefusesWhatIsNoCone) {
                std::invalid_argument);
 }
 
-/// Wrenches of unit forces along the edges of four-sided pyramids at the corners of a sole: every
-/// wrench that the sole can transmit is a sum of these.
+/// Wrenches of unit forces along the edges of four-sided pyramids at the corners of a sole; every
+/// transmissible wrench is a nonnegative sum of them.
 MatrixXd corner_rays(double mu, double X, double Y) {
   MatrixXd rays(6, 16);
   int column = 0;
@@ -122,9 +122,9 @@ TEST(WrenchCone, FacetsMatchForcesAtSoleCorners) {
   const double mu = 0.7, X = 0.11, Y = 0.06;
   const MatrixXd rays = corner_rays(mu, X, Y);
   const LinearCone cone = wrench_cone({.friction = mu}, X, Y, false);
-  // All corner forces are allowed.
+  // All corner forces are feasible.
   for (int i = 0; i < rays.cols(); ++i) EXPECT_TRUE(inside(cone, rays.col(i)));
-  // Every supporting hyperplane through five independent rays is one of the rows.
+  // Every supporting hyperplane through five independent rays is a row.
   std::vector<int> pick{0, 1, 2, 3, 4};
   int facets = 0;
   for (bool more = true; more;) {

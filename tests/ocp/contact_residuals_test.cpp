@@ -67,7 +67,7 @@ TEST_P(ContactResiduals, GradientsAtImpulsesAreThoseOfDualNumbers) {
                                    Integrator::impulse, random);
 }
 
-/// A residual that keeps to itself of what it is a linear image.
+/// Hides that a residual is a linear image.
 class Plain : public ResidualBase<Plain> {
  public:
   explicit Plain(std::shared_ptr<const Residual> of)
@@ -118,7 +118,7 @@ TEST_P(ContactResiduals, CostsOfLinearImagesMatchTheirRows) {
         ASSERT_EQ(a.size(), b.size());
         double scale = 1;
         for (double entry : b) scale = std::max(scale, std::abs(entry));
-        // Near dependent contacts, slopes of large forces cancel.
+        // Near dependent contacts, derivatives of large forces cancel.
         for (std::size_t i = 0; i < a.size(); ++i) EXPECT_NEAR(a[i], b[i], 1e-9 * scale);
       };
       expect_near(image.gradient, plain.gradient);
@@ -150,7 +150,7 @@ TEST_P(ContactResiduals, InactiveBarrierHasNoSlopeOrCurvature) {
   model->differentiate(in, work, true);
   EXPECT_GT(largest(work.gradient), 0);
   EXPECT_GT(largest(work.hessian), 0);
-  // With the force itself as the reference nothing is left outside.
+  // With the force itself as reference, no residual remains outside.
   std::vector<double> zero(residual->parameter_count(), 0), force(residual->size());
   const auto data = system->create_data(double{});
   system->evaluate(knot.x.data(), knot.u.data(), *data);
@@ -163,8 +163,7 @@ TEST_P(ContactResiduals, InactiveBarrierHasNoSlopeOrCurvature) {
   EXPECT_EQ(largest(work.hessian), 0);
 }
 
-/// Contacts that a robot can keep all at once: where it cannot, forces are as large as 1/ε, and
-/// rounding with them.
+/// Contacts that a robot can satisfy together: otherwise forces, and their rounding, reach 1/ε.
 std::vector<ContactCase> independent_contact_cases() {
   RandomNumbers random(33);
   std::vector<ContactCase> independent;

@@ -12,7 +12,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// A state that these controls move, for two knots.
+/// Two knots with a state moved by these controls.
 Phase pushed_by(const std::vector<std::string>& controls) {
   std::string sum = "0";
   for (const std::string& control : controls) sum += " + " + control;
@@ -62,7 +62,7 @@ TEST(ControlColumns, RowsHoldNumbersOfTheKnotOnly) {
   EXPECT_TRUE(std::isnan(row[1]));
   EXPECT_EQ(row[2], 5);
   EXPECT_EQ(columns.own(2, row), Eigen::Vector2d(5, 7));
-  // A row of another length is the knot's own already.
+  // A row of another length already belongs to the knot.
   EXPECT_EQ(columns.own(2, Eigen::Vector2d(1, 2)), Eigen::Vector2d(1, 2));
   EXPECT_EQ(columns.own_entries(2, Json{7, nullptr, 5}), (Json{5, 7}));
   EXPECT_EQ(columns.own_entries(2, Json{1, 2}), (Json{1, 2}));

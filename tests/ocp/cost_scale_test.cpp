@@ -11,8 +11,8 @@
 namespace conddp {
 namespace {
 
-/// A mass for two knots of 0.5 s with ½ effort · u², ½ rest · Σ wᵢ xᵢ² at the end and, where soft
-/// is above zero, soft · |u|.
+/// A mass for two knots of 0.5 s with costs ½ effort · u², terminal ½ rest · Σ wᵢ xᵢ², and soft ·
+/// |u| if soft is positive.
 ShootingProblem weighted(double effort, double rest, std::vector<double> components = {},
                          double soft = 0) {
   auto running = std::make_shared<KnotModel>(double_integrator(1), Integrator::rk4);
@@ -53,7 +53,7 @@ TEST(CostScale, BringsMedianWeightToTheUsualOne) {
 }
 
 TEST(LeastCost, FollowsTheLeastWeight) {
-  // Half of the effort counts, that of a knot.
+  // Half of the effort weight counts: the share of a knot.
   EXPECT_DOUBLE_EQ(least_cost(weighted(2, 1e3)), 1e-12);
   EXPECT_DOUBLE_EQ(least_cost(weighted(2e-3, 1e3)), 1e-15);
   EXPECT_DOUBLE_EQ(least_cost(weighted(2e-3, 1e14)), 1e-10);

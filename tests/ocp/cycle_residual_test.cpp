@@ -1,4 +1,4 @@
-// The residual that compares a state with a first one that was chosen.
+// Residual between a state and a chosen initial state.
 #include <algorithm>
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@ struct Cycle {
   std::vector<double> offset;
 };
 
-/// A robot of which some coordinates of the first state were free, by their tangent indices.
+/// A robot with some free coordinates of its initial state, given by tangent indices.
 Cycle cycle_of(bool floating, RandomNumbers& random) {
   const auto robot = std::make_shared<RobotModel>(
       random_robot(81, {.joints = 4, .floating = floating, .wrenches = 0}));
@@ -73,7 +73,7 @@ TEST(CycleResidual, GradientsAreThoseOfDualNumbers) {
   }
 }
 
-/// Values of a cycle's rows at a random state, and their Jacobian beside them.
+/// Rows of a cycle at a random state, and their Jacobian.
 Eigen::MatrixXd values_and_jacobian(const Cycle& cycle, const std::vector<int>& left_out) {
   RandomNumbers random(44);
   KnotModel model(cycle.system, Integrator::none, ControlMemory::none,
@@ -112,7 +112,7 @@ TEST(CycleResidual, HasRowsOfAllIncludedCoordinates) {
   }
 }
 
-// Numbers before, between and behind a pose and a rotation, of which some were chosen.
+// Scalars before, between, and after a pose and a rotation; some of them are chosen.
 TEST(CycleResidual, HasDerivativesOnCurvedStateParts) {
   using Part = StateManifold::Part;
   using D = Dual<Lane>;

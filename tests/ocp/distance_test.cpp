@@ -1,5 +1,5 @@
-// Distances of shapes against searches that know nothing of closed formulas, and their derivatives
-// against dual numbers on robots of every kind, also where closest points are not unique.
+// Shape distances, compared with searches that use no closed formulas. Derivatives are compared
+// with dual numbers on robots of every kind, including non-unique closest points.
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
@@ -23,7 +23,7 @@ Segment<double> segment(const Vector3d& a, const Vector3d& b) {
   return {{a.x(), a.y(), a.z()}, {d.x(), d.y(), d.z()}, d.squaredNorm()};
 }
 
-/// How far a smoothed distance may lie above the true one.
+/// Upper bound of a smoothed distance above the true one.
 double excess(double distance, const Segment<double>& a, const Segment<double>& b) {
   const double ends = a.squared_length > 0 && b.squared_length > 0
                           ? kParallelSmoothing * (a.squared_length + b.squared_length) / 4
@@ -58,14 +58,14 @@ TEST(ClosestPoints, OfParallelAndCrossingSegmentsAreTheirDistance) {
   for (const double angle : {0.0, 1e-12, 1e-8, 1e-4, 1e-2}) {
     const Vector3d along = std::cos(angle) * x + std::sin(angle) * y;
     expect_distance(o, x, 0.2 * y, 0.2 * y + along);                // side by side
-    expect_distance(o, x, 0.2 * y + 0.7 * x, 0.2 * y + 2 * along);  // overlapping in part
-    expect_distance(o, x, 1.5 * x, 1.5 * x + along);                // one behind the other
-    expect_distance(o, x, 0.2 * y + along, 0.2 * y);                // the other way round
+    expect_distance(o, x, 0.2 * y + 0.7 * x, 0.2 * y + 2 * along);  // partly overlapping
+    expect_distance(o, x, 1.5 * x, 1.5 * x + along);                // one after the other
+    expect_distance(o, x, 0.2 * y + along, 0.2 * y);                // reversed
     expect_distance(-along, along, -y, y);                          // crossing
   }
 }
 
-/// The values of a residual by lanes of which each has its own state, and by doubles.
+/// Values of a residual in lanes with different states, compared with doubles.
 TEST(DistanceResidual, IsTheSameInLanes) {
   RandomNumbers random(5);
   const auto robot =
@@ -94,7 +94,7 @@ TEST(DistanceResidual, IsTheSameInLanes) {
   }
 }
 
-/// A shape's ends in the world.
+/// Ends of a shape in the world.
 std::pair<Vector3d, Vector3d> ends(const RobotModel& robot, const RobotData<double>& data,
                                    const Capsule& c) {
   SE3<double> m = SE3<double>::identity();
@@ -158,7 +158,7 @@ TEST(DistanceResidual, HasTheColumnsBetweenTheBodiesAlone) {
     }
 }
 
-/// All derivatives of a residual against dual numbers, relative to the largest one.
+/// All derivatives of a residual, compared with dual numbers relative to the largest one.
 void expect_derivatives(const std::shared_ptr<const MultibodySystem>& system,
                         const std::vector<DistancePair>& pairs, const std::vector<double>& x) {
   using D = Dual<Lane>;
@@ -207,8 +207,8 @@ TEST(DistanceResidual, DerivativesAreThoseOfDualNumbers) {
 }
 
 TEST(DistanceResidual, HasDerivativesForParallelAndCrossingCapsules) {
-  // An arm stretched out along z: capsules along its links lie on one line, and one that is fixed
-  // beside it is parallel to them.
+  // An arm stretched along z: capsules along its links are collinear, and a fixed one beside it is
+  // parallel.
   const UrdfResult loaded =
       load_urdf(std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/robots/arm7.urdf", {});
   ASSERT_TRUE(loaded.model);
@@ -224,7 +224,7 @@ TEST(DistanceResidual, HasDerivativesForParallelAndCrossingCapsules) {
         DistancePair{first, across}, DistancePair{first, HalfSpace{{1, 0, 0}, -0.3}}})
     expect_derivatives(system, {pair}, stretched);
   std::vector<double> x = stretched;
-  x[1] = 1e-9;  // the lower links nearly parallel to what stands beside them
+  x[1] = 1e-9;  // lower links nearly parallel to the capsule beside them
   expect_derivatives(system, {{first, beside}, {second, beside}}, x);
 }
 

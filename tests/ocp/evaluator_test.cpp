@@ -1,5 +1,5 @@
-// Rollouts along a policy, evaluations of long horizons and the checkpoints on their way, against
-// the recursion by hand.
+// Rollouts along a policy, evaluations of long horizons, and their checkpoints, compared with a
+// manual recursion.
 #include "ocp/evaluation/evaluator.hpp"
 
 #include <algorithm>
@@ -15,8 +15,8 @@
 namespace conddp {
 namespace {
 
-/// Three knots with two controls and two knots with one, of three states, all linear; the second
-/// state is between bounds at the nodes 1 to 5.
+/// Three knots with two controls and two knots with one, in three states, all linear; the second
+/// state is bounded at nodes 1 to 5.
 struct TwoPhases {
   TwoPhases() : problem(make()) {}
 
@@ -48,7 +48,7 @@ struct TwoPhases {
   ShootingProblem problem;
 };
 
-/// A trajectory off the dynamics, a policy about it, and what is added for the constraint.
+/// A trajectory that violates the dynamics, a policy about it, and the constraint's augmentation.
 struct PolicyCase {
   explicit PolicyCase(const ShootingProblem& problem)
       : reference(testing::random_guess(problem, 3, 0.5)),
@@ -61,7 +61,7 @@ struct PolicyCase {
       for (double& entry : policy.k[k]) entry = random.uniform(-0.4, 0.4);
       for (double& entry : policy.K[k].reshaped()) entry = random.uniform(-0.4, 0.4);
     }
-    // Rows that are switched off have none.
+    // Disabled rows have no augmentation.
     for (auto* part : {&augmentation.penalty, &augmentation.shift, &augmentation.multiplier})
       for (const NodeConstraint& c : problem.constraints())
         (*part)[c.row] = random.uniform(0.2, 0.9);
@@ -205,7 +205,7 @@ TEST(Evaluator, ReturnsGapsCostsAndConstraintsForAnyThreads) {
   }
 }
 
-// On the manifold the derivative of the gradient alone is not.
+// On a manifold, the derivative of the gradient alone is not symmetric.
 TEST(Evaluator, ExactHessiansAreSymmetricAtEveryKnot) {
   const ShootingProblem problem = testing::quadrotor_move();
   RandomNumbers random(6);
@@ -231,7 +231,7 @@ TEST(Evaluator, ExactHessiansAreSymmetricAtEveryKnot) {
   }
 }
 
-/// x⁺ = 0.5 x + u with the cost ½ x² at every node.
+/// x⁺ = 0.5 x + u with cost ½ x² at every node.
 ShootingProblem long_horizon(int knots) {
   const Eigen::MatrixXd half = Eigen::MatrixXd::Constant(1, 1, 0.5);
   return testing::tracking_problem(
@@ -239,7 +239,7 @@ ShootingProblem long_horizon(int knots) {
       Integrator::discrete, knots, 1, {1}, {{0}, {1}, {0}, {1}});
 }
 
-/// How many checkpoints a call passes.
+/// Number of checkpoints that a call passes.
 template <class Call>
 int checkpoints_of(Call call) {
   int count = 0;

@@ -22,7 +22,7 @@ std::shared_ptr<const MultibodySystem> small_robot(bool floating) {
   return std::make_shared<MultibodySystem>(robot, Actuation::full(*robot));
 }
 
-/// Rows of every kind for a system: on all of its numbers, alone and in vectors.
+/// Rows of every kind for a system: on all of its columns, separately and in vectors.
 std::vector<std::string> rows_of(const System& system) {
   std::vector<std::string> rows;
   std::string sum = "0.3";
@@ -190,7 +190,7 @@ TEST(ExpressionResiduals, TimeIsAParameterUnlessAColumn) {
   EXPECT_TRUE(make_expression_residual(model.manifold(), text).reads_time);
   EXPECT_NEAR(values_of(*residual, *system, {2, 0, 0}, {0, 0}, {0.25, 0.5, 0.125, 2})[0],
               1.75 - std::sin(0.5) + 1.25 + 200, 1e-13);
-  // Other names of the file hide none of them.
+  // Other names of the file do not hide them.
   text.parameters = {{"speed", 3.0}};
   text.definitions = {{"double_speed", "2*speed"}};
   EXPECT_EQ(expression_residual(model, text)->parameter_count(), 4);
@@ -208,7 +208,7 @@ TEST(ExpressionResiduals, TimeIsAParameterUnlessAColumn) {
   EXPECT_EQ(read->blocks()[0].columns, (std::vector<int>{0, 1}));
 }
 
-// Rows of times alone: what each is without the durations, and s the share of each of these.
+// Rows of times only: values without durations, and share s of each duration.
 TEST(ExpressionResiduals, TimesGrowWithShareOfFreeDurations) {
   const auto system = unicycle();
   const KnotModel model(system, Integrator::rk4);
@@ -306,8 +306,8 @@ TEST(ExpressionResiduals, WrongTextsHaveAPlace) {
   EXPECT_EQ(warned.warnings[0].index, 1);
 }
 
-// (x − 0.5)(θ + 1) + (v − 0.1)² and y (ω + 0.2), where the factors are rows of other residuals with
-// references of their own.
+// (x − 0.5)(θ + 1) + (v − 0.1)² and y (ω + 0.2); the factors are rows of other residuals with their
+// own references.
 TEST(ExpressionResiduals, NameRowsOfOtherResidualsWithOwnReferences) {
   const auto system = unicycle();
   KnotModel model(system, Integrator::rk4);

@@ -1,4 +1,4 @@
-// A phase whose duration is a number that states carry along.
+// A phase whose duration is part of the state.
 #include <gtest/gtest.h>
 
 #include "support/knot_case.hpp"
@@ -6,7 +6,7 @@
 namespace conddp {
 namespace {
 
-/// A pendulum with costs on its state and control, and numbers that states hold.
+/// A pendulum with costs on its state and control, and additional held states.
 std::shared_ptr<KnotModel> held_pendulum(Integrator integrator, int held,
                                          const std::optional<FreeDuration>& grows_with = {}) {
   auto model = std::make_shared<KnotModel>(pendulum({}), integrator, ControlMemory::none, held);

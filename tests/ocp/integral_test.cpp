@@ -1,4 +1,4 @@
-// Numbers behind the state that sum up a rate.
+// Additional states that integrate a rate.
 #include <gtest/gtest.h>
 
 #include "ocp/residuals/expression_residual.hpp"
@@ -7,8 +7,8 @@
 namespace conddp {
 namespace {
 
-/// A pendulum whose states hold three more numbers: the first sums up sin(angle) − velocity², the
-/// last one velocity × control + that first number.
+/// A pendulum with three more states: the first integrates sin(angle) − velocity², the last
+/// velocity × control plus the first.
 std::shared_ptr<KnotModel> summing_pendulum(Integrator integrator) {
   const auto system = pendulum({});
   auto model = std::make_shared<KnotModel>(system, integrator, ControlMemory::none, 3);

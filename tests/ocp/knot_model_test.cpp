@@ -28,7 +28,7 @@ void add_state_and_control_costs(KnotModel& model) {
   model.add_cost("norm", state_residual(model.manifold()),
                  {.kind = ActivationKind::smooth_l2, .epsilon = 0.3});
   if (model.nu() == 0) return;
-  // Linear controls at the beginning of a knot are in the state.
+  // Linear controls at the start of a knot are part of the state.
   const int before = model.has_linear_controls() ? model.remembered_controls() : 0;
   model.add_cost("control", control_residual(model.ndx() - before, model.nu()),
                  {.kind = ActivationKind::smooth_l1, .epsilon = 0.5});
@@ -198,7 +198,7 @@ TEST(Evaluator, NothingIsLeftOfTheHessianBefore) {
   EXPECT_TRUE(barriers_worked);
 }
 
-/// φ(δ) = cost + λᵀ (f(z ⊕ δ) ⊖ f(z)) differentiated along direction j at δ = step·e_i.
+/// φ(δ) = cost + λᵀ (f(z ⊕ δ) ⊖ f(z)), differentiated along direction j at δ = step·e_i.
 double lagrangian_slope(const KnotCase& c, const Eigen::VectorXd& lambda, int i, double step,
                         int j) {
   using D = Dual<Lane>;
@@ -338,13 +338,13 @@ TEST(Evaluator, DivergedLaneNamesItsKnotAndSparesOthers) {
   EXPECT_EQ(alone.first_bad_knot, 2);
 }
 
-/// With linear controls, too, of which the second half of a step goes on where the first ends.
+/// Includes linear controls, where the second half of a step continues from the end of the first.
 TEST(KnotModel, ExplicitRulesHaveTheirOrderWithLinearControls) {
   for (const Integrator rule : {Integrator::rk3, Integrator::rk4}) {
     const KnotModel model(cartpole({}), rule, ControlMemory::linear);
     KnotWorkspace<double> work(model);
     const auto end_after = [&](int steps) {
-      std::vector<double> x = {0.1, 2, 0.3, -1, 3};  // and the control at the beginning
+      std::vector<double> x = {0.1, 2, 0.3, -1, 3};  // and the control at the start
       const double h = 0.4 / steps;
       for (int k = 0; k < steps; ++k) {
         const double u = 3 - 20 * h * (k + 1);

@@ -25,7 +25,7 @@ TEST(LaneTransfer, GatheringTakesEveryNumberOfEveryKnot) {
         EXPECT_EQ(i, numbers++);
         for (int l = 0; l < count; ++l) EXPECT_EQ(value[l], number(l, i)) << n << " " << count;
         for (int l = count; l < kLaneWidth; ++l) {
-          // Numbers of some knot of the group.
+          // Values come from some knot of the group.
           EXPECT_EQ(std::fmod(value[l], 1000), i) << n << " " << count;
           EXPECT_LT(value[l], 1000 * count);
         }
@@ -73,7 +73,7 @@ TEST(LaneTransfer, MatricesKeepTheirPlaces) {
 TEST(LaneTransfer, SymmetricMatricesArriveWhole) {
   for (int n : {1, 2, 3, 9, 17})
     for (int every : {1, 3, 7}) {
-      // Every such entry of the lower triangle, in an order of its own.
+      // All such lower-triangle entries, in shuffled order.
       std::vector<std::pair<int, int>> pattern;
       for (int row = n - 1; row >= 0; --row)
         for (int column = 0; column <= row; ++column)

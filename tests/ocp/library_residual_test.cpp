@@ -1,4 +1,4 @@
-// Residuals of compiled functions against the same formulas by hand, number by number.
+// Residuals of compiled functions, compared with the same formulas by hand.
 #include "ocp/residuals/library_residual.hpp"
 
 #include <cmath>
@@ -22,8 +22,8 @@ std::shared_ptr<const LibraryKnotFunction> compiled(const std::string& name,
   return function;
 }
 
-/// Values and Jacobian of a residual at a state of the cart-pole and a push, as those of a
-/// constraint, in scalar S; the derivatives of both along the first state where S is dual.
+/// Constraint values and Jacobian of a residual at a cart-pole state and a push in scalar S. For
+/// dual S, the derivatives of both along the first state.
 template <class S>
 struct Rows {
   Rows(const std::shared_ptr<const Residual>& residual, std::vector<double> parameters,
@@ -68,7 +68,7 @@ void expect_rows(const Rows<S>& rows, const std::vector<double>& values,
   }
 }
 
-// (1.5 sin(its first state), u times its second one), of the fourth and the second number.
+// (1.5 sin(first argument), u times second argument) with the fourth and second state.
 TEST(LibraryResidual, ReadsStatesAndControlOfTheKnot) {
   const auto residual =
       make_library_residual(compiled("reach", {1.5}), {.states = {3, 1}, .clock = -1, .ndx = 4});
@@ -81,7 +81,7 @@ TEST(LibraryResidual, ReadsStatesAndControlOfTheKnot) {
   expect_rows(Rows<Lane>(residual, {0.4, -0.6}), values, jacobian);
 }
 
-// (1.5 sin(its first state), u times its second one), of the first and the third number.
+// (1.5 sin(first argument), u times second argument) with the first and third state.
 TEST(LibraryResidual, DifferentiatesByTheFirstColumnToo) {
   const auto residual =
       make_library_residual(compiled("reach", {1.5}), {.states = {0, 2}, .clock = -1, .ndx = 4});
@@ -99,12 +99,12 @@ TEST(LibraryResidual, ReadsTimeFromClockOrKnot) {
   EXPECT_EQ(of_knot->parameter_count(), 2);
   EXPECT_FALSE(of_knot->needs_control());
   expect_rows(Rows<double>(of_knot, {0.25, 1.75}), {-0.7 - 1.75 - 0.25}, {{0, 1, 0, 0, 0}});
-  // At the last node there is no control.
+  // The last node has no control.
   expect_rows(Rows<double>(of_knot, {0.25, 1.75}, Integrator::none), {-0.7 - 1.75 - 0.25},
               {{0, 1, 0, 0}});
 }
 
-// Second derivatives of rows that have no Hessian are differences of their Jacobian.
+// Without a Hessian, second derivatives are differences of the Jacobian.
 TEST(LibraryResidual, DifferentiatesItsJacobian) {
   const auto residual =
       make_library_residual(compiled("reach", {1.5}), {.states = {3, 1}, .clock = -1, .ndx = 4});
@@ -120,8 +120,8 @@ TEST(LibraryResidual, DifferentiatesItsJacobian) {
                           packed.data());
   EXPECT_NEAR(r[0].d[0], 1.5 * std::cos(1.1), 1e-12);
   EXPECT_NEAR(r[1].d[0], 2 * -0.7, 1e-12);
-  EXPECT_NEAR(packed[0].d[0], -1.5 * std::sin(1.1), 1e-7);  // of the first row by x3
-  EXPECT_NEAR(packed[1].d[0], 2, 1e-7);                     // of the second one by x1, u
+  EXPECT_NEAR(packed[0].d[0], -1.5 * std::sin(1.1), 1e-7);  // first row with respect to x3
+  EXPECT_NEAR(packed[1].d[0], 2, 1e-7);                     // second row with respect to x1 and u
   EXPECT_NEAR(packed[2].d[0], 0, 1e-7);
 }
 
@@ -129,7 +129,7 @@ TEST(LibraryResidual, TellsWhichFunctionHasFailed) {
   const auto residual =
       make_library_residual(compiled("edge"), {.states = {1, 3}, .clock = -1, .ndx = 4});
   EXPECT_TRUE(residual->failed_functions().empty());
-  const Rows<double> rows(residual, {0, 0});  // at x = −0.7, where it has no value
+  const Rows<double> rows(residual, {0, 0});  // undefined at x = −0.7
   EXPECT_TRUE(std::isnan(rows.values[0]) && std::isnan(rows.values[1]));
   EXPECT_FALSE(residual->failed_functions().empty());
   EXPECT_EQ(residual->failed_functions()[0], "edge");

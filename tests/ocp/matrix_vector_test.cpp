@@ -10,14 +10,14 @@
 namespace conddp {
 namespace {
 
-/// Numbers that no sum hides.
+/// Values that do not cancel in sums.
 Eigen::MatrixXd sample(int rows, int cols, double phase) {
   Eigen::MatrixXd A(rows, cols);
   for (int i = 0; i < A.size(); ++i) A.data()[i] = std::sin(1.7 * i + phase);
   return A;
 }
 
-/// n results and, before and behind them, what must not be touched.
+/// n results with guard values before and after them.
 struct Guarded {
   static constexpr int kMargin = 8;
   explicit Guarded(const Eigen::VectorXd& content)
@@ -37,7 +37,7 @@ struct Guarded {
   std::vector<double> all;
 };
 
-// Sizes on both sides of whole lanes and of a pass' rows, and products without terms.
+// Sizes around whole lanes and passes, and empty products.
 TEST(MatrixVector, AgreesWithEigenForEverySize) {
   for (const int rows : {1, 2, 3, 7, 8, 9, 12, 16, 18, 36, 39, 40, 41, 76, 83})
     for (const int cols : {0, 1, 2, 5, 8, 11, 36, 48}) {

@@ -94,7 +94,7 @@ TEST(MimicResiduals, TerminalNodesSeeTheFullRobot) {
 }
 
 TEST(MimicResiduals, ControlGravityAtRestMatchesInverseDynamics) {
-  // Without wrenches B u − g = Gᵀ M G a, here from inverse dynamics of the full robot.
+  // Without wrenches: B u − g = Gᵀ M G a, here from inverse dynamics of the full robot.
   RandomNumbers random(73);
   for (auto [name, robot] : mimic_robots()) {
     robot.wrenches.clear();

@@ -8,7 +8,7 @@
 namespace conddp {
 namespace {
 
-/// A block that the world holds, then lets go.
+/// A block that the world holds and then releases.
 ShootingProblem held_block(Integrator integrator) {
   const auto phase = [&](const std::shared_ptr<const MultibodySystem>& system) {
     return testing::tracking_phase(system, integrator, 3, 0.1,
@@ -52,7 +52,7 @@ TEST(NodeValues, AreWhatEachNodeWrites) {
   }
 }
 
-/// The forces are those at the knot's own state, also where the step evaluates others.
+/// Forces belong to the knot's own state, even if the step evaluates others.
 TEST(NodeValues, IncludeForcesOfHeldContacts) {
   for (const Integrator integrator : {Integrator::semi_implicit_euler, Integrator::rk4}) {
     const ShootingProblem problem = held_block(integrator);
@@ -76,7 +76,7 @@ TEST(NodeValues, TellWhatIsNotFinite) {
   Trajectory t = moved(problem);
   t.u(4)[1] = std::numeric_limits<double>::infinity();
   EXPECT_FALSE(NodeValues(problem, t).all_finite());
-  // Its square is not finite at the last node, where there is no next state.
+  // The square overflows at the last node, which has no next state.
   t = moved(problem);
   t.x(problem.knots())[0] = 1e200;
   EXPECT_FALSE(NodeValues(problem, t).all_finite());

@@ -34,7 +34,7 @@ TEST(NodeTimes, AddUpDifferentSteps) {
 
 constexpr double kNone = std::numeric_limits<double>::infinity();
 
-/// Costs nothing; the number of parameters is that of what is added to the models.
+/// A phase without costs; the parameters belong to terms added to the model.
 Phase phase_of(std::shared_ptr<KnotModel> model, std::vector<double> dt,
                std::vector<double> parameters = {}) {
   Phase phase{.name = "phase", .model = std::move(model), .dt = std::move(dt)};
@@ -122,8 +122,8 @@ TEST(ShootingProblem, KnowsInstantaneousAndBoundedKnots) {
   }
 }
 
-/// One knot and the end of a mass, x = (position, velocity), with bounds on the state at both, each
-/// on its own: lower position, lower velocity, upper position, upper velocity.
+/// One knot and the terminal node of a mass with x = (position, velocity) and separate state
+/// bounds: lower position, lower velocity, upper position, upper velocity.
 struct HeldMass {
   std::shared_ptr<KnotModel> running = masses(1, Integrator::rk4),
                              end = masses(1, Integrator::none);
@@ -158,7 +158,7 @@ TEST(Contradiction, IsFoundBetweenBoundsOnOneCoordinate) {
   EXPECT_EQ(found->first, "low");
   EXPECT_EQ(found->second, "narrower");
   EXPECT_EQ(found->node, 1);
-  EXPECT_NEAR(found->lower, 3.5, 1e-15);  // as "low" measures it, from −3
+  EXPECT_NEAR(found->lower, 3.5, 1e-15);  // measured by "low" from −3
   EXPECT_NEAR(found->upper, 3.25, 1e-15);
 }
 
@@ -178,10 +178,10 @@ TEST(Contradiction, IsFoundOnEitherSide) {
 TEST(Contradiction, IgnoresTouchingBoundsAndOtherCoordinatesOrNodes) {
   HeldMass mass;
   mass.hold("first", {-1, 0.1}, {1, 2}, true);
-  for (const double r : {0.0, 0.1, 0.3, 0.7, 1.1})  // but for rounding
+  for (const double r : {0.0, 0.1, 0.3, 0.7, 1.1})  // up to rounding
     mass.hold("meets", {1 - r, -kNone}, {3, 0.1 - r}, true, {r, r});
   mass.hold("elsewhere", {-kNone, 5}, {-4, kNone}, false);
-  // Sums of coordinates are no bounds on either of them.
+  // Bounds on sums of coordinates do not bound the coordinates.
   mass.end->add_constraint(make_constraint(
       "sum", combination_residual(2, {{.terms = {{1, false, 0, 0}, {1, false, 1, 1}}}}),
       ConstraintKind::bounds));
@@ -195,7 +195,7 @@ TEST(Contradiction, IsFoundWithTheBoundsOnTheControl) {
     HeldMass mass;
     mass.running->set_control_bounds({-1}, {2});
     if (above)
-      mass.hold_control("force", 1.75, 5);  // a force of 2.25 at least
+      mass.hold_control("force", 1.75, 5);  // a force of at least 2.25
     else
       mass.hold_control("force", -5, -1.75);
     const auto found = mass.find();

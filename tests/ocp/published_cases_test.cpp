@@ -9,8 +9,8 @@
 namespace conddp {
 namespace {
 
-/// A quadratic tracking case as ALTRO's benchmark problems define them: ½ dt Q, ½ dt R, ½ Qf,
-/// N nodes, a constant guess of the controls, simulated.
+/// A quadratic tracking case of ALTRO's benchmarks: weights ½ dt Q, ½ dt R, and ½ Qf, N nodes, and
+/// a simulated constant-control guess.
 struct Case {
   std::shared_ptr<const System> system;
   Integrator integrator;

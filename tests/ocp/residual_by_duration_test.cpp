@@ -1,4 +1,4 @@
-// Soft constraints whose rows grow with a free duration, against the same formulas by hand.
+// Soft constraints with rows that scale with a free duration, compared with formulas by hand.
 #include "ocp/residuals/residual_by_duration.hpp"
 
 #include <limits>
@@ -32,7 +32,7 @@ TEST(RowsByDuration, OfAConeAreItsOwn) {
   EXPECT_TRUE(made.lower.empty() && made.upper.empty());
 }
 
-/// A knot of a pendulum whose states hold two more numbers; the last one, x[3], is the duration.
+/// A pendulum knot with two more states; the last, x[3], is the duration.
 class ByDuration : public ::testing::Test {
  protected:
   static constexpr double kWritten = 0.8;
@@ -43,7 +43,7 @@ class ByDuration : public ::testing::Test {
                        {.state = 3, .tangent = 3, .written = kWritten});
   }
 
-  /// Values, and the Jacobian by rows of z = (x, u), at x and u.
+  /// Values and Jacobian, by rows of z = (x, u), at x and u.
   struct Rows {
     Eigen::VectorXd values;
     Eigen::MatrixXd jacobian;
@@ -84,8 +84,8 @@ class ByDuration : public ::testing::Test {
   std::vector<double> x_ = {0.3, -0.7, 5, 2}, u_ = {1.5};
 };
 
-// The control, of which 0.25 is the reference, between −1 and 2, in a phase of 2 s that is written
-// with 0.8 s: rows 2.5 (1.25 + 1) and 2.5 (1.25 − 2).
+// The control with reference 0.25, between −1 and 2, in a phase of 2 s with nominal 0.8 s: rows 2.5
+// (1.25 + 1) and 2.5 (1.25 − 2).
 TEST_F(ByDuration, BoundsOfAControlGrowWithIt) {
   const RowsByDuration rows = rows_by_duration(ConstraintKind::bounds, 1, {-1}, {2});
   Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(2, 5);
@@ -95,7 +95,7 @@ TEST_F(ByDuration, BoundsOfAControlGrowWithIt) {
          Eigen::Vector2d(5.625, -1.875), jacobian);
 }
 
-// All four states, some bounded: where a row reads the duration itself, both parts add up.
+// All four states, some bounded; if a row reads the duration itself, both derivatives add up.
 TEST_F(ByDuration, ARowMayReadTheDurationItself) {
   const KnotModel model(pendulum({}), Integrator::rk4, ControlMemory::none, 2);
   const RowsByDuration rows = rows_by_duration(
@@ -109,7 +109,7 @@ TEST_F(ByDuration, ARowMayReadTheDurationItself) {
          2.5 * distances, jacobian);
 }
 
-// The norm of (0.3, −0.7), at most 0.5.
+// Norm of (0.3, −0.7), at most 0.5.
 TEST_F(ByDuration, ANormIsFormedBeforeItGrows) {
   const double norm = std::hypot(0.3 - 0.1, -0.7 - 0.2);
   const auto names = knot_names(*pendulum({}));

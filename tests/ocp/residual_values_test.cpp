@@ -1,5 +1,5 @@
-// Values of residuals against references, kinematics and differences in time: derivatives alone do
-// not show a reference that is left out or a wrong direction.
+// Residual values, compared with references, kinematics, and time differences; derivatives alone do
+// not reveal a missing reference or a wrong direction.
 #include <gtest/gtest.h>
 
 #include "ocp/knot/knot_model.hpp"
@@ -16,7 +16,7 @@ std::shared_ptr<const MultibodySystem> robot_of(bool floating) {
   return std::make_shared<MultibodySystem>(robot, Actuation::full(*robot));
 }
 
-/// A residual's rows at a state and control.
+/// Rows of a residual at a state and control.
 Eigen::VectorXd rows_of(const std::shared_ptr<const MultibodySystem>& system,
                         const std::shared_ptr<const Residual>& residual,
                         const std::vector<double>& x, const std::vector<double>& u,
@@ -45,7 +45,7 @@ TEST(ResidualValues, AreDifferencesFromTheirReference) {
       if (n != residual->size()) continue;
       if (name == "state" || name.starts_with("rotation") || name.starts_with("placement") ||
           name.starts_with("weighted"))
-        continue;  // not differences of numbers
+        continue;  // not differences
       const std::vector<double> reference = random.numbers(n, 2);
       const Eigen::VectorXd at_zero = rows_of(system, residual, x, u);
       const Eigen::VectorXd there = rows_of(system, residual, x, u, reference);
@@ -57,7 +57,7 @@ TEST(ResidualValues, AreDifferencesFromTheirReference) {
   EXPECT_GT(checked, 20);
 }
 
-/// The state after a short time at constant velocity.
+/// State after a short time at constant velocity.
 std::vector<double> moved(const MultibodySystem& system, const std::vector<double>& x,
                           double time) {
   std::vector<double> step(system.ndx(), 0.0), next(x.size());
@@ -82,7 +82,7 @@ TEST(ResidualValues, FrameVelocitiesAreRatesOfPositions) {
       const Eigen::VectorXd twist =
           rows_of(system, frame_velocity_residual(system, f, FrameAxes::world_aligned), x, u);
       for (int i = 0; i < 3; ++i) EXPECT_NEAR(twist[i], rate[i], 1e-6) << "frame " << f;
-      // What a contact holds of it are its components along the contact's directions.
+      // A contact constrains the components along its directions.
       const Vector3<double> normal{0.36, -0.48, 0.8}, tangent{0.8, 0.6, 0};
       const auto held = [&](ContactKind kind) {
         return rows_of(
@@ -99,7 +99,7 @@ TEST(ResidualValues, FrameVelocitiesAreRatesOfPositions) {
       ASSERT_EQ(two.size(), 2);
       EXPECT_NEAR(std::abs(two[0] - along_normal) + std::abs(two[1] - along_tangent), 0, 2e-6)
           << "frame " << f << ": " << two.transpose();
-      // Of a point and a surface, in the frame's axes: of the same length.
+      // For a point and a surface, in frame axes with equal norm.
       const Eigen::VectorXd three = held(ContactKind::point), six = held(ContactKind::surface);
       EXPECT_NEAR(three.norm(), rate.norm(), 1e-6);
       EXPECT_TRUE(six.head(3).isApprox(three, 1e-12));

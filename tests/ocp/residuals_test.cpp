@@ -76,8 +76,8 @@ TEST(Residuals, GradientsOnFiveRobotsMatchDualNumbers) {
 }
 
 TEST(Residuals, DeclaredStructureCoversEveryDependence) {
-  // A direction outside a residual's columns must not change its cost: the gradient test above
-  // would see a missing column only if it is non-zero there, which this makes explicit.
+  // A direction outside a residual's columns must not change its cost. The gradient test above
+  // detects a missing column only if it is non-zero there.
   RandomNumbers random(19);
   for (const auto& system : robots()) {
     const KnotModel shape(system, Integrator::semi_implicit_euler);
@@ -149,7 +149,7 @@ TEST(Residuals, ExcludedCoordinatesLeaveTheOtherRows) {
   for (const RowBlock& block : some->blocks())
     columns.insert(columns.end(), block.columns.begin(), block.columns.end());
   EXPECT_EQ(columns, (std::vector<int>{1, 2, 3, 4, 5, 6, 7, 8, 10}));
-  // One entry of each flat coordinate and 36 of the pose, in the same order.
+  // One entry for each flat coordinate and 36 for the pose, in the same order.
   EXPECT_EQ(J_some, std::vector<double>(J.begin() + 1, J.end() - 2));
 }
 

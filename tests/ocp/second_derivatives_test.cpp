@@ -1,4 +1,4 @@
-// Exact Hessians by parts beside those that dual numbers through all of `differentiate` give.
+// Exact partwise Hessians, compared with dual numbers through all of `differentiate`.
 #include "support/second_derivatives.hpp"
 
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ std::shared_ptr<const MultibodySystem> held_system(const ContactCase& c, bool co
                                            contacts ? c.contacts : std::vector<Contact>{});
 }
 
-/// Residuals of all kinds that are known by parts.
+/// Residuals of every kind with partwise Hessians.
 std::vector<std::pair<std::string, std::shared_ptr<const Residual>>> known_residuals(
     const std::shared_ptr<const MultibodySystem>& system, const KnotModel& model) {
   const int frames = static_cast<int>(system->robot().frames.size());
@@ -130,7 +130,7 @@ void expect_equal_hessians(const KnotCase& c, RandomNumbers& random) {
   expect_hessians_of_dual_numbers(problem, t, augmentation, random);
 }
 
-/// Whether contacts depend on each other, so that forces are rounding over their compliance.
+/// True if contacts are dependent, so that forces are rounding divided by compliance.
 bool redundant(const MultibodySystem& system) {
   RandomNumbers random(3);
   const auto x = random_manifold_state(system.manifold(), random, 1.0);
@@ -181,7 +181,7 @@ TEST(SecondDerivatives, HessiansMatchDualNumbersForRulesAndSystems) {
       if (!known_by_parts(*model)) continue;
       ++known;
       KnotCase knot = make_case(name, model, random);
-      knot.dt = 0.3;  // so that stages are far apart
+      knot.dt = 0.3;  // separates the stages
       expect_equal_hessians(knot, random);
       if (HasFatalFailure()) return;
     }
@@ -210,7 +210,7 @@ TEST(SecondDerivatives, RobotStagesOnContactsMatchDualNumbers) {
   EXPECT_GE(known, 1);
 }
 
-/// A formula that dual numbers go through and nothing else.
+/// A formula that supports only dual numbers.
 class OwnFormula : public ClosedFormSystem<OwnFormula> {
  public:
   OwnFormula() : ClosedFormSystem(SystemKind::first_order, StateManifold::flat(1), 1) {}

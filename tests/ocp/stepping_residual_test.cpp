@@ -1,4 +1,4 @@
-// The equations of a contact-implicit step, and complementary pairs as a constraint.
+// Equations of a contact-implicit step, and complementary pairs as a constraint.
 #include "ocp/residuals/stepping_residual.hpp"
 
 #include <gtest/gtest.h>
@@ -110,7 +110,7 @@ INSTANTIATE_TEST_SUITE_P(
                        ::testing::Values(FrictionModel::polyhedron, FrictionModel::cone),
                        ::testing::Values(true)));
 
-/// x⁺ of the dynamics is where the equations are evaluated: q ⊕ h v⁺ with v⁺ = v + h a.
+/// The equations are evaluated at x⁺ of the dynamics: q ⊕ h v⁺ with v⁺ = v + h a.
 TEST(SteppingSystem, FloatingBaseMovesByVelocityAfterTheStep) {
   const auto system =
       stepping_robot(false, SteppingScheme::backward_euler, FrictionModel::polyhedron, true);
@@ -126,7 +126,7 @@ TEST(SteppingSystem, FloatingBaseMovesByVelocityAfterTheStep) {
   const auto& next = work.next();
   for (int i = 0; i < nq; ++i) EXPECT_NEAR(step.q[i], next[i], 1e-14) << i;
   for (int i = 0; i < nv; ++i) EXPECT_NEAR(step.v[i], next[nq + i], 1e-14) << i;
-  // The pose itself, by many small screws.
+  // The pose by many small screws.
   constexpr int kParts = 1000;
   std::vector<double> off(2 * nv, 0.0), x(p.x);
   for (int i = 0; i < nv; ++i) off[i] = kStep / kParts * step.v[i];
@@ -143,12 +143,12 @@ TEST(SteppingSystem, MidpointRuleRejectsAFloatingBase) {
   }
 }
 
-/// Momentum is ∂T/∂v, the load what bias forces are without the change of the momentum, and both
-/// follow from kinetic energy alone by differences.
+/// Momentum is ∂T/∂v; the load is the bias force without the change of momentum. Differences of
+/// kinetic energy give both.
 TEST(HalfStep, IsThatOfKineticEnergy) {
   const auto system = stepping_robot(false, SteppingScheme::variational_midpoint);
   RobotModel robot = system->multibody().robot();
-  robot.wrenches.clear();  // they have no energy
+  robot.wrenches.clear();  // wrenches have no energy
   RobotModel free = robot;
   free.gravity = Vector3<double>::zero();
   RandomNumbers random(9);
@@ -204,8 +204,8 @@ TEST(SteppingResidual, EquationsOfMotionAreThoseOfInverseDynamics) {
   }
 }
 
-// What the forces of a step take from its equations of motion: Jᵀf along the normal and both signs
-// of each tangent, of stops towards the middle, of dry friction as it acts.
+// Step forces in the equations of motion: Jᵀf along the normal and both signs of each tangent,
+// stops towards the middle, dry friction as it acts.
 TEST(SteppingResidual, EquationsIncludeContactStopAndDryFrictionForces) {
   for (const bool planar : {false, true})
     for (const FrictionModel friction : {FrictionModel::polyhedron, FrictionModel::cone}) {
@@ -254,7 +254,7 @@ TEST(SteppingResidual, EquationsIncludeContactStopAndDryFrictionForces) {
     }
 }
 
-// Rows behind the equations of motion against their definition, at the end of the step.
+// Rows after the equations of motion, compared with their definition at the end of the step.
 TEST(SteppingResidual, ContactRowsUseEndOfStepGeometry) {
   for (const FrictionModel friction : {FrictionModel::polyhedron, FrictionModel::cone}) {
     const auto system = stepping_robot(false, SteppingScheme::backward_euler, friction);
@@ -355,7 +355,7 @@ TEST(ComplementarityConstraint, MeasuresTheSmallerOneOfEachPair) {
   const auto product = [&](std::vector<double> nu) {
     return complementarity(term, g.data(), nullptr, nullptr, nu.data());
   };
-  EXPECT_EQ(product({-7, 0, 0, 8}), 0);  // what is zero may have a multiplier of either sign
+  EXPECT_EQ(product({-7, 0, 0, 8}), 0);  // zero values allow multipliers of either sign
   EXPECT_EQ(product({0, 2, 0, 0}), 10);
   EXPECT_THROW(make_constraint("odd", chosen_controls_residual(2, {0, 1, 2}),
                                ConstraintKind::complementarity),

@@ -19,7 +19,7 @@ Eigen::MatrixXd random_weights(int n, int rank, RandomNumbers& random) {
   return (half * half.transpose()).eval().selfadjointView<Eigen::Lower>();
 }
 
-/// A terminal node of a system with one cost on its state.
+/// Terminal node of a system with one state cost.
 KnotCase state_case(const std::shared_ptr<const System>& system, const Eigen::MatrixXd* matrix,
                     Activation activation = {}) {
   auto model = std::make_shared<KnotModel>(system, Integrator::none);
@@ -51,7 +51,7 @@ Differentiated differentiate(const KnotCase& c) {
   return result;
 }
 
-/// x ⊖ reference and its derivative by x, of a terminal node with the state as residual.
+/// x ⊖ reference and its derivative with respect to x, for a terminal node with the state residual.
 std::pair<Eigen::VectorXd, Eigen::MatrixXd> state_difference(const KnotCase& c) {
   const KnotModel& model = *c.model;
   const auto residual = state_residual(model.manifold());

@@ -22,7 +22,7 @@ std::string read_file(const std::filesystem::path& path) {
   return text.str();
 }
 
-/// Drops elements of the name: DART would look for their meshes.
+/// Removes elements of this name, since DART would look for their meshes.
 std::string without(std::string xml, const std::string& name) {
   const std::string end_tag = "</" + name + ">";
   for (std::size_t at = 0; (at = xml.find("<" + name, at)) != std::string::npos;) {
@@ -39,7 +39,7 @@ std::string without(std::string xml, const std::string& name) {
   return xml;
 }
 
-/// Keeps DART's loader from warning about every massless link.
+/// Silences warnings of DART's loader about massless links.
 class SilencedErrors {
  public:
   SilencedErrors() : stream_(std::cerr.rdbuf(nullptr)) {}
@@ -55,7 +55,7 @@ bool is_free(const dart::dynamics::Joint& joint) {
   return dynamic_cast<const dart::dynamics::FreeJoint*>(&joint) != nullptr;
 }
 
-/// (angular, linear) to (linear, angular).
+/// Converts (angular, linear) to (linear, angular).
 Eigen::VectorXd swapped(const Eigen::Vector6d& twist) {
   Eigen::VectorXd m(6);
   m << twist.tail<3>(), twist.head<3>();
@@ -78,7 +78,7 @@ DartRobot::DartRobot(const TestRobot& robot, const RobotModel& model) : model_(m
   skeleton_->setGravity({model.gravity.x, model.gravity.y, model.gravity.z});
   const auto file = urdf::parseURDF(xml);
   for (dart::dynamics::BodyNode* body : skeleton_->getBodyNodes()) {
-    // DART gives a link without an inertia one of its own, and warns about exact zeros.
+    // DART assigns a default inertia to links without one and warns about exact zeros.
     if (!file->getLink(body->getName())->inertial)
       body->setInertia(dart::dynamics::Inertia(1e-20, Eigen::Vector3d::Zero(),
                                                1e-20 * Eigen::Matrix3d::Identity()));

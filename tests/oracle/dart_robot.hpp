@@ -10,26 +10,26 @@
 
 namespace conddp {
 
-/// The URDF as DART reads it, in the coordinates of a model of ours: joints are matched by name;
-/// DART's free joint has positions (rotation vector, translation) and velocities (angular, linear).
-/// Springs, damping, friction and mimicry are off, as in the model.
+/// The URDF as DART reads it, in the coordinates of our model. Joints are matched by name. DART's
+/// free joint has positions (rotation vector, translation) and velocities (angular, linear).
+/// Springs, damping, friction, and mimic joints are off, as in the model.
 class DartRobot {
  public:
   DartRobot(const TestRobot& robot, const RobotModel& model);
 
   void set_state(const std::vector<double>& q, const std::vector<double>& v);
   Eigen::MatrixXd mass_matrix() const;
-  /// Coriolis, centrifugal and gravity forces.
+  /// Coriolis, centrifugal, and gravity forces.
   Eigen::VectorXd bias() const;
   Eigen::VectorXd forward_dynamics(const std::vector<double>& tau);
   void set_accelerations(const std::vector<double>& a);
 
-  /// Links by name. Twists and accelerations are (linear, angular) in the link's axes.
+  /// Links by name. Twists and accelerations are (linear, angular) in link axes.
   std::vector<std::string> links() const;
   Eigen::Isometry3d placement(const std::string& link) const;
   Eigen::VectorXd velocity(const std::string& link) const;
   Eigen::VectorXd acceleration(const std::string& link) const;
-  /// Of the bodies that can move.
+  /// Centre of mass of the movable bodies.
   Eigen::Vector3d center_of_mass() const;
 
  private:
@@ -38,7 +38,7 @@ class DartRobot {
 
   const RobotModel& model_;
   dart::dynamics::SkeletonPtr skeleton_;
-  std::vector<int> dof_;  ///< DART's index for each velocity index of the model
+  std::vector<int> dof_;  ///< DART index of each velocity index of the model
 };
 
 }  // namespace conddp

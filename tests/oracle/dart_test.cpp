@@ -9,11 +9,11 @@
 #include "robot/frames.hpp"
 #include "support/random_robot.hpp"
 
-// Rigid-body quantities in random states against DART reading the same files.
+// Rigid-body quantities in random states, compared with DART on the same files.
 
 namespace conddp {
 
-// GoogleTest prints a parameter by this.
+// GoogleTest prints a parameter with this.
 void PrintTo(const TestRobot& robot, std::ostream* out) { *out << robot.name; }
 
 namespace {

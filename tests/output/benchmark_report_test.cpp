@@ -40,7 +40,7 @@ TEST(BenchmarkReport, ComparesCostsWithBestOfTheProblem) {
   EXPECT_TRUE(std::isnan(r.entries[3].cost_excess)) << "there is nothing to compare it with";
 }
 
-// One problem from several guesses is one problem; from several initial states it is several.
+// Several guesses of one problem remain one problem; several initial states are several problems.
 TEST(BenchmarkReport, ComparesInstancesOfTheSameProblem) {
   for (const bool moved : {false, true}) {
     BenchmarkReport r{.request = {.solvers = {"a"}, .instances = 2}};
@@ -95,8 +95,8 @@ TEST(BenchmarkReport, CountsAnswersByDistanceToTheBest) {
                entry("4", "a", 2 * 1.2, 1), entry("4", "b", 2, 1),
                entry("5", "a", 2, 1),       entry("5", "b", 1, 1),
                entry("6", "a", 2, 1),       entry("6", "b", 1, 1)};
-  r.entries[9].run.solved = false;           // and "a" is alone, the best of its instance
-  r.entries[11].left_out = {{"torque", 1}};  // another problem, not solved as it is
+  r.entries[9].run.solved = false;           // and "a" alone is the best of its instance
+  r.entries[11].left_out = {{"torque", 1}};  // a different problem, not solved as given
   compare_costs(r);
   const auto summary = summarize(r);
   EXPECT_EQ(summary[0].within, (std::array<int, 3>{5, 5, 5}));
@@ -148,7 +148,7 @@ TEST(BenchmarkReport, ProfilesCountWhatWasSolvedWithAllConstraints) {
 TEST(BenchmarkReport, SummaryCountsFailuresByTheirStatus) {
   BenchmarkReport r = report();
   r.entries.push_back(entry("third", "a", 1, 1));
-  r.entries.back().run.solved = false;  // converged, as it says
+  r.entries.back().run.solved = false;  // converged by its own claim
   r.entries.push_back(entry("third", "b", 1, 1));
   r.entries.back().run.status = "refused";
   EXPECT_TRUE(all_kept_word(report()));

@@ -1,4 +1,4 @@
-// The certificate of an answer holds, and of no answer in which something is changed.
+// The certificate of an answer holds and fails after any change.
 #include <functional>
 #include <map>
 
@@ -14,7 +14,7 @@ namespace {
 
 OrderedJson& knot(OrderedJson& rows) { return rows[rows.size() / 2]; }
 
-/// A control bound's multiplier: a positive one, or one that is zero.
+/// A multiplier of a control bound: positive, or zero.
 OrderedJson* bound_multiplier(OrderedJson& document, double least = 1e-9) {
   for (const char* kind : {"control_lower", "control_upper"})
     if (document["multipliers"].contains(kind))
@@ -24,8 +24,8 @@ OrderedJson* bound_multiplier(OrderedJson& document, double least = 1e-9) {
   return nullptr;
 }
 
-/// A way to change an answer, and the check that has to find it. Returns false where the answer has
-/// nothing of the kind.
+/// A way to corrupt an answer, and the check that must detect it. Returns false if the answer has
+/// no such part.
 struct Corruption {
   std::string name;
   std::string found_by;
@@ -241,7 +241,7 @@ const std::vector<Corruption>& corruptions() {
   return list;
 }
 
-/// What an answer has nothing of: each of it another has.
+/// Corruptions without an object in this answer; other answers cover them.
 std::string without_corruptions(const std::string& problem) {
   const std::string pose = "[a quaternion]", contacts = "[a contact force][when a contact is held]";
   const std::string finding = "[the figure of a finding]";
@@ -273,8 +273,8 @@ TEST_P(CertificateOf, HoldsForAnAnswerButNotForChanges) {
   EXPECT_EQ(skipped, without_corruptions(GetParam()));
 }
 
-// A closed form with bounds that are met, pendulums of a URDF, poses in SE(3), an impact of a
-// planar hopper, and impacts of four feet.
+// A closed form with active bounds, URDF pendulums, poses in SE(3), an impact of a planar hopper,
+// and impacts of four feet.
 std::vector<std::string> certified_problems() {
   std::vector<std::string> names = {"pendulum_swingup", "double_pendulum_swingup", "body_reorient",
                                     "quadrotor_waypoints", "hopper_jump"};
@@ -319,7 +319,7 @@ TEST(Certificate, OfAnotherStepDoesNotHold) {
     EXPECT_NE(found.find(check), std::string::npos) << check << found;
 }
 
-/// What an answer says holds too where it says that it is none.
+/// The claims of an unconverged answer hold too.
 TEST(Certificate, OfUnconvergedAnswersHolds) {
   for (const std::string solver : {"ilqr", "ilqr_clip", "ddp", "box_ddp", "fddp", "box_fddp"})
     for (const std::string& iterations :
@@ -344,7 +344,7 @@ TEST(Certificate, OfUnconvergedAnswersHolds) {
       }
 }
 
-/// Far from every answer, where the last digits of costs and gradients mean nothing.
+/// Far from any answer, the last digits of costs and gradients are meaningless.
 TEST(Certificate, OfBadlyConditionedIteratesHolds) {
   for (const std::string solver : {"ilqr_clip", "box_ddp", "box_fddp"})
     for (const std::string& seed :
@@ -378,7 +378,7 @@ TEST(Certificate, RejectsAStatusThatIsTooGood) {
   EXPECT_EQ(failures(answer.judge(answer.document)), "[status]");
 }
 
-/// Claims that agree with each other, but not with the problem.
+/// Claims that agree with each other but not with the problem.
 TEST(Certificate, RejectsResidualsThatAreTooGood) {
   SolvedExample answer("cartpole_swingup", {"solver.max_iterations=3"});
   answer.document["status"] = "converged";

@@ -1,4 +1,4 @@
-// Tables of trajectories whose states and controls have the names of the time and the phase.
+// Trajectory tables whose states and controls are named like the time and the phase.
 #include <sstream>
 
 #include <fmt/format.h>
@@ -39,7 +39,7 @@ std::string table_of(const SolvedExample& answer) {
 }
 std::string header_of(const std::string& table) { return table.substr(0, table.find('\n')); }
 
-/// The largest deviation of the guess that a problem has from a table of a motion.
+/// Largest deviation of a problem's guess from the table of a motion.
 double deviation_of_guess(const std::string& text, const std::string& table,
                           const Trajectory& motion) {
   const TemporaryFolder folder;
@@ -104,7 +104,7 @@ TEST(ClockAnswer, TableTimesAreNormalAtAnInitialJump) {
   std::string line;
   std::getline(lines, line);
   while (std::getline(lines, line)) {
-    const double time = std::stod(line);  // which throws where a number is not normal
+    const double time = std::stod(line);  // throws if a number is not normal
     EXPECT_GT(time, before);
     before = time;
   }

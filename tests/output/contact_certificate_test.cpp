@@ -1,5 +1,4 @@
-// Answers that found their contacts: the certificate holds, and of none in which something of the
-// contacts is changed.
+// Contact-implicit answers: the certificate holds and fails after any change of the contacts.
 #include <functional>
 
 #include <gtest/gtest.h>
@@ -13,7 +12,7 @@
 namespace conddp {
 namespace {
 
-/// A block of 1 kg that is pushed 0.1 m along the ground and stops; the upper corner never touches.
+/// A block of 1 kg is pushed 0.1 m along the ground and stops; the upper corner never touches.
 constexpr const char* kPushedBlock = R"(conddp: 1
 name: pushed_block
 robot: {urdf: robots/block.urdf, actuation: {joints: [base_x]}}
@@ -64,7 +63,7 @@ TEST(ContactSolution, CertificateHolds) {
   const ContactMeasures& measures = certificate.contacts->measures;
   EXPECT_LE(measures.complementarity.value, 1e-6);
   EXPECT_LE(measures.penetration.value, 1e-6);
-  // Work against friction along 0.1 m, whatever the push.
+  // Friction work over 0.1 m, independent of the push.
   EXPECT_NEAR(measures.work_contacts, -0.5 * 9.81 * 0.1, 1e-3);
   EXPECT_NEAR(measures.energy_end, measures.energy_start, 1e-5);
 }
@@ -105,7 +104,7 @@ TEST(ContactSolution, SignsOfForces) {
   EXPECT_NE(friction.find("[contact dissipation]"), std::string::npos) << friction;
 }
 
-/// An answer that did not converge claims nothing of its contacts, and says what they look like.
+/// An unconverged answer claims nothing about its contacts and reports their state.
 TEST(ContactSolution, ClaimsComeWithConvergence) {
   OrderedJson document = pushed_block().document;
   document["status"] = "max_iterations";
@@ -141,7 +140,7 @@ TEST(ContactSchedule, OfAnAnswerBuildsAndKeepsItsCosts) {
   EXPECT_EQ(schedule.problem["initial_guess"]["states"]["file"], "solution.json");
   EXPECT_EQ(schedule.problem["contacts"]["front_normal"]["type"], "normal");
   EXPECT_EQ(schedule.problem["phases"][0]["contacts"].size(), 2u);
-  // Their accelerations alone would let them leave the surface.
+  // Accelerations alone would let them leave the surface.
   for (const char* section : {"constraints", "terminal"}) {
     const OrderedJson& terms = section == std::string("terminal")
                                    ? schedule.problem["terminal"]["constraints"]

@@ -1,4 +1,4 @@
-// What points may touch, as obstacles of a problem file, at poses that are set by hand.
+// Contact surfaces of problem-file obstacles at manually set poses.
 #include "output/schedule/contact_surfaces.hpp"
 
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 namespace conddp {
 namespace {
 
-/// A point at the lower rear corner of a block beside a box, a ball and a soft wall.
+/// A point at the lower rear corner of a block, next to a box, a ball, and a soft wall.
 constexpr const char* kScene = R"(conddp: 1
 name: scene
 robot: {urdf: robots/block.urdf, actuation: {joints: [base_x, base_z]}}
@@ -34,7 +34,7 @@ class Surfaces : public ::testing::Test {
     built_ = build_problem(spec_, {}, out).value();
   }
 
-  /// The block level, with the corner at (x, z) at each of the four nodes.
+  /// The level block with its corner at (x, z) at each of the four nodes.
   ContactMotion motion(const std::array<std::array<double, 2>, 4>& corner) const {
     Trajectory trajectory = built_.problem->create_trajectory();
     for (int k = 0; k < 4; ++k) {

@@ -1,5 +1,5 @@
-// A seeded random walk over the numbers of answers: every change is noticed but for what the schema
-// lists as not compared.
+// A seeded random walk over the numbers of answers: verification detects every change except those
+// that the schema lists as not compared.
 #include <cstdlib>
 #include <fstream>
 #include <random>
@@ -19,14 +19,14 @@ OrderedJson not_compared() {
   return OrderedJson::parse(file).at("not_compared");
 }
 
-/// Whether the place is in an entry of a list whose violation is rounding.
+/// True if the place is in a list entry whose violation is rounding.
 bool is_rounding(const std::vector<std::string>& place, const OrderedJson& document) {
   if (place.size() != 3 || !document.at(place[0]).is_array()) return false;
   const OrderedJson& entry = document.at(place[0]).at(std::stoi(place[1]));
   return entry.contains("violation") && entry.at("violation") < 1e-9;
 }
 
-/// Whether the list has this place, or one above it: keys with '*' for any entry of a list or name.
+/// True if the list has this place or a parent; '*' matches any list entry or name.
 bool listed(const OrderedJson& list, const std::vector<std::string>& place,
             const OrderedJson& document) {
   for (const OrderedJson& entry : list) {
@@ -48,7 +48,7 @@ bool listed(const OrderedJson& list, const std::vector<std::string>& place,
   return false;
 }
 
-/// A number somewhere in the document and the way to it; none where the walk ends at no number.
+/// A number in the document and its path; null if the walk does not end at a number.
 OrderedJson* find_number(OrderedJson& document, std::mt19937_64& engine,
                          std::vector<std::string>& place, double& scale) {
   OrderedJson* value = &document;
@@ -67,7 +67,7 @@ OrderedJson* find_number(OrderedJson& document, std::mt19937_64& engine,
   return value->is_number() || value->is_boolean() ? value : nullptr;
 }
 
-/// By one to a hundred hundredths of the largest number beside it: above all rounding.
+/// Changes by one to a hundred hundredths of the largest neighbouring number, far above rounding.
 void change(OrderedJson& number, double scale, std::mt19937_64& engine) {
   const double sign = (engine() >> 63) != 0 ? 1 : -1;
   const double share = 0.01 + 0.99 * static_cast<double>(engine() >> 11) * 0x1p-53;
@@ -110,12 +110,12 @@ TEST_P(CorruptionWalk, EveryChangeIsNoticed) {
       EXPECT_FALSE(answer.judge(changed).checks.holds())
           << join(place) << " from " << before << " to " << number->dump();
     } catch (const MalformedSolution&) {
-      // Noticed as well.
+      // An exception counts as detection.
     }
   }
 }
 
-/// All kinds of fields: bounds, impacts, poses, cones, soft constraints, free durations, cycles.
+/// Covers bounds, impacts, poses, cones, soft constraints, free durations, and cycles.
 std::vector<std::string> walked_problems() {
   std::vector<std::string> names = {"pendulum_swingup", "double_integrator_limits", "arm_reach",
                                     "hopper_jump", "pendulum_goal"};

@@ -1,4 +1,4 @@
-// What files say of phases with different states and controls, and what is read from them.
+// Output and input of problems whose phases have different states and controls.
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The second system's controls stand in another order than the columns.
+/// The second system lists its controls in a different order than the columns.
 const std::string kPhases = R"(conddp: 1
 systems:
   first: {states: {x: m, v: m/s}, controls: {a: m/s^2, b: N}, rate: {x: v, v: a + 0.5*b}}
@@ -94,7 +94,7 @@ TEST(DifferentStatesAnswer, IsReadAsItWasWritten) {
   for (int k = 0; k < problem.knots(); ++k) EXPECT_TRUE(stored.u(k) == motion.u(k)) << k;
 }
 
-/// The problem with a former solution as its first guess.
+/// The problem with an earlier solution as its guess.
 BuiltProblem started_from(const std::string& solution) {
   Diagnostics out;
   auto spec = read_problem_text(kPhases, "text.yaml", {}, out);
@@ -123,7 +123,7 @@ TEST(DifferentStatesAnswer, IsAGuessWithMultipliers) {
   const auto& gradient = again.multipliers->control_gradient;
   ASSERT_EQ(gradient.size(), 6u);
   ASSERT_EQ(gradient[4].size(), 2);
-  // c is at its bound, and its column is the last one.
+  // c is at its bound; its column is the last.
   EXPECT_GT(gradient[4][0], 0);
   EXPECT_EQ(gradient[4][0], answer().document["multipliers"]["control_lower"][4][2].get<double>());
 }

@@ -1,4 +1,4 @@
-// What stands out in motions: found where it is, silent where it is not.
+// Findings of motions: reported where they occur, and only there.
 #include "output/solution/finding_report.hpp"
 
 #include <cstdio>
@@ -50,7 +50,7 @@ class Findings : public testing::Test {
   std::optional<BuiltProblem> built_;
 };
 
-// A drag of speeds up to 3, of which the rates read the table and, in the second phase, a cost too.
+// A table of drag up to speed 3, read by the rates and, in the second phase, by a cost.
 TEST_F(Findings, NamesTablesReadBeyondTheirPoints) {
   load_text(R"(conddp: 1
 tables:
@@ -84,7 +84,7 @@ solver: {name: ddp}
   EXPECT_TRUE(of(FindingKind::table_range, motion).empty());
 }
 
-// Feet touch down with some speed, of which the default kd of 20 leaves a part for many steps.
+// Feet touch down with some speed; the default kd of 20 removes it only over many steps.
 TEST_F(Findings, TheAdvisedKdCuresTheDriftOfFeet) {
   load("quadruped_trot", {"contacts.defaults.baumgarte.kd=20"});
   const auto drifts = of(FindingKind::drift, solved().trajectory);
@@ -157,7 +157,7 @@ TEST_F(Findings, ReportsNeededFrictionAndPulls) {
   EXPECT_FALSE(of(FindingKind::pull, motion).empty());
 }
 
-// Nodes on both sides of a disc: its constraint holds at them.
+// Nodes on both sides of a disc satisfy its constraint.
 TEST_F(Findings, PenetrationBetweenKnotsIsFound) {
   load("unicycle_obstacles");
   Trajectory motion = built_->guess;

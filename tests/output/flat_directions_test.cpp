@@ -1,5 +1,5 @@
-// Answers of problems in which costs hardly see a control, or a component of the first state that
-// is chosen: gains there are large or rounding, and the certificate holds all the same.
+// Answers with costs that hardly depend on a control or on a chosen initial coordinate. Gains there
+// are large or rounding, and the certificate still holds.
 #include <gtest/gtest.h>
 
 #include "output/report/certificate_report.hpp"
@@ -8,7 +8,7 @@
 namespace conddp {
 namespace {
 
-/// The car's acceleration moves nothing but the last cost, and its steering nothing.
+/// The car's acceleration affects only the last cost, and its steering nothing.
 constexpr const char* kIdleControls = R"(conddp: 1
 system: {type: car, wheelbase: 2.141}
 initial_state: {}
@@ -39,7 +39,7 @@ TEST(FlatDirections, CostatesThatAreWrongAreNotCertified) {
 }
 
 TEST(FlatDirections, GainsOfIdleFirstStateAllowForRounding) {
-  // Where the quadrotor begins is nothing to any cost but the cycle's, which goes along with it.
+  // Only the cycle cost depends on the quadrotor's start, and it moves along.
   const SolvedExample answer(ProblemText{R"(conddp: 1
 system: {type: quadrotor, mass: 0.5692, jz: 0.005131, arm: 0.1925}
 initial_state: {values: {wz: 0.003261}}

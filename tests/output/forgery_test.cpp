@@ -1,5 +1,5 @@
-// Answers that are none, with co-states, gains and multipliers that somebody solved for so that all
-// of their figures agree with each other: none is certified.
+// Forged answers whose costates, gains, and multipliers were computed to make all figures agree:
+// none is certified.
 #include <random>
 
 #include <Eigen/QR>
@@ -14,15 +14,15 @@
 namespace conddp {
 namespace {
 
-/// Residuals of a trajectory that follows from its controls, but stationarity.
+/// Residuals of a simulated trajectory, except stationarity.
 Evaluation evaluate(const ShootingProblem& problem, const Trajectory& trajectory) {
   Evaluation evaluation(problem);
   Evaluator(problem).evaluate(trajectory, evaluation);
   return evaluation;
 }
 
-/// Co-states that null ∇_u L as far as they can, multipliers of the constraints as they are; what
-/// they leave of ∇_x L is what a huge gain is claimed to make of it.
+/// Costates that minimize ∇_u L, with constraint multipliers unchanged. A huge claimed gain absorbs
+/// the rest of ∇_x L.
 void solve_for_multipliers(const ShootingProblem& problem, SolveResult& result) {
   const Evaluation evaluation = evaluate(problem, result.trajectory);
   const auto derivatives = node_derivatives(problem, result.trajectory, evaluation.gap);
@@ -50,8 +50,8 @@ void solve_for_multipliers(const ShootingProblem& problem, SolveResult& result) 
   result.residuals.stationarity = stationarity;
 }
 
-/// The document of an answer whose controls are moved, by at most `size` of themselves or 1, with
-/// all figures that follow from them.
+/// Document of an answer whose controls are perturbed by at most `size` relative to themselves or
+/// 1, with all dependent figures.
 OrderedJson forged(const SolvedExample& answer, std::uint64_t seed, double size) {
   const ShootingProblem& problem = *answer.built.problem;
   std::mt19937_64 engine(seed);
@@ -82,7 +82,7 @@ OrderedJson forged(const SolvedExample& answer, std::uint64_t seed, double size)
   return OrderedJson::parse(solution_json({answer.spec, answer.built, solver, result, {}}).dump());
 }
 
-/// What the status' check says.
+/// Message of the status check.
 std::string optimality_failure(const SolutionCertificate& certificate) {
   for (const Check& check : certificate.checks.checks)
     if (check.name == "status") return check.message;
@@ -100,8 +100,8 @@ void expect_caught(const std::string& name, int count, double size, bool nulled)
     EXPECT_NE(optimality_failure(certificate).find("the reduced gradient"), std::string::npos)
         << name << " " << seed;
   }
-  // Where co-states can null ∇_u L the figures agree with each other. Elsewhere one in twenty may
-  // lie so near a kink of a cone that the document's last digits decide.
+  // If costates can null ∇_u L, the figures agree. Otherwise one in twenty may be so close to a
+  // cone's kink that the last digits decide.
   if (nulled)
     EXPECT_EQ(disagreeing, 0) << name;
   else
@@ -113,11 +113,11 @@ TEST(Forgery, OfAPendulumIsCaught) {
 }
 TEST(Forgery, OfAnArmIsCaught) { expect_caught("arm_reach", kSmallSizes ? 2 : 90, 0.3, true); }
 TEST(Forgery, OfAQuadrupedWithConesIsCaught) {
-  // Torques that only load legs against each other move no state that a co-state could price.
+  // Torques that only load legs against each other move no state, so no costate can balance them.
   expect_caught("quadruped_trot_cones", kSmallSizes ? 1 : 20, 1e-3, false);
 }
 
-/// No control at all, co-states that null ∇_u L, and one huge gain, which once widened a tolerance.
+/// Zero controls, costates that null ∇_u L, and one huge gain, which once widened a tolerance.
 TEST(Forgery, HangingPendulumIsCaughtByReducedGradient) {
   const SolvedExample answer("pendulum_swingup");
   const ShootingProblem& problem = *answer.built.problem;

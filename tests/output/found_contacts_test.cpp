@@ -6,7 +6,7 @@
 namespace conddp {
 namespace {
 
-/// A block with a sphere at a corner, over the ground and before a slope.
+/// A block with a sphere at a corner, above the ground and in front of a slope.
 constexpr const char* kBlockAndSlope = R"(conddp: 1
 name: block_and_slope
 robot: {urdf: robots/block.urdf, actuation: {joints: [base_x]}}
@@ -31,7 +31,7 @@ TEST(FoundContacts, ForcesAreInTheWorldAtStepEnds) {
   Trajectory trajectory = built->problem->create_trajectory();
   for (int k = 0; k <= 3; ++k) {
     trajectory.x(k).setZero();
-    trajectory.x(k)[0] = 0.1 * k;  // forwards, and turning
+    trajectory.x(k)[0] = 0.1 * k;  // forward motion with rotation
     trajectory.x(k)[2] = 0.2 * k;
     if (k < 3) trajectory.u(k).setZero();
   }
@@ -44,7 +44,7 @@ TEST(FoundContacts, ForcesAreInTheWorldAtStepEnds) {
   control(1, "contact/ground/ft-") = 2;
   control(1, "contact/slope/fn") = 10;
   control(1, "contact/slope/ft+") = 5;
-  control(2, "contact/ground/fn") = 1e-9;  // what a barrier leaves
+  control(2, "contact/ground/fn") = 1e-9;  // a barrier residue
 
   const auto motion = contact_motion(*built->problem, trajectory);
   ASSERT_TRUE(motion);

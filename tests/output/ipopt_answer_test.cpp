@@ -1,4 +1,4 @@
-// What is left of Ipopt's iterates in the answer.
+// Traces of Ipopt's iterates in the answer.
 #include <gtest/gtest.h>
 
 #include "output/report/certificate_report.hpp"
@@ -8,7 +8,7 @@ namespace conddp {
 namespace {
 
 TEST(IpoptAnswer, EndsItsLogWithItsOwnGap) {
-  // Ipopt leaves what is chosen of the first state 1e-8 of the range outside of it.
+  // Ipopt leaves the chosen initial state outside its range by 1e-8 of the range.
   const SolvedExample answer(ProblemText{R"(conddp: 1
 system: {type: unicycle}
 initial_state: {values: {theta: 0.2452}}

@@ -1,4 +1,4 @@
-// What files say of controls that are linear between knots.
+// Output of problems with controls that are linear between knots.
 #include <sstream>
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// What `verify` finds out about closed loops.
+// Checks of closed loops by `verify`.
 #include "output/report/loop_certificate.hpp"
 
 #include <fstream>
@@ -28,7 +28,7 @@ class LoopVerdict : public testing::Test {
   void replace_text(const char* name, const std::string& text) const {
     std::ofstream(folder_ / name) << text;
   }
-  /// The names of the checks that fail, in one line.
+  /// Names of the failed checks in one line.
   static std::string failures(const LoopCertificate& certificate) {
     std::string names;
     for (const Check& check : certificate.checks.checks)
@@ -40,7 +40,7 @@ class LoopVerdict : public testing::Test {
   const std::filesystem::path folder_ = temporary_.path();
 };
 
-/// A row of a table with another cell.
+/// A table row with one cell replaced.
 std::string with_cell(const std::string& text, int line, int cell, const std::string& value) {
   std::size_t begin = 0;
   for (int i = 1; i < line; ++i) begin = text.find('\n', begin) + 1;
@@ -61,7 +61,7 @@ TEST_F(LoopVerdict, HoldsWithSimulatedContactsCommandsAndRetiming) {
                   "mpc.commands.1.at=0.5", "mpc.commands.2.at=0.7"}));
 }
 
-/// The text of an example problem.
+/// Text of an example problem.
 std::string example(const char* name) {
   return read_text_file(std::filesystem::path(CONDDP_SOURCE_DIR) / "problems" / name, 1 << 20).text;
 }

@@ -14,7 +14,7 @@
 
 namespace conddp {
 
-/// A cart-pole that is pushed near its upright state and moves otherwise than the model.
+/// A cart-pole pushed near its upright state that moves differently from the model.
 inline const std::string kBalancedCartpole =
     std::string("conddp: 1\nname: balance\n") + kBalancing + R"(mpc:
   horizon: 1
@@ -55,7 +55,7 @@ solver: {name: box_fddp}
 mpc: {horizon: 0.1, tick: 0.02, duration: 0.2, feedback: {rate: 300}}
 )";
 
-/// A closed loop that has been simulated; with ticks that were late, as by a measured clock.
+/// A simulated closed loop, with late ticks as a measured clock would report them.
 struct SimulatedLoop {
   explicit SimulatedLoop(const std::string& text, const std::vector<std::string>& settings = {},
                          std::set<int> late = {}) {

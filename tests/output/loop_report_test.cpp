@@ -1,4 +1,4 @@
-// What the page of a closed loop is made from.
+// Data of the page of a closed loop.
 #include "output/report/loop_report.hpp"
 
 #include <sstream>
@@ -48,7 +48,7 @@ ReportedLoop trotting(const std::string& plant) {
       {"mpc={horizon: 0.4, tick: 0.02, duration: 0.3, repeat: gait, plant: " + plant + "}"});
 }
 
-/// The sum of the vertical forces at a row; contacts that are open are counted.
+/// Sum of the vertical forces at a row; counts open contacts.
 double carried(const OrderedJson& forces, std::size_t row, int& open) {
   double sum = 0;
   open = 0;
@@ -60,7 +60,7 @@ double carried(const OrderedJson& forces, std::size_t row, int& open) {
   return sum;
 }
 
-// 50 kg rise on four feet, and after 0.16 s on two of them.
+// 50 kg on four feet, and on two feet after 0.16 s.
 TEST(LoopReport, HasTheContactForcesOfThePlant) {
   for (const char* plant : {"{dt: 0.002}", "{contacts: simulated, dt: 0.002}"}) {
     SCOPED_TRACE(plant);

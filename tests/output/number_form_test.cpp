@@ -1,4 +1,4 @@
-// A document with blocks says what one with lists says.
+// Documents with number blocks and with lists are equivalent.
 #include <gtest/gtest.h>
 
 #include "base/json/number_block.hpp"

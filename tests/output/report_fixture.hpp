@@ -15,14 +15,14 @@
 
 namespace conddp {
 
-/// The entry of a list with this name.
+/// Entry of a list with this name.
 inline const OrderedJson& named(const OrderedJson& list, const std::string& name) {
   for (const OrderedJson& entry : list)
     if (entry["name"] == name) return entry;
   throw std::out_of_range(name + " is not in the list");
 }
 
-/// An example problem, with its answer after one iteration.
+/// An example problem with its answer after one iteration.
 class Report : public testing::Test {
  protected:
   void load(const std::string& name, const std::vector<std::string>& settings = {},

@@ -11,7 +11,7 @@
 namespace conddp {
 namespace {
 
-/// A trunk and a hip, to which everything else is fixed.
+/// A trunk and a hip with everything else fixed to them.
 constexpr const char* kVendorsRobot = R"(<robot name="vendor">
 <link name="trunk">
   <inertial><mass value="10"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>
@@ -60,7 +60,7 @@ costs: {effort: {residual: control}}
   return robot_shapes(*built);
 }
 
-/// Kinds by link, one after the other.
+/// Shape kinds by link, in order.
 std::map<std::string, std::string> kinds(const OrderedJson& shapes) {
   std::map<std::string, std::string> by_link;
   for (const OrderedJson& shape : shapes)
@@ -80,7 +80,7 @@ TEST(RobotShapes, EveryLinkHasAShapeDespiteFixedJoints) {
                                                                           {"mixed", "sphere "}}));
   for (const OrderedJson& shape : shapes.of_body[2]) {
     if (shape["link"] == "hip") {
-      // Of an ellipsoid with half axes a, b, c: I_x = m/5 (b² + c²), and so on.
+      // Ellipsoid with half axes a, b, c: I_x = m/5 (b² + c²), and so on.
       const double half_axes[] = {0.1, 0.05, 0.02};
       for (int i = 0; i < 3; ++i)
         EXPECT_NEAR(shape["radii"][i].get<double>(), half_axes[i], 1e-6) << i;

@@ -166,7 +166,7 @@ TEST(ContactOutput, PushesStandingFeetAndOmitsAirborneOnes) {
   }
 }
 
-/// The motion begins with the state that is chosen, of which the JSON tells how.
+/// The motion begins with the chosen state; the JSON document records the choice.
 TEST(ChosenStartOutput, CsvFileBeginsWithTheChosenState) {
   Diagnostics out;
   const auto spec = read_problem(
@@ -193,7 +193,7 @@ TEST(ChosenStartOutput, CsvFileBeginsWithTheChosenState) {
   EXPECT_EQ(trajectory["x"][1], OrderedJson({0.3, -0.7, 0.3, -0.7}));
   const auto former = parse_solution(json_text(solution_json(solution)), "solution.json", out);
   ASSERT_TRUE(former) << format_diagnostics(out, false);
-  // Behind the state that was given, at the same time.
+  // Follows the given state at the same time.
   EXPECT_EQ(std::vector(former->times.begin() + 1, former->times.end()), table->times);
   EXPECT_EQ(former->times[0], 0);
   EXPECT_EQ(*former->rows[1][1], -0.7);

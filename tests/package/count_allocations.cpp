@@ -1,5 +1,4 @@
-// A library to be loaded before a program (LD_PRELOAD): when the program ends it says on stderr how
-// often memory was allocated.
+// Library for LD_PRELOAD: at program exit it prints the number of allocations on stderr.
 #include <atomic>
 #include <cstdio>
 

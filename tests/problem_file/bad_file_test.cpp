@@ -9,8 +9,8 @@
 namespace conddp {
 namespace {
 
-/// A mistake in a problem file: what of the correct text is replaced by what, and what is then
-/// said. The place is marked by § in the replacement, or stands as "line:column: " in the message.
+/// A mistake in a problem file: the replaced text, the replacement, and the resulting message. The
+/// place is marked by § in the replacement or given as "line:column: " in the message.
 struct Mistake {
   const char* name;
   const char* from;
@@ -21,7 +21,7 @@ struct Mistake {
 
 void PrintTo(const Mistake& m, std::ostream* stream) { *stream << m.name; }
 
-/// Takes the mark out of a text and returns its place as "line:column: ".
+/// Removes the mark from a text and returns its place as "line:column: ".
 std::string take_mark(std::string& text) {
   constexpr std::string_view kMark = "§";
   const std::size_t at = text.find(kMark);
@@ -333,7 +333,7 @@ TEST(BadFile, NothingIsDroppedTwice) {
   EXPECT_EQ(loaded.error()->message, "--drop torque stands twice on the command line");
 }
 
-/// A hinge and one that mimics it, with limits.
+/// A hinge and a mimic joint, with limits.
 std::string mimic_urdf(const std::string& follower_limits) {
   const std::string link =
       "<inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixy='0' "

@@ -59,7 +59,7 @@ costs: {{bend: {{{}}}}}
             "8:54:" + at);
   EXPECT_EQ(warnings(towards("residual: state, reference: {joints: {hip: 45}}")), "8:54:" + at);
   EXPECT_EQ(warnings(towards("residual: state, reference: bent")), "8:44:" + at);
-  // What is not mentioned is no wish, and the initial state warns for itself.
+  // Unmentioned coordinates have no reference, and the initial state has its own warning.
   EXPECT_EQ(warnings(towards("residual: joint_position, reference: {hip: 0.4}")), "");
   EXPECT_EQ(warnings(towards("residual: state, reference: initial")), "");
 }
@@ -279,7 +279,7 @@ TEST(Build, RobotsTakeReferencesFromConfigurations) {
   const KnotModel& model = *loaded.built->problem->knot(0).model;
   const double* p = loaded.built->problem->knot(0).parameters;
   ASSERT_EQ(model.costs().size(), 7u);
-  // The tip of the pole is at (0.5 sin θ, 0, −0.5 cos θ), as the URDF's comment says.
+  // The pole tip is at (0.5 sin θ, 0, −0.5 cos θ), as the comment in the URDF states.
   EXPECT_NEAR(p[model.costs()[0].parameters], 0.5 * std::sin(3), 1e-12);
   EXPECT_NEAR(p[model.costs()[0].parameters + 2], -0.5 * std::cos(3), 1e-12);
   EXPECT_EQ(p[model.costs()[2].parameters], 2);
@@ -377,7 +377,7 @@ constraints: {thrust: {bounds: control, from: urdf}}
   EXPECT_TRUE(std::isinf(model.control_lower()[1]));
 }
 
-/// Initial costs of test cases from the literature: reference values from Altro.jl's problems.
+/// Initial costs of test cases from the literature, with reference values from Altro.jl's problems.
 struct InitialCost {
   const char* name;
   std::string text;

@@ -1,4 +1,4 @@
-// The clock of systems that depend on the time, which is a part of the state by its name only.
+// The clock of time-dependent systems, which is part of the state only by name.
 #include "analysis/comparison/random_instance.hpp"
 #include "problem_text.hpp"
 #include "solvers/strategies/registry.hpp"
@@ -36,7 +36,7 @@ SolveResult answer_by_altro(const Loaded& loaded) {
   return solve(*loaded.built->problem, "altro", loaded.spec->solver.options, loaded.built->guess);
 }
 
-/// The rows of the constraint of this name at its first node; 0 where there is none.
+/// Rows of the constraint of this name at its first node; 0 if absent.
 int rows_named(const Loaded& loaded, std::string_view name) {
   for (const NodeConstraint& c : loaded.built->problem->constraints())
     if (c.term->name == name) return c.term->rows;

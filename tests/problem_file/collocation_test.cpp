@@ -16,8 +16,8 @@
 namespace conddp {
 namespace {
 
-/// A pendulum swings up to rest in a given time with the least effort, which is exact for controls
-/// that are held: what is left is the error of the dynamics.
+/// A pendulum swings up to rest in a given time with minimum effort, which is exact for constant
+/// controls: only the error of the dynamics remains.
 std::string swing_up(const std::string& integrator, int knots, const std::string& solver) {
   return "conddp: 1\nsystem: {type: pendulum}\ninitial_state: {values: {theta: 0}}\nintegrator: " +
          integrator + "\nphases:\n  - {name: swing, knots: " + std::to_string(knots) +
@@ -50,7 +50,7 @@ TEST_P(CollocationProblem, HasTheSameOptimumWithAllItsSolvers) {
   }
 }
 
-/// First derivatives by dual numbers, those and Hessians by differences beside the guess.
+/// First derivatives by dual numbers, and Hessians by their differences, near the guess.
 void expect_true_derivatives(const BuiltProblem& built) {
   std::mt19937_64 engine(2);
   for (const DerivativeComparison& c : check_derivatives(*built.problem, built.guess))
@@ -73,7 +73,7 @@ TEST_P(CollocationProblem, HasDerivativesThatAgreeWithDifferences) {
   }
 }
 
-/// A duration that is chosen: h is a number of the state.
+/// With a free duration, h is part of the state.
 TEST_P(CollocationProblem, HasDerivativesByADurationThatIsChosen) {
   const Loaded loaded(replaced(replaced(swing_up(GetParam(), 4, "ipopt"), "phases:\n",
                                         "phases:\n  - {name: start, choose: none}\n"),
@@ -111,7 +111,7 @@ TEST_P(CollocationProblem, HasCostsOnActuatorsAlone) {
                                "effort: {residual: control}, rate: {residual: control_rate}"));
   ASSERT_TRUE(loaded.built) << loaded.all();
   const ShootingProblem& problem = *loaded.built->problem;
-  EXPECT_EQ(problem.nx(), 3);  // of which the last one is the previous torque
+  EXPECT_EQ(problem.nx(), 3);  // the last one is the previous torque
   EXPECT_EQ(loaded.built->state_columns.back().name, "previous/torque");
   expect_true_derivatives(*loaded.built);
   for (const CostTerm& cost : problem.knot(0).model->costs())
@@ -119,7 +119,7 @@ TEST_P(CollocationProblem, HasCostsOnActuatorsAlone) {
   const SolveResult result = solve(loaded);
   EXPECT_EQ(result.status, SolveStatus::converged);
   EXPECT_NEAR(result.trajectory.x(3)[2], result.trajectory.u(2)[0], 1e-9);
-  // Feedback on the previous torque as well.
+  // Includes feedback on the previous torque.
   EXPECT_LE(replay(problem, result.trajectory, result.feedback.K).feedback.deviation, 0.1);
 }
 
@@ -136,7 +136,7 @@ INSTANTIATE_TEST_SUITE_P(Rules, CollocationProblem,
                          ::testing::Values("trapezoidal", "hermite_simpson"),
                          [](const auto& rule) { return std::string(rule.param); });
 
-/// Both rules are of order 4, so the optima on one grid of controls come together with order 4.
+/// Both rules have order 4, so their optima on one control grid converge with order 4.
 TEST(CollocationOptimum, ApproachesThatOfRungeKuttaWithOrderFour) {
   double off[2];
   for (const int half : {0, 1}) {
@@ -154,7 +154,7 @@ TEST(CollocationOptimum, ApproachesThatOfRungeKuttaWithOrderFour) {
   EXPECT_GT(std::log2(off[0] / off[1]), 3) << off[0] << ", " << off[1];
 }
 
-/// What the plan promises is what its controls do: the error between them has the rule's order.
+/// The planned motion and the replay of its controls differ by an error of the rule's order.
 TEST(CollocationOptimum, IsReplayedWithAnErrorOfItsOrder) {
   for (const auto& [integrator, order] :
        {std::pair{"trapezoidal", 2.0}, std::pair{"hermite_simpson", 4.0}}) {
@@ -171,7 +171,7 @@ TEST(CollocationOptimum, IsReplayedWithAnErrorOfItsOrder) {
   }
 }
 
-/// Explicit rules would diverge on the replay's grid too, ten times as fine.
+/// Explicit rules would diverge even on the replay grid, which is ten times finer.
 TEST(CollocationOptimum, IsReplayedOnAStiffSystem) {
   for (const char* integrator : {"trapezoidal", "hermite_simpson"}) {
     const Loaded loaded(replaced(swing_up(integrator, 20, "ipopt"), "type: pendulum",
@@ -184,7 +184,7 @@ TEST(CollocationOptimum, IsReplayedOnAStiffSystem) {
                                              Eigen::MatrixXd::Zero(plan.nu(0), plan.x(0).size()));
     const Replay played = replay(*loaded.built->problem, plan, gains);
     EXPECT_EQ(played.controls.lost_at, -1) << integrator;
-    // The torque over the damping, for 2 s.
+    // Torque over damping for 2 s.
     EXPECT_NEAR(played.controls.final_state, 0.008, 1e-4) << integrator;
   }
 }

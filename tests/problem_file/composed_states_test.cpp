@@ -1,5 +1,5 @@
-// Free durations beside what states remember, what costs by its distance, swings and times in
-// expressions, and periodic motions beside the previous control.
+// Free durations together with remembered states, distance costs, swings, and times in expressions,
+// and periodic motions with the previous control.
 #include <cmath>
 #include <fstream>
 #include <sstream>
@@ -16,7 +16,8 @@
 namespace conddp {
 namespace {
 
-/// A mass moves a metre; DURATION is its time, free or given, and TERMS its costs and constraints.
+/// A mass moves one metre; DURATION is its time, free or given, and TERMS its costs and
+/// constraints.
 constexpr std::string_view kComposedMotion = R"(conddp: 1
 system: {states: {x: m, v: m/s}, controls: {u: N}, rate: {x: v, v: u - 0.2*v*v}}
 initial_state: {values: {x: 0, v: 0}PREVIOUS}
@@ -35,7 +36,7 @@ struct ComposedCase {
   const char *name, *previous, *terms;
 };
 
-/// In each the best time is between its bounds.
+/// Each has its optimal time strictly between the bounds.
 constexpr ComposedCase kComposedCases[] = {
     {"soft by its distance", "", R"(costs:
   time: {residual: expression, rows: 1 + 0.1*x, activation: linear, weight: 2}
@@ -119,8 +120,8 @@ TEST(ComposedStates, HaveTheDerivativesOfDualNumbers) {
   }
 }
 
-/// The best duration is one that cannot be improved upon by giving another, and with it the costs
-/// are those of the file with that duration.
+/// No given duration improves on the optimal one, and with it the costs match the file with that
+/// duration.
 TEST(ComposedStates, BestDurationBeatsFixedDurations) {
   for (const ComposedCase& c : kComposedCases) {
     SCOPED_TRACE(c.name);
@@ -196,7 +197,7 @@ TEST(ComposedStates, AreReplayed) {
   EXPECT_LT(replayed.feedback.deviation, 1e-8);
 }
 
-/// Rows are on the state, the control and all times, with the durations that states hold.
+/// Rows depend on the state, the control, and all times, including durations in the state.
 TEST(ComposedStates, TimesOfRowsAreThoseOfTheDurations) {
   const std::string text = R"(conddp: 1
 system: {states: [x], controls: [u], rate: {x: u}}
@@ -243,7 +244,7 @@ solver: {name: altro}
   EXPECT_EQ(end[5], 3.5);
 }
 
-/// What a file calls so is not the time.
+/// A name defined in the file is not the time.
 TEST(ComposedStates, NamesInTheFileShadowTimes) {
   const std::string text = R"(conddp: 1
 parameters: {final_time: 7}
@@ -258,8 +259,8 @@ solver: {name: ipopt}
   EXPECT_EQ(loaded.built->problem->knot(0).model->parameter_count(), 2) << "reference and weight";
 }
 
-/// Steps of half a second with u = (1, 2, 3): an integral of u² is 0.5 (1 + 4 + 9), and one of the
-/// second phase alone 0.5 (4 + 9).
+/// Steps of half a second with u = (1, 2, 3): the integral of u² is 0.5 (1 + 4 + 9), and 0.5 (4 +
+/// 9) over the second phase.
 TEST(ComposedStates, IntegralsGrowByStepTimesExpression) {
   const std::string text = R"(conddp: 1
 system: {states: [x], controls: [u], rate: {x: u}}
@@ -297,7 +298,7 @@ solver: {name: altro}
   }
 }
 
-/// As far as a mass comes in a second with so much work.
+/// Maximum distance of a mass in one second with limited work.
 TEST(ComposedStates, AnIntegralIsLimited) {
   const Loaded loaded(R"(conddp: 1
 system: {states: [x, v], controls: [u], rate: {x: v, v: u}}
@@ -384,7 +385,7 @@ TEST(ComposedStates, EquationsNamePhaseTimeAndFinalTime) {
     Evaluator(*free.built->problem).evaluate(a, costs);
     Evaluator(*fixed.built->problem).evaluate(b, given);
     EXPECT_NEAR(costs.cost.sum(), given.cost.sum(), 1e-11 * std::abs(given.cost.sum()));
-    // What the file's own guess holds is what was chosen.
+    // The file's own guess of the duration is the chosen value.
     EXPECT_EQ(free.built->guess.x(5)[column(free, "duration/first")], 1);
     const SolveResult best = solve_composed(free, "altro");
     ASSERT_EQ(best.status, SolveStatus::converged) << best.message;
@@ -414,8 +415,8 @@ costs: {effort: {residual: control}}
   EXPECT_NEAR(t.x(4)[1], 6, 1e-12);
 }
 
-/// Each phase is collocated with its own times: derivatives are exact, and durations that are free
-/// have the optimum of those that are given.
+/// Each phase is collocated with its own times: derivatives are exact, and free durations reach the
+/// optimum of the given ones.
 TEST(ComposedStates, EquationsThatNameTimesAreCollocated) {
   for (const char* rule : {"trapezoidal", "hermite_simpson", "radau3", "radau5"})
     for (const bool second_order : {false, true}) {
@@ -447,9 +448,9 @@ TEST(ComposedStates, EquationsThatNameTimesAreCollocated) {
     }
 }
 
-/// x' = s u with the time s of the phase: a control in a knot moves x by m h u, where m is s in the
-/// middle, and all rules are exact there. From 0 to 1 the least ½ Σ h u² is ½/Σ h m²: of the knots,
-/// h m² are 0.5/16, 0.5 · 9/16, 1/4 and 9/4, together 2.8125.
+/// x' = s u with phase time s: a control in a knot moves x by m h u, where m is s at the middle,
+/// and all rules are exact. From 0 to 1, the minimum of ½ Σ h u² is ½/Σ h m². The knots have h m² =
+/// 0.5/16, 0.5 · 9/16, 1/4, and 9/4, together 2.8125.
 TEST(ComposedStates, RestartedPhaseTimeIsOptimalByAllRules) {
   for (const char* rule : {"rk2", "rk4", "trapezoidal", "hermite_simpson", "radau3", "radau5"}) {
     const Loaded loaded(replaced(R"(conddp: 1
@@ -472,8 +473,8 @@ solver: {name: altro, tolerances: {stationarity: 1.0e-10, constraint: 1.0e-10}}
   }
 }
 
-/// A motion that comes back, with costs on changes of the control, has no first knot: where it
-/// begins does not count.
+/// A periodic motion with control-change costs has no first knot, so its starting point does not
+/// matter.
 TEST(ComposedStates, PeriodicMotionsComeBackToThePreviousControl) {
   constexpr std::string_view text = R"(conddp: 1
 system: {states: [x, v], controls: [u], rate: {x: v, v: u - x - 0.3*v}}
@@ -514,8 +515,8 @@ solver: {name: altro, tolerances: {stationarity: 1.0e-8}}
   ASSERT_TRUE(named.built) << named.all();
 }
 
-/// The hop of a hopper with its swing, whose phases last as long as the solver likes: the cost of
-/// the touch-down is of a moment.
+/// A hopper's hop with its swing and free phase durations: the touch-down cost belongs to an
+/// instant.
 TEST(ComposedStates, SwingsGoWithFreeDurations) {
   const Loaded loaded(hopper_with_free_durations());
   ASSERT_TRUE(loaded.built) << loaded.all();
@@ -526,7 +527,7 @@ TEST(ComposedStates, SwingsGoWithFreeDurations) {
   ASSERT_EQ(result.status, SolveStatus::converged) << result.message;
 }
 
-/// A swing ends where a phase with a free duration begins: its cost there is that of a moment.
+/// A swing ends at the start of a phase with free duration: its cost there belongs to an instant.
 TEST(ComposedStates, TouchDownCostIsIndependentOfDuration) {
   std::stringstream file;
   file << std::ifstream(kProblems / "hopper_cycle.yaml").rdbuf();

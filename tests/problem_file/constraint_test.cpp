@@ -39,7 +39,7 @@ std::vector<NodeConstraint> named(const ShootingProblem& problem, const std::str
   return list;
 }
 
-/// Where a constraint first holds, its values with every state at the initial one.
+/// Values of a constraint at its first node with every state at the initial one.
 std::vector<double> initial_values(const ShootingProblem& problem, const std::string& name) {
   Evaluation evaluation(problem);
   Evaluator(problem).evaluate(problem.create_trajectory(), evaluation);
@@ -164,14 +164,14 @@ TEST(Constraints, FrictionConesHoldOnlyDuringContact) {
   ASSERT_TRUE(loaded.built) << loaded.all();
   const ShootingProblem& problem = *loaded.built->problem;
   const auto exact = named(problem, "exact");
-  // Three knots: a cone of each foot, and the limit of one normal force.
+  // Three knots: a cone of each foot, and one limit of a normal force.
   ASSERT_EQ(exact.size(), 9u);
   EXPECT_EQ(exact[0].term->kind, ConstraintKind::second_order_cone);
   EXPECT_EQ(exact[2].term->kind, ConstraintKind::bounds);
   EXPECT_EQ(exact[2].upper[0], 300);
   EXPECT_EQ(named(problem, "pyramid")[0].term->rows, 7);
 
-  // The cone of a force that stands on its surface has distance 0 in both.
+  // A force on the cone's surface has distance 0 in both forms.
   Evaluation evaluation(problem);
   Trajectory t = problem.create_trajectory();
   Evaluator(problem).evaluate(t, evaluation);
@@ -228,7 +228,7 @@ constraints: {slow: {residual: state, columns: ["w*", vy, "v*", "*"], upper: 10}
 solver: {name: altro}
 )");
   ASSERT_TRUE(loaded.built) << loaded.all();
-  // In the order of the patterns, each once, without the numbers of the rotation.
+  // In the order of the patterns, without duplicates and without rotation entries.
   EXPECT_EQ(initial_values(*loaded.built->problem, "slow"),
             (std::vector<double>{0, 0, 7, 5, 4, 6, 1, 2, 3}));
 }
@@ -274,7 +274,7 @@ TEST(Constraints, NoContradictionWhereValuesRemain) {
       expression("a", "2*theta - 2, equals: -1") + expression("b", "theta, equals: 0.5"),
       expression("a", "cos(theta), lower: 0.9") + expression("b", "theta, upper: 0.2"),
       expression("a", "1/(theta + 5), lower: 0.3") + expression("b", "theta, upper: 0.2"),
-      // The branches of a choice are parallel, and miss each other.
+      // The branches of a conditional are parallel and do not meet.
       expression("a", "'if(theta < 1, theta, theta - 9)', upper: -5") +
           expression("b", "theta, lower: 2"),
       expression("a", "theta + omega, lower: 5") + expression("b", "theta, upper: 0.2")};
@@ -284,7 +284,7 @@ TEST(Constraints, NoContradictionWhereValuesRemain) {
   }
 }
 
-/// Controls from `lower` on, which change by at most 0.5 from knot to knot.
+/// Controls bounded below by `lower` that change by at most 0.5 per knot.
 std::string slow_controls(double lower, const std::string& initial) {
   return fmt::format(R"(conddp: 1
 system: {{states: {{x: m}}, controls: {{u: m/s}}, rate: {{x: u}}}}
@@ -387,7 +387,7 @@ TEST(Constraints, DroppedConstraintsStillReportTheirViolation) {
     EXPECT_EQ(violation(dropped, problem, t), dropped.name == "speed" ? 2 : 0.5) << dropped.name;
 }
 
-/// At which nodes a constraint holds.
+/// Nodes at which a constraint holds.
 std::vector<int> nodes_of(const ShootingProblem& problem, const std::string& name) {
   std::vector<int> nodes;
   for (const NodeConstraint& c : named(problem, name)) nodes.push_back(c.node);
@@ -409,7 +409,7 @@ TEST(NodesOfConstraints, IncludeKnotStartsAndPhaseEnds) {
 }
 
 TEST(NodesOfConstraints, EndsBelongToThePhaseBefore) {
-  // The last phase has other states, and the jump between takes no time.
+  // The last phase has different states, and the jump between is instantaneous.
   const std::string text = R"(conddp: 1
 systems:
   slide: {states: {x: m, v: m/s}, controls: {a: m/s^2}, rate: {x: v, v: a}}

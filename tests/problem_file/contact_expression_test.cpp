@@ -1,4 +1,4 @@
-// Expressions that read forces and velocities of contacts.
+// Expressions that read contact forces and velocities.
 #include <gtest/gtest.h>
 
 #include "analysis/derivatives/derivative_check.hpp"
@@ -45,7 +45,7 @@ TEST(ContactExpressions, CountWhereAllTheirContactsAreHeld) {
   EXPECT_TRUE(is_on(4));
 }
 
-/// The rows of a cost at a knot in the guess, and the forces there by the contacts' order.
+/// Cost rows at a knot of the guess, and the forces there in contact order.
 struct AtKnot {
   std::vector<double> rows;
   std::vector<Force<double>> forces;
@@ -75,7 +75,7 @@ AtKnot at_knot(const Loaded& loaded, int k) {
 TEST(ContactExpressions, ReadContactForcesInEverySystem) {
   const Loaded loaded(kShared);
   ASSERT_TRUE(loaded.built) << loaded.all();
-  // All four are held first, then RF and LH.
+  // All four feet are held first, then RF and LH.
   for (const auto& [knot, front, hind] : {std::tuple{0, 1, 2}, {4, 0, 1}}) {
     const AtKnot at = at_knot(loaded, knot);
     ASSERT_EQ(at.rows.size(), 2u);

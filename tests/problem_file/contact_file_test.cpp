@@ -1,4 +1,4 @@
-// Contacts, impulses, swings and the last node's contacts as problem files say them.
+// Contacts, impulses, swings, and terminal contacts in problem files.
 #include <cmath>
 
 #include <fmt/format.h>
@@ -35,7 +35,7 @@ TEST(ContactFile, WarnsAboutSoleFramesOffTheNormal) {
                              "{frame: rh_foot, type: surface, size: [0.1, 0.1]" + keys + "}"));
   };
   EXPECT_EQ(with(", axes: local"), "");
-  // Hip and knee turn it.
+  // Hip and knee rotate it.
   EXPECT_NE(with("").find("7:15: the z axis of the sole 'rh_foot' is 43° "), std::string::npos)
       << with("");
   EXPECT_NE(with(", axes: local, normal: [0.5, 0, 0.866]").find(" is 30° off the normal"),
@@ -159,7 +159,7 @@ TEST(Swing, ArchesFromStanceToTouchDown) {
   for (int k = 0; k < 20; ++k) {
     const CostAt cost = cost_at(problem, k, "swing");
     const bool swings = k >= 5 && k <= 15;
-    // A rate while it swings, and a moment at the touch-down.
+    // A rate during the swing, and an instantaneous cost at touch-down.
     EXPECT_NEAR(cost.weight, k == 15 ? 100 : swings ? 100 * 0.02 : 0, 1e-12) << k;
     if (!swings) continue;
     const double s = (k - 5) / 10.0, along = s * s * (3 - 2 * s);
@@ -178,7 +178,7 @@ TEST(Swing, IsEvenInTimeAcrossPhasesAndImpulses) {
                "phases: lift", "phases: [lift, other, on]"));
   ASSERT_TRUE(whole.built) << whole.all();
   const ShootingProblem& problem = *whole.built->problem;
-  // Half-way is reached after 0.1 s: before and after the impulse, whatever the steps.
+  // Halfway is reached after 0.1 s, before and after the impulse, for any steps.
   const double top = cost_at(problem, 15, "swing").reference[2];
   EXPECT_EQ(cost_at(problem, 16, "swing").reference[2], top);
   EXPECT_NEAR(top - cost_at(problem, 5, "swing").reference[2], 0.1, 1e-12);
@@ -231,7 +231,7 @@ TEST(LastNode, IsTouchDownIfItHoldsTheFoot) {
   EXPECT_NEAR(landing.reference[0] - cost_at(problem, 5, "swing").reference[0], 0.2, 1e-12);
 }
 
-/// How an error that starts at rest and of size 1 has grown after many steps.
+/// Growth of a unit error at rest after many steps.
 double error_after(Integrator integrator, double kp, double kd, double dt) {
   double e = 1, v = 0;
   const auto a = [&](double x, double w) { return -kp * x - kd * w; };
@@ -261,7 +261,7 @@ TEST(Baumgarte, IsCalledStableExactlyWhereErrorsDieAway) {
         const double dt = 0.01;
         const double left = error_after(integrator, kp, kd, dt);
         const bool is = is_stable(integrator, kp, kd, dt);
-        // Slow ones have not died away yet, but none grows.
+        // Slow errors have not decayed yet, but none grows.
         if (is)
           EXPECT_LT(left, 1) << kp << ' ' << kd;
         else
@@ -287,7 +287,7 @@ TEST(Baumgarte, WarnsAboutUnstableStepsAndSaysWhy) {
             "4:35: the contact 'LF' is stabilized more stiffly (kp 6000 1/s², kd 50 1/s) than the "
             "time step 0.02 s of phase 'stand' carries: errors grow (lower kp and kd, or take "
             "smaller steps)\n");
-  // A phase that does not hold the contact does not matter.
+  // A phase without the contact is irrelevant.
   EXPECT_EQ(warnings(replaced(replaced(with("kd: 150"), "knots: 5, dt: 0.02, contacts: all}\n  - ",
                                        "knots: 5, dt: 0.01, contacts: all}\n  - "),
                               "knots: 5, dt: 0.02, contacts: all}\ncosts",

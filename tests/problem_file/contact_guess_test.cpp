@@ -1,4 +1,4 @@
-// Guesses of controls and contact forces of contact-implicit steps.
+// Guesses of controls and contact forces for contact-implicit steps.
 #include <cmath>
 
 #include "ocp/residuals/stepping_residual.hpp"
@@ -24,7 +24,7 @@ struct Held {
   int first() const { return built->problem->phases().front().instant ? 1 : 0; }
   auto w(int k) const { return built->guess.u(k); }
 
-  /// What is left of the equations of motion in a step.
+  /// Residual of the equations of motion in a step.
   Eigen::VectorXd left(int k) const {
     const auto equations = stepping_residual(built->plant.stepping(), built->problem->ndx());
     const auto data = system().create_data(double{});
@@ -38,8 +38,8 @@ struct Held {
   std::optional<BuiltProblem> built;
 };
 
-/// Forces stand off their bounds by a hundredth of a newton, which may move a robot by as much
-/// times a lever.
+/// Forces keep a hundredth of a newton off their bounds, which may produce that force times a lever
+/// arm.
 constexpr double kOffBounds = 0.05;
 
 TEST(ContactGuess, ForcesCarryTheWeightOnASlope) {
@@ -52,7 +52,7 @@ TEST(ContactGuess, ForcesCarryTheWeightOnASlope) {
     EXPECT_LE(w[c.friction.force[0]] + w[c.friction.force[1]], 0.5 * w[c.force] + 1e-9);
   }
   EXPECT_NEAR(normal, 9.81 * std::cos(0.3), kOffBounds);
-  EXPECT_NEAR(w[0] + along, -9.81 * std::sin(0.3), kOffBounds);  // the force and friction
+  EXPECT_NEAR(w[0] + along, -9.81 * std::sin(0.3), kOffBounds);  // force and friction
   EXPECT_LT(block.left(10).lpNorm<Eigen::Infinity>(), kOffBounds);
   EXPECT_EQ(block.built->guess_used.controls,
             "those that hold the guessed states together with contact forces");
@@ -98,7 +98,7 @@ TEST(ContactGuess, ConeHoldsByItsUsedFrictionShare) {
        "contact_candidates.front.against.half_space.normal=[0.09983341664, 0, 0.99500416527]",
        "contact_candidates.left.against.half_space.normal=[0.09983341664, 0, 0.99500416527]",
        "contact_candidates.right.against.half_space.normal=[0.09983341664, 0, 0.99500416527]"});
-  const auto w = puck.w(20);  // where the forces on the puck have to be zero
+  const auto w = puck.w(20);  // forces on the puck must vanish
   double normal = 0;
   for (const auto& c : puck.layout().candidates) {
     normal += w[c.force];

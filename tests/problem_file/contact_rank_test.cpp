@@ -8,7 +8,7 @@
 namespace conddp {
 namespace {
 
-/// A hopper in the plane of x and z, whose foot is held in one direction.
+/// A hopper in the x-z plane whose foot is held in one direction.
 std::string planar_hopper(const std::string& normal) {
   return fmt::format(R"(conddp: 1
 robot: {{urdf: robots/hopper.urdf, base: planar, placement: {{rpy: [1.5707963267948966, 0, 0]}}}}

@@ -9,10 +9,10 @@
 namespace conddp {
 namespace {
 
-/// From x = 1 with v = 0.33 to 0, for 1 s by an acceleration and for 1 s by a velocity. An
-/// acceleration in knot k moves the end by c dt, c = 0.9, 0.7, …, 0.1, and a velocity by dt:
-/// 1.33 + Σ c a dt + Σ w dt = 0 with least ½ Σ (a² + w²) dt. Σ c² dt + Σ dt is 0.33 + 1, so that
-/// a = −c and w = −1.
+/// From x = 1 with v = 0.33 to 0: 1 s by acceleration, then 1 s by velocity. An acceleration in
+/// knot k moves the end by c dt with c = 0.9, 0.7, …, 0.1, and a velocity by dt. The constraint is
+/// 1.33 + Σ c a dt + Σ w dt = 0 with minimum ½ Σ (a² + w²) dt. Since Σ c² dt + Σ dt = 0.33 + 1, the
+/// optimum is a = −c and w = −1.
 constexpr std::string_view kHandover = R"(conddp: 1
 name: handover
 systems:
@@ -30,9 +30,9 @@ terminal:
 solver: {name: altro, tolerances: {stationarity: 1.0e-10, constraint: 1.0e-11}}
 )";
 
-/// From x = 1.72 to 0, for 1 s by a velocity and for 1 s by an acceleration, with a velocity of
-/// half the place at the beginning of that: 1.5 (1.72 + Σ u dt) + Σ c a dt = 0. With Σ 1.5² dt + Σ
-/// c² dt = 2.25 + 0.33 that is u = −1.5 and a = −c.
+/// From x = 1.72 to 0: 1 s by velocity, then 1 s by acceleration, starting with a velocity of half
+/// the position: 1.5 (1.72 + Σ u dt) + Σ c a dt = 0. With Σ 1.5² dt + Σ c² dt = 2.25 + 0.33, the
+/// optimum is u = −1.5 and a = −c.
 constexpr std::string_view kLeap = R"(conddp: 1
 name: leap
 parameters: {gain: 0.5}
@@ -102,7 +102,7 @@ TEST(DifferentStates, AJumpGivesAStateItsFirstValue) {
   }
 }
 
-/// Rules of collocation are exact on these motions, too.
+/// Collocation rules are exact on these motions too.
 TEST(DifferentStates, AreCollocatedToTheSameOptimum) {
   for (const char* rule : {"trapezoidal", "hermite_simpson", "radau3", "radau5"})
     for (const std::string_view text : {kHandover, kLeap}) {
@@ -124,8 +124,8 @@ TEST(DifferentStates, AreCollocatedToTheSameOptimum) {
     }
 }
 
-/// Slopes of states that rest are controls as well, so that all phases have the same columns of
-/// them. Guesses are of the actuators, and slopes follow.
+/// Slopes of resting states are controls too, so all phases have the same slope columns. Guesses
+/// cover the actuators, and slopes follow.
 TEST(DifferentStates, HaveSlopesBesideTheControlsOfTheirPhases) {
   const Loaded loaded(replaced(kHandover, "initial_state",
                                "integrator: trapezoidal\ninitial_guess: {controls: {constant: {a: "
@@ -178,7 +178,7 @@ TEST(DifferentStates, NamedBoundsApplyToPhasesWithTheControl) {
   ASSERT_TRUE(loaded.built) << loaded.all();
   for (const char* solver : {"altro", "ipopt"}) {
     const SolveResult result = answer_of(loaded, solver);
-    // What is left for the accelerations: 0.83 = λ Σ c² dt.
+    // Remaining for the accelerations: 0.83 = λ Σ c² dt.
     EXPECT_NEAR(result.cost, 0.5 * 0.83 * 0.83 / 0.33 + 0.125, 1e-8) << solver << result.message;
     EXPECT_NEAR(result.trajectory.u(7)[0], -0.5, 1e-9) << solver;
   }
@@ -279,7 +279,7 @@ TEST(DifferentStates, FreeDurationsAndParametersGoWithThem) {
   EXPECT_EQ(names_of(loaded.built->plant.system->state_columns()), (Names{"x", "v", "gain"}));
   const SolveResult result = answer_of(loaded, "ipopt");
   ASSERT_EQ(result.status, SolveStatus::converged) << result.message;
-  // The largest factor and the longest time are best: 1.33²/2 / (0.33 + 2² · 2).
+  // The largest factor and the longest time are optimal: 1.33²/2 / (0.33 + 2² · 2).
   EXPECT_NEAR(result.cost, 0.5 * 1.33 * 1.33 / 8.33, 1e-7);
 }
 

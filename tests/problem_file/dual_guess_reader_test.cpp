@@ -11,7 +11,7 @@
 namespace conddp {
 namespace {
 
-/// The small pendulum with a bound on its speed and an end.
+/// The small pendulum with a speed bound and a terminal constraint.
 std::string problem_text(int knots = 4, const char* speed = "speed") {
   std::string text = replaced(kPendulum, "name: box_ddp", "name: altro");
   text = replaced(text, "knots: 4", "knots: " + std::to_string(knots));
@@ -21,7 +21,7 @@ std::string problem_text(int knots = 4, const char* speed = "speed") {
                   "terminal:\n  constraints: {end: {residual: state, columns: theta}}\n");
 }
 
-/// A solution of problem_text() with multipliers that tell where they belong.
+/// A solution of problem_text() with multipliers that identify their places.
 std::string solution_text(double first = 1) {
   std::string costates, constraints, controls;
   for (int k = 0; k <= 10; ++k) costates += (k > 0 ? ",[" : "[") + std::to_string(k) + ",0.5]";

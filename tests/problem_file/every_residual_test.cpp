@@ -1,6 +1,6 @@
-// Every residual alone in every role it can have: what a residual needs of a problem (a state that
-// holds the previous control or the first state, forces of contacts) must come with it, not with
-// the cost that usually accompanies it.
+// Each residual alone in every possible role. Its requirements (previous control or initial state
+// in the state, contact forces) must come with the residual, not with a cost that usually
+// accompanies it.
 #include <gtest/gtest.h>
 
 #include "analysis/derivatives/derivative_check.hpp"
@@ -11,7 +11,7 @@
 namespace conddp {
 namespace {
 
-/// Keys that residuals cannot do without.
+/// Required keys of residuals.
 std::string keys(const ResidualDefinition& residual) {
   std::string keys;
   if (residual.has("frame")) keys += ", frame: lf_foot";
@@ -32,7 +32,7 @@ constexpr Role kRoles[] = {Role::kCost, Role::kHard,    Role::kL1,           Rol
 
 bool of_the_last_node(Role role) { return role == Role::kTerminalCost || role == Role::kTerminal; }
 
-/// A quadruped on one foot (a sole where the residual asks for one), and nothing but the residual.
+/// A quadruped on one foot (a sole if the residual requires it) with only the residual.
 std::string problem_with(const ResidualDefinition& residual, Role role) {
   const bool sole = residual.name == "wrench_cone" || residual.name == "center_of_pressure";
   std::string text = fmt::format(
@@ -82,7 +82,7 @@ TEST(EveryResidual, WorksAloneInEveryRole) {
   int tried = 0;
   for (const ResidualDefinition* residual : residual_table())
     for (const Role role : kRoles) {
-      if (residual->name == "library") continue;  // of states without rotations in space
+      if (residual->name == "library") continue;  // of states without spatial rotations
       if (of_the_last_node(role) && !residual->at_last_node()) continue;
       if (role == Role::kNorm && (residual->is_cone || residual->needs.shapes)) continue;
       const std::string text = problem_with(*residual, role);

@@ -15,7 +15,7 @@
 namespace conddp {
 namespace {
 
-/// Files that together use every object of the schema, once with nothing but what is required.
+/// Files that together use every object of the schema, including one with only the required keys.
 std::vector<std::string> corpus() {
   std::vector<std::string> texts = {std::string(kPendulum), std::string(kCartpole)};
   for (const auto& file : ready_problems()) texts.push_back(read_file(file));
@@ -375,7 +375,7 @@ class DefaultWalk {
         if (!known.contains(key)) compare(target["additionalProperties"], value);
   }
 
-  /// Keys with a default that an expansion left out somewhere.
+  /// Keys with a default that some expansion omitted.
   const std::set<std::string>& missing() const { return missing_; }
   /// Keys whose default no expansion showed.
   std::set<std::string> unseen() const {
@@ -400,7 +400,7 @@ class DefaultWalk {
   const Json& default_of(const Json& part) const {
     return part.contains("default") ? part["default"] : resolved(part)["default"];
   }
-  /// Whether a branch is the one that describes the document: by its keys.
+  /// True if the keys of the document match this branch.
   bool takes(const Json& branch, const Json& document) const {
     if (!document.is_object() || !branch.contains("properties")) return false;
     const Json& known = branch["properties"];
@@ -436,7 +436,7 @@ TEST(Expand, ShowsEveryDefaultOfTheSchema) {
     ASSERT_TRUE(loaded.built) << loaded.all();
     walk.compare(schema, Json(expand_problem(*loaded.spec, *loaded.built)));
   }
-  // Keys that another choice excludes, and those that only some residuals have.
+  // Keys that another choice excludes, and keys of particular residuals.
   std::set<std::string> conditional = {"/definitions/robot/placement",
                                        "/definitions/activation/anyOf/1/epsilon",
                                        "/gravity",
@@ -457,8 +457,9 @@ TEST(Expand, ShowsEveryDefaultOfTheSchema) {
   for (const std::string& key : walk.missing())
     EXPECT_TRUE(conditional.contains(key)) << key << " has a default that an expansion lacks";
   std::set<std::string> unseen = walk.unseen();
-  // What a gait and its commands stand for is in the expansion, not they themselves; GaitFile has
-  // their defaults, LibraryFiles those of compiled residuals. The ground is written out as a shape.
+  // The expansion contains the results of a gait and its commands instead of their keys. GaitFile
+  // covers their defaults, LibraryFiles those of compiled residuals. The ground is written as a
+  // shape.
   std::erase_if(unseen, [](const std::string& key) {
     return key.starts_with("/gait") || key.starts_with("/definitions/gait/") ||
            key.starts_with("/definitions/commands/") || key == "/definitions/mpc/commands" ||

@@ -1,4 +1,4 @@
-// Residuals of expressions in problem files.
+// Expression residuals in problem files.
 #include <gtest/gtest.h>
 
 #include "analysis/derivatives/derivative_check.hpp"
@@ -24,7 +24,7 @@ costs:
 solver: {name: box_fddp}
 )";
 
-/// The residual of the cost "own" at a knot, with x = 0.5, v = 1.5, u = 2 where there is a control.
+/// Residual of the cost "own" at a knot with x = 0.5, v = 1.5, and u = 2 if a control exists.
 std::vector<double> rows_at(const Loaded& loaded, int knot) {
   EXPECT_TRUE(loaded.built) << loaded.all();
   const ShootingProblem& problem = *loaded.built->problem;
@@ -254,7 +254,7 @@ solver: {name: ipopt}
   EXPECT_NEAR(result.cost, 2 * std::sqrt(0.5), 1e-6);
 }
 
-/// The change of the control in words is that of 'control_rate'.
+/// The control change as an expression matches 'control_rate'.
 TEST(ExpressionRows, NameTheControlOfTheKnotBefore) {
   const std::string rate = replaced(
       replaced(kRows, "own: {residual: expression, rows: [energy - drag(v), \"[x*t, u]\"]}",

@@ -1,4 +1,4 @@
-// Systems of expressions in problem files.
+// Expression systems in problem files.
 #include <fstream>
 
 #include <gtest/gtest.h>
@@ -28,7 +28,7 @@ costs: {effort: {residual: control}, rest: {residual: state}}
 solver: {name: box_fddp}
 )";
 
-/// A problem of a system of the catalogue, with what the file says of it.
+/// A problem of a catalogue system, given by its file text.
 std::string catalogue_problem(const std::string& system) {
   return fmt::format(R"(conddp: 1
 {}

@@ -1,4 +1,4 @@
-// Contacts that are found by robots whose base floats.
+// Contact-implicit robots with a floating base.
 #include "problem_file/build/build_problem.hpp"
 #include "problem_text.hpp"
 
@@ -35,7 +35,7 @@ TEST(FloatingContacts, AccelerationsAreNamedByTheTwist) {
   }
 }
 
-/// The guess that holds a crate at rest on the ground: its corners carry it, all alike.
+/// The guess that holds a crate at rest on the ground: its corners share the load equally.
 TEST(FloatingContacts, RestingCrateIsCarriedByItsLowerCorners) {
   Diagnostics out;
   const auto spec =
@@ -49,8 +49,8 @@ TEST(FloatingContacts, RestingCrateIsCarriedByItsLowerCorners) {
   for (int c = 0; c < 8; ++c) {
     const double force = w[layout.candidates[c].force];
     sum += force;
-    // The upper ones, 0.2 m above the ground, have as much as a pair may at the start of the
-    // relaxation.
+    // The upper corners, 0.2 m above the ground, carry the force that the initial relaxation allows
+    // a pair.
     const double loose = spec->solver.options.complementarity.initial / 0.2;
     EXPECT_NEAR(force, c < 4 ? w[layout.candidates[0].force] : loose, 1e-6) << c;
   }

@@ -1,4 +1,4 @@
-// Phases that last as long as the solver likes.
+// Phases with free durations.
 #include <cmath>
 #include <fstream>
 #include <sstream>
@@ -15,7 +15,7 @@
 namespace conddp {
 namespace {
 
-/// A mass moves one metre from rest to rest, as fast as its force allows.
+/// A mass moves one metre from rest to rest as fast as its force allows.
 const std::string kFastest = R"(conddp: 1
 system: {type: double_integrator, dimension: 1}
 initial_state: {state: [0, 0]}
@@ -34,13 +34,13 @@ terminal:
 solver: {name: ipopt}
 )";
 
-/// The small pendulum, whose second phase has a free duration and costs that grow with it.
+/// The small pendulum with a free duration of the second phase and costs that grow with it.
 const std::string kFreePendulum =
     replaced(replaced(replaced(kPendulum, "name: box_ddp", "name: ipopt"), "phases:\n",
                       "phases:\n  - {name: start, choose: omega, lower: -1, upper: 1}\n"),
              "dt: 0.05}", "dt: 0.05, free_duration: {lower: 0.1, upper: 2}}");
 
-/// All of a robot that floats, with the duration of one phase free.
+/// A floating robot with one free phase duration.
 std::string floating(const std::string& integrator) {
   return "conddp: 1\nrobot:\n  urdf: robots/free_body.urdf\n  base: floating\n"
          "  actuation: {thrusters: [{name: a, frame: body}, "
@@ -112,8 +112,8 @@ TEST(FreeDuration, HasTheDerivativesOfDualNumbers) {
   }
 }
 
-/// With forces of at most 2 forwards and 1 backwards the mass is pushed for √(1/3) s and braked for
-/// twice as long.
+/// With forces of at most 2 forwards and 1 backwards, the mass accelerates for √(1/3) s and brakes
+/// for twice as long.
 TEST(FreeDuration, DoubleIntegratorTimeMatchesBangBang) {
   const Loaded loaded(kFastest);
   ASSERT_TRUE(loaded.built) << loaded.all();
@@ -132,8 +132,8 @@ TEST(FreeDuration, DoubleIntegratorTimeMatchesBangBang) {
   EXPECT_NEAR(backwards, 2 / std::sqrt(3), 1e-6);
 }
 
-/// Controls at their bounds nearly everywhere and nothing but time in the cost: which bounds are
-/// active is hard to see, and has to be exact for gaps to close.
+/// Controls are at their bounds nearly everywhere, and time is the only cost. The active bounds are
+/// hard to detect and must be exact to close the gaps.
 TEST(FreeDuration, OfAQuadrotorWithControlsAtTheirBounds) {
   const Loaded loaded(R"(conddp: 1
 system: {type: planar_quadrotor}
@@ -161,7 +161,7 @@ solver: {name: ipopt}
   EXPECT_LE(inside, 10);
 }
 
-/// The best duration is one that cannot be improved upon by giving another.
+/// No given duration improves on the optimal one.
 TEST(FreeDuration, IsTheBestOne) {
   const std::string costs = replaced(
       kFreePendulum, "costs:\n",
@@ -192,8 +192,8 @@ TEST(FreeDuration, IsTheBestOne) {
   }
 }
 
-/// A hopper whose hop is periodic, with contacts, flight and an impact, chooses its first state and
-/// how long it pushes, flies and catches itself.
+/// A hopper with a periodic hop, contacts, flight, and an impact. It chooses its initial state and
+/// the durations of push, flight, and landing.
 TEST(FreeDuration, OfAHopperWithContactsAndAnImpact) {
   const std::string text = replaced(
       hopper_with_free_durations(),
@@ -237,7 +237,7 @@ TEST(FreeDuration, BeginsWithThatOfAFormerSolution) {
       EXPECT_DOUBLE_EQ(guess.x(k)[3], 1);
     }
     for (int k = 1; k <= guess.knots(); ++k) {
-      const double node = 2. * (k - 1) / knots;  // of the file, from the first push on
+      const double node = 2. * (k - 1) / knots;  // of the file, from the first push
       EXPECT_NEAR(guess.x(k)[0], node < 1 ? node : 2 * node - 1, 1e-12) << knots << ", " << k;
     }
     EXPECT_EQ(guess.u(1 + knots / 2)[0], 2);
@@ -247,7 +247,7 @@ TEST(FreeDuration, BeginsWithThatOfAFormerSolution) {
   }
 }
 
-/// The choice is no control that a guess could hold against gravity or cut off.
+/// A guess neither balances the choice against gravity nor clamps it.
 TEST(FreeDuration, LeavesGuessedControlsAlone) {
   const std::string torque = "constraints:\n  force: {bounds: control, lower: -5, upper: 5}\n";
   const std::string text = replaced(

@@ -1,4 +1,4 @@
-// Parameters that the solver chooses.
+// Free parameters of the problem.
 #include <cmath>
 
 #include "analysis/derivatives/derivative_check.hpp"
@@ -9,8 +9,8 @@
 namespace conddp {
 namespace {
 
-/// ẋ = p + u from 0 to 1 in a second, with the cost ∫ u² dt + p²: p = u = 1/2 and the cost is 1/2.
-/// With p at most 1/4, u = 3/4 and the cost is 5/8.
+/// ẋ = p + u from 0 to 1 in one second with cost ∫ u² dt + p²: p = u = 1/2 with cost 1/2. If p ≤
+/// 1/4, u = 3/4 with cost 5/8.
 constexpr std::string_view kDrift = R"(conddp: 1
 parameters:
   c: 1
@@ -57,8 +57,8 @@ TEST(FreeParameters, HaveTheirOptimumWithinBoundsAndAtThem) {
   }
 }
 
-/// A mass that is moved by 1 in 1 s, rest to rest, costs ∫ u² dt + 1/m with u = m (6 − 12 t), that
-/// is 12 m² + 1/m: m = 24^(−1/3). Controls that are held cost a little more than 12.
+/// Moving a mass by 1 in 1 s from rest to rest costs ∫ u² dt + 1/m with u = m (6 − 12 t), that is
+/// 12 m² + 1/m, so m = 24^(−1/3). Piecewise constant controls cost slightly more than 12.
 TEST(FreeParameters, OfEquationsHaveTheMassOfLeastCost) {
   const Loaded loaded(R"(conddp: 1
 parameters: {mass: {free: true, lower: 0.1, upper: 2}}
@@ -86,7 +86,7 @@ solver: {name: ipopt}
 }
 
 TEST(FreeParameters, AreChosenBesideFreeInitialStatesAndDurations) {
-  // Covering 1 at the chosen speed costs the time and its square: T + v² with T = 1/v.
+  // Covering 1 at the chosen speed costs the time and the squared speed: T + v² with T = 1/v.
   const Loaded loaded(R"(conddp: 1
 parameters: {speed: {free: true, lower: 0.1, upper: 5}}
 system: {states: [x], controls: [u], rate: {x: speed + u}}
@@ -228,7 +228,7 @@ TEST(FreeParameters, HaveTheirPlaceInErrors) {
   }
 }
 
-/// Names that nothing uses, in a file that is well formed all the same.
+/// Unused names in a well-formed file.
 constexpr std::string_view kUnused = R"(conddp: 1
 name: spare
 parameters:

@@ -1,4 +1,4 @@
-// What a gait in a problem file stands for: phases, impulses, footholds, and a way for the base.
+// Expansion of a gait in a problem file: phases, impulses, footholds, and a base path.
 #include <cmath>
 #include <numbers>
 
@@ -35,10 +35,10 @@ std::string with_gait(const std::string& gait) {
   return replaced(kQuadruped, "type: trot, period: 0.4, dt: 0.02", gait);
 }
 
-/// Null of costs that are on no swing.
+/// Null for costs without a swing.
 const SwingSpec* swing_of(const CostSpec& cost) { return cost.keys.find(key::swing); }
 
-/// Which feet each phase holds, as "LF RH", with the phases' knots; impulses as "! LF RH".
+/// Feet held in each phase, as "LF RH", with the number of knots; impulses as "! LF RH".
 std::vector<std::string> schedule(const Loaded& loaded) {
   std::vector<std::string> lines;
   for (const PhaseSpec& phase : loaded.spec->phases) {
@@ -150,7 +150,7 @@ gait: {type: walk, feet: {L: left, R: right}, cycles: 2, period: 1, dt: 0.05,
   EXPECT_EQ(schedule(loaded),
             (Lines{"4: left right", "8: right", "2: left right", "8: left", "2: left right",
                    "8: right", "2: left right", "8: left", "4: left right"}));
-  // Soles turn with the robot.
+  // Soles rotate with the robot.
   const CostSpec& swing = loaded.spec->costs.front();
   EXPECT_EQ(swing.definition, find_residual("frame_placement"));
   EXPECT_NEAR(swing_of(swing)->displaced.back().yaw, 0.6, 1e-12);
@@ -194,8 +194,8 @@ std::vector<double> reference_at(const ShootingProblem& problem, int k, const st
 }
 
 TEST(Gait, FeetLandWhereTheDisplacedStanceHasThem) {
-  // The stance and its footholds are found on two ways: by kinematics of the displaced state, and
-  // by displacing the feet.
+  // Stance and footholds are computed in two ways: by kinematics of the displaced state, and by
+  // displacing the feet.
   for (const char* gait :
        {"type: trot, cycles: 3, period: 0.4, dt: 0.02, step: {length: 0.2, direction: 0.7, turn: "
         "0.5}",
@@ -223,7 +223,7 @@ TEST(Gait, FeetLandWhereTheDisplacedStanceHasThem) {
 }
 
 TEST(Gait, AnArcIsThatOfEvenMotion) {
-  // Many small steps, each along where the base points by then.
+  // Many small steps, each along the current base heading.
   const Loaded loaded(with_gait(
       "type: jump, period: 0.4, dt: 0.02, step: {length: 0.8, direction: 0.3, turn: 1.2}"));
   double x = 0, y = 0, yaw = 0;
@@ -240,7 +240,7 @@ TEST(Gait, AnArcIsThatOfEvenMotion) {
   EXPECT_NEAR(end.yaw, yaw, 1e-9);
 }
 
-/// Where a foot's swings lead, and the base in the end.
+/// Footholds of the swings of a foot, and the final base pose.
 std::vector<PlanarMotion> landings(const Loaded& loaded, const std::string& foot) {
   std::vector<PlanarMotion> all;
   for (const CostSpec& cost : loaded.spec->costs)
@@ -249,7 +249,7 @@ std::vector<PlanarMotion> landings(const Loaded& loaded, const std::string& foot
   return all;
 }
 
-// The base moves from 0.3 s to 0.9 s, a cycle's way in 0.3 s.
+// The base moves from 0.3 s to 0.9 s and covers a cycle's distance in 0.3 s.
 TEST(Gait, CommandAtStartMatchesAnEqualStep) {
   const std::string trot = "type: trot, cycles: 2, period: 0.4, dt: 0.02, ";
   const Loaded step(with_gait(trot + "step: {length: 0.15, turn: 0.3}"));
@@ -277,7 +277,7 @@ TEST(Gait, CommandStartsFromTheBaseAtItsTime) {
     EXPECT_NEAR(end.x, 0.5 * 0.3, 1e-11);
     EXPECT_NEAR(end.y, 0.2 * 0.3, 1e-11);
   }
-  // A jump moves in its swings alone, by what the velocity makes of a whole period.
+  // A jump moves only during its swings, by the velocity times a whole period.
   const Loaded jump(
       with_gait("type: jump, cycles: 2, period: 0.4, dt: 0.02, commands: [{at: 0, "
                 "velocity: [0.5, 0, 0]}, {at: 0.6, turn: 0.5}]"));

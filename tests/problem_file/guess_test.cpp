@@ -66,7 +66,7 @@ TEST(Guess, QuasiStaticControlsHoldTheStates) {
   const Loaded pendulum(with_guess("{controls: gravity}"));
   ASSERT_TRUE(pendulum.built) << pendulum.all();
   EXPECT_NEAR(pendulum.built->guess.u(0)[0], 9.81 * 0.5 * std::sin(0.1), 1e-12);
-  // The hinge of the double pendulum carries both rods: compare with the system's acceleration.
+  // The hinge of the double pendulum carries both rods; compare with the system's acceleration.
   const Loaded robot(R"(conddp: 1
 robot: {urdf: robots/double_pendulum.urdf}
 initial_state: {joints: {shoulder: 0.4, elbow: -1}}
@@ -97,7 +97,7 @@ TEST_F(GuessFromFile, ReadsCsvByColumnNames) {
   const Loaded loaded(with_guess("{file: " + file + "}"));
   ASSERT_TRUE(loaded.built) << loaded.all();
   const Trajectory& guess = loaded.built->guess;
-  EXPECT_EQ(guess.x(0)[0], 0.1);  // the initial state stays
+  EXPECT_EQ(guess.x(0)[0], 0.1);  // the initial state is kept
   EXPECT_NEAR(guess.x(1)[0], 2, 1e-12);
   EXPECT_NEAR(guess.x(10)[1], 1, 1e-12);
   EXPECT_EQ(guess.u(1)[0], 1);  // held
@@ -126,7 +126,7 @@ TEST_F(GuessFromFile, ReadsAFormerSolution) {
   EXPECT_NE(loaded.built->guess_used.states.find("s.json"), std::string::npos);
 }
 
-/// Half-way at 0.4 s, after the knots of the first phase.
+/// Halfway at 0.4 s, after the knots of the first phase.
 const std::string kJumpOfOmega = "  - {jump: {omega: -0.5*omega}}\n  - {name: second";
 
 TEST_F(GuessFromFile, KeepsTheStatesBeforeAndAfterAJump) {
@@ -151,7 +151,7 @@ TEST_F(GuessFromFile, KeepsTheStatesBeforeAndAfterAJump) {
   }
 }
 
-/// Those of collocation belong to its steps: they are found anew, or not needed.
+/// Slopes of collocation belong to its steps: they are recomputed or unused.
 TEST_F(GuessFromFile, TakesOnlyActuatorsFromSolutionsWithSlopes) {
   const std::string file = write("s.json", R"({"format": "conddp.solution/1", "gains": [[[1]]],
     "trajectory": {"columns": {"x": ["theta", "omega"], "u": ["torque", "slope_end/omega"]},
@@ -325,7 +325,7 @@ TEST_F(GuessFromFile, ReferencesComeFromFilesToo) {
   EXPECT_NEAR(p[model.costs()[1].parameters], 5 + 2.0 / 7, 1e-12);
 }
 
-/// Also where a chosen first state, which a cycle refers to, stands behind the velocities.
+/// Includes a chosen initial state, used by a cycle, after the velocities.
 TEST(Guess, AccelerationsOfFoundContactsFollowGuessedStates) {
   for (const bool chosen : {false, true}) {
     const Loaded loaded(

@@ -1,4 +1,4 @@
-// Homotopies of problem files, and the factor on limits of the URDF that they are often over.
+// Homotopies of problem files, and the scale of URDF limits that they often use.
 #include "problem_file/build/homotopy.hpp"
 
 #include "problem_file/expand/expand_problem.hpp"
@@ -29,7 +29,7 @@ TEST(HomotopyFile, MovesAllNumbersTogether) {
   for (const double share : {0.0, 0.25, 1.0}) {
     const auto problem = path(share);
     ASSERT_TRUE(problem);
-    const double expected = 6 * std::pow(0.5, share);  // of one sign: by equal factors
+    const double expected = 6 * std::pow(0.5, share);  // same sign: geometric steps
     EXPECT_NEAR(problem->knot(0).model->control_upper()[0], expected, 1e-14);
     EXPECT_NEAR(problem->knot(0).model->control_lower()[0], -expected, 1e-14);
   }
@@ -97,8 +97,8 @@ TEST(HomotopyFile, OutlivesTheFile) {
   EXPECT_EQ(path(0.5)->create_trajectory().x(0)[0], 0.1);
 }
 
-// A gait is phases once it is expanded, contacts' defaults are those of each: so the numbers that
-// move are named by what they have become.
+// Expansion turns a gait into phases and contact defaults into values of each contact, so moving
+// numbers take their expanded names.
 TEST(HomotopyFile, ExpandsToTheNumbersThatItMoves) {
   const std::string text = R"(conddp: 1
 robot: {urdf: robots/quadruped.urdf, base: floating}
@@ -124,7 +124,7 @@ solver: {homotopy: [{key: contacts.defaults.friction, from: 0.7, to: 0.15}]}
 
 struct BadHomotopy {
   std::string list;
-  std::string where;  ///< what stands at the place of the error, the last time that it does
+  std::string where;  ///< text at the place of the error, at its last occurrence
   const char* message;
 };
 

@@ -9,7 +9,7 @@
 namespace conddp {
 namespace {
 
-/// The small pendulum, whose first state is chosen.
+/// The small pendulum with a chosen initial state.
 std::string choosing(const std::string& choice, const std::string& terminal = "") {
   std::string text = replaced(kPendulum, "name: box_ddp", "name: altro");
   text = replaced(text, "phases:\n", "phases:\n  - " + choice + "\n");
@@ -74,7 +74,7 @@ TEST(InitialChoice, MovesAPoseAlongItsTangent) {
   for (int i = 0; i < problem.nx(); ++i) EXPECT_NEAR(t.x(1)[i], expected[i], 1e-14) << i;
   EXPECT_EQ(t.x(4).tail(12), t.u(0)) << "it is remembered";
 
-  // The cycle measures from the state that was chosen, displaced in the world.
+  // The cycle measures from the chosen state, displaced in the world.
   std::copy_n(t.x(1).data(), problem.nx(), t.x(4).data());
   t.x(4)[0] += 0.5;
   Evaluation evaluation(problem);
@@ -118,7 +118,7 @@ TEST(InitialChoice, FirstStateConstraintsHoldAtTheNextKnot) {
   EXPECT_EQ(loaded.built->problem->constraints()[0].node, 1);
 }
 
-/// The best first state of a problem is one that cannot be improved upon by giving another.
+/// No given initial state improves on the optimal one.
 TEST(InitialChoice, IsTheBestOne) {
   for (const char* solver : {"box_ddp", "box_fddp", "altro", "proxddp", "ipopt"}) {
     const Loaded free(choosing("{choose: omega, lower: -9, upper: 9}"));
@@ -157,8 +157,7 @@ TEST(InitialChoice, ACycleEndsWhereItBegan) {
   }
 }
 
-/// A quadrotor flies a hop to the side, 2 m further on each time, and is where it was by its pose,
-/// too: three solvers agree.
+/// A quadrotor hops sideways by 2 m per cycle and also repeats its pose; three solvers agree.
 TEST(InitialChoice, AllConstrainedSolversSatisfyPoseCycles) {
   const std::string text = R"(conddp: 1
 system: {type: quadrotor}

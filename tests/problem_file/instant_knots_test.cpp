@@ -1,4 +1,4 @@
-// Costs and constraints at knots of phases that take no time, and lists that name nothing.
+// Costs and constraints at instantaneous knots, and empty lists of names.
 #include "problem_file/expand/expand_problem.hpp"
 #include "problem_text.hpp"
 #include "solvers/strategies/registry.hpp"

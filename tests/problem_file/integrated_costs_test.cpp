@@ -1,4 +1,4 @@
-// Running costs that are integrated by the stages of the integrator.
+// Running costs integrated by the stages of the integrator.
 #include <cmath>
 
 #include <fmt/format.h>
@@ -20,7 +20,7 @@ std::shared_ptr<const ShootingProblem> problem_of(const std::string& text) {
   return loaded.built ? loaded.built->problem : nullptr;
 }
 
-/// The motion from controls that change from knot to knot.
+/// Motion under controls that change from knot to knot.
 Trajectory motion_of(const ShootingProblem& problem) {
   Trajectory motion = problem.create_trajectory();
   for (int k = 0; k < problem.knots(); ++k)
@@ -35,7 +35,7 @@ double cost_of(const ShootingProblem& problem) {
   return values.cost.sum();
 }
 
-/// van der Pol's oscillator; `count` is the rate of a state that counts what the cost is.
+/// The van der Pol oscillator; `count` is the rate of a state that integrates the cost.
 std::string oscillator(const std::string& head, const std::string& phases, const std::string& cost,
                        bool as_state) {
   std::string text = "conddp: 1\nsystem:\n  controls: [u]\n  states: [x, y" +
@@ -91,7 +91,7 @@ TEST(IntegratedCosts, OfCollocationsAreThoseOfAState) {
     }
 }
 
-/// Costs of all kinds, with references that change in time.
+/// Costs of every kind, with time-varying references.
 std::string all_kinds(const std::string& rule, const std::string& way) {
   return fmt::format(R"(conddp: 1
 system: {{states: [x, y], controls: [u], rate: {{x: (1 - y^2)*x - y + u, y: x}}}}
@@ -143,7 +143,7 @@ costs:
     EXPECT_LE(c.error, kDerivativeTolerance) << c.knot << " " << c.row << " " << c.column;
 }
 
-/// Of squares of linear functions along linear motions the Gauss-Newton Hessian is all there is.
+/// For squares of linear functions along linear motions, the Gauss-Newton Hessian is exact.
 TEST(IntegratedCosts, HaveExactHessiansOnLinearMotions) {
   for (const char* rule :
        {"rk2", "rk3", "rk4", "trapezoidal", "hermite_simpson", "radau3", "radau5"})
@@ -169,7 +169,7 @@ costs: {{way: {{residual: expression, rows: [x + 2*u, y]}}, effort: {{residual: 
     }
 }
 
-/// ∫½x² of x' = 1 − x from 0 for 1 s is ½ (1 − 2 (1 − e⁻¹) + ½ (1 − e⁻²)).
+/// ∫½x² of x' = 1 − x from 0 over 1 s is ½ (1 − 2 (1 − e⁻¹) + ½ (1 − e⁻²)).
 TEST(IntegratedCosts, HaveTheOrderOfTheRule) {
   const double exact = 0.5 * (1 - 2 * (1 - std::exp(-1.0)) + 0.5 * (1 - std::exp(-2.0)));
   const auto error = [&](const char* rule, const char* kind, int knots) {
@@ -189,7 +189,7 @@ TEST(IntegratedCosts, HaveTheOrderOfTheRule) {
   }
 }
 
-/// x' = u with ½ ∫ (x² + u²) over 1 s from x = 1 costs ½ tanh 1 at least.
+/// x' = u with ½ ∫ (x² + u²) over 1 s from x = 1 has the minimum ½ tanh 1.
 TEST(IntegratedCosts, ReachTheOptimumInContinuousTime) {
   for (const char* rule : {"rk4", "hermite_simpson", "radau5"})
     for (const char* solver : {"ddp", "box_fddp", "altro", "proxddp", "ipopt"}) {
@@ -214,7 +214,7 @@ solver: {{tolerances: {{constraint: 1.0e-9}}}}
     }
 }
 
-/// The cost of time is on no column but that of the duration.
+/// A cost of time depends only on the duration.
 TEST(IntegratedCosts, OfTimeAreTheDuration) {
   const Loaded loaded(R"(conddp: 1
 system: {states: [x], controls: [u], rate: {x: u}}

@@ -1,4 +1,4 @@
-// Compiled functions in problem files, beside the same ones in words.
+// Compiled functions in problem files, compared with equivalent expressions.
 #include <fstream>
 
 #include "analysis/derivatives/derivative_check.hpp"
@@ -9,7 +9,7 @@
 #include "solvers/strategies/registry.hpp"
 #include "support/temporary_folder.hpp"
 
-// The sanitizers bring a malloc of their own.
+// Sanitizers replace malloc.
 #if !defined(__SANITIZE_ADDRESS__) && defined(__GLIBC__)
 #define CONDDP_COUNTS_ALLOCATIONS_OF_LIBRARIES
 #include "support/allocation_count.hpp"
@@ -20,7 +20,7 @@ namespace {
 
 constexpr const char* kModel = CONDDP_TEST_MODEL;
 
-/// The text of a problem with compiled code, loaded with permission.
+/// A problem text with compiled code, loaded with permission.
 Loaded load_with_code(const std::string& text, const std::vector<std::string>& settings = {}) {
   allow_code();
   return Loaded(text, settings);
@@ -277,7 +277,7 @@ TEST(LibraryFiles, ThatAreCutOffAreNotLoaded) {
   }
 }
 
-/// The worst Hessian of a problem beside its guess; −1: none was compared.
+/// Worst Hessian error of a problem near its guess; −1 if none was compared.
 double worst_hessian(const Loaded& loaded) {
   EXPECT_TRUE(loaded.built) << loaded.all();
   double worst = -1;

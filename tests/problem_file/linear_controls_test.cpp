@@ -1,4 +1,4 @@
-// Controls that are linear between knots.
+// Controls linear between knots.
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -20,8 +20,8 @@
 namespace conddp {
 namespace {
 
-/// A mass moves one metre from rest to rest with the least energy ∫u², which a state counts: rk4
-/// integrates that of linear controls exactly, and the optimum u = 6 − 12 t is linear.
+/// A mass moves one metre from rest to rest with minimum energy ∫u², integrated by a state. rk4 is
+/// exact for linear controls, and the optimum u = 6 − 12 t is linear.
 const std::string kLeastEnergy = R"(conddp: 1
 system:
   states: {x: m, v: m/s, energy: "1"}
@@ -41,7 +41,7 @@ terminal:
 solver: {name: ipopt}
 )";
 
-/// A pendulum with bounds that hold it back, and costs on state and control.
+/// A pendulum with active bounds and costs on state and control.
 const std::string kSwing = R"(conddp: 1
 system: {type: pendulum}
 initial_state: {values: {theta: 0.4}}
@@ -62,7 +62,7 @@ terminal:
 solver: {name: ipopt}
 )";
 
-/// The swing with steps of half the length.
+/// The swing with half the step length.
 std::string halved(const std::string& swing) {
   return replaced(replaced(swing, "knots: 8, dt: 0.05", "knots: 16, dt: 0.025"),
                   "knots: 6, dt: 0.1", "knots: 12, dt: 0.05");
@@ -75,7 +75,7 @@ SolveResult solved(const Loaded& loaded, const std::string& solver) {
   return solve(*loaded.built->problem, solver, options, loaded.built->guess);
 }
 
-/// The control at each node from the first that follows the choice on.
+/// The control at each node from the first after the choice.
 std::vector<double> nodal_controls(const Trajectory& trajectory) {
   std::vector<double> controls;
   for (int k = 1; k <= trajectory.knots(); ++k)
@@ -95,7 +95,7 @@ TEST(LinearControls, GiveTheExactOptimumWhereThatIsLinear) {
 }
 
 TEST(LinearControls, ConvergeWithTheSquareOfTheStep) {
-  // The optimum of ∫u² + x² from x = 1 of x' = u is tanh 1.
+  // The optimum of ∫u² + x² from x = 1 with x' = u is tanh 1.
   const std::string text = R"(conddp: 1
 system: {states: {x: m}, controls: {u: m/s}, rate: {x: u}}
 initial_state: {values: {x: 1}}
@@ -162,7 +162,7 @@ TEST(LinearControls, HaveTheDerivativesOfDualNumbers) {
 }
 
 TEST(LinearControls, ArePassedOnBesideFreeDurations) {
-  // Time-optimal with a limited force: linear controls approach 2 from above.
+  // Time-optimal with limited force: linear controls approach 2 from above.
   const std::string text =
       replaced(replaced(kLeastEnergy, "duration: 1}",
                         "duration: 2, free_duration: {lower: 0.5, upper: 5}}"),
@@ -179,13 +179,14 @@ TEST(LinearControls, ArePassedOnBesideFreeDurations) {
     EXPECT_NEAR(u.back(), -1, 1e-6);
     return loaded.built->problem->times(result.trajectory).back();
   };
-  // With n knots the force is −1 or 1 but on the one in the middle, where it goes from 1 to −1.
-  // Of a ramp of the length T/n, T²/4 (1 − 1/(3 n²)) = 1.
+  // With n knots, the force is −1 or 1 except on the middle knot, where it ramps from 1 to −1. For
+  // a ramp of length T/n, T²/4 (1 − 1/(3 n²)) = 1.
   for (const int n : {5, 15})
     EXPECT_NEAR(duration(std::to_string(n)), 2 / std::sqrt(1 - 1 / (3.0 * n * n)), 1e-5) << n;
 }
 
-/// A mass that moves a metre in phases whose durations are free or given, and its TERMS.
+/// A mass moves one metre in phases with free or given durations; TERMS are its costs and
+/// constraints.
 constexpr std::string_view kLinearPhases = R"(conddp: 1
 system: {states: {x: m, v: m/s}, controls: {u: N}, rate: {x: v, v: u - 0.2*v*v}}
 initial_state: {values: {x: 0, v: 0}}
@@ -211,7 +212,7 @@ std::string linear_phases(std::string_view terms, std::string_view first, std::s
                   second);
 }
 
-/// Trapezoids by hand, with the durations that were chosen.
+/// Trapezoids by hand with the chosen durations.
 TEST(LinearControls, PhaseEndCostsGrowWithOwnDurations) {
   constexpr std::string_view terms = R"(
   lasting: {residual: expression, rows: u*x, activation: linear, weight: 0.7, phases: second}
@@ -268,10 +269,10 @@ constraints:
   }
 }
 
-/// From 0 to 1 by x' = u with costs per second that depend on u alone: u is constant, so that all
-/// is exact, and minimizes the cost per metre. Of 2 + ½ u² that is 2 at u = 2; of what costs ½ a
-/// unit beyond 1.5, too, u + ½ at u² = 2.5; with 3/2 of its square instead 4 u − 4.5 at u²
-/// = 2.6875.
+/// From 0 to 1 by x' = u with a running cost in u only: the optimal u is constant, all rules are
+/// exact, and u minimizes the cost per metre. For 2 + ½ u², the cost is 2 at u = 2. With an
+/// additional ½ per unit beyond 1.5, it is u + ½ at u² = 2.5. With 3/2 of its square instead, it is
+/// 4 u − 4.5 at u² = 2.6875.
 TEST(LinearControls, FreeDurationsHaveTheOptimumOfTheirCosts) {
   struct Case {
     const char* soft;
@@ -314,8 +315,8 @@ solver: {{name: altro, tolerances: {{stationarity: 1.0e-9, constraint: 1.0e-9}}}
     }
 }
 
-/// The best durations are those that cannot be improved upon by giving others, and with them the
-/// costs are those of the file that gives them.
+/// No given durations improve on the optimal ones, and with them the costs match the file with
+/// those durations.
 TEST(LinearControls, BestDurationsBeatGivenOnes) {
   constexpr const char* cases[] = {
       "constraints: {push: {residual: expression, rows: [u], upper: [1.2], soft: l1, weight: 0.4}}",
@@ -357,7 +358,7 @@ TEST(LinearControls, BestDurationsBeatGivenOnes) {
     }
 }
 
-/// By finer steps along the same lines, which are off by the error of the rule alone.
+/// Replayed with finer steps along the same lines; only the error of the rule remains.
 TEST(LinearControls, AreReplayedAsTheyAre) {
   for (const char* integrator : {"rk4", "hermite_simpson"}) {
     const auto error = [&](const std::string& text) {
@@ -420,7 +421,7 @@ TEST(LinearControls, AreRefinedAlongTheirLines) {
   for (int k = 1; k < finer.knots(); ++k) EXPECT_NEAR(finer.u(k)[0], v[k], 1e-14) << k;
 }
 
-/// A former solution, by its own columns: those at the nodes are taken.
+/// An earlier solution with its own columns: the nodal values are used.
 TEST(LinearControls, BeginWithThoseOfAFormerSolution) {
   const TemporaryFolder folder;
   const std::string file =
@@ -499,7 +500,7 @@ TEST(LinearControls, BeginWithinTheirBounds) {
   EXPECT_EQ(begun("8"), "3:57: linear controls begin with 8 here, and may be -2 to 3");
 }
 
-// What is chosen at the start is the control: the state is given, and moves.
+// Only the initial control is chosen; the given state varies.
 TEST(LinearControls, InstancesHaveOtherInitialStates) {
   const Loaded loaded(kSwing);
   ASSERT_TRUE(loaded.built) << loaded.all();
@@ -520,7 +521,7 @@ TEST(LinearControls, InstancesHaveOtherInitialStates) {
   EXPECT_NE(own[1], moved[1]);
 }
 
-// Slopes of collocation are further controls, which accelerations do not depend on.
+// Collocation slopes are further controls that accelerations ignore.
 TEST(LinearControls, AccelerationsKnowThemBesideCollocation) {
   std::ifstream arm(kProblems / "arm_reach.yaml");
   std::string text(std::istreambuf_iterator<char>(arm), {});

@@ -27,7 +27,7 @@ struct LoadedLoop : Loaded {
   std::optional<BuiltMpc> mpc;
 };
 
-/// The text of an example problem.
+/// Text of an example problem.
 inline std::string text_of(const std::string& name) {
   Diagnostics out;
   return load_problem(kProblems / (name + ".yaml"), {}, out)->text;

@@ -1,4 +1,4 @@
-// Grids that are refined until a finer replay agrees.
+// Grid refinement until a finer replay agrees.
 #include "problem_file/mesh/mesh.hpp"
 
 #include "analysis/certificate/replay.hpp"
@@ -156,7 +156,7 @@ phases: [{jump: {x: x + 0.001}}]
   MeshRefinement mesh(*loaded.spec);
   SolveResult result(*loaded.built->problem);
   result.status = SolveStatus::converged;
-  result.trajectory.x(1)[0] = 1;  // far from where the jump leads
+  result.trajectory.x(1)[0] = 1;  // far from the end of the jump
   EXPECT_FALSE(mesh.next(*loaded.built->problem, result));
   EXPECT_FALSE(mesh.reached());
 }

@@ -1,4 +1,4 @@
-// The closed loops of problems/mpc: each lasts, and gets to where it is to be.
+// The closed loops of problems/mpc: each finishes and reaches its goal.
 #include <algorithm>
 #include <cmath>
 
@@ -9,7 +9,7 @@
 namespace conddp {
 namespace {
 
-/// The closed loop of an example problem.
+/// Closed loop of an example problem.
 struct ExampleLoop {
   explicit ExampleLoop(const std::string& name, const std::vector<std::string>& more = {}) {
     Diagnostics out;
@@ -58,8 +58,8 @@ TEST(MpcExample, CartpoleSwingsUpInShortWindows) {
   EXPECT_GT(without.result.cost, 2 * cartpole.result.cost);
 }
 
-// 5 m are too far for a window of 0.9 s. The first plan misses them by less than the guess does,
-// and from where it leads the next ones are feasible.
+// 5 m are too far for a window of 0.9 s. The first plan misses them by less than the guess, and the
+// following plans are feasible.
 TEST(MpcExample, CartpoleReachesAGoalBeyondFirstWindows) {
   const ExampleLoop cartpole(
       "cartpole_balance",
@@ -84,7 +84,7 @@ TEST(MpcExample, HopperHopsOverAnUnknownStep) {
   int hops = 0;
   double before = 0;
   for (const PlantStep& step : hopper.result.steps) {
-    const double rate = step.x[6];  // of the base's height
+    const double rate = step.x[6];  // of the base height
     hops += before > 1e-3 && rate <= 1e-3;
     before = rate;
   }
@@ -148,8 +148,8 @@ TEST(MpcExample, QuadrupedCrossesItsStepWhereverItIs) {
   }
 }
 
-// Windows of 0.3 s are too short but for the regulator at their end, which goes along. The base is
-// at the end where the way of the commands is.
+// Windows of 0.3 s suffice only with the moving regulator at their end. The base ends at the end of
+// the commanded path.
 TEST(MpcExample, QuadrupedFollowsCommandsInShortRegulatedWindows) {
   const ExampleLoop quadruped(
       "quadruped_commands",
@@ -168,8 +168,8 @@ TEST(MpcExample, QuadrupedFollowsCommandsInShortRegulatedWindows) {
   EXPECT_GT(told[5], 0.3);
 }
 
-/// The loop of the quadruped with another robot, in windows of 0.6 s and with higher swings.
-/// `feet`: LF, RF, LH, RH; `push`: N, in 0.1 s as much as 0.2 m/s of its mass.
+/// The quadruped's loop with another robot, in windows of 0.6 s and with higher swings. `feet`: LF,
+/// RF, LH, RH; `push`: force in N over 0.1 s, equivalent to 0.2 m/s of its mass.
 std::vector<std::string> loop_of_another(const std::filesystem::path& urdf, double height,
                                          const std::string& joints, const char* const (&feet)[4],
                                          const std::string& trunk, double push) {
@@ -193,7 +193,7 @@ std::vector<std::string> loop_of_another(const std::filesystem::path& urdf, doub
   return settings;
 }
 
-// HyQ and ANYmal trot as they are told, are pushed, and step onto 2 cm that they do not know of.
+// HyQ and ANYmal trot as commanded, withstand a push, and climb an unknown step of 2 cm.
 TEST(MpcExample, QuadrupedsOfOthersGoWhereTheyAreTold) {
   const auto hyq = foreign_robot_folder() / "hyq.urdf",
              anymal = foreign_robot_folder() / "anymal_b.urdf";

@@ -1,4 +1,4 @@
-// The section `mpc` of problem files, and the closed loops that it stands for.
+// The section `mpc` of problem files and its closed loops.
 #include <algorithm>
 #include <cmath>
 
@@ -11,7 +11,7 @@ namespace {
 
 std::string pendulum_with(const std::string& mpc) { return std::string(kPendulum) + mpc + '\n'; }
 
-// Bellman: what is left of an optimum is the optimum of what is left. Models with and without
+// Bellman's principle: the tail of an optimum is optimal. Covers models with and without
 // constraints, closed forms and robots, with contacts and flight.
 TEST(MpcFile, FollowsFirstPlanOfExamplesWithShrinkingHorizons) {
   const struct {
@@ -27,7 +27,7 @@ TEST(MpcFile, FollowsFirstPlanOfExamplesWithShrinkingHorizons) {
                {"powered_descent", 0.125},
                {"hopper_jump", 0.01},
                {"quadruped_trot", 0.02},
-               // Of these, solvers find the first plan by restorations alone.
+               // For these, solvers find the first plan only by restorations.
                {"collection/bryson_denham", 0.005},
                {"collection/bryson_denham_tight", 0.005}};
   for (const auto& c : cases) {
@@ -65,8 +65,8 @@ constraints:
 solver: {name: box_fddp, tolerances: {stationarity: 1.0e-12}}
 )";
 
-// With its value at the end of windows the loop is that of the infinite horizon, however short they
-// are.
+// With its value function at the end of windows, the loop is that of the infinite horizon for any
+// window length.
 TEST(MpcFile, WindowsEndingInARegulatorReachTheOptimum) {
   for (const int knots : {1, 3, 5}) {
     const LoadedLoop loop(std::string(kRegulated) +
@@ -84,7 +84,7 @@ TEST(MpcFile, WindowsEndingInARegulatorReachTheOptimum) {
   EXPECT_GT(without.run().cost, .71);
 }
 
-// Beyond the end of the phases, where the last knot goes on, too.
+// Includes time after the end of the phases, where the last knot continues.
 TEST(MpcFile, RegulatorEndsWindowsOfShortPhases) {
   const LoadedLoop loop(replaced(kRegulated, "knots: 300", "knots: 2") +
                         "mpc: {horizon: 0.3, tick: 0.1, duration: 20, iterations: tolerances, "
@@ -93,7 +93,7 @@ TEST(MpcFile, RegulatorEndsWindowsOfShortPhases) {
   EXPECT_NEAR(loop.run().cost, .7027180807405, 1e-9);
 }
 
-/// What a loop costs in which a speed has to stay low: `phases`, and `terms` behind the costs.
+/// Cost of a loop with a low speed limit. `phases`: its phases; `terms`: text after the costs.
 double cost_of_way(const std::string& phases, const std::string& terms, const char* solver) {
   const LoadedLoop loop(fmt::format(R"(conddp: 1
 system: {{type: double_integrator}}
@@ -116,7 +116,7 @@ mpc: {{horizon: 0.5, tick: 0.04, duration: 3, iterations: 1}}
   return loop.mpc ? loop.run().cost : -1;
 }
 
-/// A mass that comes to rest faster than a bound on its velocity allows.
+/// A mass that comes to rest faster than its velocity bound allows.
 constexpr const char* kSpeedLimit = R"(conddp: 1
 system: {type: double_integrator}
 initial_state: {values: {q/0: 1}}
@@ -131,7 +131,7 @@ terminal: {costs: {end: {residual: state, weight: 10}}}
 mpc: {horizon: 1, tick: 0.02, duration: 4, terminal: keep, feedback: {rate: 200}}
 )";
 
-// A tick has no time to raise penalties, and multipliers of one must not throw the next one off.
+// A tick has no time to raise penalties, and its multipliers must not disturb the next tick.
 TEST(MpcFile, FewIterationsATickAreAlmostAsGood) {
   for (const char* solver : {"altro", "proxddp"}) {
     const std::string by = std::string("solver.name=") + solver;
@@ -147,7 +147,7 @@ TEST(MpcFile, FewIterationsATickAreAlmostAsGood) {
   }
 }
 
-// The only knot is that of the initial state, at which no control can change the velocity.
+// The only knot is that of the initial state, where no control can change the velocity.
 TEST(MpcFile, ConstraintAbsentFromAllWindowsIsAnError) {
   const LoadedLoop loop(kSpeedLimit, {"phases.move.knots=1"});
   ASSERT_TRUE(loop.error());
@@ -162,8 +162,8 @@ constexpr const char* kBarrier =
     "  wall: {residual: state, columns: [\"v/0\"], weight: 1.0e+3,\n"
     "         activation: {kind: quadratic_barrier, lower: -0.5, upper: 0.5}}";
 
-// Windows of a phase begin in the phase before it, where nothing moves: their solver is the one
-// that was built there.
+// Windows of a phase begin in the previous phase, where nothing moves; their solver was built
+// there.
 TEST(MpcFile, WindowsHaveTheWeightsOfTheirKnots) {
   const auto cost = [](const char* weight) {
     return cost_of_way(
@@ -175,8 +175,8 @@ TEST(MpcFile, WindowsHaveTheWeightsOfTheirKnots) {
   EXPECT_EQ(cost("1.0e-3"), cost("1.0e+3"));
 }
 
-// Knots of one model are cut where windows begin and end. Windows over knots of a model each are
-// built anew.
+// Knots of one model are cut at window boundaries. Windows over knots with different models are
+// rebuilt.
 TEST(MpcFile, WindowsHaveTheSharesOfTheirKnots) {
   std::string apart;
   for (int k = 0; k < 40; ++k) apart += fmt::format("  - {{name: p{}, knots: 1, dt: 0.1}}\n", k);
@@ -219,8 +219,8 @@ TEST(MpcFile, WindowsKeepTheTerminalCostsOfTheFile) {
   EXPECT_NE(none.run().last_state, keep.run().last_state);
 }
 
-// The gains that act between ticks are those of the optimum, too. The state jumps, and answers of
-// both solvers differ from the plans before.
+// Gains between ticks also belong to the optimum. The state jumps, and the answers of both solvers
+// differ from the earlier plans.
 TEST(MpcFile, IpoptDrivesTheLoopLikeOtherSolvers) {
   const auto run = [](const std::string& more) {
     const LoadedLoop loop(
@@ -249,7 +249,7 @@ TEST(MpcFile, IpoptHasNoRealTimeIteration) {
   EXPECT_EQ(loop.error()->path, "mpc.iterations") << loop.all();
 }
 
-/// The ticks of a pendulum's loop by what became of them.
+/// Ticks of a pendulum loop with their outcomes.
 std::vector<TickRecord> ticks_with(const std::string& disturbances) {
   const LoadedLoop loop(pendulum_with(
       "mpc: {horizon: 0.5, tick: 0.05, duration: 3, terminal: keep, fallback: {after: "
@@ -284,8 +284,8 @@ TEST(MpcFile, SeedDecidesWhichAnswersAreLate) {
   EXPECT_TRUE(late_of("{late: 0}").empty());
 }
 
-// From the first tick on every answer comes too late. The regulator brings the pendulum upright all
-// the same; quasi-static controls let it fall.
+// Every answer is late from the first tick. The regulator still brings the pendulum upright;
+// quasi-static controls let it fall.
 TEST(MpcFile, FallbackMayUseRegulatorGains) {
   const auto last_angle = [](const std::string& to) {
     const LoadedLoop loop(
@@ -341,7 +341,7 @@ TEST(MpcFile, WindowsEndingInASetUseSupportingSolver) {
   for (const TickRecord& tick : result.ticks) EXPECT_EQ(tick.outcome, TickOutcome::planned);
 }
 
-/// A cart-pole whose control may change by 2 N in a second.
+/// A cart-pole whose control may change by 2 N per second.
 std::string limited_rate(const std::string& mpc) {
   return R"(conddp: 1
 system: {type: cartpole}
@@ -362,8 +362,8 @@ mpc: {horizon: 1, duration: 2, iterations: tolerances, )" +
          mpc + "}\n";
 }
 
-// The plant is the model: there is nothing to which feedback could answer, but for what lies
-// between a plan's straight lines and the motion.
+// The plant is the model: feedback only corrects the difference between a plan's straight lines and
+// the motion.
 TEST(MpcFile, FeedbackChangesLittleWithoutDisturbance) {
   for (const char* tick : {"0.05", "0.1"}) {
     const LoadedLoop none(limited_rate(fmt::format("tick: {}", tick)));
@@ -408,7 +408,7 @@ TEST(MpcFile, DiscreteSystemsMakeWholeKnots) {
   EXPECT_NE(odd.all().find("cannot begin at 0.3 s"), std::string::npos) << odd.all();
 }
 
-/// A mass that is thrown down, bounces, and is to end at rest at a height of 1 m.
+/// A mass thrown down that bounces and must end at rest at a height of 1 m.
 constexpr std::string_view kBounce = R"(conddp: 1
 system: {states: {h: m, v: m/s}, controls: {u: N}, rate: {h: v, v: u - 9.81}}
 initial_state: {values: {h: 1}}
@@ -453,7 +453,7 @@ TEST(MpcFile, PredictsAPlantThatJumpsDuringTheDelay) {
   EXPECT_NEAR(result.last_state[0], 1, 0.1);
 }
 
-/// A pole that its cart cannot hold where it leans.
+/// A pole that its cart cannot hold at this angle.
 constexpr std::string_view kBalanced = R"(conddp: 1
 system: {type: cartpole}
 initial_state: {values: {theta: 2.84}}
@@ -516,7 +516,7 @@ TEST(MpcFile, PlantErrorsNameTheSettingAboveTheKey) {
   EXPECT_EQ(loop.error()->line, 1 + std::count(text.begin(), above, '\n')) << loop.error()->message;
 }
 
-// Keys of 'set' have dots: what follows it is one of them.
+// Keys of 'set' contain dots; the following text is one of them.
 TEST(MpcFile, PathAddsNewPlantSettings) {
   for (const char* plant : {"", "plant: {dt: 0.01}", "plant: {set: {system.length: 0.9}}"}) {
     const LoadedLoop loop(
@@ -550,7 +550,7 @@ TEST(MpcFile, UnnamedConditionsTakeTheResidualName) {
   EXPECT_EQ(loop.spec->mpc->stop_when[0].function.name.value, "state");
 }
 
-// The controller takes the motor for stronger than it is.
+// The controller overestimates the motor.
 TEST(MpcFile, APlantHasMotorLimitsOfItsOwn) {
   const std::string mpc =
       "mpc: {horizon: 0.5, tick: 0.1, duration: 1, terminal: keep, plant: {set: ";
@@ -595,7 +595,7 @@ TEST(MpcFile, PushesAFrameForTheGivenTime) {
   EXPECT_EQ(result.end, LoopEnd::finished);
 }
 
-// A push at the pole's tip leaves the cart-pole no equilibrium: the regulator is the model's.
+// A push at the pole tip leaves the cart-pole without an equilibrium: the regulator uses the model.
 TEST(MpcFile, RegulatorIgnoresPushesOnThePlant) {
   const LoadedLoop loop(
       text_of("cartpole_swingup"),
@@ -689,7 +689,7 @@ TEST(MpcFile, LearnsOfEachCommandAtItsTime) {
   EXPECT_NE(none, first);
   EXPECT_EQ(first[5], 0);          // straight on
   EXPECT_GT(second[5], 0.05);      // turned to the left
-  EXPECT_LT(second[0], first[0]);  // from 0.8 s on at the spot
+  EXPECT_LT(second[0], first[0]);  // from 0.8 s on the spot
   const ClosedLoopResult result = loop.run();
   for (const TickRecord& tick : result.ticks)
     EXPECT_EQ(tick.outcome, TickOutcome::planned) << tick.tick << to_string(tick.status);
@@ -784,7 +784,7 @@ TEST(MpcFile, SwingsMayBeginWhereFeetAreMeasured) {
   swings.find_feet(x.data(), places.data());
   for (const FootSwing& swing : swings.swings) {
     EXPECT_EQ(swing.nodes.size(), 13u);  // 0.24 s
-    // Nothing has moved before the first swings: they begin at the feet.
+    // Before the first swings nothing has moved: they begin at the feet.
     if (swing.nodes.front() >= 20) continue;
     for (int c = 0; c < 3; ++c)
       EXPECT_NEAR(
@@ -817,14 +817,14 @@ TEST(MpcFile, ContactsCloseHoweverFarAStepGoes) {
   PlantMotion& motion = *loop.mpc->loop.plant[0].motion;
   std::vector<double> x = loop.built->problem->initial_state();
   x[2] += 0.25;
-  x[loop.built->plant.robot().nq + 2] = -130;  // 0.26 m in a step
+  x[loop.built->plant.robot().nq + 2] = -130;  // 0.26 m per step
   const std::vector<double> u(loop.built->problem->nu(0), 0.0);
   motion.step(0, 0.002, u.data(), x.data());
   EXPECT_EQ(motion.closed_contacts(), 0b1111u);
   EXPECT_NEAR(x[2], 0.56, 0.01);
 }
 
-// The model's forces of phases are not those of a plant that finds its own.
+// The plant's own contact forces replace the model's phase forces.
 TEST(MpcFile, PlantContactsReplaceModelContactForces) {
   const auto figures = [](const char* plant) {
     const LoadedLoop loop(
@@ -861,7 +861,7 @@ TEST(MpcFile, CommandsComeBeforeTheGaitHasEnded) {
   EXPECT_NE(late.all().find("the gait has ended by then"), std::string::npos) << late.all();
 }
 
-// Four cycles of 0.48 s whose touch-downs may be early are more than the 1.5 s of the loop.
+// Four cycles of 0.48 s with early touch-downs exceed the loop's 1.5 s.
 TEST(MpcFile, RetimingComesToCommandsAfterTheLoopsDuration) {
   const auto loop = [](const std::string& more) {
     return trot(
@@ -934,7 +934,7 @@ TEST(MpcFile, PushesOtherPlantsOnSimulatedContacts) {
   EXPECT_EQ(unknown.error()->path, "mpc.disturbances.0.frame");
 }
 
-// Touch-downs, two a cycle, may all be 0.2 s early.
+// Touch-downs, two per cycle, may all be 0.2 s early.
 TEST(MpcFile, RepeatingGaitLastsDespiteEarlyPhases) {
   Diagnostics out;
   const auto two = read_problem_text(

@@ -1,4 +1,4 @@
-// Regulators of closed loops that move with the gait of their file.
+// Closed-loop regulators that move with the gait of their file.
 #include <algorithm>
 #include <cmath>
 
@@ -29,7 +29,7 @@ struct GaitLoop {
   std::optional<BuiltMpc> mpc;
 };
 
-/// The trot of two cycles of 0.15 m, whose windows end with a regulator.
+/// The trot of two cycles of 0.15 m with windows that end in a regulator.
 GaitLoop trot_of_regulator(const std::string& mpc, const std::vector<std::string>& more = {}) {
   std::vector<std::string> settings = {
       "mpc={horizon: 0.3, tick: 0.02, " + mpc + "}",
@@ -45,8 +45,7 @@ std::vector<double> state_of(const StatePath& path, const StateManifold& manifol
   return x;
 }
 
-/// The regulator about a posture is, at each node, where the cost on that posture has its
-/// reference.
+/// At each node, the regulator about a posture is at the reference of the cost on that posture.
 void expect_moves_with_posture(const StatePath& path, const ShootingProblem& problem) {
   for (int k = 0; k < problem.knots(); ++k) {
     const KnotView& knot = problem.knot(k);
@@ -88,8 +87,8 @@ TEST(GaitRegulator, StaysWhereItsStateIsDisplacedByItself) {
   EXPECT_EQ(loop.mpc->controller.terminal->parameters[0], 0);
 }
 
-// The loop in another place and direction is the loop, in that place and direction. But for the
-// pyramids of the friction cones, whose sides are those of the world.
+// Displacing and rotating the loop changes only its place and heading, except for friction
+// pyramids, whose sides are fixed in the world.
 TEST(GaitRegulator, LoopsAreTheSameWhereverTheyBegin) {
   const std::string mpc =
       "duration: 0.8, repeat: gait, feedback: {rate: 200}, terminal: {lqr: standing}, commands: "
@@ -109,8 +108,8 @@ TEST(GaitRegulator, LoopsAreTheSameWhereverTheyBegin) {
   for (std::size_t i = 7; i < a.size(); ++i) EXPECT_NEAR(a[i], b[i], 1e-9) << i;
 }
 
-/// By how much the base goes on, m, from when a fallback comes into force: on the last stand of the
-/// trot, half a metre from where it began.
+/// Distance in m that the base moves after a fallback activates, on the last stand of the trot,
+/// half a metre from the start.
 double way_under_fallback(const std::string& to) {
   const GaitLoop loop = trot_of_regulator(
       "duration: 2.5, feedback: {rate: 500}, disturbances: [{late: 1, at: 1.5}], fallback: "

@@ -1,4 +1,4 @@
-// Integrals in closed loops: what has run up in the plant is what a window begins with.
+// Integrals in closed loops: a window begins with the plant's accumulated value.
 #include <algorithm>
 #include <cmath>
 
@@ -11,8 +11,8 @@
 namespace conddp {
 namespace {
 
-/// From 0 towards 3 in a second by x' = gain u, with ∫u² at most 4: u is 2 from beginning to end
-/// where gain is 1, which costs ½ (2 − 3)² + ½ 0.1 · 4.
+/// From 0 towards 3 in one second by x' = gain u with ∫u² ≤ 4. For gain 1, u = 2 throughout, with
+/// cost ½ (2 − 3)² + ½ 0.1 · 4.
 std::string budget_loop(std::string_view budget, std::string_view more) {
   return fmt::format(R"(conddp: 1
 parameters: {{gain: 1}}
@@ -38,7 +38,7 @@ constexpr std::string_view kAlways =
     "  constraints: {budget: {residual: expression, rows: [spent], upper: 4}}\n"
     "constraints: {meanwhile: {residual: expression, rows: [spent], upper: 4}}";
 
-// A window that began at 0 would spend all of it again.
+// A window starting at 0 would spend the whole budget again.
 TEST(MpcIntegral, ABudgetIsThatOfTheWholeLoop) {
   for (const std::string_view budget : {kAtTheEnd, kAlways})
     for (const char* more :
@@ -64,7 +64,7 @@ TEST(MpcIntegral, ALoopStopsWhereABudgetIsSpent) {
   EXPECT_NEAR(result.end_time, 0.5, 1e-9);
 }
 
-/// A plant that a push moves on, so that the rest of the way is longer, spends the same in all.
+/// A push lengthens the remaining way of the plant, but the total spent is the same.
 TEST(MpcIntegral, BudgetHoldsOnAPlantUnlikeTheModel) {
   const LoadedLoop loop(budget_loop(
       kAtTheEnd,
@@ -82,8 +82,8 @@ TEST(MpcIntegral, BudgetHoldsOnAPlantUnlikeTheModel) {
   EXPECT_NEAR(result.last_state[0], 0.7 * 2 - 0.5, 1e-4);
 }
 
-/// Bellman: what is left of an optimum is the optimum of what is left, where costs of integrals are
-/// of the whole motion. With the previous control behind the integrals, and times in them.
+/// Bellman's principle: the tail of an optimum is optimal if integral costs cover the whole motion.
+/// Includes the previous control after the integrals, and times in them.
 TEST(MpcIntegral, FollowsFirstPlanWithWholeMotionCosts) {
   const std::string swing = R"(conddp: 1
 system: {type: pendulum}
@@ -130,9 +130,9 @@ solver: {name: altro, tolerances: {stationarity: 1.0e-9}}
   }
 }
 
-/// The loop without integrals, step by step, with what it would have counted. Gaps of integrals are
-/// gaps: solvers get to the same plan on another way, and so to slightly other gains. Without
-/// feedback these do not count.
+/// The loop without integrals, step by step, with accumulated values. Gaps of integrals count as
+/// gaps, so solvers reach the same plan along another path and with slightly different gains.
+/// Without feedback these differences vanish.
 TEST(MpcIntegral, WhatIsCountedAloneChangesNothing) {
   struct Case {
     bool feedback;

@@ -1,4 +1,4 @@
-// Systems of equations whose numbers or derivatives are not finite at the first guess.
+// Systems with non-finite values or derivatives at the first guess.
 #include "analysis/findings/diagnosis.hpp"
 #include "problem_text.hpp"
 #include "solvers/strategies/registry.hpp"

@@ -1,4 +1,4 @@
-// Constants and tables that a whole problem file knows by name.
+// Constants and tables with file-wide names.
 
 #include <gtest/gtest.h>
 
@@ -144,7 +144,7 @@ phases: [{knots: 4, dt: 0.1}]
 costs: {loss: {residual: expression, rows: drag(v)*v}}
 )";
 
-/// The problem beside its table, in a folder of its own.
+/// The problem and its table in a separate folder.
 struct InFolder {
   explicit InFolder(const std::string& csv, const std::string& text = std::string(kFromFile)) {
     const TemporaryFolder folder;

@@ -1,4 +1,4 @@
-// Grids that are finer where phases begin or end, and where kp draws feet that step.
+// Grids refined at the start or end of phases, and kp targets of stepping feet.
 #include "problem_file/spec/phase_grid.hpp"
 
 #include "problem_text.hpp"
@@ -71,7 +71,7 @@ costs:
   second: {residual: frame_position, frame: lf_foot, phases: again, swing: {height: 0.1, step: [0, 0.1, 0]}}
 )";
 
-/// Where kp draws the contact LF in a phase.
+/// Target of kp for the contact LF in a phase.
 Vector3<double> drawn_to(const Loaded& loaded, int phase) {
   const auto& system =
       static_cast<const MultibodySystem&>(loaded.built->problem->phases()[phase].model->system());
@@ -112,7 +112,7 @@ TEST(Stabilisation, WarnsAboutStepsWithoutASwing) {
   EXPECT_EQ(planned.all().find("touches down anew"), std::string::npos);
 }
 
-/// The reference of a cost at a knot.
+/// Reference of a cost at a knot.
 std::vector<double> reference(const Loaded& loaded, const char* cost, int knot) {
   const KnotView& view = loaded.built->problem->knot(knot);
   for (const CostTerm& term : view.model->costs())

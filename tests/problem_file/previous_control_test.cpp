@@ -1,4 +1,4 @@
-// The previous control beside what takes no time: a free initial state, jumps and impulses.
+// The previous control next to instantaneous knots: a free initial state, jumps, and impulses.
 #include <fstream>
 
 #include "analysis/derivatives/derivative_check.hpp"
@@ -8,8 +8,8 @@
 namespace conddp {
 namespace {
 
-/// The controls follow p: with u₋₁ = 2 and one knot of 1 s the cost is ½ (u − 2)² + ½ (u − p)², so
-/// that u = p = 2 costs nothing but where p is at its bound 1: u = 1.5 and 0.25.
+/// The controls follow p. With u₋₁ = 2 and one knot of 1 s, the cost is ½ (u − 2)² + ½ (u − p)².
+/// Without a bound, u = p = 2 costs nothing; at the bound p = 1, u = 1.5 and the cost is 0.25.
 constexpr std::string_view kChangeAfterChoice = R"(conddp: 1
 parameters: {p: {free: true, lower: -1, upper: 1, start: 0}}
 system: {states: [x], controls: [u], rate: {x: u}}
@@ -21,7 +21,8 @@ costs:
 solver: {name: altro, tolerances: {stationarity: 1.0e-9}}
 )";
 
-/// Two knots of 1 s about a jump: ½ (u₀ − 3)² + ½ (u₁ − u₀)² + ½ u₁² is least at u = (2, 1).
+/// Two knots of 1 s around a jump: ½ (u₀ − 3)² + ½ (u₁ − u₀)² + ½ u₁² has its minimum at u = (2,
+/// 1).
 constexpr std::string_view kChangeOverJump = R"(conddp: 1
 system: {states: [x], controls: [u], rate: {x: u}}
 initial_state: {previous_control: 3}

@@ -1,4 +1,4 @@
-// What makes two files one problem.
+// Identity of problem files.
 #include "problem_file/build/problem_identity.hpp"
 
 #include <gtest/gtest.h>

@@ -46,7 +46,7 @@ initial_state: {configuration: up}
 phases: [{name: only, knots: 5, dt: 0.1}]
 )";
 
-/// The beginning of problems of a quadruped that stands on four feet.
+/// Beginning of problems of a quadruped standing on four feet.
 inline const std::string kStandingQuadruped = R"(conddp: 1
 robot: {urdf: robots/quadruped.urdf, base: floating}
 contacts:
@@ -60,7 +60,7 @@ initial_state:
            LH_HFE: -0.75, LH_KFE: 1.5, RH_HFE: -0.75, RH_KFE: 1.5}
 )";
 
-/// The text with the first occurrence of `from` replaced, which must be there.
+/// The text with the first occurrence of `from` replaced; `from` must occur.
 inline std::string replaced(std::string_view text, std::string_view from, std::string_view to) {
   std::string result(text);
   const std::size_t at = result.find(from);
@@ -69,7 +69,7 @@ inline std::string replaced(std::string_view text, std::string_view from, std::s
   return result;
 }
 
-/// A problem that was read and, if `spec` was good, built; relative paths lead to problems/.
+/// A problem that was read and, if `spec` is valid, built; relative paths refer to problems/.
 struct Loaded {
   explicit Loaded(const std::string& text, const std::vector<std::string>& settings = {},
                   const BuildOptions& options = {}) {
@@ -95,7 +95,7 @@ struct Loaded {
   std::optional<BuiltProblem> built;
 };
 
-/// "line:column: message (hint)" of the warnings that a correct text gets, a line each.
+/// "line:column: message (hint)" of the warnings for a correct text, one a line.
 inline std::string warnings(const std::string& text) {
   const Loaded loaded(text);
   EXPECT_TRUE(loaded.built) << loaded.all();

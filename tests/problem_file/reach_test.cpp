@@ -1,4 +1,4 @@
-// Places for the tip of two rods of 0.5 and 0.4 m, whose first joint is at the origin.
+// Reachability of the tip of two rods of 0.5 and 0.4 m whose first joint is at the origin.
 #include <gtest/gtest.h>
 
 #include "problem_text.hpp"
@@ -6,7 +6,7 @@
 namespace conddp {
 namespace {
 
-/// What is said of reach, with these keys after the frame of a cost.
+/// Messages about reach with these keys after the frame of a cost.
 std::string said(const std::string& keys, const std::string& part = "costs") {
   const std::string all = warnings(R"(conddp: 1
 robot: {urdf: robots/double_pendulum.urdf}

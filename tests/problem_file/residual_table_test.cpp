@@ -1,4 +1,4 @@
-// The table of residuals, and the values of their keys.
+// The table of residuals and the values of their keys.
 #include "problem_file/residuals/residual_table.hpp"
 
 #include <set>

@@ -1,4 +1,4 @@
-// Masses of payloads that the solver chooses.
+// Payload masses as free parameters.
 #include <cmath>
 
 #include "analysis/derivatives/derivative_check.hpp"
@@ -11,7 +11,7 @@
 namespace conddp {
 namespace {
 
-/// A platform of 0.1 kg on a rail that points up.
+/// A platform of 0.1 kg on a vertical rail.
 constexpr std::string_view kLiftUrdf = R"(<robot name="lift">
   <link name="ground"/>
   <joint name="rail" type="prismatic">
@@ -25,7 +25,7 @@ constexpr std::string_view kLiftUrdf = R"(<robot name="lift">
 </robot>
 )";
 
-/// Moving a mass m by 1 in 1 s, rest to rest, costs ∫ u² dt + 1/m with u = m (6 − 12 t), that is
+/// Moving a mass m by 1 in 1 s from rest to rest costs ∫ u² dt + 1/m with u = m (6 − 12 t), that is
 /// 12 m² + 1/m.
 constexpr std::string_view kLift = R"(conddp: 1
 parameters: {load: {free: true, lower: 0, upper: 2, start: 1}}
@@ -43,7 +43,7 @@ terminal:
 solver: {name: ipopt}
 )";
 
-/// An arm that carries something to a pose, and what is not known of it is chosen.
+/// An arm that carries a load to a pose; unknown properties of the load are free.
 constexpr std::string_view kCarryingArm = R"(conddp: 1
 parameters: {load: {free: true, lower: 2, upper: 2, start: 2}}
 robot:
@@ -65,7 +65,7 @@ initial_guess: {states: initial, controls: quasi_static}
 solver: {name: altro}
 )";
 
-/// A quadruped that stands, jumps and lands with a load in its trunk.
+/// A quadruped that stands, jumps, and lands with a load in its trunk.
 constexpr std::string_view kCarryingQuadruped = R"(conddp: 1
 parameters: {load: {free: true, lower: 3, upper: 3, start: 3}}
 robot:
@@ -120,7 +120,7 @@ int state_column(const Loaded& loaded, const std::string& name) {
   return 0;
 }
 
-/// The same problem with a number in the place of the free parameter.
+/// The same problem with a number in place of the free parameter.
 std::string with_number(std::string_view text, const std::string& number) {
   std::string fixed(text);
   const std::size_t begin = fixed.find("parameters: {load"), end = fixed.find('\n', begin);
@@ -128,7 +128,7 @@ std::string with_number(std::string_view text, const std::string& number) {
   return fixed;
 }
 
-/// Without the knot that chooses.
+/// The text without the choosing knot.
 std::string without_choice(const std::string& text, const std::string& entry) {
   return replaced(text, entry, "");
 }
@@ -160,7 +160,7 @@ TEST(RobotParameters, HaveTheLoadOfLeastCost) {
   }
 }
 
-/// 20 N hold 20/9.81 kg, of which the platform is 0.1.
+/// 20 N hold 20/9.81 kg, including 0.1 kg for the platform.
 TEST(RobotParameters, HaveTheLargestLoadThatAMotorHolds) {
   const TemporaryFolder folder;
   std::string text = replaced(lift_text(folder, kLift), "gravity: [0, 0, 0]\n", "");
@@ -189,7 +189,7 @@ TEST(RobotParameters, HaveDerivativesThatAreRight) {
       Loaded(replaced(kCarryingQuadruped, "lower: 3, upper: 3", "lower: 0, upper: 5")));
 }
 
-/// The cost of a motion that its controls make.
+/// Cost of the simulated motion of its controls.
 double simulated_cost(const Loaded& loaded) {
   const ShootingProblem& problem = *loaded.built->problem;
   Trajectory motion = loaded.built->guess;
@@ -200,7 +200,7 @@ double simulated_cost(const Loaded& loaded) {
   return evaluation.cost.sum();
 }
 
-/// First guesses that hold the robot, and what they lead to.
+/// Compares guesses that hold the robot, and the motions they lead to.
 void expect_equal_motions(const Loaded& free, const Loaded& fixed, double tolerance) {
   ASSERT_TRUE(free.built) << free.all();
   ASSERT_TRUE(fixed.built) << fixed.all();
@@ -229,7 +229,7 @@ TEST(RobotParameters, WithEqualBoundsAreTheNumber) {
   EXPECT_NEAR(free.cost, fixed.cost, 1e-9 * fixed.cost);
 }
 
-/// Torques that move an arm with 3 kg, and the states that follow, give the 3 kg back.
+/// Torques that move an arm with 3 kg, and the resulting states, identify the 3 kg.
 TEST(RobotParameters, AreIdentifiedFromARecordedMotion) {
   const TemporaryFolder folder;
   const Loaded plant(
@@ -295,7 +295,7 @@ solver: {{name: altro}}
 
 TEST(RobotParameters, MayBeNamesOfExpressionsAlone) {
   const TemporaryFolder folder;
-  // The target is chosen: ½ p² + 12 (1 − p)² is least at p = 24/25.
+  // The target is free: ½ p² + 12 (1 − p)² has its minimum at p = 24/25.
   std::string text =
       replaced(lift_text(folder, kLift), "load: {free: true, lower: 0, upper: 2, start: 1}",
                "load: 0.9, p: {free: true, lower: -5, upper: 5}");

@@ -63,7 +63,7 @@ inline std::vector<std::filesystem::path> ready_problems() {
   return files;
 }
 
-/// Which documents do not fit the schema, as scripts/validate_json sees it.
+/// Documents that violate the schema according to scripts/validate_json.
 inline std::vector<bool> violations(const std::vector<Json>& documents) {
   const TemporaryFolder folder;
   std::string command =

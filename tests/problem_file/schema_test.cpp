@@ -1,4 +1,4 @@
-// The reader and schemas/problem.schema.json say the same.
+// Agreement of the reader with schemas/problem.schema.json.
 #include <cmath>
 #include <cstring>
 #include <set>
@@ -37,7 +37,7 @@ TEST(Schema, EveryReadyProblemFitsAndBuilds) {
   for (std::size_t i = 0; i < files.size(); ++i) EXPECT_FALSE(bad[i]) << files[i];
 }
 
-// Users name these columns in references, bounds and weights.
+// Users name these columns in references, bounds, and weights.
 TEST(Schema, DescribesSystemsByColumnNames) {
   const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(1, 1);
   const std::pair<const char*, std::shared_ptr<const System>> systems[] = {
@@ -52,7 +52,7 @@ TEST(Schema, DescribesSystemsByColumnNames) {
       {"quadrotor", quadrotor({})},
       {"lander", lander({})}};
   const Json types = load_schema().at("definitions").at("system").at("oneOf");
-  EXPECT_EQ(types.size(), std::size(systems) + 2);  // and two whose columns the file names
+  EXPECT_EQ(types.size(), std::size(systems) + 2);  // and two types with columns named in the file
   for (const auto& [name, system] : systems)
     for (const Json& type : types) {
       const Json& head = type.at("properties").at("type");
@@ -98,7 +98,7 @@ TEST(Schema, TakesFormulasForNumbersAndListsOfThem) {
   for (std::size_t i = 0; i < documents.size(); ++i) EXPECT_EQ(bad[i], i >= good) << documents[i];
 }
 
-/// All names of properties and all words of enumerations in a part of the schema.
+/// All property names and enumerated words in a part of the schema.
 void collect_words(const Json& part, std::set<std::string>& words) {
   if (part.is_array())
     for (const Json& item : part) collect_words(item, words);
@@ -121,7 +121,7 @@ TEST(Schema, HasEverySynonymOfOtherTools) {
     EXPECT_TRUE(words.count(std::string(entry.ours))) << entry.ours;
 }
 
-/// The keys that the reader accepts where `text` has the unknown key `zzzzzzzz`.
+/// Keys that the reader accepts where `text` has the unknown key `zzzzzzzz`.
 std::set<std::string> accepted_keys(const std::string& text) {
   Diagnostics out;
   read_problem_text(text, kProblems / "test.yaml", {}, out);
@@ -131,7 +131,7 @@ std::set<std::string> accepted_keys(const std::string& text) {
   return {};
 }
 
-/// Without former names, which are read but not offered.
+/// Excludes deprecated names, which are read but not offered.
 std::set<std::string> schema_keys(const Json& object) {
   std::set<std::string> keys;
   for (const auto& [key, value] : object.at("properties").items())
@@ -323,7 +323,7 @@ TEST(Schema, YamlInTheReferenceReadsAndBuilds) {
     const std::size_t start = at + open.size();
     const std::string piece = text.substr(start, text.find("```", start) - start);
     ++pieces;
-    if (piece.starts_with("#")) continue;  // a comment alone
+    if (piece.starts_with("#")) continue;  // comments only
     parse_to_json(piece);
     if (piece.find("conddp: 1") == std::string::npos) continue;
     ++files;
@@ -342,10 +342,10 @@ TEST(Schema, ExamplesAndDefaultsOfEverySchemaFitIt) {
         << name;
 }
 
-/// What every part of a schema must have.
+/// Required members of every part of a schema.
 struct SchemaWalk {
   const Json& schema;
-  bool examples;  ///< whether objects must have one
+  bool examples;  ///< true if objects need an example
   std::vector<std::string> faults;
 
   const Json& target(const Json& part) const {
@@ -387,7 +387,7 @@ struct SchemaWalk {
     static const std::set<std::string> kUnits = {"m",     "s",        "kg",       "kg m²", "m/s²",
                                                  "J",     "rad",      "N",        "Nm",    "m/s",
                                                  "rad/s", "Nm per N", "Nm s/rad", "1/s",   "1/s²"};
-    // A unit stands at the end of a clause: "..., rad or m".
+    // A unit ends a clause: "..., rad or m".
     std::string clause;
     for (const char c : words + ",") {
       if (c != ',' && c != ';' && c != '(' && c != ')' && c != '.') {
@@ -404,8 +404,7 @@ struct SchemaWalk {
     return false;
   }
   static bool is_dimensionless(const std::string& path, const std::string& key) {
-    // Weights, directions, matrices and parameters of the user's own functions, and the solvers'
-    // bare numbers.
+    // Weights, directions, matrices, parameters of user functions, and unitless numbers of solvers.
     static const std::set<std::string> kKeys = {"weights", "direction",  "A",           "B",
                                                 "c",       "parameters", "merit_margin"};
     if (kKeys.contains(key) || path.ends_with("/state")) return true;

@@ -1,4 +1,4 @@
-// Which pairs of shapes a cost is on, and what is refused.
+// Pairs of shapes of a distance cost, and rejected selections.
 #include "problem_file/plant/shape_pairs.hpp"
 
 #include "problem_text.hpp"

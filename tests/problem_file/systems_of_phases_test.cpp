@@ -1,4 +1,4 @@
-// Phases with systems of their own, and jumps between them.
+// Phases with their own systems, and jumps between them.
 #include <gtest/gtest.h>
 
 #include "analysis/certificate/replay.hpp"
@@ -9,8 +9,8 @@
 namespace conddp {
 namespace {
 
-/// From 1 to 0, first with x' = u, then with x' = 3 u. With u constant in each, 1 + u₁ + 3 u₂ = 0,
-/// and ½ (u₁² + u₂²) is least at u = −(1, 3)/10.
+/// From 1 to 0, first with x' = u, then with x' = 3 u. With constant u in each, 1 + u₁ + 3 u₂ = 0,
+/// and ½ (u₁² + u₂²) has its minimum at u = −(1, 3)/10.
 constexpr std::string_view kTwoSystems = R"(conddp: 1
 name: two
 systems:
@@ -28,7 +28,7 @@ terminal:
 solver: {name: proxddp, tolerances: {stationarity: 1.0e-10, constraint: 1.0e-10}}
 )";
 
-/// From 1 to 0 with x' = u and x⁺ = 2 x half-way: 2 (1 + u₁) + u₂ = 0, at u = −(0.8, 0.4).
+/// From 1 to 0 with x' = u and x⁺ = 2 x halfway: 2 (1 + u₁) + u₂ = 0 at u = −(0.8, 0.4).
 constexpr std::string_view kJump = R"(conddp: 1
 name: leap
 parameters: {gain: 2}
@@ -107,7 +107,7 @@ std::string collocated(std::string_view text, const std::string& rule) {
   return replaced(text, "initial_state", "integrator: " + rule + "\ninitial_state");
 }
 
-/// Rules of collocation are exact on these motions, too. A jump has no steps that they could make.
+/// Collocation rules are exact on these motions too; a jump has no steps.
 TEST(SystemsOfPhases, AreCollocatedToTheSameOptimum) {
   for (const char* rule : kCollocationRules)
     for (const std::string_view text : {kTwoSystems, kJump}) {

@@ -55,8 +55,8 @@ double optimal_cost(const Loaded& loaded) {
   return result.cost;
 }
 
-/// What the regulator costs from x̄ ⊕ T y on by the nonlinear map, without the cost's value and
-/// slope at the equilibrium.
+/// Cost of the regulator from x̄ ⊕ T y under the nonlinear map, without the cost's value and slope
+/// at the equilibrium.
 double cost_of_closed_loop(const TerminalIngredients& own, const Eigen::VectorXd& y, int steps) {
   const KnotModel& model = *own.knot->knot(0).model;
   const KnotView& knot = own.knot->knot(0);
@@ -78,8 +78,8 @@ double cost_of_closed_loop(const TerminalIngredients& own, const Eigen::VectorXd
   return sum;
 }
 
-/// Whether ½ δᵀPδ is what the regulator costs near the equilibrium, in several directions: by the
-/// mean of both signs, which have third derivatives in common but for the sign.
+/// Checks that ½ δᵀPδ is the regulator's cost near the equilibrium in several directions. Averaging
+/// both signs cancels the third derivatives.
 void expect_cost_to_go(const TerminalIngredients& own, double size, double tolerance) {
   const int m = static_cast<int>(own.tangent.cols());
   for (int i = 0; i < m; i += 1 + m / 4) {
@@ -92,7 +92,7 @@ void expect_cost_to_go(const TerminalIngredients& own, double size, double toler
   }
 }
 
-// The numbers of this and the next four tests are computed from the definitions by other programs,
+// The numbers of this and the next four tests were computed from the definitions by other programs,
 // those of the cart-pole with 50 digits.
 TEST(TerminalLqr, TheExactDoubleIntegratorHasItsKnownIngredients) {
   const Loaded loaded(exact_integrator(10, "[0, 0]", kUnitForce));
@@ -170,7 +170,7 @@ TEST(TerminalLqr, ConditionsHoldOnTheLinearSystemSet) {
   EXPECT_NEAR(beyond.conditions[1].level, lqr_of(loaded).set.level, 1e-12);
 }
 
-/// Two states of which only the first one costs something, with a bounded control.
+/// Two states with a cost on the first only, and a bounded control.
 std::string half_seen(std::string_view x, std::string_view y, double weight,
                       std::string_view more = "") {
   return fmt::format(R"(conddp: 1
@@ -301,7 +301,7 @@ TEST(TerminalLqr, BoundedControlHoldsTheStateBeyondMinimumNorm) {
 }
 
 TEST(TerminalLqr, AControlAtItsBoundHoldsTheState) {
-  // In floating point 9.81 / (1/3) is not 29.43.
+  // In floating point, 9.81 / (1/3) is not 29.43.
   const Loaded loaded(pushed_and_pulled("a/3 + b/3 - 9.81", "0", 14.715));
   ASSERT_TRUE(loaded.built) << loaded.all();
   for (const double u : lqr_of(loaded).ingredients.u) EXPECT_NEAR(u, 14.715, 1e-9);
@@ -433,7 +433,7 @@ terminal: {lqr: initial}
   expect_cost_to_go(own, 1e-4, 1e-3);
 }
 
-/// A pendulum held beside the vertical by a torque, whose effort and turning integrals may count.
+/// A pendulum held off the vertical by a torque, with optional integrals of effort and rotation.
 std::string held_pendulum(std::string_view integrals, std::string_view terminal,
                           std::string_view about = "{about: initial, set: true}") {
   return fmt::format(R"(conddp: 1
@@ -459,7 +459,7 @@ TEST(TerminalLqr, IntegralsAreLeftOutOfTheRegulator) {
   const Loaded plain(held_pendulum("", "")), counting(held_pendulum(kHeldIntegrals, ""));
   ASSERT_TRUE(plain.built && counting.built) << plain.all() << counting.all();
   const TerminalIngredients &a = lqr_of(plain).ingredients, &b = lqr_of(counting).ingredients;
-  const int own[] = {0, 1, 4};  // theta, omega and the previous torque, integrals between them
+  const int own[] = {0, 1, 4};  // theta, omega, and the previous torque, with integrals in between
   ASSERT_EQ(b.P.rows(), 5);
   for (int i = 0; i < 3; ++i) {
     EXPECT_NEAR(b.K(0, own[i]), a.K(0, i), 1e-10);
@@ -480,8 +480,8 @@ TEST(TerminalLqr, IntegralsAreLeftOutOfTheRegulator) {
     EXPECT_EQ(at_a.conditions[i].holds, at_b.conditions[i].holds) << at_a.conditions[i].name;
 }
 
-/// From the vertical to where the regulator holds it. What the motion counts changes nothing until
-/// a budget that is below that does.
+/// From the vertical to the regulated state. Integrals change nothing until an active budget limits
+/// them.
 TEST(TerminalLqr, BudgetsStandBesideTheRegulator) {
   const auto solved = [](const Loaded& loaded) {
     EXPECT_TRUE(loaded.built) << loaded.all();
@@ -522,20 +522,20 @@ TEST(TerminalLqr, CostsAndSetsOnIntegralsAreNamed) {
             "13:39: no terminal set is within 'budget', which states that cost nothing move");
 }
 
-/// A standing robot: the regulator lives on the tangent space of its contacts.
+/// A standing robot, regulated on the tangent space of its contacts.
 void expect_stance(const Loaded& loaded, int directions) {
   ASSERT_TRUE(loaded.built) << loaded.all();
   const TerminalIngredients& own = lqr_of(loaded).ingredients;
   EXPECT_EQ(own.tangent.cols(), directions);
   EXPECT_LT(std::abs(own.regulator.eigenvalues[0]), 1 - 1e-6);
   EXPECT_LT(own.regulator.residual, 1e-9);
-  // Across the tangent space nothing costs.
+  // Directions normal to the tangent space cost nothing.
   const Eigen::MatrixXd across =
       Eigen::MatrixXd::Identity(own.P.rows(), own.P.rows()) - own.tangent * own.tangent.transpose();
   EXPECT_LT((own.P * across).norm(), 1e-9 * own.P.norm());
   EXPECT_LT((own.K * across).norm(), 1e-9 * own.K.norm());
-  // Legs that work against each other through the ground move nothing: the control is the nearest
-  // one to the guess, which holds the state already.
+  // Legs that push against each other through the ground move nothing. The control is the one
+  // closest to the guess, which already holds the state.
   const Eigen::VectorXd guess =
       quasi_static_control(own.knot->knot(0).model->system(), own.x.data());
   EXPECT_LT((own.u - guess).norm(), 1e-6 * guess.norm());
@@ -589,7 +589,7 @@ TEST(TerminalLqr, ExpansionsSayTheSame) {
                           "{about: {values: {x/0: 0}}, set: true}"}) {
     const Loaded loaded(exact_integrator(3, lqr, kUnitForce));
     if (std::string(lqr) == "initial") {
-      EXPECT_TRUE(loaded.built) << loaded.all();  // rests at 1 as well
+      EXPECT_TRUE(loaded.built) << loaded.all();  // also rests at 1
     }
     ASSERT_TRUE(loaded.built) << lqr << loaded.all();
     const std::string text = expanded_text(*loaded.spec, *loaded.built);

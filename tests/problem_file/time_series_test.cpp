@@ -20,7 +20,7 @@ TEST(TimeSeries, InterpolatesAndHoldsFlatValues) {
 }
 
 TEST(TimeSeries, JumpHasValuesBeforeAndAfter) {
-  const double next = std::nextafter(2.0, 3.0);  // as tables have it whose times increase
+  const double next = std::nextafter(2.0, 3.0);  // as in tables with increasing times
   for (const double again : {2.0, next}) {
     TimeSeries series(StateManifold::flat(1));
     series.append(1, {10});
@@ -85,7 +85,7 @@ TEST(TimeSeries, RotationsFollowTheShortestWay) {
   TimeSeries series(rotation_manifold());
   const double half = 0.75;  // half of 1.5 rad about z
   series.append(0, {0, 0, 0, 1});
-  series.append(1, {0, 0, -std::sin(half), -std::cos(half)});  // the same rotation, other sign
+  series.append(1, {0, 0, -std::sin(half), -std::cos(half)});  // same rotation, opposite sign
   const std::vector<double> q = series.interpolate(0.5);
   EXPECT_NEAR(std::abs(q[2]), std::sin(half / 2), 1e-12);
   EXPECT_NEAR(std::abs(q[3]), std::cos(half / 2), 1e-12);

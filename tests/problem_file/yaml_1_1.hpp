@@ -8,10 +8,10 @@
 
 namespace conddp {
 
-/// The plain scalars of a document that a reader of YAML 1.1 takes for something else than one of
-/// YAML 1.2: "1e-3" is a text there (yaml.org/type/float.html wants a point and the exponent's
-/// sign), "010" eight, "1:30" ninety, "on" a truth value. ("y" and "n" would be truth values too;
-/// PyYAML takes them for texts.)
+/// Plain scalars that a YAML 1.1 reader interprets differently from a YAML 1.2 reader. "1e-3" is a
+/// text there (yaml.org/type/float.html requires a point and the sign of the exponent), "010" is
+/// eight, "1:30" is ninety, and "on" is a boolean. "y" and "n" would be booleans too, but PyYAML
+/// reads them as texts.
 class Yaml11Reader {
  public:
   static std::vector<std::string> misread(const std::string& text) {

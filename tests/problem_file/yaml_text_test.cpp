@@ -27,7 +27,7 @@ TEST(YamlText, ReadersOfYaml11TakeItsTextsForTexts) {
   EXPECT_EQ(Yaml11Reader::misread(text), Words());
   const YAML::Node back = YAML::Load(text)["y"];
   for (std::size_t i = 0; i < texts.size(); ++i) {
-    EXPECT_EQ(back[i].Tag(), "!") << texts[i];  // in quotes
+    EXPECT_EQ(back[i].Tag(), "!") << texts[i];  // quoted
     EXPECT_EQ(back[i].Scalar(), texts[i].get<std::string>());
   }
 }

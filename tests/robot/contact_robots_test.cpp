@@ -11,11 +11,11 @@
 namespace conddp {
 namespace {
 
-/// A robot of the contact-implicit problems, all of them planar and bolted down.
+/// A robot of the contact-implicit problems; all are planar and fixed.
 struct PlanarRobot {
   const char* name;
   int nv;
-  double mass;  ///< kg, of all that moves
+  double mass;  ///< kg, of all moving parts
 };
 
 constexpr PlanarRobot kRobots[] = {
@@ -35,7 +35,7 @@ UrdfResult read(const std::string& name) {
   return load_urdf(std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/robots" / (name + ".urdf"));
 }
 
-/// Where frames are at given joint positions, all others at zero.
+/// Frame positions at given joint positions, with all other joints at zero.
 class Posture {
  public:
   Posture(const char* name, const std::vector<std::pair<const char*, double>>& positions)

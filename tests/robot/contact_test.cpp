@@ -5,15 +5,15 @@
 #include "support/kernel_probe.hpp"
 #include "support/random_contact.hpp"
 
-// The rows of contacts against the motion of their frames, at random states with any rotation of
-// the base, and their derivatives against dual numbers.
+// Contact rows, compared with the motion of their frames at random states with any base rotation.
+// Derivatives are compared with dual numbers.
 
 namespace conddp {
 namespace {
 
 constexpr double kRowTolerance = 1e-11;
 
-/// A state in which everything that contacts read is current.
+/// Robot data with everything that contacts read up to date.
 template <class S>
 RobotData<S> moving_data(const RobotModel& model, const ProbeState<S>& x) {
   RobotData<S> data(model);
@@ -22,7 +22,7 @@ RobotData<S> moving_data(const RobotModel& model, const ProbeState<S>& x) {
   return data;
 }
 
-/// The state along the k-th direction of the configuration, or of the velocity.
+/// Direction of differentiation: the k-th direction of the configuration or of the velocity.
 enum class Along { configuration, velocity };
 ProbeState<Dual<double>> moving_along(const RobotModel& model, const RobotState& x, Along along,
                                       int k) {
@@ -79,7 +79,7 @@ class ContactRows : public testing::TestWithParam<ContactSetting> {
         const int frame = frames[random.index(static_cast<int>(frames.size()))];
         Contact contact = random_contact(frame, GetParam().kind, GetParam().axes, random);
         contact.kp = GetParam().position_gain ? contact.kp + 1 : 0;
-        // Not further away than where the logarithm of the difference is smooth.
+        // Distances stay within the smooth range of the logarithm.
         RobotData<double> data(entry.model);
         update_placements(entry.model, x.q.data(), data);
         const Pose<double> off = integrate_se3(Pose<double>{{0, 0, 0}, {0, 0, 0, 1}},
@@ -99,7 +99,7 @@ std::vector<double> components(const Motion<double>& m) {
   return all;
 }
 
-/// The rows of a vector of the contact point, given in the world's axes.
+/// Rows of a contact-point vector given in world axes.
 std::vector<double> rows_of_point(const Contact& contact, const Matrix3<double>& frame_axes,
                                   const Vector3<double>& in_world) {
   const Vector3<double> local = transpose_times(frame_axes, in_world);
@@ -110,7 +110,7 @@ std::vector<double> rows_of_point(const Contact& contact, const Matrix3<double>&
   return rows;
 }
 
-/// Jacobian of the rows times the generalised velocity.
+/// Jacobian of the rows times the generalized velocity.
 template <class S>
 std::vector<S> velocity_rows(const RobotModel& model, const Contact& contact,
                              const AlignedVector<S>& jacobian, const std::vector<S>& v) {
@@ -215,7 +215,7 @@ TEST_P(ContactRows, HaveTheDerivativesOfVelocities) {
   });
 }
 
-// What the wrench does on its body is what the forces of the rows do along the rows.
+// The power of the contact wrench on its body equals that of the row forces.
 TEST_P(ContactRows, GiveForcesThePowerOfTheirRows) {
   RandomNumbers random(701);
   everywhere([&](const RobotModel& model, const RobotState& x, const Contact& contact) {
@@ -241,8 +241,8 @@ TEST_P(ContactRows, GiveForcesThePowerOfTheirRows) {
   });
 }
 
-// Jᵀ·(forces of the rows) with directions that are fixed in the world, less the same wrench fixed
-// in the body.
+// Jᵀ·(forces of the rows) for directions fixed in the world, minus the same wrench fixed in the
+// body.
 TEST_P(ContactRows, TurnTheirDirectionsAgainstTheBody) {
   RandomNumbers random(702);
   everywhere([&](const RobotModel& model, const RobotState& x, const Contact& contact) {

@@ -3,8 +3,8 @@
 #include "robot/inverse_dynamics_gradient.hpp"
 #include "support/kernel_probe.hpp"
 
-// First derivatives of the kernels against dual numbers through the kernels themselves, which are
-// exact, at random states with any rotation of the base.
+// First derivatives of the kernels, compared with dual numbers through the same kernels, which are
+// exact, at random states with any base rotation.
 
 namespace conddp {
 namespace {
@@ -13,7 +13,7 @@ constexpr double kTolerance = 1e-11;
 
 using D = Dual<double>;
 
-/// Derivatives of everything along the tangent direction (dq, dv), others fixed.
+/// Derivatives of all quantities along the tangent direction (dq, dv), with the other inputs fixed.
 class Slope {
  public:
   Slope(const RobotModel& model, const RobotState& x, const std::vector<double>& dq,
@@ -42,7 +42,7 @@ class Slope {
   KernelProbe<D> probe_;
 };
 
-/// The slopes along every unit direction of the configuration or the velocity.
+/// Slopes along every unit direction of the configuration or the velocity.
 class Gradient {
  public:
   enum class Of { configuration, velocity };
@@ -55,7 +55,7 @@ class Gradient {
                            of == Of::velocity ? unit : zero);
     }
   }
-  /// By columns, one for each direction.
+  /// Column-major, one column per direction.
   std::vector<double> operator[](const std::string& name) const {
     std::vector<double> all;
     for (const Slope& slope : slopes_) {
@@ -182,7 +182,7 @@ TEST_P(KernelDerivatives, FramePlacementIsTheLocalJacobian) {
         const double* p = &position[3 * k];
         Matrix3<double> dr;
         std::copy_n(&rotation[9 * k], 9, dr.m);
-        const Matrix3<double> turn = transpose(r) * dr;  // skew of the angular part
+        const Matrix3<double> turn = transpose(r) * dr;  // skew matrix of the angular part
         const Vector3<double> linear = transpose_times(r, Vector3<double>{p[0], p[1], p[2]});
         const double twist[] = {linear.x, linear.y, linear.z, turn(2, 1), turn(0, 2), turn(1, 0)};
         twists.insert(twists.end(), std::begin(twist), std::end(twist));
@@ -207,7 +207,7 @@ TEST_P(KernelDerivatives, FrameVelocity) {
   });
 }
 
-// The parts that residuals of positions and rotations alone read.
+// Parts that only position and rotation residuals read.
 TEST_P(KernelDerivatives, PartsOfTheFrameJacobian) {
   in_random_states([&](const RobotState&, const KernelProbe<double>& analytic) {
     for (int f = 0; f < static_cast<int>(model().frames.size()); ++f) {
@@ -255,8 +255,7 @@ TEST_P(KernelDerivatives, RatesInTime) {
   });
 }
 
-// The power of the joints and of the external wrenches is the rate of kinetic and potential
-// energy.
+// The power of the joints and external wrenches equals the rate of kinetic and potential energy.
 TEST_P(KernelDerivatives, EnergyBalance) {
   in_random_states([&](const RobotState& x, const KernelProbe<double>& analytic) {
     double power = 0, size = 1;

@@ -3,14 +3,14 @@
 
 #include "support/kernel_probe.hpp"
 
-// Identities between the kernels in random states.
+// Identities between kernels in random states.
 
 namespace conddp {
 namespace {
 
 using Matrix = Eigen::MatrixXd;
 
-/// nv x nv by columns, of which the lower triangle counts.
+/// Symmetric matrix from the lower triangle of a column-major nv x nv array.
 Matrix from_lower(const std::vector<double>& values, int n) {
   const Matrix lower = Eigen::Map<const Matrix>(values.data(), n, n);
   return lower.selfadjointView<Eigen::Lower>();
@@ -38,7 +38,7 @@ class KernelDynamics : public testing::TestWithParam<std::size_t> {
   }
 };
 
-// At rest, without gravity and wrenches, the forces of a unit acceleration are a column of M.
+// At rest without gravity and wrenches, the forces for a unit acceleration are a column of M.
 TEST_P(KernelDynamics, InertiaMatrixIsInverseDynamicsByColumns) {
   RobotModel weightless = model();
   weightless.gravity = {0, 0, 0};
@@ -141,7 +141,7 @@ TEST_P(KernelDynamics, GravityTorquesAreTheBiasAtRest) {
   });
 }
 
-// A wrench w on a frame acts as the generalised forces Jᵀ w.
+// A wrench w on a frame acts as the generalized force Jᵀ w.
 TEST_P(KernelDynamics, ExternalWrenchesActThroughTheFramesJacobian) {
   const int n = model().nv;
   RobotModel loaded = model();
@@ -173,7 +173,7 @@ TEST_P(KernelDynamics, KineticEnergyIsHalfOfVelocityInertiaVelocity) {
   });
 }
 
-/// Of the bodies with what they carry.
+/// Mass of the bodies and their loads.
 double mass_in(const RobotModel& model, const RobotState& x) {
   double mass = model.total_mass();
   for (const Load& load : model.loads) mass += x.q[model.joints[load.parameter].q] * load.unit.mass;
@@ -210,7 +210,7 @@ TEST_P(KernelDynamics, VelocitiesAreJacobiansTimesGeneralisedVelocities) {
   });
 }
 
-// Nothing but the wrenches' and gravity's directions depends on where a floating base stands.
+// Only the directions of wrenches and gravity depend on the position of a floating base.
 TEST_P(KernelDynamics, PositionOfTheBaseDoesNotMatter) {
   in_random_states([&](RobotState x, const KernelProbe<double>& probe) {
     for (const Joint& joint : model().joints)

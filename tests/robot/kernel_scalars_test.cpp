@@ -4,7 +4,7 @@
 
 #include "support/kernel_probe.hpp"
 
-// The kernels give the same with every scalar, and lanes do not see each other.
+// The kernels agree for every scalar, and lanes are independent.
 
 namespace conddp {
 namespace {
@@ -66,7 +66,7 @@ class KernelScalars : public testing::TestWithParam<std::size_t> {
     return all;
   }
 
-  /// The states moving along a direction of their own each.
+  /// The states, each moving along its own direction.
   std::vector<ProbeState<Dual<double>>> moving_states() const {
     RandomNumbers random(500 + GetParam());
     std::vector<ProbeState<Dual<double>>> all;
@@ -86,15 +86,15 @@ class KernelScalars : public testing::TestWithParam<std::size_t> {
   }
 };
 
-// To rounding: what differs is the order of operations that the compiler chose for fused
-// multiplications, and sines in the last bit; accelerations amplify both by M's condition.
+// Tolerance for rounding: compilers order fused multiplications differently, and sines differ in
+// the last bit. Accelerations amplify both by the condition of M.
 double rounding_of(const std::string& output) {
   return output.starts_with("acceleration") ? 1e-10 : 1e-12;
 }
 
-/// The factors of M amplify rounding by M's condition too, but their product does not: expects that
-/// Lᵀ D L is M (lower triangles by columns, D on L's diagonal), relative to the sum of the
-/// products' sizes, which for values is M's own size and for slopes knows what cancels.
+/// The condition of M amplifies rounding of its factors, but not of their product. Expects Lᵀ D L =
+/// M (column-major lower triangles, D on the diagonal of L), relative to the sum of product
+/// magnitudes. For values, that sum is the size of M; for slopes, it accounts for cancellation.
 void expect_factors(int n, const std::vector<Dual<double>>& L, const std::vector<Dual<double>>& M,
                     const std::string& where) {
   Dual<double> largest(0.0), worst(0.0);
@@ -173,7 +173,7 @@ TEST_P(KernelScalars, DualValuesEqualDouble) {
   }
 }
 
-// A knot that diverged must not disturb its neighbours in the register, not by a bit.
+// A diverged knot must not change a single bit of its neighbours in the register.
 TEST_P(KernelScalars, RubbishStaysInItsLane) {
   std::vector<ProbeState<double>> all = states();
   const KernelProbe<Lane> clean(model(), pack<Lane>(all));

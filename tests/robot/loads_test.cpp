@@ -8,7 +8,7 @@
 namespace conddp {
 namespace {
 
-/// The model in which the loads of a state are part of the bodies, and parameters change nothing.
+/// The model with the loads of a state merged into the bodies, so that parameters change nothing.
 RobotModel with_fixed_loads(const RobotModel& loaded, const RobotState& state) {
   RobotModel fixed = loaded;
   fixed.loads.clear();

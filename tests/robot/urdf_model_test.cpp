@@ -103,7 +103,7 @@ TEST(UrdfAxes, MoveTheLinkAlongTheFileAxis) {
   expect_equal(simple_frame_placement(sliding, {q}, "b"), {Matrix3<double>::identity(), q * axis});
 }
 
-// Axes in the planes of coordinates are no coordinate axes yet.
+// Axes in coordinate planes are not coordinate axes.
 TEST(UrdfAxes, WithOneZeroAreTurnedToAsWell) {
   for (const auto& [text, axis] :
        std::vector<std::pair<const char*, Vector3<double>>>{{"0.6 0 0.8", {0.6, 0, 0.8}},
@@ -363,7 +363,7 @@ TEST(UrdfMimic, LockedLeaderLocksItsFollowers) {
   EXPECT_EQ(model.joint_count(), 0);
   expect_equal(simple_frame_placement(model, {}, "d"),
                simple_frame_placement(built(three_joints("", ""), none), {}, "d"));
-  // Who is locked by themselves stays there; without `enforce` nobody follows.
+  // Explicitly locked followers keep their values; without `enforce`, nothing follows.
   all.locked_joints["j"] = 0;
   none.locked_joints = {{"i", 0.2}, {"j", 0}, {"k", 1}};
   expect_equal(simple_frame_placement(built(three_joints(follower, next), all), {}, "d"),

@@ -11,7 +11,7 @@
 namespace conddp {
 namespace {
 
-/// base -> arm by a continuous joint "j" with more content.
+/// Link "arm" on link "base" by a continuous joint "j" with additional content.
 std::string one_joint(const std::string& content, const std::string& type = "continuous") {
   return robot_element(link_element("base") + link_element("arm") +
                        joint_element("j", type, "base", "arm", content));

@@ -2,10 +2,10 @@
 
 #include <string>
 
-/// URDFs put together from small pieces, a link and a joint a line.
+/// URDFs assembled from small pieces, one link or joint a line.
 namespace conddp {
 
-/// An inertia about axes that are not the link's.
+/// An inertia about axes that differ from the link's.
 inline constexpr const char* kBody =
     R"(<inertial><origin xyz="0.1 0.02 -0.3" rpy="0.1 0.2 0.3"/><mass value="2"/>)"
     R"(<inertia ixx="0.05" ixy="0.001" ixz="0.002" iyy="0.06" iyz="0" izz="0.07"/></inertial>)";

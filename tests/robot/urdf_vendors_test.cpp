@@ -13,16 +13,16 @@
 namespace conddp {
 namespace {
 
-/// URDFs as vendors write them: numbers that no body has, and what their tools leave behind.
+/// Vendor URDFs: numbers that are not physically valid, and leftovers of their tools.
 
 struct VendorLink {
   const char* name;
   const char* inertial;
-  const char* warning;  ///< nullptr: none
+  const char* warning;  ///< nullptr: no warning
 };
 
-/// Mass, centre of mass and inertia of links in public descriptions of these robots; the last one
-/// has digits that are rounded to 2e-6 of the largest moment.
+/// Mass, centre of mass, and inertia of links in public descriptions of these robots; the last
+/// entry has digits rounded to 2e-6 of the largest moment.
 const VendorLink kLinks[] = {
     {"icub_head",
      R"(<origin xyz="0.0185 -0.1108 6.78454e-18"/><mass value="1.33687"/>
@@ -50,7 +50,7 @@ const VendorLink kLinks[] = {
      "negative by 0.0002 %"},
 };
 
-/// The link between two heavier bodies of an arm, at the end of a joint of its own axis.
+/// The link between two heavier bodies of an arm, at the end of its own joint.
 std::string with_link(const VendorLink& link) {
   return robot_element(
       link_element("base") +
@@ -99,8 +99,8 @@ TEST(VendorInertias, AreErrorsIfStrict) {
   }
 }
 
-/// An arm whose forearm has a negative moment about the vertical: harmless while the forearm hangs
-/// far off the vertical axis, and not where it folds onto it.
+/// An arm whose forearm has a negative moment about the vertical: harmless while the forearm is far
+/// from the vertical axis, but not when it folds onto it.
 std::string folding_arm() {
   return robot_element(
       link_element("base") +
@@ -117,7 +117,7 @@ TEST(VendorInertias, RejectsMatricesIndefiniteInSomeConfiguration) {
   EXPECT_FALSE(result.model);
   EXPECT_NE(warnings(result).find("error: joint 'turn': what it moves"), std::string::npos)
       << warnings(result);
-  // Its own inertia about the vertical is positive where the arm is stretched.
+  // The arm's own inertia about the vertical is positive when stretched.
   UrdfOptions stretched;
   stretched.locked_joints["fold"] = 0;
   EXPECT_TRUE(parse_urdf(folding_arm(), "f", stretched).model);
@@ -155,7 +155,7 @@ TEST(VendorInertias, JointsWithoutInertiaGiveOneCopyableHint) {
   EXPECT_TRUE(parse_urdf(xml, "f", {.rotor_inertia = {{"f", 1e-4}, {"t", 1e-4}}}).model);
 }
 
-/// iCub's head: a point mass behind a neck of three axes that meet.
+/// iCub's head: a point mass behind a neck with three intersecting axes.
 TEST(VendorInertias, SingularInertiaMatrixWarningNamesTheJoint) {
   const std::string none =
       R"(<inertial><mass value="0"/><inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/>
@@ -169,7 +169,7 @@ TEST(VendorInertias, SingularInertiaMatrixWarningNamesTheJoint) {
                     "<origin xyz=\"0 0 0.0\"/><axis xyz=\"0.0185 -0.1108 0\"/>"));
   const UrdfResult result = parse_urdf(xml, "f");
   EXPECT_NE(warnings(result).find("joint 'yaw': nothing that it moves (head)"), std::string::npos)
-      << warnings(result);  // the mass is on its axis, in every configuration
+      << warnings(result);  // the mass is on its axis in every configuration
   const std::string aligned = robot_element(
       link_element("chest") + link_element("n1", none) +
       link_element("head", std::string("<inertial>") + kLinks[0].inertial + "</inertial>") +
@@ -177,10 +177,10 @@ TEST(VendorInertias, SingularInertiaMatrixWarningNamesTheJoint) {
       joint_element("inner", "revolute", "n1", "head",
                     "<origin xyz=\"0.3 0 0\" rpy=\"0 0 0\"/><axis xyz=\"0 0 1\"/>"
                     "<limit lower=\"-2\" upper=\"2\" effort=\"1\" velocity=\"1\"/>"));
-  // A point mass 0.1123 m from the inner axis, turned into line with the outer one.
+  // A point mass 0.1123 m from the inner axis, rotated into line with the outer one.
   const double turn = std::atan2(-0.1108, 0.0185);
   const auto folded = aligned.find("rpy=\"0 0 0\"");
-  for (const double rounding : {0.0, 4e-6}) {  // of a right angle as 1.5708
+  for (const double rounding : {0.0, 4e-6}) {  // right angle rounded to 1.5708
     std::string at_zero = aligned;
     at_zero.replace(folded, 11, "rpy=\"0 0 " + fmt::format("{}", rounding - turn) + "\"");
     const UrdfResult warned = parse_urdf(at_zero, "f");

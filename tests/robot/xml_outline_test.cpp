@@ -23,7 +23,7 @@ TEST(XmlOutline, KeepsElementsTheirParentsAndPlaces) {
   EXPECT_EQ(a.end_tag, "</a>");
   EXPECT_EQ(outline.children(0, "b"), (std::vector<int>{1, 2}));
   EXPECT_EQ(outline.elements[1].line, 4);
-  EXPECT_EQ(outline.elements[1].column, 9);  // é is one character
+  EXPECT_EQ(outline.elements[1].column, 9);  // é counts as one character
   EXPECT_EQ(outline.elements[1].end_tag, "");
   EXPECT_EQ(outline.elements[2].end_tag, "</b>");
 }

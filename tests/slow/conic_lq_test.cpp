@@ -1,5 +1,5 @@
-// Random conic problems of full size: altro and proxddp find the optimum, and few iterations
-// suffice, however narrow the bounds and however unstable the dynamics are.
+// Random conic problems of full size: altro and proxddp find the optimum in few iterations, however
+// narrow the bounds and unstable the dynamics.
 #include <gtest/gtest.h>
 
 #include "support/conic_optimality.hpp"

@@ -1,4 +1,4 @@
-// Motions find their contacts; the schedules of them are refined by solvers of the DDP family.
+// Contact-implicit motions; DDP solvers refine their extracted schedules.
 #include <fstream>
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 namespace conddp {
 namespace {
 
-/// A hop of 0.8 m from rest within 1.2 s, from a guess that stands still.
+/// A hop of 0.8 m from rest within 1.2 s, with a stationary guess.
 constexpr const char* kHop = R"(conddp: 1
 name: hop
 robot:
@@ -36,7 +36,7 @@ terminal:
 solver: {name: ipopt, max_iterations: 400}
 )";
 
-/// A block falls on a box while it is pushed to the side.
+/// A block falls on a box while pushed sideways.
 constexpr const char* kBox = R"(conddp: 1
 name: box
 robot: {urdf: robots/block.urdf, actuation: {joints: [base_x]}}
@@ -56,7 +56,7 @@ terminal:
 solver: {name: ipopt}
 )";
 
-/// A block falls with one corner on top of a ball; a torque keeps it level.
+/// A block falls with one corner onto a ball; a torque keeps it level.
 constexpr const char* kBall = R"(conddp: 1
 name: ball
 robot: {urdf: robots/block.urdf, actuation: {joints: [base_x, base_pitch]}}
@@ -70,7 +70,7 @@ terminal: {constraints: {there: {residual: state, reference: {joints: {base_z: 0
 solver: {name: ipopt}
 )";
 
-/// A wheel is pulled along and rolls.
+/// A wheel is pulled and rolls.
 constexpr const char* kWheel = R"(conddp: 1
 name: wheel
 robot: {urdf: robots/block.urdf, actuation: {joints: [base_x]}}
@@ -83,7 +83,7 @@ terminal: {constraints: {there: {residual: joint_position, joints: [base_x], ref
 solver: {name: ipopt}
 )";
 
-/// The problem with phases that is made of an answer is solved and certified, by each solver.
+/// Each solver solves and certifies the phase-based problem made from an answer.
 class HandOver {
  public:
   explicit HandOver(const SolvedExample& answer)
@@ -197,7 +197,7 @@ TEST(ContactHandOver, NamesContactsThatScheduledOnesCannotExpress) {
   }
 }
 
-/// A first state that is chosen stays one, and the link of the last state with it.
+/// A chosen initial state stays chosen, with the link of the last state.
 TEST(ContactHandOver, APeriodicGaitStaysPeriodic) {
   const SolvedExample gait("raibert_gait");
   HandOver hand_over(gait);

@@ -1,4 +1,4 @@
-// Contact-implicit motions, beside what mechanics says of them.
+// Contact-implicit motions, compared with mechanics.
 #include <algorithm>
 
 #include "robot/kinematics.hpp"
@@ -17,12 +17,12 @@ SolveResult solve_ready(const ReadyProblem& ready) {
   return solve(*ready.built.problem, "ipopt", ready.spec.solver.options, ready.built.guess);
 }
 
-/// The first knot that takes time.
+/// First knot with nonzero duration.
 int first_step(const ReadyProblem& ready) {
   return ready.built.problem->phases().front().instant ? 1 : 0;
 }
 
-/// Largest |min(z, s)| of all pairs, and largest penetration at the knots, measured on the robot.
+/// Largest |min(z, s)| of all pairs and largest penetration at the knots, measured on the robot.
 void expect_exact_contacts(const ReadyProblem& ready, const SolveResult& result) {
   EXPECT_EQ(result.status, SolveStatus::converged) << result.message;
   const SteppingSystem& system = *ready.built.plant.stepping();
@@ -33,7 +33,7 @@ void expect_exact_contacts(const ReadyProblem& ready, const SolveResult& result)
           << system.layout().columns[z].name << " at knot " << k;
     update_placements(system.multibody().robot(), result.trajectory.x(k + 1).data(), data);
     for (std::size_t c = 0; c < system.geometry().size(); ++c) {
-      if (system.contacts().candidates[c].stiffness) continue;  // soft: meant to give way
+      if (system.contacts().candidates[c].stiffness) continue;  // soft: allowed to yield
       const CandidateGeometry& geometry = system.geometry()[c];
       auto rows = geometry.create_rows<double>();
       geometry.evaluate(data, rows);
@@ -58,7 +58,7 @@ TEST(BlockOnASlope, SlidesUnderAForceAboveTheLimit) {
   const ReadyProblem ready("block_slope");
   const SolveResult result = solve_ready(ready);
   expect_exact_contacts(ready, result);
-  // Steps of implicit Euler at constant acceleration: h² a N (N + 1)/2.
+  // Implicit Euler steps at constant acceleration: h² a N (N + 1)/2.
   const double a = push + weight * (std::sin(slope) - friction * std::cos(slope));
   EXPECT_GT(a, 0);
   EXPECT_NEAR(last(result, 0), 0.02 * 0.02 * a * 50 * 51 / 2, 1e-3);
@@ -114,8 +114,8 @@ INSTANTIATE_TEST_SUITE_P(
         ::testing::Values(std::optional<int>(), std::optional<int>(1), std::optional<int>(2))),
     case_name);
 
-/// The same from guesses in which every state and control is off, as 'conddp bench --perturb
-/// guess=0.01 --instances 2' makes them.
+/// The same from guesses with perturbed states and controls, as 'conddp bench --perturb guess=0.01
+/// --instances 2' creates them.
 class FindsItsContactsFromARandomGuess
     : public ::testing::TestWithParam<std::tuple<std::string, int>> {};
 
@@ -167,13 +167,13 @@ TEST(FootedHopper, LeavesTheGroundAndArrives) {
   EXPECT_GE(flying, 5);
 }
 
-/// What a foot does over a cycle.
+/// Foot statistics over a cycle.
 struct Steps {
   int in_the_air = 0;      ///< knots
-  int lifts = 0;           ///< how often it leaves the ground, the last knot before the first
+  int lifts = 0;           ///< times it leaves the ground; the first knot follows the last
   double highest = 0;      ///< m
-  double slid = 0;         ///< m, while it touched the ground
-  double borne_there = 0;  ///< the largest normal force meanwhile, N
+  double slid = 0;         ///< m, while touching the ground
+  double borne_there = 0;  ///< largest normal force meanwhile, N
 };
 
 Steps steps_of(const ReadyProblem& ready, const SolveResult& result,
@@ -197,8 +197,9 @@ Steps steps_of(const ReadyProblem& ready, const SolveResult& result,
   return steps;
 }
 
-/// Every foot of a gait lifts once in a cycle, to a height (m), for at least some knots, and slides
-/// no further than so many metres while it bears no more than so many newtons.
+/// Expects that every foot of a gait lifts once per cycle, reaches `height` (m), and stays in the
+/// air for at least `in_the_air` knots. It slides at most `slid` metres while carrying at most
+/// `borne` newtons.
 void expect_steps(const std::string& gait, int in_the_air, double height, double slid,
                   double borne) {
   const ReadyProblem ready(gait);
@@ -216,12 +217,12 @@ void expect_steps(const std::string& gait, int in_the_air, double height, double
 
 TEST(PlanarBiped, StepsAndDoesNotSlide) { expect_steps("planar_biped_gait", 5, 0.05, 1e-3, 0); }
 
-/// Diagonal pairs take turns. Hind feet slide for a step before they lift, with little load.
+/// Diagonal pairs alternate. Hind feet slide one step before they lift, under little load.
 TEST(PlanarQuadruped, TrotsAndHardlySlides) {
   expect_steps("planar_quadruped_gait", 8, 0.03, 0.03, 0.2 * 11.6 * 9.81);
 }
 
-/// A crate of 1 kg on its lower corners bears its weight, and slides by friction alone.
+/// A crate of 1 kg rests on its lower corners; only friction decelerates it.
 TEST(Crate, RestsAndSlidesAsMechanicsSays) {
   const double h = 0.025, friction = 0.5, speed = 1;
   const std::string start = "initial_state.velocity.base.linear=[";
@@ -251,9 +252,9 @@ TEST(Crate, IsTippedOverAnEdge) {
   expect_exact_contacts(ready, result);
   const auto end = result.trajectory.x(result.trajectory.knots());
   EXPECT_NEAR(end[0], 0.3, 0.01);
-  EXPECT_NEAR(std::abs(end[4]), std::sqrt(0.5), 0.01);  // a quarter of a turn about y
+  EXPECT_NEAR(std::abs(end[4]), std::sqrt(0.5), 0.01);  // a quarter turn about y
   EXPECT_NEAR(end[2], 0.1, 1e-6);
-  // Its weight is more than the hand can lift: an edge of it is on the ground for most of the time.
+  // It is too heavy for the hand to lift: one of its edges stays on the ground most of the time.
   const auto& candidates = ready.built.plant.stepping()->layout().candidates;
   int borne = 0;
   for (int k = 0; k < result.trajectory.knots(); ++k)
@@ -285,8 +286,8 @@ TEST(PushedRoundAPost, Arrives) {
   EXPECT_NEAR(last(result, 2), 4.71238898038469, 2e-3);
 }
 
-/// With that much left to the last solve, contacts are guessed from pairs that are far from zero:
-/// element by element that ends at no answer.
+/// With this final epsilon, contacts are guessed from pairs far from zero, and the elementwise
+/// relaxation finds no answer.
 TEST(RelaxationFallback, TakesTheNextOneWhereOneFails) {
   const std::vector<std::string> coarse = {"solver.complementarity.initial=0.3",
                                            "solver.complementarity.final=0.3"};

@@ -1,4 +1,4 @@
-// Friction that is found, beside the laws of Coulomb in space.
+// Contact-implicit friction, compared with Coulomb's law in space.
 #include <cmath>
 #include <numbers>
 
@@ -11,14 +11,14 @@ using testing::ReadyProblem;
 
 constexpr double kSpeed = 1, kFriction = 0.3, kGravity = 9.81;  // m/s, -, m/s²
 
-/// The puck that slides on from a first velocity, pushed by nobody.
+/// A passive puck sliding from an initial velocity.
 ReadyProblem sliding_puck(double heading, const std::string& friction) {
   const auto component = [&](double share) { return fmt::format("{:.17g}", kSpeed * share); };
   return ReadyProblem(
       "puck_slide",
       {"stepping.friction=" + friction, "phases=[{name: slide, knots: 25, dt: 0.02}]",
        "constraints={alone: {bounds: control, lower: 0, upper: 0}}",
-       // There is nothing to choose: the equations tell the motion, not the gradient.
+       // The equations determine the motion without any freedom, so the gradient does not matter.
        "solver.tolerances.stationarity=1.0e-5",
        "terminal={costs: {calm: {residual: joint_velocity, joints: [base_x], weight: 1.0e-3}}}",
        fmt::format("initial_state={{joints: {{base_z: 0.02}}, velocity: {{joints: {{base_x: {}, "
@@ -28,7 +28,7 @@ ReadyProblem sliding_puck(double heading, const std::string& friction) {
 
 class SlidingPuck : public ::testing::TestWithParam<double> {};
 
-/// Steps of implicit Euler against a force of μ m g, in a straight line until they stand.
+/// Implicit Euler steps against a force of μ m g, in a straight line to rest.
 TEST_P(SlidingPuck, ConeSlowsAlikeAlongEveryHeading) {
   const double heading = GetParam();
   const ReadyProblem ready = sliding_puck(heading, "cone");
@@ -44,12 +44,12 @@ TEST_P(SlidingPuck, ConeSlowsAlikeAlongEveryHeading) {
     const auto x = result.trajectory.x(k);
     EXPECT_NEAR(x[0], way * std::cos(heading), 1e-6) << k;
     EXPECT_NEAR(x[1], way * std::sin(heading), 1e-6) << k;
-    EXPECT_NEAR(x[3], 0, 1e-6) << k;  // it does not turn
+    EXPECT_NEAR(x[3], 0, 1e-6) << k;  // no rotation
     EXPECT_NEAR(x[nv], speed * std::cos(heading), 1e-6) << k;
     EXPECT_NEAR(x[nv + 1], speed * std::sin(heading), 1e-6) << k;
   }
   EXPECT_EQ(speed, 0);
-  // v²/(2 μ g), but for steps: half a step at the first speed at most.
+  // v²/(2 μ g) up to discretization: at most half a step at the initial speed.
   EXPECT_NEAR(way, kSpeed * kSpeed / (2 * kFriction * kGravity), 0.5 * 0.02 * kSpeed);
 }
 
@@ -63,7 +63,7 @@ TEST(SlidingPuck, IsTurnedAwayByThePyramid) {
       solve(*ready.built.problem, "ipopt", ready.spec.solver.options, ready.built.guess);
   ASSERT_EQ(result.status, SolveStatus::converged) << result.message;
   const auto end = result.trajectory.x(result.trajectory.knots());
-  // The faster tangent is slowed first, by all of the friction.
+  // All friction first decelerates the faster tangent.
   const auto first = result.trajectory.x(1);
   const int nv = ready.built.plant.stepping()->nv();
   EXPECT_NEAR(first[nv], kSpeed * std::cos(heading) - 0.02 * kFriction * kGravity, 1e-6);

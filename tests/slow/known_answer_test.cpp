@@ -1,4 +1,4 @@
-// Example problems that take long, against their known answers.
+// Slow example problems, compared with their known answers.
 #include "support/known_answer.hpp"
 
 #include "output/report/certificate_report.hpp"

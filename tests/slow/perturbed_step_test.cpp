@@ -1,5 +1,4 @@
-// Steps with hard cones from initial states off the ground, where rows of the cones change for
-// long.
+// Steps with hard cones from initial states above the ground, where active cone rows keep changing.
 #include <gtest/gtest.h>
 
 #include "analysis/certificate/answer_check.hpp"

@@ -1,5 +1,5 @@
-// Rows that count as equations: which they are and what they say, in numbers that were found by
-// hand, and beside the enumeration of all sets.
+// Active rows and their equations, compared with hand-computed numbers and with the enumeration of
+// all sets.
 #include "solvers/constraints/active_rows.hpp"
 
 #include <fmt/format.h>
@@ -12,15 +12,15 @@
 namespace conddp::testing {
 namespace {
 
-/// Constraint rows of every kind, at three nodes.
+/// Constraint rows of every kind at three nodes.
 enum Row { kBand = 0, kCone = 4, kSoftCone = 7, kPair = 10, kEqual = 12, kSoft = 13, kRows = 15 };
 /// Limits of the multipliers of soft rows.
 constexpr double kSoftLimit = 2, kSoftConeLimit = 3;
 constexpr double kPenalty = 10;
 
-/// The shape: three controls at the first node, two at the second, ± 1; two states. Four rows in
-/// ± 1, a cone and a soft one at the first node, a pair at the second, at the last one a row that
-/// is 0.5 and two soft ones in ± 1.
+/// Dimensions: three controls at the first node and two at the second, within ± 1; two states. The
+/// first node has four rows in ± 1, a hard cone, and a soft cone; the second has a pair; the last
+/// has a row equal to 0.5 and two soft rows in ± 1.
 ShootingProblem problem_of_all_kinds() {
   const LinearQuadratic lq(1, 2, {3, 2}, 1, -1, 1);
   const ShootingProblem& free = *lq.problem;
@@ -49,7 +49,7 @@ ShootingProblem problem_of_all_kinds() {
   return with_constraints(free, {band, cone, soft_cone, pair, equal, soft});
 }
 
-/// The shape with derivatives that are random, values inside of their sets, and zeros elsewhere.
+/// The same dimensions with random derivatives, values inside their sets, and zeros elsewhere.
 struct AllKinds {
   AllKinds()
       : problem(problem_of_all_kinds()),
@@ -90,8 +90,8 @@ struct ExpectedRow {
   double value, multiplier;
 };
 
-/// Compares all that the rows of a node put into gradient and Hessian, one part after the other.
-/// `curvature` is what they have of their own; rows of a limit, `pushed`, have multipliers alone.
+/// Compares the contributions of a node's rows to gradient and Hessian. `curvature` is their own
+/// curvature; `pushed` rows at a limit contribute only multipliers.
 void expect_rows(AllKinds& at, int node, const std::vector<ExpectedRow>& expected,
                  const Eigen::MatrixXd& curvature = {},
                  const std::vector<ExpectedRow>& pushed = {}) {
@@ -125,14 +125,14 @@ void expect_rows(AllKinds& at, int node, const std::vector<ExpectedRow>& expecte
   Eigen::VectorXd written = at.multipliers;
   at.rows.write_multipliers(at.linearization, false, written);
   EXPECT_LT((written - at.multipliers).norm(), 1e-14) << "without corrections";
-  at.rows.correct(kPenalty, nullptr, at.linearization);  // forgets that
+  at.rows.correct(kPenalty, nullptr, at.linearization);  // resets that
   knot.gradient.setZero();
   knot.hessian.change().setZero();
   at.rows.add_curvature(kPenalty, at.linearization);
   EXPECT_LT((knot.hessian() - squares).lpNorm<Eigen::Infinity>(), 1e-12) << "curvature";
 }
 
-// With ρ = 10 and s = g + ν/ρ: 1.05 and 1.3 lie above, 0.1 inside, −1.01 below.
+// With ρ = 10 and s = g + ν/ρ: 1.05 and 1.3 are above, 0.1 inside, −1.01 below.
 TEST(ActiveRows, BoundsAreActiveWhereShiftedValueIsOutside) {
   AllKinds at;
   at.linearization.constraint.head(4) << 1.05, 0.5, -0.2, -1.02;
@@ -184,7 +184,7 @@ TEST(ActiveRows, EachOfSeveralPairsHasItsOwn) {
   Eigen::VectorXd multipliers = Eigen::Vector4d(5, 6, 7, 8), penalty = Eigen::Vector4d(1, 1, 2, 2);
   rows.choose(linearization, penalty, multipliers);
   EXPECT_EQ(multipliers, Eigen::Vector4d(0, 6, 7, 0));
-  // −8 pulls the larger one of the second pair by 8/2 below zero, but not with twice the penalty.
+  // −8 moves the larger value of the second pair 8/2 below zero, but not with twice the penalty.
   for (const double weight : {2.0, 5.0}) {
     multipliers << 5, 6, 7, -8;
     penalty << 1, 1, 1, weight;
@@ -193,7 +193,7 @@ TEST(ActiveRows, EachOfSeveralPairsHasItsOwn) {
   }
 }
 
-// The values (3, 4, 2) lie outside of the cone by 5 − 2, and the surface bends by 1/5.
+// The values (3, 4, 2) lie outside the cone by 5 − 2, and the surface curvature is 1/5.
 TEST(ActiveRows, ConeSurfaceIsActiveWithItsCurvature) {
   AllKinds at;
   at.linearization.constraint.segment(kCone, 3) << 3, 4, 2;
@@ -218,7 +218,7 @@ TEST(ActiveRows, ConeTipIsActiveWhereNearest) {
               {{at.C(kCone), 0.6, 1}, {at.C(kCone + 1), 0.8, 2}, {at.C(kCone + 2), -1.1, -3}});
 }
 
-// Beyond limit/ρ = 0.2 a soft row pushes with its limit, and is no equation.
+// Beyond limit/ρ = 0.2, a soft row contributes its limit and is not an equation.
 TEST(ActiveRows, SoftRowBeyondLimitKeepsOnlyItsMultiplier) {
   AllKinds at;
   at.linearization.constraint.segment(kSoft, 2) << 1.1, -1.5;
@@ -229,7 +229,7 @@ TEST(ActiveRows, SoftRowBeyondLimitKeepsOnlyItsMultiplier) {
               {{at.C(kSoft + 1), 0, -kSoftLimit}});
 }
 
-// The distance of (3, 4, 2) is (‖(3, 4)‖ − 2)/√2; it falls along (0.6, 0.8, −1)/√2.
+// The distance of (3, 4, 2) is (‖(3, 4)‖ − 2)/√2; it decreases along (0.6, 0.8, −1)/√2.
 TEST(ActiveRows, SoftConeBeyondLimitHasDistanceCurvature) {
   AllKinds at;
   at.linearization.constraint.segment(kSoftCone, 3) << 3, 4, 2;
@@ -245,7 +245,7 @@ TEST(ActiveRows, SoftConeBeyondLimitHasDistanceCurvature) {
               {{a, 0, 0.6 * limit}, {b, 0, 0.8 * limit}, {at.C(kSoftCone + 2), 0, -limit}});
 }
 
-// Its distance 0.3/√2 is less than limit/ρ = 0.3, ‖(0.6, 0.8, 0.7)‖ is more.
+// The distance 0.3/√2 is less than limit/ρ = 0.3; ‖(0.6, 0.8, 0.7)‖ is larger.
 TEST(ActiveRows, SoftConeWithinLimitHasItsSurfaceActive) {
   AllKinds at;
   at.linearization.constraint.segment(kSoftCone, 3) << 0.6, 0.8, 0.7;
@@ -258,7 +258,7 @@ TEST(ActiveRows, ControlsAreActiveAtBoundsTheGradientPushes) {
   AllKinds at;
   for (KnotLinearization& knot : at.linearization.knots) knot.F.setZero();
   at.linearization.knots[0].gradient.tail(3) << -2, -3, 1;
-  at.linearization.knots[1].gradient.tail(2) << 4, -0.5;  // beyond, whatever the gradient
+  at.linearization.knots[1].gradient.tail(2) << 4, -0.5;  // beyond, for any gradient
   Trajectory trajectory = at.problem.create_trajectory();
   trajectory.u(0) << 1, -1, -1;
   trajectory.u(1) << 1.2, -1.3;
@@ -279,15 +279,15 @@ TEST(ActiveRows, ControlsAreActiveAtBoundsTheGradientPushes) {
   EXPECT_EQ(at.multipliers, Eigen::VectorXd::Zero(kRows)) << "of constraint rows alone";
 }
 
-/// The rows of `AllKinds` revised by a step that moves values by `change`, after a correction with
-/// ρ = 10: their count, and which of them have curvature.
+/// Revises the rows of `AllKinds` by a step that changes values by `change`, after a correction
+/// with ρ = 10. Records their count and which of them have curvature.
 struct Revised {
   Revised(int first, const Eigen::VectorXd& values, const Eigen::VectorXd& multipliers,
           const Eigen::VectorXd& change) {
     const int n = static_cast<int>(values.size());
     at.linearization.constraint.segment(first, n) = values;
     at.multipliers.segment(first, n) = multipliers;
-    // These rows are entries of z times a scale that keeps steps of controls within their bounds.
+    // These rows are entries of z times a scale that keeps control steps within bounds.
     constexpr double kScale = 64;
     const int node = first < kPair ? 0 : first < kEqual ? 1 : 2;
     const int offset = at.problem.constraint_offset(node);
@@ -326,12 +326,12 @@ Numbers numbers(std::initializer_list<double> list) {
 
 TEST(ActiveRows, StepRevisesWrongMultipliersAndViolatedRows) {
   // Multipliers after the step: 10 (0.05 − 0.04) > 0; 8 + 10 (−0.5 − 0.4) < 0 at an upper bound;
-  // none, but 1.1 is beyond; 0.1 − 10·0.02 < 0 at a lower bound.
+  // inactive, but 1.1 is beyond; 0.1 − 10·0.02 < 0 at a lower bound.
   const Revised all(kBand, numbers({1.05, 0.5, -0.2, -1.02}), numbers({0, 8, 0, 0.1}),
                     numbers({-0.04, -0.4, 1.3, 0}));
   EXPECT_TRUE(all.changed);
   EXPECT_EQ(all.curvature.diagonal(), Eigen::Vector4d(1, 0, 1, 1));
-  // The other sides: 0.1 at a lower bound pushes the wrong way, −1.1 is beyond.
+  // The opposite sides: 0.1 at a lower bound has the wrong sign, −1.1 is beyond.
   const Revised low(kBand, numbers({-1.02, -0.2, 0, 0}), numbers({-1, 0, 0, 0}),
                     numbers({0.13, -0.9, 0.99, -0.99}));
   EXPECT_TRUE(low.changed);
@@ -343,7 +343,7 @@ TEST(ActiveRows, StepRevisesWrongMultipliersAndViolatedRows) {
 }
 
 TEST(ActiveRows, AStepRevisesSoftRowsByTheirLimit) {
-  // 1.1 counts, and 10 (0.1 + 0.15) is more than its limit 2; −1.5 is beyond, and comes back.
+  // 1.1 is active, and 10 (0.1 + 0.15) exceeds its limit 2; −1.5 is beyond and returns.
   const Revised rows(kSoft, numbers({1.1, -1.5}), numbers({0, 0}), numbers({0.15, 0.6}));
   EXPECT_TRUE(rows.changed);
   EXPECT_EQ(rows.curvature.diagonal(), Eigen::Vector2d(0, 1));
@@ -358,7 +358,7 @@ TEST(ActiveRows, AStepRevisesSoftRowsByTheirLimit) {
 }
 
 TEST(ActiveRows, AStepRevisesSoftConesByTheirLimit) {
-  // The surface's multiplier 10 · 0.3 along (0.6, 0.8, −1) has the norm 3 √2, more than the limit.
+  // The surface multiplier 10 · 0.3 along (0.6, 0.8, −1) has norm 3 √2, above the limit.
   const Eigen::Vector3d direction = Eigen::Vector3d(0.6, 0.8, -1) / std::sqrt(2);
   const Revised leaves(kSoftCone, numbers({0.6, 0.8, 0.7}), numbers({0, 0, 0}), numbers({0, 0, 0}));
   EXPECT_TRUE(leaves.changed);
@@ -366,7 +366,7 @@ TEST(ActiveRows, AStepRevisesSoftConesByTheirLimit) {
   const Revised stays(kSoftCone, numbers({0.6, 0.8, 0.7}), numbers({0, 0, 0}),
                       numbers({0, 0, 0.1}));
   EXPECT_FALSE(stays.changed);
-  // From beyond the limit it comes back to the surface where the step ends inside.
+  // From beyond the limit, it returns to the surface if the step ends inside.
   const Revised back(kSoftCone, numbers({3, 4, 2}), numbers({0, 0, 0}), numbers({0, 0, 3.1}));
   EXPECT_TRUE(back.changed);
   EXPECT_GT(back.curvature.norm(), 1);
@@ -376,7 +376,7 @@ TEST(ActiveRows, AStepRevisesSoftConesByTheirLimit) {
 }
 
 TEST(ActiveRows, AStepRevisesTheLargerOfAPair) {
-  // 0.3 goes to −0.1; or its multiplier −4 becomes −4 + 10 (0.3 + 0.2) > 0.
+  // 0.3 moves to −0.1; or its multiplier −4 becomes −4 + 10 (0.3 + 0.2) > 0.
   const Revised enters(kPair, numbers({0.3, 0}), numbers({0, 0}), numbers({-0.4, 0}));
   EXPECT_TRUE(enters.changed);
   EXPECT_EQ(enters.curvature.diagonal(), Eigen::Vector2d(1, 1));
@@ -388,12 +388,12 @@ TEST(ActiveRows, AStepRevisesTheLargerOfAPair) {
 }
 
 TEST(ActiveRows, AStepRevisesCones) {
-  // From inside, (0.3, 0.4, 2) goes to (0.3, 0.4, 0.4): the surface along (0.6, 0.8, −1).
+  // From inside, (0.3, 0.4, 2) moves to (0.3, 0.4, 0.4): the surface along (0.6, 0.8, −1).
   const Revised enters(kCone, numbers({0.3, 0.4, 2}), numbers({0, 0, 0}), numbers({0, 0, -1.6}));
   EXPECT_TRUE(enters.changed);
   const Eigen::Vector3d normal(0.6, 0.8, -1);
   EXPECT_LT((enters.curvature - normal * normal.transpose()).norm(), 1e-14);
-  // The surface's multiplier 0.7 becomes 0.7 + 10 (3 − 3.1).
+  // The surface multiplier 0.7 becomes 0.7 + 10 (3 − 3.1).
   const Revised leaves(kCone, numbers({3, 4, 2}), numbers({0.42, 0.56, -0.7}),
                        numbers({0, 0, 3.1}));
   EXPECT_TRUE(leaves.changed);
@@ -401,7 +401,7 @@ TEST(ActiveRows, AStepRevisesCones) {
   const Revised stays(kCone, numbers({3, 4, 2}), numbers({0.42, 0.56, -0.7}),
                       numbers({0, 0, 3.05}));
   EXPECT_FALSE(stays.changed);
-  // The tip's multipliers become (6, 8, −11) + 10 (0, 0, 0.2), which the polar cone has no more.
+  // The tip multipliers become (6, 8, −11) + 10 (0, 0, 0.2), which lies outside the polar cone.
   const Revised tip(kCone, numbers({0.6, 0.8, -1.1}), numbers({0, 0, 0}), numbers({0, 0, 0.2}));
   EXPECT_TRUE(tip.changed);
   EXPECT_LT((tip.curvature - normal * normal.transpose()).norm(), 1e-14);
@@ -410,7 +410,8 @@ TEST(ActiveRows, AStepRevisesCones) {
   EXPECT_EQ(held.curvature, Eigen::MatrixXd::Identity(3, 3));
 }
 
-// Newton's steps on rows that count, revised until they settle: the quadratic program's solution.
+// Newton steps on active rows, revised until they settle, reach the solution of the quadratic
+// program.
 TEST(ActiveRows, RevisedSetIsThatOfTheQuadraticProgram) {
   int bounds_held = 0, rows_held = 0, revisions = 0, cycles = 0;
   for (unsigned seed = 1; seed <= 24; ++seed) {
@@ -441,7 +442,7 @@ TEST(ActiveRows, RevisedSetIsThatOfTheQuadraticProgram) {
                .lower = Eigen::VectorXd(m + controls),
                .upper = Eigen::VectorXd(m + controls)};
     qp.A << C * plain.S, Eigen::MatrixXd::Identity(controls, controls);
-    // Rows that a random motion keeps, so that there is a solution.
+    // A random motion satisfies the rows, so a solution exists.
     Eigen::VectorXd known(controls);
     for (int k = 0; k < problem.knots(); ++k)
       for (int i = 0; i < problem.nu(k); ++i)

@@ -1,4 +1,5 @@
-// Co-states and gradients beside derivatives of costs that are rolled out apart from the solvers.
+// Costates and gradients, compared with derivatives of costs rolled out independently of the
+// solvers.
 #include "solvers/riccati/adjoint.hpp"
 
 #include <fmt/format.h>
@@ -14,7 +15,7 @@ namespace {
 
 using Complex = std::complex<double>;
 
-/// A pendulum's iterate with gaps, a policy, and the derivatives of its cost by complex steps.
+/// A pendulum iterate with gaps and a policy, and complex-step derivatives of its cost.
 struct PendulumIterate {
   explicit PendulumIterate(unsigned seed, bool with_gains, bool with_gaps, double limit = kFree)
       : problem([&] {
@@ -47,8 +48,8 @@ struct PendulumIterate {
     return *evaluator_;
   }
 
-  /// The derivative of the cost from node `first` on by that node's state (entry), by the policy's
-  /// v of a knot, or by how far all gaps are closed.
+  /// Derivative of the cost from node `first` with respect to that node's state (entry), the
+  /// policy's v of a knot, or the common closing of all gaps.
   enum class By { state, control, gaps };
   double derivative(By by, int first, int entry = 0) const {
     const Complex step(0, 1e-30);
@@ -119,7 +120,7 @@ TEST(Adjoint, ControlsAtABoundIgnoreThePolicy) {
   EXPECT_GT(at_bound, 2);
 }
 
-// ∇_x L = ℓ_x + f_xᵀ λ⁺ − λ, in which the policy has no part.
+// ∇_x L = ℓ_x + f_xᵀ λ⁺ − λ, independent of the policy.
 TEST(Adjoint, StateGradientIsLagrangianMinusCostates) {
   const PendulumIterate at(4, true, true);
   for (int k = 0; k < at.plain.knots; ++k) {
@@ -134,7 +135,7 @@ TEST(Adjoint, StateGradientIsLagrangianMinusCostates) {
   EXPECT_EQ(at.adjoint.state_gradient().col(at.plain.knots).norm(), 0);
 }
 
-// Without gains the co-states solve the dense system Eᵀλ = −g in the states' columns.
+// Without gains, the costates solve the dense system Eᵀλ = −g in the state columns.
 TEST(Adjoint, CostatesSolveTransposedLinearDynamics) {
   for (const unsigned seed : {1u, 2u, 3u}) {
     const LinearQuadratic lq(1, 2 + static_cast<int>(seed), {1, 3}, 3, -kFree, kFree);
@@ -146,11 +147,11 @@ TEST(Adjoint, CostatesSolveTransposedLinearDynamics) {
     Gaps gaps(problem);
     gaps.set(linearization, true);
     Adjoint adjoint(problem, bounds);
-    for (int again = 0; again < 2; ++again)  // nothing is left of what was computed before
+    for (int again = 0; again < 2; ++again)  // earlier results leave no trace
       adjoint.compute(linearization, random_guess(problem, seed), gaps, Feedback(problem));
     const DenseHorizon dense(linearization, true);
     const int ndx = dense.ndx, n = ndx * dense.nodes();
-    Eigen::MatrixXd states(n, n);  // the states' rows of Eᵀ
+    Eigen::MatrixXd states(n, n);  // state rows of Eᵀ
     Eigen::VectorXd gradient(n);
     for (int k = 0; k < dense.nodes(); ++k) {
       states.middleRows(k * ndx, ndx) = dense.E.middleCols(dense.offset[k], ndx).transpose();
@@ -164,8 +165,8 @@ TEST(Adjoint, CostatesSolveTransposedLinearDynamics) {
   }
 }
 
-// A sum of costs |3| + |−5| and two states whose co-states are 2 and −7: the roundings of
-// 8 + 2·10 + 7·100.
+// A sum of costs |3| + |−5| and two states with costates 2 and −7: the rounding of 8 + 2·10 +
+// 7·100.
 TEST(Adjoint, CostRoundingIncludesTermsAndStates) {
   const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(1, 1);
   const ShootingProblem problem =
@@ -188,7 +189,7 @@ TEST(Adjoint, CostRoundingIncludesTermsAndStates) {
                    728 * std::numeric_limits<double>::epsilon());
 }
 
-/// The gradient of the costs + νᵀ (rows) along the gains of the costs' own Riccati recursion.
+/// Gradient of the costs + νᵀ (rows) along the gains of the costs' own Riccati recursion.
 Eigen::VectorXd gradient_along_plain_gains(const LinearQuadratic& lq, const Trajectory& t,
                                            const std::vector<Eigen::VectorXd>& row_gradient) {
   const auto gains = lq.riccati_gains();
@@ -254,7 +255,7 @@ TEST(PlainAdjoint, DoesNotExistWithoutAMinimumOfCosts) {
   const Eigen::VectorXd none(0);
   SolverOptions::Regularization regularization{.kind = RegularizationKind::control, .max = 3.9};
   EXPECT_FALSE(plain.stationarity(evaluator, trajectory, Gaps(problem), regularization, none));
-  // From a weight of 4 on there is one. The gradient −4 u has no part of the weight.
+  // A minimum exists from a weight of 4. The gradient −4 u excludes the weight.
   regularization.max = 100;
   const auto found = plain.stationarity(evaluator, trajectory, Gaps(problem), regularization, none);
   ASSERT_TRUE(found);

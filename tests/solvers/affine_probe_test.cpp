@@ -15,7 +15,7 @@ bool is_affine(const ShootingProblem& problem, const Trajectory& trajectory) {
   return AffineProbe(problem).holds(evaluator, trajectory, linearization);
 }
 
-/// The problem with one more constraint, the norm of the state, at one node.
+/// The problem with an additional constraint on the norm of the state at one node.
 ShootingProblem with_norm(const ShootingProblem& problem, int node) {
   return with_constraints(problem, {{.name = "norm",
                                      .residual = state_residual(problem.manifold()),
@@ -47,12 +47,12 @@ TEST(AffineProbe, DetectsOneCurvedRowOfOneNode) {
 TEST(AffineProbe, DetectsDynamicsCurvedInOneComponent) {
   const ShootingProblem swing_up = pendulum_swing_up();
   EXPECT_FALSE(is_affine(swing_up, random_guess(swing_up, 1)));
-  // All but the two positions of a cart follow its turning alone.
+  // Only the two positions of the cart have curved dynamics.
   const ShootingProblem parking = unicycle_parking();
   EXPECT_FALSE(is_affine(parking, random_guess(parking, 1)));
 }
 
-// A control whose square moves one of two states.
+// The square of a control moves one of two states.
 TEST(AffineProbe, DoesNotHoldWhicheverStateIsCurved) {
   for (const bool first : {true, false}) {
     const auto system = expression_system(

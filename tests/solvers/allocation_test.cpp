@@ -16,7 +16,7 @@
 #include "systems/closed_forms/catalogue.hpp"
 #include "systems/multibody/multibody.hpp"
 
-// The sanitizers bring a malloc of their own.
+// Sanitizers replace malloc.
 #if defined(__SANITIZE_ADDRESS__) || !defined(__GLIBC__)
 #define CONDDP_COUNTS_ALLOCATIONS 0
 #else
@@ -35,8 +35,8 @@ struct Count {
   int iterations = 0;
 };
 
-/// Allocations from the end of the first iteration to the end of the last, in a solver that may be
-/// used again: others allocate once more where they turn to exact Hessians.
+/// Allocations between the end of the first iteration and the end of the last, in a reusable
+/// solver; others allocate once more when they switch to exact Hessians.
 Count count_allocations(const ShootingProblem& problem, const SolverInfo& solver,
                         const Trajectory& guess, SolverOptions options) {
   Count result;
@@ -66,7 +66,7 @@ TEST(Allocation, CounterSeesNewAndMalloc) {
   EXPECT_EQ(allocations, 4) << v.sum() + aligned[0];
 }
 
-/// A pendulum that swings up under full weight matrices.
+/// A pendulum swing-up under full weight matrices.
 ShootingProblem weighted_swing_up() {
   constexpr int kKnots = 60;
   const auto system = pendulum({});
@@ -98,7 +98,7 @@ TEST(Allocation, NoneInAnIterationAfterTheFirst) {
                {"weighted pendulum", weighted_swing_up(), 0.01}};
   for (const auto& [name, problem, u] : cases) {
     for (const SolverInfo& solver : solvers()) {
-      // The library Ipopt allocates as it likes.
+      // The Ipopt library allocates freely.
       if (solver.name == "ipopt" || unsupported(solver, problem)) continue;
       for (HessianChoice hessian :
            {HessianChoice::automatic, HessianChoice::gauss_newton, HessianChoice::exact}) {
@@ -110,7 +110,7 @@ TEST(Allocation, NoneInAnIterationAfterTheFirst) {
           options.max_iterations = 60;
           options.hessian = hessian;
           options.regularization.kind = kind;
-          // From states without gaps, as exact Hessians wait for those to close.
+          // Starts without gaps, since exact Hessians wait for closed gaps.
           Trajectory guess = testing::constant_controls(problem, u);
           ASSERT_EQ(Evaluator(problem).simulate(guess), -1);
           const Count count = count_allocations(problem, solver, guess, options);
@@ -133,7 +133,7 @@ TEST(Allocation, NoneWithConstraintsNorInNewtonSteps) {
   }
 }
 
-/// A cart-pole whose steps are implicit.
+/// A cart-pole with implicit steps.
 ShootingProblem collocated_cartpole(CollocationRule rule) {
   const auto system = std::make_shared<CollocationSystem>(cartpole({}), rule);
   const IntegratorInfo& integrator =
@@ -170,7 +170,7 @@ TEST(Allocation, NoneWhereStepsAreImplicit) {
   }
 }
 
-/// An arm whose tip stays on a plane, with costs of its contact's force and of a frame's position.
+/// An arm with its tip on a plane, with costs on the contact force and a frame position.
 ShootingProblem arm_on_a_plane(bool loaded) {
   const RobotModel plain = random_robot(5, {.joints = 5, .wrenches = 0});
   const auto robot = std::make_shared<RobotModel>(loaded ? loaded_robot(plain, 6) : plain);
@@ -190,7 +190,7 @@ ShootingProblem arm_on_a_plane(bool loaded) {
   model->add_cost("force", contact_force_residual(system, 0, model->ndx()),
                   {.weights = {0.01, 0.01, 0.01}});
   model->add_cost("reach", frame_position_residual(system, tip), {.weights = {50, 50, 50}});
-  // References, each with a weight after it.
+  // References, each followed by its weight.
   std::vector<double> one(2 * nv, 0.0);
   one.push_back(1);
   one.insert(one.end(), nu, 0.0);
@@ -270,7 +270,7 @@ TEST(Allocation, NoneWithOpenGapsOrAtRoundingFloor) {
   EXPECT_EQ(count.allocations, 0);
 }
 
-/// Allocations of solves after the first, from initial states that move on.
+/// Allocations of later solves from successive initial states.
 long count_further_solves(ShootingProblem problem, const char* name, SolverOptions options) {
   ReusableSolver solver(problem, name, options);
   Trajectory guess = testing::constant_controls(problem, 0.01);

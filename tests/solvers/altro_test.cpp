@@ -59,8 +59,8 @@ TEST(Altro, NewtonPolishesPenaltySolutionToRounding) {
       }
       EXPECT_GE(steps, 1);
       EXPECT_LE(steps, 8);
-      // From the states of its guess, the pendulum is minimized to its tolerance before Newton's
-      // damped steps get there.
+      // From the states of its guess, the pendulum is minimized to its tolerance before the damped
+      // Newton steps converge.
       const bool by_minimization = !closed && name == "pendulum";
       EXPECT_LE(result.residuals.constraint, by_minimization ? 1e-8 : 1e-10);
     }

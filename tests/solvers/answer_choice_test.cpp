@@ -39,7 +39,7 @@ TEST(AnswerChoice, TheBestIterateStaysWhateverComesAfterIt) {
 TEST(AnswerChoice, OneLargeNormOutweighsSmallOnes) {
   AnswerChoice choice(kTolerances);
   EXPECT_TRUE(choice.take(norms(1e-4, 1e-12, 0, 0)));
-  // Its largest number is smaller, but the gap is what counts.
+  // The largest norm is smaller, but the gap decides.
   EXPECT_FALSE(choice.take(norms(0, 1e-5, 0, 0)));
   EXPECT_FALSE(choice.take(norms(0, 0, 0, 1e-1)));
 }

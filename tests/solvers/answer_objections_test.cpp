@@ -1,4 +1,4 @@
-// Solves that go on from a converged answer to which there is an objection.
+// Continued solves after objections to a converged answer.
 #include "solvers/strategies/answer_objections.hpp"
 
 #include <deque>
@@ -10,8 +10,7 @@
 namespace conddp {
 namespace {
 
-/// A solver whose answers have these costs and statuses, one after the other, and what it was
-/// given.
+/// A solver with scripted costs and statuses of its answers; records its inputs.
 class Script {
  public:
   struct Answer {
@@ -25,7 +24,7 @@ class Script {
 
   explicit Script(std::deque<Answer> answers) : answers_(std::move(answers)) {}
 
-  /// The solve whose objections are these, one after the other, and then none.
+  /// A solve with these successive objections, then none.
   SolveResult run(std::deque<Objection> objections) {
     const Doubt doubt = [&](const ShootingProblem&, const SolveResult&) {
       if (objections.empty()) return Objection();
@@ -63,7 +62,7 @@ class Script {
 
 Objection too_much_left(double excess) { return {.text = "much is left", .excess = excess}; }
 
-/// A descent by the first control of the first knot.
+/// A descent along the first control of the first knot.
 Objection a_saddle(const ShootingProblem& problem) {
   Objection objection{.text = "a saddle"};
   for (int k = 0; k <= problem.knots(); ++k)

@@ -16,7 +16,7 @@ using testing::cuts;
 using testing::LinearQuadratic;
 using testing::with_constraints;
 
-/// Penalties, alike in the rows of a constraint, and shifts that put rows on both sides of bounds.
+/// Equal penalties within a constraint, and shifts that put rows on both sides of bounds.
 Augmentation random_augmentation(const ShootingProblem& problem, std::mt19937& random) {
   std::uniform_real_distribution<double> shift(-4, 4), exponent(-2, 3);
   Augmentation augmentation(problem);
@@ -29,7 +29,7 @@ Augmentation random_augmentation(const ShootingProblem& problem, std::mt19937& r
 
 class AugmentationChanges : public ::testing::TestWithParam<Softness> {};
 
-// Whatever was and is active, it leaves what differentiation gives.
+// Whatever was and is active, the result matches differentiation.
 TEST_P(AugmentationChanges, AreThoseOfDifferentiation) {
   std::mt19937 random(1);
   for (const unsigned seed : {1u, 2u, 3u}) {

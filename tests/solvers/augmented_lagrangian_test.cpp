@@ -9,7 +9,7 @@
 namespace conddp::testing {
 namespace {
 
-// Boxes and cones that no row touches, and then one that a row does.
+// Inactive boxes and cones, and then an active one.
 TEST(AugmentedLagrangian, IsIdleWhereAllRowsAreStrictlyInside) {
   ConicSize size = middle_size();
   size.equalities = size.terminal = 0;
@@ -34,7 +34,7 @@ TEST(AugmentedLagrangian, IsIdleWhereAllRowsAreStrictlyInside) {
     Eigen::VectorXd touching = inside;
     touching[c.row] = c.term->has_bounds() ? c.upper[0] : 1;
     EXPECT_FALSE(constraints.idle(touching));
-    // What a violation asked for is gone where all rows hold again.
+    // The effect of a violation vanishes once all rows hold again.
     touching[c.row] += 1;
     EXPECT_GT(constraints.measure(touching).dual_gain, 0);
     EXPECT_FALSE(constraints.multipliers().isZero(0));
@@ -42,11 +42,11 @@ TEST(AugmentedLagrangian, IsIdleWhereAllRowsAreStrictlyInside) {
     EXPECT_TRUE(constraints.multipliers().isZero(0));
   }
   constraints.start(Eigen::VectorXd::Ones(problem.constraint_rows()));
-  EXPECT_FALSE(constraints.idle(inside));  // multipliers that are still to go
+  EXPECT_FALSE(constraints.idle(inside));  // multipliers that must still vanish
   EXPECT_GT(constraints.measure(inside).dual_gain, 0);
 }
 
-// Their curvature is there where their values vanish, and changes with the penalty.
+// Equalities have curvature even where their values vanish, and it changes with the penalty.
 TEST(AugmentedLagrangian, EqualitiesAreNeverIdle) {
   ConicSize size = middle_size();
   size.boxes = size.cones = 0;
@@ -57,7 +57,7 @@ TEST(AugmentedLagrangian, EqualitiesAreNeverIdle) {
 
 class Schedules : public ::testing::TestWithParam<MultiplierSchedule> {};
 
-// What is violated at a point that is no minimum speaks against no penalty.
+// A violation at a point that is not a minimum raises no penalty.
 TEST_P(Schedules, RaiseNoPenaltyWhereNothingWasMinimized) {
   ConicSize size = middle_size();
   size.boxes = size.cones = 0;
@@ -65,10 +65,10 @@ TEST_P(Schedules, RaiseNoPenaltyWhereNothingWasMinimized) {
   AugmentedLagrangian constraints(*conic.problem, {}, GetParam());
   const double first = constraints.largest_penalty();
   Eigen::VectorXd bounds = Eigen::VectorXd::Zero(conic.problem->constraint_rows());
-  int rows = 0;  // of constraints that are there at their nodes
+  int rows = 0;  // of constraints present at their nodes
   for (const NodeConstraint& c : conic.problem->constraints())
     for (int r = 0; r < c.term->rows; ++r, ++rows) bounds[c.row + r] = c.lower[r];
-  // A row that is 1 off asks for |ν⁺ − ν|² / ρ = ρ.
+  // A row with an error of 1 contributes |ν⁺ − ν|² / ρ = ρ.
   double off = 1;
   const auto values = [&] { return Eigen::VectorXd(bounds.array() + off); };
   EXPECT_NEAR(constraints.measure(values()).dual_gain, first * rows, 1e-12);
@@ -86,8 +86,8 @@ INSTANTIATE_TEST_SUITE_P(AugmentedLagrangian, Schedules,
                          ::testing::Values(MultiplierSchedule::always,
                                            MultiplierSchedule::bound_constrained_lagrangian));
 
-/// Two rows "equal" at the first and one at the second node, which are 0.5, and a soft one in ± 1
-/// at the end, whose multiplier is at most 2.
+/// Two "equal" rows at the first node and one at the second, with bounds 0.5; a soft row in ± 1 at
+/// the end with multiplier limit 2.
 struct NamedRows {
   static constexpr double kLimit = 2;
   NamedRows() : lq(1, 2, {3, 2}, 1, -1, 1) {
@@ -119,7 +119,8 @@ SolverOptions schedule_options() {
 constexpr auto kAlways = MultiplierSchedule::always;
 constexpr auto kBound = MultiplierSchedule::bound_constrained_lagrangian;
 
-// With ρ = 4: ν + ρ (g − 0.5) of the equalities; of the soft row ν + ρ (|g| − 1) beyond 1, to 2.
+// With ρ = 4: ν + ρ (g − 0.5) for equalities; for the soft row ν + ρ (|g| − 1) beyond 1, limited to
+// 2.
 TEST(AugmentedLagrangian, MultipliersComeFromShiftedDistances) {
   const NamedRows rows;
   AugmentedLagrangian constraints(*rows.problem, schedule_options(), kAlways);
@@ -131,7 +132,7 @@ TEST(AugmentedLagrangian, MultipliersComeFromShiftedDistances) {
   EXPECT_EQ(norms.violation.value, 0.5);
   EXPECT_EQ(norms.violation.knot, 0);
   EXPECT_EQ(norms.dual_gain, (1 + 4 + 0.25 + 1) / 4.);
-  // The soft row is 0.25 beyond −1 where its multiplier lacks 1.5 of its limit.
+  // The soft row is 0.25 beyond −1 and its multiplier is 1.5 below its limit.
   EXPECT_EQ(norms.complementarity, 0.25 * 1.5);
   EXPECT_EQ(constraints.measure(Eigen::Vector4d(0.5, 0.5, -0.5, 3)).violation.knot, 1);
   EXPECT_EQ(constraints.multipliers()[3], NamedRows::kLimit);
@@ -162,7 +163,8 @@ TEST(AugmentedLagrangian, PenaltiesGrowIfViolationFallsTooSlowly) {
   EXPECT_FALSE(constraints.may_relax());
 }
 
-// What is below a tenth of the tolerance, or was under the tolerance before, needs no penalty.
+// Violations below a tenth of the tolerance, or already within tolerance before, need no larger
+// penalty.
 TEST(AugmentedLagrangian, PenaltiesDoNotGrowForWhatHolds) {
   const NamedRows rows;
   for (const auto& [before, now, grows] :
@@ -176,14 +178,14 @@ TEST(AugmentedLagrangian, PenaltiesDoNotGrowForWhatHolds) {
   }
 }
 
-// Of soft ones 0.7 is enough, of what they ask to change.
+// Soft rows only need their requested multiplier change to fall to 0.7.
 TEST(AugmentedLagrangian, SoftOnesNeedLessDecrease) {
   const NamedRows rows;
   for (const double share : {0.6, 0.8}) {
     AugmentedLagrangian constraints(*rows.problem, schedule_options(), kAlways);
     double sum = 0;
     for (const double change : {0.25, 0.25 * share}) {
-      // ν⁺ − ν = ρ · change: beyond 1 by so much.
+      // ν⁺ − ν = ρ · change for this distance beyond 1.
       constraints.measure(Eigen::Vector4d(0.5, 0.5, 0.5, 1 + change));
       constraints.update();
       sum += change;
@@ -194,7 +196,8 @@ TEST(AugmentedLagrangian, SoftOnesNeedLessDecrease) {
   }
 }
 
-// Multipliers change where that is no more than a tenth of the last change; else penalties grow.
+// Multipliers change if the violation is at most a tenth of the last change; otherwise penalties
+// grow.
 TEST(AugmentedLagrangian, BoundConstrainedScheduleUpdatesMultipliersOrPenalty) {
   const NamedRows rows;
   AugmentedLagrangian constraints(*rows.problem, schedule_options(), kBound);
@@ -227,8 +230,8 @@ TEST(AugmentedLagrangian, ReportsConstraintAfterSixUselessPenalties) {
       constraints.update();
       ++updates;
     }
-    // Below 1e-5 it is rounding. The first update makes the reference, the penalty grows in all
-    // later ones.
+    // Below 1e-5, it is rounding. The first update sets the reference; the penalty grows in all
+    // later updates.
     EXPECT_EQ(updates, violation > 1e-5 ? 7 : 20);
     EXPECT_EQ(constraints.stalled(), violation > 1e-5 ? "equal" : "");
   }
@@ -245,7 +248,7 @@ TEST(AugmentedLagrangian, AViolationThatHalvesIsNotStalled) {
   }
 }
 
-// Ten times as far as from the further bound: 10 (0.5 + 1) ρ ≤ 2.
+// Ten times the distance to the further bound: 10 (0.5 + 1) ρ ≤ 2.
 TEST(AugmentedLagrangian, FirstPenaltiesOfSoftOnesFitTheirLimits) {
   const NamedRows rows;
   AugmentedLagrangian constraints(*rows.problem, schedule_options(), kAlways);
@@ -256,7 +259,7 @@ TEST(AugmentedLagrangian, FirstPenaltiesOfSoftOnesFitTheirLimits) {
   EXPECT_FALSE(constraints.may_relax());
 }
 
-// Rows between −1 and 1, and between −4 and 2, whose multipliers are at most 2.
+// Rows in [−1, 1] and [−4, 2] with multiplier limit 2.
 TEST(AugmentedLagrangian, FirstSoftPenaltiesFitTheFurthestBound) {
   const LinearQuadratic lq(1, 2, {3, 2}, 1, -1, 1);
   Added soft = affine_rows(Eigen::MatrixXd::Ones(2, 2), *lq.problem, 2, 2, -1, 1);

@@ -44,7 +44,7 @@ TEST(AutoSolver, ExplainsItsOrderOfSolvers) {
             "proxddp, since there are constraints besides bounds on the control");
 }
 
-/// A solver that gets nowhere.
+/// A solver that makes no progress.
 SolverInfo failing() {
   return {.name = "failing",
           .control_bounds = BoundSupport::exact,
@@ -72,13 +72,13 @@ TEST(AutoSolver, TriesTheNextSolverWithoutConvergence) {
   EXPECT_TRUE(
       result.message.starts_with("failing ended as line_search_failed after 7 iterations; "))
       << result.message;
-  // A limit is the user's word, and no defect of a solver.
+  // A user limit is not a failure of the solver.
   const SolveResult limited = solve(problem, both, {.max_iterations = 1}, guess, used);
   EXPECT_EQ(limited.status, SolveStatus::max_iterations);
   EXPECT_EQ(used, &first);
 }
 
-/// A solver that does not get there within the default limit.
+/// A solver that does not converge within the default limit.
 SolverInfo endless(double stationarity) {
   return {.name = "endless",
           .control_bounds = BoundSupport::exact,
@@ -121,7 +121,7 @@ TEST(AutoSolver, ReturnsSecondAnswerIfFirstDiverged) {
 
 TEST(AutoSolver, HasTheFirstAnswerWhereNoneConverges) {
   const testing::LinearQuadratic lq(1, 4, {3, 2}, 8, -1, 1);
-  // A goal that bounded controls do not reach.
+  // A goal that bounded controls cannot reach.
   const ShootingProblem problem = testing::with_constraints(
       *lq.problem, {testing::goal_constraint(*lq.problem, {100, 100, 100, 100})});
   const Trajectory guess = problem.create_trajectory();
@@ -176,7 +176,7 @@ TEST(AutoSolver, GoesOnWhereAnAnswerRaisesDoubts) {
   EXPECT_EQ(doubted.restarts, std::nullopt);
 }
 
-/// A solver that converges when it is called for the nth time, or so many times more.
+/// A solver that converges from its nth call on, for `more` further calls.
 SolverInfo converging_at(int n, std::vector<Trajectory>& guesses, int more = 0) {
   return {.name = "lucky",
           .control_bounds = BoundSupport::exact,
@@ -261,7 +261,7 @@ TEST(AutoSolver, LimitsStartsAndIterations) {
   EXPECT_FALSE(solve(problem, alone, {}, guess, used).restarts) << "a solver that was named";
 }
 
-/// A solver whose answer costs that much from the guess, and less from other ones.
+/// A solver with this cost from the guess, and a lower cost elsewhere.
 SolverInfo asking(std::string_view name, double cost, double elsewhere, int iterations = 7) {
   return {.name = name,
           .control_bounds = BoundSupport::exact,
@@ -312,7 +312,7 @@ TEST(FurtherLook, EndsWithItsWork) {
   options.look_further = 0;
   EXPECT_EQ(best_of({&first, &second}, used, options).attempts.size(), 1u);
   EXPECT_EQ(used, &first);
-  // Room for fifty iterations: the second solver is cut off then, and nothing follows.
+  // A budget of fifty iterations: the second solver is truncated and nothing follows.
   const ShootingProblem problem = testing::unicycle_parking(0.6);
   options.look_further = 50 * problem.knots() * 25;
   const SolveResult result = best_of({&first, &second}, used, options);
@@ -381,7 +381,7 @@ TEST(AutoSolver, HasTheCheapestOfDoubtedAnswers) {
   }
 }
 
-// What a doubt leaves of a cheap answer is less than what a dear one costs more.
+// Both answers are doubted; the doubted gain of the cheap one is below the cost difference.
 TEST(FurtherLook, KeepsDoubtedAnswersThatCostLess) {
   const SolverInfo first = asking("first", 1, 8), second = asking("second", 9, 7), *used = nullptr;
   const Doubt doubt = [&](const ShootingProblem&, const SolveResult& answer) {

@@ -93,8 +93,8 @@ TEST(BoxQp, SolutionIsIndependentOfTheStart) {
   }
 }
 
-// A full projected Newton step from 0 raises the objective here, which an Armijo test with the
-// wrong sign of the free gradient would let pass.
+// A full projected Newton step from 0 raises the objective here. An Armijo test with the wrong sign
+// of the free gradient would accept it.
 TEST(BoxQp, RejectsAProjectedStepThatRaisesTheObjective) {
   SmallQp qp;
   qp.H = (Eigen::Matrix2d() << 1, -0.99, -0.99, 1).finished();
@@ -113,7 +113,7 @@ TEST(BoxQp, RejectsAProjectedStepThatRaisesTheObjective) {
   EXPECT_LT(qp.value(solver.x()), 0);
 }
 
-/// Q_uu behind a stiff cost-to-go is nearly of rank one.
+/// Q_uu with a stiff cost-to-go is nearly of rank one.
 TEST(BoxQp, EntriesThatAreStronglyCoupledMeetTheirBounds) {
   std::mt19937 engine(5);
   std::normal_distribution<double> normal;
@@ -162,7 +162,7 @@ TEST(BoxQp, FailsOnlyIfTheFreeBlockIsIndefinite) {
 }
 
 TEST(BoxQp, DegenerateMultiplierZeroIsSolved) {
-  // The unconstrained optimum lies on the bounds exactly.
+  // The unconstrained optimum lies exactly on the bounds.
   const Eigen::MatrixXd H = (Eigen::Matrix2d() << 2, 1, 1, 3).finished();
   const Eigen::Vector2d optimum(1, -1);
   const Eigen::VectorXd g = -H * optimum;

@@ -1,4 +1,4 @@
-// First states that are chosen, and periodic motions, against the dense KKT system of
+// Chosen initial states and periodic motions, compared with the dense KKT system of
 // linear-quadratic problems.
 #include <gtest/gtest.h>
 
@@ -12,13 +12,13 @@ namespace {
 using testing::kFree;
 using testing::LinearQuadratic;
 
-/// How far the last state is to be from the first one, by coordinate.
+/// Offset of the last state from the first, by coordinate.
 using Link = std::vector<std::pair<int, double>>;
 
 std::vector<double> plain(const Eigen::VectorXd& v) { return {v.data(), v.data() + v.size()}; }
 
-/// The problem of `lq` whose first state is x0 + u_0 with |u_0| ≤ reach, and with x_N − x_1 =
-/// offset where `link` says so; knot k of `lq` is knot k + 1.
+/// The problem of `lq` with initial state x0 + u_0, |u_0| ≤ reach, and x_N − x_1 = offset for the
+/// coordinates in `link`. Knot k of `lq` becomes knot k + 1.
 ShootingProblem choosing(const LinearQuadratic& lq, double reach, const Link& link) {
   const int n = lq.nx;
   std::vector<int> all(n);
@@ -34,7 +34,7 @@ ShootingProblem choosing(const LinearQuadratic& lq, double reach, const Link& li
                              .cost_scale = {1.0},
                              .parameters = {},
                              .instant = true}};
-  // `scaled` weights have the knot's dt in them.
+  // `scaled` weights include the knot's dt.
   const auto make = [&](const KnotModel& of, Integrator rule, const Eigen::VectorXd& reference,
                         const Eigen::VectorXd& Q, const Eigen::VectorXd& R) {
     auto model = std::make_shared<KnotModel>(of.shared_system(), rule, ControlMemory::none, n);
@@ -74,11 +74,11 @@ ShootingProblem choosing(const LinearQuadratic& lq, double reach, const Link& li
 }
 
 struct DenseAnswer {
-  Eigen::MatrixXd x;            ///< a column a state, the chosen one first
-  Eigen::VectorXd start, link;  ///< multipliers of fixed entries of the first state, and of links
+  Eigen::MatrixXd x;            ///< one column per state, the chosen one first
+  Eigen::VectorXd start, link;  ///< multipliers of fixed initial entries and of links
 };
 
-/// All states from the chosen one on, with entries of the first one fixed and the links held.
+/// All states from the chosen one, with some initial entries fixed and the links enforced.
 DenseAnswer dense(const LinearQuadratic& lq, const Link& fixed, const Link& link) {
   const int n = lq.nx, N = lq.N();
   std::vector<int> u_at;
@@ -169,7 +169,7 @@ TEST(ChosenStart, BoundedChoiceMatchesDenseOptimum) {
 TEST(ChosenStart, PeriodicMotionMatchesDenseOptimumAndMultipliers) {
   for (unsigned seed = 1; seed <= 4; ++seed) {
     const LinearQuadratic lq(seed, 4, {3, 2}, 6, -kFree, kFree);
-    // All coordinates, or some of them, one further on.
+    // All or some coordinates, displaced by one.
     for (const Link& link : {Link{{0, 0}, {1, 0}, {2, 0}, {3, 0}}, Link{{1, 0.7}, {3, 0}}}) {
       const ShootingProblem problem = choosing(lq, kFree, link);
       const DenseAnswer expected = dense(lq, {}, link);

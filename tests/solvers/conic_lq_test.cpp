@@ -2,7 +2,7 @@
 
 #include "support/conic_optimality.hpp"
 
-// Random conic problems of intermediate size; tests/slow has those of full size.
+// Random conic problems of intermediate size; tests/slow covers full size.
 
 namespace conddp::testing {
 namespace {
@@ -34,7 +34,7 @@ TEST(ConicLinearQuadratic, EqualitiesAloneAreSolvedByIntroToo) {
   }
 }
 
-// Every constraint three times: multipliers are not unique, controls are.
+// Every constraint three times: multipliers are ambiguous, controls are not.
 TEST(ConicLinearQuadratic, CopiesOfConstraintsDoNoHarm) {
   ConicSize size = middle_size();
   size.slack = 3;

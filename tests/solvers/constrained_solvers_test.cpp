@@ -6,7 +6,7 @@
 #include "support/constrained_problems.hpp"
 #include "support/dense_convex.hpp"
 
-// What holds of every solver that takes constraints of all kinds into DDP sweeps.
+// Properties of every DDP solver that supports all kinds of constraints.
 
 namespace conddp {
 namespace {
@@ -27,7 +27,7 @@ class ConstrainedSolver : public ::testing::TestWithParam<const char*> {
 INSTANTIATE_TEST_SUITE_P(Registered, ConstrainedSolver, ::testing::Values("altro", "proxddp"),
                          [](const auto& solver) { return std::string(solver.param); });
 
-/// 1 kg, at most 3 N for 2 s: it gets no further than 3 m at rest.
+/// 1 kg with at most 3 N for 2 s: it reaches at most 3 m at rest.
 ShootingProblem sliding_mass() {
   return testing::tracking_problem(double_integrator(1), Integrator::rk4, 20, 0.1, {0, 0},
                                    {{1, 0}, {1, 1}, {0.1}, {1, 1}}, -3, 3);
@@ -49,9 +49,8 @@ TEST_P(ConstrainedSolver, MultipliersMakeTheLagrangianStationary) {
                   1e-8);
 }
 
-// Bryson and Denham (1963): a mass is thrown at a wall at a distance ℓ and comes back, with the
-// least ∫ u²/2. For ℓ ≤ 1/6 that is 4/(9 ℓ), and multipliers of the wall are as large as it is
-// near.
+// Bryson and Denham (1963): a mass is thrown at a wall at distance ℓ and returns with minimum ∫
+// u²/2. For ℓ ≤ 1/6 the optimum is 4/(9 ℓ), and the wall multipliers grow as ℓ shrinks.
 TEST_P(ConstrainedSolver, ComesBackFromWallsHoweverNear) {
   for (const int knots : {25, 50, 100, 200, 300}) {
     for (const double fraction : {5, 6, 8, 9, 12, 16, 32, 64}) {
@@ -71,7 +70,7 @@ TEST_P(ConstrainedSolver, ComesBackFromWallsHoweverNear) {
       const SolveResult result = solve(problem, GetParam(), {}, problem.create_trajectory());
       EXPECT_EQ(result.status, SolveStatus::converged)
           << knots << " knots, 1/" << 1 / wall << ": " << result.message;
-      // Controls are held over knots, and the wall holds at knots.
+      // Controls are constant over knots, and the wall holds at knots.
       if (knots * wall > 6 && fraction >= 6) {
         EXPECT_NEAR(result.cost, 4 / (9 * wall), 0.05 * result.cost);
       }
@@ -79,7 +78,7 @@ TEST_P(ConstrainedSolver, ComesBackFromWallsHoweverNear) {
   }
 }
 
-// Rounding leaves a residual above a tolerance of nothing, where the others are under theirs.
+// Rounding leaves one residual above a zero tolerance while the others are within theirs.
 TEST_P(ConstrainedSolver, ConvergedMeansAllResidualsAreUnderTolerance) {
   for (const auto& [name, problem, control, cost] : testing::published_cases())
     for (double SolverOptions::Tolerances::*impossible :
@@ -98,7 +97,7 @@ TEST_P(ConstrainedSolver, ConvergedMeansAllResidualsAreUnderTolerance) {
     }
 }
 
-// Newton's last iterate is the answer, whose residuals are along other gains than Newton's.
+// Newton's last iterate is the answer; its residuals use different gains than Newton's.
 TEST_P(ConstrainedSolver, LastLogRowDescribesTheAnswer) {
   for (const auto& [name, problem, control, cost] : testing::published_cases()) {
     const SolveResult result =

@@ -1,4 +1,4 @@
-// Bounds of two knots by hand: what stands at them, what violates them, what a gradient pushes.
+// Bounds of two knots by hand: saturated controls, violations, and pushing gradients.
 #include "solvers/common/control_bounds.hpp"
 
 #include <cmath>
@@ -10,7 +10,8 @@
 namespace conddp::testing {
 namespace {
 
-/// Three numbers with a control each at two knots, |u| ≤ (1, 2, ∞) or (0.25 ≤ u ≤ 4) alone.
+/// Three coordinates with one control each at two knots: |u| ≤ (1, 2, ∞), or one control in [0.25,
+/// 4].
 ShootingProblem two_knots() {
   const auto system = linear_system(Eigen::Matrix3d::Identity(), Eigen::Matrix3d::Identity(),
                                     Eigen::Vector3d::Zero());
@@ -86,13 +87,13 @@ TEST_F(BoundsOfTwoKnots, BalanceTheGradientThatPushesAgainstThem) {
   trajectory.u(0) << -1, 2, 0;
   trajectory.u(1) << 0.25, 3, 0;
   Eigen::VectorXd gradient(6);
-  gradient << 9, -8, 0.5, 7, -6, 0.25;  // all that stand at bounds are pushed against them
+  gradient << 9, -8, 0.5, 7, -6, 0.25;  // pushes all saturated controls against their bounds
   EXPECT_EQ(bounds.projected_norm(gradient, trajectory).value, 0.5);
   EXPECT_EQ(bounds.projected_norm(gradient, trajectory).knot, 0);
-  gradient[3] = -0.75;  // away from the lower one
+  gradient[3] = -0.75;  // away from the lower bound
   EXPECT_EQ(bounds.projected_norm(gradient, trajectory).value, 0.75);
   EXPECT_EQ(bounds.projected_norm(gradient, trajectory).knot, 1);
-  gradient[1] = 1.5;  // away from the upper one
+  gradient[1] = 1.5;  // away from the upper bound
   EXPECT_EQ(bounds.projected_norm(gradient, trajectory).value, 1.5);
   EXPECT_EQ(bounds.projected_norm(gradient, trajectory).knot, 0);
   for (int i = 0; i < 6; ++i) {
@@ -126,7 +127,7 @@ TEST(LargestViolation, CoversBoundsAndHardConstraintsOnly) {
   EXPECT_EQ(largest_violation(problem, bounds, trajectory, values).value, 0.25);
   EXPECT_EQ(largest_violation(problem, bounds, trajectory, values).knot, 0);
   ASSERT_EQ(values.size(), 18);
-  // Of each node three hard rows, then three soft ones, which count as costs.
+  // Each node has three hard rows, then three soft rows, which count as costs.
   values[3] = values[12 + 4] = 9;
   values[6 + 2] = 6.5;
   EXPECT_EQ(largest_violation(problem, bounds, trajectory, values).value, 3.5);

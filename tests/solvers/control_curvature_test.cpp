@@ -11,7 +11,7 @@
 namespace conddp::testing {
 namespace {
 
-/// A limit of −1 on the control of a pendulum, from the first knot to this one.
+/// A limit of −1 on a pendulum control, from the first knot to `last`.
 Added limit_until(int last) {
   return {.name = "limit",
           .residual = control_residual(2, 1),
@@ -22,7 +22,7 @@ Added limit_until(int last) {
           .last = last};
 }
 
-/// Weight 1e-3 and steps of 0.06 s, with a limit on the control that all knots violate.
+/// Weight 1e-3 and steps of 0.06 s, with a control limit that all knots violate.
 constexpr double kCurvature = 6e-5;
 ShootingProblem limited_pendulum() {
   return with_constraints(pendulum_swing_up(), {limit_until(49)});
@@ -53,7 +53,7 @@ TEST(ControlCurvature, IsThatOfTheCostsWithoutPenalties) {
               1, 1e-6);
 }
 
-// With one knot there is no other one whose curvature could stand for it.
+// A single knot has no other knot to represent its curvature.
 TEST(ControlCurvature, SingleKnotUsesItsOwnCosts) {
   const ShootingProblem free = tracking_problem(pendulum({}), Integrator::rk4, 1, 0.06, {0, 0},
                                                 {{1, 0}, {1, 1}, {1e-3}, {1, 1}});
@@ -67,8 +67,8 @@ TEST(ControlCurvature, SingleKnotUsesItsOwnCosts) {
   EXPECT_NEAR(curvature.least(linearization, nullptr), 10 + kCurvature, 1e-9);
 }
 
-// Three knots of which the last one has the least curvature. Its row is far inside by its own
-// shift, where those of the others are outside: nothing is to be taken out of it.
+// Three knots; the last has the least curvature. Its shifted row is far inside, those of the others
+// are outside, so nothing is removed from it.
 TEST(ControlCurvature, RemovesContributionsOfOwnRows) {
   const auto system = pendulum({});
   std::vector<Phase> phases;

@@ -1,4 +1,4 @@
-// Directions beside the dense optimum of the whole horizon's linear-quadratic model.
+// Directions, compared with the dense optimum of the whole horizon's linear-quadratic model.
 #include "solvers/globalization/direction.hpp"
 
 #include <fmt/format.h>
@@ -11,7 +11,7 @@
 namespace conddp::testing {
 namespace {
 
-/// A problem's shape with random numbers for its linear-quadratic model, and a direction there.
+/// A problem structure with a random linear-quadratic model and a direction.
 struct RandomModel {
   RandomModel(const ShootingProblem& shape, unsigned seed, const Direction::Recipe& recipe,
               bool with_gaps = true)
@@ -44,8 +44,7 @@ struct RandomModel {
   bool open;
 };
 
-/// Problems whose dynamics are dense, and of semi-implicit Euler; with different numbers of
-/// controls.
+/// Problems with dense dynamics and with semi-implicit Euler, with different numbers of controls.
 std::vector<ShootingProblem> shapes() {
   std::vector<ShootingProblem> problems;
   problems.push_back(std::move(*LinearQuadratic(1, 2, {1}, 4, -kFree, kFree).problem));
@@ -85,7 +84,7 @@ TEST(Direction, ProximalWeightActsAsADenseCost) {
   }
 }
 
-/// What bounds leave of δu, over all controls.
+/// Bounds on δu of all controls.
 void control_steps(const RandomModel& model, Eigen::VectorXd& lower, Eigen::VectorXd& upper) {
   lower.resize(model.bounds.size());
   upper.resize(model.bounds.size());
@@ -130,7 +129,7 @@ TEST(Direction, BoundedControlsSolveTheQuadraticProgram) {
   EXPECT_GT(free, 30);
 }
 
-// Rows of an augmented Lagrangian count where the step meets them, not where the iterate does.
+// Augmented Lagrangian rows are active according to the step, not the iterate.
 TEST(Direction, AugmentationMinimizesPenaltiesAlongTheHorizon) {
   int held = 0, outside = 0, changed_sides = 0, unsettled = 0;
   for (unsigned seed = 1; seed <= 40; ++seed) {
@@ -143,7 +142,7 @@ TEST(Direction, AugmentationMinimizesPenaltiesAlongTheHorizon) {
     for (double& weight : augmentation.penalty) weight = random.uniform(1, 1000);
     for (double& shift : augmentation.shift) shift = random.uniform(-0.5, 0.5);
 
-    // The function that is minimised, and the same as it is around the iterate.
+    // The minimized function, and the same function at the iterate.
     const DenseHorizon dense = model.dense();
     const DensePenalty penalty = penalty_of_rows(problem, model.linearization, augmentation);
     const Eigen::VectorXd here = penalty.outside(Eigen::VectorXd::Zero(dense.size()));
@@ -163,7 +162,7 @@ TEST(Direction, AugmentationMinimizesPenaltiesAlongTheHorizon) {
     const Eigen::VectorXd there = penalty.outside(z);
     outside += static_cast<int>((there.array() != 0).count());
     changed_sides += static_cast<int>(((there.array() != 0) != (here.array() != 0)).count());
-    // The derivative by each control vanishes, or pushes it against the bound where it stands.
+    // The derivative with respect to each control vanishes or pushes it against its bound.
     const Eigen::VectorXd slope =
         dense.S.transpose() * (dense.H * z + dense.g + penalty.gradient(z));
     Eigen::VectorXd lower, upper;
@@ -189,7 +188,7 @@ TEST(Direction, AugmentationMinimizesPenaltiesAlongTheHorizon) {
 TEST(Direction, NullSpaceSatisfiesEquationsWithDenseMultipliers) {
   for (unsigned seed = 1; seed <= 6; ++seed) {
     SCOPED_TRACE(fmt::format("seed {}", seed));
-    // Three states and six controls of two knots each: one row a knot and one at the end.
+    // Three states and six controls of two knots each: one row per knot and one at the end.
     const LinearQuadratic lq(1, 2 + seed % 3, {3, 2}, 3, -kFree, kFree);
     const ShootingProblem problem = rows_at_all_nodes(lq, 1, 0.25, 0.25);
     RandomModel model(problem, seed, {.null_space = true}, seed % 2 == 0);

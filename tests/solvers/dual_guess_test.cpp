@@ -1,4 +1,4 @@
-// Multipliers to start from: a solve from an answer of its own is done at once.
+// Initial multipliers: a solve from its own answer finishes immediately.
 #include <gtest/gtest.h>
 
 #include "solvers/strategies/registry.hpp"
@@ -45,7 +45,7 @@ TEST_P(DualGuesses, DoTheWorkThatTheTrajectoryAloneLeaves) {
   for (const unsigned seed : {1u, 2u, 3u}) {
     const testing::LinearQuadratic lq(seed, 4, {3, 2}, 8, -3, 3);
     std::vector<testing::Added> cuts = testing::cuts(lq);
-    // Ipopt gets stuck at the tip of a cone, where its smooth surface has no curvature.
+    // Ipopt stalls at the tip of a cone, where its smooth surface has no curvature.
     if (std::string_view(GetParam()) == "ipopt") cuts.pop_back();
     const ShootingProblem problem = testing::with_constraints(*lq.problem, cuts);
     SolverOptions options = small_violations();

@@ -1,5 +1,5 @@
-// What solves take, in numbers that do not depend on the time: searches that look elsewhere, or
-// switch later, end at the same optimum, but not as soon.
+// Effort of solves in time-independent counts: modified searches or later switches reach the same
+// optimum with more effort.
 #include <functional>
 
 #include <gtest/gtest.h>
@@ -80,7 +80,7 @@ const std::vector<MeasuredSolve>& measured_solves() {
 
 class EffortOfASolve : public ::testing::TestWithParam<MeasuredSolve> {};
 
-// A quarter more, and two, is left to rounding on other machines.
+// A margin of a quarter plus two covers rounding on other machines.
 TEST_P(EffortOfASolve, IsNoMoreThanWasMeasured) {
   const auto& [name, make, control, solver, measured] = GetParam();
   const ShootingProblem problem = make();

@@ -13,7 +13,7 @@
 namespace conddp {
 namespace {
 
-/// An iterate with open gaps, multipliers and a step that keeps the linear equations.
+/// An iterate with open gaps, multipliers, and a step that satisfies the linear equations.
 struct EqualityIterate {
   explicit EqualityIterate(const ShootingProblem& problem)
       : bounds(problem),
@@ -80,7 +80,7 @@ TEST(EqualitySearch, MeritSlopeIsItsDerivativeAlongTheStep) {
               iterate.merit.merit_slope(), 1e-3 * std::abs(iterate.merit.merit_slope()));
 }
 
-/// Rows of two knots and of the end, of which those in the middle are free.
+/// Rows of two knots and of the end; the middle rows are free.
 TEST(EqualitySearch, InfeasibilitySumsGapsAndActiveRows) {
   const ShootingProblem free = testing::pendulum_swing_up();
   const int N = free.knots();
@@ -110,7 +110,7 @@ TEST(EqualitySearch, InfeasibilitySumsGapsAndActiveRows) {
     }
 }
 
-// Nocedal and Wright's equation 18.36 in numbers, with 0.7 of the penalty for the step.
+// Equation 18.36 of Nocedal and Wright, with 0.7 of the penalty for the step.
 TEST(EqualitySearch, PenaltyCoversModelStepAndHalvesAtMost) {
   const ShootingProblem problem = goal_problem();
   EqualityIterate iterate(problem);
@@ -139,7 +139,7 @@ TEST(EqualitySearch, PenaltyCoversModelStepAndHalvesAtMost) {
   EXPECT_NEAR(measured(curvature, 0, 2), 5e3 / (0.7 * 2), 1e-8);
   EXPECT_NEAR(measured(curvature, 9e3, 2), 4.5e3, 1e-12);
   EXPECT_NEAR(measured(curvature, 9e3, 0), 4.5e3, 1e-12) << "nothing is left to pay for";
-  // Negative curvature is no income.
+  // Negative curvature does not reduce the penalty.
   EXPECT_NEAR(measured(penalized - 1e9, 0, 2), std::max(0.0, slope / 1.4), 1e-9);
 }
 
@@ -160,11 +160,11 @@ TEST(EqualitySearch, TakesTheTrialThatLowersTheMeritMore) {
                              {.contract_gaps = true}, lanes);
   Trajectory rolled = problem.create_trajectory();
   lanes.extract(0, rolled);
-  // A rollout that leaves the finite numbers is no better either.
+  // A non-finite rollout is not better either.
   EXPECT_FALSE(iterate.merit_of(rolled) < iterate.merit_of(trajectory));
 }
 
-// Where no rollout stays finite.
+// No rollout stays finite.
 TEST(EqualitySearch, TakesTheStraightStepWhereRolloutsAreLost) {
   const ShootingProblem problem = goal_problem();
   EqualityIterate iterate(problem);
@@ -183,12 +183,12 @@ TEST(EqualitySearch, TakesTheStraightStepWhereRolloutsAreLost) {
   }
 }
 
-// Shorter steps are lost later.
+// Shorter steps diverge later.
 TEST(EqualitySearch, TellsWhereTheLongestStepIsLost) {
   const ShootingProblem problem = goal_problem();
   EqualityIterate iterate(problem);
   Trajectory trajectory = iterate.trajectory;
-  trajectory.u(problem.knots() - 1).setConstant(1e300);  // straight steps are lost too
+  trajectory.u(problem.knots() - 1).setConstant(1e300);  // straight steps diverge too
   Feedback wild = iterate.feedback;
   LaneRollout lanes(problem);
   double steps[kLaneWidth];
@@ -207,7 +207,7 @@ TEST(EqualitySearch, TellsWhereTheLongestStepIsLost) {
   EXPECT_EQ(found.first_bad_knot, 0);
 }
 
-// Uphill from −10⁹, which the merit's rounding hides: the first step passes, and no other one.
+// Uphill from −10⁹, hidden by the merit's rounding: only the first step passes.
 TEST(EqualitySearch, RoundedChangeAcceptsFirstStepOnly) {
   const ShootingProblem problem = goal_problem();
   EqualityIterate iterate(problem);
@@ -228,7 +228,7 @@ TEST(EqualitySearch, RoundedChangeAcceptsFirstStepOnly) {
   }
 }
 
-// Nothing lowers a merit of −10⁹: all steps down to the smallest one are tried.
+// Nothing lowers a merit of −10⁹: all steps down to the smallest are tried.
 TEST(EqualitySearch, TriesAllStepsDownToTheSmallestOne) {
   const ShootingProblem problem = goal_problem();
   EqualityIterate iterate(problem);
@@ -248,8 +248,8 @@ TEST(EqualitySearch, TriesAllStepsDownToTheSmallestOne) {
   }
 }
 
-// The augmentation is part of the merit where multipliers are found by updates, and of none where
-// the sweep finds them.
+// The augmentation is part of the merit if updates determine the multipliers, and not if the sweep
+// does.
 TEST(EqualitySearch, TheMeritOfItsSolverHasNoAugmentation) {
   const ShootingProblem free = testing::pendulum_swing_up();
   const ShootingProblem problem =

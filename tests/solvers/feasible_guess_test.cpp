@@ -1,4 +1,4 @@
-// What becomes of a guess that satisfies all constraints.
+// Solves from a guess that satisfies all constraints.
 #include "solvers/strategies/feasible_guess.hpp"
 
 #include <gtest/gtest.h>
@@ -8,8 +8,8 @@
 namespace conddp {
 namespace {
 
-/// Ends of solves from a guess of cost 4: at the guess where there are no iterations, else with
-/// this violation and cost, unless the first penalty is at least that.
+/// Scripted solve results from a guess of cost 4: the guess itself without iterations; otherwise
+/// this violation and cost, unless the first penalty is at least `penalty`.
 class Ends {
  public:
   Ends(double cost, double violation, double penalty)

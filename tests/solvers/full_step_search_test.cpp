@@ -10,7 +10,7 @@
 namespace conddp::testing {
 namespace {
 
-/// An iterate with its direction, from which a full step is tried.
+/// An iterate with its direction, for trying a full step.
 struct Tried {
   Tried(const ShootingProblem& given, const Trajectory& from,
         const SolverOptions::Tolerances& tolerances = {})
@@ -48,7 +48,7 @@ struct Tried {
   Eigen::MatrixXd costates;
 };
 
-/// A pendulum's iterate with no gaps, a step or two before its optimum.
+/// A pendulum iterate without gaps, one or two steps before its optimum.
 Trajectory near_optimum(const PlainPendulum& plain, const ShootingProblem& problem, double off) {
   Trajectory t = solve(problem, "ddp", {}, constant_controls(problem, 1)).trajectory;
   for (int k = 0; k < plain.knots; ++k) {
@@ -58,7 +58,7 @@ Trajectory near_optimum(const PlainPendulum& plain, const ShootingProblem& probl
   return t;
 }
 
-/// Cost and gaps of a pendulum's trajectory.
+/// Cost and gaps of a pendulum trajectory.
 double cost_and_gaps(const PlainPendulum& plain, const Trajectory& t, Eigen::MatrixXd& gap) {
   gap.resize(2, plain.knots);
   double cost = plain.end_cost<double>(t.x(plain.knots));
@@ -92,7 +92,7 @@ TEST(FullStepSearch, RejectionDoublesFullStepsUntilDue) {
   EXPECT_EQ(steps_until_due(), 2);
   search.reject();
   EXPECT_EQ(steps_until_due(), 4);
-  // One that should have been the last says nothing of those before it.
+  // A step that should be the last says nothing about earlier ones.
   at.iterate.trajectory = at.iterate.before;
   at.run({.last = true});
   search.reject();
@@ -110,7 +110,7 @@ TEST(FullStepSearch, QuadraticMinimumGainsHalfOfTheSlope) {
     for (int k = 0; k < lq.N() && !open; ++k)
       from.x(k + 1) = lq.knots[k].A * from.x(k) + lq.knots[k].B * from.u(k) + lq.knots[k].c;
     Tried at(*lq.problem, from);
-    // What closing the gaps costs along the co-states is no part of the step's decrease.
+    // The costate cost of closing gaps is excluded from the step's decrease.
     const double closing =
         at.costates.rightCols(lq.N()).cwiseProduct(at.iterate.linearization.gap).sum();
     EXPECT_EQ(std::abs(closing) > 1, open);
@@ -161,7 +161,7 @@ TEST(FullStepSearch, GapsAreClosedWhereThatIsAskedFor) {
     const double after = cost_and_gaps(plain, at.iterate.trajectory, gap);
     EXPECT_LE(gap.lpNorm<Eigen::Infinity>(), 1e-9);
     EXPECT_NEAR(found.actual_decrease, before - after, 1e-8);
-    // Derivatives that are said to be there are those of the new iterate.
+    // Derivatives marked as available belong to the new iterate.
     if (!at.iterate.differentiated) continue;
     Linearization fresh(problem);
     at.evaluator.differentiate(at.iterate.trajectory, fresh);
@@ -198,7 +198,7 @@ TEST(FullStepSearch, RoundedDecreaseAcceptsUnchangedMerit) {
   EXPECT_TRUE(hidden.by_rounding);
   Tried worse(problem, from);
   worse.merit.rounding = 1;
-  worse.merit.cost += 11;  // a change of more than ten roundings
+  worse.merit.cost += 11;  // a change above ten roundings
   EXPECT_FALSE(worse.run().accepted);
 }
 

@@ -100,7 +100,7 @@ TEST(Guess, IsPerturbedOnManifoldExceptTheFirstState) {
     squares += du.squaredNorm();
     numbers += 4;
   }
-  EXPECT_NEAR(std::sqrt(squares / numbers), 0.1, 0.01);  // 800 normal numbers
+  EXPECT_NEAR(std::sqrt(squares / numbers), 0.1, 0.01);  // 800 normal samples
 }
 
 }  // namespace

@@ -22,7 +22,7 @@ InteriorPointIterate cut(double error) {
   return iterate;
 }
 
-/// Poor steps until Gauss-Newton Hessians are given up.
+/// Poor steps until Gauss-Newton Hessians are abandoned.
 int poor_steps_to_exact(HessianAlternation& alternation) {
   int steps = 0;
   for (; steps < 100 && alternation.gauss_newton(); ++steps) alternation.watch(cut(1));

@@ -11,14 +11,14 @@ namespace {
 
 constexpr double kTolerance = 1e-6;
 
-/// A solve that watches its convergence; costs stand still.
+/// A solve that monitors its convergence at constant cost.
 struct Watched {
   Watched() : problem(testing::quadrotor_move()), evaluator(problem), linearization(problem) {
     choice.reset();
     choice.watch(row);
   }
-  /// Iterations that multiply the stationarity by `factor` each, until the wanted set changes, at
-  /// most `most` of them. Returns how many there were.
+  /// Runs at most `most` iterations that multiply the stationarity by `factor`, until the wanted
+  /// set changes. Returns their number.
   int until_change(double factor, int most = 1000) {
     const bool before = choice.exact_wanted();
     for (int i = 1; i <= most; ++i) {
@@ -60,20 +60,20 @@ TEST(HessianSwitch, KeepsExactHessiansOnSufficientRate) {
     return other.until_change(1);
   }();
   solve.until_change(1);
-  // Four decades of six: two are left, and less than that was taken.
+  // Four decades of six: two remain, fewer than were covered.
   EXPECT_EQ(solve.until_change(std::pow(10.0, -4.0 / window), window), window);
   EXPECT_TRUE(solve.choice.exact_wanted());
 }
 
-// An exact Hessian of 12 states and 4 controls costs as much as 17 iterations: ten Gauss-Newton
-// iterations are watched, and as many exact ones as cost a thousand.
+// An exact Hessian of 12 states and 4 controls costs as much as 17 iterations. The windows are ten
+// Gauss-Newton iterations, and as many exact ones as cost a thousand.
 TEST(HessianSwitch, WindowsFollowTheCostOfAnIteration) {
   Watched solve;
   EXPECT_EQ(solve.until_change(1), 10);
   EXPECT_EQ(solve.until_change(1), 1000 / 17);
 }
 
-// With d decades an iteration 6 − 10 d are left, where four exact ones last as long as 4 · 17.
+// At d decades per iteration, 6 − 10 d remain, where four exact iterations cost as much as 4 · 17.
 TEST(HessianSwitch, GaussNewtonIsSlowBeyondFourExactIterations) {
   constexpr double kDecades = 6.0 / (10 + 4 * 17);
   Watched slow, quick;
@@ -91,7 +91,7 @@ TEST(HessianSwitch, GaussNewtonIsNotSlowWhileCostFalls) {
   }
 }
 
-// Of six decades half, within a window.
+// Half of six decades within a window.
 TEST(HessianSwitch, ExactHessiansAreSlowIfMostIsLeft) {
   for (const double decades : {2.95, 3.05}) {
     Watched solve;
@@ -108,7 +108,7 @@ TEST(HessianSwitch, WhereRoundingAsksForExactHessiansTheyStay) {
   EXPECT_FALSE(solve.choice.turn());
 }
 
-/// What a solve knows after exact Hessians have been asked for.
+/// True if a solve detects equal Hessians after exact ones are requested.
 bool finds_the_same(const ShootingProblem& problem) {
   Evaluator evaluator(problem);
   Linearization linearization(problem);
@@ -130,12 +130,12 @@ bool finds_the_same(const ShootingProblem& problem) {
   return same;
 }
 
-// Of linear dynamics and squares they are those of Gauss-Newton, at nodes of whatever size.
+// For linear dynamics and squares, exact Hessians equal Gauss-Newton's, for nodes of any size.
 TEST(HessianSwitch, DetectsExactHessiansEqualToGaussNewton) {
   const testing::LinearQuadratic lq(1, 3, {2, 1}, 2, -1, 1);
   EXPECT_TRUE(finds_the_same(*lq.problem));
   EXPECT_FALSE(finds_the_same(testing::pendulum_swing_up()));
-  // Nothing but the norm at the last node is curved.
+  // Only the norm at the last node is curved.
   const ShootingProblem curved =
       testing::with_constraints(*lq.problem, {{.name = "norm",
                                                .residual = state_residual(lq.problem->manifold()),
@@ -157,7 +157,7 @@ TEST(HessianSwitch, DetectsExactHessiansEqualToGaussNewton) {
   EXPECT_TRUE(choice.exact_known());
 }
 
-/// The pendulum with a last angle as large as possible.
+/// The pendulum with its final angle maximized.
 ShootingProblem pendulum_with_linear_cost() {
   const ShootingProblem pendulum = testing::pendulum_swing_up(2);
   const std::shared_ptr<const System>& system = pendulum.phases()[0].model->shared_system();

@@ -1,4 +1,4 @@
-// The way of a homotopy: which problems are solved, and what is counted.
+// Path of a homotopy: problems solved and iterations counted.
 #include "solvers/strategies/homotopy.hpp"
 
 #include <gtest/gtest.h>
@@ -8,15 +8,15 @@
 namespace conddp {
 namespace {
 
-/// A solver that is made of a rule: whether the problem at a share, in parts of `reach` from where
-/// the last answer was, is solved, and in how many iterations.
+/// A scripted solver: solves the problem at a share if it lies within `reach` of the last answer,
+/// in a given number of iterations.
 struct Rule {
   double reach = 1;     ///< a longer step fails
-  int iterations = 10;  ///< of a solve
-  int failing = 10;     ///< of one that fails
+  int iterations = 10;  ///< of a successful solve
+  int failing = 10;     ///< of a failed solve
 };
 
-/// Problems on the way: their initial state is the share, and where an answer is stands there.
+/// Problem at a share, which is stored in its initial state and in the answer's place.
 std::shared_ptr<const ShootingProblem> at(double share) {
   const testing::TrackingCost cost{.goal = {1, 0}, .q = {1, 1}, .r = {1}, .qf = {1, 1}};
   return std::make_shared<ShootingProblem>(testing::tracking_problem(
@@ -122,8 +122,7 @@ TEST(Homotopy, ReportsWhereItStuckAndTriesTheTarget) {
   EXPECT_EQ(result.trajectory.x(0)[0], 1) << "the shape of the problem itself";
 }
 
-// What `max_iterations` says holds for all solves together, and an end by it means that they are
-// used up.
+// `max_iterations` limits all solves together; ending at this limit means that they are used up.
 TEST(Homotopy, SpendsTheIterationsAndNoMore) {
   for (const int most : {0, 1, 7, 40, 300}) {
     Journey journey({.reach = 0.01, .iterations = 10, .failing = 1000});
@@ -140,13 +139,13 @@ TEST(Homotopy, SpendsTheIterationsAndNoMore) {
 TEST(Homotopy, EndsWhereASignalComes) {
   Journey journey({.reach = 1});
   int asked = 0;
-  journey.options.interrupted = [&] { return ++asked == 2; };  // once: it has to be remembered
+  journey.options.interrupted = [&] { return ++asked == 2; };  // once: it must be remembered
   const SolveResult result = journey.go();
   EXPECT_EQ(result.status, SolveStatus::interrupted);
   EXPECT_EQ(shares(result), (Shares{0, 0.25, 1}));
 }
 
-// Through the registry, with solvers as they are: the limit of a pendulum's motor goes down.
+// Through the registry with real solvers: the limit of a pendulum motor decreases.
 TEST(Homotopy, EndsAtTheOptimumOfTheProblemItself) {
   const double weak = 3, strong = 12;
   const ShootingProblem problem = testing::pendulum_swing_up(weak);

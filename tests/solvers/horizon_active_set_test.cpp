@@ -10,7 +10,7 @@
 namespace conddp::testing {
 namespace {
 
-/// Iterations to convergence, which with horizon sweeps is a must.
+/// Iterations to convergence; with horizon sweeps, convergence is required.
 int iterations(const LinearQuadratic& lq, const char* solver, int horizon_sweeps) {
   SolverOptions options;
   options.box_qp.horizon_sweeps = horizon_sweeps;
@@ -69,7 +69,7 @@ TEST(ActiveSet, HoldsControlsWhoseBoundsAreTheSame) {
   EXPECT_EQ(set.clamped_controls(), 6);
 }
 
-// Stages that each look at their own bounds would hold many controls of such a guess.
+// Stages that consider only their own bounds would hold many controls of such a guess.
 TEST(HorizonActiveSet, StepWithoutActiveBoundsTakesOneSweep) {
   for (unsigned seed = 0; seed < 20; ++seed) {
     const LinearQuadratic free(seed, 4, {2, 3}, 12, -1e6, 1e6);
@@ -100,8 +100,8 @@ TEST(HorizonActiveSet, SweepsEndSoonWhereSetsAlternate) {
   EXPECT_LT(most, 200) << "thousands, where nothing ends the search";
 }
 
-// A stage alone cannot see which bounds a step meets at later knots; the horizon's active set can,
-// and on a linear-quadratic problem its step is the answer wherever that set is found.
+// A single stage cannot see the bounds that a step reaches at later knots; the horizon active set
+// can. On a linear-quadratic problem, its step is the answer if that set is found.
 TEST(HorizonActiveSet, MostBoxConstrainedProblemsTakeOneStep) {
   int one_step = 0, held = 0, stage_by_stage = 0;
   for (unsigned seed = 0; seed < 20; ++seed) {
@@ -117,7 +117,7 @@ TEST(HorizonActiveSet, MostBoxConstrainedProblemsTakeOneStep) {
   EXPECT_LT(2 * held, stage_by_stage);
 }
 
-// A stage by itself takes one sweep an iteration; each revision of the horizon's set another one.
+// Stage-wise bounds need one sweep per iteration; each revision of the horizon set adds one.
 TEST(HorizonActiveSet, SweepsAreCounted) {
   const LinearQuadratic lq(1, 4, {2, 3}, 12, -0.4, 0.3);
   for (const int horizon_sweeps : {0, 60}) {
@@ -136,7 +136,7 @@ TEST(HorizonActiveSet, SweepsAreCounted) {
   }
 }
 
-// Active sets that do not settle within the sweeps allowed must not keep a solver from converging.
+// Active sets that do not settle within the sweep limit must not prevent convergence.
 TEST(HorizonActiveSet, UnsettledSetsStillAllowConvergence) {
   for (unsigned seed = 0; seed < 20; ++seed) {
     const LinearQuadratic lq(seed, 6, {4}, 20, -0.2, 0.2);

@@ -10,7 +10,7 @@
 namespace conddp::testing {
 namespace {
 
-/// A conic problem linearised at zero, and steps from there.
+/// A conic problem linearized at zero, and steps from there.
 struct Horizon {
   Horizon()
       : conic(1, middle_size()),
@@ -33,7 +33,7 @@ struct Horizon {
   std::optional<int> last;
 };
 
-// Sweeps begin again where a model of rows changed last, so that node has to be told.
+// Sweeps restart at the last node whose rows changed, so that node must be reported.
 TEST(HorizonConstraints, TellTheLastNodeWhoseRowsCrossed) {
   Horizon horizon;
   auto& [conic, augmentation, linearization, constraints, z, last] = horizon;
@@ -63,7 +63,7 @@ TEST(HorizonConstraints, KeepsModelsWithinTheAllowedError) {
   EXPECT_NE(linearization.knots[3].gradient, gradient);
 }
 
-// The next iterate's model begins where the last step settled, with its multipliers, once.
+// The next iterate's model starts once from the settled rows and multipliers of the last step.
 TEST(HorizonConstraints, ExpectTheRowsOfTheStepBefore) {
   Horizon horizon;
   auto& [conic, augmentation, linearization, constraints, z, last] = horizon;
@@ -86,7 +86,7 @@ TEST(HorizonConstraints, ExpectTheRowsOfTheStepBefore) {
   EXPECT_EQ(linearization.knots[3].gradient, own) << "what was expected once is past";
 }
 
-/// A mass that is sent to 1 and back, beyond walls and a speed which cost the square of how far.
+/// A mass sent to 1 and back, with quadratic costs beyond walls and a speed.
 ShootingProblem beyond_walls(double weight) {
   Eigen::MatrixXd A(2, 2), B(2, 1);
   A << 1, 0.1, 0, 1;
@@ -114,7 +114,7 @@ ShootingProblem beyond_walls(double weight) {
   return ShootingProblem({0, 0}, {std::move(phase)}, terminal_phase(system, cost));
 }
 
-// The minimum of a piecewise quadratic problem is found in the model: sweeps, but no iterations.
+// The model finds the minimum of a piecewise quadratic problem with sweeps but without iterations.
 TEST(HorizonConstraints, IncludesBarriersThatAStepCrosses) {
   for (const double weight : {1.0, 100.0, 1e4}) {
     const ShootingProblem problem = beyond_walls(weight);
@@ -124,7 +124,7 @@ TEST(HorizonConstraints, IncludesBarriersThatAStepCrosses) {
       EXPECT_EQ(result.status, SolveStatus::converged) << solver << ": " << result.message;
       EXPECT_LE(result.iterations, 2) << solver << ' ' << weight;
       SolverOptions stages;
-      stages.box_qp.horizon_sweeps = 0;  // each knot by itself, at the iterate's side of each wall
+      stages.box_qp.horizon_sweeps = 0;  // each knot separately, at the iterate's side of each wall
       const SolveResult slow = solve(problem, solver, stages, guess);
       EXPECT_EQ(slow.status, SolveStatus::converged) << solver << ": " << slow.message;
       EXPECT_GT(slow.iterations, 5) << solver;
@@ -137,7 +137,7 @@ TEST(HorizonConstraints, IncludesBarriersThatAStepCrosses) {
   }
 }
 
-// Written gains are those of the iterate's own costs, also where the solve ends on the way.
+// Reported gains belong to the iterate's own costs, even if the solve stops early.
 TEST(HorizonConstraints, GainsMatchTheirSideOfEachWall) {
   const ShootingProblem problem = beyond_walls(100);
   SolverOptions options;
@@ -149,8 +149,9 @@ TEST(HorizonConstraints, GainsMatchTheirSideOfEachWall) {
     EXPECT_EQ(start.feedback.K[k], without.feedback.K[k]) << "at rest no wall is crossed";
 }
 
-/// A random linear problem with rows of every kind that a horizon models, two nodes of each number
-/// of controls and an end: bounds and cones, hard, soft and soft by a square, and a barrier.
+/// A random linear problem with rows of every kind that a horizon models: bounds and cones (hard,
+/// soft, and quadratic soft) and a barrier. It has two nodes for each number of controls, and an
+/// end.
 ShootingProblem with_every_kind(unsigned seed) {
   const LinearQuadratic lq(seed, 3, {2, 1}, 2, -kFree, kFree);
   std::vector<Phase> phases = lq.problem->phases();
@@ -191,13 +192,13 @@ ShootingProblem with_every_kind(unsigned seed) {
   for (const Softness softness : {Softness::hard, Softness::l1, Softness::l2})
     for (const auto& [first, last] : {std::pair{0, 1}, {3, 3}, {4, 4}})
       for (const bool cone : {false, true}) add(cone ? 3 : 2, first, last, cone, softness);
-  // A lane of rows, and some that fill none.
+  // One full lane of rows, and partial lanes.
   for (const Softness softness : {Softness::hard, Softness::l1})
     add(kLaneWidth + 3, 0, 1, false, softness);
   return with_constraints(free, list);
 }
 
-/// The model of a horizon beside what it models, which is evaluated where a step leads.
+/// A horizon model, compared with the exact functions evaluated at the step.
 class ModelOfEveryKind : public ::testing::TestWithParam<unsigned> {
  protected:
   ModelOfEveryKind()
@@ -217,7 +218,7 @@ class ModelOfEveryKind : public ::testing::TestWithParam<unsigned> {
   }
 
   using Step = std::vector<Eigen::VectorXd>;
-  /// One that crosses the kinks of most rows.
+  /// A step across the kinks of most rows.
   Step random_step() {
     Step z;
     for (int k = 0; k <= problem_.knots(); ++k) {
@@ -236,8 +237,8 @@ class ModelOfEveryKind : public ::testing::TestWithParam<unsigned> {
     evaluator_.differentiate(moved, there, &augmentation_);
     return there;
   }
-  /// That gradients and Hessians of the model at a step are those of what it models there, but for
-  /// the 2 % by which a cone may be off.
+  /// Expects that gradients and Hessians of the model at a step match the exact ones, up to 2 % for
+  /// cones.
   void expect_model_of(const Step& z) {
     const Linearization there = at(z);
     for (int k = 0; k <= problem_.knots(); ++k) {
@@ -253,7 +254,7 @@ class ModelOfEveryKind : public ::testing::TestWithParam<unsigned> {
       EXPECT_LT((knot.hessian() - there.knots[k].hessian()).lpNorm<Eigen::Infinity>(), 1e-11) << k;
     }
   }
-  /// What the cones of a node put into its gradient, at most.
+  /// Upper bound of the cones' contribution to a node's gradient.
   double cone_slopes(int k, const Linearization& there) const {
     double sum = 0;
     for (const auto* list : {&problem_.constraints(), &problem_.soft_constraints()})

@@ -1,4 +1,4 @@
-// The descent in a horizon's model beside the penalised function in dense matrices.
+// Descent in a horizon model, compared with the penalized function in dense matrices.
 #include "solvers/constraints/horizon_descent.hpp"
 
 #include <fmt/format.h>
@@ -12,10 +12,10 @@
 namespace conddp::testing {
 namespace {
 
-/// Weights of bounds as multiples of the stages' curvature, as PenalizedBounds has them.
+/// Bound weights as multiples of the stage curvature, as in PenalizedBounds.
 constexpr double kBoundWeight = 10;
 
-/// A random model with penalties for rows and control bounds, and the descent down it.
+/// A random model with penalties for rows and control bounds, and its descent.
 struct Descent {
   explicit Descent(unsigned seed)
       : lq(1, 2 + static_cast<int>(seed % 3), {1, 2}, 3, -0.6, 0.6),
@@ -43,7 +43,7 @@ struct Descent {
     rows.add_to(linearization);
     own.emplace(linearization, true);
     adjoint.compute(linearization, trajectory, gaps, feedback);
-    EXPECT_EQ(run_sweep(), -1);  // for the stages' curvature, and gains
+    EXPECT_EQ(run_sweep(), -1);  // for stage curvature and gains
     penalize_controls();
     constraints.start(linearization, &augmentation);
     rollout.respond(linearization, gaps, feedback);
@@ -53,7 +53,7 @@ struct Descent {
     stages->active_set().release();
     return sweep.run(linearization, trajectory, gaps, {}, *stages, feedback, true);
   }
-  /// ½ w dist²(u + δu + ν/w, bounds) where ν balances the gradient at a bound.
+  /// ½ w dist²(u + δu + ν/w, bounds), where ν balances the gradient at a bound.
   void penalize_controls() {
     const int n = bounds.size();
     controls = {Eigen::MatrixXd::Zero(n, dense->size()), Eigen::VectorXd(n), Eigen::VectorXd(n),
@@ -70,7 +70,7 @@ struct Descent {
         multipliers += pushed;
       }
   }
-  /// Where the point is: its control steps rolled out through the model.
+  /// The point: its control steps rolled out through the model.
   Eigen::VectorXd point() {
     Feedback written = feedback;
     descent.write(written);
@@ -100,7 +100,7 @@ struct Descent {
   HorizonConstraints constraints;
   HorizonDescent descent;
   std::optional<DenseHorizon> dense;  ///< without penalties
-  std::optional<DenseHorizon> own;    ///< with those of rows, as they are at the iterate
+  std::optional<DenseHorizon> own;    ///< with row penalties at the iterate
   DensePenalty rows, controls;
   int multipliers = 0;
 };
@@ -121,7 +121,7 @@ TEST(HorizonDescent, FallsToTheMinimumOfThePenalisedModel) {
       done = at.descent.advance(at.rollout, at.constraints, at.linearization);
       const Eigen::VectorXd next = at.point();
       EXPECT_LE(at.value(next), at.value(z) + 1e-12 * std::abs(at.value(z)));
-      // An exact line search: the slope along the way is gone, or all the way has been gone.
+      // An exact line search: either the slope along the step vanishes, or the whole step is taken.
       const double slope = at.gradient(z).dot(way), left = at.gradient(next).dot(way);
       const double share = (next - z).norm() / way.norm();
       const bool whole = way.norm() < 1e-9 || share > 1 - 1e-9;
@@ -147,7 +147,7 @@ TEST(HorizonDescent, FallsToTheMinimumOfThePenalisedModel) {
         const double bound = (outside[i] < 0 ? at.controls.lower : at.controls.upper)[i];
         EXPECT_EQ(at.feedback.k[k][j], bound - at.trajectory.u(k)[j]) << k << ' ' << j;
       }
-    // The model without them is that of the rows at the point, and restored that of the iterate.
+    // After leaving, the model has the rows at the point; restored, those at the iterate.
     const DenseHorizon left(at.linearization, true);
     const Eigen::VectorXd of_rows = at.dense->H * z + at.dense->g + at.rows.gradient(z);
     EXPECT_LT((left.H * z + left.g - of_rows).lpNorm<Eigen::Infinity>(), 1e-8);

@@ -34,8 +34,8 @@ Added equality(const std::string& name, const ShootingProblem& problem, std::vec
           .last = last};
 }
 
-/// Way-points of the state, a control that is given, and a goal: rows that stages can keep, and
-/// rows that have to travel.
+/// Waypoints of the state, a prescribed control, and a goal: some rows fit into stages, others must
+/// propagate.
 std::vector<Added> equalities(const ShootingProblem& problem) {
   const int N = problem.knots();
   const std::vector<double> zero(2, 0.0);
@@ -155,7 +155,7 @@ TEST(Intro, ReachesGoalsOfNonlinearSystemsAsAltroDoes) {
 
 TEST(Intro, RowsTravelThroughKnotsWithoutControls) {
   const ShootingProblem landing = testing::landing();
-  // After the touch-down the hips are at this height.
+  // After touch-down, the hips are at this height.
   const ShootingProblem problem =
       with_constraints(landing, {equality("height", landing, {1}, {0.53}, 11, 11)});
   const SolveResult result = solve(problem, "intro", {}, testing::constant_controls(problem, 0.01));

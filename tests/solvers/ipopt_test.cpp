@@ -25,7 +25,7 @@ TEST(Ipopt, AgreesWithAltroOnPublishedCases) {
     const SolveResult altro = solve(problem, "altro", {}, guess);
     SolverOptions options;
     if (name == "three obstacles") {
-      // There are several ways round them; this one is altro's, with a barrier that stays there.
+      // Several routes around them exist; this is altro's, with a barrier that stays there.
       guess = altro.trajectory;
       options.ipopt = {{"mu_init", 1e-6}, {"bound_push", 1e-8}, {"bound_frac", 1e-8}};
     }
@@ -45,7 +45,7 @@ TEST(Ipopt, AgreesWithAltroOnPublishedCases) {
   }
 }
 
-/// Multipliers, co-states and gains are those of altro at the same optimum.
+/// Multipliers, costates, and gains match altro's at the same optimum.
 TEST(Ipopt, SaysOfAnOptimumWhatAltroSays) {
   const auto cases = testing::published_cases();
   const ShootingProblem& problem = cases[0].problem;
@@ -109,7 +109,7 @@ TEST(Ipopt, ExactHessiansNeedFewerIterationsThanLimitedMemory) {
   EXPECT_EQ(solve(problem, "ipopt", limited, guess).status, SolveStatus::max_iterations);
 }
 
-/// A turn by more than π about a changing axis leaves every chart that starts at the guess.
+/// A rotation by more than π about a changing axis leaves every chart that starts at the guess.
 TEST(Ipopt, ContinuesInNewChartsForLargeRotations) {
   const ShootingProblem free = testing::quadrotor_move(0, 30);
   const double half = 0.5 * 3.1;
@@ -127,7 +127,7 @@ TEST(Ipopt, ContinuesInNewChartsForLargeRotations) {
 
 TEST(Ipopt, ContradictionsEndAsInfeasible) {
   const ShootingProblem free = mass();
-  // With 3 N for 2 s the mass gets no further than 3 m at rest.
+  // With 3 N for 2 s, the mass reaches at most 3 m at rest.
   const ShootingProblem too_far = with_constraints(free, {testing::goal_constraint(free, {5, 0})});
   const SolveResult result = solve(too_far, "ipopt", {}, too_far.create_trajectory());
   EXPECT_EQ(result.status, SolveStatus::infeasible) << result.message;
@@ -178,8 +178,8 @@ TEST(Ipopt, RespectsBudgetsAndReturnsBestIterate) {
   EXPECT_TRUE(result.costates.allFinite());
 }
 
-/// With weights so large rounding keeps Newton's method above its goal: it goes on, and its last
-/// iterate is not always its best.
+/// With such large weights, rounding keeps Newton's method above its goal. It continues, and its
+/// last iterate is not always its best.
 TEST(Ipopt, AnswerIsBestNewtonIterate) {
   for (const double weight : {1e4, 1e5, 1e6}) {
     const ShootingProblem free =
@@ -196,7 +196,7 @@ TEST(Ipopt, AnswerIsBestNewtonIterate) {
       const IterationRecord& row = result.log[i];
       if (row.newton == result.log[i - 1].newton) continue;
       ++newton;
-      // Newton's iterates are under tolerance in all else.
+      // Newton's iterates meet all other tolerances.
       EXPECT_LE(result.residuals.stationarity, row.stationarity)
           << weight << ", iteration " << row.iteration;
     }
@@ -241,8 +241,8 @@ TEST(Ipopt, RefusesOptionsThatAreNone) {
   EXPECT_NE(message(options).find("hessian must be automatic"), std::string::npos);
 }
 
-// 20 knots of two states and a control and the state at the end are 62 directions, and 124 rows the
-// most that a chain takes: three constraints on both states of all knots, and four rows at the end.
+// 20 knots of two states and a control plus the terminal state give 62 directions, and a chain
+// takes at most 124 rows: three constraints on both states at all knots, and four rows at the end.
 TEST(Ipopt, FactorizesAlongTheHorizonForEachDirection) {
   const ShootingProblem problem = mass();
   ASSERT_EQ(problem.constraint_rows(), 0);
@@ -267,7 +267,7 @@ TEST(Ipopt, FactorizesAlongTheHorizonForEachDirection) {
   for (Added& added : equal) added.upper = added.lower;
   EXPECT_EQ(factorization_along_horizon(with_constraints(problem, equal)), nullptr);
 
-  // Limits on the speed, seven times over: some of them hold.
+  // Seven copies of speed limits; some are active.
   for (Added& added : list) {
     added.lower = {-9, -0.1};
     added.upper = {9, 0.1};

@@ -9,7 +9,7 @@
 namespace conddp::testing {
 namespace {
 
-/// A pendulum's iterate with constant controls and states that do not follow from them.
+/// A pendulum iterate with constant controls and inconsistent states.
 struct Standing {
   explicit Standing(const DdpRecipe& given = {})
       : recipe(given),
@@ -23,7 +23,7 @@ struct Standing {
     iterate.trajectory = constant_controls(problem, 1.5);
     for (int k = 1; k <= 5; ++k) iterate.trajectory.x(k) += Eigen::Vector2d(0.1 * k, -0.2);
   }
-  /// Co-states without gains.
+  /// Costates without gains.
   std::vector<Eigen::Vector2d> costates() const {
     std::vector<Eigen::Vector2d> lambda(6);
     lambda[5] = plain.end_gradient(iterate.trajectory.x(5));
@@ -88,7 +88,7 @@ TEST(Iterate, LargestGapHasItsKnot) {
   EXPECT_EQ(at.iterate.largest_gap().knot, 3);
 }
 
-// What a full step has differentiated already is not done again, but what is missing is.
+// Derivatives that a full step has computed are kept; missing ones are added.
 TEST(Iterate, DerivativesThatAreThereStay) {
   Standing at;
   at.iterate.differentiate(Feedback(at.problem), nullptr);

@@ -9,7 +9,7 @@
 namespace conddp {
 namespace {
 
-/// A solve of some iterations that began at a start.
+/// A solve with this many iterations from this start.
 SolveResult solve_of(int iterations, const std::string& start, double seconds) {
   SolveResult result(testing::pendulum_swing_up());
   result.iterations = iterations;

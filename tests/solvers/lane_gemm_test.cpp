@@ -7,12 +7,12 @@
 #include "solvers/linalg/curved_blocks.hpp"
 #include "solvers/linalg/lane_copy.hpp"
 
-// The products of the sweep against Eigen's, over all shapes of tiles.
+// Products of the sweep, compared with Eigen's for all tile shapes.
 
 namespace conddp {
 namespace {
 
-/// Whole numbers, whose products and sums are exact: results equal Eigen's to the last bit.
+/// Integers whose products and sums are exact: results equal Eigen's to the last bit.
 Eigen::MatrixXd whole_numbers(int rows, int cols, int seed) {
   Eigen::MatrixXd A(rows, cols);
   for (int j = 0; j < cols; ++j)
@@ -20,7 +20,7 @@ Eigen::MatrixXd whole_numbers(int rows, int cols, int seed) {
   return A;
 }
 
-/// Larger than the matrix, so that its columns have a stride of their own, and padded with rubbish.
+/// Larger than the matrix, so that columns have a separate stride, and padded with garbage.
 LaneMatrix lanes_of(const Eigen::MatrixXd& A) {
   const int rows = static_cast<int>(A.rows()), cols = static_cast<int>(A.cols());
   LaneMatrix lanes(rows + 3, cols + 1);

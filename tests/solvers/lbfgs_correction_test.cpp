@@ -1,4 +1,4 @@
-// Corrected steps beside the dense inverse of the BFGS formula.
+// Corrected steps, compared with the dense inverse of the BFGS formula.
 #include "solvers/globalization/lbfgs_correction.hpp"
 
 #include <deque>
@@ -11,7 +11,7 @@
 namespace conddp::testing {
 namespace {
 
-/// The BFGS inverse Hessian of pairs (s, y) from M⁻¹ on, oldest first (Nocedal, Wright, 6.17).
+/// The BFGS inverse Hessian from M⁻¹ and pairs (s, y), oldest first (Nocedal, Wright, 6.17).
 Eigen::MatrixXd inverse_hessian(
     const Eigen::MatrixXd& M, const std::deque<std::pair<Eigen::VectorXd, Eigen::VectorXd>>& all) {
   Eigen::MatrixXd H = M.inverse();
@@ -23,7 +23,8 @@ Eigen::MatrixXd inverse_hessian(
   return H;
 }
 
-/// Steps through a quadratic function whose Hessian is not the model's, and the dense formula.
+/// Steps through a quadratic function whose Hessian differs from the model's, and the dense
+/// formula.
 class SteppedModel {
  public:
   SteppedModel(unsigned seed, std::vector<std::pair<int, int>> held)
@@ -64,12 +65,12 @@ class SteppedModel {
       all.segment(bounds_.offset(k), feedback.k[k].size()) = feedback.k[k];
     return all;
   }
-  /// Holds one control of a knot and no other, or, on side 0, none.
+  /// Holds one control of a knot; on side 0, releases all.
   void hold(int k, int i, double side) {
     active_set.assume_sides(k, side * Eigen::VectorXd::Unit(lq_.problem->nu(k), i));
   }
   void observe() { memory.observe(feedback, sweep_, active_set); }
-  /// Takes the step of `feedback`: gradients change by that of costs whose curvature is another.
+  /// Takes the step of `feedback`: gradients change by a different curvature.
   void step() {
     LinearRollout rollout(*lq_.problem, bounds_);
     rollout.run(linearization_, Trajectory(3, {1, 1, 2, 2}), gaps_, feedback, false);
@@ -101,7 +102,7 @@ class SteppedModel {
   Feedback feedback;
   LbfgsCorrection memory;
   ActiveSet active_set;
-  Eigen::MatrixXd M;  ///< Hessian of the sweep's model in the free entries of v, else the identity
+  Eigen::MatrixXd M;  ///< model Hessian in the free entries of v, identity elsewhere
 };
 
 TEST(LbfgsCorrection, CorrectedStepMatchesDenseFormulaOfFivePairs) {
@@ -148,7 +149,7 @@ TEST(LbfgsCorrection, RestoresWhatWasObservedAndForgets) {
   model.observe();
   ASSERT_TRUE(model.memory.correct(model.feedback));
   ASSERT_NE(model.stacked(), d);
-  model.feedback.k[3][1] = 7;  // held: no part of it
+  model.feedback.k[3][1] = 7;  // held: excluded
   model.memory.restore(model.feedback);
   EXPECT_EQ(model.feedback.k[3][1], 7);
   model.feedback.k[3][1] = 0;
@@ -165,7 +166,7 @@ TEST(LbfgsCorrection, PairsOfAnotherActiveSetAreForgotten) {
     model.observe();
     model.step();
     if (on_its_way)
-      model.feedback.k[3][1] = 0.1;  // to the bound that holds it
+      model.feedback.k[3][1] = 0.1;  // to its holding bound
     else
       model.hold(3, 1, 0);
     model.observe();
@@ -173,8 +174,8 @@ TEST(LbfgsCorrection, PairsOfAnotherActiveSetAreForgotten) {
   }
 }
 
-/// A step of one control from k = 1 with Q_uu = 2, after which the sweep's k is another: the
-/// corrected k, or none. The gradient goes from −2 to −2 k.
+/// A step of one control from k = 1 with Q_uu = 2, followed by a sweep with another k. Returns the
+/// corrected k, if any. The gradient changes from −2 to −2 k.
 std::optional<double> corrected_after(double k, bool taken = true) {
   const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(1, 1);
   const ShootingProblem problem =
@@ -199,7 +200,7 @@ std::optional<double> corrected_after(double k, bool taken = true) {
   return feedback.k[0][0];
 }
 
-// The step 1 changed the gradient by 2 − 2k, which is the curvature, where the model has 2.
+// The step 1 changed the gradient by 2 − 2k, the true curvature; the model has 2.
 TEST(LbfgsCorrection, OneControlGetsTheSecantsStep) {
   EXPECT_DOUBLE_EQ(corrected_after(0.4).value(), 0.8 / 1.2);
   EXPECT_DOUBLE_EQ(corrected_after(-0.5).value(), -1.0 / 3);
@@ -207,12 +208,12 @@ TEST(LbfgsCorrection, OneControlGetsTheSecantsStep) {
 }
 
 TEST(LbfgsCorrection, SkipsPoorQuadraticFitsAndNeedlessCorrections) {
-  // Curvatures 0.79 and 5.1, less than 2/2.5 and more than 2·2.5; 0.81 and 4.9 are just within.
+  // Curvatures 0.79 and 5.1 are outside [2/2.5, 2·2.5]; 0.81 and 4.9 are just inside.
   EXPECT_FALSE(corrected_after(0.605));
   EXPECT_FALSE(corrected_after(-1.55));
   EXPECT_TRUE(corrected_after(0.595));
   EXPECT_TRUE(corrected_after(-1.45));
-  // The direction fell to a fifth.
+  // The direction shrank to a fifth.
   EXPECT_FALSE(corrected_after(0.19));
   EXPECT_FALSE(corrected_after(-0.19));
   EXPECT_TRUE(corrected_after(0.21));

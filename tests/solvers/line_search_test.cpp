@@ -1,5 +1,5 @@
-// Searches along the step to the minimum of a linear-quadratic problem, times some length, where
-// the cost of every trial is a parabola: f(α) = f(0) − D (2 l α − l² α²).
+// Searches along a multiple of the step to the minimum of a linear-quadratic problem. The cost of
+// every trial is a parabola: f(α) = f(0) − D (2 l α − l² α²).
 #include "solvers/globalization/line_search.hpp"
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@ namespace conddp::testing {
 namespace {
 
 struct ParabolaSearch {
-  /// `multiple`: the step that is searched, of that to the minimum.
+  /// `multiple`: length of the searched step relative to the step to the minimum.
   explicit ParabolaSearch(double multiple, SolverOptions::LineSearch options = {})
       : lq(2, 3, {2, 1}, 3, -kFree, kFree, 1),
         problem(*lq.problem),
@@ -82,21 +82,21 @@ TEST(LineSearch, TakesTheFullStepToTheMinimumAlone) {
   EXPECT_NEAR(at.lq.cost(at.moved), at.merit.cost - at.most, 1e-9 * at.most);
 }
 
-// What a step lowers the merit by, where its half may lower it more and is taken then.
+// The search takes a step that lowers the merit, or its half if that lowers it more.
 TEST(LineSearch, TakesLongestStepUnlessItsHalfIsBetter) {
   if (kLaneWidth < 4) GTEST_SKIP() << "a step is compared with its half in the lane beside it";
   struct Case {
     double length, step;
     int trials;
   };
-  // f falls by D (2 l α − l² α²): of l = 1.5 by 0.75, 0.9375, 0.61; of 2 by 0, 1, 0.75; of 3 by −3,
-  // 0.75, 0.94, 0.61; of 6.5 by −29, −4, 0.61, 0.97, 0.65.
+  // f falls by D (2 l α − l² α²): for l = 1.5 by 0.75, 0.9375, 0.61; for 2 by 0, 1, 0.75; for 3 by
+  // −3, 0.75, 0.94, 0.61; for 6.5 by −29, −4, 0.61, 0.97, 0.65.
   for (const Case& c :
        {Case{0.5, 1, 1}, {1.5, 0.5, 2}, {2, 0.5, 2}, {3, 0.25, 3}, {6.5, 0.125, 4}}) {
     ParabolaSearch at(c.length);
     const LineSearchResult found = at.run();
     EXPECT_TRUE(found.accepted) << c.length;
-    const bool alone = c.length < 1;  // falls by a third of the slope at least
+    const bool alone = c.length < 1;  // falls by at least a third of the slope
     EXPECT_EQ(found.step, alone ? 1 : c.step) << c.length;
     EXPECT_EQ(found.trials, alone ? 1 : c.trials) << c.length;
     EXPECT_NEAR(found.actual_decrease, at.decrease(found.step), 1e-9 * at.most) << c.length;
@@ -114,8 +114,8 @@ TEST(LineSearch, BeginsWithTheLongestAllowedStep) {
   EXPECT_NEAR(found.actual_decrease, at.decrease(0.25), 1e-9 * at.most);
 }
 
-// Below 1/8 the half of an acceptable step is not looked at: of l = 13 by −143, −29, −4, 0.61
-// and, in the half, 0.97.
+// Below 1/8, the half of an acceptable step is not tried: for l = 13 the decrease is −143, −29, −4,
+// 0.61 and, for the half, 0.97.
 TEST(LineSearch, ShortStepsAreNotHalvedOnceMore) {
   ParabolaSearch at(13);
   const LineSearchResult found = at.run();
@@ -135,7 +135,7 @@ TEST(LineSearch, GivesUpBelowTheSmallestStep) {
   }
 }
 
-// With Armijo's share of 0.6 of the slope: 1 − l α / 2 has to be as much.
+// An Armijo share of 0.6 requires 1 − l α / 2 ≥ 0.6.
 TEST(LineSearch, WantsItsShareOfTheSlope) {
   for (const double armijo : {0.55, 0.45}) {
     ParabolaSearch at(1, {.armijo = armijo});
@@ -151,14 +151,15 @@ TEST(LineSearch, RoundedDecreaseAcceptsConstantMerit) {
   EXPECT_TRUE(hidden.accepted);
   EXPECT_TRUE(hidden.by_rounding);
   EXPECT_EQ(hidden.step, 1);
-  // Uphill by more than that, at every step: no Armijo, and the first one alone may hide.
+  // Every step goes uphill by more: Armijo fails, and only the first step may be hidden by
+  // rounding.
   ParabolaSearch up(-1);
   up.merit.rounding = 0.21 * up.most;  // hides 2.1 D: the slope, but not 3 D
   const LineSearchResult none = up.run();
   EXPECT_FALSE(none.accepted);
 }
 
-// Of gaps that close on the way the merit counts the part that is closed.
+// The merit counts the closed part of gaps.
 TEST(LineSearch, CountsTheGapsThatAStepCloses) {
   ParabolaSearch at(1);
   at.merit.gap_norm = 3;

@@ -1,4 +1,4 @@
-// A policy rolled out through the linear model beside the model in dense matrices.
+// A policy rolled out through the linear model, compared with dense matrices.
 #include "solvers/riccati/linear_rollout.hpp"
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 namespace conddp::testing {
 namespace {
 
-/// A random model with gaps, a policy and an iterate whose controls are not zero.
+/// A random model with gaps, a policy, and an iterate with nonzero controls.
 struct RolledOut {
   RolledOut()
       : lq(1, 3, {1, 2}, 4, -0.6, 0.5),
@@ -90,7 +90,7 @@ TEST(LinearRollout, RespondsToGapsWithTheGainsAlone) {
     EXPECT_LT((at.rollout.du(k) - at.feedback.K[k] * at.rollout.dx(k)).norm(), 1e-12) << k;
 }
 
-// Of Hessians that costs fill in a few places, and of full ones of several lanes.
+// Sparse Hessians from costs, and full ones of several lanes.
 TEST(LinearRollout, HasCurvatureOfAllHessianEntries) {
   const ShootingProblem problem = quadrotor_move();
   const ControlBounds bounds(problem);

@@ -11,7 +11,7 @@ Eigen::MatrixXd random_matrix(int rows, int columns, RandomNumbers& random) {
   return Eigen::MatrixXd::NullaryExpr(rows, columns, [&] { return random.uniform(-1, 1); });
 }
 
-/// Three states, two controls, and `rows` constraint rows a knot and at the end.
+/// Three states, two controls, and `rows` constraint rows per knot and at the end.
 ShootingProblem problem_with_rows(int rows) {
   const LinearQuadratic lq(1, 3, {2}, 2, -kFree, kFree);
   return with_constraints(*lq.problem,
@@ -34,7 +34,7 @@ TEST(LowRankUpdate, AddsTheDenseProductForAnyRowCount) {
       const Eigen::MatrixXd C = random_matrix(rows, nz, random);
       Eigen::MatrixXd W = random_matrix(rows, rows, random);
       W = (W + W.transpose()).eval();
-      // The first rows one by one, with weights of both signs; the others as blocks of up to four.
+      // First rows individually, with weights of both signs; the others in blocks of up to four.
       const int single = rows / 3;
       Eigen::MatrixXd expected = hessian();
       EXPECT_TRUE(update.empty());
@@ -56,7 +56,7 @@ TEST(LowRankUpdate, AddsTheDenseProductForAnyRowCount) {
   }
 }
 
-// The costs' own entries are known to be all there is until an update adds others.
+// Initially only the costs' entries are filled; an update adds others.
 TEST(LowRankUpdate, MarksHessianFillBeyondTheCosts) {
   const ShootingProblem problem = problem_with_rows(1);
   Linearization linearization(problem);
@@ -77,7 +77,7 @@ TEST(LowRankUpdate, MarksHessianFillBeyondTheCosts) {
   EXPECT_LT((hessian() - before).lpNorm<Eigen::Infinity>(), 1e-13);
 }
 
-// Memory is that of the node with the most rows and columns, wherever that is.
+// Memory fits the node with the most rows and columns, wherever it is.
 TEST(LowRankUpdate, HasRoomForTheLargestNode) {
   for (const bool first : {true, false}) {
     const LinearQuadratic lq(1, 3, first ? std::vector{5, 1} : std::vector{1, 5}, 1, -kFree, kFree);

@@ -21,7 +21,7 @@ double distance(const Trajectory& a, const Trajectory& b) {
 
 TEST(LinearQuadratic, EverySolverReachesDenseOptimumWithRiccatiGains) {
   for (unsigned seed = 1; seed <= 12; ++seed) {
-    // Some with bounds that are there but not active.
+    // Some have inactive bounds.
     const double bound = seed % 2 == 0 ? kFree : 1e4;
     const LinearQuadratic lq(seed, 2 + seed % 5, {3, 1, 2}, 4, -bound, bound);
     const Trajectory optimum = lq.dense_optimum();
@@ -32,7 +32,7 @@ TEST(LinearQuadratic, EverySolverReachesDenseOptimumWithRiccatiGains) {
       const SolveResult result = solve(*lq.problem, solver, {}, guess);
       SCOPED_TRACE(fmt::format("{} seed {}: {}", solver.name, seed, result.message));
       EXPECT_EQ(result.status, SolveStatus::converged);
-      // An interior-point method takes steps towards bounds that are not active, too.
+      // An interior-point method also reacts to inactive bounds.
       if (solver.name != "ipopt") {
         EXPECT_EQ(result.iterations, 1);
         ASSERT_EQ(result.log.size(), 2u);
@@ -52,7 +52,7 @@ TEST(LinearQuadratic, EverySolverReachesDenseOptimumWithRiccatiGains) {
   }
 }
 
-// More controls than a lane has numbers: their stages are factored part by part.
+// More controls than a lane holds: stages are factorized in blocks.
 TEST(LinearQuadratic, ManyControlsHaveRiccatisGainsToo) {
   const LinearQuadratic lq(3, 4, {9, 17}, 2, -kFree, kFree);
   const Trajectory optimum = lq.dense_optimum();
@@ -83,7 +83,7 @@ TEST(LinearQuadratic, CostatesAreTheDenseMultipliers) {
   }
 }
 
-// Pitfall 7: without V_x ← V_x + V_xx gap the first sweep from open gaps is not Newton's.
+// Pitfall 7: without V_x ← V_x + V_xx gap, the first sweep from open gaps is not Newton's.
 TEST(LinearQuadratic, OpenGapsDoNotCostAnIteration) {
   const LinearQuadratic lq(3, 5, {2, 2}, 5, -kFree, kFree);
   const Trajectory guess = testing::random_guess(*lq.problem, 9, 10);
@@ -106,8 +106,8 @@ TEST(LinearQuadratic, GuessAtTheOptimumConvergesWithoutAStep) {
   }
 }
 
-/// The box-constrained optimum by projected gradient steps on the condensed problem, then the
-/// linear system of the entries that they leave free.
+/// The box-constrained optimum by projected gradient steps on the condensed problem, followed by
+/// the linear system of the free entries.
 Eigen::VectorXd projected_gradient(const Eigen::MatrixXd& H, const Eigen::VectorXd& g, double low,
                                    double up) {
   const int n = static_cast<int>(g.size());
@@ -189,7 +189,7 @@ TEST(BoxLinearQuadratic, TightToleranceGivesTheDenseOptimumToRounding) {
   }
 }
 
-// Pitfall 1: cutting the controls off is no substitute for the stage problem with bounds.
+// Pitfall 1: clamping the controls does not replace the bounded stage problem.
 TEST(BoxLinearQuadratic, ClippingEndsShortOfTheOptimumSomewhere) {
   int short_of_it = 0;
   for (unsigned seed = 1; seed <= 10; ++seed) {

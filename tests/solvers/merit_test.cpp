@@ -15,7 +15,7 @@
 namespace conddp {
 namespace {
 
-/// A linearised iterate with a sweep and its linear rollout.
+/// A linearized iterate with a sweep and its linear rollout.
 struct SweptIterate {
   SweptIterate(const ShootingProblem& problem, Trajectory guess, bool box)
       : bounds(problem),
@@ -54,14 +54,14 @@ struct SweptIterate {
   LinearRollout rollout;
 };
 
-/// What a quadrotor's states become under constant controls: no gaps.
+/// A quadrotor guess simulated from constant controls: no gaps.
 Trajectory simulated_guess(const ShootingProblem& problem) {
   Trajectory guess = testing::constant_controls(problem, 1.3);
   EXPECT_EQ(Evaluator(problem).simulate(guess), -1);
   return guess;
 }
 
-/// Turns and moves a quadrotor's states by up to `size` after the first one.
+/// Rotates and moves a quadrotor's states by up to `size`, except the first.
 Trajectory with_gaps(Trajectory guess, const ShootingProblem& problem, double size) {
   for (int k = 1; k <= problem.knots(); ++k) {
     Eigen::VectorXd delta(12);
@@ -72,7 +72,7 @@ Trajectory with_gaps(Trajectory guess, const ShootingProblem& problem, double si
   return guess;
 }
 
-/// Quadrotor states that do not follow from the controls, rotations included.
+/// Inconsistent quadrotor states, including rotations.
 Trajectory open_gap_guess(const ShootingProblem& problem, double size = 0.2) {
   return with_gaps(testing::constant_controls(problem, 1.3), problem, size);
 }
@@ -132,7 +132,7 @@ TEST(FullStep, LastTrialLeavesNextIterateDerivatives) {
     EXPECT_EQ(linearization.knots[k].gradient, expected.knots[k].gradient) << k;
     EXPECT_EQ(linearization.knots[k].hessian(), expected.knots[k].hessian()) << k;
   }
-  // From there gaps close by the derivatives that are there now, faster than by those before.
+  // From there, current derivatives close gaps faster than earlier ones.
   const double before = differentiated.gap().norm();
   evaluated.correct(at.evaluator, at.feedback, Trial::evaluate, at.linearization, plain);
   differentiated.correct(at.evaluator, at.feedback, Trial::evaluate, linearization, ahead);
@@ -140,7 +140,7 @@ TEST(FullStep, LastTrialLeavesNextIterateDerivatives) {
   EXPECT_LT(differentiated.gap().norm(), 1e-3 * before);
 }
 
-// The merit's ratio says little of a step that closed gaps, since their weight is most of it.
+// The merit ratio says little about a step that closed gaps, since the gap weight dominates.
 TEST(FullStep, FollowsFullStepsThatCloseGapsAsPredicted) {
   const ShootingProblem problem = testing::quadrotor_move();
   const Trajectory optimum =
@@ -248,7 +248,7 @@ TEST(LineSearch, TakesTheSameStepAloneAsInLanes) {
   Evaluator(problem).simulate(guess);
   SweptIterate at(problem, guess, false);
   LineSearch search(problem, {});
-  constexpr double kShort = 0.1;  // where the model is good
+  constexpr double kShort = 0.1;  // where the model is accurate
   for (Eigen::VectorXd& k : at.feedback.k) k *= kShort;
   const MeritModel merit{.cost = at.linearization.total_cost(),
                          .slope = kShort * at.rollout.slope()};
@@ -260,7 +260,7 @@ TEST(LineSearch, TakesTheSameStepAloneAsInLanes) {
   const LineSearchResult first = run(merit, alone);
   EXPECT_TRUE(first.accepted);
   EXPECT_EQ(first.trials, 1);
-  // A slope that no step can live up to: after two such a search goes to the lanes at once.
+  // An unattainable slope: after two failures, the search uses all lanes at once.
   MeritModel hopeless = merit;
   hopeless.slope *= 1e6;
   for (int i = 0; i < 2; ++i) EXPECT_FALSE(run(hopeless, none).accepted);
@@ -270,7 +270,7 @@ TEST(LineSearch, TakesTheSameStepAloneAsInLanes) {
   EXPECT_LT((alone.x(problem.knots()) - in_lanes.x(problem.knots())).norm(), 1e-10);
 }
 
-// Pitfall 8: too small a weight can make closing the gaps look like ascent.
+// Pitfall 8: too small a weight can make closing gaps look like ascent.
 TEST(Merit, OpenGapWeightMakesTheDirectionDescend) {
   const ShootingProblem problem = testing::quadrotor_move();
   const ControlBounds bounds(problem);
@@ -309,7 +309,7 @@ TEST(Merit, EveryIterationLowersMeritAndLastClosesGaps) {
     ShootingProblem problem;
   } cases[] = {{"fddp", testing::quadrotor_move()}, {"box_fddp", testing::quadrotor_move(0.5, 2)}};
   for (const auto& [solver, problem] : cases) {
-    // With exact Hessians, as all steps are rollouts then.
+    // With exact Hessians, all steps are rollouts.
     const SolveResult result =
         solve(problem, solver, {.hessian = HessianChoice::exact}, open_gap_guess(problem, 0.02));
     EXPECT_EQ(result.status, SolveStatus::converged) << solver << ": " << result.message;

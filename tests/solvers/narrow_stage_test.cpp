@@ -50,7 +50,7 @@ TEST_F(NarrowStages, AreThoseThatFitALane) {
   EXPECT_EQ(narrow_stage(0, 1), nullptr);
 }
 
-/// The same knot beside states that nothing moves and that move nothing is not narrow.
+/// The same knot with extra decoupled states is not narrow.
 TEST_F(NarrowStages, PullValuesLikeStagesOfAnySize) {
   for_each_size([&](int ndx, int nu) {
     SCOPED_TRACE(::testing::Message() << ndx << " states, " << nu << " controls");
@@ -93,7 +93,7 @@ TEST_F(NarrowStages, FormTheValueOfAPolicy) {
     const Eigen::MatrixXd Qzz = symmetric(ndx + nu);
     q.Qzz() = Qzz;
     q.Qz() = matrix(ndx + nu, 1);
-    // Below the rows of a gain stands what is not read.
+    // The rows below a gain are not read.
     LaneMatrix Kt(ndx + 1, nu);
     Kt.view().setConstant(std::numeric_limits<double>::quiet_NaN());
     const Eigen::MatrixXd K = matrix(nu, ndx);

@@ -13,8 +13,8 @@ namespace {
 
 using testing::constant_controls;
 
-/// The largest difference between ∇_u J by central differences of the simulated cost and the
-/// control gradient that a result reports.
+/// Largest difference between central differences ∇_u J of the simulated cost and the reported
+/// control gradient.
 double gradient_error(const ShootingProblem& problem, const SolveResult& result, double h) {
   Evaluator evaluator(problem);
   Evaluation evaluation(problem);
@@ -131,7 +131,7 @@ TEST(Nonlinear, ExactHessiansConvergeQuadratically) {
   const auto& log = result.log;
   const std::size_t n = log.size();
   ASSERT_GE(n, 3u);
-  // Down to where rounding takes over.
+  // Down to rounding.
   EXPECT_LE(log[n - 1].stationarity, 1e-11 + 100 * std::pow(log[n - 2].stationarity, 1.7));
 }
 
@@ -187,7 +187,7 @@ TEST(Nonlinear, ThreadsDoNotChangeABit) {
 TEST(Nonlinear, WarmStartFromTheAnswerConvergesAtOnce) {
   const ShootingProblem problem = testing::unicycle_parking(1);
   for (const char* name : {"box_ddp", "box_fddp"}) {
-    // Gradients that do not vanish quite are others along other policies.
+    // Nonzero gradients differ along different policies.
     const SolveResult first = solve(problem, name, {.tolerances = {.stationarity = 1e-7}},
                                     constant_controls(problem, 0.01));
     const SolveResult again = solve(problem, name, {}, first.trajectory);
@@ -196,7 +196,7 @@ TEST(Nonlinear, WarmStartFromTheAnswerConvergesAtOnce) {
   }
 }
 
-// Without active bounds: regularised states need not turn a step into a descent at them.
+// Without active bounds: state regularization need not give a descent direction at them.
 TEST(Nonlinear, AllRegularizationsLeadToTheSameOptimum) {
   const ShootingProblem problem = testing::acrobot_swing_up();
   for (const char* name : {"ilqr", "ddp", "fddp"}) {

@@ -1,5 +1,5 @@
-// One iteration of the loop beside the textbook's Riccati recursion, rollouts and search in plain
-// numbers.
+// One solver iteration, compared with a textbook Riccati recursion, rollouts, and search in plain
+// arithmetic.
 #include <algorithm>
 
 #include <fmt/format.h>
@@ -14,9 +14,9 @@ namespace {
 
 using Complex = std::complex<double>;
 
-/// An iteration of differential dynamic programming on a pendulum without bounds.
+/// One DDP iteration on a pendulum without bounds.
 struct PlainIteration {
-  /// From states and controls, whose gaps are contracted, with the co-states of no gains.
+  /// From states and controls with contracting gaps, and costates without gains.
   PlainIteration(const PlainPendulum& pendulum, const Trajectory& t, bool exact)
       : plain(pendulum), from(t) {
     const int N = plain.knots;
@@ -116,9 +116,9 @@ void expect_equal(const Trajectory& found, const Trajectory& expected) {
     EXPECT_NEAR(found.u(k)[0], expected.u(k)[0], 1e-10) << k;
 }
 
-// Where a stage has no minimum with exact Hessians the costs' are taken. Armijo's rule on J: the
-// full step where it gains a third of what the slope promises, else the longest one whose half is
-// not better. Two lanes compare fewer halves.
+// If a stage has no minimum with exact Hessians, cost Hessians replace them. Armijo's rule on J
+// accepts the full step if it gains a third of the promised slope; otherwise it takes the longest
+// step whose half is not better. Two lanes compare fewer halves.
 TEST(OneIteration, DdpMatchesRecursionWithExactHessiansAndRollout) {
   if (kLaneWidth < 4) GTEST_SKIP() << "of processors without AVX";
   int full = 0, shorter = 0, exact_ones = 0, others = 0;
@@ -157,7 +157,7 @@ TEST(OneIteration, DdpMatchesRecursionWithExactHessiansAndRollout) {
     EXPECT_NEAR(result.log[1].actual_decrease, gained, 1e-11 * at.cost);
     EXPECT_NEAR(result.cost, at.cost - gained, 1e-11 * at.cost);
     expect_equal(result.trajectory, expected);
-    // Steps down to a fifth ask for no regularisation of the next sweep, shorter ones do.
+    // Steps down to a fifth need no regularization of the next sweep; shorter ones do.
     const SolveResult next = solve(problem, "ddp", {.max_iterations = 2}, guess);
     if (next.log.size() == 3 && next.log[2].sweeps == 1) {
       EXPECT_EQ(next.log[2].regularization > 0, alpha <= 0.2) << alpha;
@@ -169,8 +169,8 @@ TEST(OneIteration, DdpMatchesRecursionWithExactHessiansAndRollout) {
   EXPECT_GE(others, 3);
 }
 
-// From open gaps: the better one of rollout and linear step, on J + ν Σ‖gap‖₁ with the weight that
-// makes 0.65 of the gaps' share pay for the step.
+// From open gaps: the better of rollout and linear step on J + ν Σ‖gap‖₁. The weight lets 0.65 of
+// the gap term pay for the step.
 TEST(OneIteration, FddpMatchesRecursionWithGaussNewtonAndMerit) {
   int full = 0, shorter = 0, straight = 0, costly = 0;
   for (unsigned seed = 1; seed <= 40; ++seed) {
@@ -178,7 +178,7 @@ TEST(OneIteration, FddpMatchesRecursionWithGaussNewtonAndMerit) {
     PlainPendulum plain;
     plain.dt = seed % 2 == 0 ? 0.1 : 0.5;
     const ShootingProblem problem = plain.problem();
-    // Far from the optimum, or so near that closing the gaps costs more than the step gains.
+    // Far from the optimum, or so near that closing gaps costs more than the step gains.
     const bool far = seed % 3 != 0;
     Trajectory guess = random_guess(problem, seed, far ? 0.5 + 3 * (seed % 5) : 0.2);
     if (!far) {

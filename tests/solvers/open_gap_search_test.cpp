@@ -9,7 +9,7 @@
 namespace conddp {
 namespace {
 
-/// A step from an iterate with open gaps, and the search of its length.
+/// A step from an iterate with open gaps, and its step-length search.
 struct Step {
   Step(const ShootingProblem& problem, const Trajectory& from, int horizon_sweeps = 60)
       : bounds(problem),
@@ -34,7 +34,7 @@ struct Step {
   LineSearchResult run() {
     return search.run(evaluator, merit, linearization, direction, nullptr, trajectory);
   }
-  /// Of the trajectory, by an evaluation that the search has no part in.
+  /// Merit of the trajectory, evaluated independently of the search.
   double merit_value() {
     Evaluation evaluation(problem());
     evaluator.evaluate(trajectory, evaluation);
@@ -61,7 +61,7 @@ TEST(OpenGapSearch, TheWeightPaysForTheStep) {
   // 3 + ½·7 = 6.5 is 0.65 · 5 · 2.
   EXPECT_DOUBLE_EQ(search.weigh(costly, 7), 5);
   EXPECT_DOUBLE_EQ(search.weigh(cheap, 7), 0);
-  // Negative curvature is no income.
+  // Negative curvature does not reduce the weight.
   EXPECT_DOUBLE_EQ(search.weigh(costly, -7), 3 / 1.3);
 }
 
@@ -80,8 +80,8 @@ TEST(OpenGapSearch, TheDecreaseIsThatOfTheMerit) {
     }
 }
 
-// Rollouts that reach 0.6 of the model's decrease have no rival; of others the better one of both
-// trials is taken.
+// Rollouts that reach 0.6 of the model decrease have no rival; otherwise the better of both trials
+// wins.
 TEST(OpenGapSearch, TakesBetterOfRolloutAndLinearStep) {
   int straight = 0;
   for (unsigned seed = 1; seed <= 40; ++seed) {
@@ -119,7 +119,7 @@ TEST(OpenGapSearch, TakesBetterOfRolloutAndLinearStep) {
   EXPECT_GE(straight, 1);
 }
 
-// Linear dynamics: the rollout is the step of the linear model, and needs no rival.
+// Linear dynamics: the rollout equals the linear model step and needs no rival.
 TEST(OpenGapSearch, QuadraticMinimumTakesOneTrial) {
   Eigen::MatrixXd A(2, 2), B(2, 1);
   A << 1, 0.1, 0, 1;
@@ -141,7 +141,7 @@ TEST(OpenGapSearch, QuadraticMinimumTakesOneTrial) {
         << k;
 }
 
-// Where the direction does not know what stands at a bound, trials clamp it.
+// If the direction ignores active bounds, trials clamp the controls.
 TEST(OpenGapSearch, ControlsKeepTheirBoundsWithoutAnActiveSet) {
   int searches = 0;
   for (const unsigned seed : {1u, 2u, 3u, 4u, 5u, 6u, 7u, 8u}) {
@@ -165,7 +165,7 @@ TEST(OpenGapSearch, KeepsIterateIfNoStepPasses) {
   const ShootingProblem problem = testing::pendulum_swing_up();
   Step step(problem, testing::random_guess(problem, 1));
   const Trajectory from = step.trajectory;
-  step.merit.slope = -1e9;  // no step keeps such a promise
+  step.merit.slope = -1e9;  // an unattainable promise
   const LineSearchResult found = step.run();
   EXPECT_FALSE(found.accepted);
   for (int k = 0; k <= problem.knots(); ++k) EXPECT_EQ(step.trajectory.x(k), from.x(k)) << k;

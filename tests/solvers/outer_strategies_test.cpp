@@ -1,4 +1,4 @@
-// Decisions of what surrounds minimizations, row by row of a log that is written by hand.
+// Decisions of outer strategies, row by row of a hand-written log.
 #include <gtest/gtest.h>
 
 #include "solvers/constraints/augmented_strategy.hpp"
@@ -9,8 +9,8 @@
 namespace conddp::testing {
 namespace {
 
-/// Two steps x⁺ = x + u from 0 with −1 ≤ u ≤ 1, which have to end at 3. At the end (x − 1)² times
-/// half the weight.
+/// Two steps x⁺ = x + u from 0 with −1 ≤ u ≤ 1 that must end at 3, with terminal cost ½ weight (x −
+/// 1)².
 ShootingProblem steps_to_three(double weight, bool also_at_the_start = false) {
   const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(1, 1);
   const ShootingProblem free =
@@ -43,7 +43,7 @@ SolverOptions growing_penalties(double stationarity = 1e-6) {
   return options;
 }
 
-/// A strategy about the problem, at controls from which the states follow.
+/// A strategy on the problem, at controls with simulated states.
 struct Surrounded {
   template <class Make>
   Surrounded(ShootingProblem of, const SolverOptions& given, Make make)
@@ -92,7 +92,7 @@ Surrounded augmented(const SolverOptions& options = growing_penalties(),
           }};
 }
 
-/// With the penalty grown once: 40 instead of 4, by two minimizations that miss by 3.
+/// With the penalty raised once, from 4 to 40, by two minimizations that miss by 3.
 struct Grown : Surrounded {
   explicit Grown(const SolverOptions& given = growing_penalties())
       : Surrounded(steps_to_three(0), given, [](const Surrounded& at) {
@@ -103,7 +103,7 @@ struct Grown : Surrounded {
       EXPECT_TRUE(update());
     }
     EXPECT_EQ(penalty(), 40);
-    // Feasible by the log, and a minimization that is under way.
+    // A feasible log row and a minimization in progress.
     record.row.constraint = record.row.complementarity = 0;
     record.row.stationarity = 5e4;
     record.row.actual_decrease = 1e9;
@@ -121,7 +121,7 @@ TEST(AugmentedStrategy, MinimizationEndsByStationarityOrSmallGain) {
   EXPECT_FALSE(done({.iteration = 1, .stationarity = 1, .step = 0.1, .actual_decrease = 2.1e-3}));
   EXPECT_FALSE(done({.iteration = 1, .stationarity = 1, .step = 0.09, .actual_decrease = 1e-3}));
   EXPECT_FALSE(done({.iteration = 0, .stationarity = 1, .step = 1, .actual_decrease = 1e-3}));
-  // Gaps are to be under tolerance, or a hundredth of the violation.
+  // Gaps must be within tolerance or a hundredth of the violation.
   const double gap = at.options.tolerances.gap;
   EXPECT_TRUE(done({.gap = gap}));
   EXPECT_FALSE(done({.gap = 1.1 * gap}));
@@ -152,7 +152,7 @@ TEST(AugmentedStrategy, LaterMinimizationsAreTighter) {
     EXPECT_TRUE(at.update());
   }
   EXPECT_EQ(at.record.row.outer, 6);
-  // Of steps no less than 1e-8 of the cost is asked for.
+  // Steps are never required to gain less than 1e-8 of the cost.
   EXPECT_TRUE(done({.iteration = 5, .stationarity = 1, .step = 1, .actual_decrease = 2e-8}));
   EXPECT_FALSE(done({.iteration = 5, .stationarity = 1, .step = 1, .actual_decrease = 2.1e-8}));
 }
@@ -178,7 +178,7 @@ TEST(AugmentedStrategy, OnlyFinishedMinimizationsRaisePenalties) {
     EXPECT_TRUE(at.update({.rounding = c.rounding}));
     EXPECT_EQ(at.penalty(), c.penalty) << c.stationarity << ' ' << c.decrease;
     EXPECT_NEAR((*at.strategy->multipliers())[at.row], -24, 1e-12);
-    // The derivatives of the iterate are those of the new function.
+    // The iterate's derivatives belong to the new function.
     Linearization fresh(at.problem);
     at.evaluator.differentiate(at.iterate.trajectory, fresh, at.strategy->augmentation());
     EXPECT_LT((fresh.knots[2].gradient - at.iterate.linearization.knots[2].gradient).norm(), 1e-9);
@@ -197,11 +197,11 @@ TEST(AugmentedStrategy, PenaltiesFallIfRoundingHidesTheRest) {
   EXPECT_EQ(after(1e-6, true, 0, 0), 4) << "stuck";
   EXPECT_EQ(after(1e-6, true, 0, 1), 40) << "stuck, and violated";
   EXPECT_EQ(after(1e-6, false, 0, 0), 40);
-  // Hidden decreases speak against the penalty as well, which grows to 400 first. The goal of this
+  // Hidden decreases also speak against the penalty, which first grows to 400. The goal of this
   // minimization is 1e-3.
   EXPECT_EQ(after(1e-2, false, 1e9, 0), 40) << "at its last goal";
   EXPECT_EQ(after(1e-4, false, 1e9, 0), 400) << "on its way there";
-  // A goal of a millionth of the tolerance is hopeless.
+  // A goal of a millionth of the tolerance is unattainable.
   EXPECT_EQ(after(1.1e3, false, 1e9, 0), 40);
   EXPECT_EQ(after(1.1e3, false, 0, 0), 4);
   EXPECT_EQ(after(0.9e3, false, 0, 0), 40);
@@ -246,7 +246,7 @@ TEST(AugmentedStrategy, RecoversTwentyTimesFromMinimizationsWithoutAStep) {
   EXPECT_FALSE(at.strategy->recovers(at.record, false));
   at.strategy->start(nullptr);
   EXPECT_TRUE(at.strategy->recovers(at.record, false)) << "in the next solve";
-  // Where constraints hold other penalties help alone, and those that are lower.
+  // With satisfied constraints, only lower penalties help.
   at.record.row.constraint = 0;
   EXPECT_FALSE(at.strategy->recovers(at.record, false));
   EXPECT_FALSE(at.strategy->recovers(at.record, true)) << "the penalty is the first one";
@@ -295,7 +295,7 @@ TEST(LeastViolation, IsSolvedAtAHundredthOfInitialViolation) {
   EXPECT_FALSE(solved_at(0.03, 1.1 * gap));
 }
 
-// With u = (1, 1 − w) the end is 1 + w short, and controls may take away w / (1 + w) of that.
+// With u = (1, 1 − w), the end is 1 + w short, and controls can remove the share w / (1 + w).
 TEST(LeastViolation, IsMinimizedWhereControlsHaveLittleWayLeft) {
   Surrounded at = least(0);
   at.strategy->fit(at.iterate);
@@ -315,7 +315,8 @@ TEST(LeastViolation, IsMinimizedWhereControlsHaveLittleWayLeft) {
 }
 
 TEST(LeastViolation, ReportsInfeasibleOnceControlsAreExhausted) {
-  // The violation at the start is beyond all reach: w (1 + w) / ((1 + w)² + 0.25) is 5e-3 between.
+  // The initial violation is unreachable: w (1 + w) / ((1 + w)² + 0.25) is 5e-3 between these
+  // values.
   for (const double w : {6.2e-3, 6.4e-3}) {
     Surrounded at = least(0, true);
     at.strategy->fit(at.iterate);
@@ -367,7 +368,7 @@ TEST(LeastViolation, ContinuesWithOpenGapsToTheLargestPenalty) {
   EXPECT_TRUE(at.strategy->recovers(at.record, false));
 }
 
-// Down from 0.5 to −1 along a slope of 2; along −3 there is no bound, and the largest control is
+// From 0.5 down to −1 along a slope of 2; along −3 without a bound, where the largest control is
 // −5.
 TEST(ViolationSlope, IsSlopeTimesControlRange) {
   const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(1, 1);

@@ -1,5 +1,5 @@
-// Complementary pairs of controls whose optima are known: each knot has its own wish for a pair
-// 0 ≤ u₁ ⊥ u₂ ≥ 0, and one of the two goes without it.
+// Complementary control pairs with known optima: each knot has a wish for a pair 0 ≤ u₁ ⊥ u₂ ≥ 0
+// and must give up one of the two.
 #include <gtest/gtest.h>
 
 #include "solvers/strategies/registry.hpp"
@@ -32,7 +32,7 @@ TEST(Pairs, EveryRelaxationGivesUpOneWish) {
     EXPECT_NEAR(result.cost, 0.5 * (1 + 0.25 + 1 + 4), 1e-5) << static_cast<int>(way);
     EXPECT_LE(result.residuals.stationarity, 1e-5);
     EXPECT_LE(result.residuals.constraint, 1e-6);
-    // The relaxation that was asked for finds it, from the first epsilon on.
+    // The requested relaxation succeeds from the first epsilon.
     EXPECT_EQ(result.log.back().fallbacks, 0);
     EXPECT_EQ(result.log.at(1).relaxation, options.complementarity.initial);
   }

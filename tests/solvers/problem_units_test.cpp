@@ -1,4 +1,4 @@
-// Problems whose states, controls and rows are in other units.
+// Problems with states, controls, and rows in other units.
 #include "solvers/strategies/problem_units.hpp"
 
 #include <cmath>
@@ -14,13 +14,14 @@
 namespace conddp {
 namespace {
 
-/// Parking exactly at a goal, with bounded speed and turning rate.
+/// Exact parking at a goal with bounded speed and turning rate.
 ShootingProblem parking() {
   const ShootingProblem free = testing::unicycle_parking(0.6);
   return testing::with_constraints(free, {testing::goal_constraint(free, {0, 0, 0})});
 }
 
-/// The same with the norm of two states at node 2, and a cone of a state and both controls at 3.
+/// The same with the norm of two states at node 2, and a cone of a state and both controls at node
+/// 3.
 ShootingProblem parking_in_sets() {
   const ShootingProblem free = testing::unicycle_parking(0.6);
   Eigen::MatrixXd states = Eigen::MatrixXd::Zero(2, 5), cone = Eigen::MatrixXd::Zero(3, 5);
@@ -109,7 +110,7 @@ TEST(ProblemUnits, DerivativesAreThoseOfTheChainRule) {
   }
 }
 
-/// A problem in unusual units is solved as in others, and its answer is in its own.
+/// A problem in unusual units is solved like in usual ones, and its answer keeps its units.
 TEST(ProblemUnits, AnswersAreTheSameInOthers) {
   const ShootingProblem own = parking();
   Trajectory guess = testing::constant_controls(own, 0.01);
@@ -120,7 +121,7 @@ TEST(ProblemUnits, AnswersAreTheSameInOthers) {
   const ShootingProblem given = in_units(own, other);
   for (const char* solver : {"altro", "proxddp", "ipopt"}) {
     SolverOptions options;
-    options.tolerances.stationarity = 1e-3;  // beyond the rounding of each unit
+    options.tolerances.stationarity = 1e-3;  // above the rounding of each unit
     const SolveResult usual = solve(own, solver, options, guess);
     ASSERT_EQ(usual.status, SolveStatus::converged) << solver;
     const SolveResult result = solve(given, solver, options, in_units(guess, other, control));

@@ -1,4 +1,4 @@
-// Steps of Newton's method on active constraints beside those of dense quadratic programs.
+// Newton steps on active constraints, compared with dense quadratic programs.
 #include "solvers/constraints/projected_newton.hpp"
 
 #include <fmt/format.h>
@@ -25,7 +25,7 @@ struct NewtonCase {
         evaluator(problem),
         solution(sqp.solution(sqp.simulated(2.2), problem)) {}
 
-  /// The solution and something more, states and controls apart.
+  /// The solution with perturbed states and controls.
   PlainSqp::Point near(double size) const {
     PlainSqp::Point p = solution;
     RandomNumbers random(3);
@@ -62,7 +62,7 @@ TEST(ProjectedNewton, StepMatchesDenseExactQuadraticProgram) {
     ProjectedNewton newton(at.problem, at.evaluator);
     PlainSqp::Point from = at.near(size);
     at.start(newton, from);
-    // Those of rows that do not count are zero.
+    // Inactive rows have zero multipliers.
     from.multipliers = {newton.multipliers()[3], newton.multipliers()[5]};
     const PlainSqp::Point expected = at.sqp.step(from, at.problem);
     ASSERT_TRUE(newton.step(1e3));
@@ -91,8 +91,8 @@ TEST(ProjectedNewton, StepsConvergeQuadratically) {
   EXPECT_LT((newton.multipliers() - at.sqp.rows(at.solution.multipliers)).norm(), 1e-8);
 }
 
-/// A linear system with quadratic costs that passes a disc with its first two coordinates: nothing
-/// but the rows has curvature that Gauss-Newton's Hessian would leave out.
+/// A linear system with quadratic costs that passes a disc with its first two coordinates: only the
+/// rows have curvature that Gauss-Newton omits.
 struct DiscCase {
   explicit DiscCase(int dimension)
       : problem(make(dimension)),
@@ -127,7 +127,7 @@ struct DiscCase {
                                     .first = 1,
                                     .last = 8}});
   }
-  /// At the solution's multipliers, and states and controls that are off by so much.
+  /// At the solution's multipliers, with states and controls perturbed by `off`.
   void start(ProjectedNewton& newton, double off) const {
     Trajectory from = solution.trajectory;
     RandomNumbers random(5);
@@ -154,7 +154,7 @@ TEST(ProjectedNewton, StepsConvergeQuadraticallyOnCurvedRows) {
   ASSERT_GT(at.solution.constraint_multipliers.cwiseAbs().maxCoeff(), 0.1);
   ProjectedNewton newton(at.problem, at.evaluator);
   at.start(newton, 0.05);
-  // Multipliers are known exactly: the error of the first step is of second order, too.
+  // Exact multipliers: the error of the first step is quadratic too.
   for (const double largest : {2e-2, 1e-4, 1e-9}) {
     ASSERT_TRUE(newton.step(1e3)) << largest;
     EXPECT_LT(at.error(newton), largest);
@@ -183,7 +183,7 @@ TEST(ProjectedNewton, KeepsCostlyHessiansWhileStepsGainADecade) {
   EXPECT_TRUE(keeps);
   EXPECT_GT(steps, expected);
   EXPECT_LT(at.error(newton), 1e-8);
-  // Where no step is found with it, a new one is tried.
+  // If the kept Hessian yields no step, a new one is computed.
   EXPECT_FALSE(newton.step(1e-30));
   EXPECT_EQ(newton.exact_hessians(), expected + 1);
 }
@@ -240,7 +240,7 @@ TEST(ProjectedNewton, NormsAreThoseOfTheIterate) {
   EXPECT_NEAR(newton.norms().complementarity, 0.005, 1e-14);
 }
 
-// Here the active set is that of the solution, on which the exact Hessian has a negative direction.
+// The active set is that of the solution, where the exact Hessian has negative curvature.
 TEST(ProjectedNewton, NonConvexHessiansFallBackToCosts) {
   NewtonCase at;
   PlainSqp::Point p = at.near(1e-3);
@@ -274,7 +274,7 @@ TEST(ProjectedNewton, KeepsIterateIfNoStepLowersNorms) {
   for (int k = 0; k < from.knots(); ++k) EXPECT_EQ(newton.trajectory().u(k), from.u(k)) << k;
 }
 
-/// Has multipliers and penalties, and takes those of others.
+/// Stores multipliers and penalties, and accepts others.
 struct KeptMultipliers : OuterStrategy {
   explicit KeptMultipliers(const ShootingProblem& problem) : given(problem) {
     given.penalty.setConstant(10);
@@ -287,7 +287,7 @@ struct KeptMultipliers : OuterStrategy {
   Eigen::VectorXd known;
 };
 
-/// A solve that has come to a point of a NewtonCase.
+/// A solve that has reached a point of a NewtonCase.
 struct PolishedSolve {
   explicit PolishedSolve(double size, int max_iterations = 100)
       : options{.max_iterations = max_iterations},

@@ -35,7 +35,7 @@ TEST(Proxddp, ReachesOptimaOfThePublishedCases) {
     const SolveResult result =
         solve(problem, "proxddp", options, testing::constant_controls(problem, control));
     EXPECT_EQ(result.status, SolveStatus::converged) << name << ": " << result.message;
-    // Between discs there are several ways, 2e-4 from each other.
+    // Between discs there are several routes, 2e-4 apart in cost.
     EXPECT_NEAR(result.cost, cost, (name == "three obstacles" ? 3e-4 : 1e-4) * cost) << name;
     EXPECT_LE(result.residuals.constraint, 1e-8) << name;
     EXPECT_LE(result.residuals.stationarity, 1e-6) << name;
@@ -70,9 +70,8 @@ TEST(Proxddp, AgreesWithAltroOnLongerConvexProblems) {
   }
 }
 
-// The linear model of a linear-quadratic problem is the problem. Where the sweeps find the active
-// rows of the whole horizon, one full step minimises the augmented Lagrangian, whatever rows and
-// bounds on the control it crosses.
+// The linear model of a linear-quadratic problem is exact. If the sweeps find the horizon's active
+// rows, one full step minimizes the augmented Lagrangian across any rows and control bounds.
 TEST(Proxddp, OneStepMinimizesTheLinearQuadraticAugmentedLagrangian) {
   for (const unsigned seed : {1u, 2u, 3u, 4u, 5u, 6u}) {
     const LinearQuadratic lq(seed, 4, {3, 2}, 8, -3, 3);

@@ -1,4 +1,4 @@
-// Which solvers a problem is for, and what those say that it is not for.
+// Solvers that support a problem, and the messages of the others.
 #include <gtest/gtest.h>
 
 #include "solvers/strategies/registry.hpp"
@@ -56,7 +56,7 @@ TEST(Refusals, FollowFromConstraintsAndBounds) {
   EXPECT_EQ(those_that_take(constrained_steps(ConstraintKind::second_order_cone, {})), all);
   EXPECT_EQ(those_that_take(constrained_steps(ConstraintKind::complementarity, {})),
             (SolverNames{"ipopt"}));
-  // Equalities, of which a row may be free.
+  // Equalities; one row may be free.
   const SolverNames more = {"intro", "altro", "proxddp", "ipopt"};
   EXPECT_EQ(those_that_take(constrained_steps(ConstraintKind::bounds, {1, 2, 1, 2})), more);
   EXPECT_EQ(those_that_take(constrained_steps(ConstraintKind::bounds, {1, -kFree, 1, kFree})),

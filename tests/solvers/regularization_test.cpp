@@ -50,7 +50,7 @@ TEST(RegularizationSchedule, GrowsFasterPerFailureUpToItsLimit) {
   EXPECT_LE(steps, 12);
 }
 
-/// x⁺ = x + u with the cost ½·weight·u²: Q_uu is weight, and weight + V_xx at the last knot.
+/// x⁺ = x + u with cost ½·weight·u²: Q_uu is weight, plus V_xx at the last knot.
 ShootingProblem integrator_problem(double u_weight) {
   const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(1, 1);
   return testing::tracking_problem(linear_system(one, one, Eigen::VectorXd::Zero(1)),
@@ -106,8 +106,8 @@ TEST(BackwardSweep, RegularizationChangesTheGainsAsItsKindSays) {
   EXPECT_NEAR(swept.feedback.K[2](0, 0), -3.25 / 4.25, 1e-15);
 }
 
-// A proximal weight is a cost of the problem: 3 more on the controls, on the states and at the end,
-// all of it about the iterate, so that gradients stay.
+// A proximal weight adds a cost of 3 on the controls, the states, and the end, centred on the
+// iterate, so gradients stay.
 TEST(BackwardSweep, ProximalWeightCostsTheWholeStep) {
   const ShootingProblem problem = integrator_problem(1);
   Swept swept(problem), expected(problem);
@@ -124,8 +124,8 @@ TEST(BackwardSweep, ProximalWeightCostsTheWholeStep) {
   EXPECT_NEAR(swept.sweep.value(0).Vxx(0, 0), expected.sweep.value(0).Vxx(0, 0), 1e-14);
 }
 
-// Pitfall 19: whatever the gains, the value is that of the policy u = ū + k + K δx. Here gains are
-// regularised, so that the formula of the unconstrained minimum would not hold.
+// Pitfall 19: for any gains, the value is that of the policy u = ū + k + K δx. Regularized gains
+// invalidate the formula of the unconstrained minimum.
 TEST(BackwardSweep, ValueIsPolicyCostForNonOptimalGains) {
   const ShootingProblem problem = integrator_problem(0.5);
   for (RegularizationKind kind : {RegularizationKind::state, RegularizationKind::control}) {
@@ -143,7 +143,7 @@ TEST(BackwardSweep, ValueIsPolicyCostForNonOptimalGains) {
       }
       return cost + 0.125 * x * x;
     };
-    // The policy's cost is a quadratic of δx: three values give its derivatives exactly.
+    // The policy's cost is quadratic in δx: three values give its derivatives exactly.
     const double minus = cost_of_policy(-1), zero = cost_of_policy(0), plus = cost_of_policy(1);
     EXPECT_NEAR(swept.sweep.value(0).Vx[0], (plus - minus) / 2, 1e-12);
     EXPECT_NEAR(swept.sweep.value(0).Vxx(0, 0), plus - 2 * zero + minus, 1e-12);

@@ -1,4 +1,4 @@
-// Solves from several starts: whose answer counts, and what is told of the others.
+// Solves from several starts: the selected answer and the report of the others.
 #include "solvers/strategies/restarts.hpp"
 
 #include <atomic>
@@ -28,7 +28,7 @@ SolverOptions with_restarts(int seed, int count = kStarts - 1) {
   return options;
 }
 
-/// A solve that converges at a cost that its first control gives.
+/// A solve that converges with a cost given by its first control.
 SolveResult ends_at(const ShootingProblem& problem, const Trajectory& start, double cost,
                     SolveStatus status = SolveStatus::converged) {
   SolveResult result(problem);
@@ -53,7 +53,7 @@ SolveResult run(const ShootingProblem& problem, const SolverOptions& options, in
   return result;
 }
 
-/// The start whose first control comes nearest to a target, so that targets tell starts apart.
+/// The start whose first control is closest to a target, so that targets distinguish starts.
 SolveResult nearest(const ShootingProblem& problem, const SolverOptions& options, double target,
                     int threads = 1) {
   return run(problem, options, threads, [&](const Trajectory& start) {
@@ -65,7 +65,7 @@ TEST(Restarts, HaveTheAnswerThatEndsBest) {
   const ShootingProblem problem = double_integrator_move();
   for (int seed = 0; seed < 5; ++seed) {
     const SolverOptions options = with_restarts(seed);
-    // The largest, the smallest, and what lies nearest to numbers between them.
+    // The largest, the smallest, and the values closest to targets between them.
     const double up = nearest(problem, options, 100).trajectory.u(0)[0];
     const double low = nearest(problem, options, -100).trajectory.u(0)[0];
     EXPECT_GT(up, 0) << seed;
@@ -119,7 +119,7 @@ Trajectory ramp(const ShootingProblem& problem, double height) {
 
 TEST(Restarts, TellOptimaApartByCostAndTrajectory) {
   const ShootingProblem problem = double_integrator_move();
-  // Start by start: cost and height.
+  // Cost and height of each start.
   const std::pair<double, double> ends[] = {{2, 1},  {1 + 1e-8, 1}, {1, 1.001}, {1, -1},
                                             {2, -3}, {2, 1},        {3, 1}};
   int start = 0;
@@ -127,7 +127,7 @@ TEST(Restarts, TellOptimaApartByCostAndTrajectory) {
     const auto [cost, height] = ends[start++];
     return ends_at(problem, ramp(problem, height), cost);
   });
-  // Answers of one cost are those of the first start, though another is cheaper by rounding.
+  // Among equal costs the first start wins, even if another is lower by rounding.
   EXPECT_EQ(result.restarts->answer, 1);
   EXPECT_EQ(result.cost, 1 + 1e-8);
   const auto& basins = result.restarts->basins;
@@ -140,7 +140,7 @@ TEST(Restarts, TellOptimaApartByCostAndTrajectory) {
   }
 }
 
-// Also at the first one, which some problems choose.
+// Includes the first node, which some problems choose.
 TEST(Restarts, TellOptimaApartThatDifferAtOneNode) {
   const ShootingProblem problem = double_integrator_move();
   for (int node = 0; node <= problem.knots(); ++node) {
@@ -179,7 +179,7 @@ TEST(Restarts, PassOnWhatASolverThrows) {
 
 class RestartedSolver : public ::testing::TestWithParam<const char*> {};
 
-/// A swing-up that some guesses begin to the left and some to the right.
+/// A swing-up; some guesses start to the left, some to the right.
 struct SwingUp {
   ShootingProblem problem = testing::pendulum_swing_up(4);
   Trajectory guess = testing::constant_controls(problem, 0.1);
@@ -215,7 +215,7 @@ TEST_P(RestartedSolver, BeginsWithTheSolveWithoutRestarts) {
   const SolveResult plain = solve(up.problem, GetParam(), {}, up.guess);
   ASSERT_EQ(plain.status, SolveStatus::converged);
   SolverOptions options = with_restarts(0, 1);
-  options.restarts.spread = 1e-9;  // ends at the same optimum, so that start 0 counts
+  options.restarts.spread = 1e-9;  // ends at the same optimum, so start 0 wins
   options.threads = 2;
   const SolveResult result = solve(up.problem, GetParam(), options, up.guess);
   ASSERT_EQ(result.restarts->answer, 0);
@@ -234,7 +234,7 @@ INSTANTIATE_TEST_SUITE_P(Solvers, RestartedSolver,
 
 TEST(Elsewhere, EndsIfAllStartsShareOneLeastViolation) {
   const ShootingProblem problem = double_integrator_move();
-  // A status and the violation of each start, the last one of all others.
+  // Status and violation of each start; the last entry repeats.
   using Ends = std::vector<std::pair<SolveStatus, double>>;
   const auto starts_of = [&](const Ends& ends) {
     std::size_t solves = 0;
@@ -266,7 +266,7 @@ TEST(Elsewhere, EndsIfAllStartsShareOneLeastViolation) {
   EXPECT_EQ(starts_of({{kStuck, 0.5}, {kLeast, 0.5}}), 21);
 }
 
-// Each start goes the whole way of a homotopy.
+// Each start follows the whole homotopy.
 TEST(Restarts, OfAHomotopy) {
   const SwingUp up;
   SolverOptions options = with_restarts(1, 3);

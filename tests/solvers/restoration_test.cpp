@@ -1,5 +1,5 @@
-// Points of least violation against dense least squares within bounds, slopes against differences,
-// and how a solve goes on after a restoration.
+// Points of least violation, compared with dense bounded least squares; slopes, compared with
+// differences; and the continuation of a solve after a restoration.
 #include "solvers/strategies/restoration.hpp"
 
 #include <cmath>
@@ -20,13 +20,13 @@ using testing::with_constraints;
 constexpr int kKnots = 20;
 constexpr double kStep = 0.1, kLimit = 3;
 
-/// A mass of 1 kg at rest that bounded forces move.
+/// A mass of 1 kg at rest, moved by bounded forces.
 ShootingProblem mass() {
   return testing::tracking_problem(double_integrator(1), Integrator::rk4, kKnots, kStep, {0, 0},
                                    {{1, 0}, {1, 1}, {0.1}, {1, 1}}, -kLimit, kLimit);
 }
 
-/// The least ‖(p_N, v_N) − goal‖ over the forces, by descent from coordinate to coordinate.
+/// Minimum of ‖(p_N, v_N) − goal‖ over the forces, by coordinate descent.
 double least_distance(const Eigen::Vector2d& goal) {
   Eigen::MatrixXd map(2, kKnots);
   for (int k = 0; k < kKnots; ++k) map.col(k) << (kKnots - k - 0.5) * kStep * kStep, kStep;
@@ -42,7 +42,7 @@ double least_distance(const Eigen::Vector2d& goal) {
   return d.norm();
 }
 
-/// A share of 0.005 means, with convex distances, at most that share above the least one.
+/// For convex distances, a share of 0.005 means at most that share above the minimum.
 TEST(LeastViolation, IsThatOfDenseLeastSquaresWithinBounds) {
   const ShootingProblem free = mass();
   for (const Eigen::Vector2d& goal : {Eigen::Vector2d(5, 0), Eigen::Vector2d(2, 8)}) {
@@ -78,7 +78,7 @@ TEST(LeastViolation, KeepsGapsClosedUnlessControlsLeadAway) {
   Trajectory start = testing::constant_controls(problem, 1);
   const SolveResult closed = restore_feasibility(problem, {}, start);
   for (const IterationRecord& row : closed.log) EXPECT_LE(row.gap, 1e-12) << row.iteration;
-  // States that all but satisfy the constraint, which the controls do not.
+  // The states nearly satisfy the constraint, but the controls do not lead there.
   start = testing::constant_controls(problem, 0);
   for (int k = 1; k <= kKnots; ++k) start.x(k) << 5.01 * k / kKnots, 0;
   EXPECT_GT(restore_feasibility(problem, {}, start).log.front().gap, 0.1);
@@ -94,7 +94,7 @@ TEST(LeastViolation, IsZeroWhereTheConstraintsCanBeSatisfied) {
   }
 }
 
-/// 20 t at rest that have to be 100 m further after 10 s: forces of 24 kN, from none.
+/// 20 t at rest that must move 100 m in 10 s: forces of 24 kN, starting from zero.
 TEST(LeastViolation, IsNotReportedForDistantFreeControls) {
   constexpr double kMass = 20000;
   Eigen::Matrix2d A;
@@ -163,7 +163,7 @@ TEST(ViolationSlope, IsThatOfDifferences) {
   EXPECT_NEAR(share, sum / here, 1e-6 * share);
 }
 
-/// At a minimum of cost and a penalty the gradients of both cancel.
+/// At a minimum of cost plus penalty, the two gradients cancel.
 TEST(ViolationSlope, IsNotThatOfTheCost) {
   constexpr double kDear = 1e9;
   const auto share = [](double weight) {
@@ -189,7 +189,7 @@ TEST(ViolationSlope, IsNotThatOfTheCost) {
   EXPECT_NEAR(share(kDear), cheap, 1e-6 * cheap);
 }
 
-/// Each control is as large as the largest one could be, also if that is the first or the last one.
+/// Each control ranges up to the magnitude of the largest one, even if that is the first or last.
 TEST(ViolationSlope, FreeControlsRangeUpToTheLargestOne) {
   const ShootingProblem free =
       testing::tracking_problem(double_integrator(1), Integrator::rk4, 3, kStep, {0, 0},
@@ -207,7 +207,7 @@ TEST(ViolationSlope, FreeControlsRangeUpToTheLargestOne) {
   }
 }
 
-/// A solve that gives up at once, and after the restoration is the solver's own.
+/// A solver that fails at once and, after the restoration, works normally.
 TEST(SolveWithRestoration, GoesOnFromWhatWasRestored) {
   const auto cases = testing::published_cases();
   const auto& [name, problem, control, cost] = cases[0];
@@ -242,7 +242,7 @@ TEST(SolveWithRestoration, GoesOnFromWhatWasRestored) {
 }
 
 TEST(SolveWithRestoration, CallsNothingInfeasibleThatNoRestorationConfirmed) {
-  const ShootingProblem problem = mass();  // without constraints there is nothing to restore
+  const ShootingProblem problem = mass();  // without constraints, restoration has no task
   const auto solve = [&](const SolverOptions& options, const Trajectory& start) {
     SolveResult result = find_solver("ipopt")->run(problem, options, start);
     result.status = SolveStatus::infeasible;

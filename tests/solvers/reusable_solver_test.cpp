@@ -11,7 +11,7 @@
 namespace conddp {
 namespace {
 
-/// Every number of two answers that does not tell the time.
+/// Compares every number of two answers except times.
 void expect_same(const SolveResult& a, const SolveResult& b) {
   EXPECT_EQ(a.status, b.status);
   EXPECT_EQ(a.message, b.message);
@@ -48,8 +48,7 @@ TEST(ReusableSolver, AnswersAsASolverOfItsOwnWould) {
   }
 }
 
-/// A mass that is sent to 1, with a wall and a speed that cost, a band that has to hold, and bounds
-/// on its control.
+/// A mass sent to 1, with costs on a wall and a speed, a hard band, and control bounds.
 struct MassNumbers {
   double wall, wall_weight, speed, speed_weight, band;
 };
@@ -94,7 +93,7 @@ void take_numbers(const ShootingProblem& from, ShootingProblem& to) {
   to.set_numbers(nodes);
 }
 
-// Bounds and weights are read anew where a problem's numbers have changed.
+// Changed bounds and weights are read again.
 TEST(ReusableSolver, NewNumbersSolveLikeAFreshSolver) {
   const MassNumbers many[] = {{0.9, 0.05, 0.6, 40, 0.3},
                               {0.5, 3, 0.6, 40, 0.3},
@@ -115,7 +114,7 @@ TEST(ReusableSolver, NewNumbersSolveLikeAFreshSolver) {
   }
 }
 
-/// A pendulum that is to stand, with steps of this length.
+/// A pendulum that must stand, with this step length.
 ShootingProblem pendulum_of(double dt) {
   return testing::tracking_problem(pendulum({}), Integrator::semi_implicit_euler, 12, dt, {0.4, 0},
                                    {{0, 0}, {1, 0.1}, {0.01}, {10, 1}}, -8, 8);
@@ -133,7 +132,7 @@ TEST(ReusableSolver, TakesStepsOfOtherLengths) {
   }
 }
 
-/// The problem with the first knots of each of its phases alone, so many or all that there are.
+/// The problem with only the first knots of each phase, at most `knots`.
 ShootingProblem beginnings(const ShootingProblem& problem, int knots) {
   std::vector<Phase> phases = problem.phases();
   for (Phase& phase : phases) {
@@ -145,7 +144,7 @@ ShootingProblem beginnings(const ShootingProblem& problem, int knots) {
   return ShootingProblem(problem.initial_state(), std::move(phases), problem.terminal());
 }
 
-// Neither workspaces by model nor matrices that go from one solver to the other keep anything.
+// Neither per-model workspaces nor shared matrices keep state between solvers.
 TEST(ReusableSolver, AnswersTheSameInTheMemoryOfOthers) {
   const ShootingProblem longer = testing::landing(), shorter = beginnings(longer, 8);
   const Trajectory guess = testing::constant_controls(longer, 0.1),

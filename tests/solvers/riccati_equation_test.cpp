@@ -23,7 +23,7 @@ RegulatorProblem without_cross_term(Matrix A, Matrix B, Matrix Q, Matrix R) {
   return {std::move(A), std::move(B), std::move(Q), std::move(R), S};
 }
 
-/// The cost of so many steps, by the Riccati recursion.
+/// Cost of this many steps by the Riccati recursion.
 Matrix recursion(const RegulatorProblem& p, int steps) {
   Matrix P = Matrix::Zero(p.A.rows(), p.A.rows());
   for (int k = 0; k < steps; ++k) {
@@ -35,7 +35,7 @@ Matrix recursion(const RegulatorProblem& p, int steps) {
   return P;
 }
 
-// The scalar equation a²p − p − (abp)²/(r + b²p) + q = 0 is a quadratic one.
+// The scalar equation a²p − p − (abp)²/(r + b²p) + q = 0 is quadratic.
 TEST(RiccatiEquation, ScalarSolutionIsAPolynomialRoot) {
   const auto scalar = [](double value) { return Matrix::Constant(1, 1, value); };
   for (const double a : {0.0, 0.5, 1.0, 2.0, 50.0})
@@ -54,7 +54,7 @@ TEST(RiccatiEquation, ScalarSolutionIsAPolynomialRoot) {
       }
 }
 
-// Double integrator with a held control over 0.1 s; Q = I, R = 0.1 are rates.
+// Double integrator with a constant control over 0.1 s; Q = I and R = 0.1 are rates.
 TEST(RiccatiEquation, TheDoubleIntegratorHasItsKnownSolution) {
   const double h = 0.1;
   const RegulatorResult got = solve_regulator(
@@ -87,8 +87,8 @@ TEST(RiccatiEquation, RandomSolutionsAreTheLimitsOfLongHorizons) {
   }
 }
 
-// Two double integrators that do not see each other: their double eigenvalues are semisimple
-// between them and defective within.
+// Two decoupled double integrators: double eigenvalues are semisimple across the systems and
+// defective within each.
 TEST(RiccatiEquation, DecoupledSystemsAreSolvedIndependently) {
   const Matrix A{{1, 0.1}, {0, 1}}, B{{0.005}, {0.1}};
   const Matrix Q = 0.1 * Matrix::Identity(2, 2), R = Matrix::Constant(1, 1, 0.01);
@@ -104,7 +104,7 @@ TEST(RiccatiEquation, DecoupledSystemsAreSolvedIndependently) {
   EXPECT_LT(two.regulator->P.topRightCorner(2, 2).norm(), 1e-13);
 }
 
-// With B = (1, ε) the unstable second mode is moved by ε alone: p₂₂ grows as 1/ε², and the closed
+// With B = (1, ε), only ε controls the unstable second mode: p₂₂ grows like 1/ε², and the closed
 // loop mirrors the unstable eigenvalue.
 TEST(RiccatiEquation, StabilizesWeaklyControllableModes) {
   for (const double epsilon : {1e-2, 1e-3, 1e-4}) {
@@ -137,7 +137,7 @@ TEST(RiccatiEquation, NamesUncontrollableUnstableModes) {
   EXPECT_NEAR(mixed.mode->eigenvalue.real(), 1.1, 1e-9);
 }
 
-// One control on two equal integrators moves their sum alone.
+// One control on two equal integrators moves only their sum.
 TEST(RiccatiEquation, EqualModesNeedAControlEach) {
   const RegulatorResult got = solve_regulator(without_cross_term(
       Matrix::Identity(2, 2), Matrix::Ones(2, 1), Matrix::Identity(2, 2), Matrix::Identity(1, 1)));
@@ -155,7 +155,7 @@ TEST(RiccatiEquation, AcceptsUncontrollableStableModes) {
   EXPECT_NEAR(got.regulator->P(0, 0), 1 / (1 - 0.81), 1e-12);
 }
 
-// No control moves it, and rounding could make it last for ever.
+// The mode is uncontrollable, and rounding could make it persist.
 TEST(RiccatiEquation, AModeLastsThatDecaysByRoundingAlone) {
   const auto with_decay = [](double decay) {
     return solve_regulator(without_cross_term(Matrix{{1 - decay, 0}, {0, 1.2}}, Matrix{{0}, {1}},

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// A row with bounds, soft where it has a limit.
+/// A row with bounds, soft if it has a limit.
 struct Bounds {
   Bounds(double from, double to, double most = kInfinity) : lower(from), upper(to), limit(most) {
     term.rows = 1;
@@ -23,7 +23,7 @@ struct Bounds {
   double lower, upper, limit;
 };
 
-/// ‖(v₁, v₂)‖ ≤ t, soft where it has a limit.
+/// ‖(v₁, v₂)‖ ≤ t, soft if it has a limit.
 struct Cone {
   explicit Cone(double most = kInfinity) : limit(most) {
     term.rows = 3;
@@ -98,14 +98,14 @@ TEST(RowSide, PairChoosesSmallerValueOrThePushedOne) {
   EXPECT_EQ(sides[0], RowSide::lower);
 }
 
-// All that decides stands in the two rows themselves, also where a pair is not the first.
+// The decision depends only on the two rows, also for later pairs.
 TEST(RowSide, FirstOfEqualPairValuesIsActive) {
   const double values[] = {0.25, 0.25}, penalties[] = {10, 20}, none[] = {0, 0};
   RowSide sides[2];
   choose_pair(values, none, penalties, sides);
   EXPECT_EQ(sides[0], RowSide::equality);
   EXPECT_EQ(sides[1], RowSide::inactive);
-  const double pulled[] = {0, -5};  // 0.25 − 5/20 is not below zero
+  const double pulled[] = {0, -5};  // 0.25 − 5/20 is not negative
   choose_pair(values, pulled, penalties, sides);
   EXPECT_EQ(sides[1], RowSide::inactive);
 }
@@ -135,7 +135,7 @@ TEST(RowSide, ConeSideIsSurfaceOrTip) {
   EXPECT_EQ(chosen_cone(c, none, none, 10), RowSide::inactive);
   const double on_the_polar_one[] = {3, 4, -5};
   EXPECT_EQ(chosen_cone(c, on_the_polar_one, none, 10), RowSide::tip);
-  // On the axis a surface has no slope.
+  // On the axis, a surface has no gradient.
   const double axis[] = {0, 0, 0.1}, push[] = {6, 0, 0};
   EXPECT_EQ(chosen_cone(c, axis, push, 10), RowSide::tip);
 }
@@ -149,7 +149,7 @@ TEST(RowSide, SoftConeIsOutsideBeyondMultiplierLimit) {
             RowSide::outside);
 }
 
-// What multipliers alone push out is not outside: its own values say where it would push.
+// Multipliers alone do not put a cone outside: its own values determine the push direction.
 TEST(RowSide, SoftConeInsideStaysInsideForAnyMultipliers) {
   const double inside[] = {0.3, 0.4, 0.6}, push[] = {60, 80, 0};
   EXPECT_EQ(chosen_cone(Cone(0.1).constraint(), inside, push, 10), RowSide::surface);

@@ -12,7 +12,7 @@
 namespace conddp {
 namespace {
 
-/// Parking between bounds of the speed and, where asked for, exactly at a goal.
+/// Parking with speed bounds and, if `goal`, exactly at a goal.
 ShootingProblem parking(double scale, bool goal) {
   const ShootingProblem free = testing::unicycle_parking(0.6);
   const ShootingProblem problem =

@@ -1,4 +1,4 @@
-// Sweeps of a horizon in segments: the same step as from end to start, for any number of them.
+// Segment sweeps of a horizon match the sequential step for any number of segments.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -53,7 +53,7 @@ TEST(SegmentSweep, LinearQuadraticStepMatchesDenseSystem) {
   }
 }
 
-// From the second sweep on the values at the ends of segments are those of this cost.
+// From the second sweep on, segment ends use the values of this cost.
 TEST(SegmentSweep, StagesMatchTheSequentialSweep) {
   for (unsigned seed = 1; seed <= 4; ++seed) {
     const LinearQuadratic lq(seed, 3, {3, 1, 2}, 4, -testing::kFree, testing::kFree, 1);
@@ -72,7 +72,7 @@ TEST(SegmentSweep, StagesMatchTheSequentialSweep) {
 }
 
 TEST(SegmentSweep, StepsMatchTheSequentialSweep) {
-  // Open gaps on SE(3), an impulse, bounds that are active, unstable motions.
+  // Open gaps on SE(3), an impulse, active bounds, unstable motions.
   const struct {
     const char* name;
     double u;
@@ -109,7 +109,7 @@ TEST(SegmentSweep, StepsAreTheSameWithConstraints) {
 }
 
 /// Sweeps a problem of twelve knots twice, the second time with `change` in the Hessian of a node's
-/// last rows and columns. Returns the knot without a minimum then.
+/// last rows and columns. Returns the knot that then has no minimum.
 int bad_knot(const LinearQuadratic& lq, int segments, int node, const Eigen::MatrixXd& change) {
   const Trajectory guess = testing::random_guess(*lq.problem, 1);
   const ControlBounds bounds(*lq.problem);
@@ -133,8 +133,8 @@ TEST(SegmentSweep, NamesStageWithoutMinimumLikeSequentialSweep) {
       EXPECT_EQ(bad_knot(lq, segments, knot, -1e3 * Eigen::MatrixXd::Identity(2, 2)), knot);
 }
 
-// What follows the first segment may leave it without a minimum though each of its stages has one
-// with the value of the sweep before.
+// Later segments may leave the first one without a minimum, even though each of its stages has one
+// with the value of the previous sweep.
 TEST(SegmentSweep, NamesStageLosingItsMinimumToLaterSegments) {
   const LinearQuadratic lq(5, 3, {2}, 12, -testing::kFree, testing::kFree, 1);
   Eigen::MatrixXd change = Eigen::MatrixXd::Zero(5, 5);
@@ -160,7 +160,7 @@ TEST(SegmentSweep, BitsAreIndependentOfThreadCount) {
   }
 }
 
-/// The largest difference between the gains of two answers, as a share of the largest gain.
+/// Largest gain difference of two answers, relative to the largest gain.
 double gain_difference(const SolveResult& a, const SolveResult& b) {
   double off = 0, largest = 0;
   for (std::size_t k = 0; k < a.feedback.K.size(); ++k) {

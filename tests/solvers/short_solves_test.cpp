@@ -1,5 +1,5 @@
-// The ways of solves that are so short that rounding decides nothing on them, in counts: whatever
-// hastens or delays a decision on the way changes one of them.
+// Counts of solves so short that rounding decides nothing: every change of a decision changes one
+// of the counts.
 #include <functional>
 
 #include <fmt/format.h>
@@ -14,8 +14,7 @@
 namespace conddp::testing {
 namespace {
 
-/// "converged: 12 iterations, 14 sweeps, 20 trials, ...", of the whole log; counts of 0 are left
-/// out.
+/// "converged: 12 iterations, 14 sweeps, 20 trials, ..." over the whole log, without zero counts.
 std::string way_of(const SolveResult& result) {
   int sweeps = 0, trials = 0, full = 0, exact = 0, regularized = 0, changes = 0, clamped = 0;
   for (std::size_t i = 1; i < result.log.size(); ++i) {
@@ -77,7 +76,7 @@ ShootingProblem pole(int knots) {
   return tracking_problem(cartpole({}), Integrator::rk4, knots, 0.05, {0, 2.5, 0, 0},
                           {{0, M_PI, 0, 0}, {1, 1, 0.1, 0.1}, {0.1}, {10, 100, 10, 10}}, -9, 9);
 }
-/// A mass that has to be at rest at its goal, no faster than the limit on its way.
+/// A mass that must rest at its goal, with a speed limit until then.
 ShootingProblem mass_to(double goal, double limit) {
   const auto free = tracking_problem(double_integrator(1), Integrator::rk4, 10, 0.2, {0, 0},
                                      {{1, 0}, {1, 1}, {0.1}, {1, 1}}, -3, 3);
@@ -90,7 +89,7 @@ ShootingProblem mass_to(double goal, double limit) {
                                   .last = 10},
                                  goal_constraint(free, {goal, 0})});
 }
-/// A mass that may be faster than a limit, which costs something.
+/// A mass with a soft speed limit.
 ShootingProblem soft_mass() {
   const auto free = tracking_problem(double_integrator(1), Integrator::rk4, 10, 0.2, {0, 0},
                                      {{1, 0}, {1, 1}, {0.1}, {1, 1}}, -3, 3);

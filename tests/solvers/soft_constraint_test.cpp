@@ -25,7 +25,7 @@ SolveResult solve_soft(const ShootingProblem& problem, std::string_view solver) 
   return solve(problem, solver, options, problem.create_trajectory());
 }
 
-/// Cuts of every kind, all of them soft; `which` alone, or all where that is negative.
+/// Soft cuts of every kind; only `which`, or all if negative.
 std::vector<Added> soft_cuts(const LinearQuadratic& lq, Softness softness, double weight,
                              int which = -1) {
   std::vector<Added> list;
@@ -83,7 +83,7 @@ TEST_P(SoftByDistance, HasTheOptimumOfAnIndependentMethod) {
 TEST_P(SoftByDistance, HoldsLikeAHardOneAboveItsMultipliers) {
   for (const unsigned seed : {1u, 2u, 3u}) {
     const LinearQuadratic lq(seed, 4, {3, 2}, 8, -kBound, kBound);
-    // Ipopt gets stuck at the tip of a soft cone, where its smooth surface and the slack meet.
+    // Ipopt stalls at the tip of a soft cone, where its smooth surface and the slack meet.
     std::vector<Added> list = cuts(lq);
     if (std::string_view(GetParam()) == "ipopt") list.pop_back();
     const ShootingProblem hard = with_constraints(*lq.problem, list);
@@ -135,7 +135,8 @@ TEST_P(SoftByDistance, IsNoMatterWithoutAWeight) {
   EXPECT_GT(largest_miss(problem, result), 1e-2) << "nothing is missed, so nothing is tested";
 }
 
-// With this penalty values of 1e-4 would ask for the limit already, and nearly all rows lie beyond.
+// With this penalty, values of 1e-4 would already reach the limit, and nearly all rows are beyond
+// it.
 TEST(SoftPenalty, BeginsWithAPenaltyWithinItsLimits) {
   const LinearQuadratic lq(1, 4, {3, 2}, 8, -kBound, kBound);
   const ShootingProblem problem = with_constraints(*lq.problem, soft_cuts(lq, Softness::l1, 0.3));
@@ -175,8 +176,7 @@ INSTANTIATE_TEST_SUITE_P(Solvers, SoftBySquare,
                          ::testing::Values("ilqr", "fddp", "box_ddp", "box_fddp", "intro", "altro",
                                            "proxddp", "ipopt"));
 
-/// Where a soft cone is missed its penalty has curvature, which decides how fast Newton's method
-/// is.
+/// The penalty of a missed soft cone has curvature, which determines the speed of Newton's method.
 TEST(SoftConstraints, MissedConeEndsInFewNewtonSteps) {
   int missed = 0;
   for (const unsigned seed : {1u, 2u, 3u, 4u, 5u, 6u}) {

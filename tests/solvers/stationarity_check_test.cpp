@@ -7,7 +7,7 @@
 namespace conddp::testing {
 namespace {
 
-/// x⁺ = x + u, ½ x² and ½ u² of each knot, ½ x² at the end, from 1.
+/// x⁺ = x + u from 1, with costs ½ x² and ½ u² at each knot and ½ x² at the end.
 ShootingProblem sum_of_controls(int knots) {
   const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(1, 1);
   return tracking_problem(linear_system(one, one, Eigen::VectorXd::Zero(1)), Integrator::discrete,
@@ -39,8 +39,8 @@ struct Checked {
   StationarityCheck check;
 };
 
-/// Two knots with the gradients ∇_u L = (0, s) along the gain K of the second one, and (−K s, s)
-/// without it.
+/// Two knots with gradients ∇_u L = (0, s) along the gain K of the second, and (−K s, s) without
+/// it.
 struct HiddenByGains : Checked {
   HiddenByGains(double s, double K) : Checked(sum_of_controls(2), false) {
     auto& knots = iterate.linearization.knots;
@@ -63,7 +63,7 @@ TEST(StationarityCheck, GoalIsToleranceUntilGainsHideErrors) {
   EXPECT_FALSE(more.check.confirm(more.iterate, nullptr));
 }
 
-// 4e-6 without gains is four times the tolerance: half of a fourth of 4e-7 should be enough.
+// 4e-6 without gains is four times the tolerance; half of a fourth of 4e-7 should suffice.
 TEST(StationarityCheck, GoalBecomesHalfOfTheRequiredGradient) {
   HiddenByGains at(4e-7, 10);
   EXPECT_FALSE(at.check.confirm(at.iterate, nullptr));
@@ -80,7 +80,7 @@ TEST(StationarityCheck, MotionsThatAmplifyTooMuchSayNothing) {
   EXPECT_EQ(amplified.check.goal(), 1e-6);
 }
 
-/// λ_0 is K s along the gain of the only knot and 0 without it; the gradients are the same.
+/// λ_0 is K s along the only gain and 0 without it; gradients are equal.
 struct CarriedAway : Checked {
   explicit CarriedAway(double K) : Checked(sum_of_controls(1), false) {
     iterate.linearization.knots[0].gradient << 0, 4e-7;
@@ -92,7 +92,7 @@ struct CarriedAway : Checked {
 };
 
 TEST(StationarityCheck, CostatesLostToGainsTightenTheGoal) {
-  CarriedAway near(1200), far(2500);  // 4.8e-4, 1e-3; 5e-4 is allowed
+  CarriedAway near(1200), far(2500);  // 4.8e-4, 1e-3; limit 5e-4
   EXPECT_TRUE(near.check.confirm(near.iterate, nullptr));
   EXPECT_EQ(near.check.goal(), 1e-6);
   EXPECT_FALSE(far.check.confirm(far.iterate, nullptr));
@@ -109,7 +109,7 @@ TEST(StationarityCheck, ChoosesBetterCostatesIfTheyDiffer) {
   EXPECT_EQ(hidden.check.better(hidden.iterate, nullptr), nullptr);
 }
 
-/// One knot with a constraint at its end: x = (1, 1), u = 0, ∇_u L = 1 + ν whatever the gains.
+/// One knot with a terminal constraint: x = (1, 1), u = 0, ∇_u L = 1 + ν for any gains.
 struct ConstrainedEnd : Checked {
   ConstrainedEnd()
       : Checked(with_constraints(sum_of_controls(1), {goal_constraint(sum_of_controls(1), {1})}),
@@ -134,7 +134,7 @@ TEST(StationarityCheck, ConstrainedMultipliersUseCostGains) {
   EXPECT_NEAR(at.check.goal(), 5e-8, 1e-16);
 }
 
-/// Weights of 1e-7 leave derivatives of the cost that a tolerance of 1e-6 does not see.
+/// With weights of 1e-7, cost derivatives are below a tolerance of 1e-6.
 TEST(StationarityCheck, ConstrainedGoalFollowsLargestCostDerivative) {
   const auto small = [] {
     const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(1, 1);
@@ -173,7 +173,8 @@ TEST(StationarityCheck, LargeRemainingGainTightensTheGoal) {
   EXPECT_TRUE(at.check.confirm_gain(at.iterate, 1e-3));
 }
 
-// 1 at no multiplier would ask for 2e-13; the least is 1e-5 of the tolerance, and then it counts.
+// 1 with zero multiplier would require 2e-13; the minimum goal is 1e-5 of the tolerance, and
+// reaching it suffices.
 TEST(StationarityCheck, GoalHasALowerLimit) {
   ConstrainedEnd at;
   EXPECT_FALSE(at.confirm(0));

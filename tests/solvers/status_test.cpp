@@ -20,7 +20,7 @@ namespace {
 
 using testing::constant_controls;
 
-/// Whether every number of a result's trajectory, gains and co-states is finite.
+/// True if every number of a result's trajectory, gains, and costates is finite.
 bool finite(const SolveResult& result) {
   bool all = result.costates.allFinite();
   for (int k = 0; k <= result.trajectory.knots(); ++k) {
@@ -81,8 +81,8 @@ TEST(Status, MaxIterations) {
   }
 }
 
-// x⁺ = x + u from 1 with weights of 1e-8: gradients are far below the tolerance at rest already,
-// where most of the cost can still be gained.
+// x⁺ = x + u from 1 with weights of 1e-8: at rest, gradients are far below tolerance although most
+// of the cost could still be gained.
 TEST(Status, SmallGradientWithMuchGainIsNotConverged) {
   const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(1, 1);
   const ShootingProblem problem = testing::tracking_problem(
@@ -163,8 +163,8 @@ TEST(Status, InterruptedKeepsTheIterateReached) {
 }
 
 TEST(Status, LongIterationsStopHalfWayWithWholeIterate) {
-  // More knots than lanes between two checkpoints: derivatives, sweeps and rollouts have several
-  // each.
+  // More knots than lanes between two checkpoints: derivatives, sweeps, and rollouts each pass
+  // several.
   const ShootingProblem problem =
       testing::tracking_problem(pendulum({}), Integrator::rk4, 20000, 1e-3, {0, 0},
                                 {{M_PI, 0}, {1e-3, 1e-3}, {1e-3}, {10, 10}}, -3, 3);
@@ -207,11 +207,11 @@ TEST(Status, DivergedIfGuessStatesAreNotFinite) {
   guess.x(12)[1] = std::numeric_limits<double>::quiet_NaN();
   const SolveResult result = solve(problem, "fddp", {}, guess);
   EXPECT_EQ(result.status, SolveStatus::diverged);
-  // The next state of knot 11 is compared with it.
+  // It is compared with the next state of knot 11.
   EXPECT_NE(result.message.find("knot 11"), std::string::npos) << result.message;
 }
 
-/// A solver that ends where gradients are beyond all rounding.
+/// A solver that ends where gradients far exceed rounding.
 SolverInfo far_away(SolveStatus status, int iterations) {
   return {.name = "far",
           .control_bounds = BoundSupport::exact,
@@ -239,7 +239,7 @@ TEST(Status, DivergedWhereIterationsEndFarBeyondRounding) {
       << "whatever its iterate is like";
 }
 
-// Gradients of costs in units of 1e-20 are no larger than others.
+// Gradients of costs in units of 1e-20 are no larger than in other units.
 TEST(Status, LargeWeightsAloneLetNothingDiverge) {
   const double weight = 1e20;
   const ShootingProblem problem =
@@ -262,7 +262,7 @@ TEST(Status, RegularizationLimitNamesTheKnot) {
                                 5, 1, {0, 0}, {{1, 1}, {1, 1}, {0}, {1, 1}});
   SolverOptions options;
   options.regularization.kind = RegularizationKind::state;
-  // Without a gradient in u every iterate is stationary: forbid that end.
+  // Without a gradient in u, every iterate is stationary; this tolerance forbids that end.
   options.tolerances.gap = 1e-30;
   Trajectory guess = problem.create_trajectory();
   for (const char* name : {"fddp", "box_fddp"}) {
@@ -278,14 +278,14 @@ TEST(Status, LineSearchFailedIfStepsStayTooLong) {
   const ShootingProblem problem = testing::cartpole_swing_up();
   SolverOptions options;
   options.line_search.min_step = 1;
-  options.regularization.max = options.regularization.min;  // nothing to fall back on
+  options.regularization.max = options.regularization.min;  // no fallback
   const SolveResult result = solve(problem, "ilqr", options, constant_controls(problem, 0.01));
   EXPECT_EQ(result.status, SolveStatus::line_search_failed) << result.message;
   EXPECT_TRUE(finite(result));
   EXPECT_NE(result.message.find("no step length"), std::string::npos) << result.message;
 }
 
-// Crocoddyl's and Aligator's defect: steps accepted because they are small.
+// Known defect of Crocoddyl and Aligator: steps accepted because they are small.
 TEST(Status, GapsCloseWhereNothingCosts) {
   for (const double limit : {testing::kFree, 10.0}) {
     const std::vector<double> none(4, 0.0);
@@ -317,7 +317,7 @@ TEST(Status, RoundingFloorFailsSearchAtBestIterate) {
     EXPECT_LE(result.residuals.stationarity, 1e-10) << name;
     for (const IterationRecord& row : result.log) {
       EXPECT_GE(result.residuals.stationarity, 0);
-      // Co-states along another sweep's policy round differently.
+      // Costates along another sweep's policy round differently.
       EXPECT_LE(result.residuals.stationarity, row.stationarity * 1.01) << name;
     }
   }

@@ -47,7 +47,7 @@ KnotLinearization random_knot(Random& random, int ndx, int nu, bool semi_implici
 
 using Part = StateManifold::Part;
 
-/// Shapes of knots: flat, with one curved block, with two.
+/// Knot structures: flat, with one curved block, with two.
 std::vector<std::vector<StateManifold::Segment>> curved_layouts() {
   return {{}, {{Part::se3, 0, 0, 6}}, {{Part::so3, 2, 2, 3}, {Part::se3, 7, 6, 6}}};
 }
@@ -90,7 +90,7 @@ TEST(ValuePropagation, SkippingKnownZerosChangesNothing) {
   for (const bool semi_implicit : {true, false}) {
     const int ndx = 28, nu = 5, nz = ndx + nu;
     KnotLinearization knot = random_knot(random, ndx, nu, semi_implicit);
-    // The diagonal, and some columns down to the last row.
+    // The diagonal, and some full columns.
     std::vector<std::pair<int, int>> lasting;
     for (int j = 0; j < nz; ++j)
       for (int i = j; i < nz; ++i)
@@ -210,7 +210,8 @@ TEST(GapTransport, PropagationOverAGapMatchesPulledValue) {
   }
 }
 
-// x⁺ = f ⊕ (α − 1) gap with f = (x⁺_old ⊕ gap) ⊕ ε δf: its derivative by ε and α at (0, 0).
+// x⁺ = f ⊕ (α − 1) gap with f = (x⁺_old ⊕ gap) ⊕ ε δf: derivatives with respect to ε and α at (0,
+// 0).
 TEST(GapTransport, IsTheDerivativeOfTheContractedState) {
   Random random(5);
   StateManifold manifold;

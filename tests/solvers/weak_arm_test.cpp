@@ -1,5 +1,5 @@
-// An arm that hangs lifts its hand above its shoulder with motors too weak to hold it outstretched:
-// it has to swing, with bounds active in ever changing sets. The arm is that of docs/example.
+// A hanging arm lifts its hand above its shoulder with motors too weak to hold it outstretched. It
+// must swing, with changing sets of active bounds. The arm is that of docs/example.
 #include <gtest/gtest.h>
 
 #include "ocp/residuals/residuals.hpp"
@@ -59,7 +59,7 @@ TEST(WeakArm, SwingsUpWithNearlyFreeEffort) {
       solve(problem, "box_fddp", {.max_iterations = 200}, problem.create_trajectory());
   EXPECT_EQ(result.status, SolveStatus::converged) << result.message;
   EXPECT_EQ(result.residuals.constraint, 0);
-  EXPECT_LT(result.cost, 0.2);  // a hand that misses by 1 cm would cost 0.5
+  EXPECT_LT(result.cost, 0.2);  // a hand 1 cm off would cost 0.5
 }
 
 }  // namespace

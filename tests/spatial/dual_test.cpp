@@ -20,7 +20,7 @@ double complex_step(F f, double x) {
   return f(Complex(x, h)).imag() / h;
 }
 
-/// A function in dual numbers against its complex step at random points.
+/// A function in dual numbers, compared with its complex step at random points.
 template <class F>
 void expect_complex_step(F f, double lower, double upper, const char* name) {
   RandomNumbers random(1);

@@ -12,8 +12,8 @@
 
 namespace conddp {
 
-/// Angles where formulas change or cancel: at 0, around the thresholds of series (sin² θ/2 = 1e-4,
-/// θ = ½, θ = 1), generic, and around π.
+/// Angles where formulas change or cancel: 0, series thresholds (sin² θ/2 = 1e-4, θ = ½, θ = 1),
+/// generic values, and around π.
 inline std::vector<double> telling_angles() {
   std::vector<double> angles = {0, 1e-200, 1e-16, 1e-9, 1e-5, 1e-3, 0.1, 0.7, 1.5, 2.5};
   for (const double around : {0.02, 0.5, 1.0, M_PI})
@@ -21,7 +21,7 @@ inline std::vector<double> telling_angles() {
   return angles;
 }
 
-/// Some directions, the axes and their opposites among them.
+/// Several directions, including the axes and their opposites.
 inline std::vector<Vector3<double>> directions() {
   std::vector<Vector3<double>> all = {{1, 0, 0},  {0, 1, 0},  {0, 0, 1},
                                       {-1, 0, 0}, {0, -1, 0}, {0, 0, -1}};
@@ -49,7 +49,7 @@ inline Motion<double> operator*(const Matrix6<double>& a, const Motion<double>& 
   return r;
 }
 
-/// m + ε along.
+/// m + ε · along.
 inline Motion<Dual<double>> seeded(const Motion<double>& m, const Motion<double>& along) {
   Motion<Dual<double>> r;
   for (int i = 0; i < 6; ++i) r[i] = {m[i], along[i]};

@@ -19,14 +19,14 @@ Lane random_lane(RandomNumbers& random, double lower, double upper) {
   return a;
 }
 
-/// The distance in units of the last place of the expected double.
+/// Distance in units of the last place of the expected double.
 double ulps(double actual, long double expected) {
   const double rounded = std::abs(static_cast<double>(expected));
   const double ulp = std::nextafter(rounded, kInfinity) - rounded;
   return static_cast<double>(std::abs(static_cast<long double>(actual) - expected) / ulp);
 }
 
-/// sincos of every angle, in whatever lanes they fall.
+/// sincos of every angle in every lane.
 template <class F>
 void for_each_sincos(const std::vector<double>& angles, F test) {
   for (std::size_t i = 0; i < angles.size(); i += kLaneWidth) {
@@ -134,7 +134,7 @@ TEST(LaneSincos, IsWithinTwoUlpsToAThousand) {
   EXPECT_LE(worst_ulps(angles), 2);
 }
 
-// Where one of the two almost vanishes, and where quadrants change.
+// One of the two nearly vanishes there, or the quadrant changes.
 TEST(LaneSincos, IsAccurateAroundMultiplesOfAnEighthTurn) {
   std::vector<double> angles;
   for (int k = -1280; k <= 1280; ++k) {

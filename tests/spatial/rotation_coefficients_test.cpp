@@ -8,8 +8,8 @@
 namespace conddp {
 namespace {
 
-/// Σ (−t)^k / (2k + n)! and its derivative in t; in long double its cancellation costs no digit
-/// of a double for t < 40.
+/// Σ (−t)^k / (2k + n)! and its derivative in t; in long double, cancellation costs no digit of a
+/// double for t < 40.
 struct Series {
   long double value = 0, slope = 0;
   Series(long double t, int n) {
@@ -36,7 +36,7 @@ struct LastReference {
   }
 };
 
-/// (1 − a/(2b))/t without cancellation: (2b − a)/(2bt), where the series of 2b − a begins with t.
+/// (1 − a/(2b))/t without cancellation: (2b − a)/(2bt), where the series of 2b − a starts with t.
 struct InverseReference {
   long double value, slope;
   explicit InverseReference(long double t) {
@@ -56,7 +56,7 @@ struct InverseReference {
   }
 };
 
-/// Angles around where series take over, around π, and in between.
+/// Angles around series thresholds, around π, and in between.
 std::vector<double> squared_angles() {
   std::vector<double> t = {0, 1e-300, 1e-30, 1e-16, 1e-8, 1e-4, 1e-2, 0.1, 0.2};
   for (const double around : {0.25, 1.0, M_PI * M_PI})
@@ -73,9 +73,8 @@ void expect_relative(double actual, long double expected, double tolerance, doub
       << name << " at " << t << ": " << actual << ", not " << static_cast<double>(expected);
 }
 
-// The formulas beyond the threshold t = ¼ cancel what the series there leave out: of the digits of
-// b, c, d, e at most the last one, two, three, four are lost, and none of their derivatives' first
-// ten.
+// Beyond the threshold t = ¼, cancellation costs b, c, d, e at most their last one, two, three,
+// four digits, and leaves the first ten digits of their derivatives.
 TEST(RotationCoefficients, AreAccurateAroundTheSeriesThreshold) {
   for (const double t : squared_angles()) {
     if (t > 10.5) continue;

@@ -42,7 +42,7 @@ TEST(Se3, LogUndoesExp) {
   for_each_twist([](const Motion<double>& m) {
     const Pose<double> pose = integrate_se3(kOrigin, m);
     const Motion<double> back = log_se3(pose);
-    // At π, rounding decides about the axis' sign; then the pose alone is the same.
+    // At π, rounding decides the sign of the axis; then only the pose is equal.
     if (dot(back.angular, m.angular) >= 0) {
       EXPECT_LE(largest(back - m), 1e-14);
     }

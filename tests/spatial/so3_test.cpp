@@ -42,7 +42,7 @@ TEST(So3, ExpTurnsAboutItsAxis) {
 TEST(So3, LogUndoesExp) {
   for_each_rotation_vector([](const Vector3<double>& w) {
     Vector3<double> back = log_so3(exp_so3(w));
-    // At π, rounding decides between w and −w, which are the same rotation.
+    // At π, rounding decides between w and −w, the same rotation.
     if (norm(w) > 3.14159265358 && dot(back, w) < 0) back = -back;
     EXPECT_LE(norm(back - w), 4e-16 + 1e-15 * norm(w));
   });

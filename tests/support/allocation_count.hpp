@@ -4,7 +4,7 @@
 
 #include "support/counted_malloc.hpp"
 
-// For one source of a test program: `allocations` counts while `counting` is set, on any thread.
+// For one source of a test program: `allocations` counts on any thread while `counting` is set.
 
 namespace {
 std::atomic<bool> counting{false};

@@ -2,7 +2,7 @@
 
 namespace conddp {
 
-/// A cart-pole near its upright state, of a problem file from its system to its solver.
+/// A cart-pole near its upright state: the part of a problem file from its system to its solver.
 inline constexpr const char* kBalancing = R"(system: {type: cartpole}
 initial_state: {values: {theta: 2.9}}
 integrator: rk4

@@ -10,9 +10,9 @@
 
 namespace conddp::testing {
 
-/// A block of 2 kg on three slides along x, y and z, of which those along x and y weigh 1 kg each.
-/// Pushed by (u_x, u_y, u_z) it accelerates by u_x / 4, u_y / 3 and u_z / 2 − 9.81, and the world
-/// holds it with −u + (0, 0, 19.62). Limits along x: ±0.5 m, 1.5 m/s, 4 N; free along y and z.
+/// A block of 2 kg on three slides along x, y, and z; the x and y slides weigh 1 kg each. Under a
+/// push (u_x, u_y, u_z) it accelerates by u_x / 4, u_y / 3, and u_z / 2 − 9.81; the world holds it
+/// with −u + (0, 0, 19.62). Limits along x: ±0.5 m, 1.5 m/s, 4 N; none along y and z.
 inline std::shared_ptr<const RobotModel> block_on_slides() {
   const auto link = [](const std::string& name, int mass) {
     return "<link name=\"" + name + "\"><inertial><mass value=\"" + std::to_string(mass) +
@@ -38,7 +38,7 @@ inline std::shared_ptr<const RobotModel> block_on_slides() {
   return std::make_shared<const RobotModel>(urdf.model.value());
 }
 
-/// The block, held by the world at contacts.
+/// The block held by the world at contacts.
 inline std::shared_ptr<const MultibodySystem> block_system(std::vector<Contact> contacts = {}) {
   const auto robot = block_on_slides();
   for (Contact& contact : contacts) contact.frame = *robot->find_frame("block");
@@ -46,7 +46,7 @@ inline std::shared_ptr<const MultibodySystem> block_system(std::vector<Contact> 
                                            std::move(contacts));
 }
 
-/// Knots of 0.1 s, by semi-implicit Euler.
+/// Knots of 0.1 s with semi-implicit Euler.
 inline Phase block_phase(const std::shared_ptr<const MultibodySystem>& system, int knots,
                          double limit = kFree) {
   return tracking_phase(system, Integrator::semi_implicit_euler, knots, 0.1,

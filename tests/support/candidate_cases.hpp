@@ -8,15 +8,15 @@
 
 namespace conddp {
 
-/// A sphere on a robot and what it may touch; in a plane, where one is given.
+/// A sphere on a robot and its candidate; in a plane, if given.
 struct CandidateCase {
   std::string name;
   ContactCandidate candidate;
   std::optional<Vector3<double>> plane;
 };
 
-/// A sphere on the body of the last joint against everything that it may touch, of the world and
-/// of a body on another branch or near the root.
+/// A sphere on the body of the last joint with every kind of candidate, on the world and on a body
+/// of another branch or near the root.
 inline std::vector<CandidateCase> candidate_cases(const RobotModel& model) {
   int tip = 0, other = 0;
   for (int i = 0; i < static_cast<int>(model.frames.size()); ++i) {
@@ -41,7 +41,7 @@ inline std::vector<CandidateCase> candidate_cases(const RobotModel& model) {
   add("box of the world",
       ContactBox{-1, {Matrix3<double>::identity(), {8, 1, 0}}, {0.1, 0.2, 0.3}});
   add("box of the robot", ContactBox{other, {Matrix3<double>::identity(), {0, 9, 1}}, {1, 1, 1}});
-  // So large that the sphere is inside, nearest to each pair of faces in turn.
+  // Large enough to contain the sphere, nearest to each pair of faces in turn.
   add("inside of a box", ContactBox{other, SE3<double>::identity(), {40, 50, 60}});
   add("inside, below", ContactBox{-1, SE3<double>::identity(), {50, 40, 60}});
   add("inside, beside", ContactBox{-1, SE3<double>::identity(), {60, 50, 40}});

@@ -6,11 +6,10 @@
 #include "support/constrained_problems.hpp"
 #include "support/sizes.hpp"
 
-/// Random convex conic linear-quadratic problems that have a solution.
+/// Random feasible convex conic linear-quadratic problems.
 namespace conddp::testing {
 
-/// C z − reference with z = (x, u), or x alone where C has no more columns. Parameter: the
-/// reference.
+/// C z − reference with z = (x, u), or only x if C has no more columns. Parameter: the reference.
 class AffineResidual : public ResidualBase<AffineResidual> {
  public:
   AffineResidual(Eigen::MatrixXd C, int nx)
@@ -39,20 +38,20 @@ class AffineResidual : public ResidualBase<AffineResidual> {
   Eigen::MatrixXd C_;
 };
 
-/// How many of what a random problem has at a knot.
+/// Numbers of a random problem, per knot.
 struct ConicSize {
   int nx, nu, knots;
   int equalities, boxes, cones;  ///< rows, rows, cones of `cone_rows` each
   int cone_rows = 4;
   int terminal = 0;        ///< equalities of the last state
-  double control = kFree;  ///< |u| at most
-  double slack = 0.3;      ///< how far inside the boxes and cones the known point is at most
+  double control = kFree;  ///< limit of |u|
+  double slack = 0.3;      ///< largest margin of the known point inside boxes and cones
   double spectral_radius = 1;
-  int copies = 1;          ///< how often every constraint is there
-  int contradictions = 0;  ///< further equalities of the last state that cannot hold
+  int copies = 1;          ///< copies of every constraint
+  int contradictions = 0;  ///< additional contradictory equalities of the last state
 };
 
-/// With constraints of every kind.
+/// Includes constraints of every kind.
 inline ConicSize middle_size() {
   return {.nx = kSmallSizes ? 8 : 12,
           .nu = kSmallSizes ? 4 : 6,
@@ -64,7 +63,7 @@ inline ConicSize middle_size() {
           .control = 1};
 }
 
-/// One where controls at bounds and rows taken as they come alternate from sweep to sweep.
+/// Saturated controls and active rows alternate from sweep to sweep.
 inline ConicSize alternating_size() {
   ConicSize size = middle_size();
   size.control = 0.3;
@@ -73,7 +72,7 @@ inline ConicSize alternating_size() {
   return size;
 }
 
-/// With equalities alone, of every knot and of the last state.
+/// Only equalities, at every knot and on the last state.
 inline ConicSize equality_size() {
   return {.nx = kSmallSizes ? 8 : 20,
           .nu = kSmallSizes ? 5 : 10,
@@ -84,14 +83,14 @@ inline ConicSize equality_size() {
           .terminal = kSmallSizes ? 3 : 5};
 }
 
-/// One of 2226 rows, with the largest numbers of states, controls and knots that are promised.
+/// 2226 rows, with the largest supported numbers of states, controls, and knots.
 inline ConicSize large_size() {
   return {
       .nx = 40, .nu = 20, .knots = 100, .equalities = 2, .boxes = 8, .cones = 3, .terminal = 26};
 }
 
-/// A random problem whose constraints are met by a random motion, and do not let the optimum
-/// without them be: Jacobians are dense in state and control, but for the terminal ones.
+/// A random problem with constraints that a random motion satisfies and that exclude the
+/// unconstrained optimum. Jacobians are dense in state and control, except the terminal ones.
 struct ConicLinearQuadratic {
   LinearQuadratic lq;
   double control;

@@ -7,12 +7,12 @@
 #include "solvers/common/options.hpp"
 #include "support/linear_quadratic.hpp"
 
-/// Constraints put on the problems of small_problems.hpp and linear_quadratic.hpp, and published
-/// cases with them.
+/// Constraints on the problems of small_problems.hpp and linear_quadratic.hpp, and published cases
+/// with constraints.
 namespace conddp::testing {
 
-/// A constraint on the nodes first … last (N is the terminal node) with the same numbers, but for
-/// references where each of these nodes has its own.
+/// A constraint on the nodes first … last (N is the terminal node) with equal numbers, except for
+/// references given per node.
 struct Added {
   std::string name;
   std::shared_ptr<const Residual> residual;
@@ -21,20 +21,20 @@ struct Added {
   int first = 0, last = 0;
   double slope = 1;
   Softness softness = Softness::hard;
-  double weight = 0;                                 ///< of a soft one
-  std::vector<std::vector<double>> references = {};  ///< of each of the nodes, instead of one
+  double weight = 0;                                 ///< of a soft constraint
+  std::vector<std::vector<double>> references = {};  ///< per node, instead of one
 };
 
-/// Tolerances that leave nothing but rounding between the answers of two solvers.
+/// Tolerances tight enough that answers of two solvers differ only by rounding.
 SolverOptions tight_options();
 
-/// The problem with constraints more.
+/// The problem with additional constraints.
 ShootingProblem with_constraints(const ShootingProblem& problem, const std::vector<Added>& list);
 
 /// x_N = goal.
 Added goal_constraint(const ShootingProblem& problem, std::vector<double> goal);
 
-/// ALTRO's cases (Howell, Jackson, Manchester 2019), with the cost of their optimum.
+/// ALTRO's cases (Howell, Jackson, Manchester 2019) with their optimal costs.
 struct PublishedCase {
   std::string name;
   ShootingProblem problem;

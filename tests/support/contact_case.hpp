@@ -19,7 +19,7 @@ struct ContactCase {
   std::vector<Contact> contacts;
 };
 
-/// Every kind of contact in either axes on every robot, and sets of several.
+/// Every kind of contact in either axes on every robot, and sets of several contacts.
 inline std::vector<ContactCase> contact_cases() {
   std::vector<TestModel> robots = random_robots();
   for (TestModel& robot : mimic_robots()) {

@@ -18,7 +18,7 @@ inline ContactPlant contact_plant(const std::string& name, const std::vector<std
   ContactPlant plant;
   plant.robot = std::make_shared<RobotModel>(*load_urdf(file, {.gravity = gravity}).model);
   plant.B = Actuation::joints(*plant.robot, actuated).B;
-  plant.contacts.plane = Vector3<double>{0, 1, 0};  // its tangent to the ground is +x
+  plant.contacts.plane = Vector3<double>{0, 1, 0};  // its tangent on the ground is +x
   return plant;
 }
 
@@ -26,7 +26,7 @@ inline int velocity_index(const ContactPlant& plant, const std::string& joint) {
   return plant.robot->joints[plant.robot->find_joint(joint).value()].v;
 }
 
-/// A point or ball on a frame of the robot above ground, rigid and with friction.
+/// A rigid, frictional point or ball on a robot frame above ground.
 inline ContactCandidate on_ground(const ContactPlant& plant, const std::string& frame,
                                   double friction, double radius = 0) {
   ContactCandidate candidate;
@@ -37,8 +37,8 @@ inline ContactCandidate on_ground(const ContactPlant& plant, const std::string& 
   return candidate;
 }
 
-/// The block of 1 kg with all its corners above ground; gravity is turned by the slope's angle, so
-/// that it pulls towards +x.
+/// The 1 kg block with all corners above ground; gravity is rotated by the slope angle, so that it
+/// pulls towards +x.
 inline ContactPlant block_on_slope(double friction, double angle = 0) {
   ContactPlant plant =
       contact_plant("block", {"base_x"}, {9.81 * std::sin(angle), 0, -9.81 * std::cos(angle)});
@@ -47,7 +47,7 @@ inline ContactPlant block_on_slope(double friction, double angle = 0) {
   return plant;
 }
 
-/// The crate of 1 kg, a cube of 0.2 m, that floats above ground with all its corners.
+/// The 1 kg crate, a floating cube of 0.2 m, with all corners above ground.
 inline ContactPlant crate(double friction, FrictionModel model = FrictionModel::polyhedron) {
   const auto file = std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/robots/crate.urdf";
   ContactPlant plant;
@@ -59,7 +59,7 @@ inline ContactPlant crate(double friction, FrictionModel model = FrictionModel::
   return plant;
 }
 
-/// The crate's pose with its middle at a height and turned by an angle about y; at rest.
+/// The crate at rest with its centre at height z, rotated by `pitch` about y.
 inline StepStart crate_start(double z, double pitch, double h) {
   StepStart start{Eigen::VectorXd::Zero(7), Eigen::VectorXd::Zero(6), Eigen::VectorXd::Zero(6), h};
   start.q[2] = z;
@@ -68,7 +68,7 @@ inline StepStart crate_start(double z, double pitch, double h) {
   return start;
 }
 
-/// The start of a step at rest in the zero configuration.
+/// Start of a step at rest in the zero configuration.
 inline StepStart at_rest(const ContactPlant& plant, double h) {
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(plant.nv());
   return {zero, zero, zero, h};

@@ -2,9 +2,9 @@
 
 #include <cstddef>
 
-// Functions that allocate, in place of those of the C library, for one source of a program or of a
-// library that is loaded before others: each calls count_allocation(), which that source defines.
-// Eigen calls malloc itself, and operator new ends in it or in aligned_alloc: these see every
+// Replacements of the C library's allocation functions, for one source of a program or of a
+// preloaded library. Each calls count_allocation(), which that source defines. Eigen calls malloc
+// directly, and operator new ends in malloc or aligned_alloc, so these functions see every
 // allocation.
 
 namespace conddp::testing {

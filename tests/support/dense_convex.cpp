@@ -22,8 +22,8 @@ Eigen::VectorXd values_at(const ShootingProblem& problem, Evaluator& evaluator,
   return evaluation.constraint;
 }
 
-/// How much of the way from s to its nearest point in the constraint's set ADMM goes, with penalty
-/// 1: all of it where it is hard, the proximal step of the penalty where it is soft.
+/// Share of the way from s to its nearest point in the set that ADMM goes with penalty 1: the whole
+/// way for hard constraints, the proximal step of the penalty for soft ones.
 double share_of_way(const ShootingProblem& problem, const NodeConstraint& c, double distance) {
   if (!c.is_soft() || distance == 0) return 1;
   const KnotView& knot = problem.knot(c.node);
@@ -51,8 +51,7 @@ void move_towards(const ShootingProblem& problem, const NodeConstraint& c, const
   z.segment(c.row, n) -= share_of_way(problem, c, off.norm()) * off;
 }
 
-/// The nearest point of the constraints' sets, and of soft ones the proximal point; rows that are
-/// switched off are free.
+/// Nearest point of the hard sets, and proximal point of the soft ones; disabled rows are free.
 Eigen::VectorXd nearest(const ShootingProblem& problem, const Eigen::VectorXd& s) {
   Eigen::VectorXd z = s;
   for (const NodeConstraint& c : problem.constraints())

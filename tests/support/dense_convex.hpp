@@ -6,31 +6,30 @@
 
 #include "support/constrained_problems.hpp"
 
-/// Convex problems with constraints, and their optimum by a method that shares nothing with the
-/// solvers.
+/// Convex constrained problems and their optimum by a method independent of the solvers.
 namespace conddp::testing {
 
-/// A convex problem in all controls: ½ Uᵀ H U + gᵀ U with G U + d in the sets of its constraints
-/// and U between bounds.
+/// A convex problem in all controls: ½ Uᵀ H U + gᵀ U with G U + d in the constraint sets and U
+/// between bounds.
 struct Dense {
   Eigen::MatrixXd H, G;
   Eigen::VectorXd g, d;
   double low, up;
 };
 
-/// The problem of `lq` with the constraints of `problem`, states eliminated.
+/// The problem of `lq` with the constraints of `problem`, with states eliminated.
 Dense make_dense(const LinearQuadratic& lq, const ShootingProblem& problem, double low, double up);
 
-/// The optimum by ADMM with an exact factor: nothing in common with the solvers.
+/// Optimum by ADMM with an exact factorization, independent of the solvers.
 Eigen::VectorXd dense_optimum(const ShootingProblem& problem, const Dense& p);
 
-/// All controls, one after the other.
+/// All controls stacked.
 Eigen::VectorXd controls_of(const Trajectory& t);
 
-/// Constraints that cut an optimum off, of every kind.
+/// Constraints of every kind that exclude an optimum.
 std::vector<Added> cuts(const ShootingProblem& problem, const Trajectory& best);
 
-/// Those that cut off the optimum without any bound.
+/// Constraints that exclude the optimum without bounds.
 std::vector<Added> cuts(const LinearQuadratic& lq);
 
 }  // namespace conddp::testing

@@ -10,21 +10,21 @@
 
 namespace conddp::testing {
 
-/// The linear-quadratic model of a whole horizon in dense matrices: ½ zᵀ H z + gᵀ z of the
-/// z = (δx, δu) of all nodes, one after the other, with E z = e, which says δx_0 = 0 and
-/// ∂x⁺/∂z_k z_k + gap_k = δx_{k+1}. For flat spaces. Nothing is shared with the sweeps.
+/// The linear-quadratic model of a whole horizon in dense matrices, for flat spaces: ½ zᵀ H z + gᵀ
+/// z with stacked z = (δx, δu) of all nodes, subject to E z = e. The equations are δx_0 = 0 and
+/// ∂x⁺/∂z_k z_k + gap_k = δx_{k+1}. Independent of the sweeps.
 struct DenseHorizon {
-  /// Gaps that are not `open` count as closed.
+  /// Gaps count as closed unless `open`.
   DenseHorizon(const Linearization& linearization, bool open);
 
   Eigen::MatrixXd H, E;
   Eigen::VectorXd g, e;
-  /// z = S U + s of all controls U, one after the other.
+  /// z = S U + s of all stacked controls U.
   Eigen::MatrixXd S;
   Eigen::VectorXd s;
   int ndx = 0;
-  std::vector<int> nu;      ///< of each node, 0 of the last one
-  std::vector<int> offset;  ///< of each node's z
+  std::vector<int> nu;      ///< of each node, 0 for the last
+  std::vector<int> offset;  ///< of each node's part of z
 
   int nodes() const { return static_cast<int>(nu.size()); }
   int size() const { return static_cast<int>(g.size()); }
@@ -39,12 +39,12 @@ struct DenseHorizon {
     Eigen::MatrixXd costates;  ///< ndx x nodes: λ of x_k, with + λᵀ(x⁺ − x) in the Lagrangian
     Eigen::VectorXd multipliers;  ///< of the rows of A
   };
-  /// The minimum with A z + b = 0, from the KKT system of all unknowns.
+  /// Minimum subject to A z + b = 0, from the KKT system of all unknowns.
   Optimum minimum(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) const;
   Optimum minimum() const { return minimum(Eigen::MatrixXd(0, size()), Eigen::VectorXd(0)); }
 };
 
-/// The constraint rows of all nodes: rows of the problem x size of z.
+/// Constraint rows of all nodes: rows of the problem x size of z.
 Eigen::MatrixXd dense_constraints(const ShootingProblem& problem,
                                   const Linearization& linearization);
 
@@ -57,23 +57,23 @@ struct DensePenalty {
   Eigen::VectorXd outside(const Eigen::VectorXd& z) const;
   double value(const Eigen::VectorXd& z) const;
   Eigen::VectorXd gradient(const Eigen::VectorXd& z) const;
-  /// Puts it into the model at z = 0, as it is there.
+  /// Adds the penalty at z = 0 to the model.
   void add_to(Linearization& linearization) const;
 };
 
-/// C z between bounds at the nodes first … last, which have as many controls. C has the columns of
-/// the state and those of the control, if any.
+/// C z between bounds at the nodes first … last, which have equal numbers of controls. C has
+/// columns for the state and, if any, the control.
 Added affine_rows(const Eigen::MatrixXd& C, const ShootingProblem& problem, int first, int last,
                   double lower, double upper);
 
-/// The problem with the same number of such rows at every node, whose C is all ones.
+/// The problem with the same number of such rows at every node, with an all-ones C.
 ShootingProblem rows_at_all_nodes(const LinearQuadratic& lq, int rows, double lower, double upper);
-/// The penalty that an augmentation makes of them, with the values of a linearisation.
+/// Penalty of these rows in an augmentation, with the values of a linearization.
 DensePenalty penalty_of_rows(const ShootingProblem& problem, const Linearization& linearization,
                              const Augmentation& augmentation);
 
-/// Random numbers for a flat problem's linearisation: convex costs, dynamics that do not grow by
-/// much, gaps, constraint values and their derivatives.
+/// Randomizes a flat problem's linearization: convex costs, dynamics of moderate growth, gaps,
+/// constraint values, and their derivatives.
 void randomize(const ShootingProblem& problem, RandomNumbers& random, Linearization& linearization);
 
 }  // namespace conddp::testing

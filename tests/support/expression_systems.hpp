@@ -12,14 +12,14 @@
 
 namespace conddp {
 
-/// A system in words; throws where it is wrong.
+/// A system from expressions; throws on errors.
 inline std::shared_ptr<const System> expression_system(const ExpressionSystemText& text) {
   ParsedExpressionSystem parsed = make_expression_system(text);
   if (!parsed.errors.empty()) throw std::invalid_argument(parsed.errors[0].message.message);
   return parsed.system;
 }
 
-/// A system of the catalogue and the same in words.
+/// A catalogue system and the same system as expressions.
 struct SystemInWords {
   std::string name;
   std::shared_ptr<const System> compiled;

@@ -9,17 +9,17 @@
 
 #include "support/robots.hpp"
 
-// Problems of robots that are not part of the product: the files of tests/foreign.
+// Problems of robots from outside the product: the files of tests/foreign.
 
 namespace conddp {
 
-/// What read_problem takes: the file, and the setting that says where its robot is.
+/// Input of read_problem: the file, and the setting for the path of its robot.
 struct ForeignProblem {
   std::filesystem::path file;
   std::vector<std::string> settings;
 };
 
-/// tests/foreign/NAME.yaml with the robot of that URDF file; none where the robot is absent.
+/// tests/foreign/NAME.yaml with the robot of that URDF file; nullopt if the robot is absent.
 inline std::optional<ForeignProblem> foreign_problem(const std::string& name,
                                                      const std::string& urdf) {
   const auto robot = foreign_robot_folder() / urdf;
@@ -28,10 +28,10 @@ inline std::optional<ForeignProblem> foreign_problem(const std::string& name,
   return ForeignProblem{folder / (name + ".yaml"), {"robot.urdf=" + robot.string()}};
 }
 
-/// The trot of HyQ that Crocoddyl and Pinocchio solved: two diagonal swings on the spot.
+/// The HyQ trot solved by Crocoddyl and Pinocchio: two diagonal swings in place.
 inline std::optional<ForeignProblem> hyq_trot() { return foreign_problem("hyq_trot", "hyq.urdf"); }
 
-/// What they found for it: figures at the first guess and at the optimum. None where it is absent.
+/// Their reference figures at the first guess and at the optimum; nullopt if absent.
 inline std::optional<nlohmann::json> hyq_trot_reference() {
   std::ifstream figures(foreign_robot_folder().parent_path() / "reference/hyq_trot.json");
   if (!figures) return std::nullopt;

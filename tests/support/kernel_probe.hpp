@@ -18,7 +18,7 @@
 
 namespace conddp {
 
-/// The random robots, ours, and those of the folder of foreign ones, loaded once.
+/// The random robots, ours, and those of the foreign folder, loaded once.
 inline const std::vector<TestModel>& kernel_models() {
   static const std::vector<TestModel> models = [] {
     std::vector<TestModel> all = random_robots();
@@ -68,20 +68,20 @@ struct ProbeState {
   }
 };
 
-/// So that what another kernel has left there does not pass for a result.
+/// Overwrites earlier contents, so that they do not pass for results.
 template <class S>
 void forget_acceleration(RobotData<S>& data) {
   std::fill(data.acceleration.begin(), data.acceleration.end(),
             S(std::numeric_limits<double>::quiet_NaN()));
 }
 
-/// Everything that the kernels compute in a state, by name. Jacobians are filled up to nv columns.
+/// All kernel outputs in a state, by name. Jacobians are padded to nv columns.
 template <class S>
 class KernelProbe {
  public:
   KernelProbe(const RobotModel& model, const ProbeState<S>& x)
       : KernelProbe(model, x, RobotData<S>(model)) {}
-  /// Begins with data of former evaluations.
+  /// Starts with data of earlier evaluations.
   KernelProbe(const RobotModel& model, const ProbeState<S>& x, RobotData<S> data)
       : model_(model), data_(std::move(data)) {
     inverse_dynamics(model, x.q.data(), x.v.data(), x.a.data(), data_);
@@ -182,7 +182,7 @@ class KernelProbe {
   std::vector<std::pair<std::string, std::vector<S>>> outputs_;
 };
 
-/// Equal within the tolerance relative to the largest expected element (at least 1).
+/// Expects equality within the tolerance relative to the largest expected element (at least 1).
 inline void expect_close(const std::vector<double>& actual, const std::vector<double>& expected,
                          double tolerance, const std::string& what) {
   ASSERT_EQ(actual.size(), expected.size()) << what;

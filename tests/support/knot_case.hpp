@@ -18,7 +18,7 @@
 
 namespace conddp {
 
-/// A knot model with one random state, control and parameter set.
+/// A knot model with one random state, control, and parameter set.
 struct KnotCase {
   std::string name;
   std::shared_ptr<const KnotModel> model;
@@ -26,7 +26,7 @@ struct KnotCase {
   double dt = 0.05;
 };
 
-/// A state at the given tangent scale from neutral, rotations large.
+/// A state at the given tangent scale from neutral, with large rotations.
 inline std::vector<double> random_manifold_state(const StateManifold& manifold,
                                                  RandomNumbers& random, double size) {
   std::vector<double> x = manifold.neutral(), dx(manifold.ndx());
@@ -35,8 +35,8 @@ inline std::vector<double> random_manifold_state(const StateManifold& manifold,
   return x;
 }
 
-/// The derivative of next state and cost along one direction of z, by dual numbers through
-/// `evaluate`: independent of every analytic derivative.
+/// Derivative of next state and cost along one direction of z, by dual numbers through `evaluate`,
+/// independent of all analytic derivatives.
 struct DirectionalDerivative {
   Eigen::VectorXd next;
   double cost;
@@ -67,7 +67,7 @@ inline DirectionalDerivative directional_derivative(const KnotCase& c, int direc
   return result;
 }
 
-/// Two poses' worth of residual parameters fit any residual: random references.
+/// Random references: parameters for two poses suffice for any residual.
 inline KnotCase make_case(std::string name, std::shared_ptr<KnotModel> model,
                           RandomNumbers& random) {
   KnotCase c;
@@ -132,7 +132,7 @@ inline std::vector<std::pair<std::string, std::shared_ptr<const System>>> test_s
                        std::make_shared<MultibodySystem>(floating, Actuation::full(*floating),
                                                          PassiveForces{}, contacts));
   systems.emplace_back("impulse", std::make_shared<MultibodySystem>(floating, contacts, 0.5));
-  // Rotations that are not the first of their states, of the first and of the second order.
+  // Rotations that are not first in their states, for first and second order.
   systems.emplace_back(
       "attitude",
       expression_system({.kind = SystemKind::first_order,
@@ -148,7 +148,7 @@ inline std::vector<std::pair<std::string, std::shared_ptr<const System>>> test_s
                          .controls = expression_columns({"f", "tx", "ty"}),
                          .equations = {{"v", "f - rotate(q, [1, 2, 3]).x"},
                                        {"w", "[tx, ty, 0.3*v] - cross(w, [0.5, 1, 2])"}}}));
-  // Its floating base is neither first nor alone.
+  // Its floating base is neither first nor the only tree.
   const auto both = std::make_shared<RobotModel>(
       combine({random_robot(5, {.joints = 3, .wrenches = 1}),
                random_robot(6, {.joints = 2, .floating = true, .wrenches = 1})}));
@@ -172,12 +172,12 @@ inline std::vector<Integrator> integrators_of(const System& system) {
           Integrator::rk3, Integrator::rk4};
 }
 
-/// Whether states end with the control of the knot before.
+/// Memory of states that may end with the previous control.
 inline ControlMemory memory_of(bool previous) {
   return previous ? ControlMemory::previous : ControlMemory::none;
 }
 
-/// Knots of the case one after another, from its state, and a terminal node without costs.
+/// Consecutive knots of the case from its state, and a terminal node without costs.
 inline ShootingProblem problem_of(const KnotCase& c, int count) {
   Phase phase{
       "knots", c.model, std::vector<double>(count, c.dt), std::vector<double>(count, c.dt), {}};

@@ -8,7 +8,7 @@
 
 namespace conddp::testing {
 
-/// The answer of a case's problem, solved again.
+/// Solves the problem of a golden case again and returns the answer.
 inline nlohmann::json solve_again(const GoldenCase& golden) {
   Diagnostics diagnostics;
   const auto outcome = solve_golden(golden, {}, diagnostics);
@@ -16,7 +16,7 @@ inline nlohmann::json solve_again(const GoldenCase& golden) {
   return outcome ? outcome->answer : nlohmann::json();
 }
 
-/// Expects that the problem of a golden file has its answer still, which it returns.
+/// Expects that the problem of a golden file still has its answer, and returns it.
 inline nlohmann::json expect_known_answer(const std::filesystem::path& file) {
   Diagnostics diagnostics;
   const auto golden = load_golden(file, diagnostics);

@@ -19,9 +19,9 @@ inline std::vector<int> simple_joints(const RobotModel& model) {
   return joints;
 }
 
-/// Robots whose joints mimic others: leaders before and after those that follow them, several
-/// followers of one leader, sliders that follow hinges, in one tree, across branches and across
-/// trees. All joints have damping and friction, each its own.
+/// Robots with mimic joints: leaders before and after their followers, several followers of one
+/// leader, sliders following hinges, in one tree, across branches, and across trees. Every joint
+/// has its own damping and friction.
 inline std::vector<TestModel> mimic_robots() {
   std::vector<TestModel> robots;
   const auto add = [&](const char* name, RobotModel model) {
@@ -45,7 +45,7 @@ inline std::vector<TestModel> mimic_robots() {
   return robots;
 }
 
-/// The constraints of mimicry on full velocities, C v = 0: a row per mimic joint.
+/// Mimic constraints C v = 0 on full velocities: one row per mimic joint.
 inline Eigen::MatrixXd mimic_constraints(const RobotModel& model) {
   Eigen::MatrixXd C = Eigen::MatrixXd::Zero(static_cast<int>(model.mimics.size()), model.nv);
   for (std::size_t i = 0; i < model.mimics.size(); ++i) {
@@ -56,7 +56,7 @@ inline Eigen::MatrixXd mimic_constraints(const RobotModel& model) {
   return C;
 }
 
-/// A random state of all joints that obeys the constraints.
+/// A random state of all joints that satisfies the constraints.
 inline RobotState random_mimic_state(const RobotModel& model, RandomNumbers& random) {
   RobotState state = random_state(model, random);
   for (const Mimic& mimic : model.mimics) {

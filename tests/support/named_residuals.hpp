@@ -11,8 +11,8 @@
 
 namespace conddp {
 
-/// Pairs of shapes of every kind: on each `frame_step`-th frame against shapes of the world and
-/// those on another frame. A frame that does not move has a pair, too.
+/// Shape pairs of every kind: on each `frame_step`-th frame with shapes of the world and of another
+/// frame. A fixed frame has a pair too.
 inline std::vector<DistancePair> distance_pairs(const RobotModel& robot, int frame_step = 1) {
   std::vector<DistancePair> pairs;
   const int n = static_cast<int>(robot.frames.size());
@@ -34,8 +34,8 @@ inline std::vector<DistancePair> distance_pairs(const RobotModel& robot, int fra
   return pairs;
 }
 
-/// Every residual that a robot's knots can have, by name: what tests of all residuals run through.
-/// A new residual is one more line here. Of the frames every `frame_step`-th one.
+/// Every residual of a robot's knots by name, for tests that cover all residuals; a new residual
+/// adds a line here. Uses every `frame_step`-th frame.
 inline std::vector<std::pair<std::string, std::shared_ptr<const Residual>>> named_residuals(
     const std::shared_ptr<const MultibodySystem>& system, const KnotModel& model,
     int frame_step = 1) {

@@ -13,7 +13,7 @@ inline Eigen::VectorXd random_vector(Eigen::Index n, std::mt19937_64& engine) {
   return Eigen::VectorXd::NullaryExpr(n, [&] { return number(engine); });
 }
 
-/// Jᵀ m and J d of a program at its present point.
+/// Jᵀ m and J d of a program at its current point.
 inline Eigen::VectorXd jacobian_times(NonlinearProgram& program, const Eigen::VectorXd& d,
                                       bool transposed) {
   Eigen::VectorXd values(program.jacobian_structure().size());
@@ -51,7 +51,7 @@ inline Eigen::VectorXd lagrangian_gradient(NonlinearProgram& program, double wei
   return weight * gradient + jacobian_times(program, multipliers, true);
 }
 
-/// Compares gradient, Jacobian and Hessian along a random direction with central differences, to
+/// Compares gradient, Jacobian, and Hessian along a random direction with central differences, to
 /// `tolerance` of the largest entry.
 inline void check_derivatives(NonlinearProgram& program, const Eigen::VectorXd& y,
                               std::mt19937_64& engine, double tolerance) {
@@ -82,7 +82,7 @@ inline void check_derivatives(NonlinearProgram& program, const Eigen::VectorXd& 
   for (const double w : {weight, 0.0}) {
     Eigen::VectorXd curve = (ahead.gradient - behind.gradient) / (2 * kStep);
     if (w == 0) {
-      // Without the cost: what is left when its own curvature is taken away.
+      // Without the cost: the total minus the cost's own curvature.
       curve -= hessian_times(program, weight, Eigen::VectorXd::Zero(program.rows()), d);
     }
     EXPECT_LE((hessian_times(program, w, multipliers, d) - curve).lpNorm<Eigen::Infinity>(),

@@ -7,11 +7,11 @@
 #include "analysis/certificate/solution_claims.hpp"
 #include "support/small_problems.hpp"
 
-/// A problem of one step, and claims of an answer to it.
+/// A one-step problem, and claims of an answer to it.
 namespace conddp::testing {
 
-/// One step x⁺ = x + u from the origin, ½ ‖u − wish‖², and a constraint on where it ends,
-/// which is soft if it has a weight; the cost is multiplied by `effort`.
+/// One step x⁺ = x + u from the origin with cost effort · ½ ‖u − wish‖² and a constraint on its
+/// end, which is soft if it has a weight.
 inline ShootingProblem one_step(const std::vector<double>& wish, ConstraintKind kind,
                                 const std::vector<double>& bounds, double weight = 0,
                                 double effort = 1) {
@@ -36,7 +36,7 @@ inline ShootingProblem one_step(const std::vector<double>& wish, ConstraintKind 
       {.name = "end", .model = end, .dt = {0}, .cost_scale = {1}, .parameters = constraint});
 }
 
-/// Claims of a step u that ends the motion, with the same co-state and multiplier everywhere.
+/// Claims of a step u that ends the motion, with equal costates and multipliers everywhere.
 inline SolutionClaims claims_of(const ShootingProblem& problem, const Eigen::VectorXd& u,
                                 const Eigen::VectorXd& multiplier, double cost) {
   SolutionClaims claims(problem);

@@ -11,8 +11,8 @@
 
 namespace conddp::testing {
 
-/// A pendulum by semi-implicit Euler with quadratic costs, in plain numbers and with derivatives
-/// that were found by hand, beside the ShootingProblem of the same. For complex numbers, too.
+/// A pendulum with semi-implicit Euler and quadratic costs in plain arithmetic with hand-derived
+/// derivatives, and the equivalent ShootingProblem. Supports complex numbers.
 struct PlainPendulum {
   int knots = 5;
   double dt = 0.1;
@@ -64,8 +64,8 @@ struct PlainPendulum {
   }
   Eigen::Vector2d end_gradient(const Eigen::Vector2d& x) const { return qf.cwiseProduct(x - goal); }
 
-  /// Cost from x at knot `first` on, where the controls are v + K (x − x̄) and each step ends at
-  /// next + offset.
+  /// Cost from x at knot `first`, where controls are v + K (x − x̄) and each step ends at next +
+  /// offset.
   template <class S>
   S cost_to_go(int first, State<S> x, const std::vector<S>& v,
                const std::vector<Eigen::RowVector2d>& K,

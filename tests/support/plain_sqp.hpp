@@ -10,8 +10,8 @@
 
 namespace conddp::testing {
 
-/// Newton's method on a pendulum that ends at an angle, at a speed of at most `fastest` at node 3
-/// and with limited controls: the quadratic program of every iterate by enumeration of active sets.
+/// Newton's method on a pendulum with a terminal angle, a speed of at most `fastest` at node 3, and
+/// limited controls. Enumerates active sets of the quadratic program of every iterate.
 struct PlainSqp {
   PlainPendulum plain;
   double end = 0.8, fastest = 1;
@@ -35,7 +35,7 @@ struct PlainSqp {
       for (int k = 0; k < t.knots(); ++k) t.u(k)[0] = u[k];
       return t;
     }
-    /// The largest difference of states and controls.
+    /// Largest difference of states and controls.
     double distance(const Trajectory& t) const {
       double largest = 0;
       for (int k = 0; k <= t.knots(); ++k)
@@ -45,7 +45,7 @@ struct PlainSqp {
     }
   };
 
-  /// Multipliers of all constraint rows of the problem, most of which are switched off.
+  /// Multipliers of all constraint rows; most rows are disabled.
   Eigen::VectorXd rows(const Eigen::Vector2d& multipliers) const {
     Eigen::VectorXd all = Eigen::VectorXd::Zero(plain.knots + 1);
     all[3] = multipliers[0];
@@ -53,14 +53,14 @@ struct PlainSqp {
     return all;
   }
 
-  /// The motion of constant controls.
+  /// Motion of constant controls.
   Point simulated(double u) const {
     Point p{.x = {plain.start}, .u = Eigen::VectorXd::Constant(plain.knots, u)};
     for (int k = 0; k < plain.knots; ++k) p.x.push_back(plain.next<double>(p.x[k], u));
     return p;
   }
 
-  /// Co-states without gains, with the multipliers of the rows.
+  /// Costates without gains, with the multipliers of the rows.
   std::vector<Eigen::Vector2d> costates(const Point& p) const {
     std::vector<Eigen::Vector2d> lambda(plain.knots + 1);
     lambda.back() = plain.end_gradient(p.x.back()) + Eigen::Vector2d(p.multipliers[1], 0);
@@ -71,7 +71,7 @@ struct PlainSqp {
     }
     return lambda;
   }
-  /// The model of the horizon, with exact Hessians or those of the costs; gradients of the costs.
+  /// Horizon model with exact or cost Hessians, and cost gradients.
   DenseHorizon model(const Point& p, const ShootingProblem& problem, bool exact) const {
     const auto lambda = costates(p);
     Linearization l(problem);

@@ -26,7 +26,7 @@ inline Contact random_contact(int frame, ContactKind kind, FrameAxes axes, Rando
   return c;
 }
 
-/// Frames of a model that move, the last ones first: far from the root.
+/// Movable frames of a model, last ones first: far from the root.
 inline std::vector<int> moving_frames(const RobotModel& model) {
   std::vector<int> frames;
   for (int i = static_cast<int>(model.frames.size()) - 1; i >= 0; --i)

@@ -12,8 +12,8 @@
 
 namespace conddp {
 
-/// A value with one derivative: a second implementation of dual numbers, for any scalar that has
-/// the elementary functions.
+/// A value with one derivative: an independent implementation of dual numbers for any scalar with
+/// elementary functions.
 template <class T>
 struct Along {
   T value, slope;
@@ -90,8 +90,8 @@ double real_part(const Along<T>& a) {
   return real_part(a.value);
 }
 
-/// A random expression as a tree, which writes itself as text and walks itself in any scalar with
-/// complex parts. Its values and their derivatives stay moderate: functions that have a domain get
+/// A random expression tree that prints itself as text and evaluates itself in any scalar with
+/// complex parts. Its values and derivatives stay moderate: functions with a restricted domain get
 /// arguments inside it.
 class RandomExpression {
  public:
@@ -115,7 +115,7 @@ class RandomExpression {
     }
   }
 
-  /// Inputs are called x0, x1, ...
+  /// Inputs are named x0, x1, ...
   std::string text() const {
     const auto of = [&](int i) { return operands_[i].text(); };
     switch (kind_) {

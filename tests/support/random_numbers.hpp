@@ -9,7 +9,7 @@
 
 namespace conddp {
 
-/// Random numbers that are the same with every standard library.
+/// Random numbers that are identical with every standard library.
 class RandomNumbers {
  public:
   explicit RandomNumbers(std::uint64_t seed) : engine_(seed) {}

@@ -9,7 +9,7 @@ namespace conddp {
 
 namespace {
 
-/// That of some body: a positive distribution of mass, hence the triangle inequality holds.
+/// A physically valid inertia: a positive mass distribution, hence the triangle inequality.
 Inertia<double> random_inertia(RandomNumbers& random) {
   const double mass = random.uniform(0.5, 5);
   Symmetric3<double> spread = Symmetric3<double>::zero();
@@ -55,7 +55,7 @@ RobotModel random_robot(std::uint64_t seed, const RandomRobotOptions& options) {
   RobotModel model;
   model.name = "random" + std::to_string(seed);
   if (options.floating) model.joints.push_back(floating_joint(random));
-  // Depth first: a joint hangs on the last one or on one of its ancestors.
+  // Depth first: a joint attaches to the last one or to one of its ancestors.
   for (int i = 0; i < options.joints; ++i) {
     int parent = model.joint_count() - 1;
     while (parent >= 0 && random.chance(options.branching)) {

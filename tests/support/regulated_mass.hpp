@@ -11,21 +11,21 @@
 
 namespace conddp::testing {
 
-/// A mass that forces move which add up, exact over 0.1 s; `pull` works against them.
+/// A mass moved by additive forces, exact over 0.1 s; `pull` opposes them.
 inline std::shared_ptr<const System> pushed_mass(int forces, double pull = 0) {
   const Eigen::Matrix2d A{{1, 0.1}, {0, 1}};
   const Eigen::MatrixXd B = Eigen::Vector2d(0.005, 0.1).replicate(1, forces);
   return linear_system(A, B, -pull * Eigen::Vector2d(0.005, 0.1));
 }
 
-/// A constraint of a knot, and what the knot gives it: reference, bounds, switch, weight.
+/// A constraint of a knot and its parameters: reference, bounds, switch, weight.
 struct StageConstraint {
   ConstraintTerm term;
   std::vector<double> numbers;
 };
 
-/// What a regulator is made from: ½ (x − reference)ᵀ diag(state) (x − reference) + ½ effort ‖u‖² as
-/// a rate.
+/// Stage cost of a regulator: ½ (x − reference)ᵀ diag(state) (x − reference) + ½ effort ‖u‖² as a
+/// rate.
 struct StageCost {
   std::vector<double> reference, state;
   double effort = 0.1;
@@ -44,7 +44,7 @@ inline Phase stage_of(const std::shared_ptr<const System>& system, const StageCo
   model->add_cost("effort", control_residual(model->ndx(), nu), {});
   model->set_control_bounds(std::move(lower), std::move(upper));
   Phase phase{.name = "knot", .dt = {0.1}, .cost_scale = {0.1}};
-  phase.parameters = cost.reference;  // references, then the weight, of each cost
+  phase.parameters = cost.reference;  // references, then the weight of each cost
   phase.parameters.push_back(1);
   phase.parameters.resize(phase.parameters.size() + nu);
   phase.parameters.push_back(cost.effort);
@@ -64,7 +64,7 @@ inline Phase mass_stage(const std::shared_ptr<const System>& mass, std::vector<d
                   std::move(constraints));
 }
 
-/// At the origin, from controls of zero. States are named x0, x1 and so on.
+/// Regulator at the origin from zero controls. States are named x0, x1, and so on.
 inline TerminalResult regulated(const Phase& phase, int knot = 0) {
   const KnotModel& model = *phase.model;
   std::vector<std::string> names;

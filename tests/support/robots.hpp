@@ -10,9 +10,9 @@
 
 namespace conddp {
 
-/// A robot that tests load, with the base it is meant for.
+/// A robot that tests load, with its intended base.
 struct TestRobot {
-  std::string name;  ///< the file's stem
+  std::string name;  ///< stem of the file
   std::filesystem::path urdf;
   UrdfOptions::Base base = UrdfOptions::Base::fixed;
 };
@@ -29,7 +29,7 @@ inline std::vector<TestRobot> our_robots() {
           {"quadrotor", folder / "quadrotor.urdf", Base::floating}};
 }
 
-/// Five robots with every kind of base: what derivatives are checked on by name.
+/// Five robots with every kind of base, for derivative checks by name.
 inline std::vector<TestRobot> five_robots() {
   using Base = UrdfOptions::Base;
   const std::filesystem::path folder = std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/robots";
@@ -44,8 +44,8 @@ inline std::shared_ptr<const RobotModel> load(const TestRobot& robot) {
   return std::make_shared<RobotModel>(*load_urdf(robot.urdf, {.base = robot.base}).model);
 }
 
-/// The folder of robots that are not part of the product: CONDDP_ROBOTS_DIR, else a folder
-/// shared/robots beside the sources. It may not exist.
+/// Folder of robots from outside the product: CONDDP_ROBOTS_DIR, or else shared/robots beside the
+/// sources. It may not exist.
 inline std::filesystem::path foreign_robot_folder() {
   if (const char* folder = std::getenv("CONDDP_ROBOTS_DIR")) return folder;
   return std::filesystem::path(CONDDP_SOURCE_DIR).parent_path() / "shared/robots";
@@ -54,8 +54,8 @@ inline std::filesystem::path foreign_robot_folder() {
 inline constexpr const char* kNoForeignRobots =
     "no folder with further robots: set CONDDP_ROBOTS_DIR to one";
 
-/// The robots of that folder that tests know, none if it is absent. Their names begin with
-/// "foreign_" where one of ours is called the same.
+/// Robots of that folder that tests know; empty if it is absent. Names begin with "foreign_" if one
+/// of ours has the same name.
 inline std::vector<TestRobot> foreign_robots() {
   using Base = UrdfOptions::Base;
   const std::filesystem::path folder = foreign_robot_folder();
@@ -78,8 +78,8 @@ inline std::vector<TestRobot> foreign_robots() {
   return robots;
 }
 
-/// What Pinocchio computes for the robot at random states (scripts/peers/robot_fixtures.py); the
-/// file need not exist.
+/// Pinocchio's values for the robot at random states (scripts/peers/robot_fixtures.py); the file
+/// need not exist.
 inline std::filesystem::path fixture_path(const TestRobot& robot) {
   return std::filesystem::path(CONDDP_SOURCE_DIR) / "tests/robot/data" / (robot.name + ".json");
 }

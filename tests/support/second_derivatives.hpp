@@ -8,15 +8,15 @@
 
 namespace conddp {
 
-/// Whether a model's exact Hessians come by parts.
+/// True if a model has exact partwise Hessians.
 inline bool known_by_parts(const KnotModel& model) {
   KnotBatch<Lane> at(model);
   KnotBatch<Dual<Lane>> moving(model);
   return KnotSecondDerivatives::make(model, at, moving) != nullptr;
 }
 
-/// Exact Hessians of a trajectory with random co-states: those of the acts beside those that dual
-/// numbers through all of `differentiate` give.
+/// Compares exact partwise Hessians of a trajectory with random costates with dual numbers through
+/// all of `differentiate`.
 inline void expect_hessians_of_dual_numbers(const ShootingProblem& problem,
                                             const Trajectory& trajectory,
                                             const Augmentation& augmentation,

@@ -9,13 +9,13 @@
 #include "solvers/riccati/linear_rollout.hpp"
 #include "solvers/stages/box_stage.hpp"
 
-/// Sweeps by segments beside the one from end to start.
+/// Segment sweeps, compared with the sequential sweep.
 namespace conddp::testing {
 
-/// A linearised iterate, swept in some number of segments.
+/// A linearized iterate, swept in some number of segments.
 class SegmentedIterate {
  public:
-  /// Rows of constraints enter as an augmented Lagrangian with that penalty.
+  /// Constraint rows enter as an augmented Lagrangian with this penalty.
   SegmentedIterate(const ShootingProblem& problem, const Trajectory& guess, Segments segments,
                    double penalty = 10)
       : problem_(problem),
@@ -38,10 +38,9 @@ class SegmentedIterate {
 
   const Eigen::MatrixXd& Quu(int k) const { return sweep_.Quu(k); }
 
-  /// Finds the active set of each stage, from end to start. False where one has no minimum.
+  /// Finds the active set of each stage in a sequential sweep. False if a stage has no minimum.
   bool begin() { return run(false) < 0; }
-  /// A sweep with that set around another cost, after which values at the ends of segments are
-  /// those of that one.
+  /// Sweeps another cost with that set; values at segment ends then belong to that cost.
   void sweep_another_cost() {
     const auto scale_later_nodes = [&](double factor) {
       for (int k = problem_.knots() / 2; k <= problem_.knots(); ++k)
@@ -51,7 +50,7 @@ class SegmentedIterate {
     EXPECT_LT(run(true), 0);
     scale_later_nodes(0.25);
   }
-  /// A sweep with that set, rolled out through the linear model.
+  /// Sweeps with that set and rolls out through the linear model.
   void sweep() {
     ASSERT_LT(run(true), 0);
     rollout_.run(linearization_, trajectory_, gaps_, feedback, false);
@@ -59,7 +58,7 @@ class SegmentedIterate {
     for (int k = 1; k <= problem_.knots(); ++k)
       costates.emplace_back(sweep_.value(k).Vx + sweep_.value(k).Vxx * rollout_.dx(k));
   }
-  /// What would change of the active set.
+  /// Number of changes that a revision makes to the active set.
   int revise() {
     std::optional<int> last;
     return rollout_.revise(stages_->active_set(), last);
@@ -85,7 +84,7 @@ class SegmentedIterate {
   std::vector<Eigen::VectorXd> costates;  ///< of the nodes 1 … N
 };
 
-/// Largest difference as a share of the largest number.
+/// Largest difference relative to the largest number.
 inline double relative_difference(const std::vector<Eigen::VectorXd>& a,
                                   const std::vector<Eigen::VectorXd>& b) {
   double off = 0, largest = 0;
@@ -96,8 +95,8 @@ inline double relative_difference(const std::vector<Eigen::VectorXd>& a,
   return largest > 0 ? off / largest : off;
 }
 
-/// Expects that a sweep by segments around an iterate gives the step and the co-states of the one
-/// from end to start, whatever the values at the ends of segments that it starts from.
+/// Expects that a segment sweep around an iterate gives the step and costates of the sequential
+/// sweep, for any initial values at segment ends.
 inline void expect_equal_by_segments(const ShootingProblem& problem, const Trajectory& guess,
                                      double tolerance = 1e-9) {
   SegmentedIterate one(problem, guess, {});
@@ -114,7 +113,7 @@ inline void expect_equal_by_segments(const ShootingProblem& problem, const Traje
     EXPECT_LT(relative_difference(several.step(), one.step()), tolerance);
     EXPECT_LT(relative_difference(several.costates, one.costates), tolerance);
     EXPECT_EQ(several.revise(), changes);
-    // Segments have gains of their own: no sweep from end to start took their place.
+    // Segments have their own gains: a sequential sweep did not replace them.
     const int end = SegmentSweep::split(problem.knots(), segments)[1];
     double gains = 0, changes_of_gains = 0;
     for (int k = 0; k < end; ++k) {

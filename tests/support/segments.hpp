@@ -14,8 +14,8 @@ inline double point_to_segment(const Eigen::Vector3d& p, const Eigen::Vector3d& 
   return (a + t * d - p).norm();
 }
 
-/// The distance of two segments by ternary search along the first one: that to the second one is
-/// convex there.
+/// Distance of two segments by ternary search along the first; the distance to the second is convex
+/// there.
 inline double searched_distance(const Eigen::Vector3d& a0, const Eigen::Vector3d& a1,
                                 const Eigen::Vector3d& b0, const Eigen::Vector3d& b1) {
   double low = 0, high = 1;

@@ -11,8 +11,8 @@
 
 namespace conddp {
 
-/// Kinematics and inertia of a model written as plainly as possible, to check a loaded model
-/// without the kernel under test.
+/// Kinematics and inertia of a model in the plainest form, to check loaded models independently of
+/// the kernels.
 inline std::vector<SE3<double>> simple_joint_placements(const RobotModel& model,
                                                         const std::vector<double>& q) {
   std::vector<SE3<double>> world;
@@ -51,7 +51,7 @@ inline Vector3<double> simple_com(const RobotModel& model, const std::vector<dou
   return (1 / model.total_mass()) * moment;
 }
 
-/// Σ Jᵀ I J over the bodies, everything in world axes at the world's origin.
+/// Σ Jᵀ I J over the bodies, in world axes at the world origin.
 inline Eigen::MatrixXd simple_inertia_matrix(const RobotModel& model,
                                              const std::vector<double>& q) {
   const auto world = simple_joint_placements(model, q);

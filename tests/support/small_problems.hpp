@@ -11,17 +11,17 @@
 #include "ocp/residuals/residuals.hpp"
 #include "systems/closed_forms/catalogue.hpp"
 
-/// Small problems on which several solver tests stand.
+/// Small problems shared by several solver tests.
 namespace conddp::testing {
 
-/// Σ ½ (x − x_ref)ᵀ diag(q) (x − x_ref) + ½ uᵀ diag(r) u along the way, ½ (·)ᵀ diag(qf) (·) at the
-/// end; running costs times dt where `rates`.
+/// Running cost ½ (x − x_ref)ᵀ diag(q) (x − x_ref) + ½ uᵀ diag(r) u, times dt if `rates`; terminal
+/// cost ½ (x − x_ref)ᵀ diag(qf) (x − x_ref).
 struct TrackingCost {
   std::vector<double> goal, q, r, qf;
   bool rates = true;
 };
 
-/// Knots of one system with that cost, its controls between the limits.
+/// Knots of one system with that cost and control limits.
 Phase tracking_phase(std::shared_ptr<const System> system, Integrator integrator, int knots,
                      double dt, const TrackingCost& cost, double limit_low, double limit_up,
                      const std::string& name = "all");
@@ -36,14 +36,14 @@ ShootingProblem tracking_problem(const std::shared_ptr<const System>& system, In
                                  int knots, double dt, std::vector<double> start,
                                  const TrackingCost& cost, double low = -kFree, double up = kFree);
 
-/// Swing-ups and motions of the systems of the catalogue, controls within ± limit.
+/// Swing-ups and motions of catalogue systems, with controls within ± limit.
 ShootingProblem pendulum_swing_up(double limit = kFree);
 ShootingProblem cartpole_swing_up(double limit = kFree, Integrator integrator = Integrator::rk4);
 ShootingProblem acrobot_swing_up(double limit = kFree);
 ShootingProblem unicycle_parking(double limit = kFree);
 ShootingProblem quadrotor_move(double limit_low = -kFree, double limit_up = kFree);
 
-/// The hopper falls from 5 cm, its foot stops at an impulse, and it comes to rest on its leg.
+/// The hopper falls from 5 cm, an impulse stops its foot, and it comes to rest on its leg.
 ShootingProblem landing(double limit = kFree);
 
 /// Sets every control of a trajectory.

@@ -10,7 +10,7 @@ namespace {
 
 enum Side { kFreeRow, kLowerRow, kUpperRow };
 
-/// Whether the optimum with these rows as equations, and no others, is that of the program.
+/// True if the optimum with only these rows as equations solves the program.
 bool solves(const SmallQp& qp, const std::vector<Side>& sides, SmallQpOptimum& optimum) {
   const int n = static_cast<int>(qp.g.size()), m = static_cast<int>(sides.size());
   std::vector<int> active;
@@ -55,7 +55,7 @@ SmallQpOptimum enumerate_active_sets(const SmallQp& qp) {
   for (;;) {
     if (solves(qp, sides, optimum)) return optimum;
     int i = 0;
-    for (; i < m; ++i) {  // the next number to the base 3
+    for (; i < m; ++i) {  // next base-3 number
       if (qp.lower[i] == qp.upper[i]) continue;
       sides[i] = sides[i] == kUpperRow ? kFreeRow : static_cast<Side>(sides[i] + 1);
       if (sides[i] != kFreeRow) break;

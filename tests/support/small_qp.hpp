@@ -14,14 +14,14 @@ struct SmallQp {
   double value(const Eigen::VectorXd& x) const { return 0.5 * x.dot(H * x) + g.dot(x); }
 };
 
-/// The optimum of a SmallQp and the multipliers of its rows, positive at upper bounds:
-/// H x + g + Aᵀ ν = 0.
+/// Optimum of a SmallQp and the multipliers of its rows, positive at upper bounds: H x + g + Aᵀ ν =
+/// 0.
 struct SmallQpOptimum {
   Eigen::VectorXd x, multipliers;
 };
 
-/// By trying all active sets, 3 to the number of rows, until the optimality conditions hold. Fails
-/// the test where they hold for none.
+/// Tries all active sets, 3 to the number of rows, until the optimality conditions hold. Fails the
+/// test if they never do.
 SmallQpOptimum enumerate_active_sets(const SmallQp& qp);
 
 }  // namespace conddp::testing

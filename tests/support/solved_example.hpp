@@ -17,7 +17,7 @@ struct ProblemText {
   std::string yaml;
 };
 
-/// A problem, ready or given as text, and the document of its answer.
+/// An example problem, or one given as text, and the document of its answer.
 struct SolvedExample {
   explicit SolvedExample(const std::string& name, const std::vector<std::string>& settings = {},
                          const BuildOptions& options = {}) {
@@ -25,7 +25,7 @@ struct SolvedExample {
     const auto file = std::filesystem::path(CONDDP_SOURCE_DIR) / "problems" / (name + ".yaml");
     solve_and_write(read_problem(file, settings, out), options, out);
   }
-  /// Of a text as it might stand in a file of problems/.
+  /// Solves a text as if from a file of problems/.
   explicit SolvedExample(const ProblemText& text) {
     Diagnostics out;
     const auto file = std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/text.yaml";
@@ -54,7 +54,7 @@ struct SolvedExample {
   }
 };
 
-/// Changes a number in the place where it stands.
+/// Adds to a number in place.
 inline void add_to(OrderedJson& number, double change) { number = number.get<double>() + change; }
 
 inline std::string failures(const SolutionCertificate& certificate) {

@@ -15,7 +15,7 @@ namespace conddp::testing {
 
 inline constexpr double kPivotTolerance = 1e-6;
 
-/// A sparse symmetric matrix, whose unknowns can be renumbered.
+/// A sparse symmetric matrix with renumberable unknowns.
 struct SparseSystem {
   int size = 0;
   Sparsity structure;
@@ -47,7 +47,7 @@ struct SparseSystem {
   }
 };
 
-/// After `analyse`: the solution, and the number of negative eigenvalues.
+/// Checks the solution and the number of negative eigenvalues after `analyse`.
 inline void expect_solved(const SparseSystem& system, SymmetricFactorization& factorization,
                           double accuracy) {
   ASSERT_EQ(factorization.factorize(system.values.data(), kPivotTolerance),

@@ -7,9 +7,8 @@
 
 namespace conddp {
 
-/// A random robot with everything that contacts which are found can have: candidates with and
-/// without friction, rigid and soft, against the world and against its own bodies, stops, and dry
-/// friction.
+/// A random robot with every contact-implicit feature: candidates with and without friction, rigid
+/// and soft, on the world and on its own bodies, stops, and dry friction.
 inline std::shared_ptr<const SteppingSystem> stepping_robot(
     bool planar, SteppingScheme scheme = SteppingScheme::backward_euler,
     FrictionModel friction = FrictionModel::polyhedron, bool floating = false) {

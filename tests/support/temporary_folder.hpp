@@ -11,7 +11,7 @@
 
 namespace conddp {
 
-/// A folder that no other test has, removed at the end: tests run beside each other.
+/// A unique folder for parallel tests, removed at the end.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
@@ -29,7 +29,7 @@ class TemporaryFolder {
   const std::filesystem::path& path() const { return path_; }
   std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
 
-  /// Writes a file, makes the folders that its name has, and returns its path.
+  /// Writes a file with its parent folders and returns its path.
   std::string write(const std::string& name, const std::string& text) const {
     std::filesystem::create_directories((path_ / name).parent_path());
     std::ofstream(path_ / name, std::ios::binary) << text;

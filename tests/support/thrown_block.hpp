@@ -8,8 +8,7 @@
 
 namespace conddp {
 
-/// A block that is thrown, lands, slides and stops, with dry friction and a stop on its way along
-/// x.
+/// A block that is thrown, lands, slides, and stops, with dry friction and a stop along x.
 inline ContactMotion thrown_block() {
   ContactMotion motion;
   motion.plant = block_on_slope(0.5);

@@ -20,15 +20,15 @@
 /// Example problems by direct transcription.
 namespace conddp::testing {
 
-/// Where the known answers of problems lie that take so long that the default tests leave them out.
+/// Folder of known answers of problems that are too slow for the default tests.
 inline std::filesystem::path slow_answers() {
   return std::filesystem::path(CONDDP_SOURCE_DIR) / "tests/golden/slow";
 }
 
-/// Names a test by its parameter, a string.
+/// Names a test by its string parameter.
 inline constexpr auto name_of = [](const auto& test) { return test.param; };
 
-/// Names of the problems of those.
+/// Names of these slow problems.
 inline std::vector<std::string> slow_problems() {
   std::vector<std::string> names;
   for (const auto& entry : std::filesystem::directory_iterator(slow_answers()))
@@ -37,7 +37,7 @@ inline std::vector<std::string> slow_problems() {
   return names;
 }
 
-/// Names of the example problems with a robot on legs, or of those without; the slow ones left out.
+/// Names of the example problems with legged robots, or of the others; without slow ones.
 inline std::vector<std::string> ready_problems(bool legged) {
   std::vector<std::string> names;
   const auto folder = std::filesystem::path(CONDDP_SOURCE_DIR) / "problems";
@@ -86,8 +86,8 @@ inline void check_transcription(const std::string& name) {
   check_derivatives(program, y, engine, 1e-5);
 }
 
-/// Solves a problem by `ipopt` from its guess, or from its own solver's answer, and expects the
-/// known optimum with a certificate that holds.
+/// Solves a problem with `ipopt` from its guess, or from its own solver's answer, and expects the
+/// known optimum with a valid certificate.
 inline void expect_known_optimum(const std::string& name, bool from_answer) {
   const ReadyProblem ready(name, {"solver.name=ipopt"});
   Trajectory start = ready.built.guess;

@@ -1,4 +1,4 @@
-// The geometry of contact candidates: known figures, and derivatives against differences.
+// Geometry of contact candidates: known figures, and derivatives compared with differences.
 #include "systems/contact/candidate_geometry.hpp"
 
 #include <cmath>
@@ -25,7 +25,7 @@ CandidateRows<double> rows_at(const RobotModel& model, const CandidateGeometry& 
   return out;
 }
 
-/// q moved by h along a direction of its tangent space.
+/// q moved by h along a tangent direction.
 std::vector<double> moved(const RobotModel& model, const std::vector<double>& q, int direction,
                           double h) {
   StateManifold space;
@@ -92,7 +92,7 @@ TEST(CandidateGeometry, KnownGaps) {
   EXPECT_DOUBLE_EQ(inside.directions[0].z, -1);
 }
 
-/// The rows of a floating body are those of its corner's velocity.
+/// The rows of a floating body are the velocity of its corner.
 TEST(CandidateGeometry, FloatingBodyRowsMatchPointVelocities) {
   const RobotModel model = random_robot(7, {.joints = 1, .floating = true});
   int base = 0;

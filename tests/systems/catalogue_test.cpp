@@ -29,7 +29,7 @@ RobotModel load(const std::string& name, UrdfOptions::Base base) {
   return *result.model;
 }
 
-// Energies, written with positions of the masses and their velocities.
+// Energies from mass positions and velocities.
 
 template <class S>
 S pendulum_energy(const PendulumParameters& p, const S* x) {
@@ -55,8 +55,8 @@ S acrobot_energy(const AcrobotParameters& p, const S* x) {
          S(p.gravity) * (S(p.mass1) * y1 + S(p.mass2) * y2);
 }
 
-/// Checks dE/dt = power(x, u) at random states of a flat second-order system, and that without
-/// power the energy stays along a fine integration.
+/// Checks dE/dt = power(x, u) at random states of a flat second-order system, and that the energy
+/// is constant along a fine integration without power.
 template <class Energy, class Power>
 void expect_power_balance(const System& system, Energy energy, Power power) {
   RandomNumbers random(101);
@@ -173,8 +173,8 @@ TEST(Catalogue, QuadrotorMatchesItsUrdfWithThrusters) {
 }
 
 TEST(Catalogue, PlanarQuadrotorIsTheQuadrotorInAPlane) {
-  // In the plane of x and z the planar angle turns about −y; front and rear rotors alone push, and
-  // their reaction torques are left out because they would turn the body out of the plane.
+  // In the x-z plane, the planar angle rotates about −y. Only the front and rear rotors push, and
+  // their reaction torques are omitted because they would rotate the body out of the plane.
   const PlanarQuadrotorParameters p{.mass = 0.7, .inertia = 0.05, .arm = 0.2, .gravity = 9.6};
   const auto planar = planar_quadrotor(p);
   const auto spatial = quadrotor({.mass = p.mass,
@@ -188,7 +188,7 @@ TEST(Catalogue, PlanarQuadrotorIsTheQuadrotorInAPlane) {
   for (int repeat = 0; repeat < 20; ++repeat) {
     const std::vector<double> x = random.numbers(6, 2), u = random.numbers(2, 5);
     const double s = std::sin(x[2]), c = std::cos(x[2]), omega = x[5];
-    // World to body for a turn by θ about −y: (c x + s z, −s x + c z).
+    // World to body for a rotation by θ about −y: (c x + s z, −s x + c z).
     const double vx = c * x[3] + s * x[4], vz = -s * x[3] + c * x[4];
     const std::vector<double> X = {
         x[0], 0, x[1], 0, -std::sin(x[2] / 2), 0, std::cos(x[2] / 2), vx, 0, vz, 0, -omega, 0};
@@ -225,7 +225,7 @@ TEST(Catalogue, CarIsTheReferenceFormula) {
 
 TEST(Catalogue, CarsWheelsDoNotSlip) {
   // The front wheel rolls h v along its heading θ + w; the rear axle moves along θ; their distance
-  // stays the wheelbase.
+  // remains the wheelbase.
   const double d = 2.3, h = 0.05;
   const auto system = car(d, h);
   RandomNumbers random(107);
@@ -244,7 +244,8 @@ TEST(Catalogue, CarsWheelsDoNotSlip) {
 }
 
 TEST(Catalogue, UnicycleDrivesAnArc) {
-  // x(t) = x₀ + (v/ω)(sin(θ₀ + ω t) − sin θ₀), y alike with −cos, θ = θ₀ + ω t: the rate along it.
+  // x(t) = x₀ + (v/ω)(sin(θ₀ + ω t) − sin θ₀), likewise y with −cos, θ = θ₀ + ω t: the rate along
+  // it.
   const auto system = unicycle();
   RandomNumbers random(108);
   for (int repeat = 0; repeat < 50; ++repeat) {
@@ -272,7 +273,7 @@ TEST(Catalogue, LanderBurnsWhatItsThrustCosts) {
   EXPECT_NEAR(rate[4], -2, 1e-14);
   EXPECT_NEAR(rate[5], 6 - 3.5, 1e-14);
   EXPECT_NEAR(rate[6], 2e-3 * 130, 1e-10);  // ‖T‖ = 130 N
-  // Without thrust it falls, and its Jacobians are finite there.
+  // Without thrust it falls, and its Jacobians are finite.
   const std::vector<double> fall = rate_of(*system, x, {0, 0, 0});
   EXPECT_EQ(fall[5], -3.5);
   EXPECT_NEAR(fall[6], 0, 1e-5);

@@ -1,4 +1,5 @@
-// Accelerations and forces by branches of the tree, against one dense system that knows no tree.
+// Accelerations and forces along tree branches, compared with one dense system without tree
+// structure.
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
@@ -13,7 +14,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using Data = MultibodySystem::Data<double>;
 
-/// The columns of [M −Jᵀ; J ε]⁻¹ [−∂tau/∂z + B; −∂c/∂z].
+/// Columns of [M −Jᵀ; J ε]⁻¹ [−∂tau/∂z + B; −∂c/∂z].
 MatrixXd dense_columns(const MultibodySystem& system, const Data& data) {
   const int n = system.nv(), m = system.contacts().rows(), nu = system.nu();
   MatrixXd kkt = MatrixXd::Zero(n + m, n + m), rhs = MatrixXd::Zero(n + m, 2 * n + nu);

@@ -1,5 +1,5 @@
-// Contacts and impulses: their equations, checked by code that shares nothing with them but the
-// kinematics and dynamics of free robots, and their derivatives against dual numbers.
+// Equations of contacts and impulses, checked by code that shares only the kinematics and dynamics
+// of free robots; derivatives, compared with dual numbers.
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
@@ -26,7 +26,7 @@ std::shared_ptr<const MultibodySystem> hit(const ContactCase& c, double restitut
   return std::make_shared<MultibodySystem>(c.robot, c.contacts, restitution);
 }
 
-/// A random state of the system (of independent joints).
+/// A random state of the system (independent joints).
 std::vector<double> random_system_state(const MultibodySystem& system, RandomNumbers& random) {
   const RobotState s = random_state(system.robot(), random);
   std::vector<double> x = system.reduce_configuration(s.q);
@@ -41,8 +41,8 @@ std::vector<double> random_control(const MultibodySystem& system, RandomNumbers&
   return u;
 }
 
-/// The rows that a contact holds, of its point's velocity or its frame's twist, given the frame's
-/// rotation and the vectors in the world.
+/// Constrained rows of a contact's point velocity or frame twist, from the frame's rotation and
+/// world vectors.
 VectorXd rows_of(const Contact& c, const Matrix3<double>& R, const Vector3<double>& linear,
                  const Vector3<double>& angular) {
   const auto put = [](const Vector3<double>& a) { return Eigen::Vector3d(a.x, a.y, a.z); };
@@ -66,8 +66,9 @@ VectorXd rows_of(const Contact& c, const Matrix3<double>& R, const Vector3<doubl
   return rows;
 }
 
-/// What a contact asks of accelerations: for a point, the acceleration of its position with the
-/// stabilising terms; for a surface the rate of the local twist. By dual numbers along the motion.
+/// Acceleration constraint of a contact: for a point, the acceleration of its position with
+/// stabilizing terms; for a surface, the rate of the local twist. Uses dual numbers along the
+/// motion.
 VectorXd acceleration_rows(const RobotModel& model, const Contact& c, const std::vector<double>& q,
                            const std::vector<double>& v, const std::vector<double>& a) {
   StateManifold manifold;
@@ -80,7 +81,7 @@ VectorXd acceleration_rows(const RobotModel& model, const Contact& c, const std:
     step[i] = D(0.0, v[i]);
     vd[i] = D(v[i], a[i]);
   }
-  // Exact to first order in time, which is what dual numbers carry.
+  // Exact to first order in time, as dual numbers require.
   for (const Joint& joint : model.joints) {
     if (joint.type != JointType::floating) {
       qd[joint.q] = D(q[joint.q], v[joint.v]);
@@ -118,7 +119,7 @@ VectorXd acceleration_rows(const RobotModel& model, const Contact& c, const std:
   return rows_of(c, R, sum, Vector3<double>::zero());
 }
 
-/// The generalised force of a contact's force and torque in the world.
+/// Generalized force of a contact's force and torque in the world.
 VectorXd generalised_force(const RobotModel& model, RobotData<double>& data, const Contact& c,
                            const Force<double>& f) {
   const std::vector<int> columns = support(model, model.frames[c.frame].joint);
@@ -175,7 +176,7 @@ TEST_P(ContactEquations, ForcesAreThoseThatHoldTheContacts) {
     EXPECT_LT(
         (Map<const VectorXd>(reduced.data(), system->nv()) - applied).lpNorm<Eigen::Infinity>(),
         (d.contacts.compliant ? 1e-7 : 1e-9) * scale);
-    // The contacts' accelerations.
+    // Accelerations of the contacts.
     for (int i = 0; i < system->contacts().count(); ++i) {
       VectorXd rows = acceleration_rows(model, c.contacts[i], q, v, a);
       if (d.contacts.compliant) rows += give(*system, d, i);
@@ -235,7 +236,7 @@ TEST_P(ContactEquations, ImpulseStopsContactsAndChangesMomentum) {
   }
 }
 
-/// Derivatives of what a system writes (f, then the contacts' forces), by dual numbers.
+/// Derivatives of a system's outputs (f, then the contact forces), by dual numbers.
 MatrixXd dual_derivatives(const MultibodySystem& system, const std::vector<double>& x,
                           const std::vector<double>& u) {
   using DL = Dual<Lane>;
@@ -276,7 +277,7 @@ void expect_equal_derivatives(const MultibodySystem& system, const std::vector<d
                               const std::vector<double>& u) {
   const auto data = system.create_data(double{});
   system.evaluate(x.data(), u.data(), *data);
-  // Where rows depend on each other, rounding is amplified by 1/ε.
+  // For dependent rows, 1/ε amplifies rounding.
   const double tolerance = static_cast<const Data&>(*data).contacts.compliant ? 1e-6 : 1e-9;
   const MatrixXd expected = dual_derivatives(system, x, u);
   const MatrixXd found = analytic_derivatives(system, x, u);
@@ -305,7 +306,8 @@ TEST_P(ContactDerivatives, OfVelocitiesAndImpulsesAgreeWithDualNumbers) {
   }
 }
 
-/// Four points at the corners of each foot of a quadruped's front: twelve rows of which six count.
+/// Four points at the corners of each front foot of a quadruped: twelve rows, six of them
+/// independent.
 ContactCase corners_of_one_body() {
   RobotModel model = random_robot(9, {.joints = 9, .floating = true, .branching = 0.2});
   const int joint = model.joint_count() - 1;
@@ -328,7 +330,7 @@ TEST(RedundantContacts, HoldLikeASoleWithSmallestForces) {
   const auto surface = held({"sole", c.robot, {sole}});
   RandomNumbers random(41);
   std::vector<double> x = random_system_state(*corners, random);
-  std::fill(x.begin() + corners->nq(), x.end(), 0.0);  // at rest both ask for the same
+  std::fill(x.begin() + corners->nq(), x.end(), 0.0);  // at rest both require the same
   const std::vector<double> u = random_control(*corners, random);
   const auto a = corners->create_data(double{}), b = surface->create_data(double{});
   corners->evaluate(x.data(), u.data(), *a);
@@ -350,8 +352,8 @@ TEST(RedundantContacts, HoldLikeASoleWithSmallestForces) {
 }
 
 TEST(RedundantContacts, LeaveTheOtherLanesAlone) {
-  // A stretched-out arm of two joints cannot move its tip along itself: the rows depend on each
-  // other in that lane, which must not reach the arms in the others.
+  // A stretched arm of two joints cannot move its tip along itself. The rows are dependent in that
+  // lane, which must not affect the arms in the other lanes.
   const UrdfResult loaded = load_urdf(
       std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/robots/double_pendulum.urdf", {});
   ASSERT_TRUE(loaded.model);

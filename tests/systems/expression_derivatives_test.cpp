@@ -1,5 +1,5 @@
-// Values and derivatives of random expressions beside those of a tree that walks itself in complex
-// numbers: first derivatives by complex steps, second ones by complex steps through dual numbers.
+// Values and derivatives of random expressions, compared with trees evaluated in complex numbers.
+// First derivatives use complex steps, second derivatives complex steps through dual numbers.
 #include <gtest/gtest.h>
 
 #include "support/random_expression.hpp"
@@ -28,7 +28,7 @@ RandomCase random_case(std::uint64_t seed) {
   return {std::move(text), std::move(tree), random.numbers(kInputs, 1.5)};
 }
 
-/// The inputs move by themselves, each along a column of its own.
+/// Each input moves along its own column.
 InputMotions identity_motions(ExpressionGraph& graph) {
   InputMotions motions;
   for (int i = 0; i < kInputs; ++i) motions.push_back({{i, graph.constant(1)}});
@@ -110,7 +110,7 @@ void expect_gradient(const RandomCase& c, const ExpressionGraph& graph, NodeId o
     EXPECT_NEAR(gradient[i], slope_by_complex_step(c, i), 1e-11 * scale) << c.text;
 }
 
-/// The derivative of an expression by x0, or the one of that, where all inputs are 0.
+/// First or second derivative of an expression with respect to x0 at zero inputs.
 double derivative_at_zero(const std::string& text, int order) {
   ExpressionGraph graph;
   NodeId node = parse_good(text, graph);
@@ -260,7 +260,7 @@ TEST(ExpressionPrograms, FuseProductsWithSumsAndSinesWithCosines) {
   ExpressionGraph graph;
   const NodeId output = parse_good("x0*x1 + x2*sin(x3) - x1*cos(x3)", graph);
   const ExpressionProgram program(graph, {&output, 1}, kInputs, 1);
-  EXPECT_EQ(program.instructions(), 4);  // sincos, a product, two fused
+  EXPECT_EQ(program.instructions(), 4);  // sincos, one product, two fused instructions
 }
 
 TEST(ExpressionPrograms, OutputsMayBeInputsOrConstants) {

@@ -54,7 +54,7 @@ struct ParserFixture {
     return v;
   }
   ParsedExpression parse(std::string_view text) { return parse_expression(text, scope, graph); }
-  /// The numbers of a good expression.
+  /// Values of a valid expression.
   std::vector<double> numbers(const std::string& text) {
     const ParsedExpression parsed = parse(text);
     if (!parsed.value) {
@@ -194,7 +194,7 @@ TEST(ExpressionParser, ReadsVectors) {
       {"[pair, x, [y]]", {5, 6, 3, -2}},
       {"cross([1, 0, 0], [0, 1, 0])", {0, 0, 1}},
       {"if(x > 0, pair, [0, 0])", {5, 6}},
-      // The rotation by 120 degrees about (1, 1, 1).
+      // Rotation by 120 degrees about (1, 1, 1).
       {"rotate(rotation, position)", {4, 1, 2}},
       {"rotate_inverse(rotation, position)", {2, 4, 1}},
       {"conjugate(rotation)", {-0.5, -0.5, -0.5, 0.5}},
@@ -224,7 +224,7 @@ TEST(ExpressionParser, WarnsOfWhatIsNotSmooth) {
             "the argument 'width' of 'smooth_abs' is not constant: it has to stay above 0");
 }
 
-/// Lines of the file of malformed expressions: the text, the column from 1 on, the message.
+/// Lines of the file of malformed expressions: text, one-based column, message.
 struct MalformedExpression {
   std::string text;
   int column = 0;
@@ -285,12 +285,12 @@ TEST(ExpressionParser, LimitsSizeAndDepth) {
         << repeated;
   }
 
-  // A name in a vector, which is a name of the next one, would double each time.
+  // A name in a vector that defines the next name would double the size each time.
   std::string vector = "[x";
   for (std::size_t i = 0; i < kMostVectorNumbers / 5; ++i) vector += ", long";
   EXPECT_EQ(fixture.parse(vector + "]").error.message, "a vector has at most 1000 numbers");
 
-  // Long sums are not deep.
+  // Long sums do not nest deeply.
   std::string sum = "x";
   while (sum.size() < kMostExpressionBytes - 10) sum += " + x*y";
   EXPECT_TRUE(fixture.parse(sum).value);

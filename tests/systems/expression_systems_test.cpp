@@ -1,4 +1,4 @@
-// Systems of expressions beside compiled ones.
+// Expression systems, compared with compiled ones.
 #include "support/expression_systems.hpp"
 
 #include <gtest/gtest.h>
@@ -26,7 +26,7 @@ TEST(ExpressionSystems, EveryClosedFormSystemMatchesTheCompiledOne) {
   }
 }
 
-// In words, and as closed forms that are recorded.
+// As expressions, and as recorded closed forms.
 TEST(ExpressionSystems, SecondDerivativesAreThoseOfDualNumbers) {
   RandomNumbers random(312);
   for (const SystemInWords& system : systems_in_words()) {
@@ -63,7 +63,7 @@ TEST(ExpressionSystems, CollocationDerivativesMatchCompiledSystems) {
   }
 }
 
-/// A driven oscillator: what depends on the time has a clock among its states.
+/// A driven oscillator: time-dependent systems have a clock state.
 ExpressionSystemText driven(SystemKind kind) {
   ExpressionSystemText text{
       .kind = kind, .states = {{"x", "m"}}, .controls = {{"u", "N"}}, .parameters = {{"k", 3}}};
@@ -108,7 +108,7 @@ TEST(ExpressionSystems, TimeIsAStateIfExpressionsNeedIt) {
   EXPECT_NEAR(more->fx[1 * 2 + 0], 2 * std::cos(2 * y[1]), 1e-15);
   EXPECT_EQ(more->fu[0], 1);
 
-  // Without the time there is no clock.
+  // Without time there is no clock.
   ExpressionSystemText text = driven(SystemKind::first_order);
   text.equations[1].text = "u - k*x";
   EXPECT_EQ(column_names(*expression_system(text)), (Names{"x", "v"}));
@@ -132,7 +132,7 @@ TEST(ExpressionSystems, QuaternionTurnsWithBodyAngularVelocity) {
   const Matrix3<double> R = rotation_matrix(q);
   EXPECT_NEAR(data->f[3], (R * Vector3<double>{1, 2, 3}).z - u[1], 1e-14);
   for (int i = 0; i < 3; ++i) EXPECT_NEAR(data->f[i], u[i] + 0.1 * R(2, i), 1e-14);
-  // Along a turn δ in body axes R v moves by R (δ × v).
+  // Along a rotation δ in body axes, R v moves by R (δ × v).
   for (int d = 0; d < 3; ++d) {
     Vector3<double> turn = Vector3<double>::zero();
     turn[d] = 1;
@@ -187,7 +187,7 @@ TEST(ExpressionSystems, UntakenBranchDoesNotSpoilDerivatives) {
   EXPECT_EQ(curvature[2][0], 2);
 }
 
-/// What make_expression_system says of a change of a good system: its only message.
+/// The only message of make_expression_system about a modified valid system.
 ModelMessage message_of(void (*change)(ExpressionSystemText&)) {
   ExpressionSystemText text = driven(SystemKind::first_order);
   change(text);

@@ -1,4 +1,4 @@
-// Systems of compiled functions beside the same ones in words.
+// Compiled systems, compared with equivalent expressions.
 #include "systems/libraries/library_system.hpp"
 
 #include "support/expression_systems.hpp"
@@ -73,7 +73,7 @@ TEST(LibrarySystems, MatchColumnsValuesAndJacobiansOfEquations) {
     }
     expect_equal_answers<double>(c.function, *library, *words);
     expect_equal_answers<Lane>(c.function, *library, *words);
-    // Without a Hessian, derivatives of the Jacobian are differences.
+    // Without a Hessian, the derivatives of the Jacobian are differences.
     expect_equal_answers<Dual<Lane>>(c.function, *library, *words, 1e-8);
   }
 }
@@ -114,7 +114,7 @@ TEST(LibrarySystems, GiveNoNumbersWhereTheFunctionFails) {
   for (const double value : J) EXPECT_TRUE(std::isnan(value));
 }
 
-/// The Jacobian of dual numbers of values, rows x columns.
+/// Jacobian from dual numbers of values, rows x columns.
 Eigen::MatrixXd dual_jacobian(const LibraryKnotFunction& function, const std::vector<double>& z) {
   const auto workspace = function.create_workspace();
   Eigen::MatrixXd J(function.rows(), function.columns());
@@ -168,7 +168,7 @@ TEST(LibraryKnotFunction, JacobiansGetTheOutputsThatTheyRead) {
   EXPECT_EQ(J(1, 2), 1);
 }
 
-/// Where a step that is as long as the coordinate passes over periods.
+/// A step as long as the coordinate would span periods.
 TEST(LibraryKnotFunction, SecondDerivativesAreConfirmedByShorterSteps) {
   const auto function = function_of("wave", {});
   const auto workspace = function->create_workspace();
@@ -208,7 +208,8 @@ TEST(SlopeInterval, BestIsNarrowAndConfirmedByTheNext) {
   const auto index_of = [](const std::vector<MeasuredSlope>& steps) {
     return &best_measured(steps) - steps.data();
   };
-  // A narrow one that the next denies; rounding; and what does not change, of which the first.
+  // A narrow interval contradicted by the next; rounding; and constant intervals, where the first
+  // wins.
   EXPECT_EQ(index_of({{{0, 0.01}, 0}, {{0.9, 1.1}, 0}, {{0.99, 1.01}, 0}}), 2);
   EXPECT_EQ(index_of({{{0.8, 1.2}, 0}, {{0.99, 1.01}, 1e-3}, {{1, 1}, 0.1}}), 1);
   EXPECT_EQ(index_of({{{0, 1}, 0}, {{0, 1}, 0}, {{0, 1}, 0}}), 0);
@@ -217,7 +218,7 @@ TEST(SlopeInterval, BestIsNarrowAndConfirmedByTheNext) {
 }
 
 TEST(SlopeInterval, ReachesEdgeDerivativesOfRootsAndSmoothFunctions) {
-  // Secants of x^1.5 and of x^2 from 0: the derivative there is 0.
+  // Secants of x^1.5 and x^2 from 0: the derivative there is 0.
   const double h = 1e-5;
   const SlopeInterval root = at_edge(std::sqrt(h), std::sqrt(h / 4)), square = at_edge(h, h / 4);
   EXPECT_NEAR(root.lower, 0, 1e-16);

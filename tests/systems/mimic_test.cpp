@@ -18,7 +18,7 @@ std::shared_ptr<const MultibodySystem> system_of(const RobotModel& model) {
                                            Actuation::full(model), PassiveForces{true, true, 0.4});
 }
 
-/// The state of a system at a robot's full state.
+/// System state for a robot's full state.
 std::vector<double> state_of(const MultibodySystem& system, const RobotState& state) {
   std::vector<double> x = system.reduce_configuration(state.q);
   const std::vector<double> v = system.reduce_velocity(state.v);
@@ -32,7 +32,7 @@ std::vector<double> random_controls(int n, RandomNumbers& random) {
   return u;
 }
 
-/// Passive forces on all joints, written down anew.
+/// Passive forces on all joints, computed independently.
 VectorXd passive_forces(const RobotModel& model, const std::vector<double>& v) {
   VectorXd force = VectorXd::Zero(model.nv);
   for (const Joint& joint : model.joints)
@@ -162,7 +162,7 @@ TEST(Mimic, StateHasIndependentJointsAndExpandsToAll) {
     const std::vector<double> v = system->expand_velocity(system->reduce_velocity(state.v));
     for (int i = 0; i < model.nq; ++i) EXPECT_NEAR(q[i], state.q[i], 1e-14) << name;
     for (int i = 0; i < model.nv; ++i) EXPECT_NEAR(v[i], state.v[i], 1e-14) << name;
-    // Power is the same in both coordinates.
+    // Power is equal in both coordinates.
     const std::vector<double> reduced_v = system->reduce_velocity(state.v);
     const std::vector<double> force = system->reduce_force(state.tau);
     double power = 0, full_power = 0;
@@ -201,7 +201,7 @@ TEST(Mimic, ControlsActOnIndependentJoints) {
   } catch (const std::invalid_argument& e) {
     EXPECT_STREQ(e.what(), "joint joint0 mimics joint joint3: controls act on independent joints");
   }
-  // A control matrix made by hand that pushes on a mimic joint reaches its leader: GᵀB.
+  // A manual control matrix that pushes a mimic joint acts on its leader: GᵀB.
   Actuation by_hand = Actuation::joints(model, {"joint3"});
   std::fill(by_hand.B.begin(), by_hand.B.end(), 0.0);
   by_hand.B[0] = 2;
@@ -220,7 +220,7 @@ TEST(Mimic, PassiveForcesOfAllJointsTakeEnergyAway) {
     const std::vector<double> x = state_of(*system, state), u(system->nu(), 0.0);
     system->evaluate(x.data(), u.data(), *a);
     plain.evaluate(x.data(), u.data(), *b);
-    // Power of the difference of accelerations against the full robot's passive forces.
+    // Power of the acceleration difference, compared with the full robot's passive forces.
     const auto& robot = static_cast<MultibodySystem::Data<double>&>(*a).robot;
     const auto& free = static_cast<MultibodySystem::Data<double>&>(*b).robot;
     const Map<const VectorXd> with(robot.acceleration.data(), model.nv);
@@ -330,7 +330,7 @@ TEST(DenseLdlt, SolvesAsEigenDoes) {
     const MatrixXd A = R * R.transpose() + 0.1 * MatrixXd::Identity(n, n);
     const VectorXd expected = A.llt().solve(x);
     MatrixXd factors = A;
-    factors.triangularView<Eigen::StrictlyUpper>().setConstant(1e300);  // not looked at
+    factors.triangularView<Eigen::StrictlyUpper>().setConstant(1e300);  // not read
     factorize_ldlt(n, factors.data());
     solve_ldlt(n, factors.data(), x.data());
     EXPECT_LT((x - expected).norm(), 1e-10 * (1 + expected.norm())) << n;

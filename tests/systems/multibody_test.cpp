@@ -16,7 +16,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using Base = UrdfOptions::Base;
 
-/// The robot of problems/robots/<name>.urdf.
+/// Loads problems/robots/<name>.urdf.
 RobotModel load(const std::string& name, const UrdfOptions& options) {
   const UrdfResult result = load_urdf(
       std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/robots" / (name + ".urdf"), options);
@@ -43,8 +43,8 @@ MatrixXd full_mass_matrix(const RobotModel& model, const std::vector<double>& q)
       .selfadjointView<Eigen::Lower>();
 }
 
-/// Generalised forces less bias that give a system's acceleration at (q, v, u), by inverse
-/// dynamics: what actuation and passive forces amount to.
+/// Generalized forces minus bias that give a system's acceleration at (q, v, u), by inverse
+/// dynamics: the sum of actuation and passive forces.
 VectorXd applied_forces(const MultibodySystem& system, const RobotState& state,
                         const std::vector<double>& u) {
   const auto data = system.create_data(double{});
@@ -121,7 +121,7 @@ TEST(Multibody, PassiveForcesHaveNegativeSlopes) {
   const auto a = plain->create_data(double{}), b = damped->create_data(double{});
   plain->differentiate(x.data(), u.data(), *a);
   damped->differentiate(x.data(), u.data(), *b);
-  // M (∂a/∂v − ∂a/∂v without) is the slope of the passive forces: diagonal, negative.
+  // M (∂a/∂v − ∂a/∂v without) is the slope of the passive forces: diagonal and negative.
   const int n = model.nv;
   const MatrixXd slope =
       full_mass_matrix(model, state.q) * (Map<const MatrixXd>(b->fx.data() + n * n, n, n) -
@@ -330,7 +330,7 @@ TEST(Multibody, PayloadAddsItsInertiaAndWeight) {
   const RobotModel loaded = load("arm7", {.payloads = {{.link = link, .mass = mass, .com = com}}});
   RandomNumbers random(99);
   const RobotState state = random_state(bare, random);
-  // The jacobian of the payload's centre, from a frame put there.
+  // Jacobian of the payload's centre, from a frame placed there.
   RobotModel marked = bare;
   Frame frame = bare.frames[*bare.find_frame(link)];
   frame.placement = frame.placement * SE3<double>{Matrix3<double>::identity(), com};

@@ -18,7 +18,8 @@ std::vector<double> spline_points(int count, RandomNumbers& random) {
   return points;
 }
 
-/// The derivative by x of one order less, by differences from either side, where pieces meet too.
+/// Checks the derivative with respect to x against differences of the next lower order from either
+/// side, including where pieces meet.
 void expect_smooth(const SplineTable& table, double x, double y) {
   constexpr double h = 1e-5;
   for (int order = 0; order < 2; ++order)
@@ -32,7 +33,7 @@ void expect_smooth(const SplineTable& table, double x, double y) {
 }
 
 TEST(SplineTables, SplineOfFourPointsSolvesItsEquations) {
-  // Three cubics a + b s + c s² + d s³: values, two derivatives that meet, natural ends.
+  // Three cubics a + b s + c s² + d s³: values, two matching derivatives, natural ends.
   RandomNumbers random(321);
   const std::vector<double> x = spline_points(4, random), v = random.numbers(4, 2);
   Eigen::MatrixXd A = Eigen::MatrixXd::Zero(12, 12);
@@ -99,7 +100,7 @@ TEST(SplineTables, OfTwoPointsIsALine) {
 }
 
 TEST(SplineTables, TwoArgumentTableFactorsIntoOneArgumentTables) {
-  // The values f(x) g(y) have the spline of f times the spline of g.
+  // The values f(x) g(y) have the product of the splines of f and g.
   RandomNumbers random(324);
   const std::vector<double> x = spline_points(5, random), y = spline_points(6, random);
   const std::vector<double> f = random.numbers(5, 2), g = random.numbers(6, 2);

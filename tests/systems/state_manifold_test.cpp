@@ -15,7 +15,7 @@ using Part = StateManifold::Part;
 using D = Dual<double>;
 using Numbers = std::vector<double>;
 
-/// Everything that there is, some of it twice.
+/// Every kind of part, some of them twice.
 StateManifold mixed() {
   StateManifold m;
   m.append(Part::flat, 2);
@@ -38,7 +38,7 @@ Numbers random_point(const StateManifold& m, RandomNumbers& random) {
   return x;
 }
 
-/// A tangent vector whose rotations are by the angle.
+/// A tangent vector with rotations by `angle`.
 Numbers random_step(const StateManifold& m, RandomNumbers& random, double angle) {
   Numbers dx(m.ndx());
   for (double& value : dx) value = random.uniform(-1, 1);
@@ -67,7 +67,7 @@ std::vector<D> seeded(const Numbers& a, const Numbers& along) {
   for (std::size_t i = 0; i < a.size(); ++i) r.emplace_back(a[i], along[i]);
   return r;
 }
-/// The slope of the tangent vector x1 ⊖ x0.
+/// Slope of the tangent vector x1 ⊖ x0.
 Numbers slope(const StateManifold& m, const std::vector<D>& x1, const std::vector<D>& x0) {
   std::vector<D> dx(m.ndx());
   m.difference(x0.data(), x1.data(), dx.data());
@@ -81,7 +81,7 @@ std::vector<D> plus(const StateManifold& m, const std::vector<D>& x, const std::
   return out;
 }
 
-/// Blocks of a Jacobian, identity elsewhere, times a tangent vector.
+/// Jacobian blocks (identity elsewhere) times a tangent vector.
 Numbers apply(const StateManifold& m, const Numbers& blocks, const Numbers& dx) {
   Numbers out = dx;
   const double* block = blocks.data();
@@ -107,7 +107,7 @@ void expect_near(const Numbers& a, const Numbers& b, double tolerance) {
 constexpr double kAngles[] = {1e-12,  1e-5, 1e-2, 0.4999, 0.5001,     0.9999,
                               1.0001, 2.0,  3.0,  3.14,   M_PI - 1e-7};
 
-/// Calls test(x, dx, ξ) with steps by small, generic and almost half turns.
+/// Calls test(x, dx, ξ) with small, generic, and almost half-turn steps.
 template <class F>
 void for_each_step(const StateManifold& m, F test) {
   RandomNumbers random(1);

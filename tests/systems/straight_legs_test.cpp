@@ -1,6 +1,6 @@
-// Where legs are straight, contacts may depend on each other; their forces are then those of a
-// system with the compliance ε = 1e-6/mass. Its derivatives against dual numbers through it, in
-// lanes of which the first has straight legs and the others bend them more and more.
+// For straight legs, contacts may be dependent; their forces then use the compliance ε = 1e-6/mass.
+// Derivatives are compared with dual numbers through it, in lanes with straight legs first and
+// increasingly bent ones after.
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@ using Eigen::Map;
 using Eigen::MatrixXd;
 using DL = Dual<Lane>;
 
-/// The frames at the ends of a robot's limbs.
+/// Frames at the ends of a robot's limbs.
 std::vector<std::string> feet_of(const std::string& robot) {
   if (robot == "quadruped") return {"lf_foot", "rf_foot", "lh_foot", "rh_foot"};
   if (robot == "biped") return {"l_sole", "r_sole"};
@@ -30,7 +30,7 @@ struct StraightCase {
   std::vector<Contact> contacts;
 };
 
-/// How many joints move a frame against the base: soles need six, or they never go together.
+/// Number of joints between a frame and the base; soles need six, or they are never dependent.
 int limb_joints(const RobotModel& robot, int frame) {
   const int all = support_size(robot, robot.frames[frame].joint);
   return all - (robot.joints[0].type == JointType::floating ? 6 : 0);
@@ -60,7 +60,7 @@ std::vector<StraightCase> straight_cases() {
   return cases;
 }
 
-/// States of which the first has all joints at 0.
+/// States; the first has all joints at 0.
 std::vector<std::vector<double>> bending_states(const MultibodySystem& system,
                                                 RandomNumbers& random) {
   std::vector<std::vector<double>> states;
@@ -75,7 +75,7 @@ std::vector<std::vector<double>> bending_states(const MultibodySystem& system,
   return states;
 }
 
-/// Derivatives of f and of the contacts' forces in every lane, by dual numbers.
+/// Derivatives of f and of the contact forces in every lane, by dual numbers.
 std::vector<MatrixXd> dual_derivatives(const MultibodySystem& system,
                                        const std::vector<std::vector<double>>& states,
                                        const std::vector<double>& u) {
@@ -108,7 +108,7 @@ void expect_close(const MatrixXd& found, const MatrixXd& expected, const std::st
   EXPECT_LE((found - expected).lpNorm<Eigen::Infinity>(), 1e-8 * scale) << what;
 }
 
-/// Compares all derivatives; returns whether the contacts of the first state depend on each other.
+/// Compares all derivatives; returns true if the contacts of the first state are dependent.
 bool expect_derivatives(const MultibodySystem& system, RandomNumbers& random) {
   const auto states = bending_states(system, random);
   std::vector<double> u(system.nu());

@@ -12,7 +12,7 @@
 
 namespace conddp {
 
-// Two systems beside each other at random states and controls.
+// Two systems compared at random states and controls.
 
 template <class S>
 struct SystemPoint {
@@ -85,8 +85,8 @@ void expect_equal_answers(const std::string& name, const System& got, const Syst
   }
 }
 
-/// Derivatives of the weighted answer's gradient along every direction, by dual numbers through the
-/// Jacobians of a system: nz x nz by columns.
+/// Derivatives of the weighted answer's gradient along every direction, by dual numbers through a
+/// system's Jacobians: column-major nz x nz.
 inline AlignedVector<Lane> curvature_by_duals(const System& system, const SystemPoint<Lane>& point,
                                               const AlignedVector<Lane>& weights) {
   const int n = system.ndx(), nz = n + system.nu(), rows = system.rows();
@@ -115,7 +115,7 @@ inline AlignedVector<Lane> symmetric_part(const AlignedVector<Lane>& a, int n) {
   return result;
 }
 
-/// What a system's own second derivatives are.
+/// A system's own second derivatives.
 inline AlignedVector<Lane> own_curvature(const System& system, const SystemPoint<Lane>& point,
                                          const AlignedVector<Lane>& weights) {
   const auto at = system.create_data(Lane{});

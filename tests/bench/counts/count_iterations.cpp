@@ -1,8 +1,8 @@
 // count_iterations CASE [--burn N]
 //
-// What scripts/count_instructions counts: a solver is made for one of a few small problems and
-// takes a fixed number of iterations. It links few sources, so that it is soon compiled. --burn
-// wastes N rounds of work in every iteration, which the check has to notice.
+// The program that scripts/count_instructions measures. A solver runs a fixed number of iterations
+// on one of a few small problems. The program links few sources and therefore compiles quickly.
+// --burn adds N rounds of work to every iteration, which the check must detect.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -18,7 +18,7 @@
 namespace conddp {
 namespace {
 
-/// Which member of the family of solvers takes how many iterations on the problem of this name.
+/// Solver and number of iterations for the problem of this name.
 struct Case {
   std::string_view problem;
   std::string_view solver;
@@ -39,7 +39,7 @@ DdpRecipe recipe_of(const Case& counted) {
   return recipe;
 }
 
-/// Work that the compiler cannot leave out.
+/// Work that the compiler cannot optimize away.
 void burn(long rounds) {
   volatile long sum = 0;
   for (long i = 0; i < rounds; ++i) sum = sum + i;

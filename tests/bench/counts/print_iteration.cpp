@@ -1,7 +1,7 @@
 // print_iteration CASE
 //
-// One evaluation and one sweep of a counted problem, a number a line behind its name: what
-// scripts/compare_paths compares between the instruction sets that conddp is compiled for.
+// Prints one evaluation and one sweep of a counted problem, one named number a line.
+// scripts/compare_paths compares them between the instruction sets that conddp is compiled for.
 #include <cmath>
 #include <cstdio>
 
@@ -19,8 +19,7 @@ void print(const char* name, int knot, const Numbers& numbers) {
       std::printf("%s[%d] %.17g\n", name, knot, numbers(i, j));
 }
 
-/// Away from the guess, so that nothing is zero by chance: other controls and other last numbers of
-/// the states, which are velocities.
+/// Moves away from the guess so that nothing is zero by chance: different controls and velocities.
 Trajectory moved_guess(const ShootingProblem& problem) {
   Trajectory moved = problem.create_trajectory();
   const int nv = problem.nx() / 2;

@@ -10,7 +10,7 @@ namespace conddp {
 namespace {
 
 constexpr int kKnots = 16;
-/// What makes rows and torques active all along the swings.
+/// Makes rows and torques active along the swings.
 constexpr double kWeakTorque = 60, kSlippery = 0.2;
 
 using Angles = std::map<std::string, double>;  // by joint
@@ -26,7 +26,7 @@ int frame_of(const MultibodySystem& system, const std::string& name) {
   return system.robot().find_frame(name).value();
 }
 
-/// At rest; a floating base at this height.
+/// State at rest with the floating base at this height.
 std::vector<double> state_of(const MultibodySystem& system, double height, const Angles& pose) {
   std::vector<double> x = system.manifold().neutral();
   if (height > 0) x[2] = height;
@@ -37,7 +37,7 @@ std::vector<double> state_of(const MultibodySystem& system, double height, const
   return x;
 }
 
-/// Costs and constraints of a model with the parameters that all its knots have.
+/// Costs and constraints of a model and the parameters shared by all its knots.
 class PhaseMaker {
  public:
   PhaseMaker(const std::shared_ptr<const System>& system, Integrator integrator)
@@ -71,7 +71,7 @@ class PhaseMaker {
     model_->add_constraint(make_constraint(name, std::move(residual), ConstraintKind::bounds));
     for (const auto* numbers : {&reference, &lower, &upper})
       parameters_.insert(parameters_.end(), numbers->begin(), numbers->end());
-    parameters_.push_back(1);  // it is switched on
+    parameters_.push_back(1);  // switched on
   }
   void constrain_cones(const LinearCone& cone) {
     for (int i = 0; i < robot_->contacts().count(); ++i)
@@ -97,7 +97,7 @@ class PhaseMaker {
   int ndx() const { return model_->ndx(); }
 
  private:
-  std::shared_ptr<const MultibodySystem> robot_;  ///< null of other systems
+  std::shared_ptr<const MultibodySystem> robot_;  ///< null for other systems
   std::shared_ptr<KnotModel> model_;
   std::vector<double> parameters_;
 };
@@ -108,7 +108,7 @@ Phase rest_at(const std::shared_ptr<const MultibodySystem>& system, const std::v
   return end.make(1, 0);
 }
 
-/// The quadruped's swings; `finish` adds the cones to a phase.
+/// The quadruped's swings; `finish` adds cones to a phase.
 template <class Finish>
 ShootingProblem diagonal_swings(const Finish& finish) {
   const auto system = system_of("quadruped", UrdfOptions::Base::floating);

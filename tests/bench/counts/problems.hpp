@@ -1,5 +1,5 @@
-// Small problems whose iterations are counted and printed. They are made without problem files, so
-// that few sources are needed.
+// Small problems for counting and printing iterations, built without problem files to link few
+// sources.
 #pragma once
 
 #include <map>
@@ -9,21 +9,20 @@
 
 namespace conddp {
 
-/// A quadruped: two diagonal swings on the spot.
+/// Quadruped: two diagonal swings in place.
 ShootingProblem counted_trot();
-/// A 7-joint arm whose tool goes to a placement under torque limits.
+/// 7-joint arm that reaches a tool placement under torque limits.
 ShootingProblem counted_reach();
-/// A biped that lowers its centre of mass on two soles.
+/// Biped that lowers its centre of mass on two soles.
 ShootingProblem counted_squat();
-/// A cart-pole that swings up with a weak motor and has to stand upright at the end: a small
-/// system.
+/// Cart-pole swing-up with a weak motor and a terminal constraint: a small system.
 ShootingProblem counted_swing();
-/// A quadrotor on SE(3) that flies to a place: a step of several stages on a curved space.
+/// Quadrotor flight on SE(3): multi-stage steps on a curved space.
 ShootingProblem counted_flight();
-/// The quadruped's swings with weak torques and hard friction pyramids.
+/// Quadruped swings with weak torques and hard friction pyramids.
 ShootingProblem counted_grip();
 
-/// All of them by name.
+/// All counted problems by name.
 const std::map<std::string, ShootingProblem (*)()>& counted_problems();
 
 }  // namespace conddp

@@ -1,4 +1,4 @@
-// Names the path that processor_check.cpp left it on, and its arguments.
+// Prints the path chosen by processor_check.cpp and its arguments.
 #include <cstdio>
 
 int main(int argc, char** argv) {

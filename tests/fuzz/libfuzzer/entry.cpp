@@ -1,4 +1,4 @@
-// libFuzzer's way into one of the targets, the one that CONDDP_FUZZ_TARGET names.
+// libFuzzer entry to the target that CONDDP_FUZZ_TARGET names.
 #include <cstdint>
 #include <cstdlib>
 #include <iostream>
