@@ -1,5 +1,5 @@
 # usage: bash --norc complete.bash FOLDER WORD...
-# Prints what FOLDER/conddp's completion offers for the last of the words, one a line.
+# Prints the candidates of FOLDER/conddp's completion for the last word, one a line.
 PATH=$1:$PATH
 shift
 source <(conddp completion bash)

@@ -1,7 +1,7 @@
 #!/usr/bin/zsh -f
 # usage: complete.zsh FOLDER LINE EXPECTED...
-# Types LINE and a tab into an interactive zsh that has the completion of FOLDER/conddp, and waits until
-# everything that is expected has appeared. Prints what appeared; fails after ten seconds.
+# Types LINE and a tab into an interactive zsh with the completion of FOLDER/conddp, and waits until
+# every expected text has appeared. Prints the output; fails after ten seconds.
 zmodload zsh/zpty zsh/datetime
 folder=$1 line=$2
 shift 2

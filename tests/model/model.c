@@ -5,14 +5,14 @@ typedef long long Int;
 
 #define COUNT(list) ((Int)(sizeof(list) / sizeof(list[0])))
 
-/* Full matrices, and patterns by columns. */
+/* Full matrices, and column-wise patterns. */
 static const Int scalar[] = {1, 1, 1};
 static const Int pair[] = {2, 1, 1};
 static const Int triple[] = {3, 1, 1};
 static const Int nothing[] = {0, 1, 1};
 static const Int empty_pair[] = {2, 1, 0, 0};
 
-/* Everything about a function but its values and its work. */
+/* Everything about a function except its values and workspace. */
 #define DESCRIBE(f)                                                                  \
   Int f##_n_in(void) { return COUNT(f##_in); }                                       \
   Int f##_n_out(void) { return COUNT(f##_out); }                                     \
@@ -34,7 +34,7 @@ typedef struct {
   const Int* pattern;
 } Port;
 
-/* How many workspaces have been checked out and not released. */
+/* Number of workspaces checked out and not released. */
 static int checked_out = 0;
 int workspaces_in_use(void) { return checked_out; }
 
@@ -178,7 +178,7 @@ int jac_reach(ARGUMENTS) {
   return 0;
 }
 
-/* A residual that depends on the time: x - t. */
+/* A time-dependent residual: x - t. */
 static const Port late_in[] = {{"x", pair}, {"t", scalar}, {"u", nothing}};
 static const Port late_out[] = {{"r", scalar}};
 DESCRIBE(late)
@@ -198,7 +198,7 @@ int jac_late(ARGUMENTS) {
   return 0;
 }
 
-/* Its Jacobian is wrong: rate (y, u - x), where the derivative by u is said to be 2. */
+/* Its Jacobian is wrong: rate (y, u - x), with a claimed derivative of 2 with respect to u. */
 static const Port crooked_in[] = {{"x", pair}, {"u", scalar}}, crooked_out[] = {{"rate", pair}};
 DESCRIBE(crooked)
 int crooked(ARGUMENTS) {
@@ -220,7 +220,7 @@ int jac_crooked(ARGUMENTS) {
   return 0;
 }
 
-/* Numbers of very different size: a climb in metres through thinner and thinner air. */
+/* Numbers of very different magnitude: a climb in metres through thinning air. */
 static const Port climb_in[] = {{"x", pair}, {"u", scalar}}, climb_out[] = {{"rate", pair}};
 DESCRIBE(climb)
 int climb(ARGUMENTS) {
@@ -245,7 +245,7 @@ int jac_climb(ARGUMENTS) {
   return 0;
 }
 
-/* With a kink at zero: rate (y, u - max(x, 0)). The derivative at zero is that from above. */
+/* With a kink at zero: rate (y, u - max(x, 0)). The derivative at zero is one-sided, from above. */
 static const Port kink_in[] = {{"x", pair}, {"u", scalar}}, kink_out[] = {{"rate", pair}};
 DESCRIBE(kink)
 int kink(ARGUMENTS) {
@@ -267,7 +267,7 @@ int jac_kink(ARGUMENTS) {
   return 0;
 }
 
-/* With an edge: rate (y, u - x^1.5), which there is for x >= 0 alone. */
+/* With an edge: rate (y, u - x^1.5), defined only for x >= 0. */
 static const Port edge_in[] = {{"x", pair}, {"u", scalar}}, edge_out[] = {{"rate", pair}};
 DESCRIBE(edge)
 int edge(ARGUMENTS) {
@@ -289,7 +289,7 @@ int jac_edge(ARGUMENTS) {
   return 0;
 }
 
-/* rate (y, u + exp(x)), whose Jacobian reads that. */
+/* rate (y, u + exp(x)); its Jacobian reads the rate. */
 static const Port growth_in[] = {{"x", pair}, {"u", scalar}}, growth_out[] = {{"rate", pair}};
 DESCRIBE(growth)
 int growth(ARGUMENTS) {
@@ -311,8 +311,8 @@ int jac_growth(ARGUMENTS) {
   return 0;
 }
 
-/* Waves, where steps that are as large as coordinates pass over periods: rate (y, u - sin(x)). That
-   of wrong_wave has a wrong Jacobian. */
+/* Waves: rate (y, u - sin(x)). Steps as large as the coordinates span periods. The Jacobian of
+   wrong_wave is wrong. */
 static const Port wave_in[] = {{"x", pair}, {"u", scalar}}, wave_out[] = {{"rate", pair}};
 DESCRIBE(wave)
 int wave(ARGUMENTS) {
@@ -368,7 +368,7 @@ int jac_terrain(ARGUMENTS) {
   return 0;
 }
 
-/* With almost dry friction: rate (y, u - tanh(y/1e-4)). */
+/* With nearly dry friction: rate (y, u - tanh(y/1e-4)). */
 static const Port friction_in[] = {{"x", pair}, {"u", scalar}}, friction_out[] = {{"rate", pair}};
 DESCRIBE(friction)
 int friction(ARGUMENTS) {
@@ -434,7 +434,7 @@ int jac_joint(ARGUMENTS) {
   return 0;
 }
 
-/* Functions that cannot be used. */
+/* Unusable functions. */
 static int fails(ARGUMENTS) {
   (void)arg, (void)res, (void)iw, (void)w, (void)mem;
   return 1;

@@ -1,7 +1,7 @@
 # cmake -D BUILD_DIR= -D EXAMPLE_DIR= -D CXX= -D EIGEN_INCLUDE_DIR= -D PROCESSOR= -D WORK_DIR=
 #   -P installed_example.cmake
-# Installs the library into a prefix of its own, then builds and runs the examples as a library user
-# would, with nothing but that prefix; and compiles a header without the flags of the package.
+# Installs the library into a separate prefix, then builds and runs the examples like a library user,
+# with only that prefix. Also compiles a header without the flags of the package.
 function(run what)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE failed OUTPUT_VARIABLE output ERROR_VARIABLE errors)
   if(failed)
@@ -21,7 +21,7 @@ file(REMOVE_RECURSE ${WORK_DIR})
 set(prefix ${WORK_DIR}/prefix)
 run("installing" ${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${prefix} --component library)
 
-# Moved, the package still works: nothing in it may name the place that it was installed to.
+# A moved package still works: nothing in it may contain its install path.
 file(RENAME ${prefix} ${WORK_DIR}/moved)
 set(prefix ${WORK_DIR}/moved)
 
@@ -33,7 +33,7 @@ message("${output}")
 expect_in("${output}" "converged after")
 expect_in("${output}" "largest torque 6.000 Nm")
 
-# A program is asked for few and for many solves: that is as often as it allocates.
+# Few and many solves must cause the same number of allocations.
 run("building the counter" ${CXX} -std=c++20 -O2 -shared -fPIC -o ${WORK_DIR}/count_allocations.so
   ${CMAKE_CURRENT_LIST_DIR}/count_allocations.cpp)
 function(expect_same_allocations example few many)
@@ -42,7 +42,7 @@ function(expect_same_allocations example few many)
       COMMAND ${CMAKE_COMMAND} -E env LD_PRELOAD=${WORK_DIR}/count_allocations.so
         ${WORK_DIR}/example/${example} ${solves}
       RESULT_VARIABLE failed OUTPUT_QUIET ERROR_VARIABLE errors)
-    # The environment is that of `cmake -E env`, too, whose count comes after.
+    # `cmake -E env` inherits the environment too; its count is printed last.
     if(failed OR NOT errors MATCHES "^allocations: ([0-9]+)")
       message(FATAL_ERROR "counting the allocations of ${example} failed (${failed}): ${errors}")
     endif()
@@ -64,7 +64,7 @@ message("${output}")
 expect_in("${output}" "ends 0.00")
 expect_same_allocations(balance 20 150)
 
-# The tool finds the examples that were installed with it, from an empty folder.
+# From an empty folder, the tool finds the examples installed with it.
 run("installing the tool" ${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${prefix}/tool
   --component tool)
 file(RENAME ${prefix}/tool ${prefix}/moved_tool)
@@ -75,7 +75,7 @@ expect_in("${output}" "moved_tool/share/conddp/problems/arm_reach.yaml")
 run("solving an example" ${CMAKE_COMMAND} -E chdir ${WORK_DIR}/empty
   ${prefix}/moved_tool/bin/conddp solve arm_reach)
 expect_in("${output}" "arm_reach: converged")
-# The library of Ipopt lies with the tool.
+# The Ipopt library is installed with the tool.
 run("solving an example by ipopt" ${CMAKE_COMMAND} -E chdir ${WORK_DIR}/empty
   ${prefix}/moved_tool/bin/conddp solve double_integrator_fastest)
 expect_in("${output}" "double_integrator_fastest: converged (ipopt")
@@ -86,7 +86,7 @@ run("comparing with the best known optimum" ${CMAKE_COMMAND} -E chdir ${WORK_DIR
   ${prefix}/moved_tool/bin/conddp bench pendulum_swingup --solvers box_ddp --repeat 0 --json)
 expect_in("${output}" "\"best_known\": 0.0184046")
 
-# The component for files brings its dependencies.
+# The component for problem files finds its dependencies.
 file(WRITE ${WORK_DIR}/files/CMakeLists.txt "
 cmake_minimum_required(VERSION 3.22)
 project(files LANGUAGES CXX)
@@ -123,7 +123,7 @@ run("running ipopt with files" ${WORK_DIR}/files/build/files
   ${prefix}/moved_tool/share/conddp/problems/double_integrator_fastest.yaml ${WORK_DIR}/files/ipopt)
 expect_in("${output}" "files/ipopt/solution.json")
 
-# Another machine, where the same flags mean other vectors, is told so by find_package.
+# On another machine, where the same flags mean other vector sizes, find_package reports it.
 file(GLOB_RECURSE config ${prefix}/conddp-config.cmake)
 file(READ ${config} text)
 string(REGEX REPLACE "EQUAL [0-9]+" "EQUAL 8" text "${text}")
@@ -136,7 +136,7 @@ if(NOT failed)
 endif()
 expect_in("${errors}" "build it on this")
 
-# Other flags than the library's are an error at the first header, not a crash.
+# Flags that differ from the library's are an error in the first header, not a crash.
 if(NOT PROCESSOR MATCHES "x86_64|AMD64")
   return()
 endif()

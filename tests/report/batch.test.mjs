@@ -5,7 +5,7 @@ import {dirname, join} from 'node:path';
 import {test} from 'node:test';
 import {folder, open, ours, run, source} from './browser.mjs';
 
-/// A batch over two masses and four goals, of which the last one is out of reach of three iterations.
+/// A batch over two masses and four goals; three iterations cannot reach the last goal.
 function batch(name, keep, ...options) {
   const plan = join(folder, `${name}.yaml`);
   writeFileSync(plan, `conddp_batch: 1
@@ -36,12 +36,12 @@ test('a batch has counts, a map, distributions, trajectories and links to files 
   const byAngle = await cells();
   assert.equal(byAngle.length, 6);
   assert.ok(byAngle.every(([, , share]) => share === 0.5), JSON.stringify(byAngle));
-  // Across: the limit of iterations, which decides.
+  // Horizontal axis: the iteration limit, which decides.
   await page.locator('#batch-map select').nth(1).selectOption('2');
   const byLimit = await cells();
   assert.deepEqual(byLimit.map(([column, , share]) => `${column} ${share}`).sort(),
                    ['0 0', '0 0', '0 0', '1 1', '1 1', '1 1']);
-  // Colour: cost, of solved items alone.
+  // Colour: cost of solved items only.
   await page.locator('#batch-map select').first().selectOption('1');
   assert.equal((await cells()).filter(([, , cost]) => cost > 0).length, 3);
 
@@ -53,7 +53,7 @@ test('a batch has counts, a map, distributions, trajectories and links to files 
   const links = await page.locator('#batch a').evaluateAll(list => list.map(a => a.getAttribute('href')));
   assert.ok(links.some(link => link.endsWith('solution.json')));
   for (const link of links) assert.ok(existsSync(join(dirname(file), link)), link);
-  // Those that stand out are overlaid in scene and plots.
+  // Outliers are overlaid in scene and plots.
   assert.ok(await page.evaluate(() => window.conddp.solutions.length) > 1);
   assert.equal(await page.locator('#view canvas').count(), 1);
   await page.locator('#theme').click();
@@ -73,7 +73,7 @@ test('a batch that keeps no solutions has a page without motion', async () => {
 });
 
 test('a map leaves out items without a result, and what is not solved says why', async () => {
-  // Every second item: those with two iterations.
+  // Every second item: the ones with two iterations.
   const {page, context, complaints} = await open(batch('half', 'none', '--shard', '1/2'));
   await page.locator('#batch-map select').nth(1).selectOption('2');
   const columns = await page.locator('#batch-map .cell').evaluateAll(list => list.map(c => c.dataset.column));

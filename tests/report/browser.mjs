@@ -1,4 +1,4 @@
-// What the browser tests share. CONDDP names the tool, CONDDP_SOURCE the source tree, CONDDP_CHROMIUM
+// Helpers of the browser tests. CONDDP names the tool, CONDDP_SOURCE the source tree, CONDDP_CHROMIUM
 // the browser.
 import assert from 'node:assert/strict';
 import {spawnSync} from 'node:child_process';
@@ -11,7 +11,7 @@ import {chromium} from 'playwright-core';
 
 const tool = process.env.CONDDP;
 export const source = process.env.CONDDP_SOURCE;
-/// For the files of one test run.
+/// Folder for the files of one test run.
 export const folder = mkdtempSync(join(tmpdir(), 'conddp_report_'));
 let browser;
 
@@ -29,7 +29,7 @@ after(async () => {
   rmSync(folder, {recursive: true, force: true});
 });
 
-/// Runs the tool. Exit status 1 says that there is an answer which did not converge.
+/// Runs the tool. Exit status 1 means an answer that did not converge.
 export function run(...args) {
   const {status, stderr} = spawnSync(tool, args, {encoding: 'utf8', cwd: source});
   assert.ok(status === 0 || status === 1, stderr);
@@ -46,7 +46,7 @@ export function solve(problem, name, ...options) {
   };
 }
 
-/// Waits for a condition in the page. (Playwright's own way evaluates text, which the page forbids.)
+/// Waits for a condition in the page. (Playwright's own method evaluates text, which the page forbids.)
 export async function until(page, condition) {
   for (let tries = 0; tries < 400; ++tries) {
     if (await page.evaluate(condition)) return;
@@ -55,7 +55,7 @@ export async function until(page, condition) {
   assert.fail(`never: ${condition}`);
 }
 
-/// Opens a page and keeps what it complains about and asks the network for.
+/// Opens a page and records its complaints and network requests.
 export async function open(file, options = {}) {
   const context = await browser.newContext({viewport: {width: 1280, height: 900}, ...options});
   const page = await context.newPage();
@@ -72,5 +72,5 @@ export async function open(file, options = {}) {
   return {page, context, complaints, requests};
 }
 
-/// Complaints of the software renderer about itself are not ours.
+/// Complaints of the software renderer about itself are ignored.
 export const ours = complaints => complaints.filter(text => !/GPU stall|swiftshader|GL Driver Message/i.test(text));

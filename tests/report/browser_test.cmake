@@ -1,6 +1,6 @@
 # cmake -D SOURCE=<tests/report> -D WORK=<folder> -D NODE= -D NPM= -D CHROMIUM= -D CONDDP=<tool>
 #       -D ROOT=<source tree> -P browser_test.cmake
-# Fetches what drives the browser, at the versions of package-lock.json, and runs *.test.mjs.
+# Installs the browser driver at the versions of package-lock.json and runs *.test.mjs.
 file(COPY ${SOURCE}/ DESTINATION ${WORK} PATTERN node_modules EXCLUDE)
 execute_process(
   COMMAND ${NPM} ci --ignore-scripts --no-audit --no-fund

@@ -1,5 +1,5 @@
 // Obstacles and constraints in reports: node --test constraints.test.mjs
-// browser.mjs says what it needs.
+// browser.mjs lists the requirements.
 import assert from 'node:assert/strict';
 import {join} from 'node:path';
 import {test} from 'node:test';
@@ -7,7 +7,7 @@ import {open, ours, solve, source} from './browser.mjs';
 
 const problem = name => join(source, 'problems', `${name}.yaml`);
 
-/// An obstacle as it stands in the scene: its centre and how far it extends from there.
+/// An obstacle in the scene: its centre and extent.
 const obstacle = (page, name) => page.evaluate(wanted => {
   const object = window.conddp.viewer.obstacles.root.getObjectByName(wanted);
   object.geometry.computeBoundingBox();
@@ -16,7 +16,7 @@ const obstacle = (page, name) => page.evaluate(wanted => {
   return {center: center.toArray(), half: max.sub(min).multiplyScalar(0.5).toArray()};
 }, name);
 
-/// The lines of a plot: names, values, marks.
+/// Lines of a plot: names, values, marks.
 const plot = (page, title) => page.evaluate(wanted => {
   const found = window.conddp.plots.find(p => p.title === wanted);
   return found && {x: Array.from(found.u.data[0]), marks: found.marks,

@@ -1,4 +1,4 @@
-// Where a foot is, from the text of a URDF: kinematics that have nothing in common with the tool’s.
+// Foot positions from the text of a URDF: kinematics independent of the tool’s.
 
 /// Joints and fixed placements from the base to a link, read from the text of a URDF.
 export function legChain(urdf, link) {

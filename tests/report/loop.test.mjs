@@ -12,7 +12,7 @@ function loop(problem, name, ...options) {
   return page;
 }
 
-/// Where the bodies of the plant and of the ghost of its plan are.
+/// Positions of the plant's bodies and of the ghost of its plan.
 const places = page => page.evaluate(() => {
   const {viewer} = window.conddp;
   return {robot: viewer.robot.bodies[1].position.toArray(), plan: viewer.plan.robot.bodies[1].position.toArray()};
@@ -30,13 +30,13 @@ test('a closed loop has its plant, the plan of each tick, events and times of ti
   assert.deepEqual(await page.locator('#outcomes tbody tr').allTextContents(), ['planned20']);
   assert.match(await page.locator('.events .bar').first().getAttribute('title'), /^push on trunk: 0.1 to 0.15 s/);
 
-  // The plan leads away from where the robot is, and is another one at another time.
+  // The plan leads away from the robot and changes over time.
   const early = await places(page);
   assert.ok(Math.hypot(...early.plan.map((x, i) => x - early.robot[i])) > 0.01, JSON.stringify(early));
   await page.keyboard.press('End');
   const late = await places(page);
   assert.ok(late.plan[0] > early.plan[0] + 0.01, JSON.stringify(late));
-  // It ends where the plan does.
+  // It ends with the plan.
   const {list, poses} = await page.evaluate(() => window.conddp.loop.plans);
   const last = list[list.length - 1], bodies = poses.length / 7 / list.reduce((sum, p) => sum + p.nodes, 0);
   const at = 7 * (bodies * (last.first + last.nodes - 1) + 1);

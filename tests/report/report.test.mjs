@@ -1,5 +1,5 @@
 // Reports in a real browser: node --test report.test.mjs
-// browser.mjs says what it needs.
+// browser.mjs lists the requirements.
 import assert from 'node:assert/strict';
 import {readFileSync, statSync, writeFileSync} from 'node:fs';
 import {join} from 'node:path';
@@ -7,7 +7,7 @@ import {test} from 'node:test';
 import {folder, open, ours, run, solve, source, until} from './browser.mjs';
 import {footPosition, legChain} from './leg_kinematics.mjs';
 
-/// World position of a contact's frame as it stands in the scene.
+/// World position of a contact's frame in the scene.
 const contactInScene = (page, index) => page.evaluate(i =>
     window.conddp.viewer.robot.contactPosition(i).toArray(), index);
 
@@ -43,7 +43,7 @@ for (const name of problems) {
     assert.ok(Math.abs((mark.x - band.x) / band.width - pointed / times[times.length - 1]) < 0.01);
     await page.mouse.move(0, 0);
 
-    // Playing moves on and pauses; so slowly that the shortest motion is not over before.
+    // Playback advances and pauses, slowly enough for the shortest motion.
     await page.keyboard.press('Home');
     for (let i = 0; i < 3; i++) await page.keyboard.press('[');
     await page.keyboard.press('Space');
@@ -53,7 +53,7 @@ for (const name of problems) {
     assert.equal(await page.evaluate(() => window.conddp.player.playing), false);
     for (let i = 0; i < 3; i++) await page.keyboard.press(']');
 
-    // The curves are those of the solution.
+    // The curves match the solution.
     const controls = await page.evaluate(() => {
       const plot = window.conddp.plots.find(p => p.lines.some(l => l.clamped) || /Control/.test(p.title));
       return {names: plot.lines.map(l => l.label), values: plot.u.data.slice(1)};
@@ -209,7 +209,7 @@ test('2000 knots are drawn without complaint', async t => {
   const {page, context, complaints} = await open(file);
   const scripted = await page.evaluate(() => {
     const {player, viewer} = window.conddp;
-    viewer.draw = () => {};  // the software renderer's time is not ours
+    viewer.draw = () => {};  // excludes the time of the software renderer
     const start = performance.now();
     for (let i = 0; i < 100; ++i) player.seek(player.duration * i / 100);
     return (performance.now() - start) / 100;
@@ -249,7 +249,7 @@ test('a click in the legend hides a line', async () => {
   const shown = () => page.evaluate(() => window.conddp.plots[0].u.series.map(s => s.show));
   await page.locator('#plots figure').first().locator('.u-legend .u-series').nth(1).locator('th').click();
   assert.equal((await shown())[1], false);
-  // At rest the legend reads the values at the player's time.
+  // Without a pointer, the legend shows the values at the player's time.
   await page.keyboard.press('End');
   await page.mouse.move(0, 0);
   await page.waitForTimeout(300);
@@ -303,7 +303,7 @@ costs: {effort: {residual: control}}
   await context.close();
 });
 
-/// A one-joint arm whose link looks as the URDF says; returns its problem.
+/// A one-joint arm whose link has the visuals of the URDF; returns its problem.
 function swingingArm(name, {looks, angle = 0.1}) {
   const inertial = '<inertial><mass value="1"/><inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial>';
   writeFileSync(join(folder, `${name}.urdf`), `<robot name="${name}"><link name="world"/><link name="arm">${inertial}
@@ -360,7 +360,7 @@ test('a motion that found its contacts shows their forces and when they hold', a
   const columns = solution.trajectory.columns.u;
   const names = columns.flatMap(c => c.match(/^contact\/(.*)\/fn$/)?.[1] ?? []);
   assert.ok(names.length > 0);
-  // The time line: a row of each candidate, with bars where its force is.
+  // The time line: one row per candidate, with bars while it has a force.
   const rows = await page.evaluate(() => [...document.querySelectorAll('#band .row:not(.phases)')].map(
       row => ({name: row.querySelector('.name').textContent, bars: row.querySelectorAll('.bar').length})));
   assert.deepEqual(rows.map(row => row.name), names);
