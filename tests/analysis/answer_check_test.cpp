@@ -118,7 +118,7 @@ TEST(AnswerCheck, ActiveBoundAbsorbsTheGradient) {
               1e-12 * free_slope);
 }
 
-TEST(AnswerCheck, AFixedControlMayBePushedEitherWay) {
+TEST(AnswerCheck, FixedControlMayBePushedEitherWay) {
   for (const double control : {-2.0, 0.7}) {
     ASSERT_GT(check_answer(one_step(), simulated(one_step(), control)).stationarity, 1e-2);
     const ShootingProblem fixed = one_step(control, control);

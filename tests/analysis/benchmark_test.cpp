@@ -42,7 +42,7 @@ TEST(Benchmark, WithoutRepetitionTheOneSolveIsTimed) {
   EXPECT_EQ(run("box_ddp", {}, 0).times.size(), 1u);
 }
 
-TEST(Benchmark, ALongSolveIsNotRepeated) {
+TEST(Benchmark, LongSolveIsNotRepeated) {
   const ShootingProblem problem = testing::pendulum_swing_up(3);
   const auto times = [&](double longest_s) {
     return run_benchmark(problem, problem.create_trajectory(), "box_ddp", {},
@@ -193,7 +193,7 @@ TEST(PerformanceProfile, IsShareWithinAMultipleOfTheBest) {
   EXPECT_EQ(zero[1].share(4), 1);
 }
 
-TEST(DataProfile, IsTheShareForSoMuchEffort) {
+TEST(DataProfile, IsShareSolvedWithinAnEffort) {
   constexpr double kFailed = std::numeric_limits<double>::infinity();
   const auto profiles = data_profiles({"a", "b"}, {{3, 9}, {7, kFailed}, {3, 1}, {kFailed, 8}});
   using Steps = std::vector<std::pair<double, double>>;

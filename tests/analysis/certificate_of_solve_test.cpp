@@ -42,7 +42,7 @@ TEST(CertificateOfSolves, HoldsForAnswersWithBoundsAndContacts) {
 }
 
 // Rounding grows with the magnitude of the answer, and the tolerances grow with it.
-TEST(CertificateOfSolves, HoldsWhateverTheUnitOfTheCost) {
+TEST(CertificateOfSolves, IsIndependentOfCostUnits) {
   for (const double unit : {1e-6, 1.0, 1e6}) {
     const auto scaled = [unit](std::vector<double> weights) {
       for (double& w : weights) w *= unit;
@@ -61,7 +61,7 @@ TEST(CertificateOfSolves, HoldsWhateverTheUnitOfTheCost) {
   }
 }
 
-TEST(CertificateOfSolves, EveryGainIsCompared) {
+TEST(CertificateOfSolves, ComparesEveryGain) {
   for (const double limit : {testing::kFree, 2.0}) {
     const Answer answer(testing::unicycle_parking(limit));
     SolutionClaims changed = answer.claims;
@@ -84,7 +84,7 @@ TEST(CertificateOfSolves, EveryGainIsCompared) {
   }
 }
 
-TEST(CertificateOfSolves, EachFigureIsComparedWithOnesOwn) {
+TEST(CertificateOfSolves, ComparesEachFigureWithItsOwnValue) {
   const Answer answer(testing::pendulum_swing_up(3));
   const auto after = [&](const std::function<void(SolutionClaims&)>& change) {
     SolutionClaims changed = answer.claims;
@@ -134,7 +134,7 @@ TEST(CertificateOfSolves, ComparesInitialStateAndTimesEntryByEntry) {
   }
 }
 
-TEST(CertificateOfSolves, EveryCostateAndEveryControlIsCompared) {
+TEST(CertificateOfSolves, ComparesEveryCostateAndControl) {
   const Answer answer(testing::quadrotor_move(0, 6));
   const int N = answer.problem.knots();
   for (const int k : {0, 1, N})
@@ -245,7 +245,7 @@ TEST(PlaceText, ControlsHaveNamesWhereThereAreAny) {
   EXPECT_EQ(control_name(problem, 41, 0), "");
 }
 
-TEST(CertificateOfSolves, QuaternionsHaveTheLengthOne) {
+TEST(CertificateOfSolves, QuaternionsHaveUnitLength) {
   const Answer answer(testing::quadrotor_move(0, 6));
   SolutionClaims changed = answer.claims;
   changed.trajectory.x(7).segment(3, 4) *= 1 + 1e-7;

@@ -103,7 +103,7 @@ TEST(CertificateOfConstraints, CostSettledNeedsFeasibilityAndItsOption) {
   EXPECT_EQ(failures(certify(problem, claims)), "[status]");
 }
 
-TEST(CertificateOfConstraints, MultipliersOfSoftRowsStayWithinTheirLimit) {
+TEST(CertificateOfConstraints, SoftRowMultipliersStayWithinTheirLimit) {
   const auto found = [](double weight) {
     const ShootingProblem problem = one_step({0}, ConstraintKind::bounds, {1, kFree}, weight);
     SolutionClaims claims = claims_of(problem, vector({1}), vector({-1}), 0.5);
@@ -114,7 +114,7 @@ TEST(CertificateOfConstraints, MultipliersOfSoftRowsStayWithinTheirLimit) {
   EXPECT_EQ(found(0.9), "[signs of multipliers]");
 }
 
-TEST(CertificateOfConstraints, MultipliersOfSoftConesStayWithinTheirLimit) {
+TEST(CertificateOfConstraints, SoftConeMultipliersStayWithinTheirLimit) {
   // At (0.5, 0.5) on the cone, the multiplier of a hard constraint has norm 1/√2.
   const auto found = [](double weight) {
     const ShootingProblem problem = one_step({1, 0}, ConstraintKind::second_order_cone, {}, weight);
@@ -161,7 +161,7 @@ TEST(CertificateOfConstraints, SoftConstraintsCostTheirDistance) {
 
 /// Rounding may change a multiplier of 10⁶ by 10⁻⁴. Figures therefore agree even if they differ by
 /// far more than the convergence tolerance.
-TEST(CertificateOfConstraints, ConvergedNeedsTheComplementarityThatIsFound) {
+TEST(CertificateOfConstraints, ConvergedNeedsTheComputedComplementarity) {
   constexpr double kWeight = 100, kWay = 1e4, kShort = 1e-11;
   const ShootingProblem problem =
       one_step({0}, ConstraintKind::bounds, {kWay - kShort, kFree}, 0, kWeight);
@@ -221,7 +221,7 @@ TEST(Certificate, ComparesTimesAndInitialStateByEntry) {
 }
 
 /// x⁺ = x + (u, 0): no control determines the second costate.
-TEST(CertificateOfCostates, ConvergedNeedsThoseOfOtherGains) {
+TEST(CertificateOfCostates, ConvergedNeedsCostatesOfOtherGains) {
   const auto system = linear_system(Eigen::MatrixXd::Identity(2, 2), Eigen::Vector2d(1, 0),
                                     Eigen::VectorXd::Zero(2));
   auto running = std::make_shared<KnotModel>(system, Integrator::discrete);

@@ -136,7 +136,7 @@ struct PlainAnswer {
   }
 };
 
-TEST(CertificateTolerances, AnHonestAnswerHoldsWhateverItsNumbersAre) {
+TEST(CertificateTolerances, HonestAnswerHoldsForAnyNumbers) {
   PlainAnswer answer;
   EXPECT_EQ(answer.failures(), "");
   for (int k = 0; k <= kKnots; ++k) {
@@ -311,7 +311,7 @@ TEST(CertificateTolerances, OfConstraintsGrowWithTheirValuesAndMultipliers) {
 }
 
 // A factor of 10⁶ amplifies a rounding error of 10⁻¹³ to 10⁻⁷.
-TEST(CertificateTolerances, ContainWhatRoundingOfTheAnswersNumbersChanges) {
+TEST(CertificateTolerances, ContainRoundingOfTheAnswersNumbers) {
   constexpr double kFactor = 1e6, kOff = 1e-8;
   for (int k = 0; k <= kKnots; ++k)
     for (const int entry : {0, 1}) {

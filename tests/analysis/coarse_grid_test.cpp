@@ -58,7 +58,7 @@ TEST(GridError, AddsUpErrorsOfSteps) {
   EXPECT_EQ(error->entry, 0);
 }
 
-TEST(GridError, IsSameInOtherUnits) {
+TEST(GridError, IsIndependentOfUnits) {
   for (const double unit : {1e-9, 1e9}) {
     Case one(-2, Integrator::rk2, 0.1, 5), other(-2, Integrator::rk2, 0.1, 5, unit);
     one.multiply(0.82);

@@ -162,13 +162,13 @@ TEST(ContactCertificate, FiguresHoldUpToTheirTolerance) {
   for (const Check& check : contact_checks(motion, exact, tight, {})) EXPECT_TRUE(check.holds);
 }
 
-TEST(ContactCertificate, NumbersThatAreMissingFail) {
+TEST(ContactCertificate, MissingNumbersFail) {
   ContactMotion motion = thrown_block();
   motion.forces[3].contact(0, 0) = std::numeric_limits<double>::quiet_NaN();
   EXPECT_NE(failures(motion).find("[contact stepping]"), std::string::npos) << failures(motion);
 }
 
-TEST(ContactReplay, FollowsWhatTheSimulatorMade) {
+TEST(ContactReplay, FollowsASimulatedMotion) {
   const ContactMotion motion = thrown_block();
   const ContactReplay replay = replay_contacts(motion, {});
   EXPECT_LT(replay.each_step.deviation, 1e-10);

@@ -260,7 +260,7 @@ TEST(Drift, DirectionInFrameAxesTurnsWithFrame) {
   EXPECT_EQ(drift_along_x(FrameAxes::world_aligned), 0u);
 }
 
-TEST(Drift, BeginsAnewWithEachStance) {
+TEST(Drift, RestartsWithEachStance) {
   const auto held = block_system({{.name = "grip"}}), loose = block_system();
   const ShootingProblem problem =
       block_problem({block_phase(held, 2), block_phase(loose, 1), block_phase(held, 2)});
@@ -274,7 +274,7 @@ TEST(Drift, BeginsAnewWithEachStance) {
   EXPECT_TRUE(mentions(found[0], "from 0.3 s to 0.5 s")) << found[0].message;
 }
 
-TEST(RedundantContacts, AreTheRowsBeyondTheIndependentOnes) {
+TEST(RedundantContacts, AreRowsBeyondTheIndependentOnes) {
   const ShootingProblem problem = block_problem(
       {block_phase(block_system({{.name = "grip"}}), 2),
        block_phase(block_system({{.name = "grip"}, {.name = "rest", .kind = ContactKind::normal}}),

@@ -95,7 +95,7 @@ TEST(ContactMeasures, OfPyramidsAreThoseOfTheirTangents) {
   EXPECT_NEAR(found.dissipation.value, 1.5 * 1 / kAllWeight, 1e-12);
 }
 
-TEST(ContactMeasures, WorkIsForceTimesWay) {
+TEST(ContactMeasures, WorkIsForceTimesDistance) {
   const ContactMeasures found = measure_contacts(two_steps());
   // From 2 cm above to 5 cm below, −1 N does 0.07 J of work; stop and friction oppose the motion.
   EXPECT_NEAR(found.work.value, 0.07, 1e-12);
@@ -111,7 +111,7 @@ TEST(ContactMeasures, WorkIsForceTimesWay) {
               1e-12);
 }
 
-TEST(ContactMeasures, SteppingIsTheForceThatEquationsLack) {
+TEST(ContactMeasures, SteppingIsTheMissingForceInTheEquations) {
   ContactMotion motion = two_steps();
   motion.h.pop_back();
   const ContactMeasures found = measure_contacts(motion);
@@ -128,7 +128,7 @@ TEST(ContactMeasures, SteppingIsTheForceThatEquationsLack) {
   EXPECT_EQ(along_x.stepping.what, "x");
 }
 
-TEST(WorstFigure, KeepsTheFirstOfItsLargest) {
+TEST(WorstFigure, KeepsTheFirstMaximum) {
   WorstFigure figure;
   figure.meet(0, 1, "none");
   EXPECT_EQ(figure.knot, -1);

@@ -73,7 +73,7 @@ TEST(ContactMechanics, KineticSlopeIsThatOfTheKineticEnergy) {
   }
 }
 
-TEST(ContactMechanics, AppliedForcesAreTheirColumnsTimesTheControls) {
+TEST(ContactMechanics, AppliedForcesAreColumnsTimesControls) {
   ContactPlant plant{.robot = random_arm()};
   const int n = plant.nv();
   for (int i = 0; i < 2 * n; ++i) plant.B.push_back(1 + i);
@@ -136,7 +136,7 @@ TEST_P(GeometryOfContacts, IsThatOfTheSolver) {
   }
 }
 
-TEST_P(GeometryOfContacts, MovesAsThatOfTheSolver) {
+TEST_P(GeometryOfContacts, MovesLikeTheSolvers) {
   for (const CandidateCase& c : candidate_cases(*robot_)) {
     SCOPED_TRACE(c.name);
     const ContactPlant plant = plant_of(c);

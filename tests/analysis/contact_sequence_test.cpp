@@ -51,7 +51,7 @@ TEST(ContactSequence, WhatRestsAtTheStartDoesNotLand) {
   EXPECT_FALSE(sequence[0].lands());
 }
 
-TEST(ContactSequence, ShortInterruptionsAreLeftOut) {
+TEST(ContactSequence, DropsShortInterruptions) {
   ContactMotion motion = thrown_block();
   const int middle = (contact_sequence(motion)[1].first + motion.steps()) / 2;
   motion.forces[middle].contact(0, 1) = 0;  // still touching

@@ -295,7 +295,7 @@ TEST(ContactSimulator, DryFrictionOfAJointStopsIt) {
   }
 }
 
-TEST(ContactSimulator, NumbersThatAreNotFiniteAreAStatus) {
+TEST(ContactSimulator, NonFiniteNumbersAreAStatus) {
   const ContactPlant plant = block_on_slope(0.5);
   ContactSimulator simulator(plant);
   for (const double bad :
@@ -365,7 +365,7 @@ TEST(ContactSimulator, PyramidIsWeakerBetweenItsEdges) {
 }
 
 /// Midpoint steps of the free acrobot conserve its energy; backward Euler dissipates it.
-TEST(ContactSimulator, MidpointSchemeKeepsTheEnergy) {
+TEST(ContactSimulator, MidpointSchemeConservesEnergy) {
   for (const SteppingScheme scheme :
        {SteppingScheme::backward_euler, SteppingScheme::variational_midpoint}) {
     ContactPlant plant = contact_plant("acrobot", {});
@@ -411,7 +411,7 @@ TEST(ContactSimulator, ReportsUnusedNonFinitePosition) {
 }
 
 /// Newton's method needs few iterations per step and reaches rounding-level residuals.
-TEST(ContactSimulator, StepsTakeFewIterationsToTheLastDigits) {
+TEST(ContactSimulator, StepsReachTheLastDigitsInFewIterations) {
   struct Motion {
     ContactPlant plant;
     StepStart start;
@@ -432,7 +432,7 @@ TEST(ContactSimulator, StepsTakeFewIterationsToTheLastDigits) {
 }
 
 /// A disc whose heading turns by a third of a right angle within one step.
-TEST(ContactSimulator, HeadingsThatTurnFarTakeFewIterationsToo) {
+TEST(ContactSimulator, LargeHeadingChangesTakeFewIterationsToo) {
   const ContactPlant plant = puck(FrictionModel::cone);
   ContactSimulator simulator(plant);
   StepStart start = at_rest(plant, 0.05);
@@ -528,7 +528,7 @@ TEST(ContactSimulator, SweepsAgreeWithPivotingForAllCandidates) {
 }
 
 /// One iteration solves a linear problem: a mass that stays in place.
-TEST(ContactSimulator, TakesTheIterationsThatItMay) {
+TEST(ContactSimulator, RespectsItsIterationLimit) {
   const ContactPlant plant = puck(FrictionModel::polyhedron);
   ContactSimulator simulator(plant, {.max_iterations = 1});
   const StepStart start = at_rest(plant, 0.01);

@@ -117,7 +117,7 @@ TEST(DerivativeCheck, ConstraintsAreComparedByTheirNames) {
   EXPECT_GT(wrong[2].error, 1);
 }
 
-TEST(DerivativeCheck, RightDerivativesAreRight) {
+TEST(DerivativeCheck, CorrectDerivativesPass) {
   const auto all = check_with(Mistake::kNone);
   ASSERT_EQ(all.size(), 3u);
   for (const DerivativeComparison& c : all) {
@@ -129,7 +129,7 @@ TEST(DerivativeCheck, RightDerivativesAreRight) {
   EXPECT_EQ(find(all, DerivativeKind::gradient).term, -1) << "of all costs";
 }
 
-TEST(DerivativeCheck, AWrongJacobianOfAResidualIsNamed) {
+TEST(DerivativeCheck, NamesAWrongJacobianOfAResidual) {
   const auto all = check_with(Mistake::kSign);
   const DerivativeComparison& c = find(all, DerivativeKind::residual);
   EXPECT_GT(c.error, 1);
@@ -174,7 +174,7 @@ TEST(DerivativeCheck, ComparesRequestedKnotsIncludingFirstAndLast) {
   EXPECT_EQ(knots(100), (std::vector{0, 1, 2, 3, 4, 5, 6, 7, 8}));
 }
 
-TEST(DerivativeCheck, AColumnThatTheStructureForgetsIsNamed) {
+TEST(DerivativeCheck, NamesAColumnMissingFromTheStructure) {
   const DerivativeComparison c =
       find(check_with(Mistake::kMissingColumn), DerivativeKind::residual);
   EXPECT_EQ(c.error, 1);
@@ -501,7 +501,7 @@ std::vector<DerivativeComparison> hessians_of(const std::vector<DerivativeCompar
   return hessians;
 }
 
-TEST(DerivativeCheck, SecondDerivativesThatAreRightAreRight) {
+TEST(DerivativeCheck, CorrectSecondDerivativesPass) {
   const auto all = hessians_of(check_claims({}));
   ASSERT_EQ(all.size(), 2u);
   EXPECT_EQ(all[0].knots, (std::vector{0, 1, 3}));

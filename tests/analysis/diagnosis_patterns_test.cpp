@@ -45,7 +45,7 @@ Diagnosis diagnosis_of_log(int rows, const std::function<void(int, IterationReco
   return diagnose(problem, result, {});
 }
 
-TEST(DiagnosisPatterns, ANumberThatIsNotFiniteIsGrowth) {
+TEST(DiagnosisPatterns, NonFiniteNumberIsGrowth) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   for (double IterationRecord::*number :
        {&IterationRecord::cost, &IterationRecord::stationarity, &IterationRecord::gap}) {
@@ -120,7 +120,7 @@ TEST(DiagnosisPatterns, PlateauStallsAboveItsTolerance) {
   EXPECT_EQ(from_to(tolerance, 0.99 * tolerance).pattern, DiagnosisPattern::unfinished);
 }
 
-TEST(DiagnosisPatterns, FarFromFeasibleTheViolationIsTheMatter) {
+TEST(DiagnosisPatterns, FarFromFeasibleTheViolationDecides) {
   const double tolerance = SolverOptions{}.tolerances.constraint;
   const auto ends_at = [](int rows, double step, double first, double last) {
     return diagnosis_of_log(rows, [=](int i, IterationRecord& r) {
@@ -139,7 +139,7 @@ TEST(DiagnosisPatterns, FarFromFeasibleTheViolationIsTheMatter) {
   EXPECT_EQ(ends_at(11, 0.9, 1, 1).pattern, DiagnosisPattern::unfinished) << "too early to say";
 }
 
-TEST(DiagnosisPatterns, ARegularisedPlateauIsRegularisedInEveryStep) {
+TEST(DiagnosisPatterns, RegularizedPlateauIsRegularizedInEveryStep) {
   const auto regularised = [](int without) {
     return diagnosis_of_log(
         11, [=](int i, IterationRecord& r) { r.regularization = i == without ? 0 : 10; });
@@ -319,7 +319,7 @@ TEST(DiagnosisPatterns, UnfinishedSolveNamesFirstResidualAboveTolerance) {
 }
 
 // Halving and tolerances that are met exactly count as progress.
-TEST(DiagnosisPatterns, LimitsThemselvesAreProgress) {
+TEST(DiagnosisPatterns, ExactLimitsCountAsProgress) {
   const double tolerance = SolverOptions{}.tolerances.stationarity;
   EXPECT_EQ(diagnosis_of_log(11,
                              [](int i, IterationRecord& r) {
@@ -345,7 +345,7 @@ TEST(DiagnosisPatterns, LimitsThemselvesAreProgress) {
 }
 
 // A violation of a thousand tolerances may be rounding; a rising cost never outruns a penalty.
-TEST(DiagnosisPatterns, AThousandTolerancesAreStillNotFarOff) {
+TEST(DiagnosisPatterns, AThousandTolerancesAreNotFarOff) {
   const double limit = 1e3 * SolverOptions{}.tolerances.constraint;
   const auto ended = [&](double violation, std::string_view failed) {
     return diagnosis_of_log(
@@ -360,7 +360,7 @@ TEST(DiagnosisPatterns, AThousandTolerancesAreStillNotFarOff) {
   EXPECT_EQ(ended(1.1 * limit, ""), DiagnosisPattern::outrun_penalty) << "a cost that stays";
 }
 
-TEST(DiagnosisPatterns, RegularisationAtItsLowerEndIsLoweredThere) {
+TEST(DiagnosisPatterns, AdvisesLowerRegularizationAtItsLowerEnd) {
   const double least = SolverOptions{}.regularization.min;
   const auto remedy = [](double regularization) {
     const Diagnosis d =

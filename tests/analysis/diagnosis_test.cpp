@@ -49,7 +49,7 @@ TEST(Diagnosis, NamesAreDistinct) {
   EXPECT_EQ(names.size(), 17u);
 }
 
-TEST(Diagnosis, GapsThatStayOpenComeBeforeEverythingElse) {
+TEST(Diagnosis, OpenGapsComeFirst) {
   const Diagnosis d = diagnosis_of(12, [](int i, IterationRecord& r) {
     r.step = 0.01;
     r.gap = 1 - 0.01 * i;

@@ -163,7 +163,7 @@ TEST(Feasibility, OfControlsIsWithEachOfTheirBounds) {
   EXPECT_EQ(measured().product.value, kOpenEnd);  // belongs to an absent bound
 }
 
-TEST(BeyondCone, IsWhatTheNearestPointLeaves) {
+TEST(BeyondCone, IsDifferenceFromTheNearestPoint) {
   EXPECT_EQ(beyond_cone(numbers({3, 4, 5})), numbers({0, 0, 0}));
   EXPECT_EQ(beyond_cone(numbers({3, 4, -5})), numbers({3, 4, -5}));
   EXPECT_TRUE(beyond_cone(numbers({3, 4, 1})).isApprox(numbers({1.2, 1.6, -2}), 1e-15));

@@ -75,7 +75,7 @@ TEST(LimitsOfJoints, ThatTheFileBoundsAreNotAdvisedAgain) {
   EXPECT_EQ(remedies({.bounded = {"velocity"}}), std::pair(position, std::string()));
 }
 
-TEST(LimitsOfJoints, AreNamedOnTheSideThatIsBroken) {
+TEST(LimitsOfJoints, NamesTheViolatedSide) {
   const ShootingProblem problem = block_problem({block_phase(block_system(), 2)});
   Trajectory motion = problem.create_trajectory();
   motion.x(1)[0] = -0.5 - 1e-7;  // rounding
@@ -327,7 +327,7 @@ ShootingProblem window_in_first_phase(int knots) {
                           .cost_scale = {1}});
 }
 
-TEST(BetweenKnots, ViolationAtEndOfEveryPhaseIsFound) {
+TEST(BetweenKnots, FindsViolationAtEndOfEveryPhase) {
   const ShootingProblem problem = window_in_first_phase(3);
   Trajectory motion = problem.create_trajectory();
   motion.x(4)[0] = 5;  // after the phase
@@ -341,7 +341,7 @@ TEST(BetweenKnots, ViolationAtEndOfEveryPhaseIsFound) {
   EXPECT_EQ(found[0].remedy, "'nodes: ends'");
 }
 
-TEST(BetweenKnots, TheWorstRowIsNamed) {
+TEST(BetweenKnots, NamesTheWorstRow) {
   const ShootingProblem problem = within_a_window(3, false);
   FindingNames names;
   names.rows["window"] = {{"left - right", "front - back"}, "m"};
@@ -483,7 +483,7 @@ TEST(Findings, CoverControlsOfSystemsWithoutRobot) {
 }
 
 // An impulse takes no time: it has no controls and no efforts.
-TEST(Efforts, LeaveOutWhatTakesNoTime) {
+TEST(Efforts, SkipInstantaneousKnots) {
   const ShootingProblem problem = testing::landing();
   Trajectory motion = problem.create_trajectory();
   for (int k = 0; k < problem.knots(); ++k)
@@ -549,7 +549,7 @@ TEST(BetweenKnots, ChecksOnlyHardInequalitiesOfTheState) {
 }
 
 // A millionth of the limit, 4e-6 N, counts as rounding.
-TEST(Efforts, ByRoundingBeyondTheirLimitAreAtIt) {
+TEST(Efforts, RoundingBeyondTheLimitCountsAsAtIt) {
   const ShootingProblem problem = block_problem({block_phase(block_system(), 2)});
   Trajectory motion = problem.create_trajectory();
   for (const double off : {3.9e-6, 4.1e-6}) {

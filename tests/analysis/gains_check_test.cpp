@@ -416,7 +416,7 @@ TEST(GainsOfASweep, MayBeZeroForControlsAtABound) {
 }
 
 // ∇_u L, costates along any policy, and the expected decrease of the model.
-TEST(AdjointAlongAPolicy, IsTheRecursionOfItsDefinition) {
+TEST(AdjointAlongAPolicy, MatchesItsDefinition) {
   for (unsigned seed = 1; seed <= 4; ++seed) {
     const OpenTrajectory at(seed);
     const LinearQuadratic& lq = at.lq;
@@ -469,7 +469,7 @@ TEST(RiccatiPolicy, MatchesTextbookForFreeControls) {
 
 // The second of two controls is at its bound at every knot. Its rows are zero; the others match a
 // problem without it.
-TEST(RiccatiPolicy, LeavesControlsAtTheirBoundsOut) {
+TEST(RiccatiPolicy, ExcludesControlsAtTheirBounds) {
   const OpenTrajectory at(5);
   LinearQuadratic reduced(5, 3, {2, 1}, 3, -testing::kFree, testing::kFree);
   Trajectory t = at.t;

@@ -107,7 +107,7 @@ bool least(const Certificate& certificate) {
   return false;
 }
 
-TEST(InfeasibleIs, WhatNoControlCanImproveAlone) {
+TEST(InfeasibleIs, OnlyWhatNoControlCanImprove) {
   const ShootingProblem problem = step_to({3, 4}, 1);
   EXPECT_TRUE(least(of_infeasible(problem, {1, 1}, {1, 1})));
   EXPECT_FALSE(least(of_infeasible(problem, {1, 0.5}, {1, 0.5})));

@@ -123,7 +123,7 @@ TEST(LagrangianGradient, SizesSumTheAbsoluteTerms) {
 }
 
 /// With its planned time step, a motion reproduces itself.
-TEST(Replay, OnThePlansGridIsThePlan) {
+TEST(Replay, PlanGridReproducesThePlan) {
   const ShootingProblem problem = testing::cartpole_swing_up();
   const SolveResult result =
       solve(problem, "box_fddp", {}, testing::constant_controls(problem, 0.01));

@@ -103,7 +103,7 @@ TEST(NodeModels, UseDualNumbersInsteadOfWrongAnalyticDerivatives) {
 }
 
 /// Two entries that cancel along the all-ones direction do not cancel along a random one.
-TEST(NodeModels, FindErrorsThatCancelInASum) {
+TEST(NodeModels, FindCancellingErrors) {
   const ShootingProblem problem = testing::cartpole_swing_up();
   Point at(problem);
   at.analytic.knots[0].F(1, 0) += 1e-6;
@@ -125,7 +125,7 @@ ShootingProblem long_chain() {
                                    std::vector<double>(2 * n, 0.1), cost);
 }
 
-TEST(NodeModels, AllowForRoundingThatAChainAmplifies) {
+TEST(NodeModels, AllowForRoundingAmplifiedByAChain) {
   const ShootingProblem problem = long_chain();
   Point at(problem);
   const Eigen::MatrixXd own = at.analytic.knots[0].dense_jacobian();

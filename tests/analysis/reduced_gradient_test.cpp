@@ -65,7 +65,7 @@ TEST(ProjectedGradient, BoundBlocksDescentAcrossItself) {
 
 // A value counts as at its bound within rounding, relative to the bound or to 1, or within the
 // tolerance.
-TEST(ProjectedGradient, ABoundIsMetToRounding) {
+TEST(ProjectedGradient, BoundIsMetToRounding) {
   const ShootingProblem problem = one_step(-3, 3);
   const auto stationarity = [&](double u, double gradient, double tolerance) {
     return project(problem, simulated(problem, u), {Eigen::VectorXd::Constant(1, gradient)},

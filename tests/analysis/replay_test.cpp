@@ -171,7 +171,7 @@ TEST(Replay, FindsLimitsThatAreBrokenBetweenKnotsAlone) {
   EXPECT_TRUE(found.broken[0].between);
 }
 
-TEST(Replay, FindsContactsThatPull) {
+TEST(Replay, FindsPullingContacts) {
   const ShootingProblem problem = block_problem({block_phase(block_system({{.name = "grip"}}), 3)});
   Trajectory motion = problem.create_trajectory();
   motion.u(0) << 0, 0, kBorne - 1;
@@ -354,7 +354,7 @@ TEST(Replay, OfACollocationFindsLargeSlopes) {
   }
 }
 
-TEST(Replay, RemembersTheControlsThatItHasUsed) {
+TEST(Replay, RemembersTheUsedControls) {
   const auto system = block_system();
   auto model =
       std::make_shared<KnotModel>(system, Integrator::semi_implicit_euler, ControlMemory::previous);

@@ -46,7 +46,7 @@ TEST_P(RigidStep, IsFoundAgainFromItsEnds) {
   for (int i = 0; i < robot_.nv; ++i) EXPECT_NEAR(difference[i], d_[i], 1e-13) << i;
 }
 
-TEST_P(RigidStep, HasTheDerivativesOfFiniteDifferences) {
+TEST_P(RigidStep, MatchesFiniteDifferences) {
   constexpr double kStep = 1e-6;
   for (int j = 0; j < robot_.nv; ++j) {
     std::vector<Dual<double>> d(d_.begin(), d_.end()), dual(robot_.nq);

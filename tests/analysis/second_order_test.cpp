@@ -105,7 +105,7 @@ TEST(SecondOrder, FiguresFollowTheUnitOfTheCost) {
 }
 
 // A goal below the constraint tolerance, at rest: a step towards it remains.
-TEST(SecondOrder, AGoalBelowItsToleranceIsNoAnswer) {
+TEST(SecondOrder, GoalBelowItsToleranceIsNoAnswer) {
   const ShootingProblem problem = testing::one_step({0}, ConstraintKind::bounds, {5e-7, 5e-7});
   const VectorXd zero = VectorXd::Zero(1);
   SolutionClaims claims = testing::claims_of(problem, zero, zero, 0);

@@ -98,7 +98,7 @@ TEST(SimulatedContacts, FailedStepMakesWholeStateNaN) {
   EXPECT_EQ(block.contacts.closed_contacts(), 0u);
 }
 
-TEST(SimulatedContacts, MayStepUntilTheirTimeStepIsOver) {
+TEST(SimulatedContacts, MayStepUntilTheirTimeStepEnds) {
   LoopBlock block;
   EXPECT_EQ(block.contacts.next_stop(0.25), 0.26);
   const std::vector<double> before = block.x;

@@ -38,21 +38,21 @@ TEST(SingularRate, NamesStateThatADenominatorNeeds) {
   EXPECT_FALSE(singular("cos(y)/x", found->nearby));
 }
 
-TEST(SingularRate, NamesNoStateWhereNoneHelps) {
+TEST(SingularRate, NamesNoStateIfNoneHelps) {
   const auto found = singular("sqrt(x - 300)", 0);
   ASSERT_TRUE(found);
   EXPECT_EQ(found->row, "y");
   EXPECT_TRUE(found->state.empty());
 }
 
-TEST(SingularRate, IsOfNextStatesToo) {
+TEST(SingularRate, CoversNextStatesToo) {
   const auto found = singular("log(x)", 0, SystemKind::discrete);
   ASSERT_TRUE(found);
   EXPECT_EQ(found->state, "x");
   EXPECT_EQ(found->nearby, 0.01);
 }
 
-TEST(SingularRate, IsNoneOfFiniteEquations) { EXPECT_FALSE(singular("1e6*x*y", 3)); }
+TEST(SingularRate, IsNotFoundInFiniteEquations) { EXPECT_FALSE(singular("1e6*x*y", 3)); }
 
 }  // namespace
 }  // namespace conddp

@@ -37,7 +37,7 @@ TEST(SolutionComparison, AgreesWithItselfAndItsGoldenPart) {
   EXPECT_EQ(first(golden_part(solution()), solution()), "");
 }
 
-TEST(SolutionComparison, TheNumberOfIterationsDoesNotMatter) {
+TEST(SolutionComparison, IgnoresTheNumberOfIterations) {
   Json other = solution();
   other["iterations"] = 70;
   EXPECT_EQ(first(solution(), other), "");
@@ -290,7 +290,7 @@ TEST(SolutionComparison, IgnoresTheInitialStateChoice) {
   EXPECT_EQ(first(with(0.1, 3), with(0.1, 4)), "trajectory u/elbow at knot 0 (t = 0 s)");
 }
 
-TEST(SolutionComparison, ARotationMayBeTheLastColumns) {
+TEST(SolutionComparison, RotationMayBeTheLastColumns) {
   const auto with = [](double sign) {
     Json j = solution();
     j["trajectory"]["columns"]["x"] = {"q/a", "a/qx", "a/qy", "a/qz", "a/qw"};

@@ -79,7 +79,7 @@ TEST_F(BoundedMass, DecreasesByStageCostForLargeWeights) {
 }
 
 // A terminal cost with zero weight never decreases; no factor helps.
-TEST_F(BoundedMass, DecreasesByNothingWithoutWeight) {
+TEST_F(BoundedMass, ZeroWeightNeverDecreases) {
   const TerminalConditions found = conditions(kLargest, 0);
   EXPECT_EQ(found.conditions[3].figure, 0);
   EXPECT_EQ(found.decrease.level, 0);

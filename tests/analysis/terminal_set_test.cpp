@@ -80,7 +80,7 @@ TEST(TerminalSet, TouchesTheNearerBoundOfEachRow) {
   EXPECT_EQ(mass.set.level, mass.set.bounds[0].level);
 }
 
-TEST(TerminalSet, SeesConstraintsOnTheControlUnderTheRegulator) {
+TEST(TerminalSet, EvaluatesControlConstraintsUnderTheRegulator) {
   const ConstrainedMass mass(
       {{make_constraint("push", control_residual(2, 1), ConstraintKind::bounds), {0, -0.5, 2, 1}}});
   ASSERT_EQ(mass.set.bounds.size(), 1u);
@@ -198,7 +198,7 @@ TEST(TerminalEllipsoid, HasMatrixAxesAndNullDirections) {
   EXPECT_EQ(terminal_ellipsoid(Eigen::Matrix2d{{2, 1}, {1, 2}}).free.cols(), 0);
 }
 
-TEST(TerminalEllipsoid, RoundingOfASingularMatrixIsNoLength) {
+TEST(TerminalEllipsoid, RoundingOfASingularMatrixHasNoLength) {
   // Rows of very different units; one of them is rounding.
   const Eigen::Vector3d row(1e3, -2e-3, 0);
   Eigen::Matrix3d P = row * row.transpose();

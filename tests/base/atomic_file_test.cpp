@@ -48,7 +48,7 @@ TEST_F(AtomicFile, NothingStaysWithoutCommit) {
   EXPECT_EQ(count(), 1);
 }
 
-TEST_F(AtomicFile, SignalsWaitUntilFilesAreWhole) {
+TEST_F(AtomicFile, SignalsWaitForCompleteFiles) {
   for (const bool commits : {true, false}) {
     const std::string name = commits ? "a" : "b";
     const pid_t child = ::fork();
@@ -80,7 +80,7 @@ TEST_F(AtomicFile, LaterFailureKeepsEarlierFiles) {
   EXPECT_EQ(read("a"), "former");
 }
 
-TEST_F(AtomicFile, AFailureWhileRenamingTakesTheOthersBack) {
+TEST_F(AtomicFile, FailedRenameRestoresTheOthers) {
   std::ofstream(folder_ / "b") << "former";
   AtomicFiles files;
   files.add(folder_ / "a", "new");  // renamed last
@@ -136,7 +136,7 @@ TEST_F(AtomicFile, WhatIsNoRegularFileIsNotReplaced) {
   EXPECT_EQ(count(), 4);
 }
 
-TEST_F(AtomicFile, ALinkStaysAndItsTargetIsWritten) {
+TEST_F(AtomicFile, KeepsALinkAndWritesItsTarget) {
   std::filesystem::create_directory(folder_ / "far");
   std::ofstream(folder_ / "far/target") << "former";
   std::filesystem::create_symlink("far/target", folder_ / "link");

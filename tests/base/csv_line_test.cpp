@@ -41,7 +41,7 @@ TEST(CsvLine, QuotedTextMayContainCommasSpacesAndQuotes) {
   EXPECT_EQ(split_csv_line(R"(1, "a,b",c)")[2].byte, 9);
 }
 
-TEST(CsvLine, SpreadsheetsComputeWhatBeginsAsAFormula) {
+TEST(CsvLine, RecognizesSpreadsheetFormulas) {
   for (const char* text : {"=1+1", "@SUM(A1)", "-x", "+x"})
     EXPECT_TRUE(begins_formula(text)) << text;
   for (const char* text : {"", "x=1", "_=1", "1-2"}) EXPECT_FALSE(begins_formula(text)) << text;

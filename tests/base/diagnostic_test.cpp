@@ -57,7 +57,7 @@ TEST(Diagnostics, CountsErrorsBeyondTheLimit) {
   EXPECT_NE(text.find("10 more errors"), std::string::npos);
 }
 
-TEST(Diagnostics, LinesKeepToTheWidth) {
+TEST(Diagnostics, LinesRespectTheWidth) {
   Diagnostics out;
   out.add_source("p.yaml", std::string(70, 'x') + " wrong " + std::string(70, 'y') + "\n");
   out.error({{0, 1, 72}, "a"}, "there is something wrong with this rather long line of the file",

@@ -13,7 +13,7 @@
 namespace conddp {
 namespace {
 
-TEST(JsonText, NumbersHaveTheFormOfTheJsonLibrary) {
+TEST(JsonText, NumbersMatchTheFormOfTheJsonLibrary) {
   for (const double value : {0.0,
                              -0.0,
                              1.0,

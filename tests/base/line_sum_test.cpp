@@ -12,7 +12,7 @@ TEST(LineSum, IsTakenOffWhereItFits) {
   EXPECT_EQ(without_sum(summed), line);
 }
 
-TEST(LineSum, FitsNoOtherLine) {
+TEST(LineSum, MatchesNoOtherLine) {
   std::string summed = with_sum(R"({"id":"a","n":1})");
   summed[summed.size() - 2] = '2';
   EXPECT_EQ(without_sum(summed), "");

@@ -5,7 +5,7 @@
 namespace conddp {
 namespace {
 
-TEST(NamePattern, FitsTheNamesThatItsStarsComplete) {
+TEST(NamePattern, MatchesNamesThatItsStarsComplete) {
   EXPECT_TRUE(fits("leg_*", "leg_front"));
   EXPECT_TRUE(fits("*", "a"));
   EXPECT_TRUE(fits("a*b*", "axxb"));

@@ -24,7 +24,7 @@ TEST(EditDistance, IsThatOfTextbooks) {
   EXPECT_EQ(edit_distance("a", "b"), 1);
 }
 
-TEST(EditDistance, TakesCapitalsForSmallLetters) {
+TEST(EditDistance, TreatsCapitalsAsSmallLetters) {
   EXPECT_EQ(edit_distance("LF_Foot", "lf_foot"), 0);
   EXPECT_EQ(edit_distance("AB", "ba"), 1);
 }
@@ -44,7 +44,7 @@ TEST(NearNames, ShareALetter) {
   EXPECT_EQ(similar_names("x", {"x1", "y", "ab"}), Names{"x1"});
 }
 
-TEST(Counted, HasAPluralButOfOne) {
+TEST(Counted, UsesPluralExceptForOne) {
   EXPECT_EQ(counted(0, "row"), "0 rows");
   EXPECT_EQ(counted(1, "row"), "1 row");
   EXPECT_EQ(counted(2, "row"), "2 rows");

@@ -30,7 +30,7 @@ TEST(StrictNumber, SaysWhy) {
   EXPECT_EQ(parse_number("x").defect, "'x' is not a number");
 }
 
-TEST(ParseCount, TakesDigitsAloneThatFitAnInt) {
+TEST(ParseCount, AcceptsOnlyDigitsThatFitAnInt) {
   EXPECT_EQ(parse_count("0"), 0);
   EXPECT_EQ(parse_count("1001"), 1001);
   EXPECT_EQ(parse_count("2147483647"), 2147483647);

@@ -35,7 +35,7 @@ TEST(Utf8, ShowsAnyBytesOnOneLine) {
 const std::string kCommands[] = {"\u0080", "\u009B", "\u2028", "\u2029",
                                  "\u202E", "\u2066", "\u200F", "\u061C"};
 
-TEST(Utf8, ShowsNoCommandsToATerminal) {
+TEST(Utf8, HidesCommandsFromATerminal) {
   EXPECT_EQ(printable("a\u009B31m\u202Eb"), "a\\u009B31m\\u202Eb");
   for (const std::string& command : kCommands) {
     EXPECT_EQ(printable(command).substr(0, 2), "\\u");

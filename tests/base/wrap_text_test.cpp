@@ -11,7 +11,7 @@ TEST(WrapText, BreaksAtSpaces) {
   EXPECT_EQ(wrap_text("one two three", 0, 1, 4), " one two three\n");
 }
 
-TEST(WrapText, LongWordsHaveALineOfTheirOwn) {
+TEST(WrapText, LongWordsHaveTheirOwnLine) {
   EXPECT_EQ(wrap_text("a abcdefghij b", 5, 0, 0), "a\nabcdefghij\nb\n");
 }
 

@@ -129,7 +129,7 @@ TEST(BatchPlan, ItemIdIgnoresHowItIsWritten) {
   EXPECT_EQ(a.manifest->items[1].id, d.manifest->items[1].id);
 }
 
-TEST(BatchPlan, AnotherProblemMakesOtherItems) {
+TEST(BatchPlan, AnotherProblemGivesOtherItems) {
   std::string changed = kSwing;
   changed.replace(changed.find("weight: 10"), 10, "weight: 11");
   const std::string axes = "vary: {w: {key: costs.effort.weight, values: [1, 2]}}\n";
@@ -516,7 +516,7 @@ TEST(BatchPlan, ReadsItsOwnResultsAsATable) {
   EXPECT_EQ(second.manifest->items[1].values, first.manifest->items[1].values);
 }
 
-TEST(BatchPlan, ErrorsOfATableStandInIt) {
+TEST(BatchPlan, TableErrorsHaveTheirPlaceThere) {
   struct Case {
     const char *table, *error;
   };
@@ -532,7 +532,7 @@ TEST(BatchPlan, ErrorsOfATableStandInIt) {
   }
 }
 
-TEST(BatchPlan, AMisspeltParameterIsReportedInThePlan) {
+TEST(BatchPlan, ReportsMisspeltParameterInThePlan) {
   const PlannedBatch batch("vary: {g: {key: parameters.gaol, linspace: [0.5, 1.5, 3]}}\n",
                            "parameters: {goal: 1}\n" + std::string(kSwing));
   EXPECT_EQ(
@@ -540,7 +540,7 @@ TEST(BatchPlan, AMisspeltParameterIsReportedInThePlan) {
       "plan.yaml:3:28: the file has no 'parameters.gaol': there is no 'gaol' in 'parameters'");
 }
 
-TEST(BatchPlan, EqualProblemsAreNamed) {
+TEST(BatchPlan, NamesEqualProblems) {
   const std::string swing = "name: swing\n" + std::string(kSwing);
   PlannedBatch batch("", swing);
   batch.folder.write("again.yaml", swing);
@@ -563,7 +563,7 @@ TEST(BatchPlan, LiteralFileNameBeatsAPattern) {
   EXPECT_EQ(batch.manifest->problems.size(), 1u);
 }
 
-TEST(BatchPlan, UnknownSolversAreReportedBesideTwins) {
+TEST(BatchPlan, ReportsUnknownSolversBesideDuplicates) {
   const PlannedBatch batch("solvers: [foo, auto, auto]\n");
   const std::string all = format_diagnostics(batch.diagnostics, false);
   EXPECT_NE(all.find("unknown solver 'foo'"), std::string::npos) << all;
@@ -644,7 +644,7 @@ TEST(BatchPlan, AnEmptyTableHasNoColumns) {
   EXPECT_EQ(batch.diagnostics.list().front().hint, "");
 }
 
-TEST(BatchPlan, SettingsOfTheRobotLoadItAgain) {
+TEST(BatchPlan, RobotSettingsReloadTheRobot) {
   PlannedBatch batch("");
   batch.folder.write("arm.yaml", "conddp: 1\nrobot: {urdf: " CONDDP_SOURCE_DIR
                                  "/problems/robots/arm7.urdf}\ninitial_state: {}\n"
@@ -800,7 +800,7 @@ TEST(BatchPlan, ReportsItemWarningsOnceWithFirstItem) {
             Strings{"0.5 does not count: a homotopy takes this number to 0.7 (item 2 and 1 more)"});
 }
 
-TEST(BatchPlan, WarningsOfTheProblemItselfAreNotRepeated) {
+TEST(BatchPlan, ProblemWarningsAreNotRepeated) {
   std::string moving = kMoving;
   moving.replace(moving.find("to: 0.5"), 7, "to: 0.6");
   const PlannedBatch batch("vary: {t: {key: initial_state.values.theta, values: [0.1, 0.2]}}\n",
@@ -861,7 +861,7 @@ TEST(BatchPlan, AKeyThatStandsTwiceIsOneError) {
   EXPECT_EQ(batch.diagnostics.error_count(), 1);
 }
 
-TEST(BatchPlan, APatternInAFolderIsExplained) {
+TEST(BatchPlan, ExplainsAPatternInAFolder) {
   PlannedBatch batch("");
   batch.file = batch.folder.write("plan.yaml", "conddp_batch: 1\nproblem: \"d?/x.yaml\"\n");
   batch.plan_again();
@@ -883,7 +883,7 @@ TEST(BatchPlan, UnansweredItemsHaveTheSolverOfThePlan) {
   EXPECT_NE(table.find(",ddp,unfinished,"), std::string::npos) << table;
 }
 
-TEST(BatchPlan, MayLetAllItemsStartFromAFile) {
+TEST(BatchPlan, AllItemsMayStartFromAFile) {
   PlannedBatch missing("warm_start: nowhere.json\n");
   EXPECT_FALSE(missing.manifest);
   EXPECT_NE(missing.error().find("'nowhere.json' is no warm start, and there is no such file"),
@@ -927,7 +927,7 @@ vary: {g: {key: initial_guess, values: [{states: interpolate}, {file: a.csv}]}}
   }
 }
 
-TEST(RunFolder, FilesThatItemsReadMustNotChange) {
+TEST(RunFolder, RejectsChangesOfInputFiles) {
   PlannedBatch batch("vary: {g: {key: initial_guess, values: [{file: a.csv}, {file: b.csv}]}}\n");
   const std::string table = kGuess;
   batch.folder.write("a.csv", table);

@@ -150,7 +150,7 @@ TEST(Spread, MeetsEveryRemainderAndEveryPart) {
     }
 }
 
-TEST_F(BatchReport, HasTheTrajectoriesThatAreKept) {
+TEST_F(BatchReport, HasTheStoredTrajectories) {
   const OrderedJson trajectories = report()["trajectories"];
   EXPECT_EQ(trajectories["columns"], OrderedJson({"theta", "omega"}));
   const OrderedJson& lines = trajectories["lines"];

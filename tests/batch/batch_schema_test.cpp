@@ -133,7 +133,7 @@ TEST(BatchSchema, TheReaderAndTheSchemaAgree) {
 }
 
 // Each key added to or removed from the schema needs a case above.
-TEST(BatchSchema, HasTheKeysThatTheCasesHave) {
+TEST(BatchSchema, HasTheKeysOfTheCases) {
   std::ifstream stream(std::filesystem::path(CONDDP_SOURCE_DIR) / "schemas/batch.schema.json");
   const auto schema = nlohmann::json::parse(stream);
   std::string valid;

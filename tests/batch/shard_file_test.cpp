@@ -24,7 +24,7 @@ std::string read(const fs::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-TEST(ShardFile, GivesBackWhatWasAppended) {
+TEST(ShardFile, ReturnsAppendedResults) {
   const TemporaryFolder run;
   {
     ShardFile file(run.path(), {0, 1});
@@ -42,7 +42,7 @@ TEST(ShardFile, GivesBackWhatWasAppended) {
 }
 
 // A process may end at any byte: complete records stay, and new data overwrites the rest.
-TEST(ShardFile, DropsWhatWasCutOffAtAnyByte) {
+TEST(ShardFile, DropsTruncatedRecords) {
   const TemporaryFolder run;
   const fs::path lines = run.path() / "shards/1of1.jsonl",
                  pack = run.path() / "shards/1of1.solutions";
@@ -232,7 +232,7 @@ TEST(ShardFile, RejectsLinesWithWrongChecksums) {
   EXPECT_TRUE(load_results(run.path()).empty());
 }
 
-TEST(ShardFile, OneProcessAtATimeHasAShard) {
+TEST(ShardFile, OnlyOneProcessHasAShard) {
   const TemporaryFolder run;
   const ShardFile first(run.path(), {1, 3});
   EXPECT_NO_THROW(ShardFile(run.path(), {2, 3}));

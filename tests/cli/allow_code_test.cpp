@@ -70,7 +70,7 @@ std::string problem_of(const std::string& function, const std::string& state,
          ", weight: 20}}}\nsolver: {name: box_fddp}\n";
 }
 
-TEST_F(AllowCode, AWrongJacobianIsFound) {
+TEST_F(AllowCode, FindsAWrongJacobian) {
   const std::string wrong = folder_.write("wrong.yaml", std::string(R"(conddp: 1
 system: {library: )") + CONDDP_TEST_MODEL + R"(, function: crooked, states: [x, y], controls: [u]}
 initial_state: {state: [1, 0]}
@@ -100,7 +100,7 @@ TEST_F(AllowCode, FindsWrongJacobianOfFastWave) {
   EXPECT_NE(verified.out.find("derivatives of compiled code"), std::string::npos) << verified.out;
 }
 
-TEST_F(AllowCode, AWrongHessianIsFound) {
+TEST_F(AllowCode, FindsAWrongHessian) {
   std::string text = problem_of("bent", "[0.5, 0]", "[1, 0]");
   text.insert(text.find("function:"), "parameters: {inertia: 2, weight: 5}, ");
   const std::string wrong = folder_.write("wrong.yaml", text);
@@ -148,7 +148,7 @@ TEST_F(AllowCode, LargeRobotResidualsDoNotImplicateDynamics) {
   EXPECT_EQ(check.exit_code, 0) << check.out << check.err;
 }
 
-TEST_F(AllowCode, AJacobianThatFailsIsNamed) {
+TEST_F(AllowCode, NamesAFailingJacobian) {
   const std::string file = folder_.write("stuck.yaml", problem_of("stuck", "[1, 0]", "[0, 0]"));
   const ProcessResult solved = run_conddp({"solve", file, "--allow-code", "-o", output()});
   EXPECT_EQ(solved.exit_code, 1) << solved.out << solved.err;
@@ -166,7 +166,7 @@ TEST_F(AllowCode, AnswerWithoutValuesHasNoDerivativesToCheck) {
   EXPECT_NE(verified.out.find("consistency check passed"), std::string::npos) << verified.out;
 }
 
-TEST_F(AllowCode, AnExpandedFileIsReadAgain) {
+TEST_F(AllowCode, ExpandedFileCanBeReadAgain) {
   const ProcessResult expanded = run_conddp({"check", "--expand", file_, "--allow-code"});
   ASSERT_EQ(expanded.exit_code, 0) << expanded.err;
   EXPECT_NE(expanded.out.find("gives: rate"), std::string::npos) << expanded.out;

@@ -85,14 +85,14 @@ TEST_F(LoopBatch, ShowsALoopBySimulatingItAgain) {
   EXPECT_EQ(read_file(item + "/again/closed_loop.csv"), read_file(item + "/closed_loop.csv"));
 }
 
-TEST_F(LoopBatch, DoesNotTryLoopsAgainThatFell) {
+TEST_F(LoopBatch, DoesNotRetryFallenLoops) {
   const std::string batch = planned("retried", kPushes);
   run(batch);
   const ProcessResult retried = run_conddp({"batch", "retry", batch, "failed"});
   EXPECT_EQ(retried.out, "there is nothing to solve again\n") << retried.err;
 }
 
-TEST_F(LoopBatch, EndsLoopsAtTheLimitOfTime) {
+TEST_F(LoopBatch, EndsLoopsAtTheTimeLimit) {
   const std::string batch =
       planned("slow",
               "command: mpc\nlimits: {max_time_s: 0.001}\nvary: {d: {key: mpc.duration, values: "
@@ -115,7 +115,7 @@ TEST_F(LoopBatch, ShowsHowALoopEndsWithoutTimeLimit) {
   EXPECT_EQ(document["end"], "finished");
 }
 
-TEST_F(LoopBatch, TakesPlansThatKeepNoSolutions) {
+TEST_F(LoopBatch, AcceptsPlansWithoutStoredSolutions) {
   planned("kept", std::string(kPushes) + "keep: {solutions: none}\nwarm_start: none\n");
 }
 

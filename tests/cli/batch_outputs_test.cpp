@@ -110,7 +110,7 @@ TEST_F(Batch, CollectSaysWhyThereIsNoDataSet) {
             std::string::npos);
 }
 
-TEST_F(Batch, ASmallDataSetIsASmallFile) {
+TEST_F(Batch, SmallDataSetIsASmallFile) {
   const std::string folder =
       planned("small", "vary: {w: {key: costs.effort.weight, values: [1, 2]}}\n");
   EXPECT_EQ(run(folder).exit_code, 0);

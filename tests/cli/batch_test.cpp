@@ -10,7 +10,7 @@
 namespace conddp {
 namespace {
 
-TEST_F(Batch, AllAtOnceGivesWhatTheStepsGive) {
+TEST_F(Batch, SingleCommandMatchesSeparateSteps) {
   const std::string expected = this->expected();
   EXPECT_EQ(std::count(expected.begin(), expected.end(), '\n'), 31);
   const std::string run = folder_.path() / "all";
@@ -64,7 +64,7 @@ TEST_F(Batch, ReportsWriteErrorsWithoutLoss) {
   EXPECT_EQ(collected(folder), expected);
 }
 
-TEST_F(Batch, ASecondRunHasNothingToDo) {
+TEST_F(Batch, SecondRunHasNothingToDo) {
   const std::string folder = planned("twice");
   EXPECT_EQ(run(folder).exit_code, 0);
   const std::string lines = read_file(folder + "/shards/1of1.jsonl");
@@ -101,7 +101,7 @@ TEST_F(Batch, RecordsCrashesHangsAndMemoryLimits) {
   }
 }
 
-TEST_F(Batch, ASignalEndsItWithItsExitStatus) {
+TEST_F(Batch, SignalEndsItWithItsExitStatus) {
   const std::string folder = planned("signal", std::string(kAxes) + "limits: {max_time_s: 60}\n");
   const std::string variable = "CONDDP_BATCH_FAULT=hang:" + ids(folder)[29];
   // The hanging worker announces itself beforehand.
@@ -111,7 +111,7 @@ TEST_F(Batch, ASignalEndsItWithItsExitStatus) {
   EXPECT_EQ(run(folder).exit_code, 0);
 }
 
-TEST_F(Batch, ABudgetStopsItBeforeTheEnd) {
+TEST_F(Batch, BudgetStopsItBeforeTheEnd) {
   const std::string folder = planned("budget");
   const ProcessResult r = run(folder, {"-j", "1", "--budget", "0.001s"});
   EXPECT_EQ(r.exit_code, 1) << r.err;
@@ -174,7 +174,7 @@ TEST_F(Batch, RejectsOptionsThatAnActionIgnores) {
   EXPECT_FALSE(std::filesystem::exists(folder + "/shards"));
 }
 
-TEST_F(Batch, AShardIsTriedAgainByItself) {
+TEST_F(Batch, ShardIsRetriedByItself) {
   const std::string folder = planned("retry");
   const std::string variable = "CONDDP_BATCH_FAULT=crash:" + ids(folder)[4];
   EXPECT_EQ(run(folder, {}, {.environment = {variable}}).exit_code, 1);
@@ -318,7 +318,7 @@ ProcessOptions stub_cluster(const TemporaryFolder& folder, const std::string& fa
   return {.environment = {"PATH=" + path + ":/usr/bin:/bin"}};
 }
 
-TEST_F(Batch, SubmitTakesTheLimitOfTheDefaultPartition) {
+TEST_F(Batch, SubmitUsesTheLimitOfTheDefaultPartition) {
   const std::string folder = planned("submit");
   const Words words = {"batch", "submit", folder, "--shards", "2", "--time"};
   const auto submit = [&](const char* time) {
@@ -342,7 +342,7 @@ TEST_F(Batch, SubmitTakesTheLimitOfTheDefaultPartition) {
   }
 }
 
-TEST_F(Batch, SubmitTakesTheShardsOfThePlan) {
+TEST_F(Batch, SubmitUsesTheShardsOfThePlan) {
   const std::string folder = folder_.path() / "shards";
   ASSERT_EQ(run_conddp({"batch", "plan", plan(), "-o", folder, "--shards", "5"}).exit_code, 0);
   const ProcessResult r = run_conddp({"batch", "submit", folder}, stub_cluster(folder_));
@@ -462,7 +462,7 @@ solver: {name: fddp}
 mesh: {error: 0.02}
 )";
 
-TEST_F(Batch, RefinesGridsAsSolveDoes) {
+TEST_F(Batch, RefinesGridsLikeSolve) {
   folder_.write("swing.yaml", kMeshed);
   const std::string former = folder_.path() / "former";
   ASSERT_EQ(run_conddp({"solve", folder_.path() / "swing.yaml", "-o", former}).exit_code, 0);

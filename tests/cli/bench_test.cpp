@@ -281,7 +281,7 @@ TEST(Bench, SaysOfFailuresHowToSeeThemAgain) {
   EXPECT_EQ(r.out.find("--solver fddp"), std::string::npos) << "a refusal needs no second look";
 }
 
-TEST(Bench, ComparesWithWhatIsKnownBesideTheProblem) {
+TEST(Bench, ComparesWithBestKnownOptimum) {
   const TemporaryFolder folder;
   const std::string text = read_file(kPendulum);
   folder.write("pendulum.yaml", text);

@@ -59,7 +59,7 @@ TEST_P(Broken, InputsAreRefusedWithTheirPlaces) {
 INSTANTIATE_TEST_SUITE_P(Groups, Broken, testing::ValuesIn(broken_groups()),
                          [](const auto& test) { return test.param; });
 
-TEST(BrokenInputs, TheInputsThatTheyChangeAreGood) {
+TEST(BrokenInputs, UnmodifiedInputsAreGood) {
   const TemporaryFolder folder;
   write_good_inputs(folder);
   for (const std::string problem : {"pendulum", "tracking", "arm", "legs", "gait", "block"}) {

@@ -87,7 +87,7 @@ TEST(Check, ListsContactsOfPhasesAndCandidates) {
       << found.out;
 }
 
-TEST(Check, NamesContactsThatAreRedundant) {
+TEST(Check, NamesRedundantContacts) {
   const std::string squat = source("problems/biped_squat.yaml");
   const ProcessResult whole = run_conddp({"check", squat});
   EXPECT_EQ(whole.out.find("redundant"), std::string::npos) << whole.out;

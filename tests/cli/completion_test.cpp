@@ -153,7 +153,7 @@ TEST(FishCompletion, SolverNamesFlagsAndFiles) {
   EXPECT_TRUE(has(offers("conddp solve problems/arm"), "problems/arm_reach.yaml"));
 }
 
-TEST(Completion, NamesTheShellsThatThereAre) {
+TEST(Completion, NamesTheSupportedShells) {
   const ProcessResult r = run_conddp({"completion", "fsh"});
   EXPECT_EQ(r.exit_code, 2);
   EXPECT_NE(r.err.find("did you mean 'fish'"), std::string::npos) << r.err;

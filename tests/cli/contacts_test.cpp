@@ -87,7 +87,7 @@ TEST_F(Contacts, WhatAMotionFoundIsScheduledAndRefined) {
       << refined.out;
 }
 
-TEST_F(Contacts, AnswersThatDidNotConvergeAreNamed) {
+TEST_F(Contacts, NamesUnconvergedAnswers) {
   ASSERT_EQ(
       run({"solve", "falling.yaml", "-o", "out", "--quiet", "--set", "solver.max_iterations=1"})
           .exit_code,

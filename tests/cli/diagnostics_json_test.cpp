@@ -31,7 +31,7 @@ std::vector<Json> diagnostics(const std::vector<std::string>& arguments, int exi
   return list;
 }
 
-TEST(DiagnosticsJson, APlaceInAFile) {
+TEST(DiagnosticsJson, NamesAPlaceInAFile) {
   const TemporaryFolder folder;
   const std::string file = folder.write("p.yaml", "conddp: 1\nsytem: {type: pendulum}\n");
   Json first;
@@ -47,7 +47,7 @@ TEST(DiagnosticsJson, APlaceInAFile) {
   EXPECT_NE(std::find(accepted.begin(), accepted.end(), "system"), accepted.end());
 }
 
-TEST(DiagnosticsJson, UsageErrorsWithWhatIsAccepted) {
+TEST(DiagnosticsJson, UsageErrorsListAcceptedWords) {
   const Json command = diagnostics({"--diagnostics=json", "slove", "x"}).at(0);
   EXPECT_EQ(command["message"], "unknown subcommand 'slove'");
   EXPECT_EQ(command["hint"], "did you mean 'solve'?");
@@ -76,7 +76,7 @@ TEST(DiagnosticsJson, NamesUnknownCommandLineNames) {
   EXPECT_EQ(setting["column"], 8);
 }
 
-TEST(DiagnosticsJson, OutputsThatCannotBeWritten) {
+TEST(DiagnosticsJson, ReportsUnwritableOutputs) {
   const TemporaryFolder folder;
   const std::string file = folder.write("file", "");
   const Json error =

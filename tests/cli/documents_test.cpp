@@ -92,7 +92,7 @@ TEST(ListCommand, MatchesSchemaAndFuzzerDictionary) {
   EXPECT_EQ(std::system(command.c_str()), 0) << "run scripts/write_schema";
 }
 
-TEST(ListCommand, AReaderThatGoesAwayIsNoError) {
+TEST(ListCommand, ReaderThatLeavesIsNoError) {
   const TemporaryFolder folder;
   const std::string errors = folder.path() / "errors";
   const std::string command = std::string("bash -c 'set -o pipefail; ") + CONDDP_BINARY +
@@ -101,7 +101,7 @@ TEST(ListCommand, AReaderThatGoesAwayIsNoError) {
   EXPECT_EQ(read_file(errors), "");
 }
 
-TEST(ListCommand, ResultsThatCannotBeWrittenAreAnError) {
+TEST(ListCommand, UnwritableResultsAreAnError) {
   const TemporaryFolder folder;
   const std::string errors = folder.path() / "errors";
   for (const char* redirection : {">/dev/full", ">&-"}) {
@@ -145,7 +145,7 @@ TEST(InspectCommand, TotalMassCountsWhatStandsStill) {
   EXPECT_EQ(free["mass_kg"], (Json{{"total", 5.0}, {"moving", 5.0}}));
 }
 
-TEST(Help, IsTheSameByOptionAndBySubcommand) {
+TEST(Help, IsEqualByOptionAndSubcommand) {
   EXPECT_EQ(run_conddp({"help"}).out, run_conddp({"--help"}).out);
   for (const std::string& name : subcommands()) {
     const ProcessResult r = run_conddp({"help", name});
@@ -155,7 +155,7 @@ TEST(Help, IsTheSameByOptionAndBySubcommand) {
   }
 }
 
-TEST(Help, KeepsToEightyColumnsInAPipe) {
+TEST(Help, UsesEightyColumnsInAPipe) {
   Words texts = {run_conddp({"--help"}).out};
   for (const std::string& name : subcommands()) texts.push_back(run_conddp({name, "--help"}).out);
   for (const std::string& text : texts) {
@@ -164,7 +164,7 @@ TEST(Help, KeepsToEightyColumnsInAPipe) {
   }
 }
 
-TEST(ManualPages, AreGoodRoffAndComplete) {
+TEST(ManualPages, AreValidRoffAndComplete) {
   const TemporaryFolder folder;
   const ProcessResult all = run_conddp({"man", "--output", folder.path() / "man1"});
   EXPECT_EQ(all.exit_code, 0) << all.err;

@@ -35,7 +35,7 @@ class ExampleProblems : public testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(ExampleProblems, AreListedWithWhatTheyShow) {
+TEST_F(ExampleProblems, AreListedWithTheirFeatures) {
   std::set<std::string> names;
   for (const Json& problem : listed()) {
     names.insert(problem["name"]);
@@ -52,7 +52,7 @@ TEST_F(ExampleProblems, AreListedWithWhatTheyShow) {
             std::string::npos);
 }
 
-TEST_F(ExampleProblems, AreSolvedByTheirNamesFromAnywhere) {
+TEST_F(ExampleProblems, AreSolvedByNameFromAnywhere) {
   const ProcessResult solved = run({"solve", "arm_reach", "-o", "out", "--quiet"});
   EXPECT_EQ(solved.exit_code, 0) << solved.err;
   EXPECT_EQ(run({"verify", "out/solution.json", "--quiet"}).exit_code, 0);
@@ -65,11 +65,11 @@ TEST_F(ExampleProblems, AreSolvedByTheirNamesFromAnywhere) {
   EXPECT_NEAR(benched["best_known"].get<double>(), benched["cost"].get<double>(), 1e-8);
 }
 
-TEST_F(ExampleProblems, HaveBestKnownOptimaThatFitTheSchema) {
+TEST_F(ExampleProblems, BestKnownOptimaFitTheSchema) {
   EXPECT_TRUE(fits_schema("best_known", read_file(source("problems/best_known.json"))));
 }
 
-TEST_F(ExampleProblems, AFileAndTheFolderProblemsComeFirst) {
+TEST_F(ExampleProblems, FileAndFolderProblemsComeFirst) {
   std::string mine = read_file(kPendulum);
   mine.erase(0, mine.find("conddp: 1"));
   mine.replace(mine.find("name: pendulum_swingup"), 22, "name: mine");
@@ -91,7 +91,7 @@ TEST_F(ExampleProblems, AFileAndTheFolderProblemsComeFirst) {
   EXPECT_NE(r.err.find("arm_reach:1:1"), std::string::npos) << r.err;
 }
 
-TEST_F(ExampleProblems, BenchWithoutAFileTakesTheFolderProblems) {
+TEST_F(ExampleProblems, BenchWithoutAFileUsesTheFolderProblems) {
   folder_.write("problems/one.yaml", read_file(kPendulum));
   const ProcessResult r = run({"bench", "--solvers", "all", "--json"});
   EXPECT_EQ(r.exit_code, 0) << r.err;
@@ -105,7 +105,7 @@ TEST_F(ExampleProblems, BenchWithoutAFileTakesTheFolderProblems) {
   }
 }
 
-TEST_F(ExampleProblems, ElseThoseThatCameWithTheTool) {
+TEST_F(ExampleProblems, FallsBackToInstalledProblems) {
   folder_.write("problems/notes.txt", "no problem");
   const ProcessResult r =
       run({"bench", "--solvers", "intro", "--repeat", "0", "--max-time", "0.001", "--json"});
@@ -130,7 +130,7 @@ TEST_F(ExampleProblems, WithoutAnyThatIsSaid) {
   EXPECT_NE(read_file(folder_.path() / "out").find("none here"), std::string::npos);
 }
 
-TEST_F(ExampleProblems, ABenchShowsHowMuchIsLeft) {
+TEST_F(ExampleProblems, BenchShowsTheRemainingWork) {
   const ProcessResult r = run_in_terminal(
       {"bench", "pendulum_swingup", "--solvers", "box_ddp,fddp,box_fddp", "--repeat", "400"},
       {.columns = 100, .environment = {"TERM=xterm"}});

@@ -30,7 +30,7 @@ class LibraryOnDemand : public ::testing::Test {
 
 const std::string kFastest = source("problems/double_integrator_fastest.yaml");  // by ipopt
 
-TEST_F(LibraryOnDemand, OtherCommandsWorkWithoutTheLibraryOfIpopt) {
+TEST_F(LibraryOnDemand, OtherCommandsWorkWithoutTheIpoptLibrary) {
   EXPECT_EQ(run("list solvers"), 0) << errors();
   EXPECT_EQ(run("schema problem"), 0) << errors();
   EXPECT_EQ(run("check " + kFastest), 0) << errors();

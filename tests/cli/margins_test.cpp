@@ -13,7 +13,7 @@ using Json = nlohmann::json;
 
 const std::string kLimits = source("problems/double_integrator_limits.yaml");
 
-TEST(Margins, ComeWithTheClosestBoundFirst) {
+TEST(Margins, ListTheClosestBoundFirst) {
   const ProcessResult result =
       run_conddp({"margins", kLimits, "--initial", "0.01", "--process", "{\"v*\": 0.005}"});
   EXPECT_EQ(result.exit_code, 0) << result.err;

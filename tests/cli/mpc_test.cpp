@@ -31,7 +31,7 @@ class MpcCommand : public testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(MpcCommand, WritesALoopThatLastsForItsDuration) {
+TEST_F(MpcCommand, WritesALoopThatLastsItsDuration) {
   const ProcessResult result = run({}, "out");
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_NE(result.out.find("balance: finished at 2 s of 2 s\n"), std::string::npos) << result.out;
@@ -50,7 +50,7 @@ TEST_F(MpcCommand, WritesALoopThatLastsForItsDuration) {
 
 // Double integrator with knots of 0.05 s. The cost with a predicted delay of two ticks comes from
 // numpy.
-TEST_F(MpcCommand, ControlsThatStatesRememberActLate) {
+TEST_F(MpcCommand, RememberedControlsActLate) {
   folder_.write("late.yaml", R"(conddp: 1
 system:
   states: {x: m, v: m/s, u1: N, u2: N}
@@ -123,7 +123,7 @@ TEST_F(MpcCommand, ExitsWith1IfAConditionEndsTheLoop) {
   EXPECT_EQ(result.out, file("out/mpc.json"));
 }
 
-TEST_F(MpcCommand, LeavesCommandsThatVerifyFindsInItsFile) {
+TEST_F(MpcCommand, StoresCommandsForVerify) {
   const ProcessResult loop = run_conddp(
       {"mpc", "quadruped_commands", "-o", "out", "--set", "mpc.duration=0.1", "--set",
        "mpc.disturbances=[]", "--set", "mpc.commands=[{at: 0, velocity: [0.3, 0, 0], turn: 0.1}]"},
@@ -144,7 +144,7 @@ TEST_F(MpcCommand, SaysWhichConstraintsAreLeftOut) {
   EXPECT_EQ(dropped("out/mpc.json"), nlohmann::json::array({"force"}));
 }
 
-TEST_F(MpcCommand, LeavesBehindWhatVerifyReplays) {
+TEST_F(MpcCommand, StoresWhatVerifyReplays) {
   ASSERT_EQ(run({"--set", "solver.threads=2"}, "out").exit_code, 0);
   const auto verify = [&](const std::string& name, std::vector<std::string> more = {}) {
     more.insert(more.begin(), {"verify", name});
@@ -241,7 +241,7 @@ TEST_F(MpcCommand, FindsTheLargestPushThatTheLoopSurvives) {
   EXPECT_EQ(document["problem"]["overrides"][0], fmt::format("{}={}", key, largest));
 }
 
-TEST_F(MpcCommand, PrintsWhatIsFoundAsJson) {
+TEST_F(MpcCommand, PrintsTheSearchResultAsJson) {
   const std::string key = "mpc.disturbances.0.jump.omega";
   const auto found = [&](const std::string& range) {
     const ProcessResult result = run({"--largest", key + "=" + range, "--json"}, "out");
@@ -257,7 +257,7 @@ TEST_F(MpcCommand, PrintsWhatIsFoundAsJson) {
   EXPECT_TRUE(found("[20, 30]").at("survived").is_null());
 }
 
-TEST_F(MpcCommand, VerifyDeniesASearchThatFoundSomethingElse) {
+TEST_F(MpcCommand, VerifyRejectsADifferentSearchResult) {
   const std::string key = "mpc.disturbances.0.jump.omega";
   const ProcessResult found = run({"--largest", key + "=[0, 1]", "--json"}, "out");
   const auto verdict = [&](const char* entry, const nlohmann::json& claim) {
@@ -283,13 +283,13 @@ TEST_F(MpcCommand, RejectsLoopsThatExceedMemory) {
       << result.err;
 }
 
-TEST_F(MpcCommand, MakesTheFolderOfAReport) {
+TEST_F(MpcCommand, CreatesTheFolderOfAReport) {
   const ProcessResult result = run({"--report", "pages/new/loop.html"}, "out");
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_FALSE(file("pages/new/loop.html").empty());
 }
 
-TEST_F(MpcCommand, LooksForAParameterThatThePlantHas) {
+TEST_F(MpcCommand, SearchesAParameterOfThePlant) {
   std::string changed = kBalance;
   changed.replace(changed.find("system.pole_mass: 0.25"), 22, "system.pole_mass: =pm");
   folder_.write("balance.yaml", changed + "parameters: {pm: 0.25}\n");

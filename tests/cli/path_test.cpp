@@ -158,7 +158,7 @@ TEST_F(Paths, DeletedFolderIsBadInput) {
   }
 }
 
-TEST_F(Paths, AMeshInNoPackageIsLeftOut) {
+TEST_F(Paths, OmitsAMeshOutsideAnyPackage) {
   std::string robot = read_file(home_ / "arm7.urdf");
   const std::string name = "package://my arm/mesh.stl";
   robot.replace(robot.find(name), name.size(), "package://");

@@ -15,7 +15,7 @@ bool has(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
 
-TEST(Compare, ASolutionAgreesWithItsGoldenFile) {
+TEST(Compare, SolutionAgreesWithItsGoldenFile) {
   const TemporaryFolder folder;
   run_conddp({"solve", kPendulum, "--quiet", "-o", folder.path()});
   const ProcessResult r = run_conddp({"compare", kGolden, folder.path() / "solution.json"});
@@ -23,7 +23,7 @@ TEST(Compare, ASolutionAgreesWithItsGoldenFile) {
   EXPECT_TRUE(has(r.out, "agrees with")) << r.out;
 }
 
-TEST(Compare, NamesWhatDiffersUnlessTheToleranceAllowsIt) {
+TEST(Compare, NamesDifferencesBeyondTheTolerance) {
   const TemporaryFolder folder;
   Json other = Json::parse(read_file(kGolden));
   other["cost"] = other["cost"].get<double>() * 1.01;
@@ -47,7 +47,7 @@ TEST(Compare, RefusesWhatIsNoSolution) {
   EXPECT_TRUE(has(r.err, "cannot be compared: a row of 'x' should have 2 numbers")) << r.err;
 }
 
-TEST(Regress, ReadyProblemsHaveTheirKnownAnswers) {
+TEST(Regress, ExampleProblemsHaveTheirKnownAnswers) {
   const TemporaryFolder folder;
   const std::string report = folder.path() / "report.xml";
   const ProcessResult r =

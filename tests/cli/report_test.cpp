@@ -26,7 +26,7 @@ class ReportCommand : public testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(ReportCommand, SeveralSolutionsShareAPageUnderTheirSolvers) {
+TEST_F(ReportCommand, SeveralSolutionsShareAPageBySolver) {
   const std::string page = folder_.path() / "both.html";
   const ProcessResult r =
       run_conddp({"report", solve("a", "box_fddp"), solve("b", "box_ddp"), "-o", page});

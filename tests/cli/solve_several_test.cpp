@@ -32,7 +32,7 @@ TEST(SolveSeveral, NothingIsSolvedWhereOneIsWrong) {
   EXPECT_EQ(folder.files(), (std::vector<std::string>{"a.yaml", "b.yaml"}));
 }
 
-TEST(SolveSeveral, FilesOfOneNameAreAnError) {
+TEST(SolveSeveral, EqualFileNamesAreAnError) {
   const TemporaryFolder folder;
   const ProcessResult r = run_conddp({"solve", kPendulum, kPendulum}, {.folder = folder.path()});
   EXPECT_EQ(r.exit_code, 2);
@@ -42,7 +42,7 @@ TEST(SolveSeveral, FilesOfOneNameAreAnError) {
   EXPECT_TRUE(folder.files().empty());
 }
 
-TEST(SolveStandardInput, IsLikeAFile) {
+TEST(SolveStandardInput, ActsLikeAFile) {
   const TemporaryFolder folder;
   const std::string file = folder.write("p.yaml", read_file(kPendulum));
   const std::string out = folder.path();

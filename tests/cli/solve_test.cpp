@@ -32,7 +32,7 @@ TEST(Solve, ConvergesAndWritesItsFiles) {
   EXPECT_EQ(solution["problem"]["sha256"].get<std::string>().size(), 64u);
 }
 
-TEST(Solve, TheCertificateOfAnInfeasibleAnswerHolds) {
+TEST(Solve, CertificateOfAnInfeasibleAnswerHolds) {
   // Output after the last multiplier update uses these multipliers.
   const TemporaryFolder folder;
   const ProcessResult r =
@@ -72,7 +72,7 @@ TEST(Solve, EndsWhereTheCostHasSettledIfAsked) {
 }
 
 // Without a solver name, the problem determines the solver, and check reports it.
-TEST(Solve, AFileThatNamesNoSolverIsSolved) {
+TEST(Solve, SolvesAFileWithoutASolverName) {
   const TemporaryFolder folder;
   std::string text = read_file(source("problems/double_integrator_limits.yaml"));
   const std::string line = "solver: {name: altro, tolerances: {constraint: 1.0e-8}}";
@@ -163,7 +163,7 @@ terminal: {constraints: {there: {residual: state, columns: [x, v], reference: [4
   EXPECT_NEAR(pull, 2, 1e-6);
 }
 
-TEST(Solve, TheDefaultFolderIsNamedAfterTheProblem) {
+TEST(Solve, DefaultFolderHasTheNameOfTheProblem) {
   const TemporaryFolder folder;
   const ProcessResult r = run_conddp({"solve", kPendulum, "--quiet"}, {.folder = folder.path()});
   EXPECT_EQ(r.exit_code, 0) << r.err;
@@ -195,7 +195,7 @@ TEST(Solve, TheSolutionFitsItsSchema) {
   EXPECT_EQ(std::system((command + " >&2").c_str()), 0);
 }
 
-TEST(Solve, ReportsWhatWasDropped) {
+TEST(Solve, ReportsDroppedConstraints) {
   const TemporaryFolder folder;
   const ProcessResult r = run_conddp(
       {"solve", source("problems/arm_reach.yaml"), "--drop", "torque", "-o", folder.path()});
@@ -215,7 +215,7 @@ TEST(Solve, EndsWithOneWhereItDoesNotConverge) {
   EXPECT_NE(r.out.find("max_iterations"), std::string::npos);
 }
 
-TEST(Solve, StopsAfterTheTimeAllowed) {
+TEST(Solve, StopsAtTheTimeLimit) {
   const TemporaryFolder folder;
   const std::string problem = folder.write("long.yaml", kLong);
   const ProcessResult r =
@@ -234,7 +234,7 @@ TEST(Solve, NonFiniteNumbersAreNotAnInternalError) {
   EXPECT_EQ(r.err.find("defect"), std::string::npos) << r.err;
 }
 
-TEST(Solve, SignalsLeaveTheBestIterate) {
+TEST(Solve, SignalsKeepTheBestIterate) {
   for (const int number : {SIGINT, SIGTERM}) {
     const TemporaryFolder folder;
     const std::string problem = folder.write("long.yaml", kLong);
@@ -339,7 +339,7 @@ TEST(Solve, ListsTheOptimaOfRestarts) {
   EXPECT_TRUE(fits_schema("solution", read_file(file)));
 }
 
-TEST(Solve, ResultsDoNotDependOnThreads) {
+TEST(Solve, ResultsIgnoreTheThreadCount) {
   const TemporaryFolder folder;
   const std::string problem = source("problems/arm_reach.yaml");
   for (const std::string n : {"1", "2", "3"})
@@ -349,7 +349,7 @@ TEST(Solve, ResultsDoNotDependOnThreads) {
   EXPECT_EQ(one, read_file(folder.path() / "3/trajectory.csv"));
 }
 
-TEST(Solve, AFullDiskLeavesTheFormerOutput) {
+TEST(Solve, FullDiskKeepsTheFormerOutput) {
   const TemporaryFolder folder;
   run_conddp({"solve", kPendulum, "-o", folder.path()});
   const std::string before = read_file(folder.path() / "solution.json");
@@ -362,7 +362,7 @@ TEST(Solve, AFullDiskLeavesTheFormerOutput) {
   EXPECT_EQ(read_file(folder.path() / "solution.json"), before);
 }
 
-TEST(Solve, OutputFoldersThatCannotBeMadeAreNamed) {
+TEST(Solve, NamesOutputFoldersThatCannotBeCreated) {
   const TemporaryFolder folder;
   const std::string file = folder.write("file", "");
   const ProcessResult r = run_conddp({"solve", kPendulum, "-o", file + "/out"});

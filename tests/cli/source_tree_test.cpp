@@ -81,7 +81,7 @@ TEST_F(SourceTree, ChangedAddedAndRemovedSourcesAreBuilt) {
   EXPECT_EQ(builds(), 0);
 }
 
-TEST_F(SourceTree, ABuildThatFailsIsTriedAgain) {
+TEST_F(SourceTree, RetriesAFailedBuild) {
   write("broken", "");
   EXPECT_EQ(builds(), -1);
   EXPECT_EQ(builds(), -1);

@@ -72,7 +72,7 @@ TEST(Terminal, DrawsStatusAtMostTwentyTimesASecond) {
   EXPECT_GE(drawings(r.err).size(), 3u);
 }
 
-TEST(Terminal, NarrowOnesAreNotOverrun) {
+TEST(Terminal, FitsNarrowTerminals) {
   const TemporaryFolder folder;
   const ProcessResult r =
       run_in_terminal(solve(folder), {.columns = 40, .environment = {"TERM=xterm"}});
@@ -140,7 +140,7 @@ bool commands_a_terminal(const std::string& text) {
   return false;
 }
 
-TEST(Terminal, NamesAndPathsGiveItNoCommands) {
+TEST(Terminal, EscapesCommandsInNamesAndPaths) {
   const TemporaryFolder folder;
   const std::string raw =
       "\xC2\x9B"

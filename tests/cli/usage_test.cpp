@@ -15,7 +15,7 @@ struct Mistake {
 
 class BadUsage : public testing::TestWithParam<Mistake> {};
 
-TEST_P(BadUsage, EndsWithTwoAndAHint) {
+TEST_P(BadUsage, ExitsWithTwoAndAHint) {
   const TemporaryFolder folder;
   const ProcessResult r = run_conddp(GetParam().arguments, {.folder = folder.path()});
   EXPECT_EQ(r.exit_code, 2);
@@ -87,7 +87,7 @@ TEST(Inspect, ShowsTheRobot) {
     EXPECT_NE(r.out.find(part), std::string::npos) << part << "\n" << r.out;
 }
 
-TEST(Inspect, NamesWhatIsWrong) {
+TEST(Inspect, NamesErrors) {
   const TemporaryFolder folder;
   const std::string file = folder.write(
       "r.urdf", "<robot name=\"r\">\n  <link name=\"a\"/>\n  <link name=\"b\"/>\n</robot>\n");

@@ -60,7 +60,7 @@ TEST(Verdicts, ASwingUpFromRestLeavesTheSaddle) {
 }
 
 // A weight so large that its gradient alone determines the scale.
-TEST(Verdicts, WeightsOfGoalsDoNotHideTheEffort) {
+TEST(Verdicts, GoalWeightsDoNotHideTheEffort) {
   const auto cost = [](const char* weight) {
     const Solved swing(
         kHanging + "    up: {residual: state, reference: {values: {angle: 3}}, weight: " + weight +
@@ -90,7 +90,7 @@ TEST(Verdicts, HeavyGoalsAreCertifiedAtTheirOptimumAlone) {
     }
 }
 
-TEST(Verdicts, AGoalSmallerThanItsToleranceIsReached) {
+TEST(Verdicts, ReachesAGoalSmallerThanItsTolerance) {
   const Solved stage(R"(conddp: 1
 name: stage
 system: {states: [x], controls: [v], rate: {x: v}}
@@ -129,7 +129,7 @@ terminal:
 initial_guess: {states: interpolate}
 )yaml";
 
-TEST(Verdicts, SweepsTakeLargeUnits) {
+TEST(Verdicts, SweepsSupportLargeUnits) {
   std::vector<double> costs;
   for (const char* solver : {"altro", "proxddp"}) {
     const Solved ride(kTrain, {"--solver", solver});
@@ -162,7 +162,7 @@ TEST(Verdicts, RowsInSmallUnitsAreNotIgnored) {
 }
 
 // The multipliers of the two constraints are not unique.
-TEST(Verdicts, AnEqualityMayLieOnABound) {
+TEST(Verdicts, EqualityMayLieOnABound) {
   for (const char* solver : {"altro", "proxddp", "ipopt"}) {
     const Solved cart(
         "conddp: 1\nname: cart\nsystem: {states: [x, v], controls: [a], rate: {x: v, v: a}}\n"
@@ -177,7 +177,7 @@ TEST(Verdicts, AnEqualityMayLieOnABound) {
 }
 
 // At rest, the rows of the dynamics are nearly dependent along the horizon.
-TEST(Verdicts, LongHorizonsTakeIpoptNoLonger) {
+TEST(Verdicts, LongHorizonsDoNotSlowIpopt) {
   const Solved bead(
       "conddp: 1\nname: bead\nsystem: {states: {x: m, y: m, v: m/s}, controls: {g: rad},\n"
       "  rate: {x: v*cos(g), y: v*sin(g), v: 9.81*(sin(g) - 0.1*cos(g))}}\n"
@@ -193,7 +193,7 @@ TEST(Verdicts, LongHorizonsTakeIpoptNoLonger) {
 }
 
 // The answer moved back to its start: its claims are true, but descent is possible.
-TEST(Verdicts, AMotionThatCostsMoreIsNotVerified) {
+TEST(Verdicts, CostlierMotionIsNotVerified) {
   const Solved stage(R"(conddp: 1
 name: flat
 system: {states: [x], controls: [v], next: {x: x + v}}
@@ -231,7 +231,7 @@ terminal: {constraints: {end: {residual: expression, rows: {row: ")" +
 }
 
 // At the start, the row is at its maximum: its derivative vanishes and the violation is maximal.
-TEST(Verdicts, ASaddleOfTheViolationIsNotInfeasible) {
+TEST(Verdicts, SaddleOfTheViolationIsNotInfeasible) {
   for (const char* solver : {"altro", "proxddp", "ipopt"}) {
     const Solved away(point("cos(x)", 0), {"--solver", solver});
     EXPECT_EQ(away.run.exit_code, 0) << solver << away.run.out << away.run.err;
@@ -239,7 +239,7 @@ TEST(Verdicts, ASaddleOfTheViolationIsNotInfeasible) {
   }
 }
 
-TEST(Verdicts, AMinimumOfTheViolationIsInfeasible) {
+TEST(Verdicts, MinimumOfTheViolationIsInfeasible) {
   for (const char* solver : {"altro", "proxddp", "ipopt"}) {
     const Solved stuck(point("cos(x)", 2), {"--solver", solver});
     EXPECT_EQ(stuck.run.exit_code, 1) << solver;
@@ -264,7 +264,7 @@ terminal: {constraints: {there: {residual: state, reference: [1, 0]}}}
 )";
 
 // At rest, the position hardly depends on a zero force.
-TEST(Verdicts, AFlatViolationIsNotInfeasible) {
+TEST(Verdicts, FlatViolationIsNotInfeasible) {
   for (const char* solver : {"auto", "altro", "proxddp", "ipopt"}) {
     const Solved held(kHeld, {"--solver", solver});
     EXPECT_NE(held.document.at("status"), "infeasible") << solver << held.run.out;
@@ -273,7 +273,7 @@ TEST(Verdicts, AFlatViolationIsNotInfeasible) {
 
 /// A passive bar falls on its end, tips, and slides. The steps leave the split of friction between
 /// two directions open.
-TEST(Verdicts, StepsThatAreDeterminedConverge) {
+TEST(Verdicts, DeterminedStepsConverge) {
   TemporaryFolder folder;
   std::ofstream(std::string(folder.path()) + "/bar.urdf") << R"(<robot name="bar">
 <link name="world"/>

@@ -87,7 +87,7 @@ TEST_F(Verify, JsonFitsItsSchema) {
   EXPECT_EQ(std::system(command.c_str()), 0);
 }
 
-TEST_F(Verify, AProblemFileThatChangedIsSaid) {
+TEST_F(Verify, ReportsAChangedProblemFile) {
   folder_.write("cartpole.yaml", problem_ + "# a remark\n");
   const ProcessResult remark = run({"verify", "out/solution.json"});
   EXPECT_EQ(remark.exit_code, 0) << remark.out;
@@ -102,7 +102,7 @@ TEST_F(Verify, AProblemFileThatChangedIsSaid) {
   EXPECT_NE(other.out.find("/terminal/costs/upright/weight"), std::string::npos) << other.out;
 }
 
-TEST_F(Verify, ARobotThatChangedFails) {
+TEST_F(Verify, ChangedRobotFails) {
   std::string robot = read_file(source("problems/robots/cartpole.urdf"));
   const std::size_t mass = robot.find("<mass value=\"");
   robot.replace(mass, 13, "<mass value=\"1");
@@ -114,7 +114,7 @@ TEST_F(Verify, ARobotThatChangedFails) {
   EXPECT_NE(r.out.find("FAILS gap"), std::string::npos) << r.out;
 }
 
-TEST_F(Verify, TakesTheProblemFromAnotherPlace) {
+TEST_F(Verify, AcceptsTheProblemFromAnotherPlace) {
   std::filesystem::create_directory(folder_.path() / "elsewhere");
   std::filesystem::rename(folder_.path() / "cartpole.yaml", folder_.path() / "moved.yaml");
   const ProcessResult lost = run({"verify", "out/solution.json"});
@@ -169,7 +169,7 @@ TEST_F(Verify, QuotesNothingFromFilesThatAreNotProblems) {
   EXPECT_NE(wrong.err.find("  hushhush: 1\n"), std::string::npos) << wrong.err;
 }
 
-TEST_F(Verify, RememberWhatTheCommandLineChanged) {
+TEST_F(Verify, RemembersCommandLineChanges) {
   EXPECT_EQ(run({"solve", "cartpole.yaml", "-o", "two", "--solver", "fddp", "--drop", "force",
                  "--set", "costs.effort.weight=0.05", "--warm-start", "out/solution.json",
                  "--threads", "2", "--max-time", "100"})
@@ -209,7 +209,7 @@ TEST_F(Verify, ReportsTolerancesThatLetTheAnswerPass) {
   EXPECT_EQ(r.out.find("with settings"), std::string::npos) << r.out;
 }
 
-TEST_F(Verify, AnUnconvergedAnswerHoldsTo) {
+TEST_F(Verify, UnconvergedAnswerHoldsToo) {
   const ProcessResult solved =
       run({"solve", "cartpole.yaml", "-o", "early", "--set", "solver.max_iterations=2"});
   EXPECT_EQ(solved.exit_code, 1) << solved.err;

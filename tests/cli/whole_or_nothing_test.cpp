@@ -97,7 +97,7 @@ TEST_F(WholeOrNothing, NamesFoldersThatAreNotWritable) {
   EXPECT_NE(r.err.find("cannot be written"), std::string::npos) << r.err;
 }
 
-TEST_F(WholeOrNothing, AKillAtAnyMomentLeavesWholeFiles) {
+TEST_F(WholeOrNothing, KillAtAnyMomentLeavesWholeFiles) {
   using Clock = std::chrono::steady_clock;
   const auto start = Clock::now();
   const TemporaryFolder apart;

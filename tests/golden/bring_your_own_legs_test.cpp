@@ -18,7 +18,7 @@ using Data = MultibodySystem::Data<double>;
 
 class BringYourOwnLegs : public ::testing::TestWithParam<std::string> {};
 
-TEST_P(BringYourOwnLegs, StandMakeAStepAndStandAgain) {
+TEST_P(BringYourOwnLegs, StandStepAndStandAgain) {
   const auto urdf = foreign_robot_folder() / (GetParam() + ".urdf");
   if (!std::filesystem::exists(urdf)) GTEST_SKIP() << kNoForeignRobots;
   Diagnostics diagnostics;

@@ -62,7 +62,7 @@ TEST_P(Collection, MeetsThePublishedOptimum) { expect_optimum(GetParam()); }
 
 // From the guesses of the files, both solvers stall on `goddard` and end at a least violation of
 // `zermelo`.
-TEST_P(Collection, MeetsItByAltroAndProxddp) {
+TEST_P(Collection, AltroAndProxddpMeetIt) {
   if (GetParam() == "goddard" || GetParam() == "zermelo") return;
   for (const char* solver : {"altro", "proxddp"}) {
     SCOPED_TRACE(solver);

@@ -36,7 +36,7 @@ TEST_P(KnownAnswer, IsFoundAgain) {
 INSTANTIATE_TEST_SUITE_P(Golden, KnownAnswer, ::testing::ValuesIn(names_in(kGolden, ".json")),
                          [](const auto& name) { return name.param; });
 
-TEST(Golden, EveryReadyProblemHasItsAnswer) {
+TEST(Golden, EveryExampleHasItsAnswer) {
   std::vector<std::string> answered;
   for (const fs::path& folder : {kGolden, kGolden / "slow"})
     for (const std::string& name : names_in(folder, ".json")) {

@@ -230,7 +230,7 @@ TEST_F(HyqTrot, ConvergesOnSlipperyFloorWithWeakMotors) {
   }
 }
 
-TEST_F(HyqTrot, HardConesWithTheRobotsOwnMotors) {
+TEST_F(HyqTrot, ConvergesWithHardConesAndOwnMotors) {
   for (const char* cone : {kPyramid, kCone}) {
     read({cone});
     EXPECT_NEAR(expect_constrained("proxddp").cost, reference_["optimum"]["cost"], 1e-7);

@@ -101,7 +101,7 @@ INSTANTIATE_TEST_SUITE_P(All, Impossible, ::testing::Values(kWeakArm, kHeld, kHu
                          [](const auto& test) { return test.param.name; });
 
 /// A stalled augmented Lagrangian is not a point of least violation.
-TEST(Infeasible, IsNotWhatAPenaltyMethodStallsAt) {
+TEST(Infeasible, StalledPenaltyMethodIsNotInfeasible) {
   auto loaded = load(kWeakArm, "altro");
   ASSERT_TRUE(loaded);
   const SolverInfo& solver = *find_solver("altro");

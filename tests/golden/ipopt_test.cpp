@@ -45,7 +45,7 @@ TEST(TranscribedTrot, ConvergesFromAnotherStateInDozensOfIterations) {
 
 /// Gauss-Newton Hessians come first if exact ones are expensive, unless contact-force constraints
 /// or the file require exact ones.
-TEST(TranscribedHessians, BeginAsSuitsTheProblem) {
+TEST(TranscribedHessians, StartWithTheSuitableHessians) {
   const auto begins_exact = [](const std::string& name, const std::string& hessian) {
     const testing::ReadyProblem ready(
         name, {"solver.name=ipopt", "solver.hessian=" + hessian, "solver.max_iterations=1"});

@@ -65,7 +65,7 @@ double largest_slip(const Solved& s, const ContactSpec& contact) {
   return largest;
 }
 
-TEST(QuadrupedTrot, AdvancesOnFeetThatNeitherSlipNorDrag) {
+TEST(QuadrupedTrot, AdvancesWithoutSlippingOrDragging) {
   const Solved s = solve_ready("quadruped_trot");
   ASSERT_EQ(s.result->status, SolveStatus::converged) << s.result->message;
   EXPECT_LE(s.result->residuals.gap, 1e-9);
@@ -138,7 +138,7 @@ INSTANTIATE_TEST_SUITE_P(Ready, SteppingProblem,
                                            "quadruped_trot_slope", "biped_steps", "hopper_jump"),
                          [](const auto& name) { return name.param; });
 
-TEST(QuadrupedPaceTurn, TurnsAndGoesAlongItsArc) {
+TEST(QuadrupedPaceTurn, TurnsAlongItsArc) {
   const Solved s = solve_ready("quadruped_pace_turn");
   ASSERT_EQ(s.result->status, SolveStatus::converged);
   const auto x = s.trajectory().x(s.built->problem->knots());

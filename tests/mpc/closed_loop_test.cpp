@@ -293,7 +293,7 @@ TEST(ClosedLoop, PhasesLastLongerOnLateContactWithinLimits) {
   EXPECT_EQ(shifts(5, {.early = 0, .late = 0})[15], 0);
 }
 
-TEST(ClosedLoop, ComesCloserByGainsBetweenTicks) {
+TEST(ClosedLoop, FeedbackBetweenTicksReducesTheError) {
   const auto problem = testing::balanced_cartpole();
   const auto cost = [&](std::optional<double> rate) {
     Mpc mpc(problem, problem->create_trajectory(),
@@ -428,7 +428,7 @@ TEST(ClosedLoop, CountsTicksAsLateByTheClock) {
   EXPECT_EQ(result.ticks[10].plan_age, 0);
 }
 
-TEST(ClosedLoop, HasItsFirstPlanBeforeItBegins) {
+TEST(ClosedLoop, HasItsFirstPlanBeforeTheStart) {
   Trouble trouble;
   trouble.options.clock = clock_with([] { return 1.0; });
   const ClosedLoopResult result = trouble.run();
@@ -612,7 +612,7 @@ TEST(ClosedLoop, IsReproducibleForAnyThreadCount) {
   EXPECT_NE(trouble.run().last_state, once.last_state);
 }
 
-TEST(ClosedLoop, HasAPlantThatIsNotTheModel) {
+TEST(ClosedLoop, PlantMayDifferFromTheModel) {
   Trouble trouble;
   const auto model = trouble.run();
   trouble.loop.plant = {

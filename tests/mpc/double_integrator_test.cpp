@@ -78,7 +78,7 @@ struct Loop {
   ClosedLoopResult result;
 };
 
-TEST(DoubleIntegrator, CostsItsValueWhateverTheHorizon) {
+TEST(DoubleIntegrator, CostsItsValueForAnyHorizon) {
   for (const int knots : {1, 2, 5, 10}) {
     const Loop loop(testing::kFree, knots);
     EXPECT_EQ(loop.result.end, LoopEnd::finished);
@@ -88,7 +88,7 @@ TEST(DoubleIntegrator, CostsItsValueWhateverTheHorizon) {
   }
 }
 
-TEST(DoubleIntegrator, CostsTheOptimumUnderBoundsWhateverTheHorizon) {
+TEST(DoubleIntegrator, CostsTheBoundedOptimumForAnyHorizon) {
   const double values[] = {.6846654702972, .6959507781838, .7012943894519, .7027180645701,
                            .7027180807405};  // of the first window by number of knots
   for (int knots = 1; knots <= 5; ++knots) {
@@ -111,7 +111,7 @@ TEST(DoubleIntegrator, ValueDropsByTheStageCostEachTick) {
 }
 
 // A real-time iteration solves a linear-quadratic problem exactly.
-TEST(DoubleIntegrator, IsOptimalByOneIterationATick) {
+TEST(DoubleIntegrator, IsOptimalWithOneIterationATick) {
   const auto problem = regulator(testing::kFree);
   MpcOptions options = options_of(*problem, 5);
   options.iterations = 1;

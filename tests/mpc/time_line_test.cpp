@@ -93,7 +93,7 @@ TEST(TimeLine, TakesNumbersOfItsOwnStructureAlone) {
                std::invalid_argument);
 }
 
-TEST(TimeLine, IsNotMadeOfAFreeInitialState) {
+TEST(TimeLine, RejectsAFreeInitialState) {
   ShootingProblem whole = testing::pendulum_swing_up();
   std::vector<Phase> phases = whole.phases();
   phases.front().instant = true;
@@ -103,7 +103,7 @@ TEST(TimeLine, IsNotMadeOfAFreeInitialState) {
 }
 
 // With and without an inner impulse, cut in the middle of knots.
-TEST(Window, FitsWhatItIsMadeOf) {
+TEST(Window, FitsItsContextAndCut) {
   const SolverOptions options;
   for (const auto& problem : {testing::balanced_cartpole(), shared(testing::landing())}) {
     const TimeLine line(problem, true);

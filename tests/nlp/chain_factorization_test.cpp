@@ -48,7 +48,7 @@ struct HorizonCase {
 
 class Horizons : public ::testing::TestWithParam<HorizonCase> {};
 
-TEST_P(Horizons, AreSolvedWhateverTheOrderOfUnknowns) {
+TEST_P(Horizons, AreSolvedForAnyOrderOfUnknowns) {
   const auto [knots, nx, nu, curved] = GetParam();
   std::mt19937 generator(7);
   for (int i = 0; i < 5; ++i) {
@@ -81,7 +81,7 @@ TEST(Chain, OfAHorizonHasNarrowGroups) {
   EXPECT_FALSE(chain.goes_on.back());
 }
 
-TEST(ChainFactorization, SolvesPiecesThatAreNotCoupled) {
+TEST(ChainFactorization, SolvesDecoupledPieces) {
   SparseSystem system;
   system.add(0, 0, 4);
   system.add(1, 2, 3);  // a pair without diagonal
@@ -93,7 +93,7 @@ TEST(ChainFactorization, SolvesPiecesThatAreNotCoupled) {
   expect_solved(system, factorization, 1e-14);
 }
 
-TEST(ChainFactorization, AddsEntriesOfOnePlaceFromEitherSide) {
+TEST(ChainFactorization, SumsEntriesFromEitherTriangle) {
   SparseSystem system;
   system.add(0, 0, 4);
   system.add(1, 0, 1);
@@ -138,7 +138,7 @@ TEST(ChainFactorization, SolvesSystemsWithWidelyScaledEntries) {
             1e-6);
 }
 
-TEST(ChainFactorization, CallsAMatrixWithTwoEqualRowsSingular) {
+TEST(ChainFactorization, CallsMatricesWithEqualRowsSingular) {
   SparseSystem system;
   for (int i = 0; i < 3; ++i) system.add(i, i, 1);
   for (int row : {3, 4})
@@ -150,7 +150,7 @@ TEST(ChainFactorization, CallsAMatrixWithTwoEqualRowsSingular) {
   expect_solved(system, factorization, 1e-12);
 }
 
-TEST(ChainFactorization, CallsAMatrixWithAnEmptyRowSingular) {
+TEST(ChainFactorization, CallsMatricesWithEmptyRowsSingular) {
   SparseSystem system;
   system.add(0, 0, 1);
   system.add(1, 1, 0);
@@ -168,7 +168,7 @@ TEST(ChainFactorization, CallsNonFiniteMatricesSingular) {
   EXPECT_EQ(factorization.factorize(system.values.data(), kChainTolerance), ChainOutcome::singular);
 }
 
-TEST(ChainFactorization, FactorizesTheSameStructureAgainWithOtherValues) {
+TEST(ChainFactorization, RefactorizesTheSameStructureWithOtherValues) {
   std::mt19937 generator(9);
   SparseSystem system = horizon(6, 2, 1, 1, generator);
   ChainFactorization factorization;

@@ -56,7 +56,7 @@ TEST(ConeRow, IsPositiveInsideAndNegativeOutside) {
   }
 }
 
-TEST(ConeRow, IsWeakerByItsSmoothingAtMost) {
+TEST(ConeRow, SmoothingErrorIsBounded) {
   std::mt19937_64 engine(2);
   for (const ConeRow::Form form : kConeForms)
     for (int i = 0; i < 100; ++i) {

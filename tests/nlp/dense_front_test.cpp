@@ -78,7 +78,7 @@ TEST_P(Fronts, AreProductsOfTheirFactors) {
   EXPECT_EQ(front.negative(), (eigenvalues.array() < 0).count());
 }
 
-TEST_P(Fronts, LeaveTheSchurComplementOfWhatIsEliminated) {
+TEST_P(Fronts, LeaveTheSchurComplement) {
   const int candidates = GetParam() / 2 + 1;
   const Eigen::MatrixXd A = indefinite(GetParam(), 4);
   DenseFront front = front_of(A, candidates);
@@ -93,7 +93,7 @@ TEST_P(Fronts, LeaveTheSchurComplementOfWhatIsEliminated) {
   EXPECT_LE((schur_of(front) - expected).norm(), 1e-10 * (1 + expected.norm()));
 }
 
-TEST_P(Fronts, HaveFactorsWithinTheToleranceOfPivots) {
+TEST_P(Fronts, FactorsStayWithinThePivotTolerance) {
   DenseFront front = front_of(indefinite(GetParam(), 5), GetParam());
   front.eliminate(kFrontTolerance);
   EXPECT_LE(factor_of(front).lpNorm<Eigen::Infinity>(), 1 / kFrontTolerance);
@@ -134,7 +134,7 @@ TEST(DenseFront, CountsBothNegativeEigenvaluesOfAPair) {
   EXPECT_EQ(front.negative(), 2);
 }
 
-TEST(DenseFront, FindsNoPivotInASingularRest) {
+TEST(DenseFront, FindsNoPivotInASingularRemainder) {
   const Eigen::Matrix3d A{{1, 2, 3}, {2, 4, 6}, {3, 6, 9}};
   DenseFront front = front_of(A, 3);
   front.eliminate(kFrontTolerance);

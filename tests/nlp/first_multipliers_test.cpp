@@ -57,7 +57,7 @@ struct First {
   Eigen::VectorXd y, weights, rows;
 };
 
-TEST(FirstMultipliers, SolveTheEquationsOfWeightedLeastSquares) {
+TEST(FirstMultipliers, SolveTheWeightedLeastSquaresEquations) {
   for (const auto& [name, problem, control, cost] : testing::published_cases()) {
     First first(problem);
     const Eigen::VectorXd slope = first.slope(7);

@@ -58,7 +58,7 @@ TEST(InequalityElimination, SolvesAndCountsAsTheWholeMatrixDoes) {
 }
 
 // A variable coupled with only one other looks like a slack, and so may its neighbour.
-TEST(InequalityElimination, LeavesOneOfTwoPairsThatAreCoupled) {
+TEST(InequalityElimination, KeepsOneOfTwoCoupledPairs) {
   SparseSystem system;
   for (int i = 0; i < 4; ++i) system.add(i, i, i % 2 == 0 ? 1 : -0.5);
   system.add(1, 0, 2);
@@ -70,7 +70,7 @@ TEST(InequalityElimination, LeavesOneOfTwoPairsThatAreCoupled) {
   expect_solved(system, factorization, 1e-12);
 }
 
-TEST(InequalityElimination, APairWithoutInverseIsSingular) {
+TEST(InequalityElimination, PairWithoutInverseIsSingular) {
   SparseSystem system;
   system.add(0, 0, 1);
   system.add(1, 1, 0);

@@ -71,7 +71,7 @@ const Eigen::VectorXd kStart = Eigen::Vector4d(1, 5, 5, 1);
 
 bool go_on(const InteriorPointIterate&) { return true; }
 
-TEST(InteriorPoint, FindsAPublishedOptimumInSilence) {
+TEST(InteriorPoint, FindsAPublishedOptimumSilently) {
   HockSchittkowski71 program;
   ::testing::internal::CaptureStdout();
   int iterates = 0;

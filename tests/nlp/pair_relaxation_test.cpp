@@ -31,7 +31,7 @@ TEST(PairRelaxation, DerivativesAgreeWithDifferences) {
   }
 }
 
-TEST(PairRelaxation, FischerBurmeisterMeansThatTheProductIsEpsilon) {
+TEST(PairRelaxation, FischerBurmeisterMakesTheProductEpsilon) {
   const double epsilon = 1e-3;
   const double g[] = {0.5, epsilon / 0.5};
   EXPECT_NEAR(pair_value(PairRelaxation::fischer_burmeister, g, 2, epsilon, nullptr), 0, 1e-15);

@@ -81,7 +81,7 @@ TEST(Transcription, DerivativesMatchDifferencesFarFromChartCentres) {
   }
 }
 
-TEST(Transcription, PointsStandForTrajectories) {
+TEST(Transcription, PointsRepresentTrajectories) {
   std::mt19937_64 engine(6);
   const ShootingProblem problem = constrained_quadrotor();
   Evaluator evaluator(problem);
@@ -146,12 +146,12 @@ void expect_multipliers_of_solvers(const ShootingProblem& problem, double contro
   EXPECT_LE((again - costates).lpNorm<Eigen::Infinity>(), 1e-9);
 }
 
-TEST(Transcription, MultipliersMeanTheSameAsTheSolvers) {
+TEST(Transcription, MultipliersMatchTheSolvers) {
   expect_multipliers_of_solvers(constrained_quadrotor(), 2.5);
   expect_multipliers_of_solvers(euler_cartpole(), 0);
 }
 
-TEST(Transcription, FindsTheRowsMultipliersThatStandForCostates) {
+TEST(Transcription, FindsRowMultipliersFromCostates) {
   std::mt19937_64 engine(9);
   const ShootingProblem problem = euler_cartpole();
   Evaluator evaluator(problem);

@@ -205,14 +205,14 @@ TEST(AugmentedCone, IsFlatOnConeAndStiffOnPolar) {
 }
 
 // The smaller value of a pair must vanish, the first one of equal values.
-TEST(AugmentedPairs, AskTheSmallerOneToVanish) {
+TEST(AugmentedPairs, PushTheSmallerOneToZero) {
   const ConstraintTerm pairs = term_of(ConstraintKind::complementarity, Softness::hard);
   EXPECT_EQ(curvature_at(pairs, {0.1, 3, 3, 0.1}, {}, {}), (std::vector<double>{2, 0, 0, 2}));
   EXPECT_EQ(curvature_at(pairs, {0.5, 0.5, 0, 0}, {}, {}), (std::vector<double>{2, 0, 2, 2}));
   EXPECT_EQ(curvature_at(pairs, {-1, -2, -2, -1}, {}, {}), (std::vector<double>{2, 2, 2, 2}));
 }
 
-TEST(AugmentedPairs, HaveTheDistanceOfTheSmallerOne) {
+TEST(AugmentedPairs, DistanceIsThatOfTheSmallerOne) {
   const ConstraintTerm pairs = term_of(ConstraintKind::complementarity, Softness::hard);
   const auto distance = [&](std::vector<double> g) {
     return distance_to_set(pairs, g.data(), nullptr, nullptr);
@@ -240,7 +240,7 @@ TEST(AugmentedPairs, AreComplementaryWithoutMultipliersOnLargerValues) {
   EXPECT_EQ(off({2, 2, 0, 0}, {9, 0.5, 1, 1}), 1);  // the second of equal values
 }
 
-TEST(AugmentedPairs, AreMadeOfSingleEntriesInPairs) {
+TEST(AugmentedPairs, UseSingleEntriesInPairs) {
   EXPECT_THROW(make_constraint("c", control_residual(0, 3), ConstraintKind::complementarity),
                std::invalid_argument);
   const ConstraintTerm pairs = term_of(ConstraintKind::complementarity, Softness::hard);

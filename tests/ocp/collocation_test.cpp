@@ -177,11 +177,9 @@ void CollocationOfARule::expect_derivatives(ControlMemory memory) const {
   }
 }
 
-TEST_P(CollocationOfARule, HasTheDerivativesOfDifferences) {
-  expect_derivatives(ControlMemory::none);
-}
+TEST_P(CollocationOfARule, DerivativesMatchDifferences) { expect_derivatives(ControlMemory::none); }
 
-TEST_P(CollocationOfARule, HasTheDerivativesOfDifferencesWithLinearControls) {
+TEST_P(CollocationOfARule, DerivativesMatchDifferencesWithLinearControls) {
   expect_derivatives(ControlMemory::linear);
 }
 
@@ -265,7 +263,7 @@ TEST(Collocation, HandlesStiffSystemsWhereRungeKuttaDiverges) {
 }
 
 // The trapezoidal rule alternates its sign at every step.
-TEST(Collocation, RadausRulesDampWhatIsInfinitelyStiff) {
+TEST(Collocation, RadauRulesDampInfinitelyStiffModes) {
   const auto stiff = pendulum({.inertia = 1, .damping = 1e9});
   const auto speed_after_one_step = [&](CollocationRule rule) {
     return March(std::make_shared<CollocationSystem>(stiff, rule)).go({0, 1}, {0}, 0.1, 1)[1];
@@ -288,7 +286,7 @@ std::vector<Course> tanks() {
   return {{"first", first.system, {0}, {1}}, {"second", second.system, {0, 0}, {1}}};
 }
 
-TEST(Collocation, RadausRulesNeedNoSlopeAtTheBeginning) {
+TEST(Collocation, RadauRulesNeedNoInitialSlope) {
   for (const Course& tank : tanks())
     for (const CollocationRule rule : kRules) {
       ASSERT_TRUE(tank.system);

@@ -28,7 +28,7 @@ double tangential(const std::vector<double>& s) {
   return Eigen::Map<const Eigen::VectorXd>(s.data(), s.size() - 1).norm();
 }
 
-TEST(ConstraintSet, TheConesProjectionIsMoreausDecomposition) {
+TEST(ConstraintSet, ConeProjectionIsMoreausDecomposition) {
   for (const int n : {2, 3, 5})
     for (const std::vector<double>& s : points(n)) {
       std::vector<double> p(n), inside(n);
@@ -137,7 +137,7 @@ TEST(ConstraintSet, NaNIsNotInsideTheSet) {
   }
 }
 
-TEST(ConstraintSet, AConeNeedsTwoRowsAndASlope) {
+TEST(ConstraintSet, ConeNeedsTwoRowsAndASlope) {
   EXPECT_THROW(make_constraint("c", control_residual(0, 1), ConstraintKind::second_order_cone),
                std::invalid_argument);
   EXPECT_THROW(make_constraint("c", control_residual(0, 3), ConstraintKind::second_order_cone, 0),
@@ -332,7 +332,7 @@ TEST(Constraints, GaussNewtonHessiansOfLinearConstraintsAreExact) {
   }
 }
 
-TEST(Constraints, GaussNewtonHessiansAreWithoutNegativeCurvature) {
+TEST(Constraints, GaussNewtonHessiansHaveNoNegativeCurvature) {
   for (const KnotCase& c : constrained_cases()) {
     const ShootingProblem problem = problem_of(c, 1);
     Augmentation augmentation = random_augmentation(problem);

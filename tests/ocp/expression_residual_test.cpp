@@ -249,7 +249,7 @@ TEST(ExpressionResiduals, ManyRowsHaveRoomOnTheStack) {
             "the expressions need more than 4096 intermediate results");
 }
 
-TEST(ExpressionResiduals, WrongTextsHaveAPlace) {
+TEST(ExpressionResiduals, InvalidTextsHaveAPlace) {
   using Part = ModelMessage::Part;
   const auto system = cartpole({});
   const ExpressionResidualText good{.names = knot_names(*system), .rows = {"x", "theta"}};

@@ -50,7 +50,7 @@ TEST(LaneTransfer, ScatteringWritesOnlyItsKnots) {
     }
 }
 
-TEST(LaneTransfer, MatricesKeepTheirPlaces) {
+TEST(LaneTransfer, MatricesKeepTheirLayout) {
   const std::vector<std::pair<int, int>> entries = {{4, 3}, {0, 1}, {2, 3}, {1, 0}};
   const LaneScatter scatter = LaneScatter::matrix(entries, 5, 4);
   AlignedVector<Lane> lanes(entries.size());

@@ -30,7 +30,7 @@ Trajectory moved(const ShootingProblem& problem) {
   return t;
 }
 
-TEST(NodeValues, AreWhatEachNodeWrites) {
+TEST(NodeValues, MatchTheOutputsOfEachNode) {
   for (const Integrator integrator : {Integrator::semi_implicit_euler, Integrator::rk4}) {
     const ShootingProblem problem = held_block(integrator);
     const Trajectory t = moved(problem);
@@ -71,7 +71,7 @@ TEST(NodeValues, IncludeForcesOfHeldContacts) {
   }
 }
 
-TEST(NodeValues, TellWhatIsNotFinite) {
+TEST(NodeValues, ReportNonFiniteNumbers) {
   const ShootingProblem problem = held_block(Integrator::semi_implicit_euler);
   Trajectory t = moved(problem);
   t.u(4)[1] = std::numeric_limits<double>::infinity();

@@ -13,7 +13,7 @@ namespace {
 
 std::vector<double> steps(int count, double step) { return std::vector<double>(count, step); }
 
-TEST(NodeTimes, AreTheDecimalNumbersThatPeopleExpect) {
+TEST(NodeTimes, AreTheExpectedDecimalNumbers) {
   EXPECT_EQ(node_times(steps(50, 0.06)).back(), 3.0);
   EXPECT_EQ(node_times(steps(3, 0.1)).back(), 0.3);
   EXPECT_EQ(node_times(steps(1'000'000, 0.001)).back(), 1000.0);
@@ -81,7 +81,7 @@ TEST(ShootingProblem, BeginsWhereItIsToldTo) {
   EXPECT_EQ(start.u(1), Eigen::VectorXd::Zero(1));
 }
 
-TEST(ShootingProblem, GetsOtherNumbersForItsNodes) {
+TEST(ShootingProblem, AcceptsOtherNumbersForItsNodes) {
   const auto model = masses(1, Integrator::rk4);
   model->add_cost("effort", control_residual(2, 1), {});
   ShootingProblem problem({1, 2}, {phase_of(model, {1, 1}, {0, 3})},

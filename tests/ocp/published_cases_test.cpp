@@ -50,7 +50,7 @@ double initial_cost(const Case& c) {
 
 constexpr double kPi = std::numbers::pi;
 
-TEST(PublishedCases, PendulumStartsAtItsPublishedCost) {
+TEST(PublishedCases, PendulumMatchesPublishedCost) {
   EXPECT_NEAR(
       initial_cost({pendulum({}), Integrator::rk4, 51, 3, 1e-3, 1e-3, 1, {0, 0}, {kPi, 0}, {0.1}}),
       4.913747482, 1e-9);
@@ -84,7 +84,7 @@ TEST(PublishedCases, CartpoleMatchesPublishedCostWithFourthOrder) {
               494.451492216, 1e-9);
 }
 
-TEST(PublishedCases, AcrobotStartsAtItsPublishedCost) {
+TEST(PublishedCases, AcrobotMatchesPublishedCost) {
   EXPECT_NEAR(initial_cost({acrobot({}),
                             Integrator::rk4,
                             101,

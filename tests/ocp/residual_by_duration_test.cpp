@@ -86,7 +86,7 @@ class ByDuration : public ::testing::Test {
 
 // The control with reference 0.25, between −1 and 2, in a phase of 2 s with nominal 0.8 s: rows 2.5
 // (1.25 + 1) and 2.5 (1.25 − 2).
-TEST_F(ByDuration, BoundsOfAControlGrowWithIt) {
+TEST_F(ByDuration, ControlBoundsGrowWithIt) {
   const RowsByDuration rows = rows_by_duration(ConstraintKind::bounds, 1, {-1}, {2});
   Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(2, 5);
   jacobian.col(3) << 2.25 / 0.8, -0.75 / 0.8;
@@ -96,7 +96,7 @@ TEST_F(ByDuration, BoundsOfAControlGrowWithIt) {
 }
 
 // All four states, some bounded; if a row reads the duration itself, both derivatives add up.
-TEST_F(ByDuration, ARowMayReadTheDurationItself) {
+TEST_F(ByDuration, RowMayReadTheDurationItself) {
   const KnotModel model(pendulum({}), Integrator::rk4, ControlMemory::none, 2);
   const RowsByDuration rows = rows_by_duration(
       ConstraintKind::bounds, 4, {-kUnbounded, -2, -kUnbounded, 1.5}, {0.1, 3, kUnbounded, 1.5});
@@ -110,7 +110,7 @@ TEST_F(ByDuration, ARowMayReadTheDurationItself) {
 }
 
 // Norm of (0.3, −0.7), at most 0.5.
-TEST_F(ByDuration, ANormIsFormedBeforeItGrows) {
+TEST_F(ByDuration, NormIsFormedBeforeScaling) {
   const double norm = std::hypot(0.3 - 0.1, -0.7 - 0.2);
   const auto names = knot_names(*pendulum({}));
   const KnotModel model(pendulum({}), Integrator::rk4, ControlMemory::none, 2);

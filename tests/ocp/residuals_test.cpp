@@ -153,7 +153,7 @@ TEST(Residuals, ExcludedCoordinatesLeaveTheOtherRows) {
   EXPECT_EQ(J_some, std::vector<double>(J.begin() + 1, J.end() - 2));
 }
 
-TEST(Activations, HessiansAreTheDerivativesOfTheirGradients) {
+TEST(Activations, HessiansMatchTheirGradients) {
   using D = Dual<Lane>;
   RandomNumbers random(29);
   constexpr int n = 4;

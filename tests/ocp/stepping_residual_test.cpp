@@ -35,7 +35,7 @@ std::vector<double> values(const SteppingSystem& system, const Residual& residua
   return r;
 }
 
-TEST(SteppingLayout, AlongOneTangentTheConeIsThePyramid) {
+TEST(SteppingLayout, ConeWithOneTangentIsThePyramid) {
   const auto names = [](bool planar, FrictionModel friction) {
     const auto system = stepping_robot(planar, SteppingScheme::backward_euler, friction);
     std::vector<std::string> list;
@@ -52,7 +52,7 @@ TEST(SteppingLayout, AlongOneTangentTheConeIsThePyramid) {
 class SteppingDerivatives
     : public ::testing::TestWithParam<std::tuple<bool, SteppingScheme, FrictionModel, bool>> {};
 
-TEST_P(SteppingDerivatives, AgreeWithDifferences) {
+TEST_P(SteppingDerivatives, MatchDifferences) {
   const auto& [planar, scheme, friction, floating] = GetParam();
   const auto system = stepping_robot(planar, scheme, friction, floating);
   const auto residual = stepping_residual(system, system->ndx());
@@ -340,7 +340,7 @@ TEST(SteppingPairs, AreTheForcesAndSlacksOfTheLayout) {
   }
 }
 
-TEST(ComplementarityConstraint, MeasuresTheSmallerOneOfEachPair) {
+TEST(ComplementarityConstraint, MeasuresTheSmallerValueOfEachPair) {
   const auto term = make_constraint("pairs", chosen_controls_residual(2, {0, 1, 3, 2}),
                                     ConstraintKind::complementarity);
   EXPECT_EQ(term.rows, 4);

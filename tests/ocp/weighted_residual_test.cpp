@@ -159,7 +159,7 @@ TEST(WeightedResidual, AMatrixOfZerosCostsNothing) {
   EXPECT_TRUE(got.gradient.isZero(0));
 }
 
-TEST(WeightedResidual, MatricesThatAreNoWeightsAreErrors) {
+TEST(WeightedResidual, InvalidWeightMatricesAreErrors) {
   const auto residual = state_residual(StateManifold::flat(2));
   EXPECT_THROW(weighted_residual(residual, Eigen::Matrix2d{{1, 2}, {2, 1}}), std::invalid_argument);
   EXPECT_THROW(weighted_residual(residual, Eigen::Matrix2d{{1, 0.5}, {0, 1}}),

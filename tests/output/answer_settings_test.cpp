@@ -29,7 +29,7 @@ TEST(AnswerSettings, ListsOverridesDroppedConstraintsAndLooseTolerances) {
             R"("loose_tolerances":{"constraint":10.0}})");
 }
 
-TEST(AnswerSettings, TolerancesUpToTheirDefaultsAreNotListed) {
+TEST(AnswerSettings, DoesNotListDefaultOrTighterTolerances) {
   SolverOptions options;
   EXPECT_EQ(loose_tolerances_line(options), "");
   options.tolerances.constraint = 1e-12;

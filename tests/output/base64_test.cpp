@@ -16,7 +16,7 @@ TEST(Base64, GivesThePublishedTexts) {
   EXPECT_EQ(base64("foobar"), "Zm9vYmFy");
 }
 
-TEST(Base64, BytesWithTheHighestBitAreNotSigned) { EXPECT_EQ(base64("\xff\xfe\xbf"), "//6/"); }
+TEST(Base64, HighBytesAreUnsigned) { EXPECT_EQ(base64("\xff\xfe\xbf"), "//6/"); }
 
 }  // namespace
 }  // namespace conddp

@@ -134,7 +134,7 @@ TEST(BenchmarkReport, AnswersWithDroppedConstraintsAreNotSolved) {
   EXPECT_EQ(summary[1].solved_without, 1);
 }
 
-TEST(BenchmarkReport, ProfilesCountWhatWasSolvedWithAllConstraints) {
+TEST(BenchmarkReport, ProfilesCountSolvesWithAllConstraints) {
   constexpr double kNone = std::numeric_limits<double>::infinity();
   const std::vector<std::vector<double>> expected = {{0.1, 0.2}, {kNone, kNone}};
   EXPECT_EQ(efforts(report(), Effort::time), expected);
@@ -173,7 +173,7 @@ TEST(BenchmarkReport, TablesNameOmissionsAndFailures) {
   EXPECT_NE(text.find("\nall problems\n"), std::string::npos) << text;
 }
 
-TEST(TextTable, AlignsAndLeavesEmptyColumnsOut) {
+TEST(TextTable, AlignsAndOmitsEmptyColumns) {
   const TextTable table{.columns = {{"name", false}, {"nothing"}, {"n"}},
                         .rows = {{"a", "", "1"}, {"long", "", "200"}}};
   EXPECT_EQ(table.text(1), " name    n\n a       1\n long  200\n");

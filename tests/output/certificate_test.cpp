@@ -359,7 +359,7 @@ TEST(Certificate, OfBadlyConditionedIteratesHolds) {
       }
 }
 
-TEST(Certificate, FindsAGapThatIsHidden) {
+TEST(Certificate, FindsAHiddenGap) {
   SolvedExample answer("cartpole_swingup",
                        {"solver={name: box_fddp, max_iterations: 0}",
                         "initial_guess.states={keyframes: [{time: 3, state: up}]}",
@@ -396,7 +396,7 @@ TEST(Certificate, KnowsWhatWasDropped) {
   EXPECT_EQ(failures(answer.judge(answer.document)), "[violation of dropped torque]");
 }
 
-TEST(Certificate, OptionsMayHaveTheirFormerNames) {
+TEST(Certificate, AcceptsDeprecatedOptionNames) {
   SolvedExample answer("pendulum_swingup");
   OrderedJson& options = answer.document["problem"]["options"];
   OrderedJson former = OrderedJson::object();

@@ -81,7 +81,7 @@ TEST(ClockAnswer, TableWithDifferenceTimeStateIsAGuess) {
   expect_round_trip(kDifferences, "t [s],phase,x,state/t,u");
 }
 
-TEST(ClockAnswer, ATableNeedsNoColumnOfTheClock) {
+TEST(ClockAnswer, TableNeedsNoClockColumn) {
   for (const std::string& text : {kFirstOrder, kSecondOrder}) {
     const SolvedExample answer{ProblemText{text}};
     const Trajectory& motion = answer.result->trajectory;

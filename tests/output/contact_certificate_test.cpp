@@ -105,7 +105,7 @@ TEST(ContactSolution, SignsOfForces) {
 }
 
 /// An unconverged answer claims nothing about its contacts and reports their state.
-TEST(ContactSolution, ClaimsComeWithConvergence) {
+TEST(ContactSolution, ClaimsNeedConvergence) {
   OrderedJson document = pushed_block().document;
   document["status"] = "max_iterations";
   control(document, 6, "contact/top/fn") = 1;

@@ -87,7 +87,7 @@ std::string join(const std::vector<std::string>& place) {
 
 class CorruptionWalk : public testing::TestWithParam<std::string> {};
 
-TEST_P(CorruptionWalk, EveryChangeIsNoticed) {
+TEST_P(CorruptionWalk, EveryChangeIsDetected) {
   SolvedExample answer(GetParam());
   add_certificate(certificate_json(answer.judge(answer.document)), answer.document);
   answer.document = OrderedJson::parse(answer.document.dump());

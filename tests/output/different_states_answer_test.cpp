@@ -87,7 +87,7 @@ TEST(DifferentStatesAnswer, AgreesWithItself) {
   EXPECT_TRUE(compare_solutions(document, document).empty());
 }
 
-TEST(DifferentStatesAnswer, IsReadAsItWasWritten) {
+TEST(DifferentStatesAnswer, SurvivesARoundTrip) {
   const ShootingProblem& problem = *answer().built.problem;
   const Trajectory stored = stored_trajectory(answer().document, problem);
   const Trajectory& motion = answer().result->trajectory;
@@ -104,7 +104,7 @@ BuiltProblem started_from(const std::string& solution) {
   return *std::move(built);
 }
 
-TEST(DifferentStatesAnswer, IsAGuessWithMultipliers) {
+TEST(DifferentStatesAnswer, ServesAsAGuessWithMultipliers) {
   const TemporaryFolder folder;
   const fs::path json = folder / "solution.json", csv = folder / "trajectory.csv";
   std::ofstream(json) << answer().document.dump();

@@ -85,7 +85,7 @@ solver: {name: ddp}
 }
 
 // Feet touch down with some speed; the default kd of 20 removes it only over many steps.
-TEST_F(Findings, TheAdvisedKdCuresTheDriftOfFeet) {
+TEST_F(Findings, AdvisedKdCuresTheDriftOfFeet) {
   load("quadruped_trot", {"contacts.defaults.baumgarte.kd=20"});
   const auto drifts = of(FindingKind::drift, solved().trajectory);
   ASSERT_EQ(drifts.size(), 4u);
@@ -117,7 +117,7 @@ TEST_F(Findings, DoesNotAdviseLimitsTheFileBounds) {
   EXPECT_NE(remedy({"constraints.v={bounds: configuration, from: urdf}"}), "");
 }
 
-TEST_F(Findings, LimitsOfTheUrdfAreWatchedUnasked) {
+TEST_F(Findings, WatchesUrdfLimitsByDefault) {
   load("arm_reach");
   Trajectory motion = built_->guess;
   EXPECT_TRUE(of(FindingKind::position_limit, motion).empty());
@@ -158,7 +158,7 @@ TEST_F(Findings, ReportsNeededFrictionAndPulls) {
 }
 
 // Nodes on both sides of a disc satisfy its constraint.
-TEST_F(Findings, PenetrationBetweenKnotsIsFound) {
+TEST_F(Findings, FindsPenetrationBetweenKnots) {
   load("unicycle_obstacles");
   Trajectory motion = built_->guess;
   const ConstraintTerm& disc = built_->problem->knot(0).model->constraints().front();
@@ -174,7 +174,7 @@ TEST_F(Findings, PenetrationBetweenKnotsIsFound) {
   EXPECT_GT(between[0].value, 0.1);
 }
 
-TEST_F(Findings, ThePairThatViolatesADistanceIsNamed) {
+TEST_F(Findings, NamesThePairThatViolatesADistance) {
   load("arm_maze");
   Trajectory motion = built_->guess;
   const auto is_distance = [](const Finding& f) { return f.unit == "m"; };
@@ -189,7 +189,7 @@ TEST_F(Findings, ThePairThatViolatesADistanceIsNamed) {
   EXPECT_NE(pair->message.find("'clear' is violated by"), std::string::npos);
 }
 
-TEST_F(Findings, AJumpInTheLastStepIsFound) {
+TEST_F(Findings, FindsAJumpInTheLastStep) {
   load("pendulum_swingup");
   Trajectory motion = built_->guess;
   const int N = built_->problem->knots();
@@ -201,7 +201,7 @@ TEST_F(Findings, AJumpInTheLastStepIsFound) {
   EXPECT_NEAR(jumps[0].value, 1.9, 1e-12);
 }
 
-TEST_F(Findings, ThrustersThatCannotTurnABodyAreNamed) {
+TEST_F(Findings, NamesThrustersThatCannotTurnABody) {
   load("body_reorient");
   EXPECT_TRUE(of(FindingKind::thrusters, built_->guess).empty());
   load("body_reorient",

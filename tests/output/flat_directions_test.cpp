@@ -31,7 +31,7 @@ TEST(FlatDirections, CostatesOfIdleControlsAreCertified) {
   EXPECT_EQ(failures(answer.judge(answer.document)), "");
 }
 
-TEST(FlatDirections, CostatesThatAreWrongAreNotCertified) {
+TEST(FlatDirections, WrongCostatesAreNotCertified) {
   const SolvedExample answer(ProblemText{kIdleControls});
   OrderedJson document = answer.document;
   add_to(document["multipliers"]["costates"][4][0], 0.02);

@@ -99,13 +99,13 @@ TEST_F(LoopVerdict, HoldsForATrotThatIsPushed) {
                               "trunk, force: [0, 40, 0], duration: 0.05}]}"}));
 }
 
-TEST_F(LoopVerdict, HoldsOfALoopThatFell) {
+TEST_F(LoopVerdict, HoldsForAFallenLoop) {
   const SimulatedLoop loop(kBalancedCartpole, {"mpc.disturbances.0.jump.omega=20"});
   EXPECT_EQ(loop.result.end, LoopEnd::stopped);
   expect_holds(loop);
 }
 
-TEST_F(LoopVerdict, HoldsOfALoopThatWasInterrupted) {
+TEST_F(LoopVerdict, HoldsForAnInterruptedLoop) {
   SimulatedLoop loop(kBalancedCartpole);
   loop.task->mpc.loop.interrupted = [left = 20]() mutable { return left-- == 0; };
   loop.result = run_loop(*loop.task);
@@ -114,7 +114,7 @@ TEST_F(LoopVerdict, HoldsOfALoopThatWasInterrupted) {
   expect_holds(loop);
 }
 
-TEST_F(LoopVerdict, ReplaysLateTicksAsTheFileHasThem) {
+TEST_F(LoopVerdict, ReplaysLateTicksOfTheFile) {
   const SimulatedLoop loop(kBalancedCartpole, {}, {10, 11, 12});
   expect_holds(loop);
   OrderedJson document = loop_json(loop.run());
@@ -238,7 +238,7 @@ TEST_F(LoopVerdict, NamesTheTablesThatAreNotThere) {
   EXPECT_EQ(certificate.missing, (std::vector<std::string>{"closed_loop.csv", "ticks.csv"}));
 }
 
-TEST_F(LoopVerdict, AllowsAnotherBuildItsLastDigits) {
+TEST_F(LoopVerdict, AllowsTheLastDigitsOfAnotherBuild) {
   const SimulatedLoop loop(kBalancedCartpole);
   write(loop);
   OrderedJson document = loop_json(loop.run());

@@ -94,7 +94,7 @@ TEST_F(Report, ASolutionOfAnotherShapeIsRefused) {
   EXPECT_THROW(check_report_document(document_), MalformedSolution);
 }
 
-TEST(ReportPage, NoTextCanLeaveItsElement) {
+TEST(ReportPage, TextCannotLeaveItsElement) {
   const std::string page = std::string("<p>") + kReportPlaceholder + "</p>";
   const OrderedJson data = {{"name", "</script><b>&\xf0\x9f\x98\x80\xff"}};
   const std::string made = report_page(page, data);

@@ -109,7 +109,7 @@ TEST(RobotShapes, StandInsAreNamedWithTheirReasons) {
   EXPECT_EQ(shapes_of(kVendorsRobot).stand_ins, expected);
 }
 
-TEST(RobotShapes, PlaceholdersOfInertiasMakeNoGiants) {
+TEST(RobotShapes, PlaceholderInertiasDoNotBecomeGiants) {
   // 1e-6 kg with 1e-3 kg m²: the ellipsoid of that inertia has half axes of 50 m.
   const RobotShapes shapes = shapes_of(kVendorsRobot);
   for (const OrderedJson& shape : shapes.of_body[2]) {

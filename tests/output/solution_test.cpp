@@ -130,7 +130,7 @@ TEST_F(SolutionOutput, IterationsHaveOneRowEach) {
   EXPECT_TRUE(text.starts_with("iteration,cost,merit,stationarity,"));
 }
 
-TEST_F(SolutionOutput, ASolutionReadsBackAsATable) {
+TEST_F(SolutionOutput, SolutionReadsBackAsATable) {
   Diagnostics out;
   const auto table = parse_solution(json_text(solution_json(solution())), "solution.json", out);
   ASSERT_TRUE(table) << format_diagnostics(out, false);

@@ -304,14 +304,14 @@ TEST(BadFile, SeveralErrorsAreReportedTogether) {
   EXPECT_EQ(loaded.diagnostics.error_count(), 3) << loaded.all();
 }
 
-TEST(BadFile, ErrorsOfBuildingAreReportedTogether) {
+TEST(BadFile, BuildErrorsAreReportedTogether) {
   std::string text = replaced(kPendulum, "theta: 1}", "thta: 1}");
   text = replaced(text, "weight: 0.5", "phases: [thrid]");
   text = replaced(text, "name: box_ddp", "name: boxddp");
   EXPECT_EQ(Loaded(text).diagnostics.error_count(), 3) << Loaded(text).all();
 }
 
-TEST(BadFile, AnErrorIsReportedOnce) {
+TEST(BadFile, ReportsAnErrorOnce) {
   const std::string still = replaced(
       kPendulum,
       "terminal:", "  still: {residual: state, columns: [theta], equals: {z: 1}}\nterminal:");
@@ -370,7 +370,7 @@ TEST(BadFile, IncompatibleMimicLimitsNameBothJoints) {
       << wrong.all();
 }
 
-TEST(BadFile, DroppingAnUnknownConstraintSuggestsOne) {
+TEST(BadFile, UnknownDroppedConstraintGetsASuggestion) {
   const Loaded loaded(std::string(kPendulum), {}, {.drop = {"torqe"}});
   ASSERT_TRUE(loaded.error());
   EXPECT_NE(loaded.error()->message.find("unknown constraint 'torqe'"), std::string::npos);

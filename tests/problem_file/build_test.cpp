@@ -123,7 +123,7 @@ phases: [{knots: 4, dt: 0.05}]
   EXPECT_EQ(named.built->problem->nu(0), 2);
 }
 
-TEST(Build, WarnsOfKeyframesAfterTheEnd) {
+TEST(Build, WarnsAboutKeyframesAfterTheEnd) {
   const auto at = [](const char* time) {
     return std::string(kCartpole) + "initial_guess: {states: {keyframes: [{time: " + time +
            ", state: up}]}}\n";
@@ -244,7 +244,7 @@ TEST(Build, ControlRateAddsPreviousControlToTheState) {
   EXPECT_EQ(loaded.built->state_columns[2].name, "previous/torque");
 }
 
-TEST(Build, IntegratorsFitTheirSystems) {
+TEST(Build, IntegratorsMatchTheirSystems) {
   const auto integrator = [](const std::string& system, const std::string& state,
                              const std::string& key) {
     const Loaded loaded("conddp: 1\nsystem: " + system + "\ninitial_state: " + state + key +
@@ -263,7 +263,7 @@ TEST(Build, IntegratorsFitTheirSystems) {
             Integrator::discrete);
 }
 
-TEST(Build, RobotsTakeReferencesFromConfigurations) {
+TEST(Build, RobotsUseConfigurationsAsReferences) {
   const Loaded loaded(replaced(
       kCartpole, "phases:",
       "costs:\n"
@@ -357,7 +357,7 @@ costs:
   EXPECT_EQ(loaded.built->control_columns[0].name, "u/arm/shoulder");
 }
 
-TEST(Build, ThrustersMakeTheControlsOfAFloatingBody) {
+TEST(Build, ThrustersAreTheControlsOfAFloatingBody) {
   const Loaded loaded(R"(conddp: 1
 robot:
   urdf: robots/quadrotor.urdf

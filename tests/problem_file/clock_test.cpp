@@ -71,7 +71,7 @@ TEST(Clock, IsPartOfTheStateIfNamed) {
   EXPECT_EQ(rows_named(pattern, "end"), 1);
 }
 
-TEST(Clock, IsNoPartOfListsOfTheState) {
+TEST(Clock, IsExcludedFromListsOfTheState) {
   const Loaded loaded(replaced(kFirstOrder, "{values: {x: 1}}", "{state: [1]}"));
   ASSERT_TRUE(loaded.built) << loaded.all();
   EXPECT_EQ(loaded.built->problem->initial_state(), (std::vector<double>{1, 0}));
@@ -156,7 +156,7 @@ TEST(ChosenColumns, RotationsAreChosenByNameOrAllColumns) {
   EXPECT_EQ(costs[0], costs[2]);
 }
 
-TEST(ChosenColumns, APartOfARotationIsReported) {
+TEST(ChosenColumns, ReportsAPartOfARotation) {
   const Loaded loaded(replaced(kTurn, "residual: state", "residual: state, columns: [q/x, wx]"));
   EXPECT_NE(loaded.first_error().find("'q/x' is part of a rotation and cannot be chosen alone"),
             std::string::npos)

@@ -62,7 +62,7 @@ void expect_true_derivatives(const BuiltProblem& built) {
                              1e-6);
 }
 
-TEST_P(CollocationProblem, HasDerivativesThatAgreeWithDifferences) {
+TEST_P(CollocationProblem, DerivativesMatchDifferences) {
   const std::string collocation = std::string("integrator: ") + GetParam() + "\n";
   for (const std::string& text :
        {swing_up(GetParam(), 4, "ipopt"),
@@ -74,7 +74,7 @@ TEST_P(CollocationProblem, HasDerivativesThatAgreeWithDifferences) {
 }
 
 /// With a free duration, h is part of the state.
-TEST_P(CollocationProblem, HasDerivativesByADurationThatIsChosen) {
+TEST_P(CollocationProblem, HasDerivativesWithRespectToFreeDurations) {
   const Loaded loaded(replaced(replaced(swing_up(GetParam(), 4, "ipopt"), "phases:\n",
                                         "phases:\n  - {name: start, choose: none}\n"),
                                "duration: 2}",
@@ -95,7 +95,7 @@ TEST_P(CollocationProblem, IsAsFastAsTheForceAllows) {
   EXPECT_NEAR(loaded.built->problem->times(result.trajectory).back(), std::sqrt(2.0), 1e-6);
 }
 
-TEST_P(CollocationProblem, IsGuessedWithSlopesThatItsSolutionHas) {
+TEST_P(CollocationProblem, GuessHasTheSlopesOfItsSolution) {
   const Loaded loaded(swing_up(GetParam(), 20, "ipopt"));
   ASSERT_TRUE(loaded.built) << loaded.all();
   const SolveResult result = solve(loaded);
@@ -137,7 +137,7 @@ INSTANTIATE_TEST_SUITE_P(Rules, CollocationProblem,
                          [](const auto& rule) { return std::string(rule.param); });
 
 /// Both rules have order 4, so their optima on one control grid converge with order 4.
-TEST(CollocationOptimum, ApproachesThatOfRungeKuttaWithOrderFour) {
+TEST(CollocationOptimum, ApproachesRungeKuttaWithOrderFour) {
   double off[2];
   for (const int half : {0, 1}) {
     const int knots = half == 0 ? 20 : 40;
@@ -155,7 +155,7 @@ TEST(CollocationOptimum, ApproachesThatOfRungeKuttaWithOrderFour) {
 }
 
 /// The planned motion and the replay of its controls differ by an error of the rule's order.
-TEST(CollocationOptimum, IsReplayedWithAnErrorOfItsOrder) {
+TEST(CollocationOptimum, ReplayErrorHasItsOrder) {
   for (const auto& [integrator, order] :
        {std::pair{"trapezoidal", 2.0}, std::pair{"hermite_simpson", 4.0}}) {
     double off[2];

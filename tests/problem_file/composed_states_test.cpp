@@ -111,7 +111,7 @@ void expect_exact_derivatives(const Loaded& loaded) {
         << "knot " << c.knot << ", row " << c.row << ", column " << c.column;
 }
 
-TEST(ComposedStates, HaveTheDerivativesOfDualNumbers) {
+TEST(ComposedStates, DerivativesMatchDualNumbers) {
   for (const ComposedCase& c : kComposedCases) {
     SCOPED_TRACE(c.name);
     const Loaded loaded(composed_text(c, kFreeTime));
@@ -168,7 +168,7 @@ TEST(ComposedStates, BestDurationBeatsFixedDurations) {
   }
 }
 
-TEST(ComposedStates, KnotsTakeThePreviousControlBehindTheDurations) {
+TEST(ComposedStates, KnotsStoreThePreviousControlAfterDurations) {
   const Loaded loaded(composed_text(kComposedCases[3], kFreeTime));
   ASSERT_TRUE(loaded.built) << loaded.all();
   const ShootingProblem& problem = *loaded.built->problem;
@@ -299,7 +299,7 @@ solver: {name: altro}
 }
 
 /// Maximum distance of a mass in one second with limited work.
-TEST(ComposedStates, AnIntegralIsLimited) {
+TEST(ComposedStates, IntegralsCanBeLimited) {
   const Loaded loaded(R"(conddp: 1
 system: {states: [x, v], controls: [u], rate: {x: v, v: u}}
 integrals: {work: 0.5*u^2}
@@ -396,7 +396,7 @@ TEST(ComposedStates, EquationsNamePhaseTimeAndFinalTime) {
 }
 
 /// By hand: x = x₀ + ∫ s ds over each phase, and T = 3 throughout.
-TEST(ComposedStates, TheTimeOfAPhaseBeginsAnew) {
+TEST(ComposedStates, PhaseTimeRestartsWithEachPhase) {
   const Loaded loaded(R"(conddp: 1
 systems:
   a: {states: [x], controls: [u], rate: {x: phase_time + 0*u}}
@@ -417,7 +417,7 @@ costs: {effort: {residual: control}}
 
 /// Each phase is collocated with its own times: derivatives are exact, and free durations reach the
 /// optimum of the given ones.
-TEST(ComposedStates, EquationsThatNameTimesAreCollocated) {
+TEST(ComposedStates, EquationsWithTimesAreCollocated) {
   for (const char* rule : {"trapezoidal", "hermite_simpson", "radau3", "radau5"})
     for (const bool second_order : {false, true}) {
       SCOPED_TRACE(std::string(rule) + (second_order ? ", second order" : ""));
@@ -517,7 +517,7 @@ solver: {name: altro, tolerances: {stationarity: 1.0e-8}}
 
 /// A hopper's hop with its swing and free phase durations: the touch-down cost belongs to an
 /// instant.
-TEST(ComposedStates, SwingsGoWithFreeDurations) {
+TEST(ComposedStates, SwingsFollowFreeDurations) {
   const Loaded loaded(hopper_with_free_durations());
   ASSERT_TRUE(loaded.built) << loaded.all();
   for (const DerivativeComparison& c :

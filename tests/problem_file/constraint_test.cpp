@@ -89,7 +89,7 @@ TEST(Constraints, StateBoundsSkipOnlyTheFirstNode) {
   EXPECT_EQ(here.back().node, 9);
 }
 
-TEST(Constraints, NullIsNoBoundWhateverIsBounded) {
+TEST(Constraints, NullIsNoBoundForAnyQuantity) {
   const Loaded loaded(
       with("  speed: {bounds: velocity, lower: null, upper: 5}\n"
            "  spin: {residual: state, columns: omega, lower: -4, upper: null}\n"
@@ -205,7 +205,7 @@ TEST(Constraints, FromCentersAreOneForEachOfThem) {
   }
 }
 
-TEST(Constraints, PositionsOfAPoseHaveColumns) {
+TEST(Constraints, PosePositionsHaveColumns) {
   const Loaded loaded(R"(conddp: 1
 system: {type: quadrotor}
 initial_state: {values: {x: 1, y: 2, z: 3}}
@@ -299,7 +299,7 @@ solver: {{name: altro}}
                      initial, lower);
 }
 
-TEST(Constraints, FirstControlAgreesWithThePreviousOne) {
+TEST(Constraints, FirstControlIsConsistentWithThePrevious) {
   for (const char* initial : {"", ", previous_control: 0"}) {
     const Loaded loaded(slow_controls(2, initial));
     EXPECT_FALSE(loaded.built);
@@ -317,7 +317,7 @@ TEST(Constraints, FirstControlAgreesWithThePreviousOne) {
   }
 }
 
-TEST(Constraints, CountWhereMemoryIsShort) {
+TEST(Constraints, CountTowardsMemory) {
   EXPECT_GT(memory_need(100, 4, 2, 1, {.constraints = 1, .rows = 2}), memory_need(100, 4, 2, 1));
   const Loaded loaded(replaced(with("  posts: {residual: state, columns: theta, at_least: 0.1,\n"
                                     "          centers: [{from: [5], to: [9], count: 10000}]}\n"),

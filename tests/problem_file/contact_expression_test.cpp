@@ -85,7 +85,7 @@ TEST(ContactExpressions, ReadContactForcesInEverySystem) {
   }
 }
 
-TEST(ContactExpressions, HaveTheDerivativesOfTheirDifferences) {
+TEST(ContactExpressions, DerivativesMatchDifferences) {
   const Loaded loaded(kShared);
   ASSERT_TRUE(loaded.built) << loaded.all();
   for (const DerivativeComparison& derivative :

@@ -19,7 +19,7 @@ costs:
 initial_guess: {controls: quasi_static}
 )";
 
-TEST(ContactFile, DegreesAndMillisecondsAreWarnedOf) {
+TEST(ContactFile, WarnsAboutDegreesAndMilliseconds) {
   EXPECT_NE(
       warnings(replaced(kStepping, "[0, 0, 0.57]", "[0, 0, 0.57], rpy: [0, 0, 90]"))
           .find("an angle of 90 rad is more than a turn (angles are in rad: 90° is 1.571 rad)"),
@@ -42,7 +42,7 @@ TEST(ContactFile, WarnsAboutSoleFramesOffTheNormal) {
             std::string::npos);
 }
 
-TEST(ContactFile, GravityThatLeavesAllSurfacesIsWarnedOf) {
+TEST(ContactFile, WarnsAboutGravityOffAllSurfaces) {
   const auto with = [](const std::string& gravity) {
     return warnings(kStepping + "gravity: " + gravity + "\n");
   };
@@ -75,7 +75,7 @@ TEST(ContactFile, WarnsAboutTermsOnContactsNoPhaseHolds) {
   EXPECT_EQ(with(both), "17:19: " + nowhere);
 }
 
-TEST(ContactFile, MistakesAreSaidWithTheirPlace) {
+TEST(ContactFile, ReportsMistakesAtTheirPlaces) {
   struct Said {
     const char *from, *to, *says;
   };

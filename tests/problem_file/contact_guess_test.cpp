@@ -81,7 +81,7 @@ TEST(ContactGuess, AQuadrupedStandsByItsTorques) {
   }
 }
 
-TEST(ContactGuess, TorquesKeepTheirLimits) {
+TEST(ContactGuess, TorquesRespectTheirLimits) {
   const Held robot("planar_quadruped_gait",
                    {"constraints.torque={bounds: control, lower: -1, upper: 1}"});
   double largest = 0;

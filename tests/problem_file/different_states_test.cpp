@@ -85,7 +85,7 @@ TEST(DifferentStates, StatesAbsentLaterRestAndCostNothing) {
   }
 }
 
-TEST(DifferentStates, AJumpGivesAStateItsFirstValue) {
+TEST(DifferentStates, JumpGivesAStateItsFirstValue) {
   const Loaded loaded{std::string(kLeap)};
   ASSERT_TRUE(loaded.built) << loaded.all();
   EXPECT_EQ(names_of(loaded.built->state_columns), (Names{"x", "v"}));
@@ -149,7 +149,7 @@ TEST(DifferentStates, StateWithoutJumpBeginsAtItsInitialValue) {
   EXPECT_NEAR(result.trajectory.x(5)[1], 0.11, 1e-11);
 }
 
-TEST(DifferentStates, DifferenceEquationsHaveThemToo) {
+TEST(DifferentStates, DifferenceEquationsSupportThemToo) {
   std::string text = replaced(kLeap, "rate: {x: u}", "next: {x: x + 0.2*u}");
   text = replaced(text, "rate: {x: v, v: a}", "next: {x: x + 0.2*v + 0.02*a, v: v + 0.2*a}");
   const Loaded loaded(text);
@@ -264,7 +264,7 @@ TEST(DifferentStates, TimeIsASharedStateWhenNeeded) {
   EXPECT_NEAR(result.trajectory.x(9)[2], 2, 1e-12);
 }
 
-TEST(DifferentStates, FreeDurationsAndParametersGoWithThem) {
+TEST(DifferentStates, SupportFreeDurationsAndParameters) {
   std::string text = replaced(kHandover, "name: handover\n",
                               "name: handover\n"
                               "parameters: {gain: {free: true, lower: 1, upper: 2, start: 1}}\n");
@@ -314,7 +314,7 @@ solver: {name: box_fddp}
   EXPECT_TRUE(result.trajectory.x(10).head(4) == result.trajectory.x(5).head(4));
 }
 
-TEST(DifferentStates, ExpansionIsReadAsTheSame) {
+TEST(DifferentStates, ExpansionIsEquivalent) {
   for (const std::string_view text : {kHandover, kLeap}) {
     const Loaded loaded{std::string(text)};
     ASSERT_TRUE(loaded.built) << loaded.all();

@@ -55,7 +55,7 @@ class DualGuessReader : public ::testing::Test {
   Diagnostics out_;
 };
 
-TEST_F(DualGuessReader, TakesTheMultipliersOfTheSameProblem) {
+TEST_F(DualGuessReader, ReadsMultipliersOfTheSameProblem) {
   const auto used = read(solution_text(), problem_text());
   ASSERT_TRUE(used && used->guess) << format_diagnostics(out_, false);
   EXPECT_EQ(multiplier(*used->guess, "speed", 3), 3);
@@ -66,7 +66,7 @@ TEST_F(DualGuessReader, TakesTheMultipliersOfTheSameProblem) {
   EXPECT_EQ(used->text, "of the dynamics, speed, end");
 }
 
-TEST_F(DualGuessReader, LeavesConstraintsThatChangedOutByName) {
+TEST_F(DualGuessReader, OmitsChangedConstraintsByName) {
   const auto renamed = read(solution_text(), problem_text(4, "swiftness"));
   ASSERT_TRUE(renamed && renamed->guess);
   EXPECT_EQ(multiplier(*renamed->guess, "swiftness", 3), 0);
@@ -81,7 +81,7 @@ TEST_F(DualGuessReader, TakesNothingOfAnotherGrid) {
   EXPECT_NE(longer->text.find("none; not of speed, end"), std::string::npos) << longer->text;
 }
 
-TEST_F(DualGuessReader, ReportsWhatIsNoSolution) {
+TEST_F(DualGuessReader, ReportsFilesThatAreNotSolutions) {
   EXPECT_FALSE(read("{\"format\":\"conddp.solution/1\"}", problem_text()));
   EXPECT_TRUE(out_.has_errors());
 }

@@ -103,7 +103,7 @@ TEST(EveryResidual, WorksAloneInEveryRole) {
   EXPECT_GT(tried, 120);
 }
 
-TEST(EveryResidual, ControlRateHoldsWithoutACostOnIt) {
+TEST(EveryResidual, ControlRateWorksWithoutItsCost) {
   const std::string text = R"(conddp: 1
 system: {type: double_integrator, dimension: 1}
 initial_state: {state: [0, 0]}

@@ -109,7 +109,7 @@ TEST(ExpressionRows, ErrorsPointIntoTheExpression) {
   }
 }
 
-TEST(ExpressionRows, WarnOfWhatIsNotSmoothOnce) {
+TEST(ExpressionRows, WarnOnceAboutNonsmoothRows) {
   EXPECT_EQ(
       warnings(replaced(replaced(kRows, "[energy - drag(v)", "[abs(x)"), "m*v^2", "m*abs(v)*v")),
       "6:12: nothing uses 'drag' ()\n"
@@ -255,7 +255,7 @@ solver: {name: ipopt}
 }
 
 /// The control change as an expression matches 'control_rate'.
-TEST(ExpressionRows, NameTheControlOfTheKnotBefore) {
+TEST(ExpressionRows, NameThePreviousControl) {
   const std::string rate = replaced(
       replaced(kRows, "own: {residual: expression, rows: [energy - drag(v), \"[x*t, u]\"]}",
                "own: {residual: control_rate, weight: 3}\n  push: {residual: state}"),

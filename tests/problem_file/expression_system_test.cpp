@@ -103,7 +103,7 @@ TEST(ExpressionSystemFiles, SettingsReachTheParameters) {
   EXPECT_EQ(acceleration(Loaded(std::string(kDrivenMass), {"system.let.spring=-k*x^3 + 1"})), -1);
 }
 
-TEST(ExpressionSystemFiles, ClockGoesFromTheBeginning) {
+TEST(ExpressionSystemFiles, ClockStartsAtTheBeginning) {
   const Loaded first(replaced(kDrivenMass, "(u + spring)/m", "u*sin(t)"));
   ASSERT_TRUE(first.built) << first.all();
   EXPECT_EQ(first.built->problem->initial_state(), (std::vector<double>{1, 0, 0}));
@@ -175,7 +175,7 @@ TEST(ExpressionSystemFiles, ErrorsPointIntoTheExpression) {
   }
 }
 
-TEST(ExpressionSystemFiles, AnEmptyUnitIsExplained) {
+TEST(ExpressionSystemFiles, ExplainsAnEmptyUnit) {
   for (const char* states : {"{x: \"\", v: m/s}", "{x: , v: m/s}"}) {
     const Loaded loaded(replaced(kDrivenMass, "{x: m, v: m/s}", states));
     ASSERT_NE(loaded.error(), nullptr);
@@ -184,7 +184,7 @@ TEST(ExpressionSystemFiles, AnEmptyUnitIsExplained) {
   }
 }
 
-TEST(ExpressionSystemFiles, CommaThatYamlSplitsIsExplained) {
+TEST(ExpressionSystemFiles, ExplainsACommaThatYamlSplits) {
   const Loaded loaded(replaced(kDrivenMass, "rate:\n    x: v\n    v: (u + spring)/m",
                                "rate: {x: v, v: atan2(u, spring)}"));
   ASSERT_NE(loaded.error(), nullptr);
@@ -204,7 +204,7 @@ TEST(ExpressionSystemFiles, ReferenceNamesEveryFunctionAndConstant) {
     EXPECT_NE(text.find(fmt::format("`{}`", constant.name)), std::string::npos) << constant.name;
 }
 
-TEST(ExpressionSystemFiles, WarnOfWhatIsNotSmooth) {
+TEST(ExpressionSystemFiles, WarnAboutNonsmoothExpressions) {
   EXPECT_EQ(warnings(replaced(kDrivenMass, "(u + spring)/m", "u - abs(v)*v")),
             "6:9: nothing uses 'spring' ()\n"
             "9:12: 'abs' has a kink at 0; smooth_abs has none ()\n");

@@ -55,7 +55,7 @@ std::string floating(const std::string& integrator) {
          "solver: {name: ipopt}\n";
 }
 
-TEST(FreeDuration, IsChosenAtFirstAndHeld) {
+TEST(FreeDuration, IsChosenFirstAndHeld) {
   const Loaded loaded(kFastest);
   ASSERT_TRUE(loaded.built) << loaded.all();
   const ShootingProblem& problem = *loaded.built->problem;
@@ -98,7 +98,7 @@ TEST(FreeDuration, StepsAreThoseOfThatDuration) {
   }
 }
 
-TEST(FreeDuration, HasTheDerivativesOfDualNumbers) {
+TEST(FreeDuration, StepDerivativesMatchDualNumbers) {
   for (const std::string& text :
        {kFastest, kFreePendulum, replaced(kFreePendulum, "rk4", "rk3"),
         replaced(kFreePendulum, "integrator: rk4", "integrator: rk4\nrunning_costs: sum"),
@@ -162,7 +162,7 @@ solver: {name: ipopt}
 }
 
 /// No given duration improves on the optimal one.
-TEST(FreeDuration, IsTheBestOne) {
+TEST(FreeDuration, IsOptimal) {
   const std::string costs = replaced(
       kFreePendulum, "costs:\n",
       "costs:\n  time: {residual: combination, rows: {constant: 1, theta: 0}, weight: 0.3}\n");
@@ -212,7 +212,7 @@ TEST(FreeDuration, OfAHopperWithContactsAndAnImpact) {
   EXPECT_LT(times.back(), 0.5) << "shorter than the 0.6 s of the file";
 }
 
-TEST(FreeDuration, BeginsWithThatOfAFormerSolution) {
+TEST(FreeDuration, BeginsWithAnEarlierSolution) {
   const TemporaryFolder folder;
   const std::string file =
       folder.write("start.json", R"({"format": "conddp.solution/1", "trajectory": {

@@ -39,7 +39,7 @@ int column_of(const Loaded& loaded, const std::string& name) {
   return 0;
 }
 
-TEST(FreeParameters, HaveTheirOptimumWithinBoundsAndAtThem) {
+TEST(FreeParameters, ReachTheirOptimumWithinAndAtBounds) {
   const Loaded inside{std::string(kDrift)}, bounded(replaced(kDrift, "upper: 3", "upper: 0.25"));
   ASSERT_TRUE(inside.built) << inside.all();
   ASSERT_TRUE(bounded.built) << bounded.all();
@@ -85,7 +85,7 @@ solver: {name: ipopt}
     EXPECT_LT(derivative.error, 1e-6);
 }
 
-TEST(FreeParameters, AreChosenBesideFreeInitialStatesAndDurations) {
+TEST(FreeParameters, WorkWithFreeInitialStatesAndDurations) {
   // Covering 1 at the chosen speed costs the time and the squared speed: T + v² with T = 1/v.
   const Loaded loaded(R"(conddp: 1
 parameters: {speed: {free: true, lower: 0.1, upper: 5}}
@@ -244,7 +244,7 @@ costs:
   effort: {residual: expression, of: {z: {residual: control}, w: {residual: control}}, rows: z}
 )";
 
-TEST(UnusedNames, AreWarnedOf) {
+TEST(UnusedNames, ReportUnusedNames) {
   EXPECT_EQ(warnings(std::string(kUnused)),
             "5:3: 'm' is free, and occurs in no equation, residual or payload ()\n"
             "9:3: no phase has the system 'b' ()\n"
@@ -253,7 +253,7 @@ TEST(UnusedNames, AreWarnedOf) {
             "13:63: nothing uses 'w' ()\n");
 }
 
-TEST(UnusedNames, AreNotThoseOfFormulasAndMasses) {
+TEST(UnusedNames, ExcludeNamesInFormulasAndMasses) {
   EXPECT_EQ(warnings(std::string(kDrift)), "");
   EXPECT_EQ(warnings(R"(conddp: 1
 parameters: {load: {free: true, lower: 0, upper: 5}}

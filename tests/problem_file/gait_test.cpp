@@ -176,7 +176,7 @@ TEST(Gait, StepsSumToDistanceWithShortEnds) {
   }
 }
 
-TEST(Gait, OneCycleTakesEveryFootTheWholeWay) {
+TEST(Gait, OneCycleMovesEveryFootTheWholeWay) {
   const Loaded loaded(with_gait("type: walk, period: 0.8, dt: 0.02, step: {length: 0.16}"));
   for (const CostSpec& cost : loaded.spec->costs)
     if (swing_of(cost)) {
@@ -384,7 +384,7 @@ TEST(GaitFile, DefaultsAreThoseOfTheSchema) {
   EXPECT_EQ(expanded_text(*all.spec, *all.built), expanded_text(*none.spec, *none.built));
 }
 
-TEST(GaitFile, MistakesAreSaidWithTheirPlace) {
+TEST(GaitFile, ReportsMistakesAtTheirPlaces) {
   struct Case {
     const char* gait;
     const char* says;
@@ -448,7 +448,7 @@ TEST(GaitFile, MistakesAreSaidWithTheirPlace) {
   }
 }
 
-TEST(GaitFile, DoesNotGoWithEverything) {
+TEST(GaitFile, RejectsIncompatibleFeatures) {
   const std::string trot = with_gait("type: trot, period: 0.4, dt: 0.02");
   const std::pair<std::string, const char*> cases[] = {
       {replaced(trot, "costs:", "phases: [{knots: 2, dt: 0.1}]\ncosts:"),

@@ -115,7 +115,7 @@ TEST_F(GuessFromFile, TakesSomeStatesByTheirNames) {
   EXPECT_NE(unknown.all().find("by their names: theta, omega"), std::string::npos) << unknown.all();
 }
 
-TEST_F(GuessFromFile, ReadsAFormerSolution) {
+TEST_F(GuessFromFile, ReadsAnEarlierSolution) {
   const std::string file = write("s.json", R"({"format": "conddp.solution/1", "gains": [[[1]]],
     "trajectory": {"columns": {"x": ["theta", "omega"], "u": ["torque"]},
                    "t": [0, 0.35, 0.7], "x": [[0, 0], [1, 0], [2, 0]], "u": [[3], [4]]}})");
@@ -199,7 +199,7 @@ TEST_F(GuessFromFile, PhasesOfASolutionFitItsNodes) {
   }
 }
 
-TEST_F(GuessFromFile, GainsMayBeMany) {
+TEST_F(GuessFromFile, GainsMayBeNumerous) {
   std::string text = R"({"format": "conddp.solution/1", "gains": [0)";
   for (int i = 0; i < 5'500'000; ++i) text += ",0";
   text += R"(], "trajectory": {"columns": {"x": ["theta", "omega"], "u": ["torque"]},
@@ -239,7 +239,7 @@ TEST_F(GuessFromFile, WarnsOnceWhereASolutionHasAnotherDuration) {
   EXPECT_EQ(same.all(), "");
 }
 
-TEST_F(GuessFromFile, RemembersTheBytesThatWereRead) {
+TEST_F(GuessFromFile, RemembersTheBytesRead) {
   const std::string text = "t,theta,omega,torque\n0,0,0,5\n0.7,7,1,6\n";
   const Loaded loaded(with_guess("{file: " + write("r.csv", text) + "}"));
   ASSERT_TRUE(loaded.built) << loaded.all();
@@ -255,7 +255,7 @@ struct BadTable {
   const char* error;
 };
 
-TEST_F(GuessFromFile, NamesWhatIsWrong) {
+TEST_F(GuessFromFile, NamesErrors) {
   const std::string deep = "{\"trajectory\": " + std::string(100'000, '[');
   std::string large = "{\"trajectory\": [0";
   for (int i = 0; i < 5'000'000; ++i) large += ",0";

@@ -37,7 +37,7 @@ TEST(HomotopyFile, MovesAllNumbersTogether) {
   EXPECT_EQ(upper_at(loaded, 1), 3);
 }
 
-TEST(HomotopyFile, MovesNumbersThatPassZeroByEqualSteps) {
+TEST(HomotopyFile, NumbersThroughZeroMoveInEqualSteps) {
   const Loaded loaded(with_homotopy("[{key: initial_state.values.theta, from: -0.3, to: 0.1}]"));
   ASSERT_TRUE(loaded.built) << loaded.all();
   EXPECT_NEAR(homotopy_path(*loaded.built)(0.25)->initial_state()[0], -0.2, 1e-15);

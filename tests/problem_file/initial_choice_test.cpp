@@ -83,7 +83,7 @@ TEST(InitialChoice, MovesAPoseAlongItsTangent) {
   EXPECT_NEAR(evaluation.cost[4], 0.5 * 0.2 * 0.2, 1e-12);
 }
 
-TEST(InitialChoice, HasTheDerivativesOfDualNumbers) {
+TEST(InitialChoice, DerivativesMatchDualNumbers) {
   for (const std::string& text :
        {kFloating, choosing("{choose: all}", "cycle: {residual: cycle, offset: [1, 2]}")}) {
     const Loaded loaded(text);
@@ -99,7 +99,7 @@ TEST(InitialChoice, HasTheDerivativesOfDualNumbers) {
   }
 }
 
-TEST(InitialChoice, IsGuessedFromTheGuessOfTheStates) {
+TEST(InitialChoice, IsGuessedFromTheStateGuess) {
   const Loaded loaded(choosing("{choose: all, upper: {omega: 1}}") +
                       "initial_guess: {states: {keyframes: [{time: 0, state: [0.5, 4]}, "
                       "{time: 0.7, state: [1, 0]}]}}\n");
@@ -119,7 +119,7 @@ TEST(InitialChoice, FirstStateConstraintsHoldAtTheNextKnot) {
 }
 
 /// No given initial state improves on the optimal one.
-TEST(InitialChoice, IsTheBestOne) {
+TEST(InitialChoice, IsOptimal) {
   for (const char* solver : {"box_ddp", "box_fddp", "altro", "proxddp", "ipopt"}) {
     const Loaded free(choosing("{choose: omega, lower: -9, upper: 9}"));
     ASSERT_TRUE(free.built) << free.all();
@@ -199,7 +199,7 @@ solver: {name: altro}
   EXPECT_NEAR(costs[2], costs[0], 1e-6);
 }
 
-TEST(InitialChoice, LinksThatAreNamedLeaveTheOthersFree) {
+TEST(InitialChoice, NamedLinksLeaveTheOthersFree) {
   const Loaded loaded(choosing("{choose: all}", "cycle: {residual: cycle, equals: {omega: 0.5}}"));
   ASSERT_TRUE(loaded.built) << loaded.all();
   const SolveResult result = solve(*loaded.built->problem, "altro", {}, loaded.built->guess);
@@ -208,7 +208,7 @@ TEST(InitialChoice, LinksThatAreNamedLeaveTheOthersFree) {
   EXPECT_GT(std::abs(result.trajectory.x(11)[0] - result.trajectory.x(1)[0]), 1e-3);
 }
 
-TEST(InitialChoice, StepsThatFindTheirContactsHaveRightDerivatives) {
+TEST(InitialChoice, ContactImplicitStepsHaveCorrectDerivatives) {
   Diagnostics out;
   const auto spec = read_problem(kProblems / "raibert_gait.yaml", {}, out);
   ASSERT_TRUE(spec) << format_diagnostics(out, false);

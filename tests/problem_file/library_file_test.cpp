@@ -158,7 +158,7 @@ TEST(LibraryFiles, ResidualsUseKnotTimeOrClock) {
   }
 }
 
-TEST(LibraryFiles, AreFilesOfTheProblemsIdentity) {
+TEST(LibraryFiles, BelongToTheProblemIdentity) {
   const Loaded a = load_with_code(kSwing);
   ASSERT_TRUE(a.built) << a.all();
   ASSERT_EQ(a.built->data_files.size(), 1u);
@@ -191,7 +191,7 @@ TEST(LibraryFiles, AllocateNothingInEvaluations) {
 }
 #endif
 
-TEST(LibraryFiles, ParametersAreReachedBySettings) {
+TEST(LibraryFiles, SettingsReachParameters) {
   const Loaded a = load_with_code(kSwing, {"system.parameters.weight=1"});
   const Loaded b(kSwingInWords, {"system.parameters.weight=1"});
   ASSERT_TRUE(a.built) << a.all();
@@ -235,7 +235,7 @@ TEST(LibraryFiles, WhatDoesNotFitHasItsPlace) {
   }
 }
 
-TEST(LibraryFiles, ResidualsThatDoNotFitHaveTheirPlace) {
+TEST(LibraryFiles, MismatchedResidualsHaveTheirPlace) {
   struct Case {
     std::string from, to, message;
   };

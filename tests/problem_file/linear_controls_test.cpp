@@ -143,7 +143,7 @@ TEST(LinearControls, KeepTheirBoundsEverywhere) {
   EXPECT_GE(*std::min_element(u.begin(), u.end()), -2);
 }
 
-TEST(LinearControls, HaveTheDerivativesOfDualNumbers) {
+TEST(LinearControls, DerivativesMatchDualNumbers) {
   const std::string curved = replaced(
       kSwing, "constraints:\n",
       "constraints:\n  power: {residual: expression, rows: [\"torque*omega\"], upper: [4]}\n");
@@ -161,7 +161,7 @@ TEST(LinearControls, HaveTheDerivativesOfDualNumbers) {
   }
 }
 
-TEST(LinearControls, ArePassedOnBesideFreeDurations) {
+TEST(LinearControls, ArePassedOnWithFreeDurations) {
   // Time-optimal with limited force: linear controls approach 2 from above.
   const std::string text =
       replaced(replaced(kLeastEnergy, "duration: 1}",
@@ -359,7 +359,7 @@ TEST(LinearControls, BestDurationsBeatGivenOnes) {
 }
 
 /// Replayed with finer steps along the same lines; only the error of the rule remains.
-TEST(LinearControls, AreReplayedAsTheyAre) {
+TEST(LinearControls, AreReplayedUnchanged) {
   for (const char* integrator : {"rk4", "hermite_simpson"}) {
     const auto error = [&](const std::string& text) {
       const Loaded loaded(replaced(text, "rk4", integrator));
@@ -384,7 +384,7 @@ TEST(LinearControls, BeginAtTheGivenFirstControl) {
   EXPECT_LT(result.trajectory.x(1)[2], -1) << "where it would rather have begun";
 }
 
-TEST(LinearControls, CountTheirCostsByTheTrapezoidalRule) {
+TEST(LinearControls, CostsUseTheTrapezoidalRule) {
   const Loaded loaded(kSwing);
   ASSERT_TRUE(loaded.built) << loaded.all();
   const ShootingProblem& problem = *loaded.built->problem;
@@ -422,7 +422,7 @@ TEST(LinearControls, AreRefinedAlongTheirLines) {
 }
 
 /// An earlier solution with its own columns: the nodal values are used.
-TEST(LinearControls, BeginWithThoseOfAFormerSolution) {
+TEST(LinearControls, BeginWithAnEarlierSolution) {
   const TemporaryFolder folder;
   const std::string file =
       folder.write("start.json", R"({"format": "conddp.solution/1", "trajectory": {
@@ -522,7 +522,7 @@ TEST(LinearControls, InstancesHaveOtherInitialStates) {
 }
 
 // Collocation slopes are further controls that accelerations ignore.
-TEST(LinearControls, AccelerationsKnowThemBesideCollocation) {
+TEST(LinearControls, AccelerationsSupportThemWithCollocation) {
   std::ifstream arm(kProblems / "arm_reach.yaml");
   std::string text(std::istreambuf_iterator<char>(arm), {});
   text =

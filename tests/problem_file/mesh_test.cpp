@@ -37,7 +37,7 @@ TEST(Mesh, FactorCutsEachStepOfThePhases) {
     EXPECT_NEAR(3 * fine.built->problem->knot(k).dt, coarse.built->problem->knot(k / 3).dt, 1e-15);
 }
 
-TEST(Mesh, HalfTheKnotsLastAsLong) {
+TEST(Mesh, HalfTheKnotsHaveTheSameDuration) {
   Loaded loaded(replaced(kOscillator, "knots: 6", "knots: 7"));
   ASSERT_TRUE(loaded.spec) << loaded.all();
   ProblemSpec spec = *loaded.spec;

@@ -200,7 +200,7 @@ TEST(MpcFile, SaysThatNoGridIsRefined) {
   EXPECT_EQ(loop.warnings(), 1) << loop.all();
 }
 
-TEST(MpcFile, AFallbackAppliesNoMoreThanControlsMay) {
+TEST(MpcFile, FallbackRespectsControlBounds) {
   const LoadedLoop loop(
       pendulum_with("mpc: {horizon: 0.5, tick: 0.1, duration: 1, fallback: {after: 1, to: {values: "
                     "{theta: 1}}}}"));
@@ -463,7 +463,7 @@ costs: {effort: {residual: control}}
 solver: {name: box_fddp}
 )";
 
-TEST(MpcFile, WarnsOfAFallbackThatIsNoEquilibrium) {
+TEST(MpcFile, WarnsAboutAFallbackWithoutEquilibrium) {
   const std::string mpc =
       "mpc: {horizon: 1, tick: 0.1, duration: 1, fallback: {to: {values: {theta: ";
   const auto all = [&](const std::string& theta) {
@@ -551,7 +551,7 @@ TEST(MpcFile, UnnamedConditionsTakeTheResidualName) {
 }
 
 // The controller overestimates the motor.
-TEST(MpcFile, APlantHasMotorLimitsOfItsOwn) {
+TEST(MpcFile, PlantHasItsOwnMotorLimits) {
   const std::string mpc =
       "mpc: {horizon: 0.5, tick: 0.1, duration: 1, terminal: keep, plant: {set: ";
   const auto largest = [&](const std::string& set) {
@@ -616,7 +616,7 @@ TEST(MpcFile, FallbackHoldsItsStateByQuasiStaticControls) {
   EXPECT_TRUE(result.ticks.back().fallback);
 }
 
-TEST(MpcFile, AFallbackNamesItsState) {
+TEST(MpcFile, FallbackNamesItsState) {
   const LoadedLoop stated(kArm);
   for (const char* name : {"ready", "initial"}) {
     const LoadedLoop loop(kArm, {std::string("mpc.fallback.to=") + name});
@@ -672,7 +672,7 @@ LoadedLoop trot(const std::string& mpc, const std::vector<std::string>& more = {
   return LoadedLoop(text_of("quadruped_trot"), settings);
 }
 
-TEST(MpcFile, LearnsOfEachCommandAtItsTime) {
+TEST(MpcFile, ReceivesEachCommandAtItsTime) {
   const LoadedLoop loop =
       trot("duration: 2, commands: [{at: 0, velocity: [0.2, 0, 0]}, {at: 0.8, turn: 0.3}]");
   ASSERT_TRUE(loop.mpc) << loop.all();
@@ -718,7 +718,7 @@ TEST(MpcFile, StandsOnSimulatedContacts) {
   EXPECT_NEAR(result.last_state[2], 0.58, 0.02);
 }
 
-TEST(MpcFile, FallsToAGroundThatIsLower) {
+TEST(MpcFile, FallsToALowerGround) {
   const LoadedLoop loop = trot(
       "duration: 0.14, plant: {contacts: simulated, dt: 0.002, ground: [{half_space: {point: [0, "
       "0, -1], normal: [0, 0, 1]}}]}");
@@ -811,7 +811,7 @@ TEST(MpcFile, GroundThatIsFarAwayChangesNothing) {
   EXPECT_EQ(last_state(far), last_state(""));
 }
 
-TEST(MpcFile, ContactsCloseHoweverFarAStepGoes) {
+TEST(MpcFile, ContactsCloseForAnyStepLength) {
   const LoadedLoop loop = trot("duration: 0.1, plant: {contacts: simulated, dt: 0.002}");
   ASSERT_TRUE(loop.mpc) << loop.all();
   PlantMotion& motion = *loop.mpc->loop.plant[0].motion;
@@ -853,7 +853,7 @@ TEST(MpcFile, WarnsAboutTerminalCostsAtPathEnds) {
   EXPECT_EQ(trot("duration: 0.1, terminal: keep", {"mpc.horizon=9"}).warnings(), 0);
 }
 
-TEST(MpcFile, CommandsComeBeforeTheGaitHasEnded) {
+TEST(MpcFile, RejectsCommandsAfterTheGait) {
   const LoadedLoop late = trot("duration: 9, repeat: hold, commands: [{at: 5, turn: 1}]");
   EXPECT_FALSE(late.mpc);
   ASSERT_TRUE(late.error());
@@ -862,7 +862,7 @@ TEST(MpcFile, CommandsComeBeforeTheGaitHasEnded) {
 }
 
 // Four cycles of 0.48 s with early touch-downs exceed the loop's 1.5 s.
-TEST(MpcFile, RetimingComesToCommandsAfterTheLoopsDuration) {
+TEST(MpcFile, RetimingReachesCommandsAfterTheLoop) {
   const auto loop = [](const std::string& more) {
     return trot(
         "duration: 1.5, plant: {contacts: simulated, dt: 0.002}, commands: [{at: 1.6, turn: "
@@ -951,7 +951,7 @@ TEST(MpcFile, RepeatingGaitLastsDespiteEarlyPhases) {
   EXPECT_GT(end - 0.2 * count_touch_downs(*spec), 2.4 + 0.4 - 1e-9);
 }
 
-TEST(MpcFile, RetimingHasTheContactsOfThePhases) {
+TEST(MpcFile, RetimingUsesTheContactsOfThePhases) {
   const LoadedLoop loop = trot(
       "duration: 0.1, plant: {contacts: simulated, dt: 0.002}, retime: {early: 0.06, late: 0.04}");
   ASSERT_TRUE(loop.mpc) << loop.all();
@@ -963,14 +963,14 @@ TEST(MpcFile, RetimingHasTheContactsOfThePhases) {
   EXPECT_EQ(retiming.contacts[22], 0b0110u);
 }
 
-TEST(MpcFile, LastsNoLongerThanTimesAreExact) {
+TEST(MpcFile, DurationIsLimitedToExactTimes) {
   const LoadedLoop loop(replaced(kPendulum, "dt: 0.05", "dt: 5") +
                         "mpc: {horizon: 10, tick: 10, duration: 1.0e+6}\n");
   ASSERT_TRUE(loop.error());
   EXPECT_EQ(loop.error()->path, "mpc.duration") << loop.all();
 }
 
-TEST(MpcFile, LastsNoLongerThanAGaitCan) {
+TEST(MpcFile, DurationIsLimitedToTheLongestGait) {
   Diagnostics out;
   const auto once =
       read_problem_text(text_of("quadruped_trot"), kProblems / "test.yaml",
@@ -981,7 +981,7 @@ TEST(MpcFile, LastsNoLongerThanAGaitCan) {
   EXPECT_EQ(out.list().back().path, "mpc.duration");
 }
 
-TEST(MpcFile, IsReadFromItsExpansionAgain) {
+TEST(MpcFile, ExpansionReadsBack) {
   const LoadedLoop once(kArm);
   ASSERT_TRUE(once.mpc) << once.all();
   const LoadedLoop again(expanded_text(*once.spec, *once.built));
@@ -991,7 +991,7 @@ TEST(MpcFile, IsReadFromItsExpansionAgain) {
   EXPECT_EQ(again.run().last_state, once.run().last_state);
 }
 
-TEST(MpcFile, IsNoPartOfTheProblemItself) {
+TEST(MpcFile, IsExcludedFromTheProblemIdentity) {
   const Loaded without{std::string(kPendulum)};
   const Loaded with(pendulum_with("mpc: {horizon: 0.5, tick: 0.1, duration: 1}"));
   EXPECT_EQ(with.spec->definition, without.spec->definition);

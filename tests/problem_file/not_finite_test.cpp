@@ -43,7 +43,7 @@ TEST(NotFinite, AdviceIsThatForEquations) {
   }
 }
 
-TEST(NotFinite, ACostIsNamed) {
+TEST(NotFinite, NamesANonFiniteCost) {
   const Loaded loaded(R"(conddp: 1
 system: {states: [x], controls: [u], rate: {x: u}}
 initial_state: {values: {x: 0}}

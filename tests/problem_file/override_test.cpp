@@ -18,7 +18,7 @@ TEST(Override, ReplacesAndAddsValues) {
   EXPECT_EQ(loaded.built->problem->initial_state()[0], 0.5);
 }
 
-TEST(Override, AnOptionMayHaveItsFormerName) {
+TEST(Override, AcceptsADeprecatedOptionName) {
   const Loaded loaded(std::string(kPendulum), {"solver={name: proxddp, legs: 2}"});
   ASSERT_TRUE(loaded.built) << loaded.all();
   EXPECT_EQ(loaded.spec->solver.options.segments, 2);
@@ -36,7 +36,7 @@ TEST(Override, FindsPhasesByNameAndByIndex) {
   EXPECT_EQ(loaded.spec->phases[1].dt, 0.03);
 }
 
-TEST(Override, AnIndexComesBeforeAName) {
+TEST(Override, IndexWinsOverName) {
   const Loaded loaded(replaced(kPendulum, "name: first", "name: 1"), {"phases.1.knots=3"});
   ASSERT_TRUE(loaded.built) << loaded.all();
   EXPECT_EQ(loaded.spec->phases[0].knots.value, 4);
@@ -55,7 +55,7 @@ TEST(Override, RoundTripsValuesSetFromElsewhere) {
   EXPECT_TRUE(out.list().empty());
 }
 
-TEST(Override, ANumberIsReadAsYamlReadsIt) {
+TEST(Override, ReadsNumbersLikeYaml) {
   for (const std::string text :
        {"1", "-0.5", "+2", ".5", "-.5", "1e-3", "1.5E+3", "2023-01-02", "1-2", "..1", "1.", "-e"}) {
     Diagnostics out;
@@ -77,7 +77,7 @@ TEST(Override, ErrorsQuoteTheSetting) {
       << loaded.all();
 }
 
-TEST(Override, NamesMayHaveDots) {
+TEST(Override, NamesMayContainDots) {
   const Loaded loaded(
       replaced(replaced(kPendulum, "name: first", "name: first.half"), "  effort: {",
                "  effort.less: {residual: control}\n  effort: {"),
@@ -101,7 +101,7 @@ TEST(Override, OfNamesWithDotsTheLongestCounts) {
   EXPECT_TRUE(out.list().empty());
 }
 
-TEST(Override, AHomotopyReachesNamesWithDots) {
+TEST(Override, HomotopyReachesNamesWithDots) {
   const std::string text = replaced(kPendulum, "  effort: {residual: control, weight: 0.5}",
                                     "  effort.all: {residual: control, weight: 0.5}");
   const Loaded loaded(replaced(text, "{name: box_ddp}",
@@ -147,7 +147,7 @@ TEST(Override, CreatesNoDefinitionThatNothingNames) {
   }
 }
 
-TEST(Override, AHomotopyCreatesNoParameter) {
+TEST(Override, HomotopyCreatesNoParameter) {
   const Loaded loaded(
       replaced(replaced(kPendulum, "name: test", "parameters: {goal: 1}"), "{name: box_ddp}",
                "{name: box_ddp, homotopy: [{key: parameters.gaol, from: 2, to: 1}]}"));

@@ -46,7 +46,7 @@ TEST(Parameters, ReplaceNumbersAndNamesInExpressions) {
   EXPECT_EQ(knot.parameters[knot.model->costs()[1].parameters], 1);
 }
 
-TEST(Parameters, SettingsReachWhatFollowsFromThem) {
+TEST(Parameters, SettingsReachDependentValues) {
   const Loaded loaded(std::string(kScaled), {"parameters.mass=4", "parameters.goal.0==mass"});
   EXPECT_EQ(rate_of(loaded), 6.0 / 4 - 1);
   EXPECT_EQ(loaded.built->problem->initial_state(), (std::vector<double>{-4, -1}));
@@ -54,7 +54,7 @@ TEST(Parameters, SettingsReachWhatFollowsFromThem) {
   EXPECT_EQ(loaded.spec->costs[0].weight, 16);
 }
 
-TEST(Parameters, TheExpandedFileHasTheirValues) {
+TEST(Parameters, ExpandedFileHasTheirValues) {
   const Loaded loaded{std::string(kScaled)};
   ASSERT_TRUE(loaded.built) << loaded.all();
   const std::string text = expanded_text(*loaded.spec, *loaded.built);
@@ -102,13 +102,13 @@ TEST(Parameters, ErrorsPointIntoTheFormula) {
   }
 }
 
-TEST(Parameters, NamesAndDescriptionsAreNoFormulas) {
+TEST(Parameters, NamesAndDescriptionsAreNotFormulas) {
   const Loaded loaded(replaced(kScaled, "conddp: 1", "conddp: 1\ndescription: = as it was"));
   ASSERT_TRUE(loaded.built) << loaded.all();
   EXPECT_EQ(loaded.spec->description, "= as it was");
 }
 
-TEST(Parameters, RobotsHaveThem) {
+TEST(Parameters, RobotsSupportThem) {
   const Loaded loaded(R"(conddp: 1
 parameters: {reach: 0.7}
 robot: {urdf: robots/cartpole.urdf, actuation: {joints: [slider]}}
@@ -157,7 +157,7 @@ struct InFolder {
   std::optional<BuiltProblem> built;
 };
 
-TEST(Tables, AreColumnsOfFilesThatAllExpressionsKnow) {
+TEST(Tables, FileColumnsAreKnownToAllExpressions) {
   const InFolder loaded("speed [m/s],force [N],t\n0,0,9\n1,1,8\n2,4,7\n");
   ASSERT_TRUE(loaded.built) << format_diagnostics(loaded.out, false);
   const System& system = *loaded.built->plant.system;

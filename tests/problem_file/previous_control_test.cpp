@@ -39,7 +39,7 @@ SolveResult answer_with_change(const Loaded& loaded, const char* solver) {
   return solve(*loaded.built->problem, solver, loaded.spec->solver.options, loaded.built->guess);
 }
 
-TEST(PreviousControl, PassesTheChoiceOfTheInitialState) {
+TEST(PreviousControl, PassesAnInitialStateChoice) {
   const Loaded loaded{std::string(kChangeAfterChoice)};
   ASSERT_TRUE(loaded.built) << loaded.all();
   for (const char* solver : kSolversOfChanges) {
@@ -83,7 +83,7 @@ void expect_derivatives_of_change(const Loaded& loaded) {
     EXPECT_LT(derivative.error, kDerivativeTolerance) << derivative.knot;
 }
 
-TEST(PreviousControl, HasItsDerivativesBesideKnotsWithoutTime) {
+TEST(PreviousControl, HasDerivativesNextToInstantKnots) {
   for (const std::string_view text : {kChangeAfterChoice, kChangeOverJump}) {
     const Loaded loaded{std::string(text)};
     ASSERT_TRUE(loaded.built) << loaded.all();

@@ -144,7 +144,7 @@ void expect_right_derivatives(const Loaded& loaded) {
         << " column " << derivative.column;
 }
 
-TEST(RobotParameters, HaveTheLoadOfLeastCost) {
+TEST(RobotParameters, HaveTheLoadOfMinimumCost) {
   const TemporaryFolder folder;
   const Loaded loaded(lift_text(folder, kLift));
   ASSERT_TRUE(loaded.built) << loaded.all();
@@ -161,7 +161,7 @@ TEST(RobotParameters, HaveTheLoadOfLeastCost) {
 }
 
 /// 20 N hold 20/9.81 kg, including 0.1 kg for the platform.
-TEST(RobotParameters, HaveTheLargestLoadThatAMotorHolds) {
+TEST(RobotParameters, FindTheLargestLoadOfAMotor) {
   const TemporaryFolder folder;
   std::string text = replaced(lift_text(folder, kLift), "gravity: [0, 0, 0]\n", "");
   text = replaced(text, "upper: 2, start: 1", "upper: 10, start: 0.5");
@@ -181,7 +181,7 @@ TEST(RobotParameters, HaveTheLargestLoadThatAMotorHolds) {
   }
 }
 
-TEST(RobotParameters, HaveDerivativesThatAreRight) {
+TEST(RobotParameters, HaveCorrectDerivatives) {
   const std::string free_arm = replaced(kCarryingArm, "lower: 2, upper: 2", "lower: 0, upper: 5");
   expect_right_derivatives(Loaded(free_arm));
   expect_right_derivatives(Loaded(replaced(free_arm, "costs:\n", "integrator: rk4\ncosts:\n")));
@@ -323,7 +323,7 @@ TEST(RobotParameters, AreReadAgainFromTheExpandedFile) {
   }
 }
 
-TEST(RobotParameters, AreNoPartOfListsOfTheState) {
+TEST(RobotParameters, AreExcludedFromListsOfTheState) {
   const TemporaryFolder folder;
   const std::string text = lift_text(folder, kLift);
   const Loaded without(replaced(text, "initial_state: {}", "initial_state: {state: [0.5, 0]}"));

@@ -17,7 +17,7 @@
 namespace conddp {
 namespace {
 
-TEST(Schema, EveryReadyProblemFitsAndBuilds) {
+TEST(Schema, EveryExampleFitsAndBuilds) {
   const auto files = ready_problems();
   EXPECT_GE(files.size(), 9u);
   std::vector<Json> documents;
@@ -84,7 +84,7 @@ TEST(Schema, RefusesWhatTheReaderRefuses) {
   for (std::size_t i = 1; i < bad.size(); ++i) EXPECT_TRUE(bad[i]) << mistakes[i - 1].second;
 }
 
-TEST(Schema, TakesFormulasForNumbersAndListsOfThem) {
+TEST(Schema, AcceptsFormulasForNumbersAndLists) {
   std::vector<Json> documents;
   for (const auto& entry : std::filesystem::directory_iterator(kProblems / "collection"))
     if (entry.path().extension() == ".yaml")

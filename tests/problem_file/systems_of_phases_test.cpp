@@ -50,7 +50,7 @@ SolveResult solved(const Loaded& loaded, const std::string& solver) {
   return solve(*loaded.built->problem, solver, loaded.spec->solver.options, loaded.built->guess);
 }
 
-TEST(SystemsOfPhases, EachPhaseMovesAsItsOwnSystem) {
+TEST(SystemsOfPhases, EachPhaseMovesLikeItsSystem) {
   const Loaded loaded{std::string(kTwoSystems)};
   ASSERT_TRUE(loaded.built) << loaded.all();
   const auto& phases = loaded.built->problem->phases();
@@ -135,7 +135,7 @@ TEST(SystemsOfPhases, PhasesOfOneSystemShareItsCollocation) {
   EXPECT_EQ(phases[0].model, phases[2].model);
 }
 
-TEST(SystemsOfPhases, ExpansionIsReadAsTheSame) {
+TEST(SystemsOfPhases, ExpansionIsEquivalent) {
   for (const std::string& text : {std::string(kTwoSystems), std::string(kJump),
                                   collocated(kTwoSystems, "radau5"), collocated(kJump, "radau5")}) {
     const Loaded loaded(text);

@@ -94,7 +94,7 @@ void expect_cost_to_go(const TerminalIngredients& own, double size, double toler
 
 // The numbers of this and the next four tests were computed from the definitions by other programs,
 // those of the cart-pole with 50 digits.
-TEST(TerminalLqr, TheExactDoubleIntegratorHasItsKnownIngredients) {
+TEST(TerminalLqr, ExactDoubleIntegratorHasKnownIngredients) {
   const Loaded loaded(exact_integrator(10, "[0, 0]", kUnitForce));
   ASSERT_TRUE(loaded.built) << loaded.all();
   const TerminalIngredients& own = lqr_of(loaded).ingredients;
@@ -106,7 +106,7 @@ TEST(TerminalLqr, TheExactDoubleIntegratorHasItsKnownIngredients) {
   EXPECT_NEAR(lqr_of(loaded).set.level, 0.0387749825794, 1e-12);
 }
 
-TEST(TerminalLqr, SemiImplicitEulerHasAnotherRegulator) {
+TEST(TerminalLqr, SemiImplicitEulerHasADifferentRegulator) {
   const Loaded loaded(R"(conddp: 1
 system: {type: double_integrator, dimension: 1}
 initial_state: {}
@@ -143,7 +143,7 @@ TEST(TerminalLqr, BoundedHorizonsHaveTheirKnownCosts) {
   }
 }
 
-TEST(TerminalLqr, TheCartpoleUprightHasItsKnownIngredients) {
+TEST(TerminalLqr, UprightCartpoleHasKnownIngredients) {
   const Loaded loaded(balanced_cartpole("initial"));
   ASSERT_TRUE(loaded.built) << loaded.all();
   const TerminalIngredients& own = lqr_of(loaded).ingredients;
@@ -242,7 +242,7 @@ terminal: {{lqr: {{about: {{values: {{x: {}}}}}}}}}
                      start, bounds, about);
 }
 
-TEST(TerminalLqr, NormsBoundTheSetAroundTheirCenterToo) {
+TEST(TerminalLqr, NormsBoundTheSetAroundTheirCenter) {
   const auto level = [](std::string_view bounds, std::string_view about = "0",
                         std::string_view start = "1") {
     const Loaded loaded(bounded_speed(bounds, about, start));
@@ -300,7 +300,7 @@ TEST(TerminalLqr, BoundedControlHoldsTheStateBeyondMinimumNorm) {
   EXPECT_LT(own.drift, 1e-9);
 }
 
-TEST(TerminalLqr, AControlAtItsBoundHoldsTheState) {
+TEST(TerminalLqr, ControlAtItsBoundHoldsTheState) {
   // In floating point, 9.81 / (1/3) is not 29.43.
   const Loaded loaded(pushed_and_pulled("a/3 + b/3 - 9.81", "0", 14.715));
   ASSERT_TRUE(loaded.built) << loaded.all();
@@ -377,7 +377,7 @@ TEST(TerminalLqr, WeightMultipliesTheCostToGo) {
   EXPECT_NEAR(at_end(two), 2 * 0.6658612220565547, 1e-12);
 }
 
-TEST(TerminalLqr, TheSetAsAConstraintHoldsAndCosts) {
+TEST(TerminalLqr, SetAsAConstraintHoldsAndCosts) {
   const Loaded loaded(replaced(exact_integrator(18, "{about: [0, 0], set: true}", kUnitForce),
                                "box_fddp", "altro"));
   ASSERT_TRUE(loaded.built) << loaded.all();
@@ -390,7 +390,7 @@ TEST(TerminalLqr, TheSetAsAConstraintHoldsAndCosts) {
   EXPECT_GT(result.cost, 0.7027180807405);
 }
 
-TEST(TerminalLqr, ARotationIsRegulatedOnItsManifold) {
+TEST(TerminalLqr, RegulatesRotationsOnTheManifold) {
   const Loaded loaded(R"(conddp: 1
 system: {type: quadrotor}
 initial_state: {values: {z: 1}}
@@ -413,7 +413,7 @@ solver: {name: altro}
   expect_cost_to_go(own, 1e-4, 1e-3);
 }
 
-TEST(TerminalLqr, ARememberedControlIsPartOfTheState) {
+TEST(TerminalLqr, RememberedControlIsPartOfTheState) {
   const Loaded loaded(R"(conddp: 1
 system: {type: pendulum}
 initial_state: {values: {theta: 0.5}}
@@ -455,7 +455,7 @@ solver: {{name: altro, tolerances: {{stationarity: 1.0e-9}}}}
 constexpr std::string_view kHeldIntegrals =
     "integrals: {work: torque^2, turned: {rows: \"1 + omega*omega\"}}\n";
 
-TEST(TerminalLqr, IntegralsAreLeftOutOfTheRegulator) {
+TEST(TerminalLqr, RegulatorExcludesIntegrals) {
   const Loaded plain(held_pendulum("", "")), counting(held_pendulum(kHeldIntegrals, ""));
   ASSERT_TRUE(plain.built && counting.built) << plain.all() << counting.all();
   const TerminalIngredients &a = lqr_of(plain).ingredients, &b = lqr_of(counting).ingredients;
@@ -482,7 +482,7 @@ TEST(TerminalLqr, IntegralsAreLeftOutOfTheRegulator) {
 
 /// From the vertical to the regulated state. Integrals change nothing until an active budget limits
 /// them.
-TEST(TerminalLqr, BudgetsStandBesideTheRegulator) {
+TEST(TerminalLqr, BudgetsWorkWithTheRegulator) {
   const auto solved = [](const Loaded& loaded) {
     EXPECT_TRUE(loaded.built) << loaded.all();
     return solve(*loaded.built->problem, *find_solver("altro"), loaded.spec->solver.options,
@@ -510,7 +510,7 @@ TEST(TerminalLqr, BudgetsStandBesideTheRegulator) {
   EXPECT_GT(saving.cost, counting.cost);
 }
 
-TEST(TerminalLqr, CostsAndSetsOnIntegralsAreNamed) {
+TEST(TerminalLqr, NamesCostsAndSetsOnIntegrals) {
   const auto error = [](std::string_view terms) {
     return Loaded(replaced(held_pendulum(kHeldIntegrals, ""), "constraints:\n", terms))
         .first_error();
@@ -550,7 +550,7 @@ TEST(TerminalLqr, RegulatesQuadrupedStanceOnContactTangentSpace) {
   expect_stance(load_with(kProblems / "quadruped_stand.yaml", {"terminal.lqr=standing"}), 12);
 }
 
-TEST(TerminalLqr, AStandingQuadrupedHasIntegrals) {
+TEST(TerminalLqr, StandingQuadrupedSupportsIntegrals) {
   const std::string integral = "integrals={work: {rows: \"u[LF_KFE]^2 + v[LF_HFE]*u[LF_HFE]\"}}";
   const Loaded loaded =
       load_with(kProblems / "quadruped_stand.yaml", {"terminal.lqr=standing", integral});
@@ -560,7 +560,7 @@ TEST(TerminalLqr, AStandingQuadrupedHasIntegrals) {
   EXPECT_TRUE(own.P.rightCols(1).isZero(0));
 }
 
-TEST(TerminalLqr, RobotsOfOthersStandToo) {
+TEST(TerminalLqr, ForeignRobotsStandToo) {
   const auto hyq = foreign_robot_folder() / "hyq.urdf",
              anymal = foreign_robot_folder() / "anymal_b.urdf";
   if (!std::filesystem::exists(hyq) || !std::filesystem::exists(anymal))
@@ -601,7 +601,7 @@ TEST(TerminalLqr, ExpansionsSayTheSame) {
   }
 }
 
-TEST(TerminalLqr, MistakesAreNamedWithTheirPlaces) {
+TEST(TerminalLqr, ReportsMistakesAtTheirPlaces) {
   const auto error = [](const std::string& text) { return Loaded(text).first_error(); };
   EXPECT_EQ(error(exact_integrator(3, "up")), "8:17: unknown state 'up'");
   EXPECT_EQ(error(exact_integrator(3, "[0, 0, 0]")), "8:17: the state has 2 numbers, not 3");

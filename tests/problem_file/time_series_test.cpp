@@ -39,7 +39,7 @@ TEST(TimeSeries, JumpHasValuesBeforeAndAfter) {
   }
 }
 
-TEST(TimeSeries, AtZeroJumpsToo) {
+TEST(TimeSeries, JumpsAtTimeZeroToo) {
   for (const double again : {0.0, std::nextafter(0.0, 1.0)}) {
     TimeSeries series(StateManifold::flat(1));
     series.append(0, {1});
@@ -91,7 +91,7 @@ TEST(TimeSeries, RotationsFollowTheShortestWay) {
   EXPECT_NEAR(std::abs(q[3]), std::cos(half / 2), 1e-12);
 }
 
-TEST(TimeSeries, PosesMoveStraightWhileTheyTurn) {
+TEST(TimeSeries, PosesMoveStraightWhileTurning) {
   TimeSeries series(pose_manifold());
   series.append(0, {0, 0, 0, 0, 0, 0, 1});
   series.append(1, {2, 4, 6, 0, 0, 1, 0});

@@ -54,7 +54,7 @@ costs: {effort: {residual: control, weight: 2, matrix: [[1], [0.5, 1]]}}
   }
 }
 
-TEST(WeightMatrix, ContactsEachHaveTheMatrix) {
+TEST(WeightMatrix, EachContactHasTheMatrix) {
   const Loaded loaded(R"(conddp: 1
 robot: {urdf: robots/quadruped.urdf, base: floating}
 contacts: {LF: {frame: lf_foot}, RF: {frame: rf_foot}}
@@ -94,7 +94,7 @@ TEST(WeightMatrix, SettingsAndFormulasReachEntries) {
   EXPECT_NEAR(terminal_cost(formula, 1.5, -2), 10 * 0.5 * (0.5 - 2 + 12), 1e-12);
 }
 
-TEST(WeightMatrix, MistakesAreNamedWithTheirPlaces) {
+TEST(WeightMatrix, ReportsMistakesAtTheirPlaces) {
   const auto error = [](std::string_view matrix, std::string_view more = "") {
     return Loaded(with_matrix(matrix, more)).first_error();
   };

@@ -75,7 +75,7 @@ TEST(YamlSource, KeepsPlacesAndQuotes) {
   EXPECT_EQ(root->find("b")->find("c")->text, "true");
 }
 
-TEST(YamlSource, TakesTheSurrogatesOfJson) {
+TEST(YamlSource, SupportsJsonSurrogates) {
   const std::string text = R"({"a": "\ud83d\ude00 \\ud83d", "b": &x 1})";
   Diagnostics out;
   const auto root = parse_yaml(R"({"a": "\ud83d\ude00 \\ud83d"})", out.add_source("t", text), out);

@@ -8,7 +8,7 @@ namespace {
 
 using Words = std::vector<std::string>;
 
-TEST(YamlText, ReadersOfYaml11TakeItsNumbersForNumbers) {
+TEST(YamlText, Yaml11ReadersSeeItsNumbersAsNumbers) {
   const OrderedJson numbers = {1e-3,   -2e-8, 1e16,  5e-324, 1.7976931348623157e308,
                                1.5e-7, 0.1,   100.0, 0.0,    -1e300,
                                7,      -12,   1e15};
@@ -20,7 +20,7 @@ TEST(YamlText, ReadersOfYaml11TakeItsNumbersForNumbers) {
     EXPECT_EQ(back[i].as<double>(), numbers[i].get<double>());
 }
 
-TEST(YamlText, ReadersOfYaml11TakeItsTextsForTexts) {
+TEST(YamlText, Yaml11ReadersSeeItsTextsAsTexts) {
   const OrderedJson texts = {"1e-3",       "1:30",  "010", "0x1f", "on", "No", "y",
                              "2026-01-02", "1_000", ".5",  "null", "~",  "<<", "="};
   const std::string text = yaml_text({{"y", texts}, {"off", 1}});
@@ -32,7 +32,7 @@ TEST(YamlText, ReadersOfYaml11TakeItsTextsForTexts) {
   }
 }
 
-TEST(ReadyProblems, AreReadAlikeByReadersOfYaml11) {
+TEST(ReadyProblems, Yaml11ReadersReadThemAlike) {
   for (const auto& file : ready_problems())
     EXPECT_EQ(Yaml11Reader::misread(read_file(file)), Words()) << file;
   EXPECT_EQ(Yaml11Reader::misread("{a: 1e-3, b: 1.e5, c: 010, d: on, e: 1:30}"),

@@ -92,7 +92,7 @@ TEST_P(ContactRobots, StaysInItsPlane) {
 INSTANTIATE_TEST_SUITE_P(Robots, ContactRobots, testing::ValuesIn(kRobots),
                          [](const auto& chosen) { return std::string(chosen.param.name); });
 
-TEST(ContactRobotPostures, AreAsTheFilesSay) {
+TEST(ContactRobotPostures, MatchTheFiles) {
   const double upright = std::numbers::pi;
   expect_near(Posture("acrobot", {{"shoulder", upright}})("tip"), 0, 0, 2);
   expect_near(Posture("cartpole_walls", {{"slider", 0.3}, {"hinge", upright / 2}})("tip"), 1.1, 0,

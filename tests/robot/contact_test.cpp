@@ -140,7 +140,7 @@ TEST_P(ContactRows, AreWhereTheFrameIs) {
   });
 }
 
-TEST_P(ContactRows, AreTheVelocityOfTheFrame) {
+TEST_P(ContactRows, MatchTheFrameVelocity) {
   everywhere([](const RobotModel& model, const RobotState& x, const Contact& contact) {
     const Touch<double> touch(model, contact, ProbeState<double>::at(x));
     const FrameAxes world = FrameAxes::world_aligned;
@@ -154,7 +154,7 @@ TEST_P(ContactRows, AreTheVelocityOfTheFrame) {
   });
 }
 
-TEST_P(ContactRows, AreTheStabilisedAccelerationOfTheFrame) {
+TEST_P(ContactRows, MatchTheStabilizedFrameAcceleration) {
   everywhere([](const RobotModel& model, const RobotState& x, const Contact& contact) {
     const Touch<double> touch(model, contact, ProbeState<double>::at(x));
     const auto frame_motions = [&](FrameAxes axes) {
@@ -181,7 +181,7 @@ TEST_P(ContactRows, AreTheStabilisedAccelerationOfTheFrame) {
   });
 }
 
-TEST_P(ContactRows, HaveTheDerivativesOfAccelerations) {
+TEST_P(ContactRows, AccelerationDerivativesMatchDualNumbers) {
   everywhere([](const RobotModel& model, const RobotState& x, const Contact& contact) {
     Touch<double> touch(model, contact, ProbeState<double>::at(x));
     contact_acceleration_derivatives(model, contact, touch.data, touch.at);
@@ -200,7 +200,7 @@ TEST_P(ContactRows, HaveTheDerivativesOfAccelerations) {
   });
 }
 
-TEST_P(ContactRows, HaveTheDerivativesOfVelocities) {
+TEST_P(ContactRows, VelocityDerivativesMatchDualNumbers) {
   everywhere([](const RobotModel& model, const RobotState& x, const Contact& contact) {
     Touch<double> touch(model, contact, ProbeState<double>::at(x));
     contact_velocity_derivative(model, contact, touch.data, touch.at);
@@ -216,7 +216,7 @@ TEST_P(ContactRows, HaveTheDerivativesOfVelocities) {
 }
 
 // The power of the contact wrench on its body equals that of the row forces.
-TEST_P(ContactRows, GiveForcesThePowerOfTheirRows) {
+TEST_P(ContactRows, ForcesHaveThePowerOfTheirRows) {
   RandomNumbers random(701);
   everywhere([&](const RobotModel& model, const RobotState& x, const Contact& contact) {
     Touch<double> touch(model, contact, ProbeState<double>::at(x));

@@ -80,7 +80,7 @@ TEST_P(KernelDynamics, FactorsSolveLinearSystems) {
   });
 }
 
-TEST_P(KernelDynamics, ManyRightHandSidesAreSolvedLikeOne) {
+TEST_P(KernelDynamics, ManyRightHandSidesMatchSingleOnes) {
   const int n = model().nv;
   RandomNumbers random(250 + GetParam());
   in_random_states([&](const RobotState&, const KernelProbe<double>& probe) {
@@ -190,7 +190,7 @@ TEST_P(KernelDynamics, PotentialEnergyIsWeightTimesCentreHeight) {
   });
 }
 
-TEST_P(KernelDynamics, VelocitiesAreJacobiansTimesGeneralisedVelocities) {
+TEST_P(KernelDynamics, VelocitiesAreJacobiansTimesGeneralizedVelocities) {
   const int n = model().nv;
   in_random_states([&](const RobotState& x, const KernelProbe<double>& probe) {
     const auto times_v = [&](const std::string& name, int rows) {
@@ -211,7 +211,7 @@ TEST_P(KernelDynamics, VelocitiesAreJacobiansTimesGeneralisedVelocities) {
 }
 
 // Only the directions of wrenches and gravity depend on the position of a floating base.
-TEST_P(KernelDynamics, PositionOfTheBaseDoesNotMatter) {
+TEST_P(KernelDynamics, IgnoresThePositionOfTheBase) {
   in_random_states([&](RobotState x, const KernelProbe<double>& probe) {
     for (const Joint& joint : model().joints)
       if (joint.type == JointType::floating)

@@ -93,7 +93,7 @@ TEST(ForeignRobots, AllLoadAndDoubtfulInertiasAreWarnings) {
   }
 }
 
-TEST(OurRobots, LoadWithoutAnyWarning) {
+TEST(OurRobots, LoadWithoutWarnings) {
   for (const TestRobot& robot : our_robots()) {
     UrdfOptions options;
     options.base = robot.base;
@@ -103,7 +103,7 @@ TEST(OurRobots, LoadWithoutAnyWarning) {
   }
 }
 
-TEST(OurRobots, TheCartPoleIsTheTextbookOne) {
+TEST(OurRobots, CartPoleMatchesTheTextbook) {
   const RobotModel model = load_checked(our_robots()[0]);
   ASSERT_EQ(model.nv, 2);
   EXPECT_EQ(model.joints[0].name, "slider");

@@ -132,7 +132,7 @@ TEST(UrdfAxes, OfAnotherLengthAreNormalisedWithAWarning) {
   EXPECT_EQ(problem_with(result, "has length 3 and is normalized"), "j");
 }
 
-TEST(UrdfLimits, AContinuousJointHasNoneOnItsAngle) {
+TEST(UrdfLimits, ContinuousJointHasNoAngleLimit) {
   const RobotModel model = built(robot_element(
       link_element("a") + link_element("b") +
       joint_element("j", "continuous", "a", "b",
@@ -143,7 +143,7 @@ TEST(UrdfLimits, AContinuousJointHasNoneOnItsAngle) {
   EXPECT_EQ(model.joints[0].max_effort, 5);
 }
 
-TEST(UrdfLimits, ZeroOnesAreKeptWithAWarning) {
+TEST(UrdfLimits, KeepsZeroLimitsWithAWarning) {
   const UrdfResult result =
       parse_urdf(robot_element(link_element("a") + link_element("b") +
                                joint_element("j", "revolute", "a", "b",
@@ -232,7 +232,7 @@ TEST(UrdfRotors, RegularizeAMasslessLink) {
   EXPECT_EQ(built(xml, {.rotor_inertia = {{"j", 0.01}}}).joints[0].rotor_inertia, 0.01);
 }
 
-TEST(UrdfRegularity, AMasslessBodyBetweenCrossedAxesIsAccepted) {
+TEST(UrdfRegularity, AcceptsAMasslessBodyBetweenCrossedAxes) {
   const RobotModel model =
       built(robot_element(link_element("a") + link_element("b", "") + link_element("c") +
                           joint_element("j", "continuous", "a", "b", "<axis xyz=\"0 1 0\"/>") +
@@ -329,7 +329,7 @@ TEST(UrdfMimic, IsANoteUnlessEnforced) {
   EXPECT_TRUE(has_note(result, "mimic joints are independent unless the problem enforces them: j"));
 }
 
-TEST(UrdfMimic, ChainsAreResolvedToTheJointThatLeads) {
+TEST(UrdfMimic, ResolvesChainsToTheLeader) {
   const RobotModel model =
       built(three_joints("<mimic joint=\"i\" multiplier=\"2\" offset=\"0.5\"/>",
                          "<mimic joint=\"j\" multiplier=\"-3\" offset=\"1\"/>"),
@@ -414,7 +414,7 @@ TEST(UrdfPatterns, GiveRotorsToUnlockedJoints) {
             simple_inertia_matrix(built(xml, by_name), {0.4, 0.3}));
 }
 
-TEST(UrdfNotes, TellWhatTheModelLeavesOut) {
+TEST(UrdfNotes, ListOmissionsOfTheModel) {
   const UrdfResult result =
       parse_urdf(robot_element(link_element("a") + link_element("b") +
                                joint_element("j", "continuous", "a", "b",
@@ -428,7 +428,7 @@ TEST(UrdfNotes, TellWhatTheModelLeavesOut) {
   EXPECT_TRUE(has_note(result, "2 kg rigid with the world have no effect"));
 }
 
-TEST(UrdfWarnings, MisspeltElementsAndAttributesAreNamed) {
+TEST(UrdfWarnings, NameMisspeltElementsAndAttributes) {
   const UrdfResult result = parse_urdf(
       robot_element(link_element("a") + link_element("b", std::string(kBody) + "<inertail/>") +
                     joint_element("j", "continuous", "a", "b",
@@ -486,7 +486,7 @@ TEST(Combine, WrenchesStayOnTheirFrames) {
   EXPECT_THROW(combine({}), std::logic_error);
 }
 
-TEST(Combine, NamesThatClashGetTheRobotsName) {
+TEST(Combine, ConflictingNamesGetTheRobotName) {
   const RobotModel one = built(three_joints("", ""));
   const RobotModel all = combine({one, one, one});
   EXPECT_TRUE(all.find_joint("i"));

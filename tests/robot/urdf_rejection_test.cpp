@@ -333,7 +333,7 @@ TEST(UrdfFile, DeepNestingAndLongChainsDoNotOverflow) {
             std::string::npos);
 }
 
-TEST(UrdfFile, PartsThatAreNotReadCannotFail) {
+TEST(UrdfFile, UnreadPartsCannotFail) {
   const std::string visual =
       "<visual><geometry><mesh/></geometry><material name=\"%n\"/></visual>"
       "<collision><geometry><box size=\"%s%n\"/></geometry></collision>";

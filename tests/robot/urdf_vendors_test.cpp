@@ -212,7 +212,7 @@ TEST(VendorOddities, IgnoresWhiteSpaceAroundNumbers) {
     EXPECT_EQ(odd.model->joints[0].inertia.moment[i], plain.model->joints[0].inertia.moment[i]);
 }
 
-TEST(VendorOddities, AMimicJointWithoutItsLeaderIsIndependent) {
+TEST(VendorOddities, MimicJointWithoutLeaderIsIndependent) {
   const auto follower = [](const char* leader) {
     return robot_element(link_element("a") + link_element("b") +
                          joint_element("j", "continuous", "a", "b",
@@ -238,7 +238,7 @@ TEST(VendorOddities, NamesAndIgnoresXacroLeftovers) {
             "<xacro:property> is left over from xacro and is ignored, with what is in it\n");
 }
 
-TEST(VendorOddities, ARobotMayHaveAnEmptyName) {
+TEST(VendorOddities, RobotNameMayBeEmpty) {
   const UrdfResult result = parse_urdf("<robot name=\"\">" + link_element("a") + link_element("b") +
                                            joint_element("j", "continuous", "a", "b") + "</robot>",
                                        "f");

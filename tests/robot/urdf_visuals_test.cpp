@@ -71,7 +71,7 @@ TEST(UrdfVisuals, WhatCannotBeReadIsUnknown) {
   EXPECT_EQ(links[0].visual[5].mesh, "");
 }
 
-TEST(UrdfVisuals, InertiaIsAboutTheLinksOrigin) {
+TEST(UrdfVisuals, InertiaIsAboutTheLinkOrigin) {
   const auto links = urdf_visuals(R"(<robot name="r"><link name="a"><inertial>
     <origin xyz="0 0 0.5" rpy="0 0 1.5707963267948966"/><mass value="2"/>
     <inertia ixx="0.1" ixy="0" ixz="0" iyy="0.2" iyz="0" izz="0.3"/></inertial></link>

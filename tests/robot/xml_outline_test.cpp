@@ -7,7 +7,7 @@
 namespace conddp {
 namespace {
 
-TEST(XmlOutline, KeepsElementsTheirParentsAndPlaces) {
+TEST(XmlOutline, KeepsElementsParentsAndPlaces) {
   const XmlOutline outline = scan_xml(
       "\xEF\xBB\xBF<?xml version=\"1.0\"?>\n<!-- <no> -->\n"
       "<a x = '1'\n y=\"\xC3\xA9>\"><b/> text <!-- c --> <b></b><![CDATA[<d>]]>\n</a>\n<!-- -->");

@@ -126,7 +126,7 @@ class HandOver {
   ContactMotion motion_;
 };
 
-TEST(ContactHandOver, TheHoppersSequenceIsRefined) {
+TEST(ContactHandOver, RefinesTheHoppersSequence) {
   const SolvedExample hop(ProblemText{kHop});
   HandOver hand_over(hop);
   bool flies = false;
@@ -136,7 +136,7 @@ TEST(ContactHandOver, TheHoppersSequenceIsRefined) {
   for (const char* solver : {"proxddp", "box_fddp"}) hand_over.expect_refined(solver);
 }
 
-TEST(ContactHandOver, ABlockLandsOnABox) {
+TEST(ContactHandOver, BlockLandsOnABox) {
   const SolvedExample box(ProblemText{kBox});
   HandOver hand_over(box);
   hand_over.expect_refined("box_fddp");
@@ -161,7 +161,7 @@ TEST(ContactHandOver, FrictionlessBoxHoldsAlongItsNormal) {
   EXPECT_FALSE(hand_over.problem["contacts"].contains("front"));
 }
 
-TEST(ContactHandOver, ABlockRestsOnABall) {
+TEST(ContactHandOver, BlockRestsOnABall) {
   const SolvedExample ball(ProblemText{kBall});
   HandOver hand_over(ball);
   hand_over.expect_refined("box_fddp");
@@ -173,7 +173,7 @@ TEST(ContactHandOver, ABlockRestsOnABall) {
   EXPECT_NEAR(refined.x(refined.knots())[1], 0.5, 1e-2);
 }
 
-TEST(ContactHandOver, AWheelThatRollsMayGoOn) {
+TEST(ContactHandOver, RollingWheelMayContinue) {
   const SolvedExample wheel(ProblemText{kWheel});
   HandOver hand_over(wheel);
   hand_over.expect_refined("proxddp");
@@ -198,7 +198,7 @@ TEST(ContactHandOver, NamesContactsThatScheduledOnesCannotExpress) {
 }
 
 /// A chosen initial state stays chosen, with the link of the last state.
-TEST(ContactHandOver, APeriodicGaitStaysPeriodic) {
+TEST(ContactHandOver, PeriodicGaitStaysPeriodic) {
   const SolvedExample gait("raibert_gait");
   HandOver hand_over(gait);
   const ContactMotion& motion = hand_over.motion();

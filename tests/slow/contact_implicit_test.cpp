@@ -64,7 +64,7 @@ TEST(BlockOnASlope, SlidesUnderAForceAboveTheLimit) {
   EXPECT_NEAR(last(result, 0), 0.02 * 0.02 * a * 50 * 51 / 2, 1e-3);
 }
 
-TEST(BlockOnASlope, TheInnerProductFindsTheSame) {
+TEST(BlockOnASlope, InnerProductFindsTheSame) {
   const ReadyProblem ready("block_slope", {"solver.complementarity.relaxation=inner_product",
                                            "solver.complementarity.fallback=none"});
   const SolveResult result = solve_ready(ready);

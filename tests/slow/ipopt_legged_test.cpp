@@ -6,9 +6,7 @@ namespace {
 
 class TranscribedLegs : public ::testing::TestWithParam<std::string> {};
 
-TEST_P(TranscribedLegs, HaveTheDerivativesOfTheirDifferences) {
-  testing::check_transcription(GetParam());
-}
+TEST_P(TranscribedLegs, DerivativesMatchDifferences) { testing::check_transcription(GetParam()); }
 
 TEST_P(TranscribedLegs, HaveTheKnownOptimum) { testing::expect_known_optimum(GetParam(), false); }
 

@@ -167,7 +167,7 @@ TEST(ActiveRows, SmallerPairValueAndPushedOtherAreActive) {
     }
 }
 
-TEST(ActiveRows, EachOfSeveralPairsHasItsOwn) {
+TEST(ActiveRows, SeveralPairsHaveSeparateChoices) {
   const LinearQuadratic lq(1, 2, {4}, 1, -1, 1);
   const ShootingProblem problem =
       with_constraints(*lq.problem, {{.name = "pairs",
@@ -342,7 +342,7 @@ TEST(ActiveRows, StepRevisesWrongMultipliersAndViolatedRows) {
   EXPECT_EQ(none.curvature.diagonal(), Eigen::Vector4d(1, 1, 0, 1));
 }
 
-TEST(ActiveRows, AStepRevisesSoftRowsByTheirLimit) {
+TEST(ActiveRows, StepRevisesSoftRowsByTheirLimit) {
   // 1.1 is active, and 10 (0.1 + 0.15) exceeds its limit 2; −1.5 is beyond and returns.
   const Revised rows(kSoft, numbers({1.1, -1.5}), numbers({0, 0}), numbers({0.15, 0.6}));
   EXPECT_TRUE(rows.changed);
@@ -357,7 +357,7 @@ TEST(ActiveRows, AStepRevisesSoftRowsByTheirLimit) {
   EXPECT_EQ(stay.curvature.diagonal(), Eigen::Vector2d(1, 0));
 }
 
-TEST(ActiveRows, AStepRevisesSoftConesByTheirLimit) {
+TEST(ActiveRows, StepRevisesSoftConesByTheirLimit) {
   // The surface multiplier 10 · 0.3 along (0.6, 0.8, −1) has norm 3 √2, above the limit.
   const Eigen::Vector3d direction = Eigen::Vector3d(0.6, 0.8, -1) / std::sqrt(2);
   const Revised leaves(kSoftCone, numbers({0.6, 0.8, 0.7}), numbers({0, 0, 0}), numbers({0, 0, 0}));
@@ -375,7 +375,7 @@ TEST(ActiveRows, AStepRevisesSoftConesByTheirLimit) {
   EXPECT_LT((beyond.written - kSoftConeLimit * direction).norm(), 1e-14);
 }
 
-TEST(ActiveRows, AStepRevisesTheLargerOfAPair) {
+TEST(ActiveRows, StepRevisesTheLargerOfAPair) {
   // 0.3 moves to −0.1; or its multiplier −4 becomes −4 + 10 (0.3 + 0.2) > 0.
   const Revised enters(kPair, numbers({0.3, 0}), numbers({0, 0}), numbers({-0.4, 0}));
   EXPECT_TRUE(enters.changed);
@@ -387,7 +387,7 @@ TEST(ActiveRows, AStepRevisesTheLargerOfAPair) {
   EXPECT_FALSE(stays.changed);
 }
 
-TEST(ActiveRows, AStepRevisesCones) {
+TEST(ActiveRows, StepRevisesCones) {
   // From inside, (0.3, 0.4, 2) moves to (0.3, 0.4, 0.4): the surface along (0.6, 0.8, −1).
   const Revised enters(kCone, numbers({0.3, 0.4, 2}), numbers({0, 0, 0}), numbers({0, 0, -1.6}));
   EXPECT_TRUE(enters.changed);

@@ -122,7 +122,7 @@ TEST(Allocation, NoneInAnIterationAfterTheFirst) {
   }
 }
 
-TEST(Allocation, NoneWithConstraintsNorInNewtonSteps) {
+TEST(Allocation, NoneWithConstraintsOrInNewtonSteps) {
   for (const auto& [name, problem, control, cost] : testing::published_cases()) {
     for (const char* solver : {"altro", "proxddp"}) {
       const Count count = count_allocations(problem, *find_solver(solver),

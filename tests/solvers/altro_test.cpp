@@ -66,7 +66,7 @@ TEST(Altro, NewtonPolishesPenaltySolutionToRounding) {
     }
 }
 
-TEST(Altro, SolvesConvexProblemsAsAnIndependentMethodDoes) {
+TEST(Altro, MatchesAnIndependentMethodOnConvexProblems) {
   for (const unsigned seed : {1u, 2u, 3u, 4u, 5u, 6u}) {
     const LinearQuadratic lq(seed, 4, {3, 2}, 8, -3, 3);
     const ShootingProblem problem = with_constraints(*lq.problem, cuts(lq));

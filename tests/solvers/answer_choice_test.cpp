@@ -25,7 +25,7 @@ TEST(AnswerChoice, MeasuresEveryNormByItsOwnTolerance) {
   EXPECT_DOUBLE_EQ(excess(norms(1e-6, 5e-9, 2e-6, 3e-4)), 5);
 }
 
-TEST(AnswerChoice, TheBestIterateStaysWhateverComesAfterIt) {
+TEST(AnswerChoice, KeepsTheBestIterate) {
   AnswerChoice choice(kTolerances);
   EXPECT_FALSE(choice.is_solution());
   EXPECT_TRUE(choice.take(norms(1e-3, 0, 0, 0)));

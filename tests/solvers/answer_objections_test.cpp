@@ -91,7 +91,7 @@ TEST(AnswerObjections, TolerancesFallWithTheRootOfTheGain) {
   EXPECT_TRUE(script.remaining.text.empty());
 }
 
-TEST(AnswerObjections, AWorseEndLeavesTheAnswer) {
+TEST(AnswerObjections, WorseEndKeepsTheAnswer) {
   Script script({{2}, {1, SolveStatus::diverged}});
   const SolveResult result = script.run({too_much_left(100)});
   EXPECT_EQ(result.cost, 2);

@@ -165,7 +165,7 @@ TEST(AugmentedLagrangian, PenaltiesGrowIfViolationFallsTooSlowly) {
 
 // Violations below a tenth of the tolerance, or already within tolerance before, need no larger
 // penalty.
-TEST(AugmentedLagrangian, PenaltiesDoNotGrowForWhatHolds) {
+TEST(AugmentedLagrangian, PenaltiesDoNotGrowForSatisfiedConstraints) {
   const NamedRows rows;
   for (const auto& [before, now, grows] :
        {std::tuple{1e-5, 0.9e-7, false}, {2e-7, 1.1e-7, false}, {1.1e-6, 9e-7, true}}) {
@@ -179,7 +179,7 @@ TEST(AugmentedLagrangian, PenaltiesDoNotGrowForWhatHolds) {
 }
 
 // Soft rows only need their requested multiplier change to fall to 0.7.
-TEST(AugmentedLagrangian, SoftOnesNeedLessDecrease) {
+TEST(AugmentedLagrangian, SoftRowsNeedLessDecrease) {
   const NamedRows rows;
   for (const double share : {0.6, 0.8}) {
     AugmentedLagrangian constraints(*rows.problem, schedule_options(), kAlways);
@@ -237,7 +237,7 @@ TEST(AugmentedLagrangian, ReportsConstraintAfterSixUselessPenalties) {
   }
 }
 
-TEST(AugmentedLagrangian, AViolationThatHalvesIsNotStalled) {
+TEST(AugmentedLagrangian, HalvingViolationIsNotStalled) {
   const NamedRows rows;
   AugmentedLagrangian constraints(*rows.problem, schedule_options(), kAlways);
   double violation = 1;
@@ -249,7 +249,7 @@ TEST(AugmentedLagrangian, AViolationThatHalvesIsNotStalled) {
 }
 
 // Ten times the distance to the further bound: 10 (0.5 + 1) ρ ≤ 2.
-TEST(AugmentedLagrangian, FirstPenaltiesOfSoftOnesFitTheirLimits) {
+TEST(AugmentedLagrangian, FirstSoftPenaltiesFitTheirLimits) {
   const NamedRows rows;
   AugmentedLagrangian constraints(*rows.problem, schedule_options(), kAlways);
   EXPECT_TRUE(constraints.fit_soft(Eigen::Vector4d(7, 7, 7, 0.5)));
@@ -276,7 +276,7 @@ TEST(AugmentedLagrangian, FirstSoftPenaltiesFitTheFurthestBound) {
   }
 }
 
-TEST(AugmentedLagrangian, MultipliersAreTakenOrMovedWhilePenaltiesStay) {
+TEST(AugmentedLagrangian, AdoptedOrAddedMultipliersKeepPenalties) {
   const NamedRows rows;
   AugmentedLagrangian constraints(*rows.problem, schedule_options(), kAlways);
   constraints.adopt(Eigen::Vector4d(1, 2, 3, 1));

@@ -19,7 +19,7 @@ Names names_of(const std::vector<const SolverInfo*>& list) {
   return names;
 }
 
-TEST(AutoSolver, IsChosenByTheProblemAndTheOptions) {
+TEST(AutoSolver, DependsOnProblemAndOptions) {
   const testing::LinearQuadratic lq(1, 4, {3, 2}, 8, -1, 1);
   const ShootingProblem constrained = testing::with_constraints(*lq.problem, testing::cuts(lq));
   EXPECT_EQ(names_of(auto_solvers(*lq.problem, {})), (Names{"box_fddp", "ipopt"}));
@@ -298,7 +298,7 @@ TEST(FurtherLook, ReturnsTheCheapestAnswerOfAll) {
   EXPECT_EQ(result.attempts[3].start, 2);
 }
 
-TEST(FurtherLook, KeepsTheFirstOfAnswersThatAreAlike) {
+TEST(FurtherLook, KeepsTheFirstOfEqualAnswers) {
   const SolverInfo first = asking("first", 5, 5), second = asking("second", 5 - 1e-5, 5),
                    *used = nullptr;
   EXPECT_EQ(best_of({&first, &second}, used).cost, 5);
@@ -336,7 +336,7 @@ TEST(FurtherLook, PrefersAnswersWithoutObjections) {
   EXPECT_TRUE(result.attempts[2].chosen);
 }
 
-TEST(FurtherLook, ThreadsDoNotChangeTheAnswer) {
+TEST(FurtherLook, AnswerIsIndependentOfThreads) {
   const SolverInfo first = asking("first", 5, 4), second = asking("second", 6, 2),
                    third = asking("third", 4.5, 3), *used = nullptr;
   SolverOptions options;
@@ -368,7 +368,7 @@ TEST(FurtherLook, GoesOnWhileAnswersJump) {
   EXPECT_EQ(best_of({&first}, used, none, doubt).attempts.size(), 1u);
 }
 
-TEST(AutoSolver, HasTheCheapestOfDoubtedAnswers) {
+TEST(AutoSolver, ReturnsTheCheapestOfDoubtedAnswers) {
   const ShootingProblem problem = testing::unicycle_parking(0.6);
   const SolverInfo first = asking("first", 5, 5), second = asking("second", 4, 4), *used = nullptr;
   const std::vector<const SolverInfo*> both{&first, &second};

@@ -114,7 +114,7 @@ TEST(BoxQp, RejectsAProjectedStepThatRaisesTheObjective) {
 }
 
 /// Q_uu with a stiff cost-to-go is nearly of rank one.
-TEST(BoxQp, EntriesThatAreStronglyCoupledMeetTheirBounds) {
+TEST(BoxQp, StronglyCoupledEntriesMeetTheirBounds) {
   std::mt19937 engine(5);
   std::normal_distribution<double> normal;
   const auto draw = [&] { return normal(engine); };
@@ -161,7 +161,7 @@ TEST(BoxQp, FailsOnlyIfTheFreeBlockIsIndefinite) {
   EXPECT_EQ(solver.x()[1], 1);
 }
 
-TEST(BoxQp, DegenerateMultiplierZeroIsSolved) {
+TEST(BoxQp, SolvesDegenerateZeroMultipliers) {
   // The unconstrained optimum lies exactly on the bounds.
   const Eigen::MatrixXd H = (Eigen::Matrix2d() << 2, 1, 1, 3).finished();
   const Eigen::Vector2d optimum(1, -1);

@@ -25,7 +25,7 @@ TEST(ConicLinearQuadratic, FewIterationsSufficeWhereActiveSetsAlternate) {
   }
 }
 
-TEST(ConicLinearQuadratic, EqualitiesAloneAreSolvedByIntroToo) {
+TEST(ConicLinearQuadratic, IntroSolvesEqualitiesToo) {
   const ConicSize size = equality_size();
   for (const unsigned seed : {1u, 2u}) {
     const auto results =
@@ -35,7 +35,7 @@ TEST(ConicLinearQuadratic, EqualitiesAloneAreSolvedByIntroToo) {
 }
 
 // Every constraint three times: multipliers are ambiguous, controls are not.
-TEST(ConicLinearQuadratic, CopiesOfConstraintsDoNoHarm) {
+TEST(ConicLinearQuadratic, DuplicateConstraintsDoNoHarm) {
   ConicSize size = middle_size();
   size.slack = 3;
   for (const unsigned seed : {1u, 2u}) {
@@ -58,7 +58,7 @@ TEST(ConicLinearQuadratic, SetsWithoutInteriorAreSolvedOrNamed) {
   }
 }
 
-TEST(ConicLinearQuadratic, ContradictionsAreNamed) {
+TEST(ConicLinearQuadratic, NamesContradictions) {
   ConicSize size = middle_size();
   size.contradictions = 1;
   const ConicLinearQuadratic conic(1, size);

@@ -51,7 +51,7 @@ TEST_P(ConstrainedSolver, MultipliersMakeTheLagrangianStationary) {
 
 // Bryson and Denham (1963): a mass is thrown at a wall at distance ℓ and returns with minimum ∫
 // u²/2. For ℓ ≤ 1/6 the optimum is 4/(9 ℓ), and the wall multipliers grow as ℓ shrinks.
-TEST_P(ConstrainedSolver, ComesBackFromWallsHoweverNear) {
+TEST_P(ConstrainedSolver, ReturnsFromWallsAtAnyDistance) {
   for (const int knots : {25, 50, 100, 200, 300}) {
     for (const double fraction : {5, 6, 8, 9, 12, 16, 32, 64}) {
       const double wall = 1 / fraction;
@@ -155,7 +155,7 @@ TEST_P(ConstrainedSolver, WithoutConstraintsItIsBoxFddp) {
   EXPECT_EQ(a.iterations, b.iterations);
 }
 
-TEST_P(ConstrainedSolver, ResultsAreTheSameBitsWithTwoThreads) {
+TEST_P(ConstrainedSolver, ResultsAreBitwiseEqualWithTwoThreads) {
   const auto cases = testing::published_cases();
   const Trajectory guess = testing::constant_controls(cases[2].problem, cases[2].control);
   SolverOptions options;

@@ -43,7 +43,7 @@ TEST_F(BoundsOfTwoKnots, ConcatenateTheBoundsOfBothModels) {
   EXPECT_EQ(bounds.upper(1), Eigen::Vector3d(4, 3, kFree));
 }
 
-TEST_F(BoundsOfTwoKnots, ClampWhatIsOutside) {
+TEST_F(BoundsOfTwoKnots, ClampValuesOutside) {
   trajectory.u(0) << 1.5, -3, 100;
   trajectory.u(1) << 0.25, 2, -100;
   EXPECT_EQ(bounds.clamp(trajectory), 2);
@@ -83,7 +83,7 @@ TEST_F(BoundsOfTwoKnots, AreMetToRounding) {
   EXPECT_FALSE(bounds.at_bound(1, 0, 2));
 }
 
-TEST_F(BoundsOfTwoKnots, BalanceTheGradientThatPushesAgainstThem) {
+TEST_F(BoundsOfTwoKnots, BalanceAGradientPushingAgainstThem) {
   trajectory.u(0) << -1, 2, 0;
   trajectory.u(1) << 0.25, 3, 0;
   Eigen::VectorXd gradient(6);

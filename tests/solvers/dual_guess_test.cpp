@@ -40,7 +40,7 @@ TEST_P(DualGuesses, OfAnOwnAnswerEndInTwoIterations) {
   }
 }
 
-TEST_P(DualGuesses, DoTheWorkThatTheTrajectoryAloneLeaves) {
+TEST_P(DualGuesses, CompleteAnOptimalTrajectory) {
   int with = 0, without = 0;
   for (const unsigned seed : {1u, 2u, 3u}) {
     const testing::LinearQuadratic lq(seed, 4, {3, 2}, 8, -3, 3);

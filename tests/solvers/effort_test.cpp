@@ -81,7 +81,7 @@ const std::vector<MeasuredSolve>& measured_solves() {
 class EffortOfASolve : public ::testing::TestWithParam<MeasuredSolve> {};
 
 // A margin of a quarter plus two covers rounding on other machines.
-TEST_P(EffortOfASolve, IsNoMoreThanWasMeasured) {
+TEST_P(EffortOfASolve, DoesNotExceedTheMeasuredEffort) {
   const auto& [name, make, control, solver, measured] = GetParam();
   const ShootingProblem problem = make();
   const Effort found = effort_of(solve(problem, solver, {}, constant_controls(problem, control)));

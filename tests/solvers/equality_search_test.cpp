@@ -143,7 +143,7 @@ TEST(EqualitySearch, PenaltyCoversModelStepAndHalvesAtMost) {
   EXPECT_NEAR(measured(penalized - 1e9, 0, 2), std::max(0.0, slope / 1.4), 1e-9);
 }
 
-TEST(EqualitySearch, TakesTheTrialThatLowersTheMeritMore) {
+TEST(EqualitySearch, TakesTheTrialWithTheLowerMerit) {
   const ShootingProblem problem = goal_problem();
   EqualityIterate iterate(problem);
   Trajectory trajectory = iterate.trajectory;
@@ -229,7 +229,7 @@ TEST(EqualitySearch, RoundedChangeAcceptsFirstStepOnly) {
 }
 
 // Nothing lowers a merit of −10⁹: all steps down to the smallest are tried.
-TEST(EqualitySearch, TriesAllStepsDownToTheSmallestOne) {
+TEST(EqualitySearch, TriesAllStepsDownToTheSmallest) {
   const ShootingProblem problem = goal_problem();
   EqualityIterate iterate(problem);
   MeritModel merit = iterate.merit;

@@ -7,7 +7,7 @@
 namespace conddp::testing {
 namespace {
 
-TEST(Guess, HasToHaveTheShapeOfTheProblem) {
+TEST(Guess, MustHaveTheShapeOfTheProblem) {
   const ShootingProblem problem = unicycle_parking();
   const int N = problem.knots();
   EXPECT_NO_THROW(check_shape(problem, problem.create_trajectory()));

@@ -61,7 +61,7 @@ TEST(HessianAlternation, UsesExactHessiansOnSlowBarrierProblems) {
   EXPECT_FALSE(alternation.gauss_newton());
 }
 
-TEST(HessianAlternation, ANewBarrierStartsTheJudgementAnew) {
+TEST(HessianAlternation, NewBarrierRestartsTheJudgement) {
   HessianAlternation alternation;
   alternation.begin(good(1));
   double error = 1;
@@ -81,7 +81,7 @@ TEST(HessianAlternation, KeepsExactHessiansThatNeedNoRegularization) {
   EXPECT_FALSE(alternation.gauss_newton());
 }
 
-TEST(HessianAlternation, HasTwiceThePatienceWithEveryReturn) {
+TEST(HessianAlternation, DoublesItsPatienceWithEveryReturn) {
   HessianAlternation alternation;
   alternation.begin(good(1));
   for (const int patience : {1, 2, 4, 8}) {

@@ -36,7 +36,7 @@ struct Watched {
   IterationRecord row{.cost = 1, .stationarity = 1};
 };
 
-TEST(HessianSwitch, GaussNewtonStaysWhileItConverges) {
+TEST(HessianSwitch, KeepsGaussNewtonWhileItConverges) {
   Watched solve;
   EXPECT_EQ(solve.until_change(0.8, 60), 60);
 }

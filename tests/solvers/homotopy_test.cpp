@@ -85,7 +85,7 @@ TEST(Homotopy, HalvesStepsAfterFailures) {
   EXPECT_EQ(shares(journey.go()), (Shares{0, 0.25, 0.75, 0.5, 1, 0.75, 1}));
 }
 
-TEST(Homotopy, GoesAroundProblemsThatCannotBeBuilt) {
+TEST(Homotopy, AvoidsProblemsThatCannotBeBuilt) {
   Journey journey({.reach = 1});
   journey.hole = 0.25;
   const SolveResult result = journey.go();
@@ -123,7 +123,7 @@ TEST(Homotopy, ReportsWhereItStuckAndTriesTheTarget) {
 }
 
 // `max_iterations` limits all solves together; ending at this limit means that they are used up.
-TEST(Homotopy, SpendsTheIterationsAndNoMore) {
+TEST(Homotopy, SpendsOnlyTheAllowedIterations) {
   for (const int most : {0, 1, 7, 40, 300}) {
     Journey journey({.reach = 0.01, .iterations = 10, .failing = 1000});
     journey.options.max_iterations = most;
@@ -146,7 +146,7 @@ TEST(Homotopy, EndsWhereASignalComes) {
 }
 
 // Through the registry with real solvers: the limit of a pendulum motor decreases.
-TEST(Homotopy, EndsAtTheOptimumOfTheProblemItself) {
+TEST(Homotopy, EndsAtTheOptimumOfTheProblem) {
   const double weak = 3, strong = 12;
   const ShootingProblem problem = testing::pendulum_swing_up(weak);
   SolverOptions options;

@@ -40,7 +40,7 @@ TEST(ActiveSet, CountsWhatChangesWhereSidesAreAssumed) {
   EXPECT_EQ(set.clamped_controls(), 2);
 }
 
-TEST(ActiveSet, HoldsWhatAGradientPushesAgainstItsBounds) {
+TEST(ActiveSet, HoldsControlsPushedAgainstTheirBounds) {
   const LinearQuadratic lq(1, 4, {3}, 2, -0.4, 0.3);
   const ControlBounds bounds(*lq.problem);
   Trajectory trajectory = lq.problem->create_trajectory();

@@ -64,7 +64,7 @@ TEST(HorizonConstraints, KeepsModelsWithinTheAllowedError) {
 }
 
 // The next iterate's model starts once from the settled rows and multipliers of the last step.
-TEST(HorizonConstraints, ExpectTheRowsOfTheStepBefore) {
+TEST(HorizonConstraints, PredictRowsFromThePreviousStep) {
   Horizon horizon;
   auto& [conic, augmentation, linearization, constraints, z, last] = horizon;
   z[3].setConstant(100);

@@ -105,7 +105,7 @@ struct Descent {
   int multipliers = 0;
 };
 
-TEST(HorizonDescent, FallsToTheMinimumOfThePenalisedModel) {
+TEST(HorizonDescent, FallsToTheMinimumOfThePenalizedModel) {
   int rows_outside = 0, controls_outside = 0, short_steps = 0, multipliers = 0;
   for (unsigned seed = 1; seed <= 30; ++seed) {
     SCOPED_TRACE(fmt::format("seed {}", seed));

@@ -136,7 +136,7 @@ TEST(Intro, AgreesWithTheOthersOnEqualities) {
   }
 }
 
-TEST(Intro, ReachesGoalsOfNonlinearSystemsAsAltroDoes) {
+TEST(Intro, ReachesNonlinearGoalsLikeAltro) {
   const ShootingProblem pendulum = testing::pendulum_swing_up();
   const ShootingProblem parking = testing::unicycle_parking();
   const ShootingProblem problems[] = {
@@ -153,7 +153,7 @@ TEST(Intro, ReachesGoalsOfNonlinearSystemsAsAltroDoes) {
   }
 }
 
-TEST(Intro, RowsTravelThroughKnotsWithoutControls) {
+TEST(Intro, RowsPropagateThroughKnotsWithoutControls) {
   const ShootingProblem landing = testing::landing();
   // After touch-down, the hips are at this height.
   const ShootingProblem problem =

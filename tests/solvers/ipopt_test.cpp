@@ -205,7 +205,7 @@ TEST(Ipopt, AnswerIsBestNewtonIterate) {
   }
 }
 
-TEST(Ipopt, LogsWhatItDoes) {
+TEST(Ipopt, LogsItsIterations) {
   const auto cases = testing::published_cases();
   SolverOptions options;
   int rows = 0;

@@ -89,7 +89,7 @@ TEST(Iterate, LargestGapHasItsKnot) {
 }
 
 // Derivatives that a full step has computed are kept; missing ones are added.
-TEST(Iterate, DerivativesThatAreThereStay) {
+TEST(Iterate, KeepsExistingDerivatives) {
   Standing at;
   at.iterate.differentiate(Feedback(at.problem), nullptr);
   at.iterate.linearization.knots[5].gradient << 7, 8;

@@ -85,7 +85,7 @@ TEST(JoinedSolves, ShowRowsWithTheirMark) {
   EXPECT_EQ(shown[0].cost, 42);
 }
 
-TEST(JoinedSolves, AskForInterruptionOnceItIsSeen) {
+TEST(JoinedSolves, RememberAnInterruption) {
   SolverOptions options;
   bool interrupted = true;
   options.interrupted = [&] { return interrupted; };

@@ -32,7 +32,7 @@ LaneMatrix lanes_of(const Eigen::MatrixXd& A) {
 
 constexpr int kRows[] = {1, 3, 4, 7, 8, 9, 14, 16, 21, 36, 41, 76};
 
-TEST(LaneGemm, ProductsEqualEigens) {
+TEST(LaneGemm, ProductsMatchEigen) {
   for (const int m : kRows)
     for (int n = 1; n <= 13; ++n)
       for (const int inner : {0, 1, 5, 18}) {

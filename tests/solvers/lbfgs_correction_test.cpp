@@ -141,7 +141,7 @@ TEST(LbfgsCorrection, CorrectedStepMatchesDenseFormulaOfFivePairs) {
   EXPECT_GT(with_five, 20);
 }
 
-TEST(LbfgsCorrection, RestoresWhatWasObservedAndForgets) {
+TEST(LbfgsCorrection, RestoresObservationsAndForgets) {
   SteppedModel model(1, {{3, 1}});
   model.observe();
   model.step();
@@ -160,7 +160,7 @@ TEST(LbfgsCorrection, RestoresWhatWasObservedAndForgets) {
   EXPECT_FALSE(model.memory.correct(model.feedback));
 }
 
-TEST(LbfgsCorrection, PairsOfAnotherActiveSetAreForgotten) {
+TEST(LbfgsCorrection, ForgetsPairsOfAnotherActiveSet) {
   for (const bool on_its_way : {false, true}) {
     SteppedModel model(1, {{3, 1}});
     model.observe();
@@ -201,7 +201,7 @@ std::optional<double> corrected_after(double k, bool taken = true) {
 }
 
 // The step 1 changed the gradient by 2 − 2k, the true curvature; the model has 2.
-TEST(LbfgsCorrection, OneControlGetsTheSecantsStep) {
+TEST(LbfgsCorrection, OneControlGetsTheSecantStep) {
   EXPECT_DOUBLE_EQ(corrected_after(0.4).value(), 0.8 / 1.2);
   EXPECT_DOUBLE_EQ(corrected_after(-0.5).value(), -1.0 / 3);
   EXPECT_FALSE(corrected_after(0.4, false)) << "no step was taken";

@@ -116,7 +116,7 @@ TEST(LineSearch, BeginsWithTheLongestAllowedStep) {
 
 // Below 1/8, the half of an acceptable step is not tried: for l = 13 the decrease is −143, −29, −4,
 // 0.61 and, for the half, 0.97.
-TEST(LineSearch, ShortStepsAreNotHalvedOnceMore) {
+TEST(LineSearch, ShortStepsAreNotHalvedAgain) {
   ParabolaSearch at(13);
   const LineSearchResult found = at.run();
   EXPECT_TRUE(found.accepted);
@@ -136,7 +136,7 @@ TEST(LineSearch, GivesUpBelowTheSmallestStep) {
 }
 
 // An Armijo share of 0.6 requires 1 − l α / 2 ≥ 0.6.
-TEST(LineSearch, WantsItsShareOfTheSlope) {
+TEST(LineSearch, RequiresItsShareOfTheSlope) {
   for (const double armijo : {0.55, 0.45}) {
     ParabolaSearch at(1, {.armijo = armijo});
     const LineSearchResult found = at.run();

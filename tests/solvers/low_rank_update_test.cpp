@@ -78,7 +78,7 @@ TEST(LowRankUpdate, MarksHessianFillBeyondTheCosts) {
 }
 
 // Memory fits the node with the most rows and columns, wherever it is.
-TEST(LowRankUpdate, HasRoomForTheLargestNode) {
+TEST(LowRankUpdate, FitsTheLargestNode) {
   for (const bool first : {true, false}) {
     const LinearQuadratic lq(1, 3, first ? std::vector{5, 1} : std::vector{1, 5}, 1, -kFree, kFree);
     const int node = first ? 0 : 1;

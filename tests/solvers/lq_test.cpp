@@ -53,7 +53,7 @@ TEST(LinearQuadratic, EverySolverReachesDenseOptimumWithRiccatiGains) {
 }
 
 // More controls than a lane holds: stages are factorized in blocks.
-TEST(LinearQuadratic, ManyControlsHaveRiccatisGainsToo) {
+TEST(LinearQuadratic, ManyControlsHaveRiccatiGainsToo) {
   const LinearQuadratic lq(3, 4, {9, 17}, 2, -kFree, kFree);
   const Trajectory optimum = lq.dense_optimum();
   const auto gains = lq.riccati_gains();
@@ -84,7 +84,7 @@ TEST(LinearQuadratic, CostatesAreTheDenseMultipliers) {
 }
 
 // Pitfall 7: without V_x ← V_x + V_xx gap, the first sweep from open gaps is not Newton's.
-TEST(LinearQuadratic, OpenGapsDoNotCostAnIteration) {
+TEST(LinearQuadratic, OpenGapsCostNoIteration) {
   const LinearQuadratic lq(3, 5, {2, 2}, 5, -kFree, kFree);
   const Trajectory guess = testing::random_guess(*lq.problem, 9, 10);
   for (const char* name : {"fddp", "box_fddp"}) {

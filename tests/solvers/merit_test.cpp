@@ -155,7 +155,7 @@ TEST(FullStep, FollowsFullStepsThatCloseGapsAsPredicted) {
   EXPECT_GT(result.log[2].gap, 1e-12) << "of second order, where a rollout closes gaps";
 }
 
-TEST(FullStep, EveryCorrectionTakesTheGapsOneOrderDown) {
+TEST(FullStep, EveryCorrectionReducesGapsByOneOrder) {
   using Trial = FullStep::Trial;
   const ShootingProblem problem = testing::quadrotor_move();
   SweptIterate at(problem, simulated_guess(problem), false);
@@ -242,7 +242,7 @@ TEST(LineSearch, LanesHalveTheStepSuccessively) {
   EXPECT_EQ(next, std::ldexp(0.5, -kLaneWidth));
 }
 
-TEST(LineSearch, TakesTheSameStepAloneAsInLanes) {
+TEST(LineSearch, SingleTrialMatchesLanes) {
   const ShootingProblem problem = testing::quadrotor_move();
   Trajectory guess = testing::constant_controls(problem, 1.3);
   Evaluator(problem).simulate(guess);

@@ -146,7 +146,7 @@ TEST(Nonlinear, AutomaticUsesExactHessiansOnlyIfNeeded) {
 }
 
 // Pitfall 17.
-TEST(Nonlinear, ThreadsDoNotChangeABit) {
+TEST(Nonlinear, ThreadsChangeNoBit) {
   const struct {
     const char* name;
     ShootingProblem problem;

@@ -53,7 +53,7 @@ struct Step {
   Trajectory trajectory;
 };
 
-TEST(OpenGapSearch, TheWeightPaysForTheStep) {
+TEST(OpenGapSearch, WeightPaysForTheStep) {
   const ShootingProblem problem = testing::pendulum_swing_up();
   const ControlBounds bounds(problem);
   OpenGapSearch search(problem, bounds, {}, false);
@@ -142,7 +142,7 @@ TEST(OpenGapSearch, QuadraticMinimumTakesOneTrial) {
 }
 
 // If the direction ignores active bounds, trials clamp the controls.
-TEST(OpenGapSearch, ControlsKeepTheirBoundsWithoutAnActiveSet) {
+TEST(OpenGapSearch, ControlsRespectBoundsWithoutAnActiveSet) {
   int searches = 0;
   for (const unsigned seed : {1u, 2u, 3u, 4u, 5u, 6u, 7u, 8u}) {
     const ShootingProblem problem = testing::cartpole_swing_up(0.5);

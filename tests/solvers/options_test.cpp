@@ -24,7 +24,7 @@ TEST(SolverOptions, NamesEveryBadValueAndReplacesNothing) {
   EXPECT_EQ(options.tolerances.gap, -1);
 }
 
-TEST(SolverOptions, ContradictionsBetweenOptionsAreNamed) {
+TEST(SolverOptions, NamesContradictoryOptions) {
   SolverOptions options;
   options.regularization.min = 2;
   options.regularization.max = 1;

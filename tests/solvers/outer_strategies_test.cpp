@@ -216,7 +216,7 @@ TEST(AugmentedStrategy, PenaltiesFallTwentyTimesBeforeRoundingEnds) {
   EXPECT_FALSE(at.iterate.linearized);
 }
 
-TEST(AugmentedStrategy, AViolationThatNoPenaltyLowersIsInfeasible) {
+TEST(AugmentedStrategy, ViolationThatNoPenaltyLowersIsInfeasible) {
   Surrounded at = augmented();
   int updates = 0;
   bool goes_on = true;

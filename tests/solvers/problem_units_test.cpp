@@ -111,7 +111,7 @@ TEST(ProblemUnits, DerivativesAreThoseOfTheChainRule) {
 }
 
 /// A problem in unusual units is solved like in usual ones, and its answer keeps its units.
-TEST(ProblemUnits, AnswersAreTheSameInOthers) {
+TEST(ProblemUnits, AnswersAgreeInOtherUnits) {
   const ShootingProblem own = parking();
   Trajectory guess = testing::constant_controls(own, 0.01);
   for (int k = 1; k <= own.knots(); ++k) guess.x(k) += Eigen::Vector3d(0.1, 0.5, 0.1);

@@ -69,7 +69,7 @@ std::string reason(const char* solver, const ShootingProblem& problem) {
   return unsupported(*find_solver(solver), problem).value_or("");
 }
 
-TEST(Refusals, NameTheConstraintAndThoseThatCan) {
+TEST(Refusals, NameTheConstraintAndCapableSolvers) {
   const ShootingProblem fence = constrained_steps(ConstraintKind::bounds, {-1, -1, 1, 1});
   EXPECT_EQ(reason("box_fddp", fence),
             "box_fddp does not support the constraint 'fence' (phase 'go'); supported by altro, "

@@ -11,7 +11,7 @@ namespace conddp {
 namespace {
 
 // Pitfall 18: a product never leaves zero.
-TEST(RegularizationSchedule, LeavesZeroAndComesBackToIt) {
+TEST(RegularizationSchedule, LeavesZeroAndReturnsToIt) {
   SolverOptions::Regularization options;
   options.initial = 0;
   RegularizationSchedule schedule(options);

@@ -61,7 +61,7 @@ SolveResult nearest(const ShootingProblem& problem, const SolverOptions& options
   });
 }
 
-TEST(Restarts, HaveTheAnswerThatEndsBest) {
+TEST(Restarts, ReturnTheBestAnswer) {
   const ShootingProblem problem = double_integrator_move();
   for (int seed = 0; seed < 5; ++seed) {
     const SolverOptions options = with_restarts(seed);
@@ -117,7 +117,7 @@ Trajectory ramp(const ShootingProblem& problem, double height) {
   return trajectory;
 }
 
-TEST(Restarts, TellOptimaApartByCostAndTrajectory) {
+TEST(Restarts, DistinguishOptimaByCostAndTrajectory) {
   const ShootingProblem problem = double_integrator_move();
   // Cost and height of each start.
   const std::pair<double, double> ends[] = {{2, 1},  {1 + 1e-8, 1}, {1, 1.001}, {1, -1},
@@ -141,7 +141,7 @@ TEST(Restarts, TellOptimaApartByCostAndTrajectory) {
 }
 
 // Includes the first node, which some problems choose.
-TEST(Restarts, TellOptimaApartThatDifferAtOneNode) {
+TEST(Restarts, DistinguishOptimaThatDifferAtOneNode) {
   const ShootingProblem problem = double_integrator_move();
   for (int node = 0; node <= problem.knots(); ++node) {
     int start = 0;
@@ -166,7 +166,7 @@ TEST(Restarts, StopOnTimeLimitOrSignal) {
   EXPECT_EQ(run(problem, options, 1, all).restarts->starts, 3);
 }
 
-TEST(Restarts, PassOnWhatASolverThrows) {
+TEST(Restarts, PassOnSolverExceptions) {
   const ShootingProblem problem = double_integrator_move();
   for (const int threads : {1, 3})
     EXPECT_THROW(run(problem, with_restarts(0), threads,

@@ -60,7 +60,7 @@ TEST(LeastViolation, IsThatOfDenseLeastSquaresWithinBounds) {
   }
 }
 
-TEST(LeastViolation, IsLookedForFromAnyTrajectory) {
+TEST(LeastViolation, IsFoundFromAnyTrajectory) {
   const ShootingProblem free = mass();
   const ShootingProblem problem = with_constraints(free, {testing::goal_constraint(free, {5, 0})});
   Trajectory start = testing::constant_controls(problem, -2);
@@ -164,7 +164,7 @@ TEST(ViolationSlope, IsThatOfDifferences) {
 }
 
 /// At a minimum of cost plus penalty, the two gradients cancel.
-TEST(ViolationSlope, IsNotThatOfTheCost) {
+TEST(ViolationSlope, IsIndependentOfTheCost) {
   constexpr double kDear = 1e9;
   const auto share = [](double weight) {
     const ShootingProblem free = testing::tracking_problem(
@@ -254,7 +254,7 @@ TEST(SolveWithRestoration, CallsNothingInfeasibleThatNoRestorationConfirmed) {
   EXPECT_NE(result.message.find("has not been decided"), std::string::npos) << result.message;
 }
 
-TEST(SolveWithRestoration, HasTheLimitsOfAllTogether) {
+TEST(SolveWithRestoration, SharesItsLimits) {
   const ShootingProblem free = mass();
   const ShootingProblem problem = with_constraints(free, {testing::goal_constraint(free, {5, 0})});
   const Trajectory guess = problem.create_trajectory();

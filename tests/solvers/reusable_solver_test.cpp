@@ -32,7 +32,7 @@ void expect_same(const SolveResult& a, const SolveResult& b) {
   }
 }
 
-TEST(ReusableSolver, AnswersAsASolverOfItsOwnWould) {
+TEST(ReusableSolver, AnswersLikeASeparateSolver) {
   for (const char* name : {"ddp", "box_fddp", "altro", "proxddp", "ipopt"}) {
     ShootingProblem problem = testing::cartpole_swing_up();
     ReusableSolver solver(problem, name, {});
@@ -145,7 +145,7 @@ ShootingProblem beginnings(const ShootingProblem& problem, int knots) {
 }
 
 // Neither per-model workspaces nor shared matrices keep state between solvers.
-TEST(ReusableSolver, AnswersTheSameInTheMemoryOfOthers) {
+TEST(ReusableSolver, AnswersAreIndependentOfSharedMemory) {
   const ShootingProblem longer = testing::landing(), shorter = beginnings(longer, 8);
   const Trajectory guess = testing::constant_controls(longer, 0.1),
                    other = testing::constant_controls(shorter, 0.1);
@@ -162,7 +162,7 @@ TEST(ReusableSolver, AnswersTheSameInTheMemoryOfOthers) {
   }
 }
 
-TEST(ReusableSolver, ForgetsASolveThatFailed) {
+TEST(ReusableSolver, ForgetsAFailedSolve) {
   ShootingProblem problem = testing::cartpole_swing_up();
   ReusableSolver solver(problem, "ddp", {});
   const Trajectory good = testing::constant_controls(problem, 0.01);
@@ -230,7 +230,7 @@ TEST(ReusableSolver, BeginsWithMultipliersWhereItsSolverHasAny) {
   expect_same(unconstrained.solve(guess), solve(free, "box_fddp", options, guess));
 }
 
-TEST(ReusableSolver, RejectsWhatItCannotDo) {
+TEST(ReusableSolver, RejectsUnsupportedProblems) {
   const ShootingProblem problem = testing::cartpole_swing_up(3);
   EXPECT_THROW(ReusableSolver(problem, "newton", {}), std::invalid_argument);
   EXPECT_THROW(ReusableSolver(problem, "ipopt", {}).iterate(problem.create_trajectory()),

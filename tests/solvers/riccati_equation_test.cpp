@@ -55,7 +55,7 @@ TEST(RiccatiEquation, ScalarSolutionIsAPolynomialRoot) {
 }
 
 // Double integrator with a constant control over 0.1 s; Q = I and R = 0.1 are rates.
-TEST(RiccatiEquation, TheDoubleIntegratorHasItsKnownSolution) {
+TEST(RiccatiEquation, DoubleIntegratorHasItsKnownSolution) {
   const double h = 0.1;
   const RegulatorResult got = solve_regulator(
       without_cross_term(Matrix{{1, h}, {0, 1}}, Matrix{{h * h / 2}, {h}},
@@ -69,7 +69,7 @@ TEST(RiccatiEquation, TheDoubleIntegratorHasItsKnownSolution) {
   EXPECT_LT(got.regulator->residual, 1e-14);
 }
 
-TEST(RiccatiEquation, RandomSolutionsAreTheLimitsOfLongHorizons) {
+TEST(RiccatiEquation, RandomSolutionsAreLongHorizonLimits) {
   RandomNumbers random(31);
   for (int i = 0; i < 50; ++i) {
     const int n = 1 + i % 7, m = 1 + i % 3;
@@ -178,7 +178,7 @@ TEST(RiccatiEquation, ALastingModeThatCostsNothingIsNamed) {
   EXPECT_NEAR(got.mode->share[0], 1, 1e-12);
 }
 
-TEST(RiccatiEquation, CostsThatAreNotConvexAreNamed) {
+TEST(RiccatiEquation, NamesNonconvexCosts) {
   const Matrix I = Matrix::Identity(1, 1);
   EXPECT_EQ(solve_regulator(without_cross_term(I, I, I, 0 * I)).fault,
             RegulatorFault::control_cost);

@@ -5,7 +5,7 @@
 namespace conddp {
 namespace {
 
-TEST(RowElimination, MakesNoRowOfRounding) {
+TEST(RowElimination, MakesNoRowFromRounding) {
   RowElimination system(3, 4);
   system.append() << 3, 0, 4, 1;
   system.append() << 1e-17, 2e-17, 0, 0.5;

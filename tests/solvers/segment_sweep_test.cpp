@@ -97,7 +97,7 @@ TEST(SegmentSweep, StepsMatchTheSequentialSweep) {
   }
 }
 
-TEST(SegmentSweep, StepsAreTheSameWithConstraints) {
+TEST(SegmentSweep, StepsMatchWithConstraints) {
   for (const auto& [name, problem, control, cost] : testing::published_cases()) {
     SCOPED_TRACE(name);
     testing::expect_equal_by_segments(problem, testing::constant_controls(problem, control));
@@ -191,7 +191,7 @@ TEST(ProxddpByLegs, AnswersAndGainsMatchOneSegment) {
   }
 }
 
-TEST(ProxddpByLegs, ThreadsDoNotChangeABit) {
+TEST(ProxddpByLegs, ThreadsChangeNoBit) {
   for (const auto& [name, problem, control, cost] : testing::published_cases()) {
     const Trajectory guess = testing::constant_controls(problem, control);
     for (const int segments : {2, 3}) {

@@ -25,12 +25,12 @@ TEST(SettledCost, NeedsThreeStepsInARow) {
   EXPECT_FALSE(cost_has_settled(log_of({102, 100, 99.9, 99.8}), 0.01)) << "so did the first";
 }
 
-TEST(SettledCost, AFallByTheShareItselfHasSettled) {
+TEST(SettledCost, FallEqualToTheShareHasSettled) {
   EXPECT_TRUE(cost_has_settled(log_of({5, 4, 4, 4}), 0.25));
   EXPECT_FALSE(cost_has_settled(log_of({5.001, 4, 4, 4}), 0.25));
 }
 
-TEST(SettledCost, RisesCountAsFallsDo) {
+TEST(SettledCost, RisesCountLikeFalls) {
   EXPECT_TRUE(cost_has_settled(log_of({-100, -99.9, -100, -99.9}), 0.01));
   EXPECT_FALSE(cost_has_settled(log_of({-100, -99.9, -100, -90}), 0.01));
 }

@@ -250,7 +250,7 @@ std::vector<ShortSolve> short_solves() {
 
 class WayOfAShortSolve : public ::testing::TestWithParam<ShortSolve> {};
 
-TEST_P(WayOfAShortSolve, IsAsItWasMeasured) {
+TEST_P(WayOfAShortSolve, MatchesItsMeasurement) {
   const ShortSolve& solve_of = GetParam();
   const ShootingProblem problem = solve_of.problem();
   const SolveResult result = solve(problem, solve_of.solver, solve_of.options,

@@ -55,7 +55,7 @@ double largest_miss(const ShootingProblem& problem, const SolveResult& result) {
 
 class SoftByDistance : public ::testing::TestWithParam<const char*> {};
 
-TEST_P(SoftByDistance, HasTheOptimumOfAnIndependentMethod) {
+TEST_P(SoftByDistance, OptimumMatchesAnIndependentMethod) {
   for (const unsigned seed : {1u, 2u, 3u}) {
     const LinearQuadratic lq(seed, 4, {3, 2}, 8, -kBound, kBound);
     for (const double weight : {0.1, 0.5}) {
@@ -102,7 +102,7 @@ TEST_P(SoftByDistance, HoldsLikeAHardOneAboveItsMultipliers) {
   }
 }
 
-TEST_P(SoftByDistance, CostsWhatItsDistancesCost) {
+TEST_P(SoftByDistance, CostEqualsItsWeightedDistances) {
   const LinearQuadratic lq(1, 4, {3, 2}, 8, -kBound, kBound);
   const ShootingProblem problem = with_constraints(*lq.problem, soft_cuts(lq, Softness::l1, 0.3));
   const SolveResult result = solve_soft(problem, GetParam());
@@ -124,7 +124,7 @@ TEST_P(SoftByDistance, CostsWhatItsDistancesCost) {
   EXPECT_NEAR(result.log.back().cost, result.cost, 1e-10);
 }
 
-TEST_P(SoftByDistance, IsNoMatterWithoutAWeight) {
+TEST_P(SoftByDistance, HasNoEffectWithoutAWeight) {
   const LinearQuadratic lq(1, 4, {3, 2}, 8, -kBound, kBound);
   const ShootingProblem problem = with_constraints(*lq.problem, soft_cuts(lq, Softness::l1, 0));
   const SolveResult result = solve_soft(problem, GetParam());
@@ -156,7 +156,7 @@ INSTANTIATE_TEST_SUITE_P(Solvers, SoftByDistance, ::testing::Values("altro", "pr
 
 class SoftBySquare : public ::testing::TestWithParam<const char*> {};
 
-TEST_P(SoftBySquare, HasTheOptimumOfAnIndependentMethod) {
+TEST_P(SoftBySquare, OptimumMatchesAnIndependentMethod) {
   for (const unsigned seed : {1u, 2u, 3u}) {
     const bool bounded = std::string_view(GetParam()) != "fddp" &&
                          std::string_view(GetParam()) != "ilqr" &&

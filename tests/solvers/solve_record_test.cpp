@@ -70,7 +70,7 @@ TEST(SolveRecord, LogsRowsWithTimeAndShowsThem) {
   EXPECT_EQ(result.log.size(), 3u);
 }
 
-TEST(SolveRecord, BeginForgetsTheSolveBefore) {
+TEST(SolveRecord, BeginForgetsThePreviousSolve) {
   Recorded at;
   at.record.row.iteration = 5;
   at.record.log_row();

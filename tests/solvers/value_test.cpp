@@ -112,7 +112,7 @@ TEST(ValuePropagation, SkippingKnownZerosChangesNothing) {
   }
 }
 
-TEST(ValuePropagation, SemiImplicitEqualsTheSameDynamicsWrittenDensely) {
+TEST(ValuePropagation, SemiImplicitMatchesDenseDynamics) {
   Random random(2);
   for (const auto& curved : curved_layouts()) {
     const int ndx = 28, nu = 4;

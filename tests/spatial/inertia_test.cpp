@@ -66,7 +66,7 @@ TEST(Inertia, KineticEnergyDoesNotDependOnTheFrame) {
   }
 }
 
-TEST(Inertia, RotatesAsAMatrix) {
+TEST(Inertia, RotatesLikeAMatrix) {
   RandomNumbers random(4);
   for (int i = 0; i < 100; ++i) {
     const Matrix3<double> r = rotation_matrix(random.rotation());

@@ -46,7 +46,7 @@ double worst_ulps(const std::vector<double>& angles) {
   return worst;
 }
 
-TEST(Lane, ArithmeticEqualsThatOfDoubles) {
+TEST(Lane, ArithmeticMatchesDoubles) {
   RandomNumbers random(1);
   for (int n = 0; n < 100; ++n) {
     const Lane a = random_lane(random, -3, 3), b = random_lane(random, -3, 3);
@@ -72,12 +72,12 @@ TEST(Lane, ArithmeticEqualsThatOfDoubles) {
   }
 }
 
-TEST(Lane, AConstantFillsAllLanes) {
+TEST(Lane, ConstantFillsAllLanes) {
   const Lane a = 2.5;
   for (int i = 0; i < kLaneWidth; ++i) EXPECT_EQ(a[i], 2.5);
 }
 
-TEST(Lane, FunctionsEqualThoseOfDoubles) {
+TEST(Lane, FunctionsMatchDoubles) {
   RandomNumbers random(2);
   const Lane a = random_lane(random, 0.01, 0.99), b = random_lane(random, -2, 2);
   for (int i = 0; i < kLaneWidth; ++i) {

@@ -101,7 +101,7 @@ TEST(RotationCoefficients, HaveAccurateDerivatives) {
   }
 }
 
-TEST(RotationCoefficients, DoNotLoseThemselvesBeyondAHalfTurn) {
+TEST(RotationCoefficients, StayAccurateBeyondAHalfTurn) {
   for (const double t : squared_angles()) {
     const RotationCoefficients<double> k(t);
     EXPECT_NEAR(k.a, static_cast<double>(Series(t, 1).value), 1e-14);

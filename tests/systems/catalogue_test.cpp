@@ -108,7 +108,7 @@ TEST(Catalogue, PendulumConservesEnergyExceptTorqueAndDamping) {
   expect_conserved(*pendulum(p), energy);
 }
 
-TEST(Catalogue, CartpoleKeepsItsEnergyButForThePush) {
+TEST(Catalogue, CartpoleConservesEnergyExceptForThePush) {
   const CartpoleParameters p{.cart_mass = 1.7, .pole_mass = 0.4, .length = 0.8, .gravity = 9.7};
   const auto energy = [&](const auto* x) { return cartpole_energy(p, x); };
   expect_power_balance(*cartpole(p), energy,
@@ -132,7 +132,7 @@ TEST(Catalogue, AcrobotConservesEnergyExceptElbowAndFriction) {
   expect_conserved(*acrobot(p), energy);
 }
 
-TEST(Catalogue, CartpoleIsTheRobotOfItsUrdf) {
+TEST(Catalogue, CartpoleMatchesItsUrdf) {
   const RobotModel model = load("cartpole", UrdfOptions::Base::fixed);
   const MultibodySystem robot(std::make_shared<RobotModel>(model),
                               Actuation::joints(model, {"slider"}));
@@ -172,7 +172,7 @@ TEST(Catalogue, QuadrotorMatchesItsUrdfWithThrusters) {
   }
 }
 
-TEST(Catalogue, PlanarQuadrotorIsTheQuadrotorInAPlane) {
+TEST(Catalogue, PlanarQuadrotorMatchesTheQuadrotor) {
   // In the x-z plane, the planar angle rotates about −y. Only the front and rear rotors push, and
   // their reaction torques are omitted because they would rotate the body out of the plane.
   const PlanarQuadrotorParameters p{.mass = 0.7, .inertia = 0.05, .arm = 0.2, .gravity = 9.6};
@@ -203,7 +203,7 @@ TEST(Catalogue, PlanarQuadrotorIsTheQuadrotorInAPlane) {
   }
 }
 
-TEST(Catalogue, CarIsTheReferenceFormula) {
+TEST(Catalogue, CarMatchesTheReferenceFormula) {
   // Tassa, Mansard, Todorov 2014, section IV.B, in long double.
   const long double d = 2.0L, h = 0.03L;
   const auto system = car(2.0, 0.03);
@@ -223,7 +223,7 @@ TEST(Catalogue, CarIsTheReferenceFormula) {
   }
 }
 
-TEST(Catalogue, CarsWheelsDoNotSlip) {
+TEST(Catalogue, CarWheelsDoNotSlip) {
   // The front wheel rolls h v along its heading θ + w; the rear axle moves along θ; their distance
   // remains the wheelbase.
   const double d = 2.3, h = 0.05;
@@ -262,7 +262,7 @@ TEST(Catalogue, UnicycleDrivesAnArc) {
   }
 }
 
-TEST(Catalogue, LanderBurnsWhatItsThrustCosts) {
+TEST(Catalogue, LanderBurnsFuelByThrust) {
   const auto system = lander({.mass = 25, .fuel_rate = 2e-3, .gravity = 3.5});
   const std::vector<double> x = {1, 2, 30, -4, 5, -6, 5}, u = {30, -40, 120};
   const std::vector<double> rate = rate_of(*system, x, u);

@@ -67,7 +67,7 @@ void expect_dense_columns(const MultibodySystem& system, RandomNumbers& random) 
               expected.bottomRows(m), "force_z");
 }
 
-TEST(ColumnSolver, AgreesWithTheDenseSystemOfHeldRobots) {
+TEST(ColumnSolver, MatchesTheDenseSystemOfHeldRobots) {
   RandomNumbers random(41);
   for (const ContactCase& c : contact_cases()) {
     if (!c.robot->mimics.empty()) continue;
@@ -77,7 +77,7 @@ TEST(ColumnSolver, AgreesWithTheDenseSystemOfHeldRobots) {
   }
 }
 
-TEST(ColumnSolver, AgreesWithTheDenseSystemOfFreeRobots) {
+TEST(ColumnSolver, MatchesTheDenseSystemOfFreeRobots) {
   RandomNumbers random(42);
   for (const TestModel& r : random_robots()) {
     SCOPED_TRACE(r.name);

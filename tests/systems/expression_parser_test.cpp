@@ -207,7 +207,7 @@ TEST(ExpressionParser, ReadsVectors) {
   }
 }
 
-TEST(ExpressionParser, WarnsOfWhatIsNotSmooth) {
+TEST(ExpressionParser, WarnsAboutNonsmoothExpressions) {
   ParserFixture fixture;
   const ParsedExpression parsed = fixture.parse("1 + abs(x) - min(x, if(x > 0, 1, 2))");
   ASSERT_TRUE(parsed.value);
@@ -258,7 +258,7 @@ TEST(ExpressionParser, MalformedExpressionsHaveAColumnAndAMessage) {
   }
 }
 
-TEST(ExpressionParser, EmptyTextIsNoExpression) {
+TEST(ExpressionParser, EmptyTextIsNotAnExpression) {
   for (const char* text : {"", " ", "\n\t "}) {
     ParserFixture fixture;
     const ParsedExpression parsed = fixture.parse(text);
@@ -300,7 +300,7 @@ TEST(ExpressionParser, LimitsSizeAndDepth) {
   EXPECT_EQ(large.error.message, "an expression has at most 20000 bytes");
 }
 
-TEST(ExpressionFunctions, AreDocumentedAndHaveNamesOfTheirOwn) {
+TEST(ExpressionFunctions, AreDocumentedAndHaveUniqueNames) {
   std::vector<std::string_view> names;
   for (const ExpressionFunction& function : expression_functions()) {
     names.push_back(function.name);

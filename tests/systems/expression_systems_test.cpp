@@ -197,7 +197,7 @@ ModelMessage message_of(void (*change)(ExpressionSystemText&)) {
   return parsed.errors[0];
 }
 
-TEST(ExpressionSystems, WrongTextsHaveAPlace) {
+TEST(ExpressionSystems, InvalidTextsHaveAPlace) {
   using Part = ModelMessage::Part;
   using Text = ExpressionSystemText;
   struct WrongText {

@@ -78,7 +78,7 @@ TEST(LibrarySystems, MatchColumnsValuesAndJacobiansOfEquations) {
   }
 }
 
-TEST(LibrarySystems, HaveTheSecondDerivativesOfTheSameEquations) {
+TEST(LibrarySystems, SecondDerivativesMatchTheEquations) {
   RandomNumbers random(412);
   for (const LibraryCase& c : library_cases()) {
     const auto function = function_of(c.function, c.parameters);
@@ -93,7 +93,7 @@ TEST(LibrarySystems, HaveTheSecondDerivativesOfTheSameEquations) {
   }
 }
 
-TEST(LibrarySystems, ReleaseWhatTheyCheckOutOfTheLibrary) {
+TEST(LibrarySystems, ReleaseTheirCheckedOutWorkspaces) {
   const auto in_use = reinterpret_cast<int (*)()>(test_model()->symbol("workspaces_in_use"));
   const int before = in_use();
   const auto function = function_of("swing", {2, 5});
@@ -136,7 +136,7 @@ Eigen::MatrixXd own_jacobian(const LibraryKnotFunction& function, const std::vec
   return J;
 }
 
-TEST(LibraryKnotFunction, DualNumbersOfValuesHaveARightJacobian) {
+TEST(LibraryKnotFunction, DualNumbersOfValuesHaveACorrectJacobian) {
   struct Case {
     const char* function;
     std::vector<double> z;
@@ -161,7 +161,7 @@ TEST(LibraryKnotFunction, DualNumbersReplaceWrongJacobiansByDifferences) {
   EXPECT_NEAR(dual_jacobian(*function, z)(1, 0), -1, 1e-9);
 }
 
-TEST(LibraryKnotFunction, JacobiansGetTheOutputsThatTheyRead) {
+TEST(LibraryKnotFunction, JacobiansReceiveTheOutputsTheyRead) {
   const Eigen::MatrixXd J = own_jacobian(*function_of("growth", {}), {0.5, 1, 3});
   EXPECT_DOUBLE_EQ(J(1, 0), std::exp(0.5));
   EXPECT_EQ(J(0, 1), 1);

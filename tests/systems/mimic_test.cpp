@@ -117,7 +117,7 @@ TEST(Mimic, DerivativesAreThoseOfDualNumbers) {
   }
 }
 
-TEST(Mimic, EveryLaneGivesWhatDoubleGives) {
+TEST(Mimic, EveryLaneMatchesDouble) {
   RandomNumbers random(63);
   for (const auto& [name, model] : mimic_robots()) {
     const auto system = system_of(model);
@@ -210,7 +210,7 @@ TEST(Mimic, ControlsActOnIndependentJoints) {
   EXPECT_EQ(system.actuation().B[*system.velocity_row(3)], 2 * -0.7);
 }
 
-TEST(Mimic, PassiveForcesOfAllJointsTakeEnergyAway) {
+TEST(Mimic, PassiveForcesOfAllJointsDissipateEnergy) {
   RandomNumbers random(65);
   for (const auto& [name, model] : mimic_robots()) {
     const auto system = system_of(model);
@@ -320,7 +320,7 @@ TEST(Mimic, ZeroMultiplierLocksTheJoint) {
   for (int i = 0; i < 8; ++i) EXPECT_NEAR(a->fx[i], b->fx[i], 1e-11 * (1 + std::abs(b->fx[i])));
 }
 
-TEST(DenseLdlt, SolvesAsEigenDoes) {
+TEST(DenseLdlt, MatchesEigen) {
   RandomNumbers random(68);
   for (const int n : {1, 2, 5, 13}) {
     MatrixXd R(n, n);

@@ -148,7 +148,7 @@ TEST(Multibody, FrictionStaysFiniteAtAnySpeed) {
   for (double a : data->fx) EXPECT_TRUE(std::isfinite(a));
 }
 
-TEST(Multibody, EnergyFallsWithDampingAndStaysWithout) {
+TEST(Multibody, EnergyFallsOnlyWithDamping) {
   RandomNumbers random(86);
   const RobotModel model = damped_robot(87, false);
   const auto free = make_system(model, Actuation::full(model));

@@ -66,7 +66,7 @@ TEST(SplineTables, SplineOfFourPointsSolvesItsEquations) {
     }
 }
 
-TEST(SplineTables, PassThroughTheirValuesAndAreTwiceSmooth) {
+TEST(SplineTables, PassThroughTheirValuesTwiceSmoothly) {
   RandomNumbers random(322);
   const std::vector<double> x = spline_points(7, random), v = random.numbers(7, 2);
   const SplineTable table(x, v);
@@ -76,7 +76,7 @@ TEST(SplineTables, PassThroughTheirValuesAndAreTwiceSmooth) {
   }
 }
 
-TEST(SplineTables, LinearBeyondTheEnds) {
+TEST(SplineTables, AreLinearBeyondTheEnds) {
   RandomNumbers random(323);
   const std::vector<double> x = spline_points(5, random), v = random.numbers(5, 2);
   const SplineTable table(x, v);

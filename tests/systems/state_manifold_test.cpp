@@ -171,7 +171,7 @@ TEST(StateManifold, IntegratesInPlace) {
   });
 }
 
-TEST(StateManifold, IntegrationHasTheJacobiansOfDualNumbers) {
+TEST(StateManifold, IntegrationJacobiansMatchDualNumbers) {
   const StateManifold m = mixed();
   for_each_step(m, [&](const Numbers& x, const Numbers& dx, const Numbers& along) {
     Numbers wrt_x = blocks_for(m), wrt_dx = blocks_for(m);
@@ -185,7 +185,7 @@ TEST(StateManifold, IntegrationHasTheJacobiansOfDualNumbers) {
   });
 }
 
-TEST(StateManifold, DifferenceHasTheJacobiansOfDualNumbers) {
+TEST(StateManifold, DifferenceJacobiansMatchDualNumbers) {
   const StateManifold m = mixed();
   for_each_step(m, [&](const Numbers& x0, const Numbers& dx, const Numbers& along) {
     const Numbers x1 = plus(m, x0, dx);
@@ -271,7 +271,7 @@ TEST(StateManifold, NeutralIsTheOriginWithUnitQuaternions) {
   EXPECT_EQ(m.neutral(), expected);
 }
 
-TEST(StateManifold, NormalizeScalesQuaternionsThatAreAlmostUnit) {
+TEST(StateManifold, NormalizeScalesNearlyUnitQuaternions) {
   const StateManifold m = mixed();
   Numbers x = m.neutral();
   x[8] = 1.0005;

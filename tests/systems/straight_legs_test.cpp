@@ -146,7 +146,7 @@ TEST(StraightLegs, DerivativesMatchTheCompliantSystem) {
   EXPECT_GE(independent, 5);
 }
 
-TEST(StraightLegs, HaveTheDerivativesOfImpulsesWithTheirCompliance) {
+TEST(StraightLegs, ImpulseDerivativesIncludeTheCompliance) {
   RandomNumbers random(55);
   int dependent = 0;
   for (const StraightCase& c : straight_cases()) {
