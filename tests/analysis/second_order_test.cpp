@@ -67,8 +67,8 @@ TEST(SecondOrder, GainIsWhatADenseOptimumCostsLess) {
   }
 }
 
-// One control reaches four states in four steps; rows pass back through stages that cannot satisfy
-// them.
+// One control reaches four states in four steps; rows are passed back through stages that
+// cannot satisfy them.
 TEST(SecondOrder, GoalsArePassedBackToEarlierControls) {
   const testing::LinearQuadratic lq(4, 4, {1}, 8, -testing::kFree, testing::kFree, 0.9);
   const ShootingProblem problem = testing::with_constraints(

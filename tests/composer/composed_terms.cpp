@@ -162,7 +162,7 @@ Entries TermComposer::running_knots(std::size_t most) {
 }
 
 void TermComposer::add_places(const ResidualDefinition& residual, bool constraint, Entries& keys) {
-  // Constraints at knot 0 must depend on the control.
+  // A constraint at knot 0 is hopeless unless the control of that knot moves it.
   if (random_.chance(constraint && !residual.needs.control ? 0.8 : 0.15)) {
     if (const Entries knots = running_knots(4); !knots.empty()) {
       keys.push_back("knots: " + flow_list(knots));

@@ -125,7 +125,7 @@ TEST_P(SteppingProblem, FeetLandOnTheirPlacesAndStayThere) {
     EXPECT_GE(landings, 1);
     EXPECT_LT(missed, 5e-3) << frame;
     EXPECT_LT(above, 1e-3) << frame;
-    // Fast landings and soles rotate further by the square of a step's angle.
+    // Legs that land fast, and soles, rotate on by the square of a step's angle.
     const bool trots = GetParam().starts_with("quadruped_trot");
     EXPECT_LT(slip, trots ? 1e-3 : 2e-3) << frame;
     EXPECT_GE(height, 0.04) << frame;

@@ -53,7 +53,7 @@ TEST(CostScale, BringsMedianWeightToTheUsualOne) {
 }
 
 TEST(LeastCost, FollowsTheLeastWeight) {
-  // Half of the effort weight counts: the share of a knot.
+  // A knot lasts half a second, so half of the effort weight counts.
   EXPECT_DOUBLE_EQ(least_cost(weighted(2, 1e3)), 1e-12);
   EXPECT_DOUBLE_EQ(least_cost(weighted(2e-3, 1e3)), 1e-15);
   EXPECT_DOUBLE_EQ(least_cost(weighted(2e-3, 1e14)), 1e-10);

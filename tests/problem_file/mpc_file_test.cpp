@@ -162,7 +162,7 @@ constexpr const char* kBarrier =
     "  wall: {residual: state, columns: [\"v/0\"], weight: 1.0e+3,\n"
     "         activation: {kind: quadratic_barrier, lower: -0.5, upper: 0.5}}";
 
-// Windows of a phase begin in the previous phase, where nothing moves; their solver was built
+// Windows of a phase begin in the previous phase, where nothing moves, and use the solver built
 // there.
 TEST(MpcFile, WindowsHaveTheWeightsOfTheirKnots) {
   const auto cost = [](const char* weight) {

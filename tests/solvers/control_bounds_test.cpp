@@ -10,8 +10,8 @@
 namespace conddp::testing {
 namespace {
 
-/// Three coordinates with one control each at two knots: |u| ≤ (1, 2, ∞), or one control in [0.25,
-/// 4].
+/// Three coordinates with one control each at two knots: |u| ≤ (1, 2, ∞) at the first, and
+/// 0.25 ≤ u₀ ≤ 4 and u₁ ≤ 3 at the second.
 ShootingProblem two_knots() {
   const auto system = linear_system(Eigen::Matrix3d::Identity(), Eigen::Matrix3d::Identity(),
                                     Eigen::Vector3d::Zero());
