@@ -142,7 +142,7 @@ TEST(AnswerCheck, AnswersOfAllSolversAreStationary) {
     }
 }
 
-TEST(AnswerCheck, WhatIsNotFiniteHasNoMeasure) {
+TEST(AnswerCheck, NonFiniteNumbersHaveNoMeasure) {
   const ShootingProblem problem = one_step();
   Trajectory trajectory = simulated(problem, 0);
   trajectory.u(0)[0] = std::numeric_limits<double>::quiet_NaN();

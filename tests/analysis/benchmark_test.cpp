@@ -38,7 +38,7 @@ TEST(Benchmark, MeasuresAutomaticChoiceLikeASolver) {
   EXPECT_EQ(run("no_solver").status, "refused");
 }
 
-TEST(Benchmark, WithoutRepetitionTheOneSolveIsTimed) {
+TEST(Benchmark, TimesTheOnlySolveWithoutRepetition) {
   EXPECT_EQ(run("box_ddp", {}, 0).times.size(), 1u);
 }
 
@@ -68,7 +68,7 @@ TEST(Benchmark, DoesNotRepeatSolvesThatTimedOut) {
   EXPECT_EQ(measured.times.size(), 1u);
 }
 
-TEST(Benchmark, RefusalsAndFailuresHaveTheirStatus) {
+TEST(Benchmark, RejectionsAndFailuresHaveTheirStatus) {
   const BenchmarkRun refused = run("fddp");
   EXPECT_EQ(refused.status, "refused");
   EXPECT_NE(refused.message.find("control bounds"), std::string::npos) << refused.message;
@@ -202,7 +202,7 @@ TEST(DataProfile, IsShareSolvedWithinAnEffort) {
 }
 
 // A zero step would change the bits of a quaternion, and the state would count as a different one.
-TEST(Perturbations, AreAnyWhereOneOfTheirSpreadsIs) {
+TEST(Perturbations, ExistIfOneSpreadIsSet) {
   EXPECT_FALSE(Perturbation{}.any());
   EXPECT_TRUE(Perturbation{.initial_state = 0.1}.any());
   EXPECT_TRUE(Perturbation{.guess = 0.1}.any());
@@ -236,7 +236,7 @@ TEST(RandomInstance, MovesInitialStateOnManifoldBySeed) {
   EXPECT_GT(largest, 0.25);
 }
 
-TEST(RandomInstance, LeavesRememberedControlsAlone) {
+TEST(RandomInstance, KeepsRememberedControls) {
   auto model = std::make_shared<KnotModel>(pendulum({}), Integrator::rk4, ControlMemory::previous);
   auto end = std::make_shared<KnotModel>(pendulum({}), Integrator::none, ControlMemory::previous);
   const ShootingProblem problem({0.1, 0.2, 0.7}, {{"all", model, {0.1}, {0.1}, {}}},

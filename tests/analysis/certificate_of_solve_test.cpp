@@ -233,7 +233,7 @@ TEST(PlaceText, NamesKnotsAndTheLastNode) {
   EXPECT_EQ(place_text(problem, 41, "x"), "knot 41 (the last node), x");
 }
 
-TEST(PlaceText, ControlsHaveNamesWhereThereAreAny) {
+TEST(PlaceText, ControlsAreNamedIfNamesExist) {
   const ShootingProblem problem = testing::landing();
   EXPECT_EQ(control_name(problem, 0, 0), "u/hip");
   EXPECT_EQ(control_name(problem, 0, 1), "u/knee");

@@ -33,7 +33,7 @@ TEST(CertificateOfConstraints, HoldsAtAnEqualityWithEitherSign) {
   }
 }
 
-TEST(CertificateOfConstraints, SignsSayAtWhichBound) {
+TEST(CertificateOfConstraints, SignsIdentifyTheBound) {
   const ShootingProblem above = one_step({0}, ConstraintKind::bounds, {1, kFree});
   SolutionClaims claims = claims_of(above, vector({1}), vector({-1}), 0.5);
   EXPECT_EQ(failures(certify(above, claims)), "");
@@ -55,7 +55,7 @@ TEST(CertificateOfConstraints, FindsViolationsAndUnmetBounds) {
   EXPECT_NE(beyond.find("[complementarity]"), std::string::npos) << beyond;
 }
 
-TEST(CertificateOfConstraints, KnowsSecondOrderCones) {
+TEST(CertificateOfConstraints, SupportsSecondOrderCones) {
   const ShootingProblem problem = one_step({1, 0}, ConstraintKind::second_order_cone, {});
   // (0.5, 0.5) is the point of the cone |v| ≤ t nearest to (1, 0).
   const SolutionClaims good = claims_of(problem, vector({0.5, 0.5}), vector({0.5, -0.5}), 0.25);

@@ -156,7 +156,7 @@ TEST(CertificateTolerances, HonestAnswerHoldsForAnyNumbers) {
 }
 
 // At 0, where relative rounding changes nothing.
-TEST(CertificateTolerances, OfFiguresNearZeroAreAbsolute) {
+TEST(CertificateTolerances, AreAbsoluteNearZero) {
   const PlainAnswer answer;
   for (const double sign : {1.0, -1.0}) {
     EXPECT_EQ(answer.failures_off(&SolutionClaims::gap, sign * 0.9e-11), "");
@@ -173,7 +173,7 @@ TEST(CertificateTolerances, OfFiguresNearZeroAreAbsolute) {
 }
 
 // Times match the file almost to the last bit; an error equal to the tolerance is accepted.
-TEST(CertificateTolerances, OfTimesGrowWithTheHorizon) {
+TEST(CertificateTolerances, TimeToleranceGrowsWithTheHorizon) {
   PlainAnswer answer;
   const auto with_start_at = [&](double time) {
     return answer.failures([&](SolutionClaims& claims) { claims.times[0] = time; });
@@ -186,7 +186,7 @@ TEST(CertificateTolerances, OfTimesGrowWithTheHorizon) {
   EXPECT_EQ(with_start_at(-1.1e-9), "[times]");
 }
 
-TEST(CertificateTolerances, OfTheInitialStateGrowWithIt) {
+TEST(CertificateTolerances, InitialStateToleranceGrowsWithTheState) {
   for (const double start : {0.0, 1e4}) {
     const double tolerance = std::max(1e-12, 1e-12 * start);
     for (const int entry : {0, 1})
@@ -206,7 +206,7 @@ TEST(CertificateTolerances, OfTheInitialStateGrowWithIt) {
 
 // States reached by the steps contribute like those of the answer. Rounding of states of size 100
 // may add as much again.
-TEST(CertificateTolerances, OfGapsGrowWithTheLargestState) {
+TEST(CertificateTolerances, GapToleranceGrowsWithTheLargestState) {
   for (const int k : {0, 1}) {
     PlainAnswer at_state, at_next;
     at_state.x[k][1] = 100;
@@ -221,7 +221,7 @@ TEST(CertificateTolerances, OfGapsGrowWithTheLargestState) {
 }
 
 // Costs that cancel round like costs that do not.
-TEST(CertificateTolerances, OfTheCostGrowWithItsTerms) {
+TEST(CertificateTolerances, CostToleranceGrowsWithItsTerms) {
   PlainAnswer answer;
   answer.g[0] << 2, 0;       // costs 2
   answer.w[1] << 0, 4;       // costs 8
@@ -290,7 +290,7 @@ TEST(CertificateTolerances, CostateToleranceGrowsWithItsTermsAndNode) {
 }
 
 // A row of 10³ at its bound with a multiplier of 10⁴.
-TEST(CertificateTolerances, OfConstraintsGrowWithTheirValuesAndMultipliers) {
+TEST(CertificateTolerances, ConstraintToleranceGrowsWithValuesAndMultipliers) {
   for (int k = 0; k <= kKnots; ++k)
     for (const int entry : {0, 1}) {
       PlainAnswer answer;
@@ -362,7 +362,7 @@ TEST(CertificateTolerances, ContainRoundingOfTheAnswersNumbers) {
 }
 
 // Rounding of a row contributes to complementarity in proportion to the largest multiplier.
-TEST(CertificateTolerances, OfComplementarityContainTheRoundingOfRows) {
+TEST(CertificateTolerances, ComplementarityToleranceIncludesRoundingOfRows) {
   PlainAnswer answer;
   answer.x[1][0] = answer.g[1][0] = answer.c[1][0] = 1e6;
   answer.multiplier[2][1] = 10;
@@ -379,7 +379,7 @@ Check check_named(const Certificate& certificate, const std::string& name) {
   return {};
 }
 
-TEST(CertificatePlaces, AreThoseOfTheWorstEntries) {
+TEST(CertificatePlaces, NameTheWorstEntries) {
   for (const int k : {0, 1})
     for (const int entry : {0, 1}) {
       PlainAnswer answer;
@@ -574,7 +574,7 @@ TEST(CertificateStatus, CostSettledNeedsAFeasibleMotion) {
   EXPECT_EQ(with_more(inside, &SolutionClaims::complementarity, 0.5e-10), above);
 }
 
-TEST(Certificate, IsComputableWhereFiguresThatFailAreFinite) {
+TEST(Certificate, IsComputableIfFailedFiguresAreFinite) {
   const double infinity = testing::kFree;
   const auto computable = [](bool holds, double found, double tolerance) {
     Certificate certificate;

@@ -79,7 +79,7 @@ TEST(GridError, FallsByOtherRulesAndShorterSteps) {
   EXPECT_LT(error(Integrator::radau5, 1), 1e-4 * error(std::nullopt, 1));
 }
 
-TEST(CoarseGrid, IsFoundWhereStepsLeaveTheMotion) {
+TEST(CoarseGrid, IsFoundIfStepsLeaveTheMotion) {
   const double z = -10, factor = 1 + z + z * z / 2 + z * z * z / 6 + z * z * z * z / 24;
   Case stiff(-1000, Integrator::rk4, 0.01, 4);
   stiff.multiply(factor);
@@ -92,14 +92,14 @@ TEST(CoarseGrid, IsFoundWhereStepsLeaveTheMotion) {
 }
 
 // Step errors accumulate to a fifth of the motion; feedback removes them.
-TEST(CoarseGrid, IsNoneWhereFeedbackHoldsTheMotion) {
+TEST(CoarseGrid, IsNotFoundIfFeedbackHoldsTheMotion) {
   Case growth(1, Integrator::explicit_euler, 0.3, 4);
   growth.multiply(1.3);
   EXPECT_TRUE(coarse_grid(growth.problem, growth.motion, growth.gains(0)));
   EXPECT_FALSE(coarse_grid(growth.problem, growth.motion, growth.gains(-4)));
 }
 
-TEST(CoarseGrid, IsNoneAtRest) {
+TEST(CoarseGrid, IsNotFoundAtRest) {
   Case rest(-1000, Integrator::rk4, 0.01, 4);
   for (int k = 0; k <= 4; ++k) rest.motion.x(k).setZero();
   EXPECT_FALSE(coarse_grid(rest.problem, rest.motion, rest.gains(0)));

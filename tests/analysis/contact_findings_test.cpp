@@ -129,7 +129,7 @@ TEST(Friction, DoesNotAdviseConesTheFileEnforces) {
 }
 
 // A thousandth of the weight of all three bodies (4 kg) is 0.039 N.
-TEST(Pull, OfAThousandthOfTheWeightSaysNothing) {
+TEST(Pull, IgnoresAThousandthOfTheWeight) {
   const ShootingProblem problem = block_problem({block_phase(block_system({{.name = "grip"}}), 1)});
   Trajectory motion = problem.create_trajectory();
   hold(motion, 0, 0, 0, -0.035);
@@ -224,7 +224,7 @@ TEST(Drift, AdvisesNoKpTowardsAnotherPlace) {
   EXPECT_EQ(later[0].remedy, "a smaller dt with contacts.grip.baumgarte.kd: 1/dt");
 }
 
-TEST(Drift, CountsAlongTheDirectionsThatAreHeld) {
+TEST(Drift, CountsAlongConstrainedDirections) {
   const Contact rest{.name = "rest", .kind = ContactKind::normal};
   EXPECT_TRUE(drift_of(rest, {{0, 0, 0}, {0.1, 0.1, 0}}).empty());
   EXPECT_NEAR(drift_of(rest, {{0, 0, 0}, {0.1, 0.1, -0.01}}).at(0).value, 0.01, 1e-12);

@@ -49,7 +49,7 @@ ContactMotion two_steps(FrictionModel friction = FrictionModel::cone) {
   return motion;
 }
 
-TEST(ContactMeasures, OfPairsAreThoseOfForcesAndGaps) {
+TEST(ContactMeasures, PairMeasuresUseForcesAndGaps) {
   const ContactMeasures found = measure_contacts(two_steps());
   // Ball: 3 N at 2 cm, then −1 N at −5 cm; stop: 0.5 N at 10 cm.
   EXPECT_NEAR(found.complementarity.value, 1, 1e-12);
@@ -69,7 +69,7 @@ TEST(ContactMeasures, OfPairsAreThoseOfForcesAndGaps) {
   EXPECT_EQ(found.between.what, "ball");
 }
 
-TEST(ContactMeasures, OfFrictionCountDryFrictionToo) {
+TEST(ContactMeasures, FrictionMeasuresIncludeDryFriction) {
   ContactMotion motion = two_steps();
   const ContactMeasures found = measure_contacts(motion);
   // The ball slides at (1, 0.1) m/s without friction, although 1.5 N are available.
@@ -89,7 +89,7 @@ TEST(ContactMeasures, OfFrictionCountDryFrictionToo) {
   EXPECT_NEAR(better.dissipation.value, (1 * 0.1 - 0.4 * 0.1) / kAllWeight, 1e-12);
 }
 
-TEST(ContactMeasures, OfPyramidsAreThoseOfTheirTangents) {
+TEST(ContactMeasures, PyramidMeasuresUseTheirTangents) {
   const ContactMeasures found = measure_contacts(two_steps(FrictionModel::polyhedron));
   EXPECT_NEAR(found.slip.value, 1, 1e-12);
   EXPECT_NEAR(found.dissipation.value, 1.5 * 1 / kAllWeight, 1e-12);

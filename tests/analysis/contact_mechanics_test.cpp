@@ -47,7 +47,7 @@ TEST(ContactMechanics, LoadHasDampingAndSmoothFriction) {
   EXPECT_NEAR(with.resistance(0, -1e6), -0.5e6 - 2, 1e-9);
 }
 
-TEST(ContactMechanics, KineticSlopeIsThatOfTheKineticEnergy) {
+TEST(ContactMechanics, KineticSlopeMatchesKineticEnergy) {
   const ContactPlant plant{.robot = random_arm()};
   const int n = plant.nv();
   RandomNumbers random(72);
@@ -114,7 +114,7 @@ class GeometryOfContacts : public ::testing::TestWithParam<bool> {
   std::vector<double> q_;
 };
 
-TEST_P(GeometryOfContacts, IsThatOfTheSolver) {
+TEST_P(GeometryOfContacts, MatchesTheSolver) {
   for (const CandidateCase& c : candidate_cases(*robot_)) {
     SCOPED_TRACE(c.name);
     const ContactPlant plant = plant_of(c);

@@ -40,14 +40,14 @@ TEST(ContactPairs, FrictionStaysWithinNormalImpulseBudget) {
   EXPECT_DOUBLE_EQ(w[0], 0.25);
 }
 
-TEST(ContactPairs, OfAConstantBudgetNeedNoNormal) {
+TEST(ContactPairs, ConstantBudgetNeedsNoNormal) {
   ContactPairs pairs(3, 1);
   pairs.add_friction(row({1}), row({1}), Eigen::VectorXd::Ones(1), {.constant = 0.5});
   EXPECT_DOUBLE_EQ(pairs.value[2], 0.5);
   EXPECT_TRUE(pairs.coupling.row(2).isApprox(row({-1, -1, 0})));
 }
 
-TEST(ContactPairs, SlowestEdgeIsThatOfTheLeastSpeed) {
+TEST(ContactPairs, SlowestEdgeHasTheLeastSpeed) {
   const ContactPairs pairs = contact(Eigen::Vector3d(0, 0.5, -0.75), 0.8);
   EXPECT_EQ(pairs.slowest_edge(5, pairs.value), 3);
   EXPECT_EQ(pairs.slowest_edge(0, pairs.value), std::nullopt);

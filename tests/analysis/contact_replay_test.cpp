@@ -40,7 +40,7 @@ std::vector<Eigen::MatrixXd> gains_of_knots() {
   return gains;
 }
 
-TEST(ContactReplay, OfEachStepBeginsWhereItWasPlanned) {
+TEST(ContactReplay, EachStepBeginsAtThePlan) {
   const ContactReplay replay = replay_contacts(planned_slide(), {}, 2);
   EXPECT_EQ(replay.substeps, 2);
   EXPECT_NEAR(replay.each_step.deviation, 0.03, 1e-12);
@@ -70,7 +70,7 @@ TEST(ContactReplay, ControlsAloneContinueFromSimulatedState) {
   EXPECT_NEAR(replay.each_step.final_state, 0.02, 1e-12);
 }
 
-TEST(ContactReplay, WithFeedbackMovesControlsWithinTheirBounds) {
+TEST(ContactReplay, FeedbackMovesControlsWithinBounds) {
   const ContactMotion motion = planned_slide();
   const ContactReplay replay = replay_contacts(motion, gains_of_knots(), 2);
   ASSERT_TRUE(replay.feedback_fine);
@@ -94,7 +94,7 @@ TEST(ContactReplay, WithFeedbackMovesControlsWithinTheirBounds) {
   EXPECT_NEAR(exact.feedback_fine->final_state, 0, 1e-12);
 }
 
-TEST(ContactReplay, HasNoFeedbackWithoutGainsOfAllKnots) {
+TEST(ContactReplay, NeedsGainsOfAllKnotsForFeedback) {
   const ContactMotion motion = planned_slide();
   EXPECT_FALSE(replay_contacts(motion, {}).feedback_fine);
   EXPECT_FALSE(replay_contacts(motion, std::vector<Eigen::MatrixXd>(3, Eigen::MatrixXd::Zero(3, 7)))
@@ -104,7 +104,7 @@ TEST(ContactReplay, HasNoFeedbackWithoutGainsOfAllKnots) {
   EXPECT_FALSE(replay_contacts(motion, gains).feedback_fine);
 }
 
-TEST(ContactReplay, TellsWhereTheMotionIsLost) {
+TEST(ContactReplay, ReportsWhereTheMotionIsLost) {
   ContactMotion motion = planned_slide();
   motion.u[1][2] = std::nan("");
   const ContactReplay replay = replay_contacts(motion, {}, 2);

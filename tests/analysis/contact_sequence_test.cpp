@@ -6,7 +6,7 @@
 namespace conddp {
 namespace {
 
-TEST(ContactSequence, OfABlockThatFallsSlidesAndStops) {
+TEST(ContactSequence, DescribesABlockThatFallsSlidesAndStops) {
   const ContactMotion motion = thrown_block();
   const auto sequence = contact_sequence(motion);
   ASSERT_EQ(sequence.size(), 2u);
@@ -23,7 +23,7 @@ TEST(ContactSequence, OfABlockThatFallsSlidesAndStops) {
 }
 
 // The landing and a one-step contact do not appear in the schedule, but their forces are reported.
-TEST(ContactSequence, ForcesThatNoContactAccountsForAreTold) {
+TEST(ContactSequence, ReportsForcesOutsideAllContacts) {
   ContactMotion motion = thrown_block();
   const auto sequence = contact_sequence(motion);
   const ContactStretch& flight = sequence[0];
@@ -39,7 +39,7 @@ TEST(ContactSequence, ForcesThatNoContactAccountsForAreTold) {
   EXPECT_EQ(pushed[1].pushes[2].largest, 27);
 }
 
-TEST(ContactSequence, WhatRestsAtTheStartDoesNotLand) {
+TEST(ContactSequence, InitialContactIsNotALanding) {
   ContactMotion motion = thrown_block();
   const int landed = contact_sequence(motion)[1].first;
   for (auto* list : {&motion.q, &motion.v}) list->erase(list->begin(), list->begin() + landed);

@@ -212,7 +212,7 @@ TEST(ContactSimulator, HighFrictionTipsTheBlock) {
   EXPECT_NEAR(start.v[2], 0.1 * slope, 0.01 * slope);
 }
 
-TEST(ContactSimulator, CopiesOfContactsChangeNothing) {
+TEST(ContactSimulator, DuplicateContactsChangeNothing) {
   ContactPlant plant = block_on_slope(0.5, std::atan(0.6));
   const auto once = plant.contacts.candidates;
   for (int copy = 0; copy < 3; ++copy)

@@ -183,7 +183,7 @@ TEST(DerivativeCheck, NamesAColumnMissingFromTheStructure) {
   EXPECT_EQ(c.analytic, 0);
 }
 
-TEST(DerivativeCheck, WhatIsNotFiniteIsWrong) {
+TEST(DerivativeCheck, NonFiniteDerivativesAreWrong) {
   EXPECT_EQ(find(check_with(Mistake::kNotFinite), DerivativeKind::residual).error,
             std::numeric_limits<double>::infinity());
 }
@@ -548,7 +548,7 @@ TEST(DerivativeCheck, NamesPlaceOfWrongSecondDerivative) {
 }
 
 // If any function claims a Hessian, all are compared; otherwise none.
-TEST(DerivativeCheck, HessiansAreComparedWhereAnyFunctionClaimsOne) {
+TEST(DerivativeCheck, ComparesHessiansIfOneFunctionClaimsOne) {
   const auto plain = linear_system(Eigen::Matrix2d::Identity(), Eigen::Matrix2d::Identity(),
                                    Eigen::Vector2d::Zero());
   const auto claiming = std::make_shared<ClaimedSystem>(0.2);

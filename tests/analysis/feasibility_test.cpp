@@ -46,7 +46,7 @@ Feasibility feasibility_of(const ShootingProblem& problem, const std::vector<dou
   return measure_feasibility(problem, claims, numbers(values));
 }
 
-TEST(Feasibility, OfRowsIsTheDistanceFromTheirBounds) {
+TEST(Feasibility, RowViolationIsDistanceFromBounds) {
   const ShootingProblem problem =
       one_step_of(3, ConstraintKind::bounds, {0, -kOpenEnd, 1, 2, 3, 1});
   EXPECT_EQ(feasibility_of(problem, {1, 2, 1}, {0, 0, 0}).violation.value, 0);
@@ -90,7 +90,7 @@ TEST(Feasibility, ViolatedSoftRowsHaveMultipliersAtLimit) {
   EXPECT_EQ(feasibility_of(problem, {1, 2}, {0, 5}).negative.value, 0);
 }
 
-TEST(Feasibility, OfConesIsTheDistanceFromThem) {
+TEST(Feasibility, ConeViolationIsDistanceFromTheCone) {
   const ShootingProblem problem = one_step_of(3, ConstraintKind::second_order_cone, {});
   EXPECT_EQ(feasibility_of(problem, {3, 4, 5}, {0, 0, 0}).violation.value, 0);
   EXPECT_NEAR(feasibility_of(problem, {3, 4, 3}, {0, 0, 0}).violation.value, std::sqrt(0.5) * 2,
@@ -122,7 +122,7 @@ TEST(Feasibility, SoftConesPayTheirLimitTimesTheDistance) {
               1e-14);
 }
 
-TEST(Feasibility, OfPairsIsTheirSmallerOne) {
+TEST(Feasibility, PairViolationIsTheSmallerValue) {
   const ShootingProblem problem = one_step_of(4, ConstraintKind::complementarity, {});
   const Feasibility found = feasibility_of(problem, {0.5, 0, -0.125, 3}, {0, 7, 8, 0});
   EXPECT_NEAR(found.violation.value, 0.125, 1e-15);
@@ -135,7 +135,7 @@ TEST(Feasibility, OfPairsIsTheirSmallerOne) {
   EXPECT_NEAR(feasibility_of(problem, {0.25, 0.25, 0, 0}, {2, 3, 0, 0}).product.value, 0.75, 1e-15);
 }
 
-TEST(Feasibility, OfControlsIsWithEachOfTheirBounds) {
+TEST(Feasibility, ControlViolationUsesBothBounds) {
   const ShootingProblem problem =
       one_step_of(2, ConstraintKind::bounds, {-kOpenEnd, -kOpenEnd, kOpenEnd, kOpenEnd}, 0,
                   {-1, -kOpenEnd}, {3, 2});

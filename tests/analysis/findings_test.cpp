@@ -29,7 +29,7 @@ bool tells(const Finding& finding, const std::string& text) {
   return (finding.message + " | " + finding.remedy).find(text) != std::string::npos;
 }
 
-TEST(LimitsOfJoints, AreBeyondMostWhereTheFindingSays) {
+TEST(LimitsOfJoints, ViolationIsLargestWhereReported) {
   const ShootingProblem problem = block_problem({block_phase(block_system(), 4)});
   Trajectory motion = problem.create_trajectory();
   motion.x(1)[0] = -0.6;
@@ -58,7 +58,7 @@ TEST(LimitsOfJoints, AreBeyondMostWhereTheFindingSays) {
   EXPECT_NEAR(velocities[0].time, 0.4, 1e-12);
 }
 
-TEST(LimitsOfJoints, ThatTheFileBoundsAreNotAdvisedAgain) {
+TEST(LimitsOfJoints, DoesNotAdviseLimitsTheFileBounds) {
   const ShootingProblem problem = block_problem({block_phase(block_system(), 2)});
   Trajectory motion = problem.create_trajectory();
   motion.x(1)[0] = 0.75;
@@ -494,9 +494,9 @@ TEST(Efforts, SkipInstantaneousKnots) {
   EXPECT_EQ(found[0].knot, 0);
 }
 
-/// Five knots of a mass on a line; only the second has narrow bounds on a row. On the way to the
-/// third node, where the mass is at 4, the violation is 2. `instant`: the narrow knot takes no
-/// time.
+/// Five knots of a mass on a line; only the second has narrow bounds on a row. Between it and
+/// the third node, where the mass is at 4, the violation reaches 2. `instant`: the narrow knot
+/// takes no time.
 std::vector<Finding> between_narrow_and_wide(const std::shared_ptr<const Residual>& row,
                                              Softness softness, double lower,
                                              ControlMemory memory = ControlMemory::none,
@@ -679,7 +679,7 @@ TEST(Tables, ReportsLookupsBeyondEitherEnd) {
   EXPECT_EQ(TablesOnTheWay{}.found({0, 3 + 4.1e-6, -1 - 4.1e-6, 3, -1, 0, 0}).size(), 2u);
 }
 
-TEST(Tables, CountWhereTheirCostOrConstraintDoes) {
+TEST(Tables, CountOnlyWithTheirCostOrConstraint) {
   const TablesOnTheWay some{.cost_at = {1, 6}, .constraint_at = {2, 6}};
   const auto subjects = [&](int node) {
     std::vector<double> places(7, 0.0);

@@ -72,7 +72,7 @@ TEST(FreeControl, IsFirstOfFirstKnotWithDuration) {
   EXPECT_EQ(pushes.found(), name_of(pushes, 0) + " in phase1 1");
 }
 
-TEST(FreeControl, HasNoBoundOnEitherSide) {
+TEST(FreeControl, IsUnboundedOnBothSides) {
   for (const int control : {0, 1}) {
     Pushes pushes;
     pushes.bound(control, -testing::kFree, testing::kFree);

@@ -94,7 +94,7 @@ struct OpenTrajectory {
 constexpr RegularizationKind kProximal = RegularizationKind::proximal;
 constexpr RegularizationKind kControl = RegularizationKind::control;
 
-TEST(GainsOfASweep, AreThoseOfTheTextbookWithEitherRegularization) {
+TEST(GainsOfASweep, MatchTextbookWithEitherRegularization) {
   for (unsigned seed = 1; seed <= 6; ++seed) {
     const OpenTrajectory at(seed);
     for (const auto& [mu, kind] : {std::pair{0.0, kProximal}, {0.8, kProximal}, {0.8, kControl}}) {
@@ -130,7 +130,7 @@ TEST(GainsOfASweep, AreComparedEntryByEntry) {
     }
 }
 
-TEST(GainsOfThePolicy, AreThoseOfTheTextbookWithoutRegularization) {
+TEST(GainsOfThePolicy, MatchTextbookWithoutRegularization) {
   for (unsigned seed = 1; seed <= 6; ++seed) {
     const OpenTrajectory at(seed);
     const TextbookSweep sweep(at.lq, at.t, at.gap);
@@ -494,7 +494,7 @@ TEST(RiccatiPolicy, ExcludesControlsAtTheirBounds) {
   }
 }
 
-TEST(RiccatiPolicy, SaysWhereAStageHasNoMinimum) {
+TEST(RiccatiPolicy, ReportsStagesWithoutAMinimum) {
   const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(1, 1);
   const ShootingProblem problem =
       testing::tracking_problem(linear_system(one, one, Eigen::VectorXd::Zero(1)),

@@ -66,7 +66,7 @@ TEST(MissingTorque, MatchesKneeTorqueOfBentLeg) {
 }
 
 // Models a leaf spring or a closed-chain rod that the file describes as a passive joint.
-TEST(MissingTorque, IsThatOfAJointThatNothingDrives) {
+TEST(MissingTorque, CoversUndrivenJoints) {
   for (const double limit : {testing::kFree, 90.0}) {
     const auto loose = missing_torque(problem_of({.motors = {"hip"}, .limit = limit}));
     ASSERT_TRUE(loose);

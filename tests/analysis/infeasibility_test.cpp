@@ -43,7 +43,7 @@ double share(const ShootingProblem& problem, const Eigen::Vector2d& u,
   return attainable_share(problem, trajectory, derivatives, values);
 }
 
-TEST(AttainableShare, OfAStepIsThatByHand) {
+TEST(AttainableShare, MatchesAStepByHand) {
   // d = (−3, −4) with direction (−0.6, −0.8): both controls can move up by 1.
   EXPECT_NEAR(share(step_to({3, 4}, 1), {0, 0}, {-3, -4}), (0.6 + 0.8) / 5, 1e-14);
   // At their bounds, controls cannot move.
@@ -79,7 +79,7 @@ TEST(AttainableShare, IsIndependentOfControlUnits) {
   EXPECT_EQ(share_of_free_step({0, 0}), 0);
 }
 
-TEST(AttainableShare, OfAConeIsAlongItsDistance) {
+TEST(AttainableShare, ConeShareIsAlongItsDistance) {
   // The point of the cone nearest to (3, −1) is (1, 1): d = (2, −2).
   EXPECT_NEAR(share(step_to({-3, 1}, 1, true), {0, 0}, {3, -1}), (2 + 2) / 8.0, 1e-14);
   // Below the polar cone, the tip is nearest.
@@ -144,7 +144,7 @@ double share_of_rows(ConstraintKind kind, const std::vector<double>& bounds,
 }
 
 // Each control can decrease to −4 where a row is above, and increase to 8 where it is below.
-TEST(AttainableShare, CountsRowsThatAreOutsideAndHardOnes) {
+TEST(AttainableShare, CountsViolatedHardRows) {
   const std::vector<double> bounds = {-1, -1, -1, 1, 2, 3};
   EXPECT_NEAR(share_of_rows(ConstraintKind::bounds, bounds, Eigen::Vector3d(0.5, 2, 5)),
               2 * 4 / 4.0, 1e-14);
@@ -152,7 +152,7 @@ TEST(AttainableShare, CountsRowsThatAreOutsideAndHardOnes) {
               (3 * 8 + 0.5 * 4) / 9.25, 1e-14);
 }
 
-TEST(AttainableShare, OfPairsIsAlongTheSmallerOnes) {
+TEST(AttainableShare, PairShareIsAlongTheSmallerValue) {
   EXPECT_NEAR(share_of_rows(ConstraintKind::complementarity, {}, Eigen::Vector4d(3, 1, -2, 0.5)),
               (1 * 4 + 2 * 8) / 5.0, 1e-14);
   EXPECT_NEAR(share_of_rows(ConstraintKind::complementarity, {}, Eigen::Vector4d(0.5, 0.5, 0, 7)),

@@ -137,7 +137,7 @@ TEST(Replay, PlanGridReproducesThePlan) {
   EXPECT_GE(finer.feedback.knot, 0);
 }
 
-TEST(Replay, SaysWhereTheMotionIsLost) {
+TEST(Replay, ReportsWhereTheMotionIsLost) {
   const ShootingProblem problem = testing::cartpole_swing_up();
   Trajectory wild = problem.create_trajectory();
   wild.u(3).setConstant(1e300);

@@ -44,7 +44,7 @@ TEST(LinearComplementarity, RedundantRowsDoNotCycle) {
   }
 }
 
-TEST(LinearComplementarity, SaysWhereThereIsNoSolution) {
+TEST(LinearComplementarity, ReportsProblemsWithoutSolution) {
   // w = −z − 1 is never positive.
   EXPECT_FALSE(solve_lcp(-Eigen::MatrixXd::Identity(1, 1), -Eigen::VectorXd::Ones(1)));
   EXPECT_FALSE(solve_lcp(Eigen::MatrixXd::Zero(2, 2), -Eigen::VectorXd::Ones(2)));
@@ -62,7 +62,7 @@ TEST(LinearComplementarity, NonFiniteInputHasNoSolution) {
   EXPECT_EQ(none->size(), 0);
 }
 
-TEST(LinearComplementarity, WhatNeedsNoImpulseGetsNone) {
+TEST(LinearComplementarity, UnneededImpulsesAreZero) {
   const auto z = solve_lcp(-Eigen::MatrixXd::Identity(2, 2), Eigen::Vector2d(0, 3));
   ASSERT_TRUE(z);
   EXPECT_EQ(*z, Eigen::VectorXd::Zero(2));

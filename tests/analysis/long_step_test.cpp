@@ -62,7 +62,7 @@ ShootingProblem spring(double stiffness, double damping, double dt) {
 }
 
 // Semi-implicit Euler is stable for h² k < 4 − 2 h d.
-TEST(LongStep, OfSemiImplicitEulerAlternates) {
+TEST(LongStep, SemiImplicitEulerAlternates) {
   EXPECT_FALSE(step_of(spring(390, 0, 0.1)));
   EXPECT_FALSE(step_of(spring(190, 10, 0.1)));
   EXPECT_FALSE(step_of(spring(-1000, 0, 0.1)));  // unstable in continuous time too
@@ -89,7 +89,7 @@ TEST(LongStep, AllowsGrowthOfUnstableSystems) {
   EXPECT_FALSE(step_of(decay(-50, Integrator::rk4, 0.1)));
 }
 
-TEST(LongStep, IsNoneWhereDerivativesAreNotFinite) {
+TEST(LongStep, IsNotFoundForNonFiniteDerivatives) {
   EXPECT_FALSE(step_of(decay(std::numeric_limits<double>::quiet_NaN(), Integrator::rk4, 0.1)));
 }
 

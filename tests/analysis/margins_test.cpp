@@ -63,7 +63,7 @@ TEST(Margins, ControlVarianceIncludesStateAndMeasurementNoise) {
   EXPECT_NEAR(curves[1].nodes.front().distance, 2.25, 1e-15);
 }
 
-TEST(Margins, ProbabilitiesAreThoseOfTheNormalLaw) {
+TEST(Margins, ProbabilitiesFollowTheNormalLaw) {
   // Abramowitz and Stegun, table 26.1.
   const auto of = [](double steps) { return Margin{.distance = steps, .sigma = 1}.probability(); };
   EXPECT_NEAR(of(0), 0.5, 1e-15);
@@ -197,7 +197,7 @@ TEST(Margins, NoiseWithNonFiniteSquareIsAnError) {
                  std::overflow_error);
 }
 
-TEST(Margins, AControlWithoutGainsHasNone) {
+TEST(Margins, ControlsWithoutGainsHaveNoMargin) {
   const ShootingProblem problem = scalar_problem();
   const std::vector<Eigen::MatrixXd> held(3, Eigen::MatrixXd::Zero(1, 1));
   EXPECT_TRUE(

@@ -40,7 +40,7 @@ std::vector<Eigen::MatrixXd> position_gains(int knots, double position = 0, doub
 }
 
 // 0.1 s at 1 m/s² in n steps moves 0.01 (n + 1) / (2 n) m: 10 mm in one step, 7.5 mm in two.
-TEST(Replay, InFinerStepsGoesWhereTheyLead) {
+TEST(Replay, FollowsFinerSteps) {
   const ShootingProblem problem = block_problem({block_phase(block_system(), 3)});
   const Trajectory motion = pushed_along_x(problem, {4, 0, -4});
   const Replay found = replay(problem, motion, position_gains(3), 2);
@@ -131,7 +131,7 @@ TEST(Replay, FindsLimitsOfJointsWithinSteps) {
   EXPECT_FALSE(found.broken[0].between);
 }
 
-TEST(Replay, FindsLimitsThatAreBrokenBetweenKnotsAlone) {
+TEST(Replay, FindsLimitsViolatedOnlyBetweenKnots) {
   std::vector<double> start = {0.46, 0, 0, 1, 0, 0};
   const auto system = block_system();
   auto phase = block_phase(system, 2);
@@ -186,7 +186,7 @@ TEST(Replay, FindsPullingContacts) {
   EXPECT_NEAR(found.broken[0].time, 0.1, 1e-12);
 }
 
-TEST(Replay, SaysWhereAMotionIsLost) {
+TEST(Replay, ReportsWhereAMotionIsLost) {
   const ShootingProblem problem = block_problem({block_phase(block_system(), 3)});
   Trajectory motion = pushed_along_x(problem, {0, 0, 0});
   motion.x(2)[0] = 10;
@@ -338,7 +338,7 @@ TEST(Replay, CollocationSolvesForStepSlopes) {
 }
 
 // Slopes of 10⁹ are accurate to rounding.
-TEST(Replay, OfACollocationFindsLargeSlopes) {
+TEST(Replay, FindsLargeCollocationSlopes) {
   const auto fast =
       expression_system({.kind = SystemKind::first_order,
                          .states = {{"x"}, {"y"}},

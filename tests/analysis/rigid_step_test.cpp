@@ -33,7 +33,7 @@ class RigidStep : public ::testing::TestWithParam<double> {
   std::vector<double> q_, d_;
 };
 
-TEST_P(RigidStep, IsThatOfTheStateManifold) {
+TEST_P(RigidStep, MatchesTheStateManifold) {
   std::vector<double> state(system_->nx());
   system_->manifold().integrate(q_.data(), d_.data(), state.data());
   const std::vector<double> q = moved(d_);

@@ -117,7 +117,7 @@ TEST(SecondOrder, GoalBelowItsToleranceIsNoAnswer) {
 }
 
 // An interior point leaves a small multiplier at every bound.
-TEST(SecondOrder, MultipliersFarFromTheirBoundsHoldNothing) {
+TEST(SecondOrder, IgnoresMultipliersFarFromTheirBounds) {
   const ShootingProblem problem =
       testing::one_step({0.3, 5}, ConstraintKind::bounds, {-5, -5, 1, 1});
   const double left = 1e-5;

@@ -42,7 +42,7 @@ struct LoopBlock {
 };
 
 // From 0.3 m above the ground, far from contact, into it within one step.
-TEST(SimulatedContacts, StepsAreThoseOfAllCandidates) {
+TEST(SimulatedContacts, StepsMatchTheFullSimulator) {
   LoopBlock block;
   block.x = {0.1, 0.8, 0.1, 1, -4, 0.5, 0};
   std::set<std::uint32_t> seen = {block.step(0.02, 0.5)};
@@ -65,7 +65,7 @@ TEST(SimulatedContacts, TiltedBlockLandsOneCornerFirst) {
   }
 }
 
-TEST(SimulatedContacts, StandOnWhatIsClosedAlone) {
+TEST(SimulatedContacts, UseOnlyClosedContacts) {
   LoopBlock block;
   EXPECT_EQ(block.step(0.01, 1), 1u << 3 | 1u << 0);
   block.x[1] = 0.55;  // near, but in the air
@@ -73,7 +73,7 @@ TEST(SimulatedContacts, StandOnWhatIsClosedAlone) {
   EXPECT_EQ(block.step(0.01, 1), 0u);
 }
 
-TEST(SimulatedContacts, HaveTheForcesThatCarryWhatStands) {
+TEST(SimulatedContacts, ForcesCarryTheWeight) {
   LoopBlock block;
   block.step(0.01, 1);
   const std::span<const double> forces = block.contacts.contact_forces();

@@ -7,7 +7,7 @@ namespace {
 
 using Eigen::MatrixXd;
 
-TEST(SmallProducts, AreThoseOfEigenForAllSizes) {
+TEST(SmallProducts, MatchEigenForAllSizes) {
   std::srand(1);
   MatrixXd product;
   for (const int rows : {0, 1, 2, 3, 4, 7, 8, 9, 14, 16, 37})

@@ -131,7 +131,7 @@ TEST(SolutionComparison, IgnoresSlipSpeedsWithoutForce) {
     EXPECT_NE(first(with(force, 0.0), with(force, 0.1)), "") << force;
 }
 
-TEST(SolutionComparison, MissingNumbersAgreeWithNothing) {
+TEST(SolutionComparison, MissingNumbersMatchNothing) {
   for (const int column : {2, 4}) {  // of a rotation and of a number
     Json good = solution();
     good["trajectory"]["t"] = {0.0, 0.1, 0.2};
@@ -161,7 +161,7 @@ TEST(SolutionComparison, TimesAgreeToABillionth) {
   EXPECT_EQ(first(a, b), "trajectory");
 }
 
-TEST(SolutionComparison, NamesWhatDiffersAndWhere) {
+TEST(SolutionComparison, NamesDifferencesAndTheirPlaces) {
   const auto changed = [](auto change) {
     Json other = solution();
     change(other);
@@ -186,7 +186,7 @@ TEST(SolutionComparison, NamesWhatDiffersAndWhere) {
   EXPECT_EQ(changed([](Json& j) { j.erase("trajectory"); }), "document");
 }
 
-TEST(SolutionComparison, DocumentsOfAnotherShapeAreRefused) {
+TEST(SolutionComparison, RejectsDocumentsOfAnotherShape) {
   const auto defect = [](auto change) {
     Json other = solution();
     change(other);

@@ -26,7 +26,7 @@ struct Kind {
   FrictionModel friction;
 };
 
-TEST(SteppingEquations, AreThoseOfTheSolver) {
+TEST(SteppingEquations, MatchTheSolver) {
   constexpr auto kEuler = SteppingScheme::backward_euler;
   constexpr auto kMidpoint = SteppingScheme::variational_midpoint;
   constexpr auto kPyramid = FrictionModel::polyhedron;
@@ -76,7 +76,7 @@ TEST(SteppingEquations, AreThoseOfTheSolver) {
 
 /// Block on slides, masses of 4, 3, and 2 kg. The midpoint scheme has M (v⁺ − v) + h (damping of
 /// the mean velocity + weight − applied); the other scheme has the full damping at the end.
-TEST(SteppingEquations, OfMidpointsHaveTheMeanOfBothResistances) {
+TEST(SteppingEquations, MidpointsAverageBothResistances) {
   ContactPlant plant{.robot = testing::block_on_slides()};
   plant.damping = {2, 3, 5};
   const Eigen::Vector3d mass(4, 3, 2), damping(2, 3, 5), weight(0, 0, 2 * 9.81);
@@ -98,7 +98,7 @@ TEST(SteppingEquations, OfMidpointsHaveTheMeanOfBothResistances) {
   }
 }
 
-TEST(ImpulseScale, IsThatOfTheWeight) {
+TEST(ImpulseScale, MatchesTheWeight) {
   const auto robot = std::make_shared<RobotModel>(random_robot(7, {.joints = 3}));
   robot->gravity = {0.3, 0, -0.4};
   ContactPlant plant{.robot = robot};
@@ -109,7 +109,7 @@ TEST(ImpulseScale, IsThatOfTheWeight) {
   EXPECT_NEAR(impulse_scale(plant, 1), 9.81e-9, 1e-20);
 }
 
-TEST(StepForces, AreFiniteWhereAllOfThemAre) {
+TEST(StepForces, AreFiniteIfAllPartsAre) {
   const auto system = stepping_robot(false);
   const StepForces zero(system->contacts());
   EXPECT_TRUE(zero.finite());

@@ -115,7 +115,7 @@ TEST(TerminalIngredients, NamesForceThatBoundsExclude) {
       "the control that holds the state exceeds its bounds: 'u/0' is 1.5, and may be -0.5 to 1");
 }
 
-TEST(TerminalIngredients, AStateThatNothingHoldsIsNoEquilibrium) {
+TEST(TerminalIngredients, UnsupportedStateIsNoEquilibrium) {
   const Phase phase = mass_stage(pushed_mass(1), {-1}, {1});
   const TerminalResult found =
       find_terminal_ingredients({phase, 0, {0, 2}, Eigen::VectorXd::Zero(1)}, {"place", "speed"});
@@ -225,7 +225,7 @@ TEST(TerminalIngredients, UseTangentSpaceOfTheContacts) {
 }
 
 // u + u²/2 = 3/2 at u = 1: Newton steps of the control continue while they make progress.
-TEST(TerminalIngredients, AreFoundWhereTheControlActsNonlinearly) {
+TEST(TerminalIngredients, SupportNonlinearControlEffects) {
   const auto system = expression_system({.kind = SystemKind::first_order,
                                          .states = {{"x"}},
                                          .controls = {{"u", "1"}},
@@ -360,7 +360,7 @@ TEST(TerminalConditions, UnboundedSetsAreSampledWithinATenth) {
               0.01 / inverse.diagonal().maxCoeff(), 1e-14);
 }
 
-TEST(TerminalConditions, OfTheEquilibriumAloneAreItsConstraints) {
+TEST(TerminalConditions, EquilibriumSetChecksItsConstraints) {
   const auto state = coordinate_residual(StateManifold::flat(1), {0});
   const TerminalConditions off = ScalarStage({interval(state, 0.1, 1)}).at(0);
   ASSERT_EQ(off.conditions.size(), 2u);
@@ -375,7 +375,7 @@ TEST(TerminalConditions, OfTheEquilibriumAloneAreItsConstraints) {
 }
 
 // The second state costs nothing and is not sampled; without any cost the set is empty.
-TEST(TerminalConditions, LeaveDirectionsThatCostNothingAlone) {
+TEST(TerminalConditions, IgnoreCostlessDirections) {
   const auto second = coordinate_residual(StateManifold::flat(2), {1});
   const auto system = linear_system(Eigen::Vector2d(0.5, 0.9).asDiagonal().toDenseMatrix(),
                                     Eigen::Matrix2d{{0.5, 0}, {0, 0.5}}, Eigen::Vector2d::Zero());

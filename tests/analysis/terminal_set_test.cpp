@@ -99,7 +99,7 @@ TEST(TerminalSet, IgnoresSoftDisabledAndUnboundedConstraints) {
   EXPECT_EQ(mass.set.level, kNoBound);
 }
 
-TEST(TerminalSet, IsEmptyWhereTheEquilibriumViolatesAConstraint) {
+TEST(TerminalSet, IsEmptyIfTheEquilibriumViolatesAConstraint) {
   const auto speed = coordinate_residual(StateManifold::flat(2), {1});
   const ConstrainedMass mass(
       {{make_constraint("fast", speed, ConstraintKind::bounds), {0, 0.1, 0.4, 1}}});

@@ -38,7 +38,7 @@ TEST_F(AtomicFile, FilesAppearOnCommit) {
   EXPECT_EQ(count(), 2);
 }
 
-TEST_F(AtomicFile, NothingStaysWithoutCommit) {
+TEST_F(AtomicFile, NothingRemainsWithoutCommit) {
   std::ofstream(folder_ / "a") << "former";
   {
     AtomicFiles files;
@@ -118,7 +118,7 @@ TEST_F(AtomicFile, IgnoresPipesNamedLikeLeftovers) {
   EXPECT_TRUE(std::filesystem::is_fifo(folder_ / ".a.new.1.tmp"));
 }
 
-TEST_F(AtomicFile, WhatIsNoRegularFileIsNotReplaced) {
+TEST_F(AtomicFile, ReplacesRegularFilesOnly) {
   ASSERT_EQ(mkfifo((folder_ / "pipe").c_str(), 0600), 0);
   const int socket = ::socket(AF_UNIX, SOCK_STREAM, 0);
   sockaddr_un address{.sun_family = AF_UNIX, .sun_path = {}};

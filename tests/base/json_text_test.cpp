@@ -58,7 +58,7 @@ TEST(JsonText, NumbersOfAnySizeSurviveARoundTrip) {
   }
 }
 
-TEST(JsonText, CompactTextIsThatOfTheJsonLibrary) {
+TEST(JsonText, CompactTextMatchesTheJsonLibrary) {
   const OrderedJson value = {{"whole", {1, -2, 18446744073709551615u}},
                              {"empty list", OrderedJson::array()},
                              {"empty object", OrderedJson::object()},

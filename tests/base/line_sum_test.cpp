@@ -5,7 +5,7 @@
 namespace conddp {
 namespace {
 
-TEST(LineSum, IsTakenOffWhereItFits) {
+TEST(LineSum, IsRemovedIfItMatches) {
   const std::string line = R"({"id":"a","n":1})", summed = with_sum(line);
   EXPECT_TRUE(has_sum(summed));
   EXPECT_EQ(summed.substr(0, 8), R"({"sum":")");

@@ -14,7 +14,7 @@ namespace {
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
-TEST(NumberBlock, StandsForAListOrATable) {
+TEST(NumberBlock, RepresentsAListOrATable) {
   const std::vector<double> numbers = {1, -0.1, kInfinite, kNone, 1e-300, 7};
   OrderedJson document = {
       {"list", number_block(numbers)},
@@ -28,7 +28,7 @@ TEST(NumberBlock, StandsForAListOrATable) {
   EXPECT_EQ(with_lists(unpacked_document(packed_document(document))), lists);
 }
 
-TEST(NumberBlock, SaysHowManyEntriesAndColumnsItHas) {
+TEST(NumberBlock, ReportsEntriesAndColumns) {
   const std::vector<double> numbers = {1, 2, 3, 4, 5, 6};
   const OrderedJson list = number_block(numbers), table = number_block(2, 3, numbers);
   EXPECT_EQ(entries_of(list), 6u);

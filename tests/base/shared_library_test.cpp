@@ -13,7 +13,7 @@ TEST(SharedLibrary, LoadsTheFirstFileThatExists) {
   EXPECT_NEAR(cube_root(27), 3, 1e-15);
 }
 
-TEST(SharedLibrary, SaysWhatIsMissingAndWhy) {
+TEST(SharedLibrary, ReportsWhatIsMissingAndWhy) {
   const auto message = [](const auto& load) -> std::string {
     try {
       load();

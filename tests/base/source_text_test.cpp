@@ -38,7 +38,7 @@ TEST_F(ReadText, DropsAByteOrderMark) {
                           "a: 1\n"));
 }
 
-TEST_F(ReadText, SaysWhatIsWrongWithAFile) {
+TEST_F(ReadText, ReportsErrorsOfAFile) {
   EXPECT_NE(error(folder_ / "absent").find("does not exist"), std::string::npos);
   EXPECT_NE(error(folder_).find("is a folder"), std::string::npos);
   EXPECT_NE(error("/dev/zero").find("not a regular file"), std::string::npos);

@@ -9,7 +9,7 @@ using Names = std::vector<std::string>;
 
 // The optimal string alignment distance: insertions, deletions, substitutions and swaps of
 // neighbours.
-TEST(EditDistance, IsThatOfTextbooks) {
+TEST(EditDistance, MatchesTextbooks) {
   EXPECT_EQ(edit_distance("", ""), 0);
   EXPECT_EQ(edit_distance("", "abc"), 3);
   EXPECT_EQ(edit_distance("abc", ""), 3);
@@ -55,7 +55,7 @@ TEST(NearNames, TheNearestThreeComeFirst) {
             (Names{"abcde", "abcdefg", "abcdf"}));
 }
 
-TEST(NearNames, OfVeryLongOnesAreNotLookedFor) {
+TEST(NearNames, SkipVeryLongNames) {
   const std::string longest(128, 'a'), longer(129, 'a');
   EXPECT_EQ(similar_names(longest, {longest, longer}), (Names{longest}));
   EXPECT_EQ(similar_names(longer, {longest, longer}), Names{});

@@ -16,14 +16,14 @@ TEST(StrictNumber, ReadsDecimalNotation) {
   EXPECT_EQ(parse_number("1.7976931348623157e308").value, std::numeric_limits<double>::max());
 }
 
-TEST(StrictNumber, RefusesWhatYamlLibrariesLetPass) {
+TEST(StrictNumber, RejectsWhatYamlLibrariesAccept) {
   for (const char* text : {"",       "-",    "+",     "abc",  "0x10", "010", "-010",     "1e400",
                            "1e-400", ".inf", "-.inf", ".nan", "inf",  "nan", "infinity", "1_000",
                            "1,5",    "1.5x", "1 2",   "--1",  "+-1",  " 1"})
     EXPECT_FALSE(parse_number(text).value) << "'" << text << "'";
 }
 
-TEST(StrictNumber, SaysWhy) {
+TEST(StrictNumber, ExplainsRejections) {
   EXPECT_EQ(parse_number("010").defect, "'010' has a leading zero");
   EXPECT_EQ(parse_number("1e999").defect, "'1e999' is out of range");
   EXPECT_EQ(parse_number(".inf").defect, "'.inf' is not finite");

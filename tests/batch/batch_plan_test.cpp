@@ -186,7 +186,7 @@ struct BadPlan {
 
 class BadPlans : public testing::TestWithParam<BadPlan> {};
 
-TEST_P(BadPlans, AreReportedWhereTheyAreWrong) {
+TEST_P(BadPlans, AreReportedAtTheirPlaces) {
   PlannedBatch batch(GetParam().rest);
   batch.folder.write("goals.csv", "angle,w\n1,0.5\nx,0.5\n2\n");
   batch.plan_again();
@@ -388,7 +388,7 @@ TEST(RunFolder, AllowsReshardingButNoOtherPlanOrBuild) {
       << written(manifest);
 }
 
-TEST(RunFolder, LeavesAPlanOfTheUserAlone) {
+TEST(RunFolder, KeepsAPlanOfTheUser) {
   const PlannedBatch batch("vary: {w: {key: costs.effort.weight, values: [1, 2]}}\n");
   std::filesystem::create_directory(batch.folder.path() / "run");
   const auto file = batch.folder.write("run/plan.yaml", "mine\n");
@@ -403,7 +403,7 @@ TEST(RunFolder, LeavesAPlanOfTheUserAlone) {
   EXPECT_EQ(text, "mine");
 }
 
-TEST(Manifest, WhoseHeadContradictsItselfIsDamaged) {
+TEST(Manifest, RejectsInconsistentHeads) {
   const PlannedBatch batch("vary: {w: {key: costs.effort.weight, values: [1, 2]}}\n");
   const std::string head = manifest_head(*batch.manifest);
   for (const auto& [good, bad] :
@@ -421,7 +421,7 @@ TEST(Manifest, WhoseHeadContradictsItselfIsDamaged) {
   }
 }
 
-TEST(Manifest, WhoseLinesWereEditedIsDamaged) {
+TEST(Manifest, RejectsEditedLines) {
   const PlannedBatch batch("vary: {w: {key: costs.effort.weight, values: [1, 2]}}\n");
   const auto run = batch.folder.path() / "run";
   Diagnostics out;
@@ -611,7 +611,7 @@ mpc: {horizon: 0.5, tick: 0.1, duration: 0.5, plant: {set: {robot.urdf: plant.ur
   EXPECT_NE(identity_of(file), first);
 }
 
-TEST(BatchPlan, SaysWhichItemCannotBeBuilt) {
+TEST(BatchPlan, NamesTheItemThatCannotBeBuilt) {
   const PlannedBatch batch(R"(vary:
   a: {key: phases.0.dt, values: [0.1, 0.2]}
   b: {key: costs.effort.weight, values: [1, -1]}
@@ -855,7 +855,7 @@ TEST(BatchPlan, TellsProblemFilesFromPlans) {
   EXPECT_EQ(batch.diagnostics.error_count(), 1);
 }
 
-TEST(BatchPlan, AKeyThatStandsTwiceIsOneError) {
+TEST(BatchPlan, DuplicateKeyIsOneError) {
   const PlannedBatch batch("vary: {a: {keys: [phases.0.dt, phases.0.dt], values: [[1, 2]]}}\n");
   EXPECT_EQ(batch.error(), "plan.yaml:3:32: 'phases.0.dt' stands twice in the list");
   EXPECT_EQ(batch.diagnostics.error_count(), 1);

@@ -82,7 +82,7 @@ TEST_F(BatchReport, NamesOutliersWorstFirst) {
   EXPECT_TRUE(greatest[0]["files"].empty());
 }
 
-TEST_F(BatchReport, SaysWhyItemsAreNotSolved) {
+TEST_F(BatchReport, ExplainsUnsolvedItems) {
   const OrderedJson lists = report()["lists"];
   EXPECT_EQ(lists[0]["items"][0]["message"], "that is how it ended");
   EXPECT_TRUE(lists[1]["items"][0]["message"].is_null());
@@ -162,7 +162,7 @@ TEST_F(BatchReport, HasTheStoredTrajectories) {
   EXPECT_EQ(lines[2]["values"][1], OrderedJson({1.0, 0.33333333}));
 }
 
-TEST(EmptyBatchReport, OfARunWithoutResultsHasCountsAlone) {
+TEST(EmptyBatchReport, HasOnlyCountsWithoutResults) {
   const PlannedBatch batch("vary: {w: {key: costs.effort.weight, values: [1, 2]}}\n");
   ASSERT_TRUE(batch.manifest) << batch.error();
   const OrderedJson data =

@@ -121,7 +121,7 @@ class ArrayVariables : public testing::Test {
   void SetUp() override { TearDown(); }
 };
 
-TEST_F(ArrayVariables, OfEveryQueueSystemSayTheIndex) {
+TEST_F(ArrayVariables, ProvideTheIndexInEveryQueueSystem) {
   EXPECT_FALSE(array_index());
   int expected = 4;
   for (const char* variable : {"AWS_BATCH_JOB_ARRAY_INDEX", "PBS_ARRAY_INDEX",
@@ -153,7 +153,7 @@ TEST(Program, ReceivesInputAndReturnsStreamsAndStatus) {
   EXPECT_EQ(end.err, "wrong\n");
 }
 
-TEST(Program, ThatPrintsMuchOnBothStreamsEnds) {
+TEST(Program, EndsDespiteMuchOutputOnBothStreams) {
   const ProgramEnd end = run_program(
       {"sh", "-c", "head -c 300000 /dev/zero >&2; head -c 200000 /dev/zero"}, "not read");
   EXPECT_EQ(end.exit_status, 0);
@@ -161,13 +161,13 @@ TEST(Program, ThatPrintsMuchOnBothStreamsEnds) {
   EXPECT_EQ(end.err.size(), 300000u);
 }
 
-TEST(Program, ThatDoesNotExistSaysSo) {
+TEST(Program, ReportsAMissingProgram) {
   const ProgramEnd end = run_program({"conddp_has_no_such_program"});
   EXPECT_EQ(end.exit_status, -1);
   EXPECT_NE(end.err.find("'conddp_has_no_such_program' cannot be started: "), std::string::npos);
 }
 
-TEST(Program, ThatASignalEndsHasNoStatus) {
+TEST(Program, HasNoStatusAfterASignal) {
   EXPECT_EQ(run_program({"sh", "-c", "kill -9 $$"}).exit_status, -1);
 }
 

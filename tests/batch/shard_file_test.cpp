@@ -161,7 +161,7 @@ TEST(ShardFile, TruncatedPackLosesOnlyResultsBeyondItsEnd) {
   EXPECT_EQ(read(pack), packed);
 }
 
-TEST(FailedItems, AreAlsoThoseWhoseSolutionIsDamaged) {
+TEST(FailedItems, IncludeItemsWithDamagedSolutions) {
   const PlannedBatch batch("vary: {w: {key: costs.effort.weight, values: [1, 2, 3]}}\n");
   {
     ShardFile file(batch.folder.path(), {0, 1});

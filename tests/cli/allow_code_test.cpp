@@ -30,7 +30,7 @@ solver: {name: box_fddp}
   const std::string file_;
 };
 
-TEST_F(AllowCode, WithoutPermissionNothingIsLoaded) {
+TEST_F(AllowCode, LoadsNothingWithoutPermission) {
   for (const char* command : {"check", "solve", "bench"}) {
     const ProcessResult result = run_conddp({command, file_});
     EXPECT_EQ(result.exit_code, 2) << command;
@@ -42,7 +42,7 @@ TEST_F(AllowCode, WithoutPermissionNothingIsLoaded) {
   }
 }
 
-TEST_F(AllowCode, WithPermissionProblemsAreCheckedSolvedAndVerified) {
+TEST_F(AllowCode, PermissionAllowsCheckSolveAndVerify) {
   const ProcessResult check = run_conddp({"check", "--derivatives", "--allow-code", file_});
   EXPECT_EQ(check.exit_code, 0) << check.err;
   ASSERT_EQ(run_conddp({"solve", file_, "--allow-code", "-o", output()}).exit_code, 0);

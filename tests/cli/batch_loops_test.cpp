@@ -27,7 +27,7 @@ class LoopBatch : public Batch {
   LoopBatch() { folder_.write("swing.yaml", kLoop); }
 };
 
-TEST_F(LoopBatch, TellsWhichLoopsLastHoweverTheRunWent) {
+TEST_F(LoopBatch, ReportsWhichLoopsLast) {
   const std::string one = planned("one", kPushes), other = planned("other", kPushes);
   const ProcessResult ran = run(one, {"-j", "1"});
   EXPECT_EQ(ran.exit_code, 1) << ran.err;  // two of them fell

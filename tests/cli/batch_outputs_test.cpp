@@ -94,7 +94,7 @@ TEST_F(Batch, ShowTakesTheFirstDigitsOfAnId) {
   FAIL() << "all ids differ in their first digit";
 }
 
-TEST_F(Batch, CollectSaysWhyThereIsNoDataSet) {
+TEST_F(Batch, CollectExplainsAMissingDataSet) {
   const std::string rest = "vary: {w: {key: costs.effort.weight, values: [1, 2]}}\n";
   const std::string none = planned("none", rest + "keep: {solutions: none}\n");
   EXPECT_EQ(run(none).exit_code, 0);

@@ -365,7 +365,7 @@ TEST_F(Batch, SubmitNamesQueuedJobIfSecondIsRejected) {
   EXPECT_NE(r.err.find("the shards are queued already as job 77"), std::string::npos) << r.err;
 }
 
-TEST_F(Batch, ARunWithNothingLeftIsNotSubmitted) {
+TEST_F(Batch, CompletedRunIsNotSubmitted) {
   const std::string folder = planned("submit");
   EXPECT_EQ(run(folder).exit_code, 0);
   const ProcessResult r = run_conddp({"batch", "submit", folder}, stub_cluster(folder_));

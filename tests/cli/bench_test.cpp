@@ -81,7 +81,7 @@ TEST(Bench, DrawsProfilesOrReportsMissingGnuplot) {
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "without/profiles.svg"));
 }
 
-TEST(Bench, DropsConstraintsOnlyForSolversThatRefuseThem) {
+TEST(Bench, DropsConstraintsOnlyForUnsupportedSolvers) {
   for (const char* name : {"torque", "all"}) {
     const Json report = bench({"--drop", name});
     EXPECT_EQ(run_of(report, "box_ddp")["dropped_constraints"], Json::array());
@@ -166,7 +166,7 @@ TEST(Bench, AnswersIgnoreTheNumberOfParallelSolves) {
   EXPECT_EQ(with("5"), alone);
 }
 
-TEST(Bench, TheWholeWayOfAHomotopyCounts) {
+TEST(Bench, CountsTheWholeHomotopy) {
   const std::string weaker = "solver.homotopy=[{key: constraints.torque.upper, from: 12, to: 3}]";
   const Words one = {"--solvers", "box_ddp"};
   const Words along = {"--solvers", "box_ddp", "--set", weaker};
@@ -270,7 +270,7 @@ TEST(Bench, ItsCommandsSolveItsRunsAgain) {
   EXPECT_EQ(compared, 4 + 5 + 4 + 4 + 10);
 }
 
-TEST(Bench, SaysOfFailuresHowToSeeThemAgain) {
+TEST(Bench, ExplainsHowToReproduceFailures) {
   const ProcessResult r = run_conddp({"bench", kPendulum, "--solvers", "box_ddp,fddp", "--repeat",
                                       "0", "--set", "solver.max_iterations=2"});
   EXPECT_EQ(r.exit_code, 0) << r.err;

@@ -49,7 +49,7 @@ void expect_refused(const BrokenCase& broken) {
 
 class Broken : public testing::TestWithParam<std::string> {};
 
-TEST_P(Broken, InputsAreRefusedWithTheirPlaces) {
+TEST_P(Broken, InputsAreRejectedWithTheirPlaces) {
   for (const BrokenCase& broken : broken_cases(GetParam())) {
     SCOPED_TRACE(GetParam() + ": " + broken.name);
     expect_refused(broken);

@@ -17,7 +17,7 @@ Json solution_of(const std::filesystem::path& folder) {
   return Json::parse(read_file(folder / "solution.json"));
 }
 
-TEST(Check, SaysWhatItUnderstood) {
+TEST(Check, ReportsItsUnderstanding) {
   const ProcessResult r = run_conddp({"check", kArm});
   EXPECT_EQ(r.exit_code, 0) << r.err;
   EXPECT_EQ(r.err, "");
@@ -151,7 +151,7 @@ TEST(Check, TerminalPrintsTheRegulatorAndItsConditions) {
   EXPECT_LT(lqr["eigenvalues"][0]["modulus"], 1);
 }
 
-TEST(Check, TerminalSaysWhereThereIsNothingToSample) {
+TEST(Check, TerminalReportsEmptySamples) {
   const TemporaryFolder folder;
   const auto expect = [&](const char* text, const char* words, std::size_t conditions) {
     const std::string file = folder.write("problem.yaml", text);
@@ -217,7 +217,7 @@ TEST(Check, TerminalNeedsARegulator) {
   EXPECT_EQ(r.out, "");
 }
 
-TEST(Check, ListsThePhasesInWhichACostCounts) {
+TEST(Check, ListsThePhasesOfACost) {
   const ProcessResult r = run_conddp(
       {"check", source("problems/biped_steps.yaml"), "--json", "--set", "costs.cone.knots=[0]"});
   ASSERT_EQ(r.exit_code, 0) << r.err;
@@ -283,7 +283,7 @@ TEST(Check, OverridesAreExpanded) {
   EXPECT_EQ(Json::parse(r.out)["solver"]["max_iterations"], 7);
 }
 
-TEST(Check, RefusalIsAnError) {
+TEST(Check, RejectionIsAnError) {
   const ProcessResult r = run_conddp({"check", kArm, "--solver", "ddp"});
   EXPECT_EQ(r.exit_code, 2);
   EXPECT_EQ(r.out, "");
@@ -384,7 +384,7 @@ TEST_F(WarmStart, AnotherDurationIsAWarning) {
   EXPECT_EQ(r.err.find("lasts"), r.err.rfind("lasts")) << r.err;
 }
 
-TEST_F(WarmStart, AnotherRobotIsRefusedByName) {
+TEST_F(WarmStart, RejectsAnotherRobotByName) {
   EXPECT_EQ(solve(kPendulum, "cold", {"--quiet"}).exit_code, 0);
   const ProcessResult r = solve(kArm, "warm", {"--warm-start", file("cold")});
   EXPECT_EQ(r.exit_code, 2);
@@ -393,7 +393,7 @@ TEST_F(WarmStart, AnotherRobotIsRefusedByName) {
   EXPECT_FALSE(std::filesystem::exists(folder_.path() / "warm"));
 }
 
-TEST_F(WarmStart, WhatIsNoSolutionIsRefused) {
+TEST_F(WarmStart, RejectsFilesThatAreNotSolutions) {
   EXPECT_EQ(solve(kPendulum, "cold", {"--quiet"}).exit_code, 0);
   const std::string whole = read_file(file("cold"));
   const auto refused = [&](const std::string& path) {
@@ -414,7 +414,7 @@ TEST_F(WarmStart, WhatIsNoSolutionIsRefused) {
   EXPECT_NE(refused(kPendulum).find("pendulum_swingup.yaml:1:"), std::string::npos);
 }
 
-TEST_F(WarmStart, ADivergedSolveSaysWhatItsNullsMean) {
+TEST_F(WarmStart, DivergedSolveExplainsItsNulls) {
   const std::string problem = folder_.write("explodes.yaml", R"(conddp: 1
 system: {type: linear, A: [[1e200]], B: [[1]]}
 initial_state: {state: [1]}

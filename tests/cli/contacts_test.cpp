@@ -54,7 +54,7 @@ class Contacts : public testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(Contacts, WhatAMotionFoundIsScheduledAndRefined) {
+TEST_F(Contacts, FoundContactsAreScheduledAndRefined) {
   const ProcessResult solved = run({"solve", "falling.yaml", "-o", "out"});
   ASSERT_EQ(solved.exit_code, 0) << solved.out << solved.err;
   EXPECT_NE(solved.out.find("\n  contacts      complementarity "), std::string::npos) << solved.out;
@@ -105,7 +105,7 @@ TEST_F(Contacts, DeterminedMotionIsSolved) {
       << solved.out;
 }
 
-TEST_F(Contacts, OtherSolutionsHaveNone) {
+TEST_F(Contacts, OtherSolutionsHaveNoContacts) {
   folder_.write("cartpole.yaml", read_file(source("problems/cartpole_swingup.yaml")));
   ASSERT_EQ(run({"solve", "cartpole.yaml", "-o", "out", "--quiet"}).exit_code, 0);
   const ProcessResult r = run({"contacts", "out/solution.json", "-o", "scheduled.yaml"});

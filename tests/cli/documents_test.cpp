@@ -55,7 +55,7 @@ TEST(ListCommand, NamesEverySolverAndOption) {
   EXPECT_EQ(options.find("single shooting"), std::string::npos);
 }
 
-TEST(ListCommand, JsonFitsItsSchemaAndSaysTheSame) {
+TEST(ListCommand, JsonFitsItsSchemaAndAgrees) {
   const std::string text = run_conddp({"list", "--json"}).out;
   EXPECT_TRUE(fits_schema("list", text));
   const Json all = Json::parse(text);
@@ -127,7 +127,7 @@ TEST(InspectCommand, JsonFitsItsSchema) {
   EXPECT_DOUBLE_EQ(arm["mass_kg"]["total"], 18);
 }
 
-TEST(InspectCommand, TotalMassCountsWhatStandsStill) {
+TEST(InspectCommand, TotalMassIncludesFixedBodies) {
   const TemporaryFolder folder;
   const std::string file = folder.write("r.urdf", R"(<robot name="r">
   <link name="foot"><inertial><mass value="2"/>
@@ -224,7 +224,7 @@ TEST(Documents, LinksResolveAndProblemFilesAreWellFormed) {
   EXPECT_EQ(std::system((source("scripts/check_documents") + " " CONDDP_BINARY).c_str()), 0);
 }
 
-TEST(Documents, ShowOutputsThatAreThoseOfTheProgram) {
+TEST(Documents, ShowOutputsOfTheProgram) {
   if (kSmallSizes) GTEST_SKIP() << "solves of minutes";
   EXPECT_EQ(std::system((source("scripts/check_documents") + " --run " CONDDP_BINARY).c_str()), 0);
 }

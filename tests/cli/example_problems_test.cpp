@@ -114,7 +114,7 @@ TEST_F(ExampleProblems, FallsBackToInstalledProblems) {
   EXPECT_EQ(Json::parse(r.out)["runs"].size(), our_problems().size());
 }
 
-TEST_F(ExampleProblems, WithoutAnyThatIsSaid) {
+TEST_F(ExampleProblems, ReportsMissingExampleProblems) {
   fs::copy_file(CONDDP_BINARY, folder_.path() / "lonely");
   const auto lonely = [&](const std::string& arguments) {
     const std::string command =

@@ -23,7 +23,7 @@ TEST(Margins, ListTheClosestBoundFirst) {
     EXPECT_NE(result.out.find(words), std::string::npos) << words << '\n' << result.out;
 }
 
-TEST(Margins, AreSmallerWhereThereIsMoreNoise) {
+TEST(Margins, ShrinkWithMoreNoise) {
   const auto margins = [](const char* sigma) {
     const ProcessResult result = run_conddp({"margins", kLimits, "--measurement", sigma, "--json"});
     EXPECT_TRUE(fits_schema("margins", result.out)) << result.out;

@@ -133,7 +133,7 @@ TEST_F(MpcCommand, StoresCommandsForVerify) {
   EXPECT_EQ(good.exit_code, 0) << good.out << good.err;
 }
 
-TEST_F(MpcCommand, SaysWhichConstraintsAreLeftOut) {
+TEST_F(MpcCommand, NamesDroppedConstraints) {
   ASSERT_EQ(run({}, "all").exit_code, 0);
   ASSERT_EQ(run({"--drop", "force"}, "out").exit_code, 0);
   EXPECT_TRUE(fits_schema("mpc", file("out/mpc.json")));
@@ -167,7 +167,7 @@ TEST_F(MpcCommand, StoresWhatVerifyReplays) {
     EXPECT_TRUE(fits_schema("verify", verify(name, {"--json"}).out));
 }
 
-TEST_F(MpcCommand, LeavesNothingThatVerifyTakesFromAnotherFile) {
+TEST_F(MpcCommand, VerifyDetectsAnotherFile) {
   ASSERT_EQ(run({}, "out").exit_code, 0);
   std::string changed = kBalance;
   changed.replace(changed.find("tick: 0.02"), 10, "tick: 0.04");
@@ -197,7 +197,7 @@ TEST_F(MpcCommand, VerifyNoticesExtraMembersOfTheDocument) {
   EXPECT_NE(verified.out.find("document: has 'approved'"), std::string::npos) << verified.out;
 }
 
-TEST_F(MpcCommand, LeavesNothingThatVerifyTakesFromAFolder) {
+TEST_F(MpcCommand, VerifyDetectsAnotherFolder) {
   ASSERT_EQ(run({}, "out").exit_code, 0);
   auto document = nlohmann::json::parse(file("out/mpc.json"));
   document["problem"]["file"] = "stdin";
@@ -209,7 +209,7 @@ TEST_F(MpcCommand, LeavesNothingThatVerifyTakesFromAFolder) {
       << verified.err;
 }
 
-TEST_F(MpcCommand, SaysThatOutputsDifferWhereSolvesAreMeasured) {
+TEST_F(MpcCommand, WarnsThatMeasuredSolvesAreNotReproducible) {
   const ProcessResult result = run({"--realtime"}, "out");
   EXPECT_NE(result.out.find(" late: outputs differ from run to run\n"), std::string::npos)
       << result.out << result.err;
@@ -366,7 +366,7 @@ TEST_F(MpcCommand, ReportsSearchesWhereNoneOrAllSurvive) {
       << all.out;
 }
 
-TEST_F(MpcCommand, ReportsRangesThatAreNone) {
+TEST_F(MpcCommand, RejectsInvalidRanges) {
   for (const char* bad : {"mpc.delay", "mpc.delay=3", "mpc.delay=[1]", "mpc.delay=[2, 1]",
                           "=[1, 2]", "mpc.delay=[0, x]"}) {
     const ProcessResult result = run({"--largest", bad}, "out");

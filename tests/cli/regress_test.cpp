@@ -36,7 +36,7 @@ TEST(Compare, NamesDifferencesBeyondTheTolerance) {
             0);
 }
 
-TEST(Compare, RefusesWhatIsNoSolution) {
+TEST(Compare, RejectsFilesThatAreNotSolutions) {
   const TemporaryFolder folder;
   Json other = Json::parse(read_file(kGolden));
   other["trajectory"]["x"][3].erase(0);

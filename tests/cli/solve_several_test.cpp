@@ -22,7 +22,7 @@ TEST(SolveSeveral, WritesOneFolderEachAndReturnsWorstStatus) {
             1);
 }
 
-TEST(SolveSeveral, NothingIsSolvedWhereOneIsWrong) {
+TEST(SolveSeveral, SolvesNothingIfOneFileIsWrong) {
   const TemporaryFolder folder;
   const std::string a = folder.write("a.yaml", read_file(kPendulum)),
                     b = folder.write("b.yaml", "conddp: 1\nsytem: {}\n");

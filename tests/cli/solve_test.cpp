@@ -54,7 +54,7 @@ TEST(Solve, ExitsWithOneIfOptimalityIsInDoubt) {
   EXPECT_TRUE(std::filesystem::exists(folder.path() / "out/solution.json"));
 }
 
-TEST(Solve, EndsWhereTheCostHasSettledIfAsked) {
+TEST(Solve, EndsAtASettledCostIfRequested) {
   const TemporaryFolder folder;
   const ProcessResult r =
       run_conddp({"solve", kPendulum, "--set", "solver.tolerances.stationarity=1e-12", "--set",
@@ -94,7 +94,7 @@ TEST(Solve, SolvesAFileWithoutASolverName) {
   EXPECT_EQ(run_conddp({"verify", folder.path() / "out/solution.json"}).exit_code, 0);
 }
 
-TEST(Solve, AutoRestartsWhereAllItsSolversFail) {
+TEST(Solve, AutoRestartsWhenAllSolversFail) {
   const TemporaryFolder folder;
   const ProcessResult r =
       run_conddp({"solve", source("tests/golden/hard/arm_at_limits.yaml"), "-o", folder.path()});
@@ -135,7 +135,7 @@ TEST(Solve, MotionIsIndependentOfCostUnits) {
   EXPECT_EQ(run_conddp({"verify", folder.path() / "forged.json"}).exit_code, 1);
 }
 
-TEST(Solve, SaysHowLongPhasesLastThatAreFree) {
+TEST(Solve, ReportsFreePhaseDurations) {
   const TemporaryFolder folder;
   // Rest-to-rest motion in minimum time, 4 s, with an additional growing state.
   const std::string file = folder.write("quick.yaml", R"(conddp: 1
@@ -206,7 +206,7 @@ TEST(Solve, ReportsDroppedConstraints) {
   EXPECT_GT(solution["dropped_constraints"][0]["violation"].get<double>(), 0);
 }
 
-TEST(Solve, EndsWithOneWhereItDoesNotConverge) {
+TEST(Solve, ExitsWithOneIfNotConverged) {
   const TemporaryFolder folder;
   const ProcessResult r =
       run_conddp({"solve", kPendulum, "--set", "solver.max_iterations=2", "-o", folder.path()});
@@ -300,7 +300,7 @@ TEST(Solve, WarmStartFromOwnSolutionIsQuick) {
   }
 }
 
-TEST(Solve, SaysWhichWayAHomotopyWent) {
+TEST(Solve, ReportsThePathOfAHomotopy) {
   const TemporaryFolder folder;
   const ProcessResult r =
       run_conddp({"solve", kPendulum, "-o", folder.path() / "out", "-v", "--set",
@@ -405,7 +405,7 @@ TEST(Solve, TooShortTimeLimitsNameTheKnots) {
 }
 
 // A winding with a time constant of a microsecond in steps of ten milliseconds.
-TEST(Solve, NamesLongStepsWhereNumbersOverflow) {
+TEST(Solve, NamesLongStepsIfNumbersOverflow) {
   const TemporaryFolder folder;
   const std::string file = folder.write("stiff.yaml", R"(conddp: 1
 system: {states: {i: A}, controls: {V: V}, rate: {i: 1.0e+6*(V - i)}}
@@ -421,7 +421,7 @@ costs: {track: {residual: state, reference: [1]}, effort: {residual: control, we
   EXPECT_EQ(read_file(folder.path() / "out/solution.json").find("nan"), std::string::npos);
 }
 
-TEST(Solve, NamesStatesInWhichEquationsHaveNoValue) {
+TEST(Solve, NamesStatesWithUndefinedEquations) {
   const TemporaryFolder folder;
   const std::string file = folder.write("rest.yaml", R"(conddp: 1
 system: {states: {v: m/s, angle: rad}, controls: {T: N}, rate: {v: T - v, angle: -cos(angle)/v}}
@@ -461,7 +461,7 @@ terminal: {constraints: {end: {residual: expression, rows: [x, x^2 + x], lower: 
 }
 
 // The same findings in the summaries of solve and verify and in their documents.
-TEST(Solve, SaysWhatStandsOutInTheMotion) {
+TEST(Solve, ReportsFindingsOfTheMotion) {
   const TemporaryFolder folder;
   const auto run = [&](std::vector<std::string> arguments) {
     return run_conddp(std::move(arguments), {.folder = folder.path()});

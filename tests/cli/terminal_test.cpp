@@ -91,7 +91,7 @@ TEST(Terminal, FitsNarrowTerminals) {
   }
 }
 
-TEST(Terminal, ColourOnlyWhereItIsWanted) {
+TEST(Terminal, UsesColourOnlyOnRequest) {
   const TemporaryFolder folder;
   const auto out = [&](const char* term, const char* no_color) {
     return run_in_terminal(solve(folder), {.environment = {std::string("TERM=") + term,

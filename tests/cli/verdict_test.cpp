@@ -75,7 +75,7 @@ TEST(Verdicts, GoalWeightsDoNotHideTheEffort) {
 }
 
 // DDP solvers stop short in the narrow valley of a goal and report it.
-TEST(Verdicts, HeavyGoalsAreCertifiedAtTheirOptimumAlone) {
+TEST(Verdicts, HeavyGoalsAreCertifiedOnlyAtTheirOptimum) {
   const auto solved = [](const std::string& weight, const std::string& solver) {
     return Solved(kHanging + "    up: {residual: state, reference: {values: {angle: 3}}, weight: " +
                       weight + "}\n",

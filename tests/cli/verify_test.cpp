@@ -58,7 +58,7 @@ TEST_F(Verify, FindsTheProblemFromOtherFolders) {
   EXPECT_EQ(r.exit_code, 0) << r.out << r.err;
 }
 
-TEST_F(Verify, WhatIsChangedFails) {
+TEST_F(Verify, ChangesFail) {
   const ProcessResult control = verify([](Json& json) { json["trajectory"]["u"][20][0] = 0.123; });
   EXPECT_EQ(control.exit_code, 1) << control.err;
   EXPECT_NE(control.out.find("DOES NOT HOLD: cost: claimed "), std::string::npos) << control.out;
@@ -219,7 +219,7 @@ TEST_F(Verify, UnconvergedAnswerHoldsToo) {
   EXPECT_EQ(run({"verify", "early/solution.json"}).exit_code, 0);
 }
 
-TEST_F(Verify, BadInputIsRefused) {
+TEST_F(Verify, RejectsBadInput) {
   EXPECT_EQ(run({"verify", "nothing.json"}).exit_code, 2);
   EXPECT_EQ(run({"verify", "cartpole.yaml"}).exit_code, 2);
   folder_.write("list.json", "[1, 2]");

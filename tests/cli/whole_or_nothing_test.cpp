@@ -81,7 +81,7 @@ TEST_F(WholeOrNothing, FailedReportReplacementKeepsTheFormerOutput) {
   expect_former_output();
 }
 
-TEST_F(WholeOrNothing, AReadOnlyFolderIsLeftAlone) {
+TEST_F(WholeOrNothing, KeepsReadOnlyFolders) {
   if (geteuid() == 0) GTEST_SKIP() << "root may write everywhere";
   chmod(out_.c_str(), 0555);
   const ProcessResult r = run_conddp(other_);

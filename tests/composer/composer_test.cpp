@@ -216,7 +216,7 @@ TEST(Composer, EveryProblemEndsWithCertificateOrReason) {
 /// Box problems in strongly coupled controls, costates changed by a failed search after exact
 /// Hessians, a restoration without a finite first point, and small gradients with much cost left to
 /// gain.
-TEST(Composer, UnfinishedAnswersAreThoseOfTheirTrajectory) {
+TEST(Composer, UnfinishedAnswersMatchTheirTrajectory) {
   Coverage coverage({});
   for (const std::uint64_t seed : {60381, 63549, 64270, 810615}) {
     const ComposedProblem problem = compose_problem(seed);

@@ -32,7 +32,7 @@ void expect_confirmed(const std::string& name, double size, std::vector<std::uin
   }
 }
 
-TEST(ConfirmedStationarity, HoldsWhereThePenaltiesMakeGainsStiff) {
+TEST(ConfirmedStationarity, HoldsIfPenaltiesMakeGainsStiff) {
   expect_confirmed("unicycle_escape", 0.1, {2, 3, 4});
 }
 

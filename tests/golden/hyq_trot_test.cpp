@@ -217,8 +217,7 @@ constexpr const char* kPyramid =
 constexpr const char* kCone =
     "constraints.grip={residual: friction_cone, contacts: all, cone: second_order}";
 
-// Aligator's ProxDDP does not converge here from the quasi-static guess with any initial mu it was
-// tried with.
+// Aligator's ProxDDP converges here from the quasi-static guess with no tested initial mu.
 TEST_F(HyqTrot, ConvergesOnSlipperyFloorWithWeakMotors) {
   for (const char* cone : {kPyramid, kCone}) {
     read({kSixty, kSlippery, cone});

@@ -76,7 +76,7 @@ const ImpossibleMotion kHurried{
 
 class Impossible : public ::testing::TestWithParam<ImpossibleMotion> {};
 
-TEST_P(Impossible, IsCertifiedWhereItIsSaid) {
+TEST_P(Impossible, IsCertifiedIfReported) {
   for (const char* name : {"altro", "proxddp", "ipopt"}) {
     const auto loaded = load(GetParam(), name);
     ASSERT_TRUE(loaded);

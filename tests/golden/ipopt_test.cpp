@@ -18,7 +18,7 @@ class Transcribed : public ::testing::TestWithParam<std::string> {};
 
 class TranscribedDerivatives : public ::testing::TestWithParam<std::string> {};
 
-TEST_P(TranscribedDerivatives, AreThoseOfDifferences) { testing::check_transcription(GetParam()); }
+TEST_P(TranscribedDerivatives, MatchDifferences) { testing::check_transcription(GetParam()); }
 
 TEST_P(Transcribed, HasTheKnownOptimum) {
   testing::expect_known_optimum(GetParam(), kOtherOptimum.count(GetParam()) > 0);

@@ -91,7 +91,7 @@ TEST(QuadrupedTrot, AdvancesWithoutSlippingOrDragging) {
 class SteppingProblem : public ::testing::TestWithParam<std::string> {};
 
 /// Every foot lands at the end of its swing, stays there during stance, and lifts in between.
-TEST_P(SteppingProblem, FeetLandOnTheirPlacesAndStayThere) {
+TEST_P(SteppingProblem, FeetLandAtTheirTargetsAndStay) {
   const Solved s = solve_ready(GetParam());
   ASSERT_EQ(s.result->status, SolveStatus::converged) << s.result->message;
   const ShootingProblem& problem = *s.built->problem;

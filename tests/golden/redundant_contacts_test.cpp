@@ -46,7 +46,7 @@ TEST(RedundantContacts, BipedWithoutAnkleRollWorksWithEverySolver) {
   }
 }
 
-TEST(RedundantContacts, DerivativesAreThoseOfDualNumbers) {
+TEST(RedundantContacts, DerivativesMatchDualNumbers) {
   const ReadyProblem ready = squat("box_fddp");
   const auto list = check_derivatives(*ready.built.problem, ready.built.guess);
   ASSERT_FALSE(list.empty());

@@ -161,11 +161,11 @@ void expect_that_doubles_cannot_show_what_is_left(const std::string& file) {
   EXPECT_LT(last_digit, rounding);
 }
 
-TEST(RoundingFloor, OfThePendulumIsConfirmedInLongDouble) {
+TEST(RoundingFloor, PendulumIsConfirmedInLongDouble) {
   expect_that_doubles_cannot_show_what_is_left<PendulumSwingup>("pendulum_swingup");
 }
 
-TEST(RoundingFloor, OfTheCartpoleIsConfirmedInLongDouble) {
+TEST(RoundingFloor, CartpoleIsConfirmedInLongDouble) {
   expect_that_doubles_cannot_show_what_is_left<CartpoleSwingup>("cartpole_swingup_closed_form");
 }
 

@@ -31,7 +31,7 @@ long count(const std::shared_ptr<const ShootingProblem>& problem, const MpcOptio
   return allocations;
 }
 
-TEST(TickAllocation, IsNoneAfterTheFirstTicks) {
+TEST(TickAllocation, IsZeroAfterTheFirstTicks) {
   const auto problem = testing::balanced_cartpole();
   for (const char* solver : {"box_fddp", "altro", "proxddp"})
     for (const double tick : {0.05, 0.02}) {

@@ -9,7 +9,7 @@ namespace conddp {
 namespace {
 
 /// ½ q² along q = 1 + t over parts of knots of 0.4 s.
-TEST(Appraisal, IntegratesCostsOverTheStepAlone) {
+TEST(Appraisal, IntegratesCostsOverTheStep) {
   const auto system = double_integrator(1);
   const auto model = std::make_shared<KnotModel>(system, Integrator::rk4);
   model->add_cost("q", coordinate_residual(model->manifold(), {0}), {}, {}, true);

@@ -492,7 +492,7 @@ TEST(ClosedLoop, IsIndependentOfCostUnits) {
   }
 }
 
-TEST(ClosedLoop, RecoversFromATickWhoseConstraintsCannotHold) {
+TEST(ClosedLoop, RecoversFromUnsatisfiableConstraints) {
   const auto problem = slow_mass();
   Mpc mpc(problem, problem->create_trajectory(), to_tolerances(*problem, 1));
   ClosedLoopOptions options{.duration = 4};
@@ -572,7 +572,7 @@ TEST(ClosedLoop, FallbackSettlesAtTheStateOfItsActivation) {
   EXPECT_EQ(seen, result.steps[40].x);
 }
 
-TEST(ClosedLoop, StopsWhereAConditionIsMet) {
+TEST(ClosedLoop, StopsOnACondition) {
   Trouble trouble;
   auto model = std::make_shared<KnotModel>(cartpole({}), Integrator::none);
   model->add_constraint(make_constraint("upright", coordinate_residual(model->manifold(), {1}),
@@ -586,7 +586,7 @@ TEST(ClosedLoop, StopsWhereAConditionIsMet) {
   EXPECT_GT(std::abs(result.last_state[1] - M_PI), 1);
 }
 
-TEST(ClosedLoop, EndsWhereThePlantDiverges) {
+TEST(ClosedLoop, EndsIfThePlantDiverges) {
   Trouble trouble;
   trouble.loop.jumps = {{.at = 1, .tangent = {0, 0, 0, 1e200}}};
   EXPECT_EQ(trouble.run().end, LoopEnd::diverged);
@@ -643,7 +643,7 @@ TEST(ClosedLoop, ClipsControlsAtBoundsOfThePlantPeriod) {
   EXPECT_EQ(after, 0.2);
 }
 
-TEST(Mpc, SaysWhichOptionsItCannotTake) {
+TEST(Mpc, ReportsUnsupportedOptions) {
   const auto problem = testing::balanced_cartpole();
   const Trajectory guess = problem->create_trajectory();
   const auto refused = [&](const MpcOptions& options) {

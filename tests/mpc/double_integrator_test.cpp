@@ -119,7 +119,7 @@ TEST(DoubleIntegrator, IsOptimalWithOneIterationATick) {
   EXPECT_NEAR(run_closed_loop(mpc, {.duration = 20}).cost, 0.6658612220565547, 1e-9);
 }
 
-TEST(DoubleIntegrator, TakesTicksAndDelaysOfWholeKnotsAlone) {
+TEST(DoubleIntegrator, AcceptsTicksAndDelaysOfWholeKnots) {
   const auto problem = regulator(1);
   MpcOptions options = options_of(*problem, 5);
   options.tick = 0.05;

@@ -17,17 +17,17 @@ TEST(LargestSurvived, IsWithinTheWidthOfTheThreshold) {
   EXPECT_EQ(tried, (std::vector<double>{0, 8, 4, 2, 3, 2.5, 2.75, 2.625}));
 }
 
-TEST(LargestSurvived, IsTheUpperEndWhereAllAre) {
+TEST(LargestSurvived, IsTheUpperEndIfAllSurvive) {
   EXPECT_EQ(largest_survived(1, 2, 0.1, [](double) { return true; }), 2);
 }
 
-TEST(LargestSurvived, IsNothingWhereTheLowerEndIsNot) {
+TEST(LargestSurvived, DoesNotExistIfTheLowerEndFails) {
   int trials = 0;
   EXPECT_FALSE(largest_survived(1, 2, 0.1, [&](double) { return ++trials < 0; }));
   EXPECT_EQ(trials, 1);
 }
 
-TEST(LargestSurvived, EndsWhereNumbersLieNoCloser) {
+TEST(LargestSurvived, EndsAtAdjacentNumbers) {
   EXPECT_EQ(largest_survived(1, 1.5, 0, [](double value) { return value <= 1; }), 1);
 }
 

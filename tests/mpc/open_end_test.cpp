@@ -31,7 +31,7 @@ TEST(StatePath, TakesTheShortestWayWithinItsEnds) {
   EXPECT_DOUBLE_EQ(angle_at(9), 1.2);
 }
 
-TEST(OpenEnd, MovesItsReferencesAndNothingElse) {
+TEST(OpenEnd, MovesOnlyItsReferences) {
   const auto problem = testing::balanced_cartpole();
   const auto path =
       std::make_shared<StatePath>(StatePath{{0, 2}, {{0, M_PI, 0, 0}, {1, M_PI, 0, 0}}});

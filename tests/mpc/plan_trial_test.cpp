@@ -10,7 +10,7 @@
 namespace conddp {
 namespace {
 
-TEST(PlanTrial, OfAnAnswerHasItsCost) {
+TEST(PlanTrial, AnswerHasItsCost) {
   const auto problem = testing::balanced_cartpole();
   const SolveResult answer =
       solve(*problem, "box_fddp", testing::tight(), problem->create_trajectory());

@@ -78,7 +78,7 @@ TEST(SwingStarts, StayAtLiftOffValuesDuringASwing) {
   expect_shares(foot.displacement(21), later, 0);
 }
 
-TEST(SwingStarts, HaveSwingsOfTheLineAlone) {
+TEST(SwingStarts, IncludeOnlySwingsOfTheLine) {
   TwoSwings foot;
   foot.swings.swings[0].nodes[2] = 41;
   EXPECT_THROW(SwingStarts(foot.swings, foot.line), std::invalid_argument);

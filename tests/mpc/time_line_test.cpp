@@ -21,7 +21,7 @@ std::vector<TimedKnot> cut(const TimeLine& line, double from, double to) {
   return knots;
 }
 
-TEST(TimeLine, CutsKnotsWhereAWindowBeginsAndEnds) {
+TEST(TimeLine, CutsKnotsAtWindowBoundaries) {
   const TimeLine line(shared(testing::pendulum_swing_up()), false);  // 50 knots of 0.06 s
   const auto knots = cut(line, 0.07, 0.2);
   ASSERT_EQ(knots.size(), 3u);
@@ -81,7 +81,7 @@ TEST(TimeLine, IncludesInstantsAtTheWindowStart) {
   EXPECT_EQ(line.instants_at(0.105).first, line.instants_at(0.105).second);
 }
 
-TEST(TimeLine, TakesNumbersOfItsOwnStructureAlone) {
+TEST(TimeLine, AcceptsNumbersOfItsStructureOnly) {
   const auto problem = testing::balanced_cartpole();
   TimeLine line(problem, true);
   EXPECT_EQ(line.numbers(3).parameters, problem->knot(3).parameters);

@@ -65,7 +65,7 @@ INSTANTIATE_TEST_SUITE_P(Shapes, Horizons,
                                            HorizonCase{6, 2, 1, 0.8}, HorizonCase{12, 5, 2, 1},
                                            HorizonCase{4, 9, 4, 0.9}));
 
-TEST(Chain, OfAHorizonHasNarrowGroups) {
+TEST(Chain, HorizonHasNarrowGroups) {
   std::mt19937 generator(1);
   SparseSystem system = horizon(40, 3, 1, 1, generator);
   system.shuffle(generator);
@@ -108,7 +108,7 @@ TEST(ChainFactorization, SumsEntriesFromEitherTriangle) {
   EXPECT_LE((b - Eigen::Vector2d(1, 2)).norm(), 1e-14);
 }
 
-TEST(ChainFactorization, LetsPivotsWaitWhereDiagonalsAreZero) {
+TEST(ChainFactorization, DelaysPivotsWithZeroDiagonals) {
   // A path without diagonals: each unknown can be eliminated only together with its neighbour.
   SparseSystem system;
   for (int i = 0; i + 1 < 20; ++i) system.add(i + 1, i, 1 + 0.1 * i);

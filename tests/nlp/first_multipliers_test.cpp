@@ -111,7 +111,7 @@ TEST(FirstMultipliers, SharedOrLinearStatesAreNotWeighted) {
   }
 }
 
-TEST(FirstMultipliers, AreNoneWhereDerivativesAreNotFinite) {
+TEST(FirstMultipliers, DoNotExistForNonFiniteDerivatives) {
   const ShootingProblem problem = testing::cartpole_swing_up(20);
   First first(problem);
   first.y[5] = std::numeric_limits<double>::quiet_NaN();

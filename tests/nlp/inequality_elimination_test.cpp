@@ -46,7 +46,7 @@ SparseSystem interior_system(int knots, int many, double stiffest, unsigned seed
   return system;
 }
 
-TEST(InequalityElimination, SolvesAndCountsAsTheWholeMatrixDoes) {
+TEST(InequalityElimination, SolvesAndCountsLikeTheWholeMatrix) {
   for (unsigned seed = 0; seed < 20; ++seed) {
     SCOPED_TRACE(seed);
     const SparseSystem system = interior_system(6, 7, seed < 10 ? 10 : 1e6, seed);

@@ -159,7 +159,7 @@ TEST(InteriorPoint, EndsHaveTheirNames) {
   EXPECT_EQ(minimise(program, kStart, {}, go_on).end, End::not_finite);
 }
 
-TEST(InteriorPoint, GoesOnFromAnEarlierAnswer) {
+TEST(InteriorPoint, ContinuesFromAnEarlierAnswer) {
   HockSchittkowski71 program;
   int cold = 0, warm = 0;
   const InteriorPointAnswer first =

@@ -192,7 +192,7 @@ TEST(Transcription, FlatConfigurationsHaveRowsOfThreeEntries) {
     }
 }
 
-TEST(Transcription, GaussNewtonHessiansAreThoseOfTheActs) {
+TEST(Transcription, GaussNewtonHessiansMatchTheEvaluation) {
   const ShootingProblem problem = testing::pendulum_swing_up(3);
   Evaluator evaluator(problem);
   Transcription program(problem, evaluator, {.gauss_newton = true});
@@ -210,7 +210,7 @@ TEST(Transcription, GaussNewtonHessiansAreThoseOfTheActs) {
             1e-12);
 }
 
-TEST(Transcription, KnowsRowsThatTieStatesToControls) {
+TEST(Transcription, DetectsRowsLinkingStatesToControls) {
   const auto is_mixed = [](const ShootingProblem& problem) {
     Evaluator evaluator(problem);
     return Transcription(problem, evaluator, {}).has_mixed_rows();

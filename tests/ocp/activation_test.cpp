@@ -63,7 +63,7 @@ void at_random_residuals(F test) {
         test(activation_of(kind, weighted), random.numbers(kComponents, 1.5));
 }
 
-TEST(Activation, IsWhatItsDefinitionSays) {
+TEST(Activation, MatchesItsDefinition) {
   at_random_residuals([](const Activation& a, const std::vector<double>& r) {
     double gradient[kComponents], diagonal[kComponents], rank_one = 0;
     const double expected = written_out(a, r);
@@ -92,7 +92,7 @@ TEST(Activation, DerivativesMatchDualNumbers) {
   });
 }
 
-TEST(Activation, OfABarrierIsFlatOnItsLimits) {
+TEST(Activation, BarrierIsFlatAtItsLimits) {
   const Activation a = activation_of(ActivationKind::quadratic_barrier, true);
   const double on_limits[] = {0.75, 0.25, 0.125};
   double gradient[kComponents], diagonal[kComponents], rank_one = 1;

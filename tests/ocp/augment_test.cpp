@@ -155,7 +155,7 @@ TEST_P(AugmentedTerm, GivesTheNextMultipliers) {
   });
 }
 
-TEST_P(AugmentedTerm, WithoutPenaltyIsTheLagrangian) {
+TEST_P(AugmentedTerm, EqualsTheLagrangianWithoutPenalty) {
   sampled([](const ConstraintTerm& term, Sample sample) {
     std::fill(sample.penalty.begin(), sample.penalty.end(), 0.0);
     const Augmented<double> at = augmented<double>(term, sample);

@@ -54,7 +54,7 @@ Trajectory walk(const ShootingProblem& problem) {
 
 using Costs = std::vector<std::pair<std::string, std::vector<double>>>;
 
-TEST(CostsByNode, AreThoseOfEachTermAtEachNode) {
+TEST(CostsByNode, ListEachTermAtEachNode) {
   const ShootingProblem problem = two_knots();
   const Costs found = costs_by_node(problem, NodeValues(problem, walk(problem)));
   const Costs expected = {{"effort", {2, 2 * 0.5, 0}},

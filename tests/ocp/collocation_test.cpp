@@ -312,7 +312,7 @@ TEST(Collocation, NeedsAFlatStateSpaceAndASlope) {
                std::invalid_argument);
 }
 
-TEST(Collocation, GoesWithTheIntegratorOfItsRuleAlone) {
+TEST(Collocation, RejectsIntegratorsOfOtherRules) {
   const auto system =
       std::make_shared<CollocationSystem>(pendulum({}), CollocationRule::trapezoidal);
   EXPECT_NO_THROW(KnotModel(system, Integrator::trapezoidal));

@@ -44,7 +44,7 @@ TEST(ConstraintSet, ConeProjectionIsMoreausDecomposition) {
     }
 }
 
-TEST(ConstraintSet, TheProjectionsDerivativeIsThatOfDualNumbers) {
+TEST(ConstraintSet, ProjectionDerivativeMatchesDualNumbers) {
   using D = Dual<double>;
   const auto by_duals = [](const std::vector<double>& s, int direction) {
     std::vector<D> in(s.begin(), s.end()), out(s.size());

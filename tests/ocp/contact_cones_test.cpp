@@ -88,7 +88,7 @@ TEST(WrenchCone, InnerFitsTheConeAndOuterContainsIt) {
   EXPECT_TRUE(inside(inner, along));
 }
 
-TEST(FrictionPyramid, NormalForceHasTheLimitsAsked) {
+TEST(FrictionPyramid, NormalForceHasItsLimits) {
   const LinearCone cone =
       friction_pyramid({.friction = 1, .min_normal = 5, .max_normal = 20}, 4, false, {0, 0.6, 0.8});
   EXPECT_FALSE(inside(cone, 4 * Vector3d(0, 0.6, 0.8)));
@@ -96,7 +96,7 @@ TEST(FrictionPyramid, NormalForceHasTheLimitsAsked) {
   EXPECT_FALSE(inside(cone, 21 * Vector3d(0, 0.6, 0.8)));
 }
 
-TEST(FrictionPyramid, RefusesWhatIsNoCone) {
+TEST(FrictionPyramid, RejectsInvalidCones) {
   EXPECT_THROW(friction_pyramid({.friction = 0}, 4, true, {0, 0, 1}), std::invalid_argument);
   EXPECT_THROW(friction_pyramid({}, 2, true, {0, 0, 1}), std::invalid_argument);
   EXPECT_THROW(friction_pyramid({.min_normal = 3, .max_normal = 2}, 4, true, {0, 0, 1}),
@@ -157,7 +157,7 @@ TEST(WrenchCone, FacetsMatchForcesAtSoleCorners) {
   EXPECT_GT(facets, 16);
 }
 
-TEST(RotationToNormal, TakesTheVerticalThere) {
+TEST(RotationToNormal, MapsTheVerticalToTheNormal) {
   RandomNumbers random(9);
   std::vector<Vector3<double>> normals{{0, 0, 1}, {0, 0, -1}, {1, 0, 0}};
   for (int i = 0; i < 20; ++i) normals.push_back(random_normal(random));

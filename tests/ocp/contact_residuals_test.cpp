@@ -51,7 +51,7 @@ void expect_gradients_of_dual_numbers(const std::shared_ptr<const MultibodySyste
   }
 }
 
-TEST_P(ContactResiduals, GradientsAreThoseOfDualNumbers) {
+TEST_P(ContactResiduals, GradientsMatchDualNumbers) {
   RandomNumbers random(31);
   const ContactCase& c = GetParam();
   expect_gradients_of_dual_numbers(
@@ -60,7 +60,7 @@ TEST_P(ContactResiduals, GradientsAreThoseOfDualNumbers) {
       Integrator::semi_implicit_euler, random);
 }
 
-TEST_P(ContactResiduals, GradientsAtImpulsesAreThoseOfDualNumbers) {
+TEST_P(ContactResiduals, GradientsAtImpulsesMatchDualNumbers) {
   RandomNumbers random(32);
   const ContactCase& c = GetParam();
   expect_gradients_of_dual_numbers(std::make_shared<MultibodySystem>(c.robot, c.contacts, 0.3),

@@ -52,7 +52,7 @@ TEST(CycleResidual, IsDistanceFromChosenStartWithOffset) {
   }
 }
 
-TEST(CycleResidual, GradientsAreThoseOfDualNumbers) {
+TEST(CycleResidual, GradientsMatchDualNumbers) {
   RandomNumbers random(42);
   for (const bool floating : {false, true}) {
     const Cycle cycle = cycle_of(floating, random);

@@ -41,7 +41,7 @@ void expect_distance(const Vector3d& a0, const Vector3d& a1, const Vector3d& b0,
   EXPECT_LE(c.distance, expected + excess(expected, first, second) + 1e-12);
 }
 
-TEST(ClosestPoints, AreThoseOfASearch) {
+TEST(ClosestPoints, MatchASearch) {
   RandomNumbers random(3);
   const auto point = [&] {
     return Vector3d(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
@@ -53,7 +53,7 @@ TEST(ClosestPoints, AreThoseOfASearch) {
   }
 }
 
-TEST(ClosestPoints, OfParallelAndCrossingSegmentsAreTheirDistance) {
+TEST(ClosestPoints, ParallelAndCrossingSegmentsHaveCorrectDistance) {
   const Vector3d x(1, 0, 0), y(0, 1, 0), o(0, 0, 0);
   for (const double angle : {0.0, 1e-12, 1e-8, 1e-4, 1e-2}) {
     const Vector3d along = std::cos(angle) * x + std::sin(angle) * y;
@@ -141,7 +141,7 @@ TEST(DistanceResidual, IsDistanceBetweenSurfacesInTheWorld) {
   }
 }
 
-TEST(DistanceResidual, HasTheColumnsBetweenTheBodiesAlone) {
+TEST(DistanceResidual, HasOnlyColumnsBetweenTheBodies) {
   const RobotModel robot = random_robot(31, {.joints = 9, .floating = true, .branching = 0.6});
   const auto system = std::make_shared<MultibodySystem>(std::make_shared<RobotModel>(robot),
                                                         Actuation::full(robot));
@@ -192,7 +192,7 @@ void expect_derivatives(const std::shared_ptr<const MultibodySystem>& system,
   }
 }
 
-TEST(DistanceResidual, DerivativesAreThoseOfDualNumbers) {
+TEST(DistanceResidual, DerivativesMatchDualNumbers) {
   RandomNumbers random(11);
   std::vector<TestModel> robots = random_robots();
   for (TestModel& robot : mimic_robots()) robots.push_back(std::move(robot));

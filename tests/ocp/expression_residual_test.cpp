@@ -63,7 +63,7 @@ std::vector<std::pair<std::string, std::shared_ptr<const System>>> systems_with_
   return systems;
 }
 
-TEST(ExpressionResiduals, GradientsAreThoseOfDualNumbers) {
+TEST(ExpressionResiduals, GradientsMatchDualNumbers) {
   RandomNumbers random(61);
   for (const auto& [name, system] : systems_with_names())
     for (const bool memory : {false, true}) {
@@ -171,7 +171,7 @@ TEST(ExpressionResiduals, RowsAreMeasuredFromTheirReferences) {
             (std::vector<double>{5, 3.5, 3}));
 }
 
-TEST(ExpressionResiduals, ConstantRowsAreAllowedWhereTimeCosts) {
+TEST(ExpressionResiduals, AllowConstantRowsIfTimeCosts) {
   const auto system = unicycle();
   const KnotModel model(system, Integrator::rk4);
   const auto residual = expression_residual(

@@ -47,7 +47,7 @@ TEST(FreeDuration, ScalesStepsAndCostsByTheWrittenOne) {
   }
 }
 
-TEST(FreeDuration, DerivativesAreThoseOfDualNumbers) {
+TEST(FreeDuration, DerivativesMatchDualNumbers) {
   RandomNumbers random(52);
   for (const Integrator integrator :
        {Integrator::rk4, Integrator::explicit_euler, Integrator::semi_implicit_euler})

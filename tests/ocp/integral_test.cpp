@@ -51,7 +51,7 @@ TEST(Integrals, GrowByTheStepTimesTheirRates) {
   }
 }
 
-TEST(Integrals, DerivativesAreThoseOfDualNumbers) {
+TEST(Integrals, DerivativesMatchDualNumbers) {
   RandomNumbers random(72);
   for (const Integrator integrator : {Integrator::rk4, Integrator::semi_implicit_euler}) {
     const auto model = summing_pendulum(integrator);

@@ -157,7 +157,7 @@ TEST(KnotModel, BarriersFollowOtherCostsInThePattern) {
   EXPECT_EQ(barrier_first.lasting_entries(), barrier_last.lasting_entries());
 }
 
-TEST(Evaluator, NothingIsLeftOfTheHessianBefore) {
+TEST(Evaluator, ClearsThePreviousHessian) {
   bool barriers_rested = false, barriers_worked = false;
   RandomNumbers random(12);
   for (const auto& [name, system] : test_systems()) {

@@ -125,7 +125,7 @@ TEST(LibraryResidual, DifferentiatesItsJacobian) {
   EXPECT_NEAR(packed[2].d[0], 0, 1e-7);
 }
 
-TEST(LibraryResidual, TellsWhichFunctionHasFailed) {
+TEST(LibraryResidual, NamesTheFailedFunction) {
   const auto residual =
       make_library_residual(compiled("edge"), {.states = {1, 3}, .clock = -1, .ndx = 4});
   EXPECT_TRUE(residual->failed_functions().empty());

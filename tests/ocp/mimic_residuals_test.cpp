@@ -29,7 +29,7 @@ TEST(MimicResiduals, BlocksNameReducedColumnsAscendingAndOnce) {
   }
 }
 
-TEST(MimicResiduals, GradientsAndDynamicsAreThoseOfDualNumbers) {
+TEST(MimicResiduals, GradientsAndDynamicsMatchDualNumbers) {
   RandomNumbers random(71);
   for (const auto& [name, robot] : mimic_robots()) {
     const auto system = system_of(robot);

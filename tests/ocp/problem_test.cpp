@@ -47,7 +47,7 @@ std::shared_ptr<KnotModel> masses(int count, Integrator integrator) {
   return std::make_shared<KnotModel>(double_integrator(count), integrator);
 }
 
-TEST(ShootingProblem, SaysWhereSizesDoNotFit) {
+TEST(ShootingProblem, ReportsInconsistentSizes) {
   const auto model = masses(1, Integrator::rk4), end = masses(1, Integrator::none);
   const auto make = [&](std::vector<double> x, Phase phase, Phase terminal) {
     return ShootingProblem(std::move(x), {std::move(phase)}, std::move(terminal));
@@ -69,7 +69,7 @@ TEST(ShootingProblem, SaysWhereSizesDoNotFit) {
   expect_misfit({0, 0}, unscaled, last);
 }
 
-TEST(ShootingProblem, BeginsWhereItIsToldTo) {
+TEST(ShootingProblem, BeginsAtTheGivenState) {
   ShootingProblem problem({1, 2}, {phase_of(masses(1, Integrator::rk4), {1, 1})},
                           phase_of(masses(1, Integrator::none), {0}));
   problem.set_initial_state(std::vector<double>{3, 4});

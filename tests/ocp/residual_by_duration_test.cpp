@@ -25,7 +25,7 @@ TEST(RowsByDuration, MeasureExistingBoundsFromZero) {
   EXPECT_EQ(made.upper, (std::vector<double>{kUnbounded, 0, 0, 0, kUnbounded}));
 }
 
-TEST(RowsByDuration, OfAConeAreItsOwn) {
+TEST(RowsByDuration, ConeHasItsOwnRows) {
   const RowsByDuration made = rows_by_duration(ConstraintKind::second_order_cone, 3, {}, {});
   EXPECT_EQ(made.rows, (std::vector<int>{0, 1, 2}));
   EXPECT_EQ(made.offsets, (std::vector<double>{0, 0, 0}));

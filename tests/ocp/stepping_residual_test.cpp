@@ -145,7 +145,7 @@ TEST(SteppingSystem, MidpointRuleRejectsAFloatingBase) {
 
 /// Momentum is ∂T/∂v; the load is the bias force without the change of momentum. Differences of
 /// kinetic energy give both.
-TEST(HalfStep, IsThatOfKineticEnergy) {
+TEST(HalfStep, MatchesKineticEnergy) {
   const auto system = stepping_robot(false, SteppingScheme::variational_midpoint);
   RobotModel robot = system->multibody().robot();
   robot.wrenches.clear();  // wrenches have no energy
@@ -181,7 +181,7 @@ TEST(HalfStep, IsThatOfKineticEnergy) {
   }
 }
 
-TEST(SteppingResidual, EquationsOfMotionAreThoseOfInverseDynamics) {
+TEST(SteppingResidual, EquationsOfMotionMatchInverseDynamics) {
   const auto system = stepping_robot(true);
   Point p = random_point(*system, 5);
   const SteppingLayout& layout = system->layout();

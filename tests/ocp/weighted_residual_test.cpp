@@ -138,7 +138,7 @@ TEST(WeightedResidual, PartwiseExactHessiansMatchDualNumbers) {
   expect_hessians_of_dual_numbers(problem, t, Augmentation(problem), random);
 }
 
-TEST(WeightedResidual, RowsThatNothingTiesStayApart) {
+TEST(WeightedResidual, UncoupledRowsStaySeparate) {
   const auto system = double_integrator(2);
   const KnotModel model(system, Integrator::none);
   Eigen::MatrixXd W = Eigen::MatrixXd::Identity(4, 4);
@@ -151,7 +151,7 @@ TEST(WeightedResidual, RowsThatNothingTiesStayApart) {
   EXPECT_TRUE(residual->blocks()[2].affine);
 }
 
-TEST(WeightedResidual, AMatrixOfZerosCostsNothing) {
+TEST(WeightedResidual, ZeroMatrixCostsNothing) {
   const auto system = double_integrator(1);
   const Eigen::MatrixXd W = Eigen::MatrixXd::Zero(2, 2);
   const Differentiated got = differentiate(state_case(system, &W));

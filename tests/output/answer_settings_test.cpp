@@ -39,7 +39,7 @@ TEST(AnswerSettings, DoesNotListDefaultOrTighterTolerances) {
             "tolerances beyond the defaults: gap 1 (default 1e-09)");
 }
 
-TEST(AnswerSettings, NothingIsChangedWithoutOverridesAndDroppedConstraints) {
+TEST(AnswerSettings, ListsNothingWithoutOverridesAndDrops) {
   AnswerSettings settings;
   EXPECT_FALSE(settings.changed());
   EXPECT_TRUE(settings_lines(settings).empty());
@@ -47,7 +47,7 @@ TEST(AnswerSettings, NothingIsChangedWithoutOverridesAndDroppedConstraints) {
   EXPECT_FALSE(settings.changed()) << "the file may say so";
 }
 
-TEST(AnswerSettings, ThrowsWhereOverridesAreNoTexts) {
+TEST(AnswerSettings, ThrowsIfOverridesAreNotTexts) {
   EXPECT_THROW(settings_of({1, 2}, 1e-9), MalformedSolution);
   EXPECT_THROW(settings_of("dt=0.01", 1e-9), MalformedSolution);
 }

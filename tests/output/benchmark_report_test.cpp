@@ -108,7 +108,7 @@ TEST(BenchmarkReport, CountsAnswersByDistanceToTheBest) {
   EXPECT_NE(text.find(" 33.3 %       50.0 %       66.7 %"), std::string::npos) << text;
 }
 
-TEST(BenchmarkReport, TellsHowToSeeAFailureAgain) {
+TEST(BenchmarkReport, ExplainsHowToReproduceFailures) {
   BenchmarkReport r{.request = {.solvers = {"a"}, .instances = 3}};
   for (int i = 1; i <= 3; ++i) {
     r.entries.push_back(entry("first", "a", 2.0, 0.1));

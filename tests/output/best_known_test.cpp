@@ -31,7 +31,7 @@ TEST_F(BestKnownFile, GivesCostsByTheHashOfTheirProblems) {
   EXPECT_EQ(*known, (BestKnown{{"aa", 1.5}, {"bb", -2}}));
 }
 
-TEST_F(BestKnownFile, SaysWhatIsWrongAndWhere) {
+TEST_F(BestKnownFile, ReportsErrorsWithTheirPlaces) {
   const std::string format = R"({"format": "conddp.best_known/1", )";
   const std::vector<std::pair<std::string, std::string>> cases = {
       {"{\n  \"format\": 1,,\n}", ":2:15: error: not valid JSON"},

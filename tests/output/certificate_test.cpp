@@ -304,14 +304,14 @@ TEST(Certificate, KnowsChoiceAndLinkOfPeriodicMotions) {
             std::string::npos);
 }
 
-TEST(Certificate, OfAnotherRobotDoesNotHold) {
+TEST(Certificate, RejectsAnotherRobot) {
   const SolvedExample own("cartpole_swingup", {"solver.max_iterations=3"});
   const SolvedExample other("cartpole_swingup",
                             {"robot.payloads={pole: {mass: 0.01}}", "solver.max_iterations=1"});
   EXPECT_NE(failures(other.judge(own.document)).find("[gap]"), std::string::npos);
 }
 
-TEST(Certificate, OfAnotherStepDoesNotHold) {
+TEST(Certificate, RejectsAnotherStep) {
   const SolvedExample own("cartpole_swingup", {"solver.max_iterations=3"});
   const SolvedExample other("cartpole_swingup", {"phases.0.dt=0.0301", "solver.max_iterations=1"});
   const std::string found = failures(other.judge(own.document));
@@ -320,7 +320,7 @@ TEST(Certificate, OfAnotherStepDoesNotHold) {
 }
 
 /// The claims of an unconverged answer hold too.
-TEST(Certificate, OfUnconvergedAnswersHolds) {
+TEST(Certificate, HoldsForUnconvergedAnswers) {
   for (const std::string solver : {"ilqr", "ilqr_clip", "ddp", "box_ddp", "fddp", "box_fddp"})
     for (const std::string& iterations :
          kSmallSizes ? std::vector<std::string>{"1"} : std::vector<std::string>{"0", "1", "4"})
@@ -345,7 +345,7 @@ TEST(Certificate, OfUnconvergedAnswersHolds) {
 }
 
 /// Far from any answer, the last digits of costs and gradients are meaningless.
-TEST(Certificate, OfBadlyConditionedIteratesHolds) {
+TEST(Certificate, HoldsForBadlyConditionedIterates) {
   for (const std::string solver : {"ilqr_clip", "box_ddp", "box_fddp"})
     for (const std::string& seed :
          kSmallSizes ? std::vector<std::string>{"1"} : std::vector<std::string>{"1", "2", "3"})
@@ -389,7 +389,7 @@ TEST(Certificate, RejectsResidualsThatAreTooGood) {
   EXPECT_NE(found.find("[status]"), std::string::npos) << found;
 }
 
-TEST(Certificate, KnowsWhatWasDropped) {
+TEST(Certificate, KnowsDroppedConstraints) {
   SolvedExample answer("arm_reach", {"solver.name=fddp"}, {.drop = {"torque"}});
   EXPECT_TRUE(answer.judge(answer.document).checks.holds());
   add_to(answer.document["dropped_constraints"][0]["violation"], -1e-3);
@@ -409,7 +409,7 @@ TEST(Certificate, AcceptsDeprecatedOptionNames) {
   EXPECT_EQ(failures(answer.judge(answer.document)), "[options]");
 }
 
-TEST(Certificate, OfADocumentWithoutItsKeysIsNone) {
+TEST(Certificate, RejectsDocumentsWithoutKeys) {
   const SolvedExample answer("pendulum_swingup");
   for (const char* key : {"problem", "status", "cost", "residuals", "trajectory", "multipliers",
                           "gains", "log", "dropped_constraints"}) {
@@ -419,7 +419,7 @@ TEST(Certificate, OfADocumentWithoutItsKeysIsNone) {
   }
 }
 
-TEST(Certificate, ADivergedSolveSaysNothingFalse) {
+TEST(Certificate, DivergedSolveMakesNoFalseClaim) {
   const SolvedExample answer("acrobot_swingup",
                              {"initial_guess.controls={constant: 1.0e+200}", "solver.name=ilqr"},
                              {.drop = {"torque"}});

@@ -127,7 +127,7 @@ TEST(ContactSolution, ReplayByTheSimulatorAgreesStepByStep) {
   EXPECT_EQ(json["contacts"]["sequence"][0]["closed"].size(), 2u);
 }
 
-TEST(ContactSchedule, OfAnAnswerBuildsAndKeepsItsCosts) {
+TEST(ContactSchedule, AnswerBuildsAndKeepsItsCosts) {
   const auto motion =
       contact_motion(*pushed_block().built.problem, pushed_block().result->trajectory);
   ASSERT_TRUE(motion);

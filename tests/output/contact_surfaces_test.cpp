@@ -72,7 +72,7 @@ TEST_F(Surfaces, CornerInsideABoxHasNoFace) {
   EXPECT_EQ(surfaces.longest_outside(kStep, 2), 4);
 }
 
-TEST_F(Surfaces, ANormalThatTurnsIsNone) {
+TEST_F(Surfaces, RotatingNormalIsNoSurface) {
   const ContactMotion along = motion({{{0, 0}, {0, 0}, {0.6, -0.2}, {0.9, 0.3}}});
   const ContactSurfaces surfaces(along);
   EXPECT_EQ(surfaces.touched(kBall, 0, 1), 0);

@@ -50,7 +50,7 @@ TEST(DifferentStatesAnswer, IsCertified) {
   EXPECT_EQ(failures(replayed), "");
 }
 
-TEST(DifferentStatesAnswer, IsDeniedWhereAControlIsForged) {
+TEST(DifferentStatesAnswer, FailsIfAControlIsForged) {
   OrderedJson forged = answer().document;
   add_to(forged["trajectory"]["u"][4][2], 1e-3);  // c of the second phase
   EXPECT_NE(failures(answer().judge(forged)).find("[gap]"), std::string::npos);

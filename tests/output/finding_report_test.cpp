@@ -222,7 +222,7 @@ TEST_F(Findings, SaysNothingAboutNonFiniteMotions) {
                   .empty());
 }
 
-TEST(FindingLines, OfOneKindTheWorstThreeAreShown) {
+TEST(FindingLines, ShowTheWorstThreeOfAKind) {
   std::vector<Finding> list(5);
   for (Finding& f : list) f = {.message = "m", .remedy = "r"};
   list.push_back({.kind = FindingKind::drift, .knot = 4, .time = 0.5, .message = "d"});

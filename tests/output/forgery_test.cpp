@@ -21,8 +21,8 @@ Evaluation evaluate(const ShootingProblem& problem, const Trajectory& trajectory
   return evaluation;
 }
 
-/// Costates that minimize ∇_u L, with constraint multipliers unchanged. A huge claimed gain absorbs
-/// the rest of ∇_x L.
+/// Costates that null ∇_u L as far as possible, with constraint multipliers unchanged. A huge
+/// claimed gain absorbs the rest of ∇_x L.
 void solve_for_multipliers(const ShootingProblem& problem, SolveResult& result) {
   const Evaluation evaluation = evaluate(problem, result.trajectory);
   const auto derivatives = node_derivatives(problem, result.trajectory, evaluation.gap);
@@ -108,11 +108,11 @@ void expect_caught(const std::string& name, int count, double size, bool nulled)
     EXPECT_GE(20 * disagreeing, 19 * count) << name;
 }
 
-TEST(Forgery, OfAPendulumIsCaught) {
+TEST(Forgery, PendulumIsCaught) {
   expect_caught("pendulum_swingup", kSmallSizes ? 5 : 90, 0.3, true);
 }
-TEST(Forgery, OfAnArmIsCaught) { expect_caught("arm_reach", kSmallSizes ? 2 : 90, 0.3, true); }
-TEST(Forgery, OfAQuadrupedWithConesIsCaught) {
+TEST(Forgery, ArmIsCaught) { expect_caught("arm_reach", kSmallSizes ? 2 : 90, 0.3, true); }
+TEST(Forgery, QuadrupedWithConesIsCaught) {
   // Torques that only load legs against each other move no state, so no costate can balance them.
   expect_caught("quadruped_trot_cones", kSmallSizes ? 1 : 20, 1e-3, false);
 }

@@ -46,7 +46,7 @@ TEST(LinearControlsAnswer, IsCertified) {
   }
 }
 
-TEST(LinearControlsAnswer, IsDeniedWhereANodalControlIsForged) {
+TEST(LinearControlsAnswer, FailsIfANodalControlIsForged) {
   const SolvedExample answer = solved(kSwing, "rk4", "box_ddp");
   OrderedJson forged = answer.document;
   add_to(forged["trajectory"]["x"][3].back(), 1e-3);

@@ -89,7 +89,7 @@ TEST_F(LoopVerdict, RoundedTimesStandForPushesJumpsAndCommands) {
   }
 }
 
-TEST_F(LoopVerdict, HoldsWhereAPhaseIsAJump) { expect_holds(SimulatedLoop(kBouncingMass)); }
+TEST_F(LoopVerdict, HoldsIfAPhaseIsAJump) { expect_holds(SimulatedLoop(kBouncingMass)); }
 
 TEST_F(LoopVerdict, HoldsForATrotThatIsPushed) {
   const auto file = std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/quadruped_trot.yaml";
@@ -134,7 +134,7 @@ TEST_F(LoopVerdict, HoldsForLateAnswersOfTheFile) {
   EXPECT_EQ(failures(judge(loop, document)), "clock;late_ticks;");
 }
 
-TEST_F(LoopVerdict, FailsWhereTheDocumentSaysOtherwise) {
+TEST_F(LoopVerdict, FailsIfTheDocumentDisagrees) {
   const SimulatedLoop loop(kBalancedCartpole);
   write(loop);
   const OrderedJson document = loop_json(loop.run());
@@ -193,7 +193,7 @@ TEST_F(LoopVerdict, NamesTheLineOfAnEmptyState) {
   EXPECT_NE(line.find("line 42: a cell of the state is empty"), std::string::npos) << line;
 }
 
-TEST_F(LoopVerdict, SaysWhereAControlIsEmpty) {
+TEST_F(LoopVerdict, ReportsAnEmptyControl) {
   const SimulatedLoop loop(kBalancedCartpole);
   write(loop);
   replace_text(kPlantFile, with_cell(text(kPlantFile), 42, 7, ""));
@@ -231,7 +231,7 @@ TEST_F(LoopVerdict, FailsOnTruncatedOrMalformedTables) {
   EXPECT_EQ(failures(judge(loop, document)), "plant;closed_loop.csv;");
 }
 
-TEST_F(LoopVerdict, NamesTheTablesThatAreNotThere) {
+TEST_F(LoopVerdict, NamesMissingTables) {
   const SimulatedLoop loop(kBalancedCartpole);
   const LoopCertificate certificate = judge(loop, loop_json(loop.run()));
   EXPECT_TRUE(certificate.checks.holds());
@@ -252,7 +252,7 @@ TEST_F(LoopVerdict, AllowsTheLastDigitsOfAnotherBuild) {
   EXPECT_NE(failures(judge(loop, document)), "");
 }
 
-TEST_F(LoopVerdict, ThrowsWhereTheDocumentLacksKeys) {
+TEST_F(LoopVerdict, ThrowsIfTheDocumentLacksKeys) {
   const SimulatedLoop loop(kBalancedCartpole);
   OrderedJson document = loop_json(loop.run());
   document.erase("ticks");

@@ -21,7 +21,7 @@ OrderedJson judged(const SolvedExample& example, const OrderedJson& document) {
 
 class NumberForms : public testing::TestWithParam<const char*> {};
 
-TEST_P(NumberForms, SayTheSameAndAreJudgedAlike) {
+TEST_P(NumberForms, AgreeAndAreJudgedAlike) {
   const SolvedExample example(GetParam());
   const OrderedJson lists = document_of(example, NumberForm::kLists);
   const OrderedJson blocks = document_of(example, NumberForm::kBlocks);

@@ -75,7 +75,7 @@ TEST_F(Report, CostsOverTheNodesSumToTheCost) {
   EXPECT_NEAR(sum, result_->cost, 1e-6 * result_->cost);
 }
 
-TEST_F(Report, WithoutItsProblemASolutionStillHasCurves) {
+TEST_F(Report, SolutionWithoutItsProblemStillHasCurves) {
   load("cartpole_swingup.yaml");
   ReportEntry alone = entry();
   alone.spec = nullptr;
@@ -87,7 +87,7 @@ TEST_F(Report, WithoutItsProblemASolutionStillHasCurves) {
             data["solutions"][1]["curves"]["x"]["values"]);
 }
 
-TEST_F(Report, ASolutionOfAnotherShapeIsRefused) {
+TEST_F(Report, RejectsSolutionsOfAnotherShape) {
   load("cartpole_swingup.yaml");
   document_["trajectory"]["x"].erase(0);
   EXPECT_THROW(report_data({entry()}), MalformedSolution);

@@ -74,7 +74,7 @@ TEST_F(SolutionOutput, JsonNumbersSurviveTheText) {
       EXPECT_EQ(json["trajectory"]["x"][k][i].get<double>(), result_->trajectory.x(k)[i]);
 }
 
-TEST_F(SolutionOutput, SaysWhatItWasMadeFrom) {
+TEST_F(SolutionOutput, RecordsItsInputs) {
   const OrderedJson problem = solution_json(solution())["problem"];
   EXPECT_EQ(problem["configuration"], expand_problem(spec_, built_));
   EXPECT_EQ(problem["configuration"]["solver"]["tolerances"], problem["options"]["tolerances"]);

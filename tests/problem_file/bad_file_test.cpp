@@ -327,7 +327,7 @@ TEST(BadFile, AcceptedWordsAreData) {
   EXPECT_EQ(loaded.error()->accepted.size(), 10u);
 }
 
-TEST(BadFile, NothingIsDroppedTwice) {
+TEST(BadFile, DropsNothingTwice) {
   const Loaded loaded(std::string(kPendulum), {}, {.drop = {"torque", "torque"}});
   ASSERT_TRUE(loaded.error());
   EXPECT_EQ(loaded.error()->message, "--drop torque stands twice on the command line");

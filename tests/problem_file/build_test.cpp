@@ -84,7 +84,7 @@ solver: {{name: ipopt}}
   EXPECT_NE(said.find("m inside what it may only touch"), std::string::npos) << said;
 }
 
-TEST(Build, SaysWhereTheUrdfLimitsNothing) {
+TEST(Build, ReportsJointsWithoutUrdfLimits) {
   const Loaded loaded(R"(conddp: 1
 robot: {urdf: robots/double_pendulum.urdf}
 initial_state: {}
@@ -150,7 +150,7 @@ TEST(Build, WarnsAboutReferencesOutsideTheMotion) {
             "s: the next one is 10 s (times are in s)\n");
 }
 
-TEST(Build, WarnsOfASeedThatDrawsNothing) {
+TEST(Build, WarnsAboutUnusedSeeds) {
   const auto with = [](const char* perturbation) {
     return warnings(std::string(kCartpole) + "perturbation: " + perturbation + "\n");
   };

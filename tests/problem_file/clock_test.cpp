@@ -108,7 +108,7 @@ TEST(Clock, IsNeitherChosenNorPartOfACycle) {
   EXPECT_LT(result.cost, 1e-12);
 }
 
-TEST(Clock, StaysWhereItIsInPerturbedInitialStates) {
+TEST(Clock, IsUnaffectedByPerturbedInitialStates) {
   const Loaded loaded{std::string(kSecondOrder)};
   ASSERT_TRUE(loaded.built) << loaded.all();
   const std::vector<double> x =

@@ -106,7 +106,7 @@ TEST_P(CollocationProblem, GuessHasTheSlopesOfItsSolution) {
     EXPECT_LE((guess.u(k) - result.trajectory.u(k)).lpNorm<Eigen::Infinity>(), 1e-7) << k;
 }
 
-TEST_P(CollocationProblem, HasCostsOnActuatorsAlone) {
+TEST_P(CollocationProblem, HasCostsOnActuatorsOnly) {
   const Loaded loaded(replaced(swing_up(GetParam(), 40, "ipopt"), "effort: {residual: control}",
                                "effort: {residual: control}, rate: {residual: control_rate}"));
   ASSERT_TRUE(loaded.built) << loaded.all();

@@ -198,7 +198,7 @@ TEST(ComposedStates, AreReplayed) {
 }
 
 /// Rows depend on the state, the control, and all times, including durations in the state.
-TEST(ComposedStates, TimesOfRowsAreThoseOfTheDurations) {
+TEST(ComposedStates, RowTimesFollowTheDurations) {
   const std::string text = R"(conddp: 1
 system: {states: [x], controls: [u], rate: {x: u}}
 initial_state: {values: {x: 3}}

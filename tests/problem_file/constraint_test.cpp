@@ -183,7 +183,7 @@ TEST(Constraints, FrictionConesHoldOnlyDuringContact) {
   EXPECT_NE(b[2], 0);
 }
 
-TEST(Constraints, FromCentersAreOneForEachOfThem) {
+TEST(Constraints, CentersGiveOneConstraintEach) {
   const Loaded loaded(
       with("  posts: {residual: state, columns: [theta, omega], at_least: 0.5, knots: [2],\n"
            "          centers: [[3, 4], {from: [1, 0], to: [2, 6], count: 4}]}\n"));
@@ -233,7 +233,7 @@ solver: {name: altro}
             (std::vector<double>{0, 0, 7, 5, 4, 6, 1, 2, 3}));
 }
 
-TEST(Constraints, WhatContradictsIsFoundBeforeSolving) {
+TEST(Constraints, FindsContradictionsBeforeSolving) {
   const std::pair<std::string, const char*> cases[] = {
       {with("  speed: {bounds: velocity, lower: 2, upper: 1}\n"), "no value of 'omega' satisfies"},
       {with("  a: {residual: state, columns: theta, at_least: 2, at_most: 1}\n"),
@@ -267,7 +267,7 @@ TEST(Constraints, ScaledRowsOfOneCoordinateContradict) {
   }
 }
 
-TEST(Constraints, NoContradictionWhereValuesRemain) {
+TEST(Constraints, FindsNoContradictionIfValuesRemain) {
   const std::string cases[] = {
       expression("a", "3*theta, lower: -1, upper: 2") +
           expression("b", "theta, lower: 0.66, upper: 1"),
@@ -326,7 +326,7 @@ TEST(Constraints, CountTowardsMemory) {
   EXPECT_NE(loaded.all().find("GiB of memory"), std::string::npos) << loaded.all();
 }
 
-TEST(Constraints, WhatCannotBeSaidIsRefused) {
+TEST(Constraints, RejectsUnsupportedConstraints) {
   const std::pair<std::string, const char*> cases[] = {
       {with("  a: {residual: state, equals: 0, lower: 1}\n"), "lower"},
       {with("  a: {residual: state, columns: theta, cone: second_order}\n"),
@@ -491,7 +491,7 @@ TEST(SoftConstraints, OnControlsAreNotSolverBounds) {
   EXPECT_NEAR(evaluation.cost[1], 0.1 * (0.5 * 0.5 * 25 + 0.5 * 10 * 4), 1e-12);
 }
 
-TEST(SoftConstraints, OfTheInitialStateAreNoError) {
+TEST(SoftConstraints, InitialStateConstraintIsAllowed) {
   const Loaded loaded(
       with("  fast: {residual: state, columns: omega, equals: 9, soft: l1, weight: 1}\n"));
   EXPECT_TRUE(loaded.built) << loaded.all();

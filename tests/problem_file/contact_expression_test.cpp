@@ -93,7 +93,7 @@ TEST(ContactExpressions, DerivativesMatchDifferences) {
     EXPECT_LT(derivative.error, 1e-7);
 }
 
-TEST(ContactExpressions, SayWhatTheyCannotRead) {
+TEST(ContactExpressions, ReportUnreadableQuantities) {
   struct Said {
     const char *from, *to, *says;
   };

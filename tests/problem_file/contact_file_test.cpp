@@ -252,7 +252,7 @@ double error_after(Integrator integrator, double kp, double kd, double dt) {
   return std::abs(e) + std::abs(v) * dt;
 }
 
-TEST(Baumgarte, IsCalledStableExactlyWhereErrorsDieAway) {
+TEST(Baumgarte, IsStableExactlyIfErrorsDecay) {
   int stable = 0, unstable = 0;
   for (const Integrator integrator :
        {Integrator::semi_implicit_euler, Integrator::explicit_euler, Integrator::rk2})
@@ -303,7 +303,7 @@ TEST(Baumgarte, WarnsAboutUnstableStepsAndSaysWhy) {
             "");
 }
 
-TEST(QuasiStatic, SaysWhereItHadToCutControlsOff) {
+TEST(QuasiStatic, ReportsClampedControls) {
   const std::string heavy = replaced(
       replaced(kStepping, "base: floating}", "base: floating, payloads: {trunk: {mass: 300}}}"),
       "initial_guess", "constraints: {torque: {bounds: control, from: urdf}}\ninitial_guess");

@@ -58,7 +58,7 @@ TEST(ContactGuess, ForcesCarryTheWeightOnASlope) {
             "those that hold the guessed states together with contact forces");
 }
 
-TEST(ContactGuess, NothingHoldsFromAfar) {
+TEST(ContactGuess, DistantContactsCarryNothing) {
   const Held block("block_slope", {"initial_state.joints.base_z=1.5"});
   const double most = block.spec->solver.options.complementarity.initial;
   for (const auto& c : block.layout().candidates)
@@ -69,7 +69,7 @@ TEST(ContactGuess, NothingHoldsFromAfar) {
       << block.built->guess_used.controls;
 }
 
-TEST(ContactGuess, AQuadrupedStandsByItsTorques) {
+TEST(ContactGuess, QuadrupedStandsByItsTorques) {
   const Held robot("planar_quadruped_gait");
   for (int k = robot.first(); k < robot.built->guess.knots(); ++k) {
     EXPECT_LT(robot.left(k).lpNorm<Eigen::Infinity>(), kOffBounds) << k;

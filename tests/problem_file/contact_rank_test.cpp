@@ -24,7 +24,7 @@ ContactRank rank_at_start(const ShootingProblem& problem) {
   return problem.knot(0).model->system().contact_rank(problem.initial_state().data());
 }
 
-TEST(ContactRank, CountsRowsAlongWhichTheRobotCanMove) {
+TEST(ContactRank, CountsRowsOfMovableDirections) {
   const Loaded loaded(planar_hopper("[0, 0, 1]"));
   ASSERT_TRUE(loaded.built) << loaded.all();
   const ContactRank found = rank_at_start(*loaded.built->problem);

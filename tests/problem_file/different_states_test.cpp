@@ -326,7 +326,7 @@ TEST(DifferentStates, ExpansionIsEquivalent) {
   }
 }
 
-TEST(DifferentStates, MistakesAreFoundWhereTheyStand) {
+TEST(DifferentStates, ReportsMistakesAtTheirPlaces) {
   struct {
     std::string_view text, from, to, error;
   } const cases[] = {

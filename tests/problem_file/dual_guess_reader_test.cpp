@@ -74,7 +74,7 @@ TEST_F(DualGuessReader, OmitsChangedConstraintsByName) {
   EXPECT_NE(renamed->text.find("not of swiftness"), std::string::npos) << renamed->text;
 }
 
-TEST_F(DualGuessReader, TakesNothingOfAnotherGrid) {
+TEST_F(DualGuessReader, IgnoresOtherGrids) {
   const auto longer = read(solution_text(), problem_text(5));
   ASSERT_TRUE(longer);
   EXPECT_FALSE(longer->guess);

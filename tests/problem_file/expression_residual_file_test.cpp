@@ -169,7 +169,7 @@ solver: {name: altro}
   EXPECT_EQ(r, 5 * x[2 + slider] + x[1 - slider]);
 }
 
-TEST(ExpressionRows, SayHowJointsAreNamed) {
+TEST(ExpressionRows, ExplainNamesOfJoints) {
   for (const char* row : {"slider", "q/slider"}) {
     const Loaded loaded(fmt::format(R"(conddp: 1
 robot: {{urdf: robots/cartpole.urdf, actuation: {{joints: [slider]}}}}
@@ -221,7 +221,7 @@ TEST(ExpressionRows, NameTheRowsOfOtherResiduals) {
     EXPECT_LT(derivative.error, 1e-9);
 }
 
-TEST(ExpressionRows, SayWhichResidualsTheyCannotName) {
+TEST(ExpressionRows, ReportUnsupportedResiduals) {
   const auto error = [](std::string_view from, std::string_view to) {
     return Loaded(replaced(kTip, from, to)).first_error();
   };
@@ -237,7 +237,7 @@ TEST(ExpressionRows, SayWhichResidualsTheyCannotName) {
             "8:72: unknown residual 'frame_");
 }
 
-TEST(ExpressionRows, CostTimeWhereDurationsAreFree) {
+TEST(ExpressionRows, CostTimeWithFreeDurations) {
   const Loaded loaded(R"(conddp: 1
 system: {type: double_integrator, dimension: 1}
 initial_state: {}
@@ -304,7 +304,7 @@ TEST(ExpressionRows, NamePreviousControlsByJoint) {
   ASSERT_TRUE(loaded.built) << loaded.all();
 }
 
-TEST(ExpressionRows, SayWherePreviousControlsCannotBe) {
+TEST(ExpressionRows, ReportMisplacedPreviousControls) {
   const std::string rate =
       replaced(kRows, "[energy - drag(v), \"[x*t, u]\"]", "[\"u - previous[u]\"]");
   const auto error = [&](std::string_view from, std::string_view to) {

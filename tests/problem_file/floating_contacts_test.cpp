@@ -12,7 +12,7 @@ std::string said_of(const std::vector<std::string>& settings) {
   return format_diagnostics(out, false);
 }
 
-TEST(FloatingContacts, TheMidpointRuleIsRefusedByName) {
+TEST(FloatingContacts, RejectsTheMidpointRuleByName) {
   const std::string said = said_of({"stepping.scheme=variational_midpoint"});
   EXPECT_NE(said.find("the joint 'base' floats, which the scheme 'variational_midpoint' does not "
                       "allow: 'backward_euler' does"),

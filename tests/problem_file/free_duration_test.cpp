@@ -78,7 +78,7 @@ TEST(FreeDuration, IsChosenFirstAndHeld) {
   EXPECT_EQ(loaded.built->state_columns[3].unit, "s");
 }
 
-TEST(FreeDuration, StepsAreThoseOfThatDuration) {
+TEST(FreeDuration, StepsFollowTheDuration) {
   for (const char* integrator : {"semi_implicit_euler", "explicit_euler", "rk2", "rk3", "rk4"}) {
     const std::string text = floating(integrator);
     const Loaded free(text), longer(replaced(text, "knots: 3, dt: 0.1", "knots: 3, dt: 0.25"));
@@ -134,7 +134,7 @@ TEST(FreeDuration, DoubleIntegratorTimeMatchesBangBang) {
 
 /// Controls are at their bounds nearly everywhere, and time is the only cost. The active bounds are
 /// hard to detect and must be exact to close the gaps.
-TEST(FreeDuration, OfAQuadrotorWithControlsAtTheirBounds) {
+TEST(FreeDuration, CoversAQuadrotorWithSaturatedControls) {
   const Loaded loaded(R"(conddp: 1
 system: {type: planar_quadrotor}
 initial_state: {values: {z: 1}}
@@ -194,7 +194,7 @@ TEST(FreeDuration, IsOptimal) {
 
 /// A hopper with a periodic hop, contacts, flight, and an impact. It chooses its initial state and
 /// the durations of push, flight, and landing.
-TEST(FreeDuration, OfAHopperWithContactsAndAnImpact) {
+TEST(FreeDuration, CoversAHopperWithContactsAndImpact) {
   const std::string text = replaced(
       hopper_with_free_durations(),
       "phases: flight, weight: 100,\n               swing: {height: 0.08, step: [0.3, 0, 0]}}",
@@ -248,7 +248,7 @@ TEST(FreeDuration, BeginsWithAnEarlierSolution) {
 }
 
 /// A guess neither balances the choice against gravity nor clamps it.
-TEST(FreeDuration, LeavesGuessedControlsAlone) {
+TEST(FreeDuration, KeepsGuessedControls) {
   const std::string torque = "constraints:\n  force: {bounds: control, lower: -5, upper: 5}\n";
   const std::string text = replaced(
       floating("rk4"), "solver:", torque + "initial_guess: {controls: quasi_static}\nsolver:");
@@ -270,7 +270,7 @@ TEST(FreeDuration, IsReplayedInItsOwnTime) {
   EXPECT_LT(replayed.feedback.deviation, 1e-7);
 }
 
-TEST(FreeDuration, NothingConvergesWhereDerivativesAreInfinite) {
+TEST(FreeDuration, InfiniteDerivativesPreventConvergence) {
   const Loaded loaded(
       "conddp: 1\nsystem: {states: [x], controls: [u], rate: {x: u}}\n"
       "initial_state: {values: {x: 1}}\n"

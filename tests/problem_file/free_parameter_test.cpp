@@ -59,7 +59,7 @@ TEST(FreeParameters, ReachTheirOptimumWithinAndAtBounds) {
 
 /// Moving a mass by 1 in 1 s from rest to rest costs ∫ u² dt + 1/m with u = m (6 − 12 t), that is
 /// 12 m² + 1/m, so m = 24^(−1/3). Piecewise constant controls cost slightly more than 12.
-TEST(FreeParameters, OfEquationsHaveTheMassOfLeastCost) {
+TEST(FreeParameters, EquationMassHasMinimumCost) {
   const Loaded loaded(R"(conddp: 1
 parameters: {mass: {free: true, lower: 0.1, upper: 2}}
 system: {states: {x: m, v: m/s}, controls: {u: N}, rate: {x: v, v: u/mass}}
@@ -111,7 +111,7 @@ solver: {name: ipopt}
   EXPECT_NEAR(result.cost, 1 / v + v * v, 1e-3);
 }
 
-TEST(FreeParameters, OfDifferencesAndOfSeveralSystemsAreStates) {
+TEST(FreeParameters, AreStatesInDifferencesAndSeveralSystems) {
   const Loaded differences(
       replaced(replaced(replaced(kDrift, "rate: {x: c*(p + u)}", "next: {x: x + 0.05*(p + u)}"),
                         "integrator: rk4\n", ""),

@@ -51,7 +51,7 @@ std::vector<std::string> schedule(const Loaded& loaded) {
 
 using Lines = std::vector<std::string>;
 
-TEST(Gait, TakesAnyFeetWhoseStartsAreSaid) {
+TEST(Gait, AcceptsAnyFeetWithGivenStarts) {
   const std::string gait =
       "type: trot, period: 0.4, dt: 0.02, feet: {A: LF, B: RF, C: LH}, starts: {A: 0, B: 0.5, C: "
       "0}";
@@ -193,7 +193,7 @@ std::vector<double> reference_at(const ShootingProblem& problem, int k, const st
   return {};
 }
 
-TEST(Gait, FeetLandWhereTheDisplacedStanceHasThem) {
+TEST(Gait, FeetLandOnTheDisplacedStance) {
   // Stance and footholds are computed in two ways: by kinematics of the displaced state, and by
   // displacing the feet.
   for (const char* gait :
@@ -222,7 +222,7 @@ TEST(Gait, FeetLandWhereTheDisplacedStanceHasThem) {
   }
 }
 
-TEST(Gait, AnArcIsThatOfEvenMotion) {
+TEST(Gait, ArcMatchesEvenMotion) {
   // Many small steps, each along the current base heading.
   const Loaded loaded(with_gait(
       "type: jump, period: 0.4, dt: 0.02, step: {length: 0.8, direction: 0.3, turn: 1.2}"));
@@ -364,7 +364,7 @@ TEST(Gait, ExpandedFileIsBitwiseTheSameProblem) {
   }
 }
 
-TEST(GaitFile, DefaultsAreThoseOfTheSchema) {
+TEST(GaitFile, DefaultsMatchTheSchema) {
   const Json schema = load_schema()["definitions"]["gait"]["properties"];
   const auto value = [&](const Json& part, const char* key) {
     return part.at(key).at("default").dump();
@@ -484,7 +484,7 @@ TEST(Displacement, MovesAndTurnsABaseInItsAxes) {
   EXPECT_NEAR(x[6], std::cos(0.4), 1e-12);
 }
 
-TEST(Displacement, OfAPlanarBaseTakesItsVelocityAlong) {
+TEST(Displacement, PlanarBaseRotatesItsVelocity) {
   const Loaded loaded(R"(conddp: 1
 robot: {urdf: robots/hopper.urdf, base: planar}
 initial_state: {base: {position: [1, 2], yaw: 0.5}, displaced: [0.1, 0, 1.0],

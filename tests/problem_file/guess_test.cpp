@@ -220,7 +220,7 @@ TEST_F(GuessFromFile, NamesMissingAndExtraColumns) {
   EXPECT_TRUE(chosen.built) << chosen.all();
 }
 
-TEST_F(GuessFromFile, WarnsOnceWhereASolutionHasAnotherDuration) {
+TEST_F(GuessFromFile, WarnsOnceAboutAnotherDuration) {
   const auto text = [](double end) {
     return R"({"format": "conddp.solution/1", "trajectory": {"columns": {"x": ["theta", "omega"],
       "u": ["torque"]}, "t": [0, )" +

@@ -130,7 +130,7 @@ struct BadHomotopy {
 
 class BadHomotopies : public testing::TestWithParam<BadHomotopy> {};
 
-TEST_P(BadHomotopies, AreReportedWhereTheyStand) {
+TEST_P(BadHomotopies, AreReportedAtTheirPlaces) {
   const Loaded loaded(with_homotopy(GetParam().list));
   EXPECT_FALSE(loaded.built);
   ASSERT_TRUE(loaded.error());
@@ -215,7 +215,7 @@ TEST(LimitScale, WidensPositionsAboutTheirMiddle) {
   EXPECT_TRUE(uneven) << "the robot has a joint whose range is not symmetric";
 }
 
-TEST(LimitScale, IsPositiveAndOfTheUrdfAlone) {
+TEST(LimitScale, IsPositiveAndForUrdfLimitsOnly) {
   const Loaded zero(limited("arm7", "bounds: control, from: urdf, scale: 0")),
       own(limited("arm7", "bounds: control, lower: -1, scale: 2"));
   EXPECT_NE(zero.first_error().find("a positive number is expected here"), std::string::npos);

@@ -140,7 +140,7 @@ TEST(InitialChoice, IsOptimal) {
   }
 }
 
-TEST(InitialChoice, ACycleEndsWhereItBegan) {
+TEST(InitialChoice, CycleEndsAtItsStart) {
   for (const char* solver : {"altro", "proxddp", "ipopt"}) {
     Loaded loaded(
         replaced(choosing("{choose: all}", "cycle: {residual: cycle, offset: {theta: 0.3}}"),

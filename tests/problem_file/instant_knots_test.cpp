@@ -31,7 +31,7 @@ TEST(InstantKnots, ConstraintAtAJumpKnotHolds) {
   EXPECT_NEAR(cost_with_gate("phases: j, knots: [10]"), by_phase, 1e-9 * by_phase);
 }
 
-TEST(InstantKnots, AnExpansionSaysTheSame) {
+TEST(InstantKnots, ExpansionIsEquivalent) {
   const Loaded loaded(replaced(kJumpOfABall, "WHERE", "knots: [10]"));
   ASSERT_TRUE(loaded.built) << loaded.all();
   const OrderedJson expanded = expand_problem(*loaded.spec, *loaded.built);

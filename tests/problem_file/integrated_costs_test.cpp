@@ -57,7 +57,7 @@ constexpr const char* kWays[][2] = {
      "[{choose: none}, {knots: 6, duration: 2, free_duration: {lower: 1, upper: 3}}, {knots: 4, "
      "duration: 1}]"}};
 
-TEST(IntegratedCosts, AreThoseOfAStateThatCountsThem) {
+TEST(IntegratedCosts, MatchAnIntegratingState) {
   for (const char* rule : {"rk2", "rk3", "rk4"})
     for (const auto& [head, phases] : kWays) {
       const std::string keys = fmt::format("integrator: {}\n{}", rule, head);
@@ -72,7 +72,7 @@ TEST(IntegratedCosts, AreThoseOfAStateThatCountsThem) {
     }
 }
 
-TEST(IntegratedCosts, OfCollocationsAreThoseOfAState) {
+TEST(IntegratedCosts, CollocationMatchesAnIntegratingState) {
   const std::string head = "solver: {name: altro, tolerances: {stationarity: 1.0e-9}}\n";
   for (const char* rule : {"trapezoidal", "hermite_simpson", "radau3", "radau5"})
     for (const auto& [more, phases] : kWays) {
@@ -125,7 +125,7 @@ TEST(IntegratedCosts, HaveExactGradients) {
     }
 }
 
-TEST(IntegratedCosts, OfARobotInContactHaveExactGradients) {
+TEST(IntegratedCosts, RobotInContactHasExactGradients) {
   const Loaded loaded(kStandingQuadruped + R"(integrator: rk4
 running_costs: integrated
 phases: [{knots: 3, dt: 0.02, contacts: all}, {knots: 2, dt: 0.02, contacts: [LF, RH]}]
@@ -215,7 +215,7 @@ solver: {{tolerances: {{constraint: 1.0e-9}}}}
 }
 
 /// A cost of time depends only on the duration.
-TEST(IntegratedCosts, OfTimeAreTheDuration) {
+TEST(IntegratedCosts, TimeCostEqualsTheDuration) {
   const Loaded loaded(R"(conddp: 1
 system: {states: [x], controls: [u], rate: {x: u}}
 initial_state: {}
@@ -235,7 +235,7 @@ costs: {time: {residual: combination, rows: {constant: 1}, weight: 2}}
     EXPECT_LE(c.error, kDerivativeTolerance) << c.knot << " " << c.column;
 }
 
-TEST(IntegratedCosts, OfMomentsStayWhatTheyAre) {
+TEST(IntegratedCosts, InstantaneousCostsAreUnchanged) {
   const auto text = [](const char* integrator, const char* kind) {
     return replaced(replaced(kPendulum, "integrator: rk4",
                              fmt::format("integrator: {}\nrunning_costs: {}", integrator, kind)),

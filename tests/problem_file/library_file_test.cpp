@@ -200,7 +200,7 @@ TEST(LibraryFiles, SettingsReachParameters) {
   EXPECT_NEAR(got, answer_of(b, "box_fddp", b.spec->solver.options).cost, 1e-9 * (1 + got));
 }
 
-TEST(LibraryFiles, WhatDoesNotFitHasItsPlace) {
+TEST(LibraryFiles, MismatchesAreReportedAtTheirPlaces) {
   struct Case {
     std::string from, to, message;
   };
@@ -263,7 +263,7 @@ TEST(LibraryFiles, MissingAndInvalidLibrariesHaveTheirPlace) {
   EXPECT_NE(loaded.all().find("cc -O2 -shared -fPIC"), std::string::npos) << loaded.all();
 }
 
-TEST(LibraryFiles, ThatAreCutOffAreNotLoaded) {
+TEST(LibraryFiles, TruncatedLibrariesAreNotLoaded) {
   std::ifstream stream(kModel, std::ios::binary);
   const std::string whole{std::istreambuf_iterator<char>(stream), {}};
   const TemporaryFolder folder;
@@ -299,7 +299,7 @@ TEST(LibraryFiles, HaveTheirHessiansCompared) {
   EXPECT_GT(worst_hessian(load_with_code(residual)), 1e-2);
 }
 
-TEST(LibraryFiles, AreNamedWhereTheyReportFailure) {
+TEST(LibraryFiles, AreNamedIfTheyReportFailure) {
   const std::string bare = replaced(kSwing, "  parameters: {inertia: 2, weight: 5}\n", "");
   for (const char* solver : {"box_fddp", "ipopt"}) {
     const Loaded torn = load_with_code(replaced(bare, "swing", "torn"));

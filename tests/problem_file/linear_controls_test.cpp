@@ -83,7 +83,7 @@ std::vector<double> nodal_controls(const Trajectory& trajectory) {
   return controls;
 }
 
-TEST(LinearControls, GiveTheExactOptimumWhereThatIsLinear) {
+TEST(LinearControls, ReachTheExactOptimumIfLinear) {
   for (const char* integrator : {"rk4", "hermite_simpson", "radau5"}) {
     const Loaded loaded(replaced(kLeastEnergy, "rk4", integrator));
     const SolveResult result = solved(loaded, "ipopt");
@@ -454,7 +454,7 @@ TEST(LinearControls, AreNamedAtNodesAndKnotEnds) {
   EXPECT_EQ(names, "theta omega torque end/torque slope_end/omega ");
 }
 
-TEST(LinearControls, SayWhatExcludesThem) {
+TEST(LinearControls, ReportIncompatibleFeatures) {
   struct Case {
     std::string from, to, message;
   };

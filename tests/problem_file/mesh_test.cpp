@@ -144,7 +144,7 @@ TEST(Mesh, EachAnswerIsTheNextGuess) {
   EXPECT_EQ(guess.x(20), answer.trajectory.x(10));
 }
 
-TEST(Mesh, WithoutTimeThereIsNoFinerGrid) {
+TEST(Mesh, ProblemsWithoutTimeHaveNoFinerGrid) {
   const std::string text = R"(conddp: 1
 system: {states: [x, v], controls: [u], rate: {x: v, v: u}}
 initial_state: {}

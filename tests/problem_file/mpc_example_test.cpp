@@ -122,7 +122,7 @@ TEST(MpcExample, HumanoidStepsInPlace) {
   EXPECT_NEAR(biped.result.last_state[2], 0.7832, 0.05);
 }
 
-TEST(MpcExample, QuadrupedGoesWhereItIsTold) {
+TEST(MpcExample, QuadrupedFollowsItsCommands) {
   const ExampleLoop quadruped("quadruped_commands");
   ASSERT_TRUE(quadruped.mpc) << quadruped.said;
   EXPECT_EQ(quadruped.result.end, LoopEnd::finished);
@@ -133,7 +133,7 @@ TEST(MpcExample, QuadrupedGoesWhereItIsTold) {
   EXPECT_GT(2 * std::atan2(x[5], x[6]), 0.3);  // yaw
 }
 
-TEST(MpcExample, QuadrupedCrossesItsStepWhereverItIs) {
+TEST(MpcExample, QuadrupedCrossesAStepAtAnyPlace) {
   const std::pair<double, double> steps[] = {{0.02, 0.9}, {0.03, 0.75}};
   for (const auto& [height, place] : steps) {
     SCOPED_TRACE(fmt::format("{} m at {} m", height, place));
@@ -194,7 +194,7 @@ std::vector<std::string> loop_of_another(const std::filesystem::path& urdf, doub
 }
 
 // HyQ and ANYmal trot as commanded, withstand a push, and climb an unknown step of 2 cm.
-TEST(MpcExample, QuadrupedsOfOthersGoWhereTheyAreTold) {
+TEST(MpcExample, ForeignQuadrupedsFollowTheirCommands) {
   const auto hyq = foreign_robot_folder() / "hyq.urdf",
              anymal = foreign_robot_folder() / "anymal_b.urdf";
   if (!std::filesystem::exists(hyq) || !std::filesystem::exists(anymal))

@@ -193,7 +193,7 @@ TEST(MpcFile, WindowsHaveTheSharesOfTheirKnots) {
         << terms;
 }
 
-TEST(MpcFile, SaysThatNoGridIsRefined) {
+TEST(MpcFile, WarnsThatNoGridIsRefined) {
   const LoadedLoop loop(
       pendulum_with("mesh: {error: 1.0e-4}\nmpc: {horizon: 0.5, tick: 0.1, duration: 0.2}"));
   EXPECT_TRUE(loop.mpc) << loop.all();
@@ -308,7 +308,7 @@ TEST(MpcFile, FallbackMayUseRegulatorGains) {
   EXPECT_GT(std::abs(last_angle("{values: {theta: 3.141592653589793}}") - M_PI), 0.1);
 }
 
-TEST(MpcFile, RegulatorsThatAreNoneHaveTheirPlaces) {
+TEST(MpcFile, InvalidRegulatorsHaveTheirPlaces) {
   const LoadedLoop falling(pendulum_with(
       "mpc: {horizon: 0.5, tick: 0.1, duration: 1, terminal: {lqr: {values: {omega: 1}}}}"));
   EXPECT_FALSE(falling.mpc);
@@ -629,7 +629,7 @@ TEST(MpcFile, FallbackNamesItsState) {
   EXPECT_NE(unknown.all().find("standing"), std::string::npos) << unknown.all();
 }
 
-TEST(MpcFile, StopsWhereAConditionDoesNotHold) {
+TEST(MpcFile, StopsIfAConditionFails) {
   const LoadedLoop loop(pendulum_with(
       "mpc: {horizon: 0.5, tick: 0.05, duration: 5, stop_when: {up: {residual: state, columns: "
       "theta, upper: 0.6}}, disturbances: [{at: 1, jump: {omega: 3}}]}"));
@@ -640,7 +640,7 @@ TEST(MpcFile, StopsWhereAConditionDoesNotHold) {
 }
 
 // The file's own gait has two cycles of 0.15 m.
-TEST(MpcFile, WalksOnWhereTheGaitRepeats) {
+TEST(MpcFile, WalksOnIfTheGaitRepeats) {
   Diagnostics out;
   const auto two =
       read_problem_text(text_of("quadruped_trot"), kProblems / "test.yaml",
@@ -771,7 +771,7 @@ TEST(MpcFile, SimulatedContactErrorsSpeakOfTheLoop) {
   EXPECT_EQ(without.error()->message, "simulated contacts need the step of the plant");
 }
 
-TEST(MpcFile, SwingsMayBeginWhereFeetAreMeasured) {
+TEST(MpcFile, SwingsMayBeginAtMeasuredFeet) {
   const std::string plant = "duration: 0.3, plant: {contacts: simulated, dt: 0.002}";
   EXPECT_FALSE(trot(plant).mpc->controller.swings);
   const LoadedLoop loop = trot(plant + ", swings: measured");
@@ -798,7 +798,7 @@ TEST(MpcFile, SwingsMayBeginWhereFeetAreMeasured) {
   EXPECT_EQ(none.error()->message, "the file has no swings that could begin at the feet");
 }
 
-TEST(MpcFile, GroundThatIsFarAwayChangesNothing) {
+TEST(MpcFile, DistantGroundChangesNothing) {
   std::string far;
   for (int i = 0; i < 20; ++i)
     far +=
@@ -894,7 +894,7 @@ TEST(MpcFile, UnknownContactKindIsOneError) {
   EXPECT_EQ(loop.diagnostics.error_count(), 1) << loop.all();
 }
 
-TEST(MpcFile, RetimingThatHasNoMeaningHasItsPlace) {
+TEST(MpcFile, MeaninglessRetimingHasItsPlace) {
   const struct {
     const char* mpc;
     const char* path;

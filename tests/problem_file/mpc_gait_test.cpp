@@ -79,7 +79,7 @@ TEST(GaitRegulator, MovesLikeReferencesDisplacedWithTheGait) {
             state_of(led, loop.built->problem->manifold(), end));
 }
 
-TEST(GaitRegulator, StaysWhereItsStateIsDisplacedByItself) {
+TEST(GaitRegulator, StaysAtItsExplicitlyDisplacedState) {
   const GaitLoop loop = trot_of_regulator(
       "duration: 1, terminal: {lqr: {configuration: standing, displaced: [0, 0, 0]}}");
   ASSERT_TRUE(loop.mpc) << loop.said();
@@ -89,7 +89,7 @@ TEST(GaitRegulator, StaysWhereItsStateIsDisplacedByItself) {
 
 // Displacing and rotating the loop changes only its place and heading, except for friction
 // pyramids, whose sides are fixed in the world.
-TEST(GaitRegulator, LoopsAreTheSameWhereverTheyBegin) {
+TEST(GaitRegulator, LoopsAreInvariantToTheirStart) {
   const std::string mpc =
       "duration: 0.8, repeat: gait, feedback: {rate: 200}, terminal: {lqr: standing}, commands: "
       "[{at: 0.1, velocity: [0.3, 0, 0]}, {at: 0.4, velocity: [0.2, 0.1, 0], turn: 0.5}]";
@@ -134,7 +134,7 @@ TEST(GaitRegulator, FallbackHoldsItsStateAtTheCurrentPlace) {
   EXPECT_LT(way_under_fallback("{configuration: standing, displaced: [0, 0, 0]}"), -0.04);
 }
 
-TEST(GaitRegulator, OfAPlanarBaseDoesNotTurn) {
+TEST(GaitRegulator, PlanarBaseDoesNotTurn) {
   const auto said = [](const std::string& commands) {
     return GaitLoop("mpc/hopper_hops", {"mpc.terminal={lqr: standing}", "mpc.duration=0.4",
                                         "mpc.disturbances=[]", "mpc.commands=" + commands})

@@ -39,7 +39,7 @@ constexpr std::string_view kAlways =
     "constraints: {meanwhile: {residual: expression, rows: [spent], upper: 4}}";
 
 // A window starting at 0 would spend the whole budget again.
-TEST(MpcIntegral, ABudgetIsThatOfTheWholeLoop) {
+TEST(MpcIntegral, BudgetCoversTheWholeLoop) {
   for (const std::string_view budget : {kAtTheEnd, kAlways})
     for (const char* more :
          {"", ", feedback: {rate: 50}", ", plant: {dt: 0.02}", ", delay: 0.05"}) {
@@ -55,7 +55,7 @@ TEST(MpcIntegral, ABudgetIsThatOfTheWholeLoop) {
     }
 }
 
-TEST(MpcIntegral, ALoopStopsWhereABudgetIsSpent) {
+TEST(MpcIntegral, LoopStopsWithASpentBudget) {
   const LoadedLoop loop(budget_loop(
       kAtTheEnd, ", stop_when: {empty: {residual: expression, rows: [spent], upper: 1.9}}"));
   ASSERT_TRUE(loop.mpc) << loop.all();
@@ -133,7 +133,7 @@ solver: {name: altro, tolerances: {stationarity: 1.0e-9}}
 /// The loop without integrals, step by step, with accumulated values. Gaps of integrals count as
 /// gaps, so solvers reach the same plan along another path and with slightly different gains.
 /// Without feedback these differences vanish.
-TEST(MpcIntegral, WhatIsCountedAloneChangesNothing) {
+TEST(MpcIntegral, UnusedIntegralsChangeNothing) {
   struct Case {
     bool feedback;
     std::vector<std::string> settings;
@@ -174,7 +174,7 @@ TEST(MpcIntegral, WhatIsCountedAloneChangesNothing) {
   }
 }
 
-TEST(MpcIntegral, SimulatedContactsHaveNone) {
+TEST(MpcIntegral, RejectsSimulatedContacts) {
   const LoadedLoop loop(text_of("mpc/hopper_hops"), {"robot.urdf=robots/hopper.urdf",
                                                      "integrals={work: {rows: \"v[knee]^2\"}}"});
   EXPECT_FALSE(loop.mpc);

@@ -29,7 +29,7 @@ TEST(NotFinite, IpoptAnswerAgreesWithItsLog) {
   EXPECT_EQ(result.residuals.constraint, 2);
 }
 
-TEST(NotFinite, AdviceIsThatForEquations) {
+TEST(NotFinite, AdviceFitsEquations) {
   const Loaded loaded{std::string(kNorm)};
   ASSERT_TRUE(loaded.built) << loaded.all();
   for (const char* solver : {"altro", "ipopt"}) {

@@ -88,7 +88,7 @@ TEST(Override, NamesMayContainDots) {
   EXPECT_EQ(loaded.spec->costs[1].weight, 2);
 }
 
-TEST(Override, OfNamesWithDotsTheLongestCounts) {
+TEST(Override, LongestDottedNameWins) {
   Diagnostics out;
   auto root = parse_setting("x={a: {b: {c: 1}}, a.b: {c: 2}}", out)->value;
   const auto at = [&](const char* key) {
@@ -110,7 +110,7 @@ TEST(Override, HomotopyReachesNamesWithDots) {
   EXPECT_TRUE(loaded.built) << loaded.all();
 }
 
-TEST(Override, CreatesNoDefinitionThatNothingNames) {
+TEST(Override, CreatesNoUnusedDefinitions) {
   const std::string scaled = replaced(kPendulum, "name: test", "parameters: {goal: 1}");
   struct Case {
     std::string text, setting, message, hint;

@@ -171,7 +171,7 @@ TEST(Tables, FileColumnsAreKnownToAllExpressions) {
   EXPECT_EQ(again.spec->names.tables[0].values, (std::vector<double>{0, 1, 4}));
 }
 
-TEST(Tables, SayWhatIsWrongWithTheFile) {
+TEST(Tables, ReportErrorsInTheFile) {
   const auto error = [](const InFolder& loaded) {
     return loaded.out.list().empty()
                ? std::string()

@@ -21,7 +21,7 @@ TEST(RefinedPhase, HasStepsThatShortenTowardsItsEnds) {
   EXPECT_DOUBLE_EQ(problem.knot(0).cost_scale, 0.025) << "a rate is multiplied by its own step";
 }
 
-TEST(RefinedPhase, LastsAsLongAsItsDurationSays) {
+TEST(RefinedPhase, KeepsItsDuration) {
   const Loaded loaded(
       replaced(kPendulum, "dt: 0.1", "duration: 1.3, refine: {first: 3, ratio: 0.1}"));
   ASSERT_TRUE(loaded.built) << loaded.all();
@@ -31,7 +31,7 @@ TEST(RefinedPhase, LastsAsLongAsItsDurationSays) {
   EXPECT_NEAR(loaded.built->problem->times()[4], 1.3, 1e-12);
 }
 
-TEST(RefinedPhase, ThatCannotBeIsRefusedWithItsPlace) {
+TEST(RefinedPhase, RejectsImpossibleGridsWithPlaces) {
   const auto error = [](const char* refine) {
     return Loaded(replaced(kPendulum, "dt: 0.1", std::string("dt: 0.1, refine: ") + refine))
         .first_error();

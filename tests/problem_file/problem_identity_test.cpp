@@ -15,7 +15,7 @@ std::string identity(const std::string& text, const std::vector<std::string>& se
   return loaded.built ? problem_sha256(*loaded.spec, *loaded.built) : "";
 }
 
-TEST(ProblemIdentity, IsThatOfWhatIsWrittenAnotherWay) {
+TEST(ProblemIdentity, IgnoresSpelling) {
   const std::string text(kPendulum);
   const std::string known = identity(text);
   EXPECT_EQ(known.size(), 64u);
@@ -28,7 +28,7 @@ TEST(ProblemIdentity, IsThatOfWhatIsWrittenAnotherWay) {
             known);
 }
 
-TEST(ProblemIdentity, KnowsNoNameSolverGuessAndPerturbation) {
+TEST(ProblemIdentity, IgnoresNameSolverGuessAndPerturbation) {
   const std::string text(kPendulum);
   const std::string known = identity(text);
   EXPECT_EQ(identity(replaced(text, "name: test", "name: other\ndescription: Another.")), known);

@@ -18,7 +18,7 @@ terminal: {)" + part + ": {goal: {frame: tip, " +
   return all.find("out of reach") == std::string::npos ? "" : all;
 }
 
-TEST(Reach, EndsWhereAllLinksAreStretched) {
+TEST(Reach, EndsAtFullyStretchedLinks) {
   EXPECT_EQ(said("residual: frame_position, reference: [0, 0, -0.9]"), "");
   EXPECT_EQ(said("residual: frame_placement, reference: {position: [0.8, 0, 0.4], rpy: [0, 0, 0]}"),
             "");
@@ -31,7 +31,7 @@ TEST(Reach, EndsWhereAllLinksAreStretched) {
   EXPECT_NE(said("residual: frame_position, reference: [0, 2, 0]", "constraints"), "");
 }
 
-TEST(Reach, CountsWhereAllComponentsDo) {
+TEST(Reach, CountsIfAllComponentsDo) {
   EXPECT_EQ(said("residual: frame_position, reference: [0, 9, -1], weights: {y: 0}"), "");
   EXPECT_EQ(
       said("residual: frame_position, reference: [0, 9, -1], equals: {x: 0, z: 0}", "constraints"),

@@ -214,7 +214,7 @@ void expect_equal_motions(const Loaded& free, const Loaded& fixed, double tolera
   EXPECT_NEAR(simulated_cost(free), cost, tolerance * (1 + cost));
 }
 
-TEST(RobotParameters, WithEqualBoundsAreTheNumber) {
+TEST(RobotParameters, EqualBoundsMatchANumber) {
   const Loaded free_arm{std::string(kCarryingArm)},
       arm(without_choice(with_number(kCarryingArm, "2"), "{name: start, choose: none}, "));
   expect_equal_motions(free_arm, arm, 1e-9);
@@ -266,7 +266,7 @@ TEST(RobotParameters, AreIdentifiedFromARecordedMotion) {
   }
 }
 
-TEST(RobotParameters, OfSeveralRobotsAreShared) {
+TEST(RobotParameters, SeveralRobotsShareThem) {
   const TemporaryFolder folder;
   const std::string urdf = folder.write("lift.urdf", std::string(kLiftUrdf));
   const Loaded loaded(fmt::format(R"(conddp: 1
@@ -293,7 +293,7 @@ solver: {{name: altro}}
               1e-4);
 }
 
-TEST(RobotParameters, MayBeNamesOfExpressionsAlone) {
+TEST(RobotParameters, MayAppearOnlyInExpressions) {
   const TemporaryFolder folder;
   // The target is free: ½ p² + 12 (1 − p)² has its minimum at p = 24/25.
   std::string text =

@@ -68,7 +68,7 @@ TEST(Schema, DescribesSystemsByColumnNames) {
     }
 }
 
-TEST(Schema, RefusesWhatTheReaderRefuses) {
+TEST(Schema, RejectsWhatTheReaderRejects) {
   const std::pair<const char*, const char*> mistakes[] = {
       {"weight: 0.5", "wieght: 0.5"},       {"knots: 4", "knots: 0"},
       {"dt: 0.1", "dt: 0.1, duration: 2"},  {"conddp: 1", "conddp: 2"},
@@ -311,7 +311,7 @@ int run(const std::string& command) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
-TEST(Schema, EveryKeyStandsInTheReference) {
+TEST(Schema, EveryKeyIsInTheReference) {
   EXPECT_EQ(run("scripts/document_keys --check"), 0) << "run scripts/document_keys";
 }
 

@@ -42,7 +42,7 @@ TEST(ShapePairs, SelfPairsExcludeSameLinkAndNeighbours) {
                                      "upper-hand", "elbow-hand", "middle-hand"}));
 }
 
-TEST(ShapePairs, WithObstaclesAreThoseThatMove) {
+TEST(ShapePairs, ObstaclePairsIncludeMovingShapesOnly) {
   EXPECT_EQ(pairs_of("obstacles"),
             (Names{"upper-ball", "upper-floor", "elbow-ball", "elbow-floor", "middle-ball",
                    "middle-floor", "hand-ball", "hand-floor"}));
@@ -62,7 +62,7 @@ void expect_error(const char* from, const char* to, const std::string& message) 
   EXPECT_NE(loaded.first_error().find(message), std::string::npos) << loaded.all();
 }
 
-TEST(ShapePairs, ThatCannotBeAreRefusedWithTheirPlaces) {
+TEST(ShapePairs, ImpossiblePairsAreRejectedWithPlaces) {
   expect_error("pairs: all", "pairs: [[hand, bell]]", "15:52: unknown shape 'bell'");
   expect_error("pairs: all", "pairs: [[upper, elbow]]",
                "15:46: 'upper' and 'elbow' do not move against each other");
@@ -109,7 +109,7 @@ TEST(Distance, CostsHalfTheSquaredMarginDeficit) {
   EXPECT_NEAR(work.cost, 0.5 * 3 * (2 - height) * (2 - height), 1e-12);
 }
 
-TEST(Joints, OfACostMayBeNamedByPatterns) {
+TEST(Joints, CostJointsMayBePatterns) {
   const auto rows = [](const char* joints) {
     const Loaded loaded(replaced(kArm, "residual: distance, pairs: all",
                                  std::string("residual: joint_position, joints: ") + joints));

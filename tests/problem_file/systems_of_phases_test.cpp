@@ -156,7 +156,7 @@ TEST(SystemsOfPhases, UnitsAgreeIfAllSystemsHaveThem) {
   }
 }
 
-TEST(SystemsOfPhases, WithoutAnySystemThatAloneIsSaid) {
+TEST(SystemsOfPhases, ReportsPhasesWithoutASystem) {
   const std::string text(kJump);
   const Loaded loaded(replaced(
       text, "system: {states: {x: m, y: m}, controls: {u: N}, rate: {x: u, y: 0}}", "systems: {}"));
@@ -164,7 +164,7 @@ TEST(SystemsOfPhases, WithoutAnySystemThatAloneIsSaid) {
   EXPECT_EQ(loaded.all().find("jumps are for"), std::string::npos) << loaded.all();
 }
 
-TEST(SystemsOfPhases, MistakesAreFoundWhereTheyStand) {
+TEST(SystemsOfPhases, ReportsMistakesAtTheirPlaces) {
   struct {
     std::string_view text, from, to, error;
   } const cases[] = {

@@ -263,7 +263,7 @@ TEST(TerminalLqr, NormsBoundTheSetAroundTheirCenter) {
   EXPECT_LT(circle, square);
 }
 
-TEST(TerminalLqr, WhereNothingCostsThereIsNothingToCheck) {
+TEST(TerminalLqr, ChecksNothingWithoutCosts) {
   const Loaded loaded(R"(conddp: 1
 system: {states: [x, y], controls: [u], next: {x: 0.5*x, y: 0.5*y}}
 initial_state: {values: {x: 1}}
@@ -584,7 +584,7 @@ TEST(TerminalLqr, GuessesInterpolateToTheEquilibrium) {
   EXPECT_EQ(loaded.built->guess.x(10)[0], 3);
 }
 
-TEST(TerminalLqr, ExpansionsSayTheSame) {
+TEST(TerminalLqr, ExpansionIsEquivalent) {
   for (const char* lqr : {"initial", "[0, 0]", "{about: [0, 0], weight: 2}", "{values: {x/0: 0}}",
                           "{about: {values: {x/0: 0}}, set: true}"}) {
     const Loaded loaded(exact_integrator(3, lqr, kUnitForce));
@@ -647,7 +647,7 @@ terminal: {lqr: {values: {x: 0}}}
             "6:17: the system is not finite at this state, or its derivatives are not");
 }
 
-TEST(TerminalLqr, AControlBeyondItsBoundsHoldsNothing) {
+TEST(TerminalLqr, UnreachableControlHoldsNothing) {
   EXPECT_EQ(Loaded(replaced(kPendulum, "terminal:\n",
                             "terminal:\n  lqr: {values: {theta: 1.5707963267948966}}\n"),
                    {"constraints.torque.upper=1"})

@@ -30,7 +30,7 @@ TEST(WeightMatrix, RowsTriangleAndNamesGiveTheSameMatrix) {
   }
 }
 
-TEST(WeightMatrix, OneRowIsOneNumber) {
+TEST(WeightMatrix, SingleRowIsANumber) {
   const Loaded good(replaced(kPendulum, "reference: {values: {theta: 1}}, weight: 10}",
                              "columns: omega, matrix: [[4]]}"));
   ASSERT_TRUE(good.built) << good.all();
@@ -71,7 +71,7 @@ costs: {force: {residual: contact_force, matrix: [[1], [0, 1], [0.5, 0.5, 2]]}}
   }
 }
 
-TEST(WeightMatrix, ExpansionsSayTheSame) {
+TEST(WeightMatrix, ExpansionIsEquivalent) {
   for (const char* matrix :
        {"[[2, 1], [1, 3]]", "[[2], [1, 3]]", "{theta: {theta: 2, omega: 1}, omega: {omega: 3}}"}) {
     const Loaded loaded(with_matrix(matrix));

@@ -15,7 +15,7 @@ struct Case {
 
 class BadYaml : public testing::TestWithParam<Case> {};
 
-TEST_P(BadYaml, IsRefusedAtItsPlace) {
+TEST_P(BadYaml, IsRejectedAtItsPlace) {
   const Case& c = GetParam();
   Diagnostics out;
   const int source = out.add_source("file.yaml", c.text);

@@ -128,7 +128,7 @@ std::vector<double> slopes(const std::vector<Dual<double>>& duals) {
   return all;
 }
 
-TEST_P(ContactRows, AreWhereTheFrameIs) {
+TEST_P(ContactRows, FollowTheFrame) {
   everywhere([](const RobotModel& model, const RobotState& x, const Contact& contact) {
     const Touch<double> touch(model, contact, ProbeState<double>::at(x));
     const SE3<double> world = frame_placement(model, touch.data, contact.frame);

@@ -222,7 +222,7 @@ TEST_P(KernelDynamics, IgnoresThePositionOfTheBase) {
   });
 }
 
-TEST_P(KernelDynamics, NothingIsLeftOfFormerEvaluations) {
+TEST_P(KernelDynamics, OverwritesEarlierEvaluations) {
   RandomNumbers random(350 + GetParam());
   const auto former = ProbeState<double>::at(random_state(model(), random));
   in_random_states([&](const RobotState& x, const KernelProbe<double>& fresh) {

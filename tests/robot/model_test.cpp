@@ -36,7 +36,7 @@ TEST(RobotModel, NumbersConfigurationAndVelocity) {
   EXPECT_EQ(model.root, (std::vector<int>{0, 0, 0, 0, -1}));
 }
 
-TEST(RobotModel, SubtreesAreThoseThatAncestorsSpan) {
+TEST(RobotModel, SubtreesMatchAncestors) {
   for (const TestModel& entry : random_robots()) {
     const RobotModel& model = entry.model;
     for (int i = 0; i < model.nv; ++i)
@@ -48,12 +48,12 @@ TEST(RobotModel, SubtreesAreThoseThatAncestorsSpan) {
   }
 }
 
-TEST(RobotModel, RefusesAnOrderThatIsNotDepthFirst) {
+TEST(RobotModel, RejectsOrdersThatAreNotDepthFirst) {
   RobotModel model = model_of({joint("a", -1), joint("b", 0), joint("c", 0), joint("d", 1)});
   EXPECT_THROW(model.finalize(), std::logic_error);
 }
 
-TEST(RobotModel, RefusesAFloatingJointOnABody) {
+TEST(RobotModel, RejectsAFloatingJointOnABody) {
   RobotModel model = model_of({joint("a", -1), joint("b", 0, JointType::floating)});
   EXPECT_THROW(model.finalize(), std::logic_error);
 }

@@ -121,7 +121,7 @@ TEST(OurRobots, CartPoleMatchesTheTextbook) {
   EXPECT_NEAR(m(1, 1), 0.2 * 0.25, 1e-15);
 }
 
-TEST(OurRobots, TheQuadrupedStandsOnItsFeet) {
+TEST(OurRobots, QuadrupedStandsOnItsFeet) {
   const auto robots = our_robots();
   const auto robot = std::find_if(robots.begin(), robots.end(),
                                   [](const TestRobot& r) { return r.name == "quadruped"; });

@@ -104,7 +104,7 @@ TEST(UrdfAxes, MoveTheLinkAlongTheFileAxis) {
 }
 
 // Axes in coordinate planes are not coordinate axes.
-TEST(UrdfAxes, WithOneZeroAreTurnedToAsWell) {
+TEST(UrdfAxes, SupportAxesWithOneZero) {
   for (const auto& [text, axis] :
        std::vector<std::pair<const char*, Vector3<double>>>{{"0.6 0 0.8", {0.6, 0, 0.8}},
                                                             {"0.6 0 -0.8", {0.6, 0, -0.8}},
@@ -123,7 +123,7 @@ TEST(UrdfAxes, WithOneZeroAreTurnedToAsWell) {
   }
 }
 
-TEST(UrdfAxes, OfAnotherLengthAreNormalisedWithAWarning) {
+TEST(UrdfAxes, NormalizeWithAWarning) {
   const UrdfResult result =
       parse_urdf(robot_element(link_element("a") + link_element("b") +
                                joint_element("j", "continuous", "a", "b", "<axis xyz=\"0 3 0\"/>")),
@@ -300,7 +300,7 @@ TEST(UrdfBase, FloatingRootJointIsAFloatingBase) {
   }
 }
 
-TEST(UrdfBase, AFixedOneStandsWhereItIsPlaced) {
+TEST(UrdfBase, FixedBaseStandsAtItsPlacement) {
   UrdfOptions options;
   options.placement = SE3<double>{{{0, -1, 0, 1, 0, 0, 0, 0, 1}}, {1, 2, 3}};
   const std::string xml = robot_element(link_element("a") + link_element("b") +
@@ -309,7 +309,7 @@ TEST(UrdfBase, AFixedOneStandsWhereItIsPlaced) {
   expect_equal(moved, *options.placement * simple_frame_placement(built(xml), {0.4}, "b"));
 }
 
-TEST(UrdfBase, WithoutAnyMovingJointIsAWarning) {
+TEST(UrdfBase, WarnsWithoutMovingJoints) {
   const UrdfResult result = parse_urdf(robot_element(link_element("a")), "f");
   ASSERT_TRUE(result.model);
   EXPECT_EQ(problem_with(result, "no joint of the robot moves"), "");
@@ -345,7 +345,7 @@ TEST(UrdfMimic, ResolvesChainsToTheLeader) {
   EXPECT_EQ(model.mimics[1].offset, -0.5);
 }
 
-TEST(UrdfMimic, AFollowerThatIsLockedFollowsNobody) {
+TEST(UrdfMimic, LockedFollowerDoesNotFollow) {
   UrdfOptions options;
   options.enforce_mimic = true;
   options.locked_joints["j"] = 0.2;

@@ -55,7 +55,7 @@ TEST(UrdfVisuals, RollPitchYawIsRzRyRx) {
   EXPECT_NEAR(R(1, 0), std::sin(0.5) * std::cos(0.4), 1e-15);
 }
 
-TEST(UrdfVisuals, WhatCannotBeReadIsUnknown) {
+TEST(UrdfVisuals, UnreadableVisualsAreUnknown) {
   EXPECT_TRUE(urdf_visuals("").empty());
   EXPECT_TRUE(urdf_visuals("<robot><link").empty());
   const auto links = urdf_visuals(R"(<robot><link name="a">
@@ -90,7 +90,7 @@ TEST(UrdfVisuals, InertiaIsAboutTheLinkOrigin) {
   EXPECT_FALSE(links[2].inertia);
 }
 
-TEST(UrdfVisuals, InertiaIsThatOfMassAndMatrixTogether) {
+TEST(UrdfVisuals, InertiaNeedsMassAndMatrix) {
   const auto links = urdf_visuals(R"(<robot name="r">
     <link name="a"><inertial><mass value="2"/></inertial></link>
     <link name="b"><inertial><inertia ixx="1" iyy="2" izz="3"/></inertial></link>

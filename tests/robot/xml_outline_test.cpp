@@ -37,7 +37,7 @@ TEST(XmlOutline, TruncationAtAnyByteIsOnlyAnError) {
   }
 }
 
-TEST(XmlOutline, ManyAttributesAreRefused) {
+TEST(XmlOutline, RejectsTooManyAttributes) {
   std::string text = "<a";
   for (int i = 0; i < 100'000; ++i) text += " b" + std::to_string(i) + "=\"\"";
   const XmlOutline outline = scan_xml(text + "/>");

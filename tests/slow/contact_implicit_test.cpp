@@ -139,7 +139,7 @@ INSTANTIATE_TEST_SUITE_P(
       return std::get<0>(test.param) + "_seed_" + std::to_string(std::get<1>(test.param));
     });
 
-TEST(AcrobotBetweenStops, SwingsHigherWhereStepsLoseNoEnergy) {
+TEST(AcrobotBetweenStops, SwingsHigherWithLosslessSteps) {
   const SolveResult damped = solve_ready(ReadyProblem("acrobot_limits"));
   const ReadyProblem midpoint("acrobot_limits", {"stepping.scheme=variational_midpoint"});
   const SolveResult kept = solve_ready(midpoint);
@@ -223,7 +223,7 @@ TEST(PlanarQuadruped, TrotsAndHardlySlides) {
 }
 
 /// A crate of 1 kg rests on its lower corners; only friction decelerates it.
-TEST(Crate, RestsAndSlidesAsMechanicsSays) {
+TEST(Crate, RestsAndSlidesByMechanics) {
   const double h = 0.025, friction = 0.5, speed = 1;
   const std::string start = "initial_state.velocity.base.linear=[";
   for (const double v : {0.0, speed}) {
@@ -288,7 +288,7 @@ TEST(PushedRoundAPost, Arrives) {
 
 /// With this final epsilon, contacts are guessed from pairs far from zero, and the elementwise
 /// relaxation finds no answer.
-TEST(RelaxationFallback, TakesTheNextOneWhereOneFails) {
+TEST(RelaxationFallback, TriesTheNextRelaxationOnFailure) {
   const std::vector<std::string> coarse = {"solver.complementarity.initial=0.3",
                                            "solver.complementarity.final=0.3"};
   const ReadyProblem ready("cartpole_walls", coarse);
@@ -312,7 +312,7 @@ TEST(DraggedBlock, Arrives) {
   EXPECT_NEAR(last(result, 0), 5, 1e-6);
 }
 
-TEST(ContactsThatAreFound, AreRefusedByAllSolversButIpopt) {
+TEST(ContactsThatAreFound, AreRejectedByAllSolversButIpopt) {
   const ReadyProblem ready("block_slope");
   for (const SolverInfo& solver : solvers()) {
     const auto reason = unsupported(solver, *ready.built.problem);

@@ -412,7 +412,7 @@ TEST(ActiveRows, StepRevisesCones) {
 
 // Newton steps on active rows, revised until they settle, reach the solution of the quadratic
 // program.
-TEST(ActiveRows, RevisedSetIsThatOfTheQuadraticProgram) {
+TEST(ActiveRows, RevisedSetMatchesTheQuadraticProgram) {
   int bounds_held = 0, rows_held = 0, revisions = 0, cycles = 0;
   for (unsigned seed = 1; seed <= 24; ++seed) {
     SCOPED_TRACE(fmt::format("seed {}", seed));

@@ -53,7 +53,7 @@ TEST(AffineProbe, DetectsDynamicsCurvedInOneComponent) {
 }
 
 // The square of a control moves one of two states.
-TEST(AffineProbe, DoesNotHoldWhicheverStateIsCurved) {
+TEST(AffineProbe, DetectsAnyCurvedState) {
   for (const bool first : {true, false}) {
     const auto system = expression_system(
         {.kind = SystemKind::first_order,
@@ -66,7 +66,7 @@ TEST(AffineProbe, DoesNotHoldWhicheverStateIsCurved) {
   }
 }
 
-TEST(AffineProbe, DoesNotHoldWhereANumberIsMissing) {
+TEST(AffineProbe, FailsIfANumberIsMissing) {
   const LinearQuadratic lq(2, 4, {2, 3}, 4, -1, 1);
   for (const int k : {1, 4, lq.N()}) {
     Trajectory bad = random_guess(*lq.problem, 4);

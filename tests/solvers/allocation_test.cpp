@@ -155,7 +155,7 @@ ShootingProblem collocated_cartpole(CollocationRule rule) {
                                            .last = 39}});
 }
 
-TEST(Allocation, NoneWhereStepsAreImplicit) {
+TEST(Allocation, NoneWithImplicitSteps) {
   for (const CollocationRule rule : {CollocationRule::trapezoidal, CollocationRule::hermite_simpson,
                                      CollocationRule::radau3, CollocationRule::radau5}) {
     const ShootingProblem problem = collocated_cartpole(rule);
@@ -225,7 +225,7 @@ TEST(Allocation, NoneWithPartwiseExactHessiansOfARobot) {
   }
 }
 
-TEST(Allocation, NoneInSweepsByLegs) {
+TEST(Allocation, NoneInSegmentSweeps) {
   for (const auto& [name, problem, control, cost] : testing::published_cases()) {
     for (const int threads : {1, 2}) {
       const Count count = count_allocations(problem, *find_solver("proxddp"),

@@ -72,7 +72,7 @@ Objection a_saddle(const ShootingProblem& problem) {
   return objection;
 }
 
-TEST(AnswerObjections, AnAnswerWithoutOneStands) {
+TEST(AnswerObjections, KeepsAnswersWithoutObjection) {
   Script script(std::deque<Script::Answer>{{1}});
   EXPECT_EQ(script.run({}).cost, 1);
   EXPECT_EQ(script.calls.size(), 1u);
@@ -99,7 +99,7 @@ TEST(AnswerObjections, WorseEndKeepsTheAnswer) {
   EXPECT_EQ(script.remaining.text, "much is left");
 }
 
-TEST(AnswerObjections, WithoutProgressItIsTheLastOne) {
+TEST(AnswerObjections, ReturnsTheLastOneWithoutProgress) {
   Script script({{2}, {2}, {2}});
   script.run({too_much_left(100), too_much_left(99), too_much_left(98)});
   EXPECT_EQ(script.calls.size(), 2u);

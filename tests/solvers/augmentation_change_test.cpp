@@ -30,7 +30,7 @@ Augmentation random_augmentation(const ShootingProblem& problem, std::mt19937& r
 class AugmentationChanges : public ::testing::TestWithParam<Softness> {};
 
 // Whatever was and is active, the result matches differentiation.
-TEST_P(AugmentationChanges, AreThoseOfDifferentiation) {
+TEST_P(AugmentationChanges, MatchDifferentiation) {
   std::mt19937 random(1);
   for (const unsigned seed : {1u, 2u, 3u}) {
     const LinearQuadratic lq(seed, 4, {3, 2}, 8, -3, 3);

@@ -10,7 +10,7 @@ namespace conddp::testing {
 namespace {
 
 // Inactive boxes and cones, and then an active one.
-TEST(AugmentedLagrangian, IsIdleWhereAllRowsAreStrictlyInside) {
+TEST(AugmentedLagrangian, IsIdleIfAllRowsAreStrictlyInside) {
   ConicSize size = middle_size();
   size.equalities = size.terminal = 0;
   size.boxes = 1;
@@ -58,7 +58,7 @@ TEST(AugmentedLagrangian, EqualitiesAreNeverIdle) {
 class Schedules : public ::testing::TestWithParam<MultiplierSchedule> {};
 
 // A violation at a point that is not a minimum raises no penalty.
-TEST_P(Schedules, RaiseNoPenaltyWhereNothingWasMinimized) {
+TEST_P(Schedules, RaiseNoPenaltyWithoutAMinimum) {
   ConicSize size = middle_size();
   size.boxes = size.cones = 0;
   const ConicLinearQuadratic conic(1, size);
@@ -287,7 +287,7 @@ TEST(AugmentedLagrangian, AdoptedOrAddedMultipliersKeepPenalties) {
   EXPECT_EQ(constraints.augmentation().penalty, Eigen::Vector4d::Constant(4));
 }
 
-TEST(AugmentedLagrangian, IsIdleUpToTheBoundsAlone) {
+TEST(AugmentedLagrangian, IsIdleOnlyUpToTheBounds) {
   const LinearQuadratic lq(1, 2, {3, 2}, 1, -1, 1);
   const ShootingProblem problem = with_constraints(
       *lq.problem, {affine_rows(Eigen::MatrixXd::Ones(2, 2), *lq.problem, 2, 2, -1, 3)});

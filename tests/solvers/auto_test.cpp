@@ -119,7 +119,7 @@ TEST(AutoSolver, ReturnsSecondAnswerIfFirstDiverged) {
       << result.message;
 }
 
-TEST(AutoSolver, HasTheFirstAnswerWhereNoneConverges) {
+TEST(AutoSolver, ReturnsTheFirstAnswerWithoutConvergence) {
   const testing::LinearQuadratic lq(1, 4, {3, 2}, 8, -1, 1);
   // A goal that bounded controls cannot reach.
   const ShootingProblem problem = testing::with_constraints(
@@ -153,7 +153,7 @@ TEST(AutoSolver, ReturnsALaterLeastViolation) {
       << result.message;
 }
 
-TEST(AutoSolver, GoesOnWhereAnAnswerRaisesDoubts) {
+TEST(AutoSolver, ContinuesAfterADoubtfulAnswer) {
   const ShootingProblem problem = testing::unicycle_parking(0.6);
   const Trajectory guess = testing::constant_controls(problem, 0.01);
   const SolverInfo *first = find_solver("box_fddp"), *second = find_solver("box_ddp"), *used;
@@ -191,7 +191,7 @@ SolverInfo converging_at(int n, std::vector<Trajectory>& guesses, int more = 0) 
           }};
 }
 
-TEST(AutoSolver, StartsFromOtherGuessesWhereAllSolversFail) {
+TEST(AutoSolver, RestartsIfAllSolversFail) {
   const ShootingProblem problem = testing::unicycle_parking(0.6);
   const Trajectory guess = testing::constant_controls(problem, 0.01);
   std::vector<Trajectory> guesses, again;
@@ -351,7 +351,7 @@ TEST(FurtherLook, AnswerIsIndependentOfThreads) {
   }
 }
 
-TEST(FurtherLook, GoesOnWhileAnswersJump) {
+TEST(FurtherLook, ContinuesWhileAnswersJump) {
   int asked = 0;
   const SolverInfo first = asking("first", 1, 2), *used = nullptr;
   const Doubt doubt = [&](const ShootingProblem&, const SolveResult&) {
@@ -391,7 +391,7 @@ TEST(FurtherLook, KeepsDoubtedAnswersThatCostLess) {
   EXPECT_EQ(best_of({&first, &second}, used, {}, doubt).cost, 1);
 }
 
-TEST(FurtherLook, SaysThatTimeHasCutItShort) {
+TEST(FurtherLook, ReportsATimeCut) {
   const SolverInfo first = asking("first", 5, 4), second = asking("second", 3, 2), *used = nullptr;
   SolverOptions options;
   options.max_time_s = 1e-9;

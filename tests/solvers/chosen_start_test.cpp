@@ -129,7 +129,7 @@ double distance(const SolveResult& result, const DenseAnswer& answer) {
   return worst;
 }
 
-TEST(ChosenStart, ThatIsFreeIsTheDenseOptimum) {
+TEST(ChosenStart, FreeChoiceMatchesDenseOptimum) {
   for (unsigned seed = 1; seed <= 4; ++seed) {
     const LinearQuadratic lq(seed, 4, {3, 2}, 6, -kFree, kFree);
     const ShootingProblem problem = choosing(lq, kFree, {});

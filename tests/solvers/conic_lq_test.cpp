@@ -17,7 +17,7 @@ TEST(ConicLinearQuadratic, SolversAgreeWithEachOtherAndWithIpopt) {
   }
 }
 
-TEST(ConicLinearQuadratic, FewIterationsSufficeWhereActiveSetsAlternate) {
+TEST(ConicLinearQuadratic, FewIterationsSufficeForAlternatingSets) {
   for (unsigned seed = 1; seed <= 6; ++seed) {
     const ConicLinearQuadratic conic(seed, alternating_size());
     for (const SolveResult& result : expect_agreement(conic, {"altro", "proxddp"}))

@@ -139,14 +139,14 @@ TEST_P(ConstrainedSolver, ContradictionsEndAsInfeasibleAndNameTheConstraint) {
   EXPECT_EQ(result.status, SolveStatus::infeasible) << result.message;
 }
 
-TEST_P(ConstrainedSolver, NumbersThatAreNoneEndAsDiverged) {
+TEST_P(ConstrainedSolver, NonFiniteNumbersEndAsDiverged) {
   const ShootingProblem mass = sliding_mass();
   const SolveResult result = run(with_constraints(
       mass, {testing::goal_constraint(mass, {std::numeric_limits<double>::quiet_NaN(), 0})}));
   EXPECT_EQ(result.status, SolveStatus::diverged) << result.message;
 }
 
-TEST_P(ConstrainedSolver, WithoutConstraintsItIsBoxFddp) {
+TEST_P(ConstrainedSolver, WithoutConstraintsItMatchesBoxFddp) {
   const ShootingProblem problem = testing::cartpole_swing_up(3);
   const Trajectory guess = testing::constant_controls(problem, 0.01);
   const SolveResult a = solve(problem, GetParam(), {}, guess);

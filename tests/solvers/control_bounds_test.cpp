@@ -55,7 +55,7 @@ TEST_F(BoundsOfTwoKnots, ClampValuesOutside) {
   EXPECT_EQ(bounds.clamp(trajectory), 0);
 }
 
-TEST_F(BoundsOfTwoKnots, AreViolatedWhereTheDistanceIsLargest) {
+TEST_F(BoundsOfTwoKnots, ViolationIsLargestAtTheLargestDistance) {
   trajectory.u(1) << 0.25, 3, 100;
   const Extremum none = bounds.violation(trajectory);
   EXPECT_EQ(none.value, 0);

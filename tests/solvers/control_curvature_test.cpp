@@ -45,7 +45,7 @@ struct Linearized {
   }
 };
 
-TEST(ControlCurvature, IsThatOfTheCostsWithoutPenalties) {
+TEST(ControlCurvature, MatchesTheCostsWithoutPenalties) {
   const Linearized at(10);
   EXPECT_NEAR(at.linearization.knots[3].hessian()(2, 2), 10 + kCurvature, 1e-9);
   EXPECT_NEAR(ControlCurvature(at.problem).least(at.linearization, &at.constraints.augmentation()) /

@@ -24,7 +24,7 @@ SolverOptions small_violations() {
 
 class DualGuesses : public ::testing::TestWithParam<const char*> {};
 
-TEST_P(DualGuesses, OfAnOwnAnswerEndInTwoIterations) {
+TEST_P(DualGuesses, OwnAnswerEndsInTwoIterations) {
   for (const auto& [name, problem, control, cost] : testing::published_cases()) {
     SolverOptions options = small_violations();
     const SolveResult cold =
@@ -59,7 +59,7 @@ TEST_P(DualGuesses, CompleteAnOptimalTrajectory) {
   EXPECT_LT(with, without);
 }
 
-TEST_P(DualGuesses, OfAnotherShapeAreRefused) {
+TEST_P(DualGuesses, RejectsAnotherShape) {
   const testing::LinearQuadratic lq(1, 4, {3, 2}, 8, -3, 3);
   const ShootingProblem problem = testing::with_constraints(*lq.problem, testing::cuts(lq));
   SolverOptions options;

@@ -165,7 +165,7 @@ TEST(EqualitySearch, TakesTheTrialWithTheLowerMerit) {
 }
 
 // No rollout stays finite.
-TEST(EqualitySearch, TakesTheStraightStepWhereRolloutsAreLost) {
+TEST(EqualitySearch, TakesTheStraightStepIfRolloutsDiverge) {
   const ShootingProblem problem = goal_problem();
   EqualityIterate iterate(problem);
   Feedback wild = iterate.feedback;
@@ -184,7 +184,7 @@ TEST(EqualitySearch, TakesTheStraightStepWhereRolloutsAreLost) {
 }
 
 // Shorter steps diverge later.
-TEST(EqualitySearch, TellsWhereTheLongestStepIsLost) {
+TEST(EqualitySearch, ReportsWhereTheLongestStepDiverges) {
   const ShootingProblem problem = goal_problem();
   EqualityIterate iterate(problem);
   Trajectory trajectory = iterate.trajectory;
@@ -250,7 +250,7 @@ TEST(EqualitySearch, TriesAllStepsDownToTheSmallest) {
 
 // The augmentation is part of the merit if updates determine the multipliers, and not if the sweep
 // does.
-TEST(EqualitySearch, TheMeritOfItsSolverHasNoAugmentation) {
+TEST(EqualitySearch, OwnMeritHasNoAugmentation) {
   const ShootingProblem free = testing::pendulum_swing_up();
   const ShootingProblem problem =
       testing::with_constraints(free, {testing::goal_constraint(free, {M_PI, 0})});

@@ -57,7 +57,7 @@ TEST(FeasibleGuess, LeadsToNoWorseAnswer) {
   EXPECT_EQ(Ends(1, 0.5, 10).from(0, true).status, SolveStatus::converged) << "infeasible before";
 }
 
-TEST(FeasibleGuess, IsTheAnswerWhereAllElseIsWorse) {
+TEST(FeasibleGuess, IsTheAnswerIfNothingIsBetter) {
   for (const bool penalizes : {false, true}) {
     Ends dearer(4.7, 0, 1e9);
     const SolveResult result = dearer.from(0, penalizes);
@@ -67,7 +67,7 @@ TEST(FeasibleGuess, IsTheAnswerWhereAllElseIsWorse) {
   }
 }
 
-TEST(FeasibleGuess, IsKeptWhereIterationsRunOut) {
+TEST(FeasibleGuess, IsKeptIfIterationsRunOut) {
   const ShootingProblem problem = testing::unicycle_parking(0.6);
   const SolverOptions options{.max_iterations = 3};
   const SolveResult kept =
@@ -90,7 +90,7 @@ TEST(FeasibleGuess, IsKeptWhereIterationsRunOut) {
   EXPECT_EQ(kept.iterations, 3);
 }
 
-TEST(FeasibleGuess, ClaimsNothingThatItIsNot) {
+TEST(FeasibleGuess, MakesNoFalseClaim) {
   for (const auto& [cost, violation, of_guess] :
        {std::array{3.9, 0.0, 0.0}, {4.7, 0.0, 1e-3}, {4.7, 0.5, 1e-3}}) {
     Ends ends(cost, violation, 1e9);

@@ -148,7 +148,7 @@ TEST(FullStepSearch, JudgesStepsWithTheCostOfClosingGaps) {
   EXPECT_FALSE(at.iterate.differentiated);
 }
 
-TEST(FullStepSearch, GapsAreClosedWhereThatIsAskedFor) {
+TEST(FullStepSearch, ClosesGapsIfRequested) {
   const PlainPendulum plain;
   const ShootingProblem problem = plain.problem();
   const Trajectory from = near_optimum(plain, problem, 0.3);

@@ -25,7 +25,7 @@ TEST(Guess, MustHaveTheShapeOfTheProblem) {
   expect_misfit(3, std::vector<int>(N - 1, 2));
 }
 
-TEST(Guess, IsMovedToItsBoundsAndTellsSo) {
+TEST(Guess, IsMovedToItsBoundsAndReported) {
   const ShootingProblem problem = unicycle_parking(1);
   const ControlBounds bounds(problem);
   Trajectory guess = problem.create_trajectory();

@@ -92,7 +92,7 @@ TEST(HessianAlternation, DoublesItsPatienceWithEveryReturn) {
   }
 }
 
-TEST(HessianAlternation, SaysNothingOfTheRestorationPhase) {
+TEST(HessianAlternation, IgnoresTheRestorationPhase) {
   HessianAlternation alternation;
   alternation.begin(good(1));
   InteriorPointIterate iterate = cut(1000);

@@ -101,7 +101,7 @@ TEST(HessianSwitch, ExactHessiansAreSlowIfMostIsLeft) {
   }
 }
 
-TEST(HessianSwitch, WhereRoundingAsksForExactHessiansTheyStay) {
+TEST(HessianSwitch, KeepsExactHessiansRequestedByRounding) {
   Watched solve;
   EXPECT_TRUE(solve.choice.turn());
   EXPECT_EQ(solve.until_change(1, 500), 500);
@@ -169,7 +169,7 @@ ShootingProblem pendulum_with_linear_cost() {
           {.name = "end", .model = model, .dt = {0}, .cost_scale = {1}, .parameters = {0, -1}}};
 }
 
-TEST(HessianSwitch, LinearCostsHaveExactHessiansAlone) {
+TEST(HessianSwitch, LinearCostsUseExactHessiansOnly) {
   const ShootingProblem squares = testing::pendulum_swing_up(2);
   const ShootingProblem linear = pendulum_with_linear_cost();
   const SolverOptions automatic;

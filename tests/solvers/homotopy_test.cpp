@@ -136,7 +136,7 @@ TEST(Homotopy, SpendsOnlyTheAllowedIterations) {
   }
 }
 
-TEST(Homotopy, EndsWhereASignalComes) {
+TEST(Homotopy, EndsOnASignal) {
   Journey journey({.reach = 1});
   int asked = 0;
   journey.options.interrupted = [&] { return ++asked == 2; };  // once: it must be remembered

@@ -22,7 +22,7 @@ int iterations(const LinearQuadratic& lq, const char* solver, int horizon_sweeps
   return result.iterations;
 }
 
-TEST(ActiveSet, CountsWhatChangesWhereSidesAreAssumed) {
+TEST(ActiveSet, CountsChangesForAssumedSides) {
   const LinearQuadratic lq(1, 4, {3}, 2, -0.4, 0.3);
   ActiveSet set(*lq.problem);
   set.begin_sweep(true);
@@ -60,7 +60,7 @@ TEST(ActiveSet, HoldsControlsPushedAgainstTheirBounds) {
     EXPECT_EQ(set.states(knot)[entry], state) << knot << ' ' << entry;
 }
 
-TEST(ActiveSet, HoldsControlsWhoseBoundsAreTheSame) {
+TEST(ActiveSet, HoldsControlsWithEqualBounds) {
   const LinearQuadratic lq(1, 4, {3}, 2, 0.2, 0.2);
   Trajectory trajectory = lq.problem->create_trajectory();
   for (int k = 0; k < 2; ++k) trajectory.u(k).setConstant(0.2);
@@ -87,7 +87,7 @@ TEST(HorizonActiveSet, StepWithoutActiveBoundsTakesOneSweep) {
   }
 }
 
-TEST(HorizonActiveSet, SweepsEndSoonWhereSetsAlternate) {
+TEST(HorizonActiveSet, SweepsEndSoonForAlternatingSets) {
   int most = 0;
   for (unsigned seed = 0; seed < 40; ++seed) {
     const LinearQuadratic lq(seed, 6, {4}, 20, -0.2, 0.2);

@@ -34,7 +34,7 @@ struct Horizon {
 };
 
 // Sweeps restart at the last node whose rows changed, so that node must be reported.
-TEST(HorizonConstraints, TellTheLastNodeWhoseRowsCrossed) {
+TEST(HorizonConstraints, ReportTheLastNodeWithCrossedRows) {
   Horizon horizon;
   auto& [conic, augmentation, linearization, constraints, z, last] = horizon;
 

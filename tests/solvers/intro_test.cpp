@@ -187,7 +187,7 @@ TEST(Intro, ContradictionsEndAsInfeasible) {
   EXPECT_EQ(result.status, SolveStatus::infeasible) << result.message;
 }
 
-TEST(Intro, RefusesInequalitiesByName) {
+TEST(Intro, RejectsInequalitiesByName) {
   const LinearQuadratic lq(3, 4, {3, 2}, 8, -testing::kFree, testing::kFree);
   const ShootingProblem problem = with_constraints(*lq.problem, testing::cuts(lq));
   const auto reason = unsupported(*find_solver("intro"), problem);
@@ -197,7 +197,7 @@ TEST(Intro, RefusesInequalitiesByName) {
   EXPECT_NE(reason->find("; supported by altro, proxddp, ipopt"), std::string::npos) << *reason;
 }
 
-TEST(Intro, WithoutConstraintsItIsFddp) {
+TEST(Intro, WithoutConstraintsItMatchesFddp) {
   const ShootingProblem problem = testing::cartpole_swing_up();
   const Trajectory guess = testing::constant_controls(problem, 0.01);
   const SolveResult a = solve(problem, "intro", {}, guess);

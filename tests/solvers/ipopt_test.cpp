@@ -46,7 +46,7 @@ TEST(Ipopt, AgreesWithAltroOnPublishedCases) {
 }
 
 /// Multipliers, costates, and gains match altro's at the same optimum.
-TEST(Ipopt, SaysOfAnOptimumWhatAltroSays) {
+TEST(Ipopt, AgreesWithAltroAtAnOptimum) {
   const auto cases = testing::published_cases();
   const ShootingProblem& problem = cases[0].problem;
   const Trajectory guess = testing::constant_controls(problem, 0);
@@ -146,7 +146,7 @@ TEST(Ipopt, ContradictionsEndAsInfeasible) {
   EXPECT_NE(outside.message.find("initial state"), std::string::npos) << outside.message;
 }
 
-TEST(Ipopt, NumbersThatAreNoneEndAsDiverged) {
+TEST(Ipopt, NonFiniteNumbersEndAsDiverged) {
   const ShootingProblem free = mass();
   const ShootingProblem problem = with_constraints(
       free, {testing::goal_constraint(free, {std::numeric_limits<double>::quiet_NaN(), 0})});
@@ -222,7 +222,7 @@ TEST(Ipopt, LogsItsIterations) {
   EXPECT_NEAR(result.log.back().cost, result.cost, 1e-12);
 }
 
-TEST(Ipopt, RefusesOptionsThatAreNone) {
+TEST(Ipopt, RejectsUnknownOptions) {
   const ShootingProblem problem = mass();
   const Trajectory guess = problem.create_trajectory();
   const auto message = [&](const SolverOptions& options) {

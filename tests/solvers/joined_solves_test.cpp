@@ -22,7 +22,7 @@ SolveResult solve_of(int iterations, const std::string& start, double seconds) {
   return result;
 }
 
-TEST(JoinedSolves, AreOneToWhoeverAsked) {
+TEST(JoinedSolves, AppearAsOneSolve) {
   const SolverOptions options{.max_iterations = 20};
   JoinedSolves joined(options);
   EXPECT_EQ(joined.next().max_iterations, 20);
@@ -63,7 +63,7 @@ TEST(JoinedSolves, ShareTheirTime) {
   EXPECT_EQ(late.next().max_time_s, 1e-3) << "what is left of none";
 }
 
-TEST(JoinedSolves, LeaveNoIterationsWhereAllAreUsed) {
+TEST(JoinedSolves, LeaveNoIterationsIfAllAreUsed) {
   const SolverOptions options{.max_iterations = 4};
   JoinedSolves joined(options);
   joined.next();

@@ -98,7 +98,7 @@ TEST(LaneCopy, Transposes) {
     }
 }
 
-TEST(CurvedBlocks, TransformRowsAndColumnsAndNothingElse) {
+TEST(CurvedBlocks, TransformOnlyTheirRowsAndColumns) {
   for (const int n : {3, 6})
     for (const int size : {n, 7, 18, 33}) {
       const int at = (size - n) / 2;

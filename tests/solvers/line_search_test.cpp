@@ -69,7 +69,7 @@ struct ParabolaSearch {
   double length;
 };
 
-TEST(LineSearch, TakesTheFullStepToTheMinimumAlone) {
+TEST(LineSearch, TakesOnlyTheFullStepToTheMinimum) {
   ParabolaSearch at(1);
   const LineSearchResult found = at.run();
   EXPECT_TRUE(found.accepted);
@@ -169,7 +169,7 @@ TEST(LineSearch, CountsTheGapsThatAStepCloses) {
   EXPECT_NEAR(found.expected_decrease, 2 * at.most + 6, 1e-9 * at.most);
 }
 
-TEST(LineSearch, TellsWhereATrialWasLost) {
+TEST(LineSearch, ReportsWhereATrialDiverges) {
   ParabolaSearch at(1);
   at.feedback.k[2].setConstant(1e308);
   at.feedback.k[2] *= 10;

@@ -79,7 +79,7 @@ TEST(LinearRollout, FollowsModelStatesAndBoundedPolicyControls) {
   }
 }
 
-TEST(LinearRollout, RespondsToGapsWithTheGainsAlone) {
+TEST(LinearRollout, RespondsToGapsThroughGainsOnly) {
   RolledOut at;
   const DenseHorizon dense(at.linearization, true);
   at.rollout.respond(at.linearization, at.gaps, at.feedback);

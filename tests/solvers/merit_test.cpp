@@ -355,7 +355,7 @@ TEST(Start, ClosedGapSolversIgnoreGuessedStates) {
   EXPECT_EQ(a.log.size(), b.log.size());
 }
 
-TEST(Start, QuaternionsOfTheGuessAreNormalisedOrRefused) {
+TEST(Start, NormalizesOrRejectsGuessedQuaternions) {
   const ShootingProblem problem = testing::quadrotor_move();
   Trajectory guess = open_gap_guess(problem);
   guess.x(7).segment(3, 4) *= 1 + 1e-6;

@@ -42,7 +42,7 @@ void for_each_size(F act) {
     for (int nu = 1; ndx + nu <= kLaneWidth; ++nu) act(ndx, nu);
 }
 
-TEST_F(NarrowStages, AreThoseThatFitALane) {
+TEST_F(NarrowStages, FitALane) {
   for_each_size([](int ndx, int nu) { EXPECT_NE(narrow_stage(ndx, nu), nullptr); });
   for (int nu = 0; nu <= kLaneWidth; ++nu)
     EXPECT_EQ(narrow_stage(kLaneWidth - nu, nu + 1), nullptr);
@@ -112,7 +112,7 @@ TEST_F(NarrowStages, FormTheValueOfAPolicy) {
   });
 }
 
-TEST_F(NarrowStages, SayWhatIsNotFinite) {
+TEST_F(NarrowStages, ReportNonFiniteNumbers) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for_each_size([&](int ndx, int nu) {
     SCOPED_TRACE(::testing::Message() << ndx << " states, " << nu << " controls");

@@ -36,7 +36,7 @@ double gradient_error(const ShootingProblem& problem, const SolveResult& result,
   return worst;
 }
 
-TEST(Nonlinear, AllSixAgreeWhereNothingIsActive) {
+TEST(Nonlinear, AllSixAgreeWithoutActiveBounds) {
   const struct {
     const char* name;
     ShootingProblem problem;

@@ -65,7 +65,7 @@ TEST(OpenGapSearch, WeightPaysForTheStep) {
   EXPECT_DOUBLE_EQ(search.weigh(costly, -7), 3 / 1.3);
 }
 
-TEST(OpenGapSearch, TheDecreaseIsThatOfTheMerit) {
+TEST(OpenGapSearch, DecreaseMatchesTheMerit) {
   for (const unsigned seed : {1u, 2u, 3u, 4u, 5u, 6u})
     for (const double limit : {testing::kFree, 3.0}) {
       const ShootingProblem problem = testing::cartpole_swing_up(limit);

@@ -71,7 +71,7 @@ TEST(OptionTable, NamesUnknownChoices) {
   }
 }
 
-TEST(OptionTable, WholeNumbersAreRequiredWhereTheyAreMeant) {
+TEST(OptionTable, RequiresWholeNumbersWhereNeeded) {
   SolverOptions options;
   const OptionInfo* info = find_option("max_iterations");
   EXPECT_TRUE(info->set(options, 1.5));

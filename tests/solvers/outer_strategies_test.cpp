@@ -296,7 +296,7 @@ TEST(LeastViolation, IsSolvedAtAHundredthOfInitialViolation) {
 }
 
 // With u = (1, 1 − w), the end is 1 + w short, and controls can remove the share w / (1 + w).
-TEST(LeastViolation, IsMinimizedWhereControlsHaveLittleWayLeft) {
+TEST(LeastViolation, IsMinimizedOnceControlsAreNearlyExhausted) {
   Surrounded at = least(0);
   at.strategy->fit(at.iterate);
   const auto minimized_at = [&](double w, const IterationRecord& row) {

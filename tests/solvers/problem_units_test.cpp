@@ -70,7 +70,7 @@ Trajectory in_units(Trajectory t, const ProblemUnits& units, const std::vector<d
 }
 
 /// Powers of two change no digit.
-TEST(ProblemUnits, DerivativesAreThoseOfTheChainRule) {
+TEST(ProblemUnits, DerivativesFollowTheChainRule) {
   const ShootingProblem own = parking_in_sets();
   const std::vector<double> control{0.25, 64};
   const ProblemUnits other = units(own, {1024, 0.125, 4}, control);

@@ -188,7 +188,7 @@ TEST(ProjectedNewton, KeepsCostlyHessiansWhileStepsGainADecade) {
   EXPECT_EQ(newton.exact_hessians(), expected + 1);
 }
 
-TEST(ProjectedNewton, NormsAreThoseOfTheIterate) {
+TEST(ProjectedNewton, NormsMatchTheIterate) {
   NewtonCase at;
   ProjectedNewton newton(at.problem, at.evaluator);
   PlainSqp::Point p = at.near(0.1);

@@ -91,7 +91,7 @@ TEST(Proxddp, OneStepMinimizesTheLinearQuadraticAugmentedLagrangian) {
   }
 }
 
-TEST(Proxddp, PenaltiesGrowOnlyWhereMultipliersStay) {
+TEST(Proxddp, PenaltiesGrowOnlyIfMultipliersStay) {
   const auto cases = testing::published_cases();
   const SolveResult result =
       solve(cases[2].problem, "proxddp", {}, testing::constant_controls(cases[2].problem, 0.01));

@@ -108,7 +108,7 @@ TEST(Refusals, NameSolversAndHorizonsUnfitForSegments) {
   EXPECT_EQ(segments("altro", 1), "");
 }
 
-TEST(AutoSolver, TakesThoseThatHaveTheHessianAskedFor) {
+TEST(AutoSolver, TriesSolversWithTheRequestedHessian) {
   const ShootingProblem problem = testing::pendulum_swing_up(3);
   for (const HessianChoice choice : {HessianChoice::exact, HessianChoice::gauss_newton}) {
     SolverNames expected;

@@ -23,7 +23,7 @@ TEST(RegularizationSchedule, LeavesZeroAndReturnsToIt) {
   EXPECT_EQ(schedule.value(), 0);
 }
 
-TEST(RegularizationSchedule, BeginsLowerWhereItIsToBeLower) {
+TEST(RegularizationSchedule, BeginsLowerOnRequest) {
   RegularizationSchedule schedule({});
   schedule.lower_min(1e-9);
   schedule.lower_min(1e-7);
@@ -84,7 +84,7 @@ struct Swept {
   Feedback feedback;
 };
 
-TEST(BackwardSweep, NamesTheKnotWhoseStageHasNoMinimum) {
+TEST(BackwardSweep, NamesTheKnotWithoutAMinimum) {
   const ShootingProblem problem = integrator_problem(1);
   Swept swept(problem);
   swept.linearization.knots[1].hessian.change()(1, 1) = -100;
@@ -94,7 +94,7 @@ TEST(BackwardSweep, NamesTheKnotWhoseStageHasNoMinimum) {
   EXPECT_EQ(swept.run(RegularizationKind::state, 10), 1);
 }
 
-TEST(BackwardSweep, RegularizationChangesTheGainsAsItsKindSays) {
+TEST(BackwardSweep, RegularizationAffectsGainsByItsKind) {
   const ShootingProblem problem = integrator_problem(1);
   Swept swept(problem);
   // At the last knot V_xx' = 0.25: Q_uu = 1.25, Q_ux = 0.25.

@@ -80,7 +80,7 @@ TEST(Restarts, ReturnTheBestAnswer) {
   }
 }
 
-TEST(Restarts, LeaveTheInitialStateWhereItIs) {
+TEST(Restarts, KeepTheInitialState) {
   const ShootingProblem problem = double_integrator_move();
   const Trajectory start = nearest(problem, with_restarts(1), 100).trajectory;
   EXPECT_EQ(start.x(0), problem.create_trajectory().x(0));
@@ -267,7 +267,7 @@ TEST(Elsewhere, EndsIfAllStartsShareOneLeastViolation) {
 }
 
 // Each start follows the whole homotopy.
-TEST(Restarts, OfAHomotopy) {
+TEST(Restarts, CoverWholeHomotopies) {
   const SwingUp up;
   SolverOptions options = with_restarts(1, 3);
   options.threads = 2;

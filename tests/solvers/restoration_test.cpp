@@ -43,7 +43,7 @@ double least_distance(const Eigen::Vector2d& goal) {
 }
 
 /// For convex distances, a share of 0.005 means at most that share above the minimum.
-TEST(LeastViolation, IsThatOfDenseLeastSquaresWithinBounds) {
+TEST(LeastViolation, MatchesBoundedDenseLeastSquares) {
   const ShootingProblem free = mass();
   for (const Eigen::Vector2d& goal : {Eigen::Vector2d(5, 0), Eigen::Vector2d(2, 8)}) {
     const ShootingProblem problem =
@@ -84,7 +84,7 @@ TEST(LeastViolation, KeepsGapsClosedUnlessControlsLeadAway) {
   EXPECT_GT(restore_feasibility(problem, {}, start).log.front().gap, 0.1);
 }
 
-TEST(LeastViolation, IsZeroWhereTheConstraintsCanBeSatisfied) {
+TEST(LeastViolation, IsZeroIfConstraintsAreFeasible) {
   for (const auto& [name, problem, control, cost] : testing::published_cases()) {
     const Trajectory start = testing::constant_controls(problem, control);
     const SolveResult result = restore_feasibility(problem, {}, start);
@@ -110,7 +110,7 @@ TEST(LeastViolation, IsNotReportedForDistantFreeControls) {
   }
 }
 
-TEST(LeastViolation, IsFoundAtOnceWhereNothingIsViolated) {
+TEST(LeastViolation, IsFoundAtOnceWithoutViolation) {
   const ShootingProblem free = mass();
   const ShootingProblem problem = with_constraints(free, {testing::goal_constraint(free, {0, 0})});
   const SolveResult result = restore_feasibility(problem, {}, problem.create_trajectory());
@@ -119,7 +119,7 @@ TEST(LeastViolation, IsFoundAtOnceWhereNothingIsViolated) {
 }
 
 /// ∂‖d‖/∂u by central differences of simulated motions.
-TEST(ViolationSlope, IsThatOfDifferences) {
+TEST(ViolationSlope, MatchesDifferences) {
   const ShootingProblem free = testing::pendulum_swing_up(3);
   const ShootingProblem problem =
       with_constraints(free, {testing::goal_constraint(free, {3, 0}),
@@ -208,7 +208,7 @@ TEST(ViolationSlope, FreeControlsRangeUpToTheLargestOne) {
 }
 
 /// A solver that fails at once and, after the restoration, works normally.
-TEST(SolveWithRestoration, GoesOnFromWhatWasRestored) {
+TEST(SolveWithRestoration, ContinuesFromTheRestoredPoint) {
   const auto cases = testing::published_cases();
   const auto& [name, problem, control, cost] = cases[0];
   const Trajectory guess = testing::constant_controls(problem, control);
@@ -241,7 +241,7 @@ TEST(SolveWithRestoration, GoesOnFromWhatWasRestored) {
   EXPECT_EQ(result.log.back().iteration, result.iterations);
 }
 
-TEST(SolveWithRestoration, CallsNothingInfeasibleThatNoRestorationConfirmed) {
+TEST(SolveWithRestoration, ReportsInfeasibleOnlyAfterRestoration) {
   const ShootingProblem problem = mass();  // without constraints, restoration has no task
   const auto solve = [&](const SolverOptions& options, const Trajectory& start) {
     SolveResult result = find_solver("ipopt")->run(problem, options, start);

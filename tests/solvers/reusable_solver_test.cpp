@@ -199,7 +199,7 @@ TEST(ReusableSolver, UsesLastGainsAndMeasuresItsAnswer) {
   }
 }
 
-TEST(ReusableSolver, IteratesToTheSameEndWhereItConverges) {
+TEST(ReusableSolver, IteratesToTheSameConvergedAnswer) {
   ShootingProblem problem = testing::cartpole_swing_up();
   const Trajectory guess = testing::constant_controls(problem, 0.01);
   for (const char* name : {"ddp", "box_fddp", "altro", "proxddp"}) {
@@ -210,7 +210,7 @@ TEST(ReusableSolver, IteratesToTheSameEndWhereItConverges) {
   }
 }
 
-TEST(ReusableSolver, BeginsWithMultipliersWhereItsSolverHasAny) {
+TEST(ReusableSolver, BeginsWithAvailableMultipliers) {
   const ShootingProblem free = testing::cartpole_swing_up();
   const ShootingProblem problem =
       testing::with_constraints(free, {testing::goal_constraint(free, {0, M_PI, 0, 0})});

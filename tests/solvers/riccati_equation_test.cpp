@@ -156,7 +156,7 @@ TEST(RiccatiEquation, AcceptsUncontrollableStableModes) {
 }
 
 // The mode is uncontrollable, and rounding could make it persist.
-TEST(RiccatiEquation, AModeLastsThatDecaysByRoundingAlone) {
+TEST(RiccatiEquation, ModeDecayingByRoundingPersists) {
   const auto with_decay = [](double decay) {
     return solve_regulator(without_cross_term(Matrix{{1 - decay, 0}, {0, 1.2}}, Matrix{{0}, {1}},
                                               Matrix::Identity(2, 2), Matrix::Identity(1, 1)));
@@ -168,7 +168,7 @@ TEST(RiccatiEquation, AModeLastsThatDecaysByRoundingAlone) {
   EXPECT_TRUE(with_decay(1e-3).regulator);
 }
 
-TEST(RiccatiEquation, ALastingModeThatCostsNothingIsNamed) {
+TEST(RiccatiEquation, NamesCostlessPersistentModes) {
   Matrix Q = Matrix::Zero(2, 2);
   Q(1, 1) = 1;
   const RegulatorResult got = solve_regulator(without_cross_term(

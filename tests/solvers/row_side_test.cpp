@@ -47,7 +47,7 @@ TEST(RowSide, BoundSideFollowsShiftedValue) {
   EXPECT_EQ(chosen_bound(c, 0, -0.5, -6, 10), RowSide::lower);
 }
 
-TEST(RowSide, OfAnEqualityCountsWhateverItsMultiplier) {
+TEST(RowSide, EqualityIsActiveForAnyMultiplier) {
   const Bounds row(1, 1);
   for (const double multiplier : {-5.0, 0.0, 5.0})
     EXPECT_EQ(chosen_bound(row.constraint(), 0, 1, multiplier, 10), RowSide::equality);
@@ -61,7 +61,7 @@ TEST(RowSide, SoftBoundIsExceededAtItsMultiplierLimit) {
   EXPECT_EQ(chosen_bound(row.constraint(), 0, -1, -3.1, 10), RowSide::below);
 }
 
-TEST(RowSide, OfBoundsLeavesWhereItsMultiplierPulls) {
+TEST(RowSide, BoundIsReleasedByItsMultiplier) {
   const Bounds row(-1, 2);
   const NodeConstraint c = row.constraint();
   EXPECT_EQ(revised_bound(c, 0, RowSide::upper, 2, 1), RowSide::upper);
@@ -70,7 +70,7 @@ TEST(RowSide, OfBoundsLeavesWhereItsMultiplierPulls) {
   EXPECT_EQ(revised_bound(c, 0, RowSide::lower, -1, 1), RowSide::inactive);
 }
 
-TEST(RowSide, OfBoundsCountsWhereAStepViolatesThem) {
+TEST(RowSide, BoundIsActivatedByAViolatingStep) {
   const Bounds row(-1, 2);
   const NodeConstraint c = row.constraint();
   EXPECT_EQ(revised_bound(c, 0, RowSide::inactive, 2 + 1e-11, 0), RowSide::inactive);

@@ -191,7 +191,7 @@ TEST(SoftConstraints, MissedConeEndsInFewNewtonSteps) {
   EXPECT_GE(missed, 1);
 }
 
-TEST(SoftConstraints, AreRefusedOnlyWhereTheyAreNoCost) {
+TEST(SoftConstraints, AreRejectedOnlyIfTheyAreNotCosts) {
   const LinearQuadratic lq(1, 4, {3, 2}, 8, -testing::kFree, testing::kFree);
   const ShootingProblem by_distance = with_constraints(*lq.problem, soft_cuts(lq, Softness::l1, 1));
   const ShootingProblem by_square = with_constraints(*lq.problem, soft_cuts(lq, Softness::l2, 1));

@@ -105,7 +105,7 @@ TEST(SolveRecord, GradientsMatchControlSizesOfKnots) {
   }
 }
 
-TEST(SolveRecord, GoesOnUntilItsLimits) {
+TEST(SolveRecord, ContinuesUntilItsLimits) {
   constexpr double kNever = std::numeric_limits<double>::infinity();
   const struct {
     int iteration, most;

@@ -72,7 +72,7 @@ TEST(StationarityCheck, GoalBecomesHalfOfTheRequiredGradient) {
   EXPECT_EQ(at.check.goal(), 1e-6);
 }
 
-TEST(StationarityCheck, MotionsThatAmplifyTooMuchSayNothing) {
+TEST(StationarityCheck, AmplifyingMotionsAreInconclusive) {
   HiddenByGains hidden(1e-7, 4.9e4), amplified(1e-7, 5.1e4);
   EXPECT_FALSE(hidden.check.confirm(hidden.iterate, nullptr));
   EXPECT_NEAR(hidden.check.goal(), 0.5e-6 / 4.9e4, 1e-20);

@@ -189,7 +189,7 @@ TEST(Status, LongIterationsStopHalfWayWithWholeIterate) {
   EXPECT_GT(ended_at.size(), 1u);
 }
 
-TEST(Status, DivergedWhereTheGuessCannotBeSimulated) {
+TEST(Status, DivergedIfTheGuessCannotBeSimulated) {
   const ShootingProblem problem = testing::cartpole_swing_up();
   Trajectory guess = constant_controls(problem, 0);
   guess.u(30).setConstant(1e200);
@@ -225,7 +225,7 @@ SolverInfo far_away(SolveStatus status, int iterations) {
           }};
 }
 
-TEST(Status, DivergedWhereIterationsEndFarBeyondRounding) {
+TEST(Status, DivergedIfIterationsEndFarBeyondRounding) {
   const ShootingProblem problem = testing::cartpole_swing_up();
   const auto end = [&](SolveStatus status, int iterations) {
     return solve(problem, far_away(status, iterations), {}, problem.create_trajectory());
@@ -240,7 +240,7 @@ TEST(Status, DivergedWhereIterationsEndFarBeyondRounding) {
 }
 
 // Gradients of costs in units of 1e-20 are no larger than in other units.
-TEST(Status, LargeWeightsAloneLetNothingDiverge) {
+TEST(Status, LargeWeightsCauseNoDivergence) {
   const double weight = 1e20;
   const ShootingProblem problem =
       testing::tracking_problem(pendulum({}), Integrator::rk4, 20, 0.05, {0, 0},
@@ -286,7 +286,7 @@ TEST(Status, LineSearchFailedIfStepsStayTooLong) {
 }
 
 // Known defect of Crocoddyl and Aligator: steps accepted because they are small.
-TEST(Status, GapsCloseWhereNothingCosts) {
+TEST(Status, GapsCloseWithoutCosts) {
   for (const double limit : {testing::kFree, 10.0}) {
     const std::vector<double> none(4, 0.0);
     const ShootingProblem problem = testing::tracking_problem(
@@ -358,7 +358,7 @@ TEST(Solve, RejectsOptionsProblemsAndGuessesByName) {
   EXPECT_NE(message("box_ddp", {}, Trajectory(2, {1, 1})).find("shape"), std::string::npos);
 }
 
-TEST(Solve, RefusesExactlyWhereASolverCannotKeepBounds) {
+TEST(Solve, RejectsBoundsExactlyIfUnsupported) {
   const ShootingProblem bounded = testing::pendulum_swing_up(3);
   const ShootingProblem free = testing::pendulum_swing_up();
   for (const SolverInfo& solver : solvers()) {

@@ -132,7 +132,7 @@ TEST(ValuePropagation, SemiImplicitMatchesDenseDynamics) {
   }
 }
 
-TEST(ValuePropagation, StateRegularizationIsThatOfAShiftedValue) {
+TEST(ValuePropagation, StateRegularizationMatchesAShiftedValue) {
   Random random(3);
   for (const auto& curved : curved_layouts()) {
     for (bool semi_implicit : {true, false}) {
@@ -265,7 +265,7 @@ TEST(Cholesky, SolvesRows) {
   }
 }
 
-TEST(Cholesky, RefusesWhatIsNotPositiveDefinite) {
+TEST(Cholesky, RejectsIndefiniteMatrices) {
   Random random(7);
   const Eigen::MatrixXd B = random.matrix(7, 7);
   const Eigen::MatrixXd A = B * B.transpose() + Eigen::MatrixXd::Identity(7, 7);

@@ -157,7 +157,7 @@ TEST(LaneSincos, StaysAccurateForLargeAngles) {
   EXPECT_LE(worst, 4e-16);
 }
 
-TEST(LaneSincos, OfSignedZeroIsExact) {
+TEST(LaneSincos, SignedZeroIsExact) {
   Lane s, c;
   sincos(Lane(0.0), s, c);
   for (int i = 0; i < kLaneWidth; ++i) {

@@ -143,7 +143,7 @@ VectorXd give(const MultibodySystem& system, const Data& data, int contact) {
 class ContactEquations : public testing::TestWithParam<ContactCase> {};
 class ContactDerivatives : public testing::TestWithParam<ContactCase> {};
 
-TEST_P(ContactEquations, ForcesAreThoseThatHoldTheContacts) {
+TEST_P(ContactEquations, ForcesHoldTheContacts) {
   const ContactCase& c = GetParam();
   const auto system = held(c);
   const RobotModel& model = *c.robot;
@@ -290,7 +290,7 @@ void expect_equal_derivatives(const MultibodySystem& system, const std::vector<d
   compare(found.bottomRows(m), expected.bottomRows(m), "forces");
 }
 
-TEST_P(ContactDerivatives, OfAccelerationsAndForcesAgreeWithDualNumbers) {
+TEST_P(ContactDerivatives, AccelerationsAndForcesMatchDualNumbers) {
   RandomNumbers random(7);
   const auto system = held(GetParam());
   for (int trial = 0; trial < 2; ++trial)
@@ -298,7 +298,7 @@ TEST_P(ContactDerivatives, OfAccelerationsAndForcesAgreeWithDualNumbers) {
                              random_control(*system, random));
 }
 
-TEST_P(ContactDerivatives, OfVelocitiesAndImpulsesAgreeWithDualNumbers) {
+TEST_P(ContactDerivatives, VelocitiesAndImpulsesMatchDualNumbers) {
   RandomNumbers random(8);
   for (const double restitution : {0.0, 0.6}) {
     const auto system = hit(GetParam(), restitution);
@@ -351,7 +351,7 @@ TEST(RedundantContacts, HoldLikeASoleWithSmallestForces) {
   }
 }
 
-TEST(RedundantContacts, LeaveTheOtherLanesAlone) {
+TEST(RedundantContacts, DoNotAffectOtherLanes) {
   // A stretched arm of two joints cannot move its tip along itself. The rows are dependent in that
   // lane, which must not affect the arms in the other lanes.
   const UrdfResult loaded = load_urdf(

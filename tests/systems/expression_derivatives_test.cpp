@@ -226,7 +226,7 @@ TEST(ExpressionGraphs, ComputeNothingTwice) {
   EXPECT_EQ(graph.size(), size);
 }
 
-TEST(ExpressionGraphs, LeaveOutWhatChangesNothing) {
+TEST(ExpressionGraphs, OmitOperationsWithoutEffect) {
   ExpressionGraph graph;
   const NodeId x = graph.input(0), y = graph.input(1);
   EXPECT_EQ(parse_good("x0 + 0", graph), x);

@@ -27,7 +27,7 @@ TEST(ExpressionSystems, EveryClosedFormSystemMatchesTheCompiledOne) {
 }
 
 // As expressions, and as recorded closed forms.
-TEST(ExpressionSystems, SecondDerivativesAreThoseOfDualNumbers) {
+TEST(ExpressionSystems, SecondDerivativesMatchDualNumbers) {
   RandomNumbers random(312);
   for (const SystemInWords& system : systems_in_words()) {
     const auto in_words = expression_system(system.text);
@@ -264,7 +264,7 @@ TEST(ExpressionSystems, InvalidTextsHaveAPlace) {
   }
 }
 
-TEST(ExpressionSystems, WhatIsNotSmoothIsWarnedOf) {
+TEST(ExpressionSystems, WarnsAboutNonsmoothExpressions) {
   ExpressionSystemText text = driven(SystemKind::first_order);
   text.definitions = {{"drag", "0.1*v*abs(v)"}};
   text.equations[1].text = "if(x < 0, u - drag, u + drag)";

@@ -104,7 +104,7 @@ TEST(LibrarySystems, ReleaseTheirCheckedOutWorkspaces) {
   EXPECT_EQ(in_use(), before);
 }
 
-TEST(LibrarySystems, GiveNoNumbersWhereTheFunctionFails) {
+TEST(LibrarySystems, GiveNoNumbersIfTheFunctionFails) {
   const auto function = function_of("torn", {});
   const auto workspace = function->create_workspace();
   const double z[] = {0.1, 0.2, 0.3};
@@ -226,7 +226,7 @@ TEST(SlopeInterval, ReachesEdgeDerivativesOfRootsAndSmoothFunctions) {
   EXPECT_GE(square.upper, 0);
 }
 
-TEST(LibraryKnotFunction, SaysWhatDoesNotFit) {
+TEST(LibraryKnotFunction, ReportsMismatches) {
   struct Case {
     std::string function;
     LibraryKnotFunction::Sizes sizes;

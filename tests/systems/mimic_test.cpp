@@ -84,7 +84,7 @@ TEST(Mimic, AccelerationsMatchRobotWithExplicitConstraints) {
   }
 }
 
-TEST(Mimic, DerivativesAreThoseOfDualNumbers) {
+TEST(Mimic, DerivativesMatchDualNumbers) {
   using LaneDual = Dual<Lane>;
   RandomNumbers random(62);
   for (const auto& [name, model] : mimic_robots()) {
@@ -279,7 +279,7 @@ TEST(Mimic, RobotWithoutMimicJointsAllocatesNoBuffers) {
   EXPECT_EQ(system->actuation().B, Actuation::full(model).B);
 }
 
-TEST(Mimic, RefusesWhatCannotBeEnforced) {
+TEST(Mimic, RejectsUnenforceableConstraints) {
   const RobotModel plain = random_robot(67, {.joints = 4, .floating = true});
   const auto attempt = [&](std::vector<Mimic> mimics) {
     RobotModel model = plain;

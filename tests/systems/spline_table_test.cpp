@@ -91,7 +91,7 @@ TEST(SplineTables, AreLinearBeyondTheEnds) {
   }
 }
 
-TEST(SplineTables, OfTwoPointsIsALine) {
+TEST(SplineTables, TwoPointsGiveALine) {
   const SplineTable table({1, 3}, {2, 8});
   for (const double x : {-4.0, 1.0, 1.7, 9.0}) {
     EXPECT_NEAR(table.derivative(0, 0, x, 0), 2 + 3 * (x - 1), 1e-14);

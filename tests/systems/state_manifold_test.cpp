@@ -281,7 +281,7 @@ TEST(StateManifold, NormalizeScalesNearlyUnitQuaternions) {
   EXPECT_NEAR(x[9] * x[9] + x[12] * x[12], 1, 1e-15);
 }
 
-TEST(StateManifold, NormalizeRefusesWhatIsNoQuaternion) {
+TEST(StateManifold, NormalizeRejectsInvalidQuaternions) {
   const StateManifold m = mixed();
   for (const double bad : {0.0, 1.1, std::numeric_limits<double>::quiet_NaN(),
                            std::numeric_limits<double>::infinity()}) {
