@@ -69,14 +69,18 @@ TEST(GridError, IsIndependentOfUnits) {
 }
 
 TEST(GridError, FallsByOtherRulesAndShorterSteps) {
-  Case decay(-2, Integrator::explicit_euler, 0.1, 5);
-  decay.multiply(0.8);
-  const auto error = [&](std::optional<Integrator> rule, int parts) {
-    return grid_error(decay.problem, decay.motion, rule, parts)->relative;
-  };
-  EXPECT_LT(error(std::nullopt, 4), error(std::nullopt, 1) / 3);
-  EXPECT_LT(error(Integrator::rk4, 1), 1e-3 * error(std::nullopt, 1));
-  EXPECT_LT(error(Integrator::radau5, 1), 1e-4 * error(std::nullopt, 1));
+  for (const int knots : {5, 20}) {  // 20: more than the worst steps
+    Case decay(-2, Integrator::explicit_euler, 0.1, knots);
+    decay.multiply(0.8);
+    const GridError own = *grid_error(decay.problem, decay.motion);
+    const auto error = [&](std::optional<Integrator> rule, int parts) {
+      return *error_by(decay.problem, decay.motion, own, rule, parts);
+    };
+    EXPECT_NEAR(error(std::nullopt, 1), own.relative, 1e-12);
+    EXPECT_LT(error(std::nullopt, 4), own.relative / 3);
+    EXPECT_LT(error(Integrator::rk4, 1), 1e-3 * own.relative);
+    EXPECT_LT(error(Integrator::radau5, 1), 1e-4 * own.relative);
+  }
 }
 
 TEST(CoarseGrid, IsFoundIfStepsLeaveTheMotion) {

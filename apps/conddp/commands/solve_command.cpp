@@ -184,7 +184,7 @@ struct Task {
   double finishing = 0;  ///< estimated time for files and certificate, s
   std::string grid;      ///< setting of a grid that differs from the file's
   /// Second-order results of the answers that the solve passes to the certificate.
-  std::shared_ptr<SecondOrderMemory> memory = std::make_shared<SecondOrderMemory>();
+  std::shared_ptr<CertificateMemory> memory = std::make_shared<CertificateMemory>();
 };
 
 /// Prepares a task; reports errors and returns false if there is nothing to solve.
@@ -312,7 +312,7 @@ void start_from(const Task& former, const SolveResult& answer, Task& task) {
 /// go around.
 Doubt doubt_of(const SolveArguments& arguments, const Task& task, const SolverOptions& options) {
   if (arguments.no_verify) return nullptr;
-  Doubt doubt = certificate_doubt(options, task.memory);
+  Doubt doubt = certificate_doubt(options, {task.memory, tangent_columns(*task.built)});
   if (task.spec->solver.name.value != kAutoSolver) return doubt;
   return [doubt](const ShootingProblem& problem, const SolveResult& result) {
     Objection objection = doubt(problem, result);

@@ -580,8 +580,8 @@ SolutionClaims scaled(const SolutionClaims& claims, double scale) {
 }
 
 Certificate judge(const ShootingProblem& problem, const SolutionClaims& claims,
-                  const NodeValues& values, double scale, std::optional<SecondOrder> known) {
-  Certificate certificate = Judge(problem, claims, values, scale, std::move(known)).run();
+                  const NodeValues& values, double scale) {
+  Certificate certificate = Judge(problem, claims, values, scale, std::nullopt).run();
   if (certificate.holds()) return certificate;
   return Judge(problem, claims, values, scale, std::move(certificate.second_order),
                Judge::measure_noise(problem, claims, values))
@@ -590,19 +590,14 @@ Certificate judge(const ShootingProblem& problem, const SolutionClaims& claims,
 
 }  // namespace
 
-void SecondOrderMemory::keep(const SolutionClaims& claims, const SecondOrder& found) {
+void CertificateMemory::keep(SolutionClaims claims, const Certificate& certificate) {
   const std::lock_guard lock(guard_);
-  trajectory_ = claims.trajectory;
-  multipliers_ = claims.multipliers;
-  found_ = found;
+  last_.emplace(std::move(claims), certificate);
 }
 
-std::optional<SecondOrder> SecondOrderMemory::of(const SolutionClaims& claims) const {
+std::optional<Certificate> CertificateMemory::of(const SolutionClaims& claims) const {
   const std::lock_guard lock(guard_);
-  const bool same = found_ && trajectory_ == claims.trajectory &&
-                    multipliers_.size() == claims.multipliers.size() &&
-                    multipliers_ == claims.multipliers;
-  return same ? found_ : std::nullopt;
+  return last_ && last_->first == claims ? std::optional(last_->second) : std::nullopt;
 }
 
 bool Certificate::holds() const { return failures() == 0; }
@@ -650,14 +645,11 @@ Certificate certify(const ShootingProblem& problem, const SolutionClaims& claims
 }
 
 Certificate certify(const ShootingProblem& problem, const SolutionClaims& claims,
-                    const NodeValues& values, const SecondOrderMemory* known) {
-  std::optional<SecondOrder> second_order;
-  if (known != nullptr) second_order = known->of(claims);
+                    const NodeValues& values) {
   const double scale = cost_scale(problem);
-  if (scale == 1) return judge(problem, claims, values, 1, std::move(second_order));
+  if (scale == 1) return judge(problem, claims, values, 1);
   const ShootingProblem own = scale_costs(problem, scale);
-  return judge(own, scaled(claims, scale), NodeValues(own, claims.trajectory), scale,
-               std::move(second_order));
+  return judge(own, scaled(claims, scale), NodeValues(own, claims.trajectory), scale);
 }
 
 double constraint_rounding(const ShootingProblem& problem, const Trajectory& trajectory,

@@ -64,19 +64,17 @@ struct Certificate {
   bool computable() const;
 };
 
-/// Caches the second-order model of the answer judged last, for another certificate of the same
-/// numbers in the same process. Thread-safe.
-class SecondOrderMemory {
+/// Caches the certificate of the answer judged last, for the same claims in the same process.
+/// Thread-safe.
+class CertificateMemory {
  public:
-  void keep(const SolutionClaims& claims, const SecondOrder& found);
+  void keep(SolutionClaims claims, const Certificate& certificate);
   /// Returns nullopt if the claims differ from the cached ones.
-  std::optional<SecondOrder> of(const SolutionClaims& claims) const;
+  std::optional<Certificate> of(const SolutionClaims& claims) const;
 
  private:
   mutable std::mutex guard_;
-  Trajectory trajectory_;
-  Eigen::VectorXd multipliers_;
-  std::optional<SecondOrder> found_;
+  std::optional<std::pair<SolutionClaims, Certificate>> last_;
 };
 
 /// Judges an answer to a problem. Evaluates every knot in scalar arithmetic, compares costs, gaps,
@@ -84,9 +82,9 @@ class SecondOrderMemory {
 /// numbers (lagrangian_gradient). No solver code takes part. docs/verification.md has the formulas
 /// and tolerances.
 Certificate certify(const ShootingProblem& problem, const SolutionClaims& claims);
-/// The same, with given node values at the claimed trajectory and a cached second-order model.
+/// The same, with given node values at the claimed trajectory.
 Certificate certify(const ShootingProblem& problem, const SolutionClaims& claims,
-                    const NodeValues& values, const SecondOrderMemory* known = nullptr);
+                    const NodeValues& values);
 
 /// Largest change that rounding can cause in constraint rows at a trajectory, relative to max(1,
 /// |row|). It is measured by moving all states and controls so little that only rounding shows.

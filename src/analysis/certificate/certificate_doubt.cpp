@@ -52,12 +52,14 @@ SolutionClaims claims_of(const ShootingProblem& problem, const SolveResult& resu
   return claims;
 }
 
-Doubt certificate_doubt(const SolverOptions& options, std::shared_ptr<SecondOrderMemory> memory) {
-  return [options, memory](const ShootingProblem& problem, const SolveResult& result) {
+Doubt certificate_doubt(const SolverOptions& options, KnownCertificates known) {
+  return [options, known = std::move(known)](const ShootingProblem& problem,
+                                             const SolveResult& result) {
     const NodeValues values(problem, result.trajectory);
-    const SolutionClaims claims = claims_of(problem, result, values, options);
-    Certificate certificate = certify(problem, claims, values, memory.get());
-    if (memory && certificate.second_order) memory->keep(claims, *certificate.second_order);
+    SolutionClaims claims = claims_of(problem, result, values, options);
+    claims.tangent_names = known.tangent_names;
+    Certificate certificate = certify(problem, claims, values);
+    if (known.memory) known.memory->keep(std::move(claims), certificate);
     Objection objection;
     if (certificate.second_order) {
       SecondOrder& model = *certificate.second_order;

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "analysis/certificate/certificate.hpp"
 #include "ocp/problem/node_values.hpp"
@@ -13,9 +15,14 @@ namespace conddp {
 SolutionClaims claims_of(const ShootingProblem& problem, const SolveResult& result,
                          const NodeValues& values, const SolverOptions& options);
 
+/// Certificates that the outputs may take over, whose places have these names.
+struct KnownCertificates {
+  std::shared_ptr<CertificateMemory> memory = nullptr;
+  std::vector<std::string> tangent_names = {};
+};
+
 /// Returns a function that raises the objection of the certificate to an answer solved with these
-/// options. `memory` caches the most expensive part, the second-order model.
-Doubt certificate_doubt(const SolverOptions& options,
-                        std::shared_ptr<SecondOrderMemory> memory = nullptr);
+/// options. The last certificate is kept in `known`.
+Doubt certificate_doubt(const SolverOptions& options, KnownCertificates known = {});
 
 }  // namespace conddp

@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <numeric>
 #include <stdexcept>
 #include <string>
 
@@ -66,6 +67,22 @@ class PlannedSteps {
   std::map<const KnotModel*, std::unique_ptr<ReplayStep>> steppers_;
 };
 
+/// Notes the steps with the largest errors of one component.
+void note_worst(const Eigen::VectorXd& errors, GridError& out) {
+  std::vector<int> order(errors.size());
+  std::iota(order.begin(), order.end(), 0);
+  const std::size_t count = std::min(GridError::kWorst, order.size());
+  const auto end = order.begin() + static_cast<std::ptrdiff_t>(count);
+  std::partial_sort(order.begin(), end, order.end(), [&](int a, int b) {
+    return errors[a] > errors[b] || (errors[a] == errors[b] && a < b);
+  });
+  for (std::size_t i = 0; i < count && errors[order[i]] > 0; ++i) {
+    out.worst.push_back(order[i]);
+    out.of_worst += errors[order[i]];
+  }
+  out.knot = out.worst.empty() ? -1 : out.worst.front();
+}
+
 const System& end_system(const ShootingProblem& problem) {
   return problem.terminal().model->system();
 }
@@ -99,13 +116,13 @@ Eigen::VectorXd motion_scale(const ShootingProblem& problem, const Trajectory& t
   return way;
 }
 
-std::optional<GridError> grid_error(const ShootingProblem& problem, const Trajectory& trajectory,
-                                    std::optional<Integrator> rule, int parts) try {
+std::optional<GridError> grid_error(const ShootingProblem& problem, const Trajectory& trajectory) {
   const Eigen::VectorXd scale = motion_scale(problem, trajectory);
-  PlannedSteps steps(problem, trajectory, rule, parts);
-  Eigen::VectorXd error(problem.ndx()), sum = Eigen::VectorXd::Zero(scale.size());
-  Eigen::VectorXd largest = sum, worst = sum;
-  std::vector<int> knot(scale.size(), -1);
+  GridError result;
+  if (scale.size() == 0) return result;
+  PlannedSteps steps(problem, trajectory, std::nullopt, 1);
+  Eigen::MatrixXd errors = Eigen::MatrixXd::Zero(problem.ndx(), problem.knots());
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(scale.size()), largest = sum, error(problem.ndx());
   for (int k = 0; k < problem.knots(); ++k) {
     if (!steps.has_error(k)) continue;
     steps.error(k, error);
@@ -114,25 +131,38 @@ std::optional<GridError> grid_error(const ShootingProblem& problem, const Trajec
       if (info_of(steps.rule(k)).collocation) return std::nullopt;
       Eigen::Index entry = 0;
       while (std::isfinite(own[entry])) ++entry;
-      return GridError{kInfinity, kInfinity, scale[entry], static_cast<int>(entry), k};
+      result = {kInfinity, kInfinity, scale[entry], static_cast<int>(entry), k, {}, kInfinity};
+      for (int i = 0; i < problem.knots(); ++i)
+        if (steps.has_error(i)) result.worst.push_back(i);
+      return result;
     }
+    errors.col(k) = error;
     sum += own;
     largest = largest.cwiseMax(sum.cwiseAbs());
-    for (Eigen::Index i = 0; i < own.size(); ++i)
-      if (std::abs(own[i]) > worst[i]) {
-        worst[i] = std::abs(own[i]);
-        knot[i] = k;
-      }
   }
-  GridError result;
-  if (scale.size() == 0) return result;
   Eigen::Index entry = 0;
   result.relative = largest.cwiseQuotient(scale).maxCoeff(&entry);
   result.sum = largest[entry];
   result.way = scale[entry];
   result.entry = static_cast<int>(entry);
-  result.knot = knot[entry];
+  note_worst(errors.row(entry).cwiseAbs(), result);
   return result;
+}
+
+std::optional<double> error_by(const ShootingProblem& problem, const Trajectory& trajectory,
+                               const GridError& error, std::optional<Integrator> rule,
+                               int parts) try {
+  PlannedSteps steps(problem, trajectory, rule, parts);
+  Eigen::VectorXd there(problem.ndx());
+  double sum = 0;
+  for (const int k : error.worst) {
+    steps.error(k, there);
+    if (!there.allFinite() && info_of(steps.rule(k)).collocation) return std::nullopt;
+    sum += std::abs(there[error.entry]);
+  }
+  if (!std::isfinite(sum)) return kInfinity;
+  // Without a finite error to compare with, the steps are judged by themselves.
+  return std::isfinite(error.of_worst) ? error.relative * sum / error.of_worst : sum / error.way;
 } catch (const std::invalid_argument&) {  // no collocation on curved spaces
   return std::nullopt;
 }

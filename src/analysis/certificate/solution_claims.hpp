@@ -41,6 +41,9 @@ struct SolutionClaims {
   double gain_regularization = kOpen;        ///< regularization of their sweep
   RegularizationKind gain_regularization_kind = RegularizationKind::proximal;
   std::vector<std::string> tangent_names;  ///< names of tangent coordinates, for places
+
+  /// Equality in every bit; open numbers are equal.
+  bool operator==(const SolutionClaims& other) const;
 };
 
 }  // namespace conddp

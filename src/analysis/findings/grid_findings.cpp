@@ -27,18 +27,19 @@ std::string percent(double share) {
 
 /// Other rules and shorter steps with their errors at this motion: those that resolve it, or all of
 /// them if none does.
-std::string remedy_of(const ShootingProblem& problem, const Trajectory& trajectory, int knot) {
+std::string remedy_of(const ShootingProblem& problem, const Trajectory& trajectory,
+                      const GridError& found) {
   // A radau5 step factorizes three times as many equations, repeatedly: for 200 joints, it took as
   // long as an iteration of a solve.
   constexpr int kParts = 4, kMostImplicitStates = 100;
-  const Integrator own = problem.knot(knot).model->integrator();
+  const Integrator own = problem.knot(found.knot).model->integrator();
   std::string good, all;
   const auto test = [&](std::optional<Integrator> rule, int parts, const std::string& name) {
     if (rule == own) return;
-    const auto error = grid_error(problem, trajectory, rule, parts);
+    const auto error = error_by(problem, trajectory, found, rule, parts);
     if (!error) return;
-    const std::string text = fmt::format("{} ({})", name, percent(error->relative));
-    if (error->relative <= kCoarse) good += (good.empty() ? "" : " or ") + text;
+    const std::string text = fmt::format("{} ({})", name, percent(*error));
+    if (*error <= kCoarse) good += (good.empty() ? "" : " or ") + text;
     all += (all.empty() ? "" : ", ") + text;
   };
   for (const Integrator rule : {Integrator::rk4, Integrator::radau5})
@@ -88,7 +89,7 @@ void find_in_grid(const ShootingProblem& problem, const Trajectory& trajectory,
         "{} of how far it goes",
         rule_at(problem, error->knot), error->sum, column.unit, column.name,
         percent(error->relative));
-    f.remedy = remedy_of(problem, trajectory, error->knot);
+    f.remedy = remedy_of(problem, trajectory, *error);
     list.push_back(std::move(f));
   }
 }

@@ -51,10 +51,10 @@ StartedSolve solve_from(const NeighbourAnswer* from, const ProblemInstance& inst
                         const SolverOptions& options, const SolverInfo*& solver) {
   const ShootingProblem& problem = *instance.built.problem;
   const Trajectory& own = instance.built.guess;
-  const auto memory = std::make_shared<SecondOrderMemory>();
+  const auto memory = std::make_shared<CertificateMemory>();
   if (from == nullptr)
     return {.result = solve(problem, candidates, options, own, solver,
-                            certificate_doubt(options, memory)),
+                            certificate_doubt(options, {memory, tangent_columns(instance.built)})),
             .certified = memory};
   SolverOptions trial = options;
   trial.homotopy = nullptr;
@@ -67,7 +67,8 @@ StartedSolve solve_from(const NeighbourAnswer* from, const ProblemInstance& inst
   if (is_success(warm.status)) return {std::move(warm), StartKind::kWarm};
   SolverOptions rest = options;
   rest.max_time_s = std::max(kLeastTime, options.max_time_s - warm.times.total);
-  return {solve(problem, candidates, rest, own, solver, certificate_doubt(rest, memory)),
+  return {solve(problem, candidates, rest, own, solver,
+                certificate_doubt(rest, {memory, tangent_columns(instance.built)})),
           StartKind::kDropped, warm.iterations, memory};
 }
 

@@ -32,7 +32,7 @@ struct StartedSolve {
   StartKind start = StartKind::kOwn;
   int dropped_iterations = 0;  ///< of a dropped start; not included in the result
   /// Memory of the answers that the solve passed to the certificate; null without any.
-  std::shared_ptr<const SecondOrderMemory> certified = nullptr;
+  std::shared_ptr<const CertificateMemory> certified = nullptr;
 };
 
 /// The answer of a solve for its neighbours. `from` is the answer that it started from, or null.

@@ -153,8 +153,9 @@ class Reader {
     read_claims();
     const bool is_answer = written_ != nullptr && written_->values.are_at(claims_->trajectory);
     values_ = is_answer ? &written_->values : &own_values_.emplace(problem_, claims_->trajectory);
-    const Certificate numbers =
-        certify(problem_, *claims_, *values_, written_ ? written_->certified.get() : nullptr);
+    std::optional<Certificate> known;
+    if (written_ && written_->certified) known = written_->certified->of(*claims_);
+    const Certificate numbers = known ? *std::move(known) : certify(problem_, *claims_, *values_);
     certificate_.optimality = numbers.optimality;
     certificate_.checks.insert(certificate_.checks.end(), numbers.checks.begin(),
                                numbers.checks.end());

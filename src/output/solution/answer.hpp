@@ -17,8 +17,7 @@ namespace conddp {
 
 /// Results derived from a solve under the names of its problem file, computed once for all outputs.
 /// A certificate in the same process reuses the node values and findings if its trajectory is the
-/// same. It also reuses the second-order model of an earlier check of the same numbers, and
-/// computes everything else itself.
+/// same. It also takes over an earlier certificate of the same claims.
 struct Answer {
   Answer(const ProblemSpec& spec, const BuiltProblem& built, const SolveResult& result);
 
@@ -30,8 +29,7 @@ struct Answer {
   Diagnosis diagnosis;
   std::vector<Finding> findings;
   ContactForces forces;
-  /// Intermediate results of a certificate for the same numbers; null if unavailable.
-  std::shared_ptr<const SecondOrderMemory> certified;
+  std::shared_ptr<const CertificateMemory> certified;  ///< certificate from the solve, or null
 };
 
 }  // namespace conddp

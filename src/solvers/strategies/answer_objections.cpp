@@ -16,6 +16,8 @@ namespace {
 
 /// Solves that may follow the first one.
 constexpr int kMostRounds = 6;
+/// Least limit on the iterations of a further solve with smaller tolerances, else the first one's count.
+constexpr int kFewIterations = 20;
 /// The gain falls as the square of the stationarity; half of the stationarity that should suffice
 /// is requested.
 constexpr double kMargin = 0.5;
@@ -153,6 +155,7 @@ SolveResult solve_answering(const ShootingProblem& problem, const SolverOptions&
   solves.add(result);
   remaining = doubt(problem, result);
   double share = 1;
+  const int most = std::max(kFewIterations, result.iterations);
   for (int round = 0; round < kMostRounds && solves.iterations_left() > 0; ++round) {
     const double before = remaining.excess;
     // Curvature along which nothing is lower belongs to an active set that is not settled.
@@ -165,6 +168,7 @@ SolveResult solve_answering(const ShootingProblem& problem, const SolverOptions&
     share = std::max(kLeastShare, share * kMargin / std::sqrt(before));
     SolverOptions own = from_answer(result, solves.next());
     own.tolerances = tightened(options.tolerances, share);
+    own.max_iterations = std::min(own.max_iterations, most);
     SolveResult next = solve(own, result.trajectory);
     if (!is_answer(next, options)) break;
     take(std::move(next), remaining, solves, result);
