@@ -11,7 +11,7 @@
 namespace conddp {
 namespace {
 
-/// "q/hip [rad]" is the column q/hip.
+/// Removes a unit: "q/hip [rad]" is the column q/hip.
 std::string_view without_unit(std::string_view name) {
   const std::size_t bracket = name.rfind(" [");
   return name.ends_with(']') && bracket != std::string_view::npos && bracket > 0
@@ -71,7 +71,7 @@ class CsvReader {
     header_.push_back(name);
     return true;
   }
-  /// A column of words, like the phase, is no data.
+  /// Excludes columns of words, such as the phase.
   void find_data() {
     const std::string_view first = rest_.substr(0, rest_.find('\n'));
     const std::vector<CsvCell> cells = split_csv_line(first);
@@ -118,7 +118,7 @@ class CsvReader {
   std::string_view line_;
   int number_ = 0;
   std::vector<std::string> header_;
-  std::unordered_set<std::string> names_;  ///< those of the header
+  std::unordered_set<std::string> names_;  ///< names in the header
   std::vector<bool> is_data_;
   std::optional<std::size_t> time_;
 };

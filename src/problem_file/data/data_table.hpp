@@ -10,55 +10,54 @@
 
 namespace conddp {
 
-/// What stands before the names of linear controls in solutions where they are those at the ends of
-/// knots. Those at the nodes are the last columns of the state.
+/// Prefix of linear controls at the ends of knots in solutions. Linear controls at the nodes are
+/// the last columns of the state.
 inline constexpr std::string_view kEndOfKnot = "end/";
 
-/// What stands before the names of states and controls in CSV files where the name is that of
-/// another column: the time's, the phase's, or, of a control, a state's.
+/// Prefixes of states and controls in CSV files whose name is taken by another column: the time,
+/// the phase, or for a control a state.
 inline constexpr std::string_view kStatePrefix = "state/";
 inline constexpr std::string_view kControlPrefix = "u/";
 
-/// Times of a CSV file, which have to increase, differ by at least this, s: a normal number in
-/// every floating-point format, and far below any step.
+/// Minimum difference of the increasing times of a CSV file, s: a normal number in every
+/// floating-point format, and far below any step.
 inline constexpr double kLeastTimeStep = 1e-30;
 
-/// Whether a column of this name in a CSV file over time is not a state or a control.
+/// True if a column of a CSV file over time is neither a state nor a control.
 bool is_time_or_phase(std::string_view column);
 
 /// A phase of a former solution.
 struct FormerPhase {
   std::string name;
-  std::size_t first, last;  ///< of its nodes
+  std::size_t first, last;  ///< nodes
 };
 
 /// Named columns over time.
 struct DataTable {
   std::string file;
-  std::vector<double> times;         ///< s, not decreasing: states jump between rows at one time
+  std::vector<double> times;         ///< s, not decreasing: states jump between rows at equal times
   std::vector<std::string> columns;  ///< without the time
-  /// How many of them, from the first, are the state of a solution, linear controls not among them;
-  /// absent: a CSV file.
+  /// Number of leading columns that are the state of a solution, without linear controls; absent
+  /// for a CSV file.
   std::optional<std::size_t> state_columns;
-  std::vector<std::vector<std::optional<double>>> rows;  ///< one a time; empty cells are allowed
-  std::vector<FormerPhase> phases{};                     ///< of a solution that has them, in order
+  std::vector<std::vector<std::optional<double>>> rows;  ///< one row per time; cells may be empty
+  std::vector<FormerPhase> phases{};                     ///< of a solution, in order; may be empty
 
-  /// The column of this name; of a time's or phase's name also one with a prefix.
+  /// The column of this name. A name of a time or phase column also matches with a prefix.
   std::optional<std::size_t> find(const std::string& column) const;
 };
 
 /// Reads a CSV file (a header with a column `t`, or `time`; text columns are skipped) or the
-/// trajectory of a solution.json. What is wrong is reported in the file, or at `place` where the
-/// file cannot be read at all.
+/// trajectory of a solution.json. Errors are reported in the file, or at `place` if it cannot be
+/// read.
 std::optional<DataTable> load_data_table(const std::filesystem::path& file, const Place& place,
                                          Diagnostics& out);
 
-/// Reads a CSV file whose columns are numbers and need not have the time among them; one called `t`
-/// is a column like the others.
+/// Reads a CSV file of numbers without a required time column; a column `t` has no special meaning.
 std::optional<DataTable> load_csv_columns(const std::filesystem::path& file, const Place& place,
                                           Diagnostics& out);
 
-/// The same for one of the two, from its text.
+/// Parse the text of a CSV file or a solution.
 std::optional<DataTable> parse_csv(const std::string& text, const std::string& name,
                                    Diagnostics& out);
 std::optional<DataTable> parse_csv_columns(const std::string& text, const std::string& name,

@@ -16,7 +16,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// A list of numbers; nothing where it is none, or has another length.
+/// A list of `count` finite numbers; empty for anything else.
 std::optional<Eigen::VectorXd> numbers(const Json& list, Eigen::Index count) {
   if (!list.is_array() || static_cast<Eigen::Index>(list.size()) != count) return std::nullopt;
   Eigen::VectorXd values(count);
@@ -36,7 +36,7 @@ std::map<std::string, std::vector<const Json*>> entries_by_name(const Json& mult
   return entries;
 }
 
-/// Fills in the multipliers of one constraint, all of its nodes or none.
+/// Sets the multipliers of one constraint at all of its nodes or not at all.
 bool take(const std::vector<const NodeConstraint*>& constraint,
           const std::vector<const Json*>& entries, Eigen::VectorXd& rows) {
   if (constraint.size() != entries.size()) return false;
@@ -58,8 +58,8 @@ std::string list_names(const std::vector<std::string>& names) {
   return list;
 }
 
-/// The gradient of the Lagrangian by the controls of a knot, as multipliers of bounds have it;
-/// nothing where these do not fit.
+/// The gradient of the Lagrangian with respect to a knot's controls, from the multipliers of their
+/// bounds; empty if these do not fit.
 std::optional<Eigen::VectorXd> control_gradient(const Json& multipliers, int knot,
                                                 const ShootingProblem& problem,
                                                 const ControlColumns& columns) {
@@ -76,7 +76,7 @@ std::optional<Eigen::VectorXd> control_gradient(const Json& multipliers, int kno
   return gradient;
 }
 
-/// Of the dynamics and of bounds on the control.
+/// Sets the multipliers of the dynamics and of control bounds.
 bool take_dynamics(const Json& multipliers, const ShootingProblem& problem, DualGuess& guess) {
   const int N = problem.knots();
   const Json& costates = solution_list(multipliers, "costates");

@@ -11,16 +11,16 @@
 
 namespace conddp {
 
-/// Multipliers of a former solution, and what of them is used, in words.
+/// Multipliers of a former solution, with a description of the multipliers used.
 struct DualGuessUsed {
-  std::shared_ptr<const DualGuess> guess;  ///< null where nothing of them fits
+  std::shared_ptr<const DualGuess> guess;  ///< null if no multipliers fit
   std::string text;
 };
 
-/// Reads the multipliers of a solution.json for a problem that may have changed since. Those of a
-/// constraint are taken where it holds at the same nodes with as many rows as then, and its name
-/// is left out otherwise; those of the dynamics and of bounds on the control where the knots and
-/// their controls are as many. What is no solution is reported at `place`.
+/// Reads the multipliers of a solution.json for a problem that may have changed since. Multipliers
+/// of a constraint are used if it applies at the same nodes with the same number of rows; otherwise
+/// the constraint is skipped. Multipliers of the dynamics and of control bounds are used if the
+/// numbers of knots and controls agree. A file that is not a solution is reported at `place`.
 std::optional<DualGuessUsed> read_dual_guess(const std::filesystem::path& file, const Place& place,
                                              const ShootingProblem& problem, Diagnostics& out);
 

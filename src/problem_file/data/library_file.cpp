@@ -17,8 +17,8 @@ namespace conddp {
 
 namespace {
 
-/// Whether a library ends before the segments of its header do. The linker maps them all the same,
-/// and the process dies of the first access to what is not there.
+/// True if a library ends before the segments in its header do. The linker still maps them, and the
+/// process crashes at the first access to the missing part.
 bool is_cut_off(std::string_view bytes) {
   Elf64_Ehdr header;
   if (bytes.size() < sizeof(header) || !bytes.starts_with(ELFMAG)) return false;
@@ -59,7 +59,7 @@ std::shared_ptr<const SharedLibrary> load_library_file(const std::filesystem::pa
               "compile or copy it again");
     return nullptr;
   }
-  // The linker searches its own folders for a name without any.
+  // The linker searches its own folders for a name without a folder.
   const std::string path = std::filesystem::absolute(file).string();
   try {
     auto library = std::make_shared<SharedLibrary>(

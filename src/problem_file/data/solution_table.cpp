@@ -54,7 +54,7 @@ class TrajectoryReader {
       throw MalformedSolution{"the lists t, x and u of its trajectory do not fit together"};
   }
 
-  /// Appends all rows to a table that has its columns.
+  /// Appends all rows to a table whose columns are set.
   void read(std::size_t nx, std::size_t nu, DataTable& table) const {
     for (std::size_t k = 0; k < t_.size(); ++k) {
       append_time(k, table.times);
@@ -70,14 +70,14 @@ class TrajectoryReader {
  private:
   bool are_lists() const { return t_.is_array() && x_.is_array() && u_.is_array(); }
 
-  /// An impulse takes no time: the rows before and after it have the same one.
+  /// An impulse takes no time: the rows before and after it have equal times.
   void append_time(std::size_t k, std::vector<double>& times) const {
     if (!t_[k].is_number() || (k > 0 && t_[k].get<double>() < times.back()))
       throw MalformedSolution{"its times do not increase"};
     times.push_back(t_[k]);
   }
 
-  /// Where no time passes there is no control, or a choice of the state.
+  /// Knots without time have no control, or a choice of the state in its place.
   bool has_control(std::size_t k) const {
     const bool passes = k + 1 < t_.size() && t_[k] != t_[k + 1];
     return k < u_.size() && passes && !(u_[k].is_array() && u_[k].empty());
@@ -86,7 +86,7 @@ class TrajectoryReader {
   const Json &t_, &x_, &u_;
 };
 
-/// Phases that follow upon each other from the first node to the last; none where there is no list.
+/// Consecutive phases from the first node to the last; empty without a list.
 std::vector<FormerPhase> read_phases(const Json& trajectory, std::size_t nodes) {
   std::vector<FormerPhase> phases;
   const auto list = trajectory.find("phases");
@@ -107,7 +107,7 @@ std::vector<FormerPhase> read_phases(const Json& trajectory, std::size_t nodes) 
   return phases;
 }
 
-/// How many linear controls the states of a solution end with.
+/// Number of linear controls at the end of a solution's states.
 std::size_t linear_controls(const std::vector<std::string>& u_names) {
   return std::ranges::count_if(
       u_names, [](const std::string& name) { return name.starts_with(kEndOfKnot); });

@@ -33,7 +33,7 @@ void TimeSeries::make_cubic() {
   bends_.assign(n, std::vector<double>(rows, 0.0));
   if (n < 3) return;
   const std::vector<std::vector<double>> slopes = mean_slopes();
-  // Continuity of the first derivatives: a tridiagonal system, by elimination.
+  // Continuity of the first derivatives gives a tridiagonal system, solved by elimination.
   std::vector<double> pivots(n, 0.0);
   for (std::size_t i = 1; i + 1 < n; ++i) {
     const double before = times_[i] - times_[i - 1], after = times_[i + 1] - times_[i];
@@ -48,8 +48,8 @@ void TimeSeries::make_cubic() {
 }
 
 std::optional<std::size_t> TimeSeries::value_at_jump(double time, int earlier) const {
-  // Relative alone: steps may be short. At zero there is no rounding, and each of several values
-  // in a table whose times have to increase is the least step later.
+  // The tolerance is relative, because steps may be short. At zero nothing is rounded, and values
+  // of a table with increasing times differ by at least the minimum step.
   constexpr double kMostSteps = 1e6;
   const double tolerance = 1e-9 * std::abs(time) + kMostSteps * kLeastTimeStep;
   const auto first = std::lower_bound(times_.begin(), times_.end(), time - tolerance);

@@ -5,7 +5,7 @@ namespace conddp {
 void set_warm_start(const std::filesystem::path& file, const Place& place, ProblemSpec& spec) {
   std::error_code error;
   std::filesystem::path path = std::filesystem::absolute(file, error);
-  if (error) path = file;  // reading it will say what is wrong
+  if (error) path = file;  // reading the file reports the error
   const DataFileSpec data{{path.string(), place}, path, {}};
   spec.guess = {.states = GuessSpec::States::kFile,
                 .states_place = place,

@@ -15,7 +15,7 @@ YamlNode scalar_node(std::string text, const Mark& mark) {
   return {.kind = YamlNode::Kind::kScalar, .mark = mark, .text = std::move(text)};
 }
 
-/// That of a mapping, which gets an empty one where it has none or nothing is in it.
+/// The value of a mapping's key; a missing or empty one becomes an empty mapping.
 YamlNode& map_part(YamlNode& node, const std::string& key) {
   YamlNode* found = find_part(node, key);
   if (found == nullptr) {
@@ -32,7 +32,7 @@ class FreeParameterPlacer {
   FreeParameterPlacer(const FreeParameter& parameter, YamlNode& root, Diagnostics& out)
       : parameter_(parameter), root_(root), out_(out) {}
 
-  /// False where there is no system that could have it.
+  /// False if no system can hold the parameter.
   bool place() {
     if (add_to_robots()) {
       add_to_choice("*");
@@ -52,7 +52,7 @@ class FreeParameterPlacer {
   void fail(std::string message, std::string hint) const {
     out_.error(parameter_.name.place, std::move(message), std::move(hint));
   }
-  /// `path`: where the mapping stands.
+  /// `path`: path of the mapping.
   void add(YamlNode& map, std::string text, const std::string& path) const {
     if (const YamlNode::Entry* entry = own_entry(map))
       out_.error({entry->mark, fmt::format("{}.{}", path, name())},
@@ -64,7 +64,7 @@ class FreeParameterPlacer {
   void add(YamlNode& map, double number, const std::string& path) const {
     add(map, fmt::format("{}", number), path);
   }
-  /// What a mapping says of the parameter; null where it says nothing.
+  /// A mapping's entry for the parameter, or null.
   const YamlNode::Entry* own_entry(const YamlNode& map) const {
     const auto found = std::ranges::find(map.entries, name(), &YamlNode::Entry::key);
     return found != map.entries.end() ? &*found : nullptr;
@@ -82,7 +82,8 @@ class FreeParameterPlacer {
     return all;
   }
 
-  /// States of robots start where their parameters do. False where there is no robot.
+  /// Adds the parameter to the robots that carry it, else to the first robot. Robot states start at
+  /// the values of their parameters. False without a robot.
   bool add_to_robots() const {
     const std::vector<Robot> all = robots();
     if (all.empty()) return false;
@@ -97,7 +98,7 @@ class FreeParameterPlacer {
     return true;
   }
 
-  /// Whether the parameter is the mass of one of the robot's payloads.
+  /// True if the parameter is the mass of one of the robot's payloads.
   bool carries(YamlNode& robot) const {
     const YamlNode* payloads = find_part(robot, "payloads");
     return payloads != nullptr && std::ranges::any_of(payloads->entries, [&](const auto& payload) {
@@ -106,7 +107,7 @@ class FreeParameterPlacer {
            });
   }
 
-  /// What is no mapping is left to its reader.
+  /// Skips nodes other than mappings; their reader reports them.
   void add_to_robot(YamlNode& robot, const std::string& path) const {
     if (robot.kind != YamlNode::Kind::kMap) return;
     YamlNode& parameters = map_part(robot, "parameters");
@@ -149,7 +150,7 @@ class FreeParameterPlacer {
     if (YamlNode* state = find_part(root_, "initial_state")) add_to_state(*state, "initial_state");
   }
 
-  /// What is no state is left to its reader, which reports it.
+  /// Skips nodes that are not states; their reader reports them.
   void add_to_state(YamlNode& state, const std::string& path) const {
     if (state.kind != YamlNode::Kind::kMap) return;
     if (YamlNode* numbers = find_part(state, "state")) {
@@ -160,7 +161,7 @@ class FreeParameterPlacer {
     if (values.kind == YamlNode::Kind::kMap) add(values, parameter_.start, path + ".values");
   }
 
-  /// Those of the first guess.
+  /// Adds the parameter to the keyframes of the initial guess.
   void add_to_keyframes() const {
     YamlNode* keyframes = &root_;
     for (const char* step : {"initial_guess", "states", "keyframes"})
@@ -170,7 +171,7 @@ class FreeParameterPlacer {
         add_to_state(*state, fmt::format("initial_guess.states.keyframes.{}.state", i));
   }
 
-  /// A jump leaves it as it is.
+  /// Reports jumps that set the parameter: jumps must not change it.
   void check_jumps() const {
     YamlNode* phases = find_part(root_, "phases");
     for (std::size_t i = 0; phases != nullptr && i < phases->items.size(); ++i) {
@@ -182,7 +183,7 @@ class FreeParameterPlacer {
     }
   }
 
-  /// `all`: how a list names all that 'all' means.
+  /// Adds the parameter to the first phase's choice. `all`: the list entry that replaces 'all'.
   void add_to_choice(const char* all) const {
     YamlNode* phases = find_part(root_, "phases");
     YamlNode* first = phases != nullptr && !phases->items.empty() ? &phases->items[0] : nullptr;
@@ -197,7 +198,8 @@ class FreeParameterPlacer {
     bound(*first, "upper", parameter_.upper - parameter_.start);
   }
 
-  /// Where systems have it as a state, 'all' has it already.
+  /// Adds the parameter to the chosen coordinates. For states of systems, 'all' already includes
+  /// it.
   void add_coordinate(YamlNode& choose, const char* all) const {
     const YamlNode own = scalar_node(name(), mark());
     const auto is_own = [&](const YamlNode& node) { return node.text == name(); };
@@ -210,7 +212,7 @@ class FreeParameterPlacer {
     choose = {.kind = YamlNode::Kind::kSequence, .mark = choose.mark, .items = std::move(names)};
   }
 
-  /// How far it may move from where it starts.
+  /// Bounds the displacement from the parameter's start.
   void bound(YamlNode& choice, const std::string& key, double value) const {
     const std::string path = "phases.0." + key;
     YamlNode& bounds = map_part(choice, key);
@@ -228,8 +230,8 @@ bool is_on(const YamlNode::Entry& entry, std::string_view key, std::string_view 
   return entry.key == key && entry.value.text == what;
 }
 
-/// Looks where free parameters, which are states of systems, would be among the states that
-/// something is on. Those of robots are by_name_only.
+/// Reports constraints and residuals on states that would include free parameters. Only parameters
+/// of systems need the check; those of robots are by_name_only.
 class StatePatterns {
  public:
   StatePatterns(const std::vector<FreeParameter>& parameters, Diagnostics& out)
@@ -247,8 +249,7 @@ class StatePatterns {
   }
 
  private:
-  /// Bounds on the state have to be given by name. Bounds of other forms are reported by their
-  /// reader.
+  /// Requires bounds on the state by name. The reader reports other malformed bounds.
   void check_bounds(const YamlNode& node, const std::string& before) {
     for (const YamlNode::Entry& bound : node.entries) {
       if (bound.key != "lower" && bound.key != "upper") continue;
@@ -264,7 +265,7 @@ class StatePatterns {
     }
   }
 
-  /// A residual that names none of its columns, or all of them by '*', is on all of them.
+  /// Reports state residuals without `columns` or with '*': they include all columns.
   void check_columns(const YamlNode& node, const YamlNode::Entry& residual,
                      const std::string& before) {
     const YamlNode* columns = node.find("columns");
@@ -278,7 +279,7 @@ class StatePatterns {
       check_pattern(name.text, {name.mark, before + "columns"});
   }
 
-  /// A parameter that is meant has its own name.
+  /// Reports a pattern that fits a parameter; parameters must be named in full.
   void check_pattern(const std::string& pattern, const Place& place) {
     if (!is_pattern(pattern)) return;
     for (const FreeParameter& parameter : parameters_)
@@ -298,7 +299,7 @@ bool is_of_payload(std::string_view path) {
          (path.starts_with("robots.") && path.find(".payloads.") != path.npos);
 }
 
-/// No control moves a free parameter, so there is no regulator of a state that contains one.
+/// Controls do not affect a free parameter, so no regulator exists for a state that contains one.
 void check_terminal_lqr(YamlNode& root, Diagnostics& out) {
   YamlNode* terminal = find_part(root, "terminal");
   if (terminal == nullptr) return;

@@ -12,8 +12,8 @@
 namespace conddp {
 namespace {
 
-/// The node of a key; nothing with an error where it cannot be a number. One that the document
-/// leaves to its default is created.
+/// The node of a key; null with an error if it cannot be a number. Missing nodes with a default are
+/// created.
 YamlNode* find_number(YamlNode& root, const Name& key, Diagnostics& out) {
   const Place place{key.place.mark, key.value};
   const std::string_view section = first_step(key.value);
@@ -36,7 +36,7 @@ double between(double from, double to, double share) {
   return from * to > 0 ? from * std::pow(to / from, share) : from + share * (to - from);
 }
 
-/// One number that moves; nothing, with an error, where it is not said how.
+/// Reads one moving number; nothing with an error if it is malformed.
 std::optional<HomotopyKeySpec> read_homotopy_key(const YamlReader& reader) {
   YamlMap map(reader, "write '{key: constraints.torque.scale, from: 3, to: 1}'");
   const auto key = map.require("key"), from = map.require("from"), to = map.require("to");
@@ -76,8 +76,8 @@ YamlNode* homotopy_of(YamlNode& root) {
   return solver != nullptr ? find_part(*solver, "homotopy") : nullptr;
 }
 
-/// Puts a number of the way in the place of the one that the document has; one that is not the
-/// number at the end is reported.
+/// Replaces a number of the document by its value on the path. Warns if the document's number
+/// differs from the final value.
 void place(const HomotopyKeySpec& key, double share, YamlNode& node, Diagnostics& out) {
   const double from = key.from.value, to = key.to.value;
   if (node.kind == YamlNode::Kind::kScalar && parse_number(node.text).value != to)

@@ -7,13 +7,13 @@
 
 namespace conddp {
 
-/// The list `solver.homotopy` of a problem file.
+/// Reads the list `solver.homotopy` of a problem file.
 std::vector<HomotopyKeySpec> read_homotopy(const YamlReader& reader);
 
-/// Puts the numbers that the homotopy of a document moves, if it has one, where they are at a share
-/// of the way: from (to/from)^share where both have one sign, else from + share (to − from). A key
-/// whose parent the document has not, or that leads to something else than a number, is reported. A
-/// malformed list is left to read_homotopy.
+/// Sets the numbers of a document's homotopy, if any, to their values at `share` of the path. The
+/// path is from (to/from)^share if both have the same sign, else from + share (to − from). Reports
+/// keys without a parent in the document and keys of values that are not numbers. A malformed list
+/// is left to read_homotopy.
 void place_homotopy(YamlNode& root, double share, Diagnostics& out);
 
 }  // namespace conddp

@@ -38,7 +38,7 @@ class ParameterPlacer {
       const Place place{entry.mark, path};
       if (std::string defect = scope_.defect_of(entry.key); !defect.empty())
         out_.error(place, std::move(defect));
-      // Later ones would stumble over one that is wrong.
+      // Later constants may depend on a wrong one.
       if (out_.error_count() > errors) break;
       if (value.is_map()) {
         auto free = read_free_parameter({entry.key, place}, value);
@@ -60,11 +60,11 @@ class ParameterPlacer {
 
   const std::vector<FreeParameter>& free() const { return free_; }
 
-  /// Puts values in the place of what begins with '=', here and below.
+  /// Replaces all values that begin with '=' in a node and below.
   void place_values(YamlNode& node, std::string path) { replace(node, path); }
 
  private:
-  /// `path` is as before when this returns.
+  /// Restores `path` before returning.
   void replace(YamlNode& node, std::string& path) {
     if (is_formula(node)) return put_value(node, path);
     const bool is_root = path.empty();
@@ -99,7 +99,7 @@ class ParameterPlacer {
     scope_.add(name, std::move(value));
   }
 
-  /// Whether a formula is a free parameter alone, and what stands there may be one.
+  /// True if a formula is just the name of a free parameter, in place of a payload's mass.
   bool is_free_mass(const std::string& formula, const std::string& path) const {
     return is_mass_of_payload(path) && std::ranges::any_of(free_, [&](const FreeParameter& free) {
              return free.name.value == formula;
@@ -115,7 +115,7 @@ class ParameterPlacer {
     const ExpressionText text{node.text, {node.mark, path}, node.quoted};
     ParsedExpression parsed = parse_expression(node.text.substr(1), scope_, graph_);
     if (!parsed.value) {
-      ++parsed.error.offset;  // behind the '='
+      ++parsed.error.offset;  // skips the '='
       return report_expression(text, parsed.error, Severity::kError, out_);
     }
     const ExpressionValue& value = *parsed.value;

@@ -5,11 +5,11 @@
 
 namespace conddp {
 
-/// The constants under `parameters` of a document: numbers, lists of numbers, and expressions of
-/// those before them, `=2*mass`. Every value of the document that begins with '=' is replaced by
-/// what it gives: a number, or the list of a vector. `name` and `description` are left alone. Free
-/// parameters, mappings, become states of the document's systems or robots (place_free_parameters).
-/// `=load` alone, with a free parameter, is replaced by its name where the masses of payloads are.
+/// Reads the constants under `parameters` of a document: numbers, lists of numbers, and expressions
+/// of preceding constants, `=2*mass`. Replaces every value of the document that begins with '=' by
+/// its result: a number, or the list of a vector. `name` and `description` are unchanged. Free
+/// parameters, which are mappings, become states of the document's systems or robots
+/// (place_free_parameters). A payload's mass `=load` with a free parameter `load` becomes its name.
 ExpressionNamesSpec place_parameters(YamlNode& root, Diagnostics& out);
 
 }  // namespace conddp

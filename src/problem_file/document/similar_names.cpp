@@ -8,7 +8,7 @@
 namespace conddp {
 namespace {
 
-/// The names beside an entry that a setting made; none where the document has the entry itself.
+/// The names next to an entry that a setting created; empty if the document itself has the entry.
 std::vector<std::string> names_beside(const std::string& path, const YamlNode& document,
                                       const std::vector<Setting>& settings) {
   const std::size_t dot = path.rfind('.');
@@ -25,8 +25,8 @@ std::vector<std::string> names_beside(const std::string& path, const YamlNode& d
   return names;
 }
 
-/// What helps where an entry is wrong, if its name may be: one that is alike, or any where nothing
-/// else is known to help.
+/// Adds a hint to an error in an entry whose name may be wrong: similar names, or all names if the
+/// error lacks a hint.
 void add_names(const std::vector<std::string>& names, Diagnostic& said) {
   const std::string own = said.path.substr(said.path.rfind('.') + 1);
   if (!similar_names(own, names).empty() || (!names.empty() && said.hint.empty()))

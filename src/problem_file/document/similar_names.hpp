@@ -6,9 +6,9 @@
 
 namespace conddp {
 
-/// What was reported of a document with settings, `after`, where an entry that the document lacks
-/// is wrong, with the names that it has there as a hint: a setting with a misspelled name makes an
-/// entry of its own. `before`: what had been reported when reading began.
+/// Diagnostics of a document with settings, with hints about similar names. A setting with a
+/// misspelled name creates a new entry. Errors in an entry that the document lacks therefore get
+/// the names next to it as a hint. `before`: diagnostics before reading; `after`: after reading.
 Diagnostics with_similar_names(const Diagnostics& after, const Diagnostics& before,
                                const YamlNode& document, const std::vector<Setting>& settings);
 

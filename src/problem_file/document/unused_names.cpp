@@ -13,12 +13,12 @@
 namespace conddp {
 namespace {
 
-/// Keys below which names are defined, which count as used where they are values elsewhere.
+/// Keys under which names are defined. Such names count as used if they occur as values elsewhere.
 bool defines_names(std::string_view key) {
   return key == "parameters" || key == "tables" || key == "let" || key == "of" || key == "systems";
 }
 
-/// The words of a document's values, and of its keys where these define no names.
+/// The words of a document's values and of its keys, except keys that define names.
 class UsedWords {
  public:
   explicit UsedWords(const YamlNode& root) {
@@ -58,7 +58,7 @@ class UnusedNames {
   }
 
  private:
-  /// Most documents define no names, and need no list of their words.
+  /// Builds the list of words on demand: most documents define no names.
   bool is_used(const std::string& name) {
     if (!used_) used_.emplace(root_);
     return used_->has(name);
@@ -83,7 +83,7 @@ class UnusedNames {
                      fmt::format("no phase has the system '{}'", entry.key));
   }
 
-  /// Tables, definitions and named residuals, here and below.
+  /// Checks tables, definitions and named residuals in a node and below.
   void look_at(const YamlNode& node) {
     for (std::size_t i = 0; i < node.items.size(); ++i) {
       const PathStep step(path_, i);
@@ -106,7 +106,7 @@ class UnusedNames {
 
   const YamlNode& root_;
   std::optional<UsedWords> used_;
-  std::string path_;  ///< of the node that is looked at
+  std::string path_;  ///< path of the current node
   Diagnostics& out_;
 };
 

@@ -4,8 +4,9 @@
 
 namespace conddp {
 
-/// Warns of free parameters, tables, definitions ('let'), named residuals ('of') and named systems
-/// that nothing in the document uses. Constants may be there for other versions of a file.
+/// Warns of unused names in the document: free parameters, tables, definitions ('let'), named
+/// residuals ('of') and named systems. Constants are exempt: other versions of the file may need
+/// them.
 void warn_of_unused_names(const YamlNode& root, Diagnostics& out);
 
 }  // namespace conddp

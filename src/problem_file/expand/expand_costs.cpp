@@ -9,7 +9,7 @@
 namespace conddp {
 namespace {
 
-/// Whether a key of the residual takes the place of another one.
+/// True if a key of the residual replaces another key.
 bool is_excluded(std::string_view key, const CostSpec& cost) {
   const auto& keys = cost.definition->keys;
   return std::any_of(keys.begin(), keys.end(), [&](const ResidualKey* own) {
@@ -17,9 +17,9 @@ bool is_excluded(std::string_view key, const CostSpec& cost) {
   });
 }
 
-/// Where a cost or constraint holds.
+/// Phases and knots of a cost or constraint.
 void expand_place(const CostSpec& cost, const ProblemSpec& spec, OrderedJson& json) {
-  // Knots that stand alone may belong to phases that take no time, which must not be named then.
+  // Knots alone may belong to phases that take no time; then the phases must not be named.
   if (cost.phases || !cost.knots) json["phases"] = expand_phase_names(cost.phases, spec);
   if (!cost.knots) return;
   OrderedJson knots = OrderedJson::array();
@@ -61,13 +61,13 @@ OrderedJson expand_bounds(const ConstraintSpec& constraint) {
   if (constraint.from_urdf) json.update({{"from", "urdf"}, {"scale", constraint.scale}});
   expand_interval(constraint, json);
   expand_softness(constraint, json);
-  // Named phases leave the last node out, so that all of them are not named here.
+  // Named phases exclude the last node, so the default is not written as all names.
   if (constraint.function.phases) json["phases"] = expand_names(*constraint.function.phases);
   json["nodes"] = word_of(kNodesWords, constraint.function.ends.value);
   return json;
 }
 
-/// What the residual of a constraint is measured from: one point, or several.
+/// Reference of a constraint's residual: one point or several.
 void expand_origin(const ConstraintSpec& constraint, OrderedJson& json) {
   for (const Located<std::vector<double>>& center : constraint.centers)
     json["centers"].push_back(center.value);
@@ -76,7 +76,7 @@ void expand_origin(const ConstraintSpec& constraint, OrderedJson& json) {
     json["reference"] = std::move(reference);
 }
 
-/// What the residual has to be.
+/// The set of a constraint's residual.
 void expand_set(const ConstraintSpec& constraint, OrderedJson& json) {
   const CostSpec& function = constraint.function;
   if (constraint.at_least) json["at_least"] = *constraint.at_least;

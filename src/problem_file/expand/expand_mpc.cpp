@@ -69,8 +69,8 @@ OrderedJson expand_mpc(const ProblemSpec& spec, const Plant& plant) {
   OrderedJson json = {
       {"horizon", mpc.horizon.value}, {"tick", mpc.tick.value}, {"duration", mpc.duration.value}};
   json["iterations"] = mpc.iterations ? OrderedJson(*mpc.iterations) : OrderedJson("tolerances");
-  // The phases of a gait stand in its place: there is none whose cycles could be repeated, nor one
-  // that commands could lead.
+  // Phases replace the gait in the expanded file: no cycles can be repeated, and no commands can
+  // steer it.
   const bool gait = mpc.repeat.value == AfterTheEnd::kGait;
   json["repeat"] = word_of(kRepeatWords, gait ? AfterTheEnd::kHold : mpc.repeat.value);
   json["terminal"] = expand_window_end(mpc);

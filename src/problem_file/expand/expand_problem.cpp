@@ -117,7 +117,7 @@ OrderedJson expand_terminal(const ProblemSpec& spec, const Plant& plant) {
   return json;
 }
 
-/// That of the knots that take time.
+/// The integrator of the first knot that takes time, or the default.
 Integrator integrator_of(const ShootingProblem& problem) {
   for (int k = 0; k < problem.knots(); ++k)
     if (!problem.takes_no_time(k)) return problem.knot(k).model->integrator();
@@ -132,7 +132,7 @@ OrderedJson expand_solver(const SolverSpec& solver) {
   return json;
 }
 
-/// A part by its name or its index; null where there is none.
+/// A part by its name or its index; null if it does not exist.
 const OrderedJson* part_of(const OrderedJson& json, const std::string& step) {
   if (json.is_array()) {
     const std::size_t index = std::stoul(step);
@@ -142,12 +142,12 @@ const OrderedJson* part_of(const OrderedJson& json, const std::string& step) {
   return found != json.end() ? &*found : nullptr;
 }
 
-/// Whether a part of a problem is none that a homotopy moves.
+/// True for parts of a problem that a homotopy does not move.
 bool is_apart(const std::string& path, const std::string& name) {
   return path.empty() && (name == "solver" || name == "initial_guess");
 }
 
-/// The numbers that differ between two problems of one shape, by their paths: what a homotopy moves
+/// The numbers that differ between two problems of the same shape, by path. A homotopy moves these
 /// once defaults and gaits are filled in.
 void add_moved(const std::string& path, const OrderedJson& from, const OrderedJson& to,
                OrderedJson& keys) {
@@ -209,7 +209,7 @@ OrderedJson expand_problem(const ProblemSpec& spec, const BuiltProblem& built) {
     json["stepping"] = expand_stepping(*spec.stepping);
   }
   json["phases"] = expand_phases(spec);
-  if (spec.mesh)  // whose factor is part of the phases
+  if (spec.mesh)  // its factor is already in the phases
     json["mesh"] = {{"error", spec.mesh->error},
                     {"factor", 1},
                     {"rounds", spec.mesh->rounds},

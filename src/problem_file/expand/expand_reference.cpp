@@ -7,7 +7,7 @@ OrderedJson expand_value(const ReferenceValueSpec& value, const ReferenceForm& f
   return value.name ? OrderedJson(value.name->value) : form.expand(value);
 }
 
-/// What stands for a reference that the file leaves out; null where nothing does.
+/// The default for a missing reference; null without a default.
 OrderedJson expand_absent(const CostSpec& cost) {
   // Limits from the URDF are absolute and exclude a reference.
   if (cost.activation.from_urdf) return nullptr;

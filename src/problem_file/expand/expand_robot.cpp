@@ -33,7 +33,7 @@ OrderedJson expand_actuation(const ActuationSpec& actuation) {
   return {{"joints", expand_names(actuation.joints)}, {"thrusters", std::move(thrusters)}};
 }
 
-/// With the world's origin and axes for what was not given.
+/// Missing parts take the world's origin and axes.
 OrderedJson expand_placement(PoseSpec placement) {
   if (!placement.position) placement.position = Vector3<double>::zero();
   if (!placement.orientation) placement.orientation = Quaternion<double>::identity();

@@ -6,8 +6,8 @@
 
 namespace conddp {
 
-/// Expanders of the parts of a problem file, one for each reader in read_sections.hpp: each gives
-/// what its reader would read the same spec from, with the defaults written out.
+/// Expanders of the parts of a problem file, one for each reader in read_sections.hpp. Each returns
+/// JSON that its reader reads as the same spec, with defaults written out.
 
 // expand_robot.cpp
 OrderedJson expand_robot(const RobotSpec& robot);
@@ -35,12 +35,12 @@ OrderedJson expand_costs(const std::vector<CostSpec>& costs, const ProblemSpec& 
                          const Plant& plant, bool terminal);
 OrderedJson expand_constraints(const ProblemSpec& spec, const Plant& plant);
 OrderedJson expand_terminal_constraints(const ProblemSpec& spec, const Plant& plant);
-/// The phases named, all but impulses if nothing is named.
+/// The phases named; all but impulses without names.
 OrderedJson expand_phase_names(const std::optional<std::vector<Name>>& names,
                                const ProblemSpec& spec);
 
 // expand_reference.cpp
-/// Null where the cost takes no reference.
+/// Null for a cost without a reference.
 OrderedJson expand_reference(const CostSpec& cost);
 
 // expand_guess.cpp
@@ -50,7 +50,7 @@ OrderedJson expand_guess(const GuessSpec& guess);
 OrderedJson expand_terminal_lqr(const TerminalLqrSpec& lqr);
 
 // expand_mpc.cpp
-/// Of a spec that has the section.
+/// The spec must have the section.
 OrderedJson expand_mpc(const ProblemSpec& spec, const Plant& plant);
 
 }  // namespace conddp

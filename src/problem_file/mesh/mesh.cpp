@@ -10,11 +10,11 @@
 namespace conddp {
 namespace {
 
-/// Grids grow by at least this, and at most so much: an order is known of the finer ones alone.
+/// Bounds on the growth of a grid. Error orders are known only for the finer grids.
 constexpr double kLeastGrowth = 1.25, kMostGrowth = 4;
-/// Without two grids nothing is known of the order.
+/// Growth after the first grid, before an order can be estimated.
 constexpr double kFirstGrowth = 2;
-/// So that the error is rather below than at what is asked for.
+/// Aims below the tolerance rather than at it.
 constexpr double kMargin = 1.5;
 
 void report_knots(const Place& place, Diagnostics& out) {
@@ -22,7 +22,7 @@ void report_knots(const Place& place, Diagnostics& out) {
             "say it by phases and times");
 }
 
-/// Way-points that a gait makes of one state have its place.
+/// True for way-points that a gait generates from one state; they share its place.
 bool goes_with_gait(const ReferenceSpec& reference) {
   return reference.knots.front().place.path == reference.values.front().place.path;
 }
@@ -38,7 +38,7 @@ void check_cost(const CostSpec& cost, Diagnostics& out) {
     report_knots(place, out);
 }
 
-/// The fraction s of the way from one state to another.
+/// The state at the fraction s of the path from one state to another.
 void between(const StateManifold& manifold, const double* a, const double* b, double s,
              double* out) {
   std::vector<double> step(manifold.ndx());
@@ -66,8 +66,8 @@ bool MeshRefinement::keeps_growing() const {
   return !rounds_.empty() && grew(last) && grew(last - 1);
 }
 
-/// By the order that the last two grids have shown. A coarse grid can be better than the next one
-/// by chance.
+/// Growth from the error order of the last two grids. A coarse grid can have a smaller error than
+/// the next one by chance.
 double MeshRefinement::growth() const {
   const MeshRound& last = rounds_.back();
   if (rounds_.size() < 2 || !std::isfinite(last.error)) return kFirstGrowth;
@@ -92,7 +92,7 @@ std::optional<int> MeshRefinement::next(const ShootingProblem& problem, const So
   for (const Phase& phase : problem.phases())
     if (phase.instant || phase.dt.front() == 0) instants += phase.knots();
   const int of_one = (problem.knots() - instants) / factor_;
-  if (of_one == 0) return std::nullopt;  // no time, no finer grid
+  if (of_one == 0) return std::nullopt;  // without time the grid cannot be refined
   const int most = (mesh_.most_knots - instants) / of_one;
   const int finer = std::min(most, static_cast<int>(std::ceil(factor_ * growth())));
   if (finer <= factor_) return std::nullopt;
@@ -114,7 +114,7 @@ bool coarsen(ProblemSpec& spec, int least) {
 
 namespace {
 
-/// Linear controls end where the next node begins.
+/// Linear controls end with the value at the beginning of the next node.
 void join_controls(const ShootingProblem& problem, Trajectory& trajectory) {
   const KnotModel& end = *problem.terminal().model;
   if (!end.has_linear_controls()) return;

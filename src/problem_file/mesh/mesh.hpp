@@ -8,9 +8,9 @@
 
 namespace conddp {
 
-/// A grid, and the answer on it.
+/// A grid and its solution.
 struct MeshRound {
-  int factor = 1;  ///< into how many the steps of the phases are cut
+  int factor = 1;  ///< subdivision of the steps of the phases
   int knots = 0;
   double error = 0;  ///< replay_error
   SolveStatus status = SolveStatus::diverged;
@@ -18,24 +18,24 @@ struct MeshRound {
   double cost = 0;
 };
 
-/// Grids one after the other, each finer than the one before, until the answer on one has the error
-/// that the file asks for.
+/// A sequence of grids, each finer than the one before, until a solution reaches the error
+/// tolerance of the file.
 class MeshRefinement {
  public:
-  /// Of a file with `mesh`.
+  /// The spec must have `mesh`.
   explicit MeshRefinement(const ProblemSpec& spec);
 
-  /// Judges an answer on the present grid. The factor of the next one; nothing where this is the
-  /// last: it is fine enough, the solve has failed, a finer one is beyond the limits, or the error
-  /// has grown on two grids in a row.
+  /// Judges the solution on the present grid. Returns the factor of the next grid, or nothing after
+  /// the last one. A grid is the last if it is fine enough, the solve has failed, a finer one
+  /// exceeds the limits, or the error has grown on two grids in a row.
   std::optional<int> next(const ShootingProblem& problem, const SolveResult& result);
   const std::vector<MeshRound>& rounds() const { return rounds_; }
-  /// Whether the last grid is fine enough.
+  /// True if the last grid is fine enough.
   bool reached() const;
 
  private:
   double growth() const;
-  /// Whether the error of a round is no less than that of the one before.
+  /// True if the error of a round is at least that of the preceding round.
   bool grew(std::size_t round) const;
   bool keeps_growing() const;
 
@@ -44,16 +44,16 @@ class MeshRefinement {
   std::vector<MeshRound> rounds_;
 };
 
-/// Halves the knots of the phases that take time, which last as long as before. False, with nothing
-/// changed, where one would have fewer than `least`.
+/// Halves the number of knots of the phases that take time; durations stay. Returns false and
+/// changes nothing if a phase would have fewer than `least` knots.
 bool coarsen(ProblemSpec& spec, int least);
 
-/// A trajectory of one grid on another one of the same phases: states between nodes along the
-/// shortest way, controls held.
+/// A trajectory of one grid on another grid of the same phases. States are interpolated along the
+/// shortest path; controls are held.
 Trajectory on_grid(const ShootingProblem& from, const Trajectory& trajectory,
                    const ShootingProblem& to);
 
-/// Reports what a grid that changes cannot go together with.
+/// Reports features that mesh refinement does not support.
 void check_mesh(const ProblemSpec& spec, const System& system, Diagnostics& out);
 
 }  // namespace conddp

@@ -14,7 +14,7 @@
 namespace conddp {
 namespace {
 
-/// How far the z axis of a sole may be off its contact's normal, rad.
+/// Largest angle between the z axis of a sole and its contact's normal without a warning, rad.
 constexpr double kLevelSole = 0.15;
 
 std::optional<Contact> make_contact(const ContactSpec& spec, const Plant& plant,
@@ -43,7 +43,7 @@ std::optional<Contact> make_contact(const ContactSpec& spec, const Plant& plant,
   return contact;
 }
 
-/// Warns, once, of a contact whose stabilisation the time step of a phase does not carry.
+/// Warns once of a contact whose stabilization is unstable at the time step of a phase.
 void warn_of_instability(const ContactSpec& contact, int index, const ContactPlan& plan,
                          const ProblemSpec& spec, Integrator integrator, Diagnostics& out) {
   for (std::size_t p = 0; p < spec.phases.size(); ++p) {
@@ -61,8 +61,8 @@ void warn_of_instability(const ContactSpec& contact, int index, const ContactPla
   }
 }
 
-/// Wrench cones and centres of pressure are about the z axis of the sole's frame, whatever the
-/// normal: warns where they are apart in the initial state.
+/// Warns of a sole whose z axis differs from the contact normal in the initial state. Wrench cones
+/// and centers of pressure refer to the z axis of the sole's frame, whatever the normal.
 void warn_of_sole(const ContactSpec& spec, const Contact& contact, const Plant& plant,
                   const std::vector<double>& initial, Diagnostics& out) {
   if (spec.kind != ContactKind::surface || !spec.half_size) return;
@@ -81,7 +81,8 @@ void warn_of_sole(const ContactSpec& spec, const Contact& contact, const Plant& 
               "take a frame whose z axis points out of the ground, or another 'normal'");
 }
 
-/// Contacts push along their normals: warns of gravity that pulls away from the surfaces of all.
+/// Warns of gravity that pulls away from the surfaces of all contacts: contacts push along their
+/// normals.
 void warn_of_gravity(const ProblemSpec& spec, Diagnostics& out) {
   const Vector3<double>& g = spec.gravity;
   const auto is_left = [&](const ContactSpec& contact) {
@@ -99,12 +100,12 @@ void warn_of_gravity(const ProblemSpec& spec, Diagnostics& out) {
               "points upward");
 }
 
-/// Whether the file says where kp draws a contact to.
+/// True if the file gives the reference position of kp.
 bool is_placed(const ContactSpec& contact) {
   return contact.placement && contact.placement->position;
 }
 
-/// A contact that is made again after it was let go, with a kp that draws it back.
+/// Warns of a contact that closes again after it was open, with a kp that draws it back.
 void warn_of_return(const ContactSpec& contact, int index, const ContactPlan& plan,
                     const ProblemSpec& spec, Diagnostics& out) {
   if (contact.kp == 0 || is_placed(contact) || swings(contact.frame.value, spec)) return;
@@ -118,7 +119,7 @@ void warn_of_return(const ContactSpec& contact, int index, const ContactPlan& pl
           "give its frame a 'swing' that says where it lands, or leave kp out");
 }
 
-/// A touch-down needs contacts, one of which was in the air before.
+/// Checks an impulse: it needs contacts, and at least one of them must be open before.
 bool check_impulse(const ProblemSpec& spec, const std::vector<std::vector<int>>& held,
                    std::size_t impulse, Diagnostics& out) {
   if (held[impulse].empty()) {
@@ -140,7 +141,7 @@ bool check_impulse(const ProblemSpec& spec, const std::vector<std::vector<int>>&
   return false;
 }
 
-/// Where kp draws a contact to in each phase: where the file says, or else where swings lead it.
+/// The kp reference of a contact in each phase: from the file, otherwise from the swings.
 std::vector<Vector3<double>> places_of(const ContactSpec& spec, const Contact& contact,
                                        const ProblemSpec& problem, const Plant& plant,
                                        const std::vector<double>& initial) {
@@ -152,7 +153,7 @@ std::vector<Vector3<double>> places_of(const ContactSpec& spec, const Contact& c
   return places;
 }
 
-/// Where kp draws the contacts of a phase to, as one list.
+/// The kp references of the contacts of a phase, as a single list.
 std::vector<double> places_of(const std::vector<Contact>& held) {
   std::vector<double> places;
   for (const Contact& contact : held)
@@ -172,7 +173,7 @@ std::shared_ptr<const System> holding_system(const PhaseSpec& phase, std::vector
   return system;
 }
 
-/// Whether ẏ = λ y dies away when stepped by a Runge-Kutta rule of this order, with z = λ dt.
+/// True if ẏ = λ y decays with a Runge-Kutta rule of this order; z = λ dt.
 bool dies_away(std::complex<double> z, int order) {
   std::complex<double> growth = 1, term = 1;
   for (int i = 1; i <= order; ++i) growth += term *= z / static_cast<double>(i);
@@ -230,7 +231,7 @@ std::optional<ContactPlan> ContactPlan::build(const ProblemSpec& spec, const Pla
           "name them: 'contacts: {LF: {frame: lf_foot}, ...}' at the top of the file");
     plan.held_.push_back(contacts_named(phase.contacts, spec, out));
   }
-  // Those of the last node may be those of the last phase.
+  // Contacts of the last node may be those of the last phase.
   if (out.error_count() > errors) return std::nullopt;
   plan.held_.push_back(contacts_named(spec.last_contacts(), spec, out));
   if (out.error_count() > errors) return std::nullopt;

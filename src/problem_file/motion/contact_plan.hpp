@@ -9,50 +9,50 @@
 
 namespace conddp {
 
-/// Which contacts each phase of a problem and its last node hold, and the systems that hold them.
+/// The contacts that each phase and the last node hold, and the systems that hold them.
 class ContactPlan {
  public:
-  /// Unknown names, contacts that cannot be, and stabilisation that the time step does not carry
-  /// are reported. `initial`: the state from which contacts take their references, unless
-  /// swings lead them elsewhere.
+  /// Reports unknown names and invalid contacts, and warns of stabilization that is unstable at the
+  /// time step. `initial`: state that defines the references of the contacts, unless swings move
+  /// them.
   static std::optional<ContactPlan> build(const ProblemSpec& spec, const Plant& plant,
                                           const std::vector<double>& initial, Integrator integrator,
                                           Diagnostics& out);
 
   /// All contacts of the file, in its order.
   const std::vector<Contact>& contacts() const { return contacts_; }
-  /// The last node's number where a phase is asked for.
+  /// Index of the last node, after those of the phases.
   std::size_t terminal() const { return held_.size() - 1; }
-  /// The contacts that a phase holds, as indices into contacts(), ascending.
+  /// The contacts that a phase holds, as ascending indices into contacts().
   const std::vector<int>& held(std::size_t phase) const { return held_[phase]; }
-  /// Where a contact stands in the phase's system, nullopt if the phase does not hold it.
+  /// Index of a contact in the phase's system, nullopt if the phase does not hold it.
   std::optional<int> find(std::size_t phase, int contact) const;
-  /// The same of several, nullopt if the phase does not hold all of them.
+  /// The same for several contacts, nullopt if the phase does not hold all of them.
   std::optional<std::vector<int>> find(std::size_t phase, const std::vector<int>& contacts) const;
-  /// The system of a phase: the plant's own there where nothing is held. Phases with the same
-  /// contacts share it.
+  /// The system of a phase; without held contacts the plant's own. Phases with the same contacts
+  /// share it.
   const std::shared_ptr<const System>& system(std::size_t phase) const { return systems_[phase]; }
 
  private:
-  /// The contacts of a phase, each with the place that kp draws it to there.
+  /// The contacts of a phase with their kp references there.
   std::vector<Contact> contacts_in(std::size_t phase) const;
   bool set_systems(const ProblemSpec& spec, const Plant& plant, const std::vector<double>& initial,
                    Diagnostics& out);
 
   std::vector<Contact> contacts_;
-  /// Per phase and at the last node: indices into contacts_, ascending.
+  /// Ascending indices into contacts_, for each phase and the last node.
   std::vector<std::vector<int>> held_;
   std::vector<std::shared_ptr<const System>> systems_;
-  /// Per contact and phase: where kp draws it to.
+  /// The kp reference of each contact in each phase.
   std::vector<std::vector<Vector3<double>>> places_;
 };
 
-/// The contacts chosen, as indices into the file's; unknown names are reported.
+/// The chosen contacts, as indices into the file's; unknown names are reported.
 std::vector<int> contacts_named(const ContactNames& names, const ProblemSpec& spec,
                                 Diagnostics& out);
 
-/// Whether ë + kd ė + kp e = 0 dies away when integrated with this rule and time step (a constant
-/// error without kp counts as that).
+/// True if ë + kd ė + kp e = 0 decays when integrated with this rule and time step. Without kp a
+/// constant error is allowed.
 bool is_stable(Integrator integrator, double kp, double kd, double dt);
 
 }  // namespace conddp

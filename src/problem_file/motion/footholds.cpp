@@ -26,8 +26,7 @@ Vector3<double> ground_normal(const std::string& frame, const ProblemSpec& spec)
   return {0, 0, 1};
 }
 
-/// Where a foot lands that is displaced with the base from the initial state, on the ground's
-/// plane.
+/// Landing of a foot that moves with the base from the initial state, on the ground's plane.
 std::optional<Vector3<double>> displaced_landing(const Foot& foot, const PlanarMotion& motion,
                                                  const ProblemSpec& spec, const Plant& plant,
                                                  const std::vector<double>& initial) {
@@ -80,8 +79,7 @@ std::vector<Swing> swings_of(const Foot& foot, const ProblemSpec& spec) {
   return all;
 }
 
-/// Where a swing that begins at `from` lands in its run of this number; nothing where it does not
-/// say that.
+/// Landing of a swing from `from` in a run; empty if the swing does not define it.
 std::optional<Foothold> landing_of(const SwingSpec& swing, std::size_t run, const Foothold& from,
                                    const Foot& foot, const ProblemSpec& spec, const Plant& plant,
                                    const std::vector<double>& initial) {

@@ -4,44 +4,44 @@
 
 namespace conddp {
 
-/// Where a frame stands: a point, m, and how far it is turned about the vertical since the initial
+/// Placement of a standing frame: a point, m, and its rotation about the vertical since the initial
 /// state, rad.
 struct Foothold {
   Vector3<double> p;
   double yaw = 0;
 };
 
-/// A frame of the robots and where it is in the initial state.
+/// A frame of the robots and its initial position.
 struct Foot {
-  std::string name;  ///< as the file names it
+  std::string name;  ///< as in the file
   int frame = 0;
   Vector3<double> start;  ///< m
 };
 
-/// A run of phases in which a frame swings: [first_phase, end_phase), from the first knot on to the
-/// node at which it touches down.
+/// Consecutive phases of a frame's swing: [first_phase, end_phase), from the first knot to the
+/// touch-down node.
 struct SwingRun {
   std::size_t first_phase, end_phase;
   int first, last;
 };
 
-/// The runs of consecutive phases in a choice of phases.
+/// The runs of consecutive phases among the chosen phases.
 std::vector<SwingRun> swing_runs(const std::vector<bool>& chosen, const ProblemSpec& spec);
 
-/// Where a foot stands when each phase begins, and at the end, as the file's swings of its frame
-/// plan it: at its start at first, then where the last swing landed. Displaced landings stay on the
-/// ground: the plane through the start with the normal of the frame's contact. A landing that
-/// cannot be (see check_landings) leaves the foot where it was.
+/// Footholds of a foot at the beginning of each phase and at the end, according to the file's
+/// swings of its frame: initially its start, then the landing of the last swing. Displaced landings
+/// stay on the ground: the plane through the start with the normal of the frame's contact. After an
+/// invalid landing (see check_landings) the foot stays in place.
 std::vector<Foothold> footholds(const Foot& foot, const ProblemSpec& spec, const Plant& plant,
                                 const std::vector<double>& initial);
 
-/// Reports displaced landings of a swing that cannot be: not one a run, on ground that is too
-/// steep, of a robot whose base is fixed.
+/// Reports invalid displaced landings of a swing: not one for each run, on ground that is too
+/// steep, or of a robot with a fixed base.
 bool check_landings(const CostSpec& cost, const Foot& foot, std::size_t runs,
                     const ProblemSpec& spec, const Plant& plant, const std::vector<double>& initial,
                     Diagnostics& out);
 
-/// Whether the file has a swing of this frame.
+/// True if the file has a swing of this frame.
 bool swings(const std::string& frame, const ProblemSpec& spec);
 
 }  // namespace conddp

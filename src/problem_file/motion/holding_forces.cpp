@@ -9,10 +9,10 @@
 namespace conddp {
 namespace {
 
-/// ρ over the largest entry of GᵀG: as little as leaves forces unique.
+/// ρ over the largest entry of GᵀG: just large enough to make the forces unique.
 constexpr double kSmall = 1e-8;
 
-/// Opposite directions of friction: what they have in common moves nothing.
+/// Cancels the common part of opposite friction directions, which has no effect.
 void cancel_opposites(const FrictionIndices& f, Eigen::Ref<Eigen::VectorXd> w) {
   for (int i = 0; i < f.count; i += 2) {
     const double common = std::min(w[f.force[i]], w[f.force[i + 1]]);
@@ -21,8 +21,7 @@ void cancel_opposites(const FrictionIndices& f, Eigen::Ref<Eigen::VectorXd> w) {
   }
 }
 
-/// The edges of a candidate's pyramid: entries of w, and how much each of them changes with the
-/// normal force.
+/// The edges of a candidate's pyramid: entries of w with their change per normal force.
 std::vector<std::pair<int, double>> edges_of(const SteppingLayout::Candidate& at, double friction) {
   std::vector<std::pair<int, double>> edges;
   for (int i = 0; i < at.friction.count; ++i) edges.emplace_back(at.friction.force[i], friction);

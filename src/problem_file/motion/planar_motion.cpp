@@ -22,7 +22,7 @@ bool is_fixed(const Plant& plant, const PlantPart& part) {
   return !is_planar(part) && plant.robot().joints[part.first_joint].type != JointType::floating;
 }
 
-/// Where a base stands in the plane and where its x axis points.
+/// Position of a base in the plane, and heading of its x axis.
 struct Stand {
   Point position;
   double heading;
@@ -42,7 +42,7 @@ Stand stand_of(const Plant& plant, const PlantPart& part, const std::vector<doub
   return {{x[first], x[first + 1]}, std::atan2(left, forward)};
 }
 
-/// The plane in which a base moves, its z axis upright: that of a planar base may lie anywhere.
+/// The plane of a base's motion, with its normal as z axis. A planar base may have any plane.
 SE3<double> plane_of(const PlantPart& part) {
   SE3<double> plane = SE3<double>::identity();
   if (!is_planar(part) || !part.spec->placement) return plane;
@@ -52,7 +52,7 @@ SE3<double> plane_of(const PlantPart& part) {
   return plane;
 }
 
-/// The horizontal direction in a plane, in its own axes; nothing where all of it is level.
+/// The horizontal direction in a plane, in its own axes; empty if the plane is level.
 std::optional<Point> level_direction(const SE3<double>& plane) {
   constexpr double kLevel = 1e-6;
   const Vector3<double> up = transpose_times(plane.R, Vector3<double>{0, 0, 1});
@@ -65,7 +65,7 @@ std::optional<Point> level_direction(const SE3<double>& plane) {
 
 PlanarMotion along_arc(const PlanarMotion& step, double time) {
   const double angle = step.yaw * time;
-  // Chord over arc, along the direction half-way.
+  // Chord over arc length, along the direction half-way.
   const double half = angle / 2;
   const double ratio = half == 0 ? 1 : std::sin(half) / half;
   const Point p = turned(half, {time * step.x, time * step.y});

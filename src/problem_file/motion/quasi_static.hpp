@@ -6,9 +6,9 @@
 
 namespace conddp {
 
-/// Controls that hold the system at rest in a state, in the sense of least squares: with the forces
-/// of its contacts against gravity and external wrenches if it is a robot, else those that make the
-/// acceleration smallest.
+/// Controls that hold the system at rest in a state, in the least-squares sense. For a robot,
+/// contact forces act with them against gravity and external wrenches; for other systems they
+/// minimize the acceleration.
 Eigen::VectorXd quasi_static_control(const System& system, const double* x);
 
 }  // namespace conddp

@@ -13,10 +13,10 @@
 namespace conddp {
 namespace {
 
-/// How far outside of its limits a joint may be by rounding, relative to its position or 1.
+/// Allowed rounding of joint limits, relative to the position or 1.
 constexpr double kLimitRounding = 1e-9;
 
-/// Whether a state has keys that closed-form systems do not know.
+/// True if a state has keys that only robots support.
 bool speaks_of_robots(const StateSpec& spec) {
   return spec.configuration || spec.base || spec.displaced || !spec.joints.empty() ||
          spec.base_velocity || !spec.joint_velocities.empty() || !spec.robots.empty();
@@ -40,7 +40,7 @@ void warn_of_limits(std::string_view subject, const Joint& joint, double q, cons
       hint);
 }
 
-/// Position and orientation of a floating base, whose entries of the state begin at x.
+/// Sets position and orientation of a floating base; x points to its entries in the state.
 void set_floating_base(const BaseSpec& base, double* x) {
   for (int i = 0; i < 3 && base.position; ++i) x[i] = (*base.position)[i];
   if (const auto& q = base.orientation) {

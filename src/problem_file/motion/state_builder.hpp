@@ -11,22 +11,21 @@
 
 namespace conddp {
 
-/// Turns what a file says about states into numbers: states of the system, without augmented
-/// states.
+/// Converts states of a file into numbers: states of the system, without augmented states.
 class StateBuilder {
  public:
   StateBuilder(const Plant& plant, Diagnostics& out);
 
-  /// What is not mentioned is neutral. Unknown names and wrong sizes are reported.
+  /// Missing values are neutral. Unknown names and wrong sizes are reported.
   std::optional<std::vector<double>> build(const StateSpec& spec) const;
-  /// The state of a configuration (at rest), or the initial one for "initial".
+  /// The state of a configuration (at rest), or the initial state for "initial".
   std::optional<std::vector<double>> named(const Name& name) const;
-  /// Warns of joints that a state has outside of their limits, each at the place that `place_of`
-  /// has for its name; entries that are no numbers are left out. `subject` has the joints. Whether
-  /// there are any.
+  /// Warns of joint positions of a state outside their limits, each at the place that `place_of`
+  /// returns for its name; NaN entries are skipped. `subject` names the state. True if there are
+  /// any.
   bool check_limits(std::string_view subject, const std::vector<double>& x,
                     const std::function<Place(const std::string&)>& place_of) const;
-  /// From here on "initial" is known.
+  /// Defines "initial" from here on.
   void set_initial(std::vector<double> state) { initial_ = std::move(state); }
   const std::vector<double>& initial() const { return initial_; }
 
@@ -44,15 +43,16 @@ class StateBuilder {
   void apply_displacement(const DisplacementSpec& displaced, const PlantPart& part,
                           std::vector<double>& x) const;
   void apply_configuration(const Name& name, const PlantPart& part, std::vector<double>& x) const;
-  /// A list of the whole state, or of all but a clock and parameters; false where it is neither.
+  /// A list of the full state, or of all numbers except a clock and parameters; false for any other
+  /// length.
   bool apply_list(const std::vector<double>& list, std::vector<double>& x) const;
   void apply_columns(const NamedNumbers& values, std::vector<double>& x) const;
-  /// What a state is where nothing is said.
+  /// The default state.
   std::vector<double> usual_state() const;
   std::optional<std::vector<double>> checked(std::vector<double> x, const Place& place) const;
-  /// Whether a robot has a floating base.
+  /// True if a robot has a floating base.
   bool floats(const PlantPart& part) const;
-  /// The part that stands for all robots: names have their prefix, there is no base.
+  /// A part for all robots together: full names with prefixes, no base.
   PlantPart whole() const;
 
   const Plant& plant_;

@@ -16,7 +16,7 @@ struct Overloaded : Cases... {
 template <class... Cases>
 Overloaded(Cases...) -> Overloaded<Cases...>;  // some compilers do not deduce it themselves
 
-/// The step of a discrete system: all phases must have it.
+/// The common step of all phases, which a discrete system requires.
 std::optional<double> common_step(const ProblemSpec& spec, Diagnostics& out) {
   const PhaseSpec& first = *std::find_if(spec.phases.begin(), spec.phases.end() - 1,
                                          [](const PhaseSpec& p) { return !p.takes_no_time(); });

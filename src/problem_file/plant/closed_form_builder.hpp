@@ -7,8 +7,8 @@
 
 namespace conddp {
 
-/// A closed-form system, or one of expressions. Null where the phases do not fit it (a system with
-/// a step of its own), which is reported.
+/// A closed-form system or a system of expressions. Null with an error if the phases do not fit it
+/// (a system with its own step).
 std::shared_ptr<const System> make_system(const SystemSpec& system, const ProblemSpec& spec,
                                           Diagnostics& out);
 

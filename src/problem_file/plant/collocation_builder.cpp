@@ -12,7 +12,7 @@ constexpr const char* kName = "collocation";
 constexpr const char* kOthers =
     "write another integrator: semi_implicit_euler, explicit_euler, rk2, rk3 or rk4";
 
-/// What forces of contacts move.
+/// Reports contacts, which collocation does not support.
 void check_smoothness(const ProblemSpec& spec, Diagnostics& out) {
   for (const PhaseSpec& phase : spec.phases)
     if (phase.contacts.any())
@@ -32,7 +32,7 @@ void check_names(const ProblemSpec& spec, Diagnostics& out) {
                 "give the constraint another name");
 }
 
-/// Systems that phases share stay shared.
+/// Wraps the systems; phases that share a system still share it.
 void collocate_systems(CollocationRule rule, Plant& plant) {
   std::map<const System*, std::shared_ptr<const System>> made;
   const auto wrap = [&](std::shared_ptr<const System>& system) {
@@ -46,7 +46,7 @@ void collocate_systems(CollocationRule rule, Plant& plant) {
   for (SystemVariant& variant : plant.variants) wrap(variant.system);
 }
 
-/// Finds the slopes of a system's steps.
+/// Initial guess of the slopes of a system's steps.
 class SlopeGuess {
  public:
   explicit SlopeGuess(const CollocationSystem& system)
@@ -55,7 +55,7 @@ class SlopeGuess {
         data_(inside_.create_data(double{})),
         u_(system.actuators()) {}
 
-  /// Those of knot k into the trajectory.
+  /// Writes the slopes of knot k into the trajectory.
   void write(int k, const ShootingProblem& problem, Trajectory& trajectory) {
     const int n = system_.ndx(), rows = system_.rows(), stages = system_.later_stages();
     const KnotView& knot = problem.knot(k);
@@ -67,7 +67,7 @@ class SlopeGuess {
     const Eigen::VectorXd x = trajectory.x(k).head(n), next = trajectory.x(k + 1).head(n);
     Eigen::VectorXd begin = rate(x, first);
     const Eigen::VectorXd end = rate(next, w.data());
-    if (!begin.allFinite()) begin = (next - x) / h;  // rules of Radau do without it
+    if (!begin.allFinite()) begin = (next - x) / h;  // Radau rules do not need it
     w.segment(system_.slopes(stages), rows) = end.tail(rows);
     for (int i = 1; i < stages; ++i) {  // on the cubic through both ends
       const double c = system_.time(i), past = c * c * (3 - 2 * c);
@@ -79,7 +79,7 @@ class SlopeGuess {
   }
 
  private:
-  /// ẋ, of which the last rows are the slopes.
+  /// ẋ; its last rows are the slopes.
   Eigen::VectorXd rate(const Eigen::VectorXd& x, const double* w) {
     const int n = system_.ndx(), rows = system_.rows(), top = n - rows;
     inside_.evaluate(x.data(), w, *data_);

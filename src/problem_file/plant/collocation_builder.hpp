@@ -5,19 +5,19 @@
 
 namespace conddp {
 
-/// Makes the plant's systems those of collocation where the integrator asks for it, all but its
-/// jumps. False where that cannot be, which is reported.
+/// Replaces the plant's systems, except its jumps, by collocation systems if the integrator is a
+/// collocation rule. Returns false with an error if collocation is not supported.
 bool collocate(const ProblemSpec& spec, Plant& plant, Diagnostics& out);
 
-/// Adds what the steps of a collocation system obey, as the last constraint, `collocation`. After
-/// the model's free duration.
+/// Adds the equations of the steps of a collocation system as the last constraint, `collocation`.
+/// Call after setting the model's free duration.
 void add_collocation_terms(KnotModel& model);
-/// Writes its numbers into the parameters of a knot.
+/// Writes the constraint's numbers into the parameters of a knot.
 void write_collocation_parameters(const KnotModel& model, double dt, double* parameters);
 
-/// The slopes of each step, from its state and actuators and the next state, at the stages of the
-/// curve through both states (a cubic of Hermite and Simpson's): they obey the constraint where the
-/// step meets the next state.
+/// Initial guess of the slopes of each step, from its state and actuators and the next state. The
+/// slopes are those at the stages of the Hermite-Simpson cubic through both states. They satisfy
+/// the constraint if the step reaches the next state.
 void guess_slopes(const ShootingProblem& problem, Trajectory& trajectory);
 
 }  // namespace conddp

@@ -9,9 +9,9 @@
 
 namespace conddp {
 
-/// What a mapping from names of joints says of each of them, in the order of the file. Of several
-/// names that fit, an exact one wins over one with `*`, a longer over a shorter one. Names that
-/// mean no joint are reported.
+/// Values of joints from a mapping by joint names, in the order of the file. If several names fit,
+/// an exact one wins over one with `*`, and a longer one over a shorter one. Names that fit no
+/// joint are reported.
 template <class T>
 std::vector<std::pair<int, T>> values_of_joints(const RobotModel& robot,
                                                 const std::vector<std::pair<Name, T>>& said,

@@ -6,13 +6,13 @@
 
 namespace conddp {
 
-/// What a compiled function has to fit, and where the file says so.
+/// Sizes that a compiled function must match, and their places in the file.
 struct LibraryFit {
   LibraryKnotFunction::Sizes sizes;
   Place states_place, controls_place;
 };
 
-/// The function of a loaded library. Null, with an error at what does not fit.
+/// The function of a loaded library. Null, with an error at the mismatch.
 std::shared_ptr<const LibraryKnotFunction> make_library_function(
     const std::shared_ptr<const SharedLibrary>& library, const LibraryFunctionSpec& spec,
     const LibraryFit& fit, Diagnostics& out);

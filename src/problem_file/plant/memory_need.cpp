@@ -11,7 +11,7 @@
 namespace conddp {
 namespace {
 
-/// Rows of the residual of a constraint that is no norm, at most.
+/// Maximum number of residual rows of a constraint other than a norm.
 double rows_of(const ConstraintSpec& constraint, const ProblemSpec& spec, int ndx, int nu) {
   constexpr double kPoseRows = 6, kConeRows = 17;
   const CostSpec& function = constraint.function;
@@ -46,7 +46,7 @@ double memory_need(double knots, int ndx, int nu, std::size_t costs,
                    const ConstraintCount& constraints) {
   const double z = ndx + nu;
   double numbers = 3.5 * z * z + 60 * z + 100 + static_cast<double>(costs) * (ndx + 4);
-  // Newton's method has derivatives of its own.
+  // Newton's method stores additional derivatives.
   if (constraints.constraints > 0) numbers += 6 * z * z + 20 * z;
   numbers += constraints.rows * (3 * z + 25) + 65 * constraints.constraints;
   return knots * numbers * sizeof(double);

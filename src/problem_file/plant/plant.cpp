@@ -73,7 +73,7 @@ std::optional<int> find_frame(const RobotModel& robot, const Name& name, const s
   return frame;
 }
 
-/// Whether a frame is that of a planar joint, which moves as three joints of its name.
+/// True for the frame of a planar joint, which moves as three joints of its name.
 bool moves_as_three(const RobotModel& robot, const Frame& frame) {
   const auto last = robot.find_joint(frame.name + "_yaw");
   return last && frame.joint == *last && robot.find_joint(frame.name + "_x") &&

@@ -15,7 +15,8 @@
 namespace conddp {
 namespace {
 
-/// Where a joint and those that mimic it can all be within their limits: else both are named.
+/// Checks that some position satisfies the limits of a joint and of its mimic joints; the error
+/// names both joints.
 bool check_mimic_limits(const Plant& plant, Diagnostics& out) {
   const RobotModel& robot = plant.robot();
   bool possible = true;
@@ -36,7 +37,7 @@ bool check_mimic_limits(const Plant& plant, Diagnostics& out) {
   return possible;
 }
 
-/// A closed-form system, or one of expressions, or the first of several.
+/// A closed-form system, a system of expressions, or the first of several.
 std::optional<Plant> build_system(const ProblemSpec& spec, Diagnostics& out) {
   Plant plant;
   plant.system = make_system(*spec.system, spec, out);
@@ -49,7 +50,7 @@ std::optional<Plant> build_system(const ProblemSpec& spec, Diagnostics& out) {
   return plant;
 }
 
-/// All robots as one model, each with its part of the plant.
+/// All robots as a single model, each with its part of the plant.
 std::shared_ptr<RobotModel> load_robots(const ProblemSpec& spec, Plant& plant, Diagnostics& out) {
   std::vector<RobotModel> trees;
   int joints = 0;
@@ -67,7 +68,7 @@ std::shared_ptr<RobotModel> load_robots(const ProblemSpec& spec, Plant& plant, D
   return std::make_shared<RobotModel>(combine(std::move(trees)));
 }
 
-/// Makes the system of a plant that has its parts. Without an error it is not null afterwards.
+/// Makes the system of a plant whose parts are set. Not null without an error.
 void make_multibody(const std::shared_ptr<RobotModel>& model, Plant& plant, Diagnostics& out) {
   add_external_wrenches(plant.parts, *model, out);
   const int errors = out.error_count();
@@ -84,7 +85,7 @@ void make_multibody(const std::shared_ptr<RobotModel>& model, Plant& plant, Diag
     const int first = model->joint_count() - static_cast<int>(starts.size());
     for (std::size_t i = 0; i < starts.size(); ++i)
       plant.usual_state[*system->position_index(first + static_cast<int>(i))] = starts[i];
-  } catch (const std::invalid_argument& e) {  // chains of mimic joints that cannot be resolved
+  } catch (const std::invalid_argument& e) {  // unresolvable chains of mimic joints
     out.error(plant.parts.front().spec->place, e.what());
   }
 }

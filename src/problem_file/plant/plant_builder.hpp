@@ -4,8 +4,8 @@
 
 namespace conddp {
 
-/// Loads the robots or makes the closed-form system. Notes of the URDF files (what is ignored) are
-/// reported as well.
+/// Loads the robots or makes the closed-form system. Also reports notes on the URDF files, such as
+/// ignored elements.
 std::optional<Plant> build_plant(const ProblemSpec& spec, Diagnostics& out);
 
 }  // namespace conddp

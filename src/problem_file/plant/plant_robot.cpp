@@ -16,7 +16,7 @@ UrdfOptions urdf_options(const RobotSpec& spec, const std::string& prefix,
   UrdfOptions options;
   options.base = spec.base;
   for (const auto& [name, value] : spec.locked_joints) options.locked_joints[name.value] = value;
-  // A mass that is a parameter is none of the URDF's: it becomes a load.
+  // A payload mass that is a parameter is zero here; the parameter becomes a load.
   for (const PayloadSpec& payload : spec.payloads)
     options.payloads.push_back({payload.link.value, payload.mass, payload.com, payload.inertia});
   for (const auto& [name, value] : spec.rotor_inertia) options.rotor_inertia[name.value] = value;
@@ -28,8 +28,8 @@ UrdfOptions urdf_options(const RobotSpec& spec, const std::string& prefix,
   return options;
 }
 
-/// Where the problem file names a link or joint that the URDF's reader complains about; of a joint
-/// that names with `*` fit, the best of them.
+/// Place in the problem file of a link or joint in a URDF error. For a joint that fits several
+/// names with `*`, the best fit.
 Place place_of(const RobotSpec& spec, const std::string& element) {
   const Name* best = nullptr;
   std::size_t quality = 0;
@@ -44,8 +44,7 @@ Place place_of(const RobotSpec& spec, const std::string& element) {
   return best != nullptr ? best->place : spec.urdf.place;
 }
 
-/// The joints that 'full' drives. A base has no motors: those that a planar one stands on are its
-/// first three joints.
+/// The joints that 'full' drives. A base has no motors; a planar base is the first three joints.
 std::vector<int> motor_joints(const PlantPart& part, const RobotModel& model) {
   std::vector<int> list;
   const int first = part.spec->base == UrdfOptions::Base::planar ? 3 : 0;
@@ -54,7 +53,7 @@ std::vector<int> motor_joints(const PlantPart& part, const RobotModel& model) {
   return list;
 }
 
-/// What gives controls to robots that have none.
+/// Hint on giving controls to robots without actuators.
 std::string actuation_hint(const std::vector<PlantPart>& parts, const RobotModel& model) {
   const auto any = [&](auto property) { return std::any_of(parts.begin(), parts.end(), property); };
   if (any([&](const PlantPart& part) { return !motor_joints(part, model).empty(); }))
@@ -140,7 +139,7 @@ class ParameterBuilder {
     starts_.push_back(start);
   }
 
-  /// Whether a state can have a column of that name beside those of the joints.
+  /// True if a name is valid for a state column and not yet taken; reports an error otherwise.
   bool is_name_of_column(const Name& name) const {
     const int errors = out_.error_count();
     if (std::string defect = ExpressionScope().defect_of(name.value); !defect.empty())
@@ -156,7 +155,7 @@ class ParameterBuilder {
     const Name& name = *payload.mass_parameter;
     const auto parameter = model_.find_joint(name.value);
     const auto link = model_.find_frame(prefix + payload.link.value);
-    if (!parameter || !link) return;  // that has been reported
+    if (!parameter || !link) return;  // already reported
     if (const double start = starts_[*parameter - first_]; start < 0)
       out_.error(name.place, fmt::format("the mass '{}' starts at {} kg", name.value, start),
                  "masses are not negative");
@@ -166,7 +165,7 @@ class ParameterBuilder {
     model_.loads.push_back({*parameter, frame.joint, act(frame.placement, unit)});
   }
 
-  /// Names and groups of columns, and what expressions have besides.
+  /// Names and groups of columns, and reserved names of expressions.
   static constexpr std::string_view kTaken[] = {"q", "v", "u", "t", "base", "previous"};
 
   RobotModel& model_;
@@ -251,7 +250,7 @@ std::optional<Actuation> make_actuation(const std::vector<PlantPart>& parts,
 
 namespace {
 
-/// Clears the damping and friction of joints for which the file does not ask.
+/// Clears the damping and friction of joints if the file does not enable them.
 void ignore_others(const PlantPart& part, RobotModel& model) {
   const PassiveSpec& passive = part.spec->passive;
   for (int i = part.first_joint; i < part.first_joint + part.joint_count; ++i) {

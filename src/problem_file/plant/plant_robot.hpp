@@ -4,7 +4,7 @@
 
 namespace conddp {
 
-/// Parts of build_plant that are about robots from URDF files.
+/// Parts of build_plant for robots from URDF files.
 
 /// `sha256` receives the SHA-256 of the URDF file.
 std::optional<RobotModel> load_robot(const RobotSpec& spec, const std::string& prefix,
@@ -12,14 +12,14 @@ std::optional<RobotModel> load_robot(const RobotSpec& spec, const std::string& p
                                      Diagnostics& out);
 void add_external_wrenches(const std::vector<PlantPart>& parts, RobotModel& model,
                            Diagnostics& out);
-/// Adds the parameters of robots and the loads that they are of, and reports names that mean
-/// something else. Robots that name the same parameter share it. Their starts are in the order of
-/// the model's parameters.
+/// Adds the parameters of robots and the loads that depend on them. Reports names that are already
+/// taken. Robots with a parameter of the same name share it. Returns the initial values in the
+/// order of the model's parameters.
 std::vector<double> add_parameters(const std::vector<PlantPart>& parts, RobotModel& model,
                                    Diagnostics& out);
 std::optional<Actuation> make_actuation(const std::vector<PlantPart>& parts,
                                         const RobotModel& model, Diagnostics& out);
-/// Clears the damping and friction of robots that do not ask for them.
+/// Clears the damping and friction of robots whose file does not enable them.
 std::optional<PassiveForces> make_passive_forces(const std::vector<PlantPart>& parts,
                                                  RobotModel& model, Diagnostics& out);
 

@@ -22,7 +22,7 @@ Form form_of(const HalfSpaceSpec& half_space, int) {
   return HalfSpace{half_space.normal, dot(half_space.normal, half_space.point)};
 }
 
-/// A shape or an obstacle, and the joint whose body carries it.
+/// A shape or an obstacle, and the joint of the body that carries it.
 struct Item {
   std::string name;
   bool obstacle;
@@ -45,13 +45,13 @@ std::vector<Item> items_of(const ProblemSpec& spec, const RobotModel& robot) {
   return items;
 }
 
-/// Whether two bodies are one, or a joint connects them.
+/// True if two bodies are identical or connected by a joint.
 bool are_neighbours(const RobotModel& robot, int a, int b) {
   const auto parent = [&](int joint) { return joint < 0 ? -2 : robot.joints[joint].parent; };
   return a == b || parent(a) == b || parent(b) == a;
 }
 
-/// The items that a name or a pattern means; none is reported.
+/// The items that fit a name or a pattern; a name that fits no item is reported.
 std::vector<std::size_t> items_named(const Name& name, const std::vector<Item>& items,
                                      Diagnostics& out) {
   std::vector<std::size_t> found;
@@ -72,8 +72,8 @@ class PairList {
  public:
   explicit PairList(const std::vector<Item>& items) : items_(items) {}
 
-  /// False where the items do not move against each other. Shapes stand before obstacles, so that
-  /// the smaller index is one that a link carries.
+  /// Returns false for items without relative motion. Shapes precede obstacles, so the smaller
+  /// index is a shape on a link.
   bool add(std::size_t a, std::size_t b) {
     const auto [first, second] = std::minmax(a, b);
     const Item &shape = items_[first], &other = items_[second];
@@ -90,7 +90,7 @@ class PairList {
   std::set<std::pair<std::size_t, std::size_t>> taken_;
 };
 
-/// Whether a choice of pairs has that of a shape and another item.
+/// True if a choice of pairs includes a shape with another item.
 bool has_pair(PairsSpec::Choice choice, const Item& shape, const Item& other,
               const RobotModel& robot) {
   if (other.obstacle) return choice != PairsSpec::Choice::kSelf;

@@ -5,17 +5,17 @@
 
 namespace conddp {
 
-/// Two shapes of a problem file that must keep apart; the first one is carried by a link.
+/// Two shapes of a problem file that must keep apart; a link carries the first one.
 struct ShapePair {
   std::string first, second;  ///< their names
   DistancePair shapes;
 };
 
-/// Frames of shapes that the robot has not are reported.
+/// Reports frames of shapes that the robot does not have.
 void check_shapes(const ProblemSpec& spec, const Plant& plant, Diagnostics& out);
 
-/// The pairs that a cost is on, each once, of shapes that check_shapes() found good. Unknown names,
-/// and pairs of shapes that cannot move against each other where they are named, are reported.
+/// The pairs of a cost, each once; requires shapes that pass check_shapes(). Reports unknown names,
+/// and named pairs without relative motion.
 std::vector<ShapePair> shape_pairs(const CostSpec& cost, const ProblemSpec& spec,
                                    const Plant& plant, Diagnostics& out);
 

@@ -16,9 +16,9 @@ constexpr const char* kEquations = "stepping";
 constexpr const char* kPairs = "complementarity";
 constexpr const char* kRegularization = "contact_regularization";
 
-/// Overlaps that are no more than what placements are rounded to, m.
+/// Overlaps within the rounding of placements, m.
 constexpr double kRoundedOverlap = 1e-3;
-/// How far a normal may point out of the plane of a planar robot.
+/// Tolerance on the out-of-plane component of a normal for planar motion.
 constexpr double kOutOfPlane = 1e-6;
 
 std::optional<ContactCandidate> build_candidate(const CandidateSpec& spec, const Plant& plant,
@@ -41,7 +41,8 @@ std::optional<ContactCandidate> build_candidate(const CandidateSpec& spec, const
                           .stiffness = spec.stiffness};
 }
 
-/// In a plane the tangent is that of the plane, and none to a surface that faces out of it.
+/// Friction of a planar motion acts along the plane's tangent, so surfaces must be perpendicular to
+/// the plane.
 void check_plane(const CandidateSpec& spec, const SteppingSpec& stepping, Diagnostics& out) {
   const auto* half_space = std::get_if<HalfSpaceSpec>(&spec.against.form);
   if (!stepping.plane || half_space == nullptr || spec.against.frame ||
@@ -53,7 +54,7 @@ void check_plane(const CandidateSpec& spec, const SteppingSpec& stepping, Diagno
             "'plane' is the direction in which nothing moves, [0, 1, 0] for motions in x and z");
 }
 
-/// The joints that the file names, else all with limits.
+/// Adds stops: the limits in `joint_limits`, and with `all_limits` the URDF limits of every joint.
 void build_stops(const ProblemSpec& spec, const Plant& plant, ImplicitContacts& contacts,
                  Diagnostics& out) {
   const RobotModel& robot = plant.robot();
@@ -63,7 +64,7 @@ void build_stops(const ProblemSpec& spec, const Plant& plant, ImplicitContacts& 
     contacts.stops.push_back({joint, limits[0], limits[1]});
 }
 
-/// Terms that stepping does not support, or whose names it gives to its own.
+/// Reports unsupported terms, and terms with reserved names.
 void check_terms(const ProblemSpec& spec, Diagnostics& out) {
   for (const CostSpec* cost : spec.all_costs())
     if (cost->name.value == kRegularization)
@@ -170,7 +171,7 @@ void add_stepping_terms(const std::shared_ptr<const SteppingSystem>& system, Kno
     forces.push_back(c.force);
     add_friction(c.friction);
     if (!c.cone.present) continue;
-    // The share of friction too: nothing else tells it where no force acts and nothing slips.
+    // Includes the share of friction: without force and slip no other term determines it.
     forces.insert(forces.end(), c.cone.force.begin(), c.cone.force.end());
     forces.insert(forces.end(), c.cone.use.begin(), c.cone.use.end());
     forces.push_back(c.cone.speed);

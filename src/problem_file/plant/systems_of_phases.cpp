@@ -14,7 +14,7 @@
 namespace conddp {
 namespace {
 
-/// Reads what becomes of the states of the system before a jump.
+/// Reads the new state values after a jump, as functions of the states before it.
 class JumpBuilder {
  public:
   JumpBuilder(const PhaseSpec& phase, const ProblemSpec& spec, const System& before,
@@ -47,7 +47,7 @@ class JumpBuilder {
                                [&](const auto& entry) { return entry.first.value == state; });
   }
 
-  /// Whether expressions do not have the state.
+  /// True for states that expressions cannot name.
   bool is_hidden(int state) const {
     return !before_.has_state(state) ||
            before_.state_columns()[state].name.starts_with(kDurationColumn);
@@ -65,8 +65,8 @@ class JumpBuilder {
     return true;
   }
 
-  /// As a system without controls, of which most states stay. Expressions are of the states that
-  /// there are before, without free durations.
+  /// A system without controls; most states stay. Expressions use the states before the jump,
+  /// without free durations.
   ExpressionSystemText text() {
     ExpressionSystemText text{.kind = SystemKind::discrete};
     add_names(spec_.names, text.parameters, text.tables);
@@ -81,7 +81,7 @@ class JumpBuilder {
     return text;
   }
 
-  /// Where what a message is about has its name.
+  /// Place of the name that a message concerns.
   const Place& place_of(const ModelMessage& message) const {
     using Part = ModelMessage::Part;
     const auto& states = phase_.jump->states;
@@ -108,7 +108,7 @@ class JumpBuilder {
   Diagnostics& out_;
 };
 
-/// Whether equations of a file depend on the time of the phase or on the final time.
+/// True if equations of a file depend on the phase time or on the final time.
 bool reads_phase_times(const ProblemSpec& spec) {
   const auto reads = [](const SystemSpec& system) {
     const auto* equations = std::get_if<ExpressionSystemSpec>(&system.parameters);
@@ -118,7 +118,7 @@ bool reads_phase_times(const ProblemSpec& spec) {
          std::ranges::any_of(spec.systems, [&](const auto& named) { return reads(named.system); });
 }
 
-/// What equations of a phase name of the time.
+/// Times that the equations of a phase can name.
 SystemTimes times_of(std::size_t phase, const ProblemSpec& spec) {
   SystemTimes times;
   for (const auto& [name, value] : spec.initial_state.values)
@@ -138,8 +138,8 @@ SystemTimes times_of(std::size_t phase, const ProblemSpec& spec) {
   return times;
 }
 
-/// A system of equations with the times of a phase; null, and reported, where it is none: its text
-/// is not that of a file.
+/// A system of equations with the times of a phase. Null with an error at `place`, because the text
+/// is not the file's.
 std::shared_ptr<const System> with_times(ExpressionSystemText text, std::size_t phase,
                                          const ProblemSpec& spec, const Place& place, Plant& plant,
                                          Diagnostics& out) {
@@ -151,7 +151,7 @@ std::shared_ptr<const System> with_times(ExpressionSystemText text, std::size_t 
   return parsed.system;
 }
 
-/// Of a file with one system: the same in all phases but for what it names of the time.
+/// For a file with one system: adds the times of each phase; otherwise the systems are equal.
 bool add_times_of_phases(const ProblemSpec& spec, Plant& plant,
                          std::vector<std::shared_ptr<const System>>& at_nodes, Diagnostics& out) {
   const ExpressionSystemText& text = std::get<ExpressionSystemSpec>(spec.system->parameters).text;
@@ -163,12 +163,12 @@ bool add_times_of_phases(const ProblemSpec& spec, Plant& plant,
   return true;
 }
 
-/// The system whose states there are at the beginning of each phase, and at the last node: a jump
-/// has those of the phase before it.
+/// Index of the system that defines the states at the beginning of each phase and at the last node.
+/// A jump has the states of the phase before it.
 std::vector<std::size_t> systems_at_nodes(const ProblemSpec& spec,
                                           const std::vector<UsedSystem>& systems) {
   std::vector<std::size_t> at_nodes;
-  std::size_t system = 0;  // that of the first phase that takes time
+  std::size_t system = 0;  // of the first phase that takes time
   for (const PhaseSpec& phase : spec.phases) {
     if (phase.system)
       system = std::ranges::find(systems, phase.system->value,
@@ -180,7 +180,8 @@ std::vector<std::size_t> systems_at_nodes(const ProblemSpec& spec,
   return at_nodes;
 }
 
-/// Controls that not all systems have cannot go on from phase to phase.
+/// Reports features that carry controls from phase to phase, which needs the same controls in all
+/// systems.
 bool check_memory(const UsedSystem& used, const ProblemSpec& spec, Diagnostics& out) {
   const std::string_view use =
       spec.has_linear_controls() ? "controls: linear" : spec.use_of_previous_control();
@@ -192,11 +193,11 @@ bool check_memory(const UsedSystem& used, const ProblemSpec& spec, Diagnostics& 
   return false;
 }
 
-/// Tells apart the phases whose systems have different states or controls.
+/// Adds variants for phases whose systems have different states or controls.
 bool add_variants(const ProblemSpec& spec, const std::vector<UsedSystem>& systems,
                   const std::vector<std::size_t>& at_nodes, Plant& plant, Diagnostics& out) {
   std::vector<SystemVariant> variants;
-  std::vector<std::size_t> variant_of;  // the systems
+  std::vector<std::size_t> variant_of;  // by system
   for (const UsedSystem& used : systems) {
     const auto known = std::ranges::find_if(variants, [&](const SystemVariant& variant) {
       return have_same_columns(*variant.system, *used.system);
@@ -239,7 +240,7 @@ bool add_systems_of_phases(const ProblemSpec& spec, Plant& plant, Diagnostics& o
                            : used.system;
     }
     plant.system = systems.front().system;
-    // States that were added begin at zero, and an added clock too.
+    // Added states and an added clock begin at zero.
     if (static_cast<int>(plant.usual_state.size()) != plant.system->nx()) plant.usual_state.clear();
   }
   for (std::size_t p = 0; p < spec.phases.size(); ++p)

@@ -4,9 +4,8 @@
 
 namespace conddp {
 
-/// Sets plant.systems, and what the plant says of variants, where phases have systems of their own,
-/// or jumps lie between them. False, and reported, where systems do not fit each other, or a jump
-/// is wrong.
+/// Sets plant.systems and the plant's variants if phases have different systems or jumps lie
+/// between them. Returns false with an error for incompatible systems or an invalid jump.
 bool add_systems_of_phases(const ProblemSpec& spec, Plant& plant, Diagnostics& out);
 
 }  // namespace conddp

@@ -19,7 +19,7 @@ std::vector<std::string> names_of(const std::vector<Column>& columns) {
   return names;
 }
 
-/// The systems that phases name, each once. Empty where one of them cannot be made.
+/// The systems that phases name, each once. Empty if one of them cannot be made.
 Systems named_systems(const ProblemSpec& spec, Diagnostics& out) {
   Systems used;
   for (const PhaseSpec& phase : spec.phases) {
@@ -38,7 +38,8 @@ Systems named_systems(const ProblemSpec& spec, Diagnostics& out) {
   return used;
 }
 
-/// Numbers of one system go over to the other as they are: where both have a unit, it is the same.
+/// Checks units: values pass unchanged between systems, so units must agree wherever both are
+/// given.
 bool check_units(const Systems& systems, const std::vector<Column>& (System::*columns)() const,
                  Diagnostics& out) {
   std::vector<std::pair<Column, const UsedSystem*>> known;
@@ -65,7 +66,7 @@ bool have_same_states(const System& a, const System& b) {
   return names_of(a.state_columns()) == names_of(b.state_columns());
 }
 
-/// Whether steps are made of both in the same way.
+/// Checks that two systems have the same kind of step.
 bool check_kind(const UsedSystem& used, const System& first, Diagnostics& out) {
   const System& system = *used.system;
   if (system.kind() == first.kind() && system.ndx() == first.ndx()) return true;
@@ -75,14 +76,14 @@ bool check_kind(const UsedSystem& used, const System& first, Diagnostics& out) {
   return false;
 }
 
-/// The text of a system to which states can be added; null of others.
+/// The text of a system that can get additional states; null for other systems.
 const ExpressionSystemText* extensible_text(const UsedSystem& used) {
   const auto* system = std::get_if<ExpressionSystemSpec>(&used.named->system.parameters);
   return system != nullptr && system->text.kind != SystemKind::second_order ? &system->text
                                                                             : nullptr;
 }
 
-/// Gives systems of expressions the states of all.
+/// Gives systems of expressions the states of all systems.
 class StateUnion {
  public:
   StateUnion(Systems& systems, Diagnostics& out) : systems_(systems), out_(out) {}
@@ -126,7 +127,7 @@ class StateUnion {
     return false;
   }
 
-  /// Of systems that cannot rest in the states of others.
+  /// Reports systems whose states differ from those of the first and cannot be extended.
   bool report_states() const {
     const UsedSystem& first = systems_.front();
     const auto other = std::ranges::find_if(systems_, [&](const UsedSystem& used) {

@@ -9,25 +9,25 @@
 
 namespace conddp {
 
-/// A system of a file that phases name.
+/// A system of the file that phases use.
 struct UsedSystem {
   const NamedSystemSpec* named;
   std::shared_ptr<const System> system;
-  /// Of equations, with the states of all systems.
+  /// Equations with the states of all systems.
   std::optional<ExpressionSystemText> text = {};
 };
 
-/// The systems that phases name, in the order of the phases, all with the same columns of the
-/// state: where they have different ones, these are all of them in the order in which they first
-/// appear, and a system rests in those that it lacks. Empty, and reported, where systems do not fit
-/// each other: of another kind or with other units, or other states of systems that are not of
-/// first order or of differences.
+/// The systems that phases name, in the order of the phases, all with the same state columns. If
+/// their states differ, each gets the union of all states in order of first appearance; states that
+/// a system lacks are at rest in it. Returns an empty list with an error for incompatible systems:
+/// different kinds, different units, or different states in systems other than first-order and
+/// discrete ones.
 std::vector<UsedSystem> unite_systems(const ProblemSpec& spec, Diagnostics& out);
 
-/// The controls of all of them, in the order in which they first appear.
+/// The controls of all systems, in order of first appearance.
 std::vector<Column> controls_of(const std::vector<UsedSystem>& systems);
 
-/// Whether two systems have the same states and the same controls.
+/// True if two systems have the same states and the same controls.
 bool have_same_columns(const System& a, const System& b);
 
 }  // namespace conddp

@@ -13,17 +13,17 @@
 namespace conddp {
 namespace {
 
-/// A foot's swings in knots: the n-th one from first + n·period on.
+/// A foot's swings in knots: the n-th swing begins at first + n·period.
 struct FootSteps {
   int first = 0;
   double start = 0;
 };
 
-/// A part of the way on which the base moves evenly.
+/// A section of the path with uniform motion of the base.
 struct WayPart {
-  double from;          ///< cycles of the way
-  PlanarMotion before;  ///< where it begins
-  PlanarMotion step;    ///< a cycle
+  double from;          ///< position in the path, cycles
+  PlanarMotion before;  ///< motion up to its beginning
+  PlanarMotion step;    ///< motion per cycle
 };
 
 class GaitSchedule {
@@ -50,7 +50,7 @@ class GaitSchedule {
   int lift_off(int foot, int cycle) const { return feet_[foot].first + cycle * period_; }
   int touch_down(int foot, int cycle) const { return lift_off(foot, cycle) + swing_; }
 
-  /// A duration in knots, which must be a whole number of them.
+  /// A duration in knots, which must be a whole number.
   int knots_of(const Located<double>& duration, std::string_view what) {
     const double steps = duration.value / gait_.dt.value;
     constexpr double kRounding = 1e-6;
@@ -87,7 +87,7 @@ class GaitSchedule {
       end_ = std::max(end_, touch_down(foot, cycles() - 1) + stand);
   }
 
-  /// How long a foot is in the air: a part of the period, with time to stand behind the last one.
+  /// Sets the swing duration: a part of the period, which must leave time to stand at the end.
   void set_swing(int stand) {
     swing_ = static_cast<int>(std::lround((1 - gait_.duty.value) * period_));
     if (swing_ < 1)
@@ -148,7 +148,7 @@ class GaitSchedule {
     return name;
   }
 
-  /// The key that says how long a phase is.
+  /// Place of the key that determines a phase's length.
   const Place& place_of_length(bool first, bool last) const {
     const Place& key = first ? gait_.begin.place : last ? gait_.end.place : gait_.period.place;
     return key;
@@ -175,14 +175,14 @@ class GaitSchedule {
     }
   }
 
-  /// Appends a phase, in which those feet swing that are in the air before and after it.
+  /// Appends a phase. Feet in the air before and after it swing in it.
   void add_phase(PhaseSpec phase, int before, int after) {
     for (int foot = 0; foot < foot_count(); ++foot)
       if (!stands(foot, before) && !stands(foot, after)) swing_phases_[foot].push_back(phase.name);
     spec_.phases.push_back(std::move(phase));
   }
 
-  /// The impulse of the feet that touch down at a knot, those that stand already included.
+  /// Adds the impulse of the feet that touch down at a knot, including feet already in stance.
   void add_impulse(int knot) {
     std::string name = fmt::format("touch_down_{}", spec_.phases.size() + 1);
     bool touches = false;
@@ -200,7 +200,7 @@ class GaitSchedule {
               knot - 1, knot);
   }
 
-  /// The way by the lengths of steps, and by commands from their times on.
+  /// Builds the path from the step lengths, and after each command from its velocity.
   void make_way() {
     way_ = {{0,
              {},
@@ -219,7 +219,7 @@ class GaitSchedule {
     }
   }
 
-  /// Whether a closed loop gives the gait as many cycles as it lasts.
+  /// True if a closed loop extends the gait to the loop's duration.
   bool loop_repeats_gait() const {
     return spec_.mpc && spec_.mpc->repeat.value == AfterTheEnd::kGait;
   }
@@ -229,14 +229,14 @@ class GaitSchedule {
     return static_cast<int>(std::lround(knot));
   }
 
-  /// How long the base takes for a cycle of its way, s.
+  /// Duration of a cycle of the base's path, s.
   double cycle_of_way() const {
     const double knots =
         earliest_ == latest_ ? period_ : static_cast<double>(way_end() - way_begin()) / cycles();
     return knots * gait_.dt.value;
   }
 
-  /// How much of the way the base has gone at a knot, in cycles.
+  /// Progress of the base along its path at a knot, in cycles.
   double cycles_gone(int knot) const {
     if (earliest_ != latest_)
       return cycles() *
@@ -249,9 +249,9 @@ class GaitSchedule {
     return std::min<double>(gone, cycles());
   }
 
-  /// The motion up to a share of the whole way.
+  /// The motion up to a share of the entire path.
   PlanarMotion motion(double share) const {
-    // To a picometre and its angle: an expanded file shows 0.2 and not 0.19999999999999998.
+    // Rounds to 1e-12 m or rad: an expanded file shows 0.2, not 0.19999999999999998.
     const auto rounded = [](double value) { return std::round(value * 1e12) / 1e12; };
     const double gone = share * cycles();
     std::size_t part = way_.size() - 1;
@@ -294,7 +294,7 @@ class GaitSchedule {
     return cost;
   }
 
-  /// Reports costs of the file that have the name of a swing's.
+  /// Reports costs of the file that have the name of a swing cost.
   void check_name(const CostSpec& swing, const std::string& contact) {
     for (const CostSpec& other : spec_.costs)
       if (other.name.value == swing.name.value)
@@ -304,19 +304,19 @@ class GaitSchedule {
                    "give this cost another name");
   }
 
-  /// A node's number, which counts impulses that come before it.
+  /// Node number of a knot, including the impulses before it.
   int node(int knot) const {
     return knot + static_cast<int>(std::count_if(impulses_.begin(), impulses_.end(),
                                                  [&](int impulse) { return impulse < knot; }));
   }
 
-  /// Knots and the share of the way that the base has gone by then.
+  /// Knots with the base's progress along its path there.
   std::vector<std::pair<int, double>> way() const {
     if (cycles() == 0) return {{0, 0.0}};
     return earliest_ == latest_ ? way_of_hops() : way_of_steps();
   }
 
-  /// Where all feet swing together the base moves while they do.
+  /// If all feet swing together, the base moves only during their swings.
   std::vector<std::pair<int, double>> way_of_hops() const {
     std::vector<std::pair<int, double>> points;
     for (int cycle = 0; cycle < cycles(); ++cycle) {
@@ -326,14 +326,14 @@ class GaitSchedule {
     return points;
   }
 
-  /// The middles of the first swing and of the last one, between which the base moves.
+  /// The middles of the first and the last swing, between which the base moves.
   int way_begin() const { return knot_of_start(earliest_) + swing_ / 2; }
   int way_end() const { return knot_of_start(latest_) + (cycles() - 1) * period_ + swing_ / 2; }
 
   std::vector<std::pair<int, double>> way_of_steps() const {
     const int first = way_begin(), last = way_end();
     std::set<int> knots;
-    // On an arc straight pieces of half a cycle come close enough.
+    // Straight pieces of half a cycle approximate an arc closely enough.
     const int pieces = gait_.turn == 0 && gait_.commands.empty() ? 1 : 2 * cycles();
     for (int i = 0; i <= pieces; ++i)
       knots.insert(first +
@@ -347,7 +347,7 @@ class GaitSchedule {
     return points;
   }
 
-  /// Whether a reference is one state that is displaced with the gait.
+  /// True for a reference that is a single state displaced with the gait.
   static bool goes_with_gait(const ReferenceSpec& reference) {
     if (reference.values.size() != 1 || !reference.times.empty() || !reference.knots.empty())
       return false;
@@ -355,7 +355,7 @@ class GaitSchedule {
     return state && state->displaced && state->displaced->with_gait;
   }
 
-  /// Gives a reference that goes with the gait its way-points, or at the last node its end.
+  /// Sets the way-points of a reference that follows the gait, or at the last node its final value.
   void lead(CostSpec& cost, bool terminal) const {
     if (!cost.reference || !goes_with_gait(*cost.reference)) return;
     ReferenceSpec& reference = *cost.reference;

@@ -5,16 +5,16 @@
 
 namespace conddp {
 
-/// Gives a problem the phases of a gait, a cost on each foot's swings (`swing_<contact>`), and to
-/// references that go with the gait their way-points. What does not fit together is reported.
+/// Adds to a problem the phases of a gait, a cost on each foot's swings (`swing_<contact>`), and
+/// the way-points of references that follow the gait. Inconsistent input is reported.
 ///
 /// In cycle n, from 0, a foot swings from (n + start)·period for (1 − duty)·period. Its swings add
-/// up to cycles·length along an arc (and cycles·turn); with s the largest of all starts, the n-th
-/// one ends at the share min(1, (n + 1 − s + start) / (cycles − s)) of the whole way. So feet that
-/// start later have gone further at their first touch-down and have less to go at their last:
-/// around each stance the feet lie evenly before and behind the base, which moves evenly from the
-/// middle of the first swing to the middle of the last one. Feet that all swing together take the
-/// base along.
+/// up to cycles·length along an arc (and cycles·turn). With s the largest of all starts, the n-th
+/// swing ends at the share min(1, (n + 1 − s + start) / (cycles − s)) of the entire path. Feet that
+/// start later therefore move further with their first swing and less with their last one. Around
+/// each stance the feet lie symmetrically before and behind the base. The base moves uniformly from
+/// the middle of the first swing to the middle of the last one. If all feet swing together, the
+/// base moves with them.
 void add_gait(const GaitSpec& gait, ProblemSpec& spec, Diagnostics& out);
 
 }  // namespace conddp

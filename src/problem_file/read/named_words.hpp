@@ -8,7 +8,7 @@
 
 namespace conddp {
 
-/// Names with a word each, such as a unit: of a mapping, or of a list, where the word is 1.
+/// Names with a word each, such as a unit: from a mapping, or from a list, with the word 1.
 std::vector<std::pair<Name, std::string>> read_named_words(const YamlReader& reader);
 
 }  // namespace conddp

@@ -18,7 +18,7 @@ void read_direction(const YamlReader& reader, Vector3<double>& direction) {
     reader.error("the direction has no length");
 }
 
-/// A number, or null for none.
+/// A number; null means `none`.
 std::optional<double> read_limit(const YamlReader& reader, double none) {
   return reader.is_null() ? none : reader.number();
 }

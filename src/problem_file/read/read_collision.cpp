@@ -52,7 +52,7 @@ CapsuleSpec read_capsule(const YamlReader& reader) {
   return capsule;
 }
 
-/// The keys that say what a shape is; nothing, with an error, unless there is exactly one.
+/// Reads the form of a shape; exactly one key must define it.
 template <class Form>
 std::optional<Form> read_form(YamlMap& map, bool in_world) {
   if (!map.valid()) return std::nullopt;
@@ -75,7 +75,7 @@ std::optional<Form> read_form(YamlMap& map, bool in_world) {
   return form;
 }
 
-/// Calls read(name, value) for every shape; names that something else has are reported.
+/// Calls read(name, value) for every shape; duplicate names are reported.
 template <class F>
 void read_shapes(const YamlReader& reader, std::vector<std::string>& taken, F read) {
   const auto entries = reader.named_entries();

@@ -7,7 +7,7 @@
 namespace conddp {
 namespace {
 
-/// Whether bounds are the URDF's limits, and what these are multiplied by.
+/// Reads whether bounds are the URDF's limits, and their scale.
 template <class Spec>
 void read_limits_of_urdf(YamlMap& map, Spec& spec) {
   const auto from = map.find("from");
@@ -23,7 +23,7 @@ void read_limits_of_urdf(YamlMap& map, Spec& spec) {
     scale->error("only limits of the URDF are scaled", "write 'from: urdf' too, or other bounds");
 }
 
-/// The keys that bounds on the control and on the state share.
+/// Reads the keys that bounds on the control and on the state share.
 template <class Spec>
 void read_bounds(YamlMap& map, const Name& name, Spec& spec) {
   read_limits_of_urdf(map, spec);
@@ -34,7 +34,7 @@ void read_bounds(YamlMap& map, const Name& name, Spec& spec) {
         fmt::format("the bounds '{}' need 'lower', 'upper' or 'from: urdf'", name.value));
 }
 
-/// Whether and how a constraint is soft.
+/// Reads whether and how a constraint is soft.
 void read_softness(YamlMap& map, ConstraintSpec& constraint) {
   const auto weight = map.find("weight");
   const auto soft = map.find("soft");
@@ -51,7 +51,7 @@ void read_softness(YamlMap& map, ConstraintSpec& constraint) {
                 "what a unit of distance costs (l1), or half of it a unit squared (l2)");
 }
 
-/// Bounds on the control that solvers satisfy at every iterate.
+/// Reads bounds on the control that solvers satisfy at every iterate.
 void read_hard_control_bounds(YamlMap& map, const Name& name, ProblemSpec& spec) {
   ControlBoundsSpec bounds{.name = name};
   read_bounds(map, name, bounds);
@@ -88,15 +88,14 @@ void read_bounded(YamlMap& map, const Name& name, ProblemSpec& spec) {
   spec.constraints.push_back(std::move(constraint));
 }
 
-/// Ways to say what a residual has to be that exclude each other.
+/// Keys of a residual's set that exclude each other.
 constexpr std::pair<std::string_view, std::string_view> kExclusive[] = {
     {"equals", "lower"},   {"equals", "upper"},   {"equals", "at_least"}, {"equals", "at_most"},
     {"equals", "cone"},    {"lower", "at_least"}, {"lower", "at_most"},   {"lower", "cone"},
     {"upper", "at_least"}, {"upper", "at_most"},  {"upper", "cone"},      {"at_least", "cone"},
     {"at_most", "cone"}};
 
-/// The value of a key that says what the residual has to be. Residuals that are cones have no such
-/// key but `cone`.
+/// The value of a key that defines a residual's set. Cone residuals accept only `cone`.
 std::optional<YamlReader> find_in_set(YamlMap& map, std::string_view key,
                                       const ResidualDefinition& definition) {
   const auto r = map.find(key);
@@ -106,8 +105,8 @@ std::optional<YamlReader> find_in_set(YamlMap& map, std::string_view key,
   return r;
 }
 
-/// Only bounds come from a URDF. The key is asked for only where it stands, so that it is not
-/// listed among the accepted ones.
+/// Reports `from` in a constraint on a residual: only bounds come from a URDF. The key is queried
+/// only if present, so that messages do not list it as accepted.
 void check_source(YamlMap& map) {
   if (!map.valid() || map.reader().node().find("from") == nullptr) return;
   map.find("from")->error(
@@ -116,7 +115,7 @@ void check_source(YamlMap& map) {
       "'residual', or 'lower' and 'upper' instead of 'from'");
 }
 
-/// Numbers for the rows of the residual.
+/// Reads numbers for the rows of the residual.
 void read_interval(YamlMap& map, ConstraintSpec& constraint) {
   const ResidualDefinition& definition = *constraint.function.definition;
   if (const auto r = find_in_set(map, "equals", definition))
@@ -127,7 +126,7 @@ void read_interval(YamlMap& map, ConstraintSpec& constraint) {
     constraint.upper = read_component_bounds(*r);
 }
 
-/// Bounds on the norm of the residual.
+/// Reads bounds on the norm of the residual.
 void read_length(YamlMap& map, ConstraintSpec& constraint) {
   const ResidualDefinition& definition = *constraint.function.definition;
   auto &shortest = constraint.at_least, &longest = constraint.at_most;
@@ -139,7 +138,7 @@ void read_length(YamlMap& map, ConstraintSpec& constraint) {
     r->error(fmt::format("no length is at least {} and at most {}", *shortest, *longest));
 }
 
-/// Whether a residual has a cone of its own, or may get a second-order one.
+/// True if a residual has its own cone or accepts a second-order cone.
 bool has_cone(const ResidualDefinition& definition, bool second_order) {
   return definition.has(key::cone.name) || (second_order && !definition.is_cone);
 }
@@ -162,7 +161,7 @@ bool has_bounds(const ConstraintSpec& constraint) {
          constraint.at_most;
 }
 
-/// Distances of shapes are at least a margin where nothing else is said.
+/// By default, distances of shapes are at least a margin.
 void apply_margin(YamlMap& map, ConstraintSpec& constraint) {
   const KeyValues& keys = constraint.function.keys;
   if (!constraint.function.definition->needs.shapes) return;
@@ -182,7 +181,7 @@ void read_slope(YamlMap& map, ConstraintSpec& constraint) {
     r->error("a slope belongs to cones that are not of contacts, which have their friction");
 }
 
-/// What the residual has to be: equal, between, of a length, in a cone.
+/// Reads the set of the residual: equal, between, of a length, in a cone.
 void read_set(YamlMap& map, ConstraintSpec& constraint) {
   for (const auto& [a, b] : kExclusive) map.exclusive({a, b});
   check_source(map);
@@ -193,7 +192,7 @@ void read_set(YamlMap& map, ConstraintSpec& constraint) {
   read_slope(map, constraint);
 }
 
-/// Positions that lie between or equal numbers of the world are measured from its origin.
+/// Sets the origin as reference of positions that are compared with numbers in the world.
 void measure_from_origin(const YamlReader& reader, ConstraintSpec& constraint) {
   CostSpec& function = constraint.function;
   const ReferenceForm* form = function.definition->reference;
@@ -202,7 +201,7 @@ void measure_from_origin(const YamlReader& reader, ConstraintSpec& constraint) {
   function.reference = {.place = reader.place(), .values = {*form->zero(function, reader.place())}};
 }
 
-/// Equally spaced points from one to another, both included; as many numbers each.
+/// Equally spaced points from `begin` to `end`, both included, of equal dimension.
 std::vector<std::vector<double>> points_between(const std::vector<double>& begin,
                                                 const std::vector<double>& end, long long count) {
   std::vector<std::vector<double>> points;
@@ -229,7 +228,7 @@ std::vector<std::vector<double>> read_line(const YamlReader& reader) {
   return points_between(*begin, *end, *points);
 }
 
-/// Points, and lines of points.
+/// Reads points, and lines of points.
 void add_centers(const YamlReader& reader, std::vector<Located<std::vector<double>>>& centers) {
   if (reader.is_map()) {
     for (std::vector<double>& point : read_line(reader))
@@ -239,7 +238,7 @@ void add_centers(const YamlReader& reader, std::vector<Located<std::vector<doubl
   }
 }
 
-/// Whether the residual of a term is the difference of a point from its reference.
+/// True if the residual of a term is the difference of a point from its reference.
 bool is_point(const CostSpec& function) {
   const auto is_point_with = function.definition->is_point;
   return is_point_with != nullptr && is_point_with(function);
@@ -273,7 +272,7 @@ void read_centers(YamlMap& map, ConstraintSpec& constraint) {
     reader->error("a constraint from centers needs 'at_least' or 'at_most'");
 }
 
-/// Reports an entry that is no constraint at all; of its other keys nothing can be said.
+/// Reports an invalid entry and ignores its other keys.
 void reject(YamlMap& map, const YamlReader& where, std::string message, std::string hint) {
   where.error(std::move(message), std::move(hint));
   map.ignore_others();

@@ -43,7 +43,7 @@ void read_size(const YamlReader& reader, ContactSpec& contact) {
     reader.error("the size of a sole must be positive");
 }
 
-/// The keys that `defaults` may have, too.
+/// Reads the keys that `defaults` also accepts.
 void read_common_keys(YamlMap& map, ContactSpec& contact) {
   map.choice("type", contact.kind, kContactWords, "type of contact");
   read_axes(map, contact);
@@ -55,7 +55,7 @@ void read_common_keys(YamlMap& map, ContactSpec& contact) {
 void complete_tangent(const Place& place, Diagnostics& out, ContactSpec& contact) {
   if (contact.kind != ContactKind::planar) return;
   const Vector3<double> n = contact.normal;
-  // Without one: the world's (or the frame's) x axis as far as it lies in the plane.
+  // By default the world's (or the frame's) x axis, projected onto the plane.
   Vector3<double> t = contact.tangent.value_or(Vector3<double>{1, 0, 0});
   t = t - dot(n, t) * n;
   const double length = std::sqrt(squared_norm(t));
@@ -67,7 +67,7 @@ void complete_tangent(const Place& place, Diagnostics& out, ContactSpec& contact
   contact.tangent = (1 / length) * t;
 }
 
-/// What contacts have that do not say otherwise.
+/// Defaults for all contacts.
 ContactSpec read_defaults(const std::vector<std::pair<Name, YamlReader>>& entries) {
   ContactSpec defaults;
   for (const auto& [name, value] : entries) {

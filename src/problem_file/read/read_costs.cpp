@@ -25,7 +25,7 @@ std::vector<Located<int>> read_knots(const YamlReader& reader) {
   return knots;
 }
 
-/// How rows of the residual weigh: one by one, or with each other.
+/// Reads the weights of residual rows: component weights or a matrix.
 void read_weights(YamlMap& map, CostSpec& cost) {
   map.exclusive({"weights", "matrix"});
   if (const auto r = map.find("weights")) cost.weights = read_components(*r, kNotNegative);
@@ -38,7 +38,7 @@ void read_weights(YamlMap& map, CostSpec& cost) {
              "write 'weights', one a row");
 }
 
-/// The activation that the file gives, or that of the residual.
+/// Reads the activation, or sets the residual's default.
 void read_activation_of(YamlMap& map, CostSpec& cost) {
   const ResidualDefinition& definition = *cost.definition;
   const auto activation = map.find("activation");
@@ -65,7 +65,7 @@ CostSpec read_cost(const Name& name, const YamlReader& reader, const std::filesy
   return cost;
 }
 
-/// What the residual is measured from.
+/// Reads the reference of the residual.
 void read_origin(YamlMap& map, const std::filesystem::path& folder, CostSpec& cost) {
   const auto r = map.find("reference");
   if (!r) return;
@@ -75,7 +75,7 @@ void read_origin(YamlMap& map, const std::filesystem::path& folder, CostSpec& co
     r->error(fmt::format("the residual '{}' has no reference", cost.definition->name));
 }
 
-/// At which knots a cost or constraint holds.
+/// Reads the phases, knots and nodes of a cost or constraint.
 void read_where(YamlMap& map, TermPlace place, CostSpec& cost) {
   if (const auto r = map.find("phases")) cost.phases = read_phase_names(*r);
   if (const auto r = map.find("knots")) cost.knots = read_knots(*r);

@@ -10,13 +10,13 @@ namespace {
 
 constexpr std::string_view kUnitQuaternion = "unit_quaternion", kPose = "pose";
 
-/// Where the names and the texts of one part of a system stand.
+/// Places of the names and texts of one part of a system.
 struct SystemPartPlaces {
   std::vector<Place> names;
   std::vector<ExpressionText> texts;
 };
 
-/// Reads the keys of a system of expressions and puts its messages where they belong.
+/// Reads the keys of a system of expressions and reports errors at their places.
 class ExpressionSystemReader {
  public:
   ExpressionSystemReader(YamlMap& map, const FileContext& file, ExpressionSystemSpec& system)
@@ -51,7 +51,7 @@ class ExpressionSystemReader {
 
   bool second_order() const { return system_.text.kind == SystemKind::second_order; }
 
-  /// The key of the equations, which says what kind of system it is.
+  /// The key of the equations, which determines the kind of system.
   std::string read_kind() {
     const bool acceleration = map_.find("acceleration").has_value();
     const bool next = map_.find("next").has_value();
@@ -110,7 +110,7 @@ class ExpressionSystemReader {
     }
   }
 
-  /// Constants and tables: those of the file, and then those of the system.
+  /// Reads constants and tables; those of the file precede those of the system.
   void read_names() {
     if (const auto reader = map_.find("parameters"))
       for (const auto& [name, value] : read_named_numbers(*reader)) {
@@ -140,7 +140,7 @@ class ExpressionSystemReader {
     });
   }
 
-  /// The part of the file that a message is about; null for the whole.
+  /// Places for a message's part; null for the entire system.
   const SystemPartPlaces* places_of(Part part) const {
     switch (part) {
       case Part::kState:
@@ -157,7 +157,7 @@ class ExpressionSystemReader {
         return &definitions_;
       case Part::kEquation:
         return &equations_;
-      case Part::kRow:  // of residuals alone
+      case Part::kRow:  // only in residuals
       case Part::kOperand:
       case Part::kWhole:
         break;

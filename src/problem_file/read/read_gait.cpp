@@ -22,7 +22,7 @@ constexpr Role kPace[] = {{"LF", 0.5}, {"RF", 0}, {"LH", 0.5}, {"RH", 0}};
 constexpr Role kBound[] = {{"LF", 0}, {"RF", 0}, {"LH", 0.5}, {"RH", 0.5}};
 constexpr Role kBipedWalk[] = {{"L", 0}, {"R", 0.5}};
 
-/// Sets of roles that a type can have; none where its feet move together.
+/// Possible sets of roles of a gait type; empty if its feet move together.
 std::vector<std::span<const Role>> role_sets(GaitType type) {
   switch (type) {
     case GaitType::walk:
@@ -63,14 +63,14 @@ std::string feet_hint(const std::vector<std::span<const Role>>& sets) {
   return hint;
 }
 
-/// Whether the roles are the names of contacts.
+/// True if all roles are names of contacts.
 bool are_contacts(std::span<const Role> roles, const std::vector<ContactSpec>& contacts) {
   return std::all_of(roles.begin(), roles.end(), [&](const Role& role) {
     return find_contact(contacts, role.name) != nullptr;
   });
 }
 
-/// The feet where the file does not say them: contacts called like the roles.
+/// Default feet: the contacts with the names of the roles.
 void find_feet(const YamlReader& reader, const std::vector<ContactSpec>& contacts, GaitSpec& gait) {
   const auto sets = role_sets(gait.type.value);
   if (sets.empty()) {
@@ -103,8 +103,8 @@ void check_contact(const YamlReader& reader, const std::vector<ContactSpec>& con
       reader.error(fmt::format("the contact '{}' is the foot '{}' already", name.value, foot.role));
 }
 
-/// When the cycle of a foot starts, by its role; one that the type of gait does not have is
-/// reported. Without roles 0.
+/// Cycle start of a foot by its role, 0 without roles. A role that the gait type does not have is
+/// reported.
 double usual_start(const Name& role, std::span<const Role> roles, GaitType type, Diagnostics& out) {
   const auto known =
       std::find_if(roles.begin(), roles.end(), [&](const Role& r) { return r.name == role.value; });
@@ -117,15 +117,15 @@ double usual_start(const Name& role, std::span<const Role> roles, GaitType type,
   return 0;
 }
 
-/// Whether the file says of each foot when its cycle starts.
+/// True if the file gives the cycle start of every foot.
 bool starts_all(const std::optional<YamlReader>& starts, const YamlReader& feet) {
   return starts && std::ranges::all_of(feet.node().entries, [&](const YamlNode::Entry& foot) {
            return starts->node().find(foot.key) != nullptr;
          });
 }
 
-/// `starts`: of the cycles of feet, if the file has them. With those of all feet a gait is known
-/// whatever feet it has.
+/// Reads the feet. `starts`: cycle starts of the file, if given. If they are complete, the gait
+/// accepts any feet.
 void read_feet(const YamlReader& reader, const std::vector<ContactSpec>& contacts,
                const std::optional<YamlReader>& starts, GaitSpec& gait) {
   const auto entries = reader.named_entries();
@@ -185,7 +185,7 @@ bool read_located(YamlMap& map, std::string_view key, Located<double>& value,
   return true;
 }
 
-/// The time that the feet stand before and after the gait.
+/// Reads the standing time before and after the gait.
 void read_stand(YamlMap& map, GaitSpec& gait) {
   gait.begin.place = gait.end.place = gait.place;
   const auto r = map.find("stand");
@@ -216,7 +216,7 @@ void read_steps(YamlMap& map, GaitSpec& gait) {
   map.number("weight", gait.weight, kPositive);
 }
 
-/// A velocity in the plane, m/s.
+/// Reads a planar velocity, m/s.
 void read_velocity(const YamlReader& reader, GaitCommand& command) {
   constexpr double kFastest = 1e3;
   const auto velocity = read_vector3(reader, "[forward, left, 0] in m/s");

@@ -8,7 +8,7 @@
 namespace conddp {
 namespace {
 
-/// All numbers of a state, the name of a configuration, or its parts.
+/// All numbers of a state, the name of a configuration, or the parts of a state.
 StateSpec read_state_or_name(const YamlReader& reader) {
   if (reader.is_sequence()) return {.place = reader.place(), .state = reader.numbers()};
   if (reader.is_scalar() && !reader.is_number())

@@ -44,7 +44,7 @@ class LibrarySystemReader {
                     "rate' or 'gives: next' for 'states'");
   }
 
-  /// Where they stand.
+  /// Reads columns and returns their place.
   Place read_columns(std::string_view key, std::vector<Column>& columns) {
     const auto reader = map_.require(key);
     if (!reader) return map_.reader().place();
@@ -68,7 +68,7 @@ class LibrarySystemReader {
           "each position has a velocity, in the same order");
   }
 
-  /// Names that expressions can have, which costs and constraints are written in.
+  /// Requires names that are valid in expressions, because costs and constraints use expressions.
   void add_name(const Name& name) {
     const bool is_clock = name.value == kClock || name.value == kClockRate;
     const std::string defect = is_clock ? fmt::format("'{}' is the name of the clock", name.value)

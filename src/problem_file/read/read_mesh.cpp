@@ -38,7 +38,7 @@ void cut_steps(const MeshSpec& mesh, std::vector<PhaseSpec>& phases, Diagnostics
 
 void tighten_for_mesh(const MeshSpec& mesh, ProblemSpec& spec) {
   if (!spec.integrator || !info_of(spec.integrator->value).collocation) return;
-  // What the steps violate adds up over the knots; below this, rounding is left.
+  // Violations of the steps accumulate over the knots. Below kLeast, only rounding remains.
   constexpr double kShare = 0.1, kLeast = 1e-11;
   double& tolerance = spec.solver.options.tolerances.constraint;
   const double wanted = kShare * mesh.error / std::max(1, spec.knots());

@@ -13,18 +13,18 @@ namespace {
 constexpr int kMostIterations = 1'000'000;
 const NumberRange kShare{0, 1, false, false, "a number from 0 to 1"};
 
-/// A number above 0 and its place.
+/// A positive number and its place.
 std::optional<Located<double>> read_positive(const YamlReader& reader) {
   const auto number = reader.number(kPositive);
   return number ? std::optional(Located<double>{*number, reader.place()}) : std::nullopt;
 }
 
-/// A length of time.
+/// Reads a required duration.
 void require_duration(YamlMap& map, std::string_view key, Located<double>& value) {
   if (const auto r = map.require(key)) value = {r->number(kPositive).value_or(1), r->place()};
 }
 
-/// A number of iterations, or the word for as many as it takes.
+/// A number of iterations; empty for the word that removes the limit.
 std::optional<int> read_iterations(const YamlReader& reader) {
   static constexpr Choice<bool> kWords[] = {{"tolerances", true}};
   if (reader.is_number()) return static_cast<int>(reader.integer(1, kMostIterations).value_or(1));
@@ -43,8 +43,8 @@ constexpr std::string_view kPlantParts[] = {"system",  "systems",     "robot",
                                             "robots",  "parameters",  "tables",
                                             "gravity", "constraints", "contacts"};
 
-/// Whether a key is of what moves, not of what is wanted of it. Of constraints, which are bounds on
-/// the control is known where the plant is built.
+/// True for keys that define the plant and not the objective. Control bounds among the constraints
+/// are identified when the plant is built.
 bool is_of_plant(const std::string& key, bool friction) {
   const std::string_view part = first_step(key);
   if (part == "constraints" && key == part) return false;
@@ -64,7 +64,8 @@ void read_plant_setting(const Name& key, const YamlReader& value, MpcPlantSpec& 
     plant.settings.push_back(make_setting(key, value.node()));
 }
 
-/// The numbers and words below a part of the plant: `robot: {urdf: heavy.urdf}` sets `robot.urdf`.
+/// Reads the numbers and words below a part of the plant: `robot: {urdf: heavy.urdf}` sets
+/// `robot.urdf`.
 void read_plant_part(const Name& part, const YamlReader& value, MpcPlantSpec& plant) {
   if (!value.is_map()) return read_plant_setting(part, value, plant);
   if (const auto entries = value.named_entries())
@@ -72,7 +73,7 @@ void read_plant_part(const Name& part, const YamlReader& value, MpcPlantSpec& pl
       read_plant_part({part.value + '.' + key.value, key.place}, below, plant);
 }
 
-/// `known`: the kind of contacts is.
+/// `known`: the kind of contacts is known.
 void read_ground(YamlMap& map, bool known, MpcPlantSpec& plant) {
   const auto r = map.find("ground");
   if (!r) return;
@@ -98,8 +99,8 @@ void read_plant_contacts(YamlMap& map, MpcPlantSpec& plant) {
   read_ground(map, simulated.has_value(), plant);
 }
 
-/// Parts of the file that stand in the plant itself, not below its key `set`. Others are asked for
-/// only where they stand, so that they are not listed among the accepted keys.
+/// Reads parts of the file that stand directly in the plant, not below `set`. Other parts are
+/// queried only if present, so that messages do not list them as accepted.
 void read_plant_parts(YamlMap& map, MpcPlantSpec& plant) {
   for (const char* part : {"system", "robot"})
     if (const auto r = map.find(part)) {
@@ -121,7 +122,7 @@ MpcPlantSpec read_mpc_plant(const YamlReader& reader) {
   read_plant_parts(map, plant);
   read_plant_contacts(map, plant);
   for_each_entry(map, "set", [&](const Name& key, const YamlReader& value) {
-    // Below a path with dots a mapping replaces what was there.
+    // Below a path with dots, a mapping replaces the file's value.
     if (first_step(key.value) == key.value)
       read_plant_part(key, value, plant);
     else
@@ -134,7 +135,7 @@ MpcPlantSpec read_mpc_plant(const YamlReader& reader) {
   return plant;
 }
 
-/// Random numbers on what is measured.
+/// Reads random noise on the measurement.
 NoiseSpec read_noise(YamlMap& map) {
   static constexpr Choice<bool> kWords[] = {{"state", true}};
   NoiseSpec noise;
@@ -146,7 +147,7 @@ NoiseSpec read_noise(YamlMap& map) {
   return noise;
 }
 
-/// Which answers come too late.
+/// Reads which ticks are late.
 LateSpec read_late(YamlMap& map) {
   LateSpec late;
   if (const auto r = map.find("late")) late.share = r->number(kShare).value_or(1);
@@ -173,7 +174,7 @@ void read_push(YamlMap& map, DisturbanceSpec& disturbance) {
     disturbance.duration = r->number(kPositive).value_or(1);
 }
 
-/// By how much the state jumps.
+/// Reads the jump of the state.
 std::optional<ComponentsSpec> read_displacement(const YamlReader& reader) {
   auto jump = read_components(reader);
   if (jump && jump->form == ComponentsSpec::Form::kMap && jump->map.empty())
@@ -216,7 +217,7 @@ void read_window_end(const YamlReader& reader, MpcSpec& mpc) {
   mpc.window_end.value = WindowEnd::kRegulator;
 }
 
-/// The name of a state, a state, or `{lqr: STATE}`.
+/// Reads the name of a state, a state, or `{lqr: STATE}`.
 void read_held_state(const YamlReader& reader, FallbackSpec& fallback) {
   if (reader.is_scalar()) {
     fallback.name = reader.name();
@@ -241,7 +242,7 @@ FallbackSpec read_fallback(const YamlReader& reader) {
   return fallback;
 }
 
-/// Constraints by their names, or one without: its residual is its name.
+/// Reads constraints by name, or a single unnamed constraint; its residual then becomes its name.
 std::vector<ConstraintSpec> read_conditions(const YamlReader& reader,
                                             const std::filesystem::path& folder) {
   if (!reader.is_map()) {

@@ -26,7 +26,7 @@ void read_impulse(YamlMap& map, const YamlReader& impulse, PhaseSpec& phase) {
                "write '- {impulse: [contacts]}', and the phase after it as another entry");
 }
 
-/// `all`, `none`, a name or a list of names of tangent coordinates, which may have a `*`.
+/// `all`, `none`, a name or a list of names of tangent coordinates, which may contain a `*`.
 ComponentsSpec read_coordinates(const YamlReader& reader) {
   ComponentsSpec coordinates{.place = reader.place()};
   const std::string_view word = reader.is_scalar() ? std::string_view(reader.node().text) : "";
@@ -54,7 +54,7 @@ void read_choice(YamlMap& map, const YamlReader& choose, PhaseSpec& phase) {
   phase.choice = std::move(choice);
 }
 
-/// The states that change, with what becomes of them.
+/// Reads the states that change in a jump, with their new values.
 void read_jump(YamlMap& map, const YamlReader& jump, PhaseSpec& phase) {
   phase.knots = {1, jump.place()};
   phase.jump = JumpSpec{.place = jump.place(), .states = {}};
@@ -87,7 +87,7 @@ RefineSpec read_refine(const YamlReader& reader, int knots) {
   return refine;
 }
 
-/// By default a phase lasts between a tenth and ten times as long as the file says.
+/// Reads the bounds on a free duration; by default a tenth and ten times the duration in the file.
 FreeDurationSpec read_free_duration(const YamlReader& reader, double written) {
   constexpr double kMost = 10;
   FreeDurationSpec free{reader.place(),
@@ -116,7 +116,7 @@ void reject_keys_of_instants(YamlMap& map) {
              "write '- {impulse: [contacts], restitution: 0}'");
 }
 
-/// How long a phase with knots lasts, as its step or as a whole.
+/// Reads the duration of a phase with knots, as its step or in total.
 void read_duration(YamlMap& map, PhaseSpec& phase) {
   map.exclusive({"dt", "duration"});
   double duration = 0;
@@ -162,7 +162,7 @@ PhaseSpec read_phase(const YamlReader& reader, std::size_t index) {
   return phase;
 }
 
-/// The first phase alone may choose the initial state; the contacts are those of the next one.
+/// Only the first phase may choose the initial state; it takes the contacts of the next phase.
 void check_choices(std::vector<PhaseSpec>& phases, Diagnostics& out) {
   for (std::size_t i = 1; i < phases.size(); ++i)
     if (phases[i].choice)

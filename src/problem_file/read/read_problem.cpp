@@ -22,7 +22,7 @@ namespace {
 
 constexpr NumberRange kSpread{0, kLargestSpread, false, false, "a number from 0 to 1e6"};
 
-/// Robots by name.
+/// Reads robots by name.
 void read_robots(const YamlReader& reader, const std::filesystem::path& folder, ProblemSpec& spec) {
   const auto entries = reader.named_entries();
   if (!entries) return;
@@ -34,7 +34,7 @@ void read_robots(const YamlReader& reader, const std::filesystem::path& folder, 
   }
 }
 
-/// Systems by name. Until phases have said which is the first, it is the first of the file.
+/// Reads systems by name. The problem's system is the file's first one, until phases are known.
 void read_systems(const YamlReader& reader, const std::filesystem::path& folder,
                   ProblemSpec& spec) {
   const auto entries = reader.named_entries("write '{a: {states: ..., rate: ...}, b: {...}}'");
@@ -90,7 +90,7 @@ Perturbation read_perturbation(const YamlReader& reader) {
   const auto seed = map.find("seed");
   if (seed)
     perturbation.seed = static_cast<std::uint64_t>(seed->integer(0, kLargestSeed).value_or(1));
-  // An expanded file has a seed in any case.
+  // An expanded file always has a seed.
   if (!perturbation.any() && perturbation.seed != Perturbation{}.seed)
     reader.diagnostics().warning(seed->place(), "the seed has no effect, as nothing is perturbed",
                                  "write 'perturbation: {initial_state: 0.1, seed: 2}'");
@@ -102,7 +102,7 @@ void read_name(const YamlReader& reader, Name& name) {
   if (!names_folder(name.value)) reader.error(kFolderNameRule);
 }
 
-/// Where the motion begins, and how it is integrated.
+/// Reads the initial state, the integrator and the course of controls and running costs.
 void read_motion(YamlMap& map, ProblemSpec& spec) {
   if (const auto r = map.require("initial_state"))
     if (auto state = read_state(*r)) spec.initial_state = std::move(*state);
@@ -117,8 +117,8 @@ void read_motion(YamlMap& map, ProblemSpec& spec) {
       spec.running_costs = {*kind, r->place()};
 }
 
-/// A key that serves robots alone; nothing where it is absent. `message`: why a closed-form system
-/// cannot have it.
+/// Reads a key for robots only; a missing key is skipped. `message`: reason why a closed-form
+/// system does not support it.
 template <class Read>
 void read_of_robots(YamlMap& map, const ProblemSpec& spec, std::string_view key,
                     const char* message, Read read) {
@@ -128,7 +128,7 @@ void read_of_robots(YamlMap& map, const ProblemSpec& spec, std::string_view key,
   if (spec.system) reader->error(message);
 }
 
-/// What robots touch, and what they must not.
+/// Reads contacts and collision shapes.
 void read_surroundings(YamlMap& map, ProblemSpec& spec) {
   read_of_robots(map, spec, "contacts",
                  "a closed-form system has no frames that could touch the world",
@@ -151,7 +151,7 @@ void read_surroundings(YamlMap& map, ProblemSpec& spec) {
   map.exclusive({"stepping", "gait"});
 }
 
-/// The system that a phase names, which it has to where there are several.
+/// The system that a phase names; if the file has several, the name is required.
 const NamedSystemSpec* find_system(const PhaseSpec& phase, const ProblemSpec& spec,
                                    Diagnostics& out) {
   std::vector<std::string> names;
@@ -169,9 +169,9 @@ const NamedSystemSpec* find_system(const PhaseSpec& phase, const ProblemSpec& sp
   return nullptr;
 }
 
-/// Finds the systems of all phases that take time; the first of them is the problem's.
+/// Finds the systems of all phases that take time; the first one becomes the problem's system.
 void settle_systems(ProblemSpec& spec, Diagnostics& out) {
-  if (!spec.system && spec.robots.empty()) return;  // that nothing moves has been reported
+  if (!spec.system && spec.robots.empty()) return;  // the missing system has been reported
   bool first = true;
   for (const PhaseSpec& phase : spec.phases) {
     if (phase.jump && !spec.system)
@@ -186,7 +186,7 @@ void settle_systems(ProblemSpec& spec, Diagnostics& out) {
   }
 }
 
-/// The phases, and the gait that makes them or goes with them.
+/// Reads the phases, and the gait that generates or accompanies them.
 std::optional<GaitSpec> read_schedule(YamlMap& map, ProblemSpec& spec) {
   map.exclusive({"phases", "gait"});
   std::optional<GaitSpec> gait;
@@ -210,10 +210,10 @@ void read_terminal(const YamlReader& reader, const std::filesystem::path& folder
     read_constraints(*constraints, folder, true, spec);
 }
 
-/// What outputs put before the names of the last node.
+/// Prefix in outputs for names of the last node.
 constexpr std::string_view kOfLastNode = "terminal/";
 
-/// Outputs sum up by names: two terms of one name would be one number.
+/// Outputs sum by name, so terms need distinct names.
 void check_running_name(const Name& name, Diagnostics& out) {
   if (name.value.starts_with(kOfLastNode))
     out.error(name.place,
@@ -221,7 +221,7 @@ void check_running_name(const Name& name, Diagnostics& out) {
               "give it another name");
 }
 
-/// The same of soft constraints, which outputs list among the costs.
+/// The same for soft constraints, which outputs list among the costs.
 void check_soft_names(const std::vector<ConstraintSpec>& constraints,
                       const std::vector<CostSpec>& costs, Diagnostics& out) {
   for (const ConstraintSpec& constraint : constraints) {
@@ -243,7 +243,7 @@ void check_names(const ProblemSpec& spec, Diagnostics& out) {
   check_soft_names(spec.terminal_constraints, spec.terminal_costs, out);
 }
 
-/// What a solution is to be like.
+/// Reads the costs and constraints of the problem.
 void read_terms(YamlMap& map, const std::filesystem::path& folder, ProblemSpec& spec) {
   if (const auto r = map.find("costs")) spec.costs = read_costs(*r, folder, false);
   if (const auto r = map.find("integrals")) spec.integrals = read_integrals(*r, folder);
@@ -268,7 +268,7 @@ ProblemSpec read_document(const YamlReader& reader, const std::filesystem::path&
                              kFolderNameRule),
                  "write 'name: ...'");
   map.text("description", spec.description);
-  map.find("parameters");  // which have been read
+  map.find("parameters");  // already read
   const int errors = reader.diagnostics().error_count();
   if (const auto r = map.find("tables")) spec.names.tables = read_tables(*r, folder);
   spec.names.incomplete = reader.diagnostics().error_count() > errors;

@@ -20,7 +20,7 @@ std::optional<ReferenceValueSpec> read_value(const YamlReader& reader, const Cos
   return value;
 }
 
-/// The numbers under a key, each by `read`, which must increase.
+/// The increasing numbers under a key, each read by `read`.
 template <class T, class Read>
 std::vector<Located<T>> read_increasing(YamlMap& map, std::string_view key, Read read) {
   std::vector<Located<T>> values;

@@ -8,7 +8,7 @@
 namespace conddp {
 namespace {
 
-/// kg m²; the six entries as URDF names them, those off the diagonal zero by default.
+/// kg m²; the six entries as in URDF, off-diagonal entries zero by default.
 std::optional<Symmetric3<double>> read_inertia(const YamlReader& reader) {
   YamlMap map(reader);
   if (!map.valid()) return std::nullopt;
@@ -21,7 +21,7 @@ std::optional<Symmetric3<double>> read_inertia(const YamlReader& reader) {
   return Symmetric3<double>{xx, xy, xz, yy, yz, zz};
 }
 
-/// A number, or the name of one of the robot's parameters.
+/// Reads a number, or the name of one of the robot's parameters.
 void read_mass(const YamlReader& reader, const NamedNumbers& parameters, PayloadSpec& payload) {
   const std::string& text = reader.node().text;
   const bool is_parameter =
@@ -62,7 +62,7 @@ PassiveSpec read_passive(const YamlReader& reader) {
   return passive;
 }
 
-/// Whether a state says more than where base and joints are.
+/// True if a state has more than the position of base and joints.
 bool says_more_than_a_posture(const StateSpec& state) {
   return state.configuration || !state.robots.empty() || state.state || !state.values.empty() ||
          state.displaced || state.base_velocity || !state.joint_velocities.empty();
@@ -79,7 +79,7 @@ void read_configuration(const Name& name, const YamlReader& reader, RobotSpec& r
   robot.configurations.emplace_back(name, std::move(*state));
 }
 
-/// Which robot it is, how it stands and what its postures are called.
+/// Reads the robot's file, placement and named configurations.
 void read_body(YamlMap& map, const std::filesystem::path& folder, RobotSpec& robot) {
   if (const auto r = map.require("urdf")) {
     robot.urdf = r->name().value_or(Name{});
@@ -96,7 +96,7 @@ void read_body(YamlMap& map, const std::filesystem::path& folder, RobotSpec& rob
   });
 }
 
-/// What changes the URDF's masses and what acts on the robot.
+/// Reads changes of the URDF's masses and loads on the robot.
 void read_loads(YamlMap& map, RobotSpec& robot) {
   if (const auto r = map.find("locked_joints")) robot.locked_joints = read_named_numbers(*r);
   if (const auto r = map.find("parameters")) robot.parameters = read_named_numbers(*r);

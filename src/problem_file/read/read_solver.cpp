@@ -48,7 +48,7 @@ std::string shown(const IpoptValue& value) {
   return std::visit([](const auto& v) { return fmt::format("{}", v); }, value);
 }
 
-/// The library knows names, types and ranges, and what of them it was built with.
+/// The library checks names, types and ranges, and which options its build supports.
 void read_ipopt_options(const YamlReader& reader, IpoptOptions& options) {
   const auto entries = reader.named_entries();
   if (!entries) return;
@@ -78,7 +78,7 @@ void read_ipopt_options(const YamlReader& reader, IpoptOptions& options) {
   }
 }
 
-/// An option under its earlier name.
+/// Reads an option under its former name.
 void read_former(YamlMap& map, const OptionInfo& info, SolverOptions& options) {
   const auto reader = map.find(info.formerly);
   if (!reader) return;
@@ -87,14 +87,14 @@ void read_former(YamlMap& map, const OptionInfo& info, SolverOptions& options) {
   read_option(*reader, info, options);
 }
 
-/// Under its name, or its earlier one.
+/// Reads an option under its present or former name.
 void read_plain_option(YamlMap& map, const OptionInfo& info, SolverOptions& options) {
   if (const auto r = map.find(info.name)) read_option(*r, info, options);
   if (!info.formerly.empty() && map.reader().node().find(std::string(info.formerly)))
     read_former(map, info, options);
 }
 
-/// Options by their names; those with a point in their name stand in mappings of their own.
+/// Reads options by name; names with a dot are grouped in mappings.
 void read_options(YamlMap& map, SolverOptions& options) {
   std::map<std::string, YamlMap> groups;
   for (const OptionInfo& info : option_table()) {

@@ -25,7 +25,7 @@ BoxSpec read_box(const YamlReader& reader) {
   return box;
 }
 
-/// One shape, and the frame that carries it if any does.
+/// Reads a shape, and the frame that carries it, if any.
 void read_shape(const YamlReader& reader, TouchedSpec& touched) {
   YamlMap map(reader);
   if (!map.valid()) return;
@@ -45,7 +45,7 @@ void read_shape(const YamlReader& reader, TouchedSpec& touched) {
     reader.error("the shape has no form", "give 'half_space', 'sphere' or 'box'");
 }
 
-/// [lower, upper], either of which may be null for none.
+/// [lower, upper]; null means unlimited.
 std::optional<std::array<double, 2>> read_ends(const YamlReader& reader) {
   const auto items = reader.items();
   if (!items) return std::nullopt;
@@ -60,7 +60,7 @@ std::optional<std::array<double, 2>> read_ends(const YamlReader& reader) {
   return ends;
 }
 
-/// The same where one end is limited at least.
+/// The same, with at least one limited end.
 std::optional<std::array<double, 2>> read_limits(const YamlReader& reader) {
   const auto limits = read_ends(reader);
   if (!limits) return std::nullopt;

@@ -11,7 +11,7 @@
 namespace conddp {
 namespace {
 
-/// Rows and columns of a matrix.
+/// Maximum number of rows and columns of a matrix.
 constexpr std::size_t kLargest = 1000;
 
 std::optional<Eigen::RowVectorXd> read_row(const YamlReader& reader) {
@@ -50,7 +50,7 @@ void read(YamlMap& map, const FileContext&, DoubleIntegratorSpec& p) {
   map.integer("dimension", p.dimension, 1, 1000);
 }
 
-/// Whether A is square and B has as many rows.
+/// Checks that A is square and B has as many rows.
 bool check_sizes(const YamlReader& A, const Eigen::MatrixXd& a, const YamlReader& B,
                  const Eigen::MatrixXd& b) {
   if (a.rows() != a.cols())
@@ -107,12 +107,12 @@ constexpr std::array<Parameters (*)(YamlMap&, const FileContext&), sizeof...(P)>
 }
 constexpr auto kReaders = readers(static_cast<const Parameters*>(nullptr));
 
-/// The type of which a system is by its other keys: of equations, or of a compiled function.
+/// The system type determined by its other keys: equations, or a compiled function.
 std::optional<std::size_t> type_by_keys(const YamlNode& node) {
   constexpr std::size_t kExpressions = std::size(kSystemTypes) - 2;
   if (node.find("rate") || node.find("acceleration") || node.find("next")) return kExpressions;
   if (node.find("library")) return kExpressions + 1;
-  // Of equations with a misspelt key, the messages name that key.
+  // Systems of equations with a misspelled key, so that messages name that key.
   constexpr const char* kOfEquations[] = {"states",    "positions", "controls", "velocities",
                                           "state",     "control",   "rates",    "dynamics",
                                           "equations", "ode",       "rhs",      "xdot"};

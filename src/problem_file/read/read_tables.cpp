@@ -9,7 +9,7 @@
 namespace conddp {
 namespace {
 
-/// Ascending numbers, or two lists of them.
+/// Reads ascending numbers, or two lists of them.
 bool read_points(const YamlReader& reader, TableSpec& table) {
   const auto items = reader.items("write ascending numbers, or two lists of them");
   if (!items) return false;
@@ -49,7 +49,7 @@ bool read_values(const YamlReader& reader, TableSpec& table) {
   return true;
 }
 
-/// The numbers of a column; nothing with an error where there is none, or a cell is empty.
+/// The numbers of a column; empty with an error if the column is missing or has an empty cell.
 std::optional<std::vector<double>> column_of(const DataTable& data, const Name& column,
                                              Diagnostics& out) {
   const auto index = data.find(column.value);
@@ -70,7 +70,7 @@ std::optional<std::vector<double>> column_of(const DataTable& data, const Name& 
   return numbers;
 }
 
-/// Columns of a CSV file: the argument and the values.
+/// Reads columns of a CSV file: the argument and the values.
 bool read_columns(YamlMap& keys, const std::filesystem::path& folder, TableSpec& table) {
   const auto file = keys.require("file"), x = keys.require("x"), y = keys.require("y");
   if (!file || !x || !y) return false;

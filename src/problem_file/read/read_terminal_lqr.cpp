@@ -3,7 +3,7 @@
 namespace conddp {
 namespace {
 
-/// A name, all numbers of a state, or a state.
+/// Reads a name, all numbers of a state, or a state.
 void read_equilibrium(const YamlReader& reader, TerminalLqrSpec& lqr) {
   if (reader.is_sequence()) {
     lqr.state = {.place = reader.place(), .state = reader.numbers()};
@@ -18,7 +18,7 @@ void read_equilibrium(const YamlReader& reader, TerminalLqrSpec& lqr) {
   }
 }
 
-/// Whether more than an equilibrium is said.
+/// True if the mapping has keys other than those of an equilibrium.
 bool has_own_keys(const YamlReader& reader) {
   const auto has = [&](std::string_view key) { return reader.node().find(key) != nullptr; };
   return reader.is_map() && (has("about") || has("weight") || has("set"));

@@ -6,8 +6,8 @@
 
 namespace conddp {
 
-/// Settings of a document as it is read with them: `=2*mass` is the number that it gives. Where
-/// this cannot be said, because one of them has no meaning there, all stay as they are.
+/// Settings with formulas replaced by their values in the document: `=2*mass` becomes a number. If
+/// a setting is invalid there, all settings are returned unchanged.
 std::vector<Setting> settled_settings(const ProblemDocument& document,
                                       const std::vector<Setting>& settings);
 

@@ -10,13 +10,13 @@
 namespace conddp {
 namespace {
 
-/// What can be combined by name: columns of the state, and of the control where the state has none
-/// of that name. The first one is the constant.
+/// Terms of a combination by name: columns of the state and of the control. A control has the
+/// prefix u/ if a state has its name. The first term is the constant.
 struct Combinable {
   std::vector<std::string> names{"constant"};
   std::vector<LinearCombination::Term> terms{{}};
 
-  /// `controls`: how many of the controls, the first ones.
+  /// `controls`: number of leading controls to include.
   Combinable(const System& system, int controls) {
     for (const auto& segment : system.manifold().segments())
       for (int i = 0; segment.part == StateManifold::Part::flat && i < segment.n; ++i) {
@@ -33,7 +33,7 @@ struct Combinable {
   }
 };
 
-/// Adds a column with its factor to a row; an unknown one is reported.
+/// Adds a column with its factor to a row; an unknown column is reported.
 bool add_term(const Combinable& combinable, const Name& name, double factor, LinearCombination& row,
               Diagnostics& out) {
   const auto& [known, terms] = combinable;

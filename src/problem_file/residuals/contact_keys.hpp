@@ -4,7 +4,7 @@
 
 namespace conddp {
 
-/// The key `contacts` of residuals that are of contacts.
+/// The key `contacts` of residuals on contacts.
 const ResidualKey& contacts_key();
 
 }  // namespace conddp

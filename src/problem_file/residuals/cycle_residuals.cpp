@@ -8,10 +8,10 @@
 namespace conddp {
 namespace {
 
-/// To the first state's columns.
+/// Offset on the columns of the initial state.
 const Key<ComponentsSpec> kOffset{"offset"};
 
-/// By number of the state; rotations have no sum.
+/// Offset for each number of the state; rotations do not support offsets.
 std::optional<std::vector<double>> cycle_offset(const ResidualContext& context) {
   const System& system = *context.plant.system;
   const ComponentsSpec* given = context.cost.keys.find(kOffset);
@@ -30,7 +30,8 @@ std::optional<std::vector<double>> cycle_offset(const ResidualContext& context) 
   return offset;
 }
 
-/// What does not come back: the clock, and what is at rest at the end or at the beginning.
+/// Coordinates that are not periodic: the clock, and coordinates at rest at the end or at the
+/// beginning.
 std::vector<int> coordinates_apart(const Plant& plant) {
   std::vector<int> apart = other_coordinates(*plant.system);
   if (!plant.variants.empty())

@@ -55,7 +55,7 @@ std::optional<CostResidual> make_distance(const ResidualContext& context) {
   return result;
 }
 
-/// Shapes keep a margin from each other unless an activation says otherwise.
+/// The default activation of distances is a barrier at the margin.
 void set_margin(CostSpec& cost) {
   const double margin = cost.keys.value(key::margin);
   cost.keys.set(key::margin, margin);
@@ -70,7 +70,7 @@ ResidualKey margin_key() {
       "Of distance, instead of an activation or bounds: nearer than this costs, quadratically, or "
       "violates the constraint, m; 0 by default",
       kNotNegative, {.excludes = "activation"});
-  // It is left out beside an activation, and the one of a constraint is its lower bound.
+  // The key is omitted next to an activation; a constraint's margin becomes its lower bound.
   margin.schema.erase("default");
   margin.expand = [](const CostSpec& cost, const KeyContext& context) {
     const double* given = cost.keys.find(key::margin);

@@ -12,7 +12,7 @@
 namespace conddp {
 namespace {
 
-/// Other residuals, by the names that expressions have for them.
+/// Other residuals by their names in expressions.
 const Key<std::vector<CostSpec>> kOperands{"of"};
 
 std::vector<CostSpec> read_operands(const YamlReader& reader) {
@@ -31,7 +31,7 @@ std::vector<CostSpec> read_operands(const YamlReader& reader) {
 constexpr const char* kSupported =
     "frames, center of mass, momentum, distances, forces and velocities of contacts";
 
-/// A residual whose rows, measured from zero, expressions name.
+/// A residual whose rows, measured from zero, have names in expressions.
 std::optional<ExpressionOperand> make_operand(const CostSpec& operand,
                                               const ResidualContext& context) {
   const ResidualDefinition& definition = *operand.definition;
@@ -60,15 +60,16 @@ std::optional<ExpressionOperand> make_operand(const CostSpec& operand,
                            made->parameters.neutral(), std::move(made->rows.names)};
 }
 
-/// Definitions of several systems may differ, so that residuals know none of them.
+/// The file's only system of expressions, or null. Definitions of several systems may differ, so
+/// residuals cannot use them.
 const ExpressionSystemSpec* own_system(const ProblemSpec& spec) {
   return spec.system && spec.systems.empty()
              ? std::get_if<ExpressionSystemSpec>(&spec.system->parameters)
              : nullptr;
 }
 
-/// The control of the knot before, which stands behind the system's state: `previous[force]`,
-/// `previous[knee]` of a column u/knee.
+/// The control of the preceding knot, which follows the system's state: `previous[force]`, or
+/// `previous[knee]` for a column u/knee.
 KnotName previous_control(const ResidualContext& context) {
   const Plant& plant = context.plant;
   const int last = plant.system->nx() + context.ndx - plant.system->ndx();
@@ -82,8 +83,8 @@ KnotName previous_control(const ResidualContext& context) {
   return name;
 }
 
-/// Where states hold the free durations, in the order of the phases: behind the coordinates that
-/// were chosen.
+/// Indices of the free durations in the state, in the order of the phases. They follow the chosen
+/// coordinates.
 std::vector<int> free_durations(const ResidualContext& context) {
   std::vector<int> durations;
   if (!context.plant.start) return durations;
@@ -94,11 +95,11 @@ std::vector<int> free_durations(const ResidualContext& context) {
   return durations;
 }
 
-/// What a residual's expressions may name.
+/// The rows, operands and names of a residual in expressions.
 ExpressionResidualText text_of(const ExpressionRowsSpec& rows,
                                std::vector<ExpressionOperand> operands,
                                const ResidualContext& context) {
-  // Slopes of collocation are no controls at a knot's beginning.
+  // Collocation slopes are not controls at the beginning of a knot.
   const bool linear = context.spec.has_linear_controls();
   ExpressionResidualText text{
       .names = knot_names(linear ? context.plant.actuated() : *context.plant.system),
@@ -124,7 +125,7 @@ ExpressionResidualText text_of(const ExpressionRowsSpec& rows,
   return text;
 }
 
-/// What is wrong in a text, with the system whose names it may have where there are several.
+/// Adds the system to a message if the file has several, because names depend on the system.
 ExpressionMessage with_system(ExpressionMessage message, const Plant& plant) {
   if (plant.name.empty()) return message;
   message.hint += fmt::format(
@@ -143,9 +144,9 @@ void report(const ModelMessage& message, Severity severity, const ExpressionRows
         is_error ? with_system(message.message, context.plant) : message.message, severity,
         context.out);
   }
-  // The system has reported what its definitions warn of.
+  // The system reports warnings of its definitions.
   if (severity != Severity::kError) return;
-  // A robot's names may be those of the file.
+  // A robot may use names of the file.
   const ExpressionNamesSpec& names = context.spec.names;
   const std::size_t index = message.index;
   const auto* operands = context.cost.keys.find(kOperands);
@@ -158,7 +159,7 @@ void report(const ModelMessage& message, Severity severity, const ExpressionRows
   context.out.error(place, message.message.message, message.message.hint);
 }
 
-/// Names of the rows: of a text that gives several, with the number of each.
+/// Names of the rows. Rows of a named text with several values also have an index.
 std::vector<std::string> row_names(const ExpressionRowsSpec& rows, const std::vector<int>& sizes) {
   std::vector<std::string> names;
   for (std::size_t i = 0; i < sizes.size(); ++i)
@@ -171,7 +172,7 @@ std::vector<std::string> row_names(const ExpressionRowsSpec& rows, const std::ve
   return names;
 }
 
-/// The states of knot models, augmented ones included.
+/// The state manifold of knot models, including augmented states.
 StateManifold knot_manifold(const ResidualContext& context) {
   const System& system = *context.plant.system;
   StateManifold manifold = system.manifold();
@@ -180,7 +181,7 @@ StateManifold knot_manifold(const ResidualContext& context) {
   return manifold;
 }
 
-/// The residual that a text is, or nothing, which is reported.
+/// The residual of a text; empty with an error if it is invalid.
 std::optional<CostResidual> make_rows(const ExpressionRowsSpec& rows,
                                       const ExpressionResidualText& text,
                                       const ResidualContext& context) {
@@ -215,7 +216,7 @@ bool reads_contacts(const CostSpec& cost) {
   });
 }
 
-/// The residual of the one contact that an operand names.
+/// The residual of the single contact that an operand names.
 std::optional<ContactCost> make_contact_operand(const CostSpec& operand,
                                                 const ResidualContext& context) {
   const ResidualDefinition& definition = *operand.definition;
@@ -242,10 +243,10 @@ std::optional<ContactCost> make_contact_operand(const CostSpec& operand,
   return made;
 }
 
-/// The operands of an expression that reads contacts: those of contacts are made in each system.
+/// Operands of an expression that reads contacts. Contact operands are made in each system.
 class ContactOperands {
  public:
-  /// False where one cannot be made, which is reported.
+  /// False with an error if an operand cannot be made.
   bool read(const ResidualContext& context) {
     for (const CostSpec& operand : context.cost.keys.value(kOperands)) {
       if (!operand.definition->of_contacts()) {
@@ -263,7 +264,7 @@ class ContactOperands {
 
   const std::vector<int>& contacts() const { return contacts_; }
 
-  /// In a system that holds the contacts, each at its index there.
+  /// The operands in a system that holds the contacts, each at its index there.
   std::vector<ExpressionOperand> in(const std::shared_ptr<const MultibodySystem>& system,
                                     const std::vector<int>& indices) const {
     std::vector<ExpressionOperand> operands = all_;

@@ -15,7 +15,7 @@ const Key<bool> kInner{"inner", true};
 
 const std::vector<std::string> kWrenchNames = {"fx", "fy", "fz", "tx", "ty", "tz"};
 
-/// What the forces of a contact can be, with the share of its friction that a cost uses.
+/// Limits of a contact's forces; the cost's `safety` scales the friction.
 FrictionLimits limits_of(const CostSpec& cost, const ContactSpec& contact) {
   return {.friction = contact.friction * cost.keys.value(key::safety),
           .min_normal = contact.min_normal_force,
@@ -81,7 +81,7 @@ std::optional<ContactCost> make_friction_cone(const ResidualContext& context, in
   return result;
 }
 
-/// Half the length and width of a contact's sole, m; nothing where it has none, which is reported.
+/// Half the length and width of a contact's sole, m; reports a contact without a sole.
 std::optional<std::array<double, 2>> sole_of(const ResidualContext& context, int contact) {
   const ContactSpec& on = context.spec.contacts[contact];
   if (on.kind == ContactKind::surface && on.half_size) return on.half_size;
@@ -106,7 +106,7 @@ std::optional<ContactCost> make_center_of_pressure(const ResidualContext& contex
   return in_cone(center_of_pressure_cone((*sole)[0], (*sole)[1]), context.ndx);
 }
 
-/// A key that pyramids have, and cones of second order have not.
+/// Restricts a key to pyramids; second-order cones reject it.
 ResidualKey of_pyramids(ResidualKey key, const char* message) {
   key.read = [read = std::move(key.read), message](const YamlReader& reader, CostSpec& cost) {
     read(reader, cost);

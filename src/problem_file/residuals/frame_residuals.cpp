@@ -22,7 +22,7 @@ std::optional<int> frame_of(const ResidualContext& context) {
   return find_frame(context.plant.robot(), *context.cost.keys.find(key::frame), "", context.out);
 }
 
-/// What a state gives: numbers of the frame's pose.
+/// Reference of a frame in a state: numbers of its pose.
 template <class Numbers>
 std::function<std::vector<double>(const std::vector<double>&)> of_pose(const Plant& plant,
                                                                        int frame, Numbers numbers) {

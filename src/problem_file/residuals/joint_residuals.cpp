@@ -20,7 +20,7 @@ std::vector<int> all_joints(const RobotModel& robot) {
   return joints;
 }
 
-/// The joints that names mean, each once; nothing where one of them is unknown.
+/// The joints that fit the names, each once; empty if a name is unknown.
 std::optional<std::vector<int>> joints_named(const std::vector<Name>& names,
                                              const RobotModel& robot, Diagnostics& out) {
   std::vector<int> joints;
@@ -35,7 +35,7 @@ std::optional<std::vector<int>> joints_named(const std::vector<Name>& names,
   return joints;
 }
 
-/// Joints of a residual: those named, else all.
+/// Joints of a residual: the named joints, otherwise all.
 std::optional<std::vector<int>> choose_joints(const CostSpec& cost, const RobotModel& robot,
                                               Diagnostics& out) {
   const std::vector<Name>* names = cost.keys.find(kJoints);
@@ -54,7 +54,7 @@ CostResidual named_by(const std::vector<int>& joints, const RobotModel& robot) {
   return result;
 }
 
-/// A residual on numbers of the state.
+/// Sets a residual on numbers of the state.
 void set_coordinates(const System& system, CostResidual& result) {
   const std::vector<std::string> names = state_names(system).names;
   for (const int i : result.indices) result.columns.push_back(names[i]);
@@ -72,7 +72,7 @@ struct JointCoordinate {
   double lower, upper;
 };
 
-/// A residual on a coordinate of each joint.
+/// A residual on one coordinate of each joint.
 std::optional<CostResidual> make_coordinates(
     const ResidualContext& context,
     JointCoordinate (*coordinate)(const MultibodySystem& system, int joint)) {
@@ -110,11 +110,11 @@ std::optional<CostResidual> make_acceleration(const ResidualContext& context) {
   if (!joints) return std::nullopt;
   CostResidual result = named_by(*joints, system.robot());
   for (const int joint : *joints) result.indices.push_back(*system.velocity_row(joint));
-  // Slopes of collocation are no controls at the beginning of a knot with linear ones.
+  // Collocation slopes are not controls at the beginning of a knot with linear controls.
   const System& system_there =
       context.spec.has_linear_controls() ? context.plant.actuated() : *context.plant.system;
   result.residual = acceleration_residual(system_there, context.ndx, result.indices);
-  // States are at rest as far as they say.
+  // A state contains no accelerations; the reference is zero.
   result.in_state = [n = joints->size()](const std::vector<double>&) {
     return std::vector<double>(n, 0.0);
   };

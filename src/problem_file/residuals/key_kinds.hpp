@@ -6,10 +6,10 @@
 
 namespace conddp {
 
-/// Keys of residuals by the kind of their value: with its schema, its reader and its expansion.
+/// Keys of residuals by the type of their value, with schema, reader and expansion.
 
 ResidualKey name_key(const Key<Name>& key, std::string_view description, KeyTraits traits = {});
-/// A list of names, or one of them.
+/// A list of names, or a single name.
 ResidualKey names_key(const Key<std::vector<Name>>& key, std::string_view description,
                       KeyTraits traits = {});
 ResidualKey number_key(const Key<double>& key, std::string_view description,
@@ -17,10 +17,10 @@ ResidualKey number_key(const Key<double>& key, std::string_view description,
 ResidualKey integer_key(const Key<int>& key, std::string_view description, int lower, int upper,
                         KeyTraits traits = {});
 ResidualKey flag_key(const Key<bool>& key, std::string_view description, KeyTraits traits = {});
-/// Numbers by component, expanded to the number 0 where they are left out.
+/// Numbers by component, expanded to the number 0 if missing.
 ResidualKey components_key(const Key<ComponentsSpec>& key, std::string_view description,
                            KeyTraits traits = {});
-/// One of the words of a table. `what`: "system of axes".
+/// A word of a table. `what`: "system of axes".
 template <class E, std::size_t N>
 ResidualKey choice_key(const Key<E>& key, std::string_view description, std::string_view what,
                        const Choice<E> (&table)[N], KeyTraits traits = {}) {

@@ -21,7 +21,7 @@ const Key<Name> kLibrary{"library"};
 const Key<Name> kFunction{"function"};
 const Key<NamedNumbers> kParameters{"parameters"};
 
-/// Where a knot of the plant's system has what the function reads.
+/// Indices of the function's inputs in a knot of the plant's system.
 LibraryInputs inputs_of(const ResidualContext& context) {
   const System& system = *context.plant.system;
   const auto& columns = system.state_columns();

@@ -4,15 +4,15 @@
 
 namespace conddp {
 
-/// The forms of references, as ResidualDefinition::reference.
+/// The forms of references for ResidualDefinition::reference.
 
-/// A state, in any way in which a file can give one; numbers, of chosen columns.
+/// A state in any notation of a file; numbers for chosen columns.
 extern const ReferenceForm kStateReference;
 /// One number for all rows, a list, or a mapping from the names of rows.
 extern const ReferenceForm kNumbersReference;
-/// The same, of rows of which no state has a value.
+/// The same for rows that states do not determine.
 extern const ReferenceForm kRowsReference;
-/// The same, each held until the next way-point.
+/// The same; each value holds until the next way-point.
 extern const ReferenceForm kControlReference;
 /// [x, y, z] in the world, m.
 extern const ReferenceForm kPointReference;

@@ -9,7 +9,7 @@
 namespace conddp {
 namespace {
 
-/// The residual that is named, or null.
+/// The named residual, or null.
 const ResidualDefinition* choose_residual(const YamlReader& reader) {
   std::vector<std::string> words;
   std::vector<Synonyms> synonyms;
@@ -21,7 +21,7 @@ const ResidualDefinition* choose_residual(const YamlReader& reader) {
   return index ? residual_table()[*index] : nullptr;
 }
 
-/// Which residuals have a key, and what others have instead.
+/// Hint with the residuals that have a key, and the alternative of the others.
 std::string owners_hint(const ResidualKey& key) {
   std::string hint;
   for (const ResidualDefinition* definition : residual_table())
@@ -31,7 +31,7 @@ std::string owners_hint(const ResidualKey& key) {
   return key.traits.instead.empty() ? hint : fmt::format("{}; {}", hint, key.traits.instead);
 }
 
-/// A key of residuals, which only some of them have.
+/// Reads a key that only some residuals have.
 void read_key(YamlMap& map, const ResidualKey& key, CostSpec& cost) {
   const auto& own = cost.definition->keys;
   const bool fits = std::find(own.begin(), own.end(), &key) != own.end();

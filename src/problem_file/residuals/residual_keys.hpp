@@ -4,10 +4,10 @@
 
 namespace conddp {
 
-/// Reads `residual` and the keys that belong to residuals. False where the residual is not known.
+/// Reads `residual` and the keys that belong to residuals. False for an unknown residual.
 bool read_residual_keys(YamlMap& map, TermPlace place, CostSpec& cost);
 
-/// What it would read the same from, with the defaults written out.
+/// JSON that read_residual_keys reads as the same cost, with defaults written out.
 OrderedJson expand_residual_keys(const CostSpec& cost, const KeyContext& context);
 
 }  // namespace conddp

@@ -8,7 +8,7 @@
 
 namespace conddp {
 
-/// The definitions of residuals, a family in the file of its name.
+/// The definitions of residuals, one family per file.
 std::span<const ResidualDefinition> state_residuals();
 std::span<const ResidualDefinition> control_residuals();
 std::span<const ResidualDefinition> joint_residuals();
@@ -22,17 +22,17 @@ std::span<const ResidualDefinition> combination_residuals();
 std::span<const ResidualDefinition> expression_residuals();
 std::span<const ResidualDefinition> library_residuals();
 
-/// In the order in which documents list them.
+/// Families in the order of the documents.
 inline constexpr std::span<const ResidualDefinition> (*kResidualFamilies[])() = {
     state_residuals,      control_residuals,     joint_residuals,      frame_residuals,
     whole_body_residuals, force_residuals,       distance_residuals,   contact_velocity_residuals,
     cycle_residuals,      combination_residuals, expression_residuals, library_residuals};
 
-/// All of them.
+/// All definitions.
 const std::vector<const ResidualDefinition*>& residual_table();
-/// The one with this name, or null.
+/// The definition with this name, or null.
 const ResidualDefinition* find_residual(std::string_view name);
-/// The keys that any of them has, each once.
+/// The keys of all residuals, each once.
 const std::vector<const ResidualKey*>& residual_keys();
 
 }  // namespace conddp

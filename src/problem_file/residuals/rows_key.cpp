@@ -12,7 +12,7 @@ namespace {
 
 bool in_expressions(const CostSpec& cost) { return cost.definition->name == "expression"; }
 
-/// One map of factors, or a list of such.
+/// A mapping of factors, or a list of mappings.
 std::vector<NamedNumbers> read_factors(const YamlReader& reader) {
   if (reader.is_map()) return {read_named_numbers(reader)};
   std::vector<NamedNumbers> rows;
@@ -23,7 +23,7 @@ std::vector<NamedNumbers> read_factors(const YamlReader& reader) {
   return rows;
 }
 
-/// One expression, a list of them, or some with names.
+/// An expression, a list of expressions, or named expressions.
 ExpressionRowsSpec read_texts(const YamlReader& reader) {
   ExpressionRowsSpec rows;
   const auto add = [&rows](const YamlReader& row) {
@@ -49,8 +49,8 @@ ExpressionRowsSpec read_texts(const YamlReader& reader) {
   return rows;
 }
 
-/// Whether a text names the previous control: `previous[force]`. What is no expression is reported
-/// where it is parsed.
+/// True if a text names the previous control: `previous[force]`. The parser reports invalid
+/// expressions.
 bool names_previous_control(const ExpressionText& text) {
   try {
     ExpressionLexer lexer(text.text);

@@ -16,10 +16,10 @@ inline const Key<ExpressionRowsSpec> expression_rows{"rows"};
 
 }  // namespace key
 
-/// The name under which expressions know the control of the knot before, by its components.
+/// The name of the preceding knot's control in expressions, indexed by component.
 inline constexpr std::string_view kPreviousControl = "previous";
 
-/// The rows of a combination, in factors, or of a residual in expressions.
+/// The rows of a combination as factors, or of a residual as expressions.
 const ResidualKey& rows_key();
 
 }  // namespace conddp

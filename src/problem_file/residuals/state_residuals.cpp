@@ -12,18 +12,18 @@
 namespace conddp {
 namespace {
 
-/// What can be chosen of a state: a coordinate, or a rotation as a whole.
+/// A part of a state that `columns` can select: a coordinate, or an entire rotation.
 struct StatePart {
   std::string name;
-  std::vector<int> indices;  ///< into the state, of a rotation those of its quaternion
+  std::vector<int> indices;  ///< into the state; for a rotation those of its quaternion
   int tangent;               ///< its first tangent coordinate
-  bool listed = true;        ///< whether a name with a * may mean it
-  bool at_rest = false;      ///< whether other phases alone have it
+  bool listed = true;        ///< a name with a * may select it
+  bool at_rest = false;      ///< only other phases have it
 
   bool is_rotation() const { return indices.size() > 1; }
 };
 
-/// "q" of the quaternion q/x, q/y, q/z, q/w; others have no name as a whole.
+/// "q" for the quaternion q/x, q/y, q/z, q/w; empty for other columns.
 std::string name_of_rotation(const std::string& first_column) {
   return first_column.ends_with("/x") ? first_column.substr(0, first_column.size() - 2) : "";
 }
@@ -48,7 +48,7 @@ std::vector<StatePart> parts_of_state(const System& system) {
   return parts;
 }
 
-/// Position and velocity limits of a robot in the order of tangent vectors, of what is listed.
+/// Position and velocity limits of a robot in the order of tangent vectors, for listed components.
 void set_state_limits(const MultibodySystem& system, CostResidual& result) {
   std::vector<double> lower(system.ndx(), -kUnlimited), upper(system.ndx(), kUnlimited);
   for (int joint = 0; joint < system.robot().joint_count(); ++joint) {
@@ -68,7 +68,7 @@ void set_state_limits(const MultibodySystem& system, CostResidual& result) {
   }
 }
 
-/// Whether a name means what can be chosen: a rotation by its own name alone, "q" or "q/*".
+/// True if a name selects a part. A rotation has only its own names, "q" or "q/*".
 bool is_meant_by(const std::string& name, const StatePart& part,
                  const std::vector<std::string>& columns) {
   if (part.is_rotation())
@@ -76,7 +76,7 @@ bool is_meant_by(const std::string& name, const StatePart& part,
   return part.listed ? fits(name, columns[part.indices.front()]) : name == part.name;
 }
 
-/// The parts that a name means, several where it has a `*`; none is reported.
+/// The parts that a name selects, several if it has a `*`. Reports a name that selects no part.
 std::vector<const StatePart*> find_parts(const std::vector<std::string>& columns,
                                          const std::vector<StatePart>& parts, const Name& name,
                                          const Plant& plant, Diagnostics& out) {
@@ -104,7 +104,7 @@ std::vector<const StatePart*> find_parts(const std::vector<std::string>& columns
   return found;
 }
 
-/// The residual of chosen parts of the state.
+/// The residual of selected parts of the state.
 CostResidual residual_of_parts(const std::vector<const StatePart*>& chosen, const System& system) {
   const char* what = "chosen columns";
   const std::vector<std::string> columns = state_names(system).names;
@@ -147,7 +147,7 @@ std::optional<CostResidual> make_of_columns(const std::vector<Name>& names, cons
   return residual_of_parts(chosen, system);
 }
 
-/// What rests in this system, and is a state of another phase's.
+/// Adds the names of states that are at rest in this system but not in that of another phase.
 void name_elsewhere(const System& system, CostResidual& result) {
   const ComponentNames columns = state_names(system), tangent = tangent_names(system);
   for (int i = 0; i < columns.size(); ++i)

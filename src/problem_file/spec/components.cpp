@@ -45,13 +45,14 @@ void report_unknown(const Name& name, const ComponentNames& names, Diagnostics& 
             name_hint(name.value, is_similar ? accepted : names.names, names.what));
 }
 
-/// Values of components by names that may mean several: of each the one of the name that fits best.
+/// Component values by names that may fit several components. Each component takes the value of the
+/// best fit.
 class BestFits {
  public:
   BestFits(const ComponentNames& names, double fallback)
       : names_(names), values_(names.names.size(), fallback), best_(values_.size(), 0) {}
 
-  /// Whether the name fits any component.
+  /// True if the name fits any component.
   bool set(const std::string& name, double value) {
     bool found = false;
     for (std::size_t i = 0; i < values_.size(); ++i) {
@@ -69,10 +70,10 @@ class BestFits {
  private:
   const ComponentNames& names_;
   std::vector<double> values_;
-  std::vector<std::size_t> best_;  ///< how well the name fits that gave each of the values
+  std::vector<std::size_t> best_;  ///< quality of the fit that set each value
 };
 
-/// Whether a name means components that other phases have.
+/// True if a name fits components of other phases.
 bool is_elsewhere(const std::string& name, const ComponentNames& names) {
   return std::any_of(names.elsewhere.begin(), names.elsewhere.end(),
                      [&](const std::string& other) { return fits(name, other); });

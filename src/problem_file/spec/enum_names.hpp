@@ -9,7 +9,7 @@
 
 namespace conddp {
 
-/// The words of enumerated keys, for reading and for printing.
+/// Spellings of enumerated keys, for reading and printing.
 
 namespace detail {
 
@@ -28,7 +28,7 @@ inline constexpr IntegratorWords kIntegratorWords;
 
 }  // namespace detail
 
-/// Of the integrators that files can ask for.
+/// Integrators that a file can name.
 inline constexpr auto& kIntegratorWords = detail::kIntegratorWords.words;
 
 inline constexpr Choice<ControlCourse> kControlCourseWords[] = {
@@ -38,16 +38,16 @@ inline constexpr Choice<RunningCosts> kRunningCostsWords[] = {
     {"integrated", RunningCosts::kIntegrated},
     {"sum", RunningCosts::kSum}};
 
-/// Whether the nodes at which phases end belong to a constraint over them.
+/// True if a constraint applies to the nodes at the end of its phases instead of the beginning.
 inline constexpr Choice<bool> kNodesWords[] = {{"begins", false}, {"ends", true}};
 
-/// What a compiled function gives.
+/// Output of a compiled function.
 inline constexpr Choice<SystemKind> kLibraryAnswerWords[] = {
     {"rate", SystemKind::first_order},
     {"acceleration", SystemKind::second_order},
     {"next", SystemKind::discrete}};
 
-/// What the matrices of a linear system give.
+/// Output of the matrices of a linear system.
 inline constexpr Choice<SystemKind> kLinearAnswerWords[] = {{"next", SystemKind::discrete},
                                                             {"rate", SystemKind::first_order}};
 
@@ -77,13 +77,13 @@ inline constexpr Choice<GaitType> kGaitWords[] = {
 inline constexpr Choice<SteppingScheme> kSchemeWords[] = {
     {"backward_euler", SteppingScheme::backward_euler},
     {"variational_midpoint", SteppingScheme::variational_midpoint}};
-/// How friction of contact-implicit steps is bounded.
+/// Friction bounds of contact-implicit steps.
 inline constexpr Choice<FrictionModel> kFrictionWords[] = {
     {"polyhedron", FrictionModel::polyhedron}, {"cone", FrictionModel::cone}};
-/// Whether all joint limits of the URDF are stops.
+/// True if all joint limits of the URDF are stops.
 inline constexpr Choice<bool> kJointLimitWords[] = {{"none", false}, {"urdf", true}};
 
-/// Whether a friction cone is of second order.
+/// True for a second-order friction cone.
 inline constexpr Choice<bool> kConeWords[] = {{"pyramid", false}, {"second_order", true}};
 
 inline constexpr Choice<PairsSpec::Choice> kPairsWords[] = {
@@ -130,7 +130,7 @@ inline constexpr Choice<bool> kSwingStartWords[] = {
     {"planned", false, "at their footholds"},
     {"measured", true, "where the feet are when they lift off"}};
 
-/// The first word of a value; empty if it has none.
+/// The first spelling of a value; empty if the table does not contain the value.
 template <class E, std::size_t N>
 std::string word_of(const Choice<E> (&table)[N], E value) {
   for (const Choice<E>& entry : table)

@@ -9,7 +9,7 @@ namespace {
 
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 
-/// The text of a scalar, or of a list of such texts; empty where something else is in it.
+/// The text of a scalar, or of a list of such texts; empty if it contains anything else.
 std::optional<std::string> text_of(const YamlNode& node) {
   if (node.kind == YamlNode::Kind::kScalar) return node.text;
   if (node.kind != YamlNode::Kind::kSequence) return std::nullopt;
@@ -22,7 +22,7 @@ std::optional<std::string> text_of(const YamlNode& node) {
   return text + "]";
 }
 
-/// Goes through a source from a mark on, blank characters apart.
+/// Steps through a source from a mark on, skipping blanks.
 class SourceWalk {
  public:
   SourceWalk(const Diagnostics& sources, const Mark& mark) : sources_(sources), mark_(mark) {
@@ -32,14 +32,14 @@ class SourceWalk {
       ++at_;
   }
 
-  /// Leaves the beginning of a scalar in quotes or in a block behind.
+  /// Skips the opening quote or block header of a scalar.
   void open_quotes() {
     if (at_ == line_.size()) return;
     const char c = line_[at_];
     if (c == '\'' || c == '"') ++at_;
     if (c == '|' || c == '>') at_ = line_.size();
   }
-  /// The next character that is not blank, behind which the walk goes on; 0 at the end.
+  /// Returns the next nonblank character and moves past it; 0 at the end.
   char next() {
     constexpr int kMostEmptyLines = 1000;
     for (int empty = 0; empty < kMostEmptyLines; ++empty) {
@@ -54,7 +54,7 @@ class SourceWalk {
     }
     return 0;
   }
-  /// Where the last character is, and the place behind it.
+  /// Position of the last character, and the position after it.
   Mark last() const { return last_; }
   Mark behind_last() const { return {last_.source, last_.line, last_.column + 1}; }
 
@@ -68,7 +68,7 @@ class SourceWalk {
   Mark last_;
 };
 
-/// Where the first character from a place on is that is not blank; the size of the text if none is.
+/// Index of the first nonblank character from a position on; the text size if only blanks follow.
 std::size_t next_character(std::string_view text, std::size_t at) {
   while (at < text.size() && is_blank(text[at])) ++at;
   return at;
@@ -98,7 +98,7 @@ Place place_in_expression(const ExpressionText& expression, int offset,
   const std::size_t wanted = static_cast<std::size_t>(std::max(offset, 0));
   for (std::size_t i = first; i < text.size(); i = next_character(text, i + 1)) {
     if (i > first && i > wanted) break;
-    // An escape in the source, or something else that is not as the text has it.
+    // An escape in the source, or another difference between source and text.
     if (walk.next() != text[i]) return whole;
     if (i >= wanted) return {walk.last(), whole.path};
   }
@@ -107,8 +107,8 @@ Place place_in_expression(const ExpressionText& expression, int offset,
 
 namespace {
 
-/// Whether a message is about the end of a text without quotes behind which the source has a comma:
-/// there YAML takes the next entry to begin.
+/// True if a message concerns the end of an unquoted text that precedes a comma in the source. YAML
+/// begins the next entry there.
 bool is_cut_at_comma(const ExpressionText& expression, int offset, const Diagnostics& sources) {
   const std::string& text = expression.text;
   if (expression.quoted || offset < static_cast<int>(text.size())) return false;

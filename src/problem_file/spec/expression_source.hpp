@@ -8,15 +8,15 @@
 
 namespace conddp {
 
-/// The text of an expression: a scalar, or a list, which is a vector in brackets. Reported
-/// otherwise.
+/// The text of an expression: a scalar, or a list, which becomes a vector in brackets. Anything
+/// else is reported.
 std::optional<ExpressionText> read_expression(const YamlReader& reader);
 
-/// The place in the file of a byte of an expression's text: also behind quotes, in block scalars,
-/// and where the text is on several lines.
+/// The position in the file of a byte of an expression's text. Handles quotes, block scalars and
+/// text on several lines.
 Place place_in_expression(const ExpressionText& expression, int offset, const Diagnostics& sources);
 
-/// Reports what is wrong with an expression, or what it warns of, where it stands in the file.
+/// Reports an error or warning about an expression at its position in the file.
 void report_expression(const ExpressionText& expression, const ExpressionMessage& message,
                        Severity severity, Diagnostics& out);
 

@@ -8,24 +8,24 @@
 
 namespace conddp {
 
-/// A key of a problem file, the type of what is read from it, and what counts where it is left out.
+/// A key of a problem file, the type of its value, and the default for a missing key.
 template <class T>
 struct Key {
   std::string_view name;
   T fallback = {};
 };
 
-/// What a file gives for keys that belong to some of the terms alone.
+/// Values of keys that only some terms have.
 class KeyValues {
  public:
-  /// Null where the key is left out.
+  /// Null if the key is missing.
   template <class T>
   const T* find(const Key<T>& key) const {
     for (const auto& [name, value] : values_)
       if (name == key.name) return std::any_cast<T>(&value);
     return nullptr;
   }
-  /// The key's fallback where it is left out.
+  /// The key's fallback if the key is missing.
   template <class T>
   T value(const Key<T>& key) const {
     const T* found = find(key);

@@ -20,7 +20,7 @@ void check_weights(const ProblemSpec& spec, Diagnostics& out) {
                   name_hint(name.value, names, "costs"));
 }
 
-/// The number of the phase to which each knot belongs.
+/// Phase index of each knot.
 std::vector<std::size_t> phases_by_knot(const ProblemSpec& spec) {
   std::vector<std::size_t> phases;
   for (std::size_t p = 0; p < spec.phases.size(); ++p)

@@ -7,7 +7,7 @@
 namespace conddp {
 namespace {
 
-/// What is over of a phase at one of its nodes, of all its knots but the last one's end.
+/// Elapsed time of a phase at the beginning of each of its knots.
 class PhaseProgress {
  public:
   explicit PhaseProgress(const PhaseSpec& phase) {
@@ -26,7 +26,7 @@ class PhaseProgress {
   double whole_ = 0;
 };
 
-/// The nodes of a problem one after the other.
+/// Computes the node times of a problem in order.
 class NodeTimes {
  public:
   NodeTimes(const ProblemSpec& spec, const std::vector<double>& written)
@@ -59,7 +59,7 @@ class NodeTimes {
     std::size_t duration;
   };
 
-  /// A node after a part of a phase.
+  /// Adds a node at the elapsed time of a phase.
   void add(const PhaseProgress& progress, double elapsed, bool free, std::size_t duration) {
     NodeTime node = begin_;
     const std::size_t k = nodes_.size();
@@ -70,7 +70,7 @@ class NodeTimes {
       node.time += elapsed;
       node.phase_time = elapsed;
     }
-    if (durations_ == 0) node.time = written_[k];  // as decimal as it can be
+    if (durations_ == 0) node.time = written_[k];  // without rounding of sums
     nodes_.push_back(std::move(node));
   }
 
@@ -92,9 +92,9 @@ class NodeTimes {
 
   const ProblemSpec& spec_;
   const std::vector<double>& written_;
-  std::size_t durations_ = 0;  ///< that are free
-  NodeTime begin_;             ///< of the phase that comes next
-  std::optional<Last> last_;   ///< phase that took time
+  std::size_t durations_ = 0;  ///< number of free durations
+  NodeTime begin_;             ///< start of the next phase
+  std::optional<Last> last_;   ///< last phase that took time
   std::vector<NodeTime> nodes_;
 };
 

@@ -4,11 +4,11 @@
 
 namespace conddp {
 
-/// Lengths of a phase's steps as multiples of its regular one, `dt`.
+/// Step lengths of a phase as multiples of its regular step `dt`.
 std::vector<double> relative_steps(const PhaseSpec& phase);
-/// Lengths of a phase's steps, s; 0 of an impulse.
+/// Step lengths of a phase, s; 0 for an impulse.
 std::vector<double> phase_steps(const PhaseSpec& phase);
-/// The sum of these steps, s.
+/// Sum of these steps, s.
 double phase_duration(const PhaseSpec& phase);
 
 }  // namespace conddp

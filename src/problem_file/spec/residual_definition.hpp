@@ -17,37 +17,37 @@ struct Plant;
 struct ProblemSpec;
 struct ResidualContext;
 
-/// Where a residual stands: in a cost or a constraint, on running knots or at the last node.
+/// Place of a residual: in a cost or a constraint, on running knots or at the last node.
 struct TermPlace {
   bool constraint = false;
   bool last_node = false;
 };
 
-/// What the expansion of a key needs to know.
+/// Context for expanding a key.
 struct KeyContext {
   const ProblemSpec& spec;
   const Plant& plant;
   TermPlace place;
 };
 
-/// Where a key of residuals can stand, and beside what.
+/// Restrictions on a key: terms that accept it, and conflicting keys.
 struct KeyTraits {
   bool required = false;       ///< by the residuals that have it
-  bool of_constraints = true;  ///< whether constraints have it, too
+  bool of_constraints = true;  ///< constraints accept it
   bool of_last_node = true;
-  std::string_view excludes = {};  ///< a key that cannot stand beside it
-  std::string_view instead = {};   ///< of residuals without it: what selects or says the same
+  std::string_view excludes = {};  ///< a key that conflicts with it
+  std::string_view instead = {};   ///< hint on the alternative in residuals without it
 };
 
-/// A key of costs and constraints that belongs to some residuals.
+/// A key of costs and constraints that only some residuals have.
 struct ResidualKey {
   std::string_view name;
   std::string_view description;  ///< one line, with the unit
   OrderedJson schema;            ///< of its value: JSON Schema, with default and examples
   KeyTraits traits;
-  /// Into the cost's keys.
+  /// Stores the value among the cost's keys.
   std::function<void(const YamlReader&, CostSpec&)> read;
-  /// What the reader would read the same from, or its fallback; null: left out.
+  /// JSON that `read` reads as the same value, or its fallback; null if the key is omitted.
   std::function<OrderedJson(const CostSpec&, const KeyContext&)> expand;
 
   bool stands_in(TermPlace place) const {
@@ -56,63 +56,62 @@ struct ResidualKey {
   }
 };
 
-/// A form of references: how one is written, and in which numbers it is given.
+/// A form of references: its syntax and its numbers.
 struct ReferenceForm {
   enum class Needed { kNever, kWithoutBarrier, kAlways };
 
-  /// Whether the name of a configuration, or 'initial', stands for the value in that state.
+  /// True if the name of a configuration, or 'initial', stands for the value in that state.
   bool of_state = true;
   Needed needed = Needed::kNever;
-  bool holds = false;     ///< of way-points: each counts until the next one
-  bool is_point = false;  ///< of the world, m
-  /// What is no such name; nothing where that has been reported.
+  bool holds = false;     ///< way-points: each holds until the next one
+  bool is_point = false;  ///< a point in the world, m
+  /// Reads a reference that is not such a name; empty if an error has been reported.
   std::optional<ReferenceValueSpec> (*read)(const YamlReader& reader, const CostSpec& cost);
   OrderedJson (*expand)(const ReferenceValueSpec& value);
-  /// What a residual is measured from that has no reference; nothing where it needs one.
+  /// The default reference of a residual; empty if the residual requires one.
   std::optional<ReferenceValueSpec> (*zero)(const CostSpec& cost, const Place& place);
-  /// The numbers of a pose; nothing where it lacks one, which is reported.
+  /// The numbers of a pose; empty if a part is missing, which is reported.
   std::optional<std::vector<double>> (*numbers)(const PoseSpec& pose, Diagnostics& out) = nullptr;
 };
 
-/// What a residual has to find in a problem.
+/// Requirements of a residual on a problem.
 struct ResidualNeeds {
   bool robot = false;
-  bool control = false;           ///< of the knot: there is none at impulses and at the last node
-  bool force = false;             ///< of contacts: there is none at the last node
-  bool shapes = false;            ///< that must keep apart
+  bool control = false;           ///< of the knot; impulses and the last node lack it
+  bool force = false;             ///< of contacts; the last node lacks it
+  bool shapes = false;            ///< with pairs to keep apart
   bool previous_control = false;  ///< in the state
-  bool chosen_start = false;      ///< a first state that is chosen
-  bool code = false;              ///< compiled code that may be run
+  bool chosen_start = false;      ///< an initial state that is optimized
+  bool code = false;              ///< permission to run compiled code
 };
 
-/// All that the program knows of a residual of problem files.
+/// Complete description of a residual of problem files.
 struct ResidualDefinition {
   std::string_view name;
   std::string_view description;                 ///< one line
   std::string_view unit;                        ///< of its rows
-  std::vector<std::string_view> synonyms = {};  ///< what other tools call it
+  std::vector<std::string_view> synonyms = {};  ///< names in other tools
   ResidualNeeds needs = {};
-  std::vector<const ResidualKey*> keys = {};  ///< in the order in which they are written
-  const ReferenceForm* reference = nullptr;   ///< null: it has none
-  bool is_cone = false;                       ///< comes with its own bounds, for a barrier
+  std::vector<const ResidualKey*> keys = {};  ///< in the order of output
+  const ReferenceForm* reference = nullptr;   ///< null: it takes no reference
+  bool is_cone = false;                       ///< it has its own bounds, for a barrier
   bool has_limits = false;                    ///< its rows may have limits in the URDF
-  /// Whether its rows are coordinates of a point, from which constraints can be at a distance.
+  /// True if its rows are coordinates of a point, so that constraints can bound its distance.
   bool (*is_point)(const CostSpec& cost) = nullptr;
-  /// Whether its rows are numbers of the state, positions of joints among them: references are
-  /// compared with the limits of joints, and guesses can go towards them.
+  /// True if its rows are numbers of the state, positions of joints among them. References are then
+  /// compared with joint limits, and guesses can move towards them.
   bool of_positions = false;
-  /// The activation of costs that give none, with other values that follow from it; null:
-  /// quadratic.
+  /// Sets the default activation of costs, and values that follow from it; null: quadratic.
   void (*set_activation)(CostSpec& cost) = nullptr;
-  /// The residual, or nothing if it does not fit the plant, which is reported.
+  /// Makes the residual; empty if it does not fit the plant, which is reported.
   std::optional<CostResidual> (*make)(const ResidualContext& context) = nullptr;
-  /// Instead of `make`: the residual of one of the contacts, by its number in the file.
+  /// Replaces `make`: makes the residual of one contact, by its number in the file.
   std::optional<ContactCost> (*make_of_contact)(const ResidualContext& context,
                                                 int contact) = nullptr;
 
-  /// Whether the rows of a cost read residuals of contacts; null: they never do.
+  /// True if the rows of a cost read residuals of contacts; null: they never do.
   bool (*reads_contacts)(const CostSpec& cost) = nullptr;
-  /// Instead of `make`, of a cost whose rows do: on all these contacts at once.
+  /// Replaces `make` for a cost whose rows read contacts: evaluates all these contacts together.
   std::optional<ContactCost> (*make_on_contacts)(const ResidualContext& context) = nullptr;
 
   bool of_contacts() const { return make_of_contact != nullptr; }

@@ -8,18 +8,18 @@
 
 namespace conddp {
 
-/// A foot's way from lift-off to touch-down: an arch of this height over the straight line.
+/// Path of a foot from lift-off to touch-down: an arch of this height over the straight line.
 struct SwingSpec {
   Place place;
   double height = 0;                       ///< m
-  std::optional<Vector3<double>> landing;  ///< where it touches down, m
-  std::optional<Vector3<double>> step;     ///< the same from where it lifts off, m
-  /// The same, one a run of phases: where the frame was in the initial state, displaced with the
+  std::optional<Vector3<double>> landing;  ///< touch-down position, m
+  std::optional<Vector3<double>> step;     ///< touch-down relative to lift-off, m
+  /// One motion for each run of consecutive phases: the frame's initial position moves with the
   /// robot's base.
   std::vector<PlanarMotion> displaced;
 };
 
-/// Which shapes must keep apart.
+/// Shape pairs to keep apart.
 struct PairsSpec {
   enum class Choice { kNamed, kObstacles, kSelf, kAll };
   Place place;
@@ -27,19 +27,19 @@ struct PairsSpec {
   std::vector<std::array<Name, 2>> named;  ///< names may have a `*`
 };
 
-/// Keys of residuals that more than their definitions read.
+/// Residual keys that are read outside their definitions.
 namespace key {
 
 inline const Key<Name> frame{"frame"};
 inline const Key<std::vector<Name>> columns{"columns"};
 inline const Key<ContactNames> contacts{"contacts", {.all = true}};
-/// Whether a cone is of second order.
+/// True for a second-order cone.
 inline const Key<bool> cone{"cone", false};
 /// Factor on the coefficient of friction, at most 1.
 inline const Key<double> safety{"safety", 1};
 inline const Key<SwingSpec> swing{"swing"};
 inline const Key<PairsSpec> pairs{"pairs"};
-/// Of distances without an activation: the lower end of their barrier, m.
+/// Distances without an activation: lower bound of their barrier, m.
 inline const Key<double> margin{"margin", 0};
 
 }  // namespace key

@@ -17,33 +17,33 @@
 
 namespace conddp {
 
-/// A grid that is finer where a phase begins or ends: each of the `first` first steps is `ratio`
-/// times as long as the one after it, each of the `last` last ones as the one before it.
+/// Grid refinement at the ends of a phase. Each of the `first` first steps is `ratio` times as long
+/// as the step after it, each of the `last` last steps as the step before it.
 struct RefineSpec {
   int first = 0;
   int last = 0;
   double ratio = 0.5;
 };
 
-/// A first knot without time, whose controls move the initial state.
+/// An initial knot without time, whose controls move the initial state.
 struct ChoiceSpec {
   ComponentsSpec coordinates;                  ///< 1: may be moved
-  std::optional<ComponentsSpec> lower, upper;  ///< of the displacement, in the coordinates' units
+  std::optional<ComponentsSpec> lower, upper;  ///< bounds on the displacement, same units
 };
 
-/// Within which bounds a phase may last as long as the solver likes, s.
+/// Bounds between which the solver chooses the duration of a phase, s.
 struct FreeDurationSpec {
   Place place;
   double lower = 0, upper = 0;
 };
 
-/// States that change in no time: x becomes what its expression says, others stay.
+/// An instantaneous state change: x becomes the value of its expression; other states stay.
 struct JumpSpec {
   Place place;
   std::vector<std::pair<Name, ExpressionText>> states;
 };
 
-/// A run of knots: all that the file says about it.
+/// A run of knots with its settings in the file.
 struct PhaseSpec {
   Name name;
   Located<int> knots;
@@ -51,27 +51,27 @@ struct PhaseSpec {
   std::optional<RefineSpec> refine;
   std::optional<FreeDurationSpec> free_duration;
   ContactNames contacts;
-  /// Of an impulse at the contacts: one knot that takes no time.
+  /// Impulse at the contacts: one knot without time.
   std::optional<double> restitution;
-  std::optional<ChoiceSpec> choice;  ///< of a first phase that is one
-  std::optional<JumpSpec> jump;      ///< of one knot between two phases that take time
-  std::optional<Name> system;        ///< where the file has several
+  std::optional<ChoiceSpec> choice;  ///< first phase: optimize the initial state
+  std::optional<JumpSpec> jump;      ///< one knot between two phases that take time
+  std::optional<Name> system;        ///< if the file has several
 
   bool takes_no_time() const { return restitution || choice || jump; }
-  /// Weights that costs have in this phase instead of their own.
+  /// Cost weights in this phase, which replace those of the costs.
   NamedNumbers weights;
 };
 
-/// What controls are between knots.
+/// Course of the controls between knots.
 enum class ControlCourse {
-  kConstant,  ///< what they are at the knot's beginning
-  kLinear,    ///< they go straight to what they are at the next knot's beginning
+  kConstant,  ///< the control at the beginning of the knot
+  kLinear,    ///< linear to the control at the beginning of the next knot
 };
 
 enum class RunningCosts {
   kRate,        ///< multiplied by dt
-  kIntegrated,  ///< over the step, by the stages of the integrator
-  kSum,         ///< added up as they are
+  kIntegrated,  ///< integrated over the step with the stages of the integrator
+  kSum,         ///< summed without a factor
 };
 
 struct KeyframeSpec {
@@ -81,13 +81,13 @@ struct KeyframeSpec {
   StateSpec state;
 };
 
-/// How knots get their values from those between which they lie.
+/// Interpolation of knots between given values.
 enum class Interpolation {
   kLinear,  ///< along the shortest way
   kCubic,   ///< by a natural cubic spline
 };
 
-/// Where the first trajectory comes from.
+/// Source of the initial guess.
 struct GuessSpec {
   enum class States { kInitial, kInterpolate, kKeyframes, kFile };
   enum class Controls { kZero, kQuasiStatic, kConstant, kFile };
@@ -105,17 +105,17 @@ struct GuessSpec {
     double scale = 0;  ///< standard deviation, in the control's unit
   };
   std::optional<Random> random;
-  /// A former solution whose multipliers are taken as well.
+  /// Former solution whose multipliers are also used.
   std::optional<DataFileSpec> multipliers_file;
 };
 
-/// The format of problem files that is read, the value of their key `conddp`.
+/// The supported format of problem files, the value of their key `conddp`.
 inline constexpr int kProblemFormat = 1;
 
-/// A problem file, read and checked as far as it can be without its robots.
+/// A problem file, read and checked as far as possible without its robots.
 struct ProblemSpec {
-  // Not inline: each of the many sources that have one would compile the copies of all that is in
-  // it.
+  // Out of line: otherwise every source that uses a spec compiles the copy functions of all
+  // members.
   ProblemSpec();
   ProblemSpec(const ProblemSpec& other);
   ProblemSpec(ProblemSpec&& other) noexcept;
@@ -124,32 +124,32 @@ struct ProblemSpec {
   ~ProblemSpec();
 
   std::filesystem::path file;
-  std::string text;                   ///< of the file, without a byte-order mark
-  std::string sha256;                 ///< of the bytes that were read
+  std::string text;                   ///< of the file without byte-order mark
+  std::string sha256;                 ///< of the bytes read
   std::string definition;             ///< canonical_definition of the document with its settings
-  std::vector<std::string> settings;  ///< that replaced values of the file
+  std::vector<std::string> settings;  ///< that replace values of the file
   Name name;
   std::string description;
-  ExpressionNamesSpec names;  ///< that all expressions know
+  ExpressionNamesSpec names;  ///< available in all expressions
   std::vector<RobotSpec> robots;
-  std::optional<SystemSpec> system;  ///< of several that of the first phase that takes time
+  std::optional<SystemSpec> system;  ///< if several: the first phase's that takes time
   std::vector<NamedSystemSpec> systems;
   Vector3<double> gravity{0, 0, -9.81};  ///< m/s²
   StateSpec initial_state;
-  std::optional<Located<Integrator>> integrator;  ///< absent: the system's usual one
+  std::optional<Located<Integrator>> integrator;  ///< absent: the system's default
   Located<ControlCourse> controls{ControlCourse::kConstant, {}};
   Located<RunningCosts> running_costs{RunningCosts::kRate, {}};
   std::vector<ContactSpec> contacts;
   CollisionSpec collision;
   std::vector<CandidateSpec> candidates;
-  std::optional<SteppingSpec> stepping;  ///< there wherever candidates are
+  std::optional<SteppingSpec> stepping;  ///< present whenever candidates exist
   std::optional<MeshSpec> mesh;          ///< its factor is part of the phases
   std::vector<PhaseSpec> phases;
   std::vector<GaitCommand> gait_commands;  ///< of the gait that made the phases
-  /// The way of that gait's base, on which it moves evenly from point to point; empty: no gait.
+  /// Path of that gait's base, with constant velocity between points; empty without a gait.
   std::vector<WayPoint> gait_way;
   std::vector<CostSpec> costs;
-  std::vector<CostSpec> integrals;  ///< numbers of the state that grow with their one row
+  std::vector<CostSpec> integrals;  ///< states that integrate their single row
   std::vector<ControlBoundsSpec> control_bounds;
   std::vector<ConstraintSpec> constraints;        ///< all others on running knots
   std::optional<ContactNames> terminal_contacts;  ///< absent: those of the last phase
@@ -165,25 +165,25 @@ struct ProblemSpec {
     return terminal_contacts ? *terminal_contacts : phases.back().contacts;
   }
   bool has_linear_controls() const { return controls.value == ControlCourse::kLinear; }
-  /// Whether running costs are multiplied by the time that they last.
+  /// True if running costs are multiplied by their duration.
   bool costs_are_rates() const { return running_costs.value != RunningCosts::kSum; }
   /// Null if all durations are fixed.
   const PhaseSpec* first_free_duration() const;
-  /// Those at running knots, integrals, and those at the last node.
+  /// Costs at running knots, integrals, and costs at the last node.
   std::vector<const CostSpec*> all_costs() const;
   std::vector<const ConstraintSpec*> all_constraints() const;
   bool has_jumps() const;
-  /// Whether it runs compiled code that the file names.
+  /// True if the problem runs compiled code that the file names.
   bool runs_code() const;
   int knots() const {
     int n = 0;
     for (const PhaseSpec& phase : phases) n += phase.knots.value;
     return n;
   }
-  /// The first cost, integral or constraint, at running knots or the last node, whose residual
-  /// needs this; null if there is none.
+  /// The first cost, integral or constraint, at running knots or the last node, whose residual has
+  /// this need; null if none has it.
   const CostSpec* first_use(bool ResidualNeeds::*need) const;
-  /// What first needs the previous control, by its name in the file; empty: nothing.
+  /// Name in the file of the first item that needs the previous control; empty if nothing needs it.
   std::string_view use_of_previous_control() const;
 };
 

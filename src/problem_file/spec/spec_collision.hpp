@@ -16,19 +16,19 @@ struct CapsuleSpec {
   Vector3<double> from = Vector3<double>::zero();  ///< m
   Vector3<double> to = Vector3<double>::zero();    ///< m
 };
-/// What lies behind a plane.
+/// The space behind a plane.
 struct HalfSpaceSpec {
-  Vector3<double> normal{0, 0, 1};                  ///< unit vector that leads out of it
+  Vector3<double> normal{0, 0, 1};                  ///< outward unit vector
   Vector3<double> point = Vector3<double>::zero();  ///< on its surface, m
 };
 
-/// A shape that a frame of a robot carries.
+/// A shape on a frame of a robot.
 struct ShapeSpec {
   Name name;
   Name frame;
   std::variant<SphereSpec, CapsuleSpec> form;
 };
-/// A shape that stands in the world.
+/// A shape fixed in the world.
 struct ObstacleSpec {
   Name name;
   std::variant<SphereSpec, CapsuleSpec, HalfSpaceSpec> form;

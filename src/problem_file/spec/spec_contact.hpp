@@ -7,7 +7,7 @@
 
 namespace conddp {
 
-/// A frame that can touch the world, and what limits its force.
+/// A frame that can touch the world, with its force limits.
 struct ContactSpec {
   Name name;
   Name frame;
@@ -18,7 +18,7 @@ struct ContactSpec {
   double kp = 0;                           ///< 1/s²
   double kd = 20;                          ///< 1/s
   Place baumgarte_place;
-  std::optional<PoseSpec> placement;  ///< reference of kp; absent: where it starts
+  std::optional<PoseSpec> placement;  ///< reference of kp; absent: the initial placement
   double friction = 0.7;
   double min_normal_force = 0;                     ///< N
   double max_normal_force = kUnlimited;            ///< N

@@ -11,7 +11,7 @@ namespace conddp {
 
 struct ResidualDefinition;
 
-/// One value of a reference, in the form that fits its residual.
+/// One reference value, in the form of its residual.
 struct ReferenceValueSpec {
   Place place;
   std::optional<Name> name;  ///< a configuration, or "initial"
@@ -21,14 +21,14 @@ struct ReferenceValueSpec {
   std::optional<TwistSpec> twist;
 };
 
-/// Columns of a CSV file or of a former solution, over time.
+/// Columns of a CSV file or of a former solution over time.
 struct DataFileSpec {
   Name file;
   std::filesystem::path path;  ///< resolved against the problem file's folder
-  std::vector<Name> columns;   ///< empty: those of the quantity itself
+  std::vector<Name> columns;   ///< empty: the quantity's own columns
 };
 
-/// One value; way-points between which knots interpolate; or a file.
+/// A single value, way-points to interpolate between, or a file.
 struct ReferenceSpec {
   Place place;
   std::vector<ReferenceValueSpec> values;
@@ -53,28 +53,28 @@ struct CostSpec {
   bool names_previous_control = false;  ///< in its expressions
   double weight = 1;
   ActivationSpec activation;
-  std::optional<ComponentsSpec> weights;  ///< of the components, besides `weight`
-  std::optional<MatrixSpec> matrix;       ///< instead of weights of the components
+  std::optional<ComponentsSpec> weights;  ///< component weights, multiplied by `weight`
+  std::optional<MatrixSpec> matrix;       ///< replaces component weights
   std::optional<ReferenceSpec> reference;
   std::optional<std::vector<Name>> phases;
   std::optional<std::vector<Located<int>>> knots;
-  /// Of a constraint: whether the nodes at which its phases end belong to it.
+  /// Constraints: true if it applies to the nodes at the end of its phases.
   Located<bool> ends{false, {}};
 };
 
-/// Quantities on which a constraint can put bounds.
+/// Quantities that a constraint can bound.
 enum class BoundedQuantity { kControl, kState, kConfiguration, kVelocity };
 
-/// A constraint other than bounds on the control: a residual in a set, or bounds on coordinates of
-/// the state. Without equals, bounds or a cone the residual is zero.
+/// A constraint other than control bounds: a residual in a set, or bounds on coordinates of the
+/// state. Without equals, bounds or a cone the residual is zero.
 struct ConstraintSpec {
-  CostSpec function;  ///< the residual and where it holds; its key `cone` counts
-  std::optional<Located<BoundedQuantity>> bounded;  ///< instead of the residual
+  CostSpec function;  ///< the residual and where it holds; its key `cone` applies
+  std::optional<Located<BoundedQuantity>> bounded;  ///< replaces the residual
   bool from_urdf = false;
   Place from_place;
   double scale = 1;  ///< of the URDF's limits
   std::optional<ComponentsSpec> equals, lower, upper;
-  /// References for each of which the constraint holds, instead of one.
+  /// Several references, which replace the single one; the constraint holds for each.
   std::vector<Located<std::vector<double>>> centers;
   std::optional<double> at_least, at_most;  ///< of the residual's norm
   double slope = 1;                         ///< of a cone

@@ -8,15 +8,15 @@
 
 namespace conddp {
 
-/// A compiled function as a file names it.
+/// A compiled function as named in a file.
 struct LibraryFunctionSpec {
-  Name library;  ///< as the file says it
+  Name library;  ///< as written in the file
   Name function;
   NamedNumbers parameters;  ///< the numbers of its input p in order
   Place parameters_place;
 };
 
-/// A system of a compiled function, whose library the reader has loaded.
+/// System of a compiled function; the reader has loaded its library.
 struct LibrarySystemSpec {
   LibraryFunctionSpec function;
   LibrarySystemColumns columns;

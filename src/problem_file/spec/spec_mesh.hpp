@@ -4,12 +4,12 @@
 
 namespace conddp {
 
-/// How fine the grid becomes by itself.
+/// Settings of automatic mesh refinement.
 struct MeshSpec {
   Place place;
-  double error = 1e-6;  ///< how far a finer replay may lie from the states, in their units
-  int factor = 1;       ///< into how many each step of the phases is cut to begin with
-  int rounds = 8;       ///< grids at most
+  double error = 1e-6;  ///< largest distance of a finer replay from the states, in their units
+  int factor = 1;       ///< initial subdivision of each step of the phases
+  int rounds = 8;       ///< maximum number of grids
   int most_knots = 10000;
 };
 

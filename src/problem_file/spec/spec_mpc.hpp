@@ -12,15 +12,15 @@
 
 namespace conddp {
 
-/// What follows the end of the phases: nothing, their last knot again and again, or further cycles
-/// of the file's gait.
+/// Continuation after the end of the phases: none, their last knot repeated, or further cycles of
+/// the file's gait.
 enum class AfterTheEnd { kNone, kHold, kGait };
 
-/// What counts at the last node of windows that end before the phases do: nothing, the file's
-/// `terminal`, or the cost-to-go of a regulator.
+/// Terminal cost of windows that end before the phases do: none, the file's `terminal`, or the
+/// cost-to-go of a regulator.
 enum class WindowEnd { kNothing, kTerminal, kRegulator };
 
-/// A change of the plant at a time: its state jumps, or a frame is pushed for a while.
+/// A disturbance of the plant at a time: a jump of its state, or a temporary push on a frame.
 struct DisturbanceSpec {
   Place place;
   Located<double> at;                  ///< s
@@ -29,67 +29,67 @@ struct DisturbanceSpec {
   double duration = 0;  ///< of a push, s
 };
 
-/// Normal random numbers that are added to what is measured.
+/// Normal noise added to the measurement.
 struct NoiseSpec {
   ComponentsSpec sigma;  ///< standard deviation, in tangent components
   std::uint64_t seed = 1;
 };
 
-/// Answers of ticks that come too late, whatever the clock says.
+/// Ticks whose answer arrives late, independent of the clock.
 struct LateSpec {
   double share = 1;                ///< of the ticks, drawn at random
-  Located<double> at{0, {}};       ///< from when on, s
-  std::optional<double> duration;  ///< s; none: to the end of the loop
+  Located<double> at{0, {}};       ///< first time, s
+  std::optional<double> duration;  ///< s; absent: to the end of the loop
   std::uint64_t seed = 1;
 };
 
-/// What moves in place of the model.
+/// Simulated plant in place of the model.
 struct MpcPlantSpec {
   std::vector<Setting> settings;  ///< of the problem file
   Place place;                    ///< of the settings
   std::optional<Located<Integrator>> integrator;
   std::optional<Located<double>> dt;  ///< longest step, s
-  /// The contacts of the file open and close by themselves, on the ground.
+  /// The file's contacts open and close by simulation, on the ground.
   std::optional<Place> simulated_contacts;
   std::vector<TouchedSpec> ground = {TouchedSpec{}};
 };
 
-/// By how much phases may begin earlier or last longer than planned.
+/// Bounds on how much earlier phases may begin and how much longer they may last.
 struct RetimeSpec {
   Place place;
   Located<double> early, late;  ///< s
 };
 
-/// What controls where several ticks in a row have no plan.
+/// Fallback controller after several ticks in a row without a plan.
 struct FallbackSpec {
   Place place;
   int after = 3;
-  std::optional<Name> name;               ///< the state: a configuration or "initial"
-  StateSpec to;                           ///< the state otherwise, which the controls hold
-  std::optional<TerminalLqrSpec> by_lqr;  ///< with the regulator's gains about its state instead
+  std::optional<Name> name;               ///< target state: a configuration or "initial"
+  StateSpec to;                           ///< target state if it has no name; the controls hold it
+  std::optional<TerminalLqrSpec> by_lqr;  ///< adds the gains of the regulator about its state
 };
 
 /// The section `mpc`: a closed loop.
 struct MpcSpec {
   Place place;
   Located<double> horizon, tick, duration;  ///< s
-  std::optional<int> iterations = 1;        ///< of a tick; none: to the solver's tolerances
-  Place iterations_place;                   ///< none where the file has no such key
+  std::optional<int> iterations = 1;        ///< per tick; absent: to the solver's tolerances
+  Place iterations_place;                   ///< invalid if the key is missing
   Located<AfterTheEnd> repeat{AfterTheEnd::kHold, {}};
   Located<WindowEnd> window_end{WindowEnd::kNothing, {}};
   std::optional<TerminalLqrSpec> terminal_lqr;   ///< of windows that end with a regulator
   Located<double> delay;                         ///< s
-  bool predict = true;                           ///< the state for the end of the delay
+  bool predict = true;                           ///< predict the state to the end of the delay
   std::optional<Located<double>> feedback_rate;  ///< Hz
   MpcPlantSpec plant;
   std::vector<DisturbanceSpec> disturbances;
   std::optional<NoiseSpec> noise;
   std::vector<LateSpec> late;
   std::vector<GaitCommand> commands;     ///< unknown to the controller before their times
-  std::optional<Place> measured_swings;  ///< swings begin where the feet are
+  std::optional<Place> measured_swings;  ///< swings begin at the measured feet
   std::optional<RetimeSpec> retime;
   std::optional<FallbackSpec> fallback;
-  std::vector<ConstraintSpec> stop_when;  ///< of states: the loop ends where one does not hold
+  std::vector<ConstraintSpec> stop_when;  ///< bounds on states; the loop ends when one is violated
 };
 
 }  // namespace conddp

@@ -17,7 +17,7 @@ namespace conddp {
 struct PayloadSpec {
   Name link;
   double mass = 0;                                ///< kg
-  std::optional<Name> mass_parameter;             ///< of the robot, in the place of a number
+  std::optional<Name> mass_parameter;             ///< a parameter of the robot, replaces the number
   Vector3<double> com = Vector3<double>::zero();  ///< m, in the link's frame
   std::optional<Symmetric3<double>> inertia;      ///< kg m² about the centre of mass
 };
@@ -53,13 +53,13 @@ struct PassiveSpec {
 struct RobotSpec {
   Name name;  ///< of several robots; empty for the only one
   Place place;
-  Name urdf;                   ///< as the file says it
+  Name urdf;                   ///< as written in the file
   std::filesystem::path path;  ///< resolved against the problem file's folder
   UrdfOptions::Base base = UrdfOptions::Base::fixed;
   std::optional<PoseSpec> placement;
   std::vector<std::pair<Name, StateSpec>> configurations;
   NamedNumbers locked_joints;  ///< rad or m
-  NamedNumbers parameters;     ///< states that rest, and where they start
+  NamedNumbers parameters;     ///< constant states with their initial values
   std::vector<PayloadSpec> payloads;
   std::vector<WrenchSpec> external_wrenches;
   NamedNumbers rotor_inertia;  ///< kg m² or kg
@@ -73,7 +73,7 @@ struct DoubleIntegratorSpec {
   int dimension = 1;
 };
 struct LinearSpec {
-  SystemKind gives = SystemKind::discrete;  ///< or of first order
+  SystemKind gives = SystemKind::discrete;  ///< or rate (first order)
   Eigen::MatrixXd A, B;
   Eigen::VectorXd c;
 };
@@ -82,10 +82,10 @@ struct CarSpec {
   double wheelbase = 2;  ///< m
 };
 
-/// A system of expressions, which the reader has made of the text.
+/// A system of expressions, with the parsed text.
 struct ExpressionSystemSpec {
   ExpressionSystemText text;
-  ExpressionNamesSpec own;  ///< constants and tables of the text besides those of the file
+  ExpressionNamesSpec own;  ///< constants and tables of the text, in addition to those of the file
   ParsedExpressionSystem parsed;
 };
 
@@ -98,7 +98,7 @@ struct SystemSpec {
       parameters;
 };
 
-/// One of several systems, of which phases name theirs.
+/// One of several systems; phases select one by name.
 struct NamedSystemSpec {
   Name name;
   SystemSpec system;

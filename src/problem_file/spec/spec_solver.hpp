@@ -7,14 +7,14 @@ namespace conddp {
 
 /// A number of the file that a homotopy moves.
 struct HomotopyKeySpec {
-  Name key;  ///< a path as `--set` takes it
+  Name key;  ///< a path as in `--set`
   Located<double> from, to;
 };
 
 /// The solver and its options.
 struct SolverSpec {
   Name name{"auto", {}};
-  Place place;  ///< of the section; none where the file has none
+  Place place;  ///< of the section; invalid if the section is missing
   SolverOptions options;
   std::vector<HomotopyKeySpec> homotopy;
 };

@@ -10,10 +10,10 @@ namespace conddp {
 
 struct BoxSpec {
   Vector3<double> size{1, 1, 1};  ///< m
-  PoseSpec placement;             ///< of its middle, in the frame or in the world
+  PoseSpec placement;             ///< of its center, in the frame or in the world
 };
 
-/// What a candidate may touch, carried by a frame or standing in the world.
+/// Geometry that a candidate may touch, on a frame or fixed in the world.
 struct TouchedSpec {
   Place place;
   std::optional<Name> frame;
@@ -31,16 +31,16 @@ struct CandidateSpec {
   std::optional<double> stiffness;  ///< N/m
 };
 
-/// Steps that find out themselves which contacts are closed.
+/// Contact-implicit steps, which determine the closed contacts themselves.
 struct SteppingSpec {
   Place place;
   SteppingScheme scheme = SteppingScheme::backward_euler;
   FrictionModel friction = FrictionModel::polyhedron;
   std::optional<Vector3<double>> plane;  ///< unit normal
-  bool all_limits = false;               ///< every joint's limits of the URDF are stops
+  bool all_limits = false;               ///< all joint limits of the URDF are stops
   std::vector<std::pair<Name, std::array<double, 2>>> joint_limits;
   NamedNumbers joint_friction;
-  /// Weight of ½ f², of forces, slip speeds and shares of friction, a rate.
+  /// Weight of ½ f² on forces, slip speeds and friction shares; a rate.
   double regularization = 1e-3;
 };
 

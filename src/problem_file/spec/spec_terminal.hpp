@@ -6,14 +6,14 @@
 
 namespace conddp {
 
-/// A terminal cost, and if asked for a terminal set, from the linear-quadratic regulator about an
+/// A terminal cost, optionally with a terminal set, from the linear-quadratic regulator about an
 /// equilibrium.
 struct TerminalLqrSpec {
   Place place;
   /// The equilibrium: a configuration or "initial", or a state.
   std::optional<Name> name;
   StateSpec state;
-  PlanarMotion moved;  ///< of its base, by the way of a gait with which a closed loop moves it
+  PlanarMotion moved;  ///< displacement of its base by a gait, in a closed loop
   double weight = 1;
   bool set = false;
   Place set_place;

@@ -15,7 +15,7 @@ namespace conddp {
 using NamedNumbers = std::vector<std::pair<Name, double>>;
 
 /// Values of the components of a vector: one number for all, a list with one entry a component
-/// (null: none), or a mapping from component names to numbers. The names may have a `*`.
+/// (null: no value), or a mapping from component names to numbers. The names may contain `*`.
 struct ComponentsSpec {
   enum class Form { kScalar, kList, kMap };
   Place place;
@@ -25,15 +25,15 @@ struct ComponentsSpec {
   std::vector<std::pair<Name, std::optional<double>>> map;
 };
 
-/// A symmetric matrix on the components of a vector: its rows, whole or up to the diagonal, or
-/// entries by the names of their row and column, each of which stands for its mirror image too.
+/// A symmetric matrix on the components of a vector. It is given by its rows, complete or up to the
+/// diagonal, or by entries named by row and column; each entry includes its mirror image.
 struct MatrixSpec {
   Place place;
   std::vector<Located<std::vector<double>>> rows;
   std::vector<std::pair<Name, NamedNumbers>> entries;
 };
 
-/// Contacts by name, or all that there are.
+/// Contacts by name, or all contacts.
 struct ContactNames {
   bool all = false;
   std::vector<Name> names;
@@ -45,13 +45,13 @@ struct ContactNames {
   }
 };
 
-/// A placement in the world, or the parts of one that were given.
+/// A placement in the world, or the given parts of it.
 struct PoseSpec {
   Place place;
   std::optional<Vector3<double>> position;        ///< m
   std::optional<Quaternion<double>> orientation;  ///< unit
 
-  /// With the world's origin and axes for what was not given.
+  /// Missing parts take the world's origin and axes.
   SE3<double> placement() const {
     SE3<double> placement = SE3<double>::identity();
     if (position) placement.p = *position;
@@ -67,7 +67,7 @@ struct TwistSpec {
   Vector3<double> angular = Vector3<double>::zero();
 };
 
-/// Where a floating or planar base is. A planar one has x, y and yaw.
+/// Pose of a floating or planar base. A planar base has x, y and yaw.
 struct BaseSpec {
   Place place;
   std::optional<std::vector<double>> position;    ///< three numbers, two for a planar base
@@ -75,13 +75,13 @@ struct BaseSpec {
   std::optional<double> yaw;                      ///< planar, rad
 };
 
-/// A motion of a base in the horizontal plane: forward and to the left as it points before (m),
-/// and a turn about its origin (rad).
+/// A motion of a base in the horizontal plane: forward and left in its initial heading (m), and a
+/// turn about its origin (rad).
 struct PlanarMotion {
   double x = 0, y = 0, yaw = 0;
 };
 
-/// How far a base is displaced: by a motion, or as the file's gait moves it.
+/// Displacement of a base: by a motion, or as the file's gait moves it.
 struct DisplacementSpec {
   Place place;
   bool with_gait = false;
@@ -90,23 +90,23 @@ struct DisplacementSpec {
 
 struct NamedState;
 
-/// A state, in one of the ways in which a file can say it. What is not mentioned is neutral: zero,
-/// no rotation, at rest.
+/// A state in one of the notations of a file. Missing values are neutral: zero, no rotation, at
+/// rest.
 struct StateSpec {
   Place place;
   std::optional<Name> configuration;
   std::optional<BaseSpec> base;
-  std::optional<DisplacementSpec> displaced;  ///< of the base that the keys before have placed
+  std::optional<DisplacementSpec> displaced;  ///< of the base in the preceding keys
   NamedNumbers joints;
   std::optional<TwistSpec> base_velocity;
   NamedNumbers joint_velocities;
-  /// Several robots: the state of each, by its name.
+  /// Several robots: the state of each by name.
   std::vector<NamedState> robots;
   /// All numbers of the state.
   std::optional<std::vector<double>> state;
   /// By column name.
   NamedNumbers values;
-  /// Of problems that use the control rate.
+  /// Only in problems that use the control rate.
   std::optional<ComponentsSpec> previous_control;
 };
 

@@ -13,7 +13,7 @@ struct SystemType {
   std::string_view description;  ///< one line: the columns of its state and control
 };
 
-/// Those of the alternatives of SystemSpec::parameters, in their order.
+/// Types of the alternatives of SystemSpec::parameters, in their order.
 inline constexpr SystemType kSystemTypes[] = {
     {"double_integrator", "a = u; state (q/0, ..., v/0, ...), controls u/0, ..."},
     {"linear",
@@ -38,7 +38,7 @@ inline constexpr SystemType kSystemTypes[] = {
     {"library", "A system of a compiled function; may be left out"}};
 static_assert(std::size(kSystemTypes) == std::variant_size_v<decltype(SystemSpec::parameters)>);
 
-/// The scalar parameters of a closed-form system: calls `field(key, description, value, range)` for
+/// The scalar parameters of a closed-form system. Calls `field(key, description, value, range)` for
 /// each, with a reference to the value. `P` is the struct, const or not.
 template <class P, class Field>
 void for_each_field([[maybe_unused]] P& p, [[maybe_unused]] Field&& field) {

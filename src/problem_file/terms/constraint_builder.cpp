@@ -10,8 +10,8 @@
 namespace conddp {
 namespace {
 
-/// Narrows bounds by what the file gives for some of the rows; an empty interval of a row that
-/// counts is reported.
+/// Narrows bounds by those of the file; an empty interval is reported for rows that satisfy
+/// `counts`.
 template <class Predicate>
 bool narrow(const ConstraintSpec& constraint, const ComponentNames& rows, Predicate counts,
             std::vector<double>& lower, std::vector<double>& upper, Diagnostics& out) {
@@ -41,7 +41,7 @@ std::vector<int> flat_indices(const StateManifold& manifold) {
   return indices;
 }
 
-/// Multiplies the width of ranges, whose middles stay: positions need not have 0 in theirs.
+/// Multiplies the width of ranges and keeps their middles: ranges of positions need not contain 0.
 void widen(double scale, std::vector<double>& lower, std::vector<double>& upper) {
   if (scale == 1) return;
   for (std::size_t i = 0; i < lower.size(); ++i) {
@@ -52,7 +52,7 @@ void widen(double scale, std::vector<double>& lower, std::vector<double>& upper)
   }
 }
 
-/// Bounds on the control of a plant that are soft, and so no bounds to a solver.
+/// Soft bounds on the control, which solvers do not treat as control bounds.
 std::optional<BuiltConstraint> build_soft_control_bounds(const ConstraintSpec& spec,
                                                          const CostContext& context,
                                                          const Plant& plant, Diagnostics& out) {
@@ -78,7 +78,8 @@ std::optional<BuiltConstraint> build_soft_control_bounds(const ConstraintSpec& s
   return built;
 }
 
-/// Whether a system has what state bounds are on and come from; else that is reported.
+/// True if a system has the bounded quantity and the source of its bounds; reports an error
+/// otherwise.
 bool check_bounded(const ConstraintSpec& spec, const Plant& plant, Diagnostics& out) {
   const bool whole = spec.bounded->value == BoundedQuantity::kState;
   if (!whole && plant.system->kind() != SystemKind::second_order) {
@@ -91,7 +92,7 @@ bool check_bounded(const ConstraintSpec& spec, const Plant& plant, Diagnostics& 
   return false;
 }
 
-/// Whether a quantity has the tangent coordinate i, of which nv are positions.
+/// True if a quantity contains the tangent coordinate i. The first nv coordinates are positions.
 bool has_coordinate(BoundedQuantity quantity, int i, int nv) {
   if (quantity == BoundedQuantity::kState) return true;
   return (quantity == BoundedQuantity::kVelocity) == (i >= nv);
@@ -138,7 +139,7 @@ std::optional<BoundedCoordinates> bounded_coordinates(const ConstraintSpec& spec
   return bounded;
 }
 
-/// Bounds on those coordinates of a plant's state that have one; there may be none.
+/// Bounds on the coordinates of a plant's state that have one; may be empty.
 std::optional<BuiltConstraint> build_state_bounds(const ConstraintSpec& spec,
                                                   const CostContext& context, const Plant& plant,
                                                   Diagnostics& out) {
@@ -162,7 +163,7 @@ std::optional<BuiltConstraint> build_state_bounds(const ConstraintSpec& spec,
   return built;
 }
 
-/// Puts A times the force in the place of a contact's residual.
+/// Replaces a contact's residual by A times the force.
 void set_force_rows(const Eigen::MatrixXd& A, const CostContext& context, BuiltCost& function) {
   LinearCone rows;
   rows.A = A;
@@ -176,13 +177,13 @@ void set_force_rows(const Eigen::MatrixXd& A, const CostContext& context, BuiltC
   function.reference = TimeSeries(function.residual.parameters, {});
 }
 
-/// The exact friction cone of a contact, (force along two tangents; μ times the normal one), and
-/// the limits of the normal force where it has any.
+/// The exact friction cone of a contact: (force along two tangents; μ times the normal force). Also
+/// adds the limits of the normal force, if any.
 void add_friction_cone(const ConstraintSpec& spec, const CostContext& context, BuiltCost function,
                        std::vector<BuiltConstraint>& list, Diagnostics& out) {
   const ContactSpec& contact = context.spec.contacts[function.contact.contacts.front()];
   if (contact.axes != FrameAxes::world_aligned) {
-    if (!spec.function.definition->is_cone)  // a cone has said so
+    if (!spec.function.definition->is_cone)  // a cone has reported it
       out.error(spec.function.residual.place,
                 fmt::format("the friction cone of '{}' needs a normal that is fixed in the world",
                             contact.name.value),
@@ -208,7 +209,7 @@ void add_friction_cone(const ConstraintSpec& spec, const CostContext& context, B
   list.push_back(std::move(limits));
 }
 
-/// The constraint from each of its centers; one without centers as it is.
+/// Adds one constraint for each center; without centers the constraint itself.
 void add_centers(const BuiltConstraint& constraint, std::vector<BuiltConstraint>& list,
                  Diagnostics& out) {
   if (constraint.spec->centers.empty()) return list.push_back(constraint);
@@ -223,7 +224,7 @@ void add_centers(const BuiltConstraint& constraint, std::vector<BuiltConstraint>
   }
 }
 
-/// The residual of a constraint; from centers, measured from the origin at first.
+/// The residual of a constraint; with centers its reference is initially the origin.
 CostSpec function_of(const ConstraintSpec& spec) {
   CostSpec function = spec.function;
   if (spec.centers.empty()) return function;
@@ -233,10 +234,10 @@ CostSpec function_of(const ConstraintSpec& spec) {
   return function;
 }
 
-/// Rows that equal numbers; those for which the file gives none are free.
+/// Sets rows to the given numbers; rows without a number are free.
 bool set_equal(BuiltConstraint& built, const ComponentNames& rows, Diagnostics& out) {
   const auto below = resolve(*built.spec->equals, rows, -kUnlimited, out);
-  if (!below) return false;  // what is wrong is said once
+  if (!below) return false;  // reports errors only once
   const auto above = resolve(*built.spec->equals, rows, kUnlimited, out);
   if (!above) return false;
   built.lower = *below;
@@ -252,7 +253,7 @@ bool set_cone(BuiltConstraint& built, int rows, Diagnostics& out) {
   return false;
 }
 
-/// The set of a constraint whose residual is built.
+/// Sets the kind and bounds of a constraint whose residual is built.
 bool set_bounds(BuiltConstraint& built, Diagnostics& out) {
   const ConstraintSpec& spec = *built.spec;
   const CostResidual& residual = built.function.residual;
@@ -295,7 +296,7 @@ bool is_zero(const ConstraintSpec& c) {
 
 namespace {
 
-/// Bounds on the state or control, once for each variant of the plant that has some of them.
+/// Adds bounds on the state or control for each variant of the plant that has any.
 void add_bounds(const ConstraintSpec& spec, const CostContext& context,
                 std::vector<BuiltConstraint>& list, Diagnostics& out) {
   const auto build = spec.bounded->value == BoundedQuantity::kControl ? build_soft_control_bounds
@@ -314,7 +315,7 @@ void add_bounds(const ConstraintSpec& spec, const CostContext& context,
                              "others");
 }
 
-/// The constraints of one residual: several on contacts, or from centers.
+/// Adds the constraints of a residual: several on contacts, or one for each center.
 void add_constraints(const ConstraintSpec& spec, const CostContext& context,
                      std::vector<BuiltConstraint>& list, Diagnostics& out) {
   for (BuiltCost& function : build_costs({function_of(spec)}, context, out)) {
@@ -333,7 +334,7 @@ void add_constraints(const ConstraintSpec& spec, const CostContext& context,
 
 namespace {
 
-/// The largest finite number among bounds and the first reference.
+/// The largest finite number among bounds and the initial reference.
 double largest_number(const BuiltConstraint& constraint) {
   double largest = 0;
   const auto meet = [&](const std::vector<double>& numbers) {
@@ -347,7 +348,7 @@ double largest_number(const BuiltConstraint& constraint) {
   return largest;
 }
 
-/// Of a constraint whose bounds are smaller than what it may be violated by.
+/// Warns of a constraint whose bounds are smaller than the allowed violation.
 void warn_of_tolerance(const BuiltConstraint& constraint, double tolerance, Diagnostics& out) {
   const double largest = largest_number(constraint);
   if (constraint.spec->softness != Softness::hard || largest == 0 || largest > tolerance) return;

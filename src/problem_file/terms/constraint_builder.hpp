@@ -5,28 +5,28 @@
 
 namespace conddp {
 
-/// A constraint ready to be put into knot models.
+/// A constraint ready for knot models.
 struct BuiltConstraint {
   const ConstraintSpec* spec = nullptr;
-  BuiltCost function = {};  ///< residual and reference; of costs on contacts one of them
+  BuiltCost function = {};  ///< residual and reference; contact costs: of one contact
   ConstraintKind kind = ConstraintKind::bounds;
   double slope = 1;
-  std::vector<double> lower, upper;  ///< a number per row of what is bounded
-  bool at_last_node = false;         ///< of a constraint on running knots: there as well
+  std::vector<double> lower, upper;  ///< one number a row
+  bool at_last_node = false;         ///< a constraint on running knots that also applies there
 };
 
-/// Whether nothing is said about what the residual has to be, so that it has to be zero.
+/// True without a set in the file: the residual must then be zero.
 bool is_zero(const ConstraintSpec& constraint);
 
-/// Constraints that cannot be built are reported and left out.
+/// Builds constraints; invalid ones are reported and omitted.
 std::vector<BuiltConstraint> build_constraints(const std::vector<ConstraintSpec>& specs,
                                                const CostContext& context, Diagnostics& out);
 
-/// Multiplies bounds of controls by a factor.
+/// Multiplies control bounds by a factor.
 void scale_efforts(double scale, std::vector<double>& lower, std::vector<double>& upper);
 
-/// The term for a knot model, with this residual. `duration`: where costs of the knot grow with a
-/// free duration, that.
+/// The term for a knot model with this residual. `duration`: free duration that scales costs of the
+/// knot, if any.
 ConstraintTerm make_term(const BuiltConstraint& constraint,
                          std::shared_ptr<const Residual> residual,
                          const std::optional<DurationColumn>& duration = {});

@@ -24,7 +24,7 @@ std::string list_with_limits() {
   return fmt::format("{} and {}", fmt::join(names, ", "), last);
 }
 
-/// The robot's own limits of a residual as bounds of a barrier.
+/// Sets the robot's limits for a residual as bounds of a barrier.
 bool set_limits_of_robot(const CostSpec& cost, const CostResidual& residual, Activation& activation,
                          Diagnostics& out) {
   if (residual.lower.empty()) {
@@ -42,7 +42,7 @@ bool set_limits_of_robot(const CostSpec& cost, const CostResidual& residual, Act
   return true;
 }
 
-/// The barrier's bounds: the robot's limits where asked for, and what the file says besides.
+/// Sets the barrier's bounds: the robot's limits if requested, narrowed by those of the file.
 bool set_barrier(const CostSpec& cost, const CostResidual& residual, Activation& activation,
                  Diagnostics& out) {
   const ActivationSpec& spec = cost.activation;
@@ -77,15 +77,15 @@ std::optional<Activation> build_activation(const CostSpec& cost, const CostResid
   if (cost.weights) {
     const auto weights = resolve(*cost.weights, residual.rows, 1.0, out);
     if (!weights) return std::nullopt;
-    // Without weights sums are rounded in another way than with weights of 1: what is the same is
-    // built the same.
+    // Unit weights change the rounding of sums, so they are omitted: equal problems are built
+    // equally.
     if (std::any_of(weights->begin(), weights->end(), [](double w) { return w != 1; }))
       activation.weights = *weights;
   }
   return activation;
 }
 
-/// Puts the file's matrix into a cost's residual; false where it does not fit.
+/// Applies the file's matrix to a cost's residual; false if it does not fit.
 bool apply_matrix(const CostSpec& spec, CostResidual& residual, ContactCost& contact,
                   Diagnostics& out) {
   const auto matrix = resolve(*spec.matrix, residual, spec.residual.value, out);
@@ -99,7 +99,7 @@ bool apply_matrix(const CostSpec& spec, CostResidual& residual, ContactCost& con
   return true;
 }
 
-/// Which variants have the states of the phases in which a function can be on.
+/// The variants of the phases where a function can be active.
 std::vector<bool> variants_of(const CostSpec& function, const CostContext& context) {
   const Plant& plant = context.plant;
   std::vector<bool> on(plant.variants.size(), false);
@@ -130,7 +130,7 @@ void add_cost(const CostSpec& spec, CostResidual residual, ContactCost contact,
                    std::move(*reference)});
 }
 
-/// Whether the contacts of one of these are held at a node where it can be on.
+/// True if the contacts of at least one cost are held at a node where it can be active.
 bool is_ever_held(const CostSpec& spec, const std::vector<ContactCost>& costs,
                   const CostContext& context) {
   const ContactPlan& plan = context.contacts;
@@ -146,7 +146,7 @@ bool is_ever_held(const CostSpec& spec, const std::vector<ContactCost>& costs,
   return false;
 }
 
-/// On each variant of the plant where it can be on, up to the first where it cannot be built.
+/// Adds a cost on each variant of the plant where it can be active; stops at the first error.
 void add_variants(const CostSpec& spec, const CostContext& context, std::vector<BuiltCost>& costs,
                   Diagnostics& out) {
   const int errors = out.error_count();

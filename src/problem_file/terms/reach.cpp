@@ -10,7 +10,7 @@
 namespace conddp {
 namespace {
 
-/// A ball that a frame never leaves.
+/// A ball that contains all positions of a frame.
 struct Reach {
   Vector3<double> center;
   double radius = 0;
@@ -27,7 +27,7 @@ std::optional<Reach> reach_of(const RobotModel& robot, int frame) {
   return Reach{arm, radius};
 }
 
-/// Whether all components of the reference count alike.
+/// True for a frame position with equal weights on all components.
 bool is_whole(const CostSpec& cost) {
   return (cost.definition->name == "frame_position" ||
           cost.definition->name == "frame_placement") &&

@@ -6,9 +6,9 @@
 
 namespace conddp {
 
-/// Warns of positions of frames that costs or equalities ask for and no angles of the joints reach:
-/// farther from the first joint of the frame's chain than all links behind it are long together.
-/// Chains that slide or float have no such length.
+/// Warns of frame positions required by costs or equalities that no joint angles reach. Such
+/// positions are farther from the first joint of the frame's chain than the total length of its
+/// links. Chains with sliding or floating joints are exempt.
 void warn_of_reach(const std::vector<BuiltCost>& costs,
                    const std::vector<BuiltConstraint>& constraints, const Plant& plant,
                    Diagnostics& out);

@@ -35,8 +35,8 @@ class ReferenceBuilder {
     return cost_.definition->reference->numbers(*spec.pose, out_);
   }
 
-  /// Warns of positions outside of the joints' limits; whether there are any. Zero may stand for a
-  /// joint that is not mentioned, and the initial state has been looked at.
+  /// Warns of positions outside the joint limits; true if there are any. Zeros are skipped, because
+  /// they may stand for missing joints, and the initial state has already been checked.
   bool check_limits(const ReferenceValueSpec& spec, const std::vector<double>& value) const {
     if (!cost_.definition->of_positions) return false;
     if (spec.name && spec.name->value == "initial") return false;
@@ -45,7 +45,7 @@ class ReferenceBuilder {
                                 [&](const std::string& joint) { return place_of(joint, spec); });
   }
 
-  /// What stands for a reference that the file leaves out.
+  /// The default for a missing reference.
   Numbers absent() const {
     using Needed = ReferenceForm::Needed;
     const ReferenceForm* form = cost_.definition->reference;
@@ -60,7 +60,7 @@ class ReferenceBuilder {
   }
 
  private:
-  /// The state whose entries a reference gives; others, and zeros, are no numbers.
+  /// The state with the entries of a reference; other entries and zeros are NaN.
   std::vector<double> state_of(const std::vector<double>& value) const {
     std::vector<double> x(plant_.system->manifold().nx(), std::nan(""));
     for (std::size_t i = 0; i < value.size(); ++i) {
@@ -70,7 +70,7 @@ class ReferenceBuilder {
     return x;
   }
 
-  /// Where a reference says the position of a joint.
+  /// Place of a joint's position in a reference.
   static Place place_of(const std::string& joint, const ReferenceValueSpec& spec) {
     Place place = spec.place;
     if (spec.components) look_up(joint, spec.components->map, place);
@@ -99,7 +99,7 @@ class ReferenceBuilder {
   Diagnostics& out_;
 };
 
-/// The columns of a file that hold a reference: those named, else those of the quantity itself.
+/// The columns of a file that hold a reference: the named columns, otherwise the quantity's own.
 std::optional<std::vector<std::string>> file_columns(const CostSpec& cost,
                                                      const CostResidual& residual,
                                                      Diagnostics& out) {
@@ -119,7 +119,7 @@ std::optional<std::vector<std::string>> file_columns(const CostSpec& cost,
   return std::nullopt;
 }
 
-/// Where the columns of a file stand; those that it does not have are reported.
+/// Indices of columns in a table; missing columns are reported.
 std::optional<std::vector<std::size_t>> indices_of(const std::vector<std::string>& columns,
                                                    const DataFileSpec& file, const DataTable& table,
                                                    Diagnostics& out) {
@@ -135,7 +135,7 @@ std::optional<std::vector<std::size_t>> indices_of(const std::vector<std::string
   return indices;
 }
 
-/// The cells of a row in these columns; nothing where one of them is empty.
+/// The cells of a row in these columns; empty if a cell is empty.
 std::optional<std::vector<double>> cells(const std::vector<std::optional<double>>& row,
                                          const std::vector<std::size_t>& columns) {
   std::vector<double> values;
@@ -182,7 +182,7 @@ std::optional<TimeSeries> reference_from_file(const CostSpec& cost, const CostRe
   return series_of(file, *table, *columns, residual.parameters, out);
 }
 
-/// When a way-point is, s; nothing, with an error, where it is at a node that does not exist.
+/// Time of a way-point, s; empty with an error if its node does not exist.
 std::optional<double> time_of(const ReferenceSpec& spec, std::size_t i,
                               const std::vector<double>& times, Diagnostics& out) {
   if (spec.knots.empty()) return spec.times.empty() ? 0.0 : spec.times[i].value;
@@ -193,7 +193,7 @@ std::optional<double> time_of(const ReferenceSpec& spec, std::size_t i,
   return std::nullopt;
 }
 
-/// One value, or way-points.
+/// A single value, or way-points.
 std::optional<TimeSeries> reference_from_values(const ReferenceBuilder& builder,
                                                 const ReferenceSpec& spec,
                                                 const StateManifold& manifold,
@@ -213,7 +213,7 @@ std::optional<TimeSeries> reference_from_values(const ReferenceBuilder& builder,
   return series;
 }
 
-/// Warns of a course of which hardly anything lies within the motion, as of times in ms.
+/// Warns of a reference that lies almost entirely after the end of the motion, as with times in ms.
 void check_times(const TimeSeries& series, const CostSpec& cost, double end, Diagnostics& out) {
   const std::vector<double>& times = series.times();
   const auto within = std::ranges::count_if(times, [&](double t) { return t <= end; });

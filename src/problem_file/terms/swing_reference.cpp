@@ -10,7 +10,7 @@
 namespace conddp {
 namespace {
 
-/// How many phases hold a contact, and the first of the swing's that does, if any.
+/// Number of phases that hold a contact, and the first of them within the swing, if any.
 struct Hold {
   std::size_t phases = 0;
   std::optional<std::size_t> in_swing;
@@ -26,7 +26,7 @@ Hold hold_of(int contact, const std::vector<bool>& swings, const ContactPlan& pl
   return hold;
 }
 
-/// Whether no phase of the swing holds the frame.
+/// True if no phase of the swing holds the frame.
 bool is_free(const CostSpec& cost, int frame, const std::vector<bool>& swings,
              const ProblemSpec& spec, const ContactPlan& plan, Diagnostics& out) {
   const SwingSpec& swing = *cost.keys.find(key::swing);
@@ -53,14 +53,14 @@ bool is_free(const CostSpec& cost, int frame, const std::vector<bool>& swings,
   return true;
 }
 
-/// The way of a foot from one foothold to the next.
+/// Path of a foot from one foothold to the next.
 struct SwingArc {
   const Foothold &from, &to;
   double height;              ///< m
   Quaternion<double> stance;  ///< the frame's orientation in the initial state
-  bool turns;                 ///< whether the orientation is part of the reference
+  bool turns;                 ///< the reference includes the orientation
 
-  /// The reference after a share of the swing's time.
+  /// The reference at the fraction s of the swing's duration.
   std::vector<double> at(double s) const {
     const double along = s * s * (3 - 2 * s);
     const double above = 16 * height * s * s * (1 - s) * (1 - s);
@@ -75,7 +75,7 @@ struct SwingArc {
   }
 };
 
-/// The way along an arc, node by node.
+/// Appends the reference along an arc, node by node.
 void append(const SwingArc& arc, const SwingRun& run, const std::vector<double>& times,
             TimeSeries& series) {
   const double begin = times[run.first], duration = times[run.last] - begin;

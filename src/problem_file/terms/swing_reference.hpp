@@ -7,14 +7,15 @@
 
 namespace conddp {
 
-/// The positions (of frame_placement: poses) through which a frame swings, one a knot, over every
-/// run of consecutive phases that the cost names, and at the first node after it, where the frame
-/// touches down. It lifts off where it stood before: at first in the initial state, then where it
-/// landed. With s from 0 at the start to 1 at touch-down, even in time, it goes along the straight
-/// line with s² (3 − 2 s), turning likewise, and above it by 16·height·s² (1 − s)²: it rises and
-/// lands at rest. Landings given by displacements stay on the ground: the plane through the place
-/// where the frame stood at first, with the normal of its contact. Swings that cannot be (the frame
-/// is held meanwhile, or never lifts; not one displacement a swing) are reported.
+/// Reference of a swinging frame, one value a knot: positions, or poses for frame_placement. It
+/// covers every run of consecutive phases that the cost names, and the touch-down node after it.
+/// The first swing starts at the initial position, later ones at the previous landing. With s = 0
+/// at the start and s = 1 at touch-down, uniform in time, the frame moves along the straight line
+/// with s² (3 − 2 s) and turns likewise. It rises above the line by 16·height·s² (1 − s)². It lifts
+/// off and lands with zero velocity. Landings given by displacements stay on the ground: the plane
+/// through the initial position with the normal of the frame's contact. Invalid swings are
+/// reported: the frame is held meanwhile or never lifts, or the number of displacements differs
+/// from that of the swings.
 std::optional<TimeSeries> swing_reference(const CostSpec& cost, const CostResidual& residual,
                                           const ProblemSpec& spec, const ContactPlan& plan,
                                           const Plant& plant, const std::vector<double>& initial,

@@ -7,7 +7,7 @@
 namespace conddp {
 namespace {
 
-/// Whether the system has the control that a residual needs; else that is reported.
+/// True if the system has the control that a residual needs; reports an error otherwise.
 bool has_its_control(const CostSpec& cost, const CostResidual& made, const Plant& plant,
                      Diagnostics& out) {
   const bool lacks_actuator = cost.definition->needs.control && plant.actuated().nu() == 0;

@@ -5,20 +5,20 @@
 
 namespace conddp {
 
-/// Makes the residual of a cost or constraint for knot models with `ndx` tangent coordinates;
-/// nothing of one on contacts. What does not fit the plant is reported.
+/// Makes the residual of a cost or constraint for knot models with `ndx` tangent coordinates; empty
+/// for contact residuals. A residual that does not fit the plant is reported.
 std::optional<CostResidual> make_cost_residual(const CostSpec& cost, const ProblemSpec& spec,
                                                const Plant& plant, int ndx, Diagnostics& out);
 
-/// Whether a cost stands on contacts that have to be held: it is of them, or its rows read them.
+/// True if a cost needs held contacts: its residual is on contacts, or its rows read them.
 bool is_on_contacts(const CostSpec& cost);
 
-/// A contact cost's residual in a system that holds its contacts alone.
+/// A contact cost's residual in a system that holds only its contacts.
 std::shared_ptr<const Residual> make_prototype(const ContactCost& cost, const ContactPlan& plan,
                                                const Plant& plant);
 
-/// One for each contact that the cost names, or one on all contacts that its rows read; what does
-/// not fit is reported.
+/// One contact cost for each contact that `cost` names, or one on all contacts that its rows read.
+/// Residuals that do not fit are reported.
 std::vector<ContactCost> make_contact_costs(const CostSpec& cost, const ProblemSpec& spec,
                                             const ContactPlan& plan, const Plant& plant, int ndx,
                                             Diagnostics& out);

@@ -54,7 +54,7 @@ class TerminalLqrBuilder {
     return !implicit && !context_.carried_choices;
   }
 
-  /// Whether the name of its cost, and of its constraint, is not taken.
+  /// True if the name of its cost and constraint is free.
   bool is_free_name() const {
     const auto taken = [this](const Name& name) {
       if (name.value == kTerminalLqrName)
@@ -75,7 +75,7 @@ class TerminalLqrBuilder {
               is_taken(all.terminal_constraints, of_constraint)));
   }
 
-  /// The last phase that takes time, and in it the last knot.
+  /// The last phase that takes time.
   const Phase& phase() const {
     std::size_t p = context_.phases.size() - 1;
     while (p > 0 && context_.spec.phases[p].takes_no_time()) --p;

@@ -12,7 +12,7 @@
 namespace conddp {
 namespace {
 
-/// Reads one matrix; the first thing that is wrong with it is reported.
+/// Reads a matrix; reports its first error.
 class MatrixResolver {
  public:
   MatrixResolver(const MatrixSpec& spec, const ComponentNames& names, const std::string& residual,

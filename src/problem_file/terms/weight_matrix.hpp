@@ -9,10 +9,10 @@
 
 namespace conddp {
 
-/// The symmetric matrix that a file gives to the rows of a residual, called `name` in messages.
-/// Reported: rows that are too many, too few or of a wrong length, unknown names, entries that
-/// differ from their mirror images, a matrix that is not positive semidefinite, and a residual that
-/// is too large for one.
+/// The symmetric matrix that a file gives for the rows of a residual, called `name` in messages.
+/// Reports a wrong number or length of rows, unknown names, and entries that differ from their
+/// mirror images. Also reports a matrix that is not positive semidefinite, and a residual that is
+/// too large for a matrix.
 std::optional<Eigen::MatrixXd> resolve(const MatrixSpec& spec, const CostResidual& residual,
                                        const std::string& name, Diagnostics& out);
 

@@ -26,7 +26,7 @@ void read_source(const YamlReader& reader, ActivationSpec& activation) {
   activation.from_urdf = reader.choice(kWords, "source of bounds").value_or(false);
 }
 
-/// In the order in which they are written.
+/// Keys of all activations in the order of output.
 const std::vector<const ActivationKey*>& activation_keys() {
   static const std::vector<const ActivationKey*> keys = [] {
     std::vector<const ActivationKey*> all;
@@ -38,7 +38,7 @@ const std::vector<const ActivationKey*>& activation_keys() {
   return keys;
 }
 
-/// The activation that is named, or null.
+/// The named activation, or null.
 const ActivationDefinition* choose_activation(const YamlReader& reader) {
   std::vector<std::string> words;
   for (const ActivationDefinition& definition : activation_table())
@@ -118,8 +118,8 @@ void report_need(const YamlReader& reader, const ActivationDefinition& definitio
     reader.error(std::string(definition.needs), std::string(definition.hint));
 }
 
-/// The keys besides `kind`; those that the activation, if it is known, does not have are reported.
-/// Whether there are any.
+/// Reads the keys except `kind`, and reports those that a known activation does not accept. Returns
+/// true if any key is present.
 bool read_activation_keys(YamlMap& map, const ActivationDefinition* definition,
                           ActivationSpec& activation) {
   bool any = false;

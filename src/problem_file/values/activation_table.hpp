@@ -10,34 +10,34 @@
 
 namespace conddp {
 
-/// A key that stands beside the kind of an activation.
+/// A key next to `kind` in an activation.
 struct ActivationKey {
   std::string_view name;
   std::string_view description;  ///< one line, with the unit
   OrderedJson schema;            ///< of its value: JSON Schema, with the default
-  std::string_view unfit;        ///< what to say where an activation does not have it
+  std::string_view unfit;        ///< message for activations without this key
   void (*read)(const YamlReader& reader, ActivationSpec& activation);
-  /// What the reader would read the same from; null: left out.
+  /// JSON that `read` reads as the same value; null if omitted.
   OrderedJson (*expand)(const ActivationSpec& activation);
 };
 
-/// All that the program knows of an activation of problem files.
+/// Complete description of an activation of problem files.
 struct ActivationDefinition {
   std::string_view name;
   ActivationKind kind;
   std::string_view description;  ///< one line
   std::vector<const ActivationKey*> keys = {};
-  /// What to say where none of the keys is given; empty: there is no need of one.
+  /// Message if all of the keys are missing; empty if none is required.
   std::string_view needs = {};
-  std::string_view hint = {};  ///< what to write
+  std::string_view hint = {};  ///< the correct form
 };
 
-/// In the order in which documents list them.
+/// Activations in the order of the documents.
 std::span<const ActivationDefinition> activation_table();
 const ActivationDefinition& activation_definition(ActivationKind kind);
 
 ActivationSpec read_activation(const YamlReader& reader);
-/// The activation's name where it has no keys.
+/// The name alone for an activation without keys.
 OrderedJson expand_activation(const ActivationSpec& activation);
 
 }  // namespace conddp

@@ -77,7 +77,7 @@ OrderedJson expand_base(const BaseSpec& base) {
   return json;
 }
 
-/// Where base and joints are, and how they move.
+/// Position and velocity of base and joints.
 void expand_posture(const StateSpec& state, OrderedJson& json) {
   if (state.base) json["base"] = expand_base(*state.base);
   if (state.displaced) json["displaced"] = expand_motion(state.displaced->motion);

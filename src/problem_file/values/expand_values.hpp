@@ -5,7 +5,7 @@
 
 namespace conddp {
 
-/// Expanders of values: each gives what its reader would read the same value from.
+/// Expanders of values: each returns JSON that its reader reads as the same value.
 
 OrderedJson expand_vector(const Vector3<double>& vector);
 OrderedJson expand_quaternion(const Quaternion<double>& q);
@@ -18,7 +18,7 @@ OrderedJson expand_pose(const PoseSpec& pose);
 OrderedJson expand_twist(const TwistSpec& twist);
 OrderedJson expand_state(const StateSpec& state);
 OrderedJson expand_data_file(const DataFileSpec& file);
-/// The contacts' names, all where the file says so.
+/// The contacts' names; all names if the spec selects all.
 OrderedJson expand_contact_names(const ContactNames& names, const ProblemSpec& spec);
 
 }  // namespace conddp

@@ -37,7 +37,7 @@ DisplacementSpec read_displacement(const YamlReader& reader) {
   return displacement;
 }
 
-/// The ways to say a state that exclude each other.
+/// Alternative notations of a state exclude each other.
 void check_exclusive(YamlMap& map) {
   map.exclusive({"state", "values", "robots"});
   for (const std::string_view part : {"configuration", "base", "joints", "velocity"}) {
@@ -53,7 +53,7 @@ void read_velocities(const YamlReader& reader, StateSpec& state) {
     state.joint_velocities = read_named_numbers(*joints);
 }
 
-/// Where base and joints are, and how they move.
+/// Position and velocity of base and joints.
 void read_posture(YamlMap& map, StateSpec& state) {
   if (const auto r = map.find("configuration")) state.configuration = r->name();
   map.read("base", state.base, read_base);

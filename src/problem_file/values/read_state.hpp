@@ -6,7 +6,7 @@
 namespace conddp {
 
 std::optional<StateSpec> read_state(const YamlReader& reader);
-/// The keys of a state inside a mapping that has others as well.
+/// Reads the keys of a state in a mapping that also has other keys.
 StateSpec read_state_keys(YamlMap& map);
 
 }  // namespace conddp

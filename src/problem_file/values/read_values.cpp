@@ -42,7 +42,7 @@ NamedNumbers read_named_numbers(const YamlReader& reader, const NumberRange& ran
 
 namespace {
 
-/// A number or null; false, with an error, for anything else.
+/// Reads a number or null; returns false with an error otherwise.
 bool read_component(const YamlReader& reader, const NumberRange& range,
                     std::optional<double>& value) {
   if (reader.is_null()) return true;
@@ -118,7 +118,7 @@ std::optional<Quaternion<double>> read_quaternion(const YamlReader& reader) {
   return std::nullopt;
 }
 
-/// Of angles beyond a turn.
+/// Warns of angles beyond a full turn.
 void warn_of_degrees(const std::vector<double>& angles, const YamlReader& reader) {
   const double largest = std::abs(*std::max_element(
       angles.begin(), angles.end(), [](double a, double b) { return std::abs(a) < std::abs(b); }));

@@ -28,7 +28,7 @@ Keys keys_of(const LinearSpec& p) {
           {"c", "One number a row of A; zero by default", row}};
 }
 
-/// Which keys there are depends on the others: the schema of these is written by hand.
+/// The accepted keys depend on each other; their schema is handwritten.
 Keys keys_of(const ExpressionSystemSpec&) { return {}; }
 Keys keys_of(const LibrarySystemSpec&) { return {}; }
 

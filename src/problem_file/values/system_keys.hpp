@@ -7,7 +7,7 @@
 
 namespace conddp {
 
-/// What documents say of a key of a closed-form system.
+/// Documentation of a key of a closed-form system.
 struct SystemKey {
   std::string_view name;
   std::string_view description;  ///< one line, with the unit
@@ -15,7 +15,7 @@ struct SystemKey {
   bool required = false;
 };
 
-/// The keys besides `type` of each of kSystemTypes, in its order.
+/// The keys, except `type`, of each entry of kSystemTypes in its order.
 std::vector<std::vector<SystemKey>> system_keys();
 
 }  // namespace conddp

@@ -10,7 +10,7 @@ namespace conddp {
 /// JSON Schema of values: parts of schemas/problem.schema.json.
 
 OrderedJson range_schema(const NumberRange& range);
-/// What one of its definitions describes.
+/// A reference to one of its definitions.
 OrderedJson defined_schema(std::string_view definition);
 
 }  // namespace conddp

@@ -7,16 +7,15 @@
 
 namespace conddp {
 
-/// Whether a top-level key of a problem file is of the problem itself: not so are those that say
-/// how it is solved or what it is called (name, description, initial_guess, perturbation, solver,
-/// mpc).
+/// True for top-level keys that define the problem itself. Keys of its solution or naming are
+/// excluded: name, description, initial_guess, perturbation, solver, mpc.
 bool is_of_the_problem(std::string_view key);
 
-/// What a document says of the problem itself (is_of_the_problem), the same for whatever is written
-/// another way: comments, the order of keys and the notation of numbers have no part in it.
+/// Canonical text of the part of a document that defines the problem (is_of_the_problem). Comments,
+/// the order of keys and the notation of numbers do not affect it.
 std::string canonical_definition(const YamlNode& root);
 
-/// The same of one value.
+/// Canonical text of a single value.
 std::string canonical_value(const YamlNode& node);
 
 }  // namespace conddp

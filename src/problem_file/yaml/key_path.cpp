@@ -22,7 +22,7 @@ const std::string* name_of(const YamlNode& entry) {
   return name != nullptr && name->kind == YamlNode::Kind::kScalar ? &name->text : nullptr;
 }
 
-/// What a step may be called at a node.
+/// The names accepted as a step at a node.
 std::vector<std::string> names_at(const YamlNode& node) {
   std::vector<std::string> names;
   for (const YamlNode::Entry& entry : node.entries) names.push_back(entry.key);
@@ -31,8 +31,8 @@ std::vector<std::string> names_at(const YamlNode& node) {
   return names;
 }
 
-/// Where the first step of `path` ends at a node: behind the longest name there that it begins
-/// with, which may have dots, else before its first dot.
+/// Length of the first step of `path` at a node: the longest name there that is a prefix of the
+/// path, dots included, or else the text before the first dot.
 std::size_t step_length(const YamlNode& node, std::string_view path) {
   std::size_t length = 0;
   for (const std::string& name : names_at(node))
@@ -44,9 +44,9 @@ std::size_t step_length(const YamlNode& node, std::string_view path) {
 
 using Steps = std::vector<std::string>;
 
-/// Whether the mapping at the end of some steps has definitions by free names, of which a further
-/// one would change nothing: the rest of the file does not name it. (Other settings may name a
-/// further configuration of a robot.)
+/// True if the mapping at the end of the steps holds definitions with free names. A new definition
+/// there has no effect, because the rest of the file does not name it. (Other settings may name a
+/// new configuration of a robot.)
 bool has_definitions(const Steps& steps) {
   const auto is_one_of = [](const std::string& word, std::initializer_list<std::string_view> all) {
     return std::find(all.begin(), all.end(), word) != all.end();
@@ -66,7 +66,7 @@ std::string joined(const Steps& steps) {
   return path;
 }
 
-/// A walk along a key path.
+/// Follows a key path.
 class Walk {
  public:
   Walk(const Name& key, Missing missing, Diagnostics& out)
@@ -88,8 +88,8 @@ class Walk {
   }
 
  private:
-  /// Where the step that begins there ends. Keys below `mpc.plant.set` are paths themselves: of one
-  /// that the file lacks, all that follows is the key.
+  /// End of the step that begins at `start`. Keys below `mpc.plant.set` are paths themselves: the
+  /// entire rest is the key if the file does not contain it.
   std::size_t step_end(YamlNode& node, std::size_t start) const {
     const std::string_view rest = std::string_view(key_.value).substr(start);
     const std::size_t length = step_length(node, rest);
@@ -104,7 +104,7 @@ class Walk {
     return nullptr;
   }
 
-  /// Where a step stands; the whole key where nothing but its value may be missing.
+  /// Place of a step, or of the entire key if only its value may be missing.
   Place place_of(std::size_t start, std::size_t end) const {
     if (missing_ == Missing::kValue) return {key_.place.mark, key_.value};
     Place place{key_.place.mark, key_.value.substr(0, end)};
@@ -187,7 +187,7 @@ YamlNode* find_entry(YamlNode& map, std::string_view key) {
   return nullptr;
 }
 
-/// The index that a step is, if it is one.
+/// The index that a step denotes; empty if the step is not an index.
 std::optional<std::size_t> index_of(std::string_view step) {
   std::size_t index = 0;
   const char* end = step.data() + step.size();
@@ -196,7 +196,7 @@ std::optional<std::size_t> index_of(std::string_view step) {
   return index;
 }
 
-/// By its index, or its name.
+/// Finds an item by index or name.
 YamlNode* find_item(YamlNode& list, std::string_view step) {
   const auto index = index_of(step);
   if (index && *index < list.items.size()) return &list.items[*index];

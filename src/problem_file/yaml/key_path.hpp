@@ -8,23 +8,23 @@
 
 namespace conddp {
 
-/// What a path creates where the document has nothing.
+/// Nodes that a path creates if the document lacks them.
 enum class Missing {
-  kCreate,  ///< every mapping on the way, and the value; errors are at the step
-  kValue,   ///< the value alone, in a mapping below the top; errors are at the key
+  kCreate,  ///< missing mappings and the value; errors point at the step
+  kValue,   ///< only the value, in a mapping below the top; errors point at the key
 };
 
-/// The node of a document to which a key path such as `phases.reach.dt` leads. Steps have dots
-/// between them: the keys of mappings; in lists an index from 0, or the `name` of an entry. A name
-/// that the document has may itself have dots; of several the longest counts. Null with an error
-/// where it leads nowhere, and where it would create a definition by a free name (a parameter, a
-/// table, a system): nothing would depend on that.
+/// The node of a document at a key path such as `phases.reach.dt`. Steps are separated by dots:
+/// keys of mappings, and in lists an index from 0 or the `name` of an entry. Names of the document
+/// may contain dots; the longest match wins. Returns null with an error if the path leads nowhere.
+/// A path that would create a definition with a free name (a parameter, a table, a system) is also
+/// an error, because nothing would depend on it.
 YamlNode* find_node(YamlNode& root, const Name& key, Missing missing, Diagnostics& out);
 
-/// The node of a document to which a key path leads; null where the document has none.
+/// The node of a document at a key path, or null.
 YamlNode* find_present(YamlNode& root, std::string_view key);
 
-/// The part of a mapping or list to which one step leads; null where there is none.
+/// The part of a mapping or list at a single step, or null.
 YamlNode* find_part(YamlNode& node, std::string_view step);
 
 /// The first step of a key path.

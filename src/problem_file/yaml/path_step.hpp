@@ -6,7 +6,7 @@
 
 namespace conddp {
 
-/// Appends a step to the path of a key for as long as it lives.
+/// Appends a step to the path of a key during its lifetime.
 class PathStep {
  public:
   PathStep(std::string& path, std::string_view step) : path_(path), length_(path.size()) {

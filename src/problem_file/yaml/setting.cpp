@@ -17,7 +17,7 @@ std::string quoted(const std::string& text) {
   return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
-/// A key in the flow style, in quotes where it could be taken for something else.
+/// A key in flow style, quoted if it is ambiguous.
 std::string flow_key(const std::string& key) {
   const bool plain = key.find_first_not_of(
                          "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
@@ -25,7 +25,7 @@ std::string flow_key(const std::string& key) {
   return plain && !key.empty() ? key : quoted(key);
 }
 
-/// A value on one line. Numbers stay as they are written.
+/// A value on one line. Numbers keep their notation.
 std::string flow_text(const YamlNode& node) {
   std::string text;
   switch (node.kind) {
@@ -44,17 +44,17 @@ std::string flow_text(const YamlNode& node) {
   return text;
 }
 
-/// Whether a text is a scalar of YAML that begins as a number does, and nothing else.
+/// True if the text begins like a number and contains only characters of a number.
 bool is_plain_number(std::string_view text) {
   const std::size_t first = text.find_first_not_of("+-.");
   return first <= 2 && text[first] >= '0' && text[first] <= '9' &&
          text.find_first_not_of("+-.0123456789eE") == std::string_view::npos;
 }
 
-/// The value of a setting, behind so many characters of its text.
+/// The value of a setting, which begins `shift` characters into its text.
 std::optional<YamlNode> parse_value(const std::string& value, int source, int shift,
                                     Diagnostics& out) {
-  // Batches have millions of numbers, and a parser of YAML takes long to begin.
+  // Batches have millions of numbers, and starting a YAML parser is slow.
   if (is_plain_number(value))
     return YamlNode{.kind = YamlNode::Kind::kScalar,
                     .mark = {source, 1, out.character_column(source, 1, shift)},

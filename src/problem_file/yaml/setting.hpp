@@ -7,24 +7,24 @@
 
 namespace conddp {
 
-/// The name of a setting among the texts that Diagnostics knows.
+/// The name of a setting among the sources of Diagnostics.
 inline constexpr const char* kSettingSource = "--set";
 
-/// A value that a key of a problem file has instead of the file's.
+/// A value that replaces the file's value of a key.
 struct Setting {
-  Name key;          ///< a path as find_node takes it
-  YamlNode value;    ///< with places of its own
+  Name key;          ///< a path as in find_node
+  YamlNode value;    ///< with its own places
   std::string text;  ///< "key=value", which parse_setting reads back
 };
 
-/// Reads a setting of the command line, `a.b.0.c=value`; the value is YAML. Nothing with an error
-/// in the setting where it is none.
+/// Reads a setting of the command line, `a.b.0.c=value`; the value is YAML. Empty with an error in
+/// the setting if it is malformed.
 std::optional<Setting> parse_setting(const std::string& text, Diagnostics& out);
 
-/// A setting of a value that was written elsewhere.
+/// A setting from a value that was read elsewhere.
 Setting make_setting(const Name& key, const YamlNode& value);
 
-/// Puts a setting into a document. Names that the document lacks are created.
+/// Applies a setting to a document. Missing names are created.
 void apply_setting(YamlNode& root, const Setting& setting, Diagnostics& out);
 
 }  // namespace conddp

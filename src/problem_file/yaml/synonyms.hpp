@@ -6,18 +6,18 @@
 
 namespace conddp {
 
-/// A key or a choice of the problem file, and what other tools call it.
+/// A key or a choice of the problem file with its names in other tools.
 struct Synonyms {
   std::string_view ours;
   std::vector<std::string_view> theirs;
 };
 
-/// Those that are known of keys and words wherever they stand.
+/// Synonyms of keys and words that apply anywhere in the file.
 const std::vector<Synonyms>& synonyms();
 
-/// What an unknown word may have meant, as a question: names of `accepted` that are written nearly
-/// so, else those for which other tools use this word ('max' for 'upper'), by synonyms() and
-/// `more`. Empty if there are none.
+/// Question that suggests a meaning of an unknown word. Suggests names of `accepted` with similar
+/// spelling. Otherwise uses synonyms() and `more` to translate names of other tools ('max' to
+/// 'upper'). Empty without a suggestion.
 std::string meaning_question(std::string_view word, const std::vector<std::string>& accepted,
                              const std::vector<Synonyms>& more = {});
 

@@ -10,7 +10,7 @@ bool is_one_of(char c, std::string_view characters) {
 
 bool is_quote(char c) { return is_one_of(c, "\"'"); }
 
-/// Whether a quote in a text in single quotes stands for itself, as two of them do.
+/// True for two consecutive single quotes, which escape one inside a single-quoted text.
 bool is_doubled(std::string_view text, std::size_t at) {
   return text[at] == '\'' && at + 1 < text.size() && text[at + 1] == '\'';
 }

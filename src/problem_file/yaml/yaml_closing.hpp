@@ -5,11 +5,12 @@
 
 namespace conddp {
 
-/// Where the quoted text that opens at `at` closes: the index of the quote, npos if it never does,
-/// `at` itself if no quote stands there. yaml-cpp takes the end of the file for one.
+/// Index of the quote that closes a quoted text opening at `at`. Returns npos if it is never
+/// closed, and `at` itself if no quote opens there. The end of the file is a closing quote to
+/// yaml-cpp, but not here.
 std::size_t quote_end(std::string_view text, std::size_t at);
 
-/// Whether the '[' or '{' at `at` has its counterpart. (yaml-cpp takes one that has not for a key.)
+/// True if the '[' or '{' at `at` is closed. (yaml-cpp takes an unclosed bracket for a key.)
 bool bracket_closes(std::string_view text, std::size_t at);
 
 }  // namespace conddp

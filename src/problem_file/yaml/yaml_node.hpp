@@ -8,8 +8,8 @@
 
 namespace conddp {
 
-/// A node of a YAML document: a value that owns its children, with places of keys and values.
-/// (yaml-cpp's own nodes are shared, convert freely between types, and lose the places of keys.)
+/// A node of a YAML document: a value that owns its children, with places of keys and values. Nodes
+/// of yaml-cpp are shared, convert freely between types, and lose the places of keys.
 struct YamlNode {
   enum class Kind { kNull, kScalar, kSequence, kMap };
   struct Entry;
@@ -30,7 +30,7 @@ struct YamlNode::Entry {
   YamlNode value;
 };
 
-/// "a number", "a list", ...: how messages call what was found.
+/// Names a node's kind in messages: "a number", "a list", ...
 std::string_view kind_name(const YamlNode& node);
 
 }  // namespace conddp

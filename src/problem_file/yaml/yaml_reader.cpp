@@ -37,7 +37,7 @@ bool YamlReader::is_number() const {
   return is_scalar() && !node_->quoted && parse_number(node_->text).value;
 }
 
-/// Where a text that is no number may be meant as an expression.
+/// Hint for a nonnumeric text that may be an expression.
 static std::string formula_hint(const std::string& text) {
   const bool formula = text.find_first_of("+*/^(") != text.npos || text.find("pi") != text.npos;
   return formula && !text.starts_with('=')
@@ -46,7 +46,7 @@ static std::string formula_hint(const std::string& text) {
              : "";
 }
 
-/// Where a number is expected, of a text in quotes.
+/// Hint for a quoted text in place of a number.
 static std::string hint_without_quotes(const std::string& text) {
   if (parse_number(text).value) return "leave the quotes out";
   std::string with_point = text;
@@ -82,7 +82,7 @@ std::string whole_number(long long lower, long long upper) {
   return fmt::format("a whole number from {} to {}", lower, upper);
 }
 
-/// The value of digits with or without a sign; nothing for any other text.
+/// The value of digits with an optional sign; empty for any other text.
 std::optional<long long> parse_integer(const std::string& text) {
   const char* begin = text.data() + (text.starts_with('+') ? 1 : 0);
   const char* end = text.data() + text.size();
@@ -297,7 +297,8 @@ void YamlMap::finish() {
   }
 }
 
-/// Of a number under the name of a column or a joint that stands where the keys for such names are.
+/// Hint for a number under the name of a column or joint, written beside the keys that take such
+/// names.
 std::string YamlMap::hint_by_name(const YamlNode::Entry& entry) const {
   if (!YamlReader(entry.value, "", reader_.diagnostics()).is_number()) return "";
   std::string hint;

@@ -12,11 +12,11 @@
 
 namespace conddp {
 
-/// Which numbers a key accepts.
+/// Range of accepted numbers.
 struct NumberRange {
   double lower;
   double upper;
-  bool lower_open;  ///< the lower end itself is refused
+  bool lower_open;  ///< excludes the lower end
   bool upper_open;
   std::string_view words;  ///< "a positive number"
 
@@ -34,11 +34,11 @@ template <class E>
 struct Choice {
   std::string_view word;
   E value;
-  std::string_view description = {};  ///< one line, where the words are explained to people
+  std::string_view description = {};  ///< one line, for lists that explain the words
 };
 
-/// A node with its key path and the place where errors go. Every method that returns an optional
-/// has reported why it is empty. Cheap to copy; the node must outlive it.
+/// A node with its key path and its destination for errors. Every method that returns an empty
+/// optional has reported the reason. Cheap to copy; the node must outlive it.
 class YamlReader {
  public:
   YamlReader(const YamlNode& node, std::string path, Diagnostics& out)
@@ -57,20 +57,20 @@ class YamlReader {
   void expected(std::string_view what, std::string hint = {}) const;
 
   std::optional<double> number(const NumberRange& range = kAnyNumber) const;
-  /// A whole number without decimal point or exponent.
+  /// An integer without decimal point or exponent.
   std::optional<long long> integer(long long lower, long long upper) const;
-  /// A word or quoted text, not empty.
+  /// A word or quoted text; must not be empty.
   std::optional<std::string> text() const;
   std::optional<Name> name() const;
-  /// The elements of a list, or nothing with an error, whose hint may show what to write.
+  /// The elements of a list; empty with an error otherwise. `hint` may show the correct form.
   std::optional<std::vector<YamlReader>> items(std::string_view hint = {}) const;
   std::optional<std::vector<double>> numbers() const;
-  /// Exactly `count` numbers; `what` says what they are: "[x, y, z] in m".
+  /// Exactly `count` numbers; `what` describes them: "[x, y, z] in m".
   std::optional<std::vector<double>> numbers(std::size_t count, std::string_view what) const;
   std::optional<std::vector<Name>> names() const;
-  /// A list of names, or one name standing for a list of one.
+  /// A list of names; a single name stands for a list with one entry.
   std::optional<std::vector<Name>> name_or_names() const;
-  /// The word's value. `what`: "integrator".
+  /// The value of an accepted word. `what`: "integrator".
   template <class E, std::size_t N>
   std::optional<E> choice(const Choice<E> (&table)[N], std::string_view what) const {
     std::vector<std::string> words;
@@ -79,11 +79,11 @@ class YamlReader {
     if (!index) return std::nullopt;
     return table[*index].value;
   }
-  /// The same by number. `more`: what other tools call these words.
+  /// The same, but returns the index. `more`: names of these words in other tools.
   std::optional<std::size_t> choose(const std::vector<std::string>& words, std::string_view what,
                                     const std::vector<Synonyms>& more = {}) const;
-  /// Keys with free names (costs, joints, ...) in the order of the file; not for fixed keys. The
-  /// hint of an error may show what to write.
+  /// Entries with free names (costs, joints, ...) in the order of the file; not for fixed keys.
+  /// `hint`, shown with an error, may give the correct form.
   std::optional<std::vector<std::pair<Name, YamlReader>>> named_entries(
       std::string_view hint = {}) const;
 
@@ -93,9 +93,9 @@ class YamlReader {
   Diagnostics* out_;
 };
 
-/// A mapping with a fixed set of keys. Ask for every key that is accepted; `finish` (or the
-/// destructor) reports the others. If the node is no mapping that is reported, with a hint that may
-/// show what to write, and every key is absent.
+/// A mapping with a fixed set of keys. Query each accepted key with find; `finish` (or the
+/// destructor) reports all others. A node that is not a mapping is reported, with `hint`, and then
+/// every key is absent.
 class YamlMap {
  public:
   explicit YamlMap(const YamlReader& reader, std::string_view hint = {});
@@ -103,11 +103,11 @@ class YamlMap {
   YamlMap(const YamlMap&) = delete;
   YamlMap& operator=(const YamlMap&) = delete;
 
-  /// The value of a key. A key with nothing behind it is there, as a null that no method accepts.
+  /// The value of a key. A key with an empty value is present, as a null that no method accepts.
   std::optional<YamlReader> find(std::string_view key);
-  /// The same, reported when it is absent.
+  /// The same, but reports a missing key.
   std::optional<YamlReader> require(std::string_view key);
-  /// Of several ways to say one thing at most one may be used: true if so, else reported.
+  /// Reports an error and returns false if more than one of these alternative keys is present.
   bool exclusive(std::initializer_list<std::string_view> keys);
   bool valid() const { return valid_; }
   const YamlReader& reader() const { return reader_; }
@@ -120,7 +120,7 @@ class YamlMap {
   void choice(std::string_view key, E& value, const Choice<E> (&table)[N], std::string_view what) {
     if (const auto reader = find(key)) value = reader->choice(table, what).value_or(value);
   }
-  /// The same by make(reader), a reader of what stands under the key.
+  /// Sets a value by make(reader), where the reader holds the key's value.
   template <class T, class Make>
   void read(std::string_view key, T& value, Make make) {
     if (const auto reader = find(key)) value = make(*reader);
@@ -128,7 +128,7 @@ class YamlMap {
 
   /// Reports unknown keys now.
   void finish();
-  /// Accepts whatever else is there: for when it is not clear what should be.
+  /// Accepts all other keys, for mappings whose keys cannot be determined.
   void ignore_others() { finished_ = true; }
 
  private:
@@ -141,7 +141,7 @@ class YamlMap {
   std::vector<std::string> known_;
 };
 
-/// Calls read(name, value) for each of the freely named entries under a key, if it is there.
+/// Calls read(name, value) for each freely named entry under a key, if the key is present.
 template <class Read>
 void for_each_entry(YamlMap& map, std::string_view key, Read read) {
   const auto reader = map.find(key);
@@ -150,7 +150,7 @@ void for_each_entry(YamlMap& map, std::string_view key, Read read) {
     for (const auto& [name, value] : *entries) read(name, value);
 }
 
-/// Calls read(item) for each element of the list under a key, if it is there.
+/// Calls read(item) for each element of the list under a key, if the key is present.
 template <class Read>
 void for_each_item(YamlMap& map, std::string_view key, Read read) {
   const auto reader = map.find(key);

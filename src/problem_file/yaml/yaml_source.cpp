@@ -21,19 +21,19 @@ constexpr int kMaxDepth = 64;
 constexpr std::string_view kNoAliases = "aliases (*name) are not accepted";
 constexpr std::string_view kWriteOut = "write the value out where it is needed";
 
-/// Ends the parse: the reason has been reported.
+/// Ends the parse after the reason has been reported.
 struct Refused : std::exception {
   const char* what() const noexcept override { return "a reported error of the document"; }
 };
 
-/// A text for yaml-cpp, and where it is shorter than that of the file.
+/// A text for yaml-cpp, with the positions where it is shorter than the file.
 struct EscapedText {
   static constexpr int kShorter = 2;  ///< bytes
   std::string text;
-  std::vector<std::size_t> shorter;  ///< behind these bytes
+  std::vector<std::size_t> shorter;  ///< end positions of the shortened characters
 };
 
-/// The surrogate at a place, from `first` on: "\\uD83D".
+/// The surrogate at a position minus `first`; its text is "\\uD83D".
 std::optional<unsigned> surrogate_at(std::string_view text, std::size_t at, unsigned first) {
   unsigned value = 0;
   if (text.size() < at + 6 || text[at] != '\\' || text[at + 1] != 'u') return std::nullopt;
@@ -44,7 +44,7 @@ std::optional<unsigned> surrogate_at(std::string_view text, std::size_t at, unsi
   return value - first;
 }
 
-/// JSON escapes a character beyond 16 bits by two surrogates, YAML by one number.
+/// JSON escapes a character beyond 16 bits with two surrogates, YAML with one number.
 EscapedText without_surrogates(const std::string& text) {
   EscapedText result;
   bool quoted = false;
@@ -64,8 +64,8 @@ EscapedText without_surrogates(const std::string& text) {
   return result;
 }
 
-/// Builds the tree from yaml-cpp's events, so that aliases are refused before anything expands
-/// them and nesting before anything recurses into it.
+/// Builds the tree from yaml-cpp's events. Aliases are rejected before anything expands them, and
+/// deep nesting before anything recurses into it.
 class TreeBuilder : public YAML::EventHandler {
  public:
   TreeBuilder(const EscapedText& text, int source, int shift, Diagnostics& out)
@@ -122,14 +122,14 @@ class TreeBuilder : public YAML::EventHandler {
   void OnMapEnd() override { close(); }
 
  private:
-  /// Bytes by which the line is shorter before a mark.
+  /// Bytes that the line lacks before a mark.
   int lost(const YAML::Mark& mark) const {
     const auto begin = std::ranges::lower_bound(shorter_, offset(mark) - mark.column);
     const auto end = std::ranges::lower_bound(shorter_, offset(mark));
     return EscapedText::kShorter * static_cast<int>(end - begin);
   }
-  /// Character of a byte (0-based) of a line. Marks mostly come in order, so counting goes on from
-  /// the last one: a line may be as long as the file.
+  /// Character index (0-based) of a byte in a line. Marks mostly come in order, so counting
+  /// continues from the previous mark: a line may be as long as the file.
   int column_of(int line, int byte) {
     const std::string_view text = out_.line(source_, line);
     byte = std::clamp(byte, 0, static_cast<int>(text.size()));
@@ -162,7 +162,7 @@ class TreeBuilder : public YAML::EventHandler {
       level.node.items.push_back(std::move(node));
     } else if (level.has_key) {
       YamlNode::Entry& entry = level.node.entries.back();
-      if (node.kind == YamlNode::Kind::kNull) node.mark = entry.mark;  // there is nothing to show
+      if (node.kind == YamlNode::Kind::kNull) node.mark = entry.mark;  // no text to point at
       entry.value = std::move(node);
       level.has_key = false;
     } else {
@@ -214,7 +214,7 @@ class TreeBuilder : public YAML::EventHandler {
   int counted_characters_ = 0;
 };
 
-/// yaml-cpp's messages are terse; a few frequent ones are put into words.
+/// Rephrases a few frequent messages of yaml-cpp, which are terse.
 std::string_view in_words(std::string_view message) {
   static constexpr std::pair<std::string_view, std::string_view> kWords[] = {
       {"end of map not found", "this line does not continue the mapping above"},
@@ -270,7 +270,7 @@ std::optional<YamlNode> parse_yaml(const std::string& text, int source, Diagnost
       return std::nullopt;
     }
     YamlNode root = std::move(builder.root);
-    // Only once: on some input the parser would report documents for ever.
+    // Call only once: the parser reports documents endlessly on some input.
     TreeBuilder rest(escaped, source, shift, out);
     if (parser.HandleNextDocument(rest)) {
       out.error({rest.root.mark.line > 0 ? rest.root.mark : root.mark, {}},

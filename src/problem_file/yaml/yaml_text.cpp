@@ -18,7 +18,7 @@ bool is_part_of_word(unsigned char c) {
   return std::isalnum(c) != 0 || kOthers.find(static_cast<char>(c)) != kOthers.npos;
 }
 
-/// Whether readers of some version of YAML take a text for null or a truth value.
+/// True if some version of YAML reads a text as null or a truth value.
 bool is_reserved(std::string text) {
   static constexpr std::array<std::string_view, 9> kReserved = {
       "null", "true", "false", "yes", "no", "on", "off", "y", "n"};
@@ -27,16 +27,15 @@ bool is_reserved(std::string text) {
   return std::find(kReserved.begin(), kReserved.end(), text) != kReserved.end();
 }
 
-/// Whether every reader of YAML takes the text for itself without quotes: a word of letters,
-/// digits, '_', '/', '.', '-' and inner spaces that begins with a letter and stands for nothing
-/// else.
+/// True if all YAML readers take the unquoted text literally: a word of letters, digits, '_', '/',
+/// '.', '-' and inner spaces that begins with a letter and is not reserved.
 bool is_plain(const std::string& text) {
   if (text.empty() || !is_letter(text.front()) || text.back() == ' ') return false;
   return std::all_of(text.begin(), text.end(), is_part_of_word) && !is_reserved(text);
 }
 
-/// The shortest text that is read back as the number, by readers of YAML 1.1 too: to those an
-/// exponent belongs to a number only behind a point and with its sign.
+/// The shortest text that reads back as the number. YAML 1.1 readers accept an exponent only after
+/// a decimal point and with a sign.
 std::string number_text(double value) {
   std::string text = fmt::format("{}", value);
   const std::size_t exponent = text.find('e');

@@ -6,9 +6,8 @@
 
 namespace conddp {
 
-/// A document as YAML that a person can read and that is read back the same, by readers of YAML 1.1
-/// and 1.2: short flat parts on one line, numbers by shortest round trip, every text in quotes that
-/// could be taken for something else.
+/// A document as readable YAML that YAML 1.1 and 1.2 readers parse identically: short flat parts on
+/// one line, numbers with shortest round trip, ambiguous text in quotes.
 std::string yaml_text(const OrderedJson& document);
 
 }  // namespace conddp
