@@ -36,7 +36,7 @@ std::map<std::string, std::vector<const Json*>> entries_by_name(const Json& mult
   return entries;
 }
 
-/// Sets the multipliers of one constraint at all of its nodes or not at all.
+/// Sets the multipliers of one constraint, for all of its nodes or none of them.
 bool take(const std::vector<const NodeConstraint*>& constraint,
           const std::vector<const Json*>& entries, Eigen::VectorXd& rows) {
   if (constraint.size() != entries.size()) return false;

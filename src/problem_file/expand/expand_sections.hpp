@@ -35,7 +35,7 @@ OrderedJson expand_costs(const std::vector<CostSpec>& costs, const ProblemSpec& 
                          const Plant& plant, bool terminal);
 OrderedJson expand_constraints(const ProblemSpec& spec, const Plant& plant);
 OrderedJson expand_terminal_constraints(const ProblemSpec& spec, const Plant& plant);
-/// The phases named; all but impulses without names.
+/// The phases named, by default all phases that take time.
 OrderedJson expand_phase_names(const std::optional<std::vector<Name>>& names,
                                const ProblemSpec& spec);
 

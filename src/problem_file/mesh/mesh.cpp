@@ -114,7 +114,7 @@ bool coarsen(ProblemSpec& spec, int least) {
 
 namespace {
 
-/// Linear controls end with the value at the beginning of the next node.
+/// Sets the end of linear controls to their value at the beginning of the next node.
 void join_controls(const ShootingProblem& problem, Trajectory& trajectory) {
   const KnotModel& end = *problem.terminal().model;
   if (!end.has_linear_controls()) return;

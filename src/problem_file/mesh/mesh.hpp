@@ -25,9 +25,9 @@ class MeshRefinement {
   /// The spec must have `mesh`.
   explicit MeshRefinement(const ProblemSpec& spec);
 
-  /// Judges the solution on the present grid. Returns the factor of the next grid, or nothing after
-  /// the last one. A grid is the last if it is fine enough, the solve has failed, a finer one
-  /// exceeds the limits, or the error has grown on two grids in a row.
+  /// Judges the solution on the present grid. Returns the factor of the next grid, or nothing if
+  /// this grid is the last. It is the last if it is fine enough, the solve has failed, or a finer
+  /// one exceeds the limits. It is also the last if the error has grown on two grids in a row.
   std::optional<int> next(const ShootingProblem& problem, const SolveResult& result);
   const std::vector<MeshRound>& rounds() const { return rounds_; }
   /// True if the last grid is fine enough.

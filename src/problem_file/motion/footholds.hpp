@@ -29,9 +29,9 @@ struct SwingRun {
 std::vector<SwingRun> swing_runs(const std::vector<bool>& chosen, const ProblemSpec& spec);
 
 /// Footholds of a foot at the beginning of each phase and at the end, according to the file's
-/// swings of its frame: initially its start, then the landing of the last swing. Displaced landings
-/// stay on the ground: the plane through the start with the normal of the frame's contact. After an
-/// invalid landing (see check_landings) the foot stays in place.
+/// swings of its frame. The first is its start, later ones the landing of the last swing. Displaced
+/// landings stay on the ground: the plane through the start with the normal of the frame's contact.
+/// After an invalid landing (see check_landings) the foot stays in place.
 std::vector<Foothold> footholds(const Foot& foot, const ProblemSpec& spec, const Plant& plant,
                                 const std::vector<double>& initial);
 

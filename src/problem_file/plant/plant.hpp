@@ -38,8 +38,8 @@ struct Plant {
   std::optional<ChosenStart> start;  ///< if the initial state is optimized
   /// The system of each phase, if they differ. All have the same state columns.
   std::vector<std::shared_ptr<const System>> systems = {};
-  /// If phases differ in states or controls: the variants, the index of the variant with the state
-  /// at the beginning of each phase and at the last node, and all controls. Otherwise empty.
+  /// The variants, if phases differ in states or controls: the systems, the index of the variant at
+  /// the beginning of each phase and at the last node, and all controls. Otherwise empty.
   std::vector<SystemVariant> variants = {};
   std::vector<std::size_t> variant_at = {};
   std::vector<Column> controls = {};

@@ -119,7 +119,7 @@ class GaitSchedule {
     }
   }
 
-  /// The knot at which the first cycle of a foot starts.
+  /// The first knot of a foot's first cycle.
   int knot_of_start(double start) const {
     return begin_ + static_cast<int>(std::lround(start * period_));
   }

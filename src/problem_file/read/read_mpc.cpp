@@ -38,7 +38,7 @@ std::optional<Located<double>> read_feedback(const YamlReader& reader) {
   return rate ? read_positive(*rate) : std::nullopt;
 }
 
-/// Parts of a file in which a plant may differ.
+/// Parts of a file that a plant may change.
 constexpr std::string_view kPlantParts[] = {"system",  "systems",     "robot",
                                             "robots",  "parameters",  "tables",
                                             "gravity", "constraints", "contacts"};

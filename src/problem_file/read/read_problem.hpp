@@ -24,7 +24,7 @@ std::optional<ProblemSpec> read_problem_text(const std::string& text,
                                              const std::vector<std::string>& overrides,
                                              Diagnostics& out, double homotopy_share = 1);
 
-/// A problem file as a tree, from which problems with different settings can be read.
+/// A problem file as a tree; problems with different settings can be read from it.
 struct ProblemDocument {
   std::filesystem::path file;
   std::string text;    ///< of the file without byte-order mark

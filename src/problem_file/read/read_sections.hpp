@@ -69,7 +69,7 @@ MeshSpec read_mesh(const YamlReader& reader);
 /// Subdivides each step of the phases that take time; exceeding the mesh's knot limit is an error.
 void cut_steps(const MeshSpec& mesh, std::vector<PhaseSpec>& phases, Diagnostics& out);
 /// With collocation, lowers the constraint tolerance, which also applies to the equations of the
-/// steps, until the error of the mesh is that of its steps.
+/// steps, so far that the error of the mesh is that of its steps.
 void tighten_for_mesh(const MeshSpec& mesh, ProblemSpec& spec);
 
 // read_costs.cpp
@@ -79,7 +79,7 @@ std::vector<CostSpec> read_costs(const YamlReader& reader, const std::filesystem
 std::vector<CostSpec> read_integrals(const YamlReader& reader, const std::filesystem::path& folder);
 /// A name or names of phases, at least one.
 std::optional<std::vector<Name>> read_phase_names(const YamlReader& reader);
-/// Reads whether a constraint applies to the nodes at which its phases end.
+/// Reads whether a constraint also applies to the nodes at the end of its phases.
 void read_nodes(YamlMap& map, CostSpec& function);
 /// Reads the keys that define the function of a cost or constraint and where it applies: all except
 /// weights and activation. False for an unknown residual.

@@ -25,7 +25,7 @@ struct ResidualContext {
 enum class TimeParameters {
   kNone,
   kTime,  ///< t, s
-  kAll    ///< those of NodeTime
+  kAll    ///< all of NodeTime
 };
 
 /// A cost's residual on a given plant, with data for the rest of the cost.

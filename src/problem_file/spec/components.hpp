@@ -29,9 +29,9 @@ struct ComponentNames {
   ComponentNames listed() const;
 };
 
-/// One number a component; components without one get `fallback`. A wrong length or an unknown name
-/// is reported. If several names fit, an exact one wins over one with `*`, and a longer one over a
-/// shorter one.
+/// One number per component; components without one get `fallback`. A wrong length or an unknown
+/// name is reported. If several names fit, an exact one wins over one with `*`, and a longer one
+/// over a shorter one.
 std::optional<std::vector<double>> resolve(const ComponentsSpec& spec, const ComponentNames& names,
                                            double fallback, Diagnostics& out);
 /// The same for an optional key: every component gets `fallback` if the key is missing.

@@ -38,7 +38,7 @@ inline constexpr Choice<RunningCosts> kRunningCostsWords[] = {
     {"integrated", RunningCosts::kIntegrated},
     {"sum", RunningCosts::kSum}};
 
-/// True if a constraint applies to the nodes at the end of its phases instead of the beginning.
+/// True if a constraint also applies to the nodes at the end of its phases.
 inline constexpr Choice<bool> kNodesWords[] = {{"begins", false}, {"ends", true}};
 
 /// Output of a compiled function.

@@ -132,7 +132,8 @@ struct ProblemSpec {
   std::string description;
   ExpressionNamesSpec names;  ///< available in all expressions
   std::vector<RobotSpec> robots;
-  std::optional<SystemSpec> system;  ///< if several: the first phase's that takes time
+  /// With several systems, that of the first phase that takes time.
+  std::optional<SystemSpec> system;
   std::vector<NamedSystemSpec> systems;
   Vector3<double> gravity{0, 0, -9.81};  ///< m/s²
   StateSpec initial_state;

@@ -58,7 +58,7 @@ struct CostSpec {
   std::optional<ReferenceSpec> reference;
   std::optional<std::vector<Name>> phases;
   std::optional<std::vector<Located<int>>> knots;
-  /// Constraints: true if it applies to the nodes at the end of its phases.
+  /// Constraints: true if it also applies to the nodes at the end of its phases.
   Located<bool> ends{false, {}};
 };
 

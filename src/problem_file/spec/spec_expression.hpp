@@ -19,7 +19,7 @@ struct ExpressionText {
 /// Rows of an expression residual.
 struct ExpressionRowsSpec {
   std::vector<ExpressionText> texts;
-  std::vector<std::string> names;  ///< one a text; empty: rows are numbered from 1
+  std::vector<std::string> names;  ///< one per text; empty: rows are numbered from 1
 };
 
 /// Tabulated data of expressions: grid points of one or two arguments, and the values. The last
@@ -36,7 +36,7 @@ struct ExpressionNamesSpec {
   NamedParameters parameters;
   std::vector<Place> parameter_places;
   std::vector<TableSpec> tables;
-  /// True if some entries could not be read. Expressions then skip errors about missing names.
+  /// True if some entries could not be read; missing names then cause no further errors.
   bool incomplete = false;
 };
 

@@ -36,10 +36,10 @@ struct GaitSpec {
   Located<double> period;             ///< s
   Located<double> duty{0.5};          ///< stance share of the cycle
   Located<double> dt;                 ///< s
-  double step_length = 0;             ///< m a cycle
+  double step_length = 0;             ///< m per cycle
   double step_height = 0.05;          ///< m
   double direction = 0;               ///< rad to the left of the base's heading
-  double turn = 0;                    ///< rad a cycle
+  double turn = 0;                    ///< rad per cycle
   Located<double> begin{0.2};         ///< s of standing before the first foot lifts
   Located<double> end{0.2};           ///< s of standing after the last touch-down
   std::vector<GaitCommand> commands;  ///< by time; replace length, direction and turn

@@ -66,7 +66,7 @@ struct FallbackSpec {
   int after = 3;
   std::optional<Name> name;               ///< target state: a configuration or "initial"
   StateSpec to;                           ///< target state if it has no name; the controls hold it
-  std::optional<TerminalLqrSpec> by_lqr;  ///< adds the gains of the regulator about its state
+  std::optional<TerminalLqrSpec> by_lqr;  ///< instead: a regulator's state, held with its gains
 };
 
 /// The section `mpc`: a closed loop.
@@ -74,7 +74,7 @@ struct MpcSpec {
   Place place;
   Located<double> horizon, tick, duration;  ///< s
   std::optional<int> iterations = 1;        ///< per tick; absent: to the solver's tolerances
-  Place iterations_place;                   ///< invalid if the key is missing
+  Place iterations_place;                   ///< empty if the key is missing
   Located<AfterTheEnd> repeat{AfterTheEnd::kHold, {}};
   Located<WindowEnd> window_end{WindowEnd::kNothing, {}};
   std::optional<TerminalLqrSpec> terminal_lqr;   ///< of windows that end with a regulator

@@ -19,7 +19,7 @@ struct PayloadSpec {
   double mass = 0;                                ///< kg
   std::optional<Name> mass_parameter;             ///< a parameter of the robot, replaces the number
   Vector3<double> com = Vector3<double>::zero();  ///< m, in the link's frame
-  std::optional<Symmetric3<double>> inertia;      ///< kg m² about the centre of mass
+  std::optional<Symmetric3<double>> inertia;      ///< kg m² about the center of mass
 };
 
 struct WrenchSpec {

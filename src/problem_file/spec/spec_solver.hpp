@@ -14,7 +14,7 @@ struct HomotopyKeySpec {
 /// The solver and its options.
 struct SolverSpec {
   Name name{"auto", {}};
-  Place place;  ///< of the section; invalid if the section is missing
+  Place place;  ///< of the section; empty if missing
   SolverOptions options;
   std::vector<HomotopyKeySpec> homotopy;
 };

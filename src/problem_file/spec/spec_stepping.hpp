@@ -24,7 +24,7 @@ struct TouchedSpec {
 struct CandidateSpec {
   Name name;
   Name frame;
-  Vector3<double> point = Vector3<double>::zero();  ///< the sphere's centre, in the frame, m
+  Vector3<double> point = Vector3<double>::zero();  ///< the sphere's center, in the frame, m
   double radius = 0;                                ///< m
   TouchedSpec against;
   double friction = 0.5;

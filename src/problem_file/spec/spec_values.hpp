@@ -14,7 +14,7 @@ namespace conddp {
 /// Numbers by name, in the order of the file.
 using NamedNumbers = std::vector<std::pair<Name, double>>;
 
-/// Values of the components of a vector: one number for all, a list with one entry a component
+/// Values of the components of a vector: one number for all, a list with one entry per component
 /// (null: no value), or a mapping from component names to numbers. The names may contain `*`.
 struct ComponentsSpec {
   enum class Form { kScalar, kList, kMap };
@@ -96,7 +96,8 @@ struct StateSpec {
   Place place;
   std::optional<Name> configuration;
   std::optional<BaseSpec> base;
-  std::optional<DisplacementSpec> displaced;  ///< of the base in the preceding keys
+  /// Displacement of the base that the preceding keys place.
+  std::optional<DisplacementSpec> displaced;
   NamedNumbers joints;
   std::optional<TwistSpec> base_velocity;
   NamedNumbers joint_velocities;

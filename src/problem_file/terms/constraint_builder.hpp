@@ -11,7 +11,7 @@ struct BuiltConstraint {
   BuiltCost function = {};  ///< residual and reference; contact costs: of one contact
   ConstraintKind kind = ConstraintKind::bounds;
   double slope = 1;
-  std::vector<double> lower, upper;  ///< one number a row
+  std::vector<double> lower, upper;  ///< one number per row
   bool at_last_node = false;         ///< a constraint on running knots that also applies there
 };
 

@@ -7,7 +7,7 @@
 
 namespace conddp {
 
-/// Reference of a swinging frame, one value a knot: positions, or poses for frame_placement. It
+/// Reference of a swinging frame, one value per knot: positions, or poses for frame_placement. It
 /// covers every run of consecutive phases that the cost names, and the touch-down node after it.
 /// The first swing starts at the initial position, later ones at the previous landing. With s = 0
 /// at the start and s = 1 at touch-down, uniform in time, the frame moves along the straight line

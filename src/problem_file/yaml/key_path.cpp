@@ -31,8 +31,8 @@ std::vector<std::string> names_at(const YamlNode& node) {
   return names;
 }
 
-/// Length of the first step of `path` at a node: the longest name there that is a prefix of the
-/// path, dots included, or else the text before the first dot.
+/// Length of the first step of `path` at a node. The step is the longest name there that is a
+/// prefix of the path, dots included, or else the text before the first dot.
 std::size_t step_length(const YamlNode& node, std::string_view path) {
   std::size_t length = 0;
   for (const std::string& name : names_at(node))

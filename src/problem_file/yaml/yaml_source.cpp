@@ -30,10 +30,10 @@ struct Refused : std::exception {
 struct EscapedText {
   static constexpr int kShorter = 2;  ///< bytes
   std::string text;
-  std::vector<std::size_t> shorter;  ///< end positions of the shortened characters
+  std::vector<std::size_t> shorter;  ///< last byte of each shortened character
 };
 
-/// The surrogate at a position minus `first`; its text is "\\uD83D".
+/// The surrogate escape at a position, such as "\\uD83D", minus `first`.
 std::optional<unsigned> surrogate_at(std::string_view text, std::size_t at, unsigned first) {
   unsigned value = 0;
   if (text.size() < at + 6 || text[at] != '\\' || text[at + 1] != 'u') return std::nullopt;
