@@ -70,7 +70,7 @@ struct InteriorPointSettings {
   double tolerance = 1e-8;
   double dual_tolerance = 1e-6, violation_tolerance = 1e-9, complementarity_tolerance = 1e-6;
   /// MUMPS orders systems by minimum fill and does not permute large entries to the diagonal first.
-  /// For horizons, whose systems are banded, and singular where a bound is inactive.
+  /// Suits horizons, whose systems are banded, and singular where a bound is inactive.
   bool minimum_fill = false;
   /// Solves Ipopt's linear systems, unless the options name a linear solver or configure MUMPS, or
   /// this Ipopt lacks a slot for ours. If null, MUMPS solves them.
@@ -80,8 +80,8 @@ struct InteriorPointSettings {
   /// Multipliers and barrier of an earlier solve to continue from, if any.
   const PrimalDualPoint* warm = nullptr;
   double warm_barrier = 0;
-  /// Push of variables and slacks from their bounds in a warm start. It is small: a continued solve
-  /// should stay where it is.
+  /// Distance by which a warm start pushes variables and slacks off their bounds. It is small: a
+  /// continued solve should stay where it is.
   double warm_push = 1e-9;
 };
 

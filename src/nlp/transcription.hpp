@@ -57,8 +57,8 @@ class Transcription : public NonlinearProgram {
   void jacobian(double* out) override;
   void hessian(double weight, const double* multipliers, double* out) override;
 
-  /// Makes the next Hessians Gauss-Newton, with zeros where only exact ones have entries. With
-  /// Options::gauss_newton, all Hessians are.
+  /// With `use`, the next Hessians are Gauss-Newton, with zeros where only exact ones have entries;
+  /// otherwise they are exact. With Options::gauss_newton, all Hessians are Gauss-Newton.
   void use_gauss_newton(bool use) { gauss_newton_ = use || options_.gauss_newton; }
 
   /// Makes the states of a trajectory the centers of the charts. Points then represent other
@@ -199,7 +199,7 @@ class Transcription : public NonlinearProgram {
   std::vector<std::vector<Row>> rows_;  ///< by node
   std::vector<int> gap_row_;            ///< first gap row of each knot
   std::vector<bool> given_;             ///< of node 1: columns that no control moves; may be empty
-  int given_nodes_ = 1;                 ///< number of first nodes with omitted constraints
+  int given_nodes_ = 1;                 ///< constraints may be omitted only before this node
   /// By knot, (row, column) of ∂f/∂z in the order of the gap rows' entries.
   std::vector<std::vector<std::pair<int, int>>> gap_entries_;
   std::vector<std::vector<int>> kinematic_rows_;  ///< by knot, among its gap rows

@@ -68,7 +68,7 @@ TEST(GridError, IsIndependentOfUnits) {
   }
 }
 
-TEST(GridError, FallsByOtherRulesAndShorterSteps) {
+TEST(GridError, FallsWithOtherRulesAndShorterSteps) {
   for (const int knots : {5, 20}) {  // 20: more than the worst steps
     Case decay(-2, Integrator::explicit_euler, 0.1, knots);
     decay.multiply(0.8);

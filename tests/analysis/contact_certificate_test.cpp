@@ -180,7 +180,7 @@ TEST(ContactReplay, FollowsASimulatedMotion) {
   EXPECT_LT(replay.controls_fine.final_state, 0.02);
 }
 
-/// The block's centre flies past the corner of a box. Without the box, the step would end inside
+/// The block's center flies past the corner of a box. Without the box, the step would end inside
 /// it, so either the top or the side face can stop it. Meanwhile, a corner of the block flies over
 /// frictional ground without touching it.
 ContactMotion past_a_corner(bool above) {

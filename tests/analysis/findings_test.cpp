@@ -412,7 +412,7 @@ TEST(LastKnot, ComparesWithinPhasesOfAtLeastSixKnots) {
   EXPECT_EQ(last_push({0, 5, 0, 0, 0, 0, 0, 1}, 2).size(), 1u);
 }
 
-/// A body of 2 kg with its centre of mass 0.1 m above the origin and thrusters at these places.
+/// A body of 2 kg with its center of mass 0.1 m above the origin and thrusters at these places.
 std::vector<Finding> thrusters_at(
     const std::vector<std::pair<Vector3<double>, Vector3<double>>>& places, bool held = false) {
   std::string urdf =
@@ -448,16 +448,16 @@ std::vector<Finding> thrusters_at(
   return found_in_motion(problem, problem.create_trajectory(), FindingKind::thrusters);
 }
 
-TEST(Thrusters, CannotTurnAboutAxesThroughCentreOfMass) {
+TEST(Thrusters, CannotTurnAboutAxesThroughCenterOfMass) {
   const Vector3<double> x{1, 0, 0}, z{0, 0, 1}, origin{0, 0, 0};
-  // Both rotate about y: one through its position, the other through the height of the centre of
+  // Both rotate about y: one through its position, the other through the height of the center of
   // mass.
   const auto about_y = thrusters_at({{{0.2, 0, 0}, z}, {origin, x}});
   ASSERT_EQ(about_y.size(), 1u);
   EXPECT_EQ(about_y[0].value, 2);
   EXPECT_EQ(about_y[0].knot, -1);
   EXPECT_TRUE(tells(about_y[0], "about its axes x, z")) << about_y[0].message;
-  // A push at the height of the centre of mass produces no torque.
+  // A push at the height of the center of mass produces no torque.
   const auto none = thrusters_at({{origin, z}, {{0, 0, 0.1}, x}});
   ASSERT_EQ(none.size(), 1u);
   EXPECT_EQ(none[0].value, 3);
@@ -564,8 +564,8 @@ TEST(Efforts, RoundingBeyondTheLimitCountsAsAtIt) {
   EXPECT_TRUE(found_in_motion(problem, motion, FindingKind::effort_limit).empty());
 }
 
-// The centre of mass is offset in all directions; forces through it produce no torque.
-TEST(Thrusters, ThroughCentreOfMassProduceNoTorque) {
+// The center of mass is offset in all directions; forces through it produce no torque.
+TEST(Thrusters, ThroughCenterOfMassProduceNoTorque) {
   const std::string urdf =
       R"(<robot name="ship"><link name="hull"><inertial><origin xyz="0.1 0.2 0.3"/>)"
       R"(<mass value="2"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>)"

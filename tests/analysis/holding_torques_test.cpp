@@ -85,7 +85,7 @@ TEST(MissingTorque, IsFoundForDependentContacts) {
 TEST(MissingTorque, IgnoresRobotsThatFallTipOrMove) {
   EXPECT_EQ(weak_joint({.foot = std::nullopt, .limit = 2}), "");
   EXPECT_EQ(weak_joint({.limit = 2, .speed = 1}), "");
-  // Support at one point only: no torque keeps the body upright if its centre is beside the foot.
+  // Support at one point only: no torque keeps the body upright if its center is beside the foot.
   EXPECT_EQ(weak_joint({.foot = ContactKind::point, .limit = 90}), "");
 }
 

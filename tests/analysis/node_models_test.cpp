@@ -69,7 +69,7 @@ TEST(NodeModels, KeepAnalyticDerivativesThatAgreeWithDualNumbers) {
   }
 }
 
-/// Perturbs every entry of every matrix by as little as 10⁻¹⁰ of the largest neighbouring entry.
+/// Perturbs every entry of every matrix by as little as 10⁻¹⁰ of the largest neighboring entry.
 TEST(NodeModels, UseDualNumbersInsteadOfWrongAnalyticDerivatives) {
   const ShootingProblem problem = cartpole_with_goal();
   const int N = problem.knots(), k = 3;

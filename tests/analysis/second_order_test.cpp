@@ -47,11 +47,11 @@ TEST(SecondOrder, DistinguishesNearAndFarPointOfADisc) {
   EXPECT_NEAR(far.direction[0][2], 0, 1e-12);
   EXPECT_NEAR(std::abs(far.direction[0][3]), 1, 1e-12);
   EXPECT_NEAR(far.bend, -0.25, 1e-12);
-  // All points of the circle are equally distant from its centre.
+  // All points of the circle are equally distant from its center.
   EXPECT_EQ(on_the_circle({0, 0}, {1, 0}).curvature, Curvature::undecided);
 }
 
-TEST(SecondOrder, GainIsWhatADenseOptimumCostsLess) {
+TEST(SecondOrder, GainMatchesCostDecreaseOfDenseOptimum) {
   for (const unsigned seed : {1u, 2u, 3u}) {
     const testing::LinearQuadratic lq(seed, 4, {2, 3}, 6, -testing::kFree, testing::kFree, 0.9);
     SolveResult best = solve(*lq.problem, "ilqr", {}, lq.problem->create_trajectory());

@@ -31,7 +31,7 @@ TEST(Diagnostics, PrintsWithoutAPlace) {
   EXPECT_TRUE(out.has_errors());
 }
 
-TEST(Diagnostics, ColoursOnRequest) {
+TEST(Diagnostics, ColorsOnRequest) {
   Diagnostics out;
   out.warning({}, "careful");
   EXPECT_EQ(format_diagnostics(out, false).find('\033'), std::string::npos);

@@ -8,7 +8,7 @@ namespace {
 using Names = std::vector<std::string>;
 
 // The optimal string alignment distance: insertions, deletions, substitutions and swaps of
-// neighbours.
+// neighbors.
 TEST(EditDistance, MatchesTextbooks) {
   EXPECT_EQ(edit_distance("", ""), 0);
   EXPECT_EQ(edit_distance("", "abc"), 3);

@@ -20,7 +20,7 @@ TEST(WrapText, KeepsLineEndsAndEmptyLines) {
   EXPECT_EQ(wrap_text("", 10, 0, 0), "\n");
 }
 
-TEST(WrapText, CountsCharactersWithoutColours) {
+TEST(WrapText, CountsCharactersWithoutColors) {
   EXPECT_EQ(shown_width("½ Σ"), 3);
   EXPECT_EQ(shown_width("\033[1;31merror\033[0m:"), 6);
   EXPECT_EQ(wrap_text("½½½ ½½½", 7, 0, 0), "½½½ ½½½\n");

@@ -563,7 +563,7 @@ TEST(BatchPlan, LiteralFileNameBeatsAPattern) {
   EXPECT_EQ(batch.manifest->problems.size(), 1u);
 }
 
-TEST(BatchPlan, ReportsUnknownSolversBesideDuplicates) {
+TEST(BatchPlan, ReportsBothUnknownAndDuplicateSolvers) {
   const PlannedBatch batch("solvers: [foo, auto, auto]\n");
   const std::string all = format_diagnostics(batch.diagnostics, false);
   EXPECT_NE(all.find("unknown solver 'foo'"), std::string::npos) << all;

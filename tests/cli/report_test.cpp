@@ -41,7 +41,7 @@ TEST_F(ReportCommand, SeveralSolutionsShareAPageBySolver) {
   EXPECT_EQ(data["solutions"][0]["remark"], "");
 }
 
-TEST_F(ReportCommand, PageLiesBesideFirstSolutionWithFolderLabels) {
+TEST_F(ReportCommand, PageIsNextToFirstSolutionWithFolderLabels) {
   const ProcessResult r = run_conddp({"report", solve("a", "box_fddp"), solve("b", "box_fddp")});
   EXPECT_EQ(r.exit_code, 0) << r.err;
   const nlohmann::json data = data_of(folder_.path() / "a/report.html");

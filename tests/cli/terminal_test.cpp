@@ -1,4 +1,4 @@
-// Tool behaviour on and off a terminal.
+// Tool behavior on and off a terminal.
 #include <regex>
 
 #include <gtest/gtest.h>
@@ -91,7 +91,7 @@ TEST(Terminal, FitsNarrowTerminals) {
   }
 }
 
-TEST(Terminal, UsesColourOnlyOnRequest) {
+TEST(Terminal, UsesColorOnlyOnRequest) {
   const TemporaryFolder folder;
   const auto out = [&](const char* term, const char* no_color) {
     return run_in_terminal(solve(folder), {.environment = {std::string("TERM=") + term,

@@ -229,7 +229,7 @@ TEST_F(HyqTrot, ConvergesOnSlipperyFloorWithWeakMotors) {
   }
 }
 
-TEST_F(HyqTrot, ConvergesWithHardConesAndOwnMotors) {
+TEST_F(HyqTrot, ConvergesWithHardConesAndStandardMotors) {
   for (const char* cone : {kPyramid, kCone}) {
     read({cone});
     EXPECT_NEAR(expect_constrained("proxddp").cost, reference_["optimum"]["cost"], 1e-7);

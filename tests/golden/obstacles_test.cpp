@@ -53,7 +53,7 @@ TEST(ArmObstacles, KeepsDistanceFromBallPoleAndItself) {
       const double d = distance_of(pair.shapes, built->plant, {x.begin(), x.end()});
       smallest = std::min(smallest, d);
     }
-    // The barrier is soft and yields by a tenth of a millimetre.
+    // The barrier is soft and yields by a tenth of a millimeter.
     const std::string name = pair.first + "-" + pair.second;
     EXPECT_GE(smallest, margin - 2e-4) << name;
     if (smallest < margin + 1e-4) touched.insert(name);

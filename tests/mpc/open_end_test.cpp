@@ -14,7 +14,7 @@ std::vector<double> turned(double angle) {
   return {0, 0, std::sin(angle / 2), std::cos(angle / 2)};
 }
 
-TEST(StatePath, TakesTheShortestWayWithinItsEnds) {
+TEST(StatePath, TakesTheShortestPathBetweenItsEnds) {
   StateManifold rotations;
   rotations.append(StateManifold::Part::so3);
   const StatePath path{{1, 3, 4}, {turned(0.2), turned(1.2), turned(1.2)}};

@@ -109,7 +109,7 @@ TEST(ChainFactorization, SumsEntriesFromEitherTriangle) {
 }
 
 TEST(ChainFactorization, DelaysPivotsWithZeroDiagonals) {
-  // A path without diagonals: each unknown can be eliminated only together with its neighbour.
+  // A path without diagonals: each unknown can be eliminated only together with its neighbor.
   SparseSystem system;
   for (int i = 0; i + 1 < 20; ++i) system.add(i + 1, i, 1 + 0.1 * i);
   ChainFactorization factorization;

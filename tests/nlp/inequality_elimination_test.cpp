@@ -57,7 +57,7 @@ TEST(InequalityElimination, SolvesAndCountsLikeTheWholeMatrix) {
   }
 }
 
-// A variable coupled with only one other looks like a slack, and so may its neighbour.
+// A variable coupled with only one other looks like a slack, and so may its neighbor.
 TEST(InequalityElimination, KeepsOneOfTwoCoupledPairs) {
   SparseSystem system;
   for (int i = 0; i < 4; ++i) system.add(i, i, i % 2 == 0 ? 1 : -0.5);

@@ -60,7 +60,7 @@ Trajectory random_trajectory(const ShootingProblem& problem, double size, std::m
   return t;
 }
 
-TEST(Transcription, DerivativesMatchDifferencesFarFromChartCentres) {
+TEST(Transcription, DerivativesMatchDifferencesFarFromChartCenters) {
   std::mt19937_64 engine(5);
   std::vector<ShootingProblem> problems;
   problems.push_back(testing::pendulum_swing_up(3));
@@ -136,7 +136,7 @@ void expect_multipliers_of_solvers(const ShootingProblem& problem, double contro
         << k;
     at += controls;
   }
-  // The same costates in charts centred on the trajectory.
+  // The same costates in charts centered on the trajectory.
   program.recenter_multipliers(rows.data());
   program.set_center(trajectory);
   const Eigen::VectorXd centred = program.point_of(trajectory);

@@ -69,7 +69,7 @@ TEST(WrenchCone, InnerFitsTheConeAndOuterContainsIt) {
   const LinearCone outer = wrench_cone({.friction = mu}, half_x, half_y, false);
   int between = 0;
   for (int sample = 0; sample < 500; ++sample) {
-    // A force at the sole's centre.
+    // A force at the sole's center.
     VectorXd wrench = VectorXd::Zero(6);
     wrench.head(3) << random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(0, 1.5);
     const bool in_cone = wrench.head(2).norm() <= mu * wrench[2];

@@ -1,4 +1,4 @@
-// Residual between a state and a chosen initial state.
+// Residual between a state and a free initial state.
 #include <algorithm>
 
 #include <gtest/gtest.h>

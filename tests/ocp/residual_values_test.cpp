@@ -108,7 +108,7 @@ TEST(ResidualValues, FrameVelocitiesAreRatesOfPositions) {
   }
 }
 
-TEST(ResidualValues, MomentumIsMassTimesCentreVelocity) {
+TEST(ResidualValues, MomentumIsMassTimesCenterVelocity) {
   RandomNumbers random(33);
   constexpr double kTime = 1e-5;
   for (const bool floating : {false, true}) {

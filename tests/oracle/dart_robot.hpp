@@ -29,7 +29,7 @@ class DartRobot {
   Eigen::Isometry3d placement(const std::string& link) const;
   Eigen::VectorXd velocity(const std::string& link) const;
   Eigen::VectorXd acceleration(const std::string& link) const;
-  /// Centre of mass of the movable bodies.
+  /// Center of mass of the movable bodies.
   Eigen::Vector3d center_of_mass() const;
 
  private:

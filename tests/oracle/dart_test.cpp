@@ -124,7 +124,7 @@ TEST_P(Dart, LinkPlacementsVelocitiesAndAccelerations) {
   });
 }
 
-TEST_P(Dart, CentreOfMass) {
+TEST_P(Dart, CenterOfMass) {
   in_random_states([&](const RobotState& x) {
     update_placements(model_, x.q.data(), *data_);
     update_composite_inertias(model_, *data_);

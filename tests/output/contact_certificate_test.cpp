@@ -1,4 +1,5 @@
-// Contact-implicit answers: the certificate holds and fails after any change of the contacts.
+// Contact-implicit answers: the certificate holds, and fails after any change of the
+// contacts.
 #include <functional>
 
 #include <gtest/gtest.h>

@@ -50,7 +50,7 @@ class Surfaces : public ::testing::Test {
   BuiltProblem built_;
 };
 
-TEST_F(Surfaces, CornerStaysLongestOutsideTheChosenBoxFace) {
+TEST_F(Surfaces, FindsFaceWithLongestStayOutside) {
   // In front of the face at x = 1, above its edge, and over the top at z = 0.2.
   const ContactMotion over = motion({{{0.5, 0}, {0.9, 0.3}, {1.5, 0.4}, {2, 0.2}}});
   const ContactSurfaces surfaces(over);

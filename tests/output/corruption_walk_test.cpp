@@ -67,7 +67,7 @@ OrderedJson* find_number(OrderedJson& document, std::mt19937_64& engine,
   return value->is_number() || value->is_boolean() ? value : nullptr;
 }
 
-/// Changes by one to a hundred hundredths of the largest neighbouring number, far above rounding.
+/// Changes by one to a hundred hundredths of the largest neighboring number, far above rounding.
 void change(OrderedJson& number, double scale, std::mt19937_64& engine) {
   const double sign = (engine() >> 63) != 0 ? 1 : -1;
   const double share = 0.01 + 0.99 * static_cast<double>(engine() >> 11) * 0x1p-53;

@@ -1,4 +1,4 @@
-// Answers with costs that hardly depend on a control or on a chosen initial coordinate. Gains there
+// Answers with costs that hardly depend on a control or on a free initial coordinate. Gains there
 // are large or rounding, and the certificate still holds.
 #include <gtest/gtest.h>
 

@@ -8,7 +8,7 @@ namespace conddp {
 namespace {
 
 TEST(IpoptAnswer, EndsItsLogWithItsOwnGap) {
-  // Ipopt leaves the chosen initial state outside its range by 1e-8 of the range.
+  // Ipopt leaves the free initial state outside its range by 1e-8 of the range.
   const SolvedExample answer(ProblemText{R"(conddp: 1
 system: {type: unicycle}
 initial_state: {values: {theta: 0.2452}}

@@ -16,7 +16,7 @@
 namespace conddp {
 namespace {
 
-/// A mass moves one metre; DURATION is its time, free or given, and TERMS its costs and
+/// A mass moves one meter; DURATION is its time, free or given, and TERMS its costs and
 /// constraints.
 constexpr std::string_view kComposedMotion = R"(conddp: 1
 system: {states: {x: m, v: m/s}, controls: {u: N}, rate: {x: v, v: u - 0.2*v*v}}

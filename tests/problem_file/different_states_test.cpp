@@ -126,7 +126,7 @@ TEST(DifferentStates, AreCollocatedToTheSameOptimum) {
 
 /// Slopes of resting states are controls too, so all phases have the same slope columns. Guesses
 /// cover the actuators, and slopes follow.
-TEST(DifferentStates, HaveSlopesBesideTheControlsOfTheirPhases) {
+TEST(DifferentStates, HaveSlopesAfterControlsOfTheirPhases) {
   const Loaded loaded(replaced(kHandover, "initial_state",
                                "integrator: trapezoidal\ninitial_guess: {controls: {constant: {a: "
                                "2, w: 3}}}\ninitial_state"));

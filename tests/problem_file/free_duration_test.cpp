@@ -15,7 +15,7 @@
 namespace conddp {
 namespace {
 
-/// A mass moves one metre from rest to rest as fast as its force allows.
+/// A mass moves one meter from rest to rest as fast as its force allows.
 const std::string kFastest = R"(conddp: 1
 system: {type: double_integrator, dimension: 1}
 initial_state: {state: [0, 0]}

@@ -20,7 +20,7 @@
 namespace conddp {
 namespace {
 
-/// A mass moves one metre from rest to rest with minimum energy ∫u², integrated by a state. rk4 is
+/// A mass moves one meter from rest to rest with minimum energy ∫u², integrated by a state. rk4 is
 /// exact for linear controls, and the optimum u = 6 − 12 t is linear.
 const std::string kLeastEnergy = R"(conddp: 1
 system:
@@ -185,7 +185,7 @@ TEST(LinearControls, ArePassedOnWithFreeDurations) {
     EXPECT_NEAR(duration(std::to_string(n)), 2 / std::sqrt(1 - 1 / (3.0 * n * n)), 1e-5) << n;
 }
 
-/// A mass moves one metre in phases with free or given durations; TERMS are its costs and
+/// A mass moves one meter in phases with free or given durations; TERMS are its costs and
 /// constraints.
 constexpr std::string_view kLinearPhases = R"(conddp: 1
 system: {states: {x: m, v: m/s}, controls: {u: N}, rate: {x: v, v: u - 0.2*v*v}}
@@ -270,7 +270,7 @@ constraints:
 }
 
 /// From 0 to 1 by x' = u with a running cost in u only: the optimal u is constant, all rules are
-/// exact, and u minimizes the cost per metre. For 2 + ½ u², the cost is 2 at u = 2. With an
+/// exact, and u minimizes the cost per meter. For 2 + ½ u², the cost is 2 at u = 2. With an
 /// additional ½ per unit beyond 1.5, it is u + ½ at u² = 2.5. With 3/2 of its square instead, it is
 /// 4 u − 4.5 at u² = 2.6875.
 TEST(LinearControls, FreeDurationsHaveTheOptimumOfTheirCosts) {

@@ -109,7 +109,7 @@ TEST(GaitRegulator, LoopsAreInvariantToTheirStart) {
 }
 
 /// Distance in m that the base moves after a fallback activates, on the last stand of the trot,
-/// half a metre from the start.
+/// half a meter from the start.
 double way_under_fallback(const std::string& to) {
   const GaitLoop loop = trot_of_regulator(
       "duration: 2.5, feedback: {rate: 500}, disturbances: [{late: 1, at: 1.5}], fallback: "

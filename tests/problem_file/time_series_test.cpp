@@ -81,7 +81,7 @@ TEST(TimeSeries, SplinesKeepStraightMotionsIncludingRotations) {
   EXPECT_NEAR(q[3], std::cos(0.26), 1e-12);
 }
 
-TEST(TimeSeries, RotationsFollowTheShortestWay) {
+TEST(TimeSeries, RotationsFollowTheShortestPath) {
   TimeSeries series(rotation_manifold());
   const double half = 0.75;  // half of 1.5 rad about z
   series.append(0, {0, 0, 0, 1});

@@ -159,7 +159,7 @@ TEST_P(KernelDerivatives, GravityTorques) {
   });
 }
 
-TEST_P(KernelDerivatives, CentreOfMassAndMomentum) {
+TEST_P(KernelDerivatives, CenterOfMassAndMomentum) {
   in_random_states([&](const RobotState& x, const KernelProbe<double>& analytic) {
     const Gradient wrt_q(model(), x, Gradient::Of::configuration);
     const Gradient wrt_v(model(), x, Gradient::Of::velocity);

@@ -180,7 +180,7 @@ double mass_in(const RobotModel& model, const RobotState& x) {
   return mass;
 }
 
-TEST_P(KernelDynamics, PotentialEnergyIsWeightTimesCentreHeight) {
+TEST_P(KernelDynamics, PotentialEnergyIsWeightTimesCenterHeight) {
   in_random_states([&](const RobotState& x, const KernelProbe<double>& probe) {
     const std::vector<double>& com = probe["com"];
     const double mass = mass_in(model(), x);

@@ -173,7 +173,7 @@ TEST_P(KernelScalars, DualValuesEqualDouble) {
   }
 }
 
-// A diverged knot must not change a single bit of its neighbours in the register.
+// A diverged knot must not change a single bit of its neighbors in the register.
 TEST_P(KernelScalars, GarbageStaysInItsLane) {
   std::vector<ProbeState<double>> all = states();
   const KernelProbe<Lane> clean(model(), pack<Lane>(all));

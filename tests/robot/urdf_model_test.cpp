@@ -104,7 +104,7 @@ TEST(UrdfAxes, MoveTheLinkAlongTheFileAxis) {
 }
 
 // Axes in coordinate planes are not coordinate axes.
-TEST(UrdfAxes, SupportAxesWithOneZero) {
+TEST(UrdfAxes, MayHaveOneZeroComponent) {
   for (const auto& [text, axis] :
        std::vector<std::pair<const char*, Vector3<double>>>{{"0.6 0 0.8", {0.6, 0, 0.8}},
                                                             {"0.6 0 -0.8", {0.6, 0, -0.8}},

@@ -21,7 +21,7 @@ struct VendorLink {
   const char* warning;  ///< nullptr: no warning
 };
 
-/// Mass, centre of mass, and inertia of links in public descriptions of these robots; the last
+/// Mass, center of mass, and inertia of links in public descriptions of these robots; the last
 /// entry has digits rounded to 2e-6 of the largest moment.
 const VendorLink kLinks[] = {
     {"icub_head",

@@ -112,7 +112,7 @@ TEST(UrdfVisuals, InertiaNeedsMassAndMatrix) {
   EXPECT_NEAR(links[3].inertia->moment.y, 0.4, 1e-15);
 }
 
-TEST(UrdfVisuals, OwnMaterialColourOverridesTheRobots) {
+TEST(UrdfVisuals, OwnMaterialColorOverridesTheRobots) {
   const auto links = urdf_visuals(R"(<robot name="r">
     <material name="red"><color rgba="1 0 0 1"/></material>
     <link name="a">

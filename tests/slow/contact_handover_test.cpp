@@ -197,7 +197,7 @@ TEST(ContactHandOver, NamesContactsThatScheduledOnesCannotExpress) {
   }
 }
 
-/// A chosen initial state stays chosen, with the link of the last state.
+/// A free initial state stays free, and the last state stays linked to it.
 TEST(ContactHandOver, PeriodicGaitStaysPeriodic) {
   const SolvedExample gait("raibert_gait");
   HandOver hand_over(gait);

@@ -198,7 +198,7 @@ Steps steps_of(const ReadyProblem& ready, const SolveResult& result,
 }
 
 /// Expects that every foot of a gait lifts once per cycle, reaches `height` (m), and stays in the
-/// air for at least `in_the_air` knots. It slides at most `slid` metres while carrying at most
+/// air for at least `in_the_air` knots. It slides at most `slid` meters while carrying at most
 /// `borne` newtons.
 void expect_steps(const std::string& gait, int in_the_air, double height, double slid,
                   double borne) {

@@ -105,7 +105,7 @@ TEST(AnswerObjections, ReturnsTheLastOneWithoutProgress) {
   EXPECT_EQ(script.calls.size(), 2u);
 }
 
-TEST(AnswerObjections, LeavesASaddleByTheCheaperWay) {
+TEST(AnswerObjections, LeavesASaddleInTheCheaperDirection) {
   Script up({{2}, {3}, {1}});
   const SolveResult result = up.run({a_saddle(up.problem)});
   EXPECT_EQ(result.cost, 1) << "the second way";

@@ -110,7 +110,7 @@ TEST(Homotopy, LogsAllSolvesAsOne) {
   }
 }
 
-TEST(Homotopy, ReportsWhereItStuckAndTriesTheTarget) {
+TEST(Homotopy, ReportsWhereItStallsAndTriesTheTarget) {
   Journey journey({.reach = 1e-3});
   journey.direct_fails = true;
   const SolveResult result = journey.go();

@@ -147,7 +147,7 @@ TEST(HorizonDescent, FallsToTheMinimumOfThePenalizedModel) {
         const double bound = (outside[i] < 0 ? at.controls.lower : at.controls.upper)[i];
         EXPECT_EQ(at.feedback.k[k][j], bound - at.trajectory.u(k)[j]) << k << ' ' << j;
       }
-    // After leaving, the model has the rows at the point; restored, those at the iterate.
+    // After leave(), the model has the rows at the point; after restore(), those at the iterate.
     const DenseHorizon left(at.linearization, true);
     const Eigen::VectorXd of_rows = at.dense->H * z + at.dense->g + at.rows.gradient(z);
     EXPECT_LT((left.H * z + left.g - of_rows).lpNorm<Eigen::Infinity>(), 1e-8);

@@ -315,8 +315,8 @@ TEST(LeastViolation, IsMinimizedOnceControlsAreNearlyExhausted) {
 }
 
 TEST(LeastViolation, ReportsInfeasibleOnceControlsAreExhausted) {
-  // The initial violation is unreachable: w (1 + w) / ((1 + w)² + 0.25) is 5e-3 between these
-  // values.
+  // No control affects the violation of 'start': w (1 + w) / ((1 + w)² + 0.25) is 5e-3 between
+  // these values.
   for (const double w : {6.2e-3, 6.4e-3}) {
     Surrounded at = least(0, true);
     at.strategy->fit(at.iterate);

@@ -106,7 +106,7 @@ TEST(BackwardSweep, RegularizationAffectsGainsByItsKind) {
   EXPECT_NEAR(swept.feedback.K[2](0, 0), -3.25 / 4.25, 1e-15);
 }
 
-// A proximal weight adds a cost of 3 on the controls, the states, and the end, centred on the
+// A proximal weight adds a cost of 3 on the controls, the states, and the end, centered on the
 // iterate, so gradients stay.
 TEST(BackwardSweep, ProximalWeightCostsTheWholeStep) {
   const ShootingProblem problem = integrator_problem(1);

@@ -162,7 +162,7 @@ TEST(Status, InterruptedKeepsTheIterateReached) {
   EXPECT_LT(result.cost, result.log[0].cost);
 }
 
-TEST(Status, LongIterationsStopHalfWayWithWholeIterate) {
+TEST(Status, LongIterationsStopMidwayWithACompleteIterate) {
   // More knots than lanes between two checkpoints: derivatives, sweeps, and rollouts each pass
   // several.
   const ShootingProblem problem =

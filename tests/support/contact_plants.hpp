@@ -59,7 +59,7 @@ inline ContactPlant crate(double friction, FrictionModel model = FrictionModel::
   return plant;
 }
 
-/// The crate at rest with its centre at height z, rotated by `pitch` about y.
+/// The crate at rest with its center at height z, rotated by `pitch` about y.
 inline StepStart crate_start(double z, double pitch, double h) {
   StepStart start{Eigen::VectorXd::Zero(7), Eigen::VectorXd::Zero(6), Eigen::VectorXd::Zero(6), h};
   start.q[2] = z;

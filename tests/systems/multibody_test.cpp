@@ -330,7 +330,7 @@ TEST(Multibody, PayloadAddsItsInertiaAndWeight) {
   const RobotModel loaded = load("arm7", {.payloads = {{.link = link, .mass = mass, .com = com}}});
   RandomNumbers random(99);
   const RobotState state = random_state(bare, random);
-  // Jacobian of the payload's centre, from a frame placed there.
+  // Jacobian of the payload's center, from a frame placed there.
   RobotModel marked = bare;
   Frame frame = bare.frames[*bare.find_frame(link)];
   frame.placement = frame.placement * SE3<double>{Matrix3<double>::identity(), com};

@@ -58,7 +58,8 @@ struct Written {
   std::vector<fs::path> files;
 };
 
-/// The end of a loop that was simulated again. A loop stopped by the time limit continues here.
+/// The end of a loop that was simulated again, without a time limit. It may differ from the end in
+/// the run, which is then added.
 std::string status_of(LoopEnd end, const std::string& stored) {
   const std::string status(to_string(end));
   return stored == status ? status : fmt::format("{}; in the run: {}", status, stored);

@@ -28,7 +28,7 @@ namespace {
 constexpr const char* kOption = "--largest";
 constexpr const char* kTrialsFile = "largest.csv";
 
-/// A number of the file, and the search interval for its largest surviving value.
+/// A number of the file, and the interval searched for the largest value that the loop survives.
 struct SearchedNumber {
   std::string key;
   double low = 0, high = 0;
@@ -241,7 +241,7 @@ class Search {
     rows_ += '\n';
   }
 
-  /// The loop to be written: the one with the largest surviving value, or the first if none
+  /// The loop to be written: the one that survives the largest value, or the first if none
   /// survives.
   LoopRun shown_run() const {
     std::vector<std::string> settings = settings_of(arguments_);

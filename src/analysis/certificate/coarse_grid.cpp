@@ -90,7 +90,7 @@ const System& end_system(const ShootingProblem& problem) {
 }  // namespace
 
 Eigen::VectorXd motion_scale(const ShootingProblem& problem, const Trajectory& trajectory) {
-  /// Least ranges, as shares of the largest number and, without a unit, of the farthest entry.
+  /// Smallest ranges, as shares of the largest number and, without a unit, of the farthest entry.
   constexpr double kRounding = 1e-9, kLittle = 1e-6;
   const int own = end_system(problem).ndx();
   Eigen::VectorXd way = Eigen::VectorXd::Zero(own), off(problem.ndx());

@@ -20,7 +20,7 @@ using Eigen::VectorXd;
 /// tolerance of the gradient. The constant kGainRounding is the rounding of sums over |J|ᵀ|V||J|,
 /// for contact derivatives as badly conditioned as they may be.
 constexpr double kGainTolerance = 1e-6, kGainRounding = 1e-14;
-/// Least feedforward step, relative to the controls or absolute.
+/// Smallest feedforward step, relative to the controls or absolute.
 constexpr double kLeastMove = 1e-3;
 
 /// Residuals of a sweep's equations with the answer's gains and these Hessians, in multiples of the

@@ -147,7 +147,7 @@ class RiccatiStep {
 
  private:
   using Index = Eigen::Index;
-  /// Least pivot of a block that is positive definite beyond rounding, relative to its diagonal.
+  /// Smallest pivot of a block that is positive definite beyond rounding, relative to its diagonal.
   static constexpr double kLeastPivot = 1e-14;
 
   SmallCholesky factors_;

@@ -34,13 +34,13 @@ constexpr double kNothing = 1e-12;
 constexpr double kRank = 1e-8;
 /// Thresholds for eigenvalues relative to the terms they come from; rounding lies between the two.
 constexpr double kPositive = 1e-13, kNegative = 1e-8;
-/// Least gain of negative curvature, as a share of the cost.
+/// Smallest gain by negative curvature that counts, as a share of the cost.
 constexpr double kLeastGain = 1e-6;
 /// Share of the cost change over all ranges that counts as nothing: moves by 3·10⁻¹⁰ of the ranges.
 constexpr double kResolution = 1e-19;
-/// Least repair that counts, as a share of the resolution: at rest all else is zero.
+/// Smallest repair that counts, as a share of the resolution: at rest, all other figures are zero.
 constexpr double kRepair = 1e-5;
-/// Weight of a slope relative to a gain: a slope ends where the curvature does.
+/// Weight of a slope relative to a gain: curvature ends the decrease along a slope.
 constexpr double kSlopeShare = 1e-4;
 /// Limit on the searches for inactive rows that stop Newton's step.
 constexpr int kRounds = 16;
@@ -438,8 +438,8 @@ class Recursion {
   /// Largest cost decrease along a direction without curvature, over one range or until an inactive
   /// row stops it.
   double flat_gain() const { return flat_gain_; }
-  /// Least eigenvalue of the stages that are not positive beyond rounding, relative to their terms,
-  /// and its knot; infinite if all stages are positive.
+  /// Smallest eigenvalue of the stages that are not positive beyond rounding, relative to their
+  /// terms, and its knot; infinite if all stages are positive.
   double least() const { return least_; }
   int least_knot() const { return least_knot_; }
   /// Sum of ν (g − bound) over all held rows.
@@ -766,7 +766,7 @@ double limit_step(std::vector<ScaledNode>& nodes, const std::vector<VectorXd>& s
 }
 
 /// Gain predicted by Newton's step on the active rows and those it runs into. Such rows only lower
-/// the gain, so the search ends once the gain is negligible beside the cost.
+/// the gain, so the search ends once the gain is negligible compared with the cost.
 double attainable_gain(std::vector<ScaledNode> nodes, const Recursion& first, double cost_size) {
   constexpr double kAny = std::numeric_limits<double>::infinity();
   double best = 0;

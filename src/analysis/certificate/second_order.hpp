@@ -33,8 +33,8 @@ struct SecondOrder {
   /// and controls by their ranges if that is smaller.
   double cost_size = 0;
   double negligible = 0;  ///< cost change that counts as nothing
-  double resolution = 0;  ///< least cost change that can be resolved
-  /// Least eigenvalue of a stage's reduced Hessian, relative to its terms, and the knot of that
+  double resolution = 0;  ///< smallest cost change that can be resolved
+  /// Smallest eigenvalue of a stage's reduced Hessian, relative to its terms, and the knot of that
   /// stage. Infinite and −1 if the curvature is positive.
   double least = std::numeric_limits<double>::infinity();
   int knot = -1;

@@ -42,7 +42,7 @@ struct Difference {
   std::string message;   ///< both values and the tolerance
 };
 
-/// Least size that cost differences are relative to. An optimum may be zero, and the rounding left
+/// Smallest reference for relative cost differences. An optimum may be zero, and the rounding left
 /// of it does not make an answer worse.
 inline constexpr double kSmallestCostSize = 1e-3;
 

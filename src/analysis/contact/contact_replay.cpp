@@ -8,7 +8,7 @@
 namespace conddp {
 namespace {
 
-/// Least range of motion of a state, a hundredth of its unit.
+/// Smallest range of motion of a state, a hundredth of its unit.
 constexpr double kSmallSpan = 0.01;
 
 class Player {

@@ -19,8 +19,8 @@ using Eigen::VectorXd;
 constexpr double kRest = 0.1;
 /// Unbounded torques must leave less than this share of the accelerations.
 constexpr double kCure = 0.1;
-/// Share of the largest diagonal entry that is added to the diagonal. Contacts leave torques that
-/// oppose each other undetermined, and rounding in the Hessian.
+/// Share of the largest diagonal entry that is added to the diagonal. With contacts, torques that
+/// oppose each other are undetermined, and the Hessian contains rounding errors.
 constexpr double kRegularization = 1e-10;
 
 /// A robot at rest with a control at every joint: accelerations are a + A τ.

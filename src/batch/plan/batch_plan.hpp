@@ -20,7 +20,7 @@ enum class KeptSolutions { kAll, kConverged, kNone };
 /// The operation on an item: solve it, or simulate its closed loop.
 enum class BatchCommand { kSolve, kMpc };
 
-/// The starting point of solves: each item's own guess, the answer of a neighbour, or a file for
+/// The starting point of solves: each item's own guess, the answer of a neighbor, or a file for
 /// all.
 enum class WarmStart { kNone, kNeighbour, kFile };
 

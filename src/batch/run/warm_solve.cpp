@@ -14,7 +14,7 @@ namespace {
 constexpr int kTrialFactor = 2, kLeastTrial = 10;
 constexpr double kLeastTime = 1e-3;  // s
 
-/// A neighbour's states and controls, with the problem's own initial state.
+/// A neighbor's states and controls, with the problem's own initial state.
 Trajectory guess_from(const NeighbourAnswer& from, const Trajectory& own) {
   Trajectory guess = from.trajectory;
   guess.x(0) = own.x(0);

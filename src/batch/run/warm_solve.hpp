@@ -21,7 +21,7 @@ struct NeighbourAnswer {
 /// The starting point that led to an answer.
 enum class StartKind {
   kOwn,      ///< the problem's own guess
-  kWarm,     ///< a neighbour's answer, or a file
+  kWarm,     ///< a neighbor's answer, or a file
   kDropped,  ///< own guess, after dropping a misleading warm start
 };
 std::string_view to_string(StartKind kind);
@@ -35,7 +35,7 @@ struct StartedSolve {
   std::shared_ptr<const CertificateMemory> certified = nullptr;
 };
 
-/// The answer of a solve for its neighbours. `from` is the answer that it started from, or null.
+/// The answer of a solve for its neighbors. `from` is the answer that it started from, or null.
 NeighbourAnswer answer_for_neighbours(const StartedSolve& solved, const SolverInfo* solver,
                                       const NeighbourAnswer* from);
 

@@ -92,7 +92,7 @@ class Worker {
   }
 
  private:
-  /// An item's answer for its neighbours, if it is solved.
+  /// An item's answer for its neighbors, if it is solved.
   struct Answered {
     std::string id;
     std::optional<NeighbourAnswer> answer;

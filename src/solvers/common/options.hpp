@@ -103,7 +103,8 @@ struct SolverOptions {
     double spread = 0.1;
   } restarts;
 
-  /// Limit on the work of iterations (look_further.cpp) while solve_best looks for a better answer.
+  /// solve_best looks for a better answer until its iterations reach this amount of work
+  /// (look_further.cpp).
   int look_further = 5000000;
 
   /// Ipopt's own options by name, for the solver `ipopt`.

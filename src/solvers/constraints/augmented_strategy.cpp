@@ -20,9 +20,9 @@ constexpr double kFirstInnerTolerance = 1e-1, kFirstInnerDecrease = 1e-3;
 constexpr double kTighter = 0.1, kLastInnerDecrease = 1e-8;
 /// The small decrease of a short step says nothing.
 constexpr double kLongStep = 0.1;
-/// Limit of relaxations of the penalties because of rounding.
+/// Maximum number of times that rounding may lower the penalties.
 constexpr int kRelaxations = 20;
-/// Limit of minimizations that end without a step before the solve ends.
+/// Maximum number of minimizations that end without a step before the solve ends.
 constexpr int kRecoveries = 20;
 /// Rounding stops a minimization whose goal is this share of the stationarity tolerance, but which
 /// ends above the tolerance although the constraints hold.

@@ -5,7 +5,8 @@
 namespace conddp {
 namespace {
 
-/// Share of the initial slope that a line search may leave, and the limit of its evaluations.
+/// Share of the initial slope that a line search may leave, and its maximum number of
+/// evaluations.
 constexpr double kSlopeLeft = 1e-3;
 constexpr int kEvaluations = 50;
 

@@ -5,8 +5,8 @@
 namespace conddp {
 namespace {
 
-/// Violation, gap and stationarity for the first try, their factor after a failed try, the limit of
-/// steps, and the limit of damped steps.
+/// Largest violation, gap and stationarity for the first try; share of these that the next try
+/// requires after a failure; maximum number of steps, and of damped steps.
 constexpr double kFirstThreshold = 3e-3, kNextThreshold = 0.1;
 constexpr int kSteps = 20, kDampedSteps = 2;
 /// Norm below which nothing is left to gain.

@@ -10,14 +10,14 @@
 namespace conddp {
 namespace {
 
-/// Penalty of active rows in a sweep, as a multiple of the largest curvature, and the limit of
-/// multiplier corrections.
+/// Penalty of active rows in a sweep, as a multiple of the largest curvature, and the maximum
+/// number of multiplier corrections.
 constexpr double kRowPenalty = 1e5;
 constexpr int kCorrections = 10;
 /// Curvature below which a cost counts as linear; the exact Hessian's curvature then replaces it.
 constexpr double kLeastCurvature = 1e-6;
 constexpr double kExactRows = 1e-9;
-/// Limit of revisions of the active rows before a step is taken as it is.
+/// Maximum number of revisions of the active rows before a step is taken as it is.
 constexpr int kRevisions = 10;
 /// Largest share of the norm that a full step may leave if the next step is to reuse its Hessian.
 constexpr double kKeptShare = 0.1;

@@ -9,7 +9,8 @@
 namespace conddp {
 namespace {
 
-/// Multipliers per distance, so large that their effect on the cost's gradient keeps its digits.
+/// Multiplier per unit of distance, so large that its effect on the cost's gradient keeps its
+/// digits.
 constexpr double kWeight = 1e10;
 /// Changes of the constraints' values below this share of the state's move are rounding.
 constexpr double kRounding = 1e-12;

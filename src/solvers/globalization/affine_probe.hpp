@@ -13,7 +13,7 @@ class AffineProbe {
  public:
   explicit AffineProbe(const ShootingProblem& problem);
 
-  /// True if they are affine. `linearization` belongs to the trajectory.
+  /// True if dynamics and rows are affine. `linearization` belongs to the trajectory.
   bool holds(Evaluator& evaluator, const Trajectory& trajectory,
              const Linearization& linearization);
 

@@ -13,7 +13,7 @@ constexpr double kLeastDecrease = 0.1;
 constexpr double kMostGaps = 0.5;
 constexpr double kNegligibleGaps = 0.05;
 /// Weight of the gaps, in the same units, beyond which a rollout is shorter; share of the gaps that
-/// a correction may leave; limit of corrections.
+/// a correction may leave; maximum number of corrections.
 constexpr double kHopelessGaps = 10;
 constexpr double kSlowCorrection = 0.5;
 constexpr int kCorrections = 3;

@@ -270,7 +270,7 @@ bool Globalization::full_step_is_due() const {
 bool Globalization::take_full_step() {
   if (!full_step_is_due()) return false;
   iterate_.before = iterate_.trajectory;
-  // Multipliers change only at closed gaps.
+  // Multipliers are updated only when the gaps are closed.
   const FullStepSearch::Goal goal{.last = record_.row.stationarity * record_.row.stationarity <=
                                           options_.tolerances.stationarity * last_stationarity_,
                                   .close = outer_.augmentation() != nullptr};

@@ -13,7 +13,8 @@ constexpr int kPairs = 5;
 /// model's by more than this factor.
 constexpr double kLargestFactor = 2.5;
 
-/// Gauss-Newton converges fast without correction if step lengths fall by this factor.
+/// Gauss-Newton converges fast without correction if a step is shorter than this share of the
+/// previous one.
 constexpr double kFastConvergence = 0.2;
 
 }  // namespace

@@ -35,8 +35,8 @@ constexpr std::array<double, 3> kPolishBarriers = {kLeastBarrier, 1e-11, 1e-13};
 constexpr int kPolishIterations = 40;
 /// Initial barrier of a solve, and its tolerance, as a share of its epsilon.
 constexpr double kBarrierShare = 0.1;
-/// Push of the next solve's start from bounds, as a share of its epsilon. Pairs have to come
-/// closer, and variables at their bounds move only in many small steps.
+/// Distance by which the next solve's start is pushed off its bounds, as a share of its epsilon.
+/// Pairs have to come closer, and variables at their bounds move only in many small steps.
 constexpr double kPushShare = 1e-2, kLeastPush = 1e-9;
 /// Pairs within this share of the tolerance need no smaller epsilon.
 constexpr double kComplementary = 0.1;

@@ -25,7 +25,7 @@ using End = InteriorPointEnd;
 constexpr double kLargestAngle = 2;
 /// Initial barrier if all multipliers are known.
 constexpr double kWarmBarrier = 1e-9;
-/// Ipopt's own initial barrier, and its push of the start from bounds.
+/// Ipopt's own initial barrier, and the distance by which it pushes the start off bounds.
 constexpr double kColdBarrier = 0.1, kColdPush = 1e-2;
 /// Maximum number of log rows reserved before the first iteration.
 constexpr int kReservedRows = 10000;

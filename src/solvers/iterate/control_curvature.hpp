@@ -12,8 +12,8 @@ class ControlCurvature {
  public:
   explicit ControlCurvature(const ShootingProblem& problem);
 
-  /// Least value, over all knots where it is positive, of the largest diagonal entry of H_uu
-  /// without the part of the augmentation, if any. Infinite if it is positive at no knot. The
+  /// Takes the largest diagonal entry of H_uu at every knot, without the part of the augmentation,
+  /// if any, and returns the smallest positive one. Infinite if it is positive at no knot. The
   /// linearization has Gauss-Newton Hessians and was computed with this augmentation.
   double least(const Linearization& linearization, const Augmentation* augmentation);
 

@@ -14,7 +14,7 @@ namespace {
 
 using StateBlock = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
 
-/// Filled lanes are visited one by one if the Hessian has at least this many times as many lanes.
+/// Filled lanes are visited one by one if at most one of this many lanes is filled.
 constexpr int kListedShare = 4;
 
 CurvedBlock block(const StateBlock& B, int n) { return {B.data(), n, 6}; }
@@ -38,7 +38,7 @@ void add_lower(LaneMatrix& P, LaneMatrix& Q) {
     }
 }
 
-/// Q += the Hessian in the lower triangle. Structural zeros are skipped if they prevail.
+/// Q += the Hessian in the lower triangle. Structural zeros are skipped if they predominate.
 void add_lower(const KnotHessian& hessian, LaneMatrix& Q) {
   const Eigen::MatrixXd& H = hessian();
   const int n = static_cast<int>(H.rows());

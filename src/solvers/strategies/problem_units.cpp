@@ -20,7 +20,7 @@ double power_of_two(double size) {
   return std::exp2(std::round(std::clamp(std::log2(size), -kMost, kMost)));
 }
 
-/// An unknown size is not unusual.
+/// True if all sizes are within a range of binary logarithms. An unknown size (0) always is.
 bool are_within(const std::vector<double>& sizes, double least, double largest) {
   return std::ranges::all_of(sizes, [&](double size) {
     return size == 0 || (std::log2(size) >= least && std::log2(size) <= largest);

@@ -13,7 +13,7 @@ namespace conddp {
 ShootingProblem counted_trot();
 /// 7-joint arm that reaches a tool placement under torque limits.
 ShootingProblem counted_reach();
-/// Biped that lowers its centre of mass on two soles.
+/// Biped that lowers its center of mass on two soles.
 ShootingProblem counted_squat();
 /// Cart-pole swing-up with a weak motor and a terminal constraint: a small system.
 ShootingProblem counted_swing();
