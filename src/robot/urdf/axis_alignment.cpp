@@ -5,8 +5,8 @@
 namespace conddp {
 namespace {
 
-/// From z to −x and x, −y and y, −z and z: a cyclic permutation, so that no rounding enters; half a
-/// turn for the rest.
+/// Rotations from z to −x and x, −y and y, −z and z. Signed cyclic permutations, the identity and
+/// half a turn are exact: no rounding enters.
 constexpr Matrix3<double> kTurnsToAxis[3][2] = {
     {{{0, 0, -1, 1, 0, 0, 0, -1, 0}}, {{0, 0, 1, 1, 0, 0, 0, 1, 0}}},
     {{{0, -1, 0, 0, 0, -1, 1, 0, 0}}, {{0, 1, 0, 0, 0, 1, 1, 0, 0}}},

@@ -8,7 +8,8 @@
 namespace conddp {
 namespace {
 
-/// A tree may itself have a link and a joint of one name; two trees may not share either.
+/// Prefixed names of a tree's joints and frames. A link and a joint of one tree may share a name;
+/// two trees may not.
 std::set<std::string> names_of(const RobotModel& tree, const std::string& prefix) {
   std::set<std::string> names;
   for (const Joint& joint : tree.joints) names.insert(prefix + joint.name);
@@ -32,7 +33,7 @@ void make_distinct(RobotModel& tree, std::set<std::string>& taken) {
   taken.merge(names);
 }
 
-/// Appends elements, each changed on the way.
+/// Moves elements to the end of `to` and applies `change` to each.
 template <class T, class Change>
 void append_changed(std::vector<T>& from, std::vector<T>& to, Change change) {
   for (T& element : from) {

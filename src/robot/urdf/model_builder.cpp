@@ -42,7 +42,7 @@ class Builder {
     model_.name = tree_.getName();
     model_.gravity = options_.gravity;
     place_root();
-    // Depth first; urdfdom keeps a link's joints in the order of their names.
+    // Depth first; urdfdom sorts a link's child joints by name.
     std::vector<const urdf::Link*> open{tree_.getRoot().get()};
     while (!open.empty()) {
       const urdf::Link* link = open.back();
@@ -62,7 +62,7 @@ class Builder {
   }
 
  private:
-  /// What carries a link: a joint (−1: the world) and the link's place in that joint's frame.
+  /// Joint that carries a link (−1: the world) and the link's placement in that joint's frame.
   struct Carrier {
     int joint = -1;
     SE3<double> placement = SE3<double>::identity();
@@ -79,7 +79,7 @@ class Builder {
     return name;
   }
 
-  /// A floating or planar joint of the file that stands for the base that was asked for.
+  /// The file's floating or planar joint that serves as the requested base, or null.
   const urdf::Joint* own_base() const {
     if (options_.base == Base::fixed) return nullptr;
     const int wanted =
@@ -156,7 +156,7 @@ class Builder {
     return moved;
   }
 
-  /// As far along or about its axis as the joint is locked at.
+  /// Carrier of a joint locked at a position along or about `axis`.
   Carrier place_locked(const urdf::Joint& joint, const Carrier& at, const Vector3<double>& axis) {
     const double value = options_.locked_joints.at(joint.name);
     const SE3<double> moved = joint.type == urdf::Joint::PRISMATIC
@@ -208,7 +208,7 @@ class Builder {
     return at;
   }
 
-  /// A one-axis joint at a place whose z axis, once turned by `align`, is the joint's.
+  /// Adds a one-axis joint at `at`; `align` rotates z to the joint's axis.
   Carrier add_along(const std::string& name, JointType type, const Carrier& at,
                     const Matrix3<double>& align) {
     return {add_joint(name, type, at.joint, at.placement * rotation(align)),
@@ -240,7 +240,8 @@ class Builder {
     }
   }
 
-  /// The file's own base joint replaces the one asked for, if nothing with mass stays behind.
+  /// The file's own base joint replaces the requested one. Mass that remains rigid with the world
+  /// is then an error.
   void check_own_base() {
     if (!own_base_) return;
     const std::string kind = options_.base == Base::floating ? "floating" : "planar";
@@ -254,9 +255,9 @@ class Builder {
                    "' of the file is the base asked for; no other one is added");
   }
 
-  /// Vendors' files have inertias that no body can have: placeholders, rounded digits, products
-  /// of inertia of the wrong sign. What they do to the robot as a whole is known once all are
-  /// added (`joints_with_negative_inertia`).
+  /// Vendors' files contain inertias that are not physically valid: placeholders, rounded digits,
+  /// products of inertia with the wrong sign. `joints_with_negative_inertia` checks their effect on
+  /// the whole robot after all inertias are added.
   void check_inertias() {
     for (const Joint& joint : model_.joints)
       if (!std::isfinite(joint.inertia.mass + squared_norm(joint.inertia.moment) +
@@ -293,14 +294,14 @@ class Builder {
       report_.warning(place, message + "; it is used as given");
   }
 
-  /// The joint of the file, if it mimics another one.
+  /// The file's joint of this name if it mimics another one, else null.
   const urdf::Joint* find_mimic(const std::string& joint) const {
     const auto found = tree_.joints_.find(joint);
     return found != tree_.joints_.end() && found->second->mimic ? found->second.get() : nullptr;
   }
 
-  /// Goes from a joint to whom it follows, and so on to one that does not follow. `mimic` ← how the
-  /// first one follows the last. Cycles have been excluded, and followers of locked joints are
+  /// Independent joint at the end of a follower's chain of leaders. `mimic` receives the composed
+  /// multiplier and offset. Earlier checks exclude cycles, and followers of locked joints are
   /// locked.
   const urdf::Joint& find_leader(const urdf::Joint& follower, Mimic& mimic) const {
     const urdf::Joint* leader = &follower;
@@ -330,7 +331,7 @@ class Builder {
     }
   }
 
-  /// Notes the joints of which a predicate is true, if there are any.
+  /// Adds a note that lists all joints satisfying the predicate, if any.
   template <class Predicate>
   void note_joints(const std::string& text, Predicate is_noted) {
     std::vector<std::string> names;
@@ -366,7 +367,7 @@ class Builder {
   RobotModel model_;
   const urdf::Joint* own_base_ = nullptr;
   std::unordered_map<std::string, Carrier> carriers_;
-  Inertia<double> world_ = Inertia<double>::zero();  ///< of all that is rigid with the world
+  Inertia<double> world_ = Inertia<double>::zero();  ///< of all bodies rigid with the world
 };
 
 }  // namespace

@@ -6,8 +6,9 @@
 
 namespace conddp {
 
-/// The bodies of a checked URDF tree as a model: fixed and locked joints merged, every joint's axis
-/// turned to +z. What cannot be built is an error in the report; the model is then of no use.
+/// Model of a checked URDF tree. Fixed and locked joints are merged, and every joint's axis is
+/// rotated to +z. Anything that cannot be built is an error in the report; the model must then not
+/// be used.
 RobotModel build_model(const urdf::ModelInterface& tree, const UrdfOptions& options,
                        UrdfReport& report);
 

@@ -12,20 +12,19 @@ namespace {
 
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
-/// Pivots below this, relative to what moves if all joints further out are held, count as zero.
+/// Pivots below this count as zero, relative to the inertia with all joints further out held.
 constexpr double kSingular = 1e-11;
-/// In one configuration nearly singular is as bad: right angles of 1.5708 leave 1e-11.
+/// Looser threshold for a single configuration: right angles written as 1.5708 leave 1e-11.
 constexpr double kNearlySingular = 1e-8;
 
-/// What is left where terms of an inertia cancel, relative to its largest entry, counts as zero
-/// too.
+/// Residue of cancelled inertia terms, relative to the largest entry; it also counts as zero.
 constexpr double kRounding = 1e-14;
 
 Eigen::Matrix3d dense(const Matrix3<double>& a) {
   return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(a.m);
 }
 
-/// The inertia on (linear; angular) velocities.
+/// Inertia as a 6×6 matrix on (linear; angular) velocities.
 Matrix6d dense(const Inertia<double>& body) {
   const Symmetric3<double>& j = body.rotational;
   Matrix6d m;
@@ -37,7 +36,7 @@ Matrix6d dense(const Inertia<double>& body) {
   return m;
 }
 
-/// Takes velocities of the outer frame to the inner one.
+/// Transforms velocities from the outer frame to the inner one.
 Matrix6d motion_to_inner(const SE3<double>& inner) {
   const Eigen::Matrix3d rt = dense(inner.R).transpose();
   Matrix6d x = Matrix6d::Zero();
@@ -46,7 +45,7 @@ Matrix6d motion_to_inner(const SE3<double>& inner) {
   return x;
 }
 
-/// Where a one-axis joint's frame is in its parent's.
+/// Placement of a one-axis joint's frame in its parent's frame at position q.
 SE3<double> placement_at(const Joint& joint, double q) {
   const Vector3<double> z{0, 0, 1};
   const SE3<double> moved = joint.type == JointType::revolute
@@ -55,10 +54,11 @@ SE3<double> placement_at(const Joint& joint, double q) {
   return joint.placement * moved;
 }
 
-/// A configuration without special angles.
+/// Joint positions without special angles.
 double generic_position(int index) { return 0.4 + 0.5 * std::sin(1.7 * index + 0.3); }
 
-/// Positions spread over the joint's range, or over a turn or 1 m each way where it has none.
+/// Positions spread over the joint's range. Joints without limits are sampled within ±π rad or
+/// ±1 m.
 double sampled_position(const Joint& joint, int index, int sample) {
   const double whole = (sample + 1) * (0.6180339887498949 + 0.7548776662466927 * (index + 1));
   const double u = whole - std::floor(whole);
@@ -67,8 +67,8 @@ double sampled_position(const Joint& joint, int index, int sample) {
   return (2 * u - 1) * (joint.type == JointType::revolute ? M_PI : 1.0);
 }
 
-/// The smallest eigenvalue of an inertia whose diagonal is scaled to 1; where an entry of the
-/// diagonal is not positive, zero or −1.
+/// Smallest eigenvalue of an inertia whose diagonal is scaled to 1. If a diagonal entry is not
+/// positive, the result is −1, or 0 if that entry is zero up to rounding.
 double smallest_eigenvalue(const Matrix6d& inertia) {
   const Eigen::Matrix<double, 6, 1> diagonal = inertia.diagonal();
   if (const double least = diagonal.minCoeff(); !(least > 0))
@@ -78,11 +78,11 @@ double smallest_eigenvalue(const Matrix6d& inertia) {
   return Eigen::SelfAdjointEigenSolver<Matrix6d>(scaled, Eigen::EigenvaluesOnly).eigenvalues()[0];
 }
 
-/// Of a one-axis joint, among (linear; angular).
+/// Row of a one-axis joint's axis in (linear; angular) vectors.
 int axis_row(const Joint& joint) { return joint.type == JointType::revolute ? 5 : 2; }
 
-/// What resists a one-axis joint's acceleration with an articulated inertia, and the same relative
-/// to that with a composite one, or zero where it is rounding.
+/// Articulated inertia along a one-axis joint, and its ratio to the composite inertia along the
+/// joint. The ratio is zero if the pivot is within rounding.
 struct Pivot {
   double value, relative;
 };
@@ -95,8 +95,8 @@ Pivot find_pivot(const Joint& joint, const Matrix6d& articulated, const Matrix6d
   return {pivot, std::abs(pivot) > noise ? pivot / whole : 0};
 }
 
-/// Joint by joint what resists its acceleration while all that is further out moves freely,
-/// relative to what would if it were held: the pivots of the factorised inertia matrix.
+/// Pivots of the factorized inertia matrix, one per joint: the inertia along the joint while all
+/// joints further out move freely, relative to the inertia with these joints held.
 template <typename Position>
 std::vector<double> relative_pivots(const RobotModel& model, const Position& position) {
   const std::size_t count = model.joints.size();

@@ -31,11 +31,11 @@ class MessageCollector : public console_bridge::OutputHandler {
   std::vector<ParserMessage> messages;
 };
 
-/// urdfdom reports through one handler of the whole process: one parse at a time.
+/// urdfdom reports through one process-wide handler, so only one parse runs at a time.
 urdf::ModelInterfaceSharedPtr parse_tree(const std::string& xml,
                                          std::vector<ParserMessage>& messages) {
   static std::mutex mutex;
-  static MessageCollector collector;  // outlives the pointer that console_bridge keeps of it
+  static MessageCollector collector;  // outlives console_bridge's pointer to it
   const std::lock_guard lock(mutex);
   console_bridge::OutputHandler* const handler = console_bridge::getOutputHandler();
   const console_bridge::LogLevel level = console_bridge::getLogLevel();
@@ -54,7 +54,7 @@ urdf::ModelInterfaceSharedPtr parse_tree(const std::string& xml,
   return tree;
 }
 
-/// Messages about one defect that wait for its place.
+/// Messages about one defect, collected until its place in the file is known.
 class PendingMessages {
  public:
   explicit PendingMessages(UrdfReport& report) : report_(report) {}
@@ -89,8 +89,8 @@ std::vector<std::string> names_in_brackets(const std::string& text) {
   return names;
 }
 
-/// urdfdom writes several lines about one defect, the last ones with the joint's or link's name in
-/// brackets: they become one problem at that place.
+/// urdfdom writes several lines about one defect; the last ones name the joint or link in brackets.
+/// These lines become one problem at that joint or link.
 void report_parser_messages(const std::vector<ParserMessage>& messages, UrdfReport& report) {
   PendingMessages pending(report);
   for (const ParserMessage& message : messages) {
@@ -104,7 +104,7 @@ void report_parser_messages(const std::vector<ParserMessage>& messages, UrdfRepo
   pending.flush({});
 }
 
-/// Says of joints what keeps the inertia matrix from being positive definite, and how to go on.
+/// Reports joints that keep the inertia matrix from being positive definite, with remedies.
 class RegularityReport {
  public:
   RegularityReport(const RobotModel& model, const std::string& prefix, UrdfReport& report)
@@ -154,7 +154,7 @@ class RegularityReport {
     return report_.has("joint", name(joint)) && model_.joints[joint].type != JointType::floating;
   }
 
-  /// Joints of the file that can be locked, as keys of the problem file: to be copied.
+  /// Remedies for joints of the file that can be locked, as problem-file keys ready to copy.
   std::string ways_out(const std::vector<int>& joints) const {
     std::vector<std::string> locked;
     std::string rotors;
@@ -205,7 +205,8 @@ class RegularityReport {
   UrdfReport& report_;
 };
 
-/// Not to be used where the report has errors. In the options joints take the place of patterns.
+/// Parsed and checked tree; it must not be used if the report has errors. Patterns in the options
+/// are replaced by joint names.
 urdf::ModelInterfaceSharedPtr checked_tree(const XmlOutline& outline, std::string_view xml,
                                            UrdfOptions& options, UrdfReport& report) {
   if (!check_urdf_elements(outline, report)) return nullptr;
@@ -227,8 +228,8 @@ urdf::ModelInterfaceSharedPtr checked_tree(const XmlOutline& outline, std::strin
   return tree;
 }
 
-/// The options, with all joints locked that follow a locked one: they stay where it has them.
-/// Cycles have been excluded.
+/// Options that also lock all followers of locked joints, at the positions these imply. Earlier
+/// checks exclude cycles.
 UrdfOptions with_locked_followers(const urdf::ModelInterface& tree, UrdfOptions options) {
   for (std::size_t known = 0; known != options.locked_joints.size();) {
     known = options.locked_joints.size();

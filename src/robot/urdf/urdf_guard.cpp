@@ -13,13 +13,13 @@
 namespace conddp {
 namespace {
 
-/// An element that is read, with its attributes; numbers > 0: so many finite numbers.
+/// Attribute of an element that is read. `numbers` > 0: its value is that many finite numbers.
 struct AttributeRule {
   std::string_view name;
   int numbers = 0;
 };
 struct ElementRule {
-  std::string_view parent;  ///< tag of the enclosing element, empty: any
+  std::string_view parent;  ///< tag of the enclosing element
   std::string_view tag;
   std::vector<AttributeRule> attributes;
 };
@@ -45,7 +45,7 @@ const std::vector<ElementRule>& rules() {
   return table;
 }
 
-/// Elements that are known and not read.
+/// Known elements that are not read, as (parent, tag).
 constexpr std::array<std::pair<std::string_view, std::string_view>, 8> kIgnored{{
     {"robot", "material"},
     {"robot", "transmission"},
@@ -61,7 +61,7 @@ std::string_view parent_tag(const XmlOutline& outline, const XmlElement& element
   return element.parent < 0 ? std::string_view{} : outline.elements[element.parent].tag;
 }
 
-/// The rule of an element that is read, if every element around it is read too.
+/// Rule of an element, or null unless the element and every element around it are read.
 const ElementRule* rule_of(const XmlOutline& outline, const XmlElement& element) {
   if (element.parent < 0) return nullptr;
   const XmlElement& parent = outline.elements[element.parent];
@@ -73,7 +73,7 @@ const ElementRule* rule_of(const XmlOutline& outline, const XmlElement& element)
   return rule == rules().end() ? nullptr : &*rule;
 }
 
-/// The link or joint around an element (or itself), by name.
+/// Name of the link or joint around an element (or the element itself), and its message prefix.
 std::pair<std::string, std::string> owner(const XmlOutline& outline, int element) {
   while (element >= 0 && outline.elements[element].depth > 1)
     element = outline.elements[element].parent;
@@ -83,7 +83,7 @@ std::pair<std::string, std::string> owner(const XmlOutline& outline, int element
   return {name, std::string(top.tag) + " '" + name + "': "};
 }
 
-/// Why a word is no finite number, if it is none.
+/// Reason why a word is not a finite number, if any.
 std::optional<std::string> number_defect(std::string_view word) {
   const std::string quoted = "'" + std::string(word.substr(0, 40)) + "'";
   if (word.size() > 1 && word[0] == '+') word.remove_prefix(1);
@@ -96,7 +96,7 @@ std::optional<std::string> number_defect(std::string_view word) {
   return std::nullopt;
 }
 
-/// Why the text is not `count` finite numbers, if it is not.
+/// Reason why the text is not a list of `count` finite numbers, if any.
 std::optional<std::string> number_defect(std::string_view text, int count) {
   int found = 0;
   for (std::size_t at = 0; (at = text.find_first_not_of(kXmlSpace, at)) != text.npos; ++found) {
@@ -128,7 +128,7 @@ void check_name(const XmlOutline& outline, int index, std::string_view attribute
                                "quotes or XML entities");
 }
 
-/// An attribute that an element's rule does not know.
+/// Reports an attribute that the element's rule does not list.
 void check_unknown_attribute(const XmlOutline& outline, int index, const ElementRule& rule,
                              std::string_view attribute, std::set<std::string>& ignored,
                              UrdfReport& report) {
@@ -167,7 +167,7 @@ void check_attributes(const XmlOutline& outline, int index, const ElementRule& r
   }
 }
 
-/// Whether an element that is read has an expression of xacro in an attribute.
+/// True if an element that is read has a xacro expression in an attribute.
 bool holds_expression(const XmlOutline& outline, const XmlElement& element) {
   return rule_of(outline, element) &&
          std::any_of(element.attributes.begin(), element.attributes.end(), [](const auto& a) {
@@ -175,18 +175,18 @@ bool holds_expression(const XmlOutline& outline, const XmlElement& element) {
          });
 }
 
-/// Whether an element stands in a part of the robot that is read.
+/// True if the parent element is a part of the robot that is read.
 bool would_be_content(const XmlOutline& outline, const XmlElement& element) {
   if (element.parent < 0) return false;
   const XmlElement& parent = outline.elements[element.parent];
   return parent.depth > 0 && rule_of(outline, parent) != nullptr;
 }
 
-/// Whether an element is one of xacro that an evaluated file does without.
+/// True for xacro elements, which evaluation removes.
 bool is_xacro(const XmlElement& element) { return element.tag.starts_with("xacro:"); }
 
-/// Expressions, and elements that would become content of a link or joint, make a file one that has
-/// not been evaluated. Other elements are left over.
+/// True for xacro expressions, xacro elements that would become content of a link or joint, and any
+/// xacro element in a file without links. Other xacro elements are merely left over.
 bool is_unevaluated(const XmlOutline& outline, const XmlElement& element, bool has_links) {
   if (holds_expression(outline, element)) return true;
   return is_xacro(element) && (!has_links || would_be_content(outline, element));
@@ -211,9 +211,9 @@ bool holds_numbers(const ElementRule& rule, std::string_view attribute) {
                      [&](const AttributeRule& a) { return a.name == attribute && a.numbers > 0; });
 }
 
-/// Writes the numbers of an attribute (`written`, up to its closing quote) with one blank between
-/// them and none around: urdfdom takes no other white space. What is left of the room is blank
-/// behind the quote.
+/// Writes the numbers of an attribute (`written`, up to its closing quote) separated by single
+/// blanks, the only white space that urdfdom accepts. Blanks after the quote fill the remaining
+/// space.
 void tidy_numbers(char* to, std::string_view written) {
   const char quote = to[written.size()];
   char* const end = to + written.size() + 1;
@@ -253,7 +253,7 @@ std::optional<UrdfProblem> check_urdf_text(std::string_view text, const std::str
 
 namespace {
 
-/// Checks the elements of a robot one after the other.
+/// Checks the elements of a robot one by one.
 class ElementCheck {
  public:
   ElementCheck(const XmlOutline& outline, UrdfReport& report)
@@ -320,7 +320,7 @@ class ElementCheck {
   const XmlOutline& outline_;
   UrdfReport& report_;
   int links_ = 0;
-  std::set<std::pair<int, std::string_view>> seen_;  ///< that may stand once in their parent
+  std::set<std::pair<int, std::string_view>> seen_;  ///< (parent, tag), allowed only once
   std::set<std::string> ignored_;
 };
 
@@ -337,7 +337,7 @@ bool check_link_count(int links, UrdfReport& report) {
   return links > 0 && links <= kMaxUrdfLinks;
 }
 
-/// A copy of the parts of a text that are kept, in their places between blanks.
+/// Copy of a text with the kept parts at their original offsets and blanks elsewhere.
 class PartialCopy {
  public:
   explicit PartialCopy(std::string_view text) : text_(text), copy_(text.size(), ' ') {}
@@ -345,7 +345,7 @@ class PartialCopy {
   void keep(std::string_view part) {
     if (!part.empty()) part.copy(place_of(part), part.size());
   }
-  /// Of an attribute that is kept.
+  /// Tidies the numbers of a kept attribute.
   void tidy(std::string_view numbers) {
     if (!numbers.empty()) tidy_numbers(place_of(numbers), numbers);
   }

@@ -10,17 +10,18 @@ namespace conddp {
 inline constexpr std::size_t kMaxUrdfBytes = std::size_t{16} << 20;
 inline constexpr int kMaxUrdfLinks = 10'000;
 
-/// What can be said of a file before its XML is scanned: empty, too large, not UTF-8.
+/// Checks a file's text before its XML is scanned. Returns a problem if it is empty, too large, or
+/// not UTF-8.
 std::optional<UrdfProblem> check_urdf_text(std::string_view text, const std::string& file_name);
 
-/// Checks a document's elements one by one: root element, xacro left over, names, duplicates,
-/// numbers, misspelt elements and attributes, number of links. False: it is no URDF or far too
-/// large, and nothing else need be said.
+/// Checks a document's elements one by one: root element, leftover xacro, names, duplicates,
+/// numbers, misspelled elements and attributes, number of links. Returns false if the document is
+/// not an evaluated URDF with at most `kMaxUrdfLinks` links; further checks are then pointless.
 bool check_urdf_elements(const XmlOutline& outline, UrdfReport& report);
 
-/// The document reduced to the elements from which a model is built, everything else replaced by
-/// blanks. Visuals, materials, plug-ins and comments can then neither fail in the parser nor reach
-/// its messages, which it uses as printf formats.
+/// Document reduced to the elements that define a model; blanks replace everything else. Visuals,
+/// materials, plug-ins and comments then neither fail in the parser nor reach its messages, which
+/// it uses as printf formats.
 std::string relevant_urdf(const XmlOutline& outline, std::string_view text);
 
 }  // namespace conddp

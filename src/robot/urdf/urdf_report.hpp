@@ -10,7 +10,7 @@
 
 namespace conddp {
 
-/// The link or joint that a message is about, and the element inside it that has the place.
+/// Link or joint that a message is about, and the child element that locates it in the file.
 struct UrdfPlace {
   std::string_view tag;  ///< "link", "joint", or empty for the whole file
   std::string name;
@@ -23,22 +23,22 @@ inline UrdfPlace at_joint(std::string name, std::string_view child = {}) {
   return {"joint", std::move(name), child};
 }
 
-/// Collects problems and notes into a result and finds their places: urdfdom keeps none, so links
-/// and joints are looked up by name in the outline of the text.
+/// Collects problems and notes into a result and locates them in the file. Links and joints are
+/// looked up by name in the outline of the text, because urdfdom does not keep positions.
 class UrdfReport {
  public:
   UrdfReport(const XmlOutline& outline, UrdfResult& result);
 
-  /// The message continues "link 'name': ".
+  /// The message follows the prefix "link 'name': ".
   void error(const UrdfPlace& place, const std::string& message, std::string hint = {});
   void warning(const UrdfPlace& place, const std::string& message, std::string hint = {});
-  /// A problem with a place of its own; the message stands as it is.
+  /// Reports a problem at an element of the outline; the message gets no prefix.
   void error_at(int element, std::string name, std::string message, std::string hint = {});
   void warning_at(int element, std::string name, std::string message, std::string hint = {});
   void note(std::string text);
 
   bool has_errors() const { return errors_ > 0; }
-  /// Whether the file has a link or joint ("link", "joint") of this name.
+  /// True if the file has a link or joint (tag "link" or "joint") of this name.
   bool has(std::string_view tag, std::string_view name) const;
 
  private:
@@ -51,7 +51,7 @@ class UrdfReport {
   int errors_ = 0;
 };
 
-/// "a, b and 3 more".
+/// Comma-separated list such as "a, b and 3 more".
 std::string listed(const std::vector<std::string>& names, std::size_t shown = 6);
 
 }  // namespace conddp

@@ -20,7 +20,7 @@ struct JointEntry {
   int element = 0;
   int parent = -1;  ///< index among the links
   int child = -1;
-  std::string leader;  ///< of a mimic joint
+  std::string leader;  ///< joint that a mimic joint follows
 };
 
 class Topology {
@@ -108,7 +108,7 @@ class Topology {
     }
     if (const auto found = link_index_.find(std::string(*link)); found != link_index_.end())
       return found->second;
-    // Distances to thousands of names for thousands of mistakes would take minutes.
+    // Edit distances from thousands of wrong names to thousands of links would take minutes.
     constexpr int kHints = 20;
     report_.error_at(
         *child, joint,
@@ -149,7 +149,7 @@ class Topology {
     }
   }
 
-  /// Whom a joint follows matters only if it does.
+  /// An error if mimic joints follow their leaders, otherwise a warning.
   void report_mimic(int element, const JointEntry& joint, const std::string& message,
                     std::string hint = {}) {
     const std::string whole = "joint '" + joint.name + "': " + message;
@@ -170,7 +170,7 @@ class Topology {
     return false;
   }
 
-  /// There is one root, and every link can be reached from it.
+  /// Checks for exactly one root and that every link can be reached from it.
   void walk() {
     const std::vector<int> roots = find_roots();
     if (roots.size() > 1) return report_parts(roots);
@@ -193,7 +193,7 @@ class Topology {
                      "connect them by joints, or give each tree a file of its own");
   }
 
-  /// The first link that no path leads to: it hangs on a loop.
+  /// First link that cannot be reached from the root; it belongs to a loop or hangs on one.
   std::optional<int> find_unreached(std::vector<int> open) const {
     std::vector<char> visited(links_.size(), 0);
     while (!open.empty()) {
@@ -233,7 +233,7 @@ class Topology {
   std::vector<LinkEntry> links_;
   std::vector<JointEntry> joints_;
   Index link_index_, joint_index_;
-  int hints_ = 0;  ///< given so far for links that do not exist
+  int hints_ = 0;  ///< number of hints given for links that do not exist
   std::vector<std::string> link_names_, joint_names_;
 };
 

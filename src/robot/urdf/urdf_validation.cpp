@@ -59,8 +59,8 @@ void check_axis(const urdf::Joint& joint, UrdfReport& report) {
                    fmt::format("its axis has length {:.6g} and is normalized", norm));
 }
 
-/// How messages speak of a limit: what it is of, its unit, what a joint cannot do if it is 0, and a
-/// hint where it is negative.
+/// Words for messages about a limit: its quantity and unit, the action that a limit of 0 prevents,
+/// and the hint for a negative limit.
 struct LimitWords {
   const char *of, *unit, *verb, *hint;
 };
@@ -88,7 +88,7 @@ void check_range(const UrdfPlace& place, const urdf::JointLimits& limits, bool l
                    "make it fixed or lock it if that is meant; a limit that is absent reads as 0");
 }
 
-/// What it warns of is no matter where the joint is locked.
+/// Locked joints get errors but no warnings.
 void check_limits(const urdf::Joint& joint, bool locked, UrdfReport& report) {
   if (!joint.limits || !moves_along_one_axis(joint)) return;
   const urdf::JointLimits& limits = *joint.limits;
@@ -125,7 +125,7 @@ std::vector<std::string> moving_joints(const urdf::ModelInterface& tree) {
   return names;
 }
 
-/// The joint if it exists and has one axis, else an error that says what was asked of it.
+/// The joint if it exists and has one axis, else null and an error that states the purpose.
 const urdf::Joint* moving_joint(const urdf::ModelInterface& tree, const std::string& name,
                                 const std::string& purpose, UrdfReport& report) {
   const auto found = tree.joints_.find(name);
@@ -160,7 +160,7 @@ void check_rotor(const std::string& joint, double inertia, bool locked, UrdfRepo
     report.warning(at_joint(joint), "its rotor inertia has no effect: the joint is locked");
 }
 
-/// What is wrong with a payload's inertia, empty if nothing is.
+/// Defect of a payload's inertia; empty if it is valid.
 std::string payload_inertia_defect(const Symmetric3<double>& j, double mass) {
   if (!std::isfinite(j.xx + j.xy + j.xz + j.yy + j.yz + j.zz)) return "inertia is not finite";
   const InertiaDefect defect = inertia_defect(j, mass);
@@ -190,7 +190,7 @@ void check_payload(const urdf::ModelInterface& tree, const UrdfOptions::Payload&
                name_hint(payload.link, names, "links"));
 }
 
-/// Joints that are to be locked or to have rotors.
+/// Checks the joints to be locked and the joints with rotor inertias.
 void check_joint_options(const urdf::ModelInterface& tree, const UrdfOptions& options,
                          UrdfReport& report) {
   for (const auto& [name, value] : options.locked_joints)
@@ -201,8 +201,8 @@ void check_joint_options(const urdf::ModelInterface& tree, const UrdfOptions& op
       check_rotor(name, inertia, options.locked_joints.contains(name), report);
 }
 
-/// One number a joint, from numbers by name or pattern. `may_have`: whether a pattern counts for a
-/// joint that it fits.
+/// One number per joint from numbers by name or pattern. `may_have`: true if patterns apply to the
+/// joint.
 template <class MayHave>
 std::map<std::string, double> resolve_patterns(const urdf::ModelInterface& tree,
                                                const std::map<std::string, double>& given,

@@ -11,7 +11,7 @@
 namespace conddp {
 namespace {
 
-/// The numbers of an attribute, if it has exactly n finite ones.
+/// First n numbers of an attribute, if all of them are present and finite.
 template <std::size_t n>
 std::optional<std::array<double, n>> read_numbers(const XmlElement& element,
                                                   std::string_view name) {
@@ -38,7 +38,7 @@ SE3<double> read_origin(const XmlOutline& outline, int shape) {
   return placement;
 }
 
-/// Kind and size of a shape, none where its numbers are missing.
+/// Kind and size of a shape. Readers return none if its attributes are missing.
 struct Geometry {
   ShapeKind kind;
   Vector3<double> size;
@@ -79,7 +79,7 @@ std::optional<Geometry> read_geometry(const XmlElement& e, const Vector3<double>
   return std::nullopt;
 }
 
-/// Kind and size from <geometry>.
+/// Reads kind and size from <geometry>.
 void read_geometry(const XmlOutline& outline, int element, VisualShape& shape) {
   const auto geometry = outline.child(element, "geometry");
   if (!geometry) return;
@@ -94,7 +94,7 @@ void read_geometry(const XmlOutline& outline, int element, VisualShape& shape) {
   if (shape.kind == ShapeKind::mesh) shape.mesh = std::string(*e.attribute("filename"));
 }
 
-/// The matrix of <inertia>, with zeros where numbers are missing.
+/// Matrix of <inertia>; missing numbers are zero.
 Symmetric3<double> read_matrix(const XmlElement& inertia) {
   const auto entry = [&](std::string_view name) {
     const auto number = read_numbers<1>(inertia, name);
@@ -126,7 +126,7 @@ std::optional<std::array<double, 4>> read_color(const XmlOutline& outline, int m
 
 using Materials = std::map<std::string_view, std::array<double, 4>>;
 
-/// The colours of the robot's materials by name.
+/// Colors of the robot's materials by name.
 Materials read_materials(const XmlOutline& outline, int robot) {
   Materials materials;
   for (const int material : outline.children(robot, "material")) {
@@ -137,7 +137,7 @@ Materials read_materials(const XmlOutline& outline, int robot) {
   return materials;
 }
 
-/// The shapes of a link's elements of one tag.
+/// Shapes of a link's elements with one tag ("visual" or "collision").
 std::vector<VisualShape> read_shapes(const XmlOutline& outline, int link, std::string_view tag,
                                      const Materials& materials) {
   std::vector<VisualShape> shapes;

@@ -16,24 +16,24 @@ enum class ShapeKind { box, cylinder, sphere, mesh, unknown };
 struct VisualShape {
   ShapeKind kind = ShapeKind::unknown;
   SE3<double> placement = SE3<double>::identity();  ///< in the link's frame
-  /// m: edges of a box; radius and length of a cylinder (along z); radius of a sphere. Scale of a
-  /// mesh.
+  /// Edges of a box, radius and length of a cylinder (along z), radius of a sphere, all in m; or
+  /// the scale of a mesh.
   Vector3<double> size{1, 1, 1};
-  /// File of a mesh, as the URDF names it; of an unknown geometry its tag, empty without one.
+  /// File of a mesh, as named in the URDF; for an unknown geometry its tag, or empty without one.
   std::string mesh = {};
   std::optional<std::array<double, 4>> color = {};  ///< red, green, blue, alpha in [0, 1]
 };
 
-/// What a file says of how a link looks.
+/// Shapes and inertia of a link.
 struct LinkVisuals {
   std::string link;  ///< as the file names it
   std::vector<VisualShape> visual, collision;
-  /// About the link's origin; none without a mass or with numbers that cannot be read.
+  /// About the link's origin; absent without a positive mass or an <inertia> element.
   std::optional<Inertia<double>> inertia = {};
 };
 
-/// All links of a URDF that parse_urdf accepts. Never an error: a shape that cannot be read is
-/// unknown, of a document that is none there are no links.
+/// All links of a URDF that parse_urdf accepts. Never fails: an unreadable shape is `unknown`, and
+/// a document that is not well-formed XML yields an empty list.
 std::vector<LinkVisuals> urdf_visuals(std::string_view xml);
 
 }  // namespace conddp

@@ -8,11 +8,11 @@ namespace {
 constexpr std::size_t kMaxAttributes = 64;
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
-/// What is skipped, from its opening to its end.
+/// Part of a document that is skipped, from its opening to its end.
 struct Skipped {
   std::string_view opening, end;
   const char* defect;
-  bool inside_only;  ///< it may stand in an element alone
+  bool inside_only;  ///< allowed only inside an element
 };
 constexpr Skipped kSkipped[] = {
     {"<!--", "-->", "a comment is never closed", false},
@@ -44,7 +44,7 @@ class Scanner {
     start_tag();
   }
 
-  /// To the next '<' or the end. False where text stands outside of the root element.
+  /// Advances to the next '<' or the end. Returns false on text outside the root element.
   bool pass_text() {
     const std::size_t start = at_;
     at_ = std::min(text_.find('<', at_), text_.size());
@@ -55,7 +55,7 @@ class Scanner {
     return false;
   }
 
-  /// What begins here and is skipped.
+  /// Kind of skipped part that begins here, or null.
   const Skipped* skipped_part() const {
     for (const Skipped& part : kSkipped)
       if (starts(part.opening) && !(part.inside_only && open_.empty())) return &part;
@@ -85,7 +85,7 @@ class Scanner {
     open_.pop_back();
   }
 
-  /// What keeps an element from standing here.
+  /// Reason why the element is not allowed here; empty if it is.
   std::string defect_of(const XmlElement& element) const {
     if (element.tag.empty()) return "'<' without an element's name";
     if (open_.empty() && !outline_.elements.empty())
@@ -130,7 +130,7 @@ class Scanner {
     return true;
   }
 
-  /// What follows the name of an attribute that began at `begin`.
+  /// Reads the value of an attribute whose name began at `begin`.
   bool attribute_value(std::size_t begin, const std::string& subject, std::string_view& value) {
     skip_space();
     if (peek() != '=') return fail(begin, "attribute " + subject + " has no value"), false;
@@ -162,7 +162,7 @@ class Scanner {
     at_ = found + part.end.size();
   }
 
-  /// Places are asked for in ascending order, but for a defect, which is the last.
+  /// Offsets ascend from call to call, except for that of a defect, which is the last.
   void locate(std::size_t offset, int& line, int& column) {
     if (offset < located_) located_ = 0, line_ = 1, column_ = 1;
     for (; located_ < offset; ++located_) {

@@ -8,7 +8,7 @@
 
 namespace conddp {
 
-/// What XML takes for white space.
+/// White space in XML.
 inline constexpr std::string_view kXmlSpace = " \t\r\n";
 
 struct XmlAttribute {
@@ -16,10 +16,10 @@ struct XmlAttribute {
   std::string_view value;  ///< as written, entities not resolved
 };
 
-/// An element's place in a document; views into the text that was scanned.
+/// An element and its place in the document; the views point into the scanned text.
 struct XmlElement {
   std::string_view tag;
-  int parent = -1;  ///< index of the enclosing element, −1 for the document's root
+  int parent = -1;  ///< index of the enclosing element; −1 for the root element
   int depth = 0;
   int line = 0;    ///< 1-based, of its '<'
   int column = 0;  ///< 1-based, in characters
@@ -30,7 +30,7 @@ struct XmlElement {
   std::optional<std::string_view> attribute(std::string_view name) const;
 };
 
-/// Why a document cannot be read.
+/// Reason why a document cannot be read.
 struct XmlDefect {
   std::string message;
   int line = 0;
@@ -39,14 +39,14 @@ struct XmlDefect {
 
 /// The elements of an XML document in the order of their start tags.
 ///
-/// TinyXML, which urdfdom stands on, recurses into nested elements without a limit, has no
-/// positions once parsed, and drops what follows the root: so documents are first scanned here,
-/// flat, with limits on depth and number of elements.
+/// TinyXML, the parser behind urdfdom, recurses into nested elements without a limit, keeps no
+/// positions, and drops content after the root element. This scanner therefore reads documents
+/// first, without recursion and with limits on depth and number of elements.
 struct XmlOutline {
   std::vector<XmlElement> elements;
   std::optional<XmlDefect> defect;  ///< set if the document is not well formed or too large
 
-  /// Indices of the children of an element (or of the document for −1), optionally of one tag.
+  /// Indices of the children of an element (−1: of the document), optionally only those of one tag.
   std::vector<int> children(int element, std::string_view tag = {}) const;
   std::optional<int> child(int element, std::string_view tag) const;
 };
