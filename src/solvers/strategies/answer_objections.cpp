@@ -16,7 +16,8 @@ namespace {
 
 /// Solves that may follow the first one.
 constexpr int kMostRounds = 6;
-/// Least limit on the iterations of a further solve with smaller tolerances, else the first one's count.
+/// Least limit on the iterations of a further solve with smaller tolerances, else the first one's
+/// count.
 constexpr int kFewIterations = 20;
 /// The gain falls as the square of the stationarity; half of the stationarity that should suffice
 /// is requested.
