@@ -256,12 +256,12 @@ RADAU5 = setting("integrator", "radau5")
 RK4 = setting("integrator", "rk4")
 MORE_KNOTS = each(more_knots, 2, 4, 16)
 ADVICE = [(kind, re.compile(words), tries) for kind, words, tries in (
-    ("mesh", r"'mesh', or still shorter steps:[^;]*no cure", setting("mesh", {"error": 1e-3})),
+    ("mesh", r"'mesh', or still shorter steps:[^;]*not enough", setting("mesh", {"error": 1e-3})),
     ("another value of the state", r"'([\w/]+): (\S+)' in the (?:initial state|guess), or equations that hold at [^,;]+, too", [nearby_state]),
     ("smooth_norm, smooth_abs", r"smooth_norm and smooth_abs in the place of norm(?: and abs|, abs and roots of squares)", [lambda d, r, f, m: smooth(d)]),
     ("another first guess", r"another first guess (?:or initial state, away from [^;]+|\([^)]*\))|another first guess(?=, or many)|another first guess|"
      r"a first guess (?:nearer to (?:the answer|what is possible)|with smaller gaps)|states of the first guess that the controls can follow", ANOTHER_GUESS),
-    ("solver.restarts", r"(?:, )?or many of them \(solver\.restarts(?:: \{count: 20, spread: 1\})?\)(?:: the motion jumps through what it should go around)?|"
+    ("solver.restarts", r"(?:, )?or many of them \(solver\.restarts(?:: \{count: 20, spread: 1\})?\)(?:: the motion jumps through an obstacle that it should avoid)?|"
      r"many first guesses \(solver\.restarts: \{count: 20, spread: 1\}\)",
      setting("solver.restarts", {"count": 20, "spread": 1})),
     ("steps of at most ... s", r"(?:or )?steps of at most (\S+) s there, by more knots", [lambda d, r, f, m: stepped(d, float(m[1]))]),
@@ -273,7 +273,7 @@ ADVICE = [(kind, re.compile(words), tries) for kind, words, tries in (
     ("smaller kp and kd", r"smaller gains kp and kd of contacts", each(lambda d, v: put(d, "contacts", {
         n: c | {"baumgarte": scaled(c["baumgarte"], v)} for n, c in d["contacts"].items()}) if d.get("contacts") else None, 0.25)),
     ("look for tiny masses", r"look for tiny masses and inertias \('conddp inspect'\)", []),
-    ("bounds where a cost has no least value", r"bounds on controls and states: a cost that is linear or negative may have no least value",
+    ("bounds where a cost has no least value", r"bounds on controls and states: a cost that is linear or negative may be unbounded below",
      each(lambda d, v: add(d, "constraints", {"bounds": "control", "lower": -v, "upper": v}), 1, 10)),
     ("bounds where expressions are not finite", r"bounds on the states where expressions are not finite", []),
     ("a cost on every control", r"a cost on every control of that knot|give them a cost|a cost on it \('[^']*'\)",
@@ -285,14 +285,14 @@ ADVICE = [(kind, re.compile(words), tries) for kind, words, tries in (
     ("wider bounds on the control", r"wider bounds on the control", each(lambda d, v: wider_bounds(d, v, True), 2, 5)),
     ("wider bounds", r"wider bounds", each(wider_bounds, 2, 5)),
     ("more time", r"(?:or )?more time(?: for the motion)?(?! \()", each(more_time, 2, 4)),
-    ("--drop", r"or without a constraint \(--drop\) to see what the others ask for",
+    ("--drop", r"or a solve without one constraint \(--drop\) to find the conflict",
      [lambda d, r, f, m, v=v: without_violated(d, r, v) for v in (False, True)]),
     ("a larger initial_penalty", r"(?:where controls without bounds have to become large, )?a larger solver\.augmented_lagrangian\.initial_penalty",
      setting("solver.augmented_lagrangian.initial_penalty", {"times": 100}, {"times": 1e4})),
     ("a larger penalty_factor", r"or a larger penalty_factor beside it", [lambda d, r, f, m: put(put(
         d, "solver.augmented_lagrangian.initial_penalty", {"times": 100}), "solver.augmented_lagrangian.penalty_factor", 100)]),
     ("--solver auto", r"--solver auto, which tries several", setting("solver.name", "auto")),
-    ("--solver ipopt", r"--solver ipopt, which (?:has no penalties|a linear cost does not draw away)", setting("solver.name", "ipopt")),
+    ("--solver ipopt", r"--solver ipopt, which (?:has no penalties|a linear cost does not pull away from feasibility)", setting("solver.name", "ipopt")),
     ("bounds by which the cost falls", r"bounds on the states and durations by which the cost falls",
      each(lambda d, v: add(d, "constraints", {"bounds": "state", "lower": -v, "upper": v}), 10)),
     ("larger tolerances", r"a larger (?:(?:, )?solver\.tolerances\.\w+)+ \(the answer is as good as the cost's digits allow\)", [larger_tolerances]),
@@ -313,7 +313,7 @@ ADVICE = [(kind, re.compile(words), tries) for kind, words, tries in (
     ("a smaller min_step", r"a smaller solver\.line_search\.min_step", setting("solver.line_search.min_step", 1e-8)),
     ("max_iterations", r"more iterations(?: or time)? \(solver\.max_iterations(?:, --max-time)?\)", setting("solver.max_iterations", {"times": 10}, {"times": 100})),
     ("--warm-start", r"(?:, )?or go on from here with --warm-start", [lambda d, r, f, m: (put(d, "solver.max_iterations", {"times": 10}), r.text)]),
-    ("contacts that hold less", r"contacts that hold less \([^)]*\)", each(lambda d, v: put(d, "contacts", {
+    ("contacts that constrain less", r"contacts that constrain less \([^)]*\)", each(lambda d, v: put(d, "contacts", {
         n: c | {"type": v} for n, c in d["contacts"].items()}), "planar", "normal")),
     ("joints that are not locked", r"joints that are not locked", setting("robot.locked_joints", {})),
     ("a posture in which limbs are bent", r"(?:or )?a posture in which limbs are bent", []),
@@ -338,7 +338,7 @@ ADVICE = [(kind, re.compile(words), tries) for kind, words, tries in (
     ("a slower touch-down", r"a touch-down with less speed along the ground", []),
     ("nodes: ends", r"'nodes: ends'", [lambda d, r, f, m: put(d, f"constraints.{f['subject']}.nodes", "ends")]),
     ("wider distances", r"(?:or )?wider distances", [lambda d, r, f, m: wider_distance(d, f)]),
-    ("more points", r"more points, or a bound on what it depends on: beyond its points it is linear", [lambda d, r, f, m: longer_table(d, f)]),
+    ("more points", r"more points, or a bound on its argument: beyond its points the table is linear", [lambda d, r, f, m: longer_table(d, f)]),
     ("smaller weights of terminal costs", r"smaller weights of terminal costs", each(
         lambda d, v: weights_of(d, v, lambda n, t: n.startswith("terminal/")), 0.1, 0.01)),
     ("control_rate", r"a cost 'control_rate'", each(lambda d, v: add(d, "costs", {"residual": "control_rate", "weight": v * effort(d)}), 1, 10, 100)),

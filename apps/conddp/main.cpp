@@ -84,7 +84,7 @@ void declare(Command& tool, bool& allows_code) {
     if (std::ranges::find(kWithoutProblems, command.short_name()) == std::end(kWithoutProblems))
       command.arguments.push_back(
           flag({kAllowCode}, allows_code,
-               "Run compiled code that the problem file names, with all your rights"));
+               "Run compiled code that the problem file names, with all your permissions"));
     add_common_options(command);
   }
 }

@@ -474,12 +474,11 @@ TEST(CertificateStatus, ConvergedNeedsAReducedGradientUnderTenTolerances) {
   EXPECT_EQ(with_gradient(1.1e-5),
             "'converged', but the reduced gradient at knot 1 (phase 'second'), u/1 is 1.1e-05, "
             "tolerance 1e-05");
-  EXPECT_EQ(
-      with_gradient(2),
-      "'converged', but the reduced gradient at knot 1 (phase 'second'), u/1 is 2, tolerance "
-      "1e-05; the co-states' relative distance from those along other gains, and from those "
-      "without is 0.2, tolerance 0.001; the share of the cost that a Newton step would gain or "
-      "repair is 0.067, tolerance 1e-05");
+  EXPECT_EQ(with_gradient(2),
+            "'converged', but the reduced gradient at knot 1 (phase 'second'), u/1 is 2, tolerance "
+            "1e-05; the relative distance of the co-states from those with other gains and without "
+            "gains is 0.2, tolerance 0.001; the share of the cost that a Newton step would gain or "
+            "repair is 0.067, tolerance 1e-05");
 }
 
 // States do not propagate, and no gradient contains the costate.

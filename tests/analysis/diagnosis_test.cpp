@@ -182,7 +182,7 @@ TEST(Diagnosis, NamesUnboundedControlWhileCostFalls) {
   const Diagnosis found = falling(push(0), 10);
   EXPECT_EQ(found.pattern, DiagnosisPattern::free_control);
   EXPECT_EQ(found.knot, 0);
-  EXPECT_TRUE(found.message.ends_with("; the cost goes on falling, to -110, and the control '" +
+  EXPECT_TRUE(found.message.ends_with("; the cost keeps falling, to -110, and the control '" +
                                       found.quantity +
                                       "' has neither a cost nor a bound in the phase 'all'"))
       << found.message;
@@ -218,7 +218,7 @@ TEST(Diagnosis, NamesRedundantContactsInsteadOfTheGuess) {
   const Diagnosis twice = open(standing(2));
   EXPECT_EQ(twice.pattern, DiagnosisPattern::redundant_contacts);
   EXPECT_EQ(twice.knot, 5);
-  EXPECT_NE(twice.message.find("'foot0', 'foot1' depend on each other there: of all 4 rows 2 are"),
+  EXPECT_NE(twice.message.find("'foot0', 'foot1' are redundant there: of all 4 rows 2 are"),
             std::string::npos)
       << twice.message;
   EXPECT_EQ(twice.remedy.find("first guess"), std::string::npos) << twice.remedy;

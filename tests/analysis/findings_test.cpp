@@ -353,7 +353,7 @@ TEST(BetweenKnots, NamesTheWorstRow) {
     EXPECT_NEAR(found[0].value, -0.1 - end, 1e-9);
     EXPECT_EQ(found[0].knot, 3);
     EXPECT_TRUE(tells(found[0], fmt::format("{:.3g} m by front - back at the last node, where it "
-                                            "does not hold",
+                                            "is not enforced",
                                             -0.1 - end)))
         << found[0].message;
     EXPECT_EQ(found[0].remedy, "'nodes: ends'");

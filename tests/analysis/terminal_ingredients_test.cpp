@@ -273,9 +273,10 @@ TEST(TerminalIngredients, NeedControllableAndObservableModes) {
             "no control moves the mode with eigenvalue 0.6 ± 0.8i of 'x1', 'x3', which does not "
             "decay");
   const Eigen::MatrixXd all = Eigen::MatrixXd::Identity(4, 4);
-  EXPECT_EQ(fault_of(A, all, {1, 0, 1, 0}),
-            "the running cost does not see the mode with eigenvalue 0.6 ± 0.8i of 'x1', 'x3', "
-            "which does not decay");
+  EXPECT_EQ(
+      fault_of(A, all, {1, 0, 1, 0}),
+      "the running cost does not depend on the mode with eigenvalue 0.6 ± 0.8i of 'x1', 'x3', "
+      "which does not decay");
   EXPECT_NE(fault_of(A, all, {1, 1, 1, 1}, 0).find("leaves a direction of the control free"),
             std::string::npos);
   // Largest share first.

@@ -209,7 +209,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadPlan{"vary: {w: {key: costs.effort.weight, linspace: [1, 2, 1]}}\n",
                 "plan.yaml:3:55: one value cannot reach from the first to the last"},
         BadPlan{"vary: {w: {key: costs.effort.weight}}\n",
-                "plan.yaml:3:11: nothing says which values 'w' takes"},
+                "plan.yaml:3:11: the values of 'w' are missing"},
         BadPlan{"vary: {w: {key: costs.effort.weight, values: [1], linspace: [1, 2, 3]}}\n",
                 "plan.yaml:3:51: 'values' and 'linspace' exclude each other"},
         BadPlan{"vary: {w: {values: [1]}}\n", "plan.yaml:3:11: 'vary.w' lacks the key 'key'"},
@@ -259,8 +259,9 @@ INSTANTIATE_TEST_SUITE_P(
         BadPlan{"vary: {a: {key: solver.max_time_s, values: [1, 2]}}\nlimits: {max_time_s: 3}\n",
                 "plan.yaml:3:17: 'solver.max_time_s' is varied, and 'limits.max_time_s' sets the "
                 "time of all items"},
-        BadPlan{"vary: {a: {key: mpc.delay, values: [0, 0.1]}}\n",
-                "plan.yaml:3:17: 'mpc.delay' is varied, and solves have nothing of closed loops"},
+        BadPlan{
+            "vary: {a: {key: mpc.delay, values: [0, 0.1]}}\n",
+            "plan.yaml:3:17: 'mpc.delay' is varied, but solves do not use keys of closed loops"},
         BadPlan{"vary: {a: {key: initial_guess.states, values: [x, y]}}\nwarm_start: goals.csv\n",
                 "plan.yaml:3:17: 'initial_guess.states' is varied, and by 'warm_start' all items "
                 "start from a file"},
@@ -328,7 +329,7 @@ TEST(BatchPlan, ClosedLoopsAreBuiltWithTheirSettings) {
   EXPECT_EQ(batch.manifest->command, BatchCommand::kMpc);
   ASSERT_EQ(batch.diagnostics.list().size(), 1u);
   EXPECT_EQ(batch.diagnostics.list()[0].message,
-            "a loop without 'stop_when' lasts whatever happens (item 1 and 1 more)");
+            "a loop without 'stop_when' never stops early (item 1 and 1 more)");
   // The worker applies the limit, not the solver.
   EXPECT_EQ(batch.manifest->items[1].settings, (std::vector<std::string>{"mpc.delay=0.1"}));
   const PlannedBatch late("command: mpc\nvary: {d: {key: mpc.delay, values: [0, 0.2]}}\n", loop);
@@ -797,7 +798,7 @@ TEST(BatchPlan, ReportsItemWarningsOnceWithFirstItem) {
   for (const Diagnostic& d : batch.diagnostics.list())
     if (d.severity == Severity::kWarning) warnings.push_back(d.message);
   EXPECT_EQ(warnings,
-            Strings{"0.5 does not count: a homotopy takes this number to 0.7 (item 2 and 1 more)"});
+            Strings{"0.5 has no effect: a homotopy moves this number to 0.7 (item 2 and 1 more)"});
 }
 
 TEST(BatchPlan, ProblemWarningsAreNotRepeated) {
@@ -866,7 +867,7 @@ TEST(BatchPlan, ExplainsAPatternInAFolder) {
   batch.file = batch.folder.write("plan.yaml", "conddp_batch: 1\nproblem: \"d?/x.yaml\"\n");
   batch.plan_again();
   EXPECT_EQ(batch.diagnostics.list().front().hint,
-            "'*', '?' and '[...]' stand for files in the last part of a path alone");
+            "'*', '?' and '[...]' match files only in the last part of a path");
 }
 
 TEST(BatchPlan, UnansweredItemsHaveTheSolverOfThePlan) {
@@ -886,7 +887,7 @@ TEST(BatchPlan, UnansweredItemsHaveTheSolverOfThePlan) {
 TEST(BatchPlan, AllItemsMayStartFromAFile) {
   PlannedBatch missing("warm_start: nowhere.json\n");
   EXPECT_FALSE(missing.manifest);
-  EXPECT_NE(missing.error().find("'nowhere.json' is no warm start, and there is no such file"),
+  EXPECT_NE(missing.error().find("'nowhere.json' is neither a warm start nor an existing file"),
             std::string::npos)
       << missing.error();
   PlannedBatch wrong("warm_start: former.json\n");

@@ -136,7 +136,7 @@ TEST_F(Batch, RejectsShardsWithoutIndexOrOutOfRange) {
   const std::string folder = planned("array");
   const ProcessResult none = run(folder, {"--shard", "auto/3"});
   EXPECT_EQ(none.exit_code, 2);
-  EXPECT_NE(none.err.find("belongs to no array of jobs"), std::string::npos) << none.err;
+  EXPECT_NE(none.err.find("is not part of a job array"), std::string::npos) << none.err;
   const ProcessResult beyond =
       run(folder, {"--shard", "auto/3"}, {.environment = {"AWS_BATCH_JOB_ARRAY_INDEX=3"}});
   EXPECT_EQ(beyond.exit_code, 2);
@@ -163,7 +163,7 @@ TEST_F(Batch, RejectsOptionsThatAnActionIgnores) {
       {{"show", folder, "x", "--any-build"}, "'show' has no --any-build"},
       {{"run", folder, "-o", "elsewhere"}, "a run stays in its folder"},
       {{"submit", folder, "--time", "1e300h"}, "'1e300h' is not a time"},
-      {{"run", folder, "--shards", "3"}, "the plan of this run says how many shards there are"}};
+      {{"run", folder, "--shards", "3"}, "the plan of this run fixes the number of shards"}};
   for (const auto& [words, message] : cases) {
     Words all = {"batch"};
     all.insert(all.end(), words.begin(), words.end());
@@ -191,7 +191,7 @@ TEST_F(Batch, DryRunSizesTheArrayByPilotTimes) {
   const ProcessResult unknown =
       run_conddp({"batch", "submit", folder, "--dry-run"}, kWithoutCluster);
   EXPECT_EQ(unknown.exit_code, 2);
-  EXPECT_NE(unknown.err.find("how long an item takes is not known yet"), std::string::npos)
+  EXPECT_NE(unknown.err.find("the time per item is not known yet"), std::string::npos)
       << unknown.err;
   EXPECT_EQ(run_conddp({"batch", "plan", plan(), "-o", folder, "--pilot", "2"}).exit_code, 0);
   const ProcessResult r =
@@ -563,11 +563,13 @@ TEST_F(Batch, RejectsBadStdinPlansShardsAndTimes) {
   const std::string folder = planned("words");
   const ProcessResult stdin_plan = run_conddp({"batch", "run", "-"});
   EXPECT_EQ(stdin_plan.exit_code, 2);
-  EXPECT_NE(stdin_plan.err.find("a plan is a file"), std::string::npos) << stdin_plan.err;
+  EXPECT_NE(stdin_plan.err.find("a plan cannot be read from stdin"), std::string::npos)
+      << stdin_plan.err;
   const ProcessResult index =
       run(folder, {"--shard", "auto/2"}, {.environment = {"SLURM_ARRAY_TASK_ID=abc"}});
   EXPECT_EQ(index.exit_code, 2);
-  EXPECT_NE(index.err.find("SLURM_ARRAY_TASK_ID is 'abc', which is no index"), std::string::npos)
+  EXPECT_NE(index.err.find("SLURM_ARRAY_TASK_ID is 'abc', which is not an index"),
+            std::string::npos)
       << index.err;
   for (const char* time : {"0", "-5", "1h30", "30m1h", "h", "1e12", "2d"}) {
     const ProcessResult r = run(folder, {std::string("--budget=") + time});

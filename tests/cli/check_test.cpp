@@ -211,7 +211,7 @@ terminal: {lqr: {about: {values: {x: 0}}, set: true}}
 TEST(Check, TerminalNeedsARegulator) {
   const ProcessResult r = run_conddp({"check", kPendulum, "--terminal"});
   EXPECT_EQ(r.exit_code, 2);
-  EXPECT_NE(r.err.find("--terminal checks 'terminal: {lqr: STATE}', which the file has not"),
+  EXPECT_NE(r.err.find("--terminal needs 'terminal: {lqr: STATE}', which the file does not have"),
             std::string::npos)
       << r.err;
   EXPECT_EQ(r.out, "");

@@ -80,8 +80,7 @@ TEST_F(ExampleProblems, FileAndFolderProblemsComeFirst) {
     if (problem["name"] != "arm_reach" && problem["name"] != "new") continue;
     ++found;
     EXPECT_EQ(problem["file"], "problems/" + problem["name"].get<std::string>() + ".yaml");
-    EXPECT_EQ(problem["description"],
-              problem["name"] == "arm_reach" ? "Mine" : "(nothing is said at its head)");
+    EXPECT_EQ(problem["description"], problem["name"] == "arm_reach" ? "Mine" : "(no description)");
   }
   EXPECT_EQ(found, 2);
   EXPECT_NE(run({"check", "arm_reach"}).out.find("mine"), std::string::npos);
@@ -96,7 +95,8 @@ TEST_F(ExampleProblems, BenchWithoutAFileUsesTheFolderProblems) {
   const ProcessResult r = run({"bench", "--solvers", "all", "--json"});
   EXPECT_EQ(r.exit_code, 0) << r.err;
   EXPECT_EQ(r.err,
-            "conddp: note: no file is named: the problems of 'problems', each solve within 10 s\n");
+            "conddp: note: no file given: using the problems of 'problems', with a limit of 10 s "
+            "per solve\n");
   const Json report = Json::parse(r.out);
   EXPECT_EQ(report["runs"].size(), solvers().size());
   for (const Json& run : report["runs"]) {
@@ -110,7 +110,8 @@ TEST_F(ExampleProblems, FallsBackToInstalledProblems) {
   const ProcessResult r =
       run({"bench", "--solvers", "intro", "--repeat", "0", "--max-time", "0.001", "--json"});
   EXPECT_EQ(r.exit_code, 0) << r.err;
-  EXPECT_NE(r.err.find("conddp/problems', each solve within 0.001 s"), std::string::npos) << r.err;
+  EXPECT_NE(r.err.find("conddp/problems', with a limit of 0.001 s per solve"), std::string::npos)
+      << r.err;
   EXPECT_EQ(Json::parse(r.out)["runs"].size(), our_problems().size());
 }
 

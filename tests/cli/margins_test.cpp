@@ -50,7 +50,8 @@ TEST(Margins, WarnsAboutPlansThatAreNotSolutions) {
   const ProcessResult result =
       run_conddp({"margins", kLimits, "--process", "0.01", "--set", "solver.max_iterations=1"});
   EXPECT_EQ(result.exit_code, 1) << result.err;
-  EXPECT_NE(result.err.find("warning: the plan is no solution"), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("warning: the plan is not a solution"), std::string::npos)
+      << result.err;
 }
 
 }  // namespace

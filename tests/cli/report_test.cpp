@@ -58,9 +58,9 @@ TEST_F(ReportCommand, DrawsSolutionWithoutProblemAndAddsARemark) {
   EXPECT_NE(r.err.find("warning: its problem"), std::string::npos) << r.err;
   const nlohmann::json entry = data_of(folder_.path() / "a/report.html")["solutions"][0];
   EXPECT_TRUE(entry["scene"].is_null());
-  EXPECT_NE(entry["remark"].get<std::string>().find("is not there"), std::string::npos);
+  EXPECT_NE(entry["remark"].get<std::string>().find("does not exist"), std::string::npos);
   EXPECT_EQ(entry["curves"]["x"]["values"].size(), 2u);
-  EXPECT_EQ(run_conddp({"report", solution, "--problem", kPendulum}).err.find("is not there"),
+  EXPECT_EQ(run_conddp({"report", solution, "--problem", kPendulum}).err.find("does not exist"),
             std::string::npos);
 }
 

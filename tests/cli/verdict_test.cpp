@@ -319,7 +319,7 @@ constraints:
 terminal: {constraints: {goal: {residual: state, columns: [x, y], reference: [2, 0]}}}
 )");
   EXPECT_EQ(around.run.exit_code, 0) << around.run.out << around.run.err;
-  EXPECT_EQ(around.run.out.find("jumps through what"), std::string::npos) << around.run.out;
+  EXPECT_EQ(around.run.out.find("jumps through an obstacle"), std::string::npos) << around.run.out;
   EXPECT_EQ(run_conddp({"verify", around.solution(), "--quiet"}).exit_code, 0);
 }
 

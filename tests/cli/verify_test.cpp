@@ -119,7 +119,7 @@ TEST_F(Verify, AcceptsTheProblemFromAnotherPlace) {
   std::filesystem::rename(folder_.path() / "cartpole.yaml", folder_.path() / "moved.yaml");
   const ProcessResult lost = run({"verify", "out/solution.json"});
   EXPECT_EQ(lost.exit_code, 2);
-  EXPECT_NE(lost.err.find("its problem 'cartpole.yaml' is not there"), std::string::npos)
+  EXPECT_NE(lost.err.find("its problem 'cartpole.yaml' does not exist"), std::string::npos)
       << lost.err;
   EXPECT_EQ(run({"verify", "out/solution.json", "--problem", "moved.yaml"}).exit_code, 0);
 }

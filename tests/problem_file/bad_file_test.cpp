@@ -61,7 +61,7 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"Contacts", "costs:\n", "contacts: §{}\ncosts:\n",
                 "a closed-form system has no frames that could touch the world"},
         Mistake{"NothingMoves", "system: {type: pendulum}\n", "",
-                "1:1: the file says nothing about what moves"},
+                "1:1: the file defines nothing that moves"},
         Mistake{"TwoPlants", "system: {", "robot: {urdf: x}\n§system: {",
                 "'robot' and 'system' exclude each other"},
         Mistake{"NoPhases", "phases:", "x_phases:", "1:1: the key 'phases' is missing"},

@@ -81,7 +81,7 @@ solver: {{name: ipopt}}
   EXPECT_EQ(warnings(block(-3, ", stiffness: 1000")), "");
   const std::string said = warnings(block(-3, ""));
   EXPECT_TRUE(said.starts_with("3:16: the initial state has 'rear' 3")) << said;
-  EXPECT_NE(said.find("m inside what it may only touch"), std::string::npos) << said;
+  EXPECT_NE(said.find("m inside a surface that it may only touch"), std::string::npos) << said;
 }
 
 TEST(Build, ReportsJointsWithoutUrdfLimits) {

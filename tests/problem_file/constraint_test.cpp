@@ -332,7 +332,7 @@ TEST(Constraints, RejectsUnsupportedConstraints) {
       {with("  a: {residual: state, columns: theta, cone: second_order}\n"),
        "a cone needs a residual of two rows or more"},
       {with("  a: {residual: state, cone: pyramid}\n"), "has no such cone"},
-      {with("  a: {residual: state, slope: 2}\n"), "a slope belongs to cones"},
+      {with("  a: {residual: state, slope: 2}\n"), "'slope' needs 'cone'"},
       {with("  a: {upper: 1}\n"), "lacks the key 'residual' or 'bounds'"},
       {with("  a: {bounds: velocity, from: urdf}\n"), "has no URDF"},
       {with("  a: {bounds: velocity}\n"), "need 'lower', 'upper' or 'from: urdf'"},

@@ -64,7 +64,7 @@ TEST(ContactGuess, DistantContactsCarryNothing) {
   for (const auto& c : block.layout().candidates)
     EXPECT_LE(block.w(3)[c.force] * block.w(3)[c.gap], most * (1 + 1e-9));
   EXPECT_GT(block.left(3).lpNorm<Eigen::Infinity>(), 9);
-  EXPECT_NE(block.built->guess_used.controls.find("as far as they can: in 50 of 50 steps"),
+  EXPECT_NE(block.built->guess_used.controls.find("as far as they can: 50 of 50 steps"),
             std::string::npos)
       << block.built->guess_used.controls;
 }

@@ -459,7 +459,7 @@ TEST(GaitFile, RejectsIncompatibleFeatures) {
        "15:3: the gait makes a cost 'swing_LF' for the swings of 'LF'"},
       {replaced(trot, "initial_state: {configuration: standing}",
                 "initial_state: {configuration: standing, displaced: gait}"),
-       "12:53: 'gait' stands for the way of the file's gait"},
+       "12:53: 'gait' is the path of the file's gait"},
       {replaced(trot, "displaced: gait}}\nterminal", "displaced: gate}}\nterminal"),
        "15:78: a list of 3 numbers, [x, y, yaw] in m and rad, is expected here"},
       {replaced(trot, "base: floating", "base: fixed"), "7:13: the robot's base is fixed"},

@@ -57,7 +57,7 @@ TEST(HomotopyFile, OtherUsersSeeTheProblemAtItsEnd) {
 TEST(HomotopyFile, WarnsIfFileDiffersFromItsEnd) {
   const std::string text = with_homotopy("[{key: costs.effort.weight, from: 5, to: 2}]");
   EXPECT_EQ(warnings(text),
-            "10:39: 0.5 does not count: a homotopy takes this number to 2 (write that number here, "
+            "10:39: 0.5 has no effect: a homotopy moves this number to 2 (write that number here, "
             "too)\n");
   const Loaded loaded(text);
   EXPECT_EQ(loaded.spec->costs[0].weight, 2);
@@ -172,8 +172,8 @@ TEST(HomotopyFile, CannotChangeTheShapeOfTheProblem) {
       "terminal:\n  constraints:\n    goal: {residual: state, lower: 2, upper: 2}\n"));
   EXPECT_FALSE(loaded.built);
   EXPECT_EQ(loaded.first_error(),
-            "18:42: a homotopy cannot change the shape of the problem: at 0.382 of its way and at "
-            "its end differ: constraints");
+            "18:42: a homotopy cannot change the shape of the problem: between 0.382 of its way "
+            "and its end these differ: constraints");
 }
 
 std::string limited(const std::string& robot, const std::string& constraint) {

@@ -219,7 +219,7 @@ TEST(LibraryFiles, MismatchesAreReportedAtTheirPlaces) {
       {"function: swing\n  states: {angle: rad, speed: rad/s}\n  controls: {torque: Nm}\n  "
        "parameters: {inertia: 2, weight: 5}",
        "function: wind\n  gives: next\n  states: [angle, speed]\n  controls: [torque]",
-       "4:13: error: difference equations read no time"},
+       "4:13: error: difference equations have no time"},
       {"speed: rad/s", "t: rad/s", "5:24: error: 't' is the name of the clock"},
       {"speed: rad/s", "angle: rad/s", "5:24: error: the key 'angle' is given twice"},
       {"states:", "positions:",

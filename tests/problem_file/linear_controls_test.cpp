@@ -460,14 +460,13 @@ TEST(LinearControls, ReportIncompatibleFeatures) {
   };
   const Case cases[] = {
       {"rk4", "explicit_euler",
-       "4:13: linear controls need an integrator that sees how they change during a step"},
+       "4:13: linear controls need an integrator that accounts for their change during a step"},
       {"rk4", "rk2",
-       "4:13: linear controls need an integrator that sees how they change during a step"},
+       "4:13: linear controls need an integrator that accounts for their change during a step"},
       {"  - {name: start, choose: none}\n", "",
-       "5:11: the first of linear controls is chosen in a first phase without time, and there is "
-       "none"},
+       "5:11: the first linear control needs a first phase 'choose', and there is none"},
       {"{values: {theta: 0.4}}", "{values: {theta: 0.4}, previous_control: 1}",
-       "3:57: the first of linear controls is chosen in the first phase, and given here"},
+       "3:57: the first linear control is free in the first phase, and given here"},
       {"upper: 3}", "upper: 3, phases: first}",
        "14:3: bounds on linear controls hold in all phases"},
       {"{residual: control,", "{residual: control_rate,",

@@ -152,8 +152,8 @@ TEST(MpcFile, ConstraintAbsentFromAllWindowsIsAnError) {
   const LoadedLoop loop(kSpeedLimit, {"phases.move.knots=1"});
   ASSERT_TRUE(loop.error());
   EXPECT_EQ(loop.error()->message,
-            "the constraint 'speed' counts in no knot that repeats itself: the only one is the "
-            "first, whose state is given");
+            "the constraint 'speed' has no effect at repeated knots: the only one is the first, "
+            "whose state is given");
   EXPECT_EQ(loop.error()->line, 10);
   EXPECT_TRUE(LoadedLoop(kSpeedLimit, {"phases.move.knots=2"}).mpc);
 }
@@ -576,7 +576,8 @@ TEST(MpcFile, PlantAcceptsOnlyControlBounds) {
                "constraints:\n  rate: {residual: state, columns: omega, upper: 8}\n"),
       {"solver.name=altro"});
   ASSERT_TRUE(loop.error());
-  EXPECT_EQ(loop.error()->message, "of constraints, a plant has hard bounds on the control alone");
+  EXPECT_EQ(loop.error()->message,
+            "the only constraints of a plant are hard bounds on the control");
 }
 
 TEST(MpcFile, PushesAFrameForTheGivenTime) {
@@ -843,7 +844,7 @@ TEST(MpcFile, PlantContactsReplaceModelContactForces) {
 TEST(MpcFile, WarnsAboutTerminalCostsAtPathEnds) {
   const LoadedLoop keep = trot("duration: 0.1, terminal: keep");
   ASSERT_TRUE(keep.mpc) << keep.all();
-  EXPECT_NE(keep.all().find("draws every window to the end of the gait's way"), std::string::npos)
+  EXPECT_NE(keep.all().find("pulls every window to the end of the gait's path"), std::string::npos)
       << keep.all();
   const auto& said = keep.diagnostics.list();
   EXPECT_TRUE(std::any_of(said.begin(), said.end(), [](const Diagnostic& d) {

@@ -40,7 +40,8 @@ TEST(RefinedPhase, RejectsImpossibleGridsWithPlaces) {
             "7:46: 'first' and 'last' leave none of the 4 knots as it is");
   EXPECT_EQ(error("{ratio: 0.5}"), "7:46: nothing is refined");
   EXPECT_NE(error("{first: 1, ratio: 1}").find("a number between 0 and 1"), std::string::npos);
-  EXPECT_NE(error("{first: 3, ratio: 1.0e-9}").find("vanish beside the time"), std::string::npos)
+  EXPECT_NE(error("{first: 3, ratio: 1.0e-9}").find("are lost to rounding at the time"),
+            std::string::npos)
       << error("{first: 3, ratio: 1.0e-9}");
   const Loaded car(R"(conddp: 1
 system: {type: car}

@@ -340,7 +340,7 @@ TEST(RobotParameters, HaveTheirPlaceInErrors) {
   const Case cases[] = {
       {"lower: 0,", "lower: -1,", "2:14: error: the mass 'load' may be -1 kg"},
       {"{choose: none}, ", "",
-       "2:14: error: 'load' is chosen in a first phase without time, and there is none"},
+       "2:14: error: 'load' is free and needs a first phase 'choose', and there is none"},
       {"mass: =load", "mass: =2*load",
        "5:31: error: this depends on a free parameter, which the solver chooses"},
       {"mass: =load", "mass: 1, com: [0, 0, =load]",

@@ -65,8 +65,8 @@ void expect_error(const char* from, const char* to, const std::string& message) 
 TEST(ShapePairs, ImpossiblePairsAreRejectedWithPlaces) {
   expect_error("pairs: all", "pairs: [[hand, bell]]", "15:52: unknown shape 'bell'");
   expect_error("pairs: all", "pairs: [[upper, elbow]]",
-               "15:46: 'upper' and 'elbow' do not move against each other");
-  expect_error("pairs: all", "pairs: [[ball, floor]]", "do not move against each other");
+               "15:46: 'upper' and 'elbow' do not move relative to each other");
+  expect_error("pairs: all", "pairs: [[ball, floor]]", "do not move relative to each other");
   expect_error("pairs: all", "pairs: [[hand]]", "a pair has two names, this list 1");
   expect_error("pairs: all", "pairs: [hand, ball]", "a pair of shapes is expected here");
   expect_error("pairs: all", "pairs: []", "there is no pair");

@@ -517,7 +517,7 @@ TEST(TerminalLqr, NamesCostsAndSetsOnIntegrals) {
   };
   EXPECT_EQ(error("  spent: {residual: expression, rows: work*omega}\nconstraints:\n"),
             "13:25: the running cost 'spent' depends on the integral 'work', which no regulator "
-            "leads anywhere");
+            "can control");
   EXPECT_EQ(error("constraints:\n  budget: {residual: expression, rows: [work], upper: 50}\n"),
             "13:39: no terminal set is within 'budget', which states that cost nothing move");
 }
@@ -618,10 +618,11 @@ TEST(TerminalLqr, ReportsMistakesAtTheirPlaces) {
                            "  effort: {residual: control, weight: 0.1}\n", "")),
             "7:17: the running cost leaves a direction of the control free: the least eigenvalue "
             "of its scaled Hessian in the control is 0");
-  EXPECT_EQ(error(replaced(exact_integrator(3, "[0, 0]"), "{residual: state}",
-                           "{residual: state, weights: [0, 1]}")),
-            "8:17: the running cost does not see the mode with eigenvalue 1 of 'x/0', which does "
-            "not decay");
+  EXPECT_EQ(
+      error(replaced(exact_integrator(3, "[0, 0]"), "{residual: state}",
+                     "{residual: state, weights: [0, 1]}")),
+      "8:17: the running cost does not depend on the mode with eigenvalue 1 of 'x/0', which does "
+      "not decay");
   EXPECT_EQ(
       error(replaced(exact_integrator(3, "[0, 0]"), "B: [[0.005], [0.1]]", "B: [[0.1], [0]]")),
       "8:17: no control moves the mode with eigenvalue 1 of 'x/1', which does not decay");

@@ -294,7 +294,7 @@ TEST(UrdfBase, FloatingRootJointIsAFloatingBase) {
     ASSERT_TRUE(result.model);
     EXPECT_EQ(joint_names(*result.model), std::vector<std::string>{"free"});
     EXPECT_EQ(result.model->joints[0].type, JointType::floating);
-    EXPECT_TRUE(has_note(result, "counted from the world's origin"));
+    EXPECT_TRUE(has_note(result, "relative to the world's origin"));
     expect_equal(simple_frame_placement(*result.model, result.model->neutral_configuration(), "a"),
                  SE3<double>::identity(), 0);
   }

@@ -161,7 +161,7 @@ std::vector<Rejection> rejections() {
        robot_element(link_element("a") + link_element("b") + link_element("c") +
                      joint_element("j", "continuous", "a", "b") +
                      joint_element("k", "floating", "b", "c")),
-       "k", "accepted only where its parent is the root link"},
+       "k", "supported only if its parent is the root link"},
       {"planar_in_the_middle",
        robot_element(link_element("a") + link_element("b") + link_element("c") +
                      joint_element("j", "continuous", "a", "b") +
@@ -172,7 +172,7 @@ std::vector<Rejection> rejections() {
                      joint_element("k", "floating", "a", "b")),
        "k", "a floating joint of its own", 0,
        with([](UrdfOptions& o) { o.base = UrdfOptions::Base::floating; })},
-      {"massless_leaf", with_arm(""), "j", "nothing that it moves (arm) has inertia"},
+      {"massless_leaf", with_arm(""), "j", "no link that it moves (arm) has inertia"},
       {"massless_between_parallel_axes",
        robot_element(link_element("a") + link_element("b", "") + link_element("c") +
                      joint_element("j", "continuous", "a", "b", "<axis xyz=\"0 1 0\"/>") +

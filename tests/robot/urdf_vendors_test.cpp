@@ -146,7 +146,7 @@ TEST(VendorInertias, JointsWithoutInertiaGiveOneCopyableHint) {
   const UrdfResult result = parse_urdf(xml, "f");
   EXPECT_FALSE(result.model);
   ASSERT_EQ(result.problems.size(), 1) << warnings(result);
-  EXPECT_NE(result.problems[0].message.find("joint 'f': nothing that it moves (finger)"),
+  EXPECT_NE(result.problems[0].message.find("joint 'f': no link that it moves (finger)"),
             std::string::npos);
   EXPECT_NE(result.problems[0].message.find("the same holds for t"), std::string::npos);
   EXPECT_NE(result.problems[0].hint.find("'locked_joints: {f: 0.5, t: 0.5}'"), std::string::npos)
@@ -168,7 +168,7 @@ TEST(VendorInertias, SingularInertiaMatrixWarningNamesTheJoint) {
       joint_element("yaw", "continuous", "n2", "head",
                     "<origin xyz=\"0 0 0.0\"/><axis xyz=\"0.0185 -0.1108 0\"/>"));
   const UrdfResult result = parse_urdf(xml, "f");
-  EXPECT_NE(warnings(result).find("joint 'yaw': nothing that it moves (head)"), std::string::npos)
+  EXPECT_NE(warnings(result).find("joint 'yaw': no link that it moves (head)"), std::string::npos)
       << warnings(result);  // the mass is on its axis in every configuration
   const std::string aligned = robot_element(
       link_element("chest") + link_element("n1", none) +
@@ -186,7 +186,7 @@ TEST(VendorInertias, SingularInertiaMatrixWarningNamesTheJoint) {
     const UrdfResult warned = parse_urdf(at_zero, "f");
     ASSERT_TRUE(warned.model) << warnings(warned);
     EXPECT_NE(
-        warnings(warned).find("joint 'outer': at the zero configuration nothing that it moves"),
+        warnings(warned).find("joint 'outer': at the zero configuration no link that it moves"),
         std::string::npos)
         << rounding << warnings(warned);
   }

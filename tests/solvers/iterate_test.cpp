@@ -154,7 +154,7 @@ TEST(Iterate, NonFiniteValuesEndAtThePreviousIterate) {
     EXPECT_EQ(result.failed_quantity, "cost");
     EXPECT_EQ(result.message,
               first ? "the cost of knot 3 is not finite at the start"
-                    : "the cost of knot 3 is not finite after the last step, which is taken back");
+                    : "the cost of knot 3 is not finite after the last step, which is undone");
     EXPECT_EQ(at.iterate.trajectory.u(0)[0], first ? 1.5 : -2);
     EXPECT_EQ(at.record.row.iteration, first ? 0 : 3) << "the step does not count";
   }

@@ -99,99 +99,96 @@ std::string misplaced_option(const BatchArguments& arguments) {
 
 std::string misuse(const BatchArguments& arguments) {
   if (arguments.path == "-")
-    return "a plan is a file, since its paths are seen from its folder: it is not read from stdin";
+    return "a plan cannot be read from stdin, because its paths are relative to its folder";
   const bool retries = arguments.action == "retry", shows = arguments.action == "show";
   if (retries && arguments.word != kRetryFailed && arguments.word != kRetryTimeout)
     return "say what to solve again: 'failed' or 'timeout'";
   if (shows && arguments.word.empty()) return "say which item to show: its id";
   if (!retries && !shows && !arguments.word.empty())
-    return fmt::format("'{}' is too much: '{}' takes one path", arguments.word, arguments.action);
+    return fmt::format("unexpected argument '{}': '{}' takes one path", arguments.word,
+                       arguments.action);
   return misplaced_option(arguments);
 }
 
 const char* const kBatchDetails =
     "plan PLAN.yaml   checks every item of a plan and writes the folder of a run\n"
-    "run RUN          solves the items that have no result yet; run PLAN.yaml does all at "
-    "once\n"
+    "run RUN          solves the items that have no result yet; run PLAN.yaml does all at once\n"
     "status RUN       counts results\n"
     "collect RUN      writes results.csv, times.csv and dataset.h5\n"
-    "retry RUN failed|timeout   solves again what was not solved\n"
+    "retry RUN failed|timeout   solves items again that failed or timed out\n"
     "show RUN ID      writes the problem and the solution of one item, or simulates its loop\n"
-    "report RUN       writes report.html: counts, maps over what was varied, items that stand out\n"
-    "submit RUN       hands the run to a Slurm cluster, an element of an array for each shard\n"
-    "Every worker is a process of its own; ending one, or all, loses no more than the items "
-    "under way. Exit status 0: all items are solved, or all loops lasted; 1: some are not or did "
-    "not, or have "
-    "no result yet.";
+    "report RUN       writes report.html: counts, maps over the varied keys, outliers\n"
+    "submit RUN       submits the run to a Slurm cluster as a job array, one element per shard\n"
+    "Every worker is a separate process; ending one or all of them loses only the items in "
+    "progress. Exit status 0: all items are solved, or all loops lasted; 1: some failed or have no "
+    "result yet.";
 
 std::vector<Argument> batch_arguments(BatchArguments& arguments) {
-  return {
-      {.names = {"ACTION"},
-       .value = "ACTION",
-       .description = "What to do",
-       .choices = {"plan", "run", "status", "collect", "retry", "show", "report", "submit"},
-       .required = true,
-       .target = &arguments.action},
-      {.names = {"PATH"},
-       .value = "PATH.yaml",
-       .description = "Plan, or the folder of a run",
-       .required = true,
-       .target = &arguments.path},
-      {.names = {"WORD"},
-       .value = "WORD",
-       .description = "retry: failed or timeout; show: the id of an item, or its first digits",
-       .target = &arguments.word},
-      {.names = {"-o", "--output"},
-       .value = "FOLDER",
-       .description =
-           "Folder of the run that a plan makes (out/<its name>), or of what show writes; the "
-           "page of report",
-       .target = &arguments.folder},
-      {.names = {"-j", "--jobs"},
-       .value = "N",
-       .description = "Worker processes; one a processor if nothing is said",
-       .numbers = WholeNumbers{1, 1024},
-       .target = &arguments.jobs},
-      {.names = {"--group"},
-       .value = "N",
-       .description = "Items that are sent to a worker ahead",
-       .numbers = WholeNumbers{1, 1000},
-       .fallback = std::to_string(arguments.group),
-       .target = &arguments.group},
-      {.names = {"--pilot"},
-       .value = "N",
-       .description = "plan: solve this many items, and estimate the rest",
-       .numbers = WholeNumbers{1, 100000},
-       .target = &arguments.pilot},
-      {.names = {"--shard"},
-       .value = "I/N",
-       .description = "run, retry: solve one share of the items, such as 2/7; auto/7 or auto takes "
-                      "I from the array of jobs to which this process belongs",
-       .check = shard_defect,
-       .target = &arguments.shard},
-      {.names = {"--budget"},
-       .value = "TIME",
-       .description = "run, retry: begin no item after this time: 90s, 55m, 1h30m",
-       .check = time_check(parse_duration, "90s, 55m or 1h30m"),
-       .target = &arguments.budget},
-      {.names = {"--shards"},
-       .value = "N",
-       .description = "plan: the N of --shard auto; submit: elements of the array",
-       .numbers = WholeNumbers{1, 1000000},
-       .target = &arguments.shards},
-      {.names = {"--partition"},
-       .value = "NAME",
-       .description = "submit: partition of the cluster",
-       .target = &arguments.partition},
-      {.names = {"--time"},
-       .value = "TIME",
-       .description =
-           "submit: time limit of an element: 10m, 1h30m, or as Slurm writes it, 1:30:00",
-       .check = time_check(parse_time_limit, "10m, 1h30m or 1:30:00"),
-       .target = &arguments.time},
-      flag({"--dry-run"}, arguments.dry_run, "submit: print what would be submitted"),
-      flag({"--any-build"}, arguments.any_build,
-           "run, retry, submit: go on where another build of conddp made the plan")};
+  return {{.names = {"ACTION"},
+           .value = "ACTION",
+           .description = "What to do",
+           .choices = {"plan", "run", "status", "collect", "retry", "show", "report", "submit"},
+           .required = true,
+           .target = &arguments.action},
+          {.names = {"PATH"},
+           .value = "PATH.yaml",
+           .description = "Plan, or the folder of a run",
+           .required = true,
+           .target = &arguments.path},
+          {.names = {"WORD"},
+           .value = "WORD",
+           .description = "retry: failed or timeout; show: the id of an item, or its first digits",
+           .target = &arguments.word},
+          {.names = {"-o", "--output"},
+           .value = "FOLDER",
+           .description = "plan, run: folder of the run (default: out/<name of the plan>); show: "
+                          "folder for its files; report: the page",
+           .target = &arguments.folder},
+          {.names = {"-j", "--jobs"},
+           .value = "N",
+           .description = "Worker processes (default: one per processor)",
+           .numbers = WholeNumbers{1, 1024},
+           .target = &arguments.jobs},
+          {.names = {"--group"},
+           .value = "N",
+           .description = "Items that are sent to a worker ahead",
+           .numbers = WholeNumbers{1, 1000},
+           .fallback = std::to_string(arguments.group),
+           .target = &arguments.group},
+          {.names = {"--pilot"},
+           .value = "N",
+           .description = "plan: solve this many items, and estimate the rest",
+           .numbers = WholeNumbers{1, 100000},
+           .target = &arguments.pilot},
+          {.names = {"--shard"},
+           .value = "I/N",
+           .description = "run, retry: solve one share of the items, such as 2/7; auto/7 or auto "
+                          "takes I from the job array of this process",
+           .check = shard_defect,
+           .target = &arguments.shard},
+          {.names = {"--budget"},
+           .value = "TIME",
+           .description = "run, retry: begin no item after this time: 90s, 55m, 1h30m",
+           .check = time_check(parse_duration, "90s, 55m or 1h30m"),
+           .target = &arguments.budget},
+          {.names = {"--shards"},
+           .value = "N",
+           .description = "plan: the N of --shard auto; submit: elements of the array",
+           .numbers = WholeNumbers{1, 1000000},
+           .target = &arguments.shards},
+          {.names = {"--partition"},
+           .value = "NAME",
+           .description = "submit: partition of the cluster",
+           .target = &arguments.partition},
+          {.names = {"--time"},
+           .value = "TIME",
+           .description =
+               "submit: time limit of an element: 10m, 1h30m, or as Slurm writes it, 1:30:00",
+           .check = time_check(parse_time_limit, "10m, 1h30m or 1:30:00"),
+           .target = &arguments.time},
+          flag({"--dry-run"}, arguments.dry_run, "submit: print what would be submitted"),
+          flag({"--any-build"}, arguments.any_build,
+               "run, retry, submit: accept a plan made by another build of conddp")};
 }
 
 }  // namespace conddp

@@ -16,7 +16,7 @@ Argument comparison_tolerance_argument(std::vector<std::string>& values) {
   }
   return {.names = {"--tolerance"},
           .value = "NAME=NUMBER",
-          .description = "How far apart the same may be: " + list,
+          .description = "Tolerance of the comparison: " + list,
           .check = named_number(std::move(names), 0, 1e300, "a number, at least 0"),
           .target = &values};
 }

@@ -27,7 +27,7 @@ std::vector<Argument> problem_arguments(ProblemArguments& arguments) {
       perturbation_argument(arguments.perturbations,
                             "Take a random instance, as conddp bench does: initial_state=S or "
                             "guess=S; repeatable"),
-      seed_argument(arguments.seed, "Which instance")};
+      seed_argument(arguments.seed, "Seed of the instance")};
 }
 
 std::vector<std::string> settings_of(const ProblemArguments& arguments) {

@@ -77,7 +77,7 @@ Diagnostic usage_error(const Command& tool, const CommandWords& words, std::stri
   if (words.command == &tool)
     return with_names("a subcommand is required", "", names_of(command.commands), "subcommands");
   if (!words.extra.empty())
-    return {.message = fmt::format("'{}' is one argument too many", words.extra),
+    return {.message = fmt::format("unexpected argument '{}'", words.extra),
             .hint = "usage: " + command.usage()};
   if (const Argument* lacking = lacking_argument(words))
     return {.message = fmt::format("{} is required: {}", lacking->value, lacking->description),

@@ -114,13 +114,13 @@ std::optional<Shard> shard_of(const BatchArguments& arguments, const Manifest& m
   if (words.index) return shard;
   const auto array = array_index();
   if (!array) {
-    out.error({}, "this process belongs to no array of jobs, so that --shard auto has no index",
+    out.error({}, "--shard auto has no index: this process is not part of a job array",
               "the variables looked for are " + array_index_variables());
     return std::nullopt;
   }
   if (!array->index) {
-    out.error({}, fmt::format("{} is '{}', which is no index", array->variable, array->text),
-              "a whole number from 0 is expected there; --shard I/N says it instead");
+    out.error({}, fmt::format("{} is '{}', which is not an index", array->variable, array->text),
+              "a whole number from 0 is expected; --shard I/N sets the index directly");
     return std::nullopt;
   }
   shard.index = *array->index;
@@ -128,7 +128,7 @@ std::optional<Shard> shard_of(const BatchArguments& arguments, const Manifest& m
   out.error({},
             fmt::format("{} is {}, and there are {} shards, counted from 0", array->variable,
                         shard.index, shard.count),
-            "say how many there are: --shard auto/N, or --shards N when the plan is made");
+            "give their number: --shard auto/N, or --shards N when the plan is made");
   return std::nullopt;
 }
 
@@ -261,10 +261,10 @@ int run_plan_or_folder(const BatchArguments& arguments) {
   if (!manifest || !fits_run_folder(*manifest, run, arguments.any_build, diagnostics))
     return give_up(diagnostics);
   if (is_folder && arguments.shards > 0)
-    diagnostics.error({}, "the plan of this run says how many shards there are",
-                      "divide it otherwise by --shard I/N");
+    diagnostics.error({}, "the plan of this run fixes the number of shards",
+                      "use --shard I/N for another number");
   if (is_folder && !arguments.folder.empty())
-    diagnostics.error({}, "a run stays in its folder: -o is for a plan");
+    diagnostics.error({}, "-o applies only to a plan: a run stays in its folder");
   const auto options = options_of(arguments, *manifest, diagnostics);
   if (!options || diagnostics.has_errors()) return give_up(diagnostics);
   if (options->budget_s > 0) warn_without_time_limit(*manifest, run, diagnostics);

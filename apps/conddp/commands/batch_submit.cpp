@@ -81,9 +81,9 @@ std::optional<Misfit> choose_shards(int wanted, const SlurmLimits& limits,
   } else if (seconds) {
     job.shards = shards_for(*seconds, job.cpus, limits);
   } else {
-    return Misfit{"how long an item takes is not known yet",
-                  "solve a few with 'conddp batch plan PLAN.yaml -o RUN --pilot 5', or say how "
-                  "many shards there shall be: --shards N"};
+    return Misfit{"the time per item is not known yet",
+                  "solve a few with 'conddp batch plan PLAN.yaml -o RUN --pilot 5', or give the "
+                  "number of shards: --shards N"};
   }
   return std::nullopt;
 }
@@ -100,7 +100,7 @@ std::optional<Misfit> choose_time(const BatchArguments& arguments, const SlurmLi
     return std::nullopt;
   }
   return Misfit{fmt::format("this partition ends jobs after {:.0f} min", *limits.longest_s / 60),
-                "ask for less with --time; what is unfinished then goes on with the next submit"};
+                "ask for less with --time; the next submit continues with the unfinished items"};
 }
 
 std::vector<std::string> sbatch_words(const SlurmJob& job) {

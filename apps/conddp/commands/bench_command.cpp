@@ -323,8 +323,9 @@ void take_examples(BenchArguments& arguments, Diagnostics& out) {
                      "name problem files, or a folder of them");
   arguments.inputs = {folders.front().string()};
   if (arguments.max_time == 0) arguments.max_time = kExampleTimeLimit;
-  out.note({}, fmt::format("no file is named: the problems of '{}', each solve within {} s",
-                           arguments.inputs.front(), arguments.max_time));
+  out.note({},
+           fmt::format("no file given: using the problems of '{}', with a limit of {} s per solve",
+                       arguments.inputs.front(), arguments.max_time));
 }
 
 int bench(BenchArguments arguments) {
@@ -374,24 +375,24 @@ Command bench_command() {
            {.names = {"--solvers"},
             .value = "NAMES",
             .description =
-                "The solvers: names with commas between, auto among them, or all (without auto)",
+                "Solvers: comma-separated names, which may include auto, or all (without auto)",
             .fallback = a->solvers,
             .target = &a->solvers},
            drop_argument(a->drop,
-                         "Leave this constraint out for solvers that do not support it otherwise; "
-                         "'all' for every one; the table says so"),
+                         "Drop this constraint for solvers that do not support it; 'all' for every "
+                         "constraint; the table marks such solves"),
            {.names = {"--repeat"},
             .value = "N",
-            .description = "Timed solves after one to warm up; 0: that one alone, timed. Unless "
-                           "this is given, a solve longer than a second is timed alone, too",
+            .description = "Timed solves after a warm-up solve; 0: time only the first solve. By "
+                           "default, a first solve longer than a second is also the only one",
             .numbers = WholeNumbers{0, 1000000},
             .fallback = std::to_string(kRepeat),
             .target = &a->repeat},
            threads_argument(a->threads, "Threads of each solve instead of the file's"),
            {.names = {"-j", "--jobs"},
             .value = "N",
-            .description = "Solves at once: for many instances. All answers are the same, and each "
-                           "time includes what the solves beside it take",
+            .description = "Number of parallel solves, for many instances. The answers do not "
+                           "change, but the times include the load of the other solves",
             .numbers = WholeNumbers{1, 1024},
             .fallback = std::to_string(a->jobs),
             .target = &a->jobs},

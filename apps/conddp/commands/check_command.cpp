@@ -77,7 +77,7 @@ int check_file(const CheckArguments& arguments) {
                                 : std::vector<const SolverInfo*>();
   if (arguments.terminal && built && !built->terminal_lqr)
     diagnostics.error({{}, "terminal"},
-                      "--terminal checks 'terminal: {lqr: STATE}', which the file has not",
+                      "--terminal needs 'terminal: {lqr: STATE}', which the file does not have",
                       "write it, or give --set terminal.lqr=STATE");
   const auto loop = candidates.empty() ? nullptr : loop_of(arguments, *spec, diagnostics);
   if (arguments.expand && built) warn_of_lost_gait(*spec, diagnostics);

@@ -80,18 +80,21 @@ int write_schedule(const ContactsArguments& arguments) {
     const Trajectory trajectory = trajectory_of(document, *solved->built.problem);
     const auto motion = contact_motion(*solved->built.problem, trajectory);
     if (!motion)
-      return give_up("its problem has no 'contact_candidates', and so no contacts that were found");
+      return give_up(
+          "its problem has no 'contact_candidates', so the contact sequence is not part of the "
+          "solution");
     const ContactSchedule schedule =
         contact_schedule(*solved->spec, solved->built, *motion, options_of(arguments));
     if (const std::string status = solution_text(document, "status");
         status != to_string(SolveStatus::converged) &&
         status != to_string(SolveStatus::cost_settled))
-      diagnostics.add({.file = arguments.solution,
-                       .severity = Severity::kWarning,
-                       .message = fmt::format("the solve did not converge ({}): its contacts need "
-                                              "not be those of a motion that can be",
-                                              status),
-                       .hint = "'conddp verify' says what the answer misses"});
+      diagnostics.add(
+          {.file = arguments.solution,
+           .severity = Severity::kWarning,
+           .message = fmt::format(
+               "the solve did not converge ({}): its contacts may belong to an infeasible motion",
+               status),
+           .hint = "'conddp verify' shows which checks fail"});
     AtomicFiles files;
     files.add(arguments.output, yaml_text(schedule.problem));
     files.commit();
@@ -113,33 +116,28 @@ int write_schedule(const ContactsArguments& arguments) {
 
 Command contacts_command() {
   const auto a = std::make_shared<ContactsArguments>();
-  return {
-      .name = "conddp contacts",
-      .description =
-          "Write the contacts that a solution found as a problem with scheduled contacts",
-      .details =
-          "Each run of steps with the same closed contacts becomes a phase, each landing an "
-          "impulse, "
-          "and the motion the first guess. Joint stops become bounds on positions, friction "
-          "becomes "
-          "cones; for solvers that take no constraints all of these become costs. What the file "
-          "cannot say is a warning.",
-      .arguments = {{.names = {"FILE"},
-                     .value = "FILE.json",
-                     .description = "Solution",
-                     .required = true,
-                     .target = &a->solution},
-                    {.names = {"-o", "--output"},
-                     .value = "FILE.yaml",
-                     .description = "Problem file to write",
-                     .required = true,
-                     .target = &a->output},
-                    problem_of_solution(
-                        a->problem,
-                        "Problem file; the one that the solution names if nothing is said"),
-                    solver_argument(a->solver,
-                                    "Solver of the new problem; proxddp if nothing is said")},
-      .run = [a] { return write_schedule(*a); }};
+  return {.name = "conddp contacts",
+          .description =
+              "Turn the contact sequence of a solution into a problem with scheduled contacts",
+          .details =
+              "Each run of steps with the same closed contacts becomes a phase, each touchdown an "
+              "impulse, and the motion the first guess. Joint stops become bounds on positions, "
+              "friction becomes cones; for solvers without constraints all of these become costs. "
+              "A warning reports what the file cannot express.",
+          .arguments = {{.names = {"FILE"},
+                         .value = "FILE.json",
+                         .description = "Solution",
+                         .required = true,
+                         .target = &a->solution},
+                        {.names = {"-o", "--output"},
+                         .value = "FILE.yaml",
+                         .description = "Problem file to write",
+                         .required = true,
+                         .target = &a->output},
+                        problem_of_solution(
+                            a->problem, "Problem file (default: the one named in the solution)"),
+                        solver_argument(a->solver, "Solver of the new problem (default: proxddp)")},
+          .run = [a] { return write_schedule(*a); }};
 }
 
 }  // namespace conddp

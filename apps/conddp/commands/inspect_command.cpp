@@ -49,7 +49,7 @@ Command inspect_command() {
                          .target = &a->file},
                         {.names = {"--base"},
                          .value = "BASE",
-                         .description = "How the root link meets the world",
+                         .description = "Joint between the root link and the world",
                          .choices = {"fixed", "floating", "planar"},
                          .fallback = a->base,
                          .target = &a->base},

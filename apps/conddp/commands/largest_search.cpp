@@ -131,9 +131,8 @@ class LoopFamily {
     if (!task || is_number_of_expanded(expand_problem(*task->spec, task->built), key_)) return;
     const int source = out.add_source(kOption, arguments_.largest);
     out.error({{source, 1, 1}, key_},
-              fmt::format("'{}' is no number of the file, nor one of its defaults", key_),
-              fmt::format("write a number there; 'conddp check {} --expand' shows all that there "
-                          "are",
+              fmt::format("'{}' is neither a number of the file nor one of its defaults", key_),
+              fmt::format("write a number there; 'conddp check {} --expand' lists all numbers",
                           arguments_.file));
   }
 
@@ -193,7 +192,7 @@ class Search {
     if (!task) family_.blame(value, own);
     if (task && task->spec->mpc->stop_when.empty())
       own.error(task->spec->mpc->place,
-                fmt::format("{}: --largest would find the whole range", kNothingStopsALoop),
+                fmt::format("{}: --largest would always find HIGH", kNothingStopsALoop),
                 kHowToStopALoop);
     if (own.has_errors()) return fail(std::move(own));
     if (!first) return true;
@@ -275,9 +274,9 @@ class Search {
   }
 
   std::string line_of(const std::optional<double>& largest) const {
-    if (!largest) return fmt::format("{} is not survived at {}\n", number_.key, number_.low);
-    return fmt::format("{} is survived up to {}{}\n", number_.key, *largest,
-                       *largest == number_.high ? ", all of the range" : "");
+    if (!largest) return fmt::format("{}: the loop fails at {}\n", number_.key, number_.low);
+    return fmt::format("{}: the loop lasts up to {}{}\n", number_.key, *largest,
+                       *largest == number_.high ? ", the whole range" : "");
   }
 
   const MpcArguments& arguments_;

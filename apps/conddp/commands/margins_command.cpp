@@ -42,7 +42,7 @@ StateNoise noise_of(const MarginArguments& arguments, const BuiltProblem& built,
                    sigmas_of("--measurement", arguments.measurement, built, out)};
   if (!out.has_errors() && noise.initial.isZero(0) && noise.process.isZero(0) &&
       noise.measurement.isZero(0))
-    out.error({}, "there is no noise: nothing but 'sigma' of 0",
+    out.error({}, "there is no noise: every 'sigma' is 0",
               "give --initial, --process or --measurement, for example --process 0.01");
   return noise;
 }
@@ -84,7 +84,7 @@ int print_margins(const MarginArguments& arguments) {
   const auto result = diagnostics.has_errors() ? std::optional<SolveResult>()
                                                : solve_for_gains(*spec, *built, diagnostics);
   if (result && !is_success(result->status))
-    diagnostics.warning({}, fmt::format("the plan is no solution: {}", result->message));
+    diagnostics.warning({}, fmt::format("the plan is not a solution: {}", result->message));
   const auto curves = result ? margins_of(*built->problem, *result, noise, diagnostics)
                              : std::optional<std::vector<MarginCurve>>();
   print_messages(diagnostics, Verbosity::kNormal);
@@ -105,20 +105,20 @@ Command margins_command() {
   const auto a = std::make_shared<MarginArguments>();
   return {
       .name = "conddp margins",
-      .description = "Solve a problem and tell how much noise its plan withstands",
+      .description = "Solve a problem and compute how much noise its plan tolerates",
       .details =
-          "Carries covariances of the state through the gains of the plan, to first order, and "
-          "prints how many standard deviations each bound on controls and each constraint is "
-          "away at least, where, and how likely it is violated there. SIGMA is a standard "
-          "deviation for all components of the state, a list, or a mapping of names: '{theta: "
-          "0.01, \"v*\": 0.1}'. Exit status 1 where the solver did not converge.",
+          "Propagates the state covariance through the gains of the plan, to first order. Prints "
+          "the smallest distance to each control bound and constraint in standard deviations, its "
+          "place, and the probability of a violation there. SIGMA is a standard deviation for all "
+          "components of the state, a list, or a mapping of names: '{theta: 0.01, \"v*\": 0.1}'. "
+          "Exit status 1 where the solver did not converge.",
       .arguments = joined(
           problem_arguments(*a),
-          {sigma_argument("--initial", a->initial, "Of the state at the start"),
+          {sigma_argument("--initial", a->initial, "Noise of the initial state"),
            sigma_argument("--process", a->process,
-                          "Of what each knot that takes time adds to the state"),
+                          "Noise added to the state by each knot that takes time"),
            sigma_argument("--measurement", a->measurement,
-                          "Of what is added to the state that the gains get in each knot"),
+                          "Noise of the state measurement that the gains receive at each knot"),
            flag({"--json"}, a->json, "Print all nodes as JSON on stdout (conddp schema margins)")}),
       .run = [a] { return print_margins(*a); }};
 }

@@ -84,41 +84,42 @@ int run(const MpcArguments& arguments) {
 
 Command mpc_command() {
   const auto a = std::make_shared<MpcArguments>();
-  return {.name = "conddp mpc",
-          .description = "Simulate model predictive control of a problem file in a closed loop",
-          .details =
-              "The file's section 'mpc' says how. Writes mpc.json, closed_loop.csv, ticks.csv "
-              "and tick_times.csv, all of them or none; with --largest, largest.csv too, after "
-              "each trial. Exit status 1 where the loop ended before its duration; with --largest "
-              "where LOW is not survived.",
-          .arguments = joined(
-              problem_arguments(*a),
-              {{.names = {"-o", "--output"},
-                .value = "FOLDER",
-                .description = "Folder for the outputs; out/<problem name> if nothing is said",
-                .target = &a->folder},
-               threads_argument(a->threads, "Threads; results do not depend on it"),
-               {.names = {"--report"},
-                .value = "FILE.html",
-                .description = "Make a page for the browser: the plant in 3-D, the plan of each "
-                               "tick as a ghost, events and times of ticks",
-                .excludes = "--largest",
-                .target = &a->report},
-               {.names = {"--largest"},
-                .value = "KEY=[LOW,HIGH]",
-                .description = "Look by bisection for the largest number of a key of the file "
-                               "whose loop lasts for its duration, with no condition of stop_when "
-                               "broken; largest.csv has the trials",
-                .check = largest_defect,
-                .target = &a->largest},
-               flag({"--realtime"}, a->realtime,
-                    "Measure solves: ticks whose preparation and feedback take longer than a tick "
-                    "are late. Outputs then differ from run to run"),
-               flag({"--quiet"}, a->quiet, "Print nothing but errors"),
-               flag({"--json"}, a->json,
-                    "Print mpc.json on stdout; with --largest, what was found is in it"),
-               flag({"-v", "--verbose"}, a->verbose, "Print notes too", "--quiet")}),
-          .run = [a] { return run(*a); }};
+  return {
+      .name = "conddp mpc",
+      .description = "Simulate model predictive control of a problem file in a closed loop",
+      .details =
+          "The file's section 'mpc' configures the loop. Writes mpc.json, closed_loop.csv, "
+          "ticks.csv and tick_times.csv, all of them or none; with --largest, largest.csv too, "
+          "after each trial. Exit status 1 if the loop ended before its duration; with --largest, "
+          "if the loop fails at LOW.",
+      .arguments = joined(
+          problem_arguments(*a),
+          {{.names = {"-o", "--output"},
+            .value = "FOLDER",
+            .description = "Folder for the outputs (default: out/<problem name>)",
+            .target = &a->folder},
+           threads_argument(a->threads, "Threads; results do not depend on it"),
+           {.names = {"--report"},
+            .value = "FILE.html",
+            .description = "Make a page for the browser: the plant in 3-D, the plan of each "
+                           "tick as a ghost, events and times of ticks",
+            .excludes = "--largest",
+            .target = &a->report},
+           {.names = {"--largest"},
+            .value = "KEY=[LOW,HIGH]",
+            .description =
+                "Find by bisection the largest value of a key for which the loop lasts for its "
+                "duration and satisfies every stop_when condition; largest.csv lists the trials",
+            .check = largest_defect,
+            .target = &a->largest},
+           flag({"--realtime"}, a->realtime,
+                "Measure solves: ticks whose preparation and feedback take longer than a tick "
+                "are late. Outputs then differ from run to run"),
+           flag({"--quiet"}, a->quiet, "Print nothing but errors"),
+           flag({"--json"}, a->json,
+                "Print mpc.json on stdout; with --largest, what was found is in it"),
+           flag({"-v", "--verbose"}, a->verbose, "Print notes too", "--quiet")}),
+      .run = [a] { return run(*a); }};
 }
 
 }  // namespace conddp

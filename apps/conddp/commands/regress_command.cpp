@@ -125,7 +125,7 @@ std::vector<GoldenCase> new_cases(const RegressArguments& arguments, Diagnostics
   std::error_code error;
   if (!fs::is_directory(arguments.inputs.front(), error)) {
     out.error({}, fmt::format("'{}' is not a folder", arguments.inputs.front()),
-              "golden files are added to a folder that is there");
+              "golden files are added to an existing folder");
     return cases;
   }
   for (const std::string& problem : arguments.added) {

@@ -181,32 +181,31 @@ int report(const ReportArguments& arguments) {
 
 Command report_command() {
   const auto a = std::make_shared<ReportArguments>();
-  return {.name = "conddp report",
-          .description = "Make a page for the browser that shows solutions",
-          .details =
-              "One file that needs no network: the robot in 3-D with contact forces, a time line, "
-              "every "
-              "curve with its limits, the convergence of the solver, and how to reproduce it. "
-              "Where the "
-              "problem of a solution is not there any more, its curves are.",
-          .arguments =
-              {{.names = {"FILE"},
-                .value = "FILE.json",
-                .description = "Solutions; the first one's robot is solid, others are ghosts",
-                .required = true,
-                .target = &a->solutions},
-               {.names = {"-o", "--output"},
-                .value = "FILE.html",
-                .description = "The page; report.html beside the first solution if nothing is said",
-                .target = &a->file},
-               problem_of_solution(
-                   a->problem, "Problem file; the one that each solution names if nothing is said"),
-               {.names = {"--bench"},
-                .value = "bench.json",
-                .description = "Add a table of what 'conddp bench' measured of the same problems",
-                .target = &a->bench},
-               flag({"--open"}, a->open, "Open the page with xdg-open")},
-          .run = [a] { return report(*a); }};
+  return {
+      .name = "conddp report",
+      .description = "Make a page for the browser that shows solutions",
+      .details =
+          "One file that needs no network: the robot in 3-D with contact forces, a time line, "
+          "every curve with its limits, the convergence of the solver, and how to reproduce it. If "
+          "the problem of a solution is missing, the page shows its curves only.",
+      .arguments = {{.names = {"FILE"},
+                     .value = "FILE.json",
+                     .description = "Solutions; the first one's robot is solid, others are ghosts",
+                     .required = true,
+                     .target = &a->solutions},
+                    {.names = {"-o", "--output"},
+                     .value = "FILE.html",
+                     .description = "The page (default: report.html beside the first solution)",
+                     .target = &a->file},
+                    problem_of_solution(a->problem,
+                                        "Problem file (default: the one named in each solution)"),
+                    {.names = {"--bench"},
+                     .value = "bench.json",
+                     .description =
+                         "Add a table of what 'conddp bench' measured of the same problems",
+                     .target = &a->bench},
+                    flag({"--open"}, a->open, "Open the page with xdg-open")},
+      .run = [a] { return report(*a); }};
 }
 
 }  // namespace conddp

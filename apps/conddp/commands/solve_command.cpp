@@ -119,8 +119,8 @@ bool leaves_time(const ProblemSpec& spec, double finishing, Diagnostics& out) {
     if (phase.knots.value > longest->knots.value) longest = &phase;
   }
   out.error(longest->knots.place,
-            fmt::format("what follows a solve of {:.0f} knots, its certificate and files, takes "
-                        "about {:.2g} s, and the time limit is {:g} s",
+            fmt::format("after a solve of {:.0f} knots, the certificate and the files take about "
+                        "{:.2g} s, and the time limit is {:g} s",
                         knots, finishing, limit),
             "take fewer knots, a longer limit (--max-time, solver.max_time_s) or --no-verify");
   return false;
@@ -244,7 +244,7 @@ int checked_exit_code(const SolutionCertificate& certificate, const ProblemSpec&
                       SolveStatus status) {
   if (!certificate.checks.computable() && !spec.runs_code()) {
     print_error("the answer cannot be checked: " + certificate_line(certificate),
-                "its numbers are so large that rounding or overflow eats what they should say");
+                "its numbers are so large that rounding or overflow makes them meaningless");
     return std::max<int>(kExitNotConverged, exit_code(status));
   }
   if (certificate.checks.holds())
@@ -264,10 +264,9 @@ int checked_exit_code(const SolutionCertificate& certificate, const ProblemSpec&
   }
   if (certificate.checks.doubts_optimality_alone()) {
     print_error("the certificate of the answer " + certificate_line(certificate),
-                "the motion is what the solution says, but whether it is optimal cannot be told: a "
-                "problem is ill-conditioned where controls or states cost next to nothing; give "
-                "them a cost, larger weights to all costs, or a smaller "
-                "solver.tolerances.stationarity");
+                "the motion is correct, but its optimality cannot be decided: a problem is "
+                "ill-conditioned if controls or states cost next to nothing; give them a cost, "
+                "larger weights to all costs, or a smaller solver.tolerances.stationarity");
     return std::max<int>(kExitNotConverged, exit_code(status));
   }
   print_error("the certificate of the answer " + certificate_line(certificate),
@@ -537,7 +536,7 @@ bool can_be_solved(const std::vector<SolveArguments>& list) {
     Diagnostics diagnostics;
     if (!names_folder(std::filesystem::path(one.folder).filename().string()))
       diagnostics.error({}, fmt::format("the answer of '{}' has no folder", one.file),
-                        "its file's name names one; solve it alone, with --output");
+                        "the file's name cannot name a folder; solve it alone, with --output");
     if (!folders.insert(one.folder).second)
       diagnostics.error({}, fmt::format("two problems would be written to '{}'", one.folder),
                         "solve them one by one, with --output");
@@ -581,7 +580,7 @@ Command solve_command() {
             .target = &a->others},
            {.names = {"-o", "--output"},
             .value = "FOLDER",
-            .description = "Folder for the outputs; out/<problem name> if nothing is said",
+            .description = "Folder for the outputs (default: out/<problem name>)",
             .target = &a->folder},
            {.names = {"--warm-start"},
             .value = "FILE.json",
@@ -597,8 +596,8 @@ Command solve_command() {
            flag({"-v", "--verbose"}, a->verbose,
                 "Print notes, and a line of figures each iteration", "--quiet"),
            flag({"--no-verify"}, a->no_verify,
-                "Leave out the certificate: the check of the answer by code that no solver "
-                "uses")}),
+                "Skip the certificate, which checks the answer with code independent of the "
+                "solvers")}),
       .run = [a] { return solve_files(*a); }};
 }
 

@@ -154,21 +154,20 @@ int verify(const VerifyArguments& arguments) {
 Command verify_command() {
   const auto a = std::make_shared<VerifyArguments>();
   return {.name = "conddp verify",
-          .description = "Check a solution by code that no solver uses, or replay a closed loop",
+          .description =
+              "Check a solution with code independent of the solvers, or replay a closed loop",
           .details =
               "Simulates every knot again and compares costs, gaps, bounds, multipliers and the "
-              "gradient "
-              "of the Lagrangian with what the solution says of itself. Of an mpc.json, moves the "
-              "plant along closed_loop.csv beside it, and simulates the loop again. Exit status 0 "
-              "if all of it holds, 1 if not.",
+              "gradient of the Lagrangian with the values in the solution. For an mpc.json, moves "
+              "the plant along closed_loop.csv beside it, and simulates the loop again. Exit "
+              "status 0 if all of it holds, 1 if not.",
           .arguments = {{.names = {"FILE"},
                          .value = "FILE.json",
                          .description = "Solution, or mpc.json of a closed loop",
                          .required = true,
                          .target = &a->solution},
                         problem_of_solution(
-                            a->problem,
-                            "Problem file; the one that the solution names if nothing is said"),
+                            a->problem, "Problem file (default: the one named in the solution)"),
                         flag({"--quiet"}, a->quiet, "Print nothing but errors"),
                         flag({"--json"}, a->json, "Print JSON on stdout", "--quiet")},
           .run = [a] { return verify(*a); }};

@@ -180,7 +180,7 @@ OrderedJson list_problems() {
   OrderedJson list = OrderedJson::array();
   for (const std::filesystem::path& file : example_problems()) {
     std::string summary = example_summary(file);
-    if (summary.empty()) summary = "(nothing is said at its head)";
+    if (summary.empty()) summary = "(no description)";
     list.push_back(
         {{"name", file.stem().string()}, {"description", summary}, {"file", file.string()}});
   }

@@ -180,8 +180,8 @@ std::string summary_text(const Solution& s, const SolutionCertificate* certifica
   if (certificate != nullptr) text += certificate_lines(*certificate, s.spec.solver.options);
   text += auto_line(s) + start_lines(s);
   if (notes > 0)
-    text += fmt::format("  notes         {} on what the robot's file has and conddp ignores: -v\n",
-                        notes);
+    text += fmt::format(
+        "  notes         {} on content of the robot's file that conddp ignores: -v\n", notes);
   for (const std::string& file : written) text += fmt::format("  written       {}\n", file);
   text = terminal_text(text);
   return colour ? coloured(std::move(text), head, r.status) : text;

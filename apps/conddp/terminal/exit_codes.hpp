@@ -19,8 +19,8 @@ struct ExitCodeInfo {
   std::string_view meaning;
 };
 inline constexpr ExitCodeInfo kExitCodes[] = {
-    {kExitConverged, "solved, or what was asked for holds"},
-    {kExitNotConverged, "ended otherwise; outputs are written all the same"},
+    {kExitConverged, "solved, or the requested check passed"},
+    {kExitNotConverged, "ended otherwise; outputs are written anyway"},
     {kExitBadInput, "wrong usage, wrong files, or outputs that cannot be written"},
     {kExitDefect, "a defect of conddp itself"},
     {kExitSignalBase + 2, "ended by Ctrl-C; 'solve' writes the best iterate"},

@@ -486,7 +486,7 @@ class Judge {
     feasible &= need("gap", gap_.value, t.gap + state_rounding());
     feasible &= need("constraint violation", found_constraint_, t.constraint);
     need("complementarity", found_complementarity_, t.complementarity);
-    need("the co-states' relative distance from those along other gains, and from those without",
+    need("the relative distance of the co-states from those with other gains and without gains",
          costate_error_, kCostateMargin * t.stationarity);
     if (certificate_.second_order)
       need("the share of the cost that a Newton step would gain or repair",
@@ -522,7 +522,7 @@ class Judge {
       wrong = fmt::format(
           "moves of the controls lower the violation by {:.2g} of it, to first order", share);
     else if (model.curvature == Curvature::negative)
-      wrong = "a motion beside this one has a smaller violation";
+      wrong = "a neighboring motion has a smaller violation";
     else if (!(model.share() <= kLeastViolationShare))
       wrong = fmt::format("a Newton step takes {:.2g} of the squared violation", model.share());
     add({"least violation", wrong.empty(), Check::kNone, share, kLeastViolationShare, "",

@@ -68,7 +68,8 @@ Doubt certificate_doubt(const SolverOptions& options, KnownCertificates known) {
       if (objection.excess > 1)
         objection.text = fmt::format("a Newton step would gain {:.2g} of its cost", model.share());
       if (model.hidden_share() > kMostLeft) objection.text = certificate.curvature;
-      if (!objection.descent.empty()) objection.text = "it is no minimum: " + certificate.curvature;
+      if (!objection.descent.empty())
+        objection.text = "it is not a minimum: " + certificate.curvature;
     }
     const auto wrong =
         std::ranges::find_if(certificate.checks, [](const Check& c) { return !c.holds; });

@@ -273,8 +273,8 @@ class Watch {
       Finding f{FindingKind::redundant_contacts, names,
                 static_cast<double>(found.rows - found.rank), "1"};
       f.message = fmt::format(
-          "the contacts {} of phase '{}' depend on each other: of all {} rows {} are independent, "
-          "and the smallest forces are taken",
+          "the contacts {} of phase '{}' are redundant: of all {} rows {} are independent, and the "
+          "smallest forces are used",
           names, phase.name, found.rows, found.rank);
       add(std::move(f), k);
     }

@@ -113,8 +113,8 @@ std::string with_name(const ShootingProblem& problem, const SolveResult& r) {
 /// Diagnosis of iterates that run away while their numbers are finite.
 Diagnosis unbounded_iterates() {
   return {DiagnosisPattern::growth, "the iterates grow without bound", -1, "",
-          "bounds on controls and states: a cost that is linear or negative may have no least "
-          "value; another first guess"};
+          "bounds on controls and states: a cost that is linear or negative may be unbounded "
+          "below; another first guess"};
 }
 
 Diagnosis growth(const ShootingProblem& problem, const SolveResult& r) {
@@ -131,7 +131,7 @@ Diagnosis growth(const ShootingProblem& problem, const SolveResult& r) {
       fmt::format("the {}{} {}", quantity, at(r.failed_knot),
                   r.status == SolveStatus::diverged
                       ? (start ? "is not finite along the first guess" : "stopped being finite")
-                      : "leaves the finite numbers in every longer step"),
+                      : "becomes infinite or NaN in every longer step"),
       r.failed_knot, r.failed_quantity,
       remedy_of_growth(problem, start, singular.has_value() || (start && r.failed_knot == 0))};
   if (singular) tell_singular_rate(*singular, problem, d);
@@ -162,8 +162,8 @@ bool has_free_controls(const ShootingProblem& problem) {
 /// guesses rarely change that.
 std::string remedy_of_violation(const ShootingProblem& problem, bool least) {
   std::string remedy =
-      "wider bounds, more time for the motion, or without a constraint (--drop) to see what the "
-      "others ask for; a minimum of the violation can also be a local one: ";
+      "wider bounds, more time for the motion, or a solve without one constraint (--drop) to find "
+      "the conflict; a minimum of the violation can also be local: ";
   remedy += least ? "many first guesses" : "another first guess, or many of them";
   remedy += " (solver.restarts: {count: 20, spread: 1})";
   if (has_free_controls(problem))
@@ -180,13 +180,14 @@ Diagnosis infeasible(const ShootingProblem& problem, const IterationRecord& last
                       last.constraint, at(last.constraint_knot)),
           last.constraint_knot, "constraint violation",
           remedy_of_violation(problem, true) +
-              (drawn ? "; --solver ipopt, which a linear cost does not draw away" : "")};
+              (drawn ? "; --solver ipopt, which a linear cost does not pull away from feasibility"
+                     : "")};
 }
 
 /// Diagnosis after a restoration that reached neither feasibility nor a least violation.
 Diagnosis undecided(const ShootingProblem& problem, const IterationRecord& last) {
   return {DiagnosisPattern::undecided,
-          fmt::format("a restoration of feasibility did not get the violation under {:.1e}{}; "
+          fmt::format("a restoration of feasibility did not reduce the violation below {:.1e}{}; "
                       "whether the constraints can be satisfied has not been decided",
                       last.constraint, at(last.constraint_knot)),
           last.constraint_knot, "constraint violation", remedy_of_violation(problem, false)};
@@ -288,8 +289,8 @@ Diagnosis slow_feasibility(const Window& w) {
 Diagnosis alternating(const Window& w) {
   const int changing = w.count([](const IterationRecord& r) { return r.active_set_changes > 0; });
   return {DiagnosisPattern::alternating_active_set,
-          fmt::format("controls come to their bounds and leave them in {} of the last {} steps "
-                      "({} changes in the last one), stationarity {:.1e}{}",
+          fmt::format("controls reach and leave their bounds in {} of the last {} steps ({} "
+                      "changes in the last one), stationarity {:.1e}{}",
                       changing, w.steps(), w.last().active_set_changes, w.last().stationarity,
                       at(w.last().stationarity_knot)),
           w.last().stationarity_knot, "active set of the control bounds",
@@ -361,11 +362,11 @@ Diagnosis unfinished(const SolveResult& r, const SolverOptions& options,
 /// Contacts that depend on each other leave their forces to the compliance of a singular G. Steps
 /// then fail for a reason that no solver option removes.
 Diagnosis redundant(Diagnosis stuck, const ContactRank& contacts) {
-  stuck.message += fmt::format(
-      "; the contacts '{}' depend on each other there: of all {} rows {} are independent",
-      fmt::join(contacts.redundant, "', '"), contacts.rows, contacts.rank);
+  stuck.message +=
+      fmt::format("; the contacts '{}' are redundant there: of all {} rows {} are independent",
+                  fmt::join(contacts.redundant, "', '"), contacts.rows, contacts.rank);
   return {DiagnosisPattern::redundant_contacts, std::move(stuck.message), stuck.knot, "contacts",
-          "contacts that hold less (type: point, planar or normal instead of surface, or one "
+          "contacts that constrain less (type: point, planar or normal instead of surface, or one "
           "fewer), joints that are not locked, or a posture in which limbs are bent"};
 }
 
@@ -421,8 +422,8 @@ bool cost_goes_on_falling(const std::vector<IterationRecord>& log) {
 /// Diagnosis of a cost that drives a control without limit, whatever the log looks like.
 Diagnosis unbounded(Diagnosis log, double cost, const FreeControl& control) {
   log.message += fmt::format(
-      "; the cost goes on falling, to {:.3g}, and the control '{}' has neither a cost nor a bound "
-      "in the phase '{}'",
+      "; the cost keeps falling, to {:.3g}, and the control '{}' has neither a cost nor a bound in "
+      "the phase '{}'",
       cost, control.name, control.phase);
   return {DiagnosisPattern::free_control, std::move(log.message), control.knot, control.name,
           "a cost on it ('{residual: control}') or bounds ('{bounds: control, lower: -1, upper: "

@@ -365,7 +365,7 @@ class Search {
     Finding* f = worst(FindingKind::between_knots, c.term->name, off, "", end);
     if (f == nullptr) return;
     f->message = fmt::format(
-        "'{}' is violated by {:.3g}{} at {}, where it does not hold", c.term->name, off,
+        "'{}' is violated by {:.3g}{} at {}, where it is not enforced", c.term->name, off,
         offender(c, values),
         end == problem_.knots() ? "the last node"
                                 : fmt::format("node {}, the end of the phase '{}'", end,
@@ -387,7 +387,7 @@ class Search {
     f->remedy = f->jumps
                     ? std::string(
                           "another first guess, or many of them (solver.restarts): the motion "
-                          "jumps through what it should go around")
+                          "jumps through an obstacle that it should avoid")
                     : fmt::format("more knots (about {:.0f} times as many), or wider distances",
                                   std::ceil(std::sqrt(off / kBetween)));
   }
@@ -475,7 +475,7 @@ class Search {
         high ? "last" : "first", high ? worst.last : worst.first,
         range.first == range.last ? fmt::format("at knot {}", range.first)
                                   : fmt::format("at knots {} to {}", range.first, range.last));
-    f.remedy = "more points, or a bound on what it depends on: beyond its points it is linear";
+    f.remedy = "more points, or a bound on its argument: beyond its points the table is linear";
   }
 
   int first_of_last_phase() const {

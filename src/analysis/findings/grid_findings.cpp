@@ -47,7 +47,7 @@ std::string remedy_of(const ShootingProblem& problem, const Trajectory& trajecto
         (problem.ndx() <= kMostImplicitStates && allows_collocation(problem)))
       test(rule, 1, fmt::format("'integrator: {}'", info_of(rule).name));
   test(std::nullopt, kParts, fmt::format("steps of dt/{}", kParts));
-  if (good.empty()) return fmt::format("'mesh', or still shorter steps: {} are no cure", all);
+  if (good.empty()) return fmt::format("'mesh', or still shorter steps: {} are not enough", all);
   return good + ", by the error at this motion";
 }
 
@@ -85,8 +85,7 @@ void find_in_grid(const ShootingProblem& problem, const Trajectory& trajectory,
     f.value = error->relative < kMost ? error->relative : kMost;
     f.message = fmt::format(
         "the grid does not resolve the motion: the errors of steps of {} add up to {:.2g} {} in "
-        "{}, "
-        "{} of how far it goes",
+        "{}, {} of its range",
         rule_at(problem, error->knot), error->sum, column.unit, column.name,
         percent(error->relative));
     f.remedy = remedy_of(problem, trajectory, *error);

@@ -109,12 +109,10 @@ class IngredientsFinder {
       for (const RowBlock& block : cost.residual->blocks())
         for (const int column : block.columns)
           if (column >= first && column < end)
-            return fail(
-                fmt::format(
-                    "the running cost '{}' depends on the integral '{}', which no regulator "
-                    "leads anywhere",
-                    cost.name, names_[column]),
-                "leave the integral out of costs of the last phase that takes time");
+            return fail(fmt::format("the running cost '{}' depends on the integral '{}', which no "
+                                    "regulator can control",
+                                    cost.name, names_[column]),
+                        "leave the integral out of costs of the last phase that takes time");
     return true;
   }
 
@@ -216,10 +214,11 @@ class IngredientsFinder {
     };
     const double leak = std::max(across(A), across(B));
     if (!(leak <= kLargestLeak))
-      return fail(fmt::format("the contacts do not hold what they touch: a step leaves their "
-                              "tangent space by {:.3g}",
-                              leak),
-                  "contacts that depend on each other are soft; leave some out");
+      return fail(
+          fmt::format(
+              "the contacts are not held exactly: a step leaves their tangent space by {:.3g}",
+              leak),
+          "redundant contacts are soft; leave some out");
     evaluator_.lagrangian_hessian(trajectory_, Eigen::MatrixXd::Zero(n, 2), linear_);
     const Eigen::MatrixXd H = linear_.knots[0].hessian();
     problem_of_y_ = {.A = T_.transpose() * A,
@@ -267,7 +266,7 @@ class IngredientsFinder {
         return fail(fmt::format("no control moves {}", describe(*solved.mode)),
                     "leave such states out of the system, or give it a control");
       case RegulatorFault::not_detectable:
-        return fail(fmt::format("the running cost does not see {}", describe(*solved.mode)),
+        return fail(fmt::format("the running cost does not depend on {}", describe(*solved.mode)),
                     "give these states a running cost");
       default:
         return fail("rounding spoils the solution of the Riccati equation",

@@ -115,9 +115,8 @@ class PlanReader {
       return add_problem(path, name.place);
     const std::vector<fs::path> found = names ? matching_files(path) : std::vector<fs::path>();
     if (found.empty())
-      out_.error(
-          name.place, fmt::format("no file is like '{}'", path.string()),
-          folders ? "'*', '?' and '[...]' stand for files in the last part of a path alone" : "");
+      out_.error(name.place, fmt::format("no file matches '{}'", path.string()),
+                 folders ? "'*', '?' and '[...]' match files only in the last part of a path" : "");
     for (const fs::path& file : found) add_problem(file, name.place);
   }
 
@@ -200,7 +199,7 @@ class PlanReader {
       plan_.warm_start = WarmStart::kFile;
       plan_.start_file = {file, reader.place()};
     } else {
-      reader.error(fmt::format("'{}' is no warm start, and there is no such file", *word),
+      reader.error(fmt::format("'{}' is neither a warm start nor an existing file", *word),
                    fmt::format("write '{}', '{}', or a solution.json from which all items start",
                                kOwnStart, kNeighbourStart));
     }

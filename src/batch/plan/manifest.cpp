@@ -241,7 +241,7 @@ std::optional<Manifest> load_manifest(const std::filesystem::path& run, bool wit
     ++number;
     auto parsed = std::getline(stream, line) ? parse_stored_line(line) : std::nullopt;
     if (!parsed || !is_item_of(*manifest, *parsed))
-      return fail(number, "the manifest is damaged: this line is no item of it",
+      return fail(number, "the manifest is damaged: this line is not an item",
                   "make the plan again");
     item = *std::move(parsed);
   }

@@ -52,8 +52,7 @@ class AxisReader {
         (this->*read)(*r);
         return std::move(axis_);
       }
-    map_.reader().error(fmt::format("nothing says which values '{}' takes", axis_.name.value),
-                        kKinds);
+    map_.reader().error(fmt::format("the values of '{}' are missing", axis_.name.value), kKinds);
     map_.ignore_others();
     return std::move(axis_);
   }

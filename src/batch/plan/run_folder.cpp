@@ -157,12 +157,11 @@ void warn_without_time_limit(const Manifest& manifest, const fs::path& run, Diag
   for (std::size_t i = 0; i < manifest.problems.size(); ++i) {
     const int problem = static_cast<int>(i);
     if (solves && file_limits_time(manifest, problem, run)) continue;
-    return out.warning(
-        {},
-        fmt::format("neither the plan nor '{}' limits the time of an item: one that does not end "
-                    "holds up its worker for ever",
-                    problem_of_run(manifest, problem, run).string()),
-        "write 'limits: {max_time_s: 600}' into the plan");
+    return out.warning({},
+                       fmt::format("neither the plan nor '{}' limits the time of an item: an item "
+                                   "that does not end blocks its worker forever",
+                                   problem_of_run(manifest, problem, run).string()),
+                       "write 'limits: {max_time_s: 600}' into the plan");
   }
 }
 

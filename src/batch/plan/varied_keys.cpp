@@ -92,10 +92,10 @@ class KeyCheck {
     check(plan_.start_file.has_value(), "initial_guess",
           "by 'warm_start' all items start from a file");
     if (plan_.command == BatchCommand::kSolve && first_step(varied.key.value) == "mpc")
-      out_.error(
-          varied.key.place,
-          fmt::format("'{}' is varied, and solves have nothing of closed loops", varied.key.value),
-          "write 'command: mpc': items are closed loops then");
+      out_.error(varied.key.place,
+                 fmt::format("'{}' is varied, but solves do not use keys of closed loops",
+                             varied.key.value),
+                 "write 'command: mpc': items are closed loops then");
   }
 
   /// Reports varied keys that a homotopy moves, because its final values override them.

@@ -96,29 +96,31 @@ inline constexpr IntegratorInfo kIntegrators[] = {
      CollocationRule::trapezoidal},
     {Integrator::hermite_simpson,
      "hermite_simpson",
-     "collocation by Hermite and Simpson's rule (Lobatto IIIA): implicit, fourth order; the same",
+     "collocation by Hermite and Simpson's rule (Lobatto IIIA): implicit, fourth order; same "
+     "requirement",
      StepKind::collocation,
      4,
      {},
      CollocationRule::hermite_simpson},
     {Integrator::radau3,
      "radau3",
-     "collocation by Radau's rule (IIA) of two stages: implicit, third order, damps what is stiff; "
-     "the same",
+     "collocation by Radau's rule (IIA) of two stages: implicit, third order, damps stiff modes; "
+     "same requirement",
      StepKind::collocation,
      3,
      {},
      CollocationRule::radau3},
     {Integrator::radau5,
      "radau5",
-     "collocation by Radau's rule (IIA) of three stages: implicit, fifth order, damps what is "
-     "stiff; the same",
+     "collocation by Radau's rule (IIA) of three stages: implicit, fifth order, damps stiff modes; "
+     "same requirement",
      StepKind::collocation,
      5,
      {},
      CollocationRule::radau5},
     {Integrator::discrete, "discrete",
-     "none: of systems that give the next state themselves (linear, car)", StepKind::given}};
+     "no integration, for systems that give the next state themselves (linear, car)",
+     StepKind::given}};
 
 constexpr const IntegratorInfo& info_of(Integrator integrator) {
   return kIntegrators[static_cast<int>(integrator)];

@@ -39,7 +39,7 @@ std::string entry_name(const SolutionCertificate& certificate, const ReplayRun& 
 }
 
 std::string run_text(const SolutionCertificate& certificate, const ReplayRun& run) {
-  if (run.lost_at >= 0) return fmt::format("leaves the finite numbers at knot {}", run.lost_at);
+  if (run.lost_at >= 0) return fmt::format("is no longer finite at knot {}", run.lost_at);
   if (run.knot < 0) return "no deviation";
   return fmt::format("{:.2g} in {} at knot {}", run.deviation, entry_name(certificate, run),
                      run.knot);
@@ -233,8 +233,8 @@ std::vector<std::string> certificate_warnings(const SolutionCertificate& certifi
   const Replay& replay = *certificate.replay;
   if (replay.feedback.lost_at >= 0 || replay.feedback.relative > kFarOff)
     list.push_back(
-        fmt::format("on a grid of dt/{} feedback does not hold the motion: {}; a smaller "
-                    "dt or an integrator of higher order",
+        fmt::format("on a grid of dt/{} feedback does not stabilize the motion: {}; a smaller dt "
+                    "or an integrator of higher order",
                     replay.substeps, run_text(certificate, replay.feedback)));
   for (const BrokenLimit& limit : replay.broken) list.push_back(limit_text(limit));
   return list;

@@ -110,10 +110,11 @@ class LoopJudge {
     const auto& is_late = task_.mpc.controller.is_late;
     const bool by_the_file =
         std::all_of(late_.begin(), late_.end(), [&](int tick) { return is_late && is_late(tick); });
-    state("clock", clock == "wall" || (clock == "simulated" && by_the_file),
-          clock == "simulated"
-              ? "ticks are late that no disturbance makes late, though the clock is simulated"
-              : fmt::format("'{}' is neither 'simulated' nor 'wall'", clock));
+    state(
+        "clock", clock == "wall" || (clock == "simulated" && by_the_file),
+        clock == "simulated"
+            ? "ticks are late without a disturbance that causes it, although the clock is simulated"
+            : fmt::format("'{}' is neither 'simulated' nor 'wall'", clock));
   }
 
   void add(Check check) { certificate_.checks.checks.push_back(std::move(check)); }

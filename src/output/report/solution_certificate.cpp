@@ -546,10 +546,10 @@ class Reader {
     if (check.holds)
       check.place.clear();
     else
-      check.message = second ? "its Hessian is not what differences of its Jacobian give"
+      check.message = second ? "its Hessian differs from differences of its Jacobian"
                       : std::isfinite(check.found)
-                          ? "they are not what differences of its values give"
-                          : "the function fails, or gives no finite numbers, there or beside it";
+                          ? "they differ from differences of its values"
+                          : "the function fails or is not finite there or nearby";
     add(std::move(check));
   }
 
@@ -702,7 +702,7 @@ class Reader {
       if (i >= certificate_.checks.size() || certificate_.checks[i].name != name)
         return fail("certificate of " + name, "is another check here");
       if (!says_the_same(list[i], certificate_.checks[i]))
-        return fail("certificate of " + name, "says something else than is found here");
+        return fail("certificate of " + name, "differs from the result found here");
     }
   }
 

@@ -138,7 +138,8 @@ class Writer {
     const auto refuse = [&](const char* what) {
       throw NoSchedule{fmt::format("the contact '{}' {}", used.name.value, what)};
     };
-    if (used.against.frame) refuse("is with a body of the robot: a schedule has the world alone");
+    if (used.against.frame)
+      refuse("is with a body of the robot: a schedule supports only contacts with the world");
     if (used.stiffness) refuse("is soft: contacts of a schedule are rigid");
     if (squared_norm(used.point) != 0)
       refuse("is not at the origin of its frame: give the robot a frame there");

@@ -296,8 +296,7 @@ OrderedJson nulls_json(const OrderedJson& json, const Solution& s) {
   add("soft_constraints", json["soft_constraints"], unknown);
   add("dropped_constraints", json["dropped_constraints"], unknown);
   if (json.contains("mesh"))
-    add("mesh", json["mesh"],
-        "the replay on a finer grid leaves the finite numbers, or there is none");
+    add("mesh", json["mesh"], "the replay on a finer grid is not finite, or there is none");
   if (json.contains("homotopy"))
     add("homotopy", json["homotopy"], "of a problem without an iterate");
   if (!json.contains("trajectory")) return list;

@@ -139,8 +139,8 @@ bool build_again(RebuiltFor kind, const OrderedJson& document, const std::string
   std::error_code error;
   if (problem.empty() && !fs::is_regular_file(file, error)) {
     out.add({.file = document_file,
-             .message = fmt::format("its problem '{}' is not there", s.problem),
-             .hint = "say with --problem where it is now"});
+             .message = fmt::format("its problem '{}' does not exist", s.problem),
+             .hint = "give its new path with --problem"});
     return false;
   }
   Diagnostics attempt = out;
@@ -151,7 +151,7 @@ bool build_again(RebuiltFor kind, const OrderedJson& document, const std::string
   if (!built && !named_by_caller && !quotable) {
     out.add({.file = document_file,
              .message = fmt::format("its problem '{}' cannot be built", file.string()),
-             .hint = fmt::format("'conddp {} {}'{} says why; --problem takes another file",
+             .hint = fmt::format("'conddp {} {}'{} shows why; --problem names another file",
                                  kind == RebuiltFor::kLoop ? "mpc" : "check", file.string(),
                                  s.overrides.empty() ? "" : " with its settings")});
     return false;

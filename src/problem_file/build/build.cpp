@@ -56,10 +56,10 @@ std::optional<Integrator> choose_integrator(const ProblemSpec& spec, const Syste
   if (!discrete && integrator == Integrator::discrete)
     return fail("this system is continuous: it needs an integrator", accepted_integrators(true));
   if (integrator == Integrator::semi_implicit_euler && system.kind() != SystemKind::second_order)
-    return fail("semi-implicit Euler needs positions and velocities, which this system has not",
+    return fail("semi-implicit Euler needs a system with positions and velocities",
                 accepted_integrators(false));
   if (spec.has_linear_controls() && !follows_controls(integrator))
-    return fail("linear controls need an integrator that sees how they change during a step",
+    return fail("linear controls need an integrator that accounts for their change during a step",
                 "accepted: rk3, rk4, trapezoidal, hermite_simpson, radau3, radau5");
   return integrator;
 }
@@ -83,7 +83,8 @@ std::vector<double> node_times(const ProblemSpec& spec, Diagnostics& out) {
                                                end, phase.name.value, kLongest));
     else if (!phase.takes_no_time() && !(end - shortest < end))
       out.error(phase.knots.place,
-                fmt::format("steps of {:.3g} s vanish beside the time {:.3g} s", shortest, end));
+                fmt::format("steps of {:.3g} s are lost to rounding at the time {:.3g} s", shortest,
+                            end));
     else
       continue;
     break;
@@ -209,8 +210,7 @@ void report_contradiction(const ProblemSpec& spec, const ShootingProblem& proble
                         "at most {}",
                         found->first, other, node, found->lower, found->upper),
             has_previous && found->node == 0
-                ? "'previous_control' of the initial state, 0 where nothing is said, is the "
-                  "control before it"
+                ? "'previous_control' of the initial state (default: 0) is the control before it"
                 : "");
 }
 
@@ -346,8 +346,8 @@ class ProblemBuilder {
     check_mesh(spec_, *built_.plant.system, out_);
     if (spec_.running_costs.value == RunningCosts::kIntegrated && info_of(integrator_).order == 0)
       out_.error(spec_.running_costs.place,
-                 "steps that give the next state themselves have no states in between over which "
-                 "costs could be integrated",
+                 "steps that give the next state themselves have no intermediate states to "
+                 "integrate costs over",
                  "write 'running_costs: rate'");
     check_memory(spec_, ndx(), built_.plant.system->nu(), out_);
     times_ = node_times(spec_, out_);

@@ -51,7 +51,7 @@ void check_problem(const ProblemSpec& spec, Diagnostics& out) {
               "accepted: semi_implicit_euler, explicit_euler, rk2, rk3, rk4, discrete");
   if (spec.mesh)
     out.warning(spec.mesh->place,
-                "a closed loop keeps the grid of its phases: 'mesh' refines none");
+                "a closed loop keeps the grid of its phases and does not support 'mesh'");
   if (spec.has_linear_controls())
     out.error(spec.controls.place, "a closed loop applies constant controls, and these are linear",
               "write 'controls: constant'");
@@ -200,12 +200,11 @@ void check_held_constraints(const ProblemSpec& spec, const ShootingProblem& prob
       return c.function.name.value == term.name;
     });
     if (named != spec.constraints.end())
-      out.error(
-          named->function.name.place,
-          fmt::format("the constraint '{}' counts in no knot that repeats itself: the only one "
-                      "is the first, whose state is given",
-                      term.name),
-          "give the phases two knots at least");
+      out.error(named->function.name.place,
+                fmt::format("the constraint '{}' has no effect at repeated knots: the only one is "
+                            "the first, whose state is given",
+                            term.name),
+                "give the phases two knots at least");
   }
 }
 
@@ -327,12 +326,11 @@ void warn_of_way_ends(const ProblemSpec& spec, const ShootingProblem& problem, D
   for (const CostSpec& cost : spec.terminal_costs)
     if (cost.reference && !cost.reference->values.empty() && cost.reference->values.front().state &&
         cost.reference->values.front().state->displaced)
-      return out.warning(
-          mpc.window_end.place,
-          fmt::format("'terminal: keep' draws every window to the end of the gait's way, where "
-                      "the terminal cost '{}' has its reference",
-                      cost.name.value),
-          "leave 'terminal' out");
+      return out.warning(mpc.window_end.place,
+                         fmt::format("'terminal: keep' pulls every window to the end of the gait's "
+                                     "path, where the terminal cost '{}' has its reference",
+                                     cost.name.value),
+                         "leave 'terminal' out");
 }
 
 /// What controls where ticks have failed.
@@ -402,7 +400,7 @@ class PlantBuilder {
       if (key.starts_with(kSection) &&
           std::none_of(changed.control_bounds.begin(), changed.control_bounds.end(), is_inside))
         out_.error(setting.key.place,
-                   "of constraints, a plant has hard bounds on the control alone",
+                   "the only constraints of a plant are hard bounds on the control",
                    "name an entry with 'bounds: control', or write one: "
                    "'constraints.motors: {bounds: control, lower: -1, upper: 1}'");
     }
@@ -537,9 +535,9 @@ bool changes_with_time(const ConstraintSpec& condition, const ProblemSpec& spec,
 void check_condition(const ConstraintSpec& condition, Diagnostics& out) {
   if (is_zero(condition) && !condition.function.definition->of_contacts())
     out.error(condition.function.name.place,
-              fmt::format("the condition '{}' does not say between which numbers the loop goes on",
+              fmt::format("the condition '{}' has no bounds within which the loop continues",
                           condition.function.name.value),
-              "give 'lower' or 'upper', or of the norm 'at_least' or 'at_most'");
+              "give 'lower' or 'upper', or 'at_least' or 'at_most' for the norm");
 }
 
 /// Conditions that end the loop, as the last node of a problem that has no other constraints.

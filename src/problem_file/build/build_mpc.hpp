@@ -19,10 +19,9 @@ struct BuiltMpc {
 };
 
 /// Why a loop without `stop_when` tells nothing of what it withstands, and what helps.
-inline constexpr const char* kNothingStopsALoop =
-    "a loop without 'stop_when' lasts whatever happens";
+inline constexpr const char* kNothingStopsALoop = "a loop without 'stop_when' never stops early";
 inline constexpr const char* kHowToStopALoop =
-    "say when it has failed: 'stop_when: {fallen: {residual: state, columns: theta, lower: 2, "
+    "define when it has failed: 'stop_when: {fallen: {residual: state, columns: theta, lower: 2, "
     "upper: 4}}'";
 
 /// The problem with as many cycles of its gait as a loop needs that repeats it: read again from the

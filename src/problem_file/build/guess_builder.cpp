@@ -374,8 +374,7 @@ class GuessBuilder {
     used_.controls = "those that hold the guessed states together with contact forces";
     if (held.unheld > 0)
       used_.controls += fmt::format(
-          " as far as they can: in {} of {} steps something is left, {:.3g} "
-          "at most, in knot {}",
+          " as far as they can: {} of {} steps have a residual, {:.3g} at most, in knot {}",
           held.unheld, held.steps, held.worst, held.worst_knot);
   }
 

@@ -95,8 +95,8 @@ std::shared_ptr<const Homotopy> Homotopy::build(const ProblemSpec& spec,
     const std::string differs = difference(*homotopy->start_->built->problem, end);
     if (differs.empty()) continue;
     out.error(spec.solver.homotopy.front().key.place,
-              fmt::format("a homotopy cannot change the shape of the problem: at {:.3g} of its way "
-                          "and at its end differ: {}",
+              fmt::format("a homotopy cannot change the shape of the problem: between {:.3g} of "
+                          "its way and its end these differ: {}",
                           share, differs),
               "move numbers alone: weights, limits, friction, masses, lengths, times");
     return nullptr;

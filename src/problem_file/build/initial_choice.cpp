@@ -17,7 +17,7 @@ bool check_free_durations(const ProblemSpec& spec, const System& system, Diagnos
   const int errors = out.error_count();
   const Place& place = free->free_duration->place;
   if (!spec.phases.front().choice)
-    out.error(place, "durations are chosen in a first phase without time, and there is none",
+    out.error(place, "free durations need a first phase 'choose', and there is none",
               "write '- {choose: none}' as the first of the phases");
   if (spec.stepping)
     out.error(place, "contact-implicit problems do not support free durations");
@@ -43,8 +43,7 @@ bool check_given_start(const CostSpec* cycle, Diagnostics& out) {
   if (cycle == nullptr) return true;
   out.error(
       cycle->residual.place,
-      fmt::format("the residual '{}' measures from a first state that is chosen, and it is "
-                  "given",
+      fmt::format("the residual '{}' needs a free initial state, but it is given",
                   cycle->residual.value),
       "write '- {choose: all}' as the first of the phases; 'conddp check --expand' writes out "
       "those of a gait");

@@ -34,12 +34,11 @@ void check_start(const ProblemSpec& spec, Diagnostics& out) {
   const bool chosen = spec.phases.front().choice.has_value();
   if (given && chosen)
     out.error(spec.initial_state.previous_control->place,
-              "the first of linear controls is chosen in the first phase, and given here",
+              "the first linear control is free in the first phase, and given here",
               "leave one of them out");
   if (!given && !chosen)
     out.error(spec.controls.place,
-              "the first of linear controls is chosen in a first phase without time, and there is "
-              "none",
+              "the first linear control needs a first phase 'choose', and there is none",
               "write '- {choose: none}' as the first of the phases, or give it: 'initial_state: "
               "{previous_control: 0}'");
 }

@@ -115,7 +115,7 @@ std::vector<std::vector<const NodeConstraint*>> constraints_by_name(
 std::string text_of(const std::vector<std::string>& used, const std::vector<std::string>& changed) {
   std::string text = used.empty() ? "none" : "of " + list_names(used);
   if (!changed.empty())
-    text += "; not of " + list_names(changed) + ", which the file has at other nodes or not";
+    text += "; not of " + list_names(changed) + ", which the file has at other nodes or lacks";
   return text;
 }
 

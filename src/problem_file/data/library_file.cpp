@@ -44,8 +44,8 @@ std::shared_ptr<const SharedLibrary> load_library_file(const std::filesystem::pa
   if (!code_is_allowed()) {
     out.error(
         name.place,
-        fmt::format("'{}' is compiled code, which would run with all your rights", name.value),
-        fmt::format("say {} on the command line if you trust it", kAllowCode));
+        fmt::format("'{}' is compiled code, which would run with all your permissions", name.value),
+        fmt::format("pass {} on the command line if you trust it", kAllowCode));
     return nullptr;
   }
   const std::filesystem::path file = folder / name.value;

@@ -178,8 +178,8 @@ class FreeParameterPlacer {
       const YamlNode* jump = find_part(phases->items[i], "jump");
       if (const YamlNode::Entry* entry = jump != nullptr ? own_entry(*jump) : nullptr)
         out_.error({entry->mark, fmt::format("phases.{}.jump.{}", i, name())},
-                   fmt::format("'{}' is free, and stays as it is chosen", name()),
-                   "what changes along the way is a state of the system");
+                   fmt::format("'{}' is free, and constant over the motion", name()),
+                   "a quantity that changes over the motion is a state of the system");
     }
   }
 
@@ -190,7 +190,7 @@ class FreeParameterPlacer {
     YamlNode* choose = first != nullptr ? find_part(*first, "choose") : nullptr;
     if (choose == nullptr)
       return fail(
-          fmt::format("'{}' is chosen in a first phase without time, and there is none", name()),
+          fmt::format("'{}' is free and needs a first phase 'choose', and there is none", name()),
           "write '- {choose: none}' as the first of the phases; 'conddp check --expand' writes out "
           "those of a gait");
     add_coordinate(*choose, all);
@@ -345,8 +345,8 @@ std::string hint_of_free_parameter(std::string_view path) {
     return "the mass of a payload is a parameter alone, as 'mass: =load': a factor belongs to its "
            "bounds";
   if (is_of_payload(path))
-    return "of a payload the mass alone can be free, as 'mass: =load'; a parameter that is a "
-           "number can be varied with --set and in batches";
+    return "only the mass of a payload can be free, as 'mass: =load'; a parameter that is a number "
+           "can be varied with --set and in batches";
   return "expressions have free parameters: equations, and rows of residuals; of robots the masses "
          "of payloads, as 'mass: =load'";
 }

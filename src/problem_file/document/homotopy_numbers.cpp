@@ -82,7 +82,7 @@ void place(const HomotopyKeySpec& key, double share, YamlNode& node, Diagnostics
   const double from = key.from.value, to = key.to.value;
   if (node.kind == YamlNode::Kind::kScalar && parse_number(node.text).value != to)
     out.warning({node.mark, key.key.value},
-                fmt::format("{} does not count: a homotopy takes this number to {}", node.text, to),
+                fmt::format("{} has no effect: a homotopy moves this number to {}", node.text, to),
                 "write that number here, too");
   node = {.kind = YamlNode::Kind::kScalar,
           .mark = key.to.place.mark,

@@ -238,7 +238,7 @@ OrderedJson expand_problem(const ProblemSpec& spec, const BuiltProblem& built) {
 
 void warn_of_lost_gait(const ProblemSpec& spec, Diagnostics& out) {
   if (!spec.mpc) return;
-  const char* hint = "the loop of the file itself has it: an expanded file has phases, and no gait";
+  const char* hint = "simulate the original file for it: an expanded file has phases, and no gait";
   if (spec.mpc->repeat.value == AfterTheEnd::kGait)
     out.warning(spec.mpc->repeat.place,
                 "'repeat: gait' becomes 'repeat: hold' in the expanded file", hint);

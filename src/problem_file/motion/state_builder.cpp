@@ -99,7 +99,7 @@ std::vector<double> StateBuilder::usual_state() const {
 std::optional<std::vector<double>> StateBuilder::checked(std::vector<double> x,
                                                          const Place& place) const {
   if (plant_.system->manifold().normalize(x.data())) return x;
-  out_.error(place, "a quaternion of the state has not length 1", "the order is x, y, z, w");
+  out_.error(place, "a quaternion of the state does not have length 1", "the order is x, y, z, w");
   return std::nullopt;
 }
 
@@ -170,7 +170,7 @@ void StateBuilder::apply_part(const NamedState& part, std::vector<double>& x) co
   const PlantPart* found = find_part(part.name);
   if (found == nullptr) return;
   if (state.state || !state.values.empty())
-    out_.error(state.place, "here a robot's state is said by configuration, base and joints");
+    out_.error(state.place, "here a robot's state is given by configuration, base and joints");
   apply(state, *found, x);
 }
 
@@ -205,7 +205,7 @@ void StateBuilder::apply_configuration(const Name& name, const PlantPart& part,
 void StateBuilder::apply_base(const BaseSpec& base, const PlantPart& part,
                               std::vector<double>& x) const {
   if (part.spec == nullptr)
-    return out_.error(base.place, "with several robots a base is said under 'robots'",
+    return out_.error(base.place, "with several robots a base is given under 'robots'",
                       "write 'robots: {name: {base: ...}}'");
   if (part.spec->base == UrdfOptions::Base::planar) return apply_planar_base(base, part, x);
   if (!floats(part))
@@ -238,11 +238,11 @@ void StateBuilder::apply_displacement(const DisplacementSpec& displaced, const P
                                       std::vector<double>& x) const {
   if (displaced.with_gait)
     out_.error(displaced.place,
-               "'gait' stands for the way of the file's gait as the whole reference of a cost on "
-               "the state alone",
+               "'gait' is the path of the file's gait, and only valid as the whole reference of a "
+               "cost on the state",
                "give '[x, y, yaw]' in m and rad");
   else if (part.spec == nullptr)
-    out_.error(displaced.place, "with several robots a displacement is said under 'robots'");
+    out_.error(displaced.place, "with several robots a displacement is given under 'robots'");
   else if (!displace_base(plant_, part, displaced.motion, x))
     out_.error(displaced.place, "the robot's base is fixed: it cannot be displaced");
 }
@@ -250,7 +250,7 @@ void StateBuilder::apply_displacement(const DisplacementSpec& displaced, const P
 void StateBuilder::apply_base_velocity(const TwistSpec& twist, const PlantPart& part,
                                        std::vector<double>& x) const {
   if (part.spec == nullptr)
-    return out_.error(twist.place, "with several robots a velocity is said under 'robots'");
+    return out_.error(twist.place, "with several robots a velocity is given under 'robots'");
   if (part.spec->base == UrdfOptions::Base::planar)
     return apply_planar_velocity(twist, part.first_joint, x);
   if (!floats(part)) return out_.error(twist.place, "the robot's base is fixed");

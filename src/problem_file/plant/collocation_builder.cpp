@@ -28,7 +28,7 @@ void check_smoothness(const ProblemSpec& spec, Diagnostics& out) {
 void check_names(const ProblemSpec& spec, Diagnostics& out) {
   for (const ConstraintSpec* constraint : spec.all_constraints())
     if (const Name& name = constraint->function.name; name.value == kName)
-      out.error(name.place, "'collocation' is the name of what the integrator's steps obey",
+      out.error(name.place, "'collocation' is the name of the integrator's own constraint",
                 "give the constraint another name");
 }
 

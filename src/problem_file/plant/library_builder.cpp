@@ -50,8 +50,7 @@ std::shared_ptr<const System> build_library_system(const LibrarySystemSpec& spec
   }
   if (columns.kind == SystemKind::discrete && function->reads_time()) {
     out.error(spec.function.function.place,
-              "difference equations read no time, and this function "
-              "has an input 't'",
+              "difference equations have no time, but this function has an input 't'",
               "give it a state that counts the steps");
     return nullptr;
   }

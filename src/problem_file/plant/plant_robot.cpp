@@ -71,7 +71,7 @@ std::string actuation_hint(const std::vector<PlantPart>& parts, const RobotModel
            "[...]}'";
   if (floats != model.joints.end())
     return none + "give 'actuation: {thrusters: [...]}', or 'actuation: none'";
-  return none + "nothing is left to control; 'actuation: none' says that it is so";
+  return none + "nothing is left to control; if this is intended, write 'actuation: none'";
 }
 
 }  // namespace

@@ -114,8 +114,8 @@ void add_named(const Name& first, const Name& second, const std::vector<Item>& i
   for (const std::size_t a : firsts)
     for (const std::size_t b : seconds) moves |= pairs.add(a, b);
   if (!moves)
-    out.error(first.place, fmt::format("'{}' and '{}' do not move against each other", first.value,
-                                       second.value));
+    out.error(first.place, fmt::format("'{}' and '{}' do not move relative to each other",
+                                       first.value, second.value));
 }
 
 }  // namespace

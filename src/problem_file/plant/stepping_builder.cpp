@@ -31,7 +31,8 @@ std::optional<ContactCandidate> build_candidate(const CandidateSpec& spec, const
   if (body(*frame) == body(*other)) {
     out.error(
         spec.against.frame ? spec.against.frame->place : spec.frame.place,
-        fmt::format("'{}' and what it may touch do not move against each other", spec.name.value));
+        fmt::format("'{}' and the surface that it may touch do not move relative to each other",
+                    spec.name.value));
     return std::nullopt;
   }
   return ContactCandidate{.name = spec.name.value,
@@ -68,18 +69,19 @@ void build_stops(const ProblemSpec& spec, const Plant& plant, ImplicitContacts& 
 void check_terms(const ProblemSpec& spec, Diagnostics& out) {
   for (const CostSpec* cost : spec.all_costs())
     if (cost->name.value == kRegularization)
-      out.error(cost->name.place, fmt::format("'{}' is the name of a cost of contacts that are "
-                                              "found",
-                                              kRegularization));
+      out.error(cost->name.place,
+                fmt::format("'{}' is the name of a built-in cost of contact-implicit problems",
+                            kRegularization));
   if (const CostSpec* rate = spec.first_use(&ResidualNeeds::previous_control))
     out.error(rate->residual.place, fmt::format("contact-implicit problems do not support '{}'",
                                                 spec.use_of_previous_control()));
   for (const ConstraintSpec* constraint : spec.all_constraints())
     if (const Name& name = constraint->function.name;
         name.value == kEquations || name.value == kPairs)
-      out.error(name.place, fmt::format("'{}' is the name of a constraint of contacts that are "
-                                        "found",
-                                        name.value));
+      out.error(
+          name.place,
+          fmt::format("'{}' is the name of a built-in constraint of contact-implicit problems",
+                      name.value));
 }
 
 void check_frozen_keys(const ProblemSpec& spec, Diagnostics& out) {
@@ -148,10 +150,11 @@ void warn_of_overlaps(const ProblemSpec& spec, const Plant& plant, const std::ve
     auto rows = geometry.create_rows<double>();
     geometry.evaluate(placements, rows);
     if (rows.gap >= -kRoundedOverlap) continue;
-    out.warning(spec.initial_state.place,
-                fmt::format("the initial state has '{}' {:.3g} m inside what it may only touch",
-                            candidate.name, -rows.gap),
-                "the first step would throw them apart");
+    out.warning(
+        spec.initial_state.place,
+        fmt::format("the initial state has '{}' {:.3g} m inside a surface that it may only touch",
+                    candidate.name, -rows.gap),
+        "the first step would throw them apart");
   }
 }
 

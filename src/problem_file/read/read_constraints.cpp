@@ -48,7 +48,8 @@ void read_softness(YamlMap& map, ConstraintSpec& constraint) {
     constraint.weight = weight->number(kNotNegative).value_or(1);
   else
     soft->error("a soft constraint needs a 'weight'",
-                "what a unit of distance costs (l1), or half of it a unit squared (l2)");
+                "the cost is weight times distance (l1), or half the weight times the squared "
+                "distance (l2)");
 }
 
 /// Reads bounds on the control that solvers satisfy at every iterate.
@@ -169,7 +170,7 @@ void apply_margin(YamlMap& map, ConstraintSpec& constraint) {
     constraint.lower =
         ComponentsSpec{.place = map.reader().place(), .scalar = keys.value(key::margin)};
   else if (keys.find(key::margin) != nullptr)
-    map.reader().error("'margin' and what the distance has to be exclude each other",
+    map.reader().error("'margin' and other bounds on the distance exclude each other",
                        "leave one of them out: a margin is a lower bound");
 }
 
@@ -178,7 +179,7 @@ void read_slope(YamlMap& map, ConstraintSpec& constraint) {
   if (!r) return;
   constraint.slope = r->number(kPositive).value_or(constraint.slope);
   if (!map.find("cone") || constraint.function.definition->of_contacts())
-    r->error("a slope belongs to cones that are not of contacts, which have their friction");
+    r->error("'slope' needs 'cone'; cones of contacts use their friction instead");
 }
 
 /// Reads the set of the residual: equal, between, of a length, in a cone.
@@ -295,8 +296,7 @@ void read_constraint(const Name& name, const YamlReader& reader,
     return reject(
         map, reader,
         fmt::format("the constraint '{}' lacks the key 'residual' or 'bounds'", name.value),
-        "write 'residual: ...' with what it has to be, or 'bounds: control', 'bounds: "
-        "state' and so on");
+        "write 'residual: ...' with its bounds, or 'bounds: control', 'bounds: state' and so on");
   ConstraintSpec constraint;
   constraint.function.name = name;
   if (!read_residual(map, folder, {.constraint = true, .last_node = terminal}, constraint.function))

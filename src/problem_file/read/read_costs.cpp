@@ -35,7 +35,7 @@ void read_weights(YamlMap& map, CostSpec& cost) {
   if (cost.activation.kind != ActivationKind::quadratic)
     r->error(fmt::format("'matrix' belongs to the activation 'quadratic', and this cost has '{}'",
                          activation_definition(cost.activation.kind).name),
-             "write 'weights', one a row");
+             "write 'weights', one per row");
 }
 
 /// Reads the activation, or sets the residual's default.

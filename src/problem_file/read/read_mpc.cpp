@@ -56,7 +56,7 @@ bool is_of_plant(const std::string& key, bool friction) {
 void read_plant_setting(const Name& key, const YamlReader& value, MpcPlantSpec& plant) {
   if (!is_of_plant(key.value, plant.simulated_contacts.has_value()))
     value.diagnostics().error(
-        key.place, "the plant differs from the model in its dynamics and its actuators alone",
+        key.place, "the plant may differ from the model only in its dynamics and actuators",
         "accepted: keys below system, systems, robot, robots, parameters, tables, gravity and "
         "contacts; friction of contacts only where they are simulated; bounds on the control below "
         "constraints");

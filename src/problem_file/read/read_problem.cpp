@@ -61,7 +61,7 @@ void read_plant(YamlMap& map, const std::filesystem::path& folder, ProblemSpec& 
   if (system) spec.system = read_system(*system, {folder, spec.names});
   if (systems) read_systems(*systems, folder, spec);
   if (!robot && !robots && !system && !systems && map.valid())
-    map.reader().error("the file says nothing about what moves: 'robot', 'robots' or 'system'");
+    map.reader().error("the file defines nothing that moves: give 'robot', 'robots' or 'system'");
 }
 
 void read_gravity(YamlMap& map, ProblemSpec& spec) {
@@ -217,7 +217,8 @@ constexpr std::string_view kOfLastNode = "terminal/";
 void check_running_name(const Name& name, Diagnostics& out) {
   if (name.value.starts_with(kOfLastNode))
     out.error(name.place,
-              fmt::format("in outputs '{}...' is what stands under 'terminal'", kOfLastNode),
+              fmt::format("in outputs, names '{}...' are reserved for entries under 'terminal'",
+                          kOfLastNode),
               "give it another name");
 }
 

@@ -72,7 +72,7 @@ void read(YamlMap& map, const FileContext&, LinearSpec& p) {
   p.B = *b;
   p.c = Eigen::VectorXd::Zero(a->rows());
   if (c)
-    if (const auto n = c->numbers(a->rows(), "one a row of A"))
+    if (const auto n = c->numbers(a->rows(), "one per row of A"))
       p.c = Eigen::Map<const Eigen::VectorXd>(n->data(), n->size());
 }
 

@@ -31,7 +31,7 @@ bool read_points(const YamlReader& reader, TableSpec& table) {
 
 bool read_values(const YamlReader& reader, TableSpec& table) {
   if (table.points.size() == 1) {
-    const auto numbers = reader.numbers(table.points[0].size(), "one a point");
+    const auto numbers = reader.numbers(table.points[0].size(), "one per point");
     if (numbers) table.values = *numbers;
     return numbers.has_value();
   }
@@ -42,7 +42,8 @@ bool read_values(const YamlReader& reader, TableSpec& table) {
                                     table.points[0].size(), rows->size())),
            false;
   for (const YamlReader& row : *rows) {
-    const auto numbers = row.numbers(table.points[1].size(), "one a point of the second argument");
+    const auto numbers =
+        row.numbers(table.points[1].size(), "one per point of the second argument");
     if (!numbers) return false;
     table.values.insert(table.values.end(), numbers->begin(), numbers->end());
   }

@@ -93,7 +93,7 @@ std::span<const ResidualDefinition> combination_residuals() {
   static const ResidualDefinition all[] = {
       {.name = "combination",
        .description = "linear combinations of columns of the state and of the control",
-       .unit = "that of the columns",
+       .unit = "same as the columns",
        .synonyms = {"linear", "time", "duration"},
        .keys = {&rows_key()},
        .make = make_combination}};

@@ -10,8 +10,8 @@ namespace conddp {
 const ResidualKey& contacts_key() {
   static const ResidualKey contacts = {
       "contacts",
-      "Of residuals on contacts: one term for each of these, while it is held; all by default, at "
-      "the last node all that it holds",
+      "For residuals on contacts: one term per contact while it is held; by default all contacts, "
+      "at the last node all that it holds",
       defined_schema("contact_names"),
       {},
       [](const YamlReader& reader, CostSpec& cost) {

@@ -31,7 +31,7 @@ std::span<const ResidualDefinition> control_residuals() {
   static const ResidualDefinition all[] = {
       {.name = "control",
        .description = "the control minus a reference",
-       .unit = "that of the controls",
+       .unit = "same as the controls",
        .synonyms = {"torque", "torques", "effort", "input", "u"},
        .needs = {.control = true},
        .reference = &kControlReference,
@@ -40,7 +40,7 @@ std::span<const ResidualDefinition> control_residuals() {
        .make = make_control},
       {.name = "control_rate",
        .description = "the control minus the one before",
-       .unit = "that of the controls",
+       .unit = "same as the controls",
        .synonyms = {"jerk", "smoothness", "control_change"},
        .needs = {.control = true, .previous_control = true},
        .make = make_control_rate}};

@@ -64,9 +64,7 @@ std::optional<CostResidual> make_cycle(const ResidualContext& context) {
 
 ResidualKey offset_key() {
   ResidualKey offset = components_key(
-      kOffset,
-      "Of cycle: added to the columns of the first state, of which rotations have none; 0 by "
-      "default");
+      kOffset, "For cycle: offset of columns of the first state (not of rotations); 0 by default");
   offset.schema["examples"] = OrderedJson::parse(R"([{"q/base_x": 0.3}])");
   return offset;
 }
@@ -78,8 +76,8 @@ std::span<const ResidualDefinition> cycle_residuals() {
   static const ResidualDefinition all[] = {
       {.name = "cycle",
        .description =
-           "the state minus the first one, which a phase 'choose' chooses, and minus an offset",
-       .unit = "that of the state",
+           "the state minus the free initial state of a phase 'choose', and minus an offset",
+       .unit = "same as the state",
        .synonyms = {"periodic", "periodicity"},
        .needs = {.chosen_start = true},
        .keys = {&offset},

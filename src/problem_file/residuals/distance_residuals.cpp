@@ -65,11 +65,11 @@ void set_margin(CostSpec& cost) {
 }
 
 ResidualKey margin_key() {
-  ResidualKey margin = number_key(
-      key::margin,
-      "Of distance, instead of an activation or bounds: nearer than this costs, quadratically, or "
-      "violates the constraint, m; 0 by default",
-      kNotNegative, {.excludes = "activation"});
+  ResidualKey margin =
+      number_key(key::margin,
+                 "For distance, instead of an activation or bounds: smaller distances cost "
+                 "quadratically or violate the constraint, m; 0 by default",
+                 kNotNegative, {.excludes = "activation"});
   // The key is omitted next to an activation; a constraint's margin becomes its lower bound.
   margin.schema.erase("default");
   margin.expand = [](const CostSpec& cost, const KeyContext& context) {
@@ -84,7 +84,7 @@ ResidualKey margin_key() {
 
 std::span<const ResidualDefinition> distance_residuals() {
   static const ResidualKey pairs = {"pairs",
-                                    "Of distance: which shapes must keep apart",
+                                    "For distance: the shapes that must keep apart",
                                     defined_schema("shape_pairs"),
                                     {.required = true},
                                     [](const YamlReader& reader, CostSpec& cost) {

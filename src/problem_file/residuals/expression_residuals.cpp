@@ -324,7 +324,7 @@ std::optional<ContactCost> make_expression_on_contacts(const ResidualContext& co
 std::span<const ResidualDefinition> expression_residuals() {
   static const ResidualKey operands = {
       "of",
-      "Of expression: other residuals by the names that the rows have for them, measured from zero",
+      "For expression: other residuals, measured from zero, by their names in the rows",
       OrderedJson::parse(R"({
         "type": "object", "additionalProperties": {"$ref": "#/definitions/operand"},
         "default": {}, "examples": [{"tip": {"residual": "frame_position", "frame": "tool"}}]
@@ -342,7 +342,7 @@ std::span<const ResidualDefinition> expression_residuals() {
   static const ResidualDefinition all[] = {
       {.name = "expression",
        .description = "expressions of the state, the control and the time",
-       .unit = "that of the expressions",
+       .unit = "same as the expressions",
        .synonyms = {"equation", "formula", "custom"},
        .keys = {&operands, &rows_key()},
        .reference = &kRowsReference,

@@ -85,10 +85,11 @@ std::optional<ContactCost> make_friction_cone(const ResidualContext& context, in
 std::optional<std::array<double, 2>> sole_of(const ResidualContext& context, int contact) {
   const ContactSpec& on = context.spec.contacts[contact];
   if (on.kind == ContactKind::surface && on.half_size) return on.half_size;
-  context.out.error(context.cost.residual.place,
-                    fmt::format("the residual '{}' needs a sole, which the contact '{}' has not",
-                                context.cost.residual.value, on.name.value),
-                    "give the contact 'type: surface' and 'size: [length, width]'");
+  context.out.error(
+      context.cost.residual.place,
+      fmt::format("the residual '{}' needs a sole, which the contact '{}' does not have",
+                  context.cost.residual.value, on.name.value),
+      "give the contact 'type: surface' and 'size: [length, width]'");
   return std::nullopt;
 }
 
@@ -127,22 +128,21 @@ void set_barrier_of_cone(CostSpec& cost) {
 std::span<const ResidualDefinition> force_residuals() {
   static const NumberRange kFactor{0, 1, true, false, "a factor from 0 (excluded) to 1"};
   static const ResidualKey cone = choice_key(
-      key::cone, "Of friction_cone: a pyramid, or the cone itself with its tip rounded by 0.01 N",
+      key::cone, "For friction_cone: a pyramid, or the cone itself with its tip rounded by 0.01 N",
       "cone", kConeWords, {.of_constraints = false, .of_last_node = false});
   static const ResidualKey faces = of_pyramids(
-      integer_key(kFaces, "Of a pyramid: number of its faces", 3, 64, {.of_last_node = false}),
+      integer_key(kFaces, "For a pyramid: number of its faces", 3, 64, {.of_last_node = false}),
       "a second-order cone has no faces");
-  static const ResidualKey inner = of_pyramids(
-      flag_key(
-          kInner,
-          "Of friction_cone and wrench_cone: the pyramid stands in the cone (true) or contains "
-          "it (false)",
-          {.of_last_node = false}),
-      "a second-order cone is exact: it has no 'inner'");
+  static const ResidualKey inner =
+      of_pyramids(flag_key(kInner,
+                           "For friction_cone and wrench_cone: the pyramid is inside the cone "
+                           "(true) or contains it (false)",
+                           {.of_last_node = false}),
+                  "a second-order cone is exact: it has no 'inner'");
   static const ResidualKey safety =
       number_key(key::safety,
-                 "Of friction_cone and wrench_cone: the share of the coefficient of friction that "
-                 "is used, without unit",
+                 "For friction_cone and wrench_cone: the share of the friction coefficient that is "
+                 "used, without unit",
                  kFactor, {.of_last_node = false});
   static const ResidualDefinition all[] = {
       {.name = "contact_force",
@@ -155,7 +155,7 @@ std::span<const ResidualDefinition> force_residuals() {
        .reference = &kRowsReference,
        .make_of_contact = make_force},
       {.name = "friction_cone",
-       .description = "what a contact's force lacks to lie in its friction cone",
+       .description = "friction cone of a contact's force",
        .unit = "N",
        .synonyms = {"cone", "friction"},
        .needs = {.robot = true, .force = true},
@@ -164,8 +164,8 @@ std::span<const ResidualDefinition> force_residuals() {
        .set_activation = set_barrier_of_cone,
        .make_of_contact = make_friction_cone},
       {.name = "wrench_cone",
-       .description = "the same of a sole's force and torque: friction, center of pressure, yaw "
-                      "torque",
+       .description =
+           "wrench cone of a sole's force and torque: friction, center of pressure, yaw torque",
        .unit = "N and Nm",
        .needs = {.robot = true, .force = true},
        .keys = {&contacts_key(), &inner, &safety},
@@ -173,7 +173,7 @@ std::span<const ResidualDefinition> force_residuals() {
        .set_activation = set_barrier_of_cone,
        .make_of_contact = make_wrench_cone},
       {.name = "center_of_pressure",
-       .description = "the same of a sole's center of pressure alone",
+       .description = "cone of a sole's center of pressure alone",
        .unit = "Nm",
        .synonyms = {"cop", "zmp"},
        .needs = {.robot = true, .force = true},

@@ -136,13 +136,13 @@ OrderedJson expand_swing(const SwingSpec& swing) {
 
 std::span<const ResidualDefinition> frame_residuals() {
   static const ResidualKey frame =
-      name_key(key::frame, "Of residuals on frames", {.required = true});
+      name_key(key::frame, "For residuals on frames", {.required = true});
   static const ResidualKey axes = choice_key(
-      kAxes, "Of frame_velocity: the axes in which it is expressed", "system of axes", kAxesWords);
+      kAxes, "For frame_velocity: the axes in which it is expressed", "system of axes", kAxesWords);
   static const ResidualKey swing = {
       "swing",
-      "Of frame_position and frame_placement, instead of a reference: an arch from where the frame "
-      "stood, over every run of consecutive phases that the cost names",
+      "For frame_position and frame_placement, instead of a reference: an arch from the frame's "
+      "former place, over every run of consecutive phases of the cost",
       defined_schema("swing"),
       {.of_constraints = false, .of_last_node = false, .excludes = "reference"},
       [](const YamlReader& reader, CostSpec& cost) {

@@ -123,7 +123,7 @@ std::optional<CostResidual> make_acceleration(const ResidualContext& context) {
 
 ResidualKey joints_key() {
   ResidualKey joints =
-      names_key(kJoints, "Of residuals on joints; names may have a *; all by default");
+      names_key(kJoints, "For residuals on joints; names may have a *; all by default");
   joints.expand = [](const CostSpec& cost, const KeyContext& context) {
     const std::vector<Name>* names = cost.keys.find(kJoints);
     return names != nullptr ? expand_names(*names)

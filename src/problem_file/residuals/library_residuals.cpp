@@ -80,13 +80,14 @@ std::optional<CostResidual> make_library(const ResidualContext& context) {
 }  // namespace
 
 std::span<const ResidualDefinition> library_residuals() {
-  static const ResidualKey library = name_key(
-      kLibrary, "Of library: a shared library of compiled code (--allow-code)", {.required = true});
+  static const ResidualKey library =
+      name_key(kLibrary, "For library: a shared library of compiled code (--allow-code)",
+               {.required = true});
   static const ResidualKey function = name_key(
-      kFunction, "Of library: the function, of x, u, p and t, with its jac_", {.required = true});
+      kFunction, "For library: the function of x, u, p and t, with its jac_", {.required = true});
   static const ResidualKey parameters = {
       "parameters",
-      "Of library: the numbers of the function's input p, in order",
+      "For library: the numbers of the function's input p, in order",
       OrderedJson::parse(
           R"({"allOf": [{"$ref": "#/definitions/numbers_by_name"}], "default": {}})"),
       {},
@@ -99,7 +100,7 @@ std::span<const ResidualDefinition> library_residuals() {
   static const ResidualDefinition all[] = {
       {.name = "library",
        .description = "a compiled function of the state, the control and the time",
-       .unit = "that of the function",
+       .unit = "same as the function",
        .synonyms = {"casadi", "external", "compiled"},
        .needs = {.code = true},
        .keys = {&library, &function, &parameters},

@@ -84,7 +84,7 @@ OrderedJson expand_texts(const ExpressionRowsSpec& rows) {
 const ResidualKey& rows_key() {
   static const ResidualKey rows = {
       "rows",
-      "Of expression: an expression, a list of them, or expressions by name; of combination: one "
+      "For expression: an expression, a list of them, or expressions by name. For combination: one "
       "row, or a list of rows, of factors by column of the state (flat ones) or control; "
       "'constant' is added",
       OrderedJson::parse(R"({

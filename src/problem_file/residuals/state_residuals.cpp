@@ -186,13 +186,13 @@ std::optional<CostResidual> make_state(const ResidualContext& context) {
 
 std::span<const ResidualDefinition> state_residuals() {
   static const ResidualKey columns = names_key(
-      key::columns, "Of the residual 'state': chosen columns instead of all; names may have a *",
+      key::columns, "For the residual 'state': these columns instead of all; names may have a *",
       {.instead = "of others, weights and bounds by name select rows: 'weights: {\"*\": 0, u: 1}', "
                   "'upper: {u: 1}'"});
   static const ResidualDefinition all[] = {
       {.name = "state",
        .description = "the state minus a reference, or the chosen columns of it",
-       .unit = "that of the columns",
+       .unit = "same as the columns",
        .synonyms = {"x", "posture"},
        .keys = {&columns},
        .reference = &kStateReference,

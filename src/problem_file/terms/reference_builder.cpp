@@ -86,7 +86,7 @@ class ReferenceBuilder {
   Numbers from_components(const ComponentsSpec& spec) const {
     Numbers numbers = resolve(spec, residual_.references, 0.0, out_);
     if (numbers && !residual_.parameters.normalize(numbers->data())) {
-      out_.error(spec.place, "a quaternion of the state has not length 1");
+      out_.error(spec.place, "a quaternion of the state does not have length 1");
       return std::nullopt;
     }
     return numbers;
@@ -159,7 +159,7 @@ std::optional<TimeSeries> series_of(const DataFileSpec& file, const DataTable& t
     if (!value) continue;
     if (!manifold.normalize(value->data())) {
       out.error(file.file.place,
-                fmt::format("'{}' has a quaternion that has not length 1 at t = {}",
+                fmt::format("'{}' has a quaternion whose length is not 1 at t = {}",
                             file.file.value, table.times[row]));
       return std::nullopt;
     }

@@ -135,7 +135,7 @@ std::optional<Eigen::MatrixXd> resolve(const MatrixSpec& spec, const CostResidua
               fmt::format("the residual '{}' is too large for a matrix: {} numbers with its "
                           "derivatives, and at most {} are possible",
                           name, numbers, kMostStackNumbers),
-              "write 'weights', one a row");
+              "write 'weights', one per row");
     return std::nullopt;
   }
   return MatrixResolver(spec, residual.rows, name, out).resolve();

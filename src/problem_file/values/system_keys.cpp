@@ -25,7 +25,7 @@ Keys keys_of(const LinearSpec& p) {
            std::move(gives)},
           {"A", "Square matrix by rows", matrix, true},
           {"B", "As many rows as A", matrix, true},
-          {"c", "One number a row of A; zero by default", row}};
+          {"c", "One number per row of A; zero by default", row}};
 }
 
 /// The accepted keys depend on each other; their schema is handwritten.

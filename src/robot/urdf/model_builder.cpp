@@ -178,7 +178,7 @@ class Builder {
     if (at.joint < 0) return true;
     const std::string kind = joint.type == urdf::Joint::FLOATING ? "floating" : "planar";
     report_.error(at_joint(joint.name),
-                  "a " + kind + " joint is accepted only where its parent is the root link, or " +
+                  "a " + kind + " joint is supported only if its parent is the root link, or " +
                       "fixed to it, and the base is fixed; here the parent moves with joint '" +
                       model_.joints[at.joint].name + "'");
     return false;
@@ -187,9 +187,9 @@ class Builder {
   Carrier place_floating(const urdf::Joint& joint, const Carrier& at) {
     if (!stands_on_world(joint, at)) return at;
     if (!same_placement(at.placement, SE3<double>::identity()))
-      report_.note("joint '" + joint.name +
-                   "' floats: its configuration is counted from the world's origin, not from the "
-                   "joint's own");
+      report_.note(
+          "joint '" + joint.name +
+          "' floats: its configuration is relative to the world's origin, not to the joint's own");
     return {add_joint(joint.name, JointType::floating, -1, SE3<double>::identity()),
             SE3<double>::identity()};
   }
@@ -248,11 +248,11 @@ class Builder {
     if (world_.mass > 0)
       report_.error(
           at_joint(own_base_->name),
-          "the file has a " + kind + " joint of its own beside the " + kind + " base asked for",
+          "the file has a " + kind + " joint of its own besides the requested " + kind + " base",
           "set the base to fixed");
     else
       report_.note("the " + kind + " joint '" + own_base_->name +
-                   "' of the file is the base asked for; no other one is added");
+                   "' of the file is the requested base; no other one is added");
   }
 
   /// Vendors' files contain inertias that are not physically valid: placeholders, rounded digits,
@@ -289,7 +289,7 @@ class Builder {
     }
     const UrdfPlace place = at_link(link, "inertial");
     if (options_.inertias == UrdfOptions::Inertias::strict)
-      report_.error(place, message, hint + "; 'inertias: as_given' takes it as it is");
+      report_.error(place, message, hint + "; 'inertias: as_given' accepts it as it is");
     else
       report_.warning(place, message + "; it is used as given");
   }
@@ -322,7 +322,7 @@ class Builder {
       const auto index = model_.find_joint(leader.name);
       if (!index || model_.joints[*index].type == JointType::floating) {
         report_.error(at_joint(model_.joints[i].name, "mimic"),
-                      "it is to follow joint '" + leader.name + "', which has no coordinate",
+                      "it mimics joint '" + leader.name + "', which has no coordinate",
                       fmt::format("lock it, at {}", mimic.offset));
         continue;
       }

@@ -125,12 +125,12 @@ class RegularityReport {
     if (const std::vector<int> joints = joints_without_inertia(model_); !joints.empty())
       return report_massless(joints);
     if (const std::vector<int> joints = joints_without_inertia_at_zero(model_); !joints.empty())
-      report_.warning(place(joints.front()),
-                      "at the zero configuration nothing that it moves (" + links(joints.front()) +
-                          ") has inertia along it" + others(joints) +
-                          "; the robot's inertia matrix is singular there, and solves that come "
-                          "near fail",
-                      "give the links mass and inertia" + ways_out(joints));
+      report_.warning(
+          place(joints.front()),
+          "at the zero configuration no link that it moves (" + links(joints.front()) +
+              ") has inertia along it" + others(joints) +
+              "; the robot's inertia matrix is singular there, and solves that come near it fail",
+          "give the links mass and inertia" + ways_out(joints));
   }
 
  private:
@@ -165,8 +165,8 @@ class RegularityReport {
     }
     if (locked.empty()) return "";
     return fmt::format(
-        ", lock what you do not need ('locked_joints: {{{}}}'), or say what the motors' rotors add "
-        "('rotor_inertia: {{{}{}}}')",
+        ", lock joints that you do not need ('locked_joints: {{{}}}'), or add the inertia of the "
+        "motors' rotors ('rotor_inertia: {{{}{}}}')",
         fmt::join(locked, ", "), rotors, joints.size() > 1 ? ", ..." : "");
   }
 
@@ -185,7 +185,7 @@ class RegularityReport {
     const bool root = !report_.has("joint", name(first));
     report_.error(
         place(first),
-        "nothing that it moves (" + links(first) +
+        "no link that it moves (" + links(first) +
             ") has inertia along it, so the robot's inertia matrix is singular" + others(joints),
         (root ? "give the root link mass and inertia" : "give the links mass and inertia") +
             ways_out(joints));
@@ -193,8 +193,8 @@ class RegularityReport {
 
   void report_negative(const std::vector<int>& joints) {
     report_.error(place(joints.front()),
-                  "what it moves (" + links(joints.front()) +
-                      " and what hangs on it) has a negative inertia along it in some "
+                  "the links that it moves (" + links(joints.front()) +
+                      " and all links further out) have a negative inertia along it in some "
                       "configurations, so the robot's inertia matrix is not positive definite" +
                       others(joints),
                   "correct the inertias that the warnings name" + ways_out(joints));

@@ -85,7 +85,7 @@ void check_range(const UrdfPlace& place, const urdf::JointLimits& limits, bool l
                    fmt::format("its lower and upper limits are both {}: it cannot move within the "
                                "URDF's limits",
                                limits.lower),
-                   "make it fixed or lock it if that is meant; a limit that is absent reads as 0");
+                   "if this is intended, make it fixed or lock it; an absent limit reads as 0");
 }
 
 /// Locked joints get errors but no warnings.
@@ -272,7 +272,7 @@ void check_urdf_options(const urdf::ModelInterface& tree, const UrdfOptions& opt
   if (!std::isfinite(squared_norm(options.gravity))) report.error({}, "gravity is not finite");
   if (options.placement && options.base == UrdfOptions::Base::floating)
     report.warning({}, "the robot's placement has no effect: its base floats",
-                   "the initial state says where it is");
+                   "the initial state sets its position");
 }
 
 }  // namespace conddp

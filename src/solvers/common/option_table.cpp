@@ -21,12 +21,12 @@ constexpr std::string_view kRelaxationFallbacks[] = {"automatic", "none"};
 
 constexpr std::array kTable = {
     OptionInfo{.name = "max_iterations",
-               .doc = "Accepted steps after which to stop.",
+               .doc = "Maximum number of accepted steps.",
                .min = 0,
                .max = 1e9,
                .access = CONDDP_ACCESS(max_iterations)},
     OptionInfo{.name = "max_time_s",
-               .doc = "Wall-clock time after which to stop, s.",
+               .doc = "Limit on the wall-clock time, s.",
                .min = 0,
                .max = kInfinity,
                .access = CONDDP_ACCESS(max_time_s)},
@@ -37,14 +37,13 @@ constexpr std::array kTable = {
         .min = 1,
         .max = 1024,
         .access = CONDDP_ACCESS(threads)},
-    OptionInfo{
-        .name = "segments",
-        .doc = "Of proxddp: segments of the horizon that are swept side by side, as far as there "
-               "are threads; at most as many as knots.",
-        .formerly = "legs",
-        .min = 1,
-        .max = 1024,
-        .access = CONDDP_ACCESS(segments)},
+    OptionInfo{.name = "segments",
+               .doc = "For proxddp: horizon segments swept in parallel, as far as there are "
+                      "threads; at most as many as knots.",
+               .formerly = "legs",
+               .min = 1,
+               .max = 1024,
+               .access = CONDDP_ACCESS(segments)},
     OptionInfo{.name = "hessian",
                .doc = "Second derivatives of the dynamics: the solver's own choice, left out, or "
                       "exact. Where a cost is linear in its residual, automatic means exact for "
@@ -81,20 +80,17 @@ constexpr std::array kTable = {
                .min_excluded = true,
                .max_excluded = true,
                .access = CONDDP_ACCESS(tolerances.complementarity)},
-    OptionInfo{
-        .name = "tolerances.cost_decrease",
-        .doc = "Change of the cost at which to stop, as a share of it at the rate of a full step, "
-               "without unit, where three feasible iterations in a row change it by no "
-               "more; 0 is never.",
-        .min = 0,
-        .max = 1,
-        .max_excluded = true,
-        .access = CONDDP_ACCESS(tolerances.cost_decrease)},
+    OptionInfo{.name = "tolerances.cost_decrease",
+               .doc = "Stop if three feasible iterations in a row change the cost by at most this "
+                      "share, at the rate of a full step, without unit; 0 is never.",
+               .min = 0,
+               .max = 1,
+               .max_excluded = true,
+               .access = CONDDP_ACCESS(tolerances.cost_decrease)},
     OptionInfo{
         .name = "regularization.kind",
-        .doc =
-            "What it weighs: half the squares of the whole step, in the model (proximal), or, in "
-            "the gains alone, V_xx through the dynamics (state) or Q_uu (control).",
+        .doc = "Regularized quantity: half the squares of the whole step, in the model (proximal), "
+               "or, only in the gains, V_xx through the dynamics (state) or Q_uu (control).",
         .choices = kRegularizationKinds,
         .access = CONDDP_ACCESS(regularization.kind)},
     OptionInfo{.name = "regularization.initial",
@@ -104,8 +100,8 @@ constexpr std::array kTable = {
                .max_excluded = true,
                .access = CONDDP_ACCESS(regularization.initial)},
     OptionInfo{.name = "regularization.min",
-               .doc = "Smallest regularization other than 0, the first one after 0; lower where "
-                      "the costs' curvature in the controls is.",
+               .doc = "Smallest nonzero regularization, the first one after 0; lower if the "
+                      "curvature of the costs in the controls is lower.",
                .min = 0,
                .max = kInfinity,
                .min_excluded = true,
@@ -157,9 +153,9 @@ constexpr std::array kTable = {
                .min_excluded = true,
                .access = CONDDP_ACCESS(line_search.merit_margin)},
     OptionInfo{.name = "augmented_lagrangian.initial_penalty",
-               .doc = "First penalty of every constraint; cost per squared constraint unit. Lower "
-                      "of constraints on controls in which the costs have a curvature of less than "
-                      "a ten-thousandth of it.",
+               .doc = "Initial penalty of every constraint; cost per squared constraint unit. "
+                      "Lower for constraints on controls in which the curvature of the costs is "
+                      "below a ten-thousandth of it.",
                .min = 0,
                .max = kInfinity,
                .min_excluded = true,
@@ -172,15 +168,15 @@ constexpr std::array kTable = {
                .min_excluded = true,
                .access = CONDDP_ACCESS(augmented_lagrangian.penalty_factor)},
     OptionInfo{.name = "augmented_lagrangian.max_penalty",
-               .doc = "Penalty beyond which none grows.",
+               .doc = "Largest penalty.",
                .min = 0,
                .max = kInfinity,
                .min_excluded = true,
                .max_excluded = true,
                .access = CONDDP_ACCESS(augmented_lagrangian.max_penalty)},
     OptionInfo{.name = "augmented_lagrangian.sufficient_decrease",
-               .doc = "Of altro: a penalty grows where the violation exceeds this share of what it "
-                      "was at the last update.",
+               .doc = "For altro: a penalty grows if the violation exceeds this share of its value "
+                      "at the last update.",
                .min = 0,
                .max = 1,
                .min_excluded = true,
@@ -200,18 +196,17 @@ constexpr std::array kTable = {
         .max_excluded = true,
         .access = CONDDP_ACCESS(box_qp.armijo)},
     OptionInfo{.name = "box_qp.horizon_sweeps",
-               .doc = "Sweeps an iteration that look for the active set of the whole horizon; 0 "
-                      "leaves it at that of each stage alone.",
+               .doc = "Sweeps per iteration that look for the active set of the whole horizon; 0: "
+                      "only the active set of each stage alone.",
                .min = 0,
                .max = 1e6,
                .access = CONDDP_ACCESS(box_qp.horizon_sweeps)},
-    OptionInfo{.name = "complementarity.relaxation",
-               .doc =
-                   "Of ipopt: complementary pairs z, s as z s <= epsilon each, as their sum over "
-                   "a knot, as smoothed Fischer-Burmeister equations, or as an exact penalty "
-                   "1/epsilon.",
-               .choices = kPairRelaxations,
-               .access = CONDDP_ACCESS(complementarity.relaxation)},
+    OptionInfo{
+        .name = "complementarity.relaxation",
+        .doc = "For ipopt: relaxation of complementary pairs z, s: z s <= epsilon each, their sum "
+               "over a knot, smoothed Fischer-Burmeister equations, or an exact penalty 1/epsilon.",
+        .choices = kPairRelaxations,
+        .access = CONDDP_ACCESS(complementarity.relaxation)},
     OptionInfo{.name = "complementarity.fallback",
                .doc = "Where that finds no answer: try the other relaxations, or none.",
                .choices = kRelaxationFallbacks,
@@ -230,23 +225,22 @@ constexpr std::array kTable = {
                .min_excluded = true,
                .max_excluded = true,
                .access = CONDDP_ACCESS(complementarity.factor)},
-    OptionInfo{
-        .name = "complementarity.final",
-        .doc = "Last epsilon, where the pairs are not complementary to tolerance before, in the "
-               "product of the pairs' units.",
-        .min = 0,
-        .max = kInfinity,
-        .min_excluded = true,
-        .max_excluded = true,
-        .access = CONDDP_ACCESS(complementarity.final)},
-    OptionInfo{.name = "look_further",
-               .doc =
-                   "Of auto in conddp solve: the work up to which other solvers and guesses are "
-                   "tried after an answer: iterations times knots times states and controls times "
-                   "these and the rows of constraints; 0: the first answer counts.",
+    OptionInfo{.name = "complementarity.final",
+               .doc = "Last epsilon, unless the pairs are complementary to tolerance earlier, in "
+                      "the product of the pairs' units.",
                .min = 0,
-               .max = 1e9,
-               .access = CONDDP_ACCESS(look_further)},
+               .max = kInfinity,
+               .min_excluded = true,
+               .max_excluded = true,
+               .access = CONDDP_ACCESS(complementarity.final)},
+    OptionInfo{
+        .name = "look_further",
+        .doc = "For auto in conddp solve: the work up to which other solvers and guesses are tried "
+               "after an answer. Work is iterations times knots times states and controls times "
+               "these and the rows of constraints; 0: the first answer counts.",
+        .min = 0,
+        .max = 1e9,
+        .access = CONDDP_ACCESS(look_further)},
     OptionInfo{.name = "restarts.count",
                .doc = "Further solves from random perturbations of the guess; the best answer "
                       "counts.",
@@ -259,8 +253,8 @@ constexpr std::array kTable = {
                .max = 1e9,
                .access = CONDDP_ACCESS(restarts.seed)},
     OptionInfo{.name = "restarts.spread",
-               .doc = "Standard deviation of what is added to the states and controls of the "
-                      "guess, in their units.",
+               .doc = "Standard deviation of the perturbations of the guess's states and controls, "
+                      "in their units.",
                .min = 0,
                .max = kInfinity,
                .max_excluded = true,

@@ -157,10 +157,10 @@ bool AugmentedStrategy::relax_for_rounding(Iterate& iterate, SolveRecord& record
   if (++relaxations_ > kRelaxations) {
     iterate.linearized = false;
     record.result.failed_quantity = kRoundedCost;
-    return record.end(SolveStatus::line_search_failed,
-                      "rounding hides the rest of the stationarity, whatever the penalties "
-                      "of the constraints: {}",
-                      record.residual_text());
+    return record.end(
+        SolveStatus::line_search_failed,
+        "rounding hides the remaining stationarity, whatever the penalties of the constraints: {}",
+        record.residual_text());
   }
   lagrangian_.relax();
   inner_tolerance_ = std::max(inner_tolerance_, options_.tolerances.stationarity);

@@ -129,8 +129,8 @@ bool LeastViolation::update(Iterate& iterate, const Feedback& feedback, const Me
   if (closed && share <= kLeast)
     return record.end(
         SolveStatus::infeasible,
-        fmt::format("no small change of the controls lowers the violation: to first order by "
-                    "{:.1e} of it, wherever within their bounds they go; violated: {}; {}",
+        fmt::format("no small change of the controls lowers the violation: to first order by a "
+                    "share of {:.1e} at most, within their bounds; violated: {}; {}",
                     share, violated_text(iterate.linearization.constraint),
                     record.residual_text()));
   if (penalty_ >= kMostPenalty)

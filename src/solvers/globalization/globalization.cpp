@@ -455,8 +455,7 @@ bool Globalization::end_without_step(bool descends) {
     if (search_.first_bad_knot >= 0) {
       record_.result.failed_knot = search_.first_bad_knot;
       record_.result.failed_quantity = "motion";
-      cause += fmt::format(", and longer ones leave the finite numbers at knot {}",
-                           search_.first_bad_knot);
+      cause += fmt::format(", and longer ones are not finite at knot {}", search_.first_bad_knot);
     }
   }
   return record_.end(SolveStatus::line_search_failed,

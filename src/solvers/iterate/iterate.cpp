@@ -61,10 +61,9 @@ bool Iterate::end_diverged() {
   linearized = false;
   record_.result.failed_knot = where.knot;
   record_.result.failed_quantity = where.quantity;
-  return record_.end(
-      SolveStatus::diverged,
-      fmt::format("the {} of knot {} is not finite {}", where.quantity, where.knot,
-                  first ? "at the start" : "after the last step, which is taken back"));
+  return record_.end(SolveStatus::diverged,
+                     fmt::format("the {} of knot {} is not finite {}", where.quantity, where.knot,
+                                 first ? "at the start" : "after the last step, which is undone"));
 }
 
 Extremum Iterate::largest_gap() const {

@@ -167,7 +167,7 @@ class FurtherLook {
   }
 
   SolveResult end() {
-    if (cut_short_) best_.message += "; a look for better answers was cut short";
+    if (cut_short_) best_.message += "; the search for better answers was cut short";
     best_.times.total = first_seconds_ + seconds();
     best_.attempts = std::move(attempts_);
     return std::move(best_);
