@@ -253,5 +253,30 @@ TEST(CertificateOfSolves, QuaternionsHaveUnitLength) {
   EXPECT_FALSE(certify(answer.problem, changed).holds());
 }
 
+TEST(CertificateMemory, AnswersForTheSameClaimsOnly) {
+  const Answer answer(testing::pendulum_swing_up(3));
+  CertificateMemory memory;
+  EXPECT_FALSE(memory.of(answer.claims));
+  const Certificate certificate = certify(answer.problem, answer.claims);
+  memory.keep(answer.claims, certificate);
+  ASSERT_TRUE(memory.of(answer.claims));
+  EXPECT_EQ(memory.of(answer.claims)->verdict(), certificate.verdict());
+  const std::function<void(SolutionClaims&)> changes[] = {
+      [](SolutionClaims& c) { c.trajectory.u(3)[0] += 1e-15; },
+      [](SolutionClaims& c) { c.cost = SolutionClaims::kOpen; },
+      [](SolutionClaims& c) { c.status = "diverged"; },
+      [](SolutionClaims& c) { c.gains[2](0, 1) *= 2; },
+      [](SolutionClaims& c) { c.costates(1, 4) = 0; },
+      [](SolutionClaims& c) { c.tolerances.gap *= 2; },
+      [](SolutionClaims& c) {
+        c.tangent_names = {"angle", "rate"};
+      }};
+  for (const auto& change : changes) {
+    SolutionClaims other = answer.claims;
+    change(other);
+    EXPECT_FALSE(memory.of(other)) << &change - changes;
+  }
+}
+
 }  // namespace
 }  // namespace conddp

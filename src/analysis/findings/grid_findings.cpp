@@ -29,9 +29,7 @@ std::string percent(double share) {
 /// them if none does.
 std::string remedy_of(const ShootingProblem& problem, const Trajectory& trajectory,
                       const GridError& found) {
-  // A radau5 step factorizes three times as many equations, repeatedly: for 200 joints, it took as
-  // long as an iteration of a solve.
-  constexpr int kParts = 4, kMostImplicitStates = 100;
+  constexpr int kParts = 4;
   const Integrator own = problem.knot(found.knot).model->integrator();
   std::string good, all;
   const auto test = [&](std::optional<Integrator> rule, int parts, const std::string& name) {
@@ -42,11 +40,13 @@ std::string remedy_of(const ShootingProblem& problem, const Trajectory& trajecto
     if (*error <= kCoarse) good += (good.empty() ? "" : " or ") + text;
     all += (all.empty() ? "" : ", ") + text;
   };
-  for (const Integrator rule : {Integrator::rk4, Integrator::radau5})
-    if (rule != Integrator::radau5 ||
-        (problem.ndx() <= kMostImplicitStates && allows_collocation(problem)))
-      test(rule, 1, fmt::format("'integrator: {}'", info_of(rule).name));
+  const auto test_rule = [&](Integrator rule) {
+    test(rule, 1, fmt::format("'integrator: {}'", info_of(rule).name));
+  };
+  test_rule(Integrator::rk4);
   test(std::nullopt, kParts, fmt::format("steps of dt/{}", kParts));
+  // Implicit steps take much longer than those of the other two together.
+  if (good.empty() && allows_collocation(problem)) test_rule(Integrator::radau5);
   if (good.empty()) return fmt::format("'mesh', or still shorter steps: {} are not enough", all);
   return good + ", by the error at this motion";
 }
