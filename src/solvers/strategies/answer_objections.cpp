@@ -16,8 +16,9 @@ namespace {
 
 /// Solves that may follow the first one.
 constexpr int kMostRounds = 6;
-/// Least limit on the iterations of a further solve with smaller tolerances, else the first one's
-/// count.
+/// Largest excess that the certificate allows. It is worth the iterations of the first solve, and at
+/// least a few.
+constexpr double kAllowed = 100;
 constexpr int kFewIterations = 20;
 /// The gain falls as the square of the stationarity; half of the stationarity that should suffice
 /// is requested.
@@ -169,7 +170,7 @@ SolveResult solve_answering(const ShootingProblem& problem, const SolverOptions&
     share = std::max(kLeastShare, share * kMargin / std::sqrt(before));
     SolverOptions own = from_answer(result, solves.next());
     own.tolerances = tightened(options.tolerances, share);
-    own.max_iterations = std::min(own.max_iterations, most);
+    if (before <= kAllowed) own.max_iterations = std::min(own.max_iterations, most);
     SolveResult next = solve(own, result.trajectory);
     if (!is_answer(next, options)) break;
     take(std::move(next), remaining, solves, result);
