@@ -232,7 +232,7 @@ TEST(DiagnosisPatterns, RestorationFarFromFeasibleIsInconclusive) {
   };
   const Diagnosis d = ended(SolveStatus::line_search_failed, 0.5, 1);
   EXPECT_EQ(d.pattern, DiagnosisPattern::undecided);
-  EXPECT_NE(d.message.find("under 5.0e-01 at knot 3"), std::string::npos) << d.message;
+  EXPECT_NE(d.message.find("below 5.0e-01 at knot 3"), std::string::npos) << d.message;
   EXPECT_NE(d.remedy.find("solver.restarts: {count: 20, spread: 1}"), std::string::npos);
   EXPECT_NE(ended(SolveStatus::line_search_failed, 0.5, 0).pattern, DiagnosisPattern::undecided);
   EXPECT_NE(ended(SolveStatus::line_search_failed, 9e-4, 1).pattern, DiagnosisPattern::undecided);

@@ -211,7 +211,7 @@ std::vector<Rejection> rejections() {
                      joint_element("j", "fixed", "a", "b") +
                      joint_element("k", "continuous", "b", "c",
                                    "<mimic joint=\"j\" multiplier=\"2\" offset=\"1\"/>")),
-       "k", "follow joint 'j', which has no coordinate", 0,
+       "k", "mimics joint 'j', which has no coordinate", 0,
        with([](UrdfOptions& o) { o.enforce_mimic = true; })},
       {"locked_pattern_fits_none", one_joint(""), "finger_*", "fits none of the joints that move",
        0, with([](UrdfOptions& o) { o.locked_joints["finger_*"] = 0; })},

@@ -115,7 +115,8 @@ std::string folding_arm() {
 TEST(VendorInertias, RejectsMatricesIndefiniteInSomeConfiguration) {
   const UrdfResult result = parse_urdf(folding_arm(), "f");
   EXPECT_FALSE(result.model);
-  EXPECT_NE(warnings(result).find("error: joint 'turn': what it moves"), std::string::npos)
+  EXPECT_NE(warnings(result).find("error: joint 'turn': the links that it moves"),
+            std::string::npos)
       << warnings(result);
   // The arm's own inertia about the vertical is positive when stretched.
   UrdfOptions stretched;

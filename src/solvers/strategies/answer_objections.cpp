@@ -16,8 +16,8 @@ namespace {
 
 /// Solves that may follow the first one.
 constexpr int kMostRounds = 6;
-/// Largest excess that the certificate allows. It is worth the iterations of the first solve, and at
-/// least a few.
+/// Largest excess that the certificate allows. It is worth the iterations of the first solve, and
+/// at least a few.
 constexpr double kAllowed = 100;
 constexpr int kFewIterations = 20;
 /// The gain falls as the square of the stationarity; half of the stationarity that should suffice
