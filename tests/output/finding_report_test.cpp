@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "output/solution/answer.hpp"
 #include "problem_file/build/build_problem.hpp"
 #include "problem_file/read/read_problem.hpp"
 
@@ -49,6 +50,26 @@ class Findings : public testing::Test {
   std::optional<ProblemSpec> spec_;
   std::optional<BuiltProblem> built_;
 };
+
+// A rate of 1/ms with steps of 10 ms: what the log advises would not help.
+TEST_F(Findings, AdviseTheDiagnosisIfStepsAreUnstable) {
+  load_text(R"(conddp: 1
+system: {states: {i: A}, controls: {u: V}, rate: {i: 1000*(u - i)}}
+initial_state: {values: {i: 1}}
+integrator: rk4
+phases: [{name: on, knots: 5, dt: 0.01}]
+costs: {effort: {residual: control}}
+solver: {name: ddp}
+)");
+  SolveResult failed(*built_->problem);
+  failed.status = SolveStatus::line_search_failed;
+  failed.trajectory = built_->guess;
+  const Answer answer(*spec_, *built_, failed);
+  const auto stiff = of(FindingKind::unstable_steps, failed.trajectory);
+  ASSERT_EQ(stiff.size(), 1u);
+  EXPECT_NE(stiff[0].remedy, "");
+  EXPECT_EQ(answer.diagnosis.remedy, stiff[0].remedy);
+}
 
 // A table of drag up to speed 3, read by the rates and, in the second phase, by a cost.
 TEST_F(Findings, NamesTablesReadBeyondTheirPoints) {

@@ -116,5 +116,23 @@ TEST(AnswerObjections, LeavesASaddleInTheCheaperDirection) {
   EXPECT_EQ(stuck.remaining.text, "a saddle");
 }
 
+TEST(AnswerObjections, TightensTolerancesAtSaddlesItCannotLeave) {
+  Script script({{2}, {3}, {2}, {1}});
+  Objection saddle = a_saddle(script.problem);
+  saddle.excess = 100;
+  EXPECT_EQ(script.run({saddle}).cost, 1);
+  ASSERT_EQ(script.calls.size(), 4u) << "both sides, then smaller tolerances";
+  EXPECT_DOUBLE_EQ(script.calls[3].options.tolerances.stationarity,
+                   0.05 * SolverOptions().tolerances.stationarity);
+}
+
+TEST(AnswerObjections, LimitsIterationsForSmallGainsOnly) {
+  Script small({{2}, {1}}), large({{2}, {1}});
+  small.run({too_much_left(10)});
+  large.run({too_much_left(1e6)});
+  EXPECT_LT(small.calls[1].options.max_iterations, SolverOptions().max_iterations / 10);
+  EXPECT_GT(large.calls[1].options.max_iterations, SolverOptions().max_iterations / 2);
+}
+
 }  // namespace
 }  // namespace conddp

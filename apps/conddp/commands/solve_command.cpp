@@ -91,8 +91,7 @@ double differentiation_time(const ShootingProblem& problem, const Trajectory& gu
 
 /// Estimated time for the files of an answer, and for its certificate if requested, s; 0 without a
 /// time limit. Both grow with the number of written values. The certificate also grows with the
-/// time of derivatives: measurements with 200 joints and with 400 states gave four times the
-/// derivatives of all knots.
+/// time of derivatives, and counts as four times those of all knots.
 double finishing_time(const ProblemSpec& spec, const BuiltProblem& built, bool certified) {
   if (!std::isfinite(spec.solver.options.max_time_s)) return 0;
   const ShootingProblem& problem = *built.problem;
@@ -183,7 +182,7 @@ struct Task {
   std::vector<const SolverInfo*> candidates;
   double finishing = 0;  ///< estimated time for files and certificate, s
   std::string grid;      ///< setting of a grid that differs from the file's
-  /// Second-order results of the answers that the solve passes to the certificate.
+  /// Certificate of the solve, for its document.
   std::shared_ptr<CertificateMemory> memory = std::make_shared<CertificateMemory>();
 };
 

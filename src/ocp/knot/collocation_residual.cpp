@@ -2,18 +2,10 @@
 
 #include <algorithm>
 
-#include "spatial/dual.hpp"
-#include "spatial/lane.hpp"
+#include "ocp/knot/gauss_newton.hpp"
 
 namespace conddp {
 namespace {
-
-bool is_zero(double value) { return value == 0; }
-bool is_zero(Lane value) { return !any(!(value == Lane(0.0))); }
-template <class S>
-bool is_zero(const Dual<S>& number) {
-  return is_zero(number.v) && is_zero(number.d);
-}
 
 class CollocationResidual : public ResidualBase<CollocationResidual> {
  public:
@@ -135,7 +127,7 @@ class CollocationResidual : public ResidualBase<CollocationResidual> {
       std::fill_n(out, n, S(0.0));
       for (int k = 0; k < ndx; ++k) {
         const S moved = later.X[c * ndx + k];
-        if (is_zero(moved)) continue;  // a slope moves its own coordinates alone
+        if (all_zero(&moved, 1)) continue;  // a slope moves its own coordinates alone
         for (int row = 0; row < n; ++row) out[row] -= later.inside->fx[k * n + row] * moved;
       }
       for (int row = 0; row < n; ++row) out[row] *= h;

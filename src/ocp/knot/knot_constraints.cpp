@@ -53,7 +53,7 @@ void KnotModel::evaluate_constraints(const KnotInput<S>& in, KnotWorkspace<S>& w
   }
 }
 
-/// What the multipliers of a constraint that is soft by its distance cannot exceed.
+/// Limit on the multipliers of an l1-soft constraint.
 template <class S>
 S KnotModel::limit_of(const ConstraintTerm& term, const KnotInput<S>& in) const {
   return soft_scale(term, in.cost_scale, in.x) * in.parameters[term.weight()];
