@@ -6,7 +6,7 @@ set(CONDDP_LAYERS base spatial robot systems ocp nlp solvers mpc analysis proble
 set(CONDDP_base_FOLDERS . text files json)
 set(CONDDP_robot_FOLDERS . urdf)
 set(CONDDP_systems_FOLDERS . multibody contact graphs expressions libraries closed_forms)
-set(CONDDP_ocp_FOLDERS terms residuals knot problem evaluation)
+set(CONDDP_ocp_FOLDERS terms step residuals knot problem evaluation)
 set(CONDDP_nlp_FOLDERS . ipopt)
 set(CONDDP_solvers_FOLDERS
   common linalg stages riccati iterate constraints globalization ddp ipopt strategies)

@@ -30,7 +30,7 @@
 // states x_0 ... x_N and the controls u_0 ... u_{N−1}; create_trajectory() makes one that fits.
 #pragma once
 
-#include "ocp/knot/integrator.hpp"
 #include "ocp/knot/knot_model.hpp"
 #include "ocp/problem/problem.hpp"
 #include "ocp/problem/trajectory.hpp"
+#include "ocp/step/integrator.hpp"

@@ -64,7 +64,7 @@ void check_knots(const ShootingProblem& problem, const MpcOptions& options) {
 const MpcOptions& checked(const MpcOptions& options, const ShootingProblem& problem) {
   check_rates(options);
   check_knots(problem, options);
-  require(!problem.terminal().model->has_linear_controls(), "plans have no linear controls");
+  require(!problem.terminal().model->step().has_linear_controls(), "plans have no linear controls");
   if (options.retiming) {
     require(options.hold, "re-timing moves the end of a time line, which has to be held");
     require(options.retiming->early >= 0 && options.retiming->late >= 0,
@@ -83,10 +83,8 @@ const MpcOptions& checked(const MpcOptions& options, const ShootingProblem& prob
 
 /// A last node without costs and constraints.
 Phase empty_end(const ShootingProblem& problem) {
-  const KnotModel& last = *problem.terminal().model;
   return {.name = "window end",
-          .model = std::make_shared<KnotModel>(last.shared_system(), Integrator::none,
-                                               last.control_memory(), last.carried_numbers()),
+          .model = std::make_shared<KnotModel>(problem.terminal().model->step()),
           .dt = {0},
           .cost_scale = {1}};
 }

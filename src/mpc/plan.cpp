@@ -11,10 +11,10 @@ void add_feedback(const Eigen::MatrixXd& K, const std::vector<double>& tangent,
   for (Eigen::Index j = 0; j < K.cols(); ++j) u += tangent[j] * K.col(j);
 }
 
-/// Zeroes the difference of the remembered control.
-void forget(const KnotModel& model, std::vector<double>& tangent) {
-  const int remembered = model.remembered_controls();
-  std::fill_n(tangent.end() - remembered, remembered, 0.0);
+/// Zeroes the difference of the previous control.
+void forget(const Step& step, std::vector<double>& tangent) {
+  for (int i = 0; i < step.tail(); ++i)
+    if (step.source(i)) tangent[step.system().ndx() + i] = 0;
 }
 
 }  // namespace
@@ -56,9 +56,8 @@ void Plan::state_at(double time, bool before, double* tangent, double* x) const 
   manifold.difference(trajectory.x(k).data(), trajectory.x(k + 1).data(), tangent);
   for (int i = 0; i < problem->ndx(); ++i) tangent[i] *= share;
   manifold.integrate(trajectory.x(k).data(), tangent, x);
-  // Inside a knot, the remembered control is the knot's own.
-  const int memory = problem->knot(k).model->remembered_controls();
-  std::copy_n(trajectory.u(k).data(), memory, x + problem->nx() - memory);
+  // Inside a knot, the previous control is the knot's own.
+  problem->knot(k).model->step().hand_on(trajectory.u(k).data(), x);
 }
 
 void planned_control(const Plan& plan, double time, Eigen::VectorXd& u) {
@@ -73,7 +72,7 @@ void control_of(const Plan& plan, double time, const double* planned, const doub
   u = plan.trajectory.u(k);
   plan.problem->manifold().difference(planned, x, scratch.tangent.data());
   // Gains respond to the control before the knot, which is unknown inside the knot.
-  if (is_before(plan.times[k], time)) forget(*plan.problem->knot(k).model, scratch.tangent);
+  if (is_before(plan.times[k], time)) forget(plan.problem->knot(k).model->step(), scratch.tangent);
   add_feedback(plan.feedback.K[k], scratch.tangent, u);
   clip_control(*plan.problem->knot(k).model, u);
 }
@@ -82,7 +81,7 @@ void control_of(const HeldState& held, const KnotModel& model, const double* x,
                 PolicyScratch& scratch, Eigen::VectorXd& u) {
   u = held.u;
   model.manifold().difference(held.x.data(), x, scratch.tangent.data());
-  forget(model, scratch.tangent);
+  forget(model.step(), scratch.tangent);
   add_feedback(held.K, scratch.tangent, u);
   clip_control(model, u);
 }

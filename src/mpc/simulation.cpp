@@ -19,43 +19,24 @@ void check(Integrator integrator, const System& system) {
     throw std::invalid_argument("semi-implicit Euler needs positions and velocities");
 }
 
-/// Copies a model without its costs and constraints.
-KnotModel bare_model(const KnotModel& like, Integrator integrator) {
-  KnotModel model(like.shared_system(), integrator, like.control_memory(), like.carried_numbers());
-  for (const IntegralTerm& term : like.integrals())
-    model.add_integral(term.name, term.residual, term.number);
-  return model;
-}
-
 }  // namespace
 
-Simulation::Stepper::Stepper(const KnotModel& like, Integrator integrator)
-    : model(bare_model(like, integrator)),
-      work(std::make_unique<KnotWorkspace<double>>(model)),
-      x(model.nx(), 0.0),
-      u(model.nu(), 0.0),
-      parameters(model.parameter_count(), 0.0) {}
-
-void Simulation::Stepper::read_integrals(const KnotView& knot) {
-  const std::vector<IntegralTerm>&own = model.integrals(), &given = knot.model->integrals();
-  for (std::size_t i = 0; i < own.size(); ++i)
-    std::copy_n(knot.parameters + given[i].parameters, own[i].residual->parameter_count(),
-                parameters.begin() + own[i].parameters);
-}
+Simulation::Stepper::Stepper(Step rule)
+    : step(std::move(rule)), work(step), x(step.nx(), 0.0), u(step.nu(), 0.0) {}
 
 Simulation::Simulation(const TimeLine& line, const StepRule& rule) : line_(line), rule_(rule) {
   const ShootingProblem& problem = line.problem();
   // Knots with integrals have steppers of their own model.
-  std::map<std::tuple<const System*, Integrator, const KnotModel*>, int> known;
+  std::map<std::tuple<const System*, Integrator, const Step*>, int> known;
   for (int k = 0; k < problem.knots(); ++k) {
     const KnotModel& model = *problem.knot(k).model;
     Integrator integrator = model.integrator();
     if (rule.integrator && !problem.takes_no_time(k)) integrator = *rule.integrator;
     if (!problem.takes_no_time(k)) check(integrator, model.system());
     const auto [entry, is_new] = known.try_emplace(
-        {&model.system(), integrator, model.integrals().empty() ? nullptr : &model},
+        {&model.system(), integrator, model.step().integrals().empty() ? nullptr : &model.step()},
         static_cast<int>(steppers_.size()));
-    if (is_new) steppers_.push_back(std::make_unique<Stepper>(model, integrator));
+    if (is_new) steppers_.push_back(std::make_unique<Stepper>(model.step().with(integrator)));
     stepper_of_.push_back(entry->second);
   }
 }
@@ -69,13 +50,13 @@ double Simulation::next_stop(double time) const {
 
 void Simulation::move(int knot, double length, const double* u, double* x) {
   Stepper& stepper = *steppers_[stepper_of_[knot]];
-  stepper.read_integrals(line_.problem().knot(knot));
   std::copy_n(x, stepper.x.size(), stepper.x.begin());
   if (u != nullptr) std::copy_n(u, stepper.u.size(), stepper.u.begin());
-  stepper.model.evaluate(
-      KnotInput<double>{stepper.x.data(), stepper.u.data(), stepper.parameters.data(), length, 1.0},
-      *stepper.work);
-  std::copy_n(stepper.work->next().begin(), stepper.x.size(), x);
+  const StepInput<double> in{stepper.x.data(), stepper.u.data(),
+                             line_.problem().knot(knot).parameters, length};
+  stepper.step.begin(in, stepper.work, false);
+  stepper.step.take(in, stepper.work, false);
+  std::copy_n(stepper.work.next().begin(), stepper.x.size(), x);
 }
 
 void Simulation::pass_instants(double time, double* x) {

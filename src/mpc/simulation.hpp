@@ -7,7 +7,7 @@
 
 #include "mpc/plant_motion.hpp"
 #include "mpc/time_line.hpp"
-#include "ocp/knot/knot_batch.hpp"
+#include "ocp/step/step.hpp"
 
 namespace conddp {
 
@@ -32,12 +32,10 @@ class Simulation final : public PlantMotion {
 
  private:
   struct Stepper {
-    Stepper(const KnotModel& like, Integrator integrator);
-    /// Reads the parameters of the integrals from a knot of the original model.
-    void read_integrals(const KnotView& knot);
-    KnotModel model;
-    std::unique_ptr<KnotWorkspace<double>> work;
-    AlignedVector<double> x, u, parameters;
+    explicit Stepper(Step rule);
+    Step step;
+    StepWorkspace<double> work;
+    AlignedVector<double> x, u;
   };
   void move(int knot, double length, const double* u, double* x);
 

@@ -6,6 +6,7 @@
 #include "analysis/comparison/random_instance.hpp"
 #include "support/constrained_problems.hpp"
 #include "support/small_problems.hpp"
+#include "support/steps.hpp"
 
 namespace conddp {
 namespace {
@@ -237,8 +238,10 @@ TEST(RandomInstance, MovesInitialStateOnManifoldBySeed) {
 }
 
 TEST(RandomInstance, KeepsRememberedControls) {
-  auto model = std::make_shared<KnotModel>(pendulum({}), Integrator::rk4, ControlMemory::previous);
-  auto end = std::make_shared<KnotModel>(pendulum({}), Integrator::none, ControlMemory::previous);
+  auto model =
+      std::make_shared<KnotModel>(step_with(pendulum({}), Integrator::rk4, Memory::previous));
+  auto end =
+      std::make_shared<KnotModel>(step_with(pendulum({}), Integrator::none, Memory::previous));
   const ShootingProblem problem({0.1, 0.2, 0.7}, {{"all", model, {0.1}, {0.1}, {}}},
                                 {"end", end, {0}, {1}, {}});
   const ShootingProblem instance = perturb_initial_state(problem, 0.5, 3);

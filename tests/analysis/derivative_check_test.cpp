@@ -205,7 +205,7 @@ TEST(DerivativeCheck, EverySystemPassesWithIntegratorsAndPreviousControl) {
       for (const bool memory : {false, true}) {
         const bool impulse = integrator == Integrator::impulse;
         if (memory && impulse) continue;
-        auto model = std::make_shared<KnotModel>(system, integrator, memory_of(memory));
+        auto model = std::make_shared<KnotModel>(step_with(system, integrator, memory));
         model->add_cost("state", state_residual(model->manifold()), {});
         if (memory) model->add_cost("rate", control_rate_residual(*system), {});
         RandomNumbers random(5);
@@ -215,7 +215,7 @@ TEST(DerivativeCheck, EverySystemPassesWithIntegratorsAndPreviousControl) {
         phase.parameters = c.parameters;
         Phase terminal{
             .name = "terminal",
-            .model = std::make_shared<KnotModel>(system, Integrator::none, memory_of(memory)),
+            .model = std::make_shared<KnotModel>(step_with(system, Integrator::none, memory)),
             .dt = {0.0},
             .cost_scale = {1.0}};
         const ShootingProblem problem(c.x, {phase}, terminal);

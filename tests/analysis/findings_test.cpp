@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "support/block_on_slides.hpp"
+#include "support/steps.hpp"
 
 namespace conddp {
 namespace {
@@ -120,16 +121,18 @@ TEST(Efforts, FindsLargestEffortBeyondLimit) {
 /// Knots of 0.1 s of the block with controls linear between nodes.
 ShootingProblem linear_pushes(int knots) {
   const auto system = block_system();
-  Phase phase{.name = "push",
-              .model = std::make_shared<KnotModel>(system, Integrator::rk4, ControlMemory::linear),
-              .dt = std::vector<double>(knots, 0.1),
-              .cost_scale = std::vector<double>(knots, 0.1),
-              .parameters = {}};
-  Phase end{.name = "end",
-            .model = std::make_shared<KnotModel>(system, Integrator::none, ControlMemory::linear),
-            .dt = {0},
-            .cost_scale = {1},
-            .parameters = {}};
+  Phase phase{
+      .name = "push",
+      .model = std::make_shared<KnotModel>(step_with(system, Integrator::rk4, Memory::linear)),
+      .dt = std::vector<double>(knots, 0.1),
+      .cost_scale = std::vector<double>(knots, 0.1),
+      .parameters = {}};
+  Phase end{
+      .name = "end",
+      .model = std::make_shared<KnotModel>(step_with(system, Integrator::none, Memory::linear)),
+      .dt = {0},
+      .cost_scale = {1},
+      .parameters = {}};
   std::vector<Phase> phases;
   phases.push_back(std::move(phase));
   return ShootingProblem(std::vector<double>(9, 0.0), std::move(phases), std::move(end));
@@ -499,10 +502,9 @@ TEST(Efforts, SkipInstantaneousKnots) {
 /// takes no time.
 std::vector<Finding> between_narrow_and_wide(const std::shared_ptr<const Residual>& row,
                                              Softness softness, double lower,
-                                             ControlMemory memory = ControlMemory::none,
-                                             bool instant = false) {
+                                             Memory memory = Memory::none, bool instant = false) {
   const auto system = double_integrator(1);
-  auto model = std::make_shared<KnotModel>(system, Integrator::rk4, memory);
+  auto model = std::make_shared<KnotModel>(step_with(system, Integrator::rk4, memory));
   model->add_constraint(make_constraint("row", row, ConstraintKind::bounds, 1, softness));
   std::vector<Phase> phases;
   for (int k = 0; k < 5; ++k) {
@@ -515,7 +517,7 @@ std::vector<Finding> between_narrow_and_wide(const std::shared_ptr<const Residua
   const ShootingProblem problem(
       std::vector<double>(model->nx(), 0.0), std::move(phases),
       {.name = "end",
-       .model = std::make_shared<KnotModel>(system, Integrator::none, memory),
+       .model = std::make_shared<KnotModel>(step_with(system, Integrator::none, memory)),
        .dt = {0},
        .cost_scale = {1}});
   Trajectory motion = problem.create_trajectory();
@@ -538,11 +540,10 @@ TEST(BetweenKnots, ChecksOnlyHardInequalitiesOfTheState) {
   EXPECT_TRUE(between_narrow_and_wide(row_of({place, push}), Softness::hard, -1).empty());
   EXPECT_TRUE(between_narrow_and_wide(row_of({place}), Softness::hard, 1).empty()) << "equality";
   EXPECT_TRUE(
-      between_narrow_and_wide(row_of({place}), Softness::hard, -1, ControlMemory::none, true)
-          .empty())
+      between_narrow_and_wide(row_of({place}), Softness::hard, -1, Memory::none, true).empty())
       << "a jump has no way";
   // Linear controls are states and are judged at the nodes only.
-  const ControlMemory linear = ControlMemory::linear;
+  const Memory linear = Memory::linear;
   EXPECT_EQ(between_narrow_and_wide(row_of({place}), Softness::hard, -1, linear).size(), 1u);
   EXPECT_TRUE(
       between_narrow_and_wide(row_of({{1, true, 0, 0}}), Softness::hard, -1, linear).empty());

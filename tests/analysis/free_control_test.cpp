@@ -4,15 +4,17 @@
 #include <gtest/gtest.h>
 
 #include "support/small_problems.hpp"
+#include "support/steps.hpp"
 
 namespace conddp {
 namespace {
 
 /// Three knots of the masses; without further terms, both pushes are free.
 struct Pushes {
-  ControlMemory memory = ControlMemory::none;
+  Memory memory = Memory::none;
   std::shared_ptr<const System> system = double_integrator(2);
-  std::shared_ptr<KnotModel> model = std::make_shared<KnotModel>(system, Integrator::rk4, memory);
+  std::shared_ptr<KnotModel> model =
+      std::make_shared<KnotModel>(step_with(system, Integrator::rk4, memory));
   bool instant = false;  ///< the first knot takes no time
   double weight = 1;     ///< of costs
 
@@ -52,7 +54,7 @@ struct Pushes {
     const ShootingProblem problem(
         std::vector<double>(model->nx(), 0.0), std::move(phases),
         {.name = "end",
-         .model = std::make_shared<KnotModel>(system, Integrator::none, memory),
+         .model = std::make_shared<KnotModel>(step_with(system, Integrator::none, memory)),
          .dt = {0},
          .cost_scale = {1}});
     const auto control = free_control(problem);
@@ -119,7 +121,7 @@ TEST(FreeControl, IgnoresRowsOfZeroWeight) {
 // A linear control at the start of a knot is part of the state.
 TEST(FreeControl, LinearControlWithCostlyStartIsNotFree) {
   for (const int control : {0, 1}) {
-    Pushes pushes{.memory = ControlMemory::linear};
+    Pushes pushes{.memory = Memory::linear};
     pushes.bound(control, -testing::kFree, testing::kFree);
     EXPECT_EQ(pushes.found(), name_of(pushes, control) + " in phase0 0");
     pushes.model->add_cost("place", pushes.rows_of({{1}}), {});

@@ -9,6 +9,7 @@
 #include "ocp/knot/collocation_residual.hpp"
 #include "support/block_on_slides.hpp"
 #include "support/expression_systems.hpp"
+#include "support/steps.hpp"
 #include "systems/collocation_system.hpp"
 
 namespace conddp {
@@ -356,9 +357,9 @@ TEST(Replay, FindsLargeCollocationSlopes) {
 
 TEST(Replay, RemembersTheUsedControls) {
   const auto system = block_system();
-  auto model =
-      std::make_shared<KnotModel>(system, Integrator::semi_implicit_euler, ControlMemory::previous);
-  auto end = std::make_shared<KnotModel>(system, Integrator::none, ControlMemory::previous);
+  auto model = std::make_shared<KnotModel>(
+      step_with(system, Integrator::semi_implicit_euler, Memory::previous));
+  auto end = std::make_shared<KnotModel>(step_with(system, Integrator::none, Memory::previous));
   std::vector<Phase> phases;
   phases.push_back({"all", model, {0.1, 0.1, 0.1}, {1, 1, 1}, {}});
   std::vector<double> start(9, 0.0);

@@ -163,13 +163,13 @@ TEST(TerminalIngredients, ComeFromTheRequestedKnot) {
 
 // A remembered control decays at once.
 TEST(TerminalIngredients, RememberTheControlThatHoldsTheState) {
-  const auto with = [](ControlMemory memory) {
+  const auto with = [](Memory memory) {
     const TerminalResult found = regulated(stage_of(
         pushed_mass(2, 3), {.reference = {0, 0}, .state = {1, 1}}, {-1, -4}, {1, 4}, {}, memory));
     EXPECT_TRUE(found.ingredients) << found.fault;
     return *found.ingredients;
   };
-  const TerminalIngredients own = with(ControlMemory::previous), plain = with(ControlMemory::none);
+  const TerminalIngredients own = with(Memory::previous), plain = with(Memory::none);
   EXPECT_EQ(own.x, (std::vector<double>{0, 0, own.u[0], own.u[1]}));
   EXPECT_LT((own.u - Eigen::Vector2d(1, 2)).norm(), 1e-12);
   EXPECT_LT(own.drift, 1e-13);
@@ -197,8 +197,7 @@ TEST(TerminalIngredients, UseTangentSpaceOfTheContacts) {
   for (const bool remembers : {false, true}) {
     const auto system = testing::block_system({{.name = "rail", .kind = ContactKind::normal}});
     const auto model =
-        std::make_shared<KnotModel>(system, Integrator::semi_implicit_euler,
-                                    remembers ? ControlMemory::previous : ControlMemory::none);
+        std::make_shared<KnotModel>(step_with(system, Integrator::semi_implicit_euler, remembers));
     model->add_cost("state", coordinate_residual(model->manifold(), {0, 1, 2, 3, 4, 5}), {});
     model->add_cost("effort", control_residual(model->ndx(), 3), {});
     Phase phase{.name = "rail", .model = model, .dt = {0.1}, .cost_scale = {0.1}};

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "composed_body.hpp"
-#include "ocp/knot/integrator.hpp"
+#include "ocp/step/integrator.hpp"
 #include "robot/contact.hpp"
 
 namespace conddp {

@@ -8,6 +8,7 @@
 #include "ocp/knot/collocation_residual.hpp"
 #include "support/random_robot.hpp"
 #include "support/sizes.hpp"
+#include "support/steps.hpp"
 #include "systems/closed_forms/catalogue.hpp"
 #include "systems/expressions/system.hpp"
 #include "systems/multibody/multibody.hpp"
@@ -29,11 +30,9 @@ const IntegratorInfo& info_of(CollocationRule rule) {
 class March {
  public:
   /// Uses an explicit rule.
-  March(const std::shared_ptr<const System>& system, Integrator rule,
-        ControlMemory memory = ControlMemory::none)
-      : model_(system, rule, memory), work_(model_), w_(model_.nu(), 0.0) {}
-  March(const std::shared_ptr<const CollocationSystem>& system,
-        ControlMemory memory = ControlMemory::none)
+  March(const std::shared_ptr<const System>& system, Integrator rule, Memory memory = Memory::none)
+      : model_(step_with(system, rule, memory)), work_(model_), w_(model_.nu(), 0.0) {}
+  March(const std::shared_ptr<const CollocationSystem>& system, Memory memory = Memory::none)
       : model_(with_constraint(system, memory)), work_(model_), w_(model_.nu(), 0.0) {}
 
   const KnotModel& model() const { return model_; }
@@ -60,7 +59,7 @@ class March {
 
   /// State after `steps` steps of h. Newton's method solves for the slopes of each step.
   std::vector<double> go(std::vector<double> x, const std::vector<double>& u, double h, int steps) {
-    const bool linear = model_.has_linear_controls();
+    const bool linear = model_.step().has_linear_controls();
     if (linear) x.insert(x.end(), u.begin(), u.end());
     const int m = static_cast<int>(u.size()), unknown = model_.nu() - m;
     for (int k = 0; k < steps; ++k) {
@@ -81,11 +80,11 @@ class March {
 
  private:
   static KnotModel with_constraint(const std::shared_ptr<const CollocationSystem>& system,
-                                   ControlMemory memory) {
-    KnotModel model(system, info_of(system->rule()).integrator, memory);
+                                   Memory memory) {
+    KnotModel model(step_with(system, info_of(system->rule()).integrator, memory));
     model.add_constraint(make_constraint(
         "collocation",
-        collocation_residual(system, model.ndx(), std::nullopt, model.has_linear_controls()),
+        collocation_residual(system, model.ndx(), std::nullopt, model.step().has_linear_controls()),
         ConstraintKind::bounds));
     return model;
   }
@@ -113,11 +112,11 @@ std::vector<Course> motions() {
 
 class CollocationOfARule : public ::testing::TestWithParam<CollocationRule> {
  protected:
-  void expect_order(ControlMemory memory) const;
-  void expect_derivatives(ControlMemory memory) const;
+  void expect_order(Memory memory) const;
+  void expect_derivatives(Memory memory) const;
 };
 
-void CollocationOfARule::expect_order(ControlMemory memory) const {
+void CollocationOfARule::expect_order(Memory memory) const {
   const int order = info_of(GetParam()).order;
   for (const Course& motion : motions()) {
     SCOPED_TRACE(motion.name);
@@ -129,7 +128,7 @@ void CollocationOfARule::expect_order(ControlMemory memory) const {
     double error[2];
     for (const int half : {0, 1}) {
       // With growing controls, order 5 shows only for shorter steps.
-      const int least = order <= 4 ? 40 : memory == ControlMemory::linear ? 30 : 20;
+      const int least = order <= 4 ? 40 : memory == Memory::linear ? 30 : 20;
       const int steps = half == 0 ? least : 2 * least;
       const std::vector<double> end = march.go(motion.x, motion.u, kTime / steps, steps);
       error[half] = 0;
@@ -141,11 +140,11 @@ void CollocationOfARule::expect_order(ControlMemory memory) const {
   }
 }
 
-TEST_P(CollocationOfARule, HasItsOrder) { expect_order(ControlMemory::none); }
+TEST_P(CollocationOfARule, HasItsOrder) { expect_order(Memory::none); }
 
-TEST_P(CollocationOfARule, HasItsOrderWithLinearControls) { expect_order(ControlMemory::linear); }
+TEST_P(CollocationOfARule, HasItsOrderWithLinearControls) { expect_order(Memory::linear); }
 
-void CollocationOfARule::expect_derivatives(ControlMemory memory) const {
+void CollocationOfARule::expect_derivatives(Memory memory) const {
   constexpr double kStep = 0.07, kDifference = 1e-6;
   for (Course motion : motions()) {
     SCOPED_TRACE(motion.name);
@@ -177,10 +176,10 @@ void CollocationOfARule::expect_derivatives(ControlMemory memory) const {
   }
 }
 
-TEST_P(CollocationOfARule, DerivativesMatchDifferences) { expect_derivatives(ControlMemory::none); }
+TEST_P(CollocationOfARule, DerivativesMatchDifferences) { expect_derivatives(Memory::none); }
 
 TEST_P(CollocationOfARule, DerivativesMatchDifferencesWithLinearControls) {
-  expect_derivatives(ControlMemory::linear);
+  expect_derivatives(Memory::linear);
 }
 
 INSTANTIATE_TEST_SUITE_P(Rules, CollocationOfARule, ::testing::ValuesIn(kRules),
@@ -190,13 +189,14 @@ INSTANTIATE_TEST_SUITE_P(Rules, CollocationOfARule, ::testing::ValuesIn(kRules),
 TEST(Collocation, FreeDurationMatchesLongerStepAndItsSlope) {
   constexpr double kStep = 0.07, kDifference = 1e-6;
   for (const CollocationRule rule : kRules)
-    for (const ControlMemory memory : {ControlMemory::none, ControlMemory::linear}) {
+    for (const Memory memory : {Memory::none, Memory::linear}) {
       const auto system = std::make_shared<CollocationSystem>(cartpole({}), rule);
       const auto model_of = [&](int choices, const std::optional<FreeDuration>& duration) {
-        auto model = std::make_shared<KnotModel>(system, info_of(rule).integrator, memory, choices);
+        auto model = std::make_shared<KnotModel>(
+            step_with(system, info_of(rule).integrator, memory, choices));
         model->add_constraint(make_constraint(
             "collocation",
-            collocation_residual(system, model->ndx(), duration, memory == ControlMemory::linear),
+            collocation_residual(system, model->ndx(), duration, memory == Memory::linear),
             ConstraintKind::bounds));
         return model;
       };

@@ -56,9 +56,9 @@ TEST(CycleResidual, GradientsMatchDualNumbers) {
   RandomNumbers random(42);
   for (const bool floating : {false, true}) {
     const Cycle cycle = cycle_of(floating, random);
-    auto model = std::make_shared<KnotModel>(cycle.system, Integrator::semi_implicit_euler,
-                                             ControlMemory::none,
-                                             static_cast<int>(cycle.start.coordinates.size()));
+    auto model = std::make_shared<KnotModel>(
+        step_with(cycle.system, Integrator::semi_implicit_euler, Memory::none,
+                  static_cast<int>(cycle.start.coordinates.size())));
     model->add_cost("cycle", cycle_residual(cycle.system->manifold(), cycle.start, cycle.offset),
                     {});
     const KnotCase c = make_case("cycle", model, random);
@@ -76,8 +76,8 @@ TEST(CycleResidual, GradientsMatchDualNumbers) {
 /// Rows of a cycle at a random state, and their Jacobian.
 Eigen::MatrixXd values_and_jacobian(const Cycle& cycle, const std::vector<int>& left_out) {
   RandomNumbers random(44);
-  KnotModel model(cycle.system, Integrator::none, ControlMemory::none,
-                  static_cast<int>(cycle.start.coordinates.size()));
+  KnotModel model(step_with(cycle.system, Integrator::none, Memory::none,
+                            static_cast<int>(cycle.start.coordinates.size())));
   model.add_constraint(make_constraint(
       "cycle", cycle_residual(cycle.system->manifold(), cycle.start, cycle.offset, left_out),
       ConstraintKind::bounds));

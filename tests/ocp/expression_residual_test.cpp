@@ -68,7 +68,7 @@ TEST(ExpressionResiduals, GradientsMatchDualNumbers) {
   for (const auto& [name, system] : systems_with_names())
     for (const bool memory : {false, true}) {
       const Integrator integrator = integrators_of(*system).front();
-      const auto model = std::make_shared<KnotModel>(system, integrator, memory_of(memory));
+      const auto model = std::make_shared<KnotModel>(step_with(system, integrator, memory));
       model->add_cost(
           "rows",
           expression_residual(*model, {.names = knot_names(*system), .rows = rows_of(*system)}),

@@ -8,19 +8,22 @@ namespace {
 
 /// A pendulum with costs on its state and control, and additional held states.
 std::shared_ptr<KnotModel> held_pendulum(Integrator integrator, int held,
-                                         const std::optional<FreeDuration>& grows_with = {}) {
-  auto model = std::make_shared<KnotModel>(pendulum({}), integrator, ControlMemory::none, held);
+                                         const std::optional<FreeDuration>& grows_with = {},
+                                         const std::optional<FreeDuration>& scales_time = {}) {
+  Step step = step_with(pendulum({}), integrator, Memory::none, held);
+  if (scales_time) step.scale_time(*scales_time);
+  auto model = std::make_shared<KnotModel>(std::move(step));
   model->add_cost("state", state_residual(model->manifold()), {}, grows_with);
   model->add_cost("control", control_residual(model->ndx(), model->nu()), {}, grows_with);
   return model;
 }
 
-struct Step {
+struct Outcome {
   std::vector<double> next;
   double cost;
 };
 
-Step step_of(const KnotModel& model, const KnotCase& c, double dt, double cost_scale) {
+Outcome outcome_of(const KnotModel& model, const KnotCase& c, double dt, double cost_scale) {
   KnotWorkspace<double> work(model);
   model.evaluate(KnotInput<double>{c.x.data(), c.u.data(), c.parameters.data(), dt, cost_scale},
                  work);
@@ -32,14 +35,13 @@ TEST(FreeDuration, ScalesStepsAndCostsByTheWrittenOne) {
   for (const bool scales_cost : {true, false}) {
     const FreeDuration duration{.choice = 1, .written = 2};
     const auto plain = held_pendulum(Integrator::rk4, 2);
-    const auto free =
-        held_pendulum(Integrator::rk4, 2, scales_cost ? std::optional(duration) : std::nullopt);
-    free->set_free_duration(duration);
+    const auto free = held_pendulum(Integrator::rk4, 2,
+                                    scales_cost ? std::optional(duration) : std::nullopt, duration);
     KnotCase c = make_case("pendulum", free, random);
     c.x[2] = 0.4;
     c.x[3] = 3;  // s, instead of 2
-    const Step found = step_of(*free, c, 0.1, 0.1);
-    const Step expected = step_of(*plain, c, 0.15, scales_cost ? 0.15 : 0.1);
+    const Outcome found = outcome_of(*free, c, 0.1, 0.1);
+    const Outcome expected = outcome_of(*plain, c, 0.15, scales_cost ? 0.15 : 0.1);
     for (int i = 0; i < 4; ++i) EXPECT_NEAR(found.next[i], expected.next[i], 1e-14) << i;
     EXPECT_EQ(found.next[2], 0.4);
     EXPECT_EQ(found.next[3], 3);
@@ -54,9 +56,9 @@ TEST(FreeDuration, DerivativesMatchDualNumbers) {
     for (const bool free : {false, true})
       for (const bool scales_cost : {true, false}) {
         const FreeDuration duration{.choice = 1, .written = 2};
+        const std::optional<FreeDuration> none;
         const auto model =
-            held_pendulum(integrator, 2, scales_cost ? std::optional(duration) : std::nullopt);
-        if (free) model->set_free_duration(duration);
+            held_pendulum(integrator, 2, scales_cost ? duration : none, free ? duration : none);
         KnotCase c = make_case("pendulum", model, random);
         c.x[3] = 2.5;
         KnotWorkspace<double> work(*model);
@@ -75,9 +77,10 @@ TEST(FreeDuration, DerivativesMatchDualNumbers) {
 }
 
 TEST(FreeDuration, TimesOfATrajectoryFollowItsStates) {
-  const auto model = held_pendulum(Integrator::rk4, 1);
-  model->set_free_duration({.choice = 0, .written = 0.4});
-  auto end = std::make_shared<KnotModel>(pendulum({}), Integrator::none, ControlMemory::none, 1);
+  const auto model =
+      held_pendulum(Integrator::rk4, 1, {}, FreeDuration{.choice = 0, .written = 0.4});
+  auto end =
+      std::make_shared<KnotModel>(step_with(pendulum({}), Integrator::none, Memory::none, 1));
   std::vector<double> parameters(2 * model->parameter_count(), 0.0);
   std::vector<Phase> phases;
   phases.push_back({.name = "swing",

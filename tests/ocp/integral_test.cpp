@@ -11,19 +11,20 @@ namespace {
 /// velocity × control plus the first.
 std::shared_ptr<KnotModel> summing_pendulum(Integrator integrator) {
   const auto system = pendulum({});
-  auto model = std::make_shared<KnotModel>(system, integrator, ControlMemory::none, 3);
+  Step step(system, integrator);
+  step.hold(3);
   std::vector<KnotName> names = knot_names(*system);
   const std::string angle = names[0].name, velocity = names[1].name, torque = names[2].name;
   names.push_back({.name = "sum", .unit = "", .numbers = {{false, 2}}, .parts = {}});
   const auto add = [&](const std::string& rate, int number) {
     const ParsedExpressionResidual parsed =
-        make_expression_residual(model->manifold(), {.names = names, .rows = {rate}});
+        make_expression_residual(step.manifold(), {.names = names, .rows = {rate}});
     if (!parsed.residual) throw std::invalid_argument(parsed.errors.at(0).message.message);
-    model->add_integral("i", parsed.residual, number);
+    step.integrate("i", parsed.residual, number);
   };
   add("sin(" + angle + ") - " + velocity + "^2", 0);
   add(velocity + "*" + torque + " + sum", 2);
-  return model;
+  return std::make_shared<KnotModel>(std::move(step));
 }
 
 TEST(Integrals, GrowByTheStepTimesTheirRates) {
@@ -31,7 +32,7 @@ TEST(Integrals, GrowByTheStepTimesTheirRates) {
   for (const Integrator integrator : {Integrator::rk4, Integrator::semi_implicit_euler}) {
     const auto model = summing_pendulum(integrator);
     const KnotCase c = make_case("pendulum", model, random);
-    const KnotModel plain(pendulum({}), integrator, ControlMemory::none, 3);
+    const KnotModel plain(step_with(pendulum({}), integrator, Memory::none, 3));
     KnotWorkspace<double> work(*model), without(plain);
     const KnotInput<double> in{c.x.data(), c.u.data(), c.parameters.data(), c.dt, c.dt};
     plain.evaluate(in, without);
@@ -69,15 +70,16 @@ TEST(Integrals, DerivativesMatchDualNumbers) {
   }
 }
 
-TEST(Integrals, HaveOneRowAndOneCarriedNumber) {
-  KnotModel model(pendulum({}), Integrator::rk4, ControlMemory::none, 1);
-  EXPECT_THROW(model.add_integral("two rows", state_residual(model.manifold()), 0),
+TEST(Integrals, HaveOneRowAndOneHeldNumber) {
+  Step step = Step(pendulum({}), Integrator::rk4).hold(1).remember_controls(0, 1);
+  EXPECT_THROW(step.integrate("two rows", state_residual(step.manifold()), 0),
                std::invalid_argument);
-  const auto torque = control_residual(model.ndx(), model.nu());
-  EXPECT_THROW(model.add_integral("before", torque, -1), std::invalid_argument);
-  EXPECT_THROW(model.add_integral("behind", torque, 1), std::invalid_argument);
-  model.add_integral("torque", torque, 0);
-  EXPECT_EQ(model.integrals().size(), 1u);
+  const auto torque = control_residual(step.ndx(), step.nu());
+  EXPECT_THROW(step.integrate("before", torque, -1), std::invalid_argument);
+  EXPECT_THROW(step.integrate("behind", torque, 2), std::invalid_argument);
+  EXPECT_THROW(step.integrate("a control", torque, 1), std::invalid_argument);
+  step.integrate("torque", torque, 0);
+  EXPECT_EQ(step.integrals().size(), 1u);
 }
 
 }  // namespace

@@ -28,9 +28,7 @@ void add_state_and_control_costs(KnotModel& model) {
   model.add_cost("norm", state_residual(model.manifold()),
                  {.kind = ActivationKind::smooth_l2, .epsilon = 0.3});
   if (model.nu() == 0) return;
-  // Linear controls at the start of a knot are part of the state.
-  const int before = model.has_linear_controls() ? model.remembered_controls() : 0;
-  model.add_cost("control", control_residual(model.ndx() - before, model.nu()),
+  model.add_cost("control", control_residual(model.step().control_column(0), model.nu()),
                  {.kind = ActivationKind::smooth_l1, .epsilon = 0.5});
 }
 
@@ -39,14 +37,12 @@ std::vector<KnotCase> all_cases() {
   RandomNumbers random(11);
   for (const auto& [name, system] : test_systems())
     for (const Integrator integrator : integrators_of(*system))
-      for (const ControlMemory memory :
-           {ControlMemory::none, ControlMemory::previous, ControlMemory::linear}) {
-        if (memory != ControlMemory::none && integrator == Integrator::impulse) continue;
-        if (memory == ControlMemory::linear && !follows_controls(integrator)) continue;
-        auto model = std::make_shared<KnotModel>(system, integrator, memory);
+      for (const Memory memory : {Memory::none, Memory::previous, Memory::linear}) {
+        if (memory != Memory::none && integrator == Integrator::impulse) continue;
+        if (memory == Memory::linear && !follows_controls(integrator)) continue;
+        auto model = std::make_shared<KnotModel>(step_with(system, integrator, memory));
         add_state_and_control_costs(*model);
-        if (memory == ControlMemory::previous)
-          model->add_cost("rate", control_rate_residual(*system), {});
+        if (memory == Memory::previous) model->add_cost("rate", control_rate_residual(*system), {});
         constexpr const char* kNames[] = {"", "/previous", "/linear"};
         cases.push_back(make_case(name + "/" + std::to_string(static_cast<int>(integrator)) +
                                       kNames[static_cast<int>(memory)],
@@ -341,7 +337,7 @@ TEST(Evaluator, DivergedLaneNamesItsKnotAndSparesOthers) {
 /// Includes linear controls, where the second half of a step continues from the end of the first.
 TEST(KnotModel, ExplicitRulesHaveTheirOrderWithLinearControls) {
   for (const Integrator rule : {Integrator::rk3, Integrator::rk4}) {
-    const KnotModel model(cartpole({}), rule, ControlMemory::linear);
+    const KnotModel model(step_with(cartpole({}), rule, Memory::linear));
     KnotWorkspace<double> work(model);
     const auto end_after = [&](int steps) {
       std::vector<double> x = {0.1, 2, 0.3, -1, 3};  // and the control at the start
@@ -367,8 +363,8 @@ TEST(KnotModel, ExplicitRulesHaveTheirOrderWithLinearControls) {
 
 TEST(KnotModel, LinearControlsNeedStagesInAStep) {
   for (const Integrator rule : {Integrator::semi_implicit_euler, Integrator::explicit_euler})
-    EXPECT_THROW(KnotModel(pendulum({}), rule, ControlMemory::linear), std::invalid_argument);
-  EXPECT_NO_THROW(KnotModel(pendulum({}), Integrator::none, ControlMemory::linear));
+    EXPECT_THROW(Step(pendulum({}), rule).make_controls_linear(), std::invalid_argument);
+  EXPECT_NO_THROW(Step(pendulum({}), Integrator::none).make_controls_linear());
 }
 
 }  // namespace

@@ -34,10 +34,10 @@ TEST(MimicResiduals, GradientsAndDynamicsMatchDualNumbers) {
   for (const auto& [name, robot] : mimic_robots()) {
     const auto system = system_of(robot);
     for (const bool memory : {false, true}) {
-      const KnotModel shape(system, Integrator::semi_implicit_euler, memory_of(memory));
+      const KnotModel shape(step_with(system, Integrator::semi_implicit_euler, memory));
       for (const auto& [residual_name, residual] : named_residuals(system, shape)) {
         auto model =
-            std::make_shared<KnotModel>(system, Integrator::semi_implicit_euler, memory_of(memory));
+            std::make_shared<KnotModel>(step_with(system, Integrator::semi_implicit_euler, memory));
         model->add_cost("cost", residual, {});
         const KnotCase c = make_case(residual_name, model, random);
         KnotWorkspace<double> work(*model);

@@ -50,7 +50,7 @@ class ByDuration : public ::testing::Test {
   };
   Rows rows_of(const ConstraintTerm& constraint, const std::vector<double>& numbers,
                bool derivatives) {
-    KnotModel model(pendulum({}), Integrator::rk4, ControlMemory::none, 2);
+    KnotModel model(step_with(pendulum({}), Integrator::rk4, Memory::none, 2));
     model.add_constraint(constraint);
     std::vector<double> parameters(model.parameter_count(), 0.0);
     std::copy(numbers.begin(), numbers.end(), parameters.begin());
@@ -97,7 +97,7 @@ TEST_F(ByDuration, ControlBoundsGrowWithIt) {
 
 // All four states, some bounded; if a row reads the duration itself, both derivatives add up.
 TEST_F(ByDuration, RowMayReadTheDurationItself) {
-  const KnotModel model(pendulum({}), Integrator::rk4, ControlMemory::none, 2);
+  const KnotModel model(step_with(pendulum({}), Integrator::rk4, Memory::none, 2));
   const RowsByDuration rows = rows_by_duration(
       ConstraintKind::bounds, 4, {-kUnbounded, -2, -kUnbounded, 1.5}, {0.1, 3, kUnbounded, 1.5});
   const std::vector<double> numbers = {0.1, 0.2, 0.3, 0.4, 0.1, -2, 3, 1.5};
@@ -113,7 +113,7 @@ TEST_F(ByDuration, RowMayReadTheDurationItself) {
 TEST_F(ByDuration, NormIsFormedBeforeScaling) {
   const double norm = std::hypot(0.3 - 0.1, -0.7 - 0.2);
   const auto names = knot_names(*pendulum({}));
-  const KnotModel model(pendulum({}), Integrator::rk4, ControlMemory::none, 2);
+  const KnotModel model(step_with(pendulum({}), Integrator::rk4, Memory::none, 2));
   const ParsedExpressionResidual parsed = make_expression_residual(
       model.manifold(), {.names = names, .rows = {names[0].name, names[1].name}});
   ASSERT_TRUE(parsed.residual);

@@ -28,11 +28,11 @@ TEST(Residuals, AllGradientsMatchDualNumbersForAllActivations) {
                                   ActivationKind::linear};
   for (const auto& system : robots())
     for (const bool memory : {false, true}) {
-      const KnotModel shape(system, Integrator::semi_implicit_euler, memory_of(memory));
+      const KnotModel shape(step_with(system, Integrator::semi_implicit_euler, memory));
       for (const auto& [name, residual] : named_residuals(system, shape, 2))
         for (const ActivationKind kind : kinds) {
-          auto model = std::make_shared<KnotModel>(system, Integrator::semi_implicit_euler,
-                                                   memory_of(memory));
+          auto model = std::make_shared<KnotModel>(
+              step_with(system, Integrator::semi_implicit_euler, memory));
           const int n = residual->size();
           std::vector<double> weights = random.numbers(n, 1);
           for (double& w : weights) w = 0.1 + std::abs(w);

@@ -224,7 +224,7 @@ TEST(SecondDerivatives, PartlyUnknownModelsUseDualNumbers) {
   const ContactCase c = contact_cases().front();
   const auto system = held_system(c, true);
   const auto with = [&](Integrator integrator, bool memory, auto add) {
-    KnotModel model(system, integrator, memory_of(memory));
+    KnotModel model(step_with(system, integrator, memory));
     add(model);
     return known_by_parts(model);
   };

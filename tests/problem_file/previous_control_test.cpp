@@ -100,7 +100,7 @@ TEST(PreviousControl, PassesAnImpulse) {
   const SolveResult result = answer_with_change(loaded, "box_fddp");
   ASSERT_EQ(result.status, SolveStatus::converged) << result.message;
   const ShootingProblem& problem = *loaded.built->problem;
-  const int controls = problem.terminal().model->remembered_controls();
+  const int controls = problem.terminal().model->step().tail();
   for (int k = 1; k < problem.knots(); ++k) {
     if (!problem.takes_no_time(k)) continue;
     const Eigen::VectorXd before = result.trajectory.x(k).tail(controls);

@@ -516,7 +516,7 @@ TEST(TerminalLqr, NamesCostsAndSetsOnIntegrals) {
         .first_error();
   };
   EXPECT_EQ(error("  spent: {residual: expression, rows: work*omega}\nconstraints:\n"),
-            "13:25: the running cost 'spent' depends on the integral 'work', which no regulator "
+            "13:25: the running cost 'spent' depends on 'work', which no regulator "
             "can control");
   EXPECT_EQ(error("constraints:\n  budget: {residual: expression, rows: [work], upper: 50}\n"),
             "13:39: no terminal set is within 'budget', which states that cost nothing move");
@@ -657,16 +657,28 @@ TEST(TerminalLqr, UnreachableControlHoldsNothing) {
             "be -3 to 1");
 }
 
-TEST(TerminalLqr, FreeDurationsAndCollocationAreUnsupported) {
-  EXPECT_EQ(Loaded(R"(conddp: 1
-system: {type: double_integrator, dimension: 1}
-initial_state: {}
-phases: [{name: start, choose: none}, {knots: 5, dt: 0.1, free_duration: {lower: 0.1, upper: 2}}]
+// The regulator takes steps as the file writes them; P is zero along the duration.
+TEST(TerminalLqr, FreeDurationKeepsTheRegulator) {
+  const auto P_of = [](const std::string& phases) {
+    const Loaded loaded(
+        "conddp: 1\nsystem: {type: double_integrator, dimension: 1}\n"
+        "initial_state: {}\nphases: [" +
+        phases + R"(]
 costs: {state: {residual: state}, effort: {residual: control, weight: 0.1}}
 terminal: {lqr: initial}
-)")
-                .first_error(),
-            "6:17: 'lqr' does not support states that carry what was chosen at the start");
+)");
+    EXPECT_TRUE(loaded.built) << loaded.all();
+    return loaded.built ? loaded.built->terminal_lqr->ingredients.P : Eigen::MatrixXd();
+  };
+  const Eigen::MatrixXd fixed = P_of("{knots: 5, dt: 0.1}");
+  const Eigen::MatrixXd free =
+      P_of("{choose: none}, {knots: 5, dt: 0.1, free_duration: {lower: 0.1, upper: 2}}");
+  ASSERT_EQ(free.rows(), 3);
+  EXPECT_LT((free.topLeftCorner<2, 2>() - fixed).norm(), 1e-12);
+  EXPECT_TRUE(free.row(2).isZero(0) && free.col(2).isZero(0));
+}
+
+TEST(TerminalLqr, CollocationIsUnsupported) {
   EXPECT_EQ(Loaded(R"(conddp: 1
 system: {type: double_integrator, dimension: 1}
 initial_state: {}

@@ -4,6 +4,7 @@
 
 #include "solvers/strategies/registry.hpp"
 #include "support/constrained_problems.hpp"
+#include "support/steps.hpp"
 #include "systems/initial_choice.hpp"
 
 namespace conddp {
@@ -26,7 +27,7 @@ ShootingProblem choosing(const LinearQuadratic& lq, double reach, const Link& li
   for (int i = 0; i < n; ++i) all[i] = i, names.push_back({std::to_string(i), ""});
   const auto first = initial_choice(lq.problem->knot(0).model->system(), all, names);
   auto choice =
-      std::make_shared<KnotModel>(first, Integrator::explicit_euler, ControlMemory::previous);
+      std::make_shared<KnotModel>(step_with(first, Integrator::explicit_euler, Memory::previous));
   choice->set_control_bounds(std::vector<double>(n, -reach), std::vector<double>(n, reach));
   std::vector<Phase> phases{{.name = "start",
                              .model = choice,
@@ -37,7 +38,7 @@ ShootingProblem choosing(const LinearQuadratic& lq, double reach, const Link& li
   // `scaled` weights include the knot's dt.
   const auto make = [&](const KnotModel& of, Integrator rule, const Eigen::VectorXd& reference,
                         const Eigen::VectorXd& Q, const Eigen::VectorXd& R) {
-    auto model = std::make_shared<KnotModel>(of.shared_system(), rule, ControlMemory::none, n);
+    auto model = std::make_shared<KnotModel>(step_with(of.shared_system(), rule, Memory::none, n));
     Phase phase{.name = "knot", .dt = {0.25}, .cost_scale = {1.0}};
     if (rule == Integrator::none) phase.dt = {0.0};
     phase.parameters = plain(reference);

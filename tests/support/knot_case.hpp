@@ -13,6 +13,7 @@
 #include "robot/urdf/combine.hpp"
 #include "support/expression_systems.hpp"
 #include "support/random_robot.hpp"
+#include "support/steps.hpp"
 #include "systems/closed_forms/catalogue.hpp"
 #include "systems/multibody/multibody.hpp"
 
@@ -172,19 +173,13 @@ inline std::vector<Integrator> integrators_of(const System& system) {
           Integrator::rk3, Integrator::rk4};
 }
 
-/// Memory of states that may end with the previous control.
-inline ControlMemory memory_of(bool previous) {
-  return previous ? ControlMemory::previous : ControlMemory::none;
-}
-
 /// Consecutive knots of the case from its state, and a terminal node without costs.
 inline ShootingProblem problem_of(const KnotCase& c, int count) {
   Phase phase{
       "knots", c.model, std::vector<double>(count, c.dt), std::vector<double>(count, c.dt), {}};
   for (int k = 0; k < count; ++k)
     phase.parameters.insert(phase.parameters.end(), c.parameters.begin(), c.parameters.end());
-  auto end = std::make_shared<KnotModel>(c.model->shared_system(), Integrator::none,
-                                         c.model->control_memory());
+  auto end = std::make_shared<KnotModel>(c.model->step().without_dynamics());
   return {c.x, {phase}, Phase{"terminal", end, {0.0}, {1.0}, {}}};
 }
 

@@ -76,8 +76,7 @@ inline std::vector<std::pair<std::string, std::shared_ptr<const Residual>>> name
   all.emplace_back("weighted com",
                    weighted_residual(com_position_residual(system),
                                      Eigen::Matrix3d{{2, 1, 0}, {1, 3, 0}, {0, 0, 1}}));
-  if (model.control_memory() == ControlMemory::previous)
-    all.emplace_back("rate", control_rate_residual(*system));
+  if (model.step().tail() > 0) all.emplace_back("rate", control_rate_residual(*system));
   for (int f = 0; f < static_cast<int>(robot.frames.size()); f += frame_step) {
     const std::string& name = robot.frames[f].name;
     all.emplace_back("position " + name, frame_position_residual(system, f));

@@ -7,6 +7,7 @@
 
 #include "analysis/terminal/terminal_ingredients.hpp"
 #include "ocp/residuals/residuals.hpp"
+#include "support/steps.hpp"
 #include "systems/closed_forms/catalogue.hpp"
 
 namespace conddp::testing {
@@ -34,10 +35,9 @@ struct StageCost {
 /// A knot of 0.1 s of a discrete system.
 inline Phase stage_of(const std::shared_ptr<const System>& system, const StageCost& cost,
                       std::vector<double> lower, std::vector<double> upper,
-                      std::vector<StageConstraint> constraints = {},
-                      ControlMemory memory = ControlMemory::none) {
+                      std::vector<StageConstraint> constraints = {}, Memory memory = Memory::none) {
   const int nu = system->nu();
-  const auto model = std::make_shared<KnotModel>(system, Integrator::discrete, memory);
+  const auto model = std::make_shared<KnotModel>(step_with(system, Integrator::discrete, memory));
   std::vector<int> states(system->nx());
   for (int i = 0; i < system->nx(); ++i) states[i] = i;
   model->add_cost("state", coordinate_residual(model->manifold(), states), {.weights = cost.state});

@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include "base/text/utf8.hpp"
-#include "ocp/knot/integrator_table.hpp"
 #include "ocp/problem/cost_scale.hpp"
+#include "ocp/step/integrator_table.hpp"
 #include "output/report/answer_settings.hpp"
 #include "output/report/certificate_report.hpp"
 #include "output/report/contact_report.hpp"
@@ -21,7 +21,7 @@ std::string durations_line(const Solution& s) {
   int first = 0;
   for (const Phase& phase : s.built.problem->phases()) {
     const int next = first + phase.knots();
-    if (phase.model->free_duration())
+    if (phase.model->step().duration())
       text += fmt::format("{}{} {:.9g} s", text.empty() ? "" : ", ", phase.name,
                           times[next] - times[first]);
     first = next;

@@ -47,10 +47,9 @@ class PlannedSteps {
     const KnotModel& model = *problem_.knot(k).model;
     auto& stepper = steppers_[&model];
     if (!stepper) stepper = std::make_unique<ReplayStep>(model, rule(k));
-    Eigen::VectorXd x = trajectory_.x(k), from = trajectory_.u(k);
-    if (model.has_linear_controls()) from = Eigen::VectorXd(x.tail(model.remembered_controls()));
-    Eigen::VectorXd to = from;
-    const double dt = model.step(problem_.knot(k).dt, x.data()) / steps;
+    Eigen::VectorXd x = trajectory_.x(k);
+    Eigen::VectorXd from = model.step().first_control(x, trajectory_.u(k)), to = from;
+    const double dt = model.step().time_step(problem_.knot(k).dt, x.data()) / steps;
     for (int s = 0; s < steps; ++s) {
       stepper->look(x.data(), from.data());
       to += (trajectory_.u(k).head(to.size()) - to) / (steps - s);

@@ -139,22 +139,22 @@ class Player {
     if (!memory) memory = std::make_unique<ReplayStep>(*view.model);
     const System& system = memory->system();
     const Eigen::VectorXd u = control(k, feedback, x, result);
-    const int remembered = view.model->remembered_controls();
-    Eigen::VectorXd from = view.model->has_linear_controls() ? x.tail(remembered) : u, to = from;
+    const Step& knot_step = view.model->step();
+    Eigen::VectorXd from = knot_step.first_control(x, u), to = from;
     const bool choice = problem_.phases()[view.phase].instant;
     const int steps = view.dt > 0 && !choice ? substeps_ : 1;
-    const double dt = view.model->step(view.dt, x.data()) / steps;
+    const double dt = knot_step.time_step(view.dt, x.data()) / steps;
     for (int s = 0; s < steps; ++s) {
       const SystemData<double>& data = memory->look(x.data(), from.data());
       if (watch != nullptr && !choice)
         watch->look(system, data, x.data(), k, times_[k] + s * dt, s == 0);
       to += (u.head(to.size()) - to) / (steps - s);  // at last u itself
       memory->go({from.data(), to.data()}, dt, x.data());
-      view.model->remember(to.data(), x.data());
+      knot_step.hand_on(to.data(), x.data());
       from = to;
     }
     // Integrals come from the plan, because those of the replay's steps differ.
-    for (const IntegralTerm& integral : view.model->integrals())
+    for (const IntegralTerm& integral : knot_step.integrals())
       x[system_size(*view.model) + integral.number] =
           trajectory_.x(k + 1)[system_size(*view.model) + integral.number];
   }

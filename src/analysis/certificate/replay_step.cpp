@@ -14,7 +14,7 @@ class CollocationStep {
  public:
   CollocationStep(const std::shared_ptr<const CollocationSystem>& system, Integrator integrator,
                   bool linear)
-      : model_(system, integrator, linear ? ControlMemory::linear : ControlMemory::none),
+      : model_(step_of(system, integrator, linear)),
         actuators_(system->actuators()),
         x_(model_.nx(), 0.0),
         w_(model_.nu(), 0.0) {
@@ -31,7 +31,7 @@ class CollocationStep {
     const int unknown = model_.constraint_rows();
     const ConstraintTerm& term = model_.constraints().front();
     std::copy_n(x, model_.system().nx(), x_.begin());
-    std::copy_n(u.begin, model_.remembered_controls(), x_.begin() + model_.system().nx());
+    std::copy_n(u.begin, model_.step().tail(), x_.begin() + model_.system().nx());
     std::copy_n(u.end, actuators_, w_.begin());
     parameters_[term.parameters] = h;
     parameters_[term.active()] = 1;
@@ -56,6 +56,12 @@ class CollocationStep {
   }
 
  private:
+  static Step step_of(const std::shared_ptr<const CollocationSystem>& system, Integrator integrator,
+                      bool linear) {
+    Step step(system, integrator);
+    return linear ? step.make_controls_linear() : step;
+  }
+
   static constexpr int kIterations = 30;
   static constexpr double kRounding = 1e-13;
 
@@ -79,7 +85,7 @@ ReplayStep::ReplayStep(const KnotModel& model) : ReplayStep(model, model.integra
 ReplayStep::ReplayStep(const KnotModel& model, Integrator rule)
     : system_(without_slopes(model)),
       integrator_(rule),
-      linear_(model.has_linear_controls()),
+      linear_(model.step().has_linear_controls()),
       data_(system_->create_data(double{})) {
   if (const auto collocation = info_of(rule).collocation)
     implicit_ = std::make_unique<CollocationStep>(

@@ -58,8 +58,8 @@ class DualKnot {
     const System& system = model_.system();
     const auto data = system.create_data(D{});
     const KnotInput<D> in = batch_.input();
-    if (model_.has_control())
-      system.evaluate(in.x, model_.first_control(in), *data);
+    if (model_.step().has_control())
+      system.evaluate(in.x, model_.step().first_control(in.x, in.u), *data);
     else
       system.update_kinematics(in.x, *data);
     AlignedVector<D> r(term.residual->size());
@@ -127,8 +127,8 @@ KnotDerivatives analytic_derivatives(const KnotView& knot, const Trajectory& tra
   const bool terminal = model.integrator() == Integrator::none;
   const auto data = system.create_data(Lane{});
   const KnotInput<Lane> in = batch.input();
-  if (model.has_control())
-    system.differentiate(in.x, model.first_control(in), *data);
+  if (model.step().has_control())
+    system.differentiate(in.x, model.step().first_control(in.x, in.u), *data);
   else
     system.update_kinematics(in.x, *data);
   KnotDerivatives out;

@@ -211,11 +211,9 @@ class Search {
     }
   }
 
-  /// Linear controls at the start of a knot are the last part of its state.
   double control_at_beginning(int k, int control) const {
-    const KnotModel& model = *problem_.knot(k).model;
-    if (!model.has_linear_controls()) return trajectory_.u(k)[control];
-    return trajectory_.x(k).tail(model.remembered_controls())[control];
+    const Step& step = problem_.knot(k).model->step();
+    return step.first_control(trajectory_.x(k), trajectory_.u(k))[control];
   }
 
   void report(const std::string& name, const Effort& effort) {
@@ -327,11 +325,8 @@ class Search {
   }
 
   bool is_state_inequality(const NodeConstraint& c) const {
-    // Linear controls are the last columns of a node's state.
-    const KnotModel& end = *problem_.terminal().model;
-    const int controls = end.has_linear_controls() ? end.remembered_controls() : 0;
-    if (!c.term->has_bounds() || c.is_soft() ||
-        c.term->depends_on_control(problem_.ndx() - controls))
+    const Step& end = problem_.terminal().model->step();
+    if (!c.term->has_bounds() || c.is_soft() || c.term->depends_on_control(end.control_column(0)))
       return false;
     for (int i = 0; i < c.term->rows; ++i)
       if (c.lower[i] < c.upper[i]) return true;

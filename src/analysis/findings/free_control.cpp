@@ -34,10 +34,7 @@ bool is_free(const KnotView& knot, int control) {
   if (std::isfinite(model.control_lower()[control]) ||
       std::isfinite(model.control_upper()[control]))
     return false;
-  Columns columns = {model.ndx() + control};
-  // Linear controls at the start of a knot are the last part of its state.
-  if (model.has_linear_controls())
-    columns.push_back(model.ndx() - model.remembered_controls() + control);
+  const Columns columns = {model.ndx() + control, model.step().control_column(control)};
   const bool costs = std::ranges::any_of(model.costs(), [&](const CostTerm& cost) {
     return knot.parameters[cost.weight] != 0 && counts(cost, columns);
   });

@@ -113,11 +113,10 @@ std::optional<LongStep> long_step(const ShootingProblem& problem, const Trajecto
     auto& data = memory[&system];
     if (!data) data = system.create_data(double{});
     const double* x = trajectory.x(k).data();
-    const KnotInput<double> in{x, trajectory.u(k).data(), nullptr, problem.knot(k).dt, 1};
-    system.differentiate(x, model.first_control(in), *data);
+    system.differentiate(x, model.step().first_control(x, trajectory.u(k).data()), *data);
     Eigen::MatrixXd A = linear_motion(system, *data);
     if (!A.allFinite()) continue;
-    const double h = model.step(in.dt, x);
+    const double h = model.step().time_step(problem.knot(k).dt, x);
     LongStep step = is_explicit ? explicit_step(A, h, rule.order)
                                 : LongStep{.step = h, .growth = alternating_growth(A, h)};
     step.knot = k;

@@ -44,9 +44,9 @@ std::optional<SingularRate> singular_rate(const ShootingProblem& problem,
   const System& system = model.system();
   if (system.robot_inside() != nullptr || system.as_collocation() != nullptr) return std::nullopt;
   const Eigen::VectorXd x = trajectory.x(knot).head(system.nx());
-  const KnotInput<double> in{trajectory.x(knot).data(), trajectory.u(knot).data(), nullptr,
-                             problem.knot(knot).dt, 1};
-  KnotEquations equations(model, model.first_control(in), in.dt);
+  const double* u =
+      model.step().first_control(trajectory.x(knot).data(), trajectory.u(knot).data());
+  KnotEquations equations(model, u, problem.knot(knot).dt);
   equations.look(x);
   const int row = equations.singular_row();
   if (row < 0) return std::nullopt;

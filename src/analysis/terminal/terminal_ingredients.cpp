@@ -37,8 +37,7 @@ std::shared_ptr<ShootingProblem> lone_knot(const EquilibriumGuess& guess) {
              .dt = {phase.dt[guess.knot]},
              .cost_scale = {phase.cost_scale[guess.knot]},
              .parameters = {first, first + model.parameter_count()}};
-  auto end = std::make_shared<KnotModel>(model.shared_system(), Integrator::none,
-                                         model.control_memory(), model.carried_numbers());
+  auto end = std::make_shared<KnotModel>(model.step().without_dynamics());
   return std::make_shared<ShootingProblem>(
       guess.x, std::vector{std::move(knot)},
       Phase{.name = "end", .model = std::move(end), .dt = {0.0}, .cost_scale = {1.0}});
@@ -60,7 +59,8 @@ Eigen::MatrixXd allowed_velocities(const MultibodySystem& system, const double* 
 
 /// Tangent vectors of the states that a knot allows.
 Eigen::MatrixXd tangent_space(const KnotModel& model, const double* x) {
-  const int n = model.ndx(), memory = model.remembered_controls();
+  const Step& step = model.step();
+  const int n = model.ndx(), memory = step.tail() - static_cast<int>(step.held_columns().size());
   const MultibodySystem* system = model.system().as_multibody();
   const bool touches = system != nullptr && !system->contacts().empty();
   const int own = model.system().ndx(), nv = own / 2;
@@ -104,15 +104,15 @@ class IngredientsFinder {
 
   /// Integrals keep growing at an equilibrium, and so do costs on them.
   bool costs_no_integral() {
-    const int first = model_.system().ndx(), end = first + model_.carried_numbers();
+    const std::vector<int> held = model_.step().held_columns();
     for (const CostTerm& cost : model_.costs())
       for (const RowBlock& block : cost.residual->blocks())
         for (const int column : block.columns)
-          if (column >= first && column < end)
-            return fail(fmt::format("the running cost '{}' depends on the integral '{}', which no "
-                                    "regulator can control",
+          if (std::ranges::find(held, column) != held.end())
+            return fail(fmt::format("the running cost '{}' depends on '{}', which no regulator "
+                                    "can control",
                                     cost.name, names_[column]),
-                        "leave the integral out of costs of the last phase that takes time");
+                        "leave it out of costs of the last phase that takes time");
     return true;
   }
 
@@ -166,11 +166,10 @@ class IngredientsFinder {
   /// Linearizes at a control and returns the drift of the state.
   double move_to(const Eigen::VectorXd& u) {
     trajectory_.u(0) = u;
-    if (const int actuators = model_.remembered_controls(); actuators > 0)
-      for (int k : {0, 1}) trajectory_.x(k).tail(actuators) = u.head(actuators);
+    for (int k : {0, 1}) model_.step().hand_on(u.data(), trajectory_.x(k).data());
     evaluator_.differentiate(trajectory_, linear_);
     Eigen::VectorXd gap = linear_.gap.col(0);
-    gap.segment(model_.system().ndx(), model_.carried_numbers()).setZero();
+    for (const int column : model_.step().held_columns()) gap[column] = 0;
     drift_ = gap.cwiseAbs().maxCoeff(&fastest_) / problem_->knot(0).dt;
     return std::isfinite(drift_) ? drift_ : kInfinity;
   }
@@ -206,7 +205,7 @@ class IngredientsFinder {
   bool linearize() {
     const int n = model_.ndx(), m = model_.nu();
     Eigen::MatrixXd F = linear_.knots[0].dense_jacobian();
-    F.middleRows(model_.system().ndx(), model_.carried_numbers()).setZero();
+    for (const int column : model_.step().held_columns()) F.row(column).setZero();
     T_ = tangent_space(model_, trajectory_.x(0).data());
     const Eigen::MatrixXd A = F.leftCols(n) * T_, B = F.rightCols(m);
     const auto across = [this](const Eigen::MatrixXd& M) {

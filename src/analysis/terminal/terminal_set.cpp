@@ -60,9 +60,9 @@ class SetBuilder {
     Eigen::MatrixXd rows =
         C.leftCols(n) * given_.tangent - C.rightCols(C.cols() - n) * given_.regulator.K;
     const KnotModel& model = *given_.knot->knot(0).model;
-    const int own = model.system().ndx(), integrals = model.carried_numbers();
-    for (Eigen::Index i = 0; i < rows.rows(); ++i)
-      if (!C.row(i).segment(own, integrals).isZero(0)) rows.row(i).setConstant(kUnbounded);
+    for (const int column : model.step().held_columns())
+      for (Eigen::Index i = 0; i < rows.rows(); ++i)
+        if (C(i, column) != 0) rows.row(i).setConstant(kUnbounded);
     return rows;
   }
 

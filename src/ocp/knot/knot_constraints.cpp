@@ -20,7 +20,7 @@ bool all_inside(const ConstraintTerm& term, const S* weight, const S* curvature)
 }  // namespace
 
 int KnotModel::add_constraint(ConstraintTerm term) {
-  check_fit("constraint " + term.name, *term.residual);
+  check_fit("constraint " + term.name, *term.residual, step_.has_control(), nz());
   term.row = constraint_rows_;
   term.parameters = parameter_count_;
   term.jacobian = add_rows(term.blocks);
@@ -45,7 +45,7 @@ template <class S>
 void KnotModel::evaluate_constraints(const KnotInput<S>& in, KnotWorkspace<S>& work) const {
   work.augmentation = S(0.0);
   for (const ConstraintTerm& term : constraints_) {
-    const ResidualInput<S> input = residual_input(term.parameters, in, *work.system_);
+    const ResidualInput<S> input = residual_input(term.parameters, in, *work.step_.system);
     term.residual->evaluate(input, work.residual_.data());
     S* g = work.constraint.data() + term.row;
     form_value(term, work.residual_.data(), g);
@@ -93,7 +93,7 @@ void KnotModel::differentiate_constraints(const KnotInput<S>& in, KnotWorkspace<
   S* curvature = hessian ? work.curvature_.data() : nullptr;
   for (std::size_t t = 0; t < constraints_.size(); ++t) {
     const ConstraintTerm& term = constraints_[t];
-    const ResidualInput<S> input = residual_input(term.parameters, in, *work.system_);
+    const ResidualInput<S> input = residual_input(term.parameters, in, *work.step_.system);
     term.residual->differentiate(input, work.residual_.data(), work.residual_jacobian_.data());
     S* g = work.constraint.data() + term.row;
     const S norm = form_value(term, work.residual_.data(), g);

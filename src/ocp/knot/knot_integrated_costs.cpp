@@ -12,13 +12,11 @@ namespace conddp {
 template <class S>
 class StageCosts : public StageVisitor<S> {
  public:
-  /// `in`: at its free duration, if there is one; `given_dt`: the step without that, of which the
-  /// derivative is one.
-  StageCosts(const KnotModel& model, const KnotInput<S>& in, const S& given_dt,
-             KnotWorkspace<S>& work, const KnotModel::Wanted& wanted)
+  StageCosts(const KnotModel& model, const KnotInput<S>& in, KnotWorkspace<S>& work,
+             const KnotModel::Wanted& wanted)
       : model_(model),
+        step_(model.step()),
         in_(in),
-        given_dt_(given_dt),
         work_(work),
         derivatives_(wanted.derivatives),
         hessian_(wanted.hessian) {}
@@ -35,12 +33,11 @@ class StageCosts : public StageVisitor<S> {
   KnotInput<S> input_at(const StageView<S>& stage);
   void differentiate(const CostPoint<S>& at, const StageView<S>& stage);
   void fill_derivative(const StageView<S>& stage);
-  S derivative(int row, int column, const StageView<S>& stage) const;
   void pull_back_hessian();
 
   const KnotModel& model_;
+  const Step& step_;
   const KnotInput<S>& in_;
-  S given_dt_;
   KnotWorkspace<S>& work_;
   bool derivatives_, hessian_;
 };
@@ -70,11 +67,12 @@ template <class S>
 void StageCosts<S>::visit_collocation() {
   const CollocationSystem* system = model_.system().as_collocation();
   if (system == nullptr || visitor() == nullptr) return;
-  SystemData<S>& begin = *work_.system_;
+  SystemData<S>& begin = *work_.step_.system;
   auto& later = static_cast<CollocationSystem::Later<S>&>(*begin.later);
   const S* w = in_.u;
-  const S* u = model_.first_control(in_);
-  const bool linear = model_.has_linear_controls();
+  const S* u = step_.first_control(in_.x, in_.u);
+  const S dt = step_.time_step(in_.dt, in_.x);
+  const bool linear = step_.has_linear_controls();
   if (derivatives_) {
     std::fill(later.X.begin(), later.X.end(), S(0.0));
     for (int c = 0; c < system->ndx(); ++c) later.X[c * system->ndx() + c] = S(1.0);
@@ -85,9 +83,9 @@ void StageCosts<S>::visit_collocation() {
     if (linear)
       for (int c = 0; c < system->actuators(); ++c) later.u[c] = u[c] + S(passed) * (w[c] - u[c]);
     const S* at = linear ? later.u.data() : u;
-    system->stage(i, in_.x, w, in_.dt, begin, later.x.data());
+    system->stage(i, in_.x, w, dt, begin, later.x.data());
     if (derivatives_) {
-      system->differentiate_stage(i, in_.x, w, in_.dt, begin, model_.free_duration().has_value(),
+      system->differentiate_stage(i, in_.x, w, dt, begin, step_.duration().has_value(),
                                   later.X.data());
       system->inside()->differentiate(later.x.data(), at, *later.inside);
     } else {
@@ -100,12 +98,7 @@ void StageCosts<S>::visit_collocation() {
 /// The knot's numbers with the state and the control of a stage.
 template <class S>
 KnotInput<S> StageCosts<S>::input_at(const StageView<S>& stage) {
-  const int nx = model_.system().nx();
-  std::copy_n(stage.x, nx, work_.stage_x_.begin());
-  std::copy(in_.x + nx, in_.x + model_.nx(), work_.stage_x_.begin() + nx);
-  if (model_.has_linear_controls())
-    std::copy_n(stage.u, model_.remembered_controls(),
-                work_.stage_x_.end() - model_.remembered_controls());
+  step_.stage_state(stage, in_.x, work_.stage_x_.data());
   KnotInput<S> in = in_;
   in.x = work_.stage_x_.data();
   in.cost_scale = in_.cost_scale * S(model_.quadrature_[stage.stage].weight);
@@ -135,24 +128,8 @@ template <class S>
 void StageCosts<S>::fill_derivative(const StageView<S>& stage) {
   S* Z = work_.stage_Z_.data();
   for (int c = 0; c < model_.nz(); ++c)
-    for (const int row : model_.stage_columns_) *Z++ = derivative(row, c, stage);
-}
-
-template <class S>
-S StageCosts<S>::derivative(int row, int column, const StageView<S>& stage) const {
-  const int n = model_.system().ndx(), ndx = model_.ndx();
-  if (row < n) {
-    if (const auto& duration = model_.free_duration(); duration && column == n + duration->choice)
-      return given_dt_ * S(1 / duration->written) * stage.X[work_.integrator_.variables * n + row];
-    const int own = model_.integrated_column(column);
-    return own < 0 ? S(0.0) : stage.X[own * n + row];
-  }
-  if (!model_.has_linear_controls()) return S(row == column ? 1.0 : 0.0);
-  // Linear controls at the beginning are the last of the state, those at the end the first of u.
-  const int controls = model_.remembered_controls(), control = row - (ndx - controls);
-  if (control < 0 || row >= ndx) return S(row == column ? 1.0 : 0.0);
-  if (column == row) return S(1 - stage.passed);
-  return S(column == ndx + control ? stage.passed : 0.0);
+    for (const int row : model_.stage_columns_)
+      *Z++ = step_.stage_derivative(stage, row, c, in_.dt, work_.step_);
 }
 
 template <class S>
@@ -174,21 +151,18 @@ void StageCosts<S>::pull_back_hessian() {
 }
 
 template <class S>
-void KnotModel::take_step(const KnotInput<S>& in, const S& given_dt, KnotWorkspace<S>& work,
+void KnotModel::take_step(const KnotInput<S>& in, KnotWorkspace<S>& work,
                           const Wanted& wanted) const {
-  StageCosts<S> costs(*this, in, given_dt, work, wanted);
-  const auto step = wanted.derivatives ? integrate_derivatives<S> : integrate<S>;
-  step(*system_, integrator_, in.x, first_control(in), in.dt, *work.system_, work.integrator_,
-       end_control(in), costs.visitor());
+  StageCosts<S> costs(*this, in, work, wanted);
+  step_.take({in.x, in.u, in.parameters, in.dt}, work.step_, wanted.derivatives, costs.visitor());
   costs.visit_collocation();
   if (!wanted.derivatives) return;
   for (std::size_t t = 0; t < costs_.size(); ++t)
     if (costs_[t].integrated) add_growth(costs_[t].grows_with, work.term_costs[t], in.x, work);
 }
 
-#define CONDDP_INSTANTIATE(S)                                                          \
-  template void KnotModel::take_step(const KnotInput<S>&, const S&, KnotWorkspace<S>&, \
-                                     const Wanted&) const;
+#define CONDDP_INSTANTIATE(S) \
+  template void KnotModel::take_step(const KnotInput<S>&, KnotWorkspace<S>&, const Wanted&) const;
 CONDDP_FOR_EACH_SCALAR(CONDDP_INSTANTIATE)
 #undef CONDDP_INSTANTIATE
 

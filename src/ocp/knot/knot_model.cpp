@@ -9,45 +9,6 @@
 namespace conddp {
 namespace {
 
-/// For a system and its integrator, which exist together or not at all.
-void check_together(bool system, bool integrator, const char* otherwise) {
-  if (system != integrator) throw std::invalid_argument(otherwise);
-}
-
-void check_integrator(const System& system, Integrator integrator) {
-  if (integrator == Integrator::none) return;
-  check_together(system.kind() == SystemKind::discrete, integrator == Integrator::discrete,
-                 "a discrete system needs the discrete integrator, and only it");
-  if (integrator == Integrator::semi_implicit_euler && system.kind() != SystemKind::second_order)
-    throw std::invalid_argument("semi-implicit Euler needs a second-order system");
-  check_together(system.kind() == SystemKind::impulse, integrator == Integrator::impulse,
-                 "an impulse needs the integrator of impulses, and only it");
-  const auto* collocation = system.as_collocation();
-  if (info_of(integrator).collocation !=
-      (collocation ? std::optional(collocation->rule()) : std::nullopt))
-    throw std::invalid_argument(
-        "a collocation system needs the integrator of its rule, and only it");
-}
-
-void check_columns(const std::string& what, const RowBlock& block, int nz) {
-  for (const int column : block.columns)
-    if (column < 0 || column >= nz)
-      throw std::invalid_argument(what + " depends on column " + std::to_string(column) +
-                                  ", and a knot has " + std::to_string(nz));
-}
-
-void check_augmented_state(const System& system, Integrator integrator, ControlMemory memory,
-                           const HandedOn& handed_on) {
-  if (handed_on.chosen && handed_on.count > system.nu())
-    throw std::invalid_argument("a knot chooses the control that it hands on by its own controls");
-  if (memory == ControlMemory::none) return;
-  if (system.kind() == SystemKind::impulse)
-    throw std::invalid_argument("an impulse has no control to remember");
-  const bool linear = memory == ControlMemory::linear;
-  if (linear && integrator != Integrator::none && !follows_controls(integrator))
-    throw std::invalid_argument("linear controls need an integrator that sees how they change");
-}
-
 std::vector<QuadratureStage> quadrature_of(const System& system, Integrator integrator) {
   const IntegratorInfo& info = info_of(integrator);
   std::vector<QuadratureStage> stages;
@@ -65,36 +26,18 @@ std::vector<QuadratureStage> quadrature_of(const System& system, Integrator inte
 
 }  // namespace
 
-KnotModel::KnotModel(std::shared_ptr<const System> system, Integrator integrator,
-                     ControlMemory memory, int carried_choices, HandedOn handed_on)
-    : system_(std::move(system)),
-      manifold_(system_->manifold()),
-      integrator_(integrator),
-      memory_(memory),
-      carried_(carried_choices),
-      handed_on_(handed_on),
-      augmented_(carried_choices + remembered_controls() + handed_on.count) {
-  check_integrator(*system_, integrator);
-  if (system_->kind() == SystemKind::discrete && !manifold_.curved().empty())
-    throw std::invalid_argument("a discrete system needs a flat state space");
-  check_augmented_state(*system_, integrator, memory, handed_on);
-  quadrature_ = quadrature_of(*system_, integrator);
-  if (augmented_ > 0) manifold_.append(StateManifold::Part::flat, augmented_);
-  lower_.assign(nu(), -std::numeric_limits<double>::infinity());
-  upper_.assign(nu(), std::numeric_limits<double>::infinity());
-}
-
-void KnotModel::check_fit(const std::string& what, const Residual& residual) const {
-  if (residual.needs_control() && !has_control())
-    throw std::invalid_argument(what + " needs a control, which this node has not");
-  for (const RowBlock& block : residual.blocks()) check_columns(what, block, nz());
-}
+KnotModel::KnotModel(Step step)
+    : step_(std::move(step)),
+      parameter_count_(step_.parameter_count()),
+      lower_(nu(), -std::numeric_limits<double>::infinity()),
+      upper_(nu(), std::numeric_limits<double>::infinity()),
+      quadrature_(quadrature_of(system(), integrator())) {}
 
 int KnotModel::add_cost(std::string name, std::shared_ptr<const Residual> residual,
                         Activation activation, const std::optional<FreeDuration>& grows_with,
                         bool integrated) {
-  check_fit("cost " + name, *residual);
-  if (grows_with) check_duration(*grows_with);
+  check_fit("cost " + name, *residual, step_.has_control(), nz());
+  if (grows_with) step_.check_duration(*grows_with);
   if (integrated && quadrature_.empty())
     throw std::invalid_argument("cost " + name + " cannot be integrated");
   CostTerm& term = costs_.emplace_back();
@@ -113,19 +56,6 @@ int KnotModel::add_cost(std::string name, std::shared_ptr<const Residual> residu
   }
   index_hessian();
   return term.parameters;
-}
-
-int KnotModel::add_integral(std::string name, std::shared_ptr<const Residual> residual,
-                            int number) {
-  check_fit("integral " + name, *residual);
-  if (residual->size() != 1 || number < 0 || number >= carried_)
-    throw std::invalid_argument("integral " + name + ": one row, of one of the carried numbers");
-  const IntegralTerm* last = integrals_.empty() ? nullptr : &integrals_.back();
-  const int jacobian = last ? last->jacobian + last->residual->jacobian_size() : 0;
-  const int parameters = parameter_count_;
-  parameter_count_ += residual->parameter_count();
-  integrals_.push_back({std::move(name), std::move(residual), parameters, number, jacobian});
-  return parameters;
 }
 
 namespace {
@@ -215,27 +145,10 @@ void KnotModel::set_control_bounds(std::vector<double> lower, std::vector<double
   upper_ = std::move(upper);
 }
 
-void KnotModel::check_duration(const FreeDuration& duration) const {
-  if (duration.choice < 0 || duration.choice >= carried_)
-    throw std::invalid_argument("a free duration needs its place in a held memory");
-}
-
-void KnotModel::set_free_duration(const FreeDuration& duration) {
-  check_duration(duration);
-  if (info_of(integrator_).order == 0)
-    throw std::invalid_argument("what knows no time step has no free duration");
-  duration_ = duration;
-}
-
 bool KnotModel::has_control_bounds() const {
   const auto finite = [](double a) { return std::isfinite(a); };
   return std::any_of(lower_.begin(), lower_.end(), finite) ||
          std::any_of(upper_.begin(), upper_.end(), finite);
-}
-
-int KnotModel::jacobian_rows() const {
-  if (integrator_ == Integrator::none) return 0;
-  return semi_implicit() ? system_->nv() : ndx();
 }
 
 template <class S>
@@ -250,7 +163,7 @@ void KnotModel::evaluate_costs(const KnotInput<S>& in, KnotWorkspace<S>& work) c
   work.cost = S(0.0);
   std::fill(work.term_costs.begin(), work.term_costs.end(), S(0.0));
   for (std::size_t t = 0; t < costs_.size(); ++t)
-    if (!costs_[t].integrated) evaluate_cost(t, CostPoint<S>{in, *work.system_}, work);
+    if (!costs_[t].integrated) evaluate_cost(t, CostPoint<S>{in, *work.step_.system}, work);
 }
 
 template <class S>
@@ -326,7 +239,7 @@ void KnotModel::differentiate_costs(const KnotInput<S>& in, KnotWorkspace<S>& wo
   std::fill(work.term_costs.begin(), work.term_costs.end(), S(0.0));
   for (std::size_t t = 0; t < costs_.size(); ++t) {
     if (costs_[t].integrated) continue;
-    differentiate_cost(t, CostPoint<S>{in, *work.system_}, work, hessian);
+    differentiate_cost(t, CostPoint<S>{in, *work.step_.system}, work, hessian);
     add_growth(costs_[t].grows_with, work.term_costs[t], in.x, work);
   }
 }
@@ -440,52 +353,36 @@ void KnotModel::add_rank_one(const S& factor, const int* pair, KnotWorkspace<S>&
       work.hessian[*pair++] += factor * work.term_gradient_[row] * work.term_gradient_[column];
 }
 
-namespace {
-
-bool has_residuals(const KnotModel& model) {
-  return !model.costs().empty() || !model.constraints().empty();
+template <class S>
+void KnotModel::begin(const KnotInput<S>& in, KnotWorkspace<S>& work, bool derivatives) const {
+  if (step_.has_control())
+    step_.begin({in.x, in.u, in.parameters, in.dt}, work.step_, derivatives);
+  else if (!costs_.empty() || !constraints_.empty())
+    system().update_kinematics(in.x, *work.step_.system);
 }
 
-}  // namespace
-
 template <class S>
-void KnotModel::evaluate(const KnotInput<S>& asked, KnotWorkspace<S>& work) const {
-  const KnotInput<S> given = has_units() ? in_own_units(asked, work) : asked;
-  const KnotInput<S> in = at_its_duration(given);
-  const S* u = first_control(in);
-  if (has_control())
-    system_->evaluate(in.x, u, *work.system_);
-  else if (has_residuals(*this))
-    system_->update_kinematics(in.x, *work.system_);
+void KnotModel::evaluate(const KnotInput<S>& given, KnotWorkspace<S>& work) const {
+  const KnotInput<S> in = has_units() ? in_own_units(given, work) : given;
+  begin(in, work, false);
   evaluate_costs(in, work);
   evaluate_constraints(in, work);
-  evaluate_integrals(in, work, false);
-  if (integrator_ == Integrator::none) return;
-  take_step(in, given.dt, work, {});
-  if (augmented_ > 0) append_augmented_state(in, work, false);
+  if (integrator() == Integrator::none) return;
+  take_step(in, work, {});
   if (has_units()) give_values_in_units(work);
 }
 
 template <class S>
-void KnotModel::differentiate(const KnotInput<S>& asked, KnotWorkspace<S>& work,
+void KnotModel::differentiate(const KnotInput<S>& given, KnotWorkspace<S>& work,
                               bool hessian) const {
-  const KnotInput<S> given = has_units() ? in_own_units(asked, work) : asked;
-  const KnotInput<S> in = at_its_duration(given);
-  const S* u = first_control(in);
-  if (has_control())
-    system_->differentiate(in.x, u, *work.system_);
-  else if (has_residuals(*this))
-    system_->update_kinematics(in.x, *work.system_);
+  const KnotInput<S> in = has_units() ? in_own_units(given, work) : given;
+  begin(in, work, true);
   differentiate_costs(in, work, hessian);
   differentiate_constraints(in, work, hessian);
-  evaluate_integrals(in, work, true);
-  if (integrator_ != Integrator::none) {
-    take_step(in, given.dt, work, {.derivatives = true, .hessian = hessian});
-    if (augmented_ > 0) append_augmented_state(in, work, true);
-    if (duration_) append_duration(given, work);
-  }
+  if (integrator() != Integrator::none)
+    take_step(in, work, {.derivatives = true, .hessian = hessian});
   if (!has_units()) return;
-  if (integrator_ != Integrator::none) give_values_in_units(work);
+  if (integrator() != Integrator::none) give_values_in_units(work);
   give_derivatives_in_units(work, hessian);
 }
 
@@ -498,26 +395,15 @@ KnotWorkspace<S>::KnotWorkspace(const KnotModel& model)
       augmentation(0.0),
       constraint(model.constraint_rows(), S(0.0)),
       constraint_jacobian(model.constraint_pattern().size(), S(0.0)),
-      augmented_(model.nx() > model.system().nx()),
       has_units_(model.has_units()),
-      system_(model.system().create_data(S{})),
-      integrator_(model.system(), model.integrator(), model.free_duration().has_value(),
-                  model.has_linear_controls()),
+      step_(model.step()),
       term_gradient_(model.nz(), S(0.0)) {
-  if (augmented_) {
-    next_.assign(model.nx(), S(0.0));
-    F_.assign(model.jacobian_rows() * model.nz(), S(0.0));
-  }
-  int derivatives = 0;
-  for (const IntegralTerm& term : model.integrals()) derivatives += term.residual->jacobian_size();
   if (model.has_units()) {
     own_x_.assign(model.nx(), S(0.0));
     own_u_.assign(model.nu(), S(0.0));
     given_next_.assign(model.nx(), S(0.0));
     given_F_.assign(model.jacobian_rows() * model.nz(), S(0.0));
   }
-  integral_rates_.assign(model.integrals().size(), S(0.0));
-  integral_jacobians_.assign(derivatives, S(0.0));
   int rows = 0, entries = 0;
   const auto make_room = [&](const Residual& residual) {
     rows = std::max(rows, residual.size());

@@ -7,11 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "ocp/knot/integrator.hpp"
+#include "ocp/step/step.hpp"
 #include "ocp/terms/activation.hpp"
 #include "ocp/terms/constraint.hpp"
-#include "ocp/terms/residual.hpp"
-#include "systems/system.hpp"
 
 namespace conddp {
 
@@ -42,15 +40,6 @@ struct QuadratureStage {
   double weight;  ///< of all stages, 1 in the sum
 };
 
-/// A number behind the system's state that grows by the time step times a residual of one row.
-struct IntegralTerm {
-  std::string name;
-  std::shared_ptr<const Residual> residual;
-  int parameters = 0;  ///< where the residual's parameters start in the knot's parameters
-  int number = 0;      ///< which of the carried numbers
-  int jacobian = 0;    ///< where its derivatives start among those of all integrals
-};
-
 /// A knot's data in scalar S: views into the caller's storage.
 template <class S>
 struct KnotInput {
@@ -64,21 +53,6 @@ struct KnotInput {
   const S* penalty = nullptr;
   const S* shift = nullptr;
   const S* multiplier = nullptr;
-};
-
-/// Numbers of the previous control at the end of the state of a knot that takes no time, which
-/// hands them on: as they are, or where it chooses them the last of its own controls.
-struct HandedOn {
-  int count = 0;
-  bool chosen = false;
-};
-
-/// What states remember of controls, and so what the controls are during a knot.
-enum class ControlMemory {
-  none,
-  previous,  ///< states end with the control of the knot before, for residuals on its change
-  linear  ///< states end with the control at the knot's beginning, from which it goes straight to
-          ///< the knot's own control at the end of the knot
 };
 
 /// Units of the numbers that a model is given and gives: x and u are so many times these. Both
@@ -100,21 +74,14 @@ class KnotWorkspace;
 template <class S>
 struct CostSlopes;
 
-/// The structure that knots share: a system, an integrator, costs, constraints and control bounds.
-/// Immutable once a problem holds it. The knots differ in KnotInput alone.
-///
-/// The state is the system's, followed by numbers that the knot hands on as they are, unless they
-/// are integrals (`carried_choices`), by a control where one is remembered, and by a previous
-/// control that is handed on. z = (tangent at x, u) has nz = ndx + nu entries.
-///
-/// Where controls are linear, residuals see the control at the knot's beginning, whose columns are
-/// those of the memory: they are made with ndx minus the number of remembered controls. A node
-/// without dynamics has a control then, too.
+/// The structure that knots share: a step, costs, constraints and control bounds. Immutable once a
+/// problem holds it. The knots differ in KnotInput alone; their parameters begin with those of the
+/// step. z = (tangent at x, u) has nz = ndx + nu entries.
 class KnotModel {
  public:
-  KnotModel(std::shared_ptr<const System> system, Integrator integrator,
-            ControlMemory memory = ControlMemory::none, int carried_choices = 0,
-            HandedOn handed_on = {});
+  explicit KnotModel(Step step);
+  KnotModel(std::shared_ptr<const System> system, Integrator integrator)
+      : KnotModel(Step(std::move(system), integrator)) {}
 
   /// Adds a cost whose residual depends on columns of z alone; returns the index at which its
   /// parameters (reference, then weight) start. An integrated one needs a quadrature.
@@ -125,14 +92,8 @@ class KnotModel {
   const std::vector<QuadratureStage>& quadrature() const { return quadrature_; }
   /// Adds a constraint; returns the index at which its parameters start (ConstraintTerm).
   int add_constraint(ConstraintTerm term);
-  /// Makes a carried number an integral; returns the index at which the residual's parameters
-  /// start.
-  int add_integral(std::string name, std::shared_ptr<const Residual> residual, int number);
   /// Elementwise bounds on the control; infinite where there is none.
   void set_control_bounds(std::vector<double> lower, std::vector<double> upper);
-  /// Makes steps grow with a held number. Needs carried choices, and a system that knows time.
-  void set_free_duration(const FreeDuration& duration);
-  const std::optional<FreeDuration>& free_duration() const { return duration_; }
   /// Makes evaluate and differentiate take and give states, controls and derivatives in other
   /// units. Control bounds, and what is said of a state elsewhere, are the caller's affair. Needs a
   /// flat state space and dynamics without semi-implicit structure.
@@ -151,36 +112,14 @@ class KnotModel {
   /// What the rows of a constraint are multiplied by at a state.
   template <class S>
   S row_share(const ConstraintTerm& term, const S* x) const {
-    return term.by_duration ? share_of(*term.grows_with, x) : S(1.0);
+    return term.by_duration ? step_.share(*term.grows_with, x) : S(1.0);
   }
-  /// Writes what states remember of a control into one that was handed on.
-  template <class S>
-  void remember(const S* u, S* x) const {
-    std::copy_n(u, remembered_controls(), x + system_->nx() + carried_);
-    if (handed_on_.chosen)
-      std::copy_n(u + nu() - handed_on_.count, handed_on_.count, x + nx() - handed_on_.count);
-  }
-  /// The time step at a state, from the given one.
-  template <class S>
-  S step(const S& dt, const S* x) const {
-    return grown(dt, duration_, x);
-  }
-
-  const System& system() const { return *system_; }
-  const std::shared_ptr<const System>& shared_system() const { return system_; }
-  const StateManifold& manifold() const { return manifold_; }
-  Integrator integrator() const { return integrator_; }
-  ControlMemory control_memory() const { return memory_; }
-  bool has_linear_controls() const { return memory_ == ControlMemory::linear; }
-  const HandedOn& handed_on() const { return handed_on_; }
-  /// Numbers of a control that the state remembers, behind carried choices.
-  int remembered_controls() const {
-    return memory_ == ControlMemory::none ? 0 : system_->actuators();
-  }
-  /// Numbers of the state between the system's and remembered controls: integrals and choices.
-  int carried_numbers() const { return carried_; }
+  const Step& step() const { return step_; }
+  const System& system() const { return step_.system(); }
+  const std::shared_ptr<const System>& shared_system() const { return step_.shared_system(); }
+  const StateManifold& manifold() const { return step_.manifold(); }
+  Integrator integrator() const { return step_.integrator(); }
   const std::vector<CostTerm>& costs() const { return costs_; }
-  const std::vector<IntegralTerm>& integrals() const { return integrals_; }
   const std::vector<ConstraintTerm>& constraints() const { return constraints_; }
   /// Rows of all constraints of a knot, and of barriers: what begins to cost somewhere on the way
   /// of a step has a value and a derivative on both sides.
@@ -191,34 +130,26 @@ class KnotModel {
   const std::vector<double>& control_upper() const { return upper_; }
   bool has_control_bounds() const;
 
-  int nx() const { return manifold_.nx(); }
-  int ndx() const { return manifold_.ndx(); }
-  int nu() const { return integrator_ == Integrator::none ? 0 : system_->nu(); }
-  int nz() const { return ndx() + nu(); }
-  /// Whether residuals see a control here.
-  bool has_control() const { return integrator_ != Integrator::none || has_linear_controls(); }
+  int nx() const { return step_.nx(); }
+  int ndx() const { return step_.ndx(); }
+  int nu() const { return step_.nu(); }
+  int nz() const { return step_.nz(); }
   int parameter_count() const { return parameter_count_; }
-  /// Whether the dynamics Jacobian has semi-implicit Euler's structure: F holds the nv rows of the
-  /// next velocity alone and the rows of the next configuration follow from it.
-  bool semi_implicit() const { return is_structured(integrator_) && augmented_ == 0; }
-  /// Rows of F: nv where semi_implicit(), else ndx, 0 at a terminal node.
-  int jacobian_rows() const;
+  bool semi_implicit() const { return step_.semi_implicit(); }
+  /// Rows of F: nv if semi_implicit(), else ndx, 0 at a terminal node.
+  int jacobian_rows() const { return step_.jacobian_rows(); }
   /// Where Gauss-Newton Hessians of costs and constraints can be non-zero: (row, column),
   /// row ≥ column. Behind the first lasting_entries() stands what only barriers and constraints
   /// fill, which have no curvature inside their bounds.
   const std::vector<std::pair<int, int>>& hessian_pattern() const { return pattern_; }
   int lasting_entries() const { return lasting_entries_; }
 
-  /// The control at a knot's beginning, at which the system is evaluated.
-  template <class S>
-  const S* first_control(const KnotInput<S>& in) const {
-    return has_linear_controls() ? in.x + manifold_.nx() - remembered_controls() : in.u;
-  }
   /// What a residual sees whose parameters start there, with the system's data at the beginning.
   template <class S>
   ResidualInput<S> residual_input(int parameters, const KnotInput<S>& in,
                                   SystemData<S>& data) const {
-    return {in.x, first_control(in), in.parameters + parameters, data, end_control(in)};
+    return {in.x, step_.first_control(in.x, in.u), in.parameters + parameters, data,
+            step_.last_control(in.u)};
   }
 
   /// Next state, cost and constraint values into the workspace.
@@ -243,40 +174,20 @@ class KnotModel {
     return grown(in.cost_scale, term.grows_with, in.x) * in.parameters[term.weight];
   }
   template <class S>
-  S share_of(const FreeDuration& duration, const S* x) const {
-    return x[system_->nx() + duration.choice] * S(1 / duration.written);
-  }
-  template <class S>
   S grown(const S& scale, const std::optional<FreeDuration>& duration, const S* x) const {
-    return duration ? scale * share_of(*duration, x) : scale;
+    return duration ? scale * step_.share(*duration, x) : scale;
   }
   /// Adds the slope of a cost along the duration with which it grows.
   template <class S>
   void add_growth(const std::optional<FreeDuration>& duration, const S& cost, const S* x,
                   KnotWorkspace<S>& work) const {
     if (duration)
-      work.gradient[system_->ndx() + duration->choice] +=
-          cost / x[system_->nx() + duration->choice];
+      work.gradient[system().ndx() + duration->choice] +=
+          cost / x[system().nx() + duration->choice];
   }
+  /// Evaluates what terms read of the system.
   template <class S>
-  KnotInput<S> at_its_duration(const KnotInput<S>& given) const;
-  template <class S>
-  void append_duration(const KnotInput<S>& given, KnotWorkspace<S>& work) const;
-  /// The control at a knot's end where it is another one than at the beginning, else null.
-  template <class S>
-  const S* end_control(const KnotInput<S>& in) const {
-    return has_linear_controls() ? in.u : nullptr;
-  }
-  template <class S>
-  void append_augmented_state(const KnotInput<S>& in, KnotWorkspace<S>& work,
-                              bool derivatives) const;
-  template <class S>
-  void differentiate_memory(const S& dt, KnotWorkspace<S>& work) const;
-  int integrated_column(int column) const;
-  template <class S>
-  void evaluate_integrals(const KnotInput<S>& in, KnotWorkspace<S>& work, bool derivatives) const;
-  template <class S>
-  void differentiate_integrals(const S& dt, KnotWorkspace<S>& work) const;
+  void begin(const KnotInput<S>& in, KnotWorkspace<S>& work, bool derivatives) const;
   template <class S>
   void evaluate_costs(const KnotInput<S>& in, KnotWorkspace<S>& work) const;
   template <class S>
@@ -302,11 +213,9 @@ class KnotModel {
   struct Wanted {
     bool derivatives = false, hessian = false;
   };
-  /// The step of the integrator, and the costs that its stages integrate. `given_dt`: the step
-  /// without a free duration, at which `in` is.
+  /// The step, and the costs that its stages integrate.
   template <class S>
-  void take_step(const KnotInput<S>& in, const S& given_dt, KnotWorkspace<S>& work,
-                 const Wanted& wanted) const;
+  void take_step(const KnotInput<S>& in, KnotWorkspace<S>& work, const Wanted& wanted) const;
 
   // knot_units.cpp
   template <class S>
@@ -334,12 +243,6 @@ class KnotModel {
   std::optional<S> add_penalty(const ConstraintTerm& term, const KnotInput<S>& in,
                                KnotWorkspace<S>& work, S* curvature) const;
 
-  /// Throws std::invalid_argument where a residual needs a control or columns of z that knots of
-  /// this model do not have, as one on the control rate does without a control memory.
-  void check_fit(const std::string& what, const Residual& residual) const;
-  /// Throws std::invalid_argument where the number is none of the carried ones.
-  void check_duration(const FreeDuration& duration) const;
-
   /// Room for rows whose derivative has these blocks; returns where it begins in the pattern.
   int add_rows(const std::vector<RowBlock>& blocks);
 
@@ -347,18 +250,10 @@ class KnotModel {
   void index_hessian();
   void index_stage_columns();
 
-  std::shared_ptr<const System> system_;
-  StateManifold manifold_;
-  Integrator integrator_;
-  ControlMemory memory_;
-  int carried_;  ///< choices and integrals
-  HandedOn handed_on_;
-  int augmented_;  ///< these and the remembered controls
-  std::optional<FreeDuration> duration_;
+  Step step_;
   VariableUnits units_;
   int parameter_count_ = 0;
   std::vector<CostTerm> costs_;
-  std::vector<IntegralTerm> integrals_;
   std::vector<double> lower_, upper_;
   std::vector<std::pair<int, int>> pattern_;
   int lasting_entries_ = 0;
@@ -383,12 +278,12 @@ class KnotWorkspace {
   explicit KnotWorkspace(const KnotModel& model);
 
   /// nx: the next state.
-  const AlignedVector<S>& next() const { return has_units_ ? given_next_ : own_next(); }
+  const AlignedVector<S>& next() const { return has_units_ ? given_next_ : step_.next(); }
   /// jacobian_rows x nz by columns: derivative of the next state (or velocity).
-  const AlignedVector<S>& F() const { return has_units_ ? given_F_ : own_F(); }
+  const AlignedVector<S>& F() const { return has_units_ ? given_F_ : step_.F(); }
   /// Where semi_implicit: ∂q⁺/∂q and ∂q⁺/∂(dt v⁺) per curved segment, by rows.
-  const AlignedVector<S>& state_blocks() const { return integrator_.state_blocks; }
-  const AlignedVector<S>& step_blocks() const { return integrator_.step_blocks; }
+  const AlignedVector<S>& state_blocks() const { return step_.integrator.state_blocks; }
+  const AlignedVector<S>& step_blocks() const { return step_.integrator.step_blocks; }
 
   S cost;                                ///< Σ of term_costs, and of what l2-soft constraints cost
   AlignedVector<S> term_costs;           ///< scaled cost of each term
@@ -401,7 +296,7 @@ class KnotWorkspace {
   bool rest_is_zero() const { return rest_is_zero_; }
   /// What the system wrote last: at the knot's state and control, unless the integrator looks at
   /// others as well.
-  const SystemData<S>& system() const { return *system_; }
+  const SystemData<S>& system() const { return *step_.system; }
 
  private:
   friend class KnotModel;
@@ -409,16 +304,10 @@ class KnotWorkspace {
   friend class StageCosts;
   friend class KnotSecondDerivatives;
 
-  const AlignedVector<S>& own_next() const { return augmented_ ? next_ : integrator_.next; }
-  const AlignedVector<S>& own_F() const { return augmented_ ? F_ : integrator_.F; }
-
   bool rest_is_zero_ = true;
-  bool augmented_, has_units_;
-  std::unique_ptr<SystemData<S>> system_;
-  IntegratorWorkspace<S> integrator_;
-  AlignedVector<S> next_, F_;                              ///< with what states are augmented by
-  AlignedVector<S> own_x_, own_u_, given_next_, given_F_;  ///< where the model has units
-  AlignedVector<S> integral_rates_, integral_jacobians_;
+  bool has_units_;
+  StepWorkspace<S> step_;
+  AlignedVector<S> own_x_, own_u_, given_next_, given_F_;  ///< if the model has units
   AlignedVector<S> residual_, activation_gradient_, activation_diagonal_;
   AlignedVector<S> residual_jacobian_, weighted_jacobian_;
   AlignedVector<S> term_gradient_;

@@ -36,7 +36,7 @@ bool KnotSecondDerivatives::add_dynamics() {
   const IntegratorInfo& info = info_of(model_.integrator());
   if (info.kind == StepKind::none) return true;
   if (info.kind == StepKind::impulse || info.kind == StepKind::collocation) return false;
-  system_ = model_.system().second_derivatives(*at_.work.system_, *moving_.work.system_);
+  system_ = model_.system().second_derivatives(*at_.work.step_.system, *moving_.work.step_.system);
   if (system_ == nullptr) return false;
   force_weights_.assign(system_->forces(), Lane(0.0));
   if (info.kind == StepKind::runge_kutta) stages_.emplace(model_.system(), info.rule, *system_);
@@ -139,7 +139,7 @@ void KnotSecondDerivatives::weigh_cost(Term& term) {
   const CostTerm& cost = *term.cost;
   KnotWorkspace<Lane>& work = at_.work;
   const KnotInput<Lane> in = at_.input();
-  const ResidualInput<Lane> input{in.x, in.u, in.parameters + cost.parameters, *work.system_};
+  const ResidualInput<Lane> input{in.x, in.u, in.parameters + cost.parameters, *work.step_.system};
   const int rows = cost.residual->size();
   Lane* slope = work.activation_gradient_.data();
   Lane unused;
@@ -161,7 +161,8 @@ void KnotSecondDerivatives::weigh_constraint(Term& term) {
   const ConstraintTerm& constraint = *term.constraint;
   KnotWorkspace<Lane>& work = at_.work;
   const KnotInput<Lane> in = at_.input();
-  const ResidualInput<Lane> input{in.x, in.u, in.parameters + constraint.parameters, *work.system_};
+  const ResidualInput<Lane> input{in.x, in.u, in.parameters + constraint.parameters,
+                                  *work.step_.system};
   std::fill(term.weights.begin(), term.weights.end(), Lane(0.0));
   constraint.residual->evaluate(input, work.residual_.data());
   form_value(constraint, work.residual_.data(), work.constraint.data() + constraint.row);
@@ -195,7 +196,7 @@ void KnotSecondDerivatives::weigh_terms() {
 
 ResidualInput<Dual<Lane>> KnotSecondDerivatives::moving_input(const Term& term) {
   return {moving_.x.data(), moving_.u.data(), moving_.parameters.data() + term.parameters,
-          *moving_.work.system_};
+          *moving_.work.step_.system};
 }
 
 void KnotSecondDerivatives::weigh_forces() {
@@ -234,8 +235,8 @@ void KnotSecondDerivatives::weigh_system(const Lane* costates) {
 
 /// Afterwards the system's data are those of the knot's own state again.
 void KnotSecondDerivatives::add_later_stages(const Lane* costates) {
-  SystemData<Lane>& data = *at_.work.system_;
-  stages_->add_later_stages({at_.u.data(), at_.dt, at_.work.integrator_, data}, costates,
+  SystemData<Lane>& data = *at_.work.step_.system;
+  stages_->add_later_stages({at_.u.data(), at_.dt, at_.work.step_.integrator, data}, costates,
                             system_weights_.data(), gradients_.data());
   model_.system().differentiate(at_.x.data(), at_.u.data(), data);
 }
@@ -281,7 +282,7 @@ void KnotSecondDerivatives::bend_step(const StateManifold::Segment& s, int offse
                                       const Lane* costates, StepCurvature& out) {
   const int n = model_.system().nv();
   for (int j = 0; j < s.n; ++j) {
-    for (int i = 0; i < n; ++i) step_[i] = D(at_.work.integrator_.tangent[i], Lane(0.0));
+    for (int i = 0; i < n; ++i) step_[i] = D(at_.work.step_.integrator.tangent[i], Lane(0.0));
     step_[s.dx + j].d = Lane(1.0);
     model_.manifold().integrate_jacobians(step_.data(), state_blocks_.data(), step_blocks_.data());
     for (int i = 0; i < s.n; ++i) {
@@ -373,7 +374,7 @@ void KnotSecondDerivatives::differentiate_along(int d, bool bends) {
   if (system_)
     system_->move(moving_.x.data(), d, gradients_.data());
   else
-    model_.system().update_kinematics(moving_.x.data(), *moving_.work.system_);
+    model_.system().update_kinematics(moving_.x.data(), *moving_.work.step_.system);
   if (bends) differentiate_terms(d, &gradients_[d * nz_]);
   if (d >= n) moving_.u[d - n].d = Lane(0.0);
 }

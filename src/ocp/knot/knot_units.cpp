@@ -25,7 +25,8 @@ KnotInput<S> KnotModel::in_own_units(const KnotInput<S>& given, KnotWorkspace<S>
 
 template <class S>
 void KnotModel::give_values_in_units(KnotWorkspace<S>& work) const {
-  for (int i = 0; i < nx(); ++i) work.given_next_[i] = work.own_next()[i] * S(1 / units_.state[i]);
+  for (int i = 0; i < nx(); ++i)
+    work.given_next_[i] = work.step_.next()[i] * S(1 / units_.state[i]);
 }
 
 template <class S>
@@ -42,7 +43,7 @@ void KnotModel::give_derivatives_in_units(KnotWorkspace<S>& work, bool hessian) 
   const int rows = jacobian_rows();
   for (int c = 0; c < nz(); ++c)
     for (int r = 0; r < rows; ++r)
-      work.given_F_[c * rows + r] = work.own_F()[c * rows + r] * unit(c) * S(1 / units_.state[r]);
+      work.given_F_[c * rows + r] = work.step_.F()[c * rows + r] * unit(c) * S(1 / units_.state[r]);
 }
 
 #define CONDDP_INSTANTIATE(S)                                                                  \

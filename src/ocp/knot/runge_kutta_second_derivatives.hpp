@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "ocp/knot/integrator.hpp"
+#include "ocp/step/integrator.hpp"
 
 namespace conddp {
 

@@ -128,7 +128,7 @@ void ShootingProblem::add_constraints(int k) {
 
 bool ShootingProblem::has_free_durations() const {
   return std::any_of(phases_.begin(), phases_.end(),
-                     [](const Phase& phase) { return phase.model->free_duration().has_value(); });
+                     [](const Phase& phase) { return phase.model->step().duration().has_value(); });
 }
 
 std::vector<double> ShootingProblem::times(const Trajectory& trajectory) const {
@@ -136,8 +136,9 @@ std::vector<double> ShootingProblem::times(const Trajectory& trajectory) const {
   std::vector<double> times{0};
   for (int k = 0; k < knots(); ++k) {
     const KnotView& view = views_[k];
-    const double step =
-        phases_[view.phase].instant ? 0 : view.model->step(view.dt, trajectory.x(k).data());
+    const double step = phases_[view.phase].instant
+                            ? 0
+                            : view.model->step().time_step(view.dt, trajectory.x(k).data());
     times.push_back(times.back() + step);
   }
   return times;

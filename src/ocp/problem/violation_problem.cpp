@@ -10,12 +10,8 @@ bool is_asked_for(const ConstraintTerm& term) {
 }
 
 std::shared_ptr<const KnotModel> of_violation(const KnotModel& of) {
-  auto model = std::make_shared<KnotModel>(of.shared_system(), of.integrator(), of.control_memory(),
-                                           of.carried_numbers(), of.handed_on());
-  for (const IntegralTerm& term : of.integrals())
-    model->add_integral(term.name, term.residual, term.number);
+  auto model = std::make_shared<KnotModel>(of.step());
   model->set_control_bounds(of.control_lower(), of.control_upper());
-  if (of.free_duration()) model->set_free_duration(*of.free_duration());
   for (const ConstraintTerm& term : of.constraints())
     if (is_asked_for(term))
       model->add_constraint(
@@ -29,8 +25,7 @@ void append_parameters(const KnotModel& model, const double* parameters,
   const auto append = [&](int first, int end) {
     list.insert(list.end(), parameters + first, parameters + end);
   };
-  for (const IntegralTerm& term : model.integrals())
-    append(term.parameters, term.parameters + term.residual->parameter_count());
+  append(0, model.step().parameter_count());
   for (const ConstraintTerm& term : model.constraints()) {
     if (!is_asked_for(term)) continue;
     append(term.parameters, term.parameter_end());

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <compare>
+
 namespace conddp {
 
 /// Free duration of a phase: a held number of the state, s. Steps are as given where it has its
@@ -7,6 +9,8 @@ namespace conddp {
 struct FreeDuration {
   int choice;      ///< index among the held numbers
   double written;  ///< s
+
+  auto operator<=>(const FreeDuration&) const = default;
 };
 
 }  // namespace conddp

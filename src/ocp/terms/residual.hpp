@@ -115,4 +115,7 @@ class ResidualBase : public Residual {
 /// The columns first, first + 1, ..., first + count − 1.
 std::vector<int> column_range(int first, int count);
 
+/// Throws std::invalid_argument if a residual needs a control or columns of z that a node lacks.
+void check_fit(const std::string& what, const Residual& residual, bool has_control, int nz);
+
 }  // namespace conddp

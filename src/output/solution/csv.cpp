@@ -38,13 +38,13 @@ void append_control(const Eigen::VectorXd& row, std::size_t first, std::size_t e
 /// Linear controls appear at the nodes, like states.
 TableColumns columns_of(const BuiltProblem& built) {
   const ShootingProblem& problem = *built.problem;
-  const KnotModel& end = *problem.terminal().model;
+  const Step& end = problem.terminal().model->step();
   const bool chosen = problem.phases().front().instant;
   const int own = built.plant.system->nx() + built.integrals, nx = problem.nx();
   TableColumns columns;
   for (int i = 0; i < nx; ++i)
-    if (i < own || i >= nx - end.remembered_controls() || !chosen) columns.states.push_back(i);
-  columns.first_control = end.has_linear_controls() ? end.remembered_controls() : 0;
+    if (i < own || !chosen || end.source(i - built.plant.system->nx())) columns.states.push_back(i);
+  columns.first_control = end.has_linear_controls() ? end.system().actuators() : 0;
   return columns;
 }
 

@@ -216,39 +216,31 @@ void report_contradiction(const ProblemSpec& spec, const ShootingProblem& proble
 
 /// The control before the first knot, or the first of linear ones, with which augmented states end.
 std::vector<double> previous_control(const ProblemSpec& spec, const Plant& plant,
-                                     ControlMemory memory, Diagnostics& out) {
+                                     HeldControls controls, Diagnostics& out) {
   const auto& given = spec.initial_state.previous_control;
-  if (given && memory == ControlMemory::none)
+  if (given && controls == HeldControls::none)
     out.error(given->place,
               "'previous_control' serves 'control_rate', 'previous' and linear controls only");
   if (!given) return std::vector<double>(plant.actuated().nu(), 0.0);
   return resolve(*given, control_names(plant), 0.0, out).value_or(std::vector<double>{});
 }
 
-void name_columns(const ProblemSpec& spec, ControlMemory memory, const InitialChoice* choice,
-                  BuiltProblem& built) {
+void name_columns(const ProblemSpec& spec, const StateTail& tail, BuiltProblem& built) {
+  const std::vector<Column>& actuated = built.plant.actuated().control_columns();
   built.state_columns = built.plant.system->state_columns();
-  built.integrals = static_cast<int>(spec.integrals.size());
-  for (const CostSpec& integral : spec.integrals)
-    built.state_columns.push_back({integral.name.value, "1"});
+  std::ranges::move(tail.columns(spec.integrals, actuated),
+                    std::back_inserter(built.state_columns));
+  built.integrals = tail.integrals;
   built.control_columns = built.plant.variants.empty() ? built.plant.system->control_columns()
                                                        : ControlColumns(*built.problem).columns();
-  for (int i = 0; choice != nullptr && i < choice->carried(); ++i) {
-    const Column& chosen = choice->system->control_columns()[i];
-    built.state_columns.push_back({"start/" + chosen.name, chosen.unit});
-  }
-  if (memory == ControlMemory::none) return;
-  const bool linear = memory == ControlMemory::linear;
-  for (const Column& control : built.plant.actuated().control_columns())
-    built.state_columns.push_back({(linear ? "" : "previous/") + control.name, control.unit});
-  for (int i = 0; linear && i < built.plant.actuated().nu(); ++i)
+  for (std::size_t i = 0; tail.linear() && i < actuated.size(); ++i)
     built.control_columns[i].name = std::string(kEndOfKnot) + built.control_columns[i].name;
 }
 
-ControlMemory control_memory(const ProblemSpec& spec) {
-  if (spec.has_linear_controls()) return ControlMemory::linear;
-  return spec.first_use(&ResidualNeeds::previous_control) != nullptr ? ControlMemory::previous
-                                                                     : ControlMemory::none;
+HeldControls held_controls(const ProblemSpec& spec) {
+  if (spec.has_linear_controls()) return HeldControls::linear;
+  return spec.first_use(&ResidualNeeds::previous_control) != nullptr ? HeldControls::previous
+                                                                     : HeldControls::none;
 }
 
 /// Builds the problem of a plant step by step. A step returns false where those after it would have
@@ -260,9 +252,10 @@ class ProblemBuilder {
       : spec_(spec),
         options_(options),
         out_(out),
-        memory_(control_memory(spec)),
         built_{.plant = std::move(plant)},
-        states_(built_.plant, out) {}
+        states_(built_.plant, out),
+        tail_{held_controls(spec), built_.plant.actuated().nu(),
+              static_cast<int>(spec.integrals.size())} {}
 
   std::optional<BuiltProblem> build() {
     if (!set_start() || !set_nodes() || !set_problem() || !set_guess() || !set_multipliers())
@@ -272,25 +265,15 @@ class ProblemBuilder {
   }
 
  private:
-  const InitialChoice* choice() const { return choice_ ? &*choice_ : nullptr; }
-  /// Entries by which augmented states carry integrals and what was chosen at the start.
-  int held() const {
-    return static_cast<int>(spec_.integrals.size()) + (choice_ ? choice_->carried() : 0);
-  }
-  /// Tangent coordinates of the knot models, augmented states included.
-  int ndx() const {
-    const System& system = *built_.plant.system;
-    return system.ndx() + held() + (memory_ != ControlMemory::none ? system.actuators() : 0);
-  }
+  /// Tangent coordinates of nodes.
+  int ndx() const { return built_.plant.system->ndx() + tail_.size(); }
   /// Those that residuals know: to them linear controls at a knot's beginning are its controls.
-  int ndx_of_residuals() const {
-    return ndx() - (memory_ == ControlMemory::linear ? built_.plant.system->actuators() : 0);
-  }
+  int ndx_of_residuals() const { return ndx() - (tail_.linear() ? tail_.actuators : 0); }
 
   /// Where linear controls begin with a given one, it is that of the first node.
   void check_first_control(const PhaseBounds& bounds) {
     const auto& given = spec_.initial_state.previous_control;
-    if (memory_ != ControlMemory::linear || !given) return;
+    if (!tail_.linear() || !given) return;
     const std::vector<double>&lower = bounds.lower.front(), &upper = bounds.upper.front();
     for (std::size_t i = 0; i < previous_control_.size() && i < lower.size(); ++i)
       if (!(previous_control_[i] >= lower[i] && previous_control_[i] <= upper[i]))
@@ -304,15 +287,16 @@ class ProblemBuilder {
     const auto integrator = choose_integrator(spec_, *built_.plant.system, out_);
     const auto initial = states_.build(spec_.initial_state);
     if (initial) states_.set_initial(*initial);
-    previous_control_ = previous_control(spec_, built_.plant, memory_, out_);
+    previous_control_ = previous_control(spec_, built_.plant, tail_.controls, out_);
     const bool fits = check_linear_controls(spec_, *built_.plant.system, out_);
     if (!integrator || !initial || !fits) return false;
     integrator_ = *integrator;
-    auto start = build_initial_choice(spec_, built_.plant, *initial, memory_, out_);
+    auto start = build_initial_choice(spec_, built_.plant, *initial,
+                                      tail_.controls == HeldControls::previous, out_);
     choice_ = std::move(start.choice);
+    tail_.start = choice_ ? &*choice_ : nullptr;
     if (choice_)
-      built_.plant.start = ChosenStart{choice_->state, choice_->coordinates,
-                                       static_cast<int>(spec_.integrals.size())};
+      built_.plant.start = ChosenStart{choice_->state, choice_->coordinates, tail_.integrals};
     else if (start.valid)
       warn_of_initial_state();
     return start.valid;
@@ -408,18 +392,18 @@ class ProblemBuilder {
     const PhaseBounds bounds = collect_bounds(spec_, options_, built_, out_);
     check_first_control(bounds);
     const std::vector<NodeTime> nodes = conddp::node_times(spec_, times_, clock_start());
-    PhaseContext phase_context{
-        spec_,   plant, *contacts_,       plant.at_last_node().system,    integrator_,
-        memory_, nodes, plant.stepping(), plant.collocation() != nullptr, choice()};
+    PhaseContext phase_context{spec_,       plant, *contacts_,       plant.at_last_node().system,
+                               integrator_, nodes, plant.stepping(), plant.collocation() != nullptr,
+                               tail_};
     std::vector<Phase> phases =
         build_phases(phase_context, {costs, constraints, integrals}, bounds, out_);
     if (out_.has_errors()) return false;
     if (spec_.terminal_lqr && !check_lqr()) return false;
     if (spec_.terminal_lqr)
-      built_.terminal_lqr =
-          build_terminal_lqr({spec_, plant, states_, phases, memory_ == ControlMemory::previous,
-                              choice_ && choice_->carried() > 0},
-                             out_);
+      built_.terminal_lqr = build_terminal_lqr(
+          {spec_, plant, states_, phases,
+           tail_.columns(spec_.integrals, plant.actuated().control_columns()), tail_.written()},
+          out_);
     Phase terminal = build_terminal(phase_context, {costs, constraints, {}},
                                     {terminal_costs, at_end, {}}, built_.terminal_lqr.get(), out_);
     if (out_.has_errors()) return false;
@@ -434,7 +418,7 @@ class ProblemBuilder {
     built_.problem =
         std::make_shared<ShootingProblem>(std::move(start), std::move(phases), std::move(terminal));
     report_contradiction(spec_, *built_.problem, out_);
-    name_columns(spec_, memory_, choice(), built_);
+    name_columns(spec_, tail_, built_);
     return true;
   }
 
@@ -450,8 +434,8 @@ class ProblemBuilder {
   /// The state of the first node with what it remembers.
   std::vector<double> initial_state() const {
     std::vector<double> x = states_.initial();
-    x.resize(x.size() + held(), 0.0);
-    if (memory_ != ControlMemory::none)
+    x.resize(x.size() + tail_.held(), 0.0);
+    if (tail_.controls != HeldControls::none)
       x.insert(x.end(), previous_control_.begin(), previous_control_.end());
     return x;
   }
@@ -482,9 +466,9 @@ class ProblemBuilder {
   const ProblemSpec& spec_;
   const BuildOptions& options_;
   Diagnostics& out_;
-  const ControlMemory memory_;
   BuiltProblem built_;
   StateBuilder states_;
+  StateTail tail_;
   Integrator integrator_{};
   std::vector<double> previous_control_;
   std::optional<InitialChoice> choice_;

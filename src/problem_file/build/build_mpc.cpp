@@ -274,8 +274,8 @@ void check_rest(const std::vector<double>& x, const Place& place, const BuiltPro
 }
 
 /// A system at rest in a state, held by the controls that balance it.
-std::optional<HeldState> held_state(const FallbackSpec& fallback, const ProblemSpec& spec,
-                                    const BuiltProblem& built, Diagnostics& out) {
+std::optional<HeldState> held_state(const FallbackSpec& fallback, const BuiltProblem& built,
+                                    Diagnostics& out) {
   const Place& place = fallback.place;
   const ShootingProblem& problem = *built.problem;
   StateBuilder states(built.plant, out);
@@ -297,8 +297,8 @@ std::optional<HeldState> held_state(const FallbackSpec& fallback, const ProblemS
                     "that hold it best its largest {} is {:.3g}",
                     system.kind() == SystemKind::second_order ? "acceleration" : "rate", rate));
   held.K.setZero(held.u.size(), problem.ndx());
-  held.x.resize(own + spec.integrals.size(), 0.0);
-  if (model.remembered_controls() > 0) held.x.insert(held.x.end(), held.u.begin(), held.u.end());
+  held.x.resize(model.nx(), 0.0);
+  model.step().hand_on(held.u.data(), held.x.data());
   return held;
 }
 
@@ -336,7 +336,7 @@ void warn_of_way_ends(const ProblemSpec& spec, const ShootingProblem& problem, D
 /// What controls where ticks have failed.
 std::optional<HeldState> fallback_of(const FallbackSpec& fallback, const ProblemSpec& spec,
                                      const BuiltProblem& built, Diagnostics& out) {
-  if (!fallback.by_lqr) return held_state(fallback, spec, built, out);
+  if (!fallback.by_lqr) return held_state(fallback, built, out);
   const auto regulator = build_loop_regulator(*fallback.by_lqr, spec, built, out);
   if (!regulator) return std::nullopt;
   const TerminalIngredients& about = regulator->ingredients;

@@ -85,13 +85,16 @@ class GuessBuilder {
     Eigen::VectorXd off(manifold.ndx());
     manifold.difference(trajectory.x(0).data(), trajectory.x(1).data(), off.data());
     Eigen::VectorXd asked = trajectory.u(0);  // the first of linear controls, which is there
-    if (const HandedOn& previous = model.handed_on(); previous.chosen)
-      asked.tail(previous.count) = trajectory.x(0).tail(previous.count);
+    if (!spec_.has_linear_controls())
+      for (int i = 0; i < model.step().tail(); ++i)
+        if (const auto control = model.step().source(i))
+          asked[*control] = trajectory.x(0)[plant_.system->nx() + i];
     for (std::size_t i = 0; i < plant_.start->coordinates.size(); ++i)
       asked[i] = off[plant_.start->coordinates[i]];
     for (std::size_t p = 0; p < problem_.phases().size(); ++p)
-      if (const auto& free = problem_.phases()[p].model->free_duration())
-        asked[free->choice - integrals()] = durations_.empty() ? free->written : durations_[p];
+      if (const auto& free = problem_.phases()[p].model->step().duration())
+        asked[*model.step().source(free->choice)] =
+            durations_.empty() ? free->written : durations_[p];
     for (int i = 0; i < problem_.nu(0); ++i)
       trajectory.u(0)[i] = std::clamp(asked[i], model.control_lower()[i], model.control_upper()[i]);
     set_duration_states(trajectory);
@@ -107,8 +110,6 @@ class GuessBuilder {
         trajectory.x(k)[i] = trajectory.u(0)[choice - choices.begin()];
     }
   }
-  /// Numbers of the state that stand before what was chosen.
-  int integrals() const { return static_cast<int>(spec_.integrals.size()); }
   double time(int k) const { return problem_.times()[k]; }
   /// How many nodes come after node k at its time.
   int later_nodes_at_time(int k) const {
@@ -117,15 +118,14 @@ class GuessBuilder {
     return count;
   }
 
-  /// Augmented states carry the choice of the start, and the control before.
+  /// States hand on the choice of the start and controls; integrals are guessed elsewhere.
   void carry_memory(Trajectory& trajectory) const {
-    const int own = plant_.system->nx() + integrals();
-    const int controls = problem_.terminal().model->remembered_controls();
-    const int carried = problem_.nx() - own - controls;
+    const int own = plant_.system->nx() + static_cast<int>(spec_.integrals.size());
     for (int k = 1; k <= problem_.knots(); ++k) {
-      trajectory.x(k).segment(own, carried) = trajectory.u(0).head(carried);
-      trajectory.x(k).tail(controls) = trajectory.x(k - 1).tail(controls);
-      problem_.knot(k - 1).model->remember(trajectory.u(k - 1).data(), trajectory.x(k).data());
+      const int tail = problem_.nx() - own;
+      trajectory.x(k).tail(tail) = trajectory.x(k - 1).tail(tail);
+      problem_.knot(k - 1).model->step().hand_on(trajectory.u(k - 1).data(),
+                                                 trajectory.x(k).data());
     }
   }
 

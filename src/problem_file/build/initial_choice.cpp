@@ -110,7 +110,7 @@ void add_previous_controls(const System& actuated, InitialChoice& choice,
 
 /// The choice of the first phase, if it can be.
 std::optional<InitialChoice> make_choice(const ProblemSpec& spec, const Plant& plant,
-                                         const std::vector<double>& state, ControlMemory memory,
+                                         const std::vector<double>& state, bool previous,
                                          bool cycle, Diagnostics& out) {
   const PhaseSpec& phase = spec.phases.front();
   const System& system = *plant.system;
@@ -120,8 +120,7 @@ std::optional<InitialChoice> make_choice(const ProblemSpec& spec, const Plant& p
   add_durations(spec, choice, controls);
   const bool durations = controls.size() > choice.coordinates.size();
   if (spec.has_linear_controls()) add_first_controls(plant.actuated(), choice, controls);
-  if (cycle && memory == ControlMemory::previous)
-    add_previous_controls(plant.actuated(), choice, controls);
+  if (cycle && previous) add_previous_controls(plant.actuated(), choice, controls);
   if (controls.empty()) {
     out.error(phase.knots.place, "no component of the state is chosen",
               "leave the phase out, or write 'choose: all' or names; 'choose: none' serves free "
@@ -137,12 +136,12 @@ std::optional<InitialChoice> make_choice(const ProblemSpec& spec, const Plant& p
 }  // namespace
 
 BuiltInitialChoice build_initial_choice(const ProblemSpec& spec, const Plant& plant,
-                                        const std::vector<double>& state, ControlMemory memory,
+                                        const std::vector<double>& state, bool previous,
                                         Diagnostics& out) {
   const CostSpec* cycle = spec.first_use(&ResidualNeeds::chosen_start);
   if (!check_free_durations(spec, *plant.system, out)) return {.valid = false, .choice = {}};
   if (!spec.phases.front().choice) return {.valid = check_given_start(cycle, out), .choice = {}};
-  auto choice = make_choice(spec, plant, state, memory, cycle != nullptr, out);
+  auto choice = make_choice(spec, plant, state, previous, cycle != nullptr, out);
   const bool valid = choice.has_value();
   return {.valid = valid, .choice = std::move(choice)};
 }

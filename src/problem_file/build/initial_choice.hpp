@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "ocp/knot/knot_model.hpp"
+#include "ocp/terms/free_duration.hpp"
 #include "problem_file/plant/plant.hpp"
 #include "systems/initial_choice.hpp"
 
@@ -32,9 +32,9 @@ struct BuiltInitialChoice {
   std::optional<InitialChoice> choice;  ///< nothing where the initial state is given
 };
 
-/// From the first phase; what does not fit is reported. `memory`: what states remember of controls.
+/// Built from the first phase; faults are reported. `previous`: states hold the previous control.
 BuiltInitialChoice build_initial_choice(const ProblemSpec& spec, const Plant& plant,
-                                        const std::vector<double>& state, ControlMemory memory,
+                                        const std::vector<double>& state, bool previous,
                                         Diagnostics& out);
 
 }  // namespace conddp

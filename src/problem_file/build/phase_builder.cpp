@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <tuple>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -153,7 +152,7 @@ bool is_integrated(const PhaseContext& context, const BuiltCost& cost) {
 /// all but constraints on the state alone and what is at chosen knots. Swings end at a moment that
 /// no duration multiplies.
 bool is_at_both_ends(const PhaseContext& context, const BuiltCost& cost, Role role) {
-  if (!context.linear() || cost.spec->knots) return false;
+  if (!context.tail.linear() || cost.spec->knots) return false;
   if (role == Role::kCost && is_integrated(context, cost)) return false;
   const bool swing = cost.spec->keys.find(key::swing) != nullptr;
   if (swing && grows_with_durations(context.spec)) return false;
@@ -248,13 +247,11 @@ std::shared_ptr<const Residual> residual_in(const BuiltCost& cost, const PhaseCo
 }
 
 /// The knot that chooses the initial state, and the first of linear controls within bounds.
-/// `handed_on`: of what is not chosen, behind the system's state.
-Phase choice_phase(const PhaseSpec& given, const InitialChoice& choice, int integrals,
-                   const HandedOn& handed_on, const std::vector<double>& control_lower,
+Phase choice_phase(const PhaseSpec& given, const StateTail& tail,
+                   const std::vector<double>& control_lower,
                    const std::vector<double>& control_upper) {
-  auto model = std::make_shared<KnotModel>(
-      choice.system, Integrator::explicit_euler,
-      choice.remembered ? ControlMemory::previous : ControlMemory::none, integrals, handed_on);
+  const InitialChoice& choice = *tail.start;
+  auto model = std::make_shared<KnotModel>(tail.choice());
   std::vector<double> lower = choice.lower, upper = choice.upper;
   std::copy_n(control_lower.begin(), choice.first_controls, lower.end() - choice.first_controls);
   std::copy_n(control_upper.begin(), choice.first_controls, upper.end() - choice.first_controls);
@@ -335,14 +332,8 @@ class PhaseBuilder {
   Phase build(std::size_t p, int first) {
     const PhaseSpec& given = context_.spec.phases[p];
     if (given.choice)
-      return choice_phase(given, *context_.start, context_.integrals(), context_.handed_on(),
-                          bounds_.lower.back(), bounds_.upper.back());
-    const Terms terms{active_in(weights_, first, given.knots.value),
-                      active_in(switches_, first, given.knots.value),
-                      context_.cost_duration(p) ? touch_downs(p) : std::vector<int>{},
-                      integrals_in(p),
-                      ending_at(weights_, first),
-                      ending_at(switches_, first)};
+      return choice_phase(given, context_.tail, bounds_.lower.back(), bounds_.upper.back());
+    const Contents terms = contents_of(p, first);
     Phase phase{.name = given.name.value, .model = shared_model(p, terms)};
     phase.dt = phase_steps(given);
     phase.cost_scale = cost_scales(given, context_.spec);
@@ -355,19 +346,48 @@ class PhaseBuilder {
   }
 
  private:
-  /// What is on somewhere in a phase, as indices into the contents.
-  struct Terms {
-    std::vector<int> costs, constraints;
-    /// Of the costs, where costs grow with a free duration: those on swings that end at the first
-    /// knot, which are of that moment.
-    std::vector<int> moments;
-    std::vector<int> integrals;
-    /// Those at the end of the knot before the first one.
-    std::vector<int> cost_ends, constraint_ends;
+  /// A cost or constraint that is on somewhere in a phase.
+  struct Use {
+    int content;  ///< index among the contents
+    bool at_end;  ///< counts at the end of the knot before the first one
+    std::optional<FreeDuration> grows_with;
+
+    auto operator<=>(const Use&) const = default;
   };
-  using Structure = std::tuple<std::vector<int>, std::vector<int>, std::vector<int>,
-                               std::vector<int>, std::vector<int>, std::vector<int>,
-                               std::vector<double>, std::vector<double>, const System*, int, int>;
+  /// Terms of a phase; costs and constraints at the end of the phase before come last.
+  struct Contents {
+    std::vector<Use> costs, constraints;
+    std::vector<int> integrals;
+
+    auto operator<=>(const Contents&) const = default;
+  };
+  /// Phases with equal structure share their model.
+  struct Structure {
+    const System* system;
+    std::optional<FreeDuration> duration;
+    Contents contents;
+    std::vector<double> lower, upper;
+
+    auto operator<=>(const Structure&) const = default;
+  };
+
+  Contents contents_of(std::size_t p, int first) const {
+    const int count = context_.spec.phases[p].knots.value;
+    const std::vector<int> moments = context_.cost_growth(p) ? touch_downs(p) : std::vector<int>{};
+    Contents contents{{}, {}, integrals_in(p)};
+    for (const int c : active_in(weights_, first, count)) {
+      const bool is_moment = std::ranges::find(moments, c) != moments.end();
+      contents.costs.push_back({c, false, is_moment ? std::nullopt : context_.cost_growth(p)});
+    }
+    for (const int c : active_in(switches_, first, count))
+      contents.constraints.push_back({c, false, context_.cost_growth(p)});
+    if (p == 0) return contents;
+    for (const int c : ending_at(weights_, first))
+      contents.costs.push_back({c, true, context_.cost_growth(p - 1)});
+    for (const int c : ending_at(switches_, first))
+      contents.constraints.push_back({c, true, context_.cost_growth(p - 1)});
+    return contents;
+  }
 
   /// The integrals that grow in a phase.
   std::vector<int> integrals_in(std::size_t p) const {
@@ -377,7 +397,7 @@ class PhaseBuilder {
     return integrals;
   }
 
-  /// The swings that end where a phase begins.
+  /// The swings that end where a phase begins: moments, which no duration multiplies.
   std::vector<int> touch_downs(std::size_t p) const {
     std::vector<int> costs;
     for (std::size_t c = 0; c < contents_.costs.size(); ++c) {
@@ -390,14 +410,10 @@ class PhaseBuilder {
     return costs;
   }
 
-  std::shared_ptr<const KnotModel> shared_model(std::size_t p, const Terms& terms) {
-    const std::optional<FreeDuration> duration = context_.free_duration(p);
-    const std::optional<FreeDuration> ends = growth_of_ends(p, terms);
-    auto& model = models_[{terms.costs, terms.constraints, terms.moments, terms.integrals,
-                           terms.cost_ends, terms.constraint_ends, bounds_.lower[p],
-                           bounds_.upper[p], context_.contacts.system(p).get(),
-                           duration ? duration->choice : -1, ends ? ends->choice : -1}];
-    if (!model) model = make_model(p, terms);
+  std::shared_ptr<const KnotModel> shared_model(std::size_t p, const Contents& contents) {
+    auto& model = models_[{context_.contacts.system(p).get(), context_.tail.duration(p), contents,
+                           bounds_.lower[p], bounds_.upper[p]}];
+    if (!model) model = make_model(p, contents);
     return model;
   }
 
@@ -406,54 +422,40 @@ class PhaseBuilder {
     return context_.collocates && model.system().as_collocation() != nullptr;
   }
 
-  /// Duration with which terms at the end of the phase before grow.
-  std::optional<FreeDuration> growth_of_ends(std::size_t p, const Terms& terms) const {
-    const bool none = terms.cost_ends.empty() && terms.constraint_ends.empty();
-    return none ? std::nullopt : context_.cost_growth(p - 1);
-  }
-
   Integrator integrator_of(const PhaseSpec& phase) const {
     if (phase.jump) return Integrator::discrete;
     return phase.restitution ? Integrator::impulse : context_.integrator;
   }
 
-  std::shared_ptr<const KnotModel> make_model(std::size_t p, const Terms& terms) const {
+  Step make_step(std::size_t p, const Contents& contents) const {
     const PhaseSpec& phase = context_.spec.phases[p];
-    const HandedOn handed_on{phase.takes_no_time() ? context_.handed_on().count : 0};
-    auto model =
-        std::make_shared<KnotModel>(context_.contacts.system(p), integrator_of(phase),
-                                    handed_on.count > 0 ? ControlMemory::none : context_.memory,
-                                    context_.carried_numbers(), handed_on);
-    for (const int c : terms.costs) {
-      const BuiltCost& cost = contents_.costs[c];
-      const bool is_moment = std::ranges::find(terms.moments, c) != terms.moments.end();
-      model->add_cost(cost.spec->name.value, residual_in(cost, context_, p), cost.activation,
-                      is_moment ? std::nullopt : context_.cost_growth(p),
-                      !phase.takes_no_time() && is_integrated(context_, cost));
-    }
-    for (const int c : terms.cost_ends) {
-      const BuiltCost& cost = contents_.costs[c];
-      model->add_cost(cost.spec->name.value, residual_in(cost, context_, p), cost.activation,
-                      growth_of_ends(p, terms));
-    }
-    for (const int c : terms.constraints) {
-      const BuiltConstraint& constraint = contents_.constraints[c];
-      model->add_constraint(
-          growing_term(constraint, residual_in(constraint.function, context_, p), context_, p));
-    }
-    for (const int c : terms.constraint_ends) {
-      const BuiltConstraint& constraint = contents_.constraints[c];
-      model->add_constraint(
-          growing_term(constraint, residual_in(constraint.function, context_, p), context_, p - 1));
-    }
-    for (const int i : terms.integrals) {
+    const auto& system = context_.contacts.system(p);
+    Step step = phase.takes_no_time() ? context_.tail.instant(system, integrator_of(phase))
+                                      : context_.tail.step(system, integrator_of(phase));
+    if (const auto duration = context_.tail.duration(p)) step.scale_time(*duration);
+    for (const int i : contents.integrals) {
       const BuiltCost& integral = contents_.integrals[i];
-      model->add_integral(integral.spec->name.value, residual_in(integral, context_, p),
-                          number_of(integral));
+      step.integrate(integral.spec->name.value, residual_in(integral, context_, p),
+                     number_of(integral));
+    }
+    return step;
+  }
+
+  std::shared_ptr<const KnotModel> make_model(std::size_t p, const Contents& contents) const {
+    const bool takes_time = !context_.spec.phases[p].takes_no_time();
+    auto model = std::make_shared<KnotModel>(make_step(p, contents));
+    for (const Use& use : contents.costs) {
+      const BuiltCost& cost = contents_.costs[use.content];
+      model->add_cost(cost.spec->name.value, residual_in(cost, context_, p), cost.activation,
+                      use.grows_with, !use.at_end && takes_time && is_integrated(context_, cost));
+    }
+    for (const Use& use : contents.constraints) {
+      const BuiltConstraint& constraint = contents_.constraints[use.content];
+      model->add_constraint(growing_term(constraint, residual_in(constraint.function, context_, p),
+                                         context_, use.at_end ? p - 1 : p));
     }
     if (context_.stepping) add_stepping_terms(context_.stepping, *model);
-    if (!phase.takes_no_time()) model->set_control_bounds(bounds_.lower[p], bounds_.upper[p]);
-    if (const auto duration = context_.free_duration(p)) model->set_free_duration(*duration);
+    if (takes_time) model->set_control_bounds(bounds_.lower[p], bounds_.upper[p]);
     if (collocates(*model)) add_collocation_terms(*model);
     return model;
   }
@@ -476,35 +478,25 @@ class PhaseBuilder {
   }
 
   /// The parameters of a knot that takes dt.
-  void write_knot(const KnotModel& model, const Terms& terms, std::size_t phase, int knot,
+  void write_knot(const KnotModel& model, const Contents& contents, std::size_t phase, int knot,
                   double dt, double* parameters) const {
     const NodeTime& time = context_.times[knot];
-    for (std::size_t i = 0; i < terms.costs.size(); ++i) {
-      const int c = terms.costs[i];
-      write_parameters(contents_.costs[c], model.costs()[i], time, weights_[c].nodes[knot],
-                       parameters);
+    for (std::size_t i = 0; i < contents.costs.size(); ++i) {
+      const auto& [c, at_end, growth] = contents.costs[i];
+      write_parameters(contents_.costs[c], model.costs()[i], time,
+                       at_end ? weights_[c].end(knot) : weights_[c].nodes[knot], parameters);
       if (model.costs()[i].integrated)
         write_stages(model, i, contents_.costs[c], {phase, knot, dt}, parameters);
     }
-    for (std::size_t i = 0; i < terms.cost_ends.size(); ++i) {
-      const int c = terms.cost_ends[i];
-      write_parameters(contents_.costs[c], model.costs()[terms.costs.size() + i], time,
-                       weights_[c].end(knot), parameters);
-    }
-    for (std::size_t i = 0; i < terms.constraints.size(); ++i) {
-      const int c = terms.constraints[i];
+    for (std::size_t i = 0; i < contents.constraints.size(); ++i) {
+      const auto& [c, at_end, growth] = contents.constraints[i];
       write_constraint(contents_.constraints[c], model.constraints()[i], time,
-                       switches_[c].nodes[knot], parameters);
+                       at_end ? switches_[c].end(knot) : switches_[c].nodes[knot], parameters);
     }
-    for (std::size_t i = 0; i < terms.constraint_ends.size(); ++i) {
-      const int c = terms.constraint_ends[i];
-      write_constraint(contents_.constraints[c], model.constraints()[terms.constraints.size() + i],
-                       time, switches_[c].end(knot), parameters);
-    }
-    for (std::size_t i = 0; i < terms.integrals.size(); ++i) {
+    for (std::size_t i = 0; i < contents.integrals.size(); ++i) {
       const std::vector<double> own =
-          residual_parameters(contents_.integrals[terms.integrals[i]], time);
-      std::copy(own.begin(), own.end(), parameters + model.integrals()[i].parameters);
+          residual_parameters(contents_.integrals[contents.integrals[i]], time);
+      std::copy(own.begin(), own.end(), parameters + model.step().integrals()[i].parameters);
     }
     if (context_.stepping)
       write_stepping_parameters(model, dt, context_.spec.stepping->regularization, parameters);
@@ -526,7 +518,8 @@ class PhaseBuilder {
 
 /// Whether what a function is on exists at the last node: one that needs a control is reported.
 bool is_without_control(const BuiltCost& function, const PhaseContext& context, Diagnostics& out) {
-  if (function.contact.make || context.linear() || !function.residual.residual->needs_control())
+  if (function.contact.make || context.tail.linear() ||
+      !function.residual.residual->needs_control())
     return true;
   out.error(function.spec->residual.place,
             "this residual needs a control, and there is none at the terminal node");
@@ -743,8 +736,7 @@ std::vector<Phase> build_phases(const PhaseContext& context, const KnotContents&
 
 Phase build_terminal(const PhaseContext& context, const KnotContents& running,
                      const KnotContents& terminal, const TerminalLqr* lqr, Diagnostics& out) {
-  auto model = std::make_shared<KnotModel>(context.system, Integrator::none, context.memory,
-                                           context.carried_numbers());
+  auto model = std::make_shared<KnotModel>(context.tail.step(context.system, Integrator::none));
   const std::size_t node = context.contacts.terminal();
   const auto costs = costs_at_the_end(context, running.costs, terminal.costs, out);
   const auto constraints =

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "problem_file/build/initial_choice.hpp"
+#include "problem_file/build/state_tail.hpp"
 #include "problem_file/terms/constraint_builder.hpp"
 #include "problem_file/terms/terminal_lqr.hpp"
 
@@ -28,38 +28,22 @@ struct PhaseContext {
   const ContactPlan& contacts;
   std::shared_ptr<const System> system;  ///< of the last node
   Integrator integrator;
-  ControlMemory memory;
   const std::vector<NodeTime>& times;  ///< of all nodes
   /// Where steps are contact-implicit: adds what they have to obey.
   std::shared_ptr<const SteppingSystem> stepping;
   /// Whether the integrator collocates, so that slopes of its stages have something to obey.
   bool collocates;
-  const InitialChoice* start = nullptr;  ///< how the initial state is chosen, null: it is given
+  StateTail tail;
 
-  int integrals() const { return static_cast<int>(spec.integrals.size()); }
-  /// Where states hold it: behind the integrals, as other choices.
-  std::optional<FreeDuration> free_duration(std::size_t phase) const {
-    std::optional<FreeDuration> free = start ? start->durations[phase] : std::nullopt;
-    if (free) free->choice += integrals();
-    return free;
-  }
   /// Free duration with which the running costs of a phase grow.
   std::optional<FreeDuration> cost_growth(std::size_t phase) const {
-    return spec.costs_are_rates() ? free_duration(phase) : std::nullopt;
+    return spec.costs_are_rates() ? tail.duration(phase) : std::nullopt;
   }
   /// Columns of that duration.
   std::optional<DurationColumn> cost_duration(std::size_t phase) const {
     const std::optional<FreeDuration> free = cost_growth(phase);
     if (!free) return std::nullopt;
     return DurationColumn{system->nx() + free->choice, system->ndx() + free->choice, free->written};
-  }
-  /// Integrals, and what was chosen.
-  int carried_numbers() const { return integrals() + (start ? start->carried() : 0); }
-  bool linear() const { return memory == ControlMemory::linear; }
-  /// Numbers of the previous control, which knots without time hand on as they are.
-  HandedOn handed_on() const {
-    return {memory == ControlMemory::previous ? plant.actuated().nu() : 0,
-            start != nullptr && start->previous_controls > 0};
   }
 };
 

@@ -91,9 +91,9 @@ OrderedJson expand_phases(const ProblemSpec& spec) {
   return json;
 }
 
-OrderedJson expand_initial_state(const ProblemSpec& spec, const KnotModel& model) {
+OrderedJson expand_initial_state(const ProblemSpec& spec) {
   OrderedJson json = expand_state(spec.initial_state);
-  if (model.control_memory() == ControlMemory::previous && !spec.initial_state.previous_control)
+  if (spec.first_use(&ResidualNeeds::previous_control) && !spec.initial_state.previous_control)
     json["previous_control"] = 0.0;
   return json;
 }
@@ -190,7 +190,6 @@ OrderedJson expand_options(const SolverOptions& options) {
 
 OrderedJson expand_problem(const ProblemSpec& spec, const BuiltProblem& built) {
   constexpr std::size_t kMostSections = 28;
-  const KnotModel& model = *built.problem->terminal().model;
   OrderedJson json = json_object(kMostSections);
   json["conddp"] = kProblemFormat;
   json["name"] = spec.name.value;
@@ -198,7 +197,7 @@ OrderedJson expand_problem(const ProblemSpec& spec, const BuiltProblem& built) {
   json["parameters"] = expand_parameters(spec.names.parameters);
   json["tables"] = expand_tables(spec.names.tables);
   expand_plant(spec, json);
-  json["initial_state"] = expand_initial_state(spec, model);
+  json["initial_state"] = expand_initial_state(spec);
   json["integrator"] = word_of(kIntegratorWords, integrator_of(*built.problem));
   json["controls"] = word_of(kControlCourseWords, spec.controls.value);
   json["running_costs"] = word_of(kRunningCostsWords, spec.running_costs.value);

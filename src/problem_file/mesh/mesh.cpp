@@ -116,12 +116,13 @@ namespace {
 
 /// Sets the end of linear controls to their value at the beginning of the next node.
 void join_controls(const ShootingProblem& problem, Trajectory& trajectory) {
-  const KnotModel& end = *problem.terminal().model;
-  if (!end.has_linear_controls()) return;
-  const int n = end.remembered_controls();
-  for (int k = 0; k < problem.knots(); ++k)
-    if (!problem.phases()[problem.knot(k).phase].instant)
-      trajectory.u(k).head(n) = trajectory.x(k + 1).tail(n);
+  for (int k = 0; k < problem.knots(); ++k) {
+    const Step& step = problem.knot(k).model->step();
+    if (!step.has_linear_controls()) continue;
+    const Eigen::VectorXd next = trajectory.x(k + 1);
+    const auto begin = step.first_control(next, trajectory.u(k));
+    trajectory.u(k).head(begin.size()) = begin;
+  }
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "ocp/knot/integrator.hpp"
+#include "ocp/step/integrator.hpp"
 #include "problem_file/plant/plant.hpp"
 
 namespace conddp {

@@ -60,10 +60,9 @@ class SlopeGuess {
     const int n = system_.ndx(), rows = system_.rows(), stages = system_.later_stages();
     const KnotView& knot = problem.knot(k);
     auto w = trajectory.u(k);
-    const bool linear = knot.model->has_linear_controls();
-    const double* first =
-        linear ? trajectory.x(k).data() + problem.nx() - system_.actuators() : w.data();
-    const double h = knot.model->step(knot.dt, trajectory.x(k).data());
+    const Step& step = knot.model->step();
+    const double* first = step.first_control(trajectory.x(k).data(), w.data());
+    const double h = step.time_step(knot.dt, trajectory.x(k).data());
     const Eigen::VectorXd x = trajectory.x(k).head(n), next = trajectory.x(k + 1).head(n);
     Eigen::VectorXd begin = rate(x, first);
     const Eigen::VectorXd end = rate(next, w.data());
@@ -119,9 +118,9 @@ bool collocate(const ProblemSpec& spec, Plant& plant, Diagnostics& out) {
 void add_collocation_terms(KnotModel& model) {
   const std::shared_ptr<const CollocationSystem> system(model.shared_system(),
                                                         model.system().as_collocation());
+  const Step& step = model.step();
   model.add_constraint(make_constraint(
-      kName,
-      collocation_residual(system, model.ndx(), model.free_duration(), model.has_linear_controls()),
+      kName, collocation_residual(system, step.ndx(), step.duration(), step.has_linear_controls()),
       ConstraintKind::bounds));
 }
 

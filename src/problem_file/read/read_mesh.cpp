@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "ocp/knot/integrator_table.hpp"
+#include "ocp/step/integrator_table.hpp"
 #include "problem_file/read/read_sections.hpp"
 
 namespace conddp {

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "ocp/knot/integrator.hpp"
+#include "ocp/step/integrator.hpp"
 #include "problem_file/spec/spec_cost.hpp"
 #include "problem_file/spec/spec_gait.hpp"
 #include "problem_file/spec/spec_robot.hpp"

@@ -48,10 +48,7 @@ class TerminalLqrBuilder {
     if (implicit)
       fail(spec_.place, "'lqr' does not support steps with unknowns of their own",
            "contact-implicit steps and collocation have no linear map of state and control alone");
-    else if (context_.carried_choices)
-      fail(spec_.place, "'lqr' does not support states that carry what was chosen at the start",
-           "fix the durations, or give the terminal cost by 'matrix'");
-    return !implicit && !context_.carried_choices;
+    return !implicit;
   }
 
   /// True if the name of its cost and constraint is free.
@@ -86,16 +83,13 @@ class TerminalLqrBuilder {
     const Phase& last = phase();
     const System& system = last.model->system();
     Eigen::VectorXd u = quasi_static_control(system, x.data());
-    x.resize(last.model->nx(), 0.0);
+    x.insert(x.end(), context_.tail_at_start.begin(), context_.tail_at_start.end());
     return {last, last.knots() - 1, std::move(x), std::move(u)};
   }
 
   std::vector<std::string> tangent_names_of_model() const {
     std::vector<std::string> names = tangent_names(*context_.plant.system).names;
-    for (const CostSpec& integral : context_.spec.integrals) names.push_back(integral.name.value);
-    if (context_.previous_control)
-      for (const Column& control : context_.plant.actuated().control_columns())
-        names.push_back("previous/" + control.name);
+    for (const Column& column : context_.tail) names.push_back(column.name);
     return names;
   }
 

@@ -26,8 +26,8 @@ struct TerminalLqrContext {
   const Plant& plant;
   const StateBuilder& states;
   const std::vector<Phase>& phases;
-  bool previous_control;  ///< states end with the previous control
-  bool carried_choices;   ///< states contain the initial choices
+  std::vector<Column> tail;           ///< columns behind the system's state
+  std::vector<double> tail_at_start;  ///< their values as the file writes them
 };
 
 /// The equilibrium that the file names.

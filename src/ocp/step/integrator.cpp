@@ -1,4 +1,4 @@
-#include "ocp/knot/integrator.hpp"
+#include "ocp/step/integrator.hpp"
 
 #include <algorithm>
 #include <numeric>

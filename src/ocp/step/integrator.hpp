@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "ocp/knot/integrator_table.hpp"
+#include "ocp/step/integrator_table.hpp"
 
 namespace conddp {
 
