@@ -19,3 +19,13 @@ set(CONDDP_batch_FOLDERS plan results run cluster)
 # what stands on a command line, what the tool says about itself and about problems and answers, and the
 # subcommands; "." has main.cpp. All of them stand above the layers.
 set(CONDDP_TOOL_FOLDERS terminal arguments help summary commands .)
+
+# Names of features and the places that may know them: decorations of a step are made where problems are
+# built, and nothing else knows them.
+set(CONDDP_OWN_NAMES
+  make_controls_linear=src/ocp/step,src/problem_file
+  has_linear_controls=src/ocp/step,src/problem_file
+  remember_controls=src/ocp/step,src/problem_file
+  scale_time=src/ocp/step,src/problem_file
+  HeldControls=src/problem_file/build
+  StateTail=src/problem_file/build)

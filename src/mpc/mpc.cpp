@@ -64,7 +64,8 @@ void check_knots(const ShootingProblem& problem, const MpcOptions& options) {
 const MpcOptions& checked(const MpcOptions& options, const ShootingProblem& problem) {
   check_rates(options);
   check_knots(problem, options);
-  require(!problem.terminal().model->step().has_linear_controls(), "plans have no linear controls");
+  require(problem.terminal().model->step().controls_in_state() == 0,
+          "plans have no linear controls");
   if (options.retiming) {
     require(options.hold, "re-timing moves the end of a time line, which has to be held");
     require(options.retiming->early >= 0 && options.retiming->late >= 0,

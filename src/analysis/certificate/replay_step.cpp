@@ -12,15 +12,16 @@ namespace conddp {
 /// A collocation step, whose slopes follow from the state and the actuators.
 class CollocationStep {
  public:
-  CollocationStep(const std::shared_ptr<const CollocationSystem>& system, Integrator integrator,
-                  bool linear)
-      : model_(step_of(system, integrator, linear)),
+  CollocationStep(const std::shared_ptr<const CollocationSystem>& system, Step step)
+      : model_(std::move(step)),
         actuators_(system->actuators()),
         x_(model_.nx(), 0.0),
         w_(model_.nu(), 0.0) {
-    model_.add_constraint(make_constraint(
-        "collocation", collocation_residual(system, model_.ndx(), std::nullopt, linear),
-        ConstraintKind::bounds));
+    model_.add_constraint(
+        make_constraint("collocation",
+                        collocation_residual(system, model_.ndx(), std::nullopt,
+                                             model_.step().controls_in_state() > 0),
+                        ConstraintKind::bounds));
     parameters_.assign(model_.parameter_count(), 0.0);
     work_ = std::make_unique<KnotWorkspace<double>>(model_);
   }
@@ -56,12 +57,6 @@ class CollocationStep {
   }
 
  private:
-  static Step step_of(const std::shared_ptr<const CollocationSystem>& system, Integrator integrator,
-                      bool linear) {
-    Step step(system, integrator);
-    return linear ? step.make_controls_linear() : step;
-  }
-
   static constexpr int kIterations = 30;
   static constexpr double kRounding = 1e-13;
 
@@ -85,13 +80,14 @@ ReplayStep::ReplayStep(const KnotModel& model) : ReplayStep(model, model.integra
 ReplayStep::ReplayStep(const KnotModel& model, Integrator rule)
     : system_(without_slopes(model)),
       integrator_(rule),
-      linear_(model.step().has_linear_controls()),
+      linear_(model.step().controls_in_state() > 0),
       data_(system_->create_data(double{})) {
-  if (const auto collocation = info_of(rule).collocation)
-    implicit_ = std::make_unique<CollocationStep>(
-        std::make_shared<const CollocationSystem>(system_, *collocation), rule, linear_);
-  else
+  if (const auto collocation = info_of(rule).collocation) {
+    const auto system = std::make_shared<const CollocationSystem>(system_, *collocation);
+    implicit_ = std::make_unique<CollocationStep>(system, model.step().alike(system, rule));
+  } else {
     work_.emplace(*system_, rule, false, linear_);
+  }
 }
 
 ReplayStep::~ReplayStep() = default;

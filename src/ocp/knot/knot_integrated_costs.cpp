@@ -72,7 +72,7 @@ void StageCosts<S>::visit_collocation() {
   const S* w = in_.u;
   const S* u = step_.first_control(in_.x, in_.u);
   const S dt = step_.time_step(in_.dt, in_.x);
-  const bool linear = step_.has_linear_controls();
+  const bool linear = step_.last_control(w) != nullptr;
   if (derivatives_) {
     std::fill(later.X.begin(), later.X.end(), S(0.0));
     for (int c = 0; c < system->ndx(); ++c) later.X[c * system->ndx() + c] = S(1.0);

@@ -118,6 +118,11 @@ int Step::integrate(std::string name, std::shared_ptr<const Residual> residual, 
   return parameters;
 }
 
+Step Step::alike(std::shared_ptr<const System> system, Integrator integrator) const {
+  Step step(std::move(system), integrator);
+  return has_linear_controls() ? step.make_controls_linear() : step;
+}
+
 Step Step::with(Integrator integrator) const {
   check_integrator(*system_, integrator);
   Step step = *this;

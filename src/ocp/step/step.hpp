@@ -55,6 +55,8 @@ class Step {
   /// Makes a held number an integral; returns the index of the residual's first parameter.
   int integrate(std::string name, std::shared_ptr<const Residual> residual, int number);
 
+  /// Step of another system with the same course of controls, without further numbers.
+  Step alike(std::shared_ptr<const System> system, Integrator integrator) const;
   /// The same with another integrator.
   Step with(Integrator integrator) const;
   /// A node with the same states, without dynamics.
@@ -90,6 +92,8 @@ class Step {
   /// True if residuals see a control here.
   bool has_control() const { return integrator_ != Integrator::none || has_linear_controls(); }
   bool has_linear_controls() const { return linear_at_ >= 0; }
+  /// Number of controls at the node that the state holds.
+  int controls_in_state() const { return linear_at_ < 0 ? 0 : system_->actuators(); }
 
   /// Control at the beginning of the step, at which the system is evaluated.
   template <class S>

@@ -44,7 +44,7 @@ TableColumns columns_of(const BuiltProblem& built) {
   TableColumns columns;
   for (int i = 0; i < nx; ++i)
     if (i < own || !chosen || end.source(i - built.plant.system->nx())) columns.states.push_back(i);
-  columns.first_control = end.has_linear_controls() ? end.system().actuators() : 0;
+  columns.first_control = end.controls_in_state();
   return columns;
 }
 
