@@ -55,6 +55,13 @@ TEST(NearNames, TheNearestThreeComeFirst) {
             (Names{"abcde", "abcdefg", "abcdf"}));
 }
 
+TEST(NameHint, SuggestsTheNearestNamesOrListsAll) {
+  const Names legs{"LF_HAA", "LF_HFE", "RF_HAA", "tail"};
+  EXPECT_EQ(name_hint("tial", legs, "joints"), "did you mean 'tail'?");
+  EXPECT_EQ(name_hint("wing_tip", legs, "joints"), "joints: LF_HAA, LF_HFE, RF_HAA, tail");
+  EXPECT_EQ(name_hint("a", {}, "joints"), "there are no joints");
+}
+
 TEST(NearNames, SkipVeryLongNames) {
   const std::string longest(128, 'a'), longer(129, 'a');
   EXPECT_EQ(similar_names(longest, {longest, longer}), (Names{longest}));

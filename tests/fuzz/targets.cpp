@@ -11,8 +11,8 @@
 #include "problem_file/build/build_problem.hpp"
 #include "problem_file/data/data_table.hpp"
 #include "problem_file/read/read_problem.hpp"
+#include "robot/urdf/load_xml.hpp"
 #include "robot/urdf/urdf.hpp"
-#include "robot/urdf/xml_outline.hpp"
 #include "systems/expressions/parser.hpp"
 #include "systems/graphs/differentiable.hpp"
 
@@ -130,22 +130,36 @@ void fuzz_number(std::string_view input) {
           "numbers mean what the C library reads");
 }
 
-void fuzz_xml(std::string_view input) {
-  const XmlOutline outline = scan_xml(input);
-  promise(!outline.defect || (outline.defect->line > 0 && !outline.defect->message.empty()),
-          "a defect has a place and a message");
-  int previous = 0;
-  for (std::size_t i = 0; i < outline.elements.size(); ++i) {
-    const XmlElement& element = outline.elements[i];
-    promise(element.parent < static_cast<int>(i), "parents come first");
-    promise(element.depth == (element.parent < 0 ? 0 : outline.elements[element.parent].depth + 1),
-            "depth counts the parents");
-    promise(element.line >= previous, "elements come in the order of their lines");
-    promise(element.start_tag.data() >= input.data() &&
-                element.start_tag.data() + element.start_tag.size() <= input.data() + input.size(),
-            "a tag lies in the text");
-    previous = element.line;
+/// Checks the elements of a document that was read.
+class PlaceCheck : public pugi::xml_tree_walker {
+ public:
+  explicit PlaceCheck(std::string_view text) : text_(text) {}
+  bool for_each(pugi::xml_node& node) override {
+    if (node.type() != pugi::node_element) return true;
+    promise(depth() < 64, "elements are not nested deeply");
+    promise(node.offset_debug() > previous_, "elements come in the order of their places");
+    previous_ = node.offset_debug();
+    promise(text_.substr(previous_ - 1).starts_with(std::string("<") + node.name()),
+            "an element is at its place");
+    return true;
   }
+
+ private:
+  std::string_view text_;
+  std::ptrdiff_t previous_ = 0;
+};
+
+void fuzz_xml(std::string_view input) {
+  if (!is_text(input)) return;
+  pugi::xml_document document;
+  if (const auto defect = load_xml(input, document)) {
+    promise(!defect->message.empty() && find_bad_character(defect->message) == std::string::npos,
+            "a defect has a message without control characters");
+    // A text that ends too early has its defect behind the end.
+    return promise(defect->offset <= input.size() + 1, "a defect is in the text");
+  }
+  PlaceCheck places(input);
+  document.traverse(places);
 }
 
 /// Two scalars, a vector with parts, a quaternion, and tables of one and two arguments.

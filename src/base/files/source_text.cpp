@@ -1,9 +1,8 @@
 #include "base/files/source_text.hpp"
 
-#include <algorithm>
-
 #include "base/files/sha256.hpp"
 #include "base/files/text_file.hpp"
+#include "base/text/text_place.hpp"
 #include "base/text/utf8.hpp"
 
 namespace conddp {
@@ -14,13 +13,10 @@ std::optional<std::string> checked_text(std::string bytes, const std::string& na
   if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
   const std::size_t bad = find_bad_character(text);
   if (bad == std::string::npos) return text;
-  const auto before = std::string_view(text).substr(0, bad);
-  const std::size_t line_start = before.rfind('\n') + 1;  // npos + 1 is 0
-  const int line = static_cast<int>(std::count(before.begin(), before.end(), '\n')) + 1;
+  const TextPlace place = place_after(std::string_view(text).substr(0, bad));
   const int source = out.add_source(name, text.substr(0, bad));
-  const int column = out.character_column(source, line, static_cast<int>(bad - line_start));
   const bool foreign = static_cast<unsigned char>(text[bad]) >= 0x80;
-  out.error({{source, line, column}, {}}, describe_bad_character(text, bad),
+  out.error({{source, place.line, place.column}, {}}, describe_bad_character(text, bad),
             foreign ? "save the file in UTF-8" : "");
   return std::nullopt;
 }

@@ -177,7 +177,7 @@ class Builder {
   bool stands_on_world(const urdf::Joint& joint, const Carrier& at) {
     if (at.joint < 0) return true;
     const std::string kind = joint.type == urdf::Joint::FLOATING ? "floating" : "planar";
-    report_.error(at_joint(joint.name),
+    report_.error(report_.joint(joint.name),
                   "a " + kind + " joint is supported only if its parent is the root link, or " +
                       "fixed to it, and the base is fixed; here the parent moves with joint '" +
                       model_.joints[at.joint].name + "'");
@@ -247,7 +247,7 @@ class Builder {
     const std::string kind = options_.base == Base::floating ? "floating" : "planar";
     if (world_.mass > 0)
       report_.error(
-          at_joint(own_base_->name),
+          report_.joint(own_base_->name),
           "the file has a " + kind + " joint of its own besides the requested " + kind + " base",
           "set the base to fixed");
     else
@@ -263,8 +263,7 @@ class Builder {
       if (!std::isfinite(joint.inertia.mass + squared_norm(joint.inertia.moment) +
                          joint.inertia.rotational.xx + joint.inertia.rotational.yy +
                          joint.inertia.rotational.zz))
-        report_.error(report_.has("joint", joint.name) ? at_joint(joint.name) : UrdfPlace{},
-                      "the inertia that it moves overflows");
+        report_.error(report_.joint(joint.name), "the inertia that it moves overflows");
     for (const auto& [name, link] : tree_.links_)
       if (const auto& body = link->inertial)
         check_inertia(name, inertia_defect(central_inertia(*body), body->mass));
@@ -287,7 +286,7 @@ class Builder {
     } else {
       return;
     }
-    const UrdfPlace place = at_link(link, "inertial");
+    const UrdfPlace place = report_.link(link, "inertial");
     if (options_.inertias == UrdfOptions::Inertias::strict)
       report_.error(place, message, hint + "; 'inertias: as_given' accepts it as it is");
     else
@@ -321,7 +320,7 @@ class Builder {
       const urdf::Joint& leader = find_leader(*follower, mimic);
       const auto index = model_.find_joint(leader.name);
       if (!index || model_.joints[*index].type == JointType::floating) {
-        report_.error(at_joint(model_.joints[i].name, "mimic"),
+        report_.error(report_.joint(model_.joints[i].name, "mimic"),
                       "it mimics joint '" + leader.name + "', which has no coordinate",
                       fmt::format("lock it, at {}", mimic.offset));
         continue;

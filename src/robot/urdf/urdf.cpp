@@ -1,7 +1,7 @@
 #include "robot/urdf/urdf.hpp"
 
-#include <algorithm>
 #include <mutex>
+#include <sstream>
 
 #include <console_bridge/console.h>
 #include <fmt/format.h>
@@ -9,14 +9,19 @@
 #include <urdf_parser/urdf_parser.h>
 
 #include "base/files/text_file.hpp"
+#include "base/text/text_place.hpp"
+#include "base/text/utf8.hpp"
+#include "robot/urdf/load_xml.hpp"
 #include "robot/urdf/model_builder.hpp"
 #include "robot/urdf/regularity.hpp"
-#include "robot/urdf/urdf_guard.hpp"
+#include "robot/urdf/urdf_elements.hpp"
 #include "robot/urdf/urdf_topology.hpp"
 #include "robot/urdf/urdf_validation.hpp"
 
 namespace conddp {
 namespace {
+
+constexpr std::size_t kMaxUrdfBytes = std::size_t{16} << 20;
 
 struct ParserMessage {
   std::string text;
@@ -54,32 +59,6 @@ urdf::ModelInterfaceSharedPtr parse_tree(const std::string& xml,
   return tree;
 }
 
-/// Messages about one defect, collected until its place in the file is known.
-class PendingMessages {
- public:
-  explicit PendingMessages(UrdfReport& report) : report_(report) {}
-
-  void add(const ParserMessage& message) {
-    text_ += (text_.empty() ? "" : "; ") + message.text;
-    error_ |= message.error;
-  }
-  /// Reports them as one problem.
-  void flush(const UrdfPlace& place) {
-    if (text_.empty()) return;
-    if (error_)
-      report_.error(place, "urdfdom: " + text_);
-    else
-      report_.warning(place, "urdfdom: " + text_);
-    text_.clear();
-    error_ = false;
-  }
-
- private:
-  UrdfReport& report_;
-  std::string text_;
-  bool error_ = false;
-};
-
 std::vector<std::string> names_in_brackets(const std::string& text) {
   std::vector<std::string> names;
   for (std::size_t open = text.find('['); open != text.npos; open = text.find('[', open + 1)) {
@@ -92,16 +71,23 @@ std::vector<std::string> names_in_brackets(const std::string& text) {
 /// urdfdom writes several lines about one defect; the last ones name the joint or link in brackets.
 /// These lines become one problem at that joint or link.
 void report_parser_messages(const std::vector<ParserMessage>& messages, UrdfReport& report) {
-  PendingMessages pending(report);
+  ParserMessage problem;
+  const auto add_problem = [&](const UrdfPlace& place) {
+    if (problem.error)
+      report.error(place, "urdfdom: " + problem.text);
+    else if (!problem.text.empty())
+      report.warning(place, "urdfdom: " + problem.text);
+    problem = {};
+  };
   for (const ParserMessage& message : messages) {
     if (message.text.find("xml is not initialized correctly") != std::string::npos) continue;
-    pending.add(message);
-    for (const std::string& name : names_in_brackets(message.text)) {
-      if (report.has("joint", name)) pending.flush(at_joint(name));
-      if (report.has("link", name)) pending.flush(at_link(name));
-    }
+    problem.text += (problem.text.empty() ? "" : "; ") + message.text;
+    problem.error |= message.error;
+    for (const std::string& name : names_in_brackets(message.text))
+      for (const UrdfPlace& place : {report.joint(name), report.link(name)})
+        if (place.node) add_problem(place);
   }
-  pending.flush({});
+  add_problem({});
 }
 
 /// Reports joints that keep the inertia matrix from being positive definite, with remedies.
@@ -151,7 +137,7 @@ class RegularityReport {
   }
 
   bool can_be_locked(int joint) const {
-    return report_.has("joint", name(joint)) && model_.joints[joint].type != JointType::floating;
+    return place(joint).node && model_.joints[joint].type != JointType::floating;
   }
 
   /// Remedies for joints of the file that can be locked, as problem-file keys ready to copy.
@@ -170,10 +156,7 @@ class RegularityReport {
         fmt::join(locked, ", "), rotors, joints.size() > 1 ? ", ..." : "");
   }
 
-  UrdfPlace place(int joint) const {
-    return report_.has("joint", name(joint)) ? at_joint(name(joint))
-                                             : UrdfPlace{"joint", name(joint)};
-  }
+  UrdfPlace place(int joint) const { return report_.joint(name(joint)); }
 
   std::string others(const std::vector<int>& joints) const {
     if (joints.size() == 1) return "";
@@ -182,12 +165,12 @@ class RegularityReport {
 
   void report_massless(const std::vector<int>& joints) {
     const int first = joints.front();
-    const bool root = !report_.has("joint", name(first));
+    const bool in_file = place(first).node;
     report_.error(
         place(first),
         "no link that it moves (" + links(first) +
             ") has inertia along it, so the robot's inertia matrix is singular" + others(joints),
-        (root ? "give the root link mass and inertia" : "give the links mass and inertia") +
+        (in_file ? "give the links mass and inertia" : "give the root link mass and inertia") +
             ways_out(joints));
   }
 
@@ -207,14 +190,16 @@ class RegularityReport {
 
 /// Parsed and checked tree; it must not be used if the report has errors. Patterns in the options
 /// are replaced by joint names.
-urdf::ModelInterfaceSharedPtr checked_tree(const XmlOutline& outline, std::string_view xml,
-                                           UrdfOptions& options, UrdfReport& report) {
-  if (!check_urdf_elements(outline, report)) return nullptr;
-  check_urdf_topology(outline, options, report);
+urdf::ModelInterfaceSharedPtr checked_tree(pugi::xml_node robot, UrdfOptions& options,
+                                           UrdfReport& report) {
+  if (!check_urdf_elements(robot, report)) return nullptr;
+  check_urdf_topology(robot, options, report);
   if (report.has_errors()) return nullptr;
 
+  std::ostringstream xml;
+  robot.print(xml, "", pugi::format_raw);
   std::vector<ParserMessage> messages;
-  urdf::ModelInterfaceSharedPtr tree = parse_tree(relevant_urdf(outline, xml), messages);
+  urdf::ModelInterfaceSharedPtr tree = parse_tree(xml.str(), messages);
   report_parser_messages(messages, report);
   if (report.has_errors()) return nullptr;
   if (!tree || !tree->getRoot()) {
@@ -244,43 +229,44 @@ UrdfOptions with_locked_followers(const urdf::ModelInterface& tree, UrdfOptions 
   return options;
 }
 
-void parse(std::string_view xml, UrdfOptions options, UrdfResult& result) {
-  const XmlOutline outline = scan_xml(xml);
-  UrdfReport report(outline, result);
-  if (outline.defect || outline.elements.empty()) {
-    const XmlDefect defect =
-        outline.defect.value_or(XmlDefect{"the file has no XML element", 1, 1});
-    result.problems.push_back({.message = "not well-formed XML: " + defect.message,
-                               .line = defect.line,
-                               .column = defect.column});
-    return;
-  }
-  const urdf::ModelInterfaceSharedPtr tree = checked_tree(outline, xml, options, report);
-  if (report.has_errors()) return;
-  RobotModel model = build_model(
-      *tree, options.enforce_mimic ? with_locked_followers(*tree, options) : options, report);
-  if (!report.has_errors()) RegularityReport(model, options.prefix, report).check();
-  if (!report.has_errors()) result.model = std::move(model);
-}
-
-UrdfResult failure(std::string message) {
+/// Result with an error, behind `before` in the text.
+UrdfResult failure(std::string message, std::optional<std::string_view> before = {},
+                   std::string hint = {}) {
+  const TextPlace place = before ? place_after(*before) : TextPlace{0, 0};
   UrdfResult result;
-  result.problems.push_back({.message = std::move(message)});
+  result.problems.push_back({.message = std::move(message),
+                             .line = place.line,
+                             .column = place.column,
+                             .hint = std::move(hint)});
   return result;
 }
 
 }  // namespace
 
 UrdfResult parse_urdf(std::string_view xml, const std::string& file_name,
-                      const UrdfOptions& options) {
-  UrdfResult result;
-  if (auto problem = check_urdf_text(xml, file_name)) {
-    result.problems.push_back(std::move(*problem));
-    return result;
-  }
-  parse(xml, options, result);
-  std::stable_sort(result.problems.begin(), result.problems.end(),
-                   [](const UrdfProblem& a, const UrdfProblem& b) { return a.line < b.line; });
+                      const UrdfOptions& given) {
+  if (xml.find_first_not_of(" \t\r\n") == xml.npos) return failure("'" + file_name + "' is empty");
+  if (xml.size() > kMaxUrdfBytes)
+    return failure(fmt::format("'{}' is larger than {} MiB", file_name, kMaxUrdfBytes >> 20));
+  if (const std::size_t bad = find_bad_character(xml); bad != xml.npos)
+    return failure(describe_bad_character(xml, bad), xml.substr(0, bad),
+                   static_cast<unsigned char>(xml[bad]) < 0x80
+                       ? ""
+                       : "convert it, e.g. with iconv -f latin1 -t utf-8");
+  pugi::xml_document document;
+  if (const auto defect = load_xml(xml, document))
+    return failure("not well-formed XML: " + defect->message, xml.substr(0, defect->offset));
+
+  UrdfReport report(document.document_element());
+  UrdfOptions options = given;
+  std::optional<RobotModel> model;
+  const auto tree = checked_tree(document.document_element(), options, report);
+  if (!report.has_errors())
+    model = build_model(
+        *tree, options.enforce_mimic ? with_locked_followers(*tree, options) : options, report);
+  if (!report.has_errors()) RegularityReport(*model, options.prefix, report).check();
+  UrdfResult result = report.take(xml);
+  if (!report.has_errors()) result.model = std::move(model);
   return result;
 }
 

@@ -2,60 +2,61 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
+#include "base/text/text_place.hpp"
+
 namespace conddp {
 
-UrdfReport::UrdfReport(const XmlOutline& outline, UrdfResult& result)
-    : outline_(outline), result_(result) {
-  for (int i = 0; i < static_cast<int>(outline.elements.size()); ++i) {
-    const XmlElement& element = outline.elements[i];
-    if (element.depth != 1 || (element.tag != "link" && element.tag != "joint")) continue;
-    if (const auto name = element.attribute("name")) elements_.try_emplace({element.tag, *name}, i);
-  }
+UrdfPlace UrdfReport::named(const char* tag, const std::string& name, const char* child) const {
+  const pugi::xml_node element = robot_.find_child_by_attribute(tag, "name", name.c_str());
+  const pugi::xml_node inner = element.child(child);
+  return {inner ? inner : element, name, fmt::format("{} '{}': ", tag, name)};
+}
+
+UrdfPlace UrdfReport::around(pugi::xml_node node) const {
+  pugi::xml_node top = node;
+  while (top && top.parent() != robot_) top = top.parent();
+  const pugi::xml_attribute name = top.attribute("name");
+  if (!name) return {node};
+  return {node, name.value(), fmt::format("{} '{}': ", top.name(), name.value())};
 }
 
 void UrdfReport::error(const UrdfPlace& place, const std::string& message, std::string hint) {
   add(place, message, std::move(hint), false);
+  ++errors_;
 }
+
 void UrdfReport::warning(const UrdfPlace& place, const std::string& message, std::string hint) {
   add(place, message, std::move(hint), true);
-}
-void UrdfReport::error_at(int element, std::string name, std::string message, std::string hint) {
-  add_at(element, std::move(name), std::move(message), std::move(hint), false);
-}
-void UrdfReport::warning_at(int element, std::string name, std::string message, std::string hint) {
-  add_at(element, std::move(name), std::move(message), std::move(hint), true);
-}
-void UrdfReport::note(std::string text) { result_.notes.push_back(std::move(text)); }
-
-bool UrdfReport::has(std::string_view tag, std::string_view name) const {
-  return elements_.contains({tag, name});
 }
 
 void UrdfReport::add(const UrdfPlace& place, const std::string& message, std::string hint,
                      bool warning) {
-  int element = -1;
-  if (const auto found = elements_.find({place.tag, place.name}); found != elements_.end()) {
-    element = found->second;
-    if (!place.child.empty())
-      if (const auto child = outline_.child(element, place.child)) element = *child;
-  }
-  const std::string subject =
-      place.tag.empty() ? "" : std::string(place.tag) + " '" + place.name + "': ";
-  add_at(element, place.name, subject + message, std::move(hint), warning);
+  problems_.emplace_back(place.node ? place.node.offset_debug() - 1 : -1,
+                         UrdfProblem{.message = place.subject + message,
+                                     .element = place.name,
+                                     .hint = std::move(hint),
+                                     .warning = warning});
 }
 
-void UrdfReport::add_at(int element, std::string name, std::string message, std::string hint,
-                        bool warning) {
-  UrdfProblem problem{.message = std::move(message),
-                      .element = std::move(name),
-                      .hint = std::move(hint),
-                      .warning = warning};
-  if (element >= 0) {
-    problem.line = outline_.elements[element].line;
-    problem.column = outline_.elements[element].column;
+UrdfResult UrdfReport::take(std::string_view text) {
+  std::stable_sort(problems_.begin(), problems_.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  UrdfResult result;
+  std::ptrdiff_t reached = 0;
+  TextPlace place;
+  for (auto& [offset, problem] : problems_) {
+    if (offset >= 0) {
+      place = place_after(text.substr(reached, offset - reached), place);
+      reached = offset;
+      problem.line = place.line;
+      problem.column = place.column;
+    }
+    result.problems.push_back(std::move(problem));
   }
-  errors_ += !warning;
-  result_.problems.push_back(std::move(problem));
+  result.notes = std::move(notes_);
+  return result;
 }
 
 std::string listed(const std::vector<std::string>& names, std::size_t shown) {

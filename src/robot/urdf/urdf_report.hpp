@@ -1,53 +1,56 @@
 #pragma once
 
-#include <map>
+#include <cstddef>
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
+
+#include <pugixml.hpp>
 
 #include "robot/urdf/urdf_types.hpp"
-#include "robot/urdf/xml_outline.hpp"
 
 namespace conddp {
 
-/// Link or joint that a message is about, and the child element that locates it in the file.
+/// Place of a problem, and the link or joint that it is about.
 struct UrdfPlace {
-  std::string_view tag;  ///< "link", "joint", or empty for the whole file
-  std::string name;
-  std::string_view child = {};
+  pugi::xml_node node = {};  ///< null: the whole file
+  std::string name = {};     ///< of the link or joint
+  std::string subject = {};  ///< beginning of the message, such as "link 'name': "
 };
-inline UrdfPlace at_link(std::string name, std::string_view child = {}) {
-  return {"link", std::move(name), child};
-}
-inline UrdfPlace at_joint(std::string name, std::string_view child = {}) {
-  return {"joint", std::move(name), child};
-}
 
-/// Collects problems and notes into a result and locates them in the file. Links and joints are
-/// looked up by name in the outline of the text, because urdfdom does not keep positions.
+/// Collects problems and notes about a document. Links and joints are looked up by name, because
+/// urdfdom does not keep positions.
 class UrdfReport {
  public:
-  UrdfReport(const XmlOutline& outline, UrdfResult& result);
+  explicit UrdfReport(pugi::xml_node robot) : robot_(robot) {}
 
-  /// The message follows the prefix "link 'name': ".
+  /// A joint or link, or its child element `child`. Without a place if there is none of this name.
+  UrdfPlace joint(const std::string& name, const char* child = "") const {
+    return named("joint", name, child);
+  }
+  UrdfPlace link(const std::string& name, const char* child = "") const {
+    return named("link", name, child);
+  }
+  /// A node, about the child of <robot> that it belongs to.
+  UrdfPlace around(pugi::xml_node node) const;
+
+  /// Adds a problem whose message follows the subject of the place.
   void error(const UrdfPlace& place, const std::string& message, std::string hint = {});
   void warning(const UrdfPlace& place, const std::string& message, std::string hint = {});
-  /// Reports a problem at an element of the outline; the message gets no prefix.
-  void error_at(int element, std::string name, std::string message, std::string hint = {});
-  void warning_at(int element, std::string name, std::string message, std::string hint = {});
-  void note(std::string text);
-
+  void note(std::string text) { notes_.push_back(std::move(text)); }
   bool has_errors() const { return errors_ > 0; }
-  /// True if the file has a link or joint (tag "link" or "joint") of this name.
-  bool has(std::string_view tag, std::string_view name) const;
+
+  /// Problems in the order of their places in the text, and notes.
+  UrdfResult take(std::string_view text);
 
  private:
+  UrdfPlace named(const char* tag, const std::string& name, const char* child) const;
   void add(const UrdfPlace& place, const std::string& message, std::string hint, bool warning);
-  void add_at(int element, std::string name, std::string message, std::string hint, bool warning);
 
-  const XmlOutline& outline_;
-  UrdfResult& result_;
-  std::map<std::pair<std::string_view, std::string_view>, int> elements_;
+  pugi::xml_node robot_;
+  std::vector<std::pair<std::ptrdiff_t, UrdfProblem>> problems_;  ///< by offset; −1: no place
+  std::vector<std::string> notes_;
   int errors_ = 0;
 };
 

@@ -12,21 +12,9 @@
 namespace conddp {
 namespace {
 
-std::string type_name(int type) {
-  switch (type) {
-    case urdf::Joint::REVOLUTE:
-      return "revolute";
-    case urdf::Joint::CONTINUOUS:
-      return "continuous";
-    case urdf::Joint::PRISMATIC:
-      return "prismatic";
-    case urdf::Joint::FLOATING:
-      return "floating";
-    case urdf::Joint::PLANAR:
-      return "planar";
-    default:
-      return "fixed";
-  }
+/// Type of a joint as the file names it.
+std::string type_of(const std::string& joint, const UrdfReport& report) {
+  return report.joint(joint).node.attribute("type").value();
 }
 
 bool moves_along_one_axis(const urdf::Joint& joint) {
@@ -42,71 +30,58 @@ void check_link(const urdf::Link& link, UrdfReport& report) {
   if (!link.inertial) return;
   const urdf::Inertial& body = *link.inertial;
   if (body.mass < 0)
-    report.error(at_link(link.name, "inertial"), fmt::format("its mass is {} kg", body.mass),
+    report.error(report.link(link.name, "inertial"), fmt::format("its mass is {} kg", body.mass),
                  "a mass cannot be negative");
   if (body.mass == 0 && has_rotational_inertia(body))
-    report.warning(at_link(link.name, "inertial"), "it has rotational inertia but no mass");
+    report.warning(report.link(link.name, "inertial"), "it has rotational inertia but no mass");
 }
 
 void check_axis(const urdf::Joint& joint, UrdfReport& report) {
   if (!moves_along_one_axis(joint) && joint.type != urdf::Joint::PLANAR) return;
   const double norm = std::hypot(joint.axis.x, joint.axis.y, joint.axis.z);
   if (!(norm > 1e-12) || !std::isfinite(norm))
-    report.error(at_joint(joint.name, "axis"), "its axis is zero",
+    report.error(report.joint(joint.name, "axis"), "its axis is zero",
                  "write e.g. <axis xyz=\"0 0 1\"/>");
   else if (std::abs(norm - 1) > 1e-3)
-    report.warning(at_joint(joint.name, "axis"),
+    report.warning(report.joint(joint.name, "axis"),
                    fmt::format("its axis has length {:.6g} and is normalized", norm));
-}
-
-/// Words for messages about a limit: its quantity and unit, the action that a limit of 0 prevents,
-/// and the hint for a negative limit.
-struct LimitWords {
-  const char *of, *unit, *verb, *hint;
-};
-
-void check_limit(const UrdfPlace& place, double limit, const LimitWords& words, bool locked,
-                 UrdfReport& report) {
-  if (limit < 0)
-    report.error(place, fmt::format("its {} limit is {}{}", words.of, limit, words.unit),
-                 words.hint);
-  else if (limit == 0 && !locked)
-    report.warning(place, fmt::format("its {} limit is 0: it cannot {} within the URDF's limits",
-                                      words.of, words.verb));
-}
-
-void check_range(const UrdfPlace& place, const urdf::JointLimits& limits, bool locked,
-                 UrdfReport& report) {
-  if (limits.lower > limits.upper)
-    report.error(
-        place, fmt::format("its lower limit {} is above the upper {}", limits.lower, limits.upper));
-  else if (limits.lower == limits.upper && !locked)
-    report.warning(place,
-                   fmt::format("its lower and upper limits are both {}: it cannot move within the "
-                               "URDF's limits",
-                               limits.lower),
-                   "if this is intended, make it fixed or lock it; an absent limit reads as 0");
 }
 
 /// Locked joints get errors but no warnings.
 void check_limits(const urdf::Joint& joint, bool locked, UrdfReport& report) {
   if (!joint.limits || !moves_along_one_axis(joint)) return;
   const urdf::JointLimits& limits = *joint.limits;
-  const UrdfPlace place = at_joint(joint.name, "limit");
-  const char* const effort_unit = joint.type == urdf::Joint::PRISMATIC ? " N" : " Nm";
-  check_limit(place, limits.effort,
-              {"effort", effort_unit, "be actuated", "an effort limit cannot be negative"}, locked,
-              report);
-  check_limit(place, limits.velocity,
-              {"velocity", "", "move", "a velocity limit cannot be negative"}, locked, report);
-  if (joint.type != urdf::Joint::CONTINUOUS) check_range(place, limits, locked, report);
+  const auto error = [&](const std::string& message, const char* hint = "") {
+    report.error(report.joint(joint.name, "limit"), message, hint);
+  };
+  const auto warning = [&](const std::string& message, const char* hint = "") {
+    if (!locked) report.warning(report.joint(joint.name, "limit"), message, hint);
+  };
+  if (limits.effort < 0)
+    error(fmt::format("its effort limit is {} {}", limits.effort,
+                      joint.type == urdf::Joint::PRISMATIC ? "N" : "Nm"),
+          "an effort limit cannot be negative");
+  if (limits.effort == 0)
+    warning("its effort limit is 0: it cannot be actuated within the URDF's limits");
+  if (limits.velocity < 0)
+    error(fmt::format("its velocity limit is {}", limits.velocity),
+          "a velocity limit cannot be negative");
+  if (limits.velocity == 0)
+    warning("its velocity limit is 0: it cannot move within the URDF's limits");
+  if (joint.type == urdf::Joint::CONTINUOUS) return;
+  if (limits.lower > limits.upper)
+    error(fmt::format("its lower limit {} is above the upper {}", limits.lower, limits.upper));
+  if (limits.lower == limits.upper)
+    warning(fmt::format("its lower and upper limits are both {}: it cannot move within the URDF's "
+                        "limits",
+                        limits.lower),
+            "if this is intended, make it fixed or lock it; an absent limit reads as 0");
 }
 
 void check_mimic(const urdf::Joint& joint, UrdfReport& report) {
-  const bool many_axes = joint.type == urdf::Joint::FLOATING || joint.type == urdf::Joint::PLANAR;
-  if (joint.mimic && many_axes)
-    report.error(at_joint(joint.name, "mimic"),
-                 "a " + type_name(joint.type) + " joint cannot mimic another one",
+  if (joint.mimic && (joint.type == urdf::Joint::FLOATING || joint.type == urdf::Joint::PLANAR))
+    report.error(report.joint(joint.name, "mimic"),
+                 fmt::format("a {} joint cannot mimic another one", type_of(joint.name, report)),
                  "revolute, continuous and prismatic joints can");
 }
 
@@ -114,7 +89,7 @@ void check_joint(const urdf::Joint& joint, bool locked, UrdfReport& report) {
   check_axis(joint, report);
   check_limits(joint, locked, report);
   if (joint.dynamics && (joint.dynamics->damping < 0 || joint.dynamics->friction < 0))
-    report.error(at_joint(joint.name, "dynamics"), "its damping or friction is negative");
+    report.error(report.joint(joint.name, "dynamics"), "its damping or friction is negative");
   check_mimic(joint, report);
 }
 
@@ -129,35 +104,33 @@ std::vector<std::string> moving_joints(const urdf::ModelInterface& tree) {
 const urdf::Joint* moving_joint(const urdf::ModelInterface& tree, const std::string& name,
                                 const std::string& purpose, UrdfReport& report) {
   const auto found = tree.joints_.find(name);
-  if (found == tree.joints_.end()) {
-    report.error(at_joint(name), "there is no such joint " + purpose,
-                 name_hint(name, moving_joints(tree), "joints"));
-    return nullptr;
-  }
-  if (moves_along_one_axis(*found->second)) return found->second.get();
-  report.error(at_joint(name),
-               "a " + type_name(found->second->type) + " joint is not one " + purpose,
+  const bool exists = found != tree.joints_.end();
+  if (exists && moves_along_one_axis(*found->second)) return found->second.get();
+  report.error(report.joint(name),
+               exists ? fmt::format("a {} joint is not one {}", type_of(name, report), purpose)
+                      : "there is no such joint " + purpose,
                name_hint(name, moving_joints(tree), "joints"));
   return nullptr;
 }
 
 void check_locked(const urdf::Joint& joint, double value, UrdfReport& report) {
   if (!std::isfinite(value))
-    return report.error(at_joint(joint.name), "the value to lock it at is not finite");
+    return report.error(report.joint(joint.name), "the value to lock it at is not finite");
   if (!joint.limits || joint.type == urdf::Joint::CONTINUOUS) return;
   if (value >= joint.limits->lower && value <= joint.limits->upper) return;
-  report.error(at_joint(joint.name, "limit"),
+  report.error(report.joint(joint.name, "limit"),
                fmt::format("it is to be locked at {}, outside its limits {} to {}", value,
                            joint.limits->lower, joint.limits->upper));
 }
 
 void check_rotor(const std::string& joint, double inertia, bool locked, UrdfReport& report) {
   if (!std::isfinite(inertia) || inertia < 0)
-    report.error(at_joint(joint), fmt::format("its rotor inertia {} is not a finite number of at "
-                                              "least 0",
-                                              inertia));
+    report.error(report.joint(joint),
+                 fmt::format("its rotor inertia {} is not a finite number of at "
+                             "least 0",
+                             inertia));
   else if (locked)
-    report.warning(at_joint(joint), "its rotor inertia has no effect: the joint is locked");
+    report.warning(report.joint(joint), "its rotor inertia has no effect: the joint is locked");
 }
 
 /// Defect of a payload's inertia; empty if it is valid.
@@ -171,7 +144,7 @@ std::string payload_inertia_defect(const Symmetric3<double>& j, double mass) {
 
 void check_payload_numbers(const UrdfOptions::Payload& payload, UrdfReport& report) {
   const auto fail = [&](const std::string& message) {
-    report.error(at_link(payload.link), "its payload's " + message);
+    report.error(report.link(payload.link), "its payload's " + message);
   };
   if (!std::isfinite(payload.mass) || payload.mass < 0)
     fail(fmt::format("mass {} kg is not a finite number of at least 0", payload.mass));
@@ -186,7 +159,7 @@ void check_payload(const urdf::ModelInterface& tree, const UrdfOptions::Payload&
   if (tree.links_.contains(payload.link)) return check_payload_numbers(payload, report);
   std::vector<std::string> names;
   for (const auto& [name, link] : tree.links_) names.push_back(name);
-  report.error(at_link(payload.link), "there is no such link to carry a payload",
+  report.error(report.link(payload.link), "there is no such link to carry a payload",
                name_hint(payload.link, names, "links"));
 }
 
@@ -223,7 +196,7 @@ std::map<std::string, double> resolve_patterns(const urdf::ModelInterface& tree,
       resolved[joint] = value;
     }
     if (!any)
-      report.error(at_joint(pattern), "fits none of the joints that move",
+      report.error(report.joint(pattern), "fits none of the joints that move",
                    name_hint(pattern, joints, "joints"));
   }
   return resolved;
