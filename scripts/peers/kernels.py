@@ -17,7 +17,6 @@ ROBOTS = {
 #: row: (Pinocchio's algorithms, our benchmarks), times added up
 ROWS = {
     "inverse dynamics (RNEA)": (["rnea"], ["rnea"]),
-    "forward dynamics (ABA)": (["aba"], ["articulated_bodies"]),
     "inertia matrix (CRBA)": (["crba"], ["crba"]),
     "derivatives of inverse dynamics, and M": (["rnea_derivatives"], ["derivatives_and_M"]),
     "derivatives of forward dynamics": (["aba_derivatives"],

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include <pinocchio/algorithm/aba-derivatives.hpp>
-#include <pinocchio/algorithm/aba.hpp>
 #include <pinocchio/algorithm/crba.hpp>
 #include <pinocchio/algorithm/joint-configuration.hpp>
 #include <pinocchio/algorithm/rnea-derivatives.hpp>
@@ -56,9 +55,6 @@ int main(int, char** argv) {
     states.push_back({pinocchio::randomConfiguration(model, -limit, limit),
                       VectorXd::Random(model.nv), VectorXd::Random(model.nv)});
   print_time("rnea", states, [&](const State& s) { rnea(model, data, s.q, s.v, s.a); });
-  print_time("aba", states, [&](const State& s) {
-    aba(model, data, s.q, s.v, s.a, pinocchio::Convention::LOCAL);
-  });
   print_time("crba", states,
              [&](const State& s) { crba(model, data, s.q, pinocchio::Convention::LOCAL); });
   // Computes M as well.

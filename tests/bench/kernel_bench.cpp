@@ -4,7 +4,6 @@
 
 #include <benchmark/benchmark.h>
 
-#include "robot/articulated_body.hpp"
 #include "robot/dynamics.hpp"
 #include "robot/urdf/urdf.hpp"
 #include "support/random_robot.hpp"
@@ -71,11 +70,6 @@ void fd(Bench<S>& b) {
   forward_dynamics(b.model, b.q.data(), b.v.data(), b.tau.data(), b.data);
 }
 
-template <class S>
-void aba(Bench<S>& b) {
-  articulated_body_dynamics(b.model, b.q.data(), b.v.data(), b.tau.data(), b.data);
-}
-
 /// Factorizes M and solves for nv x 2 nv right-hand sides, as the acceleration derivatives with
 /// respect to configuration and velocity require.
 template <class S>
@@ -133,7 +127,6 @@ const bool kRegistered = [] {
     add_both("crba", crba<double>, crba<Lane>);
     add_both("derivatives_and_M", derivatives<double>, derivatives<Lane>);
     add_both("forward_dynamics", fd<double>, fd<Lane>);
-    add_both("articulated_bodies", aba<double>, aba<Lane>);
     add_both("factor_and_solve", solve<double>, solve<Lane>);
   }
   return true;

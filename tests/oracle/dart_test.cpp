@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include "oracle/dart_robot.hpp"
-#include "robot/articulated_body.hpp"
 #include "robot/dynamics.hpp"
 #include "robot/frames.hpp"
 #include "support/random_robot.hpp"
@@ -96,8 +95,6 @@ TEST_P(Dart, ForwardDynamics) {
     const Eigen::VectorXd theirs = dart_->forward_dynamics(x.tau);
     forward_dynamics(model_, x.q.data(), x.v.data(), x.tau.data(), *data_);
     expect_close(as_vector(data_->acceleration), theirs, "factorisation");
-    articulated_body_dynamics(model_, x.q.data(), x.v.data(), x.tau.data(), *data_);
-    expect_close(as_vector(data_->acceleration), theirs, "articulated bodies");
   });
 }
 

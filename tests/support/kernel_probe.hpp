@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -10,7 +9,6 @@
 
 #include <gtest/gtest.h>
 
-#include "robot/articulated_body.hpp"
 #include "robot/dynamics.hpp"
 #include "robot/frames.hpp"
 #include "support/random_robot.hpp"
@@ -68,13 +66,6 @@ struct ProbeState {
   }
 };
 
-/// Overwrites earlier contents, so that they do not pass for results.
-template <class S>
-void forget_acceleration(RobotData<S>& data) {
-  std::fill(data.acceleration.begin(), data.acceleration.end(),
-            S(std::numeric_limits<double>::quiet_NaN()));
-}
-
 /// All kernel outputs in a state, by name. Jacobians are padded to nv columns.
 template <class S>
 class KernelProbe {
@@ -100,9 +91,6 @@ class KernelProbe {
     forward_dynamics(model, x.q.data(), x.v.data(), x.tau.data(), data_);
     put("acceleration", data_.acceleration);
     put("L", data_.L);
-    forget_acceleration(data_);
-    articulated_body_dynamics(model, x.q.data(), x.v.data(), x.tau.data(), data_);
-    put("acceleration by bodies", data_.acceleration);
   }
 
   const std::vector<S>& operator[](const std::string& name) const {
