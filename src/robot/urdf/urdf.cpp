@@ -98,54 +98,66 @@ class RegularityReport {
 
   void check() {
     if (const std::vector<int> bodies = bodies_with_negative_inertia(model_); !bodies.empty()) {
-      const std::vector<int> joints = joints_with_negative_inertia(model_);
-      if (!joints.empty()) return report_negative(joints);
+      if (const Joints joints = joints_with_negative_inertia(model_); !joints.empty())
+        return report_.error(
+            place(joints.front()),
+            fmt::format("the links that it moves ({} and all links further out) have a negative "
+                        "inertia along it in some configurations, so the robot's inertia matrix "
+                        "is not positive definite{}",
+                        links(joints), others(joints)),
+            "correct the inertias that the warnings name" + ways_out(joints));
       report_.warning(
-          {},
-          "the inertias that joints move rigidly (" + listed(names(bodies)) +
-              ") are not positive semidefinite; the robot's inertia matrix is positive definite "
-              "in " +
-              std::to_string(kRegularitySamples) +
-              " configurations within the limits, but may not be in others");
+          {}, fmt::format("the inertias that joints move rigidly ({}) are not positive "
+                          "semidefinite; the robot's inertia matrix is positive definite in {} "
+                          "configurations within the limits, but may not be in others",
+                          listed(names(bodies)), kRegularitySamples));
     }
-    if (const std::vector<int> joints = joints_without_inertia(model_); !joints.empty())
-      return report_massless(joints);
-    if (const std::vector<int> joints = joints_without_inertia_at_zero(model_); !joints.empty())
+    if (const Joints joints = joints_without_inertia(model_); !joints.empty())
+      return report_.error(
+          place(joints.front()),
+          fmt::format("no link that it moves ({}) has inertia along it, so the robot's inertia "
+                      "matrix is singular{}",
+                      links(joints), others(joints)),
+          fmt::format("give the {} mass and inertia{}",
+                      place(joints.front()).node ? "links" : "root link", ways_out(joints)));
+    if (const Joints joints = joints_without_inertia_at_zero(model_); !joints.empty())
       report_.warning(
           place(joints.front()),
-          "at the zero configuration no link that it moves (" + links(joints.front()) +
-              ") has inertia along it" + others(joints) +
-              "; the robot's inertia matrix is singular there, and solves that come near it fail",
+          fmt::format("at the zero configuration no link that it moves ({}) has inertia along "
+                      "it{}; the robot's inertia matrix is singular there, and solves that come "
+                      "near it fail",
+                      links(joints), others(joints)),
           "give the links mass and inertia" + ways_out(joints));
   }
 
  private:
+  using Joints = std::vector<int>;
+
   std::string name(int joint) const { return model_.joints[joint].name.substr(prefix_.size()); }
 
-  std::vector<std::string> names(const std::vector<int>& joints) const {
+  UrdfPlace place(int joint) const { return report_.joint(name(joint)); }
+
+  std::vector<std::string> names(const Joints& joints) const {
     std::vector<std::string> found;
     for (const int joint : joints) found.push_back(name(joint));
     return found;
   }
 
-  std::string links(int joint) const {
+  /// Links that move rigidly with the first joint.
+  std::string links(const Joints& joints) const {
     std::vector<std::string> found;
     for (const Frame& frame : model_.frames)
-      if (frame.joint == joint && frame.kind == FrameKind::link)
+      if (frame.joint == joints.front() && frame.kind == FrameKind::link)
         found.push_back(frame.name.substr(prefix_.size()));
     return listed(found);
   }
 
-  bool can_be_locked(int joint) const {
-    return place(joint).node && model_.joints[joint].type != JointType::floating;
-  }
-
   /// Remedies for joints of the file that can be locked, as problem-file keys ready to copy.
-  std::string ways_out(const std::vector<int>& joints) const {
+  std::string ways_out(const Joints& joints) const {
     std::vector<std::string> locked;
     std::string rotors;
     for (const int joint : joints) {
-      if (!can_be_locked(joint)) continue;
+      if (!place(joint).node || model_.joints[joint].type == JointType::floating) continue;
       locked.push_back(fmt::format("{}: {}", name(joint), zero_position(model_.joints[joint])));
       if (rotors.empty()) rotors = name(joint) + ": 1e-4";
     }
@@ -156,31 +168,9 @@ class RegularityReport {
         fmt::join(locked, ", "), rotors, joints.size() > 1 ? ", ..." : "");
   }
 
-  UrdfPlace place(int joint) const { return report_.joint(name(joint)); }
-
-  std::string others(const std::vector<int>& joints) const {
+  std::string others(const Joints& joints) const {
     if (joints.size() == 1) return "";
     return "; the same holds for " + listed(names({joints.begin() + 1, joints.end()}));
-  }
-
-  void report_massless(const std::vector<int>& joints) {
-    const int first = joints.front();
-    const bool in_file = place(first).node;
-    report_.error(
-        place(first),
-        "no link that it moves (" + links(first) +
-            ") has inertia along it, so the robot's inertia matrix is singular" + others(joints),
-        (in_file ? "give the links mass and inertia" : "give the root link mass and inertia") +
-            ways_out(joints));
-  }
-
-  void report_negative(const std::vector<int>& joints) {
-    report_.error(place(joints.front()),
-                  "the links that it moves (" + links(joints.front()) +
-                      " and all links further out) have a negative inertia along it in some "
-                      "configurations, so the robot's inertia matrix is not positive definite" +
-                      others(joints),
-                  "correct the inertias that the warnings name" + ways_out(joints));
   }
 
   const RobotModel& model_;

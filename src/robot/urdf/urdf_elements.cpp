@@ -5,6 +5,7 @@
 #include <cmath>
 #include <iterator>
 #include <set>
+#include <sstream>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -52,15 +53,9 @@ const ElementRule* find_rule(std::string_view parent, std::string_view tag) {
   return nullptr;
 }
 
-std::vector<std::string> words_in(std::string_view text) {
-  constexpr std::string_view kSpace = " \t\r\n";
-  std::vector<std::string> words;
-  for (std::size_t at = 0; (at = text.find_first_not_of(kSpace, at)) != text.npos;) {
-    const std::size_t end = std::min(text.find_first_of(kSpace, at), text.size());
-    words.emplace_back(text.substr(at, end - at));
-    at = end;
-  }
-  return words;
+std::vector<std::string> words_in(const std::string& text) {
+  std::istringstream stream(text);
+  return {std::istream_iterator<std::string>(stream), {}};
 }
 
 /// Reason why the words are not `count` finite numbers; empty if they are.
@@ -142,7 +137,7 @@ class ElementCheck {
       check_unknown_attribute(element, attribute.name(), rule);
       element.remove_attribute(attribute);
     } else if (known->numbers > 0) {
-      const std::vector<std::string> words = words_in(value);
+      const std::vector<std::string> words = words_in(attribute.value());
       if (const std::string defect = number_defect(words, known->numbers); !defect.empty())
         error(element, fmt::format("<{}> {}: {}", element.name(), attribute.name(), defect));
       // The only white space between numbers that urdfdom accepts is one blank.
