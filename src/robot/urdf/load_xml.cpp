@@ -125,7 +125,7 @@ XmlDefect parse_defect(const pugi::xml_parse_result& result, const std::string& 
 }  // namespace
 
 std::optional<XmlDefect> load_xml(std::string_view text, pugi::xml_document& document) {
-  // pugixml ends a text at its last character, in ways that depend on it.
+  // A final line end lets pugixml report the end of the text always in the same way.
   const std::string whole = std::string(text) + '\n';
   const pugi::xml_parse_result result = load(whole, document);
   DefectFinder finder(whole, document.document_element());
