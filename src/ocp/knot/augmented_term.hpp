@@ -5,8 +5,8 @@
 
 namespace conddp {
 
-/// The set of a constraint at a node: `rows` bounds, which nothing but terms with bounds look at,
-/// and what the multipliers of one that is soft by its distance cannot exceed.
+/// Set of a constraint at a node: bounds of its rows, read only for terms with bounds, and the
+/// limit on the multipliers of an l1-soft constraint.
 template <class S>
 struct RowSet {
   const S* lower;
@@ -14,7 +14,7 @@ struct RowSet {
   S limit;
 };
 
-/// What an augmentation asks of a constraint's rows.
+/// Penalty, shift and multiplier of each row in the augmentation of a constraint.
 template <class S>
 struct RowPenalty {
   const S* penalty;
@@ -22,7 +22,7 @@ struct RowPenalty {
   const S* multiplier;
 };
 
-/// Room for one constraint: shifted values and weights of its rows and, where asked for,
+/// Workspace of one constraint: shifted values and weights of its rows and, unless null,
 /// ∂weight/∂g.
 template <class S>
 struct RowSlopes {
@@ -31,13 +31,13 @@ struct RowSlopes {
 
 namespace detail {
 
-/// Beyond which distance a constraint that is soft by its distance costs no more than linearly.
+/// Distance beyond which the cost of an l1-soft constraint grows linearly.
 template <class S>
 S soft_limit(const RowSet<S>& set, const S& penalty) {
   return set.limit / max(penalty, S(1e-200));
 }
 
-/// ½ penalty dist² of bounds and its derivatives but for the multipliers, as in `augment`.
+/// ½ penalty dist² of bounds and its derivatives, without the multipliers that `augment` adds.
 template <class S>
 S augment_bounds(const ConstraintTerm& term, const RowSet<S>& set, const S* penalty,
                  const RowSlopes<S>& to) {
@@ -53,7 +53,7 @@ S augment_bounds(const ConstraintTerm& term, const RowSet<S>& set, const S* pena
           select(abs(outside) <= soft_limit(set, penalty[i]), to.curvature[i], S(0.0));
   }
   S value(0.0);
-  // Each term of the sum waits for the one before it, and most constraints hold in all rows.
+  // Skip the sum, a chain of dependent additions, if all rows hold, as most constraints do.
   if (all_zero(to.weight, term.rows)) return value;
   for (int i = 0; i < term.rows; ++i) {
     const S outside = outside_bounds(to.shifted[i], set.lower[i], set.upper[i]);
@@ -62,8 +62,8 @@ S augment_bounds(const ConstraintTerm& term, const RowSet<S>& set, const S* pena
   return value;
 }
 
-/// Of complementary pairs, which add derivatives alone. The smaller one of a pair, whatever its
-/// multiplier, is the one that has to vanish.
+/// Derivatives for complementary pairs, which add nothing to the value. The smaller value of a pair
+/// must vanish, whatever its multiplier.
 template <class S>
 void augment_pairs(int rows, const S* penalty, const S* g, const RowSlopes<S>& to) {
   for (int i = 0; i < rows; ++i) {
@@ -75,7 +75,7 @@ void augment_pairs(int rows, const S* penalty, const S* g, const RowSlopes<S>& t
   }
 }
 
-/// As augment_bounds, of a second-order cone, whose curvature is a matrix.
+/// Second-order cone counterpart of augment_bounds; the curvature is a full matrix.
 template <class S>
 S augment_cone(const ConstraintTerm& term, const RowSet<S>& set, const S* penalty,
                const RowSlopes<S>& to) {
@@ -88,7 +88,7 @@ S augment_cone(const ConstraintTerm& term, const RowSet<S>& set, const S* penalt
     if (limited) limit_cone_derivative(to.weight, n, soft_limit(set, penalty[0]), to.curvature);
     for (int i = 0; i < n * n; ++i) to.curvature[i] *= penalty[0];
   }
-  // ½ p² up to the limit, from there on as steep as it is there: p·q − ½ q² with q clamped.
+  // ½ p² up to the limit and linear with the same slope beyond: p·q − ½ q² with q clamped.
   for (int i = 0; i < n; ++i) to.shifted[i] = to.weight[i];
   if (limited) limit_cone(n, soft_limit(set, penalty[0]), to.weight);
   for (int i = 0; i < n; ++i)
@@ -98,10 +98,10 @@ S augment_cone(const ConstraintTerm& term, const RowSet<S>& set, const S* penalt
 
 }  // namespace detail
 
-/// What a constraint adds to the cost at its values g, soft or by the augmentation: ½ penalty dist²
-/// + νᵀg, linear where the weight of a soft one limits it. With the multiplier that this gives to
-/// each row and, where asked for, ∂weight/∂g: a diagonal, or all of a cone's. `shifted` and
-/// `weight` have room for `rows` numbers.
+/// Value that a constraint adds to the cost, or to the augmentation, at its values g: ½ penalty
+/// dist² + νᵀg, linear beyond the limit of an l1-soft constraint. Also writes the resulting
+/// multiplier of each row to `weight` and, unless null, ∂weight/∂g to `curvature`: a diagonal, or
+/// the full matrix of a cone. `shifted` and `weight` have `rows` numbers.
 template <class S>
 S augment(const ConstraintTerm& term, const RowSet<S>& set, const RowPenalty<S>& given, const S* g,
           const RowSlopes<S>& to) {

@@ -67,12 +67,12 @@ class CollocationResidual : public ResidualBase<CollocationResidual> {
     return static_cast<CollocationSystem::Later<S>&>(*in.system.later);
   }
 
-  /// The knot's own control vector, which has the slopes.
+  /// The knot's control vector, which contains the slopes.
   template <class S>
   static const S* own(const ResidualInput<S>& in) {
     return in.end != nullptr ? in.end : in.u;
   }
-  /// The controls at a stage.
+  /// Controls at a stage.
   template <class S>
   const S* controls(int stage, const ResidualInput<S>& in,
                     CollocationSystem::Later<S>& later) const {
@@ -83,8 +83,8 @@ class CollocationResidual : public ResidualBase<CollocationResidual> {
     return later.u.data();
   }
 
-  /// The columns of the controls at the beginning of a step, at its end where these are others, and
-  /// of the slopes; returns the end of what it wrote.
+  /// Writes the columns of the controls at the beginning of the step, of those at its end if they
+  /// differ, and of the slopes. Returns the end of the output.
   template <class S>
   S* differentiate_controls(int stage, const ResidualInput<S>& in, const S& h, S* out) const {
     const auto& later = later_of(in);
@@ -118,7 +118,8 @@ class CollocationResidual : public ResidualBase<CollocationResidual> {
     for (int row = 0; row < system_->rows(); ++row) r[row] = h * excess(stage, in, there, row);
   }
 
-  /// −h ∂f/∂x_i ∂x_i by some columns of the stage's derivative; returns the end of what it wrote.
+  /// Writes −h ∂f/∂x_i ∂x_i/∂c for `count` columns c of the stage's derivative, from `first` on.
+  /// Returns the end of the output.
   template <class S>
   S* differentiate_state(const CollocationSystem::Later<S>& later, int first, int count, const S& h,
                          S* out) const {
@@ -127,7 +128,7 @@ class CollocationResidual : public ResidualBase<CollocationResidual> {
       std::fill_n(out, n, S(0.0));
       for (int k = 0; k < ndx; ++k) {
         const S moved = later.X[c * ndx + k];
-        if (all_zero(&moved, 1)) continue;  // a slope moves its own coordinates alone
+        if (all_zero(&moved, 1)) continue;  // a slope moves only its own coordinate
         for (int row = 0; row < n; ++row) out[row] -= later.inside->fx[k * n + row] * moved;
       }
       for (int row = 0; row < n; ++row) out[row] *= h;

@@ -13,7 +13,7 @@ auto is_not_zero(const Dual<S>& a) {
 }
 }  // namespace detail
 
-/// Whether all numbers are zero in all lanes.
+/// True if all numbers are zero in all lanes.
 template <class S>
 bool all_zero(const S* a, int n) {
   auto found = S(1.0) < S(0.0);
@@ -21,7 +21,7 @@ bool all_zero(const S* a, int n) {
   return !any(found);
 }
 
-/// Σ a_i b_i of n ≥ 1 numbers.
+/// Σ a_i b_i over n ≥ 1 numbers.
 template <class S>
 S dot(int n, const S* a, const S* b) {
   S sum = a[0] * b[0];
@@ -29,8 +29,9 @@ S dot(int n, const S* a, const S* b) {
   return sum;
 }
 
-/// H(a, b) += J_aᵀ T_b for the pairs of columns a ≥ b, by their places in H; two columns a at a
-/// time, so that a column of T is read once for both. kRows 0: `rows` of them.
+/// H(a, b) += J_aᵀ T_b for all pairs of columns a ≥ b; `pair` lists their indices in H. Two columns
+/// a at a time, so that each column of T is read once for both. kRows is the number of rows, or 0
+/// to use `rows`.
 template <int kRows, class S>
 void add_products(int rows, int columns, const S* J, const S* T, const int* pair, S* H) {
   if (kRows > 0) rows = kRows;

@@ -4,11 +4,11 @@
 
 namespace conddp {
 
-/// The lane part of a scalar: itself, or the value of a dual number.
+/// Lane part of a scalar: itself, or the value of a dual number.
 inline Lane& lane_of(Lane& a) { return a; }
 inline Lane& lane_of(Dual<Lane>& a) { return a.v; }
 
-/// Inputs and workspace of one evaluation of a model: a knot in every lane.
+/// Inputs and workspace for one evaluation of a model, with one knot per lane.
 template <class S>
 struct KnotBatch {
   explicit KnotBatch(const KnotModel& model)
@@ -27,7 +27,7 @@ struct KnotBatch {
         cost_scale(0.0) {}
 
   KnotInput<S> input() const { return at(x.data(), u.data()); }
-  /// The same for a state and a control that lie elsewhere.
+  /// Input with a state and a control stored elsewhere.
   KnotInput<S> at(const S* state, const S* control) const {
     KnotInput<S> in{state, control, parameters.data(), dt, cost_scale};
     if (augmented) {
@@ -41,7 +41,7 @@ struct KnotBatch {
   KnotWorkspace<S> work;
   AlignedVector<S> x, u, x_next, parameters;
   AlignedVector<S> tangent, lambda, pulled;     ///< scratch: ndx, ndx, nz
-  AlignedVector<S> penalty, shift, multiplier;  ///< of the constraint rows, where augmented
+  AlignedVector<S> penalty, shift, multiplier;  ///< by constraint row, if augmented
   bool augmented = false;
   S dt, cost_scale;
 };

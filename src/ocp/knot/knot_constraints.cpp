@@ -10,7 +10,7 @@ namespace conddp {
 
 namespace {
 
-/// Whether rows inside of their set have neither multipliers nor, if asked for, curvature.
+/// True if all rows lie inside their set: no multipliers and, unless null, no curvature.
 template <class S>
 bool all_inside(const ConstraintTerm& term, const S* weight, const S* curvature) {
   const int curvatures = term.is_cone() ? term.rows * term.rows : term.rows;
@@ -108,7 +108,8 @@ void KnotModel::differentiate_constraints(const KnotInput<S>& in, KnotWorkspace<
   }
 }
 
-/// Adds gradient and Gauss-Newton Hessian by the weights and the curvature of a constraint's rows.
+/// Adds gradient and Gauss-Newton Hessian from the weights and the curvature of a constraint's
+/// rows.
 template <class S>
 void KnotModel::add_augmentation(std::size_t t, const S* jacobian, bool hessian,
                                  KnotWorkspace<S>& work) const {

@@ -6,7 +6,7 @@ namespace conddp {
 
 KnotHessian::KnotHessian(int nz, std::span<const std::pair<int, int>> lasting)
     : matrix_(Eigen::MatrixXd::Zero(nz, nz)), fill_(HessianFill::lasting) {
-  const int blocks = (nz + kLaneWidth - 1) / kLaneWidth;  // of a column
+  const int blocks = (nz + kLaneWidth - 1) / kLaneWidth;  // per column
   std::vector<bool> filled(static_cast<std::size_t>(nz) * blocks);
   for (const auto& [row, column] : lasting) filled[column * blocks + row / kLaneWidth] = true;
   for (int column = 0; column < nz; ++column)

@@ -8,24 +8,24 @@
 
 namespace conddp {
 
-/// Which entries of a knot's Hessian can be other than zero.
+/// Entries of a knot's Hessian that may be nonzero.
 enum class HessianFill {
-  lasting,  ///< the first of the model's pattern, those that its costs always fill
-  pattern,  ///< those of the pattern
+  lasting,  ///< the first entries of the model's pattern, which its costs always fill
+  pattern,  ///< all entries of the pattern
   all,
 };
 
-/// The symmetric nz x nz Hessian of a knot, which knows what can be other than zero in it. Nothing
-/// writes into it but through `change`, so that what it knows stays true.
+/// The symmetric nz x nz Hessian of a knot. It tracks which entries may be nonzero, so all writes
+/// go through `change`.
 class KnotHessian {
  public:
   KnotHessian() = default;
-  /// Zero, with the places (row, column), row >= column, that costs always fill.
+  /// Zero matrix; `lasting` lists the entries (row, column), row >= column, that costs always fill.
   KnotHessian(int nz, std::span<const std::pair<int, int>> lasting);
 
   const Eigen::MatrixXd& operator()() const { return matrix_; }
-  /// To be written in the entries of `fill` alone; all others are zero, or keep what they had where
-  /// `fill` is `all`.
+  /// The matrix for writing, only into the entries of `fill`. All others are zero, or keep their
+  /// values if `fill` is `all`.
   Eigen::MatrixXd& change(HessianFill fill = HessianFill::all) {
     if (fill_ > fill) matrix_.setZero();
     fill_ = fill;
@@ -33,7 +33,7 @@ class KnotHessian {
   }
 
   HessianFill fill() const { return fill_; }
-  /// Where kLaneWidth entries of a column of the lower triangle begin of which some are lasting.
+  /// Start of kLaneWidth entries of a column in the lower triangle, at least one of them lasting.
   struct LanePlace {
     int row;  ///< a multiple of kLaneWidth
     int column;

@@ -7,8 +7,8 @@
 namespace conddp {
 
 /// Adds the integrated costs of a knot, stage by stage, to cost, gradient and Hessian in a
-/// workspace: Σ b_i ℓ(z_i) with z_i = (x_i, u_i), Σ b_i Z_iᵀ ∇ℓ and Σ b_i Z_iᵀ ∇²ℓ Z_i with
-/// Z_i = ∂z_i/∂z, where ∇²ℓ is the Gauss-Newton Hessian.
+/// workspace. The sums are Σ b_i ℓ(z_i), Σ b_i Z_iᵀ ∇ℓ and Σ b_i Z_iᵀ ∇²ℓ Z_i, with z_i = (x_i,
+/// u_i) and Z_i = ∂z_i/∂z. Here ∇²ℓ is the Gauss-Newton Hessian.
 template <class S>
 class StageCosts : public StageVisitor<S> {
  public:
@@ -21,10 +21,10 @@ class StageCosts : public StageVisitor<S> {
         derivatives_(wanted.derivatives),
         hessian_(wanted.hessian) {}
 
-  /// For the integrator; null where there is nothing to add.
+  /// Visitor for the integrator; null if no cost is integrated.
   StageVisitor<S>* visitor() { return model_.stage_index_.empty() ? nullptr : this; }
   void visit(const StageView<S>& stage) override;
-  /// The stages of a collocation, which no integrator visits.
+  /// Visits the stages of a collocation step, which the integrator does not visit.
   void visit_collocation();
 
  private:
@@ -51,7 +51,7 @@ void StageCosts<S>::visit(const StageView<S>& stage) {
   for_each_cost([&](std::size_t t) { model_.evaluate_cost(t, at, work_); });
 }
 
-/// Adds up what each cost is at the stages.
+/// Sums each integrated cost over the stages.
 template <class S>
 template <class F>
 void StageCosts<S>::for_each_cost(F evaluate) {
@@ -95,7 +95,7 @@ void StageCosts<S>::visit_collocation() {
   }
 }
 
-/// The knot's numbers with the state and the control of a stage.
+/// Input of the knot with the state of a stage, its cost scale times the stage's weight.
 template <class S>
 KnotInput<S> StageCosts<S>::input_at(const StageView<S>& stage) {
   step_.stage_state(stage, in_.x, work_.stage_x_.data());
@@ -107,7 +107,7 @@ KnotInput<S> StageCosts<S>::input_at(const StageView<S>& stage) {
 
 template <class S>
 void StageCosts<S>::differentiate(const CostPoint<S>& at, const StageView<S>& stage) {
-  // What is written for a knot is written for the stage.
+  // Swap buffers so that gradient and Hessian are written for the stage instead of the knot.
   std::swap(work_.gradient, work_.stage_gradient_);
   std::swap(work_.hessian, work_.stage_hessian_);
   std::fill(work_.gradient.begin(), work_.gradient.end(), S(0.0));
@@ -123,7 +123,7 @@ void StageCosts<S>::differentiate(const CostPoint<S>& at, const StageView<S>& st
   if (hessian_) pull_back_hessian();
 }
 
-/// Z of the columns on which the costs depend, by columns.
+/// Fills the rows of Z that the costs use, by columns.
 template <class S>
 void StageCosts<S>::fill_derivative(const StageView<S>& stage) {
   S* Z = work_.stage_Z_.data();

@@ -60,7 +60,7 @@ int KnotModel::add_cost(std::string name, std::shared_ptr<const Residual> residu
 
 namespace {
 
-/// The pattern of a symmetric matrix as its entries come up: (row, column), row ≥ column.
+/// Pattern of a symmetric matrix, filled in order of first use: (row, column), row ≥ column.
 class PatternIndex {
  public:
   PatternIndex(int size, std::vector<std::pair<int, int>>& pattern)
@@ -69,7 +69,7 @@ class PatternIndex {
       entry_at_[pattern[i].second * size + pattern[i].first] = static_cast<int>(i);
   }
 
-  /// The entries of the pairs of columns of each block.
+  /// Indices of the pairs of columns of each block.
   std::vector<int> entries(const std::vector<RowBlock>& blocks) {
     std::size_t pairs = 0;
     for (const RowBlock& block : blocks)
@@ -104,7 +104,7 @@ void KnotModel::index_hessian() {
   const int n = nz();
   std::size_t first = pattern_index_.size(), first_constraint = constraint_pattern_index_.size();
   if (static_cast<std::size_t>(lasting_entries_) < pattern_.size()) {
-    // What may come to last has its place before what does not.
+    // Rebuild the pattern: lasting entries must come before all others.
     pattern_.clear();
     first = first_constraint = 0;
   }
@@ -113,7 +113,7 @@ void KnotModel::index_hessian() {
   constraint_pattern_index_.resize(constraints_.size());
   for (const bool rests : {false, true}) {
     for (std::size_t t = first; t < costs_.size(); ++t) {
-      if (costs_[t].is_barrier() != rests) continue;  // inside its bounds a barrier is nothing
+      if (costs_[t].is_barrier() != rests) continue;  // a barrier is zero inside its bounds
       std::vector<RowBlock> blocks = costs_[t].residual->blocks();
       if (costs_[t].activation.kind == ActivationKind::smooth_l2)
         blocks.push_back({1, column_range(0, n)});
@@ -157,7 +157,7 @@ ResidualInput<S> KnotModel::input_of(const CostTerm& term, const CostPoint<S>& a
                         at.system);
 }
 
-/// All but integrated ones, which start from zero.
+/// Evaluates all but the integrated costs, whose sums start from zero.
 template <class S>
 void KnotModel::evaluate_costs(const KnotInput<S>& in, KnotWorkspace<S>& work) const {
   work.cost = S(0.0);
@@ -176,8 +176,8 @@ void KnotModel::evaluate_cost(std::size_t t, const CostPoint<S>& at, KnotWorkspa
   work.cost += work.term_costs[t];
 }
 
-/// What the activation of a cost makes of its residual's rows: slope and curvature of each and,
-/// where the residual is an image A r of another one, the curvature W of r.
+/// Slope and curvature of a cost's activation with respect to the rows of its residual. If the
+/// residual is a linear image A r, W is the curvature with respect to r.
 template <class S>
 struct CostSlopes {
   S scale;
@@ -189,7 +189,8 @@ struct CostSlopes {
 
 namespace {
 
-/// gradient ← Aᵀ gradient and W = Aᵀ diag(diagonal) A (k x k) for A with k columns, by rows.
+/// gradient ← Aᵀ gradient and W = Aᵀ diag(diagonal) A (k x k, by rows) for A with k columns, by
+/// rows.
 template <class S>
 void pull_back(const std::vector<double>& A, int rows, int k, const S* diagonal, S* gradient,
                S* W) {
@@ -211,8 +212,8 @@ void pull_back(const std::vector<double>& A, int rows, int k, const S* diagonal,
   std::copy_n(pulled, k, gradient);
 }
 
-/// out ← scale times the curvature, a diagonal or W, times a column of the Jacobian; returns the
-/// end of it.
+/// out ← scale · curvature · column of the Jacobian, where the curvature is W or, if null, the
+/// diagonal. Returns the end of the output.
 template <class S>
 S* weigh_column(const S& scale, const S* diagonal, const S* W, const S* column, int rows, S* out) {
   if (W == nullptr) {
@@ -246,8 +247,8 @@ void KnotModel::differentiate_costs(const KnotInput<S>& in, KnotWorkspace<S>& wo
 
 namespace {
 
-/// Where the Jacobian of a cost's residual is written, and its values: those of a barrier are
-/// constraint rows. Of the image of a residual that is no barrier the values are enough.
+/// Destination of the values and Jacobian of a cost's residual: for a barrier, its constraint rows.
+/// For a linear image that is not a barrier, only the values are written.
 template <class S>
 struct RowsOfCost {
   S *values, *jacobian;
@@ -264,8 +265,8 @@ void differentiate_residual(const CostTerm& term, const ResidualInput<S>& input,
 
 }  // namespace
 
-/// The value of a cost, and its slopes by the rows of its residual. False where it is a barrier
-/// that adds nothing.
+/// Computes the value of a cost and its slopes with respect to the rows of its residual. False for
+/// a barrier that adds nothing.
 template <class S>
 inline bool KnotModel::find_slopes(std::size_t t, const CostPoint<S>& at, KnotWorkspace<S>& work,
                                    bool hessian, CostSlopes<S>& slopes) const {
@@ -313,8 +314,8 @@ void KnotModel::differentiate_cost(std::size_t t, const CostPoint<S>& at, KnotWo
   if (dense && hessian) add_rank_one(slopes.scale * slopes.rank_one, pair, work);
 }
 
-/// Adds gradient and Gauss-Newton Hessian of a cost, of which the pairs of columns stand at `pair`
-/// on in the pattern; returns the end of them. `dense`: fills term_gradient_, too.
+/// Adds gradient and Gauss-Newton Hessian of a cost. `pair` lists the indices of its pairs of
+/// columns in the pattern; returns the end of those used. `dense`: also fills term_gradient_.
 template <class S>
 const int* KnotModel::add_cost(const std::vector<RowBlock>& blocks, const CostSlopes<S>& slopes,
                                bool dense, bool hessian, const int* pair,
@@ -411,7 +412,7 @@ KnotWorkspace<S>::KnotWorkspace(const KnotModel& model)
   };
   for (const CostTerm& term : model.costs()) {
     make_room(*term.residual);
-    // A residual may have fewer rows than the one of which it is an image.
+    // A linear image may have fewer rows than the residual inside it.
     if (const LinearImage* image = term.residual->linear_image()) make_room(*image->of);
   }
   if (!model.stage_index_.empty()) {

@@ -18,26 +18,28 @@ struct CostTerm {
   std::string name;
   std::shared_ptr<const Residual> residual;
   Activation activation;
-  int parameters = 0;  ///< where the residual's parameters start in the knot's parameters
-  int weight = 0;      ///< where the weight stands in the knot's parameters
-  std::optional<FreeDuration> grows_with = {};  ///< duration with which the cost grows
-  /// Whether it is the mean over the stages of the integrator (KnotModel::quadrature), each with
-  /// parameters of its own, one after the other. Otherwise it is that of the knot's state.
+  int parameters = 0;  ///< start of the residual's parameters among the knot's parameters
+  int weight = 0;      ///< index of the weight among the knot's parameters
+  std::optional<FreeDuration> grows_with = {};  ///< free duration that scales the cost
+  /// True if the cost is the mean over the stages of the integrator (KnotModel::quadrature), each
+  /// with its own parameters, one after the other. Otherwise the cost is evaluated at the knot's
+  /// state.
   bool integrated = false;
-  /// Of a barrier: where its rows stand among those of constraints, and their derivative in
-  /// constraint_pattern().
+  /// For a barrier: index of its first row among the constraint rows, and of its first derivative
+  /// in constraint_pattern().
   int row = 0, jacobian = 0;
 
-  /// Of integrated ones rows at the node would say nothing.
+  /// True if the residual's rows are also constraint rows. Never for integrated costs, whose rows
+  /// at the node are meaningless.
   bool is_barrier() const {
     return activation.kind == ActivationKind::quadratic_barrier && !integrated;
   }
 };
 
-/// A stage of a step by which costs are integrated.
+/// A stage of a step, for integrated costs.
 struct QuadratureStage {
-  double time;    ///< as a share of the step
-  double weight;  ///< of all stages, 1 in the sum
+  double time;    ///< fraction of the step
+  double weight;  ///< weights of all stages sum to 1
 };
 
 /// A knot's data in scalar S: views into the caller's storage.
@@ -49,24 +51,25 @@ struct KnotInput {
       parameters;  ///< references and weights of the costs, references and bounds of constraints
   S dt;
   S cost_scale;
-  /// What constraints add to the cost, one number a row each (Augmentation); null: nothing.
+  /// Penalty, shift and multiplier of each constraint row (Augmentation); null without
+  /// augmentation.
   const S* penalty = nullptr;
   const S* shift = nullptr;
   const S* multiplier = nullptr;
 };
 
-/// Units of the numbers that a model is given and gives: x and u are so many times these. Both
-/// have an entry a number of the state, and of the control.
+/// Units of a model's inputs and outputs: x and u count multiples of these, one entry per number of
+/// the state and of the control.
 struct VariableUnits {
   std::vector<double> state, control;
 };
 
-/// Where a cost is evaluated: the knot itself, or one of its stages.
+/// Evaluation point of a cost: the knot itself, or one of its stages.
 template <class S>
 struct CostPoint {
   const KnotInput<S>& in;
   SystemData<S>& system;
-  int stage = 0;  ///< whose parameters count
+  int stage = 0;  ///< selects the parameters
 };
 
 template <class S>
@@ -75,41 +78,41 @@ template <class S>
 struct CostSlopes;
 
 /// The structure that knots share: a step, costs, constraints and control bounds. Immutable once a
-/// problem holds it. The knots differ in KnotInput alone; their parameters begin with those of the
-/// step. z = (tangent at x, u) has nz = ndx + nu entries.
+/// problem holds it. Knots differ only in KnotInput. Their parameters begin with those of the step.
+/// z = (tangent at x, u) has nz = ndx + nu entries.
 class KnotModel {
  public:
   explicit KnotModel(Step step);
   KnotModel(std::shared_ptr<const System> system, Integrator integrator)
       : KnotModel(Step(std::move(system), integrator)) {}
 
-  /// Adds a cost whose residual depends on columns of z alone; returns the index at which its
-  /// parameters (reference, then weight) start. An integrated one needs a quadrature.
+  /// Adds a cost whose residual depends only on columns of z. Returns the start of its parameters
+  /// (reference, then weight). An integrated cost needs a quadrature.
   int add_cost(std::string name, std::shared_ptr<const Residual> residual, Activation activation,
                const std::optional<FreeDuration>& grows_with = {}, bool integrated = false);
-  /// The stages by which costs are integrated: those of an integrator of second order or higher,
-  /// else none. One of weight 0 does not count.
+  /// Stages for integrated costs: those of an integrator of second order or higher, else empty.
+  /// Stages of weight 0 are ignored.
   const std::vector<QuadratureStage>& quadrature() const { return quadrature_; }
-  /// Adds a constraint; returns the index at which its parameters start (ConstraintTerm).
+  /// Adds a constraint; returns the start of its parameters (ConstraintTerm).
   int add_constraint(ConstraintTerm term);
-  /// Elementwise bounds on the control; infinite where there is none.
+  /// Elementwise bounds on the control; infinite if unbounded.
   void set_control_bounds(std::vector<double> lower, std::vector<double> upper);
-  /// Makes evaluate and differentiate take and give states, controls and derivatives in other
-  /// units. Control bounds, and what is said of a state elsewhere, are the caller's affair. Needs a
-  /// flat state space and dynamics without semi-implicit structure.
+  /// Makes evaluate and differentiate use states, controls and derivatives in other units. The
+  /// caller converts control bounds and all other state data. Needs a flat state space and dynamics
+  /// without semi-implicit structure.
   void set_units(VariableUnits units);
   bool has_units() const { return !units_.state.empty(); }
   const VariableUnits& units() const { return units_; }
-  /// What the rows of a constraint are multiplied by from now on (ConstraintTerm::row_factors).
+  /// Sets the factors on the rows of a constraint (ConstraintTerm::row_factors).
   void set_row_factors(std::size_t constraint, std::vector<double> factors) {
     constraints_[constraint].row_factors = std::move(factors);
   }
-  /// What the cost of a soft constraint is multiplied by at a state, from the given cost scale.
+  /// Factor on the cost of a soft constraint at a state, from the given cost scale.
   template <class S>
   S soft_scale(const ConstraintTerm& term, const S& cost_scale, const S* x) const {
     return term.by_duration ? cost_scale : grown(cost_scale, term.grows_with, x);
   }
-  /// What the rows of a constraint are multiplied by at a state.
+  /// Factor on the rows of a constraint at a state.
   template <class S>
   S row_share(const ConstraintTerm& term, const S* x) const {
     return term.by_duration ? step_.share(*term.grows_with, x) : S(1.0);
@@ -121,10 +124,10 @@ class KnotModel {
   Integrator integrator() const { return step_.integrator(); }
   const std::vector<CostTerm>& costs() const { return costs_; }
   const std::vector<ConstraintTerm>& constraints() const { return constraints_; }
-  /// Rows of all constraints of a knot, and of barriers: what begins to cost somewhere on the way
-  /// of a step has a value and a derivative on both sides.
+  /// Number of rows of all constraints and barriers of a knot. Barriers are included so that a cost
+  /// that becomes active along a step has a value and a derivative on both sides.
   int constraint_rows() const { return constraint_rows_; }
-  /// Where ∂g/∂z can be non-zero: (row, column) in the order in which a workspace holds it.
+  /// Entries (row, column) of ∂g/∂z that may be nonzero, in the order of a workspace.
   const std::vector<std::pair<int, int>>& constraint_pattern() const { return constraint_pattern_; }
   const std::vector<double>& control_lower() const { return lower_; }
   const std::vector<double>& control_upper() const { return upper_; }
@@ -138,13 +141,14 @@ class KnotModel {
   bool semi_implicit() const { return step_.semi_implicit(); }
   /// Rows of F: nv if semi_implicit(), else ndx, 0 at a terminal node.
   int jacobian_rows() const { return step_.jacobian_rows(); }
-  /// Where Gauss-Newton Hessians of costs and constraints can be non-zero: (row, column),
-  /// row ≥ column. Behind the first lasting_entries() stands what only barriers and constraints
-  /// fill, which have no curvature inside their bounds.
+  /// Entries (row, column), row ≥ column, of the Gauss-Newton Hessians of costs and constraints
+  /// that may be nonzero. Entries after the first lasting_entries() are filled only by barriers and
+  /// constraints, whose curvature vanishes inside their bounds.
   const std::vector<std::pair<int, int>>& hessian_pattern() const { return pattern_; }
   int lasting_entries() const { return lasting_entries_; }
 
-  /// What a residual sees whose parameters start there, with the system's data at the beginning.
+  /// Input of a residual whose parameters start at `parameters`, with the system's data at the
+  /// beginning.
   template <class S>
   ResidualInput<S> residual_input(int parameters, const KnotInput<S>& in,
                                   SystemData<S>& data) const {
@@ -152,12 +156,12 @@ class KnotModel {
             step_.last_control(in.u)};
   }
 
-  /// Next state, cost and constraint values into the workspace.
+  /// Writes the next state, cost and constraint values to the workspace.
   template <class S>
   void evaluate(const KnotInput<S>& in, KnotWorkspace<S>& work) const;
-  /// Next state, cost, constraint values, Jacobians of dynamics and constraints, gradient of cost
-  /// and augmentation and, if asked for, the Gauss-Newton Hessian in the order of
-  /// hessian_pattern().
+  /// Writes the next state, cost and constraint values, the Jacobians of dynamics and constraints,
+  /// and the gradient of cost and augmentation. With `hessian`, also writes the Gauss-Newton
+  /// Hessian in the order of hessian_pattern().
   template <class S>
   void differentiate(const KnotInput<S>& in, KnotWorkspace<S>& work, bool hessian) const;
 
@@ -168,7 +172,7 @@ class KnotModel {
   friend class StageCosts;
   friend class KnotSecondDerivatives;
 
-  /// Factor of a cost's activation.
+  /// Factor on a cost's activation.
   template <class S>
   S scale_of(const CostTerm& term, const KnotInput<S>& in) const {
     return grown(in.cost_scale, term.grows_with, in.x) * in.parameters[term.weight];
@@ -177,7 +181,7 @@ class KnotModel {
   S grown(const S& scale, const std::optional<FreeDuration>& duration, const S* x) const {
     return duration ? scale * step_.share(*duration, x) : scale;
   }
-  /// Adds the slope of a cost along the duration with which it grows.
+  /// Adds the derivative of a cost with respect to the duration that scales it.
   template <class S>
   void add_growth(const std::optional<FreeDuration>& duration, const S& cost, const S* x,
                   KnotWorkspace<S>& work) const {
@@ -185,7 +189,7 @@ class KnotModel {
       work.gradient[system().ndx() + duration->choice] +=
           cost / x[system().nx() + duration->choice];
   }
-  /// Evaluates what terms read of the system.
+  /// Evaluates the system's data that terms read.
   template <class S>
   void begin(const KnotInput<S>& in, KnotWorkspace<S>& work, bool derivatives) const;
   template <class S>
@@ -200,7 +204,7 @@ class KnotModel {
   template <class S>
   bool find_slopes(std::size_t cost, const CostPoint<S>& at, KnotWorkspace<S>& work, bool hessian,
                    CostSlopes<S>& slopes) const;
-  /// What a cost sees at a point.
+  /// Input of a cost's residual at a point.
   template <class S>
   ResidualInput<S> input_of(const CostTerm& term, const CostPoint<S>& at) const;
   template <class S>
@@ -213,7 +217,7 @@ class KnotModel {
   struct Wanted {
     bool derivatives = false, hessian = false;
   };
-  /// The step, and the costs that its stages integrate.
+  /// Takes the step and adds the costs that its stages integrate.
   template <class S>
   void take_step(const KnotInput<S>& in, KnotWorkspace<S>& work, const Wanted& wanted) const;
 
@@ -237,16 +241,17 @@ class KnotModel {
   void add_augmentation(std::size_t constraint, const S* jacobian, bool hessian,
                         KnotWorkspace<S>& work) const;
 
-  /// What a constraint whose value is known adds to cost or augmentation, its multipliers and, if
-  /// asked for, curvature. The value that it adds; nothing where it adds nothing.
+  /// Adds the penalty of an evaluated constraint to cost or augmentation, and writes its
+  /// multipliers and, unless null, its curvature. Returns the added value, or nothing if the
+  /// constraint adds none.
   template <class S>
   std::optional<S> add_penalty(const ConstraintTerm& term, const KnotInput<S>& in,
                                KnotWorkspace<S>& work, S* curvature) const;
 
-  /// Room for rows whose derivative has these blocks; returns where it begins in the pattern.
+  /// Appends rows whose derivative has these blocks; returns their start in the pattern.
   int add_rows(const std::vector<RowBlock>& blocks);
 
-  /// Writes the pattern of Hessians and its indices from costs and constraints.
+  /// Builds the Hessian pattern and its indices from costs and constraints.
   void index_hessian();
   void index_stage_columns();
 
@@ -259,19 +264,19 @@ class KnotModel {
   int lasting_entries_ = 0;
   /// For each cost, for each block, for each pair of its columns (a ≥ b): index in the pattern.
   std::vector<std::vector<int>> pattern_index_;
-  /// The same of integrated costs at a stage, whose indices these are then; the columns of z there
-  /// on which they depend, the place of each among these, and all pairs of columns of the knot's z,
-  /// on all of which stages may depend.
+  /// Pattern of integrated costs at a stage; their pattern_index_ refers to it. Then the columns of
+  /// z at the stage that they use, and the index of each column among these. Last, the indices of
+  /// all pairs of columns of the knot's z, since stages may depend on all of them.
   std::vector<std::pair<int, int>> stage_pattern_;
   std::vector<int> stage_columns_, stage_places_, stage_index_;
   std::vector<QuadratureStage> quadrature_;
   std::vector<ConstraintTerm> constraints_;
   int constraint_rows_ = 0;
   std::vector<std::pair<int, int>> constraint_pattern_;
-  std::vector<std::vector<int>> constraint_pattern_index_;  ///< as pattern_index_, of constraints
+  std::vector<std::vector<int>> constraint_pattern_index_;  ///< for constraints
 };
 
-/// What a KnotModel writes, in scalar S, and the memory that it needs meanwhile.
+/// Output of a KnotModel in scalar S, and its scratch memory.
 template <class S>
 class KnotWorkspace {
  public:
@@ -281,21 +286,21 @@ class KnotWorkspace {
   const AlignedVector<S>& next() const { return has_units_ ? given_next_ : step_.next(); }
   /// jacobian_rows x nz by columns: derivative of the next state (or velocity).
   const AlignedVector<S>& F() const { return has_units_ ? given_F_ : step_.F(); }
-  /// Where semi_implicit: ∂q⁺/∂q and ∂q⁺/∂(dt v⁺) per curved segment, by rows.
+  /// If semi_implicit: ∂q⁺/∂q and ∂q⁺/∂(dt v⁺) for each curved segment, by rows.
   const AlignedVector<S>& state_blocks() const { return step_.integrator.state_blocks; }
   const AlignedVector<S>& step_blocks() const { return step_.integrator.step_blocks; }
 
-  S cost;                                ///< Σ of term_costs, and of what l2-soft constraints cost
+  S cost;                                ///< sum of term_costs and l2-soft constraints
   AlignedVector<S> term_costs;           ///< scaled cost of each term
   AlignedVector<S> gradient;             ///< nz: of cost and augmentation
   AlignedVector<S> hessian;              ///< in the order of hessian_pattern()
-  S augmentation;                        ///< what constraints add to the cost
+  S augmentation;                        ///< penalties of the constraints
   AlignedVector<S> constraint;           ///< g and residuals of barriers, constraint_rows()
   AlignedVector<S> constraint_jacobian;  ///< in the order of constraint_pattern()
-  /// Whether all of `hessian` behind the lasting entries is zero.
+  /// True if `hessian` is zero after the lasting entries.
   bool rest_is_zero() const { return rest_is_zero_; }
-  /// What the system wrote last: at the knot's state and control, unless the integrator looks at
-  /// others as well.
+  /// The last output of the system: at the knot's state and control, unless the integrator
+  /// evaluates other points too.
   const SystemData<S>& system() const { return *step_.system; }
 
  private:
@@ -311,11 +316,11 @@ class KnotWorkspace {
   AlignedVector<S> residual_, activation_gradient_, activation_diagonal_;
   AlignedVector<S> residual_jacobian_, weighted_jacobian_;
   AlignedVector<S> term_gradient_;
-  /// Of integrated costs: state, gradient and Hessian at a stage, derivative of the stage, and the
-  /// product of both.
+  /// For integrated costs: state, gradient and Hessian at a stage, derivative of the stage, and the
+  /// product of Hessian and derivative.
   AlignedVector<S> stage_x_, stage_gradient_, stage_hessian_, stage_dense_, stage_Z_, stage_HZ_;
-  AlignedVector<S> shifted_, weight_, curvature_;  ///< of one constraint: rows, rows, rows²
-  AlignedVector<S> soft_;  ///< penalty and zeros of a constraint that is soft by a square
+  AlignedVector<S> shifted_, weight_, curvature_;  ///< for one constraint: rows, rows, rows²
+  AlignedVector<S> soft_;  ///< penalty and zeros for the rows of an l2-soft constraint
 };
 
 }  // namespace conddp

@@ -15,7 +15,7 @@ int row_count(const std::vector<RowBlock>& blocks) {
   return rows;
 }
 
-/// Numbers without a direction.
+/// Copies numbers as duals with zero derivative.
 void rest(const AlignedVector<Lane>& from, AlignedVector<Dual<Lane>>& to) {
   for (std::size_t i = 0; i < from.size(); ++i) to[i] = Dual<Lane>(from[i], Lane(0.0));
 }
@@ -94,7 +94,8 @@ bool KnotSecondDerivatives::add_term(Term term, const Residual& residual) {
   return true;
 }
 
-/// Of which residual a term is the curvature, by which blocks, and along which columns it bends.
+/// Sets the residual whose curvature the term has, its blocks, and the columns along which it is
+/// curved.
 void KnotSecondDerivatives::find_curvature(Term& term, const Residual& residual) const {
   const ConstraintTerm* constraint = term.constraint;
   const bool norm = constraint && constraint->kind == ConstraintKind::norm;
@@ -102,7 +103,7 @@ void KnotSecondDerivatives::find_curvature(Term& term, const Residual& residual)
     const auto affine = [](const RowBlock& block) { return block.affine; };
     term.residual = &residual;
     term.blocks = &constraint->blocks;
-    // A norm bends whatever it is of.
+    // A norm is curved even if its residual is affine.
     term.moves =
         curved_columns(*term.blocks, norm || !std::ranges::all_of(residual.blocks(), affine));
     return;
@@ -113,13 +114,13 @@ void KnotSecondDerivatives::find_curvature(Term& term, const Residual& residual)
   term.moves = curved_columns(*term.blocks, std::nullopt);
 }
 
-/// Whether what a residual reads is moved.
+/// True if `moving` provides the derivatives of everything that a residual reads.
 bool KnotSecondDerivatives::moves_all_of(Reads reads) const {
   return reads != Reads::everything && (reads != Reads::forces || system_ != nullptr);
 }
 
-/// The columns along which blocks bend: all of them or none where that is known, else those of
-/// blocks that are not affine.
+/// Columns along which blocks are curved. `all` overrides this for every block; if unset, all
+/// blocks that are not affine are curved.
 std::vector<bool> KnotSecondDerivatives::curved_columns(const std::vector<RowBlock>& blocks,
                                                         std::optional<bool> all) const {
   std::vector<bool> moves(nz_, false);
@@ -127,7 +128,7 @@ std::vector<bool> KnotSecondDerivatives::curved_columns(const std::vector<RowBlo
     if (!all.value_or(!block.affine)) continue;
     for (const int column : block.columns) moves[column] = true;
   }
-  // The position of a pose moves along axes that turn with it.
+  // The position of a pose moves along axes that turn with its orientation.
   for (const auto& segment : model_.manifold().curved()) {
     const auto begin = moves.begin() + segment.dx, end = begin + segment.n;
     if (std::find(begin, end, true) != end) std::fill(begin, end, true);
@@ -184,7 +185,7 @@ void KnotSecondDerivatives::weigh_constraint(Term& term) {
 void KnotSecondDerivatives::weigh_terms() {
   for (Term& term : terms_) {
     term.cost ? weigh_cost(term) : weigh_constraint(term);
-    // Rows whose Jacobian is constant have no part in what follows.
+    // Rows with a constant Jacobian do not contribute to the Hessian.
     int row = 0;
     for (const RowBlock& block : *term.blocks) {
       if (block.affine) std::fill_n(term.weights.begin() + row, block.rows, Lane(0.0));
@@ -210,7 +211,7 @@ void KnotSecondDerivatives::weigh_forces() {
   }
 }
 
-/// The derivatives of a term's rows along the force that moves, times their weights.
+/// Adds the derivatives of a term's rows along the moving force, times their weights.
 void KnotSecondDerivatives::add_weighted_slope(const Term& term, Lane& sum) {
   term.residual->evaluate(moving_input(term), moving_residual_.data());
   const D* value = moving_residual_.data();
@@ -233,7 +234,7 @@ void KnotSecondDerivatives::weigh_system(const Lane* costates) {
   for (Lane& weight : system_weights_) weight = at_.dt * weight;
 }
 
-/// Afterwards the system's data are those of the knot's own state again.
+/// Restores the system's data to the knot's own state afterwards.
 void KnotSecondDerivatives::add_later_stages(const Lane* costates) {
   SystemData<Lane>& data = *at_.work.step_.system;
   stages_->add_later_stages({at_.u.data(), at_.dt, at_.work.step_.integrator, data}, costates,
@@ -297,7 +298,7 @@ void KnotSecondDerivatives::bend_step(const StateManifold::Segment& s, int offse
   }
 }
 
-/// To column d of the gradients' derivatives.
+/// Adds to column d of `gradients_`.
 void KnotSecondDerivatives::add_curved_step(const StateManifold::Segment& s,
                                             const StepCurvature& curvature, int d) {
   const int n = model_.system().nv();
@@ -333,14 +334,14 @@ const AlignedVector<Lane>& KnotSecondDerivatives::compute(const Lane* costates) 
   return gradients_;
 }
 
-/// With the weights of its rows, and of the forces that residuals read.
+/// Starts the system with the weights of its rows and of the forces that residuals read.
 void KnotSecondDerivatives::start_system() {
   system_->start(moving_.x.data(), moving_.u.data());
   weigh_forces();
   system_->weigh(system_weights_.data(), force_weights_.data());
 }
 
-/// Along the columns on which something depends nonlinearly.
+/// Differentiates along the columns with a nonlinear term or nonlinear dynamics.
 void KnotSecondDerivatives::differentiate_gradients() {
   const bool moves = system_ && !system_->at_once();
   for (int d = 0; d < nz_; ++d) {
@@ -350,8 +351,8 @@ void KnotSecondDerivatives::differentiate_gradients() {
   }
 }
 
-/// The derivative of the gradient along the manifold differs from the Hessian by an antisymmetric
-/// (Lie bracket) term alone.
+/// The derivative of the gradient along the manifold differs from the Hessian only by an
+/// antisymmetric (Lie bracket) term.
 void KnotSecondDerivatives::symmetrize() {
   for (int c = 0; c < nz_; ++c)
     for (int r = 0; r < c; ++r) {
@@ -360,7 +361,7 @@ void KnotSecondDerivatives::symmetrize() {
     }
 }
 
-/// Adds the derivative of the gradient along column d of z; `bends`: of terms, too.
+/// Adds the derivative of the gradient along column d of z, including that of the terms if `bends`.
 void KnotSecondDerivatives::differentiate_along(int d, bool bends) {
   const int n = model_.ndx();
   rest(at_.x, moving_.x);

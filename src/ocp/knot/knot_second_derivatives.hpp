@@ -10,20 +10,21 @@
 
 namespace conddp {
 
-/// Exact Hessians of a knot's cost, augmentation and λᵀf from its parts: what is linear in z has
-/// none, Gauss-Newton Hessians are exact but for the curvature of residuals, and that of the
-/// dynamics comes from the system. A knot of a rigid-body model takes a small part of the time that
-/// dual numbers through all of `differentiate` take.
+/// Exact Hessians of a knot's cost, augmentation and λᵀf, assembled from parts. Parts linear in z
+/// add nothing. Gauss-Newton Hessians lack only the curvature of residuals, which is added. The
+/// curvature of the dynamics comes from the system. For a rigid-body model this takes a small
+/// fraction of the time of dual numbers through all of `differentiate`.
 class KnotSecondDerivatives {
  public:
-  /// For a model's batches, which have to outlive it. Null where the system or the integrator have
-  /// no second derivatives of their own, where the knot adds to the system's state, integrates
-  /// costs or has units, or where a residual reads what they do not move.
+  /// Makes the object for a model and its batches, which must outlive it. Null if the system or the
+  /// integrator lacks second derivatives, or if a residual reads data that `moving` does not
+  /// differentiate. Also null if the knot augments the system's state, integrates costs or has
+  /// units.
   static std::unique_ptr<KnotSecondDerivatives> make(const KnotModel& model, KnotBatch<Lane>& at,
                                                      KnotBatch<Dual<Lane>>& moving);
 
-  /// The Hessian (nz x nz by columns) at what `at` has loaded, with λ (ndx) the co-state of the
-  /// next node; without dynamics λ is not read. Writes what `differentiate` writes.
+  /// The Hessian (nz x nz by columns) at the point loaded in `at`; `costates` is the co-state λ
+  /// (ndx) of the next node, not read without dynamics. Also writes the outputs of `differentiate`.
   const AlignedVector<Lane>& compute(const Lane* costates);
 
  private:
@@ -31,18 +32,18 @@ class KnotSecondDerivatives {
 
   /// A cost or constraint whose residual is curved.
   struct Term {
-    const Residual* residual;  ///< of a linear image what it is the image of
+    const Residual* residual;  ///< for a linear image, the residual inside it
     const CostTerm* cost = nullptr;
     const ConstraintTerm* constraint = nullptr;
     int parameters = 0;
-    const std::vector<RowBlock>* blocks = nullptr;  ///< of the Jacobian that is differentiated
-    std::vector<bool> moves;                        ///< by column of z: whether it bends there
-    AlignedVector<Lane> weights;  ///< slope of cost or augmentation by row; 0 where affine
+    const std::vector<RowBlock>* blocks = nullptr;  ///< of the differentiated Jacobian
+    std::vector<bool> moves;                        ///< by column of z: true if curved along it
+    AlignedVector<Lane> weights;  ///< slope of cost or augmentation by row; 0 for affine rows
     bool active = false;
   };
 
   KnotSecondDerivatives(const KnotModel& model, KnotBatch<Lane>& at, KnotBatch<D>& moving);
-  /// False where a residual reads what is not moved.
+  /// False if a residual reads data that `moving` does not differentiate.
   bool add_terms();
   bool add_term(Term term, const Residual& residual);
   void find_curvature(Term& term, const Residual& residual) const;
@@ -51,26 +52,26 @@ class KnotSecondDerivatives {
                                    std::optional<bool> all) const;
   void differentiate_along(int d, bool bends);
   void add_gauss_newton();
-  /// Weights of the terms' rows at the point.
+  /// Computes the weights of the terms' rows at the point.
   void weigh_terms();
   void weigh_cost(Term& term);
   void weigh_constraint(Term& term);
-  /// Slopes of the terms by the forces, into force_weights_.
+  /// Writes the slopes of the terms with respect to the forces to force_weights_.
   void weigh_forces();
   void add_weighted_slope(const Term& term, Lane& sum);
-  /// Second derivatives of the dynamics; false where they have none of their own.
+  /// Sets up the second derivatives of the dynamics; false if these are not available.
   bool add_dynamics();
-  /// Weights of the system's answer from co-states, into system_weights_; of a rule with further
-  /// stages with what these add to the Hessian.
+  /// Writes the weights of the system's output to system_weights_, from co-states. For a
+  /// multi-stage rule, also adds the Hessian terms of the later stages.
   void weigh_system(const Lane* costates);
   void add_later_stages(const Lane* costates);
   /// Adds the derivative of the terms' gradients along d to a column.
   void differentiate_terms(int d, Lane* column);
-  /// The Jacobian of a term's rows at the point that moves.
+  /// Jacobian of a term's rows at the moving point.
   const D* moving_jacobian(const Term& term);
   /// Adds the curvature of q ⊕ dt v⁺ in q and v⁺.
   void add_curved_steps(const Lane* costates);
-  /// Derivatives of (Ad⁻ᵀ λ, dt Jᵀ λ) of a curved part by the step dt v⁺.
+  /// Derivatives of (Ad⁻ᵀ λ, dt Jᵀ λ) of a curved segment with respect to the step dt v⁺.
   struct StepCurvature {
     Lane of_state[6][6], of_velocity[6][6];
   };

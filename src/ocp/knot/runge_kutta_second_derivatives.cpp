@@ -9,7 +9,8 @@ namespace {
 
 constexpr int kBlock = StateManifold::kBlockSize;
 
-/// θ that moves along coordinate d of every curved segment that has so many.
+/// Seeds θ with a unit derivative along coordinate d of every curved segment with more than d
+/// coordinates.
 void move_along(const StateManifold& manifold, const AlignedVector<Lane>& theta, int d,
                 AlignedVector<Dual<Lane>>& out) {
   for (std::size_t i = 0; i < theta.size(); ++i) out[i] = Dual<Lane>(theta[i], Lane(0.0));
@@ -17,7 +18,7 @@ void move_along(const StateManifold& manifold, const AlignedVector<Lane>& theta,
     if (d < segment.n) out[segment.dx + d].d = Lane(1.0);
 }
 
-/// The same along two coordinates, j inside and k outside.
+/// Seeds θ along two coordinates: j in the inner and k in the outer derivative.
 void move_along(const StateManifold& manifold, const AlignedVector<Lane>& theta, int j, int k,
                 AlignedVector<Dual<Dual<Lane>>>& out) {
   for (std::size_t i = 0; i < theta.size(); ++i)
@@ -83,7 +84,7 @@ void RungeKuttaSecondDerivatives::add_later_stages(const Step& step, const Lane*
   std::copy_n(weights_[0].begin() + top_, system_.rows(), weights);
 }
 
-/// To the stages' k of which a displacement is made.
+/// Adds the slope, times dt and the coefficients in `row`, to the weights of the stages' k.
 void RungeKuttaSecondDerivatives::distribute(const double* row, int count, const Lane& dt) {
   for (int j = 0; j < count; ++j) {
     if (row[j] == 0) continue;
@@ -92,8 +93,8 @@ void RungeKuttaSecondDerivatives::distribute(const double* row, int count, const
   }
 }
 
-/// The second derivative of x ⊕ θ, weighted, where the velocities of x and θ do not change; and its
-/// slope by θ.
+/// Adds the weighted second derivative of x ⊕ θ for constant velocities of x and θ, and its slope
+/// with respect to θ.
 void RungeKuttaSecondDerivatives::add_displacement(const Stage& stage, const Lane* pull,
                                                    Lane* hessian) {
   const StateManifold& manifold = system_.manifold();
@@ -112,7 +113,7 @@ void RungeKuttaSecondDerivatives::add_displacement(const Stage& stage, const Lan
   }
 }
 
-/// Along coordinate d of θ.
+/// Adds the terms along coordinate d of θ.
 void RungeKuttaSecondDerivatives::bend_displacement(const Stage& stage, const Segment& segment,
                                                     int offset, int d, const Lane* pull,
                                                     Lane* hessian) {
@@ -138,8 +139,8 @@ void RungeKuttaSecondDerivatives::add_outer(const Stage& stage, int row, Lane* h
     for (int r = 0; r < nz_; ++r) hessian[c * nz_ + r] += stage.Theta[r * n_ + row] * row_[c];
 }
 
-/// From the weights of k = G ẋ to those of the rate, with the second derivatives of G and its slope
-/// by θ.
+/// Converts the weights of k = G ẋ into those of the rate; adds the second derivatives of G and its
+/// slope with respect to θ.
 void RungeKuttaSecondDerivatives::turn_back(const Stage& stage, const Lane* weight,
                                             const SystemData<Lane>& data, Lane* hessian) {
   std::copy_n(weight, n_, turned_.begin());
@@ -205,7 +206,7 @@ void RungeKuttaSecondDerivatives::add_turn(const Stage& stage, const Segment& se
   }
 }
 
-/// An entry of the derivative of a stage's rate by z.
+/// Entry of the derivative of a stage's rate with respect to z.
 Lane RungeKuttaSecondDerivatives::rate_slope(const Stage& stage, const SystemData<Lane>& data,
                                              int row, int column) const {
   const Lane* x = &stage.X[column * n_];
@@ -216,7 +217,8 @@ Lane RungeKuttaSecondDerivatives::rate_slope(const Stage& stage, const SystemDat
   return sum;
 }
 
-/// (∂(x_i, u)/∂z)ᵀ (Hessian of the weighted answer at the stage) ∂(x_i, u)/∂z.
+/// Adds (∂(x_i, u)/∂z)ᵀ H ∂(x_i, u)/∂z, where H is the Hessian of the weighted system output at the
+/// stage.
 void RungeKuttaSecondDerivatives::add_system(const Step& step, const Stage& stage, Lane* hessian) {
   differentiate_system(step, stage);
   find_curved_columns();
@@ -272,7 +274,7 @@ void RungeKuttaSecondDerivatives::add_system_along(const Stage& stage, Lane* hes
     }
 }
 
-/// From the weights of a stage's rate to those of its state.
+/// Converts the weights of a stage's rate into those of its state.
 void RungeKuttaSecondDerivatives::pull_through_system(const SystemData<Lane>& data) {
   const int rows = system_.rows();
   const Lane* weight = turned_.data() + top_;

@@ -6,30 +6,30 @@
 
 namespace conddp {
 
-/// The Hessian of λᵀf of an explicit Runge-Kutta step f = x ⊕ θ, from the system's own second
-/// derivatives at the stages: one pass backward through the stages gives the weights with which
-/// each stage's rate counts, and wᵀẋ is differentiated twice where the stage stands.
+/// Hessian of λᵀf for an explicit Runge-Kutta step f = x ⊕ θ, from the system's second derivatives
+/// at the stages. A backward pass through the stages yields the weights w of each stage's rate, and
+/// wᵀẋ is differentiated twice at the stage.
 ///
-/// Stage i stands at x_i = x ⊕ θ_i and has k_i = G(θ_i) ẋ(x_i, u), G the inverse right Jacobian of
-/// exp. Along a direction z, with A(θ) and H(θ) the derivatives of x ⊕ θ by x and θ, the velocity
-/// of x_i is A δx + H θ_i'. Differentiating both once more gives what curved spaces add: the
-/// changes of A, H and G with θ.
+/// Stage i lies at x_i = x ⊕ θ_i and has k_i = G(θ_i) ẋ(x_i, u), where G is the inverse right
+/// Jacobian of exp. Let A(θ) and H(θ) be the derivatives of x ⊕ θ with respect to x and θ. Along a
+/// direction z, the velocity of x_i is A δx + H θ_i'. Differentiating both once more yields the
+/// terms of curved spaces: the changes of A, H and G with θ.
 class RungeKuttaSecondDerivatives {
  public:
-  /// `of_system` has to outlive it.
+  /// `of_system` must outlive the object.
   RungeKuttaSecondDerivatives(const System& system, const RungeKuttaRule& rule,
                               SecondDerivatives& of_system);
 
-  /// A step in lanes, differentiated.
+  /// A differentiated step in lanes.
   struct Step {
     const Lane* u;
     Lane dt;
     const IntegratorWorkspace<Lane>& work;
-    SystemData<Lane>& data;  ///< is used at other states
+    SystemData<Lane>& data;  ///< overwritten at other states
   };
-  /// Adds to `hessian` (nz x nz by columns, its symmetric part counts) all but what the system's
-  /// answer at the first stage, the knot itself, has of it. For that `weights` are the weights of
-  /// the answer (System::rows).
+  /// Adds to `hessian` (nz x nz by columns; only its symmetric part is meaningful) all terms except
+  /// those of the system's output at the first stage, which is the knot itself. `weights` receives
+  /// the weights of that output (System::rows).
   void add_later_stages(const Step& step, const Lane* costates, Lane* weights, Lane* hessian);
 
  private:
@@ -43,8 +43,7 @@ class RungeKuttaSecondDerivatives {
   void distribute(const double* row, int count, const Lane& dt);
   void turn_back(const Stage& stage, const Lane* weight, const SystemData<Lane>& data,
                  Lane* hessian);
-  /// Derivatives of wᵀG(θ) of one segment, of its first and second order along θ, the latter times
-  /// the rate.
+  /// First and second derivatives of wᵀG(θ) of one segment along θ, the second times the rate.
   struct Turn {
     Lane slope[6][6], curvature[6][6];
   };
@@ -64,18 +63,18 @@ class RungeKuttaSecondDerivatives {
   const System& system_;
   const RungeKuttaRule& rule_;
   SecondDerivatives& of_system_;
-  int n_, nz_, top_;  ///< ndx, ndx + nu, and rows of the rate above the system's answer
+  int n_, nz_, top_;  ///< ndx, ndx + nu, and rows of the rate above the system's output
   std::vector<AlignedVector<Lane>> weights_;  ///< of each stage's k
-  AlignedVector<Lane> slope_;                 ///< of λᵀf by a displacement
-  AlignedVector<Lane> turned_, pulled_;       ///< weights of a rate, and of a stage's state
+  AlignedVector<Lane> slope_;                 ///< of λᵀf with respect to a displacement
+  AlignedVector<Lane> turned_, pulled_;       ///< weights of a rate and of a stage's state
   AlignedVector<Lane> row_;                   ///< nz
   AlignedVector<Lane> no_forces_;
   AlignedVector<D> x_, moved_, u_, step_, displacement_, wrt_x_, wrt_dx_;
   AlignedVector<Dual<D>> twice_, inverse_;
   std::vector<Turn> turns_;           ///< one per curved segment
   AlignedVector<Lane> of_stage_;      ///< nz x nz: the system's Hessian at a stage
-  std::vector<int> curved_;           ///< its columns that are not zero
-  AlignedVector<Lane> along_, half_;  ///< of these rows, nz columns: ∂(x_i, u)/∂z, and times it
+  std::vector<int> curved_;           ///< nonzero columns of of_stage_
+  AlignedVector<Lane> along_, half_;  ///< rows curved_ of ∂(x_i, u)/∂z; of_stage_ times these
 };
 
 }  // namespace conddp

@@ -4,8 +4,8 @@
 
 namespace conddp {
 
-/// Co-states λ (ndx) of a knot of semi-implicit Euler by its next velocity v⁺, on which
-/// x⁺ = (q ⊕ dt v⁺, v⁺) rests: μ, as many as v has, from the workspace after `differentiate`.
+/// Pulls the co-states λ (ndx) of a semi-implicit Euler knot back to its next velocity v⁺, since x⁺
+/// = (q ⊕ dt v⁺, v⁺). Writes μ (nv numbers), from the workspace after `differentiate`.
 template <class S>
 void pull_back_to_velocity(const KnotModel& model, const KnotWorkspace<S>& work, const S& dt,
                            const S* lambda, S* mu) {
@@ -35,8 +35,8 @@ void multiply_transposed(const AlignedVector<S>& F, int rows, int columns, const
 
 }  // namespace detail
 
-/// (∂f/∂z)ᵀ λ of a knot's dynamics, from its workspace after `differentiate`: λ has ndx entries,
-/// out nz; mu is room for as many as F has rows.
+/// (∂f/∂z)ᵀ λ of a knot's dynamics, from its workspace after `differentiate`. λ has ndx entries and
+/// out has nz; mu is scratch of as many numbers as F has rows.
 template <class S>
 void transposed_dynamics(const KnotModel& model, const KnotWorkspace<S>& work, const S& dt,
                          const S* lambda, S* mu, S* out) {
