@@ -94,8 +94,7 @@ bool KnotSecondDerivatives::add_term(Term term, const Residual& residual) {
   return true;
 }
 
-/// Sets the residual whose curvature the term has, its blocks, and the columns along which it is
-/// curved.
+/// Sets the residual, the blocks and the curved columns of a term.
 void KnotSecondDerivatives::find_curvature(Term& term, const Residual& residual) const {
   const ConstraintTerm* constraint = term.constraint;
   const bool norm = constraint && constraint->kind == ConstraintKind::norm;

@@ -27,10 +27,10 @@
 namespace conddp {
 namespace {
 
-/// Longer steps of robots are warned of, s.
+/// Largest time step of a robot without a warning, s.
 constexpr double kLongestStep = 1;
 
-/// "accepted: rk4, …": what integrates systems with a rate, or with accelerations, too.
+/// "accepted: rk4, …": the integrators for systems with a rate, or also those with accelerations.
 std::string accepted_integrators(bool second_order) {
   std::vector<std::string_view> names;
   for (const IntegratorInfo& info : kIntegrators)
@@ -64,7 +64,7 @@ std::optional<Integrator> choose_integrator(const ProblemSpec& spec, const Syste
   return integrator;
 }
 
-/// When the nodes are, in s. Steps that vanish beside the time or lead beyond any are reported.
+/// Times of the nodes, s. Reports steps that vanish in rounding and motions that last too long.
 std::vector<double> node_times(const ProblemSpec& spec, Diagnostics& out) {
   constexpr double kLongest = 1e9;
   std::vector<double> steps;
@@ -139,7 +139,7 @@ PhaseBounds collect_bounds(const ProblemSpec& spec, const BuildOptions& options,
   return bounds;
 }
 
-/// Takes the constraints of these names out of a list.
+/// Removes the constraints with these names from a list and returns them.
 std::vector<BuiltConstraint> take_dropped(const std::vector<std::string>& drop,
                                           std::vector<BuiltConstraint>& constraints) {
   const auto is_dropped = [&](const BuiltConstraint& constraint) {
@@ -153,7 +153,7 @@ std::vector<BuiltConstraint> take_dropped(const std::vector<std::string>& drop,
   return dropped;
 }
 
-/// The names of constraints, each once.
+/// Names of constraints, without duplicates.
 std::vector<std::string> names_of(const std::vector<BuiltConstraint>& running,
                                   const std::vector<BuiltConstraint>& terminal) {
   std::vector<std::string> names;
@@ -165,7 +165,7 @@ std::vector<std::string> names_of(const std::vector<BuiltConstraint>& running,
   return names;
 }
 
-/// A problem for each dropped constraint, so that its violation can be reported.
+/// Builds a problem for each dropped constraint, so that its violation can be reported.
 void keep_dropped(const PhaseContext& context, const std::vector<double>& start,
                   const std::vector<BuiltConstraint>& running,
                   const std::vector<BuiltConstraint>& terminal, BuiltProblem& built,
@@ -214,7 +214,7 @@ void report_contradiction(const ProblemSpec& spec, const ShootingProblem& proble
                 : "");
 }
 
-/// The control before the first knot, or the first of linear ones, with which augmented states end.
+/// Control before the first knot, or the first linear control, at the end of augmented states.
 std::vector<double> previous_control(const ProblemSpec& spec, const Plant& plant,
                                      HeldControls controls, Diagnostics& out) {
   const auto& given = spec.initial_state.previous_control;
@@ -243,8 +243,8 @@ HeldControls held_controls(const ProblemSpec& spec) {
                                                                      : HeldControls::none;
 }
 
-/// Builds the problem of a plant step by step. A step returns false where those after it would have
-/// nothing to go by; the reason has been reported.
+/// Builds the problem of a plant step by step. A step returns false, after reporting the reason, if
+/// the later steps cannot proceed.
 class ProblemBuilder {
  public:
   ProblemBuilder(const ProblemSpec& spec, const BuildOptions& options, Plant plant,
@@ -265,12 +265,13 @@ class ProblemBuilder {
   }
 
  private:
-  /// Tangent coordinates of nodes.
+  /// Number of tangent coordinates of a node.
   int ndx() const { return built_.plant.system->ndx() + tail_.size(); }
-  /// Those that residuals know: to them linear controls at a knot's beginning are its controls.
+  /// Number of tangent coordinates for residuals, which see linear controls at a knot's beginning
+  /// as controls.
   int ndx_of_residuals() const { return ndx() - (tail_.linear() ? tail_.actuators : 0); }
 
-  /// Where linear controls begin with a given one, it is that of the first node.
+  /// Reports a given first linear control that violates the bounds of the first node.
   void check_first_control(const PhaseBounds& bounds) {
     const auto& given = spec_.initial_state.previous_control;
     if (!tail_.linear() || !given) return;
@@ -282,7 +283,7 @@ class ProblemBuilder {
                                previous_control_[i], lower[i], upper[i]));
   }
 
-  /// The initial state, given or chosen, and how it is integrated.
+  /// Sets the integrator and the initial state, given or free.
   bool set_start() {
     const auto integrator = choose_integrator(spec_, *built_.plant.system, out_);
     const auto initial = states_.build(spec_.initial_state);
@@ -302,7 +303,7 @@ class ProblemBuilder {
     return start.valid;
   }
 
-  /// Limits and surfaces that a given initial state violates.
+  /// Warns if a given initial state violates limits or penetrates surfaces.
   void warn_of_initial_state() const {
     const StateSpec& state = spec_.initial_state;
     states_.check_limits("the initial state", states_.initial(), [&](const std::string& joint) {
@@ -313,7 +314,7 @@ class ProblemBuilder {
     if (built_.plant.stepping()) warn_of_overlaps(spec_, built_.plant, states_.initial(), out_);
   }
 
-  /// Of a robot whose steps are so long that they are milliseconds.
+  /// Warns of a robot's time steps that are so long that milliseconds are likely meant.
   void warn_of_steps() const {
     if (!built_.plant.multibody() || built_.plant.collocation()) return;
     for (const PhaseSpec& phase : spec_.phases)
@@ -324,7 +325,7 @@ class ProblemBuilder {
             "times are in s: 20 ms are 'dt: 0.02'");
   }
 
-  /// When the nodes are, and what touches the world in each.
+  /// Sets the times of the nodes and the contacts of each.
   bool set_nodes() {
     const int errors = out_.error_count();
     check_mesh(spec_, *built_.plant.system, out_);
@@ -335,14 +336,14 @@ class ProblemBuilder {
                  "write 'running_costs: rate'");
     check_memory(spec_, ndx(), built_.plant.system->nu(), out_);
     times_ = node_times(spec_, out_);
-    if (out_.error_count() > errors) return false;  // what follows would fill the memory
+    if (out_.error_count() > errors) return false;  // later steps would exhaust the memory
     if (built_.plant.multibody()) check_shapes(spec_, built_.plant, out_);
     warn_of_steps();
     contacts_ = ContactPlan::build(spec_, built_.plant, states_.initial(), integrator_, out_);
     return contacts_ && out_.error_count() == errors;
   }
 
-  /// The integrals, whose names have to be free.
+  /// Builds the integrals, whose names must be unique.
   std::vector<BuiltCost> build_integrals(const CostContext& context) const {
     std::vector<BuiltCost> integrals = build_costs(spec_.integrals, context, out_);
     for (const BuiltCost& integral : integrals)
@@ -367,7 +368,7 @@ class ProblemBuilder {
            std::ranges::any_of(spec_.names.parameters, of_parameter);
   }
 
-  /// What the clock of the system shows at first, s; 0 where it has none.
+  /// Initial value of the system's clock, s; 0 without a clock.
   double clock_start() const {
     const std::vector<Column>& columns = built_.plant.system->state_columns();
     for (std::size_t i = 0; i < columns.size(); ++i)
@@ -422,7 +423,8 @@ class ProblemBuilder {
     return true;
   }
 
-  /// No control moves a state at rest, so there is no regulator of states that some phases lack.
+  /// False, with an error, if phases differ in states or controls. A state that a phase lacks rests
+  /// there, so no control can regulate it.
   bool check_lqr() {
     if (built_.plant.variants.empty()) return true;
     out_.error(spec_.terminal_lqr->place,
@@ -431,7 +433,7 @@ class ProblemBuilder {
     return false;
   }
 
-  /// The state of the first node with what it remembers.
+  /// State of the first node, including its augmented part.
   std::vector<double> initial_state() const {
     std::vector<double> x = states_.initial();
     x.resize(x.size() + tail_.held(), 0.0);
@@ -440,7 +442,7 @@ class ProblemBuilder {
     return x;
   }
 
-  /// The first trajectory, and the random instance that starts from it where one is asked for.
+  /// Sets the initial guess, and the random instance derived from it if the file has one.
   bool set_guess() {
     const GuessContext context{spec_, built_.plant, states_, *built_.problem};
     auto guess = build_guess(context, built_.guess_used, out_);
@@ -520,8 +522,8 @@ bool has_terminal_set(const ProblemSpec& spec) {
   return spec.terminal_lqr && spec.terminal_lqr->set;
 }
 
-/// The place of the first bounds on the control, or of the first constraint with one of the names;
-/// that of the solver where there is none.
+/// Place of the first bounds on the control, or of the first constraint with one of the names;
+/// falls back to the solver's place.
 Place first_constraint(const ProblemSpec& spec, const std::vector<std::string>& names) {
   if (names.empty() && !spec.control_bounds.empty()) return spec.control_bounds.front().name.place;
   for (const std::string& name : names)
@@ -531,8 +533,8 @@ Place first_constraint(const ProblemSpec& spec, const std::vector<std::string>& 
   return spec.solver.name.place;
 }
 
-/// Where a file says what its solver does not support: at the solver's name, or, as it is not the
-/// file that names it, at what is not supported.
+/// Place for reporting an unsupported feature: the solver's name, or the feature itself if the file
+/// does not name the solver.
 Place unsupported_place(const ProblemSpec& spec, const std::vector<std::string>& names) {
   if (is_written(spec.solver.name.place)) return spec.solver.name.place;
   if (spec.stepping && is_written(spec.stepping->place)) return spec.stepping->place;
@@ -540,8 +542,8 @@ Place unsupported_place(const ProblemSpec& spec, const std::vector<std::string>&
   return first_constraint(spec, names);
 }
 
-/// Options that leave out the constraints with the names, or without names all bounds on the
-/// control.
+/// Command-line options that drop the constraints with these names or, if `names` is empty, all
+/// bounds on the control.
 std::string drop_options(const ProblemSpec& spec, const std::vector<std::string>& names) {
   std::string options;
   if (names.empty()) {
@@ -556,7 +558,7 @@ std::string drop_options(const ProblemSpec& spec, const std::vector<std::string>
   return options;
 }
 
-/// `names`: of the constraints that are not supported; none where bounds on the control are not.
+/// `names` lists the unsupported constraints; empty if bounds on the control are unsupported.
 void report_unsupported(const ProblemSpec& spec, const std::string& reason,
                         const std::vector<std::string>& names, Diagnostics& out) {
   const Place place = unsupported_place(spec, names);
@@ -569,14 +571,14 @@ void report_unsupported(const ProblemSpec& spec, const std::string& reason,
                               names.empty() ? "bounds" : "constraints", options));
 }
 
-/// The solver to speak of where `auto` has none: the first one that would take the problem with
-/// other options.
+/// Solver to report if `auto` finds none: the first that would support the problem with other
+/// options.
 const SolverInfo& nearest_solver(const ShootingProblem& problem) {
   const std::vector<const SolverInfo*> list = auto_solvers(problem, {});
   return list.empty() ? *find_solver("altro") : *list.front();
 }
 
-/// The solver, where it supports the problem with the options of the spec.
+/// The solver, if it supports the problem with the options of the spec; else empty, with a report.
 std::vector<const SolverInfo*> supporting(const SolverInfo& solver, const ProblemSpec& spec,
                                           const ShootingProblem& problem, Diagnostics& out) {
   if (const auto reason = unsupported(solver, problem)) {
@@ -612,7 +614,7 @@ std::vector<std::string> tangent_columns(const BuiltProblem& built) {
 
 namespace {
 
-/// Largest violation of a problem's constraints, soft ones included.
+/// Largest violation of a problem's constraints, including soft ones.
 double largest_violation(const ShootingProblem& problem, const Trajectory& trajectory) {
   double largest = 0;
   Evaluation evaluation(problem);

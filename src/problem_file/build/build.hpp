@@ -13,55 +13,54 @@ namespace conddp {
 struct BuildOptions {
   /// Names of constraints to leave out.
   std::vector<std::string> drop;
-  /// What moves, where it was built before from the same robots or system; null: it is built.
+  /// Plant built before from the same robots or system; if null, it is built.
   const Plant* plant = nullptr;
 };
 
-/// A constraint that was left out, kept so that its violation can be reported.
+/// A dropped constraint, kept so that its violation can be reported.
 struct DroppedConstraint {
   std::string name;
-  std::optional<PhaseBounds> bounds;             ///< of bounds on the control
-  std::shared_ptr<const ShootingProblem> alone;  ///< else: a problem with nothing but it
+  std::optional<PhaseBounds> bounds;             ///< for bounds on the control
+  std::shared_ptr<const ShootingProblem> alone;  ///< otherwise: a problem with only this constraint
 };
 
 class Homotopy;
 
-/// A problem ready to be solved.
+/// A problem ready to solve.
 struct BuiltProblem {
   Plant plant;
   std::shared_ptr<const ShootingProblem> problem;
-  std::vector<Column> state_columns;  ///< augmented states included
-  int integrals = 0;                  ///< so many of them, behind those of the system
-  /// Linear controls, at the nodes, are among the states; here are those at the ends of knots,
-  /// named with kEndOfKnot before.
+  std::vector<Column> state_columns;  ///< including augmented states
+  int integrals = 0;                  ///< number of integrals, after the system's states
+  /// Linear controls at the nodes are states. The controls here are those at the ends of knots,
+  /// with the prefix kEndOfKnot.
   std::vector<Column> control_columns;
   Trajectory guess;
   GuessUsed guess_used;
-  std::shared_ptr<const DualGuess> multipliers;     ///< to start from, null: none
-  std::shared_ptr<const Homotopy> homotopy;         ///< that of the file, null: none
-  std::shared_ptr<const TerminalLqr> terminal_lqr;  ///< of `terminal: {lqr: ...}`, null: none
+  std::shared_ptr<const DualGuess> multipliers;     ///< initial multipliers, or null
+  std::shared_ptr<const Homotopy> homotopy;         ///< homotopy of the file, or null
+  std::shared_ptr<const TerminalLqr> terminal_lqr;  ///< from `terminal: {lqr: ...}`, or null
   std::vector<DroppedConstraint> dropped;
   std::vector<InputFile> data_files;  ///< read for references and the guess
 };
 
-/// Builds the problem that a spec describes, at the end of its homotopy if it has one. Unknown
-/// names of frames, joints, phases, solvers and so on are reported with their places and similar
-/// names.
+/// Builds the problem of a spec, at the end of its homotopy if it has one. Reports unknown names of
+/// frames, joints, phases, solvers and so on with their places and similar names.
 std::optional<BuiltProblem> build_without_homotopy(const ProblemSpec& spec,
                                                    const BuildOptions& options, Diagnostics& out);
 
-/// The solver that the spec names, or those that `auto` tries, the first one first. None where it
-/// cannot take the problem: then the reason is reported.
+/// The solver named by the spec, or the solvers that `auto` tries, in order. Empty if none supports
+/// the problem; the reason is reported.
 std::vector<const SolverInfo*> usable_solvers(const ProblemSpec& spec,
                                               const ShootingProblem& problem, Diagnostics& out);
 
-/// The names of all constraints, which can be dropped.
+/// Names of all constraints, which can be dropped individually.
 std::vector<std::string> constraint_names(const ProblemSpec& spec);
 
-/// The integrator of systems whose problem file names none.
+/// Integrator of systems whose problem file does not name one.
 Integrator default_integrator(SystemKind kind);
 
-/// Names of the tangent vectors of states, augmented states included.
+/// Names of the tangent coordinates of states, including augmented states.
 std::vector<std::string> tangent_columns(const BuiltProblem& built);
 
 /// Largest violation of a dropped constraint by a trajectory, in the constraint's unit.

@@ -29,7 +29,7 @@
 namespace conddp {
 namespace {
 
-/// Parts of a problem that cannot be cut into windows.
+/// Reports parts of a problem that cannot be divided into windows.
 void check_problem(const ProblemSpec& spec, Diagnostics& out) {
   if (spec.phases.front().choice)
     out.error(spec.phases.front().name.place, "a closed loop begins at a given initial state",
@@ -69,25 +69,25 @@ bool is_multiple(double length, double step) {
   return std::abs(length - std::round(length / step) * step) < kSameTime;
 }
 
-/// The period of the feedback, where there is one, s.
+/// Period of the feedback, s, if the file has one.
 std::optional<Located<double>> feedback_period(const MpcSpec& mpc) {
   if (!mpc.feedback_rate) return std::nullopt;
   return Located<double>{1 / mpc.feedback_rate->value, mpc.feedback_rate->place};
 }
 
-/// The last knot that takes time, which repeats itself.
+/// Index of the last knot that takes time; this knot repeats.
 int repeated_knot(const ShootingProblem& problem) {
   int last = problem.knots() - 1;
   while (last > 0 && problem.takes_no_time(last)) --last;
   return last;
 }
 
-/// Its length, s.
+/// Length of the repeated knot, s.
 double repeated_step(const ShootingProblem& problem) {
   return problem.knot(repeated_knot(problem)).dt;
 }
 
-/// More knots in a window than memory holds.
+/// Reports a window with more knots than memory can hold.
 void check_window(const MpcSpec& mpc, double repeated, Diagnostics& out) {
   constexpr double kMostKnots = 1e5;
   if (mpc.repeat.value != AfterTheEnd::kNone && mpc.horizon.value / repeated > kMostKnots)
@@ -98,7 +98,7 @@ void check_window(const MpcSpec& mpc, double repeated, Diagnostics& out) {
               "take a shorter horizon");
 }
 
-/// Ticks that vanish beside the time, and more steps than memory holds.
+/// Reports ticks that vanish in rounding, and more steps than memory can hold.
 void check_steps(const MpcSpec& mpc, double repeated, Diagnostics& out) {
   constexpr double kShortestTick = 1e-6, kMostSteps = 1e7, kLongest = 1e6;
   if (mpc.tick.value < kShortestTick)
@@ -117,7 +117,7 @@ void check_steps(const MpcSpec& mpc, double repeated, Diagnostics& out) {
               fmt::format("duration and horizon are more than {:g} s in all", kLongest));
 }
 
-/// The times and lengths of a loop at which knots may be cut.
+/// Times and lengths of a loop that may divide knots.
 std::vector<Located<double>> cutting_times(const MpcSpec& mpc) {
   std::vector<Located<double>> times = {mpc.horizon, mpc.tick, mpc.delay, mpc.duration};
   if (mpc.plant.dt) times.push_back(*mpc.plant.dt);
@@ -130,8 +130,8 @@ std::vector<Located<double>> cutting_times(const MpcSpec& mpc) {
   return times;
 }
 
-/// Systems that give the next state themselves make whole knots, which begin at multiples of their
-/// length. One error for each time that is none.
+/// Systems that give the next state themselves need whole knots that begin at multiples of their
+/// length. Reports one error for each time that is not such a multiple.
 void check_whole_knots(const ProblemSpec& spec, const ShootingProblem& problem, Diagnostics& out) {
   std::set<double> steps;
   for (int k = 0; k < problem.knots(); ++k) {
@@ -188,8 +188,8 @@ void check_times(const ProblemSpec& spec, const ShootingProblem& problem, Diagno
   check_whole_knots(spec, problem, out);
 }
 
-/// Constraints on the state alone are switched off in the first knot, whose state is given: where
-/// that is the knot that repeats itself, no window would have them.
+/// Reports constraints that no window would contain. Constraints on the state alone are inactive in
+/// the first knot, whose state is given; they have no effect if this knot is the repeated one.
 void check_held_constraints(const ProblemSpec& spec, const ShootingProblem& problem,
                             Diagnostics& out) {
   if (spec.mpc->repeat.value == AfterTheEnd::kNone || repeated_knot(problem) > 0) return;
@@ -208,8 +208,9 @@ void check_held_constraints(const ProblemSpec& spec, const ShootingProblem& prob
   }
 }
 
-/// The first one of `solvers` that supports windows with this last node, too; where `auto` is to
-/// choose, of those that it tries for such windows. Null if there is none, which is reported.
+/// The first of `solvers` if it supports windows with this last node. Otherwise, with `auto`, the
+/// first of its solvers for such windows that also supports the problem. Null, with a report, if no
+/// solver does both.
 const SolverInfo* solver_of_windows(const std::vector<const SolverInfo*>& solvers,
                                     const ProblemSpec& spec, const ShootingProblem& problem,
                                     const Phase& end, Diagnostics& out) {
@@ -225,8 +226,8 @@ const SolverInfo* solver_of_windows(const std::vector<const SolverInfo*>& solver
   return nullptr;
 }
 
-/// The first solver that supports the problem and its windows, whose last node is `end` if they
-/// have another one. One that has no real-time iteration cannot have a number of them.
+/// The first solver that supports the problem and its windows, whose last node is `end` if given.
+/// Reports the key `iterations` if that solver lacks real-time iterations.
 std::string solver_of(const ProblemSpec& spec, const ShootingProblem& problem,
                       const std::optional<Phase>& end, Diagnostics& out) {
   const auto solvers = usable_solvers(spec, problem, out);
@@ -243,8 +244,8 @@ std::string solver_of(const ProblemSpec& spec, const ShootingProblem& problem,
   return name;
 }
 
-/// The largest acceleration (or rate, of a system without velocities) in a state, those of clock
-/// and parameters apart; 0 of systems that give the next state themselves.
+/// Largest acceleration in a state (or rate, for a system without velocities), without clock and
+/// parameters. 0 for systems that give the next state themselves.
 double largest_rate(const System& system, const std::vector<double>& x, const Eigen::VectorXd& u) {
   if (system.kind() != SystemKind::second_order && system.kind() != SystemKind::first_order)
     return 0;
@@ -256,7 +257,7 @@ double largest_rate(const System& system, const std::vector<double>& x, const Ei
   return rates.cwiseAbs().maxCoeff();
 }
 
-/// What moves on with a velocity of its own is not held.
+/// Reports a state of the fallback that is not at rest.
 void check_rest(const std::vector<double>& x, const Place& place, const BuiltProblem& built,
                 Diagnostics& out) {
   const System& system = *built.plant.system;
@@ -302,8 +303,8 @@ std::optional<HeldState> held_state(const FallbackSpec& fallback, const BuiltPro
   return held;
 }
 
-/// Lets windows that end before the phases do end as the file says. The state of a regulator that
-/// moves with the gait, where the way begins; empty: there is none.
+/// Sets the last node of windows that end before the phases do. Returns the state of a moving
+/// regulator at the start of the gait's path; empty if no regulator moves with the gait.
 std::vector<double> set_window_end(const ProblemSpec& spec, const BuiltProblem& built,
                                    MpcOptions& controller, Diagnostics& out) {
   const WindowEnd end = spec.mpc->window_end.value;
@@ -317,7 +318,7 @@ std::vector<double> set_window_end(const ProblemSpec& spec, const BuiltProblem& 
   return std::move(regulator->start);
 }
 
-/// Windows that end on the way of a gait with costs that draw to the end of the way.
+/// Warns if windows end along a gait whose terminal cost pulls to the end of its path.
 void warn_of_way_ends(const ProblemSpec& spec, const ShootingProblem& problem, Diagnostics& out) {
   const MpcSpec& mpc = *spec.mpc;
   if (mpc.window_end.value != WindowEnd::kTerminal || !has_gait(spec) ||
@@ -333,7 +334,7 @@ void warn_of_way_ends(const ProblemSpec& spec, const ShootingProblem& problem, D
                          "leave 'terminal' out");
 }
 
-/// What controls where ticks have failed.
+/// The controller that takes over after failed ticks.
 std::optional<HeldState> fallback_of(const FallbackSpec& fallback, const ProblemSpec& spec,
                                      const BuiltProblem& built, Diagnostics& out) {
   if (!fallback.by_lqr) return held_state(fallback, built, out);
@@ -348,7 +349,7 @@ std::optional<HeldState> fallback_of(const FallbackSpec& fallback, const Problem
   return held;
 }
 
-/// Changes of the plant over time, each a problem of its own.
+/// Changes of the plant over time, each a separate problem.
 class PlantBuilder {
  public:
   PlantBuilder(const ProblemSpec& spec, const BuiltProblem& built, BuiltMpc& to, Diagnostics& out)
@@ -372,7 +373,7 @@ class PlantBuilder {
   }
 
  private:
-  /// The problem file with the settings of the plant.
+  /// Applies the settings of the plant to the problem file.
   bool apply_settings(ProblemSpec& changed) {
     auto document = parse_problem(spec_.text, spec_.file, of_plant_);
     std::vector<Setting> settings;
@@ -382,12 +383,12 @@ class PlantBuilder {
     auto read = document ? read_problem(*document, settings, of_plant_) : std::nullopt;
     if (read) {
       changed = *std::move(read);
-      changed.mpc = spec_.mpc;  // with its places in the texts that the loop's diagnostics have
+      changed.mpc = spec_.mpc;  // its places refer to the texts of the loop's diagnostics
     }
     return report(of_plant_, read.has_value()) && check_constraints(changed);
   }
 
-  /// Of the constraints a plant has the limits of its actuators alone.
+  /// The only constraints of a plant are the limits of its actuators.
   bool check_constraints(const ProblemSpec& changed) {
     const int errors = out_.error_count();
     constexpr std::string_view kSection = "constraints.";
@@ -407,7 +408,8 @@ class PlantBuilder {
     return out_.error_count() == errors;
   }
 
-  /// The setting at whose key something is, or that leads below it; else the plant.
+  /// Place of the setting at or above the path of a diagnostic, else of one below it, else of the
+  /// only setting, else of the plant.
   const Place& place_of(const Diagnostic& fault) const {
     const std::string path = fault.path + '.';
     for (const Setting& setting : mpc_.plant.settings)
@@ -417,7 +419,7 @@ class PlantBuilder {
     return mpc_.plant.settings.size() == 1 ? mpc_.plant.settings[0].key.place : mpc_.plant.place;
   }
 
-  /// Reports what is wrong with a changed problem at the setting that is to blame.
+  /// Reports the first error of a changed problem at the setting that causes it.
   bool report(const Diagnostics& own, bool fine) {
     const Diagnostic* fault = first_error(own);
     if (fault == nullptr) return fine;
@@ -432,7 +434,7 @@ class PlantBuilder {
     return nullptr;
   }
 
-  /// When pushes begin and end, and 0.
+  /// Begin and end times of pushes, and 0.
   std::set<double> changes() const {
     std::set<double> times = {0};
     for (const DisturbanceSpec& disturbance : mpc_.disturbances)
@@ -441,7 +443,7 @@ class PlantBuilder {
     return times;
   }
 
-  /// Puts the pushes of a time on the robots. Whether there are any.
+  /// Applies the pushes of a time to the robots. True if there are any.
   bool push(double time, ProblemSpec& spec) {
     bool pushed = false;
     for (const DisturbanceSpec& disturbance : mpc_.disturbances) {
@@ -455,7 +457,7 @@ class PlantBuilder {
     return pushed;
   }
 
-  /// The robot that has a frame, whose name loses the robot's.
+  /// Robot with the frame of a wrench; removes the robot's name from that of the frame.
   RobotSpec* robot_of(ProblemSpec& spec, WrenchSpec& wrench) {
     for (RobotSpec& robot : spec.robots) {
       const std::string prefix = robot.name.value.empty() ? "" : robot.name.value + "/";
@@ -471,11 +473,11 @@ class PlantBuilder {
   bool add(double time, std::shared_ptr<ProblemSpec> spec, bool pushed) {
     if (out_.has_errors()) return false;
     spec->guess = {};
-    spec->terminal_lqr.reset();  // what moves the plant need not hold its equilibrium
+    spec->terminal_lqr.reset();  // the plant need not hold the regulator's equilibrium
     Diagnostics own = of_plant_;
     auto built = build_without_homotopy(*spec, {}, own);
     if (pushed && own.has_errors()) {
-      out_.add(*first_error(own));  // which is at the name of the push
+      out_.add(*first_error(own));  // at the name of the push
       return false;
     }
     if (!report(own, built.has_value())) return false;
@@ -516,22 +518,22 @@ class PlantBuilder {
   const BuiltProblem& built_;
   BuiltMpc& to_;
   Diagnostics& out_;
-  Diagnostics of_plant_;  ///< of the problem with the plant's settings, whose text it has
+  Diagnostics of_plant_;  ///< for the problem with the plant's settings, including its text
 };
 
-/// Whether a condition is another one at another time.
+/// True if a condition varies with time.
 bool changes_with_time(const ConstraintSpec& condition, const ProblemSpec& spec,
                        const BuiltProblem& built, const Diagnostics& out) {
   const CostSpec& function = condition.function;
   if (function.reference && (function.reference->values.size() > 1 || function.reference->file))
     return true;
   if (condition.bounded || function.definition->of_contacts()) return false;
-  Diagnostics own = out;  // what is wrong with it is said where it is built
+  Diagnostics own = out;  // errors are reported when the condition is built
   const auto residual = make_cost_residual(function, spec, built.plant, built.problem->ndx(), own);
   return residual && residual->time != TimeParameters::kNone;
 }
 
-/// A condition that would hold where its residual is exactly zero, which no state keeps to.
+/// Reports a condition without bounds, which would require a residual of exactly zero.
 void check_condition(const ConstraintSpec& condition, Diagnostics& out) {
   if (is_zero(condition) && !condition.function.definition->of_contacts())
     out.error(condition.function.name.place,
@@ -540,7 +542,7 @@ void check_condition(const ConstraintSpec& condition, Diagnostics& out) {
               "give 'lower' or 'upper', or 'at_least' or 'at_most' for the norm");
 }
 
-/// Conditions that end the loop, as the last node of a problem that has no other constraints.
+/// Conditions that end the loop, as the last node of a problem without other constraints.
 std::optional<StopCondition> stop_condition(const ProblemSpec& spec, const BuiltProblem& built,
                                             Diagnostics& out) {
   for (const ConstraintSpec& condition : spec.mpc->stop_when) {
@@ -556,7 +558,7 @@ std::optional<StopCondition> stop_condition(const ProblemSpec& spec, const Built
   alone.terminal_lqr.reset();
   alone.terminal_constraints = spec.mpc->stop_when;
   alone.guess = {};
-  Diagnostics own = out;  // what is said of the rest has been said
+  Diagnostics own = out;  // avoids repeated reports
   const auto problem = build_without_homotopy(alone, {.plant = &built.plant}, own);
   if (own.has_errors()) out = own;
   if (!problem) return std::nullopt;
@@ -574,7 +576,7 @@ void set_disturbances(const MpcSpec& mpc, const BuiltProblem& built, ClosedLoopO
   if (mpc.noise) loop.noise = {tangent_numbers(mpc.noise->sigma, built, out), mpc.noise->seed};
 }
 
-/// Tries whether the plant can be integrated as it says.
+/// Reports a plant that cannot be integrated with its integrator and step.
 void check_plant(const MpcSpec& mpc, const BuiltProblem& built, const StepRule& rule,
                  Diagnostics& out) {
   try {
@@ -588,11 +590,11 @@ void check_plant(const MpcSpec& mpc, const BuiltProblem& built, const StepRule& 
   }
 }
 
-/// Every structure of windows has a solver of its own while the loop lasts.
+/// Reports windows whose solvers exceed the memory; each structure of windows keeps its own solver.
 void check_memory_of_windows(const ProblemSpec& spec, const BuiltProblem& built,
                              const BuiltMpc& loop, Diagnostics& out) {
-  // A solver that is kept can take exact Hessians and retries, and a window holds two plans; of
-  // legged robots all that was seen to take 1.4 to 3.5 times as much as one solve.
+  // A kept solver can use exact Hessians and retries, and a window holds two plans. On legged
+  // robots, we measured 1.4 to 3.5 times the memory of one solve.
   constexpr double kOfASolve = 3;
   const WindowCount count = count_windows(built.problem, loop.controller, loop.loop.duration);
   const int ndx = built.problem->ndx(), nu = static_cast<int>(built.control_columns.size());
@@ -620,32 +622,32 @@ MpcOptions controller_of(const MpcSpec& mpc, const SolverSpec& solver) {
   return options;
 }
 
-/// How long all phases last, s.
+/// Duration of all phases, s.
 double total_duration(const ProblemSpec& spec) {
   double sum = 0;
   for (const PhaseSpec& phase : spec.phases) sum += phase_duration(phase);
   return sum;
 }
 
-/// The file with a number of cycles of its gait.
+/// The file with a given number of cycles of its gait.
 std::optional<ProblemSpec> with_cycles(const ProblemSpec& spec, int cycles, Diagnostics& out) {
   std::vector<std::string> settings = spec.settings;
   settings.push_back(fmt::format("gait.cycles={}", cycles));
   auto read = read_problem_text(spec.text, spec.file, settings, out);
   if (!read) return read;
   read->sha256 = spec.sha256;
-  read->mpc->repeat.value = AfterTheEnd::kHold;  // that many cycles are enough
+  read->mpc->repeat.value = AfterTheEnd::kHold;  // the given number of cycles suffices
   return read;
 }
 
-/// How long a cycle of a gait lasts at least where each of its touch-downs may come earlier, s.
+/// Shortest duration of a gait cycle if each of its touch-downs may be early, s.
 double shortest_cycle(const MpcSpec& mpc, double cycle, int touch_downs) {
   if (!mpc.retime) return cycle;
   return std::max(cycle - touch_downs * mpc.retime->early.value, std::min(cycle, mpc.tick.value));
 }
 
-/// How many cycles a gait can have, by the knots of the first one with what is around it and by
-/// those of each other one.
+/// Maximum number of gait cycles. `first` counts the knots of a file with one cycle, `other` those
+/// of each additional cycle.
 int most_cycles(int first, int other) {
   return std::min(kMostGaitCycles, 1 + (kMaxKnots - first) / other);
 }

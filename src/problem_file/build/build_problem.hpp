@@ -4,7 +4,7 @@
 
 namespace conddp {
 
-/// The problem that a spec describes with its homotopy, if it has one (build_without_homotopy).
+/// Builds the problem of a spec with its homotopy, if it has one (build_without_homotopy).
 std::optional<BuiltProblem> build_problem(const ProblemSpec& spec, const BuildOptions& options,
                                           Diagnostics& out);
 

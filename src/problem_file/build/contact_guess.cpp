@@ -9,9 +9,9 @@
 namespace conddp {
 namespace {
 
-/// How far guessed forces and slacks stand off their bounds.
+/// Distance of guessed forces and slacks from their bounds.
 constexpr double kInside = 0.01;
-/// A step counts as held where no more than this share of the weight is left.
+/// A step is held if the residual is at most this fraction of the weight.
 constexpr double kHeld = 1e-3;
 
 class ContactGuess {
@@ -26,8 +26,8 @@ class ContactGuess {
         data_(system->create_data(double{})),
         rows_(equations_->size()) {}
 
-  /// Calls settle(k, w) for each step once its accelerations are those of the guessed states, for
-  /// the forces that it wants.
+  /// Calls settle(k, w), which sets the forces, for each step after its accelerations are set from
+  /// the guessed states. Then sets the slacks.
   template <class Settle>
   void fill(Settle settle) {
     const int nq = system_.nq(), nv = system_.nv();
@@ -43,13 +43,13 @@ class ContactGuess {
     }
   }
 
-  /// Lifts what is on its bound a little off it.
+  /// Moves values on their bound slightly off it.
   void keep_inside(Eigen::Ref<Eigen::VectorXd> w) const {
     for (const auto& [z, s] : layout_.pairs) w[z] = std::max(kInside, w[z]);
   }
 
  private:
-  /// Behind the equations of motion each row is linear in one slack, with slope 1.
+  /// After the equations of motion, each row is linear in one slack, with slope 1.
   void set_slacks(int k, Eigen::Ref<Eigen::VectorXd> w) {
     equations_->evaluate({trajectory_.x(k).data(), w.data(), &problem_.knot(k).dt, *data_},
                          rows_.data());
@@ -71,8 +71,8 @@ class ContactGuess {
     for (const FrictionIndices& f : layout_.frictions) set_friction(f);
   }
 
-  /// Friction as the guessed slip has it, a little inside of the cone; as the guessed force has it
-  /// where hardly anything slips. `row`: that of the slip along the first tangent.
+  /// Sets friction from the guessed slip, slightly inside the cone, or from the guessed force if
+  /// slip is negligible. `row` points at the slip along the first tangent.
   static void set_cone(const SteppingLayout::Candidate& at, double friction, const double* row,
                        Eigen::Ref<Eigen::VectorXd> w) {
     const ConeIndices& cone = at.cone;

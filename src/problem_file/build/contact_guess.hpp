@@ -5,21 +5,20 @@
 
 namespace conddp {
 
-/// What stands behind the actuators in the controls of steps that find their contacts: the
-/// accelerations of the guessed states, forces a little inside of their bounds, slacks as the
-/// states have them or a little inside.
+/// Fills the controls after the actuators in contact-implicit steps: accelerations from the guessed
+/// states, forces slightly inside their bounds, and slacks from the states or slightly inside.
 void guess_contacts(const std::shared_ptr<const SteppingSystem>& system,
                     const ShootingProblem& problem, Trajectory& trajectory);
 
-/// What could be done with forces that hold the guessed states.
+/// Result of holding the guessed states with forces.
 struct HeldGuess {
-  int steps = 0;   ///< all of them
-  int unheld = 0;  ///< those in which more than a thousandth of the weight is left
+  int steps = 0;   ///< number of steps
+  int unheld = 0;  ///< steps with a residual above a thousandth of the weight
   int worst_knot = 0;
-  double worst = 0;  ///< the most that is left of an equation of motion, N or Nm
+  double worst = 0;  ///< largest residual of an equation of motion, N or Nm
 };
-/// The same with the actuators, and with forces that hold the robot as far as limits and gaps
-/// allow; `product` is force times distance that the first relaxed solve admits, N m.
+/// Like guess_contacts, but also sets the actuators, and forces that hold the robot as far as
+/// limits and gaps allow. `product`: force times distance that the first relaxed solve allows, N m.
 HeldGuess guess_held_contacts(const std::shared_ptr<const SteppingSystem>& system,
                               const ShootingProblem& problem, double product,
                               Trajectory& trajectory);

@@ -49,12 +49,12 @@ class GuessBuilder {
  private:
   const GuessSpec& guess() const { return spec_.guess; }
   bool chooses() const { return problem_.phases().front().instant; }
-  /// The system whose controls are guessed: slopes of collocation follow from them and the states.
+  /// System whose controls are guessed; the slopes of collocation follow from them and the states.
   static const System& guessed(const System& system) {
     const auto* collocation = system.as_collocation();
     return collocation ? *collocation->inside() : system;
   }
-  /// A control to be guessed, of which the first numbers may be all, and the node at which it is.
+  /// A control vector to guess, possibly only its first entries, with its knot and its node.
   struct ControlAt {
     Eigen::Map<Eigen::VectorXd> u;
     int knot, node;
@@ -70,7 +70,7 @@ class GuessBuilder {
     for (const int k : controlled_knots()) list.push_back({trajectory.u(k), k, linear ? k + 1 : k});
     return list;
   }
-  /// The knots whose controls are guessed: all that have some, but for the choice of the start.
+  /// Knots whose controls are guessed: all with controls, except the choice of the start.
   std::vector<int> controlled_knots() const {
     std::vector<int> knots;
     for (int k = chooses() ? 1 : 0; k < problem_.knots(); ++k)
@@ -78,13 +78,14 @@ class GuessBuilder {
     return knots;
   }
 
-  /// The displacement from the initial state to the guess of the next one, as far as it may go.
+  /// Chooses the displacement from the initial state to the guess of the next one, within its
+  /// bounds.
   void choose_start(Trajectory& trajectory) const {
     const StateManifold& manifold = plant_.system->manifold();
     const KnotModel& model = *problem_.knot(0).model;
     Eigen::VectorXd off(manifold.ndx());
     manifold.difference(trajectory.x(0).data(), trajectory.x(1).data(), off.data());
-    Eigen::VectorXd asked = trajectory.u(0);  // the first of linear controls, which is there
+    Eigen::VectorXd asked = trajectory.u(0);  // the first linear controls are set already
     if (!spec_.has_linear_controls())
       for (int i = 0; i < model.step().tail(); ++i)
         if (const auto control = model.step().source(i))
@@ -99,7 +100,7 @@ class GuessBuilder {
       trajectory.u(0)[i] = std::clamp(asked[i], model.control_lower()[i], model.control_upper()[i]);
     set_duration_states(trajectory);
   }
-  /// States that are durations are those that were chosen.
+  /// Sets states that are durations to the chosen durations.
   void set_duration_states(Trajectory& trajectory) const {
     const std::vector<Column>& states = plant_.system->state_columns();
     const std::vector<Column>& choices = problem_.knot(0).model->system().control_columns();
@@ -111,14 +112,15 @@ class GuessBuilder {
     }
   }
   double time(int k) const { return problem_.times()[k]; }
-  /// How many nodes come after node k at its time.
+  /// Number of nodes after node k at the same time.
   int later_nodes_at_time(int k) const {
     int count = 0;
     while (k + count < problem_.knots() && problem_.takes_no_time(k + count)) ++count;
     return count;
   }
 
-  /// States hand on the choice of the start and controls; integrals are guessed elsewhere.
+  /// Propagates the choice of the start and held controls through the states; integrals are guessed
+  /// elsewhere.
   void carry_memory(Trajectory& trajectory) const {
     const int own = plant_.system->nx() + static_cast<int>(spec_.integrals.size());
     for (int k = 1; k <= problem_.knots(); ++k) {
@@ -155,8 +157,8 @@ class GuessBuilder {
     }
   }
 
-  /// From the initial state to the one that the terminal costs want, and rather to the one that
-  /// equalities at the last node ask for.
+  /// Path from the initial state to the target of the terminal costs, overridden by equalities at
+  /// the last node.
   std::optional<TimeSeries> towards_target() {
     const std::vector<double>& times = problem_.times();
     std::vector<double> target = states_.initial();
@@ -194,9 +196,9 @@ class GuessBuilder {
     return series;
   }
 
-  /// Writes the last reference of a residual on positions, and what its rows are to equal, into the
-  /// entries of the state that it is on. False where nothing is written: rows of rotations that
-  /// equal something give no state.
+  /// Writes the last reference of a residual on positions, plus the value its rows must equal, into
+  /// its entries of the target state. False if nothing is written: equalities on rotation rows do
+  /// not define a state.
   std::optional<bool> set_target(const CostSpec& cost, const std::optional<ComponentsSpec>& equals,
                                  std::vector<double>& target) const {
     const std::vector<double>& times = problem_.times();
@@ -228,7 +230,7 @@ class GuessBuilder {
     return series;
   }
 
-  /// False, with an error, where a keyframe does not fit those before it.
+  /// Appends a keyframe; false, with an error, if it does not fit those before it.
   bool append(const KeyframeSpec& keyframe, TimeSeries& series) const {
     const auto when = time_of(keyframe);
     if (!when) return false;
@@ -242,7 +244,7 @@ class GuessBuilder {
     return state.has_value();
   }
 
-  /// When a keyframe is, s; nothing, with an error, where it is at a node that does not exist.
+  /// Time of a keyframe, s; empty, with an error, if its node does not exist.
   std::optional<double> time_of(const KeyframeSpec& keyframe) const {
     if (keyframe.knot) {
       if (keyframe.knot->value <= problem_.knots()) return time(keyframe.knot->value);
@@ -288,7 +290,7 @@ class GuessBuilder {
     Eigen::VectorXd state, control;
     for (ControlAt& at : controls(trajectory)) {
       const System& system = guessed(problem_.knot(at.knot).model->system());
-      // Most guesses rest in one state.
+      // Most guesses keep one state, so its control is reused.
       if (&system != former || state != trajectory.x(at.node)) {
         former = &system;
         state = trajectory.x(at.node);
@@ -306,7 +308,7 @@ class GuessBuilder {
     for (ControlAt& at : controls(trajectory)) set_control(*values, at);
   }
 
-  /// Values of all controls that are guessed at a knot, which has some of them or all.
+  /// Sets the controls of a knot, some or all of them, from the values of all guessed controls.
   void set_control(const std::vector<double>& values, ControlAt& at) const {
     const Eigen::Map<const Eigen::VectorXd> all(values.data(), values.size());
     if (!columns_.are_some(at.knot)) {
@@ -338,8 +340,8 @@ class GuessBuilder {
     }
   }
 
-  /// All controls of a file; where phases have different ones each by itself, as rows of other
-  /// phases leave it out.
+  /// All controls of a file. If phases have different controls, each control is a separate series,
+  /// since rows of other phases omit it.
   std::optional<std::vector<TimeSeries>> control_series(const DataFileSpec& file) {
     const std::vector<std::string> columns = file_columns(file, false);
     std::vector<std::vector<std::string>> groups{columns};
@@ -389,7 +391,7 @@ class GuessBuilder {
                : series_of(file, *table, columns, manifold, out_);
   }
 
-  /// Each file once, for states and controls.
+  /// Loads each file once, for states and controls.
   const std::optional<DataTable>& load(const DataFileSpec& file) {
     const auto [entry, fresh] = tables_.try_emplace(file.path);
     std::optional<DataTable>& table = entry->second;
@@ -401,7 +403,7 @@ class GuessBuilder {
     return table;
   }
 
-  /// A CSV file with the other states needs no column of the clock, which goes with the time.
+  /// Adds the clock, which follows from the time, to a CSV file of the other states.
   void add_clock(DataTable& table) const {
     const std::vector<Column>& states = plant_.system->state_columns();
     for (std::size_t i = 0; i < states.size(); ++i) {
@@ -414,8 +416,8 @@ class GuessBuilder {
     }
   }
 
-  /// A former solution with the same phases tells how long those lasted whose duration is free. Its
-  /// times become those of this problem's phases, however many knots it has.
+  /// Takes the free durations from a former solution with the same phases, and maps its times to
+  /// the phases of this problem. The number of knots may differ.
   bool take_durations(DataTable& table) {
     if (!problem_.has_free_durations() ||
         !std::ranges::equal(table.phases, problem_.phases(), {}, &FormerPhase::name, &Phase::name))
@@ -447,8 +449,8 @@ class GuessBuilder {
                                 : "what comes later in it is not used");
   }
 
-  /// Whether a former solution has the states (or controls) of this problem and no others: then it
-  /// is one of the same system. Augmented states follow from the other columns.
+  /// True if a former solution has exactly the states (or controls) of this problem, and is thus of
+  /// the same system. Augmented states follow from the other columns.
   bool fits(const DataFileSpec& file, const DataTable& table, bool states) {
     if (!table.state_columns) return true;
     const auto middle = table.columns.begin() + static_cast<std::ptrdiff_t>(*table.state_columns);
@@ -477,7 +479,7 @@ class GuessBuilder {
     return text;
   }
 
-  /// The names that are not among others. Augmented states and slopes are left out.
+  /// Names that are not among others, without augmented states and slopes.
   static std::vector<std::string> without(const std::vector<std::string>& names,
                                           const std::vector<std::string>& others) {
     std::vector<std::string> rest;
@@ -501,7 +503,7 @@ class GuessBuilder {
     return list;
   }
 
-  /// Cuts controls off at their bounds and says where it had to.
+  /// Clamps controls to their bounds and reports where this was necessary.
   void keep_bounds(Trajectory& trajectory) {
     int knots = 0, control = -1;
     double worst = 0;
@@ -531,13 +533,13 @@ class GuessBuilder {
                              knots, problem_.knots(), column.name, worst, column.unit));
   }
 
-  /// The columns of the states, or of the controls that are guessed.
+  /// Names of the states, or of the guessed controls.
   std::vector<std::string> columns_of_problem(bool states) const {
     if (states) return state_names(*plant_.system).names;
     if (plant_.variants.empty()) return control_names(guessed(*plant_.system)).names;
     return names_of_controls().names;
   }
-  /// All controls that drive the problem's systems.
+  /// Names of all controls of the problem's systems.
   ComponentNames names_of_controls() const {
     std::vector<std::string> names;
     for (const Column& control : plant_.all_controls()) names.push_back(control.name);
@@ -558,7 +560,7 @@ class GuessBuilder {
     return {};
   }
 
-  /// Whether a file is to give some of the states, or controls, which it has under their names.
+  /// True if a file gives only some of the states or controls, identified by name.
   bool is_partial(const DataFileSpec& file, bool states) const {
     const std::vector<std::string> wanted = columns_of_problem(states);
     return !file.columns.empty() && file.columns.size() < wanted.size() &&
@@ -567,8 +569,8 @@ class GuessBuilder {
            });
   }
 
-  /// A table with the columns that a file is to give; the other states are the initial ones, the
-  /// other controls zero.
+  /// Table with the columns that a file gives. The other states are the initial ones, the other
+  /// controls zero.
   DataTable with_others(const DataTable& table, const DataFileSpec& file, bool states) const {
     DataTable all{.file = table.file, .times = table.times};
     all.rows.resize(table.rows.size());
@@ -577,7 +579,7 @@ class GuessBuilder {
       const bool given = std::ranges::any_of(
           file.columns, [&](const Name& name) { return name.value == wanted[i]; });
       const auto column = given ? table.find(wanted[i]) : std::nullopt;
-      if (given && !column) continue;  // whoever looks for it says so
+      if (given && !column) continue;  // the later lookup reports it
       all.columns.push_back(wanted[i]);
       for (std::size_t row = 0; row < table.rows.size(); ++row)
         all.rows[row].push_back(column   ? table.rows[row][*column]
@@ -605,7 +607,7 @@ class GuessBuilder {
   GuessUsed& used_;
   Diagnostics& out_;
   std::map<std::filesystem::path, std::optional<DataTable>> tables_;
-  std::vector<double> durations_;  ///< of a former solution's phases, s
+  std::vector<double> durations_;  ///< phases of a former solution, s
 };
 
 }  // namespace

@@ -5,7 +5,7 @@
 
 namespace conddp {
 
-/// What the first trajectory was made from, in words, for the output.
+/// Description of the sources of the initial guess, for the output.
 struct GuessUsed {
   std::string states;
   std::string controls;
@@ -13,7 +13,7 @@ struct GuessUsed {
   std::optional<std::uint64_t> seed;
 };
 
-/// What the guess needs besides the problem itself.
+/// Inputs of the guess.
 struct GuessContext {
   const ProblemSpec& spec;
   const Plant& plant;
@@ -21,8 +21,8 @@ struct GuessContext {
   const ShootingProblem& problem;
 };
 
-/// The first trajectory. Its first state is the initial one; states between keyframes follow the
-/// shortest way and need not obey the dynamics.
+/// Builds the initial guess. Its first state is the initial state. States between keyframes follow
+/// the shortest path and need not satisfy the dynamics.
 std::optional<Trajectory> build_guess(const GuessContext& context, GuessUsed& used,
                                       Diagnostics& out);
 

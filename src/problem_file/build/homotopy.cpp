@@ -10,11 +10,10 @@
 namespace conddp {
 namespace {
 
-/// A share that whole numbers on the way do not meet.
+/// Share at which interpolation between different integers does not yield an integer.
 constexpr double kGenericShare = 0.38196601125010515;
 
-/// Whether one bound after the other is there in both or in neither, and both are equalities or
-/// not.
+/// True if each bound is finite in both or in neither, and the same rows are equalities.
 bool same_bounds(const NodeConstraint& a, const NodeConstraint& b) {
   if (!a.term->has_bounds() || !b.term->has_bounds()) return true;
   for (int i = 0; i < a.term->rows; ++i)
@@ -36,7 +35,7 @@ bool same_constraints(const ShootingProblem& a, const ShootingProblem& b) {
                     b.constraints().end(), are_alike);
 }
 
-/// In what the shapes of two problems differ; empty where they do not.
+/// Difference between the shapes of two problems; empty if they agree.
 std::string difference(const ShootingProblem& a, const ShootingProblem& b) {
   if (a.knots() != b.knots()) return fmt::format("knots, {} and {}", a.knots(), b.knots());
   if (a.nx() != b.nx() || a.ndx() != b.ndx())
@@ -48,7 +47,7 @@ std::string difference(const ShootingProblem& a, const ShootingProblem& b) {
   return same_constraints(a, b) ? "" : "constraints";
 }
 
-/// Reports why a problem on the way cannot be built, at the first of the keys that move.
+/// Reports why an intermediate problem cannot be built, at the first key of the homotopy.
 void report(const Diagnostics& attempt, const ProblemSpec& spec, double share, Diagnostics& out) {
   for (const Diagnostic& d : attempt.list()) {
     if (d.severity != Severity::kError) continue;
@@ -84,7 +83,7 @@ std::shared_ptr<const Homotopy> Homotopy::build(const ProblemSpec& spec,
   homotopy->perturbation_ = spec.perturbation;
   homotopy->solver_.homotopy.clear();
   homotopy->options_ = options;
-  homotopy->options_.plant = nullptr;  // the way may move numbers of the robots
+  homotopy->options_.plant = nullptr;  // the homotopy may change values of the robots
   for (const double share : {kGenericShare, 0.0}) {
     Diagnostics attempt;
     homotopy->start_ = homotopy->station(share, attempt);

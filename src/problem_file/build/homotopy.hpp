@@ -7,23 +7,23 @@
 
 namespace conddp {
 
-/// The problems on the way of a file's homotopy.
+/// The problems along the homotopy of a file.
 class Homotopy {
  public:
-  /// A problem of the way with the file as it stands there. Neither has a guess or a homotopy.
+  /// An intermediate problem and its file at that share, both without guess and homotopy.
   struct Station {
     ProblemSpec spec;
     std::optional<BuiltProblem> built;
   };
 
-  /// Null with errors, which have their places in the list of its keys, where the way cannot begin,
-  /// or leads through problems of another shape than the one at its end.
+  /// Null, with errors at the homotopy's keys, if the first problem cannot be built or an
+  /// intermediate problem differs in shape from the one at the end.
   static std::shared_ptr<const Homotopy> build(const ProblemSpec& spec, const BuildOptions& options,
                                                const ShootingProblem& end, Diagnostics& out);
 
   const Station& start() const { return *start_; }
-  /// The problems by their share of the way; null where one cannot be built. It may outlive this
-  /// object.
+  /// Problems as a function of the share; null if a problem cannot be built. May outlive the
+  /// homotopy object.
   static ProblemPath path(std::shared_ptr<const Homotopy> homotopy);
 
  private:
@@ -38,7 +38,7 @@ class Homotopy {
   std::shared_ptr<const Station> start_;
 };
 
-/// The way to a built problem that its file asks for; null: none.
+/// Homotopy that the file of a built problem requests, or null.
 ProblemPath homotopy_path(const BuiltProblem& built);
 
 }  // namespace conddp

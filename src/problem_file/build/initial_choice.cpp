@@ -10,7 +10,7 @@
 namespace conddp {
 namespace {
 
-/// What a free duration cannot go together with, at the place that says so.
+/// Reports conflicts of free durations with other keys, at the place of the duration.
 bool check_free_durations(const ProblemSpec& spec, const System& system, Diagnostics& out) {
   const PhaseSpec* free = spec.first_free_duration();
   if (free == nullptr) return true;
@@ -26,7 +26,7 @@ bool check_free_durations(const ProblemSpec& spec, const System& system, Diagnos
   return out.error_count() == errors;
 }
 
-/// The durations that are free, as further controls of the choice.
+/// Adds the free durations as further controls of the choice.
 void add_durations(const ProblemSpec& spec, InitialChoice& choice, std::vector<Column>& controls) {
   for (const PhaseSpec& phase : spec.phases) {
     auto& free = choice.durations.emplace_back();
@@ -38,7 +38,7 @@ void add_durations(const ProblemSpec& spec, InitialChoice& choice, std::vector<C
   }
 }
 
-/// Whether the file can do with a given initial state; else that is reported.
+/// False, with an error, if a residual needs a free initial state.
 bool check_given_start(const CostSpec* cycle, Diagnostics& out) {
   if (cycle == nullptr) return true;
   out.error(
@@ -50,8 +50,8 @@ bool check_given_start(const CostSpec* cycle, Diagnostics& out) {
   return false;
 }
 
-/// The coordinates that the first phase chooses within their bounds, and the names of these
-/// controls. False, with an error, where bounds do not fit.
+/// Adds the coordinates that the first phase chooses, with their bounds, and the names of these
+/// controls. False, with an error, if bounds are inconsistent.
 bool add_coordinates(const PhaseSpec& phase, const ComponentNames& names, InitialChoice& choice,
                      std::vector<Column>& controls, Diagnostics& out) {
   const auto chosen = resolve(phase.choice->coordinates, names, 0.0, out);
@@ -74,7 +74,7 @@ bool add_coordinates(const PhaseSpec& phase, const ComponentNames& names, Initia
   return true;
 }
 
-/// The first of linear controls. Their bounds are those of the knots.
+/// Adds the first linear controls. Their bounds are those of the knots.
 void add_first_controls(const System& actuated, InitialChoice& choice,
                         std::vector<Column>& controls) {
   choice.first_controls = actuated.nu();
@@ -84,7 +84,7 @@ void add_first_controls(const System& actuated, InitialChoice& choice,
   choice.upper.resize(controls.size(), kUnlimited);
 }
 
-/// The coordinates of a state that are durations, each with the control that chooses it.
+/// Coordinates of a state that are durations, each with the control that chooses it.
 std::vector<std::pair<int, int>> durations_in_state(const System& system,
                                                     const std::vector<Column>& controls) {
   std::vector<std::pair<int, int>> list;
@@ -98,7 +98,7 @@ std::vector<std::pair<int, int>> durations_in_state(const System& system,
   return list;
 }
 
-/// The control before the first one, as a motion that comes back has it at its end.
+/// Adds the control before the first one; in a periodic motion it equals the one at the end.
 void add_previous_controls(const System& actuated, InitialChoice& choice,
                            std::vector<Column>& controls) {
   choice.previous_controls = actuated.nu();
@@ -108,7 +108,7 @@ void add_previous_controls(const System& actuated, InitialChoice& choice,
   choice.upper.resize(controls.size(), kUnlimited);
 }
 
-/// The choice of the first phase, if it can be.
+/// Choice of the first phase; empty, with an error, if it is invalid.
 std::optional<InitialChoice> make_choice(const ProblemSpec& spec, const Plant& plant,
                                          const std::vector<double>& state, bool previous,
                                          bool cycle, Diagnostics& out) {

@@ -10,29 +10,30 @@
 
 namespace conddp {
 
-/// How a first knot without time chooses the initial state, and how long phases last.
+/// First, instantaneous knot that chooses the initial state and the durations of phases.
 struct InitialChoice {
   std::shared_ptr<const System> system;
-  std::vector<double> state;                           ///< from which
-  std::vector<int> coordinates;                        ///< tangent coordinates that it moves
+  std::vector<double> state;                           ///< initial state before the displacement
+  std::vector<int> coordinates;                        ///< tangent coordinates that it displaces
   std::vector<double> lower, upper;                    ///< of the displacement, then of durations
-  bool remembered = false;                             ///< all later nodes know what was chosen
+  bool remembered = false;                             ///< true if all later nodes store the choice
   std::vector<std::optional<FreeDuration>> durations;  ///< by phase
-  int first_controls = 0;  ///< where controls are linear, these at the start: the last choices
-  /// Of a periodic motion whose knots remember the control before, that before the first one: the
-  /// last choices.
+  int first_controls = 0;  ///< number of linear controls at the start: the last choices
+  /// For a periodic motion whose knots store the previous control: number of controls before the
+  /// first knot. These are the last choices.
   int previous_controls = 0;
 
-  /// Numbers that all later nodes hand on.
+  /// Number of choices that all later nodes pass on.
   int carried() const { return remembered ? system->nu() - first_controls : 0; }
 };
 
 struct BuiltInitialChoice {
   bool valid = true;
-  std::optional<InitialChoice> choice;  ///< nothing where the initial state is given
+  std::optional<InitialChoice> choice;  ///< empty if the initial state is given
 };
 
-/// Built from the first phase; faults are reported. `previous`: states hold the previous control.
+/// Builds the choice from the first phase and reports errors. `previous`: states hold the previous
+/// control.
 BuiltInitialChoice build_initial_choice(const ProblemSpec& spec, const Plant& plant,
                                         const std::vector<double>& state, bool previous,
                                         Diagnostics& out);

@@ -6,9 +6,9 @@
 
 namespace conddp {
 
-/// Which ticks of a loop have an answer that comes too late by its disturbances (MpcOptions::
-/// is_late); null where none of them says so. The ticks that a seed draws for a share are among
-/// those that it draws for a larger one.
+/// Predicate for ticks whose answer is late due to the loop's disturbances (MpcOptions::is_late);
+/// null without such disturbances. For the same seed, the ticks drawn for a share are a subset of
+/// those drawn for a larger share.
 std::function<bool(int tick)> late_ticks(const MpcSpec& mpc);
 
 }  // namespace conddp

@@ -7,7 +7,7 @@
 namespace conddp {
 namespace {
 
-/// Where controls or the forces that they cause would jump.
+/// Reports phases with jumps of the controls or of the forces that they cause.
 void check_continuity(const ProblemSpec& spec, Diagnostics& out) {
   for (const PhaseSpec& phase : spec.phases)
     if (phase.jump || (phase.contacts.any() && !phase.choice))
@@ -17,7 +17,7 @@ void check_continuity(const ProblemSpec& spec, Diagnostics& out) {
                        "write 'controls: constant'");
 }
 
-/// A control goes on from one phase to the next.
+/// Linear controls are continuous across phases, so their bounds must apply in all phases.
 void check_bounds(const ProblemSpec& spec, Diagnostics& out) {
   for (const ControlBoundsSpec& bounds : spec.control_bounds) {
     const std::vector<bool> named = phases_named(bounds.phases, spec, out);
@@ -28,7 +28,7 @@ void check_bounds(const ProblemSpec& spec, Diagnostics& out) {
   }
 }
 
-/// The first control is given, or chosen together with what else is chosen.
+/// The first control must be either given or chosen in the first phase.
 void check_start(const ProblemSpec& spec, Diagnostics& out) {
   const bool given = spec.initial_state.previous_control.has_value();
   const bool chosen = spec.phases.front().choice.has_value();

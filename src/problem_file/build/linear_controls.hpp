@@ -6,23 +6,23 @@
 
 namespace conddp {
 
-/// Whether a problem can have linear controls; what they cannot go together with is reported at the
-/// place that says so. True where controls are constant.
+/// True if a problem supports linear controls or has constant ones. Conflicts are reported at their
+/// places.
 bool check_linear_controls(const ProblemSpec& spec, const System& system, Diagnostics& out);
 
-/// A weight for each node, and what counts by itself there.
+/// Weights of a term at each node, and of its separate part there.
 struct NodeWeights {
   std::vector<double> nodes;
-  /// Of the ends of knots that belong to phases with other durations; no numbers: there are none.
+  /// Weights of the ends of knots in phases with other durations; empty without such phases.
   std::vector<double> ends = {};
 
   double end(int node) const { return ends.empty() ? 0.0 : ends[node]; }
 };
 
-/// From weights of the knots: with linear controls a cost counts at both ends of a knot, half each
-/// (the trapezoidal rule). Both are multiples of the node's `scales`, what its costs are multiplied
-/// by, one for each knot; that of the last node is 1. `apart`: at which nodes the ends of the knots
-/// before them count by themselves.
+/// Converts weights of knots to weights of nodes: with linear controls, a cost applies at both ends
+/// of a knot, half each (trapezoidal rule). Both are relative to the factor on the costs of the
+/// node: `scales` has one for each knot, and that of the last node is 1. `apart`: true for nodes
+/// with separate weights for the end of the previous knot.
 NodeWeights trapezoidal_weights(const std::vector<double>& weights,
                                 const std::vector<double>& scales, const std::vector<bool>& apart);
 

@@ -17,8 +17,8 @@ std::string text_of(const GaitCommand& command) {
                      command.y, command.turn);
 }
 
-/// The setting of a gait that is led by what the file knows before the first command, and by the
-/// commands up to one of them.
+/// Setting for a gait that follows the file's own commands before the first loop command, then the
+/// loop commands up to `last`.
 std::string setting_of(const ProblemSpec& spec, std::size_t last) {
   const std::vector<GaitCommand>& commands = spec.mpc->commands;
   std::string list;
@@ -31,7 +31,7 @@ std::string setting_of(const ProblemSpec& spec, std::size_t last) {
   return "gait.commands=[" + list + "]";
 }
 
-/// The loop with the commands up to one of them; nothing where it cannot be, which is reported.
+/// The loop with the commands up to `last`; empty, with a report, if it cannot be built.
 std::optional<LoopCommand> with_commands(const ProblemSpec& spec, const BuiltProblem& built,
                                          const std::vector<double>& led_state, std::size_t last,
                                          Diagnostics& out) {
@@ -63,8 +63,7 @@ std::uint32_t bits_of(const ContactNames& held, const std::vector<ContactSpec>& 
   return bits;
 }
 
-/// The shortest time from the release of a contact to its touch-down, s; infinite where there is
-/// no touch-down.
+/// Shortest time from the release of a contact to its touch-down, s; infinite without touch-down.
 double shortest_swing(const std::vector<std::uint32_t>& held, const std::vector<double>& times) {
   double shortest = std::numeric_limits<double>::infinity();
   for (std::size_t from = 0; from + 1 < held.size(); ++from) {
@@ -77,7 +76,7 @@ double shortest_swing(const std::vector<std::uint32_t>& held, const std::vector<
   return shortest;
 }
 
-/// What of mpc.retime has no meaning for phases that hold such contacts knot by knot.
+/// Reports invalid values of mpc.retime, given the contacts and the time of each knot.
 void check_retiming(const MpcSpec& mpc, const std::vector<std::uint32_t>& held,
                     const std::vector<double>& times, Diagnostics& out) {
   const RetimeSpec& limits = *mpc.retime;
@@ -97,8 +96,8 @@ void check_retiming(const MpcSpec& mpc, const std::vector<std::uint32_t>& held,
               "take a tick at least, or 0");
 }
 
-/// A command that the loop comes to no more. Its time is that of the phases, of which a loop whose
-/// touch-downs are early gets through more than it lasts.
+/// Reports a command that the loop never reaches. Commands are in phase time, and a loop with early
+/// touch-downs advances through phase time faster than the clock.
 bool comes_too_late(const GaitCommand& command, const MpcSpec& mpc, double phases_end,
                     Diagnostics& out) {
   const bool earlier = mpc.retime && mpc.retime->early.value > 0;
@@ -111,7 +110,7 @@ bool comes_too_late(const GaitCommand& command, const MpcSpec& mpc, double phase
   return true;
 }
 
-/// Commands of the gait itself that come after all cycles that the loop repeats.
+/// Reports commands of the gait that come after all cycles that the loop repeats.
 void check_known_commands(const ProblemSpec& spec, double phases_end, Diagnostics& out) {
   for (const GaitCommand& command : spec.gait_commands)
     if (!is_before(command.at.value, phases_end))

@@ -7,7 +7,7 @@
 namespace conddp {
 namespace {
 
-/// The state that the file names, where the way begins.
+/// State that the file names, at the start of the gait's path.
 std::optional<std::vector<double>> named_state(const TerminalLqrSpec& lqr,
                                                const BuiltProblem& built, Diagnostics& out) {
   StateBuilder states(built.plant, out);
@@ -16,7 +16,8 @@ std::optional<std::vector<double>> named_state(const TerminalLqrSpec& lqr,
   return equilibrium_of(lqr, states);
 }
 
-/// Whether a state moves with the gait: it has one base that can, and says no displacement itself.
+/// True if a state moves with the gait: it has one movable base and does not specify a
+/// displacement.
 bool moves(const TerminalLqrSpec& lqr, const ProblemSpec& spec, const Plant& plant,
            std::vector<double> x) {
   return !spec.gait_way.empty() && plant.parts.size() == 1 && !lqr.state.displaced &&
@@ -30,8 +31,8 @@ bool turns(const ProblemSpec& spec) {
          std::ranges::any_of(spec.mpc->commands, command_turns);
 }
 
-/// The problem with a regulator's cost-to-go alone at its last node. What is wrong with the
-/// regulator is reported.
+/// The problem with only a regulator's cost-to-go at its last node. Reports errors of the
+/// regulator.
 std::optional<BuiltProblem> with_regulator(const TerminalLqrSpec& lqr, const ProblemSpec& spec,
                                            const BuiltProblem& built, Diagnostics& out) {
   ProblemSpec alone = spec;
@@ -39,7 +40,7 @@ std::optional<BuiltProblem> with_regulator(const TerminalLqrSpec& lqr, const Pro
   alone.terminal_constraints.clear();
   alone.terminal_lqr = lqr;
   alone.guess = {};
-  Diagnostics own = out;  // what is said of the rest has been said
+  Diagnostics own = out;  // avoids repeated reports
   auto problem = build_without_homotopy(alone, {.plant = &built.plant}, own);
   if (!own.has_errors()) return problem;
   out = own;
@@ -66,7 +67,7 @@ std::optional<LoopRegulator> build_loop_regulator(const TerminalLqrSpec& lqr,
   if (!problem) return std::nullopt;
   LoopRegulator regulator{problem->problem->terminal(), problem->terminal_lqr->ingredients, {}};
   if (!is_led) return regulator;
-  // Remembered controls are those that hold the state.
+  // Augmented controls are those that hold the state.
   const std::vector<double>& x = regulator.ingredients.x;
   start->insert(start->end(), x.begin() + static_cast<std::ptrdiff_t>(start->size()), x.end());
   regulator.start = *std::move(start);

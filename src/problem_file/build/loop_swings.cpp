@@ -12,7 +12,7 @@
 namespace conddp {
 namespace {
 
-/// Where a cost has its reference among the parameters of a node; −1 where the node lacks it.
+/// Index of a cost's reference among the parameters of a node; −1 if the node lacks the cost.
 int reference_at(const KnotModel& model, const std::string& cost) {
   const auto term = std::ranges::find(model.costs(), cost, &CostTerm::name);
   return term == model.costs().end() ? -1 : term->parameters;
@@ -32,7 +32,7 @@ void add_swings(const CostSpec& cost, int foot, const ProblemSpec& spec,
   }
 }
 
-/// Finds frames in states without allocation, but of robots with joints that mimic others.
+/// Computes positions of frames in states, without allocation unless the robot has mimic joints.
 std::function<void(const double* x, double* places)> finder(
     std::shared_ptr<const MultibodySystem> system, std::vector<int> frames) {
   const auto data = std::make_shared<RobotData<double>>(system->robot());

@@ -7,8 +7,8 @@
 
 namespace conddp {
 
-/// The swings of a file whose loop lets them begin where the feet are measured; nothing of a loop
-/// that does not. A file without swings is reported.
+/// Swings of a file whose loop starts them at the measured feet; empty for other loops. Reports a
+/// file without swings.
 std::optional<FootSwings> build_loop_swings(const ProblemSpec& spec, const BuiltProblem& built,
                                             Diagnostics& out);
 

@@ -17,13 +17,13 @@
 namespace conddp {
 namespace {
 
-/// Some residuals need a control whatever they are on, others by what they combine.
+/// True if a cost needs a control, due to its kind or to the terms that it combines.
 bool needs_control(const BuiltCost& cost) {
   return cost.spec->definition->needs.control || cost.residual.residual->needs_control();
 }
 
-/// Whether a cost that is to be on in a phase can be. Costs on a contact are on while it is held,
-/// and phases that take no time have only the costs that name them or their knots.
+/// True if a cost can be active in a phase. Costs on a contact are active while it is held.
+/// Instantaneous phases have only costs that name them or their knots.
 bool is_on(const BuiltCost& cost, std::size_t p, const PhaseContext& context, Diagnostics& out) {
   const CostSpec& c = *cost.spec;
   const PhaseSpec& phase = context.spec.phases[p];
@@ -43,7 +43,7 @@ bool is_on(const BuiltCost& cost, std::size_t p, const PhaseContext& context, Di
   return true;
 }
 
-/// The phases in which a cost is on.
+/// For each phase, true if a cost is active.
 std::vector<bool> phases_of(const BuiltCost& cost, const PhaseContext& context, Diagnostics& out) {
   std::vector<bool> in_phase = phases_named(cost.spec->phases, context.spec, out);
   for (std::size_t p = 0; p < in_phase.size(); ++p)
@@ -51,14 +51,14 @@ std::vector<bool> phases_of(const BuiltCost& cost, const PhaseContext& context, 
   return in_phase;
 }
 
-/// What running costs of a phase are multiplied by, knot by knot.
+/// Factors on the running costs of a phase, knot by knot.
 std::vector<double> cost_scales(const PhaseSpec& phase, const ProblemSpec& spec) {
   const bool rate = spec.costs_are_rates() && !phase.takes_no_time();
   return rate ? phase_steps(phase) : std::vector<double>(phase.knots.value, 1.0);
 }
 
-/// A swing's last node is the first one after its phases. A touch-down is a moment: its cost is not
-/// multiplied by the time step, as it is not at an impulse or at the last node.
+/// Extends a swing to its last node, the first one after its phases. The touch-down is
+/// instantaneous: like at an impulse or the last node, its cost is not multiplied by the time step.
 void extend_to_touch_down(const ProblemSpec& spec, std::vector<double>& weights) {
   std::size_t first = weights.size();
   for (std::size_t p = spec.phases.size(); p-- > 0;) {
@@ -68,7 +68,7 @@ void extend_to_touch_down(const ProblemSpec& spec, std::vector<double>& weights)
   }
 }
 
-/// A cost's weight in a phase.
+/// Weight of a cost in a phase.
 double weight_in(const PhaseSpec& phase, const CostSpec& cost) {
   double weight = cost.weight;
   for (const auto& [name, value] : phase.weights)
@@ -76,7 +76,7 @@ double weight_in(const PhaseSpec& phase, const CostSpec& cost) {
   return weight;
 }
 
-/// Switches off what is not at one of these knots.
+/// Sets the weights at all other knots to zero.
 void restrict_to(const std::vector<Located<int>>& knots, const char* hint, std::vector<double>& row,
                  Diagnostics& out) {
   std::vector<bool> chosen(row.size(), false);
@@ -91,7 +91,7 @@ void restrict_to(const std::vector<Located<int>>& knots, const char* hint, std::
     if (!chosen[k]) row[k] = 0;
 }
 
-/// What running costs are multiplied by at each knot.
+/// Factors on running costs at each knot.
 std::vector<double> all_cost_scales(const ProblemSpec& spec) {
   std::vector<double> scales;
   for (const PhaseSpec& phase : spec.phases) {
@@ -101,20 +101,19 @@ std::vector<double> all_cost_scales(const ProblemSpec& spec) {
   return scales;
 }
 
-/// Whether a function is a cost, or a constraint that holds or that costs.
+/// Role of a function: a cost, or a hard or soft constraint.
 enum class Role { kCost, kHard, kSoft };
 
 Role role_of(const BuiltConstraint& constraint) {
   return constraint.spec->softness == Softness::hard ? Role::kHard : Role::kSoft;
 }
 
-/// Adds the nodes at which the phases of a constraint end to those at which it is on. The last
-/// entry of `nodes` is the last node. The variant of the plant counts that is there, not the
-/// phase's own.
+/// Activates a constraint also at the nodes where its phases end. The last entry of `nodes` is the
+/// last node. The plant variant at that node applies, not that of the phase.
 void extend_to_ends(const PhaseContext& context, const BuiltCost& function,
                     std::vector<double>& nodes) {
   const std::vector<bool> named = phases_named(function.spec->phases, context.spec);
-  Diagnostics said;  // where it was scheduled
+  Diagnostics said;  // already reported when scheduled
   std::size_t end = 0;
   for (std::size_t p = 0; p < named.size(); ++p) {
     end += context.spec.phases[p].knots.value;
@@ -124,7 +123,7 @@ void extend_to_ends(const PhaseContext& context, const BuiltCost& function,
   }
 }
 
-/// What the controls of a phase cause does not exist at its end.
+/// Reports a function of controls or forces, which do not exist at the end of a phase.
 void check_ends(const BuiltCost& function, Diagnostics& out) {
   if (needs_control(function) || function.spec->definition->needs.force)
     out.error(function.spec->ends.place,
@@ -134,13 +133,13 @@ void check_ends(const BuiltCost& function, Diagnostics& out) {
               "leave 'nodes' out");
 }
 
-/// Whether running costs are multiplied by durations that are free.
+/// True if running costs are multiplied by free durations.
 bool grows_with_durations(const ProblemSpec& spec) {
   return spec.first_free_duration() != nullptr && spec.costs_are_rates();
 }
 
-/// Whether a cost is integrated in phases that take time: not at chosen knots, on swings, which end
-/// at a moment, or on a previous control, which the next one takes the place of.
+/// True if a cost is integrated in phases that take time. Excluded are costs at chosen knots,
+/// swings, which end at an instant, and costs on the previous control, which the next one replaces.
 bool is_integrated(const PhaseContext& context, const BuiltCost& cost) {
   const CostSpec& c = *cost.spec;
   return context.spec.running_costs.value == RunningCosts::kIntegrated &&
@@ -148,9 +147,9 @@ bool is_integrated(const PhaseContext& context, const BuiltCost& cost) {
          !c.definition->needs.previous_control && !c.names_previous_control;
 }
 
-/// Whether a function counts at both ends of the knots in which it is on: with linear controls,
-/// all but constraints on the state alone and what is at chosen knots. Swings end at a moment that
-/// no duration multiplies.
+/// True if a function applies at both ends of its knots. This requires linear controls, and
+/// excludes constraints on the state alone, functions at chosen knots, and integrated costs. With
+/// free durations it also excludes swings, which end at an instant that no duration multiplies.
 bool is_at_both_ends(const PhaseContext& context, const BuiltCost& cost, Role role) {
   if (!context.tail.linear() || cost.spec->knots) return false;
   if (role == Role::kCost && is_integrated(context, cost)) return false;
@@ -159,8 +158,8 @@ bool is_at_both_ends(const PhaseContext& context, const BuiltCost& cost, Role ro
   return needs_control(cost) || role == Role::kCost;
 }
 
-/// The nodes at which phases begin or end that take another share of a free duration than the one
-/// before: costs at the end of its last knot are multiplied by another one there.
+/// For each node, true if a phase begins or ends there whose costs scale with a free duration.
+/// Costs at the end of the previous knot then have another factor than those of the node.
 std::vector<bool> changes_of_duration(const PhaseContext& context) {
   std::vector<bool> changes;
   const std::size_t count = context.spec.phases.size();
@@ -173,8 +172,8 @@ std::vector<bool> changes_of_duration(const PhaseContext& context) {
   return changes;
 }
 
-/// A cost's weight at each node, 0 where it is off; of a constraint 1 where it is on, or the share
-/// that is on with linear controls. At the last node: of what goes on until then, and counts there.
+/// Weight of a cost at each node, 0 if inactive. For a constraint: 1 if active, or the active share
+/// with linear controls. The last node has a weight if the function extends to it.
 NodeWeights schedule(const PhaseContext& context, const BuiltCost& cost, Role role,
                      Diagnostics& out) {
   const bool weighted = role == Role::kCost;
@@ -204,7 +203,7 @@ NodeWeights schedule(const PhaseContext& context, const BuiltCost& cost, Role ro
   return {std::move(row)};
 }
 
-/// Those that are on somewhere in a run of knots.
+/// Terms that are active somewhere in a run of knots.
 std::vector<int> active_in(const std::vector<NodeWeights>& weights, int first, int count) {
   std::vector<int> active;
   for (std::size_t c = 0; c < weights.size(); ++c) {
@@ -215,7 +214,7 @@ std::vector<int> active_in(const std::vector<NodeWeights>& weights, int first, i
   return active;
 }
 
-/// Those of which the end of the knot before a node counts there by itself.
+/// Terms with a separate weight at a node for the end of the knot before it.
 std::vector<int> ending_at(const std::vector<NodeWeights>& weights, int node) {
   std::vector<int> ending;
   for (std::size_t c = 0; c < weights.size(); ++c)
@@ -223,7 +222,7 @@ std::vector<int> ending_at(const std::vector<NodeWeights>& weights, int node) {
   return ending;
 }
 
-/// Whether a swing ends at the last node: it lasts until then, and the node holds the foot.
+/// True if a swing ends at the last node: it lasts until then, and the node holds the foot.
 bool touches_down_at_the_end(const BuiltCost& cost, const PhaseContext& context, Diagnostics& out) {
   if (cost.spec->keys.find(key::swing) == nullptr || !phases_of(cost, context, out).back())
     return false;
@@ -235,7 +234,7 @@ bool touches_down_at_the_end(const BuiltCost& cost, const PhaseContext& context,
   return false;
 }
 
-/// A cost's residual in the system of a phase, or at the last node.
+/// Residual of a cost in the system of a phase or of the last node.
 std::shared_ptr<const Residual> residual_in(const BuiltCost& cost, const PhaseContext& context,
                                             std::size_t phase) {
   if (!cost.contact.make) return cost.residual.residual;
@@ -246,7 +245,7 @@ std::shared_ptr<const Residual> residual_in(const BuiltCost& cost, const PhaseCo
       *context.contacts.find(phase, cost.contact.contacts));
 }
 
-/// The knot that chooses the initial state, and the first of linear controls within bounds.
+/// Knot that chooses the initial state and, within bounds, the first linear controls.
 Phase choice_phase(const PhaseSpec& given, const StateTail& tail,
                    const std::vector<double>& control_lower,
                    const std::vector<double>& control_upper) {
@@ -264,7 +263,7 @@ Phase choice_phase(const PhaseSpec& given, const StateTail& tail,
           .instant = true};
 }
 
-/// Says which controls have no bound although the URDF is to give it.
+/// Warns of controls without an effort limit in the URDF that is to bound them.
 void warn_of_unbounded(const ControlBoundsSpec& constraint, const std::vector<std::string>& names,
                        const std::vector<double>& lower, const std::vector<double>& upper,
                        Diagnostics& out) {
@@ -279,7 +278,7 @@ void warn_of_unbounded(const ControlBoundsSpec& constraint, const std::vector<st
               "without 'lower' and 'upper' for it a control stays unbounded");
 }
 
-/// Replaces bounds by those that a file gives for some of the controls, where these are `better`.
+/// Replaces bounds of some controls by those of the file if they are `better`.
 template <class Better>
 void narrow(const std::optional<ComponentsSpec>& given, const ComponentNames& names, double none,
             Better better, std::vector<double>& bounds, Diagnostics& out) {
@@ -288,7 +287,7 @@ void narrow(const std::optional<ComponentsSpec>& given, const ComponentNames& na
     for (std::size_t i = 0; i < bounds.size(); ++i) bounds[i] = better(bounds[i], (*values)[i]);
 }
 
-/// Gives phases these bounds.
+/// Sets the bounds of the named phases.
 void bound_phases(const std::vector<bool>& named, const std::vector<double>& lower,
                   const std::vector<double>& upper, PhaseBounds& bounds) {
   for (std::size_t p = 0; p < named.size(); ++p) {
@@ -298,14 +297,14 @@ void bound_phases(const std::vector<bool>& named, const std::vector<double>& low
   }
 }
 
-/// Writes the numbers of a constraint of which a share is on at a node.
+/// Writes the parameters of a constraint with an active share at a node.
 void write_constraint(const BuiltConstraint& constraint, const ConstraintTerm& term,
                       const NodeTime& time, double share, double* parameters) {
   write_parameters(constraint, term, time, share != 0, parameters);
   if (term.softness != Softness::hard && share != 0) parameters[term.weight()] *= share;
 }
 
-/// Constraint that grows, if soft, with the duration of a phase.
+/// Constraint term that grows, if soft, with the duration of a phase.
 ConstraintTerm growing_term(const BuiltConstraint& constraint,
                             std::shared_ptr<const Residual> residual, const PhaseContext& context,
                             std::size_t phase) {
@@ -314,7 +313,7 @@ ConstraintTerm growing_term(const BuiltConstraint& constraint,
   return term;
 }
 
-/// Builds phases; those of one structure share their model.
+/// Builds phases; phases with the same structure share their model.
 class PhaseBuilder {
  public:
   PhaseBuilder(const PhaseContext& context, const KnotContents& contents, const PhaseBounds& bounds,
@@ -328,7 +327,7 @@ class PhaseBuilder {
       grows_.push_back(phases_of(integral, context, out));
   }
 
-  /// The phase of this number, whose first knot is `first`.
+  /// Builds phase p, whose first knot is `first`.
   Phase build(std::size_t p, int first) {
     const PhaseSpec& given = context_.spec.phases[p];
     if (given.choice)
@@ -346,15 +345,15 @@ class PhaseBuilder {
   }
 
  private:
-  /// A cost or constraint that is on somewhere in a phase.
+  /// A cost or constraint that is active somewhere in a phase.
   struct Use {
     int content;  ///< index among the contents
-    bool at_end;  ///< counts at the end of the knot before the first one
+    bool at_end;  ///< true if it applies at the end of the knot before the first one
     std::optional<FreeDuration> grows_with;
 
     auto operator<=>(const Use&) const = default;
   };
-  /// Terms of a phase; costs and constraints at the end of the phase before come last.
+  /// Terms of a phase; costs and constraints at the end of the previous phase come last.
   struct Contents {
     std::vector<Use> costs, constraints;
     std::vector<int> integrals;
@@ -389,7 +388,7 @@ class PhaseBuilder {
     return contents;
   }
 
-  /// The integrals that grow in a phase.
+  /// Integrals that grow in a phase.
   std::vector<int> integrals_in(std::size_t p) const {
     std::vector<int> integrals;
     for (std::size_t i = 0; i < grows_.size(); ++i)
@@ -397,12 +396,12 @@ class PhaseBuilder {
     return integrals;
   }
 
-  /// The swings that end where a phase begins: moments, which no duration multiplies.
+  /// Swings that end where a phase begins: at an instant, which no duration multiplies.
   std::vector<int> touch_downs(std::size_t p) const {
     std::vector<int> costs;
     for (std::size_t c = 0; c < contents_.costs.size(); ++c) {
       const CostSpec& cost = *contents_.costs[c].spec;
-      Diagnostics said;  // where it was scheduled
+      Diagnostics said;  // already reported when scheduled
       if (cost.keys.find(key::swing) != nullptr &&
           !phases_named(cost.phases, context_.spec, said)[p])
         costs.push_back(static_cast<int>(c));
@@ -417,7 +416,7 @@ class PhaseBuilder {
     return model;
   }
 
-  /// Jumps do not.
+  /// True if the model has collocation equations; false for jumps.
   bool collocates(const KnotModel& model) const {
     return context_.collocates && model.system().as_collocation() != nullptr;
   }
@@ -465,7 +464,7 @@ class PhaseBuilder {
     int knot;
     double dt;
   };
-  /// The parameters of an integrated cost at the stages of a knot.
+  /// Writes the parameters of an integrated cost at the stages of a knot.
   void write_stages(const KnotModel& model, std::size_t term, const BuiltCost& cost,
                     const KnotPlace& place, double* parameters) const {
     double* to = parameters + model.costs()[term].parameters;
@@ -477,7 +476,7 @@ class PhaseBuilder {
     }
   }
 
-  /// The parameters of a knot that takes dt.
+  /// Writes the parameters of a knot of length dt.
   void write_knot(const KnotModel& model, const Contents& contents, std::size_t phase, int knot,
                   double dt, double* parameters) const {
     const NodeTime& time = context_.times[knot];
@@ -503,7 +502,7 @@ class PhaseBuilder {
     if (collocates(model)) write_collocation_parameters(model, dt, parameters);
   }
 
-  /// Which of the carried numbers an integral is.
+  /// Index of an integral in the tail of the state.
   int number_of(const BuiltCost& integral) const {
     return static_cast<int>(integral.spec - context_.spec.integrals.data());
   }
@@ -512,11 +511,11 @@ class PhaseBuilder {
   const KnotContents& contents_;
   const PhaseBounds& bounds_;
   std::vector<NodeWeights> weights_, switches_;  ///< of costs and constraints
-  std::vector<std::vector<bool>> grows_;         ///< integrals, by phase
+  std::vector<std::vector<bool>> grows_;         ///< active phases of each integral
   std::map<Structure, std::shared_ptr<const KnotModel>> models_;
 };
 
-/// Whether what a function is on exists at the last node: one that needs a control is reported.
+/// True if the last node can evaluate a function; reports a residual that needs a control.
 bool is_without_control(const BuiltCost& function, const PhaseContext& context, Diagnostics& out) {
   if (function.contact.make || context.tail.linear() ||
       !function.residual.residual->needs_control())
@@ -526,8 +525,8 @@ bool is_without_control(const BuiltCost& function, const PhaseContext& context, 
   return false;
 }
 
-/// Whether the last node holds the contact of a residual; one that is named and not held is an
-/// error.
+/// True if the last node holds the contact of a residual. Reports a contact that is named but not
+/// held.
 bool is_held_at_the_end(const BuiltCost& function, const PhaseContext& context, Diagnostics& out) {
   const std::size_t node = context.contacts.terminal();
   if (context.contacts.find(node, function.contact.contacts)) return true;
@@ -546,17 +545,17 @@ bool fits_the_end(const BuiltCost& function, const PhaseContext& context, Diagno
   return is_held_at_the_end(function, context, out) && is_without_control(function, context, out);
 }
 
-/// What stands at the last node, with its weight there: of a constraint the share that is on.
+/// A term at the last node with its weight there; for a constraint, its active share.
 template <class Term>
 struct TermAtTheEnd {
   const Term* term;
   double weight;
-  bool is_end = false;  ///< of the last knot, whose duration multiplies it
+  bool is_end = false;  ///< true for the end of the last knot, multiplied by its duration
 };
 template <class Term>
 using TermsAtTheEnd = std::vector<TermAtTheEnd<Term>>;
 
-/// What running terms leave for the last node.
+/// Adds running terms that extend to the last node.
 template <class Term>
 void add_rest(const Term& term, const NodeWeights& weights, TermsAtTheEnd<Term>& terms) {
   const int last = static_cast<int>(weights.nodes.size()) - 1;
@@ -564,8 +563,8 @@ void add_rest(const Term& term, const NodeWeights& weights, TermsAtTheEnd<Term>&
   if (const double end = weights.end(last); end != 0) terms.push_back({&term, end, true});
 }
 
-/// The costs of the last node: its own, those on swings that end there, and with linear controls
-/// those of the last knot.
+/// Costs of the last node: its own, those on swings that end there, and with linear controls those
+/// of the last knot.
 TermsAtTheEnd<BuiltCost> costs_at_the_end(const PhaseContext& context,
                                           const std::vector<BuiltCost>& running,
                                           const std::vector<BuiltCost>& terminal,
@@ -600,7 +599,7 @@ TermsAtTheEnd<BuiltConstraint> constraints_at_the_end(const PhaseContext& contex
   return constraints;
 }
 
-/// The row of a constraint that is furthest outside its bounds; none of cones and pairs.
+/// Row of a constraint furthest outside its bounds; empty for cones and pairs.
 std::optional<int> worst_row(const ConstraintTerm& term, const double* values, const double* lower,
                              const double* upper) {
   if (!term.has_bounds() || term.has_pairs()) return std::nullopt;
@@ -640,7 +639,7 @@ PhaseBounds unbounded(const ProblemSpec& spec, const Plant& plant) {
 
 namespace {
 
-/// What a constraint says of the controls of a plant.
+/// Bounds of a constraint on the controls of a plant.
 struct ControlInterval {
   ComponentNames names;
   std::vector<double> lower, upper;
@@ -669,7 +668,7 @@ std::optional<ControlInterval> interval_of(const ControlBoundsSpec& constraint, 
   return interval;
 }
 
-/// Those of some phases that have the controls of a variant.
+/// Keeps only the phases with the controls of a variant.
 std::vector<bool> phases_of_variant(std::size_t variant, std::vector<bool> phases,
                                     const ProblemSpec& spec, const Plant& plant) {
   if (plant.variants.empty()) return phases;

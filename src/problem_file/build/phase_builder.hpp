@@ -6,22 +6,22 @@
 
 namespace conddp {
 
-/// Bounds on the control, phase by phase; infinite where there is none.
+/// Bounds on the control, phase by phase; infinite if unbounded.
 struct PhaseBounds {
   std::vector<std::vector<double>> lower, upper;
 };
 
-/// The bounds of one constraint; phases that it does not name have none, and phases without one of
-/// its controls those on the others.
+/// Bounds of one constraint. Phases that it does not name are unbounded; in phases without some of
+/// its controls, it bounds the others.
 std::optional<PhaseBounds> build_control_bounds(const ControlBoundsSpec& constraint,
                                                 const ProblemSpec& spec, const Plant& plant,
                                                 Diagnostics& out);
 PhaseBounds unbounded(const ProblemSpec& spec, const Plant& plant);
-/// Narrows bounds by others; an empty interval is reported at `name`.
+/// Narrows `bounds` by `other`; reports an empty interval at `name`.
 void intersect(const PhaseBounds& other, const Name& name, const Plant& plant, PhaseBounds& bounds,
                Diagnostics& out);
 
-/// How knot models are made from a problem's costs.
+/// Inputs for building knot models from a problem's terms.
 struct PhaseContext {
   const ProblemSpec& spec;
   const Plant& plant;
@@ -29,13 +29,14 @@ struct PhaseContext {
   std::shared_ptr<const System> system;  ///< of the last node
   Integrator integrator;
   const std::vector<NodeTime>& times;  ///< of all nodes
-  /// Where steps are contact-implicit: adds what they have to obey.
+  /// System of contact-implicit steps, whose equations are added as constraints; else null.
   std::shared_ptr<const SteppingSystem> stepping;
-  /// Whether the integrator collocates, so that slopes of its stages have something to obey.
+  /// True if the integrator collocates, so that the slopes of its stages need collocation
+  /// equations.
   bool collocates;
   StateTail tail;
 
-  /// Free duration with which the running costs of a phase grow.
+  /// Free duration that scales the running costs of a phase.
   std::optional<FreeDuration> cost_growth(std::size_t phase) const {
     return spec.costs_are_rates() ? tail.duration(phase) : std::nullopt;
   }
@@ -47,25 +48,26 @@ struct PhaseContext {
   }
 };
 
-/// What stands in the knots of a problem. Vectors that are left out are empty.
+/// Terms in the knots of a problem; any of the lists may be empty.
 struct KnotContents {
   const std::vector<BuiltCost>& costs;
   const std::vector<BuiltConstraint>& constraints;
   const std::vector<BuiltCost>& integrals;
 };
 
-/// The phases of a problem. Phases with the same costs, constraints and bounds share one KnotModel;
-/// within a phase a cost that is off at a knot has weight 0 there, a constraint its switch off.
+/// Builds the phases of a problem. Phases with the same costs, constraints and bounds share one
+/// KnotModel. Within a phase, an inactive cost has weight 0 at a knot, and an inactive constraint
+/// is switched off.
 std::vector<Phase> build_phases(const PhaseContext& context, const KnotContents& contents,
                                 const PhaseBounds& bounds, Diagnostics& out);
-/// The last node with its costs and constraints, with the running costs on swings that end there
-/// and the running constraints that hold there too. Contacts that a cost names and the node does
-/// not hold are reported. `lqr`: what the file's `terminal: {lqr: ...}` stands for, or null.
+/// Builds the last node with its own terms, the running costs on swings that end there, and the
+/// running constraints that also hold there. Reports contacts that a cost names and the node does
+/// not hold. `lqr`: terminal cost of the file's `terminal: {lqr: ...}`, or null.
 Phase build_terminal(const PhaseContext& context, const KnotContents& running,
                      const KnotContents& terminal, const TerminalLqr* lqr, Diagnostics& out);
 
-/// Constraints on the initial state alone cannot be influenced: checks those that are hard, and
-/// switches them off.
+/// Checks the hard constraints on the initial state alone, which no control can influence, and
+/// switches off all such constraints.
 void settle_initial_state(const std::vector<double>& initial_state,
                           const std::vector<BuiltConstraint>& constraints, double tolerance,
                           std::vector<Phase>& phases, Diagnostics& out);

@@ -6,8 +6,8 @@
 
 namespace conddp {
 
-/// The SHA-256 of a problem, unperturbed and with all its constraints: of what its file and the
-/// settings say of it (ProblemSpec::definition), and of the files with its robots and data.
+/// SHA-256 of a problem, unperturbed and with all its constraints. It covers the content of the
+/// file and its settings (ProblemSpec::definition), and the files with robots and data.
 std::string problem_sha256(const ProblemSpec& spec, const BuiltProblem& built);
 
 }  // namespace conddp

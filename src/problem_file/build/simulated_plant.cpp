@@ -12,14 +12,14 @@
 namespace conddp {
 namespace {
 
-/// Where a contact touches, in its frame, m.
+/// Points of a contact that can touch, in its frame, m.
 std::vector<Vector3<double>> points_of(const ContactSpec& contact) {
   if (contact.kind != ContactKind::surface || !contact.half_size) return {Vector3<double>::zero()};
   const auto [x, y] = *contact.half_size;
   return {{x, y, 0}, {x, -y, 0}, {-x, y, 0}, {-x, -y, 0}};
 }
 
-/// All that may touch, and which contact each candidate is of.
+/// All candidate contact points, and the contact of each.
 struct Candidates {
   ImplicitContacts contacts;
   std::vector<int> contact_of;
@@ -45,7 +45,7 @@ Candidates candidates_of(const ProblemSpec& spec, const Plant& plant, Diagnostic
 
 bool has_mimic_joints(const RobotModel& robot) { return !robot.mimics.empty(); }
 
-/// What a plant with simulated contacts needs. False where it lacks that, which is reported.
+/// Checks the requirements of a plant with simulated contacts; false, with a report, if one fails.
 bool check(const ProblemSpec& spec, const BuiltProblem& built, Diagnostics& out) {
   const MpcPlantSpec& plant = spec.mpc->plant;
   const int errors = out.error_count();

@@ -5,16 +5,16 @@
 
 namespace conddp {
 
-/// More contacts than that have no bits in PlantMotion::closed_contacts().
+/// Maximum number of simulated contacts: the number of bits in PlantMotion::closed_contacts().
 inline constexpr int kMostSimulatedContacts = 32;
 
-/// The plant of a closed loop with simulated contacts (mpc.plant): every contact of the file may
-/// touch every shape of the ground, with its friction, a sole at its corners. Null where that has
-/// no meaning, which is reported.
+/// The plant of a closed loop with simulated contacts (mpc.plant). Every contact of the file, with
+/// its friction, may touch every shape of the ground; soles touch at their corners. Null, with a
+/// report, if the file cannot be simulated this way.
 std::shared_ptr<PlantMotion> simulated_plant(const ProblemSpec& spec, const BuiltProblem& built,
                                              Diagnostics& out);
 
-/// Warns where contacts of the first phase are above the ground or in it at the start.
+/// Warns if contacts of the first phase start above the ground, or any contact inside it.
 void check_standing(const ProblemSpec& spec, const BuiltProblem& built, Diagnostics& out);
 
 }  // namespace conddp

@@ -20,7 +20,7 @@ Step StateTail::instant(std::shared_ptr<const System> system, Integrator integra
   return Step(std::move(system), integrator).hold(size());
 }
 
-/// The last choices are the controls that states hold, if these are chosen.
+/// The last choices are the held controls if these are free.
 Step StateTail::choice() const {
   const int chosen = start->system->nu();
   Step step(start->system, Integrator::explicit_euler);

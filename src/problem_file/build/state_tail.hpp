@@ -13,28 +13,28 @@ namespace conddp {
 /// Controls that states hold.
 enum class HeldControls {
   none,
-  previous,  ///< the control of the knot before
-  linear,    ///< the control at the node, from which controls go straight to the next one
+  previous,  ///< control of the previous knot
+  linear,    ///< control at the node, linear in time up to the next node
 };
 
-/// Numbers behind the system's state at all nodes of a problem, in this order: integrals, choices
-/// of the start, controls.
+/// Numbers after the system's state at all nodes of a problem, in this order: integrals, choices of
+/// the start, controls.
 struct StateTail {
   HeldControls controls = HeldControls::none;
   int actuators = 0;
   int integrals = 0;
   const InitialChoice* start = nullptr;  ///< null if the initial state is given
 
-  /// Integrals and choices.
+  /// Number of integrals and choices.
   int held() const { return integrals + (start ? start->carried() : 0); }
   int size() const { return held() + (controls == HeldControls::none ? 0 : actuators); }
   bool linear() const { return controls == HeldControls::linear; }
-  /// Free duration of a phase by its place in the tail.
+  /// Free duration of a phase, with its index in the tail.
   std::optional<FreeDuration> duration(std::size_t phase) const;
 
-  /// Step of a knot that takes time, or the last node (Integrator::none).
+  /// Step of a knot that takes time, or of the last node (Integrator::none).
   Step step(std::shared_ptr<const System> system, Integrator integrator) const;
-  /// Step of an instantaneous knot, which hands the tail on.
+  /// Step of an instantaneous knot, which passes the tail on.
   Step instant(std::shared_ptr<const System> system, Integrator integrator) const;
   /// Step that chooses the start.
   Step choice() const;

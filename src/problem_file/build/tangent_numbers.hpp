@@ -7,8 +7,8 @@
 
 namespace conddp {
 
-/// Numbers for the tangent coordinates of a problem's states, by the names of its system (nothing:
-/// 0); 0 for augmented states. What is wrong with them is reported.
+/// Values for the tangent coordinates of a problem's states, resolved by the names of its system.
+/// Missing values and augmented states are 0. Reports invalid components.
 std::vector<double> tangent_numbers(const std::optional<ComponentsSpec>& components,
                                     const BuiltProblem& built, Diagnostics& out);
 
