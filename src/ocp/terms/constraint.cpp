@@ -23,7 +23,7 @@ bool has_pairs_of_entries(const Residual& residual) {
          std::all_of(residual.blocks().begin(), residual.blocks().end(), is_entry);
 }
 
-/// The entries of blocks as (row, place among all columns).
+/// Entries of blocks, each as (row, index among all columns).
 std::vector<std::pair<int, int>> entries_of(const std::vector<RowBlock>& blocks,
                                             const std::vector<int>& columns) {
   std::vector<std::pair<int, int>> entries;
@@ -47,8 +47,7 @@ S tangential_square(const S* s, int n) {
   return sum;
 }
 
-/// √square, bounded away from zero: lanes whose result is not selected stay finite, derivatives
-/// included.
+/// √square, bounded away from zero so that unselected lanes and their derivatives stay finite.
 template <class S>
 S positive_root(const S& square) {
   return sqrt(max(square, S(1e-200)));

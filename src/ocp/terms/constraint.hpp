@@ -11,13 +11,13 @@
 
 namespace conddp {
 
-/// The set in which the value g of a constraint must lie:
+/// Set of admissible values g of a constraint:
 /// - bounds: lower ≤ g ≤ upper row by row, where g is the residual; equal bounds form an equality;
 /// - norm: lower ≤ ‖r‖ ≤ upper, where r is the residual; g = ‖r‖ is one row;
 /// - second_order_cone: ‖(g_0, …, g_{n−2})‖ ≤ g_{n−1}, where g is the residual with its last row
 ///   times `slope`;
-/// - complementarity: 0 ≤ g_{2i} ⊥ g_{2i+1} ≥ 0 for each pair of rows, where g is the residual,
-///   each row being one entry of the control.
+/// - complementarity: 0 ≤ g_{2i} ⊥ g_{2i+1} ≥ 0 for each pair of rows, where g is the residual and
+///   each row is one entry of the control.
 enum class ConstraintKind { bounds, norm, second_order_cone, complementarity };
 
 /// Treatment of a violated constraint:
@@ -26,23 +26,23 @@ enum class ConstraintKind { bounds, norm, second_order_cone, complementarity };
 ///   cone). This penalty is exact: the constraint holds like a hard one as long as its multipliers
 ///   stay below the weight. Solvers see a constraint whose multipliers are limited by the weight;
 /// - l2: costs half the weight times the squared distance, a smooth cost.
-/// Both are multiplied by the knot's cost scale, as are all costs.
+/// The knot's cost scale multiplies both penalties, as it does all costs.
 enum class Softness { hard, l1, l2 };
 
-/// A constraint of a knot model. Its numbers in a knot's parameters, in order: the residual's
-/// parameters, lower and upper bounds (one number per row each, not for cones and pairs), a switch
-/// (0 if the constraint is omitted, else 1), and the weight of a soft constraint.
+/// A constraint of a knot model. Its numbers in a knot's parameters begin with the residual's
+/// parameters, then lower and upper bounds (one number per row each, not for cones and pairs). A
+/// switch (0 if the constraint is omitted, else 1) and the weight of a soft constraint follow.
 struct ConstraintTerm {
   std::string name;
   std::shared_ptr<const Residual> residual;
   ConstraintKind kind = ConstraintKind::bounds;
   double slope = 1;  ///< of a cone
-  /// Factors on the rows of g, all equal for a cone; empty: none.
+  /// Factors on the rows of g, all equal for a cone; empty if all are 1.
   std::vector<double> row_factors = {};
   Softness softness = Softness::hard;
-  /// Duration with which the cost of a soft constraint grows.
+  /// Free duration that scales the cost of a soft constraint.
   std::optional<FreeDuration> grows_with = {};
-  /// True if the rows of an l1-soft constraint grow in place of its weight.
+  /// True if the duration scales the rows of an l1-soft constraint instead of its weight.
   bool by_duration = false;
   std::vector<RowBlock> blocks;  ///< the structure of ∂g/∂z
   int rows = 0;

@@ -4,8 +4,8 @@
 
 namespace conddp {
 
-/// Free duration of a phase: a held number of the state, s. Steps are as given where it has its
-/// written value, and proportional to it elsewhere; so are costs that grow with it.
+/// Free duration of a phase: a held number of the state, s. It scales the time steps of the phase,
+/// and the costs that grow with it, by its ratio to the written duration.
 struct FreeDuration {
   int choice;      ///< index among the held numbers
   double written;  ///< s

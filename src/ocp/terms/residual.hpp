@@ -27,11 +27,11 @@ struct ResidualInput {
 struct RowBlock {
   int rows;
   std::vector<int> columns;
-  bool affine = false;  ///< their Jacobian is constant
+  bool affine = false;  ///< true if their Jacobian is constant
 };
 
-/// The system data that a residual reads: the output of update_kinematics; in addition the contact
-/// forces and their derivatives; or everything.
+/// System data that a residual reads: the output of update_kinematics, also the contact forces and
+/// their derivatives, or everything.
 enum class Reads { kinematics, forces, everything };
 
 class Residual;
@@ -39,7 +39,7 @@ class Residual;
 /// A residual whose rows are constant linear functions of another residual with fewer rows, r =
 /// A·of.
 struct LinearImage {
-  std::shared_ptr<const Residual> of;  ///< has no parameters
+  std::shared_ptr<const Residual> of;  ///< without parameters
   std::vector<double> A;               ///< rows of r x rows of `of`, by rows
 };
 
@@ -50,16 +50,16 @@ class Residual {
   virtual ~Residual() = default;
 
   int size() const { return size_; }
-  /// Number of parameters (its reference) that a knot provides, 0 if none.
+  /// Number of parameters (its reference) that a knot provides.
   int parameter_count() const { return parameter_count_; }
   /// True if the residual is meaningful only at nodes with a control.
   bool needs_control() const { return needs_control_; }
   virtual Reads reads() const { return Reads::everything; }
   /// The structure of its Jacobian: blocks of rows in order.
   const std::vector<RowBlock>& blocks() const { return blocks_; }
-  /// This residual as a linear image of another one, or null: costs form their Hessians from that.
+  /// This residual as a linear image of another one, or null. Costs use it to form their Hessians.
   virtual const LinearImage* linear_image() const { return nullptr; }
-  /// Arguments at which its rows read tables at a node; u is null at a node without control.
+  /// Table readings of its rows at a node; u is null at a node without control.
   virtual std::vector<TableReading> table_readings(const double* /*x*/, const double* /*u*/,
                                                    const double* /*parameters*/) const {
     return {};

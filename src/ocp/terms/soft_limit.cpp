@@ -5,8 +5,7 @@
 namespace conddp {
 namespace {
 
-/// √(Σp²), bounded away from zero: lanes whose result is not selected stay finite, derivatives
-/// included.
+/// √(Σp²), bounded away from zero so that unselected lanes and their derivatives stay finite.
 template <class S>
 S length(const S* p, int n) {
   S sum(1e-200);

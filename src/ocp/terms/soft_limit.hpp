@@ -4,15 +4,15 @@
 
 namespace conddp {
 
-/// p = s − Π(s), clamped such that the multiplier ρ p does not exceed its limit. The augmented
-/// Lagrangian then grows linearly beyond the limit. For rows of bounds one by one; `limit` is the
-/// multiplier limit divided by ρ.
+/// p = s − Π(s) for one row of bounds, clamped such that the multiplier ρ p does not exceed its
+/// limit. The augmented Lagrangian then grows linearly beyond the limit. `limit` is the multiplier
+/// limit divided by ρ.
 template <class S>
 S limit_outside(const S& p, const S& limit) {
   return max(-limit, min(limit, p));
 }
 
-/// limit_outside for p of a cone with n rows, whose norm is clamped.
+/// Counterpart of limit_outside for p of a cone with n rows; clamps the norm of p.
 template <class S>
 void limit_cone(int n, const S& limit, S* p);
 
@@ -20,11 +20,11 @@ void limit_cone(int n, const S& limit, S* p);
 template <class S>
 void limit_cone_derivative(const S* p, int n, const S& limit, S* derivative);
 
-/// Distance of values g from their set, to a power: summed over rows, or of the whole cone. The
-/// bounds have `term.rows` numbers each and are read only for terms with bounds.
+/// Distance of values g from their set, raised to a power: summed over rows, or of the whole cone.
+/// The bounds have `term.rows` numbers each and are read only for terms with bounds.
 double soft_distance(const ConstraintTerm& term, const double* g, const double* lower,
                      const double* upper, double power);
-/// Cost of a knot's soft constraint, l1 or l2, at values g, with the knot's parameters.
+/// Cost of a knot's soft constraint, l1 or l2, at values g, from the knot's parameters.
 double soft_cost(const ConstraintTerm& term, const double* g, const double* parameters,
                  double cost_scale);
 

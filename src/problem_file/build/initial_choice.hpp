@@ -19,8 +19,8 @@ struct InitialChoice {
   bool remembered = false;                             ///< true if all later nodes store the choice
   std::vector<std::optional<FreeDuration>> durations;  ///< by phase
   int first_controls = 0;  ///< number of linear controls at the start: the last choices
-  /// For a periodic motion whose knots store the previous control: number of controls before the
-  /// first knot. These are the last choices.
+  /// For a periodic motion whose knots store the previous control: number of entries of the control
+  /// before the first knot, which are the last choices.
   int previous_controls = 0;
 
   /// Number of choices that all later nodes pass on.

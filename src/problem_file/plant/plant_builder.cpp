@@ -68,7 +68,7 @@ std::shared_ptr<RobotModel> load_robots(const ProblemSpec& spec, Plant& plant, D
   return std::make_shared<RobotModel>(combine(std::move(trees)));
 }
 
-/// Makes the system of a plant whose parts are set. Not null without an error.
+/// Makes the system of a plant whose parts are set. It stays null only with an error.
 void make_multibody(const std::shared_ptr<RobotModel>& model, Plant& plant, Diagnostics& out) {
   add_external_wrenches(plant.parts, *model, out);
   const int errors = out.error_count();

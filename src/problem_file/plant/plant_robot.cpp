@@ -28,8 +28,8 @@ UrdfOptions urdf_options(const RobotSpec& spec, const std::string& prefix,
   return options;
 }
 
-/// Place in the problem file of a link or joint in a URDF error. For a joint that fits several
-/// names with `*`, the best fit.
+/// Place in the problem file of a link or joint from a URDF error. If several names with `*` fit a
+/// joint, the place of the best fit.
 Place place_of(const RobotSpec& spec, const std::string& element) {
   const Name* best = nullptr;
   std::size_t quality = 0;

@@ -7,11 +7,11 @@ namespace conddp {
 
 /// Two shapes of a problem file that must keep apart; a link carries the first one.
 struct ShapePair {
-  std::string first, second;  ///< their names
+  std::string first, second;  ///< names of the shapes
   DistancePair shapes;
 };
 
-/// Reports frames of shapes that the robot does not have.
+/// Reports shapes on frames that the robot lacks.
 void check_shapes(const ProblemSpec& spec, const Plant& plant, Diagnostics& out);
 
 /// The pairs of a cost, each once; requires shapes that pass check_shapes(). Reports unknown names,

@@ -47,7 +47,7 @@ class JumpBuilder {
                                [&](const auto& entry) { return entry.first.value == state; });
   }
 
-  /// True for states that expressions cannot name.
+  /// True for states without a name in expressions.
   bool is_hidden(int state) const {
     return !before_.has_state(state) ||
            before_.state_columns()[state].name.starts_with(kDurationColumn);
