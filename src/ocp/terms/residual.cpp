@@ -13,7 +13,7 @@ std::vector<int> column_range(int first, int count) {
 
 void check_fit(const std::string& what, const Residual& residual, bool has_control, int nz) {
   if (residual.needs_control() && !has_control)
-    throw std::invalid_argument(what + " needs a control, which this node has not");
+    throw std::invalid_argument(what + " needs a control, and this node has none");
   for (const RowBlock& block : residual.blocks())
     for (const int column : block.columns)
       if (column < 0 || column >= nz)
