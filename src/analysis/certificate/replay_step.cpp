@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include <Eigen/Dense>
-
+#include "base/matrix_decompositions.hpp"
 #include "ocp/knot/collocation_residual.hpp"
 
 namespace conddp {

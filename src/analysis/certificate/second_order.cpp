@@ -7,12 +7,12 @@
 #include <memory>
 #include <utility>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 
 #include "analysis/certificate/small_cholesky.hpp"
 #include "analysis/certificate/small_products.hpp"
 #include "analysis/derivatives/node_hessians.hpp"
+#include "base/matrix_decompositions.hpp"
 #include "ocp/evaluation/evaluator.hpp"
 
 namespace conddp {

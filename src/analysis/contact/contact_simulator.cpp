@@ -5,11 +5,11 @@
 #include <numbers>
 
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 #include <Eigen/QR>
 
 #include "analysis/contact/linear_complementarity.hpp"
 #include "analysis/contact/rigid_step.hpp"
+#include "base/matrix_decompositions.hpp"
 
 namespace conddp {
 namespace {

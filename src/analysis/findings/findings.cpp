@@ -9,12 +9,12 @@
 #include <tuple>
 #include <utility>
 
-#include <Eigen/Dense>
 #include <fmt/format.h>
 
 #include "analysis/findings/contact_findings.hpp"
 #include "analysis/findings/grid_findings.hpp"
 #include "base/exceeds.hpp"
+#include "base/matrix_decompositions.hpp"
 #include "ocp/problem/by_name.hpp"
 #include "ocp/problem/node_evaluation.hpp"
 #include "systems/collocation_system.hpp"

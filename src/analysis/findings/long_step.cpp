@@ -6,10 +6,10 @@
 #include <memory>
 #include <utility>
 
-#include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 
 #include "base/exceeds.hpp"
+#include "base/matrix_decompositions.hpp"
 #include "systems/multibody/multibody.hpp"
 
 namespace conddp {

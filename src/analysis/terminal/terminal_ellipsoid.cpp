@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include <Eigen/Dense>
+#include "base/matrix_decompositions.hpp"
 
 namespace conddp {
 namespace {
@@ -26,8 +26,8 @@ Eigen::MatrixXd without_rounding(const Eigen::MatrixXd& matrix) {
   const int n = static_cast<int>(matrix.rows());
   const Eigen::VectorXd scale = scale_of(matrix);
   const Eigen::VectorXd inverse = scale.unaryExpr([](double s) { return s > 0 ? 1 / s : 0.0; });
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(inverse.asDiagonal() * matrix *
-                                                             inverse.asDiagonal());
+  const Eigen::MatrixXd scaled = inverse.asDiagonal() * matrix * inverse.asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
   const int rank = static_cast<int>((eigen.eigenvalues().array() > rounding(n)).count());
   if (rank == n) return matrix;
   const Eigen::MatrixXd L = scale.asDiagonal() * eigen.eigenvectors().rightCols(rank) *

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <limits>
 
-#include <Eigen/Dense>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "analysis/terminal/terminal_ellipsoid.hpp"
+#include "base/matrix_decompositions.hpp"
 #include "ocp/evaluation/evaluator.hpp"
 #include "systems/multibody/multibody.hpp"
 

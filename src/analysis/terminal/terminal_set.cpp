@@ -5,10 +5,10 @@
 #include <limits>
 #include <utility>
 
-#include <Eigen/Dense>
 #include <fmt/format.h>
 
 #include "analysis/terminal/terminal_ellipsoid.hpp"
+#include "base/matrix_decompositions.hpp"
 #include "ocp/evaluation/evaluator.hpp"
 
 namespace conddp {

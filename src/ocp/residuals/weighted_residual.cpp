@@ -6,8 +6,7 @@
 #include <numeric>
 #include <stdexcept>
 
-#include <Eigen/Eigenvalues>
-
+#include "base/matrix_decompositions.hpp"
 #include "ocp/residuals/stack_numbers.hpp"
 
 namespace conddp {

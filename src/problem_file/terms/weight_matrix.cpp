@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 
+#include "base/matrix_decompositions.hpp"
 #include "base/text/spelling.hpp"
 #include "ocp/residuals/stack_numbers.hpp"
 #include "ocp/residuals/weighted_residual.hpp"

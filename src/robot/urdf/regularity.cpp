@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Eigenvalues>
-
+#include "base/matrix_decompositions.hpp"
 #include "robot/urdf/axis_alignment.hpp"
 
 namespace conddp {
@@ -74,8 +73,9 @@ double smallest_eigenvalue(const Matrix6d& inertia) {
   if (const double least = diagonal.minCoeff(); !(least > 0))
     return least < -kRounding * diagonal.maxCoeff() ? -1 : 0;
   const Eigen::Matrix<double, 6, 1> scale = diagonal.cwiseSqrt().cwiseInverse();
-  const Matrix6d scaled = scale.asDiagonal() * inertia * scale.asDiagonal();
-  return Eigen::SelfAdjointEigenSolver<Matrix6d>(scaled, Eigen::EigenvaluesOnly).eigenvalues()[0];
+  const Eigen::MatrixXd scaled = scale.asDiagonal() * inertia * scale.asDiagonal();
+  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scaled, Eigen::EigenvaluesOnly)
+      .eigenvalues()[0];
 }
 
 /// Row of a one-axis joint's axis in (linear; angular) vectors.

@@ -5,7 +5,7 @@
 #include <limits>
 #include <numeric>
 
-#include <Eigen/Dense>
+#include "base/matrix_decompositions.hpp"
 
 namespace conddp {
 namespace {
@@ -197,7 +197,8 @@ std::vector<LinearMode> unreachable_modes(const Matrix& A, const Matrix& B) {
     W = qr.householderQ() * W;
   }
   const Matrix rest = W.rightCols(n - reached);
-  const Eigen::EigenSolver<Matrix> eigen((rest.transpose() * A * rest).transpose());
+  const Matrix block = (rest.transpose() * A * rest).transpose();
+  const Eigen::EigenSolver<Matrix> eigen(block);
   std::vector<LinearMode> modes;
   for (int i = 0; i < n - reached; ++i)
     modes.push_back(make_mode(eigen.eigenvalues()[i], rest * eigen.eigenvectors().col(i)));

@@ -1,5 +1,4 @@
-#include <Eigen/Dense>
-
+#include "base/matrix_decompositions.hpp"
 #include "systems/multibody/multibody.hpp"
 
 namespace conddp {
