@@ -1,6 +1,6 @@
 # Precompiled headers, each built once and shared:
 #   conddp_pch_core   standard library, Eigen, fmt            (the numerical layers)
-#   conddp_pch_files  the same and nlohmann/json, yaml-cpp    (layers that read and write files, apps)
+#   conddp_pch_files  the same and nlohmann/json, yaml-cpp    (cold: layers that read and write files, apps)
 # A file named *_kernel.cpp never uses one: it is compiled with flags or macros of its own.
 file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/generated/pch.cpp
   CONTENT "// Carries a precompiled header.\n")
@@ -35,5 +35,5 @@ endfunction()
 
 conddp_add_pch(conddp_pch_core)
 conddp_add_pch(conddp_pch_files
-  LINK nlohmann_json::nlohmann_json conddp_yaml
+  LINK nlohmann_json::nlohmann_json conddp_yaml conddp_cold_options
   HEADERS <fstream> <sstream> <nlohmann/json.hpp> <yaml-cpp/yaml.h>)

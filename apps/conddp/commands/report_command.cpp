@@ -33,7 +33,7 @@ struct ReportArguments {
   bool open = false;
 };
 
-constexpr std::string_view kKeys[] = {"problem",
+constexpr std::string_view kKept[] = {"problem",
                                       "tool",
                                       "solver",
                                       "status",
@@ -92,7 +92,7 @@ struct Documents {
 std::optional<Documents> load_documents(const ReportArguments& arguments, Diagnostics& out) {
   Documents documents;
   for (const std::string& file : arguments.solutions)
-    if (const auto document = load_document(file, kSolutionDocument, kKeys, {}, out))
+    if (const auto document = load_document(file, kSolutionDocument, kKept, {}, out))
       documents.solutions.emplace_back(*document);
   if (!arguments.bench.empty())
     if (const auto document = load_document(arguments.bench, kBenchDocument, kBenchKeys, {}, out))

@@ -47,15 +47,15 @@ bool pairs_need_no_less(const Transcription& transcription, const Eigen::VectorX
 }
 
 /// A relaxation, and its first epsilon.
-struct Way {
+struct RelaxationStart {
   PairRelaxation relaxation;
   double initial;
 };
 
 /// The chosen relaxation and, if others may be tried, first the same one from a looser epsilon,
 /// then the others.
-std::vector<Way> ways_to_try(const SolverOptions::Complementarity& options) {
-  std::vector<Way> list = {{options.relaxation, options.initial}};
+std::vector<RelaxationStart> ways_to_try(const SolverOptions::Complementarity& options) {
+  std::vector<RelaxationStart> list = {{options.relaxation, options.initial}};
   if (options.fallback != RelaxationFallback::automatic) return list;
   list.push_back({options.relaxation, kLooser * options.initial});
   for (const PairRelaxation other :
@@ -82,7 +82,7 @@ bool IpoptSolver::is_complementary(const InteriorPointAnswer& answer) const {
 
 /// Tries the relaxations until one finds an answer.
 InteriorPointAnswer IpoptSolver::run_relaxations(const Trajectory& start) {
-  const std::vector<Way> ways = ways_to_try(options_.complementarity);
+  const std::vector<RelaxationStart> ways = ways_to_try(options_.complementarity);
   InteriorPointAnswer answer;
   for (std::size_t i = 0; i < ways.size(); ++i) {
     if (i > 0) {
