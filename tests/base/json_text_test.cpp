@@ -8,8 +8,6 @@
 
 #include <gtest/gtest.h>
 
-#include "base/json/number_block.hpp"
-
 namespace conddp {
 namespace {
 
@@ -94,23 +92,6 @@ TEST(JsonText, TablesHaveARowOnEachLine) {
   "none": []
 }
 )");
-}
-
-TEST(JsonText, BlocksAreWrittenAsLists) {
-  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  const std::vector<double> numbers = {1, -0.1, kNone, 1e-300, 1e15, -0.0};
-  const OrderedJson blocks = {
-      {"list", number_block(numbers)},
-      {"table", number_block(2, 3, numbers)},
-      {"tables", {number_block(2, 3, numbers), number_block(1, 2, numbers)}},
-      {"lists", {number_block(numbers), nullptr}},
-      {"rows", {{{"name", "a"}, {"value", number_block(numbers)}}}},
-      {"empty", {number_block(std::vector<double>()), number_block(0, 3, numbers)}},
-      {"rows without columns", number_block(2, 0, numbers)}};
-  const OrderedJson lists = with_lists(blocks);
-  EXPECT_EQ(json_text(blocks), json_text(lists));
-  EXPECT_EQ(compact_json(blocks), compact_json(lists));
-  EXPECT_EQ(json_text(blocks["table"]), json_text(lists["table"]));
 }
 
 }  // namespace

@@ -1,6 +1,5 @@
 #include "batch/results/batch_report.hpp"
 
-#include "base/json/number_block.hpp"
 #include "batch/plan/spread.hpp"
 #include "batch_folder.hpp"
 
@@ -34,7 +33,7 @@ solvers: [ilqr, ddp]
              {{"columns", {{"x", {"theta", "omega"}}}},
               {"units", {{"x", {"rad", "rad/s"}}}},
               {"t", {0.0, 0.5}},
-              {"x", {number_block(here), number_block(there)}}}}};
+              {"x", {here, there}}}}};
   }
   const Manifest& manifest() const { return *batch_.manifest; }
   StoredResults results() const { return load_results(batch_.folder.path()); }
@@ -90,11 +89,10 @@ TEST_F(BatchReport, ExplainsUnsolvedItems) {
 
 TEST_F(BatchReport, HasTheLastNodeOfATrajectory) {
   OrderedJson document = solution(0);
-  const std::vector<double> state = {0, 0};
   OrderedJson t = OrderedJson::array(), x = OrderedJson::array();
   for (int k = 0; k <= 205; ++k) {
     t.push_back(k);
-    x.push_back(number_block(state));
+    x.push_back({0.0, 0.0});
   }
   document["trajectory"]["t"] = t;
   document["trajectory"]["x"] = x;

@@ -14,7 +14,6 @@
 #include "arguments/shared_arguments.hpp"
 #include "base/files/atomic_file.hpp"
 #include "base/files/folder_name.hpp"
-#include "base/json/number_block.hpp"
 #include "commands/commands.hpp"
 #include "ocp/knot/knot_batch.hpp"
 #include "output/report/certificate_report.hpp"
@@ -182,8 +181,8 @@ struct Task {
   std::vector<const SolverInfo*> candidates;
   double finishing = 0;  ///< estimated time for files and certificate, s
   std::string grid;      ///< setting of a grid that differs from the file's
-  /// Certificate of the solve, for its document.
-  std::shared_ptr<CertificateMemory> memory = std::make_shared<CertificateMemory>();
+  /// Certificate of the solve, for its answer.
+  std::shared_ptr<LastJudged> judged = std::make_shared<LastJudged>();
 };
 
 /// Prepares a task; reports errors and returns false if there is nothing to solve.
@@ -215,7 +214,7 @@ std::vector<std::string> write_files(const SolveArguments& arguments, const Solu
   std::string page;
   if (arguments.report)
     page = report_text(report_data({{.label = std::string(solution.solver.name),
-                                     .document = with_lists(document),
+                                     .document = document,
                                      .spec = &solution.spec,
                                      .built = &solution.built}}));
   const auto folder = output_folder(arguments, solution.spec);
@@ -310,7 +309,7 @@ void start_from(const Task& former, const SolveResult& answer, Task& task) {
 /// go around.
 Doubt doubt_of(const SolveArguments& arguments, const Task& task, const SolverOptions& options) {
   if (arguments.no_verify) return nullptr;
-  Doubt doubt = certificate_doubt(options, {task.memory, tangent_columns(*task.built)});
+  Doubt doubt = certificate_doubt(options, task.judged, tangent_columns(*task.built));
   if (task.spec->solver.name.value != kAutoSolver) return doubt;
   return [doubt](const ShootingProblem& problem, const SolveResult& result) {
     Objection objection = doubt(problem, result);
@@ -490,17 +489,18 @@ int solve_file(const SolveArguments& arguments) {
     return kExitBadInput;
   }
   const ProblemSpec& spec = *task.spec;
-  const BuiltProblem& built = *task.built;
-  Solution solution{spec, built, *solve.solver(), *result, overrides(arguments), solve.rounds()};
-  solution.answer.certified = task.memory;
+  Solution solution{spec,    *task.built,          *solve.solver(),
+                    *result, overrides(arguments), solve.rounds()};
+  solution.answer.judged = task.judged;
   if (!solution.mesh.empty())
     solution.overrides.push_back(setting_of_grid(solution.mesh.back().factor));
   else if (!task.grid.empty())
     solution.overrides.push_back(task.grid);
-  OrderedJson document = solution_json(solution, NumberForm::kBlocks);
+  OrderedJson document = solution_json(solution);
   std::optional<SolutionCertificate> certificate;
   if (!arguments.no_verify) {
-    certificate = certify_solution(document, spec, built, false, &solution.answer);
+    certificate = certify_answer(solution);
+    note_nulls(document, certificate->checks);
     add_certificate(certificate_json(*certificate), document);
   }
   print_answer(arguments, solution, certificate ? &*certificate : nullptr,

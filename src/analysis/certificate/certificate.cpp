@@ -590,16 +590,6 @@ Certificate judge(const ShootingProblem& problem, const SolutionClaims& claims,
 
 }  // namespace
 
-void CertificateMemory::keep(SolutionClaims claims, const Certificate& certificate) {
-  const std::lock_guard lock(guard_);
-  last_.emplace(std::move(claims), certificate);
-}
-
-std::optional<Certificate> CertificateMemory::of(const SolutionClaims& claims) const {
-  const std::lock_guard lock(guard_);
-  return last_ && last_->first == claims ? std::optional(last_->second) : std::nullopt;
-}
-
 bool Certificate::holds() const { return failures() == 0; }
 
 int Certificate::failures() const {

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -62,19 +60,6 @@ struct Certificate {
   /// True if every failed check of a figure found a finite number. Otherwise, the failure says
   /// nothing about the answer.
   bool computable() const;
-};
-
-/// Caches the certificate of the answer judged last, for the same claims in the same process.
-/// Thread-safe.
-class CertificateMemory {
- public:
-  void keep(SolutionClaims claims, const Certificate& certificate);
-  /// Returns nullopt if the claims differ from the cached ones.
-  std::optional<Certificate> of(const SolutionClaims& claims) const;
-
- private:
-  mutable std::mutex guard_;
-  std::optional<std::pair<SolutionClaims, Certificate>> last_;
 };
 
 /// Judges an answer to a problem. Evaluates every knot in scalar arithmetic, compares costs, gaps,

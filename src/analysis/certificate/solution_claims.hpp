@@ -13,7 +13,7 @@
 
 namespace conddp {
 
-/// All claims of an answer; NaN for numbers that it leaves open.
+/// Numbers that an answer claims; NaN if it leaves one open.
 struct SolutionClaims {
   static constexpr double kOpen = std::numeric_limits<double>::quiet_NaN();
 
@@ -41,9 +41,6 @@ struct SolutionClaims {
   double gain_regularization = kOpen;        ///< regularization of their sweep
   RegularizationKind gain_regularization_kind = RegularizationKind::proximal;
   std::vector<std::string> tangent_names;  ///< names of tangent coordinates, for places
-
-  /// Equality in every bit; open numbers are equal.
-  bool operator==(const SolutionClaims& other) const;
 };
 
 }  // namespace conddp

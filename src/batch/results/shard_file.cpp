@@ -17,7 +17,6 @@
 #include "base/files/line_sum.hpp"
 #include "base/files/sync_to_disk.hpp"
 #include "base/files/write_all.hpp"
-#include "base/json/number_block.hpp"
 
 namespace conddp {
 namespace {
@@ -196,9 +195,14 @@ bool is_damaged(const StoredResult& stored) {
 }
 
 OrderedJson load_document(const StoredResult& stored) {
-  const std::string bytes = load_solution(stored);
-  OrderedJson document = bytes.empty() ? OrderedJson() : unpacked_document(bytes);
-  return document.is_discarded() ? OrderedJson() : with_lists(std::move(document));
+  OrderedJson document = OrderedJson::from_cbor(load_solution(stored), true, false);
+  return document.is_discarded() ? OrderedJson() : document;
+}
+
+std::string packed_document(const OrderedJson& document) {
+  std::string bytes;
+  OrderedJson::to_cbor(document, bytes);
+  return bytes;
 }
 
 }  // namespace conddp

@@ -67,4 +67,7 @@ bool is_damaged(const StoredResult& stored);
 /// The solution.json of a stored result; null without one.
 OrderedJson load_document(const StoredResult& stored);
 
+/// A document as it is stored: in CBOR (RFC 8949).
+std::string packed_document(const OrderedJson& document);
+
 }  // namespace conddp

@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "base/json/number_block.hpp"
 #include "batch/run/refined_solve.hpp"
 #include "output/report/certificate_report.hpp"
 #include "output/report/solution_certificate.hpp"
@@ -105,7 +104,6 @@ class ItemRun {
   bool build();
   void solve();
   void refine_mesh();
-  OrderedJson write(const Solution& solution) const;
   SolvedItem certify();
   void note_start(SolvedItem& out) const;
 
@@ -168,44 +166,37 @@ void ItemRun::refine_mesh() {
   refined_ = refine(first(), started_->result, candidates_, rest, build, solver_);
 }
 
-OrderedJson ItemRun::write(const Solution& solution) const {
-  OrderedJson document = solution_json(solution, NumberForm::kBlocks);
-  if (warm_ && !from_file_) name_neighbour(item_.parent, *solver_, document);
-  return document;
-}
-
 SolvedItem ItemRun::certify() {
   Solution solution{*used().spec, used().built, *solver_, result(), item_.settings};
-  solution.answer.certified = started_->certified;
+  solution.answer.judged = started_->judged;
   if (refined_) {
     solution.overrides.push_back(refined_->setting);
     solution.mesh = refined_->rounds;
   }
-  OrderedJson document = write(solution);
-  const double written = seconds();
-  const SolutionCertificate certificate =
-      certify_solution(document, *used().spec, used().built, false, &solution.answer);
+  const double prepared = seconds();
+  SolutionCertificate certificate = certify_answer(solution);
   const double certified = seconds();
-  SolvedItem out{
-      {.id = item_.id,
-       .status = std::string(to_string(result().status)),
-       .success = is_success(result().status) && !is_denied(certificate.checks.verdict()),
-       .answer = answer_of(document, certificate)},
-      {},
-      {}};
-  if (const std::string coarse = refined_ ? too_coarse(*refined_, *used().spec) : "";
-      !coarse.empty()) {
-    out.result.success = false;
-    out.result.answer["message"] = coarse + "; " + result().message;
-  }
+  const std::string coarse = refined_ ? too_coarse(*refined_, *used().spec) : "";
+  SolvedItem out{{.id = item_.id,
+                  .status = std::string(to_string(result().status)),
+                  .success = is_success(result().status) &&
+                             !is_denied(certificate.checks.verdict()) && coarse.empty()},
+                 {},
+                 {}};
+  const bool kept = is_kept(out.result, manifest_.keep);
+  OrderedJson document = kept ? solution_json(solution) : solution_head(solution);
+  out.result.answer = answer_of(document, certificate);
+  if (!coarse.empty()) out.result.answer["message"] = coarse + "; " + result().message;
   if (manifest_.warm_start != WarmStart::kNone) note_start(out);
-  if (is_kept(out.result, manifest_.keep)) {
+  if (kept) {
+    if (warm_ && !from_file_) name_neighbour(item_.parent, *solver_, document);
+    note_nulls(document, certificate.checks);
     add_certificate(certificate_json(certificate), document);
     out.solution = packed_document(document);
   }
   out.result.times = {{"build", built_},
                       {"solve", solved_ - built_},
-                      {"certificate", certified - written},
+                      {"certificate", certified - prepared},
                       {"all", seconds()}};
   return out;
 }

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <limits>
 
-#include "analysis/certificate/certificate_doubt.hpp"
-
 namespace conddp {
 namespace {
 
@@ -51,11 +49,11 @@ StartedSolve solve_from(const NeighbourAnswer* from, const ProblemInstance& inst
                         const SolverOptions& options, const SolverInfo*& solver) {
   const ShootingProblem& problem = *instance.built.problem;
   const Trajectory& own = instance.built.guess;
-  const auto memory = std::make_shared<CertificateMemory>();
+  const auto judged = std::make_shared<LastJudged>();
   if (from == nullptr)
     return {.result = solve(problem, candidates, options, own, solver,
-                            certificate_doubt(options, {memory, tangent_columns(instance.built)})),
-            .certified = memory};
+                            certificate_doubt(options, judged, tangent_columns(instance.built))),
+            .judged = judged};
   SolverOptions trial = options;
   trial.homotopy = nullptr;
   trial.restarts = {};
@@ -68,8 +66,8 @@ StartedSolve solve_from(const NeighbourAnswer* from, const ProblemInstance& inst
   SolverOptions rest = options;
   rest.max_time_s = std::max(kLeastTime, options.max_time_s - warm.times.total);
   return {solve(problem, candidates, rest, own, solver,
-                certificate_doubt(rest, {memory, tangent_columns(instance.built)})),
-          StartKind::kDropped, warm.iterations, memory};
+                certificate_doubt(rest, judged, tangent_columns(instance.built))),
+          StartKind::kDropped, warm.iterations, judged};
 }
 
 }  // namespace conddp

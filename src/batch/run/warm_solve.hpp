@@ -3,7 +3,7 @@
 #include <memory>
 #include <string_view>
 
-#include "analysis/certificate/certificate.hpp"
+#include "analysis/certificate/certificate_doubt.hpp"
 #include "batch/plan/problem_family.hpp"
 #include "solvers/strategies/registry.hpp"
 
@@ -31,8 +31,7 @@ struct StartedSolve {
   SolveResult result;
   StartKind start = StartKind::kOwn;
   int dropped_iterations = 0;  ///< of a dropped start; not included in the result
-  /// Memory of the answers that the solve passed to the certificate; null without any.
-  std::shared_ptr<const CertificateMemory> certified = nullptr;
+  std::shared_ptr<const LastJudged> judged = nullptr;  ///< certificate from the solve, or null
 };
 
 /// The answer of a solve for its neighbors. `from` is the answer that it started from, or null.

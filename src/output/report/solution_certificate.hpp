@@ -4,8 +4,7 @@
 #include "analysis/contact/contact_certificate.hpp"
 #include "analysis/findings/findings.hpp"
 #include "base/json/ordered_json.hpp"
-#include "output/solution/answer.hpp"
-#include "problem_file/build/build.hpp"
+#include "output/solution/solution.hpp"
 
 namespace conddp {
 
@@ -21,15 +20,17 @@ struct SolutionCertificate {
   double time_s = 0;  ///< duration of the check
 };
 
-/// Checks the document of a solution against its problem: configuration, shapes and names, options,
-/// dropped constraints, contact forces and the log, and the checks of certify() and
-/// contact_checks(). On request, it also replays the solution on a finer grid. If shapes do not
-/// match, nothing else is compared. Throws MalformedSolution if the document lacks keys.
-/// `written`: the answer from which this process has just written the document, with the same spec
-/// and built problem. The configuration then matches. If the document contains the answer's
-/// trajectory, nodes and findings are not evaluated again.
+/// Checks an answer in memory: the checks of certify() and contact_checks(), constraints, contact
+/// forces and the log. Statements of its document hold, because they are written from the problem.
+SolutionCertificate certify_answer(const Solution& solution);
+
+/// Adds the checks of the nulls in the document of this answer.
+void note_nulls(const OrderedJson& document, Certificate& certificate);
+
+/// Checks the document of a solution against its problem: the checks of certify_answer(), and the
+/// statements of the document. On request, it also replays the solution on a finer grid. If shapes
+/// do not match, nothing else is compared. Throws MalformedSolution if the document lacks keys.
 SolutionCertificate certify_solution(const OrderedJson& document, const ProblemSpec& spec,
-                                     const BuiltProblem& built, bool with_replay,
-                                     const Answer* written = nullptr);
+                                     const BuiltProblem& built, bool with_replay);
 
 }  // namespace conddp

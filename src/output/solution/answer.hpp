@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "analysis/certificate/certificate.hpp"
+#include "analysis/certificate/certificate_doubt.hpp"
 #include "analysis/findings/diagnosis.hpp"
 #include "analysis/findings/findings.hpp"
 #include "ocp/problem/by_name.hpp"
@@ -16,8 +16,7 @@
 namespace conddp {
 
 /// Results derived from a solve under the names of its problem file, computed once for all outputs.
-/// A certificate in the same process reuses the node values and findings if its trajectory is the
-/// same. It also takes over an earlier certificate of the same claims.
+/// The certificate uses them, too.
 struct Answer {
   Answer(const ProblemSpec& spec, const BuiltProblem& built, const SolveResult& result);
 
@@ -29,7 +28,7 @@ struct Answer {
   Diagnosis diagnosis;
   std::vector<Finding> findings;
   ContactForces forces;
-  std::shared_ptr<const CertificateMemory> certified;  ///< certificate from the solve, or null
+  std::shared_ptr<const LastJudged> judged;  ///< certificate from the solve, or null
 };
 
 }  // namespace conddp

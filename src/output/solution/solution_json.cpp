@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include "base/json/json_object.hpp"
-#include "base/json/number_block.hpp"
 #include "conddp_version.hpp"
 #include "ocp/problem/control_columns.hpp"
 #include "ocp/problem/cost_scale.hpp"
@@ -16,61 +15,35 @@
 #include "output/solution/input_files.hpp"
 #include "output/solution/log_columns.hpp"
 #include "problem_file/expand/expand_problem.hpp"
-#include "solvers/common/control_bounds.hpp"
 #include "spatial/lane.hpp"
 
 namespace conddp {
 namespace {
 
-OrderedJson numbers(std::span<const double> values, NumberForm form) {
-  if (form == NumberForm::kBlocks) return number_block(values);
-  OrderedJson array = OrderedJson::array();
-  for (const double value : values) array.push_back(finite_or_null(value));
-  return array;
+OrderedJson numbers(std::span<const double> values) {
+  OrderedJson::array_t list;
+  list.reserve(values.size());
+  for (const double value : values) list.push_back(finite_or_null(value));
+  return list;
 }
-OrderedJson numbers(const Eigen::Ref<const Eigen::VectorXd>& values, NumberForm form) {
-  return numbers(std::span(values.data(), static_cast<std::size_t>(values.size())), form);
+OrderedJson numbers(const Eigen::Ref<const Eigen::VectorXd>& values) {
+  return numbers(std::span(values.data(), static_cast<std::size_t>(values.size())));
 }
 
-/// Rows of numbers, stored consecutively.
-class NumberRows {
- public:
-  void add(const Eigen::Ref<const Eigen::VectorXd>& row) {
-    numbers_.insert(numbers_.end(), row.data(), row.data() + row.size());
-    ends_.push_back(numbers_.size());
-  }
-  /// Adds the row of a table of all controls, from the knot's own controls.
-  void add_controls(const ControlColumns& controls, int knot,
-                    const Eigen::Ref<const Eigen::VectorXd>& own) {
-    if (controls.are_some(knot))
-      add(controls.row(knot, own));
-    else
-      add(own);
-  }
+/// A list of rows, made by row(i).
+template <class Row>
+OrderedJson rows(Eigen::Index count, Row row) {
+  OrderedJson list = OrderedJson::array();
+  for (Eigen::Index i = 0; i < count; ++i) list.push_back(row(static_cast<int>(i)));
+  return list;
+}
 
-  /// A list of lists, or in block form a single block if all rows have the same length.
-  OrderedJson json(NumberForm form) const {
-    if (form == NumberForm::kBlocks && have_one_length())
-      return number_block(ends_.size(), ends_.empty() ? 0 : ends_.front(), numbers_);
-    OrderedJson rows = OrderedJson::array();
-    std::size_t begin = 0;
-    for (const std::size_t end : ends_) {
-      rows.push_back(numbers(std::span(numbers_).subspan(begin, end - begin), form));
-      begin = end;
-    }
-    return rows;
-  }
-
- private:
-  bool have_one_length() const {
-    for (std::size_t i = 0; i < ends_.size(); ++i)
-      if (ends_[i] != (i + 1) * ends_.front()) return false;
-    return true;
-  }
-
-  std::vector<double> numbers_;
-  std::vector<std::size_t> ends_;
-};
+/// Rows of the table of all controls, from each knot's own controls.
+template <class Own>
+OrderedJson control_rows(const ShootingProblem& problem, Own own) {
+  const ControlColumns controls(problem);
+  return rows(problem.knots(), [&](int k) { return numbers(controls.row(k, own(k))); });
+}
 
 OrderedJson problem_json(const Solution& s) {
   const InputFiles files = input_files(s.built);
@@ -124,98 +97,45 @@ OrderedJson columns_json(const std::vector<Column>& columns, std::string Column:
   return array;
 }
 
-OrderedJson contact_forces_json(const Solution& s, NumberForm form) {
+OrderedJson contact_forces_json(const Solution& s) {
   OrderedJson json = json_object(s.answer.forces.contacts.size());
   for (const auto& contact : s.answer.forces.contacts) {
     OrderedJson rows = OrderedJson::array();
     for (const auto& wrench : contact.wrench)
-      rows.push_back(wrench ? numbers(std::span(*wrench).first(contact.torque ? 6 : 3), form)
+      rows.push_back(wrench ? numbers(std::span(*wrench).first(contact.torque ? 6 : 3))
                             : OrderedJson(nullptr));
     json[contact.name] = std::move(rows);
   }
   return json;
 }
 
-OrderedJson trajectory_json(const Solution& s, NumberForm form) {
+OrderedJson trajectory_json(const Solution& s) {
   const ShootingProblem& problem = *s.built.problem;
   const Trajectory& trajectory = s.result.trajectory;
-  const ControlColumns controls(problem);
-  NumberRows x, u;
-  for (int k = 0; k <= problem.knots(); ++k) x.add(trajectory.x(k));
-  for (int k = 0; k < problem.knots(); ++k) u.add_controls(controls, k, trajectory.u(k));
-  OrderedJson phases = OrderedJson::array();
-  int first = 0;
-  for (const Phase& phase : problem.phases()) {
-    phases.push_back({{"name", phase.name}, {"first_knot", first}, {"knots", phase.knots()}});
-    first += phase.knots();
-  }
-  OrderedJson json = json_object(7);
-  json["columns"] = {{"x", columns_json(s.built.state_columns, &Column::name)},
-                     {"u", columns_json(s.built.control_columns, &Column::name)}};
-  json["units"] = {{"t", "s"},
-                   {"x", columns_json(s.built.state_columns, &Column::unit)},
-                   {"u", columns_json(s.built.control_columns, &Column::unit)}};
-  json["phases"] = std::move(phases);
+  OrderedJson json = motion_names(s.built);
   json["t"] = problem.times(trajectory);
-  json["x"] = x.json(form);
-  json["u"] = u.json(form);
-  json["contact_forces"] = contact_forces_json(s, form);
+  json["x"] = rows(problem.knots() + 1, [&](int k) { return numbers(trajectory.x(k)); });
+  json["u"] = control_rows(problem, [&](int k) { return trajectory.u(k); });
+  json["contact_forces"] = contact_forces_json(s);
   return json;
 }
 
-OrderedJson table(const Eigen::MatrixXd& matrix, NumberForm form) {
-  const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> by_rows = matrix;
-  if (form == NumberForm::kBlocks)
-    return number_block(static_cast<std::size_t>(by_rows.rows()),
-                        static_cast<std::size_t>(by_rows.cols()),
-                        {by_rows.data(), static_cast<std::size_t>(by_rows.size())});
-  NumberRows rows;
-  for (Eigen::Index i = 0; i < by_rows.rows(); ++i) rows.add(by_rows.row(i).transpose());
-  return rows.json(form);
-}
-
-OrderedJson gains_json(const ShootingProblem& problem, const SolveResult& result, NumberForm form) {
+OrderedJson gains_json(const ShootingProblem& problem, const SolveResult& result) {
   const ControlColumns controls(problem);
-  NumberRows k;
-  OrderedJson K = OrderedJson::array();
-  for (std::size_t i = 0; i < result.feedback.k.size(); ++i) {
-    const int knot = static_cast<int>(i);
-    k.add_controls(controls, knot, result.feedback.k[i]);
-    K.push_back(controls.are_some(knot) ? table(controls.rows(knot, result.feedback.K[i]), form)
-                                        : table(result.feedback.K[i], form));
-  }
   OrderedJson gains = json_object(3);
   gains["regularization"] = nullptr;
   if (result.feedback_regularization) gains["regularization"] = *result.feedback_regularization;
-  gains["k"] = k.json(form);
-  gains["K"] = std::move(K);
+  gains["k"] = control_rows(
+      problem, [&](int k) -> auto& { return result.feedback.k[k]; });
+  gains["K"] = rows(problem.knots(), [&](int k) {
+    const Eigen::MatrixXd K = controls.rows(k, result.feedback.K[k]).transpose();
+    return rows(K.cols(), [&](int i) { return numbers(K.col(i)); });
+  });
   return gains;
 }
 
-/// Multipliers of a control bound: nonnegative, zero away from the bound.
-OrderedJson bound_multipliers(const Solution& s, const ControlBounds& bounds, bool upper,
-                              NumberForm form) {
-  const ShootingProblem& problem = *s.built.problem;
-  const ControlColumns controls(problem);
-  NumberRows rows;
-  Eigen::VectorXd row;
-  for (int k = 0; k < problem.knots(); ++k) {
-    row.resize(problem.nu(k));
-    for (int i = 0; i < problem.nu(k); ++i) {
-      const double gradient = (upper ? -1 : 1) * s.result.control_gradient[k][i];
-      const double u = s.result.trajectory.u(k)[i];
-      const bool at_bound = upper ? bounds.at_upper(k, i, u) : bounds.at_lower(k, i, u);
-      row[i] = at_bound ? std::max(0.0, gradient) : 0.0;
-    }
-    rows.add_controls(controls, k, row);
-  }
-  return rows.json(form);
-}
-
-OrderedJson matrix_json(const Eigen::MatrixXd& columns, NumberForm form) {
-  NumberRows rows;
-  for (Eigen::Index k = 0; k < columns.cols(); ++k) rows.add(columns.col(k));
-  return rows.json(form);
+OrderedJson matrix_json(const Eigen::MatrixXd& columns) {
+  return rows(columns.cols(), [&](int k) { return numbers(columns.col(k)); });
 }
 
 OrderedJson violations_json(const std::vector<ConstraintViolation>& violations) {
@@ -225,30 +145,33 @@ OrderedJson violations_json(const std::vector<ConstraintViolation>& violations) 
   return list;
 }
 
-OrderedJson constraint_multipliers(const Solution& s, NumberForm form) {
+OrderedJson constraint_multipliers(const Solution& s) {
   OrderedJson list = OrderedJson::array();
   for (const NodeConstraint& c : s.built.problem->constraints())
     list.push_back(
         {{"name", c.term->name},
          {"node", c.node},
-         {"value", numbers(s.result.constraint_values.segment(c.row, c.term->rows), form)},
-         {"multiplier",
-          numbers(s.result.constraint_multipliers.segment(c.row, c.term->rows), form)}});
+         {"value", numbers(s.result.constraint_values.segment(c.row, c.term->rows))},
+         {"multiplier", numbers(s.result.constraint_multipliers.segment(c.row, c.term->rows))}});
   return list;
 }
 
-OrderedJson multipliers_json(const Solution& s, NumberForm form) {
+OrderedJson multipliers_json(const Solution& s) {
   OrderedJson multipliers = json_object(5);
-  multipliers["costates"] = matrix_json(s.result.costates, form);
-  multipliers["state_gradient"] = matrix_json(s.result.state_gradient, form);
+  multipliers["costates"] = matrix_json(s.result.costates);
+  multipliers["state_gradient"] = matrix_json(s.result.state_gradient);
   if (s.built.problem->has_control_bounds() &&
       static_cast<int>(s.result.control_gradient.size()) == s.built.problem->knots()) {
-    const ControlBounds bounds(*s.built.problem);
-    multipliers["control_lower"] = bound_multipliers(s, bounds, false, form);
-    multipliers["control_upper"] = bound_multipliers(s, bounds, true, form);
+    const auto of_bounds = [&](bool upper) {
+      const auto own = bound_multipliers(*s.built.problem, s.result, upper);
+      return control_rows(
+          *s.built.problem, [&](int k) -> auto& { return own[k]; });
+    };
+    multipliers["control_lower"] = of_bounds(false);
+    multipliers["control_upper"] = of_bounds(true);
   }
   if (!s.built.problem->constraints().empty())
-    multipliers["constraints"] = constraint_multipliers(s, form);
+    multipliers["constraints"] = constraint_multipliers(s);
   return multipliers;
 }
 
@@ -392,7 +315,6 @@ OrderedJson head(const Solution& s) {
 }  // namespace
 
 int count_nulls(const OrderedJson& value) {
-  if (const auto block = NumberBlock::of(value)) return static_cast<int>(block->count_nan());
   if (!value.is_structured()) return value.is_null() ? 1 : 0;
   int count = 0;
   for (const OrderedJson& part : value) count += count_nulls(part);
@@ -424,6 +346,23 @@ OrderedJson solution_head(const Solution& s) {
   return json;
 }
 
+OrderedJson motion_names(const BuiltProblem& built) {
+  OrderedJson phases = OrderedJson::array();
+  int first = 0;
+  for (const Phase& phase : built.problem->phases()) {
+    phases.push_back({{"name", phase.name}, {"first_knot", first}, {"knots", phase.knots()}});
+    first += phase.knots();
+  }
+  OrderedJson json = json_object(7);
+  json["columns"] = {{"x", columns_json(built.state_columns, &Column::name)},
+                     {"u", columns_json(built.control_columns, &Column::name)}};
+  json["units"] = {{"t", "s"},
+                   {"x", columns_json(built.state_columns, &Column::unit)},
+                   {"u", columns_json(built.control_columns, &Column::unit)}};
+  json["phases"] = std::move(phases);
+  return json;
+}
+
 void add_certificate(OrderedJson certificate, OrderedJson& document) {
   document["certificate"] = std::move(certificate);
   if (const int count = count_nulls(document["certificate"]); count > 0)
@@ -439,11 +378,11 @@ OrderedJson diagnosis_json(const Diagnosis& diagnosis) {
   return json;
 }
 
-OrderedJson solution_json(const Solution& s, NumberForm form) {
+OrderedJson solution_json(const Solution& s) {
   OrderedJson json = head(s);
-  json["trajectory"] = trajectory_json(s, form);
-  json["gains"] = gains_json(*s.built.problem, s.result, form);
-  json["multipliers"] = multipliers_json(s, form);
+  json["trajectory"] = trajectory_json(s);
+  json["gains"] = gains_json(*s.built.problem, s.result);
+  json["multipliers"] = multipliers_json(s);
   json["log"] = log_json(s.result.log);
   json["nulls"] = nulls_json(json, s);
   return json;

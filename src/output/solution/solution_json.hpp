@@ -13,17 +13,16 @@ OrderedJson solution_head(const Solution& solution);
 /// Identification of conddp: version, revision, build, libraries.
 OrderedJson tool_json();
 
-/// Form of trajectory, gains and multipliers in a document: lists, or blocks (number_block.hpp),
-/// which the certificate also reads.
-enum class NumberForm { kLists, kBlocks };
-
 /// The complete solution.json (schemas/solution.schema.json) without its certificate.
-OrderedJson solution_json(const Solution& solution, NumberForm form = NumberForm::kLists);
+OrderedJson solution_json(const Solution& solution);
+
+/// Columns, units and phases of a trajectory in a document.
+OrderedJson motion_names(const BuiltProblem& built);
 
 /// Adds the certificate to a document or a head.
 void add_certificate(OrderedJson certificate, OrderedJson& document);
 
-/// Number of nulls in a value, including those that replace numbers in blocks.
+/// Number of nulls in a value.
 int count_nulls(const OrderedJson& value);
 
 /// Diagnosis of the solve: pattern, sentence, knot, quantity and remedy.
