@@ -13,7 +13,7 @@ void write_pages(const Command& tool, const std::filesystem::path& folder) {
   create_folder(folder);
   AtomicFiles files;
   const auto add = [&](const Command& command) {
-    files.add(folder / (man_page_name(command) + ".1"), man_page(command, tool));
+    files.add(folder / (man_page_name(command) + ".1"), man_page(command));
   };
   add(tool);
   for (const Command& command : tool.commands) add(command);
@@ -42,7 +42,7 @@ Command man_command(const Command& tool) {
             if (!folder->empty())
               write_pages(tool, *folder);
             else
-              print_result(man_page(name->empty() ? tool : *tool.find(*name), tool));
+              print_result(man_page(name->empty() ? tool : *tool.find(*name)));
             return kExitConverged;
           }};
 }
