@@ -243,13 +243,6 @@ def nearby_state(d, r, f, m):
     return put(d, "initial_state.values." + m[1], float(m[2])) if "the initial state" in m[0] else None
 
 
-def parsed(d, r, f, m):
-    """'solver.regularization: {decrease_step: 0.1, increase_step: 0.04}'."""
-    for key, value in re.findall(r"(\w+): ([-+.e\d]+)", m[0]):
-        put(d, "solver.regularization." + key, float(value))
-    return d
-
-
 ANOTHER_GUESS = each(other_guess, 0, 1, 2)
 CONTROL = {"residual": "control"}
 RADAU5 = setting("integrator", "radau5")
@@ -301,9 +294,6 @@ ADVICE = [(kind, re.compile(words), tries) for kind, words, tries in (
     ("a larger weight on the control", r"a larger weight on the control \([^)]*\)",
      each(lambda d, v: weights_of(d, v, lambda n, t: t["residual"].startswith("control")), 10, 100)),
     ("horizon_sweeps", r"or a larger solver\.box_qp\.horizon_sweeps", setting("solver.box_qp.horizon_sweeps", 100)),
-    ("regularization by steps", r"solver\.regularization: \{decrease_step: [^}]*\}, so that steps as long as these lower it", [parsed]),
-    ("a smaller regularization.min", r"a smaller solver\.regularization\.min", setting("solver.regularization.min", {"times": 1e-3})),
-    ("a smaller regularization.initial", r"a smaller solver\.regularization\.initial", setting("solver.regularization.initial", {"times": 0.01}, 0)),
     ("regularization.factor nearer to 1", r"solver\.regularization\.factor nearer to 1, so that it does not grow past what is needed",
      setting("solver.regularization.factor", 1.3)),
     ("hessian: exact", r"exact Hessians \(solver\.hessian: exact\)", setting("solver.hessian", "exact")),
@@ -320,7 +310,6 @@ ADVICE = [(kind, re.compile(words), tries) for kind, words, tries in (
     ("limits at the joints", r"limits at the joints \([^)]*\)", each(lambda d, v: wider_bounds(d, v, True), 2, 5)),
     ("controls or locked_joints", r"controls or locked_joints at joints that springs, rods or closed chains hold on the robot itself", []),
     ("another initial state", r"another initial state", []),
-    ("units of similar sizes", r"units in which all states have similar sizes: [^;]*", []),
     ("bounds from urdf", r"constraints: \{NAME: (\{[^}]*\})\}", [lambda d, r, f, m: add(
         d, "constraints", {"bounds": re.search(r"bounds: (\w+)", m[0])[1], "from": "urdf"})]),
     ("baumgarte.kd", r"contacts\.(\w+)\.baumgarte: \{kd: (\S+)\}", [lambda d, r, f, m: put(d, f"contacts.{m[1]}.baumgarte.kd", float(m[2]))]),

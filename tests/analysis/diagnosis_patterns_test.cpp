@@ -360,35 +360,6 @@ TEST(DiagnosisPatterns, AThousandTolerancesAreNotFarOff) {
   EXPECT_EQ(ended(1.1 * limit, ""), DiagnosisPattern::outrun_penalty) << "a cost that stays";
 }
 
-TEST(DiagnosisPatterns, AdvisesLowerRegularizationAtItsLowerEnd) {
-  const double least = SolverOptions{}.regularization.min;
-  const auto remedy = [](double regularization) {
-    const Diagnosis d =
-        diagnosis_of_log(11, [=](int, IterationRecord& r) { r.regularization = regularization; });
-    return d.pattern == DiagnosisPattern::plateau ? d.remedy : "";
-  };
-  EXPECT_EQ(remedy(least), "a smaller solver.regularization.min");
-  EXPECT_NE(remedy(2 * least).find("solver.hessian: exact"), std::string::npos);
-  EXPECT_EQ(remedy(0.5 * least), "") << "less than that is none";
-}
-
-// Steps at the threshold already reduce the regularization.
-TEST(DiagnosisPatterns, AdvisesStepThresholdIfStepsMissIt) {
-  const SolverOptions::Regularization defaults;
-  const auto remedy = [](double step) {
-    return diagnosis_of_log(11,
-                            [=](int, IterationRecord& r) {
-                              r.regularization = 10;
-                              r.step = step;
-                            })
-        .remedy;
-  };
-  EXPECT_EQ(remedy(defaults.decrease_step).find("decrease_step"), std::string::npos);
-  EXPECT_EQ(remedy(0).find("decrease_step"), std::string::npos);
-  EXPECT_NE(remedy(0.2).find("{decrease_step: 0.18, increase_step: "), std::string::npos)
-      << remedy(0.2);
-}
-
 TEST(DiagnosisPatterns, CostStillFallsAtHalfTheEarlierPace) {
   const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(1, 1);
   const ShootingProblem free =

@@ -10,7 +10,6 @@
 #include "analysis/findings/free_control.hpp"
 #include "analysis/findings/holding_torques.hpp"
 #include "analysis/findings/singular_rate.hpp"
-#include "base/exceeds.hpp"
 #include "ocp/problem/by_name.hpp"
 #include "ocp/problem/cost_scale.hpp"
 #include "solvers/iterate/hessian_switch.hpp"
@@ -298,30 +297,15 @@ Diagnosis alternating(const Window& w) {
           "it), or a larger solver.box_qp.horizon_sweeps"};
 }
 
-/// Remedy for a lasting regularization: a smaller minimum if it is at the minimum, otherwise a
-/// lower threshold for "long" steps, which the actual steps reach.
-std::string less_regularisation(const Window& w, const SolverOptions& options) {
-  const auto& r = options.regularization;
-  const double step = w.median_step();
-  if (w.last().regularization <= r.min) return "a smaller solver.regularization.min";
-  if (step <= 0 || step >= r.decrease_step)
-    return "more iterations (solver.max_iterations), or exact Hessians (solver.hessian: exact)";
-  const double decrease = 0.9 * step;
-  return fmt::format(
-      "solver.regularization: {{decrease_step: {:.2g}, increase_step: {:.2g}}}, so that steps as "
-      "long as these lower it{}",
-      decrease, std::min(r.increase_step, 0.4 * decrease),
-      r.initial > 0 ? "; a smaller solver.regularization.initial" : "");
-}
-
-Diagnosis plateau(const Window& w, bool regularised, const SolverOptions& options) {
+Diagnosis plateau(const Window& w, bool regularised) {
   std::string message = fmt::format(
       "stationarity stalled: {:.1e}{} after {:.1e} {} steps before, with {}", w.last().stationarity,
       at(w.last().stationarity_knot), w.first().stationarity, w.steps(),
       regularised ? fmt::format("regularization {:.1e}", w.last().regularization)
                   : fmt::format("steps of {:.2g}", w.median_step()));
   return {DiagnosisPattern::plateau, std::move(message), w.last().stationarity_knot, "stationarity",
-          regularised ? less_regularisation(w, options)
+          regularised ? "more iterations (solver.max_iterations), or exact Hessians "
+                        "(solver.hessian: exact)"
                       : "exact Hessians (solver.hessian: exact), a first guess nearer to the "
                         "answer, smoother costs (smooth_l1 with a larger epsilon)"};
 }
@@ -388,29 +372,6 @@ Diagnosis too_weak(Diagnosis log, const MissingTorque& lack) {
           std::move(remedy)};
 }
 
-/// Ratio of two states' sizes above which units are mentioned.
-constexpr double kSizes = 1e4;
-
-/// Advice if states have very different sizes: one step length, one regularization and one
-/// tolerance serve all of them.
-std::string remedy_of_sizes(const ShootingProblem& problem, const Trajectory& trajectory) {
-  const System& system = problem.terminal().model->system();
-  if (system.robot_inside() != nullptr) return "";
-  const std::vector<Column>& columns = system.state_columns();
-  Eigen::VectorXd largest = Eigen::VectorXd::Zero(columns.size());
-  for (int k = 0; k <= problem.knots(); ++k)
-    largest = largest.cwiseMax(trajectory.x(k).head(largest.size()).cwiseAbs());
-  if (!largest.allFinite()) return "";
-  const int most = worst_of(largest);
-  const double top = largest[most];
-  double least = top;
-  for (const double size : largest)
-    if (size > 0) least = std::min(least, size);
-  if (!(top > kSizes && top > kSizes * least)) return "";
-  return fmt::format("; units in which all states have similar sizes: '{}' reaches {:.2g} {}",
-                     columns[most].name, top, columns[most].unit);
-}
-
 /// True if the cost falls in the second half of a log at least half as far as in the first.
 bool cost_goes_on_falling(const std::vector<IterationRecord>& log) {
   const int last = static_cast<int>(log.size()) - 1;
@@ -458,7 +419,7 @@ std::optional<Diagnosis> of_standstill(const Window& w, const SolverOptions& opt
   });
   const bool always = regularised == w.steps();
   if (w.median_step() > 0.25 && !always) return std::nullopt;
-  return plateau(w, always, options);
+  return plateau(w, always);
 }
 
 bool is_stuck(SolveStatus status) {
@@ -547,41 +508,23 @@ bool is_stuck_at_knot(DiagnosisPattern pattern) {
 }  // namespace
 
 std::string_view to_string(DiagnosisPattern pattern) {
-  switch (pattern) {
-    case DiagnosisPattern::normal:
-      return "normal";
-    case DiagnosisPattern::growth:
-      return "growth";
-    case DiagnosisPattern::indefinite:
-      return "indefinite";
-    case DiagnosisPattern::infeasible:
-      return "infeasible";
-    case DiagnosisPattern::undecided:
-      return "undecided";
-    case DiagnosisPattern::rounding_floor:
-      return "rounding_floor";
-    case DiagnosisPattern::redundant_contacts:
-      return "redundant_contacts";
-    case DiagnosisPattern::no_static_equilibrium:
-      return "no_static_equilibrium";
-    case DiagnosisPattern::free_control:
-      return "free_control";
-    case DiagnosisPattern::open_gaps:
-      return "open_gaps";
-    case DiagnosisPattern::outrun_penalty:
-      return "outrun_penalty";
-    case DiagnosisPattern::slow_feasibility:
-      return "slow_feasibility";
-    case DiagnosisPattern::alternating_active_set:
-      return "alternating_active_set";
-    case DiagnosisPattern::plateau:
-      return "plateau";
-    case DiagnosisPattern::no_descent:
-      return "no_descent";
-    case DiagnosisPattern::unfinished:
-      break;
-  }
-  return "unfinished";
+  constexpr std::string_view kNames[] = {"normal",
+                                         "growth",
+                                         "indefinite",
+                                         "infeasible",
+                                         "undecided",
+                                         "rounding_floor",
+                                         "redundant_contacts",
+                                         "no_static_equilibrium",
+                                         "free_control",
+                                         "open_gaps",
+                                         "outrun_penalty",
+                                         "slow_feasibility",
+                                         "alternating_active_set",
+                                         "plateau",
+                                         "no_descent",
+                                         "unfinished"};
+  return kNames[static_cast<int>(pattern)];
 }
 
 Diagnosis diagnose(const ShootingProblem& problem, const SolveResult& result,
@@ -604,7 +547,6 @@ Diagnosis diagnose(const ShootingProblem& problem, const SolveResult& result,
   if (cost_goes_on_falling(result.log))
     if (const auto control = free_control(problem))
       return unbounded(std::move(d), result.log.back().cost, *control);
-  d.remedy += remedy_of_sizes(problem, result.trajectory);
   if (!is_stuck_at_knot(d.pattern) || d.knot < 0 || d.knot >= problem.knots()) return d;
   const ContactRank contacts =
       problem.knot(d.knot).model->system().contact_rank(result.trajectory.x(d.knot).data());
