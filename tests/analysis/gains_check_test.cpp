@@ -79,8 +79,7 @@ struct OpenTrajectory {
 
   std::vector<Check> checks(const ShootingProblem& problem, const SolutionClaims& claims,
                             const DisplacedModel* displaced = nullptr) const {
-    return check_gains(problem, claims, derivatives, hessians(), gap,
-                       riccati_policy(*lq.problem, t, derivatives, hessians()), displaced);
+    return check_gains(problem, claims, derivatives, hessians(), gap, displaced);
   }
 
   std::vector<Eigen::MatrixXd> hessians() const { return gauss_newton_hessians(*lq.problem, t); }
@@ -130,34 +129,6 @@ TEST(GainsOfASweep, AreComparedEntryByEntry) {
     }
 }
 
-TEST(GainsOfThePolicy, MatchTextbookWithoutRegularization) {
-  for (unsigned seed = 1; seed <= 6; ++seed) {
-    const OpenTrajectory at(seed);
-    const TextbookSweep sweep(at.lq, at.t, at.gap);
-    const RiccatiPolicy policy =
-        riccati_policy(*at.lq.problem, at.t, at.derivatives, at.hessians());
-    SolutionClaims claims = at.claims(sweep, 0, kProximal);
-    const auto are_those = [&](const RiccatiPolicy& own) {
-      return are_gains_of_policy(*at.lq.problem, claims, at.derivatives, at.gap, own);
-    };
-    EXPECT_TRUE(are_those(policy)) << seed;
-    RiccatiPolicy without_minimum = policy;
-    without_minimum.convex = false;
-    EXPECT_FALSE(are_those(without_minimum));
-    claims.gain_regularization = 1e-9;
-    EXPECT_FALSE(are_those(policy));
-    claims.gain_regularization = 0;
-    for (int k = 0; k < at.lq.N(); ++k) {
-      claims.feedforward[k][0] += 1e-4 * (1 + sweep.k[k].norm());
-      EXPECT_FALSE(are_those(policy)) << k;
-      claims.feedforward[k] = sweep.k[k];
-      claims.gains[k](0, 1) += 1e-4 * sweep.K[k].norm();
-      EXPECT_FALSE(are_those(policy)) << k;
-      claims.gains[k] = sweep.K[k];
-    }
-  }
-}
-
 TEST(GainsOfASweep, AllowForModelChangeOnDisplacedTrajectory) {
   const OpenTrajectory at(2);
   OpenTrajectory moved(2);
@@ -194,13 +165,9 @@ struct NumberSweep {
   void set_hessian(int k, double xx, double ux, double uu) { hessians[k] << xx, ux, ux, uu; }
   std::string failures() const {
     std::string names;
-    for (const Check& check :
-         check_gains(*lq.problem, claims, derivatives, hessians, gap, policy()))
+    for (const Check& check : check_gains(*lq.problem, claims, derivatives, hessians, gap))
       if (!check.holds) names += "[" + check.name + "]";
     return names;
-  }
-  RiccatiPolicy policy() const {
-    return riccati_policy(*lq.problem, claims.trajectory, derivatives, hessians);
   }
   /// Faults if the first knot's gain or feedforward equation is off by `off`.
   std::string with_gains_off(double off) {
@@ -305,7 +272,7 @@ TEST(GainsOfASweep, AllowForChangesOfEachDerivative) {
     sweep.claims.feedforward[0][0] = feedforward_off / Quu;
     std::string names;
     for (const Check& check : check_gains(*sweep.lq.problem, sweep.claims, sweep.derivatives,
-                                          sweep.hessians, sweep.gap, sweep.policy(), &displaced))
+                                          sweep.hessians, sweep.gap, &displaced))
       if (!check.holds) names += "[" + check.name + "]";
     return names;
   };
@@ -359,8 +326,8 @@ TEST(GainsOfASweep, NamesKnotAndControlOfWrongGains) {
     for (Eigen::MatrixXd& K : sweep.claims.gains) K.setZero();
     for (Eigen::VectorXd& d : sweep.claims.feedforward) d.setZero();
     sweep.derivatives[k].cost[1] = 3;
-    const auto checks = check_gains(*sweep.lq.problem, sweep.claims, sweep.derivatives,
-                                    sweep.hessians, sweep.gap, sweep.policy());
+    const auto checks =
+        check_gains(*sweep.lq.problem, sweep.claims, sweep.derivatives, sweep.hessians, sweep.gap);
     ASSERT_EQ(checks.size(), 2u);
     EXPECT_TRUE(checks[0].holds);
     EXPECT_FALSE(checks[1].holds);
@@ -404,9 +371,8 @@ TEST(GainsOfASweep, MayBeZeroForControlsAtABound) {
       claims.gain_regularization = 0;
       const auto derivatives = node_derivatives(*bounded.problem, t, gap);
       const auto hessians = gauss_newton_hessians(*bounded.problem, t);
-      const RiccatiPolicy policy = riccati_policy(*bounded.problem, t, derivatives, hessians);
       const auto checks = [&] {
-        return check_gains(*bounded.problem, claims, derivatives, hessians, gap, policy);
+        return check_gains(*bounded.problem, claims, derivatives, hessians, gap);
       };
       for (const Check& check : checks()) EXPECT_EQ(check.holds, step == 0.25) << check.name;
       claims.gains = sweep.K;

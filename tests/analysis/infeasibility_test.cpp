@@ -52,33 +52,6 @@ TEST(AttainableShare, MatchesAStepByHand) {
   EXPECT_NEAR(share(step_to({3, 4}, kInfinity), {0, 5}, {-3, 1}), 5 * (3 + 1) / 10.0, 1e-14);
 }
 
-/// The same step x⁺ = x + diag(gains) u without bounds, from the origin to (3, 4).
-double share_of_free_step(const Eigen::Vector2d& gains) {
-  const auto system = linear_system(Eigen::Matrix2d::Identity(),
-                                    Eigen::Matrix2d(gains.asDiagonal()), Eigen::Vector2d::Zero());
-  auto running = std::make_shared<KnotModel>(system, Integrator::discrete);
-  auto end = std::make_shared<KnotModel>(system, Integrator::none);
-  end->add_constraint(
-      make_constraint("end", state_residual(end->manifold()), ConstraintKind::bounds));
-  std::vector<Phase> phases;
-  phases.push_back({.name = "go", .model = running, .dt = {1}, .cost_scale = {1}});
-  const ShootingProblem problem({0, 0}, std::move(phases),
-                                {.name = "end",
-                                 .model = end,
-                                 .dt = {0},
-                                 .cost_scale = {1},
-                                 .parameters = {3, 4, 0, 0, 0, 0, 1}});
-  return share(problem, {0, 0}, {-3, -4});
-}
-
-TEST(AttainableShare, IsIndependentOfControlUnits) {
-  for (const double unit : {1e-9, 1e-3, 1.0})
-    EXPECT_NEAR(share_of_free_step({unit, unit}), std::max(1.0, unit * 7 / 25), 1e-12) << unit;
-  // p = (3 u, 8 u); the best step along it leaves part of the distance.
-  EXPECT_NEAR(share_of_free_step({1e-6, 2e-6}), 73.0 * 73 / ((9 + 256) * 25), 1e-10);
-  EXPECT_EQ(share_of_free_step({0, 0}), 0);
-}
-
 TEST(AttainableShare, ConeShareIsAlongItsDistance) {
   // The point of the cone nearest to (3, −1) is (1, 1): d = (2, −2).
   EXPECT_NEAR(share(step_to({-3, 1}, 1, true), {0, 0}, {3, -1}), (2 + 2) / 8.0, 1e-14);
@@ -173,6 +146,27 @@ TEST(ViolationModel, PromisesNothingAtTheLeastViolation) {
   // A Newton step goes to the bounds or to the goal.
   EXPECT_GT(model_at(step_to({3, 4}, 1), {0, 0.5}).share(), 0.1);
   EXPECT_NEAR(model_at(step_to({3, 4}, kInfinity), {1, 1}).gain, (2 * 2 + 3 * 3) / 2.0, 1e-12);
+}
+
+/// The same step x⁺ = x + unit u without bounds, from the origin to (3, 4).
+TEST(ViolationModel, IsIndependentOfControlUnits) {
+  for (const double unit : {1e-9, 1e-3, 1.0}) {
+    const auto system = linear_system(Eigen::Matrix2d::Identity(),
+                                      unit * Eigen::Matrix2d::Identity(), Eigen::Vector2d::Zero());
+    auto running = std::make_shared<KnotModel>(system, Integrator::discrete);
+    auto end = std::make_shared<KnotModel>(system, Integrator::none);
+    end->add_constraint(
+        make_constraint("end", state_residual(end->manifold()), ConstraintKind::bounds));
+    std::vector<Phase> phases;
+    phases.push_back({.name = "go", .model = running, .dt = {1}, .cost_scale = {1}});
+    const ShootingProblem problem({0, 0}, std::move(phases),
+                                  {.name = "end",
+                                   .model = end,
+                                   .dt = {0},
+                                   .cost_scale = {1},
+                                   .parameters = {3, 4, 0, 0, 0, 0, 1}});
+    EXPECT_FALSE(least(of_infeasible(problem, {0, 0}, {0, 0}))) << unit;
+  }
 }
 
 }  // namespace

@@ -58,16 +58,12 @@ double largest_change(const Eigen::Ref<const Eigen::MatrixXd>& a,
 class Judge {
  public:
   /// The costs of the problem and the claims are `scale` times those of the file; figures are in
-  /// the unit of the file. `nodes` are the values at the claimed trajectory. `known` is its
-  /// second-order model in the unit of the file, if it was found before.
+  /// the unit of the file. `nodes` are the values at the claimed trajectory.
   Judge(const ShootingProblem& problem, const SolutionClaims& claims, const NodeValues& nodes,
-        double scale, std::optional<SecondOrder> known = {}, Noise noise = {})
-      : problem_(problem),
-        claims_(claims),
-        nodes_(nodes),
-        scale_(scale),
-        known_(std::move(known)),
-        noise_(std::move(noise)) {}
+        double scale)
+      : problem_(problem), claims_(claims), nodes_(nodes), scale_(scale) {
+    evaluate();
+  }
 
   /// Rounding may change a figure by this multiple of its change under moves of 10⁻¹³.
   static constexpr double kRoundingMargin = 100;
@@ -86,50 +82,54 @@ class Judge {
     }
   }
 
-  /// Changes of the figures when all states and controls move so little that only rounding shows.
-  /// The margin allows for evaluations of thousands of operations, which accumulate more than one
-  /// rounding of their arguments.
-  static Noise measure_noise(const ShootingProblem& problem, const SolutionClaims& claims,
-                             const NodeValues& nodes) {
-    constexpr double kMargin = kRoundingMargin;
-    SolutionClaims moved = claims;
-    displace(moved.trajectory);
-    const NodeValues moved_nodes(problem, moved.trajectory);
-    Judge here(problem, claims, nodes, 1), there(problem, moved, moved_nodes, 1);
-    here.evaluate();
-    there.evaluate();
-    const LagrangianGradient a = here.gradient(), b = there.gradient();
-    Noise noise;
-    const double cost = kMargin * std::abs(here.cost_ - there.cost_);
-    noise.cost = std::isfinite(cost) ? cost : 0;
-    noise.gap = kMargin * largest_change(here.gaps_, there.gaps_);
-    for (std::size_t k = 0; k < a.control.size(); ++k)
-      noise.stationarity =
-          std::max(noise.stationarity, kMargin * largest_change(a.control[k], b.control[k]));
-    noise.state = kMargin * largest_change(a.state, b.state);
-    noise.constraint = kMargin * largest_change(nodes.constraint(), moved_nodes.constraint());
-    noise.displaced = {std::move(moved.trajectory), std::move(there.models_.derivatives), kMargin};
-    return noise;
+  /// Rounding is measured only if a claim does not hold without it.
+  Certificate run() {
+    check_claims();
+    if (!certificate_.holds()) {
+      noise_ = measure_noise();
+      certificate_.checks.clear();
+      check_claims();
+    }
+    for (const OptimalityFigure& figure : kOptimalityFigures)
+      certificate_.optimality.*figure.value /= scale_;
+    return std::move(certificate_);
   }
 
-  Certificate run() {
+ private:
+  void check_claims() {
     check_times();
     check_initial_state();
     check_quaternions();
-    evaluate();
     check_costs();
     figure("gap", claims_.gap, gap_, state_rounding());
     check_bounds();
     check_gradient();
     check_status();
-    for (double Optimality::*number :
-         {&Optimality::stationarity, &Optimality::rounding, &Optimality::reduced_gradient,
-          &Optimality::reduced_rounding, &Optimality::expected_decrease})
-      certificate_.optimality.*number /= scale_;
-    return std::move(certificate_);
   }
 
- private:
+  /// Changes of the figures when all states and controls move so little that only rounding shows.
+  /// The margin allows for evaluations of thousands of operations, which accumulate more than one
+  /// rounding of their arguments.
+  Noise measure_noise() const {
+    constexpr double kMargin = kRoundingMargin;
+    SolutionClaims moved = claims_;
+    displace(moved.trajectory);
+    const NodeValues moved_nodes(problem_, moved.trajectory);
+    Judge there(problem_, moved, moved_nodes, 1);
+    const LagrangianGradient a = gradient(), b = there.gradient();
+    Noise noise;
+    const double cost = kMargin * std::abs(cost_ - there.cost_);
+    noise.cost = std::isfinite(cost) ? cost : 0;
+    noise.gap = kMargin * largest_change(gaps_, there.gaps_);
+    for (std::size_t k = 0; k < a.control.size(); ++k)
+      noise.stationarity =
+          std::max(noise.stationarity, kMargin * largest_change(a.control[k], b.control[k]));
+    noise.state = kMargin * largest_change(a.state, b.state);
+    noise.constraint = kMargin * largest_change(nodes_.constraint(), moved_nodes.constraint());
+    noise.displaced = {std::move(moved.trajectory), std::move(there.models_.derivatives), kMargin};
+    return noise;
+  }
+
   void add(Check check) { certificate_.checks.push_back(std::move(check)); }
 
   const std::string& tangent(int i) const {
@@ -330,7 +330,7 @@ class Judge {
         riccati_policy(problem_, claims_.trajectory, models_.derivatives, models_.hessians);
     measure_optimality(policy);
     for (Check& check : check_gains(problem_, claims_, models_.derivatives, models_.hessians, gaps_,
-                                    policy, noise_.displaced ? &*noise_.displaced : nullptr))
+                                    noise_.displaced ? &*noise_.displaced : nullptr))
       add(std::move(check));
   }
 
@@ -372,8 +372,7 @@ class Judge {
   }
 
   void measure_curvature(const AdjointPass& pass) {
-    certificate_.second_order = known_;
-    if (!known_) {
+    if (!certificate_.second_order) {
       const JudgedPoint point{problem_,
                               claims_.trajectory,
                               gaps_,
@@ -418,7 +417,7 @@ class Judge {
                     static_cast<int>(k), static_cast<int>(i));
       }
     if (excess.value <= 1) {
-      add({"co-states", true, Check::kNone, Check::kNone, Check::kNone, "", ""});
+      add({"co-states"});
       return;
     }
     const int k = std::max(excess.knot, 0), i = std::max(excess.entry, 0);
@@ -433,19 +432,12 @@ class Judge {
            claims_.constraint <= t.constraint && claims_.complementarity <= t.complementarity;
   }
 
-  /// Share of the cost that a Newton step would gain, for problems without constraints.
-  std::optional<double> share_left() const {
-    const double gain = certificate_.optimality.expected_decrease;
-    if (!problem_.constraints().empty() || !std::isfinite(gain)) return std::nullopt;
-    return gain / std::max(std::abs(cost_), least_cost(problem_));
-  }
-
-  /// True if much of the cost may be left to gain, or if the model lacks a minimum and cannot tell.
+  /// True if much of the cost may be left to gain without constraints, or if the model lacks a
+  /// minimum and cannot tell.
   bool much_may_be_left() const {
-    const std::optional<double> share = share_left();
-    if (problem_.constraints().empty()) return !(share && *share <= kMostGain);
-    const std::optional<SecondOrder>& model = certificate_.second_order;
-    return model && (model->curvature == Curvature::negative || model->share() > kMostLeft);
+    const double share =
+        certificate_.optimality.expected_decrease / std::max(std::abs(cost_), least_cost(problem_));
+    return problem_.constraints().empty() && !(share <= kMostGain);
   }
 
   /// An answer has converged if all residuals are below tolerance at once, both the claimed ones
@@ -466,8 +458,7 @@ class Judge {
 
   /// Adds the status check, which holds if `wrong` is empty.
   void judge_status(std::string wrong) {
-    add({kStatusCheck, wrong.empty(), Check::kNone, Check::kNone, Check::kNone, "",
-         std::move(wrong)});
+    add({.name = kStatusCheck, .holds = wrong.empty(), .message = std::move(wrong)});
   }
 
   void check_converged() {
@@ -549,8 +540,7 @@ class Judge {
   const SolutionClaims& claims_;
   const NodeValues& nodes_;
   const double scale_;
-  const std::optional<SecondOrder> known_;
-  const Noise noise_;
+  Noise noise_;
   Certificate certificate_;
   std::vector<std::pair<std::string, double>> costs_;
   double cost_ = 0, cost_size_ = 0;
@@ -577,15 +567,6 @@ SolutionClaims scaled(const SolutionClaims& claims, double scale) {
   for (auto* list : {&own.lower_multipliers, &own.upper_multipliers})
     for (Eigen::VectorXd& multipliers : *list) multipliers *= scale;
   return own;
-}
-
-Certificate judge(const ShootingProblem& problem, const SolutionClaims& claims,
-                  const NodeValues& values, double scale) {
-  Certificate certificate = Judge(problem, claims, values, scale, std::nullopt).run();
-  if (certificate.holds()) return certificate;
-  return Judge(problem, claims, values, scale, std::move(certificate.second_order),
-               Judge::measure_noise(problem, claims, values))
-      .run();
 }
 
 }  // namespace
@@ -637,9 +618,10 @@ Certificate certify(const ShootingProblem& problem, const SolutionClaims& claims
 Certificate certify(const ShootingProblem& problem, const SolutionClaims& claims,
                     const NodeValues& values) {
   const double scale = cost_scale(problem);
-  if (scale == 1) return judge(problem, claims, values, 1);
+  if (scale == 1) return Judge(problem, claims, values, 1).run();
   const ShootingProblem own = scale_costs(problem, scale);
-  return judge(own, scaled(claims, scale), NodeValues(own, claims.trajectory), scale);
+  const SolutionClaims own_claims = scaled(claims, scale);
+  return Judge(own, own_claims, NodeValues(own, claims.trajectory), scale).run();
 }
 
 double constraint_rounding(const ShootingProblem& problem, const Trajectory& trajectory,

@@ -31,6 +31,19 @@ struct Optimality {
   double expected_decrease = Check::kNone;
 };
 
+/// A figure of the optimality: its name in documents, and the effect of rounding on it.
+struct OptimalityFigure {
+  const char* name;
+  double Optimality::*value;
+  double Optimality::*rounding;  ///< null for 10⁻¹²
+};
+inline constexpr OptimalityFigure kOptimalityFigures[] = {
+    {"stationarity", &Optimality::stationarity, &Optimality::rounding},
+    {"rounding", &Optimality::rounding, &Optimality::rounding},
+    {"reduced_gradient", &Optimality::reduced_gradient, &Optimality::reduced_rounding},
+    {"reduced_rounding", &Optimality::reduced_rounding, &Optimality::reduced_rounding},
+    {"expected_decrease", &Optimality::expected_decrease, nullptr}};
+
 /// Verdict of a certificate on an answer.
 enum class Verdict {
   contradicted,   ///< a claim of the answer does not hold

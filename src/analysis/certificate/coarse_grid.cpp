@@ -92,14 +92,11 @@ Eigen::VectorXd motion_scale(const ShootingProblem& problem, const Trajectory& t
   /// Smallest ranges, as shares of the largest number and, without a unit, of the farthest entry.
   constexpr double kRounding = 1e-9, kLittle = 1e-6;
   const int own = end_system(problem).ndx();
-  Eigen::VectorXd way = Eigen::VectorXd::Zero(own), off(problem.ndx());
+  Eigen::VectorXd way = motion_range(problem, trajectory).head(own);
   double largest = 0;
-  for (int k = 0; k <= problem.knots(); ++k) {
-    problem.manifold().difference(trajectory.x(0).data(), trajectory.x(k).data(), off.data());
-    way = way.cwiseMax(off.head(own).cwiseAbs());
+  for (int k = 0; k <= problem.knots(); ++k)
     largest =
         std::max(largest, trajectory.x(k).head(end_system(problem).nx()).cwiseAbs().maxCoeff());
-  }
   const std::vector<Column> columns = tangent_columns(end_system(problem));
   std::map<std::string, double> farthest;
   for (int i = 0; i < own; ++i) {

@@ -7,7 +7,6 @@
 
 #include "analysis/certificate/feasibility.hpp"
 #include "analysis/certificate/place_text.hpp"
-#include "analysis/certificate/small_products.hpp"
 #include "analysis/derivatives/node_hessians.hpp"
 
 namespace conddp {
@@ -81,38 +80,8 @@ std::vector<NodeNoise> noise_of(const SweepModel& here, const SweepModel& there,
   return noise;
 }
 
-/// The stage of a knot, and the residuals of its equations with the answer's gains.
-class SweepStage {
- public:
-  MatrixXd Q, Quu;  ///< nz x nz; nu x nu with the regularization of the gains
-  VectorXd q;
-  MatrixXd left;       ///< Quu K + Qux
-  MatrixXd left_size;  ///< sizes of its terms: |Quu| |K| + |Qux|
-  VectorXd step_left;  ///< Quu k + qu
-
-  /// Evaluates the equations from Q and q. `regularization` is the part of the gains'
-  /// regularization that Q does not contain.
-  void put_in(const SolutionClaims& claims, int k, double regularization) {
-    const MatrixXd& K = claims.gains[k];
-    const Eigen::Index nu = K.rows();
-    Quu = Q.bottomRightCorner(nu, nu);
-    Quu.diagonal().array() += regularization;
-    multiply(Quu, K, left);
-    left += Q.bottomLeftCorner(nu, K.cols());
-    step_left = q.tail(nu);
-    step_left.noalias() += Quu * claims.feedforward[k];
-    Quu_size_ = Quu.cwiseAbs();
-    K_size_ = K.cwiseAbs();
-    multiply(Quu_size_, K_size_, left_size);
-    left_size += Q.bottomLeftCorner(nu, K.cols()).cwiseAbs();
-  }
-
- private:
-  MatrixXd Quu_size_, K_size_;
-};
-
-/// A sweep along the answer's gains, backward node by node.
-class ClaimedSweep : public SweepStage {
+/// A sweep along the answer's gains, backward node by node, and the residuals of its equations.
+class ClaimedSweep {
  public:
   ClaimedSweep(const ShootingProblem& problem, const SolutionClaims& claims,
                const SweepModel& model, const MatrixXd& gap)
@@ -130,17 +99,18 @@ class ClaimedSweep : public SweepStage {
 
   /// Forms the equations of a node's stage; V and v are those of the next node.
   void enter(int k) {
-    const MatrixXd& J = model_.derivatives[k].step;
-    multiply(V, J, VJ_);
-    transposed_ = J.transpose();
-    multiply(transposed_, VJ_, Q);
-    Q += model_.hessians[k];
-    Q.diagonal().array() += weight_;
-    next_.noalias() = V * gap_.col(k);
-    next_ += v;
-    q = model_.derivatives[k].cost;
-    q.noalias() += J.transpose() * next_;
-    put_in(claims_, k, claims_.gain_regularization - weight_);
+    const MatrixXd &J = model_.derivatives[k].step, &K = claims_.gains[k];
+    const Eigen::Index nu = K.rows();
+    Q_ = model_.hessians[k];
+    Q_.noalias() += J.transpose() * (V * J).eval();
+    Q_.diagonal().array() += weight_;
+    q_ = model_.derivatives[k].cost + J.transpose() * (v + V * gap_.col(k));
+    const auto Qux = Q_.bottomLeftCorner(nu, ndx_);
+    Quu = Q_.bottomRightCorner(nu, nu);
+    Quu.diagonal().array() += claims_.gain_regularization - weight_;
+    left = Quu * K + Qux;
+    left_size = Quu.cwiseAbs() * K.cwiseAbs() + Qux.cwiseAbs();
+    step_left = q_.tail(nu) + Quu * claims_.feedforward[k];
   }
 
   /// Updates V and v to the node that was entered.
@@ -148,23 +118,20 @@ class ClaimedSweep : public SweepStage {
     const MatrixXd& K = claims_.gains[k];
     const VectorXd& d = claims_.feedforward[k];
     const Eigen::Index nu = K.rows();
-    const auto Qux = Q.bottomLeftCorner(nu, ndx_);
-    const auto unregularised = Q.bottomRightCorner(nu, nu);
-    v = q.head(ndx_);
-    v.noalias() += K.transpose() * (unregularised * d + q.tail(nu));
-    v.noalias() += Qux.transpose() * d;
-    multiply(unregularised, K, QuuK_);
-    QuuK_ += Qux;
-    transposed_ = K.transpose();
-    multiply(transposed_, QuuK_, along_);
-    transposed_ = Qux.transpose();
-    multiply(transposed_, K, across_);
-    V = Q.topLeftCorner(ndx_, ndx_) + along_ + across_;
+    const auto Qux = Q_.bottomLeftCorner(nu, ndx_);
+    const auto unregularized = Q_.bottomRightCorner(nu, nu);
+    v = q_.head(ndx_) + K.transpose() * (unregularized * d + q_.tail(nu)) + Qux.transpose() * d;
+    V = Q_.topLeftCorner(ndx_, ndx_) + K.transpose() * (unregularized * K + Qux) +
+        Qux.transpose() * K;
     V = (0.5 * (V + V.transpose())).eval();
   }
 
-  MatrixXd V;  ///< Hessian of the cost to go, ndx x ndx
-  VectorXd v;  ///< gradient of the cost to go
+  MatrixXd V;          ///< Hessian of the cost to go, ndx x ndx
+  VectorXd v;          ///< gradient of the cost to go
+  MatrixXd Quu;        ///< with the regularization of the gains
+  MatrixXd left;       ///< Quu K + Qux
+  MatrixXd left_size;  ///< sizes of its terms: |Quu| |K| + |Qux|
+  VectorXd step_left;  ///< Quu k + qu
 
  private:
   const SolutionClaims& claims_;
@@ -172,43 +139,8 @@ class ClaimedSweep : public SweepStage {
   const MatrixXd& gap_;
   const Eigen::Index ndx_;
   double weight_ = 0;  ///< weight of a proximal term
-  MatrixXd VJ_, transposed_, QuuK_, along_, across_;
-  VectorXd next_;
-};
-
-/// A sweep along the certificate's own policy, whose matrices are known.
-class OwnSweep : public SweepStage {
- public:
-  OwnSweep(const SolutionClaims& claims, const RiccatiPolicy& policy,
-           const std::vector<NodeDerivatives>& derivatives, const MatrixXd& gap)
-      : claims_(claims),
-        policy_(policy),
-        derivatives_(derivatives),
-        gap_(gap),
-        v_(derivatives.back().cost) {}
-
-  void enter(int k) {
-    const NodeDerivatives& d = derivatives_[k];
-    v_.noalias() += policy_.value[k + 1] * gap_.col(k);
-    Q = policy_.Q[k];
-    q = d.cost;
-    q.noalias() += d.step.transpose() * v_;
-    put_in(claims_, k, 0);
-  }
-
-  /// Uses the policy's feedforward, which cancels the gradient of the controls that it moves.
-  void leave(int k) {
-    const MatrixXd& K = policy_.K[k];
-    v_ = q.head(K.cols());
-    v_.noalias() += K.transpose() * q.tail(K.rows());
-  }
-
- private:
-  const SolutionClaims& claims_;
-  const RiccatiPolicy& policy_;
-  const std::vector<NodeDerivatives>& derivatives_;
-  const MatrixXd& gap_;
-  VectorXd v_;  ///< gradient of the cost to go
+  MatrixXd Q_;
+  VectorXd q_;
 };
 
 /// Bounds on the rounding errors of a sweep, carried along the given gains.
@@ -278,7 +210,7 @@ class CarriedRounding {
 
 /// Compares the residuals of a node's equations with their tolerances.
 void meet_equations(const ShootingProblem& problem, const SolutionClaims& claims,
-                    const SweepStage& sweep, const CarriedRounding* rounding, int k,
+                    const ClaimedSweep& sweep, const CarriedRounding* rounding, int k,
                     Deviation& out) {
   const int nu = problem.nu(k);
   if (nu == 0) return;
@@ -335,34 +267,14 @@ Check check_of(const char* name, const ShootingProblem& problem, const Worst& wo
 
 }  // namespace
 
-bool are_gains_of_policy(const ShootingProblem& problem, const SolutionClaims& claims,
-                         const std::vector<NodeDerivatives>& derivatives, const MatrixXd& gap,
-                         const RiccatiPolicy& policy) {
-  if (claims.gain_regularization != 0 || !policy.convex) return false;
-  OwnSweep sweep(claims, policy, derivatives, gap);
-  Deviation found;
-  for (int k = problem.knots() - 1; k >= 0; --k) {
-    sweep.enter(k);
-    meet_equations(problem, claims, sweep, nullptr, k, found);
-    if (!holds(found)) return false;
-    sweep.leave(k);
-  }
-  return true;
-}
-
 std::vector<Check> check_gains(const ShootingProblem& problem, const SolutionClaims& claims,
                                const std::vector<NodeDerivatives>& derivatives,
                                const std::vector<MatrixXd>& hessians, const MatrixXd& gap,
-                               const RiccatiPolicy& policy, const DisplacedModel* displaced) {
+                               const DisplacedModel* displaced) {
   if (!problem.constraints().empty() || !std::isfinite(claims.gain_regularization)) return {};
   if (claims.gain_regularization_kind == RegularizationKind::state &&
       claims.gain_regularization > 0)
     return {};
-  const auto checks_of = [&](const Deviation& found) {
-    return std::vector<Check>{check_of("feedback", problem, found.feedback),
-                              check_of(kFeedforwardCheck, problem, found.feedforward)};
-  };
-  if (are_gains_of_policy(problem, claims, derivatives, gap, policy)) return checks_of({});
   // Rounding errors are carried along only if the equations do not hold without them. `hessians_at`
   // returns the Hessians at the displaced trajectory.
   const auto deviation = [&](const std::vector<MatrixXd>& hessians_here, const auto& hessians_at) {
@@ -387,7 +299,8 @@ std::vector<Check> check_gains(const ShootingProblem& problem, const SolutionCla
     const Deviation exact = deviation(exact_at(claims.trajectory), exact_at);
     if (!(exact.feedback.value > found.feedback.value)) found = exact;
   }
-  return checks_of(found);
+  return {check_of("feedback", problem, found.feedback),
+          check_of(kFeedforwardCheck, problem, found.feedforward)};
 }
 
 }  // namespace conddp

@@ -22,20 +22,13 @@ struct DisplacedModel {
 /// certificate compares its own sweep knot by knot. Controls with a zero row in K are held, which
 /// is allowed if u + k is at a bound. Returns no checks if the sweep depends on data that the
 /// answer does not state: penalties or active rows of constraints, or a regularization of the
-/// states. `derivatives`, Gauss-Newton `hessians`, `gap` (ndx x N) and `policy` are those at the
+/// states. `derivatives`, Gauss-Newton `hessians` and `gap` (ndx x N) are those at the
 /// trajectory. If `displaced` is given, entries of the model may be off by their change at the
 /// displaced trajectory.
 std::vector<Check> check_gains(const ShootingProblem& problem, const SolutionClaims& claims,
                                const std::vector<NodeDerivatives>& derivatives,
                                const std::vector<Eigen::MatrixXd>& hessians,
-                               const Eigen::MatrixXd& gap, const RiccatiPolicy& policy,
+                               const Eigen::MatrixXd& gap,
                                const DisplacedModel* displaced = nullptr);
-
-/// True if the gains solve the equations along the certificate's own policy, without
-/// regularization, to the tolerances of check_gains. The sweep along the claimed gains is then the
-/// same and can be skipped.
-bool are_gains_of_policy(const ShootingProblem& problem, const SolutionClaims& claims,
-                         const std::vector<NodeDerivatives>& derivatives,
-                         const Eigen::MatrixXd& gap, const RiccatiPolicy& policy);
 
 }  // namespace conddp

@@ -49,71 +49,6 @@ double largest_control(const ShootingProblem& problem, const Trajectory& traject
   return largest;
 }
 
-/// Steepest descent of ½‖d‖² by controls without a bound in that direction.
-std::vector<VectorXd> free_descent(const ShootingProblem& problem, const Trajectory& trajectory,
-                                   const std::vector<VectorXd>& gradient) {
-  std::vector<VectorXd> descent;
-  for (int k = 0; k < problem.knots(); ++k) {
-    descent.emplace_back(-gradient[k]);
-    for (int i = 0; i < problem.nu(k); ++i)
-      if (way_down(*problem.knot(k).model, i, trajectory.u(k)[i], gradient[k][i]))
-        descent[k][i] = 0;
-  }
-  return descent;
-}
-
-double norm_of(const std::vector<VectorXd>& list) {
-  double sum = 0;
-  for (const VectorXd& entry : list) sum += entry.squaredNorm();
-  return std::sqrt(sum);
-}
-
-/// Moves of the states (ndx x (N + 1)) that follow from moves of the controls.
-Eigen::MatrixXd moved_states(const ShootingProblem& problem,
-                             const std::vector<NodeDerivatives>& derivatives,
-                             const std::vector<VectorXd>& controls) {
-  const int ndx = problem.ndx();
-  Eigen::MatrixXd states = Eigen::MatrixXd::Zero(ndx, problem.knots() + 1);
-  for (int k = 0; k < problem.knots(); ++k)
-    states.col(k + 1) = derivatives[k].step.leftCols(ndx) * states.col(k) +
-                        derivatives[k].step.rightCols(controls[k].size()) * controls[k];
-  return states;
-}
-
-/// ‖J p‖² over the violated rows; 0 if it is rounding relative to the state terms.
-double squared_change(const ShootingProblem& problem,
-                      const std::vector<NodeDerivatives>& derivatives, const VectorXd& distances,
-                      const std::vector<VectorXd>& controls) {
-  constexpr double kBlurred = 1e-12;
-  const Eigen::MatrixXd states = moved_states(problem, derivatives, controls);
-  double sum = 0, far = 0;
-  for (const NodeConstraint& c : problem.constraints()) {
-    const VectorXd distance = distances.segment(c.row, c.term->rows);
-    if (distance.isZero(0)) continue;
-    const Eigen::MatrixXd rows = derivatives[c.node].constraint.middleRows(
-        c.row - problem.constraint_offset(c.node), c.term->rows);
-    VectorXd change = rows.leftCols(problem.ndx()) * states.col(c.node);
-    if (c.node < problem.knots())
-      change += rows.rightCols(controls[c.node].size()) * controls[c.node];
-    for (Eigen::Index i = 0; i < change.size(); ++i)
-      if (c.term->is_cone() || distance[i] != 0) sum += change[i] * change[i];
-    far = std::max(far, rows.cwiseAbs().maxCoeff() * states.col(c.node).cwiseAbs().maxCoeff());
-  }
-  return sum > std::pow(kBlurred * far, 2) ? sum : 0;
-}
-
-/// Share of ‖d‖² that the best step along the free descent removes.
-double free_share(const ShootingProblem& problem, const Trajectory& trajectory,
-                  const std::vector<NodeDerivatives>& derivatives, const VectorXd& distances,
-                  const std::vector<VectorXd>& gradient) {
-  std::vector<VectorXd> controls = free_descent(problem, trajectory, gradient);
-  const double norm = norm_of(controls);
-  if (norm == 0) return 0;
-  for (VectorXd& move : controls) move /= norm;
-  const double change = squared_change(problem, derivatives, distances, controls);
-  return change > 0 ? norm * norm / (change * distances.squaredNorm()) : 0;
-}
-
 }  // namespace
 
 double attainable_share(const ShootingProblem& problem, const Trajectory& trajectory,
@@ -133,8 +68,7 @@ double attainable_share(const ShootingProblem& problem, const Trajectory& trajec
       const auto way = way_down(*problem.knot(k).model, i, trajectory.u(k)[i], slope);
       sum += std::abs(slope) * way.value_or(largest);
     }
-  return std::max(sum / distances.squaredNorm(),
-                  free_share(problem, trajectory, derivatives, distances, pass.control));
+  return sum / distances.squaredNorm();
 }
 
 SecondOrder violation_model(const ShootingProblem& problem, const Trajectory& trajectory,

@@ -16,9 +16,8 @@ namespace conddp {
 /// Π(g) of the values from their sets. The range s_i is the distance that a control can move
 /// downhill to its bound. Without a bound, it is the largest size of any control, at least 1. Below
 /// 1, no such move satisfies the linearized constraints, because distances from convex sets lie
-/// above their tangents. Controls without a bound may move further. The share is therefore at least
-/// what the best step along their steepest descent p removes of ‖d‖²: (pᵀp)² / (‖J p‖² ‖d‖²). J is
-/// the Jacobian of the violated rows. `values` are those of all constraint rows.
+/// above their tangents. Controls without a bound may move further, which violation_model() shows.
+/// `values` are those of all constraint rows.
 double attainable_share(const ShootingProblem& problem, const Trajectory& trajectory,
                         const std::vector<NodeDerivatives>& derivatives,
                         const Eigen::VectorXd& values);

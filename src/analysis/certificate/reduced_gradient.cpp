@@ -196,8 +196,7 @@ double RiccatiPolicy::decrease(const std::vector<VectorXd>& gradient) const {
   return sum;
 }
 
-RiccatiPolicy::RiccatiPolicy(const ShootingProblem& problem)
-    : K(problem.knots()), inverse(K), Q(K), value(problem.knots() + 1) {
+RiccatiPolicy::RiccatiPolicy(const ShootingProblem& problem) : K(problem.knots()), inverse(K) {
   for (int k = 0; k < problem.knots(); ++k) {
     K[k].resize(problem.nu(k), problem.ndx());
     inverse[k].resize(problem.nu(k), problem.nu(k));
@@ -209,7 +208,7 @@ RiccatiPolicy riccati_policy(const ShootingProblem& problem, const Trajectory& t
                              const std::vector<MatrixXd>& hessians, double bound_tolerance) {
   const int N = problem.knots();
   RiccatiPolicy policy(problem);
-  policy.value[N] = hessians[N];
+  MatrixXd Q, value = hessians[N];
   RiccatiStep step;
   StepRows rows;
   std::vector<int> free;
@@ -220,9 +219,9 @@ RiccatiPolicy riccati_policy(const ShootingProblem& problem, const Trajectory& t
       if (!control.lower && !control.upper) free.push_back(i);
     }
     rows.find(*problem.knot(k).model, problem.knot(k).dt, derivatives[k].step);
-    step.form(policy.value[k + 1], hessians[k], derivatives[k].step, rows, policy.Q[k]);
-    policy.convex &= step.minimize(policy.Q[k], free, policy.K[k], policy.inverse[k]);
-    step.propagate(policy.Q[k], policy.K[k], policy.value[k]);
+    step.form(value, hessians[k], derivatives[k].step, rows, Q);
+    policy.convex &= step.minimize(Q, free, policy.K[k], policy.inverse[k]);
+    step.propagate(Q, policy.K[k], value);
   }
   return policy;
 }

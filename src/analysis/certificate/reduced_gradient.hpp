@@ -43,8 +43,6 @@ struct RiccatiPolicy {
   /// Q_uu⁻¹ of the controls that K moves, zero in the rows and columns of the others. In the v of
   /// δu = v + K δx, the model's Hessian consists of the blocks Q_uu.
   std::vector<Eigen::MatrixXd> inverse;
-  std::vector<Eigen::MatrixXd> Q;      ///< nz x nz, stage of each knot
-  std::vector<Eigen::MatrixXd> value;  ///< ndx x ndx per node: Hessian of the cost to go
   /// True if all stages have a minimum; controls of the others are left unchanged.
   bool convex = true;
 

@@ -186,16 +186,10 @@ class Player {
   std::map<const KnotModel*, std::unique_ptr<ReplayStep>> memory_;
 };
 
-/// Range of motion from the initial state for each entry of the tangent vector, at least a
-/// hundredth of a unit.
+/// Deviations that count as 1 by entry: the ranges of motion, at least a hundredth of a unit.
 Eigen::VectorXd ways(const ShootingProblem& problem, const Trajectory& trajectory) {
   constexpr double kSmallWay = 0.01;
-  Eigen::VectorXd way = Eigen::VectorXd::Constant(problem.ndx(), kSmallWay), off = way;
-  for (int k = 0; k <= problem.knots(); ++k) {
-    problem.manifold().difference(trajectory.x(0).data(), trajectory.x(k).data(), off.data());
-    way = way.cwiseMax(off.cwiseAbs());
-  }
-  return way;
+  return motion_range(problem, trajectory).cwiseMax(kSmallWay);
 }
 
 /// True if the trajectory is finite, apart from the last state: nothing is replayed from there.
@@ -217,6 +211,15 @@ std::string why_impossible(const ShootingProblem& problem, const Trajectory& tra
 }
 
 }  // namespace
+
+Eigen::VectorXd motion_range(const ShootingProblem& problem, const Trajectory& trajectory) {
+  Eigen::VectorXd range = Eigen::VectorXd::Zero(problem.ndx()), off = range;
+  for (int k = 0; k <= problem.knots(); ++k) {
+    problem.manifold().difference(trajectory.x(0).data(), trajectory.x(k).data(), off.data());
+    range = range.cwiseMax(off.cwiseAbs());
+  }
+  return range;
+}
 
 Replay replay(const ShootingProblem& problem, const Trajectory& trajectory,
               const std::vector<Eigen::MatrixXd>& gains, int substeps) {

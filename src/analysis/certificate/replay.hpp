@@ -40,6 +40,9 @@ struct Replay {
   std::vector<BrokenLimit> broken;  ///< limits violated with feedback
 };
 
+/// Largest distance from the initial state of each entry of the tangent vector.
+Eigen::VectorXd motion_range(const ShootingProblem& problem, const Trajectory& trajectory);
+
 /// Replays controls in steps of dt / substeps with the problem's integrator, from the initial
 /// state: with the controls alone and with gains K. Every step is checked for violated joint limits
 /// and pulling contacts, even if the problem does not constrain them.

@@ -9,6 +9,7 @@
 
 #include <Eigen/QR>
 
+#include "analysis/certificate/replay.hpp"
 #include "analysis/certificate/small_cholesky.hpp"
 #include "analysis/certificate/small_products.hpp"
 #include "analysis/derivatives/node_hessians.hpp"
@@ -68,12 +69,8 @@ struct Row {
 class Ranges {
  public:
   Ranges(const ShootingProblem& problem, const Trajectory& trajectory)
-      : state(VectorXd::Zero(problem.ndx())) {
-    VectorXd off(problem.ndx());
-    for (int k = 0; k <= problem.knots(); ++k) {
-      problem.manifold().difference(trajectory.x(0).data(), trajectory.x(k).data(), off.data());
-      state = state.cwiseMax(off.cwiseAbs());
-      if (k == problem.knots()) break;
+      : state(motion_range(problem, trajectory)) {
+    for (int k = 0; k < problem.knots(); ++k) {
       VectorXd& range = controls_[problem.knot(k).model];
       if (range.size() == 0) range = VectorXd::Zero(problem.nu(k));
       range = range.cwiseMax(trajectory.u(k).cwiseAbs());
@@ -803,8 +800,8 @@ double SecondOrder::share() const {
 }
 
 void SecondOrder::scale(double factor) {
-  for (double* figure : {&gain, &repair, &slope, &cost_size, &resolution, &negligible, &bend})
-    *figure *= factor;
+  for (const auto& [name, figure] : kSecondOrderFigures) this->*figure *= factor;
+  negligible *= factor;
 }
 
 SecondOrder second_order(const JudgedPoint& point) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -51,6 +52,12 @@ struct SecondOrder {
   /// Multiplies all figures in the unit of the costs.
   void scale(double factor);
 };
+
+/// Names in documents of the figures in the unit of the costs.
+inline constexpr std::pair<const char*, double SecondOrder::*> kSecondOrderFigures[] = {
+    {"bend", &SecondOrder::bend},           {"gain", &SecondOrder::gain},
+    {"repair", &SecondOrder::repair},       {"slope", &SecondOrder::slope},
+    {"cost_size", &SecondOrder::cost_size}, {"resolution", &SecondOrder::resolution}};
 
 /// The point to be judged.
 struct JudgedPoint {

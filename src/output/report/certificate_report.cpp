@@ -52,22 +52,16 @@ std::string limit_text(const BrokenLimit& limit) {
 }
 
 OrderedJson optimality_json(const Optimality& o) {
-  return {{"stationarity", finite_or_null(o.stationarity)},
-          {"rounding", finite_or_null(o.rounding)},
-          {"reduced_gradient", finite_or_null(o.reduced_gradient)},
-          {"reduced_rounding", finite_or_null(o.reduced_rounding)},
-          {"expected_decrease", finite_or_null(o.expected_decrease)}};
+  OrderedJson json = OrderedJson::object();
+  for (const OptimalityFigure& figure : kOptimalityFigures)
+    json[figure.name] = finite_or_null(o.*figure.value);
+  return json;
 }
 
 OrderedJson second_order_json(const SecondOrder& found) {
-  return {{"least_curvature", finite_or_null(found.least)},
-          {"knot", found.knot},
-          {"bend", finite_or_null(found.bend)},
-          {"gain", finite_or_null(found.gain)},
-          {"repair", finite_or_null(found.repair)},
-          {"slope", finite_or_null(found.slope)},
-          {"cost_size", finite_or_null(found.cost_size)},
-          {"resolution", finite_or_null(found.resolution)}};
+  OrderedJson json = {{"least_curvature", finite_or_null(found.least)}, {"knot", found.knot}};
+  for (const auto& [name, figure] : kSecondOrderFigures) json[name] = finite_or_null(found.*figure);
+  return json;
 }
 
 OrderedJson run_json(const SolutionCertificate& certificate, const ReplayRun& run) {

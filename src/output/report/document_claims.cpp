@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <tuple>
 
 #include <fmt/format.h>
 
@@ -411,24 +410,16 @@ class FormerCertificate {
     constexpr const char* kName = "certificate of second order";
     if (!found_.second_order) return statements_.fail(kName, "the answer did not converge");
     const SecondOrder& o = *found_.second_order;
-    for (const auto& [key, mine] :
-         {std::pair("bend", o.bend), std::pair("gain", o.gain), std::pair("repair", o.repair),
-          std::pair("slope", o.slope), std::pair("cost_size", o.cost_size),
-          std::pair("resolution", o.resolution)})
-      figure(kName, former, key, mine, 1e-3 * o.cost_size);
+    for (const auto& [key, mine] : kSecondOrderFigures)
+      figure(kName, former, key, o.*mine, 1e-3 * o.cost_size);
   }
 
   void optimality(const Json& former) {
     constexpr double kNewtonRounding = 1e-12;
     const Optimality& o = found_.optimality;
-    const std::tuple<const char*, double, double> figures[] = {
-        {"stationarity", o.stationarity, o.rounding},
-        {"rounding", o.rounding, o.rounding},
-        {"reduced_gradient", o.reduced_gradient, o.reduced_rounding},
-        {"reduced_rounding", o.reduced_rounding, o.reduced_rounding},
-        {"expected_decrease", o.expected_decrease, kNewtonRounding}};
-    for (const auto& [key, mine, rounding] : figures)
-      figure("certificate of optimality", former, key, mine, 10 * rounding);
+    for (const auto& [key, mine, rounding] : kOptimalityFigures)
+      figure("certificate of optimality", former, key, o.*mine,
+             10 * (rounding != nullptr ? o.*rounding : kNewtonRounding));
   }
 
   const Json& former_;
