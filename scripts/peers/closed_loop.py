@@ -32,8 +32,8 @@ HEAD = """# Ticks beside Crocoddyl
 
     scripts/peers/closed_loop
 
-Both tools plan over the same windows of the same time line, make one iteration a tick from the shifted plan, and apply its
-first controls to the same plant, the model itself, one thread each. The first tick, which solves, is left out. Of
+Both tools plan over the same windows of the same time line and make one iteration a tick from the shifted plan. They apply its
+first controls to the same plant, the model itself, with one thread each. The first tick, which solves, is left out. Of
 conddp, preparation and feedback count; of Crocoddyl, the exchange of a knot, the shift of the plan, and the iteration. A
 tick's time is the shortest of several runs of the loop.
 

@@ -22,8 +22,8 @@ HEAD = """# Closed loops with MuJoCo as the plant
 
     scripts/peers/foreign_plant
 
-A program of conddp's library controls the plant by the state that it gets from another process, which simulates the robot of
-the same URDF file by MuJoCo: its contacts are soft, and its own. Beside it, the same loop by `conddp mpc`. Neither is
+A program with conddp's library controls a plant in another process, which sends the state. That process simulates the robot of
+the same URDF file by MuJoCo, with MuJoCo's own soft contacts. `conddp mpc` runs the same loop for comparison. Neither is
 disturbed nor delayed.
 
 {own}; MuJoCo {version}.
