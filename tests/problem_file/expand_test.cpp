@@ -20,7 +20,7 @@ std::vector<std::string> corpus() {
   std::vector<std::string> texts = {std::string(kPendulum), std::string(kCartpole)};
   for (const auto& file : ready_problems()) texts.push_back(read_file(file));
   allow_code();
-  for (const auto& [type, description] : kSystemTypes) {
+  for (const auto& [type, description, examples] : kSystemTypes) {
     const std::string more = type == "linear"        ? ", A: [[1, 0.1], [0, 1]], B: [[0], [0.1]]"
                              : type == "expressions" ? ", states: [x], controls: [u], rate: {x: u}"
                              : type == "library"

@@ -4,6 +4,7 @@
 #include "base/text/wrap_text.hpp"
 #include "commands/commands.hpp"
 #include "help/embedded_schemas.hpp"
+#include "problem_file/read/problem_schema.hpp"
 #include "terminal/exit_codes.hpp"
 #include "terminal/streams.hpp"
 #include "terminal/terminal.hpp"
@@ -13,7 +14,10 @@ namespace {
 
 int print_schema(const std::string& kind) {
   if (const EmbeddedSchema* schema = find_schema(kind)) {
-    print_result(schema->text);
+    if (kind == "problem")
+      print_result(schema_text(problem_schema(OrderedJson::parse(schema->text))));
+    else
+      print_result(schema->text);
     return kExitConverged;
   }
   constexpr int kColumn = 14;

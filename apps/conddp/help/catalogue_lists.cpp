@@ -1,11 +1,13 @@
 #include "help/catalogue_lists.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
 #include "arguments/example_problems.hpp"
 #include "help/embedded_schemas.hpp"
+#include "problem_file/read/problem_schema.hpp"
 #include "problem_file/residuals/residual_table.hpp"
 #include "problem_file/spec/enum_names.hpp"
 #include "problem_file/spec/system_fields.hpp"
@@ -34,12 +36,7 @@ OrderedJson schema_key(const OrderedJson& object, const std::string& name) {
 
 OrderedJson list_solvers() {
   OrderedJson list = OrderedJson::array();
-  list.push_back(
-      {{"name", kAutoSolver},
-       {"description",
-        "the default, by the problem: ipopt for contact-implicit problems, altro, proxddp and "
-        "ipopt one after the other where there are constraints besides bounds on the "
-        "control, else box_fddp and ipopt (conddp check says which)"}});
+  list.push_back({{"name", kAutoSolver}, {"description", kAutoMeaning}});
   for (const SolverInfo& info : solvers()) {
     const char* bounds = info.control_bounds == BoundSupport::exact     ? "exact"
                          : info.control_bounds == BoundSupport::clipped ? "clipped"
@@ -131,10 +128,26 @@ OrderedJson list_activations() {
 
 OrderedJson list_systems() {
   OrderedJson list = OrderedJson::array();
-  const auto all_keys = system_keys();
-  for (std::size_t i = 0; i < all_keys.size(); ++i) {
+  for (std::size_t i = 0; i < std::size(kSystemTypes); ++i) {
+    SystemSpec system = default_system(i);
+    SchemaDefinitions none;
+    KeySchema described(none);
+    describe(described, system);
+    const OrderedJson schema = described.schema();
     OrderedJson keys = OrderedJson::array();
-    for (const SystemKey& own : all_keys[i]) keys.push_back(documented(own, own.required));
+    for (auto [name, value] : schema.at("properties").items()) {
+      if (name == "type") continue;
+      const auto& required = schema.at("required");
+      OrderedJson entry = {
+          {"name", name},
+          {"description", value.at("description")},
+          {"required", std::find(required.begin(), required.end(), name) != required.end()}};
+      if (value.contains("default")) entry["default"] = value["default"];
+      OrderedJson of_value = value;
+      of_value.erase("description");
+      entry["schema"] = std::move(of_value);
+      keys.push_back(std::move(entry));
+    }
     list.push_back({{"name", kSystemTypes[i].name},
                     {"description", kSystemTypes[i].description},
                     {"keys", std::move(keys)}});

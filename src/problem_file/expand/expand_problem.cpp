@@ -6,10 +6,10 @@
 #include "base/json/json_object.hpp"
 #include "problem_file/build/homotopy.hpp"
 #include "problem_file/expand/expand_sections.hpp"
+#include "problem_file/read/read_sections.hpp"
 #include "problem_file/residuals/residual_keys.hpp"
 #include "problem_file/spec/enum_names.hpp"
 #include "problem_file/yaml/yaml_text.hpp"
-#include "solvers/common/option_table.hpp"
 
 namespace conddp {
 namespace {
@@ -26,92 +26,34 @@ void expand_plant(const ProblemSpec& spec, OrderedJson& json) {
   }
   for (const RobotSpec& robot : spec.robots) {
     if (robot.name.value.empty())
-      json["robot"] = expand_robot(robot);
+      json["robot"] = expand_map(robot);
     else
-      json["robots"][robot.name.value] = expand_robot(robot);
+      json["robots"][robot.name.value] = expand_map(robot);
   }
   json["gravity"] = expand_vector(spec.gravity);
 }
 
-OrderedJson expand_coordinates(const ComponentsSpec& coordinates) {
-  if (coordinates.form != ComponentsSpec::Form::kMap) return "all";
-  if (coordinates.map.empty()) return "none";
-  OrderedJson names = OrderedJson::array();
-  for (const auto& entry : coordinates.map) names.push_back(entry.first.value);
-  return names;
-}
-
-void expand_choice(const ChoiceSpec& choice, OrderedJson& json) {
-  json["choose"] = expand_coordinates(choice.coordinates);
-  if (choice.lower) json["lower"] = expand_components(*choice.lower);
-  if (choice.upper) json["upper"] = expand_components(*choice.upper);
-}
-
-OrderedJson expand_jump(const JumpSpec& jump) {
-  OrderedJson json = OrderedJson::object();
-  for (const auto& [name, expression] : jump.states) json[name.value] = expression.text;
-  return json;
-}
-
-/// A phase that takes time.
-void expand_knots(const PhaseSpec& phase, const ProblemSpec& spec, OrderedJson& json) {
-  if (phase.system) json["system"] = phase.system->value;
-  json["knots"] = phase.knots.value;
-  json["dt"] = phase.dt;
-  if (phase.refine)
-    json["refine"] = {{"first", phase.refine->first},
-                      {"last", phase.refine->last},
-                      {"ratio", phase.refine->ratio}};
-  if (phase.free_duration)
-    json["free_duration"] = {{"lower", phase.free_duration->lower},
-                             {"upper", phase.free_duration->upper}};
-  if (!spec.contacts.empty()) json["contacts"] = expand_contact_names(phase.contacts, spec);
-}
-
 OrderedJson expand_phases(const ProblemSpec& spec) {
   OrderedJson json = OrderedJson::array();
-  for (const PhaseSpec& phase : spec.phases) {
-    OrderedJson entry = {{"name", phase.name.value}};
-    if (phase.choice) {
-      expand_choice(*phase.choice, entry);
-      json.push_back(std::move(entry));
-      continue;
-    }
-    if (phase.jump) {
-      entry["jump"] = expand_jump(*phase.jump);
-    } else if (phase.restitution) {
-      entry["impulse"] = expand_contact_names(phase.contacts, spec);
-      entry["restitution"] = *phase.restitution;
-    } else {
-      expand_knots(phase, spec, entry);
-    }
-    entry["weights"] = expand_numbers(phase.weights);
-    json.push_back(std::move(entry));
+  for (PhaseSpec phase : spec.phases) {
+    KeyWriter keys;
+    describe(keys, phase, &spec);
+    json.push_back(std::move(keys.json));
   }
   return json;
 }
 
 OrderedJson expand_initial_state(const ProblemSpec& spec) {
-  OrderedJson json = expand_state(spec.initial_state);
+  OrderedJson json = expand_map(spec.initial_state);
   if (spec.first_use(&ResidualNeeds::previous_control) && !spec.initial_state.previous_control)
     json["previous_control"] = 0.0;
   return json;
 }
 
-}  // namespace
-
-OrderedJson expand_terminal_lqr(const TerminalLqrSpec& lqr) {
-  return {{"about", lqr.name ? OrderedJson(lqr.name->value) : expand_state(lqr.state)},
-          {"weight", lqr.weight},
-          {"set", lqr.set}};
-}
-
-namespace {
-
 OrderedJson expand_terminal(const ProblemSpec& spec, const Plant& plant) {
   OrderedJson json = OrderedJson::object();
   if (!spec.contacts.empty()) json["contacts"] = expand_contact_names(spec.last_contacts(), spec);
-  if (spec.terminal_lqr) json["lqr"] = expand_terminal_lqr(*spec.terminal_lqr);
+  if (spec.terminal_lqr) json["lqr"] = *LqrForm().expand(*spec.terminal_lqr);
   json["costs"] = expand_costs(spec.terminal_costs, spec, plant, true);
   json["constraints"] = expand_terminal_constraints(spec, plant);
   return json;
@@ -122,14 +64,6 @@ Integrator integrator_of(const ShootingProblem& problem) {
   for (int k = 0; k < problem.knots(); ++k)
     if (!problem.takes_no_time(k)) return problem.knot(k).model->integrator();
   return default_integrator(problem.knot(0).model->system().kind());
-}
-
-OrderedJson expand_solver(const SolverSpec& solver) {
-  const OrderedJson options = expand_options(solver.options);
-  OrderedJson json = json_object(options.size() + 2);  // with the homotopy
-  json["name"] = solver.name.value;
-  json.update(options);
-  return json;
 }
 
 /// A part by its name or its index; null if it does not exist.
@@ -169,24 +103,7 @@ std::string modeline(const std::string& text) {
 
 }  // namespace
 
-OrderedJson expand_options(const SolverOptions& options) {
-  OrderedJson json = json_object(option_table().size());
-  for (const OptionInfo& info : option_table()) {
-    OrderedJson value;
-    std::visit([&](const auto& v) { value = v; }, info.get(options));
-    if (value.is_number_float() && !std::isfinite(value.get<double>())) value = nullptr;
-    const std::size_t dot = info.name.find('.');
-    if (dot == std::string_view::npos)
-      json[std::string(info.name)] = std::move(value);
-    else
-      json[std::string(info.name.substr(0, dot))][std::string(info.name.substr(dot + 1))] =
-          std::move(value);
-  }
-  json["options"] = OrderedJson::object();
-  for (const auto& [name, value] : options.ipopt)
-    std::visit([&, key = name](const auto& v) { json["options"][key] = v; }, value);
-  return json;
-}
+OrderedJson expand_options(const SolverOptions& options) { return expand_map(options); }
 
 OrderedJson expand_problem(const ProblemSpec& spec, const BuiltProblem& built) {
   constexpr std::size_t kMostSections = 28;
@@ -201,18 +118,17 @@ OrderedJson expand_problem(const ProblemSpec& spec, const BuiltProblem& built) {
   json["integrator"] = word_of(kIntegratorWords, integrator_of(*built.problem));
   json["controls"] = word_of(kControlCourseWords, spec.controls.value);
   json["running_costs"] = word_of(kRunningCostsWords, spec.running_costs.value);
-  if (!spec.contacts.empty()) json["contacts"] = expand_contacts(spec.contacts);
-  if (!spec.system) json["collision"] = expand_collision(spec.collision);
+  if (auto contacts = ContactsForm().expand(spec.contacts)) json["contacts"] = *contacts;
+  if (!spec.system) json["collision"] = expand_map(spec.collision);
   if (spec.stepping) {
-    json["contact_candidates"] = expand_candidates(spec.candidates);
-    json["stepping"] = expand_stepping(*spec.stepping);
+    json["contact_candidates"] = *kCandidates.expand(spec.candidates);
+    json["stepping"] = expand_map(*spec.stepping);
   }
   json["phases"] = expand_phases(spec);
-  if (spec.mesh)  // its factor is already in the phases
-    json["mesh"] = {{"error", spec.mesh->error},
-                    {"factor", 1},
-                    {"rounds", spec.mesh->rounds},
-                    {"knots", spec.mesh->most_knots}};
+  if (std::optional<MeshSpec> mesh = spec.mesh) {
+    mesh->factor = 1;  // the phases have it already
+    json["mesh"] = expand_map(*mesh);
+  }
   json["costs"] = expand_costs(spec.costs, spec, built.plant, false);
   for (const CostSpec& integral : spec.integrals) {
     OrderedJson& entry = json["integrals"][integral.name.value];
@@ -221,11 +137,10 @@ OrderedJson expand_problem(const ProblemSpec& spec, const BuiltProblem& built) {
   }
   json["constraints"] = expand_constraints(spec, built.plant);
   json["terminal"] = expand_terminal(spec, built.plant);
-  json["initial_guess"] = expand_guess(spec.guess);
-  json["perturbation"] = {{"initial_state", spec.perturbation.initial_state},
-                          {"guess", spec.perturbation.guess},
-                          {"seed", spec.perturbation.seed}};
-  json["solver"] = expand_solver(spec.solver);
+  json["initial_guess"] =
+      *GroupValue([guess = spec.guess](Keys& keys) mutable { describe(keys, guess, {}); }).expand();
+  json["perturbation"] = expand_map(spec.perturbation);
+  json["solver"] = expand_map(spec.solver);
   json["solver"]["homotopy"] = OrderedJson::array();
   if (built.homotopy) {
     const Homotopy::Station& start = built.homotopy->start();

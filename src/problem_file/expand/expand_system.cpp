@@ -1,28 +1,9 @@
 #include "problem_file/expand/expand_sections.hpp"
 #include "problem_file/spec/enum_names.hpp"
-#include "problem_file/spec/system_fields.hpp"
+#include "problem_file/values/system_keys.hpp"
 
 namespace conddp {
 namespace {
-
-OrderedJson expand_matrix(const Eigen::MatrixXd& matrix) {
-  OrderedJson rows = OrderedJson::array();
-  for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
-    OrderedJson row = OrderedJson::array();
-    for (Eigen::Index j = 0; j < matrix.cols(); ++j) row.push_back(matrix(i, j));
-    rows.push_back(std::move(row));
-  }
-  return rows;
-}
-
-void expand(const DoubleIntegratorSpec& p, OrderedJson& json) { json["dimension"] = p.dimension; }
-
-void expand(const LinearSpec& p, OrderedJson& json) {
-  json["gives"] = word_of(kLinearAnswerWords, p.gives);
-  json["A"] = expand_matrix(p.A);
-  json["B"] = expand_matrix(p.B);
-  json["c"] = std::vector<double>(p.c.begin(), p.c.end());
-}
 
 OrderedJson expand_columns(const std::vector<Column>& columns) {
   OrderedJson json = OrderedJson::object();
@@ -97,18 +78,14 @@ void expand(const LibrarySystemSpec& p, OrderedJson& json) {
   json["parameters"] = expand_numbers(p.function.parameters);
 }
 
-template <class P>
-void expand(const P& p, OrderedJson& json) {
-  for_each_field(p, [&](std::string_view key, std::string_view, double value, const NumberRange&) {
-    json[std::string(key)] = value;
-  });
-}
-
 }  // namespace
 
 OrderedJson expand_system(const SystemSpec& system) {
-  OrderedJson json = {{"type", kSystemTypes[system.parameters.index()].name}};
-  std::visit([&](const auto& parameters) { expand(parameters, json); }, system.parameters);
+  OrderedJson json = expand_map(system);
+  if (const auto* expressions = std::get_if<ExpressionSystemSpec>(&system.parameters))
+    expand(*expressions, json);
+  if (const auto* library = std::get_if<LibrarySystemSpec>(&system.parameters))
+    expand(*library, json);
   return json;
 }
 

@@ -1,119 +1,120 @@
+#include <algorithm>
+#include <string>
+
 #include <fmt/format.h>
 
 #include "problem_file/read/read_sections.hpp"
-#include "problem_file/spec/enum_names.hpp"
 
 namespace conddp {
+
+void describe(Keys& keys, SphereSpec& sphere) {
+  keys.about({.definition = "sphere",
+              .title = "Sphere",
+              .says = "In the axes of its frame, or in the world",
+              .examples = R"([{"radius": 0.1, "center": [0.4, 0, 0.5]}])"});
+  keys({.name = "radius", .says = "Radius, m", .required = true}, sphere.radius,
+       NumberForm{kPositive});
+  keys({"center", "[x, y, z], m"}, sphere.center, VectorForm{"[x, y, z] in m"});
+}
+
+static void describe(Keys& keys, CapsuleSpec& capsule) {
+  YamlMap* map = keys.reading();
+  const int errors = map != nullptr ? map->reader().diagnostics().error_count() : 0;
+  keys.about({.definition = "capsule",
+              .title = "Capsule",
+              .says = "What is nearer than the radius to a straight line, in the axes of its frame "
+                      "or in the world",
+              .examples = R"([{"radius": 0.06, "to": [0, 0, 0.3]}])"});
+  keys({.name = "radius", .says = "Radius, m", .required = true}, capsule.radius,
+       NumberForm{kPositive});
+  keys({"from", "Where the line begins, m"}, capsule.from, VectorForm{"[x, y, z] in m"});
+  keys({.name = "to", .says = "Where the line ends, m", .required = true}, capsule.to,
+       VectorForm{"[x, y, z] in m"});
+  if (map == nullptr || map->reader().diagnostics().error_count() > errors) return;
+  if (const auto to = map->find("to"); to && squared_norm(capsule.to - capsule.from) == 0)
+    to->error("the capsule has length 0", "write 'sphere: {radius: ..., center: [...]}'");
+}
+
+void describe(Keys& keys, HalfSpaceSpec& half_space) {
+  keys.about({.definition = "half_space",
+              .title = "Half-space",
+              .says = "What lies behind a plane: the ground, a table, a wall",
+              .examples = R"([{"point": [0, 0, 0.3]}])"});
+  keys({"normal", "Direction that leads out of it, without unit; its length does not matter"},
+       half_space.normal, DirectionForm{});
+  keys({"point", "A point on its surface, m"}, half_space.point, VectorForm{"[x, y, z] in m"});
+}
+
 namespace {
 
-void read_radius(YamlMap& map, double& radius) {
-  if (const auto r = map.require("radius")) radius = r->number(kPositive).value_or(radius);
-}
-
-void read_point(YamlMap& map, std::string_view key, Vector3<double>& point) {
-  read_vector3(map, key, "[x, y, z] in m", point);
-}
-
-}  // namespace
-
-SphereSpec read_sphere(const YamlReader& reader) {
-  SphereSpec sphere;
-  YamlMap map(reader);
-  if (!map.valid()) return sphere;
-  read_radius(map, sphere.radius);
-  read_point(map, "center", sphere.center);
-  return sphere;
-}
-
-HalfSpaceSpec read_half_space(const YamlReader& reader) {
-  HalfSpaceSpec half_space;
-  YamlMap map(reader);
-  if (!map.valid()) return half_space;
-  if (const auto r = map.find("normal"))
-    half_space.normal = read_direction(*r).value_or(half_space.normal);
-  read_point(map, "point", half_space.point);
-  return half_space;
-}
-
-namespace {
-
-CapsuleSpec read_capsule(const YamlReader& reader) {
-  CapsuleSpec capsule;
-  YamlMap map(reader);
-  if (!map.valid()) return capsule;
-  read_radius(map, capsule.radius);
-  read_point(map, "from", capsule.from);
-  if (const auto to = map.require("to")) {
-    const auto point = read_vector3(*to, "[x, y, z] in m");
-    capsule.to = point.value_or(capsule.to);
-    if (point && squared_norm(capsule.to - capsule.from) == 0)
-      to->error("the capsule has length 0", "write 'sphere: {radius: ..., center: [...]}'");
-  }
-  return capsule;
-}
-
-/// Reads the form of a shape; exactly one key must define it.
-template <class Form>
-std::optional<Form> read_form(YamlMap& map, bool in_world) {
-  if (!map.valid()) return std::nullopt;
-  std::optional<Form> form;
+/// Reports a shape without a form, or with several.
+void check_form(YamlMap* map, std::initializer_list<const char*> forms, const char* hint) {
+  if (map == nullptr) return;
   int count = 0;
-  const auto take = [&](std::string_view key, auto read) {
-    const auto r = map.find(key);
-    if (!r) return;
-    form = read(*r);
-    if (++count == 2) r->error("a shape is one thing: give one of its keys");
-  };
-  take("sphere", read_sphere);
-  take("capsule", read_capsule);
-  if constexpr (std::is_same_v<Form, decltype(ObstacleSpec::form)>)
-    take("half_space", read_half_space);
-  if (count == 0)
-    map.reader().error("the shape has no form", in_world
-                                                    ? "give 'sphere', 'capsule' or 'half_space'"
-                                                    : "give 'sphere' or 'capsule'");
-  return form;
+  for (const char* form : forms) {
+    const auto r = map->find(form);
+    if (r && ++count == 2) r->error("a shape is one thing: give one of its keys");
+  }
+  if (count == 0) map->reader().error("the shape has no form", hint);
 }
 
-/// Calls read(name, value) for every shape; duplicate names are reported.
-template <class F>
-void read_shapes(const YamlReader& reader, std::vector<std::string>& taken, F read) {
-  const auto entries = reader.named_entries();
-  if (!entries) return;
-  for (const auto& [name, value] : *entries) {
+/// Reports names of shapes and obstacles that others have, or that are patterns.
+template <class Shape>
+void check_names(const std::vector<Shape>& shapes, std::vector<std::string>& taken,
+                 Diagnostics& out) {
+  for (const Shape& shape : shapes) {
+    const Name& name = shape.name;
     if (name.value.find('*') != std::string::npos)
-      reader.diagnostics().error(name.place, "the name of a shape has no '*'");
+      out.error(name.place, "the name of a shape has no '*'");
     if (std::find(taken.begin(), taken.end(), name.value) != taken.end())
-      reader.diagnostics().error(
-          name.place, fmt::format("a shape and an obstacle have the name '{}'", name.value));
+      out.error(name.place, fmt::format("a shape and an obstacle have the name '{}'", name.value));
     taken.push_back(name.value);
-    read(name, value);
   }
 }
 
 }  // namespace
 
-CollisionSpec read_collision(const YamlReader& reader) {
-  CollisionSpec collision;
-  YamlMap map(reader);
-  if (!map.valid()) return collision;
-  std::vector<std::string> taken;
-  if (const auto r = map.find("shapes"))
-    read_shapes(*r, taken, [&](const Name& name, const YamlReader& value) {
-      ShapeSpec shape{.name = name};
-      YamlMap keys(value);
-      if (const auto frame = keys.require("frame")) shape.frame = frame->name().value_or(Name{});
-      if (const auto form = read_form<decltype(shape.form)>(keys, false)) shape.form = *form;
-      collision.shapes.push_back(std::move(shape));
-    });
-  if (const auto r = map.find("obstacles"))
-    read_shapes(*r, taken, [&](const Name& name, const YamlReader& value) {
-      ObstacleSpec obstacle{.name = name};
-      YamlMap keys(value);
-      if (const auto form = read_form<decltype(obstacle.form)>(keys, true)) obstacle.form = *form;
-      collision.obstacles.push_back(std::move(obstacle));
-    });
-  return collision;
+static void describe(Keys& keys, ShapeSpec& shape) {
+  keys.about({.definition = "shape",
+              .title = "Shape that a link carries",
+              .says = "A sphere or a capsule fixed to a frame",
+              .examples = R"([{"frame": "tool", "sphere": {"radius": 0.05}}])",
+              .rules = R"("oneOf": [{"required": ["sphere"]}, {"required": ["capsule"]}])"});
+  keys({.name = "frame", .says = "In whose axes it is given", .required = true}, shape.frame,
+       NameForm{});
+  keys({"sphere"}, shape.form, AlternativeForm<SphereSpec>{});
+  keys({"capsule"}, shape.form, AlternativeForm<CapsuleSpec>{});
+  check_form(keys.reading(), {"sphere", "capsule"}, "give 'sphere' or 'capsule'");
+}
+
+static void describe(Keys& keys, ObstacleSpec& obstacle) {
+  keys.about({.definition = "obstacle",
+              .title = "Shape that stands in the world",
+              .says = "A sphere, a capsule or a half-space",
+              .examples = R"([{"sphere": {"radius": 0.1, "center": [0.4, 0, 0.5]}}])",
+              .rules = R"("oneOf": [{"required": ["sphere"]}, {"required": ["capsule"]},
+                                    {"required": ["half_space"]}])"});
+  keys({"sphere"}, obstacle.form, AlternativeForm<SphereSpec>{});
+  keys({"capsule"}, obstacle.form, AlternativeForm<CapsuleSpec>{});
+  keys({"half_space"}, obstacle.form, AlternativeForm<HalfSpaceSpec>{});
+  check_form(keys.reading(), {"sphere", "capsule", "half_space"},
+             "give 'sphere', 'capsule' or 'half_space'");
+}
+
+void describe(Keys& keys, CollisionSpec& collision) {
+  keys.about({.title = "Shapes that must keep apart", .examples = R"([{
+                "shapes": {"forearm": {"frame": "link_5",
+                                       "capsule": {"radius": 0.06, "to": [0, 0, 0.2]}}},
+                "obstacles": {"table": {"half_space": {"point": [0, 0, 0.3]}}}}])"});
+  keys({.name = "shapes", .says = "Shapes that links carry, by name", .fallback = "{}"},
+       collision.shapes, EntriesForm{&ShapeSpec::name});
+  keys({.name = "obstacles", .says = "Shapes that stand in the world, by name", .fallback = "{}"},
+       collision.obstacles, EntriesForm{&ObstacleSpec::name});
+  if (YamlMap* map = keys.reading()) {
+    std::vector<std::string> taken;
+    check_names(collision.shapes, taken, map->reader().diagnostics());
+    check_names(collision.obstacles, taken, map->reader().diagnostics());
+  }
 }
 
 }  // namespace conddp

@@ -8,33 +8,12 @@
 namespace conddp {
 namespace {
 
-void read_baumgarte(const YamlReader& reader, ContactSpec& contact) {
-  contact.baumgarte_place = reader.place();
-  YamlMap map(reader);
-  map.number("kp", contact.kp, kNotNegative);
-  map.number("kd", contact.kd, kNotNegative);
-}
+/// The defaults of all contacts.
+struct ContactDefaults {
+  ContactSpec contact;
+};
 
-void read_axes(YamlMap& map, ContactSpec& contact) {
-  map.choice("axes", contact.axes, kAxesWords, "system of axes");
-  if (const auto r = map.find("normal"))
-    contact.normal = read_direction(*r).value_or(contact.normal);
-  if (const auto r = map.find("tangent")) {
-    contact.tangent = read_direction(*r);
-    if (contact.kind != ContactKind::planar)
-      r->error("'tangent' belongs to contacts of type 'planar'");
-  }
-}
-
-void read_force_limits(YamlMap& map, ContactSpec& contact) {
-  map.number("friction", contact.friction, kPositive);
-  map.number("min_normal_force", contact.min_normal_force, kNotNegative);
-  map.number("max_normal_force", contact.max_normal_force, kPositive);
-  if (contact.min_normal_force >= contact.max_normal_force)
-    map.reader().error(fmt::format("'min_normal_force' {} does not lie under 'max_normal_force' {}",
-                                   contact.min_normal_force, contact.max_normal_force));
-}
-
+/// Length and width, of which the contact keeps the halves.
 void read_size(const YamlReader& reader, ContactSpec& contact) {
   const auto size = reader.numbers(2, "[length, width] of a sole along its x and y, in m");
   if (size && (*size)[0] > 0 && (*size)[1] > 0)
@@ -43,17 +22,60 @@ void read_size(const YamlReader& reader, ContactSpec& contact) {
     reader.error("the size of a sole must be positive");
 }
 
-/// Reads the keys that `defaults` also accepts.
-void read_common_keys(YamlMap& map, ContactSpec& contact) {
-  map.choice("type", contact.kind, kContactWords, "type of contact");
-  read_axes(map, contact);
-  if (const auto r = map.find("baumgarte")) read_baumgarte(*r, contact);
-  read_force_limits(map, contact);
-  if (const auto r = map.find("size")) read_size(*r, contact);
+std::optional<OrderedJson> expand_size(const ContactSpec& contact) {
+  if (!contact.half_size) return std::nullopt;
+  return OrderedJson{2 * (*contact.half_size)[0], 2 * (*contact.half_size)[1]};
+}
+
+void check_common(YamlMap& map, const ContactSpec& contact) {
+  if (const auto r = map.find("tangent"); r && contact.kind != ContactKind::planar)
+    r->error("'tangent' belongs to contacts of type 'planar'");
+  if (contact.min_normal_force >= contact.max_normal_force)
+    map.reader().error(fmt::format("'min_normal_force' {} does not lie under 'max_normal_force' {}",
+                                   contact.min_normal_force, contact.max_normal_force));
+}
+
+/// The keys that `defaults` has, too. `fallback`: "none" there, as the schema shows defaults once.
+void describe_common(Keys& keys, std::string_view fallback, ContactSpec& contact) {
+  const auto key = [&](std::string_view name, std::string_view says) {
+    return KeyInfo{.name = name, .says = says, .fallback = fallback};
+  };
+  keys(key("type",
+           "What is held: the point of the frame's origin, the whole frame, the point along the "
+           "normal, or along normal and tangent"),
+       contact.kind, WordForm{kContactWords, "type of contact"});
+  keys(key("axes", "Axes in which normal and tangent are given and stay"), contact.axes,
+       WordForm{kAxesWords, "system of axes"});
+  keys(key("normal", "Direction of the surface's normal, without unit; its length does not matter"),
+       contact.normal, DirectionForm{});
+  keys(key("tangent",
+           "Of planar contacts: the second direction, without unit; by default the x axis as far "
+           "as it lies in the surface"),
+       contact.tangent, DirectionForm{});
+  keys({"size", "Of a sole: length and width along the frame's x and y about its origin, m"},
+       CustomValue{[&contact](const YamlReader& reader) { read_size(reader, contact); },
+                   [&contact] { return expand_size(contact); },
+                   R"({"type": "array", "items": {"type": "number", "exclusiveMinimum": 0},
+                       "minItems": 2, "maxItems": 2})"});
+  keys(key("friction", "Coefficient of friction, without unit"), contact.friction,
+       NumberForm{kPositive});
+  keys(key("min_normal_force", "What cones hold the normal force above, N"),
+       contact.min_normal_force, NumberForm{kNotNegative});
+  keys(key("max_normal_force",
+           "What cones hold the normal force under, N; without limit by default"),
+       contact.max_normal_force, NumberForm{kPositive});
+  keys({"baumgarte", "Stabilization: acceleration = -kd * velocity - kp * error"},
+       GroupValue([&](Keys& baumgarte) {
+         if (YamlMap* map = baumgarte.reading()) contact.baumgarte_place = map->reader().place();
+         baumgarte.about({.title = "Stabilization", .examples = R"([{"kd": 50}])"});
+         baumgarte(key("kp", "Stiffness, 1/s²"), contact.kp, NumberForm{kNotNegative});
+         baumgarte(key("kd", "Damping, 1/s"), contact.kd, NumberForm{kNotNegative});
+       }));
+  if (YamlMap* map = keys.reading()) check_common(*map, contact);
 }
 
 void complete_tangent(const Place& place, Diagnostics& out, ContactSpec& contact) {
-  if (contact.kind != ContactKind::planar) return;
+  if (contact.kind != ContactKind::planar) return contact.tangent.reset();
   const Vector3<double> n = contact.normal;
   // By default the world's (or the frame's) x axis, projected onto the plane.
   Vector3<double> t = contact.tangent.value_or(Vector3<double>{1, 0, 0});
@@ -67,17 +89,6 @@ void complete_tangent(const Place& place, Diagnostics& out, ContactSpec& contact
   contact.tangent = (1 / length) * t;
 }
 
-/// Defaults for all contacts.
-ContactSpec read_defaults(const std::vector<std::pair<Name, YamlReader>>& entries) {
-  ContactSpec defaults;
-  for (const auto& [name, value] : entries) {
-    if (name.value != "defaults") continue;
-    YamlMap map(value);
-    read_common_keys(map, defaults);
-  }
-  return defaults;
-}
-
 ContactSpec read_contact(const Name& name, const YamlReader& reader, const ContactSpec& defaults) {
   if (name.value == "all" || name.value.find_first_of("/,") != std::string::npos)
     reader.diagnostics().error(name.place,
@@ -85,13 +96,7 @@ ContactSpec read_contact(const Name& name, const YamlReader& reader, const Conta
                                "'all' stands for every contact, and names have no '/' and no ','");
   ContactSpec contact = defaults;
   contact.name = name;
-  YamlMap map(reader);
-  if (const auto r = map.require("frame")) contact.frame = r->name().value_or(contact.frame);
-  read_common_keys(map, contact);
-  if (const auto r = map.find("placement")) {
-    contact.placement = read_pose(*r);
-    if (contact.kp == 0) r->error("'placement' counts where 'baumgarte' has a 'kp' only");
-  }
+  read_map(reader, contact);
   if (contact.baumgarte_place.path.empty()) contact.baumgarte_place = name.place;
   complete_tangent(name.place, reader.diagnostics(), contact);
   return contact;
@@ -99,23 +104,55 @@ ContactSpec read_contact(const Name& name, const YamlReader& reader, const Conta
 
 }  // namespace
 
-std::optional<Vector3<double>> read_direction(const YamlReader& reader) {
-  const auto v = read_vector3(reader, "a direction [x, y, z]");
-  if (!v) return std::nullopt;
-  const double length = std::sqrt(squared_norm(*v));
-  if (length > 1e-6) return unit_scale(length) * *v;
-  reader.error("a direction of length 0");
-  return std::nullopt;
+static void describe(Keys& keys, ContactDefaults& defaults) {
+  keys.about({.definition = "contact_defaults",
+              .title = "Contact defaults",
+              .says = "Defaults for all contacts",
+              .examples = R"([{"friction": 0.6, "baumgarte": {"kd": 50}}])"});
+  describe_common(keys, "none", defaults.contact);
 }
 
-std::vector<ContactSpec> read_contacts(const YamlReader& reader) {
-  std::vector<ContactSpec> contacts;
+static void describe(Keys& keys, ContactSpec& contact) {
+  keys.about({.definition = "contact",
+              .title = "Contact",
+              .says = "A frame that can touch the world",
+              .examples = R"([{"frame": "lf_foot", "friction": 0.6}])"});
+  keys({.name = "frame", .says = "Frame whose origin is the point of contact", .required = true},
+       contact.frame, NameForm{});
+  describe_common(keys, "", contact);
+  keys({"placement",
+        "Where baumgarte's kp draws the frame to: position (m) and, of a surface, orientation; by "
+        "default where it is in the initial state and, after a swing of the frame, where that "
+        "lands"},
+       contact.placement, MapForm{});
+  YamlMap* map = keys.reading();
+  if (const auto r = map != nullptr ? map->find("placement") : std::nullopt; r && contact.kp == 0)
+    r->error("'placement' counts where 'baumgarte' has a 'kp' only");
+}
+
+bool ContactsForm::read(const YamlReader& reader, std::vector<ContactSpec>& contacts) const {
   const auto entries = reader.named_entries("write '{LF: {frame: lf_foot}}'");
-  if (!entries) return contacts;
-  const ContactSpec defaults = read_defaults(*entries);
+  if (!entries) return false;
+  ContactDefaults defaults;
   for (const auto& [name, value] : *entries)
-    if (name.value != "defaults") contacts.push_back(read_contact(name, value, defaults));
-  return contacts;
+    if (name.value == "defaults") read_map(value, defaults);
+  for (const auto& [name, value] : *entries)
+    if (name.value != "defaults") contacts.push_back(read_contact(name, value, defaults.contact));
+  return true;
+}
+
+std::optional<OrderedJson> ContactsForm::expand(const std::vector<ContactSpec>& contacts) const {
+  if (contacts.empty()) return std::nullopt;
+  OrderedJson json = OrderedJson::object();
+  for (const ContactSpec& contact : contacts) json[contact.name.value] = expand_map(contact);
+  return json;
+}
+
+OrderedJson ContactsForm::schema(const std::vector<ContactSpec>& /*names the type*/,
+                                 SchemaDefinitions& definitions) const {
+  return {{"type", "object"},
+          {"properties", {{"defaults", map_schema<ContactDefaults>(definitions)}}},
+          {"additionalProperties", map_schema<ContactSpec>(definitions)}};
 }
 
 }  // namespace conddp

@@ -166,54 +166,26 @@ void read_starts(const YamlReader& reader, GaitSpec& gait) {
   }
 }
 
-void read_step(const YamlReader& reader, GaitSpec& gait) {
+void describe_step(Keys& keys, GaitSpec& gait) {
   static const NumberRange kTurn{-std::numbers::pi, std::numbers::pi, false, false,
                                  "an angle from -π to π"};
-  YamlMap map(reader);
-  map.number("length", gait.step_length, kNotNegative);
-  map.number("height", gait.step_height, kNotNegative);
-  map.number("direction", gait.direction);
-  map.number("turn", gait.turn, kTurn);
+  keys.about({.title = "Step of a gait",
+              .examples = R"([{"length": 0.15, "height": 0.06, "turn": 0.2}])"});
+  keys({"length", "Way of a cycle, the mean length of a foot's steps, m"}, gait.step_length,
+       NumberForm{kNotNegative});
+  keys({"height", "Height of the swings, m"}, gait.step_height, NumberForm{kNotNegative});
+  keys({"direction", "Of the way, from where the base points to the left, rad"}, gait.direction,
+       NumberForm{});
+  keys({"turn", "Turn of a cycle, rad"}, gait.turn, NumberForm{kTurn});
 }
 
-bool read_located(YamlMap& map, std::string_view key, Located<double>& value,
-                  const NumberRange& range) {
-  value.place = map.reader().place();
-  const auto reader = map.find(key);
-  if (!reader) return false;
-  value = {reader->number(range).value_or(value.value), reader->place()};
-  return true;
-}
-
-/// Reads the standing time before and after the gait.
-void read_stand(YamlMap& map, GaitSpec& gait) {
-  gait.begin.place = gait.end.place = gait.place;
-  const auto r = map.find("stand");
-  if (!r) return;
-  YamlMap stand(*r);
-  read_located(stand, "begin", gait.begin, kNotNegative);
-  read_located(stand, "end", gait.end, kNotNegative);
-}
-
-void reject_steps(YamlMap& map) {
-  for (const char* key :
-       {"starts", "cycles", "period", "duty", "step", "commands", "impulses", "weight"})
-    if (const auto r = map.find(key))
-      r->error(fmt::format("standing feet make no steps: the gait 'stand' has no '{}'", key));
-}
-
-void read_steps(YamlMap& map, GaitSpec& gait) {
-  if (const auto r = map.find("starts")) read_starts(*r, gait);
-  map.integer("cycles", gait.cycles, 1, kMostGaitCycles);
-  if (map.require("period")) read_located(map, "period", gait.period, kPositive);
-  gait.duty.value = usual_duty(gait.type.value, gait.feet.size());
-  static const NumberRange kShare{0, 1, true, false, "a share of the cycle from 0 (excluded) to 1"};
-  read_located(map, "duty", gait.duty, kShare);
-  if (const auto r = map.find("step")) read_step(*r, gait);
-  gait.commands = read_commands(map);
-  static constexpr Choice<bool> kWords[] = {{"true", true}, {"false", false}};
-  map.choice("impulses", gait.impulses, kWords, "value of 'impulses'");
-  map.number("weight", gait.weight, kPositive);
+void describe_stand(Keys& keys, GaitSpec& gait) {
+  keys.about(
+      {.title = "Standing before and after a gait", .examples = R"([{"begin": 0.2, "end": 0.4}])"});
+  if (YamlMap* map = keys.reading()) gait.begin.place = gait.end.place = map->reader().place();
+  keys({"begin", "Before the first foot lifts, s"}, gait.begin, NumberForm{kNotNegative});
+  keys({"end", "After the last touch-down, s; one step at least where feet swing"}, gait.end,
+       NumberForm{kNotNegative});
 }
 
 /// Reads a planar velocity, m/s.
@@ -231,52 +203,142 @@ void read_velocity(const YamlReader& reader, GaitCommand& command) {
   command.y = velocity->y;
 }
 
-GaitCommand read_command(const YamlReader& reader) {
-  GaitCommand command{.place = reader.place()};
-  YamlMap map(reader, "write '{at: 1, velocity: [0.3, 0, 0], turn: 0.2}'");
-  if (!map.valid()) return command;
-  if (const auto r = map.require("at"))
-    command.at = {r->number(kNotNegative).value_or(0), r->place()};
-  if (const auto r = map.find("velocity")) read_velocity(*r, command);
-  static const NumberRange kTurn{-1e3, 1e3, false, false, "a number from -1000 to 1000"};
-  map.number("turn", command.turn, kTurn);
-  return command;
+/// The keys of the feet and of their steps, which standing feet do not have.
+void describe_steps(Keys& keys, GaitSpec& gait) {
+  static const NumberRange kShare{0, 1, true, false, "a share of the cycle from 0 (excluded) to 1"};
+  keys({.name = "starts",
+        .says = "Shares of the cycle, without unit, after which feet lift instead of those of the "
+                "type, by foot",
+        .examples = R"([{"LH": 0, "LF": 0.2, "RH": 0.5, "RF": 0.7}])"},
+       CustomValue{[&](const YamlReader& reader) { read_starts(reader, gait); },
+                   [] { return std::nullopt; },
+                   R"({"type": "object", "additionalProperties":
+                       {"type": "number", "minimum": 0, "exclusiveMaximum": 1}})"});
+  keys({"cycles", "How often each foot swings"}, gait.cycles, IntegerForm{1, kMostGaitCycles});
+  YamlMap* map = keys.reading();
+  if (map != nullptr) {
+    map->require("period");
+    gait.period.place = gait.duty.place = gait.place;
+    gait.duty.value = usual_duty(gait.type.value, gait.feet.size());
+  }
+  keys({.name = "period",
+        .says = "Duration of a cycle, s; a whole number of steps",
+        .fallback = "none"},
+       gait.period, NumberForm{kPositive});
+  keys({.name = "duty",
+        .says = "Share of the cycle that a foot stands, without unit; by default 0.5, of a walk "
+                "0.75 (two feet: 0.6)",
+        .fallback = "none"},
+       gait.duty, NumberForm{kShare});
+  keys({.name = "step", .says = "How far the robot goes in a cycle", .fallback = "{}"},
+       GroupValue([&](Keys& step) { describe_step(step, gait); }));
+  keys({"commands",
+        "Velocities of the way from times on, in place of length, direction and turn of the step"},
+       gait.commands, CommandsForm{});
+  keys({"impulses", "Whether each touch-down is an impulse"}, gait.impulses,
+       FlagForm{"value of 'impulses'"});
+  keys({"weight",
+        "Weight of the costs on the swings, in the cost's unit per square of a length or angle"},
+       gait.weight, NumberForm{kPositive});
+}
+
+void reject_steps(YamlMap& map) {
+  for (const char* key :
+       {"starts", "cycles", "period", "duty", "step", "commands", "impulses", "weight"})
+    if (const auto r = map.find(key))
+      r->error(fmt::format("standing feet make no steps: the gait 'stand' has no '{}'", key));
 }
 
 }  // namespace
 
-std::vector<GaitCommand> read_commands(YamlMap& map) {
-  std::vector<GaitCommand> commands;
-  for_each_item(map, "commands", [&](const YamlReader& item) {
-    commands.push_back(read_command(item));
-    const std::size_t count = commands.size();
-    if (count > 1 && !(commands[count - 2].at.value < commands.back().at.value))
-      item.diagnostics().error(commands.back().at.place,
-                               "commands stand in the order of their times");
-  });
-  return commands;
+static void describe(Keys& keys, GaitCommand& command) {
+  static const NumberRange kTurn{-1e3, 1e3, false, false, "a number from -1000 to 1000"};
+  keys.about(
+      {.title = "Command", .examples = R"([{"at": 3, "velocity": [0.3, 0, 0], "turn": 0.2}])"});
+  keys({.name = "at", .says = "From when on, s", .required = true, .examples = "[3]"}, command.at,
+       NumberForm{kNotNegative});
+  keys({.name = "velocity",
+        .says = "Of the base, forward and to the left as it points, m/s; the third number is 0",
+        .examples = "[[0.3, 0, 0]]",
+        .fallback = "[0, 0, 0]"},
+       CustomValue{[&](const YamlReader& reader) { read_velocity(reader, command); },
+                   [] { return std::nullopt; },
+                   R"({"type": "array", "minItems": 3, "maxItems": 3,
+                       "items": {"type": "number", "minimum": -1000, "maximum": 1000}})"});
+  keys({.name = "turn", .says = "To the left, rad/s", .examples = "[0.2]"}, command.turn,
+       NumberForm{kTurn});
+}
+
+bool CommandsForm::read(const YamlReader& reader, std::vector<GaitCommand>& commands) const {
+  const MapsForm maps{"write '{at: 1, velocity: [0.3, 0, 0], turn: 0.2}'"};
+  if (!maps.read(reader, commands)) return false;
+  for (std::size_t i = 1; i < commands.size(); ++i)
+    if (!(commands[i - 1].at.value < commands[i].at.value))
+      reader.diagnostics().error(commands[i].at.place,
+                                 "commands stand in the order of their times");
+  return true;
+}
+
+OrderedJson CommandsForm::schema(const std::vector<GaitCommand>& value,
+                                 SchemaDefinitions& definitions) const {
+  OrderedJson commands = {
+      {"title", "Commands"},
+      {"description", "Velocities that a gait is to have, in the order of their times"}};
+  commands.update(MapsForm().schema(value, definitions));
+  commands["default"] = OrderedJson::array();
+  commands["examples"] = OrderedJson::parse(
+      R"([[{"at": 0, "velocity": [0.3, 0, 0]}, {"at": 3, "velocity": [0.3, 0, 0], "turn": 0.2}]])");
+  definitions["commands"] = std::move(commands);
+  return {{"$ref", "#/definitions/commands"}};
+}
+
+void describe(Keys& keys, GaitSpec& gait, const std::vector<ContactSpec>& contacts) {
+  keys.about({.definition = "gait",
+              .title = "Gait",
+              .says = "Makes the phases, and a cost swing_<contact> on the swings of each foot; "
+                      "conddp check --expand shows them",
+              .examples = R"([{"type": "trot", "cycles": 2, "period": 0.48, "dt": 0.02,
+                               "step": {"length": 0.15, "height": 0.06}}])"});
+  YamlMap* map = keys.reading();
+  const int errors = map != nullptr ? map->reader().diagnostics().error_count() : 0;
+  keys({.name = "type",
+        .says = "Which feet swing together: a walk one after the other (four feet or two), a trot "
+                "diagonal pairs, a pace those of a side, a bound those in front and behind, a jump "
+                "all",
+        .required = true},
+       gait.type, WordForm{kGaitWords, "gait"});
+  if (map != nullptr && map->reader().diagnostics().error_count() > errors)
+    return map->ignore_others();
+  keys({.name = "feet",
+        .says = "Contacts of the feet: LF, RF, LH and RH, of a walk also L and R, of stand and "
+                "jump any; by default the contacts of these names, and all of stand and jump",
+        .examples = R"([{"LF": "front_left", "RF": "front_right", "LH": "hind_left",
+                         "RH": "hind_right"}])"},
+       CustomValue{[&](const YamlReader& reader) {
+                     read_feet(reader, contacts, map->find("starts"), gait);
+                   },
+                   [] { return std::nullopt; },
+                   R"({"type": "object", "minProperties": 1,
+                       "additionalProperties": {"type": "string", "minLength": 1}})"});
+  if (map != nullptr && !map->find("feet")) find_feet(map->reader(), contacts, gait);
+  keys({.name = "dt", .says = "Time step, s", .required = true}, gait.dt, NumberForm{kPositive});
+  gait.begin.place = gait.end.place = gait.place;
+  keys({.name = "stand",
+        .says = "How long all feet stand before and after; of the gait stand both together",
+        .fallback = "{}"},
+       GroupValue([&](Keys& stand) { describe_stand(stand, gait); }));
+  if (map != nullptr && gait.type.value == GaitType::stand)
+    reject_steps(*map);
+  else
+    describe_steps(keys, gait);
 }
 
 GaitSpec read_gait(const YamlReader& reader, const std::vector<ContactSpec>& contacts) {
   GaitSpec gait{.place = reader.place()};
   YamlMap map(reader);
-  const auto type = map.require("type");
-  const auto chosen = type ? type->choice(kGaitWords, "gait") : std::nullopt;
-  if (!chosen) {
-    map.ignore_others();
-    return gait;
-  }
-  gait.type = {*chosen, type->place()};
-  if (const auto r = map.find("feet"))
-    read_feet(*r, contacts, map.find("starts"), gait);
-  else
-    find_feet(reader, contacts, gait);
-  if (map.require("dt")) read_located(map, "dt", gait.dt, kPositive);
-  read_stand(map, gait);
-  if (*chosen == GaitType::stand)
-    reject_steps(map);
-  else
-    read_steps(map, gait);
+  if (!map.valid()) return gait;
+  KeyReader keys(map);
+  describe(keys, gait, contacts);
   return gait;
 }
 

@@ -1,124 +1,215 @@
 #include <limits>
 
-#include <fmt/format.h>
-
 #include "problem_file/read/read_sections.hpp"
 #include "problem_file/spec/enum_names.hpp"
 
 namespace conddp {
 namespace {
 
+constexpr int kMostNodes = 1'000'000;
+
 /// All numbers of a state, the name of a configuration, or the parts of a state.
-StateSpec read_state_or_name(const YamlReader& reader) {
-  if (reader.is_sequence()) return {.place = reader.place(), .state = reader.numbers()};
-  if (reader.is_scalar() && !reader.is_number())
-    return {.place = reader.place(), .configuration = reader.name()};
-  return read_state(reader).value_or(StateSpec{});
-}
-
-KeyframeSpec read_keyframe(const YamlReader& reader) {
-  KeyframeSpec keyframe{.place = reader.place()};
-  YamlMap map(reader);
-  if (!map.valid()) return keyframe;
-  map.exclusive({"time", "knot"});
-  if (const auto r = map.find("time"))
-    keyframe.time = {r->number(kNotNegative).value_or(0), r->place()};
-  if (const auto r = map.find("knot"))
-    keyframe.knot = {static_cast<int>(r->integer(0, 1'000'000).value_or(0)), r->place()};
-  if (!map.find("time") && !map.find("knot")) reader.error("a keyframe needs 'time' or 'knot'");
-  map.require("state");
-  map.read("state", keyframe.state, read_state_or_name);
-  return keyframe;
-}
-
-std::vector<KeyframeSpec> read_keyframes(const YamlReader& reader) {
-  std::vector<KeyframeSpec> keyframes;
-  const auto items = reader.items();
-  if (!items) return keyframes;
-  for (const YamlReader& item : *items) keyframes.push_back(read_keyframe(item));
-  if (items->empty()) reader.error("there is no keyframe");
-  return keyframes;
-}
-
-void read_states(const YamlReader& reader, const std::filesystem::path& folder, GuessSpec& guess) {
-  using States = GuessSpec::States;
-  guess.states_place = reader.place();
-  if (reader.is_scalar()) {
-    guess.states = reader
-                       .choice(kStatesGuessWords,
-                               "way to guess states (nor a mapping with 'keyframes' or "
-                               "'file')")
-                       .value_or(States::kInitial);
-    return;
+struct StateOrNameForm {
+  bool read(const YamlReader& reader, StateSpec& state) const {
+    if (reader.is_sequence())
+      state = {.place = reader.place(), .state = reader.numbers()};
+    else if (reader.is_scalar() && !reader.is_number())
+      state = {.place = reader.place(), .configuration = reader.name()};
+    else
+      state = read_state(reader).value_or(StateSpec{});
+    return true;
   }
-  YamlMap map(reader);
-  if (!map.valid()) return;
-  map.exclusive({"keyframes", "file"});
-  if (const auto r = map.find("keyframes")) {
-    guess.states = States::kKeyframes;
-    guess.keyframes = read_keyframes(*r);
-    map.choice("interpolation", guess.interpolation, kInterpolationWords, "interpolation");
-  } else {
-    guess.states = States::kFile;
+  std::optional<OrderedJson> expand(const StateSpec& state) const { return expand_map(state); }
+  OrderedJson schema(const StateSpec& /*names the type*/, SchemaDefinitions& definitions) const {
+    return {{"anyOf",
+             {map_schema<StateSpec>(definitions), NameForm().schema(), NumbersForm().schema()}}};
+  }
+};
+
+}  // namespace
+
+static void describe(Keys& keys, KeyframeSpec& keyframe) {
+  keys.about({.definition = "keyframe",
+              .title = "Keyframe",
+              .says = "A state that the first trajectory passes through",
+              .examples = R"([{"time": 1.5, "state": "standing"},
+                              {"knot": 20, "state": {"values": {"theta": 1}}}])",
+              .rules = R"("oneOf": [{"required": ["time"]}, {"required": ["knot"]}])"});
+  if (YamlMap* map = keys.reading()) map->exclusive({"time", "knot"});
+  keys({"time", "When, s from the start"}, keyframe.time, NumberForm{kNotNegative});
+  keys({"knot", "Node, from 0"}, keyframe.knot, IntegerForm{0, kMostNodes});
+  keys({.name = "state",
+        .says = "A state, the name of a configuration, or all numbers of the state",
+        .required = true},
+       keyframe.state, StateOrNameForm{});
+  YamlMap* map = keys.reading();
+  if (map != nullptr && !map->find("time") && !map->find("knot"))
+    map->reader().error("a keyframe needs 'time' or 'knot'");
+}
+
+static void describe(Keys& keys, GuessSpec::Random& random) {
+  keys.about({.definition = "random_controls",
+              .title = "Random controls",
+              .says = "Normal random numbers",
+              .examples = R"([{"seed": 1, "scale": 0.1}])"});
+  keys({"seed", "The same seed gives the same numbers everywhere"}, random.seed,
+       IntegerForm{0, std::numeric_limits<long long>::max()});
+  keys({.name = "scale", .says = "Standard deviation, in the controls' units", .required = true},
+       random.scale, NumberForm{kNotNegative});
+}
+
+namespace {
+
+void read_keyframes(const YamlReader& reader, GuessSpec& guess) {
+  guess.states = GuessSpec::States::kKeyframes;
+  if (MapsForm().read(reader, guess.keyframes) && guess.keyframes.empty())
+    reader.error("there is no keyframe");
+}
+
+/// The keys of guessed states between keyframes.
+void describe_keyframes(Keys& keys, GuessSpec& guess) {
+  keys.about({.title = "States between keyframes",
+              .examples = R"([{"keyframes": [{"knot": 20, "state": "standing"}]}])",
+              .rules = R"("required": ["keyframes"])"});
+  keys({"keyframes", "In the order of time; knots interpolate between them"},
+       CustomValue{[&](const YamlReader& reader) { read_keyframes(reader, guess); },
+                   [&] { return MapsForm().expand(guess.keyframes); },
+                   R"({"type": "array", "minItems": 1,
+                       "items": {"$ref": "#/definitions/keyframe"}})"});
+  keys({"interpolation",
+        "linear: straight from one to the next, rotations the shortest way; cubic: by a natural "
+        "cubic spline"},
+       guess.interpolation, WordForm{kInterpolationWords, "interpolation"});
+}
+
+/// A way to guess states, keyframes, or a file.
+struct StatesForm {
+  const std::filesystem::path& folder;
+
+  bool read(const YamlReader& reader, GuessSpec& guess) const {
+    guess.states_place = reader.place();
+    if (reader.is_scalar()) {
+      const auto states = reader.choice(
+          kStatesGuessWords, "way to guess states (nor a mapping with 'keyframes' or 'file')");
+      guess.states = states.value_or(GuessSpec::States::kInitial);
+      return states.has_value();
+    }
+    YamlMap map(reader);
+    if (!map.valid()) return false;
+    map.exclusive({"keyframes", "file"});
+    KeyReader keys(map);
+    if (map.find("keyframes")) return describe_keyframes(keys, guess), true;
+    guess.states = GuessSpec::States::kFile;
     guess.states_file = read_data_file(map, folder);
+    return true;
   }
-}
+  std::optional<OrderedJson> expand(GuessSpec guess) const {
+    if (guess.states_file) return expand_data_file(*guess.states_file);
+    if (guess.states != GuessSpec::States::kKeyframes)
+      return OrderedJson(word_of(kStatesGuessWords, guess.states));
+    return GroupValue([&](Keys& keys) { describe_keyframes(keys, guess); }).expand();
+  }
+  OrderedJson schema(GuessSpec guess, SchemaDefinitions& definitions) const {
+    map_schema<KeyframeSpec>(definitions);
+    const GroupValue keyframes([&](Keys& keys) { describe_keyframes(keys, guess); });
+    return {{"anyOf",
+             {WordForm(kStatesGuessWords, "").schema(),
+              keyframes.schema(definitions),
+              {{"$ref", "#/definitions/data_file"}}}}};
+  }
+};
 
-void read_random(const YamlReader& reader, GuessSpec& guess) {
-  YamlMap map(reader);
-  if (!map.valid()) return;
-  GuessSpec::Random random;
-  if (const auto r = map.find("seed"))
-    random.seed = static_cast<std::uint64_t>(
-        r->integer(0, std::numeric_limits<long long>::max()).value_or(0));
-  if (const auto r = map.require("scale")) random.scale = r->number(kNotNegative).value_or(0);
-  guess.random = random;
-}
+/// A way to guess controls, a constant or a file, and random numbers that are added.
+struct ControlsForm {
+  const std::filesystem::path& folder;
 
-void read_controls(const YamlReader& reader, const std::filesystem::path& folder,
-                   GuessSpec& guess) {
-  using Controls = GuessSpec::Controls;
-  guess.controls_place = reader.place();
-  if (reader.is_scalar()) {
-    guess.controls = reader
-                         .choice(kControlsGuessWords,
-                                 "way to guess controls (nor a mapping with 'constant', "
-                                 "'file' or 'random')")
-                         .value_or(Controls::kZero);
-    return;
+  bool read(const YamlReader& reader, GuessSpec& guess) const {
+    guess.controls_place = reader.place();
+    if (reader.is_scalar()) {
+      const auto controls = reader.choice(
+          kControlsGuessWords,
+          "way to guess controls (nor a mapping with 'constant', 'file' or 'random')");
+      guess.controls = controls.value_or(GuessSpec::Controls::kZero);
+      return controls.has_value();
+    }
+    YamlMap map(reader);
+    if (!map.valid()) return false;
+    map.exclusive({"constant", "file"});
+    KeyReader keys(map);
+    describe_numbers(keys, guess);
+    if (guess.constant) guess.controls = GuessSpec::Controls::kConstant;
+    if (map.find("file") || (!map.find("constant") && !map.find("random"))) {
+      guess.controls = GuessSpec::Controls::kFile;
+      guess.controls_file = read_data_file(map, folder);
+    }
+    return true;
   }
-  YamlMap map(reader);
-  if (!map.valid()) return;
-  map.exclusive({"constant", "file"});
-  if (const auto r = map.find("constant")) {
-    guess.controls = Controls::kConstant;
-    guess.constant = read_components(*r);
+  std::optional<OrderedJson> expand(GuessSpec guess) const {
+    OrderedJson json = OrderedJson::object();
+    if (guess.controls_file) json = expand_data_file(*guess.controls_file);
+    KeyWriter keys;
+    describe_numbers(keys, guess);
+    json.update(keys.json);
+    return json.empty() ? OrderedJson(word_of(kControlsGuessWords, guess.controls)) : json;
   }
-  if (const auto r = map.find("random")) read_random(*r, guess);
-  if (map.find("file") || (!guess.constant && !guess.random)) {
-    guess.controls = Controls::kFile;
-    guess.controls_file = read_data_file(map, folder);
+  OrderedJson schema(GuessSpec guess, SchemaDefinitions& definitions) const {
+    const GroupValue numbers([&](Keys& keys) { describe_numbers(keys, guess); });
+    OrderedJson from_file = definitions.at("data_file");
+    from_file["title"] = "Controls from a file";
+    from_file["examples"] = OrderedJson::parse(R"([{"file": "motion.csv", "columns": ["u/hip"]}])");
+    from_file.erase("description");
+    from_file["properties"]["random"] = map_schema<GuessSpec::Random>(definitions);
+    return {{"anyOf",
+             {WordForm(kControlsGuessWords, "").schema(), numbers.schema(definitions),
+              std::move(from_file)}}};
   }
+
+ private:
+  static void describe_numbers(Keys& keys, GuessSpec& guess) {
+    keys.about({.title = "Constant or random controls",
+                .examples = R"([{"constant": 0.5}, {"random": {"seed": 1, "scale": 0.1}}])",
+                .rules = R"("anyOf": [{"required": ["constant"]}, {"required": ["random"]}])"});
+    keys({"constant", "The same at every knot"}, guess.constant, ComponentsForm{});
+    keys({"random"}, guess.random, MapForm{});
+  }
+};
+
+void read_both(const YamlReader& reader, const std::filesystem::path& folder, GuessSpec& guess) {
+  guess.states = GuessSpec::States::kFile;
+  guess.controls = GuessSpec::Controls::kFile;
+  guess.states_place = guess.controls_place = reader.place();
+  if (const auto name = reader.name())
+    guess.states_file = guess.controls_file = DataFileSpec{*name, folder / name->value, {}};
 }
 
 }  // namespace
 
-GuessSpec read_guess(const YamlReader& reader, const std::filesystem::path& folder) {
-  GuessSpec guess;
-  YamlMap map(reader);
-  if (!map.valid()) return guess;
-  map.exclusive({"file", "states"});
-  map.exclusive({"file", "controls"});
-  if (const auto r = map.find("file")) {
-    guess.states = GuessSpec::States::kFile;
-    guess.controls = GuessSpec::Controls::kFile;
-    guess.states_place = guess.controls_place = r->place();
-    if (const auto name = r->name())
-      guess.states_file = guess.controls_file = DataFileSpec{*name, folder / name->value, {}};
+void describe(Keys& keys, GuessSpec& guess, const std::filesystem::path& folder) {
+  keys.about({.definition = "initial_guess",
+              .title = "First trajectory",
+              .says = "Where the solver starts",
+              .examples = R"([{"states": "initial", "controls": "quasi_static"},
+                              {"file": "out/reach/solution.json"}])"});
+  if (YamlMap* map = keys.reading()) {
+    map->exclusive({"file", "states"});
+    map->exclusive({"file", "controls"});
   }
-  if (const auto r = map.find("states")) read_states(*r, folder, guess);
-  if (const auto r = map.find("controls")) read_controls(*r, folder, guess);
-  return guess;
+  keys({"file",
+        "A former solution.json or a CSV file for states and controls; relative to the problem "
+        "file"},
+       CustomValue{[&](const YamlReader& reader) { read_both(reader, folder, guess); },
+                   [] { return std::nullopt; }, R"({"type": "string", "minLength": 1})"});
+  keys({.name = "states",
+        .says = "initial: the initial state everywhere; interpolate: straight to the target of the "
+                "terminal costs; keyframes or a file",
+        .fallback = R"("initial")"},
+       guess, StatesForm{folder});
+  keys({.name = "controls",
+        .says = "zero; quasi_static or gravity: those that hold the guessed states against "
+                "gravity, together with contact forces in contact-implicit problems; constant; a "
+                "file; random ones are added to the others",
+        .fallback = R"("zero")"},
+       guess, ControlsForm{folder});
 }
 
 }  // namespace conddp

@@ -7,17 +7,29 @@
 
 namespace conddp {
 
-MeshSpec read_mesh(const YamlReader& reader) {
+void describe(Keys& keys, MeshSpec& mesh) {
   constexpr int kMostRounds = 20, kMostFactor = 10'000;
   static const NumberRange kError{1e-12, 1, false, false, "a number from 1e-12 to 1"};
+  keys.about({.definition = "mesh",
+              .title = "A grid that is refined",
+              .says = "The problem is solved again on finer grids, each from the answer before, "
+                      "until a replay of the controls in a tenth of the steps agrees",
+              .examples = R"([{"error": 1.0e-6}])"});
+  keys({.name = "error",
+        .says = "How far a state may lie from that of the replay, in its unit",
+        .required = true},
+       mesh.error, NumberForm{kError});
+  keys({"factor", "Into how many each step of the phases is cut to begin with"}, mesh.factor,
+       IntegerForm{1, kMostFactor});
+  keys({"rounds", "Grids at most, the first one included"}, mesh.rounds,
+       IntegerForm{1, kMostRounds});
+  keys({"knots", "Knots at most, of all phases together"}, mesh.most_knots,
+       IntegerForm{1, kMaxKnots});
+}
+
+MeshSpec read_mesh(const YamlReader& reader) {
   MeshSpec mesh{.place = reader.place()};
-  YamlMap map(reader, "write '{error: 1.0e-6}'");
-  if (!map.valid()) return mesh;
-  map.require("error");
-  map.number("error", mesh.error, kError);
-  map.integer("factor", mesh.factor, 1, kMostFactor);
-  map.integer("rounds", mesh.rounds, 1, kMostRounds);
-  map.integer("knots", mesh.most_knots, 1, kMaxKnots);
+  read_map(reader, mesh, "write '{error: 1.0e-6}'");
   return mesh;
 }
 

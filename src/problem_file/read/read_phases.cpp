@@ -11,156 +11,300 @@
 #include "problem_file/spec/phase_grid.hpp"
 
 namespace conddp {
+
+void describe(Keys& keys, RefineSpec& refine) {
+  static const NumberRange kRatio{0, 1, true, true, "a number between 0 and 1"};
+  keys.about({.title = "Finer grid at the ends of a phase",
+              .examples = R"([{"first": 3}, {"first": 2, "last": 2, "ratio": 0.6}])"});
+  keys({"first",
+        "How many first steps are shorter: each is ratio times as long as the one after it"},
+       refine.first, IntegerForm{0, kMaxKnots});
+  keys(
+      {"last", "How many last steps are shorter: each is ratio times as long as the one before it"},
+      refine.last, IntegerForm{0, kMaxKnots});
+  keys({"ratio", "Of neighbouring steps, without unit"}, refine.ratio, NumberForm{kRatio});
+}
+
+void describe(Keys& keys, FreeDurationSpec& free) {
+  keys.about({.title = "Duration that is chosen", .examples = R"([{"lower": 0.5, "upper": 3}])"});
+  keys({.name = "lower",
+        .says = "How long the phase lasts at least, s; by default a tenth of what is written",
+        .fallback = "none"},
+       free.lower, NumberForm{kPositive});
+  keys({.name = "upper",
+        .says = "How long it lasts at most, s; by default ten times what is written",
+        .fallback = "none"},
+       free.upper, NumberForm{kPositive});
+}
+
 namespace {
 
-void read_impulse(YamlMap& map, const YamlReader& impulse, PhaseSpec& phase) {
-  phase.contacts = read_contact_names(impulse);
-  phase.knots = {1, impulse.place()};
-  phase.restitution = 0;
-  static const NumberRange kRestitution{0, 1, false, false, "a number from 0 to 1"};
-  map.number("restitution", *phase.restitution, kRestitution);
-  for (const char* key :
-       {"knots", "dt", "duration", "free_duration", "refine", "contacts", "system"})
-    if (const auto r = map.find(key))
-      r->error(fmt::format("an impulse takes no time: it has no '{}'", key),
-               "write '- {impulse: [contacts]}', and the phase after it as another entry");
-}
-
 /// `all`, `none`, a name or a list of names of tangent coordinates, which may contain a `*`.
-ComponentsSpec read_coordinates(const YamlReader& reader) {
-  ComponentsSpec coordinates{.place = reader.place()};
-  const std::string_view word = reader.is_scalar() ? std::string_view(reader.node().text) : "";
-  if (word == "all") {
-    coordinates.scalar = 1;
-  } else if (word == "none") {
-    coordinates.form = ComponentsSpec::Form::kMap;
-  } else if (const auto names = reader.name_or_names()) {
+struct CoordinatesForm {
+  bool read(const YamlReader& reader, ComponentsSpec& coordinates) const {
+    coordinates = {.place = reader.place()};
+    const std::string_view word = reader.is_scalar() ? std::string_view(reader.node().text) : "";
+    if (word == "all") return coordinates.scalar = 1, true;
+    const bool none = word == "none";
+    const auto names = none ? std::vector<Name>() : reader.name_or_names();
+    if (!names) return false;
     coordinates.form = ComponentsSpec::Form::kMap;
     for (const Name& name : *names) coordinates.map.emplace_back(name, 1.0);
+    return true;
   }
-  return coordinates;
-}
+  std::optional<OrderedJson> expand(const ComponentsSpec& coordinates) const {
+    if (coordinates.form != ComponentsSpec::Form::kMap) return "all";
+    if (coordinates.map.empty()) return "none";
+    OrderedJson names = OrderedJson::array();
+    for (const auto& entry : coordinates.map) names.push_back(entry.first.value);
+    return names;
+  }
+  OrderedJson schema() const {
+    OrderedJson names = NamesForm().schema();
+    names["minItems"] = 1;
+    return {{"anyOf", {NameForm().schema(), std::move(names)}}};
+  }
+};
 
-void read_choice(YamlMap& map, const YamlReader& choose, PhaseSpec& phase) {
-  phase.knots = {1, choose.place()};
-  ChoiceSpec choice{.coordinates = read_coordinates(choose), .lower = {}, .upper = {}};
-  if (const auto r = map.find("lower")) choice.lower = read_component_bounds(*r);
-  if (const auto r = map.find("upper")) choice.upper = read_component_bounds(*r);
-  for (const char* key : {"knots", "dt", "duration", "free_duration", "refine", "contacts",
-                          "restitution", "weights", "system"})
-    if (const auto r = map.find(key))
-      r->error(fmt::format("the choice of the initial state takes no time: it has no '{}'", key),
-               "write '- {choose: all}', and the phase after it as another entry");
-  phase.choice = std::move(choice);
-}
+/// Contacts, expanded to their names.
+struct ContactNamesForm {
+  const ProblemSpec* spec;
+  bool read(const YamlReader& reader, ContactNames& names) const {
+    names = read_contact_names(reader);
+    return true;
+  }
+  std::optional<OrderedJson> expand(const ContactNames& names) const {
+    if (spec == nullptr || spec->contacts.empty()) return std::nullopt;
+    return expand_contact_names(names, *spec);
+  }
+  OrderedJson schema() const { return {{"$ref", "#/definitions/contact_names"}}; }
+};
 
-/// Reads the states that change in a jump, with their new values.
-void read_jump(YamlMap& map, const YamlReader& jump, PhaseSpec& phase) {
-  phase.knots = {1, jump.place()};
-  phase.jump = JumpSpec{.place = jump.place(), .states = {}};
-  const auto entries = jump.named_entries("write '{v: -0.8*v}'");
-  if (entries && entries->empty()) jump.error("no state jumps here", "write '{v: -0.8*v}'");
-  if (entries)
+/// States that change in a jump, with their new values.
+struct JumpForm {
+  bool read(const YamlReader& reader, JumpSpec& jump) const {
+    const auto entries = reader.named_entries("write '{v: -0.8*v}'");
+    if (!entries) return false;
+    if (entries->empty()) reader.error("no state jumps here", "write '{v: -0.8*v}'");
     for (const auto& [name, value] : *entries)
-      if (auto text = read_expression(value)) phase.jump->states.emplace_back(name, *text);
-  for (const char* key :
-       {"knots", "dt", "duration", "free_duration", "refine", "contacts", "restitution", "system"})
-    if (const auto r = map.find(key))
-      r->error(fmt::format("a jump takes no time: it has no '{}'", key),
-               "write '- {jump: {v: -0.8*v}}', and the phase after it as another entry");
+      if (auto text = read_expression(value)) jump.states.emplace_back(name, *text);
+    return true;
+  }
+  std::optional<OrderedJson> expand(const JumpSpec& jump) const {
+    OrderedJson json = OrderedJson::object();
+    for (const auto& [name, expression] : jump.states) json[name.value] = expression.text;
+    return json;
+  }
+  OrderedJson schema() const {
+    return {{"type", "object"},
+            {"minProperties", 1},
+            {"additionalProperties", {{"type", {"string", "number"}}}}};
+  }
+};
+
+/// Reports keys that do not belong to this kind of phase.
+void reject(YamlMap* map, std::initializer_list<const char*> keys, std::string_view message,
+            const char* hint) {
+  if (map == nullptr) return;
+  for (const char* key : keys)
+    if (const auto r = map->find(key)) r->error(fmt::format(fmt::runtime(message), key), hint);
 }
 
-RefineSpec read_refine(const YamlReader& reader, int knots) {
-  RefineSpec refine;
-  YamlMap map(reader);
-  if (!map.valid()) return refine;
-  static const NumberRange kRatio{0, 1, true, true, "a number between 0 and 1"};
-  map.integer("first", refine.first, 0, kMaxKnots);
-  map.integer("last", refine.last, 0, kMaxKnots);
-  map.number("ratio", refine.ratio, kRatio);
-  if (refine.first + refine.last >= knots) {
-    reader.error(fmt::format("'first' and 'last' leave none of the {} knots as it is", knots));
+void describe_choice(Keys& keys, PhaseSpec& phase) {
+  ChoiceSpec& choice = *phase.choice;
+  keys({.name = "choose",
+        .says = "Makes the first phase the choice of the initial state: one knot that takes no "
+                "time, whose controls move these components of 'initial_state'; all, none "
+                "(durations alone are chosen), or names, which may have a *",
+        .examples = R"(["all", ["theta", "v/*"]])",
+        .fallback = "none"},
+       choice.coordinates, CoordinatesForm{});
+  keys({"lower", "Of a choice: lower bounds of the displacement from 'initial_state'; null: none"},
+       choice.lower, BoundsForm{});
+  keys({"upper", "Of a choice: upper bounds of the displacement from 'initial_state'; null: none"},
+       choice.upper, BoundsForm{});
+  reject(keys.reading(),
+         {"knots", "dt", "duration", "free_duration", "refine", "contacts", "restitution",
+          "weights", "system"},
+         "the choice of the initial state takes no time: it has no '{}'",
+         "write '- {choose: all}', and the phase after it as another entry");
+}
+
+void describe_jump(Keys& keys, PhaseSpec& phase) {
+  keys({.name = "jump",
+        .says = "Makes the phase a jump: one knot that takes no time, after which these states are "
+                "what their expressions say, in their units; the others stay",
+        .examples = R"([{"v": "-0.8*v"}])",
+        .fallback = "none"},
+       *phase.jump, JumpForm{});
+  reject(
+      keys.reading(),
+      {"knots", "dt", "duration", "free_duration", "refine", "contacts", "restitution", "system"},
+      "a jump takes no time: it has no '{}'",
+      "write '- {jump: {v: -0.8*v}}', and the phase after it as another entry");
+}
+
+void describe_impulse(Keys& keys, PhaseSpec& phase, const ProblemSpec* spec) {
+  static const NumberRange kRestitution{0, 1, false, false, "a number from 0 to 1"};
+  keys({"impulse",
+        "Makes the phase an impulse: one knot that takes no time, at which these contacts stop "
+        "(name those that stand already, too)"},
+       phase.contacts, ContactNamesForm{spec});
+  keys({"restitution",
+        "Of an impulse: share of the contacts' velocity that is thrown back, without unit"},
+       phase.restitution, NumberForm{kRestitution});
+  reject(keys.reading(),
+         {"knots", "dt", "duration", "free_duration", "refine", "contacts", "system"},
+         "an impulse takes no time: it has no '{}'",
+         "write '- {impulse: [contacts]}', and the phase after it as another entry");
+}
+
+void check_refine(const YamlReader& reader, PhaseSpec& phase) {
+  RefineSpec& refine = *phase.refine;
+  if (refine.first + refine.last >= phase.knots.value) {
+    reader.error(
+        fmt::format("'first' and 'last' leave none of the {} knots as it is", phase.knots.value));
     refine.first = refine.last = 0;
   } else if (refine.first + refine.last == 0) {
     reader.error("nothing is refined", "give 'first', 'last' or both");
   }
-  return refine;
 }
 
-/// Reads the bounds on a free duration; by default a tenth and ten times the duration in the file.
-FreeDurationSpec read_free_duration(const YamlReader& reader, double written) {
+/// By default a tenth and ten times the duration in the file.
+FreeDurationSpec usual_bounds(double written) {
   constexpr double kMost = 10;
-  FreeDurationSpec free{reader.place(),
-                        std::max(written / kMost, std::numeric_limits<double>::min()),
-                        written * kMost};
-  YamlMap map(reader, "write '{lower: 0.5, upper: 2}', in s");
-  map.number("lower", free.lower, kPositive);
-  map.number("upper", free.upper, kPositive);
+  return {.lower = std::max(written / kMost, std::numeric_limits<double>::min()),
+          .upper = written * kMost};
+}
+
+void check_free_duration(const YamlReader& reader, double written, const FreeDurationSpec& free) {
   if (free.lower > free.upper)
     reader.error(fmt::format("'lower' is {:.6g}, above 'upper', {:.6g}", free.lower, free.upper));
-  else if (map.valid() && written > 0 && !(free.lower <= written && written <= free.upper))
+  else if (reader.is_map() && written > 0 && !(free.lower <= written && written <= free.upper))
     reader.error(
         fmt::format("the phase lasts {:.6g} s as it is written, which does not lie between "
                     "{:.6g} and {:.6g}",
                     written, free.lower, free.upper));
-  return free;
 }
 
-void reject_keys_of_instants(YamlMap& map) {
-  for (const char* key : {"lower", "upper"})
-    if (const auto r = map.find(key))
-      r->error(fmt::format("'{}' belongs to the choice of the initial state", key),
-               "write '- {choose: all, lower: -1, upper: 1}'");
-  if (const auto r = map.find("restitution"))
-    r->error("'restitution' belongs to impulses",
-             "write '- {impulse: [contacts], restitution: 0}'");
-}
-
-/// Reads the duration of a phase with knots, as its step or in total.
-void read_duration(YamlMap& map, PhaseSpec& phase) {
-  map.exclusive({"dt", "duration"});
+/// The duration of a phase with knots, as its step or in total.
+void describe_duration(Keys& keys, PhaseSpec& phase) {
+  YamlMap* map = keys.reading();
   double duration = 0;
-  if (map.number("duration", duration, kPositive)) {
+  keys({.name = "dt",
+        .says = "Time step, that between the refined ends of a phase, s",
+        .fallback = "none"},
+       phase.dt, NumberForm{kPositive});
+  keys({"duration", "Duration of the phase instead of dt, s"},
+       CustomValue{[&](const YamlReader& reader) { NumberForm{kPositive}.read(reader, duration); },
+                   [] { return std::nullopt; }, R"({"type": "number", "exclusiveMinimum": 0})"});
+  keys({"refine", "Shorter steps where the phase begins or ends, as at switches of contacts"},
+       phase.refine, MapForm{});
+  if (map != nullptr && phase.refine) check_refine(*map->find("refine"), phase);
+  if (duration > 0) {
     const std::vector<double> steps = relative_steps(phase);
     phase.dt = duration / std::accumulate(steps.begin(), steps.end(), 0.0);
   }
-  map.number("dt", phase.dt, kPositive);
-  if (const auto r = map.find("free_duration"))
-    phase.free_duration = read_free_duration(*r, phase_duration(phase));
-  if (map.valid() && !map.find("duration") && !map.find("dt"))
-    map.reader().error("a phase needs 'dt', the time step in s, or 'duration'");
+  const auto free = map != nullptr ? map->find("free_duration") : std::nullopt;
+  if (free) phase.free_duration = usual_bounds(phase_duration(phase));
+  keys({"free_duration",
+        "Lets the solver choose how long the phase lasts, in the first phase, a choice; 'dt' or "
+        "'duration' is where it begins"},
+       phase.free_duration, MapForm{"write '{lower: 0.5, upper: 2}', in s"});
+  if (free) check_free_duration(*free, phase_duration(phase), *phase.free_duration);
+  if (map == nullptr) return;
+  map->exclusive({"dt", "duration"});
+  if (!map->find("duration") && !map->find("dt"))
+    map->reader().error("a phase needs 'dt', the time step in s, or 'duration'");
 }
 
-PhaseSpec read_phase(const YamlReader& reader, std::size_t index) {
-  PhaseSpec phase{.name = {fmt::format("phase_{}", index + 1), reader.place()}};
-  YamlMap map(reader);
-  map.name("name", phase.name);
-  if (const auto r = map.find("weights")) phase.weights = read_named_numbers(*r, kNotNegative);
+/// The keys of a phase that takes time.
+void describe_knots(Keys& keys, PhaseSpec& phase, const ProblemSpec* spec) {
+  keys({"system", "Of 'systems' the one that moves"}, phase.system, NameForm{});
+  YamlMap* map = keys.reading();
+  if (map != nullptr && map->require("knots")) phase.knots.value = 1;
+  keys({.name = "knots", .says = "Number of time steps", .fallback = "none"}, phase.knots,
+       IntegerForm{1, kMaxKnots});
+  describe_duration(keys, phase);
+  keys({"contacts", "Contacts that are held; none by default"}, phase.contacts,
+       ContactNamesForm{spec});
+  reject(map, {"lower", "upper"}, "'{}' belongs to the choice of the initial state",
+         "write '- {choose: all, lower: -1, upper: 1}'");
+  reject(map, {"restitution"}, "'{}' belongs to impulses",
+         "write '- {impulse: [contacts], restitution: 0}'");
+}
+
+/// Makes the phase an instant if its keys say so.
+void read_instant(YamlMap& map, PhaseSpec& phase) {
   map.exclusive({"impulse", "choose"});
   map.exclusive({"impulse", "jump"});
   map.exclusive({"choose", "jump"});
-  if (const auto r = map.find("impulse")) {
-    read_impulse(map, *r, phase);
-    return phase;
+  const auto impulse = map.find("impulse"), choose = map.find("choose"), jump = map.find("jump");
+  if (impulse) {
+    phase.restitution = 0;
+    phase.knots = {1, impulse->place()};
+  } else if (choose) {
+    phase.choice.emplace();
+    phase.knots = {1, choose->place()};
+  } else if (jump) {
+    phase.jump.emplace().place = jump->place();
+    phase.knots = {1, jump->place()};
   }
-  if (const auto r = map.find("choose")) {
-    read_choice(map, *r, phase);
-    return phase;
-  }
-  if (const auto r = map.find("jump")) {
-    read_jump(map, *r, phase);
-    return phase;
-  }
-  reject_keys_of_instants(map);
-  Name system;
-  if (map.name("system", system)) phase.system = std::move(system);
-  map.read("contacts", phase.contacts, read_contact_names);
-  if (const auto r = map.require("knots"))
-    phase.knots = {static_cast<int>(r->integer(1, kMaxKnots).value_or(1)), r->place()};
-  if (const auto r = map.find("refine")) phase.refine = read_refine(*r, phase.knots.value);
-  read_duration(map, phase);
-  return phase;
 }
+
+constexpr std::string_view kKindsOfPhases = R"("oneOf": [
+  {"required": ["knots", "dt"], "not": {"anyOf": [
+    {"required": ["restitution"]}, {"required": ["choose"]}, {"required": ["lower"]},
+    {"required": ["upper"]}]}},
+  {"required": ["knots", "duration"], "not": {"anyOf": [
+    {"required": ["restitution"]}, {"required": ["choose"]}, {"required": ["lower"]},
+    {"required": ["upper"]}]}},
+  {"required": ["jump"], "not": {"anyOf": [
+    {"required": ["system"]}, {"required": ["knots"]}, {"required": ["dt"]},
+    {"required": ["duration"]}, {"required": ["free_duration"]}, {"required": ["refine"]},
+    {"required": ["contacts"]}, {"required": ["impulse"]}, {"required": ["restitution"]},
+    {"required": ["choose"]}, {"required": ["lower"]}, {"required": ["upper"]}]}},
+  {"required": ["impulse"], "not": {"anyOf": [
+    {"required": ["system"]}, {"required": ["refine"]}, {"required": ["free_duration"]},
+    {"required": ["knots"]}, {"required": ["dt"]}, {"required": ["duration"]},
+    {"required": ["contacts"]}, {"required": ["choose"]}, {"required": ["lower"]},
+    {"required": ["upper"]}]}},
+  {"required": ["choose"], "not": {"anyOf": [
+    {"required": ["system"]}, {"required": ["knots"]}, {"required": ["free_duration"]},
+    {"required": ["contacts"]}, {"required": ["weights"]}, {"required": ["restitution"]}]}}
+])";
+
+}  // namespace
+
+void describe(Keys& keys, PhaseSpec& phase, const ProblemSpec* spec) {
+  keys.about({.definition = "phase",
+              .title = "Phase",
+              .says = "A run of knots with the same structure, or an impulse or a jump between two "
+                      "of them",
+              .examples = R"([{"name": "start", "choose": "all"},
+                              {"name": "swing", "knots": 100, "dt": 0.01,
+                               "contacts": ["LF", "RH"]},
+                              {"name": "landing", "impulse": ["LF", "RF"]}])",
+              .rules = kKindsOfPhases});
+  keys({.name = "name", .says = "Unique; phase_1, phase_2, ... by default", .fallback = "none"},
+       phase.name, NameForm{});
+  if (YamlMap* map = keys.reading()) read_instant(*map, phase);
+  const bool all = keys.documents();
+  if (all) {
+    phase.choice.emplace();
+    phase.jump.emplace();
+    phase.restitution = 0;
+  }
+  if (all || !phase.takes_no_time()) describe_knots(keys, phase, spec);
+  if (phase.jump) describe_jump(keys, phase);
+  if (phase.restitution) describe_impulse(keys, phase, spec);
+  if (phase.choice) describe_choice(keys, phase);
+  if (all || !phase.choice)
+    keys({"weights", "Weights that costs have in this phase instead of their own"}, phase.weights,
+         NamedNumbersForm{kNotNegative});
+}
+
+namespace {
 
 /// Only the first phase may choose the initial state; it takes the contacts of the next phase.
 void check_choices(std::vector<PhaseSpec>& phases, Diagnostics& out) {
@@ -184,7 +328,9 @@ std::vector<PhaseSpec> read_phases(const YamlReader& reader) {
   long long knots = 0;
   std::unordered_set<std::string> names;
   for (std::size_t i = 0; i < items->size(); ++i) {
-    phases.push_back(read_phase((*items)[i], i));
+    PhaseSpec& phase = phases.emplace_back();
+    phase.name = {fmt::format("phase_{}", i + 1), (*items)[i].place()};
+    GroupValue([&phase](Keys& keys) { describe(keys, phase, nullptr); }).read((*items)[i]);
     knots += phases.back().knots.value;
     const Name& name = phases.back().name;
     if (!names.insert(name.value).second)

@@ -18,9 +18,33 @@
 #include "problem_file/yaml/yaml_source.hpp"
 
 namespace conddp {
-namespace {
 
-constexpr NumberRange kSpread{0, kLargestSpread, false, false, "a number from 0 to 1e6"};
+void describe(Keys& keys, Perturbation& perturbation) {
+  static constexpr NumberRange kSpread{0, kLargestSpread, false, false, "a number from 0 to 1e6"};
+  keys.about({.definition = "perturbation",
+              .title = "One of many random instances",
+              .says = "Moves initial state and first trajectory by random numbers, as conddp bench "
+                      "--perturb does",
+              .examples = R"([{"initial_state": 0.1, "seed": 5}])"});
+  keys({"initial_state",
+        "The initial state moves by a tangent vector with entries of up to this, each in its own "
+        "unit; references that name it stay"},
+       perturbation.initial_state, NumberForm{kSpread});
+  keys({"guess",
+        "Standard deviation of normal numbers that are added to states and controls of the first "
+        "trajectory, each in its own unit"},
+       perturbation.guess, NumberForm{kSpread});
+  keys({"seed", "Which instance: the one of conddp bench with the same seed"}, perturbation.seed,
+       IntegerForm{0, kLargestSeed});
+  YamlMap* map = keys.reading();
+  // An expanded file always has a seed.
+  if (map != nullptr && !perturbation.any() && perturbation.seed != Perturbation{}.seed)
+    map->reader().diagnostics().warning(map->find("seed")->place(),
+                                        "the seed has no effect, as nothing is perturbed",
+                                        "write 'perturbation: {initial_state: 0.1, seed: 2}'");
+}
+
+namespace {
 
 /// Reads robots by name.
 void read_robots(const YamlReader& reader, const std::filesystem::path& folder, ProblemSpec& spec) {
@@ -80,23 +104,6 @@ void read_format(YamlMap& map) {
                               kProblemFormat));
 }
 
-Perturbation read_perturbation(const YamlReader& reader) {
-  Perturbation perturbation;
-  YamlMap map(reader);
-  if (!map.valid()) return perturbation;
-  if (const auto r = map.find("initial_state"))
-    perturbation.initial_state = r->number(kSpread).value_or(0);
-  if (const auto r = map.find("guess")) perturbation.guess = r->number(kSpread).value_or(0);
-  const auto seed = map.find("seed");
-  if (seed)
-    perturbation.seed = static_cast<std::uint64_t>(seed->integer(0, kLargestSeed).value_or(1));
-  // An expanded file always has a seed.
-  if (!perturbation.any() && perturbation.seed != Perturbation{}.seed)
-    reader.diagnostics().warning(seed->place(), "the seed has no effect, as nothing is perturbed",
-                                 "write 'perturbation: {initial_state: 0.1, seed: 2}'");
-  return perturbation;
-}
-
 void read_name(const YamlReader& reader, Name& name) {
   name = reader.name().value_or(name);
   if (!names_folder(name.value)) reader.error(kFolderNameRule);
@@ -132,18 +139,18 @@ void read_of_robots(YamlMap& map, const ProblemSpec& spec, std::string_view key,
 void read_surroundings(YamlMap& map, ProblemSpec& spec) {
   read_of_robots(map, spec, "contacts",
                  "a closed-form system has no frames that could touch the world",
-                 [&](const YamlReader& r) { spec.contacts = read_contacts(r); });
+                 [&](const YamlReader& r) { ContactsForm().read(r, spec.contacts); });
   read_of_robots(map, spec, "collision",
                  "a closed-form system has no links that could carry shapes",
-                 [&](const YamlReader& r) { spec.collision = read_collision(r); });
+                 [&](const YamlReader& r) { read_map(r, spec.collision); });
   read_of_robots(map, spec, "contact_candidates",
                  "a closed-form system has no frames that could touch anything",
                  [&](const YamlReader& r) {
-                   spec.candidates = read_candidates(r);
+                   kCandidates.read(r, spec.candidates);
                    spec.stepping = SteppingSpec{.place = r.place()};
                  });
   read_of_robots(map, spec, "stepping", "a closed-form system has no joints that could be stopped",
-                 [&](const YamlReader& r) { spec.stepping = read_stepping(r); });
+                 [&](const YamlReader& r) { read_map(r, spec.stepping.emplace()); });
   if (!spec.stepping) return;
   map.exclusive({"contact_candidates", "contacts"});
   map.exclusive({"contact_candidates", "gait"});
@@ -203,7 +210,7 @@ void read_terminal(const YamlReader& reader, const std::filesystem::path& folder
   YamlMap terminal(reader);
   if (const auto contacts = terminal.find("contacts"))
     spec.terminal_contacts = read_contact_names(*contacts);
-  if (const auto lqr = terminal.find("lqr")) spec.terminal_lqr = read_terminal_lqr(*lqr);
+  if (const auto lqr = terminal.find("lqr")) LqrForm().read(*lqr, spec.terminal_lqr.emplace());
   if (const auto costs = terminal.find("costs"))
     spec.terminal_costs = read_costs(*costs, folder, true);
   if (const auto constraints = terminal.find("constraints"))
@@ -280,9 +287,10 @@ ProblemSpec read_document(const YamlReader& reader, const std::filesystem::path&
   const std::optional<GaitSpec> gait = read_schedule(map, spec);
   read_terms(map, folder, spec);
   if (const auto r = map.find("mesh")) spec.mesh = read_mesh(*r);
-  if (const auto r = map.find("initial_guess")) spec.guess = read_guess(*r, folder);
-  map.read("perturbation", spec.perturbation, read_perturbation);
-  map.read("solver", spec.solver, read_solver);
+  if (const auto r = map.find("initial_guess"))
+    GroupValue([&](Keys& keys) { describe(keys, spec.guess, folder); }).read(*r);
+  if (const auto r = map.find("perturbation")) read_map(*r, spec.perturbation);
+  if (const auto r = map.find("solver")) read_map(*r, spec.solver, "write '{name: box_fddp}'");
   if (const auto r = map.find("mpc")) spec.mpc = read_mpc(*r, folder, spec.solver.name);
   if (gait) spec.gait_commands = gait->commands;
   if (gait && !reader.diagnostics().has_errors()) add_gait(*gait, spec, reader.diagnostics());

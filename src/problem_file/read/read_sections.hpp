@@ -2,6 +2,8 @@
 
 #include "problem_file/spec/spec.hpp"
 #include "problem_file/spec/spec_gait.hpp"
+#include "problem_file/values/expand_values.hpp"
+#include "problem_file/values/key_forms.hpp"
 #include "problem_file/values/read_state.hpp"
 #include "problem_file/values/read_values.hpp"
 #include "problem_file/yaml/yaml_reader.hpp"
@@ -14,7 +16,14 @@ namespace conddp {
 
 // read_robot.cpp, read_actuation.cpp
 RobotSpec read_robot(const YamlReader& reader, const std::filesystem::path& folder);
-ActuationSpec read_actuation(const YamlReader& reader);
+void describe(Keys& keys, RobotSpec& robot);
+void describe(Keys& keys, WrenchSpec& wrench);
+/// `full`, `none`, or the actuators.
+struct ActuationForm {
+  bool read(const YamlReader& reader, ActuationSpec& actuation) const;
+  std::optional<OrderedJson> expand(const ActuationSpec& actuation) const;
+  OrderedJson schema(const ActuationSpec& value, SchemaDefinitions& definitions) const;
+};
 
 /// Properties of the file that readers of its parts need.
 struct FileContext {
@@ -36,35 +45,54 @@ void read_library_system(YamlMap& map, const std::filesystem::path& folder,
 std::vector<TableSpec> read_tables(const YamlReader& reader, const std::filesystem::path& folder);
 
 // read_contacts.cpp
-std::vector<ContactSpec> read_contacts(const YamlReader& reader);
-
-/// A unit vector along the given vector.
-std::optional<Vector3<double>> read_direction(const YamlReader& reader);
+/// Contacts by name; `defaults` is for all.
+struct ContactsForm {
+  bool read(const YamlReader& reader, std::vector<ContactSpec>& contacts) const;
+  std::optional<OrderedJson> expand(const std::vector<ContactSpec>& contacts) const;
+  OrderedJson schema(const std::vector<ContactSpec>& value, SchemaDefinitions& definitions) const;
+};
 
 // read_collision.cpp
-CollisionSpec read_collision(const YamlReader& reader);
-SphereSpec read_sphere(const YamlReader& reader);
-HalfSpaceSpec read_half_space(const YamlReader& reader);
+void describe(Keys& keys, CollisionSpec& collision);
+void describe(Keys& keys, SphereSpec& sphere);
+void describe(Keys& keys, HalfSpaceSpec& half_space);
 
 // read_stepping.cpp
-std::vector<CandidateSpec> read_candidates(const YamlReader& reader);
-SteppingSpec read_stepping(const YamlReader& reader);
-
-TouchedSpec read_touched(const YamlReader& reader);
+inline constexpr EntriesForm<CandidateSpec> kCandidates{&CandidateSpec::name};
+void describe(Keys& keys, CandidateSpec& candidate);
+void describe(Keys& keys, SteppingSpec& stepping);
+/// `ground`, or a shape.
+struct TouchedForm {
+  bool read(const YamlReader& reader, TouchedSpec& touched) const;
+  std::optional<OrderedJson> expand(const TouchedSpec& touched) const;
+  OrderedJson schema(const TouchedSpec& value, SchemaDefinitions& definitions) const;
+};
 
 // read_gait.cpp
 /// Maximum number of gait cycles.
 inline constexpr int kMostGaitCycles = 10'000;
-/// Reads the key `commands`.
-std::vector<GaitCommand> read_commands(YamlMap& map);
+/// Commands in the order of their times. Expanded files have none.
+struct CommandsForm {
+  bool read(const YamlReader& reader, std::vector<GaitCommand>& commands) const;
+  std::optional<OrderedJson> expand(const std::vector<GaitCommand>& /*commands*/) const {
+    return std::nullopt;
+  }
+  OrderedJson schema(const std::vector<GaitCommand>& value, SchemaDefinitions& definitions) const;
+};
+void describe(Keys& keys, GaitSpec& gait, const std::vector<ContactSpec>& contacts);
 GaitSpec read_gait(const YamlReader& reader, const std::vector<ContactSpec>& contacts);
 
 // read_phases.cpp
+void describe(Keys& keys, RefineSpec& refine);
+void describe(Keys& keys, FreeDurationSpec& free);
+/// `spec` is needed to expand the names of all contacts.
+void describe(Keys& keys, PhaseSpec& phase, const ProblemSpec* spec);
 /// Maximum number of knots.
 inline constexpr int kMaxKnots = 1'000'000;
 std::vector<PhaseSpec> read_phases(const YamlReader& reader);
 
 // read_mesh.cpp
+void describe(Keys& keys, MeshSpec& mesh);
 MeshSpec read_mesh(const YamlReader& reader);
 /// Subdivides each step of the phases that take time; exceeding the mesh's knot limit is an error.
 void cut_steps(const MeshSpec& mesh, std::vector<PhaseSpec>& phases, Diagnostics& out);
@@ -99,15 +127,25 @@ void read_constraints(const YamlReader& reader, const std::filesystem::path& fol
                       ProblemSpec& spec);
 
 // read_terminal_lqr.cpp
-TerminalLqrSpec read_terminal_lqr(const YamlReader& reader);
+/// An equilibrium, or a regulator about it.
+struct LqrForm {
+  bool read(const YamlReader& reader, TerminalLqrSpec& lqr) const;
+  std::optional<OrderedJson> expand(const TerminalLqrSpec& lqr) const;
+  OrderedJson schema(const TerminalLqrSpec& value, SchemaDefinitions& definitions) const;
+};
 
 // read_guess.cpp
-GuessSpec read_guess(const YamlReader& reader, const std::filesystem::path& folder);
+void describe(Keys& keys, GuessSpec& guess, const std::filesystem::path& folder);
+
+// read_problem.cpp
+void describe(Keys& keys, Perturbation& perturbation);
 
 // read_solver.cpp
-SolverSpec read_solver(const YamlReader& reader);
+void describe(Keys& keys, SolverOptions& options);
+void describe(Keys& keys, SolverSpec& solver);
 
 // read_mpc.cpp
+void describe(Keys& keys, MpcSpec& mpc, const std::filesystem::path& folder);
 /// `solver`: name in the file. By default ipopt, which has no real-time iteration, solves windows
 /// to its tolerances.
 MpcSpec read_mpc(const YamlReader& reader, const std::filesystem::path& folder, const Name& solver);

@@ -1,14 +1,16 @@
+#include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 
 #include <fmt/format.h>
 
 #include "base/text/spelling.hpp"
 #include "nlp/ipopt_options.hpp"
 #include "problem_file/document/homotopy_numbers.hpp"
+#include "problem_file/read/problem_schema.hpp"
 #include "problem_file/read/read_sections.hpp"
 #include "solvers/common/option_table.hpp"
+#include "solvers/strategies/registry.hpp"
 
 namespace conddp {
 namespace {
@@ -78,54 +80,169 @@ void read_ipopt_options(const YamlReader& reader, IpoptOptions& options) {
   }
 }
 
-/// Reads an option under its former name.
-void read_former(YamlMap& map, const OptionInfo& info, SolverOptions& options) {
-  const auto reader = map.find(info.formerly);
-  if (!reader) return;
-  reader->diagnostics().note(reader->place(),
-                             fmt::format("'{}' is now called '{}'", info.formerly, info.name));
-  read_option(*reader, info, options);
+std::optional<OrderedJson> expand_ipopt_options(const IpoptOptions& options) {
+  OrderedJson json = OrderedJson::object();
+  for (const auto& [name, value] : options)
+    std::visit([&, &key = name](const auto& v) { json[key] = v; }, value);
+  return json;
 }
 
-/// Reads an option under its present or former name.
-void read_plain_option(YamlMap& map, const OptionInfo& info, SolverOptions& options) {
-  if (const auto r = map.find(info.name)) read_option(*r, info, options);
-  if (!info.formerly.empty() && map.reader().node().find(std::string(info.formerly)))
-    read_former(map, info, options);
-}
-
-/// Reads options by name; names with a dot are grouped in mappings.
-void read_options(YamlMap& map, SolverOptions& options) {
-  std::map<std::string, YamlMap> groups;
-  for (const OptionInfo& info : option_table()) {
-    const std::size_t dot = info.name.find('.');
-    if (dot == std::string_view::npos) {
-      read_plain_option(map, info, options);
-      continue;
-    }
-    const std::string group(info.name.substr(0, dot));
-    const auto r = map.find(group);
-    if (!r) continue;
-    YamlMap& inner = groups.try_emplace(group, *r).first->second;
-    if (const auto value = inner.find(info.name.substr(dot + 1)))
-      read_option(*value, info, options);
+/// An option of solvers.
+struct OptionKey final : KeyValue {
+  OptionKey(const OptionInfo& its_info, SolverOptions& its_options)
+      : info(its_info), options(its_options) {}
+  void read(const YamlReader& reader) override { read_option(reader, info, options); }
+  std::optional<OrderedJson> expand() const override {
+    return std::visit(
+        [](const auto& value) {
+          if constexpr (std::is_same_v<decltype(value), const double&>)
+            return finite_or_null(value);
+          else
+            return OrderedJson(value);
+        },
+        info.get(options));
   }
-  for (auto& [name, group] : groups) group.finish();
+  OrderedJson schema(SchemaDefinitions& /*definitions*/) const override {
+    if (!info.choices.empty()) return {{"enum", info.choices}};
+    const OptionValue fallback = info.default_value();
+    const double* number = std::get_if<double>(&fallback);
+    OrderedJson type = number == nullptr ? "integer" : "number";
+    if (number != nullptr && std::isinf(*number)) type = {"number", "null"};
+    OrderedJson schema = {{"type", std::move(type)}};
+    schema[info.min_excluded ? "exclusiveMinimum" : "minimum"] = info.min;
+    if (std::isfinite(info.max))
+      schema[info.max_excluded ? "exclusiveMaximum" : "maximum"] = info.max;
+    return schema;
+  }
+
+  const OptionInfo& info;
+  SolverOptions& options;
+};
+
+constexpr std::string_view kHomotopySchema = R"({
+  "type": "array", "title": "Homotopy",
+  "items": {
+    "type": "object", "title": "A number that moves",
+    "properties": {
+      "key": {"type": "string", "minLength": 1,
+              "description": "Path of a number of the problem, as --set takes it"},
+      "from": {"type": "number",
+               "description": "Its value where the homotopy begins, in the unit of the key"},
+      "to": {"type": "number",
+             "description": "Its value where it ends: that of the problem, whatever stands at the key; in the unit of the key"}
+    },
+    "required": ["key", "from", "to"], "additionalProperties": false,
+    "examples": [{"key": "constraints.torque.scale", "from": 3, "to": 1}]
+  }
+})";
+
+/// Documentation of groups of options.
+struct OptionGroup {
+  std::string_view name, title, says, examples;
+};
+constexpr OptionGroup kGroups[] = {
+    {"tolerances", "Tolerances", "Converged means that all of them are met at once",
+     R"([{"stationarity": 1.0e-8}])"},
+    {"regularization", "Regularization",
+     "What makes stage problems convex: raised where steps fail, lowered where they succeed",
+     R"([{"initial": 0.001}])"},
+    {"line_search", "Line search", "Which steps are accepted", R"([{"min_step": 1.0e-6}])"},
+    {"augmented_lagrangian", "Augmented Lagrangian",
+     "How constraints are enforced, of altro and proxddp; the penalty is 1/mu of the latter's "
+     "literature",
+     R"([{"initial_penalty": 1}])"},
+    {"box_qp", "Stage problems with bounds", "How stage problems with control bounds are solved",
+     R"([{"horizon_sweeps": 0}])"},
+    {"complementarity", "Complementary pairs",
+     "How the pairs of contact-implicit problems are relaxed and tightened, of ipopt",
+     R"([{"relaxation": "fischer_burmeister"}])"},
+    {"restarts", "Random restarts", "Further guesses", R"([{"count": 8, "seed": 1}])"}};
+
+std::string_view group_of(const OptionInfo& info) {
+  const std::size_t dot = info.name.find('.');
+  return dot == std::string_view::npos ? "" : info.name.substr(0, dot);
 }
+
+void visit_option(Keys& keys, const OptionInfo& info, SolverOptions& options) {
+  OptionKey value(info, options);
+  keys.visit({.name = info.name.substr(info.name.find('.') + 1),
+              .says = info.doc,
+              .formerly = info.formerly},
+             value);
+}
+
+/// Visits the options of a group.
+void visit_group(Keys& keys, const OptionGroup& group, SolverOptions& options) {
+  keys.about({.title = group.title, .examples = group.examples});
+  for (const OptionInfo& info : option_table())
+    if (group_of(info) == group.name) visit_option(keys, info, options);
+}
+
+/// "auto: ...; ilqr: ...".
+const std::string& meaning_of_solvers() {
+  static const std::string meaning = [] {
+    std::string text = fmt::format("{}: {}", kAutoSolver, kAutoMeaning);
+    for (const SolverInfo& info : solvers())
+      text += fmt::format("; {}: {}", info.name, info.description);
+    return text;
+  }();
+  return meaning;
+}
+
+/// The name of a solver; an unknown one is reported when the problem is built.
+struct SolverNameForm : NameForm {
+  OrderedJson schema() const {
+    OrderedJson names = {kAutoSolver};
+    for (const SolverInfo& info : solvers()) names.push_back(info.name);
+    return {{"enum", std::move(names)}};
+  }
+};
 
 }  // namespace
 
-SolverSpec read_solver(const YamlReader& reader) {
-  SolverSpec solver{.place = reader.place()};
-  YamlMap map(reader, "write '{name: box_fddp}'");
-  if (!map.valid()) return solver;
-  map.name("name", solver.name);
-  read_options(map, solver.options);
-  if (const auto r = map.find("options")) read_ipopt_options(*r, solver.options.ipopt);
-  map.read("homotopy", solver.homotopy, read_homotopy);
-  if (!reader.diagnostics().has_errors())
-    for (const std::string& message : solver.options.validate()) reader.error(message);
-  return solver;
+void describe(Keys& keys, SolverOptions& options) {
+  std::string_view former;
+  for (const OptionInfo& info : option_table()) {
+    const std::string_view name = group_of(info);
+    if (name.empty()) visit_option(keys, info, options);
+    if (!name.empty() && name != former) {
+      const OptionGroup& group = *std::ranges::find(kGroups, name, &OptionGroup::name);
+      keys({name, group.says},
+           GroupValue([&](Keys& inner) { visit_group(inner, group, options); }));
+    }
+    former = name;
+  }
+  keys(
+      {.name = "options",
+       .says = "Options of the library Ipopt by its own names and in its own units, of ipopt: "
+               "numbers and words, checked against the library",
+       .examples = R"([{"mu_strategy": "adaptive"}])",
+       .fallback = "{}"},
+      CustomValue{[&](const YamlReader& reader) { read_ipopt_options(reader, options.ipopt); },
+                  [&] { return expand_ipopt_options(options.ipopt); },
+                  R"({"type": "object", "additionalProperties": {"type": ["number", "string"]}})"});
+}
+
+void describe(Keys& keys, SolverSpec& solver) {
+  keys.about({.definition = "solver",
+              .title = "Solver and its options",
+              .says = "Which method solves the problem, and its options",
+              .examples = R"([{"name": "box_fddp", "max_iterations": 300},
+                              {"name": "ddp", "tolerances": {"stationarity": 1.0e-8}},
+                              {"name": "ipopt", "options": {"mu_strategy": "adaptive"}}])"});
+  keys({"name", meaning_of_solvers()}, solver.name, SolverNameForm{});
+  describe(keys, solver.options);
+  // The numbers that a homotopy moves are known once the problem is built.
+  keys({.name = "homotopy",
+        .says = "Numbers of the problem that move together, from those of an easier problem to its "
+                "own; each problem in between is solved starting from the previous answer",
+        .examples = R"([[{"key": "constraints.torque.scale", "from": 3, "to": 1}]])",
+        .fallback = "[]"},
+       CustomValue{[&](const YamlReader& reader) { solver.homotopy = read_homotopy(reader); },
+                   [] { return std::nullopt; }, kHomotopySchema});
+  YamlMap* map = keys.reading();
+  if (map == nullptr || map->reader().diagnostics().has_errors()) return;
+  for (const std::string& message : solver.options.validate()) map->reader().error(message);
 }
 
 }  // namespace conddp

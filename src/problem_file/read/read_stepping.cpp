@@ -1,6 +1,5 @@
 #include <cmath>
-
-#include <fmt/format.h>
+#include <string>
 
 #include "problem_file/read/read_sections.hpp"
 #include "problem_file/spec/enum_names.hpp"
@@ -8,42 +7,23 @@
 namespace conddp {
 namespace {
 
-void read_edges(const YamlReader& reader, Vector3<double>& size) {
-  const auto read = read_vector3(reader, "[x, y, z] in m");
-  if (read && !(read->x > 0 && read->y > 0 && read->z > 0))
-    reader.error("the edges of a box have positive lengths");
-  else
-    size = read.value_or(size);
-}
-
-BoxSpec read_box(const YamlReader& reader) {
-  BoxSpec box;
-  YamlMap map(reader);
-  if (!map.valid()) return box;
-  if (const auto r = map.require("size")) read_edges(*r, box.size);
-  if (const auto r = map.find("placement")) box.placement = read_pose(*r).value_or(PoseSpec{});
-  return box;
-}
-
-/// Reads a shape, and the frame that carries it, if any.
-void read_shape(const YamlReader& reader, TouchedSpec& touched) {
-  YamlMap map(reader);
-  if (!map.valid()) return;
-  if (const auto r = map.find("frame")) touched.frame = r->name();
-  const auto half_space = map.find("half_space"), sphere = map.find("sphere"),
-             box = map.find("box");
-  map.exclusive({"half_space", "sphere"});
-  map.exclusive({"half_space", "box"});
-  map.exclusive({"sphere", "box"});
-  if (half_space)
-    touched.form = read_half_space(*half_space);
-  else if (sphere)
-    touched.form = read_sphere(*sphere);
-  else if (box)
-    touched.form = read_box(*box);
-  else
-    reader.error("the shape has no form", "give 'half_space', 'sphere' or 'box'");
-}
+/// Positive lengths of the edges of a box.
+struct EdgesForm : VectorForm {
+  EdgesForm() : VectorForm{"[x, y, z] in m"} {}
+  bool read(const YamlReader& reader, Vector3<double>& value) const {
+    Vector3<double> edges;
+    if (!VectorForm::read(reader, edges)) return false;
+    if (!(edges.x > 0 && edges.y > 0 && edges.z > 0))
+      return reader.error("the edges of a box have positive lengths"), false;
+    value = edges;
+    return true;
+  }
+  OrderedJson schema() const {
+    OrderedJson schema = VectorForm::schema();
+    schema["items"]["exclusiveMinimum"] = 0;
+    return schema;
+  }
+};
 
 /// [lower, upper]; null means unlimited.
 std::optional<std::array<double, 2>> read_ends(const YamlReader& reader) {
@@ -83,53 +63,131 @@ void read_joint_limits(const YamlReader& reader, SteppingSpec& stepping) {
     if (const auto limits = read_limits(value)) stepping.joint_limits.emplace_back(name, *limits);
 }
 
-CandidateSpec read_candidate(const Name& name, const YamlReader& reader) {
-  if (name.value.find_first_of("/,") != std::string::npos)
-    reader.diagnostics().error(name.place, "a candidate's name has no '/' and no ','");
-  CandidateSpec candidate{.name = name};
-  YamlMap map(reader);
-  if (const auto r = map.require("frame")) candidate.frame = r->name().value_or(Name{});
-  read_vector3(map, "point", "[x, y, z] in m", candidate.point);
-  map.number("radius", candidate.radius, kNotNegative);
-  map.read("against", candidate.against, read_touched);
-  map.number("friction", candidate.friction, kNotNegative);
-  if (const auto r = map.find("stiffness")) candidate.stiffness = r->number(kPositive);
-  return candidate;
+OrderedJson expand_joint_limits(const SteppingSpec& stepping) {
+  if (stepping.all_limits) return word_of(kJointLimitWords, true);
+  OrderedJson json = OrderedJson::object();
+  for (const auto& [name, limits] : stepping.joint_limits)
+    json[name.value] = {finite_or_null(limits[0]), finite_or_null(limits[1])};
+  return json;
+}
+
+/// Reports a shape without a form, or with several.
+void check_form(YamlMap& map) {
+  map.exclusive({"half_space", "sphere"});
+  map.exclusive({"half_space", "box"});
+  map.exclusive({"sphere", "box"});
+  if (!map.find("half_space") && !map.find("sphere") && !map.find("box"))
+    map.reader().error("the shape has no form", "give 'half_space', 'sphere' or 'box'");
 }
 
 }  // namespace
 
-TouchedSpec read_touched(const YamlReader& reader) {
-  TouchedSpec touched{.place = reader.place()};
-  if (!reader.is_scalar()) {
-    read_shape(reader, touched);
-  } else if (reader.node().text != "ground") {
-    reader.error("what a candidate may touch is 'ground' or a mapping",
-                 "write '{half_space: ...}', '{sphere: ...}' or '{box: ...}', with a 'frame' "
-                 "where one carries it");
-  }
-  return touched;
+static void describe(Keys& keys, BoxSpec& box) {
+  keys.about({.definition = "box",
+              .title = "Box",
+              .says = "A box about the middle of its placement",
+              .examples = R"([{"size": [1, 1, 0.5]}])"});
+  keys({.name = "size", .says = "Lengths of its edges along x, y and z, m", .required = true},
+       box.size, EdgesForm{});
+  keys({"placement", "Of its middle and axes, in the frame or in the world"}, box.placement,
+       MapForm{});
 }
 
-std::vector<CandidateSpec> read_candidates(const YamlReader& reader) {
-  std::vector<CandidateSpec> candidates;
-  if (const auto entries = reader.named_entries())
-    for (const auto& [name, value] : *entries) candidates.push_back(read_candidate(name, value));
-  return candidates;
+static void describe(Keys& keys, TouchedSpec& touched) {
+  keys.about({.title = "Shape that a candidate may touch",
+              .examples = R"([{"frame": "spinner", "sphere": {"radius": 0.25}}])"});
+  keys({"frame", "The robot's frame that carries it; without it the shape stands in the world"},
+       touched.frame, NameForm{});
+  keys({"half_space"}, touched.form, AlternativeForm<HalfSpaceSpec>{});
+  keys({"sphere"}, touched.form, AlternativeForm<SphereSpec>{});
+  keys({"box"}, touched.form, AlternativeForm<BoxSpec>{});
+  if (YamlMap* map = keys.reading()) check_form(*map);
 }
 
-SteppingSpec read_stepping(const YamlReader& reader) {
-  SteppingSpec stepping{.place = reader.place()};
-  YamlMap map(reader);
-  if (!map.valid()) return stepping;
-  map.choice("scheme", stepping.scheme, kSchemeWords, "stepping scheme");
-  map.choice("friction", stepping.friction, kFrictionWords, "friction model");
-  if (const auto r = map.find("plane")) stepping.plane = read_direction(*r);
-  if (const auto r = map.find("joint_limits")) read_joint_limits(*r, stepping);
-  if (const auto r = map.find("joint_friction"))
-    stepping.joint_friction = read_named_numbers(*r, kPositive);
-  map.number("regularization", stepping.regularization, kNotNegative);
-  return stepping;
+bool TouchedForm::read(const YamlReader& reader, TouchedSpec& touched) const {
+  touched.place = reader.place();
+  if (!reader.is_scalar()) return read_map(reader, touched);
+  if (reader.node().text == "ground") return true;
+  reader.error("what a candidate may touch is 'ground' or a mapping",
+               "write '{half_space: ...}', '{sphere: ...}' or '{box: ...}', with a 'frame' "
+               "where one carries it");
+  return false;
+}
+
+std::optional<OrderedJson> TouchedForm::expand(const TouchedSpec& touched) const {
+  return expand_map(touched);
+}
+
+OrderedJson TouchedForm::schema(const TouchedSpec& /*names the type*/,
+                                SchemaDefinitions& definitions) const {
+  if (!definitions.contains("touched"))
+    definitions["touched"] = {
+        {"title", "What a candidate may touch"},
+        {"anyOf", {{{"const", "ground"}}, map_schema<TouchedSpec>(definitions)}}};
+  return {{"$ref", "#/definitions/touched"}};
+}
+
+void describe(Keys& keys, CandidateSpec& candidate) {
+  keys.about({.definition = "contact_candidate",
+              .title = "A candidate for contact-implicit steps",
+              .examples = R"([{"frame": "foot", "point": [0.1, 0, 0], "friction": 0.6}])"});
+  keys({.name = "frame", .says = "The robot's frame that carries it", .required = true},
+       candidate.frame, NameForm{});
+  keys({"point", "The point, or the sphere's center, in the frame, m"}, candidate.point,
+       VectorForm{"[x, y, z] in m"});
+  keys({"radius", "Of the sphere, m; 0: a point"}, candidate.radius, NumberForm{kNotNegative});
+  keys({"against",
+        "What it may touch: 'ground', the half-space under z = 0, which it is without this key, or "
+        "a shape"},
+       candidate.against, TouchedForm{});
+  keys({"friction", "Coefficient of friction, without unit; 0: none"}, candidate.friction,
+       NumberForm{kNotNegative});
+  keys({"stiffness",
+        "Of a soft contact, whose force is this times the overlap, in the unit N/m; without it the "
+        "contact is rigid"},
+       candidate.stiffness, NumberForm{kPositive});
+  YamlMap* map = keys.reading();
+  if (map != nullptr && candidate.name.value.find_first_of("/,") != std::string::npos)
+    map->reader().diagnostics().error(candidate.name.place,
+                                      "a candidate's name has no '/' and no ','");
+}
+
+void describe(Keys& keys, SteppingSpec& stepping) {
+  keys.about({.definition = "stepping",
+              .title = "Contact-implicit steps",
+              .says = "How steps in time are taken that find out themselves which contacts are "
+                      "closed; of ipopt",
+              .examples = R"([{"plane": [0, 1, 0], "joint_limits": {"elbow": [-1.57, 1.57]}}])"});
+  keys({"scheme",
+        "backward_euler: all forces act at the end of the step, which damps motions; "
+        "variational_midpoint: the midpoint rule of variational mechanics, which does not: "
+        "velocities are those between knots, and forces of contacts act at the end of the step"},
+       stepping.scheme, WordForm{kSchemeWords, "stepping scheme"});
+  keys({"friction",
+        "How friction along two tangents is bounded: polyhedron: by both signs of each tangent, "
+        "which is weaker between them; cone: by the cone itself, the same in every direction. In a "
+        "plane both are the same"},
+       stepping.friction, WordForm{kFrictionWords, "friction model"});
+  keys({"plane",
+        "The unit normal of the plane in which a planar robot moves: its contacts slip along one "
+        "tangent, those of others along two"},
+       stepping.plane, DirectionForm{});
+  keys({.name = "joint_limits",
+        .says = "Stops: [lower, upper] by joint, rad or m, null for none; 'urdf': all limits of "
+                "the URDF",
+        .fallback = "{}"},
+       CustomValue{[&](const YamlReader& reader) { read_joint_limits(reader, stepping); },
+                   [&] { return expand_joint_limits(stepping); },
+                   R"({"anyOf": [{"enum": ["none", "urdf"]},
+                                 {"type": "object", "additionalProperties": {
+                                    "type": "array", "items": {"type": ["number", "null"]},
+                                    "minItems": 2, "maxItems": 2}}]})"});
+  keys({"joint_friction", "Dry friction by joint, Nm or N"}, stepping.joint_friction,
+       NamedNumbersForm{kPositive});
+  keys({"regularization",
+        "Weight of half the squares of contact forces, slip speeds and shares of friction in their "
+        "units, as a running cost: makes forces unique that share a load"},
+       stepping.regularization, NumberForm{kNotNegative});
 }
 
 }  // namespace conddp

@@ -3,20 +3,27 @@
 namespace conddp {
 namespace {
 
-/// Reads a name, all numbers of a state, or a state.
-void read_equilibrium(const YamlReader& reader, TerminalLqrSpec& lqr) {
-  if (reader.is_sequence()) {
-    lqr.state = {.place = reader.place(), .state = reader.numbers()};
-  } else if (reader.is_map()) {
-    lqr.state = read_state(reader).value_or(StateSpec{.place = reader.place()});
-    if (lqr.state.previous_control)
-      reader.diagnostics().error(lqr.state.previous_control->place,
-                                 "the previous control is the one that holds the state",
-                                 "leave the key out");
-  } else {
-    lqr.name = reader.name();
+/// A name, all numbers of a state, or a state.
+struct EquilibriumForm {
+  bool read(const YamlReader& reader, TerminalLqrSpec& lqr) const {
+    if (reader.is_sequence()) {
+      lqr.state = {.place = reader.place(), .state = reader.numbers()};
+    } else if (reader.is_map()) {
+      lqr.state = read_state(reader).value_or(StateSpec{.place = reader.place()});
+      if (lqr.state.previous_control)
+        reader.diagnostics().error(lqr.state.previous_control->place,
+                                   "the previous control is the one that holds the state",
+                                   "leave the key out");
+    } else {
+      lqr.name = reader.name();
+    }
+    return true;
   }
-}
+  std::optional<OrderedJson> expand(const TerminalLqrSpec& lqr) const {
+    return lqr.name ? OrderedJson(lqr.name->value) : expand_map(lqr.state);
+  }
+  OrderedJson schema() const { return {{"$ref", "#/definitions/equilibrium"}}; }
+};
 
 /// True if the mapping has keys other than those of an equilibrium.
 bool has_own_keys(const YamlReader& reader) {
@@ -26,21 +33,39 @@ bool has_own_keys(const YamlReader& reader) {
 
 }  // namespace
 
-TerminalLqrSpec read_terminal_lqr(const YamlReader& reader) {
-  TerminalLqrSpec lqr{.place = reader.place()};
-  if (!has_own_keys(reader)) {
-    read_equilibrium(reader, lqr);
-    return lqr;
-  }
-  YamlMap map(reader);
-  if (const auto about = map.require("about")) read_equilibrium(*about, lqr);
-  map.number("weight", lqr.weight, kPositive);
-  if (const auto set = map.find("set")) {
-    static constexpr Choice<bool> kWords[] = {{"true", true}, {"false", false}};
-    lqr.set = set->choice(kWords, "truth").value_or(false);
+static void describe(Keys& keys, TerminalLqrSpec& lqr) {
+  keys.about({.title = "Terminal cost of a regulator",
+              .examples = R"([{"about": "standing", "set": true}])"});
+  keys({.name = "about", .says = "The equilibrium", .required = true}, lqr, EquilibriumForm{});
+  keys({"weight", "Factor of the cost, without unit; 1 is the cost-to-go itself"}, lqr.weight,
+       NumberForm{kPositive});
+  keys({"set",
+        "The last state has to lie in the largest set (x ⊖ x̄)ᵀP(x ⊖ x̄) ≤ level in which the "
+        "regulator satisfies bounds and constraints"},
+       lqr.set, FlagForm{"truth"});
+  YamlMap* map = keys.reading();
+  if (const auto set = map != nullptr ? map->find("set") : std::nullopt)
     lqr.set_place = set->place();
-  }
-  return lqr;
+}
+
+bool LqrForm::read(const YamlReader& reader, TerminalLqrSpec& lqr) const {
+  lqr.place = reader.place();
+  return has_own_keys(reader) ? read_map(reader, lqr) : EquilibriumForm().read(reader, lqr);
+}
+
+std::optional<OrderedJson> LqrForm::expand(const TerminalLqrSpec& lqr) const {
+  return expand_map(lqr);
+}
+
+OrderedJson LqrForm::schema(const TerminalLqrSpec& /*names the type*/,
+                            SchemaDefinitions& definitions) const {
+  if (!definitions.contains("terminal_lqr"))
+    definitions["terminal_lqr"] = {
+        {"title", "Regulator about an equilibrium"},
+        {"description", "The equilibrium, or that with a weight"},
+        {"anyOf", {EquilibriumForm().schema(), map_schema<TerminalLqrSpec>(definitions)}},
+        {"examples", OrderedJson::parse(R"(["standing", {"about": "standing", "weight": 1.1}])")}};
+  return {{"$ref", "#/definitions/terminal_lqr"}};
 }
 
 }  // namespace conddp

@@ -6,6 +6,7 @@
 #include "problem_file/residuals/row_names.hpp"
 #include "problem_file/spec/enum_names.hpp"
 #include "problem_file/values/expand_values.hpp"
+#include "problem_file/values/key_forms.hpp"
 #include "problem_file/values/read_values.hpp"
 #include "problem_file/values/value_schema.hpp"
 #include "robot/frames.hpp"
@@ -95,6 +96,10 @@ std::optional<CostResidual> make_velocity_of_frame(const ResidualContext& contex
   return result;
 }
 
+constexpr std::string_view kOfSwings =
+    "For frame_position and frame_placement, instead of a reference: an arch from the frame's "
+    "former place, over every run of consecutive phases of the cost";
+
 std::vector<PlanarMotion> read_motions(const YamlReader& reader) {
   std::vector<PlanarMotion> motions;
   const auto items = reader.items();
@@ -105,34 +110,42 @@ std::vector<PlanarMotion> read_motions(const YamlReader& reader) {
   return motions;
 }
 
-SwingSpec read_swing(const YamlReader& reader) {
-  SwingSpec swing{.place = reader.place()};
-  YamlMap map(reader);
-  if (!map.valid()) return swing;
-  if (const auto r = map.require("height"))
-    swing.height = r->number(kNotNegative).value_or(swing.height);
-  map.exclusive({"landing", "step"});
-  map.exclusive({"landing", "displaced"});
-  map.exclusive({"step", "displaced"});
-  if (const auto r = map.find("landing")) swing.landing = read_vector3(*r, "[x, y, z] in m");
-  if (const auto r = map.find("step")) swing.step = read_vector3(*r, "[x, y, z] in m");
-  if (const auto r = map.find("displaced")) swing.displaced = read_motions(*r);
-  return swing;
-}
-
-OrderedJson expand_swing(const SwingSpec& swing) {
-  OrderedJson json = {{"height", swing.height}};
-  if (swing.landing)
-    json["landing"] = expand_vector(*swing.landing);
-  else if (!swing.displaced.empty())
-    for (const PlanarMotion& motion : swing.displaced)
-      json["displaced"].push_back(expand_motion(motion));
-  else
-    json["step"] = expand_vector(swing.step.value_or(Vector3<double>::zero()));
+std::optional<OrderedJson> expand_motions(const std::vector<PlanarMotion>& motions) {
+  if (motions.empty()) return std::nullopt;
+  OrderedJson json = OrderedJson::array();
+  for (const PlanarMotion& motion : motions) json.push_back(expand_motion(motion));
   return json;
 }
 
 }  // namespace
+
+void describe(Keys& keys, SwingSpec& swing) {
+  keys.about({.definition = "swing",
+              .title = "Swing",
+              .says = kOfSwings,
+              .examples = R"([{"height": 0.06, "step": [0.15, 0, 0]},
+                              {"height": 0.06, "displaced": [[0.1, 0, 0], [0.3, 0, 0.2]]}])"});
+  keys({.name = "height", .says = "Of the arch over the straight line, m", .required = true},
+       swing.height, NumberForm{kNotNegative});
+  keys({"landing", "Where it touches down, in the world, m; by default where it lifted off"},
+       swing.landing, VectorForm{"[x, y, z] in m"});
+  keys(
+      {"displaced",
+       "The same for each run: where the frame stood at first, displaced with the base by [x, y, "
+       "yaw] (m, rad) and kept on the plane of its contact"},
+      CustomValue{
+          [&swing](const YamlReader& reader) { swing.displaced = read_motions(reader); },
+          [&swing] { return expand_motions(swing.displaced); },
+          R"({"type": "array", "minItems": 1, "items": {"$ref": "#/definitions/planar_motion"}})"});
+  keys({"step", "The same, from where it lifted off, m"}, swing.step, VectorForm{"[x, y, z] in m"});
+  YamlMap* map = keys.reading();
+  if (map == nullptr) return;
+  map->exclusive({"landing", "step"});
+  map->exclusive({"landing", "displaced"});
+  map->exclusive({"step", "displaced"});
+  if (!swing.landing && !swing.step && swing.displaced.empty())
+    swing.step = Vector3<double>::zero();
+}
 
 std::span<const ResidualDefinition> frame_residuals() {
   static const ResidualKey frame =
@@ -141,16 +154,17 @@ std::span<const ResidualDefinition> frame_residuals() {
       kAxes, "For frame_velocity: the axes in which it is expressed", "system of axes", kAxesWords);
   static const ResidualKey swing = {
       "swing",
-      "For frame_position and frame_placement, instead of a reference: an arch from the frame's "
-      "former place, over every run of consecutive phases of the cost",
+      kOfSwings,
       defined_schema("swing"),
       {.of_constraints = false, .of_last_node = false, .excludes = "reference"},
       [](const YamlReader& reader, CostSpec& cost) {
-        cost.keys.set(key::swing, read_swing(reader));
+        SwingSpec given;
+        read_map(reader, given);
+        cost.keys.set(key::swing, std::move(given));
       },
       [](const CostSpec& cost, const KeyContext&) {
         const SwingSpec* given = cost.keys.find(key::swing);
-        return given != nullptr ? expand_swing(*given) : OrderedJson(nullptr);
+        return given != nullptr ? expand_map(*given) : OrderedJson(nullptr);
       }};
   static const ResidualDefinition all[] = {
       {.name = "frame_position",

@@ -1,6 +1,7 @@
 #include "problem_file/residuals/reference_form.hpp"
 
 #include "problem_file/values/expand_values.hpp"
+#include "problem_file/values/key_forms.hpp"
 #include "problem_file/values/read_state.hpp"
 #include "problem_file/values/read_values.hpp"
 
@@ -42,7 +43,7 @@ Value read_whole_state(const YamlReader& reader, const CostSpec& cost) {
   return value;
 }
 OrderedJson expand_state_or_numbers(const ReferenceValueSpec& value) {
-  return value.state ? expand_state(*value.state) : expand_given_numbers(value);
+  return value.state ? expand_map(*value.state) : expand_given_numbers(value);
 }
 Value zero_state(const CostSpec& cost, const Place& place) {
   if (cost.keys.find(key::columns) != nullptr) return zero_numbers(cost, place);
@@ -72,9 +73,7 @@ Numbers point_numbers(const PoseSpec& pose, Diagnostics&) {
 
 Value read_whole_pose(const YamlReader& reader, const CostSpec&) {
   ReferenceValueSpec value{.place = reader.place()};
-  value.pose = read_pose(reader);
-  if (!value.pose) return std::nullopt;
-  return value;
+  return read_map(reader, value.pose.emplace()) ? Value(std::move(value)) : std::nullopt;
 }
 Value read_rotation(const YamlReader& reader, const CostSpec& cost) {
   Value value = read_whole_pose(reader, cost);
@@ -82,7 +81,7 @@ Value read_rotation(const YamlReader& reader, const CostSpec& cost) {
     reader.error("a rotation has no position", "use the residual 'frame_placement'");
   return value;
 }
-OrderedJson expand_given_pose(const ReferenceValueSpec& value) { return expand_pose(*value.pose); }
+OrderedJson expand_given_pose(const ReferenceValueSpec& value) { return expand_map(*value.pose); }
 Value no_zero(const CostSpec&, const Place&) { return std::nullopt; }
 Numbers rotation_numbers(const PoseSpec& pose, Diagnostics& out) {
   if (!pose.orientation) {
@@ -106,11 +105,9 @@ Numbers pose_numbers(const PoseSpec& pose, Diagnostics& out) {
 
 Value read_velocity(const YamlReader& reader, const CostSpec&) {
   ReferenceValueSpec value{.place = reader.place()};
-  value.twist = read_twist(reader);
-  if (!value.twist) return std::nullopt;
-  return value;
+  return TwistForm().read(reader, value.twist.emplace()) ? Value(std::move(value)) : std::nullopt;
 }
-OrderedJson expand_velocity(const ReferenceValueSpec& value) { return expand_twist(*value.twist); }
+OrderedJson expand_velocity(const ReferenceValueSpec& value) { return expand_map(*value.twist); }
 Value zero_velocity(const CostSpec&, const Place& place) {
   ReferenceValueSpec value{.place = place};
   value.twist = TwistSpec{.place = place};

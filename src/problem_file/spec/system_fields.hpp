@@ -11,31 +11,41 @@ namespace conddp {
 struct SystemType {
   std::string_view name;
   std::string_view description;  ///< one line: the columns of its state and control
+  std::string_view examples;     ///< of mappings, a JSON list
 };
 
 /// Types of the alternatives of SystemSpec::parameters, in their order.
 inline constexpr SystemType kSystemTypes[] = {
-    {"double_integrator", "a = u; state (q/0, ..., v/0, ...), controls u/0, ..."},
+    {"double_integrator", "a = u; state (q/0, ..., v/0, ...), controls u/0, ...",
+     R"([{"type": "double_integrator"}])"},
     {"linear",
      "A x + B u + c is the next state or, with gives: rate, the rate of the state; state (x/0, "
-     "...), controls u/0, ..."},
-    {"pendulum", "State (theta, omega), theta = 0 hanging; control torque"},
-    {"cartpole", "State (x, theta, vx, omega), theta = 0 hanging; control force on the cart"},
+     "...), controls u/0, ...",
+     R"([{"type": "linear", "A": [[1, 0.1], [0, 1]], "B": [[0], [0.1]]}])"},
+    {"pendulum", "State (theta, omega), theta = 0 hanging; control torque",
+     R"([{"type": "pendulum"}])"},
+    {"cartpole", "State (x, theta, vx, omega), theta = 0 hanging; control force on the cart",
+     R"([{"type": "cartpole"}])"},
     {"acrobot",
-     "State (theta1, theta2, omega1, omega2), theta1 = -π/2 hanging; control elbow torque"},
-    {"unicycle", "State (x, y, theta), controls v and omega"},
+     "State (theta1, theta2, omega1, omega2), theta1 = -π/2 hanging; control elbow torque",
+     R"([{"type": "acrobot"}])"},
+    {"unicycle", "State (x, y, theta), controls v and omega", R"([{"type": "unicycle"}])"},
     {"car",
      "Car of Tassa, Mansard, Todorov 2014: state (x, y, theta, v), controls steering and "
-     "acceleration"},
-    {"planar_quadrotor", "State (x, z, theta, vx, vz, omega), controls right and left thrust"},
+     "acceleration",
+     R"([{"type": "car"}])"},
+    {"planar_quadrotor", "State (x, z, theta, vx, vz, omega), controls right and left thrust",
+     R"([{"type": "planar_quadrotor"}])"},
     {"quadrotor",
      "State (x, y, z, qx, qy, qz, qw, vx, vy, vz, wx, wy, wz), velocities in the body frame; "
-     "controls front, left, back and right thrust"},
+     "controls front, left, back and right thrust",
+     R"([{"type": "quadrotor"}])"},
     {"lander",
      "Point mass on its thrust: state (x, y, z, vx, vy, vz, burnt), z upwards, and the mass that "
-     "it has burnt; controls tx, ty, tz, the thrust in world axes"},
-    {"expressions", "A system of your own equations; may be left out"},
-    {"library", "A system of a compiled function; may be left out"}};
+     "it has burnt; controls tx, ty, tz, the thrust in world axes",
+     R"([{"type": "lander", "gravity": 1.62}])"},
+    {"expressions", "A system of your own equations; may be left out", ""},
+    {"library", "A system of a compiled function; may be left out", ""}};
 static_assert(std::size(kSystemTypes) == std::variant_size_v<decltype(SystemSpec::parameters)>);
 
 /// The scalar parameters of a closed-form system. Calls `field(key, description, value, range)` for

@@ -56,50 +56,6 @@ OrderedJson expand_motion(const PlanarMotion& motion) {
   return OrderedJson(std::vector{motion.x, motion.y, motion.yaw});
 }
 
-OrderedJson expand_pose(const PoseSpec& pose) {
-  OrderedJson json = OrderedJson::object();
-  if (pose.position) json["position"] = expand_vector(*pose.position);
-  if (pose.orientation) json["orientation"] = expand_quaternion(*pose.orientation);
-  return json;
-}
-
-OrderedJson expand_twist(const TwistSpec& twist) {
-  return {{"linear", expand_vector(twist.linear)}, {"angular", expand_vector(twist.angular)}};
-}
-
-namespace {
-
-OrderedJson expand_base(const BaseSpec& base) {
-  OrderedJson json = OrderedJson::object();
-  if (base.position) json["position"] = *base.position;
-  if (base.orientation) json["orientation"] = expand_quaternion(*base.orientation);
-  if (base.yaw) json["yaw"] = *base.yaw;
-  return json;
-}
-
-/// Position and velocity of base and joints.
-void expand_posture(const StateSpec& state, OrderedJson& json) {
-  if (state.base) json["base"] = expand_base(*state.base);
-  if (state.displaced) json["displaced"] = expand_motion(state.displaced->motion);
-  if (!state.joints.empty()) json["joints"] = expand_numbers(state.joints);
-  if (state.base_velocity) json["velocity"]["base"] = expand_twist(*state.base_velocity);
-  if (!state.joint_velocities.empty())
-    json["velocity"]["joints"] = expand_numbers(state.joint_velocities);
-}
-
-}  // namespace
-
-OrderedJson expand_state(const StateSpec& state) {
-  OrderedJson json = OrderedJson::object();
-  if (state.configuration) json["configuration"] = state.configuration->value;
-  expand_posture(state, json);
-  for (const auto& [name, part] : state.robots) json["robots"][name.value] = expand_state(part);
-  if (state.state) json["state"] = *state.state;
-  if (!state.values.empty()) json["values"] = expand_numbers(state.values);
-  if (state.previous_control) json["previous_control"] = expand_components(*state.previous_control);
-  return json;
-}
-
 OrderedJson expand_data_file(const DataFileSpec& file) {
   OrderedJson json = {{"file", file.file.value}};
   if (!file.columns.empty()) json["columns"] = expand_names(file.columns);

@@ -14,9 +14,6 @@ OrderedJson expand_components(const ComponentsSpec& spec);
 OrderedJson expand_symmetric_matrix(const MatrixSpec& matrix);
 OrderedJson expand_names(const std::vector<Name>& names);
 OrderedJson expand_motion(const PlanarMotion& motion);
-OrderedJson expand_pose(const PoseSpec& pose);
-OrderedJson expand_twist(const TwistSpec& twist);
-OrderedJson expand_state(const StateSpec& state);
 OrderedJson expand_data_file(const DataFileSpec& file);
 /// The contacts' names; all names if the spec selects all.
 OrderedJson expand_contact_names(const ContactNames& names, const ProblemSpec& spec);

@@ -1,40 +1,19 @@
 #include "problem_file/values/read_state.hpp"
 
-#include <fmt/format.h>
-
+#include "problem_file/values/expand_values.hpp"
+#include "problem_file/values/key_forms.hpp"
 #include "problem_file/values/read_values.hpp"
 
 namespace conddp {
 namespace {
 
-std::optional<std::vector<double>> read_position(const YamlReader& reader) {
-  const auto position = reader.numbers();
-  if (position && position->size() != 2 && position->size() != 3)
-    reader.error(
-        fmt::format("[x, y, z] in m is expected here, or [x, y] for a planar base; this one has {} "
-                    "numbers",
-                    position->size()));
-  return position;
-}
-
-std::optional<BaseSpec> read_base(const YamlReader& reader) {
-  YamlMap map(reader);
-  if (!map.valid()) return std::nullopt;
-  BaseSpec base{.place = reader.place()};
-  if (const auto position = map.find("position")) base.position = read_position(*position);
-  base.orientation = read_orientation(map);
-  double yaw = 0;
-  if (map.number("yaw", yaw)) base.yaw = yaw;
-  return base;
-}
-
-DisplacementSpec read_displacement(const YamlReader& reader) {
-  DisplacementSpec displacement{.place = reader.place()};
+void read_displacement(const YamlReader& reader, StateSpec& state) {
+  DisplacementSpec& displacement = state.displaced.emplace();
+  displacement.place = reader.place();
   if (reader.is_scalar() && reader.node().text == "gait")
     displacement.with_gait = true;
   else
     displacement.motion = read_planar_motion(reader).value_or(PlanarMotion{});
-  return displacement;
 }
 
 /// Alternative notations of a state exclude each other.
@@ -46,43 +25,80 @@ void check_exclusive(YamlMap& map) {
   }
 }
 
-void read_velocities(const YamlReader& reader, StateSpec& state) {
-  YamlMap velocity(reader);
-  if (const auto base = velocity.find("base")) state.base_velocity = read_twist(*base);
-  if (const auto joints = velocity.find("joints"))
-    state.joint_velocities = read_named_numbers(*joints);
-}
-
-/// Position and velocity of base and joints.
-void read_posture(YamlMap& map, StateSpec& state) {
-  if (const auto r = map.find("configuration")) state.configuration = r->name();
-  map.read("base", state.base, read_base);
-  map.read("displaced", state.displaced, read_displacement);
-  if (const auto r = map.find("joints")) state.joints = read_named_numbers(*r);
-  if (const auto r = map.find("velocity")) read_velocities(*r, state);
-}
+/// The states of several robots, by their names.
+struct RobotStatesForm : EntriesForm<NamedState> {
+  RobotStatesForm() : EntriesForm{.name = &NamedState::name, .may_be_missing = true} {}
+  bool read(const YamlReader& reader, std::vector<NamedState>& states) const {
+    const auto entries = reader.named_entries();
+    if (!entries) return false;
+    for (const auto& [robot, value] : *entries)
+      if (auto state = read_state(value)) states.push_back({robot, *std::move(state)});
+    return true;
+  }
+};
 
 }  // namespace
 
-StateSpec read_state_keys(YamlMap& map) {
-  StateSpec state{.place = map.reader().place()};
-  check_exclusive(map);
-  read_posture(map, state);
-  for_each_entry(map, "robots", [&](const Name& name, const YamlReader& value) {
-    if (auto part = read_state(value)) state.robots.push_back({name, std::move(*part)});
-  });
-  if (const auto r = map.find("state")) state.state = r->numbers();
-  if (const auto r = map.find("values")) state.values = read_named_numbers(*r);
-  if (const auto r = map.find("previous_control")) state.previous_control = read_components(*r);
-  return state;
+void describe_joints(Keys& keys, StateSpec& state) {
+  keys({"joints", "Joint positions by name, rad or m"}, state.joints,
+       NamedNumbersForm{.may_be_missing = true});
 }
 
+void describe(Keys& keys, StateSpec& state) {
+  keys.about({.definition = "state",
+              .title = "State",
+              .says = "What is not mentioned is neutral: zero, no rotation, at rest.",
+              .examples = R"([{"configuration": "standing"},
+                              {"joints": {"knee": -1.5}, "velocity": {"joints": {"knee": 0.1}}},
+                              {"values": {"theta": 3.14}}])"});
+  if (YamlMap* map = keys.reading()) check_exclusive(*map);
+  keys(
+      {"configuration", "Name of one of the robot's configurations, changed by the keys beside it"},
+      state.configuration, NameForm{});
+  keys({"base"}, state.base, MapForm{});
+  keys({"displaced",
+        "Displaces the base that the other keys have placed by [x, y, yaw], forward and to the "
+        "left as it points (m) and turned (rad); gait, as the whole reference of a cost on the "
+        "state: as the file's gait moves it"},
+       CustomValue{[&state](const YamlReader& reader) { read_displacement(reader, state); },
+                   [&state] {
+                     return state.displaced ? std::optional(expand_motion(state.displaced->motion))
+                                            : std::nullopt;
+                   },
+                   R"({"anyOf": [{"$ref": "#/definitions/planar_motion"}, {"const": "gait"}]})"});
+  describe_joints(keys, state);
+  keys({"velocity", "Zero where nothing is said"}, GroupValue([&state](Keys& velocity) {
+         velocity.about({.title = "Velocity of a state", .examples = R"([{"joints": {"knee": 0.1}},
+                                         {"base": {"linear": [1, 0, 0]}}])"});
+         velocity({"base",
+                   "Of a floating base in its own frame, of a planar one along x, y and about z"},
+                  state.base_velocity, TwistForm{});
+         velocity({"joints", "Joint velocities by name, rad/s or m/s"}, state.joint_velocities,
+                  NamedNumbersForm{.may_be_missing = true});
+       }));
+  keys({"robots",
+        "Several robots: the state of each by its name, with configuration, base, joints and "
+        "velocity"},
+       state.robots, RobotStatesForm{});
+  keys({"state", "All numbers of the state in the order of its columns"}, state.state,
+       NumbersForm{});
+  keys({"values", "Numbers by column of the state, for example {x: 0, theta: 3.14}"}, state.values,
+       NamedNumbersForm{.may_be_missing = true});
+  keys({"previous_control",
+        "The control before the first knot, of problems that use the control rate; zero by "
+        "default"},
+       state.previous_control, ComponentsForm{});
+}
+
+void describe(Keys& keys, NamedState& state) { describe(keys, state.state); }
+
 std::optional<StateSpec> read_state(const YamlReader& reader) {
-  YamlMap map(reader,
-              "write '{values: {x: 0.5}}', '{state: [0.5, 0]}', or of a robot '{joints: {knee: "
-              "0.5}}' or '{configuration: NAME}'");
-  if (!map.valid()) return std::nullopt;
-  return read_state_keys(map);
+  StateSpec state;
+  const bool valid =
+      read_map(reader, state,
+               "write '{values: {x: 0.5}}', '{state: [0.5, 0]}', or of a robot '{joints: {knee: "
+               "0.5}}' or '{configuration: NAME}'");
+  return valid ? std::optional(std::move(state)) : std::nullopt;
 }
 
 }  // namespace conddp

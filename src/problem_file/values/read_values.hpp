@@ -8,9 +8,6 @@ namespace conddp {
 /// Readers of values that many keys share; each reports why it returns nothing.
 
 std::optional<Vector3<double>> read_vector3(const YamlReader& reader, std::string_view what);
-/// Reads an optional key; without a valid value `vector` is unchanged.
-void read_vector3(YamlMap& map, std::string_view key, std::string_view what,
-                  Vector3<double>& vector);
 NamedNumbers read_named_numbers(const YamlReader& reader, const NumberRange& range = kAnyNumber);
 std::optional<ComponentsSpec> read_components(const YamlReader& reader,
                                               const NumberRange& range = kAnyNumber);
@@ -21,10 +18,6 @@ std::optional<MatrixSpec> read_symmetric_matrix(const YamlReader& reader);
 /// Factor that scales a vector of this length to unit length; 1 within rounding, so that repeated
 /// scaling changes nothing.
 double unit_scale(double length);
-/// A key with a rotation in one of its forms: `orientation` (quaternion x y z w) or `rpy` (rad).
-std::optional<Quaternion<double>> read_orientation(YamlMap& map);
-std::optional<PoseSpec> read_pose(const YamlReader& reader);
-std::optional<TwistSpec> read_twist(const YamlReader& reader);
 std::optional<PlanarMotion> read_planar_motion(const YamlReader& reader);
 /// `all`, a name, or a list of names.
 ContactNames read_contact_names(const YamlReader& reader);

@@ -1,58 +1,123 @@
 #include "problem_file/values/system_keys.hpp"
 
+#include <array>
+
+#include <fmt/format.h>
+
+#include "base/text/spelling.hpp"
 #include "problem_file/spec/enum_names.hpp"
 #include "problem_file/spec/system_fields.hpp"
-#include "problem_file/values/value_schema.hpp"
 
 namespace conddp {
 namespace {
 
-using Keys = std::vector<SystemKey>;
+/// Maximum number of rows and columns of a matrix.
+constexpr std::size_t kLargest = 1000;
 
-Keys keys_of(const DoubleIntegratorSpec& p) {
-  return {{"dimension",
-           "Number of independent axes",
-           {{"type", "integer"}, {"minimum", 1}, {"maximum", 1000}, {"default", p.dimension}}}};
+/// A matrix by its rows.
+struct MatrixForm {
+  bool read(const YamlReader& reader, Eigen::MatrixXd& matrix) const {
+    const auto rows = reader.items();
+    if (!rows) return false;
+    if (rows->size() > kLargest)
+      return reader.error(fmt::format("a matrix has at most {} rows", kLargest)), false;
+    for (std::size_t i = 0; i < rows->size(); ++i)
+      if (!read_row((*rows)[i], i, rows->size(), matrix)) return matrix.resize(0, 0), false;
+    if (matrix.size() == 0) return reader.error("the matrix is empty"), false;
+    return true;
+  }
+  std::optional<OrderedJson> expand(const Eigen::MatrixXd& matrix) const {
+    OrderedJson rows = OrderedJson::array();
+    for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
+      const Eigen::RowVectorXd row = matrix.row(i);
+      rows.push_back(std::vector<double>(row.begin(), row.end()));
+    }
+    return rows;
+  }
+  OrderedJson schema() const { return {{"type", "array"}, {"items", NumbersForm().schema()}}; }
+
+ private:
+  static bool read_row(const YamlReader& reader, std::size_t i, std::size_t count,
+                       Eigen::MatrixXd& matrix) {
+    const auto row = reader.numbers();
+    if (!row) return false;
+    if (row->size() > kLargest)
+      return reader.error(fmt::format("a matrix has at most {} columns", kLargest)), false;
+    if (i == 0) matrix.resize(count, row->size());
+    const auto columns = static_cast<std::size_t>(matrix.cols());
+    if (row->size() != columns)
+      return reader.error(fmt::format("this row has {}, the first one has {}",
+                                      counted(row->size(), "number"), columns)),
+             false;
+    matrix.row(i) = Eigen::Map<const Eigen::RowVectorXd>(row->data(), row->size());
+    return true;
+  }
+};
+
+void read_offset(const YamlReader& reader, LinearSpec& p) {
+  if (p.A.size() == 0) return;
+  if (const auto n = reader.numbers(p.A.rows(), "one per row of A"))
+    p.c = Eigen::Map<const Eigen::VectorXd>(n->data(), n->size());
 }
 
-Keys keys_of(const LinearSpec& p) {
-  const OrderedJson row = {{"type", "array"}, {"items", {{"type", "number"}}}};
-  const OrderedJson matrix = {{"type", "array"}, {"items", row}};
-  OrderedJson gives = {{"enum", OrderedJson::array()},
-                       {"default", word_of(kLinearAnswerWords, p.gives)}};
-  for (const auto& choice : kLinearAnswerWords) gives["enum"].push_back(choice.word);
-  return {{"gives", "Whether A x + B u + c is the next state, or the rate of the state in time",
-           std::move(gives)},
-          {"A", "Square matrix by rows", matrix, true},
-          {"B", "As many rows as A", matrix, true},
-          {"c", "One number per row of A; zero by default", row}};
+/// A is square, B has as many rows, and c is zero by default.
+void complete(YamlMap& map, LinearSpec& p) {
+  if (p.A.size() == 0 || p.B.size() == 0) return;
+  if (p.A.rows() != p.A.cols())
+    return map.find("A")->error(fmt::format("A is {} x {}, not square", p.A.rows(), p.A.cols()));
+  if (p.B.rows() != p.A.rows())
+    return map.find("B")->error(fmt::format("B has {} rows and A has {}", p.B.rows(), p.A.rows()));
+  if (p.c.size() == 0) p.c = Eigen::VectorXd::Zero(p.A.rows());
 }
 
-/// The accepted keys depend on each other; their schema is handwritten.
-Keys keys_of(const ExpressionSystemSpec&) { return {}; }
-Keys keys_of(const LibrarySystemSpec&) { return {}; }
+void describe_parameters(Keys& keys, DoubleIntegratorSpec& p) {
+  keys({"dimension", "Number of independent axes"}, p.dimension, IntegerForm{1, 1000});
+}
+
+void describe_parameters(Keys& keys, LinearSpec& p) {
+  keys({"gives", "Whether A x + B u + c is the next state, or the rate of the state in time"},
+       p.gives, WordForm{kLinearAnswerWords, "answer of a linear system"});
+  keys({.name = "A", .says = "Square matrix by rows", .required = true}, p.A, MatrixForm{});
+  keys({.name = "B", .says = "As many rows as A", .required = true}, p.B, MatrixForm{});
+  keys({"c", "One number per row of A; zero by default"},
+       CustomValue{[&](const YamlReader& reader) { read_offset(reader, p); },
+                   [&] { return OrderedJson(std::vector<double>(p.c.begin(), p.c.end())); },
+                   R"({"type": "array", "items": {"type": "number"}})"});
+  if (YamlMap* map = keys.reading()) complete(*map, p);
+}
+
+void describe_parameters(Keys&, ExpressionSystemSpec&) {}
+void describe_parameters(Keys&, LibrarySystemSpec&) {}
 
 template <class P>
-Keys keys_of(const P& p) {
-  Keys keys;
-  for_each_field(p, [&](std::string_view key, std::string_view description, double value,
+void describe_parameters(Keys& keys, P& p) {
+  for_each_field(p, [&](std::string_view key, std::string_view description, double& value,
                         const NumberRange& range) {
-    OrderedJson schema = range_schema(range);
-    schema["default"] = value;
-    keys.push_back({key, description, std::move(schema)});
+    keys({key, description}, value, NumberForm{range});
   });
-  return keys;
 }
 
+using Parameters = decltype(SystemSpec::parameters);
+
 template <class... P>
-std::vector<Keys> keys_of_all(const std::variant<P...>* /*names the types*/) {
-  return {keys_of(P())...};
+std::array<Parameters, sizeof...(P)> defaults(const std::variant<P...>* /*names the types*/) {
+  return {P()...};
 }
 
 }  // namespace
 
-std::vector<std::vector<SystemKey>> system_keys() {
-  return keys_of_all(static_cast<const decltype(SystemSpec::parameters)*>(nullptr));
+void describe(Keys& keys, SystemSpec& system) {
+  const SystemType& type = kSystemTypes[system.parameters.index()];
+  const std::string schema = fmt::format(R"({{"const": "{}"}})", type.name);
+  keys.about({.title = type.name, .examples = type.examples});
+  keys({.name = "type", .says = type.description, .required = true},
+       CustomValue{[](const YamlReader&) {},  // read before the keys of its parameters
+                   [&] { return OrderedJson(type.name); }, schema});
+  std::visit([&](auto& parameters) { describe_parameters(keys, parameters); }, system.parameters);
+}
+
+SystemSpec default_system(std::size_t type) {
+  return {.parameters = defaults(static_cast<const Parameters*>(nullptr))[type]};
 }
 
 }  // namespace conddp

@@ -1,21 +1,15 @@
 #pragma once
 
-#include <string_view>
-#include <vector>
-
-#include "base/json/ordered_json.hpp"
+#include "problem_file/spec/spec_robot.hpp"
+#include "problem_file/values/key_forms.hpp"
 
 namespace conddp {
 
-/// Documentation of a key of a closed-form system.
-struct SystemKey {
-  std::string_view name;
-  std::string_view description;  ///< one line, with the unit
-  OrderedJson schema;            ///< of its value: JSON Schema, with the default
-  bool required = false;
-};
+/// The keys of a closed-form system. Keys of expressions and of libraries depend on each other:
+/// these have readers of their own.
+void describe(Keys& keys, SystemSpec& system);
 
-/// The keys, except `type`, of each entry of kSystemTypes in its order.
-std::vector<std::vector<SystemKey>> system_keys();
+/// A system of the type with this index in kSystemTypes, with the type's default parameters.
+SystemSpec default_system(std::size_t type);
 
 }  // namespace conddp

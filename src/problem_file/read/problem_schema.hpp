@@ -1,0 +1,18 @@
+#pragma once
+
+#include <string>
+
+#include "base/json/ordered_json.hpp"
+
+namespace conddp {
+
+/// The meaning of the solver name `auto`.
+extern const std::string_view kAutoMeaning;
+
+/// The JSON Schema of problem files: `schema`, with the parts that keys and tables describe.
+OrderedJson problem_schema(OrderedJson schema);
+
+/// A schema as text: what fits on a line stands on one line.
+std::string schema_text(const OrderedJson& schema);
+
+}  // namespace conddp
