@@ -109,5 +109,23 @@ TEST(PreviousControl, PassesAnImpulse) {
   }
 }
 
+TEST(PreviousControl, GoesWithContactImplicitSteps) {
+  std::ifstream file(kProblems / "finger_spinner.yaml");
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  const Loaded loaded(text, {"costs.smooth={residual: control_rate, weight: 1.0e-3}"});
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  expect_derivatives_of_change(loaded);
+  const SolveResult result = answer_with_change(loaded, "ipopt");
+  ASSERT_EQ(result.status, SolveStatus::converged) << result.message;
+  const ShootingProblem& problem = *loaded.built->problem;
+  const int controls = problem.terminal().model->step().tail();
+  ASSERT_GT(controls, 0);
+  for (int k = 0; k < problem.knots(); ++k)
+    EXPECT_LT((result.trajectory.x(k + 1).tail(controls) - result.trajectory.u(k).head(controls))
+                  .lpNorm<Eigen::Infinity>(),
+              1e-6)
+        << k;
+}
+
 }  // namespace
 }  // namespace conddp

@@ -72,9 +72,6 @@ void check_terms(const ProblemSpec& spec, Diagnostics& out) {
       out.error(cost->name.place,
                 fmt::format("'{}' is the name of a built-in cost of contact-implicit problems",
                             kRegularization));
-  if (const CostSpec* rate = spec.first_use(&ResidualNeeds::previous_control))
-    out.error(rate->residual.place, fmt::format("contact-implicit problems do not support '{}'",
-                                                spec.use_of_previous_control()));
   for (const ConstraintSpec* constraint : spec.all_constraints())
     if (const Name& name = constraint->function.name;
         name.value == kEquations || name.value == kPairs)
