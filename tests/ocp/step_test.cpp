@@ -155,6 +155,20 @@ TEST(Step, InstantaneousKnotsHandTheTailOn) {
   }
 }
 
+TEST(Step, OtherRulesKeepTheTail) {
+  RandomNumbers random(64);
+  Step timed = Step(cartpole({}), Integrator::rk4).hold(2).remember_controls(0, 1);
+  timed.scale_time({.choice = 1, .written = 0.8}).integrate("sum", rate_of(timed), 0);
+  expect_derivatives(timed.with(Integrator::explicit_euler), random);
+  const Step end = timed.without_dynamics();
+  EXPECT_EQ(end.ndx(), timed.ndx());
+  EXPECT_EQ(end.nu() + end.jacobian_rows() + end.parameter_count(), 0);
+  EXPECT_TRUE(end.integrals().empty() && !end.duration());
+  const Step alike = timed.alike(pendulum({}), Integrator::semi_implicit_euler);
+  EXPECT_EQ(alike.tail(), 0);
+  EXPECT_EQ(alike.integrator(), Integrator::semi_implicit_euler);
+}
+
 TEST(Step, RefusesDecorationsWithoutMeaning) {
   EXPECT_THROW(Step(cartpole({}), Integrator::rk4).remember_controls(1, 1), std::invalid_argument);
   EXPECT_THROW(Step(cartpole({}), Integrator::rk4).scale_time({.choice = 0, .written = 1}),
@@ -163,6 +177,10 @@ TEST(Step, RefusesDecorationsWithoutMeaning) {
                std::invalid_argument);
   EXPECT_THROW(with_integral(Step(cartpole({}), Integrator::rk4).hold(1)).hold(1),
                std::invalid_argument);
+  const Step linear = Step(cartpole({}), Integrator::rk4).make_controls_linear();
+  EXPECT_THROW(linear.with(Integrator::explicit_euler), std::invalid_argument);
+  const Step timed = Step(cartpole({}), Integrator::rk4).hold(1).scale_time({0, 1});
+  EXPECT_THROW(timed.with(Integrator::none), std::invalid_argument);
 }
 
 }  // namespace

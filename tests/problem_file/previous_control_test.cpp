@@ -91,10 +91,15 @@ TEST(PreviousControl, HasDerivativesNextToInstantKnots) {
   }
 }
 
-TEST(PreviousControl, PassesAnImpulse) {
-  std::ifstream file(kProblems / "hopper_jump.yaml");
+/// An example problem with a cost on the change of its controls.
+Loaded example_with_change(const std::string& name) {
+  std::ifstream file(kProblems / (name + ".yaml"));
   const std::string text{std::istreambuf_iterator<char>(file), {}};
-  const Loaded loaded(text, {"costs.smooth={residual: control_rate, weight: 1.0e-3}"});
+  return Loaded(text, {"costs.smooth={residual: control_rate, weight: 1.0e-3}"});
+}
+
+TEST(PreviousControl, PassesAnImpulse) {
+  const Loaded loaded = example_with_change("hopper_jump");
   ASSERT_TRUE(loaded.built) << loaded.all();
   expect_derivatives_of_change(loaded);
   const SolveResult result = answer_with_change(loaded, "box_fddp");
@@ -110,9 +115,7 @@ TEST(PreviousControl, PassesAnImpulse) {
 }
 
 TEST(PreviousControl, GoesWithContactImplicitSteps) {
-  std::ifstream file(kProblems / "finger_spinner.yaml");
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
-  const Loaded loaded(text, {"costs.smooth={residual: control_rate, weight: 1.0e-3}"});
+  const Loaded loaded = example_with_change("finger_spinner");
   ASSERT_TRUE(loaded.built) << loaded.all();
   expect_derivatives_of_change(loaded);
   const SolveResult result = answer_with_change(loaded, "ipopt");

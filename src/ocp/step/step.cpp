@@ -29,6 +29,15 @@ void check_integrator(const System& system, Integrator integrator) {
           "a collocation system needs the integrator of its rule, and only it");
 }
 
+void check_linear_controls(Integrator integrator) {
+  require(integrator == Integrator::none || follows_controls(integrator),
+          "linear controls need an integrator that sees how they change");
+}
+
+void check_time(Integrator integrator) {
+  require(info_of(integrator).order > 0, "what knows no time step has no free duration");
+}
+
 /// From the step dt v⁺ to the tangent at q⁺, in the curved parts of a column.
 template <class S>
 void turn_steps(const StateManifold& manifold, const S* step, S* out) {
@@ -85,8 +94,7 @@ Step& Step::remember_controls(int first, int count) {
 }
 
 Step& Step::make_controls_linear() {
-  require(integrator_ == Integrator::none || follows_controls(integrator_),
-          "linear controls need an integrator that sees how they change");
+  check_linear_controls(integrator_);
   const int at = tail();
   remember_controls(0, system_->actuators());
   linear_at_ = at;
@@ -101,7 +109,7 @@ void Step::check_duration(const FreeDuration& duration) const {
 
 Step& Step::scale_time(const FreeDuration& duration) {
   check_duration(duration);
-  require(info_of(integrator_).order > 0, "what knows no time step has no free duration");
+  check_time(integrator_);
   duration_ = duration;
   return *this;
 }
@@ -125,6 +133,8 @@ Step Step::alike(std::shared_ptr<const System> system, Integrator integrator) co
 
 Step Step::with(Integrator integrator) const {
   check_integrator(*system_, integrator);
+  if (has_linear_controls()) check_linear_controls(integrator);
+  if (duration_) check_time(integrator);
   Step step = *this;
   step.integrator_ = integrator;
   step.index_columns();
@@ -132,11 +142,11 @@ Step Step::with(Integrator integrator) const {
 }
 
 Step Step::without_dynamics() const {
-  Step step = with(Integrator::none);
+  Step step = *this;
   step.duration_.reset();
   step.integrals_.clear();
   step.parameter_count_ = 0;
-  return step;
+  return step.with(Integrator::none);
 }
 
 /// The system's next state depends on its state and its controls. Linear controls have two columns
