@@ -31,7 +31,6 @@ void add_softness(Softness softness, RandomNumbers& random, Entries& keys) {
   keys.push_back("weight: " + number_text(between_powers(0.1, 100, random)));
 }
 
-/// Columns of a body by their names in expressions: `q/knee` is `q[knee]`. Poses have other names.
 Entries names_in_expressions(const ComposedBody& body) {
   Entries names;
   for (const std::string& column : body.columns) {

@@ -56,6 +56,9 @@ class TermComposer {
   RandomNumbers& random_;
 };
 
+/// Columns of a body by their names in expressions: `q/knee` is `q[knee]`. Poses have other names.
+Entries names_in_expressions(const ComposedBody& body);
+
 /// Adds the keys `soft` and `weight`, unless the constraint is hard.
 void add_softness(Softness softness, RandomNumbers& random, Entries& keys);
 

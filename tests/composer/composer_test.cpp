@@ -10,6 +10,7 @@
 
 #include "analysis/certificate/certificate_doubt.hpp"
 #include "composed_body.hpp"
+#include "composed_features.hpp"
 #include "composed_problem.hpp"
 #include "coverage.hpp"
 #include "ocp/problem/cost_scale.hpp"
@@ -211,6 +212,32 @@ TEST(Composer, EveryProblemEndsWithCertificateOrReason) {
   if (range.count < SeedRange::kDefaultCount) return;
   EXPECT_LT(refused, 0.2 * range.count) << "refused compositions test the reader alone";
   EXPECT_EQ(coverage.missing(), "");
+}
+
+/// Numbers behind the states and rewritings, with all other features of a problem.
+TEST(Composer, FeaturesCombine) {
+  Coverage coverage({});
+  const SeedRange range = SeedRange::from_environment();
+  std::map<std::string, int> endings;
+  int refused = 0, doubted = 0;
+  const int count = range.count / (range.count == SeedRange::kDefaultCount ? 5 : 1);
+  for (int i = 0; i < count; ++i) {
+    const std::uint64_t seed = range.first + static_cast<std::uint64_t>(i);
+    const ComposedProblem problem = with_features(compose_problem(seed), seed);
+    SCOPED_TRACE(fmt::format("seed {}{}{}:\n{}", seed, problem.drop.empty() ? "" : ", --drop ",
+                             fmt::join(problem.drop, ""), problem.text));
+    try {
+      const Ending ending = run(problem, coverage);
+      ++endings[(ending.refused ? "refused: " : "") + ending.words];
+      refused += ending.refused ? 1 : 0;
+      doubted += ending.doubted ? 1 : 0;
+    } catch (const std::exception& exception) {
+      ADD_FAILURE() << "an exception: " << exception.what();
+    }
+  }
+  for (const auto& [words, times] : endings) std::cout << fmt::format("{:6} {}\n", times, words);
+  EXPECT_LE(doubted, 1 + count / 100);
+  EXPECT_LT(refused, 0.6 * count);
 }
 
 /// Box problems in strongly coupled controls, costates changed by a failed search after exact

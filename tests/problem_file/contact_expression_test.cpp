@@ -102,7 +102,7 @@ TEST(ContactExpressions, ReportUnreadableQuantities) {
        "21:7: error: 'front' has to be of one contact, not of 2"},
       {"contacts: [RF]}\n", "contacts: [XX]}\n", "21:51: error: unknown contact 'XX'"},
       {"{residual: contact_force, contacts: [RF]}", "{residual: friction_cone, contacts: [RF]}",
-       "21:25: error: expressions do not support the residual 'friction_cone'"},
+       "21:25: error: 'friction_cone' is a set, and expressions read numbers"},
       {"front.fz", "front.fw", "24:24: error: unknown part 'fw' of a vector of 3"},
       {"initial_guess",
        "terminal: {costs: {end: {residual: expression, rows: f.fz, of: {f: "

@@ -85,6 +85,18 @@ TEST(DifferentStates, StatesAbsentLaterRestAndCostNothing) {
   }
 }
 
+/// ẋ = w with the cost ½ (x² + w²) dt: p² = 1 + p dt.
+TEST(DifferentStates, RegulatorsHoldStatesOfTheLastPhase) {
+  const Loaded loaded(replaced(
+      replaced(kHandover, "  constraints:\n    home: {residual: state}", "  lqr: {values: {x: 0}}"),
+      "costs:\n", "costs:\n  near: {residual: state, columns: [x]}\n"));
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const Eigen::MatrixXd& P = loaded.built->terminal_lqr->ingredients.P;
+  const double dt = 0.25;
+  EXPECT_NEAR(P(0, 0), 0.5 * (dt + std::sqrt(dt * dt + 4)), 1e-12);
+  EXPECT_NEAR(P.norm(), P(0, 0), 1e-12) << "the velocity rests";
+}
+
 TEST(DifferentStates, JumpGivesAStateItsFirstValue) {
   const Loaded loaded{std::string(kLeap)};
   ASSERT_TRUE(loaded.built) << loaded.all();
@@ -359,8 +371,6 @@ TEST(DifferentStates, ReportsMistakesAtTheirPlaces) {
       {kHandover, "terminal:", "  smooth: {residual: control_rate}\nterminal:",
        "4:3: 'free' does not have the controls of all systems, and 'control_rate' needs the same "
        "ones in all of them"},
-      {kHandover, "  constraints:\n    home: {residual: state}", "  lqr: {values: {x: 0}}",
-       "13:8: 'lqr' does not support phases with different states or controls"},
       {kHandover, "terminal:", "  mine: {residual: control, weights: {b: 2}}\nterminal:",
        "12:39: 'b' fits none of the controls"},
       {kLeap, "gain*x", "gain*v", "10:33: unknown name 'v'"},

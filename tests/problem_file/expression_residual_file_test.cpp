@@ -226,9 +226,10 @@ TEST(ExpressionRows, ReportUnsupportedResiduals) {
     return Loaded(replaced(kTip, from, to)).first_error();
   };
   EXPECT_EQ(error("frame: tip},", "frame: top},"), "8:49: the robot has no frame 'top'");
-  EXPECT_EQ(error("of: {tip: {residual: frame_position, frame: tip}",
-                  "of: {tip: {residual: control_rate}"),
-            "8:26: expressions do not support the residual 'control_rate'");
+  EXPECT_EQ(
+      error("of: {tip: {residual: frame_position, frame: tip}",
+            "of: {tip: {residual: control_rate}"),
+      "8:26: 'control_rate' is not a quantity of one state and control, which expressions read");
   EXPECT_EQ(error("{tip: {residual: frame_position, frame: tip}",
                   "{q: {residual: frame_position, frame: tip}"),
             "8:10: the name 'q' is taken");

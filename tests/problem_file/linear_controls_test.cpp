@@ -454,6 +454,38 @@ TEST(LinearControls, AreNamedAtNodesAndKnotEnds) {
   EXPECT_EQ(names, "theta omega torque end/torque slope_end/omega ");
 }
 
+// A first phase that chooses the state or durations leaves a given control alone.
+TEST(LinearControls, GivenFirstControlIsNotChosen) {
+  const Loaded loaded(replaced(
+      replaced(kSwing, "{values: {theta: 0.4}}", "{values: {theta: 0.4}, previous_control: 1}"),
+      "choose: none", "choose: [omega]"));
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const ShootingProblem& problem = *loaded.built->problem;
+  EXPECT_EQ(problem.nu(0), 1);
+  Trajectory motion = loaded.built->guess;
+  motion.u(0)[0] = 0.2;
+  ASSERT_EQ(Evaluator(problem).simulate(motion), -1);
+  EXPECT_NEAR(motion.x(1)[1], 0.2, 1e-15);
+  EXPECT_EQ(motion.x(0)[problem.nx() - 1], 1);
+  EXPECT_EQ(motion.x(1)[problem.nx() - 1], 1);
+}
+
+// Contacts that all phases hold cause forces at the last node, too: cones on them hold at both ends
+// of the last knot.
+TEST(LinearControls, HeldContactsHaveForcesAtTheLastNode) {
+  const Loaded loaded(kStandingQuadruped +
+                      "integrator: rk4\ncontrols: linear\nphases: [{knots: 3, dt: 0.01, contacts: "
+                      "all}]\ncosts: {effort: {residual: control}}\nconstraints: {cones: "
+                      "{residual: friction_cone, soft: l2, weight: 10}}\n");
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const KnotModel& end = *loaded.built->problem->terminal().model;
+  EXPECT_TRUE(end.step().has_control());
+  EXPECT_EQ(end.constraints().size(), 4u);
+  for (const DerivativeComparison& c :
+       check_derivatives(*loaded.built->problem, loaded.built->guess))
+    EXPECT_LT(c.error, kDerivativeTolerance) << c.knot << " " << c.row << " " << c.column;
+}
+
 TEST(LinearControls, ReportIncompatibleFeatures) {
   struct Case {
     std::string from, to, message;
@@ -463,10 +495,6 @@ TEST(LinearControls, ReportIncompatibleFeatures) {
        "4:13: linear controls need an integrator that accounts for their change during a step"},
       {"rk4", "rk2",
        "4:13: linear controls need an integrator that accounts for their change during a step"},
-      {"  - {name: start, choose: none}\n", "",
-       "5:11: the first linear control needs a first phase 'choose', and there is none"},
-      {"{values: {theta: 0.4}}", "{values: {theta: 0.4}, previous_control: 1}",
-       "3:57: the first linear control is free in the first phase, and given here"},
       {"upper: 3}", "upper: 3, phases: first}",
        "14:3: bounds on linear controls hold in all phases"},
       {"{residual: control,", "{residual: control_rate,",
@@ -479,7 +507,7 @@ TEST(LinearControls, ReportIncompatibleFeatures) {
   std::ifstream hopper(kProblems / "hopper_cycle.yaml");
   const std::string text(std::istreambuf_iterator<char>(hopper), {});
   const Loaded touching(replaced(text, "phases:", "controls: linear\nphases:"));
-  EXPECT_NE(touching.all().find("linear controls do not support contacts"), std::string::npos)
+  EXPECT_NE(touching.all().find("linear controls cannot pass that"), std::string::npos)
       << touching.all();
   const Loaded discrete(
       "conddp: 1\nsystem: {states: [x], controls: [u], next: {x: x + u}}\ninitial_state: {}\n"

@@ -161,7 +161,7 @@ phases: [{jump: {x: x + 0.001}}]
   EXPECT_FALSE(mesh.reached());
 }
 
-TEST(Mesh, ExplainsReferencesTiedToTheGait) {
+TEST(Mesh, MovesWayPointsOfGaits) {
   const std::string text = R"(conddp: 1
 robot:
   urdf: )" + std::string(CONDDP_SOURCE_DIR) +
@@ -178,12 +178,34 @@ mesh: {error: 1.0e-3}
 costs:
   posture: {residual: state, reference: {configuration: standing, displaced: gait}, weight: 10}
 )";
-  const Loaded loaded(text);
-  EXPECT_FALSE(loaded.built);
-  EXPECT_NE(
-      loaded.all().find("error: 'displaced: gait' is given knot by knot, which 'mesh' changes"),
-      std::string::npos)
-      << loaded.all();
+  const Loaded coarse(text), fine(replaced(text, "error: 1.0e-3", "error: 1.0e-3, factor: 3"));
+  ASSERT_TRUE(coarse.built) << coarse.all();
+  ASSERT_TRUE(fine.built) << fine.all();
+  const std::vector<WayPoint>& way = coarse.spec->gait_way;
+  ASSERT_EQ(fine.spec->gait_way.size(), way.size());
+  for (std::size_t i = 0; i < way.size(); ++i)
+    EXPECT_EQ(fine.spec->gait_way[i].node, 3 * way[i].node);
+}
+
+// Each number of a knot names the same instant on all grids, so times say the same.
+TEST(Mesh, CountsKnotsOnTheGridOfTheFile) {
+  const char* by_knots =
+      "{residual: control}, way: {residual: state, reference: {knots: [0, 3, 8], values: [[0, 0], "
+      "[1, 0], [0, 1]]}}";
+  const char* by_times =
+      "{residual: control}, way: {residual: state, reference: {times: [0, 1.5, 4.5], values: [[0, "
+      "0], [1, 0], [0, 1]]}}";
+  const std::string fine = replaced(kOscillator, "error: 1.0e-4", "error: 1.0e-4, factor: 4");
+  const Loaded counted(replaced(fine, "{residual: control}", by_knots)),
+      timed(replaced(fine, "{residual: control}", by_times));
+  ASSERT_TRUE(counted.built) << counted.all();
+  ASSERT_TRUE(timed.built) << timed.all();
+  for (std::size_t p = 0; p < 2; ++p) {
+    const std::vector<double>& a = counted.built->problem->phases()[p].parameters;
+    const std::vector<double>& b = timed.built->problem->phases()[p].parameters;
+    ASSERT_EQ(a.size(), b.size());
+    for (std::size_t i = 0; i < a.size(); ++i) EXPECT_NEAR(a[i], b[i], 1e-12) << i;
+  }
 }
 
 TEST(Mesh, NamesTermsThatDependOnTheGrid) {
@@ -192,13 +214,9 @@ TEST(Mesh, NamesTermsThatDependOnTheGrid) {
   };
   const Case cases[] = {
       {"{residual: control}", "{residual: control, knots: [3]}",
-       "7:9: error: knots are counted here, and 'mesh' changes their number"},
+       "7:9: error: a cost at single knots is multiplied by their time steps"},
       {"{residual: control}", "{residual: control_rate}",
        "7:9: error: the change of a control from knot to knot depends on the grid"},
-      {"{residual: control}",
-       "{residual: control}, way: {residual: state, reference: {knots: [0, 3], values: [[0, 0], "
-       "[1, 0]]}}",
-       "error: knots are counted here, and 'mesh' changes their number"},
       {"knots: 6, duration: 3", "knots: 6, duration: 3, refine: {last: 2}",
        "error: 'refine' and 'mesh' exclude each other"},
       {"integrator: rk2", "running_costs: sum",

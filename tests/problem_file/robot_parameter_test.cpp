@@ -293,6 +293,32 @@ solver: {{name: altro}}
               1e-4);
 }
 
+// Nothing moves a parameter, so it is no part of the regulator's state.
+TEST(RobotParameters, RegulatorsLeaveThemOut) {
+  const TemporaryFolder folder;
+  const std::string text = replaced(replaced(lift_text(folder, kLift), "costs: {effort",
+                                             "costs: {still: {residual: state}, effort"),
+                                    "terminal:\n", "terminal:\n  lqr: initial\n");
+  const Loaded free(text);
+  std::string number = replaced(text, "{free: true, lower: 0, upper: 2, start: 1}", "1");
+  number = replaced(number, "{choose: none}, ", "");
+  number = replaced(number, "residual: expression, rows: [1/(0.1 + load)]", "residual: state");
+  const Loaded fixed(number);
+  ASSERT_TRUE(free.built) << free.all();
+  ASSERT_TRUE(fixed.built) << fixed.all();
+  const Eigen::MatrixXd& P = free.built->terminal_lqr->ingredients.P;
+  const Eigen::MatrixXd& Q = fixed.built->terminal_lqr->ingredients.P;
+  ASSERT_EQ(P.rows(), 4);
+  const int rail = state_column(free, "q/rail"), speed = state_column(free, "v/rail");
+  const std::vector<int> own = {rail, speed};
+  EXPECT_NEAR((P(own, own) - Q).norm(), 0, 1e-9 * Q.norm());
+  EXPECT_NEAR(P.norm(), Q.norm(), 1e-9 * Q.norm()) << "all other entries are zero";
+  const Loaded heavy(replaced(text, "gravity: [0, 0, 0]", "gravity: [0, 0, -9.81]"));
+  EXPECT_NE(heavy.all().find("the equilibrium depends on 'load', which no control moves"),
+            std::string::npos)
+      << heavy.all();
+}
+
 TEST(RobotParameters, MayAppearOnlyInExpressions) {
   const TemporaryFolder folder;
   // The target is free: ½ p² + 12 (1 − p)² has its minimum at p = 24/25.
@@ -337,34 +363,29 @@ TEST(RobotParameters, HaveTheirPlaceInErrors) {
   struct Case {
     std::string from, to, message;
   };
-  const Case cases[] = {
-      {"lower: 0,", "lower: -1,", "2:14: error: the mass 'load' may be -1 kg"},
-      {"{choose: none}, ", "",
-       "2:14: error: 'load' is free and needs a first phase 'choose', and there is none"},
-      {"mass: =load", "mass: =2*load",
-       "5:31: error: this depends on a free parameter, which the solver chooses"},
-      {"mass: =load", "mass: 1, com: [0, 0, =load]",
-       "5:46: error: this depends on a free parameter, which the solver chooses"},
-      {"mass: =load", "mass: =lode", "5:32: error: "},
-      {"mass: =load", "mass: lode", "5:31: error: "},
-      {"  payloads", "  parameters: {load: 1}\n  payloads",
-       "5:16: error: 'load' is free, and stands here again"},
-      {"  payloads: {platform: {mass: =load}}",
-       "  parameters: {q: 1}\n  payloads: {platform: {mass: 1}}",
-       "5:16: error: the robot has a name 'q' already"},
-      {"  payloads: {platform: {mass: =load}}",
-       "  parameters: {rail: 1}\n  payloads: {platform: {mass: 1}}",
-       "5:16: error: the robot has a name 'rail' already"},
-      {"  payloads: {platform: {mass: =load}}",
-       "  parameters: {l: -1}\n  payloads: {platform: {mass: l}}",
-       "6:31: error: the mass 'l' starts at -1 kg"},
-      {"costs: {light", "lqr: initial\n  costs: {light",
-       "12:3: error: 'lqr' does not support free parameters"},
-      {"costs: {effort: {residual: control",
-       "costs: {effort: {residual: joint_position, joints: load",
-       "'load' is a parameter, not a joint"},
-      {"initial_state: {}", "stepping: {joint_limits: urdf}\ninitial_state: {}",
-       "error: contact-implicit problems do not support parameters of robots"}};
+  const Case cases[] = {{"lower: 0,", "lower: -1,", "2:14: error: the mass 'load' may be -1 kg"},
+                        {"mass: =load", "mass: =2*load",
+                         "5:31: error: this depends on a free parameter, which the solver chooses"},
+                        {"mass: =load", "mass: 1, com: [0, 0, =load]",
+                         "5:46: error: this depends on a free parameter, which the solver chooses"},
+                        {"mass: =load", "mass: =lode", "5:32: error: "},
+                        {"mass: =load", "mass: lode", "5:31: error: "},
+                        {"  payloads", "  parameters: {load: 1}\n  payloads",
+                         "5:16: error: 'load' is free, and stands here again"},
+                        {"  payloads: {platform: {mass: =load}}",
+                         "  parameters: {q: 1}\n  payloads: {platform: {mass: 1}}",
+                         "5:16: error: the robot has a name 'q' already"},
+                        {"  payloads: {platform: {mass: =load}}",
+                         "  parameters: {rail: 1}\n  payloads: {platform: {mass: 1}}",
+                         "5:16: error: the robot has a name 'rail' already"},
+                        {"  payloads: {platform: {mass: =load}}",
+                         "  parameters: {l: -1}\n  payloads: {platform: {mass: l}}",
+                         "6:31: error: the mass 'l' starts at -1 kg"},
+                        {"costs: {effort: {residual: control",
+                         "costs: {effort: {residual: joint_position, joints: load",
+                         "'load' is a parameter, not a joint"},
+                        {"initial_state: {}", "stepping: {joint_limits: urdf}\ninitial_state: {}",
+                         "error: contact-implicit problems do not support parameters of robots"}};
   const TemporaryFolder folder;
   for (const Case& c : cases) {
     const Loaded loaded(replaced(lift_text(folder, kLift), c.from, c.to));

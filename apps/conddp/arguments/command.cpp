@@ -20,7 +20,8 @@ std::string Argument::heading() const {
     const std::string word = value + (repeatable() ? "..." : "");
     return required ? word : fmt::format("[{}]", word);
   }
-  return fmt::format("{}{}{}", fmt::join(names, ", "), flag() ? "" : " ", value);
+  const char* form = value.empty() ? "{}" : implied.empty() ? "{} {}" : "{} [{}]";
+  return fmt::format(fmt::runtime(form), fmt::join(names, ", "), value);
 }
 
 std::string Argument::explanation() const {

@@ -39,13 +39,16 @@ struct Argument {
   std::optional<WholeNumbers> numbers;  ///< accepted numbers
   ArgumentCheck check;                  ///< further condition on a value
   std::string fallback;                 ///< shown as the default value
-  std::string needs;                    ///< an option that must also be given
-  std::string excludes;                 ///< an option that must not be given with this one
+  /// Value of an option that may stand alone; one of `choices` may follow it.
+  std::string implied;
+  std::string needs;     ///< an option that must also be given
+  std::string excludes;  ///< an option that must not be given with this one
   bool required = false;
   ArgumentTarget target;
 
   bool positional() const { return !names.front().starts_with('-'); }
-  bool flag() const { return value.empty(); }
+  /// True if the next word need not be a value.
+  bool flag() const { return value.empty() || !implied.empty(); }
   bool repeatable() const { return std::holds_alternative<std::vector<std::string>*>(target); }
   bool folder() const { return value == "FOLDER"; }
   /// Suffixes of the accepted files, with the dot.

@@ -83,7 +83,11 @@ class Reader {
   }
 
   void take_value(const Argument& option) {
-    if (option.flag()) return;
+    const auto& choices = option.choices;
+    const bool may_follow =
+        !option.flag() || (at_ + 1 < arguments_.size() &&
+                           std::ranges::find(choices, arguments_[at_ + 1]) != choices.end());
+    if (!may_follow) return;
     if (at_ + 1 < arguments_.size())
       words_.values.emplace_back(&option, arguments_[++at_]);
     else

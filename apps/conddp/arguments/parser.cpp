@@ -1,5 +1,6 @@
 #include "arguments/parser.hpp"
 
+#include <algorithm>
 #include <cctype>
 #include <charconv>
 #include <type_traits>
@@ -60,7 +61,7 @@ void add(CLI::App& app, const Argument& argument) {
           return app.add_option(names, *target);
       },
       argument.target);
-  if (argument.flag()) return;
+  if (argument.value.empty()) return;
   option->required(argument.required);
   if (argument.repeatable() && !argument.positional()) option->allow_extra_args(false);
   option->check([&argument](const std::string& value) { return defect(argument, value); });
@@ -85,6 +86,21 @@ std::string clause(std::string text) {
   return text;
 }
 
+/// Writes the value of each option that may stand alone behind it: `--expand gait` and `--expand`
+/// become `--expand=gait` and `--expand=mesh`.
+std::vector<std::string> with_implied(const Command& command, int argc, const char* const* argv) {
+  std::vector<std::string> words(argv + 1, argv + argc);
+  for (std::size_t i = 0; i < words.size(); ++i)
+    for (const Argument& argument : command.arguments) {
+      const auto& names = argument.names;
+      if (argument.implied.empty() || std::ranges::find(names, words[i]) == names.end()) continue;
+      const bool given = i + 1 < words.size() && may_be(argument, words[i + 1]);
+      words[i] += "=" + (given ? words[i + 1] : argument.implied);
+      if (given) words.erase(words.begin() + i + 1);
+    }
+  return words;
+}
+
 }  // namespace
 
 ParseEnd parse(const Command& tool, const Command& named, int argc, const char* const* argv) {
@@ -96,7 +112,9 @@ ParseEnd parse(const Command& tool, const Command& named, int argc, const char* 
   }
   app.require_subcommand(1);
   try {
-    app.parse(argc, argv);
+    std::vector<std::string> words = with_implied(named, argc, argv);
+    std::ranges::reverse(words);
+    app.parse(std::move(words));
   } catch (const CLI::CallForHelp&) {
     return {.kind = ParseEnd::Kind::kHelp};
   } catch (const CLI::CallForVersion&) {

@@ -20,7 +20,7 @@ namespace conddp {
 namespace {
 
 struct CheckArguments : ProblemArguments {
-  bool expand = false;
+  std::string expand;  ///< rewriting after which the problem is printed; empty: none
   bool derivatives = false;
   bool terminal = false;
   bool json = false;
@@ -80,12 +80,13 @@ int check_file(const CheckArguments& arguments) {
                       "--terminal needs 'terminal: {lqr: STATE}', which the file does not have",
                       "write it, or give --set terminal.lqr=STATE");
   const auto loop = candidates.empty() ? nullptr : loop_of(arguments, *spec, diagnostics);
-  if (arguments.expand && built) warn_of_lost_gait(*spec, diagnostics);
+  if (!arguments.expand.empty() && built) warn_of_lost_gait(*spec, diagnostics);
   print_messages(diagnostics, verbosity);
   if (candidates.empty() || diagnostics.has_errors()) return kExitBadInput;
-  if (!arguments.expand) return print_summary(arguments, *spec, *built, candidates, loop.get());
-  print_result(arguments.json ? json_text(expand_problem(*spec, *built))
-                              : expanded_text(*spec, *built));
+  if (arguments.expand.empty())
+    return print_summary(arguments, *spec, *built, candidates, loop.get());
+  const OrderedJson problem = expand_after(arguments.expand, *spec, *built);
+  print_result(arguments.json ? json_text(problem) : expanded_text(problem, spec->text));
   return kExitConverged;
 }
 
@@ -97,7 +98,14 @@ Command check_command() {
           .description = "Check a problem file without solving it",
           .arguments = joined(
               problem_arguments(*a),
-              {flag({"--expand"}, a->expand, "Print the file with every default filled in"),
+              {{.names = {"--expand"},
+                .value = "REWRITING",
+                .description = "Print the file with every default filled in, as it is after this "
+                               "rewriting",
+                .choices = names_of_rewritings(),
+                .fallback = std::string(kWholeFile),
+                .implied = std::string(kWholeFile),
+                .target = &a->expand},
                flag({"--derivatives"}, a->derivatives,
                     "Compare every derivative with dual numbers, those of compiled functions with "
                     "differences of their values, and name the worst entries; exit status 1 if one "

@@ -11,6 +11,7 @@
 #include "base/matrix_decompositions.hpp"
 #include "ocp/evaluation/evaluator.hpp"
 #include "systems/multibody/multibody.hpp"
+#include "systems/own_states.hpp"
 
 namespace conddp {
 namespace {
@@ -43,6 +44,16 @@ std::shared_ptr<ShootingProblem> lone_knot(const EquilibriumGuess& guess) {
       Phase{.name = "end", .model = std::move(end), .dt = {0.0}, .cost_scale = {1.0}});
 }
 
+/// Unit vectors of the first coordinates, without those that no control moves.
+Eigen::MatrixXd own_directions(const System& system, int count) {
+  Eigen::MatrixXd E = Eigen::MatrixXd::Identity(count, count);
+  std::vector<int> own;
+  const std::vector<int> others = other_coordinates(system);
+  for (int i = 0; i < count; ++i)
+    if (std::ranges::find(others, i) == others.end()) own.push_back(i);
+  return E(Eigen::all, own);
+}
+
 /// Orthonormal basis of the velocities that the contacts of a robot allow in a state at rest.
 Eigen::MatrixXd allowed_velocities(const MultibodySystem& system, const double* x) {
   const int nv = system.nv(), rows = system.contacts().rows();
@@ -50,11 +61,12 @@ Eigen::MatrixXd allowed_velocities(const MultibodySystem& system, const double* 
   system.update_kinematics(x, static_cast<SystemData<double>&>(data));
   system.contacts().update(system.robot(), data.robot, nv, data.contacts);  // Jᵀ in `response`
   const Eigen::Map<const Eigen::MatrixXd> Jt(data.contacts.response.data(), nv, rows);
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(Jt, Eigen::ComputeFullU);
+  const Eigen::MatrixXd E = own_directions(system, nv);
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(E.transpose() * Jt, Eigen::ComputeFullU);
   const Eigen::VectorXd& values = svd.singularValues();
   const int rank =
       static_cast<int>((values.array() > kSmallestSingularValue * values.maxCoeff()).count());
-  return svd.matrixU().rightCols(nv - rank);
+  return E * svd.matrixU().rightCols(E.cols() - rank);
 }
 
 /// Tangent vectors of the states that a knot allows.
@@ -65,7 +77,7 @@ Eigen::MatrixXd tangent_space(const KnotModel& model, const double* x) {
   const bool touches = system != nullptr && !system->contacts().empty();
   const int own = model.system().ndx(), nv = own / 2;
   const Eigen::MatrixXd N =
-      touches ? allowed_velocities(*system, x) : Eigen::MatrixXd::Identity(own, own);
+      touches ? allowed_velocities(*system, x) : own_directions(model.system(), own);
   const int free = static_cast<int>(N.cols());
   Eigen::MatrixXd T = Eigen::MatrixXd::Zero(n, (touches ? 2 * free : free) + memory);
   T.topLeftCorner(N.rows(), free) = N;
@@ -83,12 +95,15 @@ class IngredientsFinder {
         model_(*problem_->knot(0).model),
         evaluator_(*problem_),
         trajectory_(problem_->create_trajectory()),
-        linear_(*problem_) {
+        linear_(*problem_),
+        unmoved_(other_coordinates(model_.system())) {
+    const std::vector<int> held = model_.step().held_columns();
+    unmoved_.insert(unmoved_.end(), held.begin(), held.end());
     trajectory_.u(0) = guess.u;
   }
 
   TerminalResult find() {
-    if (has_control() && costs_no_integral() && stays() && within_bounds() && linearize()) solve();
+    if (has_control() && costs_no_unmoved() && stays() && within_bounds() && linearize()) solve();
     return std::move(result_);
   }
 
@@ -102,13 +117,13 @@ class IngredientsFinder {
     return model_.nu() > 0 || fail("the system has no control", "a regulator needs one");
   }
 
-  /// Integrals keep growing at an equilibrium, and so do costs on them.
-  bool costs_no_integral() {
-    const std::vector<int> held = model_.step().held_columns();
+  /// Costs on coordinates that no control moves never end, nor do those on integrals, which keep
+  /// growing.
+  bool costs_no_unmoved() {
     for (const CostTerm& cost : model_.costs())
       for (const RowBlock& block : cost.residual->blocks())
         for (const int column : block.columns)
-          if (std::ranges::find(held, column) != held.end())
+          if (std::ranges::find(unmoved_, column) != unmoved_.end())
             return fail(fmt::format("the running cost '{}' depends on '{}', which no regulator "
                                     "can control",
                                     cost.name, names_[column]),
@@ -211,6 +226,12 @@ class IngredientsFinder {
     const auto across = [this](const Eigen::MatrixXd& M) {
       return (M - T_ * (T_.transpose() * M)).cwiseAbs().maxCoeff() / M.cwiseAbs().maxCoeff();
     };
+    for (const int other : other_coordinates(model_.system()))
+      if (const Eigen::VectorXd shift = T_.transpose() * F.col(other);
+          !(shift.cwiseAbs().maxCoeff() <= kLargestLeak * A.cwiseAbs().maxCoeff()))
+        return fail(
+            fmt::format("the equilibrium depends on '{}', which no control moves", names_[other]),
+            "write a terminal cost on the states: '{residual: state, columns: [x, v]}'");
     const double leak = std::max(across(A), across(B));
     if (!(leak <= kLargestLeak))
       return fail(
@@ -299,6 +320,7 @@ class IngredientsFinder {
   Evaluator evaluator_;
   Trajectory trajectory_;
   Linearization linear_;
+  std::vector<int> unmoved_;  ///< coordinates that no control moves
   double drift_ = 0;
   Eigen::Index fastest_ = 0;
   Eigen::MatrixXd T_;

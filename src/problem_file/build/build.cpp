@@ -275,7 +275,7 @@ class ProblemBuilder {
   void check_first_control(const PhaseBounds& bounds) {
     const auto& given = spec_.initial_state.previous_control;
     if (!tail_.linear() || !given) return;
-    const std::vector<double>&lower = bounds.lower.front(), &upper = bounds.upper.front();
+    const std::vector<double>&lower = bounds.lower.back(), &upper = bounds.upper.back();
     for (std::size_t i = 0; i < previous_control_.size() && i < lower.size(); ++i)
       if (!(previous_control_[i] >= lower[i] && previous_control_[i] <= upper[i]))
         out_.error(given->place,
@@ -368,6 +368,13 @@ class ProblemBuilder {
            std::ranges::any_of(spec_.names.parameters, of_parameter);
   }
 
+  /// System of the last node. Contacts cause forces there only if it has controls.
+  std::shared_ptr<const System> system_at_the_end() const {
+    const std::size_t end = contacts_->terminal();
+    const bool forces = tail_.linear() && !contacts_->held(end).empty();
+    return forces ? contacts_->system(end - 1) : built_.plant.at_last_node().system;
+  }
+
   /// Initial value of the system's clock, s; 0 without a clock.
   double clock_start() const {
     const std::vector<Column>& columns = built_.plant.system->state_columns();
@@ -393,13 +400,12 @@ class ProblemBuilder {
     const PhaseBounds bounds = collect_bounds(spec_, options_, built_, out_);
     check_first_control(bounds);
     const std::vector<NodeTime> nodes = conddp::node_times(spec_, times_, clock_start());
-    PhaseContext phase_context{spec_,       plant, *contacts_,       plant.at_last_node().system,
+    PhaseContext phase_context{spec_,       plant, *contacts_,       system_at_the_end(),
                                integrator_, nodes, plant.stepping(), plant.collocation() != nullptr,
                                tail_};
     std::vector<Phase> phases =
         build_phases(phase_context, {costs, constraints, integrals}, bounds, out_);
     if (out_.has_errors()) return false;
-    if (spec_.terminal_lqr && !check_lqr()) return false;
     if (spec_.terminal_lqr)
       built_.terminal_lqr = build_terminal_lqr(
           {spec_, plant, states_, phases,
@@ -421,16 +427,6 @@ class ProblemBuilder {
     report_contradiction(spec_, *built_.problem, out_);
     name_columns(spec_, tail_, built_);
     return true;
-  }
-
-  /// False, with an error, if phases differ in states or controls. A state that a phase lacks rests
-  /// there, so no control can regulate it.
-  bool check_lqr() {
-    if (built_.plant.variants.empty()) return true;
-    out_.error(spec_.terminal_lqr->place,
-               "'lqr' does not support phases with different states or controls",
-               "write a terminal cost on the state");
-    return false;
   }
 
   /// State of the first node, including its augmented part.

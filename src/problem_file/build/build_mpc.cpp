@@ -50,8 +50,7 @@ void check_problem(const ProblemSpec& spec, Diagnostics& out) {
     out.error(spec.integrator->place, "a closed loop has no collocation",
               "accepted: semi_implicit_euler, explicit_euler, rk2, rk3, rk4, discrete");
   if (spec.mesh)
-    out.warning(spec.mesh->place,
-                "a closed loop keeps the grid of its phases and does not support 'mesh'");
+    out.warning(spec.mesh->place, "'mesh' refines single solves: a closed loop keeps its grid");
   if (spec.has_linear_controls())
     out.error(spec.controls.place, "a closed loop applies constant controls, and these are linear",
               "write 'controls: constant'");

@@ -62,7 +62,7 @@ class GuessBuilder {
   std::vector<ControlAt> controls(Trajectory& trajectory) const {
     std::vector<ControlAt> list;
     const bool linear = spec_.has_linear_controls();
-    if (linear && chooses()) {
+    if (linear && chooses() && !spec_.initial_state.previous_control) {
       auto choice = trajectory.u(0);
       const int count = plant_.actuated().nu();
       list.push_back({{choice.data() + choice.size() - count, count}, 1, 1});

@@ -62,7 +62,7 @@ void report(const Diagnostics& attempt, const ProblemSpec& spec, double share, D
 }  // namespace
 
 std::shared_ptr<const Homotopy::Station> Homotopy::station(double share, Diagnostics& out) const {
-  auto spec = read_problem_text(text_, file_, settings_, out, share);
+  auto spec = read_problem_text(text_, file_, settings_, out, {.homotopy_share = share});
   if (!spec) return nullptr;
   spec->guess = {};
   spec->solver = solver_;

@@ -16,9 +16,6 @@ bool check_free_durations(const ProblemSpec& spec, const System& system, Diagnos
   if (free == nullptr) return true;
   const int errors = out.error_count();
   const Place& place = free->free_duration->place;
-  if (!spec.phases.front().choice)
-    out.error(place, "free durations need a first phase 'choose', and there is none",
-              "write '- {choose: none}' as the first of the phases");
   if (spec.stepping)
     out.error(place, "contact-implicit problems do not support free durations");
   else if (system.kind() == SystemKind::discrete)
@@ -119,7 +116,8 @@ std::optional<InitialChoice> make_choice(const ProblemSpec& spec, const Plant& p
   if (!add_coordinates(phase, tangent_names(system), choice, controls, out)) return std::nullopt;
   add_durations(spec, choice, controls);
   const bool durations = controls.size() > choice.coordinates.size();
-  if (spec.has_linear_controls()) add_first_controls(plant.actuated(), choice, controls);
+  const bool first_controls = spec.has_linear_controls() && !spec.initial_state.previous_control;
+  if (first_controls) add_first_controls(plant.actuated(), choice, controls);
   if (cycle && previous) add_previous_controls(plant.actuated(), choice, controls);
   if (controls.empty()) {
     out.error(phase.knots.place, "no component of the state is chosen",
@@ -129,7 +127,7 @@ std::optional<InitialChoice> make_choice(const ProblemSpec& spec, const Plant& p
   }
   choice.system =
       initial_choice(system, choice.coordinates, controls, durations_in_state(system, controls));
-  choice.remembered = cycle || durations || spec.has_linear_controls();
+  choice.remembered = cycle || durations || first_controls;
   return choice;
 }
 

@@ -18,7 +18,8 @@ struct InitialChoice {
   std::vector<double> lower, upper;                    ///< of the displacement, then of durations
   bool remembered = false;                             ///< true if all later nodes store the choice
   std::vector<std::optional<FreeDuration>> durations;  ///< by phase
-  int first_controls = 0;  ///< number of linear controls at the start: the last choices
+  /// Number of linear controls at the start, unless they are given: the last choices.
+  int first_controls = 0;
   /// For a periodic motion whose knots store the previous control: number of entries of the control
   /// before the first knot, which are the last choices.
   int previous_controls = 0;

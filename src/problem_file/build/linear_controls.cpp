@@ -1,5 +1,7 @@
 #include "problem_file/build/linear_controls.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "problem_file/spec/named_phases.hpp"
@@ -7,14 +9,31 @@
 namespace conddp {
 namespace {
 
-/// Reports phases with jumps of the controls or of the forces that they cause.
+bool hold_the_same(const ContactNames& a, const ContactNames& b, const ProblemSpec& spec) {
+  return std::ranges::all_of(spec.contacts, [&](const ContactSpec& contact) {
+    return a.has(contact.name.value) == b.has(contact.name.value);
+  });
+}
+
+/// Reports nodes with two values of forces or states: costs and constraints on linear controls
+/// count at both ends of a knot, and could not tell which one they mean.
 void check_continuity(const ProblemSpec& spec, Diagnostics& out) {
-  for (const PhaseSpec& phase : spec.phases)
-    if (phase.jump || (phase.contacts.any() && !phase.choice))
+  const char* hint = "write 'controls: constant'";
+  for (const PhaseSpec& phase : spec.phases) {
+    if (phase.jump || phase.restitution)
       return out.error(phase.name.place,
-                       phase.jump ? "a jump interrupts the controls: linear ones cannot pass it"
-                                  : "linear controls do not support contacts",
-                       "write 'controls: constant'");
+                       fmt::format("{} interrupts the motion: linear controls cannot pass it",
+                                   phase.jump ? "a jump" : "an impulse"),
+                       hint);
+    if (!hold_the_same(phase.contacts, spec.phases.back().contacts, spec))
+      return out.error(phase.name.place,
+                       "forces jump where contacts change: linear controls cannot pass that", hint);
+  }
+  if (!hold_the_same(spec.last_contacts(), spec.phases.back().contacts, spec))
+    out.error(spec.controls.place,
+              "forces jump at the last node, which holds other contacts: linear controls cannot "
+              "pass that",
+              hint);
 }
 
 /// Linear controls are continuous across phases, so their bounds must apply in all phases.
@@ -26,21 +45,6 @@ void check_bounds(const ProblemSpec& spec, Diagnostics& out) {
         return out.error(bounds.name.place, "bounds on linear controls hold in all phases",
                          "leave 'phases' out");
   }
-}
-
-/// The first control must be either given or chosen in the first phase.
-void check_start(const ProblemSpec& spec, Diagnostics& out) {
-  const bool given = spec.initial_state.previous_control.has_value();
-  const bool chosen = spec.phases.front().choice.has_value();
-  if (given && chosen)
-    out.error(spec.initial_state.previous_control->place,
-              "the first linear control is free in the first phase, and given here",
-              "leave one of them out");
-  if (!given && !chosen)
-    out.error(spec.controls.place,
-              "the first linear control needs a first phase 'choose', and there is none",
-              "write '- {choose: none}' as the first of the phases, or give it: 'initial_state: "
-              "{previous_control: 0}'");
 }
 
 void check_terms(const ProblemSpec& spec, Diagnostics& out) {
@@ -62,14 +66,12 @@ bool check_linear_controls(const ProblemSpec& spec, const System& system, Diagno
   const auto fail = [&](const char* message) {
     out.error(spec.controls.place, message, "write 'controls: constant'");
   };
-  if (spec.stepping) fail("contact-implicit steps do not support linear controls");
+  if (spec.stepping)
+    fail("impulses of contact-implicit steps count once a step: controls are constant in it");
   if (system.kind() == SystemKind::discrete)
     fail("a system that gives the next state itself has no controls between its knots");
-  if (spec.terminal_contacts && spec.terminal_contacts->any())
-    fail("linear controls do not support contacts, and the last node holds some");
   check_continuity(spec, out);
   check_bounds(spec, out);
-  check_start(spec, out);
   check_terms(spec, out);
   return out.error_count() == errors;
 }

@@ -17,6 +17,10 @@ std::string text_of(const GaitCommand& command) {
                      command.y, command.turn);
 }
 
+std::vector<GaitCommand> commands_of_gait(const ProblemSpec& spec) {
+  return spec.gait ? spec.gait->commands : std::vector<GaitCommand>();
+}
+
 /// Setting for a gait that follows the file's own commands before the first loop command, then the
 /// loop commands up to `last`.
 std::string setting_of(const ProblemSpec& spec, std::size_t last) {
@@ -25,7 +29,7 @@ std::string setting_of(const ProblemSpec& spec, std::size_t last) {
   const auto add = [&](const GaitCommand& command) {
     list += (list.empty() ? "" : ", ") + text_of(command);
   };
-  for (const GaitCommand& command : spec.gait_commands)
+  for (const GaitCommand& command : commands_of_gait(spec))
     if (command.at.value < commands.front().at.value) add(command);
   for (std::size_t i = 0; i <= last; ++i) add(commands[i]);
   return "gait.commands=[" + list + "]";
@@ -112,7 +116,7 @@ bool comes_too_late(const GaitCommand& command, const MpcSpec& mpc, double phase
 
 /// Reports commands of the gait that come after all cycles that the loop repeats.
 void check_known_commands(const ProblemSpec& spec, double phases_end, Diagnostics& out) {
-  for (const GaitCommand& command : spec.gait_commands)
+  for (const GaitCommand& command : commands_of_gait(spec))
     if (!is_before(command.at.value, phases_end))
       return out.error(
           command.at.place,

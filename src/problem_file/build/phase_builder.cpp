@@ -155,7 +155,7 @@ bool is_at_both_ends(const PhaseContext& context, const BuiltCost& cost, Role ro
   if (role == Role::kCost && is_integrated(context, cost)) return false;
   const bool swing = cost.spec->keys.find(key::swing) != nullptr;
   if (swing && grows_with_durations(context.spec)) return false;
-  return needs_control(cost) || role == Role::kCost;
+  return needs_control(cost) || cost.spec->definition->needs.force || role == Role::kCost;
 }
 
 /// For each node, true if a phase begins or ends there whose costs scale with a free duration.
@@ -238,11 +238,10 @@ bool touches_down_at_the_end(const BuiltCost& cost, const PhaseContext& context,
 std::shared_ptr<const Residual> residual_in(const BuiltCost& cost, const PhaseContext& context,
                                             std::size_t phase) {
   if (!cost.contact.make) return cost.residual.residual;
-  if (phase == context.contacts.terminal())
-    return cost.contact.make(std::static_pointer_cast<const MultibodySystem>(context.system), {0});
-  return cost.contact.make(
-      std::static_pointer_cast<const MultibodySystem>(context.contacts.system(phase)),
-      *context.contacts.find(phase, cost.contact.contacts));
+  const bool at_the_end = phase == context.contacts.terminal();
+  const auto& system = at_the_end ? context.system : context.contacts.system(phase);
+  return cost.contact.make(std::static_pointer_cast<const MultibodySystem>(system),
+                           *context.contacts.find(phase, cost.contact.contacts));
 }
 
 /// Knot that chooses the initial state and, within bounds, the first linear controls.

@@ -26,7 +26,7 @@ Step StateTail::choice() const {
   Step step(start->system, Integrator::explicit_euler);
   step.hold(integrals);
   if (start->remembered) step.remember_controls(0, chosen);
-  if (controls != HeldControls::previous) return step;
+  if (controls == HeldControls::none || start->first_controls > 0) return step;
   return start->previous_controls > 0 ? step.remember_controls(chosen - actuators, actuators)
                                       : step.hold(actuators);
 }

@@ -6,9 +6,12 @@
 #include "base/json/json_object.hpp"
 #include "problem_file/build/homotopy.hpp"
 #include "problem_file/expand/expand_sections.hpp"
+#include "problem_file/lower/rewriting.hpp"
+#include "problem_file/read/read_problem.hpp"
 #include "problem_file/read/read_sections.hpp"
 #include "problem_file/residuals/residual_keys.hpp"
 #include "problem_file/spec/enum_names.hpp"
+#include "problem_file/yaml/canonical_definition.hpp"
 #include "problem_file/yaml/yaml_text.hpp"
 
 namespace conddp {
@@ -58,6 +61,8 @@ OrderedJson expand_terminal(const ProblemSpec& spec, const Plant& plant) {
   json["constraints"] = expand_terminal_constraints(spec, plant);
   return json;
 }
+
+constexpr std::string_view kCore = "core";
 
 /// The integrator of the first knot that takes time, or the default.
 Integrator integrator_of(const ShootingProblem& problem) {
@@ -126,7 +131,7 @@ OrderedJson expand_problem(const ProblemSpec& spec, const BuiltProblem& built) {
   }
   json["phases"] = expand_phases(spec);
   if (std::optional<MeshSpec> mesh = spec.mesh) {
-    mesh->factor = 1;  // the phases have it already
+    if (mesh->is_cut) mesh->factor = 1;
     json["mesh"] = expand_map(*mesh);
   }
   json["costs"] = expand_costs(spec.costs, spec, built.plant, false);
@@ -160,8 +165,37 @@ void warn_of_lost_gait(const ProblemSpec& spec, Diagnostics& out) {
     out.warning(spec.mpc->commands.front().place, "the expanded file has no 'mpc.commands'", hint);
 }
 
+std::vector<std::string> names_of_rewritings() {
+  std::vector<std::string> names;
+  for (const DocumentRewriting& rewriting : document_rewritings())
+    names.emplace_back(rewriting.name);
+  for (const SpecRewriting& rewriting : spec_rewritings()) names.emplace_back(rewriting.name);
+  names.emplace_back(kCore);
+  return names;
+}
+
+OrderedJson expand_after(std::string_view rewriting, const ProblemSpec& spec,
+                         const BuiltProblem& built) {
+  if (rewriting == kCore) return expand_core(built);
+  if (rewriting == kWholeFile) return expand_problem(spec, built);
+  Diagnostics out;  // nothing new: the problem has been built
+  for (const DocumentRewriting& own : document_rewritings())
+    if (own.name == rewriting)
+      return json_of(*rewritten_document(spec.text, spec.file, spec.settings, rewriting, out));
+  BuiltProblem at_the_end = built;
+  at_the_end.homotopy = nullptr;
+  return expand_problem(
+      *read_problem_text(spec.text, spec.file, spec.settings, out, {.last = rewriting}),
+      at_the_end);
+}
+
+std::string expanded_text(const OrderedJson& problem, const std::string& original) {
+  const bool is_file = problem.contains("conddp");
+  return (is_file ? modeline(original) + '\n' : "") + yaml_text(problem);
+}
+
 std::string expanded_text(const ProblemSpec& spec, const BuiltProblem& built) {
-  return modeline(spec.text) + '\n' + yaml_text(expand_problem(spec, built));
+  return expanded_text(expand_problem(spec, built), spec.text);
 }
 
 }  // namespace conddp

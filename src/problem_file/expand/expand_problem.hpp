@@ -13,8 +13,20 @@ namespace conddp {
 /// the file. `built`: the problem built from `spec`.
 OrderedJson expand_problem(const ProblemSpec& spec, const BuiltProblem& built);
 
-/// The same as YAML, with the schema comment for editors: the file's own comment, or that of a file
-/// in problems/.
+/// Names of the rewritings in their order (lower/rewriting.hpp), then "core", the problem as it is
+/// built.
+std::vector<std::string> names_of_rewritings();
+/// The last rewriting, after which a problem is whole.
+inline constexpr std::string_view kWholeFile = "mesh";
+
+/// The problem after one of these. After rewritings of the specification it is whole, with
+/// defaults; the numbers of a homotopy are at its end.
+OrderedJson expand_after(std::string_view rewriting, const ProblemSpec& spec,
+                         const BuiltProblem& built);
+
+/// A problem as YAML, with the schema comment for editors: that of the original text, or that of a
+/// file in problems/.
+std::string expanded_text(const OrderedJson& problem, const std::string& original);
 std::string expanded_text(const ProblemSpec& spec, const BuiltProblem& built);
 
 /// Warns of gait features of the closed loop that an expanded file cannot express, because phases

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "base/json/ordered_json.hpp"
-#include "problem_file/plant/plant.hpp"
+#include "problem_file/build/build.hpp"
 #include "problem_file/values/expand_values.hpp"
 
 namespace conddp {
@@ -26,6 +26,11 @@ OrderedJson expand_phase_names(const std::optional<std::vector<Name>>& names,
 // expand_reference.cpp
 /// Null for a cost without a reference.
 OrderedJson expand_reference(const CostSpec& cost);
+
+// expand_core.cpp
+/// The problem that solvers see: states, and for each phase its step, costs, constraints and
+/// bounds.
+OrderedJson expand_core(const BuiltProblem& built);
 
 // expand_mpc.cpp
 /// The spec must have the section.

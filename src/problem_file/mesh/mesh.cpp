@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "analysis/certificate/replay.hpp"
+#include "problem_file/lower/grid.hpp"
 
 namespace conddp {
 namespace {
@@ -17,25 +18,12 @@ constexpr double kFirstGrowth = 2;
 /// Aims below the tolerance rather than at it.
 constexpr double kMargin = 1.5;
 
-void report_knots(const Place& place, Diagnostics& out) {
-  out.error(place, "knots are counted here, and 'mesh' changes their number",
-            "say it by phases and times");
-}
-
-/// True for way-points that a gait generates from one state; they share its place.
-bool goes_with_gait(const ReferenceSpec& reference) {
-  return reference.knots.front().place.path == reference.values.front().place.path;
-}
-
+/// Reports costs at single knots: they are multiplied by the time steps of these.
 void check_cost(const CostSpec& cost, Diagnostics& out) {
-  if (cost.knots) report_knots(cost.name.place, out);
-  if (!cost.reference || cost.reference->knots.empty()) return;
-  const Place& place = cost.reference->knots.front().place;
-  if (goes_with_gait(*cost.reference))
-    out.error(place, "'displaced: gait' is given knot by knot, which 'mesh' changes",
-              "write way-points with 'times', or choose 'dt' of the gait yourself");
-  else
-    report_knots(place, out);
+  if (cost.knots)
+    out.error(cost.name.place,
+              "a cost at single knots is multiplied by their time steps, which 'mesh' changes",
+              "let it hold in a phase, or make it a hard constraint");
 }
 
 /// The state at the fraction s of the path from one state to another.
@@ -103,12 +91,7 @@ std::optional<int> MeshRefinement::next(const ShootingProblem& problem, const So
 bool coarsen(ProblemSpec& spec, int least) {
   for (const PhaseSpec& phase : spec.phases)
     if (!phase.takes_no_time() && phase.knots.value / 2 < least) return false;
-  for (PhaseSpec& phase : spec.phases) {
-    if (phase.takes_no_time()) continue;
-    const double duration = phase.knots.value * phase.dt;
-    phase.knots.value /= 2;
-    phase.dt = duration / phase.knots.value;
-  }
+  set_knots(spec, [](int knots) { return knots / 2; });
   return true;
 }
 
@@ -165,9 +148,7 @@ void check_mesh(const ProblemSpec& spec, const System& system, Diagnostics& out)
               "make the control a state, and its rate the control");
   for (const CostSpec* cost : spec.all_costs()) check_cost(*cost, out);
   for (const ConstraintSpec* constraint : spec.all_constraints())
-    check_cost(constraint->function, out);
-  for (const KeyframeSpec& keyframe : spec.guess.keyframes)
-    if (keyframe.knot) report_knots(keyframe.knot->place, out);
+    if (constraint->softness != Softness::hard) check_cost(constraint->function, out);
   for (const PhaseSpec& phase : spec.phases)
     if (phase.refine)
       out.error(phase.name.place, "'refine' and 'mesh' exclude each other",

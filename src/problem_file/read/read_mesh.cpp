@@ -1,8 +1,3 @@
-#include <algorithm>
-
-#include <fmt/format.h>
-
-#include "ocp/step/integrator_table.hpp"
 #include "problem_file/read/read_sections.hpp"
 
 namespace conddp {
@@ -31,30 +26,6 @@ MeshSpec read_mesh(const YamlReader& reader) {
   MeshSpec mesh{.place = reader.place()};
   read_map(reader, mesh, "write '{error: 1.0e-6}'");
   return mesh;
-}
-
-void cut_steps(const MeshSpec& mesh, std::vector<PhaseSpec>& phases, Diagnostics& out) {
-  long long knots = 0;
-  for (const PhaseSpec& phase : phases)
-    knots += static_cast<long long>(phase.knots.value) * (phase.takes_no_time() ? 1 : mesh.factor);
-  if (knots > mesh.most_knots)
-    return out.error(mesh.place,
-                     fmt::format("the phases have {} knots together, and 'knots' allows {}", knots,
-                                 mesh.most_knots));
-  for (PhaseSpec& phase : phases) {
-    if (phase.takes_no_time()) continue;
-    phase.knots.value *= mesh.factor;
-    phase.dt /= mesh.factor;
-  }
-}
-
-void tighten_for_mesh(const MeshSpec& mesh, ProblemSpec& spec) {
-  if (!spec.integrator || !info_of(spec.integrator->value).collocation) return;
-  // Violations of the steps accumulate over the knots. Below kLeast, only rounding remains.
-  constexpr double kShare = 0.1, kLeast = 1e-11;
-  double& tolerance = spec.solver.options.tolerances.constraint;
-  const double wanted = kShare * mesh.error / std::max(1, spec.knots());
-  tolerance = std::min(tolerance, std::max(wanted, kLeast));
 }
 
 }  // namespace conddp

@@ -307,11 +307,11 @@ void describe(Keys& keys, PhaseSpec& phase, const ProblemSpec* spec) {
 namespace {
 
 /// Only the first phase may choose the initial state; it takes the contacts of the next phase.
-void check_choices(std::vector<PhaseSpec>& phases, Diagnostics& out) {
+void check_choices(std::vector<PhaseSpec>& phases, bool before_gait, Diagnostics& out) {
   for (std::size_t i = 1; i < phases.size(); ++i)
     if (phases[i].choice)
       out.error(phases[i].knots.place, "only the first phase can choose the initial state");
-  if (phases.empty() || !phases[0].choice) return;
+  if (phases.empty() || !phases[0].choice || before_gait) return;
   if (phases.size() == 1)
     out.error(phases[0].knots.place, "no phase follows that takes time");
   else
@@ -320,7 +320,7 @@ void check_choices(std::vector<PhaseSpec>& phases, Diagnostics& out) {
 
 }  // namespace
 
-std::vector<PhaseSpec> read_phases(const YamlReader& reader) {
+std::vector<PhaseSpec> read_phases(const YamlReader& reader, bool before_gait) {
   std::vector<PhaseSpec> phases;
   const auto items = reader.items("write '[{knots: 100, dt: 0.01}]'");
   if (!items) return phases;
@@ -337,7 +337,7 @@ std::vector<PhaseSpec> read_phases(const YamlReader& reader) {
       reader.diagnostics().error(name.place,
                                  fmt::format("two phases have the name '{}'", name.value));
   }
-  check_choices(phases, reader.diagnostics());
+  check_choices(phases, before_gait, reader.diagnostics());
   if (knots > kMaxKnots)
     reader.error(fmt::format("the phases have more than {} knots together", kMaxKnots));
   return phases;

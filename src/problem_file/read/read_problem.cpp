@@ -8,10 +8,8 @@
 #include "base/files/sha256.hpp"
 #include "base/files/source_text.hpp"
 #include "base/text/spelling.hpp"
-#include "problem_file/document/homotopy_numbers.hpp"
-#include "problem_file/document/parameter_values.hpp"
-#include "problem_file/document/similar_names.hpp"
-#include "problem_file/read/gait_schedule.hpp"
+#include "problem_file/lower/rewriting.hpp"
+#include "problem_file/lower/similar_names.hpp"
 #include "problem_file/read/read_sections.hpp"
 #include "problem_file/spec/enum_names.hpp"
 #include "problem_file/yaml/canonical_definition.hpp"
@@ -193,16 +191,20 @@ void settle_systems(ProblemSpec& spec, Diagnostics& out) {
   }
 }
 
-/// Reads the phases, and the gait that generates or accompanies them.
-std::optional<GaitSpec> read_schedule(YamlMap& map, ProblemSpec& spec) {
-  map.exclusive({"phases", "gait"});
-  std::optional<GaitSpec> gait;
+/// True for phases that consist of a choice of the start alone.
+bool is_choice(const YamlNode& phases) {
+  return phases.items.size() == 1 && phases.items.front().find("choose") != nullptr;
+}
+
+/// Reads the phases, and the gait that makes those after a choice of the start.
+void read_schedule(YamlMap& map, ProblemSpec& spec) {
+  const auto phases = map.find("phases");
+  if (phases && !is_choice(phases->node())) map.exclusive({"phases", "gait"});
   read_of_robots(map, spec, "gait", "a closed-form system has no feet that could walk",
-                 [&](const YamlReader& r) { gait = read_gait(r, spec.contacts); });
-  if (const auto r = gait ? map.find("phases") : map.require("phases"))
-    spec.phases = read_phases(*r);
+                 [&](const YamlReader& r) { spec.gait = read_gait(r, spec.contacts); });
+  const bool gait = spec.gait.has_value();
+  if (const auto r = gait ? phases : map.require("phases")) spec.phases = read_phases(*r, gait);
   settle_systems(spec, map.reader().diagnostics());
-  return gait;
 }
 
 void read_terminal(const YamlReader& reader, const std::filesystem::path& folder,
@@ -284,7 +286,7 @@ ProblemSpec read_document(const YamlReader& reader, const std::filesystem::path&
   read_gravity(map, spec);
   read_motion(map, spec);
   read_surroundings(map, spec);
-  const std::optional<GaitSpec> gait = read_schedule(map, spec);
+  read_schedule(map, spec);
   read_terms(map, folder, spec);
   if (const auto r = map.find("mesh")) spec.mesh = read_mesh(*r);
   if (const auto r = map.find("initial_guess"))
@@ -292,12 +294,6 @@ ProblemSpec read_document(const YamlReader& reader, const std::filesystem::path&
   if (const auto r = map.find("perturbation")) read_map(*r, spec.perturbation);
   if (const auto r = map.find("solver")) read_map(*r, spec.solver, "write '{name: box_fddp}'");
   if (const auto r = map.find("mpc")) spec.mpc = read_mpc(*r, folder, spec.solver.name);
-  if (gait) spec.gait_commands = gait->commands;
-  if (gait && !reader.diagnostics().has_errors()) add_gait(*gait, spec, reader.diagnostics());
-  if (spec.mesh) {
-    cut_steps(*spec.mesh, spec.phases, reader.diagnostics());
-    tighten_for_mesh(*spec.mesh, spec);
-  }
   return spec;
 }
 
@@ -328,55 +324,77 @@ std::optional<ProblemDocument> load_problem(const std::filesystem::path& file, c
 
 namespace {
 
+/// Applies settings and the rewritings of the document, up to the one named `last`.
+std::optional<DocumentDraft> rewrite(const ProblemDocument& document,
+                                     const std::vector<Setting>& settings, double homotopy_share,
+                                     std::string_view last, Diagnostics& out) {
+  DocumentDraft draft{.root = document.root, .names = {}, .homotopy_share = homotopy_share};
+  for (const Setting& setting : settings) apply_setting(draft.root, setting, out);
+  for (const DocumentRewriting& rewriting : document_rewritings()) {
+    if (out.has_errors()) return std::nullopt;
+    rewriting.apply(draft, out);
+    if (rewriting.name == last) break;
+  }
+  if (out.has_errors()) return std::nullopt;
+  return draft;
+}
+
 std::optional<ProblemSpec> read_with_settings(const ProblemDocument& document,
                                               const std::vector<Setting>& settings,
-                                              Diagnostics& out, double homotopy_share) {
-  YamlNode root = document.root;
-  for (const Setting& setting : settings) apply_setting(root, setting, out);
-  if (!out.has_errors()) place_homotopy(root, homotopy_share, out);
-  ExpressionNamesSpec names;
-  if (!out.has_errors()) names = place_parameters(root, out);
-  if (out.has_errors()) return std::nullopt;
-  ProblemSpec spec = read_document(YamlReader(root, {}, out), document.file, std::move(names));
+                                              double homotopy_share, std::string_view last,
+                                              Diagnostics& out) {
+  auto draft = rewrite(document, settings, homotopy_share, {}, out);
+  if (!draft) return std::nullopt;
+  ProblemSpec spec =
+      read_document(YamlReader(draft->root, {}, out), document.file, std::move(draft->names));
+  for (const SpecRewriting& rewriting : spec_rewritings()) {
+    if (out.has_errors()) return std::nullopt;
+    rewriting.apply(spec, out);
+    if (rewriting.name == last) break;
+  }
   if (out.has_errors()) return std::nullopt;
   spec.text = document.text;
   spec.sha256 = document.sha256.empty() ? sha256(document.text) : document.sha256;
-  spec.definition = canonical_definition(root);
+  spec.definition = canonical_definition(draft->root);
   for (const Setting& setting : settings) spec.settings.push_back(setting.text);
   return spec;
+}
+
+std::vector<Setting> parse_settings(const std::vector<std::string>& overrides, Diagnostics& out) {
+  std::vector<Setting> settings;
+  for (const std::string& text : overrides)
+    if (auto setting = parse_setting(text, out)) settings.push_back(*std::move(setting));
+  return settings;
 }
 
 }  // namespace
 
 std::optional<ProblemSpec> read_problem(const ProblemDocument& document,
                                         const std::vector<Setting>& settings, Diagnostics& out,
-                                        double homotopy_share) {
+                                        const ReadOptions& options) {
   const Diagnostics before = settings.empty() ? Diagnostics() : out;
-  auto spec = read_with_settings(document, settings, out, homotopy_share);
+  auto spec = read_with_settings(document, settings, options.homotopy_share, options.last, out);
   if (!spec && !settings.empty()) out = with_similar_names(out, before, document.root, settings);
   return spec;
 }
 
-namespace {
-
-std::optional<ProblemSpec> read_with(const ProblemDocument& document,
-                                     const std::vector<std::string>& overrides, Diagnostics& out,
-                                     double homotopy_share) {
-  std::vector<Setting> settings;
-  for (const std::string& text : overrides)
-    if (auto setting = parse_setting(text, out)) settings.push_back(*std::move(setting));
-  return read_problem(document, settings, out, homotopy_share);
-}
-
-}  // namespace
-
 std::optional<ProblemSpec> read_problem_text(const std::string& text,
                                              const std::filesystem::path& file,
                                              const std::vector<std::string>& overrides,
-                                             Diagnostics& out, double homotopy_share) {
+                                             Diagnostics& out, const ReadOptions& options) {
   const auto document = parse_problem(text, file, out);
   if (!document) return std::nullopt;
-  return read_with(*document, overrides, out, homotopy_share);
+  return read_problem(*document, parse_settings(overrides, out), out, options);
+}
+
+std::optional<YamlNode> rewritten_document(const std::string& text,
+                                           const std::filesystem::path& file,
+                                           const std::vector<std::string>& overrides,
+                                           std::string_view rewriting, Diagnostics& out) {
+  const auto document = parse_problem(text, file, out);
+  if (!document) return std::nullopt;
+  auto draft = rewrite(*document, parse_settings(overrides, out), 1, rewriting, out);
+  return draft ? std::optional(std::move(draft->root)) : std::nullopt;
 }
 
 std::optional<ProblemSpec> read_problem(const std::filesystem::path& file,
@@ -384,7 +402,7 @@ std::optional<ProblemSpec> read_problem(const std::filesystem::path& file,
                                         Diagnostics& out) {
   const auto document = load_problem(file, {}, out);
   if (!document) return std::nullopt;
-  return read_with(*document, overrides, out, 1);
+  return read_problem(*document, parse_settings(overrides, out), out);
 }
 
 }  // namespace conddp

@@ -16,13 +16,17 @@ std::optional<ProblemSpec> read_problem(const std::filesystem::path& file,
                                         const std::vector<std::string>& overrides,
                                         Diagnostics& out);
 
+struct ReadOptions {
+  double homotopy_share = 1;  ///< numbers of a homotopy take their values there on its path
+  std::string_view last;      ///< last rewriting of the specification; empty: all
+};
+
 /// The same from a text. Relative paths are resolved against the folder of `file`, which need not
-/// exist. Numbers of a homotopy take their values at `homotopy_share` of its path: 1 gives the
-/// problem itself.
+/// exist.
 std::optional<ProblemSpec> read_problem_text(const std::string& text,
                                              const std::filesystem::path& file,
                                              const std::vector<std::string>& overrides,
-                                             Diagnostics& out, double homotopy_share = 1);
+                                             Diagnostics& out, const ReadOptions& options = {});
 
 /// A problem file as a tree; problems with different settings can be read from it.
 struct ProblemDocument {
@@ -43,6 +47,13 @@ std::optional<ProblemDocument> parse_problem(std::string text, const std::filesy
 /// texts of the document and of the settings.
 std::optional<ProblemSpec> read_problem(const ProblemDocument& document,
                                         const std::vector<Setting>& settings, Diagnostics& out,
-                                        double homotopy_share = 1);
+                                        const ReadOptions& options = {});
+
+/// A problem file after a rewriting of its document (document_rewritings). Empty with an error if
+/// it cannot be rewritten.
+std::optional<YamlNode> rewritten_document(const std::string& text,
+                                           const std::filesystem::path& file,
+                                           const std::vector<std::string>& overrides,
+                                           std::string_view rewriting, Diagnostics& out);
 
 }  // namespace conddp

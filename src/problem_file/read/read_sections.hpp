@@ -87,18 +87,12 @@ void describe(Keys& keys, RefineSpec& refine);
 void describe(Keys& keys, FreeDurationSpec& free);
 /// `spec` is needed to expand the names of all contacts.
 void describe(Keys& keys, PhaseSpec& phase, const ProblemSpec* spec);
-/// Maximum number of knots.
-inline constexpr int kMaxKnots = 1'000'000;
-std::vector<PhaseSpec> read_phases(const YamlReader& reader);
+/// `before_gait`: a gait makes the phases that follow.
+std::vector<PhaseSpec> read_phases(const YamlReader& reader, bool before_gait);
 
 // read_mesh.cpp
 void describe(Keys& keys, MeshSpec& mesh);
 MeshSpec read_mesh(const YamlReader& reader);
-/// Subdivides each step of the phases that take time; exceeding the mesh's knot limit is an error.
-void cut_steps(const MeshSpec& mesh, std::vector<PhaseSpec>& phases, Diagnostics& out);
-/// With collocation, lowers the constraint tolerance, which also applies to the equations of the
-/// steps, so far that the error of the mesh is that of its steps.
-void tighten_for_mesh(const MeshSpec& mesh, ProblemSpec& spec);
 
 // read_costs.cpp
 std::vector<CostSpec> read_costs(const YamlReader& reader, const std::filesystem::path& folder,

@@ -6,7 +6,7 @@
 
 #include "base/text/spelling.hpp"
 #include "nlp/ipopt_options.hpp"
-#include "problem_file/document/homotopy_numbers.hpp"
+#include "problem_file/lower/homotopy_numbers.hpp"
 #include "problem_file/read/problem_schema.hpp"
 #include "problem_file/read/read_sections.hpp"
 #include "solvers/common/option_table.hpp"

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "problem_file/document/parameter_values.hpp"
+#include "problem_file/lower/parameter_values.hpp"
 #include "problem_file/yaml/key_path.hpp"
 
 namespace conddp {

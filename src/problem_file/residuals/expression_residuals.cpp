@@ -41,8 +41,10 @@ std::optional<ExpressionOperand> make_operand(const CostSpec& operand,
     return std::nullopt;
   };
   if (definition.of_contacts() || needs.previous_control || needs.chosen_start)
-    return fail(fmt::format("expressions do not support the residual '{}'", definition.name),
-                kSupported);
+    return fail(
+        fmt::format("'{}' is not a quantity of one state and control, which expressions read",
+                    definition.name),
+        kSupported);
   if (needs.robot && !context.plant.multibody())
     return fail(fmt::format("the residual '{}' needs a robot; this is a closed-form system",
                             definition.name),
@@ -222,7 +224,7 @@ std::optional<ContactCost> make_contact_operand(const CostSpec& operand,
   const ResidualDefinition& definition = *operand.definition;
   if (definition.is_cone) {
     context.out.error(operand.residual.place,
-                      fmt::format("expressions do not support the residual '{}'", definition.name),
+                      fmt::format("'{}' is a set, and expressions read numbers", definition.name),
                       kSupported);
     return std::nullopt;
   }

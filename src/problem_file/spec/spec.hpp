@@ -8,6 +8,7 @@
 #include "problem_file/spec/spec_collision.hpp"
 #include "problem_file/spec/spec_contact.hpp"
 #include "problem_file/spec/spec_cost.hpp"
+#include "problem_file/spec/spec_gait.hpp"
 #include "problem_file/spec/spec_mesh.hpp"
 #include "problem_file/spec/spec_mpc.hpp"
 #include "problem_file/spec/spec_robot.hpp"
@@ -42,6 +43,9 @@ struct JumpSpec {
   Place place;
   std::vector<std::pair<Name, ExpressionText>> states;
 };
+
+/// Maximum number of knots.
+inline constexpr int kMaxKnots = 1'000'000;
 
 /// A run of knots with its settings in the file.
 struct PhaseSpec {
@@ -146,7 +150,7 @@ struct ProblemSpec {
   std::optional<SteppingSpec> stepping;  ///< present whenever candidates exist
   std::optional<MeshSpec> mesh;          ///< its factor is part of the phases
   std::vector<PhaseSpec> phases;
-  std::vector<GaitCommand> gait_commands;  ///< of the gait that made the phases
+  std::optional<GaitSpec> gait;  ///< that makes the phases
   /// Path of that gait's base, with constant velocity between points; empty without a gait.
   std::vector<WayPoint> gait_way;
   std::vector<CostSpec> costs;

@@ -31,10 +31,17 @@ struct TableSpec {
   std::shared_ptr<const SplineTable> function;  ///< spline through the values
 };
 
+/// A parameter that the solver optimizes within bounds.
+struct FreeParameter {
+  Name name;
+  double lower = 0, upper = 0, start = 0;
+};
+
 /// Named constants and tables of expressions.
 struct ExpressionNamesSpec {
   NamedParameters parameters;
   std::vector<Place> parameter_places;
+  std::vector<FreeParameter> free;
   std::vector<TableSpec> tables;
   /// True if some entries could not be read; missing names then cause no further errors.
   bool incomplete = false;

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include <nlohmann/json.hpp>
-
 #include "base/text/strict_number.hpp"
 
 namespace conddp {
@@ -48,6 +46,21 @@ std::string canonical_definition(const YamlNode& root) {
   if (json.is_object())
     for (const std::string_view key : kNotOfTheProblem) json.erase(std::string(key));
   return dump(json);
+}
+
+OrderedJson json_of(const YamlNode& node) {
+  OrderedJson json;
+  if (node.kind == YamlNode::Kind::kScalar) {
+    const auto number = parse_number(node.text).value;
+    const bool is_truth = node.text == "true" || node.text == "false";
+    if (node.quoted || (!number && !is_truth)) return node.text;
+    return is_truth ? OrderedJson(node.text == "true") : OrderedJson(*number);
+  }
+  if (node.kind == YamlNode::Kind::kSequence) json = OrderedJson::array();
+  if (node.kind == YamlNode::Kind::kMap) json = OrderedJson::object();
+  for (const YamlNode& item : node.items) json.push_back(json_of(item));
+  for (const YamlNode::Entry& entry : node.entries) json[entry.key] = json_of(entry.value);
+  return json;
 }
 
 std::string canonical_value(const YamlNode& node) { return dump(canonical(node)); }

@@ -3,6 +3,7 @@
 #include <string>
 #include <string_view>
 
+#include "base/json/ordered_json.hpp"
 #include "problem_file/yaml/yaml_node.hpp"
 
 namespace conddp {
@@ -14,6 +15,9 @@ bool is_of_the_problem(std::string_view key);
 /// Canonical text of the part of a document that defines the problem (is_of_the_problem). Comments,
 /// the order of keys and the notation of numbers do not affect it.
 std::string canonical_definition(const YamlNode& root);
+
+/// A document as JSON, with the keys in their order.
+OrderedJson json_of(const YamlNode& node);
 
 /// Canonical text of a single value.
 std::string canonical_value(const YamlNode& node);

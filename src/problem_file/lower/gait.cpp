@@ -1,4 +1,4 @@
-#include "problem_file/read/gait_schedule.hpp"
+#include "problem_file/lower/gait.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "problem_file/motion/planar_motion.hpp"
-#include "problem_file/read/read_sections.hpp"
 #include "problem_file/residuals/residual_table.hpp"
 
 namespace conddp {
@@ -29,13 +28,14 @@ struct WayPart {
 class GaitSchedule {
  public:
   GaitSchedule(const GaitSpec& gait, ProblemSpec& spec, Diagnostics& out)
-      : gait_(gait), spec_(spec), out_(out) {}
+      : gait_(gait), spec_(spec), out_(out), before_(static_cast<int>(spec.phases.size())) {}
 
   void add() {
     const int errors = out_.error_count();
     count_knots();
     if (out_.error_count() > errors) return;
     make_phases();
+    if (before_ > 0) spec_.phases[0].contacts = spec_.phases[before_].contacts;
     make_way();
     for (const auto& [knot, share] : way()) spec_.gait_way.push_back({node(knot), motion(share)});
     if (swings()) make_costs();
@@ -139,7 +139,7 @@ class GaitSchedule {
 
   std::string phase_name(int knot, const std::vector<Name>& held) const {
     const int count = static_cast<int>(held.size());
-    const int index = static_cast<int>(spec_.phases.size()) + 1;
+    const int index = static_cast<int>(spec_.phases.size()) - before_ + 1;
     if (count == 0) return fmt::format("flight_{}", index);
     if (count == foot_count()) return fmt::format("stand_{}", index);
     std::string name = fmt::format("swing_{}", index);
@@ -184,7 +184,7 @@ class GaitSchedule {
 
   /// Adds the impulse of the feet that touch down at a knot, including feet already in stance.
   void add_impulse(int knot) {
-    std::string name = fmt::format("touch_down_{}", spec_.phases.size() + 1);
+    std::string name = fmt::format("touch_down_{}", spec_.phases.size() - before_ + 1);
     bool touches = false;
     for (int foot = 0; foot < foot_count(); ++foot)
       if (stands(foot, knot) && !stands(foot, knot - 1)) {
@@ -304,10 +304,11 @@ class GaitSchedule {
                    "give this cost another name");
   }
 
-  /// Node number of a knot, including the impulses before it.
+  /// Node number of a knot, including the choice of the start and the impulses before it.
   int node(int knot) const {
-    return knot + static_cast<int>(std::count_if(impulses_.begin(), impulses_.end(),
-                                                 [&](int impulse) { return impulse < knot; }));
+    return before_ + knot +
+           static_cast<int>(std::count_if(impulses_.begin(), impulses_.end(),
+                                          [&](int impulse) { return impulse < knot; }));
   }
 
   /// Knots with the base's progress along its path there.
@@ -381,6 +382,7 @@ class GaitSchedule {
   const GaitSpec& gait_;
   ProblemSpec& spec_;
   Diagnostics& out_;
+  int before_;                                        ///< phases before the gait, of one knot each
   int begin_ = 0, period_ = 0, swing_ = 0, end_ = 0;  ///< knots
   double earliest_ = 0, latest_ = 0;                  ///< of the feet's starts
   std::vector<FootSteps> feet_;
@@ -391,8 +393,8 @@ class GaitSchedule {
 
 }  // namespace
 
-void add_gait(const GaitSpec& gait, ProblemSpec& spec, Diagnostics& out) {
-  GaitSchedule(gait, spec, out).add();
+void add_gait(ProblemSpec& spec, Diagnostics& out) {
+  if (spec.gait) GaitSchedule(*spec.gait, spec, out).add();
 }
 
 }  // namespace conddp

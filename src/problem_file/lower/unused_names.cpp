@@ -1,4 +1,4 @@
-#include "problem_file/document/unused_names.hpp"
+#include "problem_file/lower/unused_names.hpp"
 
 #include <optional>
 #include <set>

@@ -1,4 +1,4 @@
-#include "problem_file/document/similar_names.hpp"
+#include "problem_file/lower/similar_names.hpp"
 
 #include <algorithm>
 

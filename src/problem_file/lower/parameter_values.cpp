@@ -1,9 +1,11 @@
-#include "problem_file/document/parameter_values.hpp"
+#include "problem_file/lower/parameter_values.hpp"
+
+#include <algorithm>
 
 #include <fmt/format.h>
 
-#include "problem_file/document/free_parameters.hpp"
-#include "problem_file/document/unused_names.hpp"
+#include "problem_file/lower/free_parameters.hpp"
+#include "problem_file/lower/unused_names.hpp"
 #include "problem_file/spec/expression_source.hpp"
 #include "problem_file/yaml/key_path.hpp"
 #include "problem_file/yaml/path_step.hpp"
@@ -43,6 +45,7 @@ class ParameterPlacer {
       if (value.is_map()) {
         auto free = read_free_parameter({entry.key, place}, value);
         if (!free) break;
+        names.free.push_back(*free);
         free_.push_back(*std::move(free));
         scope_.add(entry.key, ExpressionValue::number(graph_.input(0)));
         continue;

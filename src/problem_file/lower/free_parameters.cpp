@@ -1,4 +1,4 @@
-#include "problem_file/document/free_parameters.hpp"
+#include "problem_file/lower/free_parameters.hpp"
 
 #include <algorithm>
 #include <iterator>
@@ -34,15 +34,11 @@ class FreeParameterPlacer {
 
   /// False if no system can hold the parameter.
   bool place() {
-    if (add_to_robots()) {
-      add_to_choice("*");
-      return true;
-    }
+    if (add_to_robots()) return true;
     if (!add_to_systems()) return false;
     add_to_initial_state();
     add_to_keyframes();
     check_jumps();
-    add_to_choice("all");
     return true;
   }
 
@@ -183,44 +179,6 @@ class FreeParameterPlacer {
     }
   }
 
-  /// Adds the parameter to the first phase's choice. `all`: the list entry that replaces 'all'.
-  void add_to_choice(const char* all) const {
-    YamlNode* phases = find_part(root_, "phases");
-    YamlNode* first = phases != nullptr && !phases->items.empty() ? &phases->items[0] : nullptr;
-    YamlNode* choose = first != nullptr ? find_part(*first, "choose") : nullptr;
-    if (choose == nullptr)
-      return fail(
-          fmt::format("'{}' is free and needs a first phase 'choose', and there is none", name()),
-          "write '- {choose: none}' as the first of the phases; 'conddp check --expand' writes out "
-          "those of a gait");
-    add_coordinate(*choose, all);
-    bound(*first, "lower", parameter_.lower - parameter_.start);
-    bound(*first, "upper", parameter_.upper - parameter_.start);
-  }
-
-  /// Adds the parameter to the chosen coordinates. For states of systems, 'all' already includes
-  /// it.
-  void add_coordinate(YamlNode& choose, const char* all) const {
-    const YamlNode own = scalar_node(name(), mark());
-    const auto is_own = [&](const YamlNode& node) { return node.text == name(); };
-    if (is_own(choose) || std::ranges::any_of(choose.items, is_own)) return;
-    if (choose.kind == YamlNode::Kind::kSequence) return choose.items.push_back(own);
-    if (choose.text == "all") choose.text = all;
-    if (choose.text == "all") return;
-    std::vector<YamlNode> names{own};
-    if (choose.text != "none") names.insert(names.begin(), choose);
-    choose = {.kind = YamlNode::Kind::kSequence, .mark = choose.mark, .items = std::move(names)};
-  }
-
-  /// Bounds the displacement from the parameter's start.
-  void bound(YamlNode& choice, const std::string& key, double value) const {
-    const std::string path = "phases.0." + key;
-    YamlNode& bounds = map_part(choice, key);
-    if (bounds.kind == YamlNode::Kind::kMap) return add(bounds, value, path);
-    out_.error({bounds.mark, path}, "beside free parameters these bounds are given by name",
-               "write '{x: -1, ...}'");
-  }
-
   const FreeParameter& parameter_;
   YamlNode& root_;
   Diagnostics& out_;
@@ -299,16 +257,6 @@ bool is_of_payload(std::string_view path) {
          (path.starts_with("robots.") && path.find(".payloads.") != path.npos);
 }
 
-/// Controls do not affect a free parameter, so no regulator exists for a state that contains one.
-void check_terminal_lqr(YamlNode& root, Diagnostics& out) {
-  YamlNode* terminal = find_part(root, "terminal");
-  if (terminal == nullptr) return;
-  for (const YamlNode::Entry& entry : terminal->entries)
-    if (entry.key == "lqr")
-      out.error({entry.mark, "terminal.lqr"}, "'lqr' does not support free parameters",
-                "write a terminal cost on the states: '{residual: state, columns: [x, v]}'");
-}
-
 }  // namespace
 
 std::optional<FreeParameter> read_free_parameter(const Name& name, const YamlReader& reader) {
@@ -358,7 +306,6 @@ void place_free_parameters(const std::vector<FreeParameter>& parameters, YamlNod
   if (parameters.empty()) return;
   const bool of_robots = find_part(root, "robot") || find_part(root, "robots");
   if (!of_robots) StatePatterns(parameters, out).check(root, "");
-  check_terminal_lqr(root, out);
 }
 
 }  // namespace conddp

@@ -1,4 +1,4 @@
-#include "problem_file/document/homotopy_numbers.hpp"
+#include "problem_file/lower/homotopy_numbers.hpp"
 
 #include <algorithm>
 #include <cmath>

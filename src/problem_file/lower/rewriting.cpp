@@ -1,0 +1,27 @@
+#include "problem_file/lower/rewriting.hpp"
+
+#include "problem_file/lower/gait.hpp"
+#include "problem_file/lower/grid.hpp"
+#include "problem_file/lower/homotopy_numbers.hpp"
+#include "problem_file/lower/parameter_values.hpp"
+#include "problem_file/lower/start.hpp"
+
+namespace conddp {
+
+std::span<const DocumentRewriting> document_rewritings() {
+  static constexpr DocumentRewriting kAll[] = {
+      {"homotopy", [](DocumentDraft& draft,
+                      Diagnostics& out) { place_homotopy(draft.root, draft.homotopy_share, out); }},
+      {"parameters", [](DocumentDraft& draft,
+                        Diagnostics& out) { draft.names = place_parameters(draft.root, out); }},
+  };
+  return kAll;
+}
+
+std::span<const SpecRewriting> spec_rewritings() {
+  static constexpr SpecRewriting kAll[] = {
+      {"gait", add_gait}, {"start", choose_start}, {"mesh", cut_steps}};
+  return kAll;
+}
+
+}  // namespace conddp
