@@ -345,7 +345,8 @@ void Transcription::add_pair_entries(int k, BlockPattern& used) const {
 bool Transcription::has_full_hessian(int k) const {
   if (options_.gauss_newton || k == problem_.knots()) return false;
   const KnotModel& model = *problem_.knot(k).model;
-  return !has_linear_step(model.system()) || (curved_ && !model.semi_implicit());
+  return !has_linear_step(model.system()) || model.step().duration() ||
+         (curved_ && !model.semi_implicit());
 }
 
 Transcription::BlockPattern Transcription::hessian_pattern(int k) const {

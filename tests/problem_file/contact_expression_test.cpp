@@ -107,7 +107,7 @@ TEST(ContactExpressions, ReportUnreadableQuantities) {
       {"initial_guess",
        "terminal: {costs: {end: {residual: expression, rows: f.fz, of: {f: "
        "{residual: contact_force, contacts: [LH]}}}}}\ninitial_guess",
-       "at the last node expressions do not support contacts"}};
+       "the last node has no forces of contacts that an expression could read"}};
   for (const Said& mistake : mistakes) {
     const Loaded loaded(replaced(kShared, mistake.from, mistake.to));
     EXPECT_FALSE(loaded.built) << mistake.to;

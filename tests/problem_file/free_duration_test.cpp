@@ -55,6 +55,53 @@ std::string floating(const std::string& integrator) {
          "solver: {name: ipopt}\n";
 }
 
+/// A block of 1 kg on ground with friction 0.5 is dragged 5 m, from rest to rest, by at most 40 N.
+constexpr std::string_view kDrag = R"(conddp: 1
+robot: {urdf: robots/block.urdf, actuation: {joints: [base_x]}}
+initial_state: {joints: {base_z: 0.5}}
+contact_candidates:
+  rear: {frame: corner_1, friction: 0.5}
+  front: {frame: corner_2, friction: 0.5}
+stepping: {plane: [0, 1, 0]}
+phases: [{name: drag, knots: 40, duration: 1, free_duration: {lower: 0.2, upper: 3}}]
+costs:
+  time: {residual: combination, rows: {constant: 1}, weight: 2}
+  effort: {residual: control, weight: 1.0e-6}
+constraints: {force: {bounds: control, lower: -40, upper: 40}}
+terminal:
+  constraints:
+    there: {residual: joint_position, joints: [base_x], reference: 5}
+    rest: {residual: joint_velocity, joints: [base_x]}
+initial_guess: {states: {keyframes: [{time: 1, state: {joints: {base_x: 5, base_z: 0.5}}}]}}
+solver: {name: ipopt, complementarity: {initial: 0.1}}
+)";
+
+// Friction brakes: (40 − 4.905) N accelerate the block and (40 + 4.905) N stop it.
+TEST(FreeDuration, ContactImplicitStepsStretch) {
+  const Loaded loaded{std::string(kDrag)};
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const SolveResult result =
+      solve(*loaded.built->problem, "ipopt", loaded.spec->solver.options, loaded.built->guess);
+  ASSERT_EQ(result.status, SolveStatus::converged) << result.message;
+  const double fastest = std::sqrt(2 * 5 * (1 / (40 - 4.905) + 1 / (40 + 4.905)));
+  const double time = result.trajectory.x(1)[loaded.built->problem->nx() - 1];
+  EXPECT_GE(time, fastest);
+  EXPECT_NEAR(time, fastest, 1e-3 * fastest) << "steps of equal length switch late";
+  for (const DerivativeComparison& c : check_derivatives(*loaded.built->problem, result.trajectory))
+    EXPECT_LT(c.error, kDerivativeTolerance) << c.knot << " " << c.row << " " << c.column;
+}
+
+// Stepping equations of a floating body depend on the duration through a rotation.
+TEST(FreeDuration, StepsOfFloatingBodiesStretch) {
+  std::ifstream file(kProblems / "crate_tumble.yaml");
+  const std::string text(std::istreambuf_iterator<char>(file), {});
+  const Loaded loaded(text, {"phases.0.free_duration={}"});
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  for (const DerivativeComparison& c :
+       check_derivatives(*loaded.built->problem, loaded.built->guess))
+    EXPECT_LT(c.error, kDerivativeTolerance) << c.knot << " " << c.row << " " << c.column;
+}
+
 TEST(FreeDuration, IsChosenFirstAndHeld) {
   const Loaded loaded(kFastest);
   ASSERT_TRUE(loaded.built) << loaded.all();

@@ -500,7 +500,8 @@ TEST(LinearControls, ReportIncompatibleFeatures) {
       {"{residual: control,", "{residual: control_rate,",
        "11:22: 'control_rate' needs controls that are constant between knots"},
       {"terminal:\n", "terminal:\n  lqr: {about: {values: {theta: 0}}}\n",
-       "16:8: 'lqr' does not support linear controls"},
+       "16:8: a regulator sets the control at the beginning of a knot, and linear controls are set "
+       "at its end"},
   };
   for (const Case& c : cases)
     EXPECT_EQ(Loaded(replaced(kSwing, c.from, c.to)).first_error(), c.message);

@@ -319,6 +319,61 @@ TEST(RobotParameters, RegulatorsLeaveThemOut) {
       << heavy.all();
 }
 
+/// A block on the ground that carries a load.
+constexpr std::string_view kLoadedBlock = R"(conddp: 1
+parameters: {load: {free: true, lower: 2, upper: 2}}
+robot:
+  urdf: robots/block.urdf
+  actuation: {joints: [base_x]}
+  payloads: {body: {mass: =load, com: [0.1, 0, 0.1]}}
+initial_state: {joints: {base_z: 0.5}}
+contact_candidates:
+  rear: {frame: corner_1, friction: 0.5}
+  front: {frame: corner_2, friction: 0.5}
+stepping: {plane: [0, 1, 0]}
+phases: [{knots: 4, dt: 0.05}]
+costs: {effort: {residual: control}}
+solver: {name: ipopt}
+)";
+
+// The same numbers by name leave the same residuals of the steps, but for the row of the load.
+TEST(RobotParameters, ContactImplicitStepsCarryThem) {
+  const Loaded free{std::string(kLoadedBlock)};
+  const Loaded fixed(replaced(kLoadedBlock, "{free: true, lower: 2, upper: 2}", "2"));
+  ASSERT_TRUE(free.built) << free.all();
+  ASSERT_TRUE(fixed.built) << fixed.all();
+  const ShootingProblem &p = *free.built->problem, &q = *fixed.built->problem;
+  Trajectory a = free.built->guess, b = fixed.built->guess;
+  const auto& states = fixed.built->state_columns;
+  const auto& own = p.knot(1).model->system().control_columns();
+  const auto& others = q.knot(0).model->system().control_columns();
+  for (int k = 0; k < q.knots(); ++k) {
+    for (std::size_t i = 0; i < states.size(); ++i)
+      a.x(k + 1)[state_column(free, states[i].name)] = b.x(k)[i] += 0.01 * (i + k);
+    for (std::size_t i = 0; i < others.size(); ++i) {
+      const auto at = std::ranges::find(own, others[i].name, &Column::name) - own.begin();
+      a.u(k + 1)[at] = b.u(k)[i] = 0.1 * std::sin(1.0 + i + k);
+    }
+  }
+  Evaluation with(p), without(q);
+  Evaluator(p).evaluate(a, with);
+  Evaluator(q).evaluate(b, without);
+  const int load = fixed.built->plant.robot().nv;
+  for (int k = 0; k < q.knots(); ++k) {
+    const auto at = [](const ShootingProblem& problem, int node) {
+      return *std::ranges::find(problem.constraints(), node, &NodeConstraint::node);
+    };
+    const NodeConstraint c = at(p, k + 1), d = at(q, k);
+    ASSERT_EQ(c.term->rows, d.term->rows + 1);
+    for (int i = 0; i < d.term->rows; ++i)
+      EXPECT_NEAR(with.constraint[c.row + i + (i < load ? 0 : 1)], without.constraint[d.row + i],
+                  1e-12)
+          << k << " " << i;
+  }
+  for (const DerivativeComparison& c : check_derivatives(p, a))
+    EXPECT_LT(c.error, kDerivativeTolerance) << c.knot << " " << c.row << " " << c.column;
+}
+
 TEST(RobotParameters, MayAppearOnlyInExpressions) {
   const TemporaryFolder folder;
   // The target is free: ½ p² + 12 (1 − p)² has its minimum at p = 24/25.
@@ -383,9 +438,7 @@ TEST(RobotParameters, HaveTheirPlaceInErrors) {
                          "6:31: error: the mass 'l' starts at -1 kg"},
                         {"costs: {effort: {residual: control",
                          "costs: {effort: {residual: joint_position, joints: load",
-                         "'load' is a parameter, not a joint"},
-                        {"initial_state: {}", "stepping: {joint_limits: urdf}\ninitial_state: {}",
-                         "error: contact-implicit problems do not support parameters of robots"}};
+                         "'load' is a parameter, not a joint"}};
   const TemporaryFolder folder;
   for (const Case& c : cases) {
     const Loaded loaded(replaced(lift_text(folder, kLift), c.from, c.to));

@@ -688,7 +688,8 @@ costs: {state: {residual: state}, effort: {residual: control, weight: 0.1}}
 terminal: {lqr: initial}
 )")
                 .first_error(),
-            "7:17: 'lqr' does not support steps with unknowns of their own");
+            "7:17: 'lqr' needs steps that are maps of state and control, and these have unknowns "
+            "of their own");
 }
 
 }  // namespace

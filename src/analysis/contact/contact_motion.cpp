@@ -51,7 +51,8 @@ std::optional<ContactMotion> contact_motion(const ShootingProblem& problem,
     motion.q.push_back(trajectory.x(k).head(nq));
     motion.v.push_back(trajectory.x(k).segment(nq, nv));
     if (k == problem.knots()) break;
-    motion.h.push_back(problem.knot(k).dt);
+    motion.h.push_back(
+        problem.knot(k).model->step().time_step(problem.knot(k).dt, trajectory.x(k).data()));
     motion.u.push_back(trajectory.u(k).head(actuators));
     motion.forces.push_back(forces_of(*system, trajectory.u(k)));
   }

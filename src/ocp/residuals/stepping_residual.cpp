@@ -331,10 +331,76 @@ class SteppingResidual : public ResidualBase<SteppingResidual> {
   std::vector<int> force_column_;  ///< of entries of w, in the block of the equations of motion
 };
 
+/// The same with a step that a free duration scales. Rows depend on it by v⁺ = v + h a and q⁺ = q ⊕
+/// h v⁺ alone, so ∂r/∂h = ∂r/∂q v⁺ + ∂r/∂v a, also on curved parts, where v⁺ is its own image.
+class FreeStepping : public ResidualBase<FreeStepping> {
+ public:
+  FreeStepping(SystemPointer system, const SteppingRows& structure, const FreeDuration& duration)
+      : ResidualBase(with_duration(structure.blocks, system->ndx() + duration.choice), 1, true),
+        system_(system),
+        of_step_(std::move(system), structure),
+        duration_(duration) {}
+
+  template <class S>
+  void evaluate_as(const ResidualInput<S>& in, S* r) const {
+    const S h = step(in);
+    of_step_.evaluate_as<S>({in.x, in.u, &h, in.system, in.end}, r);
+  }
+
+  template <class S>
+  void differentiate_as(const ResidualInput<S>& in, S* r, S* jacobian) const {
+    auto& data = static_cast<SteppingSystem::Data<S>&>(in.system);
+    data.jacobian.resize(of_step_.jacobian_size());
+    const S h = step(in), slope = in.parameters[0] * S(1 / duration_.written);
+    of_step_.differentiate_as<S>({in.x, in.u, &h, in.system, in.end}, r, data.jacobian.data());
+    const S* a = in.u + system_->layout().acceleration;
+    const S* from = data.jacobian.data();
+    const int nv = system_->nv();
+    for (const RowBlock& block : of_step_.blocks()) {
+      const int rows = block.rows, states = state_columns(block);
+      const S* next = from + static_cast<std::ptrdiff_t>(rows) * block.columns.size();
+      S* by_duration = std::copy(from, from + rows * states, jacobian);
+      std::fill_n(by_duration, rows, S(0.0));
+      for (int c = 0; c < states; ++c) {
+        const int column = block.columns[c];
+        const S rate = slope * (column < nv ? data.v[column] : a[column - nv]);
+        for (int i = 0; i < rows; ++i) by_duration[i] += rate * from[c * rows + i];
+      }
+      jacobian = std::copy(from + rows * states, next, by_duration + rows);
+      from = next;
+    }
+  }
+
+ private:
+  template <class S>
+  S step(const ResidualInput<S>& in) const {
+    return in.parameters[0] * in.x[system_->nx() + duration_.choice] * S(1 / duration_.written);
+  }
+  /// Number of a block's columns that are coordinates of the robot's state.
+  int state_columns(const RowBlock& block) const {
+    const auto& columns = block.columns;
+    return static_cast<int>(std::ranges::lower_bound(columns, system_->ndx()) - columns.begin());
+  }
+  static std::vector<RowBlock> with_duration(std::vector<RowBlock> blocks, int column) {
+    for (RowBlock& block : blocks) {
+      block.columns.insert(std::ranges::lower_bound(block.columns, column), column);
+      block.affine = false;
+    }
+    return blocks;
+  }
+
+  SystemPointer system_;
+  SteppingResidual of_step_;
+  FreeDuration duration_;
+};
+
 }  // namespace
 
-std::shared_ptr<const Residual> stepping_residual(const SystemPointer& system, int ndx) {
-  return std::make_shared<SteppingResidual>(system, SteppingRows(*system, ndx));
+std::shared_ptr<const Residual> stepping_residual(const SystemPointer& system, int ndx,
+                                                  const std::optional<FreeDuration>& duration) {
+  const SteppingRows structure(*system, ndx);
+  if (duration) return std::make_shared<FreeStepping>(system, structure, *duration);
+  return std::make_shared<SteppingResidual>(system, structure);
 }
 
 std::vector<std::string> stepping_row_names(const SteppingSystem& system) {

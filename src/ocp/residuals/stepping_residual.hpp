@@ -1,7 +1,9 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
+#include "ocp/terms/free_duration.hpp"
 #include "ocp/terms/residual.hpp"
 #include "systems/contact/stepping_system.hpp"
 
@@ -15,9 +17,11 @@ namespace conddp {
 ///   and s − (1 − ‖e‖²);
 /// - for each stop: its distance from the limit; for each dry friction: the friction rows of a
 ///   candidate.
-/// Parameter: the step h, s. ndx belongs to the knot model.
+/// Parameter: the step h, s, which a free duration scales (not that of the midpoint rule, whose
+/// steps have one length). ndx belongs to the knot model.
 std::shared_ptr<const Residual> stepping_residual(
-    const std::shared_ptr<const SteppingSystem>& system, int ndx);
+    const std::shared_ptr<const SteppingSystem>& system, int ndx,
+    const std::optional<FreeDuration>& duration = {});
 /// Names of the rows, for messages and files.
 std::vector<std::string> stepping_row_names(const SteppingSystem& system);
 

@@ -686,8 +686,10 @@ std::optional<BuiltMpc> build_mpc(const ProblemSpec& spec, const BuiltProblem& b
   check_times(spec, *built.problem, out);
   check_held_constraints(spec, *built.problem, out);
   if (!built.plant.variants.empty())
-    out.error(mpc.place, "closed loops do not support phases with different states or controls",
-              "give all 'systems' the same ones");
+    out.error(
+        mpc.place,
+        "windows of a closed loop have one set of states and controls, and these phases differ",
+        "give all 'systems' the same ones");
   BuiltMpc result{.controller = controller_of(mpc, spec.solver)};
   result.loop.duration = mpc.duration.value;
   if (mpc.plant.integrator) result.loop.step.integrator = mpc.plant.integrator->value;

@@ -106,7 +106,7 @@ class GuessBuilder {
     const std::vector<Column>& choices = problem_.knot(0).model->system().control_columns();
     for (std::size_t i = 0; i < states.size(); ++i) {
       const auto choice = std::ranges::find(choices, states[i].name, &Column::name);
-      if (!states[i].by_name_only || choice == choices.end()) continue;
+      if (!states[i].name.starts_with(kDurationColumn) || choice == choices.end()) continue;
       for (int k = 1; k <= problem_.knots(); ++k)
         trajectory.x(k)[i] = trajectory.u(0)[choice - choices.begin()];
     }

@@ -16,8 +16,8 @@ bool check_free_durations(const ProblemSpec& spec, const System& system, Diagnos
   if (free == nullptr) return true;
   const int errors = out.error_count();
   const Place& place = free->free_duration->place;
-  if (spec.stepping)
-    out.error(place, "contact-implicit problems do not support free durations");
+  if (spec.stepping && spec.stepping->scheme == SteppingScheme::variational_midpoint)
+    out.error(place, "steps of the variational midpoint rule have one given length");
   else if (system.kind() == SystemKind::discrete)
     out.error(place, "difference equations have no time, so durations are not free");
   return out.error_count() == errors;

@@ -54,7 +54,9 @@ void check_terms(const ProblemSpec& spec, Diagnostics& out) {
                           spec.use_of_previous_control()),
               "write 'controls: constant', or make the control a state and its rate the control");
   if (spec.terminal_lqr)
-    out.error(spec.terminal_lqr->place, "'lqr' does not support linear controls",
+    out.error(spec.terminal_lqr->place,
+              "a regulator sets the control at the beginning of a knot, and linear controls are "
+              "set at its end",
               "write 'controls: constant', or give the terminal cost by 'matrix'");
 }
 

@@ -53,8 +53,9 @@ bool check(const ProblemSpec& spec, const BuiltProblem& built, Diagnostics& out)
     out.error(*plant.simulated_contacts, "the file has no contacts that could be simulated",
               "leave the key out");
   else if (has_mimic_joints(built.plant.robot()))
-    out.error(*plant.simulated_contacts,
-              "simulated contacts do not support joints that mimic others");
+    out.error(
+        *plant.simulated_contacts,
+        "the simulation of contacts moves each joint by its own equation, and some mimic others");
   if (spec.contacts.size() > kMostSimulatedContacts)
     out.error(*plant.simulated_contacts,
               fmt::format("more than {} contacts are not simulated", kMostSimulatedContacts));

@@ -17,8 +17,9 @@ void check_smoothness(const ProblemSpec& spec, Diagnostics& out) {
   for (const PhaseSpec& phase : spec.phases)
     if (phase.contacts.any())
       out.error(phase.name.place,
-                phase.restitution ? "collocation does not support impulses"
-                                  : "collocation is for systems without contacts",
+                phase.restitution
+                    ? "collocation is for systems without contacts, hence without impulses"
+                    : "collocation is for systems without contacts",
                 kOthers);
   if (spec.terminal_contacts && spec.terminal_contacts->any())
     out.error(spec.integrator->place,

@@ -82,11 +82,6 @@ void check_terms(const ProblemSpec& spec, Diagnostics& out) {
 }
 
 void check_frozen_keys(const ProblemSpec& spec, Diagnostics& out) {
-  for (const RobotSpec& robot : spec.robots)
-    for (const auto& parameter : robot.parameters)
-      out.error(parameter.first.place,
-                "contact-implicit problems do not support parameters of robots",
-                "write a number as the mass of the payload");
   for (const PhaseSpec& phase : spec.phases)
     if (phase.restitution || phase.contacts.any())
       out.error(phase.name.place, "contacts of a contact-implicit problem are not named by phases",
@@ -157,7 +152,8 @@ void warn_of_overlaps(const ProblemSpec& spec, const Plant& plant, const std::ve
 
 void add_stepping_terms(const std::shared_ptr<const SteppingSystem>& system, KnotModel& model) {
   model.add_constraint(
-      make_constraint(kEquations, stepping_residual(system, model.ndx()), ConstraintKind::bounds));
+      make_constraint(kEquations, stepping_residual(system, model.ndx(), model.step().duration()),
+                      ConstraintKind::bounds));
   model.add_constraint(make_constraint(kPairs, stepping_pairs_residual(*system, model.ndx()),
                                        ConstraintKind::complementarity));
   const SteppingLayout& w = system->layout();

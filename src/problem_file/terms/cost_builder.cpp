@@ -182,7 +182,8 @@ std::vector<BuiltCost> build_costs(const std::vector<CostSpec>& specs, const Cos
   for (const CostSpec& spec : specs) {
     if (is_on_contacts(spec) && context.plant.multibody()) {
       if (context.last_node && !spec.definition->of_contacts()) {
-        out.error(spec.residual.place, "at the last node expressions do not support contacts",
+        out.error(spec.residual.place,
+                  "the last node has no forces of contacts that an expression could read",
                   "give the rows to a running cost or constraint, with 'knots' or 'phases'");
         continue;
       }

@@ -46,7 +46,9 @@ class TerminalLqrBuilder {
   bool is_supported() const {
     const bool implicit = context_.plant.stepping() || context_.plant.collocation();
     if (implicit)
-      fail(spec_.place, "'lqr' does not support steps with unknowns of their own",
+      fail(spec_.place,
+           "'lqr' needs steps that are maps of state and control, and these have unknowns of their "
+           "own",
            "contact-implicit steps and collocation have no linear map of state and control alone");
     return !implicit;
   }

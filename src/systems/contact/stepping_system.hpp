@@ -32,6 +32,7 @@ class SteppingSystem : public SystemBase<SteppingSystem> {
     /// Derivatives of q⁺ = q ⊕ h v⁺ by q and by h v⁺ on curved parts (StateManifold's blocks).
     AlignedVector<S> reach, wrt_q, wrt_reach;
     std::vector<CandidateRows<S>> candidates;
+    AlignedVector<S> jacobian;  ///< scratch memory of residuals
   };
 
   const SteppingSystem* as_stepping() const override { return this; }
