@@ -17,9 +17,9 @@ const Place* needs_choice(const ProblemSpec& spec) {
   return spec.has_linear_controls() && !given ? &spec.controls.place : nullptr;
 }
 
-/// `choose`, or a name like it that no phase has.
+/// `start`, or a name like it that no phase has.
 std::string free_name(const std::vector<PhaseSpec>& phases) {
-  std::string name = "choose";
+  std::string name = "start";
   const auto is_taken = [&](const PhaseSpec& phase) { return phase.name.value == name; };
   while (std::ranges::any_of(phases, is_taken)) name += '_';
   return name;
