@@ -26,7 +26,7 @@ class FeatureComposer {
   void add() {
     const bool discrete = body_.kind == SystemKind::discrete;
     if (!discrete && random_.chance(0.4)) add_integral();
-    if (body_.robot && random_.chance(0.3)) add_parameter();
+    if (has(text_, "\nrobot:") && random_.chance(0.3)) add_parameter();
     if (!discrete && random_.chance(0.3)) add_durations();
     if (!discrete && random_.chance(0.4)) make_linear();
     if (!discrete && random_.chance(0.2)) text_ += "mesh: {error: 1.0e-3, factor: 2}\n";
@@ -36,7 +36,10 @@ class FeatureComposer {
 
  private:
   static const ComposedBody& body_of(const ComposedProblem& problem) {
-    return *std::ranges::find(composed_bodies(), problem.body, &ComposedBody::name);
+    const bool robot = has(problem.text, "\nrobot");
+    return *std::ranges::find_if(composed_bodies(), [&](const ComposedBody& body) {
+      return body.name == problem.body && body.robot == robot;
+    });
   }
 
   void add_integral() {

@@ -226,6 +226,7 @@ TEST(Composer, FeaturesCombine) {
     const ComposedProblem problem = with_features(compose_problem(seed), seed);
     SCOPED_TRACE(fmt::format("seed {}{}{}:\n{}", seed, problem.drop.empty() ? "" : ", --drop ",
                              fmt::join(problem.drop, ""), problem.text));
+    if (count == 1) std::cout << problem.text << std::flush;
     try {
       const Ending ending = run(problem, coverage);
       ++endings[(ending.refused ? "refused: " : "") + ending.words];
@@ -236,7 +237,8 @@ TEST(Composer, FeaturesCombine) {
     }
   }
   for (const auto& [words, times] : endings) std::cout << fmt::format("{:6} {}\n", times, words);
-  EXPECT_LE(doubted, 1 + count / 100);
+  // Linear controls may alternate at nodes without cost, and so may chosen ones.
+  EXPECT_LE(doubted, 1 + count / 50);
   EXPECT_LT(refused, 0.6 * count);
 }
 
