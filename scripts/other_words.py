@@ -8,8 +8,7 @@ VALUES = {"reference", "lower", "upper", "equals", "at_least", "at_most", "cente
 OVER_TIME = ("times", "knots", "count", "time", "knot", "interpolation")
 POWERS = {"quadratic": 2, "quadratic_barrier": 2, "smooth_l2": 2, "smooth_l1": 1, "linear": 1}
 PENALTIES = {"augmented_lagrangian.initial_penalty", "augmented_lagrangian.max_penalty"}
-REGULARIZATIONS = {"regularization.initial", "regularization.min", "regularization.max"}
-COST_OPTIONS = {"tolerances.stationarity", "tolerances.complementarity"} | PENALTIES | REGULARIZATIONS
+COST_OPTIONS = {"tolerances.stationarity", "tolerances.complementarity", "regularization.initial"} | PENALTIES
 
 
 class NotCovered(Exception):

@@ -148,18 +148,6 @@ TEST(DiagnosisPatterns, RegularizedPlateauIsRegularizedInEveryStep) {
   EXPECT_EQ(regularised(4).pattern, DiagnosisPattern::unfinished);
 }
 
-TEST(DiagnosisPatterns, ActiveSetsAlternateInFourOfFiveSteps) {
-  const auto changes = [](int quiet) {
-    return diagnosis_of_log(
-        11, [=](int i, IterationRecord& r) { r.active_set_changes = i > quiet ? 2 : 0; });
-  };
-  const Diagnosis d = changes(2);
-  EXPECT_EQ(d.pattern, DiagnosisPattern::alternating_active_set);
-  EXPECT_NE(d.message.find("in 8 of the last 10 steps"), std::string::npos) << d.message;
-  EXPECT_EQ(d.knot, 7);
-  EXPECT_EQ(changes(3).pattern, DiagnosisPattern::unfinished);
-}
-
 TEST(DiagnosisPatterns, SlowFeasibilityHalvesLessThanOnceAStep) {
   const auto falling = [](double factor) {
     return diagnosis_of_log(6, [=](int i, IterationRecord& r) {
@@ -432,7 +420,7 @@ TEST(DiagnosisPatterns, NoDescentAdviceFitsMethodAndGaps) {
                             {.status = SolveStatus::line_search_failed})
         .remedy;
   };
-  EXPECT_NE(remedy(0, 0).find("a smaller solver.line_search.min_step"), std::string::npos);
+  EXPECT_TRUE(remedy(0, 0).ends_with("costs that are not smooth")) << remedy(0, 0);
   EXPECT_NE(remedy(1e-12, 0).find("a first guess with smaller gaps"), std::string::npos);
   EXPECT_NE(remedy(0, 1e-9).find("mu_strategy"), std::string::npos);
 }

@@ -15,17 +15,16 @@ namespace {
 using testing::LinearQuadratic;
 
 /// A textbook sweep: K, k, and Q_uu of each knot, without costates. μ is added to all weights of
-/// the model, or to Q_uu only when gains are computed.
+/// the model.
 struct TextbookSweep {
   std::vector<Eigen::MatrixXd> K, Quu;
   std::vector<Eigen::VectorXd> k;
 
   TextbookSweep(const LinearQuadratic& lq, const Trajectory& t, const Eigen::MatrixXd& gap,
-                double mu = 0, RegularizationKind kind = RegularizationKind::proximal)
+                double mu = 0)
       : K(lq.N()), Quu(lq.N()), k(lq.N()) {
-    const double weight = kind == RegularizationKind::proximal ? mu : 0;
     const auto with_weight = [&](const Eigen::VectorXd& diagonal) -> Eigen::MatrixXd {
-      return (diagonal.array() + weight).matrix().asDiagonal();
+      return (diagonal.array() + mu).matrix().asDiagonal();
     };
     Eigen::MatrixXd V = with_weight(lq.Qf);
     Eigen::VectorXd v = lq.Qf.cwiseProduct(t.x(lq.N()) - lq.xf_ref);
@@ -38,9 +37,7 @@ struct TextbookSweep {
       const Eigen::VectorXd qx =
           knot.Q.cwiseProduct(t.x(n) - knot.x_ref) + knot.A.transpose() * next;
       const Eigen::VectorXd qu = knot.R.cwiseProduct(t.u(n)) + knot.B.transpose() * next;
-      Eigen::MatrixXd regular = Quu[n];
-      regular.diagonal().array() += mu - weight;
-      const Eigen::LLT<Eigen::MatrixXd> factor(regular);
+      const Eigen::LLT<Eigen::MatrixXd> factor(Quu[n]);
       K[n] = -factor.solve(Qux);
       k[n] = -factor.solve(qu);
       v = qx + K[n].transpose() * (Quu[n] * k[n] + qu) + Qux.transpose() * k[n];
@@ -60,13 +57,12 @@ struct OpenTrajectory {
       gap.col(k) = lq.knots[k].A * t.x(k) + lq.knots[k].B * t.u(k) + lq.knots[k].c - t.x(k + 1);
     derivatives = node_derivatives(*lq.problem, t, gap);
   }
-  SolutionClaims claims(const TextbookSweep& sweep, double mu, RegularizationKind kind) const {
+  SolutionClaims claims(const TextbookSweep& sweep, double mu) const {
     SolutionClaims claims(*lq.problem);
     claims.trajectory = t;
     claims.gains = sweep.K;
     claims.feedforward = sweep.k;
     claims.gain_regularization = mu;
-    claims.gain_regularization_kind = kind;
     return claims;
   }
   std::string failures(const SolutionClaims& claims,
@@ -90,20 +86,13 @@ struct OpenTrajectory {
   std::vector<NodeDerivatives> derivatives;
 };
 
-constexpr RegularizationKind kProximal = RegularizationKind::proximal;
-constexpr RegularizationKind kControl = RegularizationKind::control;
-
-TEST(GainsOfASweep, MatchTextbookWithEitherRegularization) {
+TEST(GainsOfASweep, MatchTextbookWithAndWithoutRegularization) {
   for (unsigned seed = 1; seed <= 6; ++seed) {
     const OpenTrajectory at(seed);
-    for (const auto& [mu, kind] : {std::pair{0.0, kProximal}, {0.8, kProximal}, {0.8, kControl}}) {
-      const TextbookSweep sweep(at.lq, at.t, at.gap, mu, kind);
-      EXPECT_EQ(at.failures(at.claims(sweep, mu, kind)), "") << seed << ' ' << mu;
-      // Another regularization or another kind must fail.
-      EXPECT_NE(at.failures(at.claims(sweep, mu + 0.01, kind)), "") << seed << ' ' << mu;
-      if (mu > 0) {
-        EXPECT_NE(at.failures(at.claims(sweep, mu, kind == kControl ? kProximal : kControl)), "");
-      }
+    for (const double mu : {0.0, 0.8}) {
+      const TextbookSweep sweep(at.lq, at.t, at.gap, mu);
+      EXPECT_EQ(at.failures(at.claims(sweep, mu)), "") << seed << ' ' << mu;
+      EXPECT_NE(at.failures(at.claims(sweep, mu + 0.01)), "") << seed << ' ' << mu;
     }
   }
 }
@@ -111,7 +100,7 @@ TEST(GainsOfASweep, MatchTextbookWithEitherRegularization) {
 TEST(GainsOfASweep, AreComparedEntryByEntry) {
   const OpenTrajectory at(2);
   const TextbookSweep sweep(at.lq, at.t, at.gap);
-  SolutionClaims claims = at.claims(sweep, 0, kProximal);
+  SolutionClaims claims = at.claims(sweep, 0);
   for (int k = 0; k < at.lq.N(); ++k)
     for (Eigen::Index i = 0; i < sweep.k[k].size(); ++i) {
       // Policies of earlier knots depend on it too, but by no more than that.
@@ -137,8 +126,7 @@ TEST(GainsOfASweep, AllowForModelChangeOnDisplacedTrajectory) {
     moved.lq.knots[k].A(0, 1) += 1e-3;
     displaced.derivatives[k].step(0, 1) += 1e-3;
   }
-  const SolutionClaims claims =
-      at.claims(TextbookSweep(moved.lq, at.t, at.gap), 0, RegularizationKind::proximal);
+  const SolutionClaims claims = at.claims(TextbookSweep(moved.lq, at.t, at.gap), 0);
   EXPECT_NE(at.failures(claims).find("[feedback]"), std::string::npos);
   EXPECT_EQ(at.failures(claims, &displaced), "");
   displaced.margin = 1e-3;
@@ -341,13 +329,11 @@ TEST(GainsOfASweep, NamesKnotAndControlOfWrongGains) {
 TEST(GainsOfASweep, AreSkippedForUnknownRegularization) {
   const OpenTrajectory at(3);
   const TextbookSweep sweep(at.lq, at.t, at.gap);
-  const auto count = [&](double mu, RegularizationKind kind) {
-    return at.checks(*at.lq.problem, at.claims(sweep, mu, kind)).size();
+  const auto count = [&](double mu) {
+    return at.checks(*at.lq.problem, at.claims(sweep, mu)).size();
   };
-  EXPECT_EQ(count(0, kProximal), 2u);
-  EXPECT_EQ(count(SolutionClaims::kOpen, kProximal), 0u);
-  EXPECT_EQ(count(0.5, RegularizationKind::state), 0u);
-  EXPECT_EQ(count(0, RegularizationKind::state), 2u);
+  EXPECT_EQ(count(0), 2u);
+  EXPECT_EQ(count(SolutionClaims::kOpen), 0u);
   const ShootingProblem constrained = testing::with_constraints(
       *at.lq.problem, {testing::goal_constraint(*at.lq.problem, {0, 0, 0})});
   EXPECT_TRUE(at.checks(constrained, SolutionClaims(constrained)).empty());

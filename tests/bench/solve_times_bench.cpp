@@ -83,8 +83,8 @@ Json evaluator_times(const ShootingProblem& problem, const SolverOptions& option
   gaps.set(linearization, true);
   const ControlBounds bounds(problem);
   BackwardSweep sweep(problem, bounds);
-  const auto policy = problem.has_control_bounds() ? box_stage(problem, options.box_qp)
-                                                   : unconstrained_stage(problem);
+  const auto policy =
+      problem.has_control_bounds() ? box_stage(problem) : unconstrained_stage(problem);
   Feedback feedback(problem);
   SingleRollout rollout(problem);
   const auto differentiate = [&] { evaluator.differentiate(answer.trajectory, linearization); };

@@ -120,7 +120,7 @@ void sweep_by_segments(benchmark::State& state) {
   const Linearization linearization = linearization_of(problem);
   const ControlBounds bounds(problem);
   const Trajectory trajectory = problem.create_trajectory();
-  const auto policy = box_stage(problem, {}, segments.count);
+  const auto policy = box_stage(problem, segments.count);
   BackwardSweep backward(problem, bounds, segments);
   Feedback feedback(problem);
   const Gaps gaps(problem);  // no gaps

@@ -217,8 +217,6 @@ class ProblemComposer {
     const double* number = std::get_if<double>(&usual);
     // Integer options count solves and threads, which determines the run time.
     if (number == nullptr || !std::isfinite(*number) || *number == 0) return std::nullopt;
-    // increase_step must stay below decrease_step.
-    if (info.name == "regularization.increase_step") return std::nullopt;
     const double value = *number * between_powers(0.5, 2, random_);
     if (!(value > info.min && value < info.max)) return std::nullopt;
     return number_text(value);

@@ -225,7 +225,7 @@ TEST(Schema, HasTheReadersKeys) {
             schema_keys(d["line_of_centers"]));
   EXPECT_EQ(accepted_keys(with("name: box_ddp", "zzzzzzzz: 1")), schema_keys(d["solver"]));
   for (const char* group :
-       {"tolerances", "regularization", "line_search", "augmented_lagrangian", "box_qp"})
+       {"tolerances", "regularization", "augmented_lagrangian", "complementarity", "restarts"})
     EXPECT_EQ(
         accepted_keys(with("name: box_ddp", (std::string(group) + ": {zzzzzzzz: 1}").c_str())),
         schema_keys(d["solver"]["properties"][group]));
@@ -405,12 +405,11 @@ struct SchemaWalk {
   }
   static bool is_dimensionless(const std::string& path, const std::string& key) {
     // Weights, directions, matrices, parameters of user functions, and unitless numbers of solvers.
-    static const std::set<std::string> kKeys = {"weights", "direction",  "A",           "B",
-                                                "c",       "parameters", "merit_margin"};
+    static const std::set<std::string> kKeys = {"weights", "direction", "A",
+                                                "B",       "c",         "parameters"};
     if (kKeys.contains(key) || path.ends_with("/state")) return true;
-    for (const char* group :
-         {"/regularization", "/line_search", "/augmented_lagrangian", "/box_qp", "/gains",
-          "/multipliers", "/log/items", "/trajectory", "/worst", "/residuals"})
+    for (const char* group : {"/regularization", "/augmented_lagrangian", "/gains", "/multipliers",
+                              "/log/items", "/trajectory", "/worst", "/residuals"})
       if (path.find(group) != std::string::npos) return true;
     return key == "cost" || key == "cost_by_name" || key == "state" || key == "tolerance" ||
            key == "values";

@@ -236,7 +236,7 @@ TEST(PlainAdjoint, StationarityUsesTheGainsOfCostsOnly) {
     Gaps gaps(problem);
     gaps.set(linearization, true);
     PlainAdjoint plain(problem, bounds);
-    const std::optional<double> found = plain.stationarity(evaluator, trajectory, gaps, {}, nu);
+    const std::optional<double> found = plain.stationarity(evaluator, trajectory, gaps, nu);
     ASSERT_TRUE(found);
     const Eigen::VectorXd expected = gradient_along_plain_gains(lq, trajectory, row_gradient);
     EXPECT_NEAR(*found, expected.lpNorm<Eigen::Infinity>(), 1e-10);
@@ -245,19 +245,19 @@ TEST(PlainAdjoint, StationarityUsesTheGainsOfCostsOnly) {
 
 TEST(PlainAdjoint, DoesNotExistWithoutAMinimumOfCosts) {
   const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(1, 1);
-  const ShootingProblem problem =
-      tracking_problem(linear_system(one, one, Eigen::VectorXd::Zero(1)), Integrator::discrete, 2,
-                       1, {1}, {{0}, {0}, {-4}, {0}, false});
-  const ControlBounds bounds(problem);
-  Evaluator evaluator(problem);
-  PlainAdjoint plain(problem, bounds);
-  const Trajectory trajectory = constant_controls(problem, 1);
-  const Eigen::VectorXd none(0);
-  SolverOptions::Regularization regularization{.kind = RegularizationKind::control, .max = 3.9};
-  EXPECT_FALSE(plain.stationarity(evaluator, trajectory, Gaps(problem), regularization, none));
-  // A minimum exists from a weight of 4. The gradient −4 u excludes the weight.
-  regularization.max = 100;
-  const auto found = plain.stationarity(evaluator, trajectory, Gaps(problem), regularization, none);
+  const auto stationarity = [&](double weight) {
+    const ShootingProblem problem =
+        tracking_problem(linear_system(one, one, Eigen::VectorXd::Zero(1)), Integrator::discrete, 2,
+                         1, {1}, {{0}, {0}, {weight}, {0}, false});
+    const ControlBounds bounds(problem);
+    Evaluator evaluator(problem);
+    PlainAdjoint plain(problem, bounds);
+    return plain.stationarity(evaluator, constant_controls(problem, 1), Gaps(problem),
+                              Eigen::VectorXd(0));
+  };
+  EXPECT_FALSE(stationarity(-4 * SolverOptions::Regularization::kLargest));
+  // A regularized minimum exists. The gradient −4 u excludes the regularization.
+  const auto found = stationarity(-4);
   ASSERT_TRUE(found);
   EXPECT_DOUBLE_EQ(*found, 4);
 }

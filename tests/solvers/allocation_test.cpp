@@ -104,19 +104,15 @@ TEST(Allocation, NoneInAnIterationAfterTheFirst) {
            {HessianChoice::automatic, HessianChoice::gauss_newton, HessianChoice::exact}) {
         if (hessian == HessianChoice::exact && !solver.exact_hessian) continue;
         if (hessian == HessianChoice::gauss_newton && !solver.gauss_newton_hessian) continue;
-        for (RegularizationKind kind : {RegularizationKind::proximal, RegularizationKind::state,
-                                        RegularizationKind::control}) {
-          SolverOptions options;
-          options.max_iterations = 60;
-          options.hessian = hessian;
-          options.regularization.kind = kind;
-          // Starts without gaps, since exact Hessians wait for closed gaps.
-          Trajectory guess = testing::constant_controls(problem, u);
-          ASSERT_EQ(Evaluator(problem).simulate(guess), -1);
-          const Count count = count_allocations(problem, solver, guess, options);
-          EXPECT_GE(count.iterations, 5) << name << ' ' << solver.name;
-          EXPECT_EQ(count.allocations, 0) << name << ' ' << solver.name;
-        }
+        SolverOptions options;
+        options.max_iterations = 60;
+        options.hessian = hessian;
+        // Starts without gaps, since exact Hessians wait for closed gaps.
+        Trajectory guess = testing::constant_controls(problem, u);
+        ASSERT_EQ(Evaluator(problem).simulate(guess), -1);
+        const Count count = count_allocations(problem, solver, guess, options);
+        EXPECT_GE(count.iterations, 5) << name << ' ' << solver.name;
+        EXPECT_EQ(count.allocations, 0) << name << ' ' << solver.name;
       }
     }
   }

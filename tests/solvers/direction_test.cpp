@@ -21,14 +21,14 @@ struct RandomModel {
         gaps(problem),
         trajectory(random_guess(problem, seed)),
         adjoint(problem, bounds),
-        direction(problem, bounds, recipe, {.horizon_sweeps = 20}),
+        direction(problem, bounds, recipe),
         open(with_gaps) {
     RandomNumbers random(seed);
     randomize(problem, random, linearization);
     bounds.clamp(trajectory);
     gaps.set(linearization, open);
   }
-  int find(const Augmentation* augmentation = nullptr, SweepRegularization regularization = {}) {
+  int find(const Augmentation* augmentation = nullptr, double regularization = 0) {
     return direction.find(linearization, trajectory, gaps, adjoint, regularization, augmentation);
   }
   DenseHorizon dense() const { return {linearization, open}; }
@@ -74,10 +74,10 @@ TEST(Direction, StepSolvesTheKktSystemOfTheHorizon) {
       }
 }
 
-TEST(Direction, ProximalWeightActsAsADenseCost) {
+TEST(Direction, RegularizationActsAsADenseCost) {
   for (const ShootingProblem& problem : shapes()) {
     RandomModel model(problem, 4, {});
-    ASSERT_EQ(model.find(nullptr, {RegularizationKind::proximal, 0.7}), -1);
+    ASSERT_EQ(model.find(nullptr, 0.7), -1);
     DenseHorizon dense = model.dense();
     dense.H.diagonal().array() += 0.7;
     EXPECT_LT(largest(model.step() - dense.minimum().z), 1e-10);

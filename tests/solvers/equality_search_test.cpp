@@ -26,7 +26,7 @@ struct EqualityIterate {
         sweep(problem, bounds, {}),
         feedback(problem),
         step(problem, bounds),
-        search(problem, {}) {
+        search(problem) {
     lagrangian.start(Eigen::VectorXd::LinSpaced(problem.constraint_rows(), -1, 2));
     evaluator.differentiate(trajectory, linearization, &lagrangian.augmentation());
     lagrangian.measure(linearization.constraint);
@@ -95,7 +95,7 @@ TEST(EqualitySearch, InfeasibilitySumsGapsAndActiveRows) {
   open.upper = {testing::kFree, testing::kFree};
   const ShootingProblem problem =
       testing::with_constraints(free, {at(1, 0), open, at(5, 0), at(N, 0)});
-  EqualitySearch search(problem, {});
+  EqualitySearch search(problem);
   Eigen::MatrixXd gap = Eigen::MatrixXd::Zero(2, N);
   Eigen::VectorXd values = Eigen::VectorXd::Zero(problem.constraint_rows());
   gap(0, 0) = -2;
@@ -234,16 +234,14 @@ TEST(EqualitySearch, TriesAllStepsDownToTheSmallest) {
   EqualityIterate iterate(problem);
   MeritModel merit = iterate.merit;
   merit.cost = -1e9;
-  for (const auto& [first, least, trials] :
-       {std::tuple{1.0, 0.25, 3}, {1.0, 0.3, 2}, {0.5, 0.25, 2}, {1.0, 1.0, 1}}) {
-    SolverOptions options;
-    options.line_search.min_step = least;
-    EqualitySearch search(problem, options.line_search);
+  for (const auto& [first, trials] :
+       {std::pair{1.0, 14}, {0.5, 13}, {2 * kLeastStep, 2}, {kLeastStep, 1}}) {
     Trajectory trajectory = iterate.trajectory;
-    const LineSearchResult found = search.run(iterate.evaluator, merit, iterate.linearization,
-                                              iterate.step, iterate.feedback, first, trajectory);
+    const LineSearchResult found =
+        iterate.search.run(iterate.evaluator, merit, iterate.linearization, iterate.step,
+                           iterate.feedback, first, trajectory);
     EXPECT_FALSE(found.accepted);
-    EXPECT_EQ(found.trials, trials) << first << ' ' << least;
+    EXPECT_EQ(found.trials, trials) << first;
     EXPECT_EQ(trajectory.u(0), iterate.trajectory.u(0));
   }
 }

@@ -19,7 +19,7 @@ struct Tried {
         evaluator(problem),
         record(problem, options, false),
         iterate(problem, bounds, evaluator, recipe, options, record),
-        direction(problem, bounds, {}, {}),
+        direction(problem, bounds, {}),
         search(problem, bounds, tolerances) {
     record.begin();
     iterate.reset();

@@ -26,7 +26,7 @@ struct Descent {
         trajectory(random_guess(problem, seed)),
         adjoint(problem, bounds),
         sweep(problem, bounds),
-        stages(box_stage(problem, {})),
+        stages(box_stage(problem)),
         feedback(problem),
         rollout(problem, bounds),
         augmentation(problem),

@@ -12,7 +12,7 @@ namespace {
 
 struct ParabolaSearch {
   /// `multiple`: length of the searched step relative to the step to the minimum.
-  explicit ParabolaSearch(double multiple, SolverOptions::LineSearch options = {})
+  explicit ParabolaSearch(double multiple)
       : lq(2, 3, {2, 1}, 3, -kFree, kFree, 1),
         problem(*lq.problem),
         bounds(problem),
@@ -25,7 +25,7 @@ struct ParabolaSearch {
         stages(unconstrained_stage(problem)),
         feedback(problem),
         rollout(problem, bounds),
-        search(problem, options),
+        search(problem),
         length(multiple) {
     trajectory.x(0) = lq.x0;
     EXPECT_EQ(evaluator.simulate(trajectory), -1);
@@ -125,22 +125,24 @@ TEST(LineSearch, ShortStepsAreNotHalvedAgain) {
 }
 
 TEST(LineSearch, GivesUpBelowTheSmallestStep) {
-  for (const double least : {0.25, 0.2, 1.0 / 1024}) {
-    ParabolaSearch at(-1, {.min_step = least});
-    const Trajectory before = at.trajectory;
-    const LineSearchResult found = at.run();
+  ParabolaSearch at(-1);
+  const Trajectory before = at.trajectory;
+  for (const auto& [first, trials] :
+       {std::pair{1.0, 14}, {4 * kLeastStep, 3}, {kLeastStep, 1}, {0.9 * kLeastStep, 0}}) {
+    at.search.reset();
+    const LineSearchResult found = at.run(first);
     EXPECT_FALSE(found.accepted);
-    EXPECT_EQ(found.trials, least == 1.0 / 1024 ? 11 : 3) << least;
+    EXPECT_EQ(found.trials, trials) << first;
     for (int k = 0; k < at.lq.N(); ++k) EXPECT_EQ(at.moved.u(k), before.u(k)) << k;
   }
 }
 
-// An Armijo share of 0.6 requires 1 − l α / 2 ≥ 0.6.
+// A step of 1/8, whose half is no rival, reaches the share 1 − l / 16 of the slope.
 TEST(LineSearch, RequiresItsShareOfTheSlope) {
-  for (const double armijo : {0.55, 0.45}) {
-    ParabolaSearch at(1, {.armijo = armijo});
+  for (const double share : {0.5 * kArmijo, 2 * kArmijo}) {
+    ParabolaSearch at(16 * (1 - share));
     const LineSearchResult found = at.run();
-    EXPECT_EQ(found.step, armijo > 0.5 ? 0.5 : 1) << armijo;
+    EXPECT_EQ(found.step, share < kArmijo ? 1.0 / 16 : 1.0 / 8) << share;
   }
 }
 

@@ -25,7 +25,7 @@ struct SweptIterate {
         trajectory(std::move(guess)),
         adjoint(problem, bounds),
         sweep(problem, bounds),
-        stages(box ? box_stage(problem, {}) : unconstrained_stage(problem)),
+        stages(box ? box_stage(problem) : unconstrained_stage(problem)),
         feedback(problem),
         rollout(problem, bounds) {
     evaluator.differentiate(trajectory, linearization);
@@ -226,13 +226,13 @@ TEST(Merit, GapsContractByOneMinusTheStepExactly) {
 TEST(Merit, TrialsFollowArmijoAndFirstAllowsRounding) {
   MeritModel merit;
   merit.rounding = 1e-10;
-  constexpr double kArmijo = 0.25, kHidden = 1e-10;
-  EXPECT_TRUE(merit.passes(1, kArmijo, kArmijo, false));
-  EXPECT_FALSE(merit.passes(1, 0.99 * kArmijo, kArmijo, true));
-  EXPECT_FALSE(merit.passes(-1, 1, kArmijo, true));
-  EXPECT_TRUE(merit.passes(kHidden, -kHidden, kArmijo, true));
-  EXPECT_FALSE(merit.passes(kHidden, -kHidden, kArmijo, false));
-  EXPECT_FALSE(merit.passes(kHidden, -1, kArmijo, true));
+  constexpr double kHidden = 1e-10;
+  EXPECT_TRUE(merit.passes(1, kArmijo, false));
+  EXPECT_FALSE(merit.passes(1, 0.99 * kArmijo, true));
+  EXPECT_FALSE(merit.passes(-1, 1, true));
+  EXPECT_TRUE(merit.passes(kHidden, -kHidden, true));
+  EXPECT_FALSE(merit.passes(kHidden, -kHidden, false));
+  EXPECT_FALSE(merit.passes(kHidden, -1, true));
 }
 
 TEST(LineSearch, LanesHalveTheStepSuccessively) {
@@ -247,7 +247,7 @@ TEST(LineSearch, SingleTrialMatchesLanes) {
   Trajectory guess = testing::constant_controls(problem, 1.3);
   Evaluator(problem).simulate(guess);
   SweptIterate at(problem, guess, false);
-  LineSearch search(problem, {});
+  LineSearch search(problem);
   constexpr double kShort = 0.1;  // where the model is accurate
   for (Eigen::VectorXd& k : at.feedback.k) k *= kShort;
   const MeritModel merit{.cost = at.linearization.total_cost(),
@@ -279,7 +279,7 @@ TEST(Merit, OpenGapWeightMakesTheDirectionDescend) {
     SweptIterate at(problem, testing::random_guess(problem, seed, 0.1), false);
     MeritModel merit{.gap_norm = at.linearization.gap.lpNorm<1>(), .slope = at.rollout.slope()};
     const double curvature = at.rollout.curvature(at.linearization);
-    OpenGapSearch search(problem, bounds, {}, false);
+    OpenGapSearch search(problem, bounds, false);
     merit.penalty = search.weigh(merit, curvature);
     costly += merit.slope > 0;
     EXPECT_LE(merit.merit_slope(), -0.5 * curvature + 1e-9 * curvature) << seed;

@@ -14,23 +14,23 @@ TEST(SolverOptions, DefaultsAreValid) { EXPECT_TRUE(SolverOptions().validate().e
 TEST(SolverOptions, NamesEveryBadValueAndReplacesNothing) {
   SolverOptions options;
   options.tolerances.gap = -1;
-  options.regularization.factor = 1;
-  options.line_search.armijo = std::numeric_limits<double>::quiet_NaN();
+  options.augmented_lagrangian.penalty_factor = 1;
+  options.complementarity.initial = std::numeric_limits<double>::quiet_NaN();
   const auto messages = options.validate();
   ASSERT_EQ(messages.size(), 3u);
   EXPECT_NE(messages[0].find("tolerances.gap"), std::string::npos);
-  EXPECT_NE(messages[1].find("regularization.factor"), std::string::npos);
-  EXPECT_NE(messages[2].find("line_search.armijo"), std::string::npos);
+  EXPECT_NE(messages[1].find("augmented_lagrangian.penalty_factor"), std::string::npos);
+  EXPECT_NE(messages[2].find("complementarity.initial"), std::string::npos);
   EXPECT_EQ(options.tolerances.gap, -1);
 }
 
 TEST(SolverOptions, NamesContradictoryOptions) {
   SolverOptions options;
-  options.regularization.min = 2;
-  options.regularization.max = 1;
+  options.augmented_lagrangian.initial_penalty = 2;
+  options.augmented_lagrangian.max_penalty = 1;
   const auto messages = options.validate();
   ASSERT_EQ(messages.size(), 1u);
-  EXPECT_NE(messages[0].find("regularization.min"), std::string::npos);
+  EXPECT_NE(messages[0].find("augmented_lagrangian.initial_penalty"), std::string::npos);
 }
 
 TEST(OptionTable, ReadsAndWritesEveryOption) {

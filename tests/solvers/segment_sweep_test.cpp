@@ -118,7 +118,7 @@ int bad_knot(const LinearQuadratic& lq, int segments, int node, const Eigen::Mat
   Gaps gaps(*lq.problem);
   gaps.set(linearization, true);
   BackwardSweep sweep(*lq.problem, bounds, {.count = segments});
-  const auto stages = box_stage(*lq.problem, {}, segments);
+  const auto stages = box_stage(*lq.problem, segments);
   Feedback feedback(*lq.problem);
   EXPECT_EQ(sweep.run(linearization, guess, gaps, {}, *stages, feedback), -1);
   Eigen::MatrixXd& hessian = linearization.knots[node].hessian.change();

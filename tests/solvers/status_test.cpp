@@ -255,18 +255,15 @@ TEST(Status, LargeWeightsCauseNoDivergence) {
 }
 
 TEST(Status, RegularizationLimitNamesTheKnot) {
-  // A control without cost or effect: no multiple of TᵀT makes Q_uu positive definite.
+  // Negative curvature that exceeds the largest regularization, also through the last state.
+  const double weight = -4 * SolverOptions::Regularization::kLargest;
   const Eigen::MatrixXd A = Eigen::MatrixXd::Identity(2, 2), B = Eigen::MatrixXd::Zero(2, 1);
   const ShootingProblem problem =
       testing::tracking_problem(linear_system(A, B, Eigen::VectorXd::Ones(2)), Integrator::discrete,
-                                5, 1, {0, 0}, {{1, 1}, {1, 1}, {0}, {1, 1}});
-  SolverOptions options;
-  options.regularization.kind = RegularizationKind::state;
-  // Without a gradient in u, every iterate is stationary; this tolerance forbids that end.
-  options.tolerances.gap = 1e-30;
-  Trajectory guess = problem.create_trajectory();
+                                5, 1, {0, 0}, {{1, 1}, {1, 1}, {weight}, {1, 1}});
   for (const char* name : {"fddp", "box_fddp"}) {
-    const SolveResult result = solve(problem, name, options, guess);
+    DdpSolver solver(problem, find_ddp_member(name)->recipe, {});
+    const SolveResult result = solver.solve(problem.create_trajectory());
     EXPECT_EQ(result.status, SolveStatus::regularization_limit) << result.message;
     EXPECT_NE(result.message.find("knot 4"), std::string::npos) << result.message;
     EXPECT_FALSE(result.feedback_regularization);
@@ -274,12 +271,39 @@ TEST(Status, RegularizationLimitNamesTheKnot) {
   }
 }
 
-TEST(Status, LineSearchFailedIfStepsStayTooLong) {
-  const ShootingProblem problem = testing::cartpole_swing_up();
-  SolverOptions options;
-  options.line_search.min_step = 1;
-  options.regularization.max = options.regularization.min;  // no fallback
-  const SolveResult result = solve(problem, "ilqr", options, constant_controls(problem, 0.01));
+/// The control, with the derivative of its negative.
+class MisledResidual : public ResidualBase<MisledResidual> {
+ public:
+  explicit MisledResidual(int ndx) : ResidualBase({{1, {ndx}}}, 0, true) {}
+  template <class S>
+  void evaluate_as(const ResidualInput<S>& in, S* r) const {
+    r[0] = in.u[0];
+  }
+  template <class S>
+  void differentiate_as(const ResidualInput<S>& in, S* r, S* jacobian) const {
+    r[0] = in.u[0];
+    jacobian[0] = S(-1.0);
+  }
+};
+
+TEST(Status, LineSearchFailedIfNoStepLowersTheCost) {
+  const auto system = pendulum({});
+  auto model = std::make_shared<KnotModel>(system, Integrator::rk4);
+  model->add_cost("effort", std::make_shared<MisledResidual>(2), {});
+  std::vector<double> parameters;
+  for (int k = 0; k < 5; ++k) parameters.push_back(1);
+  auto end = std::make_shared<KnotModel>(system, Integrator::none);
+  const ShootingProblem problem(
+      {0, 0},
+      {{.name = "swing",
+        .model = model,
+        .dt = std::vector<double>(5, 0.1),
+        .cost_scale = std::vector<double>(5, 1),
+        .parameters = parameters}},
+      {.name = "end", .model = end, .dt = {0}, .cost_scale = {1}, .parameters = {}});
+  Trajectory guess = constant_controls(problem, 1);
+  ASSERT_EQ(Evaluator(problem).simulate(guess), -1);
+  const SolveResult result = solve(problem, "ilqr", {}, guess);
   EXPECT_EQ(result.status, SolveStatus::line_search_failed) << result.message;
   EXPECT_TRUE(finite(result));
   EXPECT_NE(result.message.find("no step length"), std::string::npos) << result.message;

@@ -132,28 +132,6 @@ TEST(ValuePropagation, SemiImplicitMatchesDenseDynamics) {
   }
 }
 
-TEST(ValuePropagation, StateRegularizationMatchesAShiftedValue) {
-  Random random(3);
-  for (const auto& curved : curved_layouts()) {
-    for (bool semi_implicit : {true, false}) {
-      if (!semi_implicit && !curved.empty()) continue;
-      const int ndx = 28, nu = 4;
-      const double mu = 0.7;
-      const KnotLinearization knot = random_knot(random, ndx, nu, semi_implicit, curved);
-      ValueFunction next(ndx);
-      next.Vxx = random.symmetric(ndx);
-      ValuePropagation propagation(ndx, nu);
-      ActionValue q(ndx, nu), shifted(ndx, nu);
-      propagation.propagate(knot, next, q);
-      Eigen::MatrixXd columns = q.Qzz().rightCols(nu);
-      propagation.regularize_state(knot, mu, columns);
-      next.Vxx += mu * Eigen::MatrixXd::Identity(ndx, ndx);
-      propagation.propagate(knot, next, shifted);
-      expect_close(columns, shifted.Qzz().rightCols(nu));
-    }
-  }
-}
-
 TEST(GapTransport, ValueAfterAGapMovesItsArgument) {
   Random random(4);
   StateManifold manifold;

@@ -24,7 +24,7 @@ class SegmentedIterate {
         gaps_(problem),
         trajectory_(guess),
         sweep_(problem, bounds_, segments),
-        stages_(box_stage(problem, {}, segments.count)),
+        stages_(box_stage(problem, segments.count)),
         rollout_(problem, bounds_),
         feedback(problem) {
     Evaluator evaluator(problem);

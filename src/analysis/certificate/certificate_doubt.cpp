@@ -78,7 +78,6 @@ SolutionClaims claims_of(const ShootingProblem& problem, const SolveResult& resu
   claims.feedforward = finite_or_open(result.feedback.k);
   if (result.feedback_regularization)
     claims.gain_regularization = finite_or_open(*result.feedback_regularization);
-  claims.gain_regularization_kind = options.regularization.kind;
   return claims;
 }
 

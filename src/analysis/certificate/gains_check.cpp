@@ -91,10 +91,7 @@ class ClaimedSweep {
         model_(model),
         gap_(gap),
         ndx_(problem.ndx()) {
-    // A proximal term is part of the model's cost; the other kind affects the gains only.
-    if (claims.gain_regularization_kind == RegularizationKind::proximal)
-      weight_ = claims.gain_regularization;
-    V.diagonal().array() += weight_;
+    V.diagonal().array() += claims.gain_regularization;
   }
 
   /// Forms the equations of a node's stage; V and v are those of the next node.
@@ -103,11 +100,10 @@ class ClaimedSweep {
     const Eigen::Index nu = K.rows();
     Q_ = model_.hessians[k];
     Q_.noalias() += J.transpose() * (V * J).eval();
-    Q_.diagonal().array() += weight_;
+    Q_.diagonal().array() += claims_.gain_regularization;
     q_ = model_.derivatives[k].cost + J.transpose() * (v + V * gap_.col(k));
     const auto Qux = Q_.bottomLeftCorner(nu, ndx_);
     Quu = Q_.bottomRightCorner(nu, nu);
-    Quu.diagonal().array() += claims_.gain_regularization - weight_;
     left = Quu * K + Qux;
     left_size = Quu.cwiseAbs() * K.cwiseAbs() + Qux.cwiseAbs();
     step_left = q_.tail(nu) + Quu * claims_.feedforward[k];
@@ -117,18 +113,15 @@ class ClaimedSweep {
   void leave(int k) {
     const MatrixXd& K = claims_.gains[k];
     const VectorXd& d = claims_.feedforward[k];
-    const Eigen::Index nu = K.rows();
-    const auto Qux = Q_.bottomLeftCorner(nu, ndx_);
-    const auto unregularized = Q_.bottomRightCorner(nu, nu);
-    v = q_.head(ndx_) + K.transpose() * (unregularized * d + q_.tail(nu)) + Qux.transpose() * d;
-    V = Q_.topLeftCorner(ndx_, ndx_) + K.transpose() * (unregularized * K + Qux) +
-        Qux.transpose() * K;
+    const auto Qux = Q_.bottomLeftCorner(K.rows(), ndx_);
+    v = q_.head(ndx_) + K.transpose() * step_left + Qux.transpose() * d;
+    V = Q_.topLeftCorner(ndx_, ndx_) + K.transpose() * left + Qux.transpose() * K;
     V = (0.5 * (V + V.transpose())).eval();
   }
 
-  MatrixXd V;          ///< Hessian of the cost to go, ndx x ndx
-  VectorXd v;          ///< gradient of the cost to go
-  MatrixXd Quu;        ///< with the regularization of the gains
+  MatrixXd V;  ///< Hessian of the cost to go, ndx x ndx
+  VectorXd v;  ///< gradient of the cost to go
+  MatrixXd Quu;
   MatrixXd left;       ///< Quu K + Qux
   MatrixXd left_size;  ///< sizes of its terms: |Quu| |K| + |Qux|
   VectorXd step_left;  ///< Quu k + qu
@@ -138,7 +131,6 @@ class ClaimedSweep {
   const SweepModel& model_;
   const MatrixXd& gap_;
   const Eigen::Index ndx_;
-  double weight_ = 0;  ///< weight of a proximal term
   MatrixXd Q_;
   VectorXd q_;
 };
@@ -272,9 +264,6 @@ std::vector<Check> check_gains(const ShootingProblem& problem, const SolutionCla
                                const std::vector<MatrixXd>& hessians, const MatrixXd& gap,
                                const DisplacedModel* displaced) {
   if (!problem.constraints().empty() || !std::isfinite(claims.gain_regularization)) return {};
-  if (claims.gain_regularization_kind == RegularizationKind::state &&
-      claims.gain_regularization > 0)
-    return {};
   // Rounding errors are carried along only if the equations do not hold without them. `hessians_at`
   // returns the Hessians at the displaced trajectory.
   const auto deviation = [&](const std::vector<MatrixXd>& hessians_here, const auto& hessians_at) {

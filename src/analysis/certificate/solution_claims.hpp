@@ -39,8 +39,7 @@ struct SolutionClaims {
   std::vector<Eigen::MatrixXd> gains;        ///< K, nu x ndx per knot
   std::vector<Eigen::VectorXd> feedforward;  ///< k, nu per knot
   double gain_regularization = kOpen;        ///< regularization of their sweep
-  RegularizationKind gain_regularization_kind = RegularizationKind::proximal;
-  std::vector<std::string> tangent_names;  ///< names of tangent coordinates, for places
+  std::vector<std::string> tangent_names;    ///< names of tangent coordinates, for places
 };
 
 }  // namespace conddp

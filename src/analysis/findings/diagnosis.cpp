@@ -141,9 +141,7 @@ Diagnosis indefinite(const SolveResult& r) {
   return {DiagnosisPattern::indefinite,
           fmt::format("{} stays indefinite{} with the largest regularization", r.failed_quantity,
                       at(r.failed_knot)),
-          r.failed_knot, r.failed_quantity,
-          "a cost on every control of that knot; solver.regularization.kind: control; a larger "
-          "solver.regularization.max"};
+          r.failed_knot, r.failed_quantity, "a cost on every control of that knot"};
 }
 
 /// True if some control is unbounded.
@@ -285,18 +283,6 @@ Diagnosis slow_feasibility(const Window& w) {
           "a larger solver.augmented_lagrangian.initial_penalty"};
 }
 
-Diagnosis alternating(const Window& w) {
-  const int changing = w.count([](const IterationRecord& r) { return r.active_set_changes > 0; });
-  return {DiagnosisPattern::alternating_active_set,
-          fmt::format("controls reach and leave their bounds in {} of the last {} steps ({} "
-                      "changes in the last one), stationarity {:.1e}{}",
-                      changing, w.steps(), w.last().active_set_changes, w.last().stationarity,
-                      at(w.last().stationarity_knot)),
-          w.last().stationarity_knot, "active set of the control bounds",
-          "a larger weight on the control (bounds are degenerate where the cost hardly depends on "
-          "it), or a larger solver.box_qp.horizon_sweeps"};
-}
-
 Diagnosis plateau(const Window& w, bool regularised) {
   std::string message = fmt::format(
       "stationarity stalled: {:.1e}{} after {:.1e} {} steps before, with {}", w.last().stationarity,
@@ -322,8 +308,7 @@ Diagnosis no_descent(const SolveResult& r, const SolverOptions& options,
           : r.residuals.gap > 0
               ? "derivatives ('conddp check --derivatives'), costs that are not smooth, a first "
                 "guess with smaller gaps"
-              : "derivatives ('conddp check --derivatives'), costs that are not smooth, a smaller "
-                "solver.line_search.min_step"};
+              : "derivatives ('conddp check --derivatives'), costs that are not smooth"};
 }
 
 Diagnosis unfinished(const SolveResult& r, const SolverOptions& options,
@@ -412,12 +397,8 @@ std::optional<Diagnosis> of_standstill(const Window& w, const SolverOptions& opt
   if (w.last().stationarity <= options.tolerances.stationarity ||
       !w.stands_still(&IterationRecord::stationarity))
     return std::nullopt;
-  const int changing = w.count([](const IterationRecord& r) { return r.active_set_changes > 0; });
-  if (5 * changing >= 4 * w.steps()) return alternating(w);
-  const int regularised = w.count([&](const IterationRecord& r) {
-    return r.regularization > 0 && r.regularization >= options.regularization.min;
-  });
-  const bool always = regularised == w.steps();
+  const bool always =
+      w.count([](const IterationRecord& r) { return r.regularization > 0; }) == w.steps();
   if (w.median_step() > 0.25 && !always) return std::nullopt;
   return plateau(w, always);
 }
@@ -508,22 +489,11 @@ bool is_stuck_at_knot(DiagnosisPattern pattern) {
 }  // namespace
 
 std::string_view to_string(DiagnosisPattern pattern) {
-  constexpr std::string_view kNames[] = {"normal",
-                                         "growth",
-                                         "indefinite",
-                                         "infeasible",
-                                         "undecided",
-                                         "rounding_floor",
-                                         "redundant_contacts",
-                                         "no_static_equilibrium",
-                                         "free_control",
-                                         "open_gaps",
-                                         "outrun_penalty",
-                                         "slow_feasibility",
-                                         "alternating_active_set",
-                                         "plateau",
-                                         "no_descent",
-                                         "unfinished"};
+  constexpr std::string_view kNames[] = {
+      "normal",       "growth",         "indefinite",         "infeasible",
+      "undecided",    "rounding_floor", "redundant_contacts", "no_static_equilibrium",
+      "free_control", "open_gaps",      "outrun_penalty",     "slow_feasibility",
+      "plateau",      "no_descent",     "unfinished"};
   return kNames[static_cast<int>(pattern)];
 }
 

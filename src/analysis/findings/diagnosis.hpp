@@ -35,8 +35,6 @@ enum class DiagnosisPattern {
   outrun_penalty,
   /// The violation falls slowly although full steps are taken.
   slow_feasibility,
-  /// Controls keep reaching and leaving their bounds.
-  alternating_active_set,
   /// Stationarity has stalled with small or strongly regularized steps.
   plateau,
   /// No step lowers the merit.

@@ -254,7 +254,6 @@ class Reader {
     control_rows(
         "gains.k", at(gains, {"k"}), [&](int k) -> auto& { return c.feedforward[k]; });
     c.gain_regularization = number(at(gains, {"regularization"}), "gains");
-    c.gain_regularization_kind = spec_.solver.options.regularization.kind;
   }
 
   void read_figures() {

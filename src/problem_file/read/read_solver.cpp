@@ -143,20 +143,52 @@ struct OptionGroup {
 constexpr OptionGroup kGroups[] = {
     {"tolerances", "Tolerances", "Converged means that all of them are met at once",
      R"([{"stationarity": 1.0e-8}])"},
-    {"regularization", "Regularization",
-     "What makes stage problems convex: raised where steps fail, lowered where they succeed",
+    {"regularization", "Regularization", "Makes stage problems convex and steps shorter",
      R"([{"initial": 0.001}])"},
-    {"line_search", "Line search", "Which steps are accepted", R"([{"min_step": 1.0e-6}])"},
     {"augmented_lagrangian", "Augmented Lagrangian",
      "How constraints are enforced, of altro and proxddp; the penalty is 1/mu of the latter's "
      "literature",
      R"([{"initial_penalty": 1}])"},
-    {"box_qp", "Stage problems with bounds", "How stage problems with control bounds are solved",
-     R"([{"horizon_sweeps": 0}])"},
     {"complementarity", "Complementary pairs",
      "How the pairs of contact-implicit problems are relaxed and tightened, of ipopt",
      R"([{"relaxation": "fischer_burmeister"}])"},
     {"restarts", "Random restarts", "Further guesses", R"([{"count": 8, "seed": 1}])"}};
+
+/// An option, or a group of options, of former versions.
+struct RemovedOption {
+  std::string_view group, name;
+  std::string_view hint = "leave it out: conddp chooses it";
+};
+constexpr std::string_view kByWeight = "leave it out: conddp adapts the weight, from 'initial' on";
+constexpr std::string_view kByEpsilon = "leave it out: 'initial' sets the first epsilon";
+constexpr RemovedOption kRemoved[] = {
+    {"", "line_search"},
+    {"", "box_qp"},
+    {"regularization", "kind", kByWeight},
+    {"regularization", "min", kByWeight},
+    {"regularization", "max", kByWeight},
+    {"regularization", "factor", kByWeight},
+    {"regularization", "decrease_step", kByWeight},
+    {"regularization", "increase_step", kByWeight},
+    {"complementarity", "fallback",
+     "leave it out: the other relaxations follow if one finds no answer"},
+    {"complementarity", "factor", kByEpsilon},
+    {"complementarity", "final", kByEpsilon}};
+
+/// Reports options of former versions in a group, or outside of the groups.
+void report_removed(Keys& keys, std::string_view group) {
+  YamlMap* map = keys.reading();
+  if (map == nullptr) return;
+  const std::string path = map->reader().place().path;
+  for (const auto& [key, mark, value] : map->reader().node().entries)
+    for (const RemovedOption& option : kRemoved)
+      if (option.group == group && option.name == key) {
+        map->find(key);  // so that it is not reported as unknown, too
+        map->reader().diagnostics().error({mark, path + "." + key},
+                                          fmt::format("'{}.{}' is no longer an option", path, key),
+                                          std::string(option.hint));
+      }
+}
 
 std::string_view group_of(const OptionInfo& info) {
   const std::size_t dot = info.name.find('.');
@@ -176,6 +208,7 @@ void visit_group(Keys& keys, const OptionGroup& group, SolverOptions& options) {
   keys.about({.title = group.title, .examples = group.examples});
   for (const OptionInfo& info : option_table())
     if (group_of(info) == group.name) visit_option(keys, info, options);
+  report_removed(keys, group.name);
 }
 
 /// "auto: ...; ilqr: ...".
@@ -212,6 +245,7 @@ void describe(Keys& keys, SolverOptions& options) {
     }
     former = name;
   }
+  report_removed(keys, "");
   keys(
       {.name = "options",
        .says = "Options of the library Ipopt by its own names and in its own units, of ipopt: "

@@ -10,12 +10,10 @@ namespace conddp {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr std::string_view kRegularizationKinds[] = {"proximal", "state", "control"};
 constexpr std::string_view kHessianChoices[] = {"automatic", "gauss_newton", "exact"};
 
 constexpr std::string_view kPairRelaxations[] = {"elementwise", "inner_product",
                                                  "fischer_burmeister", "penalty"};
-constexpr std::string_view kRelaxationFallbacks[] = {"automatic", "none"};
 
 #define CONDDP_ACCESS(member) [](SolverOptions& o) -> OptionInfo::Reference { return &o.member; }
 
@@ -87,71 +85,12 @@ constexpr std::array kTable = {
                .max = 1,
                .max_excluded = true,
                .access = CONDDP_ACCESS(tolerances.cost_decrease)},
-    OptionInfo{
-        .name = "regularization.kind",
-        .doc = "Regularized quantity: half the squares of the whole step, in the model (proximal), "
-               "or, only in the gains, V_xx through the dynamics (state) or Q_uu (control).",
-        .choices = kRegularizationKinds,
-        .access = CONDDP_ACCESS(regularization.kind)},
     OptionInfo{.name = "regularization.initial",
-               .doc = "Regularization of the first sweep; 0 is none.",
+               .doc = "Weight of half the squares of the step in the first sweep's model; it rises "
+                      "where steps fail and falls where they succeed. 0 is none.",
                .min = 0,
-               .max = kInfinity,
-               .max_excluded = true,
+               .max = SolverOptions::Regularization::kLargest,
                .access = CONDDP_ACCESS(regularization.initial)},
-    OptionInfo{.name = "regularization.min",
-               .doc = "Smallest nonzero regularization, the first one after 0; lower if the "
-                      "curvature of the costs in the controls is lower.",
-               .min = 0,
-               .max = kInfinity,
-               .min_excluded = true,
-               .max_excluded = true,
-               .access = CONDDP_ACCESS(regularization.min)},
-    OptionInfo{.name = "regularization.max",
-               .doc = "Regularization beyond which the solver gives up.",
-               .min = 0,
-               .max = kInfinity,
-               .min_excluded = true,
-               .max_excluded = true,
-               .access = CONDDP_ACCESS(regularization.max)},
-    OptionInfo{.name = "regularization.factor",
-               .doc = "Factor by which the rate of its change grows with each change in the same "
-                      "direction.",
-               .min = 1,
-               .max = 1e6,
-               .min_excluded = true,
-               .access = CONDDP_ACCESS(regularization.factor)},
-    OptionInfo{.name = "regularization.decrease_step",
-               .doc = "Decrease it after a step at least this long.",
-               .min = 0,
-               .max = 1,
-               .access = CONDDP_ACCESS(regularization.decrease_step)},
-    OptionInfo{.name = "regularization.increase_step",
-               .doc = "Increase it after a step at most this long.",
-               .min = 0,
-               .max = 1,
-               .max_excluded = true,
-               .access = CONDDP_ACCESS(regularization.increase_step)},
-    OptionInfo{.name = "line_search.min_step",
-               .doc = "Shortest step length that is tried; each is half the one before.",
-               .min = 0,
-               .max = 1,
-               .min_excluded = true,
-               .access = CONDDP_ACCESS(line_search.min_step)},
-    OptionInfo{.name = "line_search.armijo",
-               .doc = "Share of the first-order decrease that a step has to reach.",
-               .min = 0,
-               .max = 0.5,
-               .min_excluded = true,
-               .max_excluded = true,
-               .access = CONDDP_ACCESS(line_search.armijo)},
-    OptionInfo{.name = "line_search.merit_margin",
-               .doc = "Weight in the merit of gaps that a step opens, as a multiple of the largest "
-                      "multiplier.",
-               .min = 1,
-               .max = 1e6,
-               .min_excluded = true,
-               .access = CONDDP_ACCESS(line_search.merit_margin)},
     OptionInfo{.name = "augmented_lagrangian.initial_penalty",
                .doc = "Initial penalty of every constraint; cost per squared constraint unit. "
                       "Lower for constraints on controls in which the curvature of the costs is "
@@ -182,57 +121,18 @@ constexpr std::array kTable = {
                .min_excluded = true,
                .max_excluded = true,
                .access = CONDDP_ACCESS(augmented_lagrangian.sufficient_decrease)},
-    OptionInfo{.name = "box_qp.max_iterations",
-               .doc = "Projected Newton steps of one stage problem.",
-               .min = 1,
-               .max = 1e6,
-               .access = CONDDP_ACCESS(box_qp.max_iterations)},
-    OptionInfo{
-        .name = "box_qp.armijo",
-        .doc = "Share of the first-order decrease that a projected Newton step has to reach.",
-        .min = 0,
-        .max = 0.5,
-        .min_excluded = true,
-        .max_excluded = true,
-        .access = CONDDP_ACCESS(box_qp.armijo)},
-    OptionInfo{.name = "box_qp.horizon_sweeps",
-               .doc = "Sweeps per iteration that look for the active set of the whole horizon; 0: "
-                      "only the active set of each stage alone.",
-               .min = 0,
-               .max = 1e6,
-               .access = CONDDP_ACCESS(box_qp.horizon_sweeps)},
     OptionInfo{
         .name = "complementarity.relaxation",
         .doc = "For ipopt: relaxation of complementary pairs z, s: z s <= epsilon each, their sum "
                "over a knot, smoothed Fischer-Burmeister equations, or an exact penalty 1/epsilon.",
         .choices = kPairRelaxations,
         .access = CONDDP_ACCESS(complementarity.relaxation)},
-    OptionInfo{.name = "complementarity.fallback",
-               .doc = "Where that finds no answer: try the other relaxations, or none.",
-               .choices = kRelaxationFallbacks,
-               .access = CONDDP_ACCESS(complementarity.fallback)},
     OptionInfo{.name = "complementarity.initial",
                .doc = "First epsilon, in the product of the pairs' units.",
-               .min = 0,
+               .min = SolverOptions::Complementarity::kLast,
                .max = kInfinity,
-               .min_excluded = true,
                .max_excluded = true,
                .access = CONDDP_ACCESS(complementarity.initial)},
-    OptionInfo{.name = "complementarity.factor",
-               .doc = "Factor by which epsilon shrinks from one solve to the next, without unit.",
-               .min = 0,
-               .max = 1,
-               .min_excluded = true,
-               .max_excluded = true,
-               .access = CONDDP_ACCESS(complementarity.factor)},
-    OptionInfo{.name = "complementarity.final",
-               .doc = "Last epsilon, unless the pairs are complementary to tolerance earlier, in "
-                      "the product of the pairs' units.",
-               .min = 0,
-               .max = kInfinity,
-               .min_excluded = true,
-               .max_excluded = true,
-               .access = CONDDP_ACCESS(complementarity.final)},
     OptionInfo{
         .name = "look_further",
         .doc = "For auto in conddp solve: the work up to which other solvers and guesses are tried "
@@ -321,26 +221,14 @@ void check_ipopt_options(const SolverOptions& options, std::vector<std::string>&
   }
 }
 
-/// Checks pairs of options where the first must not exceed the second.
-void check_order(const SolverOptions& options, std::vector<std::string>& messages) {
-  const auto at_most = [&](std::string_view name, double value, std::string_view limit_name,
-                           double limit) {
-    if (value > limit)
-      messages.push_back(
-          fmt::format("{} ({}) must be at most {} ({})", name, value, limit_name, limit));
-  };
-  const SolverOptions::Regularization& regularization = options.regularization;
-  at_most("regularization.min", regularization.min, "regularization.max", regularization.max);
-  at_most("augmented_lagrangian.initial_penalty", options.augmented_lagrangian.initial_penalty,
-          "augmented_lagrangian.max_penalty", options.augmented_lagrangian.max_penalty);
-  at_most("complementarity.final", options.complementarity.final, "complementarity.initial",
-          options.complementarity.initial);
-  at_most("regularization.initial", regularization.initial, "regularization.max",
-          regularization.max);
-  if (regularization.increase_step >= regularization.decrease_step)
+/// The first penalty must not exceed the largest one.
+void check_penalties(const SolverOptions::AugmentedLagrangian& penalties,
+                     std::vector<std::string>& messages) {
+  if (penalties.initial_penalty > penalties.max_penalty)
     messages.push_back(
-        fmt::format("regularization.increase_step ({}) must be < regularization.decrease_step ({})",
-                    regularization.increase_step, regularization.decrease_step));
+        fmt::format("augmented_lagrangian.initial_penalty ({}) must be at most "
+                    "augmented_lagrangian.max_penalty ({})",
+                    penalties.initial_penalty, penalties.max_penalty));
 }
 
 }  // namespace
@@ -393,7 +281,7 @@ std::vector<std::string> SolverOptions::validate() const {
     if (auto wrong = info.check(*this)) messages.push_back(*std::move(wrong));
   }
   check_ipopt_options(*this, messages);
-  check_order(*this, messages);
+  check_penalties(augmented_lagrangian, messages);
   return messages;
 }
 

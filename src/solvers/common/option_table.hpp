@@ -24,8 +24,7 @@ struct OptionInfo {
   bool max_excluded = false;
   std::span<const std::string_view> choices;  ///< names in the enum's order; empty for numbers
 
-  using Reference = std::variant<int*, double*, RegularizationKind*, HessianChoice*,
-                                 PairRelaxation*, RelaxationFallback*>;
+  using Reference = std::variant<int*, double*, HessianChoice*, PairRelaxation*>;
   Reference (*access)(SolverOptions& options);
 
   OptionValue get(const SolverOptions& options) const;

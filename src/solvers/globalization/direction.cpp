@@ -18,17 +18,19 @@ constexpr double kErrorGrowth = 100;
 /// Allowed error of the constraints' model at a step, in the norm of the Hessian H: the squared
 /// distance of the step from the model's minimum, as a share of dᵀHd.
 constexpr double kModelError = 1e-6;
+/// Sweeps per iteration that search the active set of the whole horizon. Between 8 and 30, the
+/// iterations of the examples hardly depend on it (docs/measurements/ablations.md).
+constexpr int kHorizonSweeps = 20;
 
 }  // namespace
 
 Direction::Direction(const ShootingProblem& problem, const ControlBounds& bounds,
-                     const Recipe& recipe, const SolverOptions::BoxQp& options)
+                     const Recipe& recipe)
     : problem_(problem),
       bounds_(bounds),
       recipe_(recipe),
-      horizon_sweeps_(recipe.box_stage ? options.horizon_sweeps : 0),
       sweep_(problem, bounds, recipe.segments),
-      stages_(recipe.box_stage ? box_stage(problem, options, recipe.segments.count)
+      stages_(recipe.box_stage ? box_stage(problem, recipe.segments.count)
                                : unconstrained_stage(problem)),
       linear_rollout_(problem, bounds),
       feedback_(problem),
@@ -38,7 +40,7 @@ Direction::Direction(const ShootingProblem& problem, const ControlBounds& bounds
     null_space_ = stages.get();
     stages_ = std::move(stages);
   }
-  if (horizon_sweeps_ == 0) return;
+  if (!recipe.box_stage) return;
   constraints_.emplace(problem);
   if (constraints_->empty())
     constraints_.reset();
@@ -47,7 +49,7 @@ Direction::Direction(const ShootingProblem& problem, const ControlBounds& bounds
 }
 
 int Direction::find(Linearization& linearization, const Trajectory& trajectory, const Gaps& gaps,
-                    const Adjoint& adjoint, SweepRegularization regularization,
+                    const Adjoint& adjoint, double regularization,
                     const Augmentation* augmentation) {
   const bool augmented = has_rows(augmentation);
   unsettled_ = false;
@@ -75,8 +77,8 @@ bool Direction::has_rows(const Augmentation* augmentation) const {
 int Direction::search(const Model& model) {
   last_change_.reset();
   held_before_ = false;
-  within_bounds_ = horizon_sweeps_ == 0 && !recipe_.clamp_controls;
-  return horizon_sweeps_ == 0 ? search_by_stages(model) : search_along_horizon(model);
+  within_bounds_ = !recipe_.box_stage && !recipe_.clamp_controls;
+  return recipe_.box_stage ? search_along_horizon(model) : search_by_stages(model);
 }
 
 /// Sweeps until the linear rollout confirms the active set that the sweep assumed, starting from
@@ -132,7 +134,7 @@ int Direction::sweep(const Model& model, bool hold) {
 bool Direction::settle(const Model& model) {
   int fewest = std::numeric_limits<int>::max(), since = 0;
   double least_error = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < horizon_sweeps_; ++i) {
+  for (int i = 0; i < kHorizonSweeps; ++i) {
     const int changes = revise(model);
     within_bounds_ = changes == 0;
     if (within_bounds_) {
@@ -182,7 +184,7 @@ bool Direction::descend(const Model& model) {
                   *constraints_, linearization);
   stages_->active_set().release();
   bool swept = true;
-  for (int i = 0; i < horizon_sweeps_; ++i) {
+  for (int i = 0; i < kHorizonSweeps; ++i) {
     ++sweeps_;
     swept = sweep_.run(linearization, model.trajectory, model.gaps, model.regularization, *stages_,
                        feedback_, true) < 0;

@@ -25,8 +25,7 @@ class Direction {
     bool null_space = false;  ///< the stages enforce equality constraints
     Segments segments;        ///< of sweeps with box-constrained stages
   };
-  Direction(const ShootingProblem& problem, const ControlBounds& bounds, const Recipe& recipe,
-            const SolverOptions::BoxQp& options);
+  Direction(const ShootingProblem& problem, const ControlBounds& bounds, const Recipe& recipe);
 
   /// Forgets the active set and the gains of the previous solve.
   void reset();
@@ -42,7 +41,7 @@ class Direction {
   /// of a stage without a minimum, or −1. With an augmentation, the linearization is that of the
   /// augmented Lagrangian; it is changed temporarily and then restored.
   int find(Linearization& linearization, const Trajectory& trajectory, const Gaps& gaps,
-           const Adjoint& adjoint, SweepRegularization regularization,
+           const Adjoint& adjoint, double regularization,
            const Augmentation* augmentation = nullptr);
 
   /// Corrects k by information about the Hessian from earlier steps. To be called after a sweep
@@ -74,7 +73,7 @@ class Direction {
   /// True if that step meets no bound: nothing was clamped.
   bool within_bounds() const { return within_bounds_; }
   /// True if the search for the controls' active set along the horizon failed.
-  bool set_unknown() const { return horizon_sweeps_ > 0 && !within_bounds_; }
+  bool set_unknown() const { return recipe_.box_stage && !within_bounds_; }
   /// Declares that dynamics and constraints are affine. The exact minimum of the model is then
   /// worth its sweeps, and worth a descent if active sets alternate.
   void trust_model() { model_true_ = true; }
@@ -91,7 +90,7 @@ class Direction {
     const Trajectory& trajectory;
     const Gaps& gaps;
     const Adjoint& adjoint;
-    SweepRegularization regularization;
+    double regularization;
     bool augmented;  ///< it includes rows of constraints
   };
   /// Active set at the start of a search along the horizon.
@@ -116,7 +115,6 @@ class Direction {
   const ShootingProblem& problem_;
   const ControlBounds& bounds_;
   Recipe recipe_;
-  int horizon_sweeps_;
   BackwardSweep sweep_;
   std::unique_ptr<StageSolver> stages_;
   NullSpaceStage* null_space_ = nullptr;

@@ -15,10 +15,8 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
-EqualitySearch::EqualitySearch(const ShootingProblem& problem,
-                               const SolverOptions::LineSearch& options)
+EqualitySearch::EqualitySearch(const ShootingProblem& problem)
     : problem_(problem),
-      options_(options),
       manifold_(problem.manifold()),
       lanes_(problem),
       evaluation_(problem),
@@ -87,11 +85,11 @@ LineSearchResult EqualitySearch::run(Evaluator& evaluator, const MeritModel& mer
                                      Trajectory& trajectory) {
   LineSearchResult result;
   double next_step = first_step;
-  while (next_step >= options_.min_step) {
+  while (next_step >= kLeastStep) {
     const auto steps = lane_steps(next_step);
     evaluator.roll_out(trajectory, linearization.gap, feedback, steps.data(),
                        {.contract_gaps = true}, lanes_);
-    for (int lane = 0; lane < kLaneWidth && steps[lane] >= options_.min_step; ++lane)
+    for (int lane = 0; lane < kLaneWidth && steps[lane] >= kLeastStep; ++lane)
       if (try_lane(evaluator, merit, step, lane, steps[lane], steps[lane] == first_step, result,
                    trajectory))
         return result;
@@ -134,7 +132,7 @@ std::pair<double, const Trajectory*> EqualitySearch::better_trial(Evaluator& eva
 bool EqualitySearch::accepts(const MeritModel& merit, double length, double value, bool first,
                              LineSearchResult& result) const {
   const double expected = -length * merit.merit_slope(), actual = merit.value() - value;
-  if (!merit.passes(expected, actual, options_.armijo, first)) return false;
+  if (!merit.passes(expected, actual, first)) return false;
   result.accept(length, expected, actual, merit.hidden(expected));
   return true;
 }

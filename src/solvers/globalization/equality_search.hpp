@@ -17,7 +17,7 @@ namespace conddp {
 /// is ∇J·d − w θ, since the step satisfies the linear equations of both.
 class EqualitySearch {
  public:
-  EqualitySearch(const ShootingProblem& problem, const SolverOptions::LineSearch& options);
+  explicit EqualitySearch(const ShootingProblem& problem);
 
   /// θ of gaps (ndx x N) and constraint values (all rows of the problem).
   double infeasibility(const Eigen::MatrixXd& gap, const Eigen::VectorXd& values) const;
@@ -47,7 +47,6 @@ class EqualitySearch {
   void for_each_row(const Eigen::VectorXd& values, Function&& function) const;
 
   const ShootingProblem& problem_;
-  SolverOptions::LineSearch options_;
   StateManifold manifold_;
   LaneRollout lanes_;
   Evaluation evaluation_;

@@ -22,6 +22,12 @@ constexpr double kSettlingRegularization = 0.01;
 /// Upper limit of the smallest regularization, in multiples of the costs' curvature in the
 /// controls.
 constexpr double kCurvatures = 2;
+/// The regularization falls after a step at least as long as the first and rises after one at most
+/// as long as the second. Between them, its model is about right.
+constexpr double kLongStep = 0.5, kShortStep = 0.2;
+/// Weight in the merit of gaps that a step opens, as a multiple of the largest multiplier. Above 1,
+/// the penalty is exact (Nocedal, Wright 2006, theorem 17.3).
+constexpr double kMeritMargin = 1.5;
 
 }  // namespace
 
@@ -39,20 +45,19 @@ Globalization::Globalization(const ShootingProblem& problem, const ControlBounds
                   .box_stage = recipe.box_stage,
                   .null_space = recipe.multipliers == MultiplierSchedule::by_the_sweep &&
                                 !problem.constraints().empty(),
-                  .segments = {recipe.segments ? options.segments : 1, options.threads}},
-                 options.box_qp),
-      line_search_(problem, options.line_search),
-      open_gap_search_(problem, bounds, options.line_search, recipe.clamp_controls),
+                  .segments = {recipe.segments ? options.segments : 1, options.threads}}),
+      line_search_(problem),
+      open_gap_search_(problem, bounds, recipe.clamp_controls),
       full_step_search_(problem, bounds, options.tolerances),
       control_curvature_(problem),
-      regularization_(options.regularization) {
+      regularization_(options.regularization.initial) {
   if (direction_.models_rows()) affine_probe_.emplace(problem);
   if (outer.augmentation() != nullptr && direction_.null_space() != nullptr)
-    equality_search_.emplace(problem, options.line_search);
+    equality_search_.emplace(problem);
 }
 
 void Globalization::reset() {
-  regularization_ = RegularizationSchedule(options_.regularization);
+  regularization_ = RegularizationSchedule(options_.regularization.initial);
   direction_.reset();
   line_search_.reset();
   full_step_search_.reset();
@@ -77,7 +82,7 @@ void Globalization::measure() {
 
 void Globalization::begin_minimization() {
   at_rounding_floor_ = false;
-  regularization_ = RegularizationSchedule(options_.regularization);
+  regularization_ = RegularizationSchedule(options_.regularization.initial);
   merit_.cost = iterate_.linearization.total_cost() + iterate_.linearization.augmentation.sum();
 }
 
@@ -102,9 +107,9 @@ bool Globalization::step() {
   row.exact_hessian = iterate_.hessian.exact_in_use();
   row.clamped_controls = direction_.active_set().clamped_controls();
   row.active_set_changes = direction_.active_set().changes();
-  if (search_.step >= options_.regularization.decrease_step) {
+  if (search_.step >= kLongStep) {
     regularization_.decrease();
-  } else if (search_.step <= options_.regularization.increase_step && !equality_search_) {
+  } else if (search_.step <= kShortStep && !equality_search_) {
     // (Equality rows must be met at any weight, so the weight does not shorten the step there.)
     regularize_more();
   }
@@ -244,8 +249,7 @@ void Globalization::weigh_gaps() {
   if (!recipe_.open_gaps || equality_search_) return;
   const Stopwatch watch(record_.result.times.sweep);
   if (!gaps_open()) {
-    merit_.penalty =
-        options_.line_search.merit_margin * iterate_.adjoint.costates().lpNorm<Eigen::Infinity>();
+    merit_.penalty = kMeritMargin * iterate_.adjoint.costates().lpNorm<Eigen::Infinity>();
   } else {
     merit_.penalty = open_gap_search_.weigh(merit_, direction_.curvature(iterate_.linearization));
   }
@@ -281,7 +285,7 @@ bool Globalization::take_full_step() {
     search_ = found;
     // No search weighed the gaps, but the log reports the weight that they would have.
     merit_.penalty =
-        options_.line_search.merit_margin *
+        kMeritMargin *
         iterate_.adjoint.costates().rightCols(problem_.knots()).lpNorm<Eigen::Infinity>();
     return true;
   }
@@ -395,8 +399,7 @@ int Globalization::find_settled_direction(double regularization) {
 
 int Globalization::find_direction(double regularization) {
   return direction_.find(iterate_.linearization, iterate_.trajectory, iterate_.gaps,
-                         iterate_.adjoint, {options_.regularization.kind, regularization},
-                         outer_.augmentation());
+                         iterate_.adjoint, regularization, outer_.augmentation());
 }
 
 /// Tests once whether dynamics and constraints are affine. True if this test finds them affine.
@@ -415,9 +418,7 @@ double Globalization::newton_gain() {
 std::optional<double> Globalization::find_gains() {
   const Stopwatch watch(record_.result.times.sweep);
   direction_.stay_at_iterate();
-  SolverOptions::Regularization from_zero = options_.regularization;
-  from_zero.initial = 0;
-  RegularizationSchedule schedule(from_zero);
+  RegularizationSchedule schedule;
   do {
     if (sweep_backward(schedule.value()) < 0) return schedule.value();
   } while (schedule.increase());
@@ -450,8 +451,8 @@ bool Globalization::end_without_step(bool descends) {
   if (!descends) {
     cause = fmt::format("the direction does not descend (slope {:.1e})", merit_.merit_slope());
   } else {
-    cause = fmt::format("no step length down to {:.1e} lowers the merit (slope {:.1e})",
-                        options_.line_search.min_step, merit_.merit_slope());
+    cause = fmt::format("no step length down to {:.1e} lowers the merit (slope {:.1e})", kLeastStep,
+                        merit_.merit_slope());
     if (search_.first_bad_knot >= 0) {
       record_.result.failed_knot = search_.first_bad_knot;
       record_.result.failed_quantity = "motion";

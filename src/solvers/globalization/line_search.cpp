@@ -28,12 +28,8 @@ std::array<double, kLaneWidth> lane_steps(double& next_step) {
   return steps;
 }
 
-LineSearch::LineSearch(const ShootingProblem& problem, const SolverOptions::LineSearch& options)
-    : options_(options),
-      manifold_(problem.manifold()),
-      lanes_(problem),
-      trial_(problem),
-      dx_(problem.ndx()) {
+LineSearch::LineSearch(const ShootingProblem& problem)
+    : manifold_(problem.manifold()), lanes_(problem), trial_(problem), dx_(problem.ndx()) {
   int largest = 0;
   for (int k = 0; k < problem.knots(); ++k) largest = std::max(largest, problem.nu(k));
   followed_.resize(largest);
@@ -48,7 +44,7 @@ LineSearchResult LineSearch::run(Evaluator& evaluator, const MeritModel& merit,
   result.accepted =
       confidence_ >= kEnoughConfidence && try_alone(evaluator, ray, first_step, result);
   double next_step = first_step;
-  while (!result.accepted && next_step >= options_.min_step)
+  while (!result.accepted && next_step >= kLeastStep)
     result.accepted = try_lanes(evaluator, ray, first_step, next_step, result);
   const bool first = result.accepted && result.step == first_step;
   confidence_ = std::clamp(confidence_ + (first ? 1 : -1), 0, kMostConfidence);
@@ -65,8 +61,7 @@ bool LineSearch::try_alone(Evaluator& evaluator, const Ray& ray, double step,
   const double expected = expected_decrease(ray, step);
   const double actual = actual_decrease(trial_.cost, step, ray.merit);
   const bool hidden = ray.merit.hidden(expected);
-  if (!(hidden ? ray.merit.hidden(actual)
-               : expected > 0 && actual >= std::max(kBetterThanHalf, options_.armijo) * expected))
+  if (!(hidden ? ray.merit.hidden(actual) : expected > 0 && actual >= kBetterThanHalf * expected))
     return false;
   result = {.accepted = true,
             .step = step,
@@ -83,7 +78,7 @@ bool LineSearch::try_lanes(Evaluator& evaluator, const Ray& ray, double first_st
                            double& next_step, LineSearchResult& result) {
   const auto steps = lane_steps(next_step);
   evaluator.roll_out(ray.from, ray.gap, ray.feedback, steps.data(), ray.rollout, lanes_);
-  for (int lane = 0; lane < kLaneWidth && steps[lane] >= options_.min_step; ++lane) {
+  for (int lane = 0; lane < kLaneWidth && steps[lane] >= kLeastStep; ++lane) {
     ++result.trials;
     if (lanes_.first_bad_knot[lane] >= 0) {
       if (result.first_bad_knot < 0) result.first_bad_knot = lanes_.first_bad_knot[lane];
@@ -100,7 +95,7 @@ bool LineSearch::accepts_lane(const Ray& ray, int lane, double step, bool first,
   if (applies_slope(ray)) lanes_.extract(lane, trial_.trajectory);
   const double expected = expected_decrease(ray, step);
   const double actual = actual_decrease(lanes_.cost[lane], step, ray.merit);
-  if (!ray.merit.passes(expected, actual, options_.armijo, first)) return false;
+  if (!ray.merit.passes(expected, actual, first)) return false;
   const bool hidden = ray.merit.hidden(expected);
   if (!hidden && half_is_better(lane, step / 2, actual, ray.merit)) return false;
   result.accept(step, expected, actual, hidden);

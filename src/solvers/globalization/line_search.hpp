@@ -4,11 +4,14 @@
 #include <optional>
 
 #include "ocp/evaluation/evaluator.hpp"
-#include "solvers/common/options.hpp"
 #include "solvers/iterate/merit_model.hpp"
 #include "solvers/riccati/adjoint.hpp"
 
 namespace conddp {
+
+/// Shortest step length that searches try. Where steps of a thousandth fail, more regularization
+/// also turns the step and is the better next trial.
+inline constexpr double kLeastStep = 1e-4;
 
 /// Result of a line search.
 struct LineSearchResult {
@@ -54,7 +57,7 @@ std::array<double, kLaneWidth> lane_steps(double& next_step);
 /// The caller must verify that the stationarity falls, or undo the step.
 class LineSearch {
  public:
-  LineSearch(const ShootingProblem& problem, const SolverOptions::LineSearch& options);
+  explicit LineSearch(const ShootingProblem& problem);
 
   /// On acceptance, `trajectory` becomes the new iterate. `first_step` is the longest step tried.
   LineSearchResult run(Evaluator& evaluator, const MeritModel& merit, const Adjoint& adjoint,
@@ -87,7 +90,6 @@ class LineSearch {
   /// two consecutive ones do.
   static constexpr int kMostConfidence = 3, kEnoughConfidence = 2;
 
-  SolverOptions::LineSearch options_;
   StateManifold manifold_;
   LaneRollout lanes_;
   SingleRollout trial_;            ///< a single trial, or one of the lanes

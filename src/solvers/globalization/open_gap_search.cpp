@@ -19,10 +19,9 @@ constexpr double kMostGapGrowth = 1.5;
 }  // namespace
 
 OpenGapSearch::OpenGapSearch(const ShootingProblem& problem, const ControlBounds& bounds,
-                             const SolverOptions::LineSearch& options, bool clamp_controls)
+                             bool clamp_controls)
     : bounds_(bounds),
       manifold_(problem.manifold()),
-      options_(options),
       clamp_controls_(clamp_controls),
       best_(problem.create_trajectory()),
       trial_(problem.create_trajectory()),
@@ -39,7 +38,7 @@ LineSearchResult OpenGapSearch::run(Evaluator& evaluator, const MeritModel& meri
                                     const Linearization& linearization, const Direction& direction,
                                     const Augmentation* augmentation, Trajectory& trajectory) {
   LineSearchResult result;
-  for (double step = 1; step >= options_.min_step; step /= 2) {
+  for (double step = 1; step >= kLeastStep; step /= 2) {
     const double expected = -step * merit.merit_slope();
     best_decrease_ = -std::numeric_limits<double>::infinity();
     ++result.trials;
@@ -48,7 +47,7 @@ LineSearchResult OpenGapSearch::run(Evaluator& evaluator, const MeritModel& meri
       ++result.trials;
       try_linear(evaluator, merit, direction, augmentation, step, trajectory);
     }
-    if (!(expected > 0 && best_decrease_ >= options_.armijo * expected)) continue;
+    if (!(expected > 0 && best_decrease_ >= kArmijo * expected)) continue;
     result.accept(step, expected, best_decrease_, false);
     result.rollout_cost = best_rollout_cost_;
     std::swap(trajectory, best_);

@@ -3,7 +3,6 @@
 #include <optional>
 
 #include "ocp/evaluation/evaluator.hpp"
-#include "solvers/common/options.hpp"
 #include "solvers/globalization/direction.hpp"
 #include "solvers/globalization/line_search.hpp"
 
@@ -24,8 +23,7 @@ namespace conddp {
 ///   closed at a far higher one.
 class OpenGapSearch {
  public:
-  OpenGapSearch(const ShootingProblem& problem, const ControlBounds& bounds,
-                const SolverOptions::LineSearch& options, bool clamp_controls);
+  OpenGapSearch(const ShootingProblem& problem, const ControlBounds& bounds, bool clamp_controls);
 
   /// Weight ν for a step with curvature dᵀHd, which is stored.
   double weigh(const MeritModel& merit, double curvature);
@@ -46,7 +44,6 @@ class OpenGapSearch {
 
   const ControlBounds& bounds_;
   const StateManifold& manifold_;
-  SolverOptions::LineSearch options_;
   bool clamp_controls_;
   double curvature_ = 0;      ///< of the last weighed step
   double best_decrease_ = 0;  ///< of the merit, by the trials of the current step length

@@ -135,14 +135,10 @@ Feedback IpoptSolver::find_gains(const Trajectory& trajectory, const Eigen::Vect
   Gaps gaps(problem_);
   gaps.set(linearization, true);
   BackwardSweep sweep(problem_, bounds_);
-  const auto stages = box_stage(problem_, options_.box_qp);
-  SolverOptions::Regularization from_zero = options_.regularization;
-  from_zero.initial = 0;
-  RegularizationSchedule schedule(from_zero);
+  const auto stages = box_stage(problem_);
+  RegularizationSchedule schedule;
   do {
-    if (sweep.run(linearization, trajectory, gaps, {options_.regularization.kind, schedule.value()},
-                  *stages, gains) >= 0)
-      continue;
+    if (sweep.run(linearization, trajectory, gaps, schedule.value(), *stages, gains) >= 0) continue;
     gain_regularization_ = schedule.value();
     return gains;
   } while (schedule.increase());

@@ -16,6 +16,8 @@ using End = InteriorPointEnd;
 constexpr double kLooseTolerance = 1e-3, kTightTolerance = 1e-8;
 /// Consecutive solves that may fail before the relaxation is given up.
 constexpr int kFailures = 2;
+/// Factor by which epsilon shrinks from one solve to the next, and the last one.
+constexpr double kShrink = 0.1, kLast = SolverOptions::Complementarity::kLast;
 /// kLooser multiplies the first epsilon of a second try. While other relaxations remain, a solve
 /// may take 1/kWays of the iterations, but at least kEnough: the examples take 281 at most
 /// (docs/measurements/contact_implicit.md).
@@ -52,12 +54,10 @@ struct RelaxationStart {
   double initial;
 };
 
-/// The chosen relaxation and, if others may be tried, first the same one from a looser epsilon,
-/// then the others.
+/// The chosen relaxation, the same one from a looser epsilon, then the others.
 std::vector<RelaxationStart> ways_to_try(const SolverOptions::Complementarity& options) {
-  std::vector<RelaxationStart> list = {{options.relaxation, options.initial}};
-  if (options.fallback != RelaxationFallback::automatic) return list;
-  list.push_back({options.relaxation, kLooser * options.initial});
+  std::vector<RelaxationStart> list = {{options.relaxation, options.initial},
+                                       {options.relaxation, kLooser * options.initial}};
   for (const PairRelaxation other :
        {PairRelaxation::elementwise, PairRelaxation::fischer_burmeister, PairRelaxation::penalty,
         PairRelaxation::inner_product})
@@ -102,18 +102,17 @@ InteriorPointAnswer IpoptSolver::run_relaxations(const Trajectory& start) {
 /// Solves with decreasing epsilon, each in at most `iterations`, until the pairs are complementary
 /// or can be told apart.
 InteriorPointAnswer IpoptSolver::tighten(const Trajectory& start, double initial, int iterations) {
-  const auto& schedule = options_.complementarity;
   InteriorPointSettings settings = default_settings();
   settings.max_iterations = iterations;
   Tightening so_far;
   Eigen::VectorXd y = transcription_->point_of(start);
-  for (double epsilon = initial;; epsilon = std::max(schedule.final, epsilon * schedule.factor)) {
+  for (double epsilon = initial;; epsilon = std::max(kLast, kShrink * epsilon)) {
     InteriorPointAnswer answer = relax_and_run(epsilon, y, settings);
     if (auto end = end_tightening(epsilon, answer, so_far)) return *std::move(end);
     so_far.last = std::move(answer);
     y = so_far.last.point.y;
     settings.warm = so_far.last.is_good() ? &so_far.last.point : nullptr;
-    if (epsilon <= schedule.final || pairs_need_no_less(*transcription_, y, options_)) break;
+    if (epsilon <= kLast || pairs_need_no_less(*transcription_, y, options_)) break;
   }
   polish(so_far.last, false);
   return so_far.last;
@@ -136,7 +135,7 @@ std::optional<InteriorPointAnswer> IpoptSolver::end_tightening(double epsilon,
 std::optional<InteriorPointAnswer> IpoptSolver::try_early_polish(double epsilon,
                                                                  const InteriorPointAnswer& answer,
                                                                  Tightening& so_far) {
-  if (!so_far.tried && epsilon > options_.complementarity.final) {
+  if (!so_far.tried && epsilon > kLast) {
     so_far.tried = true;
     if (auto polished = try_polish(answer)) return polished;
     if (is_out_of_budget()) return answer;

@@ -12,8 +12,8 @@ constexpr double kVisible = 10;
 
 bool MeritModel::hidden(double change) const { return std::abs(change) <= kVisible * rounding; }
 
-bool MeritModel::passes(double expected, double actual, double armijo, bool first) const {
-  if (expected > 0 && actual >= armijo * expected) return true;
+bool MeritModel::passes(double expected, double actual, bool first) const {
+  if (expected > 0 && actual >= kArmijo * expected) return true;
   return first && hidden(expected) && hidden(actual);
 }
 

@@ -2,6 +2,10 @@
 
 namespace conddp {
 
+/// Share of the first-order decrease of the merit that a step has to reach, the usual one (Nocedal,
+/// Wright 2006, section 3.1).
+inline constexpr double kArmijo = 1e-4;
+
 /// The merit φ = J + ν Σ‖gap‖₁ around an iterate. With closed gaps, only the cost remains.
 struct MeritModel {
   double cost = 0;                   ///< J of the iterate
@@ -17,9 +21,9 @@ struct MeritModel {
   bool descends() const { return merit_slope() < 0 || hidden(merit_slope()); }
   /// True if rounding hides a change of this size.
   bool hidden(double change) const;
-  /// Armijo's rule: a trial reaches the share `armijo` of the expected first-order decrease. The
-  /// first trial also passes if rounding hides both decreases.
-  bool passes(double expected, double actual, double armijo, bool first) const;
+  /// Armijo's rule: a trial reaches kArmijo of the expected first-order decrease. The first trial
+  /// also passes if rounding hides both decreases.
+  bool passes(double expected, double actual, bool first) const;
 };
 
 }  // namespace conddp

@@ -70,9 +70,9 @@ StationarityCheck::Apart StationarityCheck::compare(const Iterate& iterate,
                                                     const Eigen::VectorXd* multipliers) {
   const double tolerance = options_.tolerances.stationarity;
   const std::optional<double> found =
-      plain_ ? plain_->stationarity(iterate.evaluator, iterate.trajectory, iterate.gaps,
-                                    options_.regularization, *multipliers)
-             : reduced_stationarity(iterate, iterate.stationarity().value);
+      plain_
+          ? plain_->stationarity(iterate.evaluator, iterate.trajectory, iterate.gaps, *multipliers)
+          : reduced_stationarity(iterate, iterate.stationarity().value);
   if (!found) return {};
   double most = tolerance;
   if (plain_ && plain_->cost_gradient() > 0)

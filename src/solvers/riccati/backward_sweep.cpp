@@ -18,28 +18,24 @@ BackwardSweep::BackwardSweep(const ShootingProblem& problem, const ControlBounds
 }
 
 /// Sets the value at the last node.
-void BackwardSweep::start_at_end(const Linearization& linearization,
-                                 SweepRegularization regularization) {
+void BackwardSweep::start_at_end(const Linearization& linearization, double regularization) {
   const int N = bounds_.knots();
   values_[N].Vx = linearization.knots[N].gradient;
   values_[N].Vxx = linearization.knots[N].hessian();
-  if (regularization.in_model()) values_[N].Vxx.diagonal().array() += regularization.weight;
+  if (regularization > 0) values_[N].Vxx.diagonal().array() += regularization;
 }
 
-inline bool BackwardSweep::pass_stage(int k, const SweptHorizon& horizon,
-                                      SweepRegularization regularization, StageSolver& stages,
-                                      Feedback& feedback) {
+inline bool BackwardSweep::pass_stage(int k, const SweptHorizon& horizon, double regularization,
+                                      StageSolver& stages, Feedback& feedback) {
   stage_.propagate(horizon, k, values_[k + 1]);
   Quu_[k] = stage_.q().Quu();
   if (!stage_.solve(horizon, k, regularization, stages, feedback)) return false;
-  const bool true_gains = !regularization.in_gains() && stages.minimizes_freely();
-  return stage_.form_value(values_[k], feedback.k[k], true_gains);
+  return stage_.form_value(values_[k], feedback.k[k], stages.minimizes_freely());
 }
 
 /// Sweeps from a knot to the first one. Returns the knot that fails, or −1.
-inline int BackwardSweep::sweep_from(int knot, const SweptHorizon& horizon,
-                                     SweepRegularization regularization, StageSolver& stages,
-                                     Feedback& feedback) {
+inline int BackwardSweep::sweep_from(int knot, const SweptHorizon& horizon, double regularization,
+                                     StageSolver& stages, Feedback& feedback) {
   const int N = bounds_.knots();
   for (int k = knot; k >= 0; --k) {
     if ((N - k) % kKnotsBetweenCheckpoints == 0) pass_checkpoint();
@@ -49,7 +45,7 @@ inline int BackwardSweep::sweep_from(int knot, const SweptHorizon& horizon,
 }
 
 int BackwardSweep::run(const Linearization& linearization, const Trajectory& trajectory,
-                       const Gaps& gaps, SweepRegularization regularization, StageSolver& stages,
+                       const Gaps& gaps, double regularization, StageSolver& stages,
                        Feedback& feedback, bool hold, std::optional<int> from) {
   const int N = bounds_.knots();
   const SweptHorizon horizon{linearization, trajectory, gaps, bounds_};
@@ -72,8 +68,8 @@ void BackwardSweep::exchange_memory(BackwardSweep& other) {
   exchange(Quu_, other.Quu_);
 }
 
-bool BackwardSweep::goes_by_segments(bool hold, const SweepRegularization& regularization) const {
-  return segments_ && use_segments_ && (hold || !bounded_) && regularization.weight == 0;
+bool BackwardSweep::goes_by_segments(bool hold, double regularization) const {
+  return segments_ && use_segments_ && (hold || !bounded_) && regularization == 0;
 }
 
 }  // namespace conddp

@@ -10,12 +10,11 @@
 namespace conddp {
 
 /// The Riccati sweep of every DDP solver, from the last node to the first. At each knot it carries
-/// the next value across the gap and lets a solver minimize the stage with regularized second
-/// derivatives. It then forms the value of the resulting policy with the true second derivatives,
-/// in a form that also holds for clamped controls:
+/// the next value across the gap and lets a solver minimize the stage. It then forms the value of
+/// the resulting policy, in a form that also holds for clamped controls:
 ///   V_x  = Q_x + Kᵀ Q_uu k + Kᵀ Q_u + Q_xu k,
 ///   V_xx = Q_xx + Kᵀ Q_uu K + Kᵀ Q_ux + Q_xu K.
-/// Without regularization, the rows of Q_uu K + Q_ux that K does not leave out are zero; then
+/// If K minimizes the stage, the rows of Q_uu K + Q_ux that K does not leave out are zero; then
 ///   V_xx = Q_xx + Kᵀ Q_ux.
 ///
 /// With several segments, sweeps with an affine policy run by segments (SegmentSweep). These are
@@ -28,12 +27,13 @@ class BackwardSweep {
                 Segments segments = {});
 
   /// Fills `feedback` for the full step, which closes the gaps. Returns the knot of a stage that is
-  /// not finite or lacks a minimum, or −1 on success. `hold`: see ActiveSet::begin_sweep. With
-  /// `from`, the sweep begins at that knot: everything behind it is taken as in the previous sweep,
-  /// including the values and `feedback` there.
+  /// not finite or lacks a minimum, or −1 on success. `regularization`: the weight μ of
+  /// SolverOptions::Regularization. `hold`: see ActiveSet::begin_sweep. With `from`, the sweep
+  /// begins at that knot: everything behind it is taken as in the previous sweep, including the
+  /// values and `feedback` there.
   int run(const Linearization& linearization, const Trajectory& trajectory, const Gaps& gaps,
-          SweepRegularization regularization, StageSolver& stages, Feedback& feedback,
-          bool hold = false, std::optional<int> from = {});
+          double regularization, StageSolver& stages, Feedback& feedback, bool hold = false,
+          std::optional<int> from = {});
 
   /// Value at node k after a sweep, with respect to δx_k.
   const ValueFunction& value(int k) const { return values_[k]; }
@@ -47,12 +47,12 @@ class BackwardSweep {
   void use_segments(bool use) { use_segments_ = use; }
 
  private:
-  void start_at_end(const Linearization& linearization, SweepRegularization regularization);
-  int sweep_from(int knot, const SweptHorizon& horizon, SweepRegularization regularization,
-                 StageSolver& stages, Feedback& feedback);
-  bool pass_stage(int knot, const SweptHorizon& horizon, SweepRegularization regularization,
-                  StageSolver& stages, Feedback& feedback);
-  bool goes_by_segments(bool hold, const SweepRegularization& regularization) const;
+  void start_at_end(const Linearization& linearization, double regularization);
+  int sweep_from(int knot, const SweptHorizon& horizon, double regularization, StageSolver& stages,
+                 Feedback& feedback);
+  bool pass_stage(int knot, const SweptHorizon& horizon, double regularization, StageSolver& stages,
+                  Feedback& feedback);
+  bool goes_by_segments(bool hold, double regularization) const;
 
   const ControlBounds& bounds_;
   std::vector<ValueFunction> values_;  ///< N + 1

@@ -19,19 +19,15 @@ PlainAdjoint::PlainAdjoint(const ShootingProblem& problem, const ControlBounds& 
     cost_gradients_.push_back(knot.gradient);
 }
 
-std::optional<double> PlainAdjoint::stationarity(
-    Evaluator& evaluator, const Trajectory& trajectory, const Gaps& gaps,
-    const SolverOptions::Regularization& regularization, const Eigen::VectorXd& multipliers) {
+std::optional<double> PlainAdjoint::stationarity(Evaluator& evaluator, const Trajectory& trajectory,
+                                                 const Gaps& gaps,
+                                                 const Eigen::VectorXd& multipliers) {
   lagrangian_.multiplier = multipliers;
   evaluator.differentiate(trajectory, linearization_, &lagrangian_);
   cost_gradient_ = largest_cost_gradient();
-  SolverOptions::Regularization from_zero = regularization;
-  from_zero.initial = 0;
-  RegularizationSchedule schedule(from_zero);
-  while (sweep_.run(linearization_, trajectory, gaps, {regularization.kind, schedule.value()},
-                    *stages_, feedback_) >= 0) {
+  RegularizationSchedule schedule;
+  while (sweep_.run(linearization_, trajectory, gaps, schedule.value(), *stages_, feedback_) >= 0)
     if (!schedule.increase()) return std::nullopt;
-  }
   adjoint_.compute(linearization_, trajectory, gaps, feedback_);
   return bounds_.projected_norm(adjoint_.gradient(), trajectory).value;
 }

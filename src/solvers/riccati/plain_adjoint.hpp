@@ -19,9 +19,7 @@ class PlainAdjoint {
   /// ‖∇_u L‖∞ at these constraint multipliers (one per row), projected on the control bounds. Empty
   /// if the costs lack a minimum along the linear dynamics with any regularization.
   std::optional<double> stationarity(Evaluator& evaluator, const Trajectory& trajectory,
-                                     const Gaps& gaps,
-                                     const SolverOptions::Regularization& regularization,
-                                     const Eigen::VectorXd& multipliers);
+                                     const Gaps& gaps, const Eigen::VectorXd& multipliers);
 
   /// Largest derivative of the cost with respect to a state or control, from the last call of
   /// stationarity().

@@ -2,19 +2,28 @@
 
 #include <algorithm>
 
+#include "solvers/common/options.hpp"
+
 namespace conddp {
+namespace {
+
+/// Factor by which the rate of change grows or shrinks with each change, as Tassa's.
+constexpr double kFactor = 2;
+constexpr double kLargest = SolverOptions::Regularization::kLargest;
+
+}  // namespace
 
 bool RegularizationSchedule::increase() {
-  if (value_ >= options_.max) return false;
-  rate_ = std::max(options_.factor, rate_ * options_.factor);
-  value_ = std::clamp(value_ * rate_, options_.min, options_.max);
+  if (value_ >= kLargest) return false;
+  rate_ = std::max(kFactor, rate_ * kFactor);
+  value_ = std::clamp(value_ * rate_, min_, kLargest);
   return true;
 }
 
 void RegularizationSchedule::decrease() {
-  rate_ = std::min(1 / options_.factor, rate_ / options_.factor);
+  rate_ = std::min(1 / kFactor, rate_ / kFactor);
   value_ *= rate_;
-  if (value_ < options_.min) value_ = 0;
+  if (value_ < min_) value_ = 0;
 }
 
 }  // namespace conddp

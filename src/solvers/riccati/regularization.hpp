@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "solvers/common/options.hpp"
-
 namespace conddp {
 
 /// The weight μ of the sweep's regularization, adapted by Tassa's quadratic schedule (Tassa, Erez,
@@ -12,19 +10,18 @@ namespace conddp {
 /// below that value, it returns to zero.
 class RegularizationSchedule {
  public:
-  explicit RegularizationSchedule(const SolverOptions::Regularization& options)
-      : options_(options), value_(options.initial) {}
+  explicit RegularizationSchedule(double initial = 0) : value_(initial) {}
 
   double value() const { return value_; }
   /// False, without a change, if μ is already at its largest value.
   bool increase();
   void decrease();
   /// Lowers the smallest positive value to at most this one.
-  void lower_min(double min) { options_.min = std::min(options_.min, min); }
+  void lower_min(double min) { min_ = std::min(min_, min); }
 
  private:
-  SolverOptions::Regularization options_;
   double value_;
+  double min_ = 1e-6;  ///< as Tassa's
   double rate_ = 1;
 };
 

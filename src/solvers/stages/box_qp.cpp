@@ -13,6 +13,11 @@ using VectorIn = Eigen::Ref<const Eigen::VectorXd>;
 using MatrixIn = Eigen::Ref<const Eigen::MatrixXd>;
 
 constexpr double kShortestStep = 1e-12;
+/// Limit of the iterations. Each changes the active set, mostly for the last time, and stages have
+/// far fewer controls.
+constexpr int kMostIterations = 100;
+/// Share of the first-order decrease that a projected step has to reach, as Tassa's.
+constexpr double kArmijoShare = 0.1;
 
 BoundState state_of(double x, double lower, double upper, double gradient, BoundState hint) {
   const bool at_lower = x <= lower, at_upper = x >= upper;
@@ -24,10 +29,8 @@ BoundState state_of(double x, double lower, double upper, double gradient, Bound
 
 }  // namespace
 
-BoxQp::BoxQp(int max_size, int max_iterations, double armijo)
-    : max_iterations_(max_iterations),
-      armijo_(armijo),
-      x_(max_size),
+BoxQp::BoxQp(int max_size)
+    : x_(max_size),
       gradient_(max_size),
       direction_(max_size),
       step_(max_size),
@@ -101,7 +104,7 @@ BoxQp::Status BoxQp::solve(const MatrixIn& H, const VectorIn& g, const VectorIn&
   const double g_max = g.lpNorm<Eigen::Infinity>();
   const double H_max = H.cwiseAbs().maxCoeff();
   bool newton_point = false;  // x minimizes over its free entries
-  for (iterations_ = 0; iterations_ < max_iterations_; ++iterations_) {
+  for (iterations_ = 0; iterations_ < kMostIterations; ++iterations_) {
     gradient.noalias() = H * x;
     gradient += g;
     const bool first = iterations_ == 0;
@@ -152,7 +155,7 @@ BoxQp::Descent BoxQp::search(const MatrixIn& H, const VectorIn& lower, const Vec
     H_step.noalias() = H * step;
     const double slope = gradient_.head(size_).dot(step);
     const double change = slope + 0.5 * step.dot(H_step);
-    if (slope < 0 && change <= armijo_ * slope)
+    if (slope < 0 && change <= kArmijoShare * slope)
       return length == 1 && !projected ? Descent::newton : Descent::shorter;
     const bool passes = length > block.length && length / 2 < block.length;
     length = passes ? block.length : length / 2;

@@ -24,7 +24,7 @@ class BoxQp {
     iteration_limit,        ///< feasible and no worse than the start, but not optimal
   };
 
-  explicit BoxQp(int max_size, int max_iterations = 100, double armijo = 0.1);
+  explicit BoxQp(int max_size);
 
   /// `active` (one entry per entry of x) gives the start. Held entries start at their bound and
   /// stay there in the first step; free entries start from 0 or the nearest allowed value. On
@@ -69,8 +69,6 @@ class BoxQp {
   bool project_trial(double length, const Eigen::Ref<const Eigen::VectorXd>& lower,
                      const Eigen::Ref<const Eigen::VectorXd>& upper);
 
-  int max_iterations_;
-  double armijo_;
   int size_ = 0;
   int free_count_ = 0;
   int iterations_ = 0;

@@ -12,13 +12,11 @@ namespace {
 
 class BoxStage : public StageSolver {
  public:
-  BoxStage(const ShootingProblem& problem, int max_nu, const SolverOptions::BoxQp& options,
-           int segments)
+  BoxStage(const ShootingProblem& problem, int max_nu, int segments)
       : StageSolver(ActiveSet(problem)) {
     const int rows = segments > 1 ? parametric_rows(problem) : problem.ndx();
     scratch_.reserve(segments);
-    for (int segment = 0; segment < segments; ++segment)
-      scratch_.emplace_back(rows, max_nu, options);
+    for (int segment = 0; segment < segments; ++segment) scratch_.emplace_back(rows, max_nu);
   }
 
   bool solve(const StageProblem& stage, Eigen::Ref<Eigen::VectorXd> k,
@@ -36,11 +34,8 @@ class BoxStage : public StageSolver {
  private:
   /// Workspace of one stage.
   struct Scratch {
-    Scratch(int rows, int max_nu, const SolverOptions::BoxQp& options)
-        : qp(max_nu, options.max_iterations, options.armijo),
-          factor(max_nu, max_nu),
-          rhs(rows + 1, max_nu),
-          before(max_nu) {
+    Scratch(int rows, int max_nu)
+        : qp(max_nu), factor(max_nu, max_nu), rhs(rows + 1, max_nu), before(max_nu) {
       free.reserve(max_nu);
     }
     BoxQp qp;
@@ -138,9 +133,8 @@ class BoxStage : public StageSolver {
 
 }  // namespace
 
-std::unique_ptr<StageSolver> box_stage(const ShootingProblem& problem,
-                                       const SolverOptions::BoxQp& options, int segments) {
-  return std::make_unique<BoxStage>(problem, largest_nu(problem), options, segments);
+std::unique_ptr<StageSolver> box_stage(const ShootingProblem& problem, int segments) {
+  return std::make_unique<BoxStage>(problem, largest_nu(problem), segments);
 }
 
 }  // namespace conddp

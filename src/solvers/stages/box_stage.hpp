@@ -13,7 +13,6 @@ namespace conddp {
 /// This set ignores the steps of earlier knots. Alternating `ActiveSet::revise` and held sweeps
 /// approach the active set of the horizon's box-constrained QP.
 /// `segments`: number of segments whose stages may be solved at once.
-std::unique_ptr<StageSolver> box_stage(const ShootingProblem& problem,
-                                       const SolverOptions::BoxQp& options, int segments = 1);
+std::unique_ptr<StageSolver> box_stage(const ShootingProblem& problem, int segments = 1);
 
 }  // namespace conddp

@@ -34,7 +34,6 @@ int parametric_rows(const ShootingProblem& problem) {
 StageSweep::StageSweep(const ShootingProblem& problem, bool parametric)
     : propagation_(problem.ndx(), largest_nu(problem)),
       q_(problem.ndx(), largest_nu(problem)),
-      columns_(problem.ndx() + largest_nu(problem), largest_nu(problem)),
       Kt_((parametric ? parametric_rows(problem) : problem.ndx()) + 1, largest_nu(problem)),
       M_(problem.ndx(), largest_nu(problem)),
       w_(largest_nu(problem)) {}
@@ -43,21 +42,11 @@ void StageSweep::propagate(const SweptHorizon& horizon, int k, const ValueFuncti
   propagation_.propagate(horizon.linearization.knots[k], next, q_, &horizon.gaps[k]);
 }
 
-bool StageSweep::solve(const SweptHorizon& horizon, int k, SweepRegularization regularization,
+bool StageSweep::solve(const SweptHorizon& horizon, int k, double regularization,
                        StageSolver& stages, Feedback& feedback) {
   const int nu = q_.nu(), ndx = q_.ndx();
-  if (regularization.in_model()) q_.add_to_diagonal(regularization.weight);
-  const bool regular = regularization.in_gains();
-  columns_.resize(q_.nz(), nu);
-  auto columns = regular ? columns_.view() : q_.Qzz_lanes().block(q_.nz(), ndx, nu).view();
-  if (regular) {
-    columns = q_.Qzz().rightCols(nu);
-    if (regularization.kind == RegularizationKind::state) {
-      propagation_.regularize_state(horizon.linearization.knots[k], regularization.weight, columns);
-    } else {
-      columns.bottomRows(nu).diagonal().array() += regularization.weight;
-    }
-  }
+  if (regularization > 0) q_.add_to_diagonal(regularization);
+  const auto columns = q_.Qzz_lanes().block(q_.nz(), ndx, nu).view();
   return solve({.knot = k,
                 .Qxu = rows_of(columns, 0, ndx),
                 .Quu = rows_of(columns, ndx, nu),
@@ -94,7 +83,7 @@ bool StageSweep::solve(const StageProblem& stage, StageSolver& stages, Feedback&
   return true;
 }
 
-bool StageSweep::form_value(ValueFunction& value, const Eigen::VectorXd& k, bool true_gains) {
+bool StageSweep::form_value(ValueFunction& value, const Eigen::VectorXd& k, bool minimizes) {
   const int nu = q_.nu(), ndx = q_.ndx();
   LaneMatrix& Q = q_.Qzz_lanes();
   auto w = w_.head(nu);
@@ -102,14 +91,14 @@ bool StageSweep::form_value(ValueFunction& value, const Eigen::VectorXd& k, bool
     w = q_.Qu();
     w.noalias() += q_.Quu() * k;
   }
-  if (const NarrowStage* narrow = narrow_stage(ndx, nu); narrow != nullptr && true_gains)
+  if (const NarrowStage* narrow = narrow_stage(ndx, nu); narrow != nullptr && minimizes)
     return narrow->form_value(q_, Kt_.block(), w.data(), k.data(), value);
   // V_xx replaces Q_xx in the lower triangle, and V_x replaces Q_x.
   const LaneBlock Vxx = Q.block(ndx, 0, ndx), Vx{q_.Qz().data(), Q.stride(), ndx, 1};
   if (nu > 0) {
     const LaneBlock Kt = Kt_.block(ndx, 0, nu), Qxu = Q.block(ndx, ndx, nu);
-    if (!true_gains) {
-      // (Kᵀ Q_uu + Q_xu) K vanishes only if K minimizes with the true Q_uu.
+    if (!minimizes) {
+      // (Kᵀ Q_uu + Q_xu) K vanishes only if K minimizes.
       M_.resize(ndx, nu);
       M_.view() = q_.Qxu();
       multiply(Store::add, M_.block(), Kt, {Q.col(ndx) + ndx, 1, Q.stride()});

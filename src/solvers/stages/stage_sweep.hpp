@@ -10,17 +10,6 @@
 
 namespace conddp {
 
-/// Regularization that a sweep adds to its model or to its gains.
-struct SweepRegularization {
-  RegularizationKind kind = RegularizationKind::proximal;
-  double weight = 0;
-
-  /// True if it is a cost of the model, so that the policy minimizes that model.
-  bool in_model() const { return weight > 0 && kind == RegularizationKind::proximal; }
-  /// True if the gains belong to a matrix other than the model's.
-  bool in_gains() const { return weight > 0 && kind != RegularizationKind::proximal; }
-};
-
 /// First row of the linear terms of the parameters, and the total number of rows. These terms
 /// follow those of the state at the next lane; there are as many parameters as state entries.
 int parameter_row(const ShootingProblem& problem);
@@ -43,16 +32,17 @@ class StageSweep {
 
   /// Fills q() from the value at the next node.
   void propagate(const SweptHorizon& horizon, int k, const ValueFunction& next);
-  /// Lets the solver minimize the stage; fills feedback.k and feedback.K of the knot.
-  bool solve(const SweptHorizon& horizon, int k, SweepRegularization regularization,
-             StageSolver& stages, Feedback& feedback);
+  /// Lets the solver minimize the stage with the weight of SolverOptions::Regularization; fills
+  /// feedback.k and feedback.K of the knot.
+  bool solve(const SweptHorizon& horizon, int k, double regularization, StageSolver& stages,
+             Feedback& feedback);
   /// The same without regularization and with parameters: `Qxu` has parametric_rows. `segment`: see
   /// StageProblem.
   bool solve(const SweptHorizon& horizon, int k, const Eigen::Ref<const Eigen::MatrixXd>& Qxu,
              int segment, StageSolver& stages, Feedback& feedback);
-  /// Forms the value at the knot. `true_gains`: K comes from unregularized second derivatives.
-  /// False if the value is not finite.
-  bool form_value(ValueFunction& value, const Eigen::VectorXd& k, bool true_gains);
+  /// Forms the value at the knot. `minimizes`: K minimizes the stage in the entries that it does
+  /// not leave out. False if the value is not finite.
+  bool form_value(ValueFunction& value, const Eigen::VectorXd& k, bool minimizes);
 
   const ActionValue& q() const { return q_; }
   /// K transposed (ndx x nu). The gains of parameters begin at row parameter_row; one more row
@@ -64,7 +54,6 @@ class StageSweep {
 
   ValuePropagation propagation_;
   ActionValue q_;
-  LaneMatrix columns_;  ///< nz x nu: control columns of Q_zz, regularized
   LaneMatrix Kt_;
   LaneMatrix M_;       ///< ndx x nu
   Eigen::VectorXd w_;  ///< nu

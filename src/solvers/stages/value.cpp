@@ -17,8 +17,6 @@ using StateBlock = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
 /// Filled lanes are visited one by one if at most one of this many lanes is filled.
 constexpr int kListedShare = 4;
 
-CurvedBlock block(const StateBlock& B, int n) { return {B.data(), n, 6}; }
-
 /// Q += P, in the rows and columns of P.
 void add_square(LaneMatrix& P, LaneMatrix& Q) {
   const int rows = P.rows(), cols = P.cols();
@@ -150,9 +148,7 @@ ValuePropagation::ValuePropagation(int ndx, int max_nu)
       FtP_(ndx + max_nu, ndx),
       P11_(ndx, ndx),
       P12_(ndx, ndx),
-      P22_(ndx, ndx),
-      columns_(ndx, max_nu),
-      columns2_(ndx, max_nu) {}
+      P22_(ndx, ndx) {}
 
 /// Moves the next value across the gap. On curved spaces, semi-implicit dynamics apply G to their
 /// few blocks (G A and G H) instead of V_xx.
@@ -256,37 +252,6 @@ void ValuePropagation::transform(const KnotLinearization& knot, const StateBlock
                            : transform_rows_of<3>)(A[s], H[s], dt, nv, P11_.data() + at,
                                                    P12_.data() + at, P22_.data() + at, stride);
   }
-}
-
-void ValuePropagation::regularize_state(const KnotLinearization& knot, double mu,
-                                        Eigen::Ref<Eigen::MatrixXd> columns) {
-  const int nu = knot.nu();
-  const auto Fu = knot.F.rightCols(nu);
-  const int nv = static_cast<int>(knot.F.rows());
-  auto work = columns_.topLeftCorner(nv, nu);
-  if (!knot.semi_implicit) {
-    work = mu * Fu;
-    columns.noalias() += knot.F.transpose() * work;
-    return;
-  }
-  // T_u = (dt H F_u; F_u) and T = (A Eᵀ + dt H F; F).
-  work = (mu * knot.dt) * Fu;
-  const int stride = static_cast<int>(columns_.rows());
-  for (std::size_t s = 0; s < knot.curved.size(); ++s) {
-    const int at = knot.curved[s].dx, n = knot.curved[s].n;
-    const StateBlock Ht = knot.H[s].transpose();
-    transform_rows(block(Ht, n), columns_.data() + at, stride, nu);
-  }
-  auto upper = columns2_.topLeftCorner(nv, nu);
-  upper = work;  // μ dt H F_u
-  for (std::size_t s = 0; s < knot.curved.size(); ++s) {
-    const int at = knot.curved[s].dx, n = knot.curved[s].n;
-    transform_rows(block(knot.A[s], n), columns2_.data() + at, stride, nu);
-    transform_rows(block(knot.H[s], n), columns_.data() + at, stride, nu);
-  }
-  columns.topRows(nv) += upper;
-  work = knot.dt * work + mu * Fu;
-  columns.noalias() += knot.F.transpose() * work;
 }
 
 }  // namespace conddp

@@ -27,11 +27,6 @@ class ValuePropagation {
   void propagate(const KnotLinearization& knot, const ValueFunction& next, ActionValue& q,
                  const GapTransport* gap = nullptr);
 
-  /// `columns` (nz x nu) ← (Q_xu; Q_uu) + μ Tᵀ T_u: the control columns for V_xx + μ I at the next
-  /// node.
-  void regularize_state(const KnotLinearization& knot, double mu,
-                        Eigen::Ref<Eigen::MatrixXd> columns);
-
  private:
   /// A knot's blocks of δq⁺ = A δq + dt H δv⁺.
   using StateBlocks = std::vector<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>;
@@ -55,8 +50,6 @@ class ValuePropagation {
   StateBlocks GA_, GH_;
   LaneMatrix Ft_, FtP_;         // nz x rows of F
   LaneMatrix P11_, P12_, P22_;  // nv x nv, with zero padding
-  Eigen::MatrixXd columns_;     // ndx x nu
-  Eigen::MatrixXd columns2_;    // ndx x nu
 };
 
 }  // namespace conddp

@@ -43,8 +43,8 @@ SolverOptions::Tolerances tightened(SolverOptions::Tolerances t, double share) {
 SolverOptions from_answer(const SolveResult& answer, SolverOptions options) {
   options.multipliers = std::make_shared<const DualGuess>(
       DualGuess{answer.constraint_multipliers, answer.costates, answer.control_gradient});
-  auto& pairs = options.complementarity;
-  pairs.initial = std::sqrt(pairs.initial * pairs.final);
+  double& epsilon = options.complementarity.initial;
+  epsilon = std::sqrt(epsilon * SolverOptions::Complementarity::kLast);
   return options;
 }
 
