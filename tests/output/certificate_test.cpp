@@ -396,19 +396,6 @@ TEST(Certificate, KnowsDroppedConstraints) {
   EXPECT_EQ(failures(answer.judge(answer.document)), "[violation of dropped torque]");
 }
 
-TEST(Certificate, AcceptsDeprecatedOptionNames) {
-  SolvedExample answer("pendulum_swingup");
-  OrderedJson& options = answer.document["problem"]["options"];
-  OrderedJson former = OrderedJson::object();
-  for (const auto& [key, value] : options.items())
-    former[key == "segments" ? std::string("legs") : key] = value;
-  ASSERT_TRUE(former.contains("legs"));
-  options = former;
-  EXPECT_EQ(failures(answer.judge(answer.document)), "");
-  options["legs"] = 2;
-  EXPECT_EQ(failures(answer.judge(answer.document)), "[options]");
-}
-
 TEST(Certificate, RejectsDocumentsWithoutKeys) {
   const SolvedExample answer("pendulum_swingup");
   for (const char* key : {"problem", "status", "cost", "residuals", "trajectory", "multipliers",

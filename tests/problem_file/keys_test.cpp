@@ -31,7 +31,7 @@ static void describe(Keys& keys, Wheel& wheel) {
 static void describe(Keys& keys, Cart& cart) {
   keys.about({.title = "Cart", .says = "On wheels", .examples = R"([{"mass": 1}])"});
   keys({.name = "mass", .says = "Mass, kg", .required = true}, cart.mass, NumberForm{kPositive});
-  keys({.name = "seats", .says = "Seats", .formerly = "chairs"}, cart.seats, IntegerForm{1, 9});
+  keys({"seats", "Seats"}, cart.seats, IntegerForm{1, 9});
   keys({"air", "Forces of the air"}, GroupValue([&](Keys& air) {
          air.about({.title = "Air", .examples = "[{}]"});
          air({"drag", "Drag, N"}, cart.drag, NumberForm{});
@@ -87,13 +87,6 @@ TEST(Keys, ReportsFaultsWhereTheyStand) {
   EXPECT_NE(list.messages.find("hint: write '{mass: 1}'"), std::string::npos);
 }
 
-TEST(Keys, TranslatesFormerNames) {
-  const CartFile read("mass: 1\nchairs: 2\n");
-  ASSERT_TRUE(read.cart.seats);
-  EXPECT_EQ(read.cart.seats->value, 2);
-  EXPECT_NE(read.messages.find("'chairs' is now called 'seats'"), std::string::npos);
-}
-
 TEST(Keys, ExpandsDefaultsButNoAbsentKeys) {
   const CartFile read("mass: 2\nwheels: {a: {}}\n");
   EXPECT_EQ(expand_map(read.cart), OrderedJson::parse(R"({
@@ -108,8 +101,6 @@ TEST(Keys, WritesTheSchema) {
     "type": "object", "title": "Cart", "description": "On wheels",
     "properties": {
       "mass": {"type": "number", "exclusiveMinimum": 0.0, "description": "Mass, kg"},
-      "chairs": {"type": "integer", "minimum": 1, "maximum": 9,
-                 "description": "The former name of 'seats'.", "deprecated": true},
       "seats": {"type": "integer", "minimum": 1, "maximum": 9, "description": "Seats"},
       "air": {
         "type": "object", "title": "Air",

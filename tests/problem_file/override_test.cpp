@@ -18,14 +18,6 @@ TEST(Override, ReplacesAndAddsValues) {
   EXPECT_EQ(loaded.built->problem->initial_state()[0], 0.5);
 }
 
-TEST(Override, AcceptsADeprecatedOptionName) {
-  const Loaded loaded(std::string(kPendulum), {"solver={name: proxddp, legs: 2}"});
-  ASSERT_TRUE(loaded.built) << loaded.all();
-  EXPECT_EQ(loaded.spec->solver.options.segments, 2);
-  EXPECT_NE(loaded.all().find("'legs' is now called 'segments'"), std::string::npos)
-      << loaded.all();
-}
-
 TEST(Override, FindsPhasesByNameAndByIndex) {
   const Loaded loaded(std::string(kPendulum), {"phases.second.knots=3", "phases.1.dt=0.03",
                                                "phases.first.weights.effort=2"});

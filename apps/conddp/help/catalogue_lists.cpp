@@ -62,7 +62,6 @@ OrderedJson list_options() {
   OrderedJson list = OrderedJson::array();
   for (const OptionInfo& info : option_table()) {
     OrderedJson entry = {{"name", info.name}, {"description", info.doc}};
-    if (!info.formerly.empty()) entry["formerly"] = info.formerly;
     std::visit([&](const auto& value) { entry["default"] = value; }, info.default_value());
     if (entry["default"].is_number_float() && !std::isfinite(entry["default"].get<double>()))
       entry["default"] = nullptr;

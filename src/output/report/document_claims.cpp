@@ -13,7 +13,6 @@
 #include "output/solution/finding_report.hpp"
 #include "output/solution/solution_json.hpp"
 #include "problem_file/expand/expand_problem.hpp"
-#include "solvers/common/option_table.hpp"
 #include "solvers/strategies/registry.hpp"
 
 namespace conddp {
@@ -116,26 +115,12 @@ class Reader {
         if (at(document_, {"solver"}) == info->name) return std::string(info->name);
     return spec_.solver.name.value;
   }
-  /// Options with former names replaced by current ones.
-  static Json with_present_names(const Json& options) {
-    if (!options.is_object()) return options;
-    Json renamed = Json::object();
-    for (const auto& [key, value] : options.items()) {
-      std::string_view name = key;
-      for (const OptionInfo& info : option_table())
-        if (info.formerly == name) name = info.name;
-      renamed[std::string(name)] = value;
-    }
-    return renamed;
-  }
-
   void compare_with_problem() {
     const Json &problem = at(document_, {"problem"}), &motion = at(document_, {"trajectory"});
     checks_.push_back(configuration_check(at(problem, {"configuration"}), spec_, built_));
     statements_.expect("name", at(problem, {"name"}), spec_.name.value);
     statements_.expect("solver", at(document_, {"solver"}), solver_name());
-    statements_.expect("options", with_present_names(at(problem, {"options"})),
-                       expand_options(spec_.solver.options));
+    statements_.expect("options", at(problem, {"options"}), expand_options(spec_.solver.options));
     statements_.expect("knots", at(problem, {"knots"}), problem_.knots());
     if (document_.contains("cost_scale"))
       statements_.expect("cost scale", document_.at("cost_scale"), cost_scale(problem_));

@@ -162,6 +162,7 @@ struct RemovedOption {
 constexpr std::string_view kByWeight = "leave it out: conddp adapts the weight, from 'initial' on";
 constexpr std::string_view kByEpsilon = "leave it out: 'initial' sets the first epsilon";
 constexpr RemovedOption kRemoved[] = {
+    {"", "legs", "write 'segments'"},
     {"", "line_search"},
     {"", "box_qp"},
     {"regularization", "kind", kByWeight},
@@ -197,10 +198,7 @@ std::string_view group_of(const OptionInfo& info) {
 
 void visit_option(Keys& keys, const OptionInfo& info, SolverOptions& options) {
   OptionKey value(info, options);
-  keys.visit({.name = info.name.substr(info.name.find('.') + 1),
-              .says = info.doc,
-              .formerly = info.formerly},
-             value);
+  keys.visit({.name = info.name.substr(info.name.find('.') + 1), .says = info.doc}, value);
 }
 
 /// Visits the options of a group.

@@ -2,18 +2,11 @@
 
 #include <string>
 
-#include <fmt/format.h>
-
 namespace conddp {
 
 void KeyReader::visit(const KeyInfo& key, KeyValue& value) {
   if (const auto reader = key.required ? map_.require(key.name) : map_.find(key.name))
     value.read(*reader);
-  if (key.formerly.empty() || map_.reader().node().find(key.formerly) == nullptr) return;
-  const auto former = map_.find(key.formerly);
-  former->diagnostics().note(former->place(),
-                             fmt::format("'{}' is now called '{}'", key.formerly, key.name));
-  value.read(*former);
 }
 
 void KeyWriter::visit(const KeyInfo& key, KeyValue& value) {
@@ -43,12 +36,7 @@ void KeySchema::visit(const KeyInfo& key, KeyValue& value) {
   if (schema.contains("$ref") && !own.empty())
     schema = {{"allOf", OrderedJson::array({std::move(schema)})}};
   schema.update(own);
-  properties_[std::string(key.name)] = schema;
-  if (key.formerly.empty()) return;
-  schema.erase("default");
-  schema["description"] = fmt::format("The former name of '{}'.", key.name);
-  schema["deprecated"] = true;
-  properties_[std::string(key.formerly)] = std::move(schema);
+  properties_[std::string(key.name)] = std::move(schema);
 }
 
 void KeySchema::exclusive(std::initializer_list<std::string_view> keys) {

@@ -19,7 +19,6 @@ struct KeyInfo {
   std::string_view examples = {};  ///< a JSON list
   /// Default as JSON if it is not the value of a new struct; "none": the key has no default.
   std::string_view fallback = {};
-  std::string_view formerly = {};  ///< former name that files may still use
 };
 
 /// Documentation of a mapping.

@@ -38,7 +38,6 @@ constexpr std::array kTable = {
     OptionInfo{.name = "segments",
                .doc = "For proxddp: horizon segments swept in parallel, as far as there are "
                       "threads; at most as many as knots.",
-               .formerly = "legs",
                .min = 1,
                .max = 1024,
                .access = CONDDP_ACCESS(segments)},

@@ -15,11 +15,10 @@ using OptionValue = std::variant<int, double, std::string>;
 
 /// One option of SolverOptions, described for readers, printers and schemas.
 struct OptionInfo {
-  std::string_view name;           ///< dotted path: "tolerances.stationarity"
-  std::string_view doc;            ///< one sentence, with the unit
-  std::string_view formerly = {};  ///< former name that files may still use
-  double min = 0;                  ///< smallest allowed value (numbers)
-  double max = 0;  ///< largest allowed value; if infinite, infinity itself is allowed
+  std::string_view name;  ///< dotted path: "tolerances.stationarity"
+  std::string_view doc;   ///< one sentence, with the unit
+  double min = 0;         ///< smallest allowed value (numbers)
+  double max = 0;         ///< largest allowed value; if infinite, infinity itself is allowed
   bool min_excluded = false;
   bool max_excluded = false;
   std::span<const std::string_view> choices;  ///< names in the enum's order; empty for numbers
