@@ -21,11 +21,13 @@ set(CONDDP_batch_FOLDERS plan results run cluster)
 set(CONDDP_TOOL_FOLDERS terminal arguments help summary commands .)
 
 # Names of features and the places that may know them: decorations of a step are made where problems are
-# built, and nothing else knows them.
+# built, and the specification of a file stays there; others ask the built problem.
 set(CONDDP_OWN_NAMES
   make_controls_linear=src/ocp/step,src/problem_file
   has_linear_controls=src/ocp/step,src/problem_file
   remember_controls=src/ocp/step,src/problem_file
   scale_time=src/ocp/step,src/problem_file
   HeldControls=src/problem_file/build
+  ProblemSpec=src/problem_file
+  problem_spec=src/problem_file
   StateTail=src/problem_file/build)

@@ -1,16 +1,16 @@
 // Problem files and solutions, of the component `files` (conddp::files).
 //
 //   Diagnostics messages;
-//   const auto spec = read_problem("problem.yaml", {"solver.max_iterations=50"}, messages);
-//   const auto built = spec ? build_problem(*spec, {}, messages) : std::nullopt;
+//   const auto built = build_problem(
+//       read_problem("problem.yaml", {"solver.max_iterations=50"}, messages), {}, messages);
 //   std::fputs(format_diagnostics(messages, false).c_str(), stderr);
 //   if (!built) return 2;
 //
 //   const SolverInfo* solver = nullptr;
-//   const auto candidates = usable_solvers(*spec, *built->problem, messages);
+//   const auto candidates = usable_solvers(*built, messages);
 //   const SolveResult result =
-//       solve(*built->problem, candidates, spec->solver.options, built->guess, solver);
-//   const Solution solution{*spec, *built, *solver, result};
+//       solve(*built->problem, candidates, built->facts().solver.options, built->guess, solver);
+//   const Solution solution{*built, *solver, result};
 //   write_solution(solution, solution_json(solution), "out", "");
 //
 // What is wrong with a file is a diagnostic with file, line, column and what would be accepted,
@@ -22,6 +22,4 @@
 #include "conddp/conddp.hpp"
 #include "output/solution/solution.hpp"
 #include "output/solution/solution_json.hpp"
-#include "output/solution/write_solution.hpp"
 #include "problem_file/build/build_problem.hpp"
-#include "problem_file/read/read_problem.hpp"

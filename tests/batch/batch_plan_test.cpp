@@ -94,8 +94,8 @@ TEST(BatchPlan, PerturbsLikeTheBenchmark) {
   for (const std::string& text : settings(batch, 1)) list.push_back(*parse_setting(text, texts));
   const auto instance = family->build(list, texts);
   ASSERT_TRUE(instance) << format_diagnostics(texts, false);
-  EXPECT_EQ(instance->built.problem->initial_state(),
-            perturb_initial_state(*family->base().built.problem, 0.1, 8).initial_state());
+  EXPECT_EQ(instance->problem->initial_state(),
+            perturb_initial_state(*family->base().problem, 0.1, 8).initial_state());
 }
 
 TEST(BatchPlan, DrawsTheSameNumbersFromTheSameSeed) {
@@ -658,13 +658,13 @@ TEST(BatchPlan, RobotSettingsReloadTheRobot) {
     Diagnostics own = family->texts();
     const auto instance = family->build({*parse_setting(text, own)}, own);
     EXPECT_TRUE(instance) << format_diagnostics(own, false);
-    return instance->built.plant.robot().total_mass();
+    return instance->plant.robot().total_mass();
   };
   const double plain = mass("costs.effort.weight=2");
   EXPECT_NEAR(mass("robot.payloads={link_7: {mass: 10}}") - plain, 10, 1e-12);
   const auto system_of = [&](const std::string& text) {
     Diagnostics own = family->texts();
-    return family->build({*parse_setting(text, own)}, own)->built.plant.system;
+    return family->build({*parse_setting(text, own)}, own)->plant.system;
   };
   EXPECT_EQ(system_of("costs.effort.weight=2"), system_of("phases.only.knots=5"));
 }
@@ -924,7 +924,7 @@ vary: {g: {key: initial_guess, values: [{states: interpolate}, {file: a.csv}]}}
     const std::vector<Setting> list{*parse_setting(item.settings.at(0), texts)};
     const auto instance = family->build(list, texts);
     ASSERT_TRUE(instance) << format_diagnostics(texts, false);
-    EXPECT_EQ(item_id(*batch.manifest, item.problem, list, input_files(instance->built)), item.id);
+    EXPECT_EQ(item_id(*batch.manifest, item.problem, list, input_files(*instance)), item.id);
   }
 }
 

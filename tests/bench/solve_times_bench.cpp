@@ -107,8 +107,8 @@ int run(const Arguments& arguments) {
   if (spec && !arguments.solver.empty()) spec->solver.name = {arguments.solver, {}};
   const auto built = spec ? build_problem(*spec, {.drop = arguments.drop}, diagnostics)
                           : std::optional<BuiltProblem>();
-  const auto candidates = built ? usable_solvers(*spec, *built->problem, diagnostics)
-                                : std::vector<const SolverInfo*>();
+  const auto candidates =
+      built ? usable_solvers(*built, diagnostics) : std::vector<const SolverInfo*>();
   const SolverInfo* solver = candidates.empty() ? nullptr : candidates.front();
   if (solver == nullptr) {
     std::cerr << format_diagnostics(diagnostics, false);

@@ -57,8 +57,7 @@ std::unique_ptr<ReadProblem> read_composed(const std::string& text,
   const auto file = std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/composed.yaml";
   read->spec = read_problem_text(text, file, {}, read->diagnostics);
   if (read->spec) read->built = build_problem(*read->spec, {.drop = drop}, read->diagnostics);
-  if (read->built)
-    read->candidates = usable_solvers(*read->spec, *read->built->problem, read->diagnostics);
+  if (read->built) read->candidates = usable_solvers(*read->built, read->diagnostics);
   return read;
 }
 
@@ -85,10 +84,10 @@ std::string kind_of_refusal(const ReadProblem& read) {
 
 /// The file with every default is the same problem.
 void expect_expansion_to_be_the_same(const ReadProblem& read, const ComposedProblem& problem) {
-  const std::string text = expanded_text(*read.spec, *read.built);
+  const std::string text = expanded_text(*read.built);
   const auto again = read_composed(text, problem.drop);
   ASSERT_TRUE(again->built) << format_diagnostics(again->diagnostics, false) << text;
-  EXPECT_EQ(expanded_text(*again->spec, *again->built), text);
+  EXPECT_EQ(expanded_text(*again->built), text);
 }
 
 /// Names of the failed checks, one a line.
@@ -127,9 +126,8 @@ void expect_to_be_stated(const SolveResult& result, const SolverOptions& options
 /// only optimality is in doubt: without a cost on all controls, an optimum may not exist.
 bool expect_to_be_certified(const ReadProblem& read, const ComposedProblem& problem,
                             const SolverInfo& used, const SolveResult& result) {
-  OrderedJson document = solution_json({*read.spec, *read.built, used, result, {}});
-  const SolutionCertificate certificate =
-      certify_solution(document, *read.spec, *read.built, false);
+  OrderedJson document = solution_json({*read.built, used, result, {}});
+  const SolutionCertificate certificate = certify_solution(document, *read.built, false);
   const bool converged = result.status == SolveStatus::converged;
   EXPECT_TRUE(!converged || certificate.checks.computable());
   if (!certificate.checks.computable()) return false;
@@ -140,7 +138,7 @@ bool expect_to_be_certified(const ReadProblem& read, const ComposedProblem& prob
   const OrderedJson written = OrderedJson::parse(text);
   EXPECT_EQ(json_text(written), text);
   const auto again = read_composed(problem.text, problem.drop);
-  EXPECT_EQ(failures_of(certify_solution(written, *again->spec, *again->built, true)), "");
+  EXPECT_EQ(failures_of(certify_solution(written, *again->built, true)), "");
   return false;
 }
 
@@ -168,7 +166,7 @@ Ending run(const ComposedProblem& problem, Coverage& coverage) {
   if (used == nullptr) throw std::logic_error("a solve names no solver");
   expect_to_be_stated(result, options, cost_scale(*read->built->problem));
   const bool doubted = expect_to_be_certified(*read, problem, *used, result);
-  coverage.add(problem.body, *read->spec, *read->built, *used);
+  coverage.add(problem.body, *read->built, *used);
   return {.doubted = doubted, .words = fmt::format("{}", to_string(result.status))};
 }
 

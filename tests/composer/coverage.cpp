@@ -50,8 +50,8 @@ void Coverage::count(const std::string& kind, std::string_view name) {
   ++counts_[part(kind, name)];
 }
 
-void Coverage::add(const std::string& body, const ProblemSpec& spec, const BuiltProblem& built,
-                   const SolverInfo& used) {
+void Coverage::add(const std::string& body, const BuiltProblem& built, const SolverInfo& used) {
+  const ProblemSpec& spec = *built.problem_spec;
   count("body", body);
   for (const auto* list : {&spec.costs, &spec.terminal_costs})
     for (const CostSpec& cost : *list) {

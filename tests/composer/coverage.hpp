@@ -12,8 +12,7 @@ class Coverage {
  public:
   /// Every part, from the tables of the reader and the registry of solvers.
   explicit Coverage(const std::vector<std::string>& bodies);
-  void add(const std::string& body, const ProblemSpec& spec, const BuiltProblem& built,
-           const SolverInfo& used);
+  void add(const std::string& body, const BuiltProblem& built, const SolverInfo& used);
   /// Parts that never occurred, one a line.
   std::string missing() const;
 

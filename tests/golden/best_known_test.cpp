@@ -8,7 +8,6 @@
 
 #include "output/solution/golden_case.hpp"
 #include "problem_file/build/build_problem.hpp"
-#include "problem_file/build/problem_identity.hpp"
 #include "problem_file/read/read_problem.hpp"
 
 namespace conddp {
@@ -24,7 +23,7 @@ std::string hash_of(const fs::path& file, const std::vector<std::string>& settin
   const auto spec = read_problem(file, settings, out);
   const auto built = spec ? build_problem(*spec, {}, out) : std::nullopt;
   EXPECT_TRUE(built) << format_diagnostics(out, false);
-  return built ? problem_sha256(*spec, *built) : "";
+  return built ? problem_sha256(*built) : "";
 }
 
 BestKnown best_known() {

@@ -45,9 +45,9 @@ const Check* least_violation(const Certificate& certificate) {
 
 SolutionCertificate certify(const Loaded& loaded, const SolverInfo& solver,
                             const SolveResult& result) {
-  const OrderedJson document = OrderedJson::parse(
-      solution_json({loaded.spec, loaded.built, solver, result, loaded.settings}).dump());
-  return certify_solution(document, loaded.spec, loaded.built, false);
+  const OrderedJson document =
+      OrderedJson::parse(solution_json({loaded.built, solver, result, loaded.settings}).dump());
+  return certify_solution(document, loaded.built, false);
 }
 
 /// A goal for a heavy arm, within 0.05 rad, under torques of 2 Nm: the arm can only whirl.

@@ -12,7 +12,7 @@ struct Judged {
   explicit Judged(const SolvedExample& example)
       : document(certificate_json(example.judge(example.document))) {
     const SolverInfo& solver = *find_solver(example.spec.solver.name.value);
-    const Solution solution{example.spec, example.built, solver, *example.result, {}};
+    const Solution solution{example.built, solver, *example.result, {}};
     SolutionCertificate certificate = certify_answer(solution);
     note_nulls(example.document, certificate.checks);
     memory = OrderedJson::parse(certificate_json(certificate).dump());
@@ -49,7 +49,7 @@ TEST(AnswersInMemory, AreComparedWithTheirProblem) {
   SolveResult wrong = *example.result;
   wrong.trajectory.u(3)[0] += 1;
   const SolverInfo& solver = *find_solver(example.spec.solver.name.value);
-  const Solution solution{example.spec, example.built, solver, wrong, {}};
+  const Solution solution{example.built, solver, wrong, {}};
   EXPECT_NE(failures(certify_answer(solution)).find("[gap]"), std::string::npos);
 }
 

@@ -9,11 +9,11 @@ namespace conddp {
 namespace {
 
 AnswerSettings settings_of(const OrderedJson& overrides, double constraint) {
-  ProblemSpec spec;
-  spec.solver.options.tolerances.constraint = constraint;
-  BuiltProblem built;
+  const auto spec = std::make_shared<ProblemSpec>();
+  spec->solver.options.tolerances.constraint = constraint;
+  BuiltProblem built{.problem_spec = spec};
   built.dropped.push_back({.name = "torque"});
-  return answer_settings({{"problem", {{"overrides", overrides}}}}, spec, built);
+  return answer_settings({{"problem", {{"overrides", overrides}}}}, built);
 }
 
 TEST(AnswerSettings, ListsOverridesDroppedConstraintsAndLooseTolerances) {

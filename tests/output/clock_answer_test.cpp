@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "output/solution/csv.hpp"
-#include "problem_file/data/warm_start.hpp"
+#include "problem_file/build/build_problem.hpp"
 #include "support/solved_example.hpp"
 #include "support/temporary_folder.hpp"
 
@@ -45,9 +45,8 @@ double deviation_of_guess(const std::string& text, const std::string& table,
   const TemporaryFolder folder;
   const std::string file = folder.write("table.csv", table);
   Diagnostics out;
-  auto spec = read_problem_text(text, "text.yaml", {}, out);
-  set_warm_start(file, {}, *spec);
-  const auto built = build_problem(*spec, {}, out);
+  const auto built = build_problem(read_problem_text(text, "text.yaml", {}, out),
+                                   {.start = Located<std::filesystem::path>{file, {}}}, out);
   EXPECT_TRUE(built) << format_diagnostics(out, false);
   if (!built) return 1;
   double largest = 0;

@@ -15,7 +15,7 @@ TEST_F(Report, DrawsConstraintsWithBoundsAndViolation) {
   trajectory.x(7) << 1.0, 0.75, 0.1;  // in the disc at (0.75, 0.75)
   trajectory.x(8) << 0.75, 1.75, 0.1;
   trajectory.x(100) << 3, 3.5, 0.25;
-  const OrderedJson list = constraint_curves(*spec_, *built_, trajectory);
+  const OrderedJson list = constraint_curves(*built_, trajectory);
   const OrderedJson& disc = named(list, "disc_1");
   const int first = disc["first"];
   EXPECT_EQ(first, 1);
@@ -38,11 +38,11 @@ TEST_F(Report, DrawsConstraintsWithBoundsAndViolation) {
 
 TEST_F(Report, SharedConstraintNamesShowTheSmallestMargin) {
   load("quadruped_stand.yaml", {"constraints.cone={residual: friction_cone, cone: second_order}"});
-  const OrderedJson cone = named(constraint_curves(*spec_, *built_, result_->trajectory), "cone");
+  const OrderedJson cone = named(constraint_curves(*built_, result_->trajectory), "cone");
   EXPECT_EQ(cone["margin"], true);
   ASSERT_EQ(cone["rows"].size(), 1u);
   const ContactForces forces =
-      contact_forces(*spec_, *built_->problem, NodeValues(*built_->problem, result_->trajectory));
+      contact_forces(*built_, NodeValues(*built_->problem, result_->trajectory));
   for (const int k : {0, 30}) {
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < 4; ++i) {
@@ -57,7 +57,7 @@ TEST_F(Report, SharedConstraintNamesShowTheSmallestMargin) {
 
 TEST_F(Report, DrawsAndMarksDroppedConstraints) {
   load("unicycle_obstacles.yaml", {}, {"disc_2"});
-  const OrderedJson list = constraint_curves(*spec_, *built_, result_->trajectory);
+  const OrderedJson list = constraint_curves(*built_, result_->trajectory);
   const OrderedJson& disc = named(list, "disc_2 (left out)");
   EXPECT_EQ(disc["rows"][0]["lower"], 0.425);
   EXPECT_EQ(disc["first"].get<std::size_t>() + disc["violation"].size(), 100u);

@@ -117,7 +117,7 @@ TEST(ContactSolution, ClaimsNeedConvergence) {
 
 TEST(ContactSolution, ReplayByTheSimulatorAgreesStepByStep) {
   const SolutionCertificate certificate =
-      certify_solution(pushed_block().document, pushed_block().spec, pushed_block().built, true);
+      certify_solution(pushed_block().document, pushed_block().built, true);
   ASSERT_TRUE(certificate.contacts->replay);
   EXPECT_LT(certificate.contacts->replay->each_step.deviation, 1e-5);
   EXPECT_EQ(certificate.contacts->replay->each_step.lost_at, -1);
@@ -135,8 +135,7 @@ TEST(ContactSchedule, AnswerBuildsAndKeepsItsCosts) {
   ScheduleOptions options;
   options.folder = std::filesystem::path(CONDDP_SOURCE_DIR) / "problems";
   options.solution = options.folder / "solution.json";
-  const ContactSchedule schedule =
-      contact_schedule(pushed_block().spec, pushed_block().built, *motion, options);
+  const ContactSchedule schedule = contact_schedule(pushed_block().built, *motion, options);
   EXPECT_EQ(schedule.problem["robot"]["urdf"], "robots/block.urdf");
   EXPECT_EQ(schedule.problem["initial_guess"]["states"]["file"], "solution.json");
   EXPECT_EQ(schedule.problem["contacts"]["front_normal"]["type"], "normal");

@@ -11,8 +11,8 @@
 #include "output/report/constraint_curves.hpp"
 #include "output/report/report.hpp"
 #include "output/solution/csv.hpp"
-#include "output/solution/stored_trajectory.hpp"
-#include "problem_file/data/warm_start.hpp"
+#include "output/solution/solution_json.hpp"
+#include "problem_file/build/build_problem.hpp"
 #include "support/solved_example.hpp"
 #include "support/temporary_folder.hpp"
 
@@ -45,8 +45,7 @@ const SolvedExample& answer() {
 TEST(DifferentStatesAnswer, IsCertified) {
   ASSERT_EQ(answer().result->status, SolveStatus::converged) << answer().result->message;
   EXPECT_EQ(failures(answer().judge(answer().document)), "");
-  const SolutionCertificate replayed =
-      certify_solution(answer().document, answer().spec, answer().built, true);
+  const SolutionCertificate replayed = certify_solution(answer().document, answer().built, true);
   EXPECT_EQ(failures(replayed), "");
 }
 
@@ -97,9 +96,9 @@ TEST(DifferentStatesAnswer, SurvivesARoundTrip) {
 /// The problem with an earlier solution as its guess.
 BuiltProblem started_from(const std::string& solution) {
   Diagnostics out;
-  auto spec = read_problem_text(kPhases, "text.yaml", {}, out);
-  set_warm_start(solution, {{out.add_source("start", solution), 1, 1}, "initial_guess"}, *spec);
-  auto built = build_problem(*spec, {}, out);
+  const Place place{{out.add_source("start", solution), 1, 1}, "initial_guess"};
+  auto built = build_problem(read_problem_text(kPhases, "text.yaml", {}, out),
+                             {.start = Located<std::filesystem::path>{solution, place}}, out);
   EXPECT_TRUE(built) << format_diagnostics(out, false);
   return *std::move(built);
 }
@@ -129,8 +128,8 @@ TEST(DifferentStatesAnswer, ServesAsAGuessWithMultipliers) {
 }
 
 TEST(DifferentStatesAnswer, HasBoundsUnderTheirColumnsInReports) {
-  const OrderedJson data = report_data(
-      std::vector<ReportEntry>{{"answer", answer().document, &answer().spec, &answer().built}});
+  const OrderedJson data =
+      report_data(std::vector<ReportEntry>{{"answer", answer().document, &answer().built}});
   const OrderedJson& u = data["solutions"][0]["curves"]["u"];
   EXPECT_EQ(u["names"], OrderedJson({"a", "b", "c"}));
   EXPECT_EQ(u["lower"][0], OrderedJson({-0.2, -0.2, -0.2, nullptr, -0.2, -0.2}));
@@ -142,8 +141,7 @@ TEST(DifferentStatesAnswer, BoundOnChangingStatesHasAMargin) {
   std::string text = kPhases;
   text.replace(text.find("limits: {"), 9, "room: {bounds: state, lower: -9}, limits: {");
   const SolvedExample bounded(ProblemText{text});
-  const OrderedJson curves =
-      constraint_curves(bounded.spec, bounded.built, bounded.result->trajectory);
+  const OrderedJson curves = constraint_curves(bounded.built, bounded.result->trajectory);
   ASSERT_EQ(curves[0]["name"], "room");
   EXPECT_TRUE(curves[0]["margin"].get<bool>());
   const Trajectory& motion = bounded.result->trajectory;

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "output/solution/answer.hpp"
+#include "output/solution/solution.hpp"
 #include "problem_file/build/build_problem.hpp"
 #include "problem_file/read/read_problem.hpp"
 
@@ -36,8 +36,8 @@ class Findings : public testing::Test {
   }
   std::vector<Finding> of(FindingKind kind, const Trajectory& trajectory) const {
     std::vector<Finding> list;
-    for (Finding& f : findings_of(*spec_, *built_, trajectory, no_gains(),
-                                  NodeValues(*built_->problem, trajectory)))
+    for (Finding& f :
+         findings_of(*built_, trajectory, no_gains(), NodeValues(*built_->problem, trajectory)))
       if (f.kind == kind) list.push_back(std::move(f));
     return list;
   }
@@ -64,7 +64,7 @@ solver: {name: ddp}
   SolveResult failed(*built_->problem);
   failed.status = SolveStatus::line_search_failed;
   failed.trajectory = built_->guess;
-  const Answer answer(*spec_, *built_, failed);
+  const Answer answer(*built_, failed);
   const auto stiff = of(FindingKind::unstable_steps, failed.trajectory);
   ASSERT_EQ(stiff.size(), 1u);
   EXPECT_NE(stiff[0].remedy, "");
@@ -239,8 +239,8 @@ TEST_F(Findings, SaysNothingAboutNonFiniteMotions) {
   load("arm_reach");
   Trajectory motion = built_->guess;
   motion.x(3)[0] = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_TRUE(findings_of(*spec_, *built_, motion, no_gains(), NodeValues(*built_->problem, motion))
-                  .empty());
+  EXPECT_TRUE(
+      findings_of(*built_, motion, no_gains(), NodeValues(*built_->problem, motion)).empty());
 }
 
 TEST(FindingLines, ShowTheWorstThreeOfAKind) {

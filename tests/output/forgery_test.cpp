@@ -79,7 +79,7 @@ OrderedJson forged(const SolvedExample& answer, std::uint64_t seed, double size)
   last.gap = 0;
   last.stationarity = result.residuals.stationarity;
   const SolverInfo& solver = *find_solver(answer.spec.solver.name.value);
-  return OrderedJson::parse(solution_json({answer.spec, answer.built, solver, result, {}}).dump());
+  return OrderedJson::parse(solution_json({answer.built, solver, result, {}}).dump());
 }
 
 /// Message of the status check.
@@ -133,7 +133,7 @@ TEST(Forgery, HangingPendulumIsCaughtByReducedGradient) {
   result.log.back().stationarity = result.residuals.stationarity;
   const SolverInfo& solver = *find_solver(answer.spec.solver.name.value);
   const OrderedJson document =
-      OrderedJson::parse(solution_json({answer.spec, answer.built, solver, result, {}}).dump());
+      OrderedJson::parse(solution_json({answer.built, solver, result, {}}).dump());
   ASSERT_GT(document["cost"].get<double>(), 1000 * answer.result->cost);
   const SolutionCertificate certificate = answer.judge(document);
   const std::string found = failures(certificate);

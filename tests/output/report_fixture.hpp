@@ -38,10 +38,10 @@ class Report : public testing::Test {
                                                                   : "altro";
     result_ = std::make_unique<SolveResult>(
         solve(*built_->problem, solver, {.max_iterations = 1}, built_->guess));
-    document_ = solution_json({*spec_, *built_, *find_solver(solver), *result_, {}});
+    document_ = solution_json({*built_, *find_solver(solver), *result_, {}});
   }
   ReportEntry entry() const {
-    return {.label = "answer", .document = document_, .spec = &*spec_, .built = &*built_};
+    return {.label = "answer", .document = document_, .built = &*built_};
   }
 
   std::optional<ProblemSpec> spec_;

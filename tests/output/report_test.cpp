@@ -13,7 +13,7 @@ SE3<double> read_placement(const OrderedJson& list, std::size_t at) {
 
 TEST_F(Report, BodiesCarryContactFramesToTheirPlaces) {
   load("quadruped_trot.yaml");
-  const OrderedJson scene = motion_scene(*spec_, *built_, result_->trajectory);
+  const OrderedJson scene = motion_scene(*built_, result_->trajectory);
   const MultibodySystem& system = *built_->plant.multibody();
   const std::size_t bodies = scene["bodies"].size();
   ASSERT_EQ(bodies, system.robot().joints.size() + 1);
@@ -38,7 +38,7 @@ TEST_F(Report, ShowsEveryMovingBodyOfExampleRobots) {
   for (const char* name : {"quadruped_stand.yaml", "biped_squat.yaml", "hopper_jump.yaml",
                            "arm_reach.yaml", "body_reorient.yaml"}) {
     load(name);
-    const OrderedJson scene = motion_scene(*spec_, *built_, result_->trajectory);
+    const OrderedJson scene = motion_scene(*built_, result_->trajectory);
     int shapes = 0;
     for (const OrderedJson& body : scene["bodies"])
       shapes += static_cast<int>(body["shapes"].size());
@@ -54,7 +54,7 @@ TEST_F(Report, PlacesClosedFormSystemsByTheirStates) {
   load("cartpole_swingup_closed_form.yaml");
   Trajectory& trajectory = result_->trajectory;
   trajectory.x(3) << 0.7, M_PI / 2, 0, 0;
-  const OrderedJson scene = motion_scene(*spec_, *built_, trajectory);
+  const OrderedJson scene = motion_scene(*built_, trajectory);
   ASSERT_EQ(scene["bodies"].size(), 3u);
   const SE3<double> cart = read_placement(scene["poses"], 7 * (3 * 3 + 1));
   EXPECT_NEAR(cart.p.x, 0.7, 1e-12);
@@ -78,7 +78,6 @@ TEST_F(Report, CostsOverTheNodesSumToTheCost) {
 TEST_F(Report, SolutionWithoutItsProblemStillHasCurves) {
   load("cartpole_swingup.yaml");
   ReportEntry alone = entry();
-  alone.spec = nullptr;
   alone.built = nullptr;
   const OrderedJson data = report_data({alone, entry()});
   EXPECT_TRUE(data["solutions"][0]["scene"].is_null());

@@ -7,7 +7,7 @@ namespace {
 
 TEST_F(Report, ShowsFileObstaclesAndLinkShapes) {
   load("arm_obstacles.yaml");
-  const OrderedJson list = obstacles_json(*spec_, *built_);
+  const OrderedJson list = obstacles_json(*built_);
   EXPECT_EQ(named(list, "ball")["kind"], "sphere");
   EXPECT_EQ(named(list, "ball")["center"], (OrderedJson{0.6, 0.0, 0.4}));
   EXPECT_EQ(named(list, "ball")["radius"], 0.2);
@@ -15,7 +15,7 @@ TEST_F(Report, ShowsFileObstaclesAndLinkShapes) {
   EXPECT_EQ(named(list, "table")["normal"], (OrderedJson{0.0, 0.0, 1.0}));
 
   const RobotModel& robot = built_->plant.robot();
-  const OrderedJson shapes = collision_shapes_json(*spec_, robot);
+  const OrderedJson shapes = collision_shapes_json(spec_->collision, robot);
   ASSERT_EQ(shapes.size(), spec_->collision.shapes.size());
   const Frame& frame = robot.frames[*robot.find_frame("link_5")];
   const OrderedJson& forearm = named(shapes, "forearm");
@@ -26,7 +26,7 @@ TEST_F(Report, ShowsFileObstaclesAndLinkShapes) {
 
 TEST_F(Report, ConstraintsOnPositionsBecomeDiscsBallsAndBoxes) {
   load("unicycle_obstacles.yaml");
-  const OrderedJson discs = obstacles_json(*spec_, *built_);
+  const OrderedJson discs = obstacles_json(*built_);
   const OrderedJson& disc = named(discs, "disc_3");
   EXPECT_EQ(disc["kind"], "disc");
   EXPECT_EQ(disc["center"], (OrderedJson{2.25, 2.25, 0.0}));
@@ -42,7 +42,7 @@ TEST_F(Report, ConstraintsOnPositionsBecomeDiscsBallsAndBoxes) {
         "1.5}}",
         "constraints.moving={residual: frame_position, frame: tip, at_least: 0.1, reference: "
         "{times: [0, 1.2], values: [[0, 0, 0], [0, 0, 6]]}}"});
-  const OrderedJson list = obstacles_json(*spec_, *built_);
+  const OrderedJson list = obstacles_json(*built_);
   const OrderedJson& ball = named(list, "clear");
   EXPECT_EQ(ball["kind"], "sphere");
   EXPECT_EQ(ball["center"], (OrderedJson{0.1, 0.0, 0.2}));
@@ -61,7 +61,7 @@ TEST_F(Report, ConstraintsOnPositionsBecomeDiscsBallsAndBoxes) {
 
 TEST_F(Report, DrawsBoundsOnPositionsOnly) {
   load("double_integrator_limits.yaml");
-  const OrderedJson list = obstacles_json(*spec_, *built_);
+  const OrderedJson list = obstacles_json(*built_);
   ASSERT_EQ(list.size(), 1u);  // the goal
   EXPECT_EQ(list[0]["lower"], (OrderedJson{1.0, nullptr, nullptr}));
 }

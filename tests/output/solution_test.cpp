@@ -41,7 +41,7 @@ class SolutionOutput : public testing::Test {
         solve(*built_.problem, "box_ddp", spec_.solver.options, built_.guess));
   }
   Solution solution() const {
-    return {spec_, built_, *find_solver("box_ddp"), *result_, {"solver.name=box_ddp"}};
+    return {built_, *find_solver("box_ddp"), *result_, {"solver.name=box_ddp"}};
   }
   ProblemSpec spec_;
   BuiltProblem built_;
@@ -76,7 +76,7 @@ TEST_F(SolutionOutput, JsonNumbersSurviveTheText) {
 
 TEST_F(SolutionOutput, RecordsItsInputs) {
   const OrderedJson problem = solution_json(solution())["problem"];
-  EXPECT_EQ(problem["configuration"], expand_problem(spec_, built_));
+  EXPECT_EQ(problem["configuration"], expand_problem(built_));
   EXPECT_EQ(problem["configuration"]["solver"]["tolerances"], problem["options"]["tolerances"]);
   EXPECT_EQ(problem["robots"], OrderedJson::array());
   EXPECT_EQ(problem["data_files"], OrderedJson::array());
@@ -146,7 +146,7 @@ TEST(ContactOutput, PushesStandingFeetAndOmitsAirborneOnes) {
   const auto built = build_problem(*spec, {}, out);
   ASSERT_TRUE(built) << format_diagnostics(out, false);
   const SolveResult guess = solve(*built->problem, "box_fddp", {.max_iterations = 0}, built->guess);
-  const Solution solution{*spec, *built, *find_solver("box_fddp"), guess, {}};
+  const Solution solution{*built, *find_solver("box_fddp"), guess, {}};
   const OrderedJson trajectory = solution_json(solution)["trajectory"];
   const OrderedJson& foot = trajectory["contact_forces"]["foot"];
   std::istringstream csv(csv_of(solution));
@@ -178,7 +178,7 @@ TEST(ChosenStartOutput, CsvFileBeginsWithTheChosenState) {
   guess.u(0) << 0.3, -0.7;
   Evaluator(*built->problem).simulate(guess);
   const SolveResult result = solve(*built->problem, "altro", {.max_iterations = 0}, guess);
-  const Solution solution{*spec, *built, *find_solver("altro"), result, {}};
+  const Solution solution{*built, *find_solver("altro"), result, {}};
   const auto table = parse_csv(csv_of(solution), "trajectory.csv", out);
   ASSERT_TRUE(table) << format_diagnostics(out, false);
   EXPECT_EQ(table->columns, (std::vector<std::string>{"theta", "omega", "torque"}));

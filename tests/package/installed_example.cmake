@@ -99,15 +99,15 @@ file(WRITE ${WORK_DIR}/files/main.cpp "
 #include <cstdio>
 int main(int, char** argv) {
   conddp::Diagnostics messages;
-  const auto spec = conddp::read_problem(argv[1], {}, messages);
-  const auto built = spec ? conddp::build_problem(*spec, {}, messages) : std::nullopt;
+  const auto built =
+      conddp::build_problem(conddp::read_problem(argv[1], {}, messages), {}, messages);
   std::fputs(conddp::format_diagnostics(messages, false).c_str(), stderr);
   if (!built) return 2;
   const conddp::SolverInfo* solver = nullptr;
-  const auto candidates = conddp::usable_solvers(*spec, *built->problem, messages);
+  const auto candidates = conddp::usable_solvers(*built, messages);
   const conddp::SolveResult result = conddp::solve(
-      *built->problem, candidates, spec->solver.options, built->guess, solver);
-  const conddp::Solution solution{*spec, *built, *solver, result, {}};
+      *built->problem, candidates, built->facts().solver.options, built->guess, solver);
+  const conddp::Solution solution{*built, *solver, result, {}};
   for (const auto& file :
        conddp::write_solution(solution, conddp::solution_json(solution), argv[2], {}))
     std::puts(file.c_str());

@@ -126,7 +126,7 @@ TEST_P(CollocationProblem, HasCostsOnActuatorsOnly) {
 TEST_P(CollocationProblem, IsRejectedBySolversWithoutEqualities) {
   Loaded loaded(replaced(swing_up(GetParam(), 5, "box_ddp"), "terminal:", "# terminal:"));
   ASSERT_TRUE(loaded.built) << loaded.all();
-  EXPECT_TRUE(usable_solvers(*loaded.spec, *loaded.built->problem, loaded.diagnostics).empty());
+  EXPECT_TRUE(usable_solvers(*loaded.built, loaded.diagnostics).empty());
   const std::string message = loaded.first_error();
   EXPECT_NE(message.find("'collocation'"), std::string::npos) << message;
   EXPECT_NE(message.find("altro, proxddp"), std::string::npos) << message;

@@ -101,7 +101,7 @@ TEST(Constraints, NullIsNoBoundForAnyQuantity) {
   const auto spin = named(*loaded.built->problem, "spin");
   EXPECT_EQ(spin[0].lower[0], -4);
   EXPECT_EQ(spin[0].upper[0], kUnlimited);
-  const OrderedJson expanded = expand_problem(*loaded.spec, *loaded.built);
+  const OrderedJson expanded = expand_problem(*loaded.built);
   EXPECT_TRUE(expanded["constraints"]["speed"]["lower"].is_null());
   EXPECT_TRUE(Loaded(expanded.dump()).built);
 }
@@ -364,7 +364,7 @@ TEST(Constraints, UnsupportedConstraintsNameSolversAndHowToDrop) {
                               "    goal: {residual: state, reference: [1, 0]}\n"),
                          "altro", "box_ddp"));
   ASSERT_TRUE(loaded.built) << loaded.all();
-  EXPECT_TRUE(usable_solvers(*loaded.spec, *loaded.built->problem, loaded.diagnostics).empty());
+  EXPECT_TRUE(usable_solvers(*loaded.built, loaded.diagnostics).empty());
   const std::string text = loaded.all();
   EXPECT_NE(text.find("box_ddp does not support the constraint 'speed'"), std::string::npos)
       << text;
@@ -425,7 +425,7 @@ constraints: {wall: {residual: expression, rows: x, upper: 2, phases: [slide, ba
   const Loaded loaded(text);
   ASSERT_TRUE(loaded.built) << loaded.all();
   EXPECT_EQ(nodes_of(*loaded.built->problem, "wall"), (std::vector{1, 2, 3, 4, 5, 6, 7}));
-  const Loaded expanded(expand_problem(*loaded.spec, *loaded.built).dump());
+  const Loaded expanded(expand_problem(*loaded.built).dump());
   ASSERT_TRUE(expanded.built) << expanded.all();
   EXPECT_EQ(nodes_of(*expanded.built->problem, "wall"), (std::vector{1, 2, 3, 4, 5, 6, 7}));
 }

@@ -313,7 +313,7 @@ solver: {name: altro}
   return texts;
 }
 
-std::string expanded(const Loaded& loaded) { return expanded_text(*loaded.spec, *loaded.built); }
+std::string expanded(const Loaded& loaded) { return expanded_text(*loaded.built); }
 
 double cost_after(const Loaded& loaded, int iterations) {
   SolverOptions options = loaded.spec->solver.options;
@@ -335,7 +335,7 @@ TEST(Expand, ReadingTheTextGivesTheSameProblem) {
     for (const int iterations : kSmallSizes ? std::vector{0} : std::vector{0, 3})
       EXPECT_EQ(cost_after(second, iterations), cost_after(first, iterations)) << expansion;
     documents.push_back(parse_to_json(expansion));
-    EXPECT_EQ(documents.back(), Json(expand_problem(*first.spec, *first.built))) << expansion;
+    EXPECT_EQ(documents.back(), Json(expand_problem(*first.built))) << expansion;
   }
   const std::vector<bool> bad = violations(documents);
   for (std::size_t i = 0; i < bad.size(); ++i)
@@ -434,7 +434,7 @@ TEST(Expand, ShowsEveryDefaultOfTheSchema) {
   for (const std::string& text : corpus()) {
     const Loaded loaded(text);
     ASSERT_TRUE(loaded.built) << loaded.all();
-    walk.compare(schema, Json(expand_problem(*loaded.spec, *loaded.built)));
+    walk.compare(schema, Json(expand_problem(*loaded.built)));
   }
   // Keys that another choice excludes, and keys of particular residuals.
   std::set<std::string> conditional = {"/definitions/robot/placement",
@@ -479,7 +479,7 @@ TEST(Expand, KeepsModelineOfFileOrExample) {
 
 TEST(Expand, OverridesAreInIt) {
   const Loaded loaded(std::string(kPendulum), {"solver.max_iterations=7", "phases.0.knots=9"});
-  const OrderedJson json = expand_problem(*loaded.spec, *loaded.built);
+  const OrderedJson json = expand_problem(*loaded.built);
   EXPECT_EQ(json["solver"]["max_iterations"], 7);
   EXPECT_EQ(json["phases"][0]["knots"], 9);
 }

@@ -165,7 +165,7 @@ TEST(FreeParameters, SettingsOfTheirStatesAreErrors) {
 TEST(FreeParameters, AreReadAgainFromTheExpandedFile) {
   const Loaded loaded{std::string(kDrift)};
   ASSERT_TRUE(loaded.built) << loaded.all();
-  const Loaded again(expanded_text(*loaded.spec, *loaded.built));
+  const Loaded again(expanded_text(*loaded.built));
   ASSERT_TRUE(again.built) << again.all();
   EXPECT_EQ(answer_of(again, "altro").cost, answer_of(loaded, "altro").cost);
 }

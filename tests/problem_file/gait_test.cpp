@@ -346,7 +346,7 @@ TEST(Gait, ExpandedFileIsBitwiseTheSameProblem) {
         "{length: 0.21}"}) {
     const Loaded first(with_gait(gait));
     ASSERT_TRUE(first.built) << first.all();
-    const std::string text = expanded_text(*first.spec, *first.built);
+    const std::string text = expanded_text(*first.built);
     EXPECT_EQ(text.find("gait"), std::string::npos) << text;
     const Loaded second(text);
     ASSERT_TRUE(second.built) << second.all();
@@ -381,7 +381,7 @@ TEST(GaitFile, DefaultsMatchTheSchema) {
   const Loaded all(with_gait(said)), none(kQuadruped);
   ASSERT_TRUE(all.built) << all.all();
   ASSERT_TRUE(none.built) << none.all();
-  EXPECT_EQ(expanded_text(*all.spec, *all.built), expanded_text(*none.spec, *none.built));
+  EXPECT_EQ(expanded_text(*all.built), expanded_text(*none.built));
 }
 
 TEST(GaitFile, ReportsMistakesAtTheirPlaces) {

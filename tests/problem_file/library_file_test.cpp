@@ -4,7 +4,7 @@
 #include "analysis/derivatives/derivative_check.hpp"
 #include "base/code_permission.hpp"
 #include "base/files/sha256.hpp"
-#include "problem_file/build/problem_identity.hpp"
+#include "problem_file/build/build_problem.hpp"
 #include "problem_text.hpp"
 #include "solvers/strategies/registry.hpp"
 #include "support/temporary_folder.hpp"

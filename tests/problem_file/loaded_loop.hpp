@@ -14,7 +14,7 @@ namespace conddp {
 struct LoadedLoop : Loaded {
   explicit LoadedLoop(const std::string& text, const std::vector<std::string>& settings = {})
       : Loaded(text, settings) {
-    if (built && spec->mpc) mpc = build_mpc(*spec, *built, diagnostics);
+    if (built && spec->mpc) mpc = build_mpc(*built, diagnostics);
   }
   long warnings() const {
     return std::count_if(diagnostics.list().begin(), diagnostics.list().end(),

@@ -61,7 +61,7 @@ TEST(Mesh, ErrorFallsByTheOrderOfTheIntegrator) {
 }
 
 TEST(Mesh, GrowsGridsByObservedOrderUntilAccurate) {
-  MeshRefinement mesh(*Loaded(std::string(kOscillator)).spec);
+  MeshRefinement mesh(*Loaded(std::string(kOscillator)).spec->mesh);
   std::optional<int> factor = 1;
   while (factor) {
     const Loaded loaded(with_factor(*factor));
@@ -84,7 +84,7 @@ TEST(Mesh, GrowsGridsByObservedOrderUntilAccurate) {
 TEST(Mesh, EndsAtItsLimits) {
   const auto rounds_of = [](const std::string& limit) {
     const std::string text = replaced(kOscillator, "error: 1.0e-4", "error: 1.0e-9, " + limit);
-    MeshRefinement mesh(*Loaded(text).spec);
+    MeshRefinement mesh(*Loaded(text).spec->mesh);
     std::optional<int> factor = 1;
     while (factor) {
       const Loaded loaded(replaced(text, "rounds", fmt::format("factor: {}, rounds", *factor)));
@@ -99,7 +99,7 @@ TEST(Mesh, EndsAtItsLimits) {
 }
 
 TEST(Mesh, EndsAfterTwoGridsWithGrowingError) {
-  MeshRefinement mesh(*Loaded(std::string(kOscillator)).spec);
+  MeshRefinement mesh(*Loaded(std::string(kOscillator)).spec->mesh);
   std::optional<int> factor = 1;
   for (double wrong = 1; factor; wrong *= 2) {
     const Loaded loaded(with_factor(*factor));
@@ -153,7 +153,7 @@ phases: [{jump: {x: x + 0.001}}]
 )";
   const Loaded loaded(text);
   ASSERT_TRUE(loaded.built) << loaded.all();
-  MeshRefinement mesh(*loaded.spec);
+  MeshRefinement mesh(*loaded.spec->mesh);
   SolveResult result(*loaded.built->problem);
   result.status = SolveStatus::converged;
   result.trajectory.x(1)[0] = 1;  // far from the end of the jump

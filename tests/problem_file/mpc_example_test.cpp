@@ -13,13 +13,12 @@ namespace {
 struct ExampleLoop {
   explicit ExampleLoop(const std::string& name, const std::vector<std::string>& more = {}) {
     Diagnostics out;
-    const auto document = load_problem(kProblems / "mpc" / (name + ".yaml"), {}, out);
-    spec = read_problem_text(document->text, document->file, more, out);
-    if (spec && spec->mpc->repeat.value == AfterTheEnd::kGait) spec = repeat_gait(*spec, out);
-    if (spec) built = build_problem(*spec, {}, out);
-    if (built) mpc = build_mpc(*spec, *built, out);
+    const auto file = kProblems / "mpc" / (name + ".yaml");
+    task = build_loop(read_problem(file, more, out), {}, out);
     said = format_diagnostics(out, false);
-    if (!mpc) return;
+    if (!task) return;
+    built = &task->built;
+    mpc = &task->mpc;
     Mpc controller(built->problem, built->guess, mpc->controller);
     result = run_closed_loop(controller, mpc->loop);
   }
@@ -29,9 +28,9 @@ struct ExampleLoop {
                       [](const TickRecord& tick) { return tick.outcome != TickOutcome::planned; }));
   }
 
-  std::optional<ProblemSpec> spec;
-  std::optional<BuiltProblem> built;
-  std::optional<BuiltMpc> mpc;
+  std::unique_ptr<LoopTask> task;
+  const BuiltProblem* built = nullptr;
+  const BuiltMpc* mpc = nullptr;
   ClosedLoopResult result;
   std::string said;
 };

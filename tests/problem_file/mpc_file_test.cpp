@@ -623,7 +623,7 @@ TEST(MpcFile, FallbackNamesItsState) {
     const LoadedLoop loop(kArm, {std::string("mpc.fallback.to=") + name});
     ASSERT_TRUE(loop.mpc) << loop.all();
     EXPECT_EQ(loop.mpc->controller.fallback->x, stated.mpc->controller.fallback->x);
-    EXPECT_EQ(expand_problem(*loop.spec, *loop.built)["mpc"]["fallback"]["to"], name);
+    EXPECT_EQ(expand_problem(*loop.built)["mpc"]["fallback"]["to"], name);
   }
   const LoadedLoop unknown(kArm, {"mpc.fallback.to=standing"});
   ASSERT_TRUE(unknown.error());
@@ -647,17 +647,13 @@ TEST(MpcFile, WalksOnIfTheGaitRepeats) {
       read_problem_text(text_of("quadruped_trot"), kProblems / "test.yaml",
                         {"mpc={horizon: 0.4, tick: 0.02, duration: 2.4, repeat: gait}"}, out);
   ASSERT_TRUE(two) << format_diagnostics(out, false);
-  const auto spec = repeat_gait(*two, out);
-  ASSERT_TRUE(spec) << format_diagnostics(out, false);
-  const auto built = build_problem(*spec, {}, out);
-  ASSERT_TRUE(built) << format_diagnostics(out, false);
-  const LoadedLoop again(expanded_text(*spec, *built));  // phases without a gait
+  const auto task = build_loop(two, {}, out);
+  ASSERT_TRUE(task) << format_diagnostics(out, false);
+  const LoadedLoop again(expanded_text(task->built));  // phases without a gait
   EXPECT_TRUE(again.mpc) << again.all();
-  EXPECT_GT(built->problem->times().back(), 2.8);
-  const auto mpc = build_mpc(*spec, *built, out);
-  ASSERT_TRUE(mpc) << format_diagnostics(out, false);
-  Mpc controller(built->problem, built->guess, mpc->controller);
-  const ClosedLoopResult result = run_closed_loop(controller, mpc->loop);
+  EXPECT_GT(task->built.problem->times().back(), 2.8);
+  Mpc controller(task->built.problem, task->built.guess, task->mpc.controller);
+  const ClosedLoopResult result = run_closed_loop(controller, task->mpc.loop);
   for (const TickRecord& tick : result.ticks)
     EXPECT_EQ(tick.outcome, TickOutcome::planned) << tick.tick << to_string(tick.status);
   EXPECT_GT(result.last_state[0], 0.5);          // x
@@ -792,7 +788,7 @@ TEST(MpcFile, SwingsMayBeginAtMeasuredFeet) {
           loop.built->problem->knot(swing.nodes.front()).parameters[swing.references.front() + c],
           places[3 * swing.foot + c], 1e-12);
   }
-  EXPECT_EQ(expand_problem(*loop.spec, *loop.built)["mpc"]["swings"], "measured");
+  EXPECT_EQ(expand_problem(*loop.built)["mpc"]["swings"], "measured");
   EXPECT_EQ(loop.run().end, LoopEnd::finished);
   const LoadedLoop none(
       pendulum_with("mpc: {horizon: 0.5, tick: 0.1, duration: 1, swings: measured}"));
@@ -944,12 +940,10 @@ TEST(MpcFile, RepeatingGaitLastsDespiteEarlyPhases) {
        "{contacts: simulated, dt: 0.002}}"},
       out);
   ASSERT_TRUE(two) << format_diagnostics(out, false);
-  const auto spec = repeat_gait(*two, out);
-  ASSERT_TRUE(spec) << format_diagnostics(out, false);
-  const auto built = build_problem(*spec, {}, out);
-  ASSERT_TRUE(built) << format_diagnostics(out, false);
-  const double end = built->problem->times().back();
-  EXPECT_GT(end - 0.2 * count_touch_downs(*spec), 2.4 + 0.4 - 1e-9);
+  const auto task = build_loop(two, {}, out);
+  ASSERT_TRUE(task) << format_diagnostics(out, false);
+  const double end = task->built.problem->times().back();
+  EXPECT_GT(end - 0.2 * count_touch_downs(*task->built.problem_spec), 2.4 + 0.4 - 1e-9);
 }
 
 TEST(MpcFile, RetimingUsesTheContactsOfThePhases) {
@@ -977,7 +971,7 @@ TEST(MpcFile, DurationIsLimitedToTheLongestGait) {
       read_problem_text(text_of("quadruped_trot"), kProblems / "test.yaml",
                         {"mpc={horizon: 0.4, tick: 0.02, duration: 1e4, repeat: gait}"}, out);
   ASSERT_TRUE(once) << format_diagnostics(out, false);
-  EXPECT_FALSE(repeat_gait(*once, out));
+  EXPECT_FALSE(build_loop(once, {}, out));
   ASSERT_EQ(out.error_count(), 1);
   EXPECT_EQ(out.list().back().path, "mpc.duration");
 }
@@ -985,10 +979,9 @@ TEST(MpcFile, DurationIsLimitedToTheLongestGait) {
 TEST(MpcFile, ExpansionReadsBack) {
   const LoadedLoop once(kArm);
   ASSERT_TRUE(once.mpc) << once.all();
-  const LoadedLoop again(expanded_text(*once.spec, *once.built));
+  const LoadedLoop again(expanded_text(*once.built));
   ASSERT_TRUE(again.mpc) << again.all();
-  EXPECT_EQ(expand_problem(*again.spec, *again.built).at("mpc"),
-            expand_problem(*once.spec, *once.built).at("mpc"));
+  EXPECT_EQ(expand_problem(*again.built).at("mpc"), expand_problem(*once.built).at("mpc"));
   EXPECT_EQ(again.run().last_state, once.run().last_state);
 }
 

@@ -10,12 +10,11 @@ namespace {
 
 /// A closed loop of a file of problems/, with further settings.
 struct GaitLoop {
-  GaitLoop(const std::string& name, const std::vector<std::string>& settings) {
-    const auto document = load_problem(kProblems / (name + ".yaml"), {}, out);
-    spec = read_problem_text(document->text, document->file, settings, out);
-    if (spec && spec->mpc->repeat.value == AfterTheEnd::kGait) spec = repeat_gait(*spec, out);
-    if (spec) built = build_problem(*spec, {}, out);
-    if (built) mpc = build_mpc(*spec, *built, out);
+  GaitLoop(const std::string& name, const std::vector<std::string>& settings)
+      : task(build_loop(read_problem(kProblems / (name + ".yaml"), settings, out), {}, out)) {
+    if (!task) return;
+    built = &task->built;
+    mpc = &task->mpc;
   }
   ClosedLoopResult run() const {
     Mpc controller(built->problem, built->guess, mpc->controller);
@@ -24,9 +23,9 @@ struct GaitLoop {
   std::string said() const { return format_diagnostics(out, false); }
 
   Diagnostics out;
-  std::optional<ProblemSpec> spec;
-  std::optional<BuiltProblem> built;
-  std::optional<BuiltMpc> mpc;
+  std::unique_ptr<LoopTask> task;
+  const BuiltProblem* built = nullptr;
+  const BuiltMpc* mpc = nullptr;
 };
 
 /// The trot of two cycles of 0.15 m with windows that end in a regulator.

@@ -1,8 +1,7 @@
 // Identity of problem files.
-#include "problem_file/build/problem_identity.hpp"
-
 #include <gtest/gtest.h>
 
+#include "problem_file/build/build_problem.hpp"
 #include "problem_text.hpp"
 
 namespace conddp {
@@ -12,7 +11,7 @@ std::string identity(const std::string& text, const std::vector<std::string>& se
                      const std::vector<std::string>& drop = {}) {
   const Loaded loaded(text, settings, {.drop = drop});
   EXPECT_TRUE(loaded.built) << loaded.all();
-  return loaded.built ? problem_sha256(*loaded.spec, *loaded.built) : "";
+  return loaded.built ? problem_sha256(*loaded.built) : "";
 }
 
 TEST(ProblemIdentity, IgnoresSpelling) {
@@ -53,9 +52,9 @@ TEST(ProblemIdentity, ChangesWithTheRobot) {
   const Loaded loaded{std::string(kCartpole)};
   ASSERT_TRUE(loaded.built) << loaded.all();
   BuiltProblem other = *loaded.built;
-  EXPECT_EQ(problem_sha256(*loaded.spec, other), problem_sha256(*loaded.spec, *loaded.built));
+  EXPECT_EQ(problem_sha256(other), problem_sha256(*loaded.built));
   other.plant.parts.front().sha256.front() ^= 1;
-  EXPECT_NE(problem_sha256(*loaded.spec, other), problem_sha256(*loaded.spec, *loaded.built));
+  EXPECT_NE(problem_sha256(other), problem_sha256(*loaded.built));
 }
 
 }  // namespace

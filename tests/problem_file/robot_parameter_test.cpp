@@ -395,7 +395,7 @@ TEST(RobotParameters, AreReadAgainFromTheExpandedFile) {
   for (const char* choice : {"choose: none", "choose: all", "choose: v/rail"}) {
     const Loaded loaded(replaced(lift_text(folder, kLift), "choose: none", choice));
     ASSERT_TRUE(loaded.built) << loaded.all();
-    const std::string text = expanded_text(*loaded.spec, *loaded.built);
+    const std::string text = expanded_text(*loaded.built);
     EXPECT_NE(text.find("mass: load"), std::string::npos) << text;
     const Loaded again(text);
     ASSERT_TRUE(again.built) << again.all();

@@ -592,10 +592,10 @@ TEST(TerminalLqr, ExpansionIsEquivalent) {
       EXPECT_TRUE(loaded.built) << loaded.all();  // also rests at 1
     }
     ASSERT_TRUE(loaded.built) << lqr << loaded.all();
-    const std::string text = expanded_text(*loaded.spec, *loaded.built);
+    const std::string text = expanded_text(*loaded.built);
     const Loaded again(text);
     ASSERT_TRUE(again.built) << again.all();
-    EXPECT_EQ(expanded_text(*again.spec, *again.built), text);
+    EXPECT_EQ(expanded_text(*again.built), text);
     EXPECT_EQ(lqr_of(again).ingredients.P, lqr_of(loaded).ingredients.P);
     EXPECT_EQ(lqr_of(again).set.level, lqr_of(loaded).set.level);
   }

@@ -33,7 +33,7 @@ struct SolvedExample {
   }
   SolvedExample(const SolvedExample&) = delete;
   SolutionCertificate judge(const OrderedJson& changed) const {
-    return certify_solution(changed, spec, built, false);
+    return certify_solution(changed, built, false);
   }
   ProblemSpec spec;
   BuiltProblem built;
@@ -50,7 +50,7 @@ struct SolvedExample {
     built = *std::move(made);
     const SolverInfo& solver = *find_solver(spec.solver.name.value);
     result.emplace(solve(*built.problem, solver, spec.solver.options, built.guess));
-    document = OrderedJson::parse(solution_json({spec, built, solver, *result, {}}).dump());
+    document = OrderedJson::parse(solution_json({built, solver, *result, {}}).dump());
   }
 };
 

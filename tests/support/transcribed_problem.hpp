@@ -103,11 +103,13 @@ inline void expect_known_optimum(const std::string& name, bool from_answer) {
   EXPECT_EQ(result.status, SolveStatus::converged) << result.message;
   const double cost = known_cost(name);
   EXPECT_NEAR(result.cost, cost, 1e-6 * std::abs(cost));
-  ProblemSpec spec = ready.spec;
-  spec.solver.options = options;
+  BuiltProblem built = ready.built;
+  auto spec = std::make_shared<ProblemSpec>(ready.spec);
+  spec->solver.options = options;
+  built.problem_spec = spec;
   const OrderedJson document =
-      OrderedJson::parse(solution_json({spec, ready.built, solver, result, {}}).dump());
-  for (const Check& check : certify_solution(document, spec, ready.built, false).checks.checks)
+      OrderedJson::parse(solution_json({built, solver, result, {}}).dump());
+  for (const Check& check : certify_solution(document, built, false).checks.checks)
     EXPECT_TRUE(check.holds) << check.name << ": claimed " << check.claimed << ", found "
                              << check.found << ' ' << check.message;
 }

@@ -8,7 +8,6 @@
 #include "arguments/example_problems.hpp"
 #include "arguments/shared_arguments.hpp"
 #include "base/files/source_text.hpp"
-#include "problem_file/read/read_problem.hpp"
 
 namespace conddp {
 
@@ -42,11 +41,24 @@ std::vector<std::string> settings_of(const ProblemArguments& arguments) {
   return settings;
 }
 
+Verbosity verbosity_of(const ProblemArguments& arguments) {
+  if (arguments.quiet) return Verbosity::kQuiet;
+  return arguments.verbose ? Verbosity::kVerbose : Verbosity::kNormal;
+}
+
+std::filesystem::path output_folder(const ProblemArguments& arguments, const BuiltProblem& built) {
+  if (!arguments.folder.empty()) return arguments.folder;
+  return std::filesystem::path("out") / built.facts().name.value;
+}
+
+BuildOptions build_options_of(const ProblemArguments& arguments) {
+  return {.drop = arguments.drop, .unplaced_solver = !arguments.solver.empty()};
+}
+
 namespace {
 
 /// The problem read from the standard input. Its paths are relative to the current folder.
-std::optional<ProblemSpec> read_standard_input(const ProblemArguments& arguments,
-                                               Diagnostics& out) {
+std::optional<ProblemDocument> load_standard_input(Diagnostics& out) {
   constexpr const char* kName = "stdin";
   std::string bytes(kMaxYamlBytes + 1, '\0');
   bytes.resize(std::fread(bytes.data(), 1, bytes.size(), stdin));
@@ -54,25 +66,23 @@ std::optional<ProblemSpec> read_standard_input(const ProblemArguments& arguments
     out.error({}, fmt::format("the standard input is larger than {} MiB", kMaxYamlBytes >> 20));
     return std::nullopt;
   }
-  const auto text = checked_text(std::move(bytes), kName, out);
-  if (!text) return std::nullopt;
-  return read_problem_text(*text, kName, settings_of(arguments), out);
-}
-
-std::optional<ProblemSpec> read_named(const ProblemArguments& arguments, Diagnostics& out) {
-  if (arguments.file == kStandardInput) return read_standard_input(arguments, out);
-  const auto file = find_problem_file(arguments.file, out);
-  if (!file) return std::nullopt;
-  return read_problem(*file, settings_of(arguments), out);
+  auto text = checked_text(std::move(bytes), kName, out);
+  return text ? parse_problem(*std::move(text), kName, out) : std::nullopt;
 }
 
 }  // namespace
 
-std::optional<ProblemSpec> read_problem_of(const ProblemArguments& arguments, Diagnostics& out) {
-  auto spec = read_named(arguments, out);
-  // The file does not name this solver, so messages about it must not refer to a place in the file.
-  if (spec && !arguments.solver.empty()) spec->solver.name.place = {};
-  return spec;
+std::optional<ProblemDocument> load_problem_of(const ProblemArguments& arguments,
+                                               Diagnostics& out) {
+  if (arguments.file == kStandardInput) return load_standard_input(out);
+  const auto file = find_problem_file(arguments.file, out);
+  return file ? load_problem(*file, {}, out) : std::nullopt;
+}
+
+std::optional<BuiltProblem> build_problem_of(const ProblemArguments& arguments,
+                                             const BuildOptions& options, Diagnostics& out) {
+  return build_problem(read_problem(load_problem_of(arguments, out), settings_of(arguments), out),
+                       options, out);
 }
 
 }  // namespace conddp

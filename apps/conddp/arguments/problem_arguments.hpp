@@ -1,12 +1,14 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "arguments/command.hpp"
-#include "problem_file/spec/spec.hpp"
+#include "problem_file/build/build_problem.hpp"
+#include "terminal/messages.hpp"
 
 namespace conddp {
 
@@ -23,6 +25,8 @@ struct ProblemArguments {
   std::uint64_t seed = 1;
   double max_time = 0;  ///< s, 0: as in the file
   int threads = 0;      ///< 0: as in the file
+  std::string folder;   ///< for outputs
+  bool json = false, quiet = false, verbose = false;
 };
 
 /// FILE, --solver, --drop, --set, --perturb and --seed.
@@ -31,7 +35,19 @@ std::vector<Argument> problem_arguments(ProblemArguments& arguments);
 /// Command-line settings of the problem and its solve: --set, and the equivalents of other options.
 std::vector<std::string> settings_of(const ProblemArguments& arguments);
 
-/// The problem with its settings, validated; empty on errors.
-std::optional<ProblemSpec> read_problem_of(const ProblemArguments& arguments, Diagnostics& out);
+Verbosity verbosity_of(const ProblemArguments& arguments);
+
+/// The folder for the outputs of a problem.
+std::filesystem::path output_folder(const ProblemArguments& arguments, const BuiltProblem& built);
+
+/// --drop, and the source of --solver.
+BuildOptions build_options_of(const ProblemArguments& arguments);
+
+/// The file, or the standard input, as a tree.
+std::optional<ProblemDocument> load_problem_of(const ProblemArguments& arguments, Diagnostics& out);
+
+/// The problem with its settings, built; empty on errors.
+std::optional<BuiltProblem> build_problem_of(const ProblemArguments& arguments,
+                                             const BuildOptions& options, Diagnostics& out);
 
 }  // namespace conddp

@@ -1,5 +1,3 @@
-#include "commands/batch_items.hpp"
-
 #include <algorithm>
 #include <filesystem>
 #include <map>
@@ -12,8 +10,9 @@
 #include "base/json/solution_members.hpp"
 #include "batch/results/batch_report.hpp"
 #include "batch/results/item_files.hpp"
+#include "commands/batch_actions.hpp"
 #include "output/report/report.hpp"
-#include "summary/report_file.hpp"
+#include "summary/summary.hpp"
 #include "terminal/exit_codes.hpp"
 #include "terminal/messages.hpp"
 #include "terminal/streams.hpp"
@@ -31,11 +30,6 @@ int report_errors(const Diagnostics& diagnostics) {
   return kExitBadInput;
 }
 
-const StoredResult* stored_result(const StoredResults& results, const std::string& id) {
-  const auto found = results.find(id);
-  return found == results.end() ? nullptr : &found->second;
-}
-
 fs::path folder_of_item(const fs::path& run, const std::string& id) { return run / "items" / id; }
 
 /// Empty with an error if the solution no longer belongs to the item's problem.
@@ -45,8 +39,8 @@ std::optional<std::vector<fs::path>> write_item_files(const ShownItem& item, con
     return write_item(item, folder);
   } catch (const MalformedSolution& malformed) {
     out.error({},
-              fmt::format("the solution does not fit the problem '{}': {}", item.file.string(),
-                          malformed.what()),
+              fmt::format("the solution does not fit the problem '{}': {}",
+                          item.built.facts().file.string(), malformed.what()),
               "that file has changed since the plan was made");
     return std::nullopt;
   }
@@ -95,7 +89,7 @@ class ShownItems {
         if (links_.contains(i)) continue;
         const ManifestItem& item = manifest_.items[i];
         Diagnostics own;
-        auto shown = load_item(run_, manifest_, item, stored_result(results_, item.id), own);
+        auto shown = load_item(run_, manifest_, item, find_result(results_, item), own);
         const auto files =
             shown ? write_item_files(*shown, folder_of_item(run_, item.id), own) : std::nullopt;
         if (!files) {
@@ -122,7 +116,6 @@ class ShownItems {
     for (const auto& [i, label] : labels)
       entries.push_back({.label = fmt::format("{} ({})", label, i + 1),
                          .document = shown_.at(i).document,
-                         .spec = shown_.at(i).spec.get(),
                          .built = &shown_.at(i).built});
     return entries;
   }
@@ -173,7 +166,7 @@ int show_item(const BatchArguments& arguments) {
   const ManifestItem* item = find_item(*manifest, run, arguments.word);
   if (item == nullptr) return kExitBadInput;
   const auto results = load_results(run);
-  const StoredResult* stored = stored_result(results, item->id);
+  const StoredResult* stored = find_result(results, *item);
   const fs::path folder =
       arguments.folder.empty() ? folder_of_item(run, item->id) : fs::path(arguments.folder);
   const auto written = write_shown(run, *manifest, *item, stored, folder, diagnostics);

@@ -1,5 +1,3 @@
-#include "commands/batch_submit.hpp"
-
 #include <algorithm>
 #include <filesystem>
 
@@ -14,6 +12,7 @@
 #include "batch/cluster/slurm_job.hpp"
 #include "batch/plan/run_folder.hpp"
 #include "batch/results/collect.hpp"
+#include "commands/batch_actions.hpp"
 #include "terminal/exit_codes.hpp"
 #include "terminal/messages.hpp"
 #include "terminal/streams.hpp"

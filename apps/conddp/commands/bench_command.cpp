@@ -1,6 +1,12 @@
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <deque>
+#include <exception>
+#include <functional>
 #include <mutex>
+#include <system_error>
+#include <thread>
 
 #include <fmt/format.h>
 
@@ -12,9 +18,7 @@
 #include "base/text/shell_words.hpp"
 #include "base/text/spelling.hpp"
 #include "commands/bench_problems.hpp"
-#include "commands/bench_progress.hpp"
 #include "commands/commands.hpp"
-#include "commands/parallel_tasks.hpp"
 #include "output/bench/benchmark_report.hpp"
 #include "output/bench/gnuplot.hpp"
 #include "problem_file/build/homotopy.hpp"
@@ -115,6 +119,70 @@ OrderedJson changed_options(const SolverOptions& options) {
   return json;
 }
 
+/// Examples: "40 s", "3 min".
+std::string about(double seconds) {
+  return seconds < 90 ? fmt::format("{:.0f} s", seconds) : fmt::format("{:.0f} min", seconds / 60);
+}
+
+/// Examples: "2.5 solves/s", "12 solves/min".
+std::string rate(double per_second) {
+  return per_second >= 1 ? fmt::format("{:.1f} solves/s", per_second)
+                         : fmt::format("{:.1f} solves/min", 60 * per_second);
+}
+
+/// Progress and speed of a benchmark, and an estimate of the remaining time at the average speed.
+/// Unsupported problems take no time and are not counted.
+class BenchProgress {
+ public:
+  /// `runs`: total number of runs.
+  explicit BenchProgress(int runs) : runs_(runs) {}
+
+  /// Counts a finished run.
+  void count() { ++done_; }
+  /// Example: "3 of 20, about 40 s left, 2.5 solves/s".
+  std::string text() const {
+    const std::string place = fmt::format("{} of {}", std::min(done_ + 1, runs_), runs_);
+    if (done_ == 0) return place;
+    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start_;
+    return fmt::format("{}, about {} left, {}", place,
+                       about(elapsed.count() / done_ * (runs_ - done_)),
+                       rate(done_ / elapsed.count()));
+  }
+
+ private:
+  const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  const int runs_;
+  int done_ = 0;
+};
+
+/// Calls task(0) … task(count − 1) in up to `threads` threads, including the calling one. Each
+/// thread takes the next number; after a task returns false or throws, no further numbers are
+/// taken. When all threads have ended, the first exception is rethrown.
+void run_tasks(int count, int threads, const std::function<bool(int)>& task) {
+  std::atomic<int> next = 0;
+  std::mutex mutex;
+  std::exception_ptr thrown;
+  const auto work = [&] {
+    try {
+      for (int i; (i = next++) < count;)
+        if (!task(i)) next = count;
+    } catch (...) {
+      next = count;
+      const std::lock_guard lock(mutex);
+      if (!thrown) thrown = std::current_exception();
+    }
+  };
+  std::vector<std::jthread> others;
+  try {
+    for (int i = 1; i < std::min(threads, count); ++i) others.emplace_back(work);
+  } catch (const std::system_error&) {
+    // If no more threads can be created, the existing ones do the work.
+  }
+  work();
+  others.clear();
+  if (thrown) std::rethrow_exception(thrown);
+}
+
 class Bench {
  public:
   Bench(const BenchArguments& arguments, std::vector<const SolverInfo*> solvers,
@@ -202,7 +270,7 @@ class Bench {
 
   void show(const Task& task) {
     const std::lock_guard lock(mutex_);
-    status_.show(fmt::format("{}, {}{}, {}", progress_.text(), task.problem->spec.name.value,
+    status_.show(fmt::format("{}, {}{}, {}", progress_.text(), task.built->facts().name.value,
                              task.seed ? fmt::format(" seed {}", *task.seed) : "",
                              task.solver->name));
   }
@@ -210,7 +278,7 @@ class Bench {
   /// The file's perturbation with the requested changes.
   Perturbation perturbation_of(const BenchProblem& problem,
                                std::optional<std::uint64_t> seed) const {
-    Perturbation perturbation = problem.perturbation;
+    Perturbation perturbation = problem.whole().facts().perturbation;
     const BenchmarkRequest& asked = report_.request;
     perturbation.initial_state = asked.initial_state_size.value_or(perturbation.initial_state);
     perturbation.guess = asked.guess_spread.value_or(perturbation.guess);
@@ -222,7 +290,7 @@ class Bench {
                                     const Trajectory& guess, ProblemPath homotopy) {
     BenchProblem& problem = *task.problem;
     const BuiltProblem& built = *task.built;
-    SolverOptions options = problem.spec.solver.options;
+    SolverOptions options = built.facts().solver.options;
     options.homotopy = std::move(homotopy);
     options.interrupted = [this] {
       const std::lock_guard lock(mutex_);
@@ -230,10 +298,10 @@ class Bench {
       return InterruptGuard::signal() != 0;
     };
     if (task.solver->constraints == ConstraintSupport::all) options.multipliers = built.multipliers;
-    BenchmarkEntry entry{.problem = problem.spec.name.value,
-                         .file = problem.spec.file.string(),
-                         .sha256 = problem.spec.sha256,
-                         .problem_sha256 = problem.sha256(),
+    BenchmarkEntry entry{.problem = built.facts().name.value,
+                         .file = built.facts().file.string(),
+                         .sha256 = built.facts().sha256,
+                         .problem_sha256 = problem.sha256,
                          .knots = instance.knots(),
                          .states = instance.ndx(),
                          .seed = task.seed,

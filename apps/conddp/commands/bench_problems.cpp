@@ -8,18 +8,16 @@
 #include "arguments/input_files.hpp"
 #include "base/text/spelling.hpp"
 #include "output/bench/best_known.hpp"
-#include "problem_file/build/build_problem.hpp"
-#include "problem_file/build/problem_identity.hpp"
-#include "problem_file/read/read_problem.hpp"
 #include "terminal/messages.hpp"
 
 namespace conddp {
 namespace {
 
 /// The constraints of a problem that may be dropped.
-std::vector<std::string> droppable(const ProblemSpec& spec, const std::vector<std::string>& drop) {
+std::vector<std::string> droppable(const BuiltProblem& built,
+                                   const std::vector<std::string>& drop) {
   std::vector<std::string> names;
-  for (const std::string& constraint : constraint_names(spec))
+  for (const std::string& constraint : constraint_names(built))
     if (std::any_of(drop.begin(), drop.end(),
                     [&](const std::string& name) { return name == kAll || name == constraint; }))
       names.push_back(constraint);
@@ -30,7 +28,7 @@ void check_drop(const std::deque<BenchProblem>& problems, const std::vector<std:
                 Diagnostics& out) {
   std::vector<std::string> names;
   for (const BenchProblem& problem : problems)
-    for (const std::string& constraint : constraint_names(problem.spec))
+    for (const std::string& constraint : constraint_names(problem.whole()))
       if (std::find(names.begin(), names.end(), constraint) == names.end())
         names.push_back(constraint);
   for (const std::string& name : drop)
@@ -52,7 +50,7 @@ bool names_file(const Diagnostics& diagnostics, const std::string& file) {
 bool find_best_known(std::deque<BenchProblem>& problems, Diagnostics& out) {
   std::map<std::filesystem::path, BestKnown> of_folders;
   for (BenchProblem& problem : problems) {
-    const std::filesystem::path folder = problem.spec.file.parent_path();
+    const std::filesystem::path folder = problem.whole().facts().file.parent_path();
     const auto [known, fresh] = of_folders.try_emplace(folder);
     std::error_code error;
     if (fresh && std::filesystem::exists(folder / kBestKnownFile, error)) {
@@ -60,7 +58,7 @@ bool find_best_known(std::deque<BenchProblem>& problems, Diagnostics& out) {
       if (!read) return false;
       known->second = *std::move(read);
     }
-    if (const auto found = known->second.find(problem.sha256()); found != known->second.end())
+    if (const auto found = known->second.find(problem.sha256); found != known->second.end())
       problem.best_known = found->second;
   }
   return true;
@@ -68,20 +66,16 @@ bool find_best_known(std::deque<BenchProblem>& problems, Diagnostics& out) {
 
 }  // namespace
 
-const BuiltProblem* BenchProblem::build(const std::vector<std::string>& drop, Diagnostics& out) {
-  const auto [found, fresh] = built_.try_emplace(drop);
-  if (fresh) found->second = build_problem(spec, {.drop = drop}, out);
-  return found->second ? &*found->second : nullptr;
-}
-
 const BuiltProblem& BenchProblem::fitting(const SolverInfo& solver,
                                           const std::vector<std::string>& drop) {
   const auto taken = [&](const std::vector<std::string>& without) {
+    const auto [found, fresh] = built_.try_emplace(without);
     Diagnostics unused;  // the problem has been built before
-    const BuiltProblem* built = build(without, unused);
-    return built != nullptr && !unsupported(solver, *built->problem);
+    if (fresh)
+      found->second = build_problem(whole(), {.drop = without, .unperturbed = true}, unused);
+    return found->second && !unsupported(solver, *found->second->problem);
   };
-  const std::vector<std::string> all = droppable(spec, drop);
+  const std::vector<std::string> all = droppable(whole(), drop);
   std::vector<std::string> without;
   if (!taken(without) && taken(all)) {
     without = all;
@@ -94,19 +88,14 @@ const BuiltProblem& BenchProblem::fitting(const SolverInfo& solver,
   return *built_.at(without);
 }
 
-const std::string& BenchProblem::sha256() {
-  if (sha256_.empty()) sha256_ = problem_sha256(spec, *built_.at({}));
-  return sha256_;
-}
-
 namespace {
 
 /// Adds a problem; prints the reason and returns false if it cannot be used.
 bool add_problem(const std::filesystem::path& file, const std::vector<std::string>& settings,
                  std::deque<BenchProblem>& problems, Diagnostics& out) {
   Diagnostics own;
-  if (auto spec = read_problem(file, settings, own))
-    problems.emplace_back(*std::move(spec)).build({}, own);
+  if (auto built = build_problem(read_problem(file, settings, own), {.unperturbed = true}, own))
+    problems.emplace_back(*std::move(built));
   print_messages(own, Verbosity::kQuiet);
   if (!own.has_errors()) return true;
   if (!names_file(own, file.string()))

@@ -5,13 +5,10 @@
 #include "arguments/shared_arguments.hpp"
 #include "base/json/json_text.hpp"
 #include "commands/commands.hpp"
-#include "output/mpc/loop_task.hpp"
-#include "problem_file/build/build_problem.hpp"
 #include "problem_file/expand/expand_problem.hpp"
+#include "problem_file/expand/problem_summary.hpp"
 #include "solvers/strategies/registry.hpp"
-#include "summary/check_summary.hpp"
-#include "summary/derivative_report.hpp"
-#include "summary/regulator_report.hpp"
+#include "summary/summary.hpp"
 #include "terminal/exit_codes.hpp"
 #include "terminal/messages.hpp"
 #include "terminal/streams.hpp"
@@ -23,8 +20,6 @@ struct CheckArguments : ProblemArguments {
   std::string expand;  ///< rewriting after which the problem is printed; empty: none
   bool derivatives = false;
   bool terminal = false;
-  bool json = false;
-  bool verbose = false;
 };
 
 /// The summary, with derivatives and terminal ingredients if they were checked.
@@ -37,11 +32,11 @@ std::string full_text(const OrderedJson& summary) {
 
 /// Builds the closed loop of a file that contains one. Reports only errors of the loop; those of
 /// its problem have been reported.
-std::unique_ptr<LoopTask> loop_of(const CheckArguments& arguments, const ProblemSpec& spec,
+std::unique_ptr<LoopTask> loop_of(const CheckArguments& arguments, const BuiltProblem& built,
                                   Diagnostics& out) {
-  if (!spec.mpc) return nullptr;
+  if (!built.facts().mpc) return nullptr;
   Diagnostics own = out;
-  auto task = build_loop(spec, {.drop = arguments.drop}, own);
+  auto task = build_loop(built, build_options_of(arguments), own);
   const std::vector<Diagnostic> said = out.list();
   for (const Diagnostic& d : own.list()) {
     const auto is_same = [&d](const Diagnostic& other) {
@@ -52,16 +47,15 @@ std::unique_ptr<LoopTask> loop_of(const CheckArguments& arguments, const Problem
   return task;
 }
 
-int print_summary(const CheckArguments& arguments, const ProblemSpec& spec,
-                  const BuiltProblem& built, const std::vector<const SolverInfo*>& candidates,
-                  const LoopTask* loop) {
-  OrderedJson summary =
-      check_summary(spec, built, candidates, loop == nullptr ? nullptr : &loop->mpc);
+int print_summary(const CheckArguments& arguments, const BuiltProblem& built,
+                  const std::vector<const SolverInfo*>& candidates, const LoopTask* loop) {
+  OrderedJson summary = problem_summary(built, candidates, loop == nullptr ? nullptr : &loop->mpc);
   if (arguments.derivatives)
     summary["derivatives"] =
-        derivatives_json(check_derivatives(*built.problem, built.guess), spec, built);
+        derivatives_json(check_derivatives(*built.problem, built.guess), built);
   if (arguments.terminal)
-    summary["terminal_lqr"] = regulator_json(built, spec.solver.options.tolerances.constraint);
+    summary["terminal_lqr"] =
+        regulator_json(built, built.facts().solver.options.tolerances.constraint);
   print_result(arguments.json ? json_text(summary) : full_text(summary));
   const bool wrong = arguments.derivatives && !summary["derivatives"]["holds"].get<bool>();
   return wrong ? kExitNotConverged : kExitConverged;
@@ -69,24 +63,22 @@ int print_summary(const CheckArguments& arguments, const ProblemSpec& spec,
 
 int check_file(const CheckArguments& arguments) {
   Diagnostics diagnostics;
-  const Verbosity verbosity = arguments.verbose ? Verbosity::kVerbose : Verbosity::kNormal;
-  const auto spec = read_problem_of(arguments, diagnostics);
-  const auto built = spec ? build_problem(*spec, {.drop = arguments.drop}, diagnostics)
-                          : std::optional<BuiltProblem>();
-  const auto candidates = built ? usable_solvers(*spec, *built->problem, diagnostics)
-                                : std::vector<const SolverInfo*>();
+  const auto built = build_problem_of(arguments, build_options_of(arguments), diagnostics);
+  const auto candidates =
+      built ? usable_solvers(*built, diagnostics) : std::vector<const SolverInfo*>();
   if (arguments.terminal && built && !built->terminal_lqr)
     diagnostics.error({{}, "terminal"},
                       "--terminal needs 'terminal: {lqr: STATE}', which the file does not have",
                       "write it, or give --set terminal.lqr=STATE");
-  const auto loop = candidates.empty() ? nullptr : loop_of(arguments, *spec, diagnostics);
-  if (!arguments.expand.empty() && built) warn_of_lost_gait(*spec, diagnostics);
-  print_messages(diagnostics, verbosity);
+  const auto loop = candidates.empty() ? nullptr : loop_of(arguments, *built, diagnostics);
+  if (!arguments.expand.empty() && built) warn_of_lost_gait(*built, diagnostics);
+  print_messages(diagnostics, verbosity_of(arguments));
   if (candidates.empty() || diagnostics.has_errors()) return kExitBadInput;
-  if (arguments.expand.empty())
-    return print_summary(arguments, *spec, *built, candidates, loop.get());
-  const OrderedJson problem = expand_after(arguments.expand, *spec, *built);
-  print_result(arguments.json ? json_text(problem) : expanded_text(problem, spec->text));
+  if (arguments.expand.empty()) return print_summary(arguments, *built, candidates, loop.get());
+  if (arguments.json)
+    print_result(json_text(expand_after(arguments.expand, *built)));
+  else
+    print_result(expanded_text(*built, arguments.expand));
   return kExitConverged;
 }
 

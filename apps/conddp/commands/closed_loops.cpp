@@ -43,16 +43,6 @@ double wall_clock() {
 
 }  // namespace
 
-std::filesystem::path output_folder(const MpcArguments& arguments, const ProblemSpec& spec) {
-  if (arguments.folder.empty()) return std::filesystem::path("out") / spec.name.value;
-  return arguments.folder;
-}
-
-Verbosity verbosity_of(const MpcArguments& arguments) {
-  if (arguments.quiet) return Verbosity::kQuiet;
-  return arguments.verbose ? Verbosity::kVerbose : Verbosity::kNormal;
-}
-
 ClosedLoopResult simulate_task(const MpcArguments& arguments, LoopTask& task,
                                std::function<void(const Mpc&)> observe) {
   task.mpc.loop.interrupted = [] { return InterruptGuard::signal() != 0; };
@@ -65,9 +55,9 @@ std::string loop_summary(const LoopRun& run, const std::vector<std::filesystem::
   const auto failed =
       static_cast<std::ptrdiff_t>(result.ticks.size()) - count_of(result, TickOutcome::planned);
   const std::string reason = reason_of_end(run.task, result);
-  std::string text = fmt::format("{}: {} at {:g} s of {:g} s{}{}\n", run.task.spec->name.value,
-                                 to_string(result.end), result.end_time, run.task.mpc.loop.duration,
-                                 reason.empty() ? "" : ": ", reason);
+  std::string text = fmt::format(
+      "{}: {} at {:g} s of {:g} s{}{}\n", run.task.built.facts().name.value, to_string(result.end),
+      result.end_time, run.task.mpc.loop.duration, reason.empty() ? "" : ": ", reason);
   text += fmt::format("{:<12} {} of {:g} s by {}, {} failed\n", "ticks", result.ticks.size(),
                       run.task.mpc.controller.tick, run.task.mpc.controller.solver, failed);
   text += fmt::format("{:<12} {:.8g}\n{:<12} {:.2g}\n", "cost", result.cost, "violation",

@@ -13,19 +13,10 @@ namespace conddp {
 
 /// Arguments of `conddp mpc`.
 struct MpcArguments : ProblemArguments {
-  std::string folder;
-  bool quiet = false;
-  bool json = false;
-  bool verbose = false;
   bool realtime = false;
   std::string largest;
   std::string report;
 };
-
-Verbosity verbosity_of(const MpcArguments& arguments);
-
-/// The folder for a loop's outputs.
-std::filesystem::path output_folder(const MpcArguments& arguments, const ProblemSpec& spec);
 
 /// Simulates a loop until its end or a signal. `observe`, unless null, is called with the
 /// controller after each tick.
@@ -34,5 +25,12 @@ ClosedLoopResult simulate_task(const MpcArguments& arguments, LoopTask& task,
 
 /// Summary of a loop for users, and the paths of its files.
 std::string loop_summary(const LoopRun& run, const std::vector<std::filesystem::path>& written);
+
+/// The defect of a text as "KEY=[LOW, HIGH]" with two numbers; empty if valid.
+std::string largest_defect(const std::string& text);
+
+/// Searches for the largest value of the key of `--largest` whose loop survives, and writes the
+/// trials with the files of that loop. Returns the exit code.
+int search_largest(const MpcArguments& arguments);
 
 }  // namespace conddp

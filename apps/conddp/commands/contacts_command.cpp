@@ -7,6 +7,7 @@
 #include "commands/commands.hpp"
 #include "output/report/contact_report.hpp"
 #include "output/schedule/contact_schedule.hpp"
+#include "output/solution/solution_json.hpp"
 #include "output/solution/solved_problem.hpp"
 #include "problem_file/yaml/yaml_text.hpp"
 #include "solvers/strategies/registry.hpp"
@@ -24,30 +25,13 @@ struct ContactsArguments {
   std::string solver = "proxddp";
 };
 
-/// Copies a row of numbers.
-template <class Target>
-void copy(const OrderedJson& row, Target target, const char* what) {
-  if (!row.is_array() || static_cast<Eigen::Index>(row.size()) != target.size())
-    throw MalformedSolution{fmt::format("'{}' does not fit the problem", what)};
-  for (Eigen::Index i = 0; i < target.size(); ++i) {
-    if (!row[i].is_number())
-      throw MalformedSolution{fmt::format("'{}' has an entry that is not a number", what)};
-    target[i] = row[i].get<double>();
-  }
-}
-
-/// The states and controls of a solution.
-Trajectory trajectory_of(const OrderedJson& document, const ShootingProblem& problem) {
-  Trajectory trajectory = problem.create_trajectory();
-  const OrderedJson& lists = solution_member(document, "trajectory");
-  const OrderedJson &x = solution_member(lists, "x"), &u = solution_member(lists, "u");
-  const bool fits = x.is_array() && u.is_array() &&
-                    static_cast<int>(x.size()) == problem.knots() + 1 && u.size() + 1 == x.size();
-  if (!fits) throw MalformedSolution{"'trajectory' does not fit the problem"};
-  for (int k = 0; k <= problem.knots(); ++k) {
-    copy(x[k], trajectory.x(k), "trajectory.x");
-    if (k < problem.knots()) copy(u[k], trajectory.u(k), "trajectory.u");
-  }
+/// The states and controls of a solution, which must be finite.
+Trajectory finite_trajectory(const OrderedJson& document, const ShootingProblem& problem) {
+  Trajectory trajectory = stored_trajectory(document, problem);
+  bool finite = trajectory.x(problem.knots()).allFinite();
+  for (int k = 0; k < problem.knots(); ++k)
+    finite = finite && trajectory.x(k).allFinite() && trajectory.u(k).allFinite();
+  if (!finite) throw MalformedSolution{"'trajectory' has an entry that is not a number"};
   return trajectory;
 }
 
@@ -77,14 +61,13 @@ int write_schedule(const ContactsArguments& arguments) {
     const auto solved =
         rebuild_problem(document, arguments.solution, arguments.problem, diagnostics);
     if (!solved) return give_up({});
-    const Trajectory trajectory = trajectory_of(document, *solved->built.problem);
-    const auto motion = contact_motion(*solved->built.problem, trajectory);
+    const Trajectory trajectory = finite_trajectory(document, *solved->problem);
+    const auto motion = contact_motion(*solved->problem, trajectory);
     if (!motion)
       return give_up(
           "its problem has no 'contact_candidates', so the contact sequence is not part of the "
           "solution");
-    const ContactSchedule schedule =
-        contact_schedule(*solved->spec, solved->built, *motion, options_of(arguments));
+    const ContactSchedule schedule = contact_schedule(*solved, *motion, options_of(arguments));
     if (const std::string status = solution_text(document, "status");
         status != to_string(SolveStatus::converged) &&
         status != to_string(SolveStatus::cost_settled))

@@ -1,7 +1,7 @@
 #include <memory>
 
 #include "commands/commands.hpp"
-#include "help/help_text.hpp"
+#include "help/help.hpp"
 #include "terminal/exit_codes.hpp"
 #include "terminal/streams.hpp"
 #include "terminal/terminal.hpp"

@@ -1,5 +1,5 @@
 #include "commands/commands.hpp"
-#include "summary/robot_report.hpp"
+#include "summary/summary.hpp"
 #include "terminal/exit_codes.hpp"
 #include "terminal/messages.hpp"
 #include "terminal/streams.hpp"

@@ -1,5 +1,3 @@
-#include "commands/largest_search.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -8,15 +6,14 @@
 
 #include <fmt/format.h>
 
-#include "arguments/example_problems.hpp"
 #include "base/files/atomic_file.hpp"
 #include "base/json/json_text.hpp"
 #include "base/text/csv_line.hpp"
 #include "base/text/strict_number.hpp"
+#include "commands/closed_loops.hpp"
 #include "mpc/largest_survived.hpp"
 #include "output/solution/csv_cells.hpp"
 #include "problem_file/expand/expand_problem.hpp"
-#include "problem_file/read/read_problem.hpp"
 #include "problem_file/yaml/key_path.hpp"
 #include "terminal/exit_codes.hpp"
 #include "terminal/interrupt.hpp"
@@ -55,39 +52,11 @@ Setting setting_of(const std::string& key, double value, Diagnostics& out) {
   return {{key, {{source, 1, 1}, key}}, std::move(node), text};
 }
 
-/// True if the key has a number, or a formula of parameters, in the problem file.
+/// True if the key has a number, or a formula of parameters, in a problem file.
 bool is_number_of_file(YamlNode root, std::string_view key) {
   const YamlNode* node = find_present(root, key);
   return node != nullptr && node->kind == YamlNode::Kind::kScalar && !node->quoted &&
          (node->text.starts_with('=') || parse_number(node->text).value.has_value());
-}
-
-/// The member of an object, or the element of a list by index or name; null if missing.
-const OrderedJson* part_of(const OrderedJson& json, std::string_view step) {
-  if (json.is_object()) {
-    const auto found = json.find(std::string(step));
-    return found == json.end() ? nullptr : &*found;
-  }
-  if (!json.is_array()) return nullptr;
-  if (const auto index = parse_count(step); index && *index < static_cast<int>(json.size()))
-    return &json[static_cast<std::size_t>(*index)];
-  const auto has_name = [step](const OrderedJson& item) {
-    return item.is_object() && item.contains("name") && item["name"] == std::string(step);
-  };
-  const auto found = std::find_if(json.begin(), json.end(), has_name);
-  return found == json.end() ? nullptr : &*found;
-}
-
-/// True if the key denotes a number in a problem with all defaults.
-bool is_number_of_expanded(const OrderedJson& problem, std::string_view key) {
-  if (key.empty()) return problem.is_number();
-  for (std::size_t end = key.size();
-       end != std::string_view::npos && end > 0;) {  // names may contain dots
-    if (const OrderedJson* part = part_of(problem, key.substr(0, end)))
-      return is_number_of_expanded(*part, key.substr(std::min(end + 1, key.size())));
-    end = key.rfind('.', end - 1);
-  }
-  return false;
 }
 
 /// A problem file, and the loops built from it for many values.
@@ -98,10 +67,8 @@ class LoopFamily {
 
   /// Reads the file. Returns false with errors, in texts().
   bool load() {
-    const auto file = find_problem_file(arguments_.file, texts_);
-    if (file) document_ = load_problem(*file, {}, texts_);
-    for (const std::string& text : settings_of(arguments_))
-      if (auto setting = parse_setting(text, texts_)) settings_.push_back(*std::move(setting));
+    document_ = load_problem_of(arguments_, texts_);
+    settings_ = parse_settings(settings_of(arguments_), texts_);
     return document_ && !texts_.has_errors();
   }
   const Diagnostics& texts() const { return texts_; }
@@ -110,10 +77,7 @@ class LoopFamily {
   std::unique_ptr<LoopTask> build(std::optional<double> value, Diagnostics& out) const {
     std::vector<Setting> settings = settings_;
     if (value) settings.push_back(setting_of(key_, *value, out));
-    auto spec = read_problem(*document_, settings, out);
-    if (!spec) return nullptr;
-    if (!arguments_.solver.empty()) spec->solver.name.place = {};  // not named in the file
-    return build_loop(*std::move(spec), {.drop = arguments_.drop}, out);
+    return build_loop(read_problem(*document_, settings, out), build_options_of(arguments_), out);
   }
 
   /// Reports the value that caused the errors, which may refer to any place in the file.
@@ -128,7 +92,10 @@ class LoopFamily {
     if (out.has_errors() || is_number_of_file(std::move(root), key_)) return;
     if (key_.starts_with("mpc.plant.set.")) return;  // optional in the file: trials check it
     const auto task = build(std::nullopt, out);
-    if (!task || is_number_of_expanded(expand_problem(*task->spec, task->built), key_)) return;
+    if (!task) return;
+    Diagnostics unused;
+    auto whole = parse_problem(expanded_text(task->built), {}, unused);
+    if (whole && is_number_of_file(std::move(whole->root), key_)) return;
     const int source = out.add_source(kOption, arguments_.largest);
     out.error({{source, 1, 1}, key_},
               fmt::format("'{}' is neither a number of the file nor one of its defaults", key_),
@@ -190,13 +157,13 @@ class Search {
     Diagnostics own = family_.texts();
     const auto task = family_.build(value, own);
     if (!task) family_.blame(value, own);
-    if (task && task->spec->mpc->stop_when.empty())
-      own.error(task->spec->mpc->place,
+    if (task && !task->mpc.loop.stop)
+      own.error(task->built.facts().mpc->place,
                 fmt::format("{}: --largest would always find HIGH", kNothingStopsALoop),
                 kHowToStopALoop);
     if (own.has_errors()) return fail(std::move(own));
     if (!first) return true;
-    folder_ = output_folder(arguments_, *task->spec);
+    folder_ = output_folder(arguments_, task->built);
     diagnostics_ = std::move(own);  // warnings of the first value only
     return true;
   }

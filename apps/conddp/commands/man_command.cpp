@@ -2,7 +2,7 @@
 
 #include "base/files/atomic_file.hpp"
 #include "commands/commands.hpp"
-#include "help/man_page.hpp"
+#include "help/help.hpp"
 #include "terminal/exit_codes.hpp"
 #include "terminal/streams.hpp"
 

@@ -6,12 +6,11 @@
 #include "arguments/shared_arguments.hpp"
 #include "base/json/json_text.hpp"
 #include "commands/commands.hpp"
-#include "problem_file/build/build_problem.hpp"
 #include "problem_file/build/homotopy.hpp"
 #include "problem_file/build/tangent_numbers.hpp"
 #include "problem_file/values/read_values.hpp"
 #include "problem_file/yaml/yaml_source.hpp"
-#include "summary/margin_report.hpp"
+#include "summary/summary.hpp"
 #include "terminal/exit_codes.hpp"
 #include "terminal/messages.hpp"
 #include "terminal/streams.hpp"
@@ -21,7 +20,6 @@ namespace {
 
 struct MarginArguments : ProblemArguments {
   std::string initial, process, measurement;  ///< standard deviations, as YAML
-  bool json = false;
 };
 
 /// The standard deviations of an option; zero without it.
@@ -48,11 +46,10 @@ StateNoise noise_of(const MarginArguments& arguments, const BuiltProblem& built,
 }
 
 /// The answer of the file's solver. Empty with an error if it lacks gains.
-std::optional<SolveResult> solve_for_gains(const ProblemSpec& spec, const BuiltProblem& built,
-                                           Diagnostics& out) {
-  const auto candidates = usable_solvers(spec, *built.problem, out);
+std::optional<SolveResult> solve_for_gains(const BuiltProblem& built, Diagnostics& out) {
+  const auto candidates = usable_solvers(built, out);
   if (candidates.empty()) return std::nullopt;
-  SolverOptions options = spec.solver.options;
+  SolverOptions options = built.facts().solver.options;
   options.multipliers = built.multipliers;
   options.homotopy = homotopy_path(built);
   const SolverInfo* used = nullptr;
@@ -77,19 +74,17 @@ std::optional<std::vector<MarginCurve>> margins_of(const ShootingProblem& proble
 
 int print_margins(const MarginArguments& arguments) {
   Diagnostics diagnostics;
-  const auto spec = read_problem_of(arguments, diagnostics);
-  const auto built = spec ? build_problem(*spec, {.drop = arguments.drop}, diagnostics)
-                          : std::optional<BuiltProblem>();
+  const auto built = build_problem_of(arguments, build_options_of(arguments), diagnostics);
   const StateNoise noise = built ? noise_of(arguments, *built, diagnostics) : StateNoise();
   const auto result = diagnostics.has_errors() ? std::optional<SolveResult>()
-                                               : solve_for_gains(*spec, *built, diagnostics);
+                                               : solve_for_gains(*built, diagnostics);
   if (result && !is_success(result->status))
     diagnostics.warning({}, fmt::format("the plan is not a solution: {}", result->message));
   const auto curves = result ? margins_of(*built->problem, *result, noise, diagnostics)
                              : std::optional<std::vector<MarginCurve>>();
   print_messages(diagnostics, Verbosity::kNormal);
   if (!curves) return kExitBadInput;
-  const OrderedJson margins = margins_json(*curves, noise, *spec, *built, result->trajectory);
+  const OrderedJson margins = margins_json(*curves, noise, *built, result->trajectory);
   print_result(arguments.json ? json_text(margins) : margins_text(margins));
   return is_success(result->status) ? kExitConverged : kExitNotConverged;
 }

@@ -6,21 +6,14 @@
 #include "base/json/json_text.hpp"
 #include "commands/closed_loops.hpp"
 #include "commands/commands.hpp"
-#include "commands/largest_search.hpp"
 #include "output/report/loop_report.hpp"
-#include "summary/report_file.hpp"
+#include "summary/summary.hpp"
 #include "terminal/exit_codes.hpp"
 #include "terminal/interrupt.hpp"
 #include "terminal/streams.hpp"
 
 namespace conddp {
 namespace {
-
-/// The loop of the command line; null with errors if it cannot be built.
-std::unique_ptr<LoopTask> task_of(const MpcArguments& arguments, Diagnostics& out) {
-  auto spec = read_problem_of(arguments, out);
-  return spec ? build_loop(*std::move(spec), {.drop = arguments.drop}, out) : nullptr;
-}
 
 int exit_code(LoopEnd end) {
   if (end == LoopEnd::finished) return kExitConverged;
@@ -51,10 +44,12 @@ void write_page(const MpcArguments& arguments, const LoopRun& run,
 int simulate_file(const MpcArguments& arguments) {
   if (!arguments.report.empty() && !reports_can_be_made()) return kExitBadInput;
   Diagnostics diagnostics;
-  const auto task = task_of(arguments, diagnostics);
+  const auto task = build_loop(
+      read_problem(load_problem_of(arguments, diagnostics), settings_of(arguments), diagnostics),
+      build_options_of(arguments), diagnostics);
   print_messages(diagnostics, verbosity_of(arguments));
   if (!task) return kExitBadInput;
-  const auto folder = output_folder(arguments, *task->spec);
+  const auto folder = output_folder(arguments, task->built);
   create_folder(folder);  // so that a failure wastes no work
   if (!arguments.report.empty())
     create_folder(std::filesystem::absolute(arguments.report).parent_path());

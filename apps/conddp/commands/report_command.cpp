@@ -15,7 +15,7 @@
 #include "commands/commands.hpp"
 #include "output/bench/bench_runs.hpp"
 #include "output/solution/solved_problem.hpp"
-#include "summary/report_file.hpp"
+#include "summary/summary.hpp"
 #include "terminal/exit_codes.hpp"
 #include "terminal/messages.hpp"
 #include "terminal/streams.hpp"
@@ -103,14 +103,13 @@ std::optional<Documents> load_documents(const ReportArguments& arguments, Diagno
 
 /// Builds the problem of a solution for its entry. Missing files are not errors here: without its
 /// problem, a solution still has curves.
-std::unique_ptr<SolvedProblem> problem_of(ReportEntry& entry, const std::string& file,
-                                          const std::string& problem_file, Diagnostics& out) {
+std::unique_ptr<const BuiltProblem> problem_of(ReportEntry& entry, const std::string& file,
+                                               const std::string& problem_file, Diagnostics& out) {
   Diagnostics about;
-  std::unique_ptr<SolvedProblem> problem;
+  std::unique_ptr<const BuiltProblem> problem;
   if (auto built = rebuild_problem(entry.document, file, problem_file, about)) {
-    problem = std::make_unique<SolvedProblem>(*std::move(built));
-    entry.spec = problem->spec.get();
-    entry.built = &problem->built;
+    problem = std::make_unique<const BuiltProblem>(*std::move(built));
+    entry.built = problem.get();
   } else {
     entry.remark = "drawn without its robot, limits and costs over time: " +
                    (about.list().empty() ? "" : about.list().front().message);
@@ -134,7 +133,7 @@ OrderedJson data_of(const Documents& documents, const ReportArguments& arguments
     problem_names.insert(solution_text(documents.solutions[i]["problem"], "name"));
   }
   const std::vector<std::string> names = labels(arguments.solutions, documents.solutions);
-  std::vector<std::unique_ptr<SolvedProblem>> problems;  // entries refer to them
+  std::vector<std::unique_ptr<const BuiltProblem>> problems;  // entries refer to them
   std::vector<ReportEntry> entries;
   for (std::size_t i = 0; i < count; ++i) {
     file = arguments.solutions[i];

@@ -19,20 +19,15 @@
 #include "output/report/certificate_report.hpp"
 #include "output/report/solution_certificate.hpp"
 #include "output/solution/solution_json.hpp"
-#include "output/solution/write_solution.hpp"
-#include "problem_file/build/build_problem.hpp"
 #include "problem_file/build/homotopy.hpp"
-#include "problem_file/data/warm_start.hpp"
+#include "problem_file/build/problem_names.hpp"
 #include "problem_file/mesh/mesh.hpp"
-#include "problem_file/read/read_problem.hpp"
 #include "solvers/strategies/feasible_guess.hpp"
 #include "solvers/strategies/registry.hpp"
-#include "summary/report_file.hpp"
-#include "summary/solve_summary.hpp"
+#include "summary/summary.hpp"
 #include "terminal/exit_codes.hpp"
 #include "terminal/interrupt.hpp"
 #include "terminal/messages.hpp"
-#include "terminal/progress_table.hpp"
 #include "terminal/status_line.hpp"
 #include "terminal/streams.hpp"
 #include "terminal/terminal.hpp"
@@ -42,11 +37,7 @@ namespace {
 
 struct SolveArguments : ProblemArguments {
   std::vector<std::string> others;  ///< further files
-  std::string folder;
   std::string warm_start;
-  bool quiet = false;
-  bool json = false;
-  bool verbose = false;
   bool report = false;
   bool no_verify = false;
 };
@@ -91,8 +82,8 @@ double differentiation_time(const ShootingProblem& problem, const Trajectory& gu
 /// Estimated time for the files of an answer, and for its certificate if requested, s; 0 without a
 /// time limit. Both grow with the number of written values. The certificate also grows with the
 /// time of derivatives, and counts as four times those of all knots.
-double finishing_time(const ProblemSpec& spec, const BuiltProblem& built, bool certified) {
-  if (!std::isfinite(spec.solver.options.max_time_s)) return 0;
+double finishing_time(const BuiltProblem& built, bool certified) {
+  if (!std::isfinite(built.facts().solver.options.max_time_s)) return 0;
   const ShootingProblem& problem = *built.problem;
   constexpr double kWrittenNumber = 4e-7, kComparedNumber = 5e-7, kEvaluatedKnot = 5e-6;
   constexpr double kDifferentiations = 4;
@@ -106,28 +97,47 @@ double finishing_time(const ProblemSpec& spec, const BuiltProblem& built, bool c
 }
 
 /// Reports an error at the number of knots if finishing alone would far exceed the time limit.
-bool leaves_time(const ProblemSpec& spec, double finishing, Diagnostics& out) {
+bool leaves_time(const BuiltProblem& built, double finishing, Diagnostics& out) {
   constexpr double kByFar = 1;  // s
-  const double limit = spec.solver.options.max_time_s;
+  const double limit = built.facts().solver.options.max_time_s;
   if (finishing <= limit + kByFar) return true;
-  double knots = 0;
-  const PhaseSpec* longest = &spec.phases.front();
-  for (const PhaseSpec& phase : spec.phases) {
-    knots += phase.knots.value;
-    if (phase.knots.value > longest->knots.value) longest = &phase;
-  }
-  out.error(longest->knots.place,
-            fmt::format("after a solve of {:.0f} knots, the certificate and the files take about "
+  out.error(place_of_most_knots(built),
+            fmt::format("after a solve of {} knots, the certificate and the files take about "
                         "{:.2g} s, and the time limit is {:g} s",
-                        knots, finishing, limit),
+                        built.problem->knots(), finishing, limit),
             "take fewer knots, a longer limit (--max-time, solver.max_time_s) or --no-verify");
   return false;
 }
 
+/// Prints one line per iteration to stderr, with an occasional heading.
+class ProgressTable {
+ public:
+  void print(const IterationRecord& row) {
+    constexpr int kRepeatHeading = 20;
+    if (row.homotopy != share_)
+      print_message(fmt::format("homotopy at s = {:.4g}\n", row.homotopy));
+    share_ = row.homotopy;
+    if (row.restoration > restoration_) print_message("restoration of feasibility\n");
+    restoration_ = row.restoration;
+    if (lines_++ % kRepeatHeading == 0)
+      print_message(fmt::format("{:>5} {:>14} {:>12} {:>10} {:>10} {:>8} {:>6} {:>9} {:>8}\n",
+                                "iter", "cost", "stationarity", "gap", "constraint", "step",
+                                "sweeps", "regular.", "time [s]"));
+    print_message(fmt::format(
+        "{:>5} {:>14.7g} {:>12.3e} {:>10.2e} {:>10.2e} {:>8.3g} {:>6} {:>9.1e} {:>8.3f}\n",
+        row.iteration, row.cost, row.stationarity, row.gap, row.constraint, row.step, row.sweeps,
+        row.regularization, row.time_s));
+  }
+
+ private:
+  int lines_ = 0;
+  double share_ = 1;     ///< of the homotopy
+  int restoration_ = 0;  ///< restoration of the current rows, 0: none
+};
+
 /// Progress is a redrawn terminal line, or a table if notes are requested. Machine-readable
 /// messages exclude both.
-SolveResult solve_showing_progress(const ProblemSpec& spec, const BuiltProblem& built,
-                                   bool first_grid, const Doubt& doubt,
+SolveResult solve_showing_progress(const BuiltProblem& built, bool first_grid, const Doubt& doubt,
                                    const std::vector<const SolverInfo*>& candidates,
                                    SolverOptions options, Verbosity verbosity,
                                    const SolverInfo*& solver) {
@@ -152,14 +162,9 @@ SolveResult solve_showing_progress(const ProblemSpec& spec, const BuiltProblem& 
   } else {
     options.restarts.count = 0;
   }
-  const bool looks_further = first_grid && spec.solver.name.value == kAutoSolver;
+  const bool looks_further = first_grid && built.facts().solver.name.value == kAutoSolver;
   return looks_further ? solve_best(*built.problem, candidates, options, built.guess, solver, doubt)
                        : solve(*built.problem, candidates, options, built.guess, solver, doubt);
-}
-
-Verbosity verbosity_of(const SolveArguments& arguments) {
-  if (arguments.quiet) return Verbosity::kQuiet;
-  return arguments.verbose ? Verbosity::kVerbose : Verbosity::kNormal;
 }
 
 /// Number of notes that only --verbose shows.
@@ -169,43 +174,37 @@ int count_hidden_notes(const Diagnostics& diagnostics, bool verbose) {
   return verbose ? 0 : static_cast<int>(std::count_if(list.begin(), list.end(), is_note));
 }
 
-std::filesystem::path output_folder(const SolveArguments& arguments, const ProblemSpec& spec) {
-  if (arguments.folder.empty()) return std::filesystem::path("out") / spec.name.value;
-  return arguments.folder;
-}
-
 /// A problem with its supporting solvers.
 struct Task {
-  std::unique_ptr<ProblemSpec> spec;  ///< the built problem refers to it
-  std::optional<BuiltProblem> built;
+  BuiltProblem built;
   std::vector<const SolverInfo*> candidates;
   double finishing = 0;  ///< estimated time for files and certificate, s
   std::string grid;      ///< setting of a grid that differs from the file's
   /// Certificate of the solve, for its answer.
   std::shared_ptr<LastJudged> judged = std::make_shared<LastJudged>();
+
+  const SolverSpec& asked() const { return built.facts().solver; }
 };
 
-/// Prepares a task; reports errors and returns false if there is nothing to solve.
-bool prepare(const SolveArguments& arguments, Task& task, Diagnostics& out) {
-  auto spec = read_problem_of(arguments, out);
-  if (!spec) return false;
-  task.spec = std::make_unique<ProblemSpec>(*std::move(spec));
+/// The task of the command line; empty with errors if there is nothing to solve.
+std::optional<Task> prepare(const SolveArguments& arguments, Diagnostics& out) {
+  BuildOptions options = build_options_of(arguments);
   if (const std::string& file = arguments.warm_start; !file.empty())
-    set_warm_start(file, {{out.add_source("--warm-start", file), 1, 1}, "initial_guess"},
-                   *task.spec);
-  task.built = build_problem(*task.spec, {.drop = arguments.drop}, out);
-  if (!task.built) return false;
-  task.candidates = usable_solvers(*task.spec, *task.built->problem, out);
-  if (task.candidates.empty()) return false;
-  task.finishing = finishing_time(*task.spec, *task.built, !arguments.no_verify);
-  return leaves_time(*task.spec, task.finishing, out);
+    options.start = {file, {{out.add_source("--warm-start", file), 1, 1}, "initial_guess"}};
+  auto built = build_problem_of(arguments, options, out);
+  if (!built) return std::nullopt;
+  Task task{.built = *std::move(built)};
+  task.candidates = usable_solvers(task.built, out);
+  task.finishing = finishing_time(task.built, !arguments.no_verify);
+  if (task.candidates.empty() || !leaves_time(task.built, task.finishing, out)) return std::nullopt;
+  return task;
 }
 
 /// Notes the first solver, if the file selects `auto`.
 void note_auto(const Task& task, Diagnostics& out) {
-  const auto& name = task.spec->solver.name;
+  const Name& name = task.asked().name;
   if (name.value == kAutoSolver)
-    out.note(name.place, "auto: " + describe_auto(*task.built->problem, task.candidates));
+    out.note(name.place, "auto: " + describe_auto(*task.built.problem, task.candidates));
 }
 
 /// Writes the files of an answer; returns their paths.
@@ -215,9 +214,8 @@ std::vector<std::string> write_files(const SolveArguments& arguments, const Solu
   if (arguments.report)
     page = report_text(report_data({{.label = std::string(solution.solver.name),
                                      .document = document,
-                                     .spec = &solution.spec,
                                      .built = &solution.built}}));
-  const auto folder = output_folder(arguments, solution.spec);
+  const auto folder = output_folder(arguments, solution.built);
   std::vector<std::string> written;
   for (const auto& path : write_solution(solution, document, folder, page))
     written.push_back(path.string());
@@ -238,16 +236,16 @@ void print_answer(const SolveArguments& arguments, const Solution& solution,
 }
 
 /// The exit status of an answer with its certificate; prints a failed certificate.
-int checked_exit_code(const SolutionCertificate& certificate, const ProblemSpec& spec,
+int checked_exit_code(const SolutionCertificate& certificate, const BuiltProblem& built,
                       SolveStatus status) {
-  if (!certificate.checks.computable() && !spec.runs_code()) {
+  if (!certificate.checks.computable() && !runs_code(built)) {
     print_error("the answer cannot be checked: " + certificate_line(certificate),
                 "its numbers are so large that rounding or overflow makes them meaningless");
     return std::max<int>(kExitNotConverged, exit_code(status));
   }
   if (certificate.checks.holds())
     return is_denied(certificate.checks.verdict()) ? kExitNotConverged : exit_code(status);
-  if (spec.runs_code()) {
+  if (runs_code(built)) {
     print_error("the certificate of the answer " + certificate_line(certificate),
                 "compiled code must give finite values and their derivatives: 'conddp check "
                 "--derivatives' compares them");
@@ -272,45 +270,29 @@ int checked_exit_code(const SolutionCertificate& certificate, const ProblemSpec&
   return kExitDefect;
 }
 
-std::string setting_of_grid(int factor) { return fmt::format("mesh.factor={}", factor); }
-/// The grid setting for a file without `mesh`, with an irrelevant error.
-std::string setting_of_any_grid(int factor) {
-  return fmt::format("mesh={{error: 1, factor: {}}}", factor);
-}
-
-/// The task on the grid of a setting, or on a grid with half its knots; empty with errors if that
-/// grid cannot be built.
+/// The task on another grid; empty with errors if that grid cannot be built.
 std::optional<Task> on_other_grid(const SolveArguments& arguments, const Task& task,
-                                  const std::string& grid, bool halved, Diagnostics& out) {
-  constexpr int kFewestKnots = 10;
-  std::vector<std::string> settings = settings_of(arguments);
-  settings.push_back(grid);
-  auto spec = read_problem_text(task.spec->text, task.spec->file, settings, out);
-  if (!spec || (halved && !coarsen(*spec, kFewestKnots))) return std::nullopt;
-  Task other;
-  other.spec = std::make_unique<ProblemSpec>(*std::move(spec));
-  other.spec->guess = task.spec->guess;
-  other.spec->solver.name.place = task.spec->solver.name.place;
-  other.built = build_problem(*other.spec, {.drop = arguments.drop}, out);
-  if (!other.built) return std::nullopt;
-  other.candidates = task.candidates;
-  other.finishing = finishing_time(*other.spec, *other.built, !arguments.no_verify);
-  other.grid = grid;
+                                  const OtherGrid& grid, Diagnostics& out) {
+  auto built = build_on_grid(task.built, grid, out);
+  if (!built) return std::nullopt;
+  Task other{.built = *std::move(built), .candidates = task.candidates};
+  other.finishing = finishing_time(other.built, !arguments.no_verify);
+  other.grid = grid_setting(task.built, grid.factor);
   return other;
 }
 
 /// Uses the answer on another grid as the guess.
 void start_from(const Task& former, const SolveResult& answer, Task& task) {
-  task.built->guess = on_grid(*former.built->problem, answer.trajectory, *task.built->problem);
-  task.built->guess_used = former.built->guess_used;
+  task.built.guess = on_grid(*former.built.problem, answer.trajectory, *task.built.problem);
+  task.built.guess_used = former.built.guess_used;
 }
 
 /// Objections of the certificate; `auto` also objects to motions that jump through what they should
 /// go around.
 Doubt doubt_of(const SolveArguments& arguments, const Task& task, const SolverOptions& options) {
   if (arguments.no_verify) return nullptr;
-  Doubt doubt = certificate_doubt(options, task.judged, tangent_columns(*task.built));
-  if (task.spec->solver.name.value != kAutoSolver) return doubt;
+  Doubt doubt = certificate_doubt(options, task.judged, tangent_columns(task.built));
+  if (task.asked().name.value != kAutoSolver) return doubt;
   return [doubt](const ShootingProblem& problem, const SolveResult& result) {
     Objection objection = doubt(problem, result);
     const auto jumps = find_jumps(problem, result.trajectory);
@@ -333,9 +315,9 @@ class GridSolve {
   /// built.
   std::optional<SolveResult> run(Diagnostics& out) {
     SolveResult result = solve(task_, true);
-    if (task_.spec->mesh) return refine(std::move(result), out);
-    if (task_.spec->solver.name.value != kAutoSolver || arguments_.no_verify ||
-        task_.spec->solver.options.look_further == 0)
+    if (task_.built.facts().mesh) return refine(std::move(result), out);
+    if (task_.asked().name.value != kAutoSolver || arguments_.no_verify ||
+        task_.asked().options.look_further == 0)
       return result;
     if (!jumps_of(task_, result).empty()) return solve_around(std::move(result));
     if (!is_given_up(result.status)) return result;
@@ -355,26 +337,26 @@ class GridSolve {
 
   /// The time limit may only leave time to evaluate the guess.
   SolveResult solve(const Task& task, bool first_grid) {
-    return solve(task, first_grid, task.spec->solver.options);
+    return solve(task, first_grid, task.asked().options);
   }
   SolveResult solve(const Task& task, bool first_grid, SolverOptions options) {
     const std::chrono::duration<double> gone = std::chrono::steady_clock::now() - began_;
     options.max_time_s = std::max(1e-3, options.max_time_s - gone.count() - task.finishing);
-    SolveResult result = solve_showing_progress(
-        *task.spec, *task.built, first_grid, doubt_of(arguments_, task, options), task.candidates,
-        options, verbosity_of(arguments_), solver_);
+    SolveResult result =
+        solve_showing_progress(task.built, first_grid, doubt_of(arguments_, task, options),
+                               task.candidates, options, verbosity_of(arguments_), solver_);
     seconds_ += result.times.total;
     return result;
   }
 
   std::optional<SolveResult> refine(SolveResult result, Diagnostics& out) {
-    MeshRefinement mesh(*task_.spec);
-    while (const auto factor = mesh.next(*task_.built->problem, result)) {
-      auto finer = on_other_grid(arguments_, task_, setting_of_grid(*factor), false, out);
+    MeshRefinement mesh(*task_.built.facts().mesh);
+    while (const auto factor = mesh.next(*task_.built.problem, result)) {
+      auto finer = on_other_grid(arguments_, task_, {.factor = *factor}, out);
       if (!finer) return std::nullopt;
       start_from(task_, result, *finer);
       task_ = *std::move(finer);
-      result = solve(task_, false, options_near(task_.spec->solver.options));
+      result = solve(task_, false, options_near(task_.asked().options));
     }
     rounds_ = mesh.rounds();
     return result;
@@ -382,7 +364,7 @@ class GridSolve {
 
   static std::vector<Finding> jumps_of(const Task& task, const SolveResult& result) {
     if (!is_success(result.status)) return {};
-    return find_jumps(*task.built->problem, result.trajectory);
+    return find_jumps(*task.built.problem, result.trajectory);
   }
 
   /// The first answer on a finer grid without jumps, else the former answer.
@@ -390,9 +372,9 @@ class GridSolve {
     const SolverInfo* const solver = solver_;
     for (int factor = 2; factor <= kMostKnots; factor *= 2) {
       Diagnostics ignored;
-      auto finer = on_other_grid(arguments_, task_, setting_of_any_grid(factor), false, ignored);
+      auto finer = on_other_grid(arguments_, task_, {.factor = factor}, ignored);
       if (!finer) break;
-      SolverOptions options = finer->spec->solver.options;
+      SolverOptions options = finer->asked().options;
       options.look_further = kLargestWork;
       SolveResult result = solve(*finer, true, options);
       if (is_stopped(result.status)) break;
@@ -414,24 +396,24 @@ class GridSolve {
   /// True if all solvers ended without a statement about the problem.
   bool is_given_up(SolveStatus status) const {
     return !is_success(status) && !is_stopped(status) && status != SolveStatus::infeasible &&
-           task_.spec->solver.options.max_iterations >= SolverOptions().max_iterations;
+           task_.asked().options.max_iterations >= SolverOptions().max_iterations;
   }
 
   /// The answer started from a simulation of the guess's controls, with its contacts; empty if the
   /// simulation or the solve fails.
   std::optional<SolveResult> solve_from_simulation(const SolveResult& failed) {
-    auto simulated = simulated_guess(*task_.built->problem, task_.built->guess);
+    auto simulated = simulated_guess(*task_.built.problem, task_.built.guess);
     if (!simulated) return std::nullopt;
     const SolverInfo* const solver = solver_;
-    std::swap(task_.built->guess, *simulated);
-    SolveResult result = solve(task_, false, options_near(task_.spec->solver.options));
+    std::swap(task_.built.guess, *simulated);
+    SolveResult result = solve(task_, false, options_near(task_.asked().options));
     result.times.total = seconds_;
     if (is_success(result.status)) {
       result.message += fmt::format("; from a simulation of the guess's controls, after {}",
                                     to_string(failed.status));
       return result;
     }
-    std::swap(task_.built->guess, *simulated);
+    std::swap(task_.built.guess, *simulated);
     solver_ = solver;
     return std::nullopt;
   }
@@ -441,23 +423,23 @@ class GridSolve {
   SolveResult climb(Task& task, SolveResult failed, int halvings) {
     const SolverInfo* const solver = solver_;
     Diagnostics ignored;
-    auto coarse = on_other_grid(arguments_, task, setting_of_any_grid(1), true, ignored);
+    auto coarse = on_other_grid(arguments_, task, {.halved = true}, ignored);
     if (!coarse) return failed;
     SolveResult below = solve(*coarse, false);
     if (is_given_up(below.status) && halvings > 1)
       below = climb(*coarse, std::move(below), halvings - 1);
     solver_ = solver;
     if (!is_success(below.status)) return failed;
-    const Trajectory guess = task.built->guess;
+    const Trajectory guess = task.built.guess;
     start_from(*coarse, below, task);
-    SolveResult result = solve(task, false, options_near(task.spec->solver.options));
+    SolveResult result = solve(task, false, options_near(task.asked().options));
     result.times.total = seconds_;
     if (is_success(result.status)) {
       result.message += fmt::format("; from the answer with {} knots, where all solvers failed",
-                                    coarse->built->problem->knots());
+                                    coarse->built.problem->knots());
       return result;
     }
-    task.built->guess = guess;
+    task.built.guess = guess;
     solver_ = solver;
     failed.times.total = seconds_;
     return failed;
@@ -475,27 +457,24 @@ int solve_file(const SolveArguments& arguments) {
   const auto began = std::chrono::steady_clock::now();
   const Verbosity verbosity = verbosity_of(arguments);
   Diagnostics diagnostics;
-  Task task;
-  const bool ready = prepare(arguments, task, diagnostics);
-  if (ready && arguments.verbose) note_auto(task, diagnostics);
+  std::optional<Task> task = prepare(arguments, diagnostics);
+  if (task && arguments.verbose) note_auto(*task, diagnostics);
   print_messages(diagnostics, verbosity);
-  if (!ready || (arguments.report && !reports_can_be_made())) return kExitBadInput;
-  create_folder(output_folder(arguments, *task.spec));  // so that a failure wastes no work
-  GridSolve solve(arguments, began, task);
+  if (!task || (arguments.report && !reports_can_be_made())) return kExitBadInput;
+  create_folder(output_folder(arguments, task->built));  // so that a failure wastes no work
+  GridSolve solve(arguments, began, *task);
   Diagnostics of_grids;  // repeats messages of the first grid
   const auto result = solve.run(of_grids);
   if (!result) {
     print_messages(of_grids, Verbosity::kQuiet);
     return kExitBadInput;
   }
-  const ProblemSpec& spec = *task.spec;
-  Solution solution{spec,    *task.built,          *solve.solver(),
-                    *result, overrides(arguments), solve.rounds()};
-  solution.answer.judged = task.judged;
+  Solution solution{task->built, *solve.solver(), *result, overrides(arguments), solve.rounds()};
+  solution.answer.judged = task->judged;
   if (!solution.mesh.empty())
-    solution.overrides.push_back(setting_of_grid(solution.mesh.back().factor));
-  else if (!task.grid.empty())
-    solution.overrides.push_back(task.grid);
+    solution.overrides.push_back(grid_setting(task->built, solution.mesh.back().factor));
+  else if (!task->grid.empty())
+    solution.overrides.push_back(task->grid);
   OrderedJson document = solution_json(solution);
   std::optional<SolutionCertificate> certificate;
   if (!arguments.no_verify) {
@@ -506,9 +485,10 @@ int solve_file(const SolveArguments& arguments) {
   print_answer(arguments, solution, certificate ? &*certificate : nullptr,
                write_files(arguments, solution, document),
                count_hidden_notes(diagnostics, arguments.verbose));
-  const int code = certificate ? checked_exit_code(*certificate, spec, result->status)
+  const int code = certificate ? checked_exit_code(*certificate, task->built, result->status)
                                : exit_code(result->status);
-  const bool fine_enough = solution.mesh.empty() || solution.mesh.back().error <= spec.mesh->error;
+  const bool fine_enough =
+      solution.mesh.empty() || solution.mesh.back().error <= task->built.facts().mesh->error;
   return fine_enough ? code : std::max<int>(kExitNotConverged, code);
 }
 
@@ -539,7 +519,8 @@ bool can_be_solved(const std::vector<SolveArguments>& list) {
     if (!folders.insert(one.folder).second)
       diagnostics.error({}, fmt::format("two problems would be written to '{}'", one.folder),
                         "solve them one by one, with --output");
-    if (one.file != kStandardInput) read_problem_of(one, diagnostics);
+    if (one.file != kStandardInput)
+      read_problem(load_problem_of(one, diagnostics), settings_of(one), diagnostics);
     print_messages(diagnostics, Verbosity::kQuiet);
     possible = possible && !diagnostics.has_errors();
   }

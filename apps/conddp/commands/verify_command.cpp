@@ -35,26 +35,26 @@ void print_lines(const char* word, const std::vector<std::string>& lines) {
 }
 
 /// Prints the verdict, the settings that differ from the file, and the checks.
-void print_verdict(const ProblemSpec& spec, const std::string& verdict,
+void print_verdict(const BuiltProblem& built, const std::string& verdict,
                    const AnswerSettings& settings, const Certificate& checks) {
-  print_result(fmt::format("{}: {}{}\n", spec.name.value, verdict,
+  print_result(fmt::format("{}: {}{}\n", built.facts().name.value, verdict,
                            settings.changed() ? ", with settings" : ""));
   print_lines("", settings_lines(settings));
   print_result(certificate_table(checks));
 }
 
-int print(const VerifyArguments& arguments, const ProblemSpec& spec, const AnswerSettings& settings,
-          const SolutionCertificate& certificate) {
+int print(const VerifyArguments& arguments, const BuiltProblem& built,
+          const AnswerSettings& settings, const SolutionCertificate& certificate) {
   if (arguments.json) {
     print_result(json_text(OrderedJson{{"format", "conddp.verify/1"},
                                        {"solution", arguments.solution},
-                                       {"problem", spec.file.string()},
-                                       {"name", spec.name.value},
+                                       {"problem", built.facts().file.string()},
+                                       {"name", built.facts().name.value},
                                        {"settings", settings_json(settings)},
                                        {"findings", findings_json(certificate.findings)},
                                        {"certificate", certificate_json(certificate)}}));
   } else if (!arguments.quiet) {
-    print_verdict(spec, certificate_line(certificate), settings, certificate.checks);
+    print_verdict(built, certificate_line(certificate), settings, certificate.checks);
     if (!std::isnan(certificate.checks.optimality.stationarity))
       print_result(fmt::format("  {}\n", optimality_line(certificate)));
     if (certificate.contacts)
@@ -68,11 +68,10 @@ int print(const VerifyArguments& arguments, const ProblemSpec& spec, const Answe
 
 int verify_solution(const VerifyArguments& arguments, const OrderedJson& document,
                     Diagnostics& out) {
-  const auto problem = rebuild_problem(document, arguments.solution, arguments.problem, out);
-  if (!problem) return kExitBadInput;
-  const auto& [spec, built] = *problem;
-  return print(arguments, *spec, answer_settings(document, *spec, built),
-               certify_solution(document, *spec, built, true));
+  const auto built = rebuild_problem(document, arguments.solution, arguments.problem, out);
+  if (!built) return kExitBadInput;
+  return print(arguments, *built, answer_settings(document, *built),
+               certify_solution(document, *built, true));
 }
 
 int print(const VerifyArguments& arguments, const LoopTask& task, const AnswerSettings& settings,
@@ -80,12 +79,12 @@ int print(const VerifyArguments& arguments, const LoopTask& task, const AnswerSe
   if (arguments.json) {
     print_result(json_text(OrderedJson{{"format", "conddp.verify/1"},
                                        {"solution", arguments.solution},
-                                       {"problem", task.spec->file.string()},
-                                       {"name", task.spec->name.value},
+                                       {"problem", task.built.facts().file.string()},
+                                       {"name", task.built.facts().name.value},
                                        {"settings", settings_json(settings)},
                                        {"certificate", certificate_json(certificate)}}));
   } else if (!arguments.quiet) {
-    print_verdict(*task.spec, certificate_line(certificate), settings, certificate.checks);
+    print_verdict(task.built, certificate_line(certificate), settings, certificate.checks);
     for (const std::string& file : certificate.missing)
       print_result(fmt::format("  not checked: there is no {}\n", file));
   }
@@ -96,7 +95,7 @@ int verify_loop(const VerifyArguments& arguments, const OrderedJson& document, D
   const auto task = rebuild_loop(document, arguments.solution, arguments.problem, out);
   if (!task) return kExitBadInput;
   const auto folder = std::filesystem::path(arguments.solution).parent_path();
-  return print(arguments, *task, answer_settings(document, *task->spec, task->built),
+  return print(arguments, *task, answer_settings(document, task->built),
                certify_loop(document, folder, *task));
 }
 

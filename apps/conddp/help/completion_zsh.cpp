@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "help/completion.hpp"
+#include "help/help.hpp"
 
 namespace conddp {
 namespace {

@@ -1,10 +1,9 @@
-#include "help/help_text.hpp"
-
 #include <algorithm>
 
 #include <fmt/format.h>
 
 #include "base/text/wrap_text.hpp"
+#include "help/help.hpp"
 #include "terminal/exit_codes.hpp"
 
 namespace conddp {

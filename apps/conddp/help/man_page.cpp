@@ -1,11 +1,10 @@
-#include "help/man_page.hpp"
 
 #include <algorithm>
 
 #include <fmt/format.h>
 
 #include "conddp_version.hpp"
-#include "help/help_text.hpp"
+#include "help/help.hpp"
 #include "terminal/environment.hpp"
 
 namespace conddp {

@@ -1,30 +1,10 @@
-#include "summary/derivative_report.hpp"
-
 #include <fmt/format.h>
 
-#include "problem_file/terms/term_residual.hpp"
+#include "problem_file/build/problem_names.hpp"
+#include "summary/summary.hpp"
 
 namespace conddp {
 namespace {
-
-using Names = std::vector<std::string>;
-
-/// Names of a residual's rows in a phase, or at the last node, whose index is the number of phases.
-Names residual_rows(const CostTerm& term, std::size_t phase, const ProblemSpec& spec,
-                    const BuiltProblem& built) {
-  const bool terminal = phase == spec.phases.size();
-  for (const CostSpec& cost : terminal ? spec.terminal_costs : spec.costs) {
-    if (cost.name.value != term.name) continue;
-    if (cost.matrix) break;  // each row combines all rows of the residual
-    Diagnostics out;
-    const Plant plant = built.plant.in_phase(phase);
-    if (const auto made = make_cost_residual(cost, spec, plant, built.problem->ndx(), out))
-      return made->rows.names;
-  }
-  Names names;
-  for (int i = 0; i < term.residual->size(); ++i) names.push_back(fmt::format("row {}", i));
-  return names;
-}
 
 std::string what(DerivativeKind kind) {
   switch (kind) {
@@ -52,14 +32,14 @@ struct ComparedRow {
   std::string cost, constraint;
 };
 
-ComparedRow row_of(const DerivativeComparison& c, const KnotModel& model, const ProblemSpec& spec,
+ComparedRow row_of(const DerivativeComparison& c, const KnotModel& model,
                    const BuiltProblem& built) {
   ComparedRow row;
   if (c.kind == DerivativeKind::dynamics) row.row = tangent_columns(built)[c.row];
   if (c.kind == DerivativeKind::residual) {
     const CostTerm& term = model.costs()[c.term];
     row.cost = term.name;
-    row.row = residual_rows(term, c.phase, spec, built)[c.row];
+    row.row = cost_row_names(built, term, c.phase)[c.row];
   }
   if (c.kind == DerivativeKind::constraint) {
     row.constraint = model.constraints()[c.term].name;
@@ -71,17 +51,17 @@ ComparedRow row_of(const DerivativeComparison& c, const KnotModel& model, const 
 }  // namespace
 
 OrderedJson derivatives_json(const std::vector<DerivativeComparison>& comparisons,
-                             const ProblemSpec& spec, const BuiltProblem& built) {
+                             const BuiltProblem& built) {
   const ShootingProblem& problem = *built.problem;
   const int phases = static_cast<int>(problem.phases().size());
-  const Names tangent = tangent_columns(built);
+  const std::vector<std::string> tangent = tangent_columns(built);
   OrderedJson list = OrderedJson::array();
   bool holds = true;
   for (const DerivativeComparison& c : comparisons) {
     const bool terminal = c.phase == phases;
     const Phase& phase = terminal ? problem.terminal() : problem.phases()[c.phase];
-    const auto [row, cost, constraint] = row_of(c, *phase.model, spec, built);
-    Names columns = tangent;
+    const auto [row, cost, constraint] = row_of(c, *phase.model, built);
+    std::vector<std::string> columns = tangent;
     const bool own = phase.instant || !built.plant.variants.empty();
     const auto& controls = own ? phase.model->system().control_columns() : built.control_columns;
     for (const Column& control : controls) columns.push_back(control.name);
@@ -106,7 +86,7 @@ OrderedJson derivatives_json(const std::vector<DerivativeComparison>& comparison
   }
   return {{"holds", holds},
           {"tolerance", kDerivativeTolerance},
-          {"reference", spec.runs_code() ? "dual numbers and differences" : "dual numbers"},
+          {"reference", runs_code(built) ? "dual numbers and differences" : "dual numbers"},
           {"compared", std::move(list)}};
 }
 

@@ -1,5 +1,3 @@
-#include "summary/margin_report.hpp"
-
 #include <algorithm>
 #include <functional>
 
@@ -7,6 +5,7 @@
 
 #include "base/json/json_text.hpp"
 #include "base/text/text_table.hpp"
+#include "summary/summary.hpp"
 
 namespace conddp {
 namespace {
@@ -53,14 +52,13 @@ std::string noise_text(const OrderedJson& sigmas, const OrderedJson& columns) {
 }  // namespace
 
 OrderedJson margins_json(const std::vector<MarginCurve>& curves, const StateNoise& noise,
-                         const ProblemSpec& spec, const BuiltProblem& built,
-                         const Trajectory& trajectory) {
+                         const BuiltProblem& built, const Trajectory& trajectory) {
   const std::vector<double> times = built.problem->times(trajectory);
   OrderedJson bounds = OrderedJson::array();
   for (const MarginCurve& curve : curves) bounds.push_back(curve_json(curve, times));
   return {{"format", "conddp.margins/1"},
-          {"problem", spec.file.string()},
-          {"name", spec.name.value},
+          {"problem", built.facts().file.string()},
+          {"name", built.facts().name.value},
           {"columns", tangent_columns(built)},
           {"initial", sigmas_json(noise.initial)},
           {"process", sigmas_json(noise.process)},

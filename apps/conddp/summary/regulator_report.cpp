@@ -1,5 +1,3 @@
-#include "summary/regulator_report.hpp"
-
 #include <algorithm>
 #include <cmath>
 
@@ -7,6 +5,7 @@
 
 #include "analysis/terminal/terminal_conditions.hpp"
 #include "base/json/json_text.hpp"
+#include "summary/summary.hpp"
 
 namespace conddp {
 namespace {

@@ -1,6 +1,5 @@
-#include "summary/report_file.hpp"
-
 #include "summary/embedded_report.hpp"
+#include "summary/summary.hpp"
 #include "terminal/messages.hpp"
 
 namespace conddp {

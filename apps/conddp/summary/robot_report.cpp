@@ -1,5 +1,3 @@
-#include "summary/robot_report.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -8,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/text/wrap_text.hpp"
+#include "summary/summary.hpp"
 
 namespace conddp {
 namespace {

@@ -1,5 +1,3 @@
-#include "summary/solve_summary.hpp"
-
 #include <fmt/format.h>
 
 #include "base/text/utf8.hpp"
@@ -10,6 +8,7 @@
 #include "output/report/contact_report.hpp"
 #include "output/solution/finding_report.hpp"
 #include "solvers/strategies/registry.hpp"
+#include "summary/summary.hpp"
 
 namespace conddp {
 namespace {
@@ -54,20 +53,20 @@ std::string mesh_line(const Solution& s) {
   for (const MeshRound& round : s.mesh)
     text += fmt::format("{}{}: {:.1e}", text.empty() ? "" : ", ", round.knots, round.error);
   if (text.empty()) return text;
-  const bool reached = s.mesh.back().error <= s.spec.mesh->error;
+  const bool reached = s.mesh.back().error <= s.built.facts().mesh->error;
   const std::size_t rounds = s.mesh.size();
   const bool grew = rounds > 1 && s.mesh[rounds - 1].error >= s.mesh[rounds - 2].error;
   return fmt::format("  mesh          error at knots {}{}{}{}\n", text,
-                     reached ? "" : fmt::format("; more than {:.1e}", s.spec.mesh->error),
+                     reached ? "" : fmt::format("; more than {:.1e}", s.built.facts().mesh->error),
                      !reached && grew ? ", and no longer smaller on finer grids" : "",
                      reached ? "" : mesh_remedy(s));
 }
 
 /// The solvers that `auto` tries, if the file selects it.
 std::string auto_line(const Solution& s) {
-  if (s.spec.solver.name.value != kAutoSolver) return {};
+  if (s.built.facts().solver.name.value != kAutoSolver) return {};
   const ShootingProblem& problem = *s.built.problem;
-  const auto list = auto_solvers(problem, s.spec.solver.options);
+  const auto list = auto_solvers(problem, s.built.facts().solver.options);
   if (list.empty()) return {};
   return fmt::format("  auto          {}\n", describe_auto(problem, list));
 }
@@ -172,12 +171,13 @@ std::string coloured(std::string text, const std::string& head, SolveStatus stat
 std::string summary_text(const Solution& s, const SolutionCertificate* certificate,
                          const std::vector<std::string>& written, bool colour, int notes) {
   const SolveResult& r = s.result;
-  const std::string head = s.spec.name.value + ": ";
+  const std::string head = s.built.facts().name.value + ": ";
   std::string text = fmt::format("{}{} ({}, {} iterations, {:.3f} s)\n", head, to_string(r.status),
                                  s.solver.name, r.iterations, r.times.total);
   if (!is_success(r.status) && !r.message.empty()) text += fmt::format("  {}\n", r.message);
   text += answer_lines(s) + finding_text(s);
-  if (certificate != nullptr) text += certificate_lines(*certificate, s.spec.solver.options);
+  if (certificate != nullptr)
+    text += certificate_lines(*certificate, s.built.facts().solver.options);
   text += auto_line(s) + start_lines(s);
   if (notes > 0)
     text += fmt::format(

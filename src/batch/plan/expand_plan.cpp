@@ -248,15 +248,14 @@ class Expansion {
     if (plan_.command == BatchCommand::kMpc) {
       const auto loop = family.build_loop(list, out);
       if (!loop) return std::nullopt;
-      if (loop->spec->mpc->stop_when.empty())
-        out.warning(loop->spec->mpc->place, kNothingStopsALoop, kHowToStopALoop);
+      if (const MpcSpec& mpc = *loop->built.facts().mpc; mpc.stop_when.empty())
+        out.warning(mpc.place, kNothingStopsALoop, kHowToStopALoop);
       return Tried{input_files(*loop), {}};
     }
     const auto instance = family.build(list, out);
-    if (!instance || usable_solvers(*instance->spec, *instance->built.problem, out).empty())
-      return std::nullopt;
-    if (plan_.start_file && !family.build(list, out, &*plan_.start_file)) return std::nullopt;
-    return Tried{input_files(instance->built), shape_of(*instance->built.problem)};
+    if (!instance || usable_solvers(*instance, out).empty()) return std::nullopt;
+    if (plan_.start_file && !family.build(list, out, plan_.start_file)) return std::nullopt;
+    return Tried{input_files(*instance), shape_of(*instance->problem)};
   }
 
   bool build(std::size_t first, std::size_t last, Manifest& manifest) {
@@ -303,7 +302,7 @@ class Expansion {
     settled_.push_back(item.settled);
     shapes_.push_back(
         numbers_.try_emplace(item.shape, static_cast<int>(numbers_.size())).first->second);
-    const InputFiles base = input_files(families_[problem]->base().built);
+    const InputFiles base = input_files(families_[problem]->base());
     for (const auto* list : {&item.files.robots, &item.files.data})
       for (const InputFile& file : *list)
         if (!has(base, file.file))

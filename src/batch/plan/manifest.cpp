@@ -43,8 +43,8 @@ std::string loop_text(const ProblemFamily& family) {
   Diagnostics unused = family.texts();
   const auto task = family.build_loop({}, unused);
   if (!task) return {};
-  std::string text = dump(expand_problem(*task->spec, task->built)) + '\n';
-  for (const GaitCommand& command : task->spec->mpc->commands)
+  std::string text = dump(expand_problem(task->built)) + '\n';
+  for (const GaitCommand& command : task->built.facts().mpc->commands)
     text += fmt::format("{} {} {} {}\n", command.at.value, command.x, command.y, command.turn);
   return text + hashes_of(input_files(*task));
 }
@@ -106,9 +106,8 @@ OrderedJson build_json() {
 }
 
 std::string batch_identity(const ProblemFamily& family, BatchCommand command) {
-  const ProblemInstance& base = family.base();
-  std::string all =
-      dump(expand_problem(*base.spec, base.built)) + '\n' + hashes_of(input_files(base.built));
+  const BuiltProblem& base = family.base();
+  std::string all = dump(expand_problem(base)) + '\n' + hashes_of(input_files(base));
   if (command == BatchCommand::kMpc) all += loop_text(family);
   return sha256(all);
 }
@@ -246,6 +245,27 @@ std::optional<Manifest> load_manifest(const std::filesystem::path& run, bool wit
     item = *std::move(parsed);
   }
   return manifest;
+}
+namespace {
+
+std::string behind(const std::string& path, const std::string& step) {
+  return path.empty() ? step : path + '.' + step;
+}
+
+void add_leaves(const OrderedJson& value, const std::string& path, std::vector<ValueLeaf>& leaves) {
+  if (!value.is_structured() || value.empty()) {
+    leaves.push_back({path, value});
+    return;
+  }
+  for (const auto& [step, part] : value.items()) add_leaves(part, behind(path, step), leaves);
+}
+
+}  // namespace
+
+std::vector<ValueLeaf> leaves_of(const std::string& text) {
+  std::vector<ValueLeaf> leaves;
+  add_leaves(OrderedJson::parse(text), {}, leaves);
+  return leaves;
 }
 
 }  // namespace conddp

@@ -96,4 +96,14 @@ std::optional<Manifest> load_manifest(const std::filesystem::path& run, bool wit
 /// An item from its line; nothing if the line is invalid.
 std::optional<ManifestItem> parse_manifest_line(std::string_view line);
 
+/// A number, word or empty list inside a varied value.
+struct ValueLeaf {
+  std::string
+      path;  ///< steps through lists and mappings, joined by dots; empty for the value itself
+  OrderedJson value;
+};
+
+/// The leaves of a value in the manifest, in order. `text` is the value as JSON.
+std::vector<ValueLeaf> leaves_of(const std::string& text);
+
 }  // namespace conddp

@@ -7,7 +7,7 @@
 #include <unordered_set>
 #include <utility>
 
-#include "batch/plan/value_leaves.hpp"
+#include "batch/plan/manifest.hpp"
 
 namespace conddp {
 namespace {

@@ -4,9 +4,6 @@
 
 #include <fmt/format.h>
 
-#include "problem_file/build/build_problem.hpp"
-#include "problem_file/data/warm_start.hpp"
-#include "problem_file/plant/plant_builder.hpp"
 #include "problem_file/yaml/key_path.hpp"
 
 namespace conddp {
@@ -21,16 +18,6 @@ constexpr std::string_view kBesidesThePlant[] = {
 bool leaves_the_plant(const Setting& setting) {
   return std::find(std::begin(kBesidesThePlant), std::end(kBesidesThePlant),
                    first_step(setting.key.value)) != std::end(kBesidesThePlant);
-}
-
-std::optional<ProblemInstance> build_instance(std::optional<ProblemSpec> spec, const Plant* plant,
-                                              Diagnostics& out) {
-  if (!spec) return std::nullopt;
-  ProblemInstance instance{std::make_unique<const ProblemSpec>(*std::move(spec)), {}};
-  auto built = build_problem(*instance.spec, {.plant = plant}, out);
-  if (!built) return std::nullopt;
-  instance.built = *std::move(built);
-  return instance;
 }
 
 }  // namespace
@@ -49,14 +36,14 @@ std::shared_ptr<const ProblemFamily> ProblemFamily::load(const std::filesystem::
   auto family = std::make_shared<ProblemFamily>();
   family->document_ = *std::move(document);
   family->texts_ = out;
-  auto base = build_instance(read_problem(family->document_, {}, out), nullptr, out);
+  auto base = build_problem(read_problem(family->document_, {}, out), {}, out);
   if (!base) return nullptr;
   family->base_ = *std::move(base);
   // Systems for contact steps and collocation, and discrete systems, also depend on the phases.
-  const System& system = *family->base_.built.plant.system;
+  const System& system = *family->base_.plant.system;
   if (system.robot_inside() != nullptr && !system.as_stepping() && !system.as_collocation()) {
-    Diagnostics reported_before;
-    family->plant_ = build_plant(*family->base_.spec, reported_before);
+    family->plant_ = family->base_.plant;
+    family->plant_->start.reset();
   }
   return family;
 }
@@ -66,19 +53,17 @@ const Plant* ProblemFamily::plant_with(const std::vector<Setting>& settings) con
   return shares ? &*plant_ : nullptr;
 }
 
-std::optional<ProblemInstance> ProblemFamily::build(
+std::optional<BuiltProblem> ProblemFamily::build(
     const std::vector<Setting>& settings, Diagnostics& out,
-    const Located<std::filesystem::path>* start) const {
-  auto spec = read_problem(document_, settings, out);
-  if (spec && start != nullptr) set_warm_start(start->value, start->place, *spec);
-  return build_instance(std::move(spec), plant_with(settings), out);
+    const std::optional<Located<std::filesystem::path>>& start) const {
+  return build_problem(read_problem(document_, settings, out),
+                       {.plant = plant_with(settings), .start = start}, out);
 }
 
 std::unique_ptr<LoopTask> ProblemFamily::build_loop(const std::vector<Setting>& settings,
                                                     Diagnostics& out) const {
-  auto spec = read_problem(document_, settings, out);
-  if (!spec) return nullptr;
-  return conddp::build_loop(*std::move(spec), {.plant = plant_with(settings)}, out);
+  return conddp::build_loop(read_problem(document_, settings, out), {.plant = plant_with(settings)},
+                            out);
 }
 
 }  // namespace conddp

@@ -7,15 +7,9 @@
 #include <vector>
 
 #include "output/mpc/loop_task.hpp"
-#include "problem_file/read/read_problem.hpp"
+#include "problem_file/build/build_problem.hpp"
 
 namespace conddp {
-
-/// A problem with its own settings.
-struct ProblemInstance {
-  std::unique_ptr<const ProblemSpec> spec;
-  BuiltProblem built;
-};
 
 /// Describes the number layout of a problem's trajectories and multipliers, as text. Problems with
 /// the same shape have the same layout.
@@ -34,12 +28,13 @@ class ProblemFamily {
   /// The texts that places in the file refer to.
   const Diagnostics& texts() const { return texts_; }
   /// The file's own problem.
-  const ProblemInstance& base() const { return base_; }
+  const BuiltProblem& base() const { return base_; }
   /// The problem with settings. Null, with errors in `out`, on failure; `out` must know the texts
   /// of the family and of the settings. The family must outlive the result. `start`: a solution
   /// file whose states, controls and multipliers replace the file's own guess.
-  std::optional<ProblemInstance> build(const std::vector<Setting>& settings, Diagnostics& out,
-                                       const Located<std::filesystem::path>* start = nullptr) const;
+  std::optional<BuiltProblem> build(
+      const std::vector<Setting>& settings, Diagnostics& out,
+      const std::optional<Located<std::filesystem::path>>& start = {}) const;
   /// Same as above, for the closed loop.
   std::unique_ptr<LoopTask> build_loop(const std::vector<Setting>& settings,
                                        Diagnostics& out) const;
@@ -50,7 +45,7 @@ class ProblemFamily {
 
   Diagnostics texts_;
   ProblemDocument document_;
-  ProblemInstance base_;
+  BuiltProblem base_;
   std::optional<Plant> plant_;  ///< of the base, if instances may share it
 };
 

@@ -100,7 +100,7 @@ class KeyCheck {
 
   /// Reports varied keys that a homotopy moves, because its final values override them.
   void check_against_homotopy(const Varied& varied) {
-    const auto& moved = family_.base().spec->solver.homotopy;
+    const auto& moved = family_.base().facts().solver.homotopy;
     for (std::size_t i = 0; i < moved.size(); ++i) {
       const std::string entry = fmt::format("solver.homotopy.{}", i);
       if (!is_same(varied.target, target_of(root_, moved[i].key.value)) || varies(entry + ".key"))

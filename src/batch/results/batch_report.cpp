@@ -27,8 +27,7 @@ class Items {
 
   std::size_t count() const { return manifest_.items.size(); }
   const StoredResult* stored(std::size_t item) const {
-    const auto found = results_.find(manifest_.items[item].id);
-    return found == results_.end() ? nullptr : &found->second;
+    return find_result(results_, manifest_.items[item]);
   }
   bool is_solved(std::size_t item) const {
     const StoredResult* result = stored(item);

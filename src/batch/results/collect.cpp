@@ -35,11 +35,6 @@ void add_row(const std::vector<std::string>& cells, std::string& text) {
   text += '\n';
 }
 
-const StoredResult* find_result(const StoredResults& results, const ManifestItem& item) {
-  const auto found = results.find(item.id);
-  return found == results.end() ? nullptr : &found->second;
-}
-
 /// The names of all constraints, in order of appearance in the items.
 std::vector<std::string> constraint_columns(const Manifest& manifest,
                                             const StoredResults& results) {
@@ -88,6 +83,11 @@ bool has_failed(const StoredResult& stored, FailureKind kind, BatchCommand comma
 }
 
 }  // namespace
+
+const StoredResult* find_result(const StoredResults& results, const ManifestItem& item) {
+  const auto found = results.find(item.id);
+  return found == results.end() ? nullptr : &found->second;
+}
 
 std::vector<std::size_t> failed_items(const Manifest& manifest, const StoredResults& results,
                                       FailureKind kind) {

@@ -22,6 +22,9 @@ struct BatchStatus {
 /// Results by item id, from load_results().
 using StoredResults = std::unordered_map<std::string, StoredResult>;
 
+/// The result of an item; null if it has no result yet.
+const StoredResult* find_result(const StoredResults& results, const ManifestItem& item);
+
 /// Kinds of failures.
 enum class FailureKind {
   /// All items with a result that are not solved or whose solution is damaged. Excludes loops that

@@ -11,7 +11,7 @@
 
 #include <fmt/format.h>
 
-#include "batch/plan/value_leaves.hpp"
+#include "batch/plan/manifest.hpp"
 #include "batch/results/hdf5_file.hpp"
 #include "batch/results/item_files.hpp"
 

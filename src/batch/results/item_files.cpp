@@ -8,10 +8,9 @@
 #include "batch/plan/run_folder.hpp"
 #include "output/mpc/loop_files.hpp"
 #include "output/solution/csv.hpp"
-#include "output/solution/stored_trajectory.hpp"
+#include "output/solution/solution_json.hpp"
 #include "problem_file/build/build_problem.hpp"
 #include "problem_file/expand/expand_problem.hpp"
-#include "problem_file/read/read_problem.hpp"
 #include "problem_file/yaml/yaml_text.hpp"
 
 namespace conddp {
@@ -21,9 +20,7 @@ namespace {
 /// name.
 bool is_item(const ManifestItem& item, const Manifest& manifest, const InputFiles& inputs,
              Diagnostics& out) {
-  std::vector<Setting> settings;
-  for (const std::string& text : item.settings)
-    if (auto setting = parse_setting(text, out)) settings.push_back(*std::move(setting));
+  const std::vector<Setting> settings = parse_settings(item.settings, out);
   if (item_id(manifest, item.problem, settings, inputs) == item.id) return true;
   out.error({},
             fmt::format("a file that item {} reads has changed since the plan was made", item.id),
@@ -32,10 +29,9 @@ bool is_item(const ManifestItem& item, const Manifest& manifest, const InputFile
 }
 
 /// The problem.yaml of an item in a folder.
-std::string problem_yaml(const ProblemSpec& spec, const BuiltProblem& built,
-                         const std::filesystem::path& file, const std::filesystem::path& folder) {
-  OrderedJson problem = expand_problem(spec, built);
-  make_paths_relative(problem, file.parent_path(), folder);
+std::string problem_yaml(const BuiltProblem& built, const std::filesystem::path& folder) {
+  OrderedJson problem = expand_problem(built);
+  make_paths_relative(problem, built.facts().file.parent_path(), folder);
   return yaml_text(problem);
 }
 
@@ -45,19 +41,16 @@ std::optional<ShownItem> load_item(const std::filesystem::path& run, const Manif
                                    const ManifestItem& item, const StoredResult* stored,
                                    Diagnostics& out) {
   if (!is_as_planned(manifest, item.problem, run, out)) return std::nullopt;
-  ShownItem shown{.file = problem_of_run(manifest, item.problem, run)};
+  ShownItem shown;
   const bool has_solution = stored != nullptr && stored->result.solution_bytes > 0;
   if (has_solution) shown.document = load_document(*stored);
   // The answer of a file with `mesh` belongs to a finer grid.
   const bool is_refined = shown.document.contains("mesh");
-  auto spec = read_problem(
-      shown.file,
+  const auto settings =
       is_refined ? shown.document.at("problem").at("overrides").get<std::vector<std::string>>()
-                 : item.settings,
-      out);
-  if (!spec) return std::nullopt;
-  shown.spec = std::make_unique<const ProblemSpec>(*std::move(spec));
-  auto built = build_problem(*shown.spec, {}, out);
+                 : item.settings;
+  auto built = build_problem(
+      read_problem(problem_of_run(manifest, item.problem, run), settings, out), {}, out);
   if (!built) return std::nullopt;
   shown.built = *std::move(built);
   if (!is_item(item, manifest, input_files(shown.built), out)) return std::nullopt;
@@ -67,7 +60,7 @@ std::optional<ShownItem> load_item(const std::filesystem::path& run, const Manif
               "'conddp batch retry RUN failed' solves it again");
     return std::nullopt;
   }
-  shown.document["problem"]["file"] = shown.file.string();
+  shown.document["problem"]["file"] = shown.built.facts().file.string();
   return shown;
 }
 
@@ -76,15 +69,14 @@ std::optional<WrittenLoop> write_loop_item(const std::filesystem::path& run,
                                            const std::filesystem::path& folder, Diagnostics& out) {
   if (!is_as_planned(manifest, item.problem, run, out)) return std::nullopt;
   const std::filesystem::path file = problem_of_run(manifest, item.problem, run);
-  auto spec = read_problem(file, item.settings, out);
-  const auto task = spec ? build_loop(*std::move(spec), {}, out) : nullptr;
+  const auto task = build_loop(read_problem(file, item.settings, out), {}, out);
   if (!task || !is_item(item, manifest, input_files(*task), out)) return std::nullopt;
-  warn_of_lost_gait(*task->spec, out);
+  warn_of_lost_gait(task->built, out);
   const ClosedLoopResult result = run_loop(*task);
   create_folder(folder);
   WrittenLoop written{.end = result.end, .paths = {folder / "problem.yaml"}};
   AtomicFiles files;
-  files.add(written.paths.front(), problem_yaml(*task->spec, task->built, file, folder));
+  files.add(written.paths.front(), problem_yaml(task->built, folder));
   for (std::filesystem::path& path : add_loop({*task, result, item.settings}, folder, files))
     written.paths.push_back(std::move(path));
   files.commit();
@@ -94,11 +86,11 @@ std::optional<WrittenLoop> write_loop_item(const std::filesystem::path& run,
 std::vector<std::filesystem::path> write_item(const ShownItem& item,
                                               const std::filesystem::path& folder) {
   std::vector<std::pair<std::filesystem::path, std::string>> texts = {
-      {folder / "problem.yaml", problem_yaml(*item.spec, item.built, item.file, folder)}};
+      {folder / "problem.yaml", problem_yaml(item.built, folder)}};
   if (!item.document.is_null()) {
     const Trajectory trajectory = stored_trajectory(item.document, *item.built.problem);
-    const ContactForces forces = contact_forces(*item.spec, *item.built.problem,
-                                                NodeValues(*item.built.problem, trajectory));
+    const ContactForces forces =
+        contact_forces(item.built, NodeValues(*item.built.problem, trajectory));
     texts.emplace_back(folder / "solution.json", json_text(item.document));
     texts.emplace_back(folder / "trajectory.csv", trajectory_csv(item.built, trajectory, forces));
     texts.emplace_back(folder / "iterations.csv", iterations_csv(item.document.at("log")));

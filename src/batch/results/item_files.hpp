@@ -13,10 +13,8 @@ namespace conddp {
 
 /// An item in the form of ordinary problem and solution files.
 struct ShownItem {
-  std::unique_ptr<const ProblemSpec> spec;
   BuiltProblem built;
-  std::filesystem::path file;  ///< its problem file
-  OrderedJson document;        ///< solution.json; null without a stored solution
+  OrderedJson document;  ///< solution.json; null without a stored solution
 };
 
 /// Rebuilds the problem of an item. `stored` is its result, or null. Nothing, with errors, if its

@@ -1,25 +1,31 @@
 #include "batch/run/solve_item.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <limits>
 #include <optional>
 
 #include <fmt/format.h>
 
-#include "batch/run/refined_solve.hpp"
+#include "analysis/certificate/certificate_doubt.hpp"
+#include "output/mpc/loop_files.hpp"
 #include "output/report/certificate_report.hpp"
 #include "output/report/solution_certificate.hpp"
 #include "output/solution/solution_json.hpp"
 #include "problem_file/build/homotopy.hpp"
+#include "problem_file/mesh/mesh.hpp"
+#include "solvers/common/status.hpp"
+#include "solvers/strategies/feasible_guess.hpp"
+#include "solvers/strategies/registry.hpp"
 
 namespace conddp {
 namespace {
 
-SolverOptions options_of(const ProblemInstance& instance) {
-  SolverOptions options = instance.spec->solver.options;
+SolverOptions options_of(const BuiltProblem& built) {
+  SolverOptions options = built.facts().solver.options;
   options.threads = 1;
-  options.multipliers = instance.built.multipliers;
-  options.homotopy = homotopy_path(instance.built);
+  options.multipliers = built.multipliers;
+  options.homotopy = homotopy_path(built);
   return options;
 }
 
@@ -44,31 +50,78 @@ void name_neighbour(const std::string& id, const SolverInfo& solver, OrderedJson
 
 /// The problem with the plan's file as its guess. Nothing without such a file, or, with an error,
 /// if the file has changed.
-std::optional<ProblemInstance> build_from_file(const Manifest& manifest,
-                                               const ProblemFamily& family,
-                                               const std::vector<Setting>& settings,
-                                               const ItemStart& start, Diagnostics& out) {
+std::optional<BuiltProblem> build_from_file(const Manifest& manifest, const ProblemFamily& family,
+                                            const std::vector<Setting>& settings,
+                                            const ItemStart& start, Diagnostics& out) {
   if (!start.file) return std::nullopt;
   const Located<std::filesystem::path> file{*start.file, {{}, "warm_start"}};
-  auto instance = family.build(settings, out, &file);
-  if (!instance) return std::nullopt;
-  for (const InputFile& input : instance->built.data_files)
-    if (input.sha256 == manifest.start->file.sha256) return instance;
+  auto built = family.build(settings, out, file);
+  if (!built) return std::nullopt;
+  for (const InputFile& input : built->data_files)
+    if (input.sha256 == manifest.start->file.sha256) return built;
   out.error(file.place,
             fmt::format("'{}' has changed since the plan was made", file.value.string()));
   return std::nullopt;
 }
 
 /// Converts an instance whose guess is a file to the input of solve_from().
-NeighbourAnswer answer_of_file(const ProblemInstance& instance, const ManifestStart& start) {
-  return {.trajectory = instance.built.guess,
-          .multipliers = instance.built.multipliers,
+NeighbourAnswer answer_of_file(const BuiltProblem& built, const ManifestStart& start) {
+  return {.trajectory = built.guess,
+          .multipliers = built.multipliers,
           .cold_iterations =
               start.iterations >= 0 ? start.iterations : std::numeric_limits<int>::max()};
 }
 
 bool is_kept(const ItemResult& result, KeptSolutions keep) {
   return keep == KeptSolutions::kAll || (keep == KeptSolutions::kConverged && result.success);
+}
+
+/// The answer for a file with `mesh`, on its last grid.
+struct RefinedSolve {
+  std::optional<BuiltProblem> built;  ///< on that grid; nothing if it is the first grid
+  SolveResult result;
+  std::vector<MeshRound> rounds;
+  std::string setting;  ///< setting of that grid, in `--set` syntax
+};
+
+/// Continues from the answer on the first grid, as `conddp solve` does. `options.max_time_s`
+/// applies to the subsequent grids. `solver` is the solver that found the answer.
+RefinedSolve refine(const BuiltProblem& first, const SolveResult& result,
+                    const std::vector<const SolverInfo*>& candidates, SolverOptions options,
+                    const SolverInfo*& solver, Diagnostics& out) {
+  constexpr double kLeastRest = 1e-3;  // s
+  RefinedSolve refined{.result = result};
+  const auto began = std::chrono::steady_clock::now();
+  const double most = options.max_time_s;
+  options = options_near(options);
+  options.restarts.count = 0;
+  options.homotopy = nullptr;
+  options.multipliers = nullptr;
+  MeshRefinement mesh(*first.facts().mesh);
+  const BuiltProblem* grid = &first;
+  while (const auto factor = mesh.next(*grid->problem, refined.result)) {
+    auto finer = build_on_grid(*grid, {.factor = *factor}, out);
+    if (!finer) break;
+    finer->guess = on_grid(*grid->problem, refined.result.trajectory, *finer->problem);
+    finer->guess_used = first.guess_used;
+    const std::chrono::duration<double> gone = std::chrono::steady_clock::now() - began;
+    options.max_time_s = std::max(kLeastRest, most - gone.count());
+    refined.result = solve(*finer->problem, candidates, options, finer->guess, solver,
+                           certificate_doubt(options));
+    refined.built = std::move(finer);
+    grid = &*refined.built;
+  }
+  refined.rounds = mesh.rounds();
+  refined.setting = grid_setting(first, refined.rounds.back().factor);
+  return refined;
+}
+
+/// A message about a grid that is too coarse; empty if it is as fine as the file requires.
+std::string too_coarse(const RefinedSolve& solve, const BuiltProblem& built) {
+  const double error = solve.rounds.back().error, asked = built.facts().mesh->error;
+  if (error <= asked) return {};
+  return fmt::format("the last grid of {} knots has an error of {:.1e}, which is more than {:.1e}",
+                     solve.rounds.back().knots, error, asked);
 }
 
 /// Processes an item from its settings to its result, and records the time of each stage.
@@ -95,9 +148,9 @@ class ItemRun {
   double seconds() const {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count();
   }
-  const ProblemInstance& first() const { return warm_ && from_file_ ? *from_file_ : *instance_; }
-  const ProblemInstance& used() const {
-    return refined_ && refined_->instance ? *refined_->instance : first();
+  const BuiltProblem& first() const { return warm_ && from_file_ ? *from_file_ : *own_; }
+  const BuiltProblem& used() const {
+    return refined_ && refined_->built ? *refined_->built : first();
   }
   const SolveResult& result() const { return refined_ ? refined_->result : started_->result; }
 
@@ -114,9 +167,8 @@ class ItemRun {
   const ItemStart& start_;
   Diagnostics diagnostics_;
 
-  std::vector<Setting> settings_;
-  std::optional<ProblemInstance> instance_;
-  std::optional<ProblemInstance> from_file_;  ///< guess from the plan's file
+  std::optional<BuiltProblem> own_;
+  std::optional<BuiltProblem> from_file_;  ///< guess from the plan's file
   std::vector<const SolverInfo*> candidates_;
 
   std::optional<NeighbourAnswer> file_answer_;
@@ -132,42 +184,34 @@ class ItemRun {
 
 /// Returns false if the item can no longer be built; `diagnostics_` may contain the reason.
 bool ItemRun::build() {
-  settings_ = settings_of(item_, diagnostics_);
-  instance_ = family_.build(settings_, diagnostics_);
-  if (!instance_ ||
-      item_id(manifest_, item_.problem, settings_, input_files(instance_->built)) != item_.id)
+  const std::vector<Setting> settings = parse_settings(item_.settings, diagnostics_);
+  own_ = family_.build(settings, diagnostics_);
+  if (!own_ || item_id(manifest_, item_.problem, settings, input_files(*own_)) != item_.id)
     return false;
-  from_file_ = build_from_file(manifest_, family_, settings_, start_, diagnostics_);
+  from_file_ = build_from_file(manifest_, family_, settings, start_, diagnostics_);
   if (diagnostics_.has_errors()) return false;
-  candidates_ = usable_solvers(*instance_->spec, *instance_->built.problem, diagnostics_);
+  candidates_ = usable_solvers(*own_, diagnostics_);
   return !candidates_.empty();
 }
 
 void ItemRun::solve() {
   if (from_file_) file_answer_ = answer_of_file(*from_file_, *manifest_.start);
   from_ = file_answer_ ? &*file_answer_ : start_.neighbour;
-  started_ = solve_from(from_, *instance_, candidates_, options_of(*instance_), solver_);
+  started_ = solve_from(from_, *own_, candidates_, options_of(*own_), solver_);
   first_solver_ = solver_;
   warm_ = started_->start == StartKind::kWarm;
 }
 
 /// Solves on finer grids if the file requests them, in the remaining time.
 void ItemRun::refine_mesh() {
-  if (!first().spec->mesh) return;
+  if (!first().facts().mesh) return;
   SolverOptions rest = options_of(first());
   rest.max_time_s -= seconds() - built_;
-  const auto build = [&](const Setting& grid) {
-    std::vector<Setting> finer = settings_;
-    finer.push_back(grid);
-    return &first() == &*instance_
-               ? family_.build(finer, diagnostics_)
-               : build_from_file(manifest_, family_, finer, start_, diagnostics_);
-  };
-  refined_ = refine(first(), started_->result, candidates_, rest, build, solver_);
+  refined_ = refine(first(), started_->result, candidates_, rest, solver_, diagnostics_);
 }
 
 SolvedItem ItemRun::certify() {
-  Solution solution{*used().spec, used().built, *solver_, result(), item_.settings};
+  Solution solution{used(), *solver_, result(), item_.settings};
   solution.answer.judged = started_->judged;
   if (refined_) {
     solution.overrides.push_back(refined_->setting);
@@ -176,7 +220,7 @@ SolvedItem ItemRun::certify() {
   const double prepared = seconds();
   SolutionCertificate certificate = certify_answer(solution);
   const double certified = seconds();
-  const std::string coarse = refined_ ? too_coarse(*refined_, *used().spec) : "";
+  const std::string coarse = refined_ ? too_coarse(*refined_, used()) : "";
   SolvedItem out{{.id = item_.id,
                   .status = std::string(to_string(result().status)),
                   .success = is_success(result().status) &&
@@ -210,13 +254,6 @@ void ItemRun::note_start(SolvedItem& out) const {
 
 }  // namespace
 
-std::vector<Setting> settings_of(const ManifestItem& item, Diagnostics& out) {
-  std::vector<Setting> settings;
-  for (const std::string& text : item.settings)
-    if (auto setting = parse_setting(text, out)) settings.push_back(*std::move(setting));
-  return settings;
-}
-
 ItemResult not_built(const ManifestItem& item, const Diagnostics& diagnostics) {
   std::string message = "its files have changed since the plan was made";
   for (const Diagnostic& d : diagnostics.list())
@@ -233,6 +270,58 @@ ItemResult not_built(const ManifestItem& item, const Diagnostics& diagnostics) {
 SolvedItem solve_item(const ManifestItem& item, const Manifest& manifest,
                       const ProblemFamily& family, const ItemStart& start) {
   return ItemRun(item, manifest, family, start).run();
+}
+namespace {
+
+std::string_view status_of(LoopEnd end) {
+  return end == LoopEnd::interrupted ? to_string(SolveStatus::time_limit) : to_string(end);
+}
+
+/// The fraction of ticks that satisfy a predicate.
+template <class Holds>
+double share_of(const std::vector<TickRecord>& ticks, Holds holds) {
+  if (ticks.empty()) return 0;
+  return static_cast<double>(std::count_if(ticks.begin(), ticks.end(), holds)) /
+         static_cast<double>(ticks.size());
+}
+
+/// The figures of a loop for the row of results.
+OrderedJson answer_of(const LoopTask& task, const ClosedLoopResult& result) {
+  const auto is_planned = [](const TickRecord& t) { return t.outcome == TickOutcome::planned; };
+  const auto falls_back = [](const TickRecord& t) { return t.fallback; };
+  return {{"solver", task.mpc.controller.solver},
+          {"time_s", tabulated_time(result.end_time)},
+          {"planned", share_of(result.ticks, is_planned)},
+          {"fallback", share_of(result.ticks, falls_back)},
+          {"cost", finite_or_null(result.cost)},
+          {"violation", finite_or_null(result.violation)},
+          {"message", reason_of_end(task, result)}};
+}
+
+}  // namespace
+
+SolvedItem simulate_item(const ManifestItem& item, const Manifest& manifest,
+                         const ProblemFamily& family) {
+  const auto began = std::chrono::steady_clock::now();
+  const auto seconds = [began] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  };
+  Diagnostics diagnostics = family.texts();
+  const std::vector<Setting> settings = parse_settings(item.settings, diagnostics);
+  const auto task = family.build_loop(settings, diagnostics);
+  if (!task || item_id(manifest, item.problem, settings, input_files(*task)) != item.id)
+    return {not_built(item, diagnostics), {}, {}};
+  const double built = seconds(), limit = manifest.limits.max_time_s;
+  task->mpc.controller.solver_options.threads = 1;
+  if (limit > 0) task->mpc.loop.interrupted = [&] { return seconds() > built + limit; };
+  const ClosedLoopResult result = run_loop(*task);
+  return {{.id = item.id,
+           .status = std::string(status_of(result.end)),
+           .success = result.end == LoopEnd::finished,
+           .answer = answer_of(*task, result),
+           .times = {{"build", built}, {"solve", seconds() - built}, {"all", seconds()}}},
+          {},
+          {}};
 }
 
 }  // namespace conddp

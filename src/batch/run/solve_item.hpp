@@ -17,9 +17,6 @@ struct SolvedItem {
   std::optional<NeighbourAnswer> answer;  ///< if the item is solved
 };
 
-/// The settings of an item.
-std::vector<Setting> settings_of(const ManifestItem& item, Diagnostics& out);
-
 /// The result of an item that can no longer be built, with the message of the first error.
 ItemResult not_built(const ManifestItem& item, const Diagnostics& diagnostics);
 
@@ -32,5 +29,10 @@ struct ItemStart {
 /// Builds, solves and certifies an item in one thread.
 SolvedItem solve_item(const ManifestItem& item, const Manifest& manifest,
                       const ProblemFamily& family, const ItemStart& start);
+
+/// Builds the closed loop of an item and simulates it in one thread. The status says how the loop
+/// ended. A loop that exceeds the time limit ends at its next tick.
+SolvedItem simulate_item(const ManifestItem& item, const Manifest& manifest,
+                         const ProblemFamily& family);
 
 }  // namespace conddp

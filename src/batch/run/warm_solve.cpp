@@ -44,15 +44,15 @@ NeighbourAnswer answer_for_neighbours(const StartedSolve& solved, const SolverIn
           cold ? result.iterations : from->cold_iterations};
 }
 
-StartedSolve solve_from(const NeighbourAnswer* from, const ProblemInstance& instance,
+StartedSolve solve_from(const NeighbourAnswer* from, const BuiltProblem& built,
                         const std::vector<const SolverInfo*>& candidates,
                         const SolverOptions& options, const SolverInfo*& solver) {
-  const ShootingProblem& problem = *instance.built.problem;
-  const Trajectory& own = instance.built.guess;
+  const ShootingProblem& problem = *built.problem;
+  const Trajectory& own = built.guess;
   const auto judged = std::make_shared<LastJudged>();
   if (from == nullptr)
     return {.result = solve(problem, candidates, options, own, solver,
-                            certificate_doubt(options, judged, tangent_columns(instance.built))),
+                            certificate_doubt(options, judged, tangent_columns(built))),
             .judged = judged};
   SolverOptions trial = options;
   trial.homotopy = nullptr;
@@ -66,7 +66,7 @@ StartedSolve solve_from(const NeighbourAnswer* from, const ProblemInstance& inst
   SolverOptions rest = options;
   rest.max_time_s = std::max(kLeastTime, options.max_time_s - warm.times.total);
   return {solve(problem, candidates, rest, own, solver,
-                certificate_doubt(rest, judged, tangent_columns(instance.built))),
+                certificate_doubt(rest, judged, tangent_columns(built))),
           StartKind::kDropped, warm.iterations, judged};
 }
 

@@ -42,7 +42,7 @@ NeighbourAnswer answer_for_neighbours(const StartedSolve& solved, const SolverIn
 /// has not converged after twice the iterations of a cold one is dropped. The problem is then
 /// solved from its own guess in the remaining time. If `from` is null, it is solved from its own
 /// guess directly.
-StartedSolve solve_from(const NeighbourAnswer* from, const ProblemInstance& instance,
+StartedSolve solve_from(const NeighbourAnswer* from, const BuiltProblem& built,
                         const std::vector<const SolverInfo*>& candidates,
                         const SolverOptions& options, const SolverInfo*& solver);
 

@@ -22,7 +22,7 @@
 #include "base/files/write_all.hpp"
 #include "batch/plan/neighbours.hpp"
 #include "batch/plan/run_folder.hpp"
-#include "batch/run/simulate_item.hpp"
+#include "batch/run/solve_item.hpp"
 
 namespace conddp {
 namespace {

@@ -8,7 +8,6 @@
 
 #include "base/files/atomic_file.hpp"
 #include "base/json/json_text.hpp"
-#include "output/mpc/plant_forces.hpp"
 #include "output/solution/csv.hpp"
 #include "output/solution/csv_cells.hpp"
 #include "output/solution/solution_json.hpp"
@@ -94,15 +93,15 @@ OrderedJson late_ticks_json(const std::vector<TickRecord>& ticks) {
 }
 
 OrderedJson problem_json(const LoopRun& run) {
-  const LoopTask& task = run.task;
-  const InputFiles files = input_files(task);
-  return {{"name", task.spec->name.value},
-          {"file", task.spec->file.string()},
-          {"sha256", task.spec->sha256},
+  const ProblemFacts& facts = run.task.built.facts();
+  const InputFiles files = input_files(run.task);
+  return {{"name", facts.name.value},
+          {"file", facts.file.string()},
+          {"sha256", facts.sha256},
           {"robots", files_json(files.robots)},
           {"data_files", files_json(files.data)},
           {"overrides", run.overrides},
-          {"configuration", expand_problem(*task.spec, task.built)}};
+          {"configuration", expand_problem(run.task.built)}};
 }
 
 }  // namespace
@@ -173,7 +172,7 @@ OrderedJson loop_json(const LoopRun& run) {
           {"tool", tool_json()},
           {"solver", run.task.mpc.controller.solver},
           {"clock", run.task.mpc.controller.clock ? "wall" : "simulated"},
-          {"commands", commands_json(*run.task.spec->mpc)},
+          {"commands", commands_json(*run.task.built.facts().mpc)},
           {"end", to_string(result.end)},
           {"message", reason_of_end(run.task, result)},
           {"end_time_s", result.end_time},
@@ -205,6 +204,46 @@ std::vector<std::filesystem::path> write_loop(const LoopRun& run,
   std::vector<std::filesystem::path> paths = add_loop(run, folder, files);
   files.commit();
   return paths;
+}
+namespace {
+
+/// The problem whose systems move the plant at a given time.
+const ShootingProblem& moving_problem(const LoopTask& task, double time) {
+  const PlantPeriod* period = period_at(task.mpc.loop.plant, time);
+  return period != nullptr && period->problem ? *period->problem : *task.built.problem;
+}
+
+void copy_forces(const std::vector<double>& found, int row, ContactForces& to) {
+  for (std::size_t c = 0; c < to.contacts.size() && 3 * c < found.size(); ++c)
+    if (const double* f = found.data() + 3 * c; !std::isnan(f[0]))
+      to.contacts[c].wrench[row] = {f[0], f[1], f[2], 0, 0, 0};
+}
+
+}  // namespace
+
+ContactForces no_plant_forces(const LoopTask& task, int rows) {
+  ContactForces forces = no_contact_forces(task.built, rows);
+  for (ContactForces::OfContact& contact : forces.contacts) contact.torque = false;
+  return forces;
+}
+
+ContactForces plant_forces(const LoopTask& task, const ClosedLoopResult& result) {
+  const int rows = static_cast<int>(result.steps.size());
+  ContactForces forces = no_plant_forces(task, rows);
+  if (forces.contacts.empty()) return forces;
+  const TimeLine line(task.built.problem, task.mpc.controller.hold);
+  ContactForceWriter writer;
+  for (int row = 0; row < rows; ++row) {
+    const PlantStep& step = result.steps[row];
+    if (!step.contact_forces.empty()) {
+      copy_forces(step.contact_forces, row, forces);
+      continue;
+    }
+    const ShootingProblem& problem = moving_problem(task, step.time);
+    writer.write(problem.knot(line.at(step.time).knot).model->system(), step.x.data(),
+                 step.u.data(), row, forces);
+  }
+  return forces;
 }
 
 }  // namespace conddp

@@ -4,7 +4,6 @@
 
 #include "mpc/appraisal.hpp"
 #include "output/solution/solved_problem.hpp"
-#include "problem_file/build/build_problem.hpp"
 
 namespace conddp {
 namespace {
@@ -19,37 +18,14 @@ std::string broken_condition(const LoopTask& task, const double* x) {
 
 }  // namespace
 
-std::unique_ptr<LoopTask> build_loop(ProblemSpec spec, const BuildOptions& options,
-                                     Diagnostics& out) {
-  if (!spec.mpc) {
-    out.error({}, fmt::format("{} has no section 'mpc'", spec.file.string()),
-              "write 'mpc: {horizon: 1, tick: 0.02, duration: 5}'");
-    return nullptr;
-  }
-  if (spec.mpc->repeat.value == AfterTheEnd::kGait) {
-    auto longer = repeat_gait(spec, out);
-    if (!longer) return nullptr;
-    spec = *std::move(longer);
-  }
-  auto task = std::make_unique<LoopTask>();
-  task->spec = std::make_unique<const ProblemSpec>(std::move(spec));
-  auto built = build_problem(*task->spec, options, out);
-  if (!built) return nullptr;
-  task->built = *std::move(built);
-  auto mpc = build_mpc(*task->spec, task->built, out);
-  if (!mpc) return nullptr;
-  task->mpc = *std::move(mpc);
-  return task;
-}
-
 std::unique_ptr<LoopTask> rebuild_loop(const OrderedJson& document, const std::string& file,
                                        const std::filesystem::path& problem, Diagnostics& out) {
   std::unique_ptr<LoopTask> task;
-  const auto build = [&](ProblemSpec spec, const std::vector<std::string>& drop,
+  const auto build = [&](const ProblemDocument& read, const std::vector<Setting>& settings,
+                         const BuildOptions& options,
                          Diagnostics& own) -> std::optional<InputFiles> {
-    task = build_loop(std::move(spec), {.drop = drop}, own);
-    if (!task) return std::nullopt;
-    return input_files(*task);
+    task = build_loop(read_problem(read, settings, own), options, own);
+    return task ? std::optional(input_files(*task)) : std::nullopt;
   };
   if (!build_again(RebuiltFor::kLoop, document, file, problem, build, out)) return nullptr;
   return task;

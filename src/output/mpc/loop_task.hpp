@@ -2,25 +2,12 @@
 
 #include <memory>
 #include <string>
-#include <vector>
 
 #include "base/json/ordered_json.hpp"
 #include "output/solution/input_files.hpp"
 #include "problem_file/build/build_mpc.hpp"
 
 namespace conddp {
-
-/// A problem file and the closed loop around it.
-struct LoopTask {
-  std::unique_ptr<const ProblemSpec> spec;  ///< with enough gait cycles for the loop
-  BuiltProblem built;
-  BuiltMpc mpc;
-};
-
-/// Builds the loop of a problem file. Null with errors if the file lacks a section `mpc` or the
-/// section is invalid.
-std::unique_ptr<LoopTask> build_loop(ProblemSpec spec, const BuildOptions& options,
-                                     Diagnostics& out);
 
 /// Rebuilds the loop of an mpc.json, as rebuild_problem() does for solutions.
 std::unique_ptr<LoopTask> rebuild_loop(const OrderedJson& document, const std::string& file,

@@ -4,23 +4,13 @@
 
 #include <fmt/format.h>
 
-#include "base/json/solution_members.hpp"
+#include "output/solution/solved_problem.hpp"
 #include "solvers/common/option_table.hpp"
 
 namespace conddp {
 namespace {
 
 constexpr std::string_view kTolerances = "tolerances.";
-
-std::vector<std::string> overrides_of(const OrderedJson& document) {
-  std::vector<std::string> list;
-  for (const OrderedJson& setting :
-       solution_list(solution_member(document, "problem"), "overrides")) {
-    if (!setting.is_string()) throw MalformedSolution{"'overrides' has an entry that is not text"};
-    list.push_back(setting.get<std::string>());
-  }
-  return list;
-}
 
 /// Names and values of tolerances above their defaults.
 std::vector<std::pair<std::string, double>> loose_tolerances(const SolverOptions& options) {
@@ -49,9 +39,9 @@ std::string loose_tolerances_line(const SolverOptions& options) {
   return line;
 }
 
-AnswerSettings answer_settings(const OrderedJson& document, const ProblemSpec& spec,
-                               const BuiltProblem& built) {
-  AnswerSettings settings{.overrides = overrides_of(document), .options = spec.solver.options};
+AnswerSettings answer_settings(const OrderedJson& document, const BuiltProblem& built) {
+  AnswerSettings settings{.overrides = overrides_of(document),
+                          .options = built.facts().solver.options};
   for (const DroppedConstraint& constraint : built.dropped)
     settings.dropped.push_back(constraint.name);
   return settings;

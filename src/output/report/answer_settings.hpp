@@ -25,8 +25,7 @@ std::string loose_tolerances_line(const SolverOptions& options);
 
 /// Settings of a solution or closed loop (at least its `problem`), whose problem has been rebuilt.
 /// Throws MalformedSolution if the document lacks keys.
-AnswerSettings answer_settings(const OrderedJson& document, const ProblemSpec& spec,
-                               const BuiltProblem& built);
+AnswerSettings answer_settings(const OrderedJson& document, const BuiltProblem& built);
 
 /// One line each: "setting KEY=VALUE", "dropped NAME" and loose_tolerances_line().
 std::vector<std::string> settings_lines(const AnswerSettings& settings);

@@ -7,7 +7,7 @@
 #include "base/json/json_text.hpp"
 #include "ocp/evaluation/evaluator.hpp"
 #include "ocp/problem/by_name.hpp"
-#include "output/solution/constraint_rows.hpp"
+#include "problem_file/build/problem_names.hpp"
 
 namespace conddp {
 namespace {
@@ -75,15 +75,14 @@ OrderedJson bounds_json(const std::vector<double>& values) {
   return same ? eight_digits(values.front()) : list_json(values);
 }
 
-OrderedJson rows_json(const ProblemSpec& spec, const BuiltProblem& built,
-                      const ShootingProblem& problem, const Named& named,
+OrderedJson rows_json(const BuiltProblem& built, const ShootingProblem& problem, const Named& named,
                       const Eigen::VectorXd& g) {
   const std::vector<double> none(named.nodes(), std::nan(""));
   const ConstraintTerm& term = *named.at.front().term;
-  std::vector<std::string> names(term.rows, named.name);
-  const ConstraintSpec* said = constraint_spec(spec, problem, named.at.front());
-  if (said != nullptr && term.kind == ConstraintKind::bounds)
-    names = residual_row_names(spec, built, *said, *term.residual);
+  std::vector<std::string> names;
+  if (term.kind == ConstraintKind::bounds)
+    names = constraint_row_names(built, problem, named.at.front());
+  names.resize(term.rows, named.name);
   OrderedJson rows = OrderedJson::array();
   for (int i = 0; i < term.rows; ++i) {
     std::vector<double> values = none, lower = none, upper = none;
@@ -114,9 +113,8 @@ OrderedJson margin_rows(const Named& named, const Eigen::VectorXd& g) {
 
 /// Appends all constraints of one problem: the whole problem, or one with only an omitted
 /// constraint.
-void append_curves(const ProblemSpec& spec, const BuiltProblem& built,
-                   const ShootingProblem& problem, const Trajectory& trajectory, bool left_out,
-                   OrderedJson& list) {
+void append_curves(const BuiltProblem& built, const ShootingProblem& problem,
+                   const Trajectory& trajectory, bool left_out, OrderedJson& list) {
   Evaluation evaluation(problem);
   Evaluator(problem).evaluate(trajectory, evaluation);
   const Eigen::VectorXd& g = evaluation.constraint;
@@ -127,24 +125,22 @@ void append_curves(const ProblemSpec& spec, const BuiltProblem& built,
       value = std::fmax(value, distance_to_set(*c.term, g.data() + c.row, c.lower, c.upper));
     }
     const bool rows = named.has_rows(!built.plant.variants.empty());
-    list.push_back(
-        {{"name", named.name + (left_out ? " (left out)" : "")},
-         {"left_out", left_out},
-         {"first", named.first()},
-         {"violation", list_json(violation)},
-         {"margin", !rows},
-         {"rows", rows ? rows_json(spec, built, problem, named, g) : margin_rows(named, g)}});
+    list.push_back({{"name", named.name + (left_out ? " (left out)" : "")},
+                    {"left_out", left_out},
+                    {"first", named.first()},
+                    {"violation", list_json(violation)},
+                    {"margin", !rows},
+                    {"rows", rows ? rows_json(built, problem, named, g) : margin_rows(named, g)}});
   }
 }
 
 }  // namespace
 
-OrderedJson constraint_curves(const ProblemSpec& spec, const BuiltProblem& built,
-                              const Trajectory& trajectory) {
+OrderedJson constraint_curves(const BuiltProblem& built, const Trajectory& trajectory) {
   OrderedJson list = OrderedJson::array();
-  append_curves(spec, built, *built.problem, trajectory, false, list);
+  append_curves(built, *built.problem, trajectory, false, list);
   for (const DroppedConstraint& dropped : built.dropped)
-    if (dropped.alone) append_curves(spec, built, *dropped.alone, trajectory, true, list);
+    if (dropped.alone) append_curves(built, *dropped.alone, trajectory, true, list);
   return list;
 }
 

@@ -16,7 +16,6 @@ namespace conddp {
 ///     the values: for cones, and if several constraints share the name;
 ///   rows: for each row its name, and values, lower and upper for the same nodes (null if
 ///     unbounded; one number if all nodes have the same one).
-OrderedJson constraint_curves(const ProblemSpec& spec, const BuiltProblem& built,
-                              const Trajectory& trajectory);
+OrderedJson constraint_curves(const BuiltProblem& built, const Trajectory& trajectory);
 
 }  // namespace conddp

@@ -6,16 +6,42 @@
 
 #include <fmt/format.h>
 
+#include "analysis/certificate/certificate_doubt.hpp"
 #include "base/json/solution_members.hpp"
 #include "ocp/problem/control_columns.hpp"
 #include "ocp/problem/cost_scale.hpp"
-#include "output/report/configuration_check.hpp"
 #include "output/solution/finding_report.hpp"
+#include "output/solution/solution.hpp"
 #include "output/solution/solution_json.hpp"
 #include "problem_file/expand/expand_problem.hpp"
 #include "solvers/strategies/registry.hpp"
 
 namespace conddp {
+
+AnswerClaims answer_claims(const Solution& s) {
+  const ShootingProblem& problem = *s.built.problem;
+  AnswerClaims claims{
+      .solution = claims_of(problem, s.result, s.answer.values, s.built.facts().solver.options),
+      .iterations = s.result.iterations,
+      .duration = problem.times(s.result.trajectory).back(),
+      .constraint_values = s.result.constraint_values,
+      .violations = s.answer.violations,
+      .soft_violations = s.answer.soft_violations,
+      .dropped = s.answer.dropped,
+      .forces = s.answer.forces,
+      .log = s.result.log};
+  claims.solution.tangent_names = tangent_columns(s.built);
+  for (auto* list : {&claims.violations, &claims.soft_violations})
+    for (ConstraintViolation& v : *list) v.value = finite_or_open(v.value);
+  for (auto& [name, value] : claims.dropped) value = finite_or_open(value);
+  for (double& value : claims.constraint_values) value = finite_or_open(value);
+  for (IterationRecord& row : claims.log)
+    for (double* figure : {&row.cost, &row.gap, &row.constraint, &row.stationarity})
+      *figure = finite_or_open(*figure);
+  if (!s.mesh.empty())
+    claims.grid_error = {finite_or_open(s.mesh.back().error), s.built.facts().mesh->error};
+  return claims;
+}
 namespace {
 
 using Json = OrderedJson;
@@ -70,10 +96,9 @@ class Statements {
 /// Reads the claims of a document. Lists of other lengths than the problem's become failed checks.
 class Reader {
  public:
-  Reader(const Json& document, const ProblemSpec& spec, const BuiltProblem& built,
-         std::vector<Check>& checks)
+  Reader(const Json& document, const BuiltProblem& built, std::vector<Check>& checks)
       : document_(document),
-        spec_(spec),
+        facts_(built.facts()),
         built_(built),
         problem_(*built.problem),
         controls_(problem_),
@@ -110,17 +135,17 @@ class Reader {
 
   /// The solver of the file; with `auto`, the claimed solver if it is a candidate.
   std::string solver_name() const {
-    if (spec_.solver.name.value == kAutoSolver)
-      for (const SolverInfo* info : auto_solvers(problem_, spec_.solver.options))
+    if (facts_.solver.name.value == kAutoSolver)
+      for (const SolverInfo* info : auto_solvers(problem_, facts_.solver.options))
         if (at(document_, {"solver"}) == info->name) return std::string(info->name);
-    return spec_.solver.name.value;
+    return facts_.solver.name.value;
   }
   void compare_with_problem() {
     const Json &problem = at(document_, {"problem"}), &motion = at(document_, {"trajectory"});
-    checks_.push_back(configuration_check(at(problem, {"configuration"}), spec_, built_));
-    statements_.expect("name", at(problem, {"name"}), spec_.name.value);
+    checks_.push_back(configuration_check(at(problem, {"configuration"}), built_));
+    statements_.expect("name", at(problem, {"name"}), facts_.name.value);
     statements_.expect("solver", at(document_, {"solver"}), solver_name());
-    statements_.expect("options", at(problem, {"options"}), expand_options(spec_.solver.options));
+    statements_.expect("options", at(problem, {"options"}), expand_options(facts_.solver.options));
     statements_.expect("knots", at(problem, {"knots"}), problem_.knots());
     if (document_.contains("cost_scale"))
       statements_.expect("cost scale", document_.at("cost_scale"), cost_scale(problem_));
@@ -255,7 +280,7 @@ class Reader {
     c.gap = member(residuals, "gap");
     c.constraint = member(residuals, "constraint");
     c.complementarity = member(residuals, "complementarity");
-    c.tolerances = spec_.solver.options.tolerances;
+    c.tolerances = facts_.solver.options.tolerances;
     c.tangent_names = tangent_columns(built_);
     claims_.iterations = count(document_, "iterations");
     claims_.duration = number(at(document_, {"problem", "duration_s"}), "duration_s");
@@ -275,7 +300,7 @@ class Reader {
   }
 
   void read_forces() {
-    claims_.forces = no_contact_forces(spec_, problem_.knots());
+    claims_.forces = no_contact_forces(built_, problem_.knots());
     const Json& all = at(document_, {"trajectory", "contact_forces"});
     if (!all.is_object() || all.size() != claims_.forces.contacts.size())
       statements_.fail("contact_forces",
@@ -303,7 +328,7 @@ class Reader {
   }
 
   const Json& document_;
-  const ProblemSpec& spec_;
+  const ProblemFacts& facts_;
   const BuiltProblem& built_;
   const ShootingProblem& problem_;
   const ControlColumns controls_;
@@ -421,9 +446,9 @@ std::vector<std::string> statement_names(const ShootingProblem& problem) {
   return names;
 }
 
-std::optional<AnswerClaims> read_claims(const OrderedJson& document, const ProblemSpec& spec,
-                                        const BuiltProblem& built, std::vector<Check>& checks) {
-  return Reader(document, spec, built, checks).read();
+std::optional<AnswerClaims> read_claims(const OrderedJson& document, const BuiltProblem& built,
+                                        std::vector<Check>& checks) {
+  return Reader(document, built, checks).read();
 }
 
 Check findings_check(const OrderedJson& list, const std::vector<Finding>& found) {
@@ -450,6 +475,23 @@ void check_nulls_and_certificate(const OrderedJson& document, Certificate& certi
     }
   if (document.contains("certificate"))
     FormerCertificate(document.at("certificate"), certificate).compare();
+}
+
+Check configuration_check(const OrderedJson& claimed, const BuiltProblem& built) {
+  OrderedJson actual = expand_problem(built);
+  if (claimed == actual) return {"configuration", true};
+  OrderedJson answer = claimed;
+  for (OrderedJson* json : {&answer, &actual}) {
+    if (json->is_object()) json->erase("initial_guess");
+    // Numbers are rounded as in the file, because its text is compared.
+    *json = OrderedJson::parse(json->dump());
+  }
+  const OrderedJson patch = OrderedJson::diff(actual, answer);
+  Check check{"configuration", patch.empty()};
+  if (!patch.empty())
+    check.message = "differs from the problem at " + patch[0]["path"].get<std::string>();
+  if (patch.size() > 1) check.message += fmt::format(" and {} more places", patch.size() - 1);
+  return check;
 }
 
 }  // namespace conddp

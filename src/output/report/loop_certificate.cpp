@@ -16,7 +16,7 @@
 #include "output/mpc/loop_files.hpp"
 #include "output/mpc/plant_replay.hpp"
 #include "output/report/certificate_report.hpp"
-#include "output/report/configuration_check.hpp"
+#include "output/report/document_claims.hpp"
 #include "output/solution/solution_json.hpp"
 
 namespace conddp {
@@ -89,7 +89,7 @@ class LoopJudge {
 
   LoopCertificate judge() {
     add(configuration_check(member_of(member_of(document_, "problem"), "configuration"),
-                            *task_.spec, task_.built));
+                            task_.built));
     judge_clock();
     judge_plant();
     judge_loop();

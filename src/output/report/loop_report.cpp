@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "base/json/json_text.hpp"
-#include "output/mpc/plant_forces.hpp"
+#include "output/mpc/loop_files.hpp"
 #include "output/scene/motion_scene.hpp"
 
 namespace conddp {
@@ -129,9 +129,8 @@ OrderedJson plant_json(const LoopRun& run) {
     x.push_back(row.x);
     if (row.u != nullptr) u.push_back(row.u);
   }
-  OrderedJson scene =
-      motion_scene(*task.spec, task.built,
-                   trajectory_of(x, static_cast<int>(task.built.control_columns.size())));
+  OrderedJson scene = motion_scene(
+      task.built, trajectory_of(x, static_cast<int>(task.built.control_columns.size())));
   place_obstacles(task, rows, scene);
   return {{"label", "plant"},
           {"remark", ""},
@@ -196,7 +195,7 @@ class Events {
   }
 
   void add_disturbances() {
-    for (const DisturbanceSpec& disturbance : run_.task.spec->mpc->disturbances) {
+    for (const DisturbanceSpec& disturbance : run_.task.built.facts().mpc->disturbances) {
       const double at = disturbance.at.value;
       if (at > run_.result.end_time) continue;
       if (disturbance.jump) add("disturbances", at, at, "jump");
@@ -240,9 +239,8 @@ OrderedJson plans_json(const LoopTask& task, const std::vector<RecordedPlan>& pl
   }
   OrderedJson json = {{"list", std::move(list)}, {"poses", nullptr}, {"track", nullptr}};
   if (states.empty()) return json;
-  OrderedJson scene =
-      motion_scene(*task.spec, task.built,
-                   trajectory_of(states, static_cast<int>(task.built.control_columns.size())));
+  OrderedJson scene = motion_scene(
+      task.built, trajectory_of(states, static_cast<int>(task.built.control_columns.size())));
   if (scene.is_null()) return json;
   json["poses"] = std::move(scene["poses"]);
   json["track"] =

@@ -12,7 +12,7 @@
 #include "output/report/constraint_curves.hpp"
 #include "output/scene/found_contacts.hpp"
 #include "output/scene/motion_scene.hpp"
-#include "output/solution/stored_trajectory.hpp"
+#include "output/solution/solution_json.hpp"
 
 namespace conddp {
 namespace {
@@ -156,8 +156,8 @@ OrderedJson entry_json(const ReportEntry& entry) {
   u["lower"] = bounds_json(problem, u["names"].size(), false);
   u["upper"] = bounds_json(problem, u["names"].size(), true);
   json["curves"]["costs"] = costs_json(problem, trajectory);
-  json["curves"]["constraints"] = constraint_curves(*entry.spec, *entry.built, trajectory);
-  json["scene"] = motion_scene(*entry.spec, *entry.built, trajectory);
+  json["curves"]["constraints"] = constraint_curves(*entry.built, trajectory);
+  json["scene"] = motion_scene(*entry.built, trajectory);
   if (const auto motion = contact_motion(problem, trajectory)) {
     FoundContacts found = found_contacts(*motion);
     json["scene"]["contacts"] = std::move(found.contacts);

@@ -13,7 +13,6 @@ namespace conddp {
 struct ReportEntry {
   std::string label;     ///< name among the other solutions
   OrderedJson document;  ///< contents of solution.json
-  const ProblemSpec* spec = nullptr;
   const BuiltProblem* built = nullptr;
   std::string remark = {};  ///< reason for missing parts, shown to the reader
 };

@@ -11,6 +11,7 @@
 #include "base/stopwatch.hpp"
 #include "output/report/document_claims.hpp"
 #include "output/solution/finding_report.hpp"
+#include "problem_file/build/problem_names.hpp"
 
 namespace conddp {
 namespace {
@@ -23,11 +24,10 @@ constexpr double kCopied = 1e-12;
 class AnswerJudge {
  public:
   /// `values` are those at the claimed trajectory. All arguments must outlive this object.
-  AnswerJudge(const AnswerClaims& claims, const ProblemSpec& spec, const BuiltProblem& built,
-              const NodeValues& values, SolutionCertificate& result)
+  AnswerJudge(const AnswerClaims& claims, const BuiltProblem& built, const NodeValues& values,
+              SolutionCertificate& result)
       : claims_(claims),
         numbers_(claims.solution),
-        spec_(spec),
         built_(built),
         problem_(*built.problem),
         values_(values),
@@ -45,7 +45,7 @@ class AnswerJudge {
                violations_by_name(problem_, values_.constraint()));
     violations("soft_constraints", claims_.soft_violations,
                soft_violations(problem_, numbers_.trajectory, values_.constraint()));
-    if (spec_.runs_code()) derivatives_of_code();
+    if (runs_code(built_)) derivatives_of_code();
     if (claims_.grid_error) error_of_grid(claims_.grid_error->first, claims_.grid_error->second);
     dropped();
     forces();
@@ -172,14 +172,14 @@ class AnswerJudge {
 
   /// Checks the error of a refined grid; an open one stands for infinity.
   void error_of_grid(double claimed, double asked) {
-    expect("error asked of the grid", asked, spec_.mesh ? spec_.mesh->error : Check::kNone);
+    const std::optional<MeshSpec>& mesh = built_.facts().mesh;
+    expect("error asked of the grid", asked, mesh ? mesh->error : Check::kNone);
     const double found = replay_error(problem_, numbers_.trajectory);
     Check check = compared("error of the grid", claimed, found, kGridTolerance);
     if (std::isnan(claimed)) check.holds = !std::isfinite(found);
     add(std::move(check));
-    if (spec_.mesh && found > spec_.mesh->error)
-      result_.grid_warning =
-          fmt::format("grid error {:.1e}, more than {:.1e}", found, spec_.mesh->error);
+    if (mesh && found > mesh->error)
+      result_.grid_warning = fmt::format("grid error {:.1e}, more than {:.1e}", found, mesh->error);
   }
 
   void dropped() {
@@ -192,7 +192,7 @@ class AnswerJudge {
   }
 
   void forces() {
-    const ContactForces found = contact_forces(spec_, problem_, values_);
+    const ContactForces found = contact_forces(built_, values_);
     for (std::size_t i = 0; i < found.contacts.size(); ++i)
       add(check_force(claims_.forces.contacts[i], found.contacts[i]));
   }
@@ -244,7 +244,7 @@ class AnswerJudge {
 
   /// The figure of an answer that did not converge that contradicts its status.
   std::string what_denies(const std::string& status) const {
-    const SolverOptions& options = spec_.solver.options;
+    const SolverOptions& options = built_.facts().solver.options;
     if (status == to_string(SolveStatus::max_iterations))
       return claims_.iterations < options.max_iterations ? "fewer iterations" : "";
     if (status == to_string(SolveStatus::time_limit))
@@ -275,7 +275,6 @@ class AnswerJudge {
   double value_tolerance_ = kValueTolerance;
   const AnswerClaims& claims_;
   const SolutionClaims& numbers_;
-  const ProblemSpec& spec_;
   const BuiltProblem& built_;
   const ShootingProblem& problem_;
   const NodeValues& values_;
@@ -295,7 +294,7 @@ SolutionCertificate certify_answer(const Solution& solution) {
       result.checks.checks.push_back({std::move(name)});
     const AnswerClaims claims = answer_claims(solution);
     const NodeValues& values = solution.answer.values;
-    AnswerJudge(claims, solution.spec, solution.built, values, result)
+    AnswerJudge(claims, solution.built, values, result)
         .judge(certify(problem, claims.solution, values, solution.answer.judged.get()), false);
     result.checks.checks.push_back({"findings"});
   }
@@ -308,18 +307,18 @@ void note_nulls(const OrderedJson& document, Certificate& certificate) {
     certificate.checks.push_back({"nulls of " + entry.at("key").get<std::string>()});
 }
 
-SolutionCertificate certify_solution(const OrderedJson& document, const ProblemSpec& spec,
-                                     const BuiltProblem& built, bool with_replay) {
+SolutionCertificate certify_solution(const OrderedJson& document, const BuiltProblem& built,
+                                     bool with_replay) {
   double seconds = 0;
   SolutionCertificate result{.tangent_names = tangent_columns(built)};
   {
     const Stopwatch watch(seconds);
-    if (const auto claims = read_claims(document, spec, built, result.checks.checks)) {
+    if (const auto claims = read_claims(document, built, result.checks.checks)) {
       const SolutionClaims& numbers = claims->solution;
       const NodeValues values(*built.problem, numbers.trajectory);
-      AnswerJudge(*claims, spec, built, values, result)
+      AnswerJudge(*claims, built, values, result)
           .judge(certify(*built.problem, numbers, values), with_replay);
-      result.findings = findings_of(spec, built, numbers.trajectory, numbers.gains, values);
+      result.findings = findings_of(built, numbers.trajectory, numbers.gains, values);
       if (document.contains("findings"))
         result.checks.checks.push_back(
             findings_check(solution_list(document, "findings"), result.findings));

@@ -30,7 +30,7 @@ void note_nulls(const OrderedJson& document, Certificate& certificate);
 /// Checks the document of a solution against its problem: the checks of certify_answer(), and the
 /// statements of the document. On request, it also replays the solution on a finer grid. If shapes
 /// do not match, nothing else is compared. Throws MalformedSolution if the document lacks keys.
-SolutionCertificate certify_solution(const OrderedJson& document, const ProblemSpec& spec,
-                                     const BuiltProblem& built, bool with_replay);
+SolutionCertificate certify_solution(const OrderedJson& document, const BuiltProblem& built,
+                                     bool with_replay);
 
 }  // namespace conddp

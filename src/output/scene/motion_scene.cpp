@@ -1,11 +1,10 @@
 #include "output/scene/motion_scene.hpp"
 
-#include <map>
-
 #include "output/scene/closed_form_scene.hpp"
 #include "output/scene/robot_shapes.hpp"
 #include "output/scene/scene_numbers.hpp"
 #include "output/scene/scene_obstacles.hpp"
+#include "problem_file/build/problem_names.hpp"
 #include "robot/frames.hpp"
 #include "robot/kinematics.hpp"
 
@@ -20,21 +19,6 @@ OrderedJson bodies_json(const RobotModel& robot, std::vector<OrderedJson>&& shap
                       {"parent", robot.joints[i].parent + 1},
                       {"shapes", std::move(shapes[i + 1])}});
   return bodies;
-}
-
-/// Frames whose paths are drawn: those in costs and constraints, except contact frames, which are
-/// drawn anyway.
-std::map<std::string, int> watched_frames(const ProblemSpec& spec, const RobotModel& robot) {
-  std::map<std::string, int> frames;
-  const auto watch = [&](const CostSpec& cost) {
-    const Name* name = cost.keys.find(key::frame);
-    if (name == nullptr) return;
-    if (const auto frame = robot.find_frame(name->value)) frames[name->value] = *frame;
-  };
-  for (const CostSpec* cost : spec.all_costs()) watch(*cost);
-  for (const ConstraintSpec* constraint : spec.all_constraints()) watch(constraint->function);
-  for (const ContactSpec& contact : spec.contacts) frames.erase(contact.frame.value);
-  return frames;
 }
 
 /// Unit normal of a contact in the world.
@@ -66,21 +50,21 @@ void append_bodies(const RobotModel& robot, const RobotData<double>& data, Order
 
 }  // namespace
 
-OrderedJson motion_scene(const ProblemSpec& spec, const BuiltProblem& built,
-                         const Trajectory& trajectory) {
+OrderedJson motion_scene(const BuiltProblem& built, const Trajectory& trajectory) {
+  const ProblemFacts& facts = built.facts();
   if (!built.plant.multibody()) {
-    OrderedJson scene = closed_form_scene(*spec.system, trajectory);
-    if (!scene.is_null()) scene["obstacles"] = obstacles_json(spec, built);
+    OrderedJson scene = closed_form_scene(*facts.system, trajectory);
+    if (!scene.is_null()) scene["obstacles"] = obstacles_json(built);
     return scene;
   }
   const MultibodySystem& system = *built.plant.multibody();
   const RobotModel& robot = built.plant.robot();
   OrderedJson poses = OrderedJson::array(), com = OrderedJson::array();
   OrderedJson paths = OrderedJson::object(), contacts = OrderedJson::array();
-  const std::map<std::string, int> watched = watched_frames(spec, robot);
+  const std::map<std::string, int> watched = watched_frames(built);
   for (const auto& [name, frame] : watched) paths[name] = OrderedJson::array();
   std::vector<int> contact_frames;
-  for (const ContactSpec& contact : spec.contacts) {
+  for (const ContactSpec& contact : facts.contacts) {
     contact_frames.push_back(robot.find_frame(contact.frame.value).value());
     contacts.push_back(contact_json(contact, robot.frames[contact_frames.back()]));
   }
@@ -95,10 +79,10 @@ OrderedJson motion_scene(const ProblemSpec& spec, const BuiltProblem& built,
     append_bodies(robot, data, poses);
     for (const auto& [name, frame] : watched)
       append(paths[name], frame_placement(robot, data, frame).p);
-    for (std::size_t i = 0; i < spec.contacts.size(); ++i) {
+    for (std::size_t i = 0; i < facts.contacts.size(); ++i) {
       const SE3<double> placement = frame_placement(robot, data, contact_frames[i]);
       append(contacts[i]["positions"], placement.p);
-      append(contacts[i]["normals"], world_normal(spec.contacts[i], placement));
+      append(contacts[i]["normals"], world_normal(facts.contacts[i], placement));
     }
   }
   RobotShapes shapes = robot_shapes(built);
@@ -108,8 +92,8 @@ OrderedJson motion_scene(const ProblemSpec& spec, const BuiltProblem& built,
           {"com", std::move(com)},
           {"paths", std::move(paths)},
           {"contacts", std::move(contacts)},
-          {"obstacles", obstacles_json(spec, built)},
-          {"collision_shapes", collision_shapes_json(spec, robot)}};
+          {"obstacles", obstacles_json(built)},
+          {"collision_shapes", collision_shapes_json(facts.collision, robot)}};
 }
 
 }  // namespace conddp

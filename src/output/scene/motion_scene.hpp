@@ -18,7 +18,6 @@ namespace conddp {
 ///   com: per node; paths: per node the positions of the frames in costs and constraints;
 ///   obstacles and collision_shapes: see scene_obstacles.hpp.
 /// Lengths in meters, rounded to a micrometer.
-OrderedJson motion_scene(const ProblemSpec& spec, const BuiltProblem& built,
-                         const Trajectory& trajectory);
+OrderedJson motion_scene(const BuiltProblem& built, const Trajectory& trajectory);
 
 }  // namespace conddp

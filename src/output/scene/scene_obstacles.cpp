@@ -6,8 +6,7 @@
 
 #include "base/json/json_text.hpp"
 #include "ocp/problem/by_name.hpp"
-#include "output/solution/constraint_rows.hpp"
-#include "problem_file/residuals/reference_form.hpp"
+#include "problem_file/build/problem_names.hpp"
 
 namespace conddp {
 namespace {
@@ -37,43 +36,6 @@ OrderedJson shape_json(const Shape& shape) {
   return json;
 }
 
-/// Maps "q/0" to "x", "q/1" to "y" and "q/2" to "z".
-std::string axis_of_number(const std::string& row) {
-  constexpr const char* kNumbered[] = {"q/0", "q/1", "q/2"};
-  const auto* found = std::find(std::begin(kNumbered), std::end(kNumbered), row);
-  if (found == std::end(kNumbered)) return {};
-  return std::string(1, "xyz"[found - std::begin(kNumbered)]);
-}
-
-/// The part after the name of a floating base; empty for other coordinates.
-std::string axis_of_base(const std::string& row, const RobotModel& robot) {
-  const std::size_t slash = row.find('/');
-  if (slash == row.npos) return {};
-  const auto joint = robot.find_joint(row.substr(0, slash));
-  if (!joint || robot.joints[*joint].type != JointType::floating) return {};
-  return row.substr(slash + 1);
-}
-
-/// The name of a state coordinate as a world axis, empty if uncertain.
-std::string axis_of_state(const std::string& row, const Plant& plant, const ProblemSpec& spec) {
-  if (plant.multibody()) return axis_of_base(row, plant.robot());
-  const bool numbered =
-      spec.system && std::holds_alternative<DoubleIntegratorSpec>(spec.system->parameters);
-  return numbered && row.starts_with("q/") ? axis_of_number(row) : row;
-}
-
-/// 0, 1, 2 for a coordinate that is a position along x, y, z of the world, else −1.
-int world_axis(const ConstraintSpec& constraint, const Plant& plant, const ProblemSpec& spec,
-               const std::string& row) {
-  const ReferenceForm* form = constraint.function.definition->reference;
-  const bool of_state = constraint.bounded || form == &kStateReference;
-  if (!of_state && (form == nullptr || !form->is_point)) return -1;
-  const std::string axis = of_state ? axis_of_state(row, plant, spec) : row;
-  constexpr const char* kAxes[] = {"x", "y", "z"};
-  const auto* found = std::find(std::begin(kAxes), std::end(kAxes), axis);
-  return found == std::end(kAxes) ? -1 : static_cast<int>(found - std::begin(kAxes));
-}
-
 /// A constraint on a position: its rows by axis, and its nodes.
 struct OnPosition {
   std::string name;
@@ -92,22 +54,7 @@ struct OnPosition {
   }
 };
 
-/// The rows of a constraint along the world axes, −1 for axes without a row.
-std::array<int, 3> rows_by_axis(const ProblemSpec& spec, const BuiltProblem& built,
-                                const NodeConstraint& c) {
-  std::array<int, 3> by_axis{-1, -1, -1};
-  const ConstraintSpec* said = constraint_spec(spec, *built.problem, c);
-  if (said == nullptr) return by_axis;
-  const Residual& residual = *c.term->residual;
-  const auto rows = residual_row_names(spec, built, *said, residual);
-  for (int i = 0; i < residual.size() && i < residual.parameter_count(); ++i)
-    if (const int axis = world_axis(*said, built.plant, spec, rows[i]); axis >= 0)
-      by_axis[axis] = i;
-  return by_axis;
-}
-
-std::vector<OnPosition> constraints_on_positions(const ProblemSpec& spec,
-                                                 const BuiltProblem& built) {
+std::vector<OnPosition> constraints_on_positions(const BuiltProblem& built) {
   const ShootingProblem& problem = *built.problem;
   std::vector<OnPosition> list;
   for (const NodeConstraint& c : problem.constraints()) {
@@ -119,7 +66,7 @@ std::vector<OnPosition> constraints_on_positions(const ProblemSpec& spec,
       known->at.push_back(c);
       continue;
     }
-    list.push_back({name, rows_by_axis(spec, built, c), {c}});
+    list.push_back({name, rows_by_axis(built, c), {c}});
   }
   std::erase_if(list, [](const OnPosition& one) { return one.axes() == 0; });
   return list;
@@ -198,13 +145,13 @@ void append_box(const OnPosition& one, const ShootingProblem& problem, OrderedJs
 
 }  // namespace
 
-OrderedJson obstacles_json(const ProblemSpec& spec, const BuiltProblem& built) {
+OrderedJson obstacles_json(const BuiltProblem& built) {
   OrderedJson list = OrderedJson::array();
-  for (const ObstacleSpec& obstacle : spec.collision.obstacles) {
+  for (const ObstacleSpec& obstacle : built.facts().collision.obstacles) {
     list.push_back(shape_json(obstacle));
     list.back()["inside"] = false;
   }
-  for (const OnPosition& one : constraints_on_positions(spec, built))
+  for (const OnPosition& one : constraints_on_positions(built))
     if (one.at.front().term->kind == ConstraintKind::norm)
       append_round(one, *built.problem, list);
     else
@@ -212,9 +159,9 @@ OrderedJson obstacles_json(const ProblemSpec& spec, const BuiltProblem& built) {
   return list;
 }
 
-OrderedJson collision_shapes_json(const ProblemSpec& spec, const RobotModel& robot) {
+OrderedJson collision_shapes_json(const CollisionSpec& collision, const RobotModel& robot) {
   OrderedJson list = OrderedJson::array();
-  for (ShapeSpec shape : spec.collision.shapes) {
+  for (ShapeSpec shape : collision.shapes) {
     const Frame& frame = robot.frames[robot.find_frame(shape.frame.value).value()];
     const auto move = [&](Vector3<double>& point) {
       point = frame.placement.R * point + frame.placement.p;

@@ -13,10 +13,10 @@ namespace conddp {
 /// mass, and on coordinates that are positions in the world: `inside` is true if the motion must
 /// stay inside. A moving center becomes `centers`, a list over the nodes; moving bounds are
 /// omitted.
-OrderedJson obstacles_json(const ProblemSpec& spec, const BuiltProblem& built);
+OrderedJson obstacles_json(const BuiltProblem& built);
 
 /// The shapes of `collision` on bodies: name, body (0: the world, else the index of its joint plus
 /// one), and a sphere or capsule as above in the body's axes.
-OrderedJson collision_shapes_json(const ProblemSpec& spec, const RobotModel& robot);
+OrderedJson collision_shapes_json(const CollisionSpec& collision, const RobotModel& robot);
 
 }  // namespace conddp

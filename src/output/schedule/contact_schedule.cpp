@@ -23,18 +23,17 @@ constexpr double kHeldWithin = 1e-3;
 
 class Writer {
  public:
-  Writer(const ProblemSpec& spec, const BuiltProblem& built, const ContactMotion& motion,
-         const ScheduleOptions& options)
-      : spec_(spec),
+  Writer(const BuiltProblem& built, const ContactMotion& motion, const ScheduleOptions& options)
+      : facts_(built.facts()),
         built_(built),
         motion_(motion),
         options_(options),
         surfaces_(motion),
         sequence_(contact_sequence(motion, options.sequence)),
-        json_(expand_problem(spec, built)) {}
+        json_(expand_problem(built)) {}
 
   ContactSchedule write() {
-    json_["name"] = spec_.name.value + "_scheduled";
+    json_["name"] = facts_.name.value + "_scheduled";
     json_.erase("contact_candidates");
     json_.erase("stepping");
     json_["integrator"] = "semi_implicit_euler";
@@ -47,7 +46,7 @@ class Writer {
     leave_out_steps();
     if (!options_.supports_constraints) soften_constraints(json_, notes_);
     json_.erase("initial_guess");
-    make_paths_relative(json_, spec_.file.parent_path(), options_.folder);
+    make_paths_relative(json_, facts_.file.parent_path(), options_.folder);
     json_["initial_guess"] = guess();
     json_["solver"] = {{"name", options_.solver}};
     if (options_.supports_constraints && options_.solver != "ipopt")
@@ -72,7 +71,7 @@ class Writer {
     double off = kHeldWithin;  ///< m
   };
 
-  const CandidateSpec& candidate(std::size_t c) const { return spec_.candidates[c]; }
+  const CandidateSpec& candidate(std::size_t c) const { return facts_.candidates[c]; }
   const std::string& name(std::size_t c, const ContactStretch& stretch) const {
     return std::find_if(used_.begin(), used_.end(),
                         [&](const Used& used) { return is(used, c, stretch); })
@@ -96,7 +95,7 @@ class Writer {
   /// body.
   bool is_held(std::size_t c, const ContactStretch& stretch) const {
     if (moves(c, stretch) || candidate(c).friction == 0) return false;
-    if (!spec_.stepping->plane) return true;
+    if (!facts_.stepping->plane) return true;
     for (std::size_t other = 0; other < stretch.closed.size(); ++other)
       if (rests_on_same_body(other, c, stretch) && carries_more(other, c, stretch)) return false;
     return true;
@@ -182,12 +181,12 @@ class Writer {
     const CandidateSpec& from = candidate(used.candidate);
     const Vector3<double>& n = used.normal;
     OrderedJson json = {{"frame", from.frame.value},
-                        {"type", used.guided             ? "normal"
-                                 : spec_.stepping->plane ? "planar"
-                                                         : "point"},
+                        {"type", used.guided              ? "normal"
+                                 : facts_.stepping->plane ? "planar"
+                                                          : "point"},
                         {"normal", {n.x, n.y, n.z}}};
-    if (!used.guided && spec_.stepping->plane) {
-      const Vector3<double> t = cross(*spec_.stepping->plane, n);
+    if (!used.guided && facts_.stepping->plane) {
+      const Vector3<double> t = cross(*facts_.stepping->plane, n);
       json["tangent"] = {t.x, t.y, t.z};
     }
     if (from.friction > 0) json["friction"] = from.friction;
@@ -362,7 +361,7 @@ class Writer {
       constraints["contact_" + phase] = {
           {"residual", "distance"}, {"pairs", landing}, {"equals", 0}, {"phases", {phase}}};
     stops(constraints);
-    for (const auto& [joint, limit] : spec_.stepping->joint_friction)
+    for (const auto& [joint, limit] : facts_.stepping->joint_friction)
       notes_.push_back(fmt::format("dry friction of '{}' is left out", joint.value));
   }
 
@@ -449,7 +448,7 @@ class Writer {
 
   static constexpr double kPointRadius = 0.01;  // m
 
-  const ProblemSpec& spec_;
+  const ProblemFacts& facts_;
   const BuiltProblem& built_;
   const ContactMotion& motion_;
   const ScheduleOptions& options_;
@@ -468,9 +467,9 @@ class Writer {
 
 }  // namespace
 
-ContactSchedule contact_schedule(const ProblemSpec& spec, const BuiltProblem& built,
-                                 const ContactMotion& motion, const ScheduleOptions& options) {
-  return Writer(spec, built, motion, options).write();
+ContactSchedule contact_schedule(const BuiltProblem& built, const ContactMotion& motion,
+                                 const ScheduleOptions& options) {
+  return Writer(built, motion, options).write();
 }
 
 }  // namespace conddp

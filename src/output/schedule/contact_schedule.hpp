@@ -35,7 +35,7 @@ struct NoSchedule : std::runtime_error {
 /// constraints become costs. For a box, only the faces that the motion touches or stays in front of
 /// are used. Throws NoSchedule if the motion touches something that a contact of a problem file
 /// cannot represent: a moving body, a soft wall, or a surface whose normal turns under the contact.
-ContactSchedule contact_schedule(const ProblemSpec& spec, const BuiltProblem& built,
-                                 const ContactMotion& motion, const ScheduleOptions& options);
+ContactSchedule contact_schedule(const BuiltProblem& built, const ContactMotion& motion,
+                                 const ScheduleOptions& options);
 
 }  // namespace conddp

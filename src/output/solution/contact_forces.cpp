@@ -14,9 +14,9 @@ void set_wrench(const std::string& name, int knot, const Force<double>& f, Conta
 
 }  // namespace
 
-ContactForces no_contact_forces(const ProblemSpec& spec, int rows) {
+ContactForces no_contact_forces(const BuiltProblem& built, int rows) {
   ContactForces forces;
-  for (const ContactSpec& named : spec.contacts) {
+  for (const ContactSpec& named : built.facts().contacts) {
     auto& contact = forces.contacts.emplace_back();
     contact.name = named.name.value;
     contact.torque = named.kind == ContactKind::surface;
@@ -37,9 +37,9 @@ void ContactForceWriter::write(const System& system, const double* x, const doub
     set_wrench(robot->contacts().contacts()[i].name, row, contact_force_in_world(held[i]), to);
 }
 
-ContactForces contact_forces(const ProblemSpec& spec, const ShootingProblem& problem,
-                             const NodeValues& values) {
-  ContactForces forces = no_contact_forces(spec, problem.knots());
+ContactForces contact_forces(const BuiltProblem& built, const NodeValues& values) {
+  const ShootingProblem& problem = *built.problem;
+  ContactForces forces = no_contact_forces(built, problem.knots());
   for (int k = 0; k < problem.knots(); ++k) {
     const std::span<const HeldContact> held = values.contacts(k);
     if (held.empty()) continue;

@@ -8,8 +8,7 @@
 #include <vector>
 
 #include "ocp/problem/node_values.hpp"
-#include "ocp/problem/problem.hpp"
-#include "problem_file/spec/spec.hpp"
+#include "problem_file/build/build.hpp"
 
 namespace conddp {
 
@@ -25,11 +24,10 @@ struct ContactForces {
   std::vector<OfContact> contacts;  ///< in the order of the file
 };
 
-ContactForces contact_forces(const ProblemSpec& spec, const ShootingProblem& problem,
-                             const NodeValues& values);
+ContactForces contact_forces(const BuiltProblem& built, const NodeValues& values);
 
 /// The contacts of a file with `rows` empty rows of forces.
-ContactForces no_contact_forces(const ProblemSpec& spec, int rows);
+ContactForces no_contact_forces(const BuiltProblem& built, int rows);
 
 /// Evaluates the contact forces of a system row by row.
 class ContactForceWriter {

@@ -7,8 +7,7 @@
 namespace conddp {
 
 /// Notable properties of a problem's motion (find_in_motion), with the names of its file.
-std::vector<Finding> findings_of(const ProblemSpec& spec, const BuiltProblem& built,
-                                 const Trajectory& trajectory,
+std::vector<Finding> findings_of(const BuiltProblem& built, const Trajectory& trajectory,
                                  const std::vector<Eigen::MatrixXd>& gains,
                                  const NodeValues& values);
 

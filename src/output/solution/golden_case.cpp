@@ -9,7 +9,6 @@
 #include "output/solution/solution_json.hpp"
 #include "problem_file/build/build_problem.hpp"
 #include "problem_file/build/homotopy.hpp"
-#include "problem_file/read/read_problem.hpp"
 
 namespace conddp {
 namespace {
@@ -103,20 +102,18 @@ std::optional<GoldenOutcome> solve_golden(const GoldenCase& golden, const Golden
                                           Diagnostics& out) {
   std::vector<std::string> settings = golden.overrides;
   settings.insert(settings.end(), options.settings.begin(), options.settings.end());
-  auto spec = read_problem(golden.problem_file, settings, out);
-  if (!spec) return std::nullopt;
-  spec->solver.options.interrupted = options.interrupted;
-  const auto built = build_problem(*spec, {}, out);
+  const auto built = build_problem(read_problem(golden.problem_file, settings, out), {}, out);
   if (!built) return std::nullopt;
-  const auto candidates = usable_solvers(*spec, *built->problem, out);
+  const auto candidates = usable_solvers(*built, out);
   if (candidates.empty()) return std::nullopt;
   const SolverInfo* solver = nullptr;
-  SolverOptions own = spec->solver.options;
+  SolverOptions own = built->facts().solver.options;
+  own.interrupted = options.interrupted;
   own.homotopy = homotopy_path(*built);
   const SolveResult result =
       solve(*built->problem, candidates, own, built->guess, solver, certificate_doubt(own));
   // Conversion through text: comparison and golden files have unordered keys.
-  const OrderedJson document = solution_json({*spec, *built, *solver, result, settings});
+  const OrderedJson document = solution_json({*built, *solver, result, settings});
   return GoldenOutcome{Json::parse(document.dump()), result.times.total};
 }
 

@@ -2,15 +2,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <span>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "base/files/atomic_file.hpp"
 #include "base/json/json_object.hpp"
+#include "base/json/json_text.hpp"
+#include "base/json/solution_members.hpp"
 #include "conddp_version.hpp"
 #include "ocp/problem/control_columns.hpp"
 #include "ocp/problem/cost_scale.hpp"
+#include "output/solution/csv.hpp"
 #include "output/solution/finding_report.hpp"
 #include "output/solution/input_files.hpp"
 #include "output/solution/log_columns.hpp"
@@ -47,17 +52,18 @@ OrderedJson control_rows(const ShootingProblem& problem, Own own) {
 
 OrderedJson problem_json(const Solution& s) {
   const InputFiles files = input_files(s.built);
+  const ProblemFacts& facts = s.built.facts();
   OrderedJson json = json_object(10);
-  json["name"] = s.spec.name.value;
-  json["file"] = s.spec.file.string();
-  json["sha256"] = s.spec.sha256;
+  json["name"] = facts.name.value;
+  json["file"] = facts.file.string();
+  json["sha256"] = facts.sha256;
   json["robots"] = files_json(files.robots);
   json["data_files"] = files_json(files.data);
   json["overrides"] = s.overrides;
   json["knots"] = s.built.problem->knots();
   json["duration_s"] = s.built.problem->times(s.result.trajectory).back();
-  json["options"] = expand_options(s.spec.solver.options);
-  json["configuration"] = expand_problem(s.spec, s.built);
+  json["options"] = expand_options(facts.solver.options);
+  json["configuration"] = expand_problem(s.built);
   return json;
 }
 
@@ -76,7 +82,7 @@ OrderedJson mesh_json(const Solution& s) {
                       {"status", to_string(round.status)},
                       {"iterations", round.iterations},
                       {"cost", finite_or_null(round.cost)}});
-  return {{"asked", s.spec.mesh->error},
+  return {{"asked", s.built.facts().mesh->error},
           {"error", finite_or_null(s.mesh.back().error)},
           {"rounds", std::move(rounds)}};
 }
@@ -386,6 +392,51 @@ OrderedJson solution_json(const Solution& s) {
   json["log"] = log_json(s.result.log);
   json["nulls"] = nulls_json(json, s);
   return json;
+}
+
+std::vector<std::filesystem::path> write_solution(const Solution& solution,
+                                                  const OrderedJson& document,
+                                                  const std::filesystem::path& folder,
+                                                  const std::string& page) {
+  create_folder(folder);
+  std::vector<std::filesystem::path> paths = {folder / "solution.json", folder / "trajectory.csv",
+                                              folder / "iterations.csv"};
+  AtomicFiles files;
+  files.add(paths[0], json_text(document));
+  files.add(paths[1],
+            trajectory_csv(solution.built, solution.result.trajectory, solution.answer.forces));
+  files.add(paths[2], iterations_csv(document.at("log")));
+  if (!page.empty()) files.add(paths.emplace_back(folder / "report.html"), page);
+  files.commit();
+  if (page.empty()) {  // an existing page shows an earlier answer
+    std::error_code ignored;
+    std::filesystem::remove(folder / "report.html", ignored);
+  }
+  return paths;
+}
+namespace {
+
+template <class Row>
+void copy(const OrderedJson& from, Row out) {
+  if (!from.is_array() || static_cast<Eigen::Index>(from.size()) != out.size())
+    throw MalformedSolution{"it has other states or controls than its problem"};
+  for (Eigen::Index i = 0; i < out.size(); ++i)
+    out[i] = from[i].is_number() ? from[i].get<double>() : std::numeric_limits<double>::quiet_NaN();
+}
+
+}  // namespace
+
+Trajectory stored_trajectory(const OrderedJson& document, const ShootingProblem& problem) {
+  Trajectory trajectory = problem.create_trajectory();
+  const OrderedJson& stored = solution_member(document, "trajectory");
+  const OrderedJson &x = solution_list(stored, "x"), &u = solution_list(stored, "u");
+  if (static_cast<int>(x.size()) != problem.knots() + 1 ||
+      static_cast<int>(u.size()) != problem.knots())
+    throw MalformedSolution{"it has another number of knots than its problem"};
+  for (int k = 0; k <= problem.knots(); ++k) copy(x[k], trajectory.x(k));
+  const ControlColumns columns(problem);
+  for (int k = 0; k < problem.knots(); ++k) copy(columns.own_entries(k, u[k]), trajectory.u(k));
+  return trajectory;
 }
 
 }  // namespace conddp

@@ -1,5 +1,9 @@
 #pragma once
 
+#include <filesystem>
+#include <string>
+#include <vector>
+
 #include "analysis/findings/diagnosis.hpp"
 #include "base/json/json_text.hpp"
 #include "output/solution/solution.hpp"
@@ -27,5 +31,17 @@ int count_nulls(const OrderedJson& value);
 
 /// Diagnosis of the solve: pattern, sentence, knot, quantity and remedy.
 OrderedJson diagnosis_json(const Diagnosis& diagnosis);
+
+/// Writes solution.json, trajectory.csv, iterations.csv and, unless the page is empty, report.html
+/// into a folder, which is created if needed. On an OutputError, no file is written. Returns their
+/// paths. `document` is that of the solution (solution_json).
+std::vector<std::filesystem::path> write_solution(const Solution& solution,
+                                                  const OrderedJson& document,
+                                                  const std::filesystem::path& folder,
+                                                  const std::string& page);
+
+/// The trajectory in the document of a solution, NaN for nulls. Throws MalformedSolution if its
+/// shape differs from that of the problem.
+Trajectory stored_trajectory(const OrderedJson& document, const ShootingProblem& problem);
 
 }  // namespace conddp

@@ -9,8 +9,6 @@
 #include "base/files/source_text.hpp"
 #include "base/files/text_file.hpp"
 #include "base/json/solution_members.hpp"
-#include "problem_file/build/build_problem.hpp"
-#include "problem_file/read/read_problem.hpp"
 #include "problem_file/yaml/setting.hpp"
 
 namespace conddp {
@@ -42,13 +40,10 @@ std::string dropped_name(const OrderedJson& dropped) {
 Sources sources(const OrderedJson& document, RebuiltFor kind) {
   const OrderedJson& problem = solution_member(document, "problem");
   Sources s{.problem = solution_text(problem, "file"), .sha256 = solution_text(problem, "sha256")};
-  for (const OrderedJson& setting : solution_list(problem, "overrides")) {
-    if (!setting.is_string()) throw MalformedSolution{"'overrides' has an entry that is not text"};
-    // The initial guess does not affect the answer, and its file may be missing.
-    if (std::string value = setting;
-        kind == RebuiltFor::kLoop || !value.starts_with("initial_guess"))
-      s.overrides.push_back(std::move(value));
-  }
+  s.overrides = overrides_of(document);
+  // The initial guess does not affect the answer, and its file may be missing.
+  if (kind == RebuiltFor::kSolution)
+    std::erase_if(s.overrides, [](const auto& text) { return text.starts_with("initial_guess"); });
   for (const OrderedJson& dropped : solution_list(document, "dropped_constraints"))
     s.drop.push_back(dropped_name(dropped));
   s.robots = files(solution_list(problem, "robots"));
@@ -120,17 +115,26 @@ bool may_be_quoted(const Diagnostics& about, const fs::path& problem, const Sour
 }
 
 bool build_from(const fs::path& file, const Sources& s, const BuildAgain& build, Diagnostics& out) {
-  auto spec = read_problem(file, s.overrides, out);
-  if (!spec) return false;
-  const std::string name = spec->file.string(), sha256 = spec->sha256;
-  const auto files = build(*std::move(spec), s.drop, out);
+  const auto document = load_problem(file, {}, out);
+  if (!document) return false;
+  const auto files = build(*document, parse_settings(s.overrides, out), {.drop = s.drop}, out);
   if (!files) return false;
-  warn_if_changed(name, s.sha256, sha256, out);
+  warn_if_changed(file.string(), s.sha256, document->sha256, out);
   compare_files(s, *files, out);
   return true;
 }
 
 }  // namespace
+
+std::vector<std::string> overrides_of(const OrderedJson& document) {
+  std::vector<std::string> list;
+  for (const OrderedJson& setting :
+       solution_list(solution_member(document, "problem"), "overrides")) {
+    if (!setting.is_string()) throw MalformedSolution{"'overrides' has an entry that is not text"};
+    list.push_back(setting.get<std::string>());
+  }
+  return list;
+}
 
 bool build_again(RebuiltFor kind, const OrderedJson& document, const std::string& document_file,
                  const fs::path& problem, const BuildAgain& build, Diagnostics& out) {
@@ -160,22 +164,19 @@ bool build_again(RebuiltFor kind, const OrderedJson& document, const std::string
   return built;
 }
 
-std::optional<SolvedProblem> rebuild_problem(const OrderedJson& document,
-                                             const std::string& solution_file,
-                                             const fs::path& problem, Diagnostics& out) {
-  SolvedProblem solved;
-  const auto build = [&](ProblemSpec spec, const std::vector<std::string>& drop,
-                         Diagnostics& own) -> std::optional<InputFiles> {
-    spec.guess = {};
-    solved.spec = std::make_unique<const ProblemSpec>(std::move(spec));
-    auto built = build_problem(*solved.spec, {.drop = drop}, own);
-    if (!built) return std::nullopt;
-    solved.built = *std::move(built);
-    return input_files(solved.built);
+std::optional<BuiltProblem> rebuild_problem(const OrderedJson& document,
+                                            const std::string& solution_file,
+                                            const fs::path& problem, Diagnostics& out) {
+  std::optional<BuiltProblem> built;
+  const auto build = [&](const ProblemDocument& read, const std::vector<Setting>& settings,
+                         BuildOptions options, Diagnostics& own) -> std::optional<InputFiles> {
+    options.default_guess = true;
+    built = build_problem(read_problem(read, settings, own), options, own);
+    return built ? std::optional(input_files(*built)) : std::nullopt;
   };
   if (!build_again(RebuiltFor::kSolution, document, solution_file, problem, build, out))
     return std::nullopt;
-  return solved;
+  return built;
 }
 
 }  // namespace conddp

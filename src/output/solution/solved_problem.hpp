@@ -2,30 +2,29 @@
 
 #include <filesystem>
 #include <functional>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "base/json/ordered_json.hpp"
 #include "output/solution/input_files.hpp"
+#include "problem_file/build/build_problem.hpp"
 
 namespace conddp {
 
-/// The problem of a former solution, rebuilt from the files that it names.
-struct SolvedProblem {
-  std::unique_ptr<const ProblemSpec> spec;
-  BuiltProblem built;
-};
+/// The settings of the command line that made a document. Throws MalformedSolution if it lacks
+/// them.
+std::vector<std::string> overrides_of(const OrderedJson& document);
 
 /// Kind of document whose problem is rebuilt. The initial guess affects a loop, but not the answer
 /// of a solve.
 enum class RebuiltFor { kSolution, kLoop };
 
-/// Callback that rebuilds a problem: takes the spec and the names of dropped constraints, and
-/// returns the files that it has read; empty with errors.
+/// Callback that rebuilds a problem with settings and without some constraints. Returns the files
+/// that it has read; empty with errors.
 using BuildAgain = std::function<std::optional<InputFiles>(
-    ProblemSpec spec, const std::vector<std::string>& drop, Diagnostics& out)>;
+    const ProblemDocument& document, const std::vector<Setting>& settings,
+    const BuildOptions& options, Diagnostics& out)>;
 
 /// Rebuilds the problem of a document (at least its `problem` and `dropped_constraints`) with its
 /// command-line settings. `problem` is the present path of the problem file. If empty, the path in
@@ -36,10 +35,9 @@ using BuildAgain = std::function<std::optional<InputFiles>(
 bool build_again(RebuiltFor kind, const OrderedJson& document, const std::string& document_file,
                  const std::filesystem::path& problem, const BuildAgain& build, Diagnostics& out);
 
-/// Rebuilds the problem of a solution document.
-std::optional<SolvedProblem> rebuild_problem(const OrderedJson& document,
-                                             const std::string& solution_file,
-                                             const std::filesystem::path& problem,
-                                             Diagnostics& out);
+/// Rebuilds the problem of a solution document, with the default guess.
+std::optional<BuiltProblem> rebuild_problem(const OrderedJson& document,
+                                            const std::string& solution_file,
+                                            const std::filesystem::path& problem, Diagnostics& out);
 
 }  // namespace conddp

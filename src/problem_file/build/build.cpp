@@ -112,8 +112,19 @@ void check_solver(const ProblemSpec& spec, Diagnostics& out) {
               "write 'hessian: automatic', or take ilqr");
 }
 
+std::vector<std::string> all_constraint_names(const ProblemSpec& spec) {
+  std::vector<std::string> names;
+  const auto add = [&names](const std::string& name) {
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  };
+  for (const ControlBoundsSpec& bounds : spec.control_bounds) add(bounds.name.value);
+  for (const ConstraintSpec* constraint : spec.all_constraints())
+    add(constraint->function.name.value);
+  return names;
+}
+
 void check_drop(const ProblemSpec& spec, const std::vector<std::string>& drop, Diagnostics& out) {
-  const std::vector<std::string> names = constraint_names(spec);
+  const std::vector<std::string> names = all_constraint_names(spec);
   for (std::size_t i = 0; i < drop.size(); ++i)
     if (std::find(drop.begin(), drop.begin() + i, drop[i]) != drop.begin() + i)
       out.error({}, fmt::format("--drop {} stands twice on the command line", drop[i]));
@@ -247,15 +258,15 @@ HeldControls held_controls(const ProblemSpec& spec) {
 /// the later steps cannot proceed.
 class ProblemBuilder {
  public:
-  ProblemBuilder(const ProblemSpec& spec, const BuildOptions& options, Plant plant,
-                 Diagnostics& out)
-      : spec_(spec),
+  ProblemBuilder(const std::shared_ptr<const ProblemSpec>& spec, const BuildOptions& options,
+                 Plant plant, Diagnostics& out)
+      : spec_(*spec),
         options_(options),
         out_(out),
-        built_{.plant = std::move(plant)},
+        built_{.problem_spec = spec, .plant = std::move(plant)},
         states_(built_.plant, out),
-        tail_{held_controls(spec), built_.plant.actuated().nu(),
-              static_cast<int>(spec.integrals.size())} {}
+        tail_{held_controls(spec_), built_.plant.actuated().nu(),
+              static_cast<int>(spec_.integrals.size())} {}
 
   std::optional<BuiltProblem> build() {
     if (!set_start() || !set_nodes() || !set_problem() || !set_guess() || !set_multipliers())
@@ -444,7 +455,7 @@ class ProblemBuilder {
     auto guess = build_guess(context, built_.guess_used, out_);
     if (!guess || out_.has_errors()) return false;
     built_.guess = std::move(*guess);
-    if (!spec_.perturbation.any()) return true;
+    if (!spec_.perturbation.any() || options_.unperturbed) return true;
     built_.problem = std::make_shared<ShootingProblem>(perturb_initial_state(
         *built_.problem, spec_.perturbation.initial_state, spec_.perturbation.seed));
     built_.guess = guess_of_instance(*built_.problem, built_.guess, spec_.perturbation);
@@ -476,15 +487,8 @@ class ProblemBuilder {
 
 }  // namespace
 
-std::vector<std::string> constraint_names(const ProblemSpec& spec) {
-  std::vector<std::string> names;
-  const auto add = [&names](const std::string& name) {
-    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
-  };
-  for (const ControlBoundsSpec& bounds : spec.control_bounds) add(bounds.name.value);
-  for (const ConstraintSpec* constraint : spec.all_constraints())
-    add(constraint->function.name.value);
-  return names;
+std::vector<std::string> constraint_names(const BuiltProblem& built) {
+  return all_constraint_names(*built.problem_spec);
 }
 
 Integrator default_integrator(SystemKind kind) {
@@ -501,13 +505,14 @@ Integrator default_integrator(SystemKind kind) {
   return Integrator::semi_implicit_euler;
 }
 
-std::optional<BuiltProblem> build_without_homotopy(const ProblemSpec& spec,
-                                                   const BuildOptions& options, Diagnostics& out) {
+std::optional<BuiltProblem> build_without_homotopy(ProblemSpec spec, const BuildOptions& options,
+                                                   Diagnostics& out) {
   check_solver(spec, out);
   check_drop(spec, options.drop, out);
   auto plant = options.plant ? std::optional(*options.plant) : build_plant(spec, out);
   if (!plant) return std::nullopt;
-  return ProblemBuilder(spec, options, *std::move(plant), out).build();
+  const auto kept = std::make_shared<const ProblemSpec>(std::move(spec));
+  return ProblemBuilder(kept, options, *std::move(plant), out).build();
 }
 
 namespace {
@@ -591,8 +596,9 @@ std::vector<const SolverInfo*> supporting(const SolverInfo& solver, const Proble
 
 }  // namespace
 
-std::vector<const SolverInfo*> usable_solvers(const ProblemSpec& spec,
-                                              const ShootingProblem& problem, Diagnostics& out) {
+std::vector<const SolverInfo*> usable_solvers(const BuiltProblem& built, Diagnostics& out) {
+  const ProblemSpec& spec = *built.problem_spec;
+  const ShootingProblem& problem = *built.problem;
   if (const SolverInfo* solver = find_solver(spec.solver.name.value))
     return supporting(*solver, spec, problem, out);
   const std::vector<const SolverInfo*> list = auto_solvers(problem, spec.solver.options);

@@ -15,6 +15,12 @@ struct BuildOptions {
   std::vector<std::string> drop;
   /// Plant built before from the same robots or system; if null, it is built.
   const Plant* plant = nullptr;
+  /// Former solution (solution.json or a CSV file) that replaces the guess of the file, with its
+  /// multipliers if it has them. Its path is relative to the current folder.
+  std::optional<Located<std::filesystem::path>> start = {};
+  bool default_guess = false;    ///< replaces that of the file
+  bool unperturbed = false;      ///< leaves out the perturbation of the file
+  bool unplaced_solver = false;  ///< the file does not name the solver: messages have no place
 };
 
 /// A dropped constraint, kept so that its violation can be reported.
@@ -28,6 +34,7 @@ class Homotopy;
 
 /// A problem ready to solve.
 struct BuiltProblem {
+  std::shared_ptr<const ProblemSpec> problem_spec;  ///< for `problem_file` alone
   Plant plant;
   std::shared_ptr<const ShootingProblem> problem;
   std::vector<Column> state_columns;  ///< including augmented states
@@ -42,20 +49,21 @@ struct BuiltProblem {
   std::shared_ptr<const TerminalLqr> terminal_lqr;  ///< from `terminal: {lqr: ...}`, or null
   std::vector<DroppedConstraint> dropped;
   std::vector<InputFile> data_files;  ///< read for references and the guess
+
+  const ProblemFacts& facts() const { return *problem_spec; }
 };
 
 /// Builds the problem of a spec, at the end of its homotopy if it has one. Reports unknown names of
 /// frames, joints, phases, solvers and so on with their places and similar names.
-std::optional<BuiltProblem> build_without_homotopy(const ProblemSpec& spec,
-                                                   const BuildOptions& options, Diagnostics& out);
+std::optional<BuiltProblem> build_without_homotopy(ProblemSpec spec, const BuildOptions& options,
+                                                   Diagnostics& out);
 
-/// The solver named by the spec, or the solvers that `auto` tries, in order. Empty if none supports
+/// The solver named by the file, or the solvers that `auto` tries, in order. Empty if none supports
 /// the problem; the reason is reported.
-std::vector<const SolverInfo*> usable_solvers(const ProblemSpec& spec,
-                                              const ShootingProblem& problem, Diagnostics& out);
+std::vector<const SolverInfo*> usable_solvers(const BuiltProblem& built, Diagnostics& out);
 
 /// Names of all constraints, which can be dropped individually.
-std::vector<std::string> constraint_names(const ProblemSpec& spec);
+std::vector<std::string> constraint_names(const BuiltProblem& built);
 
 /// Integrator of systems whose problem file does not name one.
 Integrator default_integrator(SystemKind kind);

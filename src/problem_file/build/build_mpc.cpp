@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "mpc/window_count.hpp"
+#include "problem_file/build/build_problem.hpp"
 #include "problem_file/build/late_ticks.hpp"
 #include "problem_file/build/loop_commands.hpp"
 #include "problem_file/build/loop_regulators.hpp"
@@ -17,7 +18,6 @@
 #include "problem_file/motion/planar_motion.hpp"
 #include "problem_file/motion/quasi_static.hpp"
 #include "problem_file/plant/memory_need.hpp"
-#include "problem_file/read/read_problem.hpp"
 #include "problem_file/read/read_sections.hpp"
 #include "problem_file/spec/phase_grid.hpp"
 #include "problem_file/terms/constraint_builder.hpp"
@@ -227,12 +227,13 @@ const SolverInfo* solver_of_windows(const std::vector<const SolverInfo*>& solver
 
 /// The first solver that supports the problem and its windows, whose last node is `end` if given.
 /// Reports the key `iterations` if that solver lacks real-time iterations.
-std::string solver_of(const ProblemSpec& spec, const ShootingProblem& problem,
-                      const std::optional<Phase>& end, Diagnostics& out) {
-  const auto solvers = usable_solvers(spec, problem, out);
+std::string solver_of(const BuiltProblem& built, const std::optional<Phase>& end,
+                      Diagnostics& out) {
+  const ProblemSpec& spec = *built.problem_spec;
+  const auto solvers = usable_solvers(built, out);
   if (solvers.empty()) return {};
   const SolverInfo* solver =
-      end ? solver_of_windows(solvers, spec, problem, *end, out) : solvers.front();
+      end ? solver_of_windows(solvers, spec, *built.problem, *end, out) : solvers.front();
   if (solver == nullptr) return {};
   const std::string name(solver->name);
   if (spec.mpc->iterations && find_ddp_member(name) == nullptr)
@@ -365,8 +366,8 @@ class PlantBuilder {
     ProblemSpec changed = spec_;
     if (!mpc_.plant.settings.empty() && !apply_settings(changed)) return;
     for (const double time : times) {
-      auto spec = std::make_shared<ProblemSpec>(changed);
-      const bool pushed = push(time, *spec);
+      ProblemSpec spec = changed;
+      const bool pushed = push(time, spec);
       if (!add(time, std::move(spec), pushed)) return;
     }
   }
@@ -375,9 +376,7 @@ class PlantBuilder {
   /// Applies the settings of the plant to the problem file.
   bool apply_settings(ProblemSpec& changed) {
     auto document = parse_problem(spec_.text, spec_.file, of_plant_);
-    std::vector<Setting> settings;
-    for (const std::string& text : spec_.settings)
-      if (auto setting = parse_setting(text, of_plant_)) settings.push_back(*std::move(setting));
+    std::vector<Setting> settings = parse_settings(spec_.settings, of_plant_);
     settings.insert(settings.end(), mpc_.plant.settings.begin(), mpc_.plant.settings.end());
     auto read = document ? read_problem(*document, settings, of_plant_) : std::nullopt;
     if (read) {
@@ -469,12 +468,12 @@ class PlantBuilder {
     return nullptr;
   }
 
-  bool add(double time, std::shared_ptr<ProblemSpec> spec, bool pushed) {
+  bool add(double time, ProblemSpec spec, bool pushed) {
     if (out_.has_errors()) return false;
-    spec->guess = {};
-    spec->terminal_lqr.reset();  // the plant need not hold the regulator's equilibrium
+    spec.guess = {};
+    spec.terminal_lqr.reset();  // the plant need not hold the regulator's equilibrium
     Diagnostics own = of_plant_;
-    auto built = build_without_homotopy(*spec, {}, own);
+    const auto built = build_without_homotopy(std::move(spec), {}, own);
     if (pushed && own.has_errors()) {
       out_.add(*first_error(own));  // at the name of the push
       return false;
@@ -485,14 +484,13 @@ class PlantBuilder {
                  "change numbers alone: masses, lengths, gravity, bounds on the control");
       return false;
     }
-    if (to_.plant_specs.empty()) list_files(*built);
+    if (to_.loop.plant.empty()) list_files(*built);
     std::shared_ptr<PlantMotion> motion;
     if (mpc_.plant.simulated_contacts) {
-      motion = simulated_plant(*spec, *built, out_);
+      motion = simulated_plant(*built, out_);
       if (motion == nullptr) return false;
-      if (time == 0) check_standing(*spec, *built, out_);
+      if (time == 0) check_standing(*built, out_);
     }
-    to_.plant_specs.push_back(std::move(spec));
     to_.loop.plant.push_back({time, built->problem, std::move(motion)});
     return true;
   }
@@ -558,7 +556,7 @@ std::optional<StopCondition> stop_condition(const ProblemSpec& spec, const Built
   alone.terminal_constraints = spec.mpc->stop_when;
   alone.guess = {};
   Diagnostics own = out;  // avoids repeated reports
-  const auto problem = build_without_homotopy(alone, {.plant = &built.plant}, own);
+  const auto problem = build_without_homotopy(std::move(alone), {.plant = &built.plant}, own);
   if (own.has_errors()) out = own;
   if (!problem) return std::nullopt;
   const Phase& end = problem->problem->terminal();
@@ -651,8 +649,8 @@ int most_cycles(int first, int other) {
   return std::min(kMostGaitCycles, 1 + (kMaxKnots - first) / other);
 }
 
-}  // namespace
-
+/// The problem with as many gait cycles as a loop with `repeat: gait` needs, read again from the
+/// text of its file. Empty, with a report, if it lacks a gait or needs too many cycles.
 std::optional<ProblemSpec> repeat_gait(const ProblemSpec& spec, Diagnostics& out) {
   const MpcSpec& mpc = *spec.mpc;
   Diagnostics attempt;
@@ -678,8 +676,10 @@ std::optional<ProblemSpec> repeat_gait(const ProblemSpec& spec, Diagnostics& out
   return with_cycles(spec, static_cast<int>(cycles), out);
 }
 
-std::optional<BuiltMpc> build_mpc(const ProblemSpec& spec, const BuiltProblem& built,
-                                  Diagnostics& out) {
+}  // namespace
+
+std::optional<BuiltMpc> build_mpc(const BuiltProblem& built, Diagnostics& out) {
+  const ProblemSpec& spec = *built.problem_spec;
   const MpcSpec& mpc = *spec.mpc;
   const int errors = out.error_count();
   check_problem(spec, out);
@@ -697,7 +697,7 @@ std::optional<BuiltMpc> build_mpc(const ProblemSpec& spec, const BuiltProblem& b
   if (out.error_count() > errors) return std::nullopt;
   check_plant(mpc, built, result.loop.step, out);
   const std::vector<double> led = set_window_end(spec, built, result.controller, out);
-  result.controller.solver = solver_of(spec, *built.problem, result.controller.terminal, out);
+  result.controller.solver = solver_of(built, result.controller.terminal, out);
   if (mpc.fallback) {
     result.controller.fallback = fallback_of(*mpc.fallback, spec, built, out);
     result.controller.fallback_after = mpc.fallback->after;
@@ -714,6 +714,29 @@ std::optional<BuiltMpc> build_mpc(const ProblemSpec& spec, const BuiltProblem& b
   PlantBuilder(spec, built, result, out).build();
   if (out.error_count() > errors) return std::nullopt;
   return result;
+}
+
+std::unique_ptr<LoopTask> build_loop(std::optional<ProblemSpec> spec, const BuildOptions& options,
+                                     Diagnostics& out) {
+  if (!spec) return nullptr;
+  if (!spec->mpc) {
+    out.error({}, fmt::format("{} has no section 'mpc'", spec->file.string()),
+              "write 'mpc: {horizon: 1, tick: 0.02, duration: 5}'");
+    return nullptr;
+  }
+  if (spec->mpc->repeat.value == AfterTheEnd::kGait) spec = repeat_gait(*spec, out);
+  auto built = build_problem(std::move(spec), options, out);
+  if (!built) return nullptr;
+  auto task = std::make_unique<LoopTask>(LoopTask{*std::move(built), {}});
+  auto mpc = build_mpc(task->built, out);
+  if (!mpc) return nullptr;
+  task->mpc = *std::move(mpc);
+  return task;
+}
+
+std::unique_ptr<LoopTask> build_loop(const BuiltProblem& built, const BuildOptions& options,
+                                     Diagnostics& out) {
+  return build_loop(*built.problem_spec, options, out);
 }
 
 }  // namespace conddp

@@ -2,7 +2,6 @@
 
 #include <memory>
 #include <optional>
-#include <vector>
 
 #include "mpc/closed_loop.hpp"
 #include "problem_file/build/build.hpp"
@@ -13,9 +12,14 @@ namespace conddp {
 struct BuiltMpc {
   MpcOptions controller;
   ClosedLoopOptions loop;
-  /// Problem files of the plant if it differs from the model.
-  std::vector<std::shared_ptr<const ProblemSpec>> plant_specs;
-  std::vector<InputFile> plant_files;  ///< files of the robots and data of that plant
+  /// Files of the robots and data of the plant if it differs from the model.
+  std::vector<InputFile> plant_files;
+};
+
+/// A problem and the closed loop around it.
+struct LoopTask {
+  BuiltProblem built;  ///< with enough gait cycles for the loop
+  BuiltMpc mpc;
 };
 
 /// Message and hint: a loop without `stop_when` does not show which disturbances it withstands.
@@ -24,14 +28,16 @@ inline constexpr const char* kHowToStopALoop =
     "define when it has failed: 'stop_when: {fallen: {residual: state, columns: theta, lower: 2, "
     "upper: 4}}'";
 
-/// The problem with as many gait cycles as a loop with `repeat: gait` needs, read again from the
-/// text of its file. Empty, with a report, if it lacks a gait or needs too many cycles.
-std::optional<ProblemSpec> repeat_gait(const ProblemSpec& spec, Diagnostics& out);
+/// Builds the section `mpc` of a problem, which must exist. Reports keys without meaning in a loop
+/// with their places. `built` must outlive the result.
+std::optional<BuiltMpc> build_mpc(const BuiltProblem& built, Diagnostics& out);
 
-/// Builds the section `mpc` of a spec, which must exist, for the problem built from the spec.
-/// Reports keys without meaning in a loop with their places. `spec` and `built` must outlive the
-/// result.
-std::optional<BuiltMpc> build_mpc(const ProblemSpec& spec, const BuiltProblem& built,
-                                  Diagnostics& out);
+/// Builds the loop of the problem that was read. Null with errors if it lacks a section `mpc` or
+/// the section is invalid; null if none was read.
+std::unique_ptr<LoopTask> build_loop(std::optional<ProblemSpec> spec, const BuildOptions& options,
+                                     Diagnostics& out);
+/// The same for a problem built before.
+std::unique_ptr<LoopTask> build_loop(const BuiltProblem& built, const BuildOptions& options,
+                                     Diagnostics& out);
 
 }  // namespace conddp

@@ -61,27 +61,23 @@ void report(const Diagnostics& attempt, const ProblemSpec& spec, double share, D
 
 }  // namespace
 
-std::shared_ptr<const Homotopy::Station> Homotopy::station(double share, Diagnostics& out) const {
-  auto spec = read_problem_text(text_, file_, settings_, out, {.homotopy_share = share});
+std::shared_ptr<const BuiltProblem> Homotopy::station(double share, Diagnostics& out) const {
+  auto spec = read_problem_text(end_->text, end_->file, end_->settings, out,
+                                {.homotopy_share = share});
   if (!spec) return nullptr;
   spec->guess = {};
-  spec->solver = solver_;
-  spec->perturbation = perturbation_;
-  auto station = std::make_shared<Station>(Station{*std::move(spec), std::nullopt});
-  station->built = build_without_homotopy(station->spec, options_, out);
-  return station->built ? station : nullptr;
+  spec->solver = end_->solver;
+  spec->solver.homotopy.clear();
+  spec->perturbation = end_->perturbation;
+  auto built = build_without_homotopy(*std::move(spec), options_, out);
+  return built ? std::make_shared<const BuiltProblem>(*std::move(built)) : nullptr;
 }
 
-std::shared_ptr<const Homotopy> Homotopy::build(const ProblemSpec& spec,
-                                                const BuildOptions& options,
-                                                const ShootingProblem& end, Diagnostics& out) {
+std::shared_ptr<const Homotopy> Homotopy::build(const BuiltProblem& end,
+                                                const BuildOptions& options, Diagnostics& out) {
+  const ProblemSpec& spec = *end.problem_spec;
   auto homotopy = std::make_shared<Homotopy>();
-  homotopy->text_ = spec.text;
-  homotopy->file_ = spec.file;
-  homotopy->settings_ = spec.settings;
-  homotopy->solver_ = spec.solver;
-  homotopy->perturbation_ = spec.perturbation;
-  homotopy->solver_.homotopy.clear();
+  homotopy->end_ = end.problem_spec;
   homotopy->options_ = options;
   homotopy->options_.plant = nullptr;  // the homotopy may change values of the robots
   for (const double share : {kGenericShare, 0.0}) {
@@ -91,7 +87,7 @@ std::shared_ptr<const Homotopy> Homotopy::build(const ProblemSpec& spec,
       report(attempt, spec, share, out);
       return nullptr;
     }
-    const std::string differs = difference(*homotopy->start_->built->problem, end);
+    const std::string differs = difference(*homotopy->start_->problem, *end.problem);
     if (differs.empty()) continue;
     out.error(spec.solver.homotopy.front().key.place,
               fmt::format("a homotopy cannot change the shape of the problem: between {:.3g} of "
@@ -111,8 +107,7 @@ ProblemPath Homotopy::path(std::shared_ptr<const Homotopy> homotopy) {
   return [homotopy = std::move(homotopy)](double share) -> std::shared_ptr<const ShootingProblem> {
     Diagnostics unused;
     const auto station = share == 0 ? homotopy->start_ : homotopy->station(share, unused);
-    if (!station) return nullptr;
-    return {station, station->built->problem.get()};
+    return station ? station->problem : nullptr;
   };
 }
 

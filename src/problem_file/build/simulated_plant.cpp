@@ -67,8 +67,8 @@ bool check(const ProblemSpec& spec, const BuiltProblem& built, Diagnostics& out)
 
 }  // namespace
 
-std::shared_ptr<PlantMotion> simulated_plant(const ProblemSpec& spec, const BuiltProblem& built,
-                                             Diagnostics& out) {
+std::shared_ptr<PlantMotion> simulated_plant(const BuiltProblem& built, Diagnostics& out) {
+  const ProblemSpec& spec = *built.problem_spec;
   if (!check(spec, built, out)) return nullptr;
   const MultibodySystem& robot = *built.plant.multibody();
   const int errors = out.error_count();
@@ -80,7 +80,8 @@ std::shared_ptr<PlantMotion> simulated_plant(const ProblemSpec& spec, const Buil
                                              std::move(candidates.contact_of), remembered);
 }
 
-void check_standing(const ProblemSpec& spec, const BuiltProblem& built, Diagnostics& out) {
+void check_standing(const BuiltProblem& built, Diagnostics& out) {
+  const ProblemSpec& spec = *built.problem_spec;
   constexpr double kAtTheGround = 2e-3;  // m
   const ContactNames& standing = spec.phases.front().contacts;
   const Candidates candidates = candidates_of(spec, built.plant, out);

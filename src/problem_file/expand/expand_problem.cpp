@@ -110,8 +110,9 @@ std::string modeline(const std::string& text) {
 
 OrderedJson expand_options(const SolverOptions& options) { return expand_map(options); }
 
-OrderedJson expand_problem(const ProblemSpec& spec, const BuiltProblem& built) {
+OrderedJson expand_problem(const BuiltProblem& built) {
   constexpr std::size_t kMostSections = 28;
+  const ProblemSpec& spec = *built.problem_spec;
   OrderedJson json = json_object(kMostSections);
   json["conddp"] = kProblemFormat;
   json["name"] = spec.name.value;
@@ -147,22 +148,21 @@ OrderedJson expand_problem(const ProblemSpec& spec, const BuiltProblem& built) {
   json["perturbation"] = expand_map(spec.perturbation);
   json["solver"] = expand_map(spec.solver);
   json["solver"]["homotopy"] = OrderedJson::array();
-  if (built.homotopy) {
-    const Homotopy::Station& start = built.homotopy->start();
-    add_moved("", expand_problem(start.spec, *start.built), json, json["solver"]["homotopy"]);
-  }
+  if (built.homotopy)
+    add_moved("", expand_problem(built.homotopy->start()), json, json["solver"]["homotopy"]);
   if (spec.mpc) json["mpc"] = expand_mpc(spec, built.plant);
   return json;
 }
 
-void warn_of_lost_gait(const ProblemSpec& spec, Diagnostics& out) {
-  if (!spec.mpc) return;
+void warn_of_lost_gait(const BuiltProblem& built, Diagnostics& out) {
+  const std::optional<MpcSpec>& mpc = built.facts().mpc;
+  if (!mpc) return;
   const char* hint = "simulate the original file for it: an expanded file has phases, and no gait";
-  if (spec.mpc->repeat.value == AfterTheEnd::kGait)
-    out.warning(spec.mpc->repeat.place,
-                "'repeat: gait' becomes 'repeat: hold' in the expanded file", hint);
-  if (!spec.mpc->commands.empty())
-    out.warning(spec.mpc->commands.front().place, "the expanded file has no 'mpc.commands'", hint);
+  if (mpc->repeat.value == AfterTheEnd::kGait)
+    out.warning(mpc->repeat.place, "'repeat: gait' becomes 'repeat: hold' in the expanded file",
+                hint);
+  if (!mpc->commands.empty())
+    out.warning(mpc->commands.front().place, "the expanded file has no 'mpc.commands'", hint);
 }
 
 std::vector<std::string> names_of_rewritings() {
@@ -174,28 +174,25 @@ std::vector<std::string> names_of_rewritings() {
   return names;
 }
 
-OrderedJson expand_after(std::string_view rewriting, const ProblemSpec& spec,
-                         const BuiltProblem& built) {
+OrderedJson expand_after(std::string_view rewriting, const BuiltProblem& built) {
+  const ProblemSpec& spec = *built.problem_spec;
   if (rewriting == kCore) return expand_core(built);
-  if (rewriting == kWholeFile) return expand_problem(spec, built);
+  if (rewriting == kWholeFile) return expand_problem(built);
   Diagnostics out;  // nothing new: the problem has been built
   for (const DocumentRewriting& own : document_rewritings())
     if (own.name == rewriting)
       return json_of(*rewritten_document(spec.text, spec.file, spec.settings, rewriting, out));
   BuiltProblem at_the_end = built;
   at_the_end.homotopy = nullptr;
-  return expand_problem(
-      *read_problem_text(spec.text, spec.file, spec.settings, out, {.last = rewriting}),
-      at_the_end);
+  at_the_end.problem_spec = std::make_shared<const ProblemSpec>(
+      *read_problem_text(spec.text, spec.file, spec.settings, out, {.last = rewriting}));
+  return expand_problem(at_the_end);
 }
 
-std::string expanded_text(const OrderedJson& problem, const std::string& original) {
+std::string expanded_text(const BuiltProblem& built, std::string_view rewriting) {
+  const OrderedJson problem = expand_after(rewriting, built);
   const bool is_file = problem.contains("conddp");
-  return (is_file ? modeline(original) + '\n' : "") + yaml_text(problem);
-}
-
-std::string expanded_text(const ProblemSpec& spec, const BuiltProblem& built) {
-  return expanded_text(expand_problem(spec, built), spec.text);
+  return (is_file ? modeline(built.problem_spec->text) + '\n' : "") + yaml_text(problem);
 }
 
 }  // namespace conddp

@@ -37,9 +37,6 @@ void between(const StateManifold& manifold, const double* a, const double* b, do
 
 }  // namespace
 
-MeshRefinement::MeshRefinement(const ProblemSpec& spec)
-    : mesh_(*spec.mesh), factor_(mesh_.factor) {}
-
 bool MeshRefinement::reached() const {
   return !rounds_.empty() && is_success(rounds_.back().status) &&
          rounds_.back().error <= mesh_.error;

@@ -22,8 +22,7 @@ struct MeshRound {
 /// tolerance of the file.
 class MeshRefinement {
  public:
-  /// The spec must have `mesh`.
-  explicit MeshRefinement(const ProblemSpec& spec);
+  explicit MeshRefinement(const MeshSpec& mesh) : mesh_(mesh), factor_(mesh.factor) {}
 
   /// Judges the solution on the present grid. Returns the factor of the next grid, or nothing if
   /// this grid is the last. It is the last if it is fine enough, the solve has failed, or a finer

@@ -360,13 +360,6 @@ std::optional<ProblemSpec> read_with_settings(const ProblemDocument& document,
   return spec;
 }
 
-std::vector<Setting> parse_settings(const std::vector<std::string>& overrides, Diagnostics& out) {
-  std::vector<Setting> settings;
-  for (const std::string& text : overrides)
-    if (auto setting = parse_setting(text, out)) settings.push_back(*std::move(setting));
-  return settings;
-}
-
 }  // namespace
 
 std::optional<ProblemSpec> read_problem(const ProblemDocument& document,
@@ -378,13 +371,18 @@ std::optional<ProblemSpec> read_problem(const ProblemDocument& document,
   return spec;
 }
 
+std::optional<ProblemSpec> read_problem(const std::optional<ProblemDocument>& document,
+                                        const std::vector<std::string>& overrides, Diagnostics& out,
+                                        const ReadOptions& options) {
+  if (!document) return std::nullopt;
+  return read_problem(*document, parse_settings(overrides, out), out, options);
+}
+
 std::optional<ProblemSpec> read_problem_text(const std::string& text,
                                              const std::filesystem::path& file,
                                              const std::vector<std::string>& overrides,
                                              Diagnostics& out, const ReadOptions& options) {
-  const auto document = parse_problem(text, file, out);
-  if (!document) return std::nullopt;
-  return read_problem(*document, parse_settings(overrides, out), out, options);
+  return read_problem(parse_problem(text, file, out), overrides, out, options);
 }
 
 std::optional<YamlNode> rewritten_document(const std::string& text,
@@ -400,9 +398,7 @@ std::optional<YamlNode> rewritten_document(const std::string& text,
 std::optional<ProblemSpec> read_problem(const std::filesystem::path& file,
                                         const std::vector<std::string>& overrides,
                                         Diagnostics& out) {
-  const auto document = load_problem(file, {}, out);
-  if (!document) return std::nullopt;
-  return read_problem(*document, parse_settings(overrides, out), out);
+  return read_problem(load_problem(file, {}, out), overrides, out);
 }
 
 }  // namespace conddp

@@ -48,6 +48,10 @@ std::optional<ProblemDocument> parse_problem(std::string text, const std::filesy
 std::optional<ProblemSpec> read_problem(const ProblemDocument& document,
                                         const std::vector<Setting>& settings, Diagnostics& out,
                                         const ReadOptions& options = {});
+/// The same with settings of the command line; nothing without a document.
+std::optional<ProblemSpec> read_problem(const std::optional<ProblemDocument>& document,
+                                        const std::vector<std::string>& overrides, Diagnostics& out,
+                                        const ReadOptions& options = {});
 
 /// A problem file after a rewriting of its document (document_rewritings). Empty with an error if
 /// it cannot be rewritten.

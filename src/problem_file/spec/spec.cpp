@@ -50,15 +50,6 @@ bool ProblemSpec::has_jumps() const {
                      [](const PhaseSpec& phase) { return phase.jump.has_value(); });
 }
 
-bool ProblemSpec::runs_code() const {
-  const auto compiled = [](const SystemSpec& one) {
-    return std::holds_alternative<LibrarySystemSpec>(one.parameters);
-  };
-  return (system && compiled(*system)) || first_use(&ResidualNeeds::code) != nullptr ||
-         std::any_of(systems.begin(), systems.end(),
-                     [&](const NamedSystemSpec& named) { return compiled(named.system); });
-}
-
 ProblemSpec::ProblemSpec() = default;
 ProblemSpec::ProblemSpec(const ProblemSpec& other) = default;
 ProblemSpec::ProblemSpec(ProblemSpec&& other) noexcept = default;

@@ -116,8 +116,25 @@ struct GuessSpec {
 /// The supported format of problem files, the value of their key `conddp`.
 inline constexpr int kProblemFormat = 1;
 
+/// The part of a problem file that outputs and commands name. The rest becomes the built problem.
+struct ProblemFacts {
+  std::filesystem::path file;
+  std::string sha256;  ///< of the bytes read
+  Name name;
+  /// With several systems, that of the first phase that takes time.
+  std::optional<SystemSpec> system;
+  std::vector<ContactSpec> contacts;
+  CollisionSpec collision;
+  std::vector<CandidateSpec> candidates;
+  std::optional<SteppingSpec> stepping;  ///< present whenever candidates exist
+  std::optional<MeshSpec> mesh;          ///< its factor is part of the phases
+  Perturbation perturbation;
+  SolverSpec solver;
+  std::optional<MpcSpec> mpc;
+};
+
 /// A problem file, read and checked as far as possible without its robots.
-struct ProblemSpec {
+struct ProblemSpec : ProblemFacts {
   // Out of line: otherwise every source that uses a spec compiles the copy functions of all
   // members.
   ProblemSpec();
@@ -127,28 +144,18 @@ struct ProblemSpec {
   ProblemSpec& operator=(ProblemSpec&& other) noexcept;
   ~ProblemSpec();
 
-  std::filesystem::path file;
   std::string text;                   ///< of the file without byte-order mark
-  std::string sha256;                 ///< of the bytes read
   std::string definition;             ///< canonical_definition of the document with its settings
   std::vector<std::string> settings;  ///< that replace values of the file
-  Name name;
   std::string description;
   ExpressionNamesSpec names;  ///< available in all expressions
   std::vector<RobotSpec> robots;
-  /// With several systems, that of the first phase that takes time.
-  std::optional<SystemSpec> system;
   std::vector<NamedSystemSpec> systems;
   Vector3<double> gravity{0, 0, -9.81};  ///< m/s²
   StateSpec initial_state;
   std::optional<Located<Integrator>> integrator;  ///< absent: the system's default
   Located<ControlCourse> controls{ControlCourse::kConstant, {}};
   Located<RunningCosts> running_costs{RunningCosts::kRate, {}};
-  std::vector<ContactSpec> contacts;
-  CollisionSpec collision;
-  std::vector<CandidateSpec> candidates;
-  std::optional<SteppingSpec> stepping;  ///< present whenever candidates exist
-  std::optional<MeshSpec> mesh;          ///< its factor is part of the phases
   std::vector<PhaseSpec> phases;
   std::optional<GaitSpec> gait;  ///< that makes the phases
   /// Path of that gait's base, with constant velocity between points; empty without a gait.
@@ -162,9 +169,6 @@ struct ProblemSpec {
   std::vector<CostSpec> terminal_costs;
   std::vector<ConstraintSpec> terminal_constraints;
   GuessSpec guess;
-  Perturbation perturbation;
-  SolverSpec solver;
-  std::optional<MpcSpec> mpc;
 
   const ContactNames& last_contacts() const {
     return terminal_contacts ? *terminal_contacts : phases.back().contacts;
@@ -178,8 +182,6 @@ struct ProblemSpec {
   std::vector<const CostSpec*> all_costs() const;
   std::vector<const ConstraintSpec*> all_constraints() const;
   bool has_jumps() const;
-  /// True if the problem runs compiled code that the file names.
-  bool runs_code() const;
   int knots() const {
     int n = 0;
     for (const PhaseSpec& phase : phases) n += phase.knots.value;

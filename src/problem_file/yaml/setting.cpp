@@ -83,6 +83,13 @@ std::optional<Setting> parse_setting(const std::string& text, Diagnostics& out) 
   return Setting{{key, {{source, 1, 1}, key}}, *std::move(value), text};
 }
 
+std::vector<Setting> parse_settings(const std::vector<std::string>& texts, Diagnostics& out) {
+  std::vector<Setting> settings;
+  for (const std::string& text : texts)
+    if (auto setting = parse_setting(text, out)) settings.push_back(*std::move(setting));
+  return settings;
+}
+
 Setting make_setting(const Name& key, const YamlNode& value) {
   return {key, value, key.value + '=' + flow_text(value)};
 }

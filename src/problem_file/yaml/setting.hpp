@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "problem_file/yaml/yaml_node.hpp"
 
@@ -20,6 +21,9 @@ struct Setting {
 /// Reads a setting of the command line, `a.b.0.c=value`; the value is YAML. Empty with an error in
 /// the setting if it is malformed.
 std::optional<Setting> parse_setting(const std::string& text, Diagnostics& out);
+
+/// Reads several settings; malformed ones are reported and left out.
+std::vector<Setting> parse_settings(const std::vector<std::string>& texts, Diagnostics& out);
 
 /// A setting from a value that was read elsewhere.
 Setting make_setting(const Name& key, const YamlNode& value);
