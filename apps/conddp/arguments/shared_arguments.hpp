@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/comparison/solution_comparison.hpp"
 #include "arguments/command.hpp"
 
 namespace conddp {
@@ -40,5 +41,13 @@ ArgumentCheck named_number(std::vector<std::string> names, double lower, double 
 
 /// The values of arguments accepted by named_number; the last one of each name wins.
 std::map<std::string, double> named_numbers(const std::vector<std::string>& arguments);
+
+/// --tolerance NAME=NUMBER; comparison_tolerances() replaces tolerances by these values.
+Argument comparison_tolerance_argument(std::vector<std::string>& values);
+ComparisonTolerances comparison_tolerances(const std::vector<std::string>& values,
+                                           ComparisonTolerances tolerances = {});
+
+/// One difference as a line of text.
+std::string difference_text(const Difference& difference);
 
 }  // namespace conddp

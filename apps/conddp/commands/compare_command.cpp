@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "arguments/comparison_arguments.hpp"
+#include "arguments/shared_arguments.hpp"
 #include "base/json/json_document.hpp"
 #include "commands/commands.hpp"
 #include "terminal/exit_codes.hpp"

@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include "arguments/comparison_arguments.hpp"
 #include "arguments/input_files.hpp"
 #include "arguments/shared_arguments.hpp"
 #include "base/files/atomic_file.hpp"
