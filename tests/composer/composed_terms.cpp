@@ -2,7 +2,7 @@
 
 #include "problem_file/residuals/reference_form.hpp"
 #include "problem_file/spec/enum_names.hpp"
-#include "problem_file/values/activation_table.hpp"
+#include "problem_file/values/activation_keys.hpp"
 
 namespace conddp {
 namespace {
@@ -188,9 +188,9 @@ void TermComposer::add_activation(const ResidualDefinition& residual, bool refer
     return;
   }
   if (random_.chance(0.5)) return;
-  const ActivationDefinition& activation = pick(activation_table(), random_);
-  Entries own = {fmt::format("kind: {}", activation.name)};
-  if (!activation.needs.empty()) {
+  const auto& activation = pick(kActivationWords, random_);
+  Entries own = {fmt::format("kind: {}", activation.word)};
+  if (activation.value == ActivationKind::quadratic_barrier) {
     if (body_.robot && !referred && residual.has_limits && random_.chance(0.4) &&
         std::none_of(keys.begin(), keys.end(),
                      [](const std::string& key) { return key.starts_with("columns"); }))
@@ -198,8 +198,8 @@ void TermComposer::add_activation(const ResidualDefinition& residual, bool refer
     else
       own.push_back(fmt::format("lower: {}, upper: {}", number_text(-random_.uniform(0, 1)),
                                 number_text(random_.uniform(0, 1))));
-  } else if (activation.keys.empty() || random_.chance(0.5)) {
-    keys.push_back(fmt::format("activation: {}", activation.name));
+  } else if (!has_keys(activation.value) || random_.chance(0.5)) {
+    keys.push_back(fmt::format("activation: {}", activation.word));
     return;
   } else {
     own.push_back("epsilon: " + number_text(between_powers(1e-3, 1, random_)));

@@ -1,7 +1,7 @@
 #include "coverage.hpp"
 
 #include "problem_file/spec/enum_names.hpp"
-#include "problem_file/values/activation_table.hpp"
+#include "problem_file/values/activation_keys.hpp"
 
 namespace conddp {
 namespace {
@@ -30,8 +30,7 @@ Coverage::Coverage(const std::vector<std::string>& bodies) {
     for (const auto& word : words)
       if (word.word == word_of(words, word.value)) expect(kind, word.word);
   };
-  for (const ActivationDefinition& activation : activation_table())
-    expect("activation", activation.name);
+  expect_words("activation", kActivationWords);
   expect_words("bounds on", kBoundedWords);
   expect_words("integrator", kIntegratorWords);
   expect_words("contact", kContactWords);
@@ -56,7 +55,7 @@ void Coverage::add(const std::string& body, const BuiltProblem& built, const Sol
   for (const auto* list : {&spec.costs, &spec.terminal_costs})
     for (const CostSpec& cost : *list) {
       count("residual", cost.definition->name);
-      count("activation", activation_definition(cost.activation.kind).name);
+      count("activation", word_of(kActivationWords, cost.activation.kind));
     }
   const auto softness = [](Softness how) {
     const std::string word = word_of(kSoftWords, how);

@@ -20,7 +20,8 @@ std::vector<std::string> corpus() {
   std::vector<std::string> texts = {std::string(kPendulum), std::string(kCartpole)};
   for (const auto& file : ready_problems()) texts.push_back(read_file(file));
   allow_code();
-  for (const auto& [type, description, examples] : kSystemTypes) {
+  for (const SystemType& system : kSystemTypes) {
+    const std::string_view type = system.name;
     const std::string more = type == "linear"        ? ", A: [[1, 0.1], [0, 1]], B: [[0], [0.1]]"
                              : type == "expressions" ? ", states: [x], controls: [u], rate: {x: u}"
                              : type == "library"
@@ -32,6 +33,14 @@ std::vector<std::string> corpus() {
     texts.push_back("conddp: 1\nsystem: {type: " + std::string(type) + more +
                     "}\ninitial_state: {}\nphases: [{knots: 3, duration: 0.1}]\n");
   }
+  texts.push_back(R"(conddp: 1
+system: {states: [x], controls: [u], rate: {x: u}}
+initial_state: {}
+phases: [{knots: 3, duration: 0.1}]
+integrals: {effort: u^2}
+costs:
+  own: {residual: expression, of: {o: {residual: expression, rows: {twice: 2*x}}}, rows: "o[twice]^2"}
+)");
   texts.push_back(R"(conddp: 1
 system:
   positions: {y: m, turn: unit_quaternion, body: pose}
@@ -451,9 +460,10 @@ TEST(Expand, ShowsEveryDefaultOfTheSchema) {
                                        "/definitions/mpc/commands",
                                        "/definitions/mpc/properties/plant/ground",
                                        "/definitions/phase/weights"};
-  for (const char* term : {"cost", "terminal_cost", "residual_constraint", "terminal_constraint"})
+  for (const char* term :
+       {"cost", "terminal_cost", "residual_constraint", "terminal_constraint", "operand"})
     for (const ResidualKey* key : residual_keys())
-      conditional.insert(fmt::format("/definitions/{}/{}", term, key->name));
+      conditional.insert(fmt::format("/definitions/{}/{}", term, key->info.name));
   for (const std::string& key : walk.missing())
     EXPECT_TRUE(conditional.contains(key)) << key << " has a default that an expansion lacks";
   std::set<std::string> unseen = walk.unseen();

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "problem_file/expand/expand_sections.hpp"
+#include "problem_file/read/read_sections.hpp"
 #include "problem_file/yaml/yaml_text.hpp"
 #include "problem_text.hpp"
 #include "solvers/strategies/registry.hpp"
@@ -52,7 +52,7 @@ TEST(ExpressionSystemFiles, ClosedFormSystemsInWordsIterateAlike) {
     if (system.name == "linear" || system.name == "double_integrator") continue;  // other columns
     const ExpressionSystemSpec spec{.text = system.text,
                                     .own = {.parameters = system.text.parameters}};
-    const OrderedJson json = {{"system", expand_system({.parameters = spec})}};
+    const OrderedJson json = {{"system", expand_map(SystemSpec{.parameters = spec})}};
     const Loaded in_words(catalogue_problem(yaml_text(json)));
     const Loaded compiled(catalogue_problem("system: {type: " + system.name + "}"));
     ASSERT_TRUE(in_words.built) << in_words.all();

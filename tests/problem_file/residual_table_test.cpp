@@ -29,15 +29,14 @@ TEST(ResidualTable, EveryDefinitionIsDescribedAndHasOneMaker) {
 TEST(ResidualTable, EveryKeyHasOneMeaning) {
   std::set<std::string_view> names;
   for (const ResidualKey* key : residual_keys()) {
-    SCOPED_TRACE(key->name);
-    EXPECT_TRUE(names.insert(key->name).second);
-    EXPECT_FALSE(key->description.empty());
-    EXPECT_TRUE(key->schema.is_object());
-    EXPECT_TRUE(key->read && key->expand);
+    SCOPED_TRACE(key->info.name);
+    EXPECT_TRUE(names.insert(key->info.name).second);
+    EXPECT_FALSE(key->info.says.empty());
+    EXPECT_TRUE(key->visit);
     EXPECT_TRUE(key->stands_in({}));
   }
   for (const ResidualDefinition* residual : residual_table())
-    for (const ResidualKey* key : residual->keys) EXPECT_TRUE(names.contains(key->name));
+    for (const ResidualKey* key : residual->keys) EXPECT_TRUE(names.contains(key->info.name));
 }
 
 TEST(KeyValues, TakeTheLastSettingOrTheFallback) {

@@ -8,7 +8,7 @@
 #include "commands/commands.hpp"
 #include "problem_file/build/homotopy.hpp"
 #include "problem_file/build/tangent_numbers.hpp"
-#include "problem_file/values/read_values.hpp"
+#include "problem_file/values/key_forms.hpp"
 #include "problem_file/yaml/yaml_source.hpp"
 #include "summary/summary.hpp"
 #include "terminal/exit_codes.hpp"
@@ -28,7 +28,10 @@ Eigen::VectorXd sigmas_of(const char* option, const std::string& text, const Bui
   std::optional<ComponentsSpec> components;
   if (!text.empty()) {
     const auto node = parse_yaml(text, out.add_source(option, text), out, 0, true);
-    if (node) components = read_components(YamlReader(*node, option, out), kNotNegative);
+    if (node) {
+      const ComponentsForm form{kNotNegative};
+      form.read(YamlReader(*node, option, out), components.emplace());
+    }
   }
   const std::vector<double> sigma = tangent_numbers(components, built, out);
   return Eigen::Map<const Eigen::VectorXd>(sigma.data(), static_cast<Eigen::Index>(sigma.size()));

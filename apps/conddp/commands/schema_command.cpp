@@ -15,7 +15,7 @@ namespace {
 int print_schema(const std::string& kind) {
   if (const EmbeddedSchema* schema = find_schema(kind)) {
     if (kind == "problem")
-      print_result(schema_text(problem_schema(OrderedJson::parse(schema->text))));
+      print_result(schema_text(problem_schema()));
     else
       print_result(schema->text);
     return kExitConverged;

@@ -8,11 +8,11 @@
 #include "arguments/example_problems.hpp"
 #include "help/embedded_schemas.hpp"
 #include "problem_file/read/problem_schema.hpp"
+#include "problem_file/read/read_sections.hpp"
 #include "problem_file/residuals/residual_table.hpp"
 #include "problem_file/spec/enum_names.hpp"
 #include "problem_file/spec/system_fields.hpp"
-#include "problem_file/values/activation_table.hpp"
-#include "problem_file/values/system_keys.hpp"
+#include "problem_file/values/activation_keys.hpp"
 #include "solvers/common/option_table.hpp"
 #include "solvers/strategies/registry.hpp"
 #include "systems/expressions/functions.hpp"
@@ -74,23 +74,38 @@ OrderedJson list_options() {
   return list;
 }
 
-/// A key with the schema of its value.
-template <class Documented>
-OrderedJson documented(const Documented& key, bool required) {
-  OrderedJson entry = {
-      {"name", key.name}, {"description", key.description}, {"required", required}};
-  if (key.schema.contains("default")) entry["default"] = key.schema["default"];
-  entry["schema"] = key.schema;
-  return entry;
-}
+/// Lists the keys of a mapping with the schemas of their values.
+class KeyList final : public Keys {
+ public:
+  bool documents() const override { return true; }
+  void visit(const KeyInfo& key, KeyValue& value) override {
+    if (key.omitted) return;
+    SchemaDefinitions none;
+    KeySchema described(none);
+    described.visit(key, value);
+    OrderedJson schema = described.schema()["properties"][std::string(key.name)];
+    OrderedJson entry = {
+        {"name", key.name}, {"description", schema["description"]}, {"required", key.required}};
+    if (schema.contains("default")) entry["default"] = schema["default"];
+    schema.erase("description");
+    entry["schema"] = std::move(schema);
+    list.push_back(std::move(entry));
+  }
+  OrderedJson list = OrderedJson::array();
+};
 
 OrderedJson residual_key(const ResidualDefinition& definition, const ResidualKey& own) {
-  OrderedJson entry = documented(own, own.traits.required), places = OrderedJson::array();
-  for (const bool constraint : {false, true})
+  KeyList keys;
+  CostSpec cost;
+  KeyInfo info = own.info;
+  info.required = own.traits.required;
+  own.visit(keys, info, cost);
+  OrderedJson entry = std::move(keys.list[0]), places = OrderedJson::array();
+  for (const auto kind : {TermPlace::Kind::kCost, TermPlace::Kind::kConstraint})
     for (const bool last_node : {false, true})
-      if (own.stands_in({constraint, last_node}) && (definition.at_last_node() || !last_node))
+      if (own.stands_in({kind, last_node}) && (definition.at_last_node() || !last_node))
         places.push_back(std::string(last_node ? "terminal." : "") +
-                         (constraint ? "constraints" : "costs"));
+                         (kind == TermPlace::Kind::kCost ? "costs" : "constraints"));
   entry["places"] = std::move(places);
   return entry;
 }
@@ -112,45 +127,31 @@ OrderedJson list_residuals() {
   return list;
 }
 
+/// The keys of a struct besides the first, which names its kind.
+template <class T>
+OrderedJson other_keys(T value) {
+  KeyList keys;
+  describe(keys, value);
+  keys.list.erase(0);
+  return std::move(keys.list);
+}
+
 OrderedJson list_activations() {
   OrderedJson list = OrderedJson::array();
-  for (const ActivationDefinition& definition : activation_table()) {
-    OrderedJson keys = OrderedJson::array();
-    for (const ActivationKey* own : definition.keys) keys.push_back(documented(*own, false));
-    list.push_back({{"name", definition.name},
-                    {"description", definition.description},
-                    {"needs_keys", !definition.needs.empty()},
-                    {"keys", std::move(keys)}});
-  }
+  for (const auto& choice : kActivationWords)
+    list.push_back({{"name", choice.word},
+                    {"description", choice.description},
+                    {"needs_keys", choice.value == ActivationKind::quadratic_barrier},
+                    {"keys", other_keys(ActivationSpec{.kind = choice.value})}});
   return list;
 }
 
 OrderedJson list_systems() {
   OrderedJson list = OrderedJson::array();
-  for (std::size_t i = 0; i < std::size(kSystemTypes); ++i) {
-    SystemSpec system = default_system(i);
-    SchemaDefinitions none;
-    KeySchema described(none);
-    describe(described, system);
-    const OrderedJson schema = described.schema();
-    OrderedJson keys = OrderedJson::array();
-    for (auto [name, value] : schema.at("properties").items()) {
-      if (name == "type") continue;
-      const auto& required = schema.at("required");
-      OrderedJson entry = {
-          {"name", name},
-          {"description", value.at("description")},
-          {"required", std::find(required.begin(), required.end(), name) != required.end()}};
-      if (value.contains("default")) entry["default"] = value["default"];
-      OrderedJson of_value = value;
-      of_value.erase("description");
-      entry["schema"] = std::move(of_value);
-      keys.push_back(std::move(entry));
-    }
+  for (std::size_t i = 0; i < std::size(kSystemTypes); ++i)
     list.push_back({{"name", kSystemTypes[i].name},
                     {"description", kSystemTypes[i].description},
-                    {"keys", std::move(keys)}});
-  }
+                    {"keys", other_keys(default_system(i))}});
   return list;
 }
 

@@ -117,7 +117,7 @@ std::vector<std::string> all_constraint_names(const ProblemSpec& spec) {
   const auto add = [&names](const std::string& name) {
     if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
   };
-  for (const ControlBoundsSpec& bounds : spec.control_bounds) add(bounds.name.value);
+  for (const ConstraintSpec& bounds : spec.control_bounds) add(bounds.function.name.value);
   for (const ConstraintSpec* constraint : spec.all_constraints())
     add(constraint->function.name.value);
   return names;
@@ -138,14 +138,14 @@ void check_drop(const ProblemSpec& spec, const std::vector<std::string>& drop, D
 PhaseBounds collect_bounds(const ProblemSpec& spec, const BuildOptions& options,
                            BuiltProblem& built, Diagnostics& out) {
   PhaseBounds bounds = unbounded(spec, built.plant);
-  for (const ControlBoundsSpec& constraint : spec.control_bounds) {
+  for (const ConstraintSpec& constraint : spec.control_bounds) {
     auto own = build_control_bounds(constraint, spec, built.plant, out);
     if (!own) continue;
-    if (std::find(options.drop.begin(), options.drop.end(), constraint.name.value) !=
+    if (std::find(options.drop.begin(), options.drop.end(), constraint.function.name.value) !=
         options.drop.end())
-      built.dropped.push_back({constraint.name.value, std::move(*own), nullptr});
+      built.dropped.push_back({constraint.function.name.value, std::move(*own), nullptr});
     else
-      intersect(*own, constraint.name, built.plant, bounds, out);
+      intersect(*own, constraint.function.name, built.plant, bounds, out);
   }
   return bounds;
 }
@@ -526,7 +526,8 @@ bool has_terminal_set(const ProblemSpec& spec) {
 /// Place of the first bounds on the control, or of the first constraint with one of the names;
 /// falls back to the solver's place.
 Place first_constraint(const ProblemSpec& spec, const std::vector<std::string>& names) {
-  if (names.empty() && !spec.control_bounds.empty()) return spec.control_bounds.front().name.place;
+  if (names.empty() && !spec.control_bounds.empty())
+    return spec.control_bounds.front().function.name.place;
   for (const std::string& name : names)
     for (const ConstraintSpec* constraint : spec.all_constraints())
       if (constraint->function.name.value == name) return constraint->function.name.place;
@@ -548,8 +549,8 @@ Place unsupported_place(const ProblemSpec& spec, const std::vector<std::string>&
 std::string drop_options(const ProblemSpec& spec, const std::vector<std::string>& names) {
   std::string options;
   if (names.empty()) {
-    for (const ControlBoundsSpec& bounds : spec.control_bounds)
-      options += " --drop " + bounds.name.value;
+    for (const ConstraintSpec& bounds : spec.control_bounds)
+      options += " --drop " + bounds.function.name.value;
     return options;
   }
   for (const ConstraintSpec* constraint : spec.all_constraints())

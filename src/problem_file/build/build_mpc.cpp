@@ -392,8 +392,8 @@ class PlantBuilder {
     constexpr std::string_view kSection = "constraints.";
     for (const Setting& setting : mpc_.plant.settings) {
       const std::string& key = setting.key.value;
-      const auto is_inside = [&](const ControlBoundsSpec& bounds) {
-        const std::string own = std::string(kSection) + bounds.name.value;
+      const auto is_inside = [&](const ConstraintSpec& bounds) {
+        const std::string own = std::string(kSection) + bounds.function.name.value;
         return key == own || key.starts_with(own + '.');
       };
       if (key.starts_with(kSection) &&

@@ -38,11 +38,11 @@ void check_continuity(const ProblemSpec& spec, Diagnostics& out) {
 
 /// Linear controls are continuous across phases, so their bounds must apply in all phases.
 void check_bounds(const ProblemSpec& spec, Diagnostics& out) {
-  for (const ControlBoundsSpec& bounds : spec.control_bounds) {
-    const std::vector<bool> named = phases_named(bounds.phases, spec, out);
+  for (const ConstraintSpec& bounds : spec.control_bounds) {
+    const std::vector<bool> named = phases_named(bounds.function.phases, spec, out);
     for (std::size_t p = 0; p < named.size(); ++p)
       if (!named[p] && !spec.phases[p].takes_no_time())
-        return out.error(bounds.name.place, "bounds on linear controls hold in all phases",
+        return out.error(bounds.function.name.place, "bounds on linear controls hold in all phases",
                          "leave 'phases' out");
   }
 }

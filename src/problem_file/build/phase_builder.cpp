@@ -263,7 +263,7 @@ Phase choice_phase(const PhaseSpec& given, const StateTail& tail,
 }
 
 /// Warns of controls without an effort limit in the URDF that is to bound them.
-void warn_of_unbounded(const ControlBoundsSpec& constraint, const std::vector<std::string>& names,
+void warn_of_unbounded(const ConstraintSpec& constraint, const std::vector<std::string>& names,
                        const std::vector<double>& lower, const std::vector<double>& upper,
                        Diagnostics& out) {
   std::vector<std::string> without;
@@ -271,8 +271,8 @@ void warn_of_unbounded(const ControlBoundsSpec& constraint, const std::vector<st
     if (std::isinf(lower[i]) && std::isinf(upper[i])) without.push_back("'" + names[i] + "'");
   if (without.empty()) return;
   if (without.size() == names.size())
-    return out.warning(constraint.from_place, "the URDF gives no effort limit to any control");
-  out.warning(constraint.from_place,
+    return out.warning(*constraint.from_urdf, "the URDF gives no effort limit to any control");
+  out.warning(*constraint.from_urdf,
               fmt::format("the URDF gives no effort limit to {}", fmt::join(without, ", ")),
               "without 'lower' and 'upper' for it a control stays unbounded");
 }
@@ -644,7 +644,7 @@ struct ControlInterval {
   std::vector<double> lower, upper;
 };
 
-std::optional<ControlInterval> interval_of(const ControlBoundsSpec& constraint, const Plant& plant,
+std::optional<ControlInterval> interval_of(const ConstraintSpec& constraint, const Plant& plant,
                                            Diagnostics& out) {
   const int errors = out.error_count();
   ControlInterval interval{control_names(plant), {}, {}};
@@ -656,7 +656,7 @@ std::optional<ControlInterval> interval_of(const ControlBoundsSpec& constraint, 
     upper = plant.actuated().control_upper();
     scale_efforts(constraint.scale, lower, upper);
     if (!plant.multibody())
-      out.error(constraint.from_place, "a closed-form system has no URDF",
+      out.error(*constraint.from_urdf, "a closed-form system has no URDF",
                 "give 'lower' and 'upper'");
   }
   const auto larger = [](double a, double b) { return std::max(a, b); };
@@ -678,14 +678,14 @@ std::vector<bool> phases_of_variant(std::size_t variant, std::vector<bool> phase
 
 }  // namespace
 
-std::optional<PhaseBounds> build_control_bounds(const ControlBoundsSpec& constraint,
+std::optional<PhaseBounds> build_control_bounds(const ConstraintSpec& constraint,
                                                 const ProblemSpec& spec, const Plant& plant,
                                                 Diagnostics& out) {
   const int errors = out.error_count();
   if (plant.all_controls().empty())
-    out.error(constraint.name.place, "the system has no control that could have bounds",
+    out.error(constraint.function.name.place, "the system has no control that could have bounds",
               "write 'bounds: state', or give the system controls");
-  const std::vector<bool> named = phases_named(constraint.phases, spec, out);
+  const std::vector<bool> named = phases_named(constraint.function.phases, spec, out);
   PhaseBounds bounds = unbounded(spec, plant);
   const std::vector<Plant> variants = plant.all_variants();
   for (std::size_t v = 0; v < variants.size(); ++v) {

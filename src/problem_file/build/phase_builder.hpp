@@ -13,7 +13,7 @@ struct PhaseBounds {
 
 /// Bounds of one constraint. Phases that it does not name are unbounded; in phases without some of
 /// its controls, it bounds the others.
-std::optional<PhaseBounds> build_control_bounds(const ControlBoundsSpec& constraint,
+std::optional<PhaseBounds> build_control_bounds(const ConstraintSpec& constraint,
                                                 const ProblemSpec& spec, const Plant& plant,
                                                 Diagnostics& out);
 PhaseBounds unbounded(const ProblemSpec& spec, const Plant& plant);

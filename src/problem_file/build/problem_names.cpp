@@ -145,8 +145,8 @@ void note_cone(const ProblemSpec& spec, const CostSpec& c, bool constraint, Find
 
 /// Records what the file already requests, so that findings need not recommend it.
 void note_constraints(const ProblemSpec& spec, FindingNames& names) {
-  for (const ControlBoundsSpec& c : spec.control_bounds)
-    if (c.from_urdf && !c.phases) names.bounded.insert("control");
+  for (const ConstraintSpec& c : spec.control_bounds)
+    if (c.from_urdf && !c.function.phases) names.bounded.insert("control");
   for (const ConstraintSpec& c : spec.constraints) {
     if (!c.bounded) note_cone(spec, c.function, true, names);
     if (!c.bounded || !c.from_urdf || !holds_throughout(c.function)) continue;

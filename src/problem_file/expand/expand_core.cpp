@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "problem_file/expand/expand_sections.hpp"
+#include "problem_file/expand/expand_problem.hpp"
 
 namespace conddp {
 namespace {

@@ -3,64 +3,78 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/json/json_object.hpp"
 #include "problem_file/build/homotopy.hpp"
-#include "problem_file/expand/expand_sections.hpp"
 #include "problem_file/lower/rewriting.hpp"
 #include "problem_file/read/read_problem.hpp"
 #include "problem_file/read/read_sections.hpp"
 #include "problem_file/residuals/residual_keys.hpp"
-#include "problem_file/spec/enum_names.hpp"
+#include "problem_file/terms/constraint_builder.hpp"
 #include "problem_file/yaml/canonical_definition.hpp"
 #include "problem_file/yaml/yaml_text.hpp"
 
 namespace conddp {
 namespace {
 
-void expand_plant(const ProblemSpec& spec, OrderedJson& json) {
-  if (!spec.systems.empty()) {
-    for (const NamedSystemSpec& named : spec.systems)
-      json["systems"][named.name.value] = expand_system(named.system);
-    return;
-  }
-  if (spec.system) {
-    json["system"] = expand_system(*spec.system);
-    return;
-  }
-  for (const RobotSpec& robot : spec.robots) {
-    if (robot.name.value.empty())
-      json["robot"] = expand_map(robot);
-    else
-      json["robots"][robot.name.value] = expand_map(robot);
-  }
-  json["gravity"] = expand_vector(spec.gravity);
+/// All phases that take time, where none are named.
+std::optional<std::vector<Name>> all_phases(const std::optional<std::vector<Name>>& named,
+                                            const ProblemSpec& spec) {
+  if (named) return named;
+  std::vector<Name> all;
+  for (const PhaseSpec& phase : spec.phases)
+    if (!phase.takes_no_time()) all.push_back(phase.name);
+  return all;
 }
 
-OrderedJson expand_phases(const ProblemSpec& spec) {
-  OrderedJson json = OrderedJson::array();
-  for (PhaseSpec phase : spec.phases) {
-    KeyWriter keys;
-    describe(keys, phase, &spec);
-    json.push_back(std::move(keys.json));
+/// Sets defaults that depend on the problem: contacts, joints, phases, weights and sets of terms.
+class Completion {
+ public:
+  Completion(const ProblemSpec& spec, const Plant& plant) : context_{spec, plant} {}
+
+  void complete(ProblemSpec& spec) const {
+    if (spec.first_use(&ResidualNeeds::previous_control) && !spec.initial_state.previous_control)
+      spec.initial_state.previous_control = ComponentsSpec{.scalar = 0.0};
+    if (!spec.contacts.empty() && !spec.phases.empty())
+      spec.terminal_contacts = spec.named(spec.last_contacts());
+    for (PhaseSpec& phase : spec.phases) phase.contacts = spec.named(phase.contacts);
+    if (spec.mesh && spec.mesh->is_cut) spec.mesh->factor = 1;
+    for (auto* costs : {&spec.costs, &spec.terminal_costs})
+      for (CostSpec& cost : *costs) complete_cost(cost);
+    for (CostSpec& integral : spec.integrals) complete_function(integral);
+    for (ConstraintSpec& bounds : spec.control_bounds)
+      bounds.function.phases = all_phases(bounds.function.phases, spec);
+    for (auto* constraints : {&spec.constraints, &spec.terminal_constraints})
+      for (ConstraintSpec& constraint : *constraints) complete_constraint(constraint);
+    if (spec.mpc) complete_loop(*spec.mpc);
   }
-  return json;
-}
 
-OrderedJson expand_initial_state(const ProblemSpec& spec) {
-  OrderedJson json = expand_map(spec.initial_state);
-  if (spec.first_use(&ResidualNeeds::previous_control) && !spec.initial_state.previous_control)
-    json["previous_control"] = 0.0;
-  return json;
-}
+ private:
+  void complete_function(CostSpec& cost) const {
+    complete_residual(cost, context_);
+    // Knots alone may belong to phases that take no time; then the phases must not be named.
+    if (!cost.where.last_node && !cost.knots) cost.phases = all_phases(cost.phases, context_.spec);
+  }
 
-OrderedJson expand_terminal(const ProblemSpec& spec, const Plant& plant) {
-  OrderedJson json = OrderedJson::object();
-  if (!spec.contacts.empty()) json["contacts"] = expand_contact_names(spec.last_contacts(), spec);
-  if (spec.terminal_lqr) json["lqr"] = *LqrForm().expand(*spec.terminal_lqr);
-  json["costs"] = expand_costs(spec.terminal_costs, spec, plant, true);
-  json["constraints"] = expand_terminal_constraints(spec, plant);
-  return json;
-}
+  void complete_cost(CostSpec& cost) const {
+    complete_function(cost);
+    if (!cost.matrix && !cost.weights) cost.weights = ComponentsSpec{.scalar = 1.0};
+  }
+
+  void complete_constraint(ConstraintSpec& constraint) const {
+    // Named phases of bounds exclude the last node, so the default is not written as all names.
+    if (constraint.bounded) return;
+    complete_function(constraint.function);
+    if (!constraint.equals && !constraint.function.keys.value(key::cone) && is_zero(constraint))
+      constraint.equals = ComponentsSpec{.scalar = 0.0};
+  }
+
+  /// Phases replace the gait in the expanded file: no cycles can be repeated.
+  void complete_loop(MpcSpec& mpc) const {
+    if (mpc.repeat.value == AfterTheEnd::kGait) mpc.repeat.value = AfterTheEnd::kHold;
+    for (ConstraintSpec& condition : mpc.stop_when) complete_constraint(condition);
+  }
+
+  TermContext context_;
+};
 
 constexpr std::string_view kCore = "core";
 
@@ -110,47 +124,19 @@ std::string modeline(const std::string& text) {
 
 OrderedJson expand_options(const SolverOptions& options) { return expand_map(options); }
 
+OrderedJson expand_phase_names(const std::optional<std::vector<Name>>& names,
+                               const ProblemSpec& spec) {
+  return *NamesForm().expand(*all_phases(names, spec));
+}
+
 OrderedJson expand_problem(const BuiltProblem& built) {
-  constexpr std::size_t kMostSections = 28;
-  const ProblemSpec& spec = *built.problem_spec;
-  OrderedJson json = json_object(kMostSections);
-  json["conddp"] = kProblemFormat;
-  json["name"] = spec.name.value;
-  if (!spec.description.empty()) json["description"] = spec.description;
-  json["parameters"] = expand_parameters(spec.names.parameters);
-  json["tables"] = expand_tables(spec.names.tables);
-  expand_plant(spec, json);
-  json["initial_state"] = expand_initial_state(spec);
-  json["integrator"] = word_of(kIntegratorWords, integrator_of(*built.problem));
-  json["controls"] = word_of(kControlCourseWords, spec.controls.value);
-  json["running_costs"] = word_of(kRunningCostsWords, spec.running_costs.value);
-  if (auto contacts = ContactsForm().expand(spec.contacts)) json["contacts"] = *contacts;
-  if (!spec.system) json["collision"] = expand_map(spec.collision);
-  if (spec.stepping) {
-    json["contact_candidates"] = *kCandidates.expand(spec.candidates);
-    json["stepping"] = expand_map(*spec.stepping);
-  }
-  json["phases"] = expand_phases(spec);
-  if (std::optional<MeshSpec> mesh = spec.mesh) {
-    if (mesh->is_cut) mesh->factor = 1;
-    json["mesh"] = expand_map(*mesh);
-  }
-  json["costs"] = expand_costs(spec.costs, spec, built.plant, false);
-  for (const CostSpec& integral : spec.integrals) {
-    OrderedJson& entry = json["integrals"][integral.name.value];
-    entry = expand_residual_keys(integral, {spec, built.plant, {}});
-    entry["phases"] = expand_phase_names(integral.phases, spec);
-  }
-  json["constraints"] = expand_constraints(spec, built.plant);
-  json["terminal"] = expand_terminal(spec, built.plant);
-  json["initial_guess"] =
-      *GroupValue([guess = spec.guess](Keys& keys) mutable { describe(keys, guess, {}); }).expand();
-  json["perturbation"] = expand_map(spec.perturbation);
-  json["solver"] = expand_map(spec.solver);
+  ProblemSpec complete = *built.problem_spec;
+  Completion(*built.problem_spec, built.plant).complete(complete);
+  complete.integrator = {integrator_of(*built.problem), {}};
+  OrderedJson json = expand_map(std::move(complete));
   json["solver"]["homotopy"] = OrderedJson::array();
   if (built.homotopy)
     add_moved("", expand_problem(built.homotopy->start()), json, json["solver"]["homotopy"]);
-  if (spec.mpc) json["mpc"] = expand_mpc(spec, built.plant);
   return json;
 }
 

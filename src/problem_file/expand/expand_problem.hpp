@@ -13,6 +13,10 @@ namespace conddp {
 /// the file.
 OrderedJson expand_problem(const BuiltProblem& built);
 
+/// The problem that solvers see: states, and for each phase its step, costs, constraints and
+/// bounds.
+OrderedJson expand_core(const BuiltProblem& built);
+
 /// Names of the rewritings in their order (lower/rewriting.hpp), then "core", the problem as it is
 /// built.
 std::vector<std::string> names_of_rewritings();
@@ -30,6 +34,10 @@ std::string expanded_text(const BuiltProblem& built, std::string_view rewriting 
 /// Warns of gait features of the closed loop that an expanded file cannot express, because phases
 /// replace the gait: commands and further cycles.
 void warn_of_lost_gait(const BuiltProblem& built, Diagnostics& out);
+
+/// The names of phases, by default of all phases that take time.
+OrderedJson expand_phase_names(const std::optional<std::vector<Name>>& names,
+                               const ProblemSpec& spec);
 
 /// The values of all solver options as nested objects by their dotted names; null: infinite.
 OrderedJson expand_options(const SolverOptions& options);

@@ -2,11 +2,10 @@
 
 #include <algorithm>
 
-#include "problem_file/expand/expand_sections.hpp"
-#include "problem_file/residuals/rows_key.hpp"
+#include "problem_file/expand/expand_problem.hpp"
 #include "problem_file/spec/enum_names.hpp"
 #include "problem_file/spec/system_fields.hpp"
-#include "problem_file/values/activation_table.hpp"
+#include "problem_file/values/activation_keys.hpp"
 #include "systems/multibody/multibody.hpp"
 
 namespace conddp {
@@ -121,7 +120,7 @@ OrderedJson costs_json(const std::vector<CostSpec>& costs, const BuiltProblem& b
                          {"residual", cost.residual.value},
                          {"rows", rows_of(cost.name.value, *built.problem, terminal)},
                          {"formulas", formulas_of(cost)},
-                         {"activation", activation_definition(cost.activation.kind).name},
+                         {"activation", word_of(kActivationWords, cost.activation.kind)},
                          {"weight", cost.weight}};
     if (!terminal) entry["phases"] = phases_of(cost.name.value, *built.problem);
     list.push_back(std::move(entry));
@@ -131,7 +130,7 @@ OrderedJson costs_json(const std::vector<CostSpec>& costs, const BuiltProblem& b
                     {"residual", "state"},
                     {"rows", rows_of(kTerminalLqrName, *built.problem, true)},
                     {"formulas", OrderedJson::array()},
-                    {"activation", activation_definition(ActivationKind::quadratic).name},
+                    {"activation", word_of(kActivationWords, ActivationKind::quadratic)},
                     {"weight", built.terminal_lqr->weight}});
   return list;
 }
@@ -160,14 +159,15 @@ OrderedJson constraints_json(const ProblemSpec& spec, const BuiltProblem& built)
                     {"soft", softness == Softness::hard ? "no" : word_of(kSoftWords, softness)},
                     {"dropped", dropped}});
   };
-  for (const ControlBoundsSpec& bounds : spec.control_bounds)
-    add(bounds.name.value, "control", OrderedJson::array(), "bounds", false, bounds.from_urdf,
-        Softness::hard, expand_phase_names(bounds.phases, spec));
+  for (const ConstraintSpec& bounds : spec.control_bounds)
+    add(bounds.function.name.value, "control", OrderedJson::array(), "bounds", false,
+        bounds.from_urdf.has_value(), Softness::hard,
+        expand_phase_names(bounds.function.phases, spec));
   for (const bool terminal : {false, true})
     for (const ConstraintSpec& c : terminal ? spec.terminal_constraints : spec.constraints)
       add(c.function.name.value,
           c.bounded ? word_of(kBoundedWords, c.bounded->value) : c.function.residual.value,
-          formulas_of(c.function), set_of(c), terminal, c.from_urdf, c.softness,
+          formulas_of(c.function), set_of(c), terminal, c.from_urdf.has_value(), c.softness,
           terminal ? OrderedJson::array() : expand_phase_names(c.function.phases, spec));
   if (built.terminal_lqr && built.terminal_lqr->constrained)
     add(kTerminalLqrName, "state", OrderedJson::array(), "norm", true, false, Softness::hard,

@@ -6,11 +6,6 @@
 #include <fmt/format.h>
 
 #include "problem_file/read/read_sections.hpp"
-#include "problem_file/residuals/residual_table.hpp"
-#include "problem_file/spec/enum_names.hpp"
-#include "problem_file/spec/system_fields.hpp"
-#include "problem_file/values/activation_table.hpp"
-#include "problem_file/values/system_keys.hpp"
 
 namespace conddp {
 
@@ -50,68 +45,6 @@ void accept_formulas(OrderedJson& part) {
       accept_formulas(value);
 }
 
-/// The schema of a key's value, with its description.
-template <class Documented>
-OrderedJson key_schema(const Documented& key) {
-  OrderedJson schema = key.schema;
-  schema["description"] = key.description;
-  return schema;
-}
-
-template <class Named>
-OrderedJson names_of(const Named& all) {
-  OrderedJson names = OrderedJson::array();
-  for (const auto& one : all) names.push_back(one.name);
-  return names;
-}
-
-/// "name: description; name: description".
-template <class Named>
-std::string meanings_of(const Named& all) {
-  std::string meanings;
-  for (const auto& one : all)
-    meanings += fmt::format("{}{}: {}", meanings.empty() ? "" : "; ", one.name, one.description);
-  return meanings;
-}
-
-void add_residuals(const char* definition, TermPlace place, OrderedJson& schema) {
-  OrderedJson& properties = schema["definitions"][definition]["properties"];
-  OrderedJson names = OrderedJson::array();
-  for (const ResidualDefinition* residual : residual_table()) {
-    if (place.last_node && !residual->at_last_node()) continue;
-    names.push_back(residual->name);
-    for (const ResidualKey* key : residual->keys)
-      if (key->stands_in(place)) properties[std::string(key->name)] = key_schema(*key);
-  }
-  properties["residual"]["enum"] = std::move(names);
-}
-
-void add_activations(OrderedJson& activation) {
-  activation["description"] = "How a residual r becomes a cost: " + meanings_of(activation_table());
-  OrderedJson words = OrderedJson::array();
-  OrderedJson& properties = activation["anyOf"][1]["properties"];
-  properties["kind"]["enum"] = names_of(activation_table());
-  for (const ActivationDefinition& definition : activation_table()) {
-    if (definition.needs.empty()) words.push_back(definition.name);
-    for (const ActivationKey* key : definition.keys)
-      properties[std::string(key->name)] = key_schema(*key);
-  }
-  activation["anyOf"][0]["enum"] = std::move(words);
-}
-
-void add_systems(OrderedJson& branches) {
-  SchemaDefinitions none;
-  for (std::size_t i = 0; i < std::size(kSystemTypes); ++i) {
-    SystemSpec system = default_system(i);
-    KeySchema keys(none);
-    describe(keys, system);
-    if (kSystemTypes[i].examples.empty())  // its keys depend on each other
-      branches[i]["properties"]["type"] = keys.schema()["properties"]["type"];
-    else
-      branches[i] = keys.schema();
-  }
-}
-
 std::string flat(const OrderedJson& value) {
   if (value.is_number_float() && value.get<double>() == std::round(value.get<double>()))
     return fmt::format("{:.0f}", value.get<double>());
@@ -140,37 +73,12 @@ std::string folded(const OrderedJson& value, std::size_t indent, std::size_t hea
 
 }  // namespace
 
-OrderedJson problem_schema(OrderedJson schema) {
-  OrderedJson& definitions = schema["definitions"];
-  SchemaDefinitions described = {{"data_file", definitions["data_file"]}};
-  map_schema<MeshSpec>(described);
-  map_schema<RobotSpec>(described);
-  map_schema<CandidateSpec>(described);
-  map_schema<SteppingSpec>(described);
-  map_schema<Perturbation>(described);
-  map_schema<SolverSpec>(described);
-  schema["properties"]["contacts"].update(ContactsForm().schema({}, described));
-  schema["properties"]["collision"].update(map_schema<CollisionSpec>(described));
-  GuessSpec guess;
-  GaitSpec gait;
-  MpcSpec mpc;
-  PhaseSpec phase;
-  for (const auto& describe_it : std::initializer_list<std::function<void(Keys&)>>{
-           [&](Keys& keys) { describe(keys, guess, {}); },
-           [&](Keys& keys) { describe(keys, gait, {}); },
-           [&](Keys& keys) { describe(keys, mpc, {}); },
-           [&](Keys& keys) { describe(keys, phase, nullptr); }})
-    GroupValue(describe_it).schema(described);
-  definitions.update(described);
-  add_residuals("cost", {}, schema);
-  add_residuals("terminal_cost", {.last_node = true}, schema);
-  add_residuals("residual_constraint", {.constraint = true}, schema);
-  add_residuals("terminal_constraint", {.constraint = true, .last_node = true}, schema);
-  add_activations(definitions["activation"]);
-  add_systems(definitions["system"]["oneOf"]);
-  OrderedJson integrators = OrderedJson::array();
-  for (const auto& choice : kIntegratorWords) integrators.push_back(choice.word);
-  schema["properties"]["integrator"]["enum"] = std::move(integrators);
+OrderedJson problem_schema() {
+  SchemaDefinitions definitions = value_definitions();
+  OrderedJson schema = {{"$schema", "http://json-schema.org/draft-07/schema#"},
+                        {"$id", "https://conddp.invalid/schemas/problem.schema.json"}};
+  schema.update(map_schema<ProblemSpec>(definitions));
+  schema["definitions"] = std::move(definitions);
   accept_formulas(schema);
   return schema;
 }

@@ -4,161 +4,223 @@
 
 #include "problem_file/read/read_sections.hpp"
 #include "problem_file/residuals/residual_keys.hpp"
+#include "problem_file/residuals/residual_table.hpp"
 #include "problem_file/spec/enum_names.hpp"
-#include "problem_file/values/activation_table.hpp"
+#include "problem_file/values/activation_keys.hpp"
 
 namespace conddp {
 namespace {
 
-std::vector<Located<int>> read_knots(const YamlReader& reader) {
-  std::vector<Located<int>> knots;
-  const auto items = reader.items();
-  if (items && items->empty())
-    reader.error("an empty list names no knot", "leave the key out for all knots");
-  if (items)
-    for (const YamlReader& item : *items)
-      if (const auto knot = item.integer(0, 1'000'000)) {
-        for (const Located<int>& former : knots)
-          if (former.value == *knot) item.error(fmt::format("{} stands twice in the list", *knot));
-        knots.push_back({static_cast<int>(*knot), item.place()});
-      }
-  return knots;
-}
+/// Knots, each at most once.
+struct KnotsForm {
+  IntegerForm knot{0, 1'000'000};
+  bool read(const YamlReader& reader, std::vector<Located<int>>& knots) const {
+    const auto items = reader.items();
+    if (!items) return false;
+    if (items->empty())
+      reader.error("an empty list names no knot", "leave the key out for all knots");
+    for (const YamlReader& item : *items) {
+      Located<int> read{0, item.place()};
+      if (!knot.read(item, read.value)) continue;
+      if (std::ranges::find(knots, read.value, &Located<int>::value) != knots.end())
+        item.error(fmt::format("{} stands twice in the list", read.value));
+      knots.push_back(std::move(read));
+    }
+    return true;
+  }
+  std::optional<OrderedJson> expand(const std::vector<Located<int>>& knots) const {
+    OrderedJson json = OrderedJson::array();
+    for (const Located<int>& one : knots) json.push_back(one.value);
+    return json;
+  }
+  OrderedJson schema() const { return {{"type", "array"}, {"items", knot.schema()}}; }
+};
 
-/// Reads the weights of residual rows: component weights or a matrix.
-void read_weights(YamlMap& map, CostSpec& cost) {
-  map.exclusive({"weights", "matrix"});
-  if (const auto r = map.find("weights")) cost.weights = read_components(*r, kNotNegative);
-  const auto r = map.find("matrix");
-  if (!r) return;
-  cost.matrix = read_symmetric_matrix(*r);
-  if (cost.activation.kind != ActivationKind::quadratic)
-    r->error(fmt::format("'matrix' belongs to the activation 'quadratic', and this cost has '{}'",
-                         activation_definition(cost.activation.kind).name),
-             "write 'weights', one per row");
-}
+/// Rows of numbers, or numbers by the names of their row and column.
+struct SymmetricMatrixForm {
+  bool read(const YamlReader& reader, MatrixSpec& matrix) const {
+    constexpr std::string_view kHint = "write '[[2, 1], [1, 3]]' or '{x: {x: 2, v: 1}, v: {v: 3}}'";
+    matrix.place = reader.place();
+    if (reader.is_map()) {
+      const auto entries = reader.named_entries(kHint);
+      for (const auto& [name, row] : *entries)
+        NamedNumbersForm().read(row, matrix.entries.emplace_back(name, NamedNumbers()).second);
+      return true;
+    }
+    const auto rows = reader.items(kHint);
+    if (!rows) return false;
+    for (const YamlReader& row : *rows) {
+      const auto numbers = row.numbers();
+      if (!numbers) return false;
+      matrix.rows.push_back({*numbers, row.place()});
+    }
+    return true;
+  }
+  std::optional<OrderedJson> expand(const MatrixSpec& matrix) const {
+    OrderedJson json = matrix.rows.empty() ? OrderedJson::object() : OrderedJson::array();
+    for (const auto& [name, row] : matrix.entries)
+      json[name.value] = *NamedNumbersForm().expand(row);
+    for (const Located<std::vector<double>>& row : matrix.rows) json.push_back(row.value);
+    return json;
+  }
+  OrderedJson schema() const { return {{"$ref", "#/definitions/matrix"}}; }
+};
 
 /// Reads the activation, or sets the residual's default.
-void read_activation_of(YamlMap& map, CostSpec& cost) {
-  const ResidualDefinition& definition = *cost.definition;
-  const auto activation = map.find("activation");
-  if (activation && !definition.is_cone) {
-    cost.activation = read_activation(*activation);
-    return;
-  }
-  if (definition.set_activation != nullptr) definition.set_activation(cost);
-  if (activation)
-    activation->error("a cone has its own bounds, outside of which it costs: it has no activation",
-                      "leave the key out");
-}
-
-CostSpec read_cost(const Name& name, const YamlReader& reader, const std::filesystem::path& folder,
-                   bool terminal) {
-  CostSpec cost{.name = name};
-  YamlMap map(reader,
-              "write '{residual: control}', or of an expression to be minimized as it is "
-              "'{residual: expression, rows: u^2, activation: linear}'");
-  if (!map.valid() || !read_residual(map, folder, {.last_node = terminal}, cost)) return cost;
-  map.number("weight", cost.weight, kNotNegative);
-  read_activation_of(map, cost);
-  read_weights(map, cost);
-  return cost;
-}
-
-/// Reads the reference of the residual.
-void read_origin(YamlMap& map, const std::filesystem::path& folder, CostSpec& cost) {
-  const auto r = map.find("reference");
-  if (!r) return;
-  if (cost.definition->reference != nullptr)
-    cost.reference = read_reference(*r, cost, folder);
+void describe_activation(Keys& keys, CostSpec& cost) {
+  const ResidualDefinition* definition = cost.definition;
+  const bool is_cone = definition != nullptr && definition->is_cone;
+  YamlMap* map = keys.reading();
+  const auto given = map != nullptr ? map->find("activation") : std::nullopt;
+  if (map != nullptr && (is_cone || !given) && definition->set_activation != nullptr)
+    definition->set_activation(cost);
+  if (given && is_cone)
+    given->error("a cone has its own bounds, outside of which it costs: it has no activation",
+                 "leave the key out");
   else
-    r->error(fmt::format("the residual '{}' has no reference", cost.definition->name));
+    keys({.name = "activation", .omitted = is_cone || is_excluded("activation", cost)},
+         cost.activation, ActivationForm{});
 }
 
-/// Reads the phases, knots and nodes of a cost or constraint.
-void read_where(YamlMap& map, TermPlace place, CostSpec& cost) {
-  if (const auto r = map.find("phases")) cost.phases = read_phase_names(*r);
-  if (const auto r = map.find("knots")) cost.knots = read_knots(*r);
-  if (!place.constraint) return;
-  map.exclusive({"knots", "nodes"});
-  read_nodes(map, cost);
+void check_matrix(YamlMap& map, const CostSpec& cost) {
+  map.exclusive({"weights", "matrix"});
+  const auto matrix = map.find("matrix");
+  if (matrix && cost.activation.kind != ActivationKind::quadratic)
+    matrix->error(
+        fmt::format("'matrix' belongs to the activation 'quadratic', and this cost has '{}'",
+                    word_of(kActivationWords, cost.activation.kind)),
+        "write 'weights', one per row");
 }
 
 }  // namespace
 
-std::optional<std::vector<Name>> read_phase_names(const YamlReader& reader) {
-  auto names = reader.name_or_names();
-  if (names && names->empty())
-    reader.error("an empty list names no phase", "leave the key out for all phases");
-  return names;
+void describe_phases(Keys& keys, std::string_view says, std::optional<std::vector<Name>>& phases) {
+  keys({"phases", says}, phases, NameOrNamesForm{{}, "phase"});
 }
 
-void read_nodes(YamlMap& map, CostSpec& function) {
-  const auto r = map.find("nodes");
-  if (!r) return;
-  function.ends = {r->choice(kNodesWords, "kind of nodes").value_or(false), r->place()};
+void describe_knots(Keys& keys, std::string_view says, CostSpec& cost) {
+  keys({"knots", says}, cost.knots, KnotsForm{});
 }
 
-bool read_residual(YamlMap& map, const std::filesystem::path& folder, TermPlace place,
-                   CostSpec& cost) {
-  if (!read_residual_keys(map, place, cost)) return false;
-  const ResidualDefinition& definition = *cost.definition;
-  read_origin(map, folder, cost);
-  if (!place.last_node)
-    read_where(map, place, cost);
-  else if (!definition.at_last_node())
-    map.find("residual")
+bool describe_function(Keys& keys, std::string_view says, CostSpec& cost) {
+  if (!describe_residual(keys, cost, says)) return false;
+  YamlMap* map = keys.reading();
+  if (map != nullptr && cost.where.last_node && !cost.definition->at_last_node())
+    map->find("residual")
         ->error(
             fmt::format("the residual '{}' needs a control, and there is none at the terminal node",
-                        definition.name));
+                        cost.definition->name));
   return true;
+}
+
+void describe(Keys& keys, CostSpec& cost) {
+  if (cost.where.last_node)
+    keys.about({.definition = "terminal_cost",
+                .title = "Cost on the last node",
+                .says = "weight · a(r) of a residual r and an activation a",
+                .examples = R"([{"residual": "frame_placement", "frame": "tool", "weight": 10000,
+                                 "reference": {"position": [0.3, 0, 0.4], "rpy": [0, 0, 0]}}])"});
+  else
+    keys.about({.definition = "cost",
+                .title = "Running cost",
+                .says = "weight · a(r) of a residual r and an activation a; multiplied by the time "
+                        "step where running_costs is rate",
+                .examples = R"([{"residual": "control", "weight": 0.001, "phases": ["swing"]}])"});
+  if (!describe_function(keys, "What is to be small", cost)) return;
+  keys({"weight", "Factor of the cost, in the cost's unit per unit of the activation"}, cost.weight,
+       NumberForm{kNotNegative});
+  keys({.name = "weights",
+        .says = "Factors of the components besides the weight, not negative; 1 where nothing is "
+                "said",
+        .fallback = "1"},
+       cost.weights, ComponentsForm{kNotNegative});
+  keys({"matrix", "W of ½ rᵀ W r instead of weights, of the activation quadratic"}, cost.matrix,
+       SymmetricMatrixForm{});
+  describe_activation(keys, cost);
+  keys({.name = "reference",
+        .says = "What the residual is measured from",
+        .omitted = is_excluded("reference", cost)},
+       cost, OriginForm{});
+  if (YamlMap* map = keys.reading()) check_matrix(*map, cost);
+  if (cost.where.last_node) return;
+  describe_phases(keys, "Phases in which it counts, names may have a *; all by default",
+                  cost.phases);
+  describe_knots(keys, "Knots at which it counts, numbered from 0 over all phases; all by default",
+                 cost);
 }
 
 namespace {
 
-YamlNode text_node(std::string text, const Mark& mark) {
-  return {.kind = YamlNode::Kind::kScalar, .mark = mark, .text = std::move(text)};
-}
-
-CostSpec read_integral(const Name& name, const YamlReader& reader,
-                       const std::filesystem::path& folder) {
-  YamlNode node = reader.node();
-  if (reader.is_scalar()) {
-    node = {.kind = YamlNode::Kind::kMap, .mark = reader.node().mark};
-    node.entries.push_back({"rows", node.mark, reader.node()});
-  }
-  if (node.kind == YamlNode::Kind::kMap && node.find("residual") == nullptr)
-    node.entries.push_back({"residual", node.mark, text_node("expression", node.mark)});
-  CostSpec integral{.name = name};
-  YamlMap map(YamlReader(node, reader.place().path, reader.diagnostics()),
-              "write an expression, as 'energy: u*v'");
-  if (!map.valid() || !read_residual(map, folder, {}, integral)) return integral;
-  if (integral.knots)
+void reject_keys_of_costs(YamlMap& map) {
+  const auto residual = map.find("residual"), reference = map.find("reference");
+  if (map.find("knots"))
     map.reader().error("an integral grows at all knots of its phases", "leave 'knots' out");
-  if (integral.reference || integral.residual.value != "expression")
+  if (reference || (residual && residual->node().text != "expression"))
     map.reader().error("an integral is an expression, without a reference",
                        "write it as 'rows', and other residuals below 'of'");
-  return integral;
+}
+
+void describe_integral(Keys& keys, CostSpec& integral) {
+  keys.about({.title = "Integral by its keys",
+              .examples = R"([{"rows": "u[elbow]*v[elbow]", "phases": "lift"}])"});
+  integral.definition = find_residual("expression");
+  if (YamlMap* map = keys.reading()) {
+    integral.residual = {"expression", map->reader().place()};
+    reject_keys_of_costs(*map);
+  }
+  keys({"residual", "May be left out"},
+       CustomValue{[](const YamlReader&) {}, [] { return OrderedJson("expression"); },
+                   R"({"const": "expression"})"});
+  for (const ResidualKey* key : integral.definition->keys) {
+    KeyInfo info = key->info;
+    info.required = key->traits.required;
+    if (info.required) {  // its rows
+      info.says = "One expression";
+      info.examples = R"(["u[elbow]*v[elbow]"])";
+    }
+    key->visit(keys, info, integral);
+  }
+  describe_phases(keys, "Phases in which it grows, names may have a *; all by default",
+                  integral.phases);
 }
 
 }  // namespace
 
-std::vector<CostSpec> read_integrals(const YamlReader& reader,
-                                     const std::filesystem::path& folder) {
-  std::vector<CostSpec> integrals;
-  if (const auto entries = reader.named_entries("write '{energy: u*v}'"))
-    for (const auto& [name, value] : *entries)
-      integrals.push_back(read_integral(name, value, folder));
-  return integrals;
+bool IntegralsForm::read(const YamlReader& reader, std::vector<CostSpec>& integrals) const {
+  const auto entries = reader.named_entries("write '{energy: u*v}'");
+  if (!entries) return false;
+  for (const auto& [name, value] : *entries) {
+    CostSpec& integral = integrals.emplace_back();
+    integral.name = name;
+    integral.where.kind = TermPlace::Kind::kIntegral;
+    YamlNode rows{.kind = YamlNode::Kind::kMap, .mark = value.node().mark};
+    rows.entries.push_back({"rows", rows.mark, value.node()});
+    GroupValue([&](Keys& keys) { describe_integral(keys, integral); },
+               "write an expression, as 'energy: u*v'")
+        .read(value.is_scalar() ? value.at(rows, value.place().path) : value);
+  }
+  return true;
 }
 
-std::vector<CostSpec> read_costs(const YamlReader& reader, const std::filesystem::path& folder,
-                                 bool terminal) {
-  std::vector<CostSpec> costs;
-  if (const auto entries = reader.named_entries("write '{effort: {residual: control}}'"))
-    for (const auto& [name, value] : *entries)
-      costs.push_back(read_cost(name, value, folder, terminal));
-  return costs;
+std::optional<OrderedJson> IntegralsForm::expand(const std::vector<CostSpec>& integrals) const {
+  OrderedJson json = OrderedJson::object();
+  for (CostSpec integral : integrals)
+    json[integral.name.value] =
+        *GroupValue([&](Keys& keys) { describe_integral(keys, integral); }).expand();
+  return json.empty() ? std::nullopt : std::optional(std::move(json));
+}
+
+OrderedJson IntegralsForm::schema(const std::vector<CostSpec>& /*names the type*/,
+                                  SchemaDefinitions& definitions) const {
+  const OrderedJson integral = defined(definitions, "integral", [&] {
+    CostSpec none;
+    const GroupValue keys([&](Keys& own) { describe_integral(own, none); });
+    return OrderedJson{
+        {"title", "Integral"},
+        {"anyOf", {ExpressionForm().schema({}, definitions), keys.schema(definitions)}},
+        {"examples", OrderedJson::parse(R"(["u[elbow]*v[elbow]"])")}};
+  });
+  return {{"type", "object"}, {"additionalProperties", integral}};
 }
 
 }  // namespace conddp

@@ -153,7 +153,9 @@ void read_feet(const YamlReader& reader, const std::vector<ContactSpec>& contact
 
 void read_starts(const YamlReader& reader, GaitSpec& gait) {
   static const NumberRange kShare{0, 1, false, true, "a share of the cycle from 0 to 1 (excluded)"};
-  for (const auto& [role, start] : read_named_numbers(reader, kShare)) {
+  NamedNumbers starts;
+  NamedNumbersForm{kShare}.read(reader, starts);
+  for (const auto& [role, start] : starts) {
     const auto foot = std::ranges::find(gait.feet, role.value, &FootSpec::role);
     if (foot != gait.feet.end()) {
       foot->start = start;
@@ -191,16 +193,16 @@ void describe_stand(Keys& keys, GaitSpec& gait) {
 /// Reads a planar velocity, m/s.
 void read_velocity(const YamlReader& reader, GaitCommand& command) {
   constexpr double kFastest = 1e3;
-  const auto velocity = read_vector3(reader, "[forward, left, 0] in m/s");
-  if (!velocity) return;
-  if (std::max(std::abs(velocity->x), std::abs(velocity->y)) > kFastest)
+  Vector3<double> velocity;
+  if (!VectorForm{"[forward, left, 0] in m/s"}.read(reader, velocity)) return;
+  if (std::max(std::abs(velocity.x), std::abs(velocity.y)) > kFastest)
     return reader.error(
         fmt::format("a command leads with at most {:g} m/s in each direction", kFastest));
-  if (velocity->z != 0)
+  if (velocity.z != 0)
     return reader.error("a command leads in the plane: its third velocity is 0",
                         "write '[forward, left, 0]'");
-  command.x = velocity->x;
-  command.y = velocity->y;
+  command.x = velocity.x;
+  command.y = velocity.y;
 }
 
 /// The keys of the feet and of their steps, which standing feet do not have.
@@ -211,7 +213,7 @@ void describe_steps(Keys& keys, GaitSpec& gait) {
                 "type, by foot",
         .examples = R"([{"LH": 0, "LF": 0.2, "RH": 0.5, "RF": 0.7}])"},
        CustomValue{[&](const YamlReader& reader) { read_starts(reader, gait); },
-                   [] { return std::nullopt; },
+                   {},
                    R"({"type": "object", "additionalProperties":
                        {"type": "number", "minimum": 0, "exclusiveMaximum": 1}})"});
   keys({"cycles", "How often each foot swings"}, gait.cycles, IntegerForm{1, kMostGaitCycles});
@@ -262,7 +264,7 @@ static void describe(Keys& keys, GaitCommand& command) {
         .examples = "[[0.3, 0, 0]]",
         .fallback = "[0, 0, 0]"},
        CustomValue{[&](const YamlReader& reader) { read_velocity(reader, command); },
-                   [] { return std::nullopt; },
+                   {},
                    R"({"type": "array", "minItems": 3, "maxItems": 3,
                        "items": {"type": "number", "minimum": -1000, "maximum": 1000}})"});
   keys({.name = "turn", .says = "To the left, rad/s", .examples = "[0.2]"}, command.turn,
@@ -292,7 +294,7 @@ OrderedJson CommandsForm::schema(const std::vector<GaitCommand>& value,
   return {{"$ref", "#/definitions/commands"}};
 }
 
-void describe(Keys& keys, GaitSpec& gait, const std::vector<ContactSpec>& contacts) {
+static void describe(Keys& keys, GaitSpec& gait, const std::vector<ContactSpec>& contacts) {
   keys.about({.definition = "gait",
               .title = "Gait",
               .says = "Makes the phases, and a cost swing_<contact> on the swings of each foot; "
@@ -317,7 +319,7 @@ void describe(Keys& keys, GaitSpec& gait, const std::vector<ContactSpec>& contac
        CustomValue{[&](const YamlReader& reader) {
                      read_feet(reader, contacts, map->find("starts"), gait);
                    },
-                   [] { return std::nullopt; },
+                   {},
                    R"({"type": "object", "minProperties": 1,
                        "additionalProperties": {"type": "string", "minLength": 1}})"});
   if (map != nullptr && !map->find("feet")) find_feet(map->reader(), contacts, gait);
@@ -333,13 +335,14 @@ void describe(Keys& keys, GaitSpec& gait, const std::vector<ContactSpec>& contac
     describe_steps(keys, gait);
 }
 
-GaitSpec read_gait(const YamlReader& reader, const std::vector<ContactSpec>& contacts) {
-  GaitSpec gait{.place = reader.place()};
-  YamlMap map(reader);
-  if (!map.valid()) return gait;
-  KeyReader keys(map);
-  describe(keys, gait, contacts);
-  return gait;
+bool GaitForm::read(const YamlReader& reader, GaitSpec& gait) const {
+  gait.place = reader.place();
+  GroupValue([&](Keys& keys) { describe(keys, gait, contacts); }).read(reader);
+  return true;
+}
+
+OrderedJson GaitForm::schema(GaitSpec gait, SchemaDefinitions& definitions) const {
+  return GroupValue([&](Keys& keys) { describe(keys, gait, contacts); }).schema(definitions);
 }
 
 }  // namespace conddp

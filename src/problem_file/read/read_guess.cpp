@@ -60,22 +60,30 @@ static void describe(Keys& keys, GuessSpec::Random& random) {
 
 namespace {
 
-void read_keyframes(const YamlReader& reader, GuessSpec& guess) {
-  guess.states = GuessSpec::States::kKeyframes;
-  if (MapsForm().read(reader, guess.keyframes) && guess.keyframes.empty())
-    reader.error("there is no keyframe");
-}
+struct KeyframesForm {
+  bool read(const YamlReader& reader, GuessSpec& guess) const {
+    guess.states = GuessSpec::States::kKeyframes;
+    const bool good = MapsForm().read(reader, guess.keyframes);
+    if (good && guess.keyframes.empty()) reader.error("there is no keyframe");
+    return good;
+  }
+  std::optional<OrderedJson> expand(const GuessSpec& guess) const {
+    return MapsForm().expand(guess.keyframes);
+  }
+  OrderedJson schema(const GuessSpec& guess, SchemaDefinitions& definitions) const {
+    OrderedJson schema = MapsForm().schema(guess.keyframes, definitions);
+    schema["minItems"] = 1;
+    return schema;
+  }
+};
 
 /// The keys of guessed states between keyframes.
 void describe_keyframes(Keys& keys, GuessSpec& guess) {
   keys.about({.title = "States between keyframes",
               .examples = R"([{"keyframes": [{"knot": 20, "state": "standing"}]}])",
               .rules = R"("required": ["keyframes"])"});
-  keys({"keyframes", "In the order of time; knots interpolate between them"},
-       CustomValue{[&](const YamlReader& reader) { read_keyframes(reader, guess); },
-                   [&] { return MapsForm().expand(guess.keyframes); },
-                   R"({"type": "array", "minItems": 1,
-                       "items": {"$ref": "#/definitions/keyframe"}})"});
+  keys({"keyframes", "In the order of time; knots interpolate between them"}, guess,
+       KeyframesForm{});
   keys({"interpolation",
         "linear: straight from one to the next, rotations the shortest way; cubic: by a natural "
         "cubic spline"},
@@ -84,8 +92,6 @@ void describe_keyframes(Keys& keys, GuessSpec& guess) {
 
 /// A way to guess states, keyframes, or a file.
 struct StatesForm {
-  const std::filesystem::path& folder;
-
   bool read(const YamlReader& reader, GuessSpec& guess) const {
     guess.states_place = reader.place();
     if (reader.is_scalar()) {
@@ -100,29 +106,25 @@ struct StatesForm {
     KeyReader keys(map);
     if (map.find("keyframes")) return describe_keyframes(keys, guess), true;
     guess.states = GuessSpec::States::kFile;
-    guess.states_file = read_data_file(map, folder);
+    describe(keys, guess.states_file.emplace());
     return true;
   }
   std::optional<OrderedJson> expand(GuessSpec guess) const {
-    if (guess.states_file) return expand_data_file(*guess.states_file);
+    if (guess.states_file) return expand_map(*guess.states_file);
     if (guess.states != GuessSpec::States::kKeyframes)
       return OrderedJson(word_of(kStatesGuessWords, guess.states));
     return GroupValue([&](Keys& keys) { describe_keyframes(keys, guess); }).expand();
   }
   OrderedJson schema(GuessSpec guess, SchemaDefinitions& definitions) const {
-    map_schema<KeyframeSpec>(definitions);
     const GroupValue keyframes([&](Keys& keys) { describe_keyframes(keys, guess); });
     return {{"anyOf",
-             {WordForm(kStatesGuessWords, "").schema(),
-              keyframes.schema(definitions),
-              {{"$ref", "#/definitions/data_file"}}}}};
+             {WordForm(kStatesGuessWords, "").schema(), keyframes.schema(definitions),
+              map_schema<DataFileSpec>(definitions)}}};
   }
 };
 
 /// A way to guess controls, a constant or a file, and random numbers that are added.
 struct ControlsForm {
-  const std::filesystem::path& folder;
-
   bool read(const YamlReader& reader, GuessSpec& guess) const {
     guess.controls_place = reader.place();
     if (reader.is_scalar()) {
@@ -140,13 +142,13 @@ struct ControlsForm {
     if (guess.constant) guess.controls = GuessSpec::Controls::kConstant;
     if (map.find("file") || (!map.find("constant") && !map.find("random"))) {
       guess.controls = GuessSpec::Controls::kFile;
-      guess.controls_file = read_data_file(map, folder);
+      describe(keys, guess.controls_file.emplace());
     }
     return true;
   }
   std::optional<OrderedJson> expand(GuessSpec guess) const {
     OrderedJson json = OrderedJson::object();
-    if (guess.controls_file) json = expand_data_file(*guess.controls_file);
+    if (guess.controls_file) json = expand_map(*guess.controls_file);
     KeyWriter keys;
     describe_numbers(keys, guess);
     json.update(keys.json);
@@ -154,6 +156,7 @@ struct ControlsForm {
   }
   OrderedJson schema(GuessSpec guess, SchemaDefinitions& definitions) const {
     const GroupValue numbers([&](Keys& keys) { describe_numbers(keys, guess); });
+    map_schema<DataFileSpec>(definitions);
     OrderedJson from_file = definitions.at("data_file");
     from_file["title"] = "Controls from a file";
     from_file["examples"] = OrderedJson::parse(R"([{"file": "motion.csv", "columns": ["u/hip"]}])");
@@ -174,17 +177,18 @@ struct ControlsForm {
   }
 };
 
-void read_both(const YamlReader& reader, const std::filesystem::path& folder, GuessSpec& guess) {
+void read_both(const YamlReader& reader, GuessSpec& guess) {
   guess.states = GuessSpec::States::kFile;
   guess.controls = GuessSpec::Controls::kFile;
   guess.states_place = guess.controls_place = reader.place();
   if (const auto name = reader.name())
-    guess.states_file = guess.controls_file = DataFileSpec{*name, folder / name->value, {}};
+    guess.states_file = guess.controls_file =
+        DataFileSpec{*name, reader.folder() / name->value, {}};
 }
 
 }  // namespace
 
-void describe(Keys& keys, GuessSpec& guess, const std::filesystem::path& folder) {
+void describe(Keys& keys, GuessSpec& guess) {
   keys.about({.definition = "initial_guess",
               .title = "First trajectory",
               .says = "Where the solver starts",
@@ -197,19 +201,20 @@ void describe(Keys& keys, GuessSpec& guess, const std::filesystem::path& folder)
   keys({"file",
         "A former solution.json or a CSV file for states and controls; relative to the problem "
         "file"},
-       CustomValue{[&](const YamlReader& reader) { read_both(reader, folder, guess); },
-                   [] { return std::nullopt; }, R"({"type": "string", "minLength": 1})"});
+       CustomValue{[&](const YamlReader& reader) { read_both(reader, guess); },
+                   {},
+                   R"({"type": "string", "minLength": 1})"});
   keys({.name = "states",
         .says = "initial: the initial state everywhere; interpolate: straight to the target of the "
                 "terminal costs; keyframes or a file",
         .fallback = R"("initial")"},
-       guess, StatesForm{folder});
+       guess, StatesForm{});
   keys({.name = "controls",
         .says = "zero; quasi_static or gravity: those that hold the guessed states against "
                 "gravity, together with contact forces in contact-implicit problems; constant; a "
                 "file; random ones are added to the others",
         .fallback = R"("zero")"},
-       guess, ControlsForm{folder});
+       guess, ControlsForm{});
 }
 
 }  // namespace conddp

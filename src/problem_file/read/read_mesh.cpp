@@ -22,10 +22,4 @@ void describe(Keys& keys, MeshSpec& mesh) {
        IntegerForm{1, kMaxKnots});
 }
 
-MeshSpec read_mesh(const YamlReader& reader) {
-  MeshSpec mesh{.place = reader.place()};
-  read_map(reader, mesh, "write '{error: 1.0e-6}'");
-  return mesh;
-}
-
 }  // namespace conddp

@@ -84,7 +84,7 @@ void describe_plant_part(Keys& keys, const char* part, std::string_view says,
       reader.expected("a mapping of what differs in the plant");
   };
   keys({.name = part, .says = says, .examples = examples},
-       CustomValue{read, [] { return std::nullopt; }, R"({"type": "object"})"});
+       CustomValue{read, {}, R"({"type": "object"})"});
 }
 
 void read_ground(const YamlReader& reader, MpcPlantSpec& plant) {
@@ -106,22 +106,6 @@ std::optional<OrderedJson> expand_ground(const MpcPlantSpec& plant) {
   for (const TouchedSpec& shape : plant.ground) json.push_back(*TouchedForm().expand(shape));
   return json;
 }
-
-/// A word for whether something is the case; its place says that it is.
-template <std::size_t N>
-struct PlacedWord final : KeyValue {
-  PlacedWord(const Choice<bool> (&words)[N], std::string_view what, std::optional<Place>& its_place)
-      : form(words, what), place(its_place) {}
-  void read(const YamlReader& reader) override {
-    bool chosen = false;
-    if (form.read(reader, chosen) && chosen) place = reader.place();
-  }
-  std::optional<OrderedJson> expand() const override { return form.expand(place.has_value()); }
-  OrderedJson schema(SchemaDefinitions& /*definitions*/) const override { return form.schema(); }
-
-  WordForm<bool, N> form;
-  std::optional<Place>& place;
-};
 
 constexpr Choice<bool> kContactsOfPlantWords[] = {{"scheduled", false}, {"simulated", true}};
 
@@ -395,29 +379,37 @@ struct HeldStateForm {
   }
 };
 
-/// Reads constraints by name, or a single unnamed constraint; its residual then becomes its name.
-std::vector<ConstraintSpec> read_conditions(const YamlReader& reader,
-                                            const std::filesystem::path& folder) {
-  if (!reader.is_map()) {
-    reader.expected("a mapping from names to conditions",
-                    "write '{fallen: {residual: state, columns: theta, upper: 4}}'");
-    return {};
+/// Constraints by name, or a single unnamed constraint; its residual then becomes its name.
+struct ConditionsForm : ConstraintsForm {
+  ConditionsForm() : ConstraintsForm{.last_node = true} {}
+  bool read(const YamlReader& reader, std::vector<ConstraintSpec>& conditions) const {
+    if (!reader.is_map()) {
+      reader.expected("a mapping from names to conditions",
+                      "write '{fallen: {residual: state, columns: theta, upper: 4}}'");
+      return false;
+    }
+    const YamlNode* residual = reader.node().find("residual");
+    if (residual != nullptr && residual->kind == YamlNode::Kind::kScalar) {
+      YamlNode named{.kind = YamlNode::Kind::kMap, .mark = reader.node().mark};
+      named.entries.push_back({residual->text, residual->mark, reader.node()});
+      return read(reader.at(named, reader.place().path), conditions);
+    }
+    ConstraintsForm::read(reader, conditions);
+    for (const ConstraintSpec& condition : conditions)
+      if (condition.softness != Softness::hard)
+        reader.diagnostics().error(condition.function.name.place,
+                                   "a condition that ends the loop is not soft",
+                                   "leave out 'soft' and 'weight'");
+    return true;
   }
-  const YamlNode* residual = reader.node().find("residual");
-  if (residual != nullptr && residual->kind == YamlNode::Kind::kScalar) {
-    YamlNode named{.kind = YamlNode::Kind::kMap, .mark = reader.node().mark};
-    named.entries.push_back({residual->text, residual->mark, reader.node()});
-    return read_conditions(YamlReader(named, reader.place().path, reader.diagnostics()), folder);
+  OrderedJson schema(const std::vector<ConstraintSpec>& value,
+                     SchemaDefinitions& definitions) const {
+    OrderedJson by_name = ConstraintsForm::schema(value, definitions);
+    by_name.erase("type");
+    const OrderedJson one = by_name["additionalProperties"];
+    return {{"type", "object"}, {"anyOf", {one, std::move(by_name)}}};
   }
-  ProblemSpec of_states;
-  read_constraints(reader, folder, true, of_states);
-  for (const ConstraintSpec& condition : of_states.terminal_constraints)
-    if (condition.softness != Softness::hard)
-      reader.diagnostics().error(condition.function.name.place,
-                                 "a condition that ends the loop is not soft",
-                                 "leave out 'soft' and 'weight'");
-  return std::move(of_states.terminal_constraints);
-}
+};
 
 }  // namespace
 
@@ -455,7 +447,7 @@ static void describe(Keys& keys, FallbackSpec& fallback) {
        fallback, HeldStateForm{});
 }
 
-void describe(Keys& keys, MpcSpec& mpc, const std::filesystem::path& folder) {
+void describe(Keys& keys, MpcSpec& mpc) {
   keys.about({.definition = "mpc",
               .title = "Closed loop",
               .says = "Model predictive control in a closed loop, which conddp mpc simulates; no "
@@ -549,23 +541,7 @@ void describe(Keys& keys, MpcSpec& mpc, const std::filesystem::path& folder) {
         .examples = R"([{"fallen": {"residual": "state", "columns": "theta", "lower": 2,
                                     "upper": 4}}])",
         .fallback = "{}"},
-       CustomValue{
-           [&](const YamlReader& reader) { mpc.stop_when = read_conditions(reader, folder); },
-           [] { return std::nullopt; },  // its expansion needs the plant
-           R"({"type": "object",
-               "anyOf": [{"$ref": "#/definitions/terminal_constraint"},
-                         {"additionalProperties": {"$ref": "#/definitions/terminal_constraint"}}]})"});
-}
-
-MpcSpec read_mpc(const YamlReader& reader, const std::filesystem::path& folder,
-                 const Name& solver) {
-  MpcSpec mpc{.place = reader.place()};
-  if (solver.value == "ipopt") mpc.iterations.reset();
-  YamlMap map(reader, "write '{horizon: 1, tick: 0.02, duration: 5}'");
-  if (!map.valid()) return mpc;
-  KeyReader keys(map);
-  describe(keys, mpc, folder);
-  return mpc;
+       mpc.stop_when, ConditionsForm{});
 }
 
 }  // namespace conddp

@@ -12,7 +12,7 @@
 
 namespace conddp {
 
-void describe(Keys& keys, RefineSpec& refine) {
+static void describe(Keys& keys, RefineSpec& refine) {
   static const NumberRange kRatio{0, 1, true, true, "a number between 0 and 1"};
   keys.about({.title = "Finer grid at the ends of a phase",
               .examples = R"([{"first": 3}, {"first": 2, "last": 2, "ratio": 0.6}])"});
@@ -25,7 +25,7 @@ void describe(Keys& keys, RefineSpec& refine) {
   keys({"ratio", "Of neighbouring steps, without unit"}, refine.ratio, NumberForm{kRatio});
 }
 
-void describe(Keys& keys, FreeDurationSpec& free) {
+static void describe(Keys& keys, FreeDurationSpec& free) {
   keys.about({.title = "Duration that is chosen", .examples = R"([{"lower": 0.5, "upper": 3}])"});
   keys({.name = "lower",
         .says = "How long the phase lasts at least, s; by default a tenth of what is written",
@@ -64,20 +64,6 @@ struct CoordinatesForm {
     names["minItems"] = 1;
     return {{"anyOf", {NameForm().schema(), std::move(names)}}};
   }
-};
-
-/// Contacts, expanded to their names.
-struct ContactNamesForm {
-  const ProblemSpec* spec;
-  bool read(const YamlReader& reader, ContactNames& names) const {
-    names = read_contact_names(reader);
-    return true;
-  }
-  std::optional<OrderedJson> expand(const ContactNames& names) const {
-    if (spec == nullptr || spec->contacts.empty()) return std::nullopt;
-    return expand_contact_names(names, *spec);
-  }
-  OrderedJson schema() const { return {{"$ref", "#/definitions/contact_names"}}; }
 };
 
 /// States that change in a jump, with their new values.
@@ -144,12 +130,12 @@ void describe_jump(Keys& keys, PhaseSpec& phase) {
       "write '- {jump: {v: -0.8*v}}', and the phase after it as another entry");
 }
 
-void describe_impulse(Keys& keys, PhaseSpec& phase, const ProblemSpec* spec) {
+void describe_impulse(Keys& keys, PhaseSpec& phase) {
   static const NumberRange kRestitution{0, 1, false, false, "a number from 0 to 1"};
   keys({"impulse",
         "Makes the phase an impulse: one knot that takes no time, at which these contacts stop "
         "(name those that stand already, too)"},
-       phase.contacts, ContactNamesForm{spec});
+       phase.contacts, ContactNamesForm{});
   keys({"restitution",
         "Of an impulse: share of the contacts' velocity that is thrown back, without unit"},
        phase.restitution, NumberForm{kRestitution});
@@ -197,7 +183,8 @@ void describe_duration(Keys& keys, PhaseSpec& phase) {
        phase.dt, NumberForm{kPositive});
   keys({"duration", "Duration of the phase instead of dt, s"},
        CustomValue{[&](const YamlReader& reader) { NumberForm{kPositive}.read(reader, duration); },
-                   [] { return std::nullopt; }, R"({"type": "number", "exclusiveMinimum": 0})"});
+                   {},
+                   R"({"type": "number", "exclusiveMinimum": 0})"});
   keys({"refine", "Shorter steps where the phase begins or ends, as at switches of contacts"},
        phase.refine, MapForm{});
   if (map != nullptr && phase.refine) check_refine(*map->find("refine"), phase);
@@ -219,15 +206,17 @@ void describe_duration(Keys& keys, PhaseSpec& phase) {
 }
 
 /// The keys of a phase that takes time.
-void describe_knots(Keys& keys, PhaseSpec& phase, const ProblemSpec* spec) {
+void describe_knots(Keys& keys, PhaseSpec& phase, bool with_contacts) {
   keys({"system", "Of 'systems' the one that moves"}, phase.system, NameForm{});
   YamlMap* map = keys.reading();
   if (map != nullptr && map->require("knots")) phase.knots.value = 1;
   keys({.name = "knots", .says = "Number of time steps", .fallback = "none"}, phase.knots,
        IntegerForm{1, kMaxKnots});
   describe_duration(keys, phase);
-  keys({"contacts", "Contacts that are held; none by default"}, phase.contacts,
-       ContactNamesForm{spec});
+  keys({.name = "contacts",
+        .says = "Contacts that are held; none by default",
+        .omitted = !with_contacts},
+       phase.contacts, ContactNamesForm{});
   reject(map, {"lower", "upper"}, "'{}' belongs to the choice of the initial state",
          "write '- {choose: all, lower: -1, upper: 1}'");
   reject(map, {"restitution"}, "'{}' belongs to impulses",
@@ -276,7 +265,7 @@ constexpr std::string_view kKindsOfPhases = R"("oneOf": [
 
 }  // namespace
 
-void describe(Keys& keys, PhaseSpec& phase, const ProblemSpec* spec) {
+static void describe(Keys& keys, PhaseSpec& phase, bool with_contacts) {
   keys.about({.definition = "phase",
               .title = "Phase",
               .says = "A run of knots with the same structure, or an impulse or a jump between two "
@@ -295,9 +284,9 @@ void describe(Keys& keys, PhaseSpec& phase, const ProblemSpec* spec) {
     phase.jump.emplace();
     phase.restitution = 0;
   }
-  if (all || !phase.takes_no_time()) describe_knots(keys, phase, spec);
+  if (all || !phase.takes_no_time()) describe_knots(keys, phase, with_contacts);
   if (phase.jump) describe_jump(keys, phase);
-  if (phase.restitution) describe_impulse(keys, phase, spec);
+  if (phase.restitution) describe_impulse(keys, phase);
   if (phase.choice) describe_choice(keys, phase);
   if (all || !phase.choice)
     keys({"weights", "Weights that costs have in this phase instead of their own"}, phase.weights,
@@ -320,27 +309,42 @@ void check_choices(std::vector<PhaseSpec>& phases, bool before_gait, Diagnostics
 
 }  // namespace
 
-std::vector<PhaseSpec> read_phases(const YamlReader& reader, bool before_gait) {
-  std::vector<PhaseSpec> phases;
+bool PhasesForm::read(const YamlReader& reader, std::vector<PhaseSpec>& phases) const {
   const auto items = reader.items("write '[{knots: 100, dt: 0.01}]'");
-  if (!items) return phases;
+  if (!items) return false;
   if (items->empty()) reader.error("there is no phase", "write '- {knots: 100, dt: 0.01}'");
   long long knots = 0;
   std::unordered_set<std::string> names;
   for (std::size_t i = 0; i < items->size(); ++i) {
     PhaseSpec& phase = phases.emplace_back();
     phase.name = {fmt::format("phase_{}", i + 1), (*items)[i].place()};
-    GroupValue([&phase](Keys& keys) { describe(keys, phase, nullptr); }).read((*items)[i]);
-    knots += phases.back().knots.value;
-    const Name& name = phases.back().name;
-    if (!names.insert(name.value).second)
-      reader.diagnostics().error(name.place,
-                                 fmt::format("two phases have the name '{}'", name.value));
+    GroupValue([&](Keys& keys) { describe(keys, phase, with_contacts); }).read((*items)[i]);
+    knots += phase.knots.value;
+    if (!names.insert(phase.name.value).second)
+      reader.diagnostics().error(phase.name.place,
+                                 fmt::format("two phases have the name '{}'", phase.name.value));
   }
   check_choices(phases, before_gait, reader.diagnostics());
   if (knots > kMaxKnots)
     reader.error(fmt::format("the phases have more than {} knots together", kMaxKnots));
-  return phases;
+  return true;
+}
+
+std::optional<OrderedJson> PhasesForm::expand(const std::vector<PhaseSpec>& phases) const {
+  OrderedJson json = OrderedJson::array();
+  for (PhaseSpec phase : phases) {
+    KeyWriter keys;
+    describe(keys, phase, with_contacts);
+    json.push_back(std::move(keys.json));
+  }
+  return json;
+}
+
+OrderedJson PhasesForm::schema(const std::vector<PhaseSpec>& /*names the type*/,
+                               SchemaDefinitions& definitions) const {
+  PhaseSpec phase;
+  const GroupValue keys([&](Keys& own) { describe(own, phase, with_contacts); });
+  return {{"type", "array"}, {"minItems", 1}, {"items", keys.schema(definitions)}};
 }
 
 }  // namespace conddp

@@ -230,13 +230,11 @@ void describe(Keys& keys, RobotSpec& robot) {
         "exceeds the sum of the others): as_given warns, and fails only where the robot's inertia "
         "matrix is not positive definite; strict fails"},
        robot.inertias, WordForm{kInertiasWords, "treatment of inertias"});
-}
-
-RobotSpec read_robot(const YamlReader& reader, const std::filesystem::path& folder) {
-  RobotSpec robot;
-  read_map(reader, robot, "write '{urdf: robot.urdf}'");
-  robot.path = folder / robot.urdf.value;
-  return robot;
+  YamlMap* map = keys.reading();
+  if (map == nullptr) return;
+  robot.path = map->reader().folder() / robot.urdf.value;
+  if (robot.name.value.find_first_of("/,") != std::string::npos)
+    map->reader().diagnostics().error(robot.name.place, "a robot's name has no '/' and no ','");
 }
 
 }  // namespace conddp

@@ -2,20 +2,18 @@
 
 #include "problem_file/spec/spec.hpp"
 #include "problem_file/spec/spec_gait.hpp"
-#include "problem_file/values/expand_values.hpp"
 #include "problem_file/values/key_forms.hpp"
-#include "problem_file/values/read_state.hpp"
-#include "problem_file/values/read_values.hpp"
-#include "problem_file/yaml/yaml_reader.hpp"
 
 namespace conddp {
 
-/// Readers of the parts of a problem file. Each fills its structs from a node and reports errors.
-/// Values that could not be read keep their defaults; callers check Diagnostics::has_errors() at
-/// the end.
+/// Descriptions of the parts of a problem file and forms of their values. Reading fills structs and
+/// reports errors; values that could not be read keep their defaults, and callers check
+/// Diagnostics::has_errors() at the end.
+
+// problem_keys.cpp
+void describe(Keys& keys, ProblemSpec& spec);
 
 // read_robot.cpp, read_actuation.cpp
-RobotSpec read_robot(const YamlReader& reader, const std::filesystem::path& folder);
 void describe(Keys& keys, RobotSpec& robot);
 void describe(Keys& keys, WrenchSpec& wrench);
 /// `full`, `none`, or the actuators.
@@ -25,24 +23,31 @@ struct ActuationForm {
   OrderedJson schema(const ActuationSpec& value, SchemaDefinitions& definitions) const;
 };
 
-/// Properties of the file that readers of its parts need.
-struct FileContext {
-  std::filesystem::path folder;
-  ExpressionNamesSpec names;
+// read_system.cpp
+void describe(Keys& keys, SystemSpec& system);
+/// A system of the type with this index in kSystemTypes, with the type's default parameters.
+SystemSpec default_system(std::size_t type);
+/// A system of any type; `names` are those of the file.
+struct SystemForm {
+  const ExpressionNamesSpec& names;
+  bool read(const YamlReader& reader, SystemSpec& system) const;
+  std::optional<OrderedJson> expand(const SystemSpec& system) const { return expand_map(system); }
+  OrderedJson schema(const SystemSpec& value, SchemaDefinitions& definitions) const;
 };
 
-// read_system.cpp
-SystemSpec read_system(const YamlReader& reader, const FileContext& file);
-
-// read_expression_system.cpp
-void read_expression_system(YamlMap& map, const FileContext& file, ExpressionSystemSpec& system);
-
-// read_library_system.cpp
-void read_library_system(YamlMap& map, const std::filesystem::path& folder,
-                         LibrarySystemSpec& system);
+// read_own_system.cpp
+void describe_parameters(Keys& keys, ExpressionSystemSpec& system);
+void describe_parameters(Keys& keys, LibrarySystemSpec& system);
+/// Parses the expressions of a system that has been read, or loads its library.
+void settle_own_system(const YamlReader& reader, const ExpressionNamesSpec& names,
+                       SystemSpec& system);
 
 // read_tables.cpp
-std::vector<TableSpec> read_tables(const YamlReader& reader, const std::filesystem::path& folder);
+void describe(Keys& keys, TableSpec& table);
+struct TablesForm : EntriesForm<TableSpec> {
+  TablesForm();
+  OrderedJson schema(const std::vector<TableSpec>& value, SchemaDefinitions& definitions) const;
+};
 
 // read_contacts.cpp
 /// Contacts by name; `defaults` is for all.
@@ -58,7 +63,6 @@ void describe(Keys& keys, SphereSpec& sphere);
 void describe(Keys& keys, HalfSpaceSpec& half_space);
 
 // read_stepping.cpp
-inline constexpr EntriesForm<CandidateSpec> kCandidates{&CandidateSpec::name};
 void describe(Keys& keys, CandidateSpec& candidate);
 void describe(Keys& keys, SteppingSpec& stepping);
 /// `ground`, or a shape.
@@ -79,46 +83,60 @@ struct CommandsForm {
   }
   OrderedJson schema(const std::vector<GaitCommand>& value, SchemaDefinitions& definitions) const;
 };
-void describe(Keys& keys, GaitSpec& gait, const std::vector<ContactSpec>& contacts);
-GaitSpec read_gait(const YamlReader& reader, const std::vector<ContactSpec>& contacts);
+/// The gait of feet among these contacts.
+struct GaitForm {
+  const std::vector<ContactSpec>& contacts;
+  bool read(const YamlReader& reader, GaitSpec& gait) const;
+  /// Expanded files have phases instead.
+  std::optional<OrderedJson> expand(const GaitSpec& /*gait*/) const { return std::nullopt; }
+  OrderedJson schema(GaitSpec gait, SchemaDefinitions& definitions) const;
+};
 
 // read_phases.cpp
-void describe(Keys& keys, RefineSpec& refine);
-void describe(Keys& keys, FreeDurationSpec& free);
-/// `spec` is needed to expand the names of all contacts.
-void describe(Keys& keys, PhaseSpec& phase, const ProblemSpec* spec);
-/// `before_gait`: a gait makes the phases that follow.
-std::vector<PhaseSpec> read_phases(const YamlReader& reader, bool before_gait);
+/// Phases in the order of time.
+struct PhasesForm {
+  bool with_contacts;        ///< expanded phases name their contacts
+  bool before_gait = false;  ///< a gait makes the phases that follow
+  bool read(const YamlReader& reader, std::vector<PhaseSpec>& phases) const;
+  std::optional<OrderedJson> expand(const std::vector<PhaseSpec>& phases) const;
+  OrderedJson schema(const std::vector<PhaseSpec>& value, SchemaDefinitions& definitions) const;
+};
 
 // read_mesh.cpp
 void describe(Keys& keys, MeshSpec& mesh);
-MeshSpec read_mesh(const YamlReader& reader);
 
 // read_costs.cpp
-std::vector<CostSpec> read_costs(const YamlReader& reader, const std::filesystem::path& folder,
-                                 bool terminal);
-/// Each integral is an expression, or a residual with `rows`, whose key `residual` is optional.
-std::vector<CostSpec> read_integrals(const YamlReader& reader, const std::filesystem::path& folder);
-/// A name or names of phases, at least one.
-std::optional<std::vector<Name>> read_phase_names(const YamlReader& reader);
-/// Reads whether a constraint also applies to the nodes at the end of its phases.
-void read_nodes(YamlMap& map, CostSpec& function);
-/// Reads the keys that define the function of a cost or constraint and where it applies: all except
-/// weights and activation. False for an unknown residual.
-bool read_residual(YamlMap& map, const std::filesystem::path& folder, TermPlace place,
-                   CostSpec& cost);
+/// A cost; `where` says where it stands.
+void describe(Keys& keys, CostSpec& cost);
+/// Each integral is an expression, or a mapping with `rows`.
+struct IntegralsForm {
+  bool read(const YamlReader& reader, std::vector<CostSpec>& integrals) const;
+  std::optional<OrderedJson> expand(const std::vector<CostSpec>& integrals) const;
+  OrderedJson schema(const std::vector<CostSpec>& value, SchemaDefinitions& definitions) const;
+};
+/// Describes the residual of a cost or constraint and its keys. False for an unknown residual.
+bool describe_function(Keys& keys, std::string_view says, CostSpec& cost);
+void describe_phases(Keys& keys, std::string_view says, std::optional<std::vector<Name>>& phases);
+void describe_knots(Keys& keys, std::string_view says, CostSpec& cost);
 
 // read_reference.cpp
-/// The reference of a cost whose residual and keys have been read.
-std::optional<ReferenceSpec> read_reference(const YamlReader& reader, const CostSpec& cost,
-                                            const std::filesystem::path& folder);
-/// `{file: ..., columns: [...]}`; the map may have other keys.
-std::optional<DataFileSpec> read_data_file(YamlMap& map, const std::filesystem::path& folder);
+void describe(Keys& keys, DataFileSpec& file);
+/// The reference of a cost whose residual and keys are known.
+struct OriginForm {
+  bool read(const YamlReader& reader, CostSpec& cost) const;
+  std::optional<OrderedJson> expand(const CostSpec& cost) const;
+  OrderedJson schema(const CostSpec& cost, SchemaDefinitions& definitions) const;
+};
 
 // read_constraints.cpp
-/// Adds to the spec's control_bounds and constraints, or to its terminal_constraints.
-void read_constraints(const YamlReader& reader, const std::filesystem::path& folder, bool terminal,
-                      ProblemSpec& spec);
+/// Constraints by name, on running knots or at the last node.
+struct ConstraintsForm {
+  bool last_node = false;
+  bool read(const YamlReader& reader, std::vector<ConstraintSpec>& all) const;
+  std::optional<OrderedJson> expand(const std::vector<ConstraintSpec>& all) const;
+  OrderedJson schema(const std::vector<ConstraintSpec>& value,
+                     SchemaDefinitions& definitions) const;
+};
 
 // read_terminal_lqr.cpp
 /// An equilibrium, or a regulator about it.
@@ -129,19 +147,13 @@ struct LqrForm {
 };
 
 // read_guess.cpp
-void describe(Keys& keys, GuessSpec& guess, const std::filesystem::path& folder);
-
-// read_problem.cpp
-void describe(Keys& keys, Perturbation& perturbation);
+void describe(Keys& keys, GuessSpec& guess);
 
 // read_solver.cpp
 void describe(Keys& keys, SolverOptions& options);
 void describe(Keys& keys, SolverSpec& solver);
 
 // read_mpc.cpp
-void describe(Keys& keys, MpcSpec& mpc, const std::filesystem::path& folder);
-/// `solver`: name in the file. By default ipopt, which has no real-time iteration, solves windows
-/// to its tolerances.
-MpcSpec read_mpc(const YamlReader& reader, const std::filesystem::path& folder, const Name& solver);
+void describe(Keys& keys, MpcSpec& mpc);
 
 }  // namespace conddp

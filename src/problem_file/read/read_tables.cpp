@@ -9,113 +9,173 @@
 namespace conddp {
 namespace {
 
+constexpr std::string_view kRowsSchema = R"({
+  "type": "array",
+  "items": {"type": ["number", "array"], "items": {"type": "number"}}
+})";
+
 /// Reads ascending numbers, or two lists of them.
-bool read_points(const YamlReader& reader, TableSpec& table) {
+void read_points(const YamlReader& reader, TableSpec& table) {
   const auto items = reader.items("write ascending numbers, or two lists of them");
-  if (!items) return false;
+  if (!items) return;
   if (!items->empty() && !items->front().is_sequence()) {
-    const auto numbers = reader.numbers();
-    if (numbers) table.points = {*numbers};
-    return numbers.has_value();
+    if (const auto numbers = reader.numbers()) table.points = {*numbers};
+    return;
   }
   constexpr std::size_t kMostArguments = 2;
   if (items->size() != kMostArguments)
-    return reader.error("a table has the points of one argument or of two"), false;
-  for (const YamlReader& item : *items) {
-    const auto numbers = item.numbers();
-    if (!numbers) return false;
-    table.points.push_back(*numbers);
-  }
-  return true;
+    return reader.error("a table has the points of one argument or of two");
+  const auto first = items->front().numbers();
+  const auto second = first ? items->back().numbers() : std::nullopt;
+  if (second) table.points = {*first, *second};
 }
 
-bool read_values(const YamlReader& reader, TableSpec& table) {
+/// Reads a number for each point, or a row of them for each point of the first argument.
+void read_values(const YamlReader& reader, TableSpec& table) {
+  if (table.points.empty()) return;
+  const std::size_t count = table.points[0].size();
   if (table.points.size() == 1) {
-    const auto numbers = reader.numbers(table.points[0].size(), "one per point");
-    if (numbers) table.values = *numbers;
-    return numbers.has_value();
+    table.values = reader.numbers(count, "one per point").value_or(std::vector<double>());
+    return;
   }
   const auto rows = reader.items("write a list for each point of the first argument");
-  if (!rows) return false;
-  if (rows->size() != table.points[0].size())
+  if (!rows) return;
+  if (rows->size() != count)
     return reader.error(fmt::format("the first argument has {} points, and there are {} rows",
-                                    table.points[0].size(), rows->size())),
-           false;
+                                    count, rows->size()));
   for (const YamlReader& row : *rows) {
     const auto numbers =
         row.numbers(table.points[1].size(), "one per point of the second argument");
-    if (!numbers) return false;
+    if (!numbers) return;
     table.values.insert(table.values.end(), numbers->begin(), numbers->end());
   }
-  return true;
+}
+
+OrderedJson expand_points(const TableSpec& table) {
+  return table.points.size() == 1 ? OrderedJson(table.points[0]) : OrderedJson(table.points);
+}
+
+OrderedJson expand_values(const TableSpec& table) {
+  if (table.points.size() == 1) return table.values;
+  const std::size_t columns = table.points[1].size();
+  OrderedJson rows = OrderedJson::array();
+  for (auto row = table.values.begin(); row != table.values.end(); row += columns)
+    rows.push_back(std::vector<double>(row, row + columns));
+  return rows;
 }
 
 /// The numbers of a column; empty with an error if the column is missing or has an empty cell.
-std::optional<std::vector<double>> column_of(const DataTable& data, const Name& column,
-                                             Diagnostics& out) {
+std::vector<double> column_of(const DataTable& data, const Name& column, Diagnostics& out) {
+  std::vector<double> numbers;
   const auto index = data.find(column.value);
-  if (!index) {
+  if (!index)
     out.error(column.place, fmt::format("'{}' has no column '{}'", data.file, column.value),
               name_hint(column.value, data.columns, "its columns"));
-    return std::nullopt;
-  }
-  std::vector<double> numbers;
-  for (const auto& row : data.rows) {
-    if (!row[*index]) {
+  for (std::size_t i = 0; index && i < data.rows.size(); ++i) {
+    const auto& cell = data.rows[i][*index];
+    if (!cell) {
       out.error(column.place,
                 fmt::format("the column '{}' of '{}' has an empty cell", column.value, data.file));
-      return std::nullopt;
+      break;
     }
-    numbers.push_back(*row[*index]);
+    numbers.push_back(*cell);
   }
   return numbers;
 }
 
-/// Reads columns of a CSV file: the argument and the values.
-bool read_columns(YamlMap& keys, const std::filesystem::path& folder, TableSpec& table) {
-  const auto file = keys.require("file"), x = keys.require("x"), y = keys.require("y");
-  if (!file || !x || !y) return false;
-  const auto name = file->name(), argument = x->name(), value = y->name();
-  if (!name || !argument || !value) return false;
-  Diagnostics& out = keys.reader().diagnostics();
-  const auto data = load_csv_columns(folder / name->value, name->place, out);
-  if (!data) return false;
-  const auto points = column_of(*data, *argument, out), values = column_of(*data, *value, out);
-  if (!points || !values) return false;
-  table.points = {*points};
-  table.values = *values;
-  return true;
+/// Columns of a CSV file: the argument and the values.
+struct TableColumns {
+  Name file, x, y;
+};
+
+void load_columns(const YamlReader& reader, const TableColumns& columns, TableSpec& table) {
+  Diagnostics& out = reader.diagnostics();
+  const auto data = load_csv_columns(reader.folder() / columns.file.value, columns.file.place, out);
+  if (!data) return;
+  table.points = {column_of(*data, columns.x, out)};
+  table.values = column_of(*data, columns.y, out);
 }
 
-bool read_numbers(YamlMap& keys, TableSpec& table) {
-  const auto points = keys.require("points"), values = keys.require("values");
-  return points && values && read_points(*points, table) && read_values(*values, table);
+void make_function(const YamlReader& reader, TableSpec& table) {
+  try {
+    table.function =
+        table.points.size() == 1
+            ? std::make_shared<SplineTable>(table.points[0], table.values)
+            : std::make_shared<SplineTable>(table.points[0], table.points[1], table.values);
+  } catch (const std::invalid_argument& e) {
+    reader.error(e.what());
+  }
 }
 
 }  // namespace
 
-std::vector<TableSpec> read_tables(const YamlReader& reader, const std::filesystem::path& folder) {
-  std::vector<TableSpec> tables;
-  const auto entries = reader.named_entries(
-      "write '{drag: {points: [0, 1], values: [0, 2]}}' or '{drag: {file: "
-      "drag.csv, x: speed, y: force}}'");
-  if (!entries) return tables;
-  for (const auto& [name, value] : *entries) {
-    TableSpec table{.name = name};
-    YamlMap keys(value);
-    const bool from_file = value.is_map() && value.node().find("file") != nullptr;
-    if (!(from_file ? read_columns(keys, folder, table) : read_numbers(keys, table))) continue;
-    try {
-      table.function =
-          table.points.size() == 1
-              ? std::make_shared<SplineTable>(table.points[0], table.values)
-              : std::make_shared<SplineTable>(table.points[0], table.points[1], table.values);
-      tables.push_back(std::move(table));
-    } catch (const std::invalid_argument& e) {
-      value.error(e.what());
-    }
+void describe(Keys& keys, TableSpec& table) {
+  keys.about({.definition = "table",
+              .title = "Tabulated function",
+              .examples = R"([{"points": [0, 1, 2], "values": [0, 0.3, 0.5]},
+                              {"file": "drag.csv", "x": "speed", "y": "force"}])",
+              .rules = R"("oneOf": [{"required": ["points", "values"]},
+                                    {"required": ["file", "x", "y"]}])"});
+  YamlMap* map = keys.reading();
+  const int errors = map != nullptr ? map->reader().diagnostics().error_count() : 0;
+  const bool from_file = map != nullptr && map->reader().has("file");
+  const bool from_numbers = map != nullptr && !from_file;
+  if (!from_file) {
+    if (from_numbers) map->require("points"), map->require("values");
+    keys({"points",
+          "Ascending values of the argument, or a list of them for each of two arguments, in any "
+          "unit"},
+         CustomValue{[&](const YamlReader& reader) { read_points(reader, table); },
+                     [&] { return expand_points(table); }, kRowsSchema});
+    keys({"values",
+          "One number for each point; of two arguments a list for each point of the first one"},
+         CustomValue{[&](const YamlReader& reader) { read_values(reader, table); },
+                     [&] { return expand_values(table); }, kRowsSchema});
   }
-  return tables;
+  TableColumns columns;
+  if (!from_numbers) {
+    keys({.name = "file",
+          .says = "Instead of points and values: a CSV file with a header, relative to the problem "
+                  "file",
+          .required = from_file,
+          .fallback = "none",
+          .omitted = true},
+         columns.file, NameForm{});
+    keys({.name = "x",
+          .says = "Of a file: the column of the argument, which ascends, in any unit",
+          .required = from_file,
+          .fallback = "none",
+          .omitted = true},
+         columns.x, NameForm{});
+    keys({.name = "y",
+          .says = "Of a file: the column of the values, in any unit",
+          .required = from_file,
+          .fallback = "none",
+          .omitted = true},
+         columns.y, NameForm{});
+  }
+  const auto failed = [&] { return map->reader().diagnostics().error_count() > errors; };
+  if (map == nullptr || failed()) return;
+  if (from_file) load_columns(map->reader(), columns, table);
+  if (!failed()) make_function(map->reader(), table);
+}
+
+TablesForm::TablesForm()
+    : EntriesForm{.name = &TableSpec::name,
+                  .hint =
+                      "write '{drag: {points: [0, 1], values: [0, 2]}}' or '{drag: {file: "
+                      "drag.csv, x: speed, y: force}}'"} {}
+
+OrderedJson TablesForm::schema(const std::vector<TableSpec>& tables,
+                               SchemaDefinitions& definitions) const {
+  return defined(definitions, "tables", [&] {
+    OrderedJson schema = {{"title", "Tabulated functions"},
+                          {"description",
+                           "Functions by name: natural cubic splines through tabulated values, "
+                           "linear beyond the ends"}};
+    schema.update(EntriesForm::schema(tables, definitions));
+    return schema;
+  });
 }
 
 }  // namespace conddp

@@ -22,13 +22,25 @@ struct EquilibriumForm {
   std::optional<OrderedJson> expand(const TerminalLqrSpec& lqr) const {
     return lqr.name ? OrderedJson(lqr.name->value) : expand_map(lqr.state);
   }
-  OrderedJson schema() const { return {{"$ref", "#/definitions/equilibrium"}}; }
+  OrderedJson schema(const TerminalLqrSpec& /*names the type*/,
+                     SchemaDefinitions& definitions) const {
+    return defined(definitions, "equilibrium", [&] {
+      return OrderedJson{
+          {"title", "Equilibrium"},
+          {"description",
+           "A state at rest that controls and contacts can hold: a configuration, initial, all "
+           "numbers of the state, or a state"},
+          {"anyOf",
+           {NameForm().schema(), NumbersForm().schema(), map_schema<StateSpec>(definitions)}},
+          {"examples", OrderedJson::parse(
+                           R"(["standing", [0, 3.1416, 0, 0], {"values": {"theta": 3.1416}}])")}};
+    });
+  }
 };
 
 /// True if the mapping has keys other than those of an equilibrium.
 bool has_own_keys(const YamlReader& reader) {
-  const auto has = [&](std::string_view key) { return reader.node().find(key) != nullptr; };
-  return reader.is_map() && (has("about") || has("weight") || has("set"));
+  return reader.has("about") || reader.has("weight") || reader.has("set");
 }
 
 }  // namespace
@@ -57,15 +69,15 @@ std::optional<OrderedJson> LqrForm::expand(const TerminalLqrSpec& lqr) const {
   return expand_map(lqr);
 }
 
-OrderedJson LqrForm::schema(const TerminalLqrSpec& /*names the type*/,
-                            SchemaDefinitions& definitions) const {
-  if (!definitions.contains("terminal_lqr"))
-    definitions["terminal_lqr"] = {
+OrderedJson LqrForm::schema(const TerminalLqrSpec& value, SchemaDefinitions& definitions) const {
+  return defined(definitions, "terminal_lqr", [&] {
+    return OrderedJson{
         {"title", "Regulator about an equilibrium"},
         {"description", "The equilibrium, or that with a weight"},
-        {"anyOf", {EquilibriumForm().schema(), map_schema<TerminalLqrSpec>(definitions)}},
+        {"anyOf",
+         {EquilibriumForm().schema(value, definitions), map_schema<TerminalLqrSpec>(definitions)}},
         {"examples", OrderedJson::parse(R"(["standing", {"about": "standing", "weight": 1.1}])")}};
-  return {{"$ref", "#/definitions/terminal_lqr"}};
+  });
 }
 
 }  // namespace conddp

@@ -4,8 +4,8 @@
 
 #include "base/text/spelling.hpp"
 #include "problem_file/residuals/cost_residual.hpp"
+#include "problem_file/residuals/residual_keys.hpp"
 #include "problem_file/residuals/residual_table.hpp"
-#include "problem_file/residuals/rows_key.hpp"
 
 namespace conddp {
 namespace {

@@ -1,7 +1,6 @@
-#include "problem_file/residuals/contact_keys.hpp"
 #include "problem_file/residuals/cost_residual.hpp"
+#include "problem_file/residuals/residual_keys.hpp"
 #include "problem_file/residuals/residual_table.hpp"
-#include "problem_file/residuals/row_names.hpp"
 
 namespace conddp {
 namespace {

@@ -1,7 +1,7 @@
 #include <algorithm>
 
 #include "problem_file/residuals/cost_residual.hpp"
-#include "problem_file/residuals/key_kinds.hpp"
+#include "problem_file/residuals/residual_keys.hpp"
 #include "problem_file/residuals/residual_table.hpp"
 #include "systems/own_states.hpp"
 
@@ -9,7 +9,7 @@ namespace conddp {
 namespace {
 
 /// Offset on the columns of the initial state.
-const Key<ComponentsSpec> kOffset{"offset"};
+const Key<ComponentsSpec> kOffset{"offset", ComponentsSpec{.scalar = 0.0}};
 
 /// Offset for each number of the state; rotations do not support offsets.
 std::optional<std::vector<double>> cycle_offset(const ResidualContext& context) {
@@ -62,17 +62,15 @@ std::optional<CostResidual> make_cycle(const ResidualContext& context) {
   return result;
 }
 
-ResidualKey offset_key() {
-  ResidualKey offset = components_key(
-      kOffset, "For cycle: offset of columns of the first state (not of rotations); 0 by default");
-  offset.schema["examples"] = OrderedJson::parse(R"([{"q/base_x": 0.3}])");
-  return offset;
-}
-
 }  // namespace
 
 std::span<const ResidualDefinition> cycle_residuals() {
-  static const ResidualKey offset = offset_key();
+  static const ResidualKey offset = residual_key(
+      kOffset,
+      {.says = "For cycle: offset of columns of the first state (not of rotations); 0 by default",
+       .examples = R"([{"q/base_x": 0.3}])",
+       .fallback = "none"},
+      ComponentsForm{});
   static const ResidualDefinition all[] = {
       {.name = "cycle",
        .description =

@@ -2,10 +2,9 @@
 
 #include "problem_file/plant/shape_pairs.hpp"
 #include "problem_file/residuals/cost_residual.hpp"
-#include "problem_file/residuals/key_kinds.hpp"
+#include "problem_file/residuals/residual_keys.hpp"
 #include "problem_file/residuals/residual_table.hpp"
 #include "problem_file/spec/enum_names.hpp"
-#include "problem_file/values/value_schema.hpp"
 
 namespace conddp {
 namespace {
@@ -21,17 +20,49 @@ void read_pair(const YamlReader& reader, PairsSpec& pairs) {
     reader.error(fmt::format("a pair has two names, this list {}", names->size()));
 }
 
-PairsSpec read_pairs(const YamlReader& reader) {
-  PairsSpec pairs{.place = reader.place()};
-  if (reader.is_scalar()) {
-    pairs.choice = reader.choice(kPairsWords, "choice of pairs").value_or(pairs.choice);
-    return pairs;
+/// A choice of pairs, or pairs by name.
+struct PairsForm {
+  bool read(const YamlReader& reader, PairsSpec& pairs) const {
+    pairs = {.place = reader.place()};
+    if (reader.is_scalar())
+      return WordForm(kPairsWords, "choice of pairs").read(reader, pairs.choice);
+    const auto items = reader.items();
+    if (!items) return false;
+    if (items->empty()) reader.error("there is no pair", "write '[[forearm, table]]'");
+    for (const YamlReader& item : *items) read_pair(item, pairs);
+    return true;
   }
-  const auto items = reader.items();
-  if (!items) return pairs;
-  if (items->empty()) reader.error("there is no pair", "write '[[forearm, table]]'");
-  for (const YamlReader& item : *items) read_pair(item, pairs);
-  return pairs;
+  std::optional<OrderedJson> expand(const PairsSpec& pairs) const {
+    if (pairs.choice != PairsSpec::Choice::kNamed) return word_of(kPairsWords, pairs.choice);
+    OrderedJson json = OrderedJson::array();
+    for (const auto& [first, second] : pairs.named) json.push_back({first.value, second.value});
+    return json;
+  }
+  OrderedJson schema(const PairsSpec& /*names the type*/, SchemaDefinitions& definitions) const {
+    return defined(definitions, "shape_pairs", [] {
+      OrderedJson pair = NamesForm().schema();
+      pair.update({{"minItems", 2}, {"maxItems", 2}});
+      return OrderedJson{
+          {"title", "Pairs of shapes"},
+          {"description",
+           "Of distance: every shape against every obstacle, every two shapes but those on one "
+           "link or on links that a joint connects (self), all of these, or pairs by name, where a "
+           "name may have a *"},
+          {"anyOf",
+           {WordForm(kPairsWords, "").schema(),
+            {{"type", "array"}, {"minItems", 1}, {"items", std::move(pair)}}}},
+          {"examples",
+           OrderedJson::parse(R"(["obstacles", [["forearm", "table"], ["hand", "*"]]])")}};
+    });
+  }
+};
+
+void name_pairs(CostSpec& cost, const TermContext& context) {
+  Diagnostics found_when_built;
+  PairsSpec pairs;
+  for (const ShapePair& pair : shape_pairs(cost, context.spec, context.plant, found_when_built))
+    pairs.named.push_back({Name{pair.first, {}}, Name{pair.second, {}}});
+  cost.keys.set(key::pairs, std::move(pairs));
 }
 
 std::optional<CostResidual> make_distance(const ResidualContext& context) {
@@ -64,18 +95,16 @@ void set_margin(CostSpec& cost) {
   cost.activation.lower = {.place = cost.residual.place, .scalar = margin};
 }
 
+/// A constraint's margin becomes its lower bound.
 ResidualKey margin_key() {
-  ResidualKey margin =
-      number_key(key::margin,
-                 "For distance, instead of an activation or bounds: smaller distances cost "
-                 "quadratically or violate the constraint, m; 0 by default",
-                 kNotNegative, {.excludes = "activation"});
-  // The key is omitted next to an activation; a constraint's margin becomes its lower bound.
-  margin.schema.erase("default");
-  margin.expand = [](const CostSpec& cost, const KeyContext& context) {
-    const double* given = cost.keys.find(key::margin);
-    return given != nullptr && !context.place.constraint ? OrderedJson(*given)
-                                                         : OrderedJson(nullptr);
+  ResidualKey margin = residual_key(
+      key::margin,
+      {.says = "For distance, instead of an activation or bounds: smaller distances cost "
+               "quadratically or violate the constraint, m; 0 by default"},
+      NumberForm{kNotNegative}, {.excludes = "activation"});
+  margin.visit = [visit = std::move(margin.visit)](Keys& keys, KeyInfo info, CostSpec& cost) {
+    info.omitted = cost.where.kind == TermPlace::Kind::kConstraint;
+    visit(keys, info, cost);
   };
   return margin;
 }
@@ -83,21 +112,13 @@ ResidualKey margin_key() {
 }  // namespace
 
 std::span<const ResidualDefinition> distance_residuals() {
-  static const ResidualKey pairs = {"pairs",
-                                    "For distance: the shapes that must keep apart",
-                                    defined_schema("shape_pairs"),
-                                    {.required = true},
-                                    [](const YamlReader& reader, CostSpec& cost) {
-                                      cost.keys.set(key::pairs, read_pairs(reader));
-                                    },
-                                    [](const CostSpec& cost, const KeyContext& context) {
-                                      Diagnostics found_when_built;
-                                      OrderedJson json = OrderedJson::array();
-                                      for (const ShapePair& pair : shape_pairs(
-                                               cost, context.spec, context.plant, found_when_built))
-                                        json.push_back({pair.first, pair.second});
-                                      return json;
-                                    }};
+  static const ResidualKey pairs = [] {
+    ResidualKey key =
+        residual_key(key::pairs, {.says = "For distance: the shapes that must keep apart"},
+                     PairsForm{}, {.required = true});
+    key.complete = name_pairs;
+    return key;
+  }();
   static const ResidualKey margin = margin_key();
   static const ResidualDefinition all[] = {
       {.name = "distance",

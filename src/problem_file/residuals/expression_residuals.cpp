@@ -6,27 +6,28 @@
 #include "problem_file/residuals/reference_form.hpp"
 #include "problem_file/residuals/residual_keys.hpp"
 #include "problem_file/residuals/residual_table.hpp"
-#include "problem_file/residuals/rows_key.hpp"
 #include "problem_file/spec/expression_source.hpp"
 
 namespace conddp {
 namespace {
 
-/// Other residuals by their names in expressions.
-const Key<std::vector<CostSpec>> kOperands{"of"};
+/// A residual that expressions name.
+struct Operand : CostSpec {};
 
-std::vector<CostSpec> read_operands(const YamlReader& reader) {
-  std::vector<CostSpec> operands;
-  const auto entries =
-      reader.named_entries("write '{tip: {residual: frame_position, frame: tool}}'");
-  if (!entries) return operands;
-  for (const auto& [name, value] : *entries) {
-    CostSpec operand{.name = name};
-    YamlMap map(value);
-    if (map.valid() && read_residual_keys(map, {}, operand)) operands.push_back(std::move(operand));
-  }
-  return operands;
+/// Other residuals by their names in expressions.
+const Key<std::vector<Operand>> kOperands{"of", std::vector<Operand>()};
+
+}  // namespace
+
+static void describe(Keys& keys, Operand& operand) {
+  keys.about({.definition = "operand",
+              .title = "Residual that expressions name",
+              .examples = R"([{"residual": "frame_position", "frame": "tool"}])"});
+  operand.where.kind = TermPlace::Kind::kOperand;
+  describe_residual(keys, operand, "Which one; its own keys stand beside it");
 }
+
+namespace {
 
 constexpr const char* kSupported =
     "frames, center of mass, momentum, distances, forces and velocities of contacts";
@@ -324,23 +325,21 @@ std::optional<ContactCost> make_expression_on_contacts(const ResidualContext& co
 }  // namespace
 
 std::span<const ResidualDefinition> expression_residuals() {
-  static const ResidualKey operands = {
-      "of",
-      "For expression: other residuals, measured from zero, by their names in the rows",
-      OrderedJson::parse(R"({
-        "type": "object", "additionalProperties": {"$ref": "#/definitions/operand"},
-        "default": {}, "examples": [{"tip": {"residual": "frame_position", "frame": "tool"}}]
-      })"),
-      {},
-      [](const YamlReader& reader, CostSpec& cost) {
-        cost.keys.set(kOperands, read_operands(reader));
-      },
-      [](const CostSpec& cost, const KeyContext& context) {
-        OrderedJson json = OrderedJson::object();
-        for (const CostSpec& operand : cost.keys.value(kOperands))
-          json[operand.name.value] = expand_residual_keys(operand, context);
-        return json;
-      }};
+  static const ResidualKey operands = [] {
+    ResidualKey key = residual_key(
+        kOperands,
+        {.says = "For expression: other residuals, measured from zero, by their names in the rows",
+         .examples = R"([{"tip": {"residual": "frame_position", "frame": "tool"}}])",
+         .fallback = "{}"},
+        EntriesForm<Operand>{.name = &Operand::name,
+                             .hint = "write '{tip: {residual: frame_position, frame: tool}}'"});
+    key.complete = [](CostSpec& cost, const TermContext& context) {
+      std::vector<Operand> all = cost.keys.value(kOperands);
+      for (Operand& operand : all) complete_residual(operand, context);
+      cost.keys.set(kOperands, std::move(all));
+    };
+    return key;
+  }();
   static const ResidualDefinition all[] = {
       {.name = "expression",
        .description = "expressions of the state, the control and the time",

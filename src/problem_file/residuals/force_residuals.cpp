@@ -1,9 +1,8 @@
 #include <fmt/format.h>
 
-#include "problem_file/residuals/contact_keys.hpp"
 #include "problem_file/residuals/cost_residual.hpp"
-#include "problem_file/residuals/key_kinds.hpp"
 #include "problem_file/residuals/reference_form.hpp"
+#include "problem_file/residuals/residual_keys.hpp"
 #include "problem_file/residuals/residual_table.hpp"
 #include "problem_file/spec/enum_names.hpp"
 
@@ -109,12 +108,12 @@ std::optional<ContactCost> make_center_of_pressure(const ResidualContext& contex
 
 /// Restricts a key to pyramids; second-order cones reject it.
 ResidualKey of_pyramids(ResidualKey key, const char* message) {
-  key.read = [read = std::move(key.read), message](const YamlReader& reader, CostSpec& cost) {
-    read(reader, cost);
-    if (cost.keys.value(key::cone)) reader.error(message);
-  };
-  key.expand = [expand = std::move(key.expand)](const CostSpec& cost, const KeyContext& context) {
-    return cost.keys.value(key::cone) ? OrderedJson(nullptr) : expand(cost, context);
+  key.visit = [visit = std::move(key.visit), message](Keys& keys, KeyInfo info, CostSpec& cost) {
+    info.omitted = cost.keys.value(key::cone);
+    visit(keys, info, cost);
+    YamlMap* map = info.omitted ? keys.reading() : nullptr;
+    if (const auto value = map != nullptr ? map->find(info.name) : std::nullopt)
+      value->error(message);
   };
   return key;
 }
@@ -127,23 +126,25 @@ void set_barrier_of_cone(CostSpec& cost) {
 
 std::span<const ResidualDefinition> force_residuals() {
   static const NumberRange kFactor{0, 1, true, false, "a factor from 0 (excluded) to 1"};
-  static const ResidualKey cone = choice_key(
-      key::cone, "For friction_cone: a pyramid, or the cone itself with its tip rounded by 0.01 N",
-      "cone", kConeWords, {.of_constraints = false, .of_last_node = false});
-  static const ResidualKey faces = of_pyramids(
-      integer_key(kFaces, "For a pyramid: number of its faces", 3, 64, {.of_last_node = false}),
-      "a second-order cone has no faces");
+  static const ResidualKey cone = residual_key(
+      key::cone,
+      {.says = "For friction_cone: a pyramid, or the cone itself with its tip rounded by 0.01 N"},
+      WordForm(kConeWords, "cone"), {.of_constraints = false, .of_last_node = false});
+  static const ResidualKey faces =
+      of_pyramids(residual_key(kFaces, {.says = "For a pyramid: number of its faces"},
+                               IntegerForm{3, 64}, {.of_last_node = false}),
+                  "a second-order cone has no faces");
   static const ResidualKey inner =
-      of_pyramids(flag_key(kInner,
-                           "For friction_cone and wrench_cone: the pyramid is inside the cone "
-                           "(true) or contains it (false)",
-                           {.of_last_node = false}),
+      of_pyramids(residual_key(kInner,
+                               {.says = "For friction_cone and wrench_cone: the pyramid is inside "
+                                        "the cone (true) or contains it (false)"},
+                               FlagForm{"value of 'inner'"}, {.of_last_node = false}),
                   "a second-order cone is exact: it has no 'inner'");
-  static const ResidualKey safety =
-      number_key(key::safety,
-                 "For friction_cone and wrench_cone: the share of the friction coefficient that is "
-                 "used, without unit",
-                 kFactor, {.of_last_node = false});
+  static const ResidualKey safety = residual_key(
+      key::safety,
+      {.says = "For friction_cone and wrench_cone: the share of the friction coefficient that is "
+               "used, without unit"},
+      NumberForm{kFactor}, {.of_last_node = false});
   static const ResidualDefinition all[] = {
       {.name = "contact_force",
        .description = "force on the robot at a contact (and torque, if a surface) minus a "

@@ -1,14 +1,9 @@
 #include "problem_file/data/time_series.hpp"
 #include "problem_file/residuals/cost_residual.hpp"
-#include "problem_file/residuals/key_kinds.hpp"
 #include "problem_file/residuals/reference_form.hpp"
+#include "problem_file/residuals/residual_keys.hpp"
 #include "problem_file/residuals/residual_table.hpp"
-#include "problem_file/residuals/row_names.hpp"
 #include "problem_file/spec/enum_names.hpp"
-#include "problem_file/values/expand_values.hpp"
-#include "problem_file/values/key_forms.hpp"
-#include "problem_file/values/read_values.hpp"
-#include "problem_file/values/value_schema.hpp"
 #include "robot/frames.hpp"
 
 namespace conddp {
@@ -104,8 +99,7 @@ std::vector<PlanarMotion> read_motions(const YamlReader& reader) {
   std::vector<PlanarMotion> motions;
   const auto items = reader.items();
   if (!items) return motions;
-  for (const YamlReader& item : *items)
-    motions.push_back(read_planar_motion(item).value_or(PlanarMotion{}));
+  for (const YamlReader& item : *items) MotionForm().read(item, motions.emplace_back());
   if (items->empty()) reader.error("there is no landing", "write one '[x, y, yaw]' a swing");
   return motions;
 }
@@ -113,7 +107,7 @@ std::vector<PlanarMotion> read_motions(const YamlReader& reader) {
 std::optional<OrderedJson> expand_motions(const std::vector<PlanarMotion>& motions) {
   if (motions.empty()) return std::nullopt;
   OrderedJson json = OrderedJson::array();
-  for (const PlanarMotion& motion : motions) json.push_back(expand_motion(motion));
+  for (const PlanarMotion& motion : motions) json.push_back(*MotionForm().expand(motion));
   return json;
 }
 
@@ -149,23 +143,13 @@ void describe(Keys& keys, SwingSpec& swing) {
 
 std::span<const ResidualDefinition> frame_residuals() {
   static const ResidualKey frame =
-      name_key(key::frame, "For residuals on frames", {.required = true});
-  static const ResidualKey axes = choice_key(
-      kAxes, "For frame_velocity: the axes in which it is expressed", "system of axes", kAxesWords);
-  static const ResidualKey swing = {
-      "swing",
-      kOfSwings,
-      defined_schema("swing"),
-      {.of_constraints = false, .of_last_node = false, .excludes = "reference"},
-      [](const YamlReader& reader, CostSpec& cost) {
-        SwingSpec given;
-        read_map(reader, given);
-        cost.keys.set(key::swing, std::move(given));
-      },
-      [](const CostSpec& cost, const KeyContext&) {
-        const SwingSpec* given = cost.keys.find(key::swing);
-        return given != nullptr ? expand_map(*given) : OrderedJson(nullptr);
-      }};
+      residual_key(key::frame, {.says = "For residuals on frames"}, NameForm{}, {.required = true});
+  static const ResidualKey axes =
+      residual_key(kAxes, {.says = "For frame_velocity: the axes in which it is expressed"},
+                   WordForm(kAxesWords, "system of axes"));
+  static const ResidualKey swing =
+      residual_key(key::swing, {.says = kOfSwings}, MapForm{},
+                   {.of_constraints = false, .of_last_node = false, .excludes = "reference"});
   static const ResidualDefinition all[] = {
       {.name = "frame_position",
        .description = "the origin of a frame minus a point of the world",

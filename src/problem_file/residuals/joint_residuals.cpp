@@ -3,10 +3,9 @@
 #include <fmt/format.h>
 
 #include "problem_file/residuals/cost_residual.hpp"
-#include "problem_file/residuals/key_kinds.hpp"
 #include "problem_file/residuals/reference_form.hpp"
+#include "problem_file/residuals/residual_keys.hpp"
 #include "problem_file/residuals/residual_table.hpp"
-#include "problem_file/values/expand_values.hpp"
 
 namespace conddp {
 namespace {
@@ -121,21 +120,20 @@ std::optional<CostResidual> make_acceleration(const ResidualContext& context) {
   return result;
 }
 
-ResidualKey joints_key() {
-  ResidualKey joints =
-      names_key(kJoints, "For residuals on joints; names may have a *; all by default");
-  joints.expand = [](const CostSpec& cost, const KeyContext& context) {
-    const std::vector<Name>* names = cost.keys.find(kJoints);
-    return names != nullptr ? expand_names(*names)
-                            : OrderedJson(joint_names(context.plant.robot()));
-  };
-  return joints;
-}
-
 }  // namespace
 
 std::span<const ResidualDefinition> joint_residuals() {
-  static const ResidualKey joints = joints_key();
+  static const ResidualKey joints = [] {
+    ResidualKey key = residual_key(
+        kJoints, {.says = "For residuals on joints; names may have a *; all by default"},
+        NameOrNamesForm{});
+    key.complete = [](CostSpec& cost, const TermContext& context) {
+      std::vector<Name> all;
+      for (const std::string& name : joint_names(context.plant.robot())) all.push_back({name, {}});
+      if (cost.keys.find(kJoints) == nullptr) cost.keys.set(kJoints, std::move(all));
+    };
+    return key;
+  }();
   static const ResidualDefinition all[] = {{.name = "joint_position",
                                             .description = "joint positions minus a reference",
                                             .unit = "rad or m",

@@ -6,11 +6,9 @@
 #include "problem_file/data/library_file.hpp"
 #include "problem_file/plant/library_builder.hpp"
 #include "problem_file/residuals/cost_residual.hpp"
-#include "problem_file/residuals/key_kinds.hpp"
 #include "problem_file/residuals/reference_form.hpp"
+#include "problem_file/residuals/residual_keys.hpp"
 #include "problem_file/residuals/residual_table.hpp"
-#include "problem_file/values/expand_values.hpp"
-#include "problem_file/values/read_values.hpp"
 #include "systems/clock.hpp"
 #include "systems/own_states.hpp"
 
@@ -19,7 +17,7 @@ namespace {
 
 const Key<Name> kLibrary{"library"};
 const Key<Name> kFunction{"function"};
-const Key<NamedNumbers> kParameters{"parameters"};
+const Key<NamedNumbers> kParameters{"parameters", NamedNumbers()};
 
 /// Indices of the function's inputs in a knot of the plant's system.
 LibraryInputs inputs_of(const ResidualContext& context) {
@@ -80,23 +78,15 @@ std::optional<CostResidual> make_library(const ResidualContext& context) {
 }  // namespace
 
 std::span<const ResidualDefinition> library_residuals() {
-  static const ResidualKey library =
-      name_key(kLibrary, "For library: a shared library of compiled code (--allow-code)",
-               {.required = true});
-  static const ResidualKey function = name_key(
-      kFunction, "For library: the function of x, u, p and t, with its jac_", {.required = true});
-  static const ResidualKey parameters = {
-      "parameters",
-      "For library: the numbers of the function's input p, in order",
-      OrderedJson::parse(
-          R"({"allOf": [{"$ref": "#/definitions/numbers_by_name"}], "default": {}})"),
-      {},
-      [](const YamlReader& reader, CostSpec& cost) {
-        cost.keys.set(kParameters, read_named_numbers(reader));
-      },
-      [](const CostSpec& cost, const KeyContext&) {
-        return expand_numbers(cost.keys.value(kParameters));
-      }};
+  static const ResidualKey library = residual_key(
+      kLibrary, {.says = "For library: a shared library of compiled code (--allow-code)"},
+      NameForm{}, {.required = true});
+  static const ResidualKey function =
+      residual_key(kFunction, {.says = "For library: the function of x, u, p and t, with its jac_"},
+                   NameForm{}, {.required = true});
+  static const ResidualKey parameters = residual_key(
+      kParameters, {.says = "For library: the numbers of the function's input p, in order"},
+      NamedNumbersForm{});
   static const ResidualDefinition all[] = {
       {.name = "library",
        .description = "a compiled function of the state, the control and the time",

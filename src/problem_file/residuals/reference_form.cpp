@@ -1,9 +1,6 @@
 #include "problem_file/residuals/reference_form.hpp"
 
-#include "problem_file/values/expand_values.hpp"
 #include "problem_file/values/key_forms.hpp"
-#include "problem_file/values/read_state.hpp"
-#include "problem_file/values/read_values.hpp"
 
 namespace conddp {
 namespace {
@@ -14,12 +11,11 @@ using Needed = ReferenceForm::Needed;
 
 Value read_numbers(const YamlReader& reader, const CostSpec&) {
   ReferenceValueSpec value{.place = reader.place()};
-  value.components = read_components(reader);
-  if (!value.components) return std::nullopt;
+  if (!ComponentsForm().read(reader, value.components.emplace())) return std::nullopt;
   return value;
 }
 OrderedJson expand_given_numbers(const ReferenceValueSpec& value) {
-  return expand_components(*value.components);
+  return *ComponentsForm().expand(*value.components);
 }
 Value zero_numbers(const CostSpec&, const Place& place) {
   ReferenceValueSpec value{.place = place};
@@ -53,14 +49,14 @@ Value zero_state(const CostSpec& cost, const Place& place) {
 }
 
 Value read_point(const YamlReader& reader, const CostSpec&) {
-  const auto position = read_vector3(reader, "[x, y, z] in m");
-  if (!position) return std::nullopt;
+  Vector3<double> position;
+  if (!VectorForm{"[x, y, z] in m"}.read(reader, position)) return std::nullopt;
   ReferenceValueSpec value{.place = reader.place()};
   value.pose = PoseSpec{.place = reader.place(), .position = position};
   return value;
 }
 OrderedJson expand_point(const ReferenceValueSpec& value) {
-  return expand_vector(*value.pose->position);
+  return *VectorForm{}.expand(*value.pose->position);
 }
 Value zero_point(const CostSpec&, const Place& place) {
   ReferenceValueSpec value{.place = place};

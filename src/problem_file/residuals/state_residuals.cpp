@@ -4,8 +4,8 @@
 
 #include "base/text/spelling.hpp"
 #include "problem_file/residuals/cost_residual.hpp"
-#include "problem_file/residuals/key_kinds.hpp"
 #include "problem_file/residuals/reference_form.hpp"
+#include "problem_file/residuals/residual_keys.hpp"
 #include "problem_file/residuals/residual_table.hpp"
 #include "systems/own_states.hpp"
 
@@ -185,8 +185,10 @@ std::optional<CostResidual> make_state(const ResidualContext& context) {
 }  // namespace
 
 std::span<const ResidualDefinition> state_residuals() {
-  static const ResidualKey columns = names_key(
-      key::columns, "For the residual 'state': these columns instead of all; names may have a *",
+  static const ResidualKey columns = residual_key(
+      key::columns,
+      {.says = "For the residual 'state': these columns instead of all; names may have a *"},
+      NameOrNamesForm{},
       {.instead = "of others, weights and bounds by name select rows: 'weights: {\"*\": 0, u: 1}', "
                   "'upper: {u: 1}'"});
   static const ResidualDefinition all[] = {

@@ -1,7 +1,7 @@
 #include "problem_file/residuals/cost_residual.hpp"
 #include "problem_file/residuals/reference_form.hpp"
+#include "problem_file/residuals/residual_keys.hpp"
 #include "problem_file/residuals/residual_table.hpp"
-#include "problem_file/residuals/row_names.hpp"
 #include "robot/dynamics.hpp"
 
 namespace conddp {

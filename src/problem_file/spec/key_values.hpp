@@ -2,17 +2,18 @@
 
 #include <algorithm>
 #include <any>
+#include <optional>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 namespace conddp {
 
-/// A key of a problem file, the type of its value, and the default for a missing key.
+/// A key of a problem file, the type of its value, and the default for a missing key, if any.
 template <class T>
 struct Key {
   std::string_view name;
-  T fallback = {};
+  std::optional<T> fallback = {};
 };
 
 /// Values of keys that only some terms have.
@@ -25,11 +26,11 @@ class KeyValues {
       if (name == key.name) return std::any_cast<T>(&value);
     return nullptr;
   }
-  /// The key's fallback if the key is missing.
+  /// The key's fallback if the key is missing, or a new value.
   template <class T>
   T value(const Key<T>& key) const {
     const T* found = find(key);
-    return found != nullptr ? *found : key.fallback;
+    return found != nullptr ? *found : key.fallback.value_or(T{});
   }
   bool has(std::string_view name) const {
     return std::any_of(values_.begin(), values_.end(),

@@ -1,13 +1,13 @@
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <optional>
 #include <string_view>
 #include <vector>
 
-#include "base/json/ordered_json.hpp"
 #include "problem_file/spec/spec_cost.hpp"
-#include "problem_file/yaml/yaml_reader.hpp"
+#include "problem_file/yaml/keys.hpp"
 
 namespace conddp {
 
@@ -17,42 +17,33 @@ struct Plant;
 struct ProblemSpec;
 struct ResidualContext;
 
-/// Place of a residual: in a cost or a constraint, on running knots or at the last node.
-struct TermPlace {
-  bool constraint = false;
-  bool last_node = false;
-};
-
-/// Context for expanding a key.
-struct KeyContext {
+/// Context for completing a term.
+struct TermContext {
   const ProblemSpec& spec;
   const Plant& plant;
-  TermPlace place;
 };
 
 /// Restrictions on a key: terms that accept it, and conflicting keys.
 struct KeyTraits {
-  bool required = false;       ///< by the residuals that have it
-  bool of_constraints = true;  ///< constraints accept it
-  bool of_last_node = true;
+  bool required = false;           ///< by the residuals that have it
+  bool of_constraints = true;      ///< constraints accept it
+  bool of_last_node = true;        ///< the last node and expressions accept it
   std::string_view excludes = {};  ///< a key that conflicts with it
   std::string_view instead = {};   ///< hint on the alternative in residuals without it
 };
 
 /// A key of costs and constraints that only some residuals have.
 struct ResidualKey {
-  std::string_view name;
-  std::string_view description;  ///< one line, with the unit
-  OrderedJson schema;            ///< of its value: JSON Schema, with default and examples
+  KeyInfo info;
   KeyTraits traits;
-  /// Stores the value among the cost's keys.
-  std::function<void(const YamlReader&, CostSpec&)> read;
-  /// JSON that `read` reads as the same value, or its fallback; null if the key is omitted.
-  std::function<OrderedJson(const CostSpec&, const KeyContext&)> expand;
+  std::function<void(Keys&, const KeyInfo&, CostSpec&)> visit;
+  /// Sets the default if it depends on the problem; null: it does not.
+  void (*complete)(CostSpec& cost, const TermContext& context) = nullptr;
 
   bool stands_in(TermPlace place) const {
-    return (traits.of_constraints || !place.constraint) &&
-           (traits.of_last_node || !place.last_node);
+    const bool running = !place.last_node && place.kind != TermPlace::Kind::kOperand;
+    return (traits.of_constraints || place.kind != TermPlace::Kind::kConstraint) &&
+           (traits.of_last_node || running);
   }
 };
 
@@ -116,7 +107,9 @@ struct ResidualDefinition {
 
   bool of_contacts() const { return make_of_contact != nullptr; }
   bool at_last_node() const { return !needs.control && !needs.force; }
-  bool has(std::string_view key) const;
+  bool has(std::string_view key) const {
+    return std::ranges::any_of(keys, [&](const ResidualKey* own) { return own->info.name == key; });
+  }
 };
 
 }  // namespace conddp

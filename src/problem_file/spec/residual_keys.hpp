@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "problem_file/spec/key_values.hpp"
+#include "problem_file/spec/spec_expression.hpp"
 #include "problem_file/spec/spec_values.hpp"
 
 namespace conddp {
@@ -32,15 +33,18 @@ namespace key {
 
 inline const Key<Name> frame{"frame"};
 inline const Key<std::vector<Name>> columns{"columns"};
-inline const Key<ContactNames> contacts{"contacts", {.all = true}};
+inline const Key<ContactNames> contacts{"contacts", ContactNames{.all = true}};
 /// True for a second-order cone.
 inline const Key<bool> cone{"cone", false};
 /// Factor on the coefficient of friction, at most 1.
 inline const Key<double> safety{"safety", 1};
 inline const Key<SwingSpec> swing{"swing"};
+/// The factors of a row by column; `constant` is added.
+inline const Key<std::vector<NamedNumbers>> combination_rows{"rows"};
+inline const Key<ExpressionRowsSpec> expression_rows{"rows"};
 inline const Key<PairsSpec> pairs{"pairs"};
-/// Distances without an activation: lower bound of their barrier, m.
-inline const Key<double> margin{"margin", 0};
+/// Distances without an activation: lower bound of their barrier, m; 0 without the key.
+inline const Key<double> margin{"margin"};
 
 }  // namespace key
 

@@ -50,6 +50,13 @@ bool ProblemSpec::has_jumps() const {
                      [](const PhaseSpec& phase) { return phase.jump.has_value(); });
 }
 
+ContactNames ProblemSpec::named(const ContactNames& contacts_chosen) const {
+  if (!contacts_chosen.all) return contacts_chosen;
+  ContactNames all;
+  for (const ContactSpec& contact : contacts) all.names.push_back(contact.name);
+  return all;
+}
+
 ProblemSpec::ProblemSpec() = default;
 ProblemSpec::ProblemSpec(const ProblemSpec& other) = default;
 ProblemSpec::ProblemSpec(ProblemSpec&& other) noexcept = default;

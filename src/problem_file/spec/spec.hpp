@@ -161,8 +161,8 @@ struct ProblemSpec : ProblemFacts {
   /// Path of that gait's base, with constant velocity between points; empty without a gait.
   std::vector<WayPoint> gait_way;
   std::vector<CostSpec> costs;
-  std::vector<CostSpec> integrals;  ///< states that integrate their single row
-  std::vector<ControlBoundsSpec> control_bounds;
+  std::vector<CostSpec> integrals;                ///< states that integrate their single row
+  std::vector<ConstraintSpec> control_bounds;     ///< hard bounds on the control
   std::vector<ConstraintSpec> constraints;        ///< all others on running knots
   std::optional<ContactNames> terminal_contacts;  ///< absent: those of the last phase
   std::optional<TerminalLqrSpec> terminal_lqr;
@@ -173,6 +173,8 @@ struct ProblemSpec : ProblemFacts {
   const ContactNames& last_contacts() const {
     return terminal_contacts ? *terminal_contacts : phases.back().contacts;
   }
+  /// The contacts with their names, in place of `all`.
+  ContactNames named(const ContactNames& contacts_chosen) const;
   bool has_linear_controls() const { return controls.value == ControlCourse::kLinear; }
   /// True if running costs are multiplied by their duration.
   bool costs_are_rates() const { return running_costs.value != RunningCosts::kSum; }

@@ -45,8 +45,17 @@ struct ActivationSpec {
   double epsilon = 0.1;                        ///< of the smooth norms
 };
 
+/// Place of a residual: in a cost, a constraint, an integral or an expression, on running knots or
+/// at the last node.
+struct TermPlace {
+  enum class Kind { kCost, kConstraint, kIntegral, kOperand };
+  Kind kind = Kind::kCost;
+  bool last_node = false;
+};
+
 struct CostSpec {
   Name name;
+  TermPlace where;
   Name residual;
   const ResidualDefinition* definition = nullptr;
   KeyValues keys;                       ///< of the residual
@@ -65,14 +74,13 @@ struct CostSpec {
 /// Quantities that a constraint can bound.
 enum class BoundedQuantity { kControl, kState, kConfiguration, kVelocity };
 
-/// A constraint other than control bounds: a residual in a set, or bounds on coordinates of the
-/// state. Without equals, bounds or a cone the residual is zero.
+/// A constraint: a residual in a set, or bounds on the control or on coordinates of the state.
+/// Without equals, bounds or a cone the residual is zero.
 struct ConstraintSpec {
   CostSpec function;  ///< the residual and where it holds; its key `cone` applies
   std::optional<Located<BoundedQuantity>> bounded;  ///< replaces the residual
-  bool from_urdf = false;
-  Place from_place;
-  double scale = 1;  ///< of the URDF's limits
+  std::optional<Place> from_urdf;                   ///< place of `from: urdf`
+  double scale = 1;                                 ///< of the URDF's limits
   std::optional<ComponentsSpec> equals, lower, upper;
   /// Several references, which replace the single one; the constraint holds for each.
   std::vector<Located<std::vector<double>>> centers;
@@ -80,16 +88,11 @@ struct ConstraintSpec {
   double slope = 1;                         ///< of a cone
   Softness softness = Softness::hard;
   double weight = 1;  ///< of a soft one
-};
 
-/// Bounds on the control.
-struct ControlBoundsSpec {
-  Name name;
-  bool from_urdf = false;
-  Place from_place;
-  double scale = 1;  ///< of the URDF's limits
-  std::optional<ComponentsSpec> lower, upper;
-  std::optional<std::vector<Name>> phases;
+  /// True for hard bounds on the control, which solvers satisfy at every iterate.
+  bool bounds_controls() const {
+    return bounded && bounded->value == BoundedQuantity::kControl && softness == Softness::hard;
+  }
 };
 
 }  // namespace conddp

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <variant>
 
 #include <Eigen/Core>
@@ -82,10 +83,17 @@ struct CarSpec {
   double wheelbase = 2;  ///< m
 };
 
+/// Places of the names and texts of one part of a system of expressions.
+struct SystemPartPlaces {
+  std::vector<Place> names;
+  std::vector<ExpressionText> texts;
+};
+
 /// A system of expressions, with the parsed text.
 struct ExpressionSystemSpec {
   ExpressionSystemText text;
   ExpressionNamesSpec own;  ///< constants and tables of the text, in addition to those of the file
+  std::map<ModelMessage::Part, SystemPartPlaces> places;
   ParsedExpressionSystem parsed;
 };
 

@@ -12,6 +12,7 @@ struct SystemType {
   std::string_view name;
   std::string_view description;  ///< one line: the columns of its state and control
   std::string_view examples;     ///< of mappings, a JSON list
+  std::string_view rules = {};   ///< between keys, members of a JSON Schema
 };
 
 /// Types of the alternatives of SystemSpec::parameters, in their order.
@@ -44,8 +45,16 @@ inline constexpr SystemType kSystemTypes[] = {
      "Point mass on its thrust: state (x, y, z, vx, vy, vz, burnt), z upwards, and the mass that "
      "it has burnt; controls tx, ty, tz, the thrust in world axes",
      R"([{"type": "lander", "gravity": 1.62}])"},
-    {"expressions", "A system of your own equations; may be left out", ""},
-    {"library", "A system of a compiled function; may be left out", ""}};
+    {"expressions", "A system of your own equations; may be left out",
+     R"json([{"positions": {"theta": "rad"}, "velocities": {"omega": "rad/s"},
+          "controls": {"torque": "Nm"}, "parameters": {"m": 1, "l": 0.5, "g": 9.81},
+          "acceleration": {"omega": "(torque - m*g*l*sin(theta))/(m*l^2)"}}])json",
+     R"("oneOf": [{"required": ["states", "rate"]},
+                  {"required": ["positions", "velocities", "acceleration"]},
+                  {"required": ["states", "next"]}])"},
+    {"library", "A system of a compiled function; may be left out",
+     R"([{"library": "model.so", "function": "f", "states": {"x": "m", "v": "m/s"},
+          "controls": {"u": "N"}}])"}};
 static_assert(std::size(kSystemTypes) == std::variant_size_v<decltype(SystemSpec::parameters)>);
 
 /// The scalar parameters of a closed-form system. Calls `field(key, description, value, range)` for

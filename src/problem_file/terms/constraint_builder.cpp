@@ -57,7 +57,7 @@ std::optional<BuiltConstraint> build_soft_control_bounds(const ConstraintSpec& s
                                                          const CostContext& context,
                                                          const Plant& plant, Diagnostics& out) {
   if (spec.from_urdf && !plant.multibody()) {
-    out.error(spec.from_place, "a closed-form system has no URDF", "give 'lower' and 'upper'");
+    out.error(*spec.from_urdf, "a closed-form system has no URDF", "give 'lower' and 'upper'");
     return std::nullopt;
   }
   auto control = make_cost_residual(spec.function, context.spec, plant, context.ndx, out);
@@ -88,7 +88,7 @@ bool check_bounded(const ConstraintSpec& spec, const Plant& plant, Diagnostics& 
     return false;
   }
   if (!spec.from_urdf || plant.multibody()) return true;
-  out.error(spec.from_place, "a closed-form system has no URDF", "give 'lower' and 'upper'");
+  out.error(*spec.from_urdf, "a closed-form system has no URDF", "give 'lower' and 'upper'");
   return false;
 }
 

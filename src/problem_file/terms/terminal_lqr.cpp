@@ -66,12 +66,11 @@ class TerminalLqrBuilder {
     };
     const ProblemSpec& all = context_.spec;
     const auto of_cost = [](const CostSpec& cost) { return cost.name; };
-    const auto of_bounds = [](const ControlBoundsSpec& bounds) { return bounds.name; };
     const auto of_constraint = [](const ConstraintSpec& c) { return c.function.name; };
     return !is_taken(all.costs, of_cost) && !is_taken(all.terminal_costs, of_cost) &&
-           !(spec_.set &&
-             (is_taken(all.control_bounds, of_bounds) || is_taken(all.constraints, of_constraint) ||
-              is_taken(all.terminal_constraints, of_constraint)));
+           !(spec_.set && (is_taken(all.control_bounds, of_constraint) ||
+                           is_taken(all.constraints, of_constraint) ||
+                           is_taken(all.terminal_constraints, of_constraint)));
   }
 
   /// The last phase that takes time.

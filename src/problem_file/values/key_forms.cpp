@@ -7,9 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "problem_file/values/expand_values.hpp"
-#include "problem_file/values/read_values.hpp"
-#include "problem_file/values/value_schema.hpp"
+#include "problem_file/spec/expression_source.hpp"
 
 namespace conddp {
 namespace {
@@ -19,6 +17,22 @@ template <class T>
 bool take(std::optional<T> read, T& value) {
   if (read) value = *std::move(read);
   return read.has_value();
+}
+
+OrderedJson range_schema(const NumberRange& range) {
+  OrderedJson schema = {{"type", "number"}};
+  if (std::isfinite(range.lower))
+    schema[range.lower_open ? "exclusiveMinimum" : "minimum"] = range.lower;
+  if (std::isfinite(range.upper))
+    schema[range.upper_open ? "exclusiveMaximum" : "maximum"] = range.upper;
+  return schema;
+}
+
+/// Factor that scales a vector of this length to unit length; 1 within rounding, so that repeated
+/// scaling changes nothing.
+double unit_scale(double length) {
+  constexpr double kRounding = 4 * std::numeric_limits<double>::epsilon();
+  return std::abs(length - 1) <= kRounding ? 1.0 : 1 / length;
 }
 
 double norm(const Quaternion<double>& q) {
@@ -64,11 +78,59 @@ bool NamesForm::read(const YamlReader& reader, std::vector<Name>& value) const {
 }
 
 std::optional<OrderedJson> NamesForm::expand(const std::vector<Name>& value) const {
-  return expand_names(value);
+  OrderedJson list = OrderedJson::array();
+  for (const Name& name : value) list.push_back(name.value);
+  return list;
 }
 
 OrderedJson NamesForm::schema() const {
   return {{"type", "array"}, {"items", NameForm().schema()}, {"uniqueItems", true}};
+}
+
+bool NameOrNamesForm::read(const YamlReader& reader, std::vector<Name>& value) const {
+  if (!take(reader.name_or_names(), value)) return false;
+  if (value.empty() && !empty.empty())
+    reader.error(fmt::format("an empty list names no {}", empty),
+                 fmt::format("leave the key out for all {}s", empty));
+  return true;
+}
+
+OrderedJson NameOrNamesForm::schema() const {
+  return {{"anyOf", {NameForm().schema(), NamesForm::schema()}}};
+}
+
+bool ContactNamesForm::read(const YamlReader& reader, ContactNames& value) const {
+  value.all = reader.is_scalar() && reader.node().text == "all";
+  return value.all || take(reader.name_or_names(), value.names);
+}
+
+std::optional<OrderedJson> ContactNamesForm::expand(const ContactNames& value) const {
+  return value.all ? OrderedJson("all") : NamesForm().expand(value.names);
+}
+
+OrderedJson ContactNamesForm::schema(const ContactNames& /*names the type*/,
+                                     SchemaDefinitions& definitions) const {
+  return defined(definitions, "contact_names", [] {
+    OrderedJson schema = {{"title", "Contacts"},
+                          {"description", "all, a contact's name, or a list of names"}};
+    schema.update(NameOrNamesForm().schema());
+    schema["examples"] = OrderedJson::parse(R"(["all", ["LF", "RH"]])");
+    return schema;
+  });
+}
+
+bool ExpressionForm::read(const YamlReader& reader, ExpressionText& value) const {
+  return take(read_expression(reader), value);
+}
+
+OrderedJson ExpressionForm::schema(const ExpressionText& /*names the type*/,
+                                   SchemaDefinitions& definitions) const {
+  return defined(definitions, "expression", [] {
+    return OrderedJson::parse(R"({
+      "type": ["string", "number", "array"], "title": "Expression",
+      "description": "Numbers, names, + - * / ^, parentheses and functions; a list is a vector",
+      "examples": ["x^2 + (y - 1)^2", "u[knee]*v[knee]"]})");
+  });
 }
 
 bool NumbersForm::read(const YamlReader& reader, std::vector<double>& value) const {
@@ -76,11 +138,13 @@ bool NumbersForm::read(const YamlReader& reader, std::vector<double>& value) con
 }
 
 bool VectorForm::read(const YamlReader& reader, Vector3<double>& value) const {
-  return take(read_vector3(reader, what), value);
+  const auto n = reader.numbers(3, what);
+  if (n) value = {(*n)[0], (*n)[1], (*n)[2]};
+  return n.has_value();
 }
 
 std::optional<OrderedJson> VectorForm::expand(const Vector3<double>& value) const {
-  return expand_vector(value);
+  return OrderedJson(std::vector{value.x, value.y, value.z});
 }
 
 OrderedJson VectorForm::schema() const {
@@ -97,13 +161,19 @@ bool DirectionForm::read(const YamlReader& reader, Vector3<double>& value) const
 }
 
 bool NamedNumbersForm::read(const YamlReader& reader, NamedNumbers& value) const {
-  value = read_named_numbers(reader, range);
+  const auto entries = reader.named_entries();
+  if (!entries) return false;
+  value.clear();
+  for (const auto& [name, own] : *entries)
+    if (const auto number = own.number(range)) value.emplace_back(name, *number);
   return true;
 }
 
 std::optional<OrderedJson> NamedNumbersForm::expand(const NamedNumbers& value) const {
   if (value.empty() && may_be_missing) return std::nullopt;
-  return expand_numbers(value);
+  OrderedJson json = OrderedJson::object();
+  for (const auto& [name, number] : value) json[name.value] = number;
+  return json;
 }
 
 OrderedJson NamedNumbersForm::schema() const {
@@ -112,17 +182,48 @@ OrderedJson NamedNumbersForm::schema() const {
 }
 
 bool ComponentsForm::read(const YamlReader& reader, ComponentsSpec& value) const {
-  return take(read_components(reader, range), value);
+  using Form = ComponentsSpec::Form;
+  ComponentsSpec spec{.place = reader.place(),
+                      .form = reader.is_sequence() ? Form::kList
+                              : reader.is_map()    ? Form::kMap
+                                                   : Form::kScalar};
+  const auto read_one = [&](const YamlReader& one, std::optional<double>& number) {
+    if (!one.is_null()) number = one.number(range);
+    return one.is_null() || number.has_value();
+  };
+  if (spec.form == Form::kScalar && !(spec.scalar = reader.number(range))) return false;
+  if (spec.form == Form::kList) {
+    const auto items = reader.items();
+    for (const YamlReader& item : *items)
+      if (!read_one(item, spec.list.emplace_back())) return false;
+  }
+  if (spec.form == Form::kMap) {
+    const auto entries = reader.named_entries();
+    for (const auto& [name, one] : *entries)
+      if (!read_one(one, spec.map.emplace_back(name, std::nullopt).second)) return false;
+  }
+  value = std::move(spec);
+  return true;
 }
 
 std::optional<OrderedJson> ComponentsForm::expand(const ComponentsSpec& value) const {
-  return expand_components(value);
+  const auto shown = [](const std::optional<double>& number) {
+    return number ? OrderedJson(*number) : OrderedJson(nullptr);
+  };
+  if (value.form == ComponentsSpec::Form::kScalar) return shown(value.scalar);
+  const bool is_list = value.form == ComponentsSpec::Form::kList;
+  OrderedJson json = is_list ? OrderedJson::array() : OrderedJson::object();
+  for (const auto& number : value.list) json.push_back(shown(number));
+  for (const auto& [name, number] : value.map) json[name.value] = shown(number);
+  return json;
 }
 
 OrderedJson ComponentsForm::schema() const { return {{"$ref", "#/definitions/components"}}; }
 
 bool BoundsForm::read(const YamlReader& reader, ComponentsSpec& value) const {
-  return take(read_component_bounds(reader), value);
+  if (!reader.is_null()) return ComponentsForm::read(reader, value);
+  value = {.place = reader.place()};
+  return true;
 }
 
 OrderedJson BoundsForm::schema() const { return {{"$ref", "#/definitions/limits"}}; }
@@ -143,7 +244,7 @@ bool QuaternionForm::read(const YamlReader& reader, Quaternion<double>& value) c
 }
 
 std::optional<OrderedJson> QuaternionForm::expand(const Quaternion<double>& value) const {
-  return expand_quaternion(value);
+  return OrderedJson(std::vector{value.x, value.y, value.z, value.w});
 }
 
 OrderedJson QuaternionForm::schema() const {
@@ -204,7 +305,8 @@ void describe_rotation(Keys& keys, std::optional<Quaternion<double>>& rotation) 
   };
   keys({"rpy", "Roll, pitch, yaw about fixed axes, rad"},
        CustomValue{
-           read, [] { return std::nullopt; },
+           read,
+           {},
            R"({"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3})"});
   keys.exclusive({"orientation", "rpy"});
 }
@@ -256,6 +358,82 @@ void describe(Keys& keys, BaseSpec& base) {
            R"({"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 3})"});
   describe_rotation(keys, base.orientation);
   keys({"yaw", "Of a planar base, rad"}, base.yaw, NumberForm{});
+}
+
+std::optional<OrderedJson> ParametersForm::expand(const ExpressionNamesSpec& names) const {
+  OrderedJson json = OrderedJson::object();
+  for (const auto& [name, value] : names.parameters)
+    json[name] = value.is_vector ? OrderedJson(value.numbers) : OrderedJson(value.numbers[0]);
+  return json;
+}
+
+OrderedJson ParametersForm::schema(const ExpressionNamesSpec& /*names the type*/,
+                                   SchemaDefinitions& definitions) const {
+  const OrderedJson value = ExpressionForm().schema({}, definitions);
+  const OrderedJson free = {{"$ref", "#/definitions/free_parameter"}};
+  return {{"type", "object"}, {"additionalProperties", {{"anyOf", {value, free}}}}};
+}
+
+bool MotionForm::read(const YamlReader& reader, PlanarMotion& value) const {
+  const auto n = reader.numbers(3, "[x, y, yaw] in m and rad");
+  if (n) value = {(*n)[0], (*n)[1], (*n)[2]};
+  return n.has_value();
+}
+
+std::optional<OrderedJson> MotionForm::expand(const PlanarMotion& value) const {
+  return OrderedJson(std::vector{value.x, value.y, value.yaw});
+}
+
+SchemaDefinitions value_definitions() {
+  return OrderedJson::parse(R"json({
+    "components": {
+      "title": "Values of the components of a vector",
+      "description": "One number for all; a list with one entry a component (null: none); or a mapping from component names to numbers, where a name may have a * and exact names win.",
+      "anyOf": [
+        {"type": "number"},
+        {"type": "array", "items": {"type": ["number", "null"]}},
+        {"type": "object", "additionalProperties": {"type": ["number", "null"]}}
+      ],
+      "examples": [0.1, [1, 1, null], {"q/*": 1, "q/knee": 10}]
+    },
+    "limits": {
+      "title": "Bounds of the components of a vector",
+      "description": "Values of the components; null: none has a bound.",
+      "anyOf": [{"$ref": "#/definitions/components"}, {"type": "null"}],
+      "examples": [-1, null, [0, null], {"q/*": 1}]
+    },
+    "numbers_by_name": {
+      "type": "object", "additionalProperties": {"type": "number"},
+      "title": "Numbers by name", "description": "Names and their numbers",
+      "examples": [{"hip": 0.2, "knee": -1.5}]
+    },
+    "matrix": {
+      "title": "Symmetric matrix",
+      "description": "Positive semidefinite: all rows, the rows of the triangle up to the diagonal, or entries by the names of row and column, each of which stands for its mirror image, too.",
+      "anyOf": [
+        {"type": "array", "minItems": 1, "items": {"type": "array", "items": {"type": "number"}}},
+        {"type": "object", "additionalProperties": {"$ref": "#/definitions/numbers_by_name"}}
+      ],
+      "examples": [[[2, 1], [1, 3]], [[2], [1, 3]], {"theta": {"theta": 2, "omega": 1}, "omega": {"omega": 3}}]
+    },
+    "planar_motion": {
+      "type": "array", "title": "Motion of a base in the plane",
+      "description": "[x, y, yaw]: forward and to the left as the base points before (m), and a turn about its origin (rad)",
+      "items": {"type": "number"}, "minItems": 3, "maxItems": 3, "examples": [[0.3, 0, 0.5]]
+    },
+    "free_parameter": {
+      "type": "object", "title": "A parameter that the solver chooses",
+      "description": "A name of expressions; the first phase chooses it with the initial state",
+      "properties": {
+        "free": {"const": true, "description": "Says that it is chosen"},
+        "lower": {"type": "number", "description": "Least value, in any unit"},
+        "upper": {"type": "number", "description": "Largest value, in any unit"},
+        "start": {"type": "number", "description": "Where the solver begins; the middle of the bounds by default, in any unit"}
+      },
+      "required": ["free", "lower", "upper"], "additionalProperties": false,
+      "examples": [{"free": true, "lower": 0.5, "upper": 2}]
+    }
+  })json");
 }
 
 }  // namespace conddp

@@ -5,10 +5,22 @@
 #include <variant>
 #include <vector>
 
+#include "problem_file/spec/spec_expression.hpp"
 #include "problem_file/spec/spec_values.hpp"
-#include "problem_file/values/keys.hpp"
+#include "problem_file/yaml/keys.hpp"
 
 namespace conddp {
+
+/// The definition of a schema with this name, made once, as a reference.
+template <class Make>
+OrderedJson defined(SchemaDefinitions& definitions, const char* name, Make make) {
+  if (!definitions.contains(name)) {
+    definitions[name];
+    OrderedJson schema = make();
+    definitions[name] = std::move(schema);
+  }
+  return {{"$ref", std::string("#/definitions/") + name}};
+}
 
 /// Forms of values: how each is read, expanded, and documented. `read` returns false with an error
 /// and leaves the value; `expand` is empty for a value that the file omits.
@@ -78,6 +90,39 @@ struct NamesForm {
   OrderedJson schema() const;
 };
 
+/// The same, or a single name.
+struct NameOrNamesForm : NamesForm {
+  std::string_view empty = {};  ///< what an empty list lacks: "phase"
+  bool read(const YamlReader& reader, std::vector<Name>& value) const;
+  OrderedJson schema() const;
+};
+
+/// `all`, a name, or a list of names.
+struct ContactNamesForm {
+  bool read(const YamlReader& reader, ContactNames& value) const;
+  std::optional<OrderedJson> expand(const ContactNames& value) const;
+  OrderedJson schema(const ContactNames& value, SchemaDefinitions& definitions) const;
+};
+
+/// A motion of a base in the plane: [x, y, yaw].
+struct MotionForm {
+  bool read(const YamlReader& reader, PlanarMotion& value) const;
+  std::optional<OrderedJson> expand(const PlanarMotion& value) const;
+};
+
+/// Constants of expressions. The reader of formulas reads them before all other keys.
+struct ParametersForm {
+  bool read(const YamlReader& /*reader*/, ExpressionNamesSpec& /*names*/) const { return true; }
+  std::optional<OrderedJson> expand(const ExpressionNamesSpec& names) const;
+  OrderedJson schema(const ExpressionNamesSpec& names, SchemaDefinitions& definitions) const;
+};
+
+struct ExpressionForm {
+  bool read(const YamlReader& reader, ExpressionText& value) const;
+  std::optional<OrderedJson> expand(const ExpressionText& value) const { return value.text; }
+  OrderedJson schema(const ExpressionText& value, SchemaDefinitions& definitions) const;
+};
+
 struct NumbersForm {
   bool read(const YamlReader& reader, std::vector<double>& value) const;
   std::optional<OrderedJson> expand(const std::vector<double>& value) const {
@@ -138,6 +183,22 @@ struct MapForm {
   }
 };
 
+/// A word for whether something is the case; its place says that it is.
+template <std::size_t N>
+struct PlacedWord final : KeyValue {
+  PlacedWord(const Choice<bool> (&words)[N], std::string_view what, std::optional<Place>& its_place)
+      : form(words, what), place(its_place) {}
+  void read(const YamlReader& reader) override {
+    bool chosen = false;
+    if (form.read(reader, chosen) && chosen) place = reader.place();
+  }
+  std::optional<OrderedJson> expand() const override { return form.expand(place.has_value()); }
+  OrderedJson schema(SchemaDefinitions& /*definitions*/) const override { return form.schema(); }
+
+  WordForm<bool, N> form;
+  std::optional<Place>& place;
+};
+
 /// A list of mappings.
 struct MapsForm {
   std::string_view hint = {};
@@ -168,15 +229,16 @@ struct EntriesForm {
   Name T::*name;
   std::string_view hint = {};
   bool may_be_missing = false;  ///< omitted without entries
+  T initial = {};
+  std::string_view entry_hint = {};
 
   bool read(const YamlReader& reader, std::vector<T>& values) const {
     const auto entries = reader.named_entries(hint);
     if (!entries) return false;
     for (const auto& [own, value] : *entries) {
-      T entry{};
+      T& entry = values.emplace_back(initial);
       entry.*name = own;
-      read_map(value, entry);
-      values.push_back(std::move(entry));
+      read_map(value, entry, entry_hint);
     }
     return true;
   }
@@ -188,7 +250,7 @@ struct EntriesForm {
   }
   OrderedJson schema(const std::vector<T>& /*names the type*/,
                      SchemaDefinitions& definitions) const {
-    return {{"type", "object"}, {"additionalProperties", map_schema<T>(definitions)}};
+    return {{"type", "object"}, {"additionalProperties", map_schema(definitions, initial)}};
   }
 };
 
@@ -226,6 +288,15 @@ struct TwistForm {
   std::optional<OrderedJson> expand(const TwistSpec& value) const;
   OrderedJson schema(const TwistSpec& value, SchemaDefinitions& definitions) const;
 };
+
+/// Definitions of the values that forms only refer to.
+SchemaDefinitions value_definitions();
+
+/// Hint for the value of a state.
+inline constexpr std::string_view kStateHint =
+    "write '{values: {x: 0.5}}', '{state: [0.5, 0]}', or of a robot '{joints: {knee: 0.5}}' or "
+    "'{configuration: NAME}'";
+std::optional<StateSpec> read_state(const YamlReader& reader);
 
 void describe(Keys& keys, PoseSpec& pose);
 void describe(Keys& keys, TwistSpec& twist);

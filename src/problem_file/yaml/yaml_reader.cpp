@@ -130,7 +130,7 @@ std::optional<std::vector<YamlReader>> YamlReader::items(std::string_view hint) 
   std::vector<YamlReader> readers;
   readers.reserve(node_->items.size());
   for (std::size_t i = 0; i < node_->items.size(); ++i)
-    readers.emplace_back(node_->items[i], fmt::format("{}.{}", path_, i), *out_);
+    readers.emplace_back(node_->items[i], fmt::format("{}.{}", path_, i), *out_, folder_);
   return readers;
 }
 
@@ -210,7 +210,8 @@ std::optional<std::vector<std::pair<Name, YamlReader>>> YamlReader::named_entrie
       out_->error({entry.mark, path}, "a name is empty");
       continue;
     }
-    entries.emplace_back(Name{entry.key, {entry.mark, path}}, YamlReader(entry.value, path, *out_));
+    entries.emplace_back(Name{entry.key, {entry.mark, path}},
+                         YamlReader(entry.value, path, *out_, folder_));
   }
   return entries;
 }
@@ -228,7 +229,7 @@ std::optional<YamlReader> YamlMap::find(std::string_view key) {
   std::string path = reader_.place().path;
   if (!path.empty()) path += '.';
   path += key;
-  return YamlReader(*value, std::move(path), reader_.diagnostics());
+  return reader_.at(*value, std::move(path));
 }
 
 std::optional<YamlReader> YamlMap::require(std::string_view key) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <span>
 #include <string>
@@ -41,12 +42,22 @@ struct Choice {
 /// optional has reported the reason. Cheap to copy; the node must outlive it.
 class YamlReader {
  public:
-  YamlReader(const YamlNode& node, std::string path, Diagnostics& out)
-      : node_(&node), path_(std::move(path)), out_(&out) {}
+  /// `folder`, from which relative paths in the file start, must outlive the reader; null: the
+  /// working directory.
+  YamlReader(const YamlNode& node, std::string path, Diagnostics& out,
+             const std::filesystem::path* folder = nullptr)
+      : node_(&node), path_(std::move(path)), out_(&out), folder_(folder) {}
+  /// A reader of another node of the same file.
+  YamlReader at(const YamlNode& node, std::string path) const {
+    return {node, std::move(path), *out_, folder_};
+  }
 
   const YamlNode& node() const { return *node_; }
   Place place() const { return {node_->mark, path_}; }
   Diagnostics& diagnostics() const { return *out_; }
+  std::filesystem::path folder() const { return folder_ != nullptr ? *folder_ : ""; }
+  /// True for a mapping with the key.
+  bool has(std::string_view key) const { return is_map() && node_->find(key) != nullptr; }
   bool is_null() const { return node_->kind == YamlNode::Kind::kNull; }
   bool is_scalar() const { return node_->kind == YamlNode::Kind::kScalar; }
   bool is_sequence() const { return node_->kind == YamlNode::Kind::kSequence; }
@@ -91,6 +102,7 @@ class YamlReader {
   const YamlNode* node_;
   std::string path_;
   Diagnostics* out_;
+  const std::filesystem::path* folder_;
 };
 
 /// A mapping with a fixed set of keys. Query each accepted key with find; `finish` (or the

@@ -1,8 +1,4 @@
-#include "problem_file/values/read_state.hpp"
-
-#include "problem_file/values/expand_values.hpp"
 #include "problem_file/values/key_forms.hpp"
-#include "problem_file/values/read_values.hpp"
 
 namespace conddp {
 namespace {
@@ -13,7 +9,7 @@ void read_displacement(const YamlReader& reader, StateSpec& state) {
   if (reader.is_scalar() && reader.node().text == "gait")
     displacement.with_gait = true;
   else
-    displacement.motion = read_planar_motion(reader).value_or(PlanarMotion{});
+    MotionForm().read(reader, displacement.motion);
 }
 
 /// Alternative notations of a state exclude each other.
@@ -62,7 +58,7 @@ void describe(Keys& keys, StateSpec& state) {
         "state: as the file's gait moves it"},
        CustomValue{[&state](const YamlReader& reader) { read_displacement(reader, state); },
                    [&state] {
-                     return state.displaced ? std::optional(expand_motion(state.displaced->motion))
+                     return state.displaced ? MotionForm().expand(state.displaced->motion)
                                             : std::nullopt;
                    },
                    R"({"anyOf": [{"$ref": "#/definitions/planar_motion"}, {"const": "gait"}]})"});
@@ -94,11 +90,7 @@ void describe(Keys& keys, NamedState& state) { describe(keys, state.state); }
 
 std::optional<StateSpec> read_state(const YamlReader& reader) {
   StateSpec state;
-  const bool valid =
-      read_map(reader, state,
-               "write '{values: {x: 0.5}}', '{state: [0.5, 0]}', or of a robot '{joints: {knee: "
-               "0.5}}' or '{configuration: NAME}'");
-  return valid ? std::optional(std::move(state)) : std::nullopt;
+  return read_map(reader, state, kStateHint) ? std::optional(std::move(state)) : std::nullopt;
 }
 
 }  // namespace conddp

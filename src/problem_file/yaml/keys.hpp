@@ -19,6 +19,7 @@ struct KeyInfo {
   std::string_view examples = {};  ///< a JSON list
   /// Default as JSON if it is not the value of a new struct; "none": the key has no default.
   std::string_view fallback = {};
+  bool omitted = false; ///< expanded files leave the key out
 };
 
 /// Documentation of a mapping.
@@ -72,13 +73,15 @@ class Keys {
   virtual bool documents() const { return false; }
 };
 
-/// A value with its own functions, for keys that no form fits.
+/// A value with its own functions, for keys that no form fits. Without an expander it is omitted.
 struct CustomValue final : KeyValue {
   CustomValue(std::function<void(const YamlReader&)> reader,
               std::function<std::optional<OrderedJson>()> expander, std::string_view schema_text)
       : reader_(std::move(reader)), expander_(std::move(expander)), schema_(schema_text) {}
   void read(const YamlReader& reader) override { reader_(reader); }
-  std::optional<OrderedJson> expand() const override { return expander_(); }
+  std::optional<OrderedJson> expand() const override {
+    return expander_ ? expander_() : std::nullopt;
+  }
   OrderedJson schema(SchemaDefinitions& /*definitions*/) const override {
     return OrderedJson::parse(schema_);
   }
@@ -122,14 +125,27 @@ std::optional<OrderedJson> expand_as(const Form& form, const std::optional<T>& v
   return value ? expand_as(form, *value) : std::nullopt;
 }
 
+/// The value itself, or a new one if it is absent.
 template <class T>
-T plain(const T&);
+T plain(const T& value) {
+  return value;
+}
 template <class T>
-T plain(const Located<T>&);
+T plain(const Located<T>& value) {
+  return value.value;
+}
 template <class T>
-T plain(const std::optional<T>&);
-template <class T>
-T plain(const std::optional<Located<T>>&);
+auto plain(const std::optional<T>& value) {
+  return plain(value.value_or(T{}));
+}
+
+template <class T, class Form>
+OrderedJson schema_as(const Form& form, const T& value, SchemaDefinitions& definitions) {
+  if constexpr (requires { form.schema(); })
+    return form.schema();
+  else
+    return form.schema(plain(value), definitions);
+}
 
 /// A variable that a form reads and expands.
 template <class T, class Form>
@@ -138,10 +154,7 @@ struct FormValue final : KeyValue {
   void read(const YamlReader& reader) override { read_as(form, reader, value); }
   std::optional<OrderedJson> expand() const override { return expand_as(form, value); }
   OrderedJson schema(SchemaDefinitions& definitions) const override {
-    if constexpr (requires { form.schema(); })
-      return form.schema();
-    else
-      return form.schema(decltype(plain(value)){}, definitions);
+    return schema_as(form, value, definitions);
   }
   bool has_default() const override {
     return requires { form.schema(); };
@@ -216,11 +229,10 @@ OrderedJson expand_map(T value) {
   return std::move(keys.json);
 }
 
-/// The schema of a mapping, or a reference to its definition.
+/// The schema of a mapping, or a reference to its definition. `value`: a new one.
 template <class T>
-OrderedJson map_schema(SchemaDefinitions& definitions) {
+OrderedJson map_schema(SchemaDefinitions& definitions, T value = {}) {
   KeySchema keys(definitions);
-  T value{};
   describe(keys, value);
   return keys.schema();
 }

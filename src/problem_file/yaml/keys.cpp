@@ -1,4 +1,4 @@
-#include "problem_file/values/keys.hpp"
+#include "problem_file/yaml/keys.hpp"
 
 #include <string>
 
@@ -10,6 +10,7 @@ void KeyReader::visit(const KeyInfo& key, KeyValue& value) {
 }
 
 void KeyWriter::visit(const KeyInfo& key, KeyValue& value) {
+  if (key.omitted) return;
   if (auto expanded = value.expand()) json[std::string(key.name)] = *std::move(expanded);
 }
 
