@@ -62,8 +62,8 @@ void report(const Diagnostics& attempt, const ProblemSpec& spec, double share, D
 }  // namespace
 
 std::shared_ptr<const BuiltProblem> Homotopy::station(double share, Diagnostics& out) const {
-  auto spec = read_problem_text(end_->text, end_->file, end_->settings, out,
-                                {.homotopy_share = share});
+  auto spec =
+      read_problem_text(end_->text, end_->file, end_->settings, out, {.homotopy_share = share});
   if (!spec) return nullptr;
   spec->guess = {};
   spec->solver = end_->solver;

@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "problem_file/residuals/reference_form.hpp"
-#include "problem_file/residuals/rows_key.hpp"
 #include "problem_file/terms/term_residual.hpp"
 
 namespace conddp {
