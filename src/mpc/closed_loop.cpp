@@ -5,7 +5,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "base/normal_numbers.hpp"
+#include "base/random_numbers.hpp"
 #include "mpc/appraisal.hpp"
 
 namespace conddp {

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "base/normal_numbers.hpp"
+#include "base/random_numbers.hpp"
 #include "ocp/residuals/residuals.hpp"
 #include "solvers/strategies/registry.hpp"
 #include "support/constrained_problems.hpp"

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "base/text/wrap_text.hpp"
+#include "base/text/text_layout.hpp"
 
 namespace conddp {
 namespace {

@@ -1,5 +1,7 @@
 #include "base/text/utf8.hpp"
 
+#include <string>
+
 #include <gtest/gtest.h>
 
 namespace conddp {
@@ -51,6 +53,17 @@ TEST(Utf8, TerminalLinesKeepEndingsAndEscapeLikeJson) {
   EXPECT_EQ(terminal_text("a\n\tb"), "a\n\tb");
   EXPECT_EQ(terminal_text("\x1B[31m\r\x7F\xE9"), "\\u001B[31m\\u000D\\u007F\\xE9");
   EXPECT_EQ(masked("a\x1B\xE9"), "a??");
+}
+
+TEST(TextPlace, CountsLinesAndCharacters) {
+  const auto place = [](TextPlace at) {
+    return std::to_string(at.line) + ":" + std::to_string(at.column);
+  };
+  EXPECT_EQ(place(place_after("")), "1:1");
+  EXPECT_EQ(place(place_after("aé∂")), "1:4");
+  EXPECT_EQ(place(place_after("a\nbc\n")), "3:1");
+  EXPECT_EQ(place(place_after("é", {4, 7})), "4:8");
+  EXPECT_EQ(place(place_after("a\né", {4, 7})), "5:2");
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "base/text/wrap_text.hpp"
+#include "base/text/text_layout.hpp"
 #include "long_problem.hpp"
 #include "pseudo_terminal.hpp"
 

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "base/json/solution_members.hpp"
+#include "base/json/json_document.hpp"
 
 namespace conddp {
 namespace {

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "base/text/text_table.hpp"
+#include "base/text/text_layout.hpp"
 
 namespace conddp {
 namespace {

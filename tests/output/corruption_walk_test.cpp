@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "base/json/solution_members.hpp"
+#include "base/json/json_document.hpp"
 #include "output/report/certificate_report.hpp"
 #include "support/sizes.hpp"
 #include "support/solved_example.hpp"

@@ -4,7 +4,7 @@
 #include <fstream>
 
 #include "base/files/text_file.hpp"
-#include "base/json/solution_members.hpp"
+#include "base/json/json_document.hpp"
 #include "loop_fixture.hpp"
 #include "output/report/certificate_report.hpp"
 #include "support/temporary_folder.hpp"

@@ -1,4 +1,4 @@
-#include "base/json/solution_members.hpp"
+#include "base/json/json_document.hpp"
 #include "output/scene/motion_scene.hpp"
 #include "report_fixture.hpp"
 

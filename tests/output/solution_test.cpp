@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "base/files/sha256.hpp"
+#include "base/files/check_sums.hpp"
 #include "output/solution/csv.hpp"
 #include "output/solution/solution_json.hpp"
 #include "problem_file/build/build_problem.hpp"

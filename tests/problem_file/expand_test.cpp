@@ -2,7 +2,7 @@
 #include <map>
 #include <set>
 
-#include "base/code_permission.hpp"
+#include "base/shared_library.hpp"
 #include "problem_file/expand/expand_problem.hpp"
 #include "problem_file/residuals/residual_table.hpp"
 #include "problem_file/spec/system_fields.hpp"

@@ -1,6 +1,6 @@
 #include <cmath>
 
-#include "base/files/sha256.hpp"
+#include "base/files/check_sums.hpp"
 #include "problem_text.hpp"
 #include "support/temporary_folder.hpp"
 

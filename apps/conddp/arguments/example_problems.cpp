@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "base/files/source_text.hpp"
 #include "base/files/text_file.hpp"
 #include "base/text/spelling.hpp"
 #include "base/text/utf8.hpp"

@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 
 #include "arguments/batch_arguments.hpp"
-#include "base/code_permission.hpp"
 #include "base/files/atomic_file.hpp"
+#include "base/shared_library.hpp"
 #include "base/text/spelling.hpp"
 #include "batch/cluster/array_index.hpp"
 #include "batch/plan/expand_plan.hpp"

@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 
 #include "base/files/atomic_file.hpp"
+#include "base/json/json_document.hpp"
 #include "base/json/relative_paths.hpp"
-#include "base/json/solution_members.hpp"
 #include "batch/results/batch_report.hpp"
 #include "batch/results/item_files.hpp"
 #include "commands/batch_actions.hpp"

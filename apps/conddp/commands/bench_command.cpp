@@ -14,7 +14,7 @@
 #include "arguments/example_problems.hpp"
 #include "arguments/shared_arguments.hpp"
 #include "base/files/atomic_file.hpp"
-#include "base/json/json_text.hpp"
+#include "base/json/ordered_json.hpp"
 #include "base/text/shell_words.hpp"
 #include "base/text/spelling.hpp"
 #include "commands/bench_problems.hpp"

@@ -3,7 +3,7 @@
 
 #include "arguments/problem_arguments.hpp"
 #include "arguments/shared_arguments.hpp"
-#include "base/json/json_text.hpp"
+#include "base/json/ordered_json.hpp"
 #include "commands/commands.hpp"
 #include "problem_file/expand/expand_problem.hpp"
 #include "problem_file/expand/problem_summary.hpp"

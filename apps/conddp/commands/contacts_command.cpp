@@ -3,7 +3,6 @@
 #include "arguments/shared_arguments.hpp"
 #include "base/files/atomic_file.hpp"
 #include "base/json/json_document.hpp"
-#include "base/json/solution_members.hpp"
 #include "commands/commands.hpp"
 #include "output/report/contact_report.hpp"
 #include "output/schedule/contact_schedule.hpp"

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "base/files/atomic_file.hpp"
-#include "base/json/json_text.hpp"
+#include "base/json/ordered_json.hpp"
 #include "base/text/csv_line.hpp"
 #include "base/text/strict_number.hpp"
 #include "commands/closed_loops.hpp"

@@ -4,7 +4,7 @@
 
 #include "arguments/problem_arguments.hpp"
 #include "arguments/shared_arguments.hpp"
-#include "base/json/json_text.hpp"
+#include "base/json/ordered_json.hpp"
 #include "commands/commands.hpp"
 #include "problem_file/build/homotopy.hpp"
 #include "problem_file/build/tangent_numbers.hpp"

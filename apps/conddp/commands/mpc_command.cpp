@@ -3,7 +3,7 @@
 
 #include "arguments/shared_arguments.hpp"
 #include "base/files/atomic_file.hpp"
-#include "base/json/json_text.hpp"
+#include "base/json/ordered_json.hpp"
 #include "commands/closed_loops.hpp"
 #include "commands/commands.hpp"
 #include "output/report/loop_report.hpp"

@@ -11,7 +11,6 @@
 #include "arguments/shared_arguments.hpp"
 #include "base/files/atomic_file.hpp"
 #include "base/json/json_document.hpp"
-#include "base/json/solution_members.hpp"
 #include "commands/commands.hpp"
 #include "output/bench/bench_runs.hpp"
 #include "output/solution/solved_problem.hpp"

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "base/text/wrap_text.hpp"
+#include "base/text/text_layout.hpp"
 #include "commands/commands.hpp"
 #include "help/embedded_schemas.hpp"
 #include "problem_file/read/problem_schema.hpp"

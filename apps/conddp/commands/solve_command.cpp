@@ -13,7 +13,6 @@
 #include "arguments/problem_arguments.hpp"
 #include "arguments/shared_arguments.hpp"
 #include "base/files/atomic_file.hpp"
-#include "base/files/folder_name.hpp"
 #include "commands/commands.hpp"
 #include "ocp/knot/knot_batch.hpp"
 #include "output/report/certificate_report.hpp"

@@ -6,8 +6,7 @@
 
 #include "arguments/shared_arguments.hpp"
 #include "base/json/json_document.hpp"
-#include "base/json/json_text.hpp"
-#include "base/json/solution_members.hpp"
+#include "base/json/ordered_json.hpp"
 #include "commands/commands.hpp"
 #include "output/report/answer_settings.hpp"
 #include "output/report/certificate_report.hpp"

@@ -3,7 +3,7 @@
 #include <span>
 #include <string_view>
 
-#include "base/json/json_text.hpp"
+#include "base/json/ordered_json.hpp"
 
 namespace conddp {
 

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "base/json/solution_members.hpp"
+#include "base/json/json_document.hpp"
 
 namespace conddp {
 namespace {

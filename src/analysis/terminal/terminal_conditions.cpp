@@ -7,7 +7,7 @@
 #include <Eigen/Core>
 
 #include "analysis/terminal/terminal_ellipsoid.hpp"
-#include "base/normal_numbers.hpp"
+#include "base/random_numbers.hpp"
 #include "ocp/problem/node_evaluation.hpp"
 
 namespace conddp {

@@ -12,8 +12,6 @@
 #include <fmt/format.h>
 
 #include "base/files/descriptor.hpp"
-#include "base/files/sync_to_disk.hpp"
-#include "base/files/write_all.hpp"
 
 namespace conddp {
 namespace {

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <csignal>
+#include <cstddef>
 #include <filesystem>
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -63,5 +65,15 @@ class AtomicFiles {
 
 /// Creates a folder and its parents. Throws OutputError.
 void create_folder(const std::filesystem::path& folder);
+
+inline constexpr std::size_t kLongestFolderName = 200;  ///< bytes
+inline constexpr const char* kFolderNameRule =
+    "the name is also that of a folder: no '/', no '\\', no '.' in front, at most 200 bytes";
+
+/// True if a name denotes a direct subfolder that is not hidden.
+inline bool names_folder(std::string_view name) {
+  return name.find_first_of("/\\") == std::string_view::npos && !name.starts_with('.') &&
+         name.size() <= kLongestFolderName;
+}
 
 }  // namespace conddp

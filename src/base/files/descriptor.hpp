@@ -1,5 +1,7 @@
 #pragma once
 
+#include <filesystem>
+#include <string_view>
 #include <utility>
 
 #include <unistd.h>
@@ -24,5 +26,13 @@ class Descriptor {
  private:
   int number_;
 };
+
+/// Writes a whole text to a blocking descriptor, and continues after interrupting signals. Returns
+/// false on errors, with the reason in errno; part of the text may have been written.
+bool write_all(int descriptor, std::string_view text);
+
+/// Waits until a file's contents, or a folder's entries, are on disk. Returns false, with errno
+/// set, on failure. Files that cannot be flushed, such as pipes, are not an error.
+bool sync_to_disk(const std::filesystem::path& path);
 
 }  // namespace conddp

@@ -4,11 +4,9 @@
 #include <array>
 #include <set>
 
-#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "base/files/source_text.hpp"
-#include "base/json/solution_members.hpp"
+#include "base/files/text_file.hpp"
 
 namespace conddp {
 namespace {

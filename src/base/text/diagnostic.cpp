@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "base/text/text_layout.hpp"
 #include "base/text/utf8.hpp"
-#include "base/text/wrap_text.hpp"
 
 namespace conddp {
 namespace {

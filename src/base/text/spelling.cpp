@@ -4,6 +4,8 @@
 #include <cctype>
 #include <utility>
 
+#include <fnmatch.h>
+
 namespace conddp {
 
 // No library on both Debian 12 and Ubuntu 22.04 has an edit distance for C++, so this is the
@@ -30,6 +32,14 @@ std::string counted(std::size_t count, std::string_view what) {
   return std::to_string(count) + ' ' + std::string(what) + (count == 1 ? "" : "s");
 }
 
+std::string listed(const std::vector<std::string>& names, std::size_t shown) {
+  std::string text;
+  for (std::size_t i = 0; i < std::min(shown, names.size()); ++i)
+    text += (i > 0 ? ", " : "") + names[i];
+  if (names.size() > shown) text += " and " + std::to_string(names.size() - shown) + " more";
+  return text;
+}
+
 std::vector<std::string> similar_names(std::string_view name,
                                        const std::vector<std::string>& candidates) {
   constexpr std::size_t kLongest = 128;  // the distance is quadratic in the length
@@ -51,16 +61,6 @@ std::vector<std::string> similar_names(std::string_view name,
 }
 
 namespace {
-
-/// Lists the first names: "a, b, c and 3 more".
-std::string first_names(const std::vector<std::string>& names) {
-  constexpr std::size_t kShown = 8;
-  std::string text;
-  for (std::size_t i = 0; i < std::min(kShown, names.size()); ++i)
-    text += (i > 0 ? ", " : "") + names[i];
-  if (names.size() > kShown) text += " and " + std::to_string(names.size() - kShown) + " more";
-  return text;
-}
 
 /// Candidates that end in the name after a separator, such as a robot's names with its prefix.
 std::vector<std::string> prefixed_names(std::string_view name,
@@ -87,7 +87,18 @@ std::string name_hint(std::string_view name, const std::vector<std::string>& can
     return hint + "?";
   }
   if (candidates.empty()) return "there are no " + std::string(what);
-  return std::string(what) + ": " + first_names(candidates);
+  return std::string(what) + ": " + listed(candidates, 8);
 }
+
+std::size_t fit(const std::string& pattern, const std::string& name) {
+  if (name.empty()) return 0;
+  if (pattern == name) return std::string::npos;
+  if (!is_pattern(pattern)) return 0;
+  return fnmatch(pattern.c_str(), name.c_str(), FNM_NOESCAPE) == 0 ? pattern.size() : 0;
+}
+
+bool fits(const std::string& pattern, const std::string& name) { return fit(pattern, name) > 0; }
+
+bool is_pattern(const std::string& name) { return name.find('*') != std::string::npos; }
 
 }  // namespace conddp

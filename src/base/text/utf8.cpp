@@ -151,4 +151,14 @@ int count_characters(std::string_view text) {
   return static_cast<int>(std::count_if(text.begin(), text.end(), starts_character));
 }
 
+TextPlace place_after(std::string_view text, TextPlace start) {
+  if (const std::size_t end = text.rfind('\n'); end != text.npos) {
+    start.line += static_cast<int>(std::count(text.begin(), text.end(), '\n'));
+    start.column = 1;
+    text.remove_prefix(end + 1);
+  }
+  start.column += count_characters(text);
+  return start;
+}
+
 }  // namespace conddp

@@ -31,4 +31,13 @@ bool starts_character(char c);
 /// Number of characters in UTF-8 text.
 int count_characters(std::string_view text);
 
+/// A position in a text, from 1; columns count characters.
+struct TextPlace {
+  int line = 1;
+  int column = 1;
+};
+
+/// Position behind a piece of UTF-8 text that begins at `start`.
+TextPlace place_after(std::string_view text, TextPlace start = {});
+
 }  // namespace conddp

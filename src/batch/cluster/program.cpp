@@ -11,7 +11,7 @@
 
 #include <fmt/format.h>
 
-#include "base/files/write_all.hpp"
+#include "base/files/descriptor.hpp"
 #include "batch/run/pipe.hpp"
 
 extern char** environ;

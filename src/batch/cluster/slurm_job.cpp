@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "base/code_permission.hpp"
+#include "base/shared_library.hpp"
 #include "base/text/shell_words.hpp"
 #include "base/text/strict_number.hpp"
 

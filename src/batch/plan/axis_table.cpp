@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "base/files/source_text.hpp"
+#include "base/files/text_file.hpp"
 #include "base/text/csv_line.hpp"
 #include "base/text/spelling.hpp"
 #include "base/text/strict_number.hpp"

@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "base/files/folder_name.hpp"
-#include "base/files/source_text.hpp"
+#include "base/files/atomic_file.hpp"
+#include "base/files/text_file.hpp"
 #include "base/text/spelling.hpp"
 #include "problem_file/yaml/yaml_source.hpp"
 #include "solvers/strategies/registry.hpp"

@@ -8,8 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "base/files/line_sum.hpp"
-#include "base/files/sha256.hpp"
+#include "base/files/check_sums.hpp"
 #include "base/files/text_file.hpp"
 #include "conddp_version.hpp"
 #include "problem_file/expand/expand_problem.hpp"

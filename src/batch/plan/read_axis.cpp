@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "analysis/comparison/random_instance.hpp"
-#include "base/normal_numbers.hpp"
+#include "base/random_numbers.hpp"
 #include "batch/plan/axis.hpp"
 #include "batch/plan/axis_table.hpp"
 #include "batch/plan/sobol.hpp"

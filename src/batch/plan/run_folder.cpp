@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "base/files/atomic_file.hpp"
-#include "base/files/line_sum.hpp"
+#include "base/files/check_sums.hpp"
 #include "problem_file/read/read_problem.hpp"
 
 namespace conddp {

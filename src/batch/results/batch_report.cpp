@@ -4,7 +4,7 @@
 #include <functional>
 #include <span>
 
-#include "base/json/json_text.hpp"
+#include "base/json/ordered_json.hpp"
 #include "batch/plan/spread.hpp"
 
 namespace conddp {

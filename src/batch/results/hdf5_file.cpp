@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "base/files/atomic_file.hpp"
-#include "base/files/sync_to_disk.hpp"
+#include "base/files/descriptor.hpp"
 #include "base/shared_library.hpp"
 
 // The header's macros call these, which would require linking the library.

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "base/files/atomic_file.hpp"
-#include "base/json/json_text.hpp"
+#include "base/json/ordered_json.hpp"
 #include "base/json/relative_paths.hpp"
 #include "batch/plan/run_folder.hpp"
 #include "output/mpc/loop_files.hpp"

@@ -1,6 +1,6 @@
 #include "batch/results/result.hpp"
 
-#include "base/json/json_text.hpp"
+#include "base/json/ordered_json.hpp"
 
 namespace conddp {
 

@@ -13,10 +13,8 @@
 #include <fmt/format.h>
 
 #include "base/files/atomic_file.hpp"
-#include "base/files/check_sum.hpp"
-#include "base/files/line_sum.hpp"
-#include "base/files/sync_to_disk.hpp"
-#include "base/files/write_all.hpp"
+#include "base/files/check_sums.hpp"
+#include "base/files/descriptor.hpp"
 
 namespace conddp {
 namespace {

@@ -19,7 +19,7 @@
 
 #include <fmt/format.h>
 
-#include "base/files/write_all.hpp"
+#include "base/files/descriptor.hpp"
 #include "batch/plan/neighbours.hpp"
 #include "batch/plan/run_folder.hpp"
 #include "batch/run/solve_item.hpp"

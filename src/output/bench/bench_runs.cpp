@@ -1,6 +1,6 @@
 #include "output/bench/bench_runs.hpp"
 
-#include "base/json/solution_members.hpp"
+#include "base/json/json_document.hpp"
 
 namespace conddp {
 namespace {

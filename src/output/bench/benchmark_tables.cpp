@@ -6,7 +6,7 @@
 #include <fmt/ranges.h>
 
 #include "analysis/comparison/performance_profile.hpp"
-#include "base/text/text_table.hpp"
+#include "base/text/text_layout.hpp"
 #include "output/bench/benchmark_report.hpp"
 
 namespace conddp {

@@ -4,7 +4,6 @@
 #include <nlohmann/json.hpp>
 
 #include "base/json/json_document.hpp"
-#include "base/json/solution_members.hpp"
 
 namespace conddp {
 namespace {

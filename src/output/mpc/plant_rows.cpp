@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "base/json/solution_members.hpp"
+#include "base/json/json_document.hpp"
 #include "base/text/csv_line.hpp"
 #include "base/text/strict_number.hpp"
 #include "output/mpc/loop_files.hpp"

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "base/json/json_object.hpp"
+#include "base/json/ordered_json.hpp"
 #include "base/text/diagnostic.hpp"
 #include "base/text/utf8.hpp"
 #include "output/report/contact_report.hpp"

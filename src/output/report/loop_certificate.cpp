@@ -7,9 +7,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "base/files/source_text.hpp"
 #include "base/files/text_file.hpp"
-#include "base/json/solution_members.hpp"
+#include "base/json/json_document.hpp"
 #include "base/stopwatch.hpp"
 #include "base/text/csv_line.hpp"
 #include "base/text/strict_number.hpp"

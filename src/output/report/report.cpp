@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "base/json/solution_members.hpp"
+#include "base/json/json_document.hpp"
 #include "ocp/problem/by_name.hpp"
 #include "ocp/problem/control_columns.hpp"
 #include "output/report/constraint_curves.hpp"

@@ -7,7 +7,7 @@
 
 #include "analysis/certificate/place_text.hpp"
 #include "analysis/derivatives/derivative_check.hpp"
-#include "base/json/solution_members.hpp"
+#include "base/json/json_document.hpp"
 #include "base/stopwatch.hpp"
 #include "output/report/document_claims.hpp"
 #include "output/solution/finding_report.hpp"

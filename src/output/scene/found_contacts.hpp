@@ -1,7 +1,7 @@
 #pragma once
 
 #include "analysis/contact/contact_motion.hpp"
-#include "base/json/json_text.hpp"
+#include "base/json/ordered_json.hpp"
 
 namespace conddp {
 

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "base/json/json_text.hpp"
+#include "base/json/ordered_json.hpp"
 #include "problem_file/build/build.hpp"
 
 namespace conddp {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "base/json/json_text.hpp"
+#include "base/json/ordered_json.hpp"
 #include "spatial/se3.hpp"
 
 namespace conddp {

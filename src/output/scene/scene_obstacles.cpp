@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "base/json/json_text.hpp"
+#include "base/json/ordered_json.hpp"
 #include "ocp/problem/by_name.hpp"
 #include "problem_file/build/problem_names.hpp"
 

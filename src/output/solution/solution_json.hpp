@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "analysis/findings/diagnosis.hpp"
-#include "base/json/json_text.hpp"
+#include "base/json/ordered_json.hpp"
 #include "output/solution/solution.hpp"
 
 namespace conddp {

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "base/exceeds.hpp"
-#include "base/normal_numbers.hpp"
+#include "base/random_numbers.hpp"
 #include "ocp/problem/control_columns.hpp"
 #include "problem_file/build/contact_guess.hpp"
 #include "problem_file/data/data_table.hpp"

@@ -4,7 +4,7 @@
 #include <limits>
 #include <vector>
 
-#include "base/uniform_numbers.hpp"
+#include "base/random_numbers.hpp"
 #include "mpc/time_line.hpp"
 
 namespace conddp {

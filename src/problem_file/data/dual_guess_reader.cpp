@@ -8,7 +8,6 @@
 #include <nlohmann/json.hpp>
 
 #include "base/json/json_document.hpp"
-#include "base/json/solution_members.hpp"
 #include "ocp/problem/control_columns.hpp"
 
 namespace conddp {

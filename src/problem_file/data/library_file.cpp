@@ -8,10 +8,9 @@
 
 #include <fmt/format.h>
 
-#include "base/code_permission.hpp"
-#include "base/files/sha256.hpp"
-#include "base/files/source_text.hpp"
+#include "base/files/check_sums.hpp"
 #include "base/files/text_file.hpp"
+#include "base/shared_library.hpp"
 
 namespace conddp {
 

@@ -4,9 +4,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "base/files/source_text.hpp"
+#include "base/files/text_file.hpp"
 #include "base/json/json_document.hpp"
-#include "base/json/solution_members.hpp"
 #include "problem_file/data/data_table.hpp"
 
 namespace conddp {

@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
-#include "base/files/sha256.hpp"
-#include "base/text/name_pattern.hpp"
+#include "base/files/check_sums.hpp"
+#include "base/text/spelling.hpp"
 #include "systems/expressions/scope.hpp"
 
 namespace conddp {

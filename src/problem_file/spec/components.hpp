@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "base/text/name_pattern.hpp"
+#include "base/text/spelling.hpp"
 #include "problem_file/spec/spec_values.hpp"
 #include "systems/system.hpp"
 

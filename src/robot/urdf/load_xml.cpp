@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "base/text/text_place.hpp"
+#include "base/text/utf8.hpp"
 
 namespace conddp {
 namespace {

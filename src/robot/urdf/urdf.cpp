@@ -9,7 +9,6 @@
 #include <urdf_parser/urdf_parser.h>
 
 #include "base/files/text_file.hpp"
-#include "base/text/text_place.hpp"
 #include "base/text/utf8.hpp"
 #include "robot/urdf/load_xml.hpp"
 #include "robot/urdf/model_builder.hpp"

@@ -6,7 +6,6 @@
 #include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 
-#include "base/text/name_pattern.hpp"
 #include "base/text/spelling.hpp"
 
 namespace conddp {

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "base/normal_numbers.hpp"
+#include "base/random_numbers.hpp"
 
 namespace conddp {
 

@@ -1,10 +1,10 @@
-#include "base/files/source_text.hpp"
+#include "base/files/text_file.hpp"
 
 #include <fstream>
 
 #include <gtest/gtest.h>
 
-#include "base/files/sha256.hpp"
+#include "base/files/check_sums.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace conddp {

@@ -1,12 +1,42 @@
-#include "base/files/sha256.hpp"
+#include "base/files/check_sums.hpp"
 
+#include <algorithm>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 namespace conddp {
 namespace {
+
+TEST(CheckSum, ChangesWithEveryByteAndWithTheLength) {
+  const std::string text = "nineteen characters";
+  std::vector<std::uint64_t> sums = {check_sum(text), check_sum(text + '\0'), check_sum("")};
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    std::string changed = text;
+    changed[i] ^= 1;
+    sums.push_back(check_sum(changed));
+  }
+  std::sort(sums.begin(), sums.end());
+  EXPECT_EQ(std::adjacent_find(sums.begin(), sums.end()), sums.end());
+}
+
+TEST(LineSum, IsRemovedIfItMatches) {
+  const std::string line = R"({"id":"a","n":1})", summed = with_sum(line);
+  EXPECT_TRUE(has_sum(summed));
+  EXPECT_EQ(summed.substr(0, 8), R"({"sum":")");
+  EXPECT_EQ(without_sum(summed), line);
+}
+
+TEST(LineSum, MatchesNoOtherLine) {
+  std::string summed = with_sum(R"({"id":"a","n":1})");
+  summed[summed.size() - 2] = '2';
+  EXPECT_EQ(without_sum(summed), "");
+  EXPECT_EQ(without_sum(R"({"id":"a"})"), "");
+  EXPECT_EQ(without_sum(R"({"sum":"0)"), "");
+  EXPECT_FALSE(has_sum(R"({"id":"a"})"));
+}
 
 // Vectors of FIPS 180-2, appendix B.
 TEST(Sha256, GivesThePublishedDigests) {

@@ -1,4 +1,4 @@
-#include "base/json/json_text.hpp"
+#include "base/json/ordered_json.hpp"
 
 #include <bit>
 #include <cmath>

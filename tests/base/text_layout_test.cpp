@@ -1,4 +1,4 @@
-#include "base/text/wrap_text.hpp"
+#include "base/text/text_layout.hpp"
 
 #include <gtest/gtest.h>
 
