@@ -1,6 +1,5 @@
 #include "robot/dynamics.hpp"
 
-#include "robot/body_forces.hpp"
 #include "robot/loads.hpp"
 #include "robot/wrenches.hpp"
 
@@ -314,19 +313,6 @@ void bias_forces(const RobotModel& model, const S* v, RobotData<S>& data) {
 }
 
 template <class S>
-void forward_dynamics(const RobotModel& model, const S* q, const S* v, const S* tau,
-                      RobotData<S>& data) {
-  update_placements(model, q, data);
-  update_velocities(model, v, data);
-  mass_matrix(model, data);
-  factorize_mass_matrix(model, data);
-  bias_forces(model, v, data);
-  for (int i = 0; i < model.nv; ++i)
-    data.acceleration[i] = tau == nullptr ? -data.bias[i] : tau[i] - data.bias[i];
-  solve_mass_matrix(model, data, data.acceleration.data());
-}
-
-template <class S>
 void inverse_dynamics_derivatives(const RobotModel& model, const S* v, RobotData<S>& data,
                                   const AlignedVector<Force<S>>* applied) {
   start_inverse_dynamics_derivatives(model, v, data, applied);
@@ -398,7 +384,6 @@ S potential_energy(const RobotModel& model, const RobotData<S>& data) {
   template void factorize_mass_matrix(const RobotModel&, RobotData<S>&);                          \
   template void solve_mass_matrix(const RobotModel&, const RobotData<S>&, S*, int);               \
   template void bias_forces(const RobotModel&, const S*, RobotData<S>&);                          \
-  template void forward_dynamics(const RobotModel&, const S*, const S*, const S*, RobotData<S>&); \
   template void inverse_dynamics_derivatives(const RobotModel&, const S*, RobotData<S>&,          \
                                              const AlignedVector<Force<S>>*);                     \
   template void gravity_torques(const RobotModel&, const RobotData<S>&, S*, S*);                  \

@@ -29,11 +29,6 @@ void solve_mass_matrix(const RobotModel& model, const RobotData<S>& data, S* x, 
 template <class S>
 void bias_forces(const RobotModel& model, const S* v, RobotData<S>& data);
 
-/// Computes accelerations from generalized forces by factorization: M a = tau − bias. Writes M, L,
-/// bias, acceleration. A null tau means zero forces.
-template <class S>
-void forward_dynamics(const RobotModel& model, const S* q, const S* v, const S* tau,
-                      RobotData<S>& data);
 /// Writes ∂τ/∂q (with respect to the tangent space) and ∂τ/∂v of inverse dynamics at
 /// data.acceleration into tau_q and tau_v; structural zeros stay zero. Velocities, composite
 /// inertias and `acceleration` must be current. After Singh, Russell, Wensing (IEEE RA-L 2022),
@@ -54,5 +49,52 @@ S kinetic_energy(const RobotModel& model, const RobotData<S>& data);
 /// Potential energy −Σ m gᵀ c (J); composite inertias must be current.
 template <class S>
 S potential_energy(const RobotModel& model, const RobotData<S>& data);
+
+/// Computes momentum and net inertial force of every body from its velocity and acceleration.
+template <class S>
+void body_forces(const RobotModel& model, RobotData<S>& data) {
+  for (int i = 0; i < model.joint_count(); ++i) {
+    data.momentum[i] = data.body[i] * data.v[i];
+    data.force[i] = data.body[i] * data.a[i] + cross(data.v[i], data.momentum[i]);
+  }
+}
+
+/// Prepares the derivatives of inverse dynamics at data.acceleration, which sum from the tips to
+/// the root. Writes for every body its momentum, its net force less `applied`, and the rate of its
+/// inertia. Also updates the derivative columns of joints.
+template <class S>
+void start_inverse_dynamics_derivatives(const RobotModel& model, const S* v, RobotData<S>& data,
+                                        const AlignedVector<Force<S>>* applied) {
+  update_accelerations(model, v, data.acceleration.data(), data);
+  update_derivative_columns(model, data);
+  body_forces(model, data);
+  if (applied != nullptr)
+    for (int i = 0; i < model.joint_count(); ++i) data.force[i] = data.force[i] - (*applied)[i];
+  for (int i = 0; i < model.joint_count(); ++i)
+    data.inertia_rate[i] = rotational_inertia_rate(data.body[i], data.v[i]);
+}
+
+/// Workspace of inverse_dynamics_gradient, per joint.
+template <class S>
+struct InverseDynamicsGradient {
+  explicit InverseDynamicsGradient(const RobotModel& model);
+
+  AlignedVector<Motion<S>> virtual_velocity;  ///< of the body, if w were generalized velocities
+  AlignedVector<Force<S>>
+      virtual_momentum;  ///< contribution of the subtree's joints to the virtual momentum
+  AlignedVector<Vector3<S>> lever;  ///< of the subtree: wᵀτ per common angular velocity
+  /// nv each: gradients with respect to configuration (tangent space), velocity and acceleration.
+  /// The last one is M w.
+  AlignedVector<S> wrt_q, wrt_v, wrt_a;
+};
+
+/// Gradient of wᵀτ for constant w (nv), where τ is inverse dynamics at data.acceleration, in O(nv).
+/// Contracts the rows of inverse_dynamics_derivatives as it computes them. Velocities and composite
+/// inertias must be current. `applied` is as in that function; the model must not have external
+/// wrenches of its own.
+template <class S>
+void inverse_dynamics_gradient(const RobotModel& model, const S* v, const S* w, RobotData<S>& data,
+                               const AlignedVector<Force<S>>* applied,
+                               InverseDynamicsGradient<S>& out);
 
 }  // namespace conddp

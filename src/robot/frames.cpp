@@ -159,25 +159,6 @@ void frame_rotation_jacobian(const RobotModel& model, const RobotData<S>& data, 
 }
 
 template <class S>
-void frame_jacobian_rate(const RobotModel& model, const RobotData<S>& data, int frame,
-                         FrameAxes axes, S* jacobian_rate) {
-  const int joint = model.frames[frame].joint;
-  if (joint < 0) return;
-  const SE3<S> m = placement_in_root(model, data, frame);
-  const Matrix3<S> r = world_rotation(model, data, joint, m, axes);
-  const Vector3<S> w = act_inverse(m, data.v[joint]).angular;
-  S* column = jacobian_rate + 6 * support_size(model, joint);
-  for_each_axis(model, data, joint, [&](const Motion<S>& axis, int j) {
-    Motion<S> rate = act_inverse(m, cross(data.v[j] - data.v[joint], axis));
-    if (axes == FrameAxes::world_aligned) {
-      const Motion<S> local = act_inverse(m, axis);
-      rate = rotate(r, rate + Motion<S>{cross(w, local.linear), cross(w, local.angular)});
-    }
-    store(rate, column -= 6);
-  });
-}
-
-template <class S>
 void frame_velocity_derivative(const RobotModel& model, const RobotData<S>& data, int frame,
                                FrameAxes axes, S* velocity_q) {
   const int joint = model.frames[frame].joint;
@@ -355,7 +336,6 @@ void centroidal_momentum_derivatives(const RobotModel& model, RobotData<S>& data
   template void frame_jacobian(const RobotModel&, const RobotData<S>&, int, FrameAxes, S*);       \
   template void frame_position_jacobian(const RobotModel&, const RobotData<S>&, int, S*);         \
   template void frame_rotation_jacobian(const RobotModel&, const RobotData<S>&, int, S*);         \
-  template void frame_jacobian_rate(const RobotModel&, const RobotData<S>&, int, FrameAxes, S*);  \
   template void frame_velocity_derivative(const RobotModel&, const RobotData<S>&, int, FrameAxes, \
                                           S*);                                                    \
   template void frame_acceleration_derivatives(const RobotModel&, const RobotData<S>&, int, S*,   \

@@ -42,10 +42,6 @@ void frame_position_jacobian(const RobotModel& model, const RobotData<S>& data, 
 template <class S>
 void frame_rotation_jacobian(const RobotModel& model, const RobotData<S>& data, int frame,
                              S* jacobian);
-/// Time derivative of the Jacobian; velocities must be current.
-template <class S>
-void frame_jacobian_rate(const RobotModel& model, const RobotData<S>& data, int frame,
-                         FrameAxes axes, S* jacobian_rate);
 /// Derivative of frame_velocity with respect to the configuration; velocities must be current.
 template <class S>
 void frame_velocity_derivative(const RobotModel& model, const RobotData<S>& data, int frame,

@@ -1,18 +1,82 @@
 #pragma once
 
+#include <cmath>
 #include <limits>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "spatial/aligned.hpp"
 #include "spatial/dual.hpp"
-#include "systems/contact_rank.hpp"
-#include "systems/second_derivatives.hpp"
+#include "spatial/lane.hpp"
 #include "systems/state_manifold.hpp"
-#include "systems/table_reading.hpp"
 
 namespace conddp {
+
+/// Reserved name of the clock, a state (s) of systems that depend on time. In second-order systems
+/// its rate (s/s) is a state too.
+inline constexpr const char* kClock = "t";
+inline constexpr const char* kClockRate = "t_rate";
+
+/// Second derivatives of a system's output f(z), z = (tangent at x, u), weighted row by row, at one
+/// point in each lane. If f depends on contact forces λ(z), which residuals use too, these have
+/// weights as well. System::second_derivatives creates the object for two workspaces: `at` holds
+/// the linearization point, and `moving` is moved along directions of z for residuals that need
+/// their own second derivatives.
+///
+/// The forces and accelerations y solve the equations of motion r(z, y) = 0. With the adjoint w of
+/// these equations, the second derivative of the weighted sum is that of −wᵀr along the graph of
+/// y(z). Since wᵀr is linear in y, we differentiate inverse dynamics twice, at O(nv) per direction.
+class SecondDerivatives {
+ public:
+  virtual ~SecondDerivatives() = default;
+
+  /// The number of forces.
+  virtual int forces() const = 0;
+  /// Brings `moving` to (x, u), after `at` has been differentiated there.
+  virtual void start(const Dual<Lane>* x, const Dual<Lane>* u) = 0;
+  /// True if `finish` adds everything, so that `move` is not needed for the system itself.
+  virtual bool at_once() const { return false; }
+  /// Sets the derivative of one force of `moving` to 1 and all others to 0.
+  virtual void move_force(int row) = 0;
+  /// Sets the weights of f (System::rows) and of the forces for subsequent calls.
+  virtual void weigh(const Lane* of_f, const Lane* of_forces) = 0;
+  /// Moves the kinematics and forces of `moving` along direction d of z; x is the state with that
+  /// derivative. Adds the derivative along d of the weighted output's gradient to column d of
+  /// `gradients` (nz x nz by columns).
+  virtual void move(const Dual<Lane>* x, int d, Lane* gradients) = 0;
+  /// Adds the terms due to the change of y to `gradients`; they are symmetric.
+  virtual void finish(Lane* gradients) = 0;
+};
+
+/// The point at which a table is read along one of its arguments. NaN if unknown.
+struct TableReading {
+  std::string table;
+  double at = 0;
+  double first = 0, last = 0;  ///< first and last grid point
+
+  /// Distance outside the range of the grid points; 0 within it.
+  double beyond() const {
+    if (std::isnan(at)) return 0;
+    return at < first ? first - at : at > last ? at - last : 0;
+  }
+};
+
+/// The number of independent rows of a system's contacts in a state, from the eigenvalues of G = J
+/// M⁻¹ Jᵀ scaled to a unit diagonal. Rows along which the contact cannot move, such as those out of
+/// the plane of a planar robot, do not count.
+struct ContactRank {
+  int rows = 0;  ///< 0 without contacts
+  int rank = 0;
+  /// Contacts that can push against each other without moving any joint, so that their forces are
+  /// not determined; empty if rank = rows.
+  std::vector<std::string> redundant;
+  /// A matrix that makes nearly or fully redundant contact forces determined and moderate: added to
+  /// G, it raises the eigenvalues to 0.01. Square in all rows, or empty.
+  Eigen::MatrixXd softness;
+};
 
 /// The supported scalars of every system, residual and knot model.
 #define CONDDP_FOR_EACH_SCALAR(X) X(double) X(Lane) X(Dual<Lane>)
@@ -165,5 +229,16 @@ class SystemBase : public System {
     return static_cast<typename Derived::template Data<S>&>(data);
   }
 };
+
+/// Names and units of the ndx components of a tangent vector. Rotations take the names of their
+/// quaternion's first three components, with r in place of q, and the unit rad.
+std::vector<Column> tangent_columns(const System& system);
+
+/// Indices of the state's numbers that the equations of a system are about. Excludes the clock,
+/// parameters and states at rest, which this system lacks.
+std::vector<int> own_states(const System& system);
+/// Tangent coordinates of all other numbers: the clock, parameters, their velocities and states at
+/// rest.
+std::vector<int> other_coordinates(const System& system);
 
 }  // namespace conddp

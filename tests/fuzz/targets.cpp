@@ -14,7 +14,7 @@
 #include "robot/urdf/load_xml.hpp"
 #include "robot/urdf/urdf.hpp"
 #include "systems/expressions/parser.hpp"
-#include "systems/graphs/differentiable.hpp"
+#include "systems/graphs/derivatives.hpp"
 
 namespace conddp {
 namespace {

@@ -2,7 +2,7 @@
 #include "analysis/comparison/random_instance.hpp"
 #include "problem_text.hpp"
 #include "solvers/strategies/registry.hpp"
-#include "systems/own_states.hpp"
+#include "systems/system.hpp"
 
 namespace conddp {
 namespace {

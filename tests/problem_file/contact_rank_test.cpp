@@ -1,9 +1,8 @@
-#include "systems/contact_rank.hpp"
-
 #include <gtest/gtest.h>
 
 #include "problem_text.hpp"
 #include "solvers/strategies/registry.hpp"
+#include "systems/system.hpp"
 
 namespace conddp {
 namespace {

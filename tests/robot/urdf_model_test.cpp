@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <gtest/gtest.h>
 
-#include "robot/urdf/combine.hpp"
+#include "robot/model.hpp"
 #include "robot/urdf/urdf.hpp"
 #include "support/simple_kinematics.hpp"
 #include "urdf_text.hpp"

@@ -136,8 +136,6 @@ class KernelProbe {
         put_spatial("acceleration" + in, frame_acceleration(model_, data_, f, axes));
         frame_jacobian(model_, data_, f, axes, first.data());
         put_columns("jacobian" + in, joint, first);
-        frame_jacobian_rate(model_, data_, f, axes, first.data());
-        put_columns("jacobian rate" + in, joint, first);
         frame_velocity_derivative(model_, data_, f, axes, first.data());
         put_columns("velocity_q" + in, joint, first);
       }

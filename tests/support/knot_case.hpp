@@ -10,7 +10,7 @@
 #include "ocp/knot/knot_batch.hpp"
 #include "ocp/problem/problem.hpp"
 #include "ocp/residuals/residuals.hpp"
-#include "robot/urdf/combine.hpp"
+#include "robot/model.hpp"
 #include "support/expression_systems.hpp"
 #include "support/random_robot.hpp"
 #include "support/steps.hpp"

@@ -6,7 +6,7 @@
 
 #include <Eigen/Core>
 
-#include "robot/urdf/combine.hpp"
+#include "robot/model.hpp"
 #include "support/random_robot.hpp"
 
 namespace conddp {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "robot/urdf/combine.hpp"
+#include "robot/model.hpp"
 
 namespace conddp {
 

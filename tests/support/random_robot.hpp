@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "robot/model.hpp"
+#include "robot/dynamics.hpp"
 #include "support/random_numbers.hpp"
 
 namespace conddp {
@@ -46,5 +46,20 @@ struct RobotState {
 /// Any base pose, angles in ±3 rad, velocities in ±2, accelerations in ±5, forces in ±20.
 /// Parameters, in ±3, are at rest.
 RobotState random_state(const RobotModel& model, RandomNumbers& random);
+
+/// Accelerations under generalized forces: M a = tau − bias. Writes M, L, bias, and acceleration. A
+/// null tau means zero forces.
+template <class S>
+void forward_dynamics(const RobotModel& model, const S* q, const S* v, const S* tau,
+                      RobotData<S>& data) {
+  update_placements(model, q, data);
+  update_velocities(model, v, data);
+  mass_matrix(model, data);
+  factorize_mass_matrix(model, data);
+  bias_forces(model, v, data);
+  for (int i = 0; i < model.nv; ++i)
+    data.acceleration[i] = tau == nullptr ? -data.bias[i] : tau[i] - data.bias[i];
+  solve_mass_matrix(model, data, data.acceleration.data());
+}
 
 }  // namespace conddp

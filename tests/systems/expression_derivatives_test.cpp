@@ -5,7 +5,6 @@
 #include "support/random_expression.hpp"
 #include "systems/expressions/parser.hpp"
 #include "systems/graphs/derivatives.hpp"
-#include "systems/graphs/differentiable.hpp"
 #include "systems/system.hpp"
 
 namespace conddp {

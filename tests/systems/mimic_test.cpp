@@ -3,7 +3,7 @@
 
 #include "robot/urdf/urdf.hpp"
 #include "support/mimic_robot.hpp"
-#include "systems/multibody/dense_ldlt.hpp"
+#include "systems/multibody/contact_set.hpp"
 #include "systems/multibody/multibody.hpp"
 
 namespace conddp {

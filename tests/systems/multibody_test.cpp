@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "robot/frames.hpp"
-#include "robot/urdf/combine.hpp"
+#include "robot/model.hpp"
 #include "support/random_robot.hpp"
 #include "support/robots.hpp"
 

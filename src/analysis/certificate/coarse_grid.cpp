@@ -11,7 +11,7 @@
 
 #include "analysis/certificate/replay.hpp"
 #include "analysis/certificate/replay_step.hpp"
-#include "systems/tangent_columns.hpp"
+#include "systems/system.hpp"
 
 namespace conddp {
 namespace {

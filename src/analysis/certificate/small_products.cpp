@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "spatial/lane_part.hpp"
+#include "spatial/lane_memory.hpp"
 
 namespace conddp {
 namespace {

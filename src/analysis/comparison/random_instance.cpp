@@ -5,7 +5,7 @@
 
 #include "solvers/common/guess.hpp"
 #include "systems/initial_choice.hpp"
-#include "systems/own_states.hpp"
+#include "systems/system.hpp"
 
 namespace conddp {
 

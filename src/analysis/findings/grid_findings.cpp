@@ -7,7 +7,7 @@
 #include "analysis/certificate/coarse_grid.hpp"
 #include "analysis/findings/long_step.hpp"
 #include "analysis/findings/singular_rate.hpp"
-#include "systems/tangent_columns.hpp"
+#include "systems/system.hpp"
 
 namespace conddp {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <memory>
 
-#include "systems/tangent_columns.hpp"
+#include "systems/system.hpp"
 
 namespace conddp {
 namespace {

@@ -11,7 +11,7 @@
 #include "base/matrix_decompositions.hpp"
 #include "ocp/evaluation/evaluator.hpp"
 #include "systems/multibody/multibody.hpp"
-#include "systems/own_states.hpp"
+#include "systems/system.hpp"
 
 namespace conddp {
 namespace {

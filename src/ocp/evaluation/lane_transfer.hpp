@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "spatial/lane_part.hpp"
+#include "spatial/lane_memory.hpp"
 
 namespace conddp {
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <utility>
 
-#include "spatial/lane_part.hpp"
+#include "spatial/lane_memory.hpp"
 
 namespace conddp {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "ocp/knot/knot_batch.hpp"
 #include "ocp/knot/runge_kutta_second_derivatives.hpp"
-#include "systems/second_derivatives.hpp"
+#include "systems/system.hpp"
 
 namespace conddp {
 

@@ -6,7 +6,6 @@
 #include <Eigen/Core>
 
 #include "ocp/problem/problem.hpp"
-#include "spatial/motion.hpp"
 #include "spatial/se3.hpp"
 
 namespace conddp {

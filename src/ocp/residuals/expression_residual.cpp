@@ -9,9 +9,8 @@
 
 #include "ocp/residuals/row_blocks.hpp"
 #include "ocp/residuals/stack_numbers.hpp"
-#include "systems/graphs/differentiable.hpp"
-#include "systems/graphs/table_arguments.hpp"
-#include "systems/graphs/tangent_motions.hpp"
+#include "systems/graphs/compiled_system.hpp"
+#include "systems/graphs/derivatives.hpp"
 
 namespace conddp {
 namespace {

@@ -22,7 +22,7 @@
 #include "problem_file/plant/stepping_builder.hpp"
 #include "problem_file/spec/phase_grid.hpp"
 #include "problem_file/terms/reach.hpp"
-#include "systems/clock.hpp"
+#include "systems/system.hpp"
 
 namespace conddp {
 namespace {

@@ -24,7 +24,7 @@
 #include "problem_file/terms/term_residual.hpp"
 #include "solvers/ddp/family.hpp"
 #include "solvers/strategies/registry.hpp"
-#include "systems/own_states.hpp"
+#include "systems/system.hpp"
 
 namespace conddp {
 namespace {

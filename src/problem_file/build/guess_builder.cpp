@@ -15,7 +15,7 @@
 #include "problem_file/plant/collocation_builder.hpp"
 #include "problem_file/terms/constraint_builder.hpp"
 #include "problem_file/terms/terminal_lqr.hpp"
-#include "systems/clock.hpp"
+#include "systems/system.hpp"
 
 namespace conddp {
 namespace {

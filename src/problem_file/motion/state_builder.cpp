@@ -8,7 +8,7 @@
 #include "base/text/spelling.hpp"
 #include "problem_file/motion/planar_motion.hpp"
 #include "problem_file/plant/joint_values.hpp"
-#include "systems/own_states.hpp"
+#include "systems/system.hpp"
 
 namespace conddp {
 namespace {

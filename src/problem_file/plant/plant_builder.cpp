@@ -10,7 +10,7 @@
 #include "problem_file/plant/plant_robot.hpp"
 #include "problem_file/plant/stepping_builder.hpp"
 #include "problem_file/plant/systems_of_phases.hpp"
-#include "robot/urdf/combine.hpp"
+#include "robot/model.hpp"
 
 namespace conddp {
 namespace {

@@ -8,8 +8,8 @@
 #include "problem_file/plant/united_systems.hpp"
 #include "problem_file/spec/expression_source.hpp"
 #include "problem_file/spec/phase_grid.hpp"
-#include "systems/clock.hpp"
 #include "systems/expressions/scope.hpp"
+#include "systems/system.hpp"
 
 namespace conddp {
 namespace {

@@ -6,7 +6,7 @@
 #include <fmt/ranges.h>
 
 #include "problem_file/plant/closed_form_builder.hpp"
-#include "systems/clock.hpp"
+#include "systems/system.hpp"
 
 namespace conddp {
 namespace {

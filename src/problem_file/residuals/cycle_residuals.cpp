@@ -3,7 +3,7 @@
 #include "problem_file/residuals/cost_residual.hpp"
 #include "problem_file/residuals/residual_keys.hpp"
 #include "problem_file/residuals/residual_table.hpp"
-#include "systems/own_states.hpp"
+#include "systems/system.hpp"
 
 namespace conddp {
 namespace {

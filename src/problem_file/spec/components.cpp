@@ -6,8 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/text/spelling.hpp"
-#include "systems/own_states.hpp"
-#include "systems/tangent_columns.hpp"
+#include "systems/system.hpp"
 
 namespace conddp {
 namespace {

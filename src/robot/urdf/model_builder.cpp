@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "base/text/spelling.hpp"
 #include "robot/urdf/axis_alignment.hpp"
 #include "robot/urdf/urdf_validation.hpp"
 

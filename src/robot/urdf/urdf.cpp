@@ -9,12 +9,12 @@
 #include <urdf_parser/urdf_parser.h>
 
 #include "base/files/text_file.hpp"
+#include "base/text/spelling.hpp"
 #include "base/text/utf8.hpp"
 #include "robot/urdf/load_xml.hpp"
 #include "robot/urdf/model_builder.hpp"
 #include "robot/urdf/regularity.hpp"
-#include "robot/urdf/urdf_elements.hpp"
-#include "robot/urdf/urdf_topology.hpp"
+#include "robot/urdf/urdf_document.hpp"
 #include "robot/urdf/urdf_validation.hpp"
 
 namespace conddp {

@@ -59,12 +59,4 @@ UrdfResult UrdfReport::take(std::string_view text) {
   return result;
 }
 
-std::string listed(const std::vector<std::string>& names, std::size_t shown) {
-  std::string text;
-  for (std::size_t i = 0; i < std::min(shown, names.size()); ++i)
-    text += (i > 0 ? ", " : "") + names[i];
-  if (names.size() > shown) text += " and " + std::to_string(names.size() - shown) + " more";
-  return text;
-}
-
 }  // namespace conddp

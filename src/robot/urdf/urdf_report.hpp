@@ -54,7 +54,4 @@ class UrdfReport {
   int errors_ = 0;
 };
 
-/// Comma-separated list such as "a, b and 3 more".
-std::string listed(const std::vector<std::string>& names, std::size_t shown = 6);
-
 }  // namespace conddp

@@ -2,7 +2,7 @@
 
 #include <type_traits>
 
-#include "spatial/lane_transpose.hpp"
+#include "spatial/lane_memory.hpp"
 
 namespace conddp {
 

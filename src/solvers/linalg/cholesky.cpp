@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "solvers/linalg/tile_size.hpp"
-#include "spatial/lane_transpose.hpp"
+#include "spatial/lane_memory.hpp"
 
 namespace conddp {
 namespace {

@@ -3,7 +3,7 @@
 #include <array>
 
 #include "ocp/evaluation/matrix_vector.hpp"
-#include "spatial/lane_part.hpp"
+#include "spatial/lane_memory.hpp"
 
 namespace conddp {
 namespace {

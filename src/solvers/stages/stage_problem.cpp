@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "solvers/linalg/cholesky.hpp"
-#include "spatial/lane_part.hpp"
+#include "spatial/lane_memory.hpp"
 
 namespace conddp {
 

@@ -7,7 +7,7 @@
 #include "solvers/linalg/lane_gemm.hpp"
 #include "solvers/stages/gap_transport.hpp"
 #include "solvers/stages/narrow_stage.hpp"
-#include "spatial/lane_part.hpp"
+#include "spatial/lane_memory.hpp"
 
 namespace conddp {
 namespace {

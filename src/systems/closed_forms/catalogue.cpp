@@ -3,8 +3,8 @@
 #include <stdexcept>
 
 #include "systems/closed_form.hpp"
-#include "systems/graphs/graph_number.hpp"
-#include "systems/graphs/system_hessian.hpp"
+#include "systems/graphs/compiled_system.hpp"
+#include "systems/graphs/graph.hpp"
 
 namespace conddp {
 namespace {

@@ -1,12 +1,101 @@
 #include "systems/contact/stepping_system.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
+#include <fmt/format.h>
+
+#include "robot/dynamics.hpp"
 #include "robot/kinematics.hpp"
 
 namespace conddp {
 namespace {
+
+int add(std::vector<Column>& columns, std::string name, std::string unit) {
+  columns.push_back({std::move(name), std::move(unit)});
+  return static_cast<int>(columns.size()) - 1;
+}
+
+/// Adds forces and slips along the tangents, named t+, t- in a plane, t1+ … t2- in space.
+FrictionIndices add_friction(SteppingLayout& layout, const std::string& prefix, int tangents,
+                             const std::string& force_unit, const std::string& slip_unit) {
+  FrictionIndices f{.count = 2 * tangents};
+  for (int i = 0; i < f.count; ++i) {
+    const std::string label =
+        (tangents == 1 ? "t" : "t" + std::to_string(1 + i / 2)) + (i % 2 == 0 ? "+" : "-");
+    f.force[i] = add(layout.columns, prefix + "/f" + label, force_unit);
+    f.slip[i] = add(layout.columns, prefix + "/slip_" + label, slip_unit);
+    layout.pairs.emplace_back(f.force[i], f.slip[i]);
+  }
+  f.gamma = add(layout.columns, prefix + "/slip_speed", slip_unit);
+  f.rest = add(layout.columns, prefix + "/friction_left", force_unit);
+  layout.pairs.emplace_back(f.gamma, f.rest);
+  return f;
+}
+
+/// Adds the unknowns of two tangents: first the forces, then the variables that determine them.
+ConeIndices add_cone(SteppingLayout& layout, const std::string& prefix) {
+  ConeIndices cone{.present = true};
+  for (int i = 0; i < 2; ++i)
+    cone.force[i] = add(layout.columns, fmt::format("{}/ft{}", prefix, i + 1), "N");
+  for (int i = 0; i < 2; ++i)
+    cone.use[i] = add(layout.columns, fmt::format("{}/use{}", prefix, i + 1), "");
+  cone.speed = add(layout.columns, prefix + "/slip_speed", "m/s");
+  cone.rest = add(layout.columns, prefix + "/use_left", "");
+  layout.pairs.emplace_back(cone.speed, cone.rest);
+  return cone;
+}
+
+bool turns(const Joint& joint) { return joint.type == JointType::revolute; }
+
+void add_acceleration(SteppingLayout& layout, const Joint& joint) {
+  const std::string name = "a/" + joint.name;
+  if (joint.type != JointType::floating) {
+    add(layout.columns, name, turns(joint) ? "rad/s²" : "m/s²");
+    return;
+  }
+  for (const char* axis : {"x", "y", "z"}) add(layout.columns, name + "/v" + axis, "m/s²");
+  for (const char* axis : {"x", "y", "z"}) add(layout.columns, name + "/w" + axis, "rad/s²");
+}
+
+void add_candidate(SteppingLayout& layout, const ContactCandidate& c,
+                   const ImplicitContacts& contacts) {
+  const std::string prefix = "contact/" + c.name;
+  SteppingLayout::Candidate indices;
+  indices.force = add(layout.columns, prefix + "/fn", "N");
+  indices.gap = add(layout.columns, prefix + "/gap", "m");
+  layout.pairs.emplace_back(indices.force, indices.gap);
+  // With one tangent, the cone is the pyramid.
+  if (c.friction > 0 && contacts.friction == FrictionModel::cone && !contacts.plane)
+    indices.cone = add_cone(layout, prefix);
+  else if (c.friction > 0)
+    indices.friction = add_friction(layout, prefix, contacts.plane ? 1 : 2, "N", "m/s");
+  layout.candidates.push_back(indices);
+}
+
+/// Adds the lower or upper end of a joint's range, if it is finite.
+void add_stop(SteppingLayout& layout, const Joint& joint, const JointStop& stop, bool upper) {
+  const double limit = upper ? stop.upper : stop.lower;
+  if (!std::isfinite(limit)) return;
+  const std::string prefix = "stop/" + joint.name + (upper ? "/upper" : "/lower");
+  SteppingLayout::Stop indices{.joint = stop.joint,
+                               .position = joint.q,
+                               .velocity = joint.v,
+                               .upper = upper,
+                               .limit = limit};
+  indices.force = add(layout.columns, prefix + "/f", turns(joint) ? "Nm" : "N");
+  indices.distance = add(layout.columns, prefix + "/distance", turns(joint) ? "rad" : "m");
+  layout.pairs.emplace_back(indices.force, indices.distance);
+  layout.stops.push_back(indices);
+}
+
+void add_joint_friction(SteppingLayout& layout, const Joint& joint) {
+  layout.friction_velocities.push_back(joint.v);
+  const bool turning = turns(joint);
+  layout.frictions.push_back(add_friction(layout, "friction/" + joint.name, 1, turning ? "Nm" : "N",
+                                          turning ? "rad/s" : "m/s"));
+}
 
 /// An entry of a symmetric matrix stored as its lower triangle, n x n by columns.
 template <class S>
@@ -15,6 +104,65 @@ const S& symmetric(const AlignedVector<S>& m, int i, int j, int n) {
 }
 
 }  // namespace
+
+SteppingLayout::SteppingLayout(const RobotModel& robot, const std::vector<Column>& actuator_columns,
+                               const ImplicitContacts& contacts)
+    : actuators(static_cast<int>(actuator_columns.size())),
+      acceleration(actuators),
+      nv(robot.nv),
+      columns(actuator_columns) {
+  for (const Joint& joint : robot.joints) add_acceleration(*this, joint);
+  for (const ContactCandidate& c : contacts.candidates) add_candidate(*this, c, contacts);
+  for (const JointStop& stop : contacts.stops)
+    for (const bool upper : {false, true}) add_stop(*this, robot.joints[stop.joint], stop, upper);
+  for (const JointFriction& friction : contacts.frictions)
+    add_joint_friction(*this, robot.joints[friction.joint]);
+}
+
+template <class S>
+HalfStep<S>::HalfStep(const RobotModel& robot)
+    : position(robot.nq, S(0.0)),
+      momentum(robot.nv, S(0.0)),
+      load(robot.nv, S(0.0)),
+      momentum_q(robot.nv * robot.nv, S(0.0)),
+      load_q(robot.nv * robot.nv, S(0.0)),
+      nv(robot.nv),
+      at(robot),
+      along(robot),
+      q(robot.nq, Dual<S>(0.0)),
+      v(robot.nv, Dual<S>(0.0)),
+      rest(robot.nv, Dual<S>(0.0)) {}
+
+/// M̊v = ∂P/∂q v is the force due to the change of M; bias forces are c = M̊v + C.
+template <class S>
+void update_half_step(const RobotModel& robot, const RobotModel& free, const S* v, bool slopes,
+                      HalfStep<S>& half) {
+  const int n = half.nv;
+  const S* q = half.position.data();
+  for (int i = 0; i < n; ++i) {
+    half.q[i] = {q[i], v[i]};
+    half.v[i] = {v[i], S(0.0)};
+  }
+  inverse_dynamics(free, half.q.data(), half.rest.data(), half.v.data(), half.along);
+  update_placements(robot, q, half.at);
+  update_velocities(robot, v, half.at);
+  mass_matrix(robot, half.at);
+  bias_forces(robot, v, half.at);
+  for (int i = 0; i < n; ++i) {
+    half.momentum[i] = half.along.tau[i].v;
+    half.load[i] = half.at.bias[i] - half.along.tau[i].d;
+  }
+  if (!slopes) return;
+  update_composite_inertias(free, half.along);
+  std::copy_n(half.v.begin(), n, half.along.acceleration.begin());
+  inverse_dynamics_derivatives(free, half.rest.data(), half.along);
+  std::fill_n(half.at.acceleration.begin(), n, S(0.0));
+  inverse_dynamics_derivatives(robot, v, half.at);
+  for (int i = 0; i < n * n; ++i) {
+    half.momentum_q[i] = half.along.tau_q[i].v;
+    half.load_q[i] = half.at.tau_q[i] - half.along.tau_q[i].d;
+  }
+}
 
 SteppingSystem::SteppingSystem(std::shared_ptr<const MultibodySystem> robot,
                                ImplicitContacts contacts)
@@ -225,6 +373,9 @@ void SteppingSystem::add_half_step_slopes(double sign, const S* v, const S& h,
 }
 
 #define CONDDP_INSTANTIATE(S)                                                                  \
+  template struct HalfStep<S>;                                                                 \
+  template void update_half_step(const RobotModel&, const RobotModel&, const S*, bool,         \
+                                 HalfStep<S>&);                                                \
   template struct SteppingSystem::Data<S>;                                                     \
   template void SteppingSystem::evaluate_as(const S*, const S*, Data<S>&) const;               \
   template void SteppingSystem::differentiate_as(const S*, const S*, Data<S>&) const;          \

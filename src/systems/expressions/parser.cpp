@@ -6,7 +6,6 @@
 
 #include "base/text/spelling.hpp"
 #include "base/text/utf8.hpp"
-#include "systems/expressions/foreign_words.hpp"
 #include "systems/expressions/functions.hpp"
 
 namespace conddp {

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "systems/expressions/value.hpp"
+#include "systems/expressions/functions.hpp"
 
 namespace conddp {
 
@@ -49,5 +49,11 @@ class ExpressionScope {
 
 /// True if a text can be a name in expressions: letters, digits and '_', not starting with a digit.
 bool is_expression_name(std::string_view text);
+
+/// Suggests a replacement for a name, a function or a word operator of other languages; empty if
+/// unknown.
+std::string_view foreign_name_hint(std::string_view name);
+std::string_view foreign_function_hint(std::string_view name);
+std::string_view foreign_operator_hint(std::string_view word);
 
 }  // namespace conddp

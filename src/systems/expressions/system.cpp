@@ -6,7 +6,6 @@
 
 #include "base/text/spelling.hpp"
 #include "base/text/utf8.hpp"
-#include "systems/clock.hpp"
 #include "systems/graphs/compiled_system.hpp"
 #include "systems/graphs/derivatives.hpp"
 

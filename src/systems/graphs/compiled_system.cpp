@@ -2,13 +2,13 @@
 
 #include <algorithm>
 
-#include "systems/graphs/differentiable.hpp"
-#include "systems/graphs/system_hessian.hpp"
-#include "systems/graphs/table_arguments.hpp"
-#include "systems/graphs/tangent_motions.hpp"
+#include "systems/graphs/derivatives.hpp"
 
 namespace conddp {
 namespace {
+
+/// Limit on nodes times columns; beyond it, second derivatives use dual numbers.
+constexpr std::size_t kMostSecondDerivatives = 500000;
 
 /// A system whose workspace contains the registers of its programs.
 class ExpressionSystem : public SystemBase<ExpressionSystem> {
@@ -99,6 +99,99 @@ class ExpressionSystem : public SystemBase<ExpressionSystem> {
 };
 
 }  // namespace
+
+/// Adds the whole Hessian in `finish`.
+class SystemHessian::Derivatives : public SecondDerivatives {
+ public:
+  Derivatives(const Program& hessian, const System& system)
+      : hessian_(hessian), system_(system), registers_(hessian.program.registers()) {
+    hessian.program.prepare(registers_.data());
+  }
+
+  int forces() const override { return 0; }
+  bool at_once() const override { return true; }
+  void start(const Dual<Lane>* x, const Dual<Lane>* u) override {
+    const int nx = system_.nx();
+    for (std::size_t i = 0; i < hessian_.sources.size(); ++i) {
+      const int source = hessian_.sources[i];
+      registers_[i] = source < nx ? x[source].v : u[source - nx].v;
+    }
+  }
+  void move_force(int) override {}
+  void weigh(const Lane* of_f, const Lane*) override {
+    std::copy_n(of_f, system_.rows(), registers_.begin() + hessian_.sources.size());
+  }
+  void move(const Dual<Lane>*, int, Lane*) override {}
+  void finish(Lane* gradients) override {
+    hessian_.program.run(registers_.data());
+    const int nz = system_.ndx() + system_.nu();
+    for (std::size_t i = 0; i < hessian_.entries.size(); ++i) {
+      const auto [row, column] = hessian_.entries[i];
+      const Lane value = registers_[hessian_.program.output(static_cast<int>(i))];
+      gradients[column * nz + row] += value;
+      if (row != column) gradients[row * nz + column] += value;
+    }
+  }
+
+ private:
+  const Program& hessian_;
+  const System& system_;
+  AlignedVector<Lane> registers_;
+};
+
+/// Builds the Hessian program of Σ wᵢ fᵢ, with the weights as additional inputs.
+void SystemHessian::make(const System& system) const {
+  SystemExpressions f = expressions_();
+  const int inputs = static_cast<int>(f.sources.size());
+  NodeId sum = f.graph.constant(0);
+  for (std::size_t i = 0; i < f.outputs.size(); ++i)
+    sum = f.graph.add(sum,
+                      f.graph.multiply(f.graph.input(inputs + static_cast<int>(i)), f.outputs[i]));
+  const InputMotions motions = input_motions(f.graph, system.manifold(), f.sources);
+  const auto entries = second_derivatives(f.graph, sum, motions, kMostSecondDerivatives);
+  if (!entries) return;
+  Program& made = program_.emplace();
+  std::vector<NodeId> values;
+  for (const JacobianEntry& entry : *entries) {
+    values.push_back(entry.value);
+    made.entries.emplace_back(entry.row, entry.column);
+  }
+  made.program = ExpressionProgram(f.graph, values, inputs + system.rows(), 0);
+  made.sources = std::move(f.sources);
+}
+
+std::unique_ptr<SecondDerivatives> SystemHessian::derivatives(const System& system) const {
+  std::call_once(asked_, [&] { make(system); });
+  return program_ ? std::make_unique<Derivatives>(*program_, system) : nullptr;
+}
+
+TableArguments::TableArguments(const ExpressionGraph& graph, std::span<const NodeId> roots,
+                               int inputs, const std::vector<std::string>& names) {
+  std::vector<NodeId> arguments;
+  for (const NodeId id : nodes_below(graph, roots)) {
+    const ExpressionNode& node = graph[id];
+    if (node.operation != Operation::kTable) continue;
+    const int index = TableUse::of(node.payload).table;
+    const SplineTable& table = *graph.tables()[index];
+    for (int i = 0; i < table.arguments(); ++i) {
+      arguments.push_back(i == 0 ? node.a : node.b);
+      tables_.push_back({names[index], 0, table.first(i), table.last(i)});
+    }
+  }
+  program_ = ExpressionProgram(graph, arguments, inputs, static_cast<int>(arguments.size()));
+}
+
+std::vector<TableReading> TableArguments::readings(const std::function<double(int)>& input) const {
+  std::vector<TableReading> readings = tables_;
+  if (readings.empty()) return readings;
+  std::vector<double> registers(program_.registers());
+  program_.prepare(registers.data());
+  for (int i = 0; i < program_.inputs(); ++i) registers[i] = input(i);
+  program_.run(registers.data());
+  for (std::size_t i = 0; i < readings.size(); ++i)
+    readings[i].at = registers[program_.output(static_cast<int>(i))];
+  return readings;
+}
 
 std::shared_ptr<const System> compile_system(ExpressionSystemParts parts) {
   return std::make_shared<ExpressionSystem>(std::move(parts));

@@ -4,6 +4,8 @@
 #include <vector>
 
 #include "systems/graphs/graph.hpp"
+#include "systems/graphs/program.hpp"
+#include "systems/state_manifold.hpp"
 
 namespace conddp {
 
@@ -46,5 +48,46 @@ bool has_choice(const ExpressionGraph& graph, std::span<const NodeId> outputs);
 std::optional<std::vector<JacobianEntry>> second_derivatives(ExpressionGraph& graph, NodeId output,
                                                              const InputMotions& motions,
                                                              std::size_t most);
+
+/// Motions of the inputs that hold a state along its tangent vectors; input_of[i] is the input that
+/// holds number i of the state.
+InputMotions tangent_motions(ExpressionGraph& graph, const StateManifold& manifold,
+                             std::span<const int> input_of);
+
+/// Motions of the inputs along the columns of z = (tangent at x, u). Input i is number sources[i]
+/// of (x, u), and each number of x is an input.
+InputMotions input_motions(ExpressionGraph& graph, const StateManifold& manifold,
+                           std::span<const int> sources);
+
+/// Expressions compiled for evaluation with or without derivatives by columns (tangent coordinates
+/// and controls). Immutable; S is any scalar of systems.
+class DifferentiableExpressions {
+ public:
+  /// An entry of the Jacobian that can be nonzero.
+  struct Entry {
+    int row;
+    int column;
+    bool constant;
+    double value;  ///< if constant
+    int place;     ///< its output in `with_derivatives`
+  };
+
+  /// The outputs are nodes of the graph; their derivatives are added to it. Uses forward or
+  /// backward differentiation, whichever takes fewer instructions.
+  DifferentiableExpressions(ExpressionGraph& graph, const std::vector<NodeId>& outputs, int inputs,
+                            const InputMotions& motions);
+
+  int size() const { return size_; }
+  const ExpressionProgram& values() const { return values_; }
+  /// Its first size() outputs are the values.
+  const ExpressionProgram& with_derivatives() const { return with_derivatives_; }
+  /// Sorted by row, then column.
+  const std::vector<Entry>& jacobian() const { return jacobian_; }
+
+ private:
+  int size_;
+  ExpressionProgram values_, with_derivatives_;
+  std::vector<Entry> jacobian_;
+};
 
 }  // namespace conddp

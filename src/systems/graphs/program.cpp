@@ -5,7 +5,7 @@
 #include <unordered_map>
 #include <utility>
 
-#include "spatial/elementary.hpp"
+#include "spatial/dual.hpp"
 #include "systems/system.hpp"
 
 namespace conddp {

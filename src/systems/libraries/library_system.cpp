@@ -2,9 +2,6 @@
 
 #include <algorithm>
 
-#include "systems/clock.hpp"
-#include "systems/own_states.hpp"
-
 namespace conddp {
 namespace {
 

@@ -7,7 +7,7 @@
 namespace conddp {
 
 /// Factors of the mass matrix: M = Lᵀ D L along the tree, as in RobotData. With mimic joints the
-/// factors are M = L D Lᵀ, dense with D⁻¹ on the diagonal (dense_ldlt.hpp).
+/// factors are M = L D Lᵀ, dense with D⁻¹ on the diagonal (contact_set.hpp).
 template <class S>
 struct MassFactors {
   const S* L;          ///< n x n by columns

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "systems/multibody/dense_ldlt.hpp"
-
 namespace conddp {
 namespace {
 
@@ -12,6 +10,30 @@ namespace {
 constexpr double kCompliance = 1e-6;
 
 }  // namespace
+
+template <class S>
+void factorize_ldlt(int n, S* A) {
+  for (int k = 0; k < n; ++k) {
+    S* pivot = A + k * n;
+    pivot[k] = S(1.0) / pivot[k];
+    for (int j = k + 1; j < n; ++j) {
+      const S factor = pivot[j] * pivot[k];
+      for (int i = j; i < n; ++i) A[j * n + i] -= pivot[i] * factor;
+    }
+    for (int i = k + 1; i < n; ++i) pivot[i] *= pivot[k];
+  }
+}
+
+template <class S>
+void solve_ldlt(int n, const S* factors, S* x) {
+  for (int k = 0; k < n; ++k)
+    for (int i = k + 1; i < n; ++i) x[i] -= factors[k * n + i] * x[k];
+  for (int k = n - 1; k >= 0; --k) {
+    S sum = x[k] * factors[k * n + k];
+    for (int i = k + 1; i < n; ++i) sum -= factors[k * n + i] * x[i];
+    x[k] = sum;
+  }
+}
 
 ContactSet::ContactSet(const RobotModel& model, const MimicMap& mimics,
                        std::vector<Contact> contacts)
@@ -132,6 +154,8 @@ void ContactSet::subtract_derivative(Data<S>& data, AlignedVector<S> ContactData
 }
 
 #define CONDDP_INSTANTIATE(S)                                                                      \
+  template void factorize_ldlt(int n, S* A);                                                       \
+  template void solve_ldlt(int n, const S*, S*);                                                   \
   template struct ContactSet::Data<S>;                                                             \
   template void ContactSet::update(const RobotModel&, const RobotData<S>&, int, Data<S>&) const;   \
   template void ContactSet::factorize(Data<S>&) const;                                             \

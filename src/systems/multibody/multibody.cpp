@@ -4,8 +4,6 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "systems/multibody/dense_ldlt.hpp"
-
 namespace conddp {
 namespace {
 

@@ -1,8 +1,8 @@
 #include <algorithm>
 
-#include "robot/inverse_dynamics_gradient.hpp"
+#include "robot/dynamics.hpp"
 #include "systems/multibody/multibody.hpp"
-#include "systems/second_derivatives.hpp"
+#include "systems/system.hpp"
 
 namespace conddp {
 

@@ -1,6 +1,5 @@
-#include "robot/inverse_dynamics_gradient.hpp"
 
-#include "robot/body_forces.hpp"
+#include "robot/dynamics.hpp"
 #include "robot/loads.hpp"
 
 namespace conddp {
