@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "mpc/time_line.hpp"
-#include "ocp/knot/knot_batch.hpp"
+#include "ocp/knot/knot_model.hpp"
 
 namespace conddp {
 

@@ -8,7 +8,7 @@
 #include <benchmark/benchmark.h>
 
 #include "ocp/evaluation/evaluator.hpp"
-#include "ocp/knot/knot_batch.hpp"
+#include "ocp/knot/knot_model.hpp"
 #include "problem_file/build/build.hpp"
 #include "problem_file/build/build_problem.hpp"
 #include "problem_file/read/read_problem.hpp"

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "ocp/knot/augmented_term.hpp"
-#include "ocp/problem/soft_constraint.hpp"
+#include "ocp/problem/problem.hpp"
 #include "ocp/residuals/residuals.hpp"
 #include "support/random_numbers.hpp"
 

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "ocp/evaluation/evaluator.hpp"
-#include "ocp/problem/soft_constraint.hpp"
+#include "ocp/problem/problem.hpp"
 #include "ocp/residuals/expression_residual.hpp"
 #include "support/knot_case.hpp"
 #include "support/sizes.hpp"

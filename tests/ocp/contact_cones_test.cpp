@@ -1,11 +1,10 @@
-#include "ocp/residuals/contact_cones.hpp"
-
 #include <cmath>
 #include <numbers>
 
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
+#include "ocp/residuals/residuals.hpp"
 #include "support/random_numbers.hpp"
 
 namespace conddp {

@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include "ocp/problem/node_evaluation.hpp"
 #include "support/block_on_slides.hpp"
 
 namespace conddp {

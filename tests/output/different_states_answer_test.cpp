@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "analysis/comparison/solution_comparison.hpp"
-#include "ocp/problem/control_columns.hpp"
+#include "ocp/problem/by_name.hpp"
 #include "output/report/certificate_report.hpp"
 #include "output/report/constraint_curves.hpp"
 #include "output/report/report.hpp"

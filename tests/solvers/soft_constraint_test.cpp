@@ -1,7 +1,6 @@
-#include "ocp/problem/soft_constraint.hpp"
-
 #include <gtest/gtest.h>
 
+#include "ocp/problem/problem.hpp"
 #include "solvers/strategies/registry.hpp"
 #include "support/dense_convex.hpp"
 

@@ -7,7 +7,7 @@
 
 #include <Eigen/Core>
 
-#include "ocp/knot/knot_batch.hpp"
+#include "ocp/knot/knot_model.hpp"
 #include "ocp/problem/problem.hpp"
 #include "ocp/residuals/residuals.hpp"
 #include "robot/model.hpp"

@@ -14,7 +14,7 @@
 #include "arguments/shared_arguments.hpp"
 #include "base/files/atomic_file.hpp"
 #include "commands/commands.hpp"
-#include "ocp/knot/knot_batch.hpp"
+#include "ocp/knot/knot_model.hpp"
 #include "output/report/certificate_report.hpp"
 #include "output/report/solution_certificate.hpp"
 #include "output/solution/solution_json.hpp"

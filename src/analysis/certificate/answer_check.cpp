@@ -6,7 +6,7 @@
 #include "analysis/derivatives/node_models.hpp"
 #include "ocp/evaluation/evaluator.hpp"
 #include "ocp/problem/by_name.hpp"
-#include "ocp/problem/soft_constraint.hpp"
+#include "ocp/problem/problem.hpp"
 
 namespace conddp {
 namespace {

@@ -19,7 +19,7 @@
 #include "analysis/certificate/second_order.hpp"
 #include "analysis/derivatives/node_models.hpp"
 #include "ocp/problem/cost_scale.hpp"
-#include "ocp/problem/soft_constraint.hpp"
+#include "ocp/problem/problem.hpp"
 #include "solvers/common/status.hpp"
 
 namespace conddp {

@@ -6,8 +6,8 @@
 #include <map>
 #include <random>
 
-#include "ocp/knot/knot_batch.hpp"
-#include "ocp/problem/augmentation.hpp"
+#include "ocp/knot/knot_model.hpp"
+#include "ocp/problem/problem.hpp"
 #include "systems/libraries/slope_interval.hpp"
 
 namespace conddp {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "ocp/knot/knot_batch.hpp"
+#include "ocp/knot/knot_model.hpp"
 
 namespace conddp {
 

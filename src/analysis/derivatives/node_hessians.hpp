@@ -5,7 +5,6 @@
 #include <Eigen/Core>
 
 #include "ocp/evaluation/linearization.hpp"
-#include "ocp/problem/augmentation.hpp"
 #include "ocp/problem/problem.hpp"
 
 namespace conddp {

@@ -16,7 +16,7 @@
 #include "base/exceeds.hpp"
 #include "base/matrix_decompositions.hpp"
 #include "ocp/problem/by_name.hpp"
-#include "ocp/problem/node_evaluation.hpp"
+#include "ocp/problem/node_values.hpp"
 #include "systems/collocation_system.hpp"
 #include "systems/contact/stepping_system.hpp"
 

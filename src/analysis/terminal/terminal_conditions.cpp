@@ -8,7 +8,7 @@
 
 #include "analysis/terminal/terminal_ellipsoid.hpp"
 #include "base/random_numbers.hpp"
-#include "ocp/problem/node_evaluation.hpp"
+#include "ocp/problem/node_values.hpp"
 
 namespace conddp {
 namespace {

@@ -2,8 +2,6 @@
 
 #include <utility>
 
-#include "ocp/evaluation/usable_threads.hpp"
-
 namespace conddp {
 namespace {
 

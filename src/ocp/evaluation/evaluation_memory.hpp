@@ -1,11 +1,14 @@
 #pragma once
 
+#include <algorithm>
 #include <map>
 #include <memory>
 #include <vector>
 
+#include <tbb/global_control.h>
+
 #include "ocp/evaluation/lane_transfer.hpp"
-#include "ocp/knot/knot_batch.hpp"
+#include "ocp/knot/knot_model.hpp"
 #include "ocp/knot/knot_second_derivatives.hpp"
 
 namespace conddp {
@@ -41,5 +44,13 @@ class EvaluationMemory {
   int threads_;
   std::map<const KnotModel*, std::unique_ptr<OfModel>> models_;
 };
+
+/// Number of threads, at most `wanted` and at least 1, that this process gets from TBB. An arena
+/// for more threads would gain nothing, and TBB would print a warning on stderr.
+inline int usable_threads(int wanted) {
+  using tbb::global_control;
+  const auto most = global_control::active_value(global_control::max_allowed_parallelism);
+  return std::clamp(wanted, 1, std::max(1, static_cast<int>(most)));
+}
 
 }  // namespace conddp

@@ -14,7 +14,7 @@
 #include "ocp/evaluation/evaluation_memory.hpp"
 #include "ocp/evaluation/lane_transfer.hpp"
 #include "ocp/evaluation/rollout.hpp"
-#include "ocp/knot/transposed_dynamics.hpp"
+#include "ocp/knot/knot_second_derivatives.hpp"
 
 namespace conddp {
 

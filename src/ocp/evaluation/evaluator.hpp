@@ -4,9 +4,16 @@
 #include <vector>
 
 #include "ocp/evaluation/linearization.hpp"
-#include "ocp/evaluation/rollout_options.hpp"
+#include "ocp/problem/problem.hpp"
 
 namespace conddp {
+
+/// Treatment of gaps and bounds in a rollout.
+struct RolloutOptions {
+  bool contract_gaps = false;   ///< x_{k+1} = f ⊕ (α − 1) gap instead of f (multiple shooting)
+  bool clamp_controls = false;  ///< clamp every control to its bounds
+  const Augmentation* augmentation = nullptr;  ///< added to the cost
+};
 
 /// Feedforward and feedback of a control update δu = α k + K δx, one per knot.
 struct Feedback {

@@ -3,8 +3,7 @@
 #include <algorithm>
 
 #include "ocp/evaluation/linearization.hpp"
-#include "ocp/evaluation/rollout_options.hpp"
-#include "ocp/knot/knot_batch.hpp"
+#include "ocp/knot/knot_model.hpp"
 
 namespace conddp {
 

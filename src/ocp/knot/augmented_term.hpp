@@ -1,7 +1,7 @@
 #pragma once
 
 #include "ocp/knot/gauss_newton.hpp"
-#include "ocp/terms/soft_limit.hpp"
+#include "ocp/terms/constraint.hpp"
 
 namespace conddp {
 

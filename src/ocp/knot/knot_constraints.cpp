@@ -4,7 +4,7 @@
 #include "ocp/knot/augmented_term.hpp"
 #include "ocp/knot/gauss_newton.hpp"
 #include "ocp/knot/knot_model.hpp"
-#include "ocp/terms/constraint_form.hpp"
+#include "ocp/terms/constraint.hpp"
 
 namespace conddp {
 

@@ -1,6 +1,5 @@
 #include "ocp/knot/knot_model.hpp"
 
-#include <algorithm>
 #include <numeric>
 #include <stdexcept>
 

@@ -3,8 +3,7 @@
 #include <algorithm>
 
 #include "ocp/knot/gauss_newton.hpp"
-#include "ocp/knot/transposed_dynamics.hpp"
-#include "ocp/terms/constraint_form.hpp"
+#include "ocp/terms/constraint.hpp"
 
 namespace conddp {
 namespace {

@@ -6,7 +6,7 @@
 #include <map>
 #include <utility>
 
-#include "ocp/problem/node_evaluation.hpp"
+#include "ocp/problem/node_values.hpp"
 
 namespace conddp {
 namespace {

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "ocp/knot/knot_model.hpp"
 #include "ocp/problem/trajectory.hpp"
 
@@ -119,5 +121,35 @@ class ShootingProblem {
   std::vector<NodeConstraint> constraints_, soft_constraints_;
   std::vector<int> constraint_offset_;
 };
+
+/// Augmentation of the cost by the constraints: one number each per constraint row of the problem
+/// (ShootingProblem::constraint_offset). With values g in sets C, the evaluation adds
+///   Σ ½ penalty · dist²(g + shift, C) + Σ multiplierᵀ g;
+/// its derivative by g is the multiplier ν = penalty · (g + shift − Π_C(g + shift)) + multiplier.
+/// With shift = ν/penalty it is the augmented Lagrangian up to a constant; with penalty 0 it is the
+/// Lagrangian. All rows of a cone share one penalty.
+struct Augmentation {
+  explicit Augmentation(const ShootingProblem& problem)
+      : penalty(Eigen::VectorXd::Zero(problem.constraint_rows())),
+        shift(penalty),
+        multiplier(penalty) {}
+
+  Eigen::VectorXd penalty, shift, multiplier;
+};
+
+/// New multipliers from s = g + ν/ρ for values g and the augmented Lagrangian with penalty ρ and
+/// multipliers ν: ρ (s − Π(s)), limited for soft constraints. Both arrays have c.term->rows
+/// numbers.
+void next_multipliers(const NodeConstraint& c, const double* s, double penalty, double* next);
+
+/// Violation of a constraint by g: 0 if soft, else distance_to_set.
+double violation(const NodeConstraint& c, const double* g);
+/// Complementarity of the term. For a soft constraint outside its set: the distance times the
+/// amount by which the multipliers fall short of their limit.
+double complementarity(const NodeConstraint& c, const double* g, const double* multipliers);
+
+/// Cost of all l1-soft constraints, from the values of all rows. An evaluation counts l2-soft
+/// constraints as costs.
+double linear_soft_cost(const ShootingProblem& problem, const Eigen::VectorXd& values);
 
 }  // namespace conddp

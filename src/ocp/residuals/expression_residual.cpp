@@ -7,8 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "ocp/residuals/row_blocks.hpp"
-#include "ocp/residuals/stack_numbers.hpp"
 #include "systems/graphs/compiled_system.hpp"
 #include "systems/graphs/derivatives.hpp"
 

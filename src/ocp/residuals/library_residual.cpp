@@ -2,9 +2,6 @@
 
 #include <mutex>
 
-#include "ocp/residuals/row_blocks.hpp"
-#include "ocp/residuals/stack_numbers.hpp"
-
 namespace conddp {
 namespace {
 

@@ -5,8 +5,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "ocp/residuals/stack_numbers.hpp"
-#include "ocp/terms/constraint_form.hpp"
+#include "ocp/terms/residual.hpp"
 
 namespace conddp {
 namespace {

@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "ocp/terms/free_duration.hpp"
+#include "ocp/terms/constraint.hpp"
 #include "ocp/terms/residual.hpp"
 #include "systems/contact/stepping_system.hpp"
 

@@ -7,7 +7,6 @@
 #include <stdexcept>
 
 #include "base/matrix_decompositions.hpp"
-#include "ocp/residuals/stack_numbers.hpp"
 
 namespace conddp {
 namespace {

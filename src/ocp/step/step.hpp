@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "ocp/step/integrator.hpp"
-#include "ocp/terms/free_duration.hpp"
+#include "ocp/terms/constraint.hpp"
 #include "ocp/terms/residual.hpp"
 
 namespace conddp {

@@ -8,6 +8,14 @@
 namespace conddp {
 namespace {
 
+/// √(Σp²), bounded away from zero so that unselected lanes and their derivatives stay finite.
+template <class S>
+S length(const S* p, int n) {
+  S sum(1e-200);
+  for (int i = 0; i < n; ++i) sum += p[i] * p[i];
+  return sqrt(sum);
+}
+
 std::vector<int> all_columns(const Residual& residual) {
   std::vector<int> columns;
   for (const RowBlock& block : residual.blocks())
@@ -122,12 +130,6 @@ void outside_cone_derivative(const S* s, int n, S* derivative) {
   derivative[n * n - 1] = pick(S(0.5), 1.0);
 }
 
-#define CONDDP_INSTANTIATE(S)                    \
-  template void outside_cone(const S*, int, S*); \
-  template void outside_cone_derivative(const S*, int, S*);
-CONDDP_FOR_EACH_SCALAR(CONDDP_INSTANTIATE)
-#undef CONDDP_INSTANTIATE
-
 namespace {
 
 /// The larger value, or NaN if one of them is NaN.
@@ -204,6 +206,51 @@ double complementarity(const ConstraintTerm& term, const double* values, const d
     largest =
         std::max(largest, bound_complementarity(values[i], lower[i], upper[i], multipliers[i]));
   return largest;
+}
+
+template <class S>
+void limit_cone(int n, const S& limit, S* p) {
+  const S a = length(p, n);
+  const S share = select(a <= limit, S(1.0), limit / a);
+  for (int i = 0; i < n; ++i) p[i] *= share;
+}
+
+template <class S>
+void limit_cone_derivative(const S* p, int n, const S& limit, S* derivative) {
+  const S a = length(p, n), share = limit / a, inverse = S(1.0) / a;
+  const auto within = a <= limit;
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i < n; ++i) {
+      S& entry = derivative[j * n + i];
+      entry = select(within, entry, share * (entry - (p[i] * inverse) * (p[j] * inverse)));
+    }
+}
+
+#define CONDDP_INSTANTIATE(S)                               \
+  template void outside_cone(const S*, int, S*);            \
+  template void outside_cone_derivative(const S*, int, S*); \
+  template void limit_cone(int, const S&, S*);              \
+  template void limit_cone_derivative(const S*, int, const S&, S*);
+CONDDP_FOR_EACH_SCALAR(CONDDP_INSTANTIATE)
+#undef CONDDP_INSTANTIATE
+
+double soft_distance(const ConstraintTerm& term, const double* g, const double* lower,
+                     const double* upper, double power) {
+  if (!term.has_bounds()) return std::pow(distance_to_set(term, g, lower, upper), power);
+  double sum = 0;
+  for (int i = 0; i < term.rows; ++i)
+    sum += std::pow(std::abs(outside_bounds(g[i], lower[i], upper[i])), power);
+  return sum;
+}
+
+double soft_cost(const ConstraintTerm& term, const double* g, const double* parameters,
+                 double cost_scale) {
+  if (term.softness == Softness::hard || parameters[term.active()] == 0) return 0;
+  const double* lower = term.has_bounds() ? parameters + term.lower() : nullptr;
+  const double* upper = term.has_bounds() ? parameters + term.upper() : nullptr;
+  const double weight = cost_scale * parameters[term.weight()];
+  return term.softness == Softness::l1 ? weight * soft_distance(term, g, lower, upper, 1)
+                                       : 0.5 * weight * soft_distance(term, g, lower, upper, 2);
 }
 
 }  // namespace conddp

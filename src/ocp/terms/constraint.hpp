@@ -1,15 +1,25 @@
 #pragma once
 
+#include <compare>
 #include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "ocp/terms/free_duration.hpp"
 #include "ocp/terms/residual.hpp"
+#include "spatial/dual.hpp"
 
 namespace conddp {
+
+/// Free duration of a phase: a held number of the state, s. It scales the time steps of the phase,
+/// and the costs that grow with it, by its ratio to the written duration.
+struct FreeDuration {
+  int choice;      ///< index among the held numbers
+  double written;  ///< s
+
+  auto operator<=>(const FreeDuration&) const = default;
+};
 
 /// Set of admissible values g of a constraint:
 /// - bounds: lower ≤ g ≤ upper row by row, where g is the residual; equal bounds form an equality;
@@ -108,5 +118,95 @@ double distance_to_polar_cone(const double* multipliers, int n);
 /// g_i|, where i is the larger value of a pair (the second if equal).
 double complementarity(const ConstraintTerm& term, const double* values, const double* lower,
                        const double* upper, const double* multipliers);
+
+/// p = s − Π(s) for one row of bounds, clamped such that the multiplier ρ p does not exceed its
+/// limit. The augmented Lagrangian then grows linearly beyond the limit. `limit` is the multiplier
+/// limit divided by ρ.
+template <class S>
+S limit_outside(const S& p, const S& limit) {
+  return max(-limit, min(limit, p));
+}
+
+/// Counterpart of limit_outside for p of a cone with n rows; clamps the norm of p.
+template <class S>
+void limit_cone(int n, const S& limit, S* p);
+
+/// Converts the derivative of a cone's p, not yet clamped, into that of limit_cone.
+template <class S>
+void limit_cone_derivative(const S* p, int n, const S& limit, S* derivative);
+
+/// Distance of values g from their set, raised to a power: summed over rows, or of the whole cone.
+/// The bounds have `term.rows` numbers each and are read only for terms with bounds.
+double soft_distance(const ConstraintTerm& term, const double* g, const double* lower,
+                     const double* upper, double power);
+/// Cost of a knot's soft constraint, l1 or l2, at values g, from the knot's parameters.
+double soft_cost(const ConstraintTerm& term, const double* g, const double* parameters,
+                 double cost_scale);
+
+/// Keeps the derivative of ‖r‖ finite at r = 0.
+inline constexpr double kSmallestNorm = 1e-12;
+
+/// Computes g of a constraint from its residual's value. Returns the residual's norm for a norm
+/// constraint, else 1.
+template <class S>
+S form_value(const ConstraintTerm& term, const S* r, S* g) {
+  const int n = term.residual->size();
+  S norm(1.0);
+  if (term.kind == ConstraintKind::norm) {
+    S sum(kSmallestNorm * kSmallestNorm);
+    for (int i = 0; i < n; ++i) sum += r[i] * r[i];
+    g[0] = norm = sqrt(sum);
+  } else {
+    for (int i = 0; i < n; ++i) g[i] = r[i];
+    if (term.kind == ConstraintKind::second_order_cone) g[n - 1] = S(term.slope) * r[n - 1];
+  }
+  for (std::size_t i = 0; i < term.row_factors.size(); ++i) g[i] *= S(term.row_factors[i]);
+  return norm;
+}
+
+namespace detail {
+
+template <class S>
+void form_norm_jacobian(const ConstraintTerm& term, const S* r, const S& norm, const S* residual,
+                        S* jacobian) {
+  const S inverse = S(1.0) / norm;
+  for (const auto& [row, column] : term.entries)
+    jacobian[column] += (r[row] * inverse) * *residual++;
+}
+
+template <class S>
+void form_cone_jacobian(const ConstraintTerm& term, const S* residual, S* jacobian) {
+  for (const auto& [row, column] : term.entries)
+    jacobian[column * term.rows + row] = S(row == term.rows - 1 ? term.slope : 1.0) * *residual++;
+}
+
+template <class S>
+void multiply_rows(const ConstraintTerm& term, S* jacobian) {
+  const double* factors = term.row_factors.data();
+  for (const RowBlock& block : term.blocks) {
+    for (std::size_t c = 0; c < block.columns.size(); ++c)
+      for (int i = 0; i < block.rows; ++i) *jacobian++ *= S(factors[i]);
+    factors += block.rows;
+  }
+}
+
+}  // namespace detail
+
+/// Computes the blocks of ∂g/∂z from those of the residual.
+template <class S>
+void form_jacobian(const ConstraintTerm& term, const S* r, const S& norm, const S* residual,
+                   S* jacobian) {
+  if (term.kind == ConstraintKind::bounds || term.has_pairs()) {
+    const int n = term.residual->jacobian_size();
+    for (int i = 0; i < n; ++i) jacobian[i] = residual[i];
+  } else {
+    for (int i = 0; i < term.jacobian_size(); ++i) jacobian[i] = S(0.0);
+    if (term.kind == ConstraintKind::norm)
+      detail::form_norm_jacobian(term, r, norm, residual, jacobian);
+    else
+      detail::form_cone_jacobian(term, residual, jacobian);
+  }
+  if (!term.row_factors.empty()) detail::multiply_rows(term, jacobian);
+}
 
 }  // namespace conddp

@@ -118,4 +118,39 @@ std::vector<int> column_range(int first, int count);
 /// Throws std::invalid_argument if a residual needs a control or columns of z that a node lacks.
 void check_fit(const std::string& what, const Residual& residual, bool has_control, int nz);
 
+/// Sorts the columns of single rows, removes duplicates, and merges consecutive rows with the same
+/// columns into blocks.
+std::vector<RowBlock> joined_blocks(std::vector<RowBlock> rows);
+
+/// The block of a residual that contains a row, and the row's place there.
+struct PackedRow {
+  const RowBlock* block;
+  int first;  ///< its first derivative among those of the residual; stride to the next column:
+              ///< block->rows
+
+  /// Place of its derivative by one of the block's columns.
+  int place(int column) const;
+};
+std::vector<PackedRow> packed_rows(const Residual& residual);
+
+/// Residuals are shared by threads and own no mutable memory. Temporary numbers of a pass are on
+/// the stack, at most this many.
+inline constexpr int kMostStackNumbers = 4096;
+
+/// Calls run(numbers) with at least `count` uninitialized numbers.
+template <class S, class Run>
+void with_stack_numbers(int count, Run&& run) {
+  constexpr int kFew = 128, kMany = 1024;
+  if (count <= kFew) {
+    S numbers[kFew];
+    run(numbers);
+  } else if (count <= kMany) {
+    S numbers[kMany];
+    run(numbers);
+  } else {
+    S numbers[kMostStackNumbers];
+    run(numbers);
+  }
+}
+
 }  // namespace conddp

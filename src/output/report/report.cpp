@@ -8,7 +8,6 @@
 
 #include "base/json/json_document.hpp"
 #include "ocp/problem/by_name.hpp"
-#include "ocp/problem/control_columns.hpp"
 #include "output/report/constraint_curves.hpp"
 #include "output/scene/found_contacts.hpp"
 #include "output/scene/motion_scene.hpp"

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "ocp/problem/control_columns.hpp"
+#include "ocp/problem/by_name.hpp"
 #include "output/solution/csv_cells.hpp"
 #include "output/solution/log_columns.hpp"
 #include "problem_file/data/data_table.hpp"

@@ -13,7 +13,7 @@
 #include "base/json/json_text.hpp"
 #include "base/json/solution_members.hpp"
 #include "conddp_version.hpp"
-#include "ocp/problem/control_columns.hpp"
+#include "ocp/problem/by_name.hpp"
 #include "ocp/problem/cost_scale.hpp"
 #include "output/solution/csv.hpp"
 #include "output/solution/finding_report.hpp"

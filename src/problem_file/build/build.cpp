@@ -10,7 +10,6 @@
 #include "ocp/evaluation/evaluator.hpp"
 #include "ocp/problem/by_name.hpp"
 #include "ocp/problem/contradiction.hpp"
-#include "ocp/problem/control_columns.hpp"
 #include "problem_file/build/initial_choice.hpp"
 #include "problem_file/build/linear_controls.hpp"
 #include "problem_file/data/data_table.hpp"

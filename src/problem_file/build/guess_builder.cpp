@@ -8,7 +8,7 @@
 
 #include "base/exceeds.hpp"
 #include "base/random_numbers.hpp"
-#include "ocp/problem/control_columns.hpp"
+#include "ocp/problem/by_name.hpp"
 #include "problem_file/build/contact_guess.hpp"
 #include "problem_file/data/data_table.hpp"
 #include "problem_file/motion/quasi_static.hpp"

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "ocp/terms/free_duration.hpp"
+#include "ocp/terms/constraint.hpp"
 #include "problem_file/plant/plant.hpp"
 #include "systems/initial_choice.hpp"
 

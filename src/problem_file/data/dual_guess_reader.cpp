@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/json/json_document.hpp"
-#include "ocp/problem/control_columns.hpp"
+#include "ocp/problem/by_name.hpp"
 
 namespace conddp {
 namespace {

@@ -6,8 +6,8 @@
 
 #include "base/matrix_decompositions.hpp"
 #include "base/text/spelling.hpp"
-#include "ocp/residuals/stack_numbers.hpp"
 #include "ocp/residuals/weighted_residual.hpp"
+#include "ocp/terms/residual.hpp"
 
 namespace conddp {
 namespace {

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "ocp/evaluation/linearization.hpp"
-#include "ocp/problem/augmentation.hpp"
+#include "ocp/problem/problem.hpp"
 #include "solvers/linalg/low_rank_update.hpp"
 
 namespace conddp {

@@ -6,7 +6,7 @@
 #include <unordered_map>
 
 #include "ocp/problem/by_name.hpp"
-#include "ocp/problem/soft_constraint.hpp"
+#include "ocp/problem/problem.hpp"
 #include "solvers/constraints/row_lanes.hpp"
 
 namespace conddp {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "ocp/evaluation/linearization.hpp"
-#include "ocp/problem/augmentation.hpp"
+#include "ocp/problem/problem.hpp"
 #include "solvers/common/control_bounds.hpp"
 #include "solvers/common/options.hpp"
 #include "solvers/iterate/control_curvature.hpp"

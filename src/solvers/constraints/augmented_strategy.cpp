@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/stopwatch.hpp"
-#include "ocp/problem/soft_constraint.hpp"
+#include "ocp/problem/problem.hpp"
 #include "solvers/common/feasible.hpp"
 #include "solvers/common/finite_check.hpp"
 #include "solvers/constraints/augmentation_change.hpp"

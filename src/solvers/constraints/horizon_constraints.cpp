@@ -5,8 +5,8 @@
 #include <limits>
 
 #include "ocp/evaluation/matrix_vector.hpp"
-#include "ocp/problem/soft_constraint.hpp"
-#include "ocp/terms/soft_limit.hpp"
+#include "ocp/problem/problem.hpp"
+#include "ocp/terms/constraint.hpp"
 #include "solvers/constraints/row_lanes.hpp"
 #include "solvers/linalg/exchange.hpp"
 

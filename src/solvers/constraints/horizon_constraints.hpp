@@ -6,7 +6,7 @@
 #include <Eigen/Core>
 
 #include "ocp/evaluation/linearization.hpp"
-#include "ocp/problem/augmentation.hpp"
+#include "ocp/problem/problem.hpp"
 #include "solvers/linalg/low_rank_update.hpp"
 
 namespace conddp {

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "ocp/problem/by_name.hpp"
-#include "ocp/problem/soft_constraint.hpp"
+#include "ocp/problem/problem.hpp"
 #include "solvers/constraints/violation_slope.hpp"
 
 namespace conddp {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "ocp/problem/augmentation.hpp"
+#include "ocp/problem/problem.hpp"
 #include "solvers/common/dual_guess.hpp"
 #include "solvers/common/solve_record.hpp"
 #include "solvers/iterate/iterate.hpp"

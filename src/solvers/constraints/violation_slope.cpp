@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "ocp/problem/soft_constraint.hpp"
+#include "ocp/problem/problem.hpp"
 
 namespace conddp {
 namespace {

@@ -8,7 +8,7 @@
 #include "nlp/chain_factorization.hpp"
 #include "nlp/first_multipliers.hpp"
 #include "nlp/inequality_elimination.hpp"
-#include "ocp/problem/soft_constraint.hpp"
+#include "ocp/problem/problem.hpp"
 #include "solvers/common/feasible.hpp"
 #include "solvers/common/finite_check.hpp"
 #include "solvers/common/guess.hpp"

@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-#include "ocp/knot/knot_hessian.hpp"
+#include "ocp/evaluation/linearization.hpp"
 #include "ocp/problem/problem.hpp"
 
 namespace conddp {

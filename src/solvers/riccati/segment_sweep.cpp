@@ -5,7 +5,7 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
-#include "ocp/evaluation/usable_threads.hpp"
+#include "ocp/evaluation/evaluation_memory.hpp"
 
 namespace conddp {
 

@@ -1,6 +1,5 @@
 #include "problems.hpp"
 
-#include "ocp/residuals/contact_cones.hpp"
 #include "ocp/residuals/residuals.hpp"
 #include "robot/urdf/urdf.hpp"
 #include "systems/closed_forms/catalogue.hpp"
