@@ -1,11 +1,12 @@
 #include "nlp/ipopt_library.hpp"
 
 #include <filesystem>
-#include <string>
 
 #include <fmt/format.h>
 
 #include "base/shared_library.hpp"
+#include "nlp/interior_point.hpp"
+#include "nlp/ipopt_options.hpp"
 
 namespace conddp {
 namespace {
@@ -37,6 +38,24 @@ const IpoptLibrary& ipopt_library() {
   static const auto* const functions =
       static_cast<const IpoptLibrary*>(library.symbol("conddp_ipopt_library"));
   return *functions;
+}
+
+InteriorPointAnswer minimise(NonlinearProgram& program, const Eigen::VectorXd& start,
+                             const InteriorPointSettings& settings,
+                             const std::function<bool(const InteriorPointIterate&)>& on_iterate) {
+  return ipopt_library().minimise(program, start, settings, on_iterate);
+}
+
+const std::vector<std::string>& ipopt_option_names() { return ipopt_library().option_names(); }
+
+bool is_integer_option(std::string_view name) { return ipopt_library().is_integer_option(name); }
+
+std::optional<IpoptOptionFault> check_ipopt_option(std::string_view name, const IpoptValue& value) {
+  return ipopt_library().check_option(name, value);
+}
+
+std::optional<std::size_t> first_unusable_ipopt_option(const IpoptOptions& options) {
+  return ipopt_library().first_unusable(options);
 }
 
 }  // namespace conddp

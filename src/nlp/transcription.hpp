@@ -3,9 +3,8 @@
 #include <span>
 #include <vector>
 
-#include "nlp/cone_row.hpp"
 #include "nlp/nonlinear_program.hpp"
-#include "nlp/pair_relaxation.hpp"
+#include "nlp/relaxed_rows.hpp"
 #include "nlp/state_chart.hpp"
 #include "ocp/evaluation/evaluator.hpp"
 

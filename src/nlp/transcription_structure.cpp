@@ -11,7 +11,7 @@
 namespace conddp {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
 /// Extends a column of a curved segment to the whole segment, which charts mix.
 void close_over_segments(const StateManifold& manifold, std::vector<bool>& columns) {
@@ -29,8 +29,8 @@ void Transcription::add_variables() {
     base_.push_back(count - first_column(k));
     count += problem_.knot(k).model->nz() - first_column(k);
   }
-  lower_ = Eigen::VectorXd::Constant(count, -kInfinity);
-  upper_ = Eigen::VectorXd::Constant(count, kInfinity);
+  lower_ = Eigen::VectorXd::Constant(count, -kUnbounded);
+  upper_ = Eigen::VectorXd::Constant(count, kUnbounded);
   for (int k = 0; k < problem_.knots(); ++k) {
     const KnotModel& model = *problem_.knot(k).model;
     for (int i = 0; i < model.nu(); ++i) {
@@ -100,7 +100,7 @@ void Transcription::add_norm(const NodeConstraint& constraint) {
   // A soft row must be the distance itself.
   const bool squared = !constraint.is_soft() && lower <= 0 && upper > 0 && std::isfinite(upper);
   if (squared)
-    add_row(constraint, constraint.row, 1, -kInfinity, 0.5 * upper, upper);
+    add_row(constraint, constraint.row, 1, -kUnbounded, 0.5 * upper, upper);
   else if (std::isfinite(lower) || std::isfinite(upper))
     add_row(constraint, constraint.row, 1, lower, upper);
 }
@@ -116,7 +116,7 @@ void Transcription::add_slacks(Row& row, int index, double lower, double upper) 
     lower_.conservativeResize(variables() + 1);
     upper_.conservativeResize(lower_.size());
     lower_[lower_.size() - 1] = 0;
-    upper_[upper_.size() - 1] = kInfinity;
+    upper_[upper_.size() - 1] = kUnbounded;
     ++row.slacks;
   };
   if (std::isfinite(lower)) add(1);
@@ -133,9 +133,9 @@ void Transcription::add_pairs(const NodeConstraint& constraint) {
               s = variable + term.blocks[i + 1].columns[0];
     pairs_.push_back({constraint.node, z, s, constraint.row + i});
     for (const int v : {z, s}) lower_[v] = std::max(lower_[v], 0.0);
-    if (!by_node && !is_penalty()) add_row(constraint, constraint.row + i, 2, -kInfinity, 0);
+    if (!by_node && !is_penalty()) add_row(constraint, constraint.row + i, 2, -kUnbounded, 0);
   }
-  if (by_node && term.rows > 0) add_row(constraint, constraint.row, term.rows, -kInfinity, 0);
+  if (by_node && term.rows > 0) add_row(constraint, constraint.row, term.rows, -kUnbounded, 0);
 }
 
 std::vector<int> Transcription::find_kinematic_rows(int node) const {
@@ -262,7 +262,7 @@ void Transcription::add_constraint(const NodeConstraint& constraint) {
     case ConstraintKind::complementarity:
       return add_pairs(constraint);
     case ConstraintKind::second_order_cone:
-      return add_row(constraint, constraint.row, constraint.term->rows, 0, kInfinity);
+      return add_row(constraint, constraint.row, constraint.term->rows, 0, kUnbounded);
     case ConstraintKind::norm:
       return add_norm(constraint);
     case ConstraintKind::bounds:
@@ -377,8 +377,8 @@ void Transcription::index_hessian() {
   spare_ = variables();
   lower_.conservativeResize(spare_ + 1);
   upper_.conservativeResize(spare_ + 1);
-  lower_[spare_] = -kInfinity;
-  upper_[spare_] = kInfinity;
+  lower_[spare_] = -kUnbounded;
+  upper_[spare_] = kUnbounded;
   hessian_.add(spare_, spare_);
 }
 

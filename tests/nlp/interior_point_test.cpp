@@ -2,10 +2,17 @@
 
 #include <cmath>
 #include <filesystem>
+#include <limits>
+
+#include <dlfcn.h>
 
 #include <gtest/gtest.h>
 
 #include "nlp/chain_factorization.hpp"
+#include "nlp/transcription.hpp"
+#include "support/constrained_problems.hpp"
+#include "support/expression_systems.hpp"
+#include "support/nlp_derivatives.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace conddp {
@@ -214,6 +221,157 @@ TEST(IpoptOptions, AreCheckedByNameAndType) {
             ipopt_option_names().end());
   EXPECT_EQ(std::find(ipopt_option_names().begin(), ipopt_option_names().end(), "max_iter"),
             ipopt_option_names().end());
+}
+
+// Initial multipliers, compared with the equations of weighted least squares.
+using testing::jacobian_times;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// A program at its guess.
+struct First {
+  explicit First(const ShootingProblem& of)
+      : problem(of), evaluator(of, 1), program(of, evaluator, {}) {
+    std::mt19937_64 engine(3);
+    Trajectory guess = problem.create_trajectory();
+    for (int k = 0; k < problem.knots(); ++k) {
+      guess.u(k) = testing::random_vector(problem.nu(k), engine);
+      guess.x(k + 1) = guess.x(k) + 0.1 * testing::random_vector(problem.nx(), engine);
+    }
+    program.set_center(guess);
+    y = program.point_of(guess);
+    program.set_point(y.data());
+  }
+  /// ∂L/∂y with unit multipliers for all variable bounds, and with first multipliers where every
+  /// third variable has this weight.
+  Eigen::VectorXd slope(double weight) {
+    weights = Eigen::VectorXd::Ones(program.variables());
+    for (int i = 0; i < weights.size(); i += 3) weights[i] = weight;
+    const auto found = first_multipliers(program, weights, ChainFactorization::make);
+    EXPECT_TRUE(found);
+    rows = found.value_or(Eigen::VectorXd::Zero(program.rows()));
+    return testing::lagrangian_gradient(program, 1, rows) - force(program.lower(), program.upper());
+  }
+  static Eigen::VectorXd force(const Eigen::VectorXd& lower, const Eigen::VectorXd& upper) {
+    Eigen::VectorXd sum = Eigen::VectorXd::Zero(lower.size());
+    for (int i = 0; i < sum.size(); ++i) {
+      if (lower[i] == upper[i]) continue;
+      if (std::isfinite(lower[i])) sum[i] += 1;
+      if (std::isfinite(upper[i])) sum[i] -= 1;
+    }
+    return sum;
+  }
+
+  const ShootingProblem& problem;
+  Evaluator evaluator;
+  Transcription program;
+  Eigen::VectorXd y, weights, rows;
+};
+
+TEST(FirstMultipliers, SolveTheWeightedLeastSquaresEquations) {
+  for (const auto& [name, problem, control, cost] : testing::published_cases()) {
+    First first(problem);
+    const Eigen::VectorXd slope = first.slope(7);
+    Eigen::VectorXd left = jacobian_times(first.program, first.weights.cwiseProduct(slope), false);
+    left += First::force(first.program.row_lower(), first.program.row_upper());
+    for (int row = 0; row < left.size(); ++row)
+      if (first.program.row_lower()[row] < first.program.row_upper()[row])
+        left[row] += first.rows[row];
+    EXPECT_LE(left.lpNorm<Eigen::Infinity>(), 1e-9 * slope.lpNorm<Eigen::Infinity>()) << name;
+  }
+}
+
+/// Moves x by u and integrates `rate` in c, whose terminal value costs 3 per unit.
+ShootingProblem with_cost_state(const std::string& rate_of_x, const std::string& rate) {
+  const auto system = expression_system({.kind = SystemKind::first_order,
+                                         .states = expression_numbers({"x", "c"}),
+                                         .controls = expression_columns({"u"}),
+                                         .equations = {{"x", rate_of_x}, {"c", rate}}});
+  Phase phase = testing::tracking_phase(system, Integrator::rk4, 4, 0.1, {{0, 0}, {0, 0}, {0}, {}},
+                                        -kInfinity, kInfinity);
+  auto model = std::make_shared<KnotModel>(system, Integrator::none);
+  model->add_cost("end", coordinate_residual(system->manifold(), {1}),
+                  {.kind = ActivationKind::linear});
+  return {{1, 0},
+          {std::move(phase)},
+          {.name = "end", .model = model, .dt = {0}, .cost_scale = {1}, .parameters = {0, 3}}};
+}
+
+TEST(FirstMultipliers, CostateOfACostIsItsTerminalSlope) {
+  const ShootingProblem problem = with_cost_state("u - x^3", "x^2 + u^2");
+  First first(problem);
+  const Eigen::VectorXd weights = first.program.weights_of_cost_states(1e8);
+  EXPECT_EQ((weights.array() == 1e8).count(), problem.knots());
+  const auto rows = first_multipliers(first.program, weights, ChainFactorization::make);
+  ASSERT_TRUE(rows);
+  EXPECT_EQ((rows->array().abs() - 3)
+                .abs()
+                .cwiseMin(1)
+                .unaryExpr([](double far) { return far < 1e-6 ? 1 : 0; })
+                .sum(),
+            problem.knots());
+}
+
+TEST(FirstMultipliers, SharedOrLinearStatesAreNotWeighted) {
+  const std::vector<std::pair<std::string, std::string>> rates = {{"u - c", "x^2 + u^2"},
+                                                                  {"u - x", "x + u"}};
+  for (const auto& [of_x, of_c] : rates) {
+    const ShootingProblem problem = with_cost_state(of_x, of_c);
+    First first(problem);
+    EXPECT_EQ(first.program.weights_of_cost_states(1e8).maxCoeff(), 1) << of_c;
+  }
+}
+
+TEST(FirstMultipliers, DoNotExistForNonFiniteDerivatives) {
+  const ShootingProblem problem = testing::cartpole_swing_up(20);
+  First first(problem);
+  first.y[5] = std::numeric_limits<double>::quiet_NaN();
+  first.program.set_point(first.y.data());
+  EXPECT_FALSE(first_multipliers(first.program, Eigen::VectorXd::Ones(first.y.size()),
+                                 ChainFactorization::make));
+}
+
+/// Minimizes ½ y² subject to y ≥ 1.
+class OneBound : public NonlinearProgram {
+ public:
+  OneBound() {
+    lower_ = Eigen::VectorXd::Ones(1);
+    upper_ = Eigen::VectorXd::Constant(1, 5);
+    row_lower_ = row_upper_ = Eigen::VectorXd(0);
+    hessian_.add(0, 0);
+  }
+  void set_point(const double* y) override { y_ = y[0]; }
+  double objective() override { return y_ * y_ / 2; }
+  void gradient(double* out) override { out[0] = y_; }
+  void constraints(double*) override {}
+  void jacobian(double*) override {}
+  void hessian(double weight, const double*, double* out) override { out[0] = weight; }
+
+ private:
+  double y_ = 0;
+};
+
+/// A function of the loaded OpenBLAS; null for another BLAS.
+template <class Function>
+Function* openblas_function(const char* name) {
+  void* const library = dlopen("libopenblas.so.0", RTLD_LAZY | RTLD_NOLOAD);
+  return library == nullptr ? nullptr : reinterpret_cast<Function*>(dlsym(library, name));
+}
+
+TEST(OneBlasThread, LimitsOpenBlasToOneThreadDuringSolves) {
+  OneBound program;
+  const Eigen::VectorXd start = Eigen::VectorXd::Constant(1, 3);
+  const auto go_on = [](const InteriorPointIterate&) { return true; };
+  EXPECT_EQ(minimise(program, start, {}, go_on).end, InteriorPointEnd::solved);
+  const auto threads = openblas_function<int()>("openblas_get_num_threads");
+  if (threads == nullptr) GTEST_SKIP() << "the system's BLAS is another one";
+  openblas_function<void(int)>("openblas_set_num_threads")(2);
+  const int before = threads();  // 1 if this OpenBLAS is single-threaded
+  minimise(program, start, {}, [&](const InteriorPointIterate&) {
+    EXPECT_EQ(threads(), 1);
+    return true;
+  });
+  EXPECT_EQ(threads(), before);
 }
 
 }  // namespace

@@ -8,6 +8,8 @@
 #include <optional>
 #include <stdexcept>
 
+#include <dlfcn.h>
+
 #include <IpCompoundVector.hpp>
 #include <IpIpoptApplication.hpp>
 #include <IpIpoptCalculatedQuantities.hpp>
@@ -16,12 +18,43 @@
 #include <IpTNLPAdapter.hpp>
 
 #include "base/stopwatch.hpp"
-#include "nlp/ipopt/one_blas_thread.hpp"
 #include "nlp/ipopt/own_linear_solver.hpp"
 #include "nlp/ipopt/registered_options.hpp"
 
 namespace conddp {
 namespace {
+
+/// While alive, limits a multithreaded OpenBLAS to one thread: sums depend on the number of
+/// threads, and answers must not. Any other BLAS is left unchanged.
+class OneBlasThread {
+ public:
+  OneBlasThread();
+  ~OneBlasThread();
+  OneBlasThread(const OneBlasThread&) = delete;
+  OneBlasThread& operator=(const OneBlasThread&) = delete;
+
+ private:
+  int threads_before_ = 0;  ///< 0 if there is nothing to restore
+};
+
+/// A function of the BLAS loaded with Ipopt; null if the BLAS lacks a function of this name. The
+/// system chooses the BLAS at load time.
+template <class Function>
+Function* blas_function(const char* name) {
+  return reinterpret_cast<Function*>(dlsym(RTLD_DEFAULT, name));
+}
+
+OneBlasThread::OneBlasThread() {
+  const auto get = blas_function<int()>("openblas_get_num_threads");
+  const auto set = blas_function<void(int)>("openblas_set_num_threads");
+  if (get == nullptr || set == nullptr || get() == 1) return;
+  threads_before_ = get();
+  set(1);
+}
+
+OneBlasThread::~OneBlasThread() {
+  if (threads_before_ > 0) blas_function<void(int)>("openblas_set_num_threads")(threads_before_);
+}
 
 using Ipopt::Index;
 using Ipopt::Number;

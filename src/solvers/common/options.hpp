@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "nlp/ipopt_options.hpp"
-#include "nlp/pair_relaxation.hpp"
+#include "nlp/relaxed_rows.hpp"
 #include "solvers/common/dual_guess.hpp"
 #include "solvers/common/iteration_record.hpp"
 

@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 
 #include "nlp/chain_factorization.hpp"
-#include "nlp/first_multipliers.hpp"
 #include "nlp/inequality_elimination.hpp"
+#include "nlp/interior_point.hpp"
 #include "ocp/problem/problem.hpp"
 #include "solvers/common/feasible.hpp"
 #include "solvers/common/finite_check.hpp"
