@@ -9,7 +9,7 @@
 #include "ocp/problem/cost_scale.hpp"
 #include "solvers/common/feasible.hpp"
 #include "solvers/ddp/family.hpp"
-#include "solvers/strategies/restoration.hpp"
+#include "solvers/strategies/strategies.hpp"
 
 namespace conddp {
 namespace {

@@ -17,7 +17,7 @@
 #include "problem_file/build/build_problem.hpp"
 #include "problem_file/read/read_problem.hpp"
 #include "solvers/riccati/backward_sweep.hpp"
-#include "solvers/stages/box_stage.hpp"
+#include "solvers/stages/stage_solver.hpp"
 #include "solvers/strategies/registry.hpp"
 
 namespace conddp {

@@ -5,7 +5,7 @@
 
 #include "solvers/linalg/lane_gemm.hpp"
 #include "solvers/riccati/backward_sweep.hpp"
-#include "solvers/stages/box_stage.hpp"
+#include "solvers/stages/stage_solver.hpp"
 #include "support/random_numbers.hpp"
 #include "systems/closed_form.hpp"
 

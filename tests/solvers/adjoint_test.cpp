@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "solvers/riccati/plain_adjoint.hpp"
 #include "support/dense_horizon.hpp"
 #include "support/linear_quadratic.hpp"
 #include "support/plain_pendulum.hpp"

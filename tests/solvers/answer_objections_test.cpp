@@ -1,10 +1,9 @@
 // Continued solves after objections to a converged answer.
-#include "solvers/strategies/answer_objections.hpp"
-
 #include <deque>
 
 #include <gtest/gtest.h>
 
+#include "solvers/strategies/strategies.hpp"
 #include "support/small_problems.hpp"
 
 namespace conddp {

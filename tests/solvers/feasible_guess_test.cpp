@@ -1,8 +1,7 @@
 // Solves from a guess that satisfies all constraints.
-#include "solvers/strategies/feasible_guess.hpp"
-
 #include <gtest/gtest.h>
 
+#include "solvers/strategies/strategies.hpp"
 #include "support/constrained_problems.hpp"
 
 namespace conddp {

@@ -1,8 +1,7 @@
 // Path of a homotopy: problems solved and iterations counted.
-#include "solvers/strategies/homotopy.hpp"
-
 #include <gtest/gtest.h>
 
+#include "solvers/strategies/strategies.hpp"
 #include "support/small_problems.hpp"
 
 namespace conddp {

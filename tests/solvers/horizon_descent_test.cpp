@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "solvers/riccati/adjoint.hpp"
-#include "solvers/stages/box_stage.hpp"
+#include "solvers/stages/stage_solver.hpp"
 #include "support/dense_horizon.hpp"
 #include "support/linear_quadratic.hpp"
 

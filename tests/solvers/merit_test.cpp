@@ -7,7 +7,7 @@
 
 #include "solvers/ddp/ddp_solver.hpp"
 #include "solvers/globalization/open_gap_search.hpp"
-#include "solvers/stages/box_stage.hpp"
+#include "solvers/stages/stage_solver.hpp"
 #include "solvers/strategies/registry.hpp"
 #include "support/constrained_problems.hpp"
 #include "support/small_problems.hpp"

@@ -1,8 +1,7 @@
 // Decisions of outer strategies, row by row of a hand-written log.
 #include <gtest/gtest.h>
 
-#include "solvers/constraints/augmented_strategy.hpp"
-#include "solvers/constraints/least_violation.hpp"
+#include "solvers/constraints/outer_strategy.hpp"
 #include "solvers/constraints/violation_slope.hpp"
 #include "support/constrained_problems.hpp"
 

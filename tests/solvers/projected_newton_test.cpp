@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "solvers/constraints/newton_polish.hpp"
 #include "solvers/iterate/hessian_switch.hpp"
 #include "solvers/strategies/registry.hpp"
 #include "support/constrained_problems.hpp"

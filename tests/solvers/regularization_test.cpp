@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "solvers/riccati/backward_sweep.hpp"
-#include "solvers/stages/box_stage.hpp"
+#include "solvers/stages/stage_solver.hpp"
 #include "solvers/strategies/registry.hpp"
 #include "support/small_problems.hpp"
 

@@ -1,12 +1,11 @@
 // Solves from several starts: the selected answer and the report of the others.
-#include "solvers/strategies/restarts.hpp"
-
 #include <atomic>
 #include <cmath>
 #include <stdexcept>
 
 #include <gtest/gtest.h>
 
+#include "solvers/strategies/strategies.hpp"
 #include "support/small_problems.hpp"
 
 namespace conddp {

@@ -1,7 +1,5 @@
 // Points of least violation, compared with dense bounded least squares; slopes, compared with
 // differences; and the continuation of a solve after a restoration.
-#include "solvers/strategies/restoration.hpp"
-
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -10,6 +8,7 @@
 #include "ocp/evaluation/linearization.hpp"
 #include "solvers/constraints/violation_slope.hpp"
 #include "solvers/strategies/registry.hpp"
+#include "solvers/strategies/strategies.hpp"
 #include "support/constrained_problems.hpp"
 
 namespace conddp {

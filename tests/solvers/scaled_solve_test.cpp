@@ -1,11 +1,10 @@
-#include "solvers/strategies/scaled_solve.hpp"
-
 #include <array>
 
 #include <gtest/gtest.h>
 
 #include "ocp/problem/cost_scale.hpp"
 #include "solvers/strategies/registry.hpp"
+#include "solvers/strategies/strategies.hpp"
 #include "support/constrained_problems.hpp"
 #include "support/small_problems.hpp"
 

@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "solvers/stages/box_stage.hpp"
+#include "solvers/stages/stage_solver.hpp"
 #include "solvers/strategies/registry.hpp"
 #include "support/conic_problems.hpp"
 #include "support/constrained_problems.hpp"

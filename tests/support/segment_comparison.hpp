@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "solvers/riccati/linear_rollout.hpp"
-#include "solvers/stages/box_stage.hpp"
+#include "solvers/stages/stage_solver.hpp"
 
 /// Segment sweeps, compared with the sequential sweep.
 namespace conddp::testing {

@@ -6,7 +6,6 @@
 #include <unordered_map>
 
 #include "ocp/problem/by_name.hpp"
-#include "ocp/problem/problem.hpp"
 #include "solvers/constraints/row_lanes.hpp"
 
 namespace conddp {

@@ -1,5 +1,3 @@
-#include "solvers/constraints/augmented_strategy.hpp"
-
 #include <algorithm>
 #include <cmath>
 
@@ -10,6 +8,8 @@
 #include "solvers/common/feasible.hpp"
 #include "solvers/common/finite_check.hpp"
 #include "solvers/constraints/augmentation_change.hpp"
+#include "solvers/constraints/augmented_lagrangian.hpp"
+#include "solvers/constraints/outer_strategy.hpp"
 
 namespace conddp {
 namespace {

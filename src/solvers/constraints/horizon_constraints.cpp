@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "ocp/evaluation/matrix_vector.hpp"
-#include "ocp/problem/problem.hpp"
 #include "ocp/terms/constraint.hpp"
 #include "solvers/constraints/row_lanes.hpp"
 #include "solvers/linalg/exchange.hpp"

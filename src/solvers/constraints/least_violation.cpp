@@ -1,5 +1,3 @@
-#include "solvers/constraints/least_violation.hpp"
-
 #include <algorithm>
 #include <cmath>
 
@@ -7,6 +5,7 @@
 
 #include "ocp/problem/by_name.hpp"
 #include "ocp/problem/problem.hpp"
+#include "solvers/constraints/outer_strategy.hpp"
 #include "solvers/constraints/violation_slope.hpp"
 
 namespace conddp {

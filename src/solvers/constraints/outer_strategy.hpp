@@ -1,10 +1,12 @@
 #pragma once
 
+#include <memory>
+
 #include "ocp/problem/problem.hpp"
+#include "solvers/common/control_bounds.hpp"
 #include "solvers/common/dual_guess.hpp"
 #include "solvers/common/solve_record.hpp"
 #include "solvers/iterate/iterate.hpp"
-#include "solvers/iterate/merit_model.hpp"
 
 namespace conddp {
 
@@ -50,5 +52,18 @@ class OuterStrategy {
   /// Records a step of this length, whose sweep changes the multipliers by `change`.
   virtual void add(const Eigen::VectorXd& /*change*/, double /*step*/) {}
 };
+
+/// The strategy of a restoration. It minimizes cost + ½ρ Σ‖d‖², where d are the distances of hard
+/// constraints from their sets, and ρ grows until the outcome is clear. The strategy ends as
+/// `converged` if the violation is small, and as `infeasible` at a point of least violation
+/// (ViolationSlope).
+std::unique_ptr<OuterStrategy> least_violation_strategy(const ShootingProblem& problem,
+                                                        const ControlBounds& bounds,
+                                                        const SolverOptions& options);
+
+/// The strategy of the augmented Lagrangian, for any schedule of multipliers.
+std::unique_ptr<OuterStrategy> augmented_lagrangian_strategy(const ShootingProblem& problem,
+                                                             const SolverOptions& options,
+                                                             MultiplierSchedule schedule);
 
 }  // namespace conddp

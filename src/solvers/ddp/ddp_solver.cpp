@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 #include <fmt/format.h>
 
@@ -15,8 +14,6 @@
 #include "solvers/common/finite_check.hpp"
 #include "solvers/common/guess.hpp"
 #include "solvers/common/settled_cost.hpp"
-#include "solvers/constraints/augmented_strategy.hpp"
-#include "solvers/constraints/least_violation.hpp"
 #include "solvers/linalg/exchange.hpp"
 
 namespace conddp {

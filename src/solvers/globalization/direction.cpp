@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <limits>
-#include <utility>
 
 #include "solvers/linalg/exchange.hpp"
-#include "solvers/stages/box_stage.hpp"
+#include "solvers/stages/stage_solver.hpp"
 
 namespace conddp {
 namespace {

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "ocp/evaluation/evaluator.hpp"
-#include "solvers/iterate/merit_model.hpp"
+#include "solvers/iterate/iterate.hpp"
 #include "solvers/riccati/adjoint.hpp"
 
 namespace conddp {

@@ -6,7 +6,7 @@
 #include "solvers/ipopt/ipopt_solver.hpp"
 #include "solvers/riccati/backward_sweep.hpp"
 #include "solvers/riccati/regularization.hpp"
-#include "solvers/stages/box_stage.hpp"
+#include "solvers/stages/stage_solver.hpp"
 
 namespace conddp {
 namespace {

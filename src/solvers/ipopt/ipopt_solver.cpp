@@ -7,7 +7,6 @@
 
 #include "nlp/chain_factorization.hpp"
 #include "nlp/inequality_elimination.hpp"
-#include "nlp/interior_point.hpp"
 #include "ocp/problem/problem.hpp"
 #include "solvers/common/feasible.hpp"
 #include "solvers/common/finite_check.hpp"

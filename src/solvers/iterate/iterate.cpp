@@ -1,6 +1,5 @@
 #include "solvers/iterate/iterate.hpp"
 
-#include <cmath>
 #include <limits>
 
 #include <fmt/format.h>

@@ -3,7 +3,7 @@
 #include <optional>
 
 #include "solvers/iterate/iterate.hpp"
-#include "solvers/riccati/plain_adjoint.hpp"
+#include "solvers/riccati/adjoint.hpp"
 
 namespace conddp {
 

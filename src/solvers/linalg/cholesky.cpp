@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include "solvers/linalg/tile_size.hpp"
+#include "solvers/linalg/lane_gemm.hpp"
 #include "spatial/lane_memory.hpp"
 
 namespace conddp {

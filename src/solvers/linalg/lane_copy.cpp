@@ -1,9 +1,5 @@
 #include "solvers/linalg/lane_copy.hpp"
 
-#include <algorithm>
-
-#include "solvers/linalg/lane_square.hpp"
-
 namespace conddp {
 
 void transpose(const double* from, int from_stride, int rows, int cols, double* to, int to_stride) {

@@ -4,7 +4,6 @@
 #include <array>
 #include <utility>
 
-#include "solvers/linalg/tile_size.hpp"
 #include "spatial/lane_memory.hpp"
 
 namespace conddp {

@@ -1,10 +1,9 @@
-#include "solvers/stages/box_stage.hpp"
-
 #include <algorithm>
 #include <vector>
 
 #include "solvers/linalg/cholesky.hpp"
 #include "solvers/stages/box_qp.hpp"
+#include "solvers/stages/stage_solver.hpp"
 #include "solvers/stages/stage_sweep.hpp"
 
 namespace conddp {

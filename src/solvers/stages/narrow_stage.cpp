@@ -3,7 +3,7 @@
 #include <array>
 #include <utility>
 
-#include "solvers/linalg/lane_square.hpp"
+#include "solvers/linalg/lane_copy.hpp"
 
 namespace conddp {
 namespace {

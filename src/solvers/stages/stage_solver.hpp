@@ -46,4 +46,13 @@ class StageSolver {
 /// Minimizes without the bounds.
 std::unique_ptr<StageSolver> unconstrained_stage(const ShootingProblem& problem);
 
+/// k minimizes the stage at δx = 0 subject to lower ≤ u + k ≤ upper; K has zero rows for clamped
+/// controls (Tassa, Mansard, Todorov 2014, eqs. 9-11). Each knot starts from its active set in the
+/// previous sweep.
+///
+/// This set ignores the steps of earlier knots. Alternating `ActiveSet::revise` and held sweeps
+/// approach the active set of the horizon's box-constrained QP.
+/// `segments`: number of segments whose stages may be solved at once.
+std::unique_ptr<StageSolver> box_stage(const ShootingProblem& problem, int segments = 1);
+
 }  // namespace conddp

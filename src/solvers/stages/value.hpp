@@ -6,7 +6,6 @@
 
 #include "ocp/evaluation/linearization.hpp"
 #include "solvers/linalg/lane_matrix.hpp"
-#include "solvers/stages/action_value.hpp"
 #include "solvers/stages/value_function.hpp"
 
 namespace conddp {

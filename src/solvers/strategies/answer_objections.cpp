@@ -1,5 +1,3 @@
-#include "solvers/strategies/answer_objections.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +8,7 @@
 #include "solvers/common/control_bounds.hpp"
 #include "solvers/common/feasible.hpp"
 #include "solvers/strategies/joined_solves.hpp"
+#include "solvers/strategies/strategies.hpp"
 
 namespace conddp {
 namespace {
@@ -129,8 +128,6 @@ void take(SolveResult next, const Objection& objection, JoinedSolves& solves, So
   next.message = fmt::format("{}; the answer before: {}", next.message, objection.text);
   result = std::move(next);
 }
-
-using SolveFrom = std::function<SolveResult(const SolverOptions&, const Trajectory&)>;
 
 /// Solves from points on both sides of a saddle. False if neither leads to a cheaper answer.
 bool leave_saddle(const ShootingProblem& problem, const SolverOptions& options,

@@ -1,5 +1,3 @@
-#include "solvers/strategies/feasible_guess.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -7,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "solvers/strategies/joined_solves.hpp"
+#include "solvers/strategies/strategies.hpp"
 
 namespace conddp {
 namespace {
@@ -46,9 +45,8 @@ SolverOptions options_near(const SolverOptions& options) {
   return with_penalty(options, *std::rbegin(kStronger));
 }
 
-SolveResult solve_keeping_guess(
-    const SolverOptions& options, const Trajectory& guess, bool penalizes,
-    const std::function<SolveResult(const SolverOptions&, const Trajectory&)>& solve) {
+SolveResult solve_keeping_guess(const SolverOptions& options, const Trajectory& guess,
+                                bool penalizes, const SolveFrom& solve) {
   JoinedSolves solves(options);
   SolveResult result = solve(solves.next(), guess);
   if (result.log.empty()) return result;

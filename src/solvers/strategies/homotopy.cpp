@@ -1,5 +1,3 @@
-#include "solvers/strategies/homotopy.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "solvers/strategies/joined_solves.hpp"
+#include "solvers/strategies/strategies.hpp"
 
 namespace conddp {
 namespace {

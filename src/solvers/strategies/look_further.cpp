@@ -1,4 +1,3 @@
-#include "solvers/strategies/look_further.hpp"
 
 #include <algorithm>
 #include <atomic>
@@ -12,7 +11,7 @@
 #include <utility>
 
 #include "base/shared_library.hpp"
-#include "solvers/strategies/restarts.hpp"
+#include "solvers/strategies/strategies.hpp"
 
 namespace conddp {
 namespace {

@@ -106,4 +106,9 @@ SolveResult solve_best(const ShootingProblem& problem, SolverList candidates,
 SolveResult solve(const ShootingProblem& problem, std::string_view solver,
                   const SolverOptions& options, const Trajectory& guess);
 
+/// Throws std::invalid_argument if the options are not valid, or the solver does not support the
+/// problem or the requested Hessian, segments or multipliers.
+void check_options(const SolverInfo& solver, const ShootingProblem& problem,
+                   const SolverOptions& options);
+
 }  // namespace conddp

@@ -1,5 +1,3 @@
-#include "solvers/strategies/restarts.hpp"
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -13,6 +11,7 @@
 
 #include "solvers/common/guess.hpp"
 #include "solvers/strategies/joined_solves.hpp"
+#include "solvers/strategies/strategies.hpp"
 
 namespace conddp {
 namespace {

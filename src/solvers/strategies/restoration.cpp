@@ -1,5 +1,3 @@
-#include "solvers/strategies/restoration.hpp"
-
 #include <algorithm>
 #include <cmath>
 
@@ -9,6 +7,7 @@
 #include "solvers/constraints/violation_slope.hpp"
 #include "solvers/ddp/ddp_solver.hpp"
 #include "solvers/strategies/joined_solves.hpp"
+#include "solvers/strategies/strategies.hpp"
 
 namespace conddp {
 namespace {
@@ -104,9 +103,8 @@ SolveResult restore_feasibility(const ShootingProblem& problem, const SolverOpti
   return solver.take();
 }
 
-SolveResult solve_with_restoration(
-    const ShootingProblem& problem, const SolverOptions& options, const Trajectory& guess,
-    const std::function<SolveResult(const SolverOptions&, const Trajectory&)>& solve) {
+SolveResult solve_with_restoration(const ShootingProblem& problem, const SolverOptions& options,
+                                   const Trajectory& guess, const SolveFrom& solve) {
   JoinedSolves solves(options);
   SolveResult result = solve(solves.next(), guess);
   if (!got_stuck(result, options)) return result;
@@ -142,8 +140,7 @@ SolveResult solve_with_restoration(
 
 SolveResult confirm_infeasible(
     const ShootingProblem& problem, const SolverOptions& options, SolveResult result,
-    const Doubt& doubt,
-    const std::function<SolveResult(const SolverOptions&, const Trajectory&)>& solve,
+    const Doubt& doubt, const SolveFrom& solve,
     const std::function<SolveResult(const ShootingProblem&, const Trajectory&)>& minimize) {
   if (result.status != SolveStatus::infeasible) return result;
   const ShootingProblem violation = violation_problem(problem);

@@ -7,7 +7,6 @@
 
 #include "solvers/ddp/ddp_solver.hpp"
 #include "solvers/ddp/family.hpp"
-#include "solvers/strategies/option_check.hpp"
 
 namespace conddp {
 

@@ -1,5 +1,3 @@
-#include "solvers/strategies/scaled_solve.hpp"
-
 #include <algorithm>
 #include <optional>
 
@@ -11,6 +9,7 @@
 #include "solvers/common/status.hpp"
 #include "solvers/strategies/joined_solves.hpp"
 #include "solvers/strategies/problem_units.hpp"
+#include "solvers/strategies/strategies.hpp"
 
 namespace conddp {
 namespace {

@@ -11,15 +11,8 @@
 #include "base/shared_library.hpp"
 #include "ocp/problem/by_name.hpp"
 #include "solvers/common/guess.hpp"
-#include "solvers/strategies/answer_objections.hpp"
-#include "solvers/strategies/feasible_guess.hpp"
-#include "solvers/strategies/homotopy.hpp"
-#include "solvers/strategies/look_further.hpp"
-#include "solvers/strategies/option_check.hpp"
 #include "solvers/strategies/registry.hpp"
-#include "solvers/strategies/restarts.hpp"
-#include "solvers/strategies/restoration.hpp"
-#include "solvers/strategies/scaled_solve.hpp"
+#include "solvers/strategies/strategies.hpp"
 
 namespace conddp {
 namespace {
