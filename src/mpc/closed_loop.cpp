@@ -6,7 +6,6 @@
 #include <stdexcept>
 
 #include "base/random_numbers.hpp"
-#include "mpc/appraisal.hpp"
 
 namespace conddp {
 namespace {
@@ -217,6 +216,18 @@ ClosedLoopResult run_closed_loop(Mpc& mpc, const ClosedLoopOptions& options) {
     plant.appraise_end();
   result.last_state = plant.x;
   return result;
+}
+
+std::optional<double> largest_survived(double low, double high, double width,
+                                       const std::function<bool(double)>& survives) {
+  if (!survives(low)) return std::nullopt;
+  if (survives(high)) return high;
+  while (high - low > width) {
+    const double middle = 0.5 * (low + high);
+    if (middle <= low || middle >= high) break;  // no number lies in between
+    (survives(middle) ? low : high) = middle;
+  }
+  return low;
 }
 
 }  // namespace conddp

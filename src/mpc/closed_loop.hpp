@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -9,7 +10,7 @@
 
 #include "mpc/appraisal.hpp"
 #include "mpc/mpc.hpp"
-#include "mpc/plant_motions.hpp"
+#include "mpc/plant_motion.hpp"
 
 namespace conddp {
 
@@ -90,5 +91,11 @@ struct ClosedLoopResult {
 /// Runs a controller that has not ticked yet in closed loop with the plant, from the problem's
 /// initial state. Deterministic: the clock is simulated.
 ClosedLoopResult run_closed_loop(Mpc& mpc, const ClosedLoopOptions& options);
+
+/// Bisects a range for the largest number that a loop survives, down to an interval of `width`. The
+/// ends are tried first. Exact if it survives all numbers below a threshold and none above it.
+/// Empty if it does not survive `low`.
+std::optional<double> largest_survived(double low, double high, double width,
+                                       const std::function<bool(double)>& survives);
 
 }  // namespace conddp

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "mpc/open_end.hpp"
-#include "mpc/simulation.hpp"
+#include "mpc/plant_motion.hpp"
 #include "mpc/window.hpp"
 
 namespace conddp {

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "mpc/plan.hpp"
-#include "mpc/plan_trial.hpp"
 #include "mpc/swing_starts.hpp"
 #include "solvers/strategies/reusable_solver.hpp"
 

@@ -1,8 +1,8 @@
-#include "mpc/largest_survived.hpp"
-
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "mpc/closed_loop.hpp"
 
 namespace conddp {
 namespace {

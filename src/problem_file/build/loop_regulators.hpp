@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "mpc/state_path.hpp"
+#include "mpc/open_end.hpp"
 #include "problem_file/build/build.hpp"
 #include "problem_file/terms/terminal_lqr.hpp"
 

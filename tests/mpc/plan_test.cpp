@@ -1,5 +1,5 @@
 // Trials of a plan on a window.
-#include "mpc/plan_trial.hpp"
+#include "mpc/plan.hpp"
 
 #include <cmath>
 #include <limits>
