@@ -1,8 +1,7 @@
-#include "analysis/certificate/answer_check.hpp"
-
 #include <gtest/gtest.h>
 
-#include "analysis/certificate/reduced_gradient.hpp"
+#include "analysis/certificate/lagrangian_gradient.hpp"
+#include "analysis/comparison/benchmark.hpp"
 #include "solvers/strategies/registry.hpp"
 #include "support/small_problems.hpp"
 

@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include "analysis/comparison/performance_profile.hpp"
 #include "analysis/comparison/random_instance.hpp"
 #include "support/constrained_problems.hpp"
 #include "support/small_problems.hpp"

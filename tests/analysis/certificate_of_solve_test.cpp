@@ -5,7 +5,7 @@
 
 #include "analysis/certificate/certificate.hpp"
 #include "analysis/certificate/certificate_doubt.hpp"
-#include "analysis/certificate/place_text.hpp"
+#include "analysis/certificate/check.hpp"
 #include "solvers/strategies/registry.hpp"
 #include "support/small_problems.hpp"
 

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "analysis/certificate/certificate.hpp"
-#include "analysis/certificate/place_text.hpp"
+#include "analysis/certificate/check.hpp"
 #include "support/small_problems.hpp"
 
 namespace conddp {

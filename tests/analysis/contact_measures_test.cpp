@@ -1,11 +1,10 @@
 // Hand-computed figures for two steps of a block on slides. It lands on the ground, a stop acts
 // along x, dry friction along y, and damping along all axes.
-#include "analysis/contact/contact_measures.hpp"
-
 #include <cmath>
 
 #include <gtest/gtest.h>
 
+#include "analysis/contact/contact_certificate.hpp"
 #include "support/block_on_slides.hpp"
 
 namespace conddp {

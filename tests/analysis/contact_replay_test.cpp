@@ -1,10 +1,9 @@
 // Replays of a block on slides without contact: backward Euler with constant forces by hand.
-#include "analysis/contact/contact_replay.hpp"
-
 #include <cmath>
 
 #include <gtest/gtest.h>
 
+#include "analysis/contact/contact_certificate.hpp"
 #include "support/block_on_slides.hpp"
 
 namespace conddp {

@@ -1,5 +1,4 @@
-#include "analysis/contact/contact_sequence.hpp"
-
+#include "analysis/contact/contact_motion.hpp"
 #include "support/block_on_slides.hpp"
 #include "support/thrown_block.hpp"
 

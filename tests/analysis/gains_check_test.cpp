@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include "analysis/certificate/place_text.hpp"
-#include "analysis/certificate/reduced_gradient.hpp"
-#include "analysis/derivatives/node_hessians.hpp"
+#include "analysis/certificate/check.hpp"
+#include "analysis/certificate/lagrangian_gradient.hpp"
+#include "analysis/derivatives/node_models.hpp"
 #include "support/constrained_problems.hpp"
 #include "support/linear_quadratic.hpp"
 

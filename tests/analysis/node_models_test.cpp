@@ -4,7 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include "analysis/derivatives/node_hessians.hpp"
 #include "ocp/evaluation/evaluator.hpp"
 #include "support/constrained_problems.hpp"
 #include "support/random_robot.hpp"

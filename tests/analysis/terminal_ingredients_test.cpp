@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "analysis/terminal/terminal_conditions.hpp"
+#include "analysis/terminal/terminal_set.hpp"
 #include "support/block_on_slides.hpp"
 #include "support/expression_systems.hpp"
 #include "support/regulated_mass.hpp"

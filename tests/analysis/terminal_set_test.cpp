@@ -8,7 +8,7 @@
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
-#include "analysis/terminal/terminal_ellipsoid.hpp"
+#include "analysis/terminal/terminal_ingredients.hpp"
 #include "support/regulated_mass.hpp"
 
 namespace conddp {

@@ -1,8 +1,8 @@
 // Stationarity reported by a solver with stiff gains holds along other gains too.
 #include <gtest/gtest.h>
 
-#include "analysis/certificate/answer_check.hpp"
-#include "analysis/certificate/reduced_gradient.hpp"
+#include "analysis/certificate/lagrangian_gradient.hpp"
+#include "analysis/comparison/benchmark.hpp"
 #include "analysis/comparison/random_instance.hpp"
 #include "problem_file/build/build.hpp"
 #include "problem_file/build/build_problem.hpp"

@@ -1,8 +1,7 @@
 // Simulated guesses of contact-implicit example problems, judged by the problems' own constraints.
-#include "analysis/contact/simulated_guess.hpp"
-
 #include <gtest/gtest.h>
 
+#include "analysis/contact/simulated_contacts.hpp"
 #include "ocp/evaluation/evaluator.hpp"
 #include "ocp/problem/by_name.hpp"
 #include "problem_file/build/build_problem.hpp"

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "analysis/certificate/place_text.hpp"
+#include "analysis/certificate/check.hpp"
 #include "problem_text.hpp"
 
 namespace conddp {

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "analysis/derivatives/derivative_check.hpp"
-#include "analysis/derivatives/node_hessians.hpp"
+#include "analysis/derivatives/node_models.hpp"
 #include "ocp/evaluation/evaluator.hpp"
 #include "ocp/problem/by_name.hpp"
 #include "problem_text.hpp"

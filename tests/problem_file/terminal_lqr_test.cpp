@@ -1,7 +1,7 @@
 // Terminal costs and sets of the linear-quadratic regulator in problem files.
 #include <cmath>
 
-#include "analysis/terminal/terminal_conditions.hpp"
+#include "analysis/terminal/terminal_set.hpp"
 #include "problem_file/expand/expand_problem.hpp"
 #include "problem_file/motion/quasi_static.hpp"
 #include "schema_document.hpp"

@@ -1,7 +1,7 @@
 // Steps with hard cones from initial states above the ground, where active cone rows keep changing.
 #include <gtest/gtest.h>
 
-#include "analysis/certificate/answer_check.hpp"
+#include "analysis/comparison/benchmark.hpp"
 #include "analysis/comparison/random_instance.hpp"
 #include "problem_file/build/build.hpp"
 #include "problem_file/build/build_problem.hpp"

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "analysis/certificate/certificate_doubt.hpp"
-#include "analysis/contact/simulated_guess.hpp"
+#include "analysis/contact/simulated_contacts.hpp"
 #include "analysis/findings/findings.hpp"
 #include "arguments/problem_arguments.hpp"
 #include "arguments/shared_arguments.hpp"

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <optional>
 #include <random>
 #include <span>
 #include <utility>
@@ -12,11 +11,7 @@
 
 #include "analysis/certificate/feasibility.hpp"
 #include "analysis/certificate/gains_check.hpp"
-#include "analysis/certificate/infeasibility.hpp"
 #include "analysis/certificate/lagrangian_gradient.hpp"
-#include "analysis/certificate/place_text.hpp"
-#include "analysis/certificate/reduced_gradient.hpp"
-#include "analysis/certificate/second_order.hpp"
 #include "analysis/derivatives/node_models.hpp"
 #include "ocp/problem/cost_scale.hpp"
 #include "ocp/problem/problem.hpp"

@@ -3,6 +3,8 @@
 #include <limits>
 #include <string>
 
+#include "ocp/problem/problem.hpp"
+
 namespace conddp {
 
 /// A claim of an answer about itself, and the value found instead.
@@ -21,5 +23,12 @@ struct Check {
 /// Names of the checks for the optimality of an answer.
 inline constexpr const char* kStatusCheck = "status";
 inline constexpr const char* kFeedforwardCheck = "feedforward";
+
+/// "knot 12 (phase 'swing'), v/elbow"; the last part is omitted if `quantity` is empty.
+std::string place_text(const ShootingProblem& problem, int knot, const std::string& quantity);
+
+/// Name of a control at its knot. The controls of a free initial state are its components. Empty if
+/// the control does not exist or is not named.
+std::string control_name(const ShootingProblem& problem, int knot, int entry);
 
 }  // namespace conddp

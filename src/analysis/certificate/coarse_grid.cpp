@@ -10,7 +10,6 @@
 #include <string>
 
 #include "analysis/certificate/replay.hpp"
-#include "analysis/certificate/replay_step.hpp"
 #include "systems/system.hpp"
 
 namespace conddp {

@@ -6,8 +6,7 @@
 #include <fmt/format.h>
 
 #include "analysis/certificate/feasibility.hpp"
-#include "analysis/certificate/place_text.hpp"
-#include "analysis/derivatives/node_hessians.hpp"
+#include "analysis/derivatives/node_models.hpp"
 
 namespace conddp {
 namespace {

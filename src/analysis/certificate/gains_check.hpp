@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "analysis/certificate/check.hpp"
-#include "analysis/certificate/reduced_gradient.hpp"
+#include "analysis/certificate/lagrangian_gradient.hpp"
 #include "analysis/certificate/solution_claims.hpp"
 #include "analysis/derivatives/node_derivatives.hpp"
 

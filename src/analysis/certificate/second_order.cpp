@@ -2,17 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <memory>
-#include <utility>
 
 #include <Eigen/QR>
 
 #include "analysis/certificate/replay.hpp"
-#include "analysis/certificate/small_cholesky.hpp"
-#include "analysis/certificate/small_products.hpp"
-#include "analysis/derivatives/node_hessians.hpp"
+#include "analysis/certificate/small_matrices.hpp"
+#include "analysis/derivatives/node_models.hpp"
 #include "base/matrix_decompositions.hpp"
 #include "ocp/evaluation/evaluator.hpp"
 

@@ -7,8 +7,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/QR>
 
-#include "analysis/contact/linear_complementarity.hpp"
-#include "analysis/contact/rigid_step.hpp"
+#include "analysis/contact/contact_mechanics.hpp"
 #include "base/matrix_decompositions.hpp"
 
 namespace conddp {

@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "analysis/contact/contact_pairs.hpp"
+#include "analysis/contact/linear_complementarity.hpp"
 #include "analysis/contact/stepping_equations.hpp"
 
 namespace conddp {

@@ -1,9 +1,9 @@
 // Fallback of the simulator if pivoting fails: Newton's method around sweeps over the impulses.
 #include <cmath>
 
+#include "analysis/contact/contact_mechanics.hpp"
 #include "analysis/contact/contact_simulator.hpp"
 #include "analysis/contact/contact_sweeps.hpp"
-#include "analysis/contact/rigid_step.hpp"
 #include "base/matrix_decompositions.hpp"
 
 namespace conddp {

@@ -6,6 +6,7 @@
 
 #include "analysis/contact/contact_simulator.hpp"
 #include "mpc/plant_motion.hpp"
+#include "ocp/problem/problem.hpp"
 
 namespace conddp {
 
@@ -48,5 +49,11 @@ class SimulatedContacts final : public PlantMotion {
   bool failed_ = false;
   std::vector<double> forces_;  ///< three numbers per contact
 };
+
+/// Simulation of a contact-implicit problem by ContactSimulator from the guess's first state, under
+/// the guess's actuator controls: states, accelerations, forces and slacks of every step satisfy
+/// the stepping equations and their complementarity. Nothing for other problems, and where a step
+/// has no solution.
+std::optional<Trajectory> simulated_guess(const ShootingProblem& problem, const Trajectory& guess);
 
 }  // namespace conddp

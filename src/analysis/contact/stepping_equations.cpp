@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "analysis/contact/rigid_step.hpp"
-
 namespace conddp {
 
 StepForces::StepForces(const ImplicitContacts& contacts)

@@ -60,7 +60,7 @@ NodeDerivatives from_linearization(const ShootingProblem& problem, int node, con
 }
 
 /// Columns of z.
-struct Columns {
+struct ColumnRange {
   int first, count;
 };
 
@@ -68,7 +68,7 @@ struct Columns {
 /// cost, the constraints and the step follow one another.
 class NodeProducts {
  public:
-  void multiply(const NodeDerivatives& d, const Columns& columns, const double* direction) {
+  void multiply(const NodeDerivatives& d, const ColumnRange& columns, const double* direction) {
     const Eigen::Index rows = 1 + d.constraint.rows() + d.step.rows();
     value_.setZero(rows);
     allowed_.setZero(rows);
@@ -95,8 +95,8 @@ class NodeProducts {
 
  private:
   /// Multiplies a matrix with columns for all of z by a direction in some of these columns.
-  void multiply(const double* matrix, Eigen::Index first, Eigen::Index rows, const Columns& columns,
-                const double* direction) {
+  void multiply(const double* matrix, Eigen::Index first, Eigen::Index rows,
+                const ColumnRange& columns, const double* direction) {
     if (rows == 0) return;
     double *value = value_.data() + first, *size = allowed_.data() + first;
     const double* column = matrix + columns.first * rows;
@@ -128,7 +128,7 @@ class Confirmation {
     const KnotModel& model = *problem_.knot(nodes.front()).model;
     directions_.setZero(model.nz(), 2 * static_cast<Eigen::Index>(nodes.size()));
     for (Eigen::Index i = 0; i < directions_.cols(); ++i) {
-      const Columns columns = moved(model, i);
+      const ColumnRange columns = moved(model, i);
       fill(directions_.col(i).segment(columns.first, columns.count));
     }
     slopes_ = slopes(nodes, derivatives, directions_);
@@ -145,8 +145,8 @@ class Confirmation {
  private:
   /// Columns of z along a move: those of the state for even moves, those of the control for odd
   /// ones.
-  static Columns moved(const KnotModel& model, Eigen::Index move) {
-    return move % 2 == 0 ? Columns{0, model.ndx()} : Columns{model.ndx(), model.nu()};
+  static ColumnRange moved(const KnotModel& model, Eigen::Index move) {
+    return move % 2 == 0 ? ColumnRange{0, model.ndx()} : ColumnRange{model.ndx(), model.nu()};
   }
 
   /// Fills a direction with entries from −1 to 1, none of them small.
@@ -208,6 +208,31 @@ std::vector<std::vector<int>> nodes_by_model(const ShootingProblem& problem) {
 }
 
 }  // namespace
+
+std::vector<Eigen::MatrixXd> hessians_of(const Linearization& model) {
+  std::vector<Eigen::MatrixXd> list;
+  list.reserve(model.knots.size());
+  for (const KnotLinearization& knot : model.knots) list.push_back(knot.hessian());
+  return list;
+}
+
+std::vector<Eigen::MatrixXd> gauss_newton_hessians(const ShootingProblem& problem,
+                                                   const Trajectory& trajectory) {
+  Linearization model(problem);
+  Evaluator(problem).differentiate(trajectory, model);
+  return hessians_of(model);
+}
+
+std::vector<Eigen::MatrixXd> exact_hessians(const ShootingProblem& problem,
+                                            const Trajectory& trajectory,
+                                            const Eigen::MatrixXd& costates,
+                                            const Augmentation* augmentation) {
+  Evaluator evaluator(problem);
+  Linearization model(problem);
+  evaluator.differentiate(trajectory, model, augmentation);
+  evaluator.lagrangian_hessian(trajectory, costates, model, augmentation);
+  return hessians_of(model);
+}
 
 NodeModels node_models(const ShootingProblem& problem, const Trajectory& trajectory,
                        const MatrixXd& gap) {

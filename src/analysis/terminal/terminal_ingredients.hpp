@@ -5,10 +5,25 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "ocp/problem/problem.hpp"
 #include "solvers/linalg/riccati_equation.hpp"
 
 namespace conddp {
+
+/// Removes rounding from a symmetric matrix that is positive semidefinite up to rounding. Rows and
+/// directions that are zero, after scaling the diagonal to ones, become exactly zero. A positive
+/// definite matrix is returned unchanged.
+Eigen::MatrixXd without_rounding(const Eigen::MatrixXd& matrix);
+
+/// The ellipsoid yᵀP y ≤ 1 of a positive semidefinite P; unbounded along the null space of P.
+struct TerminalEllipsoid {
+  Eigen::MatrixXd axes;  ///< y = axes·s has yᵀP y = ‖s‖²; the number of columns is the rank of P
+  Eigen::MatrixXd free;  ///< orthonormal basis of the null space of P
+};
+
+TerminalEllipsoid terminal_ellipsoid(const Eigen::MatrixXd& P);
 
 /// Terminal ingredients at an equilibrium (x̄, ū) of a knot that is repeated forever. They are the
 /// cost-to-go ½ (x ⊖ x̄)ᵀP(x ⊖ x̄) of the linear-quadratic regulator, and its control ū − K (x ⊖

@@ -1,7 +1,7 @@
 #include <fstream>
 #include <thread>
 
-#include "analysis/comparison/performance_profile.hpp"
+#include "analysis/comparison/benchmark.hpp"
 #include "output/bench/benchmark_report.hpp"
 #include "output/solution/solution_json.hpp"
 

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "analysis/comparison/performance_profile.hpp"
+#include "analysis/comparison/benchmark.hpp"
 #include "base/text/text_layout.hpp"
 #include "output/bench/benchmark_report.hpp"
 

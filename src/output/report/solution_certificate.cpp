@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "analysis/certificate/place_text.hpp"
+#include "analysis/certificate/check.hpp"
 #include "analysis/derivatives/derivative_check.hpp"
 #include "base/json/json_document.hpp"
 #include "base/stopwatch.hpp"

@@ -1,6 +1,6 @@
 #include "output/scene/found_contacts.hpp"
 
-#include "analysis/contact/contact_sequence.hpp"
+#include "analysis/contact/contact_motion.hpp"
 #include "output/scene/scene_numbers.hpp"
 
 namespace conddp {

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <stdexcept>
 
-#include "analysis/contact/contact_sequence.hpp"
+#include "analysis/contact/contact_motion.hpp"
 #include "base/json/ordered_json.hpp"
 #include "problem_file/build/build.hpp"
 

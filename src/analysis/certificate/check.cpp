@@ -1,4 +1,4 @@
-#include "analysis/certificate/place_text.hpp"
+#include "analysis/certificate/check.hpp"
 
 #include <fmt/format.h>
 
