@@ -11,10 +11,9 @@
 
 #include "arguments/parser.hpp"
 #include "arguments/usage.hpp"
-#include "base/code_permission.hpp"
 #include "base/files/atomic_file.hpp"
 #include "base/shared_library.hpp"
-#include "base/text/wrap_text.hpp"
+#include "base/text/text_layout.hpp"
 #include "commands/batch_actions.hpp"
 #include "commands/commands.hpp"
 #include "conddp_version.hpp"

@@ -2,8 +2,8 @@
 #include <fstream>
 
 #include "analysis/derivatives/derivative_check.hpp"
-#include "base/code_permission.hpp"
-#include "base/files/sha256.hpp"
+#include "base/files/check_sums.hpp"
+#include "base/shared_library.hpp"
 #include "problem_file/build/build_problem.hpp"
 #include "problem_text.hpp"
 #include "solvers/strategies/registry.hpp"

@@ -7,7 +7,7 @@
 
 #include "arguments/example_problems.hpp"
 #include "arguments/shared_arguments.hpp"
-#include "base/files/source_text.hpp"
+#include "base/files/text_file.hpp"
 
 namespace conddp {
 

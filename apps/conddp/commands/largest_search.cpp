@@ -11,7 +11,7 @@
 #include "base/text/csv_line.hpp"
 #include "base/text/strict_number.hpp"
 #include "commands/closed_loops.hpp"
-#include "mpc/largest_survived.hpp"
+#include "mpc/closed_loop.hpp"
 #include "output/solution/csv_cells.hpp"
 #include "problem_file/expand/expand_problem.hpp"
 #include "problem_file/yaml/key_path.hpp"

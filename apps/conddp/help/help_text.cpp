@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "base/text/wrap_text.hpp"
+#include "base/text/text_layout.hpp"
 #include "help/help.hpp"
 #include "terminal/exit_codes.hpp"
 

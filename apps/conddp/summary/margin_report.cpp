@@ -3,8 +3,8 @@
 
 #include <fmt/format.h>
 
-#include "base/json/json_text.hpp"
-#include "base/text/text_table.hpp"
+#include "base/json/ordered_json.hpp"
+#include "base/text/text_layout.hpp"
 #include "summary/summary.hpp"
 
 namespace conddp {

@@ -3,8 +3,8 @@
 
 #include <fmt/format.h>
 
-#include "analysis/terminal/terminal_conditions.hpp"
-#include "base/json/json_text.hpp"
+#include "analysis/terminal/terminal_set.hpp"
+#include "base/json/ordered_json.hpp"
 #include "summary/summary.hpp"
 
 namespace conddp {

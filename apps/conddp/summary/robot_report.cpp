@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "base/text/wrap_text.hpp"
+#include "base/text/text_layout.hpp"
 #include "summary/summary.hpp"
 
 namespace conddp {

@@ -5,7 +5,7 @@
 
 #include "analysis/derivatives/derivative_check.hpp"
 #include "analysis/margins/margins.hpp"
-#include "base/json/json_text.hpp"
+#include "base/json/ordered_json.hpp"
 #include "output/report/report.hpp"
 #include "output/report/solution_certificate.hpp"
 #include "robot/urdf/urdf.hpp"

@@ -15,8 +15,8 @@
 #include "problem_file/build/homotopy.hpp"
 #include "problem_file/mesh/mesh.hpp"
 #include "solvers/common/status.hpp"
-#include "solvers/strategies/feasible_guess.hpp"
 #include "solvers/strategies/registry.hpp"
+#include "solvers/strategies/strategies.hpp"
 
 namespace conddp {
 namespace {

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "base/files/atomic_file.hpp"
-#include "base/json/json_text.hpp"
+#include "base/json/ordered_json.hpp"
 #include "output/solution/csv.hpp"
 #include "output/solution/csv_cells.hpp"
 #include "output/solution/solution_json.hpp"

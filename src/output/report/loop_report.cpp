@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "base/json/json_text.hpp"
+#include "base/json/ordered_json.hpp"
 #include "output/mpc/loop_files.hpp"
 #include "output/scene/motion_scene.hpp"
 

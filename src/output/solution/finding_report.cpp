@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "base/json/json_object.hpp"
+#include "base/json/ordered_json.hpp"
 #include "problem_file/build/problem_names.hpp"
 
 namespace conddp {

@@ -9,9 +9,8 @@
 #include <fmt/format.h>
 
 #include "base/files/atomic_file.hpp"
-#include "base/json/json_object.hpp"
-#include "base/json/json_text.hpp"
-#include "base/json/solution_members.hpp"
+#include "base/json/json_document.hpp"
+#include "base/json/ordered_json.hpp"
 #include "conddp_version.hpp"
 #include "ocp/problem/by_name.hpp"
 #include "ocp/problem/cost_scale.hpp"

@@ -6,9 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "base/files/source_text.hpp"
 #include "base/files/text_file.hpp"
-#include "base/json/solution_members.hpp"
+#include "base/json/json_document.hpp"
 #include "problem_file/yaml/setting.hpp"
 
 namespace conddp {

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "base/files/sha256.hpp"
+#include "base/files/check_sums.hpp"
 #include "problem_file/build/homotopy.hpp"
 #include "problem_file/mesh/mesh.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "base/files/folder_name.hpp"
+#include "base/files/atomic_file.hpp"
 #include "base/text/spelling.hpp"
 #include "problem_file/read/read_sections.hpp"
 #include "problem_file/spec/enum_names.hpp"

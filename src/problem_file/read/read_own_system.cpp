@@ -5,8 +5,8 @@
 #include "problem_file/read/read_sections.hpp"
 #include "problem_file/spec/enum_names.hpp"
 #include "problem_file/spec/expression_source.hpp"
-#include "systems/clock.hpp"
 #include "systems/expressions/scope.hpp"
+#include "systems/system.hpp"
 
 namespace conddp {
 namespace {

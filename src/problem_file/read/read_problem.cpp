@@ -1,7 +1,7 @@
 #include "problem_file/read/read_problem.hpp"
 
-#include "base/files/sha256.hpp"
-#include "base/files/source_text.hpp"
+#include "base/files/check_sums.hpp"
+#include "base/files/text_file.hpp"
 #include "problem_file/lower/rewriting.hpp"
 #include "problem_file/lower/similar_names.hpp"
 #include "problem_file/read/read_sections.hpp"

@@ -19,7 +19,7 @@ struct KeyInfo {
   std::string_view examples = {};  ///< a JSON list
   /// Default as JSON if it is not the value of a new struct; "none": the key has no default.
   std::string_view fallback = {};
-  bool omitted = false; ///< expanded files leave the key out
+  bool omitted = false;  ///< expanded files leave the key out
 };
 
 /// Documentation of a mapping.
