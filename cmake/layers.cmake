@@ -11,7 +11,7 @@ set(CONDDP_nlp_FOLDERS . ipopt)
 set(CONDDP_solvers_FOLDERS
   common linalg stages riccati iterate constraints globalization ddp ipopt strategies)
 set(CONDDP_analysis_FOLDERS derivatives certificate contact findings comparison terminal margins)
-set(CONDDP_problem_file_FOLDERS yaml spec values data plant motion residuals lower read mesh terms build expand)
+set(CONDDP_problem_file_FOLDERS yaml model values data plant motion residuals lower read mesh terms assemble expand)
 set(CONDDP_output_FOLDERS solution schedule scene mpc report bench)
 set(CONDDP_batch_FOLDERS plan results run cluster)
 
@@ -27,7 +27,7 @@ set(CONDDP_OWN_NAMES
   has_linear_controls=src/ocp/step,src/problem_file
   remember_controls=src/ocp/step,src/problem_file
   scale_time=src/ocp/step,src/problem_file
-  HeldControls=src/problem_file/build
+  HeldControls=src/problem_file/assemble
   ProblemSpec=src/problem_file
   problem_spec=src/problem_file
-  StateTail=src/problem_file/build)
+  StateTail=src/problem_file/assemble)

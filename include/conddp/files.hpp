@@ -22,4 +22,4 @@
 #include "conddp/conddp.hpp"
 #include "output/solution/solution.hpp"
 #include "output/solution/solution_json.hpp"
-#include "problem_file/build/build_problem.hpp"
+#include "problem_file/assemble/build_problem.hpp"

@@ -9,8 +9,8 @@
 
 #include "ocp/evaluation/evaluator.hpp"
 #include "ocp/knot/knot_model.hpp"
-#include "problem_file/build/build.hpp"
-#include "problem_file/build/build_problem.hpp"
+#include "problem_file/assemble/build.hpp"
+#include "problem_file/assemble/build_problem.hpp"
 #include "problem_file/read/read_problem.hpp"
 #include "solvers/strategies/registry.hpp"
 #include "support/foreign_problems.hpp"

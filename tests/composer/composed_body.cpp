@@ -3,10 +3,10 @@
 #include <filesystem>
 #include <stdexcept>
 
-#include "problem_file/build/build_problem.hpp"
+#include "problem_file/assemble/build_problem.hpp"
+#include "problem_file/model/enum_names.hpp"
+#include "problem_file/model/system_fields.hpp"
 #include "problem_file/read/read_problem.hpp"
-#include "problem_file/spec/enum_names.hpp"
-#include "problem_file/spec/system_fields.hpp"
 
 namespace conddp {
 namespace {

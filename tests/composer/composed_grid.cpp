@@ -1,6 +1,6 @@
 #include "composed_grid.hpp"
 
-#include "problem_file/spec/enum_names.hpp"
+#include "problem_file/model/enum_names.hpp"
 
 namespace conddp {
 namespace {

@@ -1,7 +1,7 @@
 #include "composed_problem.hpp"
 
 #include "composed_terms.hpp"
-#include "problem_file/spec/enum_names.hpp"
+#include "problem_file/model/enum_names.hpp"
 #include "solvers/common/option_table.hpp"
 
 namespace conddp {

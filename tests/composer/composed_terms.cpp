@@ -1,7 +1,7 @@
 #include "composed_terms.hpp"
 
+#include "problem_file/model/enum_names.hpp"
 #include "problem_file/residuals/reference_form.hpp"
-#include "problem_file/spec/enum_names.hpp"
 #include "problem_file/values/activation_keys.hpp"
 
 namespace conddp {

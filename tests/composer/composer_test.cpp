@@ -17,7 +17,7 @@
 #include "output/report/certificate_report.hpp"
 #include "output/report/solution_certificate.hpp"
 #include "output/solution/solution_json.hpp"
-#include "problem_file/build/homotopy.hpp"
+#include "problem_file/assemble/homotopy.hpp"
 #include "problem_file/expand/expand_problem.hpp"
 #include "problem_file/read/read_problem.hpp"
 #include "support/sizes.hpp"

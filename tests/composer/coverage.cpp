@@ -1,6 +1,6 @@
 #include "coverage.hpp"
 
-#include "problem_file/spec/enum_names.hpp"
+#include "problem_file/model/enum_names.hpp"
 #include "problem_file/values/activation_keys.hpp"
 
 namespace conddp {

@@ -3,7 +3,7 @@
 #include <map>
 #include <string>
 
-#include "problem_file/build/build_problem.hpp"
+#include "problem_file/assemble/build_problem.hpp"
 
 namespace conddp {
 

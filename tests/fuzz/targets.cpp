@@ -7,8 +7,8 @@
 
 #include "base/text/strict_number.hpp"
 #include "base/text/utf8.hpp"
-#include "problem_file/build/build.hpp"
-#include "problem_file/build/build_problem.hpp"
+#include "problem_file/assemble/build.hpp"
+#include "problem_file/assemble/build_problem.hpp"
 #include "problem_file/data/data_table.hpp"
 #include "problem_file/read/read_problem.hpp"
 #include "robot/urdf/load_xml.hpp"

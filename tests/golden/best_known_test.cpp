@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "output/solution/golden_case.hpp"
-#include "problem_file/build/build_problem.hpp"
+#include "problem_file/assemble/build_problem.hpp"
 #include "problem_file/read/read_problem.hpp"
 
 namespace conddp {

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "output/bench/best_known.hpp"
-#include "problem_file/build/build_problem.hpp"
+#include "problem_file/assemble/build_problem.hpp"
 #include "problem_file/read/read_problem.hpp"
 #include "solvers/strategies/registry.hpp"
 

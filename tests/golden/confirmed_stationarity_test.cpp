@@ -4,8 +4,8 @@
 #include "analysis/certificate/lagrangian_gradient.hpp"
 #include "analysis/comparison/benchmark.hpp"
 #include "analysis/comparison/random_instance.hpp"
-#include "problem_file/build/build.hpp"
-#include "problem_file/build/build_problem.hpp"
+#include "problem_file/assemble/build.hpp"
+#include "problem_file/assemble/build_problem.hpp"
 #include "problem_file/read/read_problem.hpp"
 #include "solvers/strategies/registry.hpp"
 

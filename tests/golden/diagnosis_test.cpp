@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "problem_file/build/build.hpp"
-#include "problem_file/build/build_problem.hpp"
+#include "problem_file/assemble/build.hpp"
+#include "problem_file/assemble/build_problem.hpp"
 #include "problem_file/read/read_problem.hpp"
 #include "solvers/strategies/registry.hpp"
 

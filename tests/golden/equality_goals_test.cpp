@@ -4,8 +4,8 @@
 
 #include "output/report/certificate_report.hpp"
 #include "output/solution/solution_json.hpp"
-#include "problem_file/build/build.hpp"
-#include "problem_file/build/build_problem.hpp"
+#include "problem_file/assemble/build.hpp"
+#include "problem_file/assemble/build_problem.hpp"
 #include "problem_file/read/read_problem.hpp"
 #include "solvers/strategies/registry.hpp"
 

@@ -1,8 +1,8 @@
 // Problems on which solvers failed or were slow: they converge to the same cost.
 #include <gtest/gtest.h>
 
-#include "problem_file/build/build.hpp"
-#include "problem_file/build/build_problem.hpp"
+#include "problem_file/assemble/build.hpp"
+#include "problem_file/assemble/build_problem.hpp"
 #include "problem_file/read/read_problem.hpp"
 #include "solvers/strategies/registry.hpp"
 

@@ -1,11 +1,11 @@
 // Problems solved along a homotopy: certified answers at the direct optimum or at another one.
-#include "problem_file/build/homotopy.hpp"
+#include "problem_file/assemble/homotopy.hpp"
 
 #include <gtest/gtest.h>
 
 #include "output/report/solution_certificate.hpp"
 #include "output/solution/solution_json.hpp"
-#include "problem_file/build/build_problem.hpp"
+#include "problem_file/assemble/build_problem.hpp"
 #include "problem_file/read/read_problem.hpp"
 #include "solvers/strategies/registry.hpp"
 #include "support/foreign_problems.hpp"

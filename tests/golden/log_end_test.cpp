@@ -1,8 +1,8 @@
 // Wherever a solve stops, the last row of its log is its answer.
 #include <gtest/gtest.h>
 
-#include "problem_file/build/build.hpp"
-#include "problem_file/build/build_problem.hpp"
+#include "problem_file/assemble/build.hpp"
+#include "problem_file/assemble/build_problem.hpp"
 #include "problem_file/read/read_problem.hpp"
 #include "solvers/strategies/registry.hpp"
 

@@ -2,8 +2,8 @@
 // problem. Without the robot the test is skipped.
 #include <gtest/gtest.h>
 
-#include "problem_file/build/build.hpp"
-#include "problem_file/build/build_problem.hpp"
+#include "problem_file/assemble/build.hpp"
+#include "problem_file/assemble/build_problem.hpp"
 #include "problem_file/read/read_problem.hpp"
 #include "solvers/strategies/registry.hpp"
 #include "support/foreign_problems.hpp"

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "output/solution/csv.hpp"
-#include "problem_file/build/build_problem.hpp"
+#include "problem_file/assemble/build_problem.hpp"
 #include "support/solved_example.hpp"
 #include "support/temporary_folder.hpp"
 

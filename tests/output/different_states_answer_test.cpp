@@ -12,7 +12,7 @@
 #include "output/report/report.hpp"
 #include "output/solution/csv.hpp"
 #include "output/solution/solution_json.hpp"
-#include "problem_file/build/build_problem.hpp"
+#include "problem_file/assemble/build_problem.hpp"
 #include "support/solved_example.hpp"
 #include "support/temporary_folder.hpp"
 

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "output/solution/solution.hpp"
-#include "problem_file/build/build_problem.hpp"
+#include "problem_file/assemble/build_problem.hpp"
 #include "problem_file/read/read_problem.hpp"
 
 namespace conddp {

@@ -1,6 +1,6 @@
 #include "output/scene/found_contacts.hpp"
 
-#include "problem_file/build/build_problem.hpp"
+#include "problem_file/assemble/build_problem.hpp"
 #include "report_fixture.hpp"
 
 namespace conddp {

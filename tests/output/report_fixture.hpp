@@ -10,7 +10,7 @@
 
 #include "output/report/report.hpp"
 #include "output/solution/solution_json.hpp"
-#include "problem_file/build/build_problem.hpp"
+#include "problem_file/assemble/build_problem.hpp"
 #include "problem_file/read/read_problem.hpp"
 
 namespace conddp {

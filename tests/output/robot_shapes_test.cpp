@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "problem_file/build/build_problem.hpp"
+#include "problem_file/assemble/build_problem.hpp"
 #include "problem_file/read/read_problem.hpp"
 #include "support/temporary_folder.hpp"
 

@@ -4,7 +4,7 @@
 #include "analysis/contact/simulated_contacts.hpp"
 #include "ocp/evaluation/evaluator.hpp"
 #include "ocp/problem/by_name.hpp"
-#include "problem_file/build/build_problem.hpp"
+#include "problem_file/assemble/build_problem.hpp"
 #include "problem_file/read/read_problem.hpp"
 
 namespace conddp {

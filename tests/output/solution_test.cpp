@@ -7,7 +7,7 @@
 #include "base/files/check_sums.hpp"
 #include "output/solution/csv.hpp"
 #include "output/solution/solution_json.hpp"
-#include "problem_file/build/build_problem.hpp"
+#include "problem_file/assemble/build_problem.hpp"
 #include "problem_file/data/data_table.hpp"
 #include "problem_file/expand/expand_problem.hpp"
 #include "problem_file/read/read_problem.hpp"

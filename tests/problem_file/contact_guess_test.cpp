@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "ocp/residuals/stepping_residual.hpp"
-#include "problem_file/build/build_problem.hpp"
+#include "problem_file/assemble/build_problem.hpp"
 #include "problem_text.hpp"
 
 namespace conddp {

@@ -4,8 +4,8 @@
 
 #include "base/shared_library.hpp"
 #include "problem_file/expand/expand_problem.hpp"
+#include "problem_file/model/system_fields.hpp"
 #include "problem_file/residuals/residual_table.hpp"
-#include "problem_file/spec/system_fields.hpp"
 #include "problem_file/yaml/yaml_text.hpp"
 #include "schema_document.hpp"
 #include "solvers/strategies/registry.hpp"

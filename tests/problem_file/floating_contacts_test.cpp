@@ -1,5 +1,5 @@
 // Contact-implicit robots with a floating base.
-#include "problem_file/build/build_problem.hpp"
+#include "problem_file/assemble/build_problem.hpp"
 #include "problem_text.hpp"
 
 namespace conddp {

@@ -1,5 +1,5 @@
 // Homotopies of problem files, and the scale of URDF limits that they often use.
-#include "problem_file/build/homotopy.hpp"
+#include "problem_file/assemble/homotopy.hpp"
 
 #include "problem_file/expand/expand_problem.hpp"
 #include "problem_text.hpp"

@@ -2,7 +2,7 @@
 
 #include "analysis/derivatives/derivative_check.hpp"
 #include "ocp/evaluation/evaluator.hpp"
-#include "problem_file/build/build_problem.hpp"
+#include "problem_file/assemble/build_problem.hpp"
 #include "problem_text.hpp"
 #include "solvers/strategies/registry.hpp"
 

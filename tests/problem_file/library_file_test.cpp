@@ -4,7 +4,7 @@
 #include "analysis/derivatives/derivative_check.hpp"
 #include "base/files/check_sums.hpp"
 #include "base/shared_library.hpp"
-#include "problem_file/build/build_problem.hpp"
+#include "problem_file/assemble/build_problem.hpp"
 #include "problem_text.hpp"
 #include "solvers/strategies/registry.hpp"
 #include "support/temporary_folder.hpp"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "problem_file/build/build_mpc.hpp"
+#include "problem_file/assemble/build_mpc.hpp"
 #include "problem_text.hpp"
 
 namespace conddp {

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "loaded_loop.hpp"
-#include "problem_file/build/loop_commands.hpp"
+#include "problem_file/assemble/loop_commands.hpp"
 #include "problem_file/expand/expand_problem.hpp"
 
 namespace conddp {

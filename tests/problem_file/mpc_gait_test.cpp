@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "problem_file/build/build_mpc.hpp"
+#include "problem_file/assemble/build_mpc.hpp"
 #include "problem_text.hpp"
 
 namespace conddp {

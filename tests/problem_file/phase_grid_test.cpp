@@ -1,5 +1,5 @@
 // Grids refined at the start or end of phases, and kp targets of stepping feet.
-#include "problem_file/spec/phase_grid.hpp"
+#include "problem_file/model/phase_grid.hpp"
 
 #include "problem_text.hpp"
 

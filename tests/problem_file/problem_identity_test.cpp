@@ -1,7 +1,7 @@
 // Identity of problem files.
 #include <gtest/gtest.h>
 
-#include "problem_file/build/build_problem.hpp"
+#include "problem_file/assemble/build_problem.hpp"
 #include "problem_text.hpp"
 
 namespace conddp {

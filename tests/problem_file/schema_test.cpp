@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "problem_file/build/build_problem.hpp"
+#include "problem_file/assemble/build_problem.hpp"
 #include "problem_file/residuals/residual_table.hpp"
 #include "problem_file/yaml/synonyms.hpp"
 #include "problem_text.hpp"

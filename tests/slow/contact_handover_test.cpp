@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "output/schedule/contact_schedule.hpp"
-#include "problem_file/build/build_problem.hpp"
+#include "problem_file/assemble/build_problem.hpp"
 #include "problem_file/yaml/yaml_text.hpp"
 #include "support/solved_example.hpp"
 #include "support/temporary_folder.hpp"

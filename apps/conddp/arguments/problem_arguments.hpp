@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "arguments/command.hpp"
-#include "problem_file/build/build_problem.hpp"
+#include "problem_file/assemble/build_problem.hpp"
 #include "terminal/messages.hpp"
 
 namespace conddp {

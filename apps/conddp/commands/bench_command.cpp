@@ -21,7 +21,7 @@
 #include "commands/commands.hpp"
 #include "output/bench/benchmark_report.hpp"
 #include "output/bench/gnuplot.hpp"
-#include "problem_file/build/homotopy.hpp"
+#include "problem_file/assemble/homotopy.hpp"
 #include "solvers/common/option_table.hpp"
 #include "terminal/exit_codes.hpp"
 #include "terminal/interrupt.hpp"

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "problem_file/build/build_problem.hpp"
+#include "problem_file/assemble/build_problem.hpp"
 
 namespace conddp {
 

@@ -7,11 +7,11 @@
 
 #include "arguments/example_problems.hpp"
 #include "help/embedded_schemas.hpp"
+#include "problem_file/model/enum_names.hpp"
+#include "problem_file/model/system_fields.hpp"
 #include "problem_file/read/problem_schema.hpp"
 #include "problem_file/read/read_sections.hpp"
 #include "problem_file/residuals/residual_table.hpp"
-#include "problem_file/spec/enum_names.hpp"
-#include "problem_file/spec/system_fields.hpp"
 #include "problem_file/values/activation_keys.hpp"
 #include "solvers/common/option_table.hpp"
 #include "solvers/strategies/registry.hpp"

@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 
-#include "problem_file/build/problem_names.hpp"
+#include "problem_file/assemble/problem_names.hpp"
 #include "summary/summary.hpp"
 
 namespace conddp {

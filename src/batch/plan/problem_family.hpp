@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "output/mpc/loop_task.hpp"
-#include "problem_file/build/build_problem.hpp"
+#include "problem_file/assemble/build_problem.hpp"
 
 namespace conddp {
 

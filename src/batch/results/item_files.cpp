@@ -9,7 +9,7 @@
 #include "output/mpc/loop_files.hpp"
 #include "output/solution/csv.hpp"
 #include "output/solution/solution_json.hpp"
-#include "problem_file/build/build_problem.hpp"
+#include "problem_file/assemble/build_problem.hpp"
 #include "problem_file/expand/expand_problem.hpp"
 #include "problem_file/yaml/yaml_text.hpp"
 

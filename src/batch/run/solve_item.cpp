@@ -12,7 +12,7 @@
 #include "output/report/certificate_report.hpp"
 #include "output/report/solution_certificate.hpp"
 #include "output/solution/solution_json.hpp"
-#include "problem_file/build/homotopy.hpp"
+#include "problem_file/assemble/homotopy.hpp"
 #include "problem_file/mesh/mesh.hpp"
 #include "solvers/common/status.hpp"
 #include "solvers/strategies/registry.hpp"

@@ -5,7 +5,7 @@
 
 #include "base/json/ordered_json.hpp"
 #include "output/solution/input_files.hpp"
-#include "problem_file/build/build_mpc.hpp"
+#include "problem_file/assemble/build_mpc.hpp"
 
 namespace conddp {
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "base/json/ordered_json.hpp"
-#include "problem_file/build/build.hpp"
+#include "problem_file/assemble/build.hpp"
 #include "solvers/common/options.hpp"
 
 namespace conddp {

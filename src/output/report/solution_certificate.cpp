@@ -11,7 +11,7 @@
 #include "base/stopwatch.hpp"
 #include "output/report/document_claims.hpp"
 #include "output/solution/finding_report.hpp"
-#include "problem_file/build/problem_names.hpp"
+#include "problem_file/assemble/problem_names.hpp"
 
 namespace conddp {
 namespace {

@@ -2,7 +2,7 @@
 
 #include "base/json/ordered_json.hpp"
 #include "ocp/problem/trajectory.hpp"
-#include "problem_file/spec/spec_robot.hpp"
+#include "problem_file/model/spec_robot.hpp"
 
 namespace conddp {
 

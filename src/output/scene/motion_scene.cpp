@@ -4,7 +4,7 @@
 #include "output/scene/robot_shapes.hpp"
 #include "output/scene/scene_numbers.hpp"
 #include "output/scene/scene_obstacles.hpp"
-#include "problem_file/build/problem_names.hpp"
+#include "problem_file/assemble/problem_names.hpp"
 #include "robot/frames.hpp"
 #include "robot/kinematics.hpp"
 

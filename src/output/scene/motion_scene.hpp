@@ -2,7 +2,7 @@
 
 #include "base/json/ordered_json.hpp"
 #include "ocp/problem/trajectory.hpp"
-#include "problem_file/build/build.hpp"
+#include "problem_file/assemble/build.hpp"
 
 namespace conddp {
 

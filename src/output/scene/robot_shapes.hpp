@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "base/json/ordered_json.hpp"
-#include "problem_file/build/build.hpp"
+#include "problem_file/assemble/build.hpp"
 
 namespace conddp {
 

@@ -6,7 +6,7 @@
 
 #include "base/json/ordered_json.hpp"
 #include "ocp/problem/by_name.hpp"
-#include "problem_file/build/problem_names.hpp"
+#include "problem_file/assemble/problem_names.hpp"
 
 namespace conddp {
 namespace {

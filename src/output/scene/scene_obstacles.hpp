@@ -1,7 +1,7 @@
 #pragma once
 
 #include "base/json/ordered_json.hpp"
-#include "problem_file/build/build.hpp"
+#include "problem_file/assemble/build.hpp"
 
 namespace conddp {
 

@@ -5,7 +5,7 @@
 
 #include "analysis/contact/contact_motion.hpp"
 #include "base/json/ordered_json.hpp"
-#include "problem_file/build/build.hpp"
+#include "problem_file/assemble/build.hpp"
 
 namespace conddp {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "ocp/problem/node_values.hpp"
-#include "problem_file/build/build.hpp"
+#include "problem_file/assemble/build.hpp"
 
 namespace conddp {
 

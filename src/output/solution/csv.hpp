@@ -4,7 +4,7 @@
 
 #include "base/json/ordered_json.hpp"
 #include "output/solution/contact_forces.hpp"
-#include "problem_file/build/build.hpp"
+#include "problem_file/assemble/build.hpp"
 
 namespace conddp {
 

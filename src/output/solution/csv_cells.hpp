@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "problem_file/build/build.hpp"
+#include "problem_file/assemble/build.hpp"
 
 namespace conddp {
 

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "base/json/ordered_json.hpp"
-#include "problem_file/build/problem_names.hpp"
+#include "problem_file/assemble/problem_names.hpp"
 
 namespace conddp {
 namespace {

@@ -2,7 +2,7 @@
 
 #include "analysis/findings/findings.hpp"
 #include "base/json/ordered_json.hpp"
-#include "problem_file/build/build.hpp"
+#include "problem_file/assemble/build.hpp"
 
 namespace conddp {
 

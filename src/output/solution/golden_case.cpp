@@ -7,8 +7,8 @@
 #include "analysis/certificate/certificate_doubt.hpp"
 #include "base/json/json_document.hpp"
 #include "output/solution/solution_json.hpp"
-#include "problem_file/build/build_problem.hpp"
-#include "problem_file/build/homotopy.hpp"
+#include "problem_file/assemble/build_problem.hpp"
+#include "problem_file/assemble/homotopy.hpp"
 
 namespace conddp {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "base/json/ordered_json.hpp"
 #include "output/solution/input_files.hpp"
-#include "problem_file/build/build_problem.hpp"
+#include "problem_file/assemble/build_problem.hpp"
 
 namespace conddp {
 

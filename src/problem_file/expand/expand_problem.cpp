@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "problem_file/build/homotopy.hpp"
+#include "problem_file/assemble/homotopy.hpp"
 #include "problem_file/lower/rewriting.hpp"
 #include "problem_file/read/read_problem.hpp"
 #include "problem_file/read/read_sections.hpp"

@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "problem_file/expand/expand_problem.hpp"
-#include "problem_file/spec/enum_names.hpp"
-#include "problem_file/spec/system_fields.hpp"
+#include "problem_file/model/enum_names.hpp"
+#include "problem_file/model/system_fields.hpp"
 #include "problem_file/values/activation_keys.hpp"
 #include "systems/multibody/multibody.hpp"
 

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "problem_file/spec/components.hpp"
+#include "problem_file/model/components.hpp"
 #include "problem_file/yaml/key_path.hpp"
 
 namespace conddp {

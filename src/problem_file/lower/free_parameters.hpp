@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "problem_file/spec/spec_expression.hpp"
+#include "problem_file/model/spec_expression.hpp"
 #include "problem_file/yaml/yaml_reader.hpp"
 
 namespace conddp {

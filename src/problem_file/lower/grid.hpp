@@ -2,7 +2,7 @@
 
 #include <functional>
 
-#include "problem_file/spec/spec.hpp"
+#include "problem_file/model/spec.hpp"
 
 namespace conddp {
 

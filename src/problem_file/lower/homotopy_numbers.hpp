@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "problem_file/spec/spec_solver.hpp"
+#include "problem_file/model/spec_solver.hpp"
 #include "problem_file/yaml/yaml_reader.hpp"
 
 namespace conddp {

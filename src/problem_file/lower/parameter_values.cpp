@@ -6,7 +6,7 @@
 
 #include "problem_file/lower/free_parameters.hpp"
 #include "problem_file/lower/unused_names.hpp"
-#include "problem_file/spec/expression_source.hpp"
+#include "problem_file/model/expression_source.hpp"
 #include "problem_file/yaml/key_path.hpp"
 #include "problem_file/yaml/path_step.hpp"
 #include "systems/expressions/parser.hpp"

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "problem_file/spec/spec_expression.hpp"
+#include "problem_file/model/spec_expression.hpp"
 #include "problem_file/yaml/yaml_reader.hpp"
 
 namespace conddp {

@@ -3,7 +3,7 @@
 #include <span>
 #include <string_view>
 
-#include "problem_file/spec/spec.hpp"
+#include "problem_file/model/spec.hpp"
 #include "problem_file/yaml/yaml_node.hpp"
 
 namespace conddp {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "problem_file/spec/spec.hpp"
+#include "problem_file/model/spec.hpp"
 
 namespace conddp {
 

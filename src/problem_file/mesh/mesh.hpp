@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "problem_file/spec/spec.hpp"
+#include "problem_file/model/spec.hpp"
 #include "solvers/common/solve_result.hpp"
 
 namespace conddp {

@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "problem_file/model/named_phases.hpp"
 #include "problem_file/motion/planar_motion.hpp"
-#include "problem_file/spec/named_phases.hpp"
 
 namespace conddp {
 namespace {

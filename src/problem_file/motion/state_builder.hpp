@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "problem_file/model/components.hpp"
 #include "problem_file/plant/plant.hpp"
-#include "problem_file/spec/components.hpp"
 
 namespace conddp {
 

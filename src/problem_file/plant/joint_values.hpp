@@ -4,8 +4,8 @@
 #include <utility>
 #include <vector>
 
+#include "problem_file/model/components.hpp"
 #include "problem_file/plant/plant.hpp"
-#include "problem_file/spec/components.hpp"
 
 namespace conddp {
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "base/text/diagnostic.hpp"
-#include "problem_file/spec/spec.hpp"
+#include "problem_file/model/spec.hpp"
 
 namespace conddp {
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "ocp/residuals/residuals.hpp"
-#include "problem_file/spec/components.hpp"
-#include "problem_file/spec/spec.hpp"
+#include "problem_file/model/components.hpp"
+#include "problem_file/model/spec.hpp"
 #include "systems/collocation_system.hpp"
 #include "systems/contact/stepping_system.hpp"
 

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "base/text/spelling.hpp"
-#include "problem_file/spec/components.hpp"
+#include "problem_file/model/components.hpp"
 
 namespace conddp {
 namespace {

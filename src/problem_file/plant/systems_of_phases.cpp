@@ -5,9 +5,9 @@
 #include <fmt/format.h>
 
 #include "base/text/spelling.hpp"
+#include "problem_file/model/expression_source.hpp"
+#include "problem_file/model/phase_grid.hpp"
 #include "problem_file/plant/united_systems.hpp"
-#include "problem_file/spec/expression_source.hpp"
-#include "problem_file/spec/phase_grid.hpp"
 #include "systems/expressions/scope.hpp"
 #include "systems/system.hpp"
 

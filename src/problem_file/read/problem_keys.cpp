@@ -4,8 +4,8 @@
 
 #include "base/files/atomic_file.hpp"
 #include "base/text/spelling.hpp"
+#include "problem_file/model/enum_names.hpp"
 #include "problem_file/read/read_sections.hpp"
-#include "problem_file/spec/enum_names.hpp"
 
 namespace conddp {
 

@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "problem_file/model/enum_names.hpp"
 #include "problem_file/read/read_sections.hpp"
-#include "problem_file/spec/enum_names.hpp"
 
 namespace conddp {
 namespace {

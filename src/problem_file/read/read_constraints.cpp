@@ -1,8 +1,8 @@
 #include <fmt/format.h>
 
+#include "problem_file/model/enum_names.hpp"
 #include "problem_file/read/read_sections.hpp"
 #include "problem_file/residuals/residual_table.hpp"
-#include "problem_file/spec/enum_names.hpp"
 
 namespace conddp {
 namespace {

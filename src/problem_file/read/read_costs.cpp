@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 
+#include "problem_file/model/enum_names.hpp"
 #include "problem_file/read/read_sections.hpp"
 #include "problem_file/residuals/residual_keys.hpp"
 #include "problem_file/residuals/residual_table.hpp"
-#include "problem_file/spec/enum_names.hpp"
 #include "problem_file/values/activation_keys.hpp"
 
 namespace conddp {

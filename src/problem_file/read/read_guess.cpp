@@ -1,7 +1,7 @@
 #include <limits>
 
+#include "problem_file/model/enum_names.hpp"
 #include "problem_file/read/read_sections.hpp"
-#include "problem_file/spec/enum_names.hpp"
 
 namespace conddp {
 namespace {

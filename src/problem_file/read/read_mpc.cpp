@@ -3,8 +3,8 @@
 
 #include <fmt/format.h>
 
+#include "problem_file/model/enum_names.hpp"
 #include "problem_file/read/read_sections.hpp"
-#include "problem_file/spec/enum_names.hpp"
 #include "problem_file/yaml/canonical_definition.hpp"
 #include "problem_file/yaml/key_path.hpp"
 

@@ -2,9 +2,9 @@
 
 #include "base/text/spelling.hpp"
 #include "problem_file/data/library_file.hpp"
+#include "problem_file/model/enum_names.hpp"
+#include "problem_file/model/expression_source.hpp"
 #include "problem_file/read/read_sections.hpp"
-#include "problem_file/spec/enum_names.hpp"
-#include "problem_file/spec/expression_source.hpp"
 #include "systems/expressions/scope.hpp"
 #include "systems/system.hpp"
 

@@ -6,9 +6,9 @@
 
 #include <fmt/format.h>
 
+#include "problem_file/model/expression_source.hpp"
+#include "problem_file/model/phase_grid.hpp"
 #include "problem_file/read/read_sections.hpp"
-#include "problem_file/spec/expression_source.hpp"
-#include "problem_file/spec/phase_grid.hpp"
 
 namespace conddp {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "problem_file/spec/spec.hpp"
+#include "problem_file/model/spec.hpp"
 #include "problem_file/yaml/setting.hpp"
 
 namespace conddp {

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "problem_file/spec/spec.hpp"
-#include "problem_file/spec/spec_gait.hpp"
+#include "problem_file/model/spec.hpp"
+#include "problem_file/model/spec_gait.hpp"
 #include "problem_file/values/key_forms.hpp"
 
 namespace conddp {

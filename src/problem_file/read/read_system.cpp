@@ -4,9 +4,9 @@
 #include <fmt/format.h>
 
 #include "base/text/spelling.hpp"
+#include "problem_file/model/enum_names.hpp"
+#include "problem_file/model/system_fields.hpp"
 #include "problem_file/read/read_sections.hpp"
-#include "problem_file/spec/enum_names.hpp"
-#include "problem_file/spec/system_fields.hpp"
 
 namespace conddp {
 namespace {

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "ocp/residuals/residuals.hpp"
+#include "problem_file/model/components.hpp"
 #include "problem_file/plant/plant.hpp"
-#include "problem_file/spec/components.hpp"
 
 namespace conddp {
 

@@ -1,12 +1,12 @@
 #include <fmt/format.h>
 
 #include "ocp/residuals/expression_residual.hpp"
+#include "problem_file/model/expression_source.hpp"
 #include "problem_file/motion/contact_plan.hpp"
 #include "problem_file/residuals/cost_residual.hpp"
 #include "problem_file/residuals/reference_form.hpp"
 #include "problem_file/residuals/residual_keys.hpp"
 #include "problem_file/residuals/residual_table.hpp"
-#include "problem_file/spec/expression_source.hpp"
 
 namespace conddp {
 namespace {

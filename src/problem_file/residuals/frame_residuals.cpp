@@ -1,9 +1,9 @@
 #include "problem_file/data/time_series.hpp"
+#include "problem_file/model/enum_names.hpp"
 #include "problem_file/residuals/cost_residual.hpp"
 #include "problem_file/residuals/reference_form.hpp"
 #include "problem_file/residuals/residual_keys.hpp"
 #include "problem_file/residuals/residual_table.hpp"
-#include "problem_file/spec/enum_names.hpp"
 #include "robot/frames.hpp"
 
 namespace conddp {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "problem_file/spec/residual_definition.hpp"
+#include "problem_file/model/residual_definition.hpp"
 
 namespace conddp {
 

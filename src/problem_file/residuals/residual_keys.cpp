@@ -4,9 +4,9 @@
 
 #include <fmt/format.h>
 
+#include "problem_file/model/expression_source.hpp"
+#include "problem_file/model/spec.hpp"
 #include "problem_file/residuals/residual_table.hpp"
-#include "problem_file/spec/expression_source.hpp"
-#include "problem_file/spec/spec.hpp"
 #include "systems/expressions/lexer.hpp"
 
 namespace conddp {

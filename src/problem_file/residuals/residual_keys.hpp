@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "problem_file/spec/residual_definition.hpp"
+#include "problem_file/model/residual_definition.hpp"
 #include "problem_file/values/key_forms.hpp"
 
 namespace conddp {

@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "problem_file/spec/residual_definition.hpp"
+#include "problem_file/model/residual_definition.hpp"
 
 namespace conddp {
 

@@ -6,8 +6,8 @@
 #include <fmt/ranges.h>
 
 #include "ocp/residuals/weighted_residual.hpp"
+#include "problem_file/model/named_phases.hpp"
 #include "problem_file/residuals/residual_table.hpp"
-#include "problem_file/spec/named_phases.hpp"
 #include "problem_file/terms/swing_reference.hpp"
 #include "problem_file/terms/weight_matrix.hpp"
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "ocp/problem/problem.hpp"
-#include "problem_file/spec/node_time.hpp"
+#include "problem_file/model/node_time.hpp"
 #include "problem_file/terms/reference_builder.hpp"
 #include "problem_file/terms/term_residual.hpp"
 

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "problem_file/spec/enum_names.hpp"
+#include "problem_file/model/enum_names.hpp"
 
 namespace conddp {
 namespace {

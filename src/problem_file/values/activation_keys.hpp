@@ -1,6 +1,6 @@
 #pragma once
 
-#include "problem_file/spec/spec_cost.hpp"
+#include "problem_file/model/spec_cost.hpp"
 #include "problem_file/values/key_forms.hpp"
 
 namespace conddp {

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "problem_file/spec/expression_source.hpp"
+#include "problem_file/model/expression_source.hpp"
 
 namespace conddp {
 namespace {

@@ -5,8 +5,8 @@
 #include <variant>
 #include <vector>
 
-#include "problem_file/spec/spec_expression.hpp"
-#include "problem_file/spec/spec_values.hpp"
+#include "problem_file/model/spec_expression.hpp"
+#include "problem_file/model/spec_values.hpp"
 #include "problem_file/yaml/keys.hpp"
 
 namespace conddp {

@@ -1,0 +1,107 @@
+#include "problem_file/assemble/simulated_plant.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "analysis/contact/simulated_contacts.hpp"
+#include "problem_file/plant/stepping_builder.hpp"
+
+namespace conddp {
+namespace {
+
+/// Points of a contact that can touch, in its frame, m.
+std::vector<Vector3<double>> points_of(const ContactSpec& contact) {
+  if (contact.kind != ContactKind::surface || !contact.half_size) return {Vector3<double>::zero()};
+  const auto [x, y] = *contact.half_size;
+  return {{x, y, 0}, {x, -y, 0}, {-x, y, 0}, {-x, -y, 0}};
+}
+
+/// All candidate contact points, and the contact of each.
+struct Candidates {
+  ImplicitContacts contacts;
+  std::vector<int> contact_of;
+};
+
+Candidates candidates_of(const ProblemSpec& spec, const Plant& plant, Diagnostics& out) {
+  Candidates all;
+  for (std::size_t i = 0; i < spec.contacts.size(); ++i) {
+    const ContactSpec& contact = spec.contacts[i];
+    const auto frame = find_frame(plant.robot(), contact.frame, "", out);
+    if (!frame) continue;
+    for (const TouchedSpec& shape : spec.mpc->plant.ground)
+      for (const Vector3<double>& point : points_of(contact)) {
+        all.contacts.candidates.push_back({.name = contact.name.value,
+                                           .sphere = {*frame, point, 0},
+                                           .against = touched_form(shape, -1),
+                                           .friction = contact.friction});
+        all.contact_of.push_back(static_cast<int>(i));
+      }
+  }
+  return all;
+}
+
+bool has_mimic_joints(const RobotModel& robot) { return !robot.mimics.empty(); }
+
+/// Checks the requirements of a plant with simulated contacts; false, with a report, if one fails.
+bool check(const ProblemSpec& spec, const BuiltProblem& built, Diagnostics& out) {
+  const MpcPlantSpec& plant = spec.mpc->plant;
+  const int errors = out.error_count();
+  if (built.plant.multibody() == nullptr || spec.contacts.empty())
+    out.error(*plant.simulated_contacts, "the file has no contacts that could be simulated",
+              "leave the key out");
+  else if (has_mimic_joints(built.plant.robot()))
+    out.error(
+        *plant.simulated_contacts,
+        "the simulation of contacts moves each joint by its own equation, and some mimic others");
+  if (spec.contacts.size() > kMostSimulatedContacts)
+    out.error(*plant.simulated_contacts,
+              fmt::format("more than {} contacts are not simulated", kMostSimulatedContacts));
+  if (!plant.dt)
+    out.error(*plant.simulated_contacts, "simulated contacts need the step of the plant",
+              "write 'dt: 0.002' beside it");
+  return out.error_count() == errors;
+}
+
+}  // namespace
+
+std::shared_ptr<PlantMotion> simulated_plant(const BuiltProblem& built, Diagnostics& out) {
+  const ProblemSpec& spec = *built.problem_spec;
+  if (!check(spec, built, out)) return nullptr;
+  const MultibodySystem& robot = *built.plant.multibody();
+  const int errors = out.error_count();
+  Candidates candidates = candidates_of(spec, built.plant, out);
+  if (out.error_count() > errors) return nullptr;
+  const int remembered = built.problem->nx() - robot.nx();
+  return std::make_shared<SimulatedContacts>(contact_plant(robot, std::move(candidates.contacts)),
+                                             spec.mpc->plant.dt->value,
+                                             std::move(candidates.contact_of), remembered);
+}
+
+void check_standing(const BuiltProblem& built, Diagnostics& out) {
+  const ProblemSpec& spec = *built.problem_spec;
+  constexpr double kAtTheGround = 2e-3;  // m
+  const ContactNames& standing = spec.phases.front().contacts;
+  const Candidates candidates = candidates_of(spec, built.plant, out);
+  const MultibodySystem& robot = *built.plant.multibody();
+  const std::vector<double> x(built.problem->initial_state().begin(),
+                              built.problem->initial_state().begin() + robot.nx());
+  const ContactPlant plant = contact_plant(robot, candidates.contacts);
+  ContactMechanics<double> mechanics(plant);
+  const auto& instants = mechanics.look(x.data());
+  for (std::size_t i = 0; i < spec.contacts.size(); ++i) {
+    const std::string& name = spec.contacts[i].name.value;
+    const bool stands = standing.has(name);
+    double gap = std::numeric_limits<double>::infinity();
+    for (std::size_t c = 0; c < instants.size(); ++c)
+      if (candidates.contact_of[c] == static_cast<int>(i)) gap = std::min(gap, instants[c].gap);
+    if (gap < -kAtTheGround || (stands && gap > kAtTheGround))
+      out.warning(*spec.mpc->plant.simulated_contacts,
+                  fmt::format("'{}' begins {:.3g} m {} the ground", name, std::abs(gap),
+                              gap < 0 ? "inside" : "above"));
+  }
+}
+
+}  // namespace conddp
