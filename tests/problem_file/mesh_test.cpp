@@ -49,6 +49,21 @@ TEST(Mesh, HalfTheKnotsHaveTheSameDuration) {
   EXPECT_EQ(spec.phases[0].knots.value, 3);
 }
 
+TEST(Mesh, KnotsOfTheFileAreHalvedSeveralTimes) {
+  const Loaded loaded(replaced(
+      replaced(replaced(kOscillator, "mesh: {error: 1.0e-4}\n", ""), "knots: 6,", "knots: 48,"),
+      "knots: 4,", "knots: 40,"));
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  Diagnostics out;
+  for (const int halvings : {1, 2}) {
+    const auto coarse = build_on_grid(*loaded.built, {.halvings = halvings}, out);
+    ASSERT_TRUE(coarse) << format_diagnostics(out, false);
+    EXPECT_EQ(coarse->problem->knots(), 88 >> halvings);
+  }
+  EXPECT_FALSE(build_on_grid(*loaded.built, {.halvings = 3}, out))
+      << "of one phase 5 would be left";
+}
+
 TEST(Mesh, ErrorFallsByTheOrderOfTheIntegrator) {
   std::vector<double> errors;
   for (const int factor : {2, 4, 8}) {

@@ -321,7 +321,7 @@ class GridSolve {
     if (!jumps_of(task_, result).empty()) return solve_around(std::move(result));
     if (!is_given_up(result.status)) return result;
     if (auto other = solve_from_simulation(result)) return other;
-    return climb(task_, std::move(result), kMostHalvings);
+    return climb(task_, std::move(result), 1);
   }
 
   const SolverInfo* solver() const { return solver_; }
@@ -417,16 +417,16 @@ class GridSolve {
     return std::nullopt;
   }
 
-  /// The answer started from the answer on half the knots, which may itself start from half of
-  /// those; `failed` without such an answer.
+  /// The answer started from the answer with the knots of the file halved this often, which may
+  /// itself start from half of those; `failed` without such an answer.
   SolveResult climb(Task& task, SolveResult failed, int halvings) {
     const SolverInfo* const solver = solver_;
     Diagnostics ignored;
-    auto coarse = on_other_grid(arguments_, task, {.halved = true}, ignored);
+    auto coarse = on_other_grid(arguments_, task, {.halvings = halvings}, ignored);
     if (!coarse) return failed;
     SolveResult below = solve(*coarse, false);
-    if (is_given_up(below.status) && halvings > 1)
-      below = climb(*coarse, std::move(below), halvings - 1);
+    if (is_given_up(below.status) && halvings < kMostHalvings)
+      below = climb(*coarse, std::move(below), halvings + 1);
     solver_ = solver;
     if (!is_success(below.status)) return failed;
     const Trajectory guess = task.built.guess;

@@ -55,7 +55,9 @@ std::optional<BuiltProblem> build_on_grid(const BuiltProblem& built, const Other
   std::vector<std::string> settings = former.settings;
   settings.push_back(grid_setting(built, grid.factor));
   auto spec = read_problem_text(former.text, former.file, settings, out);
-  if (!spec || (grid.halved && !coarsen(*spec, kFewestKnots))) return std::nullopt;
+  if (!spec) return std::nullopt;
+  for (int i = 0; i < grid.halvings; ++i)
+    if (!coarsen(*spec, kFewestKnots)) return std::nullopt;
   spec->sha256 = former.sha256;
   spec->guess = former.guess;
   spec->solver.name.place = former.solver.name.place;

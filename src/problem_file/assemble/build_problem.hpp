@@ -15,8 +15,8 @@ std::optional<BuiltProblem> build_problem(const BuiltProblem& built, const Build
 
 /// A grid in place of a problem's own.
 struct OtherGrid {
-  int factor = 1;       ///< subdivision of the steps of the phases
-  bool halved = false;  ///< with half the knots of the file
+  int factor = 1;    ///< subdivision of the steps of the phases
+  int halvings = 0;  ///< how often the knots of the file are halved
 };
 
 /// The setting, as for `--set`, that gives a problem this subdivision. A file without `mesh` gets
@@ -24,7 +24,7 @@ struct OtherGrid {
 std::string grid_setting(const BuiltProblem& built, int factor);
 
 /// The problem on another grid, with the same guess and dropped constraints. Nothing if it cannot
-/// be built, with errors, or if the halved grid has too few knots.
+/// be built, with errors, or if a halved grid has too few knots.
 std::optional<BuiltProblem> build_on_grid(const BuiltProblem& built, const OtherGrid& grid,
                                           Diagnostics& out);
 
