@@ -113,7 +113,7 @@ class Transcription : public NonlinearProgram {
     const NodeConstraint* constraint;
     int first;                 ///< first constraint row in the problem
     int count;                 ///< 1, or the number of rows of the cone or the pairs
-    std::vector<int> columns;  ///< columns of z on which it depends, without x_0
+    std::vector<int> columns;  ///< columns of z that it depends on, without x_0
     int index;                 ///< index among the program's rows
     double radius = 0;         ///< if positive, the row is ‖r‖²/(2 radius) instead of ‖r‖
     int first_slack = 0, slacks = 0;  ///< range in slacks_

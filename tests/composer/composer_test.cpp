@@ -178,27 +178,29 @@ void print(const std::map<std::string, int>& endings, std::multimap<double, std:
     std::cout << fmt::format("{:6.1f} s: seed {}\n", seconds, seed);
 }
 
-TEST(Composer, EveryProblemEndsWithCertificateOrReason) {
-  std::vector<std::string> bodies;
-  for (const ComposedBody& body : composed_bodies()) bodies.push_back(body.name);
-  Coverage coverage(bodies);
-  const SeedRange range = SeedRange::from_environment();
+/// How often composed problems were refused or doubted.
+struct Tally {
+  int refused = 0, doubted = 0;
+};
+
+/// Runs the problems of `count` seeds and prints how they ended.
+template <class Compose>
+Tally run_all(std::uint64_t first, int count, const Compose& compose, Coverage& coverage) {
   std::map<std::string, int> endings;
   std::multimap<double, std::uint64_t> times;
-  int refused = 0, doubted = 0;
-  for (int i = 0; i < range.count; ++i) {
-    const std::uint64_t seed = range.first + static_cast<std::uint64_t>(i);
-    const ComposedProblem problem = compose_problem(seed);
+  Tally tally;
+  for (int i = 0; i < count; ++i) {
+    const std::uint64_t seed = first + static_cast<std::uint64_t>(i);
+    const ComposedProblem problem = compose(seed);
     SCOPED_TRACE(fmt::format("seed {}{}{}:\n{}", seed, problem.drop.empty() ? "" : ", --drop ",
                              fmt::join(problem.drop, ""), problem.text));
-    if (range.count == 1) std::cout << problem.text << std::flush;
-
+    if (count == 1) std::cout << problem.text << std::flush;
     const auto began = std::chrono::steady_clock::now();
     try {
       const Ending ending = run(problem, coverage);
       ++endings[(ending.refused ? "refused: " : "") + ending.words];
-      refused += ending.refused ? 1 : 0;
-      doubted += ending.doubted ? 1 : 0;
+      tally.refused += ending.refused ? 1 : 0;
+      tally.doubted += ending.doubted ? 1 : 0;
     } catch (const std::exception& exception) {
       ADD_FAILURE() << "an exception: " << exception.what();
     }
@@ -206,9 +208,18 @@ TEST(Composer, EveryProblemEndsWithCertificateOrReason) {
     times.emplace(gone.count(), seed);
   }
   print(endings, times);
-  EXPECT_LE(doubted, 1 + range.count / 100);
+  return tally;
+}
+
+TEST(Composer, EveryProblemEndsWithCertificateOrReason) {
+  std::vector<std::string> bodies;
+  for (const ComposedBody& body : composed_bodies()) bodies.push_back(body.name);
+  Coverage coverage(bodies);
+  const SeedRange range = SeedRange::from_environment();
+  const Tally tally = run_all(range.first, range.count, compose_problem, coverage);
+  EXPECT_LE(tally.doubted, 1 + range.count / 100);
   if (range.count < SeedRange::kDefaultCount) return;
-  EXPECT_LT(refused, 0.2 * range.count) << "refused compositions test the reader alone";
+  EXPECT_LT(tally.refused, 0.2 * range.count) << "refused compositions test the reader alone";
   EXPECT_EQ(coverage.missing(), "");
 }
 
@@ -216,28 +227,14 @@ TEST(Composer, EveryProblemEndsWithCertificateOrReason) {
 TEST(Composer, FeaturesCombine) {
   Coverage coverage({});
   const SeedRange range = SeedRange::from_environment();
-  std::map<std::string, int> endings;
-  int refused = 0, doubted = 0;
   const int count = range.count / (range.count == SeedRange::kDefaultCount ? 5 : 1);
-  for (int i = 0; i < count; ++i) {
-    const std::uint64_t seed = range.first + static_cast<std::uint64_t>(i);
-    const ComposedProblem problem = with_features(compose_problem(seed), seed);
-    SCOPED_TRACE(fmt::format("seed {}{}{}:\n{}", seed, problem.drop.empty() ? "" : ", --drop ",
-                             fmt::join(problem.drop, ""), problem.text));
-    if (count == 1) std::cout << problem.text << std::flush;
-    try {
-      const Ending ending = run(problem, coverage);
-      ++endings[(ending.refused ? "refused: " : "") + ending.words];
-      refused += ending.refused ? 1 : 0;
-      doubted += ending.doubted ? 1 : 0;
-    } catch (const std::exception& exception) {
-      ADD_FAILURE() << "an exception: " << exception.what();
-    }
-  }
-  for (const auto& [words, times] : endings) std::cout << fmt::format("{:6} {}\n", times, words);
+  const auto compose = [](std::uint64_t seed) {
+    return with_features(compose_problem(seed), seed);
+  };
+  const Tally tally = run_all(range.first, count, compose, coverage);
   // Linear controls may alternate at nodes without cost, and so may chosen ones.
-  EXPECT_LE(doubted, 1 + count / 50);
-  EXPECT_LT(refused, 0.6 * count);
+  EXPECT_LE(tally.doubted, 1 + count / 50);
+  EXPECT_LT(tally.refused, 0.6 * count);
 }
 
 /// Box problems in strongly coupled controls, costates changed by a failed search after exact

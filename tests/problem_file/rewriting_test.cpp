@@ -49,6 +49,20 @@ TEST(Rewriting, FreeDurationsGetTheirChoice) {
   expect_equal_problems(Loaded{std::string(kFree)}, Loaded(written));
 }
 
+/// Messages count knots as the file does, before a start or a finer grid moves them.
+TEST(Rewriting, MissingKnotsHaveTheNumbersOfTheFile) {
+  const std::string fine = std::string(kFree) + "mesh: {error: 1.0e-3, factor: 2}\n";
+  const std::pair<std::string, const char*> cases[] = {
+      {replaced(fine, "knots: [3]", "knots: [6]"), "running knots are numbered from 0 to 5"},
+      {replaced(fine, "knots: [0, 4]", "knots: [0, 7]"), "knot 7 lies behind the last one, 6"},
+      {replaced(fine, "knot: 6", "knot: 7"), "nodes are numbered from 0 to 6"}};
+  for (const auto& [text, says] : cases) {
+    const Loaded loaded(text);
+    EXPECT_FALSE(loaded.spec);
+    EXPECT_NE(loaded.all().find(says), std::string::npos) << says << '\n' << loaded.all();
+  }
+}
+
 TEST(Rewriting, LinearControlsGetTheirChoice) {
   const std::string linear =
       replaced(replaced(kFree, ", free_duration: {lower: 0.1, upper: 10}", ""), "integrator: rk2",

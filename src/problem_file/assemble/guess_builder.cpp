@@ -232,26 +232,20 @@ class GuessBuilder {
 
   /// Appends a keyframe; false, with an error, if it does not fit those before it.
   bool append(const KeyframeSpec& keyframe, TimeSeries& series) const {
-    const auto when = time_of(keyframe);
-    if (!when) return false;
-    if (series.empty() && *when > 0) series.append(0, states_.initial());
-    if (!series.empty() && *when <= series.last_time()) {
+    const double when = time_of(keyframe);
+    if (series.empty() && when > 0) series.append(0, states_.initial());
+    if (!series.empty() && when <= series.last_time()) {
       out_.error(keyframe.place, "keyframes must stand in the order of time");
       return false;
     }
     const auto state = states_.build(keyframe.state);
-    if (state) series.append(*when, *state);
+    if (state) series.append(when, *state);
     return state.has_value();
   }
 
-  /// Time of a keyframe, s; empty, with an error, if its node does not exist.
-  std::optional<double> time_of(const KeyframeSpec& keyframe) const {
-    if (keyframe.knot) {
-      if (keyframe.knot->value <= problem_.knots()) return time(keyframe.knot->value);
-      out_.error(keyframe.knot->place,
-                 fmt::format("nodes are numbered from 0 to {}", problem_.knots()));
-      return std::nullopt;
-    }
+  /// Time of a keyframe, s.
+  double time_of(const KeyframeSpec& keyframe) const {
+    if (keyframe.knot) return time(keyframe.knot->value);
     const double end = time(problem_.knots());
     if (keyframe.time->value > end * (1 + 1e-9))
       out_.warning(keyframe.time->place,

@@ -77,16 +77,9 @@ double weight_in(const PhaseSpec& phase, const CostSpec& cost) {
 }
 
 /// Sets the weights at all other knots to zero.
-void restrict_to(const std::vector<Located<int>>& knots, const char* hint, std::vector<double>& row,
-                 Diagnostics& out) {
+void restrict_to(const std::vector<Located<int>>& knots, std::vector<double>& row) {
   std::vector<bool> chosen(row.size(), false);
-  for (const Located<int>& knot : knots) {
-    if (knot.value < static_cast<int>(row.size()))
-      chosen[knot.value] = true;
-    else
-      out.error(knot.place, fmt::format("running knots are numbered from 0 to {}", row.size() - 1),
-                hint);
-  }
+  for (const Located<int>& knot : knots) chosen[knot.value] = true;
   for (std::size_t k = 0; k < row.size(); ++k)
     if (!chosen[k]) row[k] = 0;
 }
@@ -186,11 +179,7 @@ NodeWeights schedule(const PhaseContext& context, const BuiltCost& cost, Role ro
     row.insert(row.end(), spec.phases[p].knots.value, in_phase[p] ? weight : 0.0);
   }
   if (c.keys.find(key::swing) != nullptr) extend_to_touch_down(spec, row);
-  if (c.knots)
-    restrict_to(*c.knots,
-                weighted ? "costs on the last node stand under 'terminal'"
-                         : "constraints on the last node stand under 'terminal'",
-                row, out);
+  if (c.knots) restrict_to(*c.knots, row);
   if (is_at_both_ends(context, cost, role))
     return trapezoidal_weights(row, all_cost_scales(spec),
                                role == Role::kHard ? std::vector<bool>(row.size() + 1, false)
@@ -720,7 +709,7 @@ void intersect(const PhaseBounds& other, const Name& name, const Plant& plant, P
 std::vector<Phase> build_phases(const PhaseContext& context, const KnotContents& contents,
                                 const PhaseBounds& bounds, Diagnostics& out) {
   const ProblemSpec& spec = context.spec;
-  check_phases(spec, out);
+  check_weights(spec, out);
   PhaseBuilder builder(context, contents, bounds, out);
   if (out.has_errors()) return {};
   std::vector<Phase> phases;

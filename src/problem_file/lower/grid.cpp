@@ -5,9 +5,65 @@
 #include <fmt/format.h>
 
 #include "ocp/step/integrator_table.hpp"
+#include "problem_file/model/named_phases.hpp"
 
 namespace conddp {
 namespace {
+
+/// Phase index of each knot.
+std::vector<std::size_t> phases_by_knot(const ProblemSpec& spec) {
+  std::vector<std::size_t> phases;
+  for (std::size_t p = 0; p < spec.phases.size(); ++p)
+    phases.insert(phases.end(), spec.phases[p].knots.value, p);
+  return phases;
+}
+
+/// "'trot' has 0 to 9, 'stand' has 20 to 29".
+std::string knots_of(const std::vector<bool>& named, const ProblemSpec& spec) {
+  std::string ranges;
+  int first = 0;
+  for (std::size_t p = 0; p < spec.phases.size(); ++p) {
+    const int end = first + spec.phases[p].knots.value;
+    if (named[p])
+      ranges += fmt::format("{}'{}' has {} to {}", ranges.empty() ? "" : ", ",
+                            spec.phases[p].name.value, first, end - 1);
+    first = end;
+  }
+  return ranges;
+}
+
+/// Reports knots in phases that the function does not name.
+void check_phases(const CostSpec& function, const ProblemSpec& spec, Diagnostics& out) {
+  if (!function.phases) return;
+  const std::vector<bool> named = phases_named(function.phases, spec);
+  if (std::ranges::find(named, true) == named.end()) return;  // unknown names are reported later
+  const std::vector<std::size_t> phase_of = phases_by_knot(spec);
+  for (const Located<int>& knot : *function.knots) {
+    const auto index = static_cast<std::size_t>(knot.value);
+    if (index >= phase_of.size() || named[phase_of[index]]) continue;
+    out.error(knot.place,
+              fmt::format("knot {} is in the phase '{}', which '{}' does not name", knot.value,
+                          spec.phases[phase_of[index]].name.value, function.name.value),
+              "knots are numbered over all phases: " + knots_of(named, spec));
+  }
+}
+
+/// Reports knots and way-points that do not exist. `hint`: advice on the last node.
+void check_function(const CostSpec& function, const char* hint, const ProblemSpec& spec,
+                    Diagnostics& out) {
+  const int count = spec.knots();
+  if (function.knots) {
+    for (const Located<int>& knot : *function.knots)
+      if (knot.value >= count)
+        out.error(knot.place, fmt::format("running knots are numbered from 0 to {}", count - 1),
+                  hint);
+    check_phases(function, spec, out);
+  }
+  if (!function.reference) return;
+  for (const Located<int>& knot : function.reference->knots)
+    if (knot.value > count)
+      out.error(knot.place, fmt::format("knot {} lies behind the last one, {}", knot.value, count));
+}
 
 void renumber(CostSpec& cost, const std::function<int(int)>& number_of) {
   if (cost.knots)
@@ -27,6 +83,17 @@ void tighten(ProblemSpec& spec) {
 }
 
 }  // namespace
+
+void check_knots(const ProblemSpec& spec, Diagnostics& out) {
+  for (const CostSpec* cost : spec.all_costs())
+    check_function(*cost, "costs on the last node stand under 'terminal'", spec, out);
+  for (const ConstraintSpec* constraint : spec.all_constraints())
+    check_function(constraint->function, "constraints on the last node stand under 'terminal'",
+                   spec, out);
+  for (const KeyframeSpec& keyframe : spec.guess.keyframes)
+    if (keyframe.knot && keyframe.knot->value > spec.knots())
+      out.error(keyframe.knot->place, fmt::format("nodes are numbered from 0 to {}", spec.knots()));
+}
 
 void renumber(ProblemSpec& spec, const std::function<int(int)>& number_of) {
   for (auto* costs : {&spec.costs, &spec.integrals, &spec.terminal_costs})
@@ -58,9 +125,7 @@ void set_knots(ProblemSpec& spec, const std::function<int(int)>& knots_of) {
     if (after == runs.begin()) return node;
     const auto& [from, count, new_from, new_count] = *std::prev(after);
     const long long steps = node - from;
-    // The last node, and numbers beyond it, which are reported later, stay as far behind the end.
-    if (steps >= count) return static_cast<int>(new_from + new_count + steps - count);
-    return static_cast<int>(new_from + steps * new_count / count);
+    return static_cast<int>(new_from + steps * new_count / count);  // the last node: steps = count
   });
 }
 

@@ -6,6 +6,9 @@
 
 namespace conddp {
 
+/// Reports knots and nodes that a problem counts and its phases lack.
+void check_knots(const ProblemSpec& spec, Diagnostics& out);
+
 /// Gives nodes of a problem new numbers wherever it counts knots: where costs and constraints hold,
 /// way-points, keyframes, the path of a gait.
 void renumber(ProblemSpec& spec, const std::function<int(int)>& number_of);

@@ -20,7 +20,13 @@ std::span<const DocumentRewriting> document_rewritings() {
 
 std::span<const SpecRewriting> spec_rewritings() {
   static constexpr SpecRewriting kAll[] = {
-      {"gait", add_gait}, {"start", choose_start}, {"mesh", cut_steps}};
+      {"gait",
+       [](ProblemSpec& spec, Diagnostics& out) {
+         add_gait(spec, out);
+         check_knots(spec, out);  // numbers refer to these phases; later ones change them
+       }},
+      {"start", choose_start},
+      {"mesh", cut_steps}};
   return kAll;
 }
 

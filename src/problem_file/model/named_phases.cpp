@@ -8,56 +8,6 @@
 #include "problem_file/model/components.hpp"
 
 namespace conddp {
-namespace {
-
-void check_weights(const ProblemSpec& spec, Diagnostics& out) {
-  std::vector<std::string> names;
-  for (const CostSpec& cost : spec.costs) names.push_back(cost.name.value);
-  for (const PhaseSpec& phase : spec.phases)
-    for (const auto& [name, value] : phase.weights)
-      if (std::find(names.begin(), names.end(), name.value) == names.end())
-        out.error(name.place, fmt::format("unknown cost '{}'", name.value),
-                  name_hint(name.value, names, "costs"));
-}
-
-/// Phase index of each knot.
-std::vector<std::size_t> phases_by_knot(const ProblemSpec& spec) {
-  std::vector<std::size_t> phases;
-  for (std::size_t p = 0; p < spec.phases.size(); ++p)
-    phases.insert(phases.end(), spec.phases[p].knots.value, p);
-  return phases;
-}
-
-/// "'trot' has 0 to 9, 'stand' has 20 to 29".
-std::string knots_of(const std::vector<bool>& named, const ProblemSpec& spec) {
-  std::string ranges;
-  int first = 0;
-  for (std::size_t p = 0; p < spec.phases.size(); ++p) {
-    const int end = first + spec.phases[p].knots.value;
-    if (named[p])
-      ranges += fmt::format("{}'{}' has {} to {}", ranges.empty() ? "" : ", ",
-                            spec.phases[p].name.value, first, end - 1);
-    first = end;
-  }
-  return ranges;
-}
-
-void check_knots(const CostSpec& function, const ProblemSpec& spec, Diagnostics& out) {
-  if (!function.knots || !function.phases) return;
-  const std::vector<bool> named = phases_named(function.phases, spec);
-  const std::vector<std::size_t> phase_of = phases_by_knot(spec);
-  for (const Located<int>& knot : *function.knots) {
-    const auto index = static_cast<std::size_t>(knot.value);
-    if (index >= phase_of.size() || named[phase_of[index]]) continue;
-    out.error(knot.place,
-              fmt::format("knot {} is in the phase '{}', which '{}' does not name", knot.value,
-                          spec.phases[phase_of[index]].name.value, function.name.value),
-              "knots are numbered over all phases: " + knots_of(named, spec));
-  }
-}
-
-}  // namespace
-
 std::vector<bool> phases_named(const std::optional<std::vector<Name>>& names,
                                const ProblemSpec& spec) {
   std::vector<bool> named(spec.phases.size(), !names.has_value());
@@ -102,11 +52,14 @@ std::vector<bool> possible_phases(const CostSpec& function, const ProblemSpec& s
   return possible;
 }
 
-void check_phases(const ProblemSpec& spec, Diagnostics& out) {
-  check_weights(spec, out);
-  for (const CostSpec& cost : spec.costs) check_knots(cost, spec, out);
-  for (const ConstraintSpec& constraint : spec.constraints)
-    check_knots(constraint.function, spec, out);
+void check_weights(const ProblemSpec& spec, Diagnostics& out) {
+  std::vector<std::string> names;
+  for (const CostSpec& cost : spec.costs) names.push_back(cost.name.value);
+  for (const PhaseSpec& phase : spec.phases)
+    for (const auto& [name, value] : phase.weights)
+      if (std::find(names.begin(), names.end(), name.value) == names.end())
+        out.error(name.place, fmt::format("unknown cost '{}'", name.value),
+                  name_hint(name.value, names, "costs"));
 }
 
 }  // namespace conddp

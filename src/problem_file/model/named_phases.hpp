@@ -22,8 +22,7 @@ bool names_phase(const CostSpec& function, std::size_t phase, const ProblemSpec&
 /// by default all phases that take time. The initial choice of the state is excluded.
 std::vector<bool> possible_phases(const CostSpec& function, const ProblemSpec& spec);
 
-/// Reports phase weights for costs that do not exist, and knots of costs and constraints that lie
-/// outside their named phases.
-void check_phases(const ProblemSpec& spec, Diagnostics& out);
+/// Reports phase weights for costs that do not exist.
+void check_weights(const ProblemSpec& spec, Diagnostics& out);
 
 }  // namespace conddp

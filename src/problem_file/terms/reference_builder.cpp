@@ -182,32 +182,25 @@ std::optional<TimeSeries> reference_from_file(const CostSpec& cost, const CostRe
   return series_of(file, *table, *columns, residual.parameters, out);
 }
 
-/// Time of a way-point, s; empty with an error if its node does not exist.
-std::optional<double> time_of(const ReferenceSpec& spec, std::size_t i,
-                              const std::vector<double>& times, Diagnostics& out) {
+/// Time of a way-point, s.
+double time_of(const ReferenceSpec& spec, std::size_t i, const std::vector<double>& times) {
   if (spec.knots.empty()) return spec.times.empty() ? 0.0 : spec.times[i].value;
-  const Located<int>& knot = spec.knots[i];
-  if (knot.value < static_cast<int>(times.size())) return times[knot.value];
-  out.error(knot.place,
-            fmt::format("knot {} lies behind the last one, {}", knot.value, times.size() - 1));
-  return std::nullopt;
+  return times[spec.knots[i].value];
 }
 
 /// A single value, or way-points.
 std::optional<TimeSeries> reference_from_values(const ReferenceBuilder& builder,
                                                 const ReferenceSpec& spec,
                                                 const StateManifold& manifold,
-                                                const std::vector<double>& times,
-                                                Diagnostics& out) {
+                                                const std::vector<double>& times) {
   TimeSeries series(manifold);
   bool complete = true, outside = false;
   for (std::size_t i = 0; i < spec.values.size(); ++i) {
-    const auto time = time_of(spec, i, times, out);
-    const auto value = time ? builder.value(spec.values[i]) : std::nullopt;
+    const auto value = builder.value(spec.values[i]);
     complete &= value.has_value();
     if (!value) continue;
     outside = outside || builder.check_limits(spec.values[i], *value);
-    series.append(*time, *value);
+    series.append(time_of(spec, i, times), *value);
   }
   if (!complete) return std::nullopt;
   return series;
@@ -236,9 +229,9 @@ std::optional<TimeSeries> build_reference(const CostSpec& cost, const CostResidu
     if (!value) return std::nullopt;
     return TimeSeries(residual.parameters, *value);
   }
-  auto series = cost.reference->file ? reference_from_file(cost, residual, out)
-                                     : reference_from_values(builder, *cost.reference,
-                                                             residual.parameters, times, out);
+  auto series = cost.reference->file
+                    ? reference_from_file(cost, residual, out)
+                    : reference_from_values(builder, *cost.reference, residual.parameters, times);
   if (series) check_times(*series, cost, times.back(), out);
   return series;
 }
