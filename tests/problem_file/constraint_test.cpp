@@ -368,7 +368,7 @@ TEST(Constraints, UnsupportedConstraintsNameSolversAndHowToDrop) {
   const std::string text = loaded.all();
   EXPECT_NE(text.find("box_ddp does not support the constraint 'speed'"), std::string::npos)
       << text;
-  EXPECT_NE(text.find("supported by altro, proxddp, ipopt"), std::string::npos) << text;
+  EXPECT_NE(text.find("supported by altro, proxddp, ipddp, ipopt"), std::string::npos) << text;
   EXPECT_NE(text.find("--drop speed --drop goal"), std::string::npos) << text;
 }
 

@@ -305,17 +305,17 @@ TEST(DraggedBlock, Arrives) {
   EXPECT_NEAR(last(result, 0), 5, 1e-6);
 }
 
-TEST(ContactsThatAreFound, AreRejectedByAllSolversButIpopt) {
+TEST(ContactsThatAreFound, AreRejectedByAllButInteriorPoints) {
   const ReadyProblem ready("block_slope");
   for (const SolverInfo& solver : solvers()) {
     const auto reason = unsupported(solver, *ready.built.problem);
-    if (solver.name == "ipopt") {
+    if (solver.complementarity) {
       EXPECT_FALSE(reason) << *reason;
       continue;
     }
     ASSERT_TRUE(reason) << solver.name;
     EXPECT_EQ(reason->find(std::string(solver.name) + " does not support the"), 0u) << *reason;
-    EXPECT_NE(reason->find("; supported by ipopt"), std::string::npos) << *reason;
+    EXPECT_NE(reason->find("; supported by ipddp, ipopt"), std::string::npos) << *reason;
   }
 }
 

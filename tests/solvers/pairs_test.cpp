@@ -38,5 +38,21 @@ TEST(Pairs, EveryRelaxationGivesUpOneWish) {
   }
 }
 
+TEST(Pairs, InteriorPointsGiveUpOneWish) {
+  const std::vector<Eigen::Vector2d> wishes = {{1, 3}, {2, 0.5}, {-1, 1}, {4, -2}};
+  const ShootingProblem problem = wishes_for_pairs(wishes);
+  const SolveResult result = solve(problem, "ipddp", {}, problem.create_trajectory());
+  ASSERT_EQ(result.status, SolveStatus::converged) << result.message;
+  for (int k = 0; k < problem.knots(); ++k) {
+    const Eigen::Vector2d u = result.trajectory.u(k);
+    EXPECT_LE(std::abs(u.minCoeff()), 1e-12) << k;
+    Eigen::Index kept = 0;
+    u.maxCoeff(&kept);
+    EXPECT_NEAR(u[kept], wishes[k][kept], 1e-9) << k;
+  }
+  EXPECT_NEAR(result.cost, 0.5 * (1 + 0.25 + 1 + 4), 1e-9);
+  EXPECT_EQ(result.log.back().fallbacks, 0);
+}
+
 }  // namespace
 }  // namespace conddp::testing

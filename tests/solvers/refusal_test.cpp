@@ -48,16 +48,16 @@ SolverNames those_that_take(const ShootingProblem& problem) {
 }
 
 TEST(Refusals, FollowFromConstraintsAndBounds) {
-  const SolverNames all = {"altro", "proxddp", "ipopt"};
+  const SolverNames all = {"altro", "proxddp", "ipddp", "ipopt"};
   constexpr double kFree = testing::kFree;
   EXPECT_EQ(those_that_take(constrained_steps(ConstraintKind::bounds, {-1, -1, 1, 1})), all);
   EXPECT_EQ(those_that_take(constrained_steps(ConstraintKind::bounds, {-1, 0, kFree, 0})), all);
   EXPECT_EQ(those_that_take(constrained_steps(ConstraintKind::bounds, {0, 0, kFree, 0})), all);
   EXPECT_EQ(those_that_take(constrained_steps(ConstraintKind::second_order_cone, {})), all);
   EXPECT_EQ(those_that_take(constrained_steps(ConstraintKind::complementarity, {})),
-            (SolverNames{"ipopt"}));
+            (SolverNames{"ipddp", "ipopt"}));
   // Equalities; one row may be free.
-  const SolverNames more = {"intro", "altro", "proxddp", "ipopt"};
+  const SolverNames more = {"intro", "altro", "proxddp", "ipddp", "ipopt"};
   EXPECT_EQ(those_that_take(constrained_steps(ConstraintKind::bounds, {1, 2, 1, 2})), more);
   EXPECT_EQ(those_that_take(constrained_steps(ConstraintKind::bounds, {1, -kFree, 1, kFree})),
             more);
@@ -73,17 +73,17 @@ TEST(Refusals, NameTheConstraintAndCapableSolvers) {
   const ShootingProblem fence = constrained_steps(ConstraintKind::bounds, {-1, -1, 1, 1});
   EXPECT_EQ(reason("box_fddp", fence),
             "box_fddp does not support the constraint 'fence' (phase 'go'); supported by altro, "
-            "proxddp, ipopt");
+            "proxddp, ipddp, ipopt");
   EXPECT_EQ(reason("intro", fence),
             "intro does not support the inequality 'fence' (phase 'go'); supported by altro, "
-            "proxddp, ipopt");
+            "proxddp, ipddp, ipopt");
   EXPECT_EQ(reason("intro", constrained_steps(ConstraintKind::bounds, {1, 2, 1, 2}, 10)),
             "intro does not support the soft constraint 'fence' (phase 'go'); supported by altro, "
-            "proxddp, ipopt");
+            "proxddp, ipddp, ipopt");
   EXPECT_EQ(reason("box_ddp", constrained_steps(ConstraintKind::bounds, {1, 2, 1, 2}, 0,
                                                 testing::kFree, true)),
             "box_ddp does not support the constraint 'fence' (terminal node); supported by intro, "
-            "altro, proxddp, "
+            "altro, proxddp, ipddp, "
             "ipopt");
 }
 

@@ -10,9 +10,10 @@
 namespace conddp {
 
 const std::string_view kAutoMeaning =
-    "the default, by the problem: ipopt for contact-implicit problems, altro, proxddp and ipopt "
-    "one after the other where there are constraints besides bounds on the control, else box_fddp "
-    "and ipopt (conddp check says which)";
+    "the default, by the problem: ipddp and ipopt for contact-implicit problems, altro, proxddp "
+    "and "
+    "ipopt one after the other where there are constraints besides bounds on the control, else "
+    "box_fddp and ipopt (conddp check says which)";
 
 namespace {
 

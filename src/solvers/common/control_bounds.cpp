@@ -9,6 +9,9 @@
 namespace conddp {
 namespace {
 
+/// Distance from a bound, relative to it, that a Newton step may leave by rounding.
+constexpr double kNewtonRounding = 1e-14;
+
 /// u = ū + (bound − ū) may miss the bound by a rounding error of its operands.
 bool meets(double u, double bound) {
   constexpr double kRounding = 8 * std::numeric_limits<double>::epsilon();
@@ -41,6 +44,15 @@ int ControlBounds::clamp(Trajectory& trajectory) const {
     }
   }
   return changed;
+}
+
+void ControlBounds::snap_rounded(Trajectory& trajectory) const {
+  for (int k = 0; k < knots(); ++k)
+    for (int i = 0; i < trajectory.u(k).size(); ++i)
+      for (const double bound : {lower(k)[i], upper(k)[i]})
+        if (std::isfinite(bound) && std::abs(trajectory.u(k)[i] - bound) <=
+                                        kNewtonRounding * std::max(1.0, std::abs(bound)))
+          trajectory.u(k)[i] = bound;
 }
 
 Extremum ControlBounds::violation(const Trajectory& trajectory) const {

@@ -34,6 +34,8 @@ class ControlBounds {
 
   /// Projects the controls onto their bounds; returns the number of changed entries.
   int clamp(Trajectory& trajectory) const;
+  /// Puts controls on bounds that they miss by rounding.
+  void snap_rounded(Trajectory& trajectory) const;
   /// Largest distance of a control from its bounds.
   Extremum violation(const Trajectory& trajectory) const;
   /// True if a control is at its lower bound, its upper bound, or either, up to rounding.

@@ -2,11 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "solvers/common/finite_check.hpp"
+#include "solvers/constraints/answer_gains.hpp"
 #include "solvers/ipopt/ipopt_solver.hpp"
-#include "solvers/riccati/backward_sweep.hpp"
-#include "solvers/riccati/regularization.hpp"
-#include "solvers/stages/stage_solver.hpp"
 
 namespace conddp {
 namespace {
@@ -25,8 +22,6 @@ constexpr double kTighter = 1e-2;
 constexpr double kTightest = 1e-13;
 /// Smallest distance from a bound that is distinguished from zero.
 constexpr double kLeastDistance = 1e-16;
-/// Distance from a bound, relative to it, that a Newton step may leave by rounding.
-constexpr double kBoundRounding = 1e-14;
 
 /// Projects the multipliers of a second-order cone onto its polar cone and within their limit.
 void project_on_cone(const NodeConstraint& c, Eigen::Ref<Eigen::VectorXd> nu) {
@@ -55,16 +50,6 @@ void project_multipliers(const ShootingProblem& problem, Eigen::VectorXd& multip
 
 double bound_ratio(double multiplier, double distance) {
   return std::abs(multiplier) / std::max(distance, kLeastDistance);
-}
-
-/// Puts controls on bounds that they miss by rounding.
-void snap_rounded(const ControlBounds& bounds, Trajectory& trajectory) {
-  for (int k = 0; k < bounds.knots(); ++k)
-    for (int i = 0; i < trajectory.u(k).size(); ++i)
-      for (const double bound : {bounds.lower(k)[i], bounds.upper(k)[i]})
-        if (std::isfinite(bound) &&
-            std::abs(trajectory.u(k)[i] - bound) <= kBoundRounding * std::max(1.0, std::abs(bound)))
-          trajectory.u(k)[i] = bound;
 }
 
 }  // namespace
@@ -115,34 +100,6 @@ void IpoptSolver::snap_controls(const InteriorPointAnswer& answer, Trajectory& t
       if ((up - u[i]) * (scales_ ? scales_->upper.u(k)[i] : curvature) < upper.u(k)[i]) u[i] = up;
     }
   }
-}
-
-/// Gains of a sweep at a trajectory, with constraints as penalties of the same size as the costs.
-Feedback IpoptSolver::find_gains(const Trajectory& trajectory, const Eigen::VectorXd& multipliers) {
-  gain_regularization_.reset();
-  Feedback gains(problem_);
-  Linearization linearization(problem_);
-  evaluator_.differentiate(trajectory, linearization);
-  Augmentation augmentation(problem_);
-  for (const NodeConstraint& c : problem_.constraints())
-    augmentation.penalty.segment(c.row, c.term->rows)
-        .setConstant(std::max(kSmallestCurvature,
-                              linearization.knots[c.node].hessian().diagonal().maxCoeff()));
-  penalty_ = augmentation.penalty.cwiseMax(kSmallestCurvature);
-  augmentation.shift = multipliers.cwiseQuotient(penalty_);
-  evaluator_.differentiate(trajectory, linearization, &augmentation);
-  if (find_non_finite(linearization)) return gains;
-  Gaps gaps(problem_);
-  gaps.set(linearization, true);
-  BackwardSweep sweep(problem_, bounds_);
-  const auto stages = box_stage(problem_);
-  RegularizationSchedule schedule;
-  do {
-    if (sweep.run(linearization, trajectory, gaps, schedule.value(), *stages, gains) >= 0) continue;
-    gain_regularization_ = schedule.value();
-    return gains;
-  } while (schedule.increase());
-  return Feedback(problem_);
 }
 
 /// Crosses over from Ipopt's answer, or the best iterate, to an answer that may be returned. This
@@ -200,9 +157,11 @@ void IpoptSolver::compare_ratios(BoundRatios ratios, bool goes_on) {
 
 /// Starts Newton's method at a trajectory, with gains that belong to it.
 void IpoptSolver::start_newton(const Trajectory& trajectory, const Eigen::VectorXd& multipliers) {
-  const Feedback gains = find_gains(trajectory, multipliers);
-  if (scales_) penalty_ = (scales_->rows.array() > 0).select(scales_->rows, penalty_);
-  newton_.start(trajectory, multipliers, penalty_, gains);
+  const AnswerGains gains = gains_at(problem_, bounds_, evaluator_, trajectory, multipliers);
+  gain_regularization_ = gains.regularization;
+  Eigen::VectorXd penalty = gains.penalty;
+  if (scales_) penalty = (scales_->rows.array() > 0).select(scales_->rows, penalty);
+  newton_.start(trajectory, multipliers, penalty, gains.feedback);
 }
 
 /// A slack of 1e-5 with an equally small multiplier is complementary to Ipopt's tolerances. Such a
@@ -232,7 +191,7 @@ void IpoptSolver::refine(InteriorPointAnswer& answer) {
 void IpoptSolver::sweep_at_answer() {
   if (!choice_.is_solution() || !problem_.constraints().empty()) return;
   Trajectory trajectory = result_.trajectory;
-  snap_rounded(bounds_, trajectory);
+  bounds_.snap_rounded(trajectory);
   start_newton(trajectory, Eigen::VectorXd(result_.constraint_multipliers));
   if (gain_regularization_) consider(true);
 }

@@ -86,7 +86,6 @@ class IpoptSolver {
   Eigen::VectorXd row_ratios(const Eigen::VectorXd& multipliers) const;
   void compare_ratios(BoundRatios ratios, bool goes_on);
   void snap_controls(const InteriorPointAnswer& answer, Trajectory& trajectory) const;
-  Feedback find_gains(const Trajectory& trajectory, const Eigen::VectorXd& multipliers);
   void cross_over(const InteriorPointAnswer& answer, bool goes_on = false);
   Eigen::VectorXd multipliers_of(const InteriorPointAnswer& answer) const;
   void take_newton_steps();
@@ -144,7 +143,6 @@ class IpoptSolver {
   Eigen::VectorXd best_;
   double best_error_ = 0;
   /// By constraint row: factor that compares multipliers with distances from a bound.
-  Eigen::VectorXd penalty_;
   /// Regularization of the sweep that gave the gains of the Newton iterate, if any.
   std::optional<double> gain_regularization_;
   BoundRatios former_;  ///< of the last answer to cross over from

@@ -9,6 +9,7 @@
 
 #include "solvers/ddp/ddp_solver.hpp"
 #include "solvers/ddp/family.hpp"
+#include "solvers/interior/interior_solver.hpp"
 #include "solvers/ipopt/ipopt_solver.hpp"
 
 namespace conddp {
@@ -89,6 +90,22 @@ SolverInfo ipopt_info() {
                 const Trajectory& guess) { return IpoptSolver(problem, options).solve(guess); }};
 }
 
+/// Interior points whose linear algebra is a Riccati sweep (Wächter, Biegler 2006; Pavlov,
+/// Shames, Manzie 2021).
+SolverInfo ipddp_info() {
+  return {
+      .name = "ipddp",
+      .description = "primal-dual interior points in the sweep; all constraints",
+      .control_bounds = BoundSupport::exact,
+      .constraints = ConstraintSupport::all,
+      .complementarity = true,
+      .open_gaps = true,
+      .gauss_newton_hessian = true,
+      .exact_hessian = true,
+      .run = [](const ShootingProblem& problem, const SolverOptions& options,
+                const Trajectory& guess) { return InteriorSolver(problem, options).solve(guess); }};
+}
+
 /// Bounds of a control in words: "-3 <= u"; empty if there are no bounds.
 std::string describe_bounds(const KnotModel& model, int control) {
   const double lower = model.control_lower()[control], upper = model.control_upper()[control];
@@ -126,6 +143,11 @@ std::string list_solvers(Predicate can) {
 
 std::string list_solvers(BoundSupport support) {
   return list_solvers([support](const SolverInfo& info) { return info.control_bounds == support; });
+}
+
+bool has_pairs(const ShootingProblem& problem) {
+  return std::ranges::any_of(problem.constraints(),
+                             [](const NodeConstraint& c) { return c.term->has_pairs(); });
 }
 
 /// Bounded but not fixed.
@@ -186,6 +208,7 @@ std::span<const SolverInfo> solvers() {
   static const std::vector<SolverInfo> all = [] {
     std::vector<SolverInfo> list;
     for (const DdpMember& member : ddp_family()) list.push_back(info_of(member));
+    list.push_back(ipddp_info());
     list.push_back(ipopt_info());
     return list;
   }();
@@ -241,6 +264,7 @@ std::vector<const SolverInfo*> auto_solvers(const ShootingProblem& problem,
                                             const SolverOptions& options) {
   std::vector<std::string_view> names = {"box_fddp", "ipopt"};
   if (!problem.constraints().empty()) names = {"altro", "proxddp", "ipopt"};
+  if (has_pairs(problem)) names = {"ipddp", "ipopt"};
   std::vector<const SolverInfo*> list;
   for (const std::string_view name : names) {
     const SolverInfo* info = find_solver(name);
@@ -253,11 +277,9 @@ std::vector<const SolverInfo*> auto_solvers(const ShootingProblem& problem,
 
 std::string describe_auto(const ShootingProblem& problem, SolverList list) {
   const auto& constraints = problem.constraints();
-  const bool pairs =
-      std::ranges::any_of(constraints, [](const NodeConstraint& c) { return c.term->has_pairs(); });
   std::string text =
       fmt::format("{}, since there are {}", list.front()->name,
-                  pairs                 ? "complementary pairs"
+                  has_pairs(problem)    ? "complementary pairs"
                   : constraints.empty() ? "no constraints besides bounds on the control"
                                         : "constraints besides bounds on the control");
   for (std::size_t i = 1; i < list.size(); ++i)

@@ -61,9 +61,9 @@ std::optional<std::string> unsupported_segments(const SolverInfo& solver,
 
 /// Leaves the choice to the problem.
 inline constexpr std::string_view kAutoSolver = "auto";
-/// Solvers that `auto` tries, in order: ipopt alone with complementary pairs; altro, proxddp and
-/// ipopt with constraints other than control bounds; otherwise box_fddp and ipopt. Omits solvers
-/// that do not support the requested Hessian or segments.
+/// Solvers that `auto` tries, in order: ipddp and ipopt with complementary pairs; altro, proxddp
+/// and ipopt with constraints other than control bounds; otherwise box_fddp and ipopt. Omits
+/// solvers that do not support the requested Hessian or segments.
 std::vector<const SolverInfo*> auto_solvers(const ShootingProblem& problem,
                                             const SolverOptions& options);
 

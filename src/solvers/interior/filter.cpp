@@ -1,0 +1,44 @@
+#include "solvers/interior/filter.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace conddp {
+namespace {
+
+/// Constants of Wächter and Biegler (2006, section 4.1), with their names.
+constexpr double kGammaTheta = 1e-5, kGammaPhi = 1e-8, kEtaPhi = 1e-4;
+constexpr double kThetaPower = 1.1, kPhiPower = 2.3;
+constexpr double kThetaMin = 1e-4, kThetaMax = 1e4;
+/// Rounding of φ, as Ipopt assumes it.
+constexpr double kRounding = 10 * std::numeric_limits<double>::epsilon();
+
+}  // namespace
+
+void Filter::start(double theta) {
+  least_ = kThetaMin * std::max(1.0, theta);
+  largest_ = kThetaMax * std::max(1.0, theta);
+  clear();
+}
+
+bool Filter::accepts(double length, double slope, const std::pair<double, double>& from,
+                     const std::pair<double, double>& trial) {
+  const auto& [theta, phi] = trial;
+  const auto dominates = [&](const auto& entry) {
+    return theta >= entry.first && phi >= entry.second;
+  };
+  if (!std::isfinite(theta + phi) || theta > largest_ || std::ranges::any_of(entries_, dominates))
+    return false;
+  const auto& [theta0, phi0] = from;
+  const double rounded = phi - kRounding * std::abs(phi0);
+  if (slope < 0 && theta0 <= least_ &&
+      length * std::pow(-slope, kPhiPower) > std::pow(theta0, kThetaPower))
+    return rounded <= phi0 + kEtaPhi * length * slope;
+  const double less_theta = (1 - kGammaTheta) * theta0, less_phi = phi0 - kGammaPhi * theta0;
+  if (theta > less_theta && rounded > less_phi) return false;
+  entries_.push_back({less_theta, less_phi});
+  return true;
+}
+
+}  // namespace conddp

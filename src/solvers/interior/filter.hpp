@@ -1,0 +1,28 @@
+#pragma once
+
+#include <utility>
+#include <vector>
+
+namespace conddp {
+
+/// Line-search filter of Wächter and Biegler (2006, section 2.3): pairs (θ, φ) of infeasibility and
+/// objective on which trials must improve in one of both.
+class Filter {
+ public:
+  explicit Filter(int size) { entries_.reserve(size); }
+
+  /// Sets the limits of θ from that of the first iterate, and clears the filter.
+  void start(double theta);
+  void clear() { entries_.clear(); }
+  /// Judges a trial of a step of this length from (θ, φ), along which φ has the slope `slope`.
+  /// Small steps must lower φ by Armijo's rule where θ is small; others must lower θ or φ, and the
+  /// point that they leave joins the filter.
+  bool accepts(double length, double slope, const std::pair<double, double>& from,
+               const std::pair<double, double>& trial);
+
+ private:
+  std::vector<std::pair<double, double>> entries_;
+  double least_ = 0, largest_ = 0;  ///< θ below which Armijo's rule counts, and its upper limit
+};
+
+}  // namespace conddp

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <Eigen/Dense>
+
+#include "ocp/evaluation/linearization.hpp"
+#include "ocp/problem/problem.hpp"
+#include "solvers/riccati/linear_rollout.hpp"
+
+namespace conddp {
+
+/// Lengths up to which a step keeps slacks (primal) and multipliers (dual) inside their sets.
+struct StepLimits {
+  double primal = 1, dual = 1;
+};
+
+/// A second-order cone as a primal-dual interior-point method sees it: g + p = s with s and the
+/// multiplier ν in the cone, ν = μ s⁻¹ for the inverse of its Jordan algebra, and p = 0 or, if it
+/// is soft by its distance with the weight w, p = 2 μ ν / (w² − ‖ν‖²). Eliminating s, p and ν with
+/// the scaling of Nesterov and Todd leaves D δν = push − C δz.
+class InteriorCone {
+ public:
+  explicit InteriorCone(const NodeConstraint& constraint);
+
+  int node() const { return constraint_->node; }
+  void start(const Eigen::VectorXd& rows, double mu);
+  void measure(const Eigen::VectorXd& rows);
+  void write_multipliers(Eigen::VectorXd& multipliers) const;
+  void add_gradient(const ShootingProblem& problem, double mu, Linearization& to);
+  void add_hessian(const ShootingProblem& problem, Linearization& to);
+  void expand(const ShootingProblem& problem, const Linearization& linearization,
+              const LinearRollout& step, double left, StepLimits& limits);
+  /// Derivative of the barrier function along the step, beyond that of the Lagrangian.
+  double barrier_slope(double mu) const;
+  double barrier_function(double mu) const;
+  void save() { saved_s_ = s_, saved_p_ = p_; }
+  void restore() { s_ = saved_s_, p_ = saved_p_; }
+  void move(double length);
+  void accept(double dual) { nu_ += dual * dnu_; }
+  double infeasibility(const Eigen::VectorXd& rows) const;
+  /// Largest residual; that of s ∘ ν = μ e is divided by `size`.
+  double largest_residual(double mu, double size) const;
+  double multiplier_sum() const { return nu_.lpNorm<1>(); }
+
+ private:
+  bool is_soft() const;
+  auto values(const Eigen::VectorXd& rows) const { return rows.segment(constraint_->row, n_); }
+  void find_elastic_dual(double mu) const;
+  void scale(double mu);
+
+  const NodeConstraint* constraint_;
+  int n_;
+  Eigen::VectorXd s_, nu_, p_, saved_s_, saved_p_, residual_, push_, along_, ds_, dnu_, dp_;
+  Eigen::VectorXd off_;               ///< p(ν) − p
+  Eigen::MatrixXd W2_, P_, inverse_;  ///< W², ∂p/∂ν, D⁻¹
+  Eigen::MatrixXd product_;           ///< D⁻¹ C
+  mutable Eigen::VectorXd work_;
+};
+
+}  // namespace conddp

@@ -1,0 +1,477 @@
+#include "solvers/interior/interior_solver.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "base/stopwatch.hpp"
+#include "ocp/evaluation/checkpoint.hpp"
+#include "solvers/common/feasible.hpp"
+#include "solvers/common/finite_check.hpp"
+#include "solvers/common/guess.hpp"
+#include "solvers/common/settled_cost.hpp"
+#include "solvers/constraints/answer_gains.hpp"
+#include "solvers/iterate/hessian_switch.hpp"
+
+namespace conddp {
+namespace {
+
+/// First barrier, the one at which pairs are told apart, and those from which Newton's method is
+/// tried: the smaller, the better it tells active bounds apart.
+constexpr double kFirstBarrier = 1e-2, kPairBarrier = 1e-7;
+constexpr std::array<double, 3> kLastBarriers = {1e-9, 1e-11, 1e-13};
+/// A barrier problem counts as solved if its error is below this multiple of the barrier (Wächter,
+/// Biegler 2006, equation 7). The next barrier is this share: faster reductions lose the path on
+/// which contacts change.
+constexpr double kSolved = 10, kLower = 0.2;
+/// Least first relaxation of pairs, and the factors of those that are tried. While another one
+/// remains, a solve may take 1/kTryShare of the iterations, but at least kLeastTry.
+constexpr double kWideRelaxation = 1;
+constexpr std::array<double, 3> kFirstRelaxations = {1, 0.1, 0.01};
+constexpr int kTryShare = 4, kLeastTry = 300;
+/// Derivatives of costs beyond this scale barrier, penalties and errors, as in Ipopt.
+constexpr double kLargeGradient = 100;
+/// Iterations with one barrier before exact Hessians replace convex ones, if they are expensive.
+constexpr int kGaussNewton = 40;
+/// Largest gap at which exact Hessians are used, unless costs are linear: then no other Hessian has
+/// their curvature.
+constexpr double kNearlyClosed = 1e-1;
+/// Step lengths tried along a direction, and directions tried for one step.
+constexpr int kTriedLengths = 12, kTriedDirections = 12;
+/// Weight of the regularization after a failed search, factors of its changes, the weight that
+/// counts as none, the least one where a stage lacks a minimum, and the largest one.
+constexpr double kFirstWeight = 1e-4, kHeavier = 10, kLighter = 0.2, kNoWeight = 1e-5;
+constexpr double kLeastWeight = 1e-6, kLargestWeight = 1e10;
+/// The weight falls after a longer step.
+constexpr double kLongStep = 0.1;
+/// A solve ends after so many steps in a row that are shorter than this.
+constexpr double kShortStep = 1e-3;
+constexpr int kShortSteps = 20;
+/// Newton steps on the active constraints, the growth of norms that they may bring, and the norm
+/// that leaves nothing to gain.
+constexpr int kActiveSetSteps = 20;
+constexpr double kActiveSetGrowth = 10, kActiveSetGoal = 1e-12;
+
+}  // namespace
+
+InteriorSolver::InteriorSolver(const ShootingProblem& problem, const SolverOptions& options)
+    : problem_(problem),
+      options_(options),
+      bounds_(problem),
+      evaluator_(problem, options.threads),
+      record_(problem, options_, true),
+      terms_(problem, bounds_),
+      filter_(options.max_iterations + 1),
+      linearization_(problem),
+      evaluation_(problem),
+      adjoint_(problem, bounds_),
+      gaps_(problem),
+      sweep_(problem, bounds_),
+      stages_(unconstrained_stage(problem)),
+      rollout_(problem, bounds_),
+      feedback_(problem),
+      lagrangian_(problem),
+      trajectory_(problem.create_trajectory()),
+      trial_(trajectory_),
+      rolled_(problem),
+      newton_(problem, evaluator_),
+      dx_(problem.ndx()),
+      multipliers_(Eigen::VectorXd::Zero(problem.constraint_rows())),
+      is_exact_(problem.knots() + 1),
+      linear_costs_(has_linear_costs(problem)) {
+  for (const KnotLinearization& knot : linearization_.knots) {
+    gradient_.push_back(knot.gradient);
+    convex_.push_back(knot.hessian());
+  }
+  exact_ = convex_;
+}
+
+SolveResult InteriorSolver::solve(const Trajectory& guess) {
+  check_shape(problem_, guess);
+  record_.begin();
+  gauss_newton_ = exact_hessians_are_dear(problem_) ? kGaussNewton : 0;
+  if (terms_.has_pairs()) {
+    for (const double width : kFirstRelaxations) {
+      const bool last = width == kFirstRelaxations.back();
+      const int more = std::max(kLeastTry, options_.max_iterations / kTryShare);
+      solve_relaxed(guess, width * std::max(kWideRelaxation, options_.complementarity.initial),
+                    last ? options_.max_iterations : record_.row.iteration + more);
+      if (is_solution() || out_of_budget()) break;
+      ++record_.row.fallbacks;
+      gauss_newton_ = 0;
+    }
+  } else {
+    solve_relaxed(guess, 0, options_.max_iterations);
+  }
+  write_result();
+  record_.finished();
+  return std::move(record_.result);
+}
+
+bool InteriorSolver::out_of_budget() const {
+  const SolveStatus status = record_.result.status;
+  return status == SolveStatus::time_limit || status == SolveStatus::interrupted ||
+         status == SolveStatus::cost_settled || record_.row.iteration >= options_.max_iterations;
+}
+
+/// Solves from a guess with this first relaxation of pairs, until an iteration limit.
+void InteriorSolver::solve_relaxed(const Trajectory& guess, double relaxation, int last_iteration) {
+  {
+    const CheckpointScope scope([this] {
+      if (!record_.result.log.empty() && !record_.budget_left()) throw Abandoned();
+    });
+    try {
+      start(guess, relaxation);
+      for (const double barrier : kLastBarriers) {
+        last_barrier_ = barrier;
+        while (run_iteration(last_iteration)) ++record_.row.iteration;
+        end_by_newton();
+        if (is_solution() || terms_.barrier() > barrier) return;
+      }
+    } catch (const Abandoned&) {
+    }
+  }
+  if (out_of_budget()) end_by_newton();
+}
+
+void InteriorSolver::start(const Trajectory& guess, double relaxation) {
+  trajectory_ = guess;
+  record_.result.start = "states and controls of the guess";
+  clamp_guess(bounds_, trajectory_, record_.result.start);
+  correct_states(problem_, trajectory_, record_.result.start);
+  terms_.enter(trajectory_);
+  evaluator_.differentiate(trajectory_, linearization_);
+  double largest = 0;
+  for (const KnotLinearization& knot : linearization_.knots)
+    largest = std::max(largest, knot.gradient.lpNorm<Eigen::Infinity>());
+  scale_ = std::isfinite(largest) ? std::max(1.0, largest / kLargeGradient) : 1;
+  const TermPoint at{trajectory_, linearization_.constraint};
+  terms_.start(at, kFirstBarrier, relaxation, scale_);
+  feedback_.set_zero();
+  filter_.start(infeasibility(linearization_.gap, at));
+  weight_ = 0;
+  short_steps_ = since_ = 0;
+}
+
+/// False if the iterations end.
+bool InteriorSolver::run_iteration(int last_iteration) {
+  if (!linearize()) return end_diverged();
+  measure();
+  record_.log_row();
+  return !lower_barrier() && !cost_settled() && record_.may_continue() &&
+         record_.row.iteration < last_iteration && step();
+}
+
+bool InteriorSolver::end_diverged() {
+  SolveResult& result = record_.result;
+  if (const auto where = find_non_finite(linearization_)) {
+    result.failed_knot = where->knot;
+    result.failed_quantity = where->quantity;
+  }
+  return record_.end(SolveStatus::diverged, "{} is not finite at knot {}", result.failed_quantity,
+                     result.failed_knot);
+}
+
+/// Computes derivatives, co-states and residuals of the iterate.
+bool InteriorSolver::linearize() {
+  const Stopwatch watch(record_.result.times.differentiate);
+  terms_.write_row_multipliers(lagrangian_.multiplier);
+  evaluator_.differentiate(trajectory_, linearization_, &lagrangian_);
+  terms_.add_multipliers(trajectory_, linearization_);
+  gaps_.set(linearization_, true);
+  adjoint_.compute(linearization_, trajectory_, gaps_, feedback_);
+  terms_.measure({trajectory_, linearization_.constraint});
+  for (std::size_t k = 0; k < gradient_.size(); ++k)
+    gradient_[k] = linearization_.knots[k].gradient;
+  return !find_non_finite(linearization_) && all_finite(adjoint_.gradient());
+}
+
+/// Writes the iterate into the row of the log.
+void InteriorSolver::measure() {
+  IterationRecord& row = record_.row;
+  Extremum stationarity, gap;
+  for (int k = 0; k < problem_.knots(); ++k) {
+    const auto gradient = adjoint_.gradient().segment(bounds_.offset(k), problem_.nu(k));
+    if (gradient.size() > 0) stationarity.meet(gradient.lpNorm<Eigen::Infinity>(), k);
+    gap.meet(linearization_.gap.col(k).lpNorm<Eigen::Infinity>(), k);
+  }
+  const Extremum violation =
+      largest_violation(problem_, bounds_, trajectory_, linearization_.constraint);
+  row.cost = linearization_.total_cost() + linear_soft_cost(problem_, linearization_.constraint);
+  row.stationarity = stationarity.value;
+  row.stationarity_knot = stationarity.knot;
+  row.gap = gap.value;
+  row.gap_knot = gap.knot;
+  row.constraint = violation.value;
+  row.constraint_knot = violation.knot;
+  row.complementarity = row.barrier = terms_.barrier() * scale_;
+  row.relaxation = terms_.relaxation();
+}
+
+/// Error of the barrier problem: the largest of all residuals.
+double InteriorSolver::error() const {
+  const double size = std::max(scale_, terms_.mean_multiplier() / kLargeGradient);
+  return std::max({adjoint_.gradient().lpNorm<Eigen::Infinity>() / size, linearization_.max_gap(),
+                   terms_.largest_residual(size)});
+}
+
+/// Lowers the barrier while its problem is solved, and holds pairs as soon as they can be told
+/// apart. True if the last problem is solved.
+bool InteriorSolver::lower_barrier() {
+  while (error() <= kSolved * terms_.barrier()) {
+    if (terms_.has_free_pairs() && terms_.barrier() <= kPairBarrier) {
+      terms_.hold_pairs(trajectory_);
+      if (!linearize()) return true;
+    } else if (terms_.barrier() <= last_barrier_) {
+      return true;
+    } else {
+      terms_.set_barrier(std::max(last_barrier_, kLower * terms_.barrier()));
+      terms_.measure({trajectory_, linearization_.constraint});
+    }
+    filter_.clear();
+    since_ = 0;
+  }
+  return false;
+}
+
+/// Ends the solve if the iterate is feasible and the cost has settled as the caller requires.
+bool InteriorSolver::cost_settled() {
+  const SolverOptions::Tolerances& tolerances = options_.tolerances;
+  if (!cost_has_settled(record_.result.log, tolerances.cost_decrease) ||
+      !is_feasible(record_.row, tolerances))
+    return false;
+  record_.end(SolveStatus::cost_settled, "the cost has settled");
+  return true;
+}
+
+/// Takes a step, along regularized directions if necessary. False if none is accepted.
+bool InteriorSolver::step() {
+  record_.row.trials = record_.row.sweeps = 0;
+  form_hessians();
+  for (int i = 0; i < kTriedDirections && record_.budget_left(); ++i) {
+    if (!find_direction()) break;
+    if (search()) {
+      record_.row.regularization = weight_;
+      short_steps_ = record_.row.step < kShortStep ? short_steps_ + 1 : 0;
+      if (short_steps_ == kShortSteps)
+        return record_.end(SolveStatus::line_search_failed, "steps remain short");
+      if (record_.row.step > kLongStep) weight_ = weight_ < kNoWeight ? 0 : kLighter * weight_;
+      return true;
+    }
+    weight_ = std::max(kFirstWeight, kHeavier * weight_);
+  }
+  return !out_of_budget() &&
+         record_.end(SolveStatus::line_search_failed, "the filter accepts no step");
+}
+
+/// Forms the convex and the exact Hessians of the nodes.
+void InteriorSolver::form_hessians() {
+  const Stopwatch watch(record_.result.times.differentiate);
+  const auto condense = [this](bool convex, std::vector<Eigen::MatrixXd>& to) {
+    terms_.add_hessians(trajectory_, linearization_);
+    terms_.add_pair_curvature(trajectory_, convex, linearization_);
+    for (std::size_t k = 0; k < to.size(); ++k) to[k] = linearization_.knots[k].hessian();
+  };
+  for (std::size_t k = 0; k < gradient_.size(); ++k)
+    linearization_.knots[k].gradient = gradient_[k];
+  terms_.add_gradients(trajectory_, linearization_);
+  condense(true, convex_);
+  use_exact_ = options_.hessian != HessianChoice::gauss_newton && since_++ >= gauss_newton_ &&
+               (linear_costs_ || linearization_.max_gap() <= kNearlyClosed);
+  if (!use_exact_) return;
+  evaluator_.lagrangian_hessian(trajectory_, adjoint_.costates(), linearization_, &lagrangian_);
+  condense(false, exact_);
+}
+
+/// Finds the step of all variables, and the barrier function's derivative along it.
+bool InteriorSolver::find_direction() {
+  const Stopwatch watch(record_.result.times.sweep);
+  record_.row.exact_hessian = use_exact_ && sweep_exact();
+  if (!record_.row.exact_hessian && !sweep_convex()) return false;
+  rollout_.run(linearization_, trajectory_, gaps_, feedback_, false);
+  limits_ = terms_.expand(linearization_, trajectory_, rollout_);
+  double slope = 0;
+  for (int k = 0; k <= problem_.knots(); ++k) slope += gradient_[k].dot(rollout_.z(k));
+  slope_ = terms_.barrier_slope(slope);
+  return true;
+}
+
+/// Sweeps with exact Hessians. Where a stage lacks a minimum, its node takes the convex one, then
+/// the nodes behind it, one by one. False if none are left.
+bool InteriorSolver::sweep_exact() {
+  const int last = problem_.knots();
+  for (int k = 0; k <= last; ++k) linearization_.knots[k].hessian.change() = exact_[k];
+  is_exact_.assign(is_exact_.size(), true);
+  std::optional<int> from;
+  for (;;) {
+    ++record_.row.sweeps;
+    int k =
+        sweep_.run(linearization_, trajectory_, gaps_, weight_, *stages_, feedback_, false, from);
+    if (k < 0) return true;
+    while (k <= last && !is_exact_[k]) ++k;
+    if (k > last) return false;
+    is_exact_[k] = false;
+    linearization_.knots[k].hessian.change() = convex_[k];
+    from = k == last ? std::nullopt : std::optional(k);
+  }
+}
+
+/// Sweeps with convex Hessians and as much regularization as rounding requires.
+bool InteriorSolver::sweep_convex() {
+  for (std::size_t k = 0; k < convex_.size(); ++k)
+    linearization_.knots[k].hessian.change() = convex_[k];
+  for (; weight_ <= kLargestWeight; weight_ = std::max(kLeastWeight, kHeavier * weight_)) {
+    ++record_.row.sweeps;
+    if (sweep_.run(linearization_, trajectory_, gaps_, weight_, *stages_, feedback_) < 0)
+      return true;
+  }
+  return false;
+}
+
+double InteriorSolver::infeasibility(const Eigen::MatrixXd& gap, const TermPoint& at) const {
+  return gap.lpNorm<1>() + terms_.infeasibility(at);
+}
+
+/// Halves the step until the filter accepts it.
+bool InteriorSolver::search() {
+  const Stopwatch watch(record_.result.times.rollout);
+  here_ = {infeasibility(linearization_.gap, {trajectory_, linearization_.constraint}),
+           terms_.barrier_function(linearization_.total_cost())};
+  terms_.save();
+  double length = limits_.primal;
+  for (int i = 0; i < kTriedLengths; ++i, length /= 2)
+    if (try_length(length)) return true;
+  terms_.restore();
+  return false;
+}
+
+/// θ and φ of a trial, a step of this length from the saved slacks.
+std::pair<double, double> InteriorSolver::judge(double length, const Trajectory& trial) {
+  evaluator_.evaluate(trial, evaluation_);
+  const TermPoint at{trial, evaluation_.constraint};
+  terms_.move(length, at);
+  return {infeasibility(evaluation_.gap, at), terms_.barrier_function(evaluation_.cost.sum())};
+}
+
+/// Moves by a step of this length if the filter accepts it: in a straight line, or along the
+/// sweep's policy through the dynamics if this is better by an exact penalty.
+bool InteriorSolver::try_length(double length) {
+  IterationRecord& row = record_.row;
+  ++row.trials;
+  trial_ = trajectory_;
+  for (int k = 0; k <= problem_.knots(); ++k) {
+    if (k > 0) {
+      dx_ = length * rollout_.dx(k);
+      problem_.manifold().integrate(trial_.x(k).data(), dx_.data(), trial_.x(k).data());
+    }
+    if (k < problem_.knots()) trial_.u(k) += length * rollout_.du(k);
+  }
+  std::pair<double, double> there = judge(length, trial_);
+  evaluator_.roll_out(trajectory_, linearization_.gap, feedback_, length, {.contract_gaps = true},
+                      rolled_);
+  if (rolled_.first_bad_knot < 0) {
+    const double penalty = adjoint_.costates().lpNorm<Eigen::Infinity>();
+    const auto merit = [penalty](const std::pair<double, double>& point) {
+      return point.second + penalty * point.first;
+    };
+    const auto rolled = judge(length, rolled_.trajectory);
+    if (merit(rolled) < merit(there)) {
+      there = rolled;
+      std::swap(trial_, rolled_.trajectory);
+    } else {
+      judge(length, trial_);
+    }
+  }
+  // The filter's constants belong to costs whose derivatives are about 100 at most.
+  const auto scaled = [this](std::pair<double, double> point) {
+    return std::pair(point.first, point.second / scale_);
+  };
+  if (!filter_.accepts(length, slope_ / scale_, scaled(here_), scaled(there))) return false;
+  trajectory_ = trial_;
+  terms_.accept(length, limits_.dual);
+  row.step = length;
+  row.merit = there.second;
+  row.expected_decrease = -length * slope_;
+  row.actual_decrease = here_.second - there.second;
+  return true;
+}
+
+/// Puts the iterate on its active bounds and takes Newton steps from there.
+void InteriorSolver::end_by_newton() {
+  const Stopwatch watch(record_.result.times.sweep);
+  terms_.write_multipliers(trajectory_, multipliers_);
+  trial_ = trajectory_;
+  terms_.snap(trial_);
+  newton_.start(trial_, multipliers_, Eigen::VectorXd::Ones(multipliers_.size()), feedback_);
+  IterationRecord& row = record_.row;
+  row.barrier = row.relaxation = 0;
+  for (int i = 0;; ++i) {
+    newton_.describe(row);
+    if (i > 0) {
+      ++row.iteration;
+      record_.log_row();
+    } else if (!record_.result.log.empty()) {
+      record_.result.log.back() = row;
+    }
+    if (i == kActiveSetSteps || out_of_budget() || newton_.norms().largest() <= kActiveSetGoal ||
+        !newton_.step(kActiveSetGrowth))
+      break;
+  }
+}
+
+bool InteriorSolver::is_solution() const {
+  const KktNorms& norms = newton_.norms();
+  const SolverOptions::Tolerances& tolerances = options_.tolerances;
+  return norms.stationarity.value <= tolerances.stationarity && norms.gap.value <= tolerances.gap &&
+         norms.violation.value <= tolerances.constraint &&
+         norms.complementarity <= tolerances.complementarity;
+}
+
+/// Gains of Newton steps belong to the iterate before. If only controls are bounded, a sweep at the
+/// answer gives its own gains.
+void InteriorSolver::sweep_at_answer() {
+  record_.result.feedback_regularization = 0;
+  if (!is_solution() || !problem_.constraints().empty()) return;
+  Trajectory answer = newton_.trajectory();
+  bounds_.snap_rounded(answer);
+  const AnswerGains gains = gains_at(problem_, bounds_, evaluator_, answer, multipliers_);
+  if (!gains.regularization) return;
+  record_.result.feedback_regularization = gains.regularization;
+  newton_.start(answer, multipliers_, gains.penalty, gains.feedback);
+  newton_.describe(record_.row);
+  record_.result.log.back() = record_.row;
+}
+
+void InteriorSolver::write_result() {
+  sweep_at_answer();
+  SolveResult& result = record_.result;
+  const KktNorms& norms = newton_.norms();
+  result.trajectory = newton_.trajectory();
+  result.cost = newton_.cost();
+  result.residuals = {.stationarity = norms.stationarity.value,
+                      .gap = norms.gap.value,
+                      .constraint = norms.violation.value,
+                      .complementarity = norms.complementarity,
+                      .stationarity_knot = norms.stationarity.knot,
+                      .gap_knot = norms.gap.knot,
+                      .constraint_knot = norms.violation.knot};
+  result.feedback = newton_.feedback();
+  result.costates = newton_.adjoint().costates();
+  result.state_gradient = newton_.adjoint().state_gradient();
+  std::vector<Eigen::VectorXd>& gradient = record_.control_gradient();
+  for (int k = 0; k < problem_.knots(); ++k)
+    gradient[k] = newton_.adjoint().gradient().segment(bounds_.offset(k), problem_.nu(k));
+  result.constraint_values = newton_.linearization().constraint;
+  result.constraint_multipliers = newton_.multipliers();
+  if (is_solution())
+    record_.end(SolveStatus::converged, record_.residual_text());
+  else if (result.message.empty())
+    record_.end(SolveStatus::line_search_failed,
+                "Newton's method on the active constraints does not reach the tolerances: {}",
+                record_.residual_text());
+  else
+    result.message += fmt::format(": {}", record_.residual_text());
+}
+
+}  // namespace conddp
