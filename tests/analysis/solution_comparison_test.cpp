@@ -37,6 +37,12 @@ TEST(SolutionComparison, AgreesWithItselfAndItsGoldenPart) {
   EXPECT_EQ(first(golden_part(solution()), solution()), "");
 }
 
+TEST(SolutionComparison, GoldenPartRoundsSubnormalNumbers) {
+  Json tiny = solution();
+  tiny["cost"] = 4e-320;
+  EXPECT_LT(golden_part(tiny)["cost"].get<double>(), 1e-300);
+}
+
 TEST(SolutionComparison, IgnoresTheNumberOfIterations) {
   Json other = solution();
   other["iterations"] = 70;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <map>
 
@@ -303,7 +304,7 @@ class Comparison {
 /// Rounds every number in place to ten significant digits, which its shortest text then shows.
 void round_numbers(Json& value) {
   if (value.is_number_float())
-    value = std::stod(fmt::format("{:.9e}", value.get<double>()));
+    value = std::strtod(fmt::format("{:.9e}", value.get<double>()).c_str(), nullptr);
   else if (value.is_structured())
     for (Json& child : value) round_numbers(child);
 }
