@@ -487,7 +487,7 @@ TEST(Displacement, MovesAndTurnsABaseInItsAxes) {
 TEST(Displacement, PlanarBaseRotatesItsVelocity) {
   const Loaded loaded(R"(conddp: 1
 robot: {urdf: robots/hopper.urdf, base: planar}
-initial_state: {base: {position: [1, 2], yaw: 0.5}, displaced: [0.1, 0, 1.0],
+initial_state: {base: {position: [1, 2]}, joints: {base_yaw: 0.5}, displaced: [0.1, 0, 1.0],
                 velocity: {base: {linear: [3, 0, 0]}}}
 phases: [{knots: 2, dt: 0.1}]
 )");

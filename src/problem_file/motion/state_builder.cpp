@@ -149,8 +149,8 @@ void StateBuilder::apply(const StateSpec& spec, const PlantPart& part,
   if (spec.configuration) apply_configuration(*spec.configuration, part, x);
   if (spec.base) apply_base(*spec.base, part, x);
   if (spec.base_velocity) apply_base_velocity(*spec.base_velocity, part, x);
-  if (spec.displaced) apply_displacement(*spec.displaced, part, x);
   apply_joints(spec, part, x);
+  if (spec.displaced) apply_displacement(*spec.displaced, part, x);
   for (const NamedState& part_spec : spec.robots) apply_part(part_spec, x);
 }
 
