@@ -370,7 +370,7 @@ bool Mpc::measure(std::span<const double> x) {
   state_ = predicted_;
   if (!is_finite(x)) return false;
   state_.assign(x.begin(), x.end());
-  if (options_.predict) predict(time(), plan_begin(), state_);
+  predict(time(), plan_begin(), state_);
   return true;
 }
 

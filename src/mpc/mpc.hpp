@@ -44,9 +44,8 @@ struct MpcOptions {
   /// Solver iterations in each tick except the first, which is solved to the tolerances. If unset,
   /// every tick is.
   std::optional<int> iterations = 1;
-  bool hold = true;     ///< the last knot repeats after the end of the time line
-  double delay = 0;     ///< s, from a measurement to the first control of its plan; at most a tick
-  bool predict = true;  ///< plans begin at the state predicted for the end of the delay
+  bool hold = true;  ///< the last knot repeats after the end of the time line
+  double delay = 0;  ///< s, from a measurement to the first control of its plan; at most a tick
   /// Rate at which gains act, Hz; they also act where knots of the plan begin. If unset, gains act
   /// only at the first control of each plan.
   std::optional<double> feedback_rate;

@@ -310,13 +310,15 @@ TEST(BatchPlan, FormulaValuesKeepTheirKinds) {
 vary:
   phase: {key: phases.0, values: [{name: "5", knots: 5, dt: =0.2/2}]}
   w: {key: costs.effort.weight, values: [=1/2, 2.0]}
-  mpc: {key: mpc, values: [{horizon: 0.4, tick: 0.1, duration: 0.5, predict: false}]}
+  mpc: {key: mpc, values: [{horizon: 0.4, tick: 0.1, duration: 0.5, terminal: {lqr: {about: [0, 0], set: false}}}]}
 solvers: [ilqr]
 )");
   ASSERT_TRUE(batch.manifest) << batch.error();
-  EXPECT_EQ(batch.manifest->items[0].values,
-            (Strings{R"({"name":"5","knots":5,"dt":0.1})", "0.5",
-                     R"({"horizon":0.4,"tick":0.1,"duration":0.5,"predict":false})"}));
+  EXPECT_EQ(
+      batch.manifest->items[0].values,
+      (Strings{
+          R"({"name":"5","knots":5,"dt":0.1})", "0.5",
+          R"({"horizon":0.4,"tick":0.1,"duration":0.5,"terminal":{"lqr":{"about":[0,0],"set":false}}})"}));
   EXPECT_EQ(batch.manifest->items[1].values[1], "2");
 }
 

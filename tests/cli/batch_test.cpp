@@ -481,11 +481,11 @@ TEST_F(Batch, RefinesGridsLikeSolve) {
   EXPECT_EQ(run_conddp({"verify", shown + "/solution.json"}).exit_code, 0);
 
   const std::string coarse =
-      planned("coarse", "vary: {k: {key: mesh.knots, values: [8]}}\nwarm_start: neighbour\n");
+      planned("coarse", "vary: {e: {key: mesh.error, values: [1.0e-12]}}\nwarm_start: neighbour\n");
   EXPECT_EQ(run(coarse).exit_code, 1);
   const std::string results = collected(coarse);
   EXPECT_EQ(column(results, "solved"), Words{"0"});
-  EXPECT_NE(results.find("the last grid of 8 knots has an error of "), std::string::npos)
+  EXPECT_NE(results.find("the last grid of 10000 knots has an error of "), std::string::npos)
       << results;
 }
 

@@ -58,7 +58,7 @@ TEST(MeshLimits, FirstOrderStepsGetAdviceForHigherOrder) {
   const auto solve = [&](const std::string& integrator) {
     return run_conddp({"solve", source("problems/collection/scalar_regulator.yaml"), "--set",
                        "integrator=" + integrator, "--set", "phases.only.knots=5", "--set",
-                       "mesh={error: 1.0e-9, rounds: 2}", "-o", folder.path()})
+                       "mesh={error: 1.0e-12}", "-o", folder.path()})
         .out;
   };
   EXPECT_NE(solve("explicit_euler").find("; try an integrator of higher order"), std::string::npos);
@@ -67,17 +67,16 @@ TEST(MeshLimits, FirstOrderStepsGetAdviceForHigherOrder) {
 
 TEST(MeshLimits, TooCoarseGridIsNotSuccess) {
   const TemporaryFolder folder;
-  const ProcessResult result =
-      run_conddp({"solve", source("problems/collection/scalar_regulator.yaml"), "--set",
-                  "integrator=rk2", "--set", "phases.only.knots=5", "--set",
-                  "mesh={error: 1.0e-9, rounds: 2}", "-o", folder.path()});
+  const ProcessResult result = run_conddp(
+      {"solve", source("problems/collection/scalar_regulator.yaml"), "--set", "integrator=rk2",
+       "--set", "phases.only.knots=5", "--set", "mesh={error: 1.0e-12}", "-o", folder.path()});
   EXPECT_EQ(result.exit_code, 1) << result.out << result.err;
-  EXPECT_NE(result.out.find("more than 1.0e-09"), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find("more than 1.0e-12"), std::string::npos) << result.out;
   const std::string solution = folder.path() / "solution.json";
   const ProcessResult verified = run_conddp({"verify", solution});
   EXPECT_EQ(verified.exit_code, 0) << verified.out << verified.err;
   EXPECT_NE(verified.out.find("warning grid error "), std::string::npos) << verified.out;
-  EXPECT_NE(verified.out.find(", more than 1.0e-09"), std::string::npos) << verified.out;
+  EXPECT_NE(verified.out.find(", more than 1.0e-12"), std::string::npos) << verified.out;
   const Json report = Json::parse(run_conddp({"verify", solution, "--json"}).out);
   const Json& warnings = report.at("certificate").at("warnings");
   ASSERT_FALSE(warnings.empty()) << report;
@@ -90,7 +89,7 @@ TEST(MeshLimits, DetectsWrongRequestedError) {
   const TemporaryFolder folder;
   ASSERT_EQ(run_conddp({"solve", source("problems/collection/scalar_regulator.yaml"), "--set",
                         "integrator=rk2", "--set", "phases.only.knots=5", "--set",
-                        "mesh={error: 1.0e-9, rounds: 2}", "-o", folder.path()})
+                        "mesh={error: 1.0e-12}", "-o", folder.path()})
                 .exit_code,
             1);
   Json document = Json::parse(read_file(folder.path() / "solution.json"));
@@ -110,7 +109,7 @@ TEST(MeshLimits, AcceptsHonestAnswersWhoseReplayDiverges) {
 system: {states: [x], controls: [u], rate: {x: x^3 + u}}
 initial_state: {values: {x: 1}}
 integrator: explicit_euler
-mesh: {error: 1.0e-3, rounds: 2}
+mesh: {error: 1.0e-3}
 phases: [{knots: 20, duration: 3}]
 costs: {effort: {residual: control, weight: 0.001}, s: {residual: state, reference: [3]}}
 solver: {name: altro}

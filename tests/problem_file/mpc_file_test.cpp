@@ -529,10 +529,9 @@ TEST(MpcFile, PathAddsNewPlantSettings) {
 
 TEST(MpcFile, PlantSettingsAcceptMappingsOrPaths) {
   for (const char* plant :
-       {"{system: {mass: 1.5, length: 0.9}}", "{set: {system: {mass: 1.5, length: 0.9}}}",
-        "{set: {system.mass: 1.5, system.length: 0.9}}"}) {
+       {"{system: {mass: 1.5, length: 0.9}}", "{system.mass: 1.5, system.length: 0.9}"}) {
     const LoadedLoop loop(pendulum_with(
-        std::string("mpc: {horizon: 0.5, tick: 0.1, duration: 1, plant: ") + plant + "}"));
+        std::string("mpc: {horizon: 0.5, tick: 0.1, duration: 1, plant: {set: ") + plant + "}}"));
     ASSERT_TRUE(loop.mpc) << loop.all();
     const auto& settings = loop.spec->mpc->plant.settings;
     ASSERT_EQ(settings.size(), 2u);

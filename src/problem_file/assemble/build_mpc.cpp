@@ -612,8 +612,7 @@ MpcOptions controller_of(const MpcSpec& mpc, const SolverSpec& solver) {
                      .tick = mpc.tick.value,
                      .iterations = mpc.iterations,
                      .hold = mpc.repeat.value != AfterTheEnd::kNone,
-                     .delay = mpc.delay.value,
-                     .predict = mpc.predict};
+                     .delay = mpc.delay.value};
   if (mpc.feedback_rate) options.feedback_rate = mpc.feedback_rate->value;
   options.solver_options = solver.options;
   return options;

@@ -135,10 +135,9 @@ void cut_steps(ProblemSpec& spec, Diagnostics& out) {
   long long knots = 0;
   for (const PhaseSpec& phase : spec.phases)
     knots += static_cast<long long>(phase.knots.value) * (phase.takes_no_time() ? 1 : mesh.factor);
-  if (knots > mesh.most_knots)
+  if (knots > kMaxKnots)
     return out.error(mesh.place,
-                     fmt::format("the phases have {} knots together, and 'knots' allows {}", knots,
-                                 mesh.most_knots));
+                     fmt::format("the phases have more than {} knots together", kMaxKnots));
   set_knots(spec, [&mesh](int own) { return own * mesh.factor; });
   mesh.is_cut = true;
   tighten(spec);

@@ -15,6 +15,7 @@ namespace {
 constexpr double kLeastGrowth = 1.25, kMostGrowth = 4;
 /// Growth after the first grid, before an order can be estimated.
 constexpr double kFirstGrowth = 2;
+constexpr int kMostKnots = 10'000;
 /// Aims below the tolerance rather than at it.
 constexpr double kMargin = 1.5;
 
@@ -71,14 +72,13 @@ std::optional<int> MeshRefinement::next(const ShootingProblem& problem, const So
                      .status = result.status,
                      .iterations = result.iterations,
                      .cost = result.cost});
-  const bool last = static_cast<int>(rounds_.size()) >= mesh_.rounds;
-  if (!is_success(result.status) || reached() || last || keeps_growing()) return std::nullopt;
+  if (!is_success(result.status) || reached() || keeps_growing()) return std::nullopt;
   int instants = 0;
   for (const Phase& phase : problem.phases())
     if (phase.instant || phase.dt.front() == 0) instants += phase.knots();
   const int of_one = (problem.knots() - instants) / factor_;
   if (of_one == 0) return std::nullopt;  // without time the grid cannot be refined
-  const int most = (mesh_.most_knots - instants) / of_one;
+  const int most = (kMostKnots - instants) / of_one;
   const int finer = std::min(most, static_cast<int>(std::ceil(factor_ * growth())));
   if (finer <= factor_) return std::nullopt;
   factor_ = finer;

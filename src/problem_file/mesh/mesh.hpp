@@ -25,8 +25,8 @@ class MeshRefinement {
   explicit MeshRefinement(const MeshSpec& mesh) : mesh_(mesh), factor_(mesh.factor) {}
 
   /// Judges the solution on the present grid. Returns the factor of the next grid, or nothing if
-  /// this grid is the last. It is the last if it is fine enough, the solve has failed, or a finer
-  /// one exceeds the limits. It is also the last if the error has grown on two grids in a row.
+  /// this grid is the last. It is the last if it is fine enough, the solve has failed, or it has
+  /// 10000 knots. It is also the last if the error has grown on two grids in a row.
   std::optional<int> next(const ShootingProblem& problem, const SolveResult& result);
   const std::vector<MeshRound>& rounds() const { return rounds_; }
   /// True if the last grid is fine enough.

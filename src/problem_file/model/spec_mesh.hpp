@@ -10,8 +10,6 @@ struct MeshSpec {
   double error = 1e-6;  ///< largest distance of a finer replay from the states, in their units
   int factor = 1;       ///< initial subdivision of each step of the phases
   bool is_cut = false;  ///< true if the phases already have that subdivision
-  int rounds = 8;       ///< maximum number of grids
-  int most_knots = 10000;
 };
 
 }  // namespace conddp

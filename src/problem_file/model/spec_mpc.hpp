@@ -79,7 +79,6 @@ struct MpcSpec {
   Located<WindowEnd> window_end{WindowEnd::kNothing, {}};
   std::optional<TerminalLqrSpec> terminal_lqr;   ///< of windows that end with a regulator
   Located<double> delay;                         ///< s
-  bool predict = true;                           ///< predict the state to the end of the delay
   std::optional<Located<double>> feedback_rate;  ///< Hz
   MpcPlantSpec plant;
   std::vector<DisturbanceSpec> disturbances;

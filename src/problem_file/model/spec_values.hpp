@@ -67,12 +67,11 @@ struct TwistSpec {
   Vector3<double> angular = Vector3<double>::zero();
 };
 
-/// Pose of a floating or planar base. A planar base has x, y and yaw.
+/// Pose of a floating base, or the place of a planar one.
 struct BaseSpec {
   Place place;
   std::optional<std::vector<double>> position;    ///< three numbers, two for a planar base
   std::optional<Quaternion<double>> orientation;  ///< floating
-  std::optional<double> yaw;                      ///< planar, rad
 };
 
 /// A motion of a base in the horizontal plane: forward and left in its initial heading (m), and a

@@ -212,7 +212,7 @@ void StateBuilder::apply_base(const BaseSpec& base, const PlantPart& part,
     return out_.error(
         base.place, "the robot's base is fixed",
         "write 'base: floating' under 'robot', or use 'placement' to put it elsewhere");
-  if (base.yaw || (base.position && base.position->size() != 3))
+  if (base.position && base.position->size() != 3)
     return out_.error(base.place,
                       "a floating base has 'position: [x, y, z]' and 'orientation' or 'rpy'");
   set_floating_base(base, x.data() + *plant_.multibody()->position_index(part.first_joint));
@@ -226,12 +226,11 @@ bool StateBuilder::floats(const PlantPart& part) const {
 void StateBuilder::apply_planar_base(const BaseSpec& base, const PlantPart& part,
                                      std::vector<double>& x) const {
   if (base.orientation || (base.position && base.position->size() != 2))
-    return out_.error(base.place, "a planar base has 'position: [x, y]' and 'yaw'");
+    return out_.error(base.place, "a planar base has 'position: [x, y]', and the joint 'base_yaw'");
   const MultibodySystem& system = *plant_.multibody();
   const int joint = part.first_joint;
   for (int i = 0; i < 2 && base.position; ++i)
     x[*system.position_index(joint + i)] = (*base.position)[i];
-  if (base.yaw) x[*system.position_index(joint + 2)] = *base.yaw;
 }
 
 void StateBuilder::apply_displacement(const DisplacementSpec& displaced, const PlantPart& part,

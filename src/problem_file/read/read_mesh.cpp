@@ -3,7 +3,7 @@
 namespace conddp {
 
 void describe(Keys& keys, MeshSpec& mesh) {
-  constexpr int kMostRounds = 20, kMostFactor = 10'000;
+  constexpr int kMostFactor = 10'000;
   static const NumberRange kError{1e-12, 1, false, false, "a number from 1e-12 to 1"};
   keys.about({.definition = "mesh",
               .title = "A grid that is refined",
@@ -16,10 +16,8 @@ void describe(Keys& keys, MeshSpec& mesh) {
        mesh.error, NumberForm{kError});
   keys({"factor", "Into how many each step of the phases is cut to begin with"}, mesh.factor,
        IntegerForm{1, kMostFactor});
-  keys({"rounds", "Grids at most, the first one included"}, mesh.rounds,
-       IntegerForm{1, kMostRounds});
-  keys({"knots", "Knots at most, of all phases together"}, mesh.most_knots,
-       IntegerForm{1, kMaxKnots});
+  for (const char* limit : {"rounds", "knots"})
+    keys.removed(limit, "leave it out: refinement ends at 10000 knots");
 }
 
 }  // namespace conddp

@@ -74,19 +74,6 @@ OrderedJson expand_set(const MpcPlantSpec& plant) {
   return json;
 }
 
-/// A part of the file that stands directly in the plant, not below `set`.
-void describe_plant_part(Keys& keys, const char* part, std::string_view says,
-                         std::string_view examples, MpcPlantSpec& plant) {
-  const auto read = [&plant, part](const YamlReader& reader) {
-    if (reader.is_map())
-      read_plant_part({part, reader.place()}, reader, plant);
-    else
-      reader.expected("a mapping of what differs in the plant");
-  };
-  keys({.name = part, .says = says, .examples = examples},
-       CustomValue{read, {}, R"({"type": "object"})"});
-}
-
 void read_ground(const YamlReader& reader, MpcPlantSpec& plant) {
   plant.ground.clear();
   const auto items = reader.items();
@@ -118,8 +105,7 @@ void check_plant(YamlMap& map, const MpcPlantSpec& plant) {
   if (ground && scheduled)
     ground->error("contacts of the phases have no ground", "write 'contacts: simulated' beside it");
   for (const std::string_view part : kPlantParts)
-    if (part != "system" && part != "robot" && part != "contacts" &&
-        map.reader().node().find(part) != nullptr)
+    if (part != "contacts" && map.reader().has(part))
       map.find(part)->error("what differs in the plant stands below 'set', by its path",
                             fmt::format("write 'set: {{{}.KEY: VALUE}}'", part));
   for (const Setting& setting : plant.settings)
@@ -147,12 +133,6 @@ static void describe(Keys& keys, MpcPlantSpec& plant) {
         .fallback = "{}"},
        CustomValue{[&](const YamlReader& reader) { read_set(reader, plant); },
                    [&] { return expand_set(plant); }, R"({"type": "object"})"});
-  describe_plant_part(keys, "system",
-                      "The same as values below `set` whose paths begin with `system`",
-                      R"([{"pole_mass": 0.3}])", plant);
-  describe_plant_part(keys, "robot",
-                      "The same as values below `set` whose paths begin with `robot`",
-                      R"([{"urdf": "heavier.urdf"}])", plant);
   keys({"integrator", "How the plant is integrated; as the knots by default"}, plant.integrator,
        WordForm{kIntegratorWords, "integrator"});
   keys({.name = "dt",
@@ -491,10 +471,8 @@ void describe(Keys& keys, MpcSpec& mpc) {
                 "the state is predicted over it",
         .examples = "[0.002]"},
        mpc.delay, NumberForm{kNotNegative});
-  keys({"predict",
-        "Whether plans begin at the state that is predicted for the end of the delay; without it "
-        "at the one that was measured before"},
-       mpc.predict, FlagForm{"value of 'predict'"});
+  keys.removed("predict",
+               "leave it out: plans begin at the state predicted for the end of the delay");
   keys({"feedback",
         "Corrects controls by the gains of the plan between ticks; without it they correct the "
         "first control of each plan alone"},

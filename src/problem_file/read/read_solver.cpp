@@ -171,24 +171,15 @@ constexpr RemovedOption kRemoved[] = {
     {"regularization", "factor", kByWeight},
     {"regularization", "decrease_step", kByWeight},
     {"regularization", "increase_step", kByWeight},
-    {"complementarity", "fallback",
-     "leave it out: the other relaxations follow if one finds no answer"},
     {"complementarity", "factor", kByEpsilon},
-    {"complementarity", "final", kByEpsilon}};
+    {"complementarity", "final", kByEpsilon},
+    {"complementarity", "fallback",
+     "leave it out: the other relaxations follow if one finds no answer"}};
 
-/// Reports options of former versions in a group, or outside of the groups.
-void report_removed(Keys& keys, std::string_view group) {
-  YamlMap* map = keys.reading();
-  if (map == nullptr) return;
-  const std::string path = map->reader().place().path;
-  for (const auto& [key, mark, value] : map->reader().node().entries)
-    for (const RemovedOption& option : kRemoved)
-      if (option.group == group && option.name == key) {
-        map->find(key);  // so that it is not reported as unknown, too
-        map->reader().diagnostics().error({mark, path + "." + key},
-                                          fmt::format("'{}.{}' is no longer an option", path, key),
-                                          std::string(option.hint));
-      }
+/// Options of former versions in a group, or outside of the groups.
+void visit_removed(Keys& keys, std::string_view group) {
+  for (const RemovedOption& option : kRemoved)
+    if (option.group == group) keys.removed(option.name, option.hint);
 }
 
 std::string_view group_of(const OptionInfo& info) {
@@ -206,7 +197,7 @@ void visit_group(Keys& keys, const OptionGroup& group, SolverOptions& options) {
   keys.about({.title = group.title, .examples = group.examples});
   for (const OptionInfo& info : option_table())
     if (group_of(info) == group.name) visit_option(keys, info, options);
-  report_removed(keys, group.name);
+  visit_removed(keys, group.name);
 }
 
 /// "auto: ...; ilqr: ...".
@@ -243,7 +234,7 @@ void describe(Keys& keys, SolverOptions& options) {
     }
     former = name;
   }
-  report_removed(keys, "");
+  visit_removed(keys, "");
   keys(
       {.name = "options",
        .says = "Options of the library Ipopt by its own names and in its own units, of ipopt: "

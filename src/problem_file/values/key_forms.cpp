@@ -348,7 +348,7 @@ void describe(Keys& keys, BaseSpec& base) {
   keys.about({.definition = "base_state",
               .title = "Where the base is",
               .says = "Of a floating or planar base; what is left out is zero",
-              .examples = R"([{"position": [0, 0, 0.57]}, {"position": [1, 2], "yaw": 0.5}])"});
+              .examples = R"([{"position": [0, 0, 0.57]}, {"position": [1, 2]}])"});
   keys({"position", "[x, y, z] in the world, m; [x, y] of a planar base"},
        CustomValue{
            [&base](const YamlReader& reader) { read_position(reader, base); },
@@ -357,7 +357,7 @@ void describe(Keys& keys, BaseSpec& base) {
            },
            R"({"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 3})"});
   describe_rotation(keys, base.orientation);
-  keys({"yaw", "Of a planar base, rad"}, base.yaw, NumberForm{});
+  keys.removed("yaw", "write 'joints: {base_yaw: 0.5}' beside 'base'");
 }
 
 std::optional<OrderedJson> ParametersForm::expand(const ExpressionNamesSpec& names) const {

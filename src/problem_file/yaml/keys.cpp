@@ -2,11 +2,24 @@
 
 #include <string>
 
+#include <fmt/format.h>
+
 namespace conddp {
 
 void KeyReader::visit(const KeyInfo& key, KeyValue& value) {
   if (const auto reader = key.required ? map_.require(key.name) : map_.find(key.name))
     value.read(*reader);
+}
+
+void KeyReader::removed(std::string_view name, std::string_view hint) {
+  const YamlReader& reader = map_.reader();
+  for (const auto& [key, mark, value] : reader.node().entries) {
+    if (key != name) continue;
+    map_.find(name);  // so that it is not reported as unknown, too
+    const std::string path = fmt::format("{}.{}", reader.place().path, key);
+    reader.diagnostics().error({mark, path}, fmt::format("'{}' is no longer an option", path),
+                               std::string(hint));
+  }
 }
 
 void KeyWriter::visit(const KeyInfo& key, KeyValue& value) {

@@ -67,6 +67,8 @@ class Keys {
   virtual void visit(const KeyInfo& key, KeyValue& value) = 0;
   /// At most one of these keys may be present.
   virtual void exclusive(std::initializer_list<std::string_view> /*keys*/) {}
+  /// A key of former versions is an error with this hint.
+  virtual void removed(std::string_view /*name*/, std::string_view /*hint*/) {}
   /// The mapping while it is read, for checks of several keys; otherwise null.
   virtual YamlMap* reading() { return nullptr; }
   /// True if the keys are documented, where those of all kinds of a mapping count.
@@ -178,6 +180,7 @@ class KeyReader final : public Keys {
   explicit KeyReader(YamlMap& map) : map_(map) {}
   void visit(const KeyInfo& key, KeyValue& value) override;
   void exclusive(std::initializer_list<std::string_view> keys) override { map_.exclusive(keys); }
+  void removed(std::string_view name, std::string_view hint) override;
   YamlMap* reading() override { return &map_; }
 
  private:
