@@ -8,6 +8,7 @@
 
 #include "base/exceeds.hpp"
 #include "base/random_numbers.hpp"
+#include "base/text/spelling.hpp"
 #include "ocp/problem/by_name.hpp"
 #include "problem_file/assemble/contact_guess.hpp"
 #include "problem_file/data/data_table.hpp"
@@ -22,6 +23,8 @@ namespace {
 
 using States = GuessSpec::States;
 using Controls = GuessSpec::Controls;
+
+constexpr std::size_t kShownNames = 12;
 
 class GuessBuilder {
  public:
@@ -467,9 +470,10 @@ class GuessBuilder {
   static std::string difference(const std::vector<std::string>& missing,
                                 const std::vector<std::string>& extra) {
     std::string text;
-    if (!missing.empty()) text += " it lacks " + name_list(missing);
+    if (!missing.empty()) text += " it lacks " + listed(missing, kShownNames);
     if (!extra.empty())
-      text += fmt::format("{} it has {}", missing.empty() ? "" : ", and", name_list(extra));
+      text +=
+          fmt::format("{} it has {}", missing.empty() ? "" : ", and", listed(extra, kShownNames));
     return text;
   }
 
@@ -486,15 +490,6 @@ class GuessBuilder {
   static bool follows_from_others(const std::string& column) {
     return column.starts_with("previous/") || column.starts_with("start/") ||
            column.starts_with("slope_") || column.starts_with(kEndOfKnot);
-  }
-
-  static std::string name_list(const std::vector<std::string>& names) {
-    constexpr std::size_t kShown = 12;
-    std::string list;
-    for (std::size_t i = 0; i < std::min(names.size(), kShown); ++i)
-      list += (i > 0 ? ", " : "") + names[i];
-    if (names.size() > kShown) list += fmt::format(" and {} more", names.size() - kShown);
-    return list;
   }
 
   /// Clamps controls to their bounds and reports where this was necessary.
@@ -550,7 +545,7 @@ class GuessBuilder {
     out_.error(file.file.place,
                fmt::format("{} columns are needed, not {}", wanted.size(), columns.size()),
                fmt::format("or those of some {} by their names: {}", states ? "states" : "controls",
-                           name_list(wanted)));
+                           listed(wanted, kShownNames)));
     return {};
   }
 

@@ -259,29 +259,39 @@ bool is_of_payload(std::string_view path) {
 
 }  // namespace
 
-std::optional<FreeParameter> read_free_parameter(const Name& name, const YamlReader& reader) {
+void describe(Keys& keys, FreeParameter& parameter) {
   static constexpr Choice<bool> kFree[] = {{"true", true}};
+  keys.about({.definition = "free_parameter",
+              .title = "A parameter that the solver chooses",
+              .says = "A name of expressions; the first phase chooses it with the initial state",
+              .examples = R"([{"free": true, "lower": 0.5, "upper": 2}])"});
+  const int errors = keys.errors();
+  keys({.name = "free", .says = "Says that it is chosen", .required = true},
+       CustomValue{[](const YamlReader& reader) { reader.choice(kFree, "value of 'free'"); },
+                   {},
+                   R"({"const": true})"});
+  keys({.name = "lower", .says = "Least value, in any unit", .required = true}, parameter.lower,
+       NumberForm{});
+  keys({.name = "upper", .says = "Largest value, in any unit", .required = true}, parameter.upper,
+       NumberForm{});
+  std::optional<double> start;
+  keys({"start", "Where the solver begins; the middle of the bounds by default, in any unit"},
+       start, NumberForm{});
+  const double lower = parameter.lower, upper = parameter.upper;
+  parameter.start = start.value_or(0.5 * (lower + upper));
+  if (keys.errors() > errors) return;
+  if (lower > upper)
+    keys.error(fmt::format("the lower bound {} lies above the upper bound {}", lower, upper));
+  else if (parameter.start < lower || parameter.start > upper)
+    keys.error(
+        fmt::format("the start {} does not lie between {} and {}", parameter.start, lower, upper));
+}
+
+std::optional<FreeParameter> read_free_parameter(const Name& name, const YamlReader& reader) {
   FreeParameter parameter{.name = name};
   const int errors = reader.diagnostics().error_count();
-  YamlMap map(reader, "write '{free: true, lower: 0.5, upper: 2}'");
-  if (const auto free = map.require("free")) free->choice(kFree, "value of 'free'");
-  map.require("lower");
-  map.require("upper");
-  map.number("lower", parameter.lower);
-  map.number("upper", parameter.upper);
-  parameter.start = 0.5 * (parameter.lower + parameter.upper);
-  map.number("start", parameter.start);
-  map.finish();
-  if (reader.diagnostics().error_count() > errors) return std::nullopt;
-  if (parameter.lower > parameter.upper) {
-    reader.error(fmt::format("the lower bound {} lies above the upper bound {}", parameter.lower,
-                             parameter.upper));
-    return std::nullopt;
-  }
-  if (parameter.lower <= parameter.start && parameter.start <= parameter.upper) return parameter;
-  reader.error(fmt::format("the start {} does not lie between {} and {}", parameter.start,
-                           parameter.lower, parameter.upper));
-  return std::nullopt;
+  read_map(reader, parameter, "write '{free: true, lower: 0.5, upper: 2}'");
+  return reader.diagnostics().error_count() > errors ? std::nullopt : std::optional(parameter);
 }
 
 bool is_mass_of_payload(std::string_view path) {

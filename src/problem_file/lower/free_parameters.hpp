@@ -5,10 +5,11 @@
 #include <vector>
 
 #include "problem_file/model/spec_expression.hpp"
-#include "problem_file/yaml/yaml_reader.hpp"
+#include "problem_file/values/key_forms.hpp"
 
 namespace conddp {
 
+void describe(Keys& keys, FreeParameter& parameter);
 /// Reads `{free: true, lower: 0.5, upper: 2, start: 1}`; `start` defaults to the middle of the
 /// bounds. Returns nothing with an error.
 std::optional<FreeParameter> read_free_parameter(const Name& name, const YamlReader& reader);

@@ -36,36 +36,44 @@ double between(double from, double to, double share) {
   return from * to > 0 ? from * std::pow(to / from, share) : from + share * (to - from);
 }
 
-/// Reads one moving number; nothing with an error if it is malformed.
-std::optional<HomotopyKeySpec> read_homotopy_key(const YamlReader& reader) {
-  YamlMap map(reader, "write '{key: constraints.torque.scale, from: 3, to: 1}'");
-  const auto key = map.require("key"), from = map.require("from"), to = map.require("to");
-  if (!key || !from || !to) return std::nullopt;
-  const auto name = key->name();
-  const auto first = from->number(), last = to->number();
-  if (!name || !first || !last) return std::nullopt;
-  if (*first == *last) to->error(fmt::format("from and to are both {}: nothing moves", *last));
-  return HomotopyKeySpec{*name, {*first, from->place()}, {*last, to->place()}};
-}
-
 }  // namespace
 
-std::vector<HomotopyKeySpec> read_homotopy(const YamlReader& reader) {
-  std::vector<HomotopyKeySpec> keys;
+void describe(Keys& keys, HomotopyKeySpec& moved) {
+  keys.about({.title = "A number that moves",
+              .examples = R"([{"key": "constraints.torque.scale", "from": 3, "to": 1}])"});
+  const int errors = keys.errors();
+  keys({.name = "key",
+        .says = "Path of a number of the problem, as --set takes it",
+        .required = true},
+       moved.key, NameForm{});
+  keys({.name = "from",
+        .says = "Its value where the homotopy begins, in the unit of the key",
+        .required = true},
+       moved.from, NumberForm{});
+  keys({.name = "to",
+        .says = "Its value where it ends: that of the problem, whatever stands at the key; in the "
+                "unit of the key",
+        .required = true},
+       moved.to, NumberForm{});
+  if (const auto to = keys.found("to");
+      to && keys.errors() == errors && moved.from.value == moved.to.value)
+    to->error(fmt::format("from and to are both {}: nothing moves", moved.to.value));
+}
+
+bool HomotopyForm::read(const YamlReader& reader, std::vector<HomotopyKeySpec>& keys) const {
   const auto items = reader.items("write '[{key: constraints.torque.scale, from: 3, to: 1}]'");
-  if (!items) return keys;
+  if (!items) return false;
   for (const YamlReader& item : *items) {
-    auto key = read_homotopy_key(item);
-    if (!key) continue;
-    const auto is_same = [&](const HomotopyKeySpec& other) {
-      return other.key.value == key->key.value;
-    };
-    if (std::any_of(keys.begin(), keys.end(), is_same))
+    HomotopyKeySpec moved;
+    read_map(item, moved, "write '{key: constraints.torque.scale, from: 3, to: 1}'");
+    const bool stands = std::ranges::any_of(
+        keys, [&](const HomotopyKeySpec& other) { return other.key.value == moved.key.value; });
+    if (stands && !moved.key.value.empty())
       reader.diagnostics().error(
-          key->key.place, fmt::format("the homotopy has the key '{}' twice", key->key.value));
-    keys.push_back(*std::move(key));
+          moved.key.place, fmt::format("the homotopy has the key '{}' twice", moved.key.value));
+    keys.push_back(std::move(moved));
   }
-  return keys;
+  return true;
 }
 
 namespace {
@@ -95,7 +103,8 @@ void place_homotopy(YamlNode& root, double share, Diagnostics& out) {
   const YamlNode* list = homotopy_of(root);
   if (list == nullptr) return;
   Diagnostics attempt = out;
-  const auto keys = read_homotopy(YamlReader(*list, "solver.homotopy", attempt));
+  std::vector<HomotopyKeySpec> keys;
+  HomotopyForm().read(YamlReader(*list, "solver.homotopy", attempt), keys);
   if (attempt.has_errors()) return;
   for (const HomotopyKeySpec& key : keys)
     if (YamlNode* node = find_number(root, key.key, out)) place(key, share, *node, out);

@@ -26,12 +26,11 @@ static void describe(Keys& keys, Perturbation& perturbation) {
        perturbation.guess, NumberForm{kSpread});
   keys({"seed", "Which instance: the one of conddp bench with the same seed"}, perturbation.seed,
        IntegerForm{0, kLargestSeed});
-  YamlMap* map = keys.reading();
   // An expanded file always has a seed.
-  if (map != nullptr && !perturbation.any() && perturbation.seed != Perturbation{}.seed)
-    map->reader().diagnostics().warning(map->find("seed")->place(),
-                                        "the seed has no effect, as nothing is perturbed",
-                                        "write 'perturbation: {initial_state: 0.1, seed: 2}'");
+  if (const auto seed = keys.found("seed");
+      seed && !perturbation.any() && perturbation.seed != Perturbation{}.seed)
+    seed->diagnostics().warning(seed->place(), "the seed has no effect, as nothing is perturbed",
+                                "write 'perturbation: {initial_state: 0.1, seed: 2}'");
 }
 
 namespace {
@@ -54,11 +53,10 @@ void describe_name(Keys& keys, ProblemSpec& spec) {
                    },
                    [&] { return OrderedJson(spec.name.value); },
                    R"({"type": "string", "minLength": 1, "pattern": "^[^./\\\\][^/\\\\]*$"})"});
-  YamlMap* map = keys.reading();
-  if (map != nullptr && !map->find("name") && !names_folder(spec.name.value))
-    map->reader().error(fmt::format("the problem has the name of its file, '{}', and {}",
-                                    spec.name.value, kFolderNameRule),
-                        "write 'name: ...'");
+  if (!keys.found("name") && !names_folder(spec.name.value))
+    keys.error(fmt::format("the problem has the name of its file, '{}', and {}", spec.name.value,
+                           kFolderNameRule),
+               "write 'name: ...'");
 }
 
 /// Constants, which are read before all formulas, and tables.
@@ -70,11 +68,10 @@ void describe_names(Keys& keys, ExpressionNamesSpec& names) {
                         {"mass": {"free": true, "lower": 1, "upper": 3}}])",
         .fallback = "{}"},
        names, ParametersForm{});
-  YamlMap* map = keys.reading();
-  const int errors = map != nullptr ? map->reader().diagnostics().error_count() : 0;
+  const int errors = keys.errors();
   keys({.name = "tables", .says = "Functions by name, for all expressions", .fallback = "{}"},
        names.tables, TablesForm{});
-  if (map != nullptr) names.incomplete = map->reader().diagnostics().error_count() > errors;
+  names.incomplete = keys.errors() > errors;
 }
 
 /// The only robot of a problem, which has no name.
@@ -203,8 +200,7 @@ void describe_surroundings(Keys& keys, ProblemSpec& spec) {
         .says = "Shapes that must keep apart, for the residual 'distance'",
         .omitted = spec.system.has_value()},
        spec.collision, MapForm{});
-  YamlMap* map = keys.reading();
-  if (const auto r = map != nullptr ? map->find("contact_candidates") : std::nullopt)
+  if (const auto r = keys.found("contact_candidates"))
     spec.stepping = SteppingSpec{.place = r->place()};
   keys({.name = "contact_candidates",
         .says = "Points and spheres of the robot that may touch something at any time, by name; of "
@@ -213,6 +209,7 @@ void describe_surroundings(Keys& keys, ProblemSpec& spec) {
         .omitted = !spec.stepping},
        spec.candidates, EntriesForm<CandidateSpec>{&CandidateSpec::name});
   keys({"stepping"}, spec.stepping, MapForm{});
+  YamlMap* map = keys.reading();
   if (map == nullptr || !spec.stepping) return;
   for (const std::string_view implicit : {"contact_candidates", "stepping"})
     for (const std::string_view planned : {"contacts", "gait"}) map->exclusive({implicit, planned});
@@ -261,8 +258,8 @@ bool is_choice(const YamlNode& phases) {
 /// The phases, and the gait that makes those after a choice of the start.
 void describe_schedule(Keys& keys, ProblemSpec& spec) {
   YamlMap* map = keys.reading();
-  if (const auto phases = map != nullptr ? map->find("phases") : std::nullopt)
-    if (!is_choice(phases->node())) map->exclusive({"phases", "gait"});
+  if (const auto phases = keys.found("phases"); phases && !is_choice(phases->node()))
+    map->exclusive({"phases", "gait"});
   keys({"gait"}, spec.gait, GaitForm{spec.contacts});
   const bool gait = spec.gait.has_value();
   keys({.name = "phases", .says = "In the order of time", .required = map != nullptr && !gait},
@@ -408,7 +405,7 @@ void describe(Keys& keys, ProblemSpec& spec) {
   keys({"initial_guess"}, spec.guess, MapForm{});
   keys({"perturbation"}, spec.perturbation, MapForm{});
   keys({"solver"}, spec.solver, MapForm{"write '{name: box_fddp}'"});
-  if (YamlMap* map = keys.reading(); map != nullptr && map->find("mpc")) {
+  if (keys.found("mpc")) {
     spec.mpc.emplace();
     // Ipopt has no real-time iteration: it solves windows to its tolerances.
     if (spec.solver.name.value == "ipopt") spec.mpc->iterations.reset();

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "problem_file/lower/free_parameters.hpp"
 #include "problem_file/read/read_sections.hpp"
 
 namespace conddp {
@@ -76,6 +77,7 @@ std::string folded(const OrderedJson& value, std::size_t indent, std::size_t hea
 
 OrderedJson problem_schema() {
   SchemaDefinitions definitions = value_definitions();
+  map_schema<FreeParameter>(definitions);
   OrderedJson schema = {{"$schema", "http://json-schema.org/draft-07/schema#"},
                         {"$id", "https://conddp.invalid/schemas/problem.schema.json"}};
   schema.update(map_schema<ProblemSpec>(definitions));

@@ -39,10 +39,9 @@ static void describe(Keys& keys, ThrusterSpec& thruster) {
        thruster.torque_ratio, NumberForm{});
   keys({"lower", "Smallest force, N; null: no limit"}, thruster.lower, LimitForm{-kUnlimited});
   keys({"upper", "Largest force, N; null: no limit"}, thruster.upper, LimitForm{kUnlimited});
-  YamlMap* map = keys.reading();
-  if (map != nullptr && thruster.lower > thruster.upper)
-    map->reader().error(fmt::format("the lower limit {} is above the upper limit {}",
-                                    thruster.lower, thruster.upper));
+  if (thruster.lower > thruster.upper)
+    keys.error(fmt::format("the lower limit {} is above the upper limit {}", thruster.lower,
+                           thruster.upper));
 }
 
 static void describe(Keys& keys, ActuationSpec& actuation) {
@@ -53,9 +52,8 @@ static void describe(Keys& keys, ActuationSpec& actuation) {
   keys({.name = "joints", .says = "Actuated joints", .fallback = "none"}, actuation.joints,
        NamesForm{});
   keys({"thrusters", "Rotors or jets on the floating base"}, actuation.thrusters, MapsForm{});
-  YamlMap* map = keys.reading();
-  if (map != nullptr && !map->find("joints") && !map->find("thrusters"))
-    map->reader().error("'joints' or 'thrusters' is expected here", "or write 'actuation: none'");
+  if (!keys.found("joints") && !keys.found("thrusters"))
+    keys.error("'joints' or 'thrusters' is expected here", "or write 'actuation: none'");
 }
 
 bool ActuationForm::read(const YamlReader& reader, ActuationSpec& actuation) const {

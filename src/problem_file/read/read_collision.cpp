@@ -18,8 +18,7 @@ void describe(Keys& keys, SphereSpec& sphere) {
 }
 
 static void describe(Keys& keys, CapsuleSpec& capsule) {
-  YamlMap* map = keys.reading();
-  const int errors = map != nullptr ? map->reader().diagnostics().error_count() : 0;
+  const int errors = keys.errors();
   keys.about({.definition = "capsule",
               .title = "Capsule",
               .says = "What is nearer than the radius to a straight line, in the axes of its frame "
@@ -30,8 +29,8 @@ static void describe(Keys& keys, CapsuleSpec& capsule) {
   keys({"from", "Where the line begins, m"}, capsule.from, VectorForm{"[x, y, z] in m"});
   keys({.name = "to", .says = "Where the line ends, m", .required = true}, capsule.to,
        VectorForm{"[x, y, z] in m"});
-  if (map == nullptr || map->reader().diagnostics().error_count() > errors) return;
-  if (const auto to = map->find("to"); to && squared_norm(capsule.to - capsule.from) == 0)
+  const bool no_line = squared_norm(capsule.to - capsule.from) == 0;
+  if (const auto to = keys.found("to"); to && keys.errors() == errors && no_line)
     to->error("the capsule has length 0", "write 'sphere: {radius: ..., center: [...]}'");
 }
 

@@ -178,9 +178,8 @@ static void describe(Keys& keys, LineOfPoints& line) {
        NumbersForm{});
   keys({.name = "count", .says = "Of points, with both ends", .required = true}, line.count,
        IntegerForm{2, 10'000});
-  YamlMap* map = keys.reading();
-  const auto to = map != nullptr ? map->find("to") : std::nullopt;
-  if (to && !line.from.empty()) to->numbers(line.from.size(), "as many as 'from' has");
+  if (const auto to = keys.found("to"); to && !line.from.empty())
+    to->numbers(line.from.size(), "as many as 'from' has");
 }
 
 namespace {

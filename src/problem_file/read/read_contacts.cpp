@@ -125,8 +125,7 @@ static void describe(Keys& keys, ContactSpec& contact) {
         "default where it is in the initial state and, after a swing of the frame, where that "
         "lands"},
        contact.placement, MapForm{});
-  YamlMap* map = keys.reading();
-  if (const auto r = map != nullptr ? map->find("placement") : std::nullopt; r && contact.kp == 0)
+  if (const auto r = keys.found("placement"); r && contact.kp == 0)
     r->error("'placement' counts where 'baumgarte' has a 'kp' only");
 }
 

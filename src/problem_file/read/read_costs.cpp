@@ -104,12 +104,11 @@ void describe_knots(Keys& keys, std::string_view says, CostSpec& cost) {
 
 bool describe_function(Keys& keys, std::string_view says, CostSpec& cost) {
   if (!describe_residual(keys, cost, says)) return false;
-  YamlMap* map = keys.reading();
-  if (map != nullptr && cost.where.last_node && !cost.definition->at_last_node())
-    map->find("residual")
-        ->error(
-            fmt::format("the residual '{}' needs a control, and there is none at the terminal node",
-                        cost.definition->name));
+  if (const auto residual = keys.found("residual");
+      residual && cost.where.last_node && !cost.definition->at_last_node())
+    residual->error(
+        fmt::format("the residual '{}' needs a control, and there is none at the terminal node",
+                    cost.definition->name));
   return true;
 }
 

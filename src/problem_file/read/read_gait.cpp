@@ -151,10 +151,8 @@ void read_feet(const YamlReader& reader, const std::vector<ContactSpec>& contact
     reader.error("there is no foot");
 }
 
-void read_starts(const YamlReader& reader, GaitSpec& gait) {
-  static const NumberRange kShare{0, 1, false, true, "a share of the cycle from 0 to 1 (excluded)"};
-  NamedNumbers starts;
-  NamedNumbersForm{kShare}.read(reader, starts);
+/// Cycle starts that replace those of the type.
+void set_starts(const NamedNumbers& starts, Diagnostics& out, GaitSpec& gait) {
   for (const auto& [role, start] : starts) {
     const auto foot = std::ranges::find(gait.feet, role.value, &FootSpec::role);
     if (foot != gait.feet.end()) {
@@ -163,8 +161,8 @@ void read_starts(const YamlReader& reader, GaitSpec& gait) {
     }
     std::vector<std::string> names;
     for (const FootSpec& f : gait.feet) names.push_back(f.role);
-    reader.diagnostics().error(role.place, fmt::format("the gait has no foot '{}'", role.value),
-                               name_hint(role.value, names, "feet"), names);
+    out.error(role.place, fmt::format("the gait has no foot '{}'", role.value),
+              name_hint(role.value, names, "feet"), names);
   }
 }
 
@@ -207,18 +205,17 @@ void read_velocity(const YamlReader& reader, GaitCommand& command) {
 
 /// The keys of the feet and of their steps, which standing feet do not have.
 void describe_steps(Keys& keys, GaitSpec& gait) {
-  static const NumberRange kShare{0, 1, true, false, "a share of the cycle from 0 (excluded) to 1"};
+  static const NumberRange kStart{0, 1, false, true, "a share of the cycle from 0 to 1 (excluded)"};
+  static const NumberRange kDuty{0, 1, true, false, "a share of the cycle from 0 (excluded) to 1"};
+  NamedNumbers starts;
   keys({.name = "starts",
         .says = "Shares of the cycle, without unit, after which feet lift instead of those of the "
                 "type, by foot",
         .examples = R"([{"LH": 0, "LF": 0.2, "RH": 0.5, "RF": 0.7}])"},
-       CustomValue{[&](const YamlReader& reader) { read_starts(reader, gait); },
-                   {},
-                   R"({"type": "object", "additionalProperties":
-                       {"type": "number", "minimum": 0, "exclusiveMaximum": 1}})"});
+       starts, NamedNumbersForm{kStart, true});
   keys({"cycles", "How often each foot swings"}, gait.cycles, IntegerForm{1, kMostGaitCycles});
-  YamlMap* map = keys.reading();
-  if (map != nullptr) {
+  if (YamlMap* map = keys.reading()) {
+    set_starts(starts, map->reader().diagnostics(), gait);
     map->require("period");
     gait.period.place = gait.duty.place = gait.place;
     gait.duty.value = usual_duty(gait.type.value, gait.feet.size());
@@ -231,7 +228,7 @@ void describe_steps(Keys& keys, GaitSpec& gait) {
         .says = "Share of the cycle that a foot stands, without unit; by default 0.5, of a walk "
                 "0.75 (two feet: 0.6)",
         .fallback = "none"},
-       gait.duty, NumberForm{kShare});
+       gait.duty, NumberForm{kDuty});
   keys({.name = "step", .says = "How far the robot goes in a cycle", .fallback = "{}"},
        GroupValue([&](Keys& step) { describe_step(step, gait); }));
   keys({"commands",
@@ -302,15 +299,14 @@ static void describe(Keys& keys, GaitSpec& gait, const std::vector<ContactSpec>&
               .examples = R"([{"type": "trot", "cycles": 2, "period": 0.48, "dt": 0.02,
                                "step": {"length": 0.15, "height": 0.06}}])"});
   YamlMap* map = keys.reading();
-  const int errors = map != nullptr ? map->reader().diagnostics().error_count() : 0;
+  const int errors = keys.errors();
   keys({.name = "type",
         .says = "Which feet swing together: a walk one after the other (four feet or two), a trot "
                 "diagonal pairs, a pace those of a side, a bound those in front and behind, a jump "
                 "all",
         .required = true},
        gait.type, WordForm{kGaitWords, "gait"});
-  if (map != nullptr && map->reader().diagnostics().error_count() > errors)
-    return map->ignore_others();
+  if (keys.errors() > errors) return map->ignore_others();
   keys({.name = "feet",
         .says = "Contacts of the feet: LF, RF, LH and RH, of a walk also L and R, of stand and "
                 "jump any; by default the contacts of these names, and all of stand and jump",

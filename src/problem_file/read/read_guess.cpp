@@ -42,9 +42,7 @@ static void describe(Keys& keys, KeyframeSpec& keyframe) {
         .says = "A state, the name of a configuration, or all numbers of the state",
         .required = true},
        keyframe.state, StateOrNameForm{});
-  YamlMap* map = keys.reading();
-  if (map != nullptr && !map->find("time") && !map->find("knot"))
-    map->reader().error("a keyframe needs 'time' or 'knot'");
+  if (!keys.found("time") && !keys.found("knot")) keys.error("a keyframe needs 'time' or 'knot'");
 }
 
 static void describe(Keys& keys, GuessSpec::Random& random) {
@@ -177,15 +175,6 @@ struct ControlsForm {
   }
 };
 
-void read_both(const YamlReader& reader, GuessSpec& guess) {
-  guess.states = GuessSpec::States::kFile;
-  guess.controls = GuessSpec::Controls::kFile;
-  guess.states_place = guess.controls_place = reader.place();
-  if (const auto name = reader.name())
-    guess.states_file = guess.controls_file =
-        DataFileSpec{*name, reader.folder() / name->value, {}};
-}
-
 }  // namespace
 
 void describe(Keys& keys, GuessSpec& guess) {
@@ -194,16 +183,22 @@ void describe(Keys& keys, GuessSpec& guess) {
               .says = "Where the solver starts",
               .examples = R"([{"states": "initial", "controls": "quasi_static"},
                               {"file": "out/reach/solution.json"}])"});
-  if (YamlMap* map = keys.reading()) {
-    map->exclusive({"file", "states"});
-    map->exclusive({"file", "controls"});
-  }
+  std::optional<Name> file;
   keys({"file",
         "A former solution.json or a CSV file for states and controls; relative to the problem "
         "file"},
-       CustomValue{[&](const YamlReader& reader) { read_both(reader, guess); },
-                   {},
-                   R"({"type": "string", "minLength": 1})"});
+       file, NameForm{});
+  if (YamlMap* map = keys.reading()) {
+    map->exclusive({"file", "states"});
+    map->exclusive({"file", "controls"});
+    if (file) {
+      guess.states = GuessSpec::States::kFile;
+      guess.controls = GuessSpec::Controls::kFile;
+      guess.states_place = guess.controls_place = file->place;
+      guess.states_file = guess.controls_file =
+          DataFileSpec{*file, map->reader().folder() / file->value, {}};
+    }
+  }
   keys({.name = "states",
         .says = "initial: the initial state everywhere; interpolate: straight to the target of the "
                 "terminal costs; keyframes or a file",

@@ -168,10 +168,9 @@ void describe_jump(Keys& keys, DisturbanceSpec& disturbance) {
         .required = true,
         .examples = R"([{"omega": 1}])"},
        disturbance.jump, ComponentsForm{});
-  YamlMap* map = keys.reading();
-  const auto& jump = disturbance.jump;
-  if (map != nullptr && jump && jump->form == ComponentsSpec::Form::kMap && jump->map.empty())
-    map->find("jump")->error("this jump changes nothing", "write '{omega: 0.5}'");
+  if (const auto jump = keys.found("jump");
+      jump && jump->is_map() && disturbance.jump && disturbance.jump->map.empty())
+    jump->error("this jump changes nothing", "write '{omega: 0.5}'");
 }
 
 void describe_push(Keys& keys, DisturbanceSpec& disturbance) {
@@ -180,10 +179,9 @@ void describe_push(Keys& keys, DisturbanceSpec& disturbance) {
                                "duration": 0.1}])"});
   keys({.name = "at", .says = "When the push begins, s", .required = true, .examples = "[1.2]"},
        disturbance.at, NumberForm{kNotNegative});
-  if (YamlMap* map = keys.reading(); map != nullptr &&
-                                     map->reader().node().find("force") == nullptr &&
-                                     map->reader().node().find("torque") == nullptr)
-    map->reader().error(
+  if (YamlMap* map = keys.reading();
+      map != nullptr && !map->reader().has("force") && !map->reader().has("torque"))
+    keys.error(
         "a disturbance is a jump, a push, noise or lateness: this one has no 'jump', 'force', "
         "'torque', 'noise' or 'late'",
         "write '{at: 1, jump: {omega: 0.5}}' or '{at: 1, frame: tool, force: [0, "
@@ -405,13 +403,13 @@ static void describe(Keys& keys, RetimeSpec& retime) {
                 "open, s; 0, or a tick at least",
         .examples = "[0.04]"},
        retime.late, NumberForm{kNotNegative});
-  YamlMap* map = keys.reading();
-  const auto unset = [](const std::optional<YamlReader>& r) {
+  const auto unset = [&](std::string_view key) {
+    const auto r = keys.found(key);
     return !r || (r->is_number() && r->number().value_or(1) == 0);
   };
-  if (map != nullptr && unset(map->find("early")) && unset(map->find("late")))
-    map->reader().error("this moves no phase: 'early' and 'late' are 0",
-                        "write '{early: 0.06, late: 0.04}'");
+  if (unset("early") && unset("late"))
+    keys.error("this moves no phase: 'early' and 'late' are 0",
+               "write '{early: 0.06, late: 0.04}'");
 }
 
 static void describe(Keys& keys, FallbackSpec& fallback) {

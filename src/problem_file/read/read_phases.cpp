@@ -175,34 +175,30 @@ void check_free_duration(const YamlReader& reader, double written, const FreeDur
 
 /// The duration of a phase with knots, as its step or in total.
 void describe_duration(Keys& keys, PhaseSpec& phase) {
-  YamlMap* map = keys.reading();
-  double duration = 0;
+  std::optional<double> duration;
   keys({.name = "dt",
         .says = "Time step, that between the refined ends of a phase, s",
         .fallback = "none"},
        phase.dt, NumberForm{kPositive});
-  keys({"duration", "Duration of the phase instead of dt, s"},
-       CustomValue{[&](const YamlReader& reader) { NumberForm{kPositive}.read(reader, duration); },
-                   {},
-                   R"({"type": "number", "exclusiveMinimum": 0})"});
+  keys({"duration", "Duration of the phase instead of dt, s"}, duration, NumberForm{kPositive});
   keys({"refine", "Shorter steps where the phase begins or ends, as at switches of contacts"},
        phase.refine, MapForm{});
-  if (map != nullptr && phase.refine) check_refine(*map->find("refine"), phase);
-  if (duration > 0) {
+  if (const auto refine = keys.found("refine"); refine && phase.refine)
+    check_refine(*refine, phase);
+  if (duration) {
     const std::vector<double> steps = relative_steps(phase);
-    phase.dt = duration / std::accumulate(steps.begin(), steps.end(), 0.0);
+    phase.dt = *duration / std::accumulate(steps.begin(), steps.end(), 0.0);
   }
-  const auto free = map != nullptr ? map->find("free_duration") : std::nullopt;
+  const auto free = keys.found("free_duration");
   if (free) phase.free_duration = usual_bounds(phase_duration(phase));
   keys({"free_duration",
         "Lets the solver choose how long the phase lasts, in the first phase, a choice; 'dt' or "
         "'duration' is where it begins"},
        phase.free_duration, MapForm{"write '{lower: 0.5, upper: 2}', in s"});
   if (free) check_free_duration(*free, phase_duration(phase), *phase.free_duration);
-  if (map == nullptr) return;
-  map->exclusive({"dt", "duration"});
-  if (!map->find("duration") && !map->find("dt"))
-    map->reader().error("a phase needs 'dt', the time step in s, or 'duration'");
+  if (YamlMap* map = keys.reading()) map->exclusive({"dt", "duration"});
+  if (!keys.found("duration") && !keys.found("dt"))
+    keys.error("a phase needs 'dt', the time step in s, or 'duration'");
 }
 
 /// The keys of a phase that takes time.

@@ -119,23 +119,6 @@ struct OptionKey final : KeyValue {
   SolverOptions& options;
 };
 
-constexpr std::string_view kHomotopySchema = R"({
-  "type": "array", "title": "Homotopy",
-  "items": {
-    "type": "object", "title": "A number that moves",
-    "properties": {
-      "key": {"type": "string", "minLength": 1,
-              "description": "Path of a number of the problem, as --set takes it"},
-      "from": {"type": "number",
-               "description": "Its value where the homotopy begins, in the unit of the key"},
-      "to": {"type": "number",
-             "description": "Its value where it ends: that of the problem, whatever stands at the key; in the unit of the key"}
-    },
-    "required": ["key", "from", "to"], "additionalProperties": false,
-    "examples": [{"key": "constraints.torque.scale", "from": 3, "to": 1}]
-  }
-})";
-
 /// Documentation of groups of options.
 struct OptionGroup {
   std::string_view name, title, says, examples;
@@ -255,14 +238,12 @@ void describe(Keys& keys, SolverSpec& solver) {
                               {"name": "ipopt", "options": {"mu_strategy": "adaptive"}}])"});
   keys({"name", meaning_of_solvers()}, solver.name, SolverNameForm{});
   describe(keys, solver.options);
-  // The numbers that a homotopy moves are known once the problem is built.
   keys({.name = "homotopy",
         .says = "Numbers of the problem that move together, from those of an easier problem to its "
                 "own; each problem in between is solved starting from the previous answer",
         .examples = R"([[{"key": "constraints.torque.scale", "from": 3, "to": 1}]])",
         .fallback = "[]"},
-       CustomValue{[&](const YamlReader& reader) { solver.homotopy = read_homotopy(reader); },
-                   [] { return std::nullopt; }, kHomotopySchema});
+       solver.homotopy, HomotopyForm{});
   YamlMap* map = keys.reading();
   if (map == nullptr || map->reader().diagnostics().has_errors()) return;
   for (const std::string& message : solver.options.validate()) map->reader().error(message);

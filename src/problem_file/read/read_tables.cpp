@@ -117,7 +117,7 @@ void describe(Keys& keys, TableSpec& table) {
               .rules = R"("oneOf": [{"required": ["points", "values"]},
                                     {"required": ["file", "x", "y"]}])"});
   YamlMap* map = keys.reading();
-  const int errors = map != nullptr ? map->reader().diagnostics().error_count() : 0;
+  const int errors = keys.errors();
   const bool from_file = map != nullptr && map->reader().has("file");
   const bool from_numbers = map != nullptr && !from_file;
   if (!from_file) {
@@ -154,10 +154,9 @@ void describe(Keys& keys, TableSpec& table) {
           .omitted = true},
          columns.y, NameForm{});
   }
-  const auto failed = [&] { return map->reader().diagnostics().error_count() > errors; };
-  if (map == nullptr || failed()) return;
+  if (map == nullptr || keys.errors() > errors) return;
   if (from_file) load_columns(map->reader(), columns, table);
-  if (!failed()) make_function(map->reader(), table);
+  if (keys.errors() == errors) make_function(map->reader(), table);
 }
 
 TablesForm::TablesForm()

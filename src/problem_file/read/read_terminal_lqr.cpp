@@ -55,9 +55,7 @@ static void describe(Keys& keys, TerminalLqrSpec& lqr) {
         "The last state has to lie in the largest set (x ⊖ x̄)ᵀP(x ⊖ x̄) ≤ level in which the "
         "regulator satisfies bounds and constraints"},
        lqr.set, FlagForm{"truth"});
-  YamlMap* map = keys.reading();
-  if (const auto set = map != nullptr ? map->find("set") : std::nullopt)
-    lqr.set_place = set->place();
+  if (const auto set = keys.found("set")) lqr.set_place = set->place();
 }
 
 bool LqrForm::read(const YamlReader& reader, TerminalLqrSpec& lqr) const {

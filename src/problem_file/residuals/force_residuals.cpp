@@ -111,9 +111,7 @@ ResidualKey of_pyramids(ResidualKey key, const char* message) {
   key.visit = [visit = std::move(key.visit), message](Keys& keys, KeyInfo info, CostSpec& cost) {
     info.omitted = cost.keys.value(key::cone);
     visit(keys, info, cost);
-    YamlMap* map = info.omitted ? keys.reading() : nullptr;
-    if (const auto value = map != nullptr ? map->find(info.name) : std::nullopt)
-      value->error(message);
+    if (const auto value = keys.found(info.name); value && info.omitted) value->error(message);
   };
   return key;
 }

@@ -36,10 +36,9 @@ void check(YamlMap& map, ActivationKind kind) {
 void describe(Keys& keys, ActivationSpec& activation) {
   keys.about({.title = "Activation with its parameters",
               .examples = R"([{"kind": "smooth_l1", "epsilon": 0.01}])"});
-  YamlMap* map = keys.reading();
-  const int errors = map != nullptr ? map->reader().diagnostics().error_count() : 0;
+  const int errors = keys.errors();
   keys({.name = "kind", .says = "Which activation", .required = true}, activation.kind, kKind);
-  const bool known = map != nullptr && map->reader().diagnostics().error_count() == errors;
+  const bool known = keys.errors() == errors;
   const bool barrier = activation.kind == ActivationKind::quadratic_barrier;
   static constexpr Choice<bool> kSources[] = {{"urdf", true}};
   keys({.name = "from",
@@ -58,7 +57,7 @@ void describe(Keys& keys, ActivationSpec& activation) {
         .says = "Width of the smooth norms, in the residual's unit",
         .omitted = barrier || !has_keys(activation.kind)},
        activation.epsilon, NumberForm{kPositive});
-  if (known) check(*map, activation.kind);
+  if (YamlMap* map = keys.reading(); map != nullptr && known) check(*map, activation.kind);
 }
 
 bool ActivationForm::read(const YamlReader& reader, ActivationSpec& activation) const {

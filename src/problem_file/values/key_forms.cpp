@@ -284,9 +284,8 @@ OrderedJson TwistForm::schema(const TwistSpec& /*names the type*/,
 namespace {
 
 /// Warns of angles beyond a full turn.
-void warn_of_degrees(const std::vector<double>& angles, const YamlReader& reader) {
-  const double largest = std::abs(*std::max_element(
-      angles.begin(), angles.end(), [](double a, double b) { return std::abs(a) < std::abs(b); }));
+void warn_of_degrees(const Vector3<double>& angles, const YamlReader& reader) {
+  const double largest = std::max({std::abs(angles.x), std::abs(angles.y), std::abs(angles.z)});
   if (largest > 2 * std::numbers::pi)
     reader.diagnostics().warning(reader.place(),
                                  fmt::format("an angle of {:.6g} rad is more than a turn", largest),
@@ -297,17 +296,13 @@ void warn_of_degrees(const std::vector<double>& angles, const YamlReader& reader
 /// A rotation in one of its forms: quaternion, or angles.
 void describe_rotation(Keys& keys, std::optional<Quaternion<double>>& rotation) {
   keys({"orientation", "Unit quaternion [x, y, z, w]"}, rotation, QuaternionForm{});
-  const auto read = [&rotation](const YamlReader& reader) {
-    const auto n = reader.numbers(3, "[roll, pitch, yaw] in rad");
-    if (!n) return;
-    warn_of_degrees(*n, reader);
-    rotation = of_unit_length(quaternion(rotation_rpy((*n)[0], (*n)[1], (*n)[2])));
-  };
-  keys({"rpy", "Roll, pitch, yaw about fixed axes, rad"},
-       CustomValue{
-           read,
-           {},
-           R"({"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3})"});
+  std::optional<Vector3<double>> rpy;
+  keys({"rpy", "Roll, pitch, yaw about fixed axes, rad"}, rpy,
+       VectorForm{"[roll, pitch, yaw] in rad"});
+  if (rpy) {
+    warn_of_degrees(*rpy, *keys.found("rpy"));
+    rotation = of_unit_length(quaternion(rotation_rpy(rpy->x, rpy->y, rpy->z)));
+  }
   keys.exclusive({"orientation", "rpy"});
 }
 
@@ -420,18 +415,6 @@ SchemaDefinitions value_definitions() {
       "type": "array", "title": "Motion of a base in the plane",
       "description": "[x, y, yaw]: forward and to the left as the base points before (m), and a turn about its origin (rad)",
       "items": {"type": "number"}, "minItems": 3, "maxItems": 3, "examples": [[0.3, 0, 0.5]]
-    },
-    "free_parameter": {
-      "type": "object", "title": "A parameter that the solver chooses",
-      "description": "A name of expressions; the first phase chooses it with the initial state",
-      "properties": {
-        "free": {"const": true, "description": "Says that it is chosen"},
-        "lower": {"type": "number", "description": "Least value, in any unit"},
-        "upper": {"type": "number", "description": "Largest value, in any unit"},
-        "start": {"type": "number", "description": "Where the solver begins; the middle of the bounds by default, in any unit"}
-      },
-      "required": ["free", "lower", "upper"], "additionalProperties": false,
-      "examples": [{"free": true, "lower": 0.5, "upper": 2}]
     }
   })json");
 }

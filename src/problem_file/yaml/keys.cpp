@@ -6,6 +6,20 @@
 
 namespace conddp {
 
+std::optional<YamlReader> Keys::found(std::string_view key) {
+  YamlMap* map = reading();
+  return map != nullptr && map->reader().has(key) ? map->find(key) : std::nullopt;
+}
+
+void Keys::error(std::string message, std::string hint) {
+  if (YamlMap* map = reading()) map->reader().error(std::move(message), std::move(hint));
+}
+
+int Keys::errors() {
+  YamlMap* map = reading();
+  return map != nullptr ? map->reader().diagnostics().error_count() : 0;
+}
+
 void KeyReader::visit(const KeyInfo& key, KeyValue& value) {
   if (const auto reader = key.required ? map_.require(key.name) : map_.find(key.name))
     value.read(*reader);

@@ -71,6 +71,12 @@ class Keys {
   virtual void removed(std::string_view /*name*/, std::string_view /*hint*/) {}
   /// The mapping while it is read, for checks of several keys; otherwise null.
   virtual YamlMap* reading() { return nullptr; }
+  /// The value of a key while the mapping is read and has it.
+  std::optional<YamlReader> found(std::string_view key);
+  /// Reports an error of the mapping while it is read.
+  void error(std::string message, std::string hint = {});
+  /// Number of errors so far while the mapping is read.
+  int errors();
   /// True if the keys are documented, where those of all kinds of a mapping count.
   virtual bool documents() const { return false; }
 };

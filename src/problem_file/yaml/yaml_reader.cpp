@@ -256,36 +256,12 @@ bool YamlMap::exclusive(std::initializer_list<std::string_view> keys) {
   return false;
 }
 
-bool YamlMap::number(std::string_view key, double& value, const NumberRange& range) {
-  const auto reader = find(key);
-  if (!reader) return false;
-  const auto number = reader->number(range);
-  if (number) value = *number;
-  return number.has_value();
-}
-
 bool YamlMap::integer(std::string_view key, int& value, int lower, int upper) {
   const auto reader = find(key);
   if (!reader) return false;
   const auto number = reader->integer(lower, upper);
   if (number) value = static_cast<int>(*number);
   return number.has_value();
-}
-
-bool YamlMap::text(std::string_view key, std::string& value) {
-  const auto reader = find(key);
-  if (!reader) return false;
-  auto text = reader->text();
-  if (text) value = std::move(*text);
-  return text.has_value();
-}
-
-bool YamlMap::name(std::string_view key, Name& value) {
-  const auto reader = find(key);
-  if (!reader) return false;
-  auto name = reader->name();
-  if (name) value = std::move(*name);
-  return name.has_value();
 }
 
 void YamlMap::finish() {

@@ -124,18 +124,10 @@ class YamlMap {
   bool valid() const { return valid_; }
   const YamlReader& reader() const { return reader_; }
 
-  bool number(std::string_view key, double& value, const NumberRange& range = kAnyNumber);
   bool integer(std::string_view key, int& value, int lower, int upper);
-  bool text(std::string_view key, std::string& value);
-  bool name(std::string_view key, Name& value);
   template <class E, std::size_t N>
   void choice(std::string_view key, E& value, const Choice<E> (&table)[N], std::string_view what) {
     if (const auto reader = find(key)) value = reader->choice(table, what).value_or(value);
-  }
-  /// Sets a value by make(reader), where the reader holds the key's value.
-  template <class T, class Make>
-  void read(std::string_view key, T& value, Make make) {
-    if (const auto reader = find(key)) value = make(*reader);
   }
 
   /// Reports unknown keys now.
@@ -152,23 +144,5 @@ class YamlMap {
   bool finished_ = false;
   std::vector<std::string> known_;
 };
-
-/// Calls read(name, value) for each freely named entry under a key, if the key is present.
-template <class Read>
-void for_each_entry(YamlMap& map, std::string_view key, Read read) {
-  const auto reader = map.find(key);
-  if (!reader) return;
-  if (const auto entries = reader->named_entries())
-    for (const auto& [name, value] : *entries) read(name, value);
-}
-
-/// Calls read(item) for each element of the list under a key, if the key is present.
-template <class Read>
-void for_each_item(YamlMap& map, std::string_view key, Read read) {
-  const auto reader = map.find(key);
-  if (!reader) return;
-  if (const auto items = reader->items())
-    for (const YamlReader& item : *items) read(item);
-}
 
 }  // namespace conddp
