@@ -120,7 +120,7 @@ TEST(Allocation, NoneInAnIterationAfterTheFirst) {
 
 TEST(Allocation, NoneWithConstraintsOrInNewtonSteps) {
   for (const auto& [name, problem, control, cost] : testing::published_cases()) {
-    for (const char* solver : {"altro", "proxddp"}) {
+    for (const char* solver : {"altro", "proxddp", "ipddp"}) {
       const Count count = count_allocations(problem, *find_solver(solver),
                                             testing::constant_controls(problem, control), {});
       EXPECT_GE(count.iterations, 5) << name << ' ' << solver;

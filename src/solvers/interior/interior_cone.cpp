@@ -47,7 +47,7 @@ double in_cone_until(const Vector& s, const Vector& d) {
 }  // namespace
 
 InteriorCone::InteriorCone(const NodeConstraint& constraint)
-    : constraint_(&constraint), n_(constraint.term->rows) {
+    : constraint_(&constraint), n_(constraint.term->rows), factor_(n_) {
   for (Vector* v : {&s_, &nu_, &p_, &saved_s_, &saved_p_, &residual_, &push_, &along_, &ds_, &dnu_,
                     &dp_, &off_, &work_})
     *v = Vector::Zero(n_);
@@ -95,7 +95,10 @@ void InteriorCone::scale(double mu) {
     P_.noalias() = (4 * mu / (q * q)) * nu_ * nu_.transpose();
     P_.diagonal().array() += 2 * mu / q;
   }
-  inverse_ = (W2_ + P_).inverse();
+  inverse_ = W2_ + P_;
+  factor_.compute(inverse_);
+  inverse_.setIdentity();
+  factor_.solveInPlace(inverse_);
 }
 
 void InteriorCone::add_gradient(const ShootingProblem& problem, double mu, Linearization& to) {

@@ -22,11 +22,17 @@ class InteriorCone {
   explicit InteriorCone(const NodeConstraint& constraint);
 
   int node() const { return constraint_->node; }
+  /// Sets slack and multiplier at the values of all constraint rows of the problem.
   void start(const Eigen::VectorXd& rows, double mu);
+  /// Computes the residual g + p − s.
   void measure(const Eigen::VectorXd& rows);
+  /// Subtracts ν from the multipliers of its rows.
   void write_multipliers(Eigen::VectorXd& multipliers) const;
+  /// Adds −Cᵀ D⁻¹ push to the gradient of the node, and Cᵀ D⁻¹ C to its Hessian.
   void add_gradient(const ShootingProblem& problem, double mu, Linearization& to);
   void add_hessian(const ShootingProblem& problem, Linearization& to);
+  /// Computes the steps of s, ν and p, and shortens the limits so that `left` of each distance from
+  /// the boundary is left.
   void expand(const ShootingProblem& problem, const Linearization& linearization,
               const LinearRollout& step, double left, StepLimits& limits);
   /// Derivative of the barrier function along the step, beyond that of the Lagrangian.
@@ -52,6 +58,7 @@ class InteriorCone {
   Eigen::VectorXd s_, nu_, p_, saved_s_, saved_p_, residual_, push_, along_, ds_, dnu_, dp_;
   Eigen::VectorXd off_;               ///< p(ν) − p
   Eigen::MatrixXd W2_, P_, inverse_;  ///< W², ∂p/∂ν, D⁻¹
+  Eigen::LLT<Eigen::MatrixXd> factor_;
   Eigen::MatrixXd product_;           ///< D⁻¹ C
   mutable Eigen::VectorXd work_;
 };

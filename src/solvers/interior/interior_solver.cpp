@@ -78,6 +78,7 @@ InteriorSolver::InteriorSolver(const ShootingProblem& problem, const SolverOptio
       newton_(problem, evaluator_),
       dx_(problem.ndx()),
       multipliers_(Eigen::VectorXd::Zero(problem.constraint_rows())),
+      penalty_(Eigen::VectorXd::Ones(problem.constraint_rows())),
       is_exact_(problem.knots() + 1),
       linear_costs_(has_linear_costs(problem)) {
   for (const KnotLinearization& knot : linearization_.knots) {
@@ -403,7 +404,7 @@ void InteriorSolver::end_by_newton() {
   terms_.write_multipliers(trajectory_, multipliers_);
   trial_ = trajectory_;
   terms_.snap(trial_);
-  newton_.start(trial_, multipliers_, Eigen::VectorXd::Ones(multipliers_.size()), feedback_);
+  newton_.start(trial_, multipliers_, penalty_, feedback_);
   IterationRecord& row = record_.row;
   row.barrier = row.relaxation = 0;
   for (int i = 0;; ++i) {

@@ -74,7 +74,7 @@ class InteriorSolver {
   Trajectory trajectory_, trial_;
   SingleRollout rolled_;
   ProjectedNewton newton_;
-  Eigen::VectorXd dx_, multipliers_;
+  Eigen::VectorXd dx_, multipliers_, penalty_;
   std::vector<Eigen::VectorXd> gradient_;        ///< of the Lagrangian, by node
   std::vector<Eigen::MatrixXd> convex_, exact_;  ///< Hessians by node, with all terms
   std::vector<bool> is_exact_;                   ///< of the Hessian that a node uses
