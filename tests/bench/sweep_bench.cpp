@@ -112,36 +112,6 @@ void sweep(benchmark::State& state) {
 }
 BENCHMARK(sweep)->DenseRange(0, 2);
 
-/// The same with two segments, or one, on this many threads.
-void sweep_by_segments(benchmark::State& state) {
-  constexpr int kLong = 50;
-  const Segments segments{static_cast<int>(state.range(1)), static_cast<int>(state.range(2))};
-  const ShootingProblem problem = problem_of(kSizes[state.range(0)], kLong);
-  const Linearization linearization = linearization_of(problem);
-  const ControlBounds bounds(problem);
-  const Trajectory trajectory = problem.create_trajectory();
-  const auto policy = box_stage(problem, segments.count);
-  BackwardSweep backward(problem, bounds, segments);
-  Feedback feedback(problem);
-  const Gaps gaps(problem);  // no gaps
-  // The first sweep is sequential.
-  backward.run(linearization, trajectory, gaps, {}, *policy, feedback, true);
-  for (auto _ : state) {
-    if (backward.run(linearization, trajectory, gaps, {}, *policy, feedback, true) >= 0) {
-      state.SkipWithError("a stage has no minimum");
-      break;
-    }
-    benchmark::DoNotOptimize(feedback.k.front().data());
-  }
-  state.SetLabel(kSizes[state.range(0)].name);
-  count_knots(state, kLong);
-}
-BENCHMARK(sweep_by_segments)
-    ->ArgNames({"", "segments", "threads"})
-    ->ArgsProduct({{0, 1, 2}, {1}, {1}})
-    ->ArgsProduct({{0, 1, 2}, {2}, {1, 2}})
-    ->UseRealTime();
-
 /// Propagation of the value through the dynamics only.
 void propagation(benchmark::State& state) {
   const ShootingProblem problem = problem_of(kSizes[state.range(0)]);

@@ -228,8 +228,6 @@ class ProblemComposer {
       keys.push_back(fmt::format("name: {}", solver_ != nullptr ? solver_->name : kAutoSolver));
     keys.push_back(fmt::format("max_iterations: {}", 20 + random_.index(31)));
     if (random_.chance(0.1)) keys.push_back("threads: 2");
-    if (solver_ != nullptr ? solver_->segments && random_.chance(0.3) : random_.chance(0.05))
-      keys.push_back(fmt::format("segments: {}", 2 + random_.index(3)));
     if (random_.chance(0.06)) keys.push_back("restarts: {count: 1, spread: 0.05}");
     if (random_.chance(0.06) && !costs_.empty())
       keys.push_back("homotopy: [{key: costs.c0.weight, from: 0.1, to: 2}]");

@@ -40,7 +40,7 @@ Coverage::Coverage(const std::vector<std::string>& bodies) {
     for (const char* softness : {"hard", "l1", "l2"}) expect(where, softness);
   for (const auto& [kind, name] : kSets) expect("set", name);
   for (const SolverInfo& info : solvers()) expect("solver", info.name);
-  for (const char* other : {"auto", "drop", "homotopy", "restarts", "segments", "choice", "impulse",
+  for (const char* other : {"auto", "drop", "homotopy", "restarts", "choice", "impulse",
                             "free duration", "perturbation"})
     expect("with", other);
 }
@@ -91,7 +91,6 @@ void Coverage::add(const std::string& body, const BuiltProblem& built, const Sol
   with(!built.dropped.empty(), "drop");
   with(built.homotopy != nullptr, "homotopy");
   with(spec.solver.options.restarts.count > 0, "restarts");
-  with(spec.solver.options.segments > 1, "segments");
   with(spec.perturbation.any(), "perturbation");
   for (const PhaseSpec& phase : spec.phases) {
     with(phase.choice.has_value(), "choice");

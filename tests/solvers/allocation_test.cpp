@@ -221,18 +221,6 @@ TEST(Allocation, NoneWithPartwiseExactHessiansOfARobot) {
   }
 }
 
-TEST(Allocation, NoneInSegmentSweeps) {
-  for (const auto& [name, problem, control, cost] : testing::published_cases()) {
-    for (const int threads : {1, 2}) {
-      const Count count = count_allocations(problem, *find_solver("proxddp"),
-                                            testing::constant_controls(problem, control),
-                                            {.threads = threads, .segments = 3});
-      EXPECT_GE(count.iterations, 5) << name;
-      EXPECT_EQ(count.allocations, 0) << name << ", threads " << threads;
-    }
-  }
-}
-
 TEST(Allocation, NoneInDescentsThroughTheHorizonModel) {
   const testing::ConicLinearQuadratic conic(1, testing::alternating_size());
   for (const char* solver : {"altro", "proxddp"}) {

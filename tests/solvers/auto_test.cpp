@@ -24,8 +24,6 @@ TEST(AutoSolver, DependsOnProblemAndOptions) {
   const ShootingProblem constrained = testing::with_constraints(*lq.problem, testing::cuts(lq));
   EXPECT_EQ(names_of(auto_solvers(*lq.problem, {})), (Names{"box_fddp", "ipopt"}));
   EXPECT_EQ(names_of(auto_solvers(constrained, {})), (Names{"altro", "proxddp", "ipopt"}));
-  EXPECT_EQ(names_of(auto_solvers(constrained, {.segments = 2})), (Names{"proxddp"}));
-  EXPECT_TRUE(auto_solvers(constrained, {.segments = 100}).empty());
   const SolveResult by_name = solve(constrained, "auto", {}, constrained.create_trajectory());
   const SolveResult altro = solve(constrained, "altro", {}, constrained.create_trajectory());
   EXPECT_EQ(by_name.status, SolveStatus::converged);
@@ -40,8 +38,6 @@ TEST(AutoSolver, ExplainsItsOrderOfSolvers) {
   EXPECT_EQ(
       describe_auto(constrained, auto_solvers(constrained, {})),
       "altro, since there are constraints besides bounds on the control; then proxddp, ipopt");
-  EXPECT_EQ(describe_auto(constrained, auto_solvers(constrained, {.segments = 2})),
-            "proxddp, since there are constraints besides bounds on the control");
 }
 
 /// A solver that makes no progress.

@@ -23,7 +23,7 @@ struct EqualityIterate {
         trajectory(testing::random_guess(problem, 3, 0.3)),
         lagrangian(problem, {}, MultiplierSchedule::by_the_sweep),
         stages(problem),
-        sweep(problem, bounds, {}),
+        sweep(problem, bounds),
         feedback(problem),
         step(problem, bounds),
         search(problem) {

@@ -97,17 +97,6 @@ TEST(Refusals, NameTheBound) {
   EXPECT_EQ(reason("ilqr_clip", problem), "");
 }
 
-TEST(Refusals, NameSolversAndHorizonsUnfitForSegments) {
-  const ShootingProblem problem = testing::pendulum_swing_up(3);  // 50 knots
-  const auto segments = [&](const char* solver, int count) {
-    return unsupported_segments(*find_solver(solver), problem, count).value_or("");
-  };
-  EXPECT_EQ(segments("proxddp", 50), "");
-  EXPECT_NE(segments("proxddp", 51).find("the horizon has 50"), std::string::npos);
-  EXPECT_NE(segments("altro", 2).find("proxddp"), std::string::npos);
-  EXPECT_EQ(segments("altro", 1), "");
-}
-
 TEST(AutoSolver, TriesSolversWithTheRequestedHessian) {
   const ShootingProblem problem = testing::pendulum_swing_up(3);
   for (const HessianChoice choice : {HessianChoice::exact, HessianChoice::gauss_newton}) {

@@ -579,19 +579,14 @@ const SolverInfo& nearest_solver(const ShootingProblem& problem) {
   return list.empty() ? *find_solver("altro") : *list.front();
 }
 
-/// The solver, if it supports the problem with the options of the spec; else empty, with a report.
+/// The solver, if it supports the problem; else empty, with a report.
 std::vector<const SolverInfo*> supporting(const SolverInfo& solver, const ProblemSpec& spec,
                                           const ShootingProblem& problem, Diagnostics& out) {
   if (const auto reason = unsupported(solver, problem)) {
     report_unsupported(spec, *reason, unsupported_constraints(solver, problem), out);
     return {};
   }
-  const auto too_many = unsupported_segments(solver, problem, spec.solver.options.segments);
-  if (!too_many) return {&solver};
-  const Place& named = spec.solver.name.place;
-  out.error(is_written(named) ? named : spec.solver.place, *too_many,
-            "leave 'segments' out, or write a smaller number");
-  return {};
+  return {&solver};
 }
 
 }  // namespace

@@ -59,9 +59,8 @@ void check_problem(const ProblemSpec& spec, Diagnostics& out) {
     out.error(spec.solver.place,
               "the clock of a closed loop is simulated: a solve has no time limit",
               "leave out 'max_time_s'");
-  if (!spec.solver.homotopy.empty() || options.restarts.count > 0 || options.segments > 1)
-    out.error(spec.solver.place,
-              "the solver of a closed loop has no restarts, no homotopy and one segment");
+  if (!spec.solver.homotopy.empty() || options.restarts.count > 0)
+    out.error(spec.solver.place, "the solver of a closed loop has no restarts and no homotopy");
 }
 
 bool is_multiple(double length, double step) {

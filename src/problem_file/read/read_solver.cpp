@@ -143,9 +143,11 @@ struct RemovedOption {
   std::string_view hint = "leave it out: conddp chooses it";
 };
 constexpr std::string_view kByWeight = "leave it out: conddp adapts the weight, from 'initial' on";
+constexpr std::string_view kBySteps = "leave it out: 'threads' share the knots of each evaluation";
 constexpr std::string_view kByEpsilon = "leave it out: 'initial' sets the first epsilon";
 constexpr RemovedOption kRemoved[] = {
-    {"", "legs", "write 'segments'"},
+    {"", "legs", kBySteps},
+    {"", "segments", kBySteps},
     {"", "line_search"},
     {"", "box_qp"},
     {"regularization", "kind", kByWeight},

@@ -28,19 +28,11 @@ constexpr std::array kTable = {
                .min = 0,
                .max = kInfinity,
                .access = CONDDP_ACCESS(max_time_s)},
-    OptionInfo{
-        .name = "threads",
-        .doc = "Threads that evaluate and differentiate knots and sweep segments; results do not "
-               "depend on it.",
-        .min = 1,
-        .max = 1024,
-        .access = CONDDP_ACCESS(threads)},
-    OptionInfo{.name = "segments",
-               .doc = "For proxddp: horizon segments swept in parallel, as far as there are "
-                      "threads; at most as many as knots.",
+    OptionInfo{.name = "threads",
+               .doc = "Threads that evaluate and differentiate knots; results do not depend on it.",
                .min = 1,
                .max = 1024,
-               .access = CONDDP_ACCESS(segments)},
+               .access = CONDDP_ACCESS(threads)},
     OptionInfo{.name = "hessian",
                .doc = "Second derivatives of the dynamics: the solver's own choice, left out, or "
                       "exact. Where a cost is linear in its residual, automatic means exact for "

@@ -32,7 +32,6 @@ struct SolverOptions {
   int max_iterations = 1000;
   double max_time_s = std::numeric_limits<double>::infinity();
   int threads = 1;
-  int segments = 1;
   HessianChoice hessian = HessianChoice::automatic;
 
   struct Tolerances {

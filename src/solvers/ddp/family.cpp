@@ -63,7 +63,6 @@ constexpr DdpMember kFamily[] = {
                 .box_stage = true,
                 .constraints = true,
                 .multipliers = MultiplierSchedule::bound_constrained_lagrangian,
-                .segments = true,
                 .hessian = HessianUse::when_slow}},
 };
 

@@ -28,9 +28,8 @@ Direction::Direction(const ShootingProblem& problem, const ControlBounds& bounds
     : problem_(problem),
       bounds_(bounds),
       recipe_(recipe),
-      sweep_(problem, bounds, recipe.segments),
-      stages_(recipe.box_stage ? box_stage(problem, recipe.segments.count)
-                               : unconstrained_stage(problem)),
+      sweep_(problem, bounds),
+      stages_(recipe.box_stage ? box_stage(problem) : unconstrained_stage(problem)),
       linear_rollout_(problem, bounds),
       feedback_(problem),
       lbfgs_(bounds) {
@@ -245,7 +244,6 @@ void Direction::exchange_memory(Direction& other) {
 
 void Direction::reset() {
   forget_steps();
-  sweep_.use_segments(true);
   models_costs_ = true;
   sweeps_ = 0;
   if (constraints_) constraints_->reset();

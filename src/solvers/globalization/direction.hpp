@@ -23,7 +23,6 @@ class Direction {
     bool clamp_controls = false;
     bool box_stage = false;
     bool null_space = false;  ///< the stages enforce equality constraints
-    Segments segments;        ///< of sweeps with box-constrained stages
   };
   Direction(const ShootingProblem& problem, const ControlBounds& bounds, const Recipe& recipe);
 
@@ -31,12 +30,8 @@ class Direction {
   void reset();
   /// Exchanges the memory of sweeps with another problem's direction, before both begin a solve.
   void exchange_memory(Direction& other);
-  /// Restricts gains to the iterate itself until the next reset(): sweeps run from end to start,
-  /// and costs are modeled only at the iterate.
-  void stay_at_iterate() {
-    sweep_.use_segments(false);
-    models_costs_ = false;
-  }
+  /// Restricts gains to the iterate itself until the next reset(): costs are modeled only there.
+  void stay_at_iterate() { models_costs_ = false; }
   /// Fills feedback() around an iterate and rolls it out through the linear model. Returns the knot
   /// of a stage without a minimum, or −1. With an augmentation, the linearization is that of the
   /// augmented Lagrangian; it is changed temporarily and then restored.

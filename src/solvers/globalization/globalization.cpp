@@ -44,8 +44,7 @@ Globalization::Globalization(const ShootingProblem& problem, const ControlBounds
                  {.clamp_controls = recipe.clamp_controls,
                   .box_stage = recipe.box_stage,
                   .null_space = recipe.multipliers == MultiplierSchedule::by_the_sweep &&
-                                !problem.constraints().empty(),
-                  .segments = {recipe.segments ? options.segments : 1, options.threads}}),
+                                !problem.constraints().empty()}),
       line_search_(problem),
       open_gap_search_(problem, bounds, recipe.clamp_controls),
       full_step_search_(problem, bounds, options.tolerances),

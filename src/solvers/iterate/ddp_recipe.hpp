@@ -26,7 +26,6 @@ struct DdpRecipe {
   MultiplierSchedule multipliers = MultiplierSchedule::always;
   bool least_violation = false;  ///< seeks a point of least violation
   bool newton = false;           ///< a projected Newton method ends the solve
-  bool segments = false;         ///< sweeps may use segments of the horizon
   /// Second derivatives. With `when_slow`, the options decide or, if these are automatic, the solve
   /// does. Exact derivatives wait until the gaps are closed.
   HessianUse hessian = HessianUse::gauss_newton;

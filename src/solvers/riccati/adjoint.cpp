@@ -64,7 +64,7 @@ PlainAdjoint::PlainAdjoint(const ShootingProblem& problem, const ControlBounds& 
       bounds_(bounds),
       lagrangian_(problem),
       linearization_(problem),
-      sweep_(problem, bounds, {}),
+      sweep_(problem, bounds),
       stages_(unconstrained_stage(problem)),
       feedback_(problem),
       adjoint_(problem, bounds) {

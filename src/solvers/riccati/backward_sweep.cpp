@@ -7,14 +7,9 @@
 
 namespace conddp {
 
-BackwardSweep::BackwardSweep(const ShootingProblem& problem, const ControlBounds& bounds,
-                             Segments segments)
-    : bounds_(bounds),
-      values_(problem.knots() + 1, ValueFunction(problem.ndx())),
-      stage_(problem),
-      bounded_(problem.has_control_bounds()) {
+BackwardSweep::BackwardSweep(const ShootingProblem& problem, const ControlBounds& bounds)
+    : bounds_(bounds), values_(problem.knots() + 1, ValueFunction(problem.ndx())), stage_(problem) {
   for (int k = 0; k < problem.knots(); ++k) Quu_.emplace_back(problem.nu(k), problem.nu(k));
-  if (segments.count > 1) segments_ = std::make_unique<SegmentSweep>(problem, segments);
 }
 
 /// Sets the value at the last node.
@@ -51,25 +46,14 @@ int BackwardSweep::run(const Linearization& linearization, const Trajectory& tra
   const SweptHorizon horizon{linearization, trajectory, gaps, bounds_};
   stages.begin_horizon(linearization, gaps);
   stages.active_set().begin_sweep(hold);
-  if (goes_by_segments(hold, regularization))
-    if (const auto bad_knot = segments_->run(horizon, stages, feedback, values_, Quu_))
-      return *bad_knot;
-  // A sweep cannot continue from values before the last segment.
-  if (segments_) from.reset();
   if (!from) start_at_end(linearization, regularization);
-  const int bad_knot = sweep_from(from.value_or(N - 1), horizon, regularization, stages, feedback);
-  if (segments_ && bad_knot < 0) segments_->start_from(values_);
-  return bad_knot;
+  return sweep_from(from.value_or(N - 1), horizon, regularization, stages, feedback);
 }
 
 void BackwardSweep::exchange_memory(BackwardSweep& other) {
   for (std::size_t k = 0; k < std::min(values_.size(), other.values_.size()); ++k)
     exchange(values_[k].Vxx, other.values_[k].Vxx);
   exchange(Quu_, other.Quu_);
-}
-
-bool BackwardSweep::goes_by_segments(bool hold, double regularization) const {
-  return segments_ && use_segments_ && (hold || !bounded_) && regularization == 0;
 }
 
 }  // namespace conddp

@@ -1,10 +1,8 @@
 #pragma once
 
-#include <memory>
 #include <optional>
 #include <vector>
 
-#include "solvers/riccati/segment_sweep.hpp"
 #include "solvers/stages/stage_sweep.hpp"
 
 namespace conddp {
@@ -16,15 +14,9 @@ namespace conddp {
 ///   V_xx = Q_xx + Kᵀ Q_uu K + Kᵀ Q_ux + Q_xu K.
 /// If K minimizes the stage, the rows of Q_uu K + Q_ux that K does not leave out are zero; then
 ///   V_xx = Q_xx + Kᵀ Q_ux.
-///
-/// With several segments, sweeps with an affine policy run by segments (SegmentSweep). These are
-/// the sweeps without regularization that hold their active set or whose controls are unbounded.
-/// The policy's step through the linear model is the same. Before the last segment, gains and
-/// values belong to approximate values at the segment ends, which are near the true ones.
 class BackwardSweep {
  public:
-  BackwardSweep(const ShootingProblem& problem, const ControlBounds& bounds,
-                Segments segments = {});
+  BackwardSweep(const ShootingProblem& problem, const ControlBounds& bounds);
 
   /// Fills `feedback` for the full step, which closes the gaps. Returns the knot of a stage that is
   /// not finite or lacks a minimum, or −1 on success. `regularization`: the weight μ of
@@ -43,23 +35,17 @@ class BackwardSweep {
   /// Exchanges the memory of values with another problem's sweep, before both run again.
   void exchange_memory(BackwardSweep& other);
 
-  /// Allows or forbids sweeping by segments, if there are several.
-  void use_segments(bool use) { use_segments_ = use; }
-
  private:
   void start_at_end(const Linearization& linearization, double regularization);
   int sweep_from(int knot, const SweptHorizon& horizon, double regularization, StageSolver& stages,
                  Feedback& feedback);
   bool pass_stage(int knot, const SweptHorizon& horizon, double regularization, StageSolver& stages,
                   Feedback& feedback);
-  bool goes_by_segments(bool hold, double regularization) const;
 
   const ControlBounds& bounds_;
   std::vector<ValueFunction> values_;  ///< N + 1
   std::vector<Eigen::MatrixXd> Quu_;
   StageSweep stage_;
-  std::unique_ptr<SegmentSweep> segments_;  ///< null if there is only one
-  bool bounded_, use_segments_ = true;
 };
 
 }  // namespace conddp

@@ -57,10 +57,6 @@ int ActiveSet::revise(int knot, const Eigen::Ref<const Eigen::VectorXd>& dx,
   return changes;
 }
 
-void ActiveSet::change_gradient(int knot, const Eigen::Ref<const Eigen::VectorXd>& change) {
-  knots_[knot].Qu += change;
-}
-
 void ActiveSet::assume_sides(int knot, const Eigen::Ref<const Eigen::VectorXd>& side) {
   for (int i = 0; i < side.size(); ++i) {
     BoundState& state = knots_[knot].states[i];

@@ -32,9 +32,6 @@ class ActiveSet {
   /// has the wrong sign. Returns the number of changed entries.
   int revise(int knot, const Eigen::Ref<const Eigen::VectorXd>& dx,
              const Eigen::Ref<const Eigen::VectorXd>& du);
-  /// Records that the linear term Q_u of a knot, and with it the policy's k, has changed by
-  /// `change` since the sweep.
-  void change_gradient(int knot, const Eigen::Ref<const Eigen::VectorXd>& change);
   /// Holds the controls of this knot at their lower bounds where `side` is negative and at their
   /// upper bounds where it is positive. The others are free. To be called after a sweep.
   void assume_sides(int knot, const Eigen::Ref<const Eigen::VectorXd>& side);

@@ -77,17 +77,6 @@ void GapTransport::pull(ValueFunction& value) const {
   }
 }
 
-void GapTransport::pull(const LaneBlock& L, Eigen::VectorXd& s) const {
-  if (none_) return;
-  s.noalias() += L.view() * gap_;
-  if (identity_) return;
-  for (std::size_t i = 0; i < manifold_.curved().size(); ++i) {
-    const auto& segment = manifold_.curved()[i];
-    const CurvedBlock G{block(i), segment.n, segment.n};
-    transform_columns(G, L.data + segment.dx * L.stride, L.stride, L.rows);
-  }
-}
-
 void GapTransport::pull_gradient(const ValueFunction& value, Eigen::Ref<Eigen::VectorXd> Vx) const {
   Vx = value.Vx;
   if (none_) return;

@@ -5,7 +5,6 @@
 #include <Eigen/Core>
 
 #include "ocp/evaluation/linearization.hpp"
-#include "solvers/linalg/lane_matrix.hpp"
 #include "solvers/stages/value_function.hpp"
 
 namespace conddp {
@@ -32,9 +31,6 @@ class GapTransport {
   /// Pulls the value at x_{k+1} back to a function of δf at a full step: V_x ← Gᵀ (V_x + V_xx f̄),
   /// V_xx ← Gᵀ V_xx G.
   void pull(ValueFunction& value) const;
-  /// Pulls back the linear terms of parameters in that value, one per row of L (ndx columns): s ← s
-  /// + L f̄, L ← L G.
-  void pull(const LaneBlock& L, Eigen::VectorXd& s) const;
   /// `Vx` ← the gradient of the value pulled back in this way.
   void pull_gradient(const ValueFunction& value, Eigen::Ref<Eigen::VectorXd> Vx) const;
   /// True if G is the identity.

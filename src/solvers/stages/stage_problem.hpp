@@ -15,13 +15,11 @@ struct StageProblem {
   using Vector = Eigen::Map<const Eigen::VectorXd>;
 
   int knot;
-  /// ndx x nu. Sweeps by segments have more rows, for the linear terms of parameters.
-  ConstStridedView Qxu;
+  ConstStridedView Qxu;  ///< ndx x nu
   ConstStridedView Quu;  ///< nu x nu
   Vector Qu;             ///< nu
   Vector u;              ///< the knot's current control
   Vector lower, upper;   ///< of the control, infinite if free
-  int segment = 0;       ///< stages of different segments may be solved at once
 
   /// Writes the right-hand side of control i: column j of `to` (one row more than Q_xu) ← −(Q_xu;
   /// Q_uᵀ).

@@ -52,7 +52,6 @@ std::unique_ptr<StageSolver> unconstrained_stage(const ShootingProblem& problem)
 ///
 /// This set ignores the steps of earlier knots. Alternating `ActiveSet::revise` and held sweeps
 /// approach the active set of the horizon's box-constrained QP.
-/// `segments`: number of segments whose stages may be solved at once.
-std::unique_ptr<StageSolver> box_stage(const ShootingProblem& problem, int segments = 1);
+std::unique_ptr<StageSolver> box_stage(const ShootingProblem& problem);
 
 }  // namespace conddp

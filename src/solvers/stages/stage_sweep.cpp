@@ -23,18 +23,10 @@ StageProblem::Vector view(const Vector& v) {
 
 }  // namespace
 
-int parameter_row(const ShootingProblem& problem) {
-  return (problem.ndx() + kLaneWidth - 1) / kLaneWidth * kLaneWidth;
-}
-
-int parametric_rows(const ShootingProblem& problem) {
-  return parameter_row(problem) + problem.ndx();
-}
-
-StageSweep::StageSweep(const ShootingProblem& problem, bool parametric)
+StageSweep::StageSweep(const ShootingProblem& problem)
     : propagation_(problem.ndx(), largest_nu(problem)),
       q_(problem.ndx(), largest_nu(problem)),
-      Kt_((parametric ? parametric_rows(problem) : problem.ndx()) + 1, largest_nu(problem)),
+      Kt_(problem.ndx() + 1, largest_nu(problem)),
       M_(problem.ndx(), largest_nu(problem)),
       w_(largest_nu(problem)) {}
 
@@ -46,40 +38,21 @@ bool StageSweep::solve(const SweptHorizon& horizon, int k, double regularization
                        StageSolver& stages, Feedback& feedback) {
   const int nu = q_.nu(), ndx = q_.ndx();
   if (regularization > 0) q_.add_to_diagonal(regularization);
-  const auto columns = q_.Qzz_lanes().block(q_.nz(), ndx, nu).view();
-  return solve({.knot = k,
-                .Qxu = rows_of(columns, 0, ndx),
-                .Quu = rows_of(columns, ndx, nu),
-                .Qu = view(q_.Qu()),
-                .u = horizon.trajectory.u(k),
-                .lower = view(horizon.bounds.lower(k)),
-                .upper = view(horizon.bounds.upper(k))},
-               stages, feedback);
-}
-
-bool StageSweep::solve(const SweptHorizon& horizon, int k,
-                       const Eigen::Ref<const Eigen::MatrixXd>& Qxu, int segment,
-                       StageSolver& stages, Feedback& feedback) {
-  return solve({.knot = k,
-                .Qxu = rows_of(Qxu, 0, static_cast<int>(Qxu.rows())),
-                .Quu = rows_of(q_.Quu(), 0, q_.nu()),
-                .Qu = view(q_.Qu()),
-                .u = horizon.trajectory.u(k),
-                .lower = view(horizon.bounds.lower(k)),
-                .upper = view(horizon.bounds.upper(k)),
-                .segment = segment},
-               stages, feedback);
-}
-
-bool StageSweep::solve(const StageProblem& stage, StageSolver& stages, Feedback& feedback) {
-  const int nu = q_.nu(), k = stage.knot;
   if (nu == 0) {
     stages.pass(k);
     return true;
   }
-  Kt_.resize(static_cast<int>(stage.Qxu.rows()) + 1, nu);
+  const auto columns = q_.Qzz_lanes().block(q_.nz(), ndx, nu).view();
+  const StageProblem stage{.knot = k,
+                           .Qxu = rows_of(columns, 0, ndx),
+                           .Quu = rows_of(columns, ndx, nu),
+                           .Qu = view(q_.Qu()),
+                           .u = horizon.trajectory.u(k),
+                           .lower = view(horizon.bounds.lower(k)),
+                           .upper = view(horizon.bounds.upper(k))};
+  Kt_.resize(ndx + 1, nu);
   if (!stages.solve(stage, feedback.k[k], Kt_.block())) return false;
-  transpose(Kt_.data(), Kt_.stride(), q_.ndx(), nu, feedback.K[k].data(), nu);
+  transpose(Kt_.data(), Kt_.stride(), ndx, nu, feedback.K[k].data(), nu);
   return true;
 }
 

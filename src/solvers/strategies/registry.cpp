@@ -46,7 +46,6 @@ std::optional<std::string> unsupported_options(const SolverInfo& solver,
     return fmt::format("{}", fmt::join(wrong, "; "));
   if (auto reason = unsupported(solver, problem)) return reason;
   if (auto reason = unsupported_hessian(solver, options.hessian)) return reason;
-  if (auto reason = unsupported_segments(solver, problem, options.segments)) return reason;
   if (options.multipliers) return misfit(problem, *options.multipliers);
   return std::nullopt;
 }
@@ -64,7 +63,6 @@ SolverInfo info_of(const DdpMember& member) {
   info.open_gaps = recipe.open_gaps;
   info.gauss_newton_hessian = recipe.hessian != HessianUse::exact;
   info.exact_hessian = recipe.hessian != HessianUse::gauss_newton;
-  info.segments = recipe.segments;
   info.run = [&recipe](const ShootingProblem& problem, const SolverOptions& options,
                        const Trajectory& guess) {
     DdpSolver solver(problem, recipe, options);
@@ -249,17 +247,6 @@ std::optional<std::string> unsupported_hessian(const SolverInfo& solver, Hessian
   return std::nullopt;
 }
 
-std::optional<std::string> unsupported_segments(const SolverInfo& solver,
-                                                const ShootingProblem& problem, int segments) {
-  if (segments > 1 && !solver.segments)
-    return fmt::format("segments: {} does not support several; supported by {}", solver.name,
-                       list_solvers([](const SolverInfo& info) { return info.segments; }));
-  if (segments > problem.knots())
-    return fmt::format("segments: {} of them need as many knots, and the horizon has {}", segments,
-                       problem.knots());
-  return std::nullopt;
-}
-
 std::vector<const SolverInfo*> auto_solvers(const ShootingProblem& problem,
                                             const SolverOptions& options) {
   std::vector<std::string_view> names = {"box_fddp", "ipopt"};
@@ -268,8 +255,7 @@ std::vector<const SolverInfo*> auto_solvers(const ShootingProblem& problem,
   std::vector<const SolverInfo*> list;
   for (const std::string_view name : names) {
     const SolverInfo* info = find_solver(name);
-    if (!unsupported_hessian(*info, options.hessian) && !unsupported(*info, problem) &&
-        !unsupported_segments(*info, problem, options.segments))
+    if (!unsupported_hessian(*info, options.hessian) && !unsupported(*info, problem))
       list.push_back(info);
   }
   return list;

@@ -32,7 +32,6 @@ struct SolverInfo {
   bool open_gaps = false;            ///< starts from states that do not follow from the controls
   bool gauss_newton_hessian = true;  ///< can omit second derivatives of the dynamics
   bool exact_hessian = false;        ///< can use second derivatives of the dynamics
-  bool segments = false;             ///< can sweep the horizon in segments
   bool concurrent = true;            ///< may run in several threads at once
   /// The solver alone. Its status `infeasible` is a suspicion, which solve() examines.
   std::function<SolveResult(const ShootingProblem&, const SolverOptions&, const Trajectory& guess)>
@@ -54,16 +53,11 @@ std::optional<std::string> unsupported(const SolverInfo& solver, const ShootingP
 /// Reason why the solver lacks the chosen Hessian of the dynamics. Empty if it has it.
 std::optional<std::string> unsupported_hessian(const SolverInfo& solver, HessianChoice choice);
 
-/// Reason why the solver cannot sweep the problem's horizon in this number of segments. Empty if it
-/// can.
-std::optional<std::string> unsupported_segments(const SolverInfo& solver,
-                                                const ShootingProblem& problem, int segments);
-
 /// Leaves the choice to the problem.
 inline constexpr std::string_view kAutoSolver = "auto";
 /// Solvers that `auto` tries, in order: ipddp and ipopt with complementary pairs; altro, proxddp
 /// and ipopt with constraints other than control bounds; otherwise box_fddp and ipopt. Omits
-/// solvers that do not support the requested Hessian or segments.
+/// solvers that do not support the requested Hessian.
 std::vector<const SolverInfo*> auto_solvers(const ShootingProblem& problem,
                                             const SolverOptions& options);
 
@@ -74,8 +68,7 @@ std::string describe_auto(const ShootingProblem& problem, SolverList list);
 
 /// Solves a problem from a guess, along a homotopy and with restarts if the options request them.
 /// Throws std::invalid_argument if the options are not valid, if the solver does not support the
-/// problem or the requested segments or Hessian, or if the guess has another shape. Every other end
-/// is a status.
+/// problem or the requested Hessian, or if the guess has another shape. Every other end is a status.
 SolveResult solve(const ShootingProblem& problem, const SolverInfo& solver,
                   const SolverOptions& options, const Trajectory& guess);
 /// Objection to a converged answer.
@@ -107,7 +100,7 @@ SolveResult solve(const ShootingProblem& problem, std::string_view solver,
                   const SolverOptions& options, const Trajectory& guess);
 
 /// Throws std::invalid_argument if the options are not valid, or the solver does not support the
-/// problem or the requested Hessian, segments or multipliers.
+/// problem or the requested Hessian or multipliers.
 void check_options(const SolverInfo& solver, const ShootingProblem& problem,
                    const SolverOptions& options);
 

@@ -89,7 +89,6 @@ SolveResult restore_feasibility(const ShootingProblem& problem, const SolverOpti
                                 const Trajectory& start) {
   SolverOptions own = options;
   own.multipliers = nullptr;
-  own.segments = 1;
   own.tolerances.cost_decrease = 0;
   DdpSolver solver(problem,
                    {.open_gaps = !can_simulate(problem, start),
