@@ -69,8 +69,8 @@ TEST(Direction, StepSolvesTheKktSystemOfTheHorizon) {
         EXPECT_LT(largest(model.step() - z), 1e-10);
         EXPECT_NEAR(model.direction.step().slope(), dense.g.dot(z), 1e-10);
         EXPECT_NEAR(model.direction.curvature(model.linearization), z.dot(dense.H * z), 1e-10);
-        EXPECT_TRUE(model.direction.within_bounds());
-        EXPECT_EQ(model.direction.sweeps(), 1);
+        EXPECT_TRUE(model.direction.qp().within_bounds());
+        EXPECT_EQ(model.direction.qp().sweeps(), 1);
       }
 }
 
@@ -105,7 +105,7 @@ TEST(Direction, BoundedControlsSolveTheQuadraticProgram) {
                         seed % 2 == 0);
       ASSERT_EQ(model.find(), -1);
       ++all;
-      if (!model.direction.within_bounds()) continue;
+      if (!model.direction.qp().within_bounds()) continue;
       ++settled;
       const DenseHorizon dense = model.dense();
       const int n = model.bounds.size();
@@ -118,7 +118,7 @@ TEST(Direction, BoundedControlsSolveTheQuadraticProgram) {
       for (int k = 0; k < model.problem.knots(); ++k)
         for (int i = 0; i < model.problem.nu(k); ++i) {
           const bool at_bound = optimum.multipliers[model.bounds.offset(k) + i] != 0;
-          EXPECT_EQ(model.direction.active_set().holds(k, i), at_bound) << k << ' ' << i;
+          EXPECT_EQ(model.direction.qp().active_set().holds(k, i), at_bound) << k << ' ' << i;
           (at_bound ? held : free)++;
           if (!at_bound) continue;
           EXPECT_EQ(model.direction.feedback().K[k].row(i).norm(), 0) << k << ' ' << i;
@@ -149,13 +149,13 @@ TEST(Direction, AugmentationMinimizesPenaltiesAlongTheHorizon) {
     penalty.add_to(model.linearization);
     const DenseHorizon before = model.dense();
     model.adjoint.compute(model.linearization, model.trajectory, model.gaps, Feedback(problem));
-    model.direction.trust_model();
+    model.direction.qp().trust_model();
     ASSERT_EQ(model.find(&augmentation), -1);
     EXPECT_EQ(model.dense().g, before.g) << "the model comes back as it was";
     EXPECT_EQ(model.dense().H, before.H);
 
-    unsettled += model.direction.unsettled();
-    ASSERT_TRUE(model.direction.within_bounds());
+    unsettled += model.direction.qp().unsettled();
+    ASSERT_TRUE(model.direction.qp().within_bounds());
     const Eigen::VectorXd z = model.step();
     EXPECT_LT(largest(dense.E * z - dense.e), 1e-10);
     EXPECT_NEAR(model.direction.step().slope(), before.g.dot(z), 1e-9);

@@ -27,7 +27,7 @@ struct Step {
     merit.cost = linearization.total_cost();
     merit.gap_norm = gaps.norm();
     merit.slope = direction.step().slope();
-    merit.slope_within_bounds = direction.within_bounds();
+    merit.slope_within_bounds = direction.qp().within_bounds();
     merit.penalty = search.weigh(merit, direction.curvature(linearization));
   }
   LineSearchResult run() {
@@ -146,7 +146,7 @@ TEST(OpenGapSearch, ControlsRespectBoundsWithoutAnActiveSet) {
   for (unsigned seed = 1; seed <= 40; ++seed) {
     const ShootingProblem problem = testing::cartpole_swing_up(0.5);
     Step step(problem, testing::random_guess(problem, seed, 0.5));
-    if (!step.direction.set_unknown()) continue;
+    if (!step.direction.qp().set_unknown()) continue;
     const LineSearchResult found = step.run();
     if (!found.accepted) continue;
     ++searches;

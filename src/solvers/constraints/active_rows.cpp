@@ -1,383 +1,283 @@
-#include "solvers/constraints/active_rows.hpp"
-
+// The rows of Newton's method: equations that the multipliers enforce.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
-#include "ocp/evaluation/matrix_vector.hpp"
+#include "ocp/terms/constraint.hpp"
+#include "solvers/constraints/horizon_rows.hpp"
 
 namespace conddp {
 namespace {
 
-/// Sets a side. True if it changed.
-bool replace(RowSide& side, RowSide now) {
-  const bool changed = side != now;
-  side = now;
-  return changed;
-}
-
-/// Revises the larger row of a pair. A row that is released and violated at once becomes active
-/// again, as a change.
-bool revise_pair_row(RowSide& side, double value, double multiplier) {
-  bool changed = false;
-  if (side == RowSide::lower && multiplier >= 0) changed |= replace(side, RowSide::inactive);
-  if (side == RowSide::inactive && is_violated(-value, 0)) changed |= replace(side, RowSide::lower);
-  return changed;
-}
-
-/// Bound of an active row of bounds; 0 for a row of a pair.
-double bound_of(const NodeConstraint& c, int row, RowSide side) {
-  if (!c.term->has_bounds()) return 0;
-  return side == RowSide::upper ? c.upper[row] : c.lower[row];
-}
+/// Violation by a step that leaves an inactive row inactive, relative to its value.
+constexpr double kViolated = 1e-10;
 
 }  // namespace
 
-ActiveRows::ActiveRows(const ShootingProblem& problem, const ControlBounds& bounds)
-    : problem_(problem),
-      bounds_(bounds),
-      constraints_of_(problem.knots() + 1),
-      sides_(problem.constraint_rows(), RowSide::inactive),
-      control_sides_(bounds.size(), RowSide::inactive),
-      target_(Eigen::VectorXd::Zero(problem.constraint_rows())) {
-  int largest = 0, most = 0, cone = 0;
-  for (int k = 0; k <= problem.knots(); ++k) {
-    const KnotModel& model = *problem.knot(k).model;
-    const int rows = model.constraint_rows() + model.nu();
-    rows_.emplace_back(rows, model.nz());
-    largest = std::max(largest, model.nz());
-    most = std::max(most, rows);
-  }
-  for (std::size_t i = 0; i < problem.constraints().size(); ++i) {
-    const NodeConstraint& c = problem.constraints()[i];
-    constraints_of_[c.node].push_back(static_cast<int>(i));
-    if (c.is_soft() && !c.term->has_bounds()) cone = std::max(cone, c.term->rows);
-  }
-  scratch_.resize(largest);
-  slope_.resize(cone, cone);
-  product_.resize(cone, largest);
-  predicted_.resize(most);
-}
-
-void ActiveRows::choose(const Linearization& linearization, const Eigen::VectorXd& penalty,
-                        Eigen::VectorXd& multipliers) {
+void HorizonRows::choose(const Linearization& linearization, const Eigen::VectorXd& penalty,
+                         Eigen::VectorXd& multipliers) {
+  value_.head(controls_) = linearization.constraint;
   for (const NodeConstraint& c : problem_.constraints())
-    choose_sides(c, linearization.constraint.data() + c.row, multipliers.data() + c.row,
-                 penalty.data() + c.row);
-  for (int k = 0; k <= problem_.knots(); ++k) build(k, linearization, multipliers);
-  write_multipliers(linearization, false, multipliers);
+    for (int r = 0; c.term->has_pairs() && r < c.term->rows; ++r) {
+      const int row = c.row + r, other = c.row + (r ^ 1);
+      const bool smaller =
+          value_[row] < value_[other] || (value_[row] == value_[other] && row < other);
+      own_lower_[row] = 0;
+      own_upper_[row] = smaller ? 0 : std::numeric_limits<double>::infinity();
+    }
+  measure_bounds();
+  for (std::size_t i = 0; i < problem_.constraints().size(); ++i) {
+    Term& c = terms_[i];
+    if (c.cone)
+      choose_cone(c, penalty[c.row], multipliers.data() + c.row);
+    else
+      choose_bounds(c, penalty.data() + c.row, multipliers.data() + c.row);
+  }
 }
 
-/// Chooses the sides of one constraint from the data of its rows.
-void ActiveRows::choose_sides(const NodeConstraint& c, const double* g, const double* nu,
-                              const double* rho) {
-  RowSide* sides = sides_.data() + c.row;
-  if (c.term->is_cone()) {
-    *sides = chosen_cone(c, g, nu, *rho);
-  } else if (c.term->has_pairs()) {
-    for (int i = 0; i < c.term->rows; i += 2) choose_pair(g + i, nu + i, rho + i, sides + i);
+void HorizonRows::choose_bounds(const Term& c, const double* penalty, double* multipliers) {
+  for (int r = 0; r < c.count; ++r) {
+    const int row = c.row + r;
+    const double lower = lower_[row], upper = upper_[row], s = multipliers[r] / penalty[r];
+    const double outside = outside_bounds(s, lower, upper);
+    const double limit = own_limit_[row];
+    const bool beyond = std::abs(outside) > limit / penalty[r];
+    slope_[row] = !beyond && (outside != 0 || lower == upper);
+    offset_[row] = -std::clamp(s, lower, upper);
+    if (beyond) multipliers[r] = std::copysign(limit, outside);
+    if (!beyond && slope_[row] == 0) multipliers[r] = 0;
+  }
+}
+
+void HorizonRows::choose_cone(Term& c, double penalty, double* multipliers) {
+  const int n = c.count;
+  Eigen::Map<Eigen::VectorXd> nu(multipliers, n);
+  auto s = point_.head(n), outside = scratch_.head(n);
+  s = value_.segment(c.row, n) + nu / penalty;
+  outside_cone(s.data(), n, outside.data());
+  const double* values = value_.data() + c.row;
+  const double limit = own_limit_[c.row];
+  if ((outside.array() == 0).all()) {
+    c.side = ConeSide::inside;
+    nu.setZero();
+  } else if (outside.norm() > limit / penalty && distance(c, values) > 0) {
+    c.side = ConeSide::outside;
+    outside_cone(values, n, outside.data());
+    nu = (limit / outside.norm()) * outside;
   } else {
-    for (int i = 0; i < c.term->rows; ++i) sides[i] = chosen_bound(c, i, g[i], nu[i], rho[i]);
-  }
-}
-
-void ActiveRows::choose_controls(const Trajectory& trajectory, const Adjoint& adjoint) {
-  for (int k = 0; k < problem_.knots(); ++k) {
-    const auto u = trajectory.u(k);
-    for (int i = 0; i < u.size(); ++i)
-      control_sides_[bounds_.offset(k) + i] =
-          chosen_control(u[i], bounds_.lower(k)[i], bounds_.upper(k)[i],
-                         adjoint.gradient()[bounds_.offset(k) + i]);
-    build_controls(k, trajectory, adjoint);
-  }
-}
-
-bool ActiveRows::revise(const Linearization& linearization, const Trajectory& trajectory,
-                        const Adjoint& adjoint, const Eigen::VectorXd& multipliers,
-                        const std::vector<Eigen::VectorXd>& step) {
-  write_multipliers(linearization, true, target_);
-  bool changed = false;
-  for (int k = 0; k <= problem_.knots(); ++k) {
-    predict(k, linearization, step[k]);
-    for (const int index : constraints_of_[k])
-      changed |= revise_constraint(problem_.constraints()[index], linearization);
-    if (k < problem_.knots()) changed |= revise_controls(k, trajectory, step[k]);
-  }
-  if (!changed) return false;
-  for (int k = 0; k <= problem_.knots(); ++k) {
-    build(k, linearization, multipliers);
-    if (k < problem_.knots()) build_controls(k, trajectory, adjoint);
-  }
-  return true;
-}
-
-/// predicted_ ← the values of a node's constraints after a step.
-void ActiveRows::predict(int node, const Linearization& linearization,
-                         const Eigen::VectorXd& step) {
-  const Eigen::MatrixXd& C = linearization.knots[node].C;
-  predicted_.head(C.rows()) =
-      linearization.constraint.segment(problem_.constraint_offset(node), C.rows());
-  multiply_add(C, step.data(), predicted_.data());
-}
-
-/// Revises by predicted_ and target_. True if anything changed.
-bool ActiveRows::revise_constraint(const NodeConstraint& c, const Linearization& linearization) {
-  const int n = c.term->rows;
-  const double* g = linearization.constraint.data() + c.row;
-  const auto values = predicted_.segment(c.row - problem_.constraint_offset(c.node), n);
-  const auto nu = target_.segment(c.row, n);
-  RowSide* sides = sides_.data() + c.row;
-  if (c.term->is_cone()) return replace(*sides, revised_cone(c, *sides, g, values, nu));
-  bool changed = false;
-  for (int i = 0; i < n; ++i)
-    changed |= c.term->has_pairs()
-                   ? revise_pair_row(sides[i], values[i], nu[i])
-                   : replace(sides[i], revised_bound(c, i, sides[i], values[i], nu[i]));
-  return changed;
-}
-
-/// True if anything changed.
-bool ActiveRows::revise_controls(int node, const Trajectory& trajectory,
-                                 const Eigen::VectorXd& step) {
-  const bool held = hold_violated_controls(node, trajectory, step);
-  const bool released = release_controls(node);
-  return held || released;
-}
-
-/// Holds controls that a step takes beyond a bound. True if it finds any.
-bool ActiveRows::hold_violated_controls(int node, const Trajectory& trajectory,
-                                        const Eigen::VectorXd& step) {
-  bool changed = false;
-  RowSide* sides = control_sides_.data() + bounds_.offset(node);
-  const auto u = trajectory.u(node);
-  const auto du = step.tail(u.size());
-  for (int i = 0; i < u.size(); ++i) {
-    if (sides[i] != RowSide::inactive) continue;
-    const double lower = bounds_.lower(node)[i], upper = bounds_.upper(node)[i];
-    if (is_violated(lower - u[i] - du[i], lower)) changed |= replace(sides[i], RowSide::lower);
-    if (is_violated(u[i] + du[i] - upper, upper)) changed |= replace(sides[i], RowSide::upper);
-  }
-  return changed;
-}
-
-/// Releases held controls whose multiplier pulls. True if it finds any.
-bool ActiveRows::release_controls(int node) {
-  bool changed = false;
-  RowSide* sides = control_sides_.data() + bounds_.offset(node);
-  const Rows& rows = rows_[node];
-  for (int r = 0; r < rows.count; ++r) {
-    if (rows.kind[r] != kControl) continue;
-    RowSide& side = sides[rows.source[r]];
-    const double multiplier = rows.multiplier[r] + rows.correction[r];
-    if (side == RowSide::lower ? multiplier > 0 : multiplier < 0)
-      changed |= replace(side, RowSide::inactive);
-  }
-  return changed;
-}
-
-void ActiveRows::add_row(Rows& rows, Kind kind, int source, int constraint, double value,
-                         double multiplier) {
-  rows.kind[rows.count] = kind;
-  rows.source[rows.count] = source;
-  rows.constraint[rows.count] = constraint;
-  rows.value[rows.count] = value;
-  rows.multiplier[rows.count] = multiplier;
-  rows.correction[rows.count++] = 0;
-}
-
-/// Builds the rows of a node's constraints; the rows of its controls follow.
-void ActiveRows::build(int node, const Linearization& linearization,
-                       const Eigen::VectorXd& multipliers) {
-  Rows& rows = rows_[node];
-  rows.count = 0;
-  for (const int index : constraints_of_[node]) {
-    const NodeConstraint& c = problem_.constraints()[index];
-    if (!c.term->is_cone())
-      build_bounds(rows, index, linearization, multipliers);
-    else if (sides_[c.row] == RowSide::outside)
-      build_outside(rows, index, linearization);
-    else if (sides_[c.row] == RowSide::surface)
-      build_surface(rows, index, linearization, multipliers);
-    else if (sides_[c.row] == RowSide::tip)
-      build_tip(rows, index, linearization, multipliers);
-  }
-}
-
-void ActiveRows::build_bounds(Rows& rows, int index, const Linearization& linearization,
-                              const Eigen::VectorXd& multipliers) {
-  const NodeConstraint& c = problem_.constraints()[index];
-  for (int i = 0; i < c.term->rows; ++i) {
-    const RowSide side = sides_[c.row + i];
-    if (side == RowSide::inactive) continue;
-    rows.A.row(rows.count) = rows_of(c, linearization).row(i);
-    if (side == RowSide::below || side == RowSide::above) {
-      add_row(rows, kLimit, c.row + i, index, 0, side == RowSide::below ? -c.limit : c.limit);
-      continue;
-    }
-    add_row(rows, kBounds, c.row + i, index,
-            linearization.constraint[c.row + i] - bound_of(c, i, side), multipliers[c.row + i]);
-  }
-}
-
-void ActiveRows::build_surface(Rows& rows, int index, const Linearization& linearization,
-                               const Eigen::VectorXd& multipliers) {
-  const NodeConstraint& c = problem_.constraints()[index];
-  const int n = c.term->rows;
-  const auto C = rows_of(c, linearization);
-  const auto g = linearization.constraint.segment(c.row, n);
-  const double length = g.head(n - 1).norm();
-  auto row = rows.A.row(rows.count);
-  row = -C.row(n - 1);
-  for (int i = 0; i + 1 < n; ++i) row += (g[i] / length) * C.row(i);
-  add_row(rows, kConeSurface, c.row, index, length - g[n - 1],
-          std::max(0.0, -multipliers[c.row + n - 1]));
-}
-
-void ActiveRows::build_tip(Rows& rows, int index, const Linearization& linearization,
-                           const Eigen::VectorXd& multipliers) {
-  const NodeConstraint& c = problem_.constraints()[index];
-  for (int i = 0; i < c.term->rows; ++i) {
-    rows.A.row(rows.count) = rows_of(c, linearization).row(i);
-    add_row(rows, kConeTip, c.row + i, index, linearization.constraint[c.row + i],
-            multipliers[c.row + i]);
-  }
-}
-
-/// Builds the rows of a violated soft cone. It pushes with its full limit, straight towards itself.
-void ActiveRows::build_outside(Rows& rows, int index, const Linearization& linearization) {
-  const NodeConstraint& c = problem_.constraints()[index];
-  const int n = c.term->rows;
-  auto push = predicted_.head(n);
-  outside_cone(linearization.constraint.data() + c.row, n, push.data());
-  push *= c.limit / push.norm();
-  for (int i = 0; i < n; ++i) {
-    rows.A.row(rows.count) = rows_of(c, linearization).row(i);
-    add_row(rows, kLimit, c.row + i, index, 0, push[i]);
-  }
-}
-
-/// Adds the curvature of such a cone: that of the distance, times the limit.
-void ActiveRows::add_outside_curvature(int index, KnotLinearization& knot,
-                                       const Eigen::VectorXd& values) {
-  const NodeConstraint& c = problem_.constraints()[index];
-  const int n = c.term->rows;
-  auto p = predicted_.head(n);
-  outside_cone(values.data() + c.row, n, p.data());
-  Eigen::Map<Eigen::MatrixXd> slope(slope_.data(), n, n);
-  outside_cone_derivative(values.data() + c.row, n, slope.data());
-  const double distance = p.norm();
-  p /= distance;
-  slope.noalias() -= p * p.transpose();
-  slope *= c.limit / distance;
-  const auto C = knot.C.middleRows(c.row - problem_.constraint_offset(c.node), n);
-  auto product = product_.topLeftCorner(n, C.cols());
-  product.noalias() = slope * C;
-  knot.hessian.change().noalias() += C.transpose() * product;
-}
-
-void ActiveRows::build_controls(int node, const Trajectory& trajectory, const Adjoint& adjoint) {
-  Rows& rows = rows_[node];
-  const auto u = trajectory.u(node);
-  for (int i = 0; i < u.size(); ++i) {
-    const RowSide side = control_sides_[bounds_.offset(node) + i];
-    if (side == RowSide::inactive) continue;
-    rows.A.row(rows.count).setZero();
-    rows.A(rows.count, problem_.ndx() + i) = 1;
-    const double bound = side == RowSide::lower ? bounds_.lower(node)[i] : bounds_.upper(node)[i];
-    add_row(rows, kControl, i, -1, u[i] - bound, -adjoint.gradient()[bounds_.offset(node) + i]);
-  }
-}
-
-void ActiveRows::add_gradient(bool with_controls, Linearization& linearization) const {
-  for (int k = 0; k <= problem_.knots(); ++k) {
-    const Rows& rows = rows_[k];
-    for (int r = 0; r < rows.count; ++r)
-      if (with_controls || rows.kind[r] != kControl)
-        linearization.knots[k].gradient += rows.multiplier[r] * rows.A.row(r).transpose();
-  }
-}
-
-void ActiveRows::add_curvature(double penalty, Linearization& linearization) {
-  for (int k = 0; k <= problem_.knots(); ++k) {
-    const Rows& rows = rows_[k];
-    KnotLinearization& knot = linearization.knots[k];
-    for (int r = 0; r < rows.count; ++r) {
-      if (rows.kind[r] == kLimit) {
-        add_limit_curvature(rows, r, knot, linearization.constraint);
-        continue;
-      }
-      knot.hessian.change().noalias() += penalty * rows.A.row(r).transpose() * rows.A.row(r);
-      if (rows.kind[r] == kConeSurface)
-        add_surface_curvature(rows.constraint[r], rows.multiplier[r], linearization);
+    c.side = outside == s ? ConeSide::tip : touched_side(c);
+    if (c.side == ConeSide::surface) {
+      const double push = std::max(0.0, -nu[n - 1]), length = value_.segment(c.row, n - 1).norm();
+      nu.head(n - 1) = (push / length) * value_.segment(c.row, n - 1);
+      nu[n - 1] = -push;
     }
   }
 }
 
-/// Adds the curvature of a row at the limit of a soft constraint. The first row of a cone adds that
-/// of the cone; rows of bounds add nothing.
-void ActiveRows::add_limit_curvature(const Rows& rows, int row, KnotLinearization& knot,
-                                     const Eigen::VectorXd& values) {
-  const int index = rows.constraint[row];
-  const NodeConstraint& c = problem_.constraints()[index];
-  if (!c.term->has_bounds() && rows.source[row] == c.row)
-    add_outside_curvature(index, knot, values);
+double HorizonRows::distance(const Term& c, const double* values) const {
+  return distance_to_set(*problem_.constraints()[term_[c.row]].term, values, nullptr, nullptr);
 }
 
-/// Adds multiplier · ∇²‖v‖ of the cone's tangential rows v.
-void ActiveRows::add_surface_curvature(int index, double multiplier, Linearization& linearization) {
-  const NodeConstraint& c = problem_.constraints()[index];
-  const int n = c.term->rows - 1;
-  const auto v = linearization.constraint.segment(c.row, n);
-  const double length = v.norm(), scale = multiplier / length;
-  const auto C = rows_of(c, linearization).topRows(n);
-  auto along = scratch_.head(C.cols());
-  along.noalias() = C.transpose() * v;
-  along /= length;
-  Eigen::MatrixXd& hessian = linearization.knots[c.node].hessian.change();
-  for (int i = 0; i < n; ++i) hessian.noalias() += scale * C.row(i).transpose() * C.row(i);
-  hessian.noalias() -= scale * along * along.transpose();
+/// Side of a cone that touches its boundary: the surface, or the tip if the iterate lies on the
+/// cone's axis, where the surface lacks a slope.
+HorizonRows::ConeSide HorizonRows::touched_side(const Term& c) const {
+  return (value_.segment(c.row, c.count - 1).array() == 0).all() ? ConeSide::tip
+                                                                 : ConeSide::surface;
 }
 
-double ActiveRows::correct(double penalty, const std::vector<Eigen::VectorXd>* step,
+double HorizonRows::impose(const Eigen::VectorXd& multipliers, double penalty,
                            Linearization& linearization) {
+  penalty_.head(controls_).setConstant(penalty);
+  base_.head(controls_) = multipliers / penalty;
+  measure_limits();
   double largest = 0;
   for (int k = 0; k <= problem_.knots(); ++k) {
-    Rows& rows = rows_[k];
-    for (int r = 0; r < rows.count; ++r) {
-      if (rows.kind[r] == kLimit) continue;
-      double rest = rows.value[r];
-      if (step != nullptr) rest += rows.A.row(r).dot((*step)[k]);
-      largest = std::max(largest, std::abs(rest));
-      const double change = penalty * rest;
-      rows.correction[r] = step == nullptr ? 0 : rows.correction[r] + change;
-      linearization.knots[k].gradient += change * rows.A.row(r).transpose();
+    KnotLinearization& knot = linearization.knots[k];
+    for (const int i : nodes_[k].terms) {
+      const Term& c = terms_[i];
+      if (c.kind != Kind::constraint) continue;
+      if (c.cone) {
+        offset_.segment(c.row, c.count).setZero();
+        cone_slope_[i].setZero();
+        model_cone(i);
+        set_cone(i, knot);
+      } else {
+        impose_bounds(c, knot);
+      }
+      shifted_.segment(c.row, c.count) = base_.segment(c.row, c.count);
+      if (find_corrections(i))
+        largest = std::max(largest, new_base_.head(c.count).lpNorm<Eigen::Infinity>());
     }
+    if (!update_.empty()) update_.apply(knot.hessian);
   }
   return largest;
 }
 
-void ActiveRows::write_multipliers(const Linearization& linearization, bool corrected,
-                                   Eigen::VectorXd& multipliers) const {
-  multipliers.setZero();
-  for (const Rows& rows : rows_)
-    for (int r = 0; r < rows.count; ++r) {
-      const double value = rows.multiplier[r] + (corrected ? rows.correction[r] : 0);
-      if (rows.kind[r] == kControl) continue;
-      if (rows.kind[r] != kConeSurface) {
-        multipliers[rows.source[r]] = value;
-        continue;
-      }
-      const NodeConstraint& c = problem_.constraints()[rows.constraint[r]];
-      const int n = c.term->rows - 1;
-      const auto v = linearization.constraint.segment(c.row, n);
-      multipliers.segment(c.row, n) = (value / v.norm()) * v;
-      multipliers[c.row + n] = -value;
-    }
+void HorizonRows::impose_bounds(const Term& c, KnotLinearization& knot) {
+  for (int row = c.row; row < c.row + c.count; ++row) {
+    const double slope = slope_[row], offset = slope == 1 ? offset_[row] : base_[row];
+    offset_[row] = slope_[row] = 0;
+    set_row(c, row, offset, slope, base_[row], knot);
+  }
 }
 
-int ActiveRows::count() const {
+int HorizonRows::revise_active(const std::vector<Eigen::VectorXd>& z,
+                               Linearization& linearization) {
+  shift(z, linearization, shifted_);
+  int changes = 0;
+  for (int k = 0; k <= problem_.knots(); ++k) {
+    KnotLinearization& knot = linearization.knots[k];
+    for (const int i : nodes_[k].terms)
+      if (terms_[i].kind == Kind::constraint)
+        changes +=
+            terms_[i].cone ? revise_active_cone(i, knot) : revise_active_bounds(terms_[i], knot);
+    if (!update_.empty()) update_.apply(knot.hessian);
+  }
+  return changes;
+}
+
+bool HorizonRows::revise_active_bounds(const Term& c, KnotLinearization& knot) {
+  bool changed = false;
+  for (int row = c.row; row < c.row + c.count; ++row) {
+    const double s = shifted_[row], found = outside(row, s);
+    const bool active = slope_[row] != 0 || offset_[row] != 0;
+    const double allowed = active ? 0 : kViolated * std::max(1.0, std::abs(value_[row] + s));
+    if (std::abs(found - model(row, s)) <= allowed) continue;
+    double offset, slope;
+    model_row(row, s, true, offset, slope);
+    set_row(c, row, offset, slope, slope == 1 ? base_[row] : offset, knot);
+    changed = true;
+  }
+  return changed;
+}
+
+bool HorizonRows::revise_active_cone(int term, KnotLinearization& knot) {
+  const ConeSide side = revised_side(term);
+  if (side == terms_[term].side) return false;
+  terms_[term].side = side;
+  model_cone(term);
+  set_cone(term, knot);
+  return true;
+}
+
+HorizonRows::ConeSide HorizonRows::revised_side(int term) {
+  const Term& c = terms_[term];
+  const int n = c.count;
+  const auto s = shifted_.segment(c.row, n);
+  auto values = point_.head(n), P = scratch_.head(n);
+  values = value_.segment(c.row, n) + s - base_.segment(c.row, n);
+  P = offset_.segment(c.row, n);
+  P.noalias() += cone_slope_[term] * s;
+  const ConeSide touched = touched_side(c);
+  switch (c.side) {
+    case ConeSide::inside: {
+      const double beyond = values.head(n - 1).norm() - values[n - 1];
+      return beyond > kViolated * std::max(1.0, values.norm()) ? touched : c.side;
+    }
+    case ConeSide::outside:
+      return distance(c, values.data()) > 0 ? c.side : touched;
+    default:
+      if (P.norm() > limit_[c.row] && distance(c, value_.data() + c.row) > 0)
+        return ConeSide::outside;
+      if (c.side == ConeSide::surface) return P[n - 1] < 0 ? c.side : ConeSide::inside;
+      return P.head(n - 1).norm() <= -P[n - 1] ? c.side : touched;
+  }
+}
+
+/// new_offset_, new_slope_, new_base_ ← a, S and ν/ρ of a cone, by its side. At values (v, t), the
+/// surface is the row ‖v‖ − t with the derivative n = (v/‖v‖, −1). There S is ½ n nᵀ plus the
+/// curvature of ‖v‖, times the multiplier over ρ.
+void HorizonRows::model_cone(int term) {
+  const Term& c = terms_[term];
+  const int n = c.count;
+  const auto g = value_.segment(c.row, n), base = base_.segment(c.row, n);
+  auto offset = new_offset_.head(n), new_base = new_base_.head(n);
+  Eigen::Map<Eigen::MatrixXd> slope(new_slope_.data(), n, n);
+  offset.setZero();
+  slope.setZero();
+  new_base.setZero();
+  if (c.side == ConeSide::tip) {
+    offset = g;
+    slope.setIdentity();
+    new_base = base;
+  } else if (c.side == ConeSide::surface) {
+    find_normal(c);
+    const auto normal = scratch_.head(n);
+    const double length = g.head(n - 1).norm(), push = std::max(0.0, -base[n - 1]);
+    offset = 0.5 * (length - g[n - 1]) * normal;
+    new_base = push * normal;
+    slope.diagonal().head(n - 1).setConstant(push / length);
+    slope.topLeftCorner(n - 1, n - 1).noalias() -=
+        (push / length) * normal.head(n - 1) * normal.head(n - 1).transpose();
+    slope.noalias() += 0.5 * normal * normal.transpose();
+  } else if (c.side == ConeSide::outside) {
+    outside_cone(g.data(), n, offset.data());
+    outside_cone_derivative(g.data(), n, slope.data());
+    const double distance = offset.norm(), limit = limit_[c.row];
+    offset /= distance;
+    slope.noalias() -= offset * offset.transpose();
+    slope *= limit / distance;
+    offset *= limit;
+    new_base = offset;
+  }
+}
+
+/// new_base_ ← the change of ν/ρ in the active rows of a term, which is their residual. False
+/// without active rows.
+bool HorizonRows::find_corrections(int term) {
+  const Term& c = terms_[term];
+  const int n = c.count;
+  auto change = new_base_.head(n);
+  change = offset_.segment(c.row, n) + shifted_.segment(c.row, n) - base_.segment(c.row, n);
+  if (!c.cone) {
+    const auto slope = slope_.segment(c.row, n);
+    change = change.cwiseProduct(slope);
+    return (slope.array() != 0).any();
+  }
+  if (c.side != ConeSide::surface) return c.side == ConeSide::tip;
+  find_normal(c);
+  const auto normal = scratch_.head(n);
+  const double off = normal.dot(change);
+  change = 0.5 * off * normal;
+  return true;
+}
+
+/// scratch_ ← the derivative of ‖v‖ − t at the iterate's values (v, t) of a cone.
+void HorizonRows::find_normal(const Term& c) {
+  auto normal = scratch_.head(c.count);
+  normal = value_.segment(c.row, c.count);
+  normal /= normal.head(c.count - 1).norm();
+  normal[c.count - 1] = -1;
+}
+
+double HorizonRows::correct(const std::vector<Eigen::VectorXd>& z, Linearization& linearization) {
+  shift(z, linearization, shifted_);
+  double largest = 0;
+  for (std::size_t i = 0; i < problem_.constraints().size(); ++i) {
+    if (!find_corrections(static_cast<int>(i))) continue;
+    const Term& c = terms_[i];
+    const auto change = new_base_.head(c.count);
+    largest = std::max(largest, change.lpNorm<Eigen::Infinity>());
+    base_.segment(c.row, c.count) += change;
+    KnotLinearization& knot = linearization.knots[c.node];
+    knot.gradient.noalias() += penalty_[c.row] * (jacobian(c, knot).transpose() * change);
+  }
+  return largest;
+}
+
+void HorizonRows::write_multipliers(Eigen::VectorXd& multipliers) const {
+  multipliers = penalty_.head(controls_).cwiseProduct(base_.head(controls_));
+}
+
+int HorizonRows::active_rows() const {
   int count = 0;
-  for (const Rows& rows : rows_)
-    for (int r = 0; r < rows.count; ++r) count += rows.kind[r] != kLimit;
+  for (const Term& c : terms_) {
+    if (c.kind != Kind::constraint) continue;
+    if (!c.cone)
+      count += static_cast<int>((slope_.segment(c.row, c.count).array() != 0).count());
+    else if (c.side == ConeSide::surface || c.side == ConeSide::tip)
+      count += c.side == ConeSide::surface ? 1 : c.count;
+  }
   return count;
 }
 

@@ -21,15 +21,10 @@ double largest_norm(const IterationRecord& row) {
   return std::max({row.stationarity, row.gap, row.constraint});
 }
 
-/// Penalty of active rows in a sweep, as a multiple of the largest curvature, and the maximum
-/// number of multiplier corrections.
+/// Penalty of active rows in a sweep, as a multiple of the largest curvature.
 constexpr double kRowPenalty = 1e5;
-constexpr int kCorrections = 10;
 /// Curvature below which a cost counts as linear; the exact Hessian's curvature then replaces it.
 constexpr double kLeastCurvature = 1e-6;
-constexpr double kExactRows = 1e-9;
-/// Maximum number of revisions of the active rows before a step is taken as it is.
-constexpr int kRevisions = 10;
 /// Largest share of the norm that a full step may leave if the next step is to reuse its Hessian.
 constexpr double kKeptShare = 0.1;
 /// Shortest step that is tried.
@@ -48,11 +43,8 @@ ProjectedNewton::ProjectedNewton(const ShootingProblem& problem, Evaluator& eval
       bounds_(problem),
       linearization_(problem),
       adjoint_(problem, bounds_),
-      sweep_(problem, bounds_),
-      stages_(unconstrained_stage(problem)),
       gaps_(problem),
-      rows_(problem, bounds_),
-      feedback_(problem),
+      qp_(problem, bounds_, box_stage(problem), true, true),
       trajectory_(problem.create_trajectory()),
       before_(trajectory_),
       lagrangian_(problem),
@@ -66,7 +58,6 @@ ProjectedNewton::ProjectedNewton(const ShootingProblem& problem, Evaluator& eval
   for (int k = 0; k <= problem.knots(); ++k) {
     gauss_newton_.push_back(linearization_.knots[k].hessian());
     cost_gradient_.push_back(linearization_.knots[k].gradient);
-    step_.push_back(Eigen::VectorXd::Zero(problem.knot(k).model->nz()));
   }
   exact_ = gauss_newton_;
 }
@@ -76,7 +67,8 @@ void ProjectedNewton::start(const Trajectory& trajectory, const Eigen::VectorXd&
   trajectory_ = trajectory;
   multipliers_ = multipliers;
   penalty_ = penalty;
-  feedback_ = feedback;
+  qp_.reset();
+  qp_.feedback() = feedback;
   step_length_ = 0;
   curved_ = true;
   keeps_ = false;
@@ -89,12 +81,26 @@ void ProjectedNewton::linearize() {
   lagrangian_.multiplier.setZero();
   evaluator_.differentiate(trajectory_, linearization_, &lagrangian_);
   for (int k = 0; k <= problem_.knots(); ++k) cost_gradient_[k] = linearization_.knots[k].gradient;
-  rows_.choose(linearization_, penalty_, multipliers_);
-  rows_.add_gradient(false, linearization_);
+  qp_.rows().choose(linearization_, penalty_, multipliers_);
+  for (int k = 0; k <= problem_.knots(); ++k) {
+    KnotLinearization& knot = linearization_.knots[k];
+    knot.gradient.noalias() +=
+        knot.C.transpose() * multipliers_.segment(problem_.constraint_offset(k), knot.C.rows());
+  }
   gaps_.set(linearization_, true);
-  adjoint_.compute(linearization_, trajectory_, gaps_, feedback_);
-  rows_.choose_controls(trajectory_, adjoint_);
+  adjoint_.compute(linearization_, trajectory_, gaps_, qp_.feedback());
+  active_rows_ = qp_.rows().active_rows() + held_controls();
   measure();
+}
+
+/// Number of controls at a bound that descent would cross.
+int ProjectedNewton::held_controls() const {
+  int count = 0;
+  for (int k = 0; k < problem_.knots(); ++k)
+    for (int i = 0; i < problem_.nu(k); ++i)
+      count +=
+          bounds_.pushed_out(k, i, trajectory_.u(k)[i], adjoint_.gradient()[bounds_.offset(k) + i]);
+  return count;
 }
 
 void ProjectedNewton::measure() {
@@ -113,36 +119,11 @@ void ProjectedNewton::measure() {
   }
 }
 
-/// Sweeps, and rolls the policy out through the linear model.
-bool ProjectedNewton::sweep() {
-  ++sweeps_;
-  if (sweep_.run(linearization_, trajectory_, gaps_, {}, *stages_, feedback_) >= 0) return false;
-  auto dx = scratch_.head(problem_.ndx());
-  dx.setZero();
-  for (int k = 0; k <= problem_.knots(); ++k) {
-    step_[k].head(dx.size()) = dx;
-    if (k == problem_.knots()) break;
-    auto du = step_[k].tail(problem_.nu(k));
-    du = feedback_.k[k];
-    du.noalias() += feedback_.K[k] * dx;
-    linearization_.knots[k].apply(step_[k], dx);
-    if (!gaps_[k].closed()) gaps_[k].push(dx);
-  }
-  return step_.back().allFinite();
-}
-
-/// Fills step_ and target_: solves the quadratic problem of the active rows and revises the rows by
-/// the step, in turn, until they settle.
+/// Finds the step and target_. If the exact Hessian is not convex on the active rows, the
+/// Gauss-Newton one is used.
 bool ProjectedNewton::solve_quadratic() {
   const double penalty = kRowPenalty * std::max(take_hessians(), kLeastCurvature);
-  for (int revision = 0;; ++revision) {
-    if (!solve_on_rows(penalty)) return false;
-    if (revision == kRevisions ||
-        !rows_.revise(linearization_, trajectory_, adjoint_, multipliers_, step_))
-      break;
-  }
-  rows_.write_multipliers(linearization_, true, target_);
-  return true;
+  return (curved_ && solve_with(exact_, penalty)) || solve_with(gauss_newton_, penalty);
 }
 
 /// Stores the Gauss-Newton Hessians and, if they differ, the exact ones. Returns the largest
@@ -171,45 +152,26 @@ void ProjectedNewton::evaluate_exact_hessian() {
   }
 }
 
-/// Finds the step that satisfies the active rows. If the exact Hessian is not convex on them, the
-/// Gauss-Newton one is used.
-bool ProjectedNewton::solve_on_rows(double penalty) {
-  for (std::size_t k = 0; k < cost_gradient_.size(); ++k)
+/// Solves the horizon QP with these Hessians. False if it lacks a minimum.
+bool ProjectedNewton::solve_with(const std::vector<Eigen::MatrixXd>& hessians, double penalty) {
+  for (std::size_t k = 0; k < hessians.size(); ++k) {
     linearization_.knots[k].gradient = cost_gradient_[k];
-  rows_.add_gradient(true, linearization_);
-  const double before = rows_.correct(penalty, nullptr, linearization_);
-  const bool swept = (curved_ && sweep_with(exact_, penalty)) || sweep_with(gauss_newton_, penalty);
-  return swept && correct_rows(penalty, before);
-}
-
-/// Corrects the multipliers by the residual of the rows after the step and sweeps again, until the
-/// residual is a small part of `before` or falls no further.
-bool ProjectedNewton::correct_rows(double penalty, double before) {
-  double last = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < kCorrections; ++i) {
-    const double rest = rows_.correct(penalty, &step_, linearization_);
-    if (rest <= kExactRows * before || rest >= 0.5 * last) break;
-    last = rest;
-    if (!sweep()) return false;
-  }
-  return true;
-}
-
-bool ProjectedNewton::sweep_with(const std::vector<Eigen::MatrixXd>& hessians, double penalty) {
-  for (std::size_t k = 0; k < hessians.size(); ++k)
     linearization_.knots[k].hessian.change() = hessians[k];
-  rows_.add_curvature(penalty, linearization_);
-  return sweep();
+  }
+  target_ = multipliers_;
+  qp_.rows().choose(linearization_, penalty_, target_);
+  return qp_.satisfy({linearization_, trajectory_, gaps_, adjoint_.gradient()}, penalty, target_);
 }
 
 bool ProjectedNewton::step(double growth) {
   const double was = norms_.largest();
-  sweeps_ = 0;
+  const int sweeps_before = qp_.sweeps();
   bool stepped = try_step(growth * was);
   if (!stepped && keeps_) {
     keeps_ = false;
     stepped = try_step(growth * was);
   }
+  sweeps_ = qp_.sweeps() - sweeps_before;
   keeps_ = stepped && dear_ && step_length_ == 1 && norms_.largest() <= kKeptShare * was;
   return stepped;
 }
@@ -238,10 +200,9 @@ bool ProjectedNewton::try_step(double bound) {
 void ProjectedNewton::move() {
   for (int k = 0; k <= problem_.knots(); ++k) {
     auto dx = scratch_.head(problem_.ndx());
-    dx = step_length_ * step_[k].head(problem_.ndx());
+    dx = step_length_ * qp_.step().dx(k);
     problem_.manifold().integrate(before_.x(k).data(), dx.data(), trajectory_.x(k).data());
-    if (k < problem_.knots())
-      trajectory_.u(k) = before_.u(k) + step_length_ * step_[k].tail(problem_.nu(k));
+    if (k < problem_.knots()) trajectory_.u(k) = before_.u(k) + step_length_ * qp_.step().du(k);
   }
   bounds_.clamp(trajectory_);
   multipliers_ = multipliers_before_ + step_length_ * (target_ - multipliers_before_);

@@ -1,17 +1,14 @@
 #pragma once
 
-#include <memory>
 #include <vector>
 
 #include "ocp/evaluation/evaluator.hpp"
 #include "solvers/common/iteration_record.hpp"
 #include "solvers/common/solve_record.hpp"
-#include "solvers/constraints/active_rows.hpp"
+#include "solvers/constraints/horizon_qp.hpp"
 #include "solvers/constraints/outer_strategy.hpp"
 #include "solvers/iterate/iterate.hpp"
 #include "solvers/riccati/adjoint.hpp"
-#include "solvers/riccati/backward_sweep.hpp"
-#include "solvers/stages/stage_solver.hpp"
 
 namespace conddp {
 
@@ -29,13 +26,9 @@ struct KktNorms {
 /// and gaps are treated like the other residuals. If exact Hessians are expensive, steps reuse the
 /// last one while each reduces the largest norm to a tenth.
 ///
-/// The active constraints and control bounds are found anew at each iterate and revised by its step
-/// (ActiveRows), until the step solves the quadratic problem with inequalities.
-///
-/// The step solves the equality-constrained quadratic problem of the horizon by the proximal method
-/// of multipliers. A Riccati sweep takes the active rows as penalties, and further sweeps correct
-/// the multipliers until the rows hold, all with one Hessian. Redundant rows and stages without
-/// curvature of their own are harmless, and the computing time is linear in the horizon.
+/// Each step solves the horizon QP (HorizonQp::satisfy) with one Hessian, starting from the rows
+/// and control bounds that are active at the iterate. Redundant rows and stages without curvature
+/// of their own are harmless, and the computing time is linear in the horizon.
 class ProjectedNewton {
  public:
   ProjectedNewton(const ShootingProblem& problem, Evaluator& evaluator);
@@ -52,7 +45,8 @@ class ProjectedNewton {
   double step_length() const { return step_length_; }
   /// Number of exact Hessians evaluated since start().
   int exact_hessians() const { return exact_hessians_; }
-  int active_rows() const { return rows_.count(); }
+  /// Number of active constraint rows and held controls.
+  int active_rows() const { return active_rows_; }
   /// Writes the data of the iterate, and of the step that led to it, into a row of the log.
   void describe(IterationRecord& row) const;
   double cost() const;
@@ -64,40 +58,35 @@ class ProjectedNewton {
   /// Co-states and control gradients of the iterate, along feedback().
   const Adjoint& adjoint() const { return adjoint_; }
   /// The policy of the last step, which respects the active constraints.
-  const Feedback& feedback() const { return feedback_; }
+  const Feedback& feedback() const { return qp_.feedback(); }
 
  private:
   void linearize();
+  int held_controls() const;
   void measure();
   bool try_step(double bound);
   bool solve_quadratic();
   double take_hessians();
   void evaluate_exact_hessian();
-  bool solve_on_rows(double penalty);
-  bool correct_rows(double penalty, double before);
-  bool sweep_with(const std::vector<Eigen::MatrixXd>& hessians, double penalty);
+  bool solve_with(const std::vector<Eigen::MatrixXd>& hessians, double penalty);
   void move();
-  bool sweep();
 
   const ShootingProblem& problem_;
   Evaluator& evaluator_;
   ControlBounds bounds_;
   Linearization linearization_;
   Adjoint adjoint_;
-  BackwardSweep sweep_;
-  std::unique_ptr<StageSolver> stages_;
   Gaps gaps_;
-  ActiveRows rows_;
-  Feedback feedback_;
+  HorizonQp qp_;
   Trajectory trajectory_, before_;
   Augmentation lagrangian_;  ///< multipliers only
   Eigen::VectorXd multipliers_, multipliers_before_, target_, penalty_;
   std::vector<Eigen::VectorXd> cost_gradient_;
   std::vector<Eigen::MatrixXd> gauss_newton_, exact_;
-  std::vector<Eigen::VectorXd> step_;  ///< z of each node
   Eigen::VectorXd scratch_;
   KktNorms norms_;
   double step_length_ = 0;
+  int active_rows_ = 0;
   int sweeps_ = 0;      ///< of the last step
   bool dear_;           ///< exact_hessians_are_dear()
   bool keeps_ = false;  ///< the next step reuses the exact Hessians of the last one

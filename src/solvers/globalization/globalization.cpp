@@ -50,7 +50,7 @@ Globalization::Globalization(const ShootingProblem& problem, const ControlBounds
       full_step_search_(problem, bounds, options.tolerances),
       control_curvature_(problem),
       regularization_(options.regularization.initial) {
-  if (direction_.models_rows()) affine_probe_.emplace(problem);
+  if (direction_.qp().has_rows()) affine_probe_.emplace(problem);
   if (outer.augmentation() != nullptr && direction_.null_space() != nullptr)
     equality_search_.emplace(problem);
 }
@@ -93,19 +93,19 @@ bool Globalization::gaps_open() const {
 bool Globalization::step() {
   IterationRecord& row = record_.row;
   row.trials = 0;
-  const int sweeps_before = direction_.sweeps();
+  const int sweeps_before = direction_.qp().sweeps();
   bool by_full_step = false;
   if (!find_step(by_full_step)) return false;
   step_taken(by_full_step);
-  row.sweeps = direction_.sweeps() - sweeps_before;
+  row.sweeps = direction_.qp().sweeps() - sweeps_before;
   row.step = search_.step;
   row.expected_decrease = search_.expected_decrease;
   row.actual_decrease = search_.actual_decrease;
   row.regularization = regularization_.value();
   row.penalty = merit_.penalty;
   row.exact_hessian = iterate_.hessian.exact_in_use();
-  row.clamped_controls = direction_.active_set().clamped_controls();
-  row.active_set_changes = direction_.active_set().changes();
+  row.clamped_controls = direction_.qp().active_set().clamped_controls();
+  row.active_set_changes = direction_.qp().active_set().changes();
   if (search_.step >= kLongStep) {
     regularization_.decrease();
   } else if (search_.step <= kShortStep && !equality_search_) {
@@ -189,7 +189,7 @@ void Globalization::step_taken(bool by_full_step) {
   }
   const bool full = search_.step == 1;
   const bool quadratic = decrease_was_quadratic(by_full_step);
-  if (full && direction_.within_bounds() && quadratic)
+  if (full && direction_.qp().within_bounds() && quadratic)
     direction_.step_taken();
   else
     direction_.forget_steps();
@@ -234,7 +234,7 @@ void Globalization::measure_direction() {
     return;
   }
   merit_.slope = direction_.step().slope();
-  merit_.slope_within_bounds = direction_.within_bounds();
+  merit_.slope_within_bounds = direction_.qp().within_bounds();
   // Co-states without gains say little about the rounding of the cost.
   if (record_.row.iteration == 0 || !merit_.slope_within_bounds) {
     iterate_.adjoint.compute(iterate_.linearization, iterate_.trajectory, iterate_.gaps,
@@ -257,16 +257,16 @@ void Globalization::weigh_gaps() {
 /// Raises the regularization, as far as this may help, if the active set of the direction has not
 /// settled. A step far from the iterate makes the controls' active set alternate.
 bool Globalization::raise_for_unsettled() {
-  return direction_.set_unknown() && !direction_.trusts_model() &&
+  return direction_.qp().set_unknown() && !direction_.qp().trusts_model() &&
          regularization_.value() < kSettlingRegularization && regularize_more();
 }
 
 /// True if the full step should be tried. Affine dynamics leave no gaps to correct, and the line
 /// search then takes fewer iterations.
 bool Globalization::full_step_is_due() const {
-  return recipe_.open_gaps && !equality_search_ && direction_.within_bounds() &&
+  return recipe_.open_gaps && !equality_search_ && direction_.qp().within_bounds() &&
          !iterate_.hessian.exact_wanted() && !(regularization_.value() > 0) &&
-         full_step_search_.due() && !direction_.trusts_model();
+         full_step_search_.due() && !direction_.qp().trusts_model();
 }
 
 /// Takes the full step of the linear model if full steps succeed.
@@ -391,8 +391,8 @@ int Globalization::sweep_backward(double regularization) {
 /// Repeats the search with a trusted model if active sets alternate and the problem is affine.
 int Globalization::find_settled_direction(double regularization) {
   const int bad_knot = find_direction(regularization);
-  if (!direction_.unsettled() || !found_affine()) return bad_knot;
-  direction_.trust_model();
+  if (!direction_.qp().unsettled() || !found_affine()) return bad_knot;
+  direction_.qp().trust_model();
   return find_direction(regularization);
 }
 
@@ -416,7 +416,7 @@ double Globalization::newton_gain() {
 
 std::optional<double> Globalization::find_gains() {
   const Stopwatch watch(record_.result.times.sweep);
-  direction_.stay_at_iterate();
+  direction_.qp().stay_at_iterate();
   RegularizationSchedule schedule;
   do {
     if (sweep_backward(schedule.value()) < 0) return schedule.value();

@@ -43,8 +43,7 @@ class BoxStage : public StageSolver {
     const std::span<BoundState> active = active_set().states(stage.knot);
     std::copy(active.begin(), active.end(), before_.begin());
     if (qp_.solve(stage.Quu, stage.Qu, active_set().lower(stage.knot),
-                         active_set().upper(stage.knot),
-                         active) == BoxQp::Status::not_positive_definite)
+                  active_set().upper(stage.knot), active) == BoxQp::Status::not_positive_definite)
       return false;
     k = qp_.x();
     // Feedback acts only on the free controls: K_f = −Q_ff⁻¹ Q_fx.

@@ -68,7 +68,8 @@ std::string describe_auto(const ShootingProblem& problem, SolverList list);
 
 /// Solves a problem from a guess, along a homotopy and with restarts if the options request them.
 /// Throws std::invalid_argument if the options are not valid, if the solver does not support the
-/// problem or the requested Hessian, or if the guess has another shape. Every other end is a status.
+/// problem or the requested Hessian, or if the guess has another shape. Every other end is a
+/// status.
 SolveResult solve(const ShootingProblem& problem, const SolverInfo& solver,
                   const SolverOptions& options, const Trajectory& guess);
 /// Objection to a converged answer.

@@ -1,4 +1,4 @@
-#include "solvers/constraints/horizon_constraints.hpp"
+#include "solvers/constraints/horizon_rows.hpp"
 
 #include <gtest/gtest.h>
 
@@ -16,73 +16,75 @@ struct Horizon {
       : conic(1, middle_size()),
         augmentation(*conic.problem),
         linearization(*conic.problem),
-        constraints(*conic.problem) {
+        bounds(*conic.problem),
+        rows(*conic.problem, bounds) {
     const ShootingProblem& problem = *conic.problem;
     augmentation.penalty.setOnes();
     Evaluator(problem).differentiate(problem.create_trajectory(), linearization, &augmentation);
     for (int k = 0; k <= problem.knots(); ++k)
       z.push_back(Eigen::VectorXd::Zero(problem.knot(k).model->nz()));
-    constraints.start(linearization, &augmentation);
+    rows.start(linearization, &augmentation);
   }
 
   ConicLinearQuadratic conic;
   Augmentation augmentation;
   Linearization linearization;
-  HorizonConstraints constraints;
+  ControlBounds bounds;
+  HorizonRows rows;
   std::vector<Eigen::VectorXd> z;
   std::optional<int> last;
 };
 
 // Sweeps restart at the last node whose rows changed, so that node must be reported.
-TEST(HorizonConstraints, ReportTheLastNodeWithCrossedRows) {
+TEST(HorizonRows, ReportTheLastNodeWithCrossedRows) {
   Horizon horizon;
-  auto& [conic, augmentation, linearization, constraints, z, last] = horizon;
+  auto& [conic, augmentation, linearization, bounds, rows, z, last] = horizon;
 
-  EXPECT_EQ(constraints.revise(z, 0, linearization, last), 0);
+  EXPECT_EQ(rows.revise(z, 0, linearization, last), 0);
   EXPECT_FALSE(last.has_value());
   z[3].setConstant(100);
   z[7].setConstant(-100);
-  EXPECT_GE(constraints.revise(z, 0, linearization, last), 2);
+  EXPECT_GE(rows.revise(z, 0, linearization, last), 2);
   EXPECT_EQ(last, 7);
   last.reset();
-  EXPECT_EQ(constraints.revise(z, 0, linearization, last), 0);
+  EXPECT_EQ(rows.revise(z, 0, linearization, last), 0);
   EXPECT_FALSE(last.has_value());
   z[7].setZero();
-  EXPECT_GE(constraints.revise(z, 0, linearization, last), 1);
+  EXPECT_GE(rows.revise(z, 0, linearization, last), 1);
   EXPECT_EQ(last, 7);
 }
 
-TEST(HorizonConstraints, KeepsModelsWithinTheAllowedError) {
+TEST(HorizonRows, KeepsModelsWithinTheAllowedError) {
   Horizon horizon;
-  auto& [conic, augmentation, linearization, constraints, z, last] = horizon;
+  auto& [conic, augmentation, linearization, bounds, rows, z, last] = horizon;
   z[3].setConstant(100);
   const Eigen::VectorXd gradient = linearization.knots[3].gradient;
-  EXPECT_EQ(constraints.revise(z, 1e12, linearization, last), 0);
+  EXPECT_EQ(rows.revise(z, 1e12, linearization, last), 0);
   EXPECT_EQ(linearization.knots[3].gradient, gradient);
-  EXPECT_GE(constraints.revise(z, 1e-12, linearization, last), 1);
+  EXPECT_GE(rows.revise(z, 1e-12, linearization, last), 1);
   EXPECT_NE(linearization.knots[3].gradient, gradient);
 }
 
 // The next iterate's model starts once from the settled rows and multipliers of the last step.
-TEST(HorizonConstraints, PredictRowsFromThePreviousStep) {
+TEST(HorizonRows, PredictRowsFromThePreviousStep) {
   Horizon horizon;
-  auto& [conic, augmentation, linearization, constraints, z, last] = horizon;
+  auto& [conic, augmentation, linearization, bounds, rows, z, last] = horizon;
   z[3].setConstant(100);
-  ASSERT_GE(constraints.revise(z, 0, linearization, last), 1);
+  ASSERT_GE(rows.revise(z, 0, linearization, last), 1);
   const Eigen::VectorXd settled = linearization.knots[3].gradient;
-  ASSERT_EQ(constraints.revise(z, 0, linearization, last), 0);
-  constraints.settle();
-  ASSERT_TRUE(constraints.restore(linearization));
+  ASSERT_EQ(rows.revise(z, 0, linearization, last), 0);
+  rows.settle();
+  ASSERT_TRUE(rows.restore(linearization));
   const Eigen::VectorXd own = linearization.knots[3].gradient;
 
-  constraints.start(linearization, &augmentation);
-  constraints.expect(linearization);
+  rows.start(linearization, &augmentation);
+  rows.expect(linearization);
   EXPECT_LT((linearization.knots[3].gradient - settled).norm(), 1e-9 * settled.norm());
-  EXPECT_EQ(constraints.revise(z, 0, linearization, last), 0);
-  constraints.restore(linearization);
+  EXPECT_EQ(rows.revise(z, 0, linearization, last), 0);
+  rows.restore(linearization);
   EXPECT_EQ(linearization.knots[3].gradient, own);
-  constraints.start(linearization, &augmentation);
-  constraints.expect(linearization);
+  rows.start(linearization, &augmentation);
+  rows.expect(linearization);
   EXPECT_EQ(linearization.knots[3].gradient, own) << "what was expected once is past";
 }
 
@@ -115,7 +117,7 @@ ShootingProblem beyond_walls(double weight) {
 }
 
 // The model finds the minimum of a piecewise quadratic problem with sweeps but without iterations.
-TEST(HorizonConstraints, IncludesBarriersThatAStepCrosses) {
+TEST(HorizonRows, IncludesBarriersThatAStepCrosses) {
   for (const double weight : {1.0, 100.0, 1e4}) {
     const ShootingProblem problem = beyond_walls(weight);
     const Trajectory guess = problem.create_trajectory();
@@ -135,7 +137,7 @@ TEST(HorizonConstraints, IncludesBarriersThatAStepCrosses) {
 }
 
 // Reported gains belong to the iterate's own costs, even if the solve stops early.
-TEST(HorizonConstraints, GainsMatchTheirSideOfEachWall) {
+TEST(HorizonRows, GainsMatchTheirSideOfEachWall) {
   const ShootingProblem problem = beyond_walls(100);
   SolverOptions options;
   options.max_iterations = 0;
@@ -203,7 +205,8 @@ class ModelOfEveryKind : public ::testing::TestWithParam<unsigned> {
         random_(GetParam()),
         augmentation_(problem_),
         linearization_(problem_),
-        constraints_(problem_),
+        bounds_(problem_),
+        rows_(problem_, bounds_),
         evaluator_(problem_),
         from_(random_guess(problem_, GetParam())) {
     for (const NodeConstraint& c : problem_.constraints()) {
@@ -274,7 +277,8 @@ class ModelOfEveryKind : public ::testing::TestWithParam<unsigned> {
   RandomNumbers random_;
   Augmentation augmentation_;
   Linearization linearization_;
-  HorizonConstraints constraints_;
+  ControlBounds bounds_;
+  HorizonRows rows_;
   Evaluator evaluator_;
   Trajectory from_;
   int nodes_ = 0, exact_ = 0;
@@ -282,33 +286,33 @@ class ModelOfEveryKind : public ::testing::TestWithParam<unsigned> {
 
 TEST_P(ModelOfEveryKind, MatchesThePenaltiesAtTheStep) {
   const Linearization own = linearization_;
-  constraints_.start(linearization_, &augmentation_);
+  rows_.start(linearization_, &augmentation_);
   std::optional<int> last;
   for (int i = 0; i < 4; ++i) {
     const Step z = random_step();
-    EXPECT_GT(constraints_.revise(z, 0, linearization_, last), 5);
+    EXPECT_GT(rows_.revise(z, 0, linearization_, last), 5);
     expect_model_of(z);
-    EXPECT_EQ(constraints_.revise(z, 0, linearization_, last), 0);
+    EXPECT_EQ(rows_.revise(z, 0, linearization_, last), 0);
   }
-  EXPECT_TRUE(constraints_.restore(linearization_));
-  EXPECT_FALSE(constraints_.restore(linearization_));
+  EXPECT_TRUE(rows_.restore(linearization_));
+  EXPECT_FALSE(rows_.restore(linearization_));
   for (int k = 0; k <= problem_.knots(); ++k) {
     EXPECT_EQ(linearization_.knots[k].gradient, own.knots[k].gradient) << k;
     EXPECT_EQ(linearization_.knots[k].hessian(), own.knots[k].hessian()) << k;
   }
-  constraints_.restart();
+  rows_.restart();
   const Step z = random_step();
-  constraints_.revise(z, 0, linearization_, last);
+  rows_.revise(z, 0, linearization_, last);
   expect_model_of(z);
   EXPECT_GT(exact_, 0.6 * nodes_);
 }
 
 TEST_P(ModelOfEveryKind, PathExcessMatchesThePenaltyRise) {
-  constraints_.start(linearization_, &augmentation_);
+  rows_.start(linearization_, &augmentation_);
   std::optional<int> last;
   const Step z = random_step(), to = random_step();
-  constraints_.revise(z, 0, linearization_, last);
-  constraints_.set_path(z, to, linearization_);
+  rows_.revise(z, 0, linearization_, last);
+  rows_.set_path(z, to, linearization_);
   for (const double alpha : {0.0, 0.3, 0.8, 1.0, 1.7}) {
     Step on_the_way = z;
     for (int k = 0; k <= problem_.knots(); ++k) on_the_way[k] += alpha * (to[k] - z[k]);
@@ -320,7 +324,7 @@ TEST_P(ModelOfEveryKind, PathExcessMatchesThePenaltyRise) {
       more += (there.knots[k].gradient - modelled).dot(to[k] - z[k]);
       size += there.knots[k].gradient.norm() * (to[k] - z[k]).norm();
     }
-    EXPECT_NEAR(constraints_.slope_beyond_model(alpha), more, 1e-12 * size) << alpha;
+    EXPECT_NEAR(rows_.slope_beyond_model(alpha), more, 1e-12 * size) << alpha;
     if (alpha > 0.5) {
       EXPECT_GT(std::abs(more), 1e-4 * size) << alpha;
     }
