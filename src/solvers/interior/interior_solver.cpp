@@ -126,9 +126,10 @@ void InteriorSolver::solve_relaxed(const Trajectory& guess, double relaxation, i
       start(guess, relaxation);
       for (const double barrier : kLastBarriers) {
         last_barrier_ = barrier;
+        if (!record_.result.log.empty()) ++record_.row.iteration;
         while (run_iteration(last_iteration)) ++record_.row.iteration;
         end_by_newton();
-        if (is_solution() || terms_.barrier() > barrier) return;
+        if (is_solution() || out_of_budget() || terms_.barrier() > barrier) return;
       }
     } catch (const Abandoned&) {
     }
@@ -471,7 +472,7 @@ void InteriorSolver::write_result() {
     record_.end(SolveStatus::line_search_failed,
                 "Newton's method on the active constraints does not reach the tolerances: {}",
                 record_.residual_text());
-  else
+  else if (!out_of_budget())
     result.message += fmt::format(": {}", record_.residual_text());
 }
 
