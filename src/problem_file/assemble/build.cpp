@@ -563,7 +563,7 @@ std::string drop_options(const ProblemSpec& spec, const std::vector<std::string>
 void report_unsupported(const ProblemSpec& spec, const std::string& reason,
                         const std::vector<std::string>& names, Diagnostics& out) {
   const Place place = unsupported_place(spec, names);
-  if (spec.stepping) return out.error(place, reason, "write 'solver: {name: ipopt}'");
+  if (spec.stepping) return out.error(place, reason, "write 'solver: {name: auto}'");
   const std::string options = drop_options(spec, names);
   out.error(place, reason,
             options.empty()

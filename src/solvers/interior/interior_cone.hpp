@@ -59,7 +59,7 @@ class InteriorCone {
   Eigen::VectorXd off_;               ///< p(ν) − p
   Eigen::MatrixXd W2_, P_, inverse_;  ///< W², ∂p/∂ν, D⁻¹
   Eigen::LLT<Eigen::MatrixXd> factor_;
-  Eigen::MatrixXd product_;           ///< D⁻¹ C
+  Eigen::MatrixXd product_;  ///< D⁻¹ C
   mutable Eigen::VectorXd work_;
 };
 

@@ -58,8 +58,8 @@ class ScalarTerm {
 /// 0; those that are soft by their distance have p ≥ 0 with p (w − ν) = μ for their weight w.
 /// Control bounds are inequalities whose slack is their distance. Equalities c = 0 have multipliers
 /// y, and a step satisfies c + C δz = δy/ρ with a large ρ: redundant equations are harmless then.
-/// Cones are those of InteriorCone. Eliminating slacks and multipliers adds terms to gradients and Hessians of the nodes, so that
-/// the sweep of an unconstrained problem computes the step.
+/// Cones are those of InteriorCone. Eliminating slacks and multipliers adds terms to gradients and
+/// Hessians of the nodes, so that the sweep of an unconstrained problem computes the step.
 ///
 /// Complementary pairs 0 ≤ z ⊥ s ≥ 0 are relaxed to z ≥ 0, s ≥ 0 and z s ≤ ε, where ε falls with
 /// the barrier (Scholtes 2001; Raghunathan, Biegler 2005). In the end, the smaller entry of each
