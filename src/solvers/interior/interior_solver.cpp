@@ -433,8 +433,7 @@ bool InteriorSolver::is_solution() const {
 /// Gains of Newton steps belong to the iterate before. If only controls are bounded, a sweep at the
 /// answer gives its own gains.
 void InteriorSolver::sweep_at_answer() {
-  record_.result.feedback_regularization = 0;
-  if (!is_solution() || !problem_.constraints().empty()) return;
+  if (!problem_.constraints().empty()) return;
   Trajectory answer = newton_.trajectory();
   bounds_.snap_rounded(answer);
   const AnswerGains gains = gains_at(problem_, bounds_, evaluator_, answer, multipliers_);
@@ -445,8 +444,17 @@ void InteriorSolver::sweep_at_answer() {
   record_.result.log.back() = record_.row;
 }
 
+/// The answer of a failed solve is the last interior point: Newton steps that led nowhere may have
+/// left the bounds.
+void InteriorSolver::return_to_interior() {
+  newton_.start(trajectory_, multipliers_, penalty_, feedback_);
+  record_.row.newton = 0;
+  newton_.describe(record_.row);
+  record_.result.log.back() = record_.row;
+}
+
 void InteriorSolver::write_result() {
-  sweep_at_answer();
+  is_solution() ? sweep_at_answer() : return_to_interior();
   SolveResult& result = record_.result;
   const KktNorms& norms = newton_.norms();
   result.trajectory = newton_.trajectory();
@@ -458,6 +466,7 @@ void InteriorSolver::write_result() {
                       .stationarity_knot = norms.stationarity.knot,
                       .gap_knot = norms.gap.knot,
                       .constraint_knot = norms.violation.knot};
+  if (!result.feedback_regularization) result.feedback_regularization = 0;
   result.feedback = newton_.feedback();
   result.costates = newton_.adjoint().costates();
   result.state_gradient = newton_.adjoint().state_gradient();

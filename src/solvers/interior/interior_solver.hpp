@@ -51,6 +51,7 @@ class InteriorSolver {
   void end_by_newton();
   bool is_solution() const;
   void sweep_at_answer();
+  void return_to_interior();
   void write_result();
   bool out_of_budget() const;
   double infeasibility(const Eigen::MatrixXd& gap, const TermPoint& at) const;
