@@ -215,8 +215,6 @@ std::vector<ShortSolve> short_solves() {
        "converged: 11 iterations, 2 sweeps, 10 trials, 7 full, 11 exact, 1 newton, 2 active"},
       {"goal", [] { return pendulum_goal(kFree); }, "intro",
        "converged: 5 iterations, 5 sweeps, 5 trials, 5 full"},
-      {"goal", goal, "altro",
-       "converged: 10 iterations, 13 sweeps, 8 trials, 10 full, 4 outer, 2 newton, 2 active"},
       {"goal", goal, "proxddp", "converged: 16 iterations, 16 sweeps, 16 trials, 16 full, 8 outer"},
       {"goal", goal, "ipopt",
        "converged: 8 iterations, 4 sweeps, 7 trials, 8 full, 8 exact, 1 newton, 2 active"},
