@@ -217,7 +217,7 @@ TEST(Composer, EveryProblemEndsWithCertificateOrReason) {
   Coverage coverage(bodies);
   const SeedRange range = SeedRange::from_environment();
   const Tally tally = run_all(range.first, range.count, compose_problem, coverage);
-  EXPECT_LE(tally.doubted, 1 + range.count / 50);
+  EXPECT_LE(tally.doubted, 1 + range.count / 100);
   if (range.count < SeedRange::kDefaultCount) return;
   EXPECT_LT(tally.refused, 0.2 * range.count) << "refused compositions test the reader alone";
   EXPECT_EQ(coverage.missing(), "");

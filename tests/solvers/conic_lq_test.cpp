@@ -12,7 +12,7 @@ TEST(ConicLinearQuadratic, SolversAgreeWithEachOtherAndWithIpopt) {
     ConicSize size = middle_size();
     size.slack = slack;
     for (const unsigned seed : {1u, 2u}) {
-      expect_agreement(ConicLinearQuadratic(seed, size), {"altro", "proxddp", "ipopt"});
+      expect_agreement(ConicLinearQuadratic(seed, size), {"altro", "proxddp", "ipddp", "ipopt"});
     }
   }
 }

@@ -151,7 +151,8 @@ TEST(SoftPenalty, BeginsWithAPenaltyWithinItsLimits) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Solvers, SoftByDistance, ::testing::Values("altro", "proxddp", "ipopt"));
+INSTANTIATE_TEST_SUITE_P(Solvers, SoftByDistance,
+                         ::testing::Values("altro", "proxddp", "ipddp", "ipopt"));
 
 class SoftBySquare : public ::testing::TestWithParam<const char*> {};
 

@@ -212,6 +212,27 @@ double ProjectedNewton::cost() const {
   return linearization_.total_cost() + linear_soft_cost(problem_, linearization_.constraint);
 }
 
+void ProjectedNewton::write_answer(SolveResult& result) const {
+  result.trajectory = trajectory_;
+  result.cost = cost();
+  result.residuals = {.stationarity = norms_.stationarity.value,
+                      .gap = norms_.gap.value,
+                      .constraint = norms_.violation.value,
+                      .complementarity = norms_.complementarity,
+                      .stationarity_knot = norms_.stationarity.knot,
+                      .gap_knot = norms_.gap.knot,
+                      .constraint_knot = norms_.violation.knot};
+  result.feedback = feedback();
+  result.costates = adjoint_.costates();
+  result.state_gradient = adjoint_.state_gradient();
+  result.control_gradient.clear();
+  for (int k = 0; k < problem_.knots(); ++k)
+    result.control_gradient.push_back(
+        adjoint_.gradient().segment(bounds_.offset(k), problem_.nu(k)));
+  result.constraint_values = linearization_.constraint;
+  result.constraint_multipliers = multipliers_;
+}
+
 void ProjectedNewton::describe(IterationRecord& row) const {
   row.cost = row.merit = cost();
   row.stationarity = norms_.stationarity.value;

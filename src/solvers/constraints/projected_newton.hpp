@@ -41,6 +41,8 @@ class ProjectedNewton {
   /// active rows at once.
   bool step(double growth = 1);
 
+  /// Writes the iterate with its residuals, gains, co-states and multipliers into a result.
+  void write_answer(SolveResult& result) const;
   const KktNorms& norms() const { return norms_; }
   double step_length() const { return step_length_; }
   /// Number of exact Hessians evaluated since start().

@@ -92,7 +92,9 @@ void InteriorCone::scale(double mu) {
   P_.setZero();
   if (is_soft()) {
     const double w = constraint_->limit, q = w * w - nu_.squaredNorm();
-    P_.noalias() = (4 * mu / (q * q)) * nu_ * nu_.transpose();
+    // From q p = 2 μ ν with the present p, which is parallel to ν at a solution.
+    const double along = std::max(0.0, p_.dot(nu_)) / nu_.squaredNorm();
+    P_.noalias() = (2 * along / q) * nu_ * nu_.transpose();
     P_.diagonal().array() += 2 * mu / q;
   }
   inverse_ = W2_ + P_;

@@ -13,10 +13,10 @@ struct StepLimits {
   double primal = 1, dual = 1;
 };
 
-/// A second-order cone as a primal-dual interior-point method sees it: g + p = s with s and the
-/// multiplier ν in the cone, ν = μ s⁻¹ for the inverse of its Jordan algebra, and p = 0 or, if it
-/// is soft by its distance with the weight w, p = 2 μ ν / (w² − ‖ν‖²). Eliminating s, p and ν with
-/// the scaling of Nesterov and Todd leaves D δν = push − C δz.
+/// A second-order cone of a primal-dual interior-point method: g + p = s, with s and the multiplier
+/// ν = μ s⁻¹ in the cone (the inverse is that of its Jordan algebra). A hard cone has p = 0, a cone
+/// that is soft by its distance with the weight w has p = 2 μ ν / (w² − ‖ν‖²). The scaling of
+/// Nesterov and Todd eliminates s and p and leaves D δν = push − C δz.
 class InteriorCone {
  public:
   explicit InteriorCone(const NodeConstraint& constraint);

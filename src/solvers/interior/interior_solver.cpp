@@ -11,14 +11,15 @@
 #include "solvers/common/finite_check.hpp"
 #include "solvers/common/guess.hpp"
 #include "solvers/common/settled_cost.hpp"
+#include "solvers/constraints/answer_choice.hpp"
 #include "solvers/constraints/answer_gains.hpp"
 #include "solvers/iterate/hessian_switch.hpp"
 
 namespace conddp {
 namespace {
 
-/// First barrier, the one at which pairs are told apart, and those from which Newton's method is
-/// tried: the smaller, the better it tells active bounds apart.
+/// First barrier, barrier at which the smaller entries of pairs are held, and barriers from which
+/// Newton's method is tried: a smaller one separates active bounds from others more clearly.
 constexpr double kFirstBarrier = 1e-2, kPairBarrier = 1e-7;
 constexpr std::array<double, 3> kLastBarriers = {1e-9, 1e-11, 1e-13};
 /// A barrier problem counts as solved if its error is below this multiple of the barrier (Wächter,
@@ -91,7 +92,9 @@ InteriorSolver::InteriorSolver(const ShootingProblem& problem, const SolverOptio
 SolveResult InteriorSolver::solve(const Trajectory& guess) {
   check_shape(problem_, guess);
   record_.begin();
-  gauss_newton_ = exact_hessians_are_dear(problem_) ? kGaussNewton : 0;
+  const bool by_default = options_.hessian == HessianChoice::automatic;
+  if (options_.max_iterations == 0) return judge_guess(guess);
+  gauss_newton_ = by_default && exact_hessians_are_dear(problem_) ? kGaussNewton : 0;
   if (terms_.has_pairs()) {
     for (const double width : kFirstRelaxations) {
       const bool last = width == kFirstRelaxations.back();
@@ -108,6 +111,24 @@ SolveResult InteriorSolver::solve(const Trajectory& guess) {
   write_result();
   record_.finished();
   return std::move(record_.result);
+}
+
+/// Answers with the guess itself, which is no interior point.
+SolveResult InteriorSolver::judge_guess(const Trajectory& guess) {
+  take_guess(guess);
+  record_.log_row();
+  record_.may_continue();
+  return_to_interior();
+  write_result();
+  record_.finished();
+  return std::move(record_.result);
+}
+
+void InteriorSolver::take_guess(const Trajectory& guess) {
+  trajectory_ = guess;
+  record_.result.start = "states and controls of the guess";
+  clamp_guess(bounds_, trajectory_, record_.result.start);
+  correct_states(problem_, trajectory_, record_.result.start);
 }
 
 bool InteriorSolver::out_of_budget() const {
@@ -138,10 +159,7 @@ void InteriorSolver::solve_relaxed(const Trajectory& guess, double relaxation, i
 }
 
 void InteriorSolver::start(const Trajectory& guess, double relaxation) {
-  trajectory_ = guess;
-  record_.result.start = "states and controls of the guess";
-  clamp_guess(bounds_, trajectory_, record_.result.start);
-  correct_states(problem_, trajectory_, record_.result.start);
+  take_guess(guess);
   terms_.enter(trajectory_);
   evaluator_.differentiate(trajectory_, linearization_);
   double largest = 0;
@@ -352,7 +370,7 @@ bool InteriorSolver::search() {
 std::pair<double, double> InteriorSolver::judge(double length, const Trajectory& trial) {
   evaluator_.evaluate(trial, evaluation_);
   const TermPoint at{trial, evaluation_.constraint};
-  terms_.move(length, at);
+  terms_.move(length, trial);
   return {infeasibility(evaluation_.gap, at), terms_.barrier_function(evaluation_.cost.sum())};
 }
 
@@ -382,7 +400,7 @@ bool InteriorSolver::try_length(double length) {
       there = rolled;
       std::swap(trial_, rolled_.trajectory);
     } else {
-      judge(length, trial_);
+      terms_.move(length, trial_);
     }
   }
   // The filter's constants belong to costs whose derivatives are about 100 at most.
@@ -423,25 +441,19 @@ void InteriorSolver::end_by_newton() {
 }
 
 bool InteriorSolver::is_solution() const {
-  const KktNorms& norms = newton_.norms();
-  const SolverOptions::Tolerances& tolerances = options_.tolerances;
-  return norms.stationarity.value <= tolerances.stationarity && norms.gap.value <= tolerances.gap &&
-         norms.violation.value <= tolerances.constraint &&
-         norms.complementarity <= tolerances.complementarity;
+  return AnswerChoice::excess(newton_.norms(), options_.tolerances) <= 1;
 }
 
-/// Gains of Newton steps belong to the iterate before. If only controls are bounded, a sweep at the
-/// answer gives its own gains.
-void InteriorSolver::sweep_at_answer() {
-  if (!problem_.constraints().empty()) return;
+/// Gains of Newton steps belong to the iterate before, and those of barriers to no answer. If only
+/// controls are bounded, a sweep at the answer gives its own gains. Returns their regularization.
+std::optional<double> InteriorSolver::sweep_at_answer() {
   Trajectory answer = newton_.trajectory();
   bounds_.snap_rounded(answer);
   const AnswerGains gains = gains_at(problem_, bounds_, evaluator_, answer, multipliers_);
-  if (!gains.regularization) return;
-  record_.result.feedback_regularization = gains.regularization;
   newton_.start(answer, multipliers_, gains.penalty, gains.feedback);
   newton_.describe(record_.row);
   record_.result.log.back() = record_.row;
+  return gains.regularization;
 }
 
 /// The answer of a failed solve is the last interior point: Newton steps that led nowhere may have
@@ -454,27 +466,10 @@ void InteriorSolver::return_to_interior() {
 }
 
 void InteriorSolver::write_result() {
-  is_solution() ? sweep_at_answer() : return_to_interior();
+  if (!is_solution()) return_to_interior();
   SolveResult& result = record_.result;
-  const KktNorms& norms = newton_.norms();
-  result.trajectory = newton_.trajectory();
-  result.cost = newton_.cost();
-  result.residuals = {.stationarity = norms.stationarity.value,
-                      .gap = norms.gap.value,
-                      .constraint = norms.violation.value,
-                      .complementarity = norms.complementarity,
-                      .stationarity_knot = norms.stationarity.knot,
-                      .gap_knot = norms.gap.knot,
-                      .constraint_knot = norms.violation.knot};
-  if (!result.feedback_regularization) result.feedback_regularization = 0;
-  result.feedback = newton_.feedback();
-  result.costates = newton_.adjoint().costates();
-  result.state_gradient = newton_.adjoint().state_gradient();
-  std::vector<Eigen::VectorXd>& gradient = record_.control_gradient();
-  for (int k = 0; k < problem_.knots(); ++k)
-    gradient[k] = newton_.adjoint().gradient().segment(bounds_.offset(k), problem_.nu(k));
-  result.constraint_values = newton_.linearization().constraint;
-  result.constraint_multipliers = newton_.multipliers();
+  result.feedback_regularization = problem_.constraints().empty() ? sweep_at_answer() : 0;
+  newton_.write_answer(result);
   if (is_solution())
     record_.end(SolveStatus::converged, record_.residual_text());
   else if (result.message.empty())

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "ocp/evaluation/evaluator.hpp"
@@ -50,9 +51,11 @@ class InteriorSolver {
   bool try_length(double length);
   void end_by_newton();
   bool is_solution() const;
-  void sweep_at_answer();
+  std::optional<double> sweep_at_answer();
   void return_to_interior();
   void write_result();
+  SolveResult judge_guess(const Trajectory& guess);
+  void take_guess(const Trajectory& guess);
   bool out_of_budget() const;
   double infeasibility(const Eigen::MatrixXd& gap, const TermPoint& at) const;
 

@@ -11,8 +11,8 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Distance of the first iterate from its bounds, relative to them and to their width (Wächter,
 /// Biegler 2006, section 3.6).
 constexpr double kInside = 1e-2;
-/// Penalty ρ of equalities, in multiples of the size of the costs' derivatives. A solve loses as
-/// many digits to rounding as it has, and as many to the equations' model with a smaller one.
+/// Penalty ρ of equalities, in multiples of the size of the costs' derivatives: six of sixteen
+/// digits, so that steps satisfy equations to six digits and keep ten.
 constexpr double kPenalty = 1e6;
 /// Share of the curvature of a pair's own terms that the product's may use up.
 constexpr double kPairShare = 0.9;
@@ -105,6 +105,7 @@ InteriorTerms::InteriorTerms(const ShootingProblem& problem, const ControlBounds
 }
 
 void InteriorTerms::collect(const NodeConstraint& c) {
+  if (c.limit == 0) return;  // its multipliers vanish
   if (c.term->is_cone()) {
     cones_.emplace_back(c);
     return;
@@ -338,11 +339,13 @@ void InteriorTerms::restore() {
   for (InteriorCone& cone : cones_) cone.restore();
 }
 
-void InteriorTerms::move(double length, const TermPoint& trial) {
+void InteriorTerms::move(double length, const Trajectory& trial) {
   for (std::size_t i = 0; i < sides_.size(); ++i) {
     Side& side = sides_[i];
     if (!side.active) continue;
-    side.s = side.term.is_control() ? value(side, trial) : saved_[i].s + length * side.ds;
+    side.s = side.term.is_control()
+                 ? side.sign * (trial.u(side.term.node())[side.term.entry()] - side.bound)
+                 : saved_[i].s + length * side.ds;
     side.p = saved_[i].p + length * side.dp;
   }
   for (InteriorCone& cone : cones_) cone.move(length);

@@ -10,7 +10,7 @@
 
 namespace conddp {
 
-/// Point at which constraints are evaluated: a trajectory and the values of all constraint rows.
+/// Evaluation point of constraints: a trajectory and the values of all constraint rows.
 struct TermPoint {
   const Trajectory& trajectory;
   const Eigen::VectorXd& rows;
@@ -108,7 +108,7 @@ class InteriorTerms {
   /// Derivative of the barrier function along the step; `slope` is that of the Lagrangian.
   double barrier_slope(double slope) const;
   /// Sets the slacks of a trial, a step of this length from the saved ones.
-  void move(double length, const TermPoint& trial);
+  void move(double length, const Trajectory& trial);
   void save();
   void restore();
   /// Updates the multipliers after a step.

@@ -405,25 +405,7 @@ void IpoptSolver::write_result() {
     return;
   }
   result_.feedback_regularization = gain_regularization_;
-  const KktNorms& norms = newton_.norms();
-  result_.trajectory = newton_.trajectory();
-  result_.cost = newton_.cost();
-  result_.residuals = {.stationarity = norms.stationarity.value,
-                       .gap = norms.gap.value,
-                       .constraint = norms.violation.value,
-                       .complementarity = norms.complementarity,
-                       .stationarity_knot = norms.stationarity.knot,
-                       .gap_knot = norms.gap.knot,
-                       .constraint_knot = norms.violation.knot};
-  result_.feedback = newton_.feedback();
-  result_.costates = newton_.adjoint().costates();
-  result_.state_gradient = newton_.adjoint().state_gradient();
-  result_.control_gradient.clear();
-  for (int k = 0; k < problem_.knots(); ++k)
-    result_.control_gradient.push_back(
-        newton_.adjoint().gradient().segment(bounds_.offset(k), problem_.nu(k)));
-  result_.constraint_values = newton_.linearization().constraint;
-  result_.constraint_multipliers = newton_.multipliers();
+  newton_.write_answer(result_);
 }
 
 /// Writes the values of an answer whose derivatives are not finite.

@@ -12,8 +12,8 @@
 #include "solvers/common/control_bounds.hpp"
 #include "solvers/common/options.hpp"
 #include "solvers/common/solve_result.hpp"
+#include "solvers/constraints/answer_choice.hpp"
 #include "solvers/constraints/projected_newton.hpp"
-#include "solvers/ipopt/answer_choice.hpp"
 #include "solvers/ipopt/hessian_alternation.hpp"
 
 namespace conddp {

@@ -68,7 +68,8 @@ SolveResult solve_keeping_guess(const SolverOptions& options, const Trajectory& 
   own.max_iterations = 0;
   result = solve(own, guess);
   solves.add(result);
-  result.status = used_up ? SolveStatus::max_iterations : SolveStatus::line_search_failed;
+  if (result.status != SolveStatus::converged)
+    result.status = used_up ? SolveStatus::max_iterations : SolveStatus::line_search_failed;
   result.message = before + "; this is the guess";
   return solves.answer(std::move(result));
 }

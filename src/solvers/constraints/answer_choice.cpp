@@ -1,4 +1,4 @@
-#include "solvers/ipopt/answer_choice.hpp"
+#include "solvers/constraints/answer_choice.hpp"
 
 #include <algorithm>
 #include <cmath>
