@@ -47,7 +47,9 @@ double in_cone_until(const Vector& s, const Vector& d) {
 }  // namespace
 
 InteriorCone::InteriorCone(const NodeConstraint& constraint)
-    : constraint_(&constraint), n_(constraint.term->rows), factor_(n_) {
+    : constraint_(&constraint),
+      n_(constraint.term->rows),
+      factor_(Eigen::MatrixXd::Identity(n_, n_)) {
   for (Vector* v : {&s_, &nu_, &p_, &saved_s_, &saved_p_, &residual_, &push_, &along_, &ds_, &dnu_,
                     &dp_, &off_, &work_})
     *v = Vector::Zero(n_);
