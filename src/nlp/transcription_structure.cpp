@@ -344,9 +344,7 @@ void Transcription::add_pair_entries(int k, BlockPattern& used) const {
 /// and accelerations. Gauss-Newton Hessians are sparse, too.
 bool Transcription::has_full_hessian(int k) const {
   if (options_.gauss_newton || k == problem_.knots()) return false;
-  const KnotModel& model = *problem_.knot(k).model;
-  return !has_linear_step(model.system()) || model.step().duration() ||
-         (curved_ && !model.semi_implicit());
+  return !problem_.knot(k).model->step().is_linear();
 }
 
 Transcription::BlockPattern Transcription::hessian_pattern(int k) const {

@@ -25,8 +25,8 @@ std::unique_ptr<KnotSecondDerivatives> KnotSecondDerivatives::make(const KnotMod
                                                                    KnotBatch<Lane>& at,
                                                                    KnotBatch<Dual<Lane>>& moving) {
   const bool integrates = std::ranges::any_of(model.costs(), &CostTerm::integrated);
-  if (integrates || model.has_units() || model.manifold().ndx() != model.system().ndx())
-    return nullptr;
+  const bool has_curved_tail = model.step().tail() > 0 && !model.step().is_linear();
+  if (integrates || model.has_units() || has_curved_tail) return nullptr;
   std::unique_ptr<KnotSecondDerivatives> made(new KnotSecondDerivatives(model, at, moving));
   return made->add_dynamics() && made->add_terms() ? std::move(made) : nullptr;
 }
@@ -35,6 +35,7 @@ bool KnotSecondDerivatives::add_dynamics() {
   const IntegratorInfo& info = info_of(model_.integrator());
   if (info.kind == StepKind::none) return true;
   if (info.kind == StepKind::impulse || info.kind == StepKind::collocation) return false;
+  if (model_.step().is_linear()) return true;
   system_ = model_.system().second_derivatives(*at_.work.step_.system, *moving_.work.step_.system);
   if (system_ == nullptr) return false;
   force_weights_.assign(system_->forces(), Lane(0.0));
@@ -124,7 +125,8 @@ std::vector<bool> KnotSecondDerivatives::curved_columns(const std::vector<RowBlo
   std::vector<bool> moves(nz_, false);
   for (const RowBlock& block : blocks) {
     if (!all.value_or(!block.affine)) continue;
-    for (const int column : block.columns) moves[column] = true;
+    for (const int column : block.columns)
+      if (!std::ranges::binary_search(block.affine_columns, column)) moves[column] = true;
   }
   // The position of a pose moves along axes that turn with its orientation.
   for (const auto& segment : model_.manifold().curved()) {
@@ -246,10 +248,15 @@ void KnotSecondDerivatives::differentiate_terms(int d, Lane* column) {
     const D* jacobian = moving_jacobian(term);
     const Lane* weight = term.weights.data();
     for (const RowBlock& block : *term.blocks) {
+      const auto is_affine = [&block](int c) {
+        return std::ranges::binary_search(block.affine_columns, c);
+      };
+      const bool moves = !is_affine(d);
       for (const int c : block.columns) {
         Lane sum(0.0);
-        for (int i = 0; i < block.rows; ++i) sum += jacobian[i].d * weight[i];
+        for (int i = 0; moves && i < block.rows; ++i) sum += jacobian[i].d * weight[i];
         column[c] += sum;
+        if (is_affine(c)) gradients_[d + c * nz_] += sum;
         jacobian += block.rows;
       }
       weight += block.rows;

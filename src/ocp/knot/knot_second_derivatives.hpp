@@ -18,8 +18,8 @@ class KnotSecondDerivatives {
  public:
   /// Makes the object for a model and its batches, which must outlive it. Null if the system or the
   /// integrator lacks second derivatives, or if a residual reads data that `moving` does not
-  /// differentiate. Also null if the knot augments the system's state, integrates costs or has
-  /// units.
+  /// differentiate. Also null if the knot integrates costs, has units, or augments the state of a
+  /// system whose step is not linear.
   static std::unique_ptr<KnotSecondDerivatives> make(const KnotModel& model, KnotBatch<Lane>& at,
                                                      KnotBatch<Dual<Lane>>& moving);
 

@@ -27,7 +27,7 @@ class ChosenControls : public ResidualBase<ChosenControls> {
  private:
   static std::vector<RowBlock> blocks_of(int ndx, const std::vector<int>& indices) {
     std::vector<RowBlock> blocks;
-    for (const int i : indices) blocks.push_back({1, {ndx + i}});
+    for (const int i : indices) blocks.push_back({1, {ndx + i}, true});
     return blocks;
   }
   std::vector<int> indices_;
@@ -45,6 +45,8 @@ class SteppingResidual : public ResidualBase<SteppingResidual> {
       force_column_[structure.forces[i]] =
           2 * n_ + system_->layout().actuators + n_ + static_cast<int>(i);
   }
+
+  Reads reads() const override { return Reads::kinematics; }
 
   template <class S>
   void evaluate_as(const ResidualInput<S>& in, S* r) const {

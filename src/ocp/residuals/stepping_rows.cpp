@@ -45,6 +45,7 @@ void SteppingRows::add(const std::string& name, const SteppingLayout& w,
   std::vector<double>& slopes = constants.emplace_back();
   for (const auto& [i, slope] : entries) {
     block.columns.push_back(ndx_ + i);
+    block.affine_columns.push_back(ndx_ + i);
     slopes.push_back(slope);
   }
   blocks.push_back(std::move(block));
@@ -83,6 +84,8 @@ void SteppingRows::motion(const SteppingSystem& system) {
   RowBlock block{n_, column_range(0, 2 * n_)};
   for (int i = 0; i < w.actuators + n_; ++i) block.columns.push_back(ndx_ + i);
   for (const int i : forces) block.columns.push_back(ndx_ + i);
+  block.affine_columns = column_range(ndx_, w.actuators);
+  for (const int i : forces) block.affine_columns.push_back(ndx_ + i);
   blocks.push_back(std::move(block));
   // Strips the "a" of the accelerations' names, which belong to the same coordinates.
   for (int i = 0; i < n_; ++i)
@@ -95,6 +98,7 @@ void SteppingRows::add_curved(const std::string& name, const SteppingLayout& w,
   Entries list;
   for (const int i : entries) list.emplace_back(i, 0);
   add(name, w, joints, position, list);
+  blocks.back().affine_columns.clear();
   constants.back().clear();
 }
 

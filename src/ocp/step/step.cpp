@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "systems/contact/stepping_system.hpp"
+
 namespace conddp {
 namespace {
 
@@ -171,6 +173,14 @@ std::vector<int> Step::held_columns() const {
   for (int i = 0; i < tail(); ++i)
     if (!source(i)) columns.push_back(system_->ndx() + i);
   return columns;
+}
+
+bool Step::is_linear() const {
+  if (has_linear_controls()) return false;
+  if (integrator_ == Integrator::none) return true;
+  const bool is_plain = !duration_ && integrals_.empty();
+  return is_plain && has_linear_step(*system_) && integrator_ == Integrator::semi_implicit_euler &&
+         (sources_.empty() || manifold_.curved().empty());
 }
 
 int Step::jacobian_rows() const {

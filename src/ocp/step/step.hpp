@@ -89,6 +89,8 @@ class Step {
   /// True if F has semi-implicit Euler's structure: the nv rows of the next velocity alone, from
   /// which the rows of the next configuration follow.
   bool semi_implicit() const { return is_structured(integrator_) && sources_.empty(); }
+  /// True if the next state is linear in z, apart from curved parts of the configuration.
+  bool is_linear() const;
   /// True if residuals see a control here.
   bool has_control() const { return integrator_ != Integrator::none || has_linear_controls(); }
   bool has_linear_controls() const { return linear_at_ >= 0; }

@@ -28,7 +28,8 @@ std::vector<RowBlock> joined_blocks(std::vector<RowBlock> rows) {
     std::sort(row.columns.begin(), row.columns.end());
     row.columns.erase(std::unique(row.columns.begin(), row.columns.end()), row.columns.end());
     const bool same = !blocks.empty() && blocks.back().columns == row.columns &&
-                      blocks.back().affine == row.affine;
+                      blocks.back().affine == row.affine &&
+                      blocks.back().affine_columns == row.affine_columns;
     if (same)
       ++blocks.back().rows;
     else

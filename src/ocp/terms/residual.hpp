@@ -28,6 +28,8 @@ struct RowBlock {
   int rows;
   std::vector<int> columns;
   bool affine = false;  ///< true if their Jacobian is constant
+  /// Columns, ascending, among which the rows are affine: their second derivatives vanish.
+  std::vector<int> affine_columns = {};
 };
 
 /// System data that a residual reads: the output of update_kinematics, also the contact forces and
