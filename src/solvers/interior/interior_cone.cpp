@@ -123,17 +123,17 @@ void InteriorCone::add_gradient(const ShootingProblem& problem, double mu, Linea
     knot.gradient[column] -= knot.C.col(column).segment(first, n_).dot(work_);
 }
 
-void InteriorCone::add_hessian(const ShootingProblem& problem, Linearization& to) {
-  KnotLinearization& knot = to.knots[node()];
+void InteriorCone::add_hessian(const ShootingProblem& problem, const Linearization& linearization,
+                               Eigen::MatrixXd& to) {
+  const KnotLinearization& knot = linearization.knots[node()];
   const int first = constraint_->row - problem.constraint_offset(node());
   const std::vector<int>& columns = constraint_->term->blocks.front().columns;
   const int count = static_cast<int>(columns.size());
   for (int j = 0; j < count; ++j)
     product_.col(j).noalias() = inverse_ * knot.C.col(columns[j]).segment(first, n_);
-  Eigen::MatrixXd& H = knot.hessian.change();
   for (int j = 0; j < count; ++j)
-    for (int i = 0; i < count; ++i)
-      H(columns[i], columns[j]) += knot.C.col(columns[i]).segment(first, n_).dot(product_.col(j));
+    for (int i = j; i < count; ++i)
+      to(columns[i], columns[j]) += knot.C.col(columns[i]).segment(first, n_).dot(product_.col(j));
 }
 
 void InteriorCone::expand(const ShootingProblem& problem, const Linearization& linearization,

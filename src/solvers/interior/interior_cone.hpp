@@ -28,9 +28,11 @@ class InteriorCone {
   void measure(const Eigen::VectorXd& rows);
   /// Subtracts ν from the multipliers of its rows.
   void write_multipliers(Eigen::VectorXd& multipliers) const;
-  /// Adds −Cᵀ D⁻¹ push to the gradient of the node, and Cᵀ D⁻¹ C to its Hessian.
+  /// Adds −Cᵀ D⁻¹ push to the gradient of the node.
   void add_gradient(const ShootingProblem& problem, double mu, Linearization& to);
-  void add_hessian(const ShootingProblem& problem, Linearization& to);
+  /// Adds the lower triangle of Cᵀ D⁻¹ C.
+  void add_hessian(const ShootingProblem& problem, const Linearization& linearization,
+                   Eigen::MatrixXd& to);
   /// Computes the steps of s, ν and p, and shortens the limits so that `left` of each distance from
   /// the boundary is left.
   void expand(const ShootingProblem& problem, const Linearization& linearization,

@@ -288,20 +288,20 @@ bool InteriorSolver::step() {
 /// Forms the convex and the exact Hessians of the nodes.
 void InteriorSolver::form_hessians() {
   const Stopwatch watch(record_.result.times.differentiate);
-  const auto condense = [this](bool convex, std::vector<Eigen::MatrixXd>& to) {
-    terms_.add_hessians(trajectory_, linearization_);
-    terms_.add_pair_curvature(trajectory_, convex, linearization_);
+  const auto take = [this](bool convex, std::vector<Eigen::MatrixXd>& to) {
     for (std::size_t k = 0; k < to.size(); ++k) to[k] = linearization_.knots[k].hessian();
+    terms_.add_hessians(trajectory_, convex, to);
   };
   for (std::size_t k = 0; k < gradient_.size(); ++k)
     linearization_.knots[k].gradient = gradient_[k];
   terms_.add_gradients(trajectory_, linearization_);
-  condense(true, convex_);
+  terms_.condense(trajectory_, linearization_);
+  take(true, convex_);
   use_exact_ = options_.hessian != HessianChoice::gauss_newton && since_++ >= gauss_newton_ &&
                (linear_costs_ || linearization_.max_gap() <= kNearlyClosed);
   if (!use_exact_) return;
   evaluator_.lagrangian_hessian(trajectory_, adjoint_.costates(), linearization_, &lagrangian_);
-  condense(false, exact_);
+  take(false, exact_);
 }
 
 /// Finds the step of all variables, and the barrier function's derivative along it.

@@ -28,75 +28,62 @@ void limit(double v, double d, double share, double& length) {
 
 }  // namespace
 
-ScalarTerm ScalarTerm::row(const NodeConstraint& constraint, int row) {
-  int first = 0;
-  for (const RowBlock& block : constraint.term->blocks) {
-    if (row < first + block.rows)
-      return {constraint.node, constraint.row + row, -1, &block.columns};
-    first += block.rows;
-  }
-  return {constraint.node, constraint.row + row, -1, &constraint.term->blocks.back().columns};
-}
-
-ScalarTerm ScalarTerm::control(int node, int entry) { return {node, entry, -1, nullptr}; }
-
-ScalarTerm ScalarTerm::product(int node, int first, int second) {
-  return {node, first, second, nullptr};
-}
-
 double ScalarTerm::value(const TermPoint& at) const {
-  if (columns_ != nullptr) return at.rows[index_];
+  if (row_ >= 0) return at.rows[row_];
   const auto u = at.trajectory.u(node_);
-  return partner_ < 0 ? u[index_] : u[index_] * u[partner_];
+  return is_product() ? u[entry_] * u[partner_] : u[entry_];
 }
 
-/// Calls use(column of z, derivative) for every entry of ∂g/∂z.
-template <class Use>
-void ScalarTerm::for_each_entry(const ShootingProblem& problem, const Linearization& linearization,
-                                const Trajectory& at, Use use) const {
-  const int ndx = problem.ndx();
-  if (columns_ != nullptr) {
-    const auto& C = linearization.knots[node_].C;
-    const int r = index_ - problem.constraint_offset(node_);
-    for (const int column : *columns_) use(column, C(r, column));
-  } else if (partner_ < 0) {
-    use(ndx + index_, 1.0);
-  } else {
-    const auto u = at.u(node_);
-    use(ndx + index_, u[partner_]);
-    use(ndx + partner_, u[index_]);
-  }
+double ScalarTerm::slope(const Eigen::VectorXd& rows, const Trajectory& at,
+                         const LinearRollout& step) const {
+  if (row_ >= 0) return rows[row_];
+  const auto u = at.u(node_);
+  const auto du = step.du(node_);
+  return is_product() ? u[partner_] * du[entry_] + u[entry_] * du[partner_] : du[entry_];
 }
 
-double ScalarTerm::slope(const ShootingProblem& problem, const Linearization& linearization,
-                         const Trajectory& at, const LinearRollout& step) const {
-  double sum = 0;
-  const Eigen::VectorXd& z = step.z(node_);
-  for_each_entry(problem, linearization, at,
-                 [&](int column, double derivative) { sum += derivative * z[column]; });
-  return sum;
-}
-
-void ScalarTerm::add_gradient(const ShootingProblem& problem, const Trajectory& at, double factor,
+void ScalarTerm::add_gradient(const Trajectory& at, double factor, Eigen::VectorXd& rows,
                               Linearization& to) const {
-  Eigen::VectorXd& gradient = to.knots[node_].gradient;
-  for_each_entry(problem, to, at,
-                 [&](int column, double derivative) { gradient[column] += factor * derivative; });
+  if (row_ >= 0) {
+    rows[row_] += factor;
+    return;
+  }
+  const auto u = at.u(node_);
+  auto gradient = to.knots[node_].gradient.tail(u.size());
+  gradient[entry_] += is_product() ? factor * u[partner_] : factor;
+  if (is_product()) gradient[partner_] += factor * u[entry_];
 }
 
-void ScalarTerm::add_square(const ShootingProblem& problem, const Trajectory& at, double factor,
-                            Linearization& to) const {
-  Eigen::MatrixXd& H = to.knots[node_].hessian.change();
-  for_each_entry(problem, to, at, [&](int i, double derivative) {
-    const double scaled = factor * derivative;
-    for_each_entry(problem, to, at, [&](int j, double other) { H(j, i) += scaled * other; });
-  });
+void ScalarTerm::add_square(const Trajectory& at, double factor, Eigen::VectorXd& rows,
+                            std::vector<Eigen::MatrixXd>& to) const {
+  if (row_ >= 0) {
+    rows[row_] += factor;
+    return;
+  }
+  const auto u = at.u(node_);
+  auto H = to[node_].bottomRightCorner(u.size(), u.size());
+  if (!is_product()) {
+    H(entry_, entry_) += factor;
+    return;
+  }
+  const double a = u[partner_], b = u[entry_];
+  H(entry_, entry_) += factor * a * a;
+  H(partner_, partner_) += factor * b * b;
+  H(std::max(entry_, partner_), std::min(entry_, partner_)) += factor * a * b;
 }
 
 bool InteriorTerms::Side::is_soft() const { return limit < kInfinity; }
 
 InteriorTerms::InteriorTerms(const ShootingProblem& problem, const ControlBounds& bounds)
-    : problem_(problem), bounds_(bounds) {
+    : problem_(problem),
+      bounds_(bounds),
+      rows_(problem),
+      factors_(Eigen::VectorXd::Zero(problem.constraint_rows())),
+      along_(factors_) {
+  for (int k = 0; k <= problem.knots(); ++k) {
+    const int nz = problem.knot(k).model->nz();
+    condensed_.push_back(Eigen::MatrixXd::Zero(nz, nz));
+  }
   for (const NodeConstraint& c : problem.constraints())
     c.term->has_pairs() ? collect_pairs(c) : collect(c);
   collect_bounds(bounds);
@@ -111,7 +98,7 @@ void InteriorTerms::collect(const NodeConstraint& c) {
     return;
   }
   for (int r = 0; r < c.term->rows; ++r) {
-    const ScalarTerm term = ScalarTerm::row(c, r);
+    const ScalarTerm term = ScalarTerm::of_row(c.node, c.row + r);
     if (c.lower[r] == c.upper[r] && !c.is_soft()) {
       equalities_.push_back({term, c.lower[r]});
       continue;
@@ -168,8 +155,7 @@ void InteriorTerms::enter(Trajectory& trajectory) const {
 }
 
 double InteriorTerms::value(const Side& side, const TermPoint& at) const {
-  const bool is_product = !side.term.is_control() && side.term.row() < 0;
-  return side.sign * (side.term.value(at) - (is_product ? relaxation_ : side.bound));
+  return side.sign * (side.term.value(at) - (side.term.is_product() ? relaxation_ : side.bound));
 }
 
 void InteriorTerms::start(const TermPoint& at, double barrier, double relaxation, double scale) {
@@ -223,12 +209,12 @@ void InteriorTerms::write_row_multipliers(Eigen::VectorXd& multipliers) const {
   for (const InteriorCone& cone : cones_) cone.write_multipliers(multipliers);
 }
 
-void InteriorTerms::add_multipliers(const Trajectory& at, Linearization& to) const {
+void InteriorTerms::add_multipliers(const Trajectory& at, Linearization& to) {
   for (const Equality& e : equalities_)
-    if (e.term.row() < 0) e.term.add_gradient(problem_, at, e.y, to);
+    if (e.term.row() < 0) e.term.add_gradient(at, e.y, factors_, to);
   for (const Side& side : sides_)
     if (side.active && side.term.row() < 0)
-      side.term.add_gradient(problem_, at, -side.sign * side.nu, to);
+      side.term.add_gradient(at, -side.sign * side.nu, factors_, to);
 }
 
 void InteriorTerms::write_multipliers(const Trajectory& at, Eigen::VectorXd& multipliers) const {
@@ -258,24 +244,33 @@ void InteriorTerms::measure(const TermPoint& at) {
 }
 
 void InteriorTerms::add_gradients(const Trajectory& at, Linearization& to) {
+  factors_.setZero();
   for (const Equality& e : equalities_)
-    e.term.add_gradient(problem_, at, penalty_ * e.residual, to);
+    e.term.add_gradient(at, penalty_ * e.residual, factors_, to);
   for (Side& side : sides_) {
     if (!side.active) continue;
     prepare(side);
-    side.term.add_gradient(problem_, at, -side.sign * side.push / side.width, to);
+    side.term.add_gradient(at, -side.sign * side.push / side.width, factors_, to);
   }
+  rows_.add_gradients(factors_, to);
   for (InteriorCone& cone : cones_) cone.add_gradient(problem_, mu(), to);
 }
 
-void InteriorTerms::add_hessians(const Trajectory& at, Linearization& to) {
-  for (const Equality& e : equalities_) e.term.add_square(problem_, at, penalty_, to);
+void InteriorTerms::condense(const Trajectory& at, const Linearization& linearization) {
+  factors_.setZero();
+  for (Eigen::MatrixXd& H : condensed_) H.setZero();
+  for (const Equality& e : equalities_) e.term.add_square(at, penalty_, factors_, condensed_);
   for (const Side& side : sides_)
-    if (side.active) side.term.add_square(problem_, at, side.nu / side.width, to);
-  for (InteriorCone& cone : cones_) cone.add_hessian(problem_, to);
+    if (side.active) side.term.add_square(at, side.nu / side.width, factors_, condensed_);
+  rows_.add_squares(factors_, linearization, condensed_);
+  for (InteriorCone& cone : cones_)
+    cone.add_hessian(problem_, linearization, condensed_[cone.node()]);
+  for (Eigen::MatrixXd& H : condensed_) H.triangularView<Eigen::StrictlyUpper>() = H.transpose();
 }
 
-void InteriorTerms::add_pair_curvature(const Trajectory& at, bool convex, Linearization& to) const {
+void InteriorTerms::add_hessians(const Trajectory& at, bool convex,
+                                 std::vector<Eigen::MatrixXd>& to) const {
+  for (std::size_t k = 0; k < to.size(); ++k) to[k] += condensed_[k];
   for (const Pair& pair : pairs_) {
     const Side& product = sides_[pair.side];
     if (!product.active) continue;
@@ -287,10 +282,9 @@ void InteriorTerms::add_pair_curvature(const Trajectory& at, bool convex, Linear
       const double zz = own(pair.side + 1) + h * s * s, ss = own(pair.side + 2) + h * z * z;
       curvature = std::min(curvature, kPairShare * (std::sqrt(zz * ss) - h * z * s));
     }
-    Eigen::MatrixXd& H = to.knots[pair.node].hessian.change();
     const int i = problem_.ndx() + pair.first, j = problem_.ndx() + pair.second;
-    H(i, j) += curvature;
-    H(j, i) += curvature;
+    to[pair.node](i, j) += curvature;
+    to[pair.node](j, i) += curvature;
   }
 }
 
@@ -298,13 +292,14 @@ StepLimits InteriorTerms::expand(const Linearization& linearization, const Traje
                                  const LinearRollout& step) {
   StepLimits limits;
   const double left = std::min(kLeftAtMost, barrier_);
+  rows_.multiply(linearization, step.z(), along_);
   for (Equality& e : equalities_) {
-    e.along = e.term.slope(problem_, linearization, at, step);
+    e.along = e.term.slope(along_, at, step);
     e.dy = penalty_ * (e.residual + e.along);
   }
   for (Side& side : sides_) {
     if (!side.active) continue;
-    side.along = side.sign * side.term.slope(problem_, linearization, at, step);
+    side.along = side.sign * side.term.slope(along_, at, step);
     side.dnu = (side.push - side.nu * side.along) / side.width;
     side.dp = side.is_soft() ? (mu() - side.p * side.q + side.p * side.dnu) / side.q : 0;
     side.ds = side.along + side.dp + side.residual;

@@ -6,6 +6,7 @@
 #include "ocp/problem/problem.hpp"
 #include "solvers/common/control_bounds.hpp"
 #include "solvers/interior/interior_cone.hpp"
+#include "solvers/interior/row_blocks.hpp"
 #include "solvers/riccati/linear_rollout.hpp"
 
 namespace conddp {
@@ -20,36 +21,32 @@ struct TermPoint {
 /// entries.
 class ScalarTerm {
  public:
-  static ScalarTerm row(const NodeConstraint& constraint, int row);
-  static ScalarTerm control(int node, int entry);
-  static ScalarTerm product(int node, int first, int second);
+  static ScalarTerm of_row(int node, int row) { return {node, row, -1, -1}; }
+  static ScalarTerm control(int node, int entry) { return {node, -1, entry, -1}; }
+  static ScalarTerm product(int node, int first, int second) { return {node, -1, first, second}; }
 
   int node() const { return node_; }
   /// Constraint row of the problem; −1 for functions of the control.
-  int row() const { return columns_ != nullptr ? index_ : -1; }
-  int entry() const { return index_; }
-  bool is_control() const { return columns_ == nullptr && partner_ < 0; }
+  int row() const { return row_; }
+  int entry() const { return entry_; }
+  bool is_control() const { return row_ < 0 && partner_ < 0; }
+  bool is_product() const { return partner_ >= 0; }
 
   double value(const TermPoint& at) const;
-  /// Derivative along a step.
-  double slope(const ShootingProblem& problem, const Linearization& linearization,
-               const Trajectory& at, const LinearRollout& step) const;
-  /// Adds factor · ∂g/∂z to the gradient of the node.
-  void add_gradient(const ShootingProblem& problem, const Trajectory& at, double factor,
+  /// Derivative along a step that changes the constraint rows by `rows`.
+  double slope(const Eigen::VectorXd& rows, const Trajectory& at, const LinearRollout& step) const;
+  /// Adds factor · ∂g/∂z to the gradient of the node, or the factor to that of the row.
+  void add_gradient(const Trajectory& at, double factor, Eigen::VectorXd& rows,
                     Linearization& to) const;
-  /// Adds factor · (∂g/∂z)ᵀ ∂g/∂z to the Hessian of the node.
-  void add_square(const ShootingProblem& problem, const Trajectory& at, double factor,
-                  Linearization& to) const;
+  /// Adds factor · (∂g/∂z)ᵀ ∂g/∂z to the Hessian of the node, or the factor to that of the row.
+  void add_square(const Trajectory& at, double factor, Eigen::VectorXd& rows,
+                  std::vector<Eigen::MatrixXd>& to) const;
 
  private:
-  ScalarTerm(int node, int index, int partner, const std::vector<int>* columns)
-      : node_(node), index_(index), partner_(partner), columns_(columns) {}
-  template <class Use>
-  void for_each_entry(const ShootingProblem& problem, const Linearization& linearization,
-                      const Trajectory& at, Use use) const;
+  ScalarTerm(int node, int row, int entry, int partner)
+      : node_(node), row_(row), entry_(entry), partner_(partner) {}
 
-  int node_, index_, partner_;
-  const std::vector<int>* columns_;  ///< of ∂g/∂z; null for functions of the control
+  int node_, row_, entry_, partner_;
 };
 
 /// Constraints of a problem as a primal-dual interior-point method sees them.
@@ -89,18 +86,19 @@ class InteriorTerms {
   /// Writes the multipliers of the problem's rows, for the Lagrangian of the rows.
   void write_row_multipliers(Eigen::VectorXd& multipliers) const;
   /// Adds the multipliers of all other terms to the gradients.
-  void add_multipliers(const Trajectory& at, Linearization& to) const;
+  void add_multipliers(const Trajectory& at, Linearization& to);
   /// Multipliers of the problem's constraints, pairs included.
   void write_multipliers(const Trajectory& at, Eigen::VectorXd& multipliers) const;
 
   /// Computes the residuals of all terms at a point.
   void measure(const TermPoint& at);
-  /// Adds the condensed terms to the gradients, and to the Hessians.
+  /// Adds the condensed terms to the gradients.
   void add_gradients(const Trajectory& at, Linearization& to);
-  void add_hessians(const Trajectory& at, Linearization& to);
-  /// Adds the pairs' curvature ν δz δs: all of it or, with `convex`, as much as leaves the pair's
-  /// own terms convex.
-  void add_pair_curvature(const Trajectory& at, bool convex, Linearization& to) const;
+  /// Computes the condensed terms of the Hessians.
+  void condense(const Trajectory& at, const Linearization& linearization);
+  /// Adds them to the nodes' Hessians, with the pairs' curvature ν δz δs: all of it or, with
+  /// `convex`, as much as leaves the pair's own terms convex.
+  void add_hessians(const Trajectory& at, bool convex, std::vector<Eigen::MatrixXd>& to) const;
 
   /// Computes the steps of slacks and multipliers from that of the trajectory.
   StepLimits expand(const Linearization& linearization, const Trajectory& at,
@@ -156,6 +154,9 @@ class InteriorTerms {
 
   const ShootingProblem& problem_;
   const ControlBounds& bounds_;
+  RowBlocks rows_;
+  Eigen::VectorXd factors_, along_;         ///< of constraint rows
+  std::vector<Eigen::MatrixXd> condensed_;  ///< terms of the Hessians by node
   std::vector<Side> sides_, saved_;
   std::vector<Equality> equalities_;
   std::vector<Pair> pairs_;
