@@ -40,6 +40,8 @@ constexpr int kGaussNewton = 40;
 constexpr double kNearlyClosed = 1e-1;
 /// Step lengths tried along a direction, and directions tried for one step.
 constexpr int kTriedLengths = 12, kTriedDirections = 12;
+/// Change of the gaps beyond that of linear dynamics up to which a straight step needs no rollout.
+constexpr double kStraight = 1e-12;
 /// Weight of the regularization after a failed search, factors of its changes, the weight that
 /// counts as none, the least one where a stage lacks a minimum, and the largest one.
 constexpr double kFirstWeight = 1e-4, kHeavier = 10, kLighter = 0.2, kNoWeight = 1e-5;
@@ -388,9 +390,12 @@ bool InteriorSolver::try_length(double length) {
     if (k < problem_.knots()) trial_.u(k) += length * rollout_.du(k);
   }
   std::pair<double, double> there = judge(length, trial_);
-  evaluator_.roll_out(trajectory_, linearization_.gap, feedback_, length, {.contract_gaps = true},
-                      rolled_);
-  if (rolled_.first_bad_knot < 0) {
+  const bool bends =
+      !((evaluation_.gap - (1 - length) * linearization_.gap).lpNorm<Eigen::Infinity>() < kStraight);
+  if (bends)
+    evaluator_.roll_out(trajectory_, linearization_.gap, feedback_, length, {.contract_gaps = true},
+                        rolled_);
+  if (bends && rolled_.first_bad_knot < 0) {
     const double penalty = adjoint_.costates().lpNorm<Eigen::Infinity>();
     const auto merit = [penalty](const std::pair<double, double>& point) {
       return point.second + penalty * point.first;
