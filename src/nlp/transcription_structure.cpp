@@ -140,7 +140,7 @@ void Transcription::add_pairs(const NodeConstraint& constraint) {
 
 std::vector<int> Transcription::find_kinematic_rows(int node) const {
   const KnotModel& model = *problem_.knot(node).model;
-  if (!model.semi_implicit() || has_linear_step(model.system())) return {};
+  if (!model.semi_implicit() || model.system().as_stepping() != nullptr) return {};
   std::vector<bool> is_flat(problem_.ndx() / 2, true);
   for (const StateManifold::Segment& s : problem_.manifold().curved())
     std::fill_n(is_flat.begin() + s.dx, s.n, false);
@@ -160,8 +160,8 @@ class GapPattern {
   GapPattern(const ShootingProblem& problem, const KnotModel& model,
              const std::vector<int>& kinematic_rows)
       : manifold_(problem.manifold()), ndx_(problem.ndx()), kinematic_rows_(kinematic_rows) {
-    if (has_linear_step(model.system()) && model.semi_implicit())
-      first_a_ = ndx_ + model.system().as_stepping()->layout().acceleration;
+    const SteppingSystem* system = model.system().as_stepping();
+    if (system != nullptr && model.semi_implicit()) first_a_ = ndx_ + system->layout().acceleration;
   }
 
   bool has(int row, int column) const {
@@ -313,9 +313,10 @@ class Transcription::BlockPattern {
 
 /// Adds the entries that the curvature of steps on curved parts fills.
 void Transcription::add_step_curvature(const KnotModel& model, BlockPattern& used) const {
-  if (!has_linear_step(model.system())) return;
+  const SteppingSystem* system = model.system().as_stepping();
+  if (system == nullptr) return;
   const int ndx = problem_.ndx(), nv = ndx / 2;
-  const int first_a = ndx + model.system().as_stepping()->layout().acceleration;
+  const int first_a = ndx + system->layout().acceleration;
   for (const StateManifold::Segment& s : problem_.manifold().curved()) {
     std::vector<int> columns;
     for (const int first : {0, nv, first_a})

@@ -18,6 +18,8 @@ class InitialChoice : public ClosedFormSystem<InitialChoice> {
     control_columns_ = std::move(controls);
   }
 
+  bool is_linear() const override { return true; }
+
   template <class S>
   void rate(const S*, const S* u, S* f) const {
     for (int i = 0; i < ndx(); ++i) f[i] = S(0.0);

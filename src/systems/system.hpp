@@ -170,6 +170,8 @@ class System {
   /// The robot that this system is or steps; null without one.
   virtual const MultibodySystem* robot_inside() const { return as_multibody(); }
 
+  /// True if f is linear in x and u, so that its second derivatives vanish.
+  virtual bool is_linear() const { return false; }
   /// Second derivatives on two workspaces of the system, which must outlive the result. Null if
   /// dual numbers in `differentiate` are the only source of second derivatives.
   virtual std::unique_ptr<SecondDerivatives> second_derivatives(

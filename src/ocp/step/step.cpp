@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "systems/contact/stepping_system.hpp"
-
 namespace conddp {
 namespace {
 
@@ -178,9 +176,10 @@ std::vector<int> Step::held_columns() const {
 bool Step::is_linear() const {
   if (has_linear_controls()) return false;
   if (integrator_ == Integrator::none) return true;
-  const bool is_plain = !duration_ && integrals_.empty();
-  return is_plain && has_linear_step(*system_) && integrator_ == Integrator::semi_implicit_euler &&
-         (sources_.empty() || manifold_.curved().empty());
+  const StepKind kind = info_of(integrator_).kind;
+  const bool is_rule = kind == StepKind::semi_implicit || kind == StepKind::runge_kutta;
+  return is_rule && system_->is_linear() && !duration_ && integrals_.empty() &&
+         (manifold_.curved().empty() || semi_implicit());
 }
 
 int Step::jacobian_rows() const {

@@ -385,6 +385,4 @@ void SteppingSystem::add_half_step_slopes(double sign, const S* v, const S& h,
 CONDDP_FOR_EACH_SCALAR(CONDDP_INSTANTIATE)
 #undef CONDDP_INSTANTIATE
 
-bool has_linear_step(const System& system) { return system.as_stepping() != nullptr; }
-
 }  // namespace conddp

@@ -123,6 +123,8 @@ class SteppingSystem : public SystemBase<SteppingSystem> {
   };
 
   const SteppingSystem* as_stepping() const override { return this; }
+  /// The accelerations are controls.
+  bool is_linear() const override { return true; }
   const MultibodySystem* robot_inside() const override { return robot_.get(); }
   const MultibodySystem& multibody() const { return *robot_; }
   const ImplicitContacts& contacts() const { return contacts_; }
@@ -175,9 +177,5 @@ class SteppingSystem : public SystemBase<SteppingSystem> {
   SteppingLayout layout_;
   std::vector<CandidateGeometry> geometry_;
 };
-
-/// True if x⁺ is linear in x and u, except on curved parts of the configuration, so that its second
-/// derivatives vanish.
-bool has_linear_step(const System& system);
 
 }  // namespace conddp
