@@ -54,6 +54,18 @@ TEST(ProjectedNewton, TestProblemHasActiveRowsAndControls) {
   EXPECT_LT(again.distance(at.solution.trajectory(at.problem)), 1e-12);
 }
 
+TEST(ProjectedNewton, FailedStepsLeaveTheIterate) {
+  NewtonCase at;
+  ProjectedNewton newton(at.problem, at.evaluator);
+  at.start(newton, at.near(0.2));
+  const Eigen::VectorXd multipliers = newton.multipliers();
+  const double before = newton.norms().largest(), violation = newton.norms().violation.value;
+  EXPECT_FALSE(newton.step(0));
+  EXPECT_EQ(newton.multipliers(), multipliers);
+  EXPECT_EQ(newton.norms().violation.value, violation);
+  EXPECT_NEAR(newton.norms().largest(), before, 1e-12 * before);
+}
+
 TEST(ProjectedNewton, StepMatchesDenseExactQuadraticProgram) {
   for (const double size : {0.2, 0.05, 1e-3}) {
     SCOPED_TRACE(size);

@@ -49,6 +49,8 @@ ProjectedNewton::ProjectedNewton(const ShootingProblem& problem, Evaluator& eval
       before_(trajectory_),
       lagrangian_(problem),
       multipliers_(Eigen::VectorXd::Zero(problem.constraint_rows())),
+      given_(multipliers_),
+      given_before_(multipliers_),
       multipliers_before_(multipliers_),
       target_(multipliers_),
       penalty_(multipliers_),
@@ -78,6 +80,7 @@ void ProjectedNewton::start(const Trajectory& trajectory, const Eigen::VectorXd&
 
 /// Computes derivatives, active rows, co-states and norms of the iterate.
 void ProjectedNewton::linearize() {
+  given_ = multipliers_;
   lagrangian_.multiplier.setZero();
   evaluator_.differentiate(trajectory_, linearization_, &lagrangian_);
   for (int k = 0; k <= problem_.knots(); ++k) cost_gradient_[k] = linearization_.knots[k].gradient;
@@ -179,21 +182,22 @@ bool ProjectedNewton::step(double growth) {
 /// Takes a step after which the largest norm is below the bound.
 bool ProjectedNewton::try_step(double bound) {
   before_ = trajectory_;
-  if (!solve_quadratic()) {
+  given_before_ = given_;
+  const auto return_to_start = [this] {
+    trajectory_ = before_;
+    multipliers_ = given_before_;
+    step_length_ = 0;
     linearize();
     return false;
-  }
+  };
+  if (!solve_quadratic()) return return_to_start();
   multipliers_before_ = multipliers_;
   for (step_length_ = 1; step_length_ >= kShortestStep; step_length_ /= 2) {
     move();
     linearize();
     if (norms_.largest() < (1 - 0.1 * step_length_) * bound) return true;
   }
-  trajectory_ = before_;
-  multipliers_ = multipliers_before_;
-  step_length_ = 0;
-  linearize();
-  return false;
+  return return_to_start();
 }
 
 /// Moves by step_length_ of the step, from its start.

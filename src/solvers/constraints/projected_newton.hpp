@@ -82,7 +82,9 @@ class ProjectedNewton {
   HorizonQp qp_;
   Trajectory trajectory_, before_;
   Augmentation lagrangian_;  ///< multipliers only
-  Eigen::VectorXd multipliers_, multipliers_before_, target_, penalty_;
+  Eigen::VectorXd multipliers_;
+  Eigen::VectorXd given_, given_before_;  ///< multipliers before the choice of active rows
+  Eigen::VectorXd multipliers_before_, target_, penalty_;
   std::vector<Eigen::VectorXd> cost_gradient_;
   std::vector<Eigen::MatrixXd> gauss_newton_, exact_;
   Eigen::VectorXd scratch_;

@@ -390,8 +390,8 @@ bool InteriorSolver::try_length(double length) {
     if (k < problem_.knots()) trial_.u(k) += length * rollout_.du(k);
   }
   std::pair<double, double> there = judge(length, trial_);
-  const bool bends =
-      !((evaluation_.gap - (1 - length) * linearization_.gap).lpNorm<Eigen::Infinity>() < kStraight);
+  const bool bends = !(
+      (evaluation_.gap - (1 - length) * linearization_.gap).lpNorm<Eigen::Infinity>() < kStraight);
   if (bends)
     evaluator_.roll_out(trajectory_, linearization_.gap, feedback_, length, {.contract_gaps = true},
                         rolled_);
@@ -456,8 +456,6 @@ std::optional<double> InteriorSolver::sweep_at_answer() {
   bounds_.snap_rounded(answer);
   const AnswerGains gains = gains_at(problem_, bounds_, evaluator_, answer, multipliers_);
   newton_.start(answer, multipliers_, gains.penalty, gains.feedback);
-  newton_.describe(record_.row);
-  record_.result.log.back() = record_.row;
   return gains.regularization;
 }
 
@@ -466,14 +464,14 @@ std::optional<double> InteriorSolver::sweep_at_answer() {
 void InteriorSolver::return_to_interior() {
   newton_.start(trajectory_, multipliers_, penalty_, feedback_);
   record_.row.newton = 0;
-  newton_.describe(record_.row);
-  record_.result.log.back() = record_.row;
 }
 
 void InteriorSolver::write_result() {
   if (!is_solution()) return_to_interior();
   SolveResult& result = record_.result;
   result.feedback_regularization = problem_.constraints().empty() ? sweep_at_answer() : 0;
+  newton_.describe(record_.row);
+  result.log.back() = record_.row;
   newton_.write_answer(result);
   if (is_solution())
     record_.end(SolveStatus::converged, record_.residual_text());
