@@ -132,6 +132,20 @@ TEST(MpcExample, QuadrupedFollowsItsCommands) {
   EXPECT_GT(2 * std::atan2(x[5], x[6]), 0.3);  // yaw
 }
 
+// Cones jump with the contacts and pushes; one iteration brings nearly all plans back into them.
+TEST(MpcExample, QuadrupedPlansForcesInHardCones) {
+  const ExampleLoop quadruped("quadruped_cones");
+  ASSERT_TRUE(quadruped.mpc) << quadruped.said;
+  EXPECT_EQ(quadruped.result.end, LoopEnd::finished);
+  EXPECT_EQ(quadruped.failed(), 0);
+  const auto& ticks = quadruped.result.ticks;
+  const auto inside = std::ranges::count_if(
+      ticks, [](const TickRecord& tick) { return tick.violation < 10; });  // N
+  EXPECT_GT(inside, 0.9 * ticks.size());
+  EXPECT_GT(quadruped.result.last_state[0], 0.8);
+  EXPECT_GT(quadruped.result.last_state[1], 0.2);
+}
+
 TEST(MpcExample, QuadrupedCrossesAStepAtAnyPlace) {
   const std::pair<double, double> steps[] = {{0.02, 0.9}, {0.03, 0.75}};
   for (const auto& [height, place] : steps) {

@@ -210,6 +210,43 @@ TEST(ReusableSolver, IteratesToTheSameConvergedAnswer) {
   }
 }
 
+// Each iteration starts from the trajectory and the multipliers of the last one.
+TEST(ReusableSolver, RealTimeIterationsReachTheConstrainedOptimum) {
+  const ShootingProblem problem = mass_between({10, 1, 10, 1, 0.9});
+  auto multipliers = std::make_shared<DualGuess>();
+  multipliers->constraints = Eigen::VectorXd::Zero(problem.constraint_rows());
+  SolverOptions options{.max_iterations = 1, .multipliers = multipliers};
+  options.augmented_lagrangian.initial_penalty = 100;
+  for (const char* name : {"altro", "proxddp"}) {
+    SCOPED_TRACE(name);
+    multipliers->constraints.setZero();
+    Trajectory guess = testing::constant_controls(problem, 0.5);
+    const SolveResult best = solve(problem, name, {}, guess);
+    ReusableSolver solver(problem, name, options);
+    const SolveResult* answer = nullptr;
+    for (int i = 0; i < 60; ++i) {
+      answer = &solver.iterate(guess);
+      EXPECT_LE(answer->iterations, 1);
+      guess = answer->trajectory;
+      multipliers->constraints = answer->constraint_multipliers;
+    }
+    EXPECT_NEAR(answer->cost, best.cost, 1e-6 * best.cost);
+    EXPECT_LE(answer->residuals.constraint, 1e-6);
+    EXPECT_GT(best.constraint_multipliers.cwiseAbs().maxCoeff(), 1e-3);
+  }
+}
+
+// Without a limit, searches for the active set take dozens of sweeps here.
+TEST(ReusableSolver, RealTimeIterationsLimitTheirSweeps) {
+  for (const ShootingProblem& problem : {testing::landing(5), testing::acrobot_swing_up(5)}) {
+    const Trajectory guess = testing::constant_controls(problem, 0.01);
+    ReusableSolver solver(problem, "box_fddp", {.max_iterations = 1});
+    const SolveResult& quick = solver.iterate(guess);
+    EXPECT_LE(quick.log.back().sweeps, 8);
+    EXPECT_EQ(quick.iterations, 1);
+  }
+}
+
 TEST(ReusableSolver, BeginsWithAvailableMultipliers) {
   const ShootingProblem free = testing::cartpole_swing_up();
   const ShootingProblem problem =

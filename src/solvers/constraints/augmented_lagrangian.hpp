@@ -58,6 +58,8 @@ class AugmentedLagrangian {
   /// Ends a minimization: ν ← ν⁺, and penalties grow according to the schedule. No penalty grows
   /// after an incomplete minimization.
   void update(bool minimized = true);
+  /// ν ← the multipliers of the last measure(). Penalties stay.
+  void take_multipliers() { adopt(next_); }
   /// ν ← ν + step · change, for sweeps that find multipliers.
   void add(const Eigen::VectorXd& change, double step);
   /// Lowers the penalties if the multipliers hold the constraints without them.

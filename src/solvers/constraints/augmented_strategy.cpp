@@ -65,6 +65,9 @@ class AugmentedStrategy final : public OuterStrategy {
   bool update(Iterate& iterate, const Feedback& feedback, const MeritModel& merit, bool stuck,
               SolveRecord& record) override;
   bool recovers(const SolveRecord& record, bool stuck) override;
+  void take_multipliers() override {
+    if (!by_the_sweep_) lagrangian_.take_multipliers();
+  }
   void adopt(const Eigen::VectorXd& multipliers) override { lagrangian_.adopt(multipliers); }
   void add(const Eigen::VectorXd& change, double step) override { lagrangian_.add(change, step); }
 

@@ -72,9 +72,10 @@ HorizonQp::HorizonQp(const ShootingProblem& problem, const ControlBounds& bounds
   product_.resize(largest);
 }
 
-void HorizonQp::reset() {
+void HorizonQp::reset(int most) {
   models_costs_ = true;
   sweeps_ = 0;
+  most_sweeps_ = most;
   rows_.reset();
   set_start_ = SetStart::from_guess;
   model_true_ = false;
@@ -175,7 +176,7 @@ bool HorizonQp::settle(const Model& model) {
       if (!model_true_ && error > kErrorGrowth * least_error) return false;
       least_error = std::min(least_error, error);
     }
-    if (sweep(model, true) >= 0) return false;
+    if (!may_sweep() || sweep(model, true) >= 0) return false;
   }
   return false;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -33,8 +34,9 @@ class HorizonQp {
   HorizonQp(const ShootingProblem& problem, const ControlBounds& bounds,
             std::unique_ptr<StageSolver> stages, bool bounded, bool clamp);
 
-  /// Forgets the active set and the gains of the previous solve.
-  void reset();
+  /// Forgets the active set and the gains of the previous solve. The next one may begin `most`
+  /// sweeps before may_sweep() ends its searches.
+  void reset(int most = std::numeric_limits<int>::max());
   /// Exchanges the memory of sweeps with another problem's QP, before both begin a solve.
   void exchange_memory(HorizonQp& other);
   /// Models costs only at the iterate until the next reset().
@@ -69,6 +71,7 @@ class HorizonQp {
   }
   /// Number of sweeps begun since reset(), over the whole horizon or its beginning.
   int sweeps() const { return sweeps_; }
+  bool may_sweep() const { return sweeps_ < most_sweeps_; }
   /// True if constraints or barriers are rows of the model.
   bool has_rows() const { return bounded_ && !rows_.empty(); }
   /// True if the last minimize() searched the active constraint rows without settling.
@@ -112,7 +115,7 @@ class HorizonQp {
   Eigen::VectorXd d_, product_;
   bool models_costs_ = true;  ///< models costs that begin at a bound along the step
   bool models_rows_ = false;  ///< the current model includes rows
-  int sweeps_ = 0;
+  int sweeps_ = 0, most_sweeps_ = std::numeric_limits<int>::max();
   SetStart set_start_ = SetStart::from_guess;
   std::optional<int> last_change_;  ///< last changed knot, of the active set or the rows
   bool held_before_ = false;        ///< the last sweep held the active set

@@ -47,6 +47,8 @@ class OuterStrategy {
                       bool stuck, SolveRecord& record);
   /// True if a minimization may end although no step was found.
   virtual bool recovers(const SolveRecord& /*record*/, bool /*stuck*/) { return false; }
+  /// Takes the multipliers that follow from the last measured iterate. Penalties stay.
+  virtual void take_multipliers() {}
   /// Takes multipliers from another source.
   virtual void adopt(const Eigen::VectorXd& /*multipliers*/) {}
   /// Records a step of this length, whose sweep changes the multipliers by `change`.

@@ -22,6 +22,9 @@ namespace {
 /// Gap below which a solver with an equality search may use exact second derivatives. Straight
 /// steps close the gaps only at the end of a solve.
 constexpr double kNearlyClosed = 1e-3;
+/// Sweeps that real-time iterations may begin on average before their searches end. Nearly all take
+/// one or two.
+constexpr int kRealTimeSweeps = 6;
 
 /// Resolves the use of Hessians from the options if the recipe leaves it open.
 DdpRecipe resolved(DdpRecipe recipe, const SolverOptions& options, const ShootingProblem& problem) {
@@ -70,7 +73,8 @@ const SolveResult& DdpSolver::solve(const Trajectory& guess, LastIterate last) {
   check_shape(problem_, guess);
   record_.begin();
   iterate_.reset();
-  globalization_.reset();
+  globalization_.reset(last == LastIterate::evaluated ? kRealTimeSweeps * options_.max_iterations
+                                                      : std::numeric_limits<int>::max());
   check_.reset();
   if (polish_) polish_->reset();
   stepping_ = abandoned_ = by_newton_ = evaluated_ = false;
@@ -139,22 +143,24 @@ void DdpSolver::iterate() {
 bool DdpSolver::run_iteration() { return linearize() && !ends() && goes_on() && step(); }
 
 /// Ends a solve at the iteration limit before the last iterate is linearized, if the caller wants
-/// that. The result of a rollout is known already. An iterate that is not finite is left to the
-/// linearization.
+/// that. Without constraints, the result of a rollout is known already. An iterate that is not
+/// finite is left to the linearization.
 bool DdpSolver::ends_by_last_step() {
-  if (!last_step_ || constrained_ || iterate_.linearized ||
-      record_.row.iteration < options_.max_iterations)
+  if (!last_step_ || iterate_.linearized || record_.row.iteration < options_.max_iterations)
     return false;
   IterationRecord& row = record_.row;
-  if (const LineSearchResult& found = globalization_.found(); found.rollout_cost) {
+  if (const LineSearchResult& found = globalization_.found(); found.rollout_cost && !constrained_) {
     row.cost = *found.rollout_cost;
     row.gap *= 1 - found.step;
   } else {
     const Stopwatch watch(record_.result.times.evaluate);
     evaluator_.evaluate(iterate_.trajectory, answer_);
-    if (!std::isfinite(answer_.cost.sum()) || !all_finite(answer_.gap)) return false;
+    if (!std::isfinite(answer_.cost.sum()) || !all_finite(answer_.gap) ||
+        !all_finite(answer_.constraint))
+      return false;
     Eigen::Index entry = 0, knot = 0;
-    row.cost = answer_.cost.sum();
+    iterate_.linearization.constraint = answer_.constraint;
+    row.cost = answer_.cost.sum() + outer_->soft_cost(iterate_);
     row.gap = answer_.gap.cwiseAbs().maxCoeff(&entry, &knot);
     row.gap_knot = static_cast<int>(knot);
   }
@@ -163,12 +169,15 @@ bool DdpSolver::ends_by_last_step() {
   return true;
 }
 
-/// Reports cost and residuals of an iterate that was not linearized, and the policy that led to it.
+/// Reports cost and residuals of an iterate that was not linearized, the policy that led to it, and
+/// the multipliers that follow from the values of its constraints.
 void DdpSolver::end_evaluated() {
   SolveResult& result = record_.result;
   IterationRecord& row = record_.row;
   result.cost = row.cost;
   outer_->measure(iterate_, row);
+  outer_->take_multipliers();
+  if (constrained_) result.constraint_multipliers = *outer_->multipliers();
   record_.log_row();
   record_.end(SolveStatus::max_iterations, "ended after {} iterations: {}", row.iteration,
               record_.residual_text());
@@ -187,12 +196,15 @@ void DdpSolver::fit_outer() {
 /// True if the linearized iterate, or Newton's method started from it, ends the solve.
 bool DdpSolver::ends() {
   return (converged() && confirm()) || cost_settled() ||
-         (polish_ && polish_->due(record_.row) && polish());
+         (polish_ && !last_step_ && polish_->due(record_.row) && polish());
 }
 
-/// True if something is left to minimize and iterations remain.
+/// True if something is left to minimize and iterations remain. The multipliers of a real-time
+/// iteration already follow from its guess.
 bool DdpSolver::goes_on() {
-  if (outer_->minimized(record_.row, globalization_.merit()) && !next_minimization()) return false;
+  if (!(last_step_ && record_.row.iteration == 0) &&
+      outer_->minimized(record_.row, globalization_.merit()) && !next_minimization())
+    return false;
   return record_.may_continue();
 }
 

@@ -18,9 +18,9 @@ namespace conddp {
 
 /// Extent of what a solve computes at the last iterate when it reaches its iteration limit.
 /// - linearized: everything, from derivatives and a sweep at the iterate;
-/// - evaluated: cost, gap and violation. The gains come from the sweep that led to the iterate, and
-///   the stationarity is the one before the last step. If constraints enter the minimized function,
-///   the iterate is still linearized for their multipliers, but not swept.
+/// - evaluated: cost, gap, violation and multipliers. The gains come from the sweep that led to the
+///   iterate, and the stationarity is the one before the last step. Sweeps are limited (a real-time
+///   iteration).
 enum class LastIterate { linearized, evaluated };
 
 /// The loop of all DDP solvers: linearize, test convergence, find a direction and a step, record.

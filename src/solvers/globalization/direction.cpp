@@ -57,9 +57,9 @@ void Direction::forget_steps() {
   corrected_ = false;
 }
 
-void Direction::reset() {
+void Direction::reset(int sweeps) {
   forget_steps();
-  qp_.reset();
+  qp_.reset(sweeps);
 }
 
 }  // namespace conddp

@@ -21,8 +21,8 @@ class Direction {
   };
   Direction(const ShootingProblem& problem, const ControlBounds& bounds, const Recipe& recipe);
 
-  /// Forgets the active set and the gains of the previous solve.
-  void reset();
+  /// Forgets the active set and the gains of the previous solve. `sweeps`: limit of the next one.
+  void reset(int sweeps);
   /// Exchanges the memory of sweeps with another problem's direction, before both begin a solve.
   void exchange_memory(Direction& other) { qp_.exchange_memory(other.qp_); }
   /// Fills feedback() around an iterate and rolls it out through the linear model. Returns the knot

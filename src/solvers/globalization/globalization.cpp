@@ -55,9 +55,9 @@ Globalization::Globalization(const ShootingProblem& problem, const ControlBounds
     equality_search_.emplace(problem);
 }
 
-void Globalization::reset() {
+void Globalization::reset(int sweeps) {
   regularization_ = RegularizationSchedule(options_.regularization.initial);
-  direction_.reset();
+  direction_.reset(sweeps);
   line_search_.reset();
   full_step_search_.reset();
   search_ = LineSearchResult();
@@ -116,10 +116,12 @@ bool Globalization::step() {
   return true;
 }
 
-/// Increases the regularization; false at its limit. The smallest one is an absolute weight and may
-/// be far above the curvature of the costs in the controls. That curvature is 1e-8 for thrusts in
-/// kilonewtons; the weight would then stall a solve for hundreds of iterations.
+/// Increases the regularization; false at its limit, or at that of the sweeps. The smallest one is
+/// an absolute weight and may be far above the curvature of the costs in the controls. That
+/// curvature is 1e-8 for thrusts in kilonewtons; the weight would then stall a solve for hundreds
+/// of iterations.
 bool Globalization::regularize_more() {
+  if (!direction_.qp().may_sweep()) return false;
   if (regularization_.value() == 0)
     regularization_.lower_min(kCurvatures * iterate_.hessian.by_gauss_newton([this] {
       return control_curvature_.least(iterate_.linearization, outer_.augmentation());

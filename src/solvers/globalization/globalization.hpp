@@ -28,8 +28,9 @@ class Globalization {
                 const DdpRecipe& recipe, const SolverOptions& options, Iterate& iterate,
                 OuterStrategy& outer, SolveRecord& record);
 
-  /// Prepares a solve.
-  void reset();
+  /// Prepares a solve. After this number of sweeps, searches for active sets and for regularized
+  /// directions end.
+  void reset(int sweeps);
   /// Exchanges memory with another problem's globalization, before both begin a solve.
   void exchange_memory(Globalization& other) { direction_.exchange_memory(other.direction_); }
   /// Computes the merit of the linearized iterate and writes it into the log row.

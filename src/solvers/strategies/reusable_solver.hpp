@@ -31,9 +31,10 @@ class ReusableSolver {
   /// suspicion here. The answer is valid until the next call. Throws std::invalid_argument for a
   /// guess of another shape.
   const SolveResult& solve(const Trajectory& guess);
-  /// A real-time iteration: the same, but if the iterations are used up, the last iterate is not
-  /// linearized. The gains are then those of the sweep that led to it, and stationarity is that of
-  /// the previous iterate. Co-states, gradients and constraint values stay zero. Throws
+  /// A real-time iteration: the same, but sweeps are limited, and if the iterations are used up,
+  /// the last iterate is not linearized. The gains are then those of the sweep that led to it,
+  /// stationarity is that of the previous iterate, and multipliers follow from the values of the
+  /// constraints. Co-states, gradients and constraint values stay zero. Throws
   /// std::logic_error for `ipopt`, which does not support it.
   const SolveResult& iterate(const Trajectory& guess);
   /// Moves the gains of the last answer out; `to` has their shape.
