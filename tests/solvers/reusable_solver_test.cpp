@@ -236,6 +236,27 @@ TEST(ReusableSolver, RealTimeIterationsReachTheConstrainedOptimum) {
   }
 }
 
+// Their barrier stays, so that they end near the optimum, inside of the constraints.
+TEST(ReusableSolver, RealTimeInteriorPointsFollowNewNumbers) {
+  const MassNumbers first{10, 1, 10, 1, 0.3}, second{10, 1, 10, 1, 0.9};
+  ShootingProblem problem = mass_between(first);
+  ReusableSolver solver(problem, "ipddp", {.max_iterations = 1});
+  Trajectory guess = testing::constant_controls(problem, 0.5);
+  for (const MassNumbers& numbers : {first, second}) {
+    const ShootingProblem own = mass_between(numbers);
+    take_numbers(own, problem);
+    const SolveResult best = solve(own, "ipddp", {}, guess);
+    const SolveResult* answer = nullptr;
+    for (int i = 0; i < 100; ++i) {
+      answer = &solver.iterate(guess);
+      EXPECT_EQ(answer->iterations, 1) << answer->message;
+      guess = answer->trajectory;
+    }
+    EXPECT_NEAR(answer->cost, best.cost, 1e-2 * best.cost);
+    EXPECT_LE(answer->residuals.constraint, 1e-4);
+  }
+}
+
 // Without a limit, searches for the active set take dozens of sweeps here.
 TEST(ReusableSolver, RealTimeIterationsLimitTheirSweeps) {
   for (const ShootingProblem& problem : {testing::landing(5), testing::acrobot_swing_up(5)}) {

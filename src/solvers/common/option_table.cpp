@@ -119,7 +119,9 @@ constexpr std::array kTable = {
         .choices = kPairRelaxations,
         .access = CONDDP_ACCESS(complementarity.relaxation)},
     OptionInfo{.name = "complementarity.initial",
-               .doc = "First epsilon, in the product of the pairs' units; for ipddp 1 at least.",
+               .doc =
+                   "First epsilon, in the product of the pairs' units; for ipddp 1 at least. The "
+                   "ticks of a closed loop keep it.",
                .min = SolverOptions::Complementarity::kLast,
                .max = kInfinity,
                .max_excluded = true,

@@ -9,9 +9,8 @@ namespace {
 
 using Vector = Eigen::VectorXd;
 
-/// Distance of the first slack from the boundary, and share of its limit that a soft cone's first
-/// multiplier may reach.
-constexpr double kInterior = 1e-2, kHalf = 0.5;
+/// Share of its limit that a soft cone's first multiplier may reach.
+constexpr double kHalf = 0.5;
 
 /// s_n² − ‖s_t‖², where the last entry is s_n.
 double determinant(const Vector& s) {
@@ -61,10 +60,10 @@ bool InteriorCone::is_soft() const {
   return constraint_->limit < std::numeric_limits<double>::infinity();
 }
 
-void InteriorCone::start(const Vector& rows, double mu) {
+void InteriorCone::start(const Vector& rows, double mu, double inside) {
   s_ = values(rows);
   const double t = s_.head(n_ - 1).norm();
-  s_[n_ - 1] = std::max(s_[n_ - 1], t + kInterior * std::max(1.0, t));
+  s_[n_ - 1] = std::max(s_[n_ - 1], t + inside * std::max(1.0, t));
   reflect(s_, nu_);
   nu_ *= mu / determinant(s_);
   p_.setZero();

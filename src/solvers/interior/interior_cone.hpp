@@ -22,8 +22,9 @@ class InteriorCone {
   explicit InteriorCone(const NodeConstraint& constraint);
 
   int node() const { return constraint_->node; }
-  /// Sets slack and multiplier at the values of all constraint rows of the problem.
-  void start(const Eigen::VectorXd& rows, double mu);
+  /// Sets slack and multiplier at the values of all constraint rows of the problem. The slack keeps
+  /// the distance `inside` from the boundary, relative to its size.
+  void start(const Eigen::VectorXd& rows, double mu, double inside);
   /// Computes the residual g + p − s.
   void measure(const Eigen::VectorXd& rows);
   /// Subtracts ν from the multipliers of its rows.

@@ -31,6 +31,8 @@ constexpr double kSolved = 10, kLower = 0.2;
 constexpr double kWideRelaxation = 1;
 constexpr std::array<double, 3> kFirstRelaxations = {1, 0.1, 0.01};
 constexpr int kTryShare = 4, kLeastTry = 300;
+/// Barrier of real-time iterations, and distance of their guesses from bounds.
+constexpr double kTickBarrier = 1e-4;
 /// Derivatives of costs beyond this scale barrier, penalties and errors, as in Ipopt.
 constexpr double kLargeGradient = 100;
 /// Iterations with one barrier before exact Hessians replace convex ones, if they are expensive.
@@ -58,11 +60,13 @@ constexpr double kActiveSetGrowth = 10, kActiveSetGoal = 1e-12;
 
 }  // namespace
 
-InteriorSolver::InteriorSolver(const ShootingProblem& problem, const SolverOptions& options)
+InteriorSolver::InteriorSolver(const ShootingProblem& problem, const SolverOptions& options,
+                               std::shared_ptr<EvaluationMemory> memory)
     : problem_(problem),
       options_(options),
       bounds_(problem),
-      evaluator_(problem, options.threads),
+      evaluator_(problem,
+                 memory ? std::move(memory) : std::make_shared<EvaluationMemory>(options.threads)),
       record_(problem, options_, true),
       terms_(problem, bounds_),
       filter_(options.max_iterations + 1),
@@ -146,7 +150,7 @@ void InteriorSolver::solve_relaxed(const Trajectory& guess, double relaxation, i
       if (!record_.result.log.empty() && !record_.budget_left()) throw Abandoned();
     });
     try {
-      start(guess, relaxation);
+      start(guess, {kFirstBarrier, relaxation, InteriorTerms::kInside});
       for (const double barrier : kLastBarriers) {
         last_barrier_ = barrier;
         if (!record_.result.log.empty()) ++record_.row.iteration;
@@ -160,20 +164,71 @@ void InteriorSolver::solve_relaxed(const Trajectory& guess, double relaxation, i
   if (out_of_budget()) end_by_newton();
 }
 
-void InteriorSolver::start(const Trajectory& guess, double relaxation) {
+void InteriorSolver::start(const Trajectory& guess, const Start& how) {
   take_guess(guess);
-  terms_.enter(trajectory_);
+  terms_.enter(trajectory_, how.inside);
   evaluator_.differentiate(trajectory_, linearization_);
   double largest = 0;
   for (const KnotLinearization& knot : linearization_.knots)
     largest = std::max(largest, knot.gradient.lpNorm<Eigen::Infinity>());
   scale_ = std::isfinite(largest) ? std::max(1.0, largest / kLargeGradient) : 1;
   const TermPoint at{trajectory_, linearization_.constraint};
-  terms_.start(at, kFirstBarrier, relaxation, scale_);
+  terms_.start(at, how.barrier, how.relaxation, scale_, how.inside);
   feedback_.set_zero();
   filter_.start(infeasibility(linearization_.gap, at));
   weight_ = 0;
   short_steps_ = since_ = 0;
+}
+
+const SolveResult& InteriorSolver::iterate(const Trajectory& guess) {
+  check_shape(problem_, guess);
+  record_.begin();
+  // Nodes whose exact Hessian has no minimum cost a sweep each.
+  gauss_newton_ = options_.hessian == HessianChoice::exact ? 0 : options_.max_iterations;
+  start(guess,
+        {kTickBarrier, terms_.has_pairs() ? options_.complementarity.initial : 0, kTickBarrier});
+  if (options_.multipliers) terms_.take_equation_multipliers(options_.multipliers->constraints);
+  IterationRecord& row = record_.row;
+  bool moves = true;
+  while (moves && row.iteration < options_.max_iterations) {
+    if (!linearize()) {
+      end_diverged();
+      return record_.finished();
+    }
+    measure();
+    record_.log_row();
+    moves = step();
+    if (moves) ++row.iteration;
+  }
+  end_iterated();
+  if (moves)
+    record_.end(SolveStatus::max_iterations, "ended after {} iterations: {}", row.iteration,
+                record_.residual_text());
+  return record_.finished();
+}
+
+/// Answers a real-time iteration with its last iterate and the policy that led to it.
+void InteriorSolver::end_iterated() {
+  evaluator_.evaluate(trajectory_, evaluation_);
+  linearization_.constraint = evaluation_.constraint;
+  linearization_.gap = evaluation_.gap;
+  linearization_.cost = evaluation_.cost;
+  measure();
+  record_.log_row();
+  SolveResult& result = record_.result;
+  const IterationRecord& row = record_.row;
+  result.trajectory = trajectory_;
+  result.cost = row.cost;
+  result.residuals = {.stationarity = row.stationarity,
+                      .gap = row.gap,
+                      .constraint = row.constraint,
+                      .complementarity = row.complementarity,
+                      .stationarity_knot = row.stationarity_knot,
+                      .gap_knot = row.gap_knot,
+                      .constraint_knot = row.constraint_knot};
+  terms_.write_multipliers(trajectory_, result.constraint_multipliers);
+  std::swap(result.feedback, feedback_);
+  result.feedback_regularization = weight_;
 }
 
 /// False if the iterations end.

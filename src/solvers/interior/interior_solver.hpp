@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "ocp/evaluation/evaluation_memory.hpp"
 #include "ocp/evaluation/evaluator.hpp"
 #include "solvers/common/control_bounds.hpp"
 #include "solvers/common/options.hpp"
@@ -27,13 +28,29 @@ namespace conddp {
 /// solve succeeds. Failed solves are repeated from the guess with a smaller one.
 class InteriorSolver {
  public:
-  InteriorSolver(const ShootingProblem& problem, const SolverOptions& options);
+  /// `memory` may be shared with solvers that never solve at the same time; null creates its own.
+  InteriorSolver(const ShootingProblem& problem, const SolverOptions& options,
+                 std::shared_ptr<EvaluationMemory> memory = nullptr);
 
   SolveResult solve(const Trajectory& guess);
+  /// A real-time iteration: takes as many steps as the options allow iterations, from a guess and
+  /// the multipliers of the options, with one barrier and the relaxation
+  /// `complementarity.initial`. Pairs stay relaxed, so that gains see contacts that are open
+  /// (Le Cleac'h et al. 2024). The last iterate is not linearized: the gains are those of the sweep
+  /// that led to it. The answer stays valid until the next one; allocates nothing.
+  const SolveResult& iterate(const Trajectory& guess);
+  /// Swaps the gains of that answer into `to`, which has their shape.
+  void take_feedback(Feedback& to) { std::swap(record_.result.feedback, to); }
 
  private:
+  /// How a solve begins: barrier, relaxation of pairs, and distance of the first iterate from its
+  /// bounds.
+  struct Start {
+    double barrier, relaxation, inside;
+  };
   void solve_relaxed(const Trajectory& guess, double relaxation, int last_iteration);
-  void start(const Trajectory& guess, double relaxation);
+  void start(const Trajectory& guess, const Start& how);
+  void end_iterated();
   bool run_iteration(int last_iteration);
   bool linearize();
   bool end_diverged();

@@ -8,9 +8,7 @@ namespace conddp {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-/// Distance of the first iterate from its bounds, relative to them and to their width (Wächter,
-/// Biegler 2006, section 3.6).
-constexpr double kInside = 1e-2;
+constexpr double kZero = 0;  ///< bound of the entries of pairs
 /// Penalty ρ of equalities, in multiples of the size of the costs' derivatives: six of sixteen
 /// digits, so that steps satisfy equations to six digits and keep ten.
 constexpr double kPenalty = 1e6;
@@ -100,11 +98,11 @@ void InteriorTerms::collect(const NodeConstraint& c) {
   for (int r = 0; r < c.term->rows; ++r) {
     const ScalarTerm term = ScalarTerm::of_row(c.node, c.row + r);
     if (c.lower[r] == c.upper[r] && !c.is_soft()) {
-      equalities_.push_back({term, c.lower[r]});
+      equalities_.push_back({term, c.lower + r});
       continue;
     }
-    if (std::isfinite(c.lower[r])) sides_.push_back({term, 1, c.lower[r], c.limit});
-    if (std::isfinite(c.upper[r])) sides_.push_back({term, -1, c.upper[r], c.limit});
+    if (std::isfinite(c.lower[r])) sides_.push_back({term, 1, c.lower + r, &c.limit});
+    if (std::isfinite(c.upper[r])) sides_.push_back({term, -1, c.upper + r, &c.limit});
   }
 }
 
@@ -116,37 +114,37 @@ void InteriorTerms::collect_pairs(const NodeConstraint& c) {
   for (int r = 0; r < c.term->rows; r += 2) {
     const int first = entries[r], second = entries[r + 1], side = static_cast<int>(sides_.size());
     pairs_.push_back({c.node, c.row + r, first, second, side});
-    sides_.push_back({ScalarTerm::product(c.node, first, second), -1, 0, kInfinity});
-    sides_.push_back({ScalarTerm::control(c.node, first), 1, 0, kInfinity});
-    sides_.push_back({ScalarTerm::control(c.node, second), 1, 0, kInfinity});
+    sides_.push_back({ScalarTerm::product(c.node, first, second), -1, &kZero, &kInfinity});
+    sides_.push_back({ScalarTerm::control(c.node, first), 1, &kZero, &kInfinity});
+    sides_.push_back({ScalarTerm::control(c.node, second), 1, &kZero, &kInfinity});
   }
 }
 
 void InteriorTerms::collect_bounds(const ControlBounds& bounds) {
   for (int k = 0; k < problem_.knots(); ++k)
     for (int i = 0; i < problem_.nu(k); ++i) {
-      const double lower = bounds.lower(k)[i], upper = bounds.upper(k)[i];
+      const double *lower = bounds.lower(k).data() + i, *upper = bounds.upper(k).data() + i;
       const ScalarTerm term = ScalarTerm::control(k, i);
-      if (lower == upper) {
+      if (*lower == *upper) {
         equalities_.push_back({term, lower});
         continue;
       }
-      if (std::isfinite(lower)) sides_.push_back({term, 1, lower, kInfinity});
-      if (std::isfinite(upper)) sides_.push_back({term, -1, upper, kInfinity});
+      if (std::isfinite(*lower)) sides_.push_back({term, 1, lower, &kInfinity});
+      if (std::isfinite(*upper)) sides_.push_back({term, -1, upper, &kInfinity});
     }
 }
 
-void InteriorTerms::enter(Trajectory& trajectory) const {
+void InteriorTerms::enter(Trajectory& trajectory, double inside) const {
   for (const Pair& pair : pairs_)
     for (const int entry : {pair.first, pair.second}) {
       double& v = trajectory.u(pair.node)[entry];
-      v = std::max(v, kInside);
+      v = std::max(v, inside);
     }
   for (int k = 0; k < problem_.knots(); ++k)
     for (int i = 0; i < problem_.nu(k); ++i) {
       const double lower = bounds_.lower(k)[i], upper = bounds_.upper(k)[i];
       const auto distance = [&](double bound) {
-        return kInside * std::min(std::max(1.0, std::abs(bound)), upper - lower);
+        return inside * std::min(std::max(1.0, std::abs(bound)), upper - lower);
       };
       double& v = trajectory.u(k)[i];
       if (std::isfinite(lower)) v = std::max(v, lower + distance(lower));
@@ -158,7 +156,8 @@ double InteriorTerms::value(const Side& side, const TermPoint& at) const {
   return side.sign * (side.term.value(at) - (side.term.is_product() ? relaxation_ : side.bound));
 }
 
-void InteriorTerms::start(const TermPoint& at, double barrier, double relaxation, double scale) {
+void InteriorTerms::start(const TermPoint& at, double barrier, double relaxation, double scale,
+                          double inside) {
   barrier_ = barrier;
   relaxation_ = relaxation;
   scale_ = scale;
@@ -167,13 +166,18 @@ void InteriorTerms::start(const TermPoint& at, double barrier, double relaxation
     if (pair.fixed >= 0) equalities_.pop_back();
     pair.fixed = -1;
   }
-  for (Equality& e : equalities_) e.y = 0;
+  for (Equality& e : equalities_) {
+    e.target = *e.target_now;
+    e.y = 0;
+  }
   for (Side& side : sides_) {
+    side.bound = *side.bound_now;
+    side.limit = *side.limit_now;
     side.active = true;
     const double distance = value(side, at);
     side.s = side.term.is_control()
                  ? distance
-                 : std::max(distance, kInside * std::max(1.0, std::abs(side.bound)));
+                 : std::max(distance, inside * std::max(1.0, std::abs(side.bound)));
     side.nu = mu() / side.s;
     side.p = side.q = 0;
     if (!side.is_soft()) continue;
@@ -181,7 +185,12 @@ void InteriorTerms::start(const TermPoint& at, double barrier, double relaxation
     side.q = side.limit - side.nu;
     side.p = mu() / side.q;
   }
-  for (InteriorCone& cone : cones_) cone.start(at.rows, mu());
+  for (InteriorCone& cone : cones_) cone.start(at.rows, mu(), inside);
+}
+
+void InteriorTerms::take_equation_multipliers(const Eigen::VectorXd& multipliers) {
+  for (Equality& e : equalities_)
+    if (e.term.row() >= 0) e.y = multipliers[e.term.row()];
 }
 
 void InteriorTerms::hold_pairs(Trajectory& trajectory) {
@@ -193,7 +202,7 @@ void InteriorTerms::hold_pairs(Trajectory& trajectory) {
     Side &product = sides_[pair.side], &bound = sides_[pair.side + (pair.holds_first ? 1 : 2)];
     pair.fixed = static_cast<int>(equalities_.size());
     const double other = u[pair.holds_first ? pair.second : pair.first];
-    equalities_.push_back({ScalarTerm::control(pair.node, held), 0});
+    equalities_.push_back({ScalarTerm::control(pair.node, held), &kZero});
     equalities_.back().y = product.nu * other - bound.nu;
     product.active = bound.active = false;
     u[held] = 0;

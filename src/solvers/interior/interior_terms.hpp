@@ -65,11 +65,18 @@ class InteriorTerms {
  public:
   InteriorTerms(const ShootingProblem& problem, const ControlBounds& bounds);
 
-  /// Moves the controls inside of their bounds.
-  void enter(Trajectory& trajectory) const;
-  /// Sets slacks and multipliers at a point. `relaxation` is ε; `scale` is the size of the costs'
-  /// derivatives, by which barrier and penalties are multiplied.
-  void start(const TermPoint& at, double barrier, double relaxation, double scale);
+  /// Distance of the first iterate from its bounds, relative to them and to their width (Wächter,
+  /// Biegler 2006, section 3.6).
+  static constexpr double kInside = 1e-2;
+
+  /// Moves the controls inside of their bounds, by this relative distance.
+  void enter(Trajectory& trajectory, double inside = kInside) const;
+  /// Sets slacks and multipliers at a point, with slacks of at least this size. `relaxation` is ε;
+  /// `scale` is the size of the costs' derivatives, by which barrier and penalties are multiplied.
+  void start(const TermPoint& at, double barrier, double relaxation, double scale,
+             double inside = kInside);
+  /// Takes multipliers of equations from those of all constraint rows of the problem.
+  void take_equation_multipliers(const Eigen::VectorXd& multipliers);
   /// μ in units of the scale.
   double barrier() const { return barrier_; }
   double relaxation() const { return relaxation_; }
@@ -126,7 +133,9 @@ class InteriorTerms {
  private:
   struct Side {
     ScalarTerm term;
-    double sign, bound, limit;
+    double sign;
+    const double *bound_now, *limit_now;  ///< in the problem, which may change between solves
+    double bound = 0, limit = 0;
     bool active = true;
     double s = 1, nu = 1, p = 0, q = 0;  ///< slack, multiplier, elastic part, w − ν
     double residual = 0, width = 1, push = 0;
@@ -135,7 +144,8 @@ class InteriorTerms {
   };
   struct Equality {
     ScalarTerm term;
-    double target;
+    const double* target_now;  ///< likewise
+    double target = 0;
     double residual = 0, y = 0, along = 0, dy = 0;
   };
   struct Pair {

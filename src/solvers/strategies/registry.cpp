@@ -84,6 +84,7 @@ SolverInfo ipopt_info() {
       .open_gaps = true,
       .exact_hessian = true,
       .concurrent = false,
+      .real_time = false,
       .run = [](const ShootingProblem& problem, const SolverOptions& options,
                 const Trajectory& guess) { return IpoptSolver(problem, options).solve(guess); }};
 }

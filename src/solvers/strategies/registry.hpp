@@ -33,6 +33,7 @@ struct SolverInfo {
   bool gauss_newton_hessian = true;  ///< can omit second derivatives of the dynamics
   bool exact_hessian = false;        ///< can use second derivatives of the dynamics
   bool concurrent = true;            ///< may run in several threads at once
+  bool real_time = true;             ///< has real-time iterations (ReusableSolver::iterate)
   /// The solver alone. Its status `infeasible` is a suspicion, which solve() examines.
   std::function<SolveResult(const ShootingProblem&, const SolverOptions&, const Trajectory& guess)>
       run = {};

@@ -7,6 +7,7 @@
 
 #include "solvers/ddp/ddp_solver.hpp"
 #include "solvers/ddp/family.hpp"
+#include "solvers/interior/interior_solver.hpp"
 
 namespace conddp {
 
@@ -24,6 +25,7 @@ ReusableSolver::ReusableSolver(const ShootingProblem& problem, std::string_view 
     solver_ = std::make_unique<DdpSolver>(problem, member->recipe, own, std::move(memory));
     solver_->reserve_exact_hessians();
   } else {
+    if (info->real_time) ticks_ = std::make_unique<InteriorSolver>(problem, own, std::move(memory));
     anew_ = [info, &problem, own](const Trajectory& guess) {
       return info->run(problem, own, guess);
     };
@@ -39,15 +41,19 @@ const SolveResult& ReusableSolver::solve(const Trajectory& guess) {
 }
 
 const SolveResult& ReusableSolver::iterate(const Trajectory& guess) {
-  if (!solver_) throw std::logic_error("the solver has no real-time iteration");
-  return solver_->solve(guess, LastIterate::evaluated);
+  if (solver_) return solver_->solve(guess, LastIterate::evaluated);
+  if (!ticks_) throw std::logic_error("the solver has no real-time iteration");
+  answer_.reset();
+  return ticks_->iterate(guess);
 }
 
 void ReusableSolver::take_feedback(Feedback& to) {
   if (solver_)
     solver_->take_feedback(to);
-  else
+  else if (answer_)
     std::swap(answer_->feedback, to);
+  else
+    ticks_->take_feedback(to);
 }
 
 void ReusableSolver::exchange_memory(ReusableSolver& other) {

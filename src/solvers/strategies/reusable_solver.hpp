@@ -10,11 +10,12 @@
 namespace conddp {
 
 class DdpSolver;
+class InteriorSolver;
 
 /// A solver that keeps its memory between solves of one problem from changing initial states
 /// (ShootingProblem::set_initial_state) and guesses, as in model predictive control. From the
-/// second solve on, a solver of the DDP family allocates only for messages of failed solves;
-/// `ipopt` starts anew each time.
+/// second solve on, a solver of the DDP family allocates only for messages of failed solves.
+/// `ipopt` starts anew each time, and so do solves of `ipddp` to the tolerances.
 class ReusableSolver {
  public:
   /// The problem must outlive this object. Throws std::invalid_argument if no solver has this name,
@@ -44,7 +45,8 @@ class ReusableSolver {
   void exchange_memory(ReusableSolver& other);
 
  private:
-  std::unique_ptr<DdpSolver> solver_;  ///< null for a solver that starts anew
+  std::unique_ptr<DdpSolver> solver_;      ///< null for a solver that starts anew
+  std::unique_ptr<InteriorSolver> ticks_;  ///< of `ipddp`, for real-time iterations
   std::function<SolveResult(const Trajectory&)> anew_;
   std::optional<SolveResult> answer_;  ///< answer of such a solver
 };
