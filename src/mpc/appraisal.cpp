@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <stdexcept>
 
 namespace conddp {
@@ -55,15 +56,21 @@ StepFigures Appraisal::of_end(const double* x) const {
   return figures(model, numbers.parameters);
 }
 
-/// Evaluates the model at the inputs that its batch holds.
+/// Evaluates the model at the inputs that its batch holds. The equations and pairs of a
+/// contact-implicit step, its last two constraints, and the regularization of its forces, its last
+/// cost, belong to the plan's forces.
 StepFigures Appraisal::figures(const KnotModel& model, const double* parameters) const {
   KnotBatch<double>& batch = *batches_.at(&model);
   std::copy_n(parameters, model.parameter_count(), batch.parameters.begin());
+  const auto& constraints = model.constraints();
+  const bool implicit = !constraints.empty() && constraints.back().has_pairs();
   for (const CostTerm& term : model.costs())
     if (!counts(*term.residual)) batch.parameters[term.weight] = 0;
+  if (implicit) batch.parameters[model.costs().back().weight] = 0;
   model.evaluate(batch.input(), batch.work);
   StepFigures found{.cost = batch.work.cost};
-  for (const ConstraintTerm& term : model.constraints())
+  for (const ConstraintTerm& term :
+       std::span(constraints).first(constraints.size() - (implicit ? 2 : 0)))
     if (parameters[term.active()] != 0 && term.softness == Softness::hard && counts(*term.residual))
       found.violation = std::max(found.violation, violation(term, batch, parameters));
   return found;

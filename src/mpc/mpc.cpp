@@ -8,7 +8,6 @@
 #include "ocp/evaluation/evaluation_memory.hpp"
 #include "ocp/problem/cost_scale.hpp"
 #include "solvers/common/feasible.hpp"
-#include "solvers/ddp/family.hpp"
 #include "solvers/strategies/strategies.hpp"
 
 namespace conddp {
@@ -27,7 +26,8 @@ void check_rates(const MpcOptions& options) {
   require(options.delay >= 0 && options.delay <= options.tick,
           "the delay has to lie between 0 and the tick");
   require(!options.iterations || *options.iterations > 0, "a tick needs an iteration at least");
-  require(!options.iterations || find_ddp_member(options.solver) != nullptr,
+  const SolverInfo* solver = find_solver(options.solver);
+  require(!options.iterations || solver == nullptr || solver->real_time,
           "the solver has no real-time iteration: it solves windows to the tolerances");
   require(!options.feedback_rate || is_positive(*options.feedback_rate),
           "the rate of the feedback has to be positive");
@@ -38,26 +38,28 @@ bool is_multiple(double length, double step) {
   return std::abs(length - std::round(length / step) * step) < kSameTime;
 }
 
-/// Windows of discrete-time systems consist of whole knots.
-void check_whole_knot(const ShootingProblem& problem, int k, const MpcOptions& options) {
+/// Windows of discrete-time systems, and of contact-implicit steps, consist of whole knots.
+void check_whole_knot(const ShootingProblem& problem, int k, const MpcOptions& options,
+                      bool steps) {
   const double dt = problem.knot(k).dt;
+  const double period = options.feedback_rate && !steps ? 1 / *options.feedback_rate : 0;
   for (const double length :
-       {options.tick, options.delay, options.horizon,
-        options.feedback_rate ? 1 / *options.feedback_rate : 0.0, problem.times()[k]})
+       {options.tick, options.delay, options.horizon, period, problem.times()[k]})
     require(is_multiple(length, dt),
-            "the system gives the next state itself: tick, delay, horizon, the period of the "
-            "feedback and the begin of a knot have to be multiples of the knot's dt");
+            steps ? "contact-implicit steps have one length: tick, delay, horizon and the begin of "
+                    "a knot have to be multiples of it"
+                  : "the system gives the next state itself: tick, delay, horizon, the period of "
+                    "the feedback and the begin of a knot have to be multiples of the knot's dt");
 }
 
 void check_knots(const ShootingProblem& problem, const MpcOptions& options) {
   for (int k = 0; k < problem.knots(); ++k) {
     const KnotModel& model = *problem.knot(k).model;
-    require(model.system().as_stepping() == nullptr,
-            "contact-implicit problems cannot be cut into windows");
     require(model.system().as_collocation() == nullptr,
             "problems with collocation cannot be cut into windows");
-    if (model.integrator() == Integrator::discrete && !problem.takes_no_time(k))
-      check_whole_knot(problem, k, options);
+    const bool steps = model.system().as_stepping() != nullptr;
+    if ((steps || model.integrator() == Integrator::discrete) && !problem.takes_no_time(k))
+      check_whole_knot(problem, k, options, steps);
   }
 }
 
@@ -335,6 +337,8 @@ void Mpc::solve_from(const std::vector<double>& x) {
   window_->set_initial_state(x.data());
   window_->guess_from(*in_force_.plan, scratch_);
   const bool first = in_force_.plan == &guess_;
+  if (options_.iterations && !first && options_.simulate_guess)
+    window_->simulate_guess(*in_force_.plan, options_.simulate_guess);
   if (options_.iterations && !first)
     answer_ = &window_->iterate();
   else if (!first)
@@ -360,7 +364,7 @@ void Mpc::prepare() {
   predict(in_force_.begin, plan_begin(), predicted_);
   if (swings_) swings_->see(line_, line_time(plan_begin()), predicted_.data());
   window_->load(context(), cut_);
-  if (options_.iterations) solve_from(predicted_);
+  if (solves_before_measurement()) solve_from(predicted_);
   prepared_in_ = now() - began;
 }
 
@@ -381,7 +385,7 @@ const Eigen::VectorXd& Mpc::feedback(std::span<const double> x) {
   const Stopwatch watch(record_.feedback);
   asked_at_ = now();
   const bool measured = measure(x);
-  if (measured && !options_.iterations) solve_from(state_);
+  if (measured && !solves_before_measurement()) solve_from(state_);
   record_.outcome = measured ? outcome() : TickOutcome::not_finite;
   if (improves(record_.outcome)) record_.outcome = TickOutcome::improved;
   decide();

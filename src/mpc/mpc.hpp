@@ -60,14 +60,18 @@ struct MpcOptions {
   /// force.
   std::optional<HeldState> fallback;
   int fallback_after = 3;
-  /// A member of the DDP family, or `ipopt`, which solves to the tolerances and allocates: a slow
-  /// reference.
+  /// Any solver. `ipopt` has no real-time iteration: it solves to the tolerances and allocates, a
+  /// slow reference.
   std::string solver = "box_fddp";
   SolverOptions solver_options;
   /// Swings that begin at the actual positions of the feet. If unset, all begin at their footholds.
   std::optional<FootSwings> swings;
   /// If unset, phases begin at their planned times.
   std::optional<Retiming> retiming;
+  /// Makes the guess of a real-time iteration, the shifted plan from another first state, a motion
+  /// of the problem under the plan's gains. For contact-implicit steps, whose forces would not be
+  /// those of the new state. Null: guesses stay.
+  std::function<void(const ShootingProblem&, const Feedback&, Trajectory&)> simulate_guess;
   /// True if the answer of a tick is late; null for never.
   std::function<bool(int tick)> is_late;
   /// Clock, s. An answer is late if its preparation and feedback together take longer than a tick.
@@ -159,6 +163,9 @@ class Mpc {
   bool measure(std::span<const double> x);
   double now() const { return options_.clock ? options_.clock() : 0; }
   bool is_late() const;
+  /// True for real-time iterations, but for contact-implicit steps: their gains say little about
+  /// contacts that the prediction missed.
+  bool solves_before_measurement() const { return options_.iterations && !options_.simulate_guess; }
   TickOutcome outcome() const;
   bool improves(TickOutcome outcome) const;
   void decide();

@@ -231,13 +231,19 @@ bool Window::is_improved_by(const SolveResult& answer, const Plan& plan, double 
   Trajectory former = guess_;
   std::vector<double> tangent(problem_.ndx());
   plan.state_at(times_[0], false, tangent.data(), former.x(0).data());
+  const Feedback gains = gains_of(plan);
+  if (!trial_) trial_ = std::make_unique<PlanTrial>(problem_);
+  return is_better(trial_->follow(answer.trajectory, answer.feedback),
+                   trial_->follow(former, gains), tolerance);
+}
+
+/// Gains of a plan at the knots of the window; zero where their controls differ.
+Feedback Window::gains_of(const Plan& plan) const {
   Feedback gains(problem_);
   for (int k = 0; k < problem_.knots(); ++k)
     if (const int from = plan.knot_at(times_[k]); plan.trajectory.nu(from) == problem_.nu(k))
       gains.K[k] = plan.feedback.K[from];
-  if (!trial_) trial_ = std::make_unique<PlanTrial>(problem_);
-  return is_better(trial_->follow(answer.trajectory, answer.feedback),
-                   trial_->follow(former, gains), tolerance);
+  return gains;
 }
 
 Plan& Window::keep(const SolveResult& answer, const Plan* used, Plan* spare) {

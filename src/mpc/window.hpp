@@ -64,6 +64,11 @@ class Window {
   /// Sets the next guess from a plan at the node times: states, controls, and multipliers of knots
   /// of the same model. The first state is the window's initial state.
   void guess_from(const Plan& plan, PolicyScratch& scratch);
+  /// Changes the guess by a function of the problem, the plan's gains, and the guess.
+  template <class Simulate>
+  void simulate_guess(const Plan& plan, const Simulate& simulate) {
+    simulate(problem_, gains_of(plan), guess_);
+  }
   /// Solves to the tolerances, without restorations of feasibility.
   const SolveResult& solve();
   /// Runs the number of iterations in the options; the gains are those of the last sweep.
@@ -81,6 +86,7 @@ class Window {
  private:
   void guess_node(int node, const Plan& plan, PolicyScratch& scratch);
   void guess_multipliers(int node, const Plan& plan);
+  Feedback gains_of(const Plan& plan) const;
 
   ShootingProblem problem_;
   std::vector<double> times_;

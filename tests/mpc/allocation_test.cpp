@@ -33,7 +33,7 @@ long count(const std::shared_ptr<const ShootingProblem>& problem, const MpcOptio
 
 TEST(TickAllocation, IsZeroAfterTheFirstTicks) {
   const auto problem = testing::balanced_cartpole();
-  for (const char* solver : {"box_fddp", "altro", "proxddp"})
+  for (const char* solver : {"box_fddp", "altro", "proxddp", "ipddp"})
     for (const double tick : {0.05, 0.02}) {
       const MpcOptions options = testing::with_terminal(
           *problem, {.horizon = 1, .tick = tick, .feedback_rate = 100, .solver = solver});

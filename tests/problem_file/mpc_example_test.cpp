@@ -146,6 +146,32 @@ TEST(MpcExample, QuadrupedPlansForcesInHardCones) {
   EXPECT_GT(quadruped.result.last_state[1], 0.2);
 }
 
+// The ground is 1 cm higher than the controller assumes.
+TEST(MpcExample, FootedHopperWithstandsPushesOnUnknownGround) {
+  const ExampleLoop hopper("hopper_pushes");
+  ASSERT_TRUE(hopper.mpc) << hopper.said;
+  EXPECT_EQ(hopper.result.end, LoopEnd::finished);
+  EXPECT_EQ(hopper.failed(), 0);
+  EXPECT_NEAR(hopper.result.last_state[0], 0, 0.1);
+  EXPECT_NEAR(hopper.result.last_state[1], 1.5, 0.1);
+}
+
+TEST(MpcExample, PlanarQuadrupedWithstandsPushesWithoutContactSchedule) {
+  const ExampleLoop quadruped("quadruped_pushes");
+  ASSERT_TRUE(quadruped.mpc) << quadruped.said;
+  EXPECT_EQ(quadruped.result.end, LoopEnd::finished);
+  EXPECT_EQ(quadruped.failed(), 0);
+  EXPECT_NEAR(quadruped.result.last_state[0], 0, 0.1);
+  EXPECT_NEAR(quadruped.result.last_state[1], 0.306, 0.02);
+  EXPECT_EQ(quadruped.result.violation, 0);  // the plan's contacts are not the plant's
+  int closed = 0;
+  for (const PlantStep& step : quadruped.result.steps) {
+    ASSERT_EQ(step.contact_forces.size(), 12u);
+    closed += std::isfinite(step.contact_forces[0]);
+  }
+  EXPECT_GT(closed, 0);
+}
+
 TEST(MpcExample, QuadrupedCrossesAStepAtAnyPlace) {
   const std::pair<double, double> steps[] = {{0.02, 0.9}, {0.03, 0.75}};
   for (const auto& [height, place] : steps) {

@@ -173,7 +173,8 @@ void SimulatedContacts::find_contacts(const ContactStep& taken) {
   }
 }
 
-std::optional<Trajectory> simulated_guess(const ShootingProblem& problem, const Trajectory& guess) {
+std::optional<Trajectory> simulated_guess(const ShootingProblem& problem, const Trajectory& guess,
+                                          const Feedback* policy) {
   const auto motion = contact_motion(problem, guess);
   if (!motion) return std::nullopt;
   const int first = motion->first_knot;
@@ -182,8 +183,17 @@ std::optional<Trajectory> simulated_guess(const ShootingProblem& problem, const 
   StepWriter writer(system, motion->plant);
   Trajectory simulated = guess;
   StepStart start = motion->start(0);
+  Eigen::VectorXd difference(problem.ndx());
   for (int k = 0; k < motion->steps(); ++k) {
-    start.applied = motion->applied(motion->u[k]);
+    Eigen::VectorXd u = motion->u[k];
+    if (policy != nullptr) {
+      problem.manifold().difference(guess.x(first + k).data(), simulated.x(first + k).data(),
+                                    difference.data());
+      u += policy->K[first + k].topRows(u.size()) * difference;
+      u = u.cwiseMax(motion->u_lower).cwiseMin(motion->u_upper);
+      simulated.u(first + k).head(u.size()) = u;
+    }
+    start.applied = motion->applied(u);
     start.h = motion->h[k];
     ContactStep step = simulator.step(start);
     if (step.status != StepStatus::solved) return std::nullopt;

@@ -6,6 +6,7 @@
 
 #include "analysis/contact/contact_simulator.hpp"
 #include "mpc/plant_motion.hpp"
+#include "ocp/evaluation/evaluator.hpp"
 #include "ocp/problem/problem.hpp"
 
 namespace conddp {
@@ -51,9 +52,10 @@ class SimulatedContacts final : public PlantMotion {
 };
 
 /// Simulation of a contact-implicit problem by ContactSimulator from the guess's first state, under
-/// the guess's actuator controls: states, accelerations, forces and slacks of every step satisfy
-/// the stepping equations and their complementarity. Nothing for other problems, and where a step
-/// has no solution.
-std::optional<Trajectory> simulated_guess(const ShootingProblem& problem, const Trajectory& guess);
+/// the guess's actuator controls, or with `policy` under its gains about the guess: states,
+/// accelerations, forces and slacks of every step satisfy the stepping equations and their
+/// complementarity. Nothing for other problems, and where a step has no solution.
+std::optional<Trajectory> simulated_guess(const ShootingProblem& problem, const Trajectory& guess,
+                                          const Feedback* policy = nullptr);
 
 }  // namespace conddp

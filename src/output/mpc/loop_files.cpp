@@ -224,6 +224,10 @@ void copy_forces(const std::vector<double>& found, int row, ContactForces& to) {
 ContactForces no_plant_forces(const LoopTask& task, int rows) {
   ContactForces forces = no_contact_forces(task.built, rows);
   for (ContactForces::OfContact& contact : forces.contacts) contact.torque = false;
+  for (const CandidateSpec& candidate : task.built.facts().candidates)
+    forces.contacts.push_back({.name = candidate.name.value,
+                               .torque = false,
+                               .wrench = {std::size_t(rows), std::nullopt}});
   return forces;
 }
 

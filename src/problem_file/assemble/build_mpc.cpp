@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/contact/simulated_contacts.hpp"
 #include "mpc/window_count.hpp"
 #include "problem_file/assemble/build_problem.hpp"
 #include "problem_file/assemble/late_ticks.hpp"
@@ -22,7 +23,6 @@
 #include "problem_file/read/read_sections.hpp"
 #include "problem_file/terms/constraint_builder.hpp"
 #include "problem_file/terms/term_residual.hpp"
-#include "solvers/ddp/family.hpp"
 #include "solvers/strategies/registry.hpp"
 #include "systems/system.hpp"
 
@@ -40,9 +40,13 @@ void check_problem(const ProblemSpec& spec, Diagnostics& out) {
   if (!spec.integrals.empty() && spec.mpc->plant.simulated_contacts)
     out.error(spec.integrals.front().name.place, "plants with simulated contacts have no integrals",
               "leave 'contacts: simulated' out, or the integrals");
-  if (spec.stepping)
-    out.error(spec.stepping->place, "a closed loop has no contact-implicit steps",
-              "give the phases 'contacts' instead");
+  if (spec.stepping && !spec.mpc->plant.simulated_contacts)
+    out.error(spec.mpc->place,
+              "a loop with contact-implicit steps needs a plant with contacts of its own",
+              "write 'plant: {contacts: simulated, dt: 0.002}'");
+  if (spec.stepping && spec.mpc->fallback)
+    out.error(spec.mpc->fallback->place, "loops with contact-implicit steps have no fallback",
+              "leave the key out: the former plan stays in force");
   const auto collocates = [](Integrator integrator) {
     return kIntegrators[static_cast<int>(integrator)].kind == StepKind::collocation;
   };
@@ -128,29 +132,32 @@ std::vector<Located<double>> cutting_times(const MpcSpec& mpc) {
   return times;
 }
 
-/// Systems that give the next state themselves need whole knots that begin at multiples of their
-/// length. Reports one error for each time that is not such a multiple.
+/// Systems that give the next state themselves, and contact-implicit steps, need whole knots that
+/// begin at multiples of their length. Reports one error for each time that is not such a multiple.
 void check_whole_knots(const ProblemSpec& spec, const ShootingProblem& problem, Diagnostics& out) {
+  const MpcSpec& mpc = *spec.mpc;
+  const char* const reason =
+      spec.stepping ? "contact-implicit steps are whole" : "the system gives the next state itself";
   std::set<double> steps;
   for (int k = 0; k < problem.knots(); ++k) {
     const KnotView& view = problem.knot(k);
-    if (view.model->integrator() != Integrator::discrete || problem.takes_no_time(k)) continue;
+    const bool whole = spec.stepping || view.model->integrator() == Integrator::discrete;
+    if (!whole || problem.takes_no_time(k)) continue;
     steps.insert(view.dt);
     if (is_multiple(problem.times()[k], view.dt)) continue;
     return out.error(spec.phases[view.phase].name.place,
-                     fmt::format("the system gives the next state itself: in a closed loop its "
-                                 "knots of {:g} s cannot begin at {:g} s",
-                                 view.dt, problem.times()[k]),
+                     fmt::format("{}: in a closed loop knots of {:g} s cannot begin at {:g} s",
+                                 reason, view.dt, problem.times()[k]),
                      "let phases begin at multiples of their 'dt'");
   }
-  for (const Located<double>& time : cutting_times(*spec.mpc)) {
+  const std::vector<Located<double>> times =
+      spec.stepping ? std::vector{mpc.horizon, mpc.tick, mpc.delay} : cutting_times(mpc);
+  for (const Located<double>& time : times) {
     const auto step = std::find_if(steps.begin(), steps.end(),
                                    [&](double dt) { return !is_multiple(time.value, dt); });
     if (step == steps.end()) continue;
-    out.error(time.place,
-              fmt::format("the system gives the next state itself: {:g} s is no multiple of the "
-                          "knots' dt, {:g} s",
-                          time.value, *step));
+    out.error(time.place, fmt::format("{}: {:g} s is no multiple of the knots' dt, {:g} s", reason,
+                                      time.value, *step));
   }
 }
 
@@ -235,7 +242,7 @@ std::string solver_of(const BuiltProblem& built, const std::optional<Phase>& end
       end ? solver_of_windows(solvers, spec, *built.problem, *end, out) : solvers.front();
   if (solver == nullptr) return {};
   const std::string name(solver->name);
-  if (spec.mpc->iterations && find_ddp_member(name) == nullptr)
+  if (spec.mpc->iterations && !solver->real_time)
     out.error(
         spec.mpc->iterations_place,
         fmt::format("{} has no real-time iteration: it solves each window to the tolerances", name),
@@ -703,6 +710,11 @@ std::optional<BuiltMpc> build_mpc(const BuiltProblem& built, Diagnostics& out) {
   warn_of_way_ends(spec, *built.problem, out);
   set_disturbances(mpc, built, result.loop, out);
   result.controller.is_late = late_ticks(mpc);
+  if (built.plant.stepping())
+    result.controller.simulate_guess = [](const ShootingProblem& window, const Feedback& policy,
+                                          Trajectory& guess) {
+      if (auto motion = simulated_guess(window, guess, &policy)) guess = *std::move(motion);
+    };
   result.controller.swings = build_loop_swings(spec, built, out);
   result.controller.retiming = build_retiming(spec, built, out);
   result.loop.commands = build_commands(spec, built, led, out);

@@ -25,7 +25,29 @@ struct Candidates {
   std::vector<int> contact_of;
 };
 
+/// Candidates of contact-implicit steps, but those against the world touch the plant's ground.
+Candidates candidates_of(const SteppingSystem& system, const ProblemSpec& spec) {
+  Candidates all{system.contacts(), {}};
+  all.contacts.candidates.clear();
+  const std::vector<ContactCandidate>& own = system.contacts().candidates;
+  for (std::size_t i = 0; i < own.size(); ++i) {
+    const auto add = [&](decltype(ContactCandidate::against) against) {
+      ContactCandidate& candidate = all.contacts.candidates.emplace_back(own[i]);
+      candidate.against = std::move(against);
+      all.contact_of.push_back(static_cast<int>(i));
+    };
+    const bool carried =
+        std::visit([](const auto& shape) { return shape.frame >= 0; }, own[i].against);
+    if (carried || own[i].sphere.frame < 0)
+      add(own[i].against);
+    else
+      for (const TouchedSpec& shape : spec.mpc->plant.ground) add(touched_form(shape, -1));
+  }
+  return all;
+}
+
 Candidates candidates_of(const ProblemSpec& spec, const Plant& plant, Diagnostics& out) {
+  if (const auto stepping = plant.stepping()) return candidates_of(*stepping, spec);
   Candidates all;
   for (std::size_t i = 0; i < spec.contacts.size(); ++i) {
     const ContactSpec& contact = spec.contacts[i];
@@ -49,14 +71,14 @@ bool has_mimic_joints(const RobotModel& robot) { return !robot.mimics.empty(); }
 bool check(const ProblemSpec& spec, const BuiltProblem& built, Diagnostics& out) {
   const MpcPlantSpec& plant = spec.mpc->plant;
   const int errors = out.error_count();
-  if (built.plant.multibody() == nullptr || spec.contacts.empty())
+  if (built.plant.multibody() == nullptr || (spec.contacts.empty() && spec.candidates.empty()))
     out.error(*plant.simulated_contacts, "the file has no contacts that could be simulated",
               "leave the key out");
   else if (has_mimic_joints(built.plant.robot()))
     out.error(
         *plant.simulated_contacts,
         "the simulation of contacts moves each joint by its own equation, and some mimic others");
-  if (spec.contacts.size() > kMostSimulatedContacts)
+  if (std::max(spec.contacts.size(), spec.candidates.size()) > kMostSimulatedContacts)
     out.error(*plant.simulated_contacts,
               fmt::format("more than {} contacts are not simulated", kMostSimulatedContacts));
   if (!plant.dt)
