@@ -34,5 +34,20 @@ TEST(InteriorContacts, HopperFindsAPeriodicGait) {
   EXPECT_LE(own.residuals.constraint, 1e-9) << "contacts, the cycle and the clearance are exact";
 }
 
+class StandingGuess : public ::testing::TestWithParam<const char*> {};
+
+// Nothing in these guesses says when contacts open and close.
+TEST_P(StandingGuess, SolvedThoughPerturbed) {
+  const testing::ReadyProblem ready(GetParam(), {"perturbation.guess=0.05"});
+  const SolveResult own = solve_by("ipddp", ready);
+  ASSERT_EQ(own.status, SolveStatus::converged) << own.message;
+  EXPECT_LE(own.residuals.constraint, 1e-6);
+}
+
+INSTANTIATE_TEST_SUITE_P(InteriorContacts, StandingGuess,
+                         ::testing::Values("ball_rim", "fingers_turn_box", "push_pose",
+                                           "solo_trot"),
+                         [](const auto& name) { return std::string(name.param); });
+
 }  // namespace
 }  // namespace conddp

@@ -29,6 +29,8 @@ constexpr PlanarRobot kRobots[] = {
     {"push_slider", 5, 0.12},
     {"planar_biped", 7, 24},
     {"planar_quadruped", 11, 11.6},
+    {"ball_rim", 3, 0.5},
+    {"box_two_fingers", 7, 0.7},
 };
 
 UrdfResult read(const std::string& name) {
@@ -77,7 +79,8 @@ TEST_P(ContactRobots, StaysInItsPlane) {
   RobotData<double> data(robot);
   std::vector<double> q(robot.nq);
   for (int i = 0; i < robot.nq; ++i) q[i] = 0.3 + 0.2 * std::sin(3.1 * i);
-  const bool from_above = std::string_view(GetParam().name).starts_with("push");
+  const std::string_view name = GetParam().name;
+  const bool from_above = name.starts_with("push") || name.starts_with("box");
   const auto off_plane = [&](const Vector3<double>& p) { return from_above ? p.z : p.y; };
   std::vector<double> at_zero;
   update_placements(robot, robot.neutral_configuration().data(), data);
@@ -128,6 +131,9 @@ TEST(ContactRobotPostures, MatchTheFiles) {
   const Posture biped("planar_biped", {{"left_hip", -0.3}, {"left_knee", 0.6}});
   expect_near(biped("left_foot"), 0, 0, -0.8 * std::cos(0.3));
   expect_near(biped("right_foot"), 0, 0, -0.8);
+
+  const Posture solo("solo12", {{"FL_HFE", 0.8}, {"FL_KFE", -1.6}});
+  expect_near(solo("fl_foot"), 0.1946, 0.14695, -0.32 * std::cos(0.8));
 
   const Posture quadruped("planar_quadruped", {{"RH_hip", 0.7}, {"RH_knee", -1.4}});
   expect_near(quadruped("RH_foot"), -0.2, 0, -0.4 * std::cos(0.7));
