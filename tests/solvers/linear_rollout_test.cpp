@@ -66,7 +66,7 @@ TEST(LinearRollout, FollowsModelStatesAndBoundedPolicyControls) {
     EXPECT_GT(below, 0);
     EXPECT_GT(above, 0);
     Trajectory moved = at.trajectory;
-    at.rollout.apply(at.problem.manifold(), moved);
+    at.rollout.apply(at.problem.manifold(), 1, moved);
     for (int k = 0; k <= at.problem.knots(); ++k) {
       EXPECT_LT((moved.x(k) - at.trajectory.x(k) - at.rollout.dx(k)).norm(), 1e-12) << k;
       if (k == at.problem.knots()) continue;

@@ -4,6 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include "solvers/constraints/augmented_lagrangian.hpp"
+#include "solvers/strategies/registry.hpp"
+#include "support/constrained_problems.hpp"
 #include "support/small_problems.hpp"
 
 namespace conddp {
@@ -31,7 +34,7 @@ struct Step {
     merit.penalty = search.weigh(merit, direction.curvature(linearization));
   }
   LineSearchResult run() {
-    return search.run(evaluator, merit, linearization, direction, nullptr, trajectory);
+    return search.run(evaluator, merit, linearization, direction, nullptr, 1, trajectory);
   }
   /// Merit of the trajectory, evaluated independently of the search.
   double merit_value() {
@@ -168,6 +171,175 @@ TEST(OpenGapSearch, KeepsIterateIfNoStepPasses) {
   const LineSearchResult found = step.run();
   EXPECT_FALSE(found.accepted);
   for (int k = 0; k <= problem.knots(); ++k) EXPECT_EQ(step.trajectory.x(k), from.x(k)) << k;
+}
+
+/// A step that satisfies the linear equations of gaps and rows, from an iterate with multipliers.
+struct RowStep {
+  explicit RowStep(const ShootingProblem& problem)
+      : bounds(problem),
+        evaluator(problem),
+        linearization(problem),
+        gaps(problem),
+        adjoint(problem, bounds),
+        lagrangian(problem, {}, MultiplierSchedule::by_the_sweep),
+        direction(problem, bounds, {.null_space = true}),
+        search(problem, bounds, false, true),
+        trajectory(testing::random_guess(problem, 3, 0.3)) {
+    lagrangian.start(Eigen::VectorXd::LinSpaced(problem.constraint_rows(), -1, 2));
+    evaluator.differentiate(trajectory, linearization, &lagrangian.augmentation());
+    lagrangian.measure(linearization.constraint);
+    gaps.set(linearization, true);
+    EXPECT_LT(direction.find(linearization, trajectory, gaps, adjoint, {}), 0);
+    merit = {.cost = linearization.total_cost(),
+             .gap_norm = search.gap_norm(linearization.gap, linearization.constraint),
+             .slope = direction.step().slope()};
+    double curvature = direction.curvature(linearization);
+    search.leave_out(lagrangian.augmentation(), lagrangian.multipliers(), linearization.constraint,
+                     merit.slope, curvature);
+    merit.penalty = search.weigh(merit, curvature);
+  }
+  LineSearchResult run(double first_step = 1) {
+    return search.run(evaluator, merit, linearization, direction, nullptr, first_step, trajectory);
+  }
+  double merit_of(const Trajectory& trial) {
+    Evaluation evaluation(evaluator.problem());
+    evaluator.evaluate(trial, evaluation);
+    return evaluation.cost.sum() +
+           merit.penalty * search.gap_norm(evaluation.gap, evaluation.constraint);
+  }
+  ControlBounds bounds;
+  Evaluator evaluator;
+  Linearization linearization;
+  Gaps gaps;
+  Adjoint adjoint;
+  AugmentedLagrangian lagrangian;
+  Direction direction;
+  OpenGapSearch search;
+  MeritModel merit;
+  Trajectory trajectory;
+};
+
+ShootingProblem goal_problem() {
+  const ShootingProblem swing = testing::cartpole_swing_up();
+  return testing::with_constraints(swing, {testing::goal_constraint(swing, {0, M_PI, 0, 0})});
+}
+
+TEST(OpenGapSearchWithRows, MeritSlopeIsItsDerivative) {
+  const ShootingProblem problem = goal_problem();
+  RowStep step(problem);
+  const double value = step.merit.value();
+  EXPECT_NEAR(step.merit_of(step.trajectory), value, 1e-12 * value);
+  EXPECT_LT(step.merit.merit_slope(), 0);
+  const double length = 1e-6;
+  Trajectory moved = step.trajectory;
+  step.direction.step().apply(problem.manifold(), length, moved);
+  EXPECT_NEAR((step.merit_of(moved) - value) / length, step.merit.merit_slope(),
+              1e-3 * std::abs(step.merit.merit_slope()));
+}
+
+// Along the step the rows c vanish, and with them νᵀc and ½ ρ c² of the augmented Lagrangian.
+TEST(OpenGapSearchWithRows, SlopeAndCurvatureLeaveOutTheAugmentation) {
+  const ShootingProblem problem = goal_problem();
+  const RowStep step(problem);
+  const Eigen::VectorXd& off = step.linearization.constraint;  // bounds are zero
+  double slope = 3, curvature = 5;
+  step.search.leave_out(step.lagrangian.augmentation(), step.lagrangian.multipliers(), off, slope,
+                        curvature);
+  const double by_multipliers = step.lagrangian.multipliers().dot(off);
+  const double by_penalties = step.lagrangian.augmentation().penalty.dot(off.cwiseAbs2());
+  EXPECT_GT(std::abs(by_multipliers), 1e-3);
+  EXPECT_GT(by_penalties, 1e-3);
+  EXPECT_NEAR(slope, 3 + by_multipliers, 1e-12 * std::abs(slope));
+  EXPECT_NEAR(curvature, 5 - by_penalties, 1e-12 * std::abs(curvature));
+}
+
+/// Rows of two knots and of the end; the middle rows are free.
+TEST(OpenGapSearchWithRows, GapNormSumsGapsAndActiveRows) {
+  const ShootingProblem free = testing::pendulum_swing_up();
+  const int N = free.knots();
+  const auto at = [&](int node, double value) {
+    testing::Added added = testing::goal_constraint(free, {value, value});
+    added.name = "row" + std::to_string(node);
+    added.first = added.last = node;
+    return added;
+  };
+  testing::Added open = at(3, 0);
+  open.lower = {-testing::kFree, -testing::kFree};
+  open.upper = {testing::kFree, testing::kFree};
+  const ShootingProblem problem =
+      testing::with_constraints(free, {at(1, 0), open, at(5, 0), at(N, 0)});
+  const ControlBounds bounds(problem);
+  const OpenGapSearch search(problem, bounds, false, true);
+  Eigen::MatrixXd gap = Eigen::MatrixXd::Zero(2, N);
+  Eigen::VectorXd values = Eigen::VectorXd::Zero(problem.constraint_rows());
+  gap(0, 0) = -2;
+  gap(1, N - 1) = 3;
+  EXPECT_EQ(search.gap_norm(gap, values), 5);
+  for (const NodeConstraint& c : problem.constraints())
+    for (int r = 0; r < 2; ++r) {
+      values[c.row + r] = c.lower[r] - 7;
+      if (c.node == 3) values[c.row + r] = 11;
+      EXPECT_EQ(search.gap_norm(gap, values), c.node == 3 ? 5 : 12) << c.node << ' ' << r;
+      values[c.row + r] = 0;
+    }
+}
+
+TEST(OpenGapSearchWithRows, DecreaseMatchesTheMerit) {
+  const ShootingProblem problem = goal_problem();
+  RowStep step(problem);
+  const LineSearchResult found = step.run();
+  ASSERT_TRUE(found.accepted);
+  EXPECT_NEAR(step.merit.value() - step.merit_of(step.trajectory), found.actual_decrease,
+              1e-9 * step.merit.value());
+}
+
+// No rollout stays finite, so the step moves all knots at once.
+TEST(OpenGapSearchWithRows, StraightStepReplacesDivergingRollouts) {
+  const ShootingProblem problem = goal_problem();
+  RowStep step(problem);
+  step.direction.qp().feedback().k[0].setConstant(1e300);
+  const Trajectory from = step.trajectory;
+  const LineSearchResult found = step.run();
+  ASSERT_TRUE(found.accepted);
+  EXPECT_FALSE(found.rollout_cost);
+  EXPECT_EQ(found.first_bad_knot, 0);
+  Trajectory expected = from;
+  step.direction.step().apply(problem.manifold(), found.step, expected);
+  for (int k = 0; k <= problem.knots(); ++k)
+    EXPECT_LT((step.trajectory.x(k) - expected.x(k)).norm(), 1e-12 * (1 + expected.x(k).norm()));
+}
+
+// Uphill from −10⁹, hidden by the merit's rounding: the first step passes. Without rounding, all
+// steps down to the smallest fail.
+TEST(OpenGapSearchWithRows, RoundedChangeAcceptsTheFirstStep) {
+  const ShootingProblem problem = goal_problem();
+  RowStep step(problem);
+  step.merit.cost = -1e9;
+  const LineSearchResult failed = step.run();
+  EXPECT_FALSE(failed.accepted);
+  step.merit.rounding = 1e10;
+  for (const double first_step : {1.0, 0.25}) {
+    const LineSearchResult found = step.run(first_step);
+    EXPECT_TRUE(found.accepted);
+    EXPECT_TRUE(found.by_rounding);
+    EXPECT_EQ(found.step, first_step);
+  }
+}
+
+// The augmentation is part of the merit if updates determine the multipliers, and not if the sweep
+// does.
+TEST(OpenGapSearchWithRows, MeritHasNoAugmentation) {
+  const ShootingProblem free = testing::pendulum_swing_up();
+  const ShootingProblem problem =
+      testing::with_constraints(free, {testing::goal_constraint(free, {M_PI, 0})});
+  const auto start = [&](const char* solver) {
+    return solve(problem, solver, {.max_iterations = 1}, problem.create_trajectory()).log.at(0);
+  };
+  const IterationRecord by_sweep = start("intro"), by_updates = start("altro");
+  EXPECT_DOUBLE_EQ(by_sweep.merit, by_sweep.cost);
+  EXPECT_DOUBLE_EQ(by_sweep.constraint, M_PI);
+  EXPECT_NEAR(by_updates.merit, by_updates.cost + 0.5 * by_updates.constraint_penalty * M_PI * M_PI,
+              1e-9 * by_updates.merit);
 }
 
 }  // namespace

@@ -54,7 +54,6 @@ ProjectedNewton::ProjectedNewton(const ShootingProblem& problem, Evaluator& eval
       multipliers_before_(multipliers_),
       target_(multipliers_),
       penalty_(multipliers_),
-      scratch_(problem.ndx()),
       dear_(exact_hessians_are_dear(problem)) {
   evaluator.reserve_lagrangian_hessian();
   for (int k = 0; k <= problem.knots(); ++k) {
@@ -202,12 +201,8 @@ bool ProjectedNewton::try_step(double bound) {
 
 /// Moves by step_length_ of the step, from its start.
 void ProjectedNewton::move() {
-  for (int k = 0; k <= problem_.knots(); ++k) {
-    auto dx = scratch_.head(problem_.ndx());
-    dx = step_length_ * qp_.step().dx(k);
-    problem_.manifold().integrate(before_.x(k).data(), dx.data(), trajectory_.x(k).data());
-    if (k < problem_.knots()) trajectory_.u(k) = before_.u(k) + step_length_ * qp_.step().du(k);
-  }
+  trajectory_ = before_;
+  qp_.step().apply(problem_.manifold(), step_length_, trajectory_);
   bounds_.clamp(trajectory_);
   multipliers_ = multipliers_before_ + step_length_ * (target_ - multipliers_before_);
 }

@@ -87,7 +87,6 @@ class ProjectedNewton {
   Eigen::VectorXd multipliers_before_, target_, penalty_;
   std::vector<Eigen::VectorXd> cost_gradient_;
   std::vector<Eigen::MatrixXd> gauss_newton_, exact_;
-  Eigen::VectorXd scratch_;
   KktNorms norms_;
   double step_length_ = 0;
   int active_rows_ = 0;

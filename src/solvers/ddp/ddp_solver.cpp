@@ -59,7 +59,7 @@ DdpSolver::DdpSolver(const ShootingProblem& problem, const DdpRecipe& recipe,
       answer_(problem),
       step_start_(problem.create_trajectory()) {
   if (constrained_ && recipe.newton) polish_.emplace(problem, evaluator_, options_);
-  if (globalization_.keeps_equalities())
+  if (globalization_.rule().keeps_equalities())
     iterate_.exact_below = std::max(iterate_.exact_below, kNearlyClosed);
 }
 
@@ -149,7 +149,8 @@ bool DdpSolver::ends_by_last_step() {
   if (!last_step_ || iterate_.linearized || record_.row.iteration < options_.max_iterations)
     return false;
   IterationRecord& row = record_.row;
-  if (const LineSearchResult& found = globalization_.found(); found.rollout_cost && !constrained_) {
+  if (const LineSearchResult& found = globalization_.rule().found();
+      found.rollout_cost && !constrained_) {
     row.cost = *found.rollout_cost;
     row.gap *= 1 - found.step;
   } else {
@@ -203,7 +204,7 @@ bool DdpSolver::ends() {
 /// iteration already follow from its guess.
 bool DdpSolver::goes_on() {
   if (!(last_step_ && record_.row.iteration == 0) &&
-      outer_->minimized(record_.row, globalization_.merit()) && !next_minimization())
+      outer_->minimized(record_.row, globalization_.rule().merit()) && !next_minimization())
     return false;
   return record_.may_continue();
 }
@@ -222,14 +223,14 @@ bool DdpSolver::linearize() {
 /// Computes the residuals and the merit of the linearized iterate.
 void DdpSolver::measure() {
   record_.row.cost = iterate_.linearization.total_cost() + outer_->soft_cost(iterate_);
-  globalization_.measure();
+  globalization_.rule().measure();
   iterate_.describe(record_.row);
   outer_->measure(iterate_, record_.row);
 }
 
 /// True if other gains and a Newton step can confirm the stationarity of an answer.
 bool DdpSolver::is_confirmable() const {
-  return !recipe_.least_violation && !globalization_.keeps_equalities();
+  return !recipe_.least_violation && !globalization_.rule().keeps_equalities();
 }
 
 bool DdpSolver::converged() const {
@@ -285,8 +286,8 @@ bool DdpSolver::polish() {
 
 /// Begins the next minimization at the same iterate. False if the solve ends.
 bool DdpSolver::next_minimization() {
-  if (!outer_->update(iterate_, globalization_.feedback(), globalization_.merit(),
-                      globalization_.at_rounding_floor(), record_))
+  if (!outer_->update(iterate_, globalization_.feedback(), globalization_.rule().merit(),
+                      globalization_.rule().at_rounding_floor(), record_))
     return false;
   if (!iterate_.linearized) return iterate_.end_diverged();
   globalization_.begin_minimization();
@@ -300,8 +301,8 @@ bool DdpSolver::step() {
   stepping_ = true;
   const bool taken = globalization_.step();
   stepping_ = false;
-  return taken ||
-         (outer_->recovers(record_, globalization_.at_rounding_floor()) && next_minimization());
+  return taken || (outer_->recovers(record_, globalization_.rule().at_rounding_floor()) &&
+                   next_minimization());
 }
 
 /// Computes the residuals, co-states and gains of the returned iterate.
@@ -347,7 +348,7 @@ void DdpSolver::write_residuals() {
 /// Replaces the co-states of a stationary answer by those along other gains if stiff gains have
 /// distorted them.
 void DdpSolver::replace_costates() {
-  if (recipe_.least_violation || globalization_.keeps_equalities() ||
+  if (recipe_.least_violation || globalization_.rule().keeps_equalities() ||
       !outer_->solved(record_.row, options_.tolerances, options_.tolerances.stationarity))
     return;
   const Adjoint* better = check_.better(iterate_, outer_->multipliers());

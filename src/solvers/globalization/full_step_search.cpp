@@ -40,7 +40,7 @@ void FullStep::correct(Evaluator& evaluator, const Feedback& feedback, Trial tri
 void FullStep::take(Evaluator& evaluator, const LinearRollout& step, Trial trial,
                     Linearization& linearization, Trajectory& trajectory,
                     const Augmentation* augmentation) {
-  step.apply(manifold_, trajectory);
+  step.apply(manifold_, 1, trajectory);
   bounds_.clamp(trajectory);
   if (trial == Trial::evaluate) {
     evaluator.evaluate(trajectory, evaluation_, augmentation);

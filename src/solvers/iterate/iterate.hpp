@@ -23,10 +23,10 @@ struct MeritModel {
   /// Armijo's rule sees a change of the merit from this multiple of its estimated rounding on.
   static constexpr double kVisible = 10;
 
-  double cost = 0;                   ///< J of the iterate
-  double gap_norm = 0;               ///< Σ‖gap‖₁ of the iterate; θ in an EqualitySearch
-  double penalty = 0;                ///< ν, large enough to make closing gaps a descent
-  double slope = 0;                  ///< ∇J·d of the full model step
+  double cost = 0;      ///< J of the iterate
+  double gap_norm = 0;  ///< Σ‖gap‖₁ of the iterate, also of rows (OpenGapSearch)
+  double penalty = 0;   ///< ν, large enough to make closing gaps a descent
+  double slope = 0;     ///< ∇J·d of the full model step
   bool slope_within_bounds = false;  ///< that step meets no bound
   double rounding = 0;               ///< size of J's rounding errors
   double value() const { return cost + penalty * gap_norm; }

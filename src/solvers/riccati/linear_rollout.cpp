@@ -41,7 +41,7 @@ double quadratic_form(const KnotHessian& hessian, const Eigen::VectorXd& z) {
 }  // namespace
 
 LinearRollout::LinearRollout(const ShootingProblem& problem, const ControlBounds& bounds)
-    : bounds_(bounds), ndx_(problem.ndx()) {
+    : bounds_(bounds), ndx_(problem.ndx()), moved_(ndx_) {
   for (int k = 0; k <= problem.knots(); ++k)
     z_.push_back(Eigen::VectorXd::Zero(ndx_ + (k < problem.knots() ? problem.nu(k) : 0)));
 }
@@ -86,11 +86,13 @@ void LinearRollout::respond(const Linearization& linearization, const Gaps& gaps
   }
 }
 
-void LinearRollout::apply(const StateManifold& manifold, Trajectory& trajectory) const {
+void LinearRollout::apply(const StateManifold& manifold, double length,
+                          Trajectory& trajectory) const {
   for (int k = 0; k <= bounds_.knots(); ++k) {
+    moved_ = length * dx(k);
     double* x = trajectory.x(k).data();
-    if (k > 0) manifold.integrate(x, z_[k].data(), x);
-    if (k < bounds_.knots()) trajectory.u(k) += du(k);
+    if (k > 0) manifold.integrate(x, moved_.data(), x);
+    if (k < bounds_.knots()) trajectory.u(k) += length * du(k);
   }
 }
 

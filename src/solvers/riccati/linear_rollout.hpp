@@ -32,8 +32,8 @@ class LinearRollout {
   const Eigen::VectorXd& z(int k) const { return z_[k]; }
   const std::vector<Eigen::VectorXd>& z() const { return z_; }
   auto du(int k) const { return z_[k].tail(z_[k].size() - ndx_); }
-  /// Moves a trajectory by the full step.
-  void apply(const StateManifold& manifold, Trajectory& trajectory) const;
+  /// Moves a trajectory by this share of the step, at all nodes at once.
+  void apply(const StateManifold& manifold, double length, Trajectory& trajectory) const;
   /// ∇J·d: exact derivative of the cost along the rollout at α = 0.
   double slope() const { return slope_; }
   /// dᵀ Hessian d.
@@ -46,6 +46,7 @@ class LinearRollout {
   const ControlBounds& bounds_;
   int ndx_;
   std::vector<Eigen::VectorXd> z_;  ///< (δx, δu) of every node
+  mutable Eigen::VectorXd moved_;   ///< scratch
   double slope_ = 0;
 };
 
