@@ -174,11 +174,11 @@ TEST(FullStepSearch, RejectsStepsShortOfSlopeOrWithGaps) {
   const PlainPendulum plain;
   const ShootingProblem problem = plain.problem();
   const Trajectory from = near_optimum(plain, problem, 0.3);
-  for (const double promise : {4.0, 6.0}) {  // ½ is a tenth of 5
+  for (const double promise : {4000.0, 6000.0}) {  // ½ is Armijo's share of 5000
     Tried at(problem, from);
     at.merit.slope *= promise;
-    EXPECT_EQ(at.run().accepted, promise < 5) << promise;
-    EXPECT_EQ(at.iterate.linearized, promise > 5)
+    EXPECT_EQ(at.run().accepted, promise < 5000) << promise;
+    EXPECT_EQ(at.iterate.linearized, promise > 5000)
         << "else derivatives are those of the step before";
   }
   for (const double tolerance : {1e-9, 1e-30}) {

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "solvers/common/tuning.hpp"
 #include "solvers/riccati/linear_rollout.hpp"
 #include "support/linear_quadratic.hpp"
 
@@ -127,8 +128,10 @@ TEST(LineSearch, ShortStepsAreNotHalvedAgain) {
 TEST(LineSearch, GivesUpBelowTheSmallestStep) {
   ParabolaSearch at(-1);
   const Trajectory before = at.trajectory;
-  for (const auto& [first, trials] :
-       {std::pair{1.0, 14}, {4 * kLeastStep, 3}, {kLeastStep, 1}, {0.9 * kLeastStep, 0}}) {
+  for (const auto& [first, trials] : {std::pair{1.0, 14},
+                                      {4 * tuning::kLeastStep, 3},
+                                      {tuning::kLeastStep, 1},
+                                      {0.9 * tuning::kLeastStep, 0}}) {
     at.search.reset();
     const LineSearchResult found = at.run(first);
     EXPECT_FALSE(found.accepted);
@@ -139,10 +142,10 @@ TEST(LineSearch, GivesUpBelowTheSmallestStep) {
 
 // A step of 1/8, whose half is no rival, reaches the share 1 − l / 16 of the slope.
 TEST(LineSearch, RequiresItsShareOfTheSlope) {
-  for (const double share : {0.5 * kArmijo, 2 * kArmijo}) {
+  for (const double share : {0.5 * tuning::kArmijo, 2 * tuning::kArmijo}) {
     ParabolaSearch at(16 * (1 - share));
     const LineSearchResult found = at.run();
-    EXPECT_EQ(found.step, share < kArmijo ? 1.0 / 16 : 1.0 / 8) << share;
+    EXPECT_EQ(found.step, share < tuning::kArmijo ? 1.0 / 16 : 1.0 / 8) << share;
   }
 }
 

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "solvers/common/tuning.hpp"
 #include "solvers/ddp/ddp_solver.hpp"
 #include "solvers/globalization/open_gap_search.hpp"
 #include "solvers/stages/stage_solver.hpp"
@@ -227,8 +228,8 @@ TEST(Merit, TrialsFollowArmijoAndFirstAllowsRounding) {
   MeritModel merit;
   merit.rounding = 1e-10;
   constexpr double kHidden = 1e-10;
-  EXPECT_TRUE(merit.passes(1, kArmijo, false));
-  EXPECT_FALSE(merit.passes(1, 0.99 * kArmijo, true));
+  EXPECT_TRUE(merit.passes(1, tuning::kArmijo, false));
+  EXPECT_FALSE(merit.passes(1, 0.99 * tuning::kArmijo, true));
   EXPECT_FALSE(merit.passes(-1, 1, true));
   EXPECT_TRUE(merit.passes(kHidden, -kHidden, true));
   EXPECT_FALSE(merit.passes(kHidden, -kHidden, false));

@@ -116,9 +116,9 @@ TEST(AugmentedStrategy, MinimizationEndsByStationarityOrSmallGain) {
   };
   EXPECT_TRUE(done({.stationarity = 0.1}));
   EXPECT_FALSE(done({.stationarity = 0.11}));
-  EXPECT_TRUE(done({.iteration = 1, .stationarity = 1, .step = 0.1, .actual_decrease = 2e-3}));
-  EXPECT_FALSE(done({.iteration = 1, .stationarity = 1, .step = 0.1, .actual_decrease = 2.1e-3}));
-  EXPECT_FALSE(done({.iteration = 1, .stationarity = 1, .step = 0.09, .actual_decrease = 1e-3}));
+  EXPECT_TRUE(done({.iteration = 1, .stationarity = 1, .step = 0.2, .actual_decrease = 2e-3}));
+  EXPECT_FALSE(done({.iteration = 1, .stationarity = 1, .step = 0.2, .actual_decrease = 2.1e-3}));
+  EXPECT_FALSE(done({.iteration = 1, .stationarity = 1, .step = 0.19, .actual_decrease = 1e-3}));
   EXPECT_FALSE(done({.iteration = 0, .stationarity = 1, .step = 1, .actual_decrease = 1e-3}));
   // Gaps must be within tolerance or a hundredth of the violation.
   const double gap = at.options.tolerances.gap;
@@ -304,12 +304,12 @@ TEST(LeastViolation, IsMinimizedOnceControlsAreNearlyExhausted) {
     return at.strategy->minimized(row, {.cost = -2});
   };
   EXPECT_TRUE(minimized_at(0, {}));
-  EXPECT_TRUE(minimized_at(0.99e-3, {}));
-  EXPECT_FALSE(minimized_at(1.01e-3, {}));
+  EXPECT_TRUE(minimized_at(5.0e-4, {}));
+  EXPECT_FALSE(minimized_at(5.1e-4, {}));
   EXPECT_FALSE(minimized_at(0, {.gap = 1.1 * at.options.tolerances.gap}));
-  EXPECT_TRUE(minimized_at(0.1, {.iteration = 1, .step = 0.1, .actual_decrease = 2e-7}));
-  EXPECT_FALSE(minimized_at(0.1, {.iteration = 1, .step = 0.1, .actual_decrease = 2.1e-7}));
-  EXPECT_FALSE(minimized_at(0.1, {.iteration = 1, .step = 0.09, .actual_decrease = 1e-7}));
+  EXPECT_TRUE(minimized_at(0.1, {.iteration = 1, .step = 0.2, .actual_decrease = 2e-7}));
+  EXPECT_FALSE(minimized_at(0.1, {.iteration = 1, .step = 0.2, .actual_decrease = 2.1e-7}));
+  EXPECT_FALSE(minimized_at(0.1, {.iteration = 1, .step = 0.19, .actual_decrease = 1e-7}));
   EXPECT_FALSE(minimized_at(0.1, {.iteration = 0, .step = 1, .actual_decrease = 1e-7}));
 }
 

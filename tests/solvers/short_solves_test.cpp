@@ -208,7 +208,7 @@ std::vector<ShortSolve> short_solves() {
       {"mass_far", far, "proxddp",
        "infeasible: 9 iterations, 1 more rows, 16 sweeps, 9 trials, 9 full, 18 clamped, 1 outer"},
       {"mass_soft", soft_mass, "altro",
-       "converged: 12 iterations, 15 sweeps, 12 trials, 12 full, 11 outer"},
+       "converged: 8 iterations, 11 sweeps, 8 trials, 8 full, 7 outer"},
       {"mass_soft", soft_mass, "proxddp",
        "converged: 7 iterations, 10 sweeps, 7 trials, 7 full, 6 outer"},
       {"mass_soft", soft_mass, "ipopt",
@@ -227,7 +227,7 @@ std::vector<ShortSolve> short_solves() {
        "converged: 37 iterations, 2 sweeps, 40 trials, 21 full, 37 exact, 18 regularized, 1 "
        "newton, 4 active"},
       {"cones", [] { return cones(1); }, "proxddp",
-       "converged: 17 iterations, 24 sweeps, 17 trials, 17 full, 8 outer"},
+       "converged: 14 iterations, 25 sweeps, 14 trials, 14 full, 8 outer"},
       {"cones", [] { return cones(1); }, "ipopt",
        "converged: 14 iterations, 3 sweeps, 14 trials, 11 full, 14 exact, 1 regularized, 1 newton, "
        "10 active"},

@@ -5,17 +5,15 @@
 #include <limits>
 
 #include "ocp/problem/problem.hpp"
+#include "solvers/common/tuning.hpp"
 
 namespace conddp {
 namespace {
 
-/// Distance from a bound, relative to it, that a Newton step may leave by rounding.
-constexpr double kNewtonRounding = 1e-14;
-
 /// u = ū + (bound − ū) may miss the bound by a rounding error of its operands.
 bool meets(double u, double bound) {
-  constexpr double kRounding = 8 * std::numeric_limits<double>::epsilon();
-  return std::isfinite(bound) && std::abs(u - bound) <= kRounding * std::max(std::abs(bound), 1.0);
+  return std::isfinite(bound) &&
+         std::abs(u - bound) <= tuning::kUlps * std::max(std::abs(bound), 1.0);
 }
 
 }  // namespace
@@ -51,7 +49,7 @@ void ControlBounds::snap_rounded(Trajectory& trajectory) const {
     for (int i = 0; i < trajectory.u(k).size(); ++i)
       for (const double bound : {lower(k)[i], upper(k)[i]})
         if (std::isfinite(bound) && std::abs(trajectory.u(k)[i] - bound) <=
-                                        kNewtonRounding * std::max(1.0, std::abs(bound)))
+                                        tuning::kRounding * std::max(1.0, std::abs(bound)))
           trajectory.u(k)[i] = bound;
 }
 

@@ -3,17 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "solvers/common/tuning.hpp"
+
 namespace conddp {
-namespace {
-
-constexpr std::ptrdiff_t kSteps = 3;
-
-}  // namespace
 
 bool cost_has_settled(const std::vector<IterationRecord>& log, double share) {
-  if (!(share > 0) || std::ssize(log) <= kSteps) return false;
+  if (!(share > 0) || std::ssize(log) <= tuning::kSettledSteps) return false;
   return std::adjacent_find(
-             log.end() - kSteps - 1, log.end(),
+             log.end() - tuning::kSettledSteps - 1, log.end(),
              [&](const IterationRecord& before, const IterationRecord& row) {
                return !(std::abs(row.cost - before.cost) <= share * row.step * std::abs(row.cost));
              }) == log.end();

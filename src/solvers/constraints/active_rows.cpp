@@ -4,15 +4,10 @@
 #include <limits>
 
 #include "ocp/terms/constraint.hpp"
+#include "solvers/common/tuning.hpp"
 #include "solvers/constraints/horizon_rows.hpp"
 
 namespace conddp {
-namespace {
-
-/// Violation by a step that leaves an inactive row inactive, relative to its value.
-constexpr double kViolated = 1e-10;
-
-}  // namespace
 
 void HorizonRows::choose(const Linearization& linearization, const Eigen::VectorXd& penalty,
                          Eigen::VectorXd& multipliers) {
@@ -141,7 +136,7 @@ bool HorizonRows::revise_active_bounds(const Term& c, KnotLinearization& knot) {
   for (int row = c.row; row < c.row + c.count; ++row) {
     const double s = shifted_[row], found = outside(row, s);
     const bool active = slope_[row] != 0 || offset_[row] != 0;
-    const double allowed = active ? 0 : kViolated * std::max(1.0, std::abs(value_[row] + s));
+    const double allowed = active ? 0 : tuning::kExact * std::max(1.0, std::abs(value_[row] + s));
     if (std::abs(found - model(row, s)) <= allowed) continue;
     double offset, slope;
     model_row(row, s, true, offset, slope);
@@ -172,7 +167,7 @@ HorizonRows::ConeSide HorizonRows::revised_side(int term) {
   switch (c.side) {
     case ConeSide::inside: {
       const double beyond = values.head(n - 1).norm() - values[n - 1];
-      return beyond > kViolated * std::max(1.0, values.norm()) ? touched : c.side;
+      return beyond > tuning::kExact * std::max(1.0, values.norm()) ? touched : c.side;
     }
     case ConeSide::outside:
       return distance(c, values.data()) > 0 ? c.side : touched;

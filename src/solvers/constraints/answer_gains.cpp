@@ -3,17 +3,12 @@
 #include <algorithm>
 
 #include "solvers/common/finite_check.hpp"
+#include "solvers/common/tuning.hpp"
 #include "solvers/riccati/backward_sweep.hpp"
 #include "solvers/riccati/regularization.hpp"
 #include "solvers/stages/stage_solver.hpp"
 
 namespace conddp {
-namespace {
-
-/// Smallest penalty.
-constexpr double kLeastPenalty = 1e-8;
-
-}  // namespace
 
 AnswerGains gains_at(const ShootingProblem& problem, const ControlBounds& bounds,
                      Evaluator& evaluator, const Trajectory& trajectory,
@@ -24,9 +19,9 @@ AnswerGains gains_at(const ShootingProblem& problem, const ControlBounds& bounds
   Augmentation augmentation(problem);
   for (const NodeConstraint& c : problem.constraints())
     augmentation.penalty.segment(c.row, c.term->rows)
-        .setConstant(
-            std::max(kLeastPenalty, linearization.knots[c.node].hessian().diagonal().maxCoeff()));
-  answer.penalty = augmentation.penalty.cwiseMax(kLeastPenalty);
+        .setConstant(std::max(tuning::kLeastCurvature,
+                              linearization.knots[c.node].hessian().diagonal().maxCoeff()));
+  answer.penalty = augmentation.penalty.cwiseMax(tuning::kLeastCurvature);
   augmentation.shift = multipliers.cwiseQuotient(answer.penalty);
   evaluator.differentiate(trajectory, linearization, &augmentation);
   if (find_non_finite(linearization)) return answer;

@@ -6,27 +6,11 @@
 #include <unordered_map>
 
 #include "ocp/problem/by_name.hpp"
+#include "solvers/common/tuning.hpp"
 #include "solvers/constraints/row_lanes.hpp"
 
 namespace conddp {
 namespace {
-
-/// A constraint is stalled if its penalty has grown this often, or would have beyond its limit,
-/// while its violation has not fallen to this share.
-constexpr int kPatience = 6;
-constexpr double kProgress = 0.5;
-/// Violations below this, or below a few tolerances, are rounding rather than a contradiction.
-constexpr double kContradiction = 1e-5;
-/// The counterpart of sufficient_decrease for soft constraints. A large penalty leaves them little
-/// curvature within their limits, and multipliers converge without it.
-constexpr double kSoftDecrease = 0.7;
-/// Required next change of the multipliers, as a share of the last one.
-constexpr double kTighter = 0.1;
-/// A soft constraint may be violated by this multiple of its first values before its first penalty
-/// requires the limit of its multiplier.
-constexpr double kReach = 10;
-/// Largest first penalty, in multiples of the costs' curvature in the controls.
-constexpr double kStiffness = 1e4;
 
 /// Distance of values g from the origin of a cone, or the largest distance from a bound.
 double size(const NodeConstraint& c, const Eigen::Ref<const Eigen::VectorXd>& g) {
@@ -88,7 +72,7 @@ bool AugmentedLagrangian::fit_soft(const Eigen::VectorXd& values) {
     if (!group.soft) continue;
     for (const int i : group.constraints) {
       const NodeConstraint& c = problem_.constraints()[i];
-      const double reach = kReach * size(c, values.segment(c.row, c.term->rows));
+      const double reach = tuning::kReach * size(c, values.segment(c.row, c.term->rows));
       // A limit of 0, from a weight of 0, is compatible with any penalty.
       if (c.limit == 0 || !(reach * group.first_penalty > c.limit)) continue;
       group.first_penalty = c.limit / reach;
@@ -114,8 +98,8 @@ bool AugmentedLagrangian::fit_to_costs(const Linearization& linearization) {
                          .rightCols(problem_.nu(c.node));
       steepest = std::max(steepest, C.rowwise().squaredNorm().maxCoeff());
     }
-    if (!(group.first_penalty * steepest > kStiffness * curvature)) continue;
-    group.penalty = group.first_penalty = kStiffness * curvature / steepest;
+    if (!(group.first_penalty * steepest > tuning::kStiffness * curvature)) continue;
+    group.penalty = group.first_penalty = tuning::kStiffness * curvature / steepest;
     write(group);
     changed = true;
   }
@@ -205,13 +189,13 @@ void AugmentedLagrangian::watch_progress(Group& group, bool grown) {
   } else if (grown) {
     ++group.growths;
   }
-  if (group.growths >= kPatience && stalled_.empty()) stalled_ = group.name;
+  if (group.growths >= tuning::kGrowths && stalled_.empty()) stalled_ = group.name;
 }
 
 /// True if a group is violated and has not fallen to a share of its reference.
 bool AugmentedLagrangian::stays_violated(const Group& group) const {
-  return !group.soft && group.violation > std::max(10 * tolerance_, kContradiction) &&
-         !(group.violation <= kProgress * group.reference);
+  return !group.soft && group.violation > tuning::kVisible * tolerance_ &&
+         !(group.violation <= tuning::kProgress * group.reference);
 }
 
 void AugmentedLagrangian::take_multipliers(const Group& group) {
@@ -223,14 +207,13 @@ void AugmentedLagrangian::take_multipliers(const Group& group) {
 
 /// A constraint that held before has not received multipliers yet, so its penalty does not grow.
 bool AugmentedLagrangian::grows_after_update(const Group& group) const {
-  return group.violation > 0.1 * tolerance_ && group.before > tolerance_ &&
-         group.violation >
-             (group.soft ? kSoftDecrease : options_.sufficient_decrease) * group.before;
+  return group.violation > tuning::kTighter * tolerance_ && group.before > tolerance_ &&
+         group.violation > options_.sufficient_decrease * group.before;
 }
 
 bool AugmentedLagrangian::grows_instead_of_update(Group& group) {
-  if (group.change > std::max(group.allowed, 0.1 * tolerance_)) return true;
-  if (group.change > tolerance_) group.allowed = kTighter * group.change;
+  if (group.change > std::max(group.allowed, tuning::kTighter * tolerance_)) return true;
+  if (group.change > tolerance_) group.allowed = tuning::kTighter * group.change;
   return false;
 }
 

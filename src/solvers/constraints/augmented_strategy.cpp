@@ -7,29 +7,13 @@
 #include "ocp/problem/problem.hpp"
 #include "solvers/common/feasible.hpp"
 #include "solvers/common/finite_check.hpp"
+#include "solvers/common/tuning.hpp"
 #include "solvers/constraints/augmentation_change.hpp"
 #include "solvers/constraints/augmented_lagrangian.hpp"
 #include "solvers/constraints/outer_strategy.hpp"
 
 namespace conddp {
 namespace {
-
-/// Minimizations of an augmented Lagrangian end early, at a stationarity and a relative decrease of
-/// the merit that tighten from one to the next.
-constexpr double kFirstInnerTolerance = 1e-1, kFirstInnerDecrease = 1e-3;
-constexpr double kTighter = 0.1, kLastInnerDecrease = 1e-8;
-/// The small decrease of a short step says nothing.
-constexpr double kLongStep = 0.1;
-/// Maximum number of times that rounding may lower the penalties.
-constexpr int kRelaxations = 20;
-/// Maximum number of minimizations that end without a step before the solve ends.
-constexpr int kRecoveries = 20;
-/// Rounding stops a minimization whose goal is this share of the stationarity tolerance, but which
-/// ends above the tolerance although the constraints hold.
-constexpr double kHopelessGoal = 1e-6;
-/// Largest gain of a step in a completed minimization, as a multiple of the gain by new
-/// multipliers.
-constexpr double kDualShare = 10;
 
 class AugmentedStrategy final : public OuterStrategy {
  public:
@@ -46,8 +30,8 @@ class AugmentedStrategy final : public OuterStrategy {
   const Augmentation* augmentation() const override { return &lagrangian_.augmentation(); }
   const Eigen::VectorXd* multipliers() const override { return &lagrangian_.multipliers(); }
   void start(const DualGuess* known) override {
-    inner_tolerance_ = kFirstInnerTolerance;
-    inner_decrease_ = kFirstInnerDecrease;
+    inner_tolerance_ = tuning::kFirstInnerTolerance;
+    inner_decrease_ = tuning::kFirstInnerDecrease;
     inner_start_ = recoveries_ = relaxations_ = 0;
     lagrangian_.start(known ? known->constraints : no_multipliers_);
   }
@@ -106,10 +90,11 @@ void AugmentedStrategy::measure(const Iterate& iterate, IterationRecord& row) {
 }
 
 bool AugmentedStrategy::minimized(const IterationRecord& row, const MeritModel& merit) const {
-  if (by_the_sweep_ || row.gap > std::max(options_.tolerances.gap, 1e-2 * row.constraint))
+  if (by_the_sweep_ ||
+      row.gap > std::max(options_.tolerances.gap, tuning::kGapsOfViolation * row.constraint))
     return false;
   if (row.stationarity <= std::max(inner_tolerance_, options_.tolerances.stationarity)) return true;
-  return row.iteration > inner_start_ && row.step >= kLongStep &&
+  return row.iteration > inner_start_ && row.step >= tuning::kShortStep &&
          row.actual_decrease <= inner_decrease_ * std::abs(merit.cost);
 }
 
@@ -118,7 +103,8 @@ bool AugmentedStrategy::minimized(const IterationRecord& row, const MeritModel& 
 /// Its violations are then its own and do not count against the penalties.
 bool AugmentedStrategy::to_the_end(const IterationRecord& row, const MeritModel& merit) const {
   return row.stationarity <= std::max(inner_tolerance_, options_.tolerances.stationarity) ||
-         row.actual_decrease <= kDualShare * dual_gain_ || merit.hidden(row.actual_decrease);
+         row.actual_decrease <= tuning::kDualShare * dual_gain_ ||
+         merit.hidden(row.actual_decrease);
 }
 
 /// True if multipliers and penalties have done their work, and the remaining stationarity is
@@ -129,7 +115,7 @@ bool AugmentedStrategy::hidden_by_rounding(const IterationRecord& row, const Mer
   if (!is_feasible(row, tolerance)) return false;
   return stuck ||
          (inner_tolerance_ <= tolerance.stationarity && merit.hidden(row.actual_decrease)) ||
-         inner_tolerance_ <= kHopelessGoal * tolerance.stationarity;
+         inner_tolerance_ <= tuning::kHopelessGoal * tolerance.stationarity;
 }
 
 bool AugmentedStrategy::update(Iterate& iterate, const Feedback& feedback, const MeritModel& merit,
@@ -157,7 +143,7 @@ bool AugmentedStrategy::update(Iterate& iterate, const Feedback& feedback, const
 /// Lowers the penalties because rounding hides the rest of the stationarity. False if they have
 /// been lowered often enough; the solve then ends.
 bool AugmentedStrategy::relax_for_rounding(Iterate& iterate, SolveRecord& record) {
-  if (++relaxations_ > kRelaxations) {
+  if (++relaxations_ > tuning::kTries) {
     iterate.linearized = false;
     record.result.failed_quantity = kRoundedCost;
     return record.end(
@@ -172,8 +158,8 @@ bool AugmentedStrategy::relax_for_rounding(Iterate& iterate, SolveRecord& record
 
 void AugmentedStrategy::begin_minimization(IterationRecord& row) {
   ++row.outer;
-  inner_tolerance_ *= kTighter;
-  inner_decrease_ = std::max(kTighter * inner_decrease_, kLastInnerDecrease);
+  inner_tolerance_ *= tuning::kTighter;
+  inner_decrease_ = std::max(tuning::kTighter * inner_decrease_, tuning::kLastInnerDecrease);
   inner_start_ = row.iteration;
 }
 
@@ -206,7 +192,7 @@ bool AugmentedStrategy::recovers(const SolveRecord& record, bool stuck) {
     return false;
   const bool by_rounding = stuck && lagrangian_.may_relax();
   if (record.row.constraint <= options_.tolerances.constraint && !by_rounding) return false;
-  return ++recoveries_ <= kRecoveries;
+  return ++recoveries_ <= tuning::kTries;
 }
 
 }  // namespace

@@ -4,30 +4,15 @@
 #include <cmath>
 #include <limits>
 
+#include "solvers/common/tuning.hpp"
 #include "solvers/linalg/exchange.hpp"
 
 namespace conddp {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-/// Allowed number of revisions of an active set without fewer changes than ever before. Sets can
-/// alternate, and then stages that find their own sets make better use of further sweeps.
-constexpr int kPatience = 4;
-/// Allowed growth of the error of the rows' model, relative to its smallest value.
-constexpr double kErrorGrowth = 100;
-/// Allowed error of the rows' model at a step, in the norm of the Hessian H: the squared distance
-/// of the step from the model's minimum, as a share of dᵀHd.
-constexpr double kModelError = 1e-6;
-/// Sweeps per iteration that search the active set of the whole horizon. Between 8 and 30, the
-/// iterations of the examples hardly depend on it (docs/measurements/ablations.md).
-constexpr int kHorizonSweeps = 20;
-/// Share of the initial slope that a line search may leave, and its maximum number of evaluations.
-constexpr double kSlopeLeft = 1e-3;
+/// Evaluations of a line search, which bound a loop that rounding might not end.
 constexpr int kEvaluations = 50;
-/// Maximum numbers of revisions of rows that hold, and of corrections of their multipliers; share
-/// of the initial residual that counts as nothing.
-constexpr int kRevisions = 10, kCorrections = 10;
-constexpr double kExactRows = 1e-9;
 
 struct SlopeAt {
   double step, slope;
@@ -160,8 +145,7 @@ int HorizonQp::sweep(const Model& model, bool hold) {
 /// Alternately revises the active set and sweeps until nothing changes. False if this does not end.
 bool HorizonQp::settle(const Model& model) {
   int fewest = std::numeric_limits<int>::max(), since = 0;
-  double least_error = kInfinity;
-  for (int i = 0; i < kHorizonSweeps; ++i) {
+  for (int i = 0; i < tuning::kSweeps; ++i) {
     const int changes = revise(model);
     within_bounds_ = changes == 0;
     if (within_bounds_) {
@@ -170,12 +154,7 @@ bool HorizonQp::settle(const Model& model) {
     }
     since = changes < fewest ? 0 : since + 1;
     fewest = std::min(fewest, changes);
-    if (since > kPatience) return false;
-    if (models_rows_) {
-      const double error = rows_.model_error();
-      if (!model_true_ && error > kErrorGrowth * least_error) return false;
-      least_error = std::min(least_error, error);
-    }
+    if (since > tuning::kRevisions) return false;
     if (!may_sweep() || sweep(model, true) >= 0) return false;
   }
   return false;
@@ -189,7 +168,8 @@ int HorizonQp::revise(const Model& model) {
   if (models_rows_) {
     // The model of an affine problem has the same minimum as the problem; other models only give a
     // step.
-    const double allowed = model_true_ ? 0 : kModelError * rollout_.curvature(model.linearization);
+    const double allowed =
+        model_true_ ? 0 : tuning::kModelError * rollout_.curvature(model.linearization);
     rows = rows_.revise(rollout_.z(), allowed, model.linearization, last_row);
   }
   last_change_.reset();
@@ -213,7 +193,7 @@ bool HorizonQp::descend(const Model& model) {
   rows_.revise(point_, 0, model.linearization, last);
   stages_->active_set().release();
   bool swept = true;
-  for (int i = 0; i < kHorizonSweeps; ++i) {
+  for (int i = 0; i < tuning::kSweeps; ++i) {
     held_before_ = false;
     swept = sweep(model, true) < 0;
     if (!swept) break;
@@ -253,8 +233,8 @@ double HorizonQp::step_length(const Model& model) {
   };
   const double at_start = derivative(0), at_end = derivative(1);
   if (!(at_start < 0)) return 0;
-  if (at_end <= 1e-9 * -at_start) return 1;
-  return vanishing_slope(derivative, {0, at_start}, {1, at_end}, kSlopeLeft * -at_start);
+  if (at_end <= tuning::kExact * -at_start) return 1;
+  return vanishing_slope(derivative, {0, at_start}, {1, at_end}, tuning::kSlopeLeft * -at_start);
 }
 
 /// Writes the point as δu = k + K δx with the present K.
@@ -271,7 +251,7 @@ bool HorizonQp::satisfy(const Model& model, double penalty, Eigen::VectorXd& mul
   active_set.assume_pushed_out(bounds_, model.gradient, model.trajectory);
   const double before = rows_.impose(multipliers, penalty, model.linearization);
   double last = kInfinity;
-  for (int revisions = 0, corrections = 0; corrections < kCorrections;) {
+  for (int revisions = 0, corrections = 0; corrections < tuning::kTries;) {
     held_before_ = false;
     if (sweep(model, true) >= 0) return false;
     roll(model, false);
@@ -279,12 +259,12 @@ bool HorizonQp::satisfy(const Model& model, double penalty, Eigen::VectorXd& mul
     const int changes = rows_.revise_active(rollout_.z(), model.linearization) +
                         rollout_.revise(active_set, last_knot);
     within_bounds_ = changes == 0;
-    if (!within_bounds_ && ++revisions <= kRevisions) {
+    if (!within_bounds_ && ++revisions <= tuning::kTries) {
       last = kInfinity;
       continue;
     }
     const double rest = rows_.correct(rollout_.z(), model.linearization);
-    if (rest <= kExactRows * before || rest >= 0.5 * last) break;
+    if (rest <= tuning::kExact * before || rest >= tuning::kProgress * last) break;
     ++corrections;
     last = rest;
   }

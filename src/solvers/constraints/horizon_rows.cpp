@@ -6,6 +6,7 @@
 
 #include "ocp/evaluation/matrix_vector.hpp"
 #include "ocp/terms/constraint.hpp"
+#include "solvers/common/tuning.hpp"
 #include "solvers/constraints/row_lanes.hpp"
 #include "solvers/linalg/exchange.hpp"
 
@@ -13,12 +14,6 @@ namespace conddp {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-/// Allowed error of the model of P, as a share of the largest P of the horizon, and of a cone's own
-/// P, whose slope changes everywhere.
-constexpr double kExact = 1e-9;
-constexpr double kConeShare = 0.02;
-/// ρ of control bounds in a descent, as a multiple of the stages' curvature.
-constexpr double kControlWeight = 10;
 
 }  // namespace
 
@@ -246,7 +241,7 @@ int HorizonRows::revise(const std::vector<Eigen::VectorXd>& z, double allowed,
 /// found_ ← P(s) at shifted_, error_ ← Σ ρ |P(s) − model|². Marks the bound terms with an
 /// inaccurate model, and their nodes and those of cones.
 void HorizonRows::find_error() {
-  allowed_ = kExact * found_.lpNorm<Eigen::Infinity>();
+  allowed_ = tuning::kExact * found_.lpNorm<Eigen::Infinity>();
   std::fill(off_.begin(), off_.end(), false);
   for (Node& node : nodes_) node.off = node.cones;
   error_ = 0;
@@ -372,7 +367,7 @@ bool HorizonRows::revise_cone(int term, KnotLinearization& knot) {
   const auto found = found_.segment(c.row, c.count);
   offset = found - offset_.segment(c.row, c.count);
   offset.noalias() -= cone_slope_[term] * s;
-  if (offset.norm() <= std::max(allowed_, kConeShare * found.norm())) return false;
+  if (offset.norm() <= allowed_) return false;
   keep(knot, nodes_[c.node]);
   Eigen::Map<Eigen::MatrixXd> slope(new_slope_.data(), c.count, c.count);
   outside_cone_at(c, s.data(), offset.data(), slope.data());
@@ -437,7 +432,7 @@ void HorizonRows::begin_descent(const Trajectory& trajectory, const Eigen::Vecto
       const int row = controls_ + bounds_.offset(k) + i;
       const double slope = gradient[bounds_.offset(k) + i];
       value_[row] = u[i];
-      penalty_[row] = kControlWeight * sweep.Quu(k)(i, i);
+      penalty_[row] = tuning::kControlWeight * sweep.Quu(k)(i, i);
       base_[row] = bounds_.pushed_out(k, i, u[i], slope) ? -slope / penalty_[row] : 0;
     }
   }

@@ -53,8 +53,6 @@ class HorizonRows {
   /// constraints. `last` ← the last node with a change, if any.
   int revise(const std::vector<Eigen::VectorXd>& z, double allowed, Linearization& linearization,
              std::optional<int>& last);
-  /// Σ ρ |error of P|² in the last revise().
-  double model_error() const { return error_; }
   /// Keeps the position of the rows for the next iterate, after a revise() without changes. The
   /// next iterate deviates little from the linear model, relative to its step. Relative to |P| =
   /// |ν|/ρ the deviation may be large, and the iterate then says less about the future active rows.

@@ -5,23 +5,13 @@
 
 #include "ocp/problem/by_name.hpp"
 #include "ocp/problem/problem.hpp"
+#include "solvers/common/tuning.hpp"
 #include "solvers/constraints/outer_strategy.hpp"
 #include "solvers/constraints/violation_slope.hpp"
 
 namespace conddp {
 namespace {
 
-/// The first ρ makes the violation term this many times as large as the cost, between these limits.
-constexpr double kFirstWeight = 10, kLeastPenalty = 1, kMostFirstPenalty = 1e6;
-/// Growth factor of ρ, and its largest value.
-constexpr double kPenaltyFactor = 100, kMostPenalty = 1e12;
-/// Share of the initial violation that counts as restored.
-constexpr double kRestored = 0.01;
-/// Share of ViolationSlope that ends a minimization, and share that identifies a least violation.
-constexpr double kMinimized = 1e-3, kLeast = 5e-3;
-/// A minimization is also done if a step of at least this length gains less than this share of the
-/// merit.
-constexpr double kSmallDecrease = 1e-7, kLongStep = 0.1;
 /// Number of violated constraints that a message names.
 constexpr std::size_t kNamed = 3;
 
@@ -39,7 +29,7 @@ class LeastViolation final : public OuterStrategy {
   const Eigen::VectorXd* multipliers() const override { return &multipliers_; }
   void start(const DualGuess* /*known*/) override {
     inner_start_ = 0;
-    weigh(kLeastPenalty);
+    weigh(1);
   }
   bool fit(Iterate& iterate) override;
   double soft_cost(const Iterate& iterate) const override {
@@ -49,14 +39,15 @@ class LeastViolation final : public OuterStrategy {
   bool solved(const IterationRecord& row, const SolverOptions::Tolerances& tolerances,
               double /*stationarity*/) const override {
     return row.gap <= tolerances.gap &&
-           (row.constraint <= tolerances.constraint || violation_ <= kRestored * at_start_);
+           (row.constraint <= tolerances.constraint || violation_ <= tuning::kRestored * at_start_);
   }
   bool minimized(const IterationRecord& row, const MeritModel& merit) const override;
   bool update(Iterate& iterate, const Feedback& feedback, const MeritModel& merit, bool stuck,
               SolveRecord& record) override;
   bool recovers(const SolveRecord& record, bool /*stuck*/) override {
-    return penalty_ < kMostPenalty && (record.result.status == SolveStatus::line_search_failed ||
-                                       record.result.status == SolveStatus::regularization_limit);
+    return penalty_ < tuning::kMostPenalty &&
+           (record.result.status == SolveStatus::line_search_failed ||
+            record.result.status == SolveStatus::regularization_limit);
   }
 
  private:
@@ -85,8 +76,8 @@ bool LeastViolation::fit(Iterate& iterate) {
   at_start_ = slope_.violation(iterate.linearization.constraint);
   if (!(at_start_ > 0)) return false;
   const double cost = std::abs(iterate.linearization.total_cost());
-  weigh(std::clamp(2 * kFirstWeight * cost / (at_start_ * at_start_), kLeastPenalty,
-                   kMostFirstPenalty));
+  weigh(std::clamp(2 * tuning::kFirstWeight * cost / (at_start_ * at_start_), 1.0,
+                   std::sqrt(tuning::kMostPenalty)));
   return true;
 }
 
@@ -117,29 +108,31 @@ void LeastViolation::measure(const Iterate& iterate, IterationRecord& row) {
 
 bool LeastViolation::minimized(const IterationRecord& row, const MeritModel& merit) const {
   if (row.gap > options_.tolerances.gap) return false;
-  return share_ <= kMinimized || (row.iteration > inner_start_ && row.step >= kLongStep &&
-                                  row.actual_decrease <= kSmallDecrease * std::abs(merit.cost));
+  return share_ <= tuning::kTighter * tuning::kLeastShare ||
+         (row.iteration > inner_start_ && row.step >= tuning::kShortStep &&
+          row.actual_decrease <=
+              tuning::kLastInnerDecrease / tuning::kTighter * std::abs(merit.cost));
 }
 
 bool LeastViolation::update(Iterate& iterate, const Feedback& feedback, const MeritModel& /*merit*/,
                             bool /*stuck*/, SolveRecord& record) {
   const bool closed = record.row.gap <= options_.tolerances.gap;
   const double share = slope_.share(iterate.evaluator, iterate.trajectory, iterate.gaps);
-  if (closed && share <= kLeast)
+  if (closed && share <= tuning::kLeastShare)
     return record.end(
         SolveStatus::infeasible,
         fmt::format("no small change of the controls lowers the violation: to first order by a "
                     "share of {:.1e} at most, within their bounds; violated: {}; {}",
                     share, violated_text(iterate.linearization.constraint),
                     record.residual_text()));
-  if (penalty_ >= kMostPenalty)
+  if (penalty_ >= tuning::kMostPenalty)
     return record.end(
         SolveStatus::line_search_failed,
         fmt::format("neither feasible nor a point of least violation (share {:.1e}): {}", share,
                     record.residual_text()));
   inner_start_ = record.row.iteration;
   ++record.row.outer;
-  weigh(kPenaltyFactor * penalty_);
+  weigh(tuning::kPenaltyFactor * penalty_);
   iterate.differentiate(feedback, augmentation());
   return true;
 }

@@ -5,30 +5,15 @@
 #include <limits>
 
 #include "ocp/problem/problem.hpp"
+#include "solvers/common/tuning.hpp"
 #include "solvers/iterate/hessian_switch.hpp"
 
 namespace conddp {
 namespace {
 
-/// Largest violation, gap and stationarity for the first try; share of these that the next try
-/// requires after a failure; maximum number of steps, and of damped steps.
-constexpr double kFirstThreshold = 3e-3, kNextThreshold = 0.1;
-constexpr int kSteps = 20, kDampedSteps = 2;
-/// Norm below which nothing is left to gain.
-constexpr double kGoal = 1e-12;
-
 double largest_norm(const IterationRecord& row) {
   return std::max({row.stationarity, row.gap, row.constraint});
 }
-
-/// Penalty of active rows in a sweep, as a multiple of the largest curvature.
-constexpr double kRowPenalty = 1e5;
-/// Curvature below which a cost counts as linear; the exact Hessian's curvature then replaces it.
-constexpr double kLeastCurvature = 1e-6;
-/// Largest share of the norm that a full step may leave if the next step is to reuse its Hessian.
-constexpr double kKeptShare = 0.1;
-/// Shortest step that is tried.
-constexpr double kShortestStep = 0.125;
 
 }  // namespace
 
@@ -124,7 +109,7 @@ void ProjectedNewton::measure() {
 /// Finds the step and target_. If the exact Hessian is not convex on the active rows, the
 /// Gauss-Newton one is used.
 bool ProjectedNewton::solve_quadratic() {
-  const double penalty = kRowPenalty * std::max(take_hessians(), kLeastCurvature);
+  const double penalty = tuning::kRowPenalty * std::max(take_hessians(), tuning::kLeastCurvature);
   return (curved_ && solve_with(exact_, penalty)) || solve_with(gauss_newton_, penalty);
 }
 
@@ -137,7 +122,7 @@ double ProjectedNewton::take_hessians() {
     curvature = std::max(curvature, gauss_newton_[k].diagonal().maxCoeff());
   }
   if (curved_ && !keeps_) evaluate_exact_hessian();
-  if (curvature < kLeastCurvature && curved_)
+  if (curvature < tuning::kLeastCurvature && curved_)
     for (const Eigen::MatrixXd& hessian : exact_)
       curvature = std::max(curvature, hessian.diagonal().cwiseAbs().maxCoeff());
   return curvature;
@@ -174,7 +159,7 @@ bool ProjectedNewton::step(double growth) {
     stepped = try_step(growth * was);
   }
   sweeps_ = qp_.sweeps() - sweeps_before;
-  keeps_ = stepped && dear_ && step_length_ == 1 && norms_.largest() <= kKeptShare * was;
+  keeps_ = stepped && dear_ && step_length_ == 1 && norms_.largest() <= tuning::kTighter * was;
   return stepped;
 }
 
@@ -191,10 +176,10 @@ bool ProjectedNewton::try_step(double bound) {
   };
   if (!solve_quadratic()) return return_to_start();
   multipliers_before_ = multipliers_;
-  for (step_length_ = 1; step_length_ >= kShortestStep; step_length_ /= 2) {
+  for (step_length_ = 1; step_length_ >= tuning::kShortestHalf; step_length_ /= 2) {
     move();
     linearize();
-    if (norms_.largest() < (1 - 0.1 * step_length_) * bound) return true;
+    if (norms_.largest() < (1 - tuning::kTighter * step_length_) * bound) return true;
   }
   return return_to_start();
 }
@@ -252,21 +237,21 @@ NewtonPolish::NewtonPolish(const ShootingProblem& problem, Evaluator& evaluator,
                            const SolverOptions& options)
     : newton_(problem, evaluator), options_(options) {}
 
-void NewtonPolish::reset() { threshold_ = kFirstThreshold; }
+void NewtonPolish::reset() { threshold_ = tuning::kNewtonFrom; }
 
 /// Takes steps until nothing is left to gain, or too many of them are damped.
 void NewtonPolish::iterate_newton(SolveRecord& record) {
   IterationRecord& row = record.row;
   int damped = 0;
-  for (int i = 0; i < kSteps && row.iteration < options_.max_iterations; ++i) {
-    if (newton_.norms().largest() <= kGoal || !newton_.step()) return;
+  for (int i = 0; i < tuning::kTries && row.iteration < options_.max_iterations; ++i) {
+    if (newton_.norms().largest() <= tuning::kRounding || !newton_.step()) return;
     ++row.iteration;
     ++row.newton;
     newton_.describe(row);
     record.log_row();
     record.log_is_stale = true;  // until the iterate is accepted
     damped += newton_.step_length() < 1;
-    if (damped > kDampedSteps) return;
+    if (damped > tuning::kDampedSteps) return;
   }
 }
 
@@ -280,7 +265,7 @@ bool NewtonPolish::run(Iterate& iterate, const Feedback& feedback, OuterStrategy
   const IterationRecord start = row;
   newton_.start(iterate.trajectory, *outer.multipliers(), outer.augmentation()->penalty, feedback);
   iterate_newton(record);
-  threshold_ = kNextThreshold * largest_norm(start);
+  threshold_ = tuning::kTighter * largest_norm(start);
   const auto& tolerance = options_.tolerances;
   const KktNorms& norms = newton_.norms();
   // Without a step, Newton's multipliers are no better than the present ones.

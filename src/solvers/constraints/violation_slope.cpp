@@ -5,15 +5,10 @@
 #include <limits>
 
 #include "ocp/problem/problem.hpp"
+#include "solvers/common/tuning.hpp"
 
 namespace conddp {
 namespace {
-
-/// Multiplier per unit of distance, so large that its effect on the cost's gradient keeps its
-/// digits.
-constexpr double kWeight = 1e10;
-/// Changes of the constraints' values below this share of the state's move are rounding.
-constexpr double kRounding = 1e-12;
 
 /// Largest size of a control anywhere, at least 1.
 double largest_control(const Trajectory& trajectory) {
@@ -59,8 +54,9 @@ double ViolationSlope::share(Evaluator& evaluator, const Trajectory& trajectory,
   // The cost's own gradient is subtracted, however small: at a penalty's minimum, it cancels the
   // requested one.
   const Eigen::VectorXd of_cost = gradient(Eigen::VectorXd::Zero(distances_.size()));
-  const Eigen::VectorXd with_distances = gradient(kWeight * distances_);
-  const Eigen::VectorXd slope = (with_distances - of_cost) / kWeight;
+  // The multiplier is so large that its effect on the cost's gradient keeps its digits.
+  const Eigen::VectorXd with_distances = gradient(distances_ / tuning::kExact);
+  const Eigen::VectorXd slope = (with_distances - of_cost) * tuning::kExact;
   return std::max(share(slope, trajectory), free_share(slope, trajectory));
 }
 
@@ -109,7 +105,7 @@ double ViolationSlope::squared_change() const {
     far =
         std::max(far, C.lpNorm<Eigen::Infinity>() * rollout_.dx(c.node).lpNorm<Eigen::Infinity>());
   }
-  return sum > kRounding * kRounding * far * far ? sum : 0;
+  return sum > tuning::kRounding * tuning::kRounding * far * far ? sum : 0;
 }
 
 }  // namespace conddp

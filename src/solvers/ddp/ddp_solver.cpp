@@ -14,17 +14,11 @@
 #include "solvers/common/finite_check.hpp"
 #include "solvers/common/guess.hpp"
 #include "solvers/common/settled_cost.hpp"
+#include "solvers/common/tuning.hpp"
 #include "solvers/linalg/exchange.hpp"
 
 namespace conddp {
 namespace {
-
-/// Gap below which a solver with an equality search may use exact second derivatives. Straight
-/// steps close the gaps only at the end of a solve.
-constexpr double kNearlyClosed = 1e-3;
-/// Sweeps that real-time iterations may begin on average before their searches end. Nearly all take
-/// one or two.
-constexpr int kRealTimeSweeps = 6;
 
 /// Resolves the use of Hessians from the options if the recipe leaves it open.
 DdpRecipe resolved(DdpRecipe recipe, const SolverOptions& options, const ShootingProblem& problem) {
@@ -60,7 +54,7 @@ DdpSolver::DdpSolver(const ShootingProblem& problem, const DdpRecipe& recipe,
       step_start_(problem.create_trajectory()) {
   if (constrained_ && recipe.newton) polish_.emplace(problem, evaluator_, options_);
   if (globalization_.rule().keeps_equalities())
-    iterate_.exact_below = std::max(iterate_.exact_below, kNearlyClosed);
+    iterate_.exact_below = std::max(iterate_.exact_below, tuning::kNearlyClosed);
 }
 
 void DdpSolver::exchange_memory(DdpSolver& other) {
@@ -73,8 +67,9 @@ const SolveResult& DdpSolver::solve(const Trajectory& guess, LastIterate last) {
   check_shape(problem_, guess);
   record_.begin();
   iterate_.reset();
-  globalization_.reset(last == LastIterate::evaluated ? kRealTimeSweeps * options_.max_iterations
-                                                      : std::numeric_limits<int>::max());
+  globalization_.reset(last == LastIterate::evaluated
+                           ? tuning::kRealTimeSweeps * options_.max_iterations
+                           : std::numeric_limits<int>::max());
   check_.reset();
   if (polish_) polish_->reset();
   stepping_ = abandoned_ = by_newton_ = evaluated_ = false;
@@ -252,7 +247,7 @@ double DdpSolver::share_left() {
   const IterationRecord& row = record_.row;
   const bool by_newton = row.iteration > 0 && row.step == 1 && row.regularization == 0;
   const auto gained_little = [&](double cost) {
-    return by_newton && row.actual_decrease <= StationarityCheck::kMostGain * cost;
+    return by_newton && row.actual_decrease <= tuning::kMostGain * cost;
   };
   if (gained_little(std::abs(row.cost))) return 0;
   const double cost = std::max(std::abs(row.cost), least_cost(problem_));
@@ -388,7 +383,7 @@ void DdpSolver::confirm_status() {
   const auto& tolerance = options_.tolerances;
   if (!(r.stationarity <= tolerance.stationarity) || !is_feasible(r, tolerance)) return;
   if (result.status == SolveStatus::converged) return;
-  if (is_confirmable() && !constrained_ && share_left() > StationarityCheck::kMostGainAtEnd) return;
+  if (is_confirmable() && !constrained_ && share_left() > tuning::kMostGainAtEnd) return;
   result.failed_knot = -1;
   result.failed_quantity.clear();
   record_.end(SolveStatus::converged,

@@ -2,15 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+
+#include "solvers/common/tuning.hpp"
 
 namespace conddp {
 namespace {
 
-/// Allowed error of the linearization, as a share of the largest number involved: rounding.
-constexpr double kOff = 1e-9;
 /// Multiples of the golden section spread evenly, so that no entry of the move is a multiple of
 /// another.
-constexpr double kGoldenSection = 0.6180339887498949;
+constexpr double kGoldenSection = std::numbers::phi;
 
 /// Moves of states and controls, −1 to 1, by the index of their entry in the trajectory.
 double move(int i) {
@@ -86,6 +87,6 @@ void AffineProbe::Comparison::add(double foretold, double found) {
   largest = std::max({largest, std::abs(foretold), std::abs(found)});
 }
 
-bool AffineProbe::Comparison::agrees() const { return off <= kOff * largest; }
+bool AffineProbe::Comparison::agrees() const { return off <= tuning::kExact * largest; }
 
 }  // namespace conddp

@@ -3,24 +3,9 @@
 #include <cmath>
 
 #include "base/stopwatch.hpp"
+#include "solvers/common/tuning.hpp"
 
 namespace conddp {
-namespace {
-
-/// Shares of the expected decrease: least decrease of a step, largest weight of its gaps, and
-/// largest weight of gaps that stay uncorrected.
-constexpr double kLeastDecrease = 0.1;
-constexpr double kMostGaps = 0.5;
-constexpr double kNegligibleGaps = 0.05;
-/// Weight of the gaps, in the same units, beyond which a rollout is shorter; share of the gaps that
-/// a correction may leave; maximum number of corrections.
-constexpr double kHopelessGaps = 10;
-constexpr double kSlowCorrection = 0.5;
-constexpr int kCorrections = 3;
-/// Share of the gaps that the first correction is assumed to leave.
-constexpr double kFirstCorrection = 1;
-
-}  // namespace
 
 FullStep::FullStep(const ShootingProblem& problem, const ControlBounds& bounds)
     : bounds_(bounds),
@@ -60,7 +45,7 @@ void FullStepSearch::reset() {
   full_steps_ = 0;
   wanted_ = 1;
   needs_no_correction_ = false;
-  correction_leaves_ = kFirstCorrection;
+  correction_leaves_ = 1;
 }
 
 LineSearchResult FullStepSearch::run(Iterate& iterate, const MeritModel& merit,
@@ -94,17 +79,13 @@ FullStepSearch::Search FullStepSearch::begin(Iterate& iterate, const MeritModel&
   search.expected = iterate.adjoint.gap_slope() - merit.slope;
   search.hidden = merit.hidden(search.expected);
   search.close = goal.last || search.hidden || goal.close;
-  search.negligible = search.close ? tolerances_.gap : kNegligibleGaps * search.expected;
+  search.negligible = search.close ? tolerances_.gap : tuning::kNegligibleGaps * search.expected;
   return search;
-}
-
-bool FullStepSearch::Search::hopeless() const {
-  return !std::isfinite(gap) || (!hidden && weight > kHopelessGaps * expected);
 }
 
 bool FullStepSearch::Search::suffices(double actual, const MeritModel& merit) const {
   if (hidden) return merit.hidden(actual);
-  return actual >= kLeastDecrease * expected && weight <= kMostGaps * expected;
+  return actual >= tuning::kArmijo * expected && weight <= tuning::kMostGaps * expected;
 }
 
 /// Takes the step or corrects the last trial. A trial that is predictably the last one is
@@ -128,13 +109,13 @@ void FullStepSearch::try_point(Search& search, bool at_last, bool correct) {
 
 /// Corrects until the gaps are negligible, as long as this seems possible.
 void FullStepSearch::correct(Search& search) {
-  if (search.hopeless()) return;
-  for (int i = 0; i < kCorrections && !search.gaps_negligible(); ++i) {
+  if (!std::isfinite(search.gap)) return;
+  for (int i = 0; i < tuning::kCorrections && !search.gaps_negligible(); ++i) {
     const double former_gap = search.gap;
     const double left = correction_leaves_ * search.size();
     try_point(search, left <= search.negligible, true);
     correction_leaves_ = search.gap / former_gap;
-    if (!(search.gap <= kSlowCorrection * former_gap)) break;
+    if (!(search.gap <= tuning::kProgress * former_gap)) break;
   }
 }
 

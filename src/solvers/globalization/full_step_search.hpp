@@ -91,7 +91,6 @@ class FullStepSearch {
     }
     double size() const { return close ? gap : weight; }
     bool gaps_negligible() const { return size() <= negligible; }
-    bool hopeless() const;
     bool suffices(double actual_decrease, const MeritModel& merit) const;
   };
   Search begin(Iterate& iterate, const MeritModel& merit, const Direction& direction,

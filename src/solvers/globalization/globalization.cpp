@@ -6,20 +6,9 @@
 
 #include "base/stopwatch.hpp"
 #include "solvers/common/finite_check.hpp"
+#include "solvers/common/tuning.hpp"
 
 namespace conddp {
-namespace {
-
-/// Largest regularization in the search for a direction with a settled active set.
-constexpr double kSettlingRegularization = 0.01;
-/// Upper limit of the smallest regularization, in multiples of the costs' curvature in the
-/// controls.
-constexpr double kCurvatures = 2;
-/// The regularization falls after a step at least as long as the first and rises after one at most
-/// as long as the second. Between them, its model is about right.
-constexpr double kLongStep = 0.5, kShortStep = 0.2;
-
-}  // namespace
 
 Globalization::Globalization(const ShootingProblem& problem, const ControlBounds& bounds,
                              const DdpRecipe& recipe, const SolverOptions& options,
@@ -72,9 +61,9 @@ bool Globalization::step() {
   row.exact_hessian = iterate_.hessian.exact_in_use();
   row.clamped_controls = direction_.qp().active_set().clamped_controls();
   row.active_set_changes = direction_.qp().active_set().changes();
-  if (row.step >= kLongStep) {
+  if (row.step >= tuning::kLongStep) {
     regularization_.decrease();
-  } else if (row.step <= kShortStep && !rule_.keeps_equalities()) {
+  } else if (row.step <= tuning::kShortStep && !rule_.keeps_equalities()) {
     // (Equality rows must be met at any weight, so the weight does not shorten the step there.)
     regularize_more();
   }
@@ -88,7 +77,7 @@ bool Globalization::step() {
 bool Globalization::regularize_more() {
   if (!direction_.qp().may_sweep()) return false;
   if (regularization_.value() == 0)
-    regularization_.lower_min(kCurvatures * iterate_.hessian.by_gauss_newton([this] {
+    regularization_.lower_min(iterate_.hessian.by_gauss_newton([this] {
       return control_curvature_.least(iterate_.linearization, outer_.augmentation());
     }));
   return regularization_.increase();
@@ -148,7 +137,7 @@ void Globalization::correct_direction() {
 /// settled. A step far from the iterate makes the controls' active set alternate.
 bool Globalization::raise_for_unsettled() {
   return direction_.qp().set_unknown() && !direction_.qp().trusts_model() &&
-         regularization_.value() < kSettlingRegularization && regularize_more();
+         regularization_.value() < tuning::kSettlingRegularization && regularize_more();
 }
 
 /// Sweeps with as much regularization as necessary.
@@ -247,8 +236,8 @@ bool Globalization::end_without_step() {
   if (!rule_.merit().descends()) {
     cause = fmt::format("the direction does not descend (slope {:.1e})", slope);
   } else {
-    cause = fmt::format("no step length down to {:.1e} lowers the merit (slope {:.1e})", kLeastStep,
-                        slope);
+    cause = fmt::format("no step length down to {:.1e} lowers the merit (slope {:.1e})",
+                        tuning::kLeastStep, slope);
     if (rule_.found().first_bad_knot >= 0) {
       record_.result.failed_knot = rule_.found().first_bad_knot;
       record_.result.failed_quantity = "motion";

@@ -4,22 +4,12 @@
 #include <cmath>
 
 #include "ocp/evaluation/matrix_vector.hpp"
+#include "solvers/common/tuning.hpp"
 
 namespace conddp {
-namespace {
 
-constexpr int kPairs = 5;
-/// Steps are still too large for a quadratic model if the curvature of a pair differs from the
-/// model's by more than this factor.
-constexpr double kLargestFactor = 2.5;
-
-/// Gauss-Newton converges fast without correction if a step is shorter than this share of the
-/// previous one.
-constexpr double kFastConvergence = 0.2;
-
-}  // namespace
-
-LbfgsCorrection::LbfgsCorrection(const ControlBounds& bounds) : bounds_(bounds), pairs_(kPairs) {
+LbfgsCorrection::LbfgsCorrection(const ControlBounds& bounds)
+    : bounds_(bounds), pairs_(tuning::kPairs) {
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(bounds.size());
   for (Pair& pair : pairs_) pair.s = pair.y = pair.w = zero;
   free_ = d_ = g_ = s_ = new_d_ = new_g_ = r_ = Ms_ = zero;
@@ -62,11 +52,7 @@ void LbfgsCorrection::observe(const Feedback& feedback, const BackwardSweep& swe
   }
   new_d_.array() *= free_.array();
   new_g_.array() *= -free_.array();
-  ratio_ = 1;
-  if (observed_ && stepped_) {
-    ratio_ = std::sqrt(std::max(0.0, new_d_.dot(new_g_) / d_.dot(g_)));
-    add_pair(sweep);
-  }
+  if (observed_ && stepped_) add_pair(sweep);
   d_.swap(new_d_);
   g_.swap(new_g_);
   observed_ = true;
@@ -74,7 +60,7 @@ void LbfgsCorrection::observe(const Feedback& feedback, const BackwardSweep& swe
 }
 
 void LbfgsCorrection::add_pair(const BackwardSweep& sweep) {
-  const int next = (newest_ + 1) % kPairs;
+  const int next = (newest_ + 1) % tuning::kPairs;
   Pair& pair = pairs_[next];
   pair.s = s_.cwiseProduct(free_);
   pair.y = new_g_ - g_;
@@ -85,19 +71,24 @@ void LbfgsCorrection::add_pair(const BackwardSweep& sweep) {
     multiply(sweep.Quu(k), pair.s.data() + at, Ms_.data() + at);
   }
   const double model = pair.s.dot(Ms_);
-  if (!(pair.curvature * kLargestFactor > model && pair.curvature < kLargestFactor * model)) {
+  if (!(pair.curvature * tuning::kLargestFactor > model &&
+        pair.curvature < tuning::kLargestFactor * model)) {
     count_ = 0;
     return;
   }
   newest_ = next;
-  count_ = std::min(count_ + 1, kPairs);
+  count_ = std::min(count_ + 1, tuning::kPairs);
 }
 
 bool LbfgsCorrection::correct(Feedback& feedback) {
-  if (!observed_ || count_ == 0 || ratio_ < kFastConvergence) return false;
+  if (!observed_ || count_ == 0) return false;
+  // Gauss-Newton converges fast without correction if a direction is a small share of the former
+  // one, new_d_.
+  const double ratio = std::sqrt(std::max(0.0, d_.dot(g_) / new_d_.dot(new_g_)));
+  if (ratio < tuning::kShortStep) return false;
   apply_inverse();
   const double slope = -g_.dot(r_), plain = g_.dot(d_);
-  if (!(slope < plain / kLargestFactor && slope > kLargestFactor * plain)) {
+  if (!(slope < plain / tuning::kLargestFactor && slope > tuning::kLargestFactor * plain)) {
     count_ = 0;
     return false;
   }
@@ -115,13 +106,13 @@ void LbfgsCorrection::apply_inverse() {
   q = g_;
   r_ = -d_;
   for (int i = 0; i < count_; ++i) {
-    Pair& pair = pairs_[(newest_ - i + kPairs) % kPairs];
+    Pair& pair = pairs_[(newest_ - i + tuning::kPairs) % tuning::kPairs];
     pair.weight = pair.s.dot(q) / pair.curvature;
     q -= pair.weight * pair.y;
     r_ -= pair.weight * pair.w;
   }
   for (int i = count_ - 1; i >= 0; --i) {
-    const Pair& pair = pairs_[(newest_ - i + kPairs) % kPairs];
+    const Pair& pair = pairs_[(newest_ - i + tuning::kPairs) % tuning::kPairs];
     r_ += (pair.weight - pair.y.dot(r_) / pair.curvature) * pair.s;
   }
 }

@@ -47,7 +47,6 @@ class LbfgsCorrection {
   const ControlBounds& bounds_;
   std::vector<Pair> pairs_;  ///< a ring buffer
   int count_ = 0, newest_ = -1;
-  double ratio_ = 1;                        ///< ratio of the lengths of the last two directions
   bool observed_ = false;                   ///< d_ and g_ belong to the iterate before s_
   bool stepped_ = false;                    ///< s_ was taken from there
   Eigen::VectorXd free_;                    ///< 0 where a bound holds the control, 1 elsewhere

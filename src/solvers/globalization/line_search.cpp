@@ -4,14 +4,10 @@
 #include <cmath>
 #include <utility>
 
+#include "solvers/common/tuning.hpp"
+
 namespace conddp {
 namespace {
-
-/// Shortest step that an acceptable step is compared with: it yields to its half if that lowers the
-/// merit more.
-constexpr double kShortestCompared = 0.125;
-/// Share of the first-order decrease above which half a step lowers a parabola less.
-constexpr double kBetterThanHalf = 1.0 / 3;
 
 double actual_decrease(double cost, double step, const MeritModel& merit) {
   return merit.cost - cost + step * merit.penalty * merit.gap_norm;
@@ -41,19 +37,17 @@ LineSearchResult LineSearch::run(Evaluator& evaluator, const MeritModel& merit,
                                  double first_step, Trajectory& trajectory) {
   const Ray ray{merit, adjoint, gap, feedback, rollout, trajectory};
   LineSearchResult result;
-  result.accepted =
-      confidence_ >= kEnoughConfidence && try_alone(evaluator, ray, first_step, result);
+  result.accepted = alone_ && try_alone(evaluator, ray, first_step, result);
   double next_step = first_step;
-  while (!result.accepted && next_step >= kLeastStep)
+  while (!result.accepted && next_step >= tuning::kLeastStep)
     result.accepted = try_lanes(evaluator, ray, first_step, next_step, result);
-  const bool first = result.accepted && result.step == first_step;
-  confidence_ = std::clamp(confidence_ + (first ? 1 : -1), 0, kMostConfidence);
+  alone_ = result.accepted && result.step == first_step;
   if (result.accepted) std::swap(trajectory, trial_.trajectory);
   return result;
 }
 
-/// Tries the first step without comparing its half. A step that is not convincing is left to the
-/// lanes.
+/// Tries the first step without comparing its half, which lowers a parabola less if the step
+/// reaches a third of the first-order decrease. A step that is not convincing is left to the lanes.
 bool LineSearch::try_alone(Evaluator& evaluator, const Ray& ray, double step,
                            LineSearchResult& result) {
   evaluator.roll_out(ray.from, ray.gap, ray.feedback, step, ray.rollout, trial_);
@@ -61,8 +55,7 @@ bool LineSearch::try_alone(Evaluator& evaluator, const Ray& ray, double step,
   const double expected = expected_decrease(ray, step);
   const double actual = actual_decrease(trial_.cost, step, ray.merit);
   const bool hidden = ray.merit.hidden(expected);
-  if (!(hidden ? ray.merit.hidden(actual) : expected > 0 && actual >= kBetterThanHalf * expected))
-    return false;
+  if (!(hidden ? ray.merit.hidden(actual) : expected > 0 && 3 * actual >= expected)) return false;
   result = {.accepted = true,
             .step = step,
             .expected_decrease = expected,
@@ -78,7 +71,7 @@ bool LineSearch::try_lanes(Evaluator& evaluator, const Ray& ray, double first_st
                            double& next_step, LineSearchResult& result) {
   const auto steps = lane_steps(next_step);
   evaluator.roll_out(ray.from, ray.gap, ray.feedback, steps.data(), ray.rollout, lanes_);
-  for (int lane = 0; lane < kLaneWidth && steps[lane] >= kLeastStep; ++lane) {
+  for (int lane = 0; lane < kLaneWidth && steps[lane] >= tuning::kLeastStep; ++lane) {
     ++result.trials;
     if (lanes_.first_bad_knot[lane] >= 0) {
       if (result.first_bad_knot < 0) result.first_bad_knot = lanes_.first_bad_knot[lane];
@@ -108,7 +101,7 @@ bool LineSearch::accepts_lane(const Ray& ray, int lane, double step, bool first,
 bool LineSearch::half_is_better(int lane, double half, double actual,
                                 const MeritModel& merit) const {
   const int next = lane + 1;
-  return next < kLaneWidth && half >= kShortestCompared && lanes_.first_bad_knot[next] < 0 &&
+  return next < kLaneWidth && half >= tuning::kShortestHalf && lanes_.first_bad_knot[next] < 0 &&
          actual_decrease(lanes_.cost[next], half, merit) > actual;
 }
 

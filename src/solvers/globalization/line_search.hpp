@@ -9,10 +9,6 @@
 
 namespace conddp {
 
-/// Shortest step length that searches try. Where steps of a thousandth fail, more regularization
-/// also turns the step and is the better next trial.
-inline constexpr double kLeastStep = 1e-4;
-
 /// Result of a line search.
 struct LineSearchResult {
   bool accepted = false;
@@ -43,8 +39,8 @@ std::array<double, kLaneWidth> lane_steps(double& next_step);
 /// Armijo's rule on the merit over the step lengths 1, ½, ¼, ..., tried kLaneWidth at a time in the
 /// lanes of one rollout. The largest acceptable step is taken, unless its half lowers the merit
 /// more, which the lanes show at no extra cost (down to 1/8). A trial that is not finite is
-/// rejected. As long as most recent searches took the first step, it is tried alone, which is
-/// faster than the lanes. It is then taken if the merit falls by a third of the first-order
+/// rejected. If the last search took its first step, this one is tried alone, which is faster than
+/// the lanes. It is then taken if the merit falls by a third of the first-order
 /// decrease: on the parabola through both, its half lowers the merit less.
 ///
 /// If the model's step meets no bound, the first-order decrease of a step α is −α (∇J·d − ν
@@ -65,7 +61,7 @@ class LineSearch {
                        const RolloutOptions& rollout, double first_step, Trajectory& trajectory);
 
   /// Forgets the outcome of previous searches.
-  void reset() { confidence_ = kMostConfidence; }
+  void reset() { alone_ = true; }
 
  private:
   /// The start of a search and the policy that it follows.
@@ -86,15 +82,11 @@ class LineSearch {
   double expected_decrease(const Ray& ray, double step);
   double applied_slope(const Ray& ray);
 
-  /// Saturating counter, as in branch predictors: one short step among full ones changes nothing,
-  /// two consecutive ones do.
-  static constexpr int kMostConfidence = 3, kEnoughConfidence = 2;
-
   StateManifold manifold_;
   LaneRollout lanes_;
   SingleRollout trial_;            ///< a single trial, or one of the lanes
   Eigen::VectorXd dx_, followed_;  ///< scratch: δx and K δx
-  int confidence_ = kMostConfidence;
+  bool alone_ = true;              ///< the last search took its first step
 };
 
 }  // namespace conddp

@@ -5,18 +5,9 @@
 #include <limits>
 #include <utility>
 
+#include "solvers/common/tuning.hpp"
+
 namespace conddp {
-namespace {
-
-/// Share of the gaps' weight that covers the cost of the model's step; the rest is decrease.
-constexpr double kGapShare = 0.65;
-/// A rollout that reaches this share of the model's decrease makes another trial unnecessary.
-constexpr double kConvincing = 0.6;
-/// Largest allowed growth of the gaps by a linear step. If the model's cost falls with its gaps,
-/// their weight is zero, and nothing else limits them.
-constexpr double kMostGapGrowth = 1.5;
-
-}  // namespace
 
 OpenGapSearch::OpenGapSearch(const ShootingProblem& problem, const ControlBounds& bounds,
                              bool clamp_controls, bool rows)
@@ -56,7 +47,7 @@ void OpenGapSearch::leave_out(const Augmentation& augmentation, const Eigen::Vec
 double OpenGapSearch::weigh(const MeritModel& merit, double curvature) {
   curvature_ = std::max(curvature, 0.0);
   if (!(merit.gap_norm > 0)) return 0;
-  return std::max(merit.slope + 0.5 * curvature_, 0.0) / (kGapShare * merit.gap_norm);
+  return std::max(merit.slope + 0.5 * curvature_, 0.0) / (tuning::kGapShare * merit.gap_norm);
 }
 
 LineSearchResult OpenGapSearch::run(Evaluator& evaluator, const MeritModel& merit,
@@ -65,11 +56,11 @@ LineSearchResult OpenGapSearch::run(Evaluator& evaluator, const MeritModel& meri
                                     Trajectory& trajectory) {
   const Search search{evaluator, merit, linearization, direction, augmentation, trajectory};
   LineSearchResult result;
-  for (double step = first_step; step >= kLeastStep; step /= 2) {
+  for (double step = first_step; step >= tuning::kLeastStep; step /= 2) {
     const double expected = -step * merit.merit_slope();
     best_decrease_ = -std::numeric_limits<double>::infinity();
     try_rollout(search, step, result);
-    if (!(best_decrease_ >= kConvincing * (expected - 0.5 * step * step * curvature_))) {
+    if (!(best_decrease_ >= tuning::kConvincing * (expected - 0.5 * step * step * curvature_))) {
       ++result.trials;
       try_linear(search, step);
     }
@@ -105,7 +96,8 @@ void OpenGapSearch::try_linear(const Search& search, double step) {
   trial_ = search.from;
   search.direction.step().apply(problem_.manifold(), step, trial_);
   bounds_.clamp(trial_);
-  if (consider(search, trial_, kMostGapGrowth * search.merit.gap_norm)) best_rollout_cost_.reset();
+  if (consider(search, trial_, tuning::kMostGapGrowth * search.merit.gap_norm))
+    best_rollout_cost_.reset();
 }
 
 bool OpenGapSearch::consider(const Search& search, Trajectory& trial, double most_gaps) {

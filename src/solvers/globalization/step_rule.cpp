@@ -1,22 +1,9 @@
 #include "solvers/globalization/step_rule.hpp"
 
 #include "base/stopwatch.hpp"
+#include "solvers/common/tuning.hpp"
 
 namespace conddp {
-namespace {
-
-/// Shortest step tried when stationarity must judge it, and the factor by which stationarity must
-/// shrink.
-constexpr double kShortestBlindStep = 1.0 / 16;
-constexpr double kBlindProgress = 0.999;
-/// Range of the actual decrease, as a share of the expected one, for a full step of a quadratic
-/// function. A perfect model gives ½ of the first-order decrease.
-constexpr double kQuadraticFrom = 0.3, kQuadraticTo = 0.8;
-/// Weight in the merit of gaps that a step opens, as a multiple of the largest multiplier. Above 1,
-/// the penalty is exact (Nocedal, Wright 2006, theorem 17.3).
-constexpr double kMeritMargin = 1.5;
-
-}  // namespace
 
 StepRule::StepRule(const ShootingProblem& problem, const ControlBounds& bounds,
                    const DdpRecipe& recipe, const SolverOptions& options, Iterate& iterate,
@@ -76,7 +63,8 @@ void StepRule::weigh_gaps() {
   if (!recipe_.open_gaps) return;
   const Stopwatch watch(record_.result.times.sweep);
   if (!gaps_open()) {
-    merit_.penalty = kMeritMargin * iterate_.adjoint.costates().lpNorm<Eigen::Infinity>();
+    // The penalty is exact from the largest multiplier on (Nocedal, Wright 2006, theorem 17.3).
+    merit_.penalty = iterate_.adjoint.costates().lpNorm<Eigen::Infinity>();
     return;
   }
   double curvature = direction_.curvature(iterate_.linearization);
@@ -115,7 +103,7 @@ void StepRule::step_taken() {
 bool StepRule::decrease_was_quadratic() const {
   if (merit_.hidden(found_.expected_decrease)) return true;
   const double share = share_of_decrease();
-  return share >= kQuadraticFrom && share <= kQuadraticTo;
+  return share >= tuning::kQuadraticFrom && share <= tuning::kQuadraticTo;
 }
 
 /// The actual decrease as a share of the expected one. While a line search closes gaps, their
@@ -149,9 +137,9 @@ bool StepRule::take_full_step(bool regularized) {
   if (found.accepted && (!found.by_rounding || blind_step_progresses())) {
     found_ = found;
     // No search weighed the gaps, but the log reports the weight that they would have.
-    merit_.penalty = kMeritMargin * iterate_.adjoint.costates()
-                                        .rightCols(iterate_.trajectory.knots())
-                                        .lpNorm<Eigen::Infinity>();
+    merit_.penalty = iterate_.adjoint.costates()
+                         .rightCols(iterate_.trajectory.knots())
+                         .lpNorm<Eigen::Infinity>();
     return true;
   }
   full_step_search_.reject();
@@ -166,7 +154,7 @@ bool StepRule::search() {
   weigh_gaps();
   if (!merit_.descends()) return false;
   iterate_.before = iterate_.trajectory;
-  for (double first_step = 1; first_step >= kShortestBlindStep; first_step /= 2) {
+  for (double first_step = 1; first_step >= tuning::kShortestHalf; first_step /= 2) {
     if (!search_along(first_step)) return false;
     if (!found_.by_rounding || blind_step_progresses()) return true;
     iterate_.trajectory = iterate_.before;
@@ -201,9 +189,9 @@ bool StepRule::blind_step_progresses() {
   if (!iterate_.linearized) return false;
   const IterationRecord& row = record_.row;
   const double stationarity = iterate_.stationarity().value;
-  if (stationarity < kBlindProgress * row.stationarity) return true;
+  if (stationarity < tuning::kBlindProgress * row.stationarity) return true;
   return row.gap > options_.tolerances.gap && stationarity <= options_.tolerances.stationarity &&
-         iterate_.linearization.max_gap() < kBlindProgress * row.gap;
+         iterate_.linearization.max_gap() < tuning::kBlindProgress * row.gap;
 }
 
 }  // namespace conddp

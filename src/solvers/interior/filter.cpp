@@ -2,17 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "solvers/common/tuning.hpp"
 
 namespace conddp {
 namespace {
 
-/// Constants of Wächter and Biegler (2006, section 4.1), with their names.
-constexpr double kGammaTheta = 1e-5, kGammaPhi = 1e-8, kEtaPhi = 1e-4;
-constexpr double kThetaPower = 1.1, kPhiPower = 2.3;
-constexpr double kThetaMin = 1e-4, kThetaMax = 1e4;
-/// Rounding of φ, as Ipopt assumes it.
-constexpr double kRounding = 10 * std::numeric_limits<double>::epsilon();
+using namespace tuning::interior;
 
 }  // namespace
 
@@ -31,7 +27,7 @@ bool Filter::accepts(double length, double slope, const std::pair<double, double
   if (!std::isfinite(theta + phi) || theta > largest_ || std::ranges::any_of(entries_, dominates))
     return false;
   const auto& [theta0, phi0] = from;
-  const double rounded = phi - kRounding * std::abs(phi0);
+  const double rounded = phi - tuning::kUlps * std::abs(phi0);
   if (slope < 0 && theta0 <= least_ &&
       length * std::pow(-slope, kPhiPower) > std::pow(theta0, kThetaPower))
     return rounded <= phi0 + kEtaPhi * length * slope;

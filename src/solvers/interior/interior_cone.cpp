@@ -4,13 +4,14 @@
 #include <cmath>
 #include <limits>
 
+#include "solvers/common/tuning.hpp"
+
 namespace conddp {
 namespace {
 
 using Vector = Eigen::VectorXd;
 
-/// Share of its limit that a soft cone's first multiplier may reach.
-constexpr double kHalf = 0.5;
+using namespace tuning::interior;
 
 /// s_n² − ‖s_t‖², where the last entry is s_n.
 double determinant(const Vector& s) {
@@ -69,7 +70,7 @@ void InteriorCone::start(const Vector& rows, double mu, double inside) {
   p_.setZero();
   if (!is_soft()) return;
   const double w = constraint_->limit, size = nu_.norm();
-  if (size > kHalf * w) nu_ *= kHalf * w / size;
+  if (size > kFirstShare * w) nu_ *= kFirstShare * w / size;
   p_ = (2 * mu / (w * w - nu_.squaredNorm())) * nu_;
 }
 

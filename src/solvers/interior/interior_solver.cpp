@@ -11,6 +11,7 @@
 #include "solvers/common/finite_check.hpp"
 #include "solvers/common/guess.hpp"
 #include "solvers/common/settled_cost.hpp"
+#include "solvers/common/tuning.hpp"
 #include "solvers/constraints/answer_choice.hpp"
 #include "solvers/constraints/answer_gains.hpp"
 #include "solvers/iterate/hessian_switch.hpp"
@@ -18,45 +19,7 @@
 namespace conddp {
 namespace {
 
-/// First barrier, barrier at which the smaller entries of pairs are held, and barriers from which
-/// Newton's method is tried: a smaller one separates active bounds from others more clearly.
-constexpr double kFirstBarrier = 1e-2, kPairBarrier = 1e-7;
-constexpr std::array<double, 3> kLastBarriers = {1e-9, 1e-11, 1e-13};
-/// A barrier problem counts as solved if its error is below this multiple of the barrier (Wächter,
-/// Biegler 2006, equation 7). The next barrier is this share: faster reductions lose the path on
-/// which contacts change.
-constexpr double kSolved = 10, kLower = 0.2;
-/// Least first relaxation of pairs, and the factors of those that are tried. While another one
-/// remains, a solve may take 1/kTryShare of the iterations, but at least kLeastTry.
-constexpr double kWideRelaxation = 1;
-constexpr std::array<double, 3> kFirstRelaxations = {1, 0.1, 0.01};
-constexpr int kTryShare = 4, kLeastTry = 300;
-/// Barrier of real-time iterations, and distance of their guesses from bounds.
-constexpr double kTickBarrier = 1e-4;
-/// Derivatives of costs beyond this scale barrier, penalties and errors, as in Ipopt.
-constexpr double kLargeGradient = 100;
-/// Iterations with one barrier before exact Hessians replace convex ones, if they are expensive.
-constexpr int kGaussNewton = 40;
-/// Largest gap at which exact Hessians are used, unless costs are linear: then no other Hessian has
-/// their curvature.
-constexpr double kNearlyClosed = 1e-1;
-/// Step lengths tried along a direction, and directions tried for one step.
-constexpr int kTriedLengths = 12, kTriedDirections = 12;
-/// Change of the gaps beyond that of linear dynamics up to which a straight step needs no rollout.
-constexpr double kStraight = 1e-12;
-/// Weight of the regularization after a failed search, factors of its changes, the weight that
-/// counts as none, the least one where a stage lacks a minimum, and the largest one.
-constexpr double kFirstWeight = 1e-4, kHeavier = 10, kLighter = 0.2, kNoWeight = 1e-5;
-constexpr double kLeastWeight = 1e-6, kLargestWeight = 1e10;
-/// The weight falls after a longer step.
-constexpr double kLongStep = 0.1;
-/// A solve ends after so many steps in a row that are shorter than this.
-constexpr double kShortStep = 1e-3;
-constexpr int kShortSteps = 20;
-/// Newton steps on the active constraints, the growth of norms that they may bring, and the norm
-/// that leaves nothing to gain.
-constexpr int kActiveSetSteps = 20;
-constexpr double kActiveSetGrowth = 10, kActiveSetGoal = 1e-12;
+using namespace tuning::interior;
 
 }  // namespace
 
@@ -103,8 +66,8 @@ SolveResult InteriorSolver::solve(const Trajectory& guess) {
   gauss_newton_ = by_default && exact_hessians_are_dear(problem_) ? kGaussNewton : 0;
   if (terms_.has_pairs()) {
     for (const double width : kFirstRelaxations) {
-      const bool last = width == kFirstRelaxations.back();
-      const int more = std::max(kLeastTry, options_.max_iterations / kTryShare);
+      const bool last = width == *std::rbegin(kFirstRelaxations);
+      const int more = std::max(tuning::kEnough, options_.max_iterations / kTryShare);
       solve_relaxed(guess, width * std::max(kWideRelaxation, options_.complementarity.initial),
                     last ? options_.max_iterations : record_.row.iteration + more);
       if (is_solution() || out_of_budget()) break;
@@ -150,7 +113,7 @@ void InteriorSolver::solve_relaxed(const Trajectory& guess, double relaxation, i
       if (!record_.result.log.empty() && !record_.budget_left()) throw Abandoned();
     });
     try {
-      start(guess, {kFirstBarrier, relaxation, InteriorTerms::kInside});
+      start(guess, {kFirstBarrier, relaxation, kInside});
       for (const double barrier : kLastBarriers) {
         last_barrier_ = barrier;
         if (!record_.result.log.empty()) ++record_.row.iteration;
@@ -331,7 +294,7 @@ bool InteriorSolver::step() {
     if (search()) {
       record_.row.regularization = weight_;
       short_steps_ = record_.row.step < kShortStep ? short_steps_ + 1 : 0;
-      if (short_steps_ == kShortSteps)
+      if (short_steps_ == tuning::kTries)
         return record_.end(SolveStatus::line_search_failed, "steps remain short");
       if (record_.row.step > kLongStep) weight_ = weight_ < kNoWeight ? 0 : kLighter * weight_;
       return true;
@@ -355,7 +318,7 @@ void InteriorSolver::form_hessians() {
   terms_.condense(trajectory_, linearization_);
   take(true, convex_);
   use_exact_ = options_.hessian != HessianChoice::gauss_newton && since_++ >= gauss_newton_ &&
-               (linear_costs_ || linearization_.max_gap() <= kNearlyClosed);
+               (linear_costs_ || linearization_.max_gap() <= kLargestGap);
   if (!use_exact_) return;
   evaluator_.lagrangian_hessian(trajectory_, adjoint_.costates(), linearization_, &lagrangian_);
   take(false, exact_);
@@ -445,8 +408,9 @@ bool InteriorSolver::try_length(double length) {
     if (k < problem_.knots()) trial_.u(k) += length * rollout_.du(k);
   }
   std::pair<double, double> there = judge(length, trial_);
-  const bool bends = !(
-      (evaluation_.gap - (1 - length) * linearization_.gap).lpNorm<Eigen::Infinity>() < kStraight);
+  const bool bends =
+      !((evaluation_.gap - (1 - length) * linearization_.gap).lpNorm<Eigen::Infinity>() <
+        tuning::kRounding);
   if (bends)
     evaluator_.roll_out(trajectory_, linearization_.gap, feedback_, length, {.contract_gaps = true},
                         rolled_);
@@ -494,8 +458,8 @@ void InteriorSolver::end_by_newton() {
     } else if (!record_.result.log.empty()) {
       record_.result.log.back() = row;
     }
-    if (i == kActiveSetSteps || out_of_budget() || newton_.norms().largest() <= kActiveSetGoal ||
-        !newton_.step(kActiveSetGrowth))
+    if (i == tuning::kTries || out_of_budget() || newton_.norms().largest() <= tuning::kRounding ||
+        !newton_.step(tuning::kNewtonGrowth))
       break;
   }
 }

@@ -7,17 +7,10 @@
 namespace conddp {
 namespace {
 
+using namespace tuning::interior;
+
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kZero = 0;  ///< bound of the entries of pairs
-/// Penalty ρ of equalities, in multiples of the size of the costs' derivatives: six of sixteen
-/// digits, so that steps satisfy equations to six digits and keep ten.
-constexpr double kPenalty = 1e6;
-/// Share of the curvature of a pair's own terms that the product's may use up.
-constexpr double kPairShare = 0.9;
-/// A step leaves this share of slacks and multipliers at least (Wächter, Biegler 2006).
-constexpr double kLeftAtMost = 0.01;
-/// A multiplier stays within this factor of μ/s (Wächter, Biegler 2006, equation 16).
-constexpr double kCentral = 1e10;
+constexpr double kZero{};  ///< bound of the entries of pairs
 
 /// Shortens a length so that v + length · d keeps a share of v.
 void limit(double v, double d, double share, double& length) {
@@ -181,7 +174,7 @@ void InteriorTerms::start(const TermPoint& at, double barrier, double relaxation
     side.nu = mu() / side.s;
     side.p = side.q = 0;
     if (!side.is_soft()) continue;
-    side.nu = std::min(side.nu, 0.5 * side.limit);
+    side.nu = std::min(side.nu, kFirstShare * side.limit);
     side.q = side.limit - side.nu;
     side.p = mu() / side.q;
   }

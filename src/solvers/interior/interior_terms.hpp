@@ -5,6 +5,7 @@
 #include "ocp/evaluation/linearization.hpp"
 #include "ocp/problem/problem.hpp"
 #include "solvers/common/control_bounds.hpp"
+#include "solvers/common/tuning.hpp"
 #include "solvers/interior/interior_cone.hpp"
 #include "solvers/interior/row_blocks.hpp"
 #include "solvers/riccati/linear_rollout.hpp"
@@ -65,16 +66,12 @@ class InteriorTerms {
  public:
   InteriorTerms(const ShootingProblem& problem, const ControlBounds& bounds);
 
-  /// Distance of the first iterate from its bounds, relative to them and to their width (Wächter,
-  /// Biegler 2006, section 3.6).
-  static constexpr double kInside = 1e-2;
-
   /// Moves the controls inside of their bounds, by this relative distance.
-  void enter(Trajectory& trajectory, double inside = kInside) const;
+  void enter(Trajectory& trajectory, double inside = tuning::interior::kInside) const;
   /// Sets slacks and multipliers at a point, with slacks of at least this size. `relaxation` is ε;
   /// `scale` is the size of the costs' derivatives, by which barrier and penalties are multiplied.
   void start(const TermPoint& at, double barrier, double relaxation, double scale,
-             double inside = kInside);
+             double inside = tuning::interior::kInside);
   /// Takes multipliers of equations from those of all constraint rows of the problem.
   void take_equation_multipliers(const Eigen::VectorXd& multipliers);
   /// μ in units of the scale.

@@ -2,20 +2,12 @@
 
 #include <algorithm>
 
+#include "solvers/common/tuning.hpp"
+
 namespace conddp {
 namespace {
 
-/// A step is poor if its line search takes this many trials, or the error grows by more than this
-/// factor.
-constexpr int kPoorTrials = 3;
-constexpr double kPoorGrowth = 2;
-/// Initial patience: poor steps until Gauss-Newton Hessians are given up, and regularized steps
-/// until exact ones are.
-constexpr int kPoorSteps = 2, kRegularizedSteps = 1;
-/// Initial requirement: the error falls by this factor within this many iterations of one barrier.
-constexpr int kWatchedIterations = 5;
-constexpr double kWantedFall = 10;
-/// Limits how often the patience with either kind doubles.
+/// Doublings of the patience, which keep it within an int.
 constexpr int kMostDoublings = 10;
 
 /// Error of the barrier problem, where complementarity is meant to equal the barrier.
@@ -39,7 +31,7 @@ void HessianAlternation::watch(const InteriorPointIterate& iterate) {
   ++iterations_;
   if (gauss_newton_) {
     watch_gauss_newton(iterate, error);
-  } else if (iterate.regularization > 0 && ++bad_steps_ >= with_patience(kRegularizedSteps)) {
+  } else if (iterate.regularization > 0 && ++bad_steps_ >= with_patience(1)) {
     ++returns_;
     change();
   }
@@ -52,11 +44,12 @@ void HessianAlternation::watch(const InteriorPointIterate& iterate) {
 }
 
 void HessianAlternation::watch_gauss_newton(const InteriorPointIterate& iterate, double error) {
-  if (iterate.trials >= kPoorTrials || !(error <= kPoorGrowth * last_error_)) ++bad_steps_;
+  if (iterate.trials >= tuning::kPoorTrials || !(error <= tuning::kPoorGrowth * last_error_))
+    ++bad_steps_;
   const bool judged =
-      iterate.barrier == barrier_ && iterations_ >= with_patience(kWatchedIterations);
-  if (bad_steps_ >= with_patience(kPoorSteps) ||
-      (judged && !(error * kWantedFall <= watched_error_)))
+      iterate.barrier == barrier_ && iterations_ >= with_patience(tuning::kWatchedIpopt);
+  if (bad_steps_ >= with_patience(tuning::kPoorSteps) ||
+      (judged && !(error <= tuning::kTighter * watched_error_)))
     change();
   else if (judged)
     iterations_ = 0;

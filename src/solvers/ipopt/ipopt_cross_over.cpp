@@ -1,7 +1,9 @@
 // Crossover from Ipopt's answer to the returned one.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
+#include "solvers/common/tuning.hpp"
 #include "solvers/constraints/answer_gains.hpp"
 #include "solvers/ipopt/ipopt_solver.hpp"
 
@@ -9,19 +11,6 @@ namespace conddp {
 namespace {
 
 using End = InteriorPointEnd;
-
-/// Newton steps on the active set end at these norms.
-constexpr double kNewtonGoal = 1e-12;
-/// Limit on how much such a step may increase the norms, as a factor. If multiplier and distance of
-/// a bound are similar, only a trial shows whether the bound is active.
-constexpr double kNewtonGrowth = 10;
-/// Smallest curvature in comparisons of multipliers with distances from a bound.
-constexpr double kSmallestCurvature = 1e-8;
-/// Factor on Ipopt's tolerances if its answer was not good enough, and the smallest tolerance.
-constexpr double kTighter = 1e-2;
-constexpr double kTightest = 1e-13;
-/// Smallest distance from a bound that is distinguished from zero.
-constexpr double kLeastDistance = 1e-16;
 
 /// Projects the multipliers of a second-order cone onto its polar cone and within their limit.
 void project_on_cone(const NodeConstraint& c, Eigen::Ref<Eigen::VectorXd> nu) {
@@ -49,7 +38,7 @@ void project_multipliers(const ShootingProblem& problem, Eigen::VectorXd& multip
 }
 
 double bound_ratio(double multiplier, double distance) {
-  return std::abs(multiplier) / std::max(distance, kLeastDistance);
+  return std::abs(multiplier) / std::max(distance, std::numeric_limits<double>::epsilon());
 }
 
 }  // namespace
@@ -93,8 +82,8 @@ void IpoptSolver::snap_controls(const InteriorPointAnswer& answer, Trajectory& t
     auto u = trajectory.u(k);
     for (int i = 0; i < u.size(); ++i) {
       const int column = problem_.ndx() + i;
-      const double curvature =
-          std::max(kSmallestCurvature, newton_.linearization().knots[k].hessian()(column, column));
+      const double curvature = std::max(tuning::kSmallestCurvature,
+                                        newton_.linearization().knots[k].hessian()(column, column));
       const double low = bounds_.lower(k)[i], up = bounds_.upper(k)[i];
       if ((u[i] - low) * (scales_ ? scales_->lower.u(k)[i] : curvature) < lower.u(k)[i]) u[i] = low;
       if ((up - u[i]) * (scales_ ? scales_->upper.u(k)[i] : curvature) < upper.u(k)[i]) u[i] = up;
@@ -132,8 +121,8 @@ Eigen::VectorXd IpoptSolver::multipliers_of(const InteriorPointAnswer& answer) c
 }
 
 void IpoptSolver::take_newton_steps() {
-  for (int i = 0; i < kNewtonSteps && newton_.norms().largest() > kNewtonGoal; ++i) {
-    if (!newton_.step(kNewtonGrowth)) break;
+  for (int i = 0; i < tuning::kTries && newton_.norms().largest() > tuning::kRounding; ++i) {
+    if (!newton_.step(tuning::kNewtonGrowth)) break;
     note_newton_step();
   }
 }
@@ -171,10 +160,11 @@ void IpoptSolver::start_newton(const Trajectory& trajectory, const Eigen::Vector
 void IpoptSolver::refine(InteriorPointAnswer& answer) {
   InteriorPointSettings settings = default_settings();
   while (answer.end == End::solved && stop_ == Stop::none && !choice_.is_solution() &&
-         row_.iteration < options_.max_iterations && settings.tolerance * kTighter >= kTightest) {
-    settings.tolerance *= kTighter;
-    settings.dual_tolerance *= kTighter;
-    settings.complementarity_tolerance *= kTighter;
+         row_.iteration < options_.max_iterations &&
+         settings.tolerance * tuning::kRefinement >= tuning::kRounding) {
+    settings.tolerance *= tuning::kRefinement;
+    settings.dual_tolerance *= tuning::kRefinement;
+    settings.complementarity_tolerance *= tuning::kRefinement;
     settings.warm = &answer.point;
     settings.warm_barrier = answer.barrier;
     iterations_before_ = row_.iteration;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "solvers/common/tuning.hpp"
 #include "solvers/ipopt/ipopt_solver.hpp"
 
 namespace conddp {
@@ -11,41 +12,16 @@ namespace {
 
 using End = InteriorPointEnd;
 
-/// Tolerances of the solves before the last one, which only have to give the next solve a good
-/// start.
-constexpr double kLooseTolerance = 1e-3, kTightTolerance = 1e-8;
-/// Consecutive solves that may fail before the relaxation is given up.
-constexpr int kFailures = 2;
-/// Factor by which epsilon shrinks from one solve to the next, and the last one.
-constexpr double kShrink = 0.1, kLast = SolverOptions::Complementarity::kLast;
-/// kLooser multiplies the first epsilon of a second try. While other relaxations remain, a solve
-/// may take 1/kWays of the iterations, but at least kEnough: the examples take 281 at most
-/// (docs/measurements/contact_implicit.md).
-constexpr double kLooser = 10;
-constexpr int kWays = 2, kEnough = 300;
-/// Smallest initial barrier of the next solve.
-constexpr double kLeastBarrier = 1e-9;
-/// From this epsilon on, one early attempt tries to tell the pairs apart. Fixing the pairs may
-/// raise the cost by this share.
-constexpr double kPolishFrom = 1e-6;
-constexpr double kPolishRise = 1e-4;
 /// Barriers of the last solves, whose bounds are those of the answer; they are also the products of
 /// multiplier and distance that remain. A bound with a tiny multiplier is missed by the root of
 /// that product, and so is stationarity.
-constexpr std::array<double, 3> kPolishBarriers = {kLeastBarrier, 1e-11, 1e-13};
-/// Iterations of each of these solves in a trial, and of the last one always.
-constexpr int kPolishIterations = 40;
-/// Initial barrier of a solve, and its tolerance, as a share of its epsilon.
-constexpr double kBarrierShare = 0.1;
-/// Distance by which the next solve's start is pushed off its bounds, as a share of its epsilon.
-/// Pairs have to come closer, and variables at their bounds move only in many small steps.
-constexpr double kPushShare = 1e-2, kLeastPush = 1e-9;
-/// Pairs within this share of the tolerance need no smaller epsilon.
-constexpr double kComplementary = 0.1;
+constexpr std::array<double, 3> kPolishBarriers = {
+    tuning::kWarmBarrier, tuning::kRefinement* tuning::kWarmBarrier,
+    tuning::kRefinement* tuning::kRefinement* tuning::kWarmBarrier};
 
 bool pairs_need_no_less(const Transcription& transcription, const Eigen::VectorXd& y,
                         const SolverOptions& options) {
-  return transcription.pair_distance(y.data()) <= kComplementary * options.tolerances.constraint;
+  return transcription.pair_distance(y.data()) <= tuning::kTighter * options.tolerances.constraint;
 }
 
 /// A relaxation, and its first epsilon.
@@ -57,7 +33,7 @@ struct RelaxationStart {
 /// The chosen relaxation, the same one from a looser epsilon, then the others.
 std::vector<RelaxationStart> ways_to_try(const SolverOptions::Complementarity& options) {
   std::vector<RelaxationStart> list = {{options.relaxation, options.initial},
-                                       {options.relaxation, kLooser * options.initial}};
+                                       {options.relaxation, options.initial / tuning::kTighter}};
   for (const PairRelaxation other :
        {PairRelaxation::elementwise, PairRelaxation::fischer_burmeister, PairRelaxation::penalty,
         PairRelaxation::inner_product})
@@ -91,9 +67,9 @@ InteriorPointAnswer IpoptSolver::run_relaxations(const Trajectory& start) {
       ++row_.fallbacks;
     }
     const bool last = i + 1 == ways.size();
-    answer = tighten(
-        start, ways[i].initial,
-        last ? options_.max_iterations : std::max(kEnough, options_.max_iterations / kWays));
+    answer = tighten(start, ways[i].initial,
+                     last ? options_.max_iterations
+                          : std::max(tuning::kEnough, options_.max_iterations / tuning::kWays));
     if ((answer.is_good() && is_complementary(answer)) || is_out_of_budget()) break;
   }
   return answer;
@@ -106,13 +82,16 @@ InteriorPointAnswer IpoptSolver::tighten(const Trajectory& start, double initial
   settings.max_iterations = iterations;
   Tightening so_far;
   Eigen::VectorXd y = transcription_->point_of(start);
-  for (double epsilon = initial;; epsilon = std::max(kLast, kShrink * epsilon)) {
+  for (double epsilon = initial;;
+       epsilon = std::max(SolverOptions::Complementarity::kLast, tuning::kTighter * epsilon)) {
     InteriorPointAnswer answer = relax_and_run(epsilon, y, settings);
     if (auto end = end_tightening(epsilon, answer, so_far)) return *std::move(end);
     so_far.last = std::move(answer);
     y = so_far.last.point.y;
     settings.warm = so_far.last.is_good() ? &so_far.last.point : nullptr;
-    if (epsilon <= kLast || pairs_need_no_less(*transcription_, y, options_)) break;
+    if (epsilon <= SolverOptions::Complementarity::kLast ||
+        pairs_need_no_less(*transcription_, y, options_))
+      break;
   }
   polish(so_far.last, false);
   return so_far.last;
@@ -125,9 +104,10 @@ std::optional<InteriorPointAnswer> IpoptSolver::end_tightening(double epsilon,
   if (is_out_of_budget()) return answer;
   so_far.failures = answer.is_good() ? 0 : so_far.failures + 1;
   const bool is_stuck = answer.end == End::max_iterations;
-  if (!answer.point.y.allFinite() || is_stuck || so_far.failures == kFailures)
+  if (!answer.point.y.allFinite() || is_stuck || so_far.failures == tuning::kFailures)
     return polished_or(std::move(so_far.good), answer);
-  const bool may_be_told_apart = so_far.failures == 0 && epsilon <= kPolishFrom;
+  const bool may_be_told_apart =
+      so_far.failures == 0 && epsilon <= std::sqrt(SolverOptions::Complementarity::kLast);
   return may_be_told_apart ? try_early_polish(epsilon, answer, so_far) : std::nullopt;
 }
 
@@ -135,7 +115,7 @@ std::optional<InteriorPointAnswer> IpoptSolver::end_tightening(double epsilon,
 std::optional<InteriorPointAnswer> IpoptSolver::try_early_polish(double epsilon,
                                                                  const InteriorPointAnswer& answer,
                                                                  Tightening& so_far) {
-  if (!so_far.tried && epsilon > kLast) {
+  if (!so_far.tried && epsilon > SolverOptions::Complementarity::kLast) {
     so_far.tried = true;
     if (auto polished = try_polish(answer)) return polished;
     if (is_out_of_budget()) return answer;
@@ -149,12 +129,13 @@ InteriorPointAnswer IpoptSolver::relax_and_run(double epsilon, const Eigen::Vect
                                                InteriorPointSettings& settings) {
   row_.relaxation = epsilon;
   transcription_->relax(epsilon);
-  settings.tolerance = std::clamp(kBarrierShare * epsilon, kTightTolerance, kLooseTolerance);
+  settings.tolerance = std::clamp(tuning::kTighter * epsilon, InteriorPointSettings().tolerance,
+                                  tuning::kLooseTolerance);
   settings.dual_tolerance = std::max(options_.tolerances.stationarity, settings.tolerance);
   settings.complementarity_tolerance =
       std::max(options_.tolerances.complementarity, settings.tolerance);
-  settings.warm_barrier = std::max(kLeastBarrier, kBarrierShare * epsilon);
-  settings.warm_push = std::max(kLeastPush, kPushShare * epsilon);
+  settings.warm_barrier = std::max(tuning::kWarmBarrier, tuning::kTighter * epsilon);
+  settings.warm_push = std::max(tuning::kWarmBarrier, tuning::kPushShare * epsilon);
   InteriorPointAnswer answer = run_ipopt(y, settings);
   ++row_.outer;
   iterations_before_ = row_.iteration;
@@ -219,7 +200,7 @@ std::vector<InteriorPointAnswer> IpoptSolver::solve_fixed(const InteriorPointAns
     settings.warm = &from;
     InteriorPointAnswer fixed = run_polish(from, settings);
     if (!fixed.is_good()) break;
-    if (solve == 0 && cost_at(fixed) > before + kPolishRise * (1 + std::abs(before))) break;
+    if (solve == 0 && cost_at(fixed) > before + tuning::kMostGain * (1 + std::abs(before))) break;
     polished.push_back(std::move(fixed));
     if (row_.iteration >= options_.max_iterations) break;
   }
@@ -230,7 +211,7 @@ InteriorPointSettings IpoptSolver::polish_settings(std::size_t solve, bool trial
   InteriorPointSettings settings = default_settings();
   settings.warm_barrier = kPolishBarriers[solve];
   if (solve > 0) settings.complementarity_tolerance = kPolishBarriers[solve];
-  if (trial || solve == 2) settings.max_iterations = kPolishIterations;
+  if (trial || solve == 2) settings.max_iterations = tuning::kPolishIterations;
   return settings;
 }
 

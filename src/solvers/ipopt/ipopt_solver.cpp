@@ -12,6 +12,7 @@
 #include "solvers/common/finite_check.hpp"
 #include "solvers/common/guess.hpp"
 #include "solvers/common/settled_cost.hpp"
+#include "solvers/common/tuning.hpp"
 #include "solvers/iterate/hessian_switch.hpp"
 
 namespace conddp {
@@ -19,13 +20,6 @@ namespace {
 
 using End = InteriorPointEnd;
 
-/// An iterate becomes the new center at this rotation from the center of its chart, rad; charts end
-/// at π.
-constexpr double kLargestAngle = 2;
-/// Initial barrier if all multipliers are known.
-constexpr double kWarmBarrier = 1e-9;
-/// Ipopt's own initial barrier, and the distance by which it pushes the start off bounds.
-constexpr double kColdBarrier = 0.1, kColdPush = 1e-2;
 /// Maximum number of log rows reserved before the first iteration.
 constexpr int kReservedRows = 10000;
 
@@ -94,7 +88,7 @@ void IpoptSolver::make_transcription(PairRelaxation relaxation) {
   transcription_ = std::make_unique<Transcription>(
       problem_, evaluator_,
       Transcription::Options{.gauss_newton = gauss_newton_,
-                             .cone_smoothing = 0.1 * options_.tolerances.constraint,
+                             .cone_smoothing = tuning::kTighter * options_.tolerances.constraint,
                              .relaxation = relaxation,
                              .epsilon = options_.complementarity.initial});
   best_ = Eigen::VectorXd::Zero(transcription_->variables());
@@ -140,7 +134,7 @@ Trajectory IpoptSolver::start_from(const Trajectory& guess) {
 
 void IpoptSolver::reset() {
   result_ = SolveResult(problem_);
-  result_.log.reserve(std::min(options_.max_iterations, kReservedRows) + kNewtonSteps + 1);
+  result_.log.reserve(std::min(options_.max_iterations, kReservedRows) + tuning::kTries + 1);
   row_ = IterationRecord();
   row_.exact_hessian = !gauss_newton_ && !wants_limited_memory(options_.ipopt);
   alternates_ = row_.exact_hessian && alternation_pays();
@@ -176,7 +170,7 @@ bool IpoptSolver::newton_is_enough(const Trajectory& start) {
   start_newton(start, options_.multipliers->constraints);
   record();
   consider();
-  while (!choice_.is_solution() && row_.iteration < kNewtonSteps && newton_.step())
+  while (!choice_.is_solution() && row_.iteration < tuning::kTries && newton_.step())
     note_newton_step();
   if (choice_.is_solution()) {
     sweep_at_answer();
@@ -205,22 +199,21 @@ bool IpoptSolver::knows_multipliers() const {
 /// unstable motions, are not informative.
 void IpoptSolver::start_with_multipliers(const Eigen::VectorXd& y, InteriorPointSettings& settings,
                                          PrimalDualPoint& first) {
-  constexpr double kCostStatesFirst = 1e6, kLargest = 1e3;
   if (!has_linear_costs(problem_) || transcription_->has_pairs() ||
       settings.make_factorization == nullptr || is_told_how_to_begin(settings.options))
     return;
   transcription_->set_point(y.data());
-  const Eigen::VectorXd weights = transcription_->weights_of_cost_states(kCostStatesFirst);
+  const Eigen::VectorXd weights = transcription_->weights_of_cost_states(tuning::kCostStatesFirst);
   if (weights.maxCoeff() == 1) return;
   const auto rows = first_multipliers(*transcription_, weights, settings.make_factorization);
-  if (!rows || rows->lpNorm<Eigen::Infinity>() > kLargest) return;
+  if (!rows || rows->lpNorm<Eigen::Infinity>() > tuning::kLargestFirst) return;
   first = {.y = y,
            .rows = *rows,
            .lower = Eigen::VectorXd::Ones(y.size()),
            .upper = Eigen::VectorXd::Ones(y.size())};
   settings.warm = &first;
-  settings.warm_barrier = kColdBarrier;
-  settings.warm_push = kColdPush;
+  settings.warm_barrier = tuning::kColdBarrier;
+  settings.warm_push = tuning::kColdPush;
 }
 
 /// Runs Ipopt, again from the last iterate whenever that has left the middle of its charts.
@@ -234,7 +227,7 @@ InteriorPointAnswer IpoptSolver::run_ipopt(Eigen::VectorXd y, InteriorPointSetti
     transcription_->write_multipliers(duals.costates, duals.constraints, duals.control_gradient,
                                       known.rows, known.lower, known.upper);
     settings.warm = &known;
-    settings.warm_barrier = kWarmBarrier;
+    settings.warm_barrier = tuning::kWarmBarrier;
   }
   if (settings.warm == nullptr) start_with_multipliers(y, settings, known);
   for (;;) {
@@ -327,7 +320,7 @@ IpoptSolver::Stop IpoptSolver::reason_to_stop(const InteriorPointIterate& iterat
 /// True if another run should continue from here with the iterate as the new center.
 bool IpoptSolver::leaves_chart(const InteriorPointIterate& iterate) const {
   return !iterate.restoration && row_.iteration < options_.max_iterations &&
-         transcription_->chart_angle() > kLargestAngle;
+         transcription_->chart_angle() > tuning::kLargestAngle;
 }
 
 /// True if Ipopt's iterate is feasible and its cost has settled to the caller's tolerance. With

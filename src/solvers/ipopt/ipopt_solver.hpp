@@ -38,8 +38,6 @@ class IpoptSolver {
  private:
   /// Reason why the callback stopped Ipopt.
   enum class Stop { none, recenter, time_limit, interrupted, cost_settled };
-  /// Maximum number of Newton steps on the active set.
-  static constexpr int kNewtonSteps = 10;
 
   void reset();
   Trajectory start_from(const Trajectory& guess);

@@ -4,19 +4,17 @@
 #include <limits>
 
 #include "ocp/knot/augmented_term.hpp"
+#include "solvers/common/tuning.hpp"
 
 namespace conddp {
 namespace {
-
-/// A smaller share of a diagonal entry is rounding of the subtraction.
-constexpr double kRounding = 1e-12;
 
 /// Largest diagonal entry of the costs among those that exceed rounding of the whole entry.
 template <class Diagonal>
 double largest_of_costs(const Eigen::VectorXd& costs, const Diagonal& whole) {
   double largest = 0;
   for (int i = 0; i < whole.size(); ++i)
-    if (costs[i] > kRounding * whole[i]) largest = std::max(largest, costs[i]);
+    if (costs[i] > tuning::kRounding * whole[i]) largest = std::max(largest, costs[i]);
   return largest;
 }
 

@@ -3,26 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "solvers/common/tuning.hpp"
+
 namespace conddp {
 namespace {
 
-/// Exact Hessians are expensive from this number of directions per knot on.
-constexpr int kDearDirections = 30;
-/// Minimum number of iterations over which convergence is judged.
-constexpr int kWatchedIterations = 10;
-/// Assumed cost of an exact Hessian per direction, in Gauss-Newton iterations, and assumed number
-/// of exact iterations in a solve. Evaluation by parts costs less, but switching earlier gains
-/// nothing.
-constexpr double kDirectionCost = 1;
-constexpr double kExactIterations = 4;
-/// Budget of exact iterations, in Gauss-Newton iterations, before their convergence is judged, and
-/// their minimum number.
-constexpr double kExactTrial = 1000;
-constexpr int kFewestExact = 8;
-/// Limits how often the window doubles.
+/// Doublings of the window, which keep it within an int.
 constexpr int kMostDoublings = 10;
-/// Rounding differences of equal Hessians, relative to their largest entry.
-constexpr double kSameHessian = 1e-12;
 
 bool has_linear_costs(const Phase& phase) {
   const std::vector<CostTerm>& costs = phase.model->costs();
@@ -43,7 +30,7 @@ bool exact_hessians_are_dear(const ShootingProblem& problem) {
   int directions = 0;
   for (int k = 0; k < problem.knots(); ++k)
     directions = std::max(directions, problem.knot(k).model->nz());
-  return directions >= kDearDirections;
+  return directions >= tuning::kDearDirections;
 }
 
 HessianUse hessian_use(HessianUse use, const SolverOptions& options,
@@ -62,7 +49,7 @@ bool same_hessian(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
     largest = std::max(largest, std::abs(a.data()[i]));
     apart = std::max(apart, std::abs(a.data()[i] - b.data()[i]));
   }
-  return apart <= kSameHessian * largest;
+  return apart <= tuning::kRounding * largest;
 }
 
 HessianSwitch::HessianSwitch(HessianUse use, double tolerance, Evaluator& evaluator,
@@ -71,7 +58,7 @@ HessianSwitch::HessianSwitch(HessianUse use, double tolerance, Evaluator& evalua
   if (use == HessianUse::gauss_newton) return;
   Eigen::Index nz = 0;
   for (const KnotLinearization& knot : linearization.knots) nz = std::max(nz, knot.gradient.size());
-  exact_cost_ = 1 + kDirectionCost * static_cast<double>(nz);
+  exact_cost_ = 1 + static_cast<double>(nz);
   if (use != HessianUse::when_slow) reserve();
 }
 
@@ -92,8 +79,9 @@ void HessianSwitch::reset() {
 /// Iterations over which the convergence of the current Hessians is judged. The window of
 /// Gauss-Newton Hessians doubles whenever exact ones have been given up.
 int HessianSwitch::window() const {
-  if (exact_wanted_) return std::max(kFewestExact, static_cast<int>(kExactTrial / exact_cost_));
-  return std::max(kWatchedIterations, static_cast<int>(exact_cost_ / 2))
+  if (exact_wanted_)
+    return std::max(tuning::kFewestExact, static_cast<int>(tuning::kExactTrial / exact_cost_));
+  return std::max(tuning::kWatchedIterations, static_cast<int>(exact_cost_ / 2))
          << std::min(returns_, kMostDoublings);
 }
 
@@ -102,10 +90,10 @@ int HessianSwitch::window() const {
 /// predicts how many iterations Gauss-Newton still needs; exact Hessians are assumed to need
 /// kExactIterations. While the cost falls substantially, that rate is meaningless.
 bool HessianSwitch::gauss_newton_is_slow(const IterationRecord& row) const {
-  if (watched_cost_ - row.cost >= 0.1 * std::abs(row.cost)) return false;
+  if (watched_cost_ - row.cost >= tuning::kTighter * std::abs(row.cost)) return false;
   const double decades = std::log10(watched_stationarity_ / row.stationarity) / window();
   const double wanted = std::log10(row.stationarity / tolerance_);
-  return !(wanted <= decades * kExactIterations * exact_cost_);
+  return !(wanted <= decades * tuning::kExactIterations * exact_cost_);
 }
 
 /// Far from an optimum, exact Hessians are as slow as others. They stay if, at their rate, they

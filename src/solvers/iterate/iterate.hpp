@@ -7,6 +7,7 @@
 #include "solvers/common/iteration_record.hpp"
 #include "solvers/common/options.hpp"
 #include "solvers/common/solve_record.hpp"
+#include "solvers/common/tuning.hpp"
 #include "solvers/iterate/ddp_recipe.hpp"
 #include "solvers/iterate/hessian_switch.hpp"
 #include "solvers/riccati/adjoint.hpp"
@@ -14,15 +15,8 @@
 
 namespace conddp {
 
-/// Share of the first-order decrease of the merit that a step has to reach, the usual one (Nocedal,
-/// Wright 2006, section 3.1).
-inline constexpr double kArmijo = 1e-4;
-
 /// The merit φ = J + ν Σ‖gap‖₁ around an iterate. With closed gaps, only the cost remains.
 struct MeritModel {
-  /// Armijo's rule sees a change of the merit from this multiple of its estimated rounding on.
-  static constexpr double kVisible = 10;
-
   double cost = 0;      ///< J of the iterate
   double gap_norm = 0;  ///< Σ‖gap‖₁ of the iterate, also of rows (OpenGapSearch)
   double penalty = 0;   ///< ν, large enough to make closing gaps a descent
@@ -35,11 +29,11 @@ struct MeritModel {
   /// True if the step initially lowers the merit, as far as rounding shows.
   bool descends() const { return merit_slope() < 0 || hidden(merit_slope()); }
   /// True if rounding hides a change of this size.
-  bool hidden(double change) const { return std::abs(change) <= kVisible * rounding; }
+  bool hidden(double change) const { return std::abs(change) <= tuning::kVisible * rounding; }
   /// Armijo's rule: a trial reaches kArmijo of the expected first-order decrease. The first trial
   /// also passes if rounding hides both decreases.
   bool passes(double expected, double actual, bool first) const {
-    if (expected > 0 && actual >= kArmijo * expected) return true;
+    if (expected > 0 && actual >= tuning::kArmijo * expected) return true;
     return first && hidden(expected) && hidden(actual);
   }
 };

@@ -3,19 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "solvers/common/tuning.hpp"
+
 namespace conddp {
 namespace {
 
-/// Share of the sufficient stationarity that becomes the goal, and the smallest goal as a share of
-/// the tolerance.
-constexpr double kGoalMargin = 0.5, kLeastGoal = 1e-5;
 /// Largest usable ratio of the gradient without gains to the stationarity.
-constexpr double kMostAmplified = kGoalMargin / kLeastGoal;
-/// Allowed distance of co-states from those along the other gains, relative to the largest of
-/// these, in stationarity tolerances. Gains that add up over the horizon cause such distances.
-constexpr double kCostateTolerance = 500;
-/// With constraints, stationarity may be at most this share of the cost's largest derivative.
-constexpr double kShareOfCost = 0.01;
+constexpr double kMostAmplified = tuning::kGoalMargin / tuning::kLeastGoal;
 
 double distance(const Eigen::MatrixXd& costates, const Eigen::MatrixXd& others) {
   return (costates - others).lpNorm<Eigen::Infinity>() /
@@ -37,7 +31,7 @@ StationarityCheck::StationarityCheck(const ShootingProblem& problem, const Contr
 
 bool StationarityCheck::confirm(const Iterate& iterate, const Eigen::VectorXd* multipliers) {
   agreed_ = false;
-  if (goal_ <= kLeastGoal * options_.tolerances.stationarity) return true;
+  if (goal_ <= tuning::kLeastGoal * options_.tolerances.stationarity) return true;
   const Apart apart = compare(iterate, multipliers);
   const double excess = std::max(apart.stationarity, apart.costates);
   agreed_ = !(excess > 1);
@@ -45,15 +39,16 @@ bool StationarityCheck::confirm(const Iterate& iterate, const Eigen::VectorXd* m
 }
 
 bool StationarityCheck::confirm_gain(const Iterate& iterate, double share) {
-  if (!(share > kMostGain)) return true;
-  if (goal_ <= kLeastGoal * options_.tolerances.stationarity) return !(share > kMostGainAtEnd);
-  return ask_for_less(iterate, std::sqrt(share / kMostGain));
+  if (!(share > tuning::kMostGain)) return true;
+  if (goal_ <= tuning::kLeastGoal * options_.tolerances.stationarity)
+    return !(share > tuning::kMostGainAtEnd);
+  return ask_for_less(iterate, std::sqrt(share / tuning::kMostGain));
 }
 
 /// Lowers the goal by this factor below the current stationarity. Returns false.
 bool StationarityCheck::ask_for_less(const Iterate& iterate, double excess) {
-  goal_ = std::max(kGoalMargin * iterate.stationarity().value / excess,
-                   kLeastGoal * options_.tolerances.stationarity);
+  goal_ = std::max(tuning::kGoalMargin * iterate.stationarity().value / excess,
+                   tuning::kLeastGoal * options_.tolerances.stationarity);
   return false;
 }
 
@@ -76,9 +71,9 @@ StationarityCheck::Apart StationarityCheck::compare(const Iterate& iterate,
   if (!found) return {};
   double most = tolerance;
   if (plain_ && plain_->cost_gradient() > 0)
-    most = std::min(most, kShareOfCost * plain_->cost_gradient());
+    most = std::min(most, tuning::kShareOfCost * plain_->cost_gradient());
   return {*found / most, distance(iterate.adjoint.costates(), other().costates()) /
-                             (kCostateTolerance * tolerance)};
+                             (tuning::kCostateTolerance * tolerance)};
 }
 
 /// ‖∇_u L‖∞ without gains: the gradient of the cost as a function of only the controls. Empty if

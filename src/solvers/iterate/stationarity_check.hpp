@@ -18,10 +18,6 @@ class StationarityCheck {
   StationarityCheck(const ShootingProblem& problem, const ControlBounds& bounds,
                     const SolverOptions& options, bool constrained);
 
-  /// Share of the cost that may be left to gain, and its limit if an answer ends before its goal or
-  /// the goal can get no smaller.
-  static constexpr double kMostGain = 1e-4, kMostGainAtEnd = 10 * kMostGain;
-
   /// Sets the goal to the tolerance at the start of a solve.
   void reset() {
     goal_ = options_.tolerances.stationarity;

@@ -6,21 +6,13 @@
 #include <numeric>
 
 #include "base/matrix_decompositions.hpp"
+#include "solvers/common/tuning.hpp"
 
 namespace conddp {
 namespace {
 
 using Matrix = Eigen::MatrixXd;
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
-/// A direction this small relative to the whole is rounding.
-constexpr double kSmallDirection = 1e-11;
-/// An eigenvalue this close to the unit circle does not decay: a double eigenvalue is known only to
-/// √ε.
-constexpr double kSlowestDecay = 1e-7;
-/// Largest relative residual of an acceptable solution.
-constexpr double kLargestResidual = 1e-6;
-/// Negative eigenvalues of a scaled cost down to this value are rounding.
-constexpr double kLeastCurvature = -1e-9;
 
 Matrix symmetric(const Matrix& M) { return 0.5 * (M + M.transpose()); }
 
@@ -37,7 +29,7 @@ Matrix new_directions(const Matrix& V, Matrix block, double scale) {
   for (int pass = 0; pass < 2; ++pass) block -= V * (V.transpose() * block);
   const Eigen::JacobiSVD<Matrix> svd(block, Eigen::ComputeThinU);
   const int rank =
-      static_cast<int>((svd.singularValues().array() > kSmallDirection * scale).count());
+      static_cast<int>((svd.singularValues().array() > tuning::kRounding * scale).count());
   return svd.matrixU().leftCols(rank);
 }
 
@@ -65,7 +57,7 @@ std::optional<LinearMode> lasting(const std::vector<LinearMode>& modes) {
   const auto slowest = std::max_element(
       modes.begin(), modes.end(),
       [](const auto& a, const auto& b) { return std::abs(a.eigenvalue) < std::abs(b.eigenvalue); });
-  if (slowest == modes.end() || std::abs(slowest->eigenvalue) < 1 - kSlowestDecay)
+  if (slowest == modes.end() || std::abs(slowest->eigenvalue) < 1 - std::sqrt(tuning::kUlps))
     return std::nullopt;
   return *slowest;
 }
@@ -125,7 +117,7 @@ Matrix cost_of(const RegulatorProblem& p, const Matrix& K) {
     const Matrix more = symmetric(power.transpose() * P * power);
     P += more;
     power = power * power;
-    if (!P.allFinite() || more.norm() <= 0.1 * kEpsilon * P.norm()) break;
+    if (!P.allFinite() || more.norm() <= tuning::kTighter * kEpsilon * P.norm()) break;
   }
   return P;
 }
@@ -155,7 +147,7 @@ Eigen::VectorXcd sorted_eigenvalues(const Matrix& M) {
   Eigen::VectorXcd values = M.eigenvalues();
   std::stable_sort(values.begin(), values.end(), [](const auto& a, const auto& b) {
     const double x = std::abs(a), y = std::abs(b);
-    return std::abs(x - y) > 1e-12 * (x + y) ? x > y : a.imag() > b.imag();
+    return std::abs(x - y) > tuning::kRounding * (x + y) ? x > y : a.imag() > b.imag();
   });
   return values;
 }
@@ -164,13 +156,13 @@ Eigen::VectorXcd sorted_eigenvalues(const Matrix& M) {
 RegulatorResult find_fault(const RegulatorProblem& p) {
   RegulatorResult result;
   result.eigenvalue = least_eigenvalue(p.R);
-  if (!(result.eigenvalue > -kLeastCurvature)) {
+  if (!(result.eigenvalue > tuning::kExact)) {
     result.fault = RegulatorFault::control_cost;
     return result;
   }
   const Separated s = separate(p);
   result.eigenvalue = least_eigenvalue(s.Q);
-  if (!(result.eigenvalue >= kLeastCurvature)) {
+  if (!(result.eigenvalue >= -tuning::kExact)) {
     result.fault = RegulatorFault::state_cost;
     return result;
   }
@@ -212,7 +204,7 @@ RegulatorResult solve_regulator(const RegulatorProblem& p) {
   double residual =
       P.allFinite() ? relative_residual(p, P) : std::numeric_limits<double>::infinity();
   if (P.allFinite()) refine(p, P, residual);
-  if (!(residual <= kLargestResidual)) {
+  if (!(residual <= std::sqrt(tuning::kRounding))) {
     result.fault = RegulatorFault::inaccurate;
     return result;
   }

@@ -3,16 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "solvers/common/tuning.hpp"
+
 namespace conddp {
-namespace {
-
-/// Rows of norm 1 with a smaller part in the pivot's columns depend on the previous rows.
-constexpr double kDependent = 1e-9;
-/// A row this small relative to the largest one is rounding, such as the derivative of a rotation
-/// about an axis about which nothing turns.
-constexpr double kNoRow = 1e-14;
-
-}  // namespace
 
 RowElimination::RowElimination(int max_rows, int columns)
     : rows_(Eigen::MatrixXd::Zero(max_rows, columns)),
@@ -31,7 +24,7 @@ void RowElimination::scale() {
   for (int i = 0; i < count_; ++i) largest = std::max(largest, unknowns(i).norm());
   for (int i = 0; i < count_; ++i) {
     const double norm = unknowns(i).norm();
-    if (norm <= kNoRow * largest) {
+    if (norm <= tuning::kRounding * largest) {
       unknowns(i).setZero();
       continue;
     }
@@ -56,7 +49,7 @@ int RowElimination::orthonormalize(int first_row, int first_column, int columns)
   int rank = 0;
   for (int j = first_row; j < count_ && rank < columns; ++j, ++rank) {
     const auto [pivot, largest] = largest_row(j, first_column, columns);
-    if (!(largest > kDependent)) break;
+    if (!(largest > tuning::kExact)) break;
     rows_.row(j).swap(rows_.row(pivot));
     operation_.row(j).swap(operation_.row(pivot));
     const auto combine = [&](int row, int with, double factor) {

@@ -3,25 +3,19 @@
 #include <algorithm>
 
 #include "solvers/common/options.hpp"
+#include "solvers/common/tuning.hpp"
 
 namespace conddp {
-namespace {
-
-/// Factor by which the rate of change grows or shrinks with each change, as Tassa's.
-constexpr double kFactor = 2;
-constexpr double kLargest = SolverOptions::Regularization::kLargest;
-
-}  // namespace
 
 bool RegularizationSchedule::increase() {
-  if (value_ >= kLargest) return false;
-  rate_ = std::max(kFactor, rate_ * kFactor);
-  value_ = std::clamp(value_ * rate_, min_, kLargest);
+  if (value_ >= SolverOptions::Regularization::kLargest) return false;
+  rate_ = std::max(tuning::kRegularizationFactor, rate_ * tuning::kRegularizationFactor);
+  value_ = std::clamp(value_ * rate_, min_, SolverOptions::Regularization::kLargest);
   return true;
 }
 
 void RegularizationSchedule::decrease() {
-  rate_ = std::min(1 / kFactor, rate_ / kFactor);
+  rate_ = std::min(1 / tuning::kRegularizationFactor, rate_ / tuning::kRegularizationFactor);
   value_ *= rate_;
   if (value_ < min_) value_ = 0;
 }

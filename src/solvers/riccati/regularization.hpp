@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "solvers/common/tuning.hpp"
+
 namespace conddp {
 
 /// The weight μ of the sweep's regularization, adapted by Tassa's quadratic schedule (Tassa, Erez,
@@ -21,7 +23,7 @@ class RegularizationSchedule {
 
  private:
   double value_;
-  double min_ = 1e-6;  ///< as Tassa's
+  double min_ = tuning::kLeastRegularization;
   double rate_ = 1;
 };
 

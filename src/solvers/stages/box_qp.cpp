@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "solvers/common/tuning.hpp"
 #include "solvers/linalg/cholesky.hpp"
 
 namespace conddp {
@@ -12,12 +12,9 @@ namespace {
 using VectorIn = Eigen::Ref<const Eigen::VectorXd>;
 using MatrixIn = Eigen::Ref<const Eigen::MatrixXd>;
 
-constexpr double kShortestStep = 1e-12;
 /// Limit of the iterations. Each changes the active set, mostly for the last time, and stages have
 /// far fewer controls.
 constexpr int kMostIterations = 100;
-/// Share of the first-order decrease that a projected step has to reach, as Tassa's.
-constexpr double kArmijoShare = 0.1;
 
 BoundState state_of(double x, double lower, double upper, double gradient, BoundState hint) {
   const bool at_lower = x <= lower, at_upper = x >= upper;
@@ -110,8 +107,7 @@ BoxQp::Status BoxQp::solve(const MatrixIn& H, const VectorIn& g, const VectorIn&
     const bool first = iterations_ == 0;
     const bool changed = update_free_set(lower, upper, first, active);
     if (changed && !factor_free_block(H)) return Status::not_positive_definite;
-    const double rounding =
-        4 * std::numeric_limits<double>::epsilon() * (g_max + H_max * x.lpNorm<1>());
+    const double rounding = tuning::kUlps * (g_max + H_max * x.lpNorm<1>());
     if ((newton_point && !changed) || free_gradient_vanishes(rounding)) {
       if (!first) return Status::solved;
       continue;
@@ -147,7 +143,7 @@ BoxQp::Descent BoxQp::search(const MatrixIn& H, const VectorIn& lower, const Vec
   auto step = step_.head(size_);
   auto H_step = H_step_.head(size_);
   const Block block = first_block(lower, upper);
-  const double shortest = std::min(kShortestStep, block.length);
+  const double shortest = std::min(tuning::kRounding, block.length);
   for (double length = 1; length >= shortest && length > 0;) {
     const bool projected = project_trial(length, lower, upper);
     if (length == block.length) trial_[block.entry] = block.bound;
@@ -155,7 +151,7 @@ BoxQp::Descent BoxQp::search(const MatrixIn& H, const VectorIn& lower, const Vec
     H_step.noalias() = H * step;
     const double slope = gradient_.head(size_).dot(step);
     const double change = slope + 0.5 * step.dot(H_step);
-    if (slope < 0 && change <= kArmijoShare * slope)
+    if (slope < 0 && change <= tuning::kArmijo * slope)
       return length == 1 && !projected ? Descent::newton : Descent::shorter;
     const bool passes = length > block.length && length / 2 < block.length;
     length = passes ? block.length : length / 2;

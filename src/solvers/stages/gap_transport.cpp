@@ -3,13 +3,11 @@
 #include <limits>
 
 #include "ocp/evaluation/matrix_vector.hpp"
+#include "solvers/common/tuning.hpp"
 #include "solvers/linalg/curved_blocks.hpp"
 
 namespace conddp {
 namespace {
-
-/// Gaps up to this size are the rounding errors of a closed gap.
-constexpr double kRounding = 4 * std::numeric_limits<double>::epsilon();
 
 /// part ← B part, or Bᵀ part, for a row-major block.
 template <int n>
@@ -34,7 +32,7 @@ GapTransport::GapTransport(const StateManifold& manifold)
       wrt_dx_(G_.size()) {}
 
 void GapTransport::set(const Eigen::Ref<const Eigen::VectorXd>& gap) {
-  none_ = gap.lpNorm<Eigen::Infinity>() <= kRounding;
+  none_ = gap.lpNorm<Eigen::Infinity>() <= tuning::kUlps;
   identity_ = none_ || manifold_.curved().empty();
   if (none_) return;
   gap_ = gap;

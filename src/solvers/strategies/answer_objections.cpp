@@ -7,28 +7,12 @@
 
 #include "solvers/common/control_bounds.hpp"
 #include "solvers/common/feasible.hpp"
+#include "solvers/common/tuning.hpp"
 #include "solvers/strategies/joined_solves.hpp"
 #include "solvers/strategies/strategies.hpp"
 
 namespace conddp {
 namespace {
-
-/// Solves that may follow the first one.
-constexpr int kMostRounds = 6;
-/// Largest excess that the certificate allows. It is worth the iterations of the first solve, and
-/// at least a few.
-constexpr double kAllowed = 100;
-constexpr int kFewIterations = 20;
-/// The gain falls as the square of the stationarity; half of the stationarity that should suffice
-/// is requested.
-constexpr double kMargin = 0.5;
-/// Largest share of an excess that a further solve may leave for another one to follow.
-constexpr double kProgress = 0.5;
-/// Smallest requested share of the tolerances.
-constexpr double kLeastShare = 1e-6;
-/// Step lengths along a descent direction, as shares of the ranges of motion, the largest first.
-constexpr int kLengths = 6;
-constexpr double kShorter = 0.25;
 
 SolverOptions::Tolerances tightened(SolverOptions::Tolerances t, double share) {
   for (double* tolerance : {&t.stationarity, &t.gap, &t.constraint, &t.complementarity})
@@ -86,14 +70,13 @@ Trajectory moved(const ShootingProblem& problem, const Trajectory& from,
 /// the direction's own sign if both are similar.
 std::array<Trajectory, 2> along_descent(const ShootingProblem& problem, const SolveResult& answer,
                                         const std::vector<Eigen::VectorXd>& direction) {
-  constexpr double kAlike = 1e-3;
   Lagrangian lagrangian(problem, answer);
   const double here = lagrangian.at(answer.trajectory);
   std::array<Trajectory, 2> best{answer.trajectory, answer.trajectory};
   std::array<double, 2> lowest{here, here};
   for (const int way : {0, 1}) {
     double length = way == 0 ? 1 : -1;
-    for (int i = 0; i < kLengths; ++i, length *= kShorter) {
+    for (int i = 0; i < tuning::kTries; ++i, length /= 2) {
       Trajectory trial = moved(problem, answer.trajectory, direction, length);
       const double value = lagrangian.at(trial);
       if (!(value < lowest[way])) continue;
@@ -101,7 +84,7 @@ std::array<Trajectory, 2> along_descent(const ShootingProblem& problem, const So
       best[way] = std::move(trial);
     }
   }
-  if (here - lowest[1] > (1 + kAlike) * (here - lowest[0])) std::swap(best[0], best[1]);
+  if (here - lowest[1] > (1 + tuning::kMostGain) * (here - lowest[0])) std::swap(best[0], best[1]);
   return best;
 }
 
@@ -154,8 +137,8 @@ SolveResult solve_answering(const ShootingProblem& problem, const SolverOptions&
   solves.add(result);
   remaining = doubt(problem, result);
   double share = 1;
-  const int most = std::max(kFewIterations, result.iterations);
-  for (int round = 0; round < kMostRounds && solves.iterations_left() > 0; ++round) {
+  const int most = std::max(tuning::kTries, result.iterations);
+  for (int round = 0; round < tuning::kRounds && solves.iterations_left() > 0; ++round) {
     const double before = remaining.excess;
     // Curvature along which nothing is lower belongs to an active set that is not settled.
     if (!remaining.descent.empty() &&
@@ -164,15 +147,15 @@ SolveResult solve_answering(const ShootingProblem& problem, const SolverOptions&
       continue;
     }
     if (!(before > 1)) break;
-    share = std::max(kLeastShare, share * kMargin / std::sqrt(before));
+    share = std::max(tuning::kLeastGoal, share * tuning::kGoalMargin / std::sqrt(before));
     SolverOptions own = from_answer(result, solves.next());
     own.tolerances = tightened(options.tolerances, share);
-    if (before <= kAllowed) own.max_iterations = std::min(own.max_iterations, most);
+    if (before <= tuning::kExcess) own.max_iterations = std::min(own.max_iterations, most);
     SolveResult next = solve(own, result.trajectory);
     if (!is_answer(next, options)) break;
     take(std::move(next), remaining, solves, result);
     remaining = doubt(problem, result);
-    if (!(remaining.excess < kProgress * before)) break;
+    if (!(remaining.excess < tuning::kProgress * before)) break;
   }
   return solves.answer(std::move(result));
 }

@@ -4,16 +4,12 @@
 
 #include <fmt/format.h>
 
+#include "solvers/common/tuning.hpp"
 #include "solvers/strategies/joined_solves.hpp"
 #include "solvers/strategies/strategies.hpp"
 
 namespace conddp {
 namespace {
-
-/// Relative increase of the cost that counts as more.
-constexpr double kMore = 1e-6;
-/// Factors on a first penalty that releases constraints; the last ones hold them.
-constexpr double kStronger[] = {1e3, 1e6};
 
 SolverOptions with_penalty(SolverOptions options, double factor) {
   auto& penalty = options.augmented_lagrangian;
@@ -36,13 +32,13 @@ bool is_worse(const SolveResult& result, const IterationRecord& guess,
               const SolverOptions::Tolerances& tolerances) {
   if (!has_ended(result.status)) return false;
   return !satisfies(result.residuals.gap, result.residuals.constraint, tolerances) ||
-         !(result.cost <= guess.cost + kMore * std::abs(guess.cost));
+         !(result.cost <= guess.cost + tuning::kEqualCost * std::abs(guess.cost));
 }
 
 }  // namespace
 
 SolverOptions options_near(const SolverOptions& options) {
-  return with_penalty(options, *std::rbegin(kStronger));
+  return with_penalty(options, tuning::kStronger * tuning::kStronger);
 }
 
 SolveResult solve_keeping_guess(const SolverOptions& options, const Trajectory& guess,
@@ -56,7 +52,7 @@ SolveResult solve_keeping_guess(const SolverOptions& options, const Trajectory& 
   const std::string before = fmt::format("from a feasible guess of cost {:.9g} to {}, cost {:.9g}",
                                          first.cost, to_string(result.status), result.cost);
   solves.add(result);
-  for (const double factor : kStronger) {
+  for (const double factor : {tuning::kStronger, tuning::kStronger * tuning::kStronger}) {
     if (!penalizes || solves.iterations_left() <= 0) break;
     result = solve(with_penalty(solves.next(), factor), guess);
     solves.add(result);

@@ -5,15 +5,12 @@
 
 #include <fmt/format.h>
 
+#include "solvers/common/tuning.hpp"
 #include "solvers/strategies/joined_solves.hpp"
 #include "solvers/strategies/strategies.hpp"
 
 namespace conddp {
 namespace {
-
-constexpr double kFirstStep = 0.25;
-constexpr double kShortestStep = 1.0 / 512;
-constexpr int kLeastLimit = 50;
 
 bool is_limit(SolveStatus status) {
   return status == SolveStatus::time_limit || status == SolveStatus::interrupted;
@@ -116,7 +113,7 @@ class Walk {
       return std::nullopt;
     }
     step_ = 0.5 * (next - share_);
-    if (is_limit(status) || step_ < kShortestStep || way_.iterations_left() == 0)
+    if (is_limit(status) || step_ < tuning::kLeastShareStep || way_.iterations_left() == 0)
       return fmt::format("{} at s = {:.4g}: the step to {:.4g} ended as {}",
                          is_limit(status) ? "stopped" : "stuck", share_, next, to_string(status));
     return std::nullopt;
@@ -138,7 +135,7 @@ class Walk {
       way_.note_impossible(share);
       return SolveStatus::infeasible;
     }
-    const int limit = std::min(std::max(kLeastLimit, iterations_), way_.iterations_left());
+    const int limit = std::min(std::max(tuning::kLeastLimit, iterations_), way_.iterations_left());
     SolveResult result = way_.attempt(share, share == 1 ? problem_ : *between, std::array{used_},
                                       start_, limit, used_);
     const SolveStatus status = result.status;
@@ -162,7 +159,7 @@ class Walk {
   std::optional<SolveResult> last_;
   int quick_ = 0;       ///< largest number of iterations of an easy step
   int iterations_ = 0;  ///< iterations of all answers
-  double share_ = 0, step_ = kFirstStep;
+  double share_ = 0, step_ = tuning::kFirstShare;
 };
 
 }  // namespace

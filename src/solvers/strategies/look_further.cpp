@@ -11,15 +11,11 @@
 #include <utility>
 
 #include "base/shared_library.hpp"
+#include "solvers/common/tuning.hpp"
 #include "solvers/strategies/strategies.hpp"
 
 namespace conddp {
 namespace {
-
-/// Perturbed guesses that are tried in parallel, once and for as long as all answers jump.
-constexpr int kBeside = 2;
-/// Iterations of an attempt: as a multiple of those of the best one, and at least.
-constexpr int kTimes = 4, kLeast = 50;
 
 /// Estimate of an iteration's time, up to a factor: over all knots, states and controls times the
 /// sum of these and the rows of constraints.
@@ -67,13 +63,13 @@ class FurtherLook {
     for (const Attempt& attempt : attempts_) start = std::max(start, attempt.start);
     const auto try_next = [&] {
       std::vector<Trial> next;
-      for (int i = 0; i < kBeside; ++i) next.push_back({used_, ++start});
+      for (int i = 0; i < tuning::kBeside; ++i) next.push_back({used_, ++start});
       try_all(std::move(next));
     };
     try_next();
     if (options_.look_further > 0)
       most_iterations_ = std::max(most_iterations_, iterations_ + options_.max_iterations);
-    while (chosen().jumps && start < kMostRestarts && may_go_on()) try_next();
+    while (chosen().jumps && start < tuning::kTries && may_go_on()) try_next();
     return end();
   }
 
@@ -129,9 +125,9 @@ class FurtherLook {
     if (threads > 1) own.threads = 1;
     own.max_time_s = seconds_left();
     if (!jumps)
-      own.max_iterations =
-          std::min(own.max_iterations, std::max(kLeast, kTimes * best_.iterations));
-    const SolverOptions::Restarts far{.seed = options_.restarts.seed, .spread = kFarSpread};
+      own.max_iterations = std::min(
+          own.max_iterations, std::max(tuning::kLeastLimit, tuning::kTimes * best_.iterations));
+    const SolverOptions::Restarts far{.seed = options_.restarts.seed, .spread = tuning::kFarSpread};
     try {
       trial.result =
           solve_(*trial.solver, own, start_of(problem_, far, guess_, trial.start), trial.objection);
@@ -161,7 +157,7 @@ class FurtherLook {
     if (chosen().jumps) return true;
     const bool doubted = !objection.text.empty(), was_doubted = !chosen().objection.empty();
     if (doubted && !was_doubted) return false;
-    const double less = kLessCost * std::max(std::abs(best_.cost), std::abs(result.cost));
+    const double less = tuning::kMostGain * std::max(std::abs(best_.cost), std::abs(result.cost));
     return best_.cost - result.cost > (was_doubted && !doubted ? -less : less);
   }
 

@@ -4,20 +4,15 @@
 #include <cmath>
 
 #include "ocp/evaluation/evaluator.hpp"
+#include "solvers/common/tuning.hpp"
 
 namespace conddp {
 namespace {
 
-/// Binary logarithms: range of usual sizes, range beyond which sizes lie far apart, and limit of
-/// all sizes.
-constexpr double kUsual = 5, kFar = 13, kMost = 40;
-
-/// A smaller number that is the difference of others may be pure rounding.
-constexpr double kRounding = 1e-9;
-
 double power_of_two(double size) {
   if (!(size > 0)) return 1;
-  return std::exp2(std::round(std::clamp(std::log2(size), -kMost, kMost)));
+  return std::exp2(
+      std::round(std::clamp(std::log2(size), -tuning::kMostSizes, tuning::kMostSizes)));
 }
 
 /// True if all sizes are within a range of binary logarithms. An unknown size (0) always is.
@@ -33,7 +28,7 @@ bool are_within(const ProblemUnits& units, double range) {
   return are_within(units.state, -range, range) &&
          std::ranges::all_of(units.models, [range](const auto& model) {
            return are_within(model.second.control, -range, range) &&
-                  are_within(model.second.row_factors, -range, kMost);
+                  are_within(model.second.row_factors, -range, tuning::kMostSizes);
          });
 }
 
@@ -71,12 +66,12 @@ class UnitFinder {
     find_sizes();
     const ProblemUnits known = units_;
     round();
-    units_.far_apart = !are_within(units_, kFar);
+    units_.far_apart = !are_within(units_, tuning::kFarSizes);
     if (!units_.far_apart) {
       units_ = known;
       meet_responses();
       round();
-      if (are_within(units_, kUsual)) return std::nullopt;
+      if (are_within(units_, tuning::kUsualSizes)) return std::nullopt;
     }
     for (auto& [model, own] : units_.models)
       for (double& factor : own.row_factors) factor = 1 / power_of_two(factor);
@@ -107,7 +102,7 @@ class UnitFinder {
                                                : guess_.u(c.node)[column - problem_.ndx()];
       for (const double bound : {c.lower[r], c.upper[r]}) {
         const double way = (bound - linearization_.constraint[c.row + r]) / C[column];
-        if (std::abs(z + way) > kRounding * std::max(1.0, std::abs(z))) meet(z + way, size);
+        if (std::abs(z + way) > tuning::kExact * std::max(1.0, std::abs(z))) meet(z + way, size);
       }
     }
   }

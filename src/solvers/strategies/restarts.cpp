@@ -10,31 +10,22 @@
 #include <fmt/format.h>
 
 #include "solvers/common/guess.hpp"
+#include "solvers/common/tuning.hpp"
 #include "solvers/strategies/joined_solves.hpp"
 #include "solvers/strategies/strategies.hpp"
 
 namespace conddp {
 namespace {
 
-/// Costs that differ by less than this share are equal.
-constexpr double kEqualCost = 1e-6;
-/// Trajectories that differ by less than this share of their extent are equal: if a cost is flat to
-/// kEqualCost, states are known to about its square root.
-constexpr double kEqualStates = 1e-2;
-/// If this many starts, including the guess, all end at the same least violation, it is a property
-/// of the constraints and not of the starts.
-constexpr int kAlike = 5;
-constexpr double kEqualViolation = 1e-6;
-
 bool equal_costs(double a, double b) {
-  return std::abs(a - b) <= kEqualCost * std::max(std::abs(a), std::abs(b));
+  return std::abs(a - b) <= tuning::kEqualCost * std::max(std::abs(a), std::abs(b));
 }
 
 /// True if two answers are least violations of equal size.
 bool equal_violations(const SolveResult& a, const SolveResult& b) {
   return a.status == SolveStatus::infeasible && b.status == SolveStatus::infeasible &&
          std::abs(a.residuals.constraint - b.residuals.constraint) <=
-             kEqualViolation * a.residuals.constraint;
+             tuning::kEqualCost * a.residuals.constraint;
 }
 
 /// Largest entry of x_k ⊖ y_k over all nodes. `y` may be the state of one node throughout.
@@ -51,7 +42,7 @@ double distance(const ShootingProblem& problem, const Trajectory& x, const Other
 
 bool equal_trajectories(const ShootingProblem& problem, const Trajectory& a, const Trajectory& b) {
   const double extent = distance(problem, a, [&](int) { return a.x(0); });
-  return distance(problem, a, [&](int k) { return b.x(k); }) <= kEqualStates * extent;
+  return distance(problem, a, [&](int k) { return b.x(k); }) <= tuning::kEqualStates * extent;
 }
 
 struct Outcome {
@@ -255,14 +246,15 @@ SolveResult solve_from_elsewhere(const ShootingProblem& problem, const SolverOpt
   std::optional<SolveResult> found;
   std::vector<Attempt> attempts = failed.attempts;
   int alike = 1;
-  for (int start = 1; start <= kMostRestarts && solves.iterations_left() > 0; ++start) {
+  for (int start = 1; start <= tuning::kTries && solves.iterations_left() > 0; ++start) {
     if (!(options.max_time_s > solves.seconds()) || (options.interrupted && options.interrupted()))
       break;
     const SolverInfo* by = nullptr;
     SolveResult result = solve(start_of(problem, far, guess, start), solves.next(), by);
     solves.add(result);
     attempts.push_back(attempt_of(*by, start, result, {}));
-    if (alike == record.starts++ && equal_violations(failed, result) && ++alike == kAlike) {
+    if (alike == record.starts++ && equal_violations(failed, result) &&
+        ++alike == tuning::kAlikeStarts) {
       failed.message += fmt::format("; the violation is the same from {} starts", alike);
       break;
     }
@@ -276,7 +268,7 @@ SolveResult solve_from_elsewhere(const ShootingProblem& problem, const SolverOpt
     record.answer = start;
     record.basins = {{.cost = result.cost, .starts = 1, .first = start}};
     result.message = fmt::format("{}; {} from restart {} of at most {}: {}", failed.message,
-                                 by->name, start, kMostRestarts, result.message);
+                                 by->name, start, tuning::kTries, result.message);
     found = std::move(result);
     if (doubts.empty()) break;
   }

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "ocp/problem/violation_problem.hpp"
+#include "solvers/common/tuning.hpp"
 #include "solvers/constraints/violation_slope.hpp"
 #include "solvers/ddp/ddp_solver.hpp"
 #include "solvers/strategies/joined_solves.hpp"
@@ -11,15 +12,6 @@
 
 namespace conddp {
 namespace {
-
-constexpr int kMostRestorations = 3;
-/// Number of times that an `infeasible` answer is followed by another solve because the violation
-/// falls, and the relative decrease of the squared violation that counts.
-constexpr int kMostDescents = 3;
-constexpr double kFell = 1e-2;
-/// Allowed ratio of the violation on the motion of the controls to the violation at the given
-/// states.
-constexpr double kSimulated = 10;
 
 bool can_restore(const ShootingProblem& problem) {
   const auto& constraints = problem.constraints();
@@ -67,7 +59,7 @@ bool can_simulate(const ShootingProblem& problem, const Trajectory& start) {
   };
   const double at_states = violation();
   bounds.clamp(motion);
-  return evaluator.simulate(motion) < 0 && violation() <= kSimulated * at_states;
+  return evaluator.simulate(motion) < 0 && violation() <= tuning::kSimulated * at_states;
 }
 
 }  // namespace
@@ -109,7 +101,7 @@ SolveResult solve_with_restoration(const ShootingProblem& problem, const SolverO
   if (!got_stuck(result, options)) return result;
   solves.add(result);
   std::string note;
-  const int most = can_restore(problem) ? kMostRestorations : 0;
+  const int most = can_restore(problem) ? tuning::kRestorations : 0;
   for (int i = 1; i <= most && got_stuck(result, options) && solves.iterations_left() > 0; ++i) {
     note += fmt::format("stalled at iteration {}, restoration of feasibility; ",
                         options.max_iterations - solves.iterations_left());
@@ -148,17 +140,17 @@ SolveResult confirm_infeasible(
   const double before_s = result.times.total;
   JoinedSolves solves(options);
   solves.add(result);
-  for (int i = 0; i < kMostDescents && result.status == SolveStatus::infeasible; ++i) {
+  for (int i = 0; i < tuning::kRestorations && result.status == SolveStatus::infeasible; ++i) {
     const std::string objection = doubt ? doubt(problem, result).text : "";
     evaluator.evaluate(result.trajectory, values);
     const double before = values.cost.sum();
     const SolveResult least = minimize(violation, result.trajectory);
-    const bool falls = least.cost < (1 - kFell) * before;
+    const bool falls = least.cost < (1 - tuning::kRestored) * before;
     // If a certificate confirms a minimum, a slowly falling search need not converge.
     const bool searched =
         is_success(least.status) || (doubt && least.status == SolveStatus::max_iterations);
     if (!falls && searched && objection.empty()) break;
-    if (!falls || i + 1 == kMostDescents || solves.iterations_left() <= 0) {
+    if (!falls || i + 1 == tuning::kRestorations || solves.iterations_left() <= 0) {
       name_undecided(result);
       break;
     }

@@ -11,14 +11,12 @@
 #include "base/shared_library.hpp"
 #include "ocp/problem/by_name.hpp"
 #include "solvers/common/guess.hpp"
+#include "solvers/common/tuning.hpp"
 #include "solvers/strategies/registry.hpp"
 #include "solvers/strategies/strategies.hpp"
 
 namespace conddp {
 namespace {
-
-/// Larger residuals mean divergence: of a gradient, and of a gap.
-constexpr double kLargestStationarity = 1e16, kLargestGap = 1e10;
 
 /// True if a solve was ended from outside.
 bool stopped(SolveStatus status) {
@@ -27,7 +25,7 @@ bool stopped(SolveStatus status) {
 
 /// True if residuals are far beyond rounding of a motion in SI units.
 bool is_far(const Residuals& r) {
-  return r.stationarity > kLargestStationarity || r.gap > kLargestGap;
+  return r.stationarity > tuning::kLargestStationarity || r.gap > tuning::kLargestGap;
 }
 
 /// Marks an answer that ended far away as diverged, whatever ended its iterations.
@@ -119,8 +117,9 @@ std::optional<SolveResult> run_if_loaded(const ShootingProblem& problem, const S
 /// jumping, its residuals are no longer far off, or it is a least violation.
 bool says_more(const SolveResult& later, const Objection& objection, const SolveResult& first) {
   if (is_success(first.status) && is_success(later.status))
-    return !objection.jumps && first.cost - later.cost >
-                                   kLessCost * std::max(std::abs(first.cost), std::abs(later.cost));
+    return !objection.jumps &&
+           first.cost - later.cost >
+               tuning::kMostGain * std::max(std::abs(first.cost), std::abs(later.cost));
   if (is_success(first.status) || is_success(later.status)) return !is_success(first.status);
   return (is_far(first.residuals) && !is_far(later.residuals)) ||
          (later.status == SolveStatus::infeasible && first.status != SolveStatus::infeasible);
@@ -188,8 +187,8 @@ SolveResult solve_or_restart(const ShootingProblem& problem, SolverList candidat
   SolveResult result = run_first(problem, candidates, options, guess, doubt, used);
   if (candidates.size() < 2 || is_success(result.status) || ends_all(result.status, options))
     return result;
-  for (const auto& [one, spread] :
-       {std::pair(candidates.first(1), kFarSpread), {candidates.last(1), kFartherSpread}}) {
+  for (const auto& [one, spread] : {std::pair(candidates.first(1), tuning::kFarSpread),
+                                    {candidates.last(1), tuning::kFartherSpread}}) {
     SolverOptions own = options;
     own.max_time_s -=
         std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();

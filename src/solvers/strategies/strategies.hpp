@@ -87,13 +87,6 @@ SolveResult solve_answering(const ShootingProblem& problem, const SolverOptions&
 using Solve =
     std::function<SolveResult(const Trajectory&, const SolverOptions&, const SolverInfo*&)>;
 
-/// Spread of guesses far from a failed guess: near ones lead to the same answer
-/// (docs/measurements/hard_cases.md).
-inline constexpr double kFarSpread = 1, kFartherSpread = 10;
-
-/// Maximum number of restarts after a failure.
-inline constexpr int kMostRestarts = 20;
-
 /// Guess of a start; start 0 is the guess itself.
 Trajectory start_of(const ShootingProblem& problem, const SolverOptions::Restarts& restarts,
                     const Trajectory& guess, int start);
@@ -143,9 +136,6 @@ SolveResult solve_homotopy(const ShootingProblem& problem, SolverList candidates
 /// Solves with one solver from a guess; the last argument receives the objection to the answer.
 using SolveOnce = std::function<SolveResult(const SolverInfo&, const SolverOptions&,
                                             const Trajectory& guess, Objection&)>;
-
-/// Minimum relative cost decrease of a better answer, larger than tolerances leave open.
-inline constexpr double kLessCost = 1e-4;
 
 /// Looks for a better answer than `found`, which `used` has given. First it tries the candidates
 /// without an attempt so far, from the guess; then the best solver so far, from two random
