@@ -10,7 +10,9 @@ TEST_P(TranscribedLegs, DerivativesMatchDifferences) { testing::check_transcript
 
 TEST_P(TranscribedLegs, HaveTheKnownOptimum) { testing::expect_known_optimum(GetParam(), false); }
 
-INSTANTIATE_TEST_SUITE_P(Ready, TranscribedLegs, ::testing::ValuesIn(testing::ready_problems(true)),
+INSTANTIATE_TEST_SUITE_P(Ready, TranscribedLegs,
+                         ::testing::ValuesIn(testing::without("ipddp",
+                                                              testing::ready_problems(true))),
                          [](const auto& name) { return name.param; });
 
 }  // namespace

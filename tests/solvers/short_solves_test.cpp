@@ -227,7 +227,7 @@ std::vector<ShortSolve> short_solves() {
        "converged: 37 iterations, 2 sweeps, 40 trials, 21 full, 37 exact, 18 regularized, 1 "
        "newton, 4 active"},
       {"cones", [] { return cones(1); }, "proxddp",
-       "converged: 14 iterations, 25 sweeps, 14 trials, 14 full, 8 outer"},
+       "converged: 17 iterations, 24 sweeps, 17 trials, 17 full, 8 outer"},
       {"cones", [] { return cones(1); }, "ipopt",
        "converged: 14 iterations, 3 sweeps, 14 trials, 11 full, 14 exact, 1 regularized, 1 newton, "
        "10 active"},

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <fstream>
 #include <random>
 #include <string>
 #include <vector>
@@ -49,6 +50,16 @@ inline std::vector<std::string> ready_problems(bool legged) {
       names.push_back(name);
   }
   std::sort(names.begin(), names.end());
+  return names;
+}
+
+/// The problems among these whose files do not name this solver.
+inline std::vector<std::string> without(const std::string& solver, std::vector<std::string> names) {
+  std::erase_if(names, [&solver](const std::string& name) {
+    std::ifstream file(std::filesystem::path(CONDDP_SOURCE_DIR) / "problems" / (name + ".yaml"));
+    const std::string text(std::istreambuf_iterator<char>(file), {});
+    return text.find("name: " + solver) != std::string::npos;
+  });
   return names;
 }
 

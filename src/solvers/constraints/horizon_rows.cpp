@@ -367,7 +367,7 @@ bool HorizonRows::revise_cone(int term, KnotLinearization& knot) {
   const auto found = found_.segment(c.row, c.count);
   offset = found - offset_.segment(c.row, c.count);
   offset.noalias() -= cone_slope_[term] * s;
-  if (offset.norm() <= allowed_) return false;
+  if (offset.norm() <= std::max(allowed_, tuning::kConeShare * found.norm())) return false;
   keep(knot, nodes_[c.node]);
   Eigen::Map<Eigen::MatrixXd> slope(new_slope_.data(), c.count, c.count);
   outside_cone_at(c, s.data(), offset.data(), slope.data());
