@@ -26,7 +26,7 @@ struct Candidates {
 };
 
 /// Candidates of contact-implicit steps, but those against the world touch the plant's ground.
-Candidates candidates_of(const SteppingSystem& system, const ProblemSpec& spec) {
+Candidates candidates_of(const SteppingSystem& system, const std::vector<TouchedSpec>& ground) {
   Candidates all{system.contacts(), {}};
   all.contacts.candidates.clear();
   const std::vector<ContactCandidate>& own = system.contacts().candidates;
@@ -41,13 +41,14 @@ Candidates candidates_of(const SteppingSystem& system, const ProblemSpec& spec) 
     if (carried || own[i].sphere.frame < 0)
       add(own[i].against);
     else
-      for (const TouchedSpec& shape : spec.mpc->plant.ground) add(touched_form(shape, -1));
+      for (const TouchedSpec& shape : ground) add(touched_form(shape, -1));
   }
   return all;
 }
 
 Candidates candidates_of(const ProblemSpec& spec, const Plant& plant, Diagnostics& out) {
-  if (const auto stepping = plant.stepping()) return candidates_of(*stepping, spec);
+  if (const auto stepping = plant.stepping())
+    return candidates_of(*stepping, spec.mpc->plant.ground);
   Candidates all;
   for (std::size_t i = 0; i < spec.contacts.size(); ++i) {
     const ContactSpec& contact = spec.contacts[i];

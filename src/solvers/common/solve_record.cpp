@@ -67,6 +67,16 @@ bool SolveRecord::may_continue() {
   return budget_left();
 }
 
+void SolveRecord::write_residuals() {
+  result.residuals = {.stationarity = row.stationarity,
+                      .gap = row.gap,
+                      .constraint = row.constraint,
+                      .complementarity = row.complementarity,
+                      .stationarity_knot = row.stationarity_knot,
+                      .gap_knot = row.gap_knot,
+                      .constraint_knot = row.constraint_knot};
+}
+
 std::string_view SolveRecord::residual_text() {
   text_.clear();
   const auto out = std::back_inserter(text_);

@@ -40,6 +40,8 @@ class SolveRecord {
   bool may_continue();
   /// Residuals of the row, with the knots where they are attained. Valid until the next call.
   std::string_view residual_text();
+  /// Copies the residuals of the log row into the result.
+  void write_residuals();
   double elapsed() const;
   /// Resizes the result's control gradients to the controls of the knots, and returns them.
   std::vector<Eigen::VectorXd>& control_gradient();

@@ -124,19 +124,22 @@ inline constexpr double kGapsOfViolation = 0.01;
 inline constexpr double kDualShare = 10;
 /// Rounding stops a minimization whose goal is this share of the stationarity tolerance.
 inline constexpr double kHopelessGoal = 1e-6;
-/// Growths of a penalty without progress that mean infeasibility.
+/// Growths of a penalty without progress that mean infeasibility, unless rounding explains the
+/// violation.
 inline constexpr int kGrowths = 6;
+inline constexpr double kContradiction = 1e-5;
 /// First penalties: violation of a soft constraint in multiples of its first values, and largest
 /// penalty in multiples of the costs' curvature in the controls. Stiffer rows keep the active set
 /// from settling.
 inline constexpr double kReach = 10, kStiffness = 1e4;
 
 // Projected Newton (ablations: Newton's Hessian).
-/// Norms from which on it is tried.
+/// It begins below these norms.
 inline constexpr double kNewtonFrom = 3e-3;
-/// Damped steps of a try, and growth of the norms by a step that changes many active rows.
+/// Damped steps of a try, relative decrease of the norms by a full step, and their growth by a step
+/// that changes many active rows.
 inline constexpr int kDampedSteps = 2;
-inline constexpr double kNewtonGrowth = 10;
+inline constexpr double kNewtonDecrease = 0.1, kNewtonGrowth = 10;
 /// ρ of active rows, in multiples of the largest curvature.
 inline constexpr double kRowPenalty = 1e5;
 
@@ -159,8 +162,9 @@ inline constexpr int kSettledSteps = 3;
 inline constexpr double kFirstWeight = 10, kPenaltyFactor = 100, kMostPenalty = 1e12;
 /// Share of the violation that is left of a restored one, or by which a lower one is lower.
 inline constexpr double kRestored = 0.01;
-/// Share of the violation that moves may remove from a least one (ViolationSlope).
-inline constexpr double kLeastShare = 5e-3;
+/// Share of the violation that moves may remove from a least one (ViolationSlope), and from that of
+/// a finished minimization; relative decrease that finishes one, too.
+inline constexpr double kLeastShare = 5e-3, kMinimizedShare = 5e-4, kSmallDecrease = 1e-7;
 /// Violation on the motion of the controls, in multiples of that at the given states.
 inline constexpr double kSimulated = 10;
 /// Restorations of a solve, and solves after an infeasible answer.
@@ -231,8 +235,8 @@ inline constexpr int kGaussNewton = 40;
 inline constexpr double kLargestGap = 0.1;
 /// Step lengths tried along a direction, and directions tried for one step.
 inline constexpr int kTriedLengths = 12, kTriedDirections = 12;
-/// Weight of the regularization after a failed search, factors of its changes, the weight that
-/// counts as none, the least one where a stage lacks a minimum, and the largest one.
+/// Regularization: weight after a failed search, factors of its changes, limit below which a weight
+/// vanishes, least weight where a stage lacks a minimum, largest weight.
 inline constexpr double kFirstWeight = 1e-4, kHeavier = 10, kLighter = 0.2, kNoWeight = 1e-5,
                         kLeastWeight = 1e-6, kLargestWeight = 1e10;
 /// The weight falls after a longer step than the first; kTries steps in a row that are shorter than
@@ -244,7 +248,7 @@ inline constexpr double kPenalty = 1e6;
 /// Share of the curvature of a pair's own terms that the product's may use up.
 inline constexpr double kPairShare = 0.9;
 /// Share of its limit that a soft term's first multiplier may reach.
-inline constexpr double kFirstShare = 0.5;
+inline constexpr double kSoftShare = 0.5;
 /// Distance of the first iterate from its bounds, relative to them and to their width (section
 /// 3.6).
 inline constexpr double kInside = 1e-2;

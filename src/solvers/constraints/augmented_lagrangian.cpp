@@ -194,7 +194,8 @@ void AugmentedLagrangian::watch_progress(Group& group, bool grown) {
 
 /// True if a group is violated and has not fallen to a share of its reference.
 bool AugmentedLagrangian::stays_violated(const Group& group) const {
-  return !group.soft && group.violation > tuning::kVisible * tolerance_ &&
+  return !group.soft &&
+         group.violation > std::max(tuning::kVisible * tolerance_, tuning::kContradiction) &&
          !(group.violation <= tuning::kProgress * group.reference);
 }
 

@@ -108,10 +108,9 @@ void LeastViolation::measure(const Iterate& iterate, IterationRecord& row) {
 
 bool LeastViolation::minimized(const IterationRecord& row, const MeritModel& merit) const {
   if (row.gap > options_.tolerances.gap) return false;
-  return share_ <= tuning::kTighter * tuning::kLeastShare ||
+  return share_ <= tuning::kMinimizedShare ||
          (row.iteration > inner_start_ && row.step >= tuning::kShortStep &&
-          row.actual_decrease <=
-              tuning::kLastInnerDecrease / tuning::kTighter * std::abs(merit.cost));
+          row.actual_decrease <= tuning::kSmallDecrease * std::abs(merit.cost));
 }
 
 bool LeastViolation::update(Iterate& iterate, const Feedback& feedback, const MeritModel& /*merit*/,

@@ -179,7 +179,7 @@ bool ProjectedNewton::try_step(double bound) {
   for (step_length_ = 1; step_length_ >= tuning::kShortestHalf; step_length_ /= 2) {
     move();
     linearize();
-    if (norms_.largest() < (1 - tuning::kTighter * step_length_) * bound) return true;
+    if (norms_.largest() < (1 - tuning::kNewtonDecrease * step_length_) * bound) return true;
   }
   return return_to_start();
 }

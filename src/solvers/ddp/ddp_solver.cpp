@@ -178,7 +178,7 @@ void DdpSolver::end_evaluated() {
   record_.end(SolveStatus::max_iterations, "ended after {} iterations: {}", row.iteration,
               record_.residual_text());
   result.trajectory = iterate_.trajectory;
-  write_residuals();
+  record_.write_residuals();
   globalization_.take_feedback(result.feedback);
   result.feedback_regularization = row.regularization;
 }
@@ -315,7 +315,7 @@ void DdpSolver::finish() {
   iterate_.describe(record_.row);
   outer_->measure(iterate_, record_.row);
   replace_costates();
-  write_residuals();
+  record_.write_residuals();
   if (constrained_) result.constraint_multipliers = *outer_->multipliers();
   end_log();
   confirm_status();
@@ -326,18 +326,6 @@ void DdpSolver::finish() {
   for (int k = 0; k < problem_.knots(); ++k)
     gradient[k] = iterate_.adjoint.gradient().segment(bounds_.offset(k), problem_.nu(k));
   find_gains();
-}
-
-void DdpSolver::write_residuals() {
-  const IterationRecord& row = record_.row;
-  Residuals& residuals = record_.result.residuals;
-  residuals.stationarity = row.stationarity;
-  residuals.stationarity_knot = row.stationarity_knot;
-  residuals.gap = row.gap;
-  residuals.gap_knot = row.gap_knot;
-  residuals.constraint = row.constraint;
-  residuals.constraint_knot = row.constraint_knot;
-  residuals.complementarity = row.complementarity;
 }
 
 /// Replaces the co-states of a stationary answer by those along other gains if stiff gains have

@@ -56,7 +56,6 @@ class DdpSolver {
   bool run_iteration();
   bool ends_by_last_step();
   void end_evaluated();
-  void write_residuals();
   void fit_outer();
   bool ends();
   bool goes_on();

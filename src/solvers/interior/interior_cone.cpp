@@ -70,7 +70,7 @@ void InteriorCone::start(const Vector& rows, double mu, double inside) {
   p_.setZero();
   if (!is_soft()) return;
   const double w = constraint_->limit, size = nu_.norm();
-  if (size > kFirstShare * w) nu_ *= kFirstShare * w / size;
+  if (size > kSoftShare * w) nu_ *= kSoftShare * w / size;
   p_ = (2 * mu / (w * w - nu_.squaredNorm())) * nu_;
 }
 

@@ -179,16 +179,9 @@ void InteriorSolver::end_iterated() {
   measure();
   record_.log_row();
   SolveResult& result = record_.result;
-  const IterationRecord& row = record_.row;
   result.trajectory = trajectory_;
-  result.cost = row.cost;
-  result.residuals = {.stationarity = row.stationarity,
-                      .gap = row.gap,
-                      .constraint = row.constraint,
-                      .complementarity = row.complementarity,
-                      .stationarity_knot = row.stationarity_knot,
-                      .gap_knot = row.gap_knot,
-                      .constraint_knot = row.constraint_knot};
+  result.cost = record_.row.cost;
+  record_.write_residuals();
   terms_.write_multipliers(trajectory_, result.constraint_multipliers);
   std::swap(result.feedback, feedback_);
   result.feedback_regularization = weight_;

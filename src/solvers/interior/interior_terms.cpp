@@ -174,7 +174,7 @@ void InteriorTerms::start(const TermPoint& at, double barrier, double relaxation
     side.nu = mu() / side.s;
     side.p = side.q = 0;
     if (!side.is_soft()) continue;
-    side.nu = std::min(side.nu, kFirstShare * side.limit);
+    side.nu = std::min(side.nu, kSoftShare * side.limit);
     side.q = side.limit - side.nu;
     side.p = mu() / side.q;
   }

@@ -68,8 +68,8 @@ class InteriorTerms {
 
   /// Moves the controls inside of their bounds, by this relative distance.
   void enter(Trajectory& trajectory, double inside = tuning::interior::kInside) const;
-  /// Sets slacks and multipliers at a point, with slacks of at least this size. `relaxation` is ε;
-  /// `scale` is the size of the costs' derivatives, by which barrier and penalties are multiplied.
+  /// Sets slacks and multipliers at a point, with slacks of at least this size. `relaxation` is ε.
+  /// Barrier and penalties count in units of `scale`, the size of the costs' derivatives.
   void start(const TermPoint& at, double barrier, double relaxation, double scale,
              double inside = tuning::interior::kInside);
   /// Takes multipliers of equations from those of all constraint rows of the problem.
