@@ -38,7 +38,7 @@ TEST_P(HardCases, AreSolved) {
   EXPECT_NEAR(result.cost, c.cost, c.tolerance * c.cost);
 }
 
-// Costs on which the three solvers agree.
+// Costs on which several solvers agree.
 INSTANTIATE_TEST_SUITE_P(Files, HardCases,
                          ::testing::Values(small("disc_of_thrust", "ipopt", 6.45979751e-05),
                                            small("disc_of_thrust", "altro", 6.45979751e-05),
@@ -48,7 +48,9 @@ INSTANTIATE_TEST_SUITE_P(Files, HardCases,
                                            small("mars_landing", "proxddp", 399.174711),
                                            small("mars_landing_free", "ipopt", 398.061102),
                                            small("mars_landing_free", "altro", 398.061102),
-                                           small("mars_landing_free", "proxddp", 398.061102)),
+                                           small("mars_landing_free", "proxddp", 398.061102),
+                                           small("sled", "ipopt", 4.51453061),
+                                           small("sled", "ipddp", 4.51453061)),
                          [](const auto& test) {
                            return test.param.name + "_" + test.param.solver;
                          });
@@ -72,7 +74,12 @@ constexpr const char* kStep = "problems/biped_step_cones.yaml";
 
 INSTANTIATE_TEST_SUITE_P(
     Perturbed, HardCases,
-    ::testing::Values(HardCase{"soles",
+    ::testing::Values(HardCase{"sled",
+                               "tests/golden/hard/sled.yaml",
+                               {"perturbation={guess: 0.02, seed: 3}"},
+                               "ipddp",
+                               4.51453061},
+                      HardCase{"soles",
                                kStep,
                                {"contacts.defaults.size=[0.1, 0.05]",
                                 "perturbation={initial_state: 0.03, guess: 0.03, seed: 1}"},

@@ -1,5 +1,6 @@
 // Interior points in the sweep, against an independent method and against other solvers.
 #include <algorithm>
+#include <limits>
 
 #include <gtest/gtest.h>
 
@@ -70,6 +71,16 @@ TEST(InteriorPoints, AnswerWithTheGuessWithoutIterations) {
   const SolveResult result = find_solver("ipddp")->run(problem, options, guess);
   EXPECT_EQ(result.status, SolveStatus::max_iterations) << result.message;
   for (int k = 0; k < problem.knots(); ++k) EXPECT_EQ(result.trajectory.u(k)[0], 0) << k;
+}
+
+TEST(InteriorPoints, GuessesThatAreNotFiniteEndAsDiverged) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const ShootingProblem problem =
+      testing::tracking_problem(double_integrator(1), Integrator::rk4, 20, 0.1, {0, 0},
+                                {{nan, 0}, {1, 1}, {0.1}, {1, 1}}, -1, 1);
+  const SolveResult result = find_solver("ipddp")->run(problem, {}, problem.create_trajectory());
+  EXPECT_EQ(result.status, SolveStatus::diverged) << result.message;
+  EXPECT_EQ(result.log.size(), 1);
 }
 
 TEST(InteriorPoints, UseTheHessianThatIsAsked) {

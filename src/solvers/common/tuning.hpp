@@ -214,19 +214,22 @@ inline constexpr double kUsualSizes = 5, kFarSizes = 13, kMostSizes = 40;
 namespace interior {
 /// First barrier, barrier at which the smaller entries of pairs are held, and barriers from which
 /// Newton's method is tried: a smaller one separates active bounds from others more clearly.
+/// Distance and multiplier of a bound that is neither are √μ.
 inline constexpr double kFirstBarrier = 1e-2, kPairBarrier = 1e-7;
-inline constexpr double kLastBarriers[] = {1e-9, 1e-11, 1e-13};
+inline constexpr double kLastBarriers[] = {1e-9, 1e-12, 1e-15};
 /// Barrier of real-time iterations, and distance of their guesses from bounds.
 inline constexpr double kTickBarrier = 1e-4;
 /// A barrier problem counts as solved if its error is below this multiple of the barrier (equation
-/// 7). The next barrier is this share: faster reductions lose the path on which contacts change.
-inline constexpr double kSolved = 10, kLower = 0.2;
+/// 7); residuals need not be smaller than the third number. The next barrier is the second's share:
+/// faster reductions lose the path on which contacts change.
+inline constexpr double kSolved = 10, kLower = 0.2, kExact = 1e-10;
 /// Least first relaxation of pairs, and the factors of those that are tried. While another one
 /// remains, a solve may take 1/kTryShare of the iterations, but at least kEnough.
 inline constexpr double kWideRelaxation = 1;
 inline constexpr double kFirstRelaxations[] = {1, kTighter, kTighter* kTighter};
 inline constexpr int kTryShare = 4;
-/// Derivatives of costs beyond this scale barrier, penalties and errors, as in Ipopt.
+/// Costs whose first derivatives are larger than this have a larger first barrier; multipliers
+/// whose mean is larger have a larger penalty and larger errors (section 2.1).
 inline constexpr double kLargeGradient = 100;
 /// Iterations with one barrier before exact Hessians replace convex ones, if they are expensive.
 inline constexpr int kGaussNewton = 40;
@@ -242,8 +245,8 @@ inline constexpr double kFirstWeight = 1e-4, kHeavier = 10, kLighter = 0.2, kNoW
 /// The weight falls after a longer step than the first; kTries steps in a row that are shorter than
 /// the second end a solve.
 inline constexpr double kLongStep = 0.1, kShortStep = 1e-3;
-/// Penalty ρ of equalities, in multiples of the size of the costs' derivatives: six of sixteen
-/// digits, so that steps satisfy equations to six digits and keep ten.
+/// Penalty ρ of equalities, in multiples of the size of multipliers: six of sixteen digits, so that
+/// steps satisfy equations to six digits and keep ten.
 inline constexpr double kPenalty = 1e6;
 /// Share of the curvature of a pair's own terms that the product's may use up.
 inline constexpr double kPairShare = 0.9;
@@ -251,9 +254,12 @@ inline constexpr double kPairShare = 0.9;
 inline constexpr double kSoftShare = 0.5;
 /// Distance of the first iterate from its bounds, relative to them and to their width (section
 /// 3.6).
-inline constexpr double kInside = 1e-2;
-/// A step leaves this share of slacks and multipliers at least.
-inline constexpr double kLeftAtMost = 0.01;
+inline constexpr double kInside = 0.1;
+/// A step leaves this share of slacks and multipliers. Less of it lets small barriers come too near
+/// to the wrong bounds.
+inline constexpr double kLeft = 0.01;
+/// Times that the filter of a barrier problem may be forgotten.
+inline constexpr int kForgotten = 5;
 /// A multiplier stays within this factor of μ/s (equation 16).
 inline constexpr double kCentral = 1e10;
 /// The filter's constants of section 4.1, with their names.

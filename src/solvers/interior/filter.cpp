@@ -18,13 +18,27 @@ void Filter::start(double theta) {
   clear();
 }
 
+void Filter::clear() {
+  entries_.clear();
+  forgotten_ = 0;
+  present_ = largest_;
+}
+
+bool Filter::forget(double theta) {
+  if (entries_.empty() || forgotten_ == kForgotten) return false;
+  entries_.clear();
+  ++forgotten_;
+  present_ = std::max(theta, least_);
+  return true;
+}
+
 bool Filter::accepts(double length, double slope, const std::pair<double, double>& from,
                      const std::pair<double, double>& trial) {
   const auto& [theta, phi] = trial;
   const auto dominates = [&](const auto& entry) {
     return theta >= entry.first && phi >= entry.second;
   };
-  if (!std::isfinite(theta + phi) || theta > largest_ || std::ranges::any_of(entries_, dominates))
+  if (!std::isfinite(theta + phi) || theta > present_ || std::ranges::any_of(entries_, dominates))
     return false;
   const auto& [theta0, phi0] = from;
   const double rounded = phi - tuning::kUlps * std::abs(phi0);

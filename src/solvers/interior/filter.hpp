@@ -13,7 +13,11 @@ class Filter {
 
   /// Sets the limits of θ from that of the first iterate, and clears the filter.
   void start(double theta);
-  void clear() { entries_.clear(); }
+  /// Starts with the next barrier problem.
+  void clear();
+  /// Forgets its points where they leave no step; θ stays below the present one from then on. False
+  /// if there are none, or if it has forgotten too often in this barrier problem.
+  bool forget(double theta);
   /// Judges a trial of a step of this length from (θ, φ), along which φ has the slope `slope`.
   /// Small steps must lower φ by Armijo's rule where θ is small; others must lower θ or φ, and the
   /// point that they leave joins the filter.
@@ -22,7 +26,9 @@ class Filter {
 
  private:
   std::vector<std::pair<double, double>> entries_;
-  double least_ = 0, largest_ = 0;  ///< θ below which Armijo's rule counts, and its upper limit
+  double least_ = 0;                  ///< θ below which Armijo's rule counts
+  double largest_ = 0, present_ = 0;  ///< limit of θ, and that of the present barrier problem
+  int forgotten_ = 0;                 ///< times
 };
 
 }  // namespace conddp

@@ -99,6 +99,14 @@ void InteriorCone::scale(double mu) {
     P_.noalias() = (2 * along / q) * nu_ * nu_.transpose();
     P_.diagonal().array() += 2 * mu / q;
   }
+  if (!is_soft()) {
+    reflect(work_, off_);
+    inverse_.noalias() = (2 / eta2) * off_ * off_.transpose();
+    inverse_.diagonal().array() += 1 / eta2;
+    inverse_(n_ - 1, n_ - 1) -= 2 / eta2;
+    off_.setZero();
+    return;
+  }
   inverse_ = W2_ + P_;
   factor_.compute(inverse_);
   inverse_.setIdentity();
@@ -107,10 +115,9 @@ void InteriorCone::scale(double mu) {
 
 void InteriorCone::add_gradient(const ShootingProblem& problem, double mu, Linearization& to) {
   scale(mu);
-  reflect(s_, work_);
-  work_ *= mu / determinant(s_);
-  work_ -= nu_;
-  push_.noalias() = W2_ * work_;
+  reflect(nu_, push_);
+  push_ *= mu / determinant(nu_);
+  push_ -= s_;
   if (is_soft()) {
     const double w = constraint_->limit;
     off_ = (2 * mu / (w * w - nu_.squaredNorm())) * nu_ - p_;
@@ -190,11 +197,14 @@ double InteriorCone::infeasibility(const Vector& rows) const {
   return (values(rows) + p_ - s_).lpNorm<1>();
 }
 
-double InteriorCone::largest_residual(double mu, double size) const {
+double InteriorCone::largest_residual() const {
+  return std::max(residual_.lpNorm<Eigen::Infinity>(), off_.lpNorm<Eigen::Infinity>());
+}
+
+double InteriorCone::off_center(double mu) const {
   work_ = s_[n_ - 1] * nu_ + nu_[n_ - 1] * s_;
   work_[n_ - 1] = s_.dot(nu_) - mu;
-  return std::max({residual_.lpNorm<Eigen::Infinity>(), off_.lpNorm<Eigen::Infinity>(),
-                   work_.lpNorm<Eigen::Infinity>() / size});
+  return work_.lpNorm<Eigen::Infinity>();
 }
 
 }  // namespace conddp

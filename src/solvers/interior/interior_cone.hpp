@@ -46,8 +46,9 @@ class InteriorCone {
   void move(double length);
   void accept(double dual) { nu_ += dual * dnu_; }
   double infeasibility(const Eigen::VectorXd& rows) const;
-  /// Largest residual; that of s ∘ ν = μ e is divided by `size`.
-  double largest_residual(double mu, double size) const;
+  double largest_residual() const;
+  /// Largest residual of s ∘ ν = μ e.
+  double off_center(double mu) const;
   double multiplier_sum() const { return nu_.lpNorm<1>(); }
 
  private:

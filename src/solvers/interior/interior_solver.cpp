@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "base/stopwatch.hpp"
@@ -44,10 +45,12 @@ InteriorSolver::InteriorSolver(const ShootingProblem& problem, const SolverOptio
       lagrangian_(problem),
       trajectory_(problem.create_trajectory()),
       trial_(trajectory_),
+      answer_(trajectory_),
       rolled_(problem),
       newton_(problem, evaluator_),
       dx_(problem.ndx()),
       multipliers_(Eigen::VectorXd::Zero(problem.constraint_rows())),
+      answer_multipliers_(multipliers_),
       penalty_(Eigen::VectorXd::Ones(problem.constraint_rows())),
       is_exact_(problem.knots() + 1),
       linear_costs_(has_linear_costs(problem)) {
@@ -61,6 +64,7 @@ InteriorSolver::InteriorSolver(const ShootingProblem& problem, const SolverOptio
 SolveResult InteriorSolver::solve(const Trajectory& guess) {
   check_shape(problem_, guess);
   record_.begin();
+  excess_ = std::numeric_limits<double>::infinity();
   const bool by_default = options_.hessian == HessianChoice::automatic;
   if (options_.max_iterations == 0) return judge_guess(guess);
   gauss_newton_ = by_default && exact_hessians_are_dear(problem_) ? kGaussNewton : 0;
@@ -70,7 +74,7 @@ SolveResult InteriorSolver::solve(const Trajectory& guess) {
       const int more = std::max(tuning::kEnough, options_.max_iterations / kTryShare);
       solve_relaxed(guess, width * std::max(kWideRelaxation, options_.complementarity.initial),
                     last ? options_.max_iterations : record_.row.iteration + more);
-      if (is_solution() || out_of_budget()) break;
+      if (excess_ <= 1 || out_of_budget()) break;
       ++record_.row.fallbacks;
       gauss_newton_ = 0;
     }
@@ -87,7 +91,6 @@ SolveResult InteriorSolver::judge_guess(const Trajectory& guess) {
   take_guess(guess);
   record_.log_row();
   record_.may_continue();
-  return_to_interior();
   write_result();
   record_.finished();
   return std::move(record_.result);
@@ -119,7 +122,7 @@ void InteriorSolver::solve_relaxed(const Trajectory& guess, double relaxation, i
         if (!record_.result.log.empty()) ++record_.row.iteration;
         while (run_iteration(last_iteration)) ++record_.row.iteration;
         end_by_newton();
-        if (is_solution() || out_of_budget() || terms_.barrier() > barrier) return;
+        if (excess_ <= tuning::kTighter || out_of_budget() || terms_.barrier() > barrier) return;
       }
     } catch (const Abandoned&) {
     }
@@ -134,13 +137,14 @@ void InteriorSolver::start(const Trajectory& guess, const Start& how) {
   double largest = 0;
   for (const KnotLinearization& knot : linearization_.knots)
     largest = std::max(largest, knot.gradient.lpNorm<Eigen::Infinity>());
-  scale_ = std::isfinite(largest) ? std::max(1.0, largest / kLargeGradient) : 1;
+  const double scale = std::isfinite(largest) ? std::max(1.0, largest / kLargeGradient) : 1;
   const TermPoint at{trajectory_, linearization_.constraint};
-  terms_.start(at, how.barrier, how.relaxation, scale_, how.inside);
+  terms_.start(at, how.barrier * scale, how.relaxation, how.inside);
   feedback_.set_zero();
   filter_.start(infeasibility(linearization_.gap, at));
   weight_ = 0;
   short_steps_ = since_ = 0;
+  settled_ = false;
 }
 
 const SolveResult& InteriorSolver::iterate(const Trajectory& guess) {
@@ -215,6 +219,8 @@ bool InteriorSolver::linearize() {
   gaps_.set(linearization_, true);
   adjoint_.compute(linearization_, trajectory_, gaps_, feedback_);
   terms_.measure({trajectory_, linearization_.constraint});
+  size_ = std::max(1.0, terms_.mean_multiplier() / kLargeGradient);
+  terms_.set_penalty(kPenalty * size_);
   for (std::size_t k = 0; k < gradient_.size(); ++k)
     gradient_[k] = linearization_.knots[k].gradient;
   return !find_non_finite(linearization_) && all_finite(adjoint_.gradient());
@@ -238,21 +244,22 @@ void InteriorSolver::measure() {
   row.gap_knot = gap.knot;
   row.constraint = violation.value;
   row.constraint_knot = violation.knot;
-  row.complementarity = row.barrier = terms_.barrier() * scale_;
+  row.complementarity = row.barrier = terms_.barrier();
   row.relaxation = terms_.relaxation();
 }
 
-/// Error of the barrier problem: the largest of all residuals.
-double InteriorSolver::error() const {
-  const double size = std::max(scale_, terms_.mean_multiplier() / kLargeGradient);
-  return std::max({adjoint_.gradient().lpNorm<Eigen::Infinity>() / size, linearization_.max_gap(),
-                   terms_.largest_residual(size)});
+/// True if the iterate solves the barrier problem.
+bool InteriorSolver::barrier_solved() const {
+  const double error = kSolved * terms_.barrier();
+  return terms_.off_center() <= error * size_ &&
+         std::max({adjoint_.gradient().lpNorm<Eigen::Infinity>() / size_, linearization_.max_gap(),
+                   terms_.largest_residual()}) <= std::max(error, kExact);
 }
 
 /// Lowers the barrier while its problem is solved, and holds pairs as soon as they can be told
 /// apart. True if the last problem is solved.
 bool InteriorSolver::lower_barrier() {
-  while (error() <= kSolved * terms_.barrier()) {
+  for (bool solved = settled_ || barrier_solved(); solved; solved = barrier_solved()) {
     if (terms_.has_free_pairs() && terms_.barrier() <= kPairBarrier) {
       terms_.hold_pairs(trajectory_);
       if (!linearize()) return true;
@@ -281,6 +288,7 @@ bool InteriorSolver::cost_settled() {
 /// Takes a step, along regularized directions if necessary. False if none is accepted.
 bool InteriorSolver::step() {
   record_.row.trials = record_.row.sweeps = 0;
+  settled_ = false;
   form_hessians();
   for (int i = 0; i < kTriedDirections && record_.budget_left(); ++i) {
     if (!find_direction()) break;
@@ -330,18 +338,23 @@ bool InteriorSolver::find_direction() {
   return true;
 }
 
-/// Sweeps with exact Hessians. Where a stage lacks a minimum, its node takes the convex one, then
-/// the nodes behind it, one by one. False if none are left.
+/// Sweeps with exact Hessians. Where a stage lacks a minimum, small barriers are regularized first;
+/// then the node takes the convex one, and the nodes behind it, one by one. False if none are left.
 bool InteriorSolver::sweep_exact() {
   const int last = problem_.knots();
   for (int k = 0; k <= last; ++k) linearization_.knots[k].hessian.change() = exact_[k];
   is_exact_.assign(is_exact_.size(), true);
   std::optional<int> from;
+  double weight = weight_;
   for (;;) {
     ++record_.row.sweeps;
     int k =
-        sweep_.run(linearization_, trajectory_, gaps_, weight_, *stages_, feedback_, false, from);
+        sweep_.run(linearization_, trajectory_, gaps_, weight, *stages_, feedback_, false, from);
     if (k < 0) return true;
+    if (terms_.barrier() < kLeastWeight && weight < kLeastWeight * size_) {
+      weight = kLeastWeight * size_;  // rounding hides the curvature of the barrier
+      continue;
+    }
     while (k <= last && !is_exact_[k]) ++k;
     if (k > last) return false;
     is_exact_[k] = false;
@@ -366,17 +379,21 @@ double InteriorSolver::infeasibility(const Eigen::MatrixXd& gap, const TermPoint
   return gap.lpNorm<1>() + terms_.infeasibility(at);
 }
 
-/// Halves the step until the filter accepts it.
+/// Halves the step until the filter accepts it. Also true if the step changes θ and φ by rounding
+/// only; then the iterate stays, and the barrier problem counts as solved.
 bool InteriorSolver::search() {
   const Stopwatch watch(record_.result.times.rollout);
   here_ = {infeasibility(linearization_.gap, {trajectory_, linearization_.constraint}),
            terms_.barrier_function(linearization_.total_cost())};
   terms_.save();
-  double length = limits_.primal;
-  for (int i = 0; i < kTriedLengths; ++i, length /= 2)
-    if (try_length(length)) return true;
+  do {
+    double length = limits_.primal;
+    for (int i = 0; i < kTriedLengths && !settled_; ++i, length /= 2)
+      if (try_length(length)) return true;
+  } while (!settled_ && filter_.forget(here_.first));
   terms_.restore();
-  return false;
+  record_.row.step = 0;
+  return settled_;
 }
 
 /// θ and φ of a trial, a step of this length from the saved slacks.
@@ -420,11 +437,13 @@ bool InteriorSolver::try_length(double length) {
       terms_.move(length, trial_);
     }
   }
-  // The filter's constants belong to costs whose derivatives are about 100 at most.
-  const auto scaled = [this](std::pair<double, double> point) {
-    return std::pair(point.first, point.second / scale_);
-  };
-  if (!filter_.accepts(length, slope_ / scale_, scaled(here_), scaled(there))) return false;
+  if (!filter_.accepts(length, slope_, here_, there)) {
+    const double rounding = tuning::kRounding * std::max(1.0, std::abs(here_.second));
+    settled_ = length == limits_.primal &&
+               std::abs(there.first - here_.first) <= tuning::kRounding &&
+               std::abs(there.second - here_.second) <= rounding;
+    return false;
+  }
   trajectory_ = trial_;
   terms_.accept(length, limits_.dual);
   row.step = length;
@@ -443,6 +462,7 @@ void InteriorSolver::end_by_newton() {
   newton_.start(trial_, multipliers_, penalty_, feedback_);
   IterationRecord& row = record_.row;
   row.barrier = row.relaxation = 0;
+  double last = std::numeric_limits<double>::infinity();
   for (int i = 0;; ++i) {
     newton_.describe(row);
     if (i > 0) {
@@ -451,41 +471,57 @@ void InteriorSolver::end_by_newton() {
     } else if (!record_.result.log.empty()) {
       record_.result.log.back() = row;
     }
-    if (i == tuning::kTries || out_of_budget() || newton_.norms().largest() <= tuning::kRounding ||
-        !newton_.step(tuning::kNewtonGrowth))
+    const double now = newton_.norms().largest();
+    keep_answer();
+    if (i == tuning::kTries || out_of_budget() || now <= tuning::kRounding ||
+        (excess_ <= 1 && now > last / 2) || !newton_.step(tuning::kNewtonGrowth))
       break;
+    last = now;
   }
 }
 
-bool InteriorSolver::is_solution() const {
-  return AnswerChoice::excess(newton_.norms(), options_.tolerances) <= 1;
+/// Keeps the iterate of Newton's method if it is the best one so far.
+void InteriorSolver::keep_answer() {
+  const double excess = AnswerChoice::excess(newton_.norms(), options_.tolerances);
+  if (!(excess < excess_)) return;
+  excess_ = excess;
+  answer_ = newton_.trajectory();
+  answer_multipliers_ = newton_.multipliers();
 }
 
 /// Gains of Newton steps belong to the iterate before, and those of barriers to no answer. If only
 /// controls are bounded, a sweep at the answer gives its own gains. Returns their regularization.
 std::optional<double> InteriorSolver::sweep_at_answer() {
-  Trajectory answer = newton_.trajectory();
-  bounds_.snap_rounded(answer);
-  const AnswerGains gains = gains_at(problem_, bounds_, evaluator_, answer, multipliers_);
-  newton_.start(answer, multipliers_, gains.penalty, gains.feedback);
+  bounds_.snap_rounded(answer_);
+  const AnswerGains gains = gains_at(problem_, bounds_, evaluator_, answer_, answer_multipliers_);
+  newton_.start(answer_, answer_multipliers_, gains.penalty, gains.feedback);
   return gains.regularization;
 }
 
-/// The answer of a failed solve is the last interior point: Newton steps that led nowhere may have
-/// left the bounds.
-void InteriorSolver::return_to_interior() {
-  newton_.start(trajectory_, multipliers_, penalty_, feedback_);
-  record_.row.newton = 0;
+/// Newton steps that led nowhere may have left the bounds: the answer is the last interior point
+/// then.
+void InteriorSolver::choose_answer() {
+  const bool by_newton = excess_ <= 1;
+  if (by_newton) {
+    feedback_ = newton_.feedback();
+  } else {
+    answer_ = trajectory_;
+    answer_multipliers_ = multipliers_;
+    record_.row.newton = 0;
+  }
+  newton_.start(answer_, answer_multipliers_, penalty_, feedback_);
+  if (!by_newton) excess_ = AnswerChoice::excess(newton_.norms(), options_.tolerances);
 }
 
 void InteriorSolver::write_result() {
-  if (!is_solution()) return_to_interior();
+  choose_answer();
   SolveResult& result = record_.result;
   result.feedback_regularization = problem_.constraints().empty() ? sweep_at_answer() : 0;
   newton_.describe(record_.row);
+  if (result.log.empty()) record_.log_row();
   result.log.back() = record_.row;
   newton_.write_answer(result);
-  if (is_solution())
+  if (excess_ <= 1)
     record_.end(SolveStatus::converged, record_.residual_text());
   else if (result.message.empty())
     record_.end(SolveStatus::line_search_failed,

@@ -55,7 +55,7 @@ class InteriorSolver {
   bool linearize();
   bool end_diverged();
   void measure();
-  double error() const;
+  bool barrier_solved() const;
   bool lower_barrier();
   bool cost_settled();
   bool step();
@@ -67,9 +67,9 @@ class InteriorSolver {
   std::pair<double, double> judge(double length, const Trajectory& trial);
   bool try_length(double length);
   void end_by_newton();
-  bool is_solution() const;
+  void keep_answer();
+  void choose_answer();
   std::optional<double> sweep_at_answer();
-  void return_to_interior();
   void write_result();
   SolveResult judge_guess(const Trajectory& guess);
   void take_guess(const Trajectory& guess);
@@ -93,21 +93,24 @@ class InteriorSolver {
   Feedback feedback_;
   Augmentation lagrangian_;  ///< multipliers only
   Trajectory trajectory_, trial_;
+  Trajectory answer_;  ///< best iterate of Newton's method
   SingleRollout rolled_;
   ProjectedNewton newton_;
-  Eigen::VectorXd dx_, multipliers_, penalty_;
+  Eigen::VectorXd dx_, multipliers_, answer_multipliers_, penalty_;
   std::vector<Eigen::VectorXd> gradient_;        ///< of the Lagrangian, by node
   std::vector<Eigen::MatrixXd> convex_, exact_;  ///< Hessians by node, with all terms
   std::vector<bool> is_exact_;                   ///< of the Hessian that a node uses
   bool linear_costs_;
   StepLimits limits_;
+  double excess_ = 0;               ///< of the answer's norms, in multiples of their tolerances
   double slope_ = 0;                ///< of the barrier function along the step
   std::pair<double, double> here_;  ///< θ and φ of the iterate
-  double scale_ = 1;                ///< of the costs' derivatives
+  double size_ = 1;                 ///< of multipliers and co-states
   int gauss_newton_ = 0;            ///< iterations with one barrier before exact Hessians
   int since_ = 0;                   ///< iterations with the present barrier
   bool use_exact_ = true;           ///< in the present iteration
   double last_barrier_ = 0;         ///< at which the iterations end
+  bool settled_ = false;            ///< the last step would have changed θ and φ by rounding
   int short_steps_ = 0;             ///< in a row
   double weight_ = 0;               ///< regularization of the next sweeps
 };

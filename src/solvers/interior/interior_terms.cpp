@@ -149,12 +149,9 @@ double InteriorTerms::value(const Side& side, const TermPoint& at) const {
   return side.sign * (side.term.value(at) - (side.term.is_product() ? relaxation_ : side.bound));
 }
 
-void InteriorTerms::start(const TermPoint& at, double barrier, double relaxation, double scale,
-                          double inside) {
-  barrier_ = barrier;
+void InteriorTerms::start(const TermPoint& at, double mu, double relaxation, double inside) {
+  mu_ = mu;
   relaxation_ = relaxation;
-  scale_ = scale;
-  penalty_ = kPenalty * scale;
   for (Pair& pair : pairs_) {
     if (pair.fixed >= 0) equalities_.pop_back();
     pair.fixed = -1;
@@ -171,14 +168,14 @@ void InteriorTerms::start(const TermPoint& at, double barrier, double relaxation
     side.s = side.term.is_control()
                  ? distance
                  : std::max(distance, inside * std::max(1.0, std::abs(side.bound)));
-    side.nu = mu() / side.s;
+    side.nu = mu_ / side.s;
     side.p = side.q = 0;
     if (!side.is_soft()) continue;
     side.nu = std::min(side.nu, kSoftShare * side.limit);
     side.q = side.limit - side.nu;
-    side.p = mu() / side.q;
+    side.p = mu_ / side.q;
   }
-  for (InteriorCone& cone : cones_) cone.start(at.rows, mu(), inside);
+  for (InteriorCone& cone : cones_) cone.start(at.rows, mu_, inside);
 }
 
 void InteriorTerms::take_equation_multipliers(const Eigen::VectorXd& multipliers) {
@@ -233,9 +230,9 @@ void InteriorTerms::write_multipliers(const Trajectory& at, Eigen::VectorXd& mul
 
 /// Prepares the elimination of a side: a step along g changes ν by (push − ν σ ∂g·δz)/width.
 void InteriorTerms::prepare(Side& side) const {
-  const double elastic = side.is_soft() ? mu() / side.q - side.p : 0;
+  const double elastic = side.is_soft() ? mu_ / side.q - side.p : 0;
   side.width = side.s + (side.is_soft() ? side.nu * side.p / side.q : 0);
-  side.push = mu() - side.s * side.nu - side.nu * (side.residual + elastic);
+  side.push = mu_ - side.s * side.nu - side.nu * (side.residual + elastic);
 }
 
 void InteriorTerms::measure(const TermPoint& at) {
@@ -255,7 +252,7 @@ void InteriorTerms::add_gradients(const Trajectory& at, Linearization& to) {
     side.term.add_gradient(at, -side.sign * side.push / side.width, factors_, to);
   }
   rows_.add_gradients(factors_, to);
-  for (InteriorCone& cone : cones_) cone.add_gradient(problem_, mu(), to);
+  for (InteriorCone& cone : cones_) cone.add_gradient(problem_, mu_, to);
 }
 
 void InteriorTerms::condense(const Trajectory& at, const Linearization& linearization) {
@@ -293,7 +290,6 @@ void InteriorTerms::add_hessians(const Trajectory& at, bool convex,
 StepLimits InteriorTerms::expand(const Linearization& linearization, const Trajectory& at,
                                  const LinearRollout& step) {
   StepLimits limits;
-  const double left = std::min(kLeftAtMost, barrier_);
   rows_.multiply(linearization, step.z(), along_);
   for (Equality& e : equalities_) {
     e.along = e.term.slope(along_, at, step);
@@ -303,15 +299,15 @@ StepLimits InteriorTerms::expand(const Linearization& linearization, const Traje
     if (!side.active) continue;
     side.along = side.sign * side.term.slope(along_, at, step);
     side.dnu = (side.push - side.nu * side.along) / side.width;
-    side.dp = side.is_soft() ? (mu() - side.p * side.q + side.p * side.dnu) / side.q : 0;
+    side.dp = side.is_soft() ? (mu_ - side.p * side.q + side.p * side.dnu) / side.q : 0;
     side.ds = side.along + side.dp + side.residual;
-    limit(side.s, side.ds, left, limits.primal);
-    limit(side.nu, side.dnu, left, limits.dual);
+    limit(side.s, side.ds, kLeft, limits.primal);
+    limit(side.nu, side.dnu, kLeft, limits.dual);
     if (!side.is_soft()) continue;
-    limit(side.p, side.dp, left, limits.primal);
-    limit(side.q, -side.dnu, left, limits.dual);
+    limit(side.p, side.dp, kLeft, limits.primal);
+    limit(side.q, -side.dnu, kLeft, limits.dual);
   }
-  for (InteriorCone& cone : cones_) cone.expand(problem_, linearization, step, left, limits);
+  for (InteriorCone& cone : cones_) cone.expand(problem_, linearization, step, kLeft, limits);
   return limits;
 }
 
@@ -319,10 +315,10 @@ double InteriorTerms::barrier_slope(double slope) const {
   for (const Equality& e : equalities_) slope -= e.y * e.along;
   for (const Side& side : sides_) {
     if (!side.active) continue;
-    slope += side.nu * side.along - mu() * side.ds / side.s;
-    if (side.is_soft()) slope += side.limit * side.dp - mu() * side.dp / side.p;
+    slope += side.nu * side.along - mu_ * side.ds / side.s;
+    if (side.is_soft()) slope += side.limit * side.dp - mu_ * side.dp / side.p;
   }
-  for (const InteriorCone& cone : cones_) slope += cone.barrier_slope(mu());
+  for (const InteriorCone& cone : cones_) slope += cone.barrier_slope(mu_);
   return slope;
 }
 
@@ -356,7 +352,7 @@ void InteriorTerms::accept(double primal, double dual) {
     if (side.is_soft())
       side.q = side.limit - side.nu;
     else
-      side.nu = std::clamp(side.nu, mu() / (kCentral * side.s), kCentral * mu() / side.s);
+      side.nu = std::clamp(side.nu, mu_ / (kCentral * side.s), kCentral * mu_ / side.s);
   }
   for (InteriorCone& cone : cones_) cone.accept(dual);
 }
@@ -364,10 +360,10 @@ void InteriorTerms::accept(double primal, double dual) {
 double InteriorTerms::barrier_function(double cost) const {
   for (const Side& side : sides_) {
     if (!side.active) continue;
-    cost -= mu() * std::log(side.s);
-    if (side.is_soft()) cost += side.limit * side.p - mu() * std::log(side.p);
+    cost -= mu_ * std::log(side.s);
+    if (side.is_soft()) cost += side.limit * side.p - mu_ * std::log(side.p);
   }
-  for (const InteriorCone& cone : cones_) cost += cone.barrier_function(mu());
+  for (const InteriorCone& cone : cones_) cost += cone.barrier_function(mu_);
   return cost;
 }
 
@@ -380,17 +376,23 @@ double InteriorTerms::infeasibility(const TermPoint& at) const {
   return sum;
 }
 
-double InteriorTerms::largest_residual(double size) const {
+double InteriorTerms::largest_residual() const {
   double largest = 0;
   for (const Equality& e : equalities_) largest = std::max(largest, std::abs(e.residual));
+  for (const Side& side : sides_)
+    if (side.active) largest = std::max(largest, std::abs(side.residual));
+  for (const InteriorCone& cone : cones_) largest = std::max(largest, cone.largest_residual());
+  return largest;
+}
+
+double InteriorTerms::off_center() const {
+  double largest = 0;
   for (const Side& side : sides_) {
     if (!side.active) continue;
-    largest =
-        std::max({largest, std::abs(side.residual), std::abs(side.s * side.nu - mu()) / size});
-    if (side.is_soft()) largest = std::max(largest, std::abs(side.p * side.q - mu()) / size);
+    largest = std::max(largest, std::abs(side.s * side.nu - mu_));
+    if (side.is_soft()) largest = std::max(largest, std::abs(side.p * side.q - mu_));
   }
-  for (const InteriorCone& cone : cones_)
-    largest = std::max(largest, cone.largest_residual(mu(), size));
+  for (const InteriorCone& cone : cones_) largest = std::max(largest, cone.off_center(mu_));
   return largest;
 }
 
@@ -404,7 +406,7 @@ double InteriorTerms::mean_multiplier() const {
 
 void InteriorTerms::snap(Trajectory& trajectory) const {
   for (const Side& side : sides_)
-    if (side.active && side.term.is_control() && side.s * scale_ < side.nu)
+    if (side.active && side.term.is_control() && side.s < side.nu)
       trajectory.u(side.term.node())[side.term.entry()] = side.bound;
 }
 

@@ -68,19 +68,19 @@ class InteriorTerms {
 
   /// Moves the controls inside of their bounds, by this relative distance.
   void enter(Trajectory& trajectory, double inside = tuning::interior::kInside) const;
-  /// Sets slacks and multipliers at a point, with slacks of at least this size. `relaxation` is ε.
-  /// Barrier and penalties count in units of `scale`, the size of the costs' derivatives.
-  void start(const TermPoint& at, double barrier, double relaxation, double scale,
+  /// Sets slacks and multipliers at a point, with slacks of at least the size `inside`.
+  /// `relaxation` is ε.
+  void start(const TermPoint& at, double mu, double relaxation,
              double inside = tuning::interior::kInside);
   /// Takes multipliers of equations from those of all constraint rows of the problem.
   void take_equation_multipliers(const Eigen::VectorXd& multipliers);
-  /// μ in units of the scale.
-  double barrier() const { return barrier_; }
+  /// μ.
+  double barrier() const { return mu_; }
   double relaxation() const { return relaxation_; }
   /// Lowers μ, and ε in proportion.
-  void set_barrier(double barrier) {
-    relaxation_ *= barrier / barrier_;
-    barrier_ = barrier;
+  void set_barrier(double mu) {
+    relaxation_ *= mu / mu_;
+    mu_ = mu;
   }
   bool has_pairs() const { return !pairs_.empty(); }
   bool has_free_pairs() const { return relaxation_ > 0; }
@@ -120,10 +120,13 @@ class InteriorTerms {
   double barrier_function(double cost) const;
   /// ℓ1 norm of the residuals at a point.
   double infeasibility(const TermPoint& at) const;
-  /// Largest residual; those of the products of slacks and multipliers are divided by `size`.
-  double largest_residual(double size) const;
+  double largest_residual() const;
+  /// Largest distance of a product of slack and multiplier from μ.
+  double off_center() const;
   /// Mean size of the multipliers.
   double mean_multiplier() const;
+  /// Sets ρ, the penalty of the equalities.
+  void set_penalty(double penalty) { penalty_ = penalty; }
   /// Puts controls on bounds that are closer than their multiplier.
   void snap(Trajectory& trajectory) const;
 
@@ -155,7 +158,6 @@ class InteriorTerms {
   void collect(const NodeConstraint& constraint);
   void collect_pairs(const NodeConstraint& constraint);
   void collect_bounds(const ControlBounds& bounds);
-  double mu() const { return barrier_ * scale_; }
   double value(const Side& side, const TermPoint& at) const;
   void prepare(Side& side) const;
 
@@ -168,7 +170,7 @@ class InteriorTerms {
   std::vector<Equality> equalities_;
   std::vector<Pair> pairs_;
   std::vector<InteriorCone> cones_;
-  double barrier_ = 1, relaxation_ = 1, scale_ = 1, penalty_ = 1;
+  double mu_ = 1, relaxation_ = 1, penalty_ = 1;
 };
 
 }  // namespace conddp
