@@ -21,7 +21,7 @@ CASES = {"double integrator": "double_integrator_limits", "pendulum": "pendulum_
          "cart-pole": "cartpole_goal", "acrobot": "acrobot_goal",
          "three discs": "unicycle_obstacles", "escape": "unicycle_escape",
          "quadrotor": "quadrotor_zigzag"}
-OURS = ("altro", "proxddp", "ipopt")
+OURS = ("altro", "proxddp", "ipddp", "ipopt")
 PEERS = {"fatrop": {"tol": 1e-8, "print_level": 0},
          "ipopt": {"tol": 1e-8, "print_level": 0, "sb": "yes"}}
 #: Cases whose functions a compiler would digest for hours if they were written out for every knot.

@@ -120,7 +120,7 @@ constexpr std::array kTable = {
         .access = CONDDP_ACCESS(complementarity.relaxation)},
     OptionInfo{.name = "complementarity.initial",
                .doc =
-                   "First epsilon, in the product of the pairs' units; for ipddp 1 at least. The "
+                   "First epsilon, in the product of the pairs' units; for ipddp 3 at least. The "
                    "ticks of a closed loop keep it.",
                .min = SolverOptions::Complementarity::kLast,
                .max = kInfinity,

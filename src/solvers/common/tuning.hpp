@@ -223,9 +223,10 @@ inline constexpr double kTickBarrier = 1e-4;
 /// 7); residuals need not be smaller than the third number. The next barrier is the second's share:
 /// faster reductions lose the path on which contacts change.
 inline constexpr double kSolved = 10, kLower = 0.2, kExact = 1e-10;
-/// Least first relaxation of pairs, and the factors of those that are tried. While another one
-/// remains, a solve may take 1/kTryShare of the iterations, but at least kEnough.
-inline constexpr double kWideRelaxation = 1;
+/// Least first relaxation of pairs (ablations: interior points), and the factors of those that are
+/// tried. While another one remains, a solve may take 1/kTryShare of the iterations, but at least
+/// kEnough.
+inline constexpr double kWideRelaxation = 3;
 inline constexpr double kFirstRelaxations[] = {1, kTighter, kTighter* kTighter};
 inline constexpr int kTryShare = 4;
 /// Costs whose first derivatives are larger than this have a larger first barrier; multipliers
