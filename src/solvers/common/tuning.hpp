@@ -240,7 +240,8 @@ inline constexpr double kLargestGap = 0.1;
 /// Step lengths tried along a direction, and directions tried for one step.
 inline constexpr int kTriedLengths = 12, kTriedDirections = 12;
 /// Regularization: weight after a failed search, factors of its changes, limit below which a weight
-/// vanishes, least weight where a stage lacks a minimum, largest weight.
+/// vanishes, least weight where a stage lacks a minimum (and barrier whose curvature rounding
+/// hides), largest weight.
 inline constexpr double kFirstWeight = 1e-4, kHeavier = 10, kLighter = 0.2, kNoWeight = 1e-5,
                         kLeastWeight = 1e-6, kLargestWeight = 1e10;
 /// The weight falls after a longer step than the first; kTries steps in a row that are shorter than

@@ -53,7 +53,7 @@ InteriorCone::InteriorCone(const NodeConstraint& constraint)
   for (Vector* v : {&s_, &nu_, &p_, &saved_s_, &saved_p_, &residual_, &push_, &along_, &ds_, &dnu_,
                     &dp_, &off_, &work_})
     *v = Vector::Zero(n_);
-  for (Eigen::MatrixXd* m : {&W2_, &P_, &inverse_}) *m = Eigen::MatrixXd::Zero(n_, n_);
+  for (Eigen::MatrixXd* m : {&P_, &inverse_}) *m = Eigen::MatrixXd::Zero(n_, n_);
   product_ = Eigen::MatrixXd::Zero(n_, constraint.term->blocks.front().columns.size());
 }
 
@@ -80,7 +80,8 @@ void InteriorCone::write_multipliers(Vector& multipliers) const {
   multipliers.segment(constraint_->row, n_) -= nu_;
 }
 
-/// Computes W² with W² ν = s, ∂p/∂ν, and the inverse of their sum (Nesterov, Todd 1997).
+/// Computes ∂p/∂ν and D⁻¹ = (W² + ∂p/∂ν)⁻¹, where W² ν = s (Nesterov, Todd 1997). W² = 2 η² w wᵀ −
+/// η² J has the inverse 2 η⁻² (J w)(J w)ᵀ − η⁻² J, whose numbers do not cancel near the boundary.
 void InteriorCone::scale(double mu) {
   const double det_s = determinant(s_), det_nu = determinant(nu_);
   const double root_s = std::sqrt(det_s), root_nu = std::sqrt(det_nu);
@@ -88,26 +89,23 @@ void InteriorCone::scale(double mu) {
   reflect(nu_, work_);
   work_ = (s_ / root_s + work_ / root_nu) / (2 * gamma);
   const double eta2 = root_s / root_nu;
-  W2_.noalias() = 2 * eta2 * work_ * work_.transpose();
-  W2_.diagonal().array() += eta2;
-  W2_(n_ - 1, n_ - 1) -= 2 * eta2;
-  P_.setZero();
-  if (is_soft()) {
-    const double w = constraint_->limit, q = w * w - nu_.squaredNorm();
-    // From q p = 2 μ ν with the present p, which is parallel to ν at a solution.
-    const double along = std::max(0.0, p_.dot(nu_)) / nu_.squaredNorm();
-    P_.noalias() = (2 * along / q) * nu_ * nu_.transpose();
-    P_.diagonal().array() += 2 * mu / q;
-  }
+  const auto form = [this](const Vector& w, double size) {
+    inverse_.noalias() = 2 * size * w * w.transpose();
+    inverse_.diagonal().array() += size;
+    inverse_(n_ - 1, n_ - 1) -= 2 * size;
+  };
   if (!is_soft()) {
-    reflect(work_, off_);
-    inverse_.noalias() = (2 / eta2) * off_ * off_.transpose();
-    inverse_.diagonal().array() += 1 / eta2;
-    inverse_(n_ - 1, n_ - 1) -= 2 / eta2;
-    off_.setZero();
+    reflect(work_, push_);
+    form(push_, 1 / eta2);
     return;
   }
-  inverse_ = W2_ + P_;
+  form(work_, eta2);
+  const double w = constraint_->limit, q = w * w - nu_.squaredNorm();
+  // From q p = 2 μ ν with the present p, which is parallel to ν at a solution.
+  const double along = std::max(0.0, p_.dot(nu_)) / nu_.squaredNorm();
+  P_.noalias() = (2 * along / q) * nu_ * nu_.transpose();
+  P_.diagonal().array() += 2 * mu / q;
+  inverse_ += P_;
   factor_.compute(inverse_);
   inverse_.setIdentity();
   factor_.solveInPlace(inverse_);

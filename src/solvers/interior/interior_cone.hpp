@@ -60,8 +60,8 @@ class InteriorCone {
   const NodeConstraint* constraint_;
   int n_;
   Eigen::VectorXd s_, nu_, p_, saved_s_, saved_p_, residual_, push_, along_, ds_, dnu_, dp_;
-  Eigen::VectorXd off_;               ///< p(ν) − p
-  Eigen::MatrixXd W2_, P_, inverse_;  ///< W², ∂p/∂ν, D⁻¹
+  Eigen::VectorXd off_;          ///< p(ν) − p
+  Eigen::MatrixXd P_, inverse_;  ///< ∂p/∂ν, D⁻¹
   Eigen::LLT<Eigen::MatrixXd> factor_;
   Eigen::MatrixXd product_;  ///< D⁻¹ C
   mutable Eigen::VectorXd work_;

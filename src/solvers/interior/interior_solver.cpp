@@ -499,18 +499,20 @@ std::optional<double> InteriorSolver::sweep_at_answer() {
 }
 
 /// Newton steps that led nowhere may have left the bounds: the answer is the last interior point
-/// then.
+/// then. Steps behind the best iterate are taken back.
 void InteriorSolver::choose_answer() {
-  const bool by_newton = excess_ <= 1;
-  if (by_newton) {
+  const auto excess = [this] { return AnswerChoice::excess(newton_.norms(), options_.tolerances); };
+  if (excess_ <= 1) {
+    if (excess() <= excess_) return;
     feedback_ = newton_.feedback();
-  } else {
-    answer_ = trajectory_;
-    answer_multipliers_ = multipliers_;
-    record_.row.newton = 0;
+    newton_.start(answer_, answer_multipliers_, penalty_, feedback_);
+    return;
   }
+  answer_ = trajectory_;
+  answer_multipliers_ = multipliers_;
+  record_.row.newton = 0;
   newton_.start(answer_, answer_multipliers_, penalty_, feedback_);
-  if (!by_newton) excess_ = AnswerChoice::excess(newton_.norms(), options_.tolerances);
+  excess_ = excess();
 }
 
 void InteriorSolver::write_result() {
@@ -518,8 +520,10 @@ void InteriorSolver::write_result() {
   SolveResult& result = record_.result;
   result.feedback_regularization = problem_.constraints().empty() ? sweep_at_answer() : 0;
   newton_.describe(record_.row);
-  if (result.log.empty()) record_.log_row();
-  result.log.back() = record_.row;
+  if (result.log.empty())
+    record_.log_row();
+  else
+    result.log.back() = record_.row;
   newton_.write_answer(result);
   if (excess_ <= 1)
     record_.end(SolveStatus::converged, record_.residual_text());

@@ -105,7 +105,7 @@ class InteriorSolver {
   double excess_ = 0;               ///< of the answer's norms, in multiples of their tolerances
   double slope_ = 0;                ///< of the barrier function along the step
   std::pair<double, double> here_;  ///< θ and φ of the iterate
-  double size_ = 1;                 ///< of multipliers and co-states
+  double size_ = 1;                 ///< of multipliers, in hundreds
   int gauss_newton_ = 0;            ///< iterations with one barrier before exact Hessians
   int since_ = 0;                   ///< iterations with the present barrier
   bool use_exact_ = true;           ///< in the present iteration
