@@ -24,13 +24,13 @@ double distance_of(const DistancePair& pair, const Plant& plant, const std::vect
     if (c.frame >= 0) m = placement_in_state(*plant.multibody(), x, c.frame);
     return std::pair(put(m.R * c.from + m.p), put(m.R * c.to + m.p));
   };
-  const auto [a0, a1] = ends(pair.first);
+  const auto [a0, a1] = ends(std::get<Capsule>(pair.first));
   if (const auto* solid = std::get_if<HalfSpace>(&pair.second))
     return std::min(put(solid->normal).dot(a0), put(solid->normal).dot(a1)) - solid->offset -
-           pair.first.radius;
+           std::get<Capsule>(pair.first).radius;
   const Capsule& second = std::get<Capsule>(pair.second);
   const auto [b0, b1] = ends(second);
-  return searched_distance(a0, a1, b0, b1) - pair.first.radius - second.radius;
+  return searched_distance(a0, a1, b0, b1) - std::get<Capsule>(pair.first).radius - second.radius;
 }
 
 TEST(ArmObstacles, KeepsDistanceFromBallPoleAndItself) {

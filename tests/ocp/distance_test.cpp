@@ -102,6 +102,11 @@ std::pair<Vector3d, Vector3d> ends(const RobotModel& robot, const RobotData<doub
   return {put(m.R * c.from + m.p), put(m.R * c.to + m.p)};
 }
 
+template <class Shape>
+bool is_polytope(const Shape& shape) {
+  return std::holds_alternative<Polytope>(shape);
+}
+
 TEST(DistanceResidual, IsDistanceBetweenSurfacesInTheWorld) {
   RandomNumbers random(7);
   for (const bool floating : {false, true}) {
@@ -120,9 +125,14 @@ TEST(DistanceResidual, IsDistanceBetweenSurfacesInTheWorld) {
       update_placements(*robot, x.data(), own);
       int row = 0;
       for (const DistancePair& pair : pairs) {
-        const auto [a0, a1] = ends(*robot, own, pair.first);
+        if (is_polytope(pair.first) || is_polytope(pair.second)) {
+          row += pair.rows();  // tests/spatial/convex_distance_test.cpp, and below
+          continue;
+        }
+        const Capsule& capsule = std::get<Capsule>(pair.first);
+        const auto [a0, a1] = ends(*robot, own, capsule);
         if (const auto* solid = std::get_if<HalfSpace>(&pair.second)) {
-          const double level = solid->offset + pair.first.radius;
+          const double level = solid->offset + capsule.radius;
           EXPECT_NEAR(r[row++], put(solid->normal).dot(a0) - level, 1e-12);
           if (pair.rows() == 2) {
             EXPECT_NEAR(r[row++], put(solid->normal).dot(a1) - level, 1e-12);
@@ -132,7 +142,7 @@ TEST(DistanceResidual, IsDistanceBetweenSurfacesInTheWorld) {
         const Capsule& second = std::get<Capsule>(pair.second);
         const auto [b0, b1] = ends(*robot, own, second);
         const double axes = searched_distance(a0, a1, b0, b1);
-        const double expected = axes - pair.first.radius - second.radius;
+        const double expected = axes - capsule.radius - second.radius;
         EXPECT_GE(r[row], expected - 1e-9);
         EXPECT_LE(r[row++], expected + excess(axes, segment(a0, a1), segment(b0, b1)) + 1e-12);
       }
@@ -148,7 +158,7 @@ TEST(DistanceResidual, HasOnlyColumnsBetweenTheBodies) {
   for (int a = 0; a < static_cast<int>(robot.frames.size()); ++a)
     for (int b = 0; b < static_cast<int>(robot.frames.size()); ++b) {
       if (a == b) continue;
-      const DistancePair pair{{a, {}, {0.1, 0, 0}, 0.1}, Capsule{b, {}, {}, 0.1}};
+      const DistancePair pair{Capsule{a, {}, {0.1, 0, 0}, 0.1}, Capsule{b, {}, {}, 0.1}};
       const std::vector<int> first = support(robot, robot.frames[a].joint),
                              second = support(robot, robot.frames[b].joint);
       std::vector<int> expected;
@@ -203,6 +213,94 @@ TEST(DistanceResidual, DerivativesMatchDualNumbers) {
     for (int trial = 0; trial < 2; ++trial)
       expect_derivatives(system, distance_pairs(robot.model, 2),
                          random_manifold_state(system->manifold(), random, 1.2));
+  }
+}
+
+/// A capsule is the hull of its ends, expanded by its radius.
+TEST(DistanceResidual, HullsOfTheEndsAreCapsules) {
+  RandomNumbers random(9);
+  const auto robot =
+      std::make_shared<RobotModel>(random_robot(17, {.joints = 8, .floating = true}));
+  const auto system = std::make_shared<MultibodySystem>(robot, Actuation::full(*robot));
+  const auto hull = [](const Capsule& c) { return Polytope{c.frame, {c.from, c.to}, c.radius}; };
+  std::vector<DistancePair> capsules, hulls;
+  for (const DistancePair& pair : distance_pairs(*robot)) {
+    const auto *first = std::get_if<Capsule>(&pair.first),
+               *second = std::get_if<Capsule>(&pair.second);
+    if (first == nullptr || second == nullptr) continue;
+    capsules.push_back(pair);
+    hulls.push_back({hull(*first), hull(*second)});
+  }
+  const auto one = distance_residual(system, capsules), other = distance_residual(system, hulls);
+  const auto data = system->create_data(double{});
+  std::vector<double> r(one->size()), of_hulls(other->size());
+  ASSERT_EQ(r.size(), of_hulls.size());
+  for (int trial = 0; trial < 20; ++trial) {
+    const auto x = random_manifold_state(system->manifold(), random, 1.2);
+    system->update_kinematics(x.data(), *data);
+    one->evaluate({x.data(), nullptr, nullptr, *data}, r.data());
+    other->evaluate({x.data(), nullptr, nullptr, *data}, of_hulls.data());
+    for (std::size_t i = 0; i < r.size(); ++i) EXPECT_NEAR(r[i], of_hulls[i], 2e-3);
+  }
+}
+
+/// A distance that is to stay above a margin is less than it is, near by a hundredth of the smaller
+/// body's radius at most.
+TEST(DistanceResidual, DistancesAboveAMarginAreLowerBounds) {
+  RandomNumbers random(15);
+  const auto robot =
+      std::make_shared<RobotModel>(random_robot(23, {.joints = 6, .floating = true}));
+  const auto system = std::make_shared<MultibodySystem>(robot, Actuation::full(*robot));
+  const double margin = 0.05, ball = 0.1;
+  const Polytope rod{4, {{0, 0, -0.1}, {0, 0, 0.1}}, 0.05};
+  const Polytope plate{-1, {{0.3, -1, 0}, {0.3, 1, 0}, {0.3, -1, 1}, {0.3, 1, 1}}, 0};
+  const auto residual = distance_residual(system, {{rod, plate}, {rod, plate, margin}});
+  const auto data = system->create_data(double{});
+  int near = 0, bounds = 0;
+  for (int trial = 0; trial < 400; ++trial) {
+    const auto x = random_manifold_state(system->manifold(), random, 1.2);
+    double r[2];
+    system->update_kinematics(x.data(), *data);
+    residual->evaluate({x.data(), nullptr, nullptr, *data}, r);
+    EXPECT_GE(r[1], r[0] - 2 * ball - 0.01 * ball);
+    if (r[1] >= margin) {
+      EXPECT_GE(r[0], margin - 1e-12);
+      EXPECT_LE(r[1], r[0] + 1e-12);
+    }
+    if (r[0] < margin + ball + 0.05) {
+      EXPECT_GE(r[1], r[0] - 0.01 * ball - 1e-12);
+      ++near;
+    }
+    bounds += r[1] < r[0] - 1e-6;
+    expect_derivatives(system, {{rod, plate, margin}}, x);
+  }
+  EXPECT_GT(near, 20);
+  EXPECT_GT(bounds, 100);
+}
+
+/// A prism with many vertices has one height, that of its lowest vertex.
+TEST(DistanceResidual, TheLowestOfManyVerticesCounts) {
+  RandomNumbers random(13);
+  const auto robot =
+      std::make_shared<RobotModel>(random_robot(19, {.joints = 6, .floating = true}));
+  const auto system = std::make_shared<MultibodySystem>(robot, Actuation::full(*robot));
+  const HalfSpace ground{{0.36, -0.48, 0.8}, 0.1};
+  Polytope many{2, {}, 0.03};
+  std::vector<DistancePair> pairs;
+  for (int i = 0; i < 12; ++i) {
+    many.vertices.push_back(random.vector(1));
+    pairs.push_back({Polytope{2, {many.vertices.back()}, 0.03}, ground});
+  }
+  pairs.push_back({many, ground});
+  const auto residual = distance_residual(system, pairs);
+  const auto data = system->create_data(double{});
+  std::vector<double> r(residual->size());
+  for (int trial = 0; trial < 10; ++trial) {
+    const auto x = random_manifold_state(system->manifold(), random, 1.2);
+    system->update_kinematics(x.data(), *data);
+    residual->evaluate({x.data(), nullptr, nullptr, *data}, r.data());
+    EXPECT_NEAR(r.back(), *std::min_element(r.begin(), r.end() - 1), 1e-12);
+    expect_derivatives(system, {pairs.back()}, x);
   }
 }
 

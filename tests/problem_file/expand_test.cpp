@@ -169,9 +169,12 @@ collision:
     upper: {frame: link_3, capsule: {radius: 0.05, to: [0, 0, 0.2]}}
     fore: {frame: link_5, capsule: {radius: 0.04, from: [0, 0, 0.01], to: [0, 0, 0.2]}}
     hand: {frame: tool, sphere: {radius: 0.05, center: [0, 0, 0.02]}}
+    cup: {frame: tool, hull: {points: [[0, 0, 0], [0.1, 0, 0], [0, 0, 0.1]]}}
   obstacles:
     ball: {sphere: {radius: 0.1, center: [0.5, 0, 0.5]}}
     pole: {capsule: {radius: 0.1, from: [1, 0, 0], to: [1, 0, 1]}}
+    drum: {cylinder: {radius: 0.2, from: [1, 1, 0], to: [1, 1, 1]}}
+    shelf: {box: {size: [1, 0.3, 0.02], placement: {position: [1, 0, 1], rpy: [0, 0, 1]}}}
     floor: {half_space: {}}
     wall: {half_space: {normal: [0, -2, 0], point: [0, 1, 0]}}
 initial_state: {joints: {joint_2: 0.3}}

@@ -162,7 +162,7 @@ TEST(Schema, HasTheReadersKeys) {
             schema_keys(schema["properties"]["collision"]));
   EXPECT_EQ(accepted_keys(collision("shapes: {a: {zzzzzzzz: 1}}")), schema_keys(d["shape"]));
   EXPECT_EQ(accepted_keys(collision("obstacles: {a: {zzzzzzzz: 1}}")), schema_keys(d["obstacle"]));
-  for (const std::string form : {"sphere", "capsule", "half_space"})
+  for (const std::string form : {"sphere", "capsule", "half_space", "box", "cylinder", "hull"})
     EXPECT_EQ(accepted_keys(collision("obstacles: {a: {" + form + ": {zzzzzzzz: 1}}}")),
               schema_keys(d[form]));
   const auto candidate = [](const std::string& text) {

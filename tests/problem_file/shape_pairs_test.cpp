@@ -1,7 +1,10 @@
 // Pairs of shapes of a distance cost, and rejected selections.
 #include "problem_file/plant/shape_pairs.hpp"
 
+#include <cmath>
+
 #include "problem_text.hpp"
+#include "support/temporary_folder.hpp"
 
 namespace conddp {
 namespace {
@@ -81,6 +84,155 @@ TEST(ShapePairs, ImpossiblePairsAreRejectedWithPlaces) {
   expect_error("floor: {half_space: {}}", "floor: {}", "the shape has no form");
   expect_error("{half_space: {}}", "{half_space: {}, sphere: {radius: 1}}", "a shape is one thing");
   expect_error("{half_space: {}}", "{half_space: {normal: [0, 0, 0]}}", "a direction of length 0");
+}
+
+constexpr std::string_view kBodies = R"(conddp: 1
+robot: {urdf: robots/arm7.urdf}
+collision:
+  shapes:
+    hand: {frame: tool, box: {size: [0.1, 0.2, 0.3], placement: {position: [0, 0, 0.1]}}}
+    finger: {frame: tool, hull: {points: [[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0]], radius: 0.01,
+                                placement: {position: [0, 0, 0.2]}}}
+  obstacles:
+    post: {cylinder: {radius: 0.1, from: [1, 0, 0], to: [1, 0, 2]}}
+    board: {box: {size: [0.4, 1, 0.02], placement: {position: [0.6, 0, 0.5], rpy: [0, 0, 1]}}}
+    floor: {half_space: {}}
+initial_state: {joints: {joint_2: 0.3}}
+phases: [{knots: 2, dt: 0.1}]
+costs: {clear: {residual: distance, pairs: all}}
+)";
+
+TEST(ShapePairs, PolytopesHaveTheCornersOfTheirBodies) {
+  const Loaded loaded((std::string(kBodies)));
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const CollisionSpec& collision = loaded.spec->collision;
+  const Polytope hand = polytope_of(std::get<BoxSpec>(collision.shapes[0].form), 3);
+  EXPECT_EQ(hand.frame, 3);
+  ASSERT_EQ(hand.vertices.size(), 8u);
+  for (const Vector3<double>& v : hand.vertices) {
+    EXPECT_NEAR(std::abs(v.x), 0.05, 1e-15);
+    EXPECT_NEAR(std::abs(v.y), 0.1, 1e-15);
+    EXPECT_NEAR(std::abs(v.z - 0.1), 0.15, 1e-15);
+  }
+  // The prism touches the cylinder from outside.
+  const Polytope post = polytope_of(std::get<CylinderSpec>(collision.obstacles[0].form), -1);
+  for (double angle = 0; angle < 7; angle += 0.01) {
+    double furthest = 0;
+    for (const Vector3<double>& v : post.vertices)
+      furthest = std::max(furthest, std::cos(angle) * (v.x - 1) + std::sin(angle) * v.y);
+    EXPECT_GE(furthest, 0.1 - 1e-12);
+    EXPECT_LE(furthest, 0.1005);
+  }
+  const Polytope finger = polytope_of(std::get<HullSpec>(collision.shapes[1].form), -1);
+  EXPECT_EQ(finger.radius, 0.01);
+  EXPECT_EQ(finger.vertices[1].x, 0.1);
+  EXPECT_EQ(finger.vertices[1].z, 0.2);
+}
+
+TEST(ShapePairs, BodiesOverAHalfSpaceHaveARowForEachVertex) {
+  const Loaded loaded((std::string(kBodies)));
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const auto& rows = loaded.built->problem->knot(0).model->costs()[0].residual;
+  EXPECT_EQ(rows->size(), 2 + 8 + 2 + 3);
+}
+
+void expect_body_error(const char* from, const char* to, const std::string& message) {
+  const Loaded loaded(replaced(kBodies, from, to));
+  EXPECT_FALSE(loaded.built);
+  EXPECT_NE(loaded.first_error().find(message), std::string::npos) << loaded.all();
+}
+
+TEST(ShapePairs, ImpossibleBodiesAreRejected) {
+  expect_body_error("size: [0.1, 0.2, 0.3]", "size: [0.1, 0, 0.3]", "positive lengths");
+  expect_body_error("to: [1, 0, 2]", "to: [1, 0, 0]", "the cylinder has length 0");
+  expect_body_error("points: [[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0]], ", "",
+                    "the hull has no points");
+  expect_body_error("points: [[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0]]", "points: [[0, 0]]",
+                    "[x, y, z] in m");
+  expect_body_error("points: [[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0]]", "mesh: nothing.stl",
+                    "nothing.stl");
+  expect_body_error("points: [[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0]]", "mesh: a.dae",
+                    "only STL and OBJ files are read");
+  expect_body_error("  shapes:", "  from: srdf\n  shapes:", "source of shapes");
+}
+
+constexpr std::string_view kFromUrdf = R"(conddp: 1
+robot: {urdf: arm.urdf}
+collision:
+  from: urdf
+  shapes: {hand: {frame: hand, sphere: {radius: 0.07}}}
+  obstacles: {wall: {half_space: {normal: [-1, 0, 0], point: [2, 0, 0]}}}
+initial_state: {joints: {a: 0.3}}
+phases: [{knots: 2, dt: 0.1}]
+costs: {clear: {residual: distance, pairs: obstacles}}
+)";
+
+/// An arm of two links: a box and a cylinder on the first, meshes on the second and on the hand.
+std::string arm_urdf(const std::string& mesh) {
+  const std::string inertial =
+      "<inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/>"
+      "</inertial>";
+  return "<robot name='arm'><link name='base'/><link name='upper'>" + inertial +
+         "<collision><origin xyz='0.1 0 0' rpy='0 0 1.5707963267948966'/><geometry>"
+         "<box size='0.2 0.04 0.06'/></geometry></collision>"
+         "<collision><origin xyz='0 0 0.2' rpy='0 1.5707963267948966 0'/><geometry>"
+         "<cylinder radius='0.03' length='0.4'/></geometry></collision></link>"
+         "<link name='fore'>" +
+         inertial + "<collision><geometry><mesh filename='" + mesh +
+         "' scale='0.001 0.001 0.001'/></geometry></collision></link>"
+         "<link name='hand'>" +
+         inertial +
+         "<collision><geometry><mesh filename='none.dae'/></geometry></collision></link>"
+         "<joint name='a' type='revolute'><parent link='base'/><child link='upper'/>"
+         "<axis xyz='0 1 0'/><limit lower='-1' upper='1' effort='1' velocity='1'/></joint>"
+         "<joint name='b' type='revolute'><parent link='upper'/><child link='fore'/>"
+         "<axis xyz='0 1 0'/><limit lower='-1' upper='1' effort='1' velocity='1'/></joint>"
+         "<joint name='c' type='fixed'><parent link='fore'/><child link='hand'/></joint></robot>";
+}
+
+/// The problem of kFromUrdf in a folder, with an arm that names a mesh.
+std::optional<ProblemSpec> read_from_urdf(const std::string& mesh, Diagnostics& out) {
+  const TemporaryFolder folder;
+  folder.write("arm.urdf", arm_urdf(mesh));
+  folder.write("fore.obj", "v 100 0 0\nv 0 0 0\nv 0 100 0\nv 0 0 100\nv 20 20 20\nf 1 2 3\n");
+  folder.write("empty.stl", "solid nothing");
+  return read_problem_text(std::string(kFromUrdf), folder / "problem.yaml", {}, out);
+}
+
+TEST(UrdfShapes, LinksBringTheirShapesUnderTheirNames) {
+  Diagnostics out;
+  const auto spec = read_from_urdf("fore.obj", out);
+  ASSERT_TRUE(spec) << format_diagnostics(out, false);
+  Names names;
+  for (const ShapeSpec& shape : spec->collision.shapes) names.push_back(shape.name.value);
+  EXPECT_EQ(names, (Names{"hand", "upper", "upper/2", "fore"}));
+  const auto& shapes = spec->collision.shapes;
+  EXPECT_EQ(std::get<SphereSpec>(shapes[0].form).radius, 0.07);
+  double reach = 0;
+  for (const Vector3<double>& v : polytope_of(std::get<BoxSpec>(shapes[1].form), -1).vertices)
+    reach = std::max(reach, v.y);
+  EXPECT_NEAR(reach, 0.1, 1e-12);  // its long edge is turned towards y
+  const auto& cylinder = std::get<CylinderSpec>(shapes[2].form);
+  EXPECT_NEAR(cylinder.from.x, -0.2, 1e-12);
+  EXPECT_NEAR(cylinder.to.x, 0.2, 1e-12);
+  EXPECT_NEAR(cylinder.to.z, 0.2, 1e-12);
+  const auto& hull = std::get<HullSpec>(shapes[3].form);
+  EXPECT_EQ(hull.points.size(), 4u);  // without the vertex inside
+  EXPECT_NEAR(hull.radius, 0.0005, 1e-15);
+}
+
+TEST(UrdfShapes, MeshesThatCannotBeReadAreNamed) {
+  const auto error = [](const std::string& mesh) {
+    Diagnostics out;
+    EXPECT_FALSE(read_from_urdf(mesh, out));
+    return format_diagnostics(out, false);
+  };
+  EXPECT_NE(error("gone.stl")
+                .find("4:9: error: the collision mesh 'gone.stl' of the link 'fore' is "
+                      "not found"),
+            std::string::npos)
+      << error("gone.stl");
+  EXPECT_NE(error("empty.stl").find("the file has no vertex"), std::string::npos);
 }
 
 TEST(ShapePairs, NeedRobotsAndShapes) {

@@ -11,8 +11,8 @@
 
 namespace conddp {
 
-/// Shape pairs of every kind: on each `frame_step`-th frame with shapes of the world and of another
-/// frame. A fixed frame has a pair too.
+/// Shape pairs of every kind, also overlapping ones: on each `frame_step`-th frame with shapes of
+/// the world and of another frame. A fixed frame has a pair too.
 inline std::vector<DistancePair> distance_pairs(const RobotModel& robot, int frame_step = 1) {
   std::vector<DistancePair> pairs;
   const int n = static_cast<int>(robot.frames.size());
@@ -26,10 +26,19 @@ inline std::vector<DistancePair> distance_pairs(const RobotModel& robot, int fra
     pairs.push_back({capsule, point});
     pairs.push_back({capsule, HalfSpace{{0.36, -0.48, 0.8}, 0.1}});
     pairs.push_back({sphere, HalfSpace{{0, 0, 1}, -0.2}});
+    const Polytope wedge{f, {{0, 0, 0}, {0.2, 0, 0.1}, {0, 0.3, 0.1}, {0.1, 0.1, 0.4}}, 0.02};
+    const Polytope stone{-1, {{0.9, 0, 0}, {1.2, 0.3, 0}, {1, 0.4, 0.5}, {1, -0.2, 0.6}}, 0};
+    pairs.push_back({wedge, stone});
+    pairs.push_back({wedge, stone, 0.05});
+    pairs.push_back({capsule, stone, 0.05});
+    pairs.push_back({wedge, point});
+    pairs.push_back({sphere, stone, 0.0});
+    pairs.push_back({wedge, HalfSpace{{0.36, -0.48, 0.8}, 0.1}});
     const int other = (f + 1 + f / 2) % n;
     if (other == f) continue;
     pairs.push_back({capsule, Capsule{other, {-0.1, 0, 0.1}, {0.2, 0.05, 0}, 0.05}});
     pairs.push_back({sphere, Capsule{other, {0, 0, 0.1}, {0, 0, 0.1}, 0.05}});
+    pairs.push_back({wedge, Capsule{other, {-0.1, 0, 0.1}, {0.2, 0.05, 0}, 0.05}});
   }
   return pairs;
 }

@@ -1,13 +1,15 @@
 // Obstacles of a motion, and bounds on positions.
 import * as THREE from 'three';
+import {ConvexGeometry} from 'three/examples/jsm/geometries/ConvexGeometry.js';
 
 const outsideColor = '#d55e00', insideColor = '#56b4e9';
 const up = new THREE.Vector3(0, 0, 1), along = new THREE.Vector3(0, 1, 0);
 
 const vector = numbers => new THREE.Vector3(...numbers);
 
-/// A capsule or a sphere, also for a robot's body.
-export function roundForm(shape) {
+/// A convex body, also a robot's: sphere, capsule, or the hull of points.
+export function convexForm(shape) {
+  if (shape.kind === 'hull') return new ConvexGeometry(shape.points.map(vector));
   if (shape.kind === 'sphere')
     return new THREE.SphereGeometry(shape.radius, 28, 18).translate(...shape.center);
   const from = vector(shape.from), to = vector(shape.to), way = to.clone().sub(from);
@@ -70,11 +72,11 @@ function objectOf(shape, view) {
     case 'disc':
       return disc(shape);
     case 'sphere': {
-      const mesh = new THREE.Mesh(roundForm({...shape, center: [0, 0, 0]}), surface(shape.inside));
+      const mesh = new THREE.Mesh(convexForm({...shape, center: [0, 0, 0]}), surface(shape.inside));
       return mesh;
     }
     default:
-      return new THREE.Mesh(roundForm(shape), surface(false));
+      return new THREE.Mesh(convexForm(shape), surface(false));
   }
 }
 

@@ -4,7 +4,7 @@ import {Line2} from 'three/examples/jsm/lines/Line2.js';
 import {LineGeometry} from 'three/examples/jsm/lines/LineGeometry.js';
 import {LineMaterial} from 'three/examples/jsm/lines/LineMaterial.js';
 import {forceNode, forceParts, nodeAt} from './data.js';
-import {roundForm} from './obstacles.js';
+import {convexForm} from './obstacles.js';
 import {lineColor} from './palette.js';
 import {place, shapeObject} from './shapes.js';
 
@@ -74,7 +74,7 @@ export class Robot {
   /// Adds the collision shapes.
   addShapes(color) {
     this.shapes = (this.scene.collision_shapes ?? []).map(shape => {
-      const mesh = new THREE.Mesh(roundForm(shape), new THREE.MeshBasicMaterial(
+      const mesh = new THREE.Mesh(convexForm(shape), new THREE.MeshBasicMaterial(
           {color, wireframe: true, transparent: true, opacity: 0.35}));
       mesh.name = shape.name;
       mesh.visible = false;

@@ -138,21 +138,37 @@ struct Capsule {
   Vector3<double> from = Vector3<double>::zero(), to = Vector3<double>::zero();
   double radius = 0;
 };
+/// The points within `radius` (m) of the convex hull of vertices (at least one) in the axes of a
+/// robot frame, or of the world (frame −1).
+struct Polytope {
+  int frame = -1;
+  std::vector<Vector3<double>> vertices;
+  double radius = 0;
+};
 /// The world points p with normal·p ≤ offset; the normal is a unit vector.
 struct HalfSpace {
   Vector3<double> normal{0, 0, 1};
   double offset = 0;  ///< m
 };
 struct DistancePair {
-  Capsule first;
-  std::variant<Capsule, HalfSpace> second;
+  std::variant<Capsule, Polytope> first;
+  std::variant<Capsule, Polytope, HalfSpace> second;
+  /// The distance is only to stay above this margin, m: that of a polytope is smooth and keeps the
+  /// margin if its value does, which may be less than the distance by a hundredth of the smaller
+  /// body's radius, and far away by more. Absent: exact everywhere.
+  std::optional<double> margin = {};
 
-  /// Rows of its distance: one, or two for a capsule over a half-space, for `from` and for `to`.
+  /// Rows of its distance: one, but over a half-space one for each end of a capsule, `from` and
+  /// `to`, or vertex of a polytope with at most kMostHeights; of others the lowest.
   int rows() const;
+  static constexpr int kMostHeights = 8;
 };
-/// Distances between surfaces, m, negative if two shapes overlap: pair after pair, smoothed as
-/// described at closest_points(). They depend only on the joints between the two bodies. No
-/// parameters.
+/// Distances between surfaces, m, negative if two shapes overlap: pair after pair. They depend only
+/// on the joints between the two bodies. No parameters.
+///
+/// Those of two capsules are smoothed as described at closest_points(). Those with a polytope are
+/// exact (nearest_pairs()), and their derivative jumps where other faces, edges or vertices become
+/// the nearest ones, unless they have a margin.
 std::shared_ptr<const Residual> distance_residual(
     const std::shared_ptr<const MultibodySystem>& system, const std::vector<DistancePair>& pairs);
 

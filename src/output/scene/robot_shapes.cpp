@@ -11,6 +11,7 @@
 #include "base/files/text_file.hpp"
 #include "output/scene/base64.hpp"
 #include "output/scene/scene_numbers.hpp"
+#include "robot/urdf/urdf_meshes.hpp"
 #include "robot/urdf/urdf_visuals.hpp"
 
 namespace conddp {
@@ -22,37 +23,6 @@ constexpr std::size_t kMaxMeshBytes = 3 << 20;
 /// kg/m³: minimum density of real links. Placeholder inertias have lighter ellipsoids.
 constexpr double kLeastDensity = 10;
 constexpr double kLeastRadius = 0.005;  // m
-
-bool is_file(const std::filesystem::path& file) {
-  std::error_code error;
-  return std::filesystem::is_regular_file(file, error);
-}
-
-/// Finds a file `package/path` in a folder or its ancestors; one of these may be the package
-/// itself.
-std::filesystem::path find_in_package(const std::filesystem::path& inside,
-                                      std::filesystem::path base) {
-  const std::filesystem::path rest = inside.lexically_relative(*inside.begin());
-  for (int up = 0; up < 6; ++up, base = base.parent_path()) {
-    if (is_file(base / inside)) return base / inside;
-    if (base.filename() == *inside.begin() && is_file(base / rest)) return base / rest;
-  }
-  return {};
-}
-
-/// The path of a URDF mesh: relative to the URDF, or for package://name/path in a folder `name` of
-/// one of its ancestors.
-std::filesystem::path find_mesh(const std::string& name, const std::filesystem::path& urdf) {
-  const std::filesystem::path folder = urdf.parent_path();
-  constexpr std::string_view kFile = "file://", kPackage = "package://";
-  if (name.starts_with(kFile))
-    return is_file(name.substr(kFile.size())) ? name.substr(kFile.size()) : "";
-  if (!name.starts_with(kPackage)) return is_file(folder / name) ? folder / name : "";
-  const std::filesystem::path inside = name.substr(kPackage.size());
-  if (inside.empty()) return {};
-  // Absolute, because the parent of a file in the current folder is empty.
-  return find_in_package(inside, std::filesystem::absolute(urdf).parent_path());
-}
 
 /// True if the contents match the suffix, as far as a viewer needs them: some mesh files are
 /// placeholders for meshes that were not fetched.
@@ -182,13 +152,6 @@ class ShapeReader {
     if (!holds_mesh(*text, kind)) return nullptr;
     mesh_bytes_ += text->size();
     return {{"kind", kind}, {"scale", vector_json(shape.size)}, {"data", base64(*text)}};
-  }
-
-  /// "stl" or "obj", from the suffix of the name; empty for others.
-  static std::string mesh_kind(const std::string& name) {
-    std::string suffix = std::filesystem::path(name).extension().string();
-    for (char& c : suffix) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    return suffix == ".stl" || suffix == ".obj" ? suffix.substr(1) : "";
   }
 
   /// Contents of a mesh, unless all meshes so far exceed the size limit.

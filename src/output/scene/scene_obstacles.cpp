@@ -7,6 +7,7 @@
 #include "base/json/ordered_json.hpp"
 #include "ocp/problem/by_name.hpp"
 #include "problem_file/assemble/problem_names.hpp"
+#include "problem_file/plant/shape_pairs.hpp"
 
 namespace conddp {
 namespace {
@@ -27,6 +28,32 @@ OrderedJson form_json(const HalfSpaceSpec& half_space) {
   return {{"kind", "half_space"},
           {"normal", coordinates_json(half_space.normal)},
           {"point", coordinates_json(half_space.point)}};
+}
+OrderedJson form_json(const Polytope& polytope) {
+  OrderedJson points = OrderedJson::array();
+  for (const Vector3<double>& vertex : polytope.vertices)
+    points.push_back(coordinates_json(vertex));
+  return {{"kind", "hull"}, {"points", std::move(points)}};
+}
+template <class Spec>
+OrderedJson form_json(const Spec& spec) {
+  return form_json(polytope_of(spec, -1));
+}
+
+Vector3<double> moved(const Vector3<double>& point, const SE3<double>& by) {
+  return by.R * point + by.p;
+}
+SphereSpec moved(const SphereSpec& sphere, const SE3<double>& by) {
+  return {sphere.radius, moved(sphere.center, by)};
+}
+CapsuleSpec moved(const CapsuleSpec& capsule, const SE3<double>& by) {
+  return {capsule.radius, moved(capsule.from, by), moved(capsule.to, by)};
+}
+template <class Spec>
+Polytope moved(const Spec& spec, const SE3<double>& by) {
+  Polytope polytope = polytope_of(spec, -1);
+  for (Vector3<double>& vertex : polytope.vertices) vertex = moved(vertex, by);
+  return polytope;
 }
 
 template <class Shape>
@@ -161,17 +188,11 @@ OrderedJson obstacles_json(const BuiltProblem& built) {
 
 OrderedJson collision_shapes_json(const CollisionSpec& collision, const RobotModel& robot) {
   OrderedJson list = OrderedJson::array();
-  for (ShapeSpec shape : collision.shapes) {
+  for (const ShapeSpec& shape : collision.shapes) {
     const Frame& frame = robot.frames[robot.find_frame(shape.frame.value).value()];
-    const auto move = [&](Vector3<double>& point) {
-      point = frame.placement.R * point + frame.placement.p;
-    };
-    if (auto* sphere = std::get_if<SphereSpec>(&shape.form)) move(sphere->center);
-    if (auto* capsule = std::get_if<CapsuleSpec>(&shape.form)) {
-      move(capsule->from);
-      move(capsule->to);
-    }
-    list.push_back(shape_json(shape));
+    list.push_back({{"name", shape.name.value}});
+    list.back().update(std::visit(
+        [&](const auto& form) { return form_json(moved(form, frame.placement)); }, shape.form));
     list.back()["body"] = frame.joint + 1;
   }
   return list;

@@ -7,6 +7,7 @@ namespace conddp {
 
 /// Obstacles and bounds of a motion, for motion_scene(), in world axes (m):
 ///   sphere: center, radius; capsule: from, to, radius; half_space: normal, point;
+///   hull: points, the vertices of a convex body;
 ///   disc (for planar motions): center, normal of the plane, radius;
 ///   box (bounds on a position): lower, upper, null along an unbounded axis.
 /// Obstacles of `collision` come first. Constraints follow on positions of frames, on the center of
@@ -16,7 +17,7 @@ namespace conddp {
 OrderedJson obstacles_json(const BuiltProblem& built);
 
 /// The shapes of `collision` on bodies: name, body (0: the world, else the index of its joint plus
-/// one), and a sphere or capsule as above in the body's axes.
+/// one), and a sphere, capsule or hull as above in the body's axes.
 OrderedJson collision_shapes_json(const CollisionSpec& collision, const RobotModel& robot);
 
 }  // namespace conddp

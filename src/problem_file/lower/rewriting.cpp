@@ -5,6 +5,7 @@
 #include "problem_file/lower/homotopy_numbers.hpp"
 #include "problem_file/lower/parameter_values.hpp"
 #include "problem_file/lower/start.hpp"
+#include "problem_file/lower/urdf_shapes.hpp"
 
 namespace conddp {
 
@@ -20,6 +21,7 @@ std::span<const DocumentRewriting> document_rewritings() {
 
 std::span<const SpecRewriting> spec_rewritings() {
   static constexpr SpecRewriting kAll[] = {
+      {"collision", add_urdf_shapes},
       {"gait",
        [](ProblemSpec& spec, Diagnostics& out) {
          add_gait(spec, out);

@@ -22,19 +22,36 @@ struct HalfSpaceSpec {
   Vector3<double> point = Vector3<double>::zero();  ///< on its surface, m
 };
 
+struct BoxSpec {
+  Vector3<double> size{1, 1, 1};  ///< m
+  PoseSpec placement;             ///< of its center, in the frame or in the world
+};
+struct CylinderSpec {
+  double radius = 0;                               ///< m
+  Vector3<double> from = Vector3<double>::zero();  ///< center of one end, m
+  Vector3<double> to = Vector3<double>::zero();    ///< center of the other, m
+};
+/// The convex hull of points, expanded by a radius.
+struct HullSpec {
+  std::vector<Vector3<double>> points = {};  ///< m, in the axes of the placement
+  double radius = 0;                         ///< m
+  PoseSpec placement = {};                   ///< in the frame or in the world
+};
+
 /// A shape on a frame of a robot.
 struct ShapeSpec {
   Name name;
   Name frame;
-  std::variant<SphereSpec, CapsuleSpec> form;
+  std::variant<SphereSpec, CapsuleSpec, BoxSpec, CylinderSpec, HullSpec> form;
 };
 /// A shape fixed in the world.
 struct ObstacleSpec {
   Name name;
-  std::variant<SphereSpec, CapsuleSpec, HalfSpaceSpec> form;
+  std::variant<SphereSpec, CapsuleSpec, HalfSpaceSpec, BoxSpec, CylinderSpec, HullSpec> form;
 };
 
 struct CollisionSpec {
+  std::optional<Place> from_urdf;  ///< place of `from: urdf`
   std::vector<ShapeSpec> shapes;
   std::vector<ObstacleSpec> obstacles;
 };

@@ -8,11 +8,6 @@
 
 namespace conddp {
 
-struct BoxSpec {
-  Vector3<double> size{1, 1, 1};  ///< m
-  PoseSpec placement;             ///< of its center, in the frame or in the world
-};
-
 /// Geometry that a candidate may touch, on a frame or fixed in the world.
 struct TouchedSpec {
   Place place;

@@ -17,11 +17,13 @@ double rows_of(const ConstraintSpec& constraint, const ProblemSpec& spec, int nd
   const CostSpec& function = constraint.function;
   const ResidualDefinition& definition = *function.definition;
   if (definition.needs.shapes) {
+    // Rows of a pair: of a box over a half-space the most.
+    constexpr double kPairRows = DistancePair::kMostHeights;
     const PairsSpec pairs = function.keys.value(key::pairs);
     if (pairs.choice == PairsSpec::Choice::kNamed)
-      return 2 * static_cast<double>(pairs.named.size());
+      return kPairRows * static_cast<double>(pairs.named.size());
     const auto shapes = static_cast<double>(spec.collision.shapes.size());
-    return 2 * shapes * (shapes + static_cast<double>(spec.collision.obstacles.size()));
+    return kPairRows * shapes * (shapes + static_cast<double>(spec.collision.obstacles.size()));
   }
   if (definition.of_contacts()) return kConeRows * static_cast<double>(spec.contacts.size());
   return definition.has(key::frame.name) ? kPoseRows : std::max(ndx, nu);

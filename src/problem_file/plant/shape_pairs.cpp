@@ -1,5 +1,7 @@
 #include "problem_file/plant/shape_pairs.hpp"
 
+#include <cmath>
+#include <numbers>
 #include <set>
 
 #include <fmt/format.h>
@@ -10,13 +12,17 @@
 namespace conddp {
 namespace {
 
-using Form = std::variant<Capsule, HalfSpace>;
+using Form = std::variant<Capsule, Polytope, HalfSpace>;
 
 Form form_of(const SphereSpec& sphere, int frame) {
   return Capsule{frame, sphere.center, sphere.center, sphere.radius};
 }
 Form form_of(const CapsuleSpec& capsule, int frame) {
   return Capsule{frame, capsule.from, capsule.to, capsule.radius};
+}
+template <class Spec>
+Form form_of(const Spec& spec, int frame) {
+  return polytope_of(spec, frame);
 }
 Form form_of(const HalfSpaceSpec& half_space, int) {
   return HalfSpace{half_space.normal, dot(half_space.normal, half_space.point)};
@@ -67,6 +73,12 @@ std::vector<std::size_t> items_named(const Name& name, const std::vector<Item>& 
   return found;
 }
 
+/// Links carry no half-space.
+DistancePair pair_of(const Form& shape, const Form& other) {
+  if (const auto* polytope = std::get_if<Polytope>(&shape)) return {*polytope, other};
+  return {std::get<Capsule>(shape), other};
+}
+
 /// Pairs of items, each once.
 class PairList {
  public:
@@ -79,7 +91,7 @@ class PairList {
     const Item &shape = items_[first], &other = items_[second];
     if (shape.joint == other.joint) return false;
     if (taken_.insert({first, second}).second)
-      pairs_.push_back({shape.name, other.name, {std::get<Capsule>(shape.form), other.form}});
+      pairs_.push_back({shape.name, other.name, pair_of(shape.form, other.form)});
     return true;
   }
   const std::vector<ShapePair>& pairs() const { return pairs_; }
@@ -119,6 +131,43 @@ void add_named(const Name& first, const Name& second, const std::vector<Item>& i
 }
 
 }  // namespace
+
+Polytope polytope_of(const BoxSpec& box, int frame) {
+  Polytope polytope{frame, {}, 0};
+  const SE3<double> placement = box.placement.placement();
+  for (const double x : {-0.5, 0.5})
+    for (const double y : {-0.5, 0.5})
+      for (const double z : {-0.5, 0.5}) {
+        const Vector3<double> corner{x * box.size.x, y * box.size.y, z * box.size.z};
+        polytope.vertices.push_back(placement.R * corner + placement.p);
+      }
+  return polytope;
+}
+
+Polytope polytope_of(const CylinderSpec& cylinder, int frame) {
+  constexpr int kFaces = 32;
+  Polytope polytope{frame, {}, 0};
+  const Vector3<double> along = cylinder.to - cylinder.from;
+  const Vector3<double> beside =
+      std::abs(along.x) > std::abs(along.y) ? Vector3<double>{0, 1, 0} : Vector3<double>{1, 0, 0};
+  const auto unit = [](const Vector3<double>& v) { return (1 / std::sqrt(squared_norm(v))) * v; };
+  const Vector3<double> x = unit(cross(along, beside)), y = unit(cross(along, x));
+  const double radius = cylinder.radius / std::cos(std::numbers::pi / kFaces);
+  for (int i = 0; i < kFaces; ++i) {
+    const double angle = 2 * std::numbers::pi * i / kFaces;
+    const Vector3<double> out = (radius * std::cos(angle)) * x + (radius * std::sin(angle)) * y;
+    polytope.vertices.push_back(cylinder.from + out);
+    polytope.vertices.push_back(cylinder.to + out);
+  }
+  return polytope;
+}
+
+Polytope polytope_of(const HullSpec& hull, int frame) {
+  Polytope polytope{frame, hull.points, hull.radius};
+  const SE3<double> placement = hull.placement.placement();
+  for (Vector3<double>& vertex : polytope.vertices) vertex = placement.R * vertex + placement.p;
+  return polytope;
+}
 
 void check_shapes(const ProblemSpec& spec, const Plant& plant, Diagnostics& out) {
   for (const ShapeSpec& shape : spec.collision.shapes)

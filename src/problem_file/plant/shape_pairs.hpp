@@ -11,6 +11,12 @@ struct ShapePair {
   DistancePair shapes;
 };
 
+/// The vertices of a box, of a prism of 32 faces around a cylinder, and of a hull, in the axes in
+/// which they are given.
+Polytope polytope_of(const BoxSpec& box, int frame);
+Polytope polytope_of(const CylinderSpec& cylinder, int frame);
+Polytope polytope_of(const HullSpec& hull, int frame);
+
 /// Reports shapes on frames that the robot lacks.
 void check_shapes(const ProblemSpec& spec, const Plant& plant, Diagnostics& out);
 

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "problem_file/data/mesh_hull.hpp"
 #include "problem_file/read/read_sections.hpp"
 
 namespace conddp {
@@ -46,6 +47,118 @@ void describe(Keys& keys, HalfSpaceSpec& half_space) {
 
 namespace {
 
+/// Positive lengths of the edges of a box.
+struct EdgesForm : VectorForm {
+  EdgesForm() : VectorForm{"[x, y, z] in m"} {}
+  bool read(const YamlReader& reader, Vector3<double>& value) const {
+    Vector3<double> edges;
+    if (!VectorForm::read(reader, edges)) return false;
+    if (!(edges.x > 0 && edges.y > 0 && edges.z > 0))
+      return reader.error("the edges of a box have positive lengths"), false;
+    value = edges;
+    return true;
+  }
+  OrderedJson schema() const {
+    OrderedJson schema = VectorForm::schema();
+    schema["items"]["exclusiveMinimum"] = 0;
+    return schema;
+  }
+};
+
+/// Points of a convex hull.
+struct PointsForm {
+  bool read(const YamlReader& reader, std::vector<Vector3<double>>& points) const {
+    const auto items = reader.items();
+    if (!items) return false;
+    if (items->empty()) reader.error("there is no point", "write '[[0, 0, 0], [0.1, 0, 0]]'");
+    for (const YamlReader& item : *items)
+      kPoint.read(item, points.emplace_back(Vector3<double>::zero()));
+    return true;
+  }
+  std::optional<OrderedJson> expand(const std::vector<Vector3<double>>& points) const {
+    OrderedJson json = OrderedJson::array();
+    for (const Vector3<double>& point : points) json.push_back(*kPoint.expand(point));
+    return json;
+  }
+  OrderedJson schema() const {
+    return {{"type", "array"}, {"minItems", 1}, {"items", kPoint.schema()}};
+  }
+
+ private:
+  static constexpr VectorForm kPoint{"[x, y, z] in m"};
+};
+
+}  // namespace
+
+void describe(Keys& keys, BoxSpec& box) {
+  keys.about({.definition = "box",
+              .title = "Box",
+              .says = "A box about the middle of its placement",
+              .examples = R"([{"size": [1, 1, 0.5]}])"});
+  keys({.name = "size", .says = "Lengths of its edges along x, y and z, m", .required = true},
+       box.size, EdgesForm{});
+  keys({"placement", "Of its middle and axes, in the frame or in the world"}, box.placement,
+       MapForm{});
+}
+
+static void describe(Keys& keys, CylinderSpec& cylinder) {
+  const int errors = keys.errors();
+  keys.about({.definition = "cylinder",
+              .title = "Cylinder",
+              .says = "In the axes of its frame or in the world; distances see a prism of 32 faces "
+                      "around it, whose edges are 0.5 % further out",
+              .examples = R"([{"radius": 0.06, "to": [0, 0, 0.3]}])"});
+  keys({.name = "radius", .says = "Radius, m", .required = true}, cylinder.radius,
+       NumberForm{kPositive});
+  keys({"from", "Center of one end, m"}, cylinder.from, VectorForm{"[x, y, z] in m"});
+  keys({.name = "to", .says = "Center of the other end, m", .required = true}, cylinder.to,
+       VectorForm{"[x, y, z] in m"});
+  const bool no_line = squared_norm(cylinder.to - cylinder.from) == 0;
+  if (const auto to = keys.found("to"); to && keys.errors() == errors && no_line)
+    to->error("the cylinder has length 0", "write 'to: [0, 0, 0.1]'");
+}
+
+static void describe(Keys& keys, HullSpec& hull) {
+  keys.about({.definition = "hull",
+              .title = "Convex hull",
+              .says = "The smallest convex body around points",
+              .examples = R"([{"points": [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]},
+                              {"mesh": "chair.stl", "scale": 0.001}])",
+              .rules = R"("oneOf": [{"required": ["points"]}, {"required": ["mesh"]}])"});
+  Name file;
+  double scale = 1;
+  keys({.name = "points", .says = "Points, m", .fallback = "none"}, hull.points, PointsForm{});
+  keys({.name = "mesh",
+        .says = "Instead of points, an STL or OBJ file, relative to the problem file; its body is "
+                "contained, and exceeded by at most half a percent of its size",
+        .fallback = "none",
+        .omitted = true},
+       file, NameForm{});
+  keys({.name = "scale",
+        .says = "Meters in the unit of the mesh; 1 by default",
+        .fallback = "none",
+        .omitted = true},
+       scale, NumberForm{kPositive});
+  keys({"radius", "By which it is expanded, m"}, hull.radius, NumberForm{kNotNegative});
+  keys({"placement", "Of the points' axes, in the frame or in the world"}, hull.placement,
+       MapForm{});
+  YamlMap* map = keys.reading();
+  if (map == nullptr) return;
+  map->exclusive({"points", "mesh"});
+  const auto mesh = map->find("mesh");
+  if (!mesh && !map->find("points"))
+    map->reader().error("the hull has no points", "give 'points' or 'mesh'");
+  if (!mesh || file.value.empty()) return;
+  std::string defect;
+  const HullSpec around = mesh_hull(map->reader().folder() / file.value, {scale, scale, scale},
+                                    defect, map->reader().diagnostics());
+  if (!defect.empty()) mesh->error(defect);
+  hull.points = around.points;
+  hull.radius += around.radius;
+}
+
+namespace {
+
 /// Reports a shape without a form, or with several.
 void check_form(YamlMap* map, std::initializer_list<const char*> forms, const char* hint) {
   if (map == nullptr) return;
@@ -73,31 +186,44 @@ void check_names(const std::vector<Shape>& shapes, std::vector<std::string>& tak
 
 }  // namespace
 
+/// Forms that shapes and obstacles share.
+template <class Form>
+static void describe_bodies(Keys& keys, Form& form) {
+  keys({"sphere"}, form, AlternativeForm<SphereSpec>{});
+  keys({"capsule"}, form, AlternativeForm<CapsuleSpec>{});
+  keys({"box"}, form, AlternativeForm<BoxSpec>{});
+  keys({"cylinder"}, form, AlternativeForm<CylinderSpec>{});
+  keys({"hull"}, form, AlternativeForm<HullSpec>{});
+}
+
 static void describe(Keys& keys, ShapeSpec& shape) {
   keys.about({.definition = "shape",
               .title = "Shape that a link carries",
-              .says = "A sphere or a capsule fixed to a frame",
+              .says = "A convex body fixed to a frame",
               .examples = R"([{"frame": "tool", "sphere": {"radius": 0.05}}])",
-              .rules = R"("oneOf": [{"required": ["sphere"]}, {"required": ["capsule"]}])"});
+              .rules = R"("oneOf": [{"required": ["sphere"]}, {"required": ["capsule"]},
+                                    {"required": ["box"]}, {"required": ["cylinder"]},
+                                    {"required": ["hull"]}])"});
   keys({.name = "frame", .says = "In whose axes it is given", .required = true}, shape.frame,
        NameForm{});
-  keys({"sphere"}, shape.form, AlternativeForm<SphereSpec>{});
-  keys({"capsule"}, shape.form, AlternativeForm<CapsuleSpec>{});
-  check_form(keys.reading(), {"sphere", "capsule"}, "give 'sphere' or 'capsule'");
+  describe_bodies(keys, shape.form);
+  check_form(keys.reading(), {"sphere", "capsule", "box", "cylinder", "hull"},
+             "give 'sphere', 'capsule', 'box', 'cylinder' or 'hull'");
 }
 
 static void describe(Keys& keys, ObstacleSpec& obstacle) {
   keys.about({.definition = "obstacle",
               .title = "Shape that stands in the world",
-              .says = "A sphere, a capsule or a half-space",
-              .examples = R"([{"sphere": {"radius": 0.1, "center": [0.4, 0, 0.5]}}])",
+              .says = "A convex body or a half-space",
+              .examples = R"([{"box": {"size": [0.6, 0.3, 0.02],
+                                       "placement": {"position": [0.5, 0, 0.4]}}}])",
               .rules = R"("oneOf": [{"required": ["sphere"]}, {"required": ["capsule"]},
-                                    {"required": ["half_space"]}])"});
-  keys({"sphere"}, obstacle.form, AlternativeForm<SphereSpec>{});
-  keys({"capsule"}, obstacle.form, AlternativeForm<CapsuleSpec>{});
+                                    {"required": ["box"]}, {"required": ["cylinder"]},
+                                    {"required": ["hull"]}, {"required": ["half_space"]}])"});
+  describe_bodies(keys, obstacle.form);
   keys({"half_space"}, obstacle.form, AlternativeForm<HalfSpaceSpec>{});
-  check_form(keys.reading(), {"sphere", "capsule", "half_space"},
-             "give 'sphere', 'capsule' or 'half_space'");
+  check_form(keys.reading(), {"sphere", "capsule", "box", "cylinder", "hull", "half_space"},
+             "give 'sphere', 'capsule', 'box', 'cylinder', 'hull' or 'half_space'");
 }
 
 void describe(Keys& keys, CollisionSpec& collision) {
@@ -105,7 +231,14 @@ void describe(Keys& keys, CollisionSpec& collision) {
                 "shapes": {"forearm": {"frame": "link_5",
                                        "capsule": {"radius": 0.06, "to": [0, 0, 0.2]}}},
                 "obstacles": {"table": {"half_space": {"point": [0, 0, 0.3]}}}}])"});
-  keys({.name = "shapes", .says = "Shapes that links carry, by name", .fallback = "{}"},
+  static constexpr Choice<bool> kSources[] = {{"urdf", true}};
+  keys({"from",
+        "Take the collision shapes of the robots' URDFs, too: each has the name of its link, and "
+        "further ones of the link '/2', '/3' behind it"},
+       PlacedWord(kSources, "source of shapes", collision.from_urdf));
+  keys({.name = "shapes",
+        .says = "Shapes that links carry, by name; they replace those of the URDF that have it",
+        .fallback = "{}"},
        collision.shapes, EntriesForm{&ShapeSpec::name});
   keys({.name = "obstacles", .says = "Shapes that stand in the world, by name", .fallback = "{}"},
        collision.obstacles, EntriesForm{&ObstacleSpec::name});

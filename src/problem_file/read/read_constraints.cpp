@@ -132,16 +132,18 @@ void check_cone(YamlMap& map, const ConstraintSpec& constraint) {
 
 /// By default, distances of shapes are at least a margin.
 void apply_margin(YamlMap& map, ConstraintSpec& constraint) {
-  const KeyValues& keys = constraint.function.keys;
+  KeyValues& keys = constraint.function.keys;
   if (!constraint.function.definition->needs.shapes) return;
   const bool bounded = constraint.equals || constraint.lower || constraint.upper ||
                        constraint.at_least || constraint.at_most;
-  if (!bounded && !map.find("cone"))
-    constraint.lower =
-        ComponentsSpec{.place = map.reader().place(), .scalar = keys.value(key::margin)};
-  else if (keys.find(key::margin) != nullptr)
+  if (!bounded && !map.find("cone")) {
+    const double margin = keys.value(key::margin);
+    keys.set(key::margin, margin);
+    constraint.lower = ComponentsSpec{.place = map.reader().place(), .scalar = margin};
+  } else if (keys.find(key::margin) != nullptr) {
     map.reader().error("'margin' and other bounds on the distance exclude each other",
                        "leave one of them out: a margin is a lower bound");
+  }
 }
 
 /// Sets the origin as reference of positions that are compared with numbers in the world.
@@ -322,8 +324,10 @@ void describe_set(Keys& keys, ConstraintSpec& constraint) {
        NumberForm{kNotNegative});
   keys({"at_most", "Largest length of the residual, in its unit"}, constraint.at_most,
        NumberForm{kNotNegative});
-  keys({"lower", "Lower bounds, in the residual's units; null: none"}, constraint.lower,
-       BoundsForm{});
+  keys({.name = "lower",
+        .says = "Lower bounds, in the residual's units; null: none",
+        .omitted = function.keys.find(key::margin) != nullptr},
+       constraint.lower, BoundsForm{});
   keys({"upper", "Upper bounds, in the residual's units; null: none"}, constraint.upper,
        BoundsForm{});
   describe_cone(keys, constraint);

@@ -61,6 +61,7 @@ struct ContactsForm {
 void describe(Keys& keys, CollisionSpec& collision);
 void describe(Keys& keys, SphereSpec& sphere);
 void describe(Keys& keys, HalfSpaceSpec& half_space);
+void describe(Keys& keys, BoxSpec& box);
 
 // read_stepping.cpp
 void describe(Keys& keys, CandidateSpec& candidate);

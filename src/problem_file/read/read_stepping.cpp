@@ -7,24 +7,6 @@
 namespace conddp {
 namespace {
 
-/// Positive lengths of the edges of a box.
-struct EdgesForm : VectorForm {
-  EdgesForm() : VectorForm{"[x, y, z] in m"} {}
-  bool read(const YamlReader& reader, Vector3<double>& value) const {
-    Vector3<double> edges;
-    if (!VectorForm::read(reader, edges)) return false;
-    if (!(edges.x > 0 && edges.y > 0 && edges.z > 0))
-      return reader.error("the edges of a box have positive lengths"), false;
-    value = edges;
-    return true;
-  }
-  OrderedJson schema() const {
-    OrderedJson schema = VectorForm::schema();
-    schema["items"]["exclusiveMinimum"] = 0;
-    return schema;
-  }
-};
-
 /// [lower, upper]; null means unlimited.
 std::optional<std::array<double, 2>> read_ends(const YamlReader& reader) {
   const auto items = reader.items();
@@ -81,17 +63,6 @@ void check_form(YamlMap& map) {
 }
 
 }  // namespace
-
-static void describe(Keys& keys, BoxSpec& box) {
-  keys.about({.definition = "box",
-              .title = "Box",
-              .says = "A box about the middle of its placement",
-              .examples = R"([{"size": [1, 1, 0.5]}])"});
-  keys({.name = "size", .says = "Lengths of its edges along x, y and z, m", .required = true},
-       box.size, EdgesForm{});
-  keys({"placement", "Of its middle and axes, in the frame or in the world"}, box.placement,
-       MapForm{});
-}
 
 static void describe(Keys& keys, TouchedSpec& touched) {
   keys.about({.title = "Shape that a candidate may touch",

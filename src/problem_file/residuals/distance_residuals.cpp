@@ -71,13 +71,19 @@ std::optional<CostResidual> make_distance(const ResidualContext& context) {
   for (const ShapePair& pair :
        shape_pairs(context.cost, context.spec, context.plant, context.out)) {
     shapes.push_back(pair.shapes);
+    if (const double* margin = context.cost.keys.find(key::margin)) shapes.back().margin = *margin;
     const std::string name = pair.first + "-" + pair.second;
     if (pair.shapes.rows() == 1) {
       names.push_back(name);
       continue;
     }
-    names.push_back(name + "/from");
-    names.push_back(name + "/to");
+    if (pair.shapes.rows() == 2) {
+      names.push_back(name + "/from");
+      names.push_back(name + "/to");
+      continue;
+    }
+    for (int vertex = 1; vertex <= pair.shapes.rows(); ++vertex)
+      names.push_back(fmt::format("{}/{}", name, vertex));
   }
   if (shapes.empty()) return std::nullopt;
   CostResidual result;
@@ -95,20 +101,6 @@ void set_margin(CostSpec& cost) {
   cost.activation.lower = {.place = cost.residual.place, .scalar = margin};
 }
 
-/// A constraint's margin becomes its lower bound.
-ResidualKey margin_key() {
-  ResidualKey margin = residual_key(
-      key::margin,
-      {.says = "For distance, instead of an activation or bounds: smaller distances cost "
-               "quadratically or violate the constraint, m; 0 by default"},
-      NumberForm{kNotNegative}, {.excludes = "activation"});
-  margin.visit = [visit = std::move(margin.visit)](Keys& keys, KeyInfo info, CostSpec& cost) {
-    info.omitted = cost.where.kind == TermPlace::Kind::kConstraint;
-    visit(keys, info, cost);
-  };
-  return margin;
-}
-
 }  // namespace
 
 std::span<const ResidualDefinition> distance_residuals() {
@@ -119,11 +111,15 @@ std::span<const ResidualDefinition> distance_residuals() {
     key.complete = name_pairs;
     return key;
   }();
-  static const ResidualKey margin = margin_key();
+  static const ResidualKey margin = residual_key(
+      key::margin,
+      {.says = "For distance, instead of an activation or bounds: smaller distances cost "
+               "quadratically or violate the constraint, m; 0 by default"},
+      NumberForm{kNotNegative}, {.excludes = "activation"});
   static const ResidualDefinition all[] = {
       {.name = "distance",
        .description =
-           "distances between spheres, capsules and half-spaces; negative where they overlap",
+           "distances between convex bodies and half-spaces; negative where they overlap",
        .unit = "m",
        .synonyms = {"collision", "self_collision", "keep_out", "obstacle", "obstacles", "sdf"},
        .needs = {.robot = true, .shapes = true},

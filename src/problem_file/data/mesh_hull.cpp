@@ -1,0 +1,37 @@
+#include "problem_file/data/mesh_hull.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "base/files/check_sums.hpp"
+#include "base/files/text_file.hpp"
+#include "robot/urdf/urdf_meshes.hpp"
+#include "spatial/convex_distance.hpp"
+
+namespace conddp {
+
+HullSpec mesh_hull(const std::filesystem::path& file, const Vector3<double>& scale,
+                   std::string& defect, Diagnostics& out) {
+  constexpr double kTolerance = 0.005;
+  const std::string kind = mesh_kind(file.string());
+  if (kind.empty()) return defect = "only STL and OBJ files are read", HullSpec();
+  const TextFile mesh = read_text_file(file, kMaxDataBytes);
+  defect = mesh.defect;
+  if (!defect.empty()) return {};
+  std::vector<Vector3<double>> points = mesh_points(mesh.text, kind);
+  if (points.empty()) return defect = "the file has no vertex", HullSpec();
+  const double most = std::numeric_limits<double>::infinity();
+  Vector3<double> low{most, most, most}, high = -low;
+  for (Vector3<double>& point : points)
+    for (int axis = 0; axis < 3; ++axis) {
+      point[axis] *= scale[axis];
+      low[axis] = std::min(low[axis], point[axis]);
+      high[axis] = std::max(high[axis], point[axis]);
+    }
+  out.add_data_file({file.string(), sha256(mesh.text)});
+  const Vector3<double> size = high - low;
+  const double tolerance = kTolerance * std::max({size.x, size.y, size.z});
+  return {hull_points(points, tolerance), tolerance};
+}
+
+}  // namespace conddp
