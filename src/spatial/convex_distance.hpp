@@ -24,8 +24,7 @@ struct NearestPairs {
 /// c_B‖²/r_B²) over their points a and b, less 2 δ. The nearest points of parallel faces and edges
 /// are unique then, and the derivative is continuous where the polytopes are apart. If balls of
 /// radius r about the centers c contain them, the result is at most d, and at least d − 2 δ. Of
-/// polytopes that overlap it is the negative depth, plus the rest of the formula at the nearest
-/// points of the surfaces.
+/// polytopes that overlap it is the negative depth less δ.
 struct DistanceRounding {
   double length = 0;  ///< δ, m; 0: exact
   Vector3<double> center[2] = {Vector3<double>::zero(), Vector3<double>::zero()};  ///< own axes, m
@@ -172,8 +171,8 @@ PolytopeDistance<S> polytope_distance(const PairCorners<S>& at, const DistanceRo
   // Outside, the distance grows along the gap; inside, it grows against the outward normal.
   const S inward = at.overlap * (at.reversed + at.reversed - S(1.0)) / normal_length;
   result.along = (apart / gap_length) * gap + inward * normal;
-  result.distance = apart * (gap_length + rounded) + dot(inward * normal, at.m[0]) +
-                    at.overlap * detail::value_without_derivative(rounded);
+  result.distance = apart * (gap_length + rounded) + dot(inward * normal, at.m[0]) -
+                    at.overlap * S(rounding.length);
   return result;
 }
 

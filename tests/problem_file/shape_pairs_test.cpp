@@ -235,6 +235,35 @@ TEST(UrdfShapes, MeshesThatCannotBeReadAreNamed) {
   EXPECT_NE(error("empty.stl").find("the file has no vertex"), std::string::npos);
 }
 
+TEST(UrdfShapes, MissingShapesAndTakenNamesAreErrors) {
+  const auto error = [](const std::string& from, const std::string& to, const char* robot) {
+    const TemporaryFolder folder;
+    folder.write("arm.urdf", robot);
+    Diagnostics out;
+    EXPECT_FALSE(
+        read_problem_text(replaced(kFromUrdf, from, to), folder / "problem.yaml", {}, out));
+    return format_diagnostics(out, false);
+  };
+  constexpr const char *kHead = R"(<robot name="arm"><link name="base"/><link name="hand">
+    <inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>)",
+                       *kTail = R"(</link><joint name="a" type="revolute"><parent link="base"/>
+    <child link="hand"/><axis xyz="0 1 0"/>
+    <limit lower="-1" upper="1" effort="1" velocity="1"/></joint></robot>)";
+  const std::string bare = std::string(kHead) + kTail;
+  const std::string ball = std::string(kHead) +
+                           "<collision><geometry><sphere radius='1'/></geometry></collision>" +
+                           kTail;
+  EXPECT_NE(error("conddp: 1", "conddp: 1", bare.c_str())
+                .find("4:9: error: the URDF has no collision shape"),
+            std::string::npos);
+  const std::string taken =
+      error("shapes: {hand: {frame: hand, sphere: {radius: 0.07}}}\n  obstacles: {wall",
+            "obstacles: {hand", ball.c_str());
+  EXPECT_NE(taken.find("a shape of the URDF and an obstacle have the name 'hand'"),
+            std::string::npos)
+      << taken;
+}
+
 TEST(ShapePairs, NeedRobotsAndShapes) {
   const Loaded closed(std::string(kPendulum) + "collision: {obstacles: {f: {half_space: {}}}}\n");
   EXPECT_NE(closed.first_error().find("a closed-form system has no links"), std::string::npos);
