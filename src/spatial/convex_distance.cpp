@@ -17,6 +17,11 @@ struct Corner {
   int first, second;
 };
 
+bool contain(std::span<const Corner> corners, const Corner& c) {
+  return std::ranges::any_of(
+      corners, [&](const Corner& own) { return own.first == c.first && own.second == c.second; });
+}
+
 int furthest(Points points, const Vector& direction) {
   int best = 0;
   double most = dot(points[0], direction);
@@ -35,9 +40,20 @@ class Difference {
   Corner corner(int first, int second) const {
     return {first_[first] - (placement_.R * second_[second] + placement_.p), first, second};
   }
+  /// The corner that is furthest along a direction.
   Corner support(const Vector& direction) const {
-    return corner(furthest(first_, direction),
-                  furthest(second_, transpose_times(placement_.R, -direction)));
+    return support(direction, in_second(-direction));
+  }
+  /// The one of the vertices that are furthest along a direction each, in their own axes.
+  Corner support(const Vector& of_first, const Vector& of_second) const {
+    return corner(furthest(first_, of_first), furthest(second_, of_second));
+  }
+  /// A direction in the axes of the second polytope.
+  Vector in_second(const Vector& direction) const {
+    return transpose_times(placement_.R, direction);
+  }
+  const Vector& vertex(int body, const Corner& c) const {
+    return body == 0 ? first_[c.first] : second_[c.second];
   }
 
  private:
@@ -52,11 +68,7 @@ struct Simplex {
   Vector nearest = Vector::zero();  ///< its point next to the origin
 
   void add(const Corner& corner) { corners[count++] = corner; }
-  bool has(const Corner& c) const {
-    return std::any_of(corners.begin(), corners.begin() + count, [&](const Corner& own) {
-      return own.first == c.first && own.second == c.second;
-    });
-  }
+  std::span<const Corner> span() const { return {corners.data(), static_cast<std::size_t>(count)}; }
 };
 
 /// The point of the affine hull of some corners next to the origin; false if a weight is negative
@@ -141,7 +153,8 @@ struct Face {
   double height;  ///< of its plane above the origin
 };
 
-/// The polytope of van den Bergen, which grows inside A − B until its nearest face is one of it.
+/// The polytope of van den Bergen, which grows inside A − B until its nearest face is one of it, or
+/// until it has kMostCorners.
 class ExpandingPolytope {
  public:
   ExpandingPolytope(const Difference& difference, const Simplex& start) : difference_(difference) {
@@ -245,7 +258,7 @@ class ExpandingPolytope {
             .reversed = dot(cross(b.m - a.m, c.m - a.m), face.normal) < 0};
   }
 
-  /// Of polytopes whose difference is flat, which touch at most: a face of three corners, if any.
+  /// A face of three corners, if any, of a flat difference: such polytopes touch at most.
   NearestPairs flat_face() const {
     NearestPairs face = pairs_of({corners_.data(), std::min<std::size_t>(corner_count_, 3)});
     face.overlap = face.count == 3;
@@ -275,7 +288,9 @@ bool descend(const Difference& difference, Simplex& simplex) {
     const double square = squared_norm(simplex.nearest);
     if (square <= touching) return false;
     const Corner corner = difference.support(-simplex.nearest);
-    if (square - dot(simplex.nearest, corner.m) <= kRounding * square || simplex.has(corner)) break;
+    if (square - dot(simplex.nearest, corner.m) <= kRounding * square ||
+        contain(simplex.span(), corner))
+      break;
     Simplex next = simplex;
     next.add(corner);
     const bool outside = reduce(next);
@@ -292,12 +307,11 @@ bool descend(const Difference& difference, Simplex& simplex) {
 class RoundedNearest {
  public:
   /// Begins with the pairs of the exact nearest points.
-  RoundedNearest(Points first, Points second, const SE3<double>& placement,
-                 const DistanceRounding& rounding, const Simplex& start)
-      : first_(first), second_(second), placement_(placement), rounding_(rounding) {
-    for (int i = 0; i < start.count; ++i) add(start.corners[i]);
+  RoundedNearest(const Difference& difference, const DistanceRounding& rounding,
+                 const Simplex& start)
+      : difference_(difference), rounding_(rounding), gap_(std::sqrt(squared_norm(start.nearest))) {
+    for (const Corner& corner : start.span()) add(corner, 0);
     weights_[0] = 1;
-    gap_ = std::sqrt(squared_norm(start.nearest));
   }
 
   NearestPairs solve() {
@@ -309,7 +323,7 @@ class RoundedNearest {
       gap_ = settled ? next : detail::accelerated(gap_, next, gap_with(next));
       if (settled) break;
     }
-    NearestPairs pairs = pairs_of({corners_.data(), static_cast<std::size_t>(count_)});
+    NearestPairs pairs = pairs_of(corners());
     pairs.gap = gap_;
     return pairs;
   }
@@ -330,26 +344,28 @@ class RoundedNearest {
       locate();
       const Corner next = support();
       const double gain = square_ - product(next);
-      if (gain <= kRounding * square_ || has(next) || count_ == NearestPairs::kMost) break;
-      add(next);
-      weights_[count_ - 1] = 0;
+      if (gain <= kRounding * square_ || contain(corners(), next) || count_ == NearestPairs::kMost)
+        break;
+      add(next, 0);
       settle();
     }
     return std::sqrt(squared_norm(m_));
   }
 
-  Corner corner(int first, int second) const {
-    return {first_[first] - (placement_.R * second_[second] + placement_.p), first, second};
+  std::span<const Corner> corners() const {
+    return {corners_.data(), static_cast<std::size_t>(count_)};
   }
-  void add(const Corner& corner) { corners_[count_++] = corner; }
-  bool has(const Corner& c) const {
-    return std::any_of(corners_.begin(), corners_.begin() + count_, [&](const Corner& own) {
-      return own.first == c.first && own.second == c.second;
-    });
+  void add(const Corner& corner, double weight) {
+    corners_[count_] = corner;
+    weights_[count_++] = weight;
+  }
+  void remove(int i) {
+    corners_[i] = corners_[--count_];
+    weights_[i] = weights_[count_];
   }
 
   Vector from_center(int body, const Corner& c) const {
-    return (body == 0 ? first_[c.first] : second_[c.second]) - rounding_.center[body];
+    return difference_.vertex(body, c) - rounding_.center[body];
   }
   double scalar_product(const Corner& a, const Corner& b) const {
     return dot(a.m, b.m) + factor_[0] * dot(from_center(0, a), from_center(0, b)) +
@@ -372,19 +388,18 @@ class RoundedNearest {
     return dot(m_, c.m) + dot(away_[0], from_center(0, c)) + dot(away_[1], from_center(1, c));
   }
   Corner support() const {
-    return corner(furthest(first_, -(m_ + away_[0])),
-                  furthest(second_, transpose_times(placement_.R, m_) - away_[1]));
+    return difference_.support(-(m_ + away_[0]), difference_.in_second(m_) - away_[1]);
   }
 
   /// Moves to the point of the affine hull next to the origin, dropping corners on the way whose
   /// weight would become negative.
   void settle() {
-    while (true) {
+    while (count_ > 1) {
       std::array<double, NearestPairs::kMost> to{};
-      if (!minimize(to)) {
-        weights_[--count_] = 0;  // dependent: the last corner gains nothing but rounding
-        if (count_ < 1) count_ = 1, weights_[0] = 1;
-        return;
+      if (!minimize(to)) {  // dependent: another combination has the same point
+        remove(static_cast<int>(std::min_element(weights_.begin(), weights_.begin() + count_) -
+                                weights_.begin()));
+        continue;
       }
       double share = 1;
       int leaving = -1;
@@ -398,9 +413,9 @@ class RoundedNearest {
         return;
       }
       for (int i = 0; i < count_; ++i) weights_[i] += share * (to[i] - weights_[i]);
-      corners_[leaving] = corners_[count_ - 1];
-      weights_[leaving] = weights_[--count_];
+      remove(leaving);
     }
+    weights_[0] = 1;
   }
 
   /// Weights of the point of the affine hull next to the origin. False for dependent corners.
@@ -418,16 +433,16 @@ class RoundedNearest {
     return true;
   }
 
-  Points first_, second_;
-  const SE3<double>& placement_;
+  const Difference& difference_;
   const DistanceRounding& rounding_;
+  double gap_;
   std::array<Corner, NearestPairs::kMost> corners_;
   std::array<double, NearestPairs::kMost> weights_{};
   int count_ = 0;
   double factor_[2] = {0, 0};  ///< w/r², m²
   Vector m_ = Vector::zero();
   Vector away_[2] = {Vector::zero(), Vector::zero()};  ///< of the centers, times the factor
-  double square_ = 0, gap_ = 0;
+  double square_ = 0;
 };
 
 }  // namespace
@@ -437,9 +452,8 @@ NearestPairs nearest_pairs(Points first, Points second, const SE3<double>& secon
   const Difference difference(first, second, second_in_first);
   Simplex simplex;
   if (!descend(difference, simplex)) return ExpandingPolytope(difference, simplex).nearest();
-  if (rounding.length > 0)
-    return RoundedNearest(first, second, second_in_first, rounding, simplex).solve();
-  NearestPairs pairs = pairs_of({simplex.corners.data(), static_cast<std::size_t>(simplex.count)});
+  if (rounding.length > 0) return RoundedNearest(difference, rounding, simplex).solve();
+  NearestPairs pairs = pairs_of(simplex.span());
   pairs.gap = std::sqrt(squared_norm(simplex.nearest));
   return pairs;
 }

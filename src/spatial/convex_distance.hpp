@@ -23,8 +23,8 @@ struct NearestPairs {
 /// Rounding of the distance d of two polytopes: the least ‖a − b‖ + δ (‖a − c_A‖²/r_A² + ‖b −
 /// c_B‖²/r_B²) over their points a and b, less 2 δ. The nearest points of parallel faces and edges
 /// are unique then, and the derivative is continuous where the polytopes are apart. If balls of
-/// radius r about the centers c contain them, the result is at most d, and at least d − 2 δ. Of
-/// polytopes that overlap it is the negative depth less δ.
+/// radius r about the centers c contain them, the result is at most d, and at least d − 2 δ.
+/// Polytopes that overlap have their negative depth less δ.
 struct DistanceRounding {
   double length = 0;  ///< δ, m; 0: exact
   Vector3<double> center[2] = {Vector3<double>::zero(), Vector3<double>::zero()};  ///< own axes, m
@@ -37,7 +37,8 @@ struct DistanceRounding {
 /// Separate polytopes: the method of Gilbert, Johnson and Keerthi (1988), with the nearest point of
 /// a simplex by inspection of its faces; with rounding that of Wolfe (1976) for the nearest point
 /// of a polytope in nine dimensions. Overlap: the expanding polytope of van den Bergen (2001),
-/// without rounding. All end at the exact pairs after finitely many steps.
+/// without rounding. All end at the exact pairs after finitely many steps, but for depths that need
+/// more than 128 corners: these come out too small.
 NearestPairs nearest_pairs(std::span<const Vector3<double>> first,
                            std::span<const Vector3<double>> second,
                            const SE3<double>& second_in_first,
@@ -65,16 +66,6 @@ struct PolytopeDistance {
 };
 
 namespace detail {
-/// A number without its derivative.
-template <class S>
-S value_without_derivative(const S& a) {
-  return a;
-}
-template <class S>
-Dual<S> value_without_derivative(const Dual<S>& a) {
-  return {a.v, S(0.0)};
-}
-
 /// Solves K y = weights for a symmetric positive definite K, of which the lower triangle is given,
 /// and scales y to the sum 1. The diagonal of K then has its pivots.
 template <class S>
@@ -115,8 +106,7 @@ void nearest_weights(const PairCorners<S>& at, const DistanceRounding& rounding,
   const int n = at.count;
   S G[kMost][kMost], L[kMost][kMost], K[kMost][kMost];
   S size(1e-12);
-  for (int i = 0; i < n; ++i)
-    size += at.present[i] * value_without_derivative(squared_norm(at.m[i]));
+  for (int i = 0; i < n; ++i) size += at.present[i] * squared_norm(at.m[i]);
   for (int i = 0; i < n; ++i)
     for (int j = 0; j <= i; ++j) {
       const S both = at.present[i] * at.present[j];

@@ -1,5 +1,7 @@
 #include "output/scene/scene_obstacles.hpp"
 
+#include <cmath>
+
 #include "report_fixture.hpp"
 
 namespace conddp {
@@ -22,6 +24,25 @@ TEST_F(Report, ShowsFileObstaclesAndLinkShapes) {
   EXPECT_EQ(forearm["body"], frame.joint + 1);
   const Vector3<double> end = frame.placement.R * Vector3<double>{0, 0, 0.14} + frame.placement.p;
   for (int i = 0; i < 3; ++i) EXPECT_NEAR(forearm["to"][i].get<double>(), end[i], 1e-12);
+}
+
+TEST_F(Report, BodiesAreHullsOfTheirCorners) {
+  load("arm_shelf.yaml");
+  const OrderedJson list = obstacles_json(*built_);
+  const OrderedJson& board = named(list, "board");
+  EXPECT_EQ(board["kind"], "hull");
+  EXPECT_EQ(board["inside"], false);
+  ASSERT_EQ(board["points"].size(), 8u);
+  for (const OrderedJson& point : board["points"]) {
+    EXPECT_NEAR(std::abs(point[1].get<double>()), 0.4, 1e-12);
+    EXPECT_NEAR(std::abs(point[2].get<double>() - 0.6), 0.01, 1e-12);
+  }
+  for (const OrderedJson& point : named(list, "bottle")["points"])
+    EXPECT_GE(point[2].get<double>(), 0.61 - 1e-12);
+  const OrderedJson shapes =
+      collision_shapes_json(built_->facts().collision, built_->plant.robot());
+  EXPECT_EQ(named(shapes, "link_3")["points"].size(), 64u);
+  EXPECT_EQ(named(shapes, "link_7")["kind"], "capsule");
 }
 
 TEST_F(Report, ConstraintsOnPositionsBecomeDiscsBallsAndBoxes) {

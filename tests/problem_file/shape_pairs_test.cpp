@@ -149,6 +149,10 @@ TEST(ShapePairs, ImpossibleBodiesAreRejected) {
                     "the hull has no points");
   expect_body_error("points: [[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0]]", "points: [[0, 0]]",
                     "[x, y, z] in m");
+  expect_body_error("points: [[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0]]", "points: []",
+                    "there is no point");
+  expect_body_error("points: [[0, 0, 0],", "mesh: a.stl, points: [[0, 0, 0],",
+                    "exclude each other");
   expect_body_error("points: [[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0]]", "mesh: nothing.stl",
                     "nothing.stl");
   expect_body_error("points: [[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0]]", "mesh: a.dae",
@@ -233,6 +237,43 @@ TEST(UrdfShapes, MeshesThatCannotBeReadAreNamed) {
             std::string::npos)
       << error("gone.stl");
   EXPECT_NE(error("empty.stl").find("the file has no vertex"), std::string::npos);
+}
+
+TEST(UrdfShapes, UnknownGeometriesAreNamedInAWarning) {
+  const TemporaryFolder folder;
+  std::string urdf = arm_urdf("fore.obj");
+  urdf.replace(urdf.find("<mesh filename='none.dae'/>"), 27, "<capsule radius='1' length='1'/>");
+  folder.write("arm.urdf", urdf);
+  folder.write("fore.obj", "v 0 0 0\n");
+  Diagnostics out;
+  const std::string text =
+      replaced(kFromUrdf, "  shapes: {hand: {frame: hand, sphere: {radius: 0.07}}}\n", "");
+  const auto spec = read_problem_text(text, folder / "problem.yaml", {}, out);
+  ASSERT_TRUE(spec) << format_diagnostics(out, false);
+  EXPECT_EQ(spec->collision.shapes.size(), 3u);
+  EXPECT_NE(format_diagnostics(out, false)
+                .find("4:9: warning: the collision shape 'capsule' of the link 'hand' is not read"),
+            std::string::npos)
+      << format_diagnostics(out, false);
+}
+
+TEST(UrdfShapes, ShapesOfSeveralRobotsHaveTheirPrefix) {
+  const TemporaryFolder folder;
+  folder.write("arm.urdf", arm_urdf("fore.obj"));
+  folder.write("fore.obj", "v 0 0 0\n");
+  Diagnostics out;
+  const std::string text =
+      replaced(replaced(replaced(kFromUrdf, "robot: {urdf: arm.urdf}",
+                                 "robots: {left: {urdf: arm.urdf}, right: {urdf: arm.urdf}}"),
+                        "{hand: {frame: hand, sphere: {radius: 0.07}}}",
+                        "{left/hand: {frame: left/hand, sphere: {radius: 0.07}}, "
+                        "right/hand: {frame: right/hand, sphere: {radius: 0.07}}}"),
+               "joints: {a: 0.3}", "joints: {left/a: 0.3, right/a: 0.3}");
+  const auto spec = read_problem_text(text, folder / "problem.yaml", {}, out);
+  ASSERT_TRUE(spec) << format_diagnostics(out, false);
+  EXPECT_EQ(spec->collision.shapes.back().name.value, "right/fore");
+  EXPECT_EQ(spec->collision.shapes.back().frame.value, "right/fore");
+  EXPECT_EQ(spec->collision.shapes.size(), 8u);
 }
 
 TEST(UrdfShapes, MissingShapesAndTakenNamesAreErrors) {

@@ -236,5 +236,20 @@ TEST(NearestPairs, IdenticalAndFlatBodiesHaveFiniteAnswers) {
   }
 }
 
+/// All points lie in the hull of a few, but for the tolerance.
+TEST(HullPoints, ReachAllPoints) {
+  RandomNumbers random(11);
+  for (const double tolerance : {0.0, 1e-3, 0.05}) {
+    Points points;
+    for (int i = 0; i < 300; ++i) points.push_back(random.vector(1));
+    const Points hull = hull_points(points, tolerance);
+    EXPECT_LT(hull.size(), 120u);
+    for (const Vector& point : points)
+      EXPECT_LE(Case({point}, hull, SE3<double>::identity()).distance.distance, tolerance + 1e-9);
+  }
+  EXPECT_EQ(hull_points(Points(5, Vector{1, 2, 3}), 0).size(), 1u);
+  EXPECT_EQ(hull_points(Points{{0, 0, 0}, {0.5, 0, 0}, {1, 0, 0}}, 1e-6).size(), 2u);
+}
+
 }  // namespace
 }  // namespace conddp

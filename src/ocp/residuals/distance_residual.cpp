@@ -206,37 +206,49 @@ class Heights {
 
   template <class S>
   void evaluate(const MultibodySystem::Data<S>& data, S* r) const {
-    const Vector3<S> n = half_space_.normal.cast<S>();
-    const Vector3<S> first = point(data.robot, 0);
-    Vector3<S> p = first;
-    bodies_.for_placements(data.robot, bodies_.first(),
-                           [&](const SE3<S>& placement) { p = placement.R * p + placement.p; });
-    r[0] = dot(n, p) - S(half_space_.offset + core_.radius);
-    for (int row = 1; row < rows_; ++row) {
-      Vector3<S> way = point(data.robot, row) - first;
-      bodies_.for_placements(data.robot, bodies_.first(),
-                             [&](const SE3<S>& placement) { way = placement.R * way; });
-      r[row] = r[0] + dot(n, way);
-    }
+    Points<S> points;
+    find_points(data.robot, points);
+    write_heights(data.robot, points, r);
   }
 
   template <class S>
   void differentiate(MultibodySystem::Data<S>& data, S* r, S* jacobian) const {
-    evaluate(data, r);
+    Points<S> points;
+    find_points(data.robot, points);
+    write_heights(data.robot, points, r);
     const Vector3<S> n = half_space_.normal.cast<S>();
     Force<S> slopes[DistancePair::kMostHeights];
     for (int row = 0; row < rows_; ++row)
-      slopes[row] = bodies_.slope(data.robot, bodies_.first(), point(data.robot, row), n);
+      slopes[row] = bodies_.slope(data.robot, bodies_.first(), points[row], n);
     bodies_.write(rows_, data, jacobian, [&](const Drive&, int row) { return slopes[row]; });
   }
 
  private:
-  /// Point of a row in the axes of the body.
+  /// Points of the rows in the axes of the body.
   template <class S>
-  Vector3<S> point(const RobotData<S>& data, int row) const {
-    return is_lowest() ? lowest(data) : core_.points[row].cast<S>();
+  using Points = Vector3<S>[DistancePair::kMostHeights];
+
+  template <class S>
+  void find_points(const RobotData<S>& data, Points<S>& points) const {
+    const bool one_of_many = rows_ < static_cast<int>(core_.points.size());
+    for (int row = 0; row < rows_; ++row)
+      points[row] = one_of_many ? lowest(data) : core_.points[row].cast<S>();
   }
-  bool is_lowest() const { return rows_ < static_cast<int>(core_.points.size()); }
+
+  template <class S>
+  void write_heights(const RobotData<S>& data, const Points<S>& points, S* r) const {
+    const Vector3<S> n = half_space_.normal.cast<S>();
+    Vector3<S> p = points[0];
+    bodies_.for_placements(data, bodies_.first(),
+                           [&](const SE3<S>& placement) { p = placement.R * p + placement.p; });
+    r[0] = dot(n, p) - S(half_space_.offset + core_.radius);
+    for (int row = 1; row < rows_; ++row) {
+      Vector3<S> way = points[row] - points[0];
+      bodies_.for_placements(data, bodies_.first(),
+                             [&](const SE3<S>& placement) { way = placement.R * way; });
+      r[row] = r[0] + dot(n, way);
+    }
+  }
 
   template <class S>
   Vector3<S> lowest(const RobotData<S>& data) const {
@@ -312,13 +324,14 @@ struct Surroundings {
 
 /// Two cores, one of them with more than two points.
 ///
-/// If the distance is only to stay above a margin, it is rounded (DistanceRounding), so that bodies
-/// with parallel faces have derivatives that solvers can follow; this costs at most a hundredth of
-/// the smaller body's radius. Far apart, a lower bound replaces it: the distance of the smaller
-/// one's ball from the larger one's box. It does so from the margin plus the radius of the body on,
-/// gradually up to twice as far, so that the derivative is continuous.
+/// A distance that is only to stay above a margin is rounded (DistanceRounding): solvers can follow
+/// the derivatives of bodies with parallel faces then. Rounding costs at most a hundredth of the
+/// smaller body's radius. A lower bound replaces the distance of bodies far apart: that of the
+/// smaller one's ball from the larger one's box. It does so from the margin plus the radius of the
+/// body on, gradually up to twice as far, so that the derivative is continuous.
 class TwoCores {
-  /// Part of the smaller ball's radius by which rounding may widen a margin.
+  /// Part of the smaller ball's radius that rounding may add to a margin (ablations: rounded
+  /// distances).
   static constexpr double kRounding = 0.01;
 
  public:
@@ -334,7 +347,7 @@ class TwoCores {
     if (!margin) return;
     const double reach =
         std::max(0.0, *margin) + ball().ball + (first_is_ball_ ? first_ : second_).radius;
-    if (reach > 0) exact_to_ = reach;
+    if (reach > 0) near_to_ = reach;
     const auto radius = [](const Surroundings& body) { return body.ball > 0 ? body.ball : 1; };
     rounding_ = {.length = 0.5 * kRounding * ball().ball,
                  .center = {around_first_.middle, around_second_.middle},
@@ -353,9 +366,9 @@ class TwoCores {
     const Blend<S> blended = blend(data.robot);
     r[0] = blended.distance;
     Force<S> first = Force<S>::zero(), second = Force<S>::zero();
-    for (const Nearest<S>* near : {&blended.exact, &blended.bound}) {
-      first += bodies_.slope(data.robot, bodies_.first(), near->first, near->along);
-      second += bodies_.slope(data.robot, bodies_.second(), near->second, -near->along);
+    for (const Nearest<S>* part : {&blended.near, &blended.bound}) {
+      first += bodies_.slope(data.robot, bodies_.first(), part->first, part->along);
+      second += bodies_.slope(data.robot, bodies_.second(), part->second, -part->along);
     }
     bodies_.write(1, data, jacobian,
                   [&](const Drive& drive, int) { return drive.second ? second : first; });
@@ -372,7 +385,7 @@ class TwoCores {
   /// The distance of the surfaces, whose derivative is the sum of two.
   template <class S>
   struct Blend {
-    Nearest<S> exact, bound;
+    Nearest<S> near, bound;
     S distance;
   };
   template <class S>
@@ -393,29 +406,28 @@ class TwoCores {
                  second = placement(data, bodies_.second());
     const S radii(first_.radius + second_.radius);
     Blend<S> result;
-    if (std::isinf(exact_to_)) {
-      result.exact = nearest(first, second, [](int) { return true; });
-      result.distance = result.exact.distance - radii;
+    if (std::isinf(near_to_)) {
+      result.near = nearest(first, second, [](int) { return true; });
+      result.distance = result.near.distance - radii;
       return result;
     }
     result.bound = lower_bound(first, second);
     const S bound = result.bound.distance - radii;
     const ValueOf<S> values = value_of(bound);
-    const auto is_exact = bound <= S(exact_to_);
-    if (any(bound < S(2 * exact_to_)))
-      result.exact =
-          nearest(first, second, [&](int lane) { return lane_of(values, lane) < 2 * exact_to_; });
-    const S distance = result.exact.distance - radii;
+    const auto is_near = bound <= S(near_to_);
+    if (any(bound < S(2 * near_to_)))
+      result.near =
+          nearest(first, second, [&](int lane) { return lane_of(values, lane) < 2 * near_to_; });
+    const S distance = result.near.distance - radii;
     // A share that falls from 1 to 0.
-    const S t = max(S(0.0), min(S(1.0), S(2.0) - S(1 / exact_to_) * bound));
-    const S share = select(is_exact, S(1.0), t * t * (S(3.0) - S(2.0) * t));
-    const S of_bound =
-        select(is_exact, S(0.0),
-               S(1.0) - share - S(6 / exact_to_) * t * (S(1.0) - t) * (distance - bound));
-    result.distance = select(is_exact, distance, bound + share * (distance - bound));
+    const S t = max(S(0.0), min(S(1.0), S(2.0) - S(1 / near_to_) * bound));
+    const S share = select(is_near, S(1.0), t * t * (S(3.0) - S(2.0) * t));
+    const S of_bound = select(
+        is_near, S(0.0), S(1.0) - share - S(6 / near_to_) * t * (S(1.0) - t) * (distance - bound));
+    result.distance = select(is_near, distance, bound + share * (distance - bound));
     for (int axis = 0; axis < 3; ++axis) {
-      result.exact.along[axis] = share * result.exact.along[axis];
-      result.bound.along[axis] = select(is_exact, S(0.0), of_bound * result.bound.along[axis]);
+      result.near.along[axis] = share * result.near.along[axis];
+      result.bound.along[axis] = select(is_near, S(0.0), of_bound * result.bound.along[axis]);
     }
     return result;
   }
@@ -441,8 +453,8 @@ class TwoCores {
     return {nearest, center, -away, distance};
   }
 
-  /// The distance of the cores in the lanes that ask for it. Nearest pairs differ by lane. They
-  /// depend on values alone: the derivatives of the distance are those with fixed pairs.
+  /// The distance of the cores in some lanes. Nearest pairs differ by lane. They depend on values
+  /// alone: the derivatives of the distance are those with fixed pairs.
   template <class S, class Asks>
   Nearest<S> nearest(const SE3<S>& first, const SE3<S>& second, Asks asks) const {
     using Value = ValueOf<S>;
@@ -483,7 +495,7 @@ class TwoCores {
   Core first_, second_;
   Surroundings around_first_, around_second_;
   bool first_is_ball_;
-  double exact_to_ = std::numeric_limits<double>::infinity();  ///< m
+  double near_to_ = std::numeric_limits<double>::infinity();  ///< m
   DistanceRounding rounding_;
 };
 

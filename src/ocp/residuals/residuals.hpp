@@ -153,9 +153,9 @@ struct HalfSpace {
 struct DistancePair {
   std::variant<Capsule, Polytope> first;
   std::variant<Capsule, Polytope, HalfSpace> second;
-  /// The distance is only to stay above this margin, m: that of a polytope is smooth and keeps the
-  /// margin if its value does, which may be less than the distance by a hundredth of the smaller
-  /// body's radius, and far away by more. Absent: exact everywhere.
+  /// A margin that the distance is only to keep, m. The value for a polytope then is smooth, and the
+  /// distance keeps the margin where the value does. It is less than the distance by at most a
+  /// hundredth of the smaller body's radius, by more far away. Absent: exact everywhere.
   std::optional<double> margin = {};
 
   /// Rows of its distance: one, but over a half-space one for each end of a capsule, `from` and
@@ -166,9 +166,9 @@ struct DistancePair {
 /// Distances between surfaces, m, negative if two shapes overlap: pair after pair. They depend only
 /// on the joints between the two bodies. No parameters.
 ///
-/// Those of two capsules are smoothed as described at closest_points(). Those with a polytope are
-/// exact (nearest_pairs()), and their derivative jumps where other faces, edges or vertices become
-/// the nearest ones, unless they have a margin.
+/// Distances of two capsules are smoothed as described at closest_points(). Distances of polytopes
+/// without a margin are exact (nearest_pairs()); their derivative jumps where other faces, edges or
+/// vertices become the nearest ones.
 std::shared_ptr<const Residual> distance_residual(
     const std::shared_ptr<const MultibodySystem>& system, const std::vector<DistancePair>& pairs);
 

@@ -24,8 +24,7 @@ HullSpec hull_of(const VisualShape& shape, const RobotSpec& robot, const Place& 
   const std::filesystem::path file = find_mesh(shape.mesh, robot.path);
   const std::string what =
       fmt::format("the collision mesh '{}' of the link '{}'", shape.mesh, link);
-  const std::string hint = fmt::format(
-      "give the link a shape of your own: 'shapes: {{{}: {{frame: {}, ...}}}}'", link, link);
+  const std::string hint = hint_of(link);
   if (file.empty()) return out.error(place, what + " is not found", hint), HullSpec();
   std::string defect;
   HullSpec hull = mesh_hull(file, shape.size, defect, out);

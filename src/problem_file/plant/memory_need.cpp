@@ -11,19 +11,30 @@
 namespace conddp {
 namespace {
 
+/// Maximum number of rows of a distance between two shapes.
+double rows_of_pair(const CollisionSpec& collision) {
+  const bool half_spaces = std::ranges::any_of(collision.obstacles, [](const auto& obstacle) {
+    return std::holds_alternative<HalfSpaceSpec>(obstacle.form);
+  });
+  const bool polytopes = std::ranges::any_of(collision.shapes, [](const auto& shape) {
+    return !std::holds_alternative<SphereSpec>(shape.form) &&
+           !std::holds_alternative<CapsuleSpec>(shape.form);
+  });
+  return half_spaces && polytopes ? DistancePair::kMostHeights : 2;
+}
+
 /// Maximum number of residual rows of a constraint other than a norm.
 double rows_of(const ConstraintSpec& constraint, const ProblemSpec& spec, int ndx, int nu) {
   constexpr double kPoseRows = 6, kConeRows = 17;
   const CostSpec& function = constraint.function;
   const ResidualDefinition& definition = *function.definition;
   if (definition.needs.shapes) {
-    // Rows of a pair: of a box over a half-space the most.
-    constexpr double kPairRows = DistancePair::kMostHeights;
+    const double each = rows_of_pair(spec.collision);
     const PairsSpec pairs = function.keys.value(key::pairs);
     if (pairs.choice == PairsSpec::Choice::kNamed)
-      return kPairRows * static_cast<double>(pairs.named.size());
+      return each * static_cast<double>(pairs.named.size());
     const auto shapes = static_cast<double>(spec.collision.shapes.size());
-    return kPairRows * shapes * (shapes + static_cast<double>(spec.collision.obstacles.size()));
+    return each * shapes * (shapes + static_cast<double>(spec.collision.obstacles.size()));
   }
   if (definition.of_contacts()) return kConeRows * static_cast<double>(spec.contacts.size());
   return definition.has(key::frame.name) ? kPoseRows : std::max(ndx, nu);

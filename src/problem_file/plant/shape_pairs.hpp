@@ -11,8 +11,8 @@ struct ShapePair {
   DistancePair shapes;
 };
 
-/// The vertices of a box, of a prism of 32 faces around a cylinder, and of a hull, in the axes in
-/// which they are given.
+/// The vertices of a box, of a prism of 32 faces around a cylinder, and of a hull, in the axes of
+/// their frame.
 Polytope polytope_of(const BoxSpec& box, int frame);
 Polytope polytope_of(const CylinderSpec& cylinder, int frame);
 Polytope polytope_of(const HullSpec& hull, int frame);

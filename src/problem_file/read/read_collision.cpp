@@ -18,21 +18,38 @@ void describe(Keys& keys, SphereSpec& sphere) {
   keys({"center", "[x, y, z], m"}, sphere.center, VectorForm{"[x, y, z] in m"});
 }
 
-static void describe(Keys& keys, CapsuleSpec& capsule) {
+/// Keys of a body about a line.
+template <class Spec>
+static void describe_line(Keys& keys, Spec& spec, const char* defect, const char* hint) {
   const int errors = keys.errors();
+  keys({.name = "radius", .says = "Radius, m", .required = true}, spec.radius,
+       NumberForm{kPositive});
+  keys({"from", "Where the line begins, m"}, spec.from, VectorForm{"[x, y, z] in m"});
+  keys({.name = "to", .says = "Where the line ends, m", .required = true}, spec.to,
+       VectorForm{"[x, y, z] in m"});
+  const bool no_line = squared_norm(spec.to - spec.from) == 0;
+  if (const auto to = keys.found("to"); to && keys.errors() == errors && no_line)
+    to->error(defect, hint);
+}
+
+static void describe(Keys& keys, CapsuleSpec& capsule) {
   keys.about({.definition = "capsule",
               .title = "Capsule",
               .says = "What is nearer than the radius to a straight line, in the axes of its frame "
                       "or in the world",
               .examples = R"([{"radius": 0.06, "to": [0, 0, 0.3]}])"});
-  keys({.name = "radius", .says = "Radius, m", .required = true}, capsule.radius,
-       NumberForm{kPositive});
-  keys({"from", "Where the line begins, m"}, capsule.from, VectorForm{"[x, y, z] in m"});
-  keys({.name = "to", .says = "Where the line ends, m", .required = true}, capsule.to,
-       VectorForm{"[x, y, z] in m"});
-  const bool no_line = squared_norm(capsule.to - capsule.from) == 0;
-  if (const auto to = keys.found("to"); to && keys.errors() == errors && no_line)
-    to->error("the capsule has length 0", "write 'sphere: {radius: ..., center: [...]}'");
+  describe_line(keys, capsule, "the capsule has length 0",
+                "write 'sphere: {radius: ..., center: [...]}'");
+}
+
+static void describe(Keys& keys, CylinderSpec& cylinder) {
+  keys.about({.definition = "cylinder",
+              .title = "Cylinder",
+              .says =
+                  "A cylinder about a line, in the axes of its frame or in the world; distances "
+                  "see a prism of 32 faces around it, whose edges are 0.5 % further out",
+              .examples = R"([{"radius": 0.06, "to": [0, 0, 0.3]}])"});
+  describe_line(keys, cylinder, "the cylinder has length 0", "write 'to: [0, 0, 0.1]'");
 }
 
 void describe(Keys& keys, HalfSpaceSpec& half_space) {
@@ -99,23 +116,6 @@ void describe(Keys& keys, BoxSpec& box) {
        box.size, EdgesForm{});
   keys({"placement", "Of its middle and axes, in the frame or in the world"}, box.placement,
        MapForm{});
-}
-
-static void describe(Keys& keys, CylinderSpec& cylinder) {
-  const int errors = keys.errors();
-  keys.about({.definition = "cylinder",
-              .title = "Cylinder",
-              .says = "In the axes of its frame or in the world; distances see a prism of 32 faces "
-                      "around it, whose edges are 0.5 % further out",
-              .examples = R"([{"radius": 0.06, "to": [0, 0, 0.3]}])"});
-  keys({.name = "radius", .says = "Radius, m", .required = true}, cylinder.radius,
-       NumberForm{kPositive});
-  keys({"from", "Center of one end, m"}, cylinder.from, VectorForm{"[x, y, z] in m"});
-  keys({.name = "to", .says = "Center of the other end, m", .required = true}, cylinder.to,
-       VectorForm{"[x, y, z] in m"});
-  const bool no_line = squared_norm(cylinder.to - cylinder.from) == 0;
-  if (const auto to = keys.found("to"); to && keys.errors() == errors && no_line)
-    to->error("the cylinder has length 0", "write 'to: [0, 0, 0.1]'");
 }
 
 static void describe(Keys& keys, HullSpec& hull) {

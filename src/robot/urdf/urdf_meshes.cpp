@@ -26,8 +26,8 @@ std::filesystem::path find_in_package(const std::filesystem::path& inside,
   return {};
 }
 
-/// Facets of a binary STL: a head of 84 bytes that ends with their number, then 50 bytes each, of
-/// which three vertices of three floats follow the normal.
+/// Vertices of a binary STL. A head of 84 bytes ends with the number of facets. Each facet has 50
+/// bytes: the normal, three vertices of three floats, and two bytes.
 std::vector<Vector3<double>> binary_stl(std::string_view bytes) {
   constexpr std::size_t kHead = 84, kFacet = 50, kNormal = 12;
   std::vector<Vector3<double>> points;

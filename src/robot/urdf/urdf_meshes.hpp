@@ -16,8 +16,8 @@ std::filesystem::path find_mesh(const std::string& name, const std::filesystem::
 /// "stl" or "obj", from the suffix of the name; empty for others.
 std::string mesh_kind(const std::string& name);
 
-/// The vertices of a mesh in its own unit, several times where facets share them; empty if the
-/// bytes are no mesh of this kind (mesh_kind()).
+/// The vertices of a mesh in its own unit, several times where facets share them. Empty for bytes
+/// that hold another kind (mesh_kind()). Numbers that are not finite are left out.
 std::vector<Vector3<double>> mesh_points(std::string_view bytes, const std::string& kind);
 
 }  // namespace conddp
