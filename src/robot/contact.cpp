@@ -19,9 +19,26 @@ template <class S>
 void store(const Vector3<S>& v, S* out) {
   for (int i = 0; i < 3; ++i) out[i] = v[i];
 }
+template <class S>
+Motion<S> load_motion(const S* columns, int c) {
+  return {load(columns + 6 * c), load(columns + 6 * c + 3)};
+}
+template <class S>
+void store(const Motion<S>& m, S* columns, int c) {
+  for (int i = 0; i < 6; ++i) columns[6 * c + i] = m[i];
+}
 
-int columns_of(const RobotModel& model, const Contact& contact) {
-  return support_size(model, model.frames[contact.frame].joint);
+int joint_of(const RobotModel& model, const Contact& contact) {
+  return model.frames[contact.frame].joint;
+}
+/// The joint that moves the base; −1 for the world.
+int joint_of_base(const RobotModel& model, const Contact& contact) {
+  return contact.base ? model.frames[*contact.base].joint : -1;
+}
+
+template <class S>
+int columns_of(const ContactData<S>& at) {
+  return static_cast<int>(at.support.size());
 }
 
 int direction_count(const Contact& contact) {
@@ -33,24 +50,48 @@ bool turns_against_body(const Contact& contact) {
 }
 
 /// Calls act_on(column, velocity index) for all degrees of freedom that move the contact.
-template <class F>
-void for_each_dof(const RobotModel& model, const Contact& contact, F act_on) {
-  int c = columns_of(model, contact);
-  for (int j = model.frames[contact.frame].joint; j >= 0; j = model.joints[j].parent)
-    for (int k = model.joints[j].nv() - 1; k >= 0; --k) act_on(--c, model.joints[j].v + k);
+template <class S, class F>
+void for_each_dof(const ContactData<S>& at, F act_on) {
+  for (int c = columns_of(at) - 1; c >= 0; --c) act_on(c, at.support[c]);
+}
+
+/// Velocity and acceleration (with gravity) of the frame relative to its base, in its axes, and
+/// those of the base, in the same axes.
+template <class S>
+struct RelativeMotion {
+  Motion<S> v, a;
+  Motion<S> base_v = Motion<S>::zero(), base_a = Motion<S>::zero();
+};
+
+/// The rate of the difference v − X v_base, where the transformation X of the base's twist to the
+/// frame's axes changes with that difference.
+template <class S>
+RelativeMotion<S> relative_motion(const RobotModel& model, const Contact& contact,
+                                  const RobotData<S>& data, const ContactData<S>& at) {
+  const int joint = joint_of(model, contact);
+  Motion<S> a = data.a[joint];
+  a.linear += data.gravity(model, joint);
+  RelativeMotion<S> motion{act_inverse(at.placement, data.v[joint]), act_inverse(at.placement, a)};
+  if (joint_of_base(model, contact) < 0) return motion;
+  const auto in_frame = [&](const Motion<S>& m) { return act_inverse(at.relative, m); };
+  motion.base_v = in_frame(frame_velocity(model, data, *contact.base, FrameAxes::local));
+  motion.base_a = in_frame(frame_acceleration(model, data, *contact.base, FrameAxes::local));
+  motion.v = motion.v - motion.base_v;
+  motion.a = motion.a - motion.base_a + cross(motion.v, motion.base_v);
+  return motion;
 }
 
 /// The position error in the frame's axes.
 template <class S>
 Vector3<S> position_error(const Contact& contact, const ContactData<S>& at) {
-  return transpose_times(at.world.R, at.world.p - contact.reference.p.cast<S>());
+  return transpose_times(at.relative.R, at.relative.p - contact.reference.p.cast<S>());
 }
 
 template <class S>
 Motion<S> placement_error(const Contact& contact, const ContactData<S>& at) {
   return difference_se3(
       Pose<S>{contact.reference.p.cast<S>(), quaternion(contact.reference.R.cast<S>())},
-      Pose<S>{at.world.p, quaternion(at.world.R)});
+      Pose<S>{at.relative.p, quaternion(at.relative.R)});
 }
 
 /// Acceleration of the point with its Baumgarte terms, in the frame's axes.
@@ -79,7 +120,7 @@ template <class S>
 void update_directions(const Contact& contact, ContactData<S>& out) {
   for (int i = 0; i < direction_count(contact); ++i) {
     const Vector3<S> d = (i == 0 ? contact.normal : contact.tangent).cast<S>();
-    out.directions[i] = contact.axes == FrameAxes::local ? d : transpose_times(out.world.R, d);
+    out.directions[i] = contact.axes == FrameAxes::local ? d : transpose_times(out.relative.R, d);
   }
 }
 
@@ -91,7 +132,60 @@ struct TwistColumns {
 
   TwistColumns(S* scratch, int columns)
       : rate_q(scratch), rate_v(rate_q + 6 * columns), twist_q(rate_v + 6 * columns) {}
+  S* end(int columns) const { return twist_q + 6 * columns; }
 };
+
+template <class S>
+TwistColumns<S> columns_of_frame(const RobotModel& model, const RobotData<S>& data, int frame,
+                                 int columns, S* scratch) {
+  const TwistColumns<S> own(scratch, columns);
+  frame_acceleration_derivatives(model, data, frame, own.rate_q, own.rate_v);
+  frame_velocity_derivative(model, data, frame, FrameAxes::local, own.twist_q);
+  return own;
+}
+
+/// Writes the derivatives of relative_motion().
+template <class S>
+TwistColumns<S> relative_columns(const RobotModel& model, const Contact& contact,
+                                 const RobotData<S>& data, ContactData<S>& at) {
+  const RelativeColumns columns(model, contact.pair());
+  const TwistColumns<S> out(at.scratch.data(), columns.count());
+  const TwistColumns<S> frame =
+      columns_of_frame(model, data, contact.frame, columns.frame, out.end(columns.count()));
+  const TwistColumns<S> base =
+      columns_of_frame(model, data, *contact.base, columns.base, frame.end(columns.frame));
+  const RelativeMotion<S> motion = relative_motion(model, contact, data, at);
+  const auto in_frame = [&](const S* of_base, int c) {
+    return act_inverse(at.relative, load_motion(of_base, c));
+  };
+  // The changes of X v_base with the base's motion are given, those with X are added.
+  const auto put = [&](int c, const Motion<S>& twist, const Motion<S>& base_twist,
+                       const Motion<S>& rate_q, const Motion<S>& rate_v, const Motion<S>& turn_v) {
+    const Motion<S> move = load_motion(at.frame_jacobian.data(), c);
+    const Motion<S> change = base_twist - cross(move, motion.base_v);
+    const Motion<S> twist_q = twist - change;
+    store(twist_q, out.twist_q, c);
+    store(rate_q + cross(move, motion.base_a) + cross(twist_q, motion.base_v) +
+              cross(motion.v, change),
+          out.rate_q, c);
+    store(rate_v + cross(move, motion.base_v) + cross(motion.v, turn_v), out.rate_v, c);
+  };
+  const Motion<S> zero = Motion<S>::zero();
+  for (int c = columns.common; c < columns.frame; ++c)
+    put(columns.of_frame(c), load_motion(frame.twist_q, c), zero, load_motion(frame.rate_q, c),
+        load_motion(frame.rate_v, c), zero);
+  for (int c = columns.common; c < columns.base; ++c)
+    put(columns.of_base(c), zero, in_frame(base.twist_q, c), -in_frame(base.rate_q, c),
+        -in_frame(base.rate_v, c), -load_motion(at.frame_jacobian.data(), columns.of_base(c)));
+  return out;
+}
+
+template <class S>
+TwistColumns<S> twist_columns(const RobotModel& model, const Contact& contact,
+                              const RobotData<S>& data, ContactData<S>& at) {
+  if (joint_of_base(model, contact) >= 0) return relative_columns(model, contact, data, at);
+  return columns_of_frame(model, data, contact.frame, columns_of(at), at.scratch.data());
+}
 
 template <class S>
 void surface_acceleration_derivatives(const Contact& contact, int columns,
@@ -115,12 +209,10 @@ template <class S>
 void point_acceleration_derivatives(const RobotModel& model, const Contact& contact, int columns,
                                     const RobotData<S>& data, const TwistColumns<S>& twist,
                                     ContactData<S>& at) {
-  const int joint = model.frames[contact.frame].joint, rows = contact.rows();
+  const int rows = contact.rows();
   const S kd(contact.kd), kp(contact.kp);
-  Motion<S> a = data.a[joint];
-  a.linear += data.gravity(model, joint);
-  a = act_inverse(at.placement, a);
-  const Motion<S> v = act_inverse(at.placement, data.v[joint]);
+  const RelativeMotion<S> motion = relative_motion(model, contact, data, at);
+  const Motion<S>&a = motion.a, &v = motion.v;
   const Vector3<S> sum = point_acceleration(contact, at, a, v);
   const Vector3<S> error = position_error(contact, at);
   for (int c = 0; c < columns; ++c) {
@@ -141,15 +233,23 @@ void point_acceleration_derivatives(const RobotModel& model, const Contact& cont
 
 template <class S>
 ContactData<S>::ContactData(const RobotModel& model, const Contact& contact)
-    : placement(SE3<S>::identity()),
+    : support(conddp::support(model, contact.pair())),
+      placement(SE3<S>::identity()),
       world(SE3<S>::identity()),
+      relative(SE3<S>::identity()),
+      base_placement(SE3<S>::identity()),
       directions{Vector3<S>::zero(), Vector3<S>::zero()},
-      frame_jacobian(6 * columns_of(model, contact), S(0.0)),
-      jacobian(contact.rows() * columns_of(model, contact), S(0.0)),
+      frame_jacobian(6 * support.size(), S(0.0)),
+      jacobian(contact.rows() * support.size(), S(0.0)),
       wrt_q(jacobian),
       wrt_v(jacobian),
-      scratch(18 * columns_of(model, contact), S(0.0)),
-      local(Force<S>::zero()) {}
+      scratch(18 * support.size(), S(0.0)),
+      local(Force<S>::zero()) {
+  if (joint_of_base(model, contact) < 0) return;
+  const RelativeColumns columns(model, contact.pair());
+  base_jacobian.assign(6 * support.size(), S(0.0));
+  scratch.resize(18 * (support.size() + columns.frame + columns.base), S(0.0));
+}
 
 template <class S>
 void update_contact(const RobotModel& model, const Contact& contact, const RobotData<S>& data,
@@ -157,9 +257,16 @@ void update_contact(const RobotModel& model, const Contact& contact, const Robot
   const Frame& frame = model.frames[contact.frame];
   out.placement = data.placement[frame.joint] * frame.placement;
   out.world = data.root_pose(model, frame.joint) * out.placement;
+  out.relative = out.world;
+  if (contact.base) {
+    const Frame& base = model.frames[*contact.base];
+    if (base.joint >= 0) out.base_placement = data.placement[base.joint] * base.placement;
+    out.relative = inverse(frame_placement(model, data, *contact.base)) * out.world;
+  }
   update_directions(contact, out);
-  frame_jacobian(model, data, contact.frame, FrameAxes::local, out.frame_jacobian.data());
-  const int rows = contact.rows(), columns = columns_of(model, contact);
+  relative_jacobian(model, data, contact.pair(), out.frame_jacobian.data(),
+                    out.base_jacobian.data());
+  const int rows = contact.rows(), columns = columns_of(out);
   for (int c = 0; c < columns; ++c) {
     const S* full = &out.frame_jacobian[6 * c];
     S* column = &out.jacobian[rows * c];
@@ -171,13 +278,18 @@ void update_contact(const RobotModel& model, const Contact& contact, const Robot
 }
 
 template <class S>
+void contact_error(const Contact& contact, const ContactData<S>& at, S* rows) {
+  if (contact.kind == ContactKind::surface) return store(placement_error(contact, at), rows, 0);
+  const Vector3<S> error = position_error(contact, at);
+  if (contact.kind == ContactKind::point) return store(error, rows);
+  for (int i = 0; i < direction_count(contact); ++i) rows[i] = dot(at.directions[i], error);
+}
+
+template <class S>
 void contact_acceleration(const RobotModel& model, const Contact& contact, const RobotData<S>& data,
                           const ContactData<S>& at, S* rows) {
-  const int joint = model.frames[contact.frame].joint;
-  Motion<S> a = data.a[joint];
-  a.linear += data.gravity(model, joint);
-  a = act_inverse(at.placement, a);
-  const Motion<S> v = act_inverse(at.placement, data.v[joint]);
+  const RelativeMotion<S> motion = relative_motion(model, contact, data, at);
+  const Motion<S>&a = motion.a, &v = motion.v;
   if (contact.kind != ContactKind::surface) {
     const Vector3<S> sum = point_acceleration(contact, at, a, v);
     if (contact.kind == ContactKind::point) return store(sum, rows);
@@ -192,10 +304,8 @@ void contact_acceleration(const RobotModel& model, const Contact& contact, const
 template <class S>
 void contact_acceleration_derivatives(const RobotModel& model, const Contact& contact,
                                       const RobotData<S>& data, ContactData<S>& at) {
-  const int columns = columns_of(model, contact);
-  const TwistColumns<S> twist(at.scratch.data(), columns);
-  frame_acceleration_derivatives(model, data, contact.frame, twist.rate_q, twist.rate_v);
-  frame_velocity_derivative(model, data, contact.frame, FrameAxes::local, twist.twist_q);
+  const int columns = columns_of(at);
+  const TwistColumns<S> twist = twist_columns(model, contact, data, at);
   if (contact.kind == ContactKind::surface)
     surface_acceleration_derivatives(contact, columns, twist, at);
   else
@@ -205,10 +315,10 @@ void contact_acceleration_derivatives(const RobotModel& model, const Contact& co
 template <class S>
 void contact_velocity_derivative(const RobotModel& model, const Contact& contact,
                                  const RobotData<S>& data, ContactData<S>& at) {
-  const int columns = columns_of(model, contact), rows = contact.rows();
+  const int columns = columns_of(at), rows = contact.rows();
   S* twist_q = at.scratch.data();
-  frame_velocity_derivative(model, data, contact.frame, FrameAxes::local, twist_q);
-  const Vector3<S> v = act_inverse(at.placement, data.v[model.frames[contact.frame].joint]).linear;
+  relative_velocity_derivative(model, data, contact.pair(), twist_q);
+  const Vector3<S> v = relative_velocity(model, data, contact.pair(), FrameAxes::local).linear;
   for (int c = 0; c < columns; ++c) {
     if (contact.kind == ContactKind::surface)
       for (int i = 0; i < 6; ++i) at.wrt_q[6 * c + i] = twist_q[6 * c + i];
@@ -232,38 +342,66 @@ void set_contact_force(const Contact& contact, const S* rows, ContactData<S>& at
 template <class S>
 void add_contact_wrench(const RobotModel& model, const Contact& contact, const ContactData<S>& at,
                         AlignedVector<Force<S>>& forces) {
-  forces[model.frames[contact.frame].joint] += act(at.placement, at.local);
+  forces[joint_of(model, contact)] += act(at.placement, at.local);
+  const int base = joint_of_base(model, contact);
+  if (base < 0) return;
+  forces[base] = forces[base] - act(at.base_placement * at.relative, at.local);
 }
 
-template <class S>
-void subtract_direction_derivative(const RobotModel& model, const Contact& contact,
-                                   const ContactData<S>& at, AlignedVector<S>& tau_q) {
-  if (!turns_against_body(contact)) return;
-  for_each_dof(model, contact, [&](int column, int at_column) {
-    const Vector3<S> change = cross(at.local.linear, angular(at.frame_jacobian, column));
-    for_each_dof(model, contact, [&](int row, int at_row) {
-      tau_q[at_column * model.nv + at_row] -= dot(linear(at.frame_jacobian, row), change);
-    });
+namespace {
+
+/// Calls act(velocity index, turned, moved) for each column with changes of the force as the frame
+/// moves relative to its base: of directions fixed in the base, and of the force on
+/// a base that the frame leaves. Both in the frame's axes.
+template <class S, class F>
+void for_each_force_change(const Contact& contact, const ContactData<S>& at, F act) {
+  const bool turns = turns_against_body(contact), moves = !at.base_jacobian.empty();
+  if (!turns && !moves) return;
+  for_each_dof(at, [&](int column, int at_column) {
+    const Motion<S> move = load_motion(at.frame_jacobian.data(), column);
+    Force<S> turned = Force<S>::zero();
+    if (turns) turned.linear = cross(at.local.linear, move.angular);
+    act(at_column, turned, moves ? cross(move, at.local) : Force<S>::zero());
   });
 }
 
+}  // namespace
+
 template <class S>
-void subtract_direction_gradient(const RobotModel& model, const Contact& contact,
-                                 const ContactData<S>& at, const S* w, AlignedVector<S>& wrt_q) {
-  if (!turns_against_body(contact)) return;
+void subtract_contact_derivative(const RobotModel& model, const Contact& contact,
+                                 const ContactData<S>& at, AlignedVector<S>& tau_q) {
+  const bool moves_base = !at.base_jacobian.empty();
+  for_each_force_change(
+      contact, at, [&](int at_column, const Force<S>& turned, const Force<S>& moved) {
+        for_each_dof(at, [&](int row, int at_row) {
+          S& entry = tau_q[at_column * model.nv + at_row];
+          entry -= dot(linear(at.frame_jacobian, row), turned.linear);
+          if (moves_base) entry -= dot(load_motion(at.base_jacobian.data(), row), moved);
+        });
+      });
+}
+
+template <class S>
+void subtract_contact_gradient(const RobotModel& /*model*/, const Contact& contact,
+                               const ContactData<S>& at, const S* w, AlignedVector<S>& wrt_q) {
+  const bool moves_base = !at.base_jacobian.empty();
   Vector3<S> velocity = Vector3<S>::zero();
-  for_each_dof(model, contact, [&](int row, int at_row) {
+  Motion<S> of_base = Motion<S>::zero();
+  for_each_dof(at, [&](int row, int at_row) {
     velocity += w[at_row] * linear(at.frame_jacobian, row);
+    if (moves_base) of_base += w[at_row] * load_motion(at.base_jacobian.data(), row);
   });
-  for_each_dof(model, contact, [&](int column, int at_column) {
-    wrt_q[at_column] -= dot(velocity, cross(at.local.linear, angular(at.frame_jacobian, column)));
-  });
+  for_each_force_change(
+      contact, at, [&](int at_column, const Force<S>& turned, const Force<S>& moved) {
+        wrt_q[at_column] -= dot(velocity, turned.linear) + dot(of_base, moved);
+      });
 }
 
 #define CONDDP_INSTANTIATE(S)                                                                \
   template struct ContactData<S>;                                                            \
   template void update_contact(const RobotModel&, const Contact&, const RobotData<S>&,       \
                                ContactData<S>&);                                             \
+  template void contact_error(const Contact&, const ContactData<S>&, S*);                    \
   template void contact_acceleration(const RobotModel&, const Contact&, const RobotData<S>&, \
                                      const ContactData<S>&, S*);                             \
   template void contact_acceleration_derivatives(const RobotModel&, const Contact&,          \
@@ -273,9 +411,9 @@ void subtract_direction_gradient(const RobotModel& model, const Contact& contact
   template void set_contact_force(const Contact&, const S*, ContactData<S>&);                \
   template void add_contact_wrench(const RobotModel&, const Contact&, const ContactData<S>&, \
                                    AlignedVector<Force<S>>&);                                \
-  template void subtract_direction_derivative(const RobotModel&, const Contact&,             \
+  template void subtract_contact_derivative(const RobotModel&, const Contact&,             \
                                               const ContactData<S>&, AlignedVector<S>&);     \
-  template void subtract_direction_gradient(const RobotModel&, const Contact&,               \
+  template void subtract_contact_gradient(const RobotModel&, const Contact&,               \
                                             const ContactData<S>&, const S*, AlignedVector<S>&);
 CONDDP_FOR_EACH_KERNEL_SCALAR(CONDDP_INSTANTIATE)
 #undef CONDDP_INSTANTIATE

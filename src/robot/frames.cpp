@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "robot/joint_axes.hpp"
 #include "robot/loads.hpp"
 
 namespace conddp {
@@ -11,23 +12,6 @@ template <class S>
 SE3<S> placement_in_root(const RobotModel& model, const RobotData<S>& data, int frame) {
   const Frame& f = model.frames[frame];
   return f.joint < 0 ? f.placement.cast<S>() : data.placement[f.joint] * f.placement;
-}
-
-/// Calls column(motion in root coordinates, joint) for every velocity index that moves the joint's
-/// body, from the tip to the root. A floating base contributes six unit motions.
-template <class S, class F>
-void for_each_axis(const RobotModel& model, const RobotData<S>& data, int joint, F column) {
-  for (int j = joint; j >= 0; j = model.joints[j].parent) {
-    if (model.joints[j].type == JointType::floating) {
-      for (int k = 5; k >= 0; --k) {
-        Motion<S> e = Motion<S>::zero();
-        e[k] = S(1.0);
-        column(e, j);
-      }
-    } else {
-      column(data.axis[j], j);
-    }
-  }
 }
 
 template <class S>

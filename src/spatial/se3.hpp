@@ -38,6 +38,10 @@ template <class S>
 Motion<S> operator-(const Motion<S>& a, const Motion<S>& b) {
   return {a.linear - b.linear, a.angular - b.angular};
 }
+template <class S>
+Motion<S> operator-(const Motion<S>& a) {
+  return {-a.linear, -a.angular};
+}
 template <Scalar A, class S>
 Motion<S> operator*(const A& k, const Motion<S>& a) {
   return {k * a.linear, k * a.angular};

@@ -4,6 +4,7 @@
 
 #include "support/kernel_probe.hpp"
 #include "support/random_contact.hpp"
+#include "support/relative_frame.hpp"
 
 // Contact rows, compared with the motion of their frames at random states with any base rotation.
 // Derivatives are compared with dual numbers.
@@ -53,6 +54,7 @@ struct ContactSetting {
   ContactKind kind;
   FrameAxes axes;
   bool position_gain;
+  bool loop = false;  ///< the base is another frame
 };
 
 constexpr ContactSetting kSettings[] = {
@@ -64,6 +66,12 @@ constexpr ContactSetting kSettings[] = {
     {"point_without_reference", ContactKind::point, FrameAxes::local, false},
     {"surface", ContactKind::surface, FrameAxes::local, true},
     {"surface_without_reference", ContactKind::surface, FrameAxes::world_aligned, false},
+    {"normal_of_a_base", ContactKind::normal, FrameAxes::world_aligned, true, true},
+    {"planar_of_the_body_on_a_base", ContactKind::planar, FrameAxes::local, true, true},
+    {"planar_on_a_base", ContactKind::planar, FrameAxes::world_aligned, false, true},
+    {"point_on_a_base", ContactKind::point, FrameAxes::local, true, true},
+    {"surface_on_a_base", ContactKind::surface, FrameAxes::local, true, true},
+    {"surface_without_reference_on_a_base", ContactKind::surface, FrameAxes::local, false, true},
 };
 
 class ContactRows : public testing::TestWithParam<ContactSetting> {
@@ -79,12 +87,18 @@ class ContactRows : public testing::TestWithParam<ContactSetting> {
         const int frame = frames[random.index(static_cast<int>(frames.size()))];
         Contact contact = random_contact(frame, GetParam().kind, GetParam().axes, random);
         contact.kp = GetParam().position_gain ? contact.kp + 1 : 0;
+        if (GetParam().loop) {
+          contact.base = frame_elsewhere(entry.model, frame, random.index(100));
+          if (!contact.base) continue;
+        }
         // Distances stay within the smooth range of the logarithm.
         RobotData<double> data(entry.model);
         update_placements(entry.model, x.q.data(), data);
         const Pose<double> off = integrate_se3(Pose<double>{{0, 0, 0}, {0, 0, 0, 1}},
                                                Motion<double>{random.vector(1), random.vector(1)});
-        contact.reference = frame_placement(entry.model, data, frame) * placement(off);
+        update_velocities(entry.model, x.v.data(), data);
+        contact.reference =
+            RelativeFrame<double>(entry.model, data, contact).placement * placement(off);
         test(entry.model, x, contact);
         if (testing::Test::HasFailure()) return;
       }
@@ -110,13 +124,43 @@ std::vector<double> rows_of_point(const Contact& contact, const Matrix3<double>&
   return rows;
 }
 
+/// Rates of RelativeFrame's velocity of the point, in the axes of the base, and of its twist, in
+/// the axes of the frame. By the rules for rotating axes.
+struct RelativeAcceleration {
+  Vector3<double> of_point;
+  Motion<double> of_twist;
+
+  RelativeAcceleration(const RobotModel& model, const RobotData<double>& data,
+                       const Contact& contact) {
+    const auto rate_in_world = [&](std::optional<int> frame) {
+      if (!frame) return Motion<double>::zero();
+      const FrameInWorld<double> at(model, data, *frame);
+      Motion<double> a = frame_acceleration(model, data, *frame, FrameAxes::world_aligned);
+      a.linear += cross(at.v.angular, at.v.linear);
+      return a;
+    };
+    const FrameInWorld<double> frame(model, data, contact.frame);
+    const FrameInWorld<double> base =
+        contact.base ? FrameInWorld<double>(model, data, *contact.base) : FrameInWorld<double>();
+    const Motion<double> a = rate_in_world(contact.frame) - rate_in_world(contact.base);
+    const Vector3<double> turn = base.v.angular, lever = frame.placement.p - base.placement.p;
+    const Vector3<double> v = frame.v.linear - base.v.linear, seen = v - cross(turn, lever);
+    const Vector3<double> rate =
+        a.linear - cross(rate_in_world(contact.base).angular, lever) - cross(turn, v);
+    of_point = transpose_times(base.placement.R, rate - cross(turn, seen));
+    const Vector3<double>& own = frame.v.angular;
+    of_twist = {transpose_times(frame.placement.R, rate - cross(own, seen)),
+                transpose_times(frame.placement.R, a.angular - cross(own, own - turn))};
+  }
+};
+
 /// Jacobian of the rows times the generalized velocity.
 template <class S>
 std::vector<S> velocity_rows(const RobotModel& model, const Contact& contact,
                              const AlignedVector<S>& jacobian, const std::vector<S>& v) {
   const int rows = contact.rows();
   std::vector<S> sum(rows, S(0.0));
-  const std::vector<int> columns = support(model, model.frames[contact.frame].joint);
+  const std::vector<int> columns = support(model, contact.pair());
   for (std::size_t c = 0; c < columns.size(); ++c)
     for (int i = 0; i < rows; ++i) sum[i] += jacobian[rows * c + i] * v[columns[c]];
   return sum;
@@ -137,18 +181,21 @@ TEST_P(ContactRows, FollowTheFrame) {
     const SE3<double> back =
         touch.data.root_pose(model, model.frames[contact.frame].joint) * touch.at.placement;
     expect_close(components(back.p), components(world.p), kRowTolerance, "from the root frame");
+    const SE3<double> relative = RelativeFrame<double>(model, touch.data, contact).placement;
+    expect_close(components(touch.at.relative.p), components(relative.p), kRowTolerance, "in base");
+    for (int i = 0; i < 9; ++i)
+      EXPECT_NEAR(touch.at.relative.R.m[i], relative.R.m[i], kRowTolerance);
   });
 }
 
 TEST_P(ContactRows, MatchTheFrameVelocity) {
   everywhere([](const RobotModel& model, const RobotState& x, const Contact& contact) {
     const Touch<double> touch(model, contact, ProbeState<double>::at(x));
-    const FrameAxes world = FrameAxes::world_aligned;
-    const Motion<double> v = frame_velocity(model, touch.data, contact.frame, world);
+    const RelativeFrame<double> frame(model, touch.data, contact);
     const std::vector<double> expected =
         contact.kind == ContactKind::surface
-            ? components(frame_velocity(model, touch.data, contact.frame, FrameAxes::local))
-            : rows_of_point(contact, touch.at.world.R, v.linear);
+            ? components(frame.twist())
+            : rows_of_point(contact, frame.placement.R, frame.v.linear);
     expect_close(velocity_rows(model, contact, touch.at.jacobian, x.v), expected, kRowTolerance,
                  "velocity");
   });
@@ -157,23 +204,20 @@ TEST_P(ContactRows, MatchTheFrameVelocity) {
 TEST_P(ContactRows, MatchTheStabilizedFrameAcceleration) {
   everywhere([](const RobotModel& model, const RobotState& x, const Contact& contact) {
     const Touch<double> touch(model, contact, ProbeState<double>::at(x));
-    const auto frame_motions = [&](FrameAxes axes) {
-      return std::pair{frame_velocity(model, touch.data, contact.frame, axes),
-                       frame_acceleration(model, touch.data, contact.frame, axes)};
-    };
+    const RelativeFrame<double> frame(model, touch.data, contact);
+    const RelativeAcceleration rate(model, touch.data, contact);
     std::vector<double> expected;
     if (contact.kind == ContactKind::surface) {
-      const auto [v, a] = frame_motions(FrameAxes::local);
+      const SE3<double>& m = frame.placement;
       const Motion<double> error =
           difference_se3(Pose<double>{contact.reference.p, quaternion(contact.reference.R)},
-                         Pose<double>{touch.at.world.p, quaternion(touch.at.world.R)});
-      expected = components(a + contact.kd * v + contact.kp * error);
+                         Pose<double>{m.p, quaternion(m.R)});
+      expected = components(rate.of_twist + contact.kd * frame.twist() + contact.kp * error);
     } else {
-      const auto [v, a] = frame_motions(FrameAxes::world_aligned);
-      const Vector3<double> error = touch.at.world.p - contact.reference.p;
-      expected = rows_of_point(
-          contact, touch.at.world.R,
-          a.linear + cross(v.angular, v.linear) + contact.kd * v.linear + contact.kp * error);
+      const Vector3<double> error = frame.placement.p - contact.reference.p;
+      expected =
+          rows_of_point(contact, frame.placement.R,
+                        rate.of_point + contact.kd * frame.v.linear + contact.kp * error);
     }
     std::vector<double> rows(contact.rows());
     contact_acceleration(model, contact, touch.data, touch.at, rows.data());
@@ -185,7 +229,7 @@ TEST_P(ContactRows, AccelerationDerivativesMatchDualNumbers) {
   everywhere([](const RobotModel& model, const RobotState& x, const Contact& contact) {
     Touch<double> touch(model, contact, ProbeState<double>::at(x));
     contact_acceleration_derivatives(model, contact, touch.data, touch.at);
-    const std::vector<int> columns = support(model, model.frames[contact.frame].joint);
+    const std::vector<int> columns = support(model, contact.pair());
     std::vector<double> by_q, by_v;
     for (auto [along, all] :
          {std::pair{Along::configuration, &by_q}, std::pair{Along::velocity, &by_v}})
@@ -205,7 +249,7 @@ TEST_P(ContactRows, VelocityDerivativesMatchDualNumbers) {
     Touch<double> touch(model, contact, ProbeState<double>::at(x));
     contact_velocity_derivative(model, contact, touch.data, touch.at);
     std::vector<double> by_q;
-    for (const int k : support(model, model.frames[contact.frame].joint)) {
+    for (const int k : support(model, contact.pair())) {
       const auto state = moving_along(model, x, Along::configuration, k);
       const Touch<Dual<double>> moved(model, contact, state);
       for (const double slope : slopes(velocity_rows(model, contact, moved.at.jacobian, state.v)))
@@ -230,43 +274,70 @@ TEST_P(ContactRows, ForcesHaveThePowerOfTheirRows) {
     AlignedVector<Force<double>> wrenches(model.joint_count(), before);
     add_contact_wrench(model, contact, touch.at, wrenches);
     const int touched = model.frames[contact.frame].joint;
-    for (int j = 0; j < model.joint_count(); ++j)
-      EXPECT_NEAR(dot(touch.data.v[j], wrenches[j] - before), j == touched ? power : 0,
-                  kRowTolerance * (100 + std::abs(power)));
+    const int base = contact.base ? model.frames[*contact.base].joint : -1;
+    const double tolerance = kRowTolerance * (100 + std::abs(power));
+    double sum = 0;
+    for (int j = 0; j < model.joint_count(); ++j) {
+      const double own = dot(touch.data.v[j], wrenches[j] - before);
+      if (j != touched && j != base) {
+        EXPECT_EQ(own, 0);
+      }
+      sum += own;
+    }
+    EXPECT_NEAR(sum, power, 10 * tolerance);
 
     const Force<double> in_world = contact_force_in_world(touch.at);
-    const Motion<double> twist =
-        frame_velocity(model, touch.data, contact.frame, FrameAxes::world_aligned);
-    EXPECT_NEAR(dot(twist, in_world), power, kRowTolerance * (100 + std::abs(power)));
+    const RelativeFrame<double> frame(model, touch.data, contact);
+    const Motion<double> twist = frame.twist();
+    const Matrix3<double>& R = touch.at.world.R;
+    EXPECT_NEAR(dot(Motion<double>{R * twist.linear, R * twist.angular}, in_world), power,
+                tolerance);
   });
 }
 
-// Jᵀ·(forces of the rows) for directions fixed in the world, minus the same wrench fixed in the
-// body.
-TEST_P(ContactRows, TurnTheirDirectionsAgainstTheBody) {
+/// Derivative of the generalized forces of a contact's wrenches, fixed in the bodies as they are at
+/// `touch`.
+std::vector<double> slope_of_fixed_wrenches(const RobotModel& model, const Contact& contact,
+                                            const Touch<double>& touch,
+                                            const Touch<Dual<double>>& moved) {
+  std::vector<double> slope(model.nv, 0.0);
+  const auto add = [&](int frame, const Force<double>& local) {
+    const std::vector<int> columns = support(model, model.frames[frame].joint);
+    std::vector<Dual<double>> J(6 * columns.size());
+    frame_jacobian(model, moved.data, frame, FrameAxes::local, J.data());
+    for (std::size_t c = 0; c < columns.size(); ++c)
+      for (int i = 0; i < 6; ++i) slope[columns[c]] += local[i] * J[6 * c + i].d;
+  };
+  add(contact.frame, touch.at.local);
+  if (contact.base && model.frames[*contact.base].joint >= 0)
+    add(*contact.base, Force<double>::zero() - act(touch.at.relative, touch.at.local));
+  return slope;
+}
+
+// Jᵀ·(forces of the rows), minus the same wrenches fixed in their bodies.
+TEST_P(ContactRows, TurnAndMoveAgainstTheBodies) {
   RandomNumbers random(702);
   everywhere([&](const RobotModel& model, const RobotState& x, const Contact& contact) {
     const int n = model.nv, rows = contact.rows();
     Touch<double> touch(model, contact, ProbeState<double>::at(x));
     const std::vector<double> forces = random.numbers(rows, 10);
     set_contact_force(contact, forces.data(), touch.at);
-    const std::vector<int> columns = support(model, model.frames[contact.frame].joint);
+    const std::vector<int> columns = support(model, contact.pair());
 
     const std::vector<double> before = random.numbers(n * n, 1);
     std::vector<double> expected = before;
     for (const int k : columns) {
       const Touch<Dual<double>> moved(model, contact,
                                       moving_along(model, x, Along::configuration, k));
+      const std::vector<double> fixed = slope_of_fixed_wrenches(model, contact, touch, moved);
       for (std::size_t c = 0; c < columns.size(); ++c) {
         double change = 0;
         for (int i = 0; i < rows; ++i) change += forces[i] * moved.at.jacobian[rows * c + i].d;
-        for (int i = 0; i < 6; ++i)
-          change -= touch.at.local[i] * moved.at.frame_jacobian[6 * c + i].d;
-        expected[k * n + columns[c]] -= change;
+        expected[k * n + columns[c]] -= change - fixed[columns[c]];
       }
     }
     AlignedVector<double> tau_q(before.begin(), before.end());
-    subtract_direction_derivative(model, contact, touch.at, tau_q);
+    subtract_contact_derivative(model, contact, touch.at, tau_q);
     expect_close({tau_q.begin(), tau_q.end()}, expected, kRowTolerance, "derivative");
 
     const std::vector<double> w = random.numbers(n, 1), start = random.numbers(n, 1);
@@ -274,7 +345,7 @@ TEST_P(ContactRows, TurnTheirDirectionsAgainstTheBody) {
     for (int k = 0; k < n; ++k)
       for (int i = 0; i < n; ++i) contracted[k] += w[i] * (expected[k * n + i] - before[k * n + i]);
     AlignedVector<double> gradient(start.begin(), start.end());
-    subtract_direction_gradient(model, contact, touch.at, w.data(), gradient);
+    subtract_contact_gradient(model, contact, touch.at, w.data(), gradient);
     expect_close({gradient.begin(), gradient.end()}, contracted, kRowTolerance, "gradient");
   });
 }

@@ -94,6 +94,14 @@ inline std::vector<std::pair<std::string, std::shared_ptr<const Residual>>> name
     all.emplace_back("velocity " + name, frame_velocity_residual(system, f, FrameAxes::local));
     all.emplace_back("world velocity " + name,
                      frame_velocity_residual(system, f, FrameAxes::world_aligned));
+    const FramePair pair{f, (f + 1 + f / 2) % static_cast<int>(robot.frames.size())};
+    all.emplace_back("relative position " + name, frame_position_residual(system, pair));
+    all.emplace_back("relative rotation " + name, frame_rotation_residual(system, pair));
+    all.emplace_back("relative placement " + name, frame_placement_residual(system, pair));
+    all.emplace_back("relative velocity " + name,
+                     frame_velocity_residual(system, pair, FrameAxes::local));
+    all.emplace_back("velocity in base " + name,
+                     frame_velocity_residual(system, pair, FrameAxes::world_aligned));
   }
   return all;
 }

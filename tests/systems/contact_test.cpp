@@ -98,14 +98,15 @@ VectorXd acceleration_rows(const RobotModel& model, const Contact& c, const std:
   RobotData<D> data(model);
   update_placements(model, qd.data(), data);
   update_velocities(model, vd.data(), data);
-  const SE3<D> m = frame_placement(model, data, c.frame);
+  const RelativeFrame<D> frame(model, data, c);
+  const SE3<D>& m = frame.placement;
   Matrix3<double> R;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) R(i, j) = m.R(i, j).v;
   const auto value = [](const Vector3<D>& p) { return Vector3<double>{p.x.v, p.y.v, p.z.v}; };
   const auto rate = [](const Vector3<D>& p) { return Vector3<double>{p.x.d, p.y.d, p.z.d}; };
   if (c.kind == ContactKind::surface) {
-    const Motion<D> twist = frame_velocity(model, data, c.frame, FrameAxes::local);
+    const Motion<D> twist = frame.twist();
     const Motion<double> error =
         difference_se3(Pose<double>{c.reference.p, quaternion(c.reference.R)},
                        Pose<double>{value(m.p), quaternion(R)});
@@ -113,24 +114,35 @@ VectorXd acceleration_rows(const RobotModel& model, const Contact& c, const std:
     for (int i = 0; i < 6; ++i) rows[i] = twist[i].d + c.kd * twist[i].v + c.kp * error[i];
     return rows;
   }
-  const Motion<D> world = frame_velocity(model, data, c.frame, FrameAxes::world_aligned);
   const Vector3<double> sum =
-      rate(world.linear) + c.kd * value(world.linear) + c.kp * (value(m.p) - c.reference.p);
+      rate(frame.v.linear) + c.kd * value(frame.v.linear) + c.kp * (value(m.p) - c.reference.p);
   return rows_of(c, R, sum, Vector3<double>::zero());
 }
 
-/// Generalized force of a contact's force and torque in the world.
-VectorXd generalised_force(const RobotModel& model, RobotData<double>& data, const Contact& c,
+/// Generalized force of a force and torque in the world at a frame's origin.
+VectorXd generalised_force(const RobotModel& model, RobotData<double>& data, int frame,
                            const Force<double>& f) {
-  const std::vector<int> columns = support(model, model.frames[c.frame].joint);
+  VectorXd tau = VectorXd::Zero(model.nv);
+  if (model.frames[frame].joint < 0) return tau;
+  const std::vector<int> columns = support(model, model.frames[frame].joint);
   MatrixXd J(6, columns.size());
-  frame_jacobian(model, data, c.frame, FrameAxes::world_aligned, J.data());
+  frame_jacobian(model, data, frame, FrameAxes::world_aligned, J.data());
   Eigen::Matrix<double, 6, 1> wrench;
   for (int i = 0; i < 6; ++i) wrench[i] = f[i];
-  VectorXd tau = VectorXd::Zero(model.nv);
   const VectorXd product = J.transpose() * wrench;
   for (std::size_t i = 0; i < columns.size(); ++i) tau[columns[i]] = product[i];
   return tau;
+}
+
+/// That of a contact's force and of the reaction on its base.
+VectorXd generalised_force(const RobotModel& model, RobotData<double>& data, const Contact& c,
+                           const Force<double>& f) {
+  const VectorXd on_frame = generalised_force(model, data, c.frame, f);
+  if (!c.base) return on_frame;
+  const Vector3<double> lever =
+      frame_placement(model, data, c.frame).p - frame_placement(model, data, *c.base).p;
+  return on_frame -
+         generalised_force(model, data, *c.base, {f.linear, f.angular + cross(lever, f.linear)});
 }
 
 /// ε λ of a contact.
@@ -219,10 +231,8 @@ TEST_P(ContactEquations, ImpulseStopsContactsAndChangesMomentum) {
       const Contact& contact = c.contacts[i];
       const auto velocity = [&](const std::vector<double>& v) {
         update_velocities(model, v.data(), robot);
-        const Motion<double> twist =
-            frame_velocity(model, robot, contact.frame, FrameAxes::world_aligned);
-        return rows_of(contact, frame_placement(model, robot, contact.frame).R, twist.linear,
-                       twist.angular);
+        const RelativeFrame<double> frame(model, robot, contact);
+        return rows_of(contact, frame.placement.R, frame.v.linear, frame.v.angular);
       };
       VectorXd rows = velocity(after) + restitution * velocity(before);
       if (d.contacts.compliant) rows += give(*system, d, i);

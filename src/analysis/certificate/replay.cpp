@@ -75,11 +75,12 @@ class LimitWatch {
     }
   }
 
-  /// Checks that no contact pulls: the ground cannot hold a foot back.
+  /// Checks that no contact pulls: the ground cannot hold a foot back. Two frames can hold each
+  /// other.
   void contacts(const MultibodySystem& system, const MultibodySystem::Data<double>& data) {
     for (int i = 0; i < system.contacts().count(); ++i) {
       const Contact& contact = system.contacts().contacts()[i];
-      if (contact.kind == ContactKind::planar) continue;
+      if (contact.kind == ContactKind::planar || contact.base) continue;
       const ContactData<double>& at = data.contacts.contacts[i];
       const Vector3<double> force =
           contact.axes == FrameAxes::local ? at.local.linear : contact_force_in_world(at).linear;

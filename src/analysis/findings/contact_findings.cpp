@@ -120,14 +120,15 @@ class Watch {
     if (exceeds(drift.value, worst.value)) worst = drift;
   }
 
-  /// World pose of a contact's frame at a node, taken from the knot if the contact is held there.
+  /// Pose of a contact's frame in its base at a node, taken from the knot if the contact is held
+  /// there.
   SE3<double> pose(const MultibodySystem& system, const Contact& contact, int node) {
     if (node < problem_.knots())
       if (const int c = index_of(robot_at(problem_, node), contact.name); c >= 0)
-        return values_.contacts(node)[c].world;
+        return values_.contacts(node)[c].in_base;
     MultibodySystem::Data<double>& data = data_of(system);
     system.update_kinematics(trajectory_.x(node).data(), data);
-    return frame_placement(system.robot(), data.robot, contact.frame);
+    return relative_placement(system.robot(), data.robot, contact.pair());
   }
 
   MultibodySystem::Data<double>& data_of(const MultibodySystem& system) {
@@ -144,7 +145,9 @@ class Watch {
     return kLight * mass * (impulse || gravity == 0 ? 1 : gravity);
   }
 
+  /// What a contact with the world needs from the ground. Two frames can hold each other.
   void forces(int k, const MultibodySystem& system, const Contact& contact, const HeldContact& at) {
+    if (contact.base) return;
     const Vector3<double> force = at.force.linear;
     const Vector3<double> normal =
         contact.axes == FrameAxes::local ? at.world.R * contact.normal : contact.normal;

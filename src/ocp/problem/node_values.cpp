@@ -29,7 +29,7 @@ std::vector<HeldContact> held_contacts(const SystemData<double>& data) {
   std::vector<HeldContact> held;
   held.reserve(found.size());
   for (const ContactData<double>& contact : found)
-    held.push_back({contact.world, contact_force_in_world(contact)});
+    held.push_back({contact.world, contact.relative, contact_force_in_world(contact)});
   return held;
 }
 

@@ -36,6 +36,7 @@ class NodeEvaluation {
 /// A contact of a knot's system, at the state and control of the knot.
 struct HeldContact {
   SE3<double> world;    ///< placement of its frame in the world
+  SE3<double> in_base;  ///< and in what it touches
   Force<double> force;  ///< on the robot in world axes, at the frame's origin: N, Nm
 };
 

@@ -28,14 +28,13 @@ void bound_normal_force(const FrictionLimits& limits, int row, LinearCone& cone)
 
 using SystemPointer = std::shared_ptr<const MultibodySystem>;
 
-/// One contact of a system, and the derivative of its force in world or frame axes.
+/// One contact of a system, and the derivative of its force in the axes of its base or its frame.
 class ContactOf {
  public:
   ContactOf(SystemPointer system, int contact, int ndx)
       : system_(std::move(system)),
         index_(contact),
-        columns_(system_->mimic_map(),
-                 support(system_->robot(), system_->robot().frames[spec().frame].joint)) {
+        columns_(system_->mimic_map(), support(system_->robot(), spec().pair())) {
     z_columns_ = column_range(0, system_->ndx());
     for (const int c : column_range(ndx, system_->nu())) z_columns_.push_back(c);
   }
@@ -49,7 +48,8 @@ class ContactOf {
     return multibody_data(in).contacts.contacts[index_];
   }
 
-  /// Calls put(column, change of the force) for every column, in world axes or in the frame's axes.
+  /// Calls put(column, change of the force) for every column, in the axes of the base (world_aligned) or
+  /// of the frame.
   template <class S, class F>
   void for_each_column(const ResidualInput<S>& in, FrameAxes axes, F put) const {
     auto& system = multibody_data(in);
@@ -69,7 +69,7 @@ class ContactOf {
         add_turn(contact.local, {turn[0], turn[1], turn[2]}, axes, change);
       }
       if (axes == FrameAxes::world_aligned)
-        change = {contact.world.R * change.linear, contact.world.R * change.angular};
+        change = {contact.relative.R * change.linear, contact.relative.R * change.angular};
       put(c, change);
     }
   }
@@ -79,11 +79,11 @@ class ContactOf {
   bool has_directions() const {
     return spec().kind == ContactKind::normal || spec().kind == ContactKind::planar;
   }
-  /// Rotating the frame turns a body-fixed force as seen from the world, and a world-fixed force as
+  /// Rotating the frame turns a body-fixed force as seen from the base, and a base-fixed force as
   /// seen from the body.
   bool frame_turns_force(FrameAxes axes) const {
-    const bool fixed_in_world = has_directions() && spec().axes == FrameAxes::world_aligned;
-    return fixed_in_world == (axes == FrameAxes::local);
+    const bool fixed_in_base = has_directions() && spec().axes == FrameAxes::world_aligned;
+    return fixed_in_base == (axes == FrameAxes::local);
   }
   /// Change of a force due to a rotation w of the frame, in the given axes.
   template <class S>
@@ -111,11 +111,11 @@ class ContactOf {
 
   SystemPointer system_;
   int index_;
-  ReducedColumns columns_;  ///< columns that move the frame
+  ReducedColumns columns_;  ///< columns that move the frame or its base
   std::vector<int> z_columns_;
 };
 
-/// Force and torque in world or frame axes, or the force alone.
+/// Force and torque in the axes of the base or the frame, or the force alone.
 class ContactForce : public ResidualBase<ContactForce> {
  public:
   ContactForce(ContactOf contact, FrameAxes axes, int rows, bool has_reference)
@@ -127,7 +127,7 @@ class ContactForce : public ResidualBase<ContactForce> {
   template <class S>
   void evaluate_as(const ResidualInput<S>& in, S* r) const {
     const ContactData<S>& data = contact_.data(in);
-    const Force<S> f = axes_ == FrameAxes::local ? data.local : contact_force_in_world(data);
+    const Force<S> f = axes_ == FrameAxes::local ? data.local : contact_force_in_base(data);
     for (int i = 0; i < size(); ++i) r[i] = f[i];
     for (int i = 0; i < parameter_count(); ++i) r[i] -= in.parameters[i];
   }
@@ -163,7 +163,7 @@ class ContactCone : public ResidualBase<ContactCone> {
   template <class S>
   void evaluate_as(const ResidualInput<S>& in, S* r) const {
     const ContactData<S>& data = contact_.data(in);
-    multiply(axes_ == FrameAxes::local ? data.local : contact_force_in_world(data), r);
+    multiply(axes_ == FrameAxes::local ? data.local : contact_force_in_base(data), r);
   }
   template <class S>
   void differentiate_as(const ResidualInput<S>& in, S* r, S* jacobian) const {
@@ -199,13 +199,13 @@ class FrictionCone : public ResidualBase<FrictionCone> {
   template <class S>
   void evaluate_as(const ResidualInput<S>& in, S* r) const {
     Vector3<S> tangential;
-    split(contact_force_in_world(contact_.data(in)).linear, r[1], tangential);
+    split(contact_force_in_base(contact_.data(in)).linear, r[1], tangential);
     r[0] = length(tangential) - S(friction_) * r[1];
   }
   template <class S>
   void differentiate_as(const ResidualInput<S>& in, S* r, S* jacobian) const {
     Vector3<S> tangential;
-    split(contact_force_in_world(contact_.data(in)).linear, r[1], tangential);
+    split(contact_force_in_base(contact_.data(in)).linear, r[1], tangential);
     const S size = length(tangential);
     r[0] = size - S(friction_) * r[1];
     const Vector3<S> direction = (S(1.0) / size) * tangential;

@@ -6,18 +6,16 @@ namespace {
 
 using SystemPointer = std::shared_ptr<const MultibodySystem>;
 
-/// Common data of one frame's residuals: the robot, the frame, and the columns that move it.
+/// Common data of one frame's residuals: the robot, the frame and its base, and the columns that
+/// move them. Quantities are those of the frame in its base, which is the world by default.
 class FrameOf {
  public:
-  FrameOf(SystemPointer system, int frame)
+  FrameOf(SystemPointer system, const FramePair& pair)
       : system_(std::move(system)),
-        frame_(frame),
-        columns_(system_->mimic_map(),
-                 support(system_->robot(), system_->robot().frames[frame].joint)) {}
+        pair_(pair),
+        columns_(system_->mimic_map(), support(system_->robot(), pair)) {}
 
-  const MultibodySystem& system() const { return *system_; }
   const RobotModel& robot() const { return system_->robot(); }
-  int frame() const { return frame_; }
   const std::vector<int>& columns() const { return columns_.columns(); }
   int count() const { return columns_.count(); }
   /// The columns of the position, then those of the velocity.
@@ -32,18 +30,82 @@ class FrameOf {
   }
   template <class S>
   SE3<S> placement(const ResidualInput<S>& in) const {
-    return frame_placement(robot(), data(in), frame_);
+    return relative_placement(robot(), data(in), pair_);
   }
-  /// Writes the Jacobian computed by kernel(robot, data, frame, out).
-  template <class S, class Kernel>
-  void write(const ResidualInput<S>& in, int rows, S* jacobian, Kernel kernel) const {
-    write_columns(columns_, rows, multibody_data(in), jacobian,
-                  [&](S* out) { kernel(robot(), data(in), frame_, out); });
+  template <class S>
+  Motion<S> velocity(const ResidualInput<S>& in, FrameAxes axes) const {
+    return relative_velocity(robot(), data(in), pair_, axes);
+  }
+
+  /// Writes the derivative of the position, 3 rows.
+  template <class S>
+  void write_position(const ResidualInput<S>& in, S* jacobian) const {
+    write(in, 3, jacobian, [&](S* out) {
+      if (!pair_.base) return frame_position_jacobian(robot(), data(in), pair_.frame, out);
+      const Matrix3<S> R = placement(in).R;
+      for_each_column(in, [&](int c, const Motion<S>& move) { put(R * move.linear, out + 3 * c); });
+    });
+  }
+  /// Writes the derivative of the rotation in the frame's axes, 3 rows.
+  template <class S>
+  void write_rotation(const ResidualInput<S>& in, S* jacobian) const {
+    write(in, 3, jacobian, [&](S* out) {
+      if (!pair_.base) return frame_rotation_jacobian(robot(), data(in), pair_.frame, out);
+      for_each_column(in, [&](int c, const Motion<S>& move) { put(move.angular, out + 3 * c); });
+    });
+  }
+  /// Writes the derivatives of the velocity by the configuration and by the velocity, 6 rows each.
+  template <class S>
+  void write_velocity_q(const ResidualInput<S>& in, FrameAxes axes, S* jacobian) const {
+    write(in, 6, jacobian, [&](S* out) {
+      if (!pair_.base) return frame_velocity_derivative(robot(), data(in), pair_.frame, axes, out);
+      relative_velocity_derivative(robot(), data(in), pair_, out);
+      if (axes == FrameAxes::local) return;
+      const Matrix3<S> R = placement(in).R;
+      const Motion<S> v = velocity(in, FrameAxes::local);
+      for_each_column(in, [&](int c, const Motion<S>& move) {
+        S* column = out + 6 * c;
+        const Vector3<S>& turn = move.angular;
+        put(R * (Vector3<S>{column[0], column[1], column[2]} + cross(turn, v.linear)), column);
+        put(R * (Vector3<S>{column[3], column[4], column[5]} + cross(turn, v.angular)), column + 3);
+      });
+    });
+  }
+  template <class S>
+  void write_velocity_v(const ResidualInput<S>& in, FrameAxes axes, S* jacobian) const {
+    write(in, 6, jacobian, [&](S* out) {
+      if (!pair_.base) return frame_jacobian(robot(), data(in), pair_.frame, axes, out);
+      if (axes == FrameAxes::local) return relative_jacobian(robot(), data(in), pair_, out);
+      const Matrix3<S> R = placement(in).R;
+      for_each_column(in, [&](int c, const Motion<S>& move) {
+        put(R * move.linear, out + 6 * c);
+        put(R * move.angular, out + 6 * c + 3);
+      });
+    });
   }
 
  private:
+  template <class S>
+  static void put(const Vector3<S>& v, S* out) {
+    for (int i = 0; i < 3; ++i) out[i] = v[i];
+  }
+  /// Calls act(column, relative motion in the frame's axes) for the robot's own columns.
+  template <class S, class F>
+  void for_each_column(const ResidualInput<S>& in, F act) const {
+    S* jacobian = multibody_data(in).frame_columns.data();
+    relative_jacobian(robot(), data(in), pair_, jacobian);
+    const int count = RelativeColumns(robot(), pair_).count();
+    for (int c = 0; c < count; ++c, jacobian += 6)
+      act(c, Motion<S>{{jacobian[0], jacobian[1], jacobian[2]},
+                       {jacobian[3], jacobian[4], jacobian[5]}});
+  }
+  template <class S, class Kernel>
+  void write(const ResidualInput<S>& in, int rows, S* jacobian, Kernel kernel) const {
+    write_columns(columns_, rows, multibody_data(in), jacobian, kernel);
+  }
+
   SystemPointer system_;
-  int frame_;
+  FramePair pair_;
   ReducedColumns columns_;
 };
 
@@ -66,7 +128,7 @@ class FramePosition : public ResidualBase<FramePosition> {
   template <class S>
   void differentiate_as(const ResidualInput<S>& in, S* r, S* jacobian) const {
     evaluate_as(in, r);
-    frame_.write(in, 3, jacobian, frame_position_jacobian<S>);
+    frame_.write_position(in, jacobian);
   }
 
  private:
@@ -88,7 +150,7 @@ class FrameRotation : public ResidualBase<FrameRotation> {
   template <class S>
   void differentiate_as(const ResidualInput<S>& in, S* r, S* jacobian) const {
     evaluate_as(in, r);
-    frame_.write(in, 3, jacobian, frame_rotation_jacobian<S>);
+    frame_.write_rotation(in, jacobian);
     const Matrix3<S> inverse = inverse_right_jacobian_so3(Vector3<S>{r[0], r[1], r[2]});
     for (int c = 0; c < frame_.count(); ++c, jacobian += 3) {
       const Vector3<S> column = inverse * Vector3<S>{jacobian[0], jacobian[1], jacobian[2]};
@@ -117,10 +179,7 @@ class FramePlacement : public ResidualBase<FramePlacement> {
   template <class S>
   void differentiate_as(const ResidualInput<S>& in, S* r, S* jacobian) const {
     evaluate_as(in, r);
-    frame_.write(in, 6, jacobian,
-                 [](const RobotModel& robot, const RobotData<S>& data, int frame, S* out) {
-                   frame_jacobian(robot, data, frame, FrameAxes::local, out);
-                 });
+    frame_.write_velocity_v(in, FrameAxes::local, jacobian);
     const Matrix6<S> inverse =
         inverse_right_jacobian_se3(Motion<S>{{r[0], r[1], r[2]}, {r[3], r[4], r[5]}});
     S old[6];
@@ -147,20 +206,14 @@ class FrameVelocity : public ResidualBase<FrameVelocity> {
   Reads reads() const override { return Reads::kinematics; }
   template <class S>
   void evaluate_as(const ResidualInput<S>& in, S* r) const {
-    const Motion<S> v = frame_velocity(frame_.robot(), frame_.data(in), frame_.frame(), axes_);
+    const Motion<S> v = frame_.velocity(in, axes_);
     for (int i = 0; i < 6; ++i) r[i] = v[i] - in.parameters[i];
   }
   template <class S>
   void differentiate_as(const ResidualInput<S>& in, S* r, S* jacobian) const {
     evaluate_as(in, r);
-    frame_.write(in, 6, jacobian,
-                 [this](const RobotModel& robot, const RobotData<S>& data, int frame, S* out) {
-                   frame_velocity_derivative(robot, data, frame, axes_, out);
-                 });
-    frame_.write(in, 6, jacobian + 6 * frame_.count(),
-                 [this](const RobotModel& robot, const RobotData<S>& data, int frame, S* out) {
-                   frame_jacobian(robot, data, frame, axes_, out);
-                 });
+    frame_.write_velocity_q(in, axes_, jacobian);
+    frame_.write_velocity_v(in, axes_, jacobian + 6 * frame_.count());
   }
 
  private:
@@ -186,7 +239,7 @@ class ContactVelocity : public ResidualBase<ContactVelocity> {
   Reads reads() const override { return Reads::kinematics; }
   template <class S>
   void evaluate_as(const ResidualInput<S>& in, S* r) const {
-    const Motion<S> v = frame_velocity(frame_.robot(), frame_.data(in), frame_.frame(), axes_);
+    const Motion<S> v = frame_.velocity(in, axes_);
     const S rows[] = {v[0], v[1], v[2], v[3], v[4], v[5]};
     choose(rows, r);
   }
@@ -194,16 +247,13 @@ class ContactVelocity : public ResidualBase<ContactVelocity> {
   void differentiate_as(const ResidualInput<S>& in, S* r, S* jacobian) const {
     evaluate_as(in, r);
     S* all = multibody_data(in).columns.data();
-    const auto write = [&](auto kernel) {
-      frame_.write(in, 6, all, kernel);
+    const auto write_rows = [&] {
       for (int c = 0; c < frame_.count(); ++c, jacobian += size()) choose(all + 6 * c, jacobian);
     };
-    write([this](const RobotModel& robot, const RobotData<S>& data, int frame, S* out) {
-      frame_velocity_derivative(robot, data, frame, axes_, out);
-    });
-    write([this](const RobotModel& robot, const RobotData<S>& data, int frame, S* out) {
-      frame_jacobian(robot, data, frame, axes_, out);
-    });
+    frame_.write_velocity_q(in, axes_, all);
+    write_rows();
+    frame_.write_velocity_v(in, axes_, all);
+    write_rows();
   }
 
  private:
@@ -328,22 +378,26 @@ class ControlGravity : public ResidualBase<ControlGravity> {
 
 }  // namespace
 
-std::shared_ptr<const Residual> frame_position_residual(const SystemPointer& system, int frame) {
+std::shared_ptr<const Residual> frame_position_residual(const SystemPointer& system,
+                                                       const FramePair& frame) {
   return std::make_shared<FramePosition>(FrameOf(system, frame));
 }
-std::shared_ptr<const Residual> frame_rotation_residual(const SystemPointer& system, int frame) {
+std::shared_ptr<const Residual> frame_rotation_residual(const SystemPointer& system,
+                                                       const FramePair& frame) {
   return std::make_shared<FrameRotation>(FrameOf(system, frame));
 }
-std::shared_ptr<const Residual> frame_placement_residual(const SystemPointer& system, int frame) {
+std::shared_ptr<const Residual> frame_placement_residual(const SystemPointer& system,
+                                                       const FramePair& frame) {
   return std::make_shared<FramePlacement>(FrameOf(system, frame));
 }
-std::shared_ptr<const Residual> frame_velocity_residual(const SystemPointer& system, int frame,
+std::shared_ptr<const Residual> frame_velocity_residual(const SystemPointer& system,
+                                                        const FramePair& frame,
                                                         FrameAxes axes) {
   return std::make_shared<FrameVelocity>(FrameOf(system, frame), axes);
 }
 std::shared_ptr<const Residual> contact_velocity_residual(const SystemPointer& system,
                                                           const Contact& contact) {
-  return std::make_shared<ContactVelocity>(FrameOf(system, contact.frame), contact);
+  return std::make_shared<ContactVelocity>(FrameOf(system, contact.pair()), contact);
 }
 std::shared_ptr<const Residual> centroidal_momentum_residual(const SystemPointer& system) {
   return std::make_shared<CentroidalMomentum>(system);

@@ -102,19 +102,21 @@ std::shared_ptr<const Residual> combination_residual(int ndx, std::vector<Linear
 /// one number per index).
 std::shared_ptr<const Residual> acceleration_residual(const System& system, int ndx,
                                                       std::vector<int> velocity_indices);
-/// Position of a frame's origin in the world minus reference, m. Parameter: 3 numbers.
+/// Residuals of a frame as seen from its base, by default the world.
+/// Position of the frame's origin minus reference, m, in axes of the base. Parameter: 3 numbers.
 std::shared_ptr<const Residual> frame_position_residual(
-    const std::shared_ptr<const MultibodySystem>& system, int frame);
+    const std::shared_ptr<const MultibodySystem>& system, const FramePair& frame);
 /// log(R_refᵀ R), rad, in the frame's axes. Parameter: quaternion x y z w of the reference.
 std::shared_ptr<const Residual> frame_rotation_residual(
-    const std::shared_ptr<const MultibodySystem>& system, int frame);
+    const std::shared_ptr<const MultibodySystem>& system, const FramePair& frame);
 /// log(M_ref⁻¹ M): (m, rad). Parameter: position and quaternion, 7 numbers.
 std::shared_ptr<const Residual> frame_placement_residual(
-    const std::shared_ptr<const MultibodySystem>& system, int frame);
-/// Frame velocity (linear; angular) minus reference, m/s and rad/s. Parameter: 6 numbers.
+    const std::shared_ptr<const MultibodySystem>& system, const FramePair& frame);
+/// Velocity (linear; angular) minus reference, m/s and rad/s, in axes of the frame, or of the base
+/// (world_aligned). Parameter: 6 numbers.
 std::shared_ptr<const Residual> frame_velocity_residual(
-    const std::shared_ptr<const MultibodySystem>& system, int frame, FrameAxes axes);
-/// Velocity of a contact's frame in its constrained directions (linear; angular for a surface), in
+    const std::shared_ptr<const MultibodySystem>& system, const FramePair& frame, FrameAxes axes);
+/// Velocity of a contact's frame relative to its base in its constrained directions (linear; angular for a surface), in
 /// the contact's axes, m/s and rad/s. The system need not hold the contact. No parameters.
 std::shared_ptr<const Residual> contact_velocity_residual(
     const std::shared_ptr<const MultibodySystem>& system, const Contact& contact);

@@ -85,15 +85,26 @@ ColumnSolver::ColumnSolver(const RobotModel& model, bool dense, int n, const Con
   const std::vector<int> branch_of_row = branches_of_rows(branches);
   std::vector<int> all_rows(n);
   std::iota(all_rows.begin(), all_rows.end(), 0);
+  // Positions that move a force on another branch.
+  std::vector<bool> spreads(n, false);
   for (int i = 0; i < contacts.count(); ++i) {
     contact_columns_.push_back(dense ? all_rows : contacts.columns(i));
     contact_offsets_.push_back(contacts.offset(i));
-    branch_of_contact_.push_back(branches[branch_of_row[contacts.columns(i).back()]]);
+    // A contact of two branches takes the rows of all.
+    const Branch& branch = branches[branch_of_row[contacts.columns(i).back()]];
+    const bool alone =
+        &branch != &branches.front() &&
+        std::ranges::all_of(contacts.columns(i), [&](int row) { return branch.has(row); });
+    branch_of_contact_.push_back(alone ? branch : branches.front());
+    for (const int row : contacts.columns(i))
+      if (!alone) spreads[row] = true;
   }
   contact_offsets_.push_back(m_);
   for (const Branch& branch : branches) batches_.push_back({branch, {}, contact_rows(branch)});
-  for (int column = 0; column < 2 * n; ++column)
-    batches_[branch_of_row[column % n]].columns.push_back(column);
+  for (int column = 0; column < 2 * n; ++column) {
+    const bool spread = column < n && spreads[column];
+    batches_[spread ? 0 : branch_of_row[column % n]].columns.push_back(column);
+  }
   for (int control = 0; control < nu; ++control)
     batches_[branch_of(controls_[control], branch_of_row)].columns.push_back(2 * n + control);
 }

@@ -42,11 +42,10 @@ ContactSet::ContactSet(const RobotModel& model, const MimicMap& mimics,
   for (const Joint& joint : model.joints) mass += joint.inertia.mass;
   compliance_ = kCompliance / mass;
   for (const Contact& contact : contacts_) {
-    const int joint = model.frames[contact.frame].joint;
-    if (joint < 0)
+    if (model.frames[contact.frame].joint < 0)
       throw std::invalid_argument("contact " + contact.name + ": frame " +
                                   model.frames[contact.frame].name + " is fixed to the world");
-    columns_.emplace_back(mimics, support(model, joint));
+    columns_.emplace_back(mimics, support(model, contact.pair()));
     offsets_.push_back(rows_);
     rows_ += contact.rows();
   }

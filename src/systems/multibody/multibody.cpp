@@ -272,6 +272,7 @@ MultibodySystem::Data<S>::Data(const MultibodySystem& system)
       gravity_q(system.nv() * system.nv(), S(0.0)),
       velocity(system.robot().nv, S(0.0)),
       columns(6 * system.robot().nv, S(0.0)),
+      frame_columns(columns),
       contacts(system.contacts(), system.robot(), system.nv(), system.nu()),
       solver(system.solver_) {
   if (system.mimic_map().identity()) return;
@@ -345,11 +346,12 @@ void MultibodySystem::differentiate_as(const S* x, const S* u, Data<S>& data) co
   const int n = nv();
   const S* v = x + nq();
   const bool identity = mimics_.identity();
+  clear_other_branches(data);
   inverse_dynamics_derivatives(*robot_, identity ? v : data.mimic.v.data(), data.robot,
                                contacts_.empty() ? nullptr : &data.contacts.wrenches);
   for (int i = 0; i < contacts_.count(); ++i) {
     const Contact& contact = contacts_.contacts()[i];
-    subtract_direction_derivative(*robot_, contact, data.contacts.contacts[i], data.robot.tau_q);
+    subtract_contact_derivative(*robot_, contact, data.contacts.contacts[i], data.robot.tau_q);
     contact_acceleration_derivatives(*robot_, contact, data.robot, data.contacts.contacts[i]);
   }
   load_contact_derivatives(data);

@@ -91,6 +91,7 @@ class MultibodySystem : public SystemBase<MultibodySystem> {
     AlignedVector<S> gravity, gravity_q;  ///< nv, nv x nv: see gravity_torques
     AlignedVector<S> velocity;            ///< of the robot, scratch of impulses
     AlignedVector<S> columns;             ///< 6 x robot().nv: scratch for Jacobians of residuals
+    AlignedVector<S> frame_columns;       ///< the same, of pairs of frames
     MimicData<S> mimic;
     ContactSet::Data<S> contacts;
     ColumnSolver::Data<S> solver;
@@ -182,6 +183,10 @@ class MultibodySystem : public SystemBase<MultibodySystem> {
   /// Writes the negative derivatives of the contacts' accelerations or velocities into force_z.
   template <class S>
   void load_contact_derivatives(Data<S>& data) const;
+  /// Clears the derivative of inverse dynamics by the configuration where it writes nothing and
+  /// loops do: joints of one branch move forces on another.
+  template <class S>
+  void clear_other_branches(Data<S>& data) const;
   /// Expands the velocity of the system to that of the robot.
   template <class S>
   void expand_velocity(const S* v, S* full) const;

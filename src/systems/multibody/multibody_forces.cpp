@@ -105,6 +105,13 @@ void MultibodySystem::load_contact_derivatives(Data<S>& data) const {
 }
 
 template <class S>
+void MultibodySystem::clear_other_branches(Data<S>& data) const {
+  const auto is_loop = [](const Contact& contact) { return contact.base.has_value(); };
+  if (std::ranges::any_of(contacts_.contacts(), is_loop))
+    std::fill(data.robot.tau_q.begin(), data.robot.tau_q.end(), S(0.0));
+}
+
+template <class S>
 void MultibodySystem::evaluate_impulse(const S* x, Data<S>& data) const {
   update_mass(full_coordinates(x, data), data);
   prepare_contacts(data);
@@ -143,9 +150,10 @@ const S* MultibodySystem::differentiate_impulse_balance(const S* x, Data<S>& dat
   update_velocities(*weightless_, velocity, robot);
   for (int i = 0; i < nv(); ++i) data.force[i] = data.f[i] - x[nq() + i];
   expand_velocity(data.force.data(), robot.acceleration.data());
+  clear_other_branches(data);
   inverse_dynamics_derivatives(*weightless_, velocity, robot, &c.wrenches);
   for (int i = 0; i < contacts_.count(); ++i)
-    subtract_direction_derivative(*robot_, contacts_.contacts()[i], c.contacts[i], robot.tau_q);
+    subtract_contact_derivative(*robot_, contacts_.contacts()[i], c.contacts[i], robot.tau_q);
   if (mimics_.identity()) return robot.tau_q.data();
   mimics_.reduce_matrix(robot.tau_q.data(), data.fx.data());
   return data.fx.data();
@@ -173,6 +181,7 @@ void MultibodySystem::differentiate_impulse_contacts(const S* x, Data<S>& data) 
   template void MultibodySystem::prepare_contacts(Data<S>&) const;                   \
   template void MultibodySystem::hold_contacts(Data<S>&) const;                      \
   template void MultibodySystem::load_contact_derivatives(Data<S>&) const;           \
+  template void MultibodySystem::clear_other_branches(Data<S>&) const;               \
   template void MultibodySystem::evaluate_impulse(const S*, Data<S>&) const;         \
   template void MultibodySystem::differentiate_impulse(const S*, Data<S>&) const;
 CONDDP_FOR_EACH_SCALAR(CONDDP_INSTANTIATE)

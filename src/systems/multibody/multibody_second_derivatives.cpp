@@ -66,7 +66,7 @@ MultibodySecondDerivatives::MultibodySecondDerivatives(const MultibodySystem& sy
       gradient_(system.robot()),
       coupling_((n_ + m_) * n_, Lane(0.0)) {
   for (const Contact& contact : system.contacts().contacts())
-    if (contact.kp != 0) return;
+    if (contact.kp != 0 || contact.base) return;
   for (const Joint& joint : system.robot().joints)
     if (joint.type == JointType::floating) std::fill_n(free_.begin() + joint.v, 3, true);
 }
@@ -135,7 +135,7 @@ void MultibodySecondDerivatives::differentiate_balance(const D* x) {
   for (int i = 0; i < set.count(); ++i) {
     const Contact& contact = set.contacts()[i];
     ContactData<D>& at = c.contacts[i];
-    subtract_direction_gradient(robot, contact, at, w, gradient_.wrt_q);
+    subtract_contact_gradient(robot, contact, at, w, gradient_.wrt_q);
     contact_acceleration_derivatives(robot, contact, moving_.robot, at);
     const Lane* of_rows = weight_.data() + n_ + set.offset(i);
     const std::vector<int>& columns = set.columns(i);
