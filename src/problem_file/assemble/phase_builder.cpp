@@ -77,9 +77,9 @@ double weight_in(const PhaseSpec& phase, const CostSpec& cost) {
 }
 
 /// Sets the weights at all other knots to zero.
-void restrict_to(const std::vector<Located<int>>& knots, std::vector<double>& row) {
+void restrict_to(const std::vector<KnotSpec>& knots, std::vector<double>& row) {
   std::vector<bool> chosen(row.size(), false);
-  for (const Located<int>& knot : knots) chosen[knot.value] = true;
+  for (const KnotSpec& knot : knots) chosen[knot.value] = true;
   for (std::size_t k = 0; k < row.size(); ++k)
     if (!chosen[k]) row[k] = 0;
 }

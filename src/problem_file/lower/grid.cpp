@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "base/text/spelling.hpp"
 #include "ocp/step/integrator_table.hpp"
 #include "problem_file/model/named_phases.hpp"
 
@@ -38,7 +39,7 @@ void check_phases(const CostSpec& function, const ProblemSpec& spec, Diagnostics
   const std::vector<bool> named = phases_named(function.phases, spec);
   if (std::ranges::find(named, true) == named.end()) return;  // unknown names are reported later
   const std::vector<std::size_t> phase_of = phases_by_knot(spec);
-  for (const Located<int>& knot : *function.knots) {
+  for (const KnotSpec& knot : *function.knots) {
     const auto index = static_cast<std::size_t>(knot.value);
     if (index >= phase_of.size() || named[phase_of[index]]) continue;
     out.error(knot.place,
@@ -53,24 +54,71 @@ void check_function(const CostSpec& function, const char* hint, const ProblemSpe
                     Diagnostics& out) {
   const int count = spec.knots();
   if (function.knots) {
-    for (const Located<int>& knot : *function.knots)
+    for (const KnotSpec& knot : *function.knots)
       if (knot.value >= count)
         out.error(knot.place, fmt::format("running knots are numbered from 0 to {}", count - 1),
                   hint);
     check_phases(function, spec, out);
   }
   if (!function.reference) return;
-  for (const Located<int>& knot : function.reference->knots)
+  for (const KnotSpec& knot : function.reference->knots)
     if (knot.value > count)
       out.error(knot.place, fmt::format("knot {} lies behind the last one, {}", knot.value, count));
 }
 
 void renumber(CostSpec& cost, const std::function<int(int)>& number_of) {
   if (cost.knots)
-    for (Located<int>& knot : *cost.knots) knot.value = number_of(knot.value);
+    for (KnotSpec& knot : *cost.knots) knot.value = number_of(knot.value);
   if (cost.reference)
-    for (Located<int>& knot : cost.reference->knots) knot.value = number_of(knot.value);
+    for (KnotSpec& knot : cost.reference->knots) knot.value = number_of(knot.value);
 }
+
+/// First knot of each phase by name.
+class FirstKnots {
+ public:
+  FirstKnots(const ProblemSpec& spec, Diagnostics& out) : out_(out) {
+    int first = 0;
+    for (const PhaseSpec& phase : spec.phases) {
+      names_.push_back(phase.name.value);
+      first_.push_back(first);
+      first += phase.knots.value;
+    }
+  }
+
+  /// Counts a knot over all phases.
+  void number(KnotSpec& knot) const {
+    if (knot.phase.empty()) return;
+    const auto found = std::ranges::find(names_, knot.phase);
+    if (found == names_.end())
+      return out_.error(knot.place, fmt::format("unknown phase '{}'", knot.phase),
+                        name_hint(knot.phase, names_, "phases"));
+    knot.value += first_[found - names_.begin()];
+    knot.phase.clear();
+    if (knot.value < 0) out_.error(knot.place, "this is before the first knot");
+  }
+  void number(CostSpec& function) const {
+    if (function.knots)
+      for (auto knot = function.knots->begin(); knot != function.knots->end(); ++knot) {
+        number(*knot);
+        if (std::find_if(function.knots->begin(), knot, [&](const KnotSpec& other) {
+              return other.value == knot->value;
+            }) != knot)
+          out_.error(knot->place, fmt::format("{} stands twice in the list", knot->value));
+      }
+    if (!function.reference) return;
+    std::vector<KnotSpec>& knots = function.reference->knots;
+    for (std::size_t i = 0; i < knots.size(); ++i) {
+      number(knots[i]);
+      if (i > 0 && knots[i].value <= knots[i - 1].value)
+        out_.error(knots[i].place, "the knots must increase");
+    }
+  }
+
+ private:
+  Diagnostics& out_;
+  std::vector<std::string> names_;
+  std::vector<int> first_;
+};
 
 /// With collocation, lowers the constraint tolerance to the share of the mesh's error.
 void tighten(ProblemSpec& spec) {
@@ -83,6 +131,16 @@ void tighten(ProblemSpec& spec) {
 }
 
 }  // namespace
+
+void number_knots(ProblemSpec& spec, Diagnostics& out) {
+  const FirstKnots first(spec, out);
+  for (auto* costs : {&spec.costs, &spec.integrals, &spec.terminal_costs})
+    for (CostSpec& cost : *costs) first.number(cost);
+  for (auto* constraints : {&spec.constraints, &spec.terminal_constraints})
+    for (ConstraintSpec& constraint : *constraints) first.number(constraint.function);
+  for (KeyframeSpec& keyframe : spec.guess.keyframes)
+    if (keyframe.knot) first.number(*keyframe.knot);
+}
 
 void check_knots(const ProblemSpec& spec, Diagnostics& out) {
   for (const CostSpec* cost : spec.all_costs())

@@ -6,6 +6,10 @@
 
 namespace conddp {
 
+/// Counts knots and nodes that are given by a phase from the first knot of all. Reports unknown
+/// phases, knots that a list has twice, and way-points that do not increase.
+void number_knots(ProblemSpec& spec, Diagnostics& out);
+
 /// Reports knots and nodes that a problem counts and its phases lack.
 void check_knots(const ProblemSpec& spec, Diagnostics& out);
 

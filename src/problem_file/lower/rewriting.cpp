@@ -3,6 +3,7 @@
 #include "problem_file/lower/gait.hpp"
 #include "problem_file/lower/grid.hpp"
 #include "problem_file/lower/homotopy_numbers.hpp"
+#include "problem_file/lower/loops.hpp"
 #include "problem_file/lower/parameter_values.hpp"
 #include "problem_file/lower/start.hpp"
 #include "problem_file/lower/urdf_shapes.hpp"
@@ -25,8 +26,10 @@ std::span<const SpecRewriting> spec_rewritings() {
       {"gait",
        [](ProblemSpec& spec, Diagnostics& out) {
          add_gait(spec, out);
+         number_knots(spec, out);
          check_knots(spec, out);  // numbers refer to these phases; later ones change them
        }},
+      {"loops", add_loops},
       {"start", choose_start},
       {"mesh", cut_steps}};
   return kAll;

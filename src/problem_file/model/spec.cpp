@@ -57,6 +57,17 @@ ContactNames ProblemSpec::named(const ContactNames& contacts_chosen) const {
   return all;
 }
 
+ContactNames ProblemSpec::named_in_term(const ContactNames& contacts_chosen, bool last_node) const {
+  if (!contacts_chosen.all) return contacts_chosen;
+  ContactNames chosen = named(last_node ? last_contacts() : contacts_chosen);
+  std::erase_if(chosen.names, [&](const Name& own) {
+    const auto found = std::ranges::find_if(
+        contacts, [&](const ContactSpec& contact) { return contact.name.value == own.value; });
+    return found != contacts.end() && found->on;
+  });
+  return chosen;
+}
+
 ProblemSpec::ProblemSpec() = default;
 ProblemSpec::ProblemSpec(const ProblemSpec& other) = default;
 ProblemSpec::ProblemSpec(ProblemSpec&& other) noexcept = default;

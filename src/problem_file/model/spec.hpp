@@ -81,7 +81,7 @@ enum class RunningCosts {
 struct KeyframeSpec {
   Place place;
   std::optional<Located<double>> time;  ///< s
-  std::optional<Located<int>> knot;
+  std::optional<KnotSpec> knot;
   StateSpec state;
 };
 
@@ -124,6 +124,7 @@ struct ProblemFacts {
   /// With several systems, that of the first phase that takes time.
   std::optional<SystemSpec> system;
   std::vector<ContactSpec> contacts;
+  std::vector<LoopSpec> loops;  ///< before the rewriting `loops`
   CollisionSpec collision;
   std::vector<CandidateSpec> candidates;
   std::optional<SteppingSpec> stepping;  ///< present whenever candidates exist
@@ -175,6 +176,8 @@ struct ProblemSpec : ProblemFacts {
   }
   /// The contacts with their names, in place of `all`.
   ContactNames named(const ContactNames& contacts_chosen) const;
+  /// The same for terms on contacts, where `all` are those with the world.
+  ContactNames named_in_term(const ContactNames& contacts_chosen, bool last_node) const;
   bool has_linear_controls() const { return controls.value == ControlCourse::kLinear; }
   /// True if running costs are multiplied by their duration.
   bool costs_are_rates() const { return running_costs.value != RunningCosts::kSum; }

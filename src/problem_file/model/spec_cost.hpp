@@ -33,7 +33,7 @@ struct ReferenceSpec {
   Place place;
   std::vector<ReferenceValueSpec> values;
   std::vector<Located<double>> times;  ///< of way-points, s
-  std::vector<Located<int>> knots;     ///< of way-points
+  std::vector<KnotSpec> knots;         ///< of way-points
   std::optional<DataFileSpec> file;
 };
 
@@ -66,7 +66,7 @@ struct CostSpec {
   std::optional<MatrixSpec> matrix;       ///< replaces component weights
   std::optional<ReferenceSpec> reference;
   std::optional<std::vector<Name>> phases;
-  std::optional<std::vector<Located<int>>> knots;
+  std::optional<std::vector<KnotSpec>> knots;
   /// Constraints: true if it also applies to the nodes at the end of its phases.
   Located<bool> ends{false, {}};
 };

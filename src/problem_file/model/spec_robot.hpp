@@ -23,6 +23,13 @@ struct PayloadSpec {
   std::optional<Symmetric3<double>> inertia;      ///< kg m² about the center of mass
 };
 
+/// A frame besides those of the URDF file.
+struct FrameSpec {
+  Name name;
+  Name on;             ///< a link, a joint, or a frame before it
+  PoseSpec placement;  ///< in that
+};
+
 struct WrenchSpec {
   Name frame;
   Force<double> wrench = Force<double>::zero();  ///< N, Nm, world-aligned
@@ -62,6 +69,7 @@ struct RobotSpec {
   NamedNumbers locked_joints;  ///< rad or m
   NamedNumbers parameters;     ///< constant states with their initial values
   std::vector<PayloadSpec> payloads;
+  std::vector<FrameSpec> frames;
   std::vector<WrenchSpec> external_wrenches;
   NamedNumbers rotor_inertia;  ///< kg m² or kg
   ActuationSpec actuation;

@@ -45,6 +45,13 @@ struct ContactNames {
   }
 };
 
+/// A knot or node: its number or, before the rewriting `gait`, that from the first knot of a phase.
+struct KnotSpec {
+  int value = 0;
+  Place place;
+  std::string phase;
+};
+
 /// A placement in the world, or the given parts of it.
 struct PoseSpec {
   Place place;

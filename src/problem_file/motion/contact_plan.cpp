@@ -10,12 +10,26 @@
 
 #include "base/text/spelling.hpp"
 #include "problem_file/motion/footholds.hpp"
+#include "problem_file/motion/loop_closure.hpp"
 
 namespace conddp {
 namespace {
 
 /// Largest angle between the z axis of a sole and its contact's normal without a warning, rad.
 constexpr double kLevelSole = 0.15;
+/// Gap of a closed loop in the initial state, m. Stabilization closes smaller ones.
+constexpr double kClosedLoop = 1e-3;
+
+/// The frame that a contact touches; reports one that cannot move relative to the contact's.
+std::optional<int> find_base(const ContactSpec& spec, int frame, const RobotModel& robot,
+                             Diagnostics& out) {
+  const auto base = find_frame(robot, *spec.on, "", out);
+  if (!base || robot.frames[*base].joint != robot.frames[frame].joint) return base;
+  out.error(spec.on->place, fmt::format("the frames '{}' and '{}' are on one body: nothing can hold "
+                                        "them together",
+                                        spec.frame.value, spec.on->value));
+  return std::nullopt;
+}
 
 std::optional<Contact> make_contact(const ContactSpec& spec, const Plant& plant,
                                     const std::vector<double>& initial, Diagnostics& out) {
@@ -25,19 +39,29 @@ std::optional<Contact> make_contact(const ContactSpec& spec, const Plant& plant,
   if (robot.frames[*frame].joint < 0) {
     out.error(
         spec.frame.place,
-        fmt::format("the frame '{}' is fixed to the world: it cannot touch it", spec.frame.value));
+        fmt::format("the frame '{}' is fixed to the world: it cannot touch {}", spec.frame.value,
+                    spec.on ? "another" : "it"),
+        spec.on ? "exchange 'frame' and 'on'" : "");
     return std::nullopt;
   }
+  std::optional<int> base;
+  if (spec.on && !(base = find_base(spec, *frame, robot, out))) return std::nullopt;
   Contact contact{.name = spec.name.value,
                   .frame = *frame,
+                  .base = base,
                   .kind = spec.kind,
                   .axes = spec.axes,
                   .normal = spec.normal,
                   .tangent = spec.tangent.value_or(Vector3<double>{1, 0, 0}),
                   .kp = spec.kp,
                   .kd = spec.kd};
-  if (spec.kp == 0) return contact;
-  contact.reference = placement_in_state(*plant.multibody(), initial, *frame);
+  if (spec.kp == 0 && !spec.placement) return contact;
+  const MultibodySystem& system = *plant.multibody();
+  contact.reference = placement_in_state(system, initial, *frame);
+  if (base)
+    contact.reference = inverse(placement_in_state(system, initial, *base)) * contact.reference;
+  if (spec.placement && spec.placement->position)
+    contact.reference.p = *spec.placement->position;
   if (spec.placement && spec.placement->orientation)
     contact.reference.R = rotation_matrix(*spec.placement->orientation);
   return contact;
@@ -65,7 +89,7 @@ void warn_of_instability(const ContactSpec& contact, int index, const ContactPla
 /// and centers of pressure refer to the z axis of the sole's frame, whatever the normal.
 void warn_of_sole(const ContactSpec& spec, const Contact& contact, const Plant& plant,
                   const std::vector<double>& initial, Diagnostics& out) {
-  if (spec.kind != ContactKind::surface || !spec.half_size) return;
+  if (spec.kind != ContactKind::surface || !spec.half_size || spec.on) return;
   Vector3<double> normal = contact.normal;
   if (contact.axes == FrameAxes::world_aligned) {
     const auto sole = placement_in_state(*plant.multibody(), initial, contact.frame);
@@ -86,10 +110,13 @@ void warn_of_sole(const ContactSpec& spec, const Contact& contact, const Plant& 
 void warn_of_gravity(const ProblemSpec& spec, Diagnostics& out) {
   const Vector3<double>& g = spec.gravity;
   const auto is_left = [&](const ContactSpec& contact) {
-    return contact.axes == FrameAxes::world_aligned && dot(g, contact.normal) > 0;
+    return contact.on ||
+           (contact.axes == FrameAxes::world_aligned && dot(g, contact.normal) > 0);
   };
-  if (spec.contacts.empty() || !std::ranges::all_of(spec.contacts, is_left)) return;
-  const ContactSpec& first = spec.contacts.front();
+  const auto on_world = [](const ContactSpec& contact) { return !contact.on; };
+  const auto found = std::ranges::find_if(spec.contacts, on_world);
+  if (found == spec.contacts.end() || !std::ranges::all_of(spec.contacts, is_left)) return;
+  const ContactSpec& first = *found;
   const Vector3<double>& n = first.normal;
   out.warning(first.name.place,
               fmt::format("gravity, [{:g}, {:g}, {:g}] m/s², pulls away from the surface of '{}', "
@@ -108,7 +135,8 @@ bool is_placed(const ContactSpec& contact) {
 /// Warns of a contact that closes again after it was open, with a kp that draws it back.
 void warn_of_return(const ContactSpec& contact, int index, const ContactPlan& plan,
                     const ProblemSpec& spec, Diagnostics& out) {
-  if (contact.kp == 0 || is_placed(contact) || swings(contact.frame.value, spec)) return;
+  if (contact.kp == 0 || is_placed(contact) || (!contact.on && swings(contact.frame.value, spec)))
+    return;
   for (std::size_t p = 1; p < spec.phases.size(); ++p)
     if (plan.find(p, index) && !plan.find(p - 1, index))
       return out.warning(
@@ -116,7 +144,8 @@ void warn_of_return(const ContactSpec& contact, int index, const ContactPlan& pl
           fmt::format("kp draws the contact '{}' to where it is in the initial state, and in phase "
                       "'{}' it touches down anew",
                       contact.name.value, spec.phases[p].name.value),
-          "give its frame a 'swing' that says where it lands, or leave kp out");
+          contact.on ? "give 'placement', or leave kp out"
+                     : "give its frame a 'swing' that says where it lands, or leave kp out");
 }
 
 /// Checks an impulse: it needs contacts, and at least one of them must be open before.
@@ -145,7 +174,8 @@ bool check_impulse(const ProblemSpec& spec, const std::vector<std::vector<int>>&
 std::vector<Vector3<double>> places_of(const ContactSpec& spec, const Contact& contact,
                                        const ProblemSpec& problem, const Plant& plant,
                                        const std::vector<double>& initial) {
-  if (is_placed(spec)) return std::vector(problem.phases.size(), *spec.placement->position);
+  if (is_placed(spec) || spec.on)
+    return std::vector(problem.phases.size(), contact.reference.p);
   const Foot foot{spec.frame.value, contact.frame, contact.reference.p};
   std::vector<Vector3<double>> places;
   for (const Foothold& foothold : footholds(foot, problem, plant, initial))
@@ -243,10 +273,35 @@ std::optional<ContactPlan> ContactPlan::build(const ProblemSpec& spec, const Pla
     warn_of_sole(contact, plan.contacts_[c], plant, initial, out);
   }
   warn_of_gravity(spec, out);
+  if (!plan.check_loops(spec, plant, initial, out)) return std::nullopt;
   if (!plan.set_systems(spec, plant, initial, out)) return std::nullopt;
   for (std::size_t c = 0; c < spec.contacts.size(); ++c)
     warn_of_instability(spec.contacts[c], static_cast<int>(c), plan, spec, integrator, out);
   return plan;
+}
+
+bool ContactPlan::check_loops(const ProblemSpec& spec, const Plant& plant,
+                              const std::vector<double>& initial, Diagnostics& out) const {
+  std::vector<Contact> loops;
+  std::vector<const ContactSpec*> specs;
+  for (const int c : held_.front())
+    if (spec.contacts[c].on && spec.contacts[c].placement) {
+      loops.push_back(contacts_[c]);
+      specs.push_back(&spec.contacts[c]);
+    }
+  if (loops.empty()) return true;
+  const auto system = plant.multibody()->with_contacts(std::move(loops));
+  const LoopClosure closure(*system, initial);
+  const auto open = std::ranges::max_element(closure.gaps());
+  if (*open < kClosedLoop) return true;
+  const ContactSpec& worst = *specs[open - closure.gaps().begin()];
+  const std::string closed = closure.closed_joints();
+  out.error(worst.name.place,
+            fmt::format("'{}' and '{}' are {:.3g} mm apart in the initial state: the loop '{}' is "
+                        "open",
+                        worst.frame.value, worst.on->value, 1e3 * *open, worst.name.value),
+            closed.empty() ? "no posture near it closes the loop" : "it closes with " + closed);
+  return false;
 }
 
 bool ContactPlan::set_systems(const ProblemSpec& spec, const Plant& plant,

@@ -36,6 +36,9 @@ class ContactPlan {
  private:
   /// The contacts of a phase with their kp references there.
   std::vector<Contact> contacts_in(std::size_t phase) const;
+  /// Reports a contact between frames with a given placement that the initial state does not have.
+  bool check_loops(const ProblemSpec& spec, const Plant& plant, const std::vector<double>& initial,
+                   Diagnostics& out) const;
   bool set_systems(const ProblemSpec& spec, const Plant& plant, const std::vector<double>& initial,
                    Diagnostics& out);
 

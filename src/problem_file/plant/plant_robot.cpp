@@ -76,6 +76,28 @@ std::string actuation_hint(const std::vector<PlantPart>& parts, const RobotModel
 
 }  // namespace
 
+namespace {
+
+/// Adds the file's own frames to a model.
+void add_frames(const RobotSpec& spec, const std::string& prefix, RobotModel& model,
+                Diagnostics& out) {
+  for (const FrameSpec& frame : spec.frames) {
+    if (model.find_frame(prefix + frame.name.value)) {
+      out.error(frame.name.place,
+                fmt::format("the robot has a frame '{}' already", frame.name.value));
+      continue;
+    }
+    const auto on = find_frame(model, frame.on, prefix, out);
+    if (!on) continue;
+    const Frame& parent = model.frames[*on];
+    model.frames.push_back({.name = prefix + frame.name.value,
+                            .joint = parent.joint,
+                            .placement = parent.placement * frame.placement.placement()});
+  }
+}
+
+}  // namespace
+
 std::optional<RobotModel> load_robot(const RobotSpec& spec, const std::string& prefix,
                                      const Vector3<double>& gravity, std::string& sha256,
                                      Diagnostics& out) {
@@ -100,6 +122,7 @@ std::optional<RobotModel> load_robot(const RobotSpec& spec, const std::string& p
   }
   for (const std::string& note : result.notes)
     out.add({.file = spec.path.string(), .severity = Severity::kNote, .message = note});
+  if (result.model) add_frames(spec, prefix, *result.model, out);
   return std::move(result.model);
 }
 

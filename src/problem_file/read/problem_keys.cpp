@@ -182,6 +182,7 @@ void describe_motion(Keys& keys, ProblemSpec& spec) {
 void check_keys_of_robots(YamlMap& map) {
   constexpr std::pair<std::string_view, const char*> kOfRobots[] = {
       {"contacts", "a closed-form system has no frames that could touch the world"},
+      {"loops", "a closed-form system has no frames that could be held together"},
       {"collision", "a closed-form system has no links that could carry shapes"},
       {"contact_candidates", "a closed-form system has no frames that could touch anything"},
       {"stepping", "a closed-form system has no joints that could be stopped"},
@@ -196,6 +197,13 @@ void describe_surroundings(Keys& keys, ProblemSpec& spec) {
         .says = "Frames that can touch the world, by name; 'defaults' is what they have in common",
         .examples = R"([{"defaults": {"friction": 0.6}, "LF": {"frame": "lf_foot"}}])"},
        spec.contacts, ContactsForm{});
+  keys({.name = "loops",
+        .says = "Frames that are always together, by name: they close loops of joints",
+        .examples = R"([{"knee": {"frame": "rod_end", "on": "crank_pin"}}])"},
+       spec.loops,
+       EntriesForm<LoopSpec>{.name = &LoopSpec::name,
+                             .hint = "write '{knee: {frame: rod_end, on: crank_pin}}'",
+                             .may_be_missing = true});
   keys({.name = "collision",
         .says = "Shapes that must keep apart, for the residual 'distance'",
         .omitted = spec.system.has_value()},
@@ -212,7 +220,7 @@ void describe_surroundings(Keys& keys, ProblemSpec& spec) {
   YamlMap* map = keys.reading();
   if (map == nullptr || !spec.stepping) return;
   for (const std::string_view implicit : {"contact_candidates", "stepping"})
-    for (const std::string_view planned : {"contacts", "gait"}) map->exclusive({implicit, planned});
+    for (const std::string_view planned : {"contacts", "loops", "gait"}) map->exclusive({implicit, planned});
 }
 
 /// The system that a phase names; if the file has several, the name is required.

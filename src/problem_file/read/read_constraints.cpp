@@ -339,7 +339,8 @@ void describe_set(Keys& keys, ConstraintSpec& constraint) {
   if (last_node) return;
   describe_phases(keys, "Phases in which it holds, names may have a *; all by default",
                   function.phases);
-  describe_knots(keys, "Knots at which it holds, numbered from 0 over all phases; all by default",
+  describe_knots(keys, "Knots at which it holds: numbers from 0 over all phases, or a phase, its first knot, "
+                 "and 'phase + 3'; all by default",
                  function);
   keys({.name = "nodes", .says = kNodesSay, .omitted = function.knots.has_value()}, function.ends,
        WordForm(kNodesWords, "kind of nodes"));

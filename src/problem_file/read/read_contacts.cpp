@@ -35,8 +35,8 @@ void check_common(YamlMap& map, const ContactSpec& contact) {
                                    contact.min_normal_force, contact.max_normal_force));
 }
 
-/// The keys that `defaults` has, too. `fallback`: "none" there, as the schema shows defaults once.
-void describe_common(Keys& keys, std::string_view fallback, ContactSpec& contact) {
+/// What a contact holds. `fallback`: "none" in `defaults`, as the schema shows defaults once.
+void describe_kind(Keys& keys, std::string_view fallback, ContactSpec& contact) {
   const auto key = [&](std::string_view name, std::string_view says) {
     return KeyInfo{.name = name, .says = says, .fallback = fallback};
   };
@@ -52,6 +52,26 @@ void describe_common(Keys& keys, std::string_view fallback, ContactSpec& contact
            "Of planar contacts: the second direction, without unit; by default the x axis as far "
            "as it lies in the surface"),
        contact.tangent, DirectionForm{});
+}
+
+void describe_stabilization(Keys& keys, std::string_view fallback, ContactSpec& contact) {
+  keys({"baumgarte", "Stabilization: acceleration = -kd * velocity - kp * error"},
+       GroupValue([&contact, fallback](Keys& baumgarte) {
+         if (YamlMap* map = baumgarte.reading()) contact.baumgarte_place = map->reader().place();
+         baumgarte.about({.title = "Stabilization", .examples = R"([{"kd": 50}])"});
+         baumgarte({.name = "kp", .says = "Stiffness, 1/s²", .fallback = fallback}, contact.kp,
+                   NumberForm{kNotNegative});
+         baumgarte({.name = "kd", .says = "Damping, 1/s", .fallback = fallback}, contact.kd,
+                   NumberForm{kNotNegative});
+       }));
+}
+
+/// The keys that `defaults` has, too.
+void describe_common(Keys& keys, std::string_view fallback, ContactSpec& contact) {
+  const auto key = [&](std::string_view name, std::string_view says) {
+    return KeyInfo{.name = name, .says = says, .fallback = fallback};
+  };
+  describe_kind(keys, fallback, contact);
   keys({"size", "Of a sole: length and width along the frame's x and y about its origin, m"},
        CustomValue{[&contact](const YamlReader& reader) { read_size(reader, contact); },
                    [&contact] { return expand_size(contact); },
@@ -64,13 +84,7 @@ void describe_common(Keys& keys, std::string_view fallback, ContactSpec& contact
   keys(key("max_normal_force",
            "What cones hold the normal force under, N; without limit by default"),
        contact.max_normal_force, NumberForm{kPositive});
-  keys({"baumgarte", "Stabilization: acceleration = -kd * velocity - kp * error"},
-       GroupValue([&](Keys& baumgarte) {
-         if (YamlMap* map = baumgarte.reading()) contact.baumgarte_place = map->reader().place();
-         baumgarte.about({.title = "Stabilization", .examples = R"([{"kd": 50}])"});
-         baumgarte(key("kp", "Stiffness, 1/s²"), contact.kp, NumberForm{kNotNegative});
-         baumgarte(key("kd", "Damping, 1/s"), contact.kd, NumberForm{kNotNegative});
-       }));
+  describe_stabilization(keys, fallback, contact);
   if (YamlMap* map = keys.reading()) check_common(*map, contact);
 }
 
@@ -89,11 +103,14 @@ void complete_tangent(const Place& place, Diagnostics& out, ContactSpec& contact
   contact.tangent = (1 / length) * t;
 }
 
-ContactSpec read_contact(const Name& name, const YamlReader& reader, const ContactSpec& defaults) {
+void check_name(const Name& name, Diagnostics& out) {
   if (name.value == "all" || name.value.find_first_of("/,") != std::string::npos)
-    reader.diagnostics().error(name.place,
-                               fmt::format("'{}' cannot be the name of a contact", name.value),
-                               "'all' stands for every contact, and names have no '/' and no ','");
+    out.error(name.place, fmt::format("'{}' cannot be the name of a contact", name.value),
+              "'all' stands for every contact, and names have no '/' and no ','");
+}
+
+ContactSpec read_contact(const Name& name, const YamlReader& reader, const ContactSpec& defaults) {
+  check_name(name, reader.diagnostics());
   ContactSpec contact = defaults;
   contact.name = name;
   read_map(reader, contact);
@@ -115,10 +132,15 @@ static void describe(Keys& keys, ContactDefaults& defaults) {
 static void describe(Keys& keys, ContactSpec& contact) {
   keys.about({.definition = "contact",
               .title = "Contact",
-              .says = "A frame that can touch the world",
-              .examples = R"([{"frame": "lf_foot", "friction": 0.6}])"});
+              .says = "A frame that can touch the world or another frame",
+              .examples = R"([{"frame": "lf_foot", "friction": 0.6},
+                              {"frame": "hand", "on": "box", "type": "surface"}])"});
   keys({.name = "frame", .says = "Frame whose origin is the point of contact", .required = true},
        contact.frame, NameForm{});
+  keys({"on",
+        "Frame that it touches, of the same robot or another one, in place of the world; axes of "
+        "the world are those of this frame then"},
+       contact.on, NameForm{});
   describe_common(keys, "", contact);
   keys({"placement",
         "Where baumgarte's kp draws the frame to: position (m) and, of a surface, orientation; by "
@@ -127,6 +149,26 @@ static void describe(Keys& keys, ContactSpec& contact) {
        contact.placement, MapForm{});
   if (const auto r = keys.found("placement"); r && contact.kp == 0)
     r->error("'placement' counts where 'baumgarte' has a 'kp' only");
+}
+
+void describe(Keys& keys, LoopSpec& loop) {
+  ContactSpec& contact = loop.contact;
+  keys.about({.definition = "loop",
+              .title = "Loop",
+              .says = "Two frames that are always together",
+              .examples = R"([{"frame": "rod_end", "on": "crank_pin"}])"});
+  keys({.name = "frame", .says = "Frame whose motion relative to the other is held", .required = true},
+       contact.frame, NameForm{});
+  keys({.name = "on", .says = "The other frame, where its origin is", .required = true}, contact.on,
+       NameForm{});
+  describe_kind(keys, "", contact);
+  describe_stabilization(keys, "", contact);
+  YamlMap* map = keys.reading();
+  if (map == nullptr) return;
+  check_name(loop.name, map->reader().diagnostics());
+  check_common(*map, contact);
+  complete_tangent(map->reader().place(), map->reader().diagnostics(), contact);
+  if (contact.baumgarte_place.path.empty()) contact.baumgarte_place = loop.name.place;
 }
 
 bool ContactsForm::read(const YamlReader& reader, std::vector<ContactSpec>& contacts) const {

@@ -11,31 +11,6 @@
 namespace conddp {
 namespace {
 
-/// Knots, each at most once.
-struct KnotsForm {
-  IntegerForm knot{0, 1'000'000};
-  bool read(const YamlReader& reader, std::vector<Located<int>>& knots) const {
-    const auto items = reader.items();
-    if (!items) return false;
-    if (items->empty())
-      reader.error("an empty list names no knot", "leave the key out for all knots");
-    for (const YamlReader& item : *items) {
-      Located<int> read{0, item.place()};
-      if (!knot.read(item, read.value)) continue;
-      if (std::ranges::find(knots, read.value, &Located<int>::value) != knots.end())
-        item.error(fmt::format("{} stands twice in the list", read.value));
-      knots.push_back(std::move(read));
-    }
-    return true;
-  }
-  std::optional<OrderedJson> expand(const std::vector<Located<int>>& knots) const {
-    OrderedJson json = OrderedJson::array();
-    for (const Located<int>& one : knots) json.push_back(one.value);
-    return json;
-  }
-  OrderedJson schema() const { return {{"type", "array"}, {"items", knot.schema()}}; }
-};
-
 /// Rows of numbers, or numbers by the names of their row and column.
 struct SymmetricMatrixForm {
   bool read(const YamlReader& reader, MatrixSpec& matrix) const {
@@ -144,7 +119,8 @@ void describe(Keys& keys, CostSpec& cost) {
   if (cost.where.last_node) return;
   describe_phases(keys, "Phases in which it counts, names may have a *; all by default",
                   cost.phases);
-  describe_knots(keys, "Knots at which it counts, numbered from 0 over all phases; all by default",
+  describe_knots(keys, "Knots at which it counts: numbers from 0 over all phases, or a phase, its first knot, "
+                 "and 'phase + 3'; all by default",
                  cost);
 }
 

@@ -5,28 +5,23 @@
 namespace conddp {
 namespace {
 
-constexpr int kMostKnots = 1'000'000;
-
-/// Increasing numbers. `what`: "times".
-template <class T, class Form>
-struct IncreasingForm {
-  Form form;
-  std::string_view what;
-  bool read(const YamlReader& reader, std::vector<Located<T>>& values) const {
+/// Increasing times, s.
+struct TimesForm {
+  NumberForm form{kNotNegative};
+  bool read(const YamlReader& reader, std::vector<Located<double>>& times) const {
     const auto items = reader.items();
     if (!items) return false;
     for (const YamlReader& item : *items) {
-      T value = 0;
-      form.read(item, value);
-      if (!values.empty() && value <= values.back().value)
-        item.error(fmt::format("the {} must increase", what));
-      values.push_back({value, item.place()});
+      double time = 0;
+      form.read(item, time);
+      if (!times.empty() && time <= times.back().value) item.error("the times must increase");
+      times.push_back({time, item.place()});
     }
     return true;
   }
-  std::optional<OrderedJson> expand(const std::vector<Located<T>>& values) const {
+  std::optional<OrderedJson> expand(const std::vector<Located<double>>& times) const {
     OrderedJson json = OrderedJson::array();
-    for (const Located<T>& value : values) json.push_back(value.value);
+    for (const Located<double>& time : times) json.push_back(time.value);
     return json;
   }
   OrderedJson schema() const { return {{"type", "array"}, {"items", form.schema()}}; }
@@ -113,11 +108,13 @@ void describe_way_points(Keys& keys, bool at_knots, const CostSpec& cost,
     keys.about({.title = "Way-points in time",
                 .examples = R"([{"times": [0, 50], "values": [[0, 0, 1], [1, 0, 1]]}])"});
   if (at_knots)
-    keys({.name = "knots", .says = "Increasing, from 0", .required = true}, reference.knots,
-         IncreasingForm<int, IntegerForm>{{0, kMostKnots}, "knots"});
+    keys({.name = "knots",
+          .says = "Increasing: numbers from 0, or a phase, its first knot, and 'phase + 3'",
+          .required = true},
+         reference.knots, KnotsForm{});
   else
     keys({.name = "times", .says = "Increasing, s", .required = true}, reference.times,
-         IncreasingForm<double, NumberForm>{{kNotNegative}, "times"});
+         TimesForm{});
   keys({.name = "values", .says = at_knots ? "One a knot" : "One a time", .required = true},
        reference.values, ReferenceValuesForm{cost});
   if (YamlMap* map = keys.reading()) check_way_points(*map, reference);

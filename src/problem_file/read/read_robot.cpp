@@ -182,6 +182,16 @@ void read_placement(const YamlReader& reader, RobotSpec& robot) {
 
 }  // namespace
 
+void describe(Keys& keys, FrameSpec& frame) {
+  keys.about({.definition = "frame",
+              .title = "Frame",
+              .says = "A frame besides those of the URDF file",
+              .examples = R"([{"on": "hand", "placement": {"position": [0, 0, 0.1]}}])"});
+  keys({.name = "on", .says = "Link that it is fixed to, or another frame", .required = true},
+       frame.on, NameForm{});
+  keys({"placement", "Where it is in that link's or frame's axes"}, frame.placement, MapForm{});
+}
+
 void describe(Keys& keys, RobotSpec& robot) {
   keys.about({.definition = "robot",
               .title = "Robot from a URDF file",
@@ -215,6 +225,13 @@ void describe(Keys& keys, RobotSpec& robot) {
         .says = "Payloads by the name of the link that carries them",
         .fallback = "{}"},
        robot.payloads, PayloadsForm{robot.parameters});
+  keys({.name = "frames",
+        .says = "Frames besides those of the URDF file, by name",
+        .examples = R"([{"grip": {"on": "hand", "placement": {"position": [0, 0, 0.1]}}}])",
+        .fallback = "{}"},
+       robot.frames,
+       EntriesForm<FrameSpec>{.name = &FrameSpec::name,
+                              .hint = "write '{grip: {on: hand, placement: {...}}}'"});
   keys({.name = "external_wrenches", .says = "Constant wrenches on the robot", .fallback = "[]"},
        robot.external_wrenches, MapsForm{});
   keys({"rotor_inertia",

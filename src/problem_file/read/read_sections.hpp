@@ -15,6 +15,7 @@ void describe(Keys& keys, ProblemSpec& spec);
 
 // read_robot.cpp, read_actuation.cpp
 void describe(Keys& keys, RobotSpec& robot);
+void describe(Keys& keys, FrameSpec& frame);
 void describe(Keys& keys, WrenchSpec& wrench);
 /// `full`, `none`, or the actuators.
 struct ActuationForm {
@@ -58,6 +59,7 @@ struct ContactsForm {
 };
 
 // read_collision.cpp
+void describe(Keys& keys, LoopSpec& loop);
 void describe(Keys& keys, CollisionSpec& collision);
 void describe(Keys& keys, SphereSpec& sphere);
 void describe(Keys& keys, HalfSpaceSpec& half_space);

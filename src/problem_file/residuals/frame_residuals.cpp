@@ -14,16 +14,26 @@ const Key<FrameAxes> kAxes{"axes", FrameAxes::world_aligned};
 const std::vector<std::string> kRotationNames = {"rx", "ry", "rz"};
 const std::vector<std::string> kPoseNames = {"x", "y", "z", "rx", "ry", "rz"};
 
-std::optional<int> frame_of(const ResidualContext& context) {
-  return find_frame(context.plant.robot(), *context.cost.keys.find(key::frame), "", context.out);
+const Key<Name> kRelativeTo{"relative_to"};
+
+/// The frame, and the one it is seen from.
+std::optional<FramePair> frame_of(const ResidualContext& context) {
+  const RobotModel& robot = context.plant.robot();
+  const auto frame = find_frame(robot, *context.cost.keys.find(key::frame), "", context.out);
+  const Name* seen_from = context.cost.keys.find(kRelativeTo);
+  if (!frame || seen_from == nullptr) return frame ? std::optional<FramePair>(*frame) : std::nullopt;
+  const auto base = find_frame(robot, *seen_from, "", context.out);
+  return base ? std::optional<FramePair>({*frame, base}) : std::nullopt;
 }
 
 /// Reference of a frame in a state: numbers of its pose.
 template <class Numbers>
 std::function<std::vector<double>(const std::vector<double>&)> of_pose(const Plant& plant,
-                                                                       int frame, Numbers numbers) {
+                                                                       const FramePair& frame,
+                                                                       Numbers numbers) {
   return [system = plant.multibody(), frame, numbers](const std::vector<double>& x) {
-    const SE3<double> pose = placement_in_state(*system, x, frame);
+    const RobotData<double> data = data_in_state(*system, x);
+    const SE3<double> pose = relative_placement(system->robot(), data, frame);
     return numbers(pose.p, quaternion(pose.R));
   };
 }
@@ -32,7 +42,7 @@ std::optional<CostResidual> make_position_of_frame(const ResidualContext& contex
   const auto frame = frame_of(context);
   if (!frame) return std::nullopt;
   CostResidual result;
-  result.frame = *frame;
+  if (!frame->base) result.frame = frame->frame;
   result.residual = frame_position_residual(context.plant.multibody(), *frame);
   result.rows = {"axes of the position", kPositionNames};
   result.parameters = StateManifold::flat(3);
@@ -47,7 +57,7 @@ std::optional<CostResidual> make_rotation(const ResidualContext& context) {
   const auto frame = frame_of(context);
   if (!frame) return std::nullopt;
   CostResidual result;
-  result.frame = *frame;
+  if (!frame->base) result.frame = frame->frame;
   result.residual = frame_rotation_residual(context.plant.multibody(), *frame);
   result.rows = {"axes of the rotation", kRotationNames};
   result.parameters = rotation_manifold();
@@ -62,7 +72,7 @@ std::optional<CostResidual> make_placement(const ResidualContext& context) {
   const auto frame = frame_of(context);
   if (!frame) return std::nullopt;
   CostResidual result;
-  result.frame = *frame;
+  if (!frame->base) result.frame = frame->frame;
   result.residual = frame_placement_residual(context.plant.multibody(), *frame);
   result.rows = {"axes of the placement", kPoseNames};
   result.parameters = pose_manifold();
@@ -78,14 +88,14 @@ std::optional<CostResidual> make_velocity_of_frame(const ResidualContext& contex
   if (!frame) return std::nullopt;
   const FrameAxes axes = context.cost.keys.value(kAxes);
   CostResidual result;
-  result.frame = *frame;
+  if (!frame->base) result.frame = frame->frame;
   result.residual = frame_velocity_residual(context.plant.multibody(), *frame, axes);
   result.rows = {"axes of the velocity", kTwistNames};
   result.parameters = StateManifold::flat(6);
   result.in_state = [system = context.plant.multibody(), frame = *frame,
                      axes](const std::vector<double>& x) {
     const RobotData<double> data = data_in_state(*system, x);
-    const Motion<double> v = frame_velocity(system->robot(), data, frame, axes);
+    const Motion<double> v = relative_velocity(system->robot(), data, frame, axes);
     return std::vector{v[0], v[1], v[2], v[3], v[4], v[5]};
   };
   return result;
@@ -144,6 +154,11 @@ void describe(Keys& keys, SwingSpec& swing) {
 std::span<const ResidualDefinition> frame_residuals() {
   static const ResidualKey frame =
       residual_key(key::frame, {.says = "For residuals on frames"}, NameForm{}, {.required = true});
+  static const ResidualKey relative_to =
+      residual_key(kRelativeTo,
+                   {.says = "For residuals on frames: another frame, from which this one is seen "
+                            "in place of the world"},
+                   NameForm{}, {.excludes = "swing"});
   static const ResidualKey axes =
       residual_key(kAxes, {.says = "For frame_velocity: the axes in which it is expressed"},
                    WordForm(kAxesWords, "system of axes"));
@@ -156,7 +171,7 @@ std::span<const ResidualDefinition> frame_residuals() {
        .unit = "m",
        .synonyms = {"position", "translation", "end_effector", "ee_position"},
        .needs = {.robot = true},
-       .keys = {&frame, &swing},
+       .keys = {&frame, &relative_to, &swing},
        .reference = &kPointReference,
        .is_point = [](const CostSpec&) { return true; },
        .make = make_position_of_frame},
@@ -165,7 +180,7 @@ std::span<const ResidualDefinition> frame_residuals() {
        .unit = "rad",
        .synonyms = {"rotation", "orientation"},
        .needs = {.robot = true},
-       .keys = {&frame},
+       .keys = {&frame, &relative_to},
        .reference = &kRotationReference,
        .make = make_rotation},
       {.name = "frame_placement",
@@ -173,7 +188,7 @@ std::span<const ResidualDefinition> frame_residuals() {
        .unit = "m, rad",
        .synonyms = {"pose", "placement", "frame_pose"},
        .needs = {.robot = true},
-       .keys = {&frame, &swing},
+       .keys = {&frame, &relative_to, &swing},
        .reference = &kPoseReference,
        .make = make_placement},
       {.name = "frame_velocity",
@@ -181,7 +196,7 @@ std::span<const ResidualDefinition> frame_residuals() {
        .unit = "m/s and rad/s",
        .synonyms = {"velocity", "twist"},
        .needs = {.robot = true},
-       .keys = {&frame, &axes},
+       .keys = {&frame, &relative_to, &axes},
        .reference = &kTwistReference,
        .make = make_velocity_of_frame}};
   return all;

@@ -16,12 +16,11 @@ const ResidualKey& contacts_key() {
     ResidualKey key = residual_key(
         key::contacts,
         {.says = "For residuals on contacts: one term per contact while it is held; by default all "
-                 "contacts, at the last node all that it holds"},
+                 "contacts with the world, at the last node all of these that it holds"},
         ContactNamesForm{});
     key.complete = [](CostSpec& cost, const TermContext& context) {
-      ContactNames names = cost.keys.value(key::contacts);
-      if (names.all && cost.where.last_node) names = context.spec.last_contacts();
-      cost.keys.set(key::contacts, context.spec.named(names));
+      cost.keys.set(key::contacts, context.spec.named_in_term(cost.keys.value(key::contacts),
+                                                              cost.where.last_node));
     };
     return key;
   }();

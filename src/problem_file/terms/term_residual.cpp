@@ -69,10 +69,13 @@ std::vector<ContactCost> make_contact_costs(const CostSpec& cost, const ProblemS
     return costs;
   }
   const ContactNames names = cost.keys.value(key::contacts);
-  const std::vector<int> chosen = contacts_named(names, spec, out);
+  std::vector<int> chosen = contacts_named(names, spec, out);
+  if (names.all)
+    std::erase_if(chosen, [&](int contact) { return spec.contacts[contact].on.has_value(); });
   if (chosen.empty() && names.all)
     out.error(cost.residual.place,
-              fmt::format("'{}' is on contacts, and the file has none", cost.name.value),
+              fmt::format("'{}' is on contacts with the world, and the file has none",
+                          cost.name.value),
               "name them: 'contacts: {LF: {frame: lf_foot}, ...}' at the top of the file");
   for (const int contact : chosen) {
     auto one = cost.definition->make_of_contact(context, contact);

@@ -1,6 +1,7 @@
 #include "problem_file/values/key_forms.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -60,6 +61,66 @@ OrderedJson IntegerForm::schema() const {
   OrderedJson schema = {{"type", "integer"}, {"minimum", lower}};
   if (upper < std::numeric_limits<long long>::max()) schema["maximum"] = upper;
   return schema;
+}
+
+bool KnotForm::read(const YamlReader& reader, KnotSpec& knot) const {
+  constexpr int kMostKnots = 1'000'000;
+  knot = {.place = reader.place()};
+  if (!reader.is_scalar() || reader.is_number()) {
+    const auto number = reader.integer(0, kMostKnots);
+    if (number) knot.value = static_cast<int>(*number);
+    return number.has_value();
+  }
+  const auto text = reader.text();
+  if (!text) return false;
+  const std::size_t sign = text->find_last_of("+-");
+  if (sign == std::string::npos || sign < 2 || (*text)[sign - 1] != ' ') {
+    knot.phase = *text;
+    return true;
+  }
+  knot.phase = text->substr(0, text->find_last_not_of(' ', sign - 1) + 1);
+  const char* end = text->data() + text->size();
+  const char* begin = std::find_if(text->data() + sign + 1, end, [](char c) { return c != ' '; });
+  const auto [stop, failure] = std::from_chars(begin, end, knot.value);
+  if (failure != std::errc() || stop != end || knot.value < 0 || knot.value > kMostKnots) {
+    reader.error("a knot is a number, a phase, or 'phase + 3'");
+    return false;
+  }
+  if ((*text)[sign] == '-') knot.value = -knot.value;
+  return true;
+}
+
+std::optional<OrderedJson> KnotForm::expand(const KnotSpec& knot) const {
+  if (knot.phase.empty()) return OrderedJson(knot.value);
+  if (knot.value == 0) return OrderedJson(knot.phase);
+  return OrderedJson(fmt::format("{} {} {}", knot.phase, knot.value < 0 ? '-' : '+',
+                                 std::abs(knot.value)));
+}
+
+OrderedJson KnotForm::schema() const {
+  return {{"anyOf",
+           {{{"type", "integer"}, {"minimum", 0}, {"maximum", 1'000'000}},
+            {{"type", "string"}, {"minLength", 1}}}}};
+}
+
+bool KnotsForm::read(const YamlReader& reader, std::vector<KnotSpec>& knots) const {
+  const auto items = reader.items();
+  if (!items) return false;
+  if (items->empty())
+    reader.error("an empty list names no knot", "leave the key out for all knots");
+  for (const YamlReader& item : *items)
+    if (KnotSpec knot; KnotForm().read(item, knot)) knots.push_back(std::move(knot));
+  return true;
+}
+
+std::optional<OrderedJson> KnotsForm::expand(const std::vector<KnotSpec>& knots) const {
+  OrderedJson json = OrderedJson::array();
+  for (const KnotSpec& knot : knots) json.push_back(*KnotForm().expand(knot));
+  return json;
+}
+
+OrderedJson KnotsForm::schema() const {
+  return {{"type", "array"}, {"items", KnotForm().schema()}};
 }
 
 bool FlagForm::read(const YamlReader& reader, bool& value) const {

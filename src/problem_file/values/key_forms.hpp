@@ -47,6 +47,20 @@ struct IntegerForm {
   OrderedJson schema() const;
 };
 
+/// A knot: its number, a phase (its first knot), or 'phase + 3', 'phase - 1'.
+struct KnotForm {
+  bool read(const YamlReader& reader, KnotSpec& knot) const;
+  std::optional<OrderedJson> expand(const KnotSpec& knot) const;
+  OrderedJson schema() const;
+};
+
+/// Knots in a list.
+struct KnotsForm {
+  bool read(const YamlReader& reader, std::vector<KnotSpec>& knots) const;
+  std::optional<OrderedJson> expand(const std::vector<KnotSpec>& knots) const;
+  OrderedJson schema() const;
+};
+
 /// A word of a table. `what`: "integrator".
 template <class E, std::size_t N>
 struct WordForm {
