@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "output/scene/motion_scene.hpp"
 #include "report_fixture.hpp"
 
 namespace conddp {
@@ -43,6 +44,26 @@ TEST_F(Report, BodiesAreHullsOfTheirCorners) {
       collision_shapes_json(built_->facts().collision, built_->plant.robot());
   EXPECT_EQ(named(shapes, "link_3")["points"].size(), 64u);
   EXPECT_EQ(named(shapes, "link_7")["kind"], "capsule");
+}
+
+TEST_F(Report, SceneHasTheTerrainAndItsNormals) {
+  load("quadruped_stairs.yaml");
+  const OrderedJson stairs = obstacles_json(*built_);
+  EXPECT_EQ(named(stairs, "ground")["kind"], "half_space");
+  EXPECT_EQ(named(stairs, "stair_3")["kind"], "hull");
+  EXPECT_EQ(named(stairs, "stair_3")["terrain"], true);
+
+  load("quadruped_hills.yaml");
+  const OrderedJson hills = obstacles_json(*built_);
+  const OrderedJson& map = named(hills, "hills");
+  EXPECT_EQ(map["kind"], "heights");
+  EXPECT_EQ(map["columns"], 19);
+  EXPECT_EQ(map["heights"].size(), 19u * 9u);
+  EXPECT_EQ(map["heights"][8], 0.03);
+  const OrderedJson scene = motion_scene(*built_, built_->guess);
+  const OrderedJson& normals = named(scene["contacts"], "LH")["normals"];
+  EXPECT_EQ(normals[2], 1.0);  // the robot begins on level ground
+  EXPECT_LT(normals[3 * (built_->problem->knots() - 1) + 2].get<double>(), 0.99);
 }
 
 TEST_F(Report, ConstraintsOnPositionsBecomeDiscsBallsAndBoxes) {

@@ -33,6 +33,8 @@ std::vector<std::string> corpus() {
     texts.push_back("conddp: 1\nsystem: {type: " + std::string(type) + more +
                     "}\ninitial_state: {}\nphases: [{knots: 3, duration: 0.1}]\n");
   }
+  texts.push_back(std::string(kCartpole) +
+                  "terrain: {hills: {height_map: {file: tables/hills.csv, cell: 1}}}\n");
   texts.push_back(R"(conddp: 1
 system: {states: [x], controls: [u], rate: {x: u}}
 initial_state: {}

@@ -79,7 +79,7 @@ TEST(ShapePairs, ImpossiblePairsAreRejectedWithPlaces) {
   expect_error("residual: distance, pairs: all", "residual: control, pairs: all",
                "the residual 'control' has no 'pairs'");
   expect_error("frame: link_4", "frame: link_44", "the robot has no frame 'link_44'");
-  expect_error("ball: {sphere", "hand: {sphere", "a shape and an obstacle have the name 'hand'");
+  expect_error("ball: {sphere", "hand: {sphere", "two shapes have the name 'hand'");
   expect_error("to: [0, 0, 0.2]", "to: [0, 0, 0]", "the capsule has length 0");
   expect_error("floor: {half_space: {}}", "floor: {}", "the shape has no form");
   expect_error("{half_space: {}}", "{half_space: {}, sphere: {radius: 1}}", "a shape is one thing");

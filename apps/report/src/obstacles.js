@@ -2,7 +2,7 @@
 import * as THREE from 'three';
 import {ConvexGeometry} from 'three/examples/jsm/geometries/ConvexGeometry.js';
 
-const outsideColor = '#d55e00', insideColor = '#56b4e9';
+const outsideColor = '#d55e00', insideColor = '#56b4e9', terrainColor = '#b9a77c';
 const up = new THREE.Vector3(0, 0, 1), along = new THREE.Vector3(0, 1, 0);
 
 const vector = numbers => new THREE.Vector3(...numbers);
@@ -19,6 +19,23 @@ export function convexForm(shape) {
       .translate(middle.x, middle.y, middle.z);
 }
 
+/// The ground: opaque, so that feet inside it are hidden.
+function ground() {
+  return new THREE.MeshStandardMaterial({color: terrainColor, side: THREE.DoubleSide, roughness: 1,
+                                         flatShading: true});
+}
+
+/// Triangles between the heights of a map.
+function heightsForm({origin, cell, columns, heights}) {
+  const rows = heights.length / columns;
+  const form = new THREE.PlaneGeometry(cell * (columns - 1), cell * (rows - 1), columns - 1, rows - 1);
+  const position = form.getAttribute('position');
+  heights.forEach((height, i) => position.setXYZ(
+      i, origin[0] + cell * (i % columns), origin[1] + cell * Math.floor(i / columns), origin[2] + height));
+  form.computeVertexNormals();
+  return form;
+}
+
 function surface(inside) {
   return new THREE.MeshStandardMaterial({
     color: inside ? insideColor : outsideColor, transparent: true, opacity: inside ? 0.15 : 0.5,
@@ -29,6 +46,7 @@ function half(shape, view) {
   const size = 1.3 * view.getSize(new THREE.Vector3()).length();
   const normal = vector(shape.normal);
   const material = surface(false);
+  if (shape.terrain) material.color.set(terrainColor);
   material.side = THREE.DoubleSide;
   material.opacity = 0.16;
   material.depthWrite = false;
@@ -67,6 +85,8 @@ function objectOf(shape, view) {
   switch (shape.kind) {
     case 'half_space':
       return half(shape, view);
+    case 'heights':
+      return new THREE.Mesh(heightsForm(shape), ground());
     case 'box':
       return box(shape, view);
     case 'disc':
@@ -76,7 +96,7 @@ function objectOf(shape, view) {
       return mesh;
     }
     default:
-      return new THREE.Mesh(convexForm(shape), surface(false));
+      return new THREE.Mesh(convexForm(shape), shape.terrain ? ground() : surface(false));
   }
 }
 

@@ -21,9 +21,14 @@ OrderedJson bodies_json(const RobotModel& robot, std::vector<OrderedJson>&& shap
   return bodies;
 }
 
-/// Unit normal of a contact in the world.
-Vector3<double> world_normal(const ContactSpec& contact, const SE3<double>& frame) {
-  return contact.axes == FrameAxes::local ? frame.R * contact.normal : contact.normal;
+/// Unit normal of a contact in the world. A terrain may give it to contacts that a knot holds.
+Vector3<double> world_normal(const ContactSpec& contact, const SE3<double>& frame,
+                             const MultibodySystem* system) {
+  if (contact.axes == FrameAxes::local) return frame.R * contact.normal;
+  if (system != nullptr)
+    for (const Contact& held : system->contacts().contacts())
+      if (held.name == contact.name.value) return held.normal;
+  return contact.normal;
 }
 
 OrderedJson contact_json(const ContactSpec& contact, const Frame& frame) {
@@ -79,10 +84,12 @@ OrderedJson motion_scene(const BuiltProblem& built, const Trajectory& trajectory
     append_bodies(robot, data, poses);
     for (const auto& [name, frame] : watched)
       append(paths[name], frame_placement(robot, data, frame).p);
+    const MultibodySystem* holding =
+        k < trajectory.knots() ? built.problem->knot(k).model->system().robot_inside() : nullptr;
     for (std::size_t i = 0; i < facts.contacts.size(); ++i) {
       const SE3<double> placement = frame_placement(robot, data, contact_frames[i]);
       append(contacts[i]["positions"], placement.p);
-      append(contacts[i]["normals"], world_normal(facts.contacts[i], placement));
+      append(contacts[i]["normals"], world_normal(facts.contacts[i], placement, holding));
     }
   }
   RobotShapes shapes = robot_shapes(built);

@@ -35,6 +35,15 @@ OrderedJson form_json(const Polytope& polytope) {
     points.push_back(coordinates_json(vertex));
   return {{"kind", "hull"}, {"points", std::move(points)}};
 }
+OrderedJson form_json(const HeightMapSpec& map) {
+  OrderedJson heights = OrderedJson::array();
+  for (const double height : map.heights) heights.push_back(eight_digits(height));
+  return {{"kind", "heights"},
+          {"origin", coordinates_json(map.origin)},
+          {"cell", map.cell},
+          {"columns", map.columns},
+          {"heights", std::move(heights)}};
+}
 template <class Spec>
 OrderedJson form_json(const Spec& spec) {
   return form_json(polytope_of(spec, -1));
@@ -177,6 +186,10 @@ OrderedJson obstacles_json(const BuiltProblem& built) {
   for (const ObstacleSpec& obstacle : built.facts().collision.obstacles) {
     list.push_back(shape_json(obstacle));
     list.back()["inside"] = false;
+  }
+  for (const TerrainPieceSpec& piece : built.facts().terrain) {
+    list.push_back(shape_json(piece));
+    list.back()["terrain"] = true;
   }
   for (const OnPosition& one : constraints_on_positions(built))
     if (one.at.front().term->kind == ConstraintKind::norm)

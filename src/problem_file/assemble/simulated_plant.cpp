@@ -7,17 +7,11 @@
 #include <fmt/format.h>
 
 #include "analysis/contact/simulated_contacts.hpp"
+#include "problem_file/motion/swing_arc.hpp"
 #include "problem_file/plant/stepping_builder.hpp"
 
 namespace conddp {
 namespace {
-
-/// Points of a contact that can touch, in its frame, m.
-std::vector<Vector3<double>> points_of(const ContactSpec& contact) {
-  if (contact.kind != ContactKind::surface || !contact.half_size) return {Vector3<double>::zero()};
-  const auto [x, y] = *contact.half_size;
-  return {{x, y, 0}, {x, -y, 0}, {-x, y, 0}, {-x, -y, 0}};
-}
 
 /// All candidate contact points, and the contact of each.
 struct Candidates {
@@ -55,7 +49,7 @@ Candidates candidates_of(const ProblemSpec& spec, const Plant& plant, Diagnostic
     const auto frame = find_frame(plant.robot(), contact.frame, "", out);
     if (!frame) continue;
     for (const TouchedSpec& shape : spec.mpc->plant.ground)
-      for (const Vector3<double>& point : points_of(contact)) {
+      for (const Vector3<double>& point : contact_points(contact)) {
         all.contacts.candidates.push_back({.name = contact.name.value,
                                            .sphere = {*frame, point, 0},
                                            .against = touched_form(shape, -1),

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "problem_file/lower/gait_rise.hpp"
 #include "problem_file/motion/planar_motion.hpp"
 #include "problem_file/residuals/residual_table.hpp"
 
@@ -37,8 +38,9 @@ class GaitSchedule {
     make_phases();
     if (before_ > 0) spec_.phases[0].contacts = spec_.phases[before_].contacts;
     make_way();
-    for (const auto& [knot, share] : way()) spec_.gait_way.push_back({node(knot), motion(share)});
     if (swings()) make_costs();
+    if (swings() && !spec_.terrain.empty()) rise_ = GaitRise(paths_of_feet(), spec_);
+    for (const auto& [knot, share] : way()) spec_.gait_way.push_back({node(knot), base(share)});
     for (CostSpec& cost : spec_.costs) lead(cost, false);
     for (CostSpec& cost : spec_.terminal_costs) lead(cost, true);
   }
@@ -249,16 +251,37 @@ class GaitSchedule {
     return std::min<double>(gone, cycles());
   }
 
+  /// Rounds to 1e-12 m or rad: an expanded file shows 0.2, not 0.19999999999999998.
+  static double rounded(double value) { return std::round(value * 1e12) / 1e12; }
+
   /// The motion up to a share of the entire path.
   PlanarMotion motion(double share) const {
-    // Rounds to 1e-12 m or rad: an expanded file shows 0.2, not 0.19999999999999998.
-    const auto rounded = [](double value) { return std::round(value * 1e12) / 1e12; };
     const double gone = share * cycles();
     std::size_t part = way_.size() - 1;
     while (part > 0 && gone < way_[part].from) --part;
     const PlanarMotion exact =
         followed_by(way_[part].before, along_arc(way_[part].step, gone - way_[part].from));
     return {rounded(exact.x), rounded(exact.y), rounded(exact.yaw)};
+  }
+
+  /// The same with the rise of the terrain under the feet.
+  PlanarMotion base(double share) const {
+    PlanarMotion motion = this->motion(share);
+    motion.rise = rounded(rise_.at(share));
+    return motion;
+  }
+
+  /// The landings of each foot.
+  std::vector<PathOfFoot> paths_of_feet() const {
+    std::vector<PathOfFoot> paths;
+    for (int foot = 0; foot < foot_count(); ++foot) {
+      paths.push_back({contact_of(foot).frame});
+      for (int cycle = 0; cycle < cycles(); ++cycle) {
+        paths.back().shares.push_back(landing(foot, cycle));
+        paths.back().motions.push_back(motion(landing(foot, cycle)));
+      }
+    }
+    return paths;
   }
 
   double landing(int foot, int cycle) const {
@@ -274,11 +297,15 @@ class GaitSchedule {
     spec_.costs.insert(spec_.costs.end(), costs.begin(), costs.end());
   }
 
+  const ContactSpec& contact_of(int foot) const {
+    const std::string& name = gait_.feet[foot].contact.value;
+    return *std::ranges::find_if(spec_.contacts,
+                                 [&](const ContactSpec& c) { return c.name.value == name; });
+  }
+
   CostSpec swing_cost(int foot) const {
     const Name& contact = gait_.feet[foot].contact;
-    const ContactSpec& on =
-        *std::find_if(spec_.contacts.begin(), spec_.contacts.end(),
-                      [&](const ContactSpec& c) { return c.name.value == contact.value; });
+    const ContactSpec& on = contact_of(foot);
     const bool sole = on.kind == ContactKind::surface;
     const char* residual = sole ? "frame_placement" : "frame_position";
     SwingSpec swing{.place = gait_.place, .height = gait_.step_height};
@@ -342,6 +369,8 @@ class GaitSchedule {
     for (const GaitCommand& command : gait_.commands)
       if (const int knot = knot_of_command(command); knot > first && knot < last)
         knots.insert(knot);
+    for (const double share : rise_.bends())
+      knots.insert(first + static_cast<int>(std::lround(share * (last - first))));
     std::vector<std::pair<int, double>> points;
     for (const int knot : knots)
       points.emplace_back(knot, static_cast<double>(knot - first) / (last - first));
@@ -362,7 +391,7 @@ class GaitSchedule {
     ReferenceSpec& reference = *cost.reference;
     const ReferenceValueSpec value = reference.values.front();
     if (terminal) {
-      reference.values = {displaced(value, motion(1.0))};
+      reference.values = {displaced(value, base(1.0))};
       return;
     }
     reference.values.clear();
@@ -387,6 +416,7 @@ class GaitSchedule {
   double earliest_ = 0, latest_ = 0;                  ///< of the feet's starts
   std::vector<FootSteps> feet_;
   std::vector<WayPart> way_;
+  GaitRise rise_;                                ///< 0 without terrain
   std::vector<std::vector<Name>> swing_phases_;  ///< per foot
   std::vector<int> impulses_;                    ///< knots
 };

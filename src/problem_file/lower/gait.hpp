@@ -14,7 +14,7 @@ namespace conddp {
 /// start later therefore move further with their first swing and less with their last one. Around
 /// each stance the feet lie symmetrically before and behind the base. The base moves uniformly from
 /// the middle of the first swing to the middle of the last one. If all feet swing together, the
-/// base moves with them.
+/// base moves with them. On a terrain it rises with the feet (GaitRise).
 void add_gait(ProblemSpec& spec, Diagnostics& out);
 
 }  // namespace conddp

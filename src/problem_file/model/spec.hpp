@@ -15,6 +15,7 @@
 #include "problem_file/model/spec_solver.hpp"
 #include "problem_file/model/spec_stepping.hpp"
 #include "problem_file/model/spec_terminal.hpp"
+#include "problem_file/model/spec_terrain.hpp"
 
 namespace conddp {
 
@@ -126,6 +127,7 @@ struct ProblemFacts {
   std::vector<ContactSpec> contacts;
   std::vector<LoopSpec> loops;  ///< before the rewriting `loops`
   CollisionSpec collision;
+  TerrainSpec terrain;
   std::vector<CandidateSpec> candidates;
   std::optional<SteppingSpec> stepping;  ///< present whenever candidates exist
   std::optional<MeshSpec> mesh;          ///< its factor is part of the phases

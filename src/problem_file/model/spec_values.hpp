@@ -82,9 +82,10 @@ struct BaseSpec {
 };
 
 /// A motion of a base in the horizontal plane: forward and left in its initial heading (m), and a
-/// turn about its origin (rad).
+/// turn about its origin (rad). It may also rise.
 struct PlanarMotion {
   double x = 0, y = 0, yaw = 0;
+  double rise = 0;  ///< m
 };
 
 /// Displacement of a base: by a motion, or as the file's gait moves it.

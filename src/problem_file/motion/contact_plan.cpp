@@ -170,24 +170,49 @@ bool check_impulse(const ProblemSpec& spec, const std::vector<std::vector<int>>&
   return false;
 }
 
-/// The kp reference of a contact in each phase: from the file, otherwise from the swings.
-std::vector<Vector3<double>> places_of(const ContactSpec& spec, const Contact& contact,
-                                       const ProblemSpec& problem, const Plant& plant,
-                                       const std::vector<double>& initial) {
-  if (is_placed(spec) || spec.on)
-    return std::vector(problem.phases.size(), contact.reference.p);
-  const Foot foot{spec.frame.value, contact.frame, contact.reference.p};
-  std::vector<Vector3<double>> places;
-  for (const Foothold& foothold : footholds(foot, problem, plant, initial))
-    places.push_back(foothold.p);
-  return places;
+/// True if the terrain gives a contact its normal: its frame steps, and its axes are the world's.
+bool is_on_terrain(const ContactSpec& contact, const ProblemSpec& spec) {
+  return !spec.terrain.empty() && !contact.on && contact.axes == FrameAxes::world_aligned &&
+         swings(contact.frame.value, spec);
 }
 
-/// The kp references of the contacts of a phase, as a single list.
+/// Sets the normal of a contact, and projects the tangent of a planar one onto its plane.
+void set_normal(const Vector3<double>& normal, Contact& contact) {
+  contact.normal = normal;
+  const Vector3<double> t = contact.tangent - dot(normal, contact.tangent) * normal;
+  if (contact.kind == ContactKind::planar) contact.tangent = (1 / std::sqrt(squared_norm(t))) * t;
+}
+
+/// The contact in each phase: its normal, and the reference of its kp from the file, otherwise from
+/// the swings.
+std::vector<Contact> contacts_by_phase(const ContactSpec& spec, const Contact& contact,
+                                       const ProblemSpec& problem, const Plant& plant,
+                                       const std::vector<double>& initial) {
+  std::vector<Contact> contacts(problem.phases.size(), contact);
+  if (contact.base) return contacts;
+  const SE3<double> start = placement_in_state(*plant.multibody(), initial, contact.frame);
+  const std::vector<Foothold> places =
+      footholds({spec.frame.value, contact.frame, start.p}, problem, plant, initial);
+  for (std::size_t p = 0; p < contacts.size(); ++p) {
+    if (contact.kp != 0)
+      contacts[p].reference.p = is_placed(spec) ? *spec.placement->position : places[p].p;
+    if (!is_on_terrain(spec, problem)) continue;
+    set_normal(places[p].normal, contacts[p]);
+    if (contact.kp != 0 && !(spec.placement && spec.placement->orientation))
+      contacts[p].reference.R =
+          rotation_matrix(orientation_at(places[p], places.front(), quaternion(start.R)));
+  }
+  return contacts;
+}
+
+/// Normals, and references of kp, of the contacts of a phase, as a single list.
 std::vector<double> places_of(const std::vector<Contact>& held) {
   std::vector<double> places;
   for (const Contact& contact : held)
-    for (int i = 0; contact.kp != 0 && i < 3; ++i) places.push_back(contact.reference.p[i]);
+    for (int i = 0; i < 3; ++i) {
+      places.push_back(contact.normal[i]);
+      if (contact.kp != 0) places.push_back(contact.reference.p[i]);
+    }
   return places;
 }
 
@@ -268,7 +293,8 @@ std::optional<ContactPlan> ContactPlan::build(const ProblemSpec& spec, const Pla
 
   for (std::size_t c = 0; c < spec.contacts.size(); ++c) {
     const ContactSpec& contact = spec.contacts[c];
-    plan.places_.push_back(places_of(contact, plan.contacts_[c], spec, plant, initial));
+    plan.by_phase_.push_back(contacts_by_phase(contact, plan.contacts_[c], spec, plant, initial));
+    plan.contacts_[c].normal = plan.by_phase_[c].front().normal;
     warn_of_return(contact, static_cast<int>(c), plan, spec, out);
     warn_of_sole(contact, plan.contacts_[c], plant, initial, out);
   }
@@ -325,10 +351,7 @@ bool ContactPlan::set_systems(const ProblemSpec& spec, const Plant& plant,
 
 std::vector<Contact> ContactPlan::contacts_in(std::size_t phase) const {
   std::vector<Contact> held;
-  for (const int c : held_[phase]) {
-    held.push_back(contacts_[c]);
-    if (held.back().kp != 0) held.back().reference.p = places_[c][phase];
-  }
+  for (const int c : held_[phase]) held.push_back(by_phase_[c][phase]);
   return held;
 }
 

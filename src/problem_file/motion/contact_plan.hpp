@@ -46,8 +46,8 @@ class ContactPlan {
   /// Ascending indices into contacts_, for each phase and the last node.
   std::vector<std::vector<int>> held_;
   std::vector<std::shared_ptr<const System>> systems_;
-  /// The kp reference of each contact in each phase.
-  std::vector<std::vector<Vector3<double>>> places_;
+  /// Each contact in each phase: swings move the reference of its kp, and terrain turns its normal.
+  std::vector<std::vector<Contact>> by_phase_;
 };
 
 /// The chosen contacts, as indices into the file's; unknown names are reported.

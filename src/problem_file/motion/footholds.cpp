@@ -1,6 +1,7 @@
 #include "problem_file/motion/footholds.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -26,17 +27,40 @@ Vector3<double> ground_normal(const std::string& frame, const ProblemSpec& spec)
   return {0, 0, 1};
 }
 
-/// Landing of a foot that moves with the base from the initial state, on the ground's plane.
-std::optional<Vector3<double>> displaced_landing(const Foot& foot, const PlanarMotion& motion,
-                                                 const ProblemSpec& spec, const Plant& plant,
-                                                 const std::vector<double>& initial) {
+/// The ground under a point, if a foot can stand on it.
+std::optional<Ground> firm_ground(const TerrainSpec& terrain, const Vector3<double>& p) {
+  const auto ground = ground_at(terrain, p.x, p.y);
+  return ground && ground->normal.z >= kSteepest ? ground : std::nullopt;
+}
+
+/// The first foothold of a foot.
+Foothold first_foothold(const Foot& foot, const TerrainSpec& terrain) {
+  return {foot.start, 0, firm_ground(terrain, foot.start).value_or(Ground()).normal};
+}
+
+/// The place of a foot that moves with the base from the initial state, without regard to ground.
+std::optional<Vector3<double>> displaced_place(const Foot& foot, const PlanarMotion& motion,
+                                               const Plant& plant,
+                                               const std::vector<double>& initial) {
   const int joint = plant.robot().frames[foot.frame].joint;
   if (joint < 0) return std::nullopt;
-  auto p = displaced_point(plant, part_of(plant, joint), motion, initial, foot.start);
-  const Vector3<double> normal = ground_normal(foot.name, spec);
-  if (!p || normal.z < kSteepest) return std::nullopt;
-  p->z -= (normal.x * (p->x - foot.start.x) + normal.y * (p->y - foot.start.y)) / normal.z;
-  return p;
+  return displaced_point(plant, part_of(plant, joint), motion, initial, foot.start);
+}
+
+/// The foothold at a place, as far above the terrain along its normal as the foot is at first.
+std::optional<Foothold> on_terrain(const Foot& foot, Vector3<double> p, const PlanarMotion& motion,
+                                   const TerrainSpec& terrain) {
+  const auto before = firm_ground(terrain, foot.start), ground = firm_ground(terrain, p);
+  if (!before || !ground) return std::nullopt;
+  const double above = (foot.start.z - before->height) * before->normal.z;
+  p.z = ground->height + above / ground->normal.z + motion.rise;
+  return Foothold{p, motion.yaw, ground->normal};
+}
+
+/// The shortest rotation from the vertical to a unit vector.
+Quaternion<double> tilt_to(const Vector3<double>& normal) {
+  const double half = std::sqrt((1 + normal.z) / 2);
+  return {-normal.y / (2 * half), normal.x / (2 * half), 0, half};
 }
 
 /// A swing and its runs, in the order of time.
@@ -46,6 +70,25 @@ struct Swing {
 };
 
 }  // namespace
+
+Quaternion<double> orientation_at(const Foothold& foothold, const Foothold& first,
+                                  const Quaternion<double>& initial) {
+  const double half = foothold.yaw / 2;
+  const Quaternion<double> turn{0, 0, std::sin(half), std::cos(half)};
+  const Quaternion<double> back = tilt_to({-first.normal.x, -first.normal.y, first.normal.z});
+  return tilt_to(foothold.normal) * (turn * (back * initial));
+}
+
+std::optional<Foothold> displaced_foothold(const Foot& foot, const PlanarMotion& motion,
+                                           const ProblemSpec& spec, const Plant& plant,
+                                           const std::vector<double>& initial) {
+  auto p = displaced_place(foot, motion, plant, initial);
+  if (p && !spec.terrain.empty()) return on_terrain(foot, *p, motion, spec.terrain);
+  const Vector3<double> normal = ground_normal(foot.name, spec);
+  if (!p || normal.z < kSteepest) return std::nullopt;
+  p->z -= (normal.x * (p->x - foot.start.x) + normal.y * (p->y - foot.start.y)) / normal.z;
+  return Foothold{*p, motion.yaw};
+}
 
 std::vector<SwingRun> swing_runs(const std::vector<bool>& chosen, const ProblemSpec& spec) {
   std::vector<SwingRun> runs;
@@ -83,14 +126,13 @@ std::vector<Swing> swings_of(const Foot& foot, const ProblemSpec& spec) {
 std::optional<Foothold> landing_of(const SwingSpec& swing, std::size_t run, const Foothold& from,
                                    const Foot& foot, const ProblemSpec& spec, const Plant& plant,
                                    const std::vector<double>& initial) {
-  if (swing.displaced.empty())
-    return Foothold{swing.landing.value_or(from.p + swing.step.value_or(Vector3<double>::zero())),
-                    from.yaw};
-  if (run >= swing.displaced.size()) return std::nullopt;
-  const PlanarMotion& motion = swing.displaced[run];
-  const auto to = displaced_landing(foot, motion, spec, plant, initial);
-  if (!to) return std::nullopt;
-  return Foothold{*to, motion.yaw};
+  if (!swing.displaced.empty())
+    return run < swing.displaced.size()
+               ? displaced_foothold(foot, swing.displaced[run], spec, plant, initial)
+               : std::nullopt;
+  const Vector3<double> p =
+      swing.landing.value_or(from.p + swing.step.value_or(Vector3<double>::zero()));
+  return Foothold{p, from.yaw, firm_ground(spec.terrain, p).value_or(Ground()).normal};
 }
 
 }  // namespace
@@ -99,7 +141,7 @@ std::vector<Foothold> footholds(const Foot& foot, const ProblemSpec& spec, const
                                 const std::vector<double>& initial) {
   const std::vector<Swing> all = swings_of(foot, spec);
   const std::size_t n = spec.phases.size();
-  std::vector<Foothold> places(n + 1, {foot.start});
+  std::vector<Foothold> places(n + 1, first_foothold(foot, spec.terrain));
   for (std::size_t p = 1; p <= n; ++p) {
     places[p] = places[p - 1];
     for (const auto& [swing, runs] : all)
@@ -111,6 +153,28 @@ std::vector<Foothold> footholds(const Foot& foot, const ProblemSpec& spec, const
   }
   return places;
 }
+
+namespace {
+
+/// Reports the first step of a foot, or its start, without ground on which it can stand.
+bool check_ground(const SwingSpec& swing, const Foot& foot, const ProblemSpec& spec,
+                  const Plant& plant, const std::vector<double>& initial, Diagnostics& out) {
+  const auto fail = [&](const Vector3<double>& p, const std::string& when) {
+    out.error(swing.place,
+              fmt::format("the terrain has no ground for '{}' at [{:.3g}, {:.3g}], where it {}",
+                          foot.name, p.x, p.y, when),
+              "add 'ground: {half_space: {}}' to 'terrain', or change the steps");
+    return false;
+  };
+  if (!firm_ground(spec.terrain, foot.start)) return fail(foot.start, "begins");
+  for (std::size_t i = 0; i < swing.displaced.size(); ++i)
+    if (!displaced_foothold(foot, swing.displaced[i], spec, plant, initial))
+      return fail(*displaced_place(foot, swing.displaced[i], plant, initial),
+                  fmt::format("lands after its step {}", i + 1));
+  return true;
+}
+
+}  // namespace
 
 bool check_landings(const CostSpec& cost, const Foot& foot, std::size_t runs,
                     const ProblemSpec& spec, const Plant& plant, const std::vector<double>& initial,
@@ -125,17 +189,18 @@ bool check_landings(const CostSpec& cost, const Foot& foot, std::size_t runs,
               "give one '[x, y, yaw]' for every run of consecutive phases of the cost");
     return false;
   }
+  if (!displaced_place(foot, swing.displaced.front(), plant, initial)) {
+    out.error(swing.place, "the robot's base is fixed: a landing cannot be displaced with it",
+              "write 'base: floating' under 'robot', or give the swing a 'landing' or 'step'");
+    return false;
+  }
+  if (!spec.terrain.empty()) return check_ground(swing, foot, spec, plant, initial, out);
   if (ground_normal(foot.name, spec).z < kSteepest) {
     out.error(swing.place,
               fmt::format("the ground under '{}' is too steep for a landing that is displaced in "
                           "the horizontal plane",
                           foot.name),
               "give 'landing' or 'step'");
-    return false;
-  }
-  if (!displaced_landing(foot, swing.displaced.front(), spec, plant, initial)) {
-    out.error(swing.place, "the robot's base is fixed: a landing cannot be displaced with it",
-              "write 'base: floating' under 'robot', or give the swing a 'landing' or 'step'");
     return false;
   }
   return true;

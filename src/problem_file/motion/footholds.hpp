@@ -1,14 +1,16 @@
 #pragma once
 
+#include "problem_file/motion/terrain.hpp"
 #include "problem_file/plant/plant.hpp"
 
 namespace conddp {
 
-/// Placement of a standing frame: a point, m, and its rotation about the vertical since the initial
-/// state, rad.
+/// Placement of a standing frame: a point, m, its rotation about the vertical since the initial
+/// state, rad, and the normal of the terrain under it (vertical without terrain).
 struct Foothold {
   Vector3<double> p;
   double yaw = 0;
+  Vector3<double> normal{0, 0, 1};
 };
 
 /// A frame of the robots and its initial position.
@@ -17,6 +19,11 @@ struct Foot {
   int frame = 0;
   Vector3<double> start;  ///< m
 };
+
+/// The orientation of a frame with this initial orientation at a foothold: turned about the
+/// vertical, and tilted by the shortest rotation that follows the change of the normal.
+Quaternion<double> orientation_at(const Foothold& foothold, const Foothold& first,
+                                  const Quaternion<double>& initial);
 
 /// Consecutive phases of a frame's swing: [first_phase, end_phase), from the first knot to the
 /// touch-down node.
@@ -30,13 +37,19 @@ std::vector<SwingRun> swing_runs(const std::vector<bool>& chosen, const ProblemS
 
 /// Footholds of a foot at the beginning of each phase and at the end, according to the file's
 /// swings of its frame. The first is its start, later ones the landing of the last swing. Displaced
-/// landings stay on the ground: the plane through the start with the normal of the frame's contact.
-/// After an invalid landing (see check_landings) the foot stays in place.
+/// landings stay on the ground: the terrain or, without one, the plane through the start with the
+/// normal of the frame's contact. A frame keeps its initial distance from the terrain. After an
+/// invalid landing (see check_landings) the foot stays in place.
 std::vector<Foothold> footholds(const Foot& foot, const ProblemSpec& spec, const Plant& plant,
                                 const std::vector<double>& initial);
 
+/// Foothold of a foot that moves with the base from the initial state; empty without ground.
+std::optional<Foothold> displaced_foothold(const Foot& foot, const PlanarMotion& motion,
+                                           const ProblemSpec& spec, const Plant& plant,
+                                           const std::vector<double>& initial);
+
 /// Reports invalid displaced landings of a swing: not one for each run, on ground that is too
-/// steep, or of a robot with a fixed base.
+/// steep or missing, or of a robot with a fixed base.
 bool check_landings(const CostSpec& cost, const Foot& foot, std::size_t runs,
                     const ProblemSpec& spec, const Plant& plant, const std::vector<double>& initial,
                     Diagnostics& out);

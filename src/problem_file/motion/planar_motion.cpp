@@ -52,10 +52,15 @@ SE3<double> plane_of(const PlantPart& part) {
   return plane;
 }
 
-/// The horizontal direction in a plane, in its own axes; empty if the plane is level.
-std::optional<Point> level_direction(const SE3<double>& plane) {
+/// The vertical in the axes of a base's plane.
+Vector3<double> upward(const PlantPart& part) {
+  return transpose_times(plane_of(part).R, Vector3<double>{0, 0, 1});
+}
+
+/// The horizontal direction in a base's plane, in its axes; empty if the plane is level.
+std::optional<Point> level_direction(const PlantPart& part) {
   constexpr double kLevel = 1e-6;
-  const Vector3<double> up = transpose_times(plane.R, Vector3<double>{0, 0, 1});
+  const Vector3<double> up = upward(part);
   const double slope = std::hypot(up.x, up.y);
   if (slope < kLevel) return std::nullopt;
   return Point{up.y / slope, -up.x / slope};
@@ -87,8 +92,9 @@ bool displace_base(const Plant& plant, const PlantPart& part, const PlanarMotion
   if (is_planar(part)) {
     const auto position = [&](int i) -> double& { return x[*system.position_index(joint + i)]; };
     const auto velocity = [&](int i) -> double& { return x[*system.velocity_index(joint + i)]; };
-    position(0) += shift.x;
-    position(1) += shift.y;
+    const Vector3<double> up = upward(part);
+    position(0) += shift.x + motion.rise * up.x;
+    position(1) += shift.y + motion.rise * up.y;
     position(2) += motion.yaw;
     const Point v = turned(motion.yaw, {velocity(0), velocity(1)});
     velocity(0) = v.x;
@@ -97,6 +103,7 @@ bool displace_base(const Plant& plant, const PlantPart& part, const PlanarMotion
   }
   x[first] += shift.x;
   x[first + 1] += shift.y;
+  x[first + 2] += motion.rise;
   if (motion.yaw == 0) return true;
   double* q = x.data() + first + 3;
   const Quaternion<double> turn{0, 0, std::sin(motion.yaw / 2), std::cos(motion.yaw / 2)};
@@ -111,7 +118,7 @@ void bring_base(const Plant& plant, const PlantPart& part, const std::vector<dou
   const Stand from = stand_of(plant, part, x), goal = stand_of(plant, part, to);
   Point way{goal.position.x - from.position.x, goal.position.y - from.position.y};
   double turn = goal.heading - from.heading;
-  if (const auto level = level_direction(plane_of(part))) {
+  if (const auto level = level_direction(part)) {
     const double along = level->x * way.x + level->y * way.y;
     way = {along * level->x, along * level->y};
     turn = 0;
@@ -132,7 +139,7 @@ std::optional<Vector3<double>> displaced_point(const Plant& plant, const PlantPa
   const Point arm = turned(motion.yaw, {p.x - stand.position.x, p.y - stand.position.y});
   return plane.R * Vector3<double>{stand.position.x + arm.x + shift.x,
                                    stand.position.y + arm.y + shift.y, p.z} +
-         plane.p;
+         plane.p + Vector3<double>{0, 0, motion.rise};
 }
 
 }  // namespace conddp

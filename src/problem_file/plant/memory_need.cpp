@@ -8,15 +8,19 @@
 
 #include <fmt/format.h>
 
+#include "ocp/residuals/residuals.hpp"
+
 namespace conddp {
 namespace {
 
 /// Maximum number of rows of a distance between two shapes.
-double rows_of_pair(const CollisionSpec& collision) {
-  const bool half_spaces = std::ranges::any_of(collision.obstacles, [](const auto& obstacle) {
-    return std::holds_alternative<HalfSpaceSpec>(obstacle.form);
-  });
-  const bool polytopes = std::ranges::any_of(collision.shapes, [](const auto& shape) {
+double rows_of_pair(const ProblemSpec& spec) {
+  const auto is_plane = [](const auto& body) {
+    return std::holds_alternative<HalfSpaceSpec>(body.form);
+  };
+  const bool half_spaces = std::ranges::any_of(spec.collision.obstacles, is_plane) ||
+                           std::ranges::any_of(spec.terrain, is_plane);
+  const bool polytopes = std::ranges::any_of(spec.collision.shapes, [](const auto& shape) {
     return !std::holds_alternative<SphereSpec>(shape.form) &&
            !std::holds_alternative<CapsuleSpec>(shape.form);
   });
@@ -29,7 +33,7 @@ double rows_of(const ConstraintSpec& constraint, const ProblemSpec& spec, int nd
   const CostSpec& function = constraint.function;
   const ResidualDefinition& definition = *function.definition;
   if (definition.needs.shapes) {
-    const double each = rows_of_pair(spec.collision);
+    const double each = rows_of_pair(spec);
     const PairsSpec pairs = function.keys.value(key::pairs);
     if (pairs.choice == PairsSpec::Choice::kNamed)
       return each * static_cast<double>(pairs.named.size());

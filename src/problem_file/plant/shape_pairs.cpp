@@ -28,10 +28,16 @@ Form form_of(const HalfSpaceSpec& half_space, int) {
   return HalfSpace{half_space.normal, dot(half_space.normal, half_space.point)};
 }
 
-/// A shape or an obstacle, and the joint of the body that carries it.
+enum class ItemKind {
+  kShape,
+  kObstacle,
+  kTerrain,  ///< feet touch it, so pairs must name it
+};
+
+/// A shape, an obstacle or a piece of the terrain, and the joint of the body that carries it.
 struct Item {
   std::string name;
-  bool obstacle;
+  ItemKind kind;
   int joint;
   Form form;
 };
@@ -41,13 +47,20 @@ std::vector<Item> items_of(const ProblemSpec& spec, const RobotModel& robot) {
   for (const ShapeSpec& shape : spec.collision.shapes) {
     const int frame = *robot.find_frame(shape.frame.value);
     items.push_back(
-        {shape.name.value, false, robot.frames[frame].joint,
+        {shape.name.value, ItemKind::kShape, robot.frames[frame].joint,
          std::visit([&](const auto& form) { return form_of(form, frame); }, shape.form)});
   }
   for (const ObstacleSpec& obstacle : spec.collision.obstacles)
     items.push_back(
-        {obstacle.name.value, true, -1,
+        {obstacle.name.value, ItemKind::kObstacle, -1,
          std::visit([](const auto& form) { return form_of(form, -1); }, obstacle.form)});
+  for (const TerrainPieceSpec& piece : spec.terrain) {
+    const auto add = [&](const auto& form) {
+      items.push_back({piece.name.value, ItemKind::kTerrain, -1, form_of(form, -1)});
+    };
+    if (const auto* box = std::get_if<BoxSpec>(&piece.form)) add(*box);
+    if (const auto* plane = std::get_if<HalfSpaceSpec>(&piece.form)) add(*plane);
+  }
   return items;
 }
 
@@ -105,7 +118,8 @@ class PairList {
 /// True if a choice of pairs includes a shape with another item.
 bool has_pair(PairsSpec::Choice choice, const Item& shape, const Item& other,
               const RobotModel& robot) {
-  if (other.obstacle) return choice != PairsSpec::Choice::kSelf;
+  if (other.kind == ItemKind::kTerrain) return false;
+  if (other.kind == ItemKind::kObstacle) return choice != PairsSpec::Choice::kSelf;
   return choice != PairsSpec::Choice::kObstacles &&
          !are_neighbours(robot, shape.joint, other.joint);
 }
@@ -113,7 +127,7 @@ bool has_pair(PairsSpec::Choice choice, const Item& shape, const Item& other,
 void add_chosen(PairsSpec::Choice choice, const std::vector<Item>& items, const RobotModel& robot,
                 PairList& pairs) {
   if (choice == PairsSpec::Choice::kNamed) return;
-  for (std::size_t a = 0; a < items.size() && !items[a].obstacle; ++a)
+  for (std::size_t a = 0; a < items.size() && items[a].kind == ItemKind::kShape; ++a)
     for (std::size_t b = a + 1; b < items.size(); ++b)
       if (has_pair(choice, items[a], items[b], robot)) pairs.add(a, b);
 }

@@ -184,6 +184,7 @@ void check_keys_of_robots(YamlMap& map) {
       {"contacts", "a closed-form system has no frames that could touch the world"},
       {"loops", "a closed-form system has no frames that could be held together"},
       {"collision", "a closed-form system has no links that could carry shapes"},
+      {"terrain", "a closed-form system has no feet that could stand on it"},
       {"contact_candidates", "a closed-form system has no frames that could touch anything"},
       {"stepping", "a closed-form system has no joints that could be stopped"},
       {"gait", "a closed-form system has no feet that could walk"}};
@@ -208,6 +209,13 @@ void describe_surroundings(Keys& keys, ProblemSpec& spec) {
         .says = "Shapes that must keep apart, for the residual 'distance'",
         .omitted = spec.system.has_value()},
        spec.collision, MapForm{});
+  keys({.name = "terrain",
+        .says = "Ground under footholds of gaits and swings, the highest of its pieces, by name",
+        .examples = R"([{"ground": {"half_space": {}},
+                         "step": {"box": {"size": [0.6, 2, 0.15],
+                                          "placement": {"position": [0.8, 0, 0.075]}}}}])"},
+       spec.terrain, EntriesForm{.name = &TerrainPieceSpec::name, .may_be_missing = true});
+  if (YamlMap* map = keys.reading()) check_shape_names(spec, map->reader().diagnostics());
   if (const auto r = keys.found("contact_candidates"))
     spec.stepping = SteppingSpec{.place = r->place()};
   keys({.name = "contact_candidates",
@@ -373,6 +381,23 @@ void describe_terms(Keys& keys, ProblemSpec& spec) {
   if (YamlMap* map = keys.reading()) check_names(spec, map->reader().diagnostics());
 }
 
+/// Without a `ground` of its own, a plant with simulated contacts has the boxes and half-spaces of
+/// the terrain.
+void stand_on_terrain(const YamlReader& mpc, ProblemSpec& spec) {
+  const YamlNode* plant = mpc.node().find("plant");
+  if (plant == nullptr || plant->find("ground") != nullptr || !spec.mpc->plant.simulated_contacts)
+    return;
+  std::vector<TouchedSpec> ground;
+  for (const TerrainPieceSpec& piece : spec.terrain) {
+    const auto add = [&](const auto& form) {
+      ground.push_back({.place = piece.name.place, .form = form});
+    };
+    if (const auto* box = std::get_if<BoxSpec>(&piece.form)) add(*box);
+    if (const auto* plane = std::get_if<HalfSpaceSpec>(&piece.form)) add(*plane);
+  }
+  if (!ground.empty()) spec.mpc->plant.ground = std::move(ground);
+}
+
 }  // namespace
 
 void describe(Keys& keys, ProblemSpec& spec) {
@@ -419,6 +444,7 @@ void describe(Keys& keys, ProblemSpec& spec) {
     if (spec.solver.name.value == "ipopt") spec.mpc->iterations.reset();
   }
   keys({"mpc"}, spec.mpc, MapForm{"write '{horizon: 1, tick: 0.02, duration: 5}'"});
+  if (const auto mpc = keys.found("mpc")) stand_on_terrain(*mpc, spec);
 }
 
 }  // namespace conddp

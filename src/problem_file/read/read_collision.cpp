@@ -157,9 +157,6 @@ static void describe(Keys& keys, HullSpec& hull) {
   hull.radius += around.radius;
 }
 
-namespace {
-
-/// Reports a shape without a form, or with several.
 void check_form(YamlMap* map, std::initializer_list<const char*> forms, const char* hint) {
   if (map == nullptr) return;
   int count = 0;
@@ -169,22 +166,6 @@ void check_form(YamlMap* map, std::initializer_list<const char*> forms, const ch
   }
   if (count == 0) map->reader().error("the shape has no form", hint);
 }
-
-/// Reports names of shapes and obstacles that others have, or that are patterns.
-template <class Shape>
-void check_names(const std::vector<Shape>& shapes, std::vector<std::string>& taken,
-                 Diagnostics& out) {
-  for (const Shape& shape : shapes) {
-    const Name& name = shape.name;
-    if (name.value.find('*') != std::string::npos)
-      out.error(name.place, "the name of a shape has no '*'");
-    if (std::find(taken.begin(), taken.end(), name.value) != taken.end())
-      out.error(name.place, fmt::format("a shape and an obstacle have the name '{}'", name.value));
-    taken.push_back(name.value);
-  }
-}
-
-}  // namespace
 
 /// Forms that shapes and obstacles share.
 template <class Form>
@@ -226,6 +207,23 @@ static void describe(Keys& keys, ObstacleSpec& obstacle) {
              "give 'sphere', 'capsule', 'box', 'cylinder', 'hull' or 'half_space'");
 }
 
+void check_shape_names(const ProblemSpec& spec, Diagnostics& out) {
+  std::vector<std::string> taken;
+  const auto check = [&](const auto& shapes) {
+    for (const auto& shape : shapes) {
+      const Name& name = shape.name;
+      if (name.value.find('*') != std::string::npos)
+        out.error(name.place, "the name of a shape has no '*'");
+      if (std::find(taken.begin(), taken.end(), name.value) != taken.end())
+        out.error(name.place, fmt::format("two shapes have the name '{}'", name.value));
+      taken.push_back(name.value);
+    }
+  };
+  check(spec.collision.shapes);
+  check(spec.collision.obstacles);
+  check(spec.terrain);
+}
+
 void describe(Keys& keys, CollisionSpec& collision) {
   keys.about({.title = "Shapes that must keep apart", .examples = R"([{
                 "shapes": {"forearm": {"frame": "link_5",
@@ -242,11 +240,6 @@ void describe(Keys& keys, CollisionSpec& collision) {
        collision.shapes, EntriesForm{&ShapeSpec::name});
   keys({.name = "obstacles", .says = "Shapes that stand in the world, by name", .fallback = "{}"},
        collision.obstacles, EntriesForm{&ObstacleSpec::name});
-  if (YamlMap* map = keys.reading()) {
-    std::vector<std::string> taken;
-    check_names(collision.shapes, taken, map->reader().diagnostics());
-    check_names(collision.obstacles, taken, map->reader().diagnostics());
-  }
 }
 
 }  // namespace conddp

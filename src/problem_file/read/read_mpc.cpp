@@ -146,7 +146,8 @@ static void describe(Keys& keys, MpcPlantSpec& plant) {
        PlacedWord(kContactsOfPlantWords, "kind of contacts", plant.simulated_contacts));
   keys({.name = "ground",
         .says = "What the contacts of the file may touch where they are simulated, shapes in the "
-                "world that the controller's model does not have",
+                "world that the controller's model does not have; with a 'terrain' its boxes and "
+                "half-spaces by default",
         .examples = R"([["ground", {"box": {"size": [0.4, 2, 0.04],
                                             "placement": {"position": [0.8, 0, 0]}}}]])",
         .fallback = R"(["ground"])"},

@@ -64,6 +64,14 @@ void describe(Keys& keys, CollisionSpec& collision);
 void describe(Keys& keys, SphereSpec& sphere);
 void describe(Keys& keys, HalfSpaceSpec& half_space);
 void describe(Keys& keys, BoxSpec& box);
+/// Reports a shape without one of these forms, or with several.
+void check_form(YamlMap* map, std::initializer_list<const char*> forms, const char* hint);
+/// Reports names of shapes, obstacles and pieces of the terrain that others have, or that are
+/// patterns.
+void check_shape_names(const ProblemSpec& spec, Diagnostics& out);
+
+// read_terrain.cpp
+void describe(Keys& keys, TerrainPieceSpec& piece);
 
 // read_stepping.cpp
 void describe(Keys& keys, CandidateSpec& candidate);

@@ -39,6 +39,11 @@ ContactCost in_cone(const LinearCone& cone, int ndx) {
   return result;
 }
 
+/// Normal of the first of a system's contacts with these indices.
+const Vector3<double>& normal_of(const MultibodySystem& system, const std::vector<int>& indices) {
+  return system.contacts().contacts()[indices.front()].normal;
+}
+
 std::optional<ContactCost> make_force(const ResidualContext& context, int contact) {
   const std::size_t rows = context.spec.contacts[contact].kind == ContactKind::surface ? 6 : 3;
   const std::vector<std::string> names(kWrenchNames.begin(), kWrenchNames.begin() + rows);
@@ -64,17 +69,28 @@ std::optional<ContactCost> make_friction_cone(const ResidualContext& context, in
     return std::nullopt;
   }
   const FrictionLimits limits = limits_of(cost, on);
-  if (!cost.keys.value(key::cone))
-    return in_cone(
-        friction_pyramid(limits, cost.keys.value(kFaces), cost.keys.value(kInner), on.normal),
-        context.ndx);
+  // The normal is that of the contact in its phase.
+  if (!cost.keys.value(key::cone)) {
+    const auto pyramid = [limits, faces = cost.keys.value(kFaces),
+                          inner = cost.keys.value(kInner)](const Vector3<double>& normal) {
+      return friction_pyramid(limits, faces, inner, normal);
+    };
+    ContactCost result = in_cone(pyramid(on.normal), context.ndx);
+    result.make = [ndx = context.ndx, pyramid](const std::shared_ptr<const MultibodySystem>& system,
+                                               const std::vector<int>& indices) {
+      return contact_cone_residual(system, indices.front(), ndx,
+                                   pyramid(normal_of(*system, indices)));
+    };
+    return result;
+  }
   ContactCost result;
   result.lower = {-kUnlimited, limits.min_normal};
   result.upper = {0, limits.max_normal};
-  result.make = [ndx = context.ndx, friction = limits.friction, n = on.normal](
+  result.make = [ndx = context.ndx, friction = limits.friction](
                     const std::shared_ptr<const MultibodySystem>& system,
                     const std::vector<int>& indices) {
-    return friction_cone_residual(system, indices.front(), ndx, friction, n);
+    return friction_cone_residual(system, indices.front(), ndx, friction,
+                                  normal_of(*system, indices));
   };
   name_rows(result.prototype, result.lower.size());
   return result;

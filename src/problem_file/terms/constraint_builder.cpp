@@ -163,13 +163,19 @@ std::optional<BuiltConstraint> build_state_bounds(const ConstraintSpec& spec,
   return built;
 }
 
-/// Replaces a contact's residual by A times the force.
+/// Replaces a contact's residual by A times its force in axes along its normal, which phases may
+/// turn.
 void set_force_rows(const Eigen::MatrixXd& A, const CostContext& context, BuiltCost& function) {
-  LinearCone rows;
-  rows.A = A;
-  function.contact.make = [ndx = context.ndx, rows](
+  function.contact.make = [ndx = context.ndx, A](
                               const std::shared_ptr<const MultibodySystem>& system,
                               const std::vector<int>& indices) {
+    const Contact& contact = system->contacts().contacts()[indices.front()];
+    const Matrix3<double> R = rotation_to_normal(contact.normal);
+    Eigen::Matrix3d turned;
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) turned(i, j) = R(j, i);
+    LinearCone rows;
+    rows.A = A * turned;
     return contact_cone_residual(system, indices.front(), ndx, rows);
   };
   function.residual.residual = make_prototype(function.contact, context.contacts, context.plant);
@@ -190,10 +196,7 @@ void add_friction_cone(const ConstraintSpec& spec, const CostContext& context, B
                 "give the contact 'axes: world'");
     return;
   }
-  const Matrix3<double> R = rotation_to_normal(contact.normal);
-  Eigen::MatrixXd A(3, 3);
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) A(i, j) = R(j, i);
+  Eigen::MatrixXd A = Eigen::Matrix3d::Identity();
   const Eigen::MatrixXd normal = A.row(2);
   A.row(2) *= contact.friction * spec.function.keys.value(key::safety);
   BuiltConstraint cone{.spec = &spec, .kind = ConstraintKind::second_order_cone};

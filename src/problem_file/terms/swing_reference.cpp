@@ -1,11 +1,9 @@
 #include "problem_file/terms/swing_reference.hpp"
 
-#include <cmath>
-
 #include <fmt/format.h>
 
 #include "problem_file/model/named_phases.hpp"
-#include "problem_file/motion/footholds.hpp"
+#include "problem_file/motion/swing_arc.hpp"
 
 namespace conddp {
 namespace {
@@ -53,36 +51,32 @@ bool is_free(const CostSpec& cost, int frame, const std::vector<bool>& swings,
   return true;
 }
 
-/// Path of a foot from one foothold to the next.
-struct SwingArc {
-  const Foothold &from, &to;
-  double height;              ///< m
-  Quaternion<double> stance;  ///< the frame's orientation in the initial state
-  bool turns;                 ///< the reference includes the orientation
-
-  /// The reference at the fraction s of the swing's duration.
-  std::vector<double> at(double s) const {
-    const double along = s * s * (3 - 2 * s);
-    const double above = 16 * height * s * s * (1 - s) * (1 - s);
-    std::vector<double> value{from.p.x + along * (to.p.x - from.p.x),
-                              from.p.y + along * (to.p.y - from.p.y),
-                              from.p.z + along * (to.p.z - from.p.z) + above};
-    if (!turns) return value;
-    const double half = (from.yaw + along * (to.yaw - from.yaw)) / 2;
-    const Quaternion<double> q = Quaternion<double>{0, 0, std::sin(half), std::cos(half)} * stance;
-    value.insert(value.end(), {q.x, q.y, q.z, q.w});
-    return value;
-  }
-};
+/// The reference at a share of a swing's duration: a position, or a pose.
+std::vector<double> reference_at(const SwingArc& arc, double s, bool turns) {
+  const Vector3<double> p = arc.place(s);
+  std::vector<double> value{p.x, p.y, p.z};
+  if (!turns) return value;
+  const Quaternion<double> q = arc.orientation(s);
+  value.insert(value.end(), {q.x, q.y, q.z, q.w});
+  return value;
+}
 
 /// Appends the reference along an arc, node by node.
-void append(const SwingArc& arc, const SwingRun& run, const std::vector<double>& times,
+void append(const SwingArc& arc, const SwingRun& run, bool turns, const std::vector<double>& times,
             TimeSeries& series) {
   const double begin = times[run.first], duration = times[run.last] - begin;
   for (int k = run.first; k <= run.last; ++k) {
     if (k > run.first && times[k] == times[k - 1]) continue;  // an impulse
-    series.append(times[k], arc.at(k == run.last ? 1 : (times[k] - begin) / duration));
+    const double s = k == run.last ? 1 : (times[k] - begin) / duration;
+    series.append(times[k], reference_at(arc, s, turns));
   }
+}
+
+/// Points of a frame with which it touches the ground.
+std::vector<Vector3<double>> points_of_frame(const std::string& frame, const ProblemSpec& spec) {
+  for (const ContactSpec& contact : spec.contacts)
+    if (contact.frame.value == frame) return contact_points(contact);
+  return {Vector3<double>::zero()};
 }
 
 }  // namespace
@@ -106,14 +100,21 @@ std::optional<TimeSeries> swing_reference(const CostSpec& cost, const CostResidu
   const std::vector<Foothold> places = footholds(foot, spec, plant, initial);
   const Quaternion<double> stance = quaternion(start.R);
   const bool turns = residual.parameters.nx() == pose_manifold().nx();
+  const std::vector<Vector3<double>> points = points_of_frame(frame.value, spec);
   TimeSeries series(residual.parameters);
-  for (const SwingRun& run : runs) {
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    const SwingRun& run = runs[i];
     if (!(times[run.last] > times[run.first])) {
       out.error(swing.place, "a swing takes time, and an impulse none");
       return std::nullopt;
     }
-    const SwingArc arc{places[run.first_phase], places[run.end_phase], swing.height, stance, turns};
-    append(arc, run, times, series);
+    SwingArc arc{places.front(), places[run.first_phase], places[run.end_phase], swing.height,
+                 stance};
+    if (!spec.terrain.empty()) {
+      arc.height = clearing_height(arc, points, spec.terrain);
+      warn_of_terrain(arc, points, spec.terrain, {frame.value, i + 1, swing.place}, out);
+    }
+    append(arc, run, turns, times, series);
   }
   return series;
 }

@@ -431,13 +431,16 @@ OrderedJson ParametersForm::schema(const ExpressionNamesSpec& /*names the type*/
 }
 
 bool MotionForm::read(const YamlReader& reader, PlanarMotion& value) const {
-  const auto n = reader.numbers(3, "[x, y, yaw] in m and rad");
-  if (n) value = {(*n)[0], (*n)[1], (*n)[2]};
+  const bool rises = reader.is_sequence() && reader.node().items.size() == 4;
+  const auto n = reader.numbers(rises ? 4 : 3, "[x, y, yaw] in m and rad");
+  if (n) value = {(*n)[0], (*n)[1], (*n)[2], rises ? (*n)[3] : 0};
   return n.has_value();
 }
 
 std::optional<OrderedJson> MotionForm::expand(const PlanarMotion& value) const {
-  return OrderedJson(std::vector{value.x, value.y, value.yaw});
+  OrderedJson json = {value.x, value.y, value.yaw};
+  if (value.rise != 0) json.push_back(value.rise);
+  return json;
 }
 
 SchemaDefinitions value_definitions() {
@@ -474,8 +477,8 @@ SchemaDefinitions value_definitions() {
     },
     "planar_motion": {
       "type": "array", "title": "Motion of a base in the plane",
-      "description": "[x, y, yaw]: forward and to the left as the base points before (m), and a turn about its origin (rad)",
-      "items": {"type": "number"}, "minItems": 3, "maxItems": 3, "examples": [[0.3, 0, 0.5]]
+      "description": "[x, y, yaw] or [x, y, yaw, rise]: forward and to the left as the base points before (m), a turn about its origin (rad), and upward (m)",
+      "items": {"type": "number"}, "minItems": 3, "maxItems": 4, "examples": [[0.3, 0, 0.5], [0.3, 0, 0, 0.15]]
     }
   })json");
 }

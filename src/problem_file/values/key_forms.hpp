@@ -118,7 +118,7 @@ struct ContactNamesForm {
   OrderedJson schema(const ContactNames& value, SchemaDefinitions& definitions) const;
 };
 
-/// A motion of a base in the plane: [x, y, yaw].
+/// A motion of a base in the plane: [x, y, yaw] or [x, y, yaw, rise].
 struct MotionForm {
   bool read(const YamlReader& reader, PlanarMotion& value) const;
   std::optional<OrderedJson> expand(const PlanarMotion& value) const;
