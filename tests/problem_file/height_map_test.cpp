@@ -92,6 +92,7 @@ TEST(HeightMapFile, ReportsDefects) {
       {"a.csv", "1, 2\n3, 4\n5, 6\n", "at least 3 by 3 heights"},
       {"a.pgm", "P6 3 3 255\n", "it is not a PGM image"},
       {"a.pgm", "P2 3 3 70000\n", "it is not a PGM image"},
+      {"a.pgm", "P5 2000000000 0 255\n", "at least 3 by 3 heights"},
       {"a.pgm", "P5 3 3 255\nab", "fewer gray values"},
       {"a.pgm", "P2 3 3 255\n1 2 3", "fewer gray values"}};
   for (const auto& [name, bytes, says] : cases) {

@@ -73,6 +73,15 @@ TEST(MpcExample, CartpoleReachesAGoalBeyondFirstWindows) {
   EXPECT_NEAR(cartpole.result.last_state[1], M_PI, 0.05);
 }
 
+TEST(MpcExample, QuadrupedClimbsStairs) {
+  const ExampleLoop climb("quadruped_climb");
+  ASSERT_TRUE(climb.mpc) << climb.said;
+  EXPECT_EQ(climb.result.end, LoopEnd::finished);
+  EXPECT_EQ(climb.failed(), 0);
+  // Feet stand 0.3 and 0.45 m above the ground.
+  EXPECT_NEAR(climb.result.last_state[2], 0.57 + 0.375, 0.03);
+}
+
 TEST(MpcExample, HopperHopsOverAnUnknownStep) {
   const ExampleLoop hopper("hopper_hops");
   ASSERT_TRUE(hopper.mpc) << hopper.said;

@@ -136,7 +136,7 @@ TEST(Terrain, SolesTiltWithTheirFootholds) {
   const Loaded loaded(R"(conddp: 1
 robot: {urdf: robots/biped.urdf, base: floating}
 contacts:
-  defaults: {type: surface, size: [0.18, 0.08]}
+  defaults: {type: surface, size: [0.18, 0.08], baumgarte: {kp: 100}}
   L: {frame: l_sole}
   R: {frame: r_sole}
 terrain: {ground: {half_space: {}}, ramp: {half_space: {normal: [-0.28, 0, 0.96], point: [0.1, 0, 0]}}}
@@ -149,6 +149,12 @@ gait: {type: walk, cycles: 2, period: 1, dt: 0.05, step: {length: 0.3, height: 0
   EXPECT_NEAR(R.column(2).x, -0.28, 1e-12);
   EXPECT_NEAR(R.column(2).z, 0.96, 1e-12);
   EXPECT_NEAR(pose[2], (pose[0] - 0.1) * 0.28 / 0.96, 1e-9);
+  // Stabilization draws the sole to the same pose.
+  const ShootingProblem& problem = *loaded.built->problem;
+  const auto* system = problem.knot(problem.knots() - 1).model->system().robot_inside();
+  const Contact& left = system->contacts().contacts().front();
+  EXPECT_NEAR(left.reference.R.column(2).x, -0.28, 1e-12);
+  EXPECT_NEAR(left.reference.p.z, pose[2], 1e-12);
 }
 
 TEST(Terrain, ExpandedFileIsTheSameProblem) {

@@ -150,8 +150,7 @@ void load_heights(const std::filesystem::path& folder, HeightMapSpec& map, Diagn
     if (out.error_count() > errors) return;
   }
   constexpr int kFewest = 3;
-  if (defect.empty() &&
-      (grid.columns < kFewest || static_cast<int>(grid.heights.size()) < kFewest * grid.columns))
+  if (defect.empty() && (grid.columns < kFewest || grid.heights.size() / grid.columns < kFewest))
     defect = fmt::format("a height map has at least {0} by {0} heights", kFewest);
   if (!defect.empty())
     return out.error(

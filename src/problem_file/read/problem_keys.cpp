@@ -381,23 +381,6 @@ void describe_terms(Keys& keys, ProblemSpec& spec) {
   if (YamlMap* map = keys.reading()) check_names(spec, map->reader().diagnostics());
 }
 
-/// Without a `ground` of its own, a plant with simulated contacts has the boxes and half-spaces of
-/// the terrain.
-void stand_on_terrain(const YamlReader& mpc, ProblemSpec& spec) {
-  const YamlNode* plant = mpc.node().find("plant");
-  if (plant == nullptr || plant->find("ground") != nullptr || !spec.mpc->plant.simulated_contacts)
-    return;
-  std::vector<TouchedSpec> ground;
-  for (const TerrainPieceSpec& piece : spec.terrain) {
-    const auto add = [&](const auto& form) {
-      ground.push_back({.place = piece.name.place, .form = form});
-    };
-    if (const auto* box = std::get_if<BoxSpec>(&piece.form)) add(*box);
-    if (const auto* plane = std::get_if<HalfSpaceSpec>(&piece.form)) add(*plane);
-  }
-  if (!ground.empty()) spec.mpc->plant.ground = std::move(ground);
-}
-
 }  // namespace
 
 void describe(Keys& keys, ProblemSpec& spec) {

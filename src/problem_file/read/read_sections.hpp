@@ -72,6 +72,9 @@ void check_shape_names(const ProblemSpec& spec, Diagnostics& out);
 
 // read_terrain.cpp
 void describe(Keys& keys, TerrainPieceSpec& piece);
+/// Without a `ground` of its own, a plant with simulated contacts has the boxes and half-spaces of
+/// the terrain.
+void stand_on_terrain(const YamlReader& mpc, ProblemSpec& spec);
 
 // read_stepping.cpp
 void describe(Keys& keys, CandidateSpec& candidate);

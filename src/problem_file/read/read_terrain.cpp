@@ -46,4 +46,19 @@ void describe(Keys& keys, TerrainPieceSpec& piece) {
     r->error("the normal of ground points upward", "write 'normal: [0, 0, 1]', or a slope's");
 }
 
+void stand_on_terrain(const YamlReader& mpc, ProblemSpec& spec) {
+  const YamlNode* plant = mpc.node().find("plant");
+  if (plant == nullptr || plant->find("ground") != nullptr || !spec.mpc->plant.simulated_contacts)
+    return;
+  std::vector<TouchedSpec> ground;
+  for (const TerrainPieceSpec& piece : spec.terrain) {
+    const auto add = [&](const auto& form) {
+      ground.push_back({.place = piece.name.place, .form = form});
+    };
+    if (const auto* box = std::get_if<BoxSpec>(&piece.form)) add(*box);
+    if (const auto* plane = std::get_if<HalfSpaceSpec>(&piece.form)) add(*plane);
+  }
+  if (!ground.empty()) spec.mpc->plant.ground = std::move(ground);
+}
+
 }  // namespace conddp
