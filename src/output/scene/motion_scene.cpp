@@ -5,6 +5,7 @@
 #include "output/scene/scene_numbers.hpp"
 #include "output/scene/scene_obstacles.hpp"
 #include "problem_file/assemble/problem_names.hpp"
+#include "problem_file/motion/terrain.hpp"
 #include "robot/frames.hpp"
 #include "robot/kinematics.hpp"
 
@@ -21,14 +22,13 @@ OrderedJson bodies_json(const RobotModel& robot, std::vector<OrderedJson>&& shap
   return bodies;
 }
 
-/// Unit normal of a contact in the world. A terrain may give it to contacts that a knot holds.
+/// Unit normal of a contact in the world: that of the terrain below, except for walls and ceilings.
 Vector3<double> world_normal(const ContactSpec& contact, const SE3<double>& frame,
-                             const MultibodySystem* system) {
+                             const TerrainSpec& terrain) {
   if (contact.axes == FrameAxes::local) return frame.R * contact.normal;
-  if (system != nullptr)
-    for (const Contact& held : system->contacts().contacts())
-      if (held.name == contact.name.value) return held.normal;
-  return contact.normal;
+  const auto ground =
+      contact.normal.z > 0 ? ground_at(terrain, frame.p.x, frame.p.y) : std::nullopt;
+  return ground ? ground->normal : contact.normal;
 }
 
 OrderedJson contact_json(const ContactSpec& contact, const Frame& frame) {
@@ -84,12 +84,10 @@ OrderedJson motion_scene(const BuiltProblem& built, const Trajectory& trajectory
     append_bodies(robot, data, poses);
     for (const auto& [name, frame] : watched)
       append(paths[name], frame_placement(robot, data, frame).p);
-    const MultibodySystem* holding =
-        k < trajectory.knots() ? built.problem->knot(k).model->system().robot_inside() : nullptr;
     for (std::size_t i = 0; i < facts.contacts.size(); ++i) {
       const SE3<double> placement = frame_placement(robot, data, contact_frames[i]);
       append(contacts[i]["positions"], placement.p);
-      append(contacts[i]["normals"], world_normal(facts.contacts[i], placement, holding));
+      append(contacts[i]["normals"], world_normal(facts.contacts[i], placement, facts.terrain));
     }
   }
   RobotShapes shapes = robot_shapes(built);
