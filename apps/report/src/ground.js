@@ -62,10 +62,18 @@ function slab(plane) {
   return mesh;
 }
 
+/// The smallest of 1, 2 and 5 times a power of ten that is at least a size.
+function roundedUp(size) {
+  const power = 10 ** Math.floor(Math.log10(size));
+  return power * [1, 2, 5, 10].find(factor => factor * power >= size * (1 - 1e-9));
+}
+
 export class Ground {
+  /// `cell`: the size of the grid's squares.
   constructor(solution, view) {
     this.root = new THREE.Group();
     this.view = view;
+    this.planar = solution.scene.planar ?? false;
     this.surfaces = surfacesOf(solution);
     // The grid lies on the slope if all contacts share one, else at height zero.
     const [only] = this.surfaces;
@@ -80,12 +88,16 @@ export class Ground {
   /// Creates the grid again, because its vertices contain the theme's colors.
   setTheme() {
     const size = this.view.getSize(new THREE.Vector3()), center = this.view.getCenter(new THREE.Vector3());
-    const span = Math.max(2, Math.ceil(2.5 * Math.max(size.x, size.y, size.z)));
+    const span = 2.5 * Math.max(size.x, size.y, size.z) || 2;
+    this.cell = this.planar ? roundedUp(span / 50) : Math.max(0.5, roundedUp(span / 60));
+    const cells = 2 * Math.ceil(Math.max(span, this.planar ? 0 : 2) / (2 * this.cell));
     this.grid?.removeFromParent();
     this.grid?.dispose();
-    this.grid = new THREE.GridHelper(span, Math.min(60, 2 * span), color('line'), color('grid'));
+    this.grid = new THREE.GridHelper(cells * this.cell, cells, color('line'), color('grid'));
     this.grid.rotateX(Math.PI / 2);
-    this.grid.position.set(Math.round(center.x), Math.round(center.y), 0);
+    const near = x => this.cell * Math.round(x / this.cell);
+    // Below everything that is drawn in the plane.
+    this.grid.position.set(near(center.x), near(center.y), this.planar ? this.view.min.z - 1e-3 * span : 0);
     if (this.slope) {
       const {normal, height} = this.slope;
       this.grid.quaternion.premultiply(new THREE.Quaternion().setFromUnitVectors(up, normal));

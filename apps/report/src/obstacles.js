@@ -2,7 +2,7 @@
 import * as THREE from 'three';
 import {ConvexGeometry} from 'three/examples/jsm/geometries/ConvexGeometry.js';
 
-const outsideColor = '#d55e00', insideColor = '#56b4e9', terrainColor = '#b9a77c';
+const outsideColor = '#d55e00', insideColor = '#56b4e9', terrainColor = '#b9a77c', sceneryColor = '#9aa3ad';
 const up = new THREE.Vector3(0, 0, 1), along = new THREE.Vector3(0, 1, 0);
 
 const vector = numbers => new THREE.Vector3(...numbers);
@@ -36,7 +36,9 @@ function heightsForm({origin, cell, columns, heights}) {
   return form;
 }
 
-function surface(inside) {
+/// Scenery is solid, since nothing has to avoid it.
+function surface({inside, scenery}) {
+  if (scenery) return new THREE.MeshStandardMaterial({color: sceneryColor, roughness: 0.9});
   return new THREE.MeshStandardMaterial({
     color: inside ? insideColor : outsideColor, transparent: true, opacity: inside ? 0.15 : 0.5,
     side: inside ? THREE.DoubleSide : THREE.FrontSide, depthWrite: !inside, roughness: 0.8});
@@ -45,7 +47,7 @@ function surface(inside) {
 function half(shape, view) {
   const size = 1.3 * view.getSize(new THREE.Vector3()).length();
   const normal = vector(shape.normal);
-  const material = surface(false);
+  const material = surface(shape);
   if (shape.terrain) material.color.set(terrainColor);
   material.side = THREE.DoubleSide;
   material.opacity = 0.16;
@@ -62,7 +64,7 @@ function half(shape, view) {
 function disc(shape) {
   const form = new THREE.CylinderGeometry(shape.radius, shape.radius, 0.3 * shape.radius, 40)
       .rotateX(Math.PI / 2);
-  const mesh = new THREE.Mesh(form, surface(shape.inside));
+  const mesh = new THREE.Mesh(form, surface(shape));
   mesh.quaternion.setFromUnitVectors(up, vector(shape.normal));
   return mesh;
 }
@@ -74,7 +76,7 @@ function box(shape, view) {
   const low = ['x', 'y', 'z'].map((axis, i) => shape.lower[i] ?? view.min[axis]);
   const high = ['x', 'y', 'z'].map((axis, i) => shape.upper[i] ?? view.max[axis]);
   const form = new THREE.BoxGeometry(...low.map((l, i) => Math.max(thin, high[i] - l)));
-  const mesh = new THREE.Mesh(form, surface(true));
+  const mesh = new THREE.Mesh(form, surface(shape));
   mesh.position.set(...low.map((l, i) => (l + high[i]) / 2));
   mesh.add(new THREE.LineSegments(new THREE.EdgesGeometry(form),
                                   new THREE.LineBasicMaterial({color: insideColor})));
@@ -92,11 +94,11 @@ function objectOf(shape, view) {
     case 'disc':
       return disc(shape);
     case 'sphere': {
-      const mesh = new THREE.Mesh(convexForm({...shape, center: [0, 0, 0]}), surface(shape.inside));
+      const mesh = new THREE.Mesh(convexForm({...shape, center: [0, 0, 0]}), surface(shape));
       return mesh;
     }
     default:
-      return new THREE.Mesh(convexForm(shape), shape.terrain ? ground() : surface(false));
+      return new THREE.Mesh(convexForm(shape), shape.terrain ? ground() : surface(shape));
   }
 }
 

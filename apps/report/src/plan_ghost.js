@@ -1,7 +1,8 @@
 // The plan in force at a time: its end as a ghost of the robot, and the path to it.
 import * as THREE from 'three';
 import {LineGeometry} from 'three/examples/jsm/lines/LineGeometry.js';
-import {polyline, Robot} from './robot.js';
+import {polyline} from './lines.js';
+import {Robot} from './robot.js';
 
 const tint = '#d55e00';
 
@@ -21,7 +22,7 @@ export class PlanGhost {
     this.plans = plans;
     this.numbers = 7 * solution.scene.bodies.length;
     this.plan = null;
-    const scene = {...solution.scene, contacts: [], paths: {}, com: [], collision_shapes: [],
+    const scene = {...solution.scene, contacts: [], paths: {}, com: [], collision_shapes: [], lines: [],
                    poses: plans.poses.slice(0, this.numbers)};
     this.robot = new Robot({curves: {t: [0]}, contacts: [], scene}, {ghost: true, tint});
     this.way = polyline([0, 0, 0, 0, 0, 0], tint);

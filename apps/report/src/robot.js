@@ -1,19 +1,10 @@
 // A robot's bodies, contacts and paths as three.js objects, moved along a trajectory.
 import * as THREE from 'three';
-import {Line2} from 'three/examples/jsm/lines/Line2.js';
-import {LineGeometry} from 'three/examples/jsm/lines/LineGeometry.js';
-import {LineMaterial} from 'three/examples/jsm/lines/LineMaterial.js';
 import {forceNode, forceParts, nodeAt} from './data.js';
+import {MovingLine, polyline} from './lines.js';
 import {convexForm} from './obstacles.js';
 import {lineColor} from './palette.js';
 import {place, shapeObject} from './shapes.js';
-
-/// A line two pixels wide at any distance.
-export function polyline(numbers, color) {
-  const line = new Line2(new LineGeometry().setPositions(numbers), new LineMaterial({color, linewidth: 2}));
-  line.frustumCulled = false;
-  return line;
-}
 
 /// An arrow of unit length along +z, visible through objects in front of it.
 function arrow(color) {
@@ -43,7 +34,8 @@ export class Robot {
       const group = new THREE.Group();
       group.name = body.name;
       for (const shape of body.shapes) {
-        const object = shapeObject(shape, ghost, tint);
+        const color = shape.placement ? undefined : this.pathColor(body.name);
+        const object = shapeObject(shape, {ghost, tint, color});
         if (object) group.add(object);
       }
       this.root.add(group);
@@ -53,6 +45,7 @@ export class Robot {
     this.addShapes(tint);
     this.addContacts(ghost);
     this.addPaths(tint);
+    this.addLines(ghost, tint);
     this.next = {position: new THREE.Vector3(), quaternion: new THREE.Quaternion()};
     this.show(0);
   }
@@ -128,6 +121,24 @@ export class Robot {
     return largest;
   }
 
+  /// The color of the path with this name, and of a drawing that leaves it; undefined without one.
+  pathColor(name) {
+    const i = Object.keys(this.scene.paths).indexOf(name);
+    return i < 0 ? undefined : lineColor(this.scene.contacts.length + i);
+  }
+
+  /// Adds the lines of drawings.
+  addLines(ghost, tint) {
+    this.lines = (this.scene.lines ?? []).map(line => new MovingLine(line, ghost ? tint : '#7f7f7f'));
+    for (const line of this.lines) this.root.add(line.object);
+    if (!this.scene.planar) return;
+    // In the plane, lines are not hidden by the shapes that they cross.
+    for (const object of [...this.paths.children, ...this.lines.map(line => line.object)]) {
+      object.material.depthTest = false;
+      object.renderOrder = 1;
+    }
+  }
+
   addPaths(tint) {
     this.paths = new THREE.Group();
     const ways = [...this.scene.contacts.map(contact => contact.positions), ...Object.values(this.scene.paths)];
@@ -158,7 +169,8 @@ export class Robot {
       this.comMarker.position.fromArray(com, 3 * k)
           .lerp(this.next.position.fromArray(com, 3 * after), share);
     else
-      this.comMarker.position.copy(this.bodies[1].position);
+      this.comMarker.position.copy((this.bodies[1] ?? this.bodies[0]).position);
+    for (const line of this.lines) line.show(k, share);
     if (this.bones.lines.visible) this.moveBones();
     for (const entry of this.contacts) this.showForce(entry, k);
   }
@@ -209,6 +221,7 @@ export class Robot {
       body.updateMatrixWorld(true);
       box.union(one.setFromObject(body));
     }
+    for (const line of this.lines) line.expand(box);
     return box;
   }
 

@@ -2,6 +2,7 @@
 import * as THREE from 'three';
 import {STLLoader} from 'three/examples/jsm/loaders/STLLoader.js';
 import {OBJLoader} from 'three/examples/jsm/loaders/OBJLoader.js';
+import {convexForm} from './obstacles.js';
 
 const defaultColor = '#8a929b';
 
@@ -11,10 +12,10 @@ export function place(object, numbers, at) {
   object.quaternion.fromArray(numbers, at + 3);
 }
 
-function material(shape, ghost, tint) {
+function material(shape, {ghost, tint, color: own}) {
   const [r, g, b, a] = shape.color ?? [];
   const color = shape.color ? new THREE.Color().setRGB(r, g, b, THREE.SRGBColorSpace)
-                            : new THREE.Color(defaultColor);
+                            : new THREE.Color(own ?? defaultColor);
   if (ghost) color.lerp(new THREE.Color(tint), 0.6);
   const opacity = (shape.color ? a : 1) * (ghost ? 0.3 : 1);
   return new THREE.MeshStandardMaterial(
@@ -44,7 +45,21 @@ function completeNormals(form) {
   return form;
 }
 
+/// A round dot nine pixels wide, in front of everything.
+function dot(color) {
+  const form = new THREE.BufferGeometry().setAttribute('position', new THREE.Float32BufferAttribute([0, 0, 0], 3));
+  const surface = new THREE.PointsMaterial({color, size: 9, sizeAttenuation: false, depthTest: false});
+  surface.onBeforeCompile = shader => {
+    shader.fragmentShader = shader.fragmentShader.replace('void main() {',
+        'void main() {\n  if (distance(gl_PointCoord, vec2(0.5)) > 0.5) discard;');
+  };
+  const points = new THREE.Points(form, surface);
+  points.renderOrder = 2;
+  return points;
+}
+
 function geometry(shape) {
+  if (!shape.placement) return convexForm(shape);
   switch (shape.kind) {
     case 'box':
       return new THREE.BoxGeometry(...shape.size);
@@ -62,8 +77,11 @@ function geometry(shape) {
   }
 }
 
-export function shapeObject(shape, ghost, tint) {
-  const surface = material(shape, ghost, tint);
+/// An object of a shape with its placement, or with its coordinates in the body's axes. `look`:
+/// whether it is a ghost, the tint of ghosts, and the color of a shape without its own.
+export function shapeObject(shape, look) {
+  if (shape.kind === 'dot') return dot(look.color ?? defaultColor);
+  const surface = material(shape, look);
   let object = null;
   try {
     if (shape.kind === 'obj') {
@@ -78,6 +96,6 @@ export function shapeObject(shape, ghost, tint) {
     console.warn(`a mesh of ${shape.link} cannot be read`);
   }
   if (!object) return null;
-  place(object, shape.placement, 0);
+  if (shape.placement) place(object, shape.placement, 0);
   return object;
 }

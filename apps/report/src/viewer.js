@@ -2,12 +2,28 @@
 import * as THREE from 'three';
 import {OrbitControls} from 'three/examples/jsm/controls/OrbitControls.js';
 import {nodeAt} from './data.js';
-import {color, element, toggle} from './dom.js';
+import {color, element, figure, toggle} from './dom.js';
 import {Ground} from './ground.js';
 import {Obstacles} from './obstacles.js';
 import {lineColor} from './palette.js';
 import {PlanGhost} from './plan_ghost.js';
+import {MotionRecorder, savePicture} from './recording.js';
 import {Robot} from './robot.js';
+
+/// Directions from the motion to the camera. The one from above leans a little, so that y points
+/// upwards on the screen.
+const directions = {
+  first: [0.5, -0.8, 0.35], front: [1, 0, 0], side: [0, -1, 0], top: [0, -1e-4, 1],
+};
+
+function litScene() {
+  const scene = new THREE.Scene();
+  scene.add(new THREE.HemisphereLight('#ffffff', '#8d8478', 1.7));
+  const sun = new THREE.DirectionalLight('#ffffff', 1.8);
+  sun.position.set(3, -4, 8);
+  scene.add(sun);
+  return scene;
+}
 
 export class Viewer {
   /// `plans`: of a closed loop, whose plant is the first solution.
@@ -16,10 +32,11 @@ export class Viewer {
     this.solutions = solutions;
     this.player = player;
     this.ready = false;
+    this.name = solutions[0].head.problem.name;
     const first = solutions.find(s => s.scene);
     if (!first) {
       const reason = solutions.map(s => s.remark).find(remark => remark) ||
-          'This system has no robot model to draw; its curves are beside.';
+          'The file says nothing to draw; its curves are beside. The key draw makes a picture.';
       holder.append(element('p', {class: 'note'}, reason));
       return;
     }
@@ -31,11 +48,7 @@ export class Viewer {
     }
     this.renderer.setPixelRatio(Math.min(2, window.devicePixelRatio || 1));
     holder.append(this.renderer.domElement);
-    this.scene = new THREE.Scene();
-    this.scene.add(new THREE.HemisphereLight('#ffffff', '#8d8478', 1.7));
-    const sun = new THREE.DirectionalLight('#ffffff', 1.8);
-    sun.position.set(3, -4, 8);
-    this.scene.add(sun);
+    this.scene = litScene();
 
     let shown = 0;
     this.robots = solutions.map((solution, i) => {
@@ -53,9 +66,11 @@ export class Viewer {
     this.scene.add(this.obstacles.root, this.ground.root);
     this.plan = plans?.poses ? new PlanGhost(first, plans) : null;
     if (this.plan) this.scene.add(this.plan.root);
-    this.addCamera();
+    this.planar = first.scene.planar ?? false;
+    this.resetView();
     this.follow = this.speck;
     this.addSwitches();
+    holder.append(element('div', {class: 'scale'}, `grid ${figure(this.ground.cell)}${this.planar ? '' : ' m'}`));
     this.ready = true;
     this.resize();
     new ResizeObserver(() => this.resize()).observe(holder);
@@ -63,31 +78,28 @@ export class Viewer {
     this.show();
   }
 
-  /// Creates the camera in its initial position. It sees the whole motion, or if the robot would be
-  /// too small, only the robot, which it then follows.
-  addCamera() {
-    this.camera = new THREE.PerspectiveCamera(40, this.aspect(), 0.01);
+  /// Aims a new camera at the motion, from afar if it is in the plane: heights then hardly show. It sees all of it, or if the robot would be too small, only the
+  /// robot, which it then follows. Motions in the plane are first seen from above.
+  resetView(from = this.planar ? 'top' : 'first') {
+    this.controls?.dispose();
+    this.camera = new THREE.PerspectiveCamera(this.planar ? 12 : 40, this.aspect());
     this.camera.up.set(0, 0, 1);
     this.controls = new OrbitControls(this.camera, this.renderer.domElement);
     this.controls.addEventListener('change', () => this.draw());
     const robot = this.robot.boundsAt(this.player.time);
     const length = box => box.getSize(new THREE.Vector3()).length();
-    this.speck = length(this.box) > 15 * length(robot);
+    this.speck = !this.planar && length(robot) > 0 && length(this.box) > 15 * length(robot);
     const box = this.speck ? robot.expandByScalar(length(robot)) : this.box;
     const center = box.getCenter(new THREE.Vector3());
-    const back = new THREE.Vector3(0.5, -0.8, 0.35).normalize();
+    const back = new THREE.Vector3(...directions[from]).normalize();
     this.controls.target.copy(center);
     const distance = this.distance(box, back);
     this.camera.position.copy(center).addScaledVector(back, distance);
+    this.camera.near = distance / 200;
     this.camera.far = 50 * distance;
     this.camera.updateProjectionMatrix();
     this.controls.update();
     this.lastCom = null;
-  }
-
-  resetView() {
-    this.controls.dispose();
-    this.addCamera();
     this.draw();
   }
 
@@ -98,15 +110,15 @@ export class Viewer {
     const center = box.getCenter(new THREE.Vector3());
     const vertical = Math.tan(THREE.MathUtils.degToRad(this.camera.fov / 2));
     const horizontal = vertical * this.camera.aspect;
-    let distance = 0.5;
+    let distance = 0;
     for (const x of [box.min.x, box.max.x])
       for (const y of [box.min.y, box.max.y])
         for (const z of [box.min.z, box.max.z]) {
           const corner = new THREE.Vector3(x, y, z).sub(center);
-          distance = Math.max(distance, corner.dot(back) + 1.12 * Math.max(
+          distance = Math.max(distance, corner.dot(back) + (this.planar ? 1.25 : 1.12) * Math.max(
               Math.abs(corner.dot(right)) / horizontal, Math.abs(corner.dot(up)) / vertical));
         }
-    return distance;
+    return distance || 1;
   }
 
   aspect() {
@@ -120,6 +132,7 @@ export class Viewer {
     };
     const {contacts, com, collision_shapes: shapes = [], obstacles} = this.first.scene;
     const one = (object, on) => { object.visible = on; this.draw(); };
+    const button = (label, title, onclick) => element('button', {type: 'button', title, onclick}, label);
     const parts = [
       ...(contacts.length === 0 ? [] : [
         toggle('Forces', 'Contact forces', true, on => one(this.robot.forces, on)),
@@ -137,7 +150,11 @@ export class Viewer {
                all((r, on) => { for (const shape of r.shapes) shape.visible = on; }))]),
       this.followButton = toggle('Follow', 'The camera goes with the robot (F)', this.follow,
                                  on => { this.follow = on; this.lastCom = null; this.show(); }),
-      element('button', {type: 'button', title: 'Back to the first view', onclick: () => this.resetView()}, 'Reset'),
+      ...Object.keys(directions).slice(1).map(from => button(
+          from[0].toUpperCase() + from.slice(1), `The motion from the ${from}`, () => this.resetView(from))),
+      button('Reset', 'Back to the first view', () => this.resetView()),
+      button('PNG', 'Save this view as a picture', () => savePicture(this.renderer.domElement, this.name)),
+      new MotionRecorder(this.renderer.domElement, this.player, this.name).button,
     ];
     this.holder.append(element('div', {class: 'switches'}, ...parts));
   }

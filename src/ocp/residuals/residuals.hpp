@@ -155,8 +155,8 @@ struct HalfSpace {
 struct DistancePair {
   std::variant<Capsule, Polytope> first;
   std::variant<Capsule, Polytope, HalfSpace> second;
-  /// A margin that the distance is only to keep, m. The value for a polytope then is smooth, and the
-  /// distance keeps the margin where the value does. It is less than the distance by at most a
+  /// A margin that the distance is only to keep, m. The value for a polytope then is smooth, and
+  /// the distance keeps the margin where the value does. It is less than the distance by at most a
   /// hundredth of the smaller body's radius, by more far away. Absent: exact everywhere.
   std::optional<double> margin = {};
 

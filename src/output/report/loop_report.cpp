@@ -45,12 +45,15 @@ std::vector<PlantRow> rows_of(const ClosedLoopResult& result) {
   return rows;
 }
 
-/// States as a trajectory with meaningless controls.
-Trajectory trajectory_of(const std::vector<const std::vector<double>*>& states, int nu) {
+/// States as a trajectory; controls that are not given are 0.
+Trajectory trajectory_of(const std::vector<const std::vector<double>*>& states, int nu,
+                         const std::vector<const std::vector<double>*>& controls = {}) {
   const int nodes = static_cast<int>(states.size());
   Trajectory trajectory(static_cast<int>(states.front()->size()), std::vector<int>(nodes - 1, nu));
   for (int k = 0; k < nodes; ++k)
     trajectory.x(k) = Eigen::Map<const Eigen::VectorXd>(states[k]->data(), trajectory.x(k).size());
+  for (std::size_t k = 0; k < controls.size(); ++k)
+    trajectory.u(static_cast<int>(k)) = Eigen::Map<const Eigen::VectorXd>(controls[k]->data(), nu);
   return trajectory;
 }
 
@@ -119,18 +122,29 @@ void place_obstacles(const LoopTask& task, const std::vector<PlantRow>& rows, Or
   }
 }
 
+/// The problem's knots at these times.
+std::vector<int> knots_at(const LoopTask& task, const std::vector<double>& times) {
+  const TimeLine line(task.built.problem, task.mpc.controller.hold);
+  std::vector<int> knots;
+  for (const double time : times) knots.push_back(line.at(time).knot);
+  return knots;
+}
+
 OrderedJson plant_json(const LoopRun& run) {
   const LoopTask& task = run.task;
   const std::vector<PlantRow> rows = rows_of(run.result);
   OrderedJson t = OrderedJson::array();
+  std::vector<double> times;
   std::vector<const std::vector<double>*> x, u;
   for (const PlantRow& row : rows) {
+    times.push_back(row.time);
     t.push_back(eight_digits(row.time));
     x.push_back(row.x);
     if (row.u != nullptr) u.push_back(row.u);
   }
   OrderedJson scene = motion_scene(
-      task.built, trajectory_of(x, static_cast<int>(task.built.control_columns.size())));
+      task.built, trajectory_of(x, static_cast<int>(task.built.control_columns.size()), u),
+      knots_at(task, times));
   place_obstacles(task, rows, scene);
   return {{"label", "plant"},
           {"remark", ""},
@@ -229,7 +243,9 @@ class Events {
 OrderedJson plans_json(const LoopTask& task, const std::vector<RecordedPlan>& plans) {
   OrderedJson list = OrderedJson::array();
   std::vector<const std::vector<double>*> states;
+  std::vector<double> times;
   for (const RecordedPlan& plan : plans) {
+    times.insert(times.end(), plan.times.begin(), plan.times.end());
     list.push_back(
         {{"from", eight_digits(plan.from)},
          {"first", states.size()},
@@ -240,8 +256,9 @@ OrderedJson plans_json(const LoopTask& task, const std::vector<RecordedPlan>& pl
   OrderedJson json = {{"list", std::move(list)}, {"poses", nullptr}, {"track", nullptr}};
   if (states.empty()) return json;
   OrderedJson scene = motion_scene(
-      task.built, trajectory_of(states, static_cast<int>(task.built.control_columns.size())));
-  if (scene.is_null()) return json;
+      task.built, trajectory_of(states, static_cast<int>(task.built.control_columns.size())),
+      knots_at(task, times));
+  if (scene.is_null() || (scene["com"].empty() && scene["paths"].empty())) return json;
   json["poses"] = std::move(scene["poses"]);
   json["track"] =
       scene["com"].empty() ? std::move(scene["paths"].front()) : std::move(scene["com"]);

@@ -1,6 +1,7 @@
 #include "output/scene/motion_scene.hpp"
 
 #include "output/scene/closed_form_scene.hpp"
+#include "output/scene/drawings.hpp"
 #include "output/scene/robot_shapes.hpp"
 #include "output/scene/scene_numbers.hpp"
 #include "output/scene/scene_obstacles.hpp"
@@ -53,15 +54,27 @@ void append_bodies(const RobotModel& robot, const RobotData<double>& data, Order
     append(poses, data.root_pose(robot, j) * data.placement[j]);
 }
 
-}  // namespace
+/// A scene with no body but the world.
+OrderedJson empty_scene(int nodes) {
+  OrderedJson poses = OrderedJson::array();
+  for (int k = 0; k < nodes; ++k) append(poses, SE3<double>::identity());
+  OrderedJson world = {{"name", "world"}, {"parent", nullptr}, {"shapes", OrderedJson::array()}};
+  return {{"bodies", OrderedJson::array({std::move(world)})},
+          {"poses", std::move(poses)},
+          {"com", OrderedJson::array()},
+          {"paths", OrderedJson::object()},
+          {"contacts", OrderedJson::array()}};
+}
 
-OrderedJson motion_scene(const BuiltProblem& built, const Trajectory& trajectory) {
+OrderedJson system_scene(const BuiltProblem& built, const Trajectory& trajectory) {
+  OrderedJson scene = closed_form_scene(*built.facts().system, trajectory);
+  if (scene.is_null() && built.drawn) scene = empty_scene(trajectory.knots() + 1);
+  if (!scene.is_null()) scene["obstacles"] = obstacles_json(built);
+  return scene;
+}
+
+OrderedJson robot_scene(const BuiltProblem& built, const Trajectory& trajectory) {
   const ProblemFacts& facts = built.facts();
-  if (!built.plant.multibody()) {
-    OrderedJson scene = closed_form_scene(*facts.system, trajectory);
-    if (!scene.is_null()) scene["obstacles"] = obstacles_json(built);
-    return scene;
-  }
   const MultibodySystem& system = *built.plant.multibody();
   const RobotModel& robot = built.plant.robot();
   OrderedJson poses = OrderedJson::array(), com = OrderedJson::array();
@@ -99,6 +112,16 @@ OrderedJson motion_scene(const BuiltProblem& built, const Trajectory& trajectory
           {"contacts", std::move(contacts)},
           {"obstacles", obstacles_json(built)},
           {"collision_shapes", collision_shapes_json(facts.collision, robot)}};
+}
+
+}  // namespace
+
+OrderedJson motion_scene(const BuiltProblem& built, const Trajectory& trajectory,
+                         std::span<const int> knots) {
+  OrderedJson scene =
+      built.plant.multibody() ? robot_scene(built, trajectory) : system_scene(built, trajectory);
+  if (built.drawn) add_drawings(built, trajectory, knots, scene);
+  return scene;
 }
 
 }  // namespace conddp

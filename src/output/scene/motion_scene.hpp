@@ -1,5 +1,7 @@
 #pragma once
 
+#include <span>
+
 #include "base/json/ordered_json.hpp"
 #include "ocp/problem/trajectory.hpp"
 #include "problem_file/assemble/build.hpp"
@@ -15,9 +17,15 @@ namespace conddp {
 ///           position and the normal; the force acts `radius` below the placement, in the
 ///           state `acts_after` nodes after the beginning of its knot, and the robot stands there
 ///           if it is `ground`;
-///   com: per node; paths: per node the positions of the frames in costs and constraints;
+///   com: per node; paths: per node the positions of the frames in costs and constraints, and of
+///   moving drawings;
 ///   obstacles and collision_shapes: see scene_obstacles.hpp.
-/// Lengths in meters, rounded to a micrometer.
-OrderedJson motion_scene(const BuiltProblem& built, const Trajectory& trajectory);
+/// Drawings of the file add bodies, whose shapes may also be a dot, obstacles that are `scenery`,
+/// and `lines`: name, number of corners, and their positions, corner after corner, per node. A
+/// scene with drawings is `planar` if all of them are given by x and y, and nothing else moves.
+/// Lengths in meters, rounded to a micrometer. `knots`: the problem's knot at each node; empty: the
+/// nodes are those of the problem.
+OrderedJson motion_scene(const BuiltProblem& built, const Trajectory& trajectory,
+                         std::span<const int> knots = {});
 
 }  // namespace conddp

@@ -6,48 +6,12 @@
 
 #include "base/json/ordered_json.hpp"
 #include "ocp/problem/by_name.hpp"
+#include "output/scene/form_json.hpp"
 #include "problem_file/assemble/problem_names.hpp"
 #include "problem_file/plant/shape_pairs.hpp"
 
 namespace conddp {
 namespace {
-
-OrderedJson coordinates_json(const Vector3<double>& v) { return {v.x, v.y, v.z}; }
-
-OrderedJson form_json(const SphereSpec& sphere) {
-  return {
-      {"kind", "sphere"}, {"center", coordinates_json(sphere.center)}, {"radius", sphere.radius}};
-}
-OrderedJson form_json(const CapsuleSpec& capsule) {
-  return {{"kind", "capsule"},
-          {"from", coordinates_json(capsule.from)},
-          {"to", coordinates_json(capsule.to)},
-          {"radius", capsule.radius}};
-}
-OrderedJson form_json(const HalfSpaceSpec& half_space) {
-  return {{"kind", "half_space"},
-          {"normal", coordinates_json(half_space.normal)},
-          {"point", coordinates_json(half_space.point)}};
-}
-OrderedJson form_json(const Polytope& polytope) {
-  OrderedJson points = OrderedJson::array();
-  for (const Vector3<double>& vertex : polytope.vertices)
-    points.push_back(coordinates_json(vertex));
-  return {{"kind", "hull"}, {"points", std::move(points)}};
-}
-OrderedJson form_json(const HeightMapSpec& map) {
-  OrderedJson heights = OrderedJson::array();
-  for (const double height : map.heights) heights.push_back(eight_digits(height));
-  return {{"kind", "heights"},
-          {"origin", coordinates_json(map.origin)},
-          {"cell", map.cell},
-          {"columns", map.columns},
-          {"heights", std::move(heights)}};
-}
-template <class Spec>
-OrderedJson form_json(const Spec& spec) {
-  return form_json(polytope_of(spec, -1));
-}
 
 Vector3<double> moved(const Vector3<double>& point, const SE3<double>& by) {
   return by.R * point + by.p;

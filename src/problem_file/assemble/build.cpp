@@ -20,6 +20,7 @@
 #include "problem_file/plant/plant_builder.hpp"
 #include "problem_file/plant/shape_pairs.hpp"
 #include "problem_file/plant/stepping_builder.hpp"
+#include "problem_file/terms/drawing_builder.hpp"
 #include "problem_file/terms/reach.hpp"
 #include "systems/system.hpp"
 
@@ -432,11 +433,26 @@ class ProblemBuilder {
     phase_context.collocates = false;
     keep_dropped(phase_context, start, dropped, dropped_at_end, built_, out_);
     if (out_.has_errors()) return false;
+    set_drawn(phase_context, start);
+    if (out_.has_errors()) return false;
     built_.problem =
         std::make_shared<ShootingProblem>(std::move(start), std::move(phases), std::move(terminal));
     report_contradiction(spec_, *built_.problem, out_);
     name_columns(spec_, tail_, built_);
     return true;
+  }
+
+  /// Builds the problem of the drawings, if the file has any.
+  void set_drawn(const PhaseContext& context, const std::vector<double>& start) {
+    if (spec_.drawings.empty()) return;
+    const std::vector<ConstraintSpec> texts = drawn_constraints(spec_.drawings);
+    const std::vector<BuiltConstraint> drawn = build_drawn(
+        texts, {spec_, built_.plant, *contacts_, states_, ndx_of_residuals(), times_}, out_);
+    auto phases = build_phases(context, {{}, drawn, {}}, unbounded(spec_, built_.plant), out_);
+    if (out_.has_errors()) return;
+    built_.drawn = std::make_shared<ShootingProblem>(
+        start, std::move(phases),
+        build_terminal(context, {{}, drawn, {}}, {{}, {}, {}}, nullptr, out_));
   }
 
   /// State of the first node, including its augmented part.

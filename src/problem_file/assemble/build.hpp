@@ -48,6 +48,9 @@ struct BuiltProblem {
   std::shared_ptr<const Homotopy> homotopy;         ///< homotopy of the file, or null
   std::shared_ptr<const TerminalLqr> terminal_lqr;  ///< from `terminal: {lqr: ...}`, or null
   std::vector<DroppedConstraint> dropped;
+  /// A problem whose constraint values are the numbers of the file's drawings, see
+  /// drawing_builder.hpp, or null.
+  std::shared_ptr<const ShootingProblem> drawn;
   std::vector<InputFile> data_files;  ///< read for references and the guess
 
   const ProblemFacts& facts() const { return *problem_spec; }

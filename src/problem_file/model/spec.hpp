@@ -8,6 +8,7 @@
 #include "problem_file/model/spec_collision.hpp"
 #include "problem_file/model/spec_contact.hpp"
 #include "problem_file/model/spec_cost.hpp"
+#include "problem_file/model/spec_draw.hpp"
 #include "problem_file/model/spec_gait.hpp"
 #include "problem_file/model/spec_mesh.hpp"
 #include "problem_file/model/spec_mpc.hpp"
@@ -134,6 +135,7 @@ struct ProblemFacts {
   Perturbation perturbation;
   SolverSpec solver;
   std::optional<MpcSpec> mpc;
+  std::vector<DrawingSpec> drawings;
 };
 
 /// A problem file, read and checked as far as possible without its robots.

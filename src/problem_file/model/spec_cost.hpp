@@ -45,10 +45,10 @@ struct ActivationSpec {
   double epsilon = 0.1;                        ///< of the smooth norms
 };
 
-/// Place of a residual: in a cost, a constraint, an integral or an expression, on running knots or
-/// at the last node.
+/// Place of a residual: in a cost, a constraint, an integral, an expression or a drawing, on
+/// running knots or at the last node.
 struct TermPlace {
-  enum class Kind { kCost, kConstraint, kIntegral, kOperand };
+  enum class Kind { kCost, kConstraint, kIntegral, kOperand, kDrawing };
   Kind kind = Kind::kCost;
   bool last_node = false;
 };

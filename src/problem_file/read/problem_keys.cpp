@@ -418,6 +418,13 @@ void describe(Keys& keys, ProblemSpec& spec) {
   describe_schedule(keys, spec);
   keys({"mesh"}, spec.mesh, MapForm{"write '{error: 1.0e-6}'"});
   describe_terms(keys, spec);
+  keys({.name = "draw",
+        .says = "Further things that reports draw, by name, beside robots and built-in systems; "
+                "they have no effect on the motion"},
+       spec.drawings,
+       EntriesForm<DrawingSpec>{.name = &DrawingSpec::name,
+                                .hint = "write '{car: {box: {size: [4, 2, 1]}, at: [x, y]}}'",
+                                .may_be_missing = true});
   keys({"initial_guess"}, spec.guess, MapForm{});
   keys({"perturbation"}, spec.perturbation, MapForm{});
   keys({"solver"}, spec.solver, MapForm{"write '{name: box_fddp}'"});

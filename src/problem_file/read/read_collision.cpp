@@ -32,7 +32,7 @@ static void describe_line(Keys& keys, Spec& spec, const char* defect, const char
     to->error(defect, hint);
 }
 
-static void describe(Keys& keys, CapsuleSpec& capsule) {
+void describe(Keys& keys, CapsuleSpec& capsule) {
   keys.about({.definition = "capsule",
               .title = "Capsule",
               .says = "What is nearer than the radius to a straight line, in the axes of its frame "
@@ -42,7 +42,7 @@ static void describe(Keys& keys, CapsuleSpec& capsule) {
                 "write 'sphere: {radius: ..., center: [...]}'");
 }
 
-static void describe(Keys& keys, CylinderSpec& cylinder) {
+void describe(Keys& keys, CylinderSpec& cylinder) {
   keys.about({.definition = "cylinder",
               .title = "Cylinder",
               .says =
@@ -118,7 +118,7 @@ void describe(Keys& keys, BoxSpec& box) {
        MapForm{});
 }
 
-static void describe(Keys& keys, HullSpec& hull) {
+void describe(Keys& keys, HullSpec& hull) {
   keys.about({.definition = "hull",
               .title = "Convex hull",
               .says = "The smallest convex body around points",
@@ -165,16 +165,6 @@ void check_form(YamlMap* map, std::initializer_list<const char*> forms, const ch
     if (r && ++count == 2) r->error("a shape is one thing: give one of its keys");
   }
   if (count == 0) map->reader().error("the shape has no form", hint);
-}
-
-/// Forms that shapes and obstacles share.
-template <class Form>
-static void describe_bodies(Keys& keys, Form& form) {
-  keys({"sphere"}, form, AlternativeForm<SphereSpec>{});
-  keys({"capsule"}, form, AlternativeForm<CapsuleSpec>{});
-  keys({"box"}, form, AlternativeForm<BoxSpec>{});
-  keys({"cylinder"}, form, AlternativeForm<CylinderSpec>{});
-  keys({"hull"}, form, AlternativeForm<HullSpec>{});
 }
 
 static void describe(Keys& keys, ShapeSpec& shape) {

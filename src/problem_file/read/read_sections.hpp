@@ -75,6 +75,21 @@ void describe(Keys& keys, TerrainPieceSpec& piece);
 /// Without a `ground` of its own, a plant with simulated contacts has the boxes and half-spaces of
 /// the terrain.
 void stand_on_terrain(const YamlReader& mpc, ProblemSpec& spec);
+void describe(Keys& keys, CapsuleSpec& capsule);
+void describe(Keys& keys, CylinderSpec& cylinder);
+void describe(Keys& keys, HullSpec& hull);
+/// The keys of convex bodies, alternatives of a variant.
+template <class Form>
+void describe_bodies(Keys& keys, Form& form) {
+  keys({"sphere"}, form, AlternativeForm<SphereSpec>{});
+  keys({"capsule"}, form, AlternativeForm<CapsuleSpec>{});
+  keys({"box"}, form, AlternativeForm<BoxSpec>{});
+  keys({"cylinder"}, form, AlternativeForm<CylinderSpec>{});
+  keys({"hull"}, form, AlternativeForm<HullSpec>{});
+}
+
+// read_drawing.cpp
+void describe(Keys& keys, DrawingSpec& drawing);
 
 // read_stepping.cpp
 void describe(Keys& keys, CandidateSpec& candidate);

@@ -98,6 +98,11 @@ std::vector<int> free_durations(const ResidualContext& context) {
   return durations;
 }
 
+/// Drawings may be constant, and need not be smooth.
+bool is_drawing(const ResidualContext& context) {
+  return context.cost.where.kind == TermPlace::Kind::kDrawing;
+}
+
 /// The rows, operands and names of a residual in expressions.
 ExpressionResidualText text_of(const ExpressionRowsSpec& rows,
                                std::vector<ExpressionOperand> operands,
@@ -123,7 +128,7 @@ ExpressionResidualText text_of(const ExpressionRowsSpec& rows,
     text.definitions = own->text.definitions;
   }
   for (const ExpressionText& row : rows.texts) text.rows.push_back(row.text);
-  text.constants = context.spec.first_free_duration() != nullptr;
+  text.constants = context.spec.first_free_duration() != nullptr || is_drawing(context);
   text.durations = free_durations(context);
   return text;
 }
@@ -192,7 +197,7 @@ std::optional<CostResidual> make_rows(const ExpressionRowsSpec& rows,
   for (const ModelMessage& message : parsed.errors)
     report(message, Severity::kError, rows, context);
   for (const ModelMessage& message : parsed.warnings)
-    report(message, Severity::kWarning, rows, context);
+    if (!is_drawing(context)) report(message, Severity::kWarning, rows, context);
   if (!parsed.residual) return std::nullopt;
   CostResidual result;
   result.residual = parsed.residual;

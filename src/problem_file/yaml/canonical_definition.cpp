@@ -7,8 +7,8 @@
 namespace conddp {
 namespace {
 
-constexpr std::string_view kNotOfTheProblem[] = {"name",         "description", "initial_guess",
-                                                 "perturbation", "solver",      "mpc"};
+constexpr std::string_view kNotOfTheProblem[] = {
+    "name", "description", "initial_guess", "perturbation", "solver", "mpc", "draw"};
 
 std::string dump(const nlohmann::json& json) {
   return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);

@@ -8,8 +8,8 @@
 
 namespace conddp {
 
-/// True for top-level keys that define the problem itself. Keys of its solution or naming are
-/// excluded: name, description, initial_guess, perturbation, solver, mpc.
+/// True for top-level keys that define the problem itself. Keys of its solution, naming or drawing
+/// are excluded: name, description, initial_guess, perturbation, solver, mpc, draw.
 bool is_of_the_problem(std::string_view key);
 
 /// Canonical text of the part of a document that defines the problem (is_of_the_problem). Comments,

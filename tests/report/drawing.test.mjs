@@ -1,0 +1,75 @@
+// Drawings of the problem file, views and files of the scene: node --test drawing.test.mjs
+// browser.mjs lists the requirements.
+import assert from 'node:assert/strict';
+import {readFileSync} from 'node:fs';
+import {join} from 'node:path';
+import {test} from 'node:test';
+import {open, ours, solve, source, until} from './browser.mjs';
+
+const problem = name => join(source, 'problems', `${name}.yaml`);
+
+/// Direction from the motion to the camera.
+const direction = page => page.evaluate(() => {
+  const {camera, controls} = window.conddp.viewer;
+  return camera.position.clone().sub(controls.target).normalize().toArray().map(x => Math.round(x * 100) / 100 + 0);
+});
+
+test('drawings follow the motion in the plane, which is seen from above', async () => {
+  const {solution, page: file} = solve(problem('trailer_parking'), 'trailer');
+  const {page, context, complaints, requests} = await open(file);
+  assert.deepEqual(await direction(page), [0, 0, 1]);
+  const columns = solution.trajectory.columns.x;
+  const k = 50, x = name => solution.trajectory.x[k][columns.indexOf(name)];
+  await page.evaluate(t => window.conddp.player.seek(t), solution.trajectory.t[k]);
+  const shown = await page.evaluate(() => {
+    const {bodies, lines} = window.conddp.viewer.robot;
+    const car = bodies.find(body => body.name === 'car');
+    const shaft = lines.find(line => line.object.name === 'shaft');
+    const ends = shaft.object.geometry.attributes;
+    return {at: car.position.toArray(), angle: 2 * Math.atan2(car.quaternion.z, car.quaternion.w), corners: shaft.now,
+            last: [ends.instanceEnd.getX(1), ends.instanceEnd.getY(1)]};
+  });
+  const near = (found, expected) => assert.ok(Math.abs(found - expected) < 1e-5, `${found} ${expected}`);
+  near(shown.at[0], x('x'));
+  near(shown.at[1], x('y'));
+  near(shown.angle, x('theta'));
+  near(shown.corners[3], x('x') - Math.cos(x('theta')));
+  near(shown.last[0], x('x') - Math.cos(x('theta')) - 4 * Math.cos(x('psi')));
+  near(shown.last[1], shown.corners[7]);
+  // Scenery is in the picture, and is no obstacle of the problem.
+  const opaque = await page.evaluate(() =>
+      window.conddp.viewer.obstacles.root.getObjectByName('left_car').material.transparent);
+  assert.equal(opaque, false);
+  assert.deepEqual(ours(complaints), []);
+  assert.deepEqual(requests, []);
+  await context.close();
+});
+
+test('buttons show the motion from the front, the side and the top', async () => {
+  const {page: file} = solve(problem('cartpole_swingup'), 'views');
+  const {page, context} = await open(file);
+  const first = await direction(page);
+  for (const [name, expected] of [['Front', [1, 0, 0]], ['Side', [0, -1, 0]], ['Top', [0, 0, 1]], ['Reset', first]]) {
+    await page.getByRole('button', {name, exact: true}).click();
+    assert.deepEqual(await direction(page), expected, name);
+  }
+  await context.close();
+});
+
+test('the view is saved as a picture and the motion as a video', async () => {
+  const {page: file} = solve(problem('hopper_jump'), 'saved');
+  const {page, context, complaints} = await open(file);
+  const button = name => page.locator('.switches').getByRole('button', {name, exact: true});
+  const [picture] = await Promise.all([page.waitForEvent('download'), button('PNG').click()]);
+  assert.equal(picture.suggestedFilename(), 'hopper_jump.png');
+  assert.equal(readFileSync(await picture.path()).subarray(1, 4).toString(), 'PNG');
+  const [video] = await Promise.all([page.waitForEvent('download'), button('Video').click()]);
+  assert.equal(video.suggestedFilename(), 'hopper_jump.webm');
+  const bytes = readFileSync(await video.path());
+  assert.deepEqual([...bytes.subarray(0, 4)], [0x1a, 0x45, 0xdf, 0xa3], 'the mark of Matroska files');
+  assert.ok(bytes.length > 5000, String(bytes.length));
+  await until(page, () => !window.conddp.player.playing);
+  assert.equal(await button('Video').count(), 1);
+  assert.deepEqual(ours(complaints), []);
+  await context.close();
+});
