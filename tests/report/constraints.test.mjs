@@ -115,7 +115,7 @@ test('the stages of a solver are marked, its counts drawn and its diagnosis is i
                    log.map(row => (row.constraint_penalty > 0 ? row.constraint_penalty : null)));
   const active = await plot(page, 'Active set');
   assert.deepEqual(active.lines.find(l => l.name === 'active rows').values, log.map(row => row.active_rows));
-  const words = (await page.textContent('#diagnosis')).toLowerCase();
+  const words = (await page.textContent('.diagnosis')).toLowerCase();
   assert.ok(words.includes(solution.diagnosis.message.toLowerCase()), words);
   assert.ok((await page.textContent('#certificate')).includes(`All ${solution.certificate.checks.length} statements`));
   assert.deepEqual(ours(complaints), []);

@@ -73,3 +73,31 @@ test('the view is saved as a picture and the motion as a video', async () => {
   assert.deepEqual(ours(complaints), []);
   await context.close();
 });
+
+test('impulses are marked on the time line', async () => {
+  const {solution, page: file} = solve(problem('hopper_jump'), 'impulses');
+  const {page, context} = await open(file);
+  const {t, contact_forces: forces} = solution.trajectory;
+  const expected = Object.entries(forces).map(([name, list]) => [name, list.filter((f, k) => f && t[k + 1] === t[k]).length]);
+  const marks = await page.evaluate(() => [...document.querySelectorAll('#band .row')].slice(1).map(
+      row => [row.querySelector('.name').textContent, row.querySelectorAll('.impulse').length]));
+  assert.deepEqual(marks, expected);
+  assert.ok(expected.some(([, count]) => count > 0));
+  assert.match(await page.locator('#band .impulse').first().getAttribute('title'), /impulse of [\d.]+ Ns at/);
+  await context.close();
+});
+
+test('limits are shaded when they hold', async () => {
+  const {page: file} = solve(problem('car_parking_goal'), 'limits', '--set',
+      'constraints.late={bounds: control, upper: {acceleration: 1.5}, phases: b}', '--set',
+      'phases=[{name: a, knots: 50, dt: 0.15}, {name: b, knots: 50, dt: 0.15}]');
+  const {page, context} = await open(file);
+  const limits = await page.evaluate(() => {
+    const {lines} = window.conddp.plots.find(p => p.lines.some(l => l.name === 'acceleration'));
+    return lines.find(l => l.name === 'acceleration').limit;
+  });
+  assert.equal(limits.upper.length, 100);
+  limits.upper.forEach((limit, k) => assert.equal(limit, k < 50 ? 2 : 1.5, `knot ${k}`));
+  assert.ok(limits.lower.every(limit => limit === -2));
+  await context.close();
+});

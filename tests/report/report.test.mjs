@@ -396,7 +396,7 @@ test('an answer that diverged is shown without complaint', async () => {
   assert.equal(solution.status, 'diverged');
   const {page, context, complaints} = await open(file);
   assert.equal(await page.textContent('#status'), 'diverged');
-  assert.ok((await page.textContent('#diagnosis')).length > 20);
+  assert.ok((await page.textContent('#head .diagnosis')).length > 20);
   await page.keyboard.press('End');
   assert.deepEqual(ours(complaints), []);
   await context.close();

@@ -24,14 +24,17 @@ function join(parts) {
   const [x, ...values] = uPlot.join(parts.map(({lines}, i) => [axes[i], ...lines.map(l => l.values)]),
                                     parts.map(({lines}) => [0, ...lines.map(() => 2)]));
   const place = new Map(x.map((value, i) => [value, i]));
-  const spread = (flags, axis) => {
-    if (!flags) return undefined;
-    const all = Array(x.length).fill(false);
-    flags.forEach((flag, k) => { all[place.get(axis[k])] = flag; });
+  const spread = (list, axis) => {
+    if (!Array.isArray(list)) return list;
+    const all = Array(x.length).fill(null);
+    list.forEach((value, k) => { all[place.get(axis[k])] = value; });
     return all;
   };
-  return {x, lines: lines.map(({line, axis}, i) => ({
-    ...line, values: values[i], clamped: spread(line.clamped, axis), violated: spread(line.violated, axis)}))};
+  return {x, lines: lines.map(({line, axis}, i) => {
+    const of = list => spread(list, axis);
+    const limit = line.limit && {lower: of(line.limit.lower), upper: of(line.limit.upper)};
+    return {...line, values: values[i], clamped: of(line.clamped), violated: of(line.violated), limit};
+  })};
 }
 
 /// Pads a list with null at missing nodes: controls end before the last node.

@@ -15,7 +15,7 @@ function violationLines(solution) {
     name,
     values: violation.map(v => (v === null ? null : Math.max(v, floor))),
     violated: violation.map(v => v > tolerance),
-    limit: {lower: null, upper: tolerance},
+    limit: {lower: null, upper: solution.curves.t.map(() => tolerance)},
   }));
 }
 

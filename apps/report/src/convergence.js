@@ -1,5 +1,7 @@
-// Convergence of the solver: the columns of its log over iterations, its stages, and the diagnosis.
+// Convergence of the solver: the columns of its log over iterations, its stages, and the diagnosis of
+// a success.
 import {element} from './dom.js';
+import {diagnoses} from './summary.js';
 
 /// Iterations at which a homotopy advances, a restoration of feasibility begins, a solver updates
 /// its multipliers, or Newton's method begins.
@@ -14,19 +16,6 @@ export function stageMarks(log) {
     if (row.newton > 0 && before.newton === 0) marks.push({at: row.iteration, text: 'Newton'});
   });
   return marks;
-}
-
-function diagnosisText({head}) {
-  const {message, remedy} = head.diagnosis ?? {};
-  return [message, remedy].filter(part => part).map(part => part[0].toUpperCase() + part.slice(1)).join('. ');
-}
-
-function diagnoses(solutions) {
-  return element('div', {id: 'diagnosis'}, ...solutions.map(solution => {
-    const text = diagnosisText(solution);
-    if (!text) return null;
-    return element('p', {}, solutions.length > 1 ? element('b', {}, `${solution.label}: `) : null, `${text}.`);
-  }));
 }
 
 /// Lines of log columns: [name, column], or [name, column, true] without values that are not
@@ -45,7 +34,7 @@ export function addConvergence(collection) {
   const {solutions} = collection;
   const staged = stageMarks(solutions[0].head.log).length > 0;
   collection.heading('Convergence');
-  collection.holder.append(diagnoses(solutions));
+  collection.holder.append(diagnoses(solutions, true) ?? '');
   if (staged)
     collection.holder.append(element('p', {class: 'hint'},
         'Upright lines: updates of the multipliers with their number, where Newton’s method begins, s of a homotopy, and restorations of feasibility' +

@@ -36,13 +36,13 @@ function rangeWith(soft) {
 
 /// The range of a logarithmic axis, including limits.
 const rangeWithLimits = lines => (u, low, high) => {
-  const tops = lines.map(l => l.limit?.upper).filter(x => x > 0);
+  const tops = lines.flatMap(l => l.limit?.upper ?? []).filter(x => x > 0);
   return low === null ? [null, null] : uPlot.rangeLog(low, Math.max(high, ...tops.map(t => 10 * t)), 10, true);
 };
 
 export class Plot {
   /// `lines`: {label, values, color, dash, solution, steps, limit: {lower, upper}, clamped,
-  /// violated}. With a player, the plot shows its time, and a click sets the time. `marks`: {at,
+  /// violated}; a limit is one number or a list over the points. With a player, the plot shows its time, and a click sets the time. `marks`: {at,
   /// text}.
   constructor(holder, {title, unit, hint, x, xLabel, xUnit, lines, log = false, soft = null, player = null, marks = []}) {
     this.title = title;
@@ -81,7 +81,7 @@ export class Plot {
       legend: {live: true},
       hooks: {
         drawClear: [u => {
-          if (lines.some(l => l.limit)) shadeLimits(u, lines.map(l => l.limit ?? null));
+          shadeLimits(u, lines);
         }],
         setCursor: player ? [u => player.point(u.cursor.left >= 0 ? u.posToVal(u.cursor.left, 'x') : null)] : [],
         draw: [u => {

@@ -12,29 +12,60 @@ function inside(u, draw) {
   ctx.restore();
 }
 
-/// Shades the area outside the limits of all visible lines.
-export const shadeLimits = (u, limits) => inside(u, (ctx, bbox) => {
-  const shown = limits.filter((limit, i) => limit && u.series[i + 1].show);
-  const bottoms = shown.map(l => l.lower).filter(x => x !== null);
-  const tops = shown.map(l => l.upper).filter(x => x !== null);
-  ctx.fillStyle = color('grid');
-  if (bottoms.length === shown.length && bottoms.length > 0) {
-    const y = u.valToPos(Math.min(...bottoms), 'y', true);
-    ctx.fillRect(bbox.left, y, bbox.width, bbox.top + bbox.height - y);
+const isNumber = value => value !== null && value !== undefined;
+
+/// A line's lower or upper limit at each point of the axis; null where it has none. A limit that is
+/// one number holds where the line has values.
+function courseOf(u, i, limit) {
+  if (Array.isArray(limit)) return u.data[0].map((_, k) => limit[k] ?? null);
+  return u.data[i + 1].map(value => (isNumber(value) ? limit ?? null : null));
+}
+
+/// The weakest of the lines' limits at each point; null where a line has values but no limit.
+function weakest(u, indices, courses, upper) {
+  return u.data[0].map((_, k) => {
+    const here = indices.map((_, c) => c).filter(c => isNumber(courses[c][k]) || isNumber(u.data[indices[c] + 1][k]))
+        .map(c => courses[c][k]);
+    if (here.length === 0 || here.includes(null)) return null;
+    return upper ? Math.max(...here) : Math.min(...here);
+  });
+}
+
+/// Calls draw(left, right, y) for each interval with the same value, in pixels. A value at a single
+/// point is drawn around it. `steps`: values hold until the next point.
+function forRuns(u, values, steps, draw) {
+  const x = u.data[0], at = k => u.valToPos(x[k], 'x', true);
+  for (let k = 0; k < x.length; ++k) {
+    if (values[k] === null) continue;
+    let last = k;
+    while (last + 1 < x.length && values[last + 1] === values[k]) ++last;
+    const end = steps ? Math.min(last + 1, x.length - 1) : last;
+    const half = end > k ? 0 : 3 * devicePixelRatio;
+    draw(at(k) - half, at(end) + half, u.valToPos(values[k], 'y', true));
+    k = last;
   }
-  if (tops.length === shown.length && tops.length > 0) {
-    const y = u.valToPos(Math.max(...tops), 'y', true);
-    ctx.fillRect(bbox.left, bbox.top, bbox.width, y - bbox.top);
-  }
-  ctx.strokeStyle = color('faint');
-  ctx.setLineDash([4, 4]);
-  ctx.lineWidth = 1;
-  for (const value of new Set([...bottoms, ...tops])) {
-    const y = u.valToPos(value, 'y', true);
-    ctx.beginPath();
-    ctx.moveTo(bbox.left, y);
-    ctx.lineTo(bbox.left + bbox.width, y);
-    ctx.stroke();
+}
+
+/// Shades the area outside the limits of all visible lines, where and when they hold.
+export const shadeLimits = (u, lines) => inside(u, (ctx, bbox) => {
+  const indices = [...lines.keys()].filter(i => lines[i].limit && u.series[i + 1].show);
+  for (const side of ['lower', 'upper']) {
+    const courses = indices.map(i => courseOf(u, i, lines[i].limit[side]));
+    const edge = side === 'upper' ? bbox.top : bbox.top + bbox.height;
+    const steps = indices.some(i => lines[i].steps);
+    ctx.fillStyle = color('grid');
+    forRuns(u, weakest(u, indices, courses, side === 'upper'), steps,
+            (left, right, y) => ctx.fillRect(left, Math.min(y, edge), right - left, Math.abs(edge - y)));
+    ctx.strokeStyle = color('faint');
+    ctx.setLineDash([4, 4]);
+    ctx.lineWidth = 1;
+    for (const course of courses)
+      forRuns(u, course, steps, (left, right, y) => {
+        ctx.beginPath();
+        ctx.moveTo(left, y);
+        ctx.lineTo(right, y);
+        ctx.stroke();
+      });
   }
 });
 

@@ -70,13 +70,11 @@ function addColumns(collection, key, {steps, limits, controls = limits, wanted =
     });
 }
 
-/// The tightest limits of a column over all knots, and the knots at a limit.
+/// The limits of a column, and the knots at a limit.
 function limitOf(values, lower, upper) {
-  const numbers = list => list.filter(v => v !== null);
-  const low = numbers(lower), high = numbers(upper);
-  if (low.length === 0 && high.length === 0) return {};
+  if ([...lower, ...upper].every(v => v === null)) return {};
   return {
-    limit: {lower: low.length ? Math.max(...low) : null, upper: high.length ? Math.min(...high) : null},
+    limit: {lower, upper},
     clamped: values.map((v, k) => v !== null && [lower[k], upper[k]].some(bound =>
         bound !== null && bound !== undefined && Math.abs(v - bound) <= 1e-6 * Math.max(1, Math.abs(bound)))),
   };

@@ -3,6 +3,19 @@ import {element, figure, table} from './dom.js';
 
 const fact = (name, value) => element('li', {}, `${name} `, element('b', {}, value));
 
+const isGood = ({head}) => head.status === 'converged' || head.status === 'cost_settled';
+
+/// What the solver's log says about solutions that succeeded or failed, and what to try.
+export function diagnoses(solutions, succeeded) {
+  const said = solutions.filter(solution => isGood(solution) === succeeded && solution.head.diagnosis?.message);
+  if (said.length === 0) return null;
+  return element('div', {class: 'diagnosis'}, ...said.map(({label, head}) => {
+    const sentences = [head.diagnosis.message, head.diagnosis.remedy].filter(part => part)
+        .map(part => `${part[0].toUpperCase()}${part.slice(1)}.`);
+    return element('p', {}, solutions.length > 1 ? element('b', {}, `${label}: `) : null, sentences.join(' '));
+  }));
+}
+
 /// `batch`: the name of the batch that contains the solutions, if any.
 export function writeHead(holder, batch, solutions, themeButton) {
   const name = batch ?? solutions[0].head.problem.name;
@@ -10,8 +23,8 @@ export function writeHead(holder, batch, solutions, themeButton) {
   holder.append(themeButton, element('h1', {}, name));
   const {head} = solutions.length === 1 && batch === undefined ? solutions[0] : {};
   if (head) {
-    const good = head.status === 'converged' || head.status === 'cost_settled';
-    holder.append(element('span', {class: `status ${good ? 'good' : ''}`, id: 'status'}, head.status));
+    const good = isGood(solutions[0]) ? 'good' : '';
+    holder.append(element('span', {class: `status ${good}`, id: 'status'}, head.status));
     const r = head.residuals;
     holder.append(element('ul', {class: 'facts'},
         fact('solver', head.solver), fact('cost', figure(head.cost, 8)),
@@ -25,6 +38,7 @@ export function writeHead(holder, batch, solutions, themeButton) {
     if (remark) holder.append(element('p', {class: 'remark'}, `${label}: ${remark}`));
   if (head?.message)
     holder.append(element('p', {id: 'message'}, head.message));
+  holder.append(diagnoses(solutions, false) ?? '');
 }
 
 /// One row per solution, with switches for their lines and robots.

@@ -25,6 +25,26 @@ function stances(t, forces) {
   return spans;
 }
 
+/// The impulses on a contact, Ns: forces at knots without duration.
+function impulses(t, forces) {
+  const list = [];
+  forces.forEach((force, k) => {
+    if (force && force[0] !== null && t[k + 1] === t[k])
+      list.push({at: t[k], size: Math.hypot(force[0], force[1], force[2])});
+  });
+  return list;
+}
+
+/// The row of a contact: when it holds, and its impulses.
+function contactRow({name, forces}, t, duration) {
+  const row = element('div', {class: 'row'}, element('span', {class: 'name', title: name}, name));
+  for (const [from, to] of stances(t, forces))
+    row.append(bar(from, to, duration, {title: `${name} holds from ${figure(from)} to ${figure(to)} s`}));
+  for (const {at, size} of impulses(t, forces))
+    row.append(bar(at, at, duration, {class: 'bar impulse', title: `${name}: impulse of ${figure(size)} Ns at ${figure(at)} s`}));
+  return row;
+}
+
 export class Timeline {
   /// `events`: {row, from, to, text} of a closed loop; events of the same row are next to each
   /// other.
@@ -57,12 +77,7 @@ export class Timeline {
     });
     // Bars occupy the part to the right of the names.
     band.append(phases);
-    for (const {name, forces} of solution.contacts) {
-      const row = element('div', {class: 'row'}, element('span', {class: 'name', title: name}, name));
-      for (const [from, to] of stances(t, forces))
-        row.append(bar(from, to, duration, {title: `${name} holds from ${figure(from)} to ${figure(to)} s`}));
-      band.append(row);
-    }
+    for (const entry of solution.contacts) band.append(contactRow(entry, t, duration));
     for (const name of new Set(events.map(event => event.row))) {
       const row = element('div', {class: 'row events'}, element('span', {class: 'name', title: name}, name));
       for (const {from, to, text} of events.filter(event => event.row === name))
