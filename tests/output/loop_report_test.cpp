@@ -108,6 +108,25 @@ TEST(LoopReport, ShowsEachTicksPlanToItsHorizon) {
   EXPECT_EQ(plans["track"].size(), 3u * nodes);
 }
 
+TEST(LoopReport, DrawsPlantAndPlansWithTheirControls) {
+  const ReportedLoop loop(
+      kBalancedCartpole,
+      {"draw={push: {line: [[x, 0, 0], [x + force, 0, 0]]}, tip: {at: [x, force, 1]}}"});
+  const OrderedJson& scene = loop.plant()["scene"];
+  const OrderedJson& curves = loop.plant()["curves"];
+  const OrderedJson& positions = scene["lines"][0]["positions"];
+  const std::size_t bodies = scene["bodies"].size();
+  for (const std::size_t k : {std::size_t{0}, std::size_t{10}, std::size_t{50}}) {
+    const double force = curves["u"]["values"][0][k].get<double>();
+    EXPECT_NEAR(positions[6 * k + 3].get<double>() - positions[6 * k].get<double>(), force, 1e-6);
+    EXPECT_NEAR(scene["poses"][7 * bodies * (k + 1) - 6].get<double>(), force, 1e-6);
+  }
+  // The plan of the first tick begins with the control that the plant gets.
+  const OrderedJson& plans = loop.data["loop"]["plans"];
+  const auto node = plans["list"][1]["first"].get<std::size_t>();
+  EXPECT_NE(plans["poses"][7 * bodies * (node + 1) - 6], 0.0);
+}
+
 TEST(LoopReport, HasNoPlanUnderTheFallback) {
   const ReportedLoop loop(kBalancedCartpole,
                           {"mpc.fallback={after: 2, to: {values: {theta: 3.141592653589793}}}"},

@@ -45,15 +45,16 @@ std::vector<PlantRow> rows_of(const ClosedLoopResult& result) {
   return rows;
 }
 
-/// States as a trajectory; controls that are not given are 0.
+/// States and controls as a trajectory. Controls of another size, of impulses, are 0.
 Trajectory trajectory_of(const std::vector<const std::vector<double>*>& states, int nu,
-                         const std::vector<const std::vector<double>*>& controls = {}) {
+                         const std::vector<const std::vector<double>*>& controls) {
   const int nodes = static_cast<int>(states.size());
   Trajectory trajectory(static_cast<int>(states.front()->size()), std::vector<int>(nodes - 1, nu));
   for (int k = 0; k < nodes; ++k)
     trajectory.x(k) = Eigen::Map<const Eigen::VectorXd>(states[k]->data(), trajectory.x(k).size());
-  for (std::size_t k = 0; k < controls.size(); ++k)
-    trajectory.u(static_cast<int>(k)) = Eigen::Map<const Eigen::VectorXd>(controls[k]->data(), nu);
+  for (int k = 0; k + 1 < nodes; ++k)
+    if (static_cast<int>(controls[k]->size()) == nu)
+      trajectory.u(k) = Eigen::Map<const Eigen::VectorXd>(controls[k]->data(), nu);
   return trajectory;
 }
 
@@ -242,7 +243,7 @@ class Events {
 /// first body.
 OrderedJson plans_json(const LoopTask& task, const std::vector<RecordedPlan>& plans) {
   OrderedJson list = OrderedJson::array();
-  std::vector<const std::vector<double>*> states;
+  std::vector<const std::vector<double>*> states, controls;
   std::vector<double> times;
   for (const RecordedPlan& plan : plans) {
     times.insert(times.end(), plan.times.begin(), plan.times.end());
@@ -252,11 +253,13 @@ OrderedJson plans_json(const LoopTask& task, const std::vector<RecordedPlan>& pl
          {"nodes", plan.x.size()},
          {"until", plan.times.empty() ? OrderedJson() : eight_digits(plan.times.back())}});
     for (const std::vector<double>& x : plan.x) states.push_back(&x);
+    for (const std::vector<double>& u : plan.u) controls.push_back(&u);
   }
   OrderedJson json = {{"list", std::move(list)}, {"poses", nullptr}, {"track", nullptr}};
   if (states.empty()) return json;
   OrderedJson scene = motion_scene(
-      task.built, trajectory_of(states, static_cast<int>(task.built.control_columns.size())),
+      task.built,
+      trajectory_of(states, static_cast<int>(task.built.control_columns.size()), controls),
       knots_at(task, times));
   if (scene.is_null() || (scene["com"].empty() && scene["paths"].empty())) return json;
   json["poses"] = std::move(scene["poses"]);
@@ -283,7 +286,9 @@ void PlanRecorder::record(const Mpc& mpc) {
   for (const int k : thinned(plan->trajectory.knots() + 1, kMostPlanNodes)) {
     kept.times.push_back(plan->times[k]);
     const auto x = plan->trajectory.x(k);
+    const auto u = plan->trajectory.u(std::min(k, plan->trajectory.knots() - 1));
     kept.x.emplace_back(x.data(), x.data() + x.size());
+    kept.u.emplace_back(u.data(), u.data() + u.size());
   }
 }
 

@@ -11,6 +11,7 @@ struct RecordedPlan {
   double from = 0;                     ///< time of the tick, s
   std::vector<double> times;           ///< of the nodes, s; empty under the fallback
   std::vector<std::vector<double>> x;  ///< one per node
+  std::vector<std::vector<double>> u;  ///< at the node or, at the last one, before it
 };
 
 /// Records plans of a loop for its page, thinned out if there are many ticks.
