@@ -258,6 +258,27 @@ test('a click in the legend hides a line', async () => {
   await context.close();
 });
 
+test('a field shows the lines of many joints by name', async () => {
+  const {page: file} = solve(join(source, 'problems/biped_squat.yaml'), 'filter');
+  const {page, context, complaints} = await open(file);
+  const shown = () => page.evaluate(() => {
+    const plot = window.conddp.plots.find(p => p.title === 'Joint positions');
+    return plot.lines.filter((_, i) => plot.u.series[i + 1].show).map(line => line.label);
+  });
+  const before = await shown();
+  const figure = page.locator('figure', {hasText: 'Joint positions'});
+  await figure.locator('input').fill('knee');
+  assert.deepEqual(await shown(), ['l_knee', 'r_knee']);
+  assert.equal(await figure.locator('.u-legend .u-series:visible').count(), 3, 'with the time');
+  await page.keyboard.type('d');
+  assert.equal(await page.getAttribute('html', 'data-theme'), 'light', 'keys are text there');
+  await figure.locator('input').fill('');
+  assert.deepEqual(await shown(), before);
+  assert.equal(await page.locator('figure', {hasText: 'Base position'}).locator('input').count(), 0);
+  assert.deepEqual(ours(complaints), []);
+  await context.close();
+});
+
 test('on paper the page is light and has no buttons', async () => {
   const {page: file} = solve(join(source, 'problems/hopper_jump.yaml'), 'paper');
   const {page, context, complaints} = await open(file, {colorScheme: 'dark'});

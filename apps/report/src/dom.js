@@ -53,6 +53,9 @@ export function shape(tag, attributes = {}, ...children) {
   return node;
 }
 
+/// True if a key is input of a field.
+export const isTyping = event => /^(INPUT|SELECT|TEXTAREA)$/.test(event.target.tagName);
+
 /// A selection list; `names` are in the order of their numbers.
 export function choice(label, names, chosen, change) {
   const select = element('select', {'aria-label': label, onchange: () => change(Number(select.value))},

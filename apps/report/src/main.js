@@ -1,7 +1,7 @@
 import {batchSection} from './batch.js';
 import {benchTable} from './bench.js';
 import {readData} from './data.js';
-import {element} from './dom.js';
+import {element, isTyping} from './dom.js';
 import {loopSection, writeLoopFoot, writeLoopHead} from './loop.js';
 import {Player} from './player.js';
 import {makePlots} from './plots.js';
@@ -57,7 +57,7 @@ function start() {
     writeFoot(byId('foot'), solutions);
   }
   document.addEventListener('keydown', event => {
-    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    if (event.ctrlKey || event.metaKey || event.altKey || isTyping(event)) return;
     if (event.key === 'f' || event.key === 'F') shown?.viewer.followButton?.click();
     if (event.key === 'd' || event.key === 'D') changeTheme();
   });

@@ -5,6 +5,9 @@ import {drawMarks, markClamped, markViolated, shadeLimits} from './plot_marks.js
 
 const height = 210;
 
+/// Plots with more lines have a field that filters them by name.
+const manyLines = 8;
+
 /// At most seven powers of ten between two numbers: ticks of a logarithmic axis.
 function powersOfTen(u, axis, low, high) {
   const first = Math.ceil(Math.log10(low) - 1e-9), last = Math.floor(Math.log10(high) + 1e-9);
@@ -93,8 +96,27 @@ export class Plot {
     };
     this.u = new uPlot(options, [x, ...lines.map(l => l.values)], this.figure);
     if (player) this.addNeedle();
+    if (lines.length > manyLines) this.addFilter(save);
     this.observer = new ResizeObserver(() => this.resize(holder));
     this.observer.observe(holder);
+  }
+
+  /// Adds a field before a button: it shows only lines whose names contain its text, and without text
+  /// those of before.
+  addFilter(button) {
+    let before = null;
+    const field = element('input', {type: 'search', placeholder: 'filter', 'aria-label': 'Show lines whose names contain',
+                                    oninput: () => {
+      const rows = [...this.figure.querySelectorAll('.u-legend .u-series')].slice(1);
+      before ??= this.lines.map((_, i) => this.u.series[i + 1].show);
+      this.lines.forEach((line, i) => {
+        const match = line.label.toLowerCase().includes(field.value.toLowerCase());
+        rows[i].hidden = !match;
+        this.u.setSeries(i + 1, {show: field.value ? match : before[i]});
+      });
+      if (!field.value) before = null;
+    }});
+    button.before(field);
   }
 
   addNeedle() {

@@ -1,5 +1,5 @@
 // Play controls, and the bands of phases and contacts on a common time axis.
-import {element, figure} from './dom.js';
+import {element, figure, isTyping} from './dom.js';
 import {nodeAt, phaseAt} from './data.js';
 
 const speeds = [0.1, 0.25, 0.5, 1, 2];
@@ -133,8 +133,7 @@ export class Timeline {
       ']': () => this.changeSpeed(1),
     };
     document.addEventListener('keydown', event => {
-      if (event.ctrlKey || event.metaKey || event.altKey) return;
-      if (/^(INPUT|SELECT|TEXTAREA)$/.test(event.target.tagName)) return;
+      if (event.ctrlKey || event.metaKey || event.altKey || isTyping(event)) return;
       if (event.key === ' ' && event.target.tagName === 'BUTTON') return;
       const action = actions[event.key];
       if (!action) return;
