@@ -371,14 +371,15 @@ template <class S>
 void subtract_contact_derivative(const RobotModel& model, const Contact& contact,
                                  const ContactData<S>& at, AlignedVector<S>& tau_q) {
   const bool moves_base = !at.base_jacobian.empty();
-  for_each_force_change(
-      contact, at, [&](int at_column, const Force<S>& turned, const Force<S>& moved) {
-        for_each_dof(at, [&](int row, int at_row) {
-          S& entry = tau_q[at_column * model.nv + at_row];
-          entry -= dot(linear(at.frame_jacobian, row), turned.linear);
-          if (moves_base) entry -= dot(load_motion(at.base_jacobian.data(), row), moved);
-        });
-      });
+  for_each_force_change(contact, at,
+                        [&](int at_column, const Force<S>& turned, const Force<S>& moved) {
+                          for_each_dof(at, [&](int row, int at_row) {
+                            S& entry = tau_q[at_column * model.nv + at_row];
+                            entry -= dot(linear(at.frame_jacobian, row), turned.linear);
+                            if (moves_base)
+                              entry -= dot(load_motion(at.base_jacobian.data(), row), moved);
+                          });
+                        });
 }
 
 template <class S>
@@ -391,10 +392,10 @@ void subtract_contact_gradient(const RobotModel& /*model*/, const Contact& conta
     velocity += w[at_row] * linear(at.frame_jacobian, row);
     if (moves_base) of_base += w[at_row] * load_motion(at.base_jacobian.data(), row);
   });
-  for_each_force_change(
-      contact, at, [&](int at_column, const Force<S>& turned, const Force<S>& moved) {
-        wrt_q[at_column] -= dot(velocity, turned.linear) + dot(of_base, moved);
-      });
+  for_each_force_change(contact, at,
+                        [&](int at_column, const Force<S>& turned, const Force<S>& moved) {
+                          wrt_q[at_column] -= dot(velocity, turned.linear) + dot(of_base, moved);
+                        });
 }
 
 #define CONDDP_INSTANTIATE(S)                                                                \
@@ -411,10 +412,10 @@ void subtract_contact_gradient(const RobotModel& /*model*/, const Contact& conta
   template void set_contact_force(const Contact&, const S*, ContactData<S>&);                \
   template void add_contact_wrench(const RobotModel&, const Contact&, const ContactData<S>&, \
                                    AlignedVector<Force<S>>&);                                \
-  template void subtract_contact_derivative(const RobotModel&, const Contact&,             \
-                                              const ContactData<S>&, AlignedVector<S>&);     \
-  template void subtract_contact_gradient(const RobotModel&, const Contact&,               \
-                                            const ContactData<S>&, const S*, AlignedVector<S>&);
+  template void subtract_contact_derivative(const RobotModel&, const Contact&,               \
+                                            const ContactData<S>&, AlignedVector<S>&);       \
+  template void subtract_contact_gradient(const RobotModel&, const Contact&,                 \
+                                          const ContactData<S>&, const S*, AlignedVector<S>&);
 CONDDP_FOR_EACH_KERNEL_SCALAR(CONDDP_INSTANTIATE)
 #undef CONDDP_INSTANTIATE
 

@@ -29,10 +29,10 @@ struct Contact {
   ContactKind kind = ContactKind::point;
   /// The directions below are fixed in the axes of the frame, or in those of the base.
   FrameAxes axes = FrameAxes::world_aligned;
-  Vector3<double> normal{0, 0, 1};            ///< unit vector
-  Vector3<double> tangent{1, 0, 0};           ///< unit vector; planar contacts only
-  double kp = 0;                              ///< 1/s²
-  double kd = 0;                              ///< 1/s
+  Vector3<double> normal{0, 0, 1};                  ///< unit vector
+  Vector3<double> tangent{1, 0, 0};                 ///< unit vector; planar contacts only
+  double kp = 0;                                    ///< 1/s²
+  double kd = 0;                                    ///< 1/s
   SE3<double> reference = SE3<double>::identity();  ///< in the base; used if kp is not 0
 
   FramePair pair() const { return {frame, base}; }
@@ -108,13 +108,13 @@ void add_contact_wrench(const RobotModel& model, const Contact& contact, const C
 /// the body, and forces on the base move relative to it. No effect on other contacts.
 template <class S>
 void subtract_contact_derivative(const RobotModel& model, const Contact& contact,
-                                   const ContactData<S>& at, AlignedVector<S>& tau_q);
+                                 const ContactData<S>& at, AlignedVector<S>& tau_q);
 
 /// The same contracted with w (nv): subtracts the gradient of wᵀ Jᵀ·(forces of the rows) from wrt_q
 /// (nv).
 template <class S>
 void subtract_contact_gradient(const RobotModel& model, const Contact& contact,
-                                 const ContactData<S>& at, const S* w, AlignedVector<S>& wrt_q);
+                               const ContactData<S>& at, const S* w, AlignedVector<S>& wrt_q);
 
 /// The force and torque on the frame's body at the frame's origin (N, Nm), in axes of the base.
 template <class S>

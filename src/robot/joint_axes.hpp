@@ -5,8 +5,8 @@
 namespace conddp {
 
 /// Calls column(motion in root coordinates, joint) for every velocity index that moves a joint's
-/// body, from the tip to the root, or to a joint before the root, which is left out. A floating base
-/// contributes six unit motions.
+/// body, from the tip to the root, or to a joint before the root, which is left out. A floating
+/// base contributes six unit motions.
 template <class S, class F>
 void for_each_axis(const RobotModel& model, const RobotData<S>& data, int joint, int end,
                    F column) {

@@ -19,6 +19,10 @@ SE3<S> placement_in_root(const RobotModel& model, const RobotData<S>& data, int 
   return data.placement[f.joint] * f.placement;
 }
 
+bool base_moves(const RobotModel& model, const FramePair& pair) {
+  return pair.base && model.frames[*pair.base].joint >= 0;
+}
+
 /// Rate of a motion subspace as a joint moves its body; that of a floating base is constant.
 template <class S>
 Motion<S> axis_change(const RobotModel& model, const RobotData<S>& data, int joint) {
@@ -61,9 +65,8 @@ Motion<S> relative_velocity(const RobotModel& model, const RobotData<S>& data,
                             const FramePair& pair, FrameAxes axes) {
   if (!pair.base) return frame_velocity(model, data, pair.frame, axes);
   const SE3<S> m = relative_placement(model, data, pair);
-  const Motion<S> local =
-      frame_velocity(model, data, pair.frame, FrameAxes::local) -
-      act_inverse(m, frame_velocity(model, data, *pair.base, FrameAxes::local));
+  const Motion<S> local = frame_velocity(model, data, pair.frame, FrameAxes::local) -
+                          act_inverse(m, frame_velocity(model, data, *pair.base, FrameAxes::local));
   if (axes == FrameAxes::local) return local;
   return {m.R * local.linear, m.R * local.angular};
 }
@@ -71,9 +74,9 @@ Motion<S> relative_velocity(const RobotModel& model, const RobotData<S>& data,
 template <class S>
 void relative_jacobian(const RobotModel& model, const RobotData<S>& data, const FramePair& pair,
                        S* jacobian, S* of_base) {
-  const RelativeColumns columns(model, pair);
-  if (columns.base_joint < 0)
+  if (!base_moves(model, pair))
     return frame_jacobian(model, data, pair.frame, FrameAxes::local, jacobian);
+  const RelativeColumns columns(model, pair);
   std::fill_n(jacobian, 6 * columns.common, S(0.0));
   if (columns.frame_joint >= 0) {
     const SE3<S> m = placement_in_root(model, data, pair.frame);
@@ -83,7 +86,8 @@ void relative_jacobian(const RobotModel& model, const RobotData<S>& data, const 
                     store(act_inverse(m, axis), jacobian, columns.of_frame(--c));
                   });
   }
-  const SE3<S> m = placement_in_root(model, data, *pair.base) * relative_placement(model, data, pair);
+  const SE3<S> m =
+      placement_in_root(model, data, *pair.base) * relative_placement(model, data, pair);
   int c = columns.base;
   for_each_axis(model, data, columns.base_joint, [&](const Motion<S>& axis, int) {
     const Motion<S> move = -act_inverse(m, axis);
@@ -98,9 +102,9 @@ void relative_jacobian(const RobotModel& model, const RobotData<S>& data, const 
 template <class S>
 void relative_velocity_derivative(const RobotModel& model, const RobotData<S>& data,
                                   const FramePair& pair, S* velocity_q) {
-  const RelativeColumns columns(model, pair);
-  if (columns.base_joint < 0)
+  if (!base_moves(model, pair))
     return frame_velocity_derivative(model, data, pair.frame, FrameAxes::local, velocity_q);
+  const RelativeColumns columns(model, pair);
   std::fill_n(velocity_q, 6 * columns.common, S(0.0));
   const SE3<S> relative = relative_placement(model, data, pair);
   const Motion<S> of_base =
@@ -108,30 +112,28 @@ void relative_velocity_derivative(const RobotModel& model, const RobotData<S>& d
   if (columns.frame_joint >= 0) {
     const SE3<S> m = placement_in_root(model, data, pair.frame);
     int c = columns.frame;
-    for_each_axis(model, data, columns.frame_joint, columns.common_joint,
-                  [&](const Motion<S>& axis, int j) {
-                    const Motion<S> own = act_inverse(m, axis_change(model, data, j));
-                    store(own + cross(act_inverse(m, axis), of_base), velocity_q,
-                          columns.of_frame(--c));
-                  });
+    for_each_axis(
+        model, data, columns.frame_joint, columns.common_joint, [&](const Motion<S>& axis, int j) {
+          const Motion<S> own = act_inverse(m, axis_change(model, data, j));
+          store(own + cross(act_inverse(m, axis), of_base), velocity_q, columns.of_frame(--c));
+        });
   }
   const SE3<S> m = placement_in_root(model, data, *pair.base) * relative;
   int c = columns.base;
-  for_each_axis(model, data, columns.base_joint, columns.common_joint,
-                [&](const Motion<S>& axis, int j) {
-                  const Motion<S> own = act_inverse(m, axis_change(model, data, j));
-                  store(-(own + cross(act_inverse(m, axis), of_base)), velocity_q,
-                        columns.of_base(--c));
-                });
+  for_each_axis(
+      model, data, columns.base_joint, columns.common_joint, [&](const Motion<S>& axis, int j) {
+        const Motion<S> own = act_inverse(m, axis_change(model, data, j));
+        store(-(own + cross(act_inverse(m, axis), of_base)), velocity_q, columns.of_base(--c));
+      });
 }
 
-#define CONDDP_INSTANTIATE(S)                                                                     \
-  template SE3<S> relative_placement(const RobotModel&, const RobotData<S>&, const FramePair&);   \
-  template Motion<S> relative_velocity(const RobotModel&, const RobotData<S>&, const FramePair&,  \
-                                       FrameAxes);                                                \
-  template void relative_jacobian(const RobotModel&, const RobotData<S>&, const FramePair&, S*,   \
-                                  S*);                                                            \
-  template void relative_velocity_derivative(const RobotModel&, const RobotData<S>&,              \
+#define CONDDP_INSTANTIATE(S)                                                                    \
+  template SE3<S> relative_placement(const RobotModel&, const RobotData<S>&, const FramePair&);  \
+  template Motion<S> relative_velocity(const RobotModel&, const RobotData<S>&, const FramePair&, \
+                                       FrameAxes);                                               \
+  template void relative_jacobian(const RobotModel&, const RobotData<S>&, const FramePair&, S*,  \
+                                  S*);                                                           \
+  template void relative_velocity_derivative(const RobotModel&, const RobotData<S>&,             \
                                              const FramePair&, S*);
 CONDDP_FOR_EACH_KERNEL_SCALAR(CONDDP_INSTANTIATE)
 #undef CONDDP_INSTANTIATE

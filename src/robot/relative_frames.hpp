@@ -25,8 +25,12 @@ struct RelativeColumns {
   int common, frame, base;      ///< numbers of columns: of both frames, of each
   int count() const { return frame + base - common; }
   /// Index of a column of the frame, or of the base, among all.
-  int of_frame(int c) const { return c < common || base_joint > frame_joint ? c : base - common + c; }
-  int of_base(int c) const { return c < common || base_joint < frame_joint ? c : frame - common + c; }
+  int of_frame(int c) const {
+    return c < common || base_joint > frame_joint ? c : base - common + c;
+  }
+  int of_base(int c) const {
+    return c < common || base_joint < frame_joint ? c : frame - common + c;
+  }
 };
 
 /// Velocity indices of these columns.
@@ -40,8 +44,9 @@ SE3<S> relative_placement(const RobotModel& model, const RobotData<S>& data, con
 template <class S>
 Motion<S> relative_velocity(const RobotModel& model, const RobotData<S>& data,
                             const FramePair& pair, FrameAxes axes);
-/// Its Jacobian in the axes of the frame, 6 x count(): velocity = J v. Placements must be current. `of_base`: the columns
-/// that the motion of the base alone would have, also of joints that move both; none if null.
+/// Its Jacobian in the axes of the frame, 6 x count(): velocity = J v. Placements must be current.
+/// `of_base`: the columns that the motion of the base alone would have, also of joints that move
+/// both; none if null.
 template <class S>
 void relative_jacobian(const RobotModel& model, const RobotData<S>& data, const FramePair& pair,
                        S* jacobian, S* of_base = nullptr);

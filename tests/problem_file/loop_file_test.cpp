@@ -61,8 +61,8 @@ TEST(LoopFile, OpenLoopsAreErrorsThatCloseThem) {
       << text;
   const std::size_t from = text.find(says);
   ASSERT_NE(from, std::string::npos) << text;
-  const std::string joints = text.substr(from + says.size() - 1,
-                                         text.find('}', from) - from - says.size() + 2);
+  const std::string joints =
+      text.substr(from + says.size() - 1, text.find('}', from) - from - says.size() + 2);
   std::string closed = open;
   const std::size_t at = closed.find("initial_state:");
   closed.replace(at, closed.find('\n', at) - at,
@@ -93,8 +93,8 @@ TEST(LoopFile, ConesCountOnContactsWithTheWorld) {
   ASSERT_TRUE(leg.built) << leg.all();
   const KnotModel& push = *leg.built->problem->knot(0).model;
   EXPECT_EQ(push.costs().size(), 2U);
-  const Loaded named(replaced(kLeg, "costs:\n",
-                              "costs:\n  inner: {residual: contact_force, contacts: ankle}\n"));
+  const Loaded named(
+      replaced(kLeg, "costs:\n", "costs:\n  inner: {residual: contact_force, contacts: ankle}\n"));
   ASSERT_TRUE(named.built) << named.all();
   EXPECT_EQ(named.built->problem->knot(5).model->costs().size(), 2U);
 }
@@ -135,9 +135,9 @@ TEST(LoopFile, ResidualsSeeFramesFromOthers) {
 }
 
 TEST(LoopFile, FramesOfTheFileHaveNewNames) {
-  EXPECT_NE(errors(replaced(kArms, "{tip: {", "{tool: {"))
-                .find("the robot has a frame 'tool' already"),
-            std::string::npos);
+  EXPECT_NE(
+      errors(replaced(kArms, "{tip: {", "{tool: {")).find("the robot has a frame 'tool' already"),
+      std::string::npos);
   EXPECT_NE(errors(replaced(kArms, "on: tip", "on: top")).find("no frame 'arm/top'"),
             std::string::npos);
 }

@@ -49,6 +49,31 @@ TEST(Rewriting, FreeDurationsGetTheirChoice) {
   expect_equal_problems(Loaded{std::string(kFree)}, Loaded(written));
 }
 
+TEST(Rewriting, KnotsCountFromTheirPhases) {
+  std::string written = replaced(kFree, "knots: 6, duration: 1,", "knots: 3, duration: 0.5,");
+  written =
+      replaced(written, "upper: 10}}\n", "upper: 10}}\n  - {name: brake, knots: 3, dt: 0.1}\n");
+  std::string named = replaced(written, "knots: [0, 2]", "knots: [push, brake - 1]");
+  named = replaced(named, "knots: [0, 4]", "knots: [push, brake + 1]");
+  named = replaced(named, "knots: [3]", "knots: [brake]");
+  named = replaced(named, "knot: 6", "knot: brake + 3");
+  expect_equal_problems(Loaded(written), Loaded(named));
+}
+
+TEST(Rewriting, WrongKnotsOfPhasesAreErrors) {
+  const std::pair<const char*, const char*> cases[] = {
+      {"[pull]", "unknown phase 'pull'"},
+      {"[push - 1]", "this is before the first knot"},
+      {"[push + x]", "a knot is a number, a phase, or 'phase + 3'"},
+      {"[push + 6]", "running knots are numbered from 0 to 5"},
+      {"[push + 1, 1]", "1 stands twice in the list"}};
+  for (const auto& [knots, says] : cases) {
+    const Loaded loaded(replaced(kFree, "[3]", knots));
+    EXPECT_FALSE(loaded.built) << knots;
+    EXPECT_NE(loaded.all().find(says), std::string::npos) << loaded.all();
+  }
+}
+
 /// Messages count knots as the file does, before a start or a finer grid moves them.
 TEST(Rewriting, MissingKnotsHaveTheNumbersOfTheFile) {
   const std::string fine = std::string(kFree) + "mesh: {error: 1.0e-3, factor: 2}\n";

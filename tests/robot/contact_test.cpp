@@ -88,7 +88,7 @@ class ContactRows : public testing::TestWithParam<ContactSetting> {
         Contact contact = random_contact(frame, GetParam().kind, GetParam().axes, random);
         contact.kp = GetParam().position_gain ? contact.kp + 1 : 0;
         if (GetParam().loop) {
-          contact.base = frame_elsewhere(entry.model, frame, random.index(100));
+          contact.base = frame_elsewhere(entry.model, frame, random.index(100), 3);
           if (!contact.base) continue;
         }
         // Distances stay within the smooth range of the logarithm.
@@ -215,9 +215,8 @@ TEST_P(ContactRows, MatchTheStabilizedFrameAcceleration) {
       expected = components(rate.of_twist + contact.kd * frame.twist() + contact.kp * error);
     } else {
       const Vector3<double> error = frame.placement.p - contact.reference.p;
-      expected =
-          rows_of_point(contact, frame.placement.R,
-                        rate.of_point + contact.kd * frame.v.linear + contact.kp * error);
+      expected = rows_of_point(contact, frame.placement.R,
+                               rate.of_point + contact.kd * frame.v.linear + contact.kp * error);
     }
     std::vector<double> rows(contact.rows());
     contact_acceleration(model, contact, touch.data, touch.at, rows.data());

@@ -44,17 +44,18 @@ struct RelativeFrame {
   }
 };
 
-/// Some frame with at least three degrees of freedom between it and a given one, for loops; one on
-/// another body if there is none; nullopt if there is no other body.
-inline std::optional<int> frame_elsewhere(const RobotModel& model, int frame, int skipped) {
+/// Some frame with at least so many degrees of freedom between it and a given one, for loops; one
+/// on another body if there is none; nullopt if there is no other body.
+inline std::optional<int> frame_elsewhere(const RobotModel& model, int frame, int skipped,
+                                          std::size_t enough) {
   const std::vector<int> own = support(model, model.frames[frame].joint);
-  for (const std::size_t enough : {3, 1}) {
+  for (const std::size_t least : {enough, std::size_t{1}}) {
     std::vector<int> others;
     for (int i = 0; i < static_cast<int>(model.frames.size()); ++i) {
       const std::vector<int> other = support(model, model.frames[i].joint);
       std::vector<int> between;
       std::ranges::set_symmetric_difference(own, other, std::back_inserter(between));
-      if (between.size() >= enough) others.push_back(i);
+      if (between.size() >= least) others.push_back(i);
     }
     if (!others.empty()) return others[skipped % others.size()];
   }

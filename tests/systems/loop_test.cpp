@@ -1,5 +1,5 @@
-// Accelerations of robots with loops, compared with numbers from Pinocchio's kinematics and inertias
-// (scripts/peers/loop_fixtures.py).
+// Accelerations of robots with loops, compared with numbers from Pinocchio's kinematics and
+// inertias (scripts/peers/loop_fixtures.py).
 #include <fstream>
 
 #include <gtest/gtest.h>
@@ -71,14 +71,13 @@ TEST(Loops, DerivativesOfAFiveBarLegMatchDuals) {
   const UrdfResult loaded = load_urdf(CONDDP_SOURCE_DIR "/problems/robots/five_bar_leg.urdf", {});
   ASSERT_TRUE(loaded.model);
   const auto model = std::make_shared<RobotModel>(*loaded.model);
-  const MultibodySystem system(
-      model, Actuation::joints(*model, {"hip_a", "hip_b"}), {},
-      {{.name = "ankle",
-        .frame = model->find_frame("foot").value(),
-        .base = model->find_frame("foot_b").value(),
-        .kind = ContactKind::planar,
-        .kp = 100,
-        .kd = 20}});
+  const MultibodySystem system(model, Actuation::joints(*model, {"hip_a", "hip_b"}), {},
+                               {{.name = "ankle",
+                                 .frame = model->find_frame("foot").value(),
+                                 .base = model->find_frame("foot_b").value(),
+                                 .kind = ContactKind::planar,
+                                 .kp = 100,
+                                 .kd = 20}});
   const auto data = system.create_data(Lane{});
   const auto moving = system.create_data(Dual<Lane>{});
   RandomNumbers random(3);

@@ -48,8 +48,8 @@ class ContactOf {
     return multibody_data(in).contacts.contacts[index_];
   }
 
-  /// Calls put(column, change of the force) for every column, in the axes of the base (world_aligned) or
-  /// of the frame.
+  /// Calls put(column, change of the force) for every column, in the axes of the base
+  /// (world_aligned) or of the frame.
   template <class S, class F>
   void for_each_column(const ResidualInput<S>& in, FrameAxes axes, F put) const {
     auto& system = multibody_data(in);

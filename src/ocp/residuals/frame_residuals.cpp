@@ -379,20 +379,19 @@ class ControlGravity : public ResidualBase<ControlGravity> {
 }  // namespace
 
 std::shared_ptr<const Residual> frame_position_residual(const SystemPointer& system,
-                                                       const FramePair& frame) {
+                                                        const FramePair& frame) {
   return std::make_shared<FramePosition>(FrameOf(system, frame));
 }
 std::shared_ptr<const Residual> frame_rotation_residual(const SystemPointer& system,
-                                                       const FramePair& frame) {
+                                                        const FramePair& frame) {
   return std::make_shared<FrameRotation>(FrameOf(system, frame));
 }
 std::shared_ptr<const Residual> frame_placement_residual(const SystemPointer& system,
-                                                       const FramePair& frame) {
+                                                         const FramePair& frame) {
   return std::make_shared<FramePlacement>(FrameOf(system, frame));
 }
 std::shared_ptr<const Residual> frame_velocity_residual(const SystemPointer& system,
-                                                        const FramePair& frame,
-                                                        FrameAxes axes) {
+                                                        const FramePair& frame, FrameAxes axes) {
   return std::make_shared<FrameVelocity>(FrameOf(system, frame), axes);
 }
 std::shared_ptr<const Residual> contact_velocity_residual(const SystemPointer& system,

@@ -116,8 +116,9 @@ std::shared_ptr<const Residual> frame_placement_residual(
 /// (world_aligned). Parameter: 6 numbers.
 std::shared_ptr<const Residual> frame_velocity_residual(
     const std::shared_ptr<const MultibodySystem>& system, const FramePair& frame, FrameAxes axes);
-/// Velocity of a contact's frame relative to its base in its constrained directions (linear; angular for a surface), in
-/// the contact's axes, m/s and rad/s. The system need not hold the contact. No parameters.
+/// Velocity of a contact's frame relative to its base in its constrained directions (linear;
+/// angular for a surface), in the contact's axes, m/s and rad/s. The system need not hold the
+/// contact. No parameters.
 std::shared_ptr<const Residual> contact_velocity_residual(
     const std::shared_ptr<const MultibodySystem>& system, const Contact& contact);
 /// Center of mass in the world minus reference, m. Parameter: 3 numbers.

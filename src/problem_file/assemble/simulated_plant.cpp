@@ -72,10 +72,11 @@ bool check(const ProblemSpec& spec, const BuiltProblem& built, Diagnostics& out)
   else if (const auto held = std::ranges::find_if(
                spec.contacts, [](const ContactSpec& contact) { return contact.on.has_value(); });
            held != spec.contacts.end())
-    out.error(*plant.simulated_contacts,
-              fmt::format("the simulation knows contacts with the ground, and '{}' holds two frames "
-                          "together",
-                          held->name.value));
+    out.error(
+        *plant.simulated_contacts,
+        fmt::format("the simulation knows contacts with the ground, and '{}' holds two frames "
+                    "together",
+                    held->name.value));
   else if (has_mimic_joints(built.plant.robot()))
     out.error(
         *plant.simulated_contacts,

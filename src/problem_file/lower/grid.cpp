@@ -100,9 +100,8 @@ class FirstKnots {
     if (function.knots)
       for (auto knot = function.knots->begin(); knot != function.knots->end(); ++knot) {
         number(*knot);
-        if (std::find_if(function.knots->begin(), knot, [&](const KnotSpec& other) {
-              return other.value == knot->value;
-            }) != knot)
+        if (std::find_if(function.knots->begin(), knot,
+                         [&](const KnotSpec& other) { return other.value == knot->value; }) != knot)
           out_.error(knot->place, fmt::format("{} stands twice in the list", knot->value));
       }
     if (!function.reference) return;

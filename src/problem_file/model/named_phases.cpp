@@ -37,9 +37,8 @@ bool names_phase(const CostSpec& function, std::size_t phase, const ProblemSpec&
   int first = 0;
   for (std::size_t i = 0; i < phase; ++i) first += spec.phases[i].knots.value;
   const int end = first + spec.phases[phase].knots.value;
-  return std::any_of(function.knots->begin(), function.knots->end(), [&](const KnotSpec& knot) {
-    return knot.value >= first && knot.value < end;
-  });
+  return std::any_of(function.knots->begin(), function.knots->end(),
+                     [&](const KnotSpec& knot) { return knot.value >= first && knot.value < end; });
 }
 
 std::vector<bool> possible_phases(const CostSpec& function, const ProblemSpec& spec) {

@@ -25,9 +25,10 @@ std::optional<int> find_base(const ContactSpec& spec, int frame, const RobotMode
                              Diagnostics& out) {
   const auto base = find_frame(robot, *spec.on, "", out);
   if (!base || robot.frames[*base].joint != robot.frames[frame].joint) return base;
-  out.error(spec.on->place, fmt::format("the frames '{}' and '{}' are on one body: nothing can hold "
-                                        "them together",
-                                        spec.frame.value, spec.on->value));
+  out.error(spec.on->place,
+            fmt::format("the frames '{}' and '{}' are on one body: nothing can hold "
+                        "them together",
+                        spec.frame.value, spec.on->value));
   return std::nullopt;
 }
 
@@ -37,11 +38,10 @@ std::optional<Contact> make_contact(const ContactSpec& spec, const Plant& plant,
   if (!frame) return std::nullopt;
   const RobotModel& robot = plant.robot();
   if (robot.frames[*frame].joint < 0) {
-    out.error(
-        spec.frame.place,
-        fmt::format("the frame '{}' is fixed to the world: it cannot touch {}", spec.frame.value,
-                    spec.on ? "another" : "it"),
-        spec.on ? "exchange 'frame' and 'on'" : "");
+    out.error(spec.frame.place,
+              fmt::format("the frame '{}' is fixed to the world: it cannot touch {}",
+                          spec.frame.value, spec.on ? "another" : "it"),
+              spec.on ? "exchange 'frame' and 'on'" : "");
     return std::nullopt;
   }
   std::optional<int> base;
@@ -60,8 +60,7 @@ std::optional<Contact> make_contact(const ContactSpec& spec, const Plant& plant,
   contact.reference = placement_in_state(system, initial, *frame);
   if (base)
     contact.reference = inverse(placement_in_state(system, initial, *base)) * contact.reference;
-  if (spec.placement && spec.placement->position)
-    contact.reference.p = *spec.placement->position;
+  if (spec.placement && spec.placement->position) contact.reference.p = *spec.placement->position;
   if (spec.placement && spec.placement->orientation)
     contact.reference.R = rotation_matrix(*spec.placement->orientation);
   return contact;
@@ -110,8 +109,7 @@ void warn_of_sole(const ContactSpec& spec, const Contact& contact, const Plant& 
 void warn_of_gravity(const ProblemSpec& spec, Diagnostics& out) {
   const Vector3<double>& g = spec.gravity;
   const auto is_left = [&](const ContactSpec& contact) {
-    return contact.on ||
-           (contact.axes == FrameAxes::world_aligned && dot(g, contact.normal) > 0);
+    return contact.on || (contact.axes == FrameAxes::world_aligned && dot(g, contact.normal) > 0);
   };
   const auto on_world = [](const ContactSpec& contact) { return !contact.on; };
   const auto found = std::ranges::find_if(spec.contacts, on_world);

@@ -228,7 +228,8 @@ void describe_surroundings(Keys& keys, ProblemSpec& spec) {
   YamlMap* map = keys.reading();
   if (map == nullptr || !spec.stepping) return;
   for (const std::string_view implicit : {"contact_candidates", "stepping"})
-    for (const std::string_view planned : {"contacts", "loops", "gait"}) map->exclusive({implicit, planned});
+    for (const std::string_view planned : {"contacts", "loops", "gait"})
+      map->exclusive({implicit, planned});
 }
 
 /// The system that a phase names; if the file has several, the name is required.

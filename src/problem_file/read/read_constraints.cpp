@@ -339,9 +339,11 @@ void describe_set(Keys& keys, ConstraintSpec& constraint) {
   if (last_node) return;
   describe_phases(keys, "Phases in which it holds, names may have a *; all by default",
                   function.phases);
-  describe_knots(keys, "Knots at which it holds: numbers from 0 over all phases, or a phase, its first knot, "
-                 "and 'phase + 3'; all by default",
-                 function);
+  describe_knots(
+      keys,
+      "Knots at which it holds: numbers from 0 over all phases, or a phase, its first knot, "
+      "and 'phase + 3'; all by default",
+      function);
   keys({.name = "nodes", .says = kNodesSay, .omitted = function.knots.has_value()}, function.ends,
        WordForm(kNodesWords, "kind of nodes"));
   if (YamlMap* map = keys.reading()) map->exclusive({"knots", "nodes"});

@@ -157,7 +157,9 @@ void describe(Keys& keys, LoopSpec& loop) {
               .title = "Loop",
               .says = "Two frames that are always together",
               .examples = R"([{"frame": "rod_end", "on": "crank_pin"}])"});
-  keys({.name = "frame", .says = "Frame whose motion relative to the other is held", .required = true},
+  keys({.name = "frame",
+        .says = "Frame whose motion relative to the other is held",
+        .required = true},
        contact.frame, NameForm{});
   keys({.name = "on", .says = "The other frame, where its origin is", .required = true}, contact.on,
        NameForm{});

@@ -119,9 +119,11 @@ void describe(Keys& keys, CostSpec& cost) {
   if (cost.where.last_node) return;
   describe_phases(keys, "Phases in which it counts, names may have a *; all by default",
                   cost.phases);
-  describe_knots(keys, "Knots at which it counts: numbers from 0 over all phases, or a phase, its first knot, "
-                 "and 'phase + 3'; all by default",
-                 cost);
+  describe_knots(
+      keys,
+      "Knots at which it counts: numbers from 0 over all phases, or a phase, its first knot, "
+      "and 'phase + 3'; all by default",
+      cost);
 }
 
 namespace {

@@ -6,7 +6,6 @@
 namespace conddp {
 namespace {
 
-
 /// All numbers of a state, the name of a configuration, or the parts of a state.
 struct StateOrNameForm {
   bool read(const YamlReader& reader, StateSpec& state) const {
@@ -36,8 +35,8 @@ static void describe(Keys& keys, KeyframeSpec& keyframe) {
               .rules = R"("oneOf": [{"required": ["time"]}, {"required": ["knot"]}])"});
   if (YamlMap* map = keys.reading()) map->exclusive({"time", "knot"});
   keys({"time", "When, s from the start"}, keyframe.time, NumberForm{kNotNegative});
-  keys({"knot", "Node: a number from 0, or a phase, its first node, and 'phase + 3'"}, keyframe.knot,
-       KnotForm{});
+  keys({"knot", "Node: a number from 0, or a phase, its first node, and 'phase + 3'"},
+       keyframe.knot, KnotForm{});
   keys({.name = "state",
         .says = "A state, the name of a configuration, or all numbers of the state",
         .required = true},

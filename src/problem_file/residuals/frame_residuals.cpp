@@ -21,7 +21,8 @@ std::optional<FramePair> frame_of(const ResidualContext& context) {
   const RobotModel& robot = context.plant.robot();
   const auto frame = find_frame(robot, *context.cost.keys.find(key::frame), "", context.out);
   const Name* seen_from = context.cost.keys.find(kRelativeTo);
-  if (!frame || seen_from == nullptr) return frame ? std::optional<FramePair>(*frame) : std::nullopt;
+  if (!frame || seen_from == nullptr)
+    return frame ? std::optional<FramePair>(*frame) : std::nullopt;
   const auto base = find_frame(robot, *seen_from, "", context.out);
   return base ? std::optional<FramePair>({*frame, base}) : std::nullopt;
 }

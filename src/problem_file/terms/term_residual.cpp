@@ -73,10 +73,10 @@ std::vector<ContactCost> make_contact_costs(const CostSpec& cost, const ProblemS
   if (names.all)
     std::erase_if(chosen, [&](int contact) { return spec.contacts[contact].on.has_value(); });
   if (chosen.empty() && names.all)
-    out.error(cost.residual.place,
-              fmt::format("'{}' is on contacts with the world, and the file has none",
-                          cost.name.value),
-              "name them: 'contacts: {LF: {frame: lf_foot}, ...}' at the top of the file");
+    out.error(
+        cost.residual.place,
+        fmt::format("'{}' is on contacts with the world, and the file has none", cost.name.value),
+        "name them: 'contacts: {LF: {frame: lf_foot}, ...}' at the top of the file");
   for (const int contact : chosen) {
     auto one = cost.definition->make_of_contact(context, contact);
     if (one) one->contacts = {contact};

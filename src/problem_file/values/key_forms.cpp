@@ -93,8 +93,8 @@ bool KnotForm::read(const YamlReader& reader, KnotSpec& knot) const {
 std::optional<OrderedJson> KnotForm::expand(const KnotSpec& knot) const {
   if (knot.phase.empty()) return OrderedJson(knot.value);
   if (knot.value == 0) return OrderedJson(knot.phase);
-  return OrderedJson(fmt::format("{} {} {}", knot.phase, knot.value < 0 ? '-' : '+',
-                                 std::abs(knot.value)));
+  return OrderedJson(
+      fmt::format("{} {} {}", knot.phase, knot.value < 0 ? '-' : '+', std::abs(knot.value)));
 }
 
 OrderedJson KnotForm::schema() const {
