@@ -32,15 +32,17 @@ Vector3<double> world_normal(const ContactSpec& contact, const SE3<double>& fram
   return ground ? ground->normal : contact.normal;
 }
 
+/// A contact between two frames has no ground, and no cone about a normal of the world.
 OrderedJson contact_json(const ContactSpec& contact, const Frame& frame) {
+  const bool slips = contact.kind != ContactKind::normal && !contact.on;
   OrderedJson json = {{"name", contact.name.value},
                       {"body", frame.joint + 1},
                       {"placement", placement_json(frame.placement)},
-                      {"friction", contact.kind == ContactKind::normal ? 0 : contact.friction},
+                      {"friction", slips ? contact.friction : 0},
                       {"half_size", nullptr},
                       {"radius", 0},
                       {"acts_after", 0},
-                      {"ground", true},
+                      {"ground", !contact.on},
                       {"positions", OrderedJson::array()},
                       {"normals", OrderedJson::array()}};
   if (contact.half_size) json["half_size"] = *contact.half_size;
