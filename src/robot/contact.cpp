@@ -1,5 +1,7 @@
 #include "robot/contact.hpp"
 
+#include "robot/joint_axes.hpp"
+
 namespace conddp {
 namespace {
 
@@ -22,10 +24,6 @@ void store(const Vector3<S>& v, S* out) {
 template <class S>
 Motion<S> load_motion(const S* columns, int c) {
   return {load(columns + 6 * c), load(columns + 6 * c + 3)};
-}
-template <class S>
-void store(const Motion<S>& m, S* columns, int c) {
-  for (int i = 0; i < 6; ++i) columns[6 * c + i] = m[i];
 }
 
 int joint_of(const RobotModel& model, const Contact& contact) {
@@ -164,11 +162,11 @@ TwistColumns<S> relative_columns(const RobotModel& model, const Contact& contact
     const Motion<S> move = load_motion(at.frame_jacobian.data(), c);
     const Motion<S> change = base_twist - cross(move, motion.base_v);
     const Motion<S> twist_q = twist - change;
-    store(twist_q, out.twist_q, c);
-    store(rate_q + cross(move, motion.base_a) + cross(twist_q, motion.base_v) +
-              cross(motion.v, change),
-          out.rate_q, c);
-    store(rate_v + cross(move, motion.base_v) + cross(motion.v, turn_v), out.rate_v, c);
+    store_column(twist_q, out.twist_q, c);
+    store_column(rate_q + cross(move, motion.base_a) + cross(twist_q, motion.base_v) +
+                     cross(motion.v, change),
+                 out.rate_q, c);
+    store_column(rate_v + cross(move, motion.base_v) + cross(motion.v, turn_v), out.rate_v, c);
   };
   const Motion<S> zero = Motion<S>::zero();
   for (int c = columns.common; c < columns.frame; ++c)
@@ -279,7 +277,8 @@ void update_contact(const RobotModel& model, const Contact& contact, const Robot
 
 template <class S>
 void contact_error(const Contact& contact, const ContactData<S>& at, S* rows) {
-  if (contact.kind == ContactKind::surface) return store(placement_error(contact, at), rows, 0);
+  if (contact.kind == ContactKind::surface)
+    return store_column(placement_error(contact, at), rows, 0);
   const Vector3<S> error = position_error(contact, at);
   if (contact.kind == ContactKind::point) return store(error, rows);
   for (int i = 0; i < direction_count(contact); ++i) rows[i] = dot(at.directions[i], error);

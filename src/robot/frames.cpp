@@ -9,12 +9,6 @@ namespace conddp {
 namespace {
 
 template <class S>
-SE3<S> placement_in_root(const RobotModel& model, const RobotData<S>& data, int frame) {
-  const Frame& f = model.frames[frame];
-  return f.joint < 0 ? f.placement.cast<S>() : data.placement[f.joint] * f.placement;
-}
-
-template <class S>
 void store(const Motion<S>& m, S* column) {
   for (int i = 0; i < 6; ++i) column[i] = m[i];
 }

@@ -4,6 +4,19 @@
 
 namespace conddp {
 
+/// Pose of a frame in its root frame; of a fixed frame in the world.
+template <class S>
+SE3<S> placement_in_root(const RobotModel& model, const RobotData<S>& data, int frame) {
+  const Frame& f = model.frames[frame];
+  return f.joint < 0 ? f.placement.cast<S>() : data.placement[f.joint] * f.placement;
+}
+
+/// Writes a motion into a column of six rows.
+template <class S>
+void store_column(const Motion<S>& m, S* columns, int c) {
+  for (int i = 0; i < 6; ++i) columns[6 * c + i] = m[i];
+}
+
 /// Calls column(motion in root coordinates, joint) for every velocity index that moves a joint's
 /// body, from the tip to the root, or to a joint before the root, which is left out. A floating
 /// base contributes six unit motions.

@@ -8,17 +8,6 @@
 namespace conddp {
 namespace {
 
-template <class S>
-void store(const Motion<S>& m, S* columns, int c) {
-  for (int i = 0; i < 6; ++i) columns[6 * c + i] = m[i];
-}
-
-template <class S>
-SE3<S> placement_in_root(const RobotModel& model, const RobotData<S>& data, int frame) {
-  const Frame& f = model.frames[frame];
-  return data.placement[f.joint] * f.placement;
-}
-
 bool base_moves(const RobotModel& model, const FramePair& pair) {
   return pair.base && model.frames[*pair.base].joint >= 0;
 }
@@ -83,7 +72,7 @@ void relative_jacobian(const RobotModel& model, const RobotData<S>& data, const 
     int c = columns.frame;
     for_each_axis(model, data, columns.frame_joint, columns.common_joint,
                   [&](const Motion<S>& axis, int) {
-                    store(act_inverse(m, axis), jacobian, columns.of_frame(--c));
+                    store_column(act_inverse(m, axis), jacobian, columns.of_frame(--c));
                   });
   }
   const SE3<S> m =
@@ -92,8 +81,8 @@ void relative_jacobian(const RobotModel& model, const RobotData<S>& data, const 
   for_each_axis(model, data, columns.base_joint, [&](const Motion<S>& axis, int) {
     const Motion<S> move = -act_inverse(m, axis);
     const int to = columns.of_base(--c);
-    if (c >= columns.common) store(move, jacobian, to);
-    if (of_base != nullptr) store(move, of_base, to);
+    if (c >= columns.common) store_column(move, jacobian, to);
+    if (of_base != nullptr) store_column(move, of_base, to);
   });
 }
 
@@ -112,19 +101,21 @@ void relative_velocity_derivative(const RobotModel& model, const RobotData<S>& d
   if (columns.frame_joint >= 0) {
     const SE3<S> m = placement_in_root(model, data, pair.frame);
     int c = columns.frame;
-    for_each_axis(
-        model, data, columns.frame_joint, columns.common_joint, [&](const Motion<S>& axis, int j) {
-          const Motion<S> own = act_inverse(m, axis_change(model, data, j));
-          store(own + cross(act_inverse(m, axis), of_base), velocity_q, columns.of_frame(--c));
-        });
+    for_each_axis(model, data, columns.frame_joint, columns.common_joint,
+                  [&](const Motion<S>& axis, int j) {
+                    const Motion<S> own = act_inverse(m, axis_change(model, data, j));
+                    store_column(own + cross(act_inverse(m, axis), of_base), velocity_q,
+                                 columns.of_frame(--c));
+                  });
   }
   const SE3<S> m = placement_in_root(model, data, *pair.base) * relative;
   int c = columns.base;
-  for_each_axis(
-      model, data, columns.base_joint, columns.common_joint, [&](const Motion<S>& axis, int j) {
-        const Motion<S> own = act_inverse(m, axis_change(model, data, j));
-        store(-(own + cross(act_inverse(m, axis), of_base)), velocity_q, columns.of_base(--c));
-      });
+  for_each_axis(model, data, columns.base_joint, columns.common_joint,
+                [&](const Motion<S>& axis, int j) {
+                  const Motion<S> own = act_inverse(m, axis_change(model, data, j));
+                  store_column(-(own + cross(act_inverse(m, axis), of_base)), velocity_q,
+                               columns.of_base(--c));
+                });
 }
 
 #define CONDDP_INSTANTIATE(S)                                                                    \
