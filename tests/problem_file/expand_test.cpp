@@ -473,12 +473,13 @@ TEST(Expand, ShowsEveryDefaultOfTheSchema) {
     EXPECT_TRUE(conditional.contains(key)) << key << " has a default that an expansion lacks";
   std::set<std::string> unseen = walk.unseen();
   // The expansion contains the results of a gait and its commands instead of their keys. GaitFile
-  // covers their defaults, LibraryFiles those of compiled residuals. The ground is written as a
-  // shape.
+  // covers their defaults, LibraryFiles those of compiled residuals, LoopFile those of loops, which
+  // become contacts. The ground is written as a shape.
   std::erase_if(unseen, [](const std::string& key) {
     return key.starts_with("/gait") || key.starts_with("/definitions/gait/") ||
-           key.starts_with("/definitions/commands/") || key == "/definitions/mpc/commands" ||
-           key.ends_with("/plant/ground") || key.ends_with("/parameters");
+           key.starts_with("/definitions/commands/") || key.starts_with("/definitions/loop/") ||
+           key == "/definitions/mpc/commands" || key.ends_with("/plant/ground") ||
+           key.ends_with("/parameters");
   });
   EXPECT_EQ(unseen, std::set<std::string>{}) << "the schema's default is not the reader's";
 }

@@ -11,7 +11,7 @@ namespace {
 constexpr std::string_view kLeg = R"(conddp: 1
 robot: {urdf: robots/five_bar_leg.urdf, actuation: {joints: [hip_a, hip_b]}}
 loops:
-  ankle: {frame: foot, on: foot_b, type: planar, tangent: [1, 0, 0]}
+  ankle: {frame: foot, to: foot_b, type: planar, tangent: [1, 0, 0]}
 contacts:
   ground: {frame: foot, type: planar}
 initial_state: {joints: {slide: 0.2114654, hip_a: 1.2, knee_a: -1.901688, hip_b: -1.2, knee_b: 1.901688}}
@@ -50,6 +50,16 @@ TEST(LoopFile, EveryPhaseAndImpulseHoldsLoops) {
   EXPECT_EQ(held_in(*leg.built, 5), Names{"ankle"});
   EXPECT_EQ(held_in(*leg.built, 8), (Names{"ground", "ankle"}));
   EXPECT_EQ(held_in(*leg.built, 9), (Names{"ground", "ankle"}));
+  const auto* robot = leg.built->problem->knot(5).model->system().as_multibody();
+  const Contact& ankle = robot->contacts().contacts().front();
+  EXPECT_EQ(ankle.kp, 100);
+  EXPECT_EQ(ankle.kd, 20);
+  EXPECT_EQ(squared_norm(ankle.normal - Vector3<double>{0, 0, 1}), 0);
+  const Loaded plain(replaced(kLeg, ", type: planar, tangent: [1, 0, 0]", ""));
+  ASSERT_TRUE(plain.built) << plain.all();
+  const auto* point = plain.built->problem->knot(5).model->system().as_multibody();
+  EXPECT_EQ(point->contacts().contacts().front().kind, ContactKind::point);
+  EXPECT_EQ(point->contacts().contacts().front().axes, FrameAxes::world_aligned);
 }
 
 TEST(LoopFile, OpenLoopsAreErrorsThatCloseThem) {
@@ -75,17 +85,17 @@ TEST(LoopFile, UselessFramesAreErrors) {
   const auto errors_with = [](const std::string& from, const std::string& to) {
     return errors(replaced(kLeg, from, to));
   };
-  EXPECT_NE(errors_with("on: foot_b", "on: lower_a")
-                .find("4:30: the frames 'foot' and 'lower_a' are on one body"),
+  EXPECT_NE(errors_with("to: foot_b", "to: lower_a")
+                .find("4:28: the frames 'foot' and 'lower_a' are on one body"),
             std::string::npos);
-  EXPECT_NE(errors_with("frame: foot, on: foot_b", "frame: rail, on: foot")
-                .find("exchange 'frame' and 'on'"),
+  EXPECT_NE(errors_with("frame: foot, to: foot_b", "frame: rail, to: foot")
+                .find("exchange 'frame' and 'to'"),
             std::string::npos);
-  EXPECT_NE(errors_with("on: foot_b", "on: foot_c").find("the robot has no frame 'foot_c'"),
+  EXPECT_NE(errors_with("to: foot_b", "to: foot_c").find("the robot has no frame 'foot_c'"),
             std::string::npos);
   EXPECT_NE(errors_with("  ankle:", "  ground:").find("a contact is called 'ground', too"),
             std::string::npos);
-  EXPECT_NE(errors_with(", on: foot_b", "").find("'on'"), std::string::npos);
+  EXPECT_NE(errors_with(", to: foot_b", "").find("'to'"), std::string::npos);
 }
 
 TEST(LoopFile, ConesCountOnContactsWithTheWorld) {
@@ -102,14 +112,14 @@ TEST(LoopFile, ConesCountOnContactsWithTheWorld) {
 /// Two arms and frames of the file.
 constexpr std::string_view kArms = R"(conddp: 1
 robots:
-  arm: {urdf: robots/arm7.urdf, frames: {tip: {on: tool, placement: {position: [0, 0, 0.1]}},
-        end: {on: tip, placement: {position: [0, 0.2, 0]}}}}
+  arm: {urdf: robots/arm7.urdf, frames: {tip: {parent: tool, placement: {position: [0, 0, 0.1]}},
+        end: {parent: tip, placement: {position: [0, 0.2, 0]}}}}
   box: {urdf: robots/free_body.urdf, base: floating, actuation: none}
 initial_state: {robots: {arm: {joints: {joint_2: 0.4, joint_4: -1.2, joint_6: 1.54}},
                          box: {base: {position: [0.4, 0.1, 0.3], rpy: [0, 0, 1.5707963267948966]}}}}
 phases: [{name: only, knots: 3, dt: 0.01}]
 costs:
-  away: {residual: frame_position, frame: arm/end, relative_to: box/body}
+  away: {residual: frame_position, frame: arm/end, relative_to: box/body, reference: [0, 0, 0]}
 )";
 
 TEST(LoopFile, ResidualsSeeFramesFromOthers) {
@@ -138,7 +148,7 @@ TEST(LoopFile, FramesOfTheFileHaveNewNames) {
   EXPECT_NE(
       errors(replaced(kArms, "{tip: {", "{tool: {")).find("the robot has a frame 'tool' already"),
       std::string::npos);
-  EXPECT_NE(errors(replaced(kArms, "on: tip", "on: top")).find("no frame 'arm/top'"),
+  EXPECT_NE(errors(replaced(kArms, "parent: tip", "parent: top")).find("no frame 'arm/top'"),
             std::string::npos);
 }
 

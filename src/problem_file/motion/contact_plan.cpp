@@ -41,7 +41,7 @@ std::optional<Contact> make_contact(const ContactSpec& spec, const Plant& plant,
     out.error(spec.frame.place,
               fmt::format("the frame '{}' is fixed to the world: it cannot touch {}",
                           spec.frame.value, spec.on ? "another" : "it"),
-              spec.on ? "exchange 'frame' and 'on'" : "");
+              spec.on ? "exchange 'frame' and 'to'" : "");
     return std::nullopt;
   }
   std::optional<int> base;

@@ -200,10 +200,10 @@ void describe_surroundings(Keys& keys, ProblemSpec& spec) {
        spec.contacts, ContactsForm{});
   keys({.name = "loops",
         .says = "Frames that are always together, by name: they close loops of joints",
-        .examples = R"([{"knee": {"frame": "rod_end", "on": "crank_pin"}}])"},
+        .examples = R"([{"knee": {"frame": "rod_end", "to": "crank_pin"}}])"},
        spec.loops,
        EntriesForm<LoopSpec>{.name = &LoopSpec::name,
-                             .hint = "write '{knee: {frame: rod_end, on: crank_pin}}'",
+                             .hint = "write '{knee: {frame: rod_end, to: crank_pin}}'",
                              .may_be_missing = true});
   keys({.name = "collision",
         .says = "Shapes that must keep apart, for the residual 'distance'",

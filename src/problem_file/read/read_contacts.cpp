@@ -134,10 +134,10 @@ static void describe(Keys& keys, ContactSpec& contact) {
               .title = "Contact",
               .says = "A frame that can touch the world or another frame",
               .examples = R"([{"frame": "lf_foot", "friction": 0.6},
-                              {"frame": "hand", "on": "box", "type": "surface"}])"});
+                              {"frame": "hand", "to": "box", "type": "surface"}])"});
   keys({.name = "frame", .says = "Frame whose origin is the point of contact", .required = true},
        contact.frame, NameForm{});
-  keys({"on",
+  keys({"to",
         "Frame that it touches, of the same robot or another one, in place of the world; axes of "
         "the world are those of this frame then"},
        contact.on, NameForm{});
@@ -156,12 +156,12 @@ void describe(Keys& keys, LoopSpec& loop) {
   keys.about({.definition = "loop",
               .title = "Loop",
               .says = "Two frames that are always together",
-              .examples = R"([{"frame": "rod_end", "on": "crank_pin"}])"});
+              .examples = R"([{"frame": "rod_end", "to": "crank_pin"}])"});
   keys({.name = "frame",
         .says = "Frame whose motion relative to the other is held",
         .required = true},
        contact.frame, NameForm{});
-  keys({.name = "on", .says = "The other frame, where its origin is", .required = true}, contact.on,
+  keys({.name = "to", .says = "The other frame, where its origin is", .required = true}, contact.on,
        NameForm{});
   describe_kind(keys, "", contact);
   describe_stabilization(keys, "", contact);

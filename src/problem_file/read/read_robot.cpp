@@ -186,8 +186,8 @@ void describe(Keys& keys, FrameSpec& frame) {
   keys.about({.definition = "frame",
               .title = "Frame",
               .says = "A frame besides those of the URDF file",
-              .examples = R"([{"on": "hand", "placement": {"position": [0, 0, 0.1]}}])"});
-  keys({.name = "on", .says = "Link that it is fixed to, or another frame", .required = true},
+              .examples = R"([{"parent": "hand", "placement": {"position": [0, 0, 0.1]}}])"});
+  keys({.name = "parent", .says = "Link that it is fixed to, or another frame", .required = true},
        frame.on, NameForm{});
   keys({"placement", "Where it is in that link's or frame's axes"}, frame.placement, MapForm{});
 }
@@ -227,11 +227,11 @@ void describe(Keys& keys, RobotSpec& robot) {
        robot.payloads, PayloadsForm{robot.parameters});
   keys({.name = "frames",
         .says = "Frames besides those of the URDF file, by name",
-        .examples = R"([{"grip": {"on": "hand", "placement": {"position": [0, 0, 0.1]}}}])",
+        .examples = R"([{"grip": {"parent": "hand", "placement": {"position": [0, 0, 0.1]}}}])",
         .fallback = "{}"},
        robot.frames,
        EntriesForm<FrameSpec>{.name = &FrameSpec::name,
-                              .hint = "write '{grip: {on: hand, placement: {...}}}'"});
+                              .hint = "write '{grip: {parent: hand, placement: {...}}}'"});
   keys({.name = "external_wrenches", .says = "Constant wrenches on the robot", .fallback = "[]"},
        robot.external_wrenches, MapsForm{});
   keys({"rotor_inertia",
