@@ -21,10 +21,6 @@ template <class S>
 void store(const Vector3<S>& v, S* out) {
   for (int i = 0; i < 3; ++i) out[i] = v[i];
 }
-template <class S>
-Motion<S> load_motion(const S* columns, int c) {
-  return {load(columns + 6 * c), load(columns + 6 * c + 3)};
-}
 
 int joint_of(const RobotModel& model, const Contact& contact) {
   return model.frames[contact.frame].joint;
@@ -53,12 +49,10 @@ void for_each_dof(const ContactData<S>& at, F act_on) {
   for (int c = columns_of(at) - 1; c >= 0; --c) act_on(c, at.support[c]);
 }
 
-/// Velocity and acceleration (with gravity) of the frame relative to its base, in its axes, and
-/// those of the base, in the same axes.
+/// Velocity of the frame relative to its base, in its axes, and its rate.
 template <class S>
 struct RelativeMotion {
   Motion<S> v, a;
-  Motion<S> base_v = Motion<S>::zero(), base_a = Motion<S>::zero();
 };
 
 /// The rate of the difference v − X v_base, where the transformation X of the base's twist to the
@@ -69,14 +63,14 @@ RelativeMotion<S> relative_motion(const RobotModel& model, const Contact& contac
   const int joint = joint_of(model, contact);
   Motion<S> a = data.a[joint];
   a.linear += data.gravity(model, joint);
-  RelativeMotion<S> motion{act_inverse(at.placement, data.v[joint]), act_inverse(at.placement, a)};
-  if (joint_of_base(model, contact) < 0) return motion;
+  const RelativeMotion<S> own{act_inverse(at.placement, data.v[joint]),
+                              act_inverse(at.placement, a)};
+  if (joint_of_base(model, contact) < 0) return own;
   const auto in_frame = [&](const Motion<S>& m) { return act_inverse(at.relative, m); };
-  motion.base_v = in_frame(frame_velocity(model, data, *contact.base, FrameAxes::local));
-  motion.base_a = in_frame(frame_acceleration(model, data, *contact.base, FrameAxes::local));
-  motion.v = motion.v - motion.base_v;
-  motion.a = motion.a - motion.base_a + cross(motion.v, motion.base_v);
-  return motion;
+  const Motion<S> base = in_frame(frame_velocity(model, data, *contact.base, FrameAxes::local));
+  const Motion<S> v = own.v - base;
+  return {v, own.a - in_frame(frame_acceleration(model, data, *contact.base, FrameAxes::local)) +
+                 cross(v, base)};
 }
 
 /// The position error in the frame's axes.
@@ -122,67 +116,23 @@ void update_directions(const Contact& contact, ContactData<S>& out) {
   }
 }
 
-/// Views into a contact's scratch: columns of the twist's rate with respect to q and v, then of the
-/// twist with respect to q.
+/// Columns in a contact's scratch: of the twist's rate with respect to q and v, then of the twist
+/// with respect to q.
 template <class S>
 struct TwistColumns {
   S *rate_q, *rate_v, *twist_q;
-
-  TwistColumns(S* scratch, int columns)
-      : rate_q(scratch), rate_v(rate_q + 6 * columns), twist_q(rate_v + 6 * columns) {}
-  S* end(int columns) const { return twist_q + 6 * columns; }
 };
-
-template <class S>
-TwistColumns<S> columns_of_frame(const RobotModel& model, const RobotData<S>& data, int frame,
-                                 int columns, S* scratch) {
-  const TwistColumns<S> own(scratch, columns);
-  frame_acceleration_derivatives(model, data, frame, own.rate_q, own.rate_v);
-  frame_velocity_derivative(model, data, frame, FrameAxes::local, own.twist_q);
-  return own;
-}
-
-/// Writes the derivatives of relative_motion().
-template <class S>
-TwistColumns<S> relative_columns(const RobotModel& model, const Contact& contact,
-                                 const RobotData<S>& data, ContactData<S>& at) {
-  const RelativeColumns columns(model, contact.pair());
-  const TwistColumns<S> out(at.scratch.data(), columns.count());
-  const TwistColumns<S> frame =
-      columns_of_frame(model, data, contact.frame, columns.frame, out.end(columns.count()));
-  const TwistColumns<S> base =
-      columns_of_frame(model, data, *contact.base, columns.base, frame.end(columns.frame));
-  const RelativeMotion<S> motion = relative_motion(model, contact, data, at);
-  const auto in_frame = [&](const S* of_base, int c) {
-    return act_inverse(at.relative, load_motion(of_base, c));
-  };
-  // The changes of X v_base with the base's motion are given, those with X are added.
-  const auto put = [&](int c, const Motion<S>& twist, const Motion<S>& base_twist,
-                       const Motion<S>& rate_q, const Motion<S>& rate_v, const Motion<S>& turn_v) {
-    const Motion<S> move = load_motion(at.frame_jacobian.data(), c);
-    const Motion<S> change = base_twist - cross(move, motion.base_v);
-    const Motion<S> twist_q = twist - change;
-    store_column(twist_q, out.twist_q, c);
-    store_column(rate_q + cross(move, motion.base_a) + cross(twist_q, motion.base_v) +
-                     cross(motion.v, change),
-                 out.rate_q, c);
-    store_column(rate_v + cross(move, motion.base_v) + cross(motion.v, turn_v), out.rate_v, c);
-  };
-  const Motion<S> zero = Motion<S>::zero();
-  for (int c = columns.common; c < columns.frame; ++c)
-    put(columns.of_frame(c), load_motion(frame.twist_q, c), zero, load_motion(frame.rate_q, c),
-        load_motion(frame.rate_v, c), zero);
-  for (int c = columns.common; c < columns.base; ++c)
-    put(columns.of_base(c), zero, in_frame(base.twist_q, c), -in_frame(base.rate_q, c),
-        -in_frame(base.rate_v, c), -load_motion(at.frame_jacobian.data(), columns.of_base(c)));
-  return out;
-}
 
 template <class S>
 TwistColumns<S> twist_columns(const RobotModel& model, const Contact& contact,
                               const RobotData<S>& data, ContactData<S>& at) {
-  if (joint_of_base(model, contact) >= 0) return relative_columns(model, contact, data, at);
-  return columns_of_frame(model, data, contact.frame, columns_of(at), at.scratch.data());
+  const int size = 6 * columns_of(at);
+  S* scratch = at.scratch.data();
+  const TwistColumns<S> out{scratch, scratch + size, scratch + 2 * size};
+  relative_velocity_derivative(model, data, contact.pair(), out.twist_q);
+  relative_acceleration_derivatives(model, data, contact.pair(), at.frame_jacobian.data(),
+                                    out.twist_q, scratch + 3 * size, out.rate_q, out.rate_v);
+  return out;
 }
 
 template <class S>
@@ -246,7 +196,7 @@ ContactData<S>::ContactData(const RobotModel& model, const Contact& contact)
   if (joint_of_base(model, contact) < 0) return;
   const RelativeColumns columns(model, contact.pair());
   base_jacobian.assign(6 * support.size(), S(0.0));
-  scratch.resize(18 * (support.size() + columns.frame + columns.base), S(0.0));
+  scratch.resize(18 * support.size() + 12 * (columns.frame + columns.base), S(0.0));
 }
 
 template <class S>
@@ -357,7 +307,7 @@ void for_each_force_change(const Contact& contact, const ContactData<S>& at, F a
   const bool turns = turns_against_body(contact), moves = !at.base_jacobian.empty();
   if (!turns && !moves) return;
   for_each_dof(at, [&](int column, int at_column) {
-    const Motion<S> move = load_motion(at.frame_jacobian.data(), column);
+    const Motion<S> move = load_column(at.frame_jacobian.data(), column);
     Force<S> turned = Force<S>::zero();
     if (turns) turned.linear = cross(at.local.linear, move.angular);
     act(at_column, turned, moves ? cross(move, at.local) : Force<S>::zero());
@@ -376,7 +326,7 @@ void subtract_contact_derivative(const RobotModel& model, const Contact& contact
                             S& entry = tau_q[at_column * model.nv + at_row];
                             entry -= dot(linear(at.frame_jacobian, row), turned.linear);
                             if (moves_base)
-                              entry -= dot(load_motion(at.base_jacobian.data(), row), moved);
+                              entry -= dot(load_column(at.base_jacobian.data(), row), moved);
                           });
                         });
 }
@@ -389,7 +339,7 @@ void subtract_contact_gradient(const RobotModel& /*model*/, const Contact& conta
   Motion<S> of_base = Motion<S>::zero();
   for_each_dof(at, [&](int row, int at_row) {
     velocity += w[at_row] * linear(at.frame_jacobian, row);
-    if (moves_base) of_base += w[at_row] * load_motion(at.base_jacobian.data(), row);
+    if (moves_base) of_base += w[at_row] * load_column(at.base_jacobian.data(), row);
   });
   for_each_force_change(contact, at,
                         [&](int at_column, const Force<S>& turned, const Force<S>& moved) {

@@ -11,10 +11,16 @@ SE3<S> placement_in_root(const RobotModel& model, const RobotData<S>& data, int 
   return f.joint < 0 ? f.placement.cast<S>() : data.placement[f.joint] * f.placement;
 }
 
-/// Writes a motion into a column of six rows.
+/// Columns of six rows as motions.
 template <class S>
 void store_column(const Motion<S>& m, S* columns, int c) {
   for (int i = 0; i < 6; ++i) columns[6 * c + i] = m[i];
+}
+
+template <class S>
+Motion<S> load_column(const S* columns, int c) {
+  const S* p = columns + 6 * c;
+  return {{p[0], p[1], p[2]}, {p[3], p[4], p[5]}};
 }
 
 /// Calls column(motion in root coordinates, joint) for every velocity index that moves a joint's

@@ -118,6 +118,47 @@ void relative_velocity_derivative(const RobotModel& model, const RobotData<S>& d
                 });
 }
 
+/// The rate is a − X a_base + J v × X v_base. X a_base changes as X v_base does.
+template <class S>
+void relative_acceleration_derivatives(const RobotModel& model, const RobotData<S>& data,
+                                       const FramePair& pair, const S* jacobian,
+                                       const S* velocity_q, S* scratch, S* acceleration_q,
+                                       S* acceleration_v) {
+  if (!base_moves(model, pair))
+    return frame_acceleration_derivatives(model, data, pair.frame, acceleration_q, acceleration_v);
+  const RelativeColumns columns(model, pair);
+  S *own_q = scratch, *own_v = own_q + 6 * columns.frame;
+  S *base_q = own_v + 6 * columns.frame, *base_v = base_q + 6 * columns.base;
+  if (columns.frame_joint >= 0)
+    frame_acceleration_derivatives(model, data, pair.frame, own_q, own_v);
+  frame_acceleration_derivatives(model, data, *pair.base, base_q, base_v);
+  const SE3<S> relative = relative_placement(model, data, pair);
+  const auto in_frame = [&](const Motion<S>& m) { return act_inverse(relative, m); };
+  const Motion<S> v = relative_velocity(model, data, pair, FrameAxes::local);
+  const Motion<S> of_base = in_frame(frame_velocity(model, data, *pair.base, FrameAxes::local));
+  const Motion<S> rate = in_frame(frame_acceleration(model, data, *pair.base, FrameAxes::local));
+  // `change`: of X v_base.
+  const auto put = [&](int c, const Motion<S>& by_q, const Motion<S>& by_v, const Motion<S>& change,
+                       const Motion<S>& change_v) {
+    const Motion<S> move = load_column(jacobian, c), turn = load_column(velocity_q, c);
+    store_column(by_q + cross(move, rate) + cross(turn, of_base) + cross(v, change), acceleration_q,
+                 c);
+    store_column(by_v + cross(move, of_base) + cross(v, change_v), acceleration_v, c);
+  };
+  std::fill_n(acceleration_q, 6 * columns.common, S(0.0));
+  std::fill_n(acceleration_v, 6 * columns.common, S(0.0));
+  for (int own = columns.common; own < columns.frame; ++own) {
+    const int c = columns.of_frame(own);
+    put(c, load_column(own_q, own), load_column(own_v, own),
+        -cross(load_column(jacobian, c), of_base), Motion<S>::zero());
+  }
+  for (int own = columns.common; own < columns.base; ++own) {
+    const int c = columns.of_base(own);
+    put(c, -in_frame(load_column(base_q, own)), -in_frame(load_column(base_v, own)),
+        -load_column(velocity_q, c), -load_column(jacobian, c));
+  }
+}
+
 #define CONDDP_INSTANTIATE(S)                                                                    \
   template SE3<S> relative_placement(const RobotModel&, const RobotData<S>&, const FramePair&);  \
   template Motion<S> relative_velocity(const RobotModel&, const RobotData<S>&, const FramePair&, \
@@ -125,7 +166,9 @@ void relative_velocity_derivative(const RobotModel& model, const RobotData<S>& d
   template void relative_jacobian(const RobotModel&, const RobotData<S>&, const FramePair&, S*,  \
                                   S*);                                                           \
   template void relative_velocity_derivative(const RobotModel&, const RobotData<S>&,             \
-                                             const FramePair&, S*);
+                                             const FramePair&, S*);                              \
+  template void relative_acceleration_derivatives(                                               \
+      const RobotModel&, const RobotData<S>&, const FramePair&, const S*, const S*, S*, S*, S*);
 CONDDP_FOR_EACH_KERNEL_SCALAR(CONDDP_INSTANTIATE)
 #undef CONDDP_INSTANTIATE
 

@@ -56,4 +56,14 @@ template <class S>
 void relative_velocity_derivative(const RobotModel& model, const RobotData<S>& data,
                                   const FramePair& pair, S* velocity_q);
 
+/// Derivatives of the rate of the relative velocity, in the axes of the frame, with respect to
+/// configuration and velocity at fixed generalized accelerations, 6 x count(). `jacobian` and
+/// `velocity_q`: relative_jacobian, relative_velocity_derivative. `scratch`: 12 x (frame + base)
+/// numbers for a base that moves. Derivative columns must be current.
+template <class S>
+void relative_acceleration_derivatives(const RobotModel& model, const RobotData<S>& data,
+                                       const FramePair& pair, const S* jacobian,
+                                       const S* velocity_q, S* scratch, S* acceleration_q,
+                                       S* acceleration_v);
+
 }  // namespace conddp

@@ -222,6 +222,10 @@ TEST(Drift, AdvisesNoKpTowardsAnotherPlace) {
   const auto later = found_in_contacts(problem, motion, FindingKind::drift);
   ASSERT_EQ(later.size(), 1u);
   EXPECT_EQ(later[0].remedy, "a smaller dt with contacts.grip.baumgarte.kd: 1/dt");
+  const auto loop = found_in_contacts(problem, motion, FindingKind::drift,
+                                      {.contact_keys = {{"grip", "loops.grip"}}});
+  ASSERT_EQ(loop.size(), 1u);
+  EXPECT_EQ(loop[0].remedy, "a smaller dt with loops.grip.baumgarte.kd: 1/dt");
 }
 
 TEST(Drift, CountsAlongConstrainedDirections) {

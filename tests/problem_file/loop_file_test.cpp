@@ -1,6 +1,7 @@
 // Loops, contacts between frames, frames of the file, and residuals between frames.
 #include <cmath>
 
+#include "problem_file/assemble/problem_names.hpp"
 #include "problem_file/motion/contact_plan.hpp"
 #include "problem_text.hpp"
 
@@ -79,6 +80,28 @@ TEST(LoopFile, OpenLoopsAreErrorsThatCloseThem) {
                  "initial_state: {joints: " + replaced(joints, "{", "{slide: 0.21, ") + "}");
   const Loaded again(closed);
   EXPECT_TRUE(again.built) << again.all();
+}
+
+TEST(LoopFile, LoopsThatNothingClosesAreErrors) {
+  const std::string text = errors(replaced(kLeg, "to: foot_b", "to: body"));
+  EXPECT_NE(text.find("no posture near it closes the loop"), std::string::npos) << text;
+}
+
+TEST(LoopFile, SystemsWithoutPhasesOfContactsHaveNoLoops) {
+  EXPECT_NE(errors(std::string(kPendulum) + "loops: {knee: {frame: a, to: b}}\n")
+                .find("a closed-form system has no frames that could be held together"),
+            std::string::npos);
+  std::string implicit = replaced(kLeg, "contacts:\n  ground: {frame: foot, type: planar}\n",
+                                  "contact_candidates: {toe: {frame: foot}}\n");
+  implicit = replaced(implicit, "contacts: ground}", "}");
+  EXPECT_NE(errors(implicit).find("'contact_candidates'"), std::string::npos) << errors(implicit);
+}
+
+TEST(LoopFile, FindingsNameTheKeysOfLoops) {
+  const Loaded leg{std::string(kLeg)};
+  ASSERT_TRUE(leg.built) << leg.all();
+  const std::map<std::string, std::string> expected = {{"ankle", "loops.ankle"}};
+  EXPECT_EQ(finding_names(*leg.built).contact_keys, expected);
 }
 
 TEST(LoopFile, UselessFramesAreErrors) {

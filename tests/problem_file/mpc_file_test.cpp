@@ -714,6 +714,16 @@ TEST(MpcFile, StandsOnSimulatedContacts) {
   EXPECT_NEAR(result.last_state[2], 0.58, 0.02);
 }
 
+TEST(MpcFile, SimulatedContactsHoldNoFramesTogether) {
+  const LoadedLoop loop = trot("duration: 0.14, plant: {contacts: simulated, dt: 0.002}",
+                               {"contacts.pair={frame: lf_foot, to: rf_foot}"});
+  EXPECT_FALSE(loop.mpc);
+  EXPECT_NE(loop.all().find("the simulation knows contacts with the ground, and 'pair' holds two "
+                            "frames together"),
+            std::string::npos)
+      << loop.all();
+}
+
 TEST(MpcFile, FallsToALowerGround) {
   const LoadedLoop loop = trot(
       "duration: 0.14, plant: {contacts: simulated, dt: 0.002, ground: [{half_space: {point: [0, "

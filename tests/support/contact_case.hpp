@@ -48,8 +48,8 @@ inline std::vector<ContactCase> contact_cases() {
     cases.push_back({r.name + "_point", robot, {contact(0, K::point, A::world_aligned)}});
     const auto loop = [&](int i, ContactKind kind, FrameAxes axes) {
       Contact c = random_contact(frames[i % n], kind, axes, of_loops);
-      const std::size_t rows = c.rows();
-      c.base = frame_elsewhere(*robot, c.frame, of_loops.index(100), rows);
+      const std::size_t enough = c.rows() + 2;
+      c.base = frame_elsewhere(*robot, c.frame, of_loops.index(100), enough);
       return c;
     };
     cases.push_back({r.name + "_planar_loop", robot, {loop(0, K::planar, A::world_aligned)}});

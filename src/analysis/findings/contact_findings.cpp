@@ -249,17 +249,19 @@ class Watch {
   void add_drift(const std::string& name, const Drift& drift) {
     Finding f{FindingKind::drift, name, drift.value, "m"};
     const double kd = drift.contact.kd, r = kd * drift.dt;
+    const auto known = names_.contact_keys.find(name);
+    const std::string key = known == names_.contact_keys.end() ? "contacts." + name : known->second;
     f.message = fmt::format(
         "the contact '{}' drifts by {:.1f} mm while it is held from {:.3g} s to {:.3g} s with kd "
         "{:g}",
         name, 1e3 * drift.value, times_[drift.first], times_[drift.last], kd);
     if (r < kFull)
-      f.remedy = fmt::format("contacts.{}.baumgarte: {{kd: {:.3g}}}", name, 1 / drift.dt);
+      f.remedy = fmt::format("{}.baumgarte: {{kd: {:.3g}}}", key, 1 / drift.dt);
     else
-      f.remedy = fmt::format("a smaller dt with contacts.{}.baumgarte.kd: 1/dt", name);
+      f.remedy = fmt::format("a smaller dt with {}.baumgarte.kd: 1/dt", key);
     if (r >= kFull && drift.placed)
-      f.remedy += fmt::format(", or {}contacts.{}.baumgarte.kp",
-                              drift.contact.kp > 0 ? "a larger " : "", name);
+      f.remedy +=
+          fmt::format(", or {}{}.baumgarte.kp", drift.contact.kp > 0 ? "a larger " : "", key);
     add(std::move(f), drift.knot);
   }
 

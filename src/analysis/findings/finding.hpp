@@ -45,6 +45,8 @@ struct Finding {
 /// Names and facts that a problem itself does not contain.
 struct FindingNames {
   std::map<std::string, double> friction;  ///< friction coefficients of contacts
+  /// Keys of contacts that do not stand under `contacts`: "loops.knee" of knee.
+  std::map<std::string, std::string> contact_keys = {};
   /// Names for the rows of a constraint with several rows, to follow the words "violated by". The
   /// key is the name of the constraint, with the prefix "terminal/" at the terminal node.
   struct Rows {

@@ -115,7 +115,7 @@ class ContactOf {
   std::vector<int> z_columns_;
 };
 
-/// Force and torque in the axes of the base or the frame, or the force alone.
+/// A contact's force, with or without its torque, in axes of the base or of the frame.
 class ContactForce : public ResidualBase<ContactForce> {
  public:
   ContactForce(ContactOf contact, FrameAxes axes, int rows, bool has_reference)

@@ -34,7 +34,7 @@ Vector3<double> world_normal(const ContactSpec& contact, const SE3<double>& fram
 
 /// A contact between two frames has no ground, and no cone about a normal of the world.
 OrderedJson contact_json(const ContactSpec& contact, const Frame& frame) {
-  const bool slips = contact.kind != ContactKind::normal && !contact.on;
+  const bool slips = contact.kind != ContactKind::normal && !contact.to;
   OrderedJson json = {{"name", contact.name.value},
                       {"body", frame.joint + 1},
                       {"placement", placement_json(frame.placement)},
@@ -42,7 +42,7 @@ OrderedJson contact_json(const ContactSpec& contact, const Frame& frame) {
                       {"half_size", nullptr},
                       {"radius", 0},
                       {"acts_after", 0},
-                      {"ground", !contact.on},
+                      {"ground", !contact.to},
                       {"positions", OrderedJson::array()},
                       {"normals", OrderedJson::array()}};
   if (contact.half_size) json["half_size"] = *contact.half_size;

@@ -177,6 +177,9 @@ FindingNames finding_names(const BuiltProblem& built) {
   note_constraints(spec, names);
   for (const ContactSpec& contact : spec.contacts)
     names.friction[contact.name.value] = contact.friction;
+  for (const ContactSpec& contact : spec.contacts)
+    if (contact.name.place.path.starts_with("loops."))
+      names.contact_keys[contact.name.value] = contact.name.place.path;
   for (const bool terminal : {false, true})
     for (const ConstraintSpec& c : terminal ? spec.terminal_constraints : spec.constraints) {
       if (c.bounded || c.function.definition->of_contacts()) continue;

@@ -70,7 +70,7 @@ bool check(const ProblemSpec& spec, const BuiltProblem& built, Diagnostics& out)
     out.error(*plant.simulated_contacts, "the file has no contacts that could be simulated",
               "leave the key out");
   else if (const auto held = std::ranges::find_if(
-               spec.contacts, [](const ContactSpec& contact) { return contact.on.has_value(); });
+               spec.contacts, [](const ContactSpec& contact) { return contact.to.has_value(); });
            held != spec.contacts.end())
     out.error(
         *plant.simulated_contacts,

@@ -63,7 +63,7 @@ ContactNames ProblemSpec::named_in_term(const ContactNames& contacts_chosen, boo
   std::erase_if(chosen.names, [&](const Name& own) {
     const auto found = std::ranges::find_if(
         contacts, [&](const ContactSpec& contact) { return contact.name.value == own.value; });
-    return found != contacts.end() && found->on;
+    return found != contacts.end() && found->to;
   });
   return chosen;
 }

@@ -11,7 +11,7 @@ namespace conddp {
 struct ContactSpec {
   Name name;
   Name frame;
-  std::optional<Name> on;  ///< the frame that is touched; absent: the world
+  std::optional<Name> to;  ///< the frame that is touched; absent: the world
   ContactKind kind = ContactKind::point;
   FrameAxes axes = FrameAxes::world_aligned;
   Vector3<double> normal{0, 0, 1};         ///< unit vector, in `axes`

@@ -26,7 +26,7 @@ struct PayloadSpec {
 /// A frame besides those of the URDF file.
 struct FrameSpec {
   Name name;
-  Name on;             ///< a link, a joint, or a frame before it
+  Name parent;         ///< a link, a joint, or a frame before it
   PoseSpec placement;  ///< in that
 };
 

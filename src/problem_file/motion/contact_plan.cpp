@@ -23,12 +23,12 @@ constexpr double kClosedLoop = 1e-3;
 /// The frame that a contact touches; reports one that cannot move relative to the contact's.
 std::optional<int> find_base(const ContactSpec& spec, int frame, const RobotModel& robot,
                              Diagnostics& out) {
-  const auto base = find_frame(robot, *spec.on, "", out);
+  const auto base = find_frame(robot, *spec.to, "", out);
   if (!base || robot.frames[*base].joint != robot.frames[frame].joint) return base;
-  out.error(spec.on->place,
+  out.error(spec.to->place,
             fmt::format("the frames '{}' and '{}' are on one body: nothing can hold "
                         "them together",
-                        spec.frame.value, spec.on->value));
+                        spec.frame.value, spec.to->value));
   return std::nullopt;
 }
 
@@ -40,12 +40,12 @@ std::optional<Contact> make_contact(const ContactSpec& spec, const Plant& plant,
   if (robot.frames[*frame].joint < 0) {
     out.error(spec.frame.place,
               fmt::format("the frame '{}' is fixed to the world: it cannot touch {}",
-                          spec.frame.value, spec.on ? "another" : "it"),
-              spec.on ? "exchange 'frame' and 'to'" : "");
+                          spec.frame.value, spec.to ? "another" : "it"),
+              spec.to ? "exchange 'frame' and 'to'" : "");
     return std::nullopt;
   }
   std::optional<int> base;
-  if (spec.on && !(base = find_base(spec, *frame, robot, out))) return std::nullopt;
+  if (spec.to && !(base = find_base(spec, *frame, robot, out))) return std::nullopt;
   Contact contact{.name = spec.name.value,
                   .frame = *frame,
                   .base = base,
@@ -88,7 +88,7 @@ void warn_of_instability(const ContactSpec& contact, int index, const ContactPla
 /// and centers of pressure refer to the z axis of the sole's frame, whatever the normal.
 void warn_of_sole(const ContactSpec& spec, const Contact& contact, const Plant& plant,
                   const std::vector<double>& initial, Diagnostics& out) {
-  if (spec.kind != ContactKind::surface || !spec.half_size || spec.on) return;
+  if (spec.kind != ContactKind::surface || !spec.half_size || spec.to) return;
   Vector3<double> normal = contact.normal;
   if (contact.axes == FrameAxes::world_aligned) {
     const auto sole = placement_in_state(*plant.multibody(), initial, contact.frame);
@@ -109,9 +109,9 @@ void warn_of_sole(const ContactSpec& spec, const Contact& contact, const Plant& 
 void warn_of_gravity(const ProblemSpec& spec, Diagnostics& out) {
   const Vector3<double>& g = spec.gravity;
   const auto is_left = [&](const ContactSpec& contact) {
-    return contact.on || (contact.axes == FrameAxes::world_aligned && dot(g, contact.normal) > 0);
+    return contact.to || (contact.axes == FrameAxes::world_aligned && dot(g, contact.normal) > 0);
   };
-  const auto on_world = [](const ContactSpec& contact) { return !contact.on; };
+  const auto on_world = [](const ContactSpec& contact) { return !contact.to; };
   const auto found = std::ranges::find_if(spec.contacts, on_world);
   if (found == spec.contacts.end() || !std::ranges::all_of(spec.contacts, is_left)) return;
   const ContactSpec& first = *found;
@@ -133,7 +133,7 @@ bool is_placed(const ContactSpec& contact) {
 /// Warns of a contact that closes again after it was open, with a kp that draws it back.
 void warn_of_return(const ContactSpec& contact, int index, const ContactPlan& plan,
                     const ProblemSpec& spec, Diagnostics& out) {
-  if (contact.kp == 0 || is_placed(contact) || (!contact.on && swings(contact.frame.value, spec)))
+  if (contact.kp == 0 || is_placed(contact) || (!contact.to && swings(contact.frame.value, spec)))
     return;
   for (std::size_t p = 1; p < spec.phases.size(); ++p)
     if (plan.find(p, index) && !plan.find(p - 1, index))
@@ -142,7 +142,7 @@ void warn_of_return(const ContactSpec& contact, int index, const ContactPlan& pl
           fmt::format("kp draws the contact '{}' to where it is in the initial state, and in phase "
                       "'{}' it touches down anew",
                       contact.name.value, spec.phases[p].name.value),
-          contact.on ? "give 'placement', or leave kp out"
+          contact.to ? "give 'placement', or leave kp out"
                      : "give its frame a 'swing' that says where it lands, or leave kp out");
 }
 
@@ -170,7 +170,7 @@ bool check_impulse(const ProblemSpec& spec, const std::vector<std::vector<int>>&
 
 /// True if the terrain gives a contact its normal: its frame steps, and its axes are the world's.
 bool is_on_terrain(const ContactSpec& contact, const ProblemSpec& spec) {
-  return !spec.terrain.empty() && !contact.on && contact.axes == FrameAxes::world_aligned &&
+  return !spec.terrain.empty() && !contact.to && contact.axes == FrameAxes::world_aligned &&
          swings(contact.frame.value, spec);
 }
 
@@ -309,21 +309,21 @@ bool ContactPlan::check_loops(const ProblemSpec& spec, const Plant& plant,
   std::vector<Contact> loops;
   std::vector<const ContactSpec*> specs;
   for (const int c : held_.front())
-    if (spec.contacts[c].on && spec.contacts[c].placement) {
+    if (spec.contacts[c].to && spec.contacts[c].placement) {
       loops.push_back(contacts_[c]);
       specs.push_back(&spec.contacts[c]);
     }
   if (loops.empty()) return true;
   const auto system = plant.multibody()->with_contacts(std::move(loops));
-  const LoopClosure closure(*system, initial);
-  const auto open = std::ranges::max_element(closure.gaps());
+  const std::vector<double> gaps = loop_gaps(*system, initial);
+  const auto open = std::ranges::max_element(gaps);
   if (*open < kClosedLoop) return true;
-  const ContactSpec& worst = *specs[open - closure.gaps().begin()];
-  const std::string closed = closure.closed_joints();
+  const ContactSpec& worst = *specs[open - gaps.begin()];
+  const std::string closed = closing_joints(*system, initial);
   out.error(worst.name.place,
             fmt::format("'{}' and '{}' are {:.3g} mm apart in the initial state: the loop '{}' is "
                         "open",
-                        worst.frame.value, worst.on->value, 1e3 * *open, worst.name.value),
+                        worst.frame.value, worst.to->value, 1e3 * *open, worst.name.value),
             closed.empty() ? "no posture near it closes the loop" : "it closes with " + closed);
   return false;
 }

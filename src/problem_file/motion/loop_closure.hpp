@@ -7,29 +7,13 @@
 
 namespace conddp {
 
-/// Contacts of a system as equations of the configuration, and their solution next to a state.
-class LoopClosure {
- public:
-  /// `system` holds the contacts; x has nx numbers.
-  LoopClosure(const MultibodySystem& system, const std::vector<double>& x);
+/// Length of the error of each contact that a system holds, in a state (nx numbers at least): m,
+/// with angles of surfaces times 1 m.
+std::vector<double> loop_gaps(const MultibodySystem& system, const std::vector<double>& x);
 
-  /// Length of each contact's error in the state: m, with angles of surfaces times 1 m.
-  const std::vector<double>& gaps() const { return gaps_; }
-  /// Joint positions of the closed configuration that differ from those of the state, as in
-  /// "{knee: 0.8123, ankle: -0.2}". Empty if Newton's method does not find it.
-  std::string closed_joints() const;
-
- private:
-  /// Errors of all contacts, and their Jacobian (rows x nv), at x_.
-  void linearize();
-  std::vector<double> gaps_now() const;
-
-  const MultibodySystem& system_;
-  MultibodySystem::Data<double> data_;
-  std::vector<double> x_, start_;
-  Eigen::VectorXd error_;
-  Eigen::MatrixXd jacobian_;
-  std::vector<double> gaps_;
-};
+/// Joint positions with which these contacts have no error and bodies that float stay where they
+/// are, as far as they differ from those of the state: "{knee: 0.8123, ankle: -0.2}". Empty if
+/// Newton's method does not find any.
+std::string closing_joints(const MultibodySystem& system, const std::vector<double>& x);
 
 }  // namespace conddp

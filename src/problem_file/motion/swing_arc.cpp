@@ -10,7 +10,7 @@
 namespace conddp {
 namespace {
 
-/// Heights over the plane of a foothold from which on they are an edge, m.
+/// Least height of an edge over the plane of a foothold, m.
 constexpr double kEdge = 0.01;
 /// Distance from an edge within which tracking errors take a point foot over it, m.
 constexpr double kNearEdge = 0.03;

@@ -74,10 +74,6 @@ std::string actuation_hint(const std::vector<PlantPart>& parts, const RobotModel
   return none + "nothing is left to control; if this is intended, write 'actuation: none'";
 }
 
-}  // namespace
-
-namespace {
-
 /// Adds the file's own frames to a model.
 void add_frames(const RobotSpec& spec, const std::string& prefix, RobotModel& model,
                 Diagnostics& out) {
@@ -87,9 +83,9 @@ void add_frames(const RobotSpec& spec, const std::string& prefix, RobotModel& mo
                 fmt::format("the robot has a frame '{}' already", frame.name.value));
       continue;
     }
-    const auto on = find_frame(model, frame.on, prefix, out);
-    if (!on) continue;
-    const Frame& parent = model.frames[*on];
+    const auto found = find_frame(model, frame.parent, prefix, out);
+    if (!found) continue;
+    const Frame& parent = model.frames[*found];
     model.frames.push_back({.name = prefix + frame.name.value,
                             .joint = parent.joint,
                             .placement = parent.placement * frame.placement.placement()});

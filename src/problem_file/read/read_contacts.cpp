@@ -140,7 +140,7 @@ static void describe(Keys& keys, ContactSpec& contact) {
   keys({"to",
         "Frame that it touches, of the same robot or another one, in place of the world; axes of "
         "the world are those of this frame then"},
-       contact.on, NameForm{});
+       contact.to, NameForm{});
   describe_common(keys, "", contact);
   keys({"placement",
         "Where baumgarte's kp draws the frame to: position (m) and, of a surface, orientation; by "
@@ -161,7 +161,7 @@ void describe(Keys& keys, LoopSpec& loop) {
         .says = "Frame whose motion relative to the other is held",
         .required = true},
        contact.frame, NameForm{});
-  keys({.name = "to", .says = "The other frame, where its origin is", .required = true}, contact.on,
+  keys({.name = "to", .says = "The other frame, where its origin is", .required = true}, contact.to,
        NameForm{});
   describe_kind(keys, "", contact);
   describe_stabilization(keys, "", contact);

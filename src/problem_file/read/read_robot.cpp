@@ -188,7 +188,7 @@ void describe(Keys& keys, FrameSpec& frame) {
               .says = "A frame besides those of the URDF file",
               .examples = R"([{"parent": "hand", "placement": {"position": [0, 0, 0.1]}}])"});
   keys({.name = "parent", .says = "Link that it is fixed to, or another frame", .required = true},
-       frame.on, NameForm{});
+       frame.parent, NameForm{});
   keys({"placement", "Where it is in that link's or frame's axes"}, frame.placement, MapForm{});
 }
 

@@ -69,9 +69,7 @@ std::vector<ContactCost> make_contact_costs(const CostSpec& cost, const ProblemS
     return costs;
   }
   const ContactNames names = cost.keys.value(key::contacts);
-  std::vector<int> chosen = contacts_named(names, spec, out);
-  if (names.all)
-    std::erase_if(chosen, [&](int contact) { return spec.contacts[contact].on.has_value(); });
+  const std::vector<int> chosen = contacts_named(spec.named_in_term(names, false), spec, out);
   if (chosen.empty() && names.all)
     out.error(
         cost.residual.place,
