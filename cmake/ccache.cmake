@@ -1,7 +1,7 @@
 # Compile through ccache where it is installed and no other launcher was chosen.
 # - The sloppiness is what ccache needs for precompiled headers.
-# - Paths below the source tree are hashed relative to it, so that another clone finds the results of
-#   files that use no precompiled header.
+# - Paths below the source tree are hashed relative to it and precompiled headers by their text, so that
+#   another clone finds the results.
 # - Results of -march=native must not travel to another processor: its features name the namespace.
 find_program(CONDDP_CCACHE ccache)
 mark_as_advanced(CONDDP_CCACHE)
@@ -20,5 +20,7 @@ set(CMAKE_CXX_COMPILER_LAUNCHER
   CCACHE_SLOPPINESS=pch_defines,time_macros
   CCACHE_BASEDIR=${PROJECT_SOURCE_DIR}
   CCACHE_NOHASHDIR=1
+  CCACHE_PCH_EXTSUM=1
   CCACHE_NAMESPACE=conddp-${processor_hash}
-  ${CONDDP_CCACHE})
+  ${CMAKE_CURRENT_LIST_DIR}/compile ${CONDDP_CCACHE})
+add_compile_options(-ffile-prefix-map=${PROJECT_SOURCE_DIR}/=)

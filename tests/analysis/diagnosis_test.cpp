@@ -6,6 +6,7 @@
 
 #include "robot/urdf/urdf.hpp"
 #include "support/small_problems.hpp"
+#include "support/source_tree.hpp"
 #include "systems/multibody/multibody.hpp"
 
 namespace conddp {
@@ -168,8 +169,7 @@ TEST(Diagnosis, NamesUnboundedControlWhileCostFalls) {
 /// The planar hopper on contacts of its foot.
 ShootingProblem standing(int contacts) {
   const UrdfResult urdf =
-      load_urdf(std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/robots/hopper.urdf",
-                {.base = UrdfOptions::Base::planar});
+      load_urdf(source_tree() / "problems/robots/hopper.urdf", {.base = UrdfOptions::Base::planar});
   const auto robot = std::make_shared<const RobotModel>(urdf.model.value());
   std::vector<Contact> feet;
   for (int i = 0; i < contacts; ++i)

@@ -7,6 +7,7 @@
 #include "robot/urdf/urdf.hpp"
 #include "solvers/strategies/registry.hpp"
 #include "support/small_problems.hpp"
+#include "support/source_tree.hpp"
 #include "systems/multibody/multibody.hpp"
 
 namespace conddp {
@@ -25,7 +26,7 @@ struct Leg {
 
 ShootingProblem problem_of(const Leg& leg) {
   const UrdfResult urdf =
-      load_urdf(std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/robots/hopper.urdf",
+      load_urdf(source_tree() / "problems/robots/hopper.urdf",
                 {.base = leg.base,
                  .placement = SE3<double>{rotation_matrix(exp_so3(Vector3<double>{M_PI / 2, 0, 0})),
                                           Vector3<double>::zero()}});

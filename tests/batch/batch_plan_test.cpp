@@ -15,6 +15,7 @@
 #include "batch/results/collect.hpp"
 #include "batch/run/run_batch.hpp"
 #include "batch_folder.hpp"
+#include "support/source_tree.hpp"
 
 namespace conddp {
 namespace {
@@ -583,9 +584,9 @@ std::string identity_of(const std::filesystem::path& file) {
 
 TEST(BatchPlan, LoopIdentityIncludesCommandsAndCycles) {
   const TemporaryFolder folder;
-  std::string text = text_of(CONDDP_SOURCE_DIR "/problems/mpc/quadruped_commands.yaml");
+  std::string text = text_of(source_tree() / "problems/mpc/quadruped_commands.yaml");
   const std::string robots = "../robots", velocity = "{at: 4, velocity: [0, 0.15, 0]}";
-  text.replace(text.find(robots), robots.size(), CONDDP_SOURCE_DIR "/problems/robots");
+  text.replace(text.find(robots), robots.size(), (source_tree() / "problems/robots").string());
   const std::string first = identity_of(folder.write("a.yaml", text));
   EXPECT_EQ(identity_of(folder.write("a.yaml", "# a comment\n" + text)), first);
   std::string changed = text;
@@ -599,7 +600,7 @@ TEST(BatchPlan, LoopIdentityIncludesCommandsAndCycles) {
 
 TEST(BatchPlan, LoopIdentityIncludesPlantFiles) {
   const TemporaryFolder folder;
-  const std::string robot = text_of(CONDDP_SOURCE_DIR "/problems/robots/cartpole.urdf");
+  const std::string robot = text_of(source_tree() / "problems/robots/cartpole.urdf");
   folder.write("model.urdf", robot);
   folder.write("plant.urdf", robot);
   const auto file = folder.write("a.yaml", R"(conddp: 1
@@ -649,10 +650,10 @@ TEST(BatchPlan, AnEmptyTableHasNoColumns) {
 
 TEST(BatchPlan, RobotSettingsReloadTheRobot) {
   PlannedBatch batch("");
-  batch.folder.write("arm.yaml", "conddp: 1\nrobot: {urdf: " CONDDP_SOURCE_DIR
-                                 "/problems/robots/arm7.urdf}\ninitial_state: {}\n"
-                                 "phases: [{name: only, knots: 3, dt: 0.1}]\n"
-                                 "costs: {effort: {residual: control}}\n");
+  batch.folder.write("arm.yaml", "conddp: 1\nrobot: {urdf: " + source_tree().string() +
+                                     "/problems/robots/arm7.urdf}\ninitial_state: {}\n"
+                                     "phases: [{name: only, knots: 3, dt: 0.1}]\n"
+                                     "costs: {effort: {residual: control}}\n");
   Diagnostics out;
   const auto family = ProblemFamily::load(batch.folder.path() / "arm.yaml", {}, out);
   ASSERT_TRUE(family) << format_diagnostics(out, false);

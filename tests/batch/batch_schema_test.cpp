@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "batch_folder.hpp"
+#include "support/source_tree.hpp"
 
 namespace conddp {
 namespace {
@@ -104,7 +105,7 @@ const std::vector<Case>& cases() {
 /// Output of scripts/validate_json: lines that begin with the document's path.
 std::string schema_violations(const std::vector<std::filesystem::path>& documents,
                               const std::filesystem::path& report) {
-  const std::string root = CONDDP_SOURCE_DIR;
+  const std::string root = source_tree();
   std::string command = root + "/scripts/validate_json " + root + "/schemas/batch.schema.json";
   for (const auto& document : documents) command += ' ' + document.string();
   const int status = std::system((command + " > " + report.string()).c_str());
@@ -134,7 +135,7 @@ TEST(BatchSchema, TheReaderAndTheSchemaAgree) {
 
 // Each key added to or removed from the schema needs a case above.
 TEST(BatchSchema, HasTheKeysOfTheCases) {
-  std::ifstream stream(std::filesystem::path(CONDDP_SOURCE_DIR) / "schemas/batch.schema.json");
+  std::ifstream stream(source_tree() / "schemas/batch.schema.json");
   const auto schema = nlohmann::json::parse(stream);
   std::string valid;
   for (const Case& c : cases())

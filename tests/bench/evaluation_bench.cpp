@@ -14,6 +14,7 @@
 #include "problem_file/read/read_problem.hpp"
 #include "solvers/strategies/registry.hpp"
 #include "support/foreign_problems.hpp"
+#include "support/source_tree.hpp"
 
 namespace conddp {
 namespace {
@@ -48,7 +49,7 @@ std::vector<std::unique_ptr<Case>> load_cases() {
   Diagnostics diagnostics;
   for (const char* name : {"quadruped_trot", "biped_squat", "arm_reach", "quadrotor_zigzag",
                            "cartpole_swingup_closed_form"}) {
-    const auto file = std::filesystem::path(CONDDP_SOURCE_DIR) / "problems" / name;
+    const auto file = source_tree() / "problems" / name;
     cases.push_back(
         make_case(name, read_problem(file.string() + ".yaml", {}, diagnostics), diagnostics));
   }

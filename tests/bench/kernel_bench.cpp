@@ -8,6 +8,7 @@
 #include "robot/urdf/urdf.hpp"
 #include "support/random_robot.hpp"
 #include "support/robots.hpp"
+#include "support/source_tree.hpp"
 
 // Rigid-body kernels with `double` (one knot at a time) and with `Lane` (kLaneWidth different knots
 // at a time). The counter "knot" is the time per knot.
@@ -101,7 +102,7 @@ void add(const std::string& name, const RobotModel& model, void (*work)(Bench<S>
 }
 
 std::vector<TestModel> load_robots() {
-  const std::string folder = std::string(CONDDP_SOURCE_DIR) + "/problems/robots/";
+  const std::string folder = source_tree().string() + "/problems/robots/";
   const auto load = [&](const char* name, UrdfOptions::Base base) {
     return TestModel{name, load_urdf(folder + name + ".urdf", {.base = base}).model.value()};
   };

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "child.hpp"
 #include "process.hpp"
 #include "solvers/strategies/registry.hpp"
 
@@ -223,7 +224,7 @@ TEST(Bench, AnInstanceIsSolvedAloneByItsSeed) {
 Json solution_of(const Json& run, const TemporaryFolder& folder) {
   const std::string command = run["command"];
   EXPECT_TRUE(command.starts_with("conddp solve ")) << command;
-  const std::string line = "cd '" + folder.path().string() + "' && " CONDDP_BINARY +
+  const std::string line = "cd '" + folder.path().string() + "' && " + conddp_binary() +
                            command.substr(6) + " --quiet -o answer >/dev/null 2>&1";
   const int status = std::system(line.c_str());
   EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) < 2) << line;

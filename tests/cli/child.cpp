@@ -11,20 +11,24 @@
 namespace conddp {
 namespace {
 
+constexpr const char* kBinary = CONDDP_BINARY;
+
 [[noreturn]] void become_conddp(const std::vector<std::string>& arguments,
                                 const std::vector<std::string>& environment) {
   for (const std::string& entry : environment) {
     const std::size_t equals = entry.find('=');
     setenv(entry.substr(0, equals).c_str(), entry.substr(equals + 1).c_str(), 1);
   }
-  std::vector<char*> argv{const_cast<char*>(CONDDP_BINARY)};
+  std::vector<char*> argv{const_cast<char*>(kBinary)};
   for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
   argv.push_back(nullptr);
-  execv(CONDDP_BINARY, argv.data());
+  execv(kBinary, argv.data());
   _exit(121);
 }
 
 }  // namespace
+
+std::string conddp_binary() { return kBinary; }
 
 Channel open_pipe() {
   int ends[2];

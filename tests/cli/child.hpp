@@ -10,6 +10,9 @@
 
 namespace conddp {
 
+/// Path of the tool.
+std::string conddp_binary();
+
 /// Two ends of a pipe or pseudo-terminal.
 struct Channel {
   int ours = -1;

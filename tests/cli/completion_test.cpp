@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "child.hpp"
 #include "process.hpp"
 #include "solvers/strategies/registry.hpp"
 
@@ -32,7 +33,7 @@ ShellResult shell(const std::string& command) {
 
 std::string quoted(const std::string& word) { return "'" + word + "'"; }
 
-const std::string kFolder = std::filesystem::path(CONDDP_BINARY).parent_path();
+const std::string kFolder = std::filesystem::path(conddp_binary()).parent_path();
 
 using Words = std::vector<std::string>;
 

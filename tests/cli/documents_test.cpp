@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "child.hpp"
 #include "process.hpp"
 #include "solvers/common/option_table.hpp"
 #include "solvers/strategies/registry.hpp"
@@ -88,7 +89,7 @@ TEST(ListCommand, HasTheWordsOfTheSchema) {
 }
 
 TEST(ListCommand, MatchesSchemaAndFuzzerDictionary) {
-  const std::string command = source("scripts/write_schema") + " --check " CONDDP_BINARY;
+  const std::string command = source("scripts/write_schema") + " --check " + conddp_binary();
   EXPECT_EQ(std::system(command.c_str()), 0) << "run scripts/write_schema";
 }
 
@@ -106,7 +107,7 @@ TEST(ListCommand, UnwritableResultsAreAnError) {
   const std::string errors = folder.path() / "errors";
   for (const char* redirection : {">/dev/full", ">&-"}) {
     const int status =
-        std::system((std::string(CONDDP_BINARY) + " list " + redirection + " 2>" + errors).c_str());
+        std::system((conddp_binary() + " list " + redirection + " 2>" + errors).c_str());
     EXPECT_EQ(WEXITSTATUS(status), 2);
     EXPECT_NE(read_file(errors).find("cannot be written to stdout"), std::string::npos);
   }
@@ -221,12 +222,13 @@ TEST(Gallery, ShowsEveryExampleProblem) {
 }
 
 TEST(Documents, LinksResolveAndProblemFilesAreWellFormed) {
-  EXPECT_EQ(std::system((source("scripts/check_documents") + " " CONDDP_BINARY).c_str()), 0);
+  EXPECT_EQ(std::system((source("scripts/check_documents") + " " + conddp_binary()).c_str()), 0);
 }
 
 TEST(Documents, ShowOutputsOfTheProgram) {
   if (kSmallSizes) GTEST_SKIP() << "solves of minutes";
-  EXPECT_EQ(std::system((source("scripts/check_documents") + " --run " CONDDP_BINARY).c_str()), 0);
+  EXPECT_EQ(std::system((source("scripts/check_documents") + " --run " + conddp_binary()).c_str()),
+            0);
 }
 
 TEST(CommandLineReference, HasTheExitCodes) {

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "child.hpp"
 #include "pseudo_terminal.hpp"
 #include "solvers/strategies/registry.hpp"
 
@@ -116,7 +117,7 @@ TEST_F(ExampleProblems, FallsBackToInstalledProblems) {
 }
 
 TEST_F(ExampleProblems, ReportsMissingExampleProblems) {
-  fs::copy_file(CONDDP_BINARY, folder_.path() / "lonely");
+  fs::copy_file(conddp_binary(), folder_.path() / "lonely");
   const auto lonely = [&](const std::string& arguments) {
     const std::string command =
         "cd " + folder_.path().string() + " && ./lonely " + arguments + " >out 2>errors";

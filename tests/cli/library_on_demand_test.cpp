@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "child.hpp"
 #include "process.hpp"
 
 namespace conddp {
@@ -12,7 +13,7 @@ namespace {
 /// The tool without the libraries beside it in the build tree.
 class LibraryOnDemand : public ::testing::Test {
  protected:
-  LibraryOnDemand() { std::filesystem::copy_file(CONDDP_BINARY, tool()); }
+  LibraryOnDemand() { std::filesystem::copy_file(conddp_binary(), tool()); }
 
   /// Exit code of a command; errors() holds its stderr.
   int run(const std::string& arguments) const {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "child.hpp"
 #include "process.hpp"
 
 namespace conddp {
@@ -148,7 +149,7 @@ TEST_F(Paths, CircularLinksAndLongNamesAreBadInput) {
 }
 
 TEST_F(Paths, DeletedFolderIsBadInput) {
-  const std::string gone = "mkdir gone; cd gone; rmdir ../gone; " + std::string(CONDDP_BINARY);
+  const std::string gone = "mkdir gone; cd gone; rmdir ../gone; " + conddp_binary();
   const std::string errors = folder_.path() / "errors";
   for (const char* arguments : {" bench reach.yaml", " regress golden.json", " solve reach.yaml"}) {
     const std::string command =

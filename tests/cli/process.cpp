@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "child.hpp"
+#include "support/source_tree.hpp"
 
 namespace conddp {
 namespace {
@@ -54,9 +55,7 @@ std::string read_file(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-std::string source(const std::string& name) {
-  return (std::filesystem::path(CONDDP_SOURCE_DIR) / name).string();
-}
+std::string source(const std::string& name) { return (source_tree() / name).string(); }
 
 bool fits_schema(const std::string& schema, const std::string& document) {
   const TemporaryFolder folder;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "child.hpp"
 #include "process.hpp"
 
 namespace conddp {
@@ -48,7 +49,7 @@ TEST(SolveStandardInput, ActsLikeAFile) {
   const std::string out = folder.path();
   const auto piped = [&](const std::string& text, const std::string& rest) {
     const std::string command =
-        text + " | " CONDDP_BINARY " solve - " + rest + " > " + out + "/log 2>&1";
+        text + " | " + conddp_binary() + " solve - " + rest + " > " + out + "/log 2>&1";
     return WEXITSTATUS(std::system(command.c_str()));
   };
   EXPECT_EQ(piped("cat " + file, "-o " + out + "/piped"), 0) << read_file(out + "/log");

@@ -7,6 +7,7 @@
 #include "problem_file/model/enum_names.hpp"
 #include "problem_file/model/system_fields.hpp"
 #include "problem_file/read/read_problem.hpp"
+#include "support/source_tree.hpp"
 
 namespace conddp {
 namespace {
@@ -214,8 +215,7 @@ void learn(ComposedBody& body) {
   const std::string text = fmt::format(
       "conddp: 1\n{}initial_state: {}\nphases: [{{knots: 1, dt: 0.1}}]\n{}", body.text(random),
       flow_map(body.initial_state), body.stepping ? "solver: {name: ipopt}\n" : "");
-  const auto spec = read_problem_text(
-      text, std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/composed.yaml", {}, out);
+  const auto spec = read_problem_text(text, source_tree() / "problems/composed.yaml", {}, out);
   const auto built = spec ? build_problem(*spec, {}, out) : std::nullopt;
   if (!built) throw std::runtime_error(format_diagnostics(out, false) + text);
   const Plant& plant = built->plant;

@@ -21,6 +21,7 @@
 #include "problem_file/expand/expand_problem.hpp"
 #include "problem_file/read/read_problem.hpp"
 #include "support/sizes.hpp"
+#include "support/source_tree.hpp"
 
 namespace conddp {
 namespace {
@@ -54,7 +55,7 @@ struct ReadProblem {
 std::unique_ptr<ReadProblem> read_composed(const std::string& text,
                                            const std::vector<std::string>& drop) {
   auto read = std::make_unique<ReadProblem>();
-  const auto file = std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/composed.yaml";
+  const auto file = source_tree() / "problems/composed.yaml";
   read->spec = read_problem_text(text, file, {}, read->diagnostics);
   if (read->spec) read->built = build_problem(*read->spec, {.drop = drop}, read->diagnostics);
   if (read->built) read->candidates = usable_solvers(*read->built, read->diagnostics);

@@ -10,11 +10,12 @@
 
 #include "fuzz/targets.hpp"
 #include "support/random_numbers.hpp"
+#include "support/source_tree.hpp"
 
 namespace conddp {
 namespace {
 
-const std::filesystem::path kFolder = std::filesystem::path(CONDDP_SOURCE_DIR) / "tests/fuzz";
+const std::filesystem::path kFolder = source_tree() / "tests/fuzz";
 
 std::vector<std::string> seeds(std::string_view target) {
   std::vector<std::filesystem::path> files;

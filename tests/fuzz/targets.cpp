@@ -13,6 +13,7 @@
 #include "problem_file/read/read_problem.hpp"
 #include "robot/urdf/load_xml.hpp"
 #include "robot/urdf/urdf.hpp"
+#include "support/source_tree.hpp"
 #include "systems/expressions/parser.hpp"
 #include "systems/graphs/derivatives.hpp"
 
@@ -20,8 +21,7 @@ namespace conddp {
 namespace {
 
 /// Relative paths of problems refer to the example robots.
-const std::filesystem::path kFile =
-    std::filesystem::path(CONDDP_SOURCE_DIR) / "problems" / "fuzz.yaml";
+const std::filesystem::path kFile = source_tree() / "problems" / "fuzz.yaml";
 
 void promise(bool kept, const char* what) {
   if (kept) return;

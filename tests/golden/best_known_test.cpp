@@ -9,13 +9,14 @@
 #include "output/solution/golden_case.hpp"
 #include "problem_file/assemble/build_problem.hpp"
 #include "problem_file/read/read_problem.hpp"
+#include "support/source_tree.hpp"
 
 namespace conddp {
 namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kTree = CONDDP_SOURCE_DIR;
+const fs::path kTree = source_tree();
 
 /// Hash of a problem; empty, with a test failure, if it cannot be built.
 std::string hash_of(const fs::path& file, const std::vector<std::string>& settings = {}) {

@@ -10,6 +10,7 @@
 #include "robot/frames.hpp"
 #include "solvers/strategies/registry.hpp"
 #include "support/robots.hpp"
+#include "support/source_tree.hpp"
 
 namespace conddp {
 namespace {
@@ -22,8 +23,7 @@ TEST_P(BringYourOwnLegs, StandStepAndStandAgain) {
   const auto urdf = foreign_robot_folder() / (GetParam() + ".urdf");
   if (!std::filesystem::exists(urdf)) GTEST_SKIP() << kNoForeignRobots;
   Diagnostics diagnostics;
-  const auto file =
-      std::filesystem::path(CONDDP_SOURCE_DIR) / "tests/golden/legs" / (GetParam() + ".yaml");
+  const auto file = source_tree() / "tests/golden/legs" / (GetParam() + ".yaml");
   const auto spec = read_problem(file, {"robot.urdf=" + urdf.string()}, diagnostics);
   ASSERT_TRUE(spec) << format_diagnostics(diagnostics, false);
   const auto built = build_problem(*spec, {}, diagnostics);

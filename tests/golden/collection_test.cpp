@@ -10,12 +10,12 @@
 #include "problem_file/assemble/build_problem.hpp"
 #include "problem_file/read/read_problem.hpp"
 #include "solvers/strategies/registry.hpp"
+#include "support/source_tree.hpp"
 
 namespace conddp {
 namespace {
 
-const std::filesystem::path kCollection =
-    std::filesystem::path(CONDDP_SOURCE_DIR) / "problems" / "collection";
+const std::filesystem::path kCollection = source_tree() / "problems" / "collection";
 
 /// For grids of 100 to 240 knots with constant controls, relative for costs above 1.
 constexpr double kTolerance = 1e-4;

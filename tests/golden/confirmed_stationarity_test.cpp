@@ -8,6 +8,7 @@
 #include "problem_file/assemble/build_problem.hpp"
 #include "problem_file/read/read_problem.hpp"
 #include "solvers/strategies/registry.hpp"
+#include "support/source_tree.hpp"
 
 namespace conddp {
 namespace {
@@ -16,8 +17,7 @@ namespace {
 void expect_confirmed(const std::string& name, double size, std::vector<std::uint64_t> seeds) {
   Diagnostics out;
   const auto spec =
-      read_problem(std::filesystem::path(CONDDP_SOURCE_DIR) / "problems" / (name + ".yaml"),
-                   {"solver.name=proxddp"}, out);
+      read_problem(source_tree() / "problems" / (name + ".yaml"), {"solver.name=proxddp"}, out);
   ASSERT_TRUE(spec) << format_diagnostics(out, false);
   const auto built = build_problem(*spec, {}, out);
   ASSERT_TRUE(built) << format_diagnostics(out, false);
@@ -47,9 +47,8 @@ TEST(ConfirmedStationarity, HoldsWithoutGains) {
        {"acrobot_swingup", "arm_reach", "double_pendulum_swingup", "quadrotor_waypoints",
         "quadruped_jump", "quadruped_pace_turn", "quadruped_trot"}) {
     Diagnostics out;
-    const auto spec = read_problem(
-        std::filesystem::path(CONDDP_SOURCE_DIR) / "problems" / (std::string(name) + ".yaml"),
-        {"solver.name=box_fddp"}, out);
+    const auto spec = read_problem(source_tree() / "problems" / (std::string(name) + ".yaml"),
+                                   {"solver.name=box_fddp"}, out);
     ASSERT_TRUE(spec) << format_diagnostics(out, false);
     const auto built = build_problem(*spec, {}, out);
     ASSERT_TRUE(built) << format_diagnostics(out, false);

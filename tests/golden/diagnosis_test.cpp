@@ -7,6 +7,7 @@
 #include "problem_file/assemble/build_problem.hpp"
 #include "problem_file/read/read_problem.hpp"
 #include "solvers/strategies/registry.hpp"
+#include "support/source_tree.hpp"
 
 namespace conddp {
 namespace {
@@ -25,7 +26,7 @@ class DiagnosisOf : public ::testing::TestWithParam<Provocation> {};
 TEST_P(DiagnosisOf, ARealSolve) {
   const Provocation& p = GetParam();
   Diagnostics out;
-  const auto file = std::filesystem::path(CONDDP_SOURCE_DIR) / "problems" / (p.problem + ".yaml");
+  const auto file = source_tree() / "problems" / (p.problem + ".yaml");
   const auto spec = read_problem(file, p.settings, out);
   ASSERT_TRUE(spec) << format_diagnostics(out, false);
   const auto built = build_problem(*spec, {.drop = p.drop}, out);

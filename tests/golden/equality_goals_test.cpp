@@ -8,6 +8,7 @@
 #include "problem_file/assemble/build_problem.hpp"
 #include "problem_file/read/read_problem.hpp"
 #include "solvers/strategies/registry.hpp"
+#include "support/source_tree.hpp"
 
 namespace conddp {
 namespace {
@@ -22,8 +23,7 @@ class EqualityGoal : public ::testing::TestWithParam<Goal> {};
 TEST_P(EqualityGoal, IsReachedAndCertified) {
   const Goal& goal = GetParam();
   Diagnostics out;
-  const auto file =
-      std::filesystem::path(CONDDP_SOURCE_DIR) / "problems" / (goal.problem + ".yaml");
+  const auto file = source_tree() / "problems" / (goal.problem + ".yaml");
   const auto spec = read_problem(file, {"solver.name=intro"}, out);
   ASSERT_TRUE(spec) << format_diagnostics(out, false);
   const auto built = build_problem(*spec, {.drop = goal.drop}, out);

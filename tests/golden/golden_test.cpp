@@ -6,14 +6,15 @@
 #include <gtest/gtest.h>
 
 #include "support/known_answer.hpp"
+#include "support/source_tree.hpp"
 
 namespace conddp {
 namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kProblems = fs::path(CONDDP_SOURCE_DIR) / "problems";
-const fs::path kGolden = fs::path(CONDDP_SOURCE_DIR) / "tests/golden";
+const fs::path kProblems = source_tree() / "problems";
+const fs::path kGolden = source_tree() / "tests/golden";
 
 std::vector<std::string> names_in(const fs::path& folder, const std::string& suffix) {
   std::vector<std::string> names;

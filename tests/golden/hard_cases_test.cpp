@@ -5,6 +5,7 @@
 #include "problem_file/assemble/build_problem.hpp"
 #include "problem_file/read/read_problem.hpp"
 #include "solvers/strategies/registry.hpp"
+#include "support/source_tree.hpp"
 
 namespace conddp {
 namespace {
@@ -27,8 +28,7 @@ class HardCases : public ::testing::TestWithParam<HardCase> {};
 TEST_P(HardCases, AreSolved) {
   const HardCase& c = GetParam();
   Diagnostics out;
-  const auto spec =
-      read_problem(std::filesystem::path(CONDDP_SOURCE_DIR) / c.file, c.settings, out);
+  const auto spec = read_problem(source_tree() / c.file, c.settings, out);
   ASSERT_TRUE(spec) << format_diagnostics(out, false);
   const auto built = build_problem(*spec, {}, out);
   ASSERT_TRUE(built) << format_diagnostics(out, false);

@@ -9,6 +9,7 @@
 #include "problem_file/read/read_problem.hpp"
 #include "solvers/strategies/registry.hpp"
 #include "support/foreign_problems.hpp"
+#include "support/source_tree.hpp"
 
 namespace conddp {
 namespace {
@@ -53,7 +54,7 @@ class HomotopyOf : public ::testing::TestWithParam<HomotopyCase> {};
 TEST_P(HomotopyOf, EndsAtACertifiedAnswer) { expect_solved(GetParam()); }
 
 std::filesystem::path example(const std::string& name) {
-  return std::filesystem::path(CONDDP_SOURCE_DIR) / "problems" / (name + ".yaml");
+  return source_tree() / "problems" / (name + ".yaml");
 }
 
 constexpr const char* kWheels =

@@ -8,6 +8,7 @@
 #include "problem_file/assemble/build_problem.hpp"
 #include "problem_file/read/read_problem.hpp"
 #include "solvers/strategies/registry.hpp"
+#include "support/source_tree.hpp"
 
 namespace conddp {
 namespace {
@@ -29,8 +30,7 @@ std::optional<Loaded> load(const ImpossibleMotion& motion, const std::string& so
   std::vector<std::string> settings = motion.settings;
   settings.push_back("solver.name=" + solver);
   Diagnostics out;
-  auto spec = read_problem(std::filesystem::path(CONDDP_SOURCE_DIR) / "problems" / motion.file,
-                           settings, out);
+  auto spec = read_problem(source_tree() / "problems" / motion.file, settings, out);
   auto built = spec ? build_problem(*spec, {}, out) : std::nullopt;
   EXPECT_TRUE(built) << format_diagnostics(out, false);
   if (!built) return std::nullopt;

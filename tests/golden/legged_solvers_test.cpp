@@ -6,13 +6,14 @@
 #include "problem_file/assemble/build_problem.hpp"
 #include "problem_file/read/read_problem.hpp"
 #include "solvers/strategies/registry.hpp"
+#include "support/source_tree.hpp"
 
 namespace conddp {
 namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kReadyProblems = fs::path(CONDDP_SOURCE_DIR) / "problems";
+const fs::path kReadyProblems = source_tree() / "problems";
 
 std::vector<std::string> legged_problems() {
   std::vector<std::string> names;

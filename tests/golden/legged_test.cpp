@@ -10,6 +10,7 @@
 #include "robot/dynamics.hpp"
 #include "robot/frames.hpp"
 #include "solvers/strategies/registry.hpp"
+#include "support/source_tree.hpp"
 
 namespace conddp {
 namespace {
@@ -36,8 +37,7 @@ struct Solved {
 Solved solve_ready(const std::string& name) {
   Solved s;
   Diagnostics diagnostics;
-  s.spec = read_problem(std::filesystem::path(CONDDP_SOURCE_DIR) / "problems" / (name + ".yaml"),
-                        {}, diagnostics);
+  s.spec = read_problem(source_tree() / "problems" / (name + ".yaml"), {}, diagnostics);
   if (s.spec) s.built = build_problem(*s.spec, {}, diagnostics);
   EXPECT_TRUE(s.built) << format_diagnostics(diagnostics, false);
   if (s.built)
@@ -166,8 +166,7 @@ TEST(QuadrupedTrot, ForcesCarryTheWeightWithinTheirCones) {
 
 TEST(QuasiStaticGuess, StandingForcesHoldAndSumToWeight) {
   Diagnostics diagnostics;
-  const auto spec = read_problem(
-      std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/quadruped_trot.yaml", {}, diagnostics);
+  const auto spec = read_problem(source_tree() / "problems/quadruped_trot.yaml", {}, diagnostics);
   ASSERT_TRUE(spec);
   const auto built = build_problem(*spec, {}, diagnostics);
   ASSERT_TRUE(built);

@@ -5,6 +5,7 @@
 #include "problem_file/assemble/build_problem.hpp"
 #include "problem_file/read/read_problem.hpp"
 #include "solvers/strategies/registry.hpp"
+#include "support/source_tree.hpp"
 
 namespace conddp {
 namespace {
@@ -12,8 +13,7 @@ namespace {
 /// Stops an example problem after each number of iterations in turn.
 void expect_answers_in_logs(const std::string& name) {
   Diagnostics out;
-  const auto spec = read_problem(
-      std::filesystem::path(CONDDP_SOURCE_DIR) / "problems" / (name + ".yaml"), {}, out);
+  const auto spec = read_problem(source_tree() / "problems" / (name + ".yaml"), {}, out);
   ASSERT_TRUE(spec) << format_diagnostics(out, false);
   const auto built = build_problem(*spec, {}, out);
   ASSERT_TRUE(built) << format_diagnostics(out, false);

@@ -10,6 +10,7 @@
 #include "robot/frames.hpp"
 #include "solvers/strategies/registry.hpp"
 #include "support/segments.hpp"
+#include "support/source_tree.hpp"
 
 namespace conddp {
 namespace {
@@ -35,8 +36,7 @@ double distance_of(const DistancePair& pair, const Plant& plant, const std::vect
 
 TEST(ArmObstacles, KeepsDistanceFromBallPoleAndItself) {
   Diagnostics diagnostics;
-  const auto spec = read_problem(
-      std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/arm_obstacles.yaml", {}, diagnostics);
+  const auto spec = read_problem(source_tree() / "problems/arm_obstacles.yaml", {}, diagnostics);
   ASSERT_TRUE(spec);
   const auto built = build_problem(*spec, {}, diagnostics);
   ASSERT_TRUE(built);

@@ -9,13 +9,14 @@
 #include "problem_file/assemble/build_problem.hpp"
 #include "problem_file/read/read_problem.hpp"
 #include "solvers/strategies/registry.hpp"
+#include "support/source_tree.hpp"
 
 namespace conddp {
 namespace {
 
 SolveResult solve_by_altro(const std::string& name) {
   Diagnostics out;
-  const auto file = std::filesystem::path(CONDDP_SOURCE_DIR) / "problems" / (name + ".yaml");
+  const auto file = source_tree() / "problems" / (name + ".yaml");
   const auto spec = read_problem(file, {}, out);
   EXPECT_TRUE(spec) << format_diagnostics(out, false);
   const auto built = build_problem(*spec, {}, out);

@@ -6,6 +6,7 @@
 #include "problem_file/assemble/build.hpp"
 #include "problem_file/assemble/build_problem.hpp"
 #include "problem_file/read/read_problem.hpp"
+#include "support/source_tree.hpp"
 
 namespace conddp {
 namespace {
@@ -28,7 +29,7 @@ Trajectory perturbed(const ShootingProblem& problem, const Trajectory& guess,
 
 TEST(SecondDerivatives, MatchDualNumbersOnExampleProblems) {
   int known = 0;
-  for (const auto& entry : fs::directory_iterator(fs::path(CONDDP_SOURCE_DIR) / "problems")) {
+  for (const auto& entry : fs::directory_iterator(source_tree() / "problems")) {
     if (entry.path().extension() != ".yaml") continue;
     SCOPED_TRACE(entry.path().stem().string());
     Diagnostics out;

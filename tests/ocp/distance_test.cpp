@@ -10,6 +10,7 @@
 #include "support/mimic_robot.hpp"
 #include "support/named_residuals.hpp"
 #include "support/segments.hpp"
+#include "support/source_tree.hpp"
 
 namespace conddp {
 namespace {
@@ -307,8 +308,7 @@ TEST(DistanceResidual, TheLowestOfManyVerticesCounts) {
 TEST(DistanceResidual, HasDerivativesForParallelAndCrossingCapsules) {
   // An arm stretched along z: capsules along its links are collinear, and a fixed one beside it is
   // parallel.
-  const UrdfResult loaded =
-      load_urdf(std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/robots/arm7.urdf", {});
+  const UrdfResult loaded = load_urdf(source_tree() / "problems/robots/arm7.urdf", {});
   ASSERT_TRUE(loaded.model);
   const auto robot = std::make_shared<RobotModel>(*loaded.model);
   const auto system = std::make_shared<MultibodySystem>(robot, Actuation::full(*robot));

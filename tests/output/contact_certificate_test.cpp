@@ -9,6 +9,7 @@
 #include "output/schedule/contact_schedule.hpp"
 #include "output/schedule/softened_constraint.hpp"
 #include "support/solved_example.hpp"
+#include "support/source_tree.hpp"
 
 namespace conddp {
 namespace {
@@ -133,7 +134,7 @@ TEST(ContactSchedule, AnswerBuildsAndKeepsItsCosts) {
       contact_motion(*pushed_block().built.problem, pushed_block().result->trajectory);
   ASSERT_TRUE(motion);
   ScheduleOptions options;
-  options.folder = std::filesystem::path(CONDDP_SOURCE_DIR) / "problems";
+  options.folder = source_tree() / "problems";
   options.solution = options.folder / "solution.json";
   const ContactSchedule schedule = contact_schedule(pushed_block().built, *motion, options);
   EXPECT_EQ(schedule.problem["robot"]["urdf"], "robots/block.urdf");

@@ -6,6 +6,7 @@
 #include "problem_file/assemble/build.hpp"
 #include "problem_file/assemble/build_problem.hpp"
 #include "problem_file/read/read_problem.hpp"
+#include "support/source_tree.hpp"
 
 namespace conddp {
 namespace {
@@ -29,7 +30,7 @@ class Surfaces : public ::testing::Test {
  protected:
   Surfaces() {
     Diagnostics out;
-    const auto file = std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/scene.yaml";
+    const auto file = source_tree() / "problems/scene.yaml";
     spec_ = read_problem_text(kScene, file, {}, out).value();
     built_ = build_problem(spec_, {}, out).value();
   }

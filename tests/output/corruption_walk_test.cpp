@@ -10,12 +10,13 @@
 #include "output/report/certificate_report.hpp"
 #include "support/sizes.hpp"
 #include "support/solved_example.hpp"
+#include "support/source_tree.hpp"
 
 namespace conddp {
 namespace {
 
 OrderedJson not_compared() {
-  std::ifstream file(std::filesystem::path(CONDDP_SOURCE_DIR) / "schemas/solution.schema.json");
+  std::ifstream file(source_tree() / "schemas/solution.schema.json");
   return OrderedJson::parse(file).at("not_compared");
 }
 

@@ -10,6 +10,7 @@
 #include "output/solution/solution.hpp"
 #include "problem_file/assemble/build_problem.hpp"
 #include "problem_file/read/read_problem.hpp"
+#include "support/source_tree.hpp"
 
 namespace conddp {
 namespace {
@@ -18,7 +19,7 @@ class Findings : public testing::Test {
  protected:
   void load(const std::string& name, const std::vector<std::string>& settings = {}) {
     Diagnostics out;
-    const auto file = std::filesystem::path(CONDDP_SOURCE_DIR) / "problems" / (name + ".yaml");
+    const auto file = source_tree() / "problems" / (name + ".yaml");
     spec_ = read_problem(file, settings, out);
     ASSERT_TRUE(spec_) << format_diagnostics(out, false);
     built_ = build_problem(*spec_, {}, out);

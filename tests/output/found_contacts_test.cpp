@@ -2,6 +2,7 @@
 
 #include "problem_file/assemble/build_problem.hpp"
 #include "report_fixture.hpp"
+#include "support/source_tree.hpp"
 
 namespace conddp {
 namespace {
@@ -23,7 +24,7 @@ solver: {name: ipopt}
 
 TEST(FoundContacts, ForcesAreInTheWorldAtStepEnds) {
   Diagnostics out;
-  const auto file = std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/text.yaml";
+  const auto file = source_tree() / "problems/text.yaml";
   const auto spec = read_problem_text(kBlockAndSlope, file, {}, out);
   ASSERT_TRUE(spec) << format_diagnostics(out, false);
   const auto built = build_problem(*spec, {}, out);

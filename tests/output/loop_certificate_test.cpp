@@ -7,6 +7,7 @@
 #include "base/json/json_document.hpp"
 #include "loop_fixture.hpp"
 #include "output/report/certificate_report.hpp"
+#include "support/source_tree.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace conddp {
@@ -54,8 +55,8 @@ TEST_F(LoopVerdict, HoldsWithJumpsNoiseDelayAndAnotherPlant) {
 }
 
 TEST_F(LoopVerdict, HoldsWithSimulatedContactsCommandsAndRetiming) {
-  const TextFile file = read_text_file(
-      std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/mpc/quadruped_commands.yaml", 1 << 20);
+  const TextFile file =
+      read_text_file(source_tree() / "problems/mpc/quadruped_commands.yaml", 1 << 20);
   expect_holds(SimulatedLoop(
       file.text, {"robot.urdf=robots/quadruped.urdf", "mpc.duration=1", "mpc.disturbances=[]",
                   "mpc.commands.1.at=0.5", "mpc.commands.2.at=0.7"}));
@@ -63,7 +64,7 @@ TEST_F(LoopVerdict, HoldsWithSimulatedContactsCommandsAndRetiming) {
 
 /// Text of an example problem.
 std::string example(const char* name) {
-  return read_text_file(std::filesystem::path(CONDDP_SOURCE_DIR) / "problems" / name, 1 << 20).text;
+  return read_text_file(source_tree() / "problems" / name, 1 << 20).text;
 }
 
 TEST_F(LoopVerdict, AllowsForRoundedTimesAtStepEndRate) { expect_holds(SimulatedLoop(kStiffMass)); }
@@ -92,7 +93,7 @@ TEST_F(LoopVerdict, RoundedTimesStandForPushesJumpsAndCommands) {
 TEST_F(LoopVerdict, HoldsIfAPhaseIsAJump) { expect_holds(SimulatedLoop(kBouncingMass)); }
 
 TEST_F(LoopVerdict, HoldsForATrotThatIsPushed) {
-  const auto file = std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/quadruped_trot.yaml";
+  const auto file = source_tree() / "problems/quadruped_trot.yaml";
   expect_holds(SimulatedLoop(read_text_file(file, 1 << 20).text,
                              {"mpc={horizon: 0.3, tick: 0.02, duration: 0.4, repeat: gait, "
                               "disturbances: [{at: 0.1, frame: "

@@ -11,6 +11,7 @@
 #include "output/mpc/loop_files.hpp"
 #include "problem_file/read/read_problem.hpp"
 #include "support/balanced_cartpole.hpp"
+#include "support/source_tree.hpp"
 
 namespace conddp {
 
@@ -60,8 +61,7 @@ struct SimulatedLoop {
   explicit SimulatedLoop(const std::string& text, const std::vector<std::string>& settings = {},
                          std::set<int> late = {}) {
     Diagnostics out;
-    auto spec = read_problem_text(
-        text, std::filesystem::path(CONDDP_SOURCE_DIR) / "problems" / "test.yaml", settings, out);
+    auto spec = read_problem_text(text, source_tree() / "problems" / "test.yaml", settings, out);
     if (spec) task = build_loop(*std::move(spec), {}, out);
     EXPECT_TRUE(task) << format_diagnostics(out, false);
     if (!task) return;

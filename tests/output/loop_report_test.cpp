@@ -7,6 +7,7 @@
 
 #include "base/files/text_file.hpp"
 #include "loop_fixture.hpp"
+#include "support/source_tree.hpp"
 
 namespace conddp {
 namespace {
@@ -42,9 +43,7 @@ TEST(LoopReport, HasTheMotionOfThePlant) {
 /// The trot of the example problems in a short loop with this plant.
 ReportedLoop trotting(const std::string& plant) {
   return ReportedLoop(
-      read_text_file(std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/quadruped_trot.yaml",
-                     1 << 20)
-          .text,
+      read_text_file(source_tree() / "problems/quadruped_trot.yaml", 1 << 20).text,
       {"mpc={horizon: 0.4, tick: 0.02, duration: 0.3, repeat: gait, plant: " + plant + "}"});
 }
 

@@ -12,6 +12,7 @@
 #include "output/solution/solution_json.hpp"
 #include "problem_file/assemble/build_problem.hpp"
 #include "problem_file/read/read_problem.hpp"
+#include "support/source_tree.hpp"
 
 namespace conddp {
 
@@ -28,8 +29,7 @@ class Report : public testing::Test {
   void load(const std::string& name, const std::vector<std::string>& settings = {},
             const std::vector<std::string>& left_out = {}) {
     Diagnostics out;
-    spec_ =
-        read_problem(std::filesystem::path(CONDDP_SOURCE_DIR) / "problems" / name, settings, out);
+    spec_ = read_problem(source_tree() / "problems" / name, settings, out);
     ASSERT_TRUE(spec_) << format_diagnostics(out, false);
     built_ = build_problem(*spec_, {.drop = left_out}, out);
     ASSERT_TRUE(built_) << format_diagnostics(out, false);

@@ -6,13 +6,14 @@
 #include "ocp/problem/by_name.hpp"
 #include "problem_file/assemble/build_problem.hpp"
 #include "problem_file/read/read_problem.hpp"
+#include "support/source_tree.hpp"
 
 namespace conddp {
 namespace {
 
 BuiltProblem example(const std::string& name) {
   Diagnostics out;
-  const auto file = std::filesystem::path(CONDDP_SOURCE_DIR) / "problems" / (name + ".yaml");
+  const auto file = source_tree() / "problems" / (name + ".yaml");
   const auto spec = read_problem(file, {}, out);
   if (!spec) throw std::runtime_error(format_diagnostics(out, false));
   auto built = build_problem(*spec, {}, out);

@@ -12,6 +12,7 @@
 #include "problem_file/expand/expand_problem.hpp"
 #include "problem_file/read/read_problem.hpp"
 #include "spatial/lane.hpp"
+#include "support/source_tree.hpp"
 
 namespace conddp {
 namespace {
@@ -140,8 +141,7 @@ TEST_F(SolutionOutput, SolutionReadsBackAsATable) {
 
 TEST(ContactOutput, PushesStandingFeetAndOmitsAirborneOnes) {
   Diagnostics out;
-  const auto spec =
-      read_problem(std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/hopper_jump.yaml", {}, out);
+  const auto spec = read_problem(source_tree() / "problems/hopper_jump.yaml", {}, out);
   ASSERT_TRUE(spec) << format_diagnostics(out, false);
   const auto built = build_problem(*spec, {}, out);
   ASSERT_TRUE(built) << format_diagnostics(out, false);
@@ -169,8 +169,7 @@ TEST(ContactOutput, PushesStandingFeetAndOmitsAirborneOnes) {
 /// The motion begins with the chosen state; the JSON document records the choice.
 TEST(ChosenStartOutput, CsvFileBeginsWithTheChosenState) {
   Diagnostics out;
-  const auto spec = read_problem(
-      std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/pendulum_cycle.yaml", {}, out);
+  const auto spec = read_problem(source_tree() / "problems/pendulum_cycle.yaml", {}, out);
   ASSERT_TRUE(spec) << format_diagnostics(out, false);
   const auto built = build_problem(*spec, {}, out);
   ASSERT_TRUE(built) << format_diagnostics(out, false);

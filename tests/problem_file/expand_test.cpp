@@ -10,6 +10,7 @@
 #include "schema_document.hpp"
 #include "solvers/strategies/registry.hpp"
 #include "support/sizes.hpp"
+#include "support/source_tree.hpp"
 #include "yaml_1_1.hpp"
 
 namespace conddp {
@@ -319,8 +320,7 @@ solver: {name: altro}
                            "state: [1, 2]}, {knot: 5, state: [0, 1]}]}}\nsolver:"));
   texts.push_back(replaced(kPendulum, "solver:", "mesh: {error: 1.0e-3}\nsolver:"));
   const std::string walk = replaced(
-      read_file(std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/mpc/quadruped_commands.yaml"),
-      "../robots", "robots");
+      read_file(source_tree() / "problems/mpc/quadruped_commands.yaml"), "../robots", "robots");
   texts.push_back(walk);
   texts.push_back(replaced(walk, "retime: {early: 0.06}", "retime: {late: 0.04}"));
   texts.push_back(replaced(walk, "{noise: state, sigma: 1.0e-4}", "{late: 0.1}"));

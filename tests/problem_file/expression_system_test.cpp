@@ -8,6 +8,7 @@
 #include "problem_text.hpp"
 #include "solvers/strategies/registry.hpp"
 #include "support/expression_systems.hpp"
+#include "support/source_tree.hpp"
 #include "systems/expressions/functions.hpp"
 
 namespace conddp {
@@ -192,7 +193,7 @@ TEST(ExpressionSystemFiles, ExplainsACommaThatYamlSplits) {
 }
 
 TEST(ExpressionSystemFiles, ReferenceNamesEveryFunctionAndConstant) {
-  std::ifstream stream(std::string(CONDDP_SOURCE_DIR) + "/docs/problem_file.md");
+  std::ifstream stream(source_tree().string() + "/docs/problem_file.md");
   const std::string text{std::istreambuf_iterator<char>(stream), {}};
   for (const ExpressionFunction& function : expression_functions()) {
     const std::string name = "`" + std::string(function.name);

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "support/source_tree.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace conddp {
@@ -39,7 +40,7 @@ TEST(HeightMap, IsEmptyOutside) {
 }
 
 TEST(HeightMap, AgreesWithScipy) {
-  std::ifstream file(std::string(CONDDP_SOURCE_DIR) + "/tests/problem_file/data/heights.json");
+  std::ifstream file(source_tree().string() + "/tests/problem_file/data/heights.json");
   const auto fixture = nlohmann::json::parse(file);
   HeightMapSpec map{.cell = fixture["cell"]};
   for (const auto& row : fixture["heights"]) {

@@ -4,6 +4,7 @@
 #include "analysis/certificate/replay.hpp"
 #include "problem_text.hpp"
 #include "solvers/strategies/registry.hpp"
+#include "support/source_tree.hpp"
 
 namespace conddp {
 namespace {
@@ -175,7 +176,7 @@ phases: [{jump: {x: x + 0.001}}]
 TEST(Mesh, MovesWayPointsOfGaits) {
   const std::string text = R"(conddp: 1
 robot:
-  urdf: )" + std::string(CONDDP_SOURCE_DIR) +
+  urdf: )" + source_tree().string() +
                            R"(/problems/robots/quadruped.urdf
   base: floating
   configurations:

@@ -11,11 +11,11 @@
 #include "problem_file/assemble/build.hpp"
 #include "problem_file/assemble/build_problem.hpp"
 #include "problem_file/read/read_problem.hpp"
+#include "support/source_tree.hpp"
 
 namespace conddp {
 
-inline const std::filesystem::path kProblems =
-    std::filesystem::path(CONDDP_SOURCE_DIR) / "problems";
+inline const std::filesystem::path kProblems = source_tree() / "problems";
 
 /// A small correct problem; tests replace or append lines.
 inline constexpr std::string_view kPendulum = R"(conddp: 1

@@ -11,14 +11,14 @@
 #include "base/text/strict_number.hpp"
 #include "problem_file/yaml/yaml_source.hpp"
 #include "problem_text.hpp"
+#include "support/source_tree.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace conddp {
 
 using Json = nlohmann::json;
 
-inline const std::filesystem::path kSchema =
-    std::filesystem::path(CONDDP_SOURCE_DIR) / "schemas" / "problem.schema.json";
+inline const std::filesystem::path kSchema = source_tree() / "schemas" / "problem.schema.json";
 
 inline Json load_schema() {
   std::ifstream stream(kSchema);
@@ -67,7 +67,7 @@ inline std::vector<std::filesystem::path> ready_problems() {
 inline std::vector<bool> violations(const std::vector<Json>& documents) {
   const TemporaryFolder folder;
   std::string command =
-      std::string(CONDDP_SOURCE_DIR) + "/scripts/validate_json '" + kSchema.string() + "'";
+      source_tree().string() + "/scripts/validate_json '" + kSchema.string() + "'";
   for (std::size_t i = 0; i < documents.size(); ++i) {
     const std::filesystem::path file = folder / (std::to_string(i) + ".json");
     std::ofstream(file) << documents[i].dump();

@@ -12,6 +12,7 @@
 #include "schema_document.hpp"
 #include "solvers/common/option_table.hpp"
 #include "solvers/strategies/registry.hpp"
+#include "support/source_tree.hpp"
 #include "systems/closed_forms/catalogue.hpp"
 
 namespace conddp {
@@ -303,11 +304,10 @@ TEST(Schema, HasTheReadersDefaults) {
             PassiveSpec().friction_velocity);
 }
 
-const std::filesystem::path kReference =
-    std::filesystem::path(CONDDP_SOURCE_DIR) / "docs" / "problem_file.md";
+const std::filesystem::path kReference = source_tree() / "docs" / "problem_file.md";
 
 int run(const std::string& command) {
-  const int status = std::system((std::string(CONDDP_SOURCE_DIR) + "/" + command).c_str());
+  const int status = std::system((source_tree().string() + "/" + command).c_str());
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
@@ -336,7 +336,7 @@ TEST(Schema, YamlInTheReferenceReadsAndBuilds) {
 
 TEST(Schema, ExamplesAndDefaultsOfEverySchemaFitIt) {
   for (const char* name : {"problem", "solution", "check"})
-    EXPECT_EQ(run(std::string("scripts/validate_json --examples ") + CONDDP_SOURCE_DIR +
+    EXPECT_EQ(run(std::string("scripts/validate_json --examples ") + source_tree().string() +
                   "/schemas/" + name + ".schema.json"),
               0)
         << name;

@@ -7,6 +7,7 @@
 #include "schema_document.hpp"
 #include "solvers/strategies/registry.hpp"
 #include "support/robots.hpp"
+#include "support/source_tree.hpp"
 
 namespace conddp {
 namespace {
@@ -565,7 +566,7 @@ TEST(TerminalLqr, ForeignRobotsStandToo) {
              anymal = foreign_robot_folder() / "anymal_b.urdf";
   if (!std::filesystem::exists(hyq) || !std::filesystem::exists(anymal))
     GTEST_SKIP() << kNoForeignRobots;
-  const auto legs = std::filesystem::path(CONDDP_SOURCE_DIR) / "tests/golden/legs";
+  const auto legs = source_tree() / "tests/golden/legs";
   for (const auto& [name, urdf] : {std::pair{"hyq", hyq}, {"anymal_b", anymal}}) {
     SCOPED_TRACE(name);
     expect_stance(load_with(legs / (std::string(name) + ".yaml"),

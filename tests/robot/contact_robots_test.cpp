@@ -7,6 +7,7 @@
 #include "robot/frames.hpp"
 #include "robot/kinematics.hpp"
 #include "robot/urdf/urdf.hpp"
+#include "support/source_tree.hpp"
 
 namespace conddp {
 namespace {
@@ -34,7 +35,7 @@ constexpr PlanarRobot kRobots[] = {
 };
 
 UrdfResult read(const std::string& name) {
-  return load_urdf(std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/robots" / (name + ".urdf"));
+  return load_urdf(source_tree() / "problems/robots" / (name + ".urdf"));
 }
 
 /// Frame positions at given joint positions, with all other joints at zero.

@@ -7,6 +7,7 @@
 #include "problem_file/assemble/build_problem.hpp"
 #include "problem_file/read/read_problem.hpp"
 #include "solvers/strategies/registry.hpp"
+#include "support/source_tree.hpp"
 
 namespace conddp {
 namespace {
@@ -15,9 +16,8 @@ class PerturbedStep : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(PerturbedStep, IsSolved) {
   Diagnostics out;
-  const auto spec =
-      read_problem(std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/biped_step_cones.yaml",
-                   {std::string("solver.name=") + GetParam()}, out);
+  const auto spec = read_problem(source_tree() / "problems/biped_step_cones.yaml",
+                                 {std::string("solver.name=") + GetParam()}, out);
   ASSERT_TRUE(spec) << format_diagnostics(out, false);
   const auto built = build_problem(*spec, {}, out);
   ASSERT_TRUE(built) << format_diagnostics(out, false);

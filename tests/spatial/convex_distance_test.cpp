@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "support/random_numbers.hpp"
+#include "support/source_tree.hpp"
 
 namespace conddp {
 namespace {
@@ -126,7 +127,7 @@ TEST(NearestPairs, IsProvedByPlanes) {
 
 /// Written by scripts/peers/distance_fixtures.py.
 TEST(NearestPairs, DistancesAreThoseOfCoal) {
-  std::ifstream file(CONDDP_SOURCE_DIR "/tests/spatial/data/distances.json");
+  std::ifstream file(source_tree() / "tests/spatial/data/distances.json");
   const auto pairs = nlohmann::json::parse(file).at("pairs");
   const auto vector = [](const nlohmann::json& p) { return Vector{p.at(0), p.at(1), p.at(2)}; };
   const auto points = [&](const nlohmann::json& list) {

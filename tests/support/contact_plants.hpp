@@ -7,6 +7,7 @@
 
 #include "analysis/contact/stepping_equations.hpp"
 #include "robot/urdf/urdf.hpp"
+#include "support/source_tree.hpp"
 #include "systems/multibody/multibody.hpp"
 
 namespace conddp {
@@ -14,7 +15,7 @@ namespace conddp {
 /// A plant of a robot of problems/robots with controls on the named joints.
 inline ContactPlant contact_plant(const std::string& name, const std::vector<std::string>& actuated,
                                   const Vector3<double>& gravity = {0, 0, -9.81}) {
-  const auto file = std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/robots" / (name + ".urdf");
+  const auto file = source_tree() / "problems/robots" / (name + ".urdf");
   ContactPlant plant;
   plant.robot = std::make_shared<RobotModel>(*load_urdf(file, {.gravity = gravity}).model);
   plant.B = Actuation::joints(*plant.robot, actuated).B;
@@ -49,7 +50,7 @@ inline ContactPlant block_on_slope(double friction, double angle = 0) {
 
 /// The 1 kg crate, a floating cube of 0.2 m, with all corners above ground.
 inline ContactPlant crate(double friction, FrictionModel model = FrictionModel::polyhedron) {
-  const auto file = std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/robots/crate.urdf";
+  const auto file = source_tree() / "problems/robots/crate.urdf";
   ContactPlant plant;
   plant.robot =
       std::make_shared<RobotModel>(*load_urdf(file, {.base = UrdfOptions::Base::floating}).model);

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "support/robots.hpp"
+#include "support/source_tree.hpp"
 
 // Problems of robots from outside the product: the files of tests/foreign.
 
@@ -24,7 +25,7 @@ inline std::optional<ForeignProblem> foreign_problem(const std::string& name,
                                                      const std::string& urdf) {
   const auto robot = foreign_robot_folder() / urdf;
   if (!std::filesystem::exists(robot)) return std::nullopt;
-  const auto folder = std::filesystem::path(CONDDP_SOURCE_DIR) / "tests/foreign";
+  const auto folder = source_tree() / "tests/foreign";
   return ForeignProblem{folder / (name + ".yaml"), {"robot.urdf=" + robot.string()}};
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "robot/urdf/urdf.hpp"
+#include "support/source_tree.hpp"
 
 namespace conddp {
 
@@ -20,7 +21,7 @@ struct TestRobot {
 /// The robots of problems/robots.
 inline std::vector<TestRobot> our_robots() {
   using Base = UrdfOptions::Base;
-  const std::filesystem::path folder = std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/robots";
+  const std::filesystem::path folder = source_tree() / "problems/robots";
   return {{"cartpole", folder / "cartpole.urdf", Base::fixed},
           {"double_pendulum", folder / "double_pendulum.urdf", Base::fixed},
           {"arm7", folder / "arm7.urdf", Base::fixed},
@@ -32,7 +33,7 @@ inline std::vector<TestRobot> our_robots() {
 /// Five robots with every kind of base, for derivative checks by name.
 inline std::vector<TestRobot> five_robots() {
   using Base = UrdfOptions::Base;
-  const std::filesystem::path folder = std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/robots";
+  const std::filesystem::path folder = source_tree() / "problems/robots";
   return {{"quadruped", folder / "quadruped.urdf", Base::floating},
           {"biped", folder / "biped.urdf", Base::floating},
           {"hopper", folder / "hopper.urdf", Base::planar},
@@ -48,7 +49,7 @@ inline std::shared_ptr<const RobotModel> load(const TestRobot& robot) {
 /// sources. It may not exist.
 inline std::filesystem::path foreign_robot_folder() {
   if (const char* folder = std::getenv("CONDDP_ROBOTS_DIR")) return folder;
-  return std::filesystem::path(CONDDP_SOURCE_DIR).parent_path() / "shared/robots";
+  return source_tree().parent_path() / "shared/robots";
 }
 
 inline constexpr const char* kNoForeignRobots =
@@ -81,7 +82,7 @@ inline std::vector<TestRobot> foreign_robots() {
 /// Pinocchio's values for the robot at random states (scripts/peers/robot_fixtures.py); the file
 /// need not exist.
 inline std::filesystem::path fixture_path(const TestRobot& robot) {
-  return std::filesystem::path(CONDDP_SOURCE_DIR) / "tests/robot/data" / (robot.name + ".json");
+  return source_tree() / "tests/robot/data" / (robot.name + ".json");
 }
 
 }  // namespace conddp

@@ -6,6 +6,7 @@
 
 #include "robot/urdf/urdf.hpp"
 #include "spatial/so3.hpp"
+#include "support/source_tree.hpp"
 #include "systems/multibody/multibody.hpp"
 
 namespace conddp::testing {
@@ -83,7 +84,7 @@ ShootingProblem quadrotor_move(double limit_low, double limit_up) {
 
 ShootingProblem landing(double limit) {
   const UrdfResult urdf =
-      load_urdf(std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/robots/hopper.urdf",
+      load_urdf(source_tree() / "problems/robots/hopper.urdf",
                 {.base = UrdfOptions::Base::planar,
                  .placement = SE3<double>{rotation_matrix(exp_so3(Vector3<double>{M_PI / 2, 0, 0})),
                                           Vector3<double>::zero()}});

@@ -10,6 +10,7 @@
 #include "problem_file/assemble/build_problem.hpp"
 #include "problem_file/read/read_problem.hpp"
 #include "solvers/strategies/registry.hpp"
+#include "support/source_tree.hpp"
 
 namespace conddp {
 
@@ -22,13 +23,13 @@ struct SolvedExample {
   explicit SolvedExample(const std::string& name, const std::vector<std::string>& settings = {},
                          const BuildOptions& options = {}) {
     Diagnostics out;
-    const auto file = std::filesystem::path(CONDDP_SOURCE_DIR) / "problems" / (name + ".yaml");
+    const auto file = source_tree() / "problems" / (name + ".yaml");
     solve_and_write(read_problem(file, settings, out), options, out);
   }
   /// Solves a text as if from a file of problems/.
   explicit SolvedExample(const ProblemText& text) {
     Diagnostics out;
-    const auto file = std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/text.yaml";
+    const auto file = source_tree() / "problems/text.yaml";
     solve_and_write(read_problem_text(text.yaml, file, {}, out), {}, out);
   }
   SolvedExample(const SolvedExample&) = delete;

@@ -17,14 +17,13 @@
 #include "problem_file/read/read_problem.hpp"
 #include "solvers/strategies/registry.hpp"
 #include "support/nlp_derivatives.hpp"
+#include "support/source_tree.hpp"
 
 /// Example problems by direct transcription.
 namespace conddp::testing {
 
 /// Folder of known answers of problems that are too slow for the default tests.
-inline std::filesystem::path slow_answers() {
-  return std::filesystem::path(CONDDP_SOURCE_DIR) / "tests/golden/slow";
-}
+inline std::filesystem::path slow_answers() { return source_tree() / "tests/golden/slow"; }
 
 /// Names a test by its string parameter.
 inline constexpr auto name_of = [](const auto& test) { return test.param; };
@@ -41,7 +40,7 @@ inline std::vector<std::string> slow_problems() {
 /// Names of the example problems with legged robots, or of the others; without slow ones.
 inline std::vector<std::string> ready_problems(bool legged) {
   std::vector<std::string> names;
-  const auto folder = std::filesystem::path(CONDDP_SOURCE_DIR) / "problems";
+  const auto folder = source_tree() / "problems";
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     const std::string name = entry.path().stem().string();
     const bool on_legs = name.starts_with("quadruped") || name.starts_with("biped");
@@ -56,7 +55,7 @@ inline std::vector<std::string> ready_problems(bool legged) {
 /// The problems among these whose files do not name this solver.
 inline std::vector<std::string> without(const std::string& solver, std::vector<std::string> names) {
   std::erase_if(names, [&solver](const std::string& name) {
-    std::ifstream file(std::filesystem::path(CONDDP_SOURCE_DIR) / "problems" / (name + ".yaml"));
+    std::ifstream file(source_tree() / "problems" / (name + ".yaml"));
     const std::string text(std::istreambuf_iterator<char>(file), {});
     return text.find("name: " + solver) != std::string::npos;
   });
@@ -65,7 +64,7 @@ inline std::vector<std::string> without(const std::string& solver, std::vector<s
 
 struct ReadyProblem {
   explicit ReadyProblem(const std::string& name, const std::vector<std::string>& settings = {}) {
-    const auto file = std::filesystem::path(CONDDP_SOURCE_DIR) / "problems" / (name + ".yaml");
+    const auto file = source_tree() / "problems" / (name + ".yaml");
     Diagnostics out;
     auto read = read_problem(file, settings, out);
     if (!read) throw std::runtime_error(format_diagnostics(out, false));
@@ -80,7 +79,7 @@ struct ReadyProblem {
 
 inline double known_cost(const std::string& name) {
   Diagnostics out;
-  const auto file = std::filesystem::path(CONDDP_SOURCE_DIR) / "tests/golden" / (name + ".json");
+  const auto file = source_tree() / "tests/golden" / (name + ".json");
   return load_golden(file, out).value().answer.at("cost").get<double>();
 }
 

@@ -5,6 +5,7 @@
 
 #include "support/random_numbers.hpp"
 #include "support/robots.hpp"
+#include "support/source_tree.hpp"
 #include "systems/multibody/multibody.hpp"
 
 namespace conddp {
@@ -23,8 +24,7 @@ std::vector<double> rate_of(const System& system, const std::vector<double>& x,
 
 RobotModel load(const std::string& name, UrdfOptions::Base base) {
   const UrdfResult result =
-      load_urdf(std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/robots" / (name + ".urdf"),
-                {.base = base});
+      load_urdf(source_tree() / "problems/robots" / (name + ".urdf"), {.base = base});
   if (!result.model) throw std::runtime_error("cannot load " + name);
   return *result.model;
 }

@@ -5,6 +5,7 @@
 
 #include "robot/frames.hpp"
 #include "support/contact_case.hpp"
+#include "support/source_tree.hpp"
 #include "systems/multibody/multibody.hpp"
 
 namespace conddp {
@@ -364,8 +365,7 @@ TEST(RedundantContacts, HoldLikeASoleWithSmallestForces) {
 TEST(RedundantContacts, DoNotAffectOtherLanes) {
   // A stretched arm of two joints cannot move its tip along itself. The rows are dependent in that
   // lane, which must not affect the arms in the other lanes.
-  const UrdfResult loaded = load_urdf(
-      std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/robots/double_pendulum.urdf", {});
+  const UrdfResult loaded = load_urdf(source_tree() / "problems/robots/double_pendulum.urdf", {});
   ASSERT_TRUE(loaded.model);
   const auto model = std::make_shared<RobotModel>(*loaded.model);
   const std::vector<Contact> contacts{

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "support/source_tree.hpp"
 #include "systems/expressions/functions.hpp"
 #include "systems/expressions/parser.hpp"
 #include "systems/graphs/program.hpp"
@@ -232,7 +233,7 @@ struct MalformedExpression {
 };
 
 std::vector<MalformedExpression> malformed_expressions() {
-  std::ifstream file(std::string(CONDDP_SOURCE_DIR) + "/tests/systems/malformed_expressions.txt");
+  std::ifstream file(source_tree().string() + "/tests/systems/malformed_expressions.txt");
   std::vector<MalformedExpression> cases;
   std::string line;
   while (std::getline(file, line)) {

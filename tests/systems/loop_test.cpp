@@ -7,6 +7,7 @@
 
 #include "robot/urdf/urdf.hpp"
 #include "support/random_numbers.hpp"
+#include "support/source_tree.hpp"
 #include "systems/multibody/multibody.hpp"
 
 namespace conddp {
@@ -37,7 +38,7 @@ Contact loop_of(const json& loop, const RobotModel& model) {
 }
 
 TEST(Loops, AccelerationsAgreeWithPinocchio) {
-  std::ifstream file(CONDDP_SOURCE_DIR "/tests/systems/data/loops.json");
+  std::ifstream file(source_tree() / "tests/systems/data/loops.json");
   const json fixture = json::parse(file);
   ASSERT_EQ(fixture["robots"].size(), 5U);
   for (const json& robot : fixture["robots"]) {
@@ -46,7 +47,7 @@ TEST(Loops, AccelerationsAgreeWithPinocchio) {
     UrdfOptions options;
     if (robot["base"] == "floating") options.base = UrdfOptions::Base::floating;
     const UrdfResult loaded =
-        load_urdf(CONDDP_SOURCE_DIR "/problems/robots/" + name + ".urdf", options);
+        load_urdf(source_tree() / "problems/robots" / (name + ".urdf"), options);
     ASSERT_TRUE(loaded.model);
     const auto model = std::make_shared<RobotModel>(*loaded.model);
     std::vector<Contact> loops;
@@ -68,7 +69,7 @@ TEST(Loops, AccelerationsAgreeWithPinocchio) {
 
 /// Derivatives of accelerations, compared with dual numbers, also of robots with few joints.
 TEST(Loops, DerivativesOfAFiveBarLegMatchDuals) {
-  const UrdfResult loaded = load_urdf(CONDDP_SOURCE_DIR "/problems/robots/five_bar_leg.urdf", {});
+  const UrdfResult loaded = load_urdf(source_tree() / "problems/robots/five_bar_leg.urdf", {});
   ASSERT_TRUE(loaded.model);
   const auto model = std::make_shared<RobotModel>(*loaded.model);
   const MultibodySystem system(model, Actuation::joints(*model, {"hip_a", "hip_b"}), {},

@@ -7,6 +7,7 @@
 #include "robot/model.hpp"
 #include "support/random_robot.hpp"
 #include "support/robots.hpp"
+#include "support/source_tree.hpp"
 
 namespace conddp {
 namespace {
@@ -18,8 +19,8 @@ using Base = UrdfOptions::Base;
 
 /// Loads problems/robots/<name>.urdf.
 RobotModel load(const std::string& name, const UrdfOptions& options) {
-  const UrdfResult result = load_urdf(
-      std::filesystem::path(CONDDP_SOURCE_DIR) / "problems/robots" / (name + ".urdf"), options);
+  const UrdfResult result =
+      load_urdf(source_tree() / "problems/robots" / (name + ".urdf"), options);
   if (!result.model) throw std::runtime_error("cannot load " + name);
   return *result.model;
 }

@@ -2,6 +2,7 @@
 
 #include "ocp/residuals/residuals.hpp"
 #include "robot/urdf/urdf.hpp"
+#include "support/source_tree.hpp"
 #include "systems/closed_forms/catalogue.hpp"
 #include "systems/multibody/multibody.hpp"
 
@@ -15,8 +16,8 @@ constexpr double kWeakTorque = 60, kSlippery = 0.2;
 using Angles = std::map<std::string, double>;  // by joint
 
 std::shared_ptr<MultibodySystem> system_of(const std::string& name, UrdfOptions::Base base) {
-  const auto urdf = load_urdf(std::string(CONDDP_SOURCE_DIR) + "/problems/robots/" + name + ".urdf",
-                              {.base = base});
+  const auto urdf =
+      load_urdf(source_tree().string() + "/problems/robots/" + name + ".urdf", {.base = base});
   const auto robot = std::make_shared<const RobotModel>(urdf.model.value());
   return std::make_shared<MultibodySystem>(robot, Actuation::full(*robot));
 }
