@@ -96,7 +96,7 @@ TEST(ListCommand, MatchesSchemaAndFuzzerDictionary) {
 TEST(ListCommand, ReaderThatLeavesIsNoError) {
   const TemporaryFolder folder;
   const std::string errors = folder.path() / "errors";
-  const std::string command = std::string("bash -c 'set -o pipefail; ") + CONDDP_BINARY +
+  const std::string command = std::string("bash -c 'set -o pipefail; ") + conddp_binary() +
                               " list 2>" + errors + " | head -1 >/dev/null'";
   EXPECT_EQ(std::system(command.c_str()), 0);
   EXPECT_EQ(read_file(errors), "");

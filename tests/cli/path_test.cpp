@@ -49,7 +49,7 @@ class Paths : public testing::Test {
 
 /// True if the page draws the mesh, which only the robot's path can locate.
 bool draws_the_mesh(const fs::path& page) {
-  return read_file(page).find(R"("kind":"stl")") != std::string::npos;
+  return read_file(page).find(R"("kind":"mesh")") != std::string::npos;
 }
 
 TEST_F(Paths, ProblemIdentityIgnoresPathSpelling) {

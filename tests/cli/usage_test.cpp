@@ -47,6 +47,10 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"Folder", {"solve", "/tmp"}, "'/tmp' is a folder"},
         Mistake{"Device", {"solve", "/dev/zero"}, "'/dev/zero' is not a regular file"},
         Mistake{"Inspect", {"inspect", "absent.urdf"}, "'absent.urdf' does not exist"},
+        Mistake{"Reach",
+                {"reach", "absent.urdf", "--frame", "tip", "--at", "[0,0,0]"},
+                "'absent.urdf' does not exist"},
+        Mistake{"ReachFrame", {"reach", "absent.urdf", "--at", "[0,0,0]"}, "--frame"},
         Mistake{"InspectBase", {"inspect", "x.urdf", "--base", "free"}, "--base"}),
     [](const auto& test) { return test.param.name; });
 
@@ -94,6 +98,43 @@ TEST(Inspect, NamesErrors) {
   const ProcessResult r = run_conddp({"inspect", file});
   EXPECT_EQ(r.exit_code, 2);
   EXPECT_NE(r.err.find("r.urdf:"), std::string::npos) << r.err;
+}
+
+TEST(Reach, PrintsJointsThatFilesTake) {
+  const std::string robot = source("problems/robots/arm7.urdf");
+  const Files wish = {"reach", robot,           "--frame", "tool", "--at", "[0.5, -0.2, 0.3]",
+                      "--rpy", "[3.1416, 0, 0]"};
+  const ProcessResult first = run_conddp(wish);
+  ASSERT_EQ(first.exit_code, 0) << first.err;
+  EXPECT_TRUE(first.out.starts_with("joints:\n  \"joint_1\": ")) << first.out;
+  // From the answer, nothing moves.
+  const TemporaryFolder folder;
+  std::string state = first.out;
+  for (std::size_t at = 0; (at = state.find('\n', at)) != std::string::npos; at += 3)
+    state.replace(at, 1, "\n  ");
+  const std::string file = folder.write(
+      "p.yaml", "conddp: 1\nrobot: {urdf: " + robot + "}\ninitial_state:\n  " + state +
+                    "\nphases: [{knots: 3, dt: 0.1}]\ncosts: {effort: {residual: control}}\n");
+  const ProcessResult again = run_conddp(
+      {"reach", file, "--frame", "tool", "--at", "[0.5, -0.2, 0.3]", "--rpy", "[3.1416, 0, 0]"});
+  EXPECT_EQ(again.exit_code, 0) << again.err;
+  for (std::size_t joint = 1; joint <= 7; ++joint) {
+    const std::string key = "\"joint_" + std::to_string(joint) + "\": ";
+    const auto value = [&](const std::string& text) {
+      return std::stod(text.substr(text.find(key) + key.size()));
+    };
+    EXPECT_NEAR(value(again.out), value(first.out), 1e-6);
+  }
+}
+
+TEST(Reach, NamesPlacesOutOfReach) {
+  const ProcessResult r = run_conddp({"reach", source("problems/robots/double_pendulum.urdf"),
+                                      "--frame", "tip", "--at", "[0, 0, -1.1]"});
+  EXPECT_EQ(r.exit_code, 2);
+  EXPECT_EQ(r.out, "");
+  EXPECT_NE(r.err.find("no joint positions were found that put 'tip' there: it stays 0.2 m away"),
+            std::string::npos)
+      << r.err;
 }
 
 }  // namespace

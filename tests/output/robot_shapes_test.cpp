@@ -21,7 +21,7 @@ constexpr const char* kVendorsRobot = R"(<robot name="vendor">
 <link name="hip">
   <inertial><origin xyz="0 0 0.3"/><mass value="1"/>
     <inertia ixx="0.00058" iyy="0.00208" izz="0.0025" ixy="0" ixz="0" iyz="0"/></inertial>
-  <visual><geometry><mesh filename="hip.dae"/></geometry></visual></link>
+  <visual><geometry><mesh filename="hip.blend"/></geometry></visual></link>
 <link name="rotor"><visual><geometry><cylinder radius="0.05" length="0.02"/></geometry></visual></link>
 <link name="foot"><collision><geometry><sphere radius="0.03"/></geometry></collision></link>
 <link name="tip"/>
@@ -97,13 +97,13 @@ TEST(RobotShapes, StandInsAreNamedWithTheirReasons) {
     {"link": "trunk", "drawn_by": "collision shape",
      "reasons": [{"why": "mesh not found", "what": "package://nowhere/trunk.stl"}]},
     {"link": "hip", "drawn_by": "inertia ellipsoid",
-     "reasons": [{"why": "mesh format not read", "what": "hip.dae"}]},
+     "reasons": [{"why": "mesh format not read", "what": "hip.blend"}]},
     {"link": "foot", "drawn_by": "collision shape",
      "reasons": [{"why": "no visual shape", "what": ""}]},
     {"link": "antenna", "drawn_by": "inertia ellipsoid",
      "reasons": [{"why": "no visual shape", "what": ""}]},
     {"link": "pointer", "drawn_by": "nothing",
-     "reasons": [{"why": "no STL inside", "what": "pointer.STL"}]},
+     "reasons": [{"why": "no surface inside", "what": "pointer.STL"}]},
     {"link": "mixed", "drawn_by": "other visual shapes",
      "reasons": [{"why": "geometry not read", "what": "capsule"}]}])");
   EXPECT_EQ(shapes_of(kVendorsRobot).stand_ins, expected);

@@ -264,7 +264,7 @@ INSTANTIATE_TEST_SUITE_P(
                 "'*_knee' fits none of the joints", "joints: slider, hinge"},
         Mistake{"ConfigurationVelocity", "{hinge: 3}}",
                 "{hinge: 3}, velocity: {joints: {hinge: 1}}}",
-                "6:9: a configuration has 'base' and 'joints' only"},
+                "6:9: a configuration has 'base', 'joints' and 'frames' only"},
         Mistake{"InitialAsName", "    up:", "    §initial:", "'initial' means the initial state"},
         Mistake{"Base", "{configuration: up}", "{base: §{position: [0, 0, 1]}}",
                 "the robot's base is fixed"},

@@ -384,6 +384,29 @@ TEST(GaitFile, DefaultsMatchTheSchema) {
   EXPECT_EQ(expanded_text(*all.built), expanded_text(*none.built));
 }
 
+TEST(GaitFile, FreeDurationsAreSharesOfEachPhase) {
+  const std::string gait = "type: trot, period: 0.4, dt: 0.02, impulses: true, free_durations: ";
+  const Loaded loaded(with_gait(gait + "{lower: 0.75, upper: 1.5}"));
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  ASSERT_TRUE(loaded.spec->phases.front().choice);
+  int free = 0;
+  for (const PhaseSpec& phase : loaded.spec->phases) {
+    EXPECT_EQ(phase.free_duration.has_value(), !phase.takes_no_time()) << phase.name.value;
+    if (!phase.free_duration) continue;
+    const double duration = phase.knots.value * phase.dt;
+    EXPECT_NEAR(phase.free_duration->lower, 0.75 * duration, 1e-12);
+    EXPECT_NEAR(phase.free_duration->upper, 1.5 * duration, 1e-12);
+    ++free;
+  }
+  EXPECT_EQ(free, 4);
+  // Numbers of knots count from the gait's first phase.
+  EXPECT_EQ(loaded.spec->gait_way.front().node, 1 + 10 + 5);
+  EXPECT_TRUE(Loaded(with_gait(gait + "{}")).built);
+  const Loaded wrong(with_gait(gait + "{lower: 1.2}"));
+  EXPECT_NE(wrong.first_error().find("a share from 0 (excluded) to 1"), std::string::npos)
+      << wrong.first_error();
+}
+
 TEST(GaitFile, ReportsMistakesAtTheirPlaces) {
   struct Case {
     const char* gait;

@@ -84,7 +84,7 @@ TEST(LoopFile, OpenLoopsAreErrorsThatCloseThem) {
 
 TEST(LoopFile, LoopsThatNothingClosesAreErrors) {
   const std::string text = errors(replaced(kLeg, "to: foot_b", "to: body"));
-  EXPECT_NE(text.find("no posture near it closes the loop"), std::string::npos) << text;
+  EXPECT_NE(text.find("no posture was found that closes the loop"), std::string::npos) << text;
 }
 
 TEST(LoopFile, SystemsWithoutPhasesOfContactsHaveNoLoops) {

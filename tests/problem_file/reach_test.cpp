@@ -23,12 +23,19 @@ TEST(Reach, EndsAtFullyStretchedLinks) {
   EXPECT_EQ(said("residual: frame_placement, reference: {position: [0.8, 0, 0.4], rpy: [0, 0, 0]}"),
             "");
   EXPECT_NE(said("residual: frame_position, reference: [0, 0, -1.1]")
-                .find("[0, 0, -1.1] is out of reach of 'tip': 1.1 m from its first joint, behind "
-                      "which the links are 0.9 m long together"),
+                .find("[0, 0, -1.1] is out of reach of 'tip': the nearest place found within the "
+                      "limits of its joints is 0.2 m away"),
             std::string::npos);
   EXPECT_NE(said("residual: frame_placement, reference: {position: [0.8, 0, 0.5], rpy: [0, 0, 0]}"),
             "");
   EXPECT_NE(said("residual: frame_position, reference: [0, 2, 0]", "constraints"), "");
+}
+
+TEST(Reach, EndsWhereFoldedLinksAndLimitsEnd) {
+  EXPECT_EQ(said("residual: frame_position, reference: [0.1, 0, 0]"), "");
+  EXPECT_NE(said("residual: frame_position, reference: [0.05, 0, 0]"), "");
+  // A rod in the plane y = 0 cannot leave it.
+  EXPECT_NE(said("residual: frame_position, reference: [0.3, 0.2, -0.5]"), "");
 }
 
 TEST(Reach, CountsIfAllComponentsDo) {

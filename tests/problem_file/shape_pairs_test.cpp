@@ -155,8 +155,8 @@ TEST(ShapePairs, ImpossibleBodiesAreRejected) {
                     "exclude each other");
   expect_body_error("points: [[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0]]", "mesh: nothing.stl",
                     "nothing.stl");
-  expect_body_error("points: [[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0]]", "mesh: a.dae",
-                    "only STL and OBJ files are read");
+  expect_body_error("points: [[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0]]", "mesh: a.blend",
+                    "only STL, OBJ and Collada files are read");
   expect_body_error("  shapes:", "  from: srdf\n  shapes:", "source of shapes");
 }
 

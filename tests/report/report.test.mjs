@@ -120,31 +120,41 @@ test('no script or style runs but those of the page, whose hashes its policy nam
   await context.close();
 });
 
-test('a mesh without normals is lit, and one with normals keeps them', async () => {
-  const triangle = normal => `solid s\nfacet normal ${normal}\nouter loop\nvertex 0 0 0\n` +
-      'vertex 0.2 0 0\nvertex 0 0.2 0\nendloop\nendfacet\nendsolid s\n';
-  const meshes = ['0 0 0', '0 1 0', 'nan nan nan'];
-  const expected = [[0, 0, 1], [0, 1, 0], [0, 0, 1]];
-  meshes.forEach((normal, i) => writeFileSync(join(folder, `mesh_${i}.stl`), triangle(normal)));
+test('a Collada mesh has its colors, its unit and flat facets', async () => {
+  writeFileSync(join(folder, 'cube.dae'), `<COLLADA><asset><unit meter="0.001"/><up_axis>Y_UP</up_axis></asset>
+<library_effects><effect id="red_effect"><profile_COMMON><technique><phong><diffuse><color>1 0 0 1</color></diffuse></phong>
+</technique></profile_COMMON></effect></library_effects>
+<library_materials><material id="red"><instance_effect url="#red_effect"/></material></library_materials>
+<library_geometries><geometry id="g"><mesh><source id="s"><float_array>0 0 0 200 0 0 0 200 0 0 0 100</float_array></source>
+<vertices id="v"><input semantic="POSITION" source="#s"/></vertices>
+<triangles material="m"><input semantic="VERTEX" source="#v" offset="0"/><p>0 1 2 0 1 3</p></triangles></mesh></geometry>
+</library_geometries><library_visual_scenes><visual_scene id="scene"><node><translate>0 0 50</translate>
+<instance_geometry url="#g"><bind_material><technique_common><instance_material symbol="m" target="#red"/></technique_common>
+</bind_material></instance_geometry></node></visual_scene></library_visual_scenes>
+<scene><instance_visual_scene url="#scene"/></scene></COLLADA>`);
   const urdf = readFileSync(join(source, 'problems/robots/arm7.urdf'), 'utf8');
-  const visuals = meshes.map((_, i) =>
-      `<visual><geometry><mesh filename="mesh_${i}.stl"/></geometry></visual>`).join('');
-  writeFileSync(join(folder, 'meshes.urdf'),
-                urdf.replace('<link name="link_1">', `<link name="link_1">${visuals}`));
+  writeFileSync(join(folder, 'meshes.urdf'), urdf.replace('<link name="link_1">',
+      '<link name="link_1"><visual><geometry><mesh filename="cube.dae"/></geometry></visual>'));
   const problem = join(folder, 'meshes.yaml');
   writeFileSync(problem, readFileSync(join(source, 'problems/arm_reach.yaml'), 'utf8')
       .replace('robots/arm7.urdf', 'meshes.urdf'));
   const {page: file} = solve(problem, 'meshes');
   const {page, context} = await open(file);
-  const normals = await page.evaluate(() => {
-    const found = [];
+  const found = await page.evaluate(() => {
+    const meshes = [];
     window.conddp.viewer.robot.root.traverse(part => {
-      if (part.isMesh && part.geometry.getAttribute('position').count === 3)
-        found.push(Array.from(part.geometry.getAttribute('normal').array.slice(0, 3)));
+      if (!part.isMesh || !part.geometry.index || part.geometry.index.count !== 6) return;
+      part.geometry.computeBoundingBox();
+      meshes.push({flat: part.material.flatShading, color: part.material.color.getHexString(),
+                   box: [part.geometry.boundingBox.min, part.geometry.boundingBox.max].map(p => p.toArray())});
     });
-    return found;
+    return meshes;
   });
-  assert.deepEqual(normals.map(n => n.map(x => Math.round(x * 1e6) / 1e6 + 0)), expected);
+  assert.equal(found.length, 1);
+  assert.equal(found[0].flat, true);
+  assert.equal(found[0].color, 'ff0000');
+  const expected = [[0, 0, 0.05], [0.2, 0.2, 0.15]];
+  found[0].box.forEach((corner, i) => corner.forEach((x, axis) => assert.ok(Math.abs(x - expected[i][axis]) < 1e-5)));
   await context.close();
 });
 
@@ -315,7 +325,8 @@ costs: {effort: {residual: control}}
     const mesh = [];
     window.conddp.viewer.robot.bodies[1].traverse(part => { if (part.isMesh) mesh.push(part); });
     mesh[0].geometry.computeBoundingBox();
-    return {count: mesh.length, max: mesh[0].geometry.boundingBox.max.toArray(), scale: mesh[0].parent.scale.toArray(),
+    const max = mesh[0].geometry.boundingBox.max.toArray().map(x => Math.round(x * 1e3) / 1e3);
+    return {count: mesh.length, max, scale: mesh[0].parent.scale.toArray(),
             at: mesh[0].parent.position.toArray()};
   });
   assert.deepEqual(size, {count: 1, max: [0.5, 0.25, 1], scale: [2, 2, 1], at: [0, 0, -1]});

@@ -17,6 +17,7 @@ Command margins_command();
 Command compare_command();
 Command regress_command();
 Command inspect_command();
+Command reach_command();
 Command report_command();
 Command list_command();
 Command schema_command();

@@ -35,7 +35,7 @@ export class Robot {
       group.name = body.name;
       for (const shape of body.shapes) {
         const color = shape.placement ? undefined : this.pathColor(body.name);
-        const object = shapeObject(shape, {ghost, tint, color});
+        const object = shapeObject(shape, {ghost, tint, color}, this.scene.meshes);
         if (object) group.add(object);
       }
       this.root.add(group);

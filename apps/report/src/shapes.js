@@ -1,7 +1,5 @@
 // Shapes of a body: primitives and meshes as three.js objects.
 import * as THREE from 'three';
-import {STLLoader} from 'three/examples/jsm/loaders/STLLoader.js';
-import {OBJLoader} from 'three/examples/jsm/loaders/OBJLoader.js';
 import {convexForm} from './obstacles.js';
 
 const defaultColor = '#8a929b';
@@ -29,20 +27,29 @@ function bytes(base64) {
   return data;
 }
 
-/// Computes normals of facets without one (zeros, which would be black) from their corners.
-function completeNormals(form) {
-  const given = form.getAttribute('normal');
-  const missing = [];
-  for (let i = 0; i < given.count; ++i) {
-    const square = given.getX(i) ** 2 + given.getY(i) ** 2 + given.getZ(i) ** 2;
-    if (!(square > 0.25 && square < 4)) missing.push(i);
-  }
-  if (missing.length === 0) return form;
-  const computed = form.clone();
-  computed.computeVertexNormals();  // each facet has its own three corners: flat shading
-  const corners = computed.getAttribute('normal');
-  for (const i of missing) given.setXYZ(i, corners.getX(i), corners.getY(i), corners.getZ(i));
-  return form;
+/// The surface of a part of a mesh (see scene_meshes.hpp).
+function partForm({low, step, positions, triangles}) {
+  const cells = new Uint16Array(bytes(positions).buffer), indices = bytes(triangles).buffer;
+  const vertices = Float32Array.from(cells, (cell, i) => low[i % 3] + step * cell);
+  const wide = cells.length / 3 > 65536;
+  return new THREE.BufferGeometry()
+      .setAttribute('position', new THREE.BufferAttribute(vertices, 3))
+      .setIndex(new THREE.BufferAttribute(wide ? new Uint32Array(indices) : new Uint16Array(indices), 1));
+}
+
+const forms = new WeakMap();
+
+/// A mesh of a scene, with flat facets; its parts keep the file's colors.
+function meshObject(mesh, shape, look) {
+  if (!forms.has(mesh)) forms.set(mesh, mesh.map(partForm));
+  const object = new THREE.Group();
+  mesh.forEach((part, i) => {
+    const surface = material({color: part.color ?? shape.color}, look);
+    surface.flatShading = true;
+    object.add(new THREE.Mesh(forms.get(mesh)[i], surface));
+  });
+  object.scale.set(...shape.scale);
+  return object;
 }
 
 /// A round dot nine pixels wide, in front of everything.
@@ -70,32 +77,23 @@ function geometry(shape) {
           .rotateX(Math.PI / 2);
     case 'ellipsoid':
       return new THREE.SphereGeometry(1, 24, 16).scale(...shape.radii);
-    case 'stl':
-      return completeNormals(new STLLoader().parse(bytes(shape.data).buffer)).scale(...shape.scale);
     default:
       return null;
   }
 }
 
 /// An object of a shape with its placement, or with its coordinates in the body's axes. `look`:
-/// whether it is a ghost, the tint of ghosts, and the color of a shape without its own.
-export function shapeObject(shape, look) {
+/// whether it is a ghost, the tint of ghosts, and the color of a shape without its own. `meshes`: of
+/// its scene.
+export function shapeObject(shape, look, meshes) {
   if (shape.kind === 'dot') return dot(look.color ?? defaultColor);
-  const surface = material(shape, look);
   let object = null;
-  try {
-    if (shape.kind === 'obj') {
-      object = new OBJLoader().parse(new TextDecoder().decode(bytes(shape.data)));
-      object.scale.set(...shape.scale);
-      object.traverse(part => { if (part.isMesh) part.material = surface; });
-    } else {
-      const form = geometry(shape);
-      if (form) object = new THREE.Mesh(form, surface);
-    }
-  } catch (error) {
-    console.warn(`a mesh of ${shape.link} cannot be read`);
+  if (shape.kind === 'mesh') {
+    object = meshObject(meshes[shape.mesh], shape, look);
+  } else {
+    const form = geometry(shape);
+    if (form) object = new THREE.Mesh(form, material(shape, look));
   }
-  if (!object) return null;
-  if (shape.placement) place(object, shape.placement, 0);
+  if (object && shape.placement) place(object, shape.placement, 0);
   return object;
 }

@@ -107,6 +107,7 @@ OrderedJson robot_scene(const BuiltProblem& built, const Trajectory& trajectory)
   }
   RobotShapes shapes = robot_shapes(built);
   return {{"bodies", bodies_json(robot, std::move(shapes.of_body))},
+          {"meshes", std::move(shapes.meshes)},
           {"stand_ins", std::move(shapes.stand_ins)},
           {"poses", std::move(poses)},
           {"com", std::move(com)},

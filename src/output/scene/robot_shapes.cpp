@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <optional>
 
 #include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 
 #include "base/files/text_file.hpp"
-#include "output/scene/base64.hpp"
+#include "output/scene/scene_meshes.hpp"
 #include "output/scene/scene_numbers.hpp"
 #include "robot/urdf/urdf_meshes.hpp"
 #include "robot/urdf/urdf_visuals.hpp"
@@ -18,23 +17,9 @@ namespace conddp {
 namespace {
 
 constexpr std::size_t kMaxUrdfBytes = 64 << 20;
-/// Limit on all meshes together: larger pages open slowly.
-constexpr std::size_t kMaxMeshBytes = 3 << 20;
 /// kg/m³: minimum density of real links. Placeholder inertias have lighter ellipsoids.
 constexpr double kLeastDensity = 10;
 constexpr double kLeastRadius = 0.005;  // m
-
-/// True if the contents match the suffix, as far as a viewer needs them: some mesh files are
-/// placeholders for meshes that were not fetched.
-bool holds_mesh(const std::string& text, const std::string& kind) {
-  if (kind == "obj") return text.starts_with("f ") || text.find("\nf ") != text.npos;
-  constexpr std::size_t kHead = 84, kFacet = 50;
-  std::uint32_t facets = 0;
-  if (text.size() >= kHead)
-    std::memcpy(&facets, text.data() + kHead - sizeof facets, sizeof facets);
-  if (facets > 0 && (text.size() - kHead) / kFacet >= facets) return true;
-  return text.find("solid") < 5 && text.find("vertex") != text.npos;
-}
 
 /// The ellipsoid with a body's mass and inertia: ½ axes √(5 (I_b + I_c − I_a) / (2 m)).
 OrderedJson inertia_ellipsoid(const Inertia<double>& inertia, const SE3<double>& frame) {
@@ -66,7 +51,8 @@ OrderedJson inertia_ellipsoid(const Inertia<double>& inertia, const SE3<double>&
 /// Reads the shapes of one robot into the bodies that carry them.
 class ShapeReader {
  public:
-  ShapeReader(const RobotModel& robot, RobotShapes& out) : robot_(robot), out_(out) {}
+  ShapeReader(const RobotModel& robot, RobotShapes& out, SceneMeshes& meshes)
+      : robot_(robot), out_(out), meshes_(meshes) {}
 
   void read(const PlantPart& part) {
     urdf_ = part.spec->path;
@@ -143,34 +129,17 @@ class ShapeReader {
   }
 
   OrderedJson mesh_json(const VisualShape& shape, const char*& why) {
-    const std::string kind = mesh_kind(shape.mesh);
     why = "mesh format not read";
-    if (kind.empty()) return nullptr;
-    const auto text = mesh_text(find_mesh(shape.mesh, urdf_), why);
-    if (!text) return nullptr;
-    why = kind == "stl" ? "no STL inside" : "no OBJ inside";
-    if (!holds_mesh(*text, kind)) return nullptr;
-    mesh_bytes_ += text->size();
-    return {{"kind", kind}, {"scale", vector_json(shape.size)}, {"data", base64(*text)}};
-  }
-
-  /// Contents of a mesh, unless all meshes so far exceed the size limit.
-  std::optional<std::string> mesh_text(const std::filesystem::path& file, const char*& why) const {
-    why = "mesh not found";
-    if (file.empty()) return std::nullopt;
-    TextFile mesh = read_text_file(file, kMaxMeshBytes);
-    why = "mesh not readable";
-    std::error_code error;
-    if (std::filesystem::file_size(file, error) > kMaxMeshBytes - mesh_bytes_ && !error)
-      why = "more than 3 MB of meshes";
-    if (!mesh.defect.empty() || mesh.text.size() > kMaxMeshBytes - mesh_bytes_) return std::nullopt;
-    return std::move(mesh.text);
+    if (mesh_kind(shape.mesh).empty()) return nullptr;
+    const auto mesh = meshes_.add(find_mesh(shape.mesh, urdf_), why);
+    if (!mesh) return nullptr;
+    return {{"kind", "mesh"}, {"mesh", *mesh}, {"scale", vector_json(shape.size)}};
   }
 
   const RobotModel& robot_;
   RobotShapes& out_;
+  SceneMeshes& meshes_;
   std::filesystem::path urdf_;
-  std::size_t mesh_bytes_ = 0;
 };
 
 }  // namespace
@@ -179,8 +148,10 @@ RobotShapes robot_shapes(const BuiltProblem& built) {
   const RobotModel& robot = built.plant.robot();
   RobotShapes shapes;
   shapes.of_body.assign(robot.joints.size() + 1, OrderedJson::array());
-  ShapeReader reader(robot, shapes);
+  SceneMeshes meshes;
+  ShapeReader reader(robot, shapes, meshes);
   for (const PlantPart& part : built.plant.parts) reader.read(part);
+  shapes.meshes = meshes.json();
   // Masses that the problem file adds to links without shapes.
   for (int i = 0; i < robot.joint_count(); ++i)
     if (shapes.of_body[i + 1].empty() && robot.joints[i].inertia.mass > 0)

@@ -5,6 +5,7 @@
 
 #include "base/files/check_sums.hpp"
 #include "base/files/text_file.hpp"
+#include "robot/urdf/mesh_parts.hpp"
 #include "robot/urdf/urdf_meshes.hpp"
 #include "spatial/convex_distance.hpp"
 
@@ -14,11 +15,13 @@ HullSpec mesh_hull(const std::filesystem::path& file, const Vector3<double>& sca
                    std::string& defect, Diagnostics& out) {
   constexpr double kTolerance = 0.005;
   const std::string kind = mesh_kind(file.string());
-  if (kind.empty()) return defect = "only STL and OBJ files are read", HullSpec();
+  if (kind.empty()) return defect = "only STL, OBJ and Collada files are read", HullSpec();
   const TextFile mesh = read_text_file(file, kMaxDataBytes);
   defect = mesh.defect;
   if (!defect.empty()) return {};
-  std::vector<Vector3<double>> points = mesh_points(mesh.text, kind);
+  std::vector<Vector3<double>> points;
+  for (const MeshPart& part : mesh_parts(mesh.text, kind))
+    points.insert(points.end(), part.vertices.begin(), part.vertices.end());
   if (points.empty()) return defect = "the file has no vertex", HullSpec();
   const double most = std::numeric_limits<double>::infinity();
   Vector3<double> low{most, most, most}, high = -low;

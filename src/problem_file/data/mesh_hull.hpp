@@ -8,8 +8,8 @@
 
 namespace conddp {
 
-/// A convex body around the mesh of an STL or OBJ file, whose coordinates are multiplied by
-/// `scale`. It is the hull of some vertices, expanded so that it contains all: by at most half a
+/// A convex body around the mesh of an STL, OBJ or Collada file, whose coordinates are multiplied
+/// by `scale`. It is the hull of some vertices, expanded so that it contains all: by at most half a
 /// percent of the largest distance along an axis. The file becomes a data file of the problem. A
 /// file without a body sets `defect`.
 HullSpec mesh_hull(const std::filesystem::path& file, const Vector3<double>& scale,

@@ -172,9 +172,16 @@ class GaitSchedule {
       add_phase({.name = {phase_name(from, held), gait_.place},
                  .knots = {to - from, place_of_length(from == 0, to == end_)},
                  .dt = gait_.dt.value,
+                 .free_duration = free_duration((to - from) * gait_.dt.value),
                  .contacts = {.names = held}},
                 from, from);
     }
+  }
+
+  std::optional<FreeDurationSpec> free_duration(double duration) const {
+    if (!gait_.free_durations) return std::nullopt;
+    const auto& [place, lower, upper] = *gait_.free_durations;
+    return FreeDurationSpec{place, lower * duration, upper * duration};
   }
 
   /// Appends a phase. Feet in the air before and after it swing in it.

@@ -5,6 +5,7 @@
 #include "problem_file/lower/homotopy_numbers.hpp"
 #include "problem_file/lower/loops.hpp"
 #include "problem_file/lower/parameter_values.hpp"
+#include "problem_file/lower/srdf.hpp"
 #include "problem_file/lower/start.hpp"
 #include "problem_file/lower/urdf_shapes.hpp"
 
@@ -22,6 +23,7 @@ std::span<const DocumentRewriting> document_rewritings() {
 
 std::span<const SpecRewriting> spec_rewritings() {
   static constexpr SpecRewriting kAll[] = {
+      {"srdf", read_srdf},
       {"collision", add_urdf_shapes},
       {"gait",
        [](ProblemSpec& spec, Diagnostics& out) {

@@ -54,6 +54,8 @@ struct CollisionSpec {
   std::optional<Place> from_urdf;  ///< place of `from: urdf`
   std::vector<ShapeSpec> shapes;
   std::vector<ObstacleSpec> obstacles;
+  /// Pairs of links whose shapes do not count as self-collisions.
+  std::vector<std::pair<std::string, std::string>> disabled;
 };
 
 }  // namespace conddp

@@ -27,21 +27,29 @@ struct WayPoint {
   PlanarMotion motion;
 };
 
+/// Bounds between which the solver chooses the duration of every phase, as shares of the duration
+/// that it has without them.
+struct FreeSharesSpec {
+  Place place;
+  double lower = 0.5, upper = 2;
+};
+
 /// Cycles with lift-offs and touch-downs of the feet. Phases and swings follow from them.
 struct GaitSpec {
   Place place;
   Located<GaitType> type;
   std::vector<FootSpec> feet;
   int cycles = 1;
-  Located<double> period;             ///< s
-  Located<double> duty{0.5};          ///< stance share of the cycle
-  Located<double> dt;                 ///< s
-  double step_length = 0;             ///< m per cycle
-  double step_height = 0.05;          ///< m
-  double direction = 0;               ///< rad to the left of the base's heading
-  double turn = 0;                    ///< rad per cycle
-  Located<double> begin{0.2};         ///< s of standing before the first foot lifts
-  Located<double> end{0.2};           ///< s of standing after the last touch-down
+  Located<double> period;      ///< s
+  Located<double> duty{0.5};   ///< stance share of the cycle
+  Located<double> dt;          ///< s
+  double step_length = 0;      ///< m per cycle
+  double step_height = 0.05;   ///< m
+  double direction = 0;        ///< rad to the left of the base's heading
+  double turn = 0;             ///< rad per cycle
+  Located<double> begin{0.2};  ///< s of standing before the first foot lifts
+  Located<double> end{0.2};    ///< s of standing after the last touch-down
+  std::optional<FreeSharesSpec> free_durations;
   std::vector<GaitCommand> commands;  ///< by time; replace length, direction and turn
   bool impulses = false;              ///< touch-downs are impulses
   double weight = 1e4;                ///< of the swing costs

@@ -63,6 +63,8 @@ struct RobotSpec {
   Place place;
   Name urdf;                   ///< as written in the file
   std::filesystem::path path;  ///< resolved against the problem file's folder
+  std::optional<Name> srdf;    ///< as written in the file
+  std::filesystem::path srdf_path;
   UrdfOptions::Base base = UrdfOptions::Base::fixed;
   std::optional<PoseSpec> placement;
   std::vector<std::pair<Name, StateSpec>> configurations;

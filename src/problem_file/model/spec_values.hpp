@@ -95,6 +95,12 @@ struct DisplacementSpec {
   PlanarMotion motion;
 };
 
+/// A frame and its placement in a state.
+struct PlacedFrame {
+  Name name;
+  PoseSpec pose;
+};
+
 struct NamedState;
 
 /// A state in one of the notations of a file. Missing values are neutral: zero, no rotation, at
@@ -106,6 +112,8 @@ struct StateSpec {
   /// Displacement of the base that the preceding keys place.
   std::optional<DisplacementSpec> displaced;
   NamedNumbers joints;
+  /// Joint positions follow from these, and are near those of the preceding keys.
+  std::vector<PlacedFrame> frames;
   std::optional<TwistSpec> base_velocity;
   NamedNumbers joint_velocities;
   /// Several robots: the state of each by name.

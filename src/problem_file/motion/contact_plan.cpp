@@ -1,6 +1,7 @@
 #include "problem_file/motion/contact_plan.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <complex>
 #include <map>
 #include <numbers>
@@ -10,7 +11,7 @@
 
 #include "base/text/spelling.hpp"
 #include "problem_file/motion/footholds.hpp"
-#include "problem_file/motion/loop_closure.hpp"
+#include "problem_file/plant/kept_goals.hpp"
 
 namespace conddp {
 namespace {
@@ -46,15 +47,7 @@ std::optional<Contact> make_contact(const ContactSpec& spec, const Plant& plant,
   }
   std::optional<int> base;
   if (spec.to && !(base = find_base(spec, *frame, robot, out))) return std::nullopt;
-  Contact contact{.name = spec.name.value,
-                  .frame = *frame,
-                  .base = base,
-                  .kind = spec.kind,
-                  .axes = spec.axes,
-                  .normal = spec.normal,
-                  .tangent = spec.tangent.value_or(Vector3<double>{1, 0, 0}),
-                  .kp = spec.kp,
-                  .kd = spec.kd};
+  Contact contact = contact_of(spec, *frame, base);
   if (spec.kp == 0 && !spec.placement) return contact;
   const MultibodySystem& system = *plant.multibody();
   contact.reference = placement_in_state(system, initial, *frame);
@@ -64,6 +57,18 @@ std::optional<Contact> make_contact(const ContactSpec& spec, const Plant& plant,
   if (spec.placement && spec.placement->orientation)
     contact.reference.R = rotation_matrix(*spec.placement->orientation);
   return contact;
+}
+
+/// Gap of a loop; that of a surface has a length and an angle.
+std::string gap_text(const Contact& loop, double gap, const MultibodySystem& system,
+                     const std::vector<double>& x) {
+  if (loop.kind != ContactKind::surface) return fmt::format("{:.3g} mm apart", 1e3 * gap);
+  const SE3<double> error = inverse(loop.reference) *
+                            inverse(placement_in_state(system, x, *loop.base)) *
+                            placement_in_state(system, x, loop.frame);
+  return fmt::format("{:.3g} mm apart and {:.3g} rad turned",
+                     1e3 * std::sqrt(squared_norm(error.p)),
+                     std::sqrt(squared_norm(log_so3(quaternion(error.R)))));
 }
 
 /// Warns once of a contact whose stabilization is unstable at the time step of a phase.
@@ -315,16 +320,19 @@ bool ContactPlan::check_loops(const ProblemSpec& spec, const Plant& plant,
     }
   if (loops.empty()) return true;
   const auto system = plant.multibody()->with_contacts(std::move(loops));
-  const std::vector<double> gaps = loop_gaps(*system, initial);
+  const std::vector<double> gaps = posture_gaps(*system, {}, initial);
   const auto open = std::ranges::max_element(gaps);
   if (*open < kClosedLoop) return true;
   const ContactSpec& worst = *specs[open - gaps.begin()];
-  const std::string closed = closing_joints(*system, initial);
+  const Contact& loop = system->contacts().contacts()[open - gaps.begin()];
+  const Posture closed =
+      find_posture(*system, {}, movable_joints(*system, 0, system->robot().joint_count()), initial);
   out.error(worst.name.place,
-            fmt::format("'{}' and '{}' are {:.3g} mm apart in the initial state: the loop '{}' is "
-                        "open",
-                        worst.frame.value, worst.to->value, 1e3 * *open, worst.name.value),
-            closed.empty() ? "no posture near it closes the loop" : "it closes with " + closed);
+            fmt::format("'{}' and '{}' are {} in the initial state: the loop '{}' is open",
+                        worst.frame.value, worst.to->value,
+                        gap_text(loop, *open, *plant.multibody(), initial), worst.name.value),
+            closed.found() ? "it closes with " + changed_joints(*system, initial, closed.x)
+                           : "no posture was found that closes the loop");
   return false;
 }
 

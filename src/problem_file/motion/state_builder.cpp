@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/text/spelling.hpp"
+#include "problem_file/motion/placed_frames.hpp"
 #include "problem_file/motion/planar_motion.hpp"
 #include "problem_file/plant/joint_values.hpp"
 #include "systems/system.hpp"
@@ -19,7 +20,8 @@ constexpr double kLimitRounding = 1e-9;
 /// True if a state has keys that only robots support.
 bool speaks_of_robots(const StateSpec& spec) {
   return spec.configuration || spec.base || spec.displaced || !spec.joints.empty() ||
-         spec.base_velocity || !spec.joint_velocities.empty() || !spec.robots.empty();
+         !spec.frames.empty() || spec.base_velocity || !spec.joint_velocities.empty() ||
+         !spec.robots.empty();
 }
 
 bool is_outside(const Joint& joint, double q) {
@@ -73,6 +75,7 @@ std::optional<std::vector<double>> StateBuilder::build(const StateSpec& spec) co
   apply_columns(spec.values, x);
   if (plant_.multibody()) {
     apply(spec, whole(), x);
+    place(spec, errors, x);
   } else if (speaks_of_robots(spec)) {
     out_.error(spec.place, "a closed-form system has no configurations, base or joints",
                "write 'values: {column: number}' or 'state: [numbers]'");
@@ -124,12 +127,19 @@ std::optional<std::vector<double>> StateBuilder::named(const Name& name) const {
   std::vector<double> x = usual_state();
   if (plant_.multibody()) {
     apply_configuration(name, whole(), x);
+    place({.place = name.place, .configuration = name}, errors, x);
   } else {
     out_.error(name.place, fmt::format("unknown state '{}'", name.value),
                "a closed-form system has the name 'initial' only");
   }
   if (out_.error_count() > errors) return std::nullopt;
   return checked(std::move(x), name.place);
+}
+
+void StateBuilder::place(const StateSpec& spec, int errors, std::vector<double>& x) const {
+  if (out_.error_count() > errors) return;
+  const std::vector<WantedFrame> frames = wanted_frames(spec, whole(), plant_);
+  if (!frames.empty()) place_frames(frames, plant_, x, out_);
 }
 
 void StateBuilder::apply_columns(const NamedNumbers& values, std::vector<double>& x) const {

@@ -31,6 +31,8 @@ class StateBuilder {
 
  private:
   void apply(const StateSpec& spec, const PlantPart& part, std::vector<double>& x) const;
+  /// Places the frames of a state, unless there are more errors than that.
+  void place(const StateSpec& spec, int errors, std::vector<double>& x) const;
   void apply_joints(const StateSpec& spec, const PlantPart& part, std::vector<double>& x) const;
   void apply_part(const NamedState& part, std::vector<double>& x) const;
   /// The robot of this name; an unknown one is reported.

@@ -9,6 +9,7 @@
 #include "ocp/residuals/residuals.hpp"
 #include "problem_file/model/components.hpp"
 #include "problem_file/model/spec.hpp"
+#include "problem_file/plant/posture.hpp"
 #include "systems/collocation_system.hpp"
 #include "systems/contact/stepping_system.hpp"
 
@@ -29,6 +30,12 @@ struct SystemVariant {
   std::shared_ptr<const System> system;
 };
 
+/// What inverse kinematics keeps in every posture.
+struct KeptGoals {
+  std::shared_ptr<const MultibodySystem> system;  ///< the robots; holds the loops
+  std::vector<PostureGoal> goals;                 ///< distances
+};
+
 /// The system that moves: a closed-form system, or robots as one multibody system.
 struct Plant {
   std::shared_ptr<const System> system;
@@ -36,6 +43,7 @@ struct Plant {
   /// Default state; empty: the neutral state.
   std::vector<double> usual_state;
   std::optional<ChosenStart> start;  ///< if the initial state is optimized
+  KeptGoals kept = {};               ///< of robots
   /// The system of each phase, if they differ. All have the same state columns.
   std::vector<std::shared_ptr<const System>> systems = {};
   /// The variants, if phases differ in states or controls: the systems, the index of the variant at

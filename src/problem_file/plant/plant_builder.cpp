@@ -7,6 +7,7 @@
 
 #include "problem_file/plant/closed_form_builder.hpp"
 #include "problem_file/plant/collocation_builder.hpp"
+#include "problem_file/plant/kept_goals.hpp"
 #include "problem_file/plant/plant_robot.hpp"
 #include "problem_file/plant/stepping_builder.hpp"
 #include "problem_file/plant/systems_of_phases.hpp"
@@ -99,6 +100,7 @@ std::optional<Plant> build_plant(const ProblemSpec& spec, Diagnostics& out) {
   if (!model) return std::nullopt;
   make_multibody(model, plant, out);
   if (!plant.system || !check_mimic_limits(plant, out)) return std::nullopt;
+  plant.kept = kept_goals(spec, plant);
   if (spec.stepping)
     plant.system = build_stepping(spec, plant, out);
   else if (!collocate(spec, plant, out))

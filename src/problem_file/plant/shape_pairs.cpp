@@ -1,5 +1,6 @@
 #include "problem_file/plant/shape_pairs.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <set>
@@ -37,6 +38,7 @@ enum class ItemKind {
 /// A shape, an obstacle or a piece of the terrain, and the joint of the body that carries it.
 struct Item {
   std::string name;
+  std::string frame;  ///< that carries it; empty in the world
   ItemKind kind;
   int joint;
   Form form;
@@ -47,16 +49,16 @@ std::vector<Item> items_of(const ProblemSpec& spec, const RobotModel& robot) {
   for (const ShapeSpec& shape : spec.collision.shapes) {
     const int frame = *robot.find_frame(shape.frame.value);
     items.push_back(
-        {shape.name.value, ItemKind::kShape, robot.frames[frame].joint,
+        {shape.name.value, shape.frame.value, ItemKind::kShape, robot.frames[frame].joint,
          std::visit([&](const auto& form) { return form_of(form, frame); }, shape.form)});
   }
   for (const ObstacleSpec& obstacle : spec.collision.obstacles)
     items.push_back(
-        {obstacle.name.value, ItemKind::kObstacle, -1,
+        {obstacle.name.value, "", ItemKind::kObstacle, -1,
          std::visit([](const auto& form) { return form_of(form, -1); }, obstacle.form)});
   for (const TerrainPieceSpec& piece : spec.terrain) {
     const auto add = [&](const auto& form) {
-      items.push_back({piece.name.value, ItemKind::kTerrain, -1, form_of(form, -1)});
+      items.push_back({piece.name.value, "", ItemKind::kTerrain, -1, form_of(form, -1)});
     };
     if (const auto* box = std::get_if<BoxSpec>(&piece.form)) add(*box);
     if (const auto* plane = std::get_if<HalfSpaceSpec>(&piece.form)) add(*plane);
@@ -115,21 +117,28 @@ class PairList {
   std::set<std::pair<std::size_t, std::size_t>> taken_;
 };
 
+bool is_disabled(const Item& a, const Item& b, const CollisionSpec& collision) {
+  return std::ranges::any_of(collision.disabled, [&](const auto& pair) {
+    return (pair.first == a.frame && pair.second == b.frame) ||
+           (pair.first == b.frame && pair.second == a.frame);
+  });
+}
+
 /// True if a choice of pairs includes a shape with another item.
 bool has_pair(PairsSpec::Choice choice, const Item& shape, const Item& other,
-              const RobotModel& robot) {
+              const CollisionSpec& collision, const RobotModel& robot) {
   if (other.kind == ItemKind::kTerrain) return false;
   if (other.kind == ItemKind::kObstacle) return choice != PairsSpec::Choice::kSelf;
   return choice != PairsSpec::Choice::kObstacles &&
-         !are_neighbours(robot, shape.joint, other.joint);
+         !are_neighbours(robot, shape.joint, other.joint) && !is_disabled(shape, other, collision);
 }
 
-void add_chosen(PairsSpec::Choice choice, const std::vector<Item>& items, const RobotModel& robot,
-                PairList& pairs) {
+void add_chosen(PairsSpec::Choice choice, const std::vector<Item>& items,
+                const CollisionSpec& collision, const RobotModel& robot, PairList& pairs) {
   if (choice == PairsSpec::Choice::kNamed) return;
   for (std::size_t a = 0; a < items.size() && items[a].kind == ItemKind::kShape; ++a)
     for (std::size_t b = a + 1; b < items.size(); ++b)
-      if (has_pair(choice, items[a], items[b], robot)) pairs.add(a, b);
+      if (has_pair(choice, items[a], items[b], collision, robot)) pairs.add(a, b);
 }
 
 void add_named(const Name& first, const Name& second, const std::vector<Item>& items,
@@ -194,7 +203,7 @@ std::vector<ShapePair> shape_pairs(const CostSpec& cost, const ProblemSpec& spec
   const std::vector<Item> items = items_of(spec, robot);
   const PairsSpec asked = cost.keys.value(key::pairs);
   PairList list(items);
-  add_chosen(asked.choice, items, robot, list);
+  add_chosen(asked.choice, items, spec.collision, robot, list);
   const int errors = out.error_count();
   for (const auto& [first, second] : asked.named) add_named(first, second, items, list, out);
   if (list.pairs().empty() && out.error_count() == errors)

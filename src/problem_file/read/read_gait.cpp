@@ -250,6 +250,17 @@ void reject_steps(YamlMap& map) {
 
 }  // namespace
 
+static void describe(Keys& keys, FreeSharesSpec& shares) {
+  static const NumberRange kShorter{0, 1, true, false, "a share from 0 (excluded) to 1"};
+  static const NumberRange kLonger{1, 1e3, false, false, "a share from 1 to 1000"};
+  keys.about(
+      {.title = "Free durations of a gait", .examples = R"([{"lower": 0.6, "upper": 1.6}])"});
+  keys({"lower", "Shortest duration of a phase, as a share, without unit"}, shares.lower,
+       NumberForm{kShorter});
+  keys({"upper", "Longest duration of a phase, as a share, without unit"}, shares.upper,
+       NumberForm{kLonger});
+}
+
 static void describe(Keys& keys, GaitCommand& command) {
   static const NumberRange kTurn{-1e3, 1e3, false, false, "a number from -1000 to 1000"};
   keys.about(
@@ -325,6 +336,13 @@ static void describe(Keys& keys, GaitSpec& gait, const std::vector<ContactSpec>&
         .says = "How long all feet stand before and after; of the gait stand both together",
         .fallback = "{}"},
        GroupValue([&](Keys& stand) { describe_stand(stand, gait); }));
+  keys(
+      {"free_durations",
+       "The solver chooses the duration of each phase, between these shares of its duration in the "
+       "other keys"},
+      gait.free_durations, MapForm{"write '{lower: 0.6, upper: 1.6}', or {}"});
+  if (gait.free_durations && map != nullptr)
+    gait.free_durations->place = keys.found("free_durations")->place();
   if (map != nullptr && gait.type.value == GaitType::stand)
     reject_steps(*map);
   else

@@ -103,7 +103,7 @@ static void describe(Keys& keys, Configuration& configuration) {
               .says = "What is not mentioned is zero.",
               .examples = R"([{"base": {"position": [0, 0, 0.57]}, "joints": {"knee": -1.5}}])"});
   keys({"base"}, configuration.state.base, MapForm{});
-  describe_joints(keys, configuration.state);
+  describe_posture(keys, configuration.state);
 }
 
 namespace {
@@ -121,7 +121,7 @@ struct ConfigurationsForm {
         value.diagnostics().error(name.place, "'initial' means the initial state",
                                   "choose another name for the configuration");
       if (says_more_than_a_posture(*state))
-        value.error("a configuration has 'base' and 'joints' only");
+        value.error("a configuration has 'base', 'joints' and 'frames' only");
       configurations.emplace_back(name, std::move(*state));
     }
     return true;
@@ -202,6 +202,11 @@ void describe(Keys& keys, RobotSpec& robot) {
                               {"urdf": "robots/quadruped.urdf", "base": "floating"}])"});
   keys({.name = "urdf", .says = "URDF file, relative to the problem file", .required = true},
        robot.urdf, NameForm{});
+  keys(
+      {"srdf",
+       "SRDF file, relative to the problem file: its group states become configurations, and pairs "
+       "of links that it disables do not count as self-collisions"},
+      robot.srdf, NameForm{});
   keys({"base", "Joint between the root link and the world"}, robot.base,
        WordForm{kBaseWords, "kind of base"});
   keys({.name = "placement",
@@ -250,6 +255,7 @@ void describe(Keys& keys, RobotSpec& robot) {
   YamlMap* map = keys.reading();
   if (map == nullptr) return;
   robot.path = map->reader().folder() / robot.urdf.value;
+  if (robot.srdf) robot.srdf_path = map->reader().folder() / robot.srdf->value;
   if (robot.name.value.find_first_of("/,") != std::string::npos)
     map->reader().diagnostics().error(robot.name.place, "a robot's name has no '/' and no ','");
 }

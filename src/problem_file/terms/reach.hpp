@@ -6,9 +6,9 @@
 
 namespace conddp {
 
-/// Warns of frame positions required by costs or equalities that no joint angles reach. Such
-/// positions are farther from the first joint of the frame's chain than the total length of its
-/// links. Chains with sliding or floating joints are exempt.
+/// Warns of frame positions required by costs or equalities for which inverse kinematics finds no
+/// joint positions within their limits. Frames behind a floating joint, and robots with free
+/// parameters, are exempt.
 void warn_of_reach(const std::vector<BuiltCost>& costs,
                    const std::vector<BuiltConstraint>& constraints, const Plant& plant,
                    Diagnostics& out);

@@ -317,7 +317,8 @@ void describe(Keys& keys, TwistSpec& twist);
 void describe(Keys& keys, BaseSpec& base);
 void describe(Keys& keys, StateSpec& state);
 void describe(Keys& keys, NamedState& state);
-/// The key `joints` of a state.
-void describe_joints(Keys& keys, StateSpec& state);
+void describe(Keys& keys, PlacedFrame& frame);
+/// The keys `joints` and `frames` of a state.
+void describe_posture(Keys& keys, StateSpec& state);
 
 }  // namespace conddp

@@ -15,7 +15,7 @@ void read_displacement(const YamlReader& reader, StateSpec& state) {
 /// Alternative notations of a state exclude each other.
 void check_exclusive(YamlMap& map) {
   map.exclusive({"state", "values", "robots"});
-  for (const std::string_view part : {"configuration", "base", "joints", "velocity"}) {
+  for (const std::string_view part : {"configuration", "base", "joints", "frames", "velocity"}) {
     map.exclusive({"state", part});
     map.exclusive({"values", part});
   }
@@ -35,9 +35,18 @@ struct RobotStatesForm : EntriesForm<NamedState> {
 
 }  // namespace
 
-void describe_joints(Keys& keys, StateSpec& state) {
+void describe_posture(Keys& keys, StateSpec& state) {
   keys({"joints", "Joint positions by name, rad or m"}, state.joints,
        NamedNumbersForm{.may_be_missing = true});
+  keys({"frames",
+        "Frames by name and where they are in the world. The joints that these need move within "
+        "their limits, as little as possible from where the keys above put them; bases stay, loops "
+        "close, and shapes of 'distance' keep apart"},
+       state.frames,
+       EntriesForm<PlacedFrame>{.name = &PlacedFrame::name,
+                                .hint = "write '{hand: {position: [0.4, 0, 0.5]}}'",
+                                .may_be_missing = true,
+                                .entry_hint = "write '{position: [x, y, z], rpy: [r, p, y]}'"});
 }
 
 void describe(Keys& keys, StateSpec& state) {
@@ -46,6 +55,7 @@ void describe(Keys& keys, StateSpec& state) {
               .says = "What is not mentioned is neutral: zero, no rotation, at rest.",
               .examples = R"([{"configuration": "standing"},
                               {"joints": {"knee": -1.5}, "velocity": {"joints": {"knee": 0.1}}},
+                              {"configuration": "home", "frames": {"hand": {"position": [0.4, 0, 0.5]}}},
                               {"values": {"theta": 3.14}}])"});
   if (YamlMap* map = keys.reading()) check_exclusive(*map);
   keys(
@@ -62,7 +72,7 @@ void describe(Keys& keys, StateSpec& state) {
                                             : std::nullopt;
                    },
                    R"({"anyOf": [{"$ref": "#/definitions/planar_motion"}, {"const": "gait"}]})"});
-  describe_joints(keys, state);
+  describe_posture(keys, state);
   keys({"velocity", "Zero where nothing is said"}, GroupValue([&state](Keys& velocity) {
          velocity.about({.title = "Velocity of a state", .examples = R"([{"joints": {"knee": 0.1}},
                                          {"base": {"linear": [1, 0, 0]}}])"});
@@ -87,6 +97,14 @@ void describe(Keys& keys, StateSpec& state) {
 }
 
 void describe(Keys& keys, NamedState& state) { describe(keys, state.state); }
+
+void describe(Keys& keys, PlacedFrame& frame) {
+  const int errors = keys.errors();
+  describe(keys, frame.pose);
+  if (keys.reading() != nullptr && keys.errors() == errors && !frame.pose.position &&
+      !frame.pose.orientation)
+    keys.error("a placed frame has a position, a rotation, or both");
+}
 
 std::optional<StateSpec> read_state(const YamlReader& reader) {
   StateSpec state;

@@ -1,0 +1,85 @@
+#include "output/scene/scene_meshes.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/files/text_file.hpp"
+#include "output/scene/base64.hpp"
+#include "robot/urdf/urdf_meshes.hpp"
+
+namespace conddp {
+namespace {
+
+constexpr std::size_t kMaxMeshBytes = 64 << 20;
+
+template <class Integer>
+void append(std::string& bytes, std::uint64_t value) {
+  for (std::size_t i = 0; i < sizeof(Integer); ++i)
+    bytes += static_cast<char>(value >> (8 * i) & 0xff);
+}
+
+OrderedJson part_json(const MeshPart& part) {
+  constexpr double kCells = std::numeric_limits<std::uint16_t>::max();
+  constexpr double kMost = std::numeric_limits<double>::infinity();
+  Vector3<double> low{kMost, kMost, kMost};
+  double size = 0;
+  for (const Vector3<double>& p : part.vertices)
+    for (int axis = 0; axis < 3; ++axis) low[axis] = std::min(low[axis], p[axis]);
+  for (const Vector3<double>& p : part.vertices)
+    for (int axis = 0; axis < 3; ++axis) size = std::max(size, p[axis] - low[axis]);
+  const double step = size > 0 ? size / kCells : 1;
+  std::string positions, triangles;
+  for (const Vector3<double>& p : part.vertices)
+    for (int axis = 0; axis < 3; ++axis)
+      append<std::uint16_t>(positions, std::lround((p[axis] - low[axis]) / step));
+  const bool few = part.vertices.size() <= 1u << 16;
+  for (const auto& triangle : part.triangles)
+    for (const std::uint32_t i : triangle)
+      few ? append<std::uint16_t>(triangles, i) : append<std::uint32_t>(triangles, i);
+  OrderedJson json = {{"low", {low.x, low.y, low.z}},
+                      {"step", step},
+                      {"positions", base64(positions)},
+                      {"triangles", base64(triangles)}};
+  if (part.color) json["color"] = *part.color;
+  return json;
+}
+
+}  // namespace
+
+std::optional<std::size_t> SceneMeshes::add(const std::filesystem::path& file, const char*& why) {
+  why = "mesh not found";
+  if (file.empty()) return std::nullopt;
+  if (const auto found = known_.find(file); found != known_.end()) return found->second;
+  const TextFile mesh = read_text_file(file, kMaxMeshBytes);
+  why = "mesh not readable";
+  if (!mesh.defect.empty()) return std::nullopt;
+  std::vector<MeshPart> parts = mesh_parts(mesh.text, mesh_kind(file.string()));
+  std::erase_if(parts, [](const MeshPart& part) { return part.triangles.empty(); });
+  why = "no surface inside";
+  if (parts.empty()) return std::nullopt;
+  for (const MeshPart& part : parts) triangles_ += part.triangles.size();
+  known_.emplace(file, meshes_.size());
+  meshes_.push_back(std::move(parts));
+  return meshes_.size() - 1;
+}
+
+OrderedJson SceneMeshes::json() const {
+  // Long parts with few triangles would lose their shape, and save little.
+  constexpr double kFewest = 500;
+  const double share =
+      std::min(1.0, static_cast<double>(kMostTriangles) / static_cast<double>(triangles_));
+  OrderedJson list = OrderedJson::array();
+  for (const std::vector<MeshPart>& parts : meshes_) {
+    OrderedJson mesh = OrderedJson::array();
+    for (const MeshPart& part : parts) {
+      const double most = share * static_cast<double>(part.triangles.size());
+      mesh.push_back(
+          part_json(simplified(part, static_cast<std::size_t>(std::max(kFewest, most)))));
+    }
+    list.push_back(std::move(mesh));
+  }
+  return list;
+}
+
+}  // namespace conddp
