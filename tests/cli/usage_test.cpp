@@ -127,6 +127,21 @@ TEST(Reach, PrintsJointsThatFilesTake) {
   }
 }
 
+TEST(Reach, StartsFromAConfigurationOfAProblem) {
+  const std::string problem = source("problems/arm_shelf.yaml");
+  const auto first_of = [&](Files wish) {
+    wish.insert(wish.begin(), {"reach", problem, "--frame", "tool", "--at", "0.5,0,0.7"});
+    const ProcessResult r = run_conddp(wish);
+    EXPECT_EQ(r.exit_code, 0) << r.err;
+    return r.out;
+  };
+  EXPECT_NE(first_of({"--from", "high"}), first_of({}));
+  EXPECT_EQ(run_conddp({"reach", source("problems/cartpole_swingup_closed_form.yaml"), "--frame",
+                        "tool", "--at", "0,0,0"})
+                .exit_code,
+            2);
+}
+
 TEST(Reach, NamesPlacesOutOfReach) {
   const ProcessResult r = run_conddp({"reach", source("problems/robots/double_pendulum.urdf"),
                                       "--frame", "tip", "--at", "[0, 0, -1.1]"});

@@ -82,6 +82,18 @@ TEST(LoopFile, OpenLoopsAreErrorsThatCloseThem) {
   EXPECT_TRUE(again.built) << again.all();
 }
 
+TEST(LoopFile, GapsOfSurfacesAreLengthsAndAngles) {
+  const std::string text = errors(R"(conddp: 1
+robot: {urdf: robots/arm7.urdf}
+loops: {hold: {frame: tool, to: link_2, type: surface}}
+initial_state: {}
+phases: [{knots: 3, dt: 0.01}]
+costs: {effort: {residual: control}}
+)");
+  EXPECT_NE(text.find(" mm apart and 0 rad turned in the initial state"), std::string::npos)
+      << text;
+}
+
 TEST(LoopFile, LoopsThatNothingClosesAreErrors) {
   const std::string text = errors(replaced(kLeg, "to: foot_b", "to: body"));
   EXPECT_NE(text.find("no posture was found that closes the loop"), std::string::npos) << text;

@@ -31,9 +31,9 @@ std::vector<double> start_of(const Loaded& loaded) {
   return {x.begin(), x.end()};
 }
 
-SE3<double> tool_of(const Loaded& loaded) {
+SE3<double> frame_of(const Loaded& loaded, const char* frame) {
   const MultibodySystem& system = *loaded.built->plant.multibody();
-  return placement_in_state(system, start_of(loaded), *system.robot().find_frame("tool"));
+  return placement_in_state(system, start_of(loaded), *system.robot().find_frame(frame));
 }
 
 TEST(PlacedFrames, TwoRodsMeetTheLawOfCosines) {
@@ -54,11 +54,12 @@ TEST(PlacedFrames, TwoRodsMeetTheLawOfCosines) {
 TEST(PlacedFrames, RotationsAndPlacementsAreMet) {
   const Loaded placed(arm_with("{configuration: there}"));
   ASSERT_TRUE(placed.built) << placed.all();
-  const SE3<double> tool = tool_of(placed);
+  const SE3<double> tool = frame_of(placed, "tool");
   EXPECT_NEAR(std::sqrt(squared_norm(tool.p - Vector3<double>{0.5, -0.2, 0.3})), 0, 1e-6);
   const Loaded turned(arm_with("{configuration: ready, frames: {tool: {rpy: [1.5708, 0, 0.3]}}}"));
   ASSERT_TRUE(turned.built) << turned.all();
-  const Matrix3<double> error = transpose(rotation_rpy(1.5708, 0.0, 0.3)) * tool_of(turned).R;
+  const Matrix3<double> error =
+      transpose(rotation_rpy(1.5708, 0.0, 0.3)) * frame_of(turned, "tool").R;
   EXPECT_NEAR(squared_norm(log_so3(quaternion(error))), 0, 1e-12);
 }
 
@@ -140,13 +141,9 @@ phases: [{knots: 3, dt: 0.01}]
 costs: {effort: {residual: control}}
 )");
   ASSERT_TRUE(loaded.built) << loaded.all();
-  const MultibodySystem& system = *loaded.built->plant.multibody();
-  const std::vector<double> x = start_of(loaded);
-  const auto place = [&](const char* frame) {
-    return placement_in_state(system, x, *system.robot().find_frame(frame)).p;
-  };
-  EXPECT_LT(squared_norm(place("foot") - place("foot_b")), 1e-12);
-  EXPECT_LT(squared_norm(place("foot") - Vector3<double>{0.05, 0, 0}), 1e-12);
+  const Vector3<double> foot = frame_of(loaded, "foot").p;
+  EXPECT_LT(squared_norm(foot - frame_of(loaded, "foot_b").p), 1e-12);
+  EXPECT_LT(squared_norm(foot - Vector3<double>{0.05, 0, 0}), 1e-12);
 }
 
 TEST(PlacedFrames, BasesStay) {
@@ -222,6 +219,68 @@ TEST(PlacedFrames, UnreachablePlacesAreErrors) {
   const Loaded side(pendulum_with("{frames: {tip: {position: [0, 0.3, -0.9], rpy: [0, 0, 0]}}}"));
   EXPECT_NE(side.first_error().find("it stays 0.3 m and "), std::string::npos)
       << side.first_error();
+}
+
+TEST(PlacedFrames, ErrorsNameOpenLoopsAndShapes) {
+  const Loaded open(R"(conddp: 1
+robot: {urdf: robots/five_bar_leg.urdf}
+loops: {ankle: {frame: foot, to: body}}
+initial_state: {frames: {foot: {position: [0.05, 0, 0]}}}
+phases: [{knots: 3, dt: 0.01}]
+costs: {effort: {residual: control}}
+)");
+  EXPECT_NE(open.first_error().find(" away, and the loop 'ankle' open by "), std::string::npos)
+      << open.first_error();
+  const Loaded blocked(pendulum_with("{frames: {tip: {position: [0.3, 0, -0.6]}}}") +
+                       "collision:\n  shapes: {tip: {frame: tip, sphere: {radius: 0.02}}}\n"
+                       "  obstacles: {ball: {sphere: {center: [0.3, 0, -0.6], radius: 0.1}}}\n"
+                       "constraints: {clear: {residual: distance, pairs: obstacles, margin: 0}}\n");
+  EXPECT_NE(blocked.first_error().find(" away, and shapes too near by "), std::string::npos)
+      << blocked.first_error();
+}
+
+TEST(PlacedFrames, GraspsOfSomePhasesDoNotBindThem) {
+  const Loaded loaded(R"(conddp: 1
+robots:
+  arm: {urdf: robots/arm7.urdf}
+  crate: {urdf: robots/crate.urdf, base: floating, actuation: none}
+contacts:
+  ground: {frame: crate/body, type: surface}
+  grasp: {frame: arm/tool, to: crate/handle, baumgarte: {kp: 100, kd: 20},
+          placement: {position: [0, 0, 0]}}
+initial_state:
+  robots:
+    arm: {joints: {joint_2: 0.4, joint_4: -1.2}, frames: {tool: {position: [0.5, 0.3, 0.5]}}}
+    crate: {base: {position: [0.55, -0.2, 0.1]}}
+phases:
+  - {name: before, knots: 3, dt: 0.02, contacts: ground}
+  - {name: held, knots: 3, dt: 0.02, contacts: grasp}
+costs: {effort: {residual: control}}
+)");
+  EXPECT_TRUE(loaded.built) << loaded.all();
+}
+
+TEST(PlacedFrames, PlanarBasesStay) {
+  const Loaded loaded(R"(conddp: 1
+robot: {urdf: robots/hopper.urdf, base: planar, placement: {rpy: [1.5707963267948966, 0, 0]}}
+initial_state:
+  base: {position: [-0.023, 0.4583]}
+  joints: {hip: 0.75, knee: -1.4}
+  frames: {foot: {position: [0.05, 0, 0.03]}}
+phases: [{knots: 3, dt: 0.02}]
+costs: {effort: {residual: control}}
+)");
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  const std::vector<double> x = start_of(loaded);
+  EXPECT_EQ(std::vector(x.begin(), x.begin() + 3), (std::vector{-0.023, 0.4583, 0.0}));
+  EXPECT_LT(squared_norm(frame_of(loaded, "foot").p - Vector3<double>{0.05, 0, 0.03}), 1e-12);
+}
+
+TEST(PlacedFrames, StatesReplaceFramesOfTheirConfiguration) {
+  const Loaded loaded(
+      arm_with("{configuration: there, frames: {tool: {position: [0.4, 0.2, 0.5]}}}"));
+  ASSERT_TRUE(loaded.built) << loaded.all();
+  EXPECT_LT(squared_norm(frame_of(loaded, "tool").p - Vector3<double>{0.4, 0.2, 0.5}), 1e-12);
 }
 
 TEST(PlacedFrames, BadKeysAreErrors) {

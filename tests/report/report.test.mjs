@@ -325,7 +325,7 @@ costs: {effort: {residual: control}}
     const mesh = [];
     window.conddp.viewer.robot.bodies[1].traverse(part => { if (part.isMesh) mesh.push(part); });
     mesh[0].geometry.computeBoundingBox();
-    const max = mesh[0].geometry.boundingBox.max.toArray().map(x => Math.round(x * 1e3) / 1e3);
+    const max = mesh[0].geometry.boundingBox.max.toArray().map(x => Math.round(x * 5e4) / 5e4);
     return {count: mesh.length, max, scale: mesh[0].parent.scale.toArray(),
             at: mesh[0].parent.position.toArray()};
   });

@@ -7,7 +7,7 @@
 namespace conddp {
 namespace {
 
-TEST(UrdfMeshes, FilesAreFoundBesideTheUrdfAndInPackages) {
+TEST(UrdfMeshes, FilesLieBesideTheUrdfAndInPackages) {
   const TemporaryFolder folder;
   std::filesystem::create_directories(folder / "arm/meshes");
   std::filesystem::create_directories(folder / "arm/urdf");

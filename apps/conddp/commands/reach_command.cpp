@@ -27,7 +27,7 @@ std::string list_of(const std::string& value) {
   return value.starts_with('[') ? value : "[" + value + "]";
 }
 
-/// The initial state that the arguments ask for, as a setting.
+/// The setting of an initial state with the arguments' frame.
 std::string setting_of(const ReachArguments& arguments) {
   std::string placement = "position: " + list_of(arguments.at);
   if (!arguments.rpy.empty()) placement += ", rpy: " + list_of(arguments.rpy);

@@ -21,14 +21,9 @@ void append(std::string& bytes, std::uint64_t value) {
 
 OrderedJson part_json(const MeshPart& part) {
   constexpr double kCells = std::numeric_limits<std::uint16_t>::max();
-  constexpr double kMost = std::numeric_limits<double>::infinity();
-  Vector3<double> low{kMost, kMost, kMost};
-  double size = 0;
-  for (const Vector3<double>& p : part.vertices)
-    for (int axis = 0; axis < 3; ++axis) low[axis] = std::min(low[axis], p[axis]);
-  for (const Vector3<double>& p : part.vertices)
-    for (int axis = 0; axis < 3; ++axis) size = std::max(size, p[axis] - low[axis]);
-  const double step = size > 0 ? size / kCells : 1;
+  const Bounds box(part.vertices);
+  const Vector3<double>& low = box.low;
+  const double step = box.longest() > 0 ? box.longest() / kCells : 1;
   std::string positions, triangles;
   for (const Vector3<double>& p : part.vertices)
     for (int axis = 0; axis < 3; ++axis)
@@ -65,8 +60,6 @@ std::optional<std::size_t> SceneMeshes::add(const std::filesystem::path& file, c
 }
 
 OrderedJson SceneMeshes::json() const {
-  // Long parts with few triangles would lose their shape, and save little.
-  constexpr double kFewest = 500;
   const double share =
       std::min(1.0, static_cast<double>(kMostTriangles) / static_cast<double>(triangles_));
   OrderedJson list = OrderedJson::array();
@@ -75,7 +68,7 @@ OrderedJson SceneMeshes::json() const {
     for (const MeshPart& part : parts) {
       const double most = share * static_cast<double>(part.triangles.size());
       mesh.push_back(
-          part_json(simplified(part, static_cast<std::size_t>(std::max(kFewest, most)))));
+          part_json(simplified(part, std::max(kFewestTriangles, static_cast<std::size_t>(most)))));
     }
     list.push_back(std::move(mesh));
   }

@@ -10,11 +10,12 @@
 
 namespace conddp {
 
-/// The mesh files of a page, each once. Together they have at most kMostTriangles: larger pages
-/// open slowly, so that meshes are simplified.
+/// The mesh files of a page, each once. Larger pages open slowly: meshes that have more triangles
+/// together than kMostTriangles, which take two megabytes or less, are simplified to that number.
+/// No part loses triangles below kFewestTriangles, because long thin ones would lose their shape.
 class SceneMeshes {
  public:
-  static constexpr std::size_t kMostTriangles = 100'000;
+  static constexpr std::size_t kMostTriangles = 100'000, kFewestTriangles = 500;
 
   /// Index of a file's mesh. Without a surface empty, and `why` is the reason.
   std::optional<std::size_t> add(const std::filesystem::path& file, const char*& why);

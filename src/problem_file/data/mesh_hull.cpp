@@ -1,8 +1,5 @@
 #include "problem_file/data/mesh_hull.hpp"
 
-#include <algorithm>
-#include <limits>
-
 #include "base/files/check_sums.hpp"
 #include "base/files/text_file.hpp"
 #include "robot/urdf/mesh_parts.hpp"
@@ -23,17 +20,10 @@ HullSpec mesh_hull(const std::filesystem::path& file, const Vector3<double>& sca
   for (const MeshPart& part : mesh_parts(mesh.text, kind))
     points.insert(points.end(), part.vertices.begin(), part.vertices.end());
   if (points.empty()) return defect = "the file has no vertex", HullSpec();
-  const double most = std::numeric_limits<double>::infinity();
-  Vector3<double> low{most, most, most}, high = -low;
   for (Vector3<double>& point : points)
-    for (int axis = 0; axis < 3; ++axis) {
-      point[axis] *= scale[axis];
-      low[axis] = std::min(low[axis], point[axis]);
-      high[axis] = std::max(high[axis], point[axis]);
-    }
+    for (int axis = 0; axis < 3; ++axis) point[axis] *= scale[axis];
   out.add_data_file({file.string(), sha256(mesh.text)});
-  const Vector3<double> size = high - low;
-  const double tolerance = kTolerance * std::max({size.x, size.y, size.z});
+  const double tolerance = kTolerance * Bounds(points).longest();
   return {hull_points(points, tolerance), tolerance};
 }
 

@@ -41,6 +41,20 @@ std::string distance_text(const PoseSpec& pose, int frame, const MultibodySystem
   return text;
 }
 
+/// Open loops and shapes that are too near, in a posture that misses one of these frames.
+std::string other_gaps(const Posture& posture, const MultibodySystem& system, std::size_t frames) {
+  std::string text;
+  const std::vector<Contact>& loops = system.contacts().contacts();
+  for (std::size_t i = 0; i < loops.size(); ++i)
+    if (posture.gaps[i] > Posture::kMet)
+      text += fmt::format(", and the loop '{}' open by {:.3g} m", loops[i].name, posture.gaps[i]);
+  double nearness = 0;
+  for (std::size_t i = loops.size() + frames; i < posture.gaps.size(); ++i)
+    nearness = std::max(nearness, posture.gaps[i]);
+  if (nearness > Posture::kMet) text += fmt::format(", and shapes too near by {:.3g} m", nearness);
+  return text;
+}
+
 }  // namespace
 
 std::vector<WantedFrame> wanted_frames(const StateSpec& state, const PlantPart& part,
@@ -86,22 +100,16 @@ void place_frames(const std::vector<WantedFrame>& frames, const Plant& plant,
     x = posture.x;
     return;
   }
-  const std::vector<Contact>& loops = system->contacts().contacts();
-  const auto first = posture.gaps.begin();
-  const auto worst = std::max_element(first, first + loops.size() + frames.size()) - first;
-  const std::size_t frame = worst < std::ssize(loops) ? 0 : worst - loops.size();
-  const PoseSpec& pose = frames[frame].placed.pose;
-  const std::string stays =
-      worst < std::ssize(loops)
-          ? fmt::format("the loop '{}' stays open by {:.3g} (m, rad)", loops[worst].name,
-                        posture.gaps[worst])
-          : fmt::format("it stays {} away",
-                        distance_text(pose, indices[frame], *system, posture.x));
-  out.error(frames[frame].placed.name.place,
-            fmt::format("no joint positions were found that put '{}' there: {}",
-                        frames[frame].placed.name.value, stays),
-            "joints move within their limits, bases stay, loops close, and shapes of 'distance' "
-            "keep apart; places are in the world, in m");
+  const auto of_frames = posture.gaps.begin() + system->contacts().count();
+  const std::size_t worst = std::max_element(of_frames, of_frames + std::ssize(frames)) - of_frames;
+  const PlacedFrame& frame = frames[worst].placed;
+  out.error(
+      frame.name.place,
+      fmt::format("no joint positions were found that put '{}' there: it stays {} away{}",
+                  frame.name.value, distance_text(frame.pose, indices[worst], *system, posture.x),
+                  other_gaps(posture, *system, frames.size())),
+      "joints move within their limits, bases stay, loops close, and shapes of 'distance' "
+      "keep apart; places are in the world, in m");
 }
 
 }  // namespace conddp

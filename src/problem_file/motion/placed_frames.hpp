@@ -15,9 +15,9 @@ struct WantedFrame {
 std::vector<WantedFrame> wanted_frames(const StateSpec& state, const PlantPart& part,
                                        const Plant& plant);
 
-/// Moves joints of all robots, bases excepted, so that the frames are where they are wanted
-/// (find_posture(), with what every posture keeps). A placement that was not reached is an error
-/// that tells how far away the frame, or the end of a loop, stays; x then is unchanged. `x`: a
+/// Moves joints of all robots, bases excepted, until the frames have their placements
+/// (find_posture(), with Plant::kept). A placement that was not reached is an error
+/// that tells by how much the frame, loops and shapes miss their goals; x then is unchanged. `x`: a
 /// state of the system.
 void place_frames(const std::vector<WantedFrame>& frames, const Plant& plant,
                   std::vector<double>& x, Diagnostics& out);

@@ -71,7 +71,8 @@ KeptGoals kept_goals(const ProblemSpec& spec, const Plant& plant) {
       continue;
     loops.push_back(contact_of(contact, *frame, *base));
   }
-  return {plant.multibody()->with_contacts(std::move(loops)), distances(spec, plant)};
+  const std::shared_ptr<const MultibodySystem> system = plant.multibody();
+  return {loops.empty() ? system : system->with_contacts(std::move(loops)), distances(spec, plant)};
 }
 
 }  // namespace conddp

@@ -30,7 +30,7 @@ struct SystemVariant {
   std::shared_ptr<const System> system;
 };
 
-/// What inverse kinematics keeps in every posture.
+/// Goals that every posture of inverse kinematics meets.
 struct KeptGoals {
   std::shared_ptr<const MultibodySystem> system;  ///< the robots; holds the loops
   std::vector<PostureGoal> goals;                 ///< distances

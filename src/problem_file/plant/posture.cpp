@@ -33,14 +33,14 @@ class Gaps {
   VectorXd error;     ///< zero where a row is within its bounds
   MatrixXd jacobian;  ///< of the error, by the joints
 
-  /// Sets the error, and with `derivatives` the Jacobian, at a state.
-  void set(const std::vector<double>& x, bool derivatives) {
+  /// Sets error and Jacobian at a state.
+  void set(const std::vector<double>& x) {
     system_.update_kinematics(x.data(), data_);
-    if (derivatives) jacobian.setZero();
-    set_contacts(derivatives);
+    jacobian.setZero();
+    set_contacts();
     int row = system_.contacts().rows();
     for (const PostureGoal& goal : goals_) {
-      set_goal(goal, x, row, derivatives);
+      set_goal(goal, x, row);
       row += goal.residual->size();
     }
   }
@@ -58,39 +58,35 @@ class Gaps {
   }
 
  private:
-  void set_contacts(bool derivatives) {
+  void set_contacts() {
     const ContactSet& set = system_.contacts();
     if (set.count() == 0) return;
     set.update(system_.robot(), data_.robot, system_.nv(), data_.contacts);
     for (int i = 0; i < set.count(); ++i)
       contact_error(set.contacts()[i], data_.contacts.contacts[i], &error[set.offset(i)]);
-    if (!derivatives) return;
     const Eigen::Map<const MatrixXd> transposed(data_.contacts.response.data(), system_.nv(),
                                                 set.rows());
     for (int v = 0; v < system_.nv(); ++v)
       if (column_[v] >= 0) jacobian.col(column_[v]).head(set.rows()) = transposed.row(v);
   }
 
-  void set_goal(const PostureGoal& goal, const std::vector<double>& x, int row, bool derivatives) {
+  void set_goal(const PostureGoal& goal, const std::vector<double>& x, int row) {
     const Residual& residual = *goal.residual;
     const ResidualInput<double> in{x.data(), nullptr, goal.parameters.data(), data_};
     derivatives_.resize(residual.jacobian_size());
     double* const values = error.data() + row;
-    if (derivatives)
-      residual.differentiate(in, values, derivatives_.data());
-    else
-      residual.evaluate(in, values);
+    residual.differentiate(in, values, derivatives_.data());
     const double* packed = derivatives_.data();
     for (const RowBlock& block : residual.blocks()) {
       for (const int column : block.columns)
         for (int i = 0; i < block.rows; ++i, ++packed)
-          if (derivatives && column_[column] >= 0) jacobian(row + i, column_[column]) = *packed;
+          if (column_[column] >= 0) jacobian(row + i, column_[column]) = *packed;
       row += block.rows;
     }
     for (int i = 0; i < residual.size(); ++i) {
       const double value = values[i];
       values[i] = value - std::clamp(value, goal.lower, goal.upper);
-      if (derivatives && values[i] == 0 && goal.lower < goal.upper)
+      if (values[i] == 0 && goal.lower < goal.upper)
         jacobian.row(values + i - error.data()).setZero();
     }
   }
@@ -132,7 +128,7 @@ class Search {
       if (Posture back = descended({1e-4, 1e-6, 0}); back.found() || !other.found())
         other = std::move(back);
       else
-        q_ = far, evaluate(false);
+        q_ = far, evaluate();
       const double its_gap = gaps_.error.norm(), its_motion = (q_ - start_).norm();
       if (best.found() ? !other.found() || its_motion >= motion : its_gap >= gap) continue;
       best = std::move(other);
@@ -159,15 +155,15 @@ class Search {
     return q;
   }
 
-  void evaluate(bool derivatives) {
+  /// Sets the gaps and their derivatives at q_.
+  void evaluate() {
     for (std::size_t i = 0; i < at_.size(); ++i) x_[at_[i]] = q_[i];
-    gaps_.set(x_, derivatives);
+    gaps_.set(x_);
   }
 
   /// The end of descents from q_ with these shares of the motion, one after the other.
   Posture descended(std::initializer_list<double> shares) {
     for (const double share : shares) descend(share);
-    evaluate(false);
     return {x_, gaps_.norms()};
   }
 
@@ -181,21 +177,23 @@ class Search {
     constexpr int kMostSteps = 100;
     constexpr double kNoStep = 1e-12, kLeast = 1e-12, kMost = 1e6;
     double damping = 1e-3;
-    evaluate(true);
+    evaluate();
     for (int i = 0; i < kMostSteps && damping < kMost; ++i) {
       const VectorXd from = q_;
       const double before = cost(share);
       q_ = (from + step(share, damping)).cwiseMax(lower_).cwiseMin(upper_);
-      const double moved = (q_ - from).norm();
-      if (moved < kNoStep) break;
-      evaluate(false);
+      if ((q_ - from).norm() < kNoStep) {
+        q_ = from;
+        break;
+      }
+      evaluate();
       if (cost(share) < before) {
         damping = std::max(damping / 10, kLeast);
       } else {
         q_ = from;
         damping *= 10;
+        evaluate();
       }
-      evaluate(true);
     }
   }
 
@@ -239,7 +237,7 @@ class Search {
 }  // namespace
 
 bool Posture::found() const {
-  return !x.empty() && std::ranges::all_of(gaps, [](double gap) { return gap < kMet; });
+  return std::ranges::all_of(gaps, [](double gap) { return gap < kMet; });
 }
 
 Posture find_posture(const MultibodySystem& system, const std::vector<PostureGoal>& goals,
@@ -251,7 +249,7 @@ std::vector<double> posture_gaps(const MultibodySystem& system,
                                  const std::vector<PostureGoal>& goals,
                                  const std::vector<double>& x) {
   Gaps gaps(system, goals, {});
-  gaps.set(x, false);
+  gaps.set(x);
   return gaps.norms();
 }
 

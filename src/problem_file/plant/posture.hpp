@@ -27,12 +27,12 @@ struct Posture {
   bool found() const;
 };
 
-/// Inverse kinematics. Moves the given joints, each with one velocity index, within their limits as
-/// little as possible (sum of squares from the state x), so that the contacts that the system holds
-/// have no error and goals are met. Where the way from x ends with a gap, random positions start 19
-/// other ways: of those without a gap the one with the least motion is returned, else that with the
-/// smallest gap. Levenberg-Marquardt steps on a penalty of the motion that
-/// tends to zero; joints at a limit that they press on keep it. The same for the same input.
+/// Inverse kinematics. Moves the given joints, each with one velocity index, within their limits to
+/// meet all goals and close the contacts that the system holds. The motion from the state x is
+/// small (sum of squares). If the way from x ends with a gap, random positions start 19 other ways.
+/// Of those without a gap, the one with the least motion is returned, otherwise that with the
+/// smallest gap. Steps are Levenberg-Marquardt's on a penalty of the motion that tends to zero;
+/// joints at a limit that they press on keep it. The same for the same input.
 Posture find_posture(const MultibodySystem& system, const std::vector<PostureGoal>& goals,
                      const std::vector<int>& joints, const std::vector<double>& x);
 
@@ -41,11 +41,11 @@ std::vector<double> posture_gaps(const MultibodySystem& system,
                                  const std::vector<PostureGoal>& goals,
                                  const std::vector<double>& x);
 
-/// The joints with one coordinate of their own among `count` from `first` on; parameters are none.
+/// The revolute and prismatic joints with their own coordinate, among `count` from `first` on.
 std::vector<int> movable_joints(const MultibodySystem& system, int first, int count);
 
-/// Positions of these joints as far as two states differ: "{knee: 0.8123}", as the second one has
-/// them. Empty if they do not.
+/// Positions of these joints that differ from another state's: "{knee: 0.8123}". Empty for equal
+/// states.
 std::string changed_joints(const MultibodySystem& system, const std::vector<double>& from,
                            const std::vector<double>& to);
 

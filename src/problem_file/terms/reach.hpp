@@ -6,8 +6,8 @@
 
 namespace conddp {
 
-/// Warns of frame positions required by costs or equalities for which inverse kinematics finds no
-/// joint positions within their limits. Frames behind a floating joint, and robots with free
+/// Warns of frame positions that costs or equalities require and inverse kinematics does not find
+/// within the joints' limits. Frames behind a floating joint, and robots with free
 /// parameters, are exempt.
 void warn_of_reach(const std::vector<BuiltCost>& costs,
                    const std::vector<BuiltConstraint>& constraints, const Plant& plant,

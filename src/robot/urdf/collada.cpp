@@ -28,7 +28,7 @@ struct Affine {
   Affine operator*(const Affine& inner) const { return {A * inner.A, A * inner.p + p}; }
 };
 
-/// The numbers of a text up to the first word that is none.
+/// The numbers at the beginning of a text.
 template <class Number>
 std::vector<Number> numbers_of(const char* text) {
   std::vector<Number> numbers;
@@ -86,7 +86,7 @@ class Document {
       for (const pugi::xml_node& child : node.children()) note_ids(child, depth + 1);
   }
 
-  /// The element that a reference `#id` names; an empty one if there is none.
+  /// The element that a reference `#id` names, or an empty one.
   pugi::xml_node target(const pugi::xml_attribute& reference) const {
     const std::string_view url = reference.value();
     const auto found = by_id_.find(url.substr(std::min<std::size_t>(1, url.size())));

@@ -64,7 +64,7 @@ MeshPart ascii_stl(std::string_view bytes) {
   return part;
 }
 
-/// Index of a vertex in a corner such as `7/3/2`, or `-1` for the last one; −1 if there is none.
+/// Index of a vertex in a corner such as `7/3/2`, or `-1` for the last one; −1 for a missing one.
 long corner_of(const std::string& word, std::size_t count) {
   long number = 0;
   if (std::from_chars(word.data(), word.data() + word.size(), number).ec != std::errc()) return -1;
@@ -112,20 +112,6 @@ void keep_finite(MeshPart& part) {
 
 using Cell = std::array<std::uint32_t, 3>;
 
-/// Corners of a bounding box.
-struct Box {
-  explicit Box(const std::vector<Vector3<double>>& points) {
-    for (const Vector3<double>& p : points)
-      for (int axis = 0; axis < 3; ++axis) {
-        low[axis] = std::min(low[axis], p[axis]);
-        high[axis] = std::max(high[axis], p[axis]);
-      }
-  }
-  double longest() const { return std::max({high.x - low.x, high.y - low.y, high.z - low.z, 0.0}); }
-  static constexpr double kMost = std::numeric_limits<double>::infinity();
-  Vector3<double> low{kMost, kMost, kMost}, high{-kMost, -kMost, -kMost};
-};
-
 /// The part with one vertex for each cell of an edge length, and without triangles that collapse.
 MeshPart clustered(const MeshPart& part, const Vector3<double>& low, double edge) {
   MeshPart out;
@@ -159,6 +145,20 @@ MeshPart clustered(const MeshPart& part, const Vector3<double>& low, double edge
 
 }  // namespace
 
+Bounds::Bounds(const std::vector<Vector3<double>>& points) {
+  constexpr double kMost = std::numeric_limits<double>::infinity();
+  low = {kMost, kMost, kMost}, high = -low;
+  for (const Vector3<double>& p : points)
+    for (int axis = 0; axis < 3; ++axis) {
+      low[axis] = std::min(low[axis], p[axis]);
+      high[axis] = std::max(high[axis], p[axis]);
+    }
+}
+
+double Bounds::longest() const {
+  return std::max({high.x - low.x, high.y - low.y, high.z - low.z, 0.0});
+}
+
 std::vector<MeshPart> mesh_parts(std::string_view bytes, const std::string& kind) {
   if (kind == "dae") return collada_parts(bytes);
   MeshPart part = kind == "obj" ? obj(bytes) : binary_stl(bytes);
@@ -169,7 +169,7 @@ std::vector<MeshPart> mesh_parts(std::string_view bytes, const std::string& kind
 
 MeshPart simplified(const MeshPart& part, std::size_t most) {
   constexpr double kMostCells = 65535, kCoarser = 1.15;
-  const Box box(part.vertices);
+  const Bounds box(part.vertices);
   MeshPart simple = clustered(part, box.low, box.longest() / kMostCells);
   // A surface as large as a face of the box has about two triangles for each cell of that face.
   double edge = box.longest() / std::sqrt(2.0 * static_cast<double>(most));

@@ -18,6 +18,15 @@ struct MeshPart {
   std::optional<std::array<double, 4>> color = {};      ///< red, green, blue, alpha in [0, 1]
 };
 
+/// A box around points, parallel to the axes.
+struct Bounds {
+  explicit Bounds(const std::vector<Vector3<double>>& points);
+
+  Vector3<double> low, high;
+  /// Longest edge; 0 without points.
+  double longest() const;
+};
+
 /// The surfaces in a mesh file of a kind as mesh_kind() returns it: in the file's own unit, of
 /// Collada in m. Empty for bytes that hold another kind. Facets with vertices that are missing or
 /// not finite are left out.
