@@ -165,5 +165,47 @@ TEST_F(ReportCommand, IncludesBenchResultsOfTheSameProblems) {
   refused(bad, "no run on a problem of this page");
 }
 
+/// A report with a video, and a program in the place of Chromium.
+class ReportVideo : public ReportCommand {
+ protected:
+  ReportVideo() {
+    const std::string browser =
+        folder_.write("bin/chromium", "#!/bin/sh\necho 'no display' >&2\nexit 1\n");
+    std::filesystem::permissions(browser, std::filesystem::perms::owner_all);
+  }
+  ProcessResult record(const std::string& solution, const std::string& path) {
+    return run_conddp({"report", solution, "--video", folder_.path() / "a.webm"},
+                      {.environment = {"PATH=" + path}});
+  }
+  const std::string path_ = folder_.path() / "bin";
+};
+
+TEST_F(ReportVideo, MissingBrowserIsNamedWithItsPackage) {
+  const ProcessResult r = record(solve("a", "box_fddp"), "/nowhere");
+  EXPECT_EQ(r.exit_code, 2);
+  EXPECT_NE(r.err.find("install the package chromium"), std::string::npos) << r.err;
+  EXPECT_FALSE(std::filesystem::exists(folder_.path() / "a/report.html"));
+}
+
+TEST_F(ReportVideo, FailedRecordingWritesNothing) {
+  const std::string solution = solve("a", "box_fddp");
+  const std::vector<std::string> before = folder_.files();
+  const ProcessResult r = record(solution, path_);
+  EXPECT_EQ(r.exit_code, 2);
+  EXPECT_NE(r.err.find("bin/chromium' ended too early"), std::string::npos) << r.err;
+  EXPECT_NE(r.err.find("no display"), std::string::npos) << r.err;
+  EXPECT_EQ(folder_.files(), before);
+}
+
+TEST_F(ReportVideo, PageWithoutPictureIsAnError) {
+  const std::string problem = folder_.write("gone.yaml", read_file(kPendulum));
+  const std::string solution = solve("a", "box_fddp", problem);
+  std::filesystem::remove(problem);
+  const ProcessResult r = record(solution, path_);
+  EXPECT_EQ(r.exit_code, 2);
+  EXPECT_NE(r.err.find("there is no picture to record: "), std::string::npos) << r.err;
+  EXPECT_NE(r.err.find("does not exist"), std::string::npos) << r.err;
+}
+
 }  // namespace
 }  // namespace conddp

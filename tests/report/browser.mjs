@@ -72,5 +72,33 @@ export async function open(file, options = {}) {
   return {page, context, complaints, requests};
 }
 
+/// A WebM video as a player sees it: size, number of frames at 30 a second, and whether its picture changes
+/// from the start to the middle and to the end.
+export async function watch(bytes) {
+  const page = await browser.newPage();
+  const seen = await page.evaluate(async base64 => {
+    const video = document.createElement('video'), canvas = document.createElement('canvas');
+    const happens = name => new Promise((done, fail) => {
+      video.addEventListener(name, done, {once: true});
+      video.addEventListener('error', () => fail(new Error(video.error.message)), {once: true});
+    });
+    video.src = URL.createObjectURL(new Blob([Uint8Array.from(atob(base64), c => c.charCodeAt(0))], {type: 'video/webm'}));
+    await happens('loadeddata');
+    const {videoWidth: width, videoHeight: height, duration} = video;
+    Object.assign(canvas, {width, height});
+    const pictures = [];
+    for (const share of [0, 0.5, 1]) {
+      const sought = happens('seeked');
+      video.currentTime = share * duration;
+      await sought;
+      canvas.getContext('2d').drawImage(video, 0, 0);
+      pictures.push(canvas.toDataURL());
+    }
+    return {width, height, frames: Math.round(30 * duration), changes: new Set(pictures).size === 3};
+  }, bytes.toString('base64'));
+  await page.close();
+  return seen;
+}
+
 /// Complaints of the software renderer about itself are ignored.
 export const ours = complaints => complaints.filter(text => !/GPU stall|swiftshader|GL Driver Message/i.test(text));

@@ -13,11 +13,15 @@
 #include "base/json/json_document.hpp"
 #include "commands/commands.hpp"
 #include "output/bench/bench_runs.hpp"
+#include "output/report/motion_video.hpp"
 #include "output/solution/solved_problem.hpp"
 #include "summary/summary.hpp"
 #include "terminal/exit_codes.hpp"
+#include "terminal/interrupt.hpp"
 #include "terminal/messages.hpp"
+#include "terminal/status_line.hpp"
 #include "terminal/streams.hpp"
+#include "terminal/terminal.hpp"
 
 namespace conddp {
 namespace {
@@ -29,6 +33,7 @@ struct ReportArguments {
   std::string problem;
   std::string bench;
   std::string file;
+  std::string video;
   bool open = false;
 };
 
@@ -147,8 +152,37 @@ OrderedJson data_of(const Documents& documents, const ReportArguments& arguments
   return data;
 }
 
+/// The browser that records the video, if one is wanted; reports an error if it is missing.
+std::optional<fs::path> recording_browser(const ReportArguments& arguments) {
+  if (arguments.video.empty()) return fs::path();
+  const auto browser = find_browser();
+  if (!browser)
+    print_error(fmt::format("a video needs a browser, and none of {} is on the search path",
+                            fmt::join(kBrowsers, ", ")),
+                "install the package chromium (Ubuntu: chromium-browser)");
+  return browser;
+}
+
+/// The video of a page's motion.
+std::string video_of(const std::string& page, const OrderedJson& data, const fs::path& browser) {
+  const OrderedJson& solutions = data.at("solutions");
+  const auto has_picture = [](const OrderedJson& solution) { return !solution["scene"].is_null(); };
+  if (std::ranges::none_of(solutions, has_picture)) {
+    const std::string remark = solution_text(solutions.front(), "remark");
+    throw OutputError("there is no picture to record: " +
+                      (remark.empty() ? "the problem file says nothing to draw" : remark));
+  }
+  const InterruptGuard guard;
+  StatusLine status(message_format() == MessageFormat::kText && terminal_of(2).redraws);
+  return record_motion(
+      page, {.program = browser, .interrupted = [] { return InterruptGuard::signal() != 0; }},
+      [&](double share) { status.show(fmt::format("video {:.0f} %", 100 * share)); });
+}
+
 int report(const ReportArguments& arguments) {
   if (!reports_can_be_made()) return kExitBadInput;
+  const auto browser = recording_browser(arguments);
+  if (!browser) return kExitBadInput;
   Diagnostics diagnostics;
   std::string file;
   try {
@@ -158,11 +192,16 @@ int report(const ReportArguments& arguments) {
           arguments.file.empty()
               ? fs::path(arguments.solutions.front()).replace_filename("report.html")
               : fs::path(arguments.file);
+      const std::string page = report_text(data);
+      const std::string video =
+          arguments.video.empty() ? std::string() : video_of(page, data, *browser);
       AtomicFiles files;
-      files.add(out, report_text(data));
+      files.add(out, page);
+      if (!arguments.video.empty()) files.add(arguments.video, video);
       files.commit();
       print_messages(diagnostics, Verbosity::kNormal);
       print_result(out.string() + "\n");
+      if (!arguments.video.empty()) print_result(arguments.video + "\n");
       if (arguments.open) open_in_browser(out.string());
       return kExitConverged;
     }
@@ -170,6 +209,9 @@ int report(const ReportArguments& arguments) {
     diagnostics.add({.file = file, .message = malformed.what()});
   } catch (const OrderedJson::exception& error) {
     diagnostics.add({.file = file, .message = error.what()});
+  } catch (const OutputError&) {
+    if (InterruptGuard::signal() == 0) throw;
+    return kExitSignalBase + InterruptGuard::signal();
   }
   print_messages(diagnostics, Verbosity::kNormal);
   return kExitBadInput;
@@ -202,6 +244,10 @@ Command report_command() {
                      .description =
                          "Add a table of what 'conddp bench' measured of the same problems",
                      .target = &a->bench},
+                    {.names = {"--video"},
+                     .value = "FILE.webm",
+                     .description = "Record the motion with an installed Chromium as a WebM video",
+                     .target = &a->video},
                     flag({"--open"}, a->open, "Open the page with xdg-open")},
       .run = [a] { return report(*a); }};
 }

@@ -5,6 +5,7 @@ import {element, isTyping} from './dom.js';
 import {loopSection, writeLoopFoot, writeLoopHead} from './loop.js';
 import {Player} from './player.js';
 import {makePlots} from './plots.js';
+import {recordForTool} from './recording.js';
 import {comparisonTable, standIns, writeFoot, writeHead} from './summary.js';
 import {Timeline} from './timeline.js';
 import {Viewer} from './viewer.js';
@@ -68,8 +69,8 @@ function start() {
     setTheme('light');
   });
   window.addEventListener('afterprint', () => setTheme(onScreen));
-  // Access for scripts.
-  window.conddp = {solutions, batch, loop, ...shown};
+  // Access for scripts, and for the tool.
+  window.conddp = {solutions, batch, loop, ...shown, record: (...size) => recordForTool(shown.viewer, ...size)};
 }
 
 start();

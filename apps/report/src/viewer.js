@@ -7,7 +7,7 @@ import {Ground} from './ground.js';
 import {Obstacles} from './obstacles.js';
 import {lineColor} from './palette.js';
 import {PlanGhost} from './plan_ghost.js';
-import {MotionRecorder, savePicture} from './recording.js';
+import {savePicture, videoButton} from './recording.js';
 import {Robot} from './robot.js';
 
 /// Directions from the motion to the camera. The one from above leans a little, so that y points
@@ -154,7 +154,7 @@ export class Viewer {
           from[0].toUpperCase() + from.slice(1), `The motion from the ${from}`, () => this.resetView(from))),
       button('Reset', 'Back to the first view', () => this.resetView()),
       button('PNG', 'Save this view as a picture', () => savePicture(this.renderer.domElement, this.name)),
-      new MotionRecorder(this.renderer.domElement, this.player, this.name).button,
+      videoButton(this.renderer.domElement, this.player, this.name),
     ];
     this.holder.append(element('div', {class: 'switches'}, ...parts));
   }

@@ -8,7 +8,6 @@
 
 #include "analysis/certificate/certificate_doubt.hpp"
 #include "base/json/json_document.hpp"
-#include "ocp/problem/by_name.hpp"
 #include "ocp/problem/cost_scale.hpp"
 #include "output/solution/finding_report.hpp"
 #include "output/solution/solution.hpp"

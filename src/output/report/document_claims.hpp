@@ -5,9 +5,14 @@
 #include <utility>
 #include <vector>
 
+#include "analysis/certificate/certificate.hpp"
+#include "analysis/certificate/check.hpp"
 #include "analysis/certificate/solution_claims.hpp"
 #include "analysis/findings/findings.hpp"
+#include "base/json/ordered_json.hpp"
+#include "ocp/problem/by_name.hpp"
 #include "output/solution/contact_forces.hpp"
+#include "problem_file/assemble/build.hpp"
 #include "solvers/common/iteration_record.hpp"
 
 namespace conddp {

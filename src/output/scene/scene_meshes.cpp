@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "base/files/text_file.hpp"
-#include "output/scene/base64.hpp"
+#include "base/text/base64.hpp"
 #include "robot/urdf/urdf_meshes.hpp"
 
 namespace conddp {
