@@ -8,7 +8,7 @@ string(REPLACE "\"" "\\\"" CONDDP_CXX_FLAGS "${CONDDP_CXX_FLAGS}")
 set(CONDDP_LIBRARY_VERSIONS "")
 foreach(library IN ITEMS
     Eigen=${Eigen3_VERSION} fmt=${fmt_VERSION} oneTBB=${TBB_VERSION} urdfdom=${URDFDOM_VERSION}
-    pugixml=${pugixml_VERSION} yaml-cpp=${yaml-cpp_VERSION}
+    pugixml=${pugixml_VERSION} libpng=${PNG_VERSION_STRING} yaml-cpp=${yaml-cpp_VERSION}
     nlohmann_json=${nlohmann_json_VERSION} CLI11=${CLI11_VERSION} Ipopt=${IPOPT_VERSION})
   string(REPLACE "=" "\", \"" entry "${library}")
   string(APPEND CONDDP_LIBRARY_VERSIONS "    {\"${entry}\"},\n")

@@ -2,7 +2,10 @@
 // files.
 #include "problem_file/data/height_map.hpp"
 
+#include <cstdint>
 #include <fstream>
+
+#include <png.h>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -84,6 +87,73 @@ TEST(HeightMapFile, ReadsImagesOfAllKinds) {
     EXPECT_EQ(map.columns, 3) << name;
     EXPECT_EQ(map.heights, expected) << name;
   }
+}
+
+/// A PNG image of 3 by 3 pixels; `format` as for libpng's png_image.
+template <class Value>
+std::string png(const std::vector<Value>& pixels, int format, int size = 3) {
+  png_image image{};
+  image.version = PNG_IMAGE_VERSION;
+  image.width = image.height = static_cast<png_uint_32>(size);
+  image.format = static_cast<png_uint_32>(format);
+  png_alloc_size_t bytes = 0;
+  std::string file;
+  EXPECT_TRUE(png_image_write_to_memory(&image, nullptr, &bytes, 0, pixels.data(), 0, nullptr));
+  file.resize(bytes);
+  EXPECT_TRUE(png_image_write_to_memory(&image, file.data(), &bytes, 0, pixels.data(), 0, nullptr));
+  file.resize(bytes);
+  return file;
+}
+
+const std::vector<std::uint8_t> kGrayBytes = {0, 1, 2, 3, 40, 5, 6, 200, 255};
+
+TEST(HeightMapFile, PngHasTheHeightsOfItsPgm) {
+  const std::string bytes(kGrayBytes.begin(), kGrayBytes.end());
+  const auto [expected, pgm_said] = loaded("a.pgm", "P5 3 3 255\n" + bytes);
+  const auto [map, said] = loaded("a.png", png(kGrayBytes, PNG_FORMAT_GRAY));
+  EXPECT_EQ(said, "");
+  EXPECT_EQ(map.columns, 3);
+  EXPECT_EQ(map.heights, expected.heights);
+  EXPECT_EQ(map.heights[7], 100);
+}
+
+TEST(HeightMapFile, PngOfSixteenBitsHasNoGamma) {
+  const std::vector<std::uint16_t> values = {0, 1, 255, 256, 257, 1000, 40000, 65534, 65535};
+  const auto [map, said] = loaded("a.png", png(values, PNG_FORMAT_LINEAR_Y));
+  EXPECT_EQ(said, "");
+  ASSERT_EQ(map.heights.size(), values.size());
+  for (std::size_t i = 0; i < values.size(); ++i) EXPECT_EQ(map.heights[i], 0.5 * values[i]);
+}
+
+TEST(HeightMapFile, ColorsAndTransparencyAreNoHeights) {
+  const std::vector<std::uint8_t> pixels(36, 100);
+  for (const int format : {PNG_FORMAT_RGB, PNG_FORMAT_GA, PNG_FORMAT_RGBA}) {
+    const auto [map, said] = loaded("a.png", png(pixels, format));
+    EXPECT_NE(said.find("it is not a gray PNG image of 8 or 16 bits"), std::string::npos) << said;
+  }
+}
+
+TEST(HeightMapFile, EveryDamageOfAPngIsAnError) {
+  const std::string good = png(kGrayBytes, PNG_FORMAT_GRAY);
+  for (std::size_t size = 0; size < good.size(); ++size) {
+    const auto [map, said] = loaded("a.png", good.substr(0, size));
+    EXPECT_NE(said.find("'a.png': it is damaged ("), std::string::npos) << size << said;
+    EXPECT_TRUE(map.heights.empty()) << size;
+  }
+  const std::size_t data = good.find("IDAT");
+  ASSERT_NE(data, std::string::npos);
+  for (const std::size_t at : {std::size_t{1}, std::size_t{17}, data + 6}) {
+    std::string bad = good;
+    bad[at] = static_cast<char>(bad[at] ^ 0x55);
+    EXPECT_NE(loaded("a.png", bad).second.find("it is damaged ("), std::string::npos) << at;
+  }
+}
+
+TEST(HeightMapFile, SmallFilesOfHugeImagesAreErrors) {
+  constexpr int kSize = 4097;
+  const std::string file = png(std::vector<std::uint8_t>(kSize * kSize), PNG_FORMAT_GRAY, kSize);
+  EXPECT_LT(file.size(), 100'000u);
+  EXPECT_NE(loaded("a.png", file).second.find("more than 16777216 pixels"), std::string::npos);
 }
 
 TEST(HeightMapFile, ReportsDefects) {

@@ -9,6 +9,7 @@
 #include "base/files/text_file.hpp"
 #include "base/text/csv_line.hpp"
 #include "base/text/strict_number.hpp"
+#include "problem_file/data/gray_png.hpp"
 
 namespace conddp {
 namespace {
@@ -75,6 +76,23 @@ class PgmHeader {
   std::string_view rest_;
 };
 
+/// Values of pixels of one or two bytes each.
+std::vector<double> gray_values(std::string_view pixels, std::size_t count, int bytes) {
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(pixels[i]); };
+  std::vector<double> values(count);
+  for (std::size_t i = 0; i < count; ++i)
+    values[i] = bytes == 1 ? byte(i) : 256 * byte(2 * i) + byte(2 * i + 1);
+  return values;
+}
+
+Grid parse_png(std::string_view file, std::string& defect) {
+  GrayImage image;
+  defect = read_gray_png(file, image);
+  if (!defect.empty()) return {};
+  const std::size_t count = image.pixels.size() / image.bytes;
+  return {gray_values(image.pixels, count, image.bytes), image.columns};
+}
+
 /// Gray values of a PGM image, of text (P2) or of one or two bytes each (P5).
 Grid parse_pgm(std::string_view text, std::string& defect) {
   PgmHeader header(text);
@@ -96,9 +114,7 @@ Grid parse_pgm(std::string_view text, std::string& defect) {
   } else {
     const std::string_view pixels = header.rest().substr(std::min<std::size_t>(1, count));
     if (pixels.size() < count * bytes) return {};
-    const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(pixels[i]); };
-    for (std::size_t i = 0; i < count; ++i)
-      grid.heights.push_back(bytes == 1 ? byte(i) : 256 * byte(2 * i) + byte(2 * i + 1));
+    grid.heights = gray_values(pixels, count, static_cast<int>(bytes));
   }
   defect.clear();
   return grid;
@@ -140,9 +156,11 @@ void load_heights(const std::filesystem::path& folder, HeightMapSpec& map, Diagn
   const TextFile bytes = read_text_file(file, kMaxDataBytes);
   std::string defect = bytes.defect;
   Grid grid;
-  const bool image = file.extension() == ".pgm";
-  if (defect.empty() && image) {
-    grid = parse_pgm(bytes.text, defect);
+  const auto parse_image = file.extension() == ".pgm"   ? parse_pgm
+                           : file.extension() == ".png" ? parse_png
+                                                        : nullptr;
+  if (defect.empty() && parse_image != nullptr) {
+    grid = parse_image(bytes.text, defect);
   } else if (defect.empty()) {
     const int errors = out.error_count();
     if (const auto text = checked_text(bytes.text, file.string(), out))
@@ -156,7 +174,7 @@ void load_heights(const std::filesystem::path& folder, HeightMapSpec& map, Diagn
     return out.error(
         map.file.place,
         bytes.defect.empty() ? fmt::format("'{}': {}", map.file.value, defect) : defect,
-        "accepted: a CSV file of heights, line by line, and a PGM image");
+        "accepted: a CSV file of heights, line by line, and a gray PGM or PNG image");
   out.add_data_file({file.string(), sha256(bytes.text)});
   for (double& height : grid.heights) height *= map.scale;
   map.columns = grid.columns;

@@ -7,9 +7,9 @@
 
 namespace conddp {
 
-/// Reads the heights of `map.file` from a CSV file (lines of numbers) or a PGM image (gray values)
-/// in the problem file's folder. The first line is at the origin's y, further lines follow along y;
-/// numbers follow along x. Defects are reported in a CSV file, or at the file's name.
+/// Reads the heights of `map.file` from a CSV file (lines of numbers) or a PGM or PNG image (gray
+/// values) in the problem file's folder. The first line is at the origin's y, further lines follow
+/// along y; numbers follow along x. Defects are reported in a CSV file, or at the file's name.
 void load_heights(const std::filesystem::path& folder, HeightMapSpec& map, Diagnostics& out);
 
 /// Height (m) of a map and its derivatives along x and y; empty outside of the map. Bicubic

@@ -9,9 +9,10 @@ static void describe(Keys& keys, HeightMapSpec& map) {
               .says = "Heights over a regular grid; bicubic convolution interpolates",
               .examples = R"([{"file": "hills.csv", "cell": 0.1, "origin": [-1, -2, 0]}])"});
   keys({.name = "file",
-        .says = "A CSV file, whose numbers are heights, or a PGM image, whose gray values are, "
-                "relative to the problem file; lines follow along y from the origin, numbers along "
-                "x",
+        .says =
+            "A CSV file, whose numbers are heights, or a gray PGM or PNG image, whose values are, "
+            "relative to the problem file; lines follow along y from the origin, numbers along "
+            "x",
         .required = true},
        map.file, NameForm{});
   keys({.name = "cell",
