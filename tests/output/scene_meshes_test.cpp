@@ -33,13 +33,16 @@ TEST(SceneMeshes, FilesStandOnce) {
   folder.write("a.obj", plane(2));
   folder.write("empty.obj", "v 0 0 0\n");
   SceneMeshes meshes;
-  const char* why = "";
+  std::string why;
   EXPECT_EQ(meshes.add(folder / "a.obj", why), 0u);
   EXPECT_EQ(meshes.add(folder / "a.obj", why), 0u);
   EXPECT_FALSE(meshes.add(folder / "empty.obj", why));
-  EXPECT_STREQ(why, "no surface inside");
+  EXPECT_EQ(why, "no surface inside");
   EXPECT_FALSE(meshes.add({}, why));
-  EXPECT_STREQ(why, "mesh not found");
+  EXPECT_EQ(why, "mesh not found");
+  folder.write("a.gltf", "{}");
+  EXPECT_FALSE(meshes.add(folder / "a.gltf", why));
+  EXPECT_TRUE(why.starts_with("mesh not readable: 'a.gltf': it is not glTF")) << why;
   const OrderedJson json = meshes.json();
   ASSERT_EQ(json.size(), 1u);
   const OrderedJson& part = json[0][0];
@@ -53,7 +56,7 @@ TEST(SceneMeshes, LargeMeshesAreSimplified) {
   folder.write("large.obj", plane(300));
   folder.write("small.obj", plane(3));
   SceneMeshes meshes;
-  const char* why = "";
+  std::string why;
   ASSERT_TRUE(meshes.add(folder / "large.obj", why));
   ASSERT_TRUE(meshes.add(folder / "small.obj", why));
   const OrderedJson json = meshes.json();
@@ -71,7 +74,7 @@ TEST(SceneMeshes, ManyVerticesHaveWideIndices) {
   for (int i = 0; i < 30000; ++i) text += fmt::format("v {} 0 1\n", i * 0.006);
   folder.write("many.obj", text);
   SceneMeshes meshes;
-  const char* why = "";
+  std::string why;
   ASSERT_TRUE(meshes.add(folder / "many.obj", why));
   const OrderedJson part = meshes.json()[0][0];
   EXPECT_GT(bytes_of(part["positions"]), 65536u * 3 * 2);

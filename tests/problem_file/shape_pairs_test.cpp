@@ -156,7 +156,7 @@ TEST(ShapePairs, ImpossibleBodiesAreRejected) {
   expect_body_error("points: [[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0]]", "mesh: nothing.stl",
                     "nothing.stl");
   expect_body_error("points: [[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0]]", "mesh: a.blend",
-                    "only STL, OBJ and Collada files are read");
+                    "only STL, OBJ, Collada and glTF files are read");
   expect_body_error("  shapes:", "  from: srdf\n  shapes:", "source of shapes");
 }
 
@@ -200,6 +200,12 @@ std::optional<ProblemSpec> read_from_urdf(const std::string& mesh, Diagnostics& 
   folder.write("arm.urdf", arm_urdf(mesh));
   folder.write("fore.obj", "v 100 0 0\nv 0 0 0\nv 0 100 0\nv 0 0 100\nv 20 20 20\nf 1 2 3\n");
   folder.write("empty.stl", "solid nothing");
+  folder.write("fore.bin", std::string(36, '\0'));
+  folder.write("fore.gltf", R"({"scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+"meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+"accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
+"bufferViews": [{"buffer": 0, "byteLength": 36}], "buffers": [{"uri": "fore.bin"}]})");
+  folder.write("circle.gltf", R"({"scenes": [{"nodes": [0]}], "nodes": [{"children": [0]}]})");
   return read_problem_text(std::string(kFromUrdf), folder / "problem.yaml", {}, out);
 }
 
@@ -237,6 +243,20 @@ TEST(UrdfShapes, MeshesThatCannotBeReadAreNamed) {
             std::string::npos)
       << error("gone.stl");
   EXPECT_NE(error("empty.stl").find("the file has no vertex"), std::string::npos);
+  EXPECT_NE(error("circle.gltf")
+                .find("4:9: error: the collision mesh 'circle.gltf' of the link 'fore': "
+                      "'circle.gltf': its nodes are not a tree"),
+            std::string::npos)
+      << error("circle.gltf");
+}
+
+TEST(UrdfShapes, FilesOfGltfAreDataOfTheProblem) {
+  Diagnostics out;
+  ASSERT_TRUE(read_from_urdf("fore.gltf", out)) << format_diagnostics(out, false);
+  Names names;
+  for (const InputFile& file : out.data_files())
+    names.push_back(std::filesystem::path(file.file).filename());
+  EXPECT_EQ(names, (Names{"fore.bin", "fore.gltf"}));
 }
 
 TEST(UrdfShapes, UnknownGeometriesAreNamedInAWarning) {

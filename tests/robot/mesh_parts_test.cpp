@@ -10,6 +10,10 @@
 namespace conddp {
 namespace {
 
+std::vector<MeshPart> parts_in(const std::string& bytes, const std::string& kind) {
+  return mesh_parts(bytes, kind, [](const std::string&) { return std::string(); });
+}
+
 /// A binary STL with one facet of given coordinates, which says that it has `facets`.
 std::string binary_stl(const std::vector<float>& coordinates, std::uint32_t facets = 1) {
   std::string bytes(84, ' ');
@@ -51,31 +55,31 @@ TEST(MeshParts, FormatsGiveTheirFacets) {
   const std::string obj = "# three\nv 0 0 0\nv 1 0 0.5\nv 0 2 -3 1\nvn 9 9 9\nf 1/1 -2/2 3/3\n";
   for (const auto& [bytes, kind] :
        {std::pair{binary_stl(numbers), "stl"}, std::pair{ascii, "stl"}, std::pair{obj, "obj"}}) {
-    const auto parts = mesh_parts(bytes, kind);
+    const auto parts = parts_in(bytes, kind);
     ASSERT_EQ(parts.size(), 1u) << kind;
     ASSERT_EQ(parts[0].triangles.size(), 1u) << kind;
     for (int i = 0; i < 3; ++i)
       for (int axis = 0; axis < 3; ++axis)
         EXPECT_EQ(parts[0].vertices[parts[0].triangles[0][i]][axis], numbers[3 * i + axis]) << kind;
   }
-  EXPECT_EQ(
-      mesh_parts("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n", "obj")[0].triangles.size(), 2u);
+  EXPECT_EQ(parts_in("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n", "obj")[0].triangles.size(),
+            2u);
 }
 
 TEST(MeshParts, DamagedFilesLoseTheirFacets) {
   const std::vector<float> numbers = {0, 0, 0, 1, 0, 0, 0, 1, 0};
-  EXPECT_TRUE(mesh_parts(binary_stl(numbers, 2), "stl").empty()) << "the second facet is missing";
-  EXPECT_TRUE(mesh_parts(binary_stl(numbers, 0xffffffff), "stl").empty());
-  EXPECT_TRUE(mesh_parts("", "stl").empty());
-  EXPECT_TRUE(mesh_parts("version 1\nsize 123456\n", "obj").empty());
-  EXPECT_TRUE(mesh_parts("version 1\nsize 123456\n", "dae").empty());
-  const auto parts = mesh_parts("v 1 2\nv nan 0 0\nv 1 2 3\nv x y z\nf 1 2 3\nf 3 3 9\n", "obj");
+  EXPECT_TRUE(parts_in(binary_stl(numbers, 2), "stl").empty()) << "the second facet is missing";
+  EXPECT_TRUE(parts_in(binary_stl(numbers, 0xffffffff), "stl").empty());
+  EXPECT_TRUE(parts_in("", "stl").empty());
+  EXPECT_TRUE(parts_in("version 1\nsize 123456\n", "obj").empty());
+  EXPECT_TRUE(parts_in("version 1\nsize 123456\n", "dae").empty());
+  const auto parts = parts_in("v 1 2\nv nan 0 0\nv 1 2 3\nv x y z\nf 1 2 3\nf 3 3 9\n", "obj");
   ASSERT_EQ(parts.size(), 1u);
   EXPECT_EQ(parts[0].vertices.size(), 1u);
   EXPECT_TRUE(parts[0].triangles.empty());
   std::vector<float> infinite = numbers;
   infinite[4] = std::numeric_limits<float>::infinity();
-  EXPECT_TRUE(mesh_parts(binary_stl(infinite), "stl").empty());
+  EXPECT_TRUE(parts_in(binary_stl(infinite), "stl").empty());
 }
 
 TEST(MeshParts, ColladaPlacesInstancesInMeters) {
@@ -83,7 +87,7 @@ TEST(MeshParts, ColladaPlacesInstancesInMeters) {
       "<node><translate>100 0 0</translate><rotate>0 0 1 90</rotate><node>"
       "<matrix>2 0 0 0 0 3 0 0 0 0 1 5 0 0 0 1</matrix>" +
       kInstance + "</node></node><node>" + kInstance + "</node>";
-  const auto parts = mesh_parts(collada(nodes, kSquare, "0.01"), "dae");
+  const auto parts = parts_in(collada(nodes, kSquare, "0.01"), "dae");
   ASSERT_EQ(parts.size(), 2u);
   ASSERT_EQ(parts[0].triangles.size(), 2u);
   // The corner (1, 1, 0) becomes (2, 3, 5), turned (−3, 2, 5), moved (97, 2, 5), in centimeters.
@@ -99,7 +103,10 @@ TEST(MeshParts, ColladaPlacesInstancesInMeters) {
 TEST(MeshParts, HostileColladaEnds) {
   // Nodes that contain themselves, indices without vertices, and counts without corners.
   const std::string circle = "<node id=\"n\">" + kInstance + "<instance_node url=\"#n\"/></node>";
-  EXPECT_LE(mesh_parts(collada(circle, kSquare, "1"), "dae").size(), 100u);
+  EXPECT_LE(parts_in(collada(circle, kSquare, "1"), "dae").size(), 100u);
+  const std::string bare =
+      "<node id=\"n\"><instance_node url=\"#n\"/><instance_node url=\"#n\"/></node>";
+  EXPECT_TRUE(parts_in(collada(bare, kSquare, "1"), "dae").empty());
   const std::string input = "<input semantic=\"VERTEX\" source=\"#v\" offset=\"0\"/>";
   for (const std::string& faces : std::vector<std::string>{
            "<triangles>" + input + "<p>0 1 99</p></triangles>",
@@ -107,7 +114,7 @@ TEST(MeshParts, HostileColladaEnds) {
            "<triangles>" + input + "<p></p></triangles>", "<polygons>" + input + "</polygons>",
            "<triangles><input semantic=\"VERTEX\" source=\"#v\" offset=\"-7\"/><p>0 1 "
            "2</p></triangles>"})
-    EXPECT_TRUE(mesh_parts(collada("<node>" + kInstance + "</node>", faces, "1"), "dae").empty())
+    EXPECT_TRUE(parts_in(collada("<node>" + kInstance + "</node>", faces, "1"), "dae").empty())
         << faces;
 }
 

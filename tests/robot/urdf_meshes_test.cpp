@@ -20,6 +20,8 @@ TEST(UrdfMeshes, FilesLieBesideTheUrdfAndInPackages) {
   EXPECT_TRUE(find_mesh("package://", urdf).empty());
   EXPECT_EQ(mesh_kind("package://arm/meshes/a.STL"), "stl");
   EXPECT_EQ(mesh_kind("a.DAE"), "dae");
+  EXPECT_EQ(mesh_kind("a.GLB"), "glb");
+  EXPECT_EQ(mesh_kind("a.gltf"), "gltf");
   EXPECT_EQ(mesh_kind("a.blend"), "");
 }
 

@@ -98,7 +98,7 @@ class ShapeReader {
                        OrderedJson& reasons) {
     OrderedJson list = OrderedJson::array();
     for (const VisualShape& shape : shapes) {
-      const char* why = "";
+      std::string why;
       OrderedJson json = shape_json(shape, why);
       if (json.is_null()) {
         reasons.push_back({{"why", why}, {"what", shape.mesh}});
@@ -111,7 +111,7 @@ class ShapeReader {
     return list;
   }
 
-  OrderedJson shape_json(const VisualShape& shape, const char*& why) {
+  OrderedJson shape_json(const VisualShape& shape, std::string& why) {
     switch (shape.kind) {
       case ShapeKind::box:
         return {{"kind", "box"}, {"size", vector_json(shape.size)}};
@@ -128,7 +128,7 @@ class ShapeReader {
     return nullptr;
   }
 
-  OrderedJson mesh_json(const VisualShape& shape, const char*& why) {
+  OrderedJson mesh_json(const VisualShape& shape, std::string& why) {
     why = "mesh format not read";
     if (mesh_kind(shape.mesh).empty()) return nullptr;
     const auto mesh = meshes_.add(find_mesh(shape.mesh, urdf_), why);

@@ -4,14 +4,11 @@
 #include <cmath>
 #include <limits>
 
-#include "base/files/text_file.hpp"
 #include "base/text/base64.hpp"
-#include "robot/urdf/urdf_meshes.hpp"
+#include "robot/urdf/mesh_file.hpp"
 
 namespace conddp {
 namespace {
-
-constexpr std::size_t kMaxMeshBytes = 64 << 20;
 
 template <class Integer>
 void append(std::string& bytes, std::uint64_t value) {
@@ -42,14 +39,13 @@ OrderedJson part_json(const MeshPart& part) {
 
 }  // namespace
 
-std::optional<std::size_t> SceneMeshes::add(const std::filesystem::path& file, const char*& why) {
+std::optional<std::size_t> SceneMeshes::add(const std::filesystem::path& file, std::string& why) {
   why = "mesh not found";
   if (file.empty()) return std::nullopt;
   if (const auto found = known_.find(file); found != known_.end()) return found->second;
-  const TextFile mesh = read_text_file(file, kMaxMeshBytes);
-  why = "mesh not readable";
-  if (!mesh.defect.empty()) return std::nullopt;
-  std::vector<MeshPart> parts = mesh_parts(mesh.text, mesh_kind(file.string()));
+  auto [parts, defect, sources] = read_mesh_file(file);
+  why = "mesh not readable: " + defect;
+  if (!defect.empty()) return std::nullopt;
   std::erase_if(parts, [](const MeshPart& part) { return part.triangles.empty(); });
   why = "no surface inside";
   if (parts.empty()) return std::nullopt;

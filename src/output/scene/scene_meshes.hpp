@@ -18,7 +18,7 @@ class SceneMeshes {
   static constexpr std::size_t kMostTriangles = 100'000, kFewestTriangles = 500;
 
   /// Index of a file's mesh. Without a surface empty, and `why` is the reason.
-  std::optional<std::size_t> add(const std::filesystem::path& file, const char*& why);
+  std::optional<std::size_t> add(const std::filesystem::path& file, std::string& why);
 
   /// For each mesh its parts: `low` and `step` (in the file's unit), `positions` and `triangles` as
   /// base64, and `color`, if the file has it. Vertices are low + step · positions, with three

@@ -129,7 +129,8 @@ void describe(Keys& keys, HullSpec& hull) {
   double scale = 1;
   keys({.name = "points", .says = "Points, m", .fallback = "none"}, hull.points, PointsForm{});
   keys({.name = "mesh",
-        .says = "Instead of points, an STL, OBJ or Collada file, relative to the problem file; its "
+        .says = "Instead of points, an STL, OBJ, Collada or glTF file, relative to the problem "
+                "file; its "
                 "body is "
                 "contained, and exceeded by at most half a percent of its size",
         .fallback = "none",

@@ -7,6 +7,7 @@
 
 #include <pugixml.hpp>
 
+#include "robot/urdf/affine.hpp"
 #include "robot/urdf/mesh_parts.hpp"
 #include "spatial/so3.hpp"
 
@@ -17,16 +18,7 @@ using Color = std::array<double, 4>;
 
 /// Limits that nested instances cannot exceed.
 constexpr int kDeepest = 64;
-constexpr std::size_t kMostVertices = 20'000'000;
-
-/// x → A x + p.
-struct Affine {
-  Matrix3<double> A = Matrix3<double>::identity();
-  Vector3<double> p = Vector3<double>::zero();
-
-  Vector3<double> operator*(const Vector3<double>& x) const { return A * x + p; }
-  Affine operator*(const Affine& inner) const { return {A * inner.A, A * inner.p + p}; }
-};
+constexpr std::size_t kMostVertices = 20'000'000, kMostNodes = 1'000'000;
 
 /// The numbers at the beginning of a text.
 template <class Number>
@@ -94,7 +86,7 @@ class Document {
   }
 
   void add_node(const pugi::xml_node& node, Affine place, int depth) {
-    if (depth > kDeepest || vertices_ > kMostVertices) return;
+    if (depth > kDeepest || vertices_ > kMostVertices || ++nodes_ > kMostNodes) return;
     for (const pugi::xml_node& child : node.children()) place = place * transform_of(child);
     for (const pugi::xml_node& instance : node.children("instance_geometry"))
       add_geometry(instance, place);
@@ -198,7 +190,7 @@ class Document {
   pugi::xml_node root_;
   std::map<std::string, pugi::xml_node, std::less<>> by_id_;
   std::vector<MeshPart> parts_;
-  std::size_t vertices_ = 0;
+  std::size_t vertices_ = 0, nodes_ = 0;
 };
 
 }  // namespace

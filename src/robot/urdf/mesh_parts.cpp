@@ -159,12 +159,18 @@ double Bounds::longest() const {
   return std::max({high.x - low.x, high.y - low.y, high.z - low.z, 0.0});
 }
 
-std::vector<MeshPart> mesh_parts(std::string_view bytes, const std::string& kind) {
+std::vector<MeshPart> mesh_parts(std::string_view bytes, const std::string& kind,
+                                 const ReadSideFile& read) {
   if (kind == "dae") return collada_parts(bytes);
-  MeshPart part = kind == "obj" ? obj(bytes) : binary_stl(bytes);
-  if (kind == "stl" && part.vertices.empty()) part = ascii_stl(bytes);
-  keep_finite(part);
-  return part.vertices.empty() ? std::vector<MeshPart>() : std::vector{std::move(part)};
+  std::vector<MeshPart> parts;
+  if (kind == "gltf" || kind == "glb")
+    parts = gltf_parts(bytes, read);
+  else
+    parts.push_back(kind == "obj" ? obj(bytes) : binary_stl(bytes));
+  if (kind == "stl" && parts[0].vertices.empty()) parts[0] = ascii_stl(bytes);
+  std::ranges::for_each(parts, keep_finite);
+  std::erase_if(parts, [](const MeshPart& part) { return part.vertices.empty(); });
+  return parts;
 }
 
 MeshPart simplified(const MeshPart& part, std::size_t most) {

@@ -39,8 +39,9 @@ std::filesystem::path find_mesh(const std::string& name, const std::filesystem::
 std::string mesh_kind(const std::string& name) {
   std::string suffix = std::filesystem::path(name).extension().string();
   for (char& c : suffix) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  const bool known = suffix == ".stl" || suffix == ".obj" || suffix == ".dae";
-  return known ? suffix.substr(1) : "";
+  for (const char* known : {".stl", ".obj", ".dae", ".gltf", ".glb"})
+    if (suffix == known) return suffix.substr(1);
+  return {};
 }
 
 }  // namespace conddp

@@ -9,7 +9,7 @@ namespace conddp {
 /// one of its ancestors. Empty if there is no such file.
 std::filesystem::path find_mesh(const std::string& name, const std::filesystem::path& urdf);
 
-/// "stl", "obj" or "dae" (Collada), from the suffix of the name; empty for others.
+/// "stl", "obj", "dae" (Collada), "gltf" or "glb", from the suffix of the name; empty for others.
 std::string mesh_kind(const std::string& name);
 
 }  // namespace conddp
