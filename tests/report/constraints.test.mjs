@@ -139,3 +139,37 @@ test('the ground lies where the feet stand: on a slope, and under steps', async 
   near(heights[1] - heights[0], 0.15, 5e-3, 'the step');
   await step.context.close();
 });
+
+test('bounds on one side are a plane, and equal ones are drawn once', async () => {
+  const {page: file} = solve(problem('planar_biped_gait'), 'one_side');
+  const {page, context, complaints} = await open(file);
+  const {center, half} = await obstacle(page, 'left_clear');
+  near(center[2], 0.05, 1e-6, 'height of the feet');
+  assert.equal(half[2], 0);
+  assert.ok(half[0] > 0.3, 'as long as the motion');
+  const shown = await page.evaluate(() => ['left_clear', 'right_clear'].map(
+      name => window.conddp.viewer.obstacles.root.getObjectByName(name).visible));
+  assert.deepEqual(shown, [true, false]);
+  assert.deepEqual(ours(complaints), []);
+  await context.close();
+});
+
+test('small robots have small marks, and the grid cuts neither hills nor floating bodies', async () => {
+  const seen = async name => {
+    const {page, context} = await open(solve(problem(name), name).page);
+    const found = await page.evaluate(() => {
+      const {robot, ground, box} = window.conddp.viewer;
+      const cone = robot.contacts[0].cone.geometry.parameters;
+      return {size: robot.markSize, cone: cone.height, grid: ground.grid.position.z, low: box.min.z};
+    });
+    await context.close();
+    return found;
+  };
+  const dog = await seen('quadruped_hills'), insect = await seen('hexapod_tripod'), pushed = await seen('push_box');
+  assert.equal(dog.size, 1);
+  near(dog.cone, 0.14, 1e-9, 'cone of a large robot');
+  assert.ok(insect.size > 0.2 && insect.size < 0.8, String(insect.size));
+  near(insect.cone, 0.14 * insect.size, 1e-9, 'cone of a small robot');
+  assert.equal(insect.grid, 0);
+  for (const {grid, low} of [dog, pushed]) assert.ok(low < -0.01 && grid < low, `${grid} ${low}`);
+});

@@ -33,9 +33,9 @@ export function surfacesOf(solution) {
   return planes;
 }
 
-function footprints(solution) {
+function footprints(solution, markSize) {
   const group = new THREE.Group();
-  const form = new THREE.CircleGeometry(0.07, 32);
+  const form = new THREE.CircleGeometry(0.07 * markSize, 32);
   const material = new THREE.MeshStandardMaterial(
       {color: sand, side: THREE.DoubleSide, transparent: true, opacity: 0.55});
   for (const {point, normal, begins} of holds(solution)) {
@@ -69,16 +69,18 @@ function roundedUp(size) {
 }
 
 export class Ground {
-  /// `cell`: the size of the grid's squares.
-  constructor(solution, view) {
+  /// `view`: the bounding box of what is drawn. `cell`: the size of the grid's squares.
+  constructor(solution, view, markSize) {
     this.root = new THREE.Group();
     this.view = view;
     this.planar = solution.scene.planar ?? false;
     this.surfaces = surfacesOf(solution);
+    // Where the grid would cut the picture and is not the ground, it lies below.
+    this.below = this.surfaces.length === 0 || solution.scene.obstacles.some(o => o.kind === 'heights');
     // The grid lies on the slope if all contacts share one, else at height zero.
     const [only] = this.surfaces;
     this.slope = this.surfaces.length === 1 && only.normal.z > 0.5 && only.normal.z < 0.9998 ? only : null;
-    this.root.add(footprints(solution));
+    this.root.add(footprints(solution, markSize));
     for (const plane of this.surfaces)
       if (plane !== this.slope && (plane.normal.z < 0.9998 || Math.abs(plane.height) > 0.02))
         this.root.add(slab(plane));
@@ -96,8 +98,9 @@ export class Ground {
     this.grid = new THREE.GridHelper(cells * this.cell, cells, color('line'), color('grid'));
     this.grid.rotateX(Math.PI / 2);
     const near = x => this.cell * Math.round(x / this.cell);
-    // Below everything that is drawn in the plane.
-    this.grid.position.set(near(center.x), near(center.y), this.planar ? this.view.min.z - 1e-3 * span : 0);
+    const under = this.view.min.z - 1e-3 * span;
+    this.grid.position.set(near(center.x), near(center.y),
+                           this.planar ? under : this.below ? Math.min(0, under) : 0);
     if (this.slope) {
       const {normal, height} = this.slope;
       this.grid.quaternion.premultiply(new THREE.Quaternion().setFromUnitVectors(up, normal));

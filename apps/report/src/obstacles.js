@@ -1,6 +1,7 @@
 // Obstacles of a motion, and bounds on positions.
 import * as THREE from 'three';
 import {ConvexGeometry} from 'three/examples/jsm/geometries/ConvexGeometry.js';
+import {mergeGeometries} from 'three/examples/jsm/utils/BufferGeometryUtils.js';
 
 const outsideColor = '#d55e00', insideColor = '#56b4e9', terrainColor = '#b9a77c', sceneryColor = '#9aa3ad';
 const up = new THREE.Vector3(0, 0, 1), along = new THREE.Vector3(0, 1, 0);
@@ -69,15 +70,30 @@ function disc(shape) {
   return mesh;
 }
 
-/// A box; along an unbounded axis it extends as far as the motion, and an equality becomes a thin
-/// bar.
+/// The bounded faces of a box of which others are missing, around its center.
+function openBox({lower, upper}, size, center) {
+  const turned = [form => form.rotateY(Math.PI / 2), form => form.rotateX(Math.PI / 2), form => form];
+  const sides = [[2, 1], [0, 2], [0, 1]];
+  const faces = [0, 1, 2].flatMap(axis => [...new Set([lower[axis], upper[axis]])].filter(end => end !== null).map(end => {
+    const at = [0, 0, 0];
+    at[axis] = end - center[axis];
+    return turned[axis](new THREE.PlaneGeometry(...sides[axis].map(side => size[side]))).translate(...at);
+  }));
+  return mergeGeometries(faces);
+}
+
+/// A box; along an unbounded axis it is open and extends as far as the motion. Two equalities become
+/// a thin bar.
 function box(shape, view) {
   const thin = 0.008 * view.getSize(new THREE.Vector3()).length();
   const low = ['x', 'y', 'z'].map((axis, i) => shape.lower[i] ?? view.min[axis]);
   const high = ['x', 'y', 'z'].map((axis, i) => shape.upper[i] ?? view.max[axis]);
-  const form = new THREE.BoxGeometry(...low.map((l, i) => Math.max(thin, high[i] - l)));
+  const size = low.map((l, i) => Math.max(thin, high[i] - l)), center = low.map((l, i) => (l + high[i]) / 2);
+  const ends = [...shape.lower, ...shape.upper];
+  const solid = !ends.includes(null) || low.filter((l, i) => l === high[i]).length > 1;
+  const form = solid ? new THREE.BoxGeometry(...size) : openBox(shape, size, center);
   const mesh = new THREE.Mesh(form, surface(shape));
-  mesh.position.set(...low.map((l, i) => (l + high[i]) / 2));
+  mesh.position.set(...center);
   mesh.add(new THREE.LineSegments(new THREE.EdgesGeometry(form),
                                   new THREE.LineBasicMaterial({color: insideColor})));
   return mesh;
@@ -109,9 +125,14 @@ export class Obstacles {
     this.moving = [];
     const sized = shapes.filter(s => s.kind !== 'half_space' && s.kind !== 'box');
     const rest = shapes.filter(s => !sized.includes(s));
+    const bounds = new Set();
     for (const shape of [...sized, ...rest]) {
       const object = objectOf(shape, view);
       object.name = shape.name;
+      // Feet often have the same bounds; drawn once, they stay transparent.
+      const same = JSON.stringify([shape.lower, shape.upper]);
+      object.visible = shape.kind !== 'box' || !bounds.has(same);
+      bounds.add(same);
       if (shape.center) object.position.fromArray(shape.center);
       if (shape.centers) {
         object.position.fromArray(shape.centers);

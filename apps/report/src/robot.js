@@ -41,6 +41,8 @@ export class Robot {
       this.root.add(group);
       return group;
     });
+    this.bodies.forEach((body, i) => place(body, this.scene.poses, 7 * i));
+    this.markSize = this.sizeOfMarks();
     this.addBones(tint);
     this.addShapes(tint);
     this.addContacts(ghost);
@@ -48,6 +50,15 @@ export class Robot {
     this.addLines(ghost, tint);
     this.next = {position: new THREE.Vector3(), quaternion: new THREE.Quaternion()};
     this.show(0);
+  }
+
+  /// The size of footprints, cones and arrows: 1 for robots that are as large as a dog, less for
+  /// smaller ones.
+  sizeOfMarks() {
+    const box = new THREE.Box3();
+    for (const body of this.bodies.slice(1)) box.expandByObject(body);
+    const large = 1.2;
+    return box.isEmpty() ? 1 : Math.min(1, box.getSize(new THREE.Vector3()).length() / large);
   }
 
   /// Adds lines from every joint to its parent, for bodies with few visible shapes.
@@ -82,7 +93,7 @@ export class Robot {
     this.feet = this.scene.contacts.map(contact => {
       const marker = new THREE.Mesh(
           contact.half_size ? new THREE.BoxGeometry(2 * contact.half_size[0], 2 * contact.half_size[1], 0.004)
-                            : new THREE.SphereGeometry(0.012, 16, 12),
+                            : new THREE.SphereGeometry(0.012 * this.markSize, 16, 12),
           new THREE.MeshStandardMaterial({color: '#d55e00'}));
       place(marker, contact.placement, 0);
       this.bodies[contact.body].add(marker);
@@ -92,7 +103,7 @@ export class Robot {
     this.contacts = this.solution.contacts.filter(entry => entry.contact).map(entry => {
       const force = arrow('#009e73');
       const slope = entry.contact.friction;
-      const height = 0.14;
+      const height = 0.14 * this.markSize;
       const cone = new THREE.Mesh(
           new THREE.ConeGeometry(slope * height, height, 28, 1, true)
               .rotateX(-Math.PI / 2).translate(0, 0, height / 2),
@@ -103,7 +114,7 @@ export class Robot {
       return {...entry, force, cone};
     });
     const weight = this.largestForce();
-    this.metresPerNewton = weight > 0 ? 0.45 / weight : 0;
+    this.metresPerNewton = weight > 0 ? 0.45 * this.markSize / weight : 0;
     this.root.add(this.forces, this.cones);
     if (ghost) this.forces.visible = this.cones.visible = false;
   }
@@ -144,7 +155,7 @@ export class Robot {
     const ways = [...this.scene.contacts.map(contact => contact.positions), ...Object.values(this.scene.paths)];
     ways.forEach((way, i) => this.paths.add(polyline(way, lineColor(i))));
     this.com = new THREE.Group();
-    this.comMarker = new THREE.Mesh(new THREE.SphereGeometry(0.018, 18, 12),
+    this.comMarker = new THREE.Mesh(new THREE.SphereGeometry(0.018 * this.markSize, 18, 12),
                                     new THREE.MeshStandardMaterial({color: tint}));
     if (this.scene.com.length > 0) this.com.add(polyline(this.scene.com, tint), this.comMarker);
     this.root.add(this.paths, this.com);
@@ -199,8 +210,8 @@ export class Robot {
     const length = Math.max(f.length() * this.metresPerNewton, 1e-4);
     entry.force.quaternion.setFromUnitVectors(up, f.normalize());
     const {shaft, tip} = entry.force.userData;
-    const head = Math.min(0.06, length);
-    shaft.scale.set(1, 1, Math.max(length - head, 1e-4));
+    const head = Math.min(0.06 * this.markSize, length);
+    shaft.scale.set(this.markSize, this.markSize, Math.max(length - head, 1e-4));
     tip.position.z = length - head;
     tip.scale.setScalar(head / 0.06);
     entry.cone.quaternion.setFromUnitVectors(up, normal);

@@ -62,7 +62,7 @@ export class Viewer {
     this.box = this.robot.bounds();
     this.first = first;
     this.obstacles = new Obstacles(first.scene.obstacles, this.box);
-    this.ground = new Ground(first, this.box);
+    this.ground = new Ground(first, this.box, this.robot.markSize);
     this.scene.add(this.obstacles.root, this.ground.root);
     this.plan = plans?.poses ? new PlanGhost(first, plans) : null;
     if (this.plan) this.scene.add(this.plan.root);
@@ -78,8 +78,9 @@ export class Viewer {
     this.show();
   }
 
-  /// Aims a new camera at the motion, from afar if it is in the plane: heights then hardly show. It sees all of it, or if the robot would be too small, only the
-  /// robot, which it then follows. Motions in the plane are first seen from above.
+  /// Aims a new camera at the motion, from afar if it is in the plane: heights then hardly show. It
+  /// sees all of it, or if the robot would be too small, only the robot, which it then follows.
+  /// Motions in the plane are first seen from above.
   resetView(from = this.planar ? 'top' : 'first') {
     this.controls?.dispose();
     this.camera = new THREE.PerspectiveCamera(this.planar ? 12 : 40, this.aspect());
