@@ -228,6 +228,20 @@ TEST(Drift, AdvisesNoKpTowardsAnotherPlace) {
   EXPECT_EQ(loop[0].remedy, "a smaller dt with loops.grip.baumgarte.kd: 1/dt");
 }
 
+// One kd serves all stances: that of the fine steps would be unstable with the long ones.
+TEST(Drift, AdvisedKdFitsTheLongestStep) {
+  const auto held = block_system({{.name = "grip", .kd = 5}});
+  Phase fine = block_phase(held, 2);
+  fine.dt = {0.02, 0.02};
+  const ShootingProblem problem =
+      block_problem({fine, block_phase(block_system(), 1), block_phase(held, 1)});
+  Trajectory motion = problem.create_trajectory();
+  motion.x(2)[0] = 0.004;
+  const auto found = found_in_contacts(problem, motion, FindingKind::drift);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_TRUE(mentions(found[0], "kd: 10")) << found[0].remedy;
+}
+
 TEST(Drift, CountsAlongConstrainedDirections) {
   const Contact rest{.name = "rest", .kind = ContactKind::normal};
   EXPECT_TRUE(drift_of(rest, {{0, 0, 0}, {0.1, 0.1, 0}}).empty());

@@ -76,6 +76,21 @@ TEST(LimitsOfJoints, DoesNotAdviseLimitsTheFileBounds) {
   EXPECT_EQ(remedies({.bounded = {"velocity"}}), std::pair(position, std::string()));
 }
 
+TEST(LimitsOfJoints, BoundsBeforeImpulsesNeedTheEnds) {
+  Phase impulse = block_phase(block_system(), 1);
+  impulse.instant = true;
+  const ShootingProblem problem = block_problem({block_phase(block_system(), 2), impulse});
+  Trajectory motion = problem.create_trajectory();
+  motion.x(2)[3] = 1.75;
+  const auto remedy = [&](const FindingNames& names) {
+    return found_in_motion(problem, motion, FindingKind::velocity_limit, names).at(0).remedy;
+  };
+  const std::string ends = "bounds: velocity, from: urdf, nodes: ends";
+  EXPECT_NE(remedy({}).find(ends), std::string::npos) << remedy({});
+  EXPECT_NE(remedy({.bounded = {"velocity"}}).find(ends), std::string::npos);
+  EXPECT_EQ(remedy({.bounded = {"velocity"}, .bounded_to_the_end = {"velocity"}}), "");
+}
+
 TEST(LimitsOfJoints, NamesTheViolatedSide) {
   const ShootingProblem problem = block_problem({block_phase(block_system(), 2)});
   Trajectory motion = problem.create_trajectory();

@@ -91,6 +91,64 @@ TEST(SecondOrder, GoalsArePassedBackToEarlierControls) {
   EXPECT_NEAR(missed.repair, std::abs(optimum - cost + missed.gain), 1e-4 * apart);
 }
 
+/// Least effort ½ Σ ‖u‖² of x⁺ = A x + B u to a goal.
+ShootingProblem linear_to_goal(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B,
+                               const std::vector<double>& start, const std::vector<double>& goal,
+                               int knots) {
+  const auto n = static_cast<int>(B.rows()), nu = static_cast<int>(B.cols());
+  const auto system = linear_system(A, B, VectorXd::Zero(n));
+  const auto running = std::make_shared<KnotModel>(system, Integrator::discrete);
+  running->add_cost("effort", control_residual(n, nu), {});
+  std::vector<double> numbers(nu + 1, 0.0);
+  numbers.back() = 1;
+  std::vector<Phase> phases;
+  phases.push_back({.name = "go",
+                    .model = running,
+                    .dt = std::vector<double>(knots, 1.0),
+                    .cost_scale = std::vector<double>(knots, 1.0)});
+  for (int k = 0; k < knots; ++k)
+    phases.back().parameters.insert(phases.back().parameters.end(), numbers.begin(), numbers.end());
+  const auto end = std::make_shared<KnotModel>(system, Integrator::none);
+  const ShootingProblem free(start, std::move(phases),
+                             {.name = "end", .model = end, .dt = {0}, .cost_scale = {1}});
+  return testing::with_constraints(free, {testing::goal_constraint(free, goal)});
+}
+
+// Elimination needs gains of dt⁻ⁿ: its policy reaches the goal in the last n steps.
+TEST(SecondOrder, GoalsThatFewStepsHardlyReachAreDecided) {
+  constexpr int n = 8, N = 60;
+  constexpr double dt = 0.05;
+  Eigen::MatrixXd A = Eigen::MatrixXd::Identity(n, n);
+  A.diagonal(1).setConstant(dt);
+  const Eigen::MatrixXd B = dt * VectorXd::Unit(n, n - 1);
+  std::vector<double> start(n, 0.0);
+  start[0] = 1;
+  const ShootingProblem problem = linear_to_goal(A, B, start, std::vector<double>(n, 0.0), N);
+  const SolveResult result = solve(problem, "ipopt", {}, problem.create_trajectory());
+  ASSERT_EQ(result.status, SolveStatus::converged);
+  const SecondOrder found = at_answer(problem, result);
+  EXPECT_EQ(found.curvature, Curvature::positive);
+  EXPECT_LT(found.share(), 1e-6);
+}
+
+// The second row of the goal is the first one but for `reach` of the second control, and both
+// disagree by 1e-9.
+TEST(SecondOrder, NamesEquationThatFollowsFromOthers) {
+  const auto at_goal = [](double reach) {
+    Eigen::Matrix2d B;
+    B << 1, 0, 1, reach;
+    const ShootingProblem problem =
+        linear_to_goal(Eigen::Matrix2d::Identity(), B, {0, 0}, {1, 1 + 1e-9}, 1);
+    SolutionClaims claims =
+        testing::claims_of(problem, Eigen::Vector2d(1, 0), Eigen::Vector2d(-1, 0), 0.5);
+    claims.trajectory.x(1) = Eigen::Vector2d(1, 1);
+    return *certify(problem, claims).second_order;
+  };
+  EXPECT_EQ(at_goal(3e-8).doubtful, "goal");
+  EXPECT_GT(at_goal(3e-8).share(), 1e-4);
+  EXPECT_EQ(at_goal(1).doubtful, "");
+}
+
 TEST(SecondOrder, FiguresFollowTheUnitOfTheCost) {
   for (const double unit : {0x1p-40, 1.0, 0x1p40}) {
     const ShootingProblem problem =

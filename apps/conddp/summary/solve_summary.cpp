@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include <fmt/format.h>
 
 #include "base/text/utf8.hpp"
@@ -13,6 +15,16 @@
 namespace conddp {
 namespace {
 
+/// " (its lower limit)", or upper, if that limit holds a number of the initial choice.
+std::string limit_text(const Solution& s, int choice) {
+  constexpr double kNear = 1e-6;  // as far as barriers stay away
+  const KnotModel& model = *s.built.problem->knot(0).model;
+  const double value = s.result.trajectory.u(0)[choice];
+  const auto is_at = [&](double limit) { return std::abs(value - limit) <= kNear * limit; };
+  if (is_at(model.control_lower()[choice])) return " (its lower limit)";
+  return is_at(model.control_upper()[choice]) ? " (its upper limit)" : "";
+}
+
 /// Durations of the phases with a free duration.
 std::string durations_line(const Solution& s) {
   std::string text;
@@ -20,9 +32,9 @@ std::string durations_line(const Solution& s) {
   int first = 0;
   for (const Phase& phase : s.built.problem->phases()) {
     const int next = first + phase.knots();
-    if (phase.model->step().duration())
-      text += fmt::format("{}{} {:.9g} s", text.empty() ? "" : ", ", phase.name,
-                          times[next] - times[first]);
+    if (const auto& free = phase.model->step().duration())
+      text += fmt::format("{}{} {:.9g} s{}", text.empty() ? "" : ", ", phase.name,
+                          times[next] - times[first], limit_text(s, free->choice));
     first = next;
   }
   return text.empty() ? text : fmt::format("  durations     {}\n", text);

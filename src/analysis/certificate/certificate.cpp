@@ -396,7 +396,16 @@ class Judge {
         found.curvature == Curvature::negative
             ? fmt::format("a motion that begins at {} lowers the cost by about {:.2g}", place,
                           -found.bend)
-            : fmt::format("rounding leaves no curvature at {}", place);
+            : fmt::format("rounding leaves no curvature at {}{}", place, blame(found));
+  }
+
+  /// Names the equation that leaves a second-order model undecided, if there is one.
+  static std::string blame(const SecondOrder& found) {
+    if (found.doubtful.empty()) return {};
+    return fmt::format(
+        ", because of '{}': other constraints, contacts or loops imply some of its rows, or hardly "
+        "any control moves them",
+        found.doubtful);
   }
 
   /// Checks the co-state equation: the claimed gradient ∇_x of the Lagrangian.
@@ -474,9 +483,10 @@ class Judge {
     need("complementarity", found_complementarity_, t.complementarity);
     need("the relative distance of the co-states from those with other gains and without gains",
          costate_error_, kCostateMargin * t.stationarity);
-    if (certificate_.second_order)
-      need("the share of the cost that a Newton step would gain or repair",
-           certificate_.second_order->share(), kMostLeft);
+    if (certificate_.second_order &&
+        !need("the share of the cost that a Newton step would gain or repair",
+              certificate_.second_order->share(), kMostLeft))
+      above += blame(*certificate_.second_order);
     certificate_.optimality_in_doubt = feasible && !above.empty();
     const std::string costs = scale_ == 1 ? "" : fmt::format("with costs times {:.3g}, ", scale_);
     judge_status(above.empty() ? "" : "'converged', but " + costs + above);

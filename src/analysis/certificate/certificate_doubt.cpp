@@ -95,6 +95,7 @@ Doubt certificate_doubt(const SolverOptions& options, std::shared_ptr<LastJudged
       SecondOrder& model = *certificate.second_order;
       objection.excess = model.share() / kMostLeft;
       objection.descent = std::move(model.direction);
+      objection.of_problem = !model.doubtful.empty();
       if (objection.excess > 1)
         objection.text = fmt::format("a Newton step would gain {:.2g} of its cost", model.share());
       if (model.hidden_share() > kMostLeft) objection.text = certificate.curvature;

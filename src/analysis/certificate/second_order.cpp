@@ -4,6 +4,8 @@
 #include <cmath>
 #include <map>
 #include <memory>
+#include <set>
+#include <string_view>
 
 #include <Eigen/QR>
 
@@ -32,7 +34,7 @@ constexpr double kNothing = 1e-12;
 constexpr double kRank = 1e-8;
 /// Thresholds for eigenvalues relative to the terms they come from; rounding lies between the two.
 constexpr double kPositive = 1e-13, kNegative = 1e-8;
-/// Smallest gain by negative curvature that counts, as a share of the cost.
+/// Smallest gain that counts where elimination finds no positive curvature, as a share of the cost.
 constexpr double kLeastGain = 1e-6;
 /// Share of the cost change over all ranges that counts as nothing: moves by 3·10⁻¹⁰ of the ranges.
 constexpr double kResolution = 1e-19;
@@ -42,6 +44,9 @@ constexpr double kRepair = 1e-5;
 constexpr double kSlopeShare = 1e-4;
 /// Limit on the searches for inactive rows that stop Newton's step.
 constexpr int kRounds = 16;
+/// Penalties on held rows, as shares of the cost: rounding grows with the penalty, and so does the
+/// room for negative curvature across the rows.
+constexpr double kPenalties[] = {1, 1e2, 1e4, 1e6};
 
 /// A row aᵀz of a node, in units of the ranges: held, possibly held, or limiting a step.
 struct Row {
@@ -53,6 +58,7 @@ struct Row {
   /// Distances down and up to the bounds.
   double down = std::numeric_limits<double>::infinity();
   double up = std::numeric_limits<double>::infinity();
+  const ConstraintTerm* equation = nullptr;  ///< null for rows of inequalities and control bounds
 
   /// Share of a change that the bounds allow.
   double way(double change) const {
@@ -148,6 +154,7 @@ class Model {
   const std::vector<ScaledNode>& nodes() const { return nodes_; }
   double cost_size() const { return size_; }
   double resolution() const { return resolution_; }
+  double negligible() const { return point_.negligible; }
   VectorXd unit(int k) const { return units_of(ranges_.of_node(point_.problem, k)); }
   /// Σ |∂L/∂u| times the ranges, over controls that no bound holds; 0 without constraints.
   double slope() const {
@@ -294,6 +301,7 @@ class Model {
       row.role = Row::Role::held;
       row.off = bound - g;
       row.pressed = nu * (g - bound);
+      if (lower == upper) row.equation = c.term;
     } else if (!paid && (g <= lower + near || g >= upper - near)) {
       row.role = Row::Role::weak;
     }
@@ -443,6 +451,24 @@ class Recursion {
       for (const Row& row : node.rows)
         if (row.role == Row::Role::held) sum += row.pressed;
     return sum;
+  }
+
+  /// Largest move that closes the violations of held rows and the gaps, as a multiple of the
+  /// largest of these.
+  double amplification() const {
+    double move = 0, off = 0;
+    VectorXd x = VectorXd::Zero(nodes_.back().hessian.rows());
+    for (std::size_t k = 0; k < nodes_.size(); ++k) {
+      for (const Row& row : nodes_[k].rows)
+        if (row.role == Row::Role::held) off = std::max(off, std::abs(row.off));
+      if (k == stages_.size()) break;
+      off = std::max(off, nodes_[k].gap.lpNorm<Eigen::Infinity>());
+      const Stage& stage = stages_[k];
+      const VectorXd z = moved(k, x, stage.K * x + stage.k.col(0) - stage.k.col(1));
+      move = std::max(move, z.lpNorm<Eigen::Infinity>());
+      x += nodes_[k].gap;
+    }
+    return off > 0 ? move / off : 0;
   }
 
   /// Newton's step along the active rows: z of each node.
@@ -778,6 +804,32 @@ double attainable_gain(std::vector<ScaledNode> nodes, const Recursion& first, do
   return best;
 }
 
+/// Nodes with a penalty ½ ρ (aᵀz)² on each held row, which nothing holds any more.
+std::vector<ScaledNode> penalized(std::vector<ScaledNode> nodes, double penalty) {
+  for (ScaledNode& node : nodes)
+    for (Row& row : node.rows)
+      if (row.role == Row::Role::held) {
+        node.hessian += penalty * row.a * row.a.transpose();
+        row = {std::move(row.a)};
+      }
+  return nodes;
+}
+
+/// Smallest bound on the gain of Newton's step by penalties, or infinity if none proves positive
+/// curvature. A Hessian that is positive with a penalty is positive along the rows (Debreu 1952),
+/// and its step gains no less than the one that keeps the rows. Rows may be dependent or out of the
+/// controls' reach: elimination needs gains that are inverse to their pivots, penalties do not.
+double penalized_gain(const std::vector<ScaledNode>& nodes, double cost_size) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const double penalty : kPenalties) {
+    const std::vector<ScaledNode> free = penalized(nodes, penalty * cost_size);
+    Recursion recursion(free, std::numeric_limits<double>::infinity());
+    if (recursion.run() && std::isinf(recursion.least()))
+      least = std::min(least, -recursion.least_values()[1]);
+  }
+  return least;
+}
+
 }  // namespace
 
 double SecondOrder::hidden_share() const {
@@ -801,22 +853,32 @@ void SecondOrder::scale(double factor) {
   negligible *= factor;
 }
 
-SecondOrder second_order(const JudgedPoint& point) {
-  const Model model(point);
+namespace {
+
+SecondOrder judge(const Model& model, const std::vector<ScaledNode>& nodes) {
   SecondOrder out;
   out.cost_size = model.cost_size();
   out.resolution = model.resolution();
-  out.negligible = point.negligible;
+  out.negligible = model.negligible();
   out.slope = model.slope();
-  Recursion recursion(model.nodes(), kLeastGain * out.cost_size + out.resolution);
+  const double least_gain = kLeastGain * out.cost_size + out.resolution;
+  Recursion recursion(nodes, least_gain);
   const bool bounded = recursion.run();
   out.least = recursion.least();
   out.knot = recursion.least_knot();
   if (bounded) {
-    if (std::isinf(out.least)) out.curvature = Curvature::positive;
-    out.gain = attainable_gain(model.nodes(), recursion, out.cost_size) + recursion.flat_gain();
+    out.gain = attainable_gain(nodes, recursion, out.cost_size) + recursion.flat_gain();
+    if (std::isinf(out.least)) {
+      out.curvature = Curvature::positive;
+    } else if (const double gain = penalized_gain(nodes, out.cost_size); gain <= least_gain) {
+      out.curvature = Curvature::positive;
+      out.least = std::numeric_limits<double>::infinity();
+      out.knot = -1;
+      out.gain = gain;
+    }
     const auto values = recursion.least_values();
     out.repair = std::abs(values[0] - values[1] + recursion.pressed());
+    out.amplification = recursion.amplification();
     return out;
   }
   const Descent& descent = recursion.descent();
@@ -826,6 +888,43 @@ SecondOrder second_order(const JudgedPoint& point) {
   for (std::size_t k = 0; k < descent.z.size(); ++k)
     out.direction.push_back(descent.length *
                             descent.z[k].cwiseProduct(model.unit(static_cast<int>(k))));
+  return out;
+}
+
+bool is_decided(const SecondOrder& found) {
+  return found.curvature != Curvature::undecided && found.share() <= kLeastGain;
+}
+
+/// True if rows follow from others or hardly any control moves them: closing a violation that
+/// counts as none takes moves beyond all ranges.
+bool is_ill_posed(const SecondOrder& found) { return kNear * found.amplification > 1; }
+
+/// Name of the equation without which the model is decided; empty if there is none.
+std::string doubtful_equation(const ShootingProblem& problem, const Model& model) {
+  std::set<std::string_view> tried;
+  for (const NodeConstraint& c : problem.constraints()) {
+    if (!tried.insert(c.term->name).second) continue;
+    std::vector<ScaledNode> nodes = model.nodes();
+    bool released = false;
+    for (ScaledNode& node : nodes)
+      for (Row& row : node.rows)
+        if (row.equation != nullptr && row.equation->name == c.term->name) {
+          row = {std::move(row.a)};
+          released = true;
+        }
+    if (!released) continue;
+    const SecondOrder without = judge(model, nodes);
+    if (without.curvature == Curvature::positive && is_decided(without)) return c.term->name;
+  }
+  return {};
+}
+
+}  // namespace
+
+SecondOrder second_order(const JudgedPoint& point) {
+  const Model model(point);
+  SecondOrder out = judge(model, model.nodes());
+  if (!is_decided(out) && is_ill_posed(out)) out.doubtful = doubtful_equation(point.problem, model);
   return out;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <limits>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -44,6 +45,12 @@ struct SecondOrder {
   /// inactive constraints allow.
   std::vector<Eigen::VectorXd> direction;
   double bend = 0;
+  /// Largest move that closes gaps and violations of held rows, in ranges, as a multiple of the
+  /// largest of these.
+  double amplification = 0;
+  /// Name of an equation whose rows follow from others, or that hardly any control moves, if this
+  /// leaves the curvature, the gain or the repair undecided.
+  std::string doubtful;
 
   /// Largest share of the cost that is left to gain, to repair, or along a slope.
   double share() const;

@@ -75,8 +75,8 @@ class Watch {
   };
   struct Drift : Worst {
     int first = 0, last = 0;  ///< nodes of the stance
-    double dt = 0;            ///< longest step, s
     Contact contact;
+    double speed = 0;     ///< at the touch-down, over the step before, m/s
     bool placed = false;  ///< the stance begins where kp draws the contact, at the initial place
   };
 
@@ -103,10 +103,13 @@ class Watch {
       if (k == first) {
         drift.contact = system->contacts().contacts()[c];
         start = pose(*system, drift.contact, k);
+        drift.speed = approach(*system, drift.contact, k, start);
       }
       const SE3<double> now = pose(*system, system->contacts().contacts()[c], k + 1);
       drift.last = k + 1;
-      drift.dt = std::max(drift.dt, times_[k + 1] - times_[k]);
+      double& longest = longest_steps_[name];
+      longest = std::max(
+          {longest, times_[k + 1] - times_[k], problem_.times()[k + 1] - problem_.times()[k]});
       if (const double way = moved(drift.contact, start, now); exceeds(way, drift.value)) {
         drift.value = way;
         drift.knot = k + 1;
@@ -118,6 +121,14 @@ class Watch {
                        : moved(drift.contact, drift.contact.reference, start) <= drift.value;
     Drift& worst = drifts_[name];
     if (exceeds(drift.value, worst.value)) worst = drift;
+  }
+
+  /// Speed of a contact that closes at a node without an impulse, from the step before.
+  double approach(const MultibodySystem& system, const Contact& contact, int node,
+                  const SE3<double>& there) {
+    if (node == 0 || problem_.takes_no_time(node - 1)) return 0;
+    return moved(contact, pose(system, contact, node - 1), there) /
+           (times_[node] - times_[node - 1]);
   }
 
   /// Pose of a contact's frame in its base at a node, taken from the knot if the contact is held
@@ -243,26 +254,32 @@ class Watch {
                        phases.size() > 1 ? "]" : "");
   }
 
-  /// A contact that is made at velocity v moves on by v h (1 − r)/r, r = kd h, because a step of h
-  /// leaves it (1 − r) v. With kd = 1/h this is zero, and the remaining drift is the error of the
-  /// step itself.
   void add_drift(const std::string& name, const Drift& drift) {
     Finding f{FindingKind::drift, name, drift.value, "m"};
-    const double kd = drift.contact.kd, r = kd * drift.dt;
-    const auto known = names_.contact_keys.find(name);
-    const std::string key = known == names_.contact_keys.end() ? "contacts." + name : known->second;
     f.message = fmt::format(
         "the contact '{}' drifts by {:.1f} mm while it is held from {:.3g} s to {:.3g} s with kd "
         "{:g}",
-        name, 1e3 * drift.value, times_[drift.first], times_[drift.last], kd);
-    if (r < kFull)
-      f.remedy = fmt::format("{}.baumgarte: {{kd: {:.3g}}}", key, 1 / drift.dt);
-    else
-      f.remedy = fmt::format("a smaller dt with {}.baumgarte.kd: 1/dt", key);
-    if (r >= kFull && drift.placed)
-      f.remedy +=
-          fmt::format(", or {}{}.baumgarte.kp", drift.contact.kp > 0 ? "a larger " : "", key);
+        name, 1e3 * drift.value, times_[drift.first], times_[drift.last], drift.contact.kd);
+    f.remedy = drift_remedy(name, drift);
     add(std::move(f), drift.knot);
+  }
+
+  /// A contact that is made at velocity v moves on by v / kd, by steps of Euler's rules by
+  /// v h (1 − r)/r, r = kd h, because a step of h leaves them (1 − r) v. With kd = 1/h this is
+  /// zero, and the remaining drift is the error of the step itself. One kd is for all stances, and
+  /// for the steps of the file where durations are free.
+  std::string drift_remedy(const std::string& name, const Drift& drift) const {
+    const int order = info_of(problem_.knot(drift.first).model->integrator()).order;
+    const double kd = drift.contact.kd, step = longest_steps_.at(name);
+    if (order > 1 && 2 * drift.speed > kd * drift.value)
+      return fmt::format("{} where it touches down, at {:.2g} m/s", kImpulseRemedy, drift.speed);
+    const auto known = names_.contact_keys.find(name);
+    const std::string key = known == names_.contact_keys.end() ? "contacts." + name : known->second;
+    if (kd * step < kFull) return fmt::format("{}.baumgarte: {{kd: {:.3g}}}", key, 1 / step);
+    std::string remedy = fmt::format("a smaller dt with {}.baumgarte.kd: 1/dt", key);
+    if (drift.placed)
+      remedy += fmt::format(", or {}{}.baumgarte.kp", drift.contact.kp > 0 ? "a larger " : "", key);
+    return remedy;
   }
 
   void ranks() {
@@ -298,8 +315,9 @@ class Watch {
   std::vector<Finding>& list_;
   const std::vector<double> times_;
   std::map<const MultibodySystem*, std::unique_ptr<SystemData<double>>> memory_;
-  std::map<std::string, Drift> drifts_;
   std::map<std::string, Worst> demands_, pulls_;
+  std::map<std::string, Drift> drifts_;
+  std::map<std::string, double> longest_steps_;  ///< of all knots that hold the contact, s
 };
 
 }  // namespace

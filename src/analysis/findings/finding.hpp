@@ -56,6 +56,7 @@ struct FindingNames {
   std::map<std::string, Rows> rows;
   /// Quantities that the URDF's limits bound throughout: "configuration", "velocity", "control".
   std::set<std::string> bounded;
+  std::set<std::string> bounded_to_the_end = {};  ///< those of them with 'nodes: ends'
   /// A cost or constraint on the friction cone of a contact.
   struct Cone {
     std::string name;

@@ -176,9 +176,14 @@ class Search {
       const Limited& of = limited_[i];
       f.message = fmt::format("the {} of '{}' is beyond its limit of {:.4g} {} by {:.3g}", of.what,
                               f.subject, of.limit, of.unit, f.value);
+      // Bounds count where knots of their phases begin, and by 'nodes: ends' before an impulse,
+      // too.
+      const bool ends = f.knot < problem_.knots() && problem_.takes_no_time(f.knot);
+      const auto& present = ends ? names_.bounded_to_the_end : names_.bounded;
       // If the file has these bounds, they are violated; a limit of 0 lets nothing move.
-      if (of.limit != 0 && !names_.bounded.contains(of.bounds))
-        f.remedy = fmt::format("constraints: {{NAME: {{bounds: {}, from: urdf}}}}", of.bounds);
+      if (of.limit != 0 && !present.contains(of.bounds))
+        f.remedy = fmt::format("constraints: {{NAME: {{bounds: {}, from: urdf{}}}}}", of.bounds,
+                               ends ? ", nodes: ends" : "");
     }
   }
 

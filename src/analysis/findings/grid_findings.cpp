@@ -1,12 +1,16 @@
 #include "analysis/findings/grid_findings.hpp"
 
+#include <algorithm>
+#include <set>
 #include <string>
 
 #include <fmt/format.h>
 
 #include "analysis/certificate/coarse_grid.hpp"
+#include "analysis/findings/contact_findings.hpp"
 #include "analysis/findings/long_step.hpp"
 #include "analysis/findings/singular_rate.hpp"
+#include "systems/multibody/multibody.hpp"
 #include "systems/system.hpp"
 
 namespace conddp {
@@ -51,6 +55,19 @@ std::string remedy_of(const ShootingProblem& problem, const Trajectory& trajecto
   return good + ", by the error at this motion";
 }
 
+/// True if a contact closes where a knot begins, and no impulse stops it.
+bool touches_down(const ShootingProblem& problem, int knot) {
+  if (knot == 0 || problem.takes_no_time(knot - 1)) return false;
+  const auto contacts_at = [&](int k) {
+    const MultibodySystem* robot = problem.knot(k).model->system().robot_inside();
+    std::set<std::string> names;
+    if (robot != nullptr)
+      for (const Contact& contact : robot->contacts().contacts()) names.insert(contact.name);
+    return names;
+  };
+  return !std::ranges::includes(contacts_at(knot - 1), contacts_at(knot));
+}
+
 Finding finding_of(FindingKind kind, const ShootingProblem& problem, const Trajectory& trajectory,
                    int knot) {
   Finding f;
@@ -89,6 +106,8 @@ void find_in_grid(const ShootingProblem& problem, const Trajectory& trajectory,
         rule_at(problem, error->knot), error->sum, column.unit, column.name,
         percent(error->relative));
     f.remedy = remedy_of(problem, trajectory, *error);
+    if (touches_down(problem, error->knot))
+      f.remedy = fmt::format("{} at each touch-down, and then {}", kImpulseRemedy, f.remedy);
     list.push_back(std::move(f));
   }
 }

@@ -150,10 +150,14 @@ void note_constraints(const ProblemSpec& spec, FindingNames& names) {
     if (!c.bounded) note_cone(spec, c.function, true, names);
     if (!c.bounded || !c.from_urdf || !holds_throughout(c.function)) continue;
     const bool state = c.bounded->value == BoundedQuantity::kState;
-    if (state || c.bounded->value == BoundedQuantity::kConfiguration)
-      names.bounded.insert("configuration");
-    if (state || c.bounded->value == BoundedQuantity::kVelocity) names.bounded.insert("velocity");
-    if (c.bounded->value == BoundedQuantity::kControl) names.bounded.insert("control");
+    const auto note = [&](BoundedQuantity quantity, const char* name) {
+      if (c.bounded->value != quantity && !(state && quantity != BoundedQuantity::kControl)) return;
+      names.bounded.insert(name);
+      if (c.function.ends.value) names.bounded_to_the_end.insert(name);
+    };
+    note(BoundedQuantity::kConfiguration, "configuration");
+    note(BoundedQuantity::kVelocity, "velocity");
+    note(BoundedQuantity::kControl, "control");
   }
   for (const CostSpec& c : spec.costs) note_cone(spec, c, false, names);
 }

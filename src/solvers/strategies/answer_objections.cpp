@@ -146,7 +146,7 @@ SolveResult solve_answering(const ShootingProblem& problem, const SolverOptions&
       remaining = doubt(problem, result);
       continue;
     }
-    if (!(before > 1)) break;
+    if (!(before > 1) || remaining.of_problem) break;
     share = std::max(tuning::kLeastGoal, share * tuning::kGoalMargin / std::sqrt(before));
     SolverOptions own = from_answer(result, solves.next());
     own.tolerances = tightened(options.tolerances, share);

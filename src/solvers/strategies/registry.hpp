@@ -75,10 +75,11 @@ SolveResult solve(const ShootingProblem& problem, const SolverInfo& solver,
                   const SolverOptions& options, const Trajectory& guess);
 /// Objection to a converged answer.
 struct Objection {
-  std::string text;    ///< empty without an objection
-  bool jumps = false;  ///< the motion leads through a region that it should go around
-  double excess = 0;   ///< remaining gain as a multiple of the allowed one; 0 if this is not the
-                       ///< objection
+  std::string text;         ///< empty without an objection
+  bool jumps = false;       ///< the motion leads through a region that it should go around
+  bool of_problem = false;  ///< redundant constraints cause it, whatever the solver
+  double excess = 0;  ///< remaining gain as a multiple of the allowed one; 0 if this is not the
+                      ///< objection
   /// At a saddle: (δx, δu) of each node, along which the cost falls. Otherwise empty.
   std::vector<Eigen::VectorXd> descent;
 };

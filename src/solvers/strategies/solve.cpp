@@ -131,8 +131,9 @@ bool ends_all(SolveStatus status, const SolverOptions& options) {
   return stopped(status) || (status == SolveStatus::max_iterations && limits_iterations(options));
 }
 
-/// Solves with the first solver that converges to an answer without objections. Otherwise returns
-/// the first answer that converged, or else the first answer or a later, preferable one.
+/// Solves with the first solver that converges to an answer without objections, or with one that
+/// every solver's answer meets. Otherwise returns the first answer that converged, or else the
+/// first answer or a later, preferable one.
 SolveResult run_first(const ShootingProblem& problem, SolverList candidates,
                       const SolverOptions& options, const Trajectory& guess, const Doubt& doubt,
                       const SolverInfo*& used) {
@@ -151,7 +152,7 @@ SolveResult run_first(const ShootingProblem& problem, SolverList candidates,
     SolveResult& result = *answer;
     const SolveStatus status = result.status;
     attempts.push_back(attempt_of(*solver, 0, result, objection));
-    if (is_success(status) && objection.text.empty()) {
+    if (is_success(status) && (objection.text.empty() || objection.of_problem)) {
       used = solver;
       result.message = before + result.message;
       first = std::move(result);
