@@ -196,29 +196,79 @@ TEST(Terrain, SimulatedContactsTouchItsShapes) {
   EXPECT_EQ(own.spec->mpc->plant.ground.size(), 1u);
 }
 
-TEST(Terrain, WarnsOfFootholdsNearEdges) {
+/// x of the first landing of a foot that begins at `from`, m.
+double first_landing(const Loaded& loaded, const std::string& swing, double from) {
+  double farthest = from;
+  for (const auto& value : references(loaded, swing)) {
+    if (value[0] < farthest) break;
+    farthest = value[0];
+    if (farthest > from + 0.01 && value[2] < 1e-3) break;
+  }
+  return farthest;
+}
+
+TEST(Terrain, FootholdsKeepOffEdges) {
   EXPECT_EQ(warnings(kTrot), "");
-  // RF lands at x = 0.45.
-  const std::string near = warnings(on(replaced(kStep, "1.5, 0", "1.47, 0")));
+  // RF would land at x = 0.45, near the edge at 0.47.
+  const Loaded near(on(replaced(kStep, "1.5, 0", "1.47, 0")));
+  ASSERT_TRUE(near.built) << near.all();
+  EXPECT_EQ(near.all().find("warning"), std::string::npos) << near.all();
+  EXPECT_LE(first_landing(near, "swing_RF", 0.35), 0.44);
+  EXPECT_GT(first_landing(near, "swing_RF", 0.35), 0.435);
+  const Loaded level(kTrot);
+  EXPECT_NEAR(first_landing(level, "swing_RF", 0.35), 0.45, 1e-4);
+}
+
+TEST(Terrain, WarnsOfFootholdsNearEdges) {
+  // RF lands in the middle of a beam that is too narrow for it.
+  const std::string near =
+      warnings(on("beam: {box: {size: [0.04, 2, 0.1], placement: {position: [0.45, 0, 0.05]}}}"));
   EXPECT_NE(near.find("step 1 of 'rf_foot' to [0.450, "), std::string::npos) << near;
   EXPECT_NE(near.find("lands less than 0.03 m from an edge"), std::string::npos) << near;
   EXPECT_NE(near.find("change the length of the steps"), std::string::npos) << near;
 }
 
-TEST(Terrain, WarnsOfOverhangingSoles) {
-  const std::string text = R"(conddp: 1
+const std::string kBipedWalk = R"(conddp: 1
 robot: {urdf: robots/biped.urdf, base: floating}
 contacts:
   defaults: {type: surface, size: [0.18, 0.08]}
   L: {frame: l_sole}
   R: {frame: r_sole}
-terrain: {ground: {half_space: {}}, hole: {box: {size: [1, 2, 0.2], placement: {position: [0, 0, 0]}}}}
-initial_state: {base: {position: [0, 0, 0.94]}}
+terrain: {ground: {half_space: {}}}
+initial_state: {base: {position: [0, 0, 0.84]}}
 gait: {type: walk, cycles: 1, period: 1, dt: 0.05, step: {length: 0.45, height: 0.05}}
 )";
-  const std::string said = warnings(text);
+
+/// x of the last landing of the left foot, m.
+double left_landing(const Loaded& loaded) { return references(loaded, "swing_L").back()[0]; }
+
+TEST(Terrain, SolesKeepOffEdges) {
+  const double level = left_landing(Loaded(kBipedWalk));
+  const auto with_edge = [&](double before) {
+    return Loaded(replaced(
+        kBipedWalk, "half_space: {}}",
+        fmt::format(
+            "half_space: {{}}}}, stair: {{box: {{size: [4, 4, 0.1], placement: {{position: [{}, 0, "
+            "0]}}}}}}",
+            level + before + 2)));
+  };
+  // The sole reaches 0.09 m forward.
+  const Loaded over = with_edge(0.05);
+  ASSERT_TRUE(over.built) << over.all();
+  EXPECT_EQ(over.all().find("over an edge"), std::string::npos) << over.all();
+  EXPECT_LE(left_landing(over), level - 0.04 + 1e-9);
+  EXPECT_GT(left_landing(over), level - 0.055);
+}
+
+TEST(Terrain, WarnsOfOverhangingSoles) {
+  const double level = left_landing(Loaded(kBipedWalk));
+  const std::string said = warnings(replaced(
+      kBipedWalk, "half_space: {}}",
+      fmt::format(
+          "half_space: {{}}}}, stone: {{box: {{size: [0.1, 2, 0.2], placement: {{position: [{}, 0, "
+          "0]}}}}}}",
+          level)));
   EXPECT_NE(said.find("where a corner of the sole is over an edge"), std::string::npos) << said;
-  EXPECT_EQ(warnings(replaced(text, "length: 0.45", "length: 0.35")), "");
 }
 
 TEST(Terrain, WarnsOfSwingsThroughTheTerrain) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <fmt/format.h>
 
@@ -57,6 +58,33 @@ std::optional<Foothold> on_terrain(const Foot& foot, Vector3<double> p, const Pl
   return Foothold{p, motion.yaw, ground->normal};
 }
 
+/// True if the ground at a point is missing or off the plane of a foothold.
+bool is_off(const Vector3<double>& p, const Foothold& foothold, const TerrainSpec& terrain) {
+  constexpr double kEdge = 0.01;  // least height of an edge, m
+  const Vector3<double> from = p - foothold.p, &n = foothold.normal;
+  const double plane = ground_height(terrain, foothold.p) - (n.x * from.x + n.y * from.y) / n.z;
+  return !(std::abs(ground_height(terrain, p) - plane) <= kEdge);
+}
+
+/// Points of a circle in the horizontal plane, from the x axis on.
+std::vector<Vector3<double>> circle(double radius) {
+  constexpr int kDirections = 16;
+  std::vector<Vector3<double>> points;
+  for (int i = 0; i < kDirections; ++i) {
+    const double angle = 2 * std::numbers::pi * i / kDirections;
+    points.push_back({radius * std::cos(angle), radius * std::sin(angle), 0});
+  }
+  return points;
+}
+
+/// The largest distance of a foot's border from its frame's origin, m.
+double radius_of(const std::vector<Vector3<double>>& points) {
+  double radius = kNearEdge;
+  for (const Vector3<double>& point : points)
+    radius = std::max(radius, std::sqrt(squared_norm(point)));
+  return radius;
+}
+
 /// The shortest rotation from the vertical to a unit vector.
 Quaternion<double> tilt_to(const Vector3<double>& normal) {
   const double half = std::sqrt((1 + normal.z) / 2);
@@ -79,11 +107,63 @@ Quaternion<double> orientation_at(const Foothold& foothold, const Foothold& firs
   return tilt_to(foothold.normal) * (turn * (back * initial));
 }
 
+std::vector<Vector3<double>> contact_points(const ContactSpec& contact) {
+  if (contact.kind != ContactKind::surface || !contact.half_size) return {Vector3<double>::zero()};
+  const auto [x, y] = *contact.half_size;
+  return {{x, y, 0}, {x, -y, 0}, {-x, y, 0}, {-x, -y, 0}};
+}
+
+std::vector<Vector3<double>> contact_points(const std::string& frame, const ProblemSpec& spec) {
+  const auto contact =
+      std::ranges::find(spec.contacts, frame, [](const ContactSpec& c) { return c.frame.value; });
+  return contact == spec.contacts.end() ? std::vector{Vector3<double>::zero()}
+                                        : contact_points(*contact);
+}
+
+bool is_on_edge(const Foothold& foothold, const Foothold& first, const Quaternion<double>& initial,
+                const std::vector<Vector3<double>>& points, const TerrainSpec& terrain) {
+  const Matrix3<double> R = rotation_matrix(orientation_at(foothold, first, initial));
+  const auto is_off_at = [&](const Vector3<double>& from) {
+    return is_off(foothold.p + from, foothold, terrain);
+  };
+  if (points.size() == 1) return std::ranges::any_of(circle(kNearEdge), is_off_at);
+  return std::ranges::any_of(points, [&](const auto& point) { return is_off_at(R * point); });
+}
+
+namespace {
+
+/// The foothold nearest to a place that is not on an edge. The clear side of a single edge is no
+/// farther than the foot reaches; where there is none, the place itself.
+std::optional<Foothold> beside_edges(const Foot& foot, const Vector3<double>& place,
+                                     const PlanarMotion& motion, const ProblemSpec& spec,
+                                     const Plant& plant, const std::vector<double>& initial) {
+  const std::vector<Vector3<double>> points = contact_points(foot.name, spec);
+  const Foothold first = first_foothold(foot, spec.terrain);
+  const Quaternion<double> stance =
+      quaternion(placement_in_state(*plant.multibody(), initial, foot.frame).R);
+  const auto at = [&](const Vector3<double>& shift) {
+    return on_terrain(foot, place + shift, motion, spec.terrain);
+  };
+  const auto is_clear = [&](const std::optional<Foothold>& foothold) {
+    return foothold && !is_on_edge(*foothold, first, stance, points, spec.terrain);
+  };
+  const auto own = at({});
+  if (is_clear(own)) return own;
+  constexpr int kRings = 10;
+  const double radius = radius_of(points);
+  for (int ring = 1; ring <= kRings; ++ring)
+    for (const Vector3<double>& shift : circle(ring * radius / kRings))
+      if (const auto foothold = at(shift); is_clear(foothold)) return foothold;
+  return own;
+}
+
+}  // namespace
+
 std::optional<Foothold> displaced_foothold(const Foot& foot, const PlanarMotion& motion,
                                            const ProblemSpec& spec, const Plant& plant,
                                            const std::vector<double>& initial) {
   auto p = displaced_place(foot, motion, plant, initial);
-  if (p && !spec.terrain.empty()) return on_terrain(foot, *p, motion, spec.terrain);
+  if (p && !spec.terrain.empty()) return beside_edges(foot, *p, motion, spec, plant, initial);
   const Vector3<double> normal = ground_normal(foot.name, spec);
   if (!p || normal.z < kSteepest) return std::nullopt;
   p->z -= (normal.x * (p->x - foot.start.x) + normal.y * (p->y - foot.start.y)) / normal.z;

@@ -32,6 +32,20 @@ struct SwingRun {
   int first, last;
 };
 
+/// Points of a contact that can touch, in its frame, m: the corners of a sole, or the origin.
+std::vector<Vector3<double>> contact_points(const ContactSpec& contact);
+/// The same of the first contact of a frame; the origin if there is none.
+std::vector<Vector3<double>> contact_points(const std::string& frame, const ProblemSpec& spec);
+
+/// Distance from an edge within which tracking errors take a point foot over it, m.
+inline constexpr double kNearEdge = 0.03;
+
+/// True if a foot with these points and this initial orientation stands on an edge or on a slope's
+/// end: the corners of its sole, or a circle of kNearEdge around its point, do not lie on the plane
+/// of the foothold.
+bool is_on_edge(const Foothold& foothold, const Foothold& first, const Quaternion<double>& initial,
+                const std::vector<Vector3<double>>& points, const TerrainSpec& terrain);
+
 /// The runs of consecutive phases among the chosen phases.
 std::vector<SwingRun> swing_runs(const std::vector<bool>& chosen, const ProblemSpec& spec);
 
@@ -43,7 +57,8 @@ std::vector<SwingRun> swing_runs(const std::vector<bool>& chosen, const ProblemS
 std::vector<Foothold> footholds(const Foot& foot, const ProblemSpec& spec, const Plant& plant,
                                 const std::vector<double>& initial);
 
-/// Foothold of a foot that moves with the base from the initial state; empty without ground.
+/// Foothold of a foot that moves with the base from the initial state; on a terrain, the nearest
+/// one that is not on an edge, if the foot's own size takes it there. Empty without ground.
 std::optional<Foothold> displaced_foothold(const Foot& foot, const PlanarMotion& motion,
                                            const ProblemSpec& spec, const Plant& plant,
                                            const std::vector<double>& initial);

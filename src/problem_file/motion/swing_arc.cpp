@@ -3,27 +3,19 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include <fmt/format.h>
 
 namespace conddp {
 namespace {
 
-/// Least height of an edge over the plane of a foothold, m.
-constexpr double kEdge = 0.01;
-/// Distance from an edge within which tracking errors take a point foot over it, m.
-constexpr double kNearEdge = 0.03;
+/// Depth below the terrain that counts, m.
+constexpr double kDepth = 0.01;
 /// Samples of an arc: 1 cm apart in a step of 0.6 m.
 constexpr int kSamples = 64;
 
 double along(double s) { return s * s * (3 - 2 * s); }
 double above(double height, double s) { return 16 * height * s * s * (1 - s) * (1 - s); }
-
-double ground_height(const TerrainSpec& terrain, const Vector3<double>& p) {
-  const auto ground = ground_at(terrain, p.x, p.y);
-  return ground ? ground->height : -std::numeric_limits<double>::infinity();
-}
 
 /// Vertical distance of the frame from the ground below it in the initial state.
 double initial_distance(const SwingArc& arc, const TerrainSpec& terrain) {
@@ -43,28 +35,6 @@ double clearance(const SwingArc& arc, double s, const std::vector<Vector3<double
   return least - initial_distance(arc, terrain);
 }
 
-/// True if the ground at a point is missing or off the plane of a foothold.
-bool is_off(const Vector3<double>& p, const Foothold& foothold, const TerrainSpec& terrain) {
-  const Vector3<double> from = p - foothold.p, &n = foothold.normal;
-  const double plane = ground_height(terrain, foothold.p) - (n.x * from.x + n.y * from.y) / n.z;
-  return !(std::abs(ground_height(terrain, p) - plane) <= kEdge);
-}
-
-/// Points at the border of a foot that stands at the end of its arc: the corners of its sole, or a
-/// circle around a point.
-std::vector<Vector3<double>> border(const SwingArc& arc,
-                                    const std::vector<Vector3<double>>& points) {
-  std::vector<Vector3<double>> border;
-  const Matrix3<double> R = rotation_matrix(arc.orientation(1));
-  for (const Vector3<double>& point : points) border.push_back(arc.to.p + R * point);
-  constexpr int kDirections = 16;
-  for (int i = 0; i < kDirections && points.size() == 1; ++i) {
-    const double angle = 2 * std::numbers::pi * i / kDirections;
-    border.push_back(arc.to.p + kNearEdge * Vector3<double>{std::cos(angle), std::sin(angle), 0});
-  }
-  return border;
-}
-
 }  // namespace
 
 Vector3<double> SwingArc::place(double s) const {
@@ -79,12 +49,6 @@ Quaternion<double> SwingArc::orientation(double s) const {
   return orientation_at({from.p, from.yaw + share * (to.yaw - from.yaw),
                          (1 / std::sqrt(squared_norm(normal))) * normal},
                         first, stance);
-}
-
-std::vector<Vector3<double>> contact_points(const ContactSpec& contact) {
-  if (contact.kind != ContactKind::surface || !contact.half_size) return {Vector3<double>::zero()};
-  const auto [x, y] = *contact.half_size;
-  return {{x, y, 0}, {x, -y, 0}, {-x, y, 0}, {-x, -y, 0}};
 }
 
 double clearing_height(const SwingArc& arc, const std::vector<Vector3<double>>& points,
@@ -104,8 +68,7 @@ void warn_of_terrain(const SwingArc& arc, const std::vector<Vector3<double>>& po
   const Vector3<double>& p = arc.to.p;
   const std::string name = fmt::format("step {} of '{}' to [{:.3f}, {:.3f}, {:.3f}]", step.number,
                                        step.foot, p.x, p.y, p.z);
-  if (std::ranges::any_of(border(arc, points),
-                          [&](const auto& q) { return is_off(q, arc.to, terrain); }))
+  if (is_on_edge(arc.to, arc.first, arc.stance, points, terrain))
     out.warning(
         step.place,
         fmt::format("{} lands {} of the terrain", name,
@@ -115,7 +78,7 @@ void warn_of_terrain(const SwingArc& arc, const std::vector<Vector3<double>>& po
   double depth = 0;
   for (int i = 1; i < kSamples; ++i)
     depth = std::max(depth, -clearance(arc, static_cast<double>(i) / kSamples, points, terrain));
-  if (depth > kEdge)
+  if (depth > kDepth)
     out.warning(step.place,
                 fmt::format("{} passes through the terrain, up to {:.3f} m deep", name, depth),
                 "raise the height of the swings, or change the length of the steps");

@@ -18,9 +18,6 @@ struct SwingArc {
   Quaternion<double> orientation(double s) const;
 };
 
-/// Points of a contact that can touch, in its frame, m: the corners of a sole, or the origin.
-std::vector<Vector3<double>> contact_points(const ContactSpec& contact);
-
 /// Height of an arc with which, in the middle half of its duration, all contact points are as far
 /// above the terrain as those of `arc` are above level ground, m.
 double clearing_height(const SwingArc& arc, const std::vector<Vector3<double>>& points,
@@ -33,8 +30,7 @@ struct NamedStep {
   const Place& place;
 };
 
-/// Warns of an arc that passes through the terrain, and of a foothold on an edge: where the corners
-/// of the sole, or a circle around the point, do not lie on the foothold's plane.
+/// Warns of an arc that passes through the terrain, and of a foothold on an edge.
 void warn_of_terrain(const SwingArc& arc, const std::vector<Vector3<double>>& points,
                      const TerrainSpec& terrain, const NamedStep& step, Diagnostics& out);
 

@@ -60,4 +60,9 @@ std::optional<Ground> ground_at(const TerrainSpec& terrain, double x, double y) 
   return highest;
 }
 
+double ground_height(const TerrainSpec& terrain, const Vector3<double>& p) {
+  const auto ground = ground_at(terrain, p.x, p.y);
+  return ground ? ground->height : -std::numeric_limits<double>::infinity();
+}
+
 }  // namespace conddp

@@ -14,5 +14,7 @@ struct Ground {
 
 /// The highest ground of all pieces; empty where there is none.
 std::optional<Ground> ground_at(const TerrainSpec& terrain, double x, double y);
+/// The height there, m; −∞ where there is no ground.
+double ground_height(const TerrainSpec& terrain, const Vector3<double>& p);
 
 }  // namespace conddp

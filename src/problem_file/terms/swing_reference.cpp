@@ -72,13 +72,6 @@ void append(const SwingArc& arc, const SwingRun& run, bool turns, const std::vec
   }
 }
 
-/// Points of a frame with which it touches the ground.
-std::vector<Vector3<double>> points_of_frame(const std::string& frame, const ProblemSpec& spec) {
-  for (const ContactSpec& contact : spec.contacts)
-    if (contact.frame.value == frame) return contact_points(contact);
-  return {Vector3<double>::zero()};
-}
-
 }  // namespace
 
 std::optional<TimeSeries> swing_reference(const CostSpec& cost, const CostResidual& residual,
@@ -100,7 +93,7 @@ std::optional<TimeSeries> swing_reference(const CostSpec& cost, const CostResidu
   const std::vector<Foothold> places = footholds(foot, spec, plant, initial);
   const Quaternion<double> stance = quaternion(start.R);
   const bool turns = residual.parameters.nx() == pose_manifold().nx();
-  const std::vector<Vector3<double>> points = points_of_frame(frame.value, spec);
+  const std::vector<Vector3<double>> points = contact_points(frame.value, spec);
   TimeSeries series(residual.parameters);
   for (std::size_t i = 0; i < runs.size(); ++i) {
     const SwingRun& run = runs[i];
