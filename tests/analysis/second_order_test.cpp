@@ -91,16 +91,18 @@ TEST(SecondOrder, GoalsArePassedBackToEarlierControls) {
   EXPECT_NEAR(missed.repair, std::abs(optimum - cost + missed.gain), 1e-4 * apart);
 }
 
-/// Least effort ½ Σ ‖u‖² of x⁺ = A x + B u to a goal.
+/// ½ Σ ‖u‖² + weight ‖x‖² of x⁺ = A x + B u on the way to a goal.
 ShootingProblem linear_to_goal(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B,
                                const std::vector<double>& start, const std::vector<double>& goal,
-                               int knots) {
+                               int knots, double weight = 0) {
   const auto n = static_cast<int>(B.rows()), nu = static_cast<int>(B.cols());
   const auto system = linear_system(A, B, VectorXd::Zero(n));
   const auto running = std::make_shared<KnotModel>(system, Integrator::discrete);
   running->add_cost("effort", control_residual(n, nu), {});
-  std::vector<double> numbers(nu + 1, 0.0);
-  numbers.back() = 1;
+  running->add_cost("states", state_residual(running->manifold()), {});
+  std::vector<double> numbers(nu + n + 2, 0.0);
+  numbers[nu] = 1;
+  numbers.back() = weight;
   std::vector<Phase> phases;
   phases.push_back({.name = "go",
                     .model = running,
@@ -129,6 +131,64 @@ TEST(SecondOrder, GoalsThatFewStepsHardlyReachAreDecided) {
   const SecondOrder found = at_answer(problem, result);
   EXPECT_EQ(found.curvature, Curvature::positive);
   EXPECT_LT(found.share(), 1e-6);
+}
+
+// States that are the better the farther away they are: the verdict is that of the dense Hessian on
+// the null space of the goal, which the last steps hardly reach.
+TEST(SecondOrder, VerdictIsThatOfTheDenseReducedHessian) {
+  constexpr int n = 6, N = 40;
+  constexpr double dt = 0.05;
+  Eigen::MatrixXd A = Eigen::MatrixXd::Identity(n, n);
+  A.diagonal(1).setConstant(dt);
+  const Eigen::MatrixXd B = dt * VectorXd::Unit(n, n - 1);
+  const VectorXd start = VectorXd::Unit(n, 0);
+  // x_k = free_k + by_u_k u
+  std::vector<VectorXd> free{start};
+  std::vector<Eigen::MatrixXd> by_u{Eigen::MatrixXd::Zero(n, N)};
+  for (int k = 0; k < N; ++k) {
+    free.push_back(A * free[k]);
+    by_u.push_back(A * by_u[k]);
+    by_u.back().col(k) += B;
+  }
+  const Eigen::MatrixXd to_goal = by_u[N];
+  const Eigen::MatrixXd Z =
+      Eigen::MatrixXd(to_goal.transpose().fullPivHouseholderQr().matrixQ()).rightCols(N - n);
+  ASSERT_LT((to_goal * Z).norm(), 1e-12);
+  int minima = 0, others = 0;
+  for (double weight = -1e-2; weight > -1e3; weight *= 2) {
+    Eigen::MatrixXd H = Eigen::MatrixXd::Identity(N, N);
+    VectorXd h = VectorXd::Zero(N);
+    for (int k = 0; k < N; ++k) {
+      H += weight * by_u[k].transpose() * by_u[k];
+      h += weight * by_u[k].transpose() * free[k];
+    }
+    const double least =
+        (Z.transpose() * H * Z).selfadjointView<Eigen::Lower>().eigenvalues().minCoeff();
+    if (std::abs(least) < 1e-3) continue;
+    const VectorXd reached = to_goal.completeOrthogonalDecomposition().solve(-free[N]);
+    const VectorXd u =
+        reached + Z * (Z.transpose() * H * Z).ldlt().solve(Z.transpose() * (-h - H * reached));
+    const ShootingProblem problem = linear_to_goal(A, B, {start.data(), start.data() + n},
+                                                   std::vector<double>(n, 0.0), N, weight);
+    SolutionClaims claims(problem);
+    claims.times = problem.times();
+    claims.converged = true;
+    claims.status = "converged";
+    claims.multipliers = to_goal.transpose().completeOrthogonalDecomposition().solve(-(H * u + h));
+    for (int k = 0; k <= N; ++k) {
+      claims.trajectory.x(k) = free[k] + by_u[k] * u;
+      if (k < N) claims.trajectory.u(k) = u.segment(k, 1);
+    }
+    claims.costates.col(N) = claims.multipliers;
+    for (int k = N - 1; k >= 0; --k)
+      claims.costates.col(k) =
+          A.transpose() * claims.costates.col(k + 1) + weight * claims.trajectory.x(k);
+    const Curvature found = certify(problem, claims).second_order->curvature;
+    EXPECT_EQ(found == Curvature::positive, least > 0) << weight << ": " << least;
+    ++(least > 0 ? minima : others);
+  }
+  EXPECT_GE(minima, 3);
+  EXPECT_GE(others, 3);
 }
 
 // The second row of the goal is the first one but for `reach` of the second control, and both
