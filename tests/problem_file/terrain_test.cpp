@@ -302,6 +302,9 @@ TEST(TerrainFile, ReportsMistakesAtTheirPlaces) {
       {on(kStep + "\n  map: {height_map: {cell: 0.1}}"), "lacks the key 'file'"},
       {replaced(kTrot, "ground: {half_space: {}}\n  ", ""),
        "13:7: the terrain has no ground for 'lf_foot' at [0.35, "},
+      {on("board: {box: {size: [20, 4, 0.02], placement: {position: [0.35, 0, 0], rpy: [0, 1.55, "
+          "0]}}}"),
+       "the terrain is too steep (88.8°, "},
       {kTrot + "collision: {obstacles: {step: {sphere: {radius: 1}}}}\n",
        "two shapes have the name 'step'"},
       {std::string(kPendulum) + "terrain: {ground: {half_space: {}}}\n",

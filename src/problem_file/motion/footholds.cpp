@@ -240,10 +240,18 @@ namespace {
 bool check_ground(const SwingSpec& swing, const Foot& foot, const ProblemSpec& spec,
                   const Plant& plant, const std::vector<double>& initial, Diagnostics& out) {
   const auto fail = [&](const Vector3<double>& p, const std::string& when) {
+    const auto steep = ground_at(spec.terrain, p.x, p.y);
     out.error(swing.place,
-              fmt::format("the terrain has no ground for '{}' at [{:.3g}, {:.3g}], where it {}",
+              fmt::format("the terrain {} for '{}' at [{:.3g}, {:.3g}], where it {}",
+                          steep ? fmt::format("is too steep ({:.1f}°, {:.4g} m high)",
+                                              std::acos(steep->normal.z) * 180 / std::numbers::pi,
+                                              steep->height)
+                                : "has no ground",
                           foot.name, p.x, p.y, when),
-              "add 'ground: {half_space: {}}' to 'terrain', or change the steps");
+              steep
+                  ? "change the terrain ('scale' of a height map, whose numbers are m by default), "
+                    "or the steps"
+                  : "add 'ground: {half_space: {}}' to 'terrain', or change the steps");
     return false;
   };
   if (!firm_ground(spec.terrain, foot.start)) return fail(foot.start, "begins");
